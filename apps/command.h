@@ -1,0 +1,15 @@
+// A command of the program `touchstone`: one pair of files each, joined in the catalogue of main.cc.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <functional>
+
+#include "harness/base/error.h"
+
+namespace touchstone::apps {
+
+// Adds the subcommand to the program; when the user chose it, sets `run` to what does the work.
+using Run = std::function<ExitStatus()>;
+using AddCommand = void (*)(CLI::App& program, Run& run);
+
+}  // namespace touchstone::apps

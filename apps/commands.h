@@ -1,0 +1,18 @@
+// The catalogue of commands: a new one is a file `command_<name>.cc` and a line here and in commands().
+#pragma once
+
+#include <vector>
+
+#include "apps/command.h"
+
+namespace touchstone::apps {
+
+void add_version(CLI::App& program, Run& run);
+
+inline std::vector<AddCommand> commands() {
+  return {
+      add_version,
+  };
+}
+
+}  // namespace touchstone::apps

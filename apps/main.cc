@@ -1,0 +1,47 @@
+// The command-line program: parses, dispatches, and turns errors into a message on stderr and an exit status.
+#include <fmt/format.h>
+
+#include <exception>
+#include <new>
+
+#include "apps/commands.h"
+#include "harness/base/version.h"
+
+namespace {
+
+using touchstone::ExitStatus;
+
+int run(int argc, char** argv) {
+  CLI::App program{"Touchstone tells whether a haptic renderer is right: it replays measured probe trajectories through "
+                   "renderers and compares forces, positions and cost with the measured truth.",
+                   "touchstone"};
+  program.require_subcommand(1);
+  program.set_version_flag("--version", touchstone::build_info().version);
+  program.footer("Exit status: 0 passed, 1 a regression or a disagreement beyond tolerance, 2 usage, 3 bad data, 77 skipped.");
+  touchstone::apps::Run chosen;
+  for (const auto add : touchstone::apps::commands()) add(program, chosen);
+  try {
+    program.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    const int status = program.exit(error);
+    return status == 0 ? 0 : static_cast<int>(ExitStatus::usage);
+  }
+  return static_cast<int>(chosen());
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  try {
+    return run(argc, argv);
+  } catch (const touchstone::Error& error) {
+    fmt::print(stderr, "touchstone: {}\n", error.what());
+    return static_cast<int>(error.status());
+  } catch (const std::bad_alloc&) {
+    fmt::print(stderr, "touchstone: out of memory\n");
+    return static_cast<int>(ExitStatus::bad_data);
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "touchstone: internal error, please report it: {}\n", error.what());
+    return 70;
+  }
+}

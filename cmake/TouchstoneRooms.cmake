@@ -1,0 +1,71 @@
+# One CMake target per room: the compiler then enforces who may include whom.
+include(GoogleTest)
+
+# Tests share one precompiled header: parsing GoogleTest, Eigen and JSON anew in each would double their build time.
+if(BUILD_TESTING)
+  file(WRITE ${PROJECT_BINARY_DIR}/test_pch.cc "")
+  add_library(touchstone_test_pch OBJECT ${PROJECT_BINARY_DIR}/test_pch.cc)
+endif()
+function(touchstone_use_test_pch)
+  target_link_libraries(touchstone_test_pch PRIVATE touchstone_options Eigen3::Eigen fmt::fmt nlohmann_json::nlohmann_json GTest::gmock GTest::gtest)
+  target_compile_options(touchstone_test_pch PRIVATE -O1)
+  target_precompile_headers(touchstone_test_pch PRIVATE <gmock/gmock.h> <gtest/gtest.h> <Eigen/Core> <Eigen/Geometry>
+    <fmt/format.h> <nlohmann/json.hpp> <filesystem> <fstream> <functional> <optional> <string> <vector>)
+endfunction()
+
+# touchstone_add_room(<name> SOURCES a.cc... [HEADERS a.h...] [DEPENDS room...] [LIBS target...] [PRIVATE_LIBS target...])
+# Makes the static library touchstone_<name> with alias touchstone::<name>. Headers are included by their path from the
+# top of the tree, are checked for self-containment by the target all_verify_interface_header_sets, and are installed.
+function(touchstone_add_room name)
+  cmake_parse_arguments(ARG "" "" "SOURCES;HEADERS;DEPENDS;LIBS;PRIVATE_LIBS" ${ARGN})
+  set(target touchstone_${name})
+  if(ARG_SOURCES)
+    add_library(${target} STATIC ${ARG_SOURCES})
+    set(scope PUBLIC)
+    target_link_libraries(${target} PRIVATE $<BUILD_INTERFACE:touchstone_options>)
+  else()
+    add_library(${target} INTERFACE)
+    set(scope INTERFACE)
+  endif()
+  add_library(touchstone::${name} ALIAS ${target})
+  set_target_properties(${target} PROPERTIES EXPORT_NAME ${name})
+  target_sources(${target} ${scope} FILE_SET HEADERS BASE_DIRS ${PROJECT_SOURCE_DIR} FILES ${ARG_HEADERS})
+  target_compile_features(${target} ${scope} cxx_std_20)
+  foreach(room IN LISTS ARG_DEPENDS)
+    target_link_libraries(${target} ${scope} touchstone::${room})
+  endforeach()
+  target_link_libraries(${target} ${scope} ${ARG_LIBS})
+  if(ARG_PRIVATE_LIBS)
+    target_link_libraries(${target} PRIVATE ${ARG_PRIVATE_LIBS})
+  endif()
+  install(TARGETS ${target} EXPORT touchstoneTargets
+    ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR}
+    FILE_SET HEADERS DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/touchstone)
+endfunction()
+
+# touchstone_add_tests(<name> SOURCES a_test.cc... [LIBS target...] [LABELS unit...] [TIMEOUT seconds] [SERIAL])
+# Makes the GoogleTest program touchstone_<name>_test and one ctest test per case, found when ctest runs.
+function(touchstone_add_tests name)
+  cmake_parse_arguments(ARG "SERIAL" "TIMEOUT" "SOURCES;LIBS;LABELS" ${ARGN})
+  if(NOT BUILD_TESTING)
+    return()
+  endif()
+  set(target touchstone_${name}_test)
+  add_executable(${target} ${ARG_SOURCES})
+  target_link_libraries(${target} PRIVATE touchstone_options ${ARG_LIBS} Eigen3::Eigen fmt::fmt nlohmann_json::nlohmann_json
+    GTest::gmock GTest::gtest GTest::gtest_main)
+  target_compile_options(${target} PRIVATE -O1)
+  target_precompile_headers(${target} REUSE_FROM touchstone_test_pch)
+  if(NOT ARG_LABELS)
+    set(ARG_LABELS unit)
+  endif()
+  if(NOT ARG_TIMEOUT)
+    set(ARG_TIMEOUT 120)
+  endif()
+  set(properties LABELS "${ARG_LABELS}" TIMEOUT ${ARG_TIMEOUT}
+    ENVIRONMENT "TOUCHSTONE_DATA_DIR=${TOUCHSTONE_DATA_DIR};TOUCHSTONE_SOURCE_DIR=${PROJECT_SOURCE_DIR};TOUCHSTONE_PROGRAM=${PROJECT_BINARY_DIR}/bin/touchstone")
+  if(ARG_SERIAL)
+    list(APPEND properties RUN_SERIAL TRUE)
+  endif()
+  gtest_discover_tests(${target} DISCOVERY_MODE PRE_TEST TEST_PREFIX "${name}." PROPERTIES ${properties})
+endfunction()

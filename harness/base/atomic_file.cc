@@ -1,0 +1,74 @@
+#include "harness/base/atomic_file.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+#include <sstream>
+#include <string>
+
+#include "harness/base/error.h"
+
+namespace touchstone {
+namespace {
+
+std::filesystem::path beside(const std::filesystem::path& target) {
+  static std::atomic<unsigned> counter{0};
+  auto name = fmt::format(".{}.{}-{}.part", target.filename().string(), ::getpid(), counter++);
+  return target.parent_path() / name;
+}
+
+}  // namespace
+
+AtomicFile::AtomicFile(std::filesystem::path target) : target_(std::move(target)), temporary_(beside(target_)) {}
+
+AtomicFile::~AtomicFile() {
+  if (committed_) return;
+  std::error_code ignored;
+  std::filesystem::remove(temporary_, ignored);
+}
+
+void AtomicFile::commit() {
+  std::error_code error;
+  std::filesystem::rename(temporary_, target_, error);
+  if (error) throw BadData(fmt::format("{}: cannot be written: {}", target_.string(), error.message()));
+  committed_ = true;
+}
+
+void write_file(const std::filesystem::path& target, std::string_view text) {
+  AtomicFile file(target);
+  errno = 0;
+  std::ofstream out(file.path(), std::ios::binary);
+  out.write(text.data(), static_cast<std::streamsize>(text.size()));
+  out.close();
+  if (!out) throw BadData(fmt::format("{}: cannot be written: {}", target.string(), std::strerror(errno)));
+  file.commit();
+}
+
+std::string read_file(const std::filesystem::path& path) {
+  std::error_code error;
+  if (std::filesystem::is_directory(path, error)) {
+    throw BadData(fmt::format("{}: is a folder; a file was expected", path.string()));
+  }
+  std::ifstream in(path, std::ios::binary);
+  if (!in) throw BadData(fmt::format("{}: cannot be opened for reading; does it exist, and may you read it?", path.string()));
+  std::ostringstream text;
+  text << in.rdbuf();
+  return std::move(text).str();
+}
+
+void ensure_writable_folder(const std::filesystem::path& folder) {
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  if (!error && std::filesystem::is_directory(folder, error)) {
+    AtomicFile probe(folder / "probe");
+    if (std::ofstream(probe.path()).good()) return;
+  }
+  throw BadData(fmt::format("{}: the output folder cannot be written{}; choose another --out or change its permissions",
+                            folder.string(), error ? ": " + error.message() : ""));
+}
+
+}  // namespace touchstone

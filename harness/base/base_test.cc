@@ -1,0 +1,96 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "harness/base/atomic_file.h"
+#include "harness/base/error.h"
+#include "harness/base/hash.h"
+#include "harness/base/json_reader.h"
+#include "harness/base/random.h"
+#include "harness/base/units.h"
+
+namespace touchstone {
+namespace {
+
+using ::testing::HasSubstr;
+
+template <class Call>
+std::string message_of(Call call) {
+  try {
+    call();
+  } catch (const Error& error) {
+    return error.what();
+  }
+  return "no error";
+}
+
+TEST(Units, FactorsAndRefusals) {
+  EXPECT_EQ(si_factor(Dimension::force, "mN"), 1e-3);
+  EXPECT_EQ(si_factor(Dimension::force, "mm"), std::nullopt);
+  EXPECT_DOUBLE_EQ(parse_length_m("3.15mm", "--tip-radius"), 3.15e-3);
+  EXPECT_DOUBLE_EQ(parse_length_m("1 km", "x"), 1e3);
+  EXPECT_THAT(message_of([] { parse_length_m("3.15", "--tip-radius"); }), HasSubstr("--tip-radius: '3.15'"));
+  EXPECT_THROW(parse_length_m("nanmm", "x"), UsageError);
+  EXPECT_THROW(length_unit_factor("inch"), UsageError);
+}
+
+TEST(Hash, KnownAnswer) {
+  EXPECT_EQ(sha256(std::string_view("abc")), "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
+}
+
+TEST(Random, SameOnEveryMachineAndStreamsDiffer) {
+  Random a(42);
+  Random b(42);
+  for (int i = 0; i < 100; ++i) EXPECT_EQ(a.next_u64(), b.next_u64());
+  EXPECT_NE(Random(42).stream(0).next_u64(), Random(42).stream(1).next_u64());
+}
+
+TEST(Random, NormalHasUnitVarianceAndRotationsAreUnit) {
+  Random random(7);
+  double sum = 0.0;
+  double squares = 0.0;
+  const int n = 200000;
+  for (int i = 0; i < n; ++i) {
+    const double x = random.normal();
+    sum += x;
+    squares += x * x;
+  }
+  // Five standard errors of the mean and of the variance.
+  EXPECT_NEAR(sum / n, 0.0, 5.0 / std::sqrt(n));
+  EXPECT_NEAR(squares / n, 1.0, 5.0 * std::sqrt(2.0 / n));
+  EXPECT_NEAR(random.rotation().norm(), 1.0, 1e-15);
+  EXPECT_NEAR(random.direction().norm(), 1.0, 1e-15);
+}
+
+TEST(JsonReader, ErrorsNameFileAndPlace) {
+  EXPECT_THAT(message_of([] { parse_json("{\n \"a\": }", "m.json"); }), HasSubstr("m.json: line 2, column 7"));
+  EXPECT_THAT(message_of([] { parse_json("", "m.json"); }), HasSubstr("m.json: is empty"));
+  EXPECT_THAT(message_of([] { parse_json(R"({"a":1,"a":2})", "m.json"); }), HasSubstr("\"a\" stands twice"));
+  const auto json = parse_json(R"({"a": {"b": "x", "spare": 1}})", "m.json");
+  JsonObject root(json, "m.json", "");
+  JsonObject a = root.object("a");
+  EXPECT_THAT(message_of([&] { a.number("b"); }), HasSubstr("m.json: /a/b: a number was expected, got \"x\""));
+  EXPECT_THAT(message_of([&] { a.finish(); }), HasSubstr("nothing reads the key \"spare\""));
+  EXPECT_THAT(message_of([&] { a.number("c"); }), HasSubstr("\"c\" is missing"));
+  EXPECT_NO_THROW(root.finish());
+}
+
+TEST(AtomicFile, AnExistingFileSurvivesAnAbandonedWrite) {
+  const auto folder = std::filesystem::path(::testing::TempDir()) / "touchstone-atomic";
+  ensure_writable_folder(folder);
+  const auto file = folder / "a.txt";
+  write_file(file, "first");
+  {
+    AtomicFile half(file);
+    write_file(half.path(), "half");
+  }
+  EXPECT_EQ(read_file(file), "first");
+  EXPECT_THROW(ensure_writable_folder(file / "under-a-file"), BadData);
+  EXPECT_THROW(write_file(folder / "absent" / "b.txt", "x"), BadData);
+}
+
+}  // namespace
+}  // namespace touchstone

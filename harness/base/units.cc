@@ -1,0 +1,66 @@
+#include "harness/base/units.h"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <charconv>
+#include <cmath>
+
+#include "harness/base/error.h"
+
+namespace touchstone {
+namespace {
+
+struct Unit {
+  Dimension dimension;
+  std::string_view name;
+  double factor;
+};
+
+constexpr std::array units{
+    Unit{Dimension::time, "s", 1.0},      Unit{Dimension::time, "ms", 1e-3},     Unit{Dimension::time, "us", 1e-6},
+    Unit{Dimension::length, "m", 1.0},    Unit{Dimension::length, "cm", 1e-2},   Unit{Dimension::length, "mm", 1e-3},
+    Unit{Dimension::length, "um", 1e-6},  Unit{Dimension::length, "km", 1e3},    Unit{Dimension::force, "N", 1.0},
+    Unit{Dimension::force, "mN", 1e-3},   Unit{Dimension::force, "kN", 1e3},     Unit{Dimension::torque, "Nm", 1.0},
+    Unit{Dimension::torque, "Nmm", 1e-3}, Unit{Dimension::torque, "mNm", 1e-3},
+};
+
+}  // namespace
+
+std::optional<double> si_factor(Dimension dimension, std::string_view unit) {
+  for (const Unit& u : units) {
+    if (u.dimension == dimension && u.name == unit) return u.factor;
+  }
+  return std::nullopt;
+}
+
+std::string known_units(Dimension dimension) {
+  std::string names;
+  for (const Unit& u : units) {
+    if (u.dimension != dimension) continue;
+    if (!names.empty()) names += ", ";
+    names += u.name;
+  }
+  return names;
+}
+
+double length_unit_factor(std::string_view unit) {
+  if (const auto factor = si_factor(Dimension::length, unit)) return *factor;
+  throw UsageError(fmt::format("unknown length unit '{}': use one of {}", unit, known_units(Dimension::length)));
+}
+
+double parse_length_m(std::string_view text, std::string_view what) {
+  double value = 0.0;
+  const char* const end = text.data() + text.size();
+  const auto [rest, status] = std::from_chars(text.data(), end, value);
+  std::string_view unit(rest, static_cast<std::size_t>(end - rest));
+  while (!unit.empty() && unit.front() == ' ') unit.remove_prefix(1);
+  const auto factor = si_factor(Dimension::length, unit);
+  if (status != std::errc{} || !std::isfinite(value) || !factor) {
+    throw UsageError(fmt::format("{}: '{}' is not a length: write a number and its unit, for instance 3.15mm (units: {})",
+                                 what, text, known_units(Dimension::length)));
+  }
+  return value * *factor;
+}
+
+}  // namespace touchstone

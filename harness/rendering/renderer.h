@@ -1,0 +1,79 @@
+// The renderer under test: positions in, forces out, one step per servo tick.
+// reset() and step() are not virtual: they check their input and keep the contract; the do_*() functions render.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+
+#include "harness/base/vec.h"
+
+namespace touchstone {
+
+// A parameter that a model file may set.
+struct ParameterDeclaration {
+  std::string name;   // carries its unit: stiffness_N_per_m
+  std::string unit;   // "N/m", "1"
+  double minimum;     // inclusive
+  double maximum;     // inclusive
+  double initial;     // the default
+  std::string meaning;
+};
+
+struct TipState {
+  double t_s = 0.0;
+  Vec3 p_W_m = Vec3::Zero();           // ball centre where the tip is a ball
+  Quat q_WS = Quat::Identity();
+};
+
+enum class StepStatus : std::uint8_t {
+  ok,
+  refused,  // the input was not finite or time did not advance: force is zero and the state is as it was
+};
+
+struct StepResult {
+  Vec3 f_W_N = Vec3::Zero();           // force on the probe by the object
+  Vec3 contact_W_m = Vec3::Zero();     // surface contact point (god-object); the tip itself when free.
+                                       // For a ball tip: the centre of the ball at the proxy
+  Vec3 n_W = Vec3::Zero();             // outward unit normal of the contact; zero when free
+  double depth_m = 0.0;                // penetration along the force's normal part, >= 0
+  bool contact = false;
+  StepStatus status = StepStatus::ok;
+};
+
+class Renderer {
+ public:
+  virtual ~Renderer() = default;
+
+  // Forgets everything: the next step is the first one of a run.
+  void reset() {
+    have_last_ = false;
+    do_reset();
+  }
+
+  // One servo tick. Allocates nothing, takes no lock, does no I/O, never throws. A tip that is not finite, or a time
+  // that does not advance, is refused (see StepStatus).
+  StepResult step(const TipState& tip) noexcept {
+    const bool valid = tip.p_W_m.allFinite() && tip.q_WS.coeffs().allFinite() && tip.t_s - tip.t_s == 0.0 &&
+                       (!have_last_ || tip.t_s > last_t_s_);
+    if (!valid) {
+      StepResult refused;
+      refused.status = StepStatus::refused;
+      return refused;
+    }
+    const StepResult result = do_step(tip);
+    have_last_ = true;
+    last_t_s_ = tip.t_s;
+    return result;
+  }
+
+ protected:
+  virtual void do_reset() = 0;
+  virtual StepResult do_step(const TipState& tip) noexcept = 0;
+
+ private:
+  bool have_last_ = false;
+  double last_t_s_ = 0.0;
+};
+
+}  // namespace touchstone

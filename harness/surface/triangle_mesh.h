@@ -1,0 +1,33 @@
+// An indexed triangle mesh in metres with outward orientation (counter-clockwise seen from outside): the plain arrays
+// that readers fill and queries and renderers build their own structures from.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "harness/base/vec.h"
+
+namespace touchstone {
+
+struct TriangleMesh {
+  std::vector<Vec3> vertices_W_m;
+  std::vector<std::array<std::int32_t, 3>> triangles;
+  std::string source;  // the file or generator it came from, for messages
+
+  [[nodiscard]] std::size_t triangle_count() const noexcept { return triangles.size(); }
+  [[nodiscard]] Box3 bounds() const {
+    Box3 box;
+    for (const Vec3& v : vertices_W_m) box.extend(v);
+    return box;
+  }
+  // Not normalised: its length is twice the triangle's area.
+  [[nodiscard]] Vec3 scaled_normal(std::size_t triangle) const {
+    const auto& [a, b, c] = triangles[triangle];
+    const Vec3& origin = vertices_W_m[static_cast<std::size_t>(a)];
+    return (vertices_W_m[static_cast<std::size_t>(b)] - origin).cross(vertices_W_m[static_cast<std::size_t>(c)] - origin);
+  }
+};
+
+}  // namespace touchstone
