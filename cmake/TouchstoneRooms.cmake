@@ -3,8 +3,8 @@ include(GoogleTest)
 
 # Tests share one precompiled header: parsing GoogleTest, Eigen and JSON anew in each would double their build time.
 if(BUILD_TESTING)
-  file(WRITE ${PROJECT_BINARY_DIR}/test_pch.cc "")
-  add_library(touchstone_test_pch OBJECT ${PROJECT_BINARY_DIR}/test_pch.cc)
+  file(CONFIGURE OUTPUT ${PROJECT_BINARY_DIR}/test_pch.cc CONTENT "int main() {}\n")
+  add_executable(touchstone_test_pch ${PROJECT_BINARY_DIR}/test_pch.cc)
 endif()
 function(touchstone_use_test_pch)
   target_link_libraries(touchstone_test_pch PRIVATE touchstone_options Eigen3::Eigen fmt::fmt nlohmann_json::nlohmann_json GTest::gmock GTest::gtest)
