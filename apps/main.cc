@@ -12,12 +12,14 @@ namespace {
 using touchstone::ExitStatus;
 
 int run(int argc, char** argv) {
-  CLI::App program{"Touchstone tells whether a haptic renderer is right: it replays measured probe trajectories through "
-                   "renderers and compares forces, positions and cost with the measured truth.",
-                   "touchstone"};
+  CLI::App program{
+      "Touchstone tells whether a haptic renderer is right: it replays measured probe trajectories through "
+      "renderers and compares forces, positions and cost with the measured truth.",
+      "touchstone"};
   program.require_subcommand(1);
   program.set_version_flag("--version", touchstone::build_info().version);
-  program.footer("Exit status: 0 passed, 1 a regression or a disagreement beyond tolerance, 2 usage, 3 bad data, 77 skipped.");
+  program.footer(
+      "Exit status: 0 passed, 1 a regression or a disagreement beyond tolerance, 2 usage, 3 bad data, 77 skipped.");
   touchstone::apps::Run chosen;
   for (const auto add : touchstone::apps::commands()) add(program, chosen);
   try {

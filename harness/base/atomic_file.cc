@@ -54,7 +54,8 @@ std::string read_file(const std::filesystem::path& path) {
     throw BadData(fmt::format("{}: is a folder; a file was expected", path.string()));
   }
   std::ifstream in(path, std::ios::binary);
-  if (!in) throw BadData(fmt::format("{}: cannot be opened for reading; does it exist, and may you read it?", path.string()));
+  if (!in)
+    throw BadData(fmt::format("{}: cannot be opened for reading; does it exist, and may you read it?", path.string()));
   std::ostringstream text;
   text << in.rdbuf();
   return std::move(text).str();

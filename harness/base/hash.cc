@@ -42,7 +42,8 @@ std::string sha256(std::string_view text) { return sha256(std::as_bytes(std::spa
 
 std::string sha256_file(const std::filesystem::path& path) {
   std::ifstream in(path, std::ios::binary);
-  if (!in) throw BadData(fmt::format("{}: cannot be opened for reading; does it exist, and may you read it?", path.string()));
+  if (!in)
+    throw BadData(fmt::format("{}: cannot be opened for reading; does it exist, and may you read it?", path.string()));
   Sha256 hash;
   std::vector<char> block(1 << 16);
   while (in) {

@@ -86,13 +86,16 @@ std::string JsonObject::text(std::string_view key) {
   return value.get<std::string>();
 }
 
-JsonObject JsonObject::object(std::string_view key) { return {required(key), source_, fmt::format("{}/{}", place_, key)}; }
+JsonObject JsonObject::object(std::string_view key) {
+  return {required(key), source_, fmt::format("{}/{}", place_, key)};
+}
 
 std::vector<JsonObject> JsonObject::objects(std::string_view key) {
   const auto& value = required(key);
   if (!value.is_array()) fail_at(key, fmt::format("a list [...] was expected, got {}", value.type_name()));
   std::vector<JsonObject> objects;
-  for (std::size_t i = 0; i < value.size(); ++i) objects.emplace_back(value[i], source_, fmt::format("{}/{}/{}", place_, key, i));
+  for (std::size_t i = 0; i < value.size(); ++i)
+    objects.emplace_back(value[i], source_, fmt::format("{}/{}/{}", place_, key, i));
   return objects;
 }
 

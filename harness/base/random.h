@@ -1,5 +1,6 @@
 // Random numbers that are the same on every machine: the standard library's engines are, its distributions are not.
-// Source: xoshiro256++ 1.0 (Blackman and Vigna, 2019), seeded by SplitMix64; normal deviates by Marsaglia's polar method.
+// Source: xoshiro256++ 1.0 (Blackman and Vigna, 2019), seeded by SplitMix64; normal deviates by Marsaglia's polar
+// method.
 #pragma once
 
 #include <array>

@@ -18,10 +18,10 @@ struct Unit {
 };
 
 constexpr std::array units{
-    Unit{Dimension::time, "s", 1.0},      Unit{Dimension::time, "ms", 1e-3},     Unit{Dimension::time, "us", 1e-6},
-    Unit{Dimension::length, "m", 1.0},    Unit{Dimension::length, "cm", 1e-2},   Unit{Dimension::length, "mm", 1e-3},
-    Unit{Dimension::length, "um", 1e-6},  Unit{Dimension::length, "km", 1e3},    Unit{Dimension::force, "N", 1.0},
-    Unit{Dimension::force, "mN", 1e-3},   Unit{Dimension::force, "kN", 1e3},     Unit{Dimension::torque, "Nm", 1.0},
+    Unit{Dimension::time, "s", 1.0},      Unit{Dimension::time, "ms", 1e-3},    Unit{Dimension::time, "us", 1e-6},
+    Unit{Dimension::length, "m", 1.0},    Unit{Dimension::length, "cm", 1e-2},  Unit{Dimension::length, "mm", 1e-3},
+    Unit{Dimension::length, "um", 1e-6},  Unit{Dimension::length, "km", 1e3},   Unit{Dimension::force, "N", 1.0},
+    Unit{Dimension::force, "mN", 1e-3},   Unit{Dimension::force, "kN", 1e3},    Unit{Dimension::torque, "Nm", 1.0},
     Unit{Dimension::torque, "Nmm", 1e-3}, Unit{Dimension::torque, "mNm", 1e-3},
 };
 
@@ -57,8 +57,9 @@ double parse_length_m(std::string_view text, std::string_view what) {
   while (!unit.empty() && unit.front() == ' ') unit.remove_prefix(1);
   const auto factor = si_factor(Dimension::length, unit);
   if (status != std::errc{} || !std::isfinite(value) || !factor) {
-    throw UsageError(fmt::format("{}: '{}' is not a length: write a number and its unit, for instance 3.15mm (units: {})",
-                                 what, text, known_units(Dimension::length)));
+    throw UsageError(
+        fmt::format("{}: '{}' is not a length: write a number and its unit, for instance 3.15mm (units: {})", what,
+                    text, known_units(Dimension::length)));
   }
   return value * *factor;
 }

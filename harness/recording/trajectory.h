@@ -13,9 +13,9 @@ namespace touchstone {
 
 // Time and pose of the probe tip (the ball's centre where the tip is a ball). All filled vectors have the same length.
 struct MotionColumns {
-  std::vector<double> t_s;    // strictly increasing
-  std::vector<Vec3> p_W_m;    // tip position
-  std::vector<Quat> q_WS;     // turns the sensor's frame into the object's; empty where not recorded
+  std::vector<double> t_s;  // strictly increasing
+  std::vector<Vec3> p_W_m;  // tip position
+  std::vector<Quat> q_WS;   // turns the sensor's frame into the object's; empty where not recorded
 
   [[nodiscard]] std::size_t size() const noexcept { return t_s.size(); }
 };
@@ -33,8 +33,8 @@ struct Recording {
 // The path of the tip on or above the surface, never inside it.
 struct OutTrajectory {
   MotionColumns motion;
-  std::vector<Vec3> n_W;           // outward unit normal at the closest surface point
-  std::vector<double> gap_m;       // distance kept from the surface, >= 0 (0 in contact)
+  std::vector<Vec3> n_W;      // outward unit normal at the closest surface point
+  std::vector<double> gap_m;  // distance kept from the surface, >= 0 (0 in contact)
 
   [[nodiscard]] std::size_t size() const noexcept { return motion.size(); }
 };

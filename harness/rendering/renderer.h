@@ -12,17 +12,17 @@ namespace touchstone {
 
 // A parameter that a model file may set.
 struct ParameterDeclaration {
-  std::string name;   // carries its unit: stiffness_N_per_m
-  std::string unit;   // "N/m", "1"
-  double minimum;     // inclusive
-  double maximum;     // inclusive
-  double initial;     // the default
+  std::string name;  // carries its unit: stiffness_N_per_m
+  std::string unit;  // "N/m", "1"
+  double minimum;    // inclusive
+  double maximum;    // inclusive
+  double initial;    // the default
   std::string meaning;
 };
 
 struct TipState {
   double t_s = 0.0;
-  Vec3 p_W_m = Vec3::Zero();           // ball centre where the tip is a ball
+  Vec3 p_W_m = Vec3::Zero();  // ball centre where the tip is a ball
   Quat q_WS = Quat::Identity();
 };
 
@@ -32,11 +32,11 @@ enum class StepStatus : std::uint8_t {
 };
 
 struct StepResult {
-  Vec3 f_W_N = Vec3::Zero();           // force on the probe by the object
-  Vec3 contact_W_m = Vec3::Zero();     // surface contact point (god-object); the tip itself when free.
-                                       // For a ball tip: the centre of the ball at the proxy
-  Vec3 n_W = Vec3::Zero();             // outward unit normal of the contact; zero when free
-  double depth_m = 0.0;                // penetration along the force's normal part, >= 0
+  Vec3 f_W_N = Vec3::Zero();        // force on the probe by the object
+  Vec3 contact_W_m = Vec3::Zero();  // surface contact point (god-object); the tip itself when free.
+                                    // For a ball tip: the centre of the ball at the proxy
+  Vec3 n_W = Vec3::Zero();          // outward unit normal of the contact; zero when free
+  double depth_m = 0.0;             // penetration along the force's normal part, >= 0
   bool contact = false;
   StepStatus status = StepStatus::ok;
 };

@@ -26,7 +26,8 @@ struct TriangleMesh {
   [[nodiscard]] Vec3 scaled_normal(std::size_t triangle) const {
     const auto& [a, b, c] = triangles[triangle];
     const Vec3& origin = vertices_W_m[static_cast<std::size_t>(a)];
-    return (vertices_W_m[static_cast<std::size_t>(b)] - origin).cross(vertices_W_m[static_cast<std::size_t>(c)] - origin);
+    return (vertices_W_m[static_cast<std::size_t>(b)] - origin)
+        .cross(vertices_W_m[static_cast<std::size_t>(c)] - origin);
   }
 };
 
