@@ -1,0 +1,36 @@
+// What a renderer cannot do, declared by itself: the conformance suite skips such a test with the reason shown, and
+// reports print it. Whatever is not declared here is demanded.
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace touchstone {
+
+enum class Ability : std::uint8_t {
+  thin_shells,       // a tip pushed through a thin shell from outside stays outside
+  large_jumps,       // a tip that jumps through a body in one step stays on the side it came from
+  start_inside,      // a run that starts inside is pushed out
+  continuous_force,  // no jump of the force at first contact, on leaving, and across edges
+  rigid_motion,      // moving and turning the whole world changes nothing
+  unit_scale,        // nor does the unit of length
+  passive,           // closed loops give no energy back beyond rounding
+  surface_contact,   // the surface contact point lies on or above the surface
+  ball_tip,          // renders a tip of finite radius
+  analytic_surface,  // runs on surfaces that have no triangles
+};
+
+struct Limitation {
+  Ability ability;
+  std::string reason;
+};
+
+inline const Limitation* find_limitation(const std::vector<Limitation>& limitations, Ability ability) {
+  const auto found = std::find_if(limitations.begin(), limitations.end(),
+                                  [ability](const Limitation& limitation) { return limitation.ability == ability; });
+  return found == limitations.end() ? nullptr : &*found;
+}
+
+}  // namespace touchstone

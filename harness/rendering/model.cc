@@ -1,0 +1,69 @@
+#include "harness/rendering/model.h"
+
+#include <nlohmann/json.hpp>
+
+#include "harness/base/atomic_file.h"
+#include "harness/base/json_reader.h"
+
+namespace touchstone {
+namespace {
+
+constexpr const char* kSchema = "touchstone-model/1";
+
+std::map<std::string, double> read_parameters(JsonObject& owner) {
+  std::map<std::string, double> parameters;
+  if (!owner.has("parameters")) return parameters;
+  JsonObject object = owner.object("parameters");
+  for (const auto& name : object.keys()) parameters[name] = object.number(name);
+  return parameters;
+}
+
+std::vector<NamedParameters> read_entries(JsonObject& root, const char* key) {
+  std::vector<NamedParameters> entries;
+  if (!root.has(key)) return entries;
+  for (JsonObject& object : root.objects(key)) {
+    NamedParameters entry;
+    entry.name = object.text("name");
+    entry.parameters = read_parameters(object);
+    entry.place = object.place();
+    object.finish();
+    entries.push_back(std::move(entry));
+  }
+  return entries;
+}
+
+nlohmann::ordered_json to_json(const std::vector<NamedParameters>& entries) {
+  auto list = nlohmann::ordered_json::array();
+  for (const auto& entry : entries) list.push_back({{"name", entry.name}, {"parameters", entry.parameters}});
+  return list;
+}
+
+}  // namespace
+
+Model load_model(const std::filesystem::path& path) { return parse_model(read_file(path), path.string()); }
+
+Model parse_model(std::string_view text, std::string_view source) {
+  const nlohmann::json document = parse_json(text, source);
+  JsonObject root(document, std::string(source), "");
+  root.schema(kSchema);
+  Model model;
+  model.source = source;
+  model.renderer = root.text("renderer");
+  model.parameters = read_parameters(root);
+  model.effects = read_entries(root, "effects");
+  model.instrument = read_entries(root, "instrument");
+  root.finish();
+  return model;
+}
+
+std::string model_to_json(const Model& model) {
+  nlohmann::ordered_json document;
+  document["schema"] = kSchema;
+  document["renderer"] = model.renderer;
+  document["parameters"] = model.parameters;
+  document["effects"] = to_json(model.effects);
+  document["instrument"] = to_json(model.instrument);
+  return document.dump(2) + "\n";
+}
+
+}  // namespace touchstone

@@ -1,0 +1,36 @@
+// A model file names the renderer, its parameters, its contact effects in order, and how the measurement was made: the
+// one description from which every command, golden case and report runs. Format: "touchstone-model/1" (JSON).
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace touchstone {
+
+// An effect or instrument entry: its name and the parameters set for it.
+struct NamedParameters {
+  std::string name;
+  std::map<std::string, double> parameters;
+  std::string place;  // JSON pointer in the file, e.g. /effects/0, for messages
+};
+
+struct Model {
+  std::string renderer;
+  std::map<std::string, double> parameters;
+  std::vector<NamedParameters> effects;     // of the contact, in the order in which they act
+  std::vector<NamedParameters> instrument;  // how the measurement was made; only the comparison runs it
+  std::string source;                       // the file, for messages
+};
+
+// Strict: an unknown key, a wrong type or a number that is not finite throws BadData with its place. Names and ranges
+// are checked by who makes the renderer (renderers/catalogue.h), because only the catalogue knows them.
+Model load_model(const std::filesystem::path& path);
+Model parse_model(std::string_view text, std::string_view source);
+
+// The file's text for the model; parse_model() gives the same model back.
+std::string model_to_json(const Model& model);
+
+}  // namespace touchstone

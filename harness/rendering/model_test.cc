@@ -1,0 +1,96 @@
+#include "harness/rendering/model.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "harness/base/error.h"
+#include "harness/rendering/instrument_declarations.h"
+#include "harness/rendering/parameters.h"
+
+namespace touchstone {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+
+constexpr const char* kText = R"({"schema": "touchstone-model/1",
+ "renderer": "god-object",
+ "parameters": {"stiffness_N_per_m": 600},
+ "effects":    [{"name": "coulomb-friction", "parameters": {"mu_static": 0.3, "mu_dynamic": 0.25}}],
+ "instrument": [{"name": "force-bias", "parameters": {"fx_N": 0.1, "fy_N": 0.0, "fz_N": -0.05}}]})";
+
+std::string message_of(const std::function<void()>& act) {
+  try {
+    act();
+  } catch (const BadData& error) {
+    return error.what();
+  }
+  return "no error";
+}
+
+TEST(Model, ReadsWhatTheFileSays) {
+  const Model model = parse_model(kText, "m.json");
+  EXPECT_EQ(model.renderer, "god-object");
+  EXPECT_EQ(model.parameters.at("stiffness_N_per_m"), 600.0);
+  ASSERT_EQ(model.effects.size(), 1U);
+  EXPECT_EQ(model.effects[0].name, "coulomb-friction");
+  EXPECT_EQ(model.effects[0].place, "/effects/0");
+  EXPECT_EQ(model.effects[0].parameters.at("mu_dynamic"), 0.25);
+  ASSERT_EQ(model.instrument.size(), 1U);
+  EXPECT_EQ(model.instrument[0].parameters.at("fz_N"), -0.05);
+}
+
+TEST(Model, WritesWhatItReadsBackToTheBit) {
+  Model model = parse_model(kText, "m.json");
+  model.parameters["stiffness_N_per_m"] = 0.1 + 0.2;
+  const Model again = parse_model(model_to_json(model), "again");
+  EXPECT_EQ(again.parameters, model.parameters);
+  EXPECT_EQ(again.effects[0].parameters, model.effects[0].parameters);
+  EXPECT_EQ(model_to_json(again), model_to_json(model));
+}
+
+TEST(Model, RefusesWithThePlace) {
+  const auto refused = [](std::string_view text) { return message_of([&] { parse_model(text, "m.json"); }); };
+  EXPECT_THAT(refused(""), HasSubstr("m.json: is empty"));
+  EXPECT_THAT(refused(R"({"schema":"touchstone-model/2","renderer":"x"})"), HasSubstr("/schema"));
+  EXPECT_THAT(refused(R"({"schema":"touchstone-model/1"})"), HasSubstr("\"renderer\" is missing"));
+  EXPECT_THAT(refused(R"({"schema":"touchstone-model/1","renderer":"x","parametres":{}})"), HasSubstr("parametres"));
+  EXPECT_THAT(refused(R"({"schema":"touchstone-model/1","renderer":"x","parameters":{"k":"6"}})"),
+              AllOf(HasSubstr("/parameters/k"), HasSubstr("a number was expected")));
+  EXPECT_THAT(refused(R"({"schema":"touchstone-model/1","renderer":"x","parameters":{"k":1e999}})"),
+              HasSubstr("m.json"));
+  EXPECT_THAT(refused(R"({"schema":"touchstone-model/1","renderer":"x","effects":[{"name":"a","mu":1}]})"),
+              AllOf(HasSubstr("/effects/0"), HasSubstr("mu")));
+  EXPECT_THAT(refused(R"({"schema":"touchstone-model/1","renderer":"x","effects":{"name":"a"}})"),
+              HasSubstr("/effects"));
+}
+
+const std::vector<ParameterDeclaration> kDeclared{{"stiffness_N_per_m", "N/m", 1.0, 1e6, 500.0, "spring"}};
+
+TEST(Parameters, DefaultsAndValues) {
+  EXPECT_EQ(Parameters(kDeclared, {}, "renderer r", "m.json", "").at("stiffness_N_per_m"), 500.0);
+  EXPECT_EQ(Parameters(kDeclared, {{"stiffness_N_per_m", 7.0}}, "renderer r", "m.json", "").at("stiffness_N_per_m"),
+            7.0);
+  EXPECT_THROW((void)Parameters(kDeclared, {}, "r", "m", "").at("other"), std::logic_error);
+}
+
+TEST(Parameters, UnreadAndOutOfRangeAreErrorsWithPlaceAndHelp) {
+  const auto refused = [](const char* name, double value) {
+    return message_of([&] { Parameters(kDeclared, {{name, value}}, "renderer r", "m.json", "/effects/2"); });
+  };
+  EXPECT_THAT(refused("stifness_N_per_m", 7.0), AllOf(HasSubstr("m.json: /effects/2/parameters/stifness_N_per_m"),
+                                                      HasSubstr("did you mean \"stiffness_N_per_m\"?")));
+  EXPECT_THAT(refused("stiffness_N_per_m", 0.5), AllOf(HasSubstr("0.5 is out of range"), HasSubstr("N/m")));
+  EXPECT_THAT(refused("stiffness_N_per_m", std::nan("")), HasSubstr("out of range"));
+}
+
+TEST(InstrumentDeclarations, EveryEntryOfTheFormatIsKnown) {
+  const NamedParameters entry{"time-lag", {{"lag_s", 0.01}}, "/instrument/0"};
+  EXPECT_EQ(check_entry(entry, instrument_declarations(), "instrument entry", "m.json").at("lag_s"), 0.01);
+  const NamedParameters wrong{"time-lagg", {}, "/instrument/0"};
+  EXPECT_THAT(message_of([&] { check_entry(wrong, instrument_declarations(), "instrument entry", "m.json"); }),
+              AllOf(HasSubstr("/instrument/0/name"), HasSubstr("did you mean \"time-lag\"")));
+}
+
+}  // namespace
+}  // namespace touchstone

@@ -1,0 +1,37 @@
+// The renderers and contact effects that this program knows: a new one is two files and one line in the .cc.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "harness/rendering/limitation.h"
+#include "harness/rendering/model.h"
+#include "harness/rendering/parameters.h"
+#include "harness/rendering/renderer.h"
+#include "harness/surface/surface.h"
+
+namespace touchstone {
+
+struct RendererEntry {
+  std::string name;     // as model files spell it
+  std::string summary;  // one line
+  std::string source;   // the publication that the algorithm follows
+  std::vector<ParameterDeclaration> parameters;
+  std::vector<Limitation> cannot;
+  std::unique_ptr<Renderer> (*make)(const Parameters&, std::shared_ptr<const Surface>);
+};
+
+const std::vector<RendererEntry>& renderer_catalogue();
+// Throws BadData that lists the known names.
+const RendererEntry& find_renderer(const Model& model);
+
+// Contact effects.
+const std::vector<NamedDeclaration>& effect_catalogue();
+
+// The model's renderer with its effects over the surface. Throws BadData, with the place in the model file, for an
+// unknown renderer, effect or instrument entry, for a parameter that nothing reads or that is out of range, and for a
+// surface that the renderer cannot run on. Instrument entries are checked, not run.
+std::unique_ptr<Renderer> make_renderer(const Model& model, std::shared_ptr<const Surface> surface);
+
+}  // namespace touchstone
