@@ -1,0 +1,47 @@
+// A renderer made of a base renderer and the effects of a model file. Itself a Renderer, so that it gets every test
+// that a renderer gets. Without effects a model makes the base renderer alone: its output is then the base's to the
+// bit.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "harness/rendering/effect.h"
+#include "harness/rendering/renderer.h"
+#include "harness/surface/surface.h"
+
+namespace touchstone {
+
+struct StackedEffect {
+  std::unique_ptr<Effect> effect;
+  EffectPhase phase;
+  bool needs_gap;  // wants depth_m < 0 outside contact: the stack then asks the surface, which costs a query
+};
+
+class EffectStack final : public Renderer {
+ public:
+  // `offset_m`: distance from the surface at which the base renderer's contact begins (its tip radius).
+  // `nominal_stiffness_N_per_m`: the base's, for an effect that makes contact where the base has none yet.
+  EffectStack(std::unique_ptr<Renderer> base, std::vector<StackedEffect> effects,
+              std::shared_ptr<const Surface> surface, double offset_m, double nominal_stiffness_N_per_m);
+
+ protected:
+  void do_reset() override;
+  StepResult do_step(const TipState& tip) noexcept override;
+
+ private:
+  void fill_contact(const TipState& tip, const StepResult& base) noexcept;
+
+  std::unique_ptr<Renderer> base_;
+  std::vector<StackedEffect> effects_;
+  std::shared_ptr<const Surface> surface_;
+  double offset_m_;
+  double nominal_stiffness_N_per_m_;
+  bool needs_gap_;
+  ContactState state_;
+  bool first_ = true;
+  bool was_contact_ = false;
+  double last_depth_m_ = 0.0;
+};
+
+}  // namespace touchstone

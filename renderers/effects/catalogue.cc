@@ -1,0 +1,165 @@
+#include "renderers/effects/catalogue.h"
+
+#include <numbers>
+
+#include "renderers/effects/adhesion.h"
+#include "renderers/effects/friction.h"
+#include "renderers/effects/normal_laws.h"
+#include "renderers/effects/surface_texture.h"
+#include "renderers/effects/viscous_friction.h"
+
+namespace touchstone {
+namespace {
+
+ParameterDeclaration mu(std::string name, std::string meaning) {
+  return {std::move(name), "1", 0.0, 5.0, 0.0, std::move(meaning)};
+}
+
+ParameterDeclaration presliding() {
+  return {"presliding_m", "m", 1e-9, 1e-2, 5e-5, "tangential path from stuck to sliding"};
+}
+
+ParameterDeclaration place(std::string name) {
+  return {std::move(name), "m", -1e3, 1e3, 0.0, "place in the object's xy plane"};
+}
+
+std::vector<EffectEntry> make_catalogue() {
+  using Phase = EffectPhase;
+  return {
+      {"coulomb-friction",
+       "dry friction -mu N v_t/|v_t| with pre-sliding",
+       "Coulomb 1785; Dahl 1968",
+       "opposes motion; inside Coulomb's cone by construction",
+       Phase::friction,
+       false,
+       {mu("mu_static", "break-away coefficient"), mu("mu_dynamic", "sliding coefficient, at most mu_static"),
+        presliding()},
+       &make_coulomb_friction,
+       ""},
+      {"stribeck-friction",
+       "friction that falls from mu_static to mu_dynamic with speed",
+       "Stribeck 1902; Armstrong-Helouvry et al. 1994, eq 2",
+       "opposes motion; inside the cone of mu_static",
+       Phase::friction,
+       false,
+       {mu("mu_static", "coefficient at rest"),
+        mu("mu_dynamic", "coefficient at high speed, at most mu_static"),
+        {"stribeck_velocity_m_per_s", "m/s", 1e-6, 10.0, 0.01, "speed at which it has fallen by 63 %"},
+        presliding()},
+       &make_stribeck_friction,
+       ""},
+      {"anisotropic-friction",
+       "dry friction with coefficients of its own along the object's x and y",
+       "Goyal, Ruina and Papadopoulos 1991, linear form",
+       "opposes motion: f . v <= 0 for positive coefficients",
+       Phase::friction,
+       false,
+       {mu("mu_x", "along x"), mu("mu_y", "along y"), presliding()},
+       &make_anisotropic_friction,
+       ""},
+      {"viscous-friction",
+       "tangential -b v_t while in contact",
+       "Newton's law, lumped",
+       "dissipates b v_t^2",
+       Phase::friction,
+       false,
+       {{"coefficient_N_s_per_m", "N s/m", 0.0, 1e4, 0.0, "b"}},
+       &make_viscous_friction,
+       ""},
+      {"normal-damping",
+       "N = k d + b d', never below 0",
+       "Kelvin-Voigt",
+       "dissipates b d'^2",
+       Phase::normal_force,
+       false,
+       {{"coefficient_N_s_per_m", "N s/m", 0.0, 1e5, 0.0, "b"}},
+       &make_normal_damping,
+       ""},
+      {"hunt-crossley",
+       "N = k d + b d d', never below 0",
+       "Hunt and Crossley 1975",
+       "dissipates b d d'^2",
+       Phase::normal_force,
+       false,
+       {{"coefficient_N_s_per_m2", "N s/m^2", 0.0, 1e8, 0.0, "b"}},
+       &make_hunt_crossley,
+       ""},
+      {"power-law-stiffness",
+       "N = k d0 (d/d0)^n; n = 1.5 is Hertz",
+       "Hertz 1882",
+       "a potential in depth",
+       Phase::stiffness,
+       false,
+       {{"exponent", "1", 0.2, 5.0, 1.0, "n"}, {"reference_depth_m", "m", 1e-9, 1e3, 1e-3, "depth at which k d holds"}},
+       &make_power_law_stiffness,
+       ""},
+      {"stiffness-map",
+       "a softer or stiffer place: k (1 + a exp(-r^2/2w^2))",
+       "Gaussian inclusion",
+       "a potential in depth at one place",
+       Phase::stiffness,
+       false,
+       {{"amplitude", "1", -0.99, 100.0, 0.0, "a"},
+        place("x_m"),
+        place("y_m"),
+        {"width_m", "m", 1e-9, 1e3, 1e-2, "standard deviation w"}},
+       &make_stiffness_map,
+       ""},
+      {"stress-relaxation",
+       "a second spring ratio*k in series with a damper",
+       "standard linear solid (Maxwell form)",
+       "passive as a network of springs and a damper",
+       Phase::normal_force,
+       false,
+       {{"ratio", "1", 0.0, 100.0, 0.0, "second spring over the first"},
+        {"time_constant_s", "s", 1e-4, 1e4, 0.5, "damper over second spring"}},
+       &make_stress_relaxation,
+       ""},
+      {"tip-radius",
+       "the tip is a ball; positions are its centre",
+       "Ruspini, Kolarov and Khatib 1997",
+       "geometry of the base renderer",
+       Phase::depth,
+       false,
+       {{"radius_m", "m", 0.0, 1e3, 0.0, "of the ball"}},
+       nullptr,
+       "tip_radius_m"},
+      {"adhesion",
+       "once touched, pulls with F exp(-gap/range) until gap > 5 range",
+       "Rose, Ferrante and Smith 1981",
+       "the bond's work is never returned",
+       Phase::adhesion,
+       true,
+       {{"force_N", "N", 0.0, 1e3, 0.0, "F"}, {"range_m", "m", 1e-9, 1e3, 1e-3, "range"}},
+       &make_adhesion,
+       ""},
+      {"surface-texture",
+       "sinusoidal height over the object's xy plane",
+       "Minsky 1995",
+       "conservative to first order",
+       Phase::depth,
+       true,
+       {{"amplitude_m", "m", 0.0, 1e3, 0.0, "A"},
+        {"wavelength_m", "m", 1e-9, 1e3, 1e-2, "along the direction"},
+        {"direction_rad", "rad", -2.0 * std::numbers::pi, 2.0 * std::numbers::pi, 0.0, "a, from the object's x"},
+        {"phase_rad", "rad", -2.0 * std::numbers::pi, 2.0 * std::numbers::pi, 0.0, "at the origin"}},
+       &make_surface_texture,
+       ""},
+  };
+}
+
+}  // namespace
+
+const std::vector<EffectEntry>& effect_catalogue() {
+  static const std::vector<EffectEntry> entries = make_catalogue();
+  return entries;
+}
+
+const EffectEntry* find_effect(std::string_view name) {
+  for (const EffectEntry& entry : effect_catalogue()) {
+    if (entry.name == name) return &entry;
+  }
+  return nullptr;
+}
+
+}  // namespace touchstone

@@ -1,0 +1,120 @@
+#include "renderers/effects/friction.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace touchstone {
+namespace {
+
+// The bristle: where it is deflected to, and whether the tip slides.
+class Bristle {
+ public:
+  explicit Bristle(double length_m) : length_m_(length_m) {}
+
+  void reset() noexcept {
+    z_W_m_.setZero();
+    sliding_ = false;
+  }
+
+  // `sliding_share`: force while sliding over force at break-away, so that sticking again starts from the same force.
+  void move(const ContactState& contact, double sliding_share) noexcept {
+    z_W_m_ -= contact.n_W.dot(z_W_m_) * contact.n_W;
+    const Vec3 step = contact.tip_step_W_m - contact.n_W.dot(contact.tip_step_W_m) * contact.n_W;
+    if (sliding_ && step.dot(z_W_m_) < 0.0) {
+      sliding_ = false;
+      z_W_m_ *= sliding_share;
+    }
+    z_W_m_ += step;
+    const double deflection_m = z_W_m_.norm();
+    if (deflection_m >= length_m_) {
+      z_W_m_ *= length_m_ / deflection_m;
+      sliding_ = true;
+    }
+  }
+
+  [[nodiscard]] bool sliding() const noexcept { return sliding_; }
+  // Of length 1 while sliding, shorter while stuck.
+  [[nodiscard]] Vec3 deflection() const noexcept { return z_W_m_ / length_m_; }
+
+ private:
+  double length_m_;
+  Vec3 z_W_m_ = Vec3::Zero();
+  bool sliding_ = false;
+};
+
+double speed(const ContactState& contact) noexcept {
+  if (contact.dt_s <= 0.0) return 0.0;
+  const Vec3& step = contact.tip_step_W_m;
+  return (step - contact.n_W.dot(step) * contact.n_W).norm() / contact.dt_s;
+}
+
+class IsotropicFriction final : public Effect {
+ public:
+  // stribeck_velocity 0: plain Coulomb.
+  IsotropicFriction(double mu_static, double mu_dynamic, double stribeck_velocity, double presliding)
+      : mu_static_(mu_static), mu_dynamic_(mu_dynamic), stribeck_velocity_(stribeck_velocity), bristle_(presliding) {}
+
+  void reset() noexcept override { bristle_.reset(); }
+
+  void apply(ContactState& contact) noexcept override {
+    if (!contact.contact) {
+      bristle_.reset();
+      return;
+    }
+    const double mu_sliding = sliding_coefficient(speed(contact));
+    bristle_.move(contact, mu_static_ > 0.0 ? mu_sliding / mu_static_ : 0.0);
+    const double mu = bristle_.sliding() ? mu_sliding : mu_static_;
+    contact.tangential_W_N -= mu * contact.normal_force_N * bristle_.deflection();
+  }
+
+ private:
+  [[nodiscard]] double sliding_coefficient(double v) const noexcept {
+    if (stribeck_velocity_ <= 0.0) return mu_dynamic_;
+    const double ratio = v / stribeck_velocity_;
+    return mu_dynamic_ + (mu_static_ - mu_dynamic_) * std::exp(-ratio * ratio);
+  }
+
+  double mu_static_;
+  double mu_dynamic_;
+  double stribeck_velocity_;
+  Bristle bristle_;
+};
+
+class AnisotropicFriction final : public Effect {
+ public:
+  AnisotropicFriction(double mu_x, double mu_y, double presliding)
+      : mu_(mu_x, mu_y, std::sqrt(mu_x * mu_y)), bristle_(presliding) {}
+
+  void reset() noexcept override { bristle_.reset(); }
+
+  void apply(ContactState& contact) noexcept override {
+    if (!contact.contact) {
+      bristle_.reset();
+      return;
+    }
+    bristle_.move(contact, 1.0);
+    Vec3 force = -contact.normal_force_N * mu_.cwiseProduct(bristle_.deflection());
+    force -= contact.n_W.dot(force) * contact.n_W;
+    contact.tangential_W_N += force;
+  }
+
+ private:
+  Vec3 mu_;
+  Bristle bristle_;
+};
+
+}  // namespace
+
+std::unique_ptr<Effect> make_coulomb_friction(std::span<const double> values) {
+  return std::make_unique<IsotropicFriction>(values[0], values[1], 0.0, values[2]);
+}
+
+std::unique_ptr<Effect> make_stribeck_friction(std::span<const double> values) {
+  return std::make_unique<IsotropicFriction>(values[0], values[1], values[2], values[3]);
+}
+
+std::unique_ptr<Effect> make_anisotropic_friction(std::span<const double> values) {
+  return std::make_unique<AnisotropicFriction>(values[0], values[1], values[2]);
+}
+
+}  // namespace touchstone

@@ -1,0 +1,32 @@
+// Dry friction with a memory of the path: the tip drags an imaginary bristle tip over the surface.
+//
+// Source: the Coulomb law with the pre-sliding of Dahl (1968) in its rate-independent play-operator form: the bristle's
+// deflection z follows the tip's tangential displacement and cannot exceed the pre-sliding length s. Stuck, the force
+// is f_t = -mu_static N z / s; once |z| reaches s the tip slides with f_t = -mu N z / |z| until it turns back
+// (displacement against z), where it sticks again with the force continuous. mu while sliding:
+//   coulomb      mu_dynamic
+//   stribeck     mu_dynamic + (mu_static - mu_dynamic) exp(-(v/v_s)^2)      (Stribeck 1902; Armstrong-Helouvry 1994)
+//   anisotropic  f_t = -N (mu_x z_x, mu_y z_y, sqrt(mu_x mu_y) z_z) / |z|, projected on the tangent plane; x, y are the
+//                object's axes
+// A law of velocity alone would flip its sign with the noise of a held tip; memory of the path does not.
+//
+// Coulomb's cone holds by construction: |f_t| <= mu_static N. Passivity: f_t opposes z, and z only grows in the
+// direction of motion, so that over a closed path the work on the probe is <= 0 at constant N; with N changing while
+// stuck at most mu_static |dN| s / 2 is given back, which the pre-sliding length keeps tiny.
+#pragma once
+
+#include <memory>
+#include <span>
+
+#include "harness/rendering/effect.h"
+
+namespace touchstone {
+
+// Values: mu_static, mu_dynamic, presliding_m.
+std::unique_ptr<Effect> make_coulomb_friction(std::span<const double> values);
+// Values: mu_static, mu_dynamic, stribeck_velocity_m_per_s, presliding_m.
+std::unique_ptr<Effect> make_stribeck_friction(std::span<const double> values);
+// Values: mu_x, mu_y, presliding_m.
+std::unique_ptr<Effect> make_anisotropic_friction(std::span<const double> values);
+
+}  // namespace touchstone

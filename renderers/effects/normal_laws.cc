@@ -1,0 +1,117 @@
+#include "renderers/effects/normal_laws.h"
+
+#include <cmath>
+
+namespace touchstone {
+namespace {
+
+class NormalDamping final : public Effect {
+ public:
+  explicit NormalDamping(double b) : b_(b) {}
+  void reset() noexcept override {}
+  void apply(ContactState& contact) noexcept override {
+    if (contact.contact) contact.normal_force_N += b_ * contact.depth_rate_m_per_s;
+  }
+
+ private:
+  double b_;
+};
+
+class HuntCrossley final : public Effect {
+ public:
+  explicit HuntCrossley(double b) : b_(b) {}
+  void reset() noexcept override {}
+  void apply(ContactState& contact) noexcept override {
+    if (contact.contact) contact.normal_force_N += b_ * contact.depth_m * contact.depth_rate_m_per_s;
+  }
+
+ private:
+  double b_;
+};
+
+class PowerLawStiffness final : public Effect {
+ public:
+  PowerLawStiffness(double exponent, double reference_depth) : power_(exponent - 1.0), reference_(reference_depth) {}
+  void reset() noexcept override {}
+  void apply(ContactState& contact) noexcept override {
+    if (contact.contact && contact.depth_m > 0.0)
+      contact.normal_force_N *= std::pow(contact.depth_m / reference_, power_);
+  }
+
+ private:
+  double power_;
+  double reference_;
+};
+
+class StiffnessMap final : public Effect {
+ public:
+  StiffnessMap(double amplitude, double x, double y, double width)
+      : amplitude_(amplitude), x_(x), y_(y), scale_(-0.5 / (width * width)) {}
+  void reset() noexcept override {}
+  void apply(ContactState& contact) noexcept override {
+    if (!contact.contact) return;
+    const double dx = contact.proxy_W_m.x() - x_;
+    const double dy = contact.proxy_W_m.y() - y_;
+    contact.normal_force_N *= 1.0 + amplitude_ * std::exp(scale_ * (dx * dx + dy * dy));
+  }
+
+ private:
+  double amplitude_;
+  double x_;
+  double y_;
+  double scale_;
+};
+
+class StressRelaxation final : public Effect {
+ public:
+  StressRelaxation(double ratio, double time_constant) : ratio_(ratio), time_constant_(time_constant) {}
+  void reset() noexcept override {
+    arm_N_ = 0.0;
+    last_spring_N_ = 0.0;
+    touching_ = false;
+  }
+  void apply(ContactState& contact) noexcept override {
+    if (!contact.contact) {
+      reset();
+      return;
+    }
+    const double spring = ratio_ * contact.stiffness_N_per_m * contact.depth_m;
+    if (!touching_ || contact.dt_s <= 0.0) {
+      // The first touch is a step of depth from zero: the arm has not had time to relax.
+      arm_N_ = spring;
+      touching_ = true;
+    } else {
+      const double x = contact.dt_s / time_constant_;
+      arm_N_ = arm_N_ * std::exp(-x) + (spring - last_spring_N_) * (-std::expm1(-x) / x);
+    }
+    last_spring_N_ = spring;
+    contact.normal_force_N += arm_N_;
+  }
+
+ private:
+  double ratio_;
+  double time_constant_;
+  double arm_N_ = 0.0;
+  double last_spring_N_ = 0.0;
+  bool touching_ = false;
+};
+
+}  // namespace
+
+std::unique_ptr<Effect> make_normal_damping(std::span<const double> values) {
+  return std::make_unique<NormalDamping>(values[0]);
+}
+std::unique_ptr<Effect> make_hunt_crossley(std::span<const double> values) {
+  return std::make_unique<HuntCrossley>(values[0]);
+}
+std::unique_ptr<Effect> make_power_law_stiffness(std::span<const double> values) {
+  return std::make_unique<PowerLawStiffness>(values[0], values[1]);
+}
+std::unique_ptr<Effect> make_stiffness_map(std::span<const double> values) {
+  return std::make_unique<StiffnessMap>(values[0], values[1], values[2], values[3]);
+}
+std::unique_ptr<Effect> make_stress_relaxation(std::span<const double> values) {
+  return std::make_unique<StressRelaxation>(values[0], values[1]);
+}
+
+}  // namespace touchstone

@@ -1,0 +1,32 @@
+// Laws of the normal force over depth d and its rate d' (positive while loading), on a base of k d:
+//   normal-damping        N = k d + b d', never below 0          (Kelvin-Voigt)
+//   hunt-crossley         N = k d + b d d', never below 0        (Hunt and Crossley 1975, eq 10 with exponent 1)
+//   power-law-stiffness   N = k d0 (d/d0)^n, d0 = reference_depth_m; n = 1.5 is Hertz (1882)
+//   stiffness-map         N = k (1 + a exp(-r^2 / 2 w^2)) d, r the distance of the contact point from (x, y) in the
+//                         object's xy plane
+//   stress-relaxation     N = k d + s, s' = ratio k d' - s / time_constant: a second spring of ratio*k in series with a
+//                         damper (standard linear solid in Maxwell form), integrated exactly for a d' constant over the
+//                         step; the first touch is a step of depth from zero; forgotten on leaving
+// Passivity: the first two dissipate b d'^2 and b d d'^2; the clamp at zero only removes a pull. The next two are
+// springs (a potential in d at one place). The last is passive as a network of spring and damper.
+#pragma once
+
+#include <memory>
+#include <span>
+
+#include "harness/rendering/effect.h"
+
+namespace touchstone {
+
+// Values: coefficient_N_s_per_m.
+std::unique_ptr<Effect> make_normal_damping(std::span<const double> values);
+// Values: coefficient_N_s_per_m2.
+std::unique_ptr<Effect> make_hunt_crossley(std::span<const double> values);
+// Values: exponent, reference_depth_m.
+std::unique_ptr<Effect> make_power_law_stiffness(std::span<const double> values);
+// Values: amplitude, x_m, y_m, width_m.
+std::unique_ptr<Effect> make_stiffness_map(std::span<const double> values);
+// Values: ratio, time_constant_s.
+std::unique_ptr<Effect> make_stress_relaxation(std::span<const double> values);
+
+}  // namespace touchstone

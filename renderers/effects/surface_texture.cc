@@ -1,0 +1,38 @@
+#include "renderers/effects/surface_texture.h"
+
+#include <cmath>
+#include <numbers>
+
+namespace touchstone {
+namespace {
+
+class SurfaceTexture final : public Effect {
+ public:
+  SurfaceTexture(double amplitude, double wavelength, double direction, double phase)
+      : amplitude_(amplitude),
+        kx_(2.0 * std::numbers::pi / wavelength * std::cos(direction)),
+        ky_(2.0 * std::numbers::pi / wavelength * std::sin(direction)),
+        phase_(phase) {}
+
+  void reset() noexcept override {}
+
+  void apply(ContactState& contact) noexcept override {
+    // Far from the surface the sine cannot make a contact; the normal is unknown there.
+    if (contact.n_W.isZero()) return;
+    contact.depth_m += amplitude_ * std::sin(kx_ * contact.tip_W_m.x() + ky_ * contact.tip_W_m.y() + phase_);
+  }
+
+ private:
+  double amplitude_;
+  double kx_;
+  double ky_;
+  double phase_;
+};
+
+}  // namespace
+
+std::unique_ptr<Effect> make_surface_texture(std::span<const double> values) {
+  return std::make_unique<SurfaceTexture>(values[0], values[1], values[2], values[3]);
+}
+
+}  // namespace touchstone

@@ -1,0 +1,17 @@
+// Sinusoidal texture: the depth grows by A sin(2 pi (x cos a + y sin a) / wavelength + phase) at the tip's place in the
+// object's xy plane (Minsky 1995's sandpaper as a height field; normals stay those of the smooth surface, as for
+// amplitudes far below the wavelength). A potential in the tip's place for a frozen normal, so conservative to first
+// order.
+#pragma once
+
+#include <memory>
+#include <span>
+
+#include "harness/rendering/effect.h"
+
+namespace touchstone {
+
+// Values: amplitude_m, wavelength_m, direction_rad, phase_rad. Needs gaps outside contact.
+std::unique_ptr<Effect> make_surface_texture(std::span<const double> values);
+
+}  // namespace touchstone

@@ -1,0 +1,28 @@
+#include "renderers/effects/viscous_friction.h"
+
+namespace touchstone {
+namespace {
+
+class ViscousFriction final : public Effect {
+ public:
+  explicit ViscousFriction(double coefficient) : coefficient_(coefficient) {}
+
+  void reset() noexcept override {}
+
+  void apply(ContactState& contact) noexcept override {
+    if (!contact.contact || contact.dt_s <= 0.0) return;
+    const Vec3& step = contact.tip_step_W_m;
+    contact.tangential_W_N -= coefficient_ / contact.dt_s * (step - contact.n_W.dot(step) * contact.n_W);
+  }
+
+ private:
+  double coefficient_;
+};
+
+}  // namespace
+
+std::unique_ptr<Effect> make_viscous_friction(std::span<const double> values) {
+  return std::make_unique<ViscousFriction>(values[0]);
+}
+
+}  // namespace touchstone

@@ -1,0 +1,14 @@
+// Viscous friction: f_t = -b v_t while in contact (Newton's law of viscosity lumped). Dissipative for b >= 0.
+#pragma once
+
+#include <memory>
+#include <span>
+
+#include "harness/rendering/effect.h"
+
+namespace touchstone {
+
+// Values: coefficient_N_s_per_m.
+std::unique_ptr<Effect> make_viscous_friction(std::span<const double> values);
+
+}  // namespace touchstone

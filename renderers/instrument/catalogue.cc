@@ -1,0 +1,95 @@
+#include "renderers/instrument/geometry_effects.h"
+#include "renderers/instrument/instrument_effect.h"
+#include "renderers/instrument/sensor_effects.h"
+#include "renderers/instrument/tool_effects.h"
+
+namespace touchstone {
+namespace {
+
+ParameterDeclaration force(std::string name, std::string unit) {
+  return {std::move(name), std::move(unit), -1e3, 1e3, 0.0, "in the sensor's frame"};
+}
+
+std::vector<InstrumentEntry> make_catalogue() {
+  using Stage = InstrumentStage;
+  return {
+      {"tool-weight",
+       "the tool's weight beyond the sensor: F + m g",
+       "Newton",
+       Stage::object_frame,
+       {{"mass_kg", "kg", 0.0, 100.0, 0.0, "of the tool beyond the sensor"}},
+       &make_tool_weight},
+      {"tool-inertia",
+       "the tool's inertia beyond the sensor: F - m a",
+       "Newton; Savitzky and Golay 1964",
+       Stage::object_frame,
+       {{"mass_kg", "kg", 0.0, 100.0, 0.0, "of the tool beyond the sensor"},
+        {"window_s", "s", 1e-4, 1.0, 1.0 / 30.0, "window of the acceleration's quadratic fit"}},
+       &make_tool_inertia},
+      {"force-bias",
+       "a constant offset of the sensor",
+       "sensor zero",
+       Stage::sensor_offset,
+       {force("fx_N", "N"), force("fy_N", "N"), force("fz_N", "N")},
+       &make_force_bias},
+      {"force-drift",
+       "an offset that grows with time",
+       "sensor zero drift",
+       Stage::sensor_offset,
+       {force("fx_N_per_s", "N/s"), force("fy_N_per_s", "N/s"), force("fz_N_per_s", "N/s")},
+       &make_force_drift},
+      {"force-crosstalk",
+       "the sensor's axes leak: fx += c_xz fz, fy += c_yz fz",
+       "sensor calibration matrix",
+       Stage::sensor_linear,
+       {{"c_xz", "1", -1.0, 1.0, 0.0, "fz into fx"}, {"c_yz", "1", -1.0, 1.0, 0.0, "fz into fy"}},
+       &make_force_crosstalk},
+      {"force-saturation",
+       "every axis clipped at +- the limit",
+       "sensor range",
+       Stage::saturation,
+       {{"limit_N", "N", 1e-6, 1e6, 1e6, "of every axis"}},
+       &make_force_saturation},
+      {"time-lag",
+       "the force comes later than the position",
+       "clock offset",
+       Stage::time,
+       {{"lag_s", "s", 0.0, 1.0, 0.0, "force later than position"}},
+       &make_time_lag},
+      {"registration",
+       "tracker and mesh do not agree: measured = true + d + r x true",
+       "small rigid motion",
+       Stage::pose,
+       {{"dx_m", "m", -1.0, 1.0, 0.0, "shift"},
+        {"dy_m", "m", -1.0, 1.0, 0.0, "shift"},
+        {"dz_m", "m", -1.0, 1.0, 0.0, "shift"},
+        {"rx_rad", "rad", -0.5, 0.5, 0.0, "turn about x"},
+        {"ry_rad", "rad", -0.5, 0.5, 0.0, "turn about y"}},
+       &make_registration},
+      {"surface-geometry",
+       "a Gaussian bump that the mesh lacks",
+       "scan error",
+       Stage::geometry,
+       {{"amplitude_m", "m", -1.0, 1.0, 0.0, "height, outward"},
+        {"x_m", "m", -1e3, 1e3, 0.0, "place in the object's xy plane"},
+        {"y_m", "m", -1e3, 1e3, 0.0, "place in the object's xy plane"},
+        {"width_m", "m", 1e-9, 1e3, 1e-2, "standard deviation"}},
+       &make_surface_geometry},
+  };
+}
+
+}  // namespace
+
+const std::vector<InstrumentEntry>& instrument_catalogue() {
+  static const std::vector<InstrumentEntry> entries = make_catalogue();
+  return entries;
+}
+
+const InstrumentEntry* find_instrument_effect(std::string_view name) {
+  for (const InstrumentEntry& entry : instrument_catalogue()) {
+    if (entry.name == name) return &entry;
+  }
+  return nullptr;
+}
+
+}  // namespace touchstone

@@ -1,0 +1,72 @@
+#include "renderers/instrument/geometry_effects.h"
+
+#include <cmath>
+
+namespace touchstone {
+namespace {
+
+class Registration final : public InstrumentEffect {
+ public:
+  Registration(const Vec3& d, double rx, double ry) : d_W_m_(d) {
+    Mat3 r_cross;
+    r_cross << 0.0, 0.0, ry, 0.0, 0.0, -rx, -ry, rx, 0.0;
+    inverse_ = (Mat3::Identity() + r_cross).inverse();
+  }
+  [[nodiscard]] Vec3 true_position(const Vec3& measured_W_m) const override {
+    return inverse_ * (measured_W_m - d_W_m_);
+  }
+
+ private:
+  Vec3 d_W_m_;
+  Mat3 inverse_;
+};
+
+class Bump final : public Effect {
+ public:
+  Bump(double amplitude, double x, double y, double width) : amplitude_(amplitude), x_(x), y_(y), width_(width) {}
+  void reset() noexcept override {}
+  void apply(ContactState& contact) noexcept override {
+    if (contact.n_W.isZero()) return;
+    const double dx = contact.tip_W_m.x() - x_;
+    const double dy = contact.tip_W_m.y() - y_;
+    const double variance = width_ * width_;
+    const double height = amplitude_ * std::exp(-0.5 * (dx * dx + dy * dy) / variance);
+    contact.depth_m += height;
+    // The surface z' = h(x, y) over the mesh leans its normal against the slope of h, taken along the tangent plane.
+    Vec3 slope(-dx * height / variance, -dy * height / variance, 0.0);
+    slope -= contact.n_W.dot(slope) * contact.n_W;
+    contact.n_W = (contact.n_W - slope).normalized();
+  }
+
+ private:
+  double amplitude_;
+  double x_;
+  double y_;
+  double width_;
+};
+
+class SurfaceGeometry final : public InstrumentEffect {
+ public:
+  SurfaceGeometry(double amplitude, double x, double y, double width)
+      : amplitude_(amplitude), x_(x), y_(y), width_(width) {}
+  [[nodiscard]] std::unique_ptr<Effect> contact_effect() const override {
+    return std::make_unique<Bump>(amplitude_, x_, y_, width_);
+  }
+
+ private:
+  double amplitude_;
+  double x_;
+  double y_;
+  double width_;
+};
+
+}  // namespace
+
+std::unique_ptr<InstrumentEffect> make_registration(std::span<const double> values) {
+  return std::make_unique<Registration>(Vec3(values[0], values[1], values[2]), values[3], values[4]);
+}
+std::unique_ptr<InstrumentEffect> make_surface_geometry(std::span<const double> values) {
+  return std::make_unique<SurfaceGeometry>(values[0], values[1], values[2], values[3]);
+}
+
+}  // namespace touchstone

@@ -1,0 +1,20 @@
+// Where the measurement's geometry is off:
+//   registration      measured = true + d + r x true, d = (dx, dy, dz), r = (rx, ry, 0); solved exactly for the true
+//   tip surface-geometry  the true surface carries a Gaussian bump that the mesh lacks: depth + A exp(-r^2 / 2 w^2), r
+//   the
+//                     distance from (x, y) in the object's xy plane; the normal tilts by the bump's slope
+#pragma once
+
+#include <memory>
+#include <span>
+
+#include "renderers/instrument/instrument_effect.h"
+
+namespace touchstone {
+
+std::unique_ptr<InstrumentEffect> make_registration(
+    std::span<const double> values);  // dx_m, dy_m, dz_m, rx_rad, ry_rad
+std::unique_ptr<InstrumentEffect> make_surface_geometry(
+    std::span<const double> values);  // amplitude_m, x_m, y_m, width_m
+
+}  // namespace touchstone

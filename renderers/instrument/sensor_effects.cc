@@ -1,0 +1,113 @@
+#include "renderers/instrument/sensor_effects.h"
+
+#include <algorithm>
+#include <vector>
+
+namespace touchstone {
+namespace {
+
+// Applies `change` to every force in the sensor's frame.
+template <class Change>
+void in_sensor_frame(const MotionView& motion, std::span<Vec3> f_W_N, Change change) {
+  for (std::size_t i = 0; i < f_W_N.size(); ++i) {
+    if (motion.q_WS.empty()) {
+      change(f_W_N[i], motion.t_s[i]);
+      continue;
+    }
+    const Mat3 R_WS = motion.q_WS[i].toRotationMatrix();
+    Vec3 f_S_N = R_WS.transpose() * f_W_N[i];
+    change(f_S_N, motion.t_s[i]);
+    f_W_N[i] = R_WS * f_S_N;
+  }
+}
+
+class ForceBias final : public InstrumentEffect {
+ public:
+  explicit ForceBias(const Vec3& bias) : bias_S_N_(bias) {}
+  void apply(const MotionView& motion, std::span<Vec3> f_W_N) const override {
+    in_sensor_frame(motion, f_W_N, [this](Vec3& f, double) { f += bias_S_N_; });
+  }
+
+ private:
+  Vec3 bias_S_N_;
+};
+
+class ForceDrift final : public InstrumentEffect {
+ public:
+  explicit ForceDrift(const Vec3& rate) : rate_S_N_per_s_(rate) {}
+  void apply(const MotionView& motion, std::span<Vec3> f_W_N) const override {
+    in_sensor_frame(motion, f_W_N, [this](Vec3& f, double t_s) { f += t_s * rate_S_N_per_s_; });
+  }
+
+ private:
+  Vec3 rate_S_N_per_s_;
+};
+
+class ForceCrosstalk final : public InstrumentEffect {
+ public:
+  ForceCrosstalk(double c_xz, double c_yz) : c_xz_(c_xz), c_yz_(c_yz) {}
+  void apply(const MotionView& motion, std::span<Vec3> f_W_N) const override {
+    in_sensor_frame(motion, f_W_N, [this](Vec3& f, double) {
+      f.x() += c_xz_ * f.z();
+      f.y() += c_yz_ * f.z();
+    });
+  }
+
+ private:
+  double c_xz_;
+  double c_yz_;
+};
+
+class ForceSaturation final : public InstrumentEffect {
+ public:
+  explicit ForceSaturation(double limit) : limit_N_(limit) {}
+  void apply(const MotionView& motion, std::span<Vec3> f_W_N) const override {
+    in_sensor_frame(motion, f_W_N, [this](Vec3& f, double) { f = f.cwiseMin(limit_N_).cwiseMax(-limit_N_); });
+  }
+
+ private:
+  double limit_N_;
+};
+
+class TimeLag final : public InstrumentEffect {
+ public:
+  explicit TimeLag(double lag) : lag_s_(lag) {}
+  [[nodiscard]] double halo_s() const override { return lag_s_; }
+  void apply(const MotionView& motion, std::span<Vec3> f_W_N) const override {
+    const std::vector<Vec3> prompt(f_W_N.begin(), f_W_N.end());
+    std::size_t next = 1;
+    for (std::size_t i = 0; i < f_W_N.size(); ++i) {
+      const double t_s = motion.t_s[i] - lag_s_;
+      while (next + 1 < prompt.size() && motion.t_s[next] < t_s) ++next;
+      if (t_s <= motion.t_s[0] || prompt.size() < 2) {
+        f_W_N[i] = prompt[0];
+        continue;
+      }
+      const double share = (t_s - motion.t_s[next - 1]) / (motion.t_s[next] - motion.t_s[next - 1]);
+      f_W_N[i] = prompt[next - 1] + std::min(share, 1.0) * (prompt[next] - prompt[next - 1]);
+    }
+  }
+
+ private:
+  double lag_s_;
+};
+
+}  // namespace
+
+std::unique_ptr<InstrumentEffect> make_force_bias(std::span<const double> values) {
+  return std::make_unique<ForceBias>(Vec3(values[0], values[1], values[2]));
+}
+std::unique_ptr<InstrumentEffect> make_force_drift(std::span<const double> values) {
+  return std::make_unique<ForceDrift>(Vec3(values[0], values[1], values[2]));
+}
+std::unique_ptr<InstrumentEffect> make_force_crosstalk(std::span<const double> values) {
+  return std::make_unique<ForceCrosstalk>(values[0], values[1]);
+}
+std::unique_ptr<InstrumentEffect> make_force_saturation(std::span<const double> values) {
+  return std::make_unique<ForceSaturation>(values[0]);
+}
+std::unique_ptr<InstrumentEffect> make_time_lag(std::span<const double> values) {
+  return std::make_unique<TimeLag>(values[0]);
+}
+
+}  // namespace touchstone

@@ -1,0 +1,22 @@
+// What the force sensor adds, in its own frame (turned by the recording's quaternion; without one, the object's):
+//   force-bias       F + (fx, fy, fz)
+//   force-drift      F + (fx, fy, fz) t, t from the recording's first time being zero or not: as recorded
+//   force-crosstalk  fx += c_xz fz, fy += c_yz fz
+//   force-saturation every axis clipped at +- limit
+//   time-lag         the force at t is that of t - lag, linear between samples; before the first sample, the first
+#pragma once
+
+#include <memory>
+#include <span>
+
+#include "renderers/instrument/instrument_effect.h"
+
+namespace touchstone {
+
+std::unique_ptr<InstrumentEffect> make_force_bias(std::span<const double> values);        // fx_N, fy_N, fz_N
+std::unique_ptr<InstrumentEffect> make_force_drift(std::span<const double> values);       // fx_N_per_s, ...
+std::unique_ptr<InstrumentEffect> make_force_crosstalk(std::span<const double> values);   // c_xz, c_yz
+std::unique_ptr<InstrumentEffect> make_force_saturation(std::span<const double> values);  // limit_N
+std::unique_ptr<InstrumentEffect> make_time_lag(std::span<const double> values);          // lag_s
+
+}  // namespace touchstone

@@ -1,0 +1,68 @@
+#include "renderers/instrument/tool_effects.h"
+
+#include <algorithm>
+
+namespace touchstone {
+namespace {
+
+constexpr double standard_gravity_m_per_s2 = 9.80665;
+
+class ToolWeight final : public InstrumentEffect {
+ public:
+  explicit ToolWeight(double mass) : weight_W_N_(0.0, 0.0, -mass * standard_gravity_m_per_s2) {}
+  void apply(const MotionView&, std::span<Vec3> f_W_N) const override {
+    for (Vec3& f : f_W_N) f += weight_W_N_;
+  }
+
+ private:
+  Vec3 weight_W_N_;
+};
+
+class ToolInertia final : public InstrumentEffect {
+ public:
+  ToolInertia(double mass, double window) : mass_kg_(mass), window_s_(window) {}
+  [[nodiscard]] double halo_s() const override { return window_s_; }
+  void apply(const MotionView& motion, std::span<Vec3> f_W_N) const override {
+    const std::size_t n = f_W_N.size();
+    std::size_t first = 0;
+    std::size_t last = 0;  // one past
+    for (std::size_t i = 0; i < n; ++i) {
+      while (motion.t_s[first] < motion.t_s[i] - 0.5 * window_s_) ++first;
+      while (last < n && motion.t_s[last] <= motion.t_s[i] + 0.5 * window_s_) ++last;
+      // A quadratic needs three samples; at a slow clock the neighbours are used beyond the window.
+      const std::size_t low = std::min(first, i > 0 ? i - 1 : i);
+      const std::size_t high = std::max(last, std::min(i + 2, n));
+      f_W_N[i] -= mass_kg_ * acceleration(motion, low, high, motion.t_s[i]);
+    }
+  }
+
+ private:
+  static Vec3 acceleration(const MotionView& motion, std::size_t low, std::size_t high, double t_s) {
+    if (high - low < 3) return Vec3::Zero();
+    Mat3 normal = Mat3::Zero();
+    Mat3 right = Mat3::Zero();
+    const double scale = std::max(motion.t_s[high - 1] - t_s, t_s - motion.t_s[low]);
+    for (std::size_t j = low; j < high; ++j) {
+      const double x = (motion.t_s[j] - t_s) / scale;
+      const Vec3 basis(1.0, x, x * x);
+      normal += basis * basis.transpose();
+      right += basis * (motion.p_W_m[j] - motion.p_W_m[low]).transpose();
+    }
+    const Mat3 coefficients = normal.ldlt().solve(right);
+    return 2.0 / (scale * scale) * coefficients.row(2).transpose();
+  }
+
+  double mass_kg_;
+  double window_s_;
+};
+
+}  // namespace
+
+std::unique_ptr<InstrumentEffect> make_tool_weight(std::span<const double> values) {
+  return std::make_unique<ToolWeight>(values[0]);
+}
+std::unique_ptr<InstrumentEffect> make_tool_inertia(std::span<const double> values) {
+  return std::make_unique<ToolInertia>(values[0], values[1]);
+}
+
+}  // namespace touchstone

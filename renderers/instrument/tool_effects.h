@@ -1,0 +1,17 @@
+// What the tool beyond the sensor adds, in the object's frame with z up:
+//   tool-weight   F + m g, g = (0, 0, -9.80665) m/s^2 (standard gravity)
+//   tool-inertia  F - m a; a is the second derivative of a quadratic fitted to the positions within half of window_s on
+//                 either side (Savitzky and Golay 1964), so that tracker noise is not differentiated sample by sample
+#pragma once
+
+#include <memory>
+#include <span>
+
+#include "renderers/instrument/instrument_effect.h"
+
+namespace touchstone {
+
+std::unique_ptr<InstrumentEffect> make_tool_weight(std::span<const double> values);   // mass_kg
+std::unique_ptr<InstrumentEffect> make_tool_inertia(std::span<const double> values);  // mass_kg, window_s
+
+}  // namespace touchstone
