@@ -1,0 +1,115 @@
+#include "harness/discrepancy/instrument_description.h"
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <numbers>
+
+#include "harness/base/json_reader.h"
+
+namespace touchstone {
+namespace {
+
+double non_negative(JsonObject& object, std::string_view key) {
+  const double value = object.number(key);
+  if (value < 0.0) object.fail_at(key, "must not be negative");
+  return value;
+}
+
+double median(std::vector<double> values) {
+  if (values.empty()) return 0.0;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+// The standard deviation of white noise in a series, from its third differences by their median: differences remove what
+// varies slowly, the median what varies in bursts. 1.4826 and sqrt(20) turn the median into a standard deviation.
+double noise_of(const std::vector<Vec3>& series) {
+  std::vector<double> magnitudes;
+  for (std::size_t i = 3; i < series.size(); ++i) {
+    const Vec3 difference = series[i] - 3.0 * series[i - 1] + 3.0 * series[i - 2] - series[i - 3];
+    for (int axis = 0; axis < 3; ++axis) magnitudes.push_back(std::abs(difference[axis]));
+  }
+  return 1.4826 * median(std::move(magnitudes)) / std::sqrt(20.0);
+}
+
+}  // namespace
+
+InstrumentDescription load_instrument(const std::filesystem::path& path) {
+  const auto json = load_json(path);
+  JsonObject root(json, path.string(), "");
+  root.schema("touchstone-instrument/1");
+  InstrumentDescription instrument;
+  instrument.force_noise_N = non_negative(root, "force_noise_N");
+  instrument.force_noise_time_constant_s = root.optional_number("force_noise_time_constant_s").value_or(0.0);
+  if (root.has("force_step_N")) {
+    const auto steps = root.numbers("force_step_N");
+    if (steps.size() != 3) root.fail_at("force_step_N", "three numbers were expected: the steps along x, y and z");
+    instrument.force_step_N = Vec3(steps[0], steps[1], steps[2]);
+  }
+  instrument.position_noise_m = non_negative(root, "position_noise_m");
+  instrument.position_rate_Hz = root.optional_number("position_rate_Hz").value_or(60.0);
+  if (instrument.position_rate_Hz <= 0.0) root.fail_at("position_rate_Hz", "must be above zero");
+  instrument.geometry_error_m = root.optional_number("geometry_error_m").value_or(0.0);
+  root.finish();
+  return instrument;
+}
+
+InstrumentDescription estimate_instrument(const Recording& recording) {
+  InstrumentDescription instrument;
+  instrument.declared = false;
+  instrument.force_noise_N = noise_of(recording.f_W_N);
+  instrument.position_noise_m = noise_of(recording.motion.p_W_m);
+  if (recording.size() > 1) {
+    const double span_s = recording.motion.t_s.back() - recording.motion.t_s.front();
+    instrument.position_rate_Hz = static_cast<double>(recording.size() - 1) / span_s;
+  }
+  return instrument;
+}
+
+MotionColumns with_position_noise(const MotionColumns& motion, const InstrumentDescription& instrument, Random& random) {
+  MotionColumns noisy = motion;
+  if (motion.size() == 0 || instrument.position_noise_m == 0.0) return noisy;
+  const double period_s = 1.0 / instrument.position_rate_Hz;
+  const double start_s = motion.t_s.front() - 4.0 * period_s;
+  const auto count = static_cast<std::size_t>((motion.t_s.back() - start_s) / period_s) + 6;
+  std::vector<Vec3> draws(count);
+  for (Vec3& draw : draws) draw = instrument.position_noise_m * Vec3(random.normal(), random.normal(), random.normal());
+  // A Gaussian whose response falls to 1/sqrt(2) at a quarter of the tracker's rate.
+  const double cutoff_Hz = 0.25 * instrument.position_rate_Hz;
+  const double width_s = std::sqrt(std::numbers::ln2) / (2.0 * std::numbers::pi * cutoff_Hz);
+  for (std::size_t i = 0; i < motion.size(); ++i) {
+    const double place = (motion.t_s[i] - start_s) / period_s;
+    const auto nearest = static_cast<std::ptrdiff_t>(std::lround(place));
+    Vec3 sum = Vec3::Zero();
+    double weights = 0.0;
+    for (std::ptrdiff_t j = nearest - 3; j <= nearest + 3; ++j) {
+      const double x = (place - static_cast<double>(j)) * period_s / width_s;
+      const double weight = std::exp(-0.5 * x * x);
+      sum += weight * draws[static_cast<std::size_t>(std::clamp<std::ptrdiff_t>(j, 0, static_cast<std::ptrdiff_t>(count) - 1))];
+      weights += weight;
+    }
+    noisy.p_W_m[i] += sum / weights;
+  }
+  return noisy;
+}
+
+std::vector<Vec3> force_noise(const MotionColumns& motion, const InstrumentDescription& instrument, Random& random) {
+  std::vector<Vec3> noise(motion.size());
+  Vec3 state = instrument.force_noise_N * Vec3(random.normal(), random.normal(), random.normal());
+  for (std::size_t i = 0; i < noise.size(); ++i) {
+    if (i > 0) {
+      const double dt_s = motion.t_s[i] - motion.t_s[i - 1];
+      const double keep =
+          instrument.force_noise_time_constant_s > 0.0 ? std::exp(-dt_s / instrument.force_noise_time_constant_s) : 0.0;
+      const double fresh = instrument.force_noise_N * std::sqrt(1.0 - keep * keep);
+      state = keep * state + fresh * Vec3(random.normal(), random.normal(), random.normal());
+    }
+    const Vec3 rounding(random.uniform(-0.5, 0.5), random.uniform(-0.5, 0.5), random.uniform(-0.5, 0.5));
+    noise[i] = state + instrument.force_step_N.cwiseProduct(rounding);
+  }
+  return noise;
+}
+
+}  // namespace touchstone

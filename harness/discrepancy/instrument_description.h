@@ -1,0 +1,36 @@
+// What the makers of sensor and tracker declare, and noise drawn from it. Format: "touchstone-instrument/1" (JSON).
+#pragma once
+
+#include <filesystem>
+#include <vector>
+
+#include "harness/base/random.h"
+#include "harness/recording/trajectory.h"
+
+namespace touchstone {
+
+struct InstrumentDescription {
+  double force_noise_N = 0.0;                // standard deviation per axis
+  double force_noise_time_constant_s = 0.0;  // first-order colouring; 0: white
+  Vec3 force_step_N = Vec3::Zero();          // quantisation in the sensor's frame
+  double position_noise_m = 0.0;             // standard deviation per axis of one tracker sample
+  double position_rate_Hz = 60.0;            // of the tracker
+  double geometry_error_m = 0.0;             // the mesh is off by at most this
+  bool declared = true;                      // false: estimated from the recording
+};
+
+// Throws BadData with the place in the file.
+InstrumentDescription load_instrument(const std::filesystem::path& path);
+
+// Without a description: force noise from second differences of the force where nothing moves it, position noise from
+// what is left of the position after a local quadratic fit. Both are lower bounds in motion; reports say "estimated".
+InstrumentDescription estimate_instrument(const Recording& recording);
+
+// The motion with one draw of tracker noise added: white at the tracker's rate, low-passed at a quarter of that rate and
+// interpolated, as optical trackers deliver it.
+MotionColumns with_position_noise(const MotionColumns& motion, const InstrumentDescription& instrument, Random& random);
+
+// One draw of force noise per sample, coloured, plus the rounding of the steps as a uniform error.
+std::vector<Vec3> force_noise(const MotionColumns& motion, const InstrumentDescription& instrument, Random& random);
+
+}  // namespace touchstone
