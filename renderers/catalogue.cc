@@ -4,10 +4,21 @@
 
 #include "harness/base/error.h"
 #include "harness/base/known_names.h"
-#include "harness/rendering/instrument_declarations.h"
+#include "renderers/effects/assemble.h"
+#include "renderers/effects/catalogue.h"
 #include "renderers/god_object.h"
+#include "renderers/instrument/instrument_effect.h"
 
 namespace touchstone {
+
+namespace {
+
+double value_or(const Parameters& parameters, std::string_view name, double fallback) {
+  const auto found = parameters.values().find(name);
+  return found == parameters.values().end() ? fallback : found->second;
+}
+
+}  // namespace
 
 const std::vector<RendererEntry>& renderer_catalogue() {
   static const std::vector<RendererEntry> catalogue{god_object_entry()};
@@ -24,14 +35,32 @@ const RendererEntry& find_renderer(const Model& model) {
 }
 
 const std::vector<NamedDeclaration>& effect_catalogue() {
-  static const std::vector<NamedDeclaration> catalogue;
+  static const std::vector<NamedDeclaration> catalogue = [] {
+    std::vector<NamedDeclaration> declarations;
+    for (const EffectEntry& entry : contact_effects()) {
+      declarations.push_back({std::string(entry.name), std::string(entry.summary), entry.parameters});
+    }
+    return declarations;
+  }();
+  return catalogue;
+}
+
+const std::vector<NamedDeclaration>& instrument_declarations() {
+  static const std::vector<NamedDeclaration> catalogue = [] {
+    std::vector<NamedDeclaration> declarations;
+    for (const InstrumentEntry& entry : instrument_catalogue()) {
+      declarations.push_back({std::string(entry.name), std::string(entry.summary), entry.parameters});
+    }
+    return declarations;
+  }();
   return catalogue;
 }
 
 std::unique_ptr<Renderer> make_renderer(const Model& model, std::shared_ptr<const Surface> surface) {
   const RendererEntry& entry = find_renderer(model);
-  const Parameters parameters(entry.parameters, model.parameters, "renderer " + entry.name, model.source, "");
-  for (const auto& effect : model.effects) check_entry(effect, effect_catalogue(), "contact effect", model.source);
+  const Parameters parameters(entry.parameters, base_parameters(model, entry.parameters), "renderer " + entry.name,
+                              model.source, "");
+  auto effects = make_effects(model);
   for (const auto& part : model.instrument)
     check_entry(part, instrument_declarations(), "instrument entry", model.source);
   if (surface->mesh() == nullptr) {
@@ -40,7 +69,11 @@ std::unique_ptr<Renderer> make_renderer(const Model& model, std::shared_ptr<cons
                                 entry.name, limit->reason));
     }
   }
-  return entry.make(parameters, std::move(surface));
+  if (effects.empty()) return entry.make(parameters, std::move(surface));
+  const double offset_m = value_or(parameters, "tip_radius_m", 0.0);
+  const double stiffness = value_or(parameters, "stiffness_N_per_m", 0.0);
+  auto base = entry.make(parameters, surface);
+  return std::make_unique<EffectStack>(std::move(base), std::move(effects), std::move(surface), offset_m, stiffness);
 }
 
 }  // namespace touchstone

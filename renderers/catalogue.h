@@ -26,8 +26,9 @@ const std::vector<RendererEntry>& renderer_catalogue();
 // Throws BadData that lists the known names.
 const RendererEntry& find_renderer(const Model& model);
 
-// Contact effects.
+// What model files may say under "effects" and "instrument", and set there.
 const std::vector<NamedDeclaration>& effect_catalogue();
+const std::vector<NamedDeclaration>& instrument_declarations();
 
 // The model's renderer with its effects over the surface. Throws BadData, with the place in the model file, for an
 // unknown renderer, effect or instrument entry, for a parameter that nothing reads or that is out of range, and for a

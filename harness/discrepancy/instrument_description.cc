@@ -23,8 +23,8 @@ double median(std::vector<double> values) {
   return *middle;
 }
 
-// The standard deviation of white noise in a series, from its third differences by their median: differences remove what
-// varies slowly, the median what varies in bursts. 1.4826 and sqrt(20) turn the median into a standard deviation.
+// The standard deviation of white noise in a series, from its third differences by their median: differences remove
+// what varies slowly, the median what varies in bursts. 1.4826 and sqrt(20) turn the median into a standard deviation.
 double noise_of(const std::vector<Vec3>& series) {
   std::vector<double> magnitudes;
   for (std::size_t i = 3; i < series.size(); ++i) {
@@ -68,7 +68,8 @@ InstrumentDescription estimate_instrument(const Recording& recording) {
   return instrument;
 }
 
-MotionColumns with_position_noise(const MotionColumns& motion, const InstrumentDescription& instrument, Random& random) {
+MotionColumns with_position_noise(const MotionColumns& motion, const InstrumentDescription& instrument,
+                                  Random& random) {
   MotionColumns noisy = motion;
   if (motion.size() == 0 || instrument.position_noise_m == 0.0) return noisy;
   const double period_s = 1.0 / instrument.position_rate_Hz;
@@ -87,7 +88,8 @@ MotionColumns with_position_noise(const MotionColumns& motion, const InstrumentD
     for (std::ptrdiff_t j = nearest - 3; j <= nearest + 3; ++j) {
       const double x = (place - static_cast<double>(j)) * period_s / width_s;
       const double weight = std::exp(-0.5 * x * x);
-      sum += weight * draws[static_cast<std::size_t>(std::clamp<std::ptrdiff_t>(j, 0, static_cast<std::ptrdiff_t>(count) - 1))];
+      sum += weight *
+             draws[static_cast<std::size_t>(std::clamp<std::ptrdiff_t>(j, 0, static_cast<std::ptrdiff_t>(count) - 1))];
       weights += weight;
     }
     noisy.p_W_m[i] += sum / weights;

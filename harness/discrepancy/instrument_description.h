@@ -26,8 +26,8 @@ InstrumentDescription load_instrument(const std::filesystem::path& path);
 // what is left of the position after a local quadratic fit. Both are lower bounds in motion; reports say "estimated".
 InstrumentDescription estimate_instrument(const Recording& recording);
 
-// The motion with one draw of tracker noise added: white at the tracker's rate, low-passed at a quarter of that rate and
-// interpolated, as optical trackers deliver it.
+// The motion with one draw of tracker noise added: white at the tracker's rate, low-passed at a quarter of that rate
+// and interpolated, as optical trackers deliver it.
 MotionColumns with_position_noise(const MotionColumns& motion, const InstrumentDescription& instrument, Random& random);
 
 // One draw of force noise per sample, coloured, plus the rounding of the steps as a uniform error.

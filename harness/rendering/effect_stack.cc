@@ -45,7 +45,11 @@ void EffectStack::fill_contact(const TipState& tip, const StepResult& base) noex
     state_.normal_force_N = 0.0;
     state_.tangential_W_N.setZero();
     state_.depth_m = 0.0;
-    if (needs_gap_) {
+    if (!base.n_W.isZero()) {
+      // The base has already measured the gap.
+      state_.n_W = base.n_W;
+      state_.depth_m = base.depth_m;
+    } else if (needs_gap_) {
       const SurfacePoint closest = surface_->closest(tip.p_W_m);
       state_.n_W = closest.n_W;
       state_.depth_m = offset_m_ - closest.distance_m;

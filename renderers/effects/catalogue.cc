@@ -150,13 +150,13 @@ std::vector<EffectEntry> make_catalogue() {
 
 }  // namespace
 
-const std::vector<EffectEntry>& effect_catalogue() {
+const std::vector<EffectEntry>& contact_effects() {
   static const std::vector<EffectEntry> entries = make_catalogue();
   return entries;
 }
 
-const EffectEntry* find_effect(std::string_view name) {
-  for (const EffectEntry& entry : effect_catalogue()) {
+const EffectEntry* find_contact_effect(std::string_view name) {
+  for (const EffectEntry& entry : contact_effects()) {
     if (entry.name == name) return &entry;
   }
   return nullptr;

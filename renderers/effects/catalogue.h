@@ -28,8 +28,8 @@ struct EffectEntry {
   std::string_view base_parameter;  // that parameter; empty otherwise
 };
 
-const std::vector<EffectEntry>& effect_catalogue();
+const std::vector<EffectEntry>& contact_effects();
 // nullptr when there is none of that name.
-const EffectEntry* find_effect(std::string_view name);
+const EffectEntry* find_contact_effect(std::string_view name);
 
 }  // namespace touchstone

@@ -1,5 +1,5 @@
 // What a recording should show if a model were true: the model's renderer with its effects over the recorded positions,
-// then its instrument entries. The finder of missing effects knows renderers, shapes and sensors only through this.
+// then its instrument entries. Fitting and the search for missing effects know renderers and sensors only through this.
 #pragma once
 
 #include <functional>
@@ -15,10 +15,10 @@ namespace touchstone {
 
 // One prediction: all vectors have the recording's length.
 struct Prediction {
-  std::vector<Vec3> f_W_N;        // what the sensor would show, in the object's frame
-  std::vector<Vec3> n_W;          // contact normal, zero when free
-  std::vector<double> depth_m;    // >= 0
-  std::vector<double> normal_N;   // normal force of the contact, before the instrument
+  std::vector<Vec3> f_W_N;       // what the sensor would show, in the object's frame
+  std::vector<Vec3> n_W;         // contact normal, zero when free
+  std::vector<double> depth_m;   // >= 0
+  std::vector<double> normal_N;  // normal force of the contact, before the instrument
 };
 
 class Predictor {

@@ -1,0 +1,79 @@
+#include "renderers/effects/assemble.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "harness/base/error.h"
+#include "harness/base/known_names.h"
+#include "renderers/effects/catalogue.h"
+
+namespace touchstone {
+namespace {
+
+const EffectEntry& entry_of(const NamedParameters& effect, const Model& model) {
+  if (const EffectEntry* const entry = find_contact_effect(effect.name)) return *entry;
+  std::vector<std::string> known;
+  for (const EffectEntry& entry : contact_effects()) known.emplace_back(entry.name);
+  throw BadData(
+      fmt::format("{}: {}/name: {}", model.source, effect.place, unknown_name("contact effect", effect.name, known)));
+}
+
+// Friction that is harder to keep going than to start is no friction: it would pull the probe along.
+void check_coefficients(const NamedParameters& effect, const EffectEntry& entry, std::span<const double> values,
+                        const Model& model) {
+  double mu_static = 0.0;
+  double mu_dynamic = 0.0;
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    if (entry.parameters[i].name == "mu_static") mu_static = values[i];
+    if (entry.parameters[i].name == "mu_dynamic") mu_dynamic = values[i];
+  }
+  if (mu_static < mu_dynamic) {
+    throw BadData(
+        fmt::format("{}: {}/parameters: mu_static {} is below mu_dynamic {}: sliding cannot resist more than "
+                    "break-away; set mu_static to at least mu_dynamic",
+                    model.source, effect.place, mu_static, mu_dynamic));
+  }
+}
+
+}  // namespace
+
+std::vector<double> checked_values(const NamedParameters& entry, const std::vector<ParameterDeclaration>& declared,
+                                   std::string_view what, std::string_view source) {
+  const Parameters parameters(declared, entry.parameters, fmt::format("{} {}", what, entry.name), source, entry.place);
+  std::vector<double> values;
+  for (const ParameterDeclaration& declaration : declared) values.push_back(parameters.at(declaration.name));
+  return values;
+}
+
+std::vector<StackedEffect> make_effects(const Model& model) {
+  std::vector<StackedEffect> effects;
+  for (const NamedParameters& effect : model.effects) {
+    const EffectEntry& entry = entry_of(effect, model);
+    const auto values = checked_values(effect, entry.parameters, "contact effect", model.source);
+    check_coefficients(effect, entry, values, model);
+    if (entry.make != nullptr) effects.push_back({entry.make(values), entry.phase, entry.needs_gap});
+  }
+  return effects;
+}
+
+std::map<std::string, double> base_parameters(const Model& model, const std::vector<ParameterDeclaration>& declared) {
+  std::map<std::string, double> parameters = model.parameters;
+  for (const NamedParameters& effect : model.effects) {
+    const EffectEntry& entry = entry_of(effect, model);
+    if (entry.base_parameter.empty()) continue;
+    const auto values = checked_values(effect, entry.parameters, "contact effect", model.source);
+    const std::string name(entry.base_parameter);
+    const auto declaration =
+        std::find_if(declared.begin(), declared.end(), [&](const auto& parameter) { return parameter.name == name; });
+    if (declaration == declared.end()) {
+      throw BadData(fmt::format("{}: {}: the renderer {} cannot run the effect {}: it has no parameter {}",
+                                model.source, effect.place, model.renderer, effect.name, name));
+    }
+    const auto given = parameters.find(name);
+    parameters[name] = (given == parameters.end() ? declaration->initial : given->second) + values[0];
+  }
+  return parameters;
+}
+
+}  // namespace touchstone

@@ -1,0 +1,218 @@
+#include "renderers/model_predictor.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <list>
+#include <span>
+#include <string>
+
+#include "harness/base/error.h"
+#include "harness/rendering/effect_stack.h"
+#include "renderers/catalogue.h"
+#include "renderers/effects/assemble.h"
+#include "renderers/instrument/instrument_effect.h"
+
+namespace touchstone {
+namespace {
+
+// What the base renderer made of every sample, at one stiffness.
+struct Trace {
+  std::string key;
+  double stiffness_N_per_m;
+  std::vector<TipState> tips;
+  std::vector<StepResult> steps;
+};
+
+// Plays a trace back as a renderer, forces scaled to another stiffness.
+class TracePlayer final : public Renderer {
+ public:
+  TracePlayer(std::shared_ptr<const Trace> trace, double scale) : trace_(std::move(trace)), scale_(scale) {}
+
+ protected:
+  void do_reset() override { next_ = 0; }
+  StepResult do_step(const TipState&) noexcept override {
+    StepResult result = trace_->steps[next_++];
+    result.f_W_N *= scale_;
+    return result;
+  }
+
+ private:
+  std::shared_ptr<const Trace> trace_;
+  double scale_;
+  std::size_t next_ = 0;
+};
+
+struct Instrument {
+  std::vector<std::pair<InstrumentStage, std::unique_ptr<InstrumentEffect>>> effects;
+};
+
+Instrument make_instrument(const Model& model) {
+  Instrument instrument;
+  for (const NamedParameters& entry : model.instrument) {
+    const InstrumentEntry* const known = find_instrument_effect(entry.name);
+    check_entry(entry, instrument_declarations(), "instrument entry", model.source);
+    instrument.effects.emplace_back(
+        known->stage, known->make(checked_values(entry, known->parameters, "instrument entry", model.source)));
+  }
+  std::stable_sort(instrument.effects.begin(), instrument.effects.end(),
+                   [](const auto& a, const auto& b) { return a.first < b.first; });
+  return instrument;
+}
+
+class ModelPredictor final : public Predictor {
+ public:
+  ModelPredictor(std::shared_ptr<const Surface> surface, MotionColumns motion)
+      : surface_(std::move(surface)), motion_(std::move(motion)) {}
+
+  Prediction predict(const Model& model) override {
+    const Instrument instrument = make_instrument(model);
+    auto effects = make_effects(model);
+    for (const auto& [stage, effect] : instrument.effects) {
+      if (auto inside = effect->contact_effect()) effects.push_back({std::move(inside), EffectPhase::depth, true});
+    }
+    const RendererEntry& entry = find_renderer(model);
+    Model base = model;
+    base.parameters = base_parameters(model, entry.parameters);
+    base.effects.clear();
+    base.instrument.clear();
+    const Parameters parameters(entry.parameters, base.parameters, "renderer " + entry.name, model.source, "");
+    const double stiffness = value_or(parameters, "stiffness_N_per_m");
+    const double offset = value_or(parameters, "tip_radius_m");
+    const auto trace = trace_of(base, parameters, stiffness, offset, instrument, model);
+    const double scale = trace->stiffness_N_per_m == stiffness ? 1.0 : stiffness / trace->stiffness_N_per_m;
+
+    std::unique_ptr<Renderer> renderer = std::make_unique<TracePlayer>(trace, scale);
+    if (!effects.empty()) {
+      renderer = std::make_unique<EffectStack>(std::move(renderer), std::move(effects), surface_, offset, stiffness);
+    }
+    return collect(*renderer, *trace, instrument);
+  }
+
+ private:
+  static double value_or(const Parameters& parameters, std::string_view name) {
+    const auto found = parameters.values().find(name);
+    return found == parameters.values().end() ? 0.0 : found->second;
+  }
+
+  Prediction collect(Renderer& renderer, const Trace& trace, const Instrument& instrument) const {
+    Prediction prediction;
+    const std::size_t n = motion_.size();
+    prediction.f_W_N.resize(n);
+    prediction.n_W.resize(n);
+    prediction.depth_m.resize(n);
+    prediction.normal_N.resize(n);
+    renderer.reset();
+    for (std::size_t i = 0; i < n; ++i) {
+      const StepResult step = renderer.step(trace.tips[i]);
+      prediction.f_W_N[i] = step.f_W_N;
+      // A free step of the trace may carry the normal of the nearest surface: only contact has one here.
+      prediction.n_W[i] = step.contact ? step.n_W : Vec3(Vec3::Zero());
+      prediction.depth_m[i] = step.contact ? step.depth_m : 0.0;
+      prediction.normal_N[i] = step.contact ? step.f_W_N.dot(step.n_W) : 0.0;
+    }
+    const MotionView view{motion_.t_s, motion_.p_W_m, motion_.q_WS};
+    for (const auto& [stage, effect] : instrument.effects) effect->apply(view, prediction.f_W_N);
+    return prediction;
+  }
+
+  std::shared_ptr<const Trace> trace_of(const Model& base, const Parameters& parameters, double stiffness,
+                                        double offset, const Instrument& instrument, const Model& model) {
+    std::string key = base.renderer;
+    for (const auto& [name, value] : parameters.values()) {
+      if (name != "stiffness_N_per_m" || !scales_with_stiffness(base)) key += fmt::format(" {}={}", name, value);
+    }
+    for (const NamedParameters& entry : model.instrument) {
+      if (find_instrument_effect(entry.name)->stage != InstrumentStage::pose) continue;
+      for (const auto& [name, value] : entry.parameters) key += fmt::format(" {}.{}={}", entry.name, name, value);
+    }
+    for (auto kept = traces_.begin(); kept != traces_.end(); ++kept) {
+      if ((*kept)->key != key) continue;
+      traces_.splice(traces_.begin(), traces_, kept);
+      return traces_.front();
+    }
+    auto trace = std::make_shared<Trace>();
+    trace->key = key;
+    trace->stiffness_N_per_m = stiffness;
+    trace->tips = true_tips(instrument);
+    trace->steps = run(base, trace->tips);
+    add_gaps(*trace, offset);
+    traces_.push_front(trace);
+    if (traces_.size() > kept_traces) traces_.pop_back();
+    return trace;
+  }
+
+  [[nodiscard]] std::vector<TipState> true_tips(const Instrument& instrument) const {
+    std::vector<TipState> tips(motion_.size());
+    for (std::size_t i = 0; i < tips.size(); ++i) {
+      Vec3 p_W_m = motion_.p_W_m[i];
+      for (const auto& [stage, effect] : instrument.effects) p_W_m = effect->true_position(p_W_m);
+      tips[i] = {motion_.t_s[i], p_W_m, motion_.q_WS.empty() ? Quat::Identity() : motion_.q_WS[i]};
+    }
+    return tips;
+  }
+
+  [[nodiscard]] std::vector<StepResult> run(const Model& base, std::span<const TipState> tips) const {
+    const auto renderer = make_renderer(base, surface_);
+    renderer->reset();
+    std::vector<StepResult> steps;
+    steps.reserve(tips.size());
+    for (const TipState& tip : tips) {
+      steps.push_back(renderer->step(tip));
+      if (steps.back().status == StepStatus::refused || !steps.back().f_W_N.allFinite()) {
+        throw BadData(fmt::format("the renderer {} refused the sample at t = {} s", base.renderer, tip.t_s));
+      }
+    }
+    return steps;
+  }
+
+  // Near the surface a free step carries gap and normal, so that effects that reach beyond contact need no query.
+  void add_gaps(Trace& trace, double offset) const {
+    for (std::size_t i = 0; i < trace.steps.size(); ++i) {
+      StepResult& step = trace.steps[i];
+      if (step.contact) continue;
+      const SurfacePoint closest = surface_->closest(trace.tips[i].p_W_m);
+      step.n_W = closest.n_W;
+      step.depth_m = offset - closest.distance_m;
+    }
+  }
+
+  // Whether doubling the stiffness doubles the force and leaves the proxy where it is, tried on a part of the motion.
+  bool scales_with_stiffness(const Model& base) {
+    const auto known = scales_.find(base.renderer);
+    if (known != scales_.end()) return known->second;
+    bool scales = false;
+    const auto given = base.parameters.find("stiffness_N_per_m");
+    if (given != base.parameters.end()) {
+      const std::vector<TipState> tips = true_tips({});
+      const auto some = std::span(tips).first(std::min<std::size_t>(tips.size(), tried_samples));
+      Model doubled = base;
+      doubled.parameters["stiffness_N_per_m"] = 2.0 * given->second;
+      const auto once = run(base, some);
+      const auto twice = run(doubled, some);
+      scales = true;
+      for (std::size_t i = 0; i < some.size(); ++i) {
+        const double bound = 1e-12 * once[i].f_W_N.norm();
+        scales = scales && (twice[i].f_W_N - 2.0 * once[i].f_W_N).norm() <= bound;
+      }
+    }
+    scales_[base.renderer] = scales;
+    return scales;
+  }
+
+  static constexpr std::size_t kept_traces = 12;
+  static constexpr std::size_t tried_samples = 2000;
+
+  std::shared_ptr<const Surface> surface_;
+  MotionColumns motion_;
+  std::list<std::shared_ptr<const Trace>> traces_;
+  std::map<std::string, bool> scales_;
+};
+
+}  // namespace
+
+std::unique_ptr<Predictor> make_model_predictor(std::shared_ptr<const Surface> surface, MotionColumns motion) {
+  return std::make_unique<ModelPredictor>(std::move(surface), std::move(motion));
+}
+
+}  // namespace touchstone
