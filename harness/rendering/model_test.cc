@@ -4,7 +4,6 @@
 #include <gtest/gtest.h>
 
 #include "harness/base/error.h"
-#include "harness/rendering/instrument_declarations.h"
 #include "harness/rendering/parameters.h"
 
 namespace touchstone {
@@ -84,11 +83,12 @@ TEST(Parameters, UnreadAndOutOfRangeAreErrorsWithPlaceAndHelp) {
   EXPECT_THAT(refused("stiffness_N_per_m", std::nan("")), HasSubstr("out of range"));
 }
 
-TEST(InstrumentDeclarations, EveryEntryOfTheFormatIsKnown) {
+TEST(CheckEntry, FindsAnEntryAndSaysWhatAWrongNameWasMeantToBe) {
+  const std::vector<NamedDeclaration> known{{"time-lag", "", {{"lag_s", "s", 0.0, 1.0, 0.0, "lag"}}}};
   const NamedParameters entry{"time-lag", {{"lag_s", 0.01}}, "/instrument/0"};
-  EXPECT_EQ(check_entry(entry, instrument_declarations(), "instrument entry", "m.json").at("lag_s"), 0.01);
+  EXPECT_EQ(check_entry(entry, known, "instrument entry", "m.json").at("lag_s"), 0.01);
   const NamedParameters wrong{"time-lagg", {}, "/instrument/0"};
-  EXPECT_THAT(message_of([&] { check_entry(wrong, instrument_declarations(), "instrument entry", "m.json"); }),
+  EXPECT_THAT(message_of([&] { check_entry(wrong, known, "instrument entry", "m.json"); }),
               AllOf(HasSubstr("/instrument/0/name"), HasSubstr("did you mean \"time-lag\"")));
 }
 
