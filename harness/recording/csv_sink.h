@@ -1,0 +1,15 @@
+// The CSV half of TableSink: see table_sink.h.
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <vector>
+
+#include "harness/recording/table_sink.h"
+
+namespace touchstone {
+
+std::unique_ptr<TableSink> create_csv_sink(const std::filesystem::path& path, const std::vector<Column>& columns,
+                                           bool gzip);
+
+}  // namespace touchstone
