@@ -1,0 +1,25 @@
+// The exact answer of a frictionless god-object at rest, from an analytic surface: Zilles and Salisbury 1995 put the
+// god-object at the point of the surface nearest to the tip, and the spring between them pulls with k times the
+// distance. For a ball tip the god-object is the ball's centre on the offset surface at the ball's radius (Ruspini et
+// al. 1997).
+//
+// Holds while the path to the tip never left the neighbourhood of one sheet of the surface: the depth stays below the
+// distance to the medial axis inside, and the ball fits every hollow that it touches. A god-object remembers its path,
+// a closest point does not: beyond that the two differ, rightly.
+#pragma once
+
+#include "harness/surface/surface.h"
+
+namespace touchstone::synthetic {
+
+struct ExactContact {
+  bool contact;    // the ball (or point) overlaps the object
+  Vec3 proxy_W_m;  // surface contact point; the ball's centre at the proxy for a ball; the tip itself when free
+  Vec3 n_W;        // outward unit normal of the contact
+  double depth_m;  // >= 0
+  Vec3 f_W_N;      // k depth n, on the probe
+};
+
+ExactContact exact_contact(const Surface& surface, const Vec3& tip_W_m, double stiffness_N_per_m, double tip_radius_m);
+
+}  // namespace touchstone::synthetic
