@@ -1,0 +1,137 @@
+#include "harness/surface/mesh_file.h"
+
+#include <fmt/format.h>
+#include <zlib.h>
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cctype>
+#include <numeric>
+
+#include "harness/base/atomic_file.h"
+#include "harness/base/error.h"
+#include "harness/surface/mesh_soup.h"
+
+namespace touchstone {
+namespace {
+
+// A few kilobytes of gzip can stand for terabytes.
+constexpr std::size_t largest_unpacked_bytes = std::size_t{8} << 30U;
+
+std::string lower_extension(const std::filesystem::path& path) {
+  std::string extension = path.extension().string();
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return extension;
+}
+
+std::string unpacked(const std::filesystem::path& path) {
+  struct Closer {
+    void operator()(gzFile_s* file) const { gzclose_r(file); }
+  };
+  // For its message about a missing file, a folder or a lack of permission.
+  const std::string packed = read_file(path);
+  if (packed.size() < 2 || packed[0] != '\x1f' || packed[1] != '\x8b') {
+    throw BadData(fmt::format("{}: is not gzip data although its name ends in .gz", path.string()));
+  }
+  const std::unique_ptr<gzFile_s, Closer> file(gzopen(path.c_str(), "rb"));
+  if (!file) throw BadData(fmt::format("{}: cannot be opened for reading", path.string()));
+  std::string text;
+  std::array<char, 1 << 16> block;
+  int n = 0;
+  while ((n = gzread(file.get(), block.data(), block.size())) > 0) {
+    text.append(block.data(), static_cast<std::size_t>(n));
+    if (text.size() > largest_unpacked_bytes) {
+      throw BadData(fmt::format("{}: unpacks to more than {} GiB", path.string(), largest_unpacked_bytes >> 30U));
+    }
+  }
+  int code = Z_OK;
+  const std::string reason = gzerror(file.get(), &code);
+  // A file cut off at its end yields data, then Z_BUF_ERROR.
+  if (n < 0 || code != Z_OK) {
+    throw BadData(fmt::format("{}: the gzip data are damaged or truncated ({})", path.string(), reason));
+  }
+  return text;
+}
+
+std::uint64_t hash(const Vec3& p) {
+  std::uint64_t h = 0x9E3779B97F4A7C15ULL;
+  for (const double x : p) {
+    h ^= std::bit_cast<std::uint64_t>(x + 0.0);  // -0.0 + 0.0 is +0.0
+    h *= 0xD6E8FEB86659FD93ULL;
+    h ^= h >> 32U;
+  }
+  return h;
+}
+
+}  // namespace
+
+MeshFormat mesh_format(const std::filesystem::path& path) {
+  const std::string extension = lower_extension(lower_extension(path) == ".gz" ? path.stem() : path);
+  if (extension == ".obj") return MeshFormat::obj;
+  if (extension == ".off") return MeshFormat::off;
+  if (extension == ".ply") return MeshFormat::ply;
+  if (extension == ".stl") return MeshFormat::stl;
+  throw BadData(fmt::format(
+      "{}: '{}' is not a mesh format that is understood; expected .obj, .off, .ply or .stl, each also as .gz",
+      path.string(), extension));
+}
+
+TriangleMesh load_mesh(const std::filesystem::path& path, double unit_m) {
+  const MeshFormat format = mesh_format(path);
+  const std::string bytes = lower_extension(path) == ".gz" ? unpacked(path) : read_file(path);
+  return parse_mesh(bytes, format, unit_m, path.string());
+}
+
+TriangleMesh parse_mesh(std::string_view bytes, MeshFormat format, double unit_m, const std::string& source) {
+  if (!(unit_m > 0.0 && unit_m <= largest_mesh_coordinate_m))
+    throw UsageError(fmt::format("{}: a mesh unit of {} m makes no sense", source, unit_m));
+  mesh_readers::Soup soup(source, unit_m);
+  if (bytes.empty()) soup.fail("is empty; a mesh was expected");
+  switch (format) {
+    case MeshFormat::obj:
+      mesh_readers::read_obj(bytes, soup);
+      break;
+    case MeshFormat::off:
+      mesh_readers::read_off(bytes, soup);
+      break;
+    case MeshFormat::ply:
+      mesh_readers::read_ply(bytes, soup);
+      break;
+    case MeshFormat::stl:
+      mesh_readers::read_stl(bytes, soup);
+      break;
+  }
+  TriangleMesh mesh = std::move(soup).finish();
+  return format == MeshFormat::stl ? weld_coincident_vertices(mesh) : mesh;
+}
+
+TriangleMesh weld_coincident_vertices(const TriangleMesh& mesh) {
+  const std::size_t count = mesh.vertices_W_m.size();
+  TriangleMesh welded;
+  welded.source = mesh.source;
+  welded.vertices_W_m.reserve(count);
+  // Open addressing: slots hold the index of a welded vertex.
+  std::vector<std::int32_t> slots(std::bit_ceil(2 * count + 2), -1);
+  const std::size_t mask = slots.size() - 1;
+  std::vector<std::int32_t> renamed(count);
+  for (std::size_t v = 0; v < count; ++v) {
+    const Vec3& p = mesh.vertices_W_m[v];
+    std::size_t slot = hash(p) & mask;
+    while (slots[slot] >= 0 && welded.vertices_W_m[static_cast<std::size_t>(slots[slot])] != p)
+      slot = (slot + 1) & mask;
+    if (slots[slot] < 0) {
+      slots[slot] = static_cast<std::int32_t>(welded.vertices_W_m.size());
+      welded.vertices_W_m.push_back(p);
+    }
+    renamed[v] = slots[slot];
+  }
+  welded.triangles = mesh.triangles;
+  for (auto& triangle : welded.triangles) {
+    for (std::int32_t& corner : triangle) corner = renamed[static_cast<std::size_t>(corner)];
+  }
+  return welded;
+}
+
+}  // namespace touchstone
