@@ -1,0 +1,19 @@
+// The metrics as a table for a terminal.
+#pragma once
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "harness/metrics/metric.h"
+
+namespace touchstone {
+
+// One column per named evaluation, one row per metric; every number with its unit, and why where there is none.
+// All evaluations list the same metrics.
+std::string console_table(const std::vector<std::pair<std::string, const std::vector<MetricResult>*>>& evaluations);
+
+// Columns aligned, numbers as given; the first row is the head.
+std::string align_columns(const std::vector<std::vector<std::string>>& rows);
+
+}  // namespace touchstone

@@ -1,0 +1,31 @@
+// The parts that result.json shares with other result files: metrics, series, provenance.
+#pragma once
+
+#include <cstdint>
+#include <nlohmann/json_fwd.hpp>
+#include <string_view>
+#include <vector>
+
+#include "harness/base/json_reader.h"
+#include "harness/metrics/metric.h"
+#include "harness/report/provenance.h"
+
+namespace touchstone {
+
+nlohmann::json series_to_json(const Series& series);
+Series series_from_json(JsonObject& in);
+
+nlohmann::json metric_to_json(const MetricResult& metric);
+MetricResult metric_from_json(JsonObject& in);
+
+nlohmann::json provenance_to_json(const Provenance& provenance);
+Provenance provenance_from_json(JsonObject in);
+
+// An array of numbers and nulls (NaN).
+std::vector<double> nullable_numbers(JsonObject& in, std::string_view key);
+// A whole number >= 0.
+std::uint64_t count_from_json(JsonObject& in, std::string_view key);
+
+const char* status_name(MetricStatus status);
+
+}  // namespace touchstone
