@@ -1,0 +1,139 @@
+#include "harness/recording/dataset.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "harness/base/atomic_file.h"
+#include "harness/base/error.h"
+#include "harness/base/hash.h"
+#include "harness/base/json_reader.h"
+#include "harness/base/units.h"
+
+namespace touchstone {
+namespace {
+
+constexpr const char* description = "dataset.json";
+constexpr const char* schema = "touchstone-dataset/1";
+
+std::string file_name(JsonObject& object, std::string_view key, std::string name) {
+  const std::filesystem::path path(name);
+  const bool leads_out = std::ranges::any_of(path, [](const auto& part) { return part == ".."; });
+  if (name.empty() || path.is_absolute() || leads_out || !path.has_filename()) {
+    object.fail_at(key, fmt::format("'{}' is no file within the data set's folder; give a relative path", name));
+  }
+  return path.lexically_normal().generic_string();
+}
+
+std::string required_text(JsonObject& object, std::string_view key) {
+  std::string text = object.text(key);
+  if (text.empty()) object.fail_at(key, "is empty; say it, even if it is \"unknown\"");
+  return text;
+}
+
+}  // namespace
+
+std::vector<std::string> Dataset::files() const {
+  std::vector<std::string> files{mesh_file};
+  const auto add = [&](const std::string& file) {
+    if (!file.empty() && std::ranges::find(files, file) == files.end()) files.push_back(file);
+  };
+  add(instrument_file);
+  for (const DatasetRecording& recording : recordings) {
+    add(recording.file);
+    add(recording.exact);
+  }
+  return files;
+}
+
+Dataset load_dataset(const std::filesystem::path& place) {
+  std::error_code error;
+  const bool is_description = place.filename() == description && !std::filesystem::is_directory(place, error);
+  Dataset dataset;
+  dataset.folder = is_description ? place.parent_path() : place;
+  const std::filesystem::path file = dataset.folder / description;
+  if (!std::filesystem::exists(file, error)) {
+    throw BadData(
+        fmt::format("{}: no {} there; a data set is a folder with one", dataset.folder.string(), description));
+  }
+  const nlohmann::json json = load_json(file);
+  JsonObject root(json, file.string(), "");
+  root.schema(schema);
+  dataset.object = required_text(root, "object");
+  JsonObject mesh = root.object("mesh");
+  dataset.mesh_file = file_name(mesh, "file", mesh.text("file"));
+  dataset.mesh_unit = mesh.text("unit");
+  if (!si_factor(Dimension::length, dataset.mesh_unit)) {
+    mesh.fail_at("unit", fmt::format("unknown length unit '{}': use one of {}", dataset.mesh_unit,
+                                     known_units(Dimension::length)));
+  }
+  mesh.finish();
+  dataset.tip_radius_m = root.number("tip_radius_m");
+  if (dataset.tip_radius_m < 0.0) root.fail_at("tip_radius_m", "is negative; 0 is a point");
+  dataset.instrument = required_text(root, "instrument");
+  if (const auto name = root.optional_text("instrument_file")) {
+    dataset.instrument_file = file_name(root, "instrument_file", *name);
+  }
+  dataset.stiffness_N_per_m = root.number("stiffness_N_per_m");
+  if (!(dataset.stiffness_N_per_m > 0.0)) root.fail_at("stiffness_N_per_m", "must be above 0");
+  const std::string mode = root.text("in_trajectory");
+  if (mode != "synthesize" && mode != "measured") {
+    root.fail_at("in_trajectory", fmt::format("'{}' is unknown: use synthesize or measured", mode));
+  }
+  dataset.in_trajectory = mode == "measured" ? InTrajectoryMode::measured : InTrajectoryMode::synthesize;
+  for (JsonObject& entry : root.objects("recordings")) {
+    DatasetRecording recording;
+    recording.file = file_name(entry, "file", entry.text("file"));
+    recording.shows = required_text(entry, "shows");
+    if (const auto name = entry.optional_text("exact")) recording.exact = file_name(entry, "exact", *name);
+    entry.finish();
+    if (std::ranges::find(dataset.recordings, recording.file, &DatasetRecording::file) != dataset.recordings.end()) {
+      entry.fail_at("file", fmt::format("'{}' is listed twice", recording.file));
+    }
+    dataset.recordings.push_back(std::move(recording));
+  }
+  if (dataset.recordings.empty()) root.fail_at("recordings", "is empty; a data set has at least one recording");
+  dataset.source = required_text(root, "source");
+  dataset.licence = required_text(root, "licence");
+  if (root.has("sha256")) {
+    JsonObject hashes = root.object("sha256");
+    for (const std::string& name : hashes.keys()) dataset.sha256[name] = hashes.text(name);
+  }
+  root.finish();
+  return dataset;
+}
+
+void save_dataset(const Dataset& dataset) {
+  nlohmann::ordered_json json;
+  json["schema"] = schema;
+  json["object"] = dataset.object;
+  json["mesh"]["file"] = dataset.mesh_file;
+  json["mesh"]["unit"] = dataset.mesh_unit;
+  json["tip_radius_m"] = dataset.tip_radius_m;
+  json["instrument"] = dataset.instrument;
+  if (!dataset.instrument_file.empty()) json["instrument_file"] = dataset.instrument_file;
+  json["stiffness_N_per_m"] = dataset.stiffness_N_per_m;
+  json["in_trajectory"] = dataset.in_trajectory == InTrajectoryMode::measured ? "measured" : "synthesize";
+  json["recordings"] = nlohmann::ordered_json::array();
+  for (const DatasetRecording& recording : dataset.recordings) {
+    nlohmann::ordered_json entry;
+    entry["file"] = recording.file;
+    entry["shows"] = recording.shows;
+    if (!recording.exact.empty()) entry["exact"] = recording.exact;
+    json["recordings"].push_back(std::move(entry));
+  }
+  json["source"] = dataset.source;
+  json["licence"] = dataset.licence;
+  if (!dataset.sha256.empty()) json["sha256"] = dataset.sha256;
+  write_file(dataset.folder / description, json.dump(2) + "\n");
+}
+
+void pack_dataset(Dataset& dataset) {
+  std::map<std::string, std::string> hashes;
+  for (const std::string& file : dataset.files()) hashes[file] = sha256_file(dataset.path_of(file));
+  dataset.sha256 = std::move(hashes);
+  save_dataset(dataset);
+}
+
+}  // namespace touchstone

@@ -1,0 +1,88 @@
+// A data set: a folder that holds everything needed to evaluate renderers on one object, described by dataset.json
+// (schema touchstone-dataset/1), as the public repository of Ruffaldi et al. 2006 meant it: the object's mesh, what the
+// probe was, and the recordings. Every file it names lies in the folder and is named with its SHA-256.
+//
+//   {"schema": "touchstone-dataset/1",
+//    "object": "acrylic plate, 160 mm x 120 mm",
+//    "mesh": {"file": "plate.obj", "unit": "mm"},
+//    "tip_radius_m": 0.0,
+//    "instrument": "ATI Nano17 at 5 kHz, optical tracker at 60 Hz",
+//    "instrument_file": "instrument.json",                        (optional; touchstone-instrument/1)
+//    "stiffness_N_per_m": 500,
+//    "in_trajectory": "synthesize",                               (or "measured", for compliant objects)
+//    "recordings": [{"file": "scan.csv", "shows": "a scan along y with taps at both ends",
+//                    "exact": "scan.exact.csv"}],                 (optional: the exact answer)
+//    "source": "who measured or made it, and how",
+//    "licence": "CC0-1.0",
+//    "sha256": {"plate.obj": "...", "instrument.json": "...", "scan.csv": "...", "scan.exact.csv": "..."}}
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "harness/base/vec.h"
+#include "harness/recording/clock.h"
+
+namespace touchstone {
+
+enum class InTrajectoryMode : std::uint8_t {
+  synthesize,  // p_in = p_out - F_n / k (Ruffaldi et al. 2006, equation 2)
+  measured,    // the measured positions as they are
+};
+
+struct DatasetRecording {
+  std::string file;
+  std::string shows;
+  std::string exact;  // "" where there is none
+};
+
+struct Dataset {
+  std::filesystem::path folder;
+  std::string object;
+  std::string mesh_file;
+  std::string mesh_unit;
+  double tip_radius_m = 0.0;
+  std::string instrument;
+  std::string instrument_file;  // "" where there is none
+  double stiffness_N_per_m = 0.0;
+  InTrajectoryMode in_trajectory = InTrajectoryMode::synthesize;
+  std::vector<DatasetRecording> recordings;
+  std::string source;
+  std::string licence;
+  std::map<std::string, std::string> sha256;
+
+  [[nodiscard]] std::filesystem::path path_of(const std::string& file) const { return folder / file; }
+  // Every file that the description names, each once: mesh, instrument, recordings, exact answers.
+  [[nodiscard]] std::vector<std::string> files() const;
+};
+
+// `place` is the folder or its dataset.json. Throws BadData naming the place in the JSON; a file name that leads out of
+// the folder is refused. Does not look at the files: see check_dataset().
+Dataset load_dataset(const std::filesystem::path& place);
+// Rewrites dataset.json atomically.
+void save_dataset(const Dataset& dataset);
+
+// The box around a mesh, in metres; the room of surfaces reads meshes, so the caller passes how.
+using MeshBounds = std::function<Box3(const std::filesystem::path& file, const std::string& unit)>;
+
+struct DatasetReport {
+  std::vector<std::string> errors;    // any: the data set cannot be relied on
+  std::vector<std::string> warnings;  // worth a look
+  std::vector<std::string> facts;     // one line per recording
+};
+
+// Checks that every file exists, is what its hash says and can be read, and that recordings lie where the mesh is.
+DatasetReport check_dataset(const Dataset& dataset, const MeshBounds& mesh_bounds, const ClockPolicy& clock = {});
+
+// Computes the hash of every file and rewrites dataset.json; throws BadData, changing nothing, when a file is missing.
+void pack_dataset(Dataset& dataset);
+
+// Writes folder and description as one archive (.tar.gz) that is the same for the same content. Throws BadData for
+// another extension.
+void archive_dataset(const Dataset& dataset, const std::filesystem::path& out);
+
+}  // namespace touchstone

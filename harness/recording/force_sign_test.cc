@@ -1,0 +1,78 @@
+#include "harness/recording/force_sign.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include "harness/base/random.h"
+
+namespace touchstone {
+namespace {
+
+struct Scan {
+  std::vector<Vec3> normals;
+  std::vector<Vec3> forces;
+};
+
+// Taps on a body: half the samples are in contact; friction and noise on every force.
+Scan taps(double sign, double size_N, double friction, double noise, std::uint64_t seed) {
+  Random random(seed);
+  Scan scan;
+  for (int i = 0; i < 4000; ++i) {
+    const Vec3 n = random.direction();
+    const Vec3 tangent = n.unitOrthogonal();
+    const double pressed = std::max(0.0, std::sin(i * 0.05));
+    const Vec3 f = pressed * (n + friction * tangent) + noise * Vec3(random.normal(), random.normal(), random.normal());
+    scan.normals.push_back(n);
+    scan.forces.push_back(sign * size_N * f);
+  }
+  return scan;
+}
+
+TEST(ForceSign, FindsTheSignAtEverySizeWithFrictionAndNoise) {
+  for (const double size_N : {1e-300, 1e-3, 1.0, 1e3, 1e300}) {
+    for (const double friction : {0.0, 0.5, 2.0}) {
+      const Scan right = taps(1.0, size_N, friction, 0.05, 1);
+      const Scan wrong = taps(-1.0, size_N, friction, 0.05, 1);
+      const ForceSign a = check_force_sign(right.normals, right.forces);
+      const ForceSign b = check_force_sign(wrong.normals, wrong.forces);
+      EXPECT_EQ(a.verdict, SignVerdict::outward) << a.explain();
+      EXPECT_EQ(b.verdict, SignVerdict::reversed) << b.explain();
+      EXPECT_DOUBLE_EQ(a.statistic, -b.statistic);
+      EXPECT_DOUBLE_EQ(a.p_value, std::pow(0.5, 19)) << "20 of 20 blocks, two-sided";
+    }
+  }
+}
+
+TEST(ForceSign, DoesNotDecideWithoutEvidence) {
+  Random random(3);
+  int decided = 0;
+  for (int trial = 0; trial < 200; ++trial) {
+    Scan noise;
+    for (int i = 0; i < 100; ++i) {
+      noise.normals.push_back(random.direction());
+      noise.forces.push_back(random.direction());
+    }
+    if (check_force_sign(noise.normals, noise.forces).verdict != SignVerdict::undecided) ++decided;
+  }
+  EXPECT_EQ(decided, 0);
+  const std::vector<Vec3> n(3, Vec3::UnitZ());
+  EXPECT_EQ(check_force_sign(n, n).verdict, SignVerdict::undecided) << "three samples prove nothing";
+  EXPECT_DOUBLE_EQ(check_force_sign(n, n).p_value, 0.25);
+  EXPECT_EQ(check_force_sign({}, {}).verdict, SignVerdict::undecided);
+  const std::vector<Vec3> bad(30, Vec3::Constant(std::numeric_limits<double>::quiet_NaN()));
+  EXPECT_EQ(check_force_sign(std::vector<Vec3>(30, Vec3::UnitZ()), bad).samples, 0U);
+  EXPECT_THROW(check_force_sign(n, {}), std::invalid_argument);
+}
+
+TEST(ForceSign, OneHugeOutlierDoesNotDecide) {
+  Scan scan = taps(1.0, 1.0, 0.2, 0.05, 4);
+  scan.forces[10] = -1e9 * scan.normals[10];
+  EXPECT_EQ(check_force_sign(scan.normals, scan.forces).verdict, SignVerdict::undecided);
+}
+
+}  // namespace
+}  // namespace touchstone
