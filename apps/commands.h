@@ -7,10 +7,12 @@
 
 namespace touchstone::apps {
 
+void add_replay(CLI::App& program, Run& run);
 void add_version(CLI::App& program, Run& run);
 
 inline std::vector<AddCommand> commands() {
   return {
+      add_replay,
       add_version,
   };
 }

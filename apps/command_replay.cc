@@ -1,0 +1,72 @@
+#include <fmt/format.h>
+
+#include <chrono>
+#include <filesystem>
+
+#include "apps/commands.h"
+#include "harness/base/atomic_file.h"
+#include "harness/base/units.h"
+#include "harness/rendering/replay_file.h"
+#include "harness/surface/embree_surface.h"
+#include "harness/surface/mesh_file.h"
+#include "renderers/catalogue.h"
+
+namespace touchstone::apps {
+namespace {
+
+struct Options {
+  std::string model, mesh, mesh_unit = "m", trajectory, out, timing, json;
+};
+
+ExitStatus replay_command(const Options& options) {
+  const Model model = load_model(options.model);
+  find_renderer(model);  // a misspelt name is said before a large mesh is read
+  const TriangleMesh mesh = load_mesh(options.mesh, length_unit_factor(options.mesh_unit));
+  const auto began = std::chrono::steady_clock::now();
+  const auto renderer = make_renderer(model, make_embree_surface(mesh));
+  const double build_ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - began).count();
+
+  const ReplaySummary summary = replay_file(*renderer, options.trajectory, options.out);
+  if (!options.timing.empty()) {
+    ReplayTiming timing = measure_steps(*renderer, options.trajectory);
+    timing.build_ms = build_ms;
+    write_file(options.timing, timing_to_json(timing));
+    fmt::print("step: mean {:.3f} us, median {:.3f} us, p99 {:.3f} us, max {:.3f} us; build {:.1f} ms\n",
+               timing.mean_us, timing.median_us, timing.p99_us, timing.max_us, timing.build_ms);
+  }
+  if (!options.json.empty()) {
+    write_file(options.json,
+               fmt::format("{{\"samples\": {}, \"in_contact\": {}, \"largest_force_N\": {}, \"deepest_m\": {}}}\n",
+                           summary.samples, summary.in_contact, summary.largest_force_N, summary.deepest_m));
+  }
+  fmt::print("{}: {} samples, {} in contact, largest force {:.6g} N, deepest {:.6g} mm\n", options.out, summary.samples,
+             summary.in_contact, summary.largest_force_N, summary.deepest_m * 1e3);
+  return ExitStatus::passed;
+}
+
+}  // namespace
+
+void add_replay(CLI::App& program, Run& run) {
+  auto* const command = program.add_subcommand("replay", "Run one renderer over positions as they are");
+  auto options = std::make_shared<Options>();
+  command->add_option("--model", options->model, "Model file (touchstone-model/1)")->required();
+  command->add_option("--mesh", options->mesh, "OBJ, OFF, PLY or STL, also .gz")->required();
+  command->add_option("--mesh-unit", options->mesh_unit, "Unit of the mesh's coordinates: m, mm, cm, km, um")
+      ->capture_default_str();
+  command->add_option("--trajectory", options->trajectory, "Positions over time: CSV or HDF5 with t_s, x_m, y_m, z_m")
+      ->required();
+  command->add_option("--out", options->out, "Rendered file: force, surface contact point, contact (CSV or HDF5)")
+      ->required();
+  command->add_option("--timing", options->timing,
+                      "Write the cost of the steps alone as JSON; replays twice more: whole blocks for the mean, "
+                      "single steps for the rest");
+  command->add_option("--json", options->json, "Write the summary as JSON");
+  command->footer(
+      "Examples:\n"
+      "  touchstone replay --model god-object.json --mesh plane.obj --trajectory in.csv --out rendered.csv\n"
+      "  touchstone replay --model god-object.json --mesh scan.stl --mesh-unit mm --trajectory in.h5 --out out.h5 "
+      "--timing t.json");
+  command->callback([options, &run] { run = [options] { return replay_command(*options); }; });
+}
+
+}  // namespace touchstone::apps

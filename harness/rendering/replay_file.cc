@@ -1,0 +1,50 @@
+#include "harness/rendering/replay_file.h"
+
+#include <algorithm>
+#include <memory>
+
+#include "harness/base/progress.h"
+#include "harness/recording/recording_writer.h"
+
+namespace touchstone {
+
+TipSource tip_source(RecordingStream& stream) {
+  return [&stream, block = SampleBlock(), next = std::size_t{0}](TipState& tip) mutable {
+    if (next == block.size()) {
+      next = 0;
+      if (!stream.next(block)) return false;
+    }
+    tip.t_s = block.motion.t_s[next];
+    tip.p_W_m = block.motion.p_W_m[next];
+    tip.q_WS = block.motion.q_WS.empty() ? Quat::Identity() : block.motion.q_WS[next];
+    ++next;
+    return true;
+  };
+}
+
+ReplaySummary replay_file(Renderer& renderer, const std::filesystem::path& in, const std::filesystem::path& out) {
+  auto stream = RecordingStream::open(in);
+  RenderedWriter writer(out, false);
+  Progress progress("replay " + in.filename().string(), 0);
+  ReplaySummary summary;
+  replay(renderer, tip_source(stream), [&](const TipState& tip, const StepResult& result, double) {
+    writer.append(tip.t_s, tip.p_W_m, result.contact_W_m, result.f_W_N, result.contact);
+    ++summary.samples;
+    if (result.contact) ++summary.in_contact;
+    summary.largest_force_N = std::max(summary.largest_force_N, result.f_W_N.norm());
+    summary.deepest_m = std::max(summary.deepest_m, result.depth_m);
+    if (summary.samples % 65536 == 0) progress.update(summary.samples);
+  });
+  writer.commit();
+  return summary;
+}
+
+ReplayTiming measure_steps(Renderer& renderer, const std::filesystem::path& in) {
+  std::unique_ptr<RecordingStream> stream;
+  return measure_steps(renderer, [&] {
+    stream = std::make_unique<RecordingStream>(RecordingStream::open(in));
+    return tip_source(*stream);
+  });
+}
+
+}  // namespace touchstone

@@ -1,0 +1,185 @@
+#include "harness/surface/triangle_tree.h"
+
+#include <embree3/rtcore.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "harness/base/error.h"
+
+namespace touchstone {
+namespace {
+
+// In units of half the mesh's size. Rounding a coordinate of magnitude 1 to float costs 2^-25 = 3e-8, a ray's course
+// half a dozen such roundings; this is eight times that.
+constexpr double kPadding = 2e-6;
+// Beyond this distance (in the same units) float cannot tell the triangles apart at all.
+constexpr double kFarAway = 1e6;
+
+struct DeviceRelease {
+  void operator()(RTCDevice device) const { rtcReleaseDevice(device); }
+};
+struct SceneRelease {
+  void operator()(RTCScene scene) const { rtcReleaseScene(scene); }
+};
+
+}  // namespace
+
+struct TriangleTree::Embree {
+  const TriangleMesh* mesh;
+  Vec3 center;
+  Vec3 half;  // of the scaled mesh's box
+  double scale;
+  std::unique_ptr<RTCDeviceTy, DeviceRelease> device;
+  std::unique_ptr<RTCSceneTy, SceneRelease> scene;
+
+  // Embree hands its context to the callback: it must come first.
+  struct SegmentVisit {
+    RTCIntersectContext context;
+    Visitor visitor;
+    double length;  // of the segment, scaled
+    double begin;   // where the ray starts along it
+  };
+  struct BallVisit {
+    Visitor visitor;
+    double scale;
+    double slack;
+  };
+
+  static void bounds(const RTCBoundsFunctionArguments* arguments) {
+    const auto& self = *static_cast<const Embree*>(arguments->geometryUserPtr);
+    Box3 box;
+    for (const std::int32_t corner : self.mesh->triangles[arguments->primID]) {
+      box.extend(Vec3(self.scale * (self.mesh->vertices_W_m[static_cast<std::size_t>(corner)] - self.center)));
+    }
+    RTCBounds& out = *arguments->bounds_o;
+    out.lower_x = static_cast<float>(box.min().x() - kPadding);
+    out.lower_y = static_cast<float>(box.min().y() - kPadding);
+    out.lower_z = static_cast<float>(box.min().z() - kPadding);
+    out.upper_x = static_cast<float>(box.max().x() + kPadding);
+    out.upper_y = static_cast<float>(box.max().y() + kPadding);
+    out.upper_z = static_cast<float>(box.max().z() + kPadding);
+  }
+
+  static void on_segment(const RTCIntersectFunctionNArguments* arguments) {
+    if (arguments->valid[0] == 0) return;
+    auto& visit = *reinterpret_cast<SegmentVisit*>(arguments->context);
+    const double beyond = visit.visitor.call(visit.visitor.self, static_cast<std::int32_t>(arguments->primID));
+    if (!(beyond < 1.0)) return;
+    auto& hit = *reinterpret_cast<RTCRayHit*>(arguments->rayhit);
+    const auto reach = static_cast<float>(std::max(0.0, beyond * visit.length - visit.begin) + 2.0 * kPadding);
+    if (reach < hit.ray.tfar) {
+      hit.ray.tfar = reach;
+      hit.hit.geomID = arguments->geomID;
+      hit.hit.primID = arguments->primID;
+    }
+  }
+
+  static bool in_ball(RTCPointQueryFunctionArguments* arguments) {
+    auto& visit = *static_cast<BallVisit*>(arguments->userPtr);
+    const double beyond = visit.visitor.call(visit.visitor.self, static_cast<std::int32_t>(arguments->primID));
+    const auto radius = static_cast<float>(visit.scale * beyond * (1.0 + kPadding) + visit.slack);
+    if (!(radius < arguments->query->radius)) return false;
+    arguments->query->radius = radius;
+    return true;
+  }
+};
+
+TriangleTree::TriangleTree(const TriangleMesh& mesh) : embree_(std::make_unique<Embree>()) {
+  Box3 box;
+  for (const auto& triangle : mesh.triangles) {
+    for (const std::int32_t corner : triangle) box.extend(mesh.vertices_W_m[static_cast<std::size_t>(corner)]);
+  }
+  Embree& self = *embree_;
+  self.mesh = &mesh;
+  self.center = box.center();
+  self.scale = 2.0 / box.sizes().maxCoeff();
+  self.half = 0.5 * self.scale * box.sizes();
+  const auto fail = [&](RTCError error) {
+    throw Error(ExitStatus::bad_data, fmt::format("{}: Embree cannot build its hierarchy over {} triangles (error {})",
+                                                  mesh.source, mesh.triangles.size(), static_cast<int>(error)));
+  };
+  self.device.reset(rtcNewDevice(nullptr));
+  if (!self.device) fail(rtcGetDeviceError(nullptr));
+  self.scene.reset(rtcNewScene(self.device.get()));
+  rtcSetSceneFlags(self.scene.get(), RTC_SCENE_FLAG_ROBUST);
+  const RTCGeometry geometry = rtcNewGeometry(self.device.get(), RTC_GEOMETRY_TYPE_USER);
+  rtcSetGeometryUserPrimitiveCount(geometry, static_cast<unsigned>(mesh.triangles.size()));
+  rtcSetGeometryUserData(geometry, &self);
+  rtcSetGeometryBoundsFunction(geometry, Embree::bounds, nullptr);
+  rtcSetGeometryIntersectFunction(geometry, Embree::on_segment);
+  rtcCommitGeometry(geometry);
+  rtcAttachGeometry(self.scene.get(), geometry);
+  rtcReleaseGeometry(geometry);
+  rtcCommitScene(self.scene.get());
+  if (const RTCError error = rtcGetDeviceError(self.device.get()); error != RTC_ERROR_NONE) fail(error);
+}
+
+TriangleTree::~TriangleTree() = default;
+
+void TriangleTree::segment(const Vec3& a_W_m, const Vec3& b_W_m, Visitor visitor) const {
+  const Embree& self = *embree_;
+  const Vec3 a = self.scale * (a_W_m - self.center);
+  const Vec3 b = self.scale * (b_W_m - self.center);
+  // Only the part near the mesh: there the ray's coordinates are of magnitude 1.
+  double from = 0.0;
+  double to = 1.0;
+  for (Eigen::Index i = 0; i < 3; ++i) {
+    const double wall = self.half[i] + 8.0 * kPadding;
+    const double step = b[i] - a[i];
+    if (step == 0.0) {
+      if (std::abs(a[i]) > wall) return;
+      continue;
+    }
+    const double t0 = (-wall - a[i]) / step;
+    const double t1 = (wall - a[i]) / step;
+    from = std::max(from, std::min(t0, t1));
+    to = std::min(to, std::max(t0, t1));
+  }
+  const double length = (b - a).norm();
+  if (!(from <= to) || !(length > 0.0)) return;
+  Embree::SegmentVisit visit{};
+  rtcInitIntersectContext(&visit.context);
+  visit.visitor = visitor;
+  visit.length = length;
+  visit.begin = from * length - kPadding;
+  const Vec3 direction = (b - a) / length;
+  const Vec3 origin = a + visit.begin * direction;
+  RTCRayHit hit{};
+  hit.ray.org_x = static_cast<float>(origin.x());
+  hit.ray.org_y = static_cast<float>(origin.y());
+  hit.ray.org_z = static_cast<float>(origin.z());
+  hit.ray.dir_x = static_cast<float>(direction.x());
+  hit.ray.dir_y = static_cast<float>(direction.y());
+  hit.ray.dir_z = static_cast<float>(direction.z());
+  hit.ray.tnear = 0.0F;
+  hit.ray.tfar = static_cast<float>((to - from) * length + 3.0 * kPadding);
+  hit.ray.mask = ~0U;
+  hit.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+  hit.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+  rtcIntersect1(self.scene.get(), &visit.context, &hit);
+}
+
+void TriangleTree::ball(const Vec3& center_W_m, double radius_m, Visitor visitor) const {
+  const Embree& self = *embree_;
+  const Vec3 q = self.scale * (center_W_m - self.center);
+  const double magnitude = q.cwiseAbs().maxCoeff();
+  if (!(magnitude <= kFarAway)) {
+    for (std::size_t t = 0; t < self.mesh->triangles.size(); ++t)
+      visitor.call(visitor.self, static_cast<std::int32_t>(t));
+    return;
+  }
+  Embree::BallVisit visit{visitor, self.scale, kPadding * (1.0 + magnitude)};
+  RTCPointQueryContext context;
+  rtcInitPointQueryContext(&context);
+  RTCPointQuery query;
+  query.x = static_cast<float>(q.x());
+  query.y = static_cast<float>(q.y());
+  query.z = static_cast<float>(q.z());
+  query.time = 0.0F;
+  query.radius = static_cast<float>(self.scale * radius_m * (1.0 + kPadding) + visit.slack);
+  rtcPointQuery(self.scene.get(), &query, &context, Embree::in_ball, &visit);
+}
+
+}  // namespace touchstone

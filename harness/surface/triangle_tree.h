@@ -1,0 +1,53 @@
+// Which triangles may meet a segment or a ball: candidates for renderers that decide for themselves, in double
+// precision, what counts as contact. A bounding volume hierarchy (Embree 3) in single precision over padded boxes: it
+// never leaves out a triangle that meets the segment or ball, but proposes others too. The mesh is centred and scaled
+// to a unit box, so that neither the user's unit nor the origin changes the candidates' completeness. Thread-safe;
+// visits allocate nothing.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+
+#include "harness/base/vec.h"
+#include "harness/surface/triangle_mesh.h"
+
+namespace touchstone {
+
+class TriangleTree {
+ public:
+  // Keeps a reference: the mesh must outlive the tree. Needs at least one triangle and finite, valid corners.
+  explicit TriangleTree(const TriangleMesh& mesh);
+  ~TriangleTree();
+  TriangleTree(const TriangleTree&) = delete;
+  TriangleTree& operator=(const TriangleTree&) = delete;
+
+  // Calls visit(triangle) -> double for the candidates of the segment a-b, in no particular order. The answer is the
+  // fraction of the segment beyond which further candidates are of no interest (1: all are). Both ends finite.
+  template <class Visit>
+  void along_segment(const Vec3& a, const Vec3& b, Visit&& visit) const {
+    segment(a, b, {&visit, [](void* self, std::int32_t t) {
+                     return (*static_cast<std::remove_reference_t<Visit>*>(self))(t);
+                   }});
+  }
+
+  // Calls visit(triangle) -> double for the candidates within `radius` of `center`, in no particular order. The answer
+  // is the radius beyond which further candidates are of no interest.
+  template <class Visit>
+  void within(const Vec3& center, double radius, Visit&& visit) const {
+    ball(center, radius,
+         {&visit, [](void* self, std::int32_t t) { return (*static_cast<std::remove_reference_t<Visit>*>(self))(t); }});
+  }
+
+ private:
+  struct Visitor {
+    void* self;
+    double (*call)(void*, std::int32_t);
+  };
+  struct Embree;
+  void segment(const Vec3& a, const Vec3& b, Visitor visitor) const;
+  void ball(const Vec3& center, double radius, Visitor visitor) const;
+
+  std::unique_ptr<Embree> embree_;
+};
+
+}  // namespace touchstone

@@ -1,0 +1,79 @@
+// A triangle mesh as a renderer that walks on it wants it: one record per triangle with everything that a step on it
+// reads, neighbours by index, and the tree for the rest. Shared between renderers on the same surface.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "harness/surface/mesh_topology.h"
+#include "harness/surface/surface.h"
+#include "harness/surface/triangle_tree.h"
+
+namespace touchstone {
+
+// A triangle's plane and borders. Edge e runs from corner e to corner (e + 1) mod 3.
+struct Facet {
+  Vec3 origin;                            // corner 0
+  Vec3 n;                                 // outward unit normal; zero where the triangle has no area
+  std::array<Vec3, 3> inward;             // unit, in the plane, from edge e towards the triangle's inside
+  double inset;                           // of edge 1 from the origin along inward[1]; edges 0 and 2 pass through it
+  std::array<std::int32_t, 3> corner;     // vertex indices
+  std::array<std::int32_t, 3> neighbour;  // across edge e: a triangle, open_edge or non_manifold_edge
+  std::array<bool, 3> valley;             // edge e is concave seen from outside
+  bool regular;                           // has area, and so have its neighbours; manifold at every edge and corner
+
+  // Signed distance from the plane, positive outside.
+  [[nodiscard]] double height(const Vec3& x) const noexcept { return n.dot(x - origin); }
+  // Signed distance within the plane from edge e's line, positive on the triangle's side.
+  [[nodiscard]] double inside(std::size_t e, const Vec3& x) const noexcept {
+    return inward[e].dot(x - origin) - (e == 1 ? inset : 0.0);
+  }
+};
+
+class ContactMesh {
+ public:
+  // Throws BadData for a surface without triangles. The surface must outlive this.
+  explicit ContactMesh(const Surface& surface);
+
+  [[nodiscard]] const Facet& facet(std::int32_t triangle) const noexcept {
+    return facets_[static_cast<std::size_t>(triangle)];
+  }
+  [[nodiscard]] const Vec3& vertex(std::int32_t index) const noexcept {
+    return mesh_->vertices_W_m[static_cast<std::size_t>(index)];
+  }
+  [[nodiscard]] const Vec3& vertex_normal(std::int32_t index) const noexcept {
+    return topology_.vertex_normals[static_cast<std::size_t>(index)];
+  }
+  // Whether the vertex or edge is on the rim of an open mesh.
+  [[nodiscard]] bool open_vertex(std::int32_t index) const noexcept {
+    return (topology_.vertex_flags[static_cast<std::size_t>(index)] & vertex_open) != 0;
+  }
+  [[nodiscard]] std::span<const std::int32_t> fan(std::int32_t vertex) const {
+    return topology_.fan(static_cast<std::size_t>(vertex));
+  }
+  [[nodiscard]] std::array<Vec3, 3> corners(std::int32_t triangle) const {
+    const auto& c = facet(triangle).corner;
+    return {vertex(c[0]), vertex(c[1]), vertex(c[2])};
+  }
+  // The local index of the edge of `triangle` that borders `neighbour`.
+  [[nodiscard]] std::size_t edge_towards(std::int32_t triangle, std::int32_t neighbour,
+                                         std::int32_t from) const noexcept;
+  [[nodiscard]] const TriangleTree& tree() const noexcept { return *tree_; }
+  [[nodiscard]] std::size_t triangle_count() const noexcept { return facets_.size(); }
+  // The largest magnitude of a coordinate: what rounding of positions on the surface is relative to.
+  [[nodiscard]] double magnitude() const noexcept { return magnitude_; }
+
+ private:
+  const TriangleMesh* mesh_;
+  MeshTopology topology_;
+  std::vector<Facet> facets_;
+  std::unique_ptr<TriangleTree> tree_;
+  double magnitude_ = 0.0;
+};
+
+// One ContactMesh per surface, however many renderers run on it at the same time.
+std::shared_ptr<const ContactMesh> contact_mesh(const std::shared_ptr<const Surface>& surface);
+
+}  // namespace touchstone

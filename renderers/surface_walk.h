@@ -1,0 +1,79 @@
+// The god-object of a point tip: the point that follows the tip outside the surface, always at the least distance from
+// it that can be reached by descending over the surface from where it was.
+//
+// Source: C. B. Zilles and J. K. Salisbury, "A constraint-based god-object method for haptic display", IROS 1995:
+// contact by the path of the god-object rather than of the tip (their section 3), distance to the tip minimised under
+// one, two or three active planes (section 4, equations 1-4: the minimum of |x - p|^2/2 with Lagrange multipliers for
+// the planes). Their planes are unbounded while active and are found by intersecting the path with the surface. Here
+// the active planes follow from where on the mesh the god-object is: on a face one is active, on a concave edge two, at
+// a vertex the planes about it, which makes their system of multipliers small enough to be written out:
+//   face:    x = p - h n, multiplier -h > 0, h the tip's height over the plane;
+//   edge:    x = foot of p on the edge; both multipliers are positive exactly where p lies under neither face's strip;
+//   vertex:  x = the vertex, where no face's strip and no edge's slab holds p.
+// The god-object moves between these by index over neighbouring triangles, so that no distance has to be called small:
+// nothing here depends on the unit, on the size of triangles or on how flat an edge is. Only when it leaves the surface
+// does a segment query look for what it meets next.
+//
+// One-sided: triangles stop what comes from the side that their normal points to. A tip that slides off the rim of an
+// open mesh, or comes from behind, is free: the inside of an open mesh is not defined, and a closed one is never
+// entered.
+//
+// The mesh must be manifold about the triangles that the god-object touches, and not cross itself there; see
+// Facet::regular.
+#pragma once
+
+#include <cstdint>
+
+#include "renderers/contact_mesh.h"
+
+namespace touchstone {
+
+class SurfaceWalk {
+ public:
+  enum class On : std::uint8_t { nothing, face, edge, vertex };
+
+  explicit SurfaceWalk(const ContactMesh& mesh) : mesh_(&mesh) {}
+
+  // The first position of a run, free of the surface.
+  void start_free(const Vec3& p) noexcept;
+  // The first position of a run inside the object: the god-object starts where the surface is closest, which is the
+  // given triangle, or its edge or corner with index `local`.
+  void start_on(std::int32_t triangle, Feature feature, std::size_t local, const Vec3& p) noexcept;
+  // Moves the god-object for a new position of the tip.
+  void follow(const Vec3& p) noexcept;
+
+  [[nodiscard]] On on() const noexcept { return on_; }
+  [[nodiscard]] bool touching() const noexcept { return on_ != On::nothing; }
+  // The god-object, and from the tip to it (zero when free; computed without cancellation).
+  [[nodiscard]] const Vec3& position() const noexcept { return g_; }
+  [[nodiscard]] const Vec3& push() const noexcept { return push_; }
+  // Of the contact: on a face its normal, else the direction of push(); zero when free.
+  [[nodiscard]] Vec3 normal() const noexcept;
+  // The triangle touched (one of them at edges and vertices) and which of its edges or corners.
+  [[nodiscard]] std::int32_t triangle() const noexcept { return triangle_; }
+  [[nodiscard]] std::size_t local() const noexcept { return local_; }
+  // Moves between features since the start, for tests and statistics.
+  [[nodiscard]] std::uint64_t transitions() const noexcept { return transitions_; }
+
+ private:
+  // Each returns true when the god-object has come to rest.
+  bool slide_on_face(const Vec3& p) noexcept;
+  bool slide_on_edge(const Vec3& p) noexcept;
+  bool turn_at_vertex(const Vec3& p) noexcept;
+  bool leave(const Vec3& p) noexcept;
+
+  [[nodiscard]] bool touches(std::int32_t triangle) const noexcept;
+  bool to_face(std::int32_t triangle) noexcept;
+  bool to_vertex(std::int32_t triangle, std::size_t corner) noexcept;
+  bool rest(const Vec3& g, const Vec3& push) noexcept;
+
+  const ContactMesh* mesh_;
+  Vec3 g_ = Vec3::Zero();
+  Vec3 push_ = Vec3::Zero();
+  std::int32_t triangle_ = -1;
+  std::size_t local_ = 0;
+  On on_ = On::nothing;
+  std::uint64_t transitions_ = 0;
+};
+
+}  // namespace touchstone
