@@ -1,0 +1,25 @@
+#include "harness/rendering/in_trajectory.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "harness/base/error.h"
+
+namespace touchstone {
+
+InTrajectory synthesize_in_trajectory(const OutTrajectory& out, double stiffness_N_per_m) {
+  if (!(stiffness_N_per_m > 0.0 && std::isfinite(stiffness_N_per_m))) {
+    throw UsageError(fmt::format("an in-trajectory cannot be made with a stiffness of {} N/m; expected more than 0",
+                                 stiffness_N_per_m));
+  }
+  InTrajectory in{out.motion};
+  for (std::size_t i = 0; i < out.size(); ++i) {
+    in.motion.p_W_m[i] -= (out.normal_force_N[i] / stiffness_N_per_m) * out.n_W[i];
+  }
+  return in;
+}
+
+InTrajectory measured_in_trajectory(const Recording& recording) { return {recording.motion}; }
+
+}  // namespace touchstone

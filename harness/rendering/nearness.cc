@@ -1,0 +1,66 @@
+#include "harness/rendering/nearness.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <vector>
+
+#include "harness/base/units.h"
+
+namespace touchstone {
+namespace {
+
+constexpr std::size_t most_samples = 1000;
+
+// For the surface scaled about the origin by `factor`.
+double typical_distance(const Surface& surface, std::span<const Vec3> tips, double tip_radius_m, double factor) {
+  std::vector<double> distances;
+  const std::size_t stride = (tips.size() + most_samples - 1) / most_samples;
+  for (std::size_t i = 0; i < tips.size(); i += stride) {
+    distances.push_back(std::abs(factor * surface.signed_distance(tips[i] / factor) - tip_radius_m));
+  }
+  const auto middle = distances.begin() + static_cast<std::ptrdiff_t>(distances.size() / 2);
+  std::nth_element(distances.begin(), middle, distances.end());
+  return *middle;
+}
+
+std::string describe(const Box3& box) {
+  return fmt::format("x {:.4g} to {:.4g}, y {:.4g} to {:.4g}, z {:.4g} to {:.4g} m", box.min().x(), box.max().x(),
+                     box.min().y(), box.max().y(), box.min().z(), box.max().z());
+}
+
+}  // namespace
+
+std::optional<std::string> far_from_surface(const Surface& surface, std::span<const Vec3> tips_W_m, double tip_radius_m,
+                                            const std::string& recording, const std::string& mesh_unit) {
+  if (tips_W_m.empty()) return std::nullopt;
+  Box3 path;
+  for (const Vec3& tip : tips_W_m) path.extend(tip);
+  const Box3 object = surface.bounds();
+  const double path_size = path.diagonal().norm();
+  const double object_size = object.diagonal().norm();
+  const double distance = typical_distance(surface, tips_W_m, tip_radius_m, 1.0);
+  if (!(distance > object_size || (distance > path_size && distance > object_size / 20.0))) return std::nullopt;
+  const std::string mesh = surface.mesh() != nullptr ? surface.mesh()->source : "the surface";
+  std::string message = fmt::format("{} is nowhere near {}: typically {:.3g} m away. Recording: {}; surface: {}.",
+                                    recording, mesh, distance, describe(path), describe(object));
+  const double assumed = length_unit_factor(mesh_unit);
+  std::string_view best_unit;
+  double best = distance / 10.0;
+  for (const std::string_view unit : {"um", "mm", "cm", "m", "km"}) {
+    const double there = typical_distance(surface, tips_W_m, tip_radius_m, length_unit_factor(unit) / assumed);
+    if (there < best) {
+      best = there;
+      best_unit = unit;
+    }
+  }
+  if (best_unit.empty()) return message + " No usual unit would make it fit: are both in the same frame?";
+  return message +
+         fmt::format(
+             " Is the mesh in {}? With --mesh-unit {} (now {}: a factor of {:g}) the distance would be {:.3g} m.",
+             best_unit, best_unit, mesh_unit, length_unit_factor(best_unit) / assumed, best);
+}
+
+}  // namespace touchstone

@@ -1,0 +1,24 @@
+// Whether a recording and a mesh can belong together: a mesh in millimetres read as metres is the commonest mistake of
+// all.
+#pragma once
+
+#include <optional>
+#include <span>
+#include <string>
+
+#include "harness/surface/surface.h"
+
+namespace touchstone {
+
+// A message for the user when the tip positions (best: those in contact) lie nowhere near the surface; nothing when
+// they do. It names the two boxes and, where scaling the mesh by a usual unit would fit, asks for that unit.
+//
+// Rule: d is the median distance (less the tip radius) of at most 1000 of the positions, evenly taken. They are nowhere
+// near when d exceeds the diagonal of the surface's box, or the diagonal of the positions' box and 1/20 of the
+// surface's. A unit fits when d for the mesh in that unit is less than a tenth of what it was; the one with the
+// smallest d is named. `recording` and the surface's mesh source name the two in the message; `mesh_unit` is the unit
+// that was assumed ("m").
+std::optional<std::string> far_from_surface(const Surface& surface, std::span<const Vec3> tips_W_m, double tip_radius_m,
+                                            const std::string& recording, const std::string& mesh_unit);
+
+}  // namespace touchstone

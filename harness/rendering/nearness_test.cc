@@ -1,0 +1,66 @@
+#include "harness/rendering/nearness.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "harness/base/random.h"
+#include "harness/surface/embree_surface.h"
+#include "harness/testing/tiny_meshes.h"
+
+namespace touchstone {
+namespace {
+
+using ::testing::HasSubstr;
+
+// A 30 mm body away from the origin, and a path that touches a part of it.
+TriangleMesh body(double scale) {
+  return testing::moved(testing::ball(0.03, 4), Quat::Identity(), Vec3(0.1, 0.02, -0.05) * scale, scale);
+}
+
+std::vector<Vec3> path(double off_m) {
+  Random random(4);
+  std::vector<Vec3> tips;
+  for (int i = 0; i < 5000; ++i) {
+    tips.emplace_back(Vec3(0.1, 0.02, -0.05) +
+                      (0.03 + off_m) * (Vec3::UnitZ() + 0.3 * random.direction()).normalized());
+  }
+  return tips;
+}
+
+TEST(Nearness, FittingPairsPass) {
+  const auto surface = make_embree_surface(body(1.0));
+  for (const double off : {0.0, 0.0005, -0.004})
+    EXPECT_EQ(far_from_surface(*surface, path(off), 0.0, "r.csv", "m"), std::nullopt) << off;
+  EXPECT_EQ(far_from_surface(*surface, path(0.00315), 0.00315, "r.csv", "m"), std::nullopt);
+  EXPECT_EQ(far_from_surface(*surface, {}, 0.0, "r.csv", "m"), std::nullopt);
+}
+
+TEST(Nearness, AsksForTheUnitThatFits) {
+  struct Case {
+    double scale;
+    const char* assumed;
+    const char* message;
+  };
+  for (const Case& c : {Case{1e3, "m", "Is the mesh in mm? With --mesh-unit mm (now m: a factor of 0.001)"},
+                        Case{1e2, "m", "Is the mesh in cm?"},
+                        Case{1e-3, "mm", "Is the mesh in m? With --mesh-unit m (now mm: a factor of 1000)"},
+                        Case{1e-3, "m", "Is the mesh in km?"}}) {
+    const auto surface = make_embree_surface(body(c.scale));
+    const auto message = far_from_surface(*surface, path(0.0), 0.0, "r.csv", c.assumed);
+    ASSERT_TRUE(message) << c.scale;
+    EXPECT_THAT(*message, HasSubstr(c.message));
+    EXPECT_THAT(*message, HasSubstr("r.csv is nowhere near ball"));
+  }
+}
+
+TEST(Nearness, AnotherFrameIsNotAUnit) {
+  const auto surface = make_embree_surface(body(1.0));
+  std::vector<Vec3> tips = path(0.0);
+  for (Vec3& tip : tips) tip += Vec3(0.5, -0.7, 0.9);
+  const auto message = far_from_surface(*surface, tips, 0.0, "r.csv", "m");
+  ASSERT_TRUE(message);
+  EXPECT_THAT(*message, HasSubstr("No usual unit would make it fit"));
+}
+
+}  // namespace
+}  // namespace touchstone
