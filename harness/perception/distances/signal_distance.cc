@@ -1,0 +1,86 @@
+#include "harness/perception/distances/signal_distance.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "harness/base/error.h"
+#include "harness/perception/statistics.h"
+
+namespace touchstone::perception {
+namespace {
+
+void check(std::span<const double> real, std::span<const double> rendered) {
+  if (real.empty() || real.size() != rendered.size()) {
+    throw BadData(fmt::format("series of {} and {} values cannot be compared sample by sample; resample them first",
+                              real.size(), rendered.size()));
+  }
+}
+
+double largest_magnitude(std::span<const double> x) {
+  double result = 0.0;
+  for (const double value : x) result = std::max(result, std::abs(value));
+  return result;
+}
+
+}  // namespace
+
+double euclidean_distance(std::span<const double> real, std::span<const double> rendered) {
+  return std::sqrt(mean_square_error(real, rendered) * static_cast<double>(real.size()));
+}
+
+double mean_square_error(std::span<const double> real, std::span<const double> rendered) {
+  check(real, rendered);
+  double sum = 0.0;
+  for (std::size_t i = 0; i < real.size(); ++i) sum += (real[i] - rendered[i]) * (real[i] - rendered[i]);
+  return sum / static_cast<double>(real.size());
+}
+
+std::optional<double> pearson_correlation(std::span<const double> real, std::span<const double> rendered) {
+  check(real, rendered);
+  const double real_mean = mean(real);
+  const double rendered_mean = mean(rendered);
+  double both = 0.0;
+  double squares_real = 0.0;
+  double squares_rendered = 0.0;
+  for (std::size_t i = 0; i < real.size(); ++i) {
+    const double a = real[i] - real_mean;
+    const double b = rendered[i] - rendered_mean;
+    both += a * b;
+    squares_real += a * a;
+    squares_rendered += b * b;
+  }
+  // A spread at the level of rounding of the mean is that of a constant series.
+  const auto constant = [n = static_cast<double>(real.size())](double squares, double centre) {
+    return squares <= n * std::pow(4.0 * std::numeric_limits<double>::epsilon() * centre, 2);
+  };
+  if (constant(squares_real, real_mean) || constant(squares_rendered, rendered_mean)) return std::nullopt;
+  return std::clamp(both / (std::sqrt(squares_real) * std::sqrt(squares_rendered)), -1.0, 1.0);
+}
+
+double maximum_absolute_error(std::span<const double> real, std::span<const double> rendered) {
+  check(real, rendered);
+  double result = 0.0;
+  for (std::size_t i = 0; i < real.size(); ++i) result = std::max(result, std::abs(real[i] - rendered[i]));
+  return result;
+}
+
+double peak_difference(std::span<const double> real, std::span<const double> rendered) {
+  check(real, rendered);
+  return largest_magnitude(rendered) - largest_magnitude(real);
+}
+
+double perceptual_mean_square_error(std::span<const double> real, std::span<const double> rendered,
+                                    const WeberLaw& law) {
+  check(real, rendered);
+  double sum = 0.0;
+  for (std::size_t i = 0; i < real.size(); ++i) {
+    const double steps = law.steps(real[i]) - law.steps(rendered[i]);
+    sum += steps * steps;
+  }
+  return sum / static_cast<double>(real.size());
+}
+
+}  // namespace touchstone::perception

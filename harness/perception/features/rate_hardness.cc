@@ -1,0 +1,91 @@
+#include "harness/perception/features/rate_hardness.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "harness/base/error.h"
+#include "harness/perception/statistics.h"
+
+namespace touchstone::perception {
+
+RateHardness rate_hardness(std::span<const double> force_N, std::span<const double> displacement_m, std::size_t window,
+                           double guard) {
+  if (window == 0) throw UsageError("the window of rate-hardness must be at least 1 sample");
+  if (force_N.size() != displacement_m.size()) {
+    throw BadData(fmt::format("rate-hardness needs force and displacement of every moment, not {} and {} values",
+                              force_N.size(), displacement_m.size()));
+  }
+  if (force_N.size() <= window) {
+    throw BadData(
+        fmt::format("{} samples are too few for a rate-hardness window of {}; take a smaller window or a longer "
+                    "recording",
+                    force_N.size(), window));
+  }
+  const std::size_t count = force_N.size() - window;
+  double squares = 0.0;
+  for (std::size_t n = 0; n < count; ++n) {
+    const double change = displacement_m[n + window] - displacement_m[n];
+    squares += change * change;
+  }
+  const double smallest = guard * std::sqrt(squares / static_cast<double>(count));
+
+  RateHardness result;
+  result.values_N_per_m.assign(count, 0.0);
+  result.guarded.assign(count, 0);
+  std::size_t held = 0;
+  bool have_value = false;
+  for (std::size_t n = 0; n < count; ++n) {
+    const double change = displacement_m[n + window] - displacement_m[n];
+    if (change != 0.0 && std::abs(change) >= smallest) {
+      const double hardness = (force_N[n + window] - force_N[n]) / change;
+      if (!have_value) std::fill_n(result.values_N_per_m.begin(), n, hardness);
+      have_value = true;
+      result.values_N_per_m[n] = hardness;
+    } else {
+      ++held;
+      result.guarded[n] = 1;
+      if (have_value) result.values_N_per_m[n] = result.values_N_per_m[n - 1];
+    }
+  }
+  result.guarded_share = static_cast<double>(held) / static_cast<double>(count);
+  return result;
+}
+
+std::vector<WindowTradeOff> window_trade_off(std::span<const double> force_N, std::span<const double> displacement_m,
+                                             double rate_Hz, std::span<const std::size_t> windows) {
+  std::vector<WindowTradeOff> result;
+  for (const std::size_t window : windows) {
+    const RateHardness hardness = rate_hardness(force_N, displacement_m, window);
+    const auto& h = hardness.values_N_per_m;
+    std::vector<double> changes;
+    for (std::size_t n = 0; n < h.size(); ++n)
+      changes.push_back(std::abs(displacement_m[n + window] - displacement_m[n]));
+    // h(n-w) - 2 h(n) + h(n+w) from overlapping ends: independent windows share no sample but their ends.
+    std::vector<double> curvature;
+    for (std::size_t n = window; n + window < h.size(); ++n) {
+      if (hardness.guarded[n - window] || hardness.guarded[n] || hardness.guarded[n + window]) continue;
+      curvature.push_back(std::abs(h[n - window] - 2.0 * h[n] + h[n + window]));
+    }
+    // The median of |x| is 0.6745 standard deviations; the second difference of independent values has sqrt(6) of them.
+    const double noise = median(curvature) / (0.6744897501960817 * std::sqrt(6.0));
+    result.push_back(
+        {window, static_cast<double>(window) / rate_Hz, median(changes), median(h), noise, hardness.guarded_share});
+  }
+  return result;
+}
+
+std::optional<double> extended_rate_hardness(std::span<const double> force_N,
+                                             std::span<const double> force_rate_N_per_s,
+                                             std::span<const double> velocity_m_per_s, double contact_force_N) {
+  const auto contact = std::find_if(force_N.begin(), force_N.end(), [=](double f) { return f > contact_force_N; });
+  if (contact == force_N.end()) return std::nullopt;
+  const auto at = static_cast<std::size_t>(contact - force_N.begin());
+  double fastest = 0.0;
+  for (const double v : velocity_m_per_s) fastest = std::max(fastest, std::abs(v));
+  if (!(velocity_m_per_s[at] > 1e-3 * fastest)) return std::nullopt;
+  return *std::max_element(force_rate_N_per_s.begin(), force_rate_N_per_s.end()) / velocity_m_per_s[at];
+}
+
+}  // namespace touchstone::perception

@@ -1,0 +1,315 @@
+#include "harness/perception/perceptual_evaluation.h"
+
+#include <fmt/format.h>
+#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <cmath>
+#include <limits>
+#include <mutex>
+#include <numeric>
+#include <set>
+
+#include "harness/base/error.h"
+#include "harness/perception/distances/signal_distance.h"
+
+namespace touchstone::perception {
+
+const std::vector<StatisticalMethod>& statistical_methods() {
+  static const std::vector<StatisticalMethod> methods{
+      {{"euclidean", "Euclidean distance of the force (eq 8)", "N", false},
+       [](const ComparedSeries& s) -> std::optional<double> { return euclidean_distance(s.real_N, s.rendered_N); }},
+      {{"pearson", "Pearson correlation of the force", "1", true},
+       [](const ComparedSeries& s) { return pearson_correlation(s.real_N, s.rendered_N); }},
+      {{"euclidean-filtered", "Euclidean distance after the perceptual filters", "N", false},
+       [](const ComparedSeries& s) -> std::optional<double> {
+         return euclidean_distance(s.real_felt_N, s.rendered_felt_N);
+       }},
+      {{"pearson-filtered", "Pearson correlation after the perceptual filters", "1", true},
+       [](const ComparedSeries& s) { return pearson_correlation(s.real_felt_N, s.rendered_felt_N); }},
+      {{"root-mean-square-error", "root mean square error of the force", "N", false},
+       [](const ComparedSeries& s) -> std::optional<double> {
+         return std::sqrt(mean_square_error(s.real_N, s.rendered_N));
+       }},
+      {{"maximum-absolute-error", "maximum absolute error of the force", "N", false},
+       [](const ComparedSeries& s) -> std::optional<double> { return maximum_absolute_error(s.real_N, s.rendered_N); }},
+      {{"peak-difference", "difference of the peak force, magnitude", "N", false},
+       [](const ComparedSeries& s) -> std::optional<double> {
+         return std::abs(peak_difference(s.real_N, s.rendered_N));
+       }},
+      {{"pmse", "perceptual mean square error (eq 9)", "JND^2", false},
+       [](const ComparedSeries& s) -> std::optional<double> {
+         return perceptual_mean_square_error(s.real_N, s.rendered_N, s.law);
+       }},
+      {{"hssim", "HSSIM with our constants (eq 10, 11)", "1", true},
+       [](const ComparedSeries& s) -> std::optional<double> {
+         StructuralSimilarityConstants constants;
+         constants.window = static_cast<std::size_t>(std::max(4.0, std::round(0.1 * s.rate_Hz)));
+         constants.stride = constants.window / 2;
+         if (s.real_N.size() < constants.window) return std::nullopt;
+         return structural_similarity(s.real_N, s.rendered_N, constants);
+       }},
+  };
+  return methods;
+}
+
+namespace {
+
+constexpr std::array<std::size_t, 4> kWindows{5, 10, 20, 40};  // figure 8
+
+// Cuts every column to the first `count` samples.
+void cut(HapticDataMatrix& matrix, std::size_t count) {
+  for (auto& part : matrix.parts) {
+    for (auto* column :
+         {&part.force_N, &part.displacement_m, &part.angle_rad, &part.acceleration_m_per_s2, &part.force_rate_N_per_s,
+          &part.velocity_m_per_s, &part.displacement_second_rate_m_per_s2, &part.angle_rate_rad_per_s}) {
+      column->resize(std::min(count, column->size()));
+    }
+  }
+}
+
+double span_s(const std::vector<PressSignal>& parts) {
+  double first = -std::numeric_limits<double>::infinity();
+  double last = std::numeric_limits<double>::infinity();
+  for (const auto& part : parts) {
+    if (part.t_s.empty()) continue;
+    first = std::max(first, part.t_s.front());
+    last = std::min(last, part.t_s.back());
+  }
+  return last - first;
+}
+
+void fill(ConditionResult& result, const HapticImage& image) {
+  result.extended_rate_hardness_N_per_m = image.extended_rate_hardness_N_per_m;
+  result.harmonic_share = image.harmonic_share;
+  result.guarded_share = image.guarded_share;
+  result.force_reduction = image.felt_force.reduction();
+  result.displacement_reduction = image.felt_displacement.reduction();
+}
+
+std::vector<std::optional<double>> statistics(const std::vector<double>& real_N, const std::vector<double>& real_felt_N,
+                                              const std::vector<double>& rendered_N, const std::vector<double>& felt_N,
+                                              double rate_Hz, const WeberLaw& law) {
+  std::vector<std::optional<double>> result;
+  for (const auto& method : statistical_methods()) {
+    result.push_back(method.value({real_N, rendered_N, real_felt_N, felt_N, rate_Hz, law}));
+  }
+  return result;
+}
+
+std::vector<const HapticImage*> pointers(const std::vector<HapticImage>& images) {
+  std::vector<const HapticImage*> result;
+  for (const auto& image : images) result.push_back(&image);
+  return result;
+}
+
+// Distance of every condition to the real process within each feature block of the scaled images.
+void fill_block_distances(PerceptualEvaluation& evaluation, const Eigen::MatrixXd& rows) {
+  Eigen::Index at = 0;
+  for (const auto& block : evaluation.images.front().blocks) {
+    const auto width = static_cast<Eigen::Index>(block.values.size());
+    for (std::size_t c = 0; c < evaluation.conditions.size(); ++c) {
+      evaluation.conditions[c].block_distance.push_back(
+          (rows.row(static_cast<Eigen::Index>(c) + 1) - rows.row(0)).segment(at, width).norm());
+    }
+    at += width;
+  }
+}
+
+void rank(std::vector<ConditionResult>& conditions) {
+  for (auto& own : conditions) {
+    own.rank_perception =
+        1 + static_cast<std::size_t>(std::count_if(conditions.begin(), conditions.end(),
+                                                   [&](const auto& o) { return o.distance < own.distance; }));
+  }
+}
+
+}  // namespace
+
+std::vector<double> PerceptualEvaluation::values(std::string_view method) const {
+  std::vector<double> result;
+  if (method == kPerceptionSpaceMethod.name) {
+    for (const auto& c : conditions) result.push_back(c.distance);
+    return result;
+  }
+  const auto& methods = statistical_methods();
+  const auto found =
+      std::find_if(methods.begin(), methods.end(), [method](const auto& m) { return m.method.name == method; });
+  if (found == methods.end()) throw UsageError(fmt::format("'{}' is no method of comparison", method));
+  const auto index = static_cast<std::size_t>(found - methods.begin());
+  for (const auto& c : conditions)
+    result.push_back(c.statistics[index].value_or(std::numeric_limits<double>::quiet_NaN()));
+  return result;
+}
+
+PerceptualEvaluation evaluate(const std::vector<PressSignal>& real, const std::vector<ConditionSource>& conditions,
+                              const EvaluationOptions& options) {
+  if (conditions.empty()) throw BadData("there is no condition to compare with the real process");
+  std::set<std::string> names;
+  for (const auto& c : conditions) {
+    if (!names.insert(c.name).second) throw BadData(fmt::format("two conditions are called '{}'", c.name));
+  }
+  PerceptualEvaluation result;
+  result.scaling = options.scaling;
+  HapticDataMatrix reference = make_haptic_data_matrix(real, options.matrix);
+  result.rate_Hz = reference.rate_Hz;
+  HapticDataMatrixOptions matrix_options = options.matrix;
+  matrix_options.rate_Hz = reference.rate_Hz;
+
+  // The shortest decides: its length must be known before anything is compared.
+  std::mutex mutex;
+  std::atomic<std::size_t> done{0};
+  const auto each = [&](const auto& work) {
+    tbb::task_arena arena(options.threads == 0 ? tbb::task_arena::automatic : static_cast<int>(options.threads));
+    arena.execute([&] { tbb::parallel_for(std::size_t{0}, conditions.size(), work); });
+  };
+  const bool keep = conditions.size() <= kKeepSeriesUpTo;
+  const double real_s = span_s(real);
+  std::size_t common = reference.size();
+  double shortest_s = real_s;
+  std::vector<std::vector<PressSignal>> loaded(keep ? conditions.size() : 0);
+  each([&](std::size_t c) {
+    auto parts = conditions[c].load();
+    const double own_s = span_s(parts);
+    if (!(own_s <= real_s * (1.0 + options.duration_tolerance)) ||
+        !(own_s >= real_s * (1.0 - options.duration_tolerance))) {
+      throw BadData(
+          fmt::format("condition '{}' lasts {:.4g} s and the real process {:.4g} s; cut or repeat one so that they "
+                      "show the same presses",
+                      conditions[c].name, own_s, real_s));
+    }
+    if (parts.size() != real.size()) {
+      throw BadData(fmt::format("condition '{}' has {} measuring parts and the real process {}", conditions[c].name,
+                                parts.size(), real.size()));
+    }
+    const auto own = static_cast<std::size_t>(std::floor(own_s * matrix_options.rate_Hz + 0.01) + 1.0);
+    const std::scoped_lock lock(mutex);
+    common = std::min(common, own);
+    shortest_s = std::min(shortest_s, own_s);
+    if (keep) loaded[c] = std::move(parts);
+  });
+  if (common < reference.size()) {
+    result.remarks.push_back(
+        fmt::format("compared over the first {:.4g} s: the shortest condition is shorter than the real "
+                    "process ({:.4g} s)",
+                    shortest_s, real_s));
+  }
+  cut(reference, common);
+  result.samples = common;
+  HapticImage real_image = haptic_image(reference, options.image);
+  const std::vector<double>& real_N = reference.parts.front().force_N;
+  const std::vector<double> real_felt_N = real_image.felt_force.held;
+  for (const auto& block : real_image.blocks) result.features.push_back(block.name);
+  result.real.name = "real";
+  fill(result.real, real_image);
+  result.real.statistics =
+      statistics(real_N, real_felt_N, real_N, real_felt_N, result.rate_Hz, options.image.force_law);
+  std::vector<std::size_t> windows;
+  std::copy_if(kWindows.begin(), kWindows.end(), std::back_inserter(windows),
+               [&](std::size_t w) { return 4 * w < common; });
+  result.windows = window_trade_off(real_N, reference.parts.front().displacement_m, result.rate_Hz, windows);
+
+  result.images.resize(conditions.size() + 1);
+  result.conditions.resize(conditions.size());
+  if (keep) {
+    result.rendered_N.resize(conditions.size() + 1);
+    result.rendered_displacement_m.resize(conditions.size() + 1);
+    result.rendered_N[0] = real_N;
+    result.rendered_displacement_m[0] = reference.parts.front().displacement_m;
+  }
+  result.images[0] = std::move(real_image);
+  each([&](std::size_t c) {
+    auto matrix = make_haptic_data_matrix(keep ? loaded[c] : conditions[c].load(), matrix_options);
+    cut(matrix, common);
+    auto image = haptic_image(matrix, options.image);
+    ConditionResult& own = result.conditions[c];
+    own.name = conditions[c].name;
+    fill(own, image);
+    auto& part = matrix.parts.front();
+    own.statistics =
+        statistics(real_N, real_felt_N, part.force_N, image.felt_force.held, result.rate_Hz, options.image.force_law);
+    if (keep) {
+      result.rendered_N[c + 1] = std::move(part.force_N);
+      result.rendered_displacement_m[c + 1] = std::move(part.displacement_m);
+    } else {
+      image.felt_force = {};
+      image.felt_displacement = {};
+    }
+    result.images[c + 1] = std::move(image);
+    const std::size_t count = ++done;
+    if (options.progress) {
+      const std::scoped_lock lock(mutex);
+      options.progress(count);
+    }
+  });
+
+  const auto images = pointers(result.images);
+  ScaledImages scaled = scale_images(images, options.scaling);
+  result.remarks.insert(result.remarks.end(), scaled.remarks.begin(), scaled.remarks.end());
+  result.space = build_perception_space(scaled.rows, options.explained_share);
+  if (result.space.dimensions == 0) result.remarks.emplace_back("all conditions are the same as the real process");
+  const auto distances = distances_to(result.space.coordinates, 0);
+  for (std::size_t c = 0; c < result.conditions.size(); ++c) result.conditions[c].distance = distances[c + 1];
+  fill_block_distances(result, scaled.rows);
+  rank(result.conditions);
+  if (conditions.size() == 1) {
+    result.remarks.emplace_back("a single condition has a distance but no rank and no relative similarity");
+  }
+  if (result.real.guarded_share > 0.0) {
+    result.remarks.push_back(
+        fmt::format("rate-hardness: {:.1f} % of the real process's windows had too little motion to divide "
+                    "by; the value before them was held",
+                    100.0 * result.real.guarded_share));
+  }
+  return result;
+}
+
+std::vector<double> distances_with_scaling(const PerceptualEvaluation& evaluation, FeatureScaling scaling,
+                                           double explained_share) {
+  const auto scaled = scale_images(pointers(evaluation.images), scaling);
+  auto distances = distances_to(build_perception_space(scaled.rows, explained_share).coordinates, 0);
+  distances.erase(distances.begin());
+  return distances;
+}
+
+std::vector<Disagreement> disagreements(const PerceptualEvaluation& evaluation, std::string_view statistic) {
+  const auto& methods = statistical_methods();
+  const auto method =
+      std::find_if(methods.begin(), methods.end(), [=](const auto& m) { return m.method.name == statistic; });
+  if (method == methods.end()) throw UsageError(fmt::format("'{}' is no statistical method", statistic));
+  auto value = evaluation.values(statistic);
+  if (method->method.larger_is_better) {
+    for (double& v : value) v = -v;
+  }
+  std::vector<Disagreement> result;
+  for (std::size_t a = 0; a < value.size(); ++a) {
+    for (std::size_t b = 0; b < value.size(); ++b) {
+      const auto& near = evaluation.conditions[a];
+      const auto& far = evaluation.conditions[b];
+      if (!(near.distance < far.distance && value[a] > value[b])) continue;
+      // The feature whose squared distances differ most in the direction of the space's verdict.
+      std::size_t decisive = 0;
+      double largest = -std::numeric_limits<double>::infinity();
+      for (std::size_t f = 0; f < evaluation.features.size(); ++f) {
+        const double gain = std::pow(far.block_distance[f], 2) - std::pow(near.block_distance[f], 2);
+        if (gain > largest) {
+          largest = gain;
+          decisive = f;
+        }
+      }
+      result.push_back(
+          {a, b, evaluation.features[decisive],
+           fmt::format("'{}' has the smaller {}, but its {} is {:.3g} from the real process's where that of '{}' is "
+                       "{:.3g} (scaled {})",
+                       far.name, method->method.larger_is_better ? "loss of " + std::string(statistic) : statistic,
+                       evaluation.features[decisive], far.block_distance[decisive], near.name,
+                       near.block_distance[decisive], name_of(evaluation.scaling))});
+    }
+  }
+  return result;
+}
+
+}  // namespace touchstone::perception
