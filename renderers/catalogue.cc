@@ -4,10 +4,12 @@
 
 #include "harness/base/error.h"
 #include "harness/base/known_names.h"
+#include "renderers/devices/haptic_device.h"
 #include "renderers/effects/assemble.h"
 #include "renderers/effects/catalogue.h"
 #include "renderers/god_object.h"
 #include "renderers/instrument/instrument_effect.h"
+#include "renderers/spring.h"
 
 namespace touchstone {
 
@@ -21,7 +23,8 @@ double value_or(const Parameters& parameters, std::string_view name, double fall
 }  // namespace
 
 const std::vector<RendererEntry>& renderer_catalogue() {
-  static const std::vector<RendererEntry> catalogue{god_object_entry()};
+  static const std::vector<RendererEntry> catalogue{god_object_entry(), spring_linear_entry(),
+                                                    spring_quadratic_entry()};
   return catalogue;
 }
 
@@ -40,6 +43,7 @@ const std::vector<NamedDeclaration>& effect_catalogue() {
     for (const EffectEntry& entry : contact_effects()) {
       declarations.push_back({std::string(entry.name), std::string(entry.summary), entry.parameters});
     }
+    declarations.push_back(haptic_device_declaration());
     return declarations;
   }();
   return catalogue;
@@ -56,7 +60,10 @@ const std::vector<NamedDeclaration>& instrument_declarations() {
   return catalogue;
 }
 
-std::unique_ptr<Renderer> make_renderer(const Model& model, std::shared_ptr<const Surface> surface) {
+namespace {
+
+// The renderer with its contact effects; what lies between it and the hand comes after.
+std::unique_ptr<Renderer> make_contact(const Model& model, std::shared_ptr<const Surface> surface) {
   const RendererEntry& entry = find_renderer(model);
   const Parameters parameters(entry.parameters, base_parameters(model, entry.parameters), "renderer " + entry.name,
                               model.source, "");
@@ -74,6 +81,15 @@ std::unique_ptr<Renderer> make_renderer(const Model& model, std::shared_ptr<cons
   const double stiffness = value_or(parameters, "stiffness_N_per_m", 0.0);
   auto base = entry.make(parameters, surface);
   return std::make_unique<EffectStack>(std::move(base), std::move(effects), std::move(surface), offset_m, stiffness);
+}
+
+}  // namespace
+
+std::unique_ptr<Renderer> make_renderer(const Model& model, std::shared_ptr<const Surface> surface) {
+  Model contact = model;
+  const auto device = take_haptic_device(contact);
+  auto renderer = make_contact(contact, std::move(surface));
+  return device ? make_haptic_device(std::move(renderer), *device) : std::move(renderer);
 }
 
 }  // namespace touchstone

@@ -47,9 +47,9 @@ struct PerceptionSpace {
   double explained_share = 0.0;  // of the d dimensions
 };
 
-// `share` of the variance that the dimensions must explain (the paper's 90 %). By singular values of the centred sample
-// set, which are more exact than the eigenvalues of eq 18 and cheaper where N is much smaller than k.
-// Throws BadData for fewer than two conditions, UsageError for a share outside (0, 1].
+// `share` of the variance that the dimensions must explain (the paper's 90 %). Singular values and vectors of the
+// centred sample set, from the smaller of its two products; components below 1e-14 of the largest eigenvalue are
+// rounding. Throws BadData for fewer than two conditions, UsageError for a share outside (0, 1].
 PerceptionSpace build_perception_space(const Eigen::MatrixXd& images, double share = 0.9);
 
 // Eq 7, 8, 21: Euclidean distance of every row to row `reference`.

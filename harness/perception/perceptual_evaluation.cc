@@ -6,11 +6,9 @@
 
 #include <algorithm>
 #include <array>
-#include <atomic>
 #include <cmath>
 #include <limits>
 #include <mutex>
-#include <numeric>
 #include <set>
 
 #include "harness/base/error.h"
@@ -127,6 +125,78 @@ void rank(std::vector<ConditionResult>& conditions) {
   }
 }
 
+// Fills the images and statistics of all conditions over the reference's length. Returns the number of samples that all
+// have: where it is less than the reference's, the results are of no use.
+std::size_t compare_all(PerceptualEvaluation& result, const HapticDataMatrix& reference,
+                        const std::vector<ConditionSource>& conditions, const EvaluationOptions& options, double real_s,
+                        bool keep) {
+  HapticDataMatrixOptions matrix_options = options.matrix;
+  matrix_options.rate_Hz = reference.rate_Hz;
+  result.images.assign(conditions.size() + 1, {});
+  result.conditions.assign(conditions.size(), {});
+  result.rendered_N.assign(keep ? conditions.size() + 1 : 0, {});
+  result.rendered_displacement_m = result.rendered_N;
+  const std::vector<double>& real_N = reference.parts.front().force_N;
+  result.images[0] = haptic_image(reference, options.image);
+  const std::vector<double>& real_felt_N = result.images[0].felt_force.held;
+  result.features.clear();
+  for (const auto& block : result.images[0].blocks) result.features.push_back(block.name);
+  result.real = {};
+  result.real.name = "real";
+  fill(result.real, result.images[0]);
+  result.real.statistics =
+      statistics(real_N, real_felt_N, real_N, real_felt_N, result.rate_Hz, options.image.force_law);
+  if (keep) {
+    result.rendered_N[0] = real_N;
+    result.rendered_displacement_m[0] = reference.parts.front().displacement_m;
+  }
+  std::mutex mutex;
+  std::size_t shortest = reference.size();
+  std::size_t done = 0;
+  const auto compare = [&](std::size_t c) {
+    const auto parts = conditions[c].load();
+    const double own_s = span_s(parts);
+    if (!(std::abs(own_s - real_s) <= options.duration_tolerance * real_s)) {
+      throw BadData(
+          fmt::format("condition '{}' lasts {:.4g} s and the real process {:.4g} s; cut or repeat one so that they "
+                      "show the same presses",
+                      conditions[c].name, own_s, real_s));
+    }
+    if (parts.size() != reference.parts.size()) {
+      throw BadData(fmt::format("condition '{}' has {} measuring parts and the real process {}", conditions[c].name,
+                                parts.size(), reference.parts.size()));
+    }
+    auto matrix = make_haptic_data_matrix(parts, matrix_options);
+    {
+      const std::scoped_lock lock(mutex);
+      shortest = std::min(shortest, matrix.size());
+      if (shortest < reference.size()) return;
+    }
+    cut(matrix, reference.size());
+    auto image = haptic_image(matrix, options.image);
+    ConditionResult& own = result.conditions[c];
+    own.name = conditions[c].name;
+    fill(own, image);
+    auto& part = matrix.parts.front();
+    own.statistics =
+        statistics(real_N, real_felt_N, part.force_N, image.felt_force.held, result.rate_Hz, options.image.force_law);
+    if (keep) {
+      result.rendered_N[c + 1] = std::move(part.force_N);
+      result.rendered_displacement_m[c + 1] = std::move(part.displacement_m);
+    } else {
+      image.felt_force = {};
+      image.felt_displacement = {};
+    }
+    result.images[c + 1] = std::move(image);
+    const std::scoped_lock lock(mutex);
+    ++done;
+    if (options.progress) options.progress(done);
+  };
+  tbb::task_arena arena(options.threads == 0 ? tbb::task_arena::automatic : static_cast<int>(options.threads));
+  arena.execute([&] { tbb::parallel_for(std::size_t{0}, conditions.size(), compare); });
+  return shortest;
+}
+
 }  // namespace
 
 std::vector<double> PerceptualEvaluation::values(std::string_view method) const {
@@ -154,97 +224,31 @@ PerceptualEvaluation evaluate(const std::vector<PressSignal>& real, const std::v
   }
   PerceptualEvaluation result;
   result.scaling = options.scaling;
+  result.explained_share_wanted = options.explained_share;
   HapticDataMatrix reference = make_haptic_data_matrix(real, options.matrix);
   result.rate_Hz = reference.rate_Hz;
-  HapticDataMatrixOptions matrix_options = options.matrix;
-  matrix_options.rate_Hz = reference.rate_Hz;
-
-  // The shortest decides: its length must be known before anything is compared.
-  std::mutex mutex;
-  std::atomic<std::size_t> done{0};
-  const auto each = [&](const auto& work) {
-    tbb::task_arena arena(options.threads == 0 ? tbb::task_arena::automatic : static_cast<int>(options.threads));
-    arena.execute([&] { tbb::parallel_for(std::size_t{0}, conditions.size(), work); });
-  };
-  const bool keep = conditions.size() <= kKeepSeriesUpTo;
   const double real_s = span_s(real);
+  const bool keep = conditions.size() <= kKeepSeriesUpTo;
+  // The shortest condition decides how much is compared. Whether one is shorter shows while they are loaded: then all
+  // is done once more over that length, rather than loading everything twice every time.
   std::size_t common = reference.size();
-  double shortest_s = real_s;
-  std::vector<std::vector<PressSignal>> loaded(keep ? conditions.size() : 0);
-  each([&](std::size_t c) {
-    auto parts = conditions[c].load();
-    const double own_s = span_s(parts);
-    if (!(own_s <= real_s * (1.0 + options.duration_tolerance)) ||
-        !(own_s >= real_s * (1.0 - options.duration_tolerance))) {
-      throw BadData(
-          fmt::format("condition '{}' lasts {:.4g} s and the real process {:.4g} s; cut or repeat one so that they "
-                      "show the same presses",
-                      conditions[c].name, own_s, real_s));
-    }
-    if (parts.size() != real.size()) {
-      throw BadData(fmt::format("condition '{}' has {} measuring parts and the real process {}", conditions[c].name,
-                                parts.size(), real.size()));
-    }
-    const auto own = static_cast<std::size_t>(std::floor(own_s * matrix_options.rate_Hz + 0.01) + 1.0);
-    const std::scoped_lock lock(mutex);
-    common = std::min(common, own);
-    shortest_s = std::min(shortest_s, own_s);
-    if (keep) loaded[c] = std::move(parts);
-  });
-  if (common < reference.size()) {
-    result.remarks.push_back(
-        fmt::format("compared over the first {:.4g} s: the shortest condition is shorter than the real "
-                    "process ({:.4g} s)",
-                    shortest_s, real_s));
+  for (;;) {
+    cut(reference, common);
+    const std::size_t shortest = compare_all(result, reference, conditions, options, real_s, keep);
+    if (shortest == common) break;
+    common = shortest;
   }
-  cut(reference, common);
+  if (static_cast<double>(common) < std::floor(real_s * result.rate_Hz)) {
+    result.remarks.push_back(
+        fmt::format("compared over the first {:.4g} s: a condition is shorter than the real process ({:.4g} s)",
+                    static_cast<double>(common) / result.rate_Hz, real_s));
+  }
   result.samples = common;
-  HapticImage real_image = haptic_image(reference, options.image);
   const std::vector<double>& real_N = reference.parts.front().force_N;
-  const std::vector<double> real_felt_N = real_image.felt_force.held;
-  for (const auto& block : real_image.blocks) result.features.push_back(block.name);
-  result.real.name = "real";
-  fill(result.real, real_image);
-  result.real.statistics =
-      statistics(real_N, real_felt_N, real_N, real_felt_N, result.rate_Hz, options.image.force_law);
   std::vector<std::size_t> windows;
   std::copy_if(kWindows.begin(), kWindows.end(), std::back_inserter(windows),
                [&](std::size_t w) { return 4 * w < common; });
   result.windows = window_trade_off(real_N, reference.parts.front().displacement_m, result.rate_Hz, windows);
-
-  result.images.resize(conditions.size() + 1);
-  result.conditions.resize(conditions.size());
-  if (keep) {
-    result.rendered_N.resize(conditions.size() + 1);
-    result.rendered_displacement_m.resize(conditions.size() + 1);
-    result.rendered_N[0] = real_N;
-    result.rendered_displacement_m[0] = reference.parts.front().displacement_m;
-  }
-  result.images[0] = std::move(real_image);
-  each([&](std::size_t c) {
-    auto matrix = make_haptic_data_matrix(keep ? loaded[c] : conditions[c].load(), matrix_options);
-    cut(matrix, common);
-    auto image = haptic_image(matrix, options.image);
-    ConditionResult& own = result.conditions[c];
-    own.name = conditions[c].name;
-    fill(own, image);
-    auto& part = matrix.parts.front();
-    own.statistics =
-        statistics(real_N, real_felt_N, part.force_N, image.felt_force.held, result.rate_Hz, options.image.force_law);
-    if (keep) {
-      result.rendered_N[c + 1] = std::move(part.force_N);
-      result.rendered_displacement_m[c + 1] = std::move(part.displacement_m);
-    } else {
-      image.felt_force = {};
-      image.felt_displacement = {};
-    }
-    result.images[c + 1] = std::move(image);
-    const std::size_t count = ++done;
-    if (options.progress) {
-      const std::scoped_lock lock(mutex);
-      options.progress(count);
-    }
-  });
 
   const auto images = pointers(result.images);
   ScaledImages scaled = scale_images(images, options.scaling);

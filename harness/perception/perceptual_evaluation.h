@@ -67,6 +67,7 @@ struct ConditionResult {
 
 struct PerceptualEvaluation {
   FeatureScaling scaling = FeatureScaling::reference_norm;
+  double explained_share_wanted = 0.9;
   double rate_Hz = 0.0;
   std::size_t samples = 0;
   std::vector<std::string> features;  // names of the blocks

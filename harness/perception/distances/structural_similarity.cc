@@ -61,8 +61,8 @@ double structural_similarity(std::span<const double> real, std::span<const doubl
   for (std::size_t first = 0; first + constants.window <= real.size(); first += constants.stride) {
     const Moments m = moments(real.subspan(first, constants.window), rendered.subspan(first, constants.window));
     const double spread = std::sqrt(m.variance_real) * std::sqrt(m.variance_rendered);
-    const double l = ratio(2.0 * m.mean_real * m.mean_rendered + c1,
-                           m.mean_real * m.mean_real + m.mean_rendered * m.mean_rendered + c1);
+    const double l = std::max(0.0, ratio(2.0 * m.mean_real * m.mean_rendered + c1,
+                                         m.mean_real * m.mean_real + m.mean_rendered * m.mean_rendered + c1));
     const double c = ratio(2.0 * spread + c2, m.variance_real + m.variance_rendered + c2);
     const double s = ratio(m.covariance + c3, spread + c3);
     const double similarity = power(l, constants.alpha) * power(c, constants.beta) * power(s, constants.gamma);

@@ -25,8 +25,10 @@ struct StructuralSimilarityConstants {
   double r = 1.0;  // Minkowski power; ours: the plain mean
 };
 
-// 1 for equal series. A negative structure term counts as 0 where gamma or r is not a whole number. Two series that are
-// constant and equal are 1. Throws BadData when shorter than one window or of unequal length.
+// 1 for equal series. Images have no negative values and forces do: a luminance term below 0
+// (means of opposite sign) counts as 0, ours. A negative structure term counts as 0 where gamma or r is not a whole
+// number. Two series that are constant and equal are 1. Throws BadData when shorter than one window or of unequal
+// length.
 double structural_similarity(std::span<const double> real, std::span<const double> rendered,
                              const StructuralSimilarityConstants& constants = {});
 

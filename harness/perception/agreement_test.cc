@@ -1,0 +1,75 @@
+#include "harness/perception/agreement.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include "harness/base/error.h"
+#include "harness/base/random.h"
+#include "harness/perception/statistics.h"
+
+namespace touchstone::perception {
+namespace {
+
+TEST(Statistics, KnownValues) {
+  EXPECT_NEAR(normal_cdf(1.959963984540054), 0.975, 1e-12);
+  EXPECT_NEAR(normal_quantile(0.975), 1.959963984540054, 1e-12);
+  EXPECT_NEAR(chi_squared_tail(3.841458820694124, 1.0), 0.05, 1e-12);
+  EXPECT_NEAR(chi_squared_tail(18.307038053275146, 10.0), 0.05, 1e-12);
+  EXPECT_NEAR(student_t_975(5.0), 2.5705818366147395, 1e-9);
+  EXPECT_EQ(median({3, 1, 2}), 2.0);
+  EXPECT_EQ(median({4, 1, 2, 3}), 2.5);
+  EXPECT_TRUE(std::isnan(median({})));
+  EXPECT_EQ(ranks(std::vector<double>{10, 30, 20, 20}), (std::vector<double>{1, 4, 2.5, 2.5}));
+}
+
+TEST(RankCorrelation, KnownCases) {
+  const std::vector<double> x{1, 2, 3, 4, 5, 6};
+  const auto perfect = spearman(x, std::vector<double>{2, 4, 8, 16, 32, 64});
+  EXPECT_DOUBLE_EQ(perfect.coefficient, 1.0);
+  EXPECT_DOUBLE_EQ(perfect.p_two_sided, 2.0 / 720.0);  // one order of 720 agrees fully, one disagrees fully
+  EXPECT_DOUBLE_EQ(kendall(x, std::vector<double>{6, 5, 4, 3, 2, 1}).coefficient, -1.0);
+  // Neighbours swapped: d^2 sums to 2 and one pair of 15 is discordant.
+  const std::vector<double> y{1, 2, 4, 3, 5, 6};
+  EXPECT_NEAR(spearman(x, y).coefficient, 1.0 - 6.0 * 2.0 / (6.0 * 35.0), 1e-12);
+  EXPECT_NEAR(kendall(x, y).coefficient, 1.0 - 2.0 / 15.0, 1e-12);
+  // Critical value of the tables for n = 6: rho = 0.886 is the 5 % point, two-sided.
+  EXPECT_LT(spearman(x, std::vector<double>{2, 1, 3, 4, 6, 5}).p_two_sided, 0.05);
+  EXPECT_GT(spearman(x, std::vector<double>{2, 1, 4, 3, 6, 5}).p_two_sided, 0.05);
+}
+
+TEST(RankCorrelation, IntervalsCoverTheTruth) {
+  // Bivariate normal with correlation r: rho = 6 / pi asin(r / 2).
+  const double r = 0.6;
+  const double rho = 6.0 / 3.14159265358979 * std::asin(0.5 * r);
+  Random random(17);
+  int covered = 0;
+  const int rounds = 1000;
+  for (int round = 0; round < rounds; ++round) {
+    std::vector<double> x;
+    std::vector<double> y;
+    for (int i = 0; i < 30; ++i) {
+      x.push_back(random.normal());
+      y.push_back(r * x.back() + std::sqrt(1.0 - r * r) * random.normal());
+    }
+    const auto found = spearman(x, y);
+    covered += found.low95 <= rho && rho <= found.high95 ? 1 : 0;
+  }
+  EXPECT_GT(covered, 0.92 * rounds);
+  EXPECT_LT(covered, 0.98 * rounds);
+}
+
+TEST(RankCorrelation, TooFewConstantAndNotFinite) {
+  const std::vector<double> x{1, 2, 3};
+  EXPECT_EQ(spearman(x, x).low95, -1.0);  // three values say nothing about the interval
+  EXPECT_TRUE(std::isnan(spearman(x, std::vector<double>{2, 2, 2}).coefficient));
+  EXPECT_EQ(spearman(x, std::vector<double>{2, 2, 2}).p_two_sided, 1.0);
+  EXPECT_THROW(spearman(x, std::vector<double>{1, 2}), BadData);
+  EXPECT_THROW(kendall(std::vector<double>{1, 2}, std::vector<double>{1, 2}), BadData);
+  EXPECT_THROW(kendall(x, std::vector<double>{1, 2, std::nan("")}), BadData);
+}
+
+}  // namespace
+}  // namespace touchstone::perception
