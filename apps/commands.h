@@ -7,11 +7,13 @@
 
 namespace touchstone::apps {
 
+void add_doctor(CLI::App& program, Run& run);
 void add_replay(CLI::App& program, Run& run);
 void add_version(CLI::App& program, Run& run);
 
 inline std::vector<AddCommand> commands() {
   return {
+      add_doctor,
       add_replay,
       add_version,
   };
