@@ -1,0 +1,71 @@
+#include "harness/acquisition/rigid_registration.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/Eigenvalues>
+#include <cmath>
+#include <limits>
+
+#include "harness/base/error.h"
+
+namespace touchstone {
+
+MarkerRegistration register_markers(const std::vector<Vec3>& tracker_m, const std::vector<Vec3>& object_m,
+                                    const std::string& source) {
+  if (tracker_m.size() != object_m.size()) {
+    throw BadData(
+        fmt::format("{}: {} markers of the tracker and {} of the object; they must be the same ones in the same order",
+                    source, tracker_m.size(), object_m.size()));
+  }
+  if (tracker_m.size() < 3)
+    throw BadData(fmt::format("{}: has {} markers; at least 3 are needed, better 4", source, tracker_m.size()));
+  const auto n = static_cast<Eigen::Index>(tracker_m.size());
+  Eigen::Matrix3Xd from(3, n), to(3, n);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    from.col(i) = tracker_m[static_cast<std::size_t>(i)];
+    to.col(i) = object_m[static_cast<std::size_t>(i)];
+  }
+  if (!from.allFinite() || !to.allFinite())
+    throw BadData(fmt::format("{}: a marker's position is not a finite number", source));
+
+  MarkerRegistration result;
+  result.markers = tracker_m.size();
+  result.centroid_m = to.rowwise().mean();
+  const Eigen::Matrix3Xd centred = to.colwise() - result.centroid_m;
+  const Eigen::SelfAdjointEigenSolver<Mat3> principal(centred * centred.transpose() / static_cast<double>(n));
+  result.axes = principal.eigenvectors();
+  const Vec3 variance = principal.eigenvalues().cwiseMax(0.0);
+  result.spread_m = Vec3(std::sqrt(variance[1] + variance[2]), std::sqrt(variance[0] + variance[2]),
+                         std::sqrt(variance[0] + variance[1]));
+  // On one line the turn about it is free. A thousandth of the line's length is what trackers resolve.
+  const auto on_a_line = [](const Vec3& eigenvalues) { return !(eigenvalues[1] > 1e-6 * eigenvalues[2]); };
+  const Eigen::Matrix3Xd from_centred = from.colwise() - from.rowwise().mean().eval();
+  const Eigen::SelfAdjointEigenSolver<Mat3> from_principal(
+      from_centred * from_centred.transpose() / static_cast<double>(n), Eigen::EigenvaluesOnly);
+  if (on_a_line(variance) || on_a_line(from_principal.eigenvalues())) {
+    throw BadData(fmt::format(
+        "{}: the markers lie on one line, so the turn about it cannot be known; add a marker beside it", source));
+  }
+  const Eigen::Matrix4d transform = Eigen::umeyama(from, to, false);
+  result.tracker_to_object.q = Quat(Mat3(transform.topLeftCorner<3, 3>())).normalized();
+  result.tracker_to_object.t_m = transform.topRightCorner<3, 1>();
+  double sum = 0.0;
+  for (std::size_t i = 0; i < tracker_m.size(); ++i) {
+    result.residual_m.push_back((result.tracker_to_object.point(tracker_m[i]) - object_m[i]).norm());
+    sum += result.residual_m.back() * result.residual_m.back();
+  }
+  result.residual_rms_m = std::sqrt(sum / static_cast<double>(n));
+  return result;
+}
+
+double MarkerRegistration::expected_error_m(const Vec3& p_object_m) const {
+  if (markers < 4) return std::numeric_limits<double>::quiet_NaN();
+  const auto n = static_cast<double>(markers);
+  const double localisation = residual_rms_m * residual_rms_m / (1.0 - 2.0 / n);
+  const Vec3 d = axes.transpose() * (p_object_m - centroid_m);
+  double sum = 0.0;
+  for (int k = 0; k < 3; ++k) sum += (d.squaredNorm() - d[k] * d[k]) / (spread_m[k] * spread_m[k]);
+  return std::sqrt(localisation / n * (1.0 + sum / 3.0));
+}
+
+}  // namespace touchstone

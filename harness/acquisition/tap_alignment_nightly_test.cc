@@ -1,0 +1,5 @@
+#include <gtest/gtest.h>
+
+#include "harness/acquisition/tap_session_for_test.h"
+
+TEST(TapAlignmentNightly, FindsOffsetAndSkewOverAHundredSeeds) { touchstone::testing::check_alignment_over_seeds(100); }

@@ -1,0 +1,155 @@
+#include "harness/acquisition/tool_load.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/SVD>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+#include "harness/base/error.h"
+
+namespace touchstone {
+namespace {
+
+constexpr Eigen::Index unknowns = 10;
+// Smallest singular value of the scaled system that counts as information: orientations a third of a degree apart.
+constexpr double rank_tolerance = 5e-3;
+
+struct Solution {
+  Eigen::Matrix<double, unknowns, 1> x;
+  Eigen::Matrix<double, unknowns, unknowns> inverse_normal;  // (A^T A)^-1
+  Eigen::Index rank = 0;
+  double condition = 0.0;
+};
+
+void fill(const StaticPose& pose, const Vec3& gravity_W, Eigen::Ref<Eigen::MatrixXd> a, Eigen::Ref<Eigen::VectorXd> b) {
+  const Vec3 g = pose.q_WS.conjugate() * gravity_W;
+  a.setZero();
+  a.block<3, 1>(0, 0) = g;
+  a.block<3, 3>(0, 4).setIdentity();
+  a.block<3, 3>(3, 1) << 0, g.z(), -g.y(), -g.z(), 0, g.x(), g.y(), -g.x(), 0;  // -[g]x
+  a.block<3, 3>(3, 7).setIdentity();
+  b << pose.measured.f_N, pose.measured.torque_Nm;
+}
+
+Solution solve(const std::vector<StaticPose>& poses, const Vec3& gravity_W, std::optional<std::size_t> without) {
+  const auto n = static_cast<Eigen::Index>(poses.size() - (without ? 1 : 0));
+  Eigen::MatrixXd a(6 * n, unknowns);
+  Eigen::VectorXd b(6 * n);
+  Eigen::Index row = 0;
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    if (without && *without == i) continue;
+    fill(poses[i], gravity_W, a.middleRows(row, 6), b.segment(row, 6));
+    row += 6;
+  }
+  const Eigen::VectorXd scale = a.colwise().norm().transpose();
+  Eigen::VectorXd inverse_scale = scale;
+  for (Eigen::Index i = 0; i < unknowns; ++i) inverse_scale[i] = scale[i] > 0.0 ? 1.0 / scale[i] : 0.0;
+  Eigen::JacobiSVD<Eigen::MatrixXd> svd(a * inverse_scale.asDiagonal(), Eigen::ComputeThinU | Eigen::ComputeThinV);
+  svd.setThreshold(rank_tolerance);
+  Solution solution;
+  solution.rank = svd.rank();
+  const auto& s = svd.singularValues();
+  solution.condition = s[unknowns - 1] > 0.0 ? s[0] / s[unknowns - 1] : std::numeric_limits<double>::infinity();
+  if (solution.rank < unknowns) return solution;
+  solution.x = inverse_scale.asDiagonal() * svd.solve(b);
+  const Eigen::MatrixXd half = inverse_scale.asDiagonal() * svd.matrixV() * s.cwiseInverse().asDiagonal();
+  solution.inverse_normal = half * half.transpose();
+  return solution;
+}
+
+ToolLoad load_of(const Eigen::Matrix<double, unknowns, 1>& x) {
+  ToolLoad load;
+  load.mass_kg = x[0];
+  load.center_S_m = x.segment<3>(1) / x[0];
+  load.bias = {x.segment<3>(4), x.segment<3>(7)};
+  return load;
+}
+
+Wrench error_of(const StaticPose& pose, const ToolLoad& load, const Vec3& gravity_W) {
+  const Wrench predicted = tool_wrench(load, pose.q_WS, gravity_W);
+  return {pose.measured.f_N - predicted.f_N, pose.measured.torque_Nm - predicted.torque_Nm};
+}
+
+}  // namespace
+
+WrenchResidual residual_of(const std::vector<Wrench>& errors) {
+  WrenchResidual residual;
+  residual.samples = errors.size();
+  if (errors.empty()) return residual;
+  Vec3 force = Vec3::Zero();
+  double torque = 0.0;
+  for (const Wrench& e : errors) {
+    force += e.f_N.cwiseAbs2();
+    torque += e.torque_Nm.squaredNorm();
+  }
+  const auto n = static_cast<double>(errors.size());
+  residual.force_axis_N = (force / n).cwiseSqrt();
+  residual.force_vector_N = std::sqrt(force.sum() / n);
+  residual.force_component_N = std::sqrt(force.sum() / (3 * n));
+  residual.torque_component_Nm = std::sqrt(torque / (3 * n));
+  return residual;
+}
+
+Wrench tool_wrench(const ToolLoad& load, const Quat& q_WS, const Vec3& gravity_W_m_per_s2) {
+  const Vec3 weight = load.mass_kg * (q_WS.conjugate() * gravity_W_m_per_s2);
+  return {load.bias.f_N + weight, load.bias.torque_Nm + load.center_S_m.cross(weight)};
+}
+
+Wrench contact_wrench_at_tip(const Wrench& measured, const ToolLoad& load, const Quat& q_WS,
+                             const Vec3& gravity_W_m_per_s2, const Vec3& tip_S_m) {
+  const Wrench own = tool_wrench(load, q_WS, gravity_W_m_per_s2);
+  return wrench_about({measured.f_N - own.f_N, measured.torque_Nm - own.torque_Nm}, tip_S_m);
+}
+
+ToolIdentification identify_tool(const std::vector<StaticPose>& poses, const Vec3& gravity_W_m_per_s2,
+                                 const std::string& source) {
+  if (!(gravity_W_m_per_s2.norm() > 0.0) || !gravity_W_m_per_s2.allFinite()) {
+    throw BadData(fmt::format("{}: gravity is zero or not finite; a weight cannot be found without it", source));
+  }
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    if (!poses[i].measured.finite() || !(std::abs(poses[i].q_WS.norm() - 1.0) < 1e-6)) {
+      throw BadData(fmt::format("{}: static orientation {} is not finite or not a rotation", source, i + 1));
+    }
+  }
+  if (poses.empty())
+    throw BadData(fmt::format("{}: has no static orientations; at least 3 are needed, better 6", source));
+  const Solution all = solve(poses, gravity_W_m_per_s2, std::nullopt);
+  if (all.rank < unknowns) {
+    throw BadData(fmt::format(
+        "{}: {} static orientations determine only {} of the 10 unknowns (mass, 3 centre of mass, 3 + 3 bias): gravity "
+        "must point along at "
+        "least 3 directions of the sensor that do not lie in one line; turn the probe about two axes and record again",
+        source, poses.size(), all.rank));
+  }
+  ToolIdentification result;
+  result.load = load_of(all.x);
+  result.condition = all.condition;
+  std::vector<Wrench> errors;
+  for (const StaticPose& pose : poses) errors.push_back(error_of(pose, result.load, gravity_W_m_per_s2));
+  result.fit = residual_of(errors);
+
+  // Force and torque rows share no unknown: mass and b_F (4) come from forces, m c and b_T (6) from torques.
+  const auto rows = static_cast<double>(3 * poses.size());
+  const auto n = static_cast<double>(poses.size());
+  const double force_variance = rows > 4 ? 3 * n * std::pow(result.fit.force_component_N, 2) / (rows - 4) : 0.0;
+  const double torque_variance = rows > 6 ? 3 * n * std::pow(result.fit.torque_component_Nm, 2) / (rows - 6) : 0.0;
+  result.mass_sigma_kg = std::sqrt(force_variance * all.inverse_normal(0, 0));
+  for (int i = 0; i < 3; ++i) {
+    result.bias_force_sigma_N[i] = std::sqrt(force_variance * all.inverse_normal(4 + i, 4 + i));
+    result.center_sigma_m[i] = std::hypot(std::sqrt(torque_variance * all.inverse_normal(1 + i, 1 + i)),
+                                          result.load.center_S_m[i] * result.mass_sigma_kg) /
+                               std::abs(result.load.mass_kg);
+  }
+
+  std::vector<Wrench> held_out;
+  for (std::size_t i = 0; i < poses.size() && poses.size() > 3; ++i) {
+    const Solution rest = solve(poses, gravity_W_m_per_s2, i);
+    if (rest.rank == unknowns) held_out.push_back(error_of(poses[i], load_of(rest.x), gravity_W_m_per_s2));
+  }
+  result.held_out = residual_of(held_out);
+  return result;
+}
+
+}  // namespace touchstone
