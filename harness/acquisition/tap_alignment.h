@@ -17,7 +17,7 @@ struct TapOptions {
   double force_threshold_N = 0.0;  // 0: eight times the baseline's noise, at least a tenth of the median peak
   double longest_tap_s = 0.4;      // a contact that lasts longer is scanning, not a tap
   double shortest_tap_s = 0.01;
-  double approach_s = 0.12;  // of the motion before a tap that may enter the line
+  double approach_s = 0.16;  // of the motion before a tap that may enter the line
   double largest_skew = 500e-6;
 };
 

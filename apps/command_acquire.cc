@@ -1,0 +1,94 @@
+#include <fmt/format.h>
+
+#include <memory>
+
+#include "apps/commands.h"
+#include "harness/acquisition/acquire.h"
+#include "harness/base/atomic_file.h"
+#include "harness/recording/recording_file.h"
+
+namespace touchstone::apps {
+namespace {
+
+struct RunOptions {
+  std::string description, out, json;
+};
+
+struct ToolOptions {
+  std::string table, json;
+  double gravity_m_per_s2 = 9.80665;
+  bool si = false;
+};
+
+void add_run(CLI::App& acquire_command, Run& run) {
+  auto* const command = acquire_command.add_subcommand(
+      "run", "Raw force and motion streams to a recording, every step with its residual");
+  auto options = std::make_shared<RunOptions>();
+  command
+      ->add_option("description", options->description,
+                   "Acquisition description (JSON, schema touchstone-acquisition/1)")
+      ->required();
+  command->add_option("--out", options->out, "The recording to write (.csv, .csv.gz or .h5)")->required();
+  command->add_option("--json", options->json, "Write the report with all residuals to this file");
+  command->footer(
+      "Example:\n  touchstone acquire run session/acquisition.json --out session/recording.csv --json "
+      "session/report.json");
+  command->callback([options, &run] {
+    run = [options] {
+      const auto result = acquire(read_description(options->description));
+      save_recording(options->out, result.recording);
+      if (!options->json.empty()) write_file(options->json, report_json(result.report));
+      fmt::print("{}recording    {} samples -> {}\n", report_text(result.report), result.recording.size(),
+                 options->out);
+      return ExitStatus::passed;
+    };
+  });
+}
+
+void add_tool(CLI::App& acquire_command, Run& run) {
+  auto* const command =
+      acquire_command.add_subcommand("tool", "Mass, centre of mass and bias from static orientations");
+  auto options = std::make_shared<ToolOptions>();
+  command
+      ->add_option("table", options->table,
+                   "Columns fx_N ... tz_Nm and qw, qx, qy, qz (or r11 ... r33), one row per orientation")
+      ->required();
+  command->add_option("--gravity", options->gravity_m_per_s2, "Gravity along -z of the orientations' world, m/s^2")
+      ->capture_default_str();
+  command->add_flag("--si", options->si, "Columns without a unit (fx, tx) are in N and N m");
+  command->add_option("--json", options->json, "Write the result to this file");
+  command->footer("Example:\n  touchstone acquire tool orientations.csv --json tool.json");
+  command->callback([options, &run] {
+    run = [options] {
+      AcquisitionReport report;
+      report.tool = identify_tool(read_static_poses(options->table, options->si),
+                                  Vec3(0, 0, -options->gravity_m_per_s2), options->table);
+      const auto& t = *report.tool;
+      fmt::print("mass             {:.6g} +- {:.2g} kg\n", t.load.mass_kg, t.mass_sigma_kg);
+      fmt::print("centre of mass   {:.6g} {:.6g} {:.6g} m (+- {:.2g} {:.2g} {:.2g})\n", t.load.center_S_m.x(),
+                 t.load.center_S_m.y(), t.load.center_S_m.z(), t.center_sigma_m.x(), t.center_sigma_m.y(),
+                 t.center_sigma_m.z());
+      fmt::print("bias             {:.6g} {:.6g} {:.6g} N, {:.6g} {:.6g} {:.6g} N m\n", t.load.bias.f_N.x(),
+                 t.load.bias.f_N.y(), t.load.bias.f_N.z(), t.load.bias.torque_Nm.x(), t.load.bias.torque_Nm.y(),
+                 t.load.bias.torque_Nm.z());
+      fmt::print("force residual   {:.4g} N RMS per component, {:.4g} N as a vector, {} orientations\n",
+                 t.fit.force_component_N, t.fit.force_vector_N, t.fit.samples);
+      fmt::print("held out         {:.4g} N RMS per component, {:.4g} N as a vector\n", t.held_out.force_component_N,
+                 t.held_out.force_vector_N);
+      fmt::print("torque residual  {:.4g} N m RMS per component\n", t.fit.torque_component_Nm);
+      if (!options->json.empty()) write_file(options->json, report_json(report));
+      return ExitStatus::passed;
+    };
+  });
+}
+
+}  // namespace
+
+void add_acquire(CLI::App& program, Run& run) {
+  auto* const command = program.add_subcommand("acquire", "Raw sensor and tracker streams to a recording");
+  command->require_subcommand(1);
+  add_run(*command, run);
+  add_tool(*command, run);
+}
+
+}  // namespace touchstone::apps

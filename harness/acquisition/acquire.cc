@@ -1,0 +1,312 @@
+#include "harness/acquisition/acquire.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "harness/acquisition/raw_table.h"
+#include "harness/base/error.h"
+#include "harness/base/hash.h"
+#include "harness/base/units.h"
+#include "harness/recording/ati_calibration.h"
+#include "harness/surface/embree_surface.h"
+#include "harness/surface/mesh_file.h"
+
+namespace touchstone {
+namespace {
+
+const std::vector<std::pair<std::string, double>> force_units{{"N", 1.0}, {"mN", 1e-3}};
+const std::vector<std::pair<std::string, double>> torque_units{{"Nm", 1.0}, {"Nmm", 1e-3}};
+const std::vector<std::pair<std::string, double>> length_units{{"m", 1.0}, {"mm", 1e-3}};
+
+struct ForceStream {
+  std::vector<double> t_s;
+  std::vector<Wrench> wrench;  // sensor frame, bias of the gauges removed where there is an interval for it
+};
+
+struct MotionStream {
+  std::vector<double> t_s;
+  std::vector<Vec3> tip_T_m;
+  std::vector<Quat> q_TS;
+  std::vector<double> after_gap_s;  // the times at which tracking came back
+  std::vector<std::pair<double, double>> gaps;
+};
+
+GaugeVoltages mean_volts(const RawTable& table, const std::vector<double>& t,
+                         const AcquisitionDescription::Interval& interval) {
+  GaugeVoltages mean{};
+  std::size_t n = 0;
+  for (std::size_t i = 0; i < t.size(); ++i) {
+    if (t[i] < interval.from_s || t[i] > interval.to_s) continue;
+    ++n;
+    for (std::size_t k = 0; k < 6; ++k) mean[k] += table.column(fmt::format("v{}_V", k + 1))[i];
+  }
+  if (n < 10) {
+    throw BadData(fmt::format(
+        "{}: the bias interval {} to {} s holds {} samples; it must lie within {:.3f} to {:.3f} s of the force's clock",
+        table.source(), interval.from_s, interval.to_s, n, t.front(), t.back()));
+  }
+  for (double& v : mean) v /= static_cast<double>(n);
+  return mean;
+}
+
+ForceStream read_force(const AcquisitionDescription& d, AcquisitionReport& report) {
+  const RawTable table(d.force_file);
+  ForceStream stream;
+  stream.t_s = table.times_s();
+  report.force_samples.total = table.rows();
+  if (table.has("v1_V")) {
+    if (!d.calibration_file)
+      throw BadData(
+          fmt::format("{}: /force/calibration: is needed to turn gauge voltages into forces", d.file.string()));
+    const auto calibration = read_ati_calibration(*d.calibration_file, d.serial);
+    const GaugeVoltages bias = d.bias ? mean_volts(table, stream.t_s, *d.bias) : GaugeVoltages{};
+    for (std::size_t i = 0; i < table.rows(); ++i) {
+      GaugeVoltages v{};
+      for (std::size_t k = 0; k < 6; ++k) v[k] = table.column(fmt::format("v{}_V", k + 1))[i];
+      const auto sample = apply_calibration(calibration, v, bias);
+      report.force_samples.saturated += (sample.flags & sample_saturated) != 0;
+      report.force_samples.out_of_range += (sample.flags & sample_out_of_range) != 0;
+      report.force_samples.not_finite += (sample.flags & sample_not_finite) != 0;
+      stream.wrench.push_back(sample.wrench);
+    }
+  } else {
+    const auto f = table.vectors("f", force_units, false), torque = table.vectors("t", torque_units, false);
+    for (std::size_t i = 0; i < f.size(); ++i) stream.wrench.push_back({f[i], torque[i]});
+  }
+  if (report.force_samples.not_finite > 0)
+    throw BadData(fmt::format("{}: {} samples are not finite", d.force_file.string(), report.force_samples.not_finite));
+  if (report.force_samples.saturated > 0) {
+    report.notes.push_back(fmt::format("{} of {} force samples have a saturated gauge: forces there are too small",
+                                       report.force_samples.saturated, table.rows()));
+  }
+  if (report.force_samples.out_of_range > 0) {
+    report.notes.push_back(fmt::format("{} of {} force samples lie beyond the sensor's calibrated range",
+                                       report.force_samples.out_of_range, table.rows()));
+  }
+  return stream;
+}
+
+MotionStream read_motion(const AcquisitionDescription& d, AcquisitionReport& report) {
+  const RawTable table(d.motion_file);
+  const auto t = table.times_s();
+  const auto p = table.vectors("", length_units, false);
+  const auto q = table.rotations();
+  MotionStream stream;
+  for (std::size_t i = 0; i < t.size(); ++i) {
+    if (table.has("tracked") && table.column("tracked")[i] == 0.0) {
+      ++report.samples_without_tracking;
+      continue;
+    }
+    if (!stream.t_s.empty() && t[i] - stream.t_s.back() > d.largest_gap_s)
+      stream.gaps.emplace_back(stream.t_s.back(), t[i]);
+    stream.t_s.push_back(t[i]);
+    stream.tip_T_m.push_back(p[i] + q[i] * d.tip_P_m);
+    stream.q_TS.push_back((q[i] * d.q_PS).normalized());
+  }
+  if (stream.t_s.size() < 2)
+    throw BadData(fmt::format("{}: the tracker saw the probe in fewer than two samples", d.motion_file.string()));
+  if (!stream.gaps.empty() && !d.keep_around_gaps) {
+    throw BadData(
+        fmt::format("{}: the tracker lost the probe {} times for longer than {} s, first from {:.3f} to {:.3f} s; set "
+                    "/motion/keep_around_gaps to leave that time out, or record again",
+                    d.motion_file.string(), stream.gaps.size(), d.largest_gap_s, stream.gaps.front().first,
+                    stream.gaps.front().second));
+  }
+  if (!stream.gaps.empty())
+    report.notes.push_back(fmt::format("{} gaps in the tracking were left out", stream.gaps.size()));
+  return stream;
+}
+
+// Within the motion's time and away from its gaps.
+bool has_motion(const MotionStream& motion, double t_motion_s) {
+  if (t_motion_s < motion.t_s.front() || t_motion_s > motion.t_s.back()) return false;
+  return std::none_of(motion.gaps.begin(), motion.gaps.end(),
+                      [&](const auto& gap) { return t_motion_s > gap.first && t_motion_s < gap.second; });
+}
+
+MarkerRegistration read_markers(const AcquisitionDescription& d) {
+  const RawTable table(*d.markers_file);
+  const auto result = register_markers(table.vectors("", length_units, false), table.vectors("m", length_units, false),
+                                       d.markers_file->string());
+  if (result.residual_rms_m > d.largest_marker_residual_m) {
+    const auto worst = std::max_element(result.residual_m.begin(), result.residual_m.end());
+    throw BadData(
+        fmt::format("{}: the markers fit with {:.3g} mm RMS, more than {:.3g} mm; marker {} is worst with {:.3g} mm: "
+                    "is the order the "
+                    "same in both frames?",
+                    d.markers_file->string(), 1e3 * result.residual_rms_m, 1e3 * d.largest_marker_residual_m,
+                    std::distance(result.residual_m.begin(), worst) + 1, 1e3 * *worst));
+  }
+  return result;
+}
+
+// Force on the tip in the tracker's frame at every force sample that has motion; times on the motion's clock.
+struct TipForce {
+  std::vector<double> t_s;
+  std::vector<Vec3> f_T_N;
+  std::vector<Vec3> torque_T_Nm;
+};
+
+TipForce force_at_tip(const AcquisitionDescription& d, const ForceStream& force, const MotionStream& motion,
+                      const ToolLoad& tool, const ClockAlignment& clocks) {
+  TipForce result;
+  std::vector<std::size_t> index;
+  for (std::size_t i = 0; i < force.t_s.size(); ++i) {
+    const double t = clocks.to_motion_clock(force.t_s[i]);
+    if (has_motion(motion, t)) result.t_s.push_back(t), index.push_back(i);
+  }
+  if (index.size() < 2) {
+    throw BadData(
+        fmt::format("{}: force and motion do not overlap in time once their clocks are aligned", d.file.string()));
+  }
+  const auto q = slerp_at(motion.t_s, motion.q_TS, result.t_s, d.motion_file.string());
+  for (std::size_t i = 0; i < index.size(); ++i) {
+    const Wrench w =
+        rotated(q[i], contact_wrench_at_tip(force.wrench[index[i]], tool, q[i], d.gravity_T_m_per_s2, d.tip_S_m));
+    result.f_T_N.push_back(w.f_N);
+    result.torque_T_Nm.push_back(w.torque_Nm);
+  }
+  return result;
+}
+
+ClockAlignment align_clocks(const AcquisitionDescription& d, const ForceStream& force, const MotionStream& motion,
+                            const ToolLoad& tool, const Quat& q_WT) {
+  const Vec3 normal_T = q_WT.conjugate() * d.tap_normal_W;
+  std::vector<double> height;
+  for (const Vec3& p : motion.tip_T_m) height.push_back(normal_T.dot(p));
+  // First with the length of the force, for which no orientation is needed: each sample against the median component.
+  Vec3 middle;
+  for (int k = 0; k < 3; ++k) {
+    std::vector<double> v;
+    for (const Wrench& w : force.wrench) v.push_back(w.f_N[k]);
+    std::nth_element(v.begin(), v.begin() + static_cast<std::ptrdiff_t>(v.size() / 2), v.end());
+    middle[k] = v[v.size() / 2];
+  }
+  std::vector<double> length;
+  for (const Wrench& w : force.wrench) length.push_back((w.f_N - middle).norm());
+  const ClockAlignment first = align_by_taps(force.t_s, length, motion.t_s, height, d.taps, d.file.string());
+  // Then with the weight removed, along the surface's normal.
+  const TipForce tip = force_at_tip(d, force, motion, tool, first);
+  std::vector<double> t, normal_force;
+  for (std::size_t i = 0; i < tip.t_s.size(); ++i) {
+    t.push_back(first.to_force_clock(tip.t_s[i]));
+    normal_force.push_back(normal_T.dot(tip.f_T_N[i]));
+  }
+  return align_by_taps(t, normal_force, motion.t_s, height, d.taps, d.file.string());
+}
+
+}  // namespace
+
+std::vector<StaticPose> read_static_poses(const std::filesystem::path& path, bool bare_is_si) {
+  const RawTable table(path);
+  const auto f = table.vectors("f", force_units, bare_is_si), torque = table.vectors("t", torque_units, bare_is_si);
+  const auto q = table.rotations();
+  std::vector<StaticPose> poses;
+  for (std::size_t i = 0; i < table.rows(); ++i) poses.push_back({q[i], {f[i], torque[i]}});
+  return poses;
+}
+
+Acquired acquire(const AcquisitionDescription& d) {
+  Acquired result;
+  AcquisitionReport& report = result.report;
+  for (const auto& file : {std::optional(d.file), std::optional(d.force_file), d.calibration_file,
+                           std::optional(d.motion_file), d.tool_file, d.markers_file, d.mesh_file}) {
+    if (file) report.inputs.emplace_back(file->filename().string(), sha256_file(*file));
+  }
+  const ForceStream force = read_force(d, report);
+  const MotionStream motion = read_motion(d, report);
+
+  ToolLoad tool;
+  if (d.tool_file) {
+    report.tool = identify_tool(read_static_poses(*d.tool_file, false), d.gravity_T_m_per_s2, d.tool_file->string());
+    tool = report.tool->load;
+  } else if (d.tool) {
+    tool = *d.tool;
+  } else {
+    report.notes.emplace_back("no tool was described: its weight was taken for contact force");
+  }
+
+  RigidTransform object;  // tracker to object
+  if (d.markers_file) {
+    report.markers = read_markers(d);
+    object = report.markers->tracker_to_object;
+    if (report.markers->markers == 3)
+      report.notes.emplace_back("three markers fit almost anything: their residual says little about the registration");
+  } else {
+    report.notes.emplace_back("no markers: positions are in the tracker's frame");
+  }
+
+  ClockAlignment clocks;
+  if (d.align_taps) {
+    report.clocks = align_clocks(d, force, motion, tool, object.q);
+    clocks = *report.clocks;
+    if (!clocks.skew_fitted)
+      report.notes.emplace_back("the taps do not tell the clocks' skew; tap before and after scanning");
+  } else {
+    clocks.offset_s = d.known_offset_s;
+  }
+
+  const TipForce tip = force_at_tip(d, force, motion, tool, clocks);
+  std::vector<Wrench> free_air;
+  for (std::size_t i = 0; i < tip.t_s.size(); ++i) {
+    if (tip.f_T_N[i].norm() < 0.5 * d.contact_force_N) free_air.push_back({tip.f_T_N[i], tip.torque_T_Nm[i]});
+  }
+  report.free_air = residual_of(free_air);
+
+  // The motion's samples that have force around them.
+  std::vector<double> at;
+  std::vector<std::size_t> index;
+  const double interval = sample_interval_s(tip.t_s);
+  for (std::size_t i = 0; i < motion.t_s.size(); ++i) {
+    if (motion.t_s[i] >= tip.t_s.front() - interval && motion.t_s[i] <= tip.t_s.back() + interval)
+      at.push_back(motion.t_s[i]), index.push_back(i);
+  }
+  const auto smooth_force = smooth_at(tip.t_s, tip.f_T_N, at, d.force_cutoff_Hz, d.force_file.string());
+  const auto smooth_torque = smooth_at(tip.t_s, tip.torque_T_Nm, at, d.force_cutoff_Hz, d.force_file.string());
+  report.force_bandwidth_Hz = smooth_force.bandwidth_Hz;
+  report.noise_gain = smooth_force.noise_gain;
+  report.motion_bandwidth_Hz = 0.5 / sample_interval_s(motion.t_s);
+  if (report.force_bandwidth_Hz > report.motion_bandwidth_Hz) {
+    report.notes.push_back(
+        fmt::format("the force keeps up to {:.3g} Hz, more than the motion's {:.3g} Hz samples can carry: it aliases",
+                    report.force_bandwidth_Hz, 2 * report.motion_bandwidth_Hz));
+  }
+  std::vector<Vec3> positions;
+  for (const std::size_t i : index) positions.push_back(motion.tip_T_m[i]);
+  if (d.motion_cutoff_Hz > 0.0) {
+    const auto smooth = smooth_at(motion.t_s, motion.tip_T_m, at, d.motion_cutoff_Hz, d.motion_file.string());
+    positions = smooth.values;
+    report.motion_bandwidth_Hz = smooth.bandwidth_Hz;
+  }
+
+  if (d.mesh_file) {
+    const auto surface = make_embree_surface(load_mesh(*d.mesh_file, length_unit_factor(d.mesh_unit)));
+    std::vector<Vec3> centers;
+    for (std::size_t i = 0; i < at.size(); ++i) {
+      if (smooth_force.values[i].norm() >= d.contact_force_N) centers.push_back(object.point(positions[i]));
+    }
+    report.contacts = register_contacts(*surface, centers, d.tip_radius_m, {}, d.file.string());
+    object = report.contacts->correction * object;
+    if (report.contacts->determined_directions < 6) {
+      report.notes.push_back(
+          fmt::format("the contacts determine {} of 6 directions; the others are as the markers left them",
+                      report.contacts->determined_directions));
+    }
+  }
+
+  Recording& recording = result.recording;
+  recording.source = d.file.string();
+  for (std::size_t i = 0; i < at.size(); ++i) {
+    recording.motion.t_s.push_back(at[i]);
+    recording.motion.p_W_m.push_back(object.point(positions[i]));
+    recording.motion.q_WS.push_back((object.q * motion.q_TS[index[i]]).normalized());
+    recording.f_W_N.push_back(object.q * smooth_force.values[i]);
+    recording.torque_W_Nm.push_back(object.q * smooth_torque.values[i]);
+  }
+  return result;
+}
+
+}  // namespace touchstone

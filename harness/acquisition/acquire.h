@@ -1,0 +1,50 @@
+// Raw streams to a Recording, each step reported with its residual: voltages to wrenches, tool load removed by the
+// measured orientation, clocks aligned by taps, tracker registered to the object by markers and contacts, force moved
+// to the tip, smoothed with a stated bandwidth and brought to the motion's samples. (2006 paper, section 2.)
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "harness/acquisition/description.h"
+#include "harness/acquisition/smoothing.h"
+#include "harness/recording/trajectory.h"
+
+namespace touchstone {
+
+struct FlaggedSamples {
+  std::size_t total = 0, saturated = 0, out_of_range = 0, not_finite = 0;
+};
+
+struct AcquisitionReport {
+  FlaggedSamples force_samples;
+  std::optional<ToolIdentification> tool;  // where identified from orientations
+  std::optional<ClockAlignment> clocks;    // where aligned by taps
+  std::optional<MarkerRegistration> markers;
+  std::optional<ContactRegistration> contacts;
+  WrenchResidual free_air;  // of the compensated force while nothing was touched
+  double force_bandwidth_Hz = 0.0;
+  double motion_bandwidth_Hz = 0.0;  // half the tracker's rate where positions were not smoothed
+  double noise_gain = 0.0;           // of the force's smoothing
+  std::size_t samples_without_tracking = 0;
+  std::vector<std::string> notes;                           // what a reader must know, one sentence each
+  std::vector<std::pair<std::string, std::string>> inputs;  // file, SHA-256
+};
+
+struct Acquired {
+  Recording recording;
+  AcquisitionReport report;
+};
+
+// Throws BadData naming file, place, value and what to do.
+Acquired acquire(const AcquisitionDescription& description);
+
+// The report as JSON, schema "touchstone-acquisition-report/1", and as lines for people.
+std::string report_json(const AcquisitionReport& report);
+std::string report_text(const AcquisitionReport& report);
+
+// Static orientations of a tool from a table: fx_N .. tz_Nm (or without units where they are SI) and qw.. or r11..r33.
+std::vector<StaticPose> read_static_poses(const std::filesystem::path& path, bool bare_is_si);
+
+}  // namespace touchstone

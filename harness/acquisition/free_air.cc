@@ -1,0 +1,130 @@
+#include "harness/acquisition/free_air.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/QR>
+#include <cmath>
+#include <limits>
+
+#include "harness/acquisition/smoothing.h"
+#include "harness/base/error.h"
+
+namespace touchstone {
+namespace {
+
+double rms_length(const std::vector<Vec3>& v, const Vec3& from) {
+  double sum = 0.0;
+  for (const Vec3& x : v) sum += (x - from).squaredNorm();
+  return v.empty() ? 0.0 : std::sqrt(sum / static_cast<double>(v.size()));
+}
+
+Vec3 mean_of(const std::vector<Vec3>& v) {
+  Vec3 sum = Vec3::Zero();
+  for (const Vec3& x : v) sum += x / static_cast<double>(v.size());
+  return sum;
+}
+
+}  // namespace
+
+AccelerometerMap identify_accelerometer(const std::vector<Vec3>& readings, const std::vector<Quat>& q_WS,
+                                        const Vec3& gravity_W_m_per_s2, const std::string& source) {
+  const auto n = static_cast<Eigen::Index>(readings.size());
+  Eigen::MatrixXd a(n, 4), b(n, 3);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const Vec3 g = q_WS[static_cast<std::size_t>(i)].conjugate() * gravity_W_m_per_s2;
+    a.row(i) << g.transpose(), gravity_W_m_per_s2.norm();
+    b.row(i) = readings[static_cast<std::size_t>(i)].transpose();
+  }
+  const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(a);
+  if (n < 4 || qr.rank() < 4)
+    throw BadData(
+        fmt::format("{}: the orientations do not determine the accelerometer's axes; at least 4 are needed", source));
+  const Eigen::MatrixXd x = qr.solve(b);
+  AccelerometerMap map;
+  map.per_m_per_s2 = x.topRows<3>().transpose();
+  map.offset = gravity_W_m_per_s2.norm() * x.row(3).transpose();
+  const Mat3 inverse = map.per_m_per_s2.inverse();
+  map.residual_m_per_s2 = ((a * x - b) * inverse.transpose()).norm() / std::sqrt(3.0 * static_cast<double>(n));
+  return map;
+}
+
+FreeAirReport analyse_free_air(const FreeAirRun& run, const ToolLoad& load, const AccelerometerMap& accelerometer,
+                               const Vec3& gravity_W_m_per_s2, const std::vector<double>& cutoffs_Hz,
+                               double rest_rad_per_s, const std::string& source) {
+  const double margin = sample_interval_s(run.t_orientation_s);
+  const auto covered = [&](double t) {
+    const bool turned = t > run.t_orientation_s.front() + margin && t < run.t_orientation_s.back() - margin;
+    return turned &&
+           (run.t_acceleration_s.empty() || (t > run.t_acceleration_s.front() && t < run.t_acceleration_s.back()));
+  };
+  std::vector<double> t;
+  std::vector<Wrench> measured;
+  for (std::size_t i = 0; i < run.t_wrench_s.size(); ++i) {
+    if (covered(run.t_wrench_s[i])) t.push_back(run.t_wrench_s[i]), measured.push_back(run.wrench[i]);
+  }
+  if (t.size() < 10)
+    throw BadData(fmt::format("{}: wrench and orientation overlap in {} samples only; are they of the same run?",
+                              source, t.size()));
+  const auto q = slerp_at(run.t_orientation_s, run.q_WS, t, source);
+
+  std::vector<double> before = t, after = t;
+  constexpr double half_window_s = 0.05;
+  for (std::size_t i = 0; i < t.size(); ++i) {
+    before[i] = std::max(run.t_orientation_s.front(), t[i] - half_window_s);
+    after[i] = std::min(run.t_orientation_s.back(), t[i] + half_window_s);
+  }
+  const auto q_before = slerp_at(run.t_orientation_s, run.q_WS, before, source),
+             q_after = slerp_at(run.t_orientation_s, run.q_WS, after, source);
+
+  FreeAirReport report;
+  std::vector<Vec3> error;
+  std::vector<Wrench> all, rest;
+  std::vector<Vec3> rest_force;
+  for (std::size_t i = 0; i < t.size(); ++i) {
+    const Wrench own = tool_wrench(load, q[i], gravity_W_m_per_s2);
+    const Wrench e{measured[i].f_N - own.f_N, measured[i].torque_Nm - own.torque_Nm};
+    error.push_back(e.f_N);
+    all.push_back(e);
+    if (q_before[i].angularDistance(q_after[i]) < rest_rad_per_s * (after[i] - before[i]))
+      rest.push_back(e), rest_force.push_back(e.f_N);
+  }
+  report.raw = residual_of(all);
+  report.at_rest = residual_of(rest);
+  report.rest_fraction = static_cast<double>(rest.size()) / static_cast<double>(all.size());
+  if (!rest_force.empty()) report.bias_shift_N = mean_of(rest_force);
+
+  // a + what gravity adds to the reading: the specific force in the sensor's frame, less gravity.
+  std::vector<Vec3> inertial;
+  if (!run.t_acceleration_s.empty()) {
+    const Mat3 inverse = accelerometer.per_m_per_s2.inverse();
+    const auto q_acceleration = slerp_at(run.t_orientation_s, run.q_WS, run.t_acceleration_s, source);
+    for (std::size_t i = 0; i < run.acceleration.size(); ++i) {
+      inertial.push_back(inverse * (run.acceleration[i] - accelerometer.offset) -
+                         q_acceleration[i].conjugate() * gravity_W_m_per_s2);
+    }
+  }
+  for (const double cutoff : cutoffs_Hz) {
+    // Away from the ends by the kernel's width; no more points than the band needs.
+    const double sigma = gaussian_sigma_s(cutoff), from = t.front() + 2 * sigma, to = t.back() - 2 * sigma,
+                 step = std::min(0.25 / cutoff, 0.02);
+    std::vector<double> at;
+    for (double x = from; x < to; x += step) at.push_back(x);
+    if (at.size() < 10) continue;
+    const auto force = smooth_at(t, error, at, cutoff, source).values;
+    FreeAirBand band;
+    band.cutoff_Hz = cutoff;
+    band.weight_removed_N = rms_length(force, Vec3::Zero());
+    band.bias_removed_N = rms_length(force, mean_of(force));
+    band.inertia_removed_N = std::numeric_limits<double>::quiet_NaN();
+    if (!inertial.empty()) {
+      const auto acceleration = smooth_at(run.t_acceleration_s, inertial, at, cutoff, source).values;
+      std::vector<Vec3> left;
+      for (std::size_t i = 0; i < force.size(); ++i) left.push_back(force[i] - load.mass_kg * acceleration[i]);
+      band.inertia_removed_N = rms_length(left, mean_of(left));
+    }
+    report.bands.push_back(band);
+  }
+  return report;
+}
+
+}  // namespace touchstone
