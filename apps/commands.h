@@ -7,15 +7,19 @@
 
 namespace touchstone::apps {
 
-void add_doctor(CLI::App& program, Run& run);
 void add_acquire(CLI::App& program, Run& run);
+void add_convert(CLI::App& program, Run& run);
+void add_dataset(CLI::App& program, Run& run);
+void add_doctor(CLI::App& program, Run& run);
 void add_replay(CLI::App& program, Run& run);
 void add_version(CLI::App& program, Run& run);
 
 inline std::vector<AddCommand> commands() {
   return {
-      add_doctor,
       add_acquire,
+      add_convert,
+      add_dataset,
+      add_doctor,
       add_replay,
       add_version,
   };

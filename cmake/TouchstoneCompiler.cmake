@@ -37,3 +37,8 @@ if(TOUCHSTONE_SANITIZE)
   target_compile_options(touchstone_options INTERFACE -fsanitize=${TOUCHSTONE_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)
   target_link_options(touchstone_options INTERFACE -fsanitize=${TOUCHSTONE_SANITIZE})
 endif()
+if(TOUCHSTONE_BUILD_FUZZERS)
+  # Coverage of the whole tree guides the fuzzers.
+  target_compile_options(touchstone_options INTERFACE -fsanitize=fuzzer-no-link)
+  target_link_options(touchstone_options INTERFACE -fsanitize=fuzzer-no-link)
+endif()

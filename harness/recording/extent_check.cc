@@ -10,8 +10,8 @@
 namespace touchstone {
 namespace {
 
-// Where there is contact the boxes touch, but for the tip's radius; farther apart than this many times the larger of the
-// two diagonals is nowhere near.
+// Where there is contact the boxes touch, but for the tip's radius; farther apart than this many times the larger of
+// the two diagonals is nowhere near.
 constexpr double most_apart = 0.5;
 // One this many times smaller than the other is no likely scan of it.
 constexpr double most_ratio = 200.0;

@@ -12,6 +12,10 @@ constexpr std::size_t longest_attribute = 4096;
 }  // namespace
 
 Hdf5Quiet::Hdf5Quiet() noexcept {
+  // A damaged file can leave the library unable to close itself at exit, of which it complains on stderr. Handles are
+  // closed by their owners, so nothing is lost without. Works only before the library's first use, and only once.
+  static const herr_t no_closing_at_exit = H5dont_atexit();
+  static_cast<void>(no_closing_at_exit);
   H5Eget_auto2(H5E_DEFAULT, &print_, &data_);
   H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
 }

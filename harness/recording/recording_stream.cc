@@ -11,8 +11,9 @@
 namespace touchstone {
 namespace {
 
-// More samples than this at one time are no accident of a clock; merging them would need unbounded memory.
-constexpr std::size_t most_held = 65536;
+// More samples than this at one time are no accident of a clock: it stood still, or the file declares samples that were
+// never written.
+constexpr std::size_t most_repeats = 10000;
 
 }  // namespace
 
@@ -171,9 +172,15 @@ void RecordingStream::check_times(SampleBlock& block) {
                          "their mean",
                          t[i], before));
       }
+      if (++repeats_ > most_repeats) {
+        fail(i, Quantity::t,
+             fmt::format("more than {} samples have the time {} s; the clock stood still", most_repeats, t[i]));
+      }
       monitor_.count_duplicate();
       if (!first_duplicate_row_) first_duplicate_row_ = raw_first_ + i;
       repeated.push_back(i);
+    } else {
+      repeats_ = 0;
     }
     last_time_s_ = t[i];
   }
@@ -202,10 +209,6 @@ void RecordingStream::merge_held(SampleBlock& block) {
       block.append_mean(held_, begin, i);
     }
     begin = i;
-  }
-  if (held_.size() - begin > most_held) {
-    throw BadData(fmt::format("{}: more than {} samples have the time {} s; the clock stood still", source_, most_held,
-                              t[begin]));
   }
   SampleBlock rest;
   rest.append(held_, begin, held_.size());

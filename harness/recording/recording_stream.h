@@ -66,6 +66,7 @@ class RecordingStream {
   std::vector<std::vector<double>> raw_;  // one vector per column, in the file's units
   std::uint64_t raw_first_ = 0;           // the row of the file that raw_ starts with
   std::optional<double> last_time_s_;     // of the row before raw_
+  std::size_t repeats_ = 0;               // samples that repeated the present time so far
   std::optional<std::uint64_t> first_duplicate_row_;
   SampleBlock held_;  // OnDuplicate::mean: the last samples of one time, to which the next block may add
   double quaternion_deviation_ = 0.0;
