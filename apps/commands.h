@@ -11,6 +11,7 @@ void add_acquire(CLI::App& program, Run& run);
 void add_convert(CLI::App& program, Run& run);
 void add_dataset(CLI::App& program, Run& run);
 void add_doctor(CLI::App& program, Run& run);
+void add_discrepancy(CLI::App& program, Run& run);
 void add_replay(CLI::App& program, Run& run);
 void add_version(CLI::App& program, Run& run);
 
@@ -20,6 +21,7 @@ inline std::vector<AddCommand> commands() {
       add_convert,
       add_dataset,
       add_doctor,
+      add_discrepancy,
       add_replay,
       add_version,
   };

@@ -68,24 +68,19 @@ class StressRelaxation final : public Effect {
   void reset() noexcept override {
     arm_N_ = 0.0;
     last_spring_N_ = 0.0;
-    touching_ = false;
   }
   void apply(ContactState& contact) noexcept override {
-    if (!contact.contact) {
-      reset();
-      return;
-    }
-    const double spring = ratio_ * contact.stiffness_N_per_m * contact.depth_m;
-    if (!touching_ || contact.dt_s <= 0.0) {
-      // The first touch is a step of depth from zero: the arm has not had time to relax.
-      arm_N_ = spring;
-      touching_ = true;
-    } else {
+    const double depth_m = contact.contact ? contact.depth_m : 0.0;
+    const double spring = ratio_ * contact.stiffness_N_per_m * depth_m;
+    if (contact.dt_s > 0.0) {
       const double x = contact.dt_s / time_constant_;
       arm_N_ = arm_N_ * std::exp(-x) + (spring - last_spring_N_) * (-std::expm1(-x) / x);
+    } else {
+      // A run that starts in contact: the arm has not had time to relax.
+      arm_N_ = spring;
     }
     last_spring_N_ = spring;
-    contact.normal_force_N += arm_N_;
+    if (contact.contact) contact.normal_force_N += arm_N_;
   }
 
  private:
@@ -93,7 +88,6 @@ class StressRelaxation final : public Effect {
   double time_constant_;
   double arm_N_ = 0.0;
   double last_spring_N_ = 0.0;
-  bool touching_ = false;
 };
 
 }  // namespace

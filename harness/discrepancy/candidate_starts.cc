@@ -1,0 +1,335 @@
+#include "harness/discrepancy/candidate_starts.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <numbers>
+
+#include "harness/discrepancy/texture_spectrum.h"
+
+namespace touchstone {
+namespace {
+
+double percentile(std::vector<double> values, double share) {
+  if (values.empty()) return 0.0;
+  const auto at = values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
+  std::nth_element(values.begin(), at, values.end());
+  return *at;
+}
+
+struct Context {
+  const Candidate& candidate;
+  const RecordingScales& scales;
+  const Recording& recording;
+  const Prediction& current;
+};
+
+NamedParameters entry(const Context& c, std::map<std::string, double> parameters) {
+  return {c.candidate.name, std::move(parameters), "/found"};
+}
+
+// mu_static follows mu_dynamic: plain Coulomb friction has one coefficient.
+FreeParameter one_coefficient(const std::string& owner) {
+  FreeParameter mu = linear_parameter(owner, "mu_dynamic", 1.0, 0.0, 3.0);
+  mu.set = [owner](Model& model, double u) {
+    auto& parameters = find_entry(model, owner)->parameters;
+    parameters["mu_dynamic"] = u;
+    parameters["mu_static"] = u;
+  };
+  return mu;
+}
+
+// mu_static = mu_dynamic + excess, excess >= 0.
+std::vector<FreeParameter> two_coefficients(const std::string& owner) {
+  FreeParameter dynamic = linear_parameter(owner, "mu_dynamic", 1.0, 0.0, 3.0);
+  dynamic.set = [owner](Model& model, double u) {
+    auto& parameters = find_entry(model, owner)->parameters;
+    const double excess = parameters["mu_static"] - parameters["mu_dynamic"];
+    parameters["mu_dynamic"] = u;
+    parameters["mu_static"] = u + excess;
+  };
+  FreeParameter excess = linear_parameter(owner, "mu_static", 1.0, 0.0, 2.0);
+  excess.set = [owner](Model& model, double u) {
+    auto& parameters = find_entry(model, owner)->parameters;
+    parameters["mu_static"] = parameters["mu_dynamic"] + u;
+  };
+  excess.get = [owner](const Model& model) {
+    const auto& parameters = find_entry(model, owner)->parameters;
+    return parameters.at("mu_static") - parameters.at("mu_dynamic");
+  };
+  return {dynamic, excess};
+}
+
+// Pre-sliding is fitted along: the path over which friction turns must exceed what the tracker's noise makes of a tip
+// that stands still, and below that the recording cannot show it.
+FreeParameter presliding(const Context& c) {
+  return log_parameter(c.candidate.name, "presliding_m", 1e-3 * c.scales.depth_m, 0.5 * c.scales.depth_m);
+}
+
+std::vector<double> presliding_starts(const Context& c) { return {0.01 * c.scales.depth_m, 0.08 * c.scales.depth_m}; }
+
+CandidateFit coulomb(const Context& c) {
+  CandidateFit fit{Side::contact, {one_coefficient(c.candidate.name), presliding(c)}, {}};
+  for (const double s : presliding_starts(c)) {
+    fit.starts.push_back(entry(c, {{"mu_static", 0.2}, {"mu_dynamic", 0.2}, {"presliding_m", s}}));
+  }
+  return fit;
+}
+
+CandidateFit stribeck(const Context& c) {
+  const auto& name = c.candidate.name;
+  CandidateFit fit{Side::contact, two_coefficients(name), {}};
+  const double v = std::max(c.scales.speed_m_per_s, 1e-4);
+  fit.parameters.push_back(log_parameter(name, "stribeck_velocity_m_per_s", 0.02 * v, 20.0 * v));
+  fit.parameters.push_back(presliding(c));
+  for (const double share : {0.3, 1.0}) {
+    for (const double s : presliding_starts(c)) {
+      fit.starts.push_back(entry(
+          c, {{"mu_static", 0.4}, {"mu_dynamic", 0.2}, {"stribeck_velocity_m_per_s", share * v}, {"presliding_m", s}}));
+    }
+  }
+  return fit;
+}
+
+CandidateFit anisotropic(const Context& c) {
+  const auto& name = c.candidate.name;
+  CandidateFit fit{
+      Side::contact,
+      {linear_parameter(name, "mu_x", 1.0, 0.0, 3.0), linear_parameter(name, "mu_y", 1.0, 0.0, 3.0), presliding(c)},
+      {}};
+  for (const double s : presliding_starts(c))
+    fit.starts.push_back(entry(c, {{"mu_x", 0.2}, {"mu_y", 0.2}, {"presliding_m", s}}));
+  return fit;
+}
+
+CandidateFit one_rate(const Context& c, const std::string& parameter, double typical_rate) {
+  const double scale = c.scales.force_N / std::max(typical_rate, 1e-12);
+  return {Side::contact,
+          {linear_parameter(c.candidate.name, parameter, scale, 0.0, 20.0 * scale)},
+          {entry(c, {{parameter, 0.05 * scale}})}};
+}
+
+CandidateFit power_law(const Context& c) {
+  const double reference = 0.5 * c.scales.depth_m;
+  return {Side::contact,
+          {linear_parameter(c.candidate.name, "exponent", 1.0, 0.3, 4.0)},
+          {entry(c, {{"exponent", 1.2}, {"reference_depth_m", reference}})}};
+}
+
+// A bump somewhere: starts on a grid over the touched place, one per sign.
+CandidateFit bump(const Context& c, Side side, double amplitude_scale, double lower, double upper) {
+  const auto& name = c.candidate.name;
+  const Vec3 size = c.scales.high_W_m - c.scales.low_W_m;
+  const double extent = c.scales.extent_m();
+  CandidateFit fit;
+  fit.side = side;
+  fit.parameters = {
+      linear_parameter(name, "amplitude" + std::string(side == Side::instrument ? "_m" : ""), amplitude_scale,
+                       lower * amplitude_scale, upper * amplitude_scale),
+      linear_parameter(name, "x_m", extent, c.scales.low_W_m.x() - 0.2 * extent, c.scales.high_W_m.x() + 0.2 * extent),
+      linear_parameter(name, "y_m", extent, c.scales.low_W_m.y() - 0.2 * extent, c.scales.high_W_m.y() + 0.2 * extent),
+      log_parameter(name, "width_m", 0.02 * extent, extent)};
+  for (const double fx : {0.2, 0.5, 0.8}) {
+    for (const double fy : {0.2, 0.5, 0.8}) {
+      fit.starts.push_back(entry(c, {{fit.parameters[0].name, 0.1 * amplitude_scale},
+                                     {"x_m", c.scales.low_W_m.x() + fx * size.x()},
+                                     {"y_m", c.scales.low_W_m.y() + fy * size.y()},
+                                     {"width_m", 0.2 * extent}}));
+    }
+  }
+  return fit;
+}
+
+CandidateFit relaxation(const Context& c) {
+  const auto& name = c.candidate.name;
+  CandidateFit fit{Side::contact,
+                   {linear_parameter(name, "ratio", 1.0, 0.0, 20.0),
+                    log_parameter(name, "time_constant_s", 0.02, 2.0 * std::max(c.scales.duration_s, 0.1))},
+                   {}};
+  for (const double tau : {0.08, 0.4, 2.0}) fit.starts.push_back(entry(c, {{"ratio", 0.3}, {"time_constant_s", tau}}));
+  return fit;
+}
+
+CandidateFit tip_radius(const Context& c) {
+  CandidateFit fit{Side::contact,
+                   {log_parameter(c.candidate.name, "radius_m", 1e-3 * c.scales.extent_m(), c.scales.extent_m())},
+                   {}};
+  for (const double share : {0.02, 0.06}) fit.starts.push_back(entry(c, {{"radius_m", share * c.scales.extent_m()}}));
+  return fit;
+}
+
+CandidateFit adhesion(const Context& c) {
+  const auto& name = c.candidate.name;
+  CandidateFit fit{Side::contact,
+                   {linear_parameter(name, "force_N", c.scales.force_N, 0.0, 2.0 * c.scales.force_N),
+                    log_parameter(name, "range_m", 0.005 * c.scales.depth_m, 5.0 * c.scales.depth_m)},
+                   {}};
+  for (const double share : {0.05, 0.3}) {
+    fit.starts.push_back(entry(c, {{"force_N", 0.1 * c.scales.force_N}, {"range_m", share * c.scales.depth_m}}));
+  }
+  return fit;
+}
+
+CandidateFit texture(const Context& c) {
+  const auto& name = c.candidate.name;
+  const double pi = std::numbers::pi;
+  CandidateFit fit;
+  for (const TexturePeak& peak : texture_peaks(c.recording, c.current, c.scales.extent_m(), 4)) {
+    fit.starts.push_back(entry(c, {{"amplitude_m", peak.amplitude_m},
+                                   {"wavelength_m", peak.wavelength_m},
+                                   {"direction_rad", peak.direction_rad},
+                                   {"phase_rad", peak.phase_rad}}));
+  }
+  const double scale = 0.1 * c.scales.depth_m;
+  // A wave vector moves the phase at the far end of the scan by radians: a small step of it in u is a small turn.
+  FreeParameter direction = linear_parameter(name, "direction_rad", 0.05, -2.0 * pi, 2.0 * pi);
+  fit.parameters = {linear_parameter(name, "amplitude_m", scale, 0.0, 10.0 * scale),
+                    log_parameter(name, "wavelength_m", 1e-3 * c.scales.extent_m(), 2.0 * c.scales.extent_m()),
+                    direction, linear_parameter(name, "phase_rad", 1.0, -2.0 * pi, 2.0 * pi)};
+  return fit;
+}
+
+CandidateFit one_linear(const Context& c, const std::string& parameter, double scale, double lower, double upper,
+                        double start) {
+  return {Side::instrument,
+          {linear_parameter(c.candidate.name, parameter, scale, lower, upper)},
+          {entry(c, {{parameter, start}})}};
+}
+
+CandidateFit several_linear(const Context& c, const std::vector<std::string>& names, const std::vector<double>& scales,
+                            double range) {
+  CandidateFit fit;
+  fit.side = Side::instrument;
+  std::map<std::string, double> zero;
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    fit.parameters.push_back(
+        linear_parameter(c.candidate.name, names[i], scales[i], -range * scales[i], range * scales[i]));
+    zero[names[i]] = 0.0;
+  }
+  fit.starts = {entry(c, zero)};
+  return fit;
+}
+
+CandidateFit saturation(const Context& c) {
+  CandidateFit fit{
+      Side::instrument,
+      {log_parameter(c.candidate.name, "limit_N", 0.1 * c.scales.largest_axis_N, 1.2 * c.scales.largest_axis_N)},
+      {}};
+  for (const double share : {0.6, 0.97}) fit.starts.push_back(entry(c, {{"limit_N", share * c.scales.largest_axis_N}}));
+  return fit;
+}
+
+CandidateFit generic(const Context& c) {
+  CandidateFit fit;
+  fit.side = c.candidate.side;
+  std::map<std::string, double> values;
+  for (const ParameterDeclaration& parameter : c.candidate.parameters) {
+    values[parameter.name] = parameter.initial;
+    const bool logarithmic = parameter.minimum > 0.0 && parameter.maximum > 1e3 * parameter.minimum;
+    if (logarithmic) {
+      fit.parameters.push_back(log_parameter(c.candidate.name, parameter.name, parameter.minimum, parameter.maximum));
+    } else {
+      const double scale = parameter.initial != 0.0 ? std::abs(parameter.initial) : 1.0;
+      fit.parameters.push_back(
+          linear_parameter(c.candidate.name, parameter.name, scale, parameter.minimum, parameter.maximum));
+    }
+  }
+  fit.starts = {entry(c, values)};
+  return fit;
+}
+
+}  // namespace
+
+RecordingScales measure_scales(const Recording& recording, const Prediction& prediction, double force_floor_N,
+                               double stiffness_N_per_m) {
+  RecordingScales scales;
+  std::vector<double> forces;
+  std::vector<double> depths;
+  std::vector<double> speeds;
+  std::vector<double> rates;
+  Box3 box;
+  for (std::size_t i = 0; i < recording.size(); ++i) {
+    scales.largest_axis_N = std::max(scales.largest_axis_N, recording.f_W_N[i].cwiseAbs().maxCoeff());
+    const Vec3& n = prediction.n_W[i];
+    // A tip whose radius the model lacks presses before the model touches: the force tells.
+    const bool pressed = recording.f_W_N[i].norm() > force_floor_N;
+    if (pressed || !n.isZero()) {
+      forces.push_back(recording.f_W_N[i].norm());
+      box.extend(recording.motion.p_W_m[i]);
+    }
+    if (n.isZero()) continue;
+    depths.push_back(prediction.depth_m[i]);
+    if (i == 0 || prediction.n_W[i - 1].isZero()) continue;
+    const double dt_s = recording.motion.t_s[i] - recording.motion.t_s[i - 1];
+    const Vec3 step = recording.motion.p_W_m[i] - recording.motion.p_W_m[i - 1];
+    speeds.push_back((step - n.dot(step) * n).norm() / dt_s);
+    rates.push_back(std::abs(prediction.depth_m[i] - prediction.depth_m[i - 1]) / dt_s);
+  }
+  scales.force_N = percentile(forces, 0.9);
+  scales.depth_m = depths.empty() ? scales.force_N / stiffness_N_per_m : percentile(depths, 0.9);
+  scales.speed_m_per_s = percentile(speeds, 0.5);
+  scales.depth_rate_m_per_s = percentile(rates, 0.9);
+  if (recording.size() > 1) scales.duration_s = recording.motion.t_s.back() - recording.motion.t_s.front();
+  if (!box.isEmpty()) {
+    scales.low_W_m = box.min();
+    scales.high_W_m = box.max();
+  }
+  return scales;
+}
+
+CandidateFit candidate_fit(const Candidate& candidate, const RecordingScales& scales, const Recording& recording,
+                           const Prediction& current) {
+  const Context c{candidate, scales, recording, current};
+  const double F = scales.force_N;
+  const double L = scales.extent_m();
+  using Maker = std::function<CandidateFit(const Context&)>;
+  const std::map<std::string, Maker> makers{
+      {"coulomb-friction", coulomb},
+      {"stribeck-friction", stribeck},
+      {"anisotropic-friction", anisotropic},
+      {"viscous-friction",
+       [&](const Context& x) { return one_rate(x, "coefficient_N_s_per_m", scales.speed_m_per_s); }},
+      {"normal-damping",
+       [&](const Context& x) { return one_rate(x, "coefficient_N_s_per_m", scales.depth_rate_m_per_s); }},
+      {"hunt-crossley",
+       [&](const Context& x) {
+         return one_rate(x, "coefficient_N_s_per_m2", scales.depth_rate_m_per_s * scales.depth_m);
+       }},
+      {"power-law-stiffness", power_law},
+      {"stiffness-map", [](const Context& x) { return bump(x, Side::contact, 1.0, -0.95, 10.0); }},
+      {"stress-relaxation", relaxation},
+      {"tip-radius", tip_radius},
+      {"adhesion", adhesion},
+      {"surface-texture", texture},
+      {"tool-weight", [](const Context& x) { return one_linear(x, "mass_kg", 0.1, 0.0, 5.0, 0.0); }},
+      {"tool-inertia", [](const Context& x) { return one_linear(x, "mass_kg", 0.1, 0.0, 5.0, 0.0); }},
+      {"force-bias",
+       [&](const Context& x) {
+         return several_linear(x, {"fx_N", "fy_N", "fz_N"}, {F, F, F}, 2.0);
+       }},
+      {"force-drift",
+       [&](const Context& x) {
+         const double rate = F / std::max(scales.duration_s, 1e-9);
+         return several_linear(x, {"fx_N_per_s", "fy_N_per_s", "fz_N_per_s"}, {rate, rate, rate}, 4.0);
+       }},
+      {"force-crosstalk",
+       [](const Context& x) {
+         return several_linear(x, {"c_xz", "c_yz"}, {1.0, 1.0}, 0.9);
+       }},
+      {"force-saturation", saturation},
+      {"time-lag", [](const Context& x) { return one_linear(x, "lag_s", 0.01, 0.0, 0.3, 0.005); }},
+      {"registration",
+       [&](const Context& x) {
+         const double d = scales.depth_m;
+         return several_linear(x, {"dx_m", "dy_m", "dz_m", "rx_rad", "ry_rad"}, {d, d, d, d / L, d / L}, 3.0);
+       }},
+      {"surface-geometry", [&](const Context& x) { return bump(x, Side::instrument, scales.depth_m, -1.0, 1.0); }},
+  };
+  const auto known = makers.find(candidate.name);
+  CandidateFit fit = known == makers.end() ? generic(c) : known->second(c);
+  fit.side = candidate.side;
+  return fit;
+}
+
+}  // namespace touchstone

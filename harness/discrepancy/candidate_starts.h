@@ -1,0 +1,42 @@
+// How each effect enters a fit: which of its parameters are free, within what physical bounds, at what scale, and from
+// where the search starts. Scales come from the recording, so that nothing depends on the unit or size of the object.
+// An effect that this file does not know is fitted in all its declared parameters from generic starts.
+#pragma once
+
+#include <functional>
+#include <vector>
+
+#include "harness/discrepancy/free_parameter.h"
+#include "harness/rendering/predictor.h"
+
+namespace touchstone {
+
+// Typical sizes of a recording in contact.
+struct RecordingScales {
+  double force_N = 0.0;  // 90th percentile of the measured force's magnitude in contact
+  double largest_axis_N = 0.0;
+  double depth_m = 0.0;        // 90th percentile
+  double speed_m_per_s = 0.0;  // median tangential speed in contact
+  double depth_rate_m_per_s = 0.0;
+  double duration_s = 0.0;
+  Vec3 low_W_m = Vec3::Zero();  // of the positions in contact
+  Vec3 high_W_m = Vec3::Zero();
+  [[nodiscard]] double extent_m() const { return (high_W_m - low_W_m).head<2>().norm(); }
+};
+
+// `force_floor_N`: a measured force above it is contact, whatever the model says.
+RecordingScales measure_scales(const Recording& recording, const Prediction& prediction, double force_floor_N,
+                               double stiffness_N_per_m);
+
+struct CandidateFit {
+  Side side = Side::contact;
+  std::vector<FreeParameter> parameters;  // free ones
+  std::vector<NamedParameters> starts;    // complete entries to start from
+};
+
+// `residual_W_N` and `normal_N` per sample of the current model, for effects whose start must be searched for
+// (texture).
+CandidateFit candidate_fit(const Candidate& candidate, const RecordingScales& scales, const Recording& recording,
+                           const Prediction& current);
+
+}  // namespace touchstone

@@ -1,0 +1,34 @@
+// A number that a fit may change in a model, in a scaled coordinate u that is of order one: logarithms for scales and
+// time constants, multiples of a typical size otherwise.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "harness/rendering/model.h"
+
+namespace touchstone {
+
+struct FreeParameter {
+  std::string owner;   // "stiffness" of the base, or the effect's name
+  std::string name;    // as in model files
+  double lower = 0.0;  // of u
+  double upper = 0.0;
+  std::function<void(Model&, double u)> set;
+  std::function<double(const Model&)> get;
+};
+
+// The entry of that name among contact effects and instrument entries; nullptr when the model has none.
+NamedParameters* find_entry(Model& model, const std::string& name);
+const NamedParameters* find_entry(const Model& model, const std::string& name);
+
+// u = value / scale.
+FreeParameter linear_parameter(const std::string& owner, const std::string& name, double scale, double lower,
+                               double upper);
+// u = ln(value).
+FreeParameter log_parameter(const std::string& owner, const std::string& name, double lower, double upper);
+// The base renderer's own parameter, u = ln(value).
+FreeParameter log_base_parameter(const std::string& name, double lower, double upper);
+
+}  // namespace touchstone

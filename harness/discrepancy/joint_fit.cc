@@ -1,0 +1,151 @@
+#include "harness/discrepancy/joint_fit.h"
+
+#include <ceres/ceres.h>
+
+#include <Eigen/Cholesky>
+#include <cmath>
+
+#include "harness/base/error.h"
+
+namespace touchstone {
+namespace {
+
+// Whitened blocks beyond this many standard deviations count linearly.
+constexpr double huber = 5.0;
+
+double robust(double square) {
+  return square <= huber * huber ? square : 2.0 * huber * std::sqrt(square) - huber * huber;
+}
+
+// The whitened, robustified residuals of all blocks.
+void residuals(const FitData& data, const Model& model, double* out) {
+  const Prediction prediction = data.predictor->predict(model);
+  const auto means = block_means(data.blocks, prediction.f_W_N);
+  for (std::size_t b = 0; b < means.size(); ++b) {
+    const Vec3 e = whitened(data.measured_N[b] - means[b], data.noise[b]);
+    const double square = e.squaredNorm();
+    const double factor = square > huber * huber ? std::sqrt(robust(square) / square) : 1.0;
+    Eigen::Map<Vec3>(out + 3 * b) = factor * e;
+  }
+}
+
+class BlocksCost final : public ceres::CostFunction {
+ public:
+  BlocksCost(const FitData& data, const Model& start, const std::vector<FreeParameter>& parameters)
+      : data_(data), start_(start), parameters_(parameters) {
+    set_num_residuals(static_cast<int>(3 * data.blocks.size()));
+    mutable_parameter_block_sizes()->push_back(static_cast<int>(parameters.size()));
+  }
+
+  bool Evaluate(double const* const* u, double* out, double** jacobians) const override {
+    const auto rows = static_cast<Eigen::Index>(num_residuals());
+    const auto columns = static_cast<Eigen::Index>(parameters_.size());
+    Eigen::VectorXd x = Eigen::Map<const Eigen::VectorXd>(u[0], columns);
+    if (!evaluate(x, out)) return false;
+    if (jacobians == nullptr || jacobians[0] == nullptr) return true;
+    Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>> jacobian(jacobians[0], rows,
+                                                                                                columns);
+    const Eigen::Map<const Eigen::VectorXd> here(out, rows);
+    Eigen::VectorXd there(rows);
+    for (Eigen::Index c = 0; c < columns; ++c) {
+      // Friction and contact make small kinks: a step well above them, inward at a bound.
+      const double h = u[0][c] + difference > parameters_[static_cast<std::size_t>(c)].upper ? -difference : difference;
+      x[c] = u[0][c] + h;
+      if (!evaluate(x, there.data())) return false;
+      jacobian.col(c) = (there - here) / h;
+      x[c] = u[0][c];
+    }
+    return true;
+  }
+
+ private:
+  static constexpr double difference = 2e-3;
+
+  bool evaluate(const Eigen::VectorXd& u, double* out) const {
+    Model model = start_;
+    for (std::size_t i = 0; i < parameters_.size(); ++i) parameters_[i].set(model, u[static_cast<Eigen::Index>(i)]);
+    try {
+      residuals(data_, model, out);
+    } catch (const BadData&) {
+      return false;  // outside of what the model accepts: Ceres tries a shorter step
+    }
+    return Eigen::Map<const Eigen::VectorXd>(out, num_residuals()).allFinite();
+  }
+
+  const FitData& data_;
+  const Model& start_;
+  const std::vector<FreeParameter>& parameters_;
+};
+
+}  // namespace
+
+std::vector<double> block_chi_squared(const FitData& data, const Model& model) {
+  std::vector<double> out(3 * data.blocks.size());
+  residuals(data, model, out.data());
+  std::vector<double> squares(data.blocks.size());
+  for (std::size_t b = 0; b < squares.size(); ++b)
+    squares[b] = Eigen::Map<const Vec3>(out.data() + 3 * b).squaredNorm();
+  return squares;
+}
+
+double chi_squared(const FitData& data, const Model& model) {
+  double sum = 0.0;
+  for (const double square : block_chi_squared(data, model)) sum += square;
+  return sum;
+}
+
+JointFit fit_jointly(const FitData& data, const Model& start, const std::vector<FreeParameter>& parameters,
+                     int iterations, bool with_covariance) {
+  JointFit fit;
+  const auto n = static_cast<Eigen::Index>(parameters.size());
+  fit.u.resize(n);
+  ceres::Problem::Options problem_options;
+  problem_options.cost_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
+  BlocksCost cost(data, start, parameters);
+  ceres::Problem problem(problem_options);
+  problem.AddResidualBlock(&cost, nullptr, fit.u.data());
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const FreeParameter& parameter = parameters[static_cast<std::size_t>(i)];
+    fit.u[i] = std::clamp(parameter.get(start), parameter.lower, parameter.upper);
+    problem.SetParameterLowerBound(fit.u.data(), static_cast<int>(i), parameter.lower);
+    problem.SetParameterUpperBound(fit.u.data(), static_cast<int>(i), parameter.upper);
+  }
+  ceres::Solver::Options options;
+  options.max_num_iterations = iterations;
+  options.linear_solver_type = ceres::DENSE_QR;
+  options.function_tolerance = 1e-5;
+  options.parameter_tolerance = 1e-6;
+  options.logging_type = ceres::SILENT;
+  options.num_threads = 1;
+  ceres::Solver::Summary summary;
+  ceres::Solve(options, &problem, &summary);
+
+  fit.model = start;
+  fit.at_bound.resize(parameters.size());
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const FreeParameter& parameter = parameters[static_cast<std::size_t>(i)];
+    parameter.set(fit.model, fit.u[i]);
+    const double near = 1e-6 * (parameter.upper - parameter.lower);
+    fit.at_bound[static_cast<std::size_t>(i)] =
+        fit.u[i] <= parameter.lower + near || fit.u[i] >= parameter.upper - near;
+  }
+  fit.chi_squared = 2.0 * summary.final_cost;
+  fit.ok = summary.IsSolutionUsable() && std::isfinite(fit.chi_squared);
+  if (!with_covariance || !fit.ok) return fit;
+
+  Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> jacobian(cost.num_residuals(), n);
+  Eigen::VectorXd out(cost.num_residuals());
+  const double* point = fit.u.data();
+  double* rows = jacobian.data();
+  fit.ok = cost.Evaluate(&point, out.data(), &rows);
+  if (!fit.ok) return fit;
+  const Eigen::LDLT<Eigen::MatrixXd> curvature(jacobian.transpose() * jacobian);
+  fit.ok =
+      curvature.info() == Eigen::Success && curvature.vectorD().minCoeff() > 1e-12 * curvature.vectorD().maxCoeff();
+  if (!fit.ok) return fit;
+  const double freedom = static_cast<double>(cost.num_residuals() - n);
+  fit.covariance = curvature.solve(Eigen::MatrixXd::Identity(n, n)) * std::max(1.0, fit.chi_squared / freedom);
+  return fit;
+}
+
+}  // namespace touchstone
