@@ -21,7 +21,7 @@ struct StreamOptions {
   // Time and position are always needed; these besides.
   bool need_force = false;
   bool need_contact = false;  // surface contact point, contact and force
-  ClockPolicy clock;
+  ClockPolicy clock{};
 };
 
 class RecordingStream {
