@@ -13,6 +13,7 @@ void add_dataset(CLI::App& program, Run& run);
 void add_doctor(CLI::App& program, Run& run);
 void add_discrepancy(CLI::App& program, Run& run);
 void add_replay(CLI::App& program, Run& run);
+void add_synth(CLI::App& program, Run& run);
 void add_version(CLI::App& program, Run& run);
 
 inline std::vector<AddCommand> commands() {
@@ -23,6 +24,7 @@ inline std::vector<AddCommand> commands() {
       add_doctor,
       add_discrepancy,
       add_replay,
+      add_synth,
       add_version,
   };
 }

@@ -42,9 +42,9 @@ struct Lobe {
 };
 
 // x forward, z up.
-const std::array<Lobe, 3> duck_lobes{Lobe{Vec3(0.55, 0.0, 0.84).normalized(), 0.55, 9.0},     // head
-                                     Lobe{Vec3(0.88, 0.0, 0.48).normalized(), 0.22, 40.0},    // bill
-                                     Lobe{Vec3(-0.93, 0.0, 0.37).normalized(), 0.16, 14.0}};  // tail
+const std::array<Lobe, 3> duck_lobes{Lobe{Vec3(0.58, 0.0, 0.81).normalized(), 0.75, 13.0},    // head
+                                     Lobe{Vec3(0.86, 0.0, 0.51).normalized(), 0.34, 55.0},    // bill
+                                     Lobe{Vec3(-0.90, 0.0, 0.43).normalized(), 0.25, 22.0}};  // tail
 
 class Duck final : public RadialFunction {
  public:
@@ -74,8 +74,8 @@ class Duck final : public RadialFunction {
   }
 
  private:
-  // The body's half axes: 1 long, 0.72 wide, 0.62 high, in half lengths.
-  Mat3 q_ = Vec3(1.0, 1.0 / (0.72 * 0.72), 1.0 / (0.62 * 0.62)).asDiagonal();
+  // The body's half axes: 1 long, 0.70 wide, 0.58 high, in half lengths.
+  Mat3 q_ = Vec3(1.0, 1.0 / (0.70 * 0.70), 1.0 / (0.58 * 0.58)).asDiagonal();
   double half_length_m_;
 };
 

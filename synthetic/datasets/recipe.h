@@ -1,0 +1,40 @@
+// The bundled data sets: what object, what hand, what instruments. Everything that follows is computed from here and a
+// seed.
+#pragma once
+
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "harness/surface/mesh_file.h"
+#include "synthetic/parameters.h"
+#include "synthetic/scan/measured_scan.h"
+
+namespace touchstone::synthetic {
+
+struct Recipe {
+  std::string name;
+  std::string object;             // in words
+  std::string shows;              // what the recording is for
+  std::string surface;            // of the surface catalogue
+  ParameterOverrides parameters;  // its
+  std::size_t triangles;
+  std::string mesh_file;
+  std::string mesh_unit;
+  Contact contact;
+  double stiffness_N_per_m;  // of the virtual probe: the paper's 0.5 N/mm
+  ForceSensor sensor;
+  Tracker tracker;
+  std::unique_ptr<const Guide> (*guide)(const AnalyticSurface& surface);
+  ScanScript (*script)(std::uint64_t seed);
+};
+
+std::span<const Recipe> recipes();
+// Throws UsageError listing what is known.
+const Recipe& recipe(std::string_view name);
+
+// The scan of a recipe; the surface is kept alive by it.
+RigidScan make_scan(const Recipe& recipe, std::uint64_t seed);
+
+}  // namespace touchstone::synthetic

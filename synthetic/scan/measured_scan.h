@@ -1,0 +1,34 @@
+// A scan as instruments see it: the truth sampled by a force sensor and a tracker, each with its own clock and errors,
+// and brought to the tracker's times as the 2006 paper does ("forces have been resampled to align in time with the
+// position samples"). The exact answer at the same times and everything that was added are kept.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "harness/recording/trajectory.h"
+#include "synthetic/instruments/force_sensor.h"
+#include "synthetic/instruments/tracker.h"
+#include "synthetic/scan/rigid_scan.h"
+
+namespace touchstone::synthetic {
+
+struct MeasuredScan {
+  Recording recording;             // ball's centre, orientation and force as measured, at the tracker's times
+  std::vector<ScanTruth> truth;    // at the same times
+  ForceMeasurement force;          // the raw samples, with what was added
+  PoseMeasurement pose;            // the raw samples, with what was added
+  std::vector<std::string> notes;  // how the clocks were brought together
+
+  // The exact out-trajectory.
+  [[nodiscard]] OutTrajectory out_trajectory(double tip_radius_m) const;
+  // What a flawless renderer of stiffness k with the scan's own friction answers to the exact in-trajectory: tip, proxy
+  // (the ball's centre on the offset surface), force, contact.
+  [[nodiscard]] RenderedTrajectory exact_answer(double tip_radius_m, double stiffness_N_per_m) const;
+};
+
+// The tracker's lag is part of the stamps: the truth is taken at the stamps without it. Sensor and tracker draw from
+// independent streams of the seed.
+MeasuredScan measure(const RigidScan& scan, const ForceSensor& sensor, const Tracker& tracker, std::uint64_t seed);
+
+}  // namespace touchstone::synthetic
