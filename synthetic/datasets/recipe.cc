@@ -78,7 +78,7 @@ std::span<const Recipe> recipes() {
        height_field_guide,
        plane_script},
       {"duck",
-       "a rigid, smooth, closed body like a bath duck, about 100 mm long",
+       "a rigid, smooth, closed body like a bath duck, 114 mm from tail to bill",
        "a scan over back, sides, head and tail with two taps before and after it",
        "duck",
        {{"length_m", 0.1}},

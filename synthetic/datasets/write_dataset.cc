@@ -79,8 +79,10 @@ std::string provenance_text(const Recipe& r, std::uint64_t seed, const Tessellat
 Recording in_whole_units(Recording recording) {
   for (Vec3& p : recording.motion.p_W_m) p = p.unaryExpr([](double x) { return whole(x, position_unit_m); });
   for (Vec3& f : recording.f_W_N) f = f.unaryExpr([](double x) { return whole(x, force_unit_N); });
-  for (Quat& q : recording.motion.q_WS)
+  for (Quat& q : recording.motion.q_WS) {
     q.coeffs() = q.coeffs().unaryExpr([](double x) { return whole(x, orientation_unit); });
+    q.normalize();  // readers say so where a length is not 1
+  }
   return recording;
 }
 
