@@ -252,6 +252,24 @@ TEST(BadRecording, Hdf5OfAnotherProgramIsReadWithANote) {
   EXPECT_THAT(loaded.notes, ::testing::ElementsAre(HasSubstr("has no attribute 'schema'")));
 }
 
+TEST(BadRecording, Hdf5OfTheOldFormatCutOrDamagedNeverCrashes) {
+  ForeignHdf5 plain("old.h5");
+  plain.add_columns();
+  EXPECT_EQ(plain.refusal(), "no error");
+  const std::string whole = read_file(plain.path());
+  for (std::size_t size = 0; size < whole.size(); size += 1 + whole.size() / 23) {
+    write_file(plain.path(), whole.substr(0, size));
+    EXPECT_THAT(refusal_of(plain.path()), HasSubstr("HDF5")) << size;
+  }
+  // Without checksums damage may go unnoticed; what is asked for here is that every outcome is an ordinary one.
+  for (std::size_t at = 8; at < whole.size(); at += 1 + whole.size() / 101) {
+    std::string damaged = whole;
+    damaged[at] = static_cast<char>(damaged[at] ^ 0xff);
+    write_file(plain.path(), damaged);
+    EXPECT_FALSE(refusal_of(plain.path()).empty());
+  }
+}
+
 TEST(BadRecording, Hdf5OfAnotherLayoutIsRefused) {
   ForeignHdf5 nothing("nothing.h5");
   EXPECT_THAT(nothing.refusal(), HasSubstr("holds no datasets"));

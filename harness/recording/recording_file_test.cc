@@ -66,7 +66,7 @@ class RoundTrip : public ::testing::TestWithParam<const char*> {};
 TEST_P(RoundTrip, RecordingComesBackToTheBit) {
   const auto file = temporary(std::string("r") + GetParam());
   // More than one chunk and one block of every reader and writer.
-  const Recording written = awkward_recording(20000, 1);
+  const Recording written = awkward_recording(17000, 1);
   save_recording(file, written);
   const Recording read = load_recording(file);
   ASSERT_EQ(read.size(), written.size());

@@ -33,8 +33,8 @@ struct Recording {
 // The path of the tip on or above the surface, never inside it.
 struct OutTrajectory {
   MotionColumns motion;
-  std::vector<Vec3> n_W;      // outward unit normal at the closest surface point
-  std::vector<double> gap_m;  // distance kept from the surface, >= 0 (0 in contact)
+  std::vector<Vec3> n_W;               // outward unit normal at the closest surface point
+  std::vector<double> gap_m;           // distance kept from the surface, >= 0 (0 in contact)
   std::vector<double> normal_force_N;  // pushing part of the recorded force along n_W, >= 0; 0 where not in contact
 
   [[nodiscard]] std::size_t size() const noexcept { return motion.size(); }

@@ -1,0 +1,27 @@
+#include "harness/recording/child_trial.h"
+
+#include <gtest/gtest.h>
+
+#include <csignal>
+#include <cstdio>
+#include <cstdlib>
+#include <stdexcept>
+
+namespace touchstone {
+namespace {
+
+TEST(ChildTrial, TellsACrashFromAnErrorAndLeavesNothingBehind) {
+  int touched = 0;
+  ::testing::internal::CaptureStderr();
+  EXPECT_EQ(try_in_child([&] { touched = 1; }), Trial::survived);
+  EXPECT_EQ(try_in_child([] { throw std::runtime_error("refused"); }), Trial::survived);
+  EXPECT_EQ(try_in_child([] { std::fputs("noise\n", stderr); }), Trial::survived);
+  EXPECT_EQ(try_in_child([] { std::abort(); }), Trial::crashed);
+  EXPECT_EQ(try_in_child([] { std::raise(SIGSEGV); }), Trial::crashed);
+  EXPECT_EQ(try_in_child([] { std::_Exit(1); }), Trial::crashed);
+  EXPECT_EQ(::testing::internal::GetCapturedStderr(), "");
+  EXPECT_EQ(touched, 0) << "the work was done in another process";
+}
+
+}  // namespace
+}  // namespace touchstone
