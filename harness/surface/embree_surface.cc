@@ -185,7 +185,7 @@ class EmbreeSurface final : public TriangleSurface {
     const auto& self = *static_cast<const EmbreeSurface*>(arguments->geometryUserPtr);
     auto& search = *reinterpret_cast<CrossingSearch*>(arguments->context);
     const auto t = static_cast<std::int32_t>(arguments->primID);
-    const auto crossing = cross_triangle(self.corners(t), search.a, search.b);
+    const auto crossing = cross_triangle(self.corners(t), self.face_normal(t), search.a, search.b);
     if (!crossing) return;
     if (search.triangle >= 0 && (crossing->fraction > search.best.fraction ||
                                  (crossing->fraction == search.best.fraction && t > search.triangle)))

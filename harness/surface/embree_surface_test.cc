@@ -34,10 +34,11 @@ double every_triangle_distance(const TriangleMesh& mesh, const MeshTopology& top
   return std::sqrt(best);
 }
 
-std::optional<double> every_triangle_crossing(const TriangleMesh& mesh, const Vec3& a, const Vec3& b) {
+std::optional<double> every_triangle_crossing(const TriangleMesh& mesh, const MeshTopology& topology, const Vec3& a,
+                                              const Vec3& b) {
   std::optional<double> best;
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-    const auto crossing = cross_triangle(corners(mesh, t), a, b);
+    const auto crossing = cross_triangle(corners(mesh, t), topology.face_normals[t], a, b);
     if (crossing && (!best || crossing->fraction < *best)) best = crossing->fraction;
   }
   return best;
@@ -61,7 +62,7 @@ TEST(EmbreeSurface, SameAsVisitingEveryTriangle) {
         const Vec3 end = i % 2 == 0 ? Vec3(center + scale * random.log_uniform(1e-3, 1e3) * random.direction())
                                     : Vec3(q + scale * random.log_uniform(1e-12, 1.0) * random.direction());
         const auto crossing = surface->first_crossing(q, end);
-        const auto expected = every_triangle_crossing(mesh, q, end);
+        const auto expected = every_triangle_crossing(mesh, topology, q, end);
         ASSERT_EQ(crossing.has_value(), expected.has_value()) << q.transpose() << " to " << end.transpose();
         ASSERT_EQ(crossing ? crossing->fraction : -1.0, expected.value_or(-1.0));
       }

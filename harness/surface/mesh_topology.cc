@@ -39,16 +39,21 @@ class Builder {
   }
 
  private:
+  // In extended precision: the error of a sliver's normal is that of its cross product times length over width, and a
+  // far query point multiplies it by its distance.
   void face_normals() {
+    using Long3 = Eigen::Matrix<long double, 3, 1>;
     out_.face_normals.reserve(mesh_.triangles.size());
-    for (std::size_t t = 0; t < mesh_.triangles.size(); ++t) {
-      const Vec3 n = mesh_.scaled_normal(t);
-      const double length = n.norm();
-      const auto& [a, b, c] = mesh_.triangles[t];
-      const double longest = std::max({edge(a, b).squaredNorm(), edge(b, c).squaredNorm(), edge(c, a).squaredNorm()});
-      // Below this the cross product of the (exactly known) corners is rounding.
-      const bool has_area = length > 8.0 * std::numeric_limits<double>::epsilon() * longest;
-      out_.face_normals.push_back(has_area ? Vec3(n / length) : Vec3::Zero());
+    for (const auto& [a, b, c] : mesh_.triangles) {
+      const Long3 origin = mesh_.vertices_W_m[at(a)].cast<long double>();
+      const Long3 u = mesh_.vertices_W_m[at(b)].cast<long double>() - origin;
+      const Long3 v = mesh_.vertices_W_m[at(c)].cast<long double>() - origin;
+      const Long3 n = u.cross(v);
+      const long double length = n.norm();
+      const long double longest = std::max({u.squaredNorm(), v.squaredNorm(), (v - u).squaredNorm()});
+      // Below this the cross product of the (exactly known) corners would be rounding in double precision.
+      const bool has_area = length > 8.0L * std::numeric_limits<double>::epsilon() * longest;
+      out_.face_normals.push_back(has_area ? Vec3((n / length).cast<double>()) : Vec3::Zero());
     }
   }
 

@@ -9,7 +9,8 @@ namespace touchstone {
 
 TriangleClosest closest_on_triangle(const std::array<Vec3, 3>& corners, const Vec3& face_normal, const Vec3& q) {
   const std::array<Vec3, 3> r{corners[0] - q, corners[1] - q, corners[2] - q};
-  const std::array<Vec3, 3> d{r[1] - r[0], r[2] - r[1], r[0] - r[2]};
+  // Not from r: next to a far query point an edge would drown in its rounding.
+  const std::array<Vec3, 3> d{corners[1] - corners[0], corners[2] - corners[1], corners[0] - corners[2]};
   // On an edge or a corner the answer is the edge's or the corner's: they have the pseudo-normals.
   const bool inside = face_normal.dot(r[0].cross(d[0])) > 0.0 && face_normal.dot(r[1].cross(d[1])) > 0.0 &&
                       face_normal.dot(r[2].cross(d[2])) > 0.0;
@@ -43,7 +44,8 @@ TriangleClosest closest_on_triangle(const std::array<Vec3, 3>& corners, const Ve
   return best;
 }
 
-std::optional<TriangleCrossing> cross_triangle(const std::array<Vec3, 3>& corners, const Vec3& a, const Vec3& b) {
+std::optional<TriangleCrossing> cross_triangle(const std::array<Vec3, 3>& corners, const Vec3& face_normal,
+                                               const Vec3& a, const Vec3& b) {
   const auto& [u, v, w] = corners;
   const int start = side_of_plane(u, v, w, a);
   const int end = side_of_plane(u, v, w, b);
@@ -56,7 +58,7 @@ std::optional<TriangleCrossing> cross_triangle(const std::array<Vec3, 3>& corner
   const int third = side_of_plane(a, b, w, u);
   if (first * third < 0 || second * third < 0) return std::nullopt;
   if (start == 0) return TriangleCrossing{0.0, entering};
-  const Vec3 n = (v - u).cross(w - u);
+  const Vec3 n = face_normal.isZero(0.0) ? Vec3((v - u).cross(w - u)) : face_normal;
   const double height_a = std::abs(n.dot(a - u));
   const double height_b = std::abs(n.dot(b - u));
   const double sum = height_a + height_b;

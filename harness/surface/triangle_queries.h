@@ -30,6 +30,7 @@ struct TriangleCrossing {
 // along edges and through vertices. A segment that starts on the triangle and leaves it to either side crosses at
 // fraction 0; one that ends on it has not crossed yet; one within its plane does not cross. Hence a path of segments
 // crosses once wherever its joints lie.
-std::optional<TriangleCrossing> cross_triangle(const std::array<Vec3, 3>& corners, const Vec3& a, const Vec3& b);
+std::optional<TriangleCrossing> cross_triangle(const std::array<Vec3, 3>& corners, const Vec3& face_normal,
+                                               const Vec3& a, const Vec3& b);
 
 }  // namespace touchstone
