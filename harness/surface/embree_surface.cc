@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <vector>
 
 #include "harness/base/error.h"
 #include "harness/surface/mesh_file.h"
@@ -36,6 +37,9 @@ class EmbreeSurface final : public TriangleSurface {
     center_ = bounds().center();
     scale_ = 2.0 / bounds().sizes().maxCoeff();
     half_ = 0.5 * scale_ * bounds().sizes();
+    balls_.reserve(mesh_.triangles.size());
+    for (std::size_t t = 0; t < mesh_.triangles.size(); ++t)
+      balls_.push_back(ball_around(static_cast<std::int32_t>(t)));
     device_.reset(rtcNewDevice(nullptr));
     if (!device_)
       throw Error(ExitStatus::bad_data, fmt::format("{}: Embree cannot start (error {})", mesh_.source,
@@ -137,7 +141,8 @@ class EmbreeSurface final : public TriangleSurface {
 
     // Of equally close triangles the one with the smaller index, whatever the order of visits.
     bool propose(std::int32_t t) {
-      const TriangleClosest here = closest_on_triangle(surface->corners(t), surface->face_normal(t), q);
+      const Facet& facet = surface->facet(t);
+      const TriangleClosest here = closest_on_triangle(facet.corners, facet.normal, q);
       if (triangle >= 0 && (here.squared_distance > best.squared_distance ||
                             (here.squared_distance == best.squared_distance && t > triangle)))
         return false;
@@ -157,10 +162,37 @@ class EmbreeSurface final : public TriangleSurface {
     std::int32_t triangle;
   };
 
+  // Around a triangle, scaled and padded. Embree hands over whole leaves: most of their triangles are turned down by
+  // this small array before their corners are fetched.
+  struct Ball {
+    float x;
+    float y;
+    float z;
+    float radius;
+    [[nodiscard]] bool beyond(const RTCPointQuery& query) const {
+      const float dx = query.x - x;
+      const float dy = query.y - y;
+      const float dz = query.z - z;
+      const float reach = query.radius + radius;
+      return dx * dx + dy * dy + dz * dz > reach * reach;
+    }
+  };
+  [[nodiscard]] Ball ball_around(std::int32_t triangle) const {
+    Box3 box;
+    for (const Vec3& corner : facet(triangle).corners) box.extend(Vec3(scale_ * (corner - center_)));
+    const Vec3 middle = box.center();
+    double radius2 = 0.0;
+    for (const Vec3& corner : facet(triangle).corners) {
+      radius2 = std::max(radius2, (scale_ * (corner - center_) - middle).squaredNorm());
+    }
+    return {static_cast<float>(middle.x()), static_cast<float>(middle.y()), static_cast<float>(middle.z()),
+            static_cast<float>(std::sqrt(radius2) + padding)};
+  }
+
   static void triangle_bounds(const RTCBoundsFunctionArguments* arguments) {
     const auto& self = *static_cast<const EmbreeSurface*>(arguments->geometryUserPtr);
     Box3 box;
-    for (const Vec3& corner : self.corners(static_cast<std::int32_t>(arguments->primID)))
+    for (const Vec3& corner : self.facet(static_cast<std::int32_t>(arguments->primID)).corners)
       box.extend(Vec3(self.scale_ * (corner - self.center_)));
     RTCBounds& out = *arguments->bounds_o;
     out.lower_x = static_cast<float>(box.min().x() - padding);
@@ -173,6 +205,7 @@ class EmbreeSurface final : public TriangleSurface {
 
   static bool propose_closest(RTCPointQueryFunctionArguments* arguments) {
     auto& search = *static_cast<ClosestSearch*>(arguments->userPtr);
+    if (search.surface->balls_[arguments->primID].beyond(*arguments->query)) return false;
     if (!search.propose(static_cast<std::int32_t>(arguments->primID))) return false;
     const double radius =
         search.surface->scale_ * std::sqrt(search.best.squared_distance) * (1.0 + padding) + search.slack;
@@ -185,7 +218,7 @@ class EmbreeSurface final : public TriangleSurface {
     const auto& self = *static_cast<const EmbreeSurface*>(arguments->geometryUserPtr);
     auto& search = *reinterpret_cast<CrossingSearch*>(arguments->context);
     const auto t = static_cast<std::int32_t>(arguments->primID);
-    const auto crossing = cross_triangle(self.corners(t), self.face_normal(t), search.a, search.b);
+    const auto crossing = cross_triangle(self.facet(t).corners, self.facet(t).normal, search.a, search.b);
     if (!crossing) return;
     if (search.triangle >= 0 && (crossing->fraction > search.best.fraction ||
                                  (crossing->fraction == search.best.fraction && t > search.triangle)))
@@ -201,6 +234,7 @@ class EmbreeSurface final : public TriangleSurface {
 
   std::unique_ptr<RTCDeviceTy, DeviceRelease> device_;
   std::unique_ptr<RTCSceneTy, SceneRelease> scene_;
+  std::vector<Ball> balls_;
   Vec3 center_;
   Vec3 half_;  // of the scaled mesh's box
   double scale_;

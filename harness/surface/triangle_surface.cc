@@ -31,8 +31,15 @@ const TriangleMesh& checked(const TriangleMesh& mesh) {
 
 TriangleSurface::TriangleSurface(const TriangleMesh& mesh)
     : mesh_(weld_coincident_vertices(checked(mesh))), topology_(make_topology(mesh_)) {
-  for (const auto& triangle : mesh_.triangles) {
-    for (const std::int32_t corner : triangle) bounds_.extend(mesh_.vertices_W_m[static_cast<std::size_t>(corner)]);
+  facets_.reserve(mesh_.triangles.size());
+  for (std::size_t t = 0; t < mesh_.triangles.size(); ++t) {
+    Facet facet;
+    for (std::size_t i = 0; i < 3; ++i) {
+      facet.corners[i] = mesh_.vertices_W_m[static_cast<std::size_t>(mesh_.triangles[t][i])];
+      bounds_.extend(facet.corners[i]);
+    }
+    facet.normal = topology_.face_normals[t];
+    facets_.push_back(facet);
   }
   if (!(bounds_.sizes().maxCoeff() > 0.0))
     throw BadData(fmt::format("{}: all triangles lie in one point", mesh.source));

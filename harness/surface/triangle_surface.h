@@ -18,14 +18,13 @@ class TriangleSurface : public Surface {
   [[nodiscard]] const MeshTopology& topology() const noexcept { return topology_; }
 
  protected:
-  [[nodiscard]] std::array<Vec3, 3> corners(std::int32_t triangle) const {
-    const auto& [a, b, c] = mesh_.triangles[static_cast<std::size_t>(triangle)];
-    return {mesh_.vertices_W_m[static_cast<std::size_t>(a)], mesh_.vertices_W_m[static_cast<std::size_t>(b)],
-            mesh_.vertices_W_m[static_cast<std::size_t>(c)]};
-  }
-  [[nodiscard]] const Vec3& face_normal(std::int32_t triangle) const {
-    return topology_.face_normals[static_cast<std::size_t>(triangle)];
-  }
+  // Corners and unit normal (zero without area) side by side: a query that visits a triangle waits for one place in
+  // memory, not for six.
+  struct Facet {
+    std::array<Vec3, 3> corners;
+    Vec3 normal;
+  };
+  [[nodiscard]] const Facet& facet(std::int32_t triangle) const { return facets_[static_cast<std::size_t>(triangle)]; }
   [[nodiscard]] SurfacePoint finish(const Vec3& q, std::int32_t triangle, const TriangleClosest& closest) const;
   [[nodiscard]] Crossing finish(const Vec3& a, const Vec3& b, std::int32_t triangle,
                                 const TriangleCrossing& crossing) const;
@@ -34,6 +33,7 @@ class TriangleSurface : public Surface {
 
   TriangleMesh mesh_;
   MeshTopology topology_;
+  std::vector<Facet> facets_;
   Box3 bounds_;  // of the triangles; vertices that no triangle uses do not count
 };
 

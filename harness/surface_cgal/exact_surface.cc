@@ -77,7 +77,7 @@ class ExactSurface final : public TriangleSurface {
   explicit ExactSurface(const TriangleMesh& mesh) : TriangleSurface(mesh) {
     triangles_.reserve(mesh_.triangles.size());
     for (std::size_t t = 0; t < mesh_.triangles.size(); ++t) {
-      const auto c = corners(static_cast<std::int32_t>(t));
+      const auto& c = facet(static_cast<std::int32_t>(t)).corners;
       const Kernel::Triangle_3 triangle(to_cgal(c[0]), to_cgal(c[1]), to_cgal(c[2]));
       // The tree's distance query divides by the area. Its edges are edges of its neighbours as well, or else it is
       // visited always.
@@ -112,7 +112,7 @@ class ExactSurface final : public TriangleSurface {
     ExactClosest best;
     std::int32_t triangle = -1;
     for (const std::int32_t t : candidates) {
-      ExactClosest here = exact_closest(corners(t), p_W_m);
+      ExactClosest here = exact_closest(facet(t).corners, p_W_m);
       if (triangle < 0 || here.squared_distance < best.squared_distance ||
           (here.squared_distance == best.squared_distance && t < triangle)) {
         best = std::move(here);
@@ -126,7 +126,7 @@ class ExactSurface final : public TriangleSurface {
     // A face's side is that of its exact plane; elsewhere the rounded pseudo-normal is taken as it stands.
     ExactVec normal = exact(point.n_W);
     if (best.feature == Feature::face) {
-      const auto c = corners(triangle);
+      const auto& c = facet(triangle).corners;
       normal = cross(exact(c[1]) - exact(c[0]), exact(c[2]) - exact(c[0]));
     }
     point.signed_distance_m = dot(best.from_query, normal) > 0 ? -point.distance_m : point.distance_m;
@@ -150,7 +150,7 @@ class ExactSurface final : public TriangleSurface {
       const bool leaving = start != CGAL::POSITIVE && end == CGAL::POSITIVE;
       if (!entering && !leaving) continue;
       const std::int32_t t = triangle_of(id);
-      const auto c = corners(t);
+      const auto& c = facet(t).corners;
       const ExactVec n = cross(exact(c[1]) - exact(c[0]), exact(c[2]) - exact(c[0]));
       const Rational height = dot(n, exact(a_W_m) - exact(c[0]));
       const Rational fraction = height / (height - dot(n, exact(b_W_m) - exact(c[0])));

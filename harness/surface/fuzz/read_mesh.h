@@ -1,0 +1,14 @@
+// What the fuzz targets of the mesh readers share: whatever the bytes, the reader returns a mesh that can be used, or
+// throws BadData. Nothing else, and in memory that the size of the input bounds. Aborts otherwise; returns 0.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include "harness/surface/mesh_file.h"
+
+namespace touchstone::fuzz {
+
+int read_mesh(const std::uint8_t* data, std::size_t size, MeshFormat format);
+
+}  // namespace touchstone::fuzz
