@@ -166,8 +166,9 @@ class Hdf5Source final : public TableSource {
   hsize_t row_ = 0;
 };
 
-// Superblocks of version 2 and above belong to formats that checksum their own structures, so that the library notices
-// damage. It follows damaged structures of the older ones (what h5py writes unless told otherwise) and may crash.
+// Superblocks of version 2 and above belong to formats that checksum most of their own structures, so that the library
+// notices damage. It follows damaged structures of the older ones (what h5py writes unless told otherwise) and may
+// crash.
 bool structures_are_checksummed(const std::filesystem::path& path) {
   constexpr std::string_view signature = "\x89HDF\r\n\x1a\n";
   std::array<char, 9> start{};
@@ -175,11 +176,15 @@ bool structures_are_checksummed(const std::filesystem::path& path) {
   return in.read(start.data(), start.size()) && std::string_view(start.data(), 8) == signature && start[8] >= 2;
 }
 
-// Reads everything that can be stored: deflate shrinks at most 1032 to 1, so what a file declares beyond that is empty.
-void read_through(const std::filesystem::path& path) {
+// Opens everything, and reads what can be stored: deflate shrinks at most 1032 to 1, so what a file declares beyond
+// that is empty. Of a large file with checksums the values are left out: that would take as long again as using it.
+void try_to_read(const std::filesystem::path& path) {
+  constexpr std::uintmax_t large = 16 << 20;
   constexpr std::size_t rows = 16384;
-  const auto most = std::filesystem::file_size(path) * 1032 / sizeof(double);
   Hdf5Source source(path);
+  const auto size = std::filesystem::file_size(path);
+  if (size > large && structures_are_checksummed(path)) return;
+  const auto most = size * 1032 / sizeof(double);
   std::vector<std::vector<double>> columns(source.names().size());
   for (std::uintmax_t done = 0; done < most && source.read(rows, columns) > 0; done += rows) {
     for (auto& column : columns) column.clear();
@@ -189,7 +194,7 @@ void read_through(const std::filesystem::path& path) {
 }  // namespace
 
 std::unique_ptr<TableSource> open_hdf5_source(const std::filesystem::path& path) {
-  if (!structures_are_checksummed(path) && try_in_child([&] { read_through(path); }) == Trial::crashed) {
+  if (try_in_child([&] { try_to_read(path); }) == Trial::crashed) {
     throw BadData(fmt::format("{}: is damaged: the HDF5 library crashes on it", path.string()));
   }
   return std::make_unique<Hdf5Source>(path);

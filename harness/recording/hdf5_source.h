@@ -12,9 +12,8 @@ namespace touchstone {
 
 inline constexpr const char* recording_schema = "touchstone-recording/1";
 
-// Files of HDF5's old formats, whose structures carry no checksums, are first read in a child process: the library may
-// crash on a damaged one. Throws BadData, and prints nothing, for a file that is truncated, damaged, not HDF5 or HDF5
-// of another layout.
+// A file is first tried in a child process, since the library may crash on a damaged one. Throws BadData, and prints
+// nothing, for a file that is truncated, damaged, not HDF5 or HDF5 of another layout.
 std::unique_ptr<TableSource> open_hdf5_source(const std::filesystem::path& path);
 
 }  // namespace touchstone

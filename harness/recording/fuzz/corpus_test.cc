@@ -27,7 +27,7 @@ void run_corpus(const std::string& format, const std::string& extension) {
     };
     run(seed);
     Random random(1);
-    for (int trial = 0; trial < 20 && !seed.empty(); ++trial) {
+    for (int trial = 0; trial < 8 && !seed.empty(); ++trial) {
       run(seed.substr(0, random.below(seed.size())));
       std::string changed = seed;
       for (int i = 0; i < 3; ++i) changed[random.below(seed.size())] = static_cast<char>(random.below(256));
