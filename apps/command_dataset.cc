@@ -30,7 +30,8 @@ bool report(const Dataset& dataset, const Options& options) {
   for (const std::string& fact : found.facts) fmt::print("  {}\n", fact);
   for (const std::string& warning : found.warnings) fmt::print(stderr, "warning: {}\n", warning);
   for (const std::string& error : found.errors) fmt::print(stderr, "error: {}\n", error);
-  fmt::print("{}\n", found.errors.empty() ? "as described" : fmt::format("{} errors", found.errors.size()));
+  const std::size_t count = found.errors.size();
+  fmt::print("{}\n", count == 0 ? "as described" : fmt::format("{} error{}", count, count == 1 ? "" : "s"));
   return found.errors.empty();
 }
 
