@@ -8,25 +8,36 @@
 namespace touchstone::apps {
 
 void add_acquire(CLI::App& program, Run& run);
+void add_check(CLI::App& program, Run& run);
+void add_compare(CLI::App& program, Run& run);
 void add_convert(CLI::App& program, Run& run);
 void add_dataset(CLI::App& program, Run& run);
 void add_doctor(CLI::App& program, Run& run);
 void add_discrepancy(CLI::App& program, Run& run);
+void add_golden(CLI::App& program, Run& run);
+void add_history(CLI::App& program, Run& run);
 void add_replay(CLI::App& program, Run& run);
 void add_synth(CLI::App& program, Run& run);
 void add_version(CLI::App& program, Run& run);
 
+// One to a line, so that lines from several hands merge.
+// clang-format off
 inline std::vector<AddCommand> commands() {
   return {
       add_acquire,
+      add_check,
+      add_compare,
       add_convert,
       add_dataset,
       add_doctor,
       add_discrepancy,
+      add_golden,
+      add_history,
       add_replay,
       add_synth,
       add_version,
   };
 }
+// clang-format on
 
 }  // namespace touchstone::apps

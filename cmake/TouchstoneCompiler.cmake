@@ -20,7 +20,8 @@ endif()
 
 add_library(touchstone_options INTERFACE)
 # Fused multiply-add changes goldens by rounding; without it compilers and optimisation levels agree to the bit.
-target_compile_options(touchstone_options INTERFACE -ffp-contract=off)
+set(TOUCHSTONE_FP_CONTRACT off CACHE STRING "-ffp-contract: anything but off is for measuring the noise floor of goldens (ci/golden-floor)")
+target_compile_options(touchstone_options INTERFACE -ffp-contract=${TOUCHSTONE_FP_CONTRACT})
 # ccache can only cache units that use a precompiled header when the preprocessor keeps track of it.
 target_compile_options(touchstone_options INTERFACE $<$<CXX_COMPILER_ID:GNU>:-fpch-preprocess>)
 target_compile_options(touchstone_options INTERFACE

@@ -202,15 +202,21 @@ void check_shape(const TrajectoryColumns& expected, const TrajectoryColumns& obt
       if (column.values.size() != here.rows()) {
         problem(Verdict::invalid, fmt::format("{}: column {} has {} rows where others have {}", here.source,
                                               column.name, column.values.size(), here.rows()));
+        result.bad_data = true;
       }
       if (std::ranges::count(here.columns, column.name, &TrajectoryColumn::name) > 1) {
         problem(Verdict::invalid, fmt::format("{}: column {} stands twice", here.source, column.name));
+        result.bad_data = true;
       }
     }
-    if (const auto where = not_finite(here)) problem(Verdict::invalid, *where);
+    if (const auto where = not_finite(here)) {
+      problem(Verdict::invalid, *where);
+      result.bad_data = true;
+    }
   }
   if (result.expected_rows == 0) {
     problem(Verdict::missing, fmt::format("{}: has no rows to compare with", expected.source));
+    result.bad_data = true;
   } else if (result.expected_rows != result.obtained_rows) {
     problem(Verdict::invalid, fmt::format("{} has {} rows, {} has {}", expected.source, result.expected_rows,
                                           obtained.source, result.obtained_rows));

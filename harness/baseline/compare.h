@@ -58,6 +58,7 @@ struct Comparison {
   std::vector<GroupResult> groups;
   ContactEvents events;
   std::vector<std::string> problems;  // what makes it missing or invalid, one sentence each
+  bool bad_data = false;  // one side alone is unusable: not finite, empty, a column twice or of unequal length
 
   [[nodiscard]] const GroupResult* find(std::string_view group) const noexcept;
   [[nodiscard]] double tolerance_used() const noexcept;

@@ -1,0 +1,145 @@
+#include <fmt/format.h>
+
+#include "apps/commands.h"
+#include "apps/golden_floor.h"
+#include "apps/golden_options.h"
+#include "apps/golden_runner.h"
+#include "harness/base/atomic_file.h"
+#include "harness/baseline/acceptance.h"
+#include "harness/baseline/golden_summary.h"
+#include "harness/recording/recording_file.h"
+#include "harness/rendering/model.h"
+#include "harness/surface/mesh_file.h"
+
+namespace touchstone::apps {
+namespace {
+
+struct Options {
+  GoldenOptions golden;
+  std::string reason;
+  std::string to;
+  std::vector<std::string> programs;
+};
+
+// The pending results of the chosen cases and model.
+std::vector<PendingResult> chosen_pending(const GoldenOptions& options) {
+  auto pending = pending_results(options.out);
+  std::erase_if(pending, [&](const PendingResult& p) {
+    const bool named = options.cases.empty() || std::ranges::find(options.cases, p.case_name) != options.cases.end();
+    return !named || (!options.model.empty() && p.model != options.model);
+  });
+  return pending;
+}
+
+ExitStatus review(const Options& options) {
+  const auto pending = chosen_pending(options.golden);
+  for (const auto& p : pending) {
+    fmt::print("{}", read_file(p.folder / "table.txt"));
+    for (const char* const picture : {"golden.png", "obtained.png", "difference.png"}) {
+      if (std::filesystem::exists(p.folder / picture)) fmt::print("  {}\n", (p.folder / picture).string());
+    }
+    fmt::print("  to make it the golden: touchstone golden accept {} --model {} --reason '...' --out {}\n\n",
+               p.case_name, p.model, options.golden.out);
+  }
+  fmt::print("{} results wait for a decision in {}\n", pending.size(), options.golden.out);
+  return ExitStatus::passed;
+}
+
+void write_summary(const GoldenCase& golden) {
+  std::map<std::string, GoldenSummary> summaries;
+  for (const auto& [model, text] : golden.models) {
+    if (std::filesystem::exists(golden.expected(model)))
+      summaries[model] = summarise(load_rendered(golden.expected(model)));
+  }
+  write_file(golden.summary_file(), summaries_to_json(golden.name, summaries));
+}
+
+ExitStatus accept(const Options& options) {
+  if (options.reason.find_first_not_of(" \t") == std::string::npos)
+    throw UsageError("--reason: say why this becomes the golden");
+  if (const auto refused = acceptance_refused(options.golden.golden))
+    throw UsageError(fmt::format("not accepted: {}", *refused));
+  const auto pending = chosen_pending(options.golden);
+  if (pending.empty())
+    throw UsageError(fmt::format("nothing to accept: no failed result of these cases in {}; run: touchstone check",
+                                 options.golden.out));
+  for (const auto& p : pending) {
+    const GoldenCase golden = load_case(std::filesystem::path(options.golden.golden) / p.case_name);
+    if (!golden.models.contains(p.model))
+      throw UsageError(fmt::format("the case {} has no model {}", p.case_name, p.model));
+    const bool before = std::filesystem::exists(golden.expected(p.model));
+    copy_golden(p.obtained(), golden.expected(p.model), {{"reason", options.reason}});
+    write_summary(golden);
+    std::filesystem::remove_all(p.folder);
+    fmt::print("{} {} {}\n", before ? "replaced" : "new", p.case_name, p.model);
+  }
+  return ExitStatus::passed;
+}
+
+// The case as files that any version of the program can replay, by the interface that stays.
+ExitStatus export_case(const Options& options) {
+  const auto cases = options.golden.load();
+  if (cases.size() != 1) throw UsageError("export: name one case");
+  const GoldenCase& golden = cases.front();
+  ensure_writable_folder(options.to);
+  const std::filesystem::path to = options.to;
+  save_mesh(case_mesh(golden), to / "mesh.obj");
+  save_trajectory(to / "trajectory.csv", case_trajectory(golden));
+  for (const std::string& model : options.golden.models_of(golden)) {
+    write_file(to / (model + ".json"), model_to_json(parse_model(golden.models.at(model), golden.name)));
+    if (std::filesystem::exists(golden.expected(model))) copy_golden(golden.expected(model), to / (model + ".h5"), {});
+  }
+  fmt::print("{}\n", to.string());
+  return ExitStatus::passed;
+}
+
+ExitStatus render(const Options& options) {
+  for (const GoldenCase& golden : options.golden.load()) {
+    for (const std::string& model : options.golden.models_of(golden)) {
+      const CaseRun done = run_case(golden, model, false);
+      write_golden(std::filesystem::path(options.to) / golden.name / (model + ".h5"), done.rendered, done.provenance);
+    }
+  }
+  return ExitStatus::passed;
+}
+
+}  // namespace
+
+void add_golden(CLI::App& program, Run& run) {
+  auto* const command =
+      program.add_subcommand("golden", "Review and accept results of golden cases, measure their noise floor");
+  command->require_subcommand(1);
+  auto options = std::make_shared<Options>();
+  const auto add = [&](const char* name, const char* what, ExitStatus (*function)(const Options&)) {
+    auto* const sub = command->add_subcommand(name, what);
+    options->golden.add_to(*sub);
+    sub->callback([options, function, &run] { run = [options, function] { return function(*options); }; });
+    return sub;
+  };
+  add("review", "Show every result that failed: numbers and pictures", review)
+      ->footer("Example:\n  touchstone golden review");
+  auto* const accepting = add("accept", "Make results that failed the new goldens", accept);
+  accepting->add_option("--reason", options->reason, "Why; stands in the golden")->required();
+  accepting->footer(
+      "Takes the files that the failed runs left, so that what becomes the golden is what was looked at. Refused under "
+      "CI\n"
+      "and from a tree with uncommitted changes.\nExample:\n"
+      "  touchstone golden accept sphere-scan --model god-object --reason 'friction acts inside the proxy step now'");
+  auto* const exporting =
+      add("export", "Write a case as mesh, trajectory and models for touchstone replay", export_case);
+  exporting->add_option("--to", options->to, "Folder")->required();
+  exporting->footer("Example:\n  touchstone golden export sphere-scan --to /tmp/case");
+  auto* const rendering = add("render", "Run cases and keep the results, without comparing", render);
+  rendering->add_option("--to", options->to, "Folder")->required();
+  rendering->footer("Example:\n  touchstone golden render --to /tmp/here");
+  auto* const floor = add("floor", "The noise floor: how far other builds of the program are from the goldens",
+                          [](const Options& o) { return golden_floor(o.golden.load(), o.golden.golden, o.programs); });
+  floor->add_option("--program", options->programs, "Programs built by other compilers or with other flags")
+      ->required();
+  floor->footer(
+      "Each tolerance must be at least ten times the floor. ci/golden-floor builds the programs and runs "
+      "this.\nExample:\n"
+      "  touchstone golden floor --program build/clang/bin/touchstone --program build/fma/bin/touchstone");
+}
+
+}  // namespace touchstone::apps

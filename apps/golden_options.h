@@ -1,0 +1,26 @@
+// Where golden cases and what their failures leave behind are found, the same for every command that touches them.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "harness/baseline/golden_case.h"
+
+namespace touchstone::apps {
+
+struct GoldenOptions {
+  std::string golden = "golden";
+  std::string out = "build/golden-failures";
+  std::vector<std::string> cases;
+  std::string model;
+
+  void add_to(CLI::App& command);
+  // The chosen cases (all where none is named); throws UsageError listing the known ones.
+  [[nodiscard]] std::vector<GoldenCase> load() const;
+  // The chosen models of a case.
+  [[nodiscard]] std::vector<std::string> models_of(const GoldenCase& golden) const;
+};
+
+}  // namespace touchstone::apps

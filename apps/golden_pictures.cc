@@ -1,0 +1,98 @@
+#include "apps/golden_pictures.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "harness/report/gnuplot.h"
+
+namespace touchstone::apps {
+namespace {
+
+constexpr std::array<const char*, 3> axes{"fx", "fy", "fz"};
+constexpr std::size_t most_points = 2000;
+
+// Every sample of short runs, the extremes of each stretch of long ones, so that a single wrong sample stays visible.
+std::vector<std::pair<double, double>> thinned(const std::vector<double>& t, const std::vector<double>& values) {
+  std::vector<std::pair<double, double>> points;
+  const std::size_t rows = std::min(t.size(), values.size());
+  const std::size_t stretch = std::max<std::size_t>(1, 2 * rows / most_points);
+  for (std::size_t first = 0; first < rows; first += stretch) {
+    const auto begin = values.begin() + static_cast<std::ptrdiff_t>(first);
+    const auto end = values.begin() + static_cast<std::ptrdiff_t>(std::min(first + stretch, rows));
+    auto [low, high] = std::minmax_element(begin, end);
+    if (high < low) std::swap(low, high);
+    for (const auto& at : {low, high}) {
+      if (points.empty() || at != low || stretch > 1)
+        points.emplace_back(t[static_cast<std::size_t>(at - values.begin())], *at);
+      if (stretch == 1) break;
+    }
+  }
+  return points;
+}
+
+std::pair<double, double> range_of(const std::vector<double>* a, const std::vector<double>* b) {
+  double low = 0.0;
+  double high = 0.0;
+  for (const auto* const values : {a, b}) {
+    for (const double v : values == nullptr ? std::vector<double>{} : *values) {
+      if (std::isfinite(v)) {
+        low = std::min(low, v);
+        high = std::max(high, v);
+      }
+    }
+  }
+  const double margin = high > low ? 0.05 * (high - low) : 1.0;
+  return {low - margin, high + margin};
+}
+
+Plot forces(const TrajectoryColumns& set, const TrajectoryColumns& other, const std::string& title) {
+  Plot plot{title, "t [s]", {}};
+  for (const char* const axis : axes) {
+    PlotPanel panel{axis, "N", {}, range_of(set.find(axis), other.find(axis))};
+    if (set.find(axis) != nullptr && set.find("t") != nullptr)
+      panel.lines.push_back({title, thinned(*set.find("t"), *set.find(axis)), false});
+    plot.panels.push_back(std::move(panel));
+  }
+  return plot;
+}
+
+Plot difference(const TrajectoryColumns& expected, const TrajectoryColumns& obtained) {
+  Plot plot{"obtained - golden", "t [s]", {}};
+  for (const char* const axis : axes) {
+    PlotPanel panel{axis, "N", {}, {0.0, 0.0}};
+    const auto* const e = expected.find(axis);
+    const auto* const o = obtained.find(axis);
+    std::vector<double> error;
+    for (std::size_t i = 0; e != nullptr && o != nullptr && i < std::min(e->size(), o->size()); ++i)
+      error.push_back((*o)[i] - (*e)[i]);
+    if (!error.empty()) panel.lines.push_back({"difference", thinned(*expected.find("t"), error), false});
+    panel.y_range = range_of(&error, nullptr);
+    plot.panels.push_back(std::move(panel));
+  }
+  return plot;
+}
+
+}  // namespace
+
+std::vector<std::pair<std::string, std::filesystem::path>> draw_pictures(const TrajectoryColumns& expected,
+                                                                         const TrajectoryColumns& obtained,
+                                                                         const std::filesystem::path& folder) {
+  std::vector<std::pair<std::string, std::filesystem::path>> pictures;
+  const auto draw = [&](const char* name, const char* file, const Plot& plot) {
+    const auto problem = write_plot(plot, folder / file);
+    if (problem.empty()) {
+      pictures.emplace_back(name, folder / file);
+    } else {
+      fmt::print(stderr, "no picture {}: {}\n", file, problem);
+    }
+  };
+  if (!expected.columns.empty()) draw("ValidImage", "golden.png", forces(expected, obtained, "golden"));
+  if (!obtained.columns.empty()) draw("TestImage", "obtained.png", forces(obtained, expected, "obtained"));
+  if (pictures.size() == 2) draw("DifferenceImage2", "difference.png", difference(expected, obtained));
+  return pictures;
+}
+
+}  // namespace touchstone::apps

@@ -1,0 +1,181 @@
+#include "apps/golden_runner.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <span>
+
+#include "apps/golden_pictures.h"
+#include "harness/base/atomic_file.h"
+#include "harness/base/error.h"
+#include "harness/base/hash.h"
+#include "harness/base/units.h"
+#include "harness/baseline/column_file.h"
+#include "harness/baseline/comparison_report.h"
+#include "harness/baseline/golden_summary.h"
+#include "harness/perception/filters/weber_law.h"
+#include "harness/recording/recording_file.h"
+#include "harness/rendering/replay.h"
+#include "harness/report/ctest_measurement.h"
+#include "harness/surface/embree_surface.h"
+#include "harness/surface/mesh_file.h"
+#include "renderers/catalogue.h"
+#include "synthetic/surface_catalogue.h"
+#include "synthetic/trajectory_catalogue.h"
+
+namespace touchstone::apps {
+namespace {
+
+std::string hash_of(const TriangleMesh& mesh) {
+  return sha256(sha256(std::as_bytes(std::span(mesh.vertices_W_m))) + sha256(std::as_bytes(std::span(mesh.triangles))));
+}
+
+std::string hash_of(const InTrajectory& trajectory) {
+  return sha256(sha256(std::as_bytes(std::span(trajectory.motion.t_s))) +
+                sha256(std::as_bytes(std::span(trajectory.motion.p_W_m))));
+}
+
+double p99(std::vector<double> values) {
+  if (values.empty()) return 0.0;
+  const auto at = values.begin() + static_cast<std::ptrdiff_t>(values.size() * 99 / 100);
+  std::ranges::nth_element(values, at);
+  return *at;
+}
+
+// How wide the tolerance gets over the golden's forces, in differences that a fingertip just notices there.
+double share_of_jnd(const TrajectoryColumns& golden, const GroupTolerance& force) {
+  const auto* const x = golden.find("fx");
+  const auto* const y = golden.find("fy");
+  const auto* const z = golden.find("fz");
+  if (x == nullptr || y == nullptr || z == nullptr) return 0.0;
+  double peak = 0.0;
+  for (std::size_t i = 0; i < x->size(); ++i) peak = std::max(peak, Vec3((*x)[i], (*y)[i], (*z)[i]).norm());
+  double share = 0.0;
+  for (std::size_t i = 0; i < x->size(); ++i) {
+    const double newton = Vec3((*x)[i], (*y)[i], (*z)[i]).norm();
+    const double bound = force.atol + force.rtol * newton + force.rpeak * peak;
+    share = std::max(share, bound / perception::kFingertipForce.just_noticeable_difference(newton));
+  }
+  return share;
+}
+
+void print_measurements(const CheckResult& result, const CaseRun& run, const std::string& hash) {
+  for (const auto& [name, value] : metrics_of(result.comparison)) print_measurement(stdout, name, value);
+  print_measurement(stdout, "step_p99_us", run.p99_us);
+  print_measurement(stdout, "tolerance_of_jnd", result.share_of_jnd);
+  print_measurement(stdout, "golden_hash", std::string_view(hash));
+}
+
+// Without a golden, or with one that cannot be read: nothing to compare with is never a pass.
+TrajectoryColumns load_golden(const std::filesystem::path& file, CheckResult& result) {
+  if (!std::filesystem::exists(file)) {
+    result.comparison.verdict = Verdict::missing;
+    result.comparison.problems.push_back(
+        fmt::format("{}: there is no golden yet; look at the result, then: touchstone golden accept --reason '...'",
+                    file.string()));
+    return {};
+  }
+  try {
+    return load_columns(file);
+  } catch (const Error& error) {
+    result.comparison.verdict = Verdict::invalid;
+    result.comparison.problems.push_back(error.what());
+    return {};
+  }
+}
+
+}  // namespace
+
+TriangleMesh case_mesh(const GoldenCase& golden) {
+  TriangleMesh mesh =
+      golden.surface.generator.empty()
+          ? load_mesh(golden.surface.mesh, length_unit_factor(golden.surface.unit))
+          : synthetic::make_mesh(golden.surface.generator, golden.surface.parameters, golden.surface.triangles).mesh;
+  for (Vec3& vertex : mesh.vertices_W_m) vertex *= golden.scale;
+  return mesh;
+}
+
+InTrajectory case_trajectory(const GoldenCase& golden) {
+  InTrajectory trajectory;
+  if (golden.trajectory.generator.empty()) {
+    trajectory = load_trajectory(golden.trajectory.file);
+    for (double& t : trajectory.motion.t_s) t /= golden.speed;
+  } else {
+    const auto path =
+        synthetic::make_path(golden.trajectory.generator, golden.trajectory.parameters, golden.trajectory.seed);
+    trajectory = synthetic::sample(*path, golden.trajectory.rate_Hz / golden.speed);
+    for (std::size_t i = 0; i < trajectory.size(); ++i)
+      trajectory.motion.t_s[i] = static_cast<double>(i) / golden.trajectory.rate_Hz;
+  }
+  for (Vec3& p : trajectory.motion.p_W_m) p = golden.scale * (p + golden.trajectory.offset_W_m);
+  return trajectory;
+}
+
+CaseRun run_case(const GoldenCase& golden, const std::string& model, bool time_steps) {
+  const auto text = golden.models.find(model);
+  if (text == golden.models.end()) {
+    std::string known;
+    for (const auto& [name, ignored] : golden.models) known += ' ' + name;
+    throw UsageError(fmt::format("the case {} has no model '{}'; it has:{}", golden.name, model, known));
+  }
+  const TriangleMesh mesh = case_mesh(golden);
+  const InTrajectory trajectory = case_trajectory(golden);
+  const auto renderer = make_renderer(
+      parse_model(text->second, fmt::format("{}: /models/{}", (golden.folder / "case.json").string(), model)),
+      make_embree_surface(mesh));
+  CaseRun run;
+  run.rendered = replay(*renderer, trajectory, time_steps);
+  run.p99_us = p99(run.rendered.cost_us);
+  run.rendered.cost_us.clear();
+  run.provenance = build_provenance();
+  run.provenance["geometry_sha256"] = hash_of(mesh);
+  run.provenance["trajectory_sha256"] = hash_of(trajectory);
+  run.provenance["seed"] = std::to_string(golden.trajectory.seed);
+  run.provenance["command"] = fmt::format("touchstone check {} --model {}", golden.name, model);
+  return run;
+}
+
+CheckResult check_case(const GoldenCase& golden, const std::string& model, const std::filesystem::path& out,
+                       bool ctest) {
+  CheckResult result;
+  CaseRun run;
+  TrajectoryColumns obtained;
+  const TrajectoryColumns expected = load_golden(golden.expected(model), result);
+  try {
+    run = run_case(golden, model, ctest);
+    obtained = columns_of(run.rendered, fmt::format("{} {}", golden.name, model));
+  } catch (const UsageError&) {
+    throw;
+  } catch (const Error& error) {
+    result.comparison.verdict = Verdict::invalid;
+    result.comparison.problems.push_back(error.what());
+  }
+  if (result.comparison.verdict == Verdict::equal) {
+    result.comparison = compare(expected, obtained, golden.tolerance);
+    result.same_cpu = read_provenance(golden.expected(model))["cpu"] == run.provenance["cpu"];
+    result.share_of_jnd = share_of_jnd(expected, golden.tolerance.of("force"));
+    if (!(result.share_of_jnd <= golden.jnd_share)) {
+      result.comparison.verdict = Verdict::invalid;
+      result.comparison.problems.push_back(fmt::format(
+          "the force tolerance reaches {:.3g} of a just noticeable difference; the case allows itself {:.3g}",
+          result.share_of_jnd, golden.jnd_share));
+    }
+  }
+  result.table = fmt::format("{} {}\n{}", golden.name, model, to_table(result.comparison));
+  const auto folder = out / golden.name / model;
+  std::filesystem::remove_all(folder);
+  if (ctest) print_measurements(result, run, obtained.columns.empty() ? "" : summarise(run.rendered).sha256);
+  if (passes(result.comparison.verdict)) return result;
+
+  ensure_writable_folder(folder);
+  result.left_in = folder;
+  if (!obtained.columns.empty()) write_golden(folder / "obtained.h5", run.rendered, run.provenance);
+  write_file(folder / "table.txt", result.table);
+  write_file(folder / "comparison.json", to_json_text(result.comparison));
+  for (const auto& [name, picture] : draw_pictures(expected, obtained, folder)) {
+    if (ctest) print_picture(stdout, name, picture);
+  }
+  return result;
+}
+
+}  // namespace touchstone::apps

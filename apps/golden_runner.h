@@ -1,0 +1,40 @@
+// Runs golden cases: makes the case's world from the catalogues, replays, compares with the golden, and leaves behind
+// what a person needs to judge a failure.
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "harness/baseline/compare.h"
+#include "harness/baseline/golden_case.h"
+#include "harness/baseline/golden_file.h"
+#include "harness/surface/triangle_mesh.h"
+
+namespace touchstone::apps {
+
+TriangleMesh case_mesh(const GoldenCase& golden);
+InTrajectory case_trajectory(const GoldenCase& golden);
+
+struct CaseRun {
+  RenderedTrajectory rendered;
+  Provenance provenance;
+  double p99_us = 0.0;  // of a step
+};
+
+// Throws BadData when the case cannot run, or the renderer answers with a number that is not finite.
+CaseRun run_case(const GoldenCase& golden, const std::string& model, bool time_steps);
+
+struct CheckResult {
+  Comparison comparison;
+  std::string table;              // for people, with why it could not run where that is so
+  double share_of_jnd = 0.0;      // the widest the tolerance gets, in just noticeable differences of force
+  bool same_cpu = false;          // as the golden's
+  std::filesystem::path left_in;  // the folder of a failure, else empty
+};
+
+// One model of a case against its golden. On anything but `equal` leaves obtained.h5, table.txt, comparison.json and
+// pictures in `out`/<case>/<model>; on `equal` removes what an earlier failure left. With `ctest` prints measurements.
+CheckResult check_case(const GoldenCase& golden, const std::string& model, const std::filesystem::path& out,
+                       bool ctest);
+
+}  // namespace touchstone::apps

@@ -1,0 +1,76 @@
+#include "harness/report/ctest_measurement.h"
+
+#include <fmt/format.h>
+#include <png.h>
+
+#include <cmath>
+#include <vector>
+
+namespace touchstone {
+namespace {
+
+std::string escaped(std::string_view text) {
+  std::string safe;
+  for (const char c : text) {
+    switch (c) {
+      case '&':
+        safe += "&amp;";
+        break;
+      case '<':
+        safe += "&lt;";
+        break;
+      case '>':
+        safe += "&gt;";
+        break;
+      case '"':
+        safe += "&quot;";
+        break;
+      default:
+        safe += static_cast<unsigned char>(c) < ' ' ? ' ' : c;  // XML 1.0 has no control characters
+    }
+  }
+  return safe;
+}
+
+}  // namespace
+
+bool print_measurement(std::FILE* out, std::string_view name, double value) {
+  if (!std::isfinite(value)) {
+    fmt::print(out, "measurement {} is not sent: its value is {}\n", name, value);
+    return false;
+  }
+  fmt::print(out, "<CTestMeasurement type=\"numeric/double\" name=\"{}\">{:.17g}</CTestMeasurement>\n", escaped(name),
+             value);
+  return true;
+}
+
+void print_measurement(std::FILE* out, std::string_view name, std::string_view text) {
+  fmt::print(out, "<CTestMeasurement type=\"text/string\" name=\"{}\">{}</CTestMeasurement>\n", escaped(name),
+             escaped(text));
+}
+
+bool print_picture(std::FILE* out, std::string_view name, const std::filesystem::path& png) {
+  if (const auto problem = png_problem(png); !problem.empty()) {
+    fmt::print(out, "picture {} is not sent: {}: {}\n", name, png.string(), problem);
+    return false;
+  }
+  fmt::print(out, "<CTestMeasurementFile type=\"image/png\" name=\"{}\">{}</CTestMeasurementFile>\n", escaped(name),
+             escaped(png.string()));
+  return true;
+}
+
+std::string png_problem(const std::filesystem::path& png) {
+  png_image image{};
+  image.version = PNG_IMAGE_VERSION;
+  std::string problem;
+  if (png_image_begin_read_from_file(&image, png.c_str()) != 0) {
+    image.format = PNG_FORMAT_GRAY;
+    std::vector<png_byte> pixels(PNG_IMAGE_SIZE(image));
+    png_image_finish_read(&image, nullptr, pixels.data(), 0, nullptr);
+  }
+  if (PNG_IMAGE_FAILED(image) || image.warning_or_error != 0) problem = static_cast<const char*>(image.message);
+  png_image_free(&image);
+  return problem;
+}
+
+}  // namespace touchstone

@@ -1,0 +1,23 @@
+// Measurements on a test's output, as ctest collects them and CDash shows them. Servers accept a NaN or a broken
+// picture without a word, so both are checked here: what is not fit to be shown is said in plain text instead. Print
+// them whether the test passes or fails; those of skipped tests are dropped by ctest.
+#pragma once
+
+#include <cstdio>
+#include <filesystem>
+#include <string>
+#include <string_view>
+
+namespace touchstone {
+
+// <CTestMeasurement type="numeric/double" name="...">value</CTestMeasurement>; false when the value is not finite.
+bool print_measurement(std::FILE* out, std::string_view name, double value);
+void print_measurement(std::FILE* out, std::string_view name, std::string_view text);
+// <CTestMeasurementFile type="image/png" ...>; false when the file is not a complete PNG. The names TestImage,
+// ValidImage and DifferenceImage2 make CDash's interactive comparison.
+bool print_picture(std::FILE* out, std::string_view name, const std::filesystem::path& png);
+
+// Empty when the whole PNG can be decoded, else why not.
+std::string png_problem(const std::filesystem::path& png);
+
+}  // namespace touchstone

@@ -1,0 +1,72 @@
+#include "harness/report/ctest_measurement.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+#include <functional>
+
+#include "harness/base/atomic_file.h"
+#include "harness/report/gnuplot.h"
+
+namespace touchstone {
+namespace {
+
+using testing::HasSubstr;
+using testing::Not;
+
+std::string printed(const std::function<void(std::FILE*)>& print) {
+  char* text = nullptr;
+  std::size_t size = 0;
+  std::FILE* const out = open_memstream(&text, &size);
+  print(out);
+  std::fclose(out);
+  std::string result(text, size);
+  std::free(text);
+  return result;
+}
+
+TEST(CtestMeasurement, NumbersKeepEveryBit) {
+  const auto text = printed([](std::FILE* out) { EXPECT_TRUE(print_measurement(out, "force_rms_N", 0.1)); });
+  EXPECT_EQ(text,
+            "<CTestMeasurement type=\"numeric/double\" name=\"force_rms_N\">0.10000000000000001</CTestMeasurement>\n");
+}
+
+TEST(CtestMeasurement, WhatIsNotFiniteIsSaidAndNotSent) {
+  for (const double value : std::vector<double>{std::nan(""), INFINITY, -INFINITY}) {
+    const auto text = printed([&](std::FILE* out) { EXPECT_FALSE(print_measurement(out, "m", value)); });
+    EXPECT_THAT(text, Not(HasSubstr("CTestMeasurement")));
+    EXPECT_THAT(text, HasSubstr("not sent"));
+  }
+}
+
+TEST(CtestMeasurement, TextIsEscaped) {
+  EXPECT_THAT(printed([](std::FILE* out) { print_measurement(out, "a<b", std::string_view("x & \"y\"\x01")); }),
+              HasSubstr("name=\"a&lt;b\">x &amp; &quot;y&quot; </CTestMeasurement>"));
+}
+
+TEST(CtestMeasurement, PicturesAreReadBeforeTheyAreNamed) {
+  const auto folder = std::filesystem::path(testing::TempDir()) / "touchstone_pictures";
+  std::filesystem::create_directories(folder);
+  const auto png = folder / "plot.png";
+  const Plot plot{"it's a title",
+                  "t [s]",
+                  {{"force", "N", {{"golden", {{0.0, 0.0}, {1.0, 2.0}, {2.0, std::nan("")}}, false}}, {0.0, 0.0}}}};
+  const auto problem = write_plot(plot, png);
+  if (problem.find("not installed") != std::string::npos) GTEST_SKIP() << problem;
+  ASSERT_EQ(problem, "");
+  EXPECT_THAT(printed([&](std::FILE* out) { EXPECT_TRUE(print_picture(out, "TestImage", png)); }),
+              HasSubstr("image/png"));
+  const auto whole = read_file(png);
+  write_file(folder / "cut.png", whole.substr(0, whole.size() / 2));
+  write_file(folder / "text.png", "not a picture");
+  for (const char* const bad : {"cut.png", "text.png", "absent.png"}) {
+    EXPECT_THAT(printed([&](std::FILE* out) { EXPECT_FALSE(print_picture(out, "TestImage", folder / bad)); }),
+                Not(HasSubstr("CTestMeasurementFile")));
+  }
+  std::filesystem::remove_all(folder);
+}
+
+}  // namespace
+}  // namespace touchstone
