@@ -43,10 +43,11 @@ function(touchstone_add_room name)
     FILE_SET HEADERS DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/touchstone)
 endfunction()
 
-# touchstone_add_tests(<name> SOURCES a_test.cc... [LIBS target...] [LABELS unit...] [TIMEOUT seconds] [SERIAL])
+# touchstone_add_tests(<name> SOURCES a_test.cc... [LIBS target...] [LABELS unit...] [TIMEOUT seconds] [SERIAL]
+#                      [ENVIRONMENT NAME=value...])
 # Makes the GoogleTest program touchstone_<name>_test and one ctest test per case, found when ctest runs.
 function(touchstone_add_tests name)
-  cmake_parse_arguments(ARG "SERIAL" "TIMEOUT" "SOURCES;LIBS;LABELS" ${ARGN})
+  cmake_parse_arguments(ARG "SERIAL" "TIMEOUT" "SOURCES;LIBS;LABELS;ENVIRONMENT" ${ARGN})
   if(NOT BUILD_TESTING)
     return()
   endif()
@@ -63,7 +64,7 @@ function(touchstone_add_tests name)
     set(ARG_TIMEOUT 120)
   endif()
   set(properties LABELS "${ARG_LABELS}" TIMEOUT ${ARG_TIMEOUT}
-    ENVIRONMENT "TOUCHSTONE_DATA_DIR=${TOUCHSTONE_DATA_DIR};TOUCHSTONE_SOURCE_DIR=${PROJECT_SOURCE_DIR};TOUCHSTONE_PROGRAM=${PROJECT_BINARY_DIR}/bin/touchstone")
+    ENVIRONMENT "TOUCHSTONE_DATA_DIR=${TOUCHSTONE_DATA_DIR};TOUCHSTONE_SOURCE_DIR=${PROJECT_SOURCE_DIR};TOUCHSTONE_PROGRAM=${PROJECT_BINARY_DIR}/bin/touchstone;${ARG_ENVIRONMENT}")
   if(ARG_SERIAL)
     list(APPEND properties RUN_SERIAL TRUE)
   endif()

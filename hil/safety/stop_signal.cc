@@ -1,6 +1,7 @@
 #include "hil/safety/stop_signal.h"
 
 #include <ctime>
+#include <initializer_list>
 
 namespace touchstone::hil {
 
