@@ -150,6 +150,8 @@ class ComediAti final : public WrenchSource {
     bytes_.clear();
     bias_ = {};
     take_bias();
+    counters_ = {};
+    sequence_ = 0;
   }
 
   void stop() noexcept override {

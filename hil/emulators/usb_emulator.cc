@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <cstdlib>
 #include <cstring>
 #include <stdexcept>
 
@@ -245,7 +246,10 @@ std::string hex(const std::vector<unsigned char>& bytes) {
 
 }  // namespace
 
-bool UsbEmulator::preloaded() { return umockdev_in_mock_environment(); }
+bool UsbEmulator::preloaded() {
+  const char* const libraries = std::getenv("LD_PRELOAD");
+  return libraries != nullptr && std::strstr(libraries, "libumockdev-preload") != nullptr;
+}
 
 UsbEmulator::UsbEmulator(const Identity& identity, EmulatedUsbModel& model) : testbed_(std::make_unique<Testbed>()) {
   Testbed& t = *testbed_;

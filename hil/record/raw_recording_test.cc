@@ -229,7 +229,7 @@ TEST_F(RawRecordingTest, AMinuteAtFiveKilohertzCompressed) {
   }
   recorder.finish();
   EXPECT_EQ(recorder.written(), n);
-  EXPECT_EQ(recorder.memory_bytes(), memory);
+  EXPECT_LE(recorder.memory_bytes(), memory);
   EXPECT_LT(memory, 16U << 20U);
   std::uint64_t i = 0, wrong = 0;
   const auto report = read_raw(path(), [&](const RawSample& s) { wrong += s.wrench.sequence != i++; });
