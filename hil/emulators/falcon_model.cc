@@ -16,9 +16,11 @@ void FalconModel::send(const std::vector<unsigned char>& bytes) {
 
 void FalconModel::control(unsigned request, unsigned value) {
   const std::scoped_lock lock(mutex_);
-  if (request == 0) out_.clear(), in_.clear();                             // purge
-  if (request == 1 && value == 0x0101) booting_ = true, running_ = false;  // DTR high: the boot loader starts
-  if (request == 3 && value == 0x2 && loading_ && firmware_bytes_ > 0) loading_ = booting_ = false, running_ = true;
+  if (request == 0) out_.clear(), in_.clear();  // purge
+  if (request == 1 && value == 0x0101)
+    booting_ = true, running_ = loading_ = false, firmware_bytes_ = 0;  // DTR high: the boot loader starts
+  if (request == 3 && value == 0x2 && loading_ && firmware_bytes_ >= firmware_size_)
+    loading_ = booting_ = false, running_ = true;
 }
 
 void FalconModel::received(const std::vector<unsigned char>& bytes) {

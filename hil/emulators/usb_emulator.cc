@@ -338,6 +338,7 @@ UsbEmulator::~UsbEmulator() {
 
 void UsbEmulator::forbid() {
   g_autofree gchar* root = umockdev_testbed_get_root_dir(testbed_->testbed);
+  ::chmod(root, 0755);
   ::chmod((std::string(root) + testbed_->node).c_str(), 0);
 }
 

@@ -60,7 +60,9 @@ class UsbEmulator {
 // real one.
 class FalconModel final : public EmulatedUsbModel {
  public:
-  explicit FalconModel(bool firmware_running) : running_(firmware_running) {}
+  // Runs at once, or after a firmware of that many bytes was uploaded.
+  explicit FalconModel(bool firmware_running, std::size_t firmware_size = 1)
+      : firmware_size_(firmware_size), running_(firmware_running) {}
   void control(unsigned request, unsigned value) override;
   void received(const std::vector<unsigned char>& bytes) override;
   std::optional<std::vector<unsigned char>> packet() override;
@@ -78,6 +80,7 @@ class FalconModel final : public EmulatedUsbModel {
   std::deque<std::vector<unsigned char>> out_;
   std::vector<unsigned char> in_;
   std::array<int, 3> encoders_{}, motors_{};
+  std::size_t firmware_size_;
   std::size_t firmware_bytes_ = 0;
   int frames_ = 0;
   bool running_, booting_ = false, loading_ = false;

@@ -142,8 +142,8 @@ TEST_P(WrenchSensor, KnownWeight) {
   EXPECT_NEAR(weight, mass * 9.80665, 0.01 * mass * 9.80665 + 0.01);  // ATI: 1 % of the load, and the noise
 }
 
-INSTANTIATE_TEST_SUITE_P(Lab, WrenchSensor, ::testing::Values("ati-netft", "ati-nano17-daq"), [](const auto& info) {
-  std::string name = info.param;
+INSTANTIATE_TEST_SUITE_P(Lab, WrenchSensor, ::testing::Values("ati-netft", "ati-nano17-daq"), [](const auto& tested) {
+  std::string name = tested.param;
   std::erase(name, '-');
   return name;
 });
@@ -278,8 +278,8 @@ TEST_P(Haptic, LetsGoWhenTheProgramStops) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Lab, Haptic, ::testing::Values("novint-falcon", "force-dimension-omega", "3ds-touch"),
-                         [](const auto& info) {
-                           std::string name = info.param;
+                         [](const auto& tested) {
+                           std::string name = tested.param;
                            for (char& c : name) c = c == '-' ? '_' : c;
                            return name;
                          });
