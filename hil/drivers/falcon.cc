@@ -157,8 +157,11 @@ class Falcon final : public HapticDevice {
   bool answers() {
     for (int attempt = 0; attempt < 3; ++attempt) {
       try {
-        transfer({}, clock_.now_s() + 0.1);
-        return true;
+        // A boot loader in the middle of an upload echoes what it gets, which looks like an answer.
+        falcon::Command question;
+        question.homing = true;
+        transfer(question, clock_.now_s() + 0.1);
+        return last_frame_ != falcon::encode(question);
       } catch (const DeviceError& error) {
         if (error.device_status() != DeviceStatus::timed_out && error.device_status() != DeviceStatus::failed) throw;
       }
@@ -184,6 +187,7 @@ class Falcon final : public HapticDevice {
           falcon::decode_answer(std::span<const unsigned char, falcon::frame_bytes>(bytes.data(), falcon::frame_bytes));
       if (!answer) throw DeviceError(DeviceStatus::failed, "Novint Falcon: a frame is damaged");
       answer_ = *answer;
+      std::copy_n(bytes.begin(), last_frame_.size(), last_frame_.begin());
       return;
     }
   }
@@ -243,6 +247,7 @@ class Falcon final : public HapticDevice {
   DeviceIdentity identity_;
   MonotonicClock clock_;
   falcon::Answer answer_;
+  falcon::Frame last_frame_{};
   falcon::Angles angles_{};
   Vec3 position_m_ = Vec3::Zero();
   bool position_known_ = false;

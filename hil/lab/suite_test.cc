@@ -195,17 +195,19 @@ class Haptic : public ::testing::TestWithParam<const char*> {
       in.now_s = clock.now_s();
       in.calibrated = device_->calibrated();
       in.wanted_W_N = wanted(in.state, in.now_s - start);
-      in.state = device_->exchange(supervisor.allow(in), in.now_s + 0.1);
+      in.state = device_->exchange(supervisor.allow(in), in.now_s + patience_s());
       times.push_back(in.state.t_s);
       if (along != nullptr) along->push_back(in.state.p_W_m.x());
     }
     return times;
   }
+  // An emulator on a busy machine may be late without any harm; a device may not.
+  double patience_s() const { return device_->identity().emulated ? 5.0 : 0.1; }
   SafetyLimits limits() const {
     SafetyLimits l;
     l.force_N = limit_N_;
     l.workspace_W_m = Box3(Vec3::Constant(-0.2), Vec3::Constant(0.2));
-    l.stale_s = 0.1;
+    l.stale_s = patience_s();
     return l;
   }
   Evidence evidence(const std::string& test) const {
