@@ -16,7 +16,7 @@ void add_doctor(CLI::App& program, Run& run);
 void add_discrepancy(CLI::App& program, Run& run);
 void add_golden(CLI::App& program, Run& run);
 void add_history(CLI::App& program, Run& run);
-void add_hil(CLI::App& program, Run& run);
+void add_experiment(CLI::App& program, Run& run);
 void add_replay(CLI::App& program, Run& run);
 void add_synth(CLI::App& program, Run& run);
 void add_version(CLI::App& program, Run& run);
@@ -34,7 +34,7 @@ inline std::vector<AddCommand> commands() {
       add_discrepancy,
       add_golden,
       add_history,
-      add_hil,
+      add_experiment,
       add_replay,
       add_synth,
       add_version,

@@ -24,6 +24,7 @@ const TriangleMesh& triangles_of(const Surface& surface) {
 
 ContactMesh::ContactMesh(const Surface& surface)
     : mesh_(&triangles_of(surface)), topology_(make_topology(*mesh_)), tree_(std::make_unique<TriangleTree>(*mesh_)) {
+  extent_ = surface.bounds().diagonal().norm();
   const std::size_t count = mesh_->triangle_count();
   facets_.resize(count);
   for (std::size_t t = 0; t < count; ++t) {

@@ -46,9 +46,13 @@ class ContactMesh {
   [[nodiscard]] const Vec3& vertex_normal(std::int32_t index) const noexcept {
     return topology_.vertex_normals[static_cast<std::size_t>(index)];
   }
-  // Whether the vertex or edge is on the rim of an open mesh.
+  // Whether the vertex, or the edge or corner with that index of the triangle, is on the rim of an open mesh.
   [[nodiscard]] bool open_vertex(std::int32_t index) const noexcept {
     return (topology_.vertex_flags[static_cast<std::size_t>(index)] & vertex_open) != 0;
+  }
+  [[nodiscard]] bool on_rim(std::int32_t triangle, Feature feature, std::size_t local) const noexcept {
+    if (feature == Feature::edge) return facet(triangle).neighbour[local] < 0;
+    return feature == Feature::vertex && open_vertex(facet(triangle).corner[local]);
   }
   [[nodiscard]] std::span<const std::int32_t> fan(std::int32_t vertex) const {
     return topology_.fan(static_cast<std::size_t>(vertex));
@@ -62,6 +66,9 @@ class ContactMesh {
                                          std::int32_t from) const noexcept;
   [[nodiscard]] const TriangleTree& tree() const noexcept { return *tree_; }
   [[nodiscard]] std::size_t triangle_count() const noexcept { return facets_.size(); }
+  [[nodiscard]] bool closed() const noexcept { return topology_.closed(); }
+  // The length of the bounding box's diagonal.
+  [[nodiscard]] double extent() const noexcept { return extent_; }
   // The largest magnitude of a coordinate: what rounding of positions on the surface is relative to.
   [[nodiscard]] double magnitude() const noexcept { return magnitude_; }
 
@@ -71,6 +78,7 @@ class ContactMesh {
   std::vector<Facet> facets_;
   std::unique_ptr<TriangleTree> tree_;
   double magnitude_ = 0.0;
+  double extent_ = 0.0;
 };
 
 // One ContactMesh per surface, however many renderers run on it at the same time.

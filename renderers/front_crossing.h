@@ -26,25 +26,50 @@ inline double resting_error(const ContactMesh& mesh, const Vec3& a) noexcept {
   return 16.0 * std::numeric_limits<double>::epsilon() * std::max(mesh.magnitude(), a.cwiseAbs().maxCoeff());
 }
 
+// Whether the way from a to p passes through the triangle's outline where it crosses its plane, exactly.
+inline bool through_outline(const ContactMesh& mesh, const Facet& facet, const Vec3& a, const Vec3& p) noexcept {
+  for (std::size_t e = 0; e < 3; ++e) {
+    // Seen against the normal the outline runs counter-clockwise: the way keeps every edge on the same side.
+    if (side_of_plane(a, p, mesh.vertex(facet.corner[e]), mesh.vertex(facet.corner[(e + 1) % 3])) > 0) return false;
+  }
+  return true;
+}
+
+// A way that leaves the surface almost along it: having started on a triangle that is skipped, it can come over the
+// border of the next one already behind that one's plane, by rounding. The fraction at which it does; 2 where it does
+// not.
+inline double slips_under(const Facet& facet, const Vec3& a, const Vec3& p, double from, double to,
+                          double rounding) noexcept {
+  double enters = 0.0;
+  double leaves = 1.0;
+  for (std::size_t e = 0; e < 3; ++e) {
+    const double first = facet.inside(e, a);
+    const double last = facet.inside(e, p);
+    if (first < 0.0) {
+      if (last <= 0.0) return 2.0;
+      enters = std::max(enters, first / (first - last));
+    } else if (last < 0.0) {
+      leaves = std::min(leaves, first / (first - last));
+    }
+  }
+  const double at_border = from + enters * (to - from);
+  return enters < leaves && std::abs(at_border) <= rounding && from + leaves * (to - from) < 0.0 ? enters : 2.0;
+}
+
 // Triangles for which skip(triangle) holds are passed. Ties go to the smaller index.
 template <class Skip>
 FrontCrossing first_front_crossing(const ContactMesh& mesh, const Vec3& a, const Vec3& p, Skip&& skip) noexcept {
   FrontCrossing first;
-  const double behind = -resting_error(mesh, a);
+  const double rounding = resting_error(mesh, a);
   mesh.tree().along_segment(a, p, [&](std::int32_t t) {
     const Facet& facet = mesh.facet(t);
     const double from = facet.height(a);
     const double to = facet.height(p);
-    if (!(to < 0.0 && from >= behind && from > to) || skip(t)) return first.fraction;
-    const double fraction = std::max(0.0, from / (from - to));
-    if (fraction > first.fraction || (fraction == first.fraction && first.triangle >= 0 && t > first.triangle))
-      return first.fraction;
-    for (std::size_t e = 0; e < 3; ++e) {
-      // Seen against the normal the outline runs counter-clockwise: the path keeps every edge on the same side.
-      if (side_of_plane(a, p, mesh.vertex(facet.corner[e]), mesh.vertex(facet.corner[(e + 1) % 3])) > 0)
-        return first.fraction;
-    }
-    first = {t, fraction};
+    if (!(to < 0.0 && from >= -rounding && from > to) || skip(t)) return first.fraction;
+    double fraction = std::max(0.0, from / (from - to));
+    if (!through_outline(mesh, facet, a, p)) fraction = slips_under(facet, a, p, from, to, rounding);
+    if (fraction < first.fraction || (fraction == first.fraction && (first.triangle < 0 || t < first.triangle)))
+      first = {t, fraction};
     return first.fraction;
   });
   return first;

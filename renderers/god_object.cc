@@ -2,17 +2,17 @@
 
 #include <limits>
 
-#include "harness/base/error.h"
 #include "harness/surface/triangle_queries.h"
+#include "renderers/ball_proxy.h"
 #include "renderers/contact_mesh.h"
 #include "renderers/surface_walk.h"
 
 namespace touchstone {
 namespace {
 
-class GodObject final : public Renderer {
+class PointGodObject final : public Renderer {
  public:
-  GodObject(double stiffness_N_per_m, std::shared_ptr<const Surface> surface)
+  PointGodObject(double stiffness_N_per_m, std::shared_ptr<const Surface> surface)
       : stiffness_N_per_m_(stiffness_N_per_m),
         surface_(std::move(surface)),
         mesh_(contact_mesh(surface_)),
@@ -43,13 +43,10 @@ class GodObject final : public Renderer {
     started_ = true;
     const SurfacePoint nearest = surface_->closest(p);
     if (!(nearest.signed_distance_m < 0.0)) return walk_.start_free(p);
-    const Facet& facet = mesh_->facet(nearest.triangle);
-    const TriangleClosest where = closest_on_triangle(mesh_->corners(nearest.triangle), facet.n, p);
+    const TriangleClosest where =
+        closest_on_triangle(mesh_->corners(nearest.triangle), mesh_->facet(nearest.triangle).n, p);
     // Beyond the rim of an open mesh there is no inside.
-    const bool rim = where.feature == Feature::edge     ? facet.neighbour[where.index] < 0
-                     : where.feature == Feature::vertex ? mesh_->open_vertex(facet.corner[where.index])
-                                                        : false;
-    if (rim) return walk_.start_free(p);
+    if (mesh_->on_rim(nearest.triangle, where.feature, where.index)) return walk_.start_free(p);
     walk_.start_on(nearest.triangle, where.feature, where.index, p);
   }
 
@@ -57,6 +54,44 @@ class GodObject final : public Renderer {
   std::shared_ptr<const Surface> surface_;
   std::shared_ptr<const ContactMesh> mesh_;
   SurfaceWalk walk_;
+  bool started_ = false;
+};
+
+class BallGodObject final : public Renderer {
+ public:
+  BallGodObject(double stiffness_N_per_m, double radius_m, std::shared_ptr<const Surface> surface)
+      : stiffness_N_per_m_(stiffness_N_per_m),
+        surface_(std::move(surface)),
+        mesh_(contact_mesh(surface_)),
+        proxy_(*mesh_, *surface_, radius_m) {}
+
+ private:
+  void do_reset() override { started_ = false; }
+
+  StepResult do_step(const TipState& tip) noexcept override {
+    const Vec3& p = tip.p_W_m;
+    if (started_) {
+      proxy_.follow(p);
+    } else {
+      started_ = true;
+      proxy_.start(p);
+    }
+    StepResult result;
+    result.contact_W_m = proxy_.position();
+    if (proxy_.touching()) {
+      const Vec3 push = proxy_.push(p);
+      result.contact = true;
+      result.f_W_N = stiffness_N_per_m_ * push;
+      result.n_W = proxy_.normal(p);
+      result.depth_m = push.norm();
+    }
+    return result;
+  }
+
+  double stiffness_N_per_m_;
+  std::shared_ptr<const Surface> surface_;
+  std::shared_ptr<const ContactMesh> mesh_;
+  BallProxy proxy_;
   bool started_ = false;
 };
 
@@ -71,8 +106,10 @@ RendererEntry god_object_entry() {
        {"tip_radius_m", "m", 0.0, 1e3, 0.0, "0: a point; else a ball whose centre the positions are"}},
       {{Ability::analytic_surface, "it constrains the god-object by triangles"}},
       [](const Parameters& parameters, std::shared_ptr<const Surface> surface) -> std::unique_ptr<Renderer> {
-        if (parameters.at("tip_radius_m") > 0.0) throw BadData("god-object: tip_radius_m > 0 is not built yet");
-        return std::make_unique<GodObject>(parameters.at("stiffness_N_per_m"), std::move(surface));
+        const double stiffness = parameters.at("stiffness_N_per_m");
+        const double radius = parameters.at("tip_radius_m");
+        if (radius > 0.0) return std::make_unique<BallGodObject>(stiffness, radius, std::move(surface));
+        return std::make_unique<PointGodObject>(stiffness, std::move(surface));
       }};
 }
 

@@ -10,13 +10,13 @@
 #include <set>
 #include <vector>
 
-#include "harness/surface/triangle_mesh.h"
+#include "harness/surface/mesh_topology.h"
 
 namespace touchstone::testing {
 
 class GodObjectTwin {
  public:
-  explicit GodObjectTwin(const TriangleMesh& mesh) : mesh_(mesh) {}
+  explicit GodObjectTwin(const TriangleMesh& mesh) : mesh_(mesh), normals_(make_topology(mesh).face_normals) {}
 
   void start(const Vec3& p) {
     g_ = p;
@@ -45,7 +45,8 @@ class GodObjectTwin {
   };
 
   const Vec3& vertex(Index i) const { return mesh_.vertices_W_m[static_cast<std::size_t>(i)]; }
-  Vec3 normal(std::size_t t) const { return mesh_.scaled_normal(t) / mesh_.scaled_normal(t).norm(); }
+  // The same numbers as the walk's: what is tested is the way, not the cross product.
+  const Vec3& normal(std::size_t t) const { return normals_[t]; }
   double height(std::size_t t, const Vec3& x) const { return normal(t).dot(x - vertex(mesh_.triangles[t][0])); }
   static bool holds(const std::array<Index, 3>& triangle, const std::set<Index>& simplex) {
     return std::all_of(simplex.begin(), simplex.end(),
@@ -223,6 +224,7 @@ class GodObjectTwin {
   }
 
   const TriangleMesh& mesh_;
+  std::vector<Vec3> normals_;
   Vec3 g_ = Vec3::Zero();
   std::set<Index> simplex_;  // the corners of the face, edge or vertex that holds the god-object; empty when free
   bool failed_ = false;

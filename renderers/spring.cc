@@ -24,7 +24,7 @@ class Spring final : public Renderer {
     result.contact_W_m = closest.p_W_m;
     result.depth_m = closest.distance_m;
     // On a mesh's edge the way out is towards the edge; the pseudo-normal only tells the side.
-    result.n_W = (closest.p_W_m - tip.p_W_m) / closest.distance_m;
+    result.n_W = (closest.p_W_m - tip.p_W_m).normalized();
     double force_N = k_ * result.depth_m;
     if constexpr (kPower == 2) force_N *= result.depth_m;
     result.f_W_N = force_N * result.n_W;

@@ -16,7 +16,7 @@ ParameterDeclaration mu(std::string name, std::string meaning) {
 }
 
 ParameterDeclaration presliding() {
-  return {"presliding_m", "m", 1e-9, 1e-2, 5e-5, "tangential path from stuck to sliding"};
+  return {"presliding_m", "m", 1e-12, 1e3, 5e-5, "tangential path from stuck to sliding"};
 }
 
 ParameterDeclaration place(std::string name) {

@@ -1,0 +1,127 @@
+#include "renderers/ball_constraints.h"
+
+#include <Eigen/LU>
+#include <cmath>
+
+#include "harness/surface/triangle_queries.h"
+
+namespace touchstone {
+namespace {
+
+constexpr int kNewtonSteps = 16;
+constexpr int kFeatureChanges = 6;
+
+// On one triangle: by its face, edge or corner in closed form, until the answer's own closest feature is the one used.
+bool rest_on_one(const ContactMesh& mesh, std::int32_t triangle, double r, const Vec3& p, Vec3& x) noexcept {
+  const Facet& facet = mesh.facet(triangle);
+  Touch now = touch(mesh, triangle, x);
+  for (int change = 0; change < kFeatureChanges; ++change) {
+    Vec3 next;
+    double pull = 0.0;
+    if (now.feature == Feature::face) {
+      const Vec3& n = now.n;
+      pull = r - n.dot(p - facet.origin);
+      next = p + pull * n;
+    } else {
+      Vec3 foot = mesh.vertex(facet.corner[now.index]);
+      if (now.feature == Feature::edge) {
+        const Vec3 along = mesh.vertex(facet.corner[(now.index + 1U) % 3U]) - foot;
+        foot += along.dot(p - foot) / along.squaredNorm() * along;
+      }
+      const Vec3 out = p - foot;
+      const double distance = out.norm();
+      // Beyond the edge or corner the nearest place is on its other side: the ball must find its way round it first.
+      if (!(out.dot(now.n) > 0.0)) return false;
+      pull = r - distance;
+      next = foot + (r / distance) * out;
+    }
+    if (pull < 0.0) return false;
+    const Touch then = touch(mesh, triangle, next);
+    x = next;
+    if (then.feature == now.feature && then.index == now.index) return true;
+    now = then;
+  }
+  return false;
+}
+
+// The second derivative of the distance.
+Mat3 curvature(const ContactMesh& mesh, std::int32_t triangle, const Touch& t) noexcept {
+  if (t.feature == Feature::face || !(t.d > 0.0)) return Mat3::Zero();
+  Mat3 bend = Mat3::Identity() - t.n * t.n.transpose();
+  if (t.feature == Feature::edge) {
+    const auto& corner = mesh.facet(triangle).corner;
+    const Vec3 e = (mesh.vertex(corner[(t.index + 1U) % 3U]) - mesh.vertex(corner[t.index])).normalized();
+    bend -= e * e.transpose();
+  }
+  return bend / t.d;
+}
+
+template <int M>
+bool newton(const ContactMesh& mesh, const Holding& holding, double r, const Vec3& p, double rounding,
+            Vec3& x) noexcept {
+  using Multipliers = Eigen::Matrix<double, M, 1>;
+  Multipliers l = Multipliers::Zero();
+  for (int step = 0; step < kNewtonSteps; ++step) {
+    Eigen::Matrix<double, 3, M> n;
+    Multipliers gap;
+    Mat3 k = Mat3::Identity();
+    for (int i = 0; i < M; ++i) {
+      const std::int32_t triangle = holding.triangle[static_cast<std::size_t>(i)];
+      const Touch t = touch(mesh, triangle, x);
+      n.col(i) = t.n;
+      gap[i] = r - t.d;
+      if (step > 0) k -= l[i] * curvature(mesh, triangle, t);
+    }
+    // K dx - N l = p - x, N' dx = gap: eliminate dx.
+    bool solvable = false;
+    Mat3 inverse;
+    k.computeInverseWithCheck(inverse, solvable, 1e-12);
+    if (!solvable) return false;
+    const Eigen::Matrix<double, M, M> gram = n.transpose() * inverse * n;
+    Eigen::Matrix<double, M, M> gram_inverse;
+    gram.computeInverseWithCheck(gram_inverse, solvable, 1e-24);
+    if (!solvable) return false;
+    l = gram_inverse * (gap - n.transpose() * (inverse * (p - x)));
+    const Vec3 dx = inverse * (p - x + n * l);
+    if (!dx.allFinite()) return false;
+    // Far steps leave the neighbourhood in which the closest features are what they are.
+    const double length = dx.norm();
+    const bool far = length > 0.5 * r;
+    x += far ? Vec3(0.5 * r / length * dx) : dx;
+    if (!far && length <= rounding && gap.cwiseAbs().maxCoeff() <= rounding) return (l.array() >= 0.0).all();
+  }
+  return false;
+}
+
+}  // namespace
+
+Touch touch(const ContactMesh& mesh, std::int32_t triangle, const Vec3& x) noexcept {
+  const Facet& facet = mesh.facet(triangle);
+  const TriangleClosest c = closest_on_triangle(mesh.corners(triangle), facet.n, x);
+  if (c.feature == Feature::face) {
+    const double h = facet.height(x);
+    return {h >= 0.0 ? facet.n : Vec3(-facet.n), std::abs(h), Feature::face, 0};
+  }
+  const double d = std::sqrt(c.squared_distance);
+  return {d > 0.0 ? Vec3(c.from_query / -d) : facet.n, d, c.feature, c.index};
+}
+
+bool rest_on(const ContactMesh& mesh, const Holding& holding, double r, const Vec3& p, double rounding,
+             Vec3& x) noexcept {
+  if (holding.size == 0) {
+    x = p;
+    return true;
+  }
+  const Vec3 start = x;
+  const bool found = holding.size == 1   ? rest_on_one(mesh, holding.triangle[0], r, p, x)
+                     : holding.size == 2 ? newton<2>(mesh, holding, r, p, rounding, x)
+                                         : newton<3>(mesh, holding, r, p, rounding, x);
+  if (!found) return false;
+  for (int i = 0; i < holding.size; ++i) {
+    const std::int32_t t = holding.triangle[static_cast<std::size_t>(i)];
+    if (!(touch(mesh, t, x).n.dot(touch(mesh, t, start).n) > 0.0)) return false;
+  }
+  return true;
+}
+
+}  // namespace touchstone

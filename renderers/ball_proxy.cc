@@ -1,0 +1,301 @@
+#include "renderers/ball_proxy.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace touchstone {
+namespace {
+
+constexpr double kEps = std::numeric_limits<double>::epsilon();
+// Triangles to gather at a time: enough for several servo ticks, few enough to test quickly.
+constexpr std::size_t kFew = 24;
+constexpr std::size_t kMany = 96;
+constexpr std::size_t kMost = 4096;
+constexpr int kMoves = 256;     // per step; a jump across the object takes some
+constexpr int kExchanges = 12;  // of holding triangles per move
+constexpr int kCuts = 40;       // of the search for the least distance along a way
+
+}  // namespace
+
+BallProxy::BallProxy(const ContactMesh& mesh, const Surface& surface, double radius_m)
+    : mesh_(&mesh), surface_(&surface), r_(radius_m), next_margin_(0.25 * radius_m) {
+  near_.reserve(kMost);
+  half_spaces_.reserve(kMost);
+}
+
+void BallProxy::start(const Vec3& p) noexcept {
+  holding_ = {};
+  margin_ = -1.0;
+  next_margin_ = 0.25 * r_;
+  gathers_ = moves_ = 0;
+  c_ = p;
+  const SurfacePoint nearest = surface_->closest(p);
+  if (nearest.signed_distance_m >= r_) return;
+  const Touch t = touch(*mesh_, nearest.triangle, p);
+  const bool rim = mesh_->on_rim(nearest.triangle, t.feature, t.index);
+  const bool inside = nearest.signed_distance_m < 0.0;
+  // Behind the rim of an open mesh there is no inside: the ball passes.
+  if (inside && rim) return;
+  // On the surface to rounding the direction to the tip is noise.
+  rounding_ = rounding_at(p);
+  const Vec3 out = inside || t.d <= 4.0 * rounding_ ? nearest.n_W : t.n;
+  // Out along the normal until the ball is clear, then down again to where the tip pulls it.
+  for (double reach = r_; reach < 1e3 * (r_ + mesh_->extent()); reach *= 2.0) {
+    c_ = nearest.p_W_m + reach * out;
+    if (surface_->closest(c_).distance_m >= r_ * (1.0 - 64.0 * kEps)) break;
+  }
+  follow(p);
+}
+
+Vec3 BallProxy::normal(const Vec3& p) const noexcept {
+  if (!touching()) return Vec3::Zero();
+  const Vec3 push = c_ - p;
+  if (holding_.size > 1 && push.squaredNorm() > 0.0) return push.normalized();
+  return touch(*mesh_, holding_.triangle[0], c_).n;
+}
+
+double BallProxy::rounding_at(const Vec3& x) const noexcept {
+  return 32.0 * kEps * std::max(mesh_->magnitude(), x.cwiseAbs().maxCoeff());
+}
+
+void BallProxy::follow(const Vec3& p) noexcept {
+  rounding_ = std::max(rounding_at(p), rounding_at(c_));
+  for (int move = 0; move < kMoves; ++move) {
+    ++moves_;
+    if (!(margin_ >= 0.0) || !covered(c_)) gather(c_, next_margin_);
+    Holding holding = holding_;
+    Vec3 x = c_;
+    bool safe_way = true;
+    if (settle(p, holding, x, safe_way)) {
+      if (advance(x, safe_way, holding)) return;
+    } else if (!creep(p)) {
+      return;
+    }
+  }
+}
+
+void BallProxy::gather(const Vec3& at, double margin) noexcept {
+  ++gathers_;
+  while (true) {
+    near_.clear();
+    bool overflow = false;
+    mesh_->tree().within(at, r_ + margin, [&](std::int32_t t) {
+      const double distance = touch(*mesh_, t, at).d;
+      if (distance <= r_ + margin && !mesh_->facet(t).n.isZero(0.0)) {
+        // Tangential to the triangle from the ball's centre, which is outside; the middle of the gathered may not be.
+        const Touch here = touch(*mesh_, t, c_);
+        if (near_.size() < kMost) {
+          near_.push_back({here.n, r_ - here.d + here.n.dot(c_ - at), t});
+        } else {
+          overflow = true;
+        }
+      }
+      return r_ + margin;
+    });
+    if (!overflow || !(margin > rounding_)) break;
+    margin *= 0.25;
+  }
+  // In an order that does not depend on the tree.
+  std::sort(near_.begin(), near_.end(), [](const Near& a, const Near& b) { return a.triangle < b.triangle; });
+  gathered_at_ = at;
+  margin_ = margin;
+  next_margin_ = margin * (near_.size() > kMany ? 0.5 : near_.size() < kFew ? 1.5 : 1.0);
+}
+
+bool BallProxy::ignored(std::int32_t triangle) const noexcept {
+  if (mesh_->closed()) return false;
+  return mesh_->facet(triangle).height(c_) < -rounding_ || touch(*mesh_, triangle, c_).d < r_ - 64.0 * rounding_;
+}
+
+BallProxy::Check BallProxy::check(const Vec3& x, const Holding& held) noexcept {
+  Check result;
+  const Vec3 offset = x - gathered_at_;
+  const bool far = (x - c_).squaredNorm() > 0.25 * r_ * r_;
+  double least = r_ - rounding_;
+  for (Near& near : near_) {
+    if (near.n.dot(offset) >= near.b) continue;
+    const Touch t = touch(*mesh_, near.triangle, x);
+    const bool through =
+        far && mesh_->facet(near.triangle).height(c_) >= 0.0 && mesh_->facet(near.triangle).height(x) < 0.0;
+    if (held.has(near.triangle) || (t.d >= r_ - rounding_ && !through)) {
+      // Now tangential at x. The centre, where it is now, must lie in the half-space too for the way to be safe.
+      const double b = r_ - t.d + t.n.dot(offset);
+      if (t.n.dot(c_ - gathered_at_) >= b - rounding_) {
+        near.n = t.n;
+        near.b = b - rounding_;
+      } else if (far) {
+        result.safe_way = result.safe_way && stays_clear(near.triangle, x);
+      }
+      continue;
+    }
+    if (ignored(near.triangle)) continue;
+    const double depth = through ? -t.d : t.d;
+    if (depth < least) {
+      least = depth;
+      result.worst = near.triangle;
+    }
+  }
+  return result;
+}
+
+// The distance from a convex set is convex along the way: between two points it lies above the tangents there, and they
+// bracket its least value.
+bool BallProxy::stays_clear(std::int32_t triangle, const Vec3& x) const noexcept {
+  const Vec3 way = x - c_;
+  const double least = r_ - 2.0 * rounding_;
+  struct At {
+    double t, d, slope;
+  };
+  const auto at = [&](double t) {
+    const Touch here = touch(*mesh_, triangle, c_ + t * way);
+    return At{t, here.d, here.n.dot(way)};
+  };
+  At low = at(0.0);
+  At high = at(1.0);
+  if (low.d < least || high.d < least) return false;
+  for (int i = 0; i < kCuts; ++i) {
+    if (low.slope >= 0.0 || high.slope <= 0.0) return true;
+    // Where the tangents meet.
+    const double t = (high.d - low.d + low.slope * low.t - high.slope * high.t) / (low.slope - high.slope);
+    if (low.d + low.slope * (t - low.t) >= least) return true;
+    const At between = at(std::clamp(t, low.t, high.t));
+    if (between.d < least) return false;
+    (between.slope < 0.0 ? low : high) = between;
+  }
+  return false;
+}
+
+bool BallProxy::settle(const Vec3& p, Holding& holding, Vec3& x, bool& safe_way) noexcept {
+  x = c_;
+  if (!rest_on(*mesh_, holding, r_, p, rounding_, x)) {
+    // Fewer of them may do: the first that leaves the others clear.
+    const Holding before = holding;
+    bool found = false;
+    for (unsigned chosen = 0; chosen + 1 < (1U << before.size) && !found; ++chosen) {
+      holding = {};
+      for (int i = 0; i < before.size; ++i) {
+        if ((chosen >> i & 1U) != 0) holding.add(before.triangle[static_cast<std::size_t>(i)]);
+      }
+      x = c_;
+      if (!rest_on(*mesh_, holding, r_, p, rounding_, x)) continue;
+      found = true;
+      for (int i = 0; i < before.size && found; ++i) {
+        const std::int32_t t = before.triangle[static_cast<std::size_t>(i)];
+        if (holding.has(t)) continue;
+        const Vec3& n = touch(*mesh_, t, c_).n;
+        found = n.dot(x - c_) >= -rounding_;
+      }
+    }
+    if (!found) return false;
+  }
+  for (int round = 0; round < kExchanges; ++round) {
+    const Check result = check(x, holding);
+    safe_way = result.safe_way;
+    if (result.worst < 0) return true;
+    if (!exchange(p, result.worst, holding, x)) return false;
+  }
+  return false;
+}
+
+bool BallProxy::exchange(const Vec3& p, std::int32_t added, Holding& holding, Vec3& x) const noexcept {
+  const Holding before = holding;
+  Holding best;
+  Vec3 best_x = x;
+  double least = std::numeric_limits<double>::infinity();
+  for (unsigned chosen = 0; chosen < (1U << before.size); ++chosen) {
+    Holding next;
+    next.add(added);
+    for (int i = 0; i < before.size && next.size < 3; ++i) {
+      if ((chosen >> i & 1U) != 0) next.add(before.triangle[static_cast<std::size_t>(i)]);
+    }
+    Vec3 there = c_;
+    if (!rest_on(*mesh_, next, r_, p, rounding_, there)) continue;
+    bool clear = true;
+    for (int i = 0; i < before.size && clear; ++i) {
+      const std::int32_t t = before.triangle[static_cast<std::size_t>(i)];
+      if (!next.has(t)) clear = touch(*mesh_, t, there).d >= r_ - rounding_;
+    }
+    if (!clear) continue;
+    // The rest closest to the centre: the one that it would slide to first.
+    if (const double way = (there - c_).squaredNorm(); way < least) {
+      least = way;
+      best = next;
+      best_x = there;
+    }
+  }
+  if (best.size == 0) return false;
+  holding = best;
+  x = best_x;
+  return true;
+}
+
+bool BallProxy::advance(const Vec3& x, bool safe_way, const Holding& holding) noexcept {
+  const double length = (x - c_).norm();
+  if (!covered(x)) {
+    // Around where it is going, if both ends fit; else only as far as the margin goes.
+    if (length <= next_margin_) {
+      gather(c_ + 0.5 * (x - c_), next_margin_);
+      return false;
+    }
+    next_margin_ = std::min(length, 2.0 * next_margin_);
+    gather(c_, next_margin_);
+    if (length > margin_) {
+      creep(c_ + (0.99 * margin_ / length) * (x - c_));
+      return false;
+    }
+    return false;
+  }
+  if (safe_way || length <= 0.5 * r_) {
+    c_ = x;
+    holding_ = holding;
+    return true;
+  }
+  const Vec3 part = c_ + (0.5 * r_ / length) * (x - c_);
+  Holding held = holding;
+  Vec3 there = c_;
+  bool safe = true;
+  if (settle(part, held, there, safe) && covered(there) && (there - c_).norm() <= r_ &&
+      (there - c_).norm() > rounding_) {
+    c_ = there;
+    holding_ = held;
+  } else {
+    creep(part);
+  }
+  return false;
+}
+
+bool BallProxy::creep(const Vec3& goal) noexcept {
+  half_spaces_.clear();
+  if ((c_ - gathered_at_).norm() > 0.5 * margin_) gather(c_, next_margin_);
+  const Vec3 offset = c_ - gathered_at_;
+  const double reach = (goal - c_).norm();
+  for (Near& near : near_) {
+    // No half-space that the goal's ball leaves free can hold it.
+    if (near.n.dot(offset) - near.b >= reach) continue;
+    const Touch t = touch(*mesh_, near.triangle, c_);
+    if (ignored(near.triangle)) continue;
+    near.n = t.n;
+    near.b = r_ - t.d + t.n.dot(offset);
+    half_spaces_.push_back({t.n, r_ - t.d});
+  }
+  const NearestInPolyhedron found = nearest_in_polyhedron(half_spaces_, goal - c_, rounding_);
+  if (!found.found) return false;
+  holding_ = {};
+  for (int i = 0; i < found.basis_size; ++i) {
+    const HalfSpace& held = half_spaces_[static_cast<std::size_t>(found.basis[static_cast<std::size_t>(i)])];
+    for (const Near& near : near_) {
+      if (near.n == held.n && holding_.size < 3 && !holding_.has(near.triangle)) {
+        holding_.add(near.triangle);
+        break;
+      }
+    }
+  }
+  const double length = found.x.norm();
+  if (!(length > rounding_)) return false;
+  const double room = margin_ - offset.norm();
+  c_ += length > room ? Vec3(room / length * found.x) : found.x;
+  return true;
+}
+
+}  // namespace touchstone

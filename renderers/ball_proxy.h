@@ -1,0 +1,91 @@
+// The god-object of a ball tip: the ball's centre follows the tip, never closer to the surface than the ball's radius.
+//
+// Sources: D. C. Ruspini, K. Kolarov and O. Khatib, "The haptic display of complex graphical environments", SIGGRAPH
+// 1997 (virtual proxy: a ball that moves towards the goal among configuration-space obstacles, section 4); C. B. Zilles
+// and J. K. Salisbury 1995 for the rest position under up to three constraints. Instead of their facets grown by the
+// radius, here the centre keeps its exact distance from each triangle as a convex set (faces, edges as cylinders,
+// corners as balls), solved by Newton's method (ball_constraints.h).
+//
+// Why the ball passes through nothing: the centre only moves between points at distance r from all triangles near, and
+// either (a) for each triangle both ends lie in a half-space n . x >= n . q + r tangential to it (q its closest point
+// to an earlier centre, n from q to that centre), then so does the way between them; or (b) the least distance along
+// the way, which is a convex function, is r too; or (c) the move is no longer than r, then every point of the way keeps
+// 0.86 r: two balls of radius r whose centres are u apart cover the ball of radius sqrt(r^2 - u^2/4) about the middle.
+//
+// Triangles that can matter are gathered from the tree once and used while the centre stays within a margin of where
+// that was, with the half-spaces of (a) as the quick test that one does not matter now.
+//
+// Closed meshes stop the ball from both sides (it is never inside). Open ones from the front: a triangle does not count
+// while the centre is behind its plane or already closer than r, which is how a ball that came from behind passes.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "renderers/ball_constraints.h"
+#include "renderers/nearest_in_polyhedron.h"
+
+namespace touchstone {
+
+class BallProxy {
+ public:
+  BallProxy(const ContactMesh& mesh, const Surface& surface, double radius_m);
+
+  // The first position of a run: where the ball overlaps the object it starts at the place outside that is closest.
+  void start(const Vec3& p) noexcept;
+  void follow(const Vec3& p) noexcept;
+
+  [[nodiscard]] bool touching() const noexcept { return holding_.size > 0; }
+  // The ball's centre, and from the tip to it (zero when free).
+  [[nodiscard]] const Vec3& position() const noexcept { return c_; }
+  [[nodiscard]] Vec3 push(const Vec3& p) const noexcept { return touching() ? Vec3(c_ - p) : Vec3::Zero(); }
+  // From the contact to the centre; of several contacts the direction of the push. `p` is where the tip is.
+  [[nodiscard]] Vec3 normal(const Vec3& p) const noexcept;
+
+  // For statistics and tests.
+  [[nodiscard]] std::uint64_t gathers() const noexcept { return gathers_; }
+  [[nodiscard]] std::uint64_t moves() const noexcept { return moves_; }
+
+ private:
+  // A triangle near the ball and a half-space that it leaves free: n . (x - gathered_at_) >= b means distance >= r.
+  struct Near {
+    Vec3 n;
+    double b;
+    std::int32_t triangle;
+  };
+  struct Check {
+    std::int32_t worst = -1;  // the triangle that the ball would overlap most
+    bool safe_way = true;     // every half-space holds at both ends
+  };
+
+  [[nodiscard]] double rounding_at(const Vec3& x) const noexcept;
+  void gather(const Vec3& at, double margin) noexcept;
+  [[nodiscard]] bool covered(const Vec3& x) const noexcept { return (x - gathered_at_).norm() <= margin_; }
+  Check check(const Vec3& x, const Holding& held) noexcept;
+  // Whether the way from the centre to x keeps the distance r from the triangle.
+  [[nodiscard]] bool stays_clear(std::int32_t triangle, const Vec3& x) const noexcept;
+  [[nodiscard]] bool ignored(std::int32_t triangle) const noexcept;
+  // The rest position for p near the centre; false where the search does not settle.
+  bool settle(const Vec3& p, Holding& holding, Vec3& x, bool& safe_way) noexcept;
+  bool exchange(const Vec3& p, std::int32_t added, Holding& holding, Vec3& x) const noexcept;
+  // One safe move: to x if the way is safe, else as far towards it as is. True when x was reached.
+  bool advance(const Vec3& x, bool safe_way, const Holding& holding) noexcept;
+  // One move within the half-spaces at the centre; false when that leads nowhere.
+  bool creep(const Vec3& p) noexcept;
+
+  const ContactMesh* mesh_;
+  const Surface* surface_;
+  double r_;
+  Vec3 c_ = Vec3::Zero();
+  Holding holding_;
+  std::vector<Near> near_;              // capacity fixed at construction
+  std::vector<HalfSpace> half_spaces_;  // scratch of creep()
+  Vec3 gathered_at_ = Vec3::Zero();
+  double margin_ = -1.0;  // of the gathered triangles; < 0: none gathered
+  double next_margin_;
+  double rounding_ = 0.0;  // of distances at the present centre
+  std::uint64_t gathers_ = 0;
+  std::uint64_t moves_ = 0;
+};
+
+}  // namespace touchstone

@@ -1,0 +1,39 @@
+// Every renderer of the catalogue on every shape of the conformance suite. A new one gets it all by a line here; the
+// last test fails for a renderer that has none.
+#include "renderers/conformance_subjects.h"
+
+namespace touchstone::testing {
+namespace {
+
+std::string model(const std::string& renderer, const std::string& rest = "") {
+  return R"({"schema": "touchstone-model/1", "renderer": ")" + renderer + "\"" + (rest.empty() ? "" : ", " + rest) +
+         "}";
+}
+
+std::vector<RendererSubject> subjects() {
+  const std::string friction =
+      R"("effects": [{"name": "coulomb-friction", "parameters": {"mu_static": 0.4, "mu_dynamic": 0.3}}])";
+  return {
+      subject_of("god_object", model("god-object"), 500.0),
+      subject_of("god_object_ball", model("god-object", R"("parameters": {"tip_radius_m": 0.001})"), 500.0, 0.0, 0.001),
+      subject_of("god_object_friction", model("god-object", friction), 500.0, 0.4),
+      subject_of("spring_linear", model("spring-linear"), 500.0),
+      subject_of("spring_quadratic", model("spring-quadratic"), 200.0),
+  };
+}
+
+TEST(ConformanceOfTheCatalogue, EveryRendererIsASubject) {
+  const auto known = subjects();
+  for (const auto& entry : renderer_catalogue()) {
+    std::string name = entry.name;
+    std::replace(name.begin(), name.end(), '-', '_');
+    EXPECT_TRUE(std::any_of(known.begin(), known.end(), [&](const RendererSubject& subject) {
+      return subject.name == name;
+    })) << entry.name;
+  }
+}
+
+}  // namespace
+}  // namespace touchstone::testing
+
+TOUCHSTONE_RENDERER_CONFORMANCE(Catalogue, subjects());
