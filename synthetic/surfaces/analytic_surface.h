@@ -23,14 +23,11 @@ class AnalyticSurface : public Surface {
   [[nodiscard]] virtual bool closed() const noexcept = 0;
 };
 
-// What Surface::closest returns for the foot point q of p.
-inline SurfacePoint analytic_point(const Vec3& q_W_m, const Vec3& n_W, double signed_distance_m) {
-  return {q_W_m,
-          n_W,
-          signed_distance_m < 0.0 ? -signed_distance_m : signed_distance_m,
-          signed_distance_m,
-          -1,
-          Feature::analytic};
+// What Surface::closest returns for the foot point q of p: on a smooth part, or on an edge or at a vertex of a sharp
+// shape.
+inline SurfacePoint analytic_point(const Vec3& q_W_m, const Vec3& n_W, double signed_distance_m,
+                                   Feature feature = Feature::analytic) {
+  return {q_W_m, n_W, signed_distance_m < 0.0 ? -signed_distance_m : signed_distance_m, signed_distance_m, -1, feature};
 }
 
 }  // namespace touchstone::synthetic

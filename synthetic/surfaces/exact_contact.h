@@ -4,8 +4,9 @@
 // al. 1997).
 //
 // Holds while the path to the tip never left the neighbourhood of one sheet of the surface: the depth stays below the
-// distance to the medial axis inside, and the ball fits every hollow that it touches. A god-object remembers its path,
-// a closest point does not: beyond that the two differ, rightly.
+// distance to the medial axis inside, and the ball fits every hollow that it touches (for the sharp hollow between two
+// planes see exact_valley_contact). A god-object remembers its path, a closest point does not: beyond that the two
+// differ, rightly.
 #pragma once
 
 #include "harness/surface/surface.h"
@@ -21,5 +22,12 @@ struct ExactContact {
 };
 
 ExactContact exact_contact(const Surface& surface, const Vec3& tip_W_m, double stiffness_N_per_m, double tip_radius_m);
+
+// Two half-spaces of free room above planes that meet in a line through `line_W_m`, with outward unit normals n1 and
+// n2: a groove or a concave crease. The ball's centre is confined to a convex wedge, so that the answer is the
+// projection on it and does not depend on the path: on one plane, on the other, or on the line along which the ball
+// touches both.
+ExactContact exact_valley_contact(const Vec3& line_W_m, const Vec3& n1_W, const Vec3& n2_W, const Vec3& tip_W_m,
+                                  double stiffness_N_per_m, double tip_radius_m);
 
 }  // namespace touchstone::synthetic

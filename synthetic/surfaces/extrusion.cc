@@ -99,10 +99,12 @@ SurfacePoint Extrusion::closest(const Vec3& p) const {
   const Vec3 cap_normal(0.0, cap_sign, 0.0);
   if (beyond > 0.0 && side.signed_distance > 0.0) {
     const Vec3 q(side.p.x(), cap_sign * half_width_m_, side.p.y());
-    return analytic_point(q, (side_normal + cap_normal).normalized(), (p - q).norm());
+    return analytic_point(q, (side_normal + cap_normal).normalized(), (p - q).norm(),
+                          side.corner ? Feature::vertex : Feature::edge);
   }
   if (side.signed_distance > 0.0 || (beyond <= 0.0 && side.signed_distance >= beyond)) {
-    return analytic_point({side.p.x(), p.y(), side.p.y()}, side_normal, side.signed_distance);
+    return analytic_point({side.p.x(), p.y(), side.p.y()}, side_normal, side.signed_distance,
+                          side.corner ? Feature::edge : Feature::analytic);
   }
   return analytic_point({p.x(), cap_sign * half_width_m_, p.z()}, cap_normal, beyond);
 }

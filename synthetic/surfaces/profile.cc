@@ -34,12 +34,12 @@ double arc_fraction(const ProfileElement& e, const Vec2& p) {
   return turned / std::abs(e.sweep);
 }
 
-struct Joint {
+struct Fillet {
   Vec2 in, out;  // where the side before ends and the side after begins
   std::optional<ProfileElement> arc;
 };
 
-Joint joint(const Corner& before, const Corner& corner, const Corner& after) {
+Fillet fillet(const Corner& before, const Corner& corner, const Corner& after) {
   const Vec2& p = corner.p;
   const Vec2 back = before.p - p;
   const Vec2 ahead = after.p - p;
@@ -98,17 +98,18 @@ Profile::Profile(std::vector<ProfileElement> elements, bool closed) : elements_(
     Vec2 sum = Vec2::Zero();
     if (before != nullptr) sum += normal_at(*before, before->end);
     if (after != nullptr) sum += normal_at(*after, after->start);
-    start_normals_.push_back(sum.normalized());
+    // Two unit normals that agree but for rounding sum up to 2.
+    joints_.push_back({sum.normalized(), before != nullptr && after != nullptr && sum.norm() < 2.0 * (1.0 - 1e-15)});
   }
 }
 
 Profile Profile::through(const std::vector<Corner>& corners, bool closed) {
   const std::size_t n = corners.size();
-  std::vector<Joint> joints;
+  std::vector<Fillet> joints;
   for (std::size_t i = 0; i < n; ++i) {
     const bool is_end = !closed && (i == 0 || i + 1 == n);
-    joints.push_back(is_end ? Joint{corners[i].p, corners[i].p, std::nullopt}
-                            : joint(corners[(i + n - 1) % n], corners[i], corners[(i + 1) % n]));
+    joints.push_back(is_end ? Fillet{corners[i].p, corners[i].p, std::nullopt}
+                            : fillet(corners[(i + n - 1) % n], corners[i], corners[(i + 1) % n]));
   }
   std::vector<ProfileElement> elements;
   for (std::size_t i = 0; i < n; ++i) {
@@ -121,16 +122,16 @@ Profile Profile::through(const std::vector<Corner>& corners, bool closed) {
 }
 
 ProfilePoint Profile::closest(const Vec2& p) const {
-  ProfilePoint best{Vec2::Zero(), Vec2::Zero(), 0.0};
+  ProfilePoint best{Vec2::Zero(), Vec2::Zero(), 0.0, false};
   double best_distance = -1.0;
-  const auto offer = [&](const Vec2& q, const Vec2& n, double distance, double side) {
+  const auto offer = [&](const Vec2& q, const Vec2& n, double distance, double side, bool corner) {
     if (best_distance >= 0.0 && distance >= best_distance) return;
     best_distance = distance;
-    best = {q, n, side < 0.0 ? -distance : distance};
+    best = {q, n, side < 0.0 ? -distance : distance, corner};
   };
   const auto offer_corner = [&](const Vec2& q, std::size_t index) {
-    const Vec2& n = start_normals_[index % start_normals_.size()];
-    offer(q, n, (p - q).norm(), (p - q).dot(n));
+    const Joint& joint = joints_[index % joints_.size()];
+    offer(q, joint.n, (p - q).norm(), (p - q).dot(joint.n), joint.sharp);
   };
   for (std::size_t i = 0; i < elements_.size(); ++i) {
     const ProfileElement& e = elements_[i];
@@ -143,7 +144,7 @@ ProfilePoint Profile::closest(const Vec2& p) const {
         offer_corner(e.end, i + 1);
       } else {
         const double side = (p - e.start).dot(e.normal);
-        offer(p - side * e.normal, e.normal, std::abs(side), side);
+        offer(p - side * e.normal, e.normal, std::abs(side), side, false);
       }
       continue;
     }
@@ -154,7 +155,7 @@ ProfilePoint Profile::closest(const Vec2& p) const {
       const Vec2 radial = at_centre ? unit(e.start_angle + 0.5 * e.sweep) : Vec2((p - e.centre) / from_centre);
       const double sign = e.sweep > 0.0 ? 1.0 : -1.0;
       offer(e.centre + e.radius * radial, sign * radial, std::abs(from_centre - e.radius),
-            sign * (from_centre - e.radius));
+            sign * (from_centre - e.radius), false);
     } else {
       offer_corner(e.start, i);
       offer_corner(e.end, i + 1);

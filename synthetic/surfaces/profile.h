@@ -32,6 +32,7 @@ struct ProfilePoint {
   Vec2 p;
   Vec2 n;                  // outward unit normal; at a corner the sum of its two sides' normals, normalised
   double signed_distance;  // negative inside
+  bool corner;             // a sharp one: p - query is not along n
 };
 
 struct Corner {
@@ -60,7 +61,11 @@ class Profile {
 
  private:
   std::vector<ProfileElement> elements_;
-  std::vector<Vec2> start_normals_;  // at the start of element i; one more for the end of an open profile
+  struct Joint {
+    Vec2 n;
+    bool sharp;
+  };
+  std::vector<Joint> joints_;  // at the start of element i; one more for the end of an open profile
   bool closed_;
 };
 

@@ -18,8 +18,11 @@ SurfacePoint Revolution::closest(const Vec3& p) const {
   // A pole: the sides all around it sum up to a normal along the axis.
   const bool pole = foot.p.x() <= 0.0 && !profile_.closed();
   const Vec2 n = pole ? Vec2(0.0, foot.n.y() < 0.0 ? -1.0 : 1.0) : foot.n;
+  // A cone ends in a vertex, a ball's arc or a flat disc goes on smoothly over the pole.
+  const bool tip = pole && std::abs(foot.n.x()) > 1e-12;
   return analytic_point({foot.p.x() * radial.x(), foot.p.x() * radial.y(), foot.p.y()},
-                        {n.x() * radial.x(), n.x() * radial.y(), n.y()}, foot.signed_distance);
+                        {n.x() * radial.x(), n.x() * radial.y(), n.y()}, foot.signed_distance,
+                        tip ? Feature::vertex : (foot.corner ? Feature::edge : Feature::analytic));
 }
 
 std::optional<Crossing> Revolution::first_crossing(const Vec3& a, const Vec3& b) const {
