@@ -30,4 +30,12 @@ inline SurfacePoint analytic_point(const Vec3& q_W_m, const Vec3& n_W, double si
   return {q_W_m, n_W, signed_distance_m < 0.0 ? -signed_distance_m : signed_distance_m, signed_distance_m, -1, feature};
 }
 
+// The normal at a foot point that was searched for: the surface's there, or beyond the radius of curvature, where a
+// rounding of the foot turns the surface's normal more than it turns the line to p, the direction of that line.
+inline Vec3 searched_normal(const Vec3& p_W_m, const Vec3& q_W_m, const Vec3& surface_n_W, double signed_distance_m,
+                            double curvature_per_m) {
+  const double size = signed_distance_m < 0.0 ? -signed_distance_m : signed_distance_m;
+  return size * curvature_per_m > 1.0 ? Vec3((p_W_m - q_W_m) / signed_distance_m) : surface_n_W;
+}
+
 }  // namespace touchstone::synthetic

@@ -13,8 +13,10 @@ SurfacePoint HeightField::closest(const Vec3& p) const {
   const Height at = height(xy.x(), xy.y());
   const Vec3 q(xy.x(), xy.y(), at.z);
   const bool inside = p.z() < height(p.x(), p.y()).z;
-  const double distance = (p - q).norm();
-  return analytic_point(q, Vec3(-at.slope.x(), -at.slope.y(), 1.0).normalized(), inside ? -distance : distance);
+  const double distance = inside ? -(p - q).norm() : (p - q).norm();
+  const Vec3 n = Vec3(-at.slope.x(), -at.slope.y(), 1.0).normalized();
+  const double curvature = std::max(second_derivative_bound({1.0, 0.0}), second_derivative_bound({0.0, 1.0}));
+  return analytic_point(q, searched_normal(p, q, n, distance, curvature), distance);
 }
 
 std::optional<Crossing> HeightField::first_crossing(const Vec3& a, const Vec3& b) const {

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <optional>
 
 #include "synthetic/surfaces/roots.h"
 
@@ -22,17 +23,20 @@ double closest_on_curve(const Curve& curve, double s0, double z0, double low, do
     const auto [h, h1, h2] = curve(s);
     return Jet1{(s - s0) + (h - z0) * h1, 1.0 + h1 * h1 + (h - z0) * h2};
   };
-  double best = squared(low) <= squared(high) ? low : high;
-  double best_squared = squared(best);
+  // A distance is flat at its minimum: a root of the derivative places it to rounding, an end that is as near does not.
+  std::optional<double> best;
+  double best_squared = 0.0;
   const double noise = 8.0 * epsilon * (std::abs(s0) + std::abs(low) + std::abs(high));
   visit_sign_changes(g, low, high, second_bound, noise, [&](double s, bool) {
-    if (const double d = squared(s); d < best_squared) {
+    if (const double d = squared(s); !best || d < best_squared) {
       best = s;
       best_squared = d;
     }
     return false;
   });
-  return best;
+  const double end = squared(low) <= squared(high) ? low : high;
+  if (!best || squared(end) < best_squared * (1.0 - 16.0 * epsilon)) return end;
+  return *best;
 }
 
 }  // namespace

@@ -144,7 +144,8 @@ Vec3 RadialBody::normal_W(const Vec3& u) const {
 void RadialBody::refine(const Vec3& p, Vec3 u, Best& best) const {
   Patch s = patch_at(u, rho_m_->jet(u));
   double squared = (s.q - p).squaredNorm();
-  for (int i = 0; i < 50; ++i) {
+  int polishing = 0;
+  for (int i = 0; i < 60 && polishing < 3; ++i) {
     const Vec3 d = s.q - p;
     const Eigen::Vector2d gradient(d.dot(s.q_a), d.dot(s.q_b));
     Eigen::Matrix2d first;
@@ -155,21 +156,25 @@ void RadialBody::refine(const Vec3& p, Vec3 u, Best& best) const {
     // Where the distance is not convex, Gauss-Newton still descends.
     const bool convex = hessian.determinant() > 0.0 && hessian(0, 0) > 0.0;
     Eigen::Vector2d step = -(convex ? hessian : first).inverse() * gradient;
-    if (!(step.norm() <= 0.3)) step *= 0.3 / step.norm();
+    const double length = step.norm();
+    if (!(length <= 0.3)) step *= 0.3 / length;
+    // The distance is flat at its minimum: within the square root of rounding it no longer tells better from worse, but
+    // the gradient does. The last Newton steps go unchecked.
+    const bool last = convex && length < 1e-6;
+    polishing += last ? 1 : 0;
     bool moved = false;
     for (int halvings = 0; halvings < 30 && !moved; ++halvings, step *= 0.5) {
       const Vec3 next = (u + step.x() * s.e1 + step.y() * s.e2).normalized();
       const Patch there = patch_at(next, rho_m_->jet(next));
       const double there_squared = (there.q - p).squaredNorm();
-      // Near the end rounding hides the descent: a step that does not climb beyond it is taken while it still shrinks.
-      if (there_squared < squared || (step.norm() < 1e-6 && there_squared <= squared * (1.0 + 1e-15))) {
+      if (last || there_squared < squared) {
         u = next;
         s = there;
         squared = there_squared;
         moved = true;
       }
     }
-    if (!moved || step.norm() < 1e-13) break;
+    if (!moved) break;
   }
   const double distance = std::sqrt(squared);
   if (distance < best.distance) best = {u, s.q, distance};
@@ -200,7 +205,8 @@ SurfacePoint RadialBody::closest(const Vec3& p) const {
   refine(p, u, best);
   for (std::size_t face = 0; face < tree_[0].size(); ++face) search(p, 0, face, best);
   const bool inside = r < rho_m_->value(u);
-  return analytic_point(best.q, normal_W(best.u), inside ? -best.distance : best.distance);
+  const double distance = inside ? -best.distance : best.distance;
+  return analytic_point(best.q, searched_normal(p, best.q, normal_W(best.u), distance, second_bound_per_m_), distance);
 }
 
 std::optional<Crossing> RadialBody::first_crossing(const Vec3& a, const Vec3& b) const {

@@ -1,0 +1,39 @@
+// The conformance suite of Surface over every analytic surface, scaled, turned and moved.
+#include "harness/testing/surface_conformance.h"
+
+#include <algorithm>
+
+#include "synthetic/surface_catalogue.h"
+#include "synthetic/surfaces/posed_surface.h"
+
+namespace touchstone::testing {
+namespace {
+
+std::vector<SurfaceCase> every_surface() {
+  std::vector<SurfaceCase> cases;
+  for (const synthetic::SurfaceEntry& entry : synthetic::surface_catalogue()) {
+    const auto make = [&entry](double scale, const Quat& rotation, const Vec3& shift_m) -> std::shared_ptr<Surface> {
+      synthetic::ParameterOverrides overrides;
+      for (const synthetic::Parameter& p : entry.parameters) {
+        if (p.unit == "m") overrides[p.name] = p.initial * scale;
+      }
+      return std::make_shared<synthetic::PosedSurface>(synthetic::make_surface(entry.name, overrides), rotation,
+                                                       shift_m);
+    };
+    std::string name = entry.name;
+    std::replace(name.begin(), name.end(), '-', '_');
+    SurfaceTraits traits;
+    traits.closed = synthetic::make_surface(entry.name)->closed();
+    traits.queries = 100;
+    // Where the foot is searched for, its roundings add up; flat, round and sharp shapes have it in closed form.
+    const bool searched = name == "saddle" || name == "gauss" || name == "texture" || name == "bumpy" || name == "duck";
+    if (searched) traits.roundings = 16.0;
+    cases.push_back({name, make, traits});
+  }
+  return cases;
+}
+
+INSTANTIATE_TEST_SUITE_P(Synthetic, SurfaceConformance, ::testing::ValuesIn(every_surface()), surface_case_name);
+
+}  // namespace
+}  // namespace touchstone::testing
