@@ -4,38 +4,40 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "harness/base/error.h"
 
 namespace touchstone {
 namespace {
 
-// The two recordings under the noise that the current model implies.
-struct Judged {
-  FitData train;
-  FitData holdout;
+// An effect that another contains as a special case: alike, the smaller is the finding, not a riddle.
+const std::vector<std::pair<std::string, std::string>> contained_in{
+    {"coulomb-friction", "stribeck-friction"},
+    {"coulomb-friction", "anisotropic-friction"},
 };
 
-FitData fit_data(const Recording& recording, Predictor& predictor, NoiseModel& noise, const Model& model,
-                 double window_s) {
-  FitData data;
-  data.predictor = &predictor;
-  data.blocks = make_blocks(recording.motion, window_s);
-  data.measured_N = block_means(data.blocks, recording.f_W_N);
-  data.noise = noise.of(model, predictor.predict(model), data.blocks);
-  return data;
+bool contains(const std::string& larger, const std::string& smaller) {
+  return std::find(contained_in.begin(), contained_in.end(), std::pair(smaller, larger)) != contained_in.end();
 }
 
-Judged judge(const SearchData& data, const Model& model) {
-  return {fit_data(*data.train, *data.train_predictor, *data.train_noise, model, data.window_s),
-          fit_data(*data.holdout, *data.holdout_predictor, *data.holdout_noise, model, data.window_s)};
+FitData fit_data(const Evidence& evidence, const Model& model, double window_s) {
+  FitData data;
+  data.predictor = evidence.predictor;
+  const auto& t_s = evidence.recording->motion.t_s;
+  for (const Block& block : make_blocks(evidence.recording->motion, window_s)) {
+    if (evidence.part.contains(t_s[block.begin], t_s.front())) data.blocks.push_back(block);
+  }
+  data.measured_N = block_means(data.blocks, evidence.recording->f_W_N);
+  data.noise = evidence.noise->of(model, evidence.predictor->predict(model), data.blocks);
+  return data;
 }
 
 FreeParameter base_stiffness(const Model& start) {
   const auto given = start.parameters.find("stiffness_N_per_m");
   if (given == start.parameters.end()) {
-    throw BadData(fmt::format(
-        "{}: /parameters: stiffness_N_per_m is needed: the finder fits it together with every effect", start.source));
+    throw BadData(fmt::format("{}: /parameters: stiffness_N_per_m is needed: it is fitted together with every effect",
+                              start.source));
   }
   return log_base_parameter("stiffness_N_per_m", 0.1 * given->second, 10.0 * given->second);
 }
@@ -44,6 +46,20 @@ Model with_entry(const Model& model, Side side, const NamedParameters& entry) {
   Model extended = model;
   (side == Side::contact ? extended.effects : extended.instrument).push_back(entry);
   return extended;
+}
+
+Model without_entry(const Model& model, const std::string& name) {
+  Model reduced = model;
+  for (auto* entries : {&reduced.effects, &reduced.instrument}) {
+    std::erase_if(*entries, [&](const NamedParameters& entry) { return entry.name == name; });
+  }
+  return reduced;
+}
+
+std::vector<FreeParameter> without_owner(const std::vector<FreeParameter>& parameters, const std::string& name) {
+  std::vector<FreeParameter> kept = parameters;
+  std::erase_if(kept, [&](const FreeParameter& parameter) { return parameter.owner == name; });
+  return kept;
 }
 
 // The best fit over the candidate's starts: a few steps from each, the best one finished.
@@ -64,93 +80,241 @@ JointFit best_fit(const FitData& data, const Model& current, const CandidateFit&
   return best;
 }
 
-}  // namespace
-
-double rms_force_error_N(const Recording& recording, const Prediction& prediction) {
-  double sum = 0.0;
-  for (std::size_t i = 0; i < recording.size(); ++i) sum += (recording.f_W_N[i] - prediction.f_W_N[i]).squaredNorm();
-  return std::sqrt(sum / static_cast<double>(recording.size()));
+// Sum and standard error of the difference of two models' chi-squared over the blocks. Neighbouring blocks share what
+// the model lacks, so that runs of them are summed before their spread is taken.
+std::pair<double, double> paired_difference(const std::vector<double>& a, const std::vector<double>& b) {
+  constexpr std::size_t run = 8;
+  std::vector<double> sums;
+  for (std::size_t i = 0; i < a.size(); i += run) {
+    double sum = 0.0;
+    for (std::size_t j = i; j < std::min(i + run, a.size()); ++j) sum += a[j] - b[j];
+    sums.push_back(sum);
+  }
+  double total = 0.0;
+  for (const double sum : sums) total += sum;
+  const double mean = total / static_cast<double>(sums.size());
+  double squares = 0.0;
+  for (const double sum : sums) squares += (sum - mean) * (sum - mean);
+  return {total, std::sqrt(squares)};
 }
 
-SearchResult search_effects(const SearchData& data, const Model& start, const std::vector<Candidate>& candidates,
-                            const SearchSettings& settings, const Report& report) {
-  SearchResult result;
-  result.base_holdout_rms_N = rms_force_error_N(*data.holdout, data.holdout_predictor->predict(start));
-  result.train_rms_before_N = rms_force_error_N(*data.train, data.train_predictor->predict(start));
-  std::vector<FreeParameter> parameters{base_stiffness(start)};
+class Search {
+ public:
+  Search(const SearchData& data, const std::vector<Candidate>& candidates, const SearchSettings& settings,
+         const Report& report)
+      : data_(data), candidates_(candidates), settings_(settings), report_(report) {}
 
-  Judged judged = judge(data, start);
-  JointFit current = fit_jointly(judged.train, start, parameters, settings.iterations, false);
-  result.base = current.model;
+  SearchResult run(const Model& start) {
+    result_.start = start;
+    parameters_ = {base_stiffness(start)};
+    renew_noise(start);
+    current_ = fit_jointly(train_, start, parameters_, settings_.iterations, false);
+    if (!current_.ok) current_.model = start;
+    renew_noise(current_.model);
+    refit();
+    result_.base = current_.model;
+    while (add_one()) {
+    }
+    drop_needless();
+    weigh_rivals();
+    finish();
+    return std::move(result_);
+  }
 
-  while (true) {
-    // The noise follows the model: friction adds its own, damping too.
-    judged = judge(data, current.model);
-    current = fit_jointly(judged.train, Model(current.model), parameters, settings.iterations, false);
-    const double train_chi = chi_squared(judged.train, current.model);
-    const double holdout_chi = chi_squared(judged.holdout, current.model);
-    const double rms = rms_force_error_N(*data.holdout, data.holdout_predictor->predict(current.model));
-    const std::size_t found = current.model.effects.size() + current.model.instrument.size();
-    report(fmt::format("step {}: held-out RMS {:.4f} N, chi2/dof train {:.3f} holdout {:.3f}", found, rms,
-                       train_chi / (3.0 * static_cast<double>(judged.train.blocks.size())),
-                       holdout_chi / (3.0 * static_cast<double>(judged.holdout.blocks.size()))));
-    if (found >= settings.most_effects) break;
+ private:
+  // Noise follows the model: friction adds its own, damping too.
+  void renew_noise(const Model& model) {
+    train_ = fit_data(data_.train, model, data_.window_s);
+    holdout_ = fit_data(data_.holdout, model, data_.window_s);
+  }
 
-    const Prediction now = data.train_predictor->predict(current.model);
+  void refit() {
+    JointFit fit = fit_jointly(train_, Model(current_.model), parameters_, settings_.iterations, false);
+    if (fit.ok) current_ = std::move(fit);
+  }
+
+  double holdout_rms(const Model& model) const {
+    return rms_force_error_N(data_.holdout, data_.holdout.predictor->predict(model));
+  }
+
+  const Candidate& candidate(const std::string& name) const {
+    return *std::find_if(candidates_.begin(), candidates_.end(), [&](const Candidate& c) { return c.name == name; });
+  }
+
+  CandidateFit options(const Candidate& candidate, const Model& model) const {
+    const Prediction now = data_.train.predictor->predict(model);
     const RecordingScales scales =
-        measure_scales(*data.train, now, data.force_floor_N, current.model.parameters.at("stiffness_N_per_m"));
+        measure_scales(*data_.train.recording, now, data_.force_floor_N, model.parameters.at("stiffness_N_per_m"));
+    return candidate_fit(candidate, scales, *data_.train.recording, now);
+  }
+
+  bool add_one() {
     SearchStep step;
-    for (const Candidate& candidate : candidates) {
-      if (find_entry(current.model, candidate.name) != nullptr) continue;
-      const CandidateFit options = candidate_fit(candidate, scales, *data.train, now);
+    step.train_chi_squared = chi_squared(train_, current_.model);
+    step.holdout_chi_squared = chi_squared(holdout_, current_.model);
+    step.holdout_rms_N = holdout_rms(current_.model);
+    const std::size_t found = current_.model.effects.size() + current_.model.instrument.size();
+    report_(fmt::format("step {}: held-out RMS {:.4f} N, chi-squared per degree of freedom {:.2f}", found + 1,
+                        step.holdout_rms_N,
+                        step.holdout_chi_squared / (3.0 * static_cast<double>(holdout_.blocks.size()))));
+    std::vector<CandidateFit> fits;
+    for (const Candidate& candidate : candidates_) {
+      if (find_entry(current_.model, candidate.name) != nullptr) continue;
       Trial trial;
       trial.name = candidate.name;
       trial.side = candidate.side;
-      trial.fit = best_fit(judged.train, current.model, options, parameters, settings.iterations);
+      trial.fit =
+          best_fit(train_, current_.model, options(candidate, current_.model), parameters_, settings_.iterations);
       if (!trial.fit.ok) continue;
-      trial.train_gain = train_chi - trial.fit.chi_squared;
-      trial.holdout_gain = holdout_chi - chi_squared(judged.holdout, trial.fit.model);
-      trial.holdout_rms_N = rms_force_error_N(*data.holdout, data.holdout_predictor->predict(trial.fit.model));
+      trial.train_gain = step.train_chi_squared - trial.fit.chi_squared;
+      trial.holdout_gain = step.holdout_chi_squared - chi_squared(holdout_, trial.fit.model);
+      trial.holdout_rms_N = holdout_rms(trial.fit.model);
+      trial.verdict = weakness(trial, step);
       step.trials.push_back(std::move(trial));
     }
     std::sort(step.trials.begin(), step.trials.end(),
               [](const Trial& a, const Trial& b) { return a.holdout_gain > b.holdout_gain; });
-    for (Trial& trial : step.trials) {
-      std::string values;
-      for (std::size_t i = parameters.size();
-           i < parameters.size() + 5 && i < static_cast<std::size_t>(trial.fit.u.size()); ++i) {
-        values += fmt::format(" {:.4g}", trial.fit.u[static_cast<Eigen::Index>(i)]);
+    auto best = std::find_if(step.trials.begin(), step.trials.end(), [](const Trial& t) { return t.verdict.empty(); });
+    const bool more = best != step.trials.end() && found < settings_.most_effects;
+    if (more) {
+      // A special case that does as well is preferred to what contains it.
+      for (auto& trial : step.trials) {
+        if (trial.verdict.empty() && contains(best->name, trial.name) &&
+            best->holdout_gain - trial.holdout_gain < settings_.alike_gain * 0.1 * best->holdout_gain + 10.0) {
+          best->verdict = "no better than " + trial.name + ", which it contains";
+          best = std::find_if(step.trials.begin(), step.trials.end(),
+                              [&](const Trial& t) { return t.name == trial.name; });
+          break;
+        }
       }
-      report(fmt::format("   {:22s} train {:9.1f} holdout {:9.1f} rms {:.4f}  u:{}", trial.name, trial.train_gain,
-                         trial.holdout_gain, trial.holdout_rms_N, values));
+      best->verdict = "added";
+      step.added = best->name;
+      report_(fmt::format("  {}: held-out RMS {:.4f} N", best->name, best->holdout_rms_N));
+      const CandidateFit chosen = options(candidate(best->name), current_.model);
+      parameters_.insert(parameters_.end(), chosen.parameters.begin(), chosen.parameters.end());
+      current_ = best->fit;
+      renew_noise(current_.model);
+      refit();
     }
-    const auto strong = [&](const Trial& trial) {
-      const double share = 1.0 - trial.holdout_rms_N * trial.holdout_rms_N / (rms * rms);
-      return trial.holdout_gain > settings.minimum_gain && trial.train_gain > settings.minimum_gain &&
-             share > settings.minimum_share;
-    };
-    const auto best = std::find_if(step.trials.begin(), step.trials.end(), strong);
-    if (best == step.trials.end()) {
-      result.steps.push_back(std::move(step));
-      break;
-    }
-    step.added = best->name;
-    report(fmt::format("  added {}", best->name));
-    const auto candidate =
-        std::find_if(candidates.begin(), candidates.end(), [&](const Candidate& c) { return c.name == best->name; });
-    const CandidateFit options = candidate_fit(*candidate, scales, *data.train, now);
-    parameters.insert(parameters.end(), options.parameters.begin(), options.parameters.end());
-    current = best->fit;
-    result.steps.push_back(std::move(step));
+    result_.steps.push_back(std::move(step));
+    return more;
   }
-  result.model = current.model;
-  result.parameters = parameters;
-  result.fit = fit_jointly(judged.train, Model(current.model), parameters, settings.iterations, true);
-  result.train_rms_after_N = rms_force_error_N(*data.train, data.train_predictor->predict(result.model));
-  result.holdout_rms_after_N = rms_force_error_N(*data.holdout, data.holdout_predictor->predict(result.model));
-  result.goodness =
-      chi_squared(judged.holdout, result.model) / (3.0 * static_cast<double>(judged.holdout.blocks.size()));
-  return result;
+
+  // Empty: strong enough to be added.
+  std::string weakness(const Trial& trial, const SearchStep& step) const {
+    const double share = 1.0 - trial.holdout_rms_N * trial.holdout_rms_N / (step.holdout_rms_N * step.holdout_rms_N);
+    if (trial.train_gain < settings_.minimum_gain) return "no more than noise on the training blocks";
+    if (trial.holdout_gain < settings_.minimum_gain) return "no more than noise on the held-out blocks";
+    if (trial.holdout_gain < settings_.minimum_share * step.holdout_chi_squared || share < settings_.minimum_share) {
+      return "too small to matter";
+    }
+    return "";
+  }
+
+  // An effect that a later one made needless goes.
+  void drop_needless() {
+    std::vector<std::string> names;
+    for (const auto* entries : {&current_.model.effects, &current_.model.instrument}) {
+      for (const NamedParameters& entry : *entries) names.push_back(entry.name);
+    }
+    if (names.size() < 2) return;
+    for (const std::string& name : names) {
+      const auto kept = without_owner(parameters_, name);
+      const JointFit fit = fit_jointly(train_, without_entry(current_.model, name), kept, settings_.iterations, false);
+      const double here = chi_squared(holdout_, current_.model);
+      if (!fit.ok ||
+          chi_squared(holdout_, fit.model) - here > std::max(settings_.minimum_gain, settings_.minimum_share * here)) {
+        continue;
+      }
+      report_(fmt::format("  {} is no longer needed", name));
+      parameters_ = kept;
+      current_ = fit;
+      renew_noise(current_.model);
+      refit();
+    }
+  }
+
+  void weigh_rivals() {
+    std::vector<std::pair<std::string, Side>> names;
+    for (const NamedParameters& entry : current_.model.effects) names.emplace_back(entry.name, Side::contact);
+    for (const NamedParameters& entry : current_.model.instrument) names.emplace_back(entry.name, Side::instrument);
+    const auto here = block_chi_squared(holdout_, current_.model);
+    for (const auto& [name, side] : names) {
+      report_(fmt::format("  rivals of {}", name));
+      FoundEffect found;
+      found.name = name;
+      found.side = side;
+      const auto kept = without_owner(parameters_, name);
+      const JointFit bare = fit_jointly(train_, without_entry(current_.model, name), kept, settings_.iterations, false);
+      if (!bare.ok) continue;
+      const double bare_chi = chi_squared(holdout_, bare.model);
+      found.holdout_gain = bare_chi - chi_squared(holdout_, current_.model);
+      for (const Candidate& other : candidates_) {
+        if (find_entry(current_.model, other.name) != nullptr) continue;
+        const JointFit fit = best_fit(train_, bare.model, options(other, bare.model), kept, settings_.iterations);
+        if (!fit.ok) continue;
+        Rival rival;
+        rival.name = other.name;
+        rival.side = other.side;
+        rival.model = fit.model;
+        const auto [lost, error] = paired_difference(block_chi_squared(holdout_, fit.model), here);
+        rival.holdout_gain_lost = lost;
+        rival.error = error;
+        rival.holdout_rms_N = holdout_rms(fit.model);
+        const bool close = lost < settings_.alike_errors * error || lost < settings_.minimum_gain / 3.0;
+        rival.alike = close && lost < settings_.alike_gain * found.holdout_gain && !contains(other.name, name) &&
+                      !contains(name, other.name);
+        found.rivals.push_back(std::move(rival));
+      }
+      std::sort(found.rivals.begin(), found.rivals.end(),
+                [](const Rival& a, const Rival& b) { return a.holdout_gain_lost < b.holdout_gain_lost; });
+      result_.found.push_back(std::move(found));
+    }
+  }
+
+  void finish() {
+    result_.model = current_.model;
+    result_.parameters = parameters_;
+    result_.fit = fit_jointly(train_, Model(current_.model), parameters_, settings_.iterations, true);
+    if (std::isfinite(result_.fit.chi_squared)) result_.model = result_.fit.model;
+    result_.goodness = chi_squared(holdout_, result_.model) /
+                       (3.0 * static_cast<double>(std::max<std::size_t>(1, holdout_.blocks.size())));
+    double sum = 0.0;
+    for (const BlockNoise& noise : holdout_.noise) {
+      sum += noise.along_normal_N * noise.along_normal_N + 2.0 * noise.tangential_N * noise.tangential_N +
+             noise.bias_W_N.squaredNorm();
+    }
+    result_.noise_rms_N = std::sqrt(sum / static_cast<double>(std::max<std::size_t>(1, holdout_.noise.size())));
+  }
+
+  const SearchData& data_;
+  const std::vector<Candidate>& candidates_;
+  const SearchSettings& settings_;
+  const Report& report_;
+  std::vector<FreeParameter> parameters_;
+  FitData train_;
+  FitData holdout_;
+  JointFit current_;
+  SearchResult result_;
+};
+
+}  // namespace
+
+double rms_force_error_N(const Evidence& evidence, const Prediction& prediction) {
+  const Recording& recording = *evidence.recording;
+  double sum = 0.0;
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < recording.size(); ++i) {
+    if (!evidence.part.contains(recording.motion.t_s[i], recording.motion.t_s.front())) continue;
+    sum += (recording.f_W_N[i] - prediction.f_W_N[i]).squaredNorm();
+    ++count;
+  }
+  return std::sqrt(sum / static_cast<double>(std::max<std::size_t>(1, count)));
+}
+
+SearchResult search_effects(const SearchData& data, const Model& start, const std::vector<Candidate>& candidates,
+                            const SearchSettings& settings, const Report& report) {
+  return Search(data, candidates, settings, report).run(start);
 }
 
 }  // namespace touchstone

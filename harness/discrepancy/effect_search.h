@@ -17,11 +17,13 @@
 namespace touchstone {
 
 struct SearchSettings {
-  double minimum_gain = 60.0;   // of held-out chi-squared, and of training chi-squared per parameter: / 3
-  double minimum_share = 0.02;  // of the held-out mean-square error
+  double minimum_gain =
+      60.0;  // of chi-squared, held-out and training: far beyond what noise gives a handful of parameters
+  double minimum_share = 0.08;  // of the held-out chi-squared and of the held-out mean-square error that must go
+  double alike_gain = 0.1;      // two explanations whose held-out gains differ by less than this share of the gain, or
+  double alike_errors = 2.5;    // by less than so many standard errors, are alike
   std::size_t most_effects = 4;
   int iterations = 12;
-  std::uint64_t seed = 1;
 };
 
 // One candidate's try at one step.
@@ -31,47 +33,81 @@ struct Trial {
   JointFit fit;
   double train_gain = 0.0;  // of chi-squared against the model without it
   double holdout_gain = 0.0;
-  double holdout_rms_N = 0.0;  // of the 3-D force error, all samples
-  double gain_error = 0.0;     // standard error of holdout_gain against the best trial of the step, by block bootstrap
+  double holdout_rms_N = 0.0;  // of the 3-D force error, held-out samples
   std::string verdict;         // why it was kept or not
 };
 
 struct SearchStep {
+  double train_chi_squared = 0.0;  // of the model that the step starts from
+  double holdout_chi_squared = 0.0;
+  double holdout_rms_N = 0.0;
   std::vector<Trial> trials;  // best first
   std::string added;          // empty: none was strong enough
 };
 
-// Two recordings with the same cause, seen through predictors.
+// What stands in place of an effect that was found.
+struct Rival {
+  std::string name;
+  Side side = Side::contact;
+  Model model;
+  double holdout_gain_lost = 0.0;  // of chi-squared, against the found one
+  double error = 0.0;              // its standard error by blocks
+  double holdout_rms_N = 0.0;
+  bool alike = false;
+};
+
+struct FoundEffect {
+  std::string name;
+  Side side = Side::contact;
+  double holdout_gain = 0.0;  // of chi-squared: what leaving it out costs
+  std::vector<Rival> rivals;  // nearest first
+};
+
+// Part of a recording: everything, or alternating blocks of time.
+struct Part {
+  double block_s = 0.0;  // 0: everything
+  bool odd = false;
+  [[nodiscard]] bool contains(double t_s, double first_t_s) const {
+    if (block_s <= 0.0) return true;
+    const auto number = static_cast<long long>((t_s - first_t_s) / block_s);
+    return (number % 2 == 1) == odd;
+  }
+};
+
+// A recording, or a part of it, seen through a predictor. What is pointed to must outlive it.
+struct Evidence {
+  const Recording* recording = nullptr;
+  Predictor* predictor = nullptr;
+  NoiseModel* noise = nullptr;
+  Part part;
+};
+
 struct SearchData {
-  const Recording* train = nullptr;
-  const Recording* holdout = nullptr;
-  Predictor* train_predictor = nullptr;
-  Predictor* holdout_predictor = nullptr;
-  NoiseModel* train_noise = nullptr;
-  NoiseModel* holdout_noise = nullptr;
-  double window_s = 0.0;
+  Evidence train;
+  Evidence holdout;
+  double window_s = 0.0;       // of the blocks
   double force_floor_N = 0.0;  // a measured force above it is contact
 };
 
 struct SearchResult {
-  Model base;    // the starting model with its base parameters refitted
-  Model model;   // with the effects found
-  JointFit fit;  // of `model`, with covariance
-  std::vector<FreeParameter> parameters;
+  Model start;
+  Model base;                             // the start with its base parameters refitted
+  Model model;                            // with the effects found
+  JointFit fit;                           // of `model`, with covariance
+  std::vector<FreeParameter> parameters;  // free in `fit`
   std::vector<SearchStep> steps;
-  double base_holdout_rms_N = 0.0;  // of the starting model as given
-  double train_rms_before_N = 0.0;
-  double train_rms_after_N = 0.0;
-  double holdout_rms_after_N = 0.0;
-  double expected_holdout_rms_N = 0.0;  // what noise alone would leave by the noise model
-  double goodness = 0.0;                // held-out chi-squared per degree of freedom of `model` under its own noise
+  std::vector<FoundEffect> found;
+  double goodness = 0.0;     // held-out chi-squared per degree of freedom of `model` under its own noise; 1: only noise
+  double noise_rms_N = 0.0;  // 3-D force error that the noise model expects of `model` on the held-out samples' blocks
 };
 
 using Report = std::function<void(const std::string&)>;
 
+// Throws BadData when the starting model cannot run or has no stiffness to fit.
 SearchResult search_effects(const SearchData& data, const Model& start, const std::vector<Candidate>& candidates,
                             const SearchSettings& settings, const Report& report);
 
-double rms_force_error_N(const Recording& recording, const Prediction& prediction);
+// Of the 3-D force error, over the samples of the part.
+double rms_force_error_N(const Evidence& evidence, const Prediction& prediction);
 
 }  // namespace touchstone

@@ -16,6 +16,7 @@ struct InstrumentDescription {
   double position_noise_m = 0.0;             // standard deviation per axis of one tracker sample
   double position_rate_Hz = 60.0;            // of the tracker
   double geometry_error_m = 0.0;             // the mesh is off by at most this
+  double normal_error_rad = 0.0;             // angle between facets and the smooth surface; from the mesh, not the file
   bool declared = true;                      // false: estimated from the recording
 };
 

@@ -80,7 +80,10 @@ std::vector<BlockNoise> NoiseModel::of(const Model& model, const Prediction& nom
     }
     const double stiffness = depth_m > 0.0 ? std::abs(normal_N) / depth_m : 0.0;
     const double geometry = bound_to_deviation * instrument_.geometry_error_m * stiffness;
-    noise[b].tangential_N = std::sqrt(tangential / tangential_axes);
+    // A normal that is off by an angle turns that share of the normal force into the tangent plane.
+    const double samples = static_cast<double>(blocks[b].end - blocks[b].begin);
+    const double leaning = instrument_.normal_error_rad * std::abs(normal_N) / samples;
+    noise[b].tangential_N = std::sqrt(tangential / tangential_axes + 0.5 * leaning * leaning);
     noise[b].along_normal_N =
         normal_axes > 0.0 ? std::sqrt(normal / normal_axes + geometry * geometry) : noise[b].tangential_N;
   }

@@ -1,0 +1,236 @@
+#include "apps/discrepancy_page.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "harness/rendering/model.h"
+
+namespace touchstone::apps {
+namespace {
+
+constexpr std::size_t most_plotted = 4000;
+
+Table::Cell text(std::string value, Tone tone = Tone::neutral) { return {std::move(value), false, tone}; }
+Table::Cell number(double value, const char* format = "{:.4f}") {
+  return {fmt::format(fmt::runtime(format), value), true, Tone::neutral};
+}
+
+Tone tone_of(FindingsVerdict verdict) {
+  return verdict == FindingsVerdict::consistent || verdict == FindingsVerdict::explained ? Tone::good : Tone::warning;
+}
+
+Section what_section(const Findings& findings) {
+  Section section{"What is missing", findings.explanation, {}, false};
+  if (!findings.search.found.empty()) {
+    Table table{"Effects added, with 95 % intervals",
+                {"effect", "belongs to", "parameter", "value", "interval", "unit"},
+                {},
+                ""};
+    for (std::size_t e = 0; e < findings.search.found.size(); ++e) {
+      const FoundEffect& effect = findings.search.found[e];
+      for (const FoundParameter& p : findings.parameters[e]) {
+        table.rows.push_back(
+            {{text(effect.name), text(effect.side == Side::contact ? "the contact" : "the instrument"), text(p.name),
+              number(p.value, "{:.5g}"),
+              text(p.low95 == p.high95 ? "held fixed" : fmt::format("{:.4g} to {:.4g}", p.low95, p.high95)),
+              text(p.unit)},
+             p.at_bound ? "At the bound of what is physical or of what this recording can show." : "",
+             {}});
+      }
+    }
+    section.blocks.emplace_back(std::move(table));
+    for (const FoundEffect& effect : findings.search.found) {
+      Table rivals{fmt::format("In place of {}: rivals, nearest first", effect.name),
+                   {"rival", "held-out chi-squared lost", "its standard error", "held-out RMS [N]", "why it lost"},
+                   {},
+                   ""};
+      for (const Rival& rival : effect.rivals) {
+        if (rivals.rows.size() == 6) break;
+        const std::string why = rival.alike ? "did not lose: explains the data alike"
+                                : rival.holdout_gain_lost > 0.9 * effect.holdout_gain ? "explains next to nothing of it"
+                                                                                      : "explains less";
+        rivals.rows.push_back(
+            {{text(rival.name), number(rival.holdout_gain_lost, "{:.0f}"), number(rival.error, "{:.0f}"),
+              number(rival.holdout_rms_N), text(why, rival.alike ? Tone::warning : Tone::neutral)},
+             "",
+             {}});
+      }
+      section.blocks.emplace_back(std::move(rivals));
+    }
+  }
+  if (findings.next && !findings.ambiguous.empty()) {
+    section.blocks.emplace_back(TextBlock{
+        fmt::format(
+            "To tell {} apart, record the motion in next.csv ({}): there the explanations differ by {:.0f} times the "
+            "force noise.",
+            fmt::join(findings.ambiguous.front(), " from "), findings.next->what, findings.next->separation),
+        Tone::warning});
+  }
+  return section;
+}
+
+Section where_section(const Findings& findings) {
+  Section section{
+      "Where they disagree",
+      "RMS of the force error on held-out data, of the starting model and of the final one. The share is that "
+      "of the starting model's squared error among the rows of the same kind.",
+      {},
+      false};
+  Table table{"Held-out error by regime",
+              {"by", "regime", "samples", "before [N]", "+- [N]", "after [N]", "share of the error"},
+              {},
+              ""};
+  for (const Regime& regime : findings.where) {
+    table.rows.push_back({{text(regime.kind),
+                           text(regime.name),
+                           {fmt::format("{}", regime.samples), true, Tone::neutral},
+                           number(regime.before_N),
+                           number(regime.error95_N),
+                           number(regime.after_N),
+                           number(100.0 * regime.share_before, "{:.0f} %")},
+                          "",
+                          {}});
+  }
+  section.blocks.emplace_back(std::move(table));
+  return section;
+}
+
+Section time_section(const Evidence& evidence, const Prediction& before, const Prediction& after) {
+  const Recording& recording = *evidence.recording;
+  const std::size_t stride = std::max<std::size_t>(1, recording.size() / most_plotted);
+  Section section{"Over time", "", {}, false};
+  for (int axis = 0; axis < 3; ++axis) {
+    Line measured{"measured", {}, {}, Tone::measured, false, false};
+    Line old_model{"before", {}, {}, Tone::reference, true, false};
+    Line new_model{"after", {}, {}, Tone::rendered, false, false};
+    for (std::size_t i = 0; i < recording.size(); i += stride) {
+      const double t_s = recording.motion.t_s[i];
+      for (Line* line : {&measured, &old_model, &new_model}) line->x.push_back(t_s);
+      measured.y.push_back(recording.f_W_N[i][axis]);
+      old_model.y.push_back(before.f_W_N[i][axis]);
+      new_model.y.push_back(after.f_W_N[i][axis]);
+    }
+    LinePlot plot;
+    plot.title = fmt::format("Force along {}", "xyz"[axis]);
+    plot.x_label = "time [s]";
+    plot.y_label = fmt::format("f{} [N]", "xyz"[axis]);
+    plot.lines = {measured, old_model, new_model};
+    plot.link = "time";
+    section.blocks.emplace_back(std::move(plot));
+  }
+  Line old_error{"before", {}, {}, Tone::reference, true, false};
+  Line new_error{"after", {}, {}, Tone::error, false, false};
+  for (std::size_t i = 0; i < recording.size(); i += stride) {
+    for (Line* line : {&old_error, &new_error}) line->x.push_back(recording.motion.t_s[i]);
+    old_error.y.push_back((recording.f_W_N[i] - before.f_W_N[i]).norm());
+    new_error.y.push_back((recording.f_W_N[i] - after.f_W_N[i]).norm());
+  }
+  LinePlot plot;
+  plot.title = "Force error";
+  plot.x_label = "time [s]";
+  plot.y_label = "|error| [N]";
+  plot.lines = {old_error, new_error};
+  plot.link = "time";
+  section.blocks.emplace_back(std::move(plot));
+  return section;
+}
+
+// The starting model's error at the vertices near the path.
+Section place_section(const Evidence& evidence, const Prediction& before, const TriangleMesh& mesh) {
+  const Recording& recording = *evidence.recording;
+  Scene scene;
+  scene.title = "The starting model's error on the object";
+  scene.unit = "m";
+  scene.vertices = mesh.vertices_W_m;
+  scene.triangles = mesh.triangles;
+  scene.value_label = "|error| [N]";
+  std::vector<double> sum(mesh.vertices_W_m.size(), 0.0);
+  std::vector<double> weight(mesh.vertices_W_m.size(), 0.0);
+  const double reach_m = 0.04 * mesh.bounds().diagonal().norm();
+  Scene::Path path{"tip", {}, Tone::measured};
+  const std::size_t stride = std::max<std::size_t>(1, recording.size() / 1500);
+  for (std::size_t i = 0; i < recording.size(); i += stride) {
+    const Vec3& p = recording.motion.p_W_m[i];
+    path.points.push_back(p);
+    if (before.n_W[i].isZero()) continue;
+    const double error = (recording.f_W_N[i] - before.f_W_N[i]).norm();
+    for (std::size_t v = 0; v < sum.size(); ++v) {
+      const double distance = (mesh.vertices_W_m[v] - p).norm();
+      if (distance > reach_m) continue;
+      const double w = std::exp(-8.0 * distance * distance / (reach_m * reach_m));
+      sum[v] += w * error;
+      weight[v] += w;
+    }
+  }
+  for (std::size_t v = 0; v < sum.size(); ++v) {
+    scene.values.push_back(weight[v] > 0.0 ? sum[v] / weight[v] : std::numeric_limits<double>::quiet_NaN());
+  }
+  scene.paths.push_back(std::move(path));
+  return {"On the object", "", {std::move(scene)}, false};
+}
+
+Section search_section(const Findings& findings) {
+  Section section{"How the search went", "Gains are of chi-squared over blocks; the held-out gain decides.", {}, true};
+  std::size_t count = 0;
+  for (const SearchStep& step : findings.search.steps) {
+    Table table{fmt::format("Step {}: from a held-out RMS of {:.4f} N{}", ++count, step.holdout_rms_N,
+                            step.added.empty() ? ", nothing added" : fmt::format(", {} added", step.added)),
+                {"candidate", "training gain", "held-out gain", "held-out RMS [N]", "verdict"},
+                {},
+                ""};
+    for (const Trial& trial : step.trials) {
+      table.rows.push_back({{text(trial.name), number(trial.train_gain, "{:.0f}"), number(trial.holdout_gain, "{:.0f}"),
+                             number(trial.holdout_rms_N), text(trial.verdict)},
+                            "",
+                            {}});
+    }
+    section.blocks.emplace_back(std::move(table));
+  }
+  return section;
+}
+
+}  // namespace
+
+Page discrepancy_page(const Findings& findings, const Evidence& evidence, const Prediction& before,
+                      const Prediction& after, const TriangleMesh& mesh, const Provenance& provenance) {
+  Page page;
+  page.title = "Where simulation and measurement disagree";
+  page.subtitle = fmt::format("{} against {}", findings.search.start.source, evidence.recording->source);
+  const Gap& gap = findings.gap;
+  page.headlines = {
+      {"verdict", to_string(findings.verdict), "", "", tone_of(findings.verdict)},
+      {"held-out error before", fmt::format("{:.4f}", gap.holdout_before_N), "N", "RMS, 3-D, the model as given",
+       Tone::neutral},
+      {"held-out error after", fmt::format("{:.4f}", gap.holdout_after_N), "N", "RMS, 3-D, the model written",
+       Tone::neutral},
+      {"expected of noise", fmt::format("{:.4f}", gap.noise_floor_N), "N",
+       findings.instrument_declared ? "from the declared instrument" : "from noise estimated in the recording",
+       Tone::neutral}};
+  page.sections.push_back(what_section(findings));
+  page.sections.push_back(where_section(findings));
+  page.sections.push_back(time_section(evidence, before, after));
+  page.sections.push_back(place_section(evidence, before, mesh));
+  page.sections.push_back(search_section(findings));
+  Facts facts;
+  facts.rows = {
+      {"held out", findings.blocks_held_back ? "alternating blocks of the one recording" : "a recording of its own"},
+      {"instrument", findings.instrument_declared ? "as declared" : "no description given: noise estimated"},
+      {"command", provenance.command},
+      {"made", provenance.created_utc},
+      {"version", fmt::format("{} ({})", provenance.build.version, provenance.build.commit)},
+      {"compiler", fmt::format("{}, {}", provenance.build.compiler, provenance.build.flags)}};
+  for (const InputFile& input : provenance.inputs) {
+    facts.rows.emplace_back(input.role, fmt::format("{} (SHA-256 {})", input.name, input.sha256));
+  }
+  Section last{"Model and provenance", "", {}, true};
+  last.blocks.emplace_back(Code{"model.json", model_to_json(findings.search.model)});
+  last.blocks.emplace_back(std::move(facts));
+  page.sections.push_back(std::move(last));
+  return page;
+}
+
+}  // namespace touchstone::apps

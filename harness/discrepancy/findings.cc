@@ -1,0 +1,193 @@
+#include "harness/discrepancy/findings.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+namespace touchstone {
+namespace {
+
+const Candidate* find_candidate(const std::vector<Candidate>& candidates, const std::string& name) {
+  const auto found =
+      std::find_if(candidates.begin(), candidates.end(), [&](const Candidate& c) { return c.name == name; });
+  return found == candidates.end() ? nullptr : &*found;
+}
+
+std::vector<FoundParameter> parameters_of(const SearchResult& search, const Candidate& candidate) {
+  std::vector<FoundParameter> found;
+  const NamedParameters* const entry = find_entry(search.model, candidate.name);
+  for (const ParameterDeclaration& declared : candidate.parameters) {
+    const auto value = entry->parameters.find(declared.name);
+    if (value == entry->parameters.end()) continue;
+    FoundParameter parameter{declared.name, declared.unit, value->second, value->second, value->second, false};
+    for (std::size_t i = 0; i < search.parameters.size(); ++i) {
+      const FreeParameter& free = search.parameters[i];
+      if (free.owner != candidate.name || free.name != declared.name) continue;
+      parameter.at_bound = search.fit.at_bound[i];
+      const auto index = static_cast<Eigen::Index>(i);
+      if (search.fit.covariance.rows() <= index) continue;
+      const double half = 1.96 * std::sqrt(std::max(0.0, search.fit.covariance(index, index)));
+      // Through the model, because u may be a logarithm or an excess over another parameter.
+      for (const double sign : {-1.0, 1.0}) {
+        Model moved = search.model;
+        free.set(moved, std::clamp(search.fit.u[index] + sign * half, free.lower, free.upper));
+        (sign < 0.0 ? parameter.low95 : parameter.high95) =
+            find_entry(moved, candidate.name)->parameters.at(declared.name);
+      }
+    }
+    // Plain Coulomb friction has one coefficient: the other follows.
+    found.push_back(parameter);
+  }
+  if (candidate.name == "coulomb-friction" && found.size() >= 2) {
+    found[0].low95 = found[1].low95;
+    found[0].high95 = found[1].high95;
+  }
+  return found;
+}
+
+std::string names(const std::vector<FoundEffect>& found) {
+  std::vector<std::string> list;
+  for (const FoundEffect& effect : found) list.push_back(effect.name);
+  return fmt::format("{}", fmt::join(list, " and "));
+}
+
+nlohmann::json number(double value) { return std::isfinite(value) ? nlohmann::json(value) : nlohmann::json(nullptr); }
+
+}  // namespace
+
+std::string to_string(FindingsVerdict verdict) {
+  switch (verdict) {
+    case FindingsVerdict::consistent:
+      return "consistent";
+    case FindingsVerdict::explained:
+      return "explained";
+    case FindingsVerdict::unexplained:
+      return "unexplained";
+    case FindingsVerdict::not_identifiable:
+      return "not-identifiable";
+  }
+  return "unexplained";
+}
+
+void conclude(Findings& findings, const std::vector<Candidate>& candidates) {
+  const SearchResult& search = findings.search;
+  for (const FoundEffect& effect : search.found) {
+    const Candidate* const candidate = find_candidate(candidates, effect.name);
+    findings.parameters.push_back(candidate ? parameters_of(search, *candidate) : std::vector<FoundParameter>{});
+    std::vector<std::string> alike{effect.name};
+    for (const Rival& rival : effect.rivals) {
+      if (rival.alike) alike.push_back(rival.name);
+    }
+    if (alike.size() > 1) findings.ambiguous.push_back(std::move(alike));
+  }
+  const bool noise_left = search.goodness < unexplained_goodness;
+  if (!noise_left) {
+    findings.verdict = FindingsVerdict::unexplained;
+    findings.explanation = fmt::format(
+        "Something is missing that no known effect explains: on held-out data the error is {:.1f} times as large, in "
+        "square, as the declared noise allows{}. See where it sits below.",
+        search.goodness, search.found.empty() ? "" : fmt::format(", with {} added, which helps", names(search.found)));
+  } else if (search.found.empty()) {
+    findings.verdict = FindingsVerdict::consistent;
+    findings.explanation = fmt::format(
+        "Nothing is missing: with its stiffness refitted the model leaves {:.4f} N of held-out error, as the noise "
+        "does.",
+        findings.gap.holdout_after_N);
+  } else if (!findings.ambiguous.empty()) {
+    findings.verdict = FindingsVerdict::not_identifiable;
+    findings.explanation = fmt::format(
+        "This recording cannot tell: {} fit the held-out data alike. {}", fmt::join(findings.ambiguous.front(), ", "),
+        findings.next ? fmt::format("A recording of this motion would tell: {}.", findings.next->what)
+                      : "No motion of the repertoire separates them beyond the noise.");
+  } else {
+    findings.verdict = FindingsVerdict::explained;
+    findings.explanation =
+        fmt::format("{} {} missing. With {} the held-out error falls from {:.4f} N to {:.4f} N.", names(search.found),
+                    search.found.size() == 1 ? "was" : "were", search.found.size() == 1 ? "it" : "them",
+                    findings.gap.holdout_before_N, findings.gap.holdout_after_N);
+  }
+}
+
+std::string findings_to_json(const Findings& findings, const std::string& trajectory_file) {
+  using json = nlohmann::ordered_json;
+  json root;
+  root["schema"] = "touchstone-findings/1";
+  root["verdict"] = to_string(findings.verdict);
+  root["explanation"] = findings.explanation;
+  root["effects"] = json::array();
+  for (std::size_t e = 0; e < findings.search.found.size(); ++e) {
+    const FoundEffect& effect = findings.search.found[e];
+    json entry;
+    entry["name"] = effect.name;
+    entry["side"] = effect.side == Side::contact ? "contact" : "instrument";
+    entry["parameters"] = json::array();
+    for (const FoundParameter& parameter : findings.parameters[e]) {
+      json item;
+      item["name"] = parameter.name;
+      item["unit"] = parameter.unit;
+      item["value"] = number(parameter.value);
+      item["interval95"] = {number(parameter.low95), number(parameter.high95)};
+      if (parameter.at_bound) item["at_bound"] = true;
+      entry["parameters"].push_back(std::move(item));
+    }
+    entry["evidence"] = {{"holdout_chi_squared_gain", number(effect.holdout_gain)}};
+    entry["rivals"] = json::array();
+    for (const Rival& rival : effect.rivals) {
+      if (rival.holdout_gain_lost > 0.9 * effect.holdout_gain) continue;  // explains next to nothing of it
+      entry["rivals"].push_back({{"name", rival.name},
+                                 {"evidence",
+                                  {{"holdout_chi_squared_lost", number(rival.holdout_gain_lost)},
+                                   {"standard_error", number(rival.error)},
+                                   {"holdout_rms_N", number(rival.holdout_rms_N)},
+                                   {"alike", rival.alike}}}});
+    }
+    root["effects"].push_back(std::move(entry));
+  }
+  root["ambiguous"] = findings.ambiguous;
+  root["gap"] = {
+      {"unit", "N"},
+      {"train", {{"before", number(findings.gap.train_before_N)}, {"after", number(findings.gap.train_after_N)}}},
+      {"holdout", {{"before", number(findings.gap.holdout_before_N)}, {"after", number(findings.gap.holdout_after_N)}}},
+      {"noise_floor", number(findings.gap.noise_floor_N)}};
+  root["goodness"] = {{"holdout_chi_squared_per_degree", number(findings.search.goodness)},
+                      {"threshold", unexplained_goodness}};
+  root["instrument"] = findings.instrument_declared ? "declared" : "estimated";
+  root["holdout"] = findings.blocks_held_back ? "alternating blocks of the one recording" : "a recording of its own";
+  root["where"] = json::array();
+  for (const Regime& regime : findings.where) {
+    root["where"].push_back({{"regime", regime.name},
+                             {"by", regime.kind},
+                             {"before", number(regime.before_N)},
+                             {"after", number(regime.after_N)},
+                             {"share_before", number(regime.share_before)},
+                             {"error95", number(regime.error95_N)},
+                             {"samples", regime.samples}});
+  }
+  if (findings.next && !findings.ambiguous.empty()) {
+    root["next_experiment"] = {{"separates", findings.ambiguous.front()},
+                               {"trajectory", trajectory_file},
+                               {"why", fmt::format("{}: the predicted forces differ by {:.1f} times the force noise",
+                                                   findings.next->what, findings.next->separation)}};
+  }
+  root["steps"] = json::array();
+  for (const SearchStep& step : findings.search.steps) {
+    json trials = json::array();
+    for (const Trial& trial : step.trials) {
+      trials.push_back({{"name", trial.name},
+                        {"train_gain", number(trial.train_gain)},
+                        {"holdout_gain", number(trial.holdout_gain)},
+                        {"holdout_rms_N", number(trial.holdout_rms_N)},
+                        {"verdict", trial.verdict}});
+    }
+    root["steps"].push_back({{"added", step.added},
+                             {"holdout_rms_N", number(step.holdout_rms_N)},
+                             {"holdout_chi_squared", number(step.holdout_chi_squared)},
+                             {"trials", std::move(trials)}});
+  }
+  return root.dump(2) + "\n";
+}
+
+}  // namespace touchstone

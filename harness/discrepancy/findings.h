@@ -1,0 +1,59 @@
+// What the search found, in words and numbers: the verdict, and the file findings.json ("touchstone-findings/1").
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "harness/discrepancy/effect_search.h"
+#include "harness/discrepancy/next_experiment.h"
+#include "harness/discrepancy/regimes.h"
+
+namespace touchstone {
+
+enum class FindingsVerdict : std::uint8_t { consistent, explained, unexplained, not_identifiable };
+
+// As findings.json spells it.
+std::string to_string(FindingsVerdict verdict);
+
+struct Gap {
+  double train_before_N = 0.0;
+  double train_after_N = 0.0;
+  double holdout_before_N = 0.0;
+  double holdout_after_N = 0.0;
+  double noise_floor_N = 0.0;  // what the noise model expects of the final model, held out
+};
+
+struct FoundParameter {
+  std::string name;
+  std::string unit;
+  double value = 0.0;
+  double low95 = 0.0;
+  double high95 = 0.0;
+  bool at_bound = false;
+};
+
+struct Findings {
+  FindingsVerdict verdict = FindingsVerdict::consistent;
+  std::string explanation;  // a paragraph for a reader
+  SearchResult search;
+  std::vector<std::vector<FoundParameter>> parameters;  // by effect, in the order of search.found
+  std::vector<std::vector<std::string>> ambiguous;
+  Gap gap;
+  std::vector<Regime> where;
+  std::optional<NextExperiment> next;
+  bool instrument_declared = true;
+  bool blocks_held_back = false;  // no second recording: blocks of the one were held out
+};
+
+// Held-out chi-squared per degree of freedom above which noise cannot be what is left: faceting, a tracker's filter
+// that is not ours and friction at a standstill bring a right model to about 2.5.
+inline constexpr double unexplained_goodness = 4.0;
+
+// Fills verdict, explanation, parameters and ambiguous from `search` and the declared candidates.
+void conclude(Findings& findings, const std::vector<Candidate>& candidates);
+
+// `trajectory_file`: the name under which the proposed trajectory was written, empty if none.
+std::string findings_to_json(const Findings& findings, const std::string& trajectory_file);
+
+}  // namespace touchstone

@@ -1,0 +1,154 @@
+#include "harness/discrepancy/next_experiment.h"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <numbers>
+#include <vector>
+
+namespace touchstone {
+namespace {
+
+constexpr double rate_Hz = 250.0;
+constexpr double needed_separation = 3.0;
+
+// The place to work at: where the recording was in contact, its normal, and how deep and far it went.
+struct Site {
+  Vec3 centre_W_m = Vec3::Zero();
+  Vec3 n_W = Vec3::UnitZ();
+  Vec3 u_W = Vec3::UnitX();
+  Vec3 v_W = Vec3::UnitY();
+  double depth_m = 0.0;
+  double reach_m = 0.0;
+  Quat q_WS = Quat::Identity();
+};
+
+Site find_site(const Recording& recording, const Prediction& prediction) {
+  Site site;
+  Vec3 sum_p = Vec3::Zero();
+  Vec3 sum_n = Vec3::Zero();
+  std::size_t count = 0;
+  Box3 box;
+  for (std::size_t i = 0; i < recording.size(); ++i) {
+    if (prediction.n_W[i].isZero()) continue;
+    sum_p += recording.motion.p_W_m[i];
+    sum_n += prediction.n_W[i];
+    box.extend(recording.motion.p_W_m[i]);
+    site.depth_m = std::max(site.depth_m, prediction.depth_m[i]);
+    ++count;
+  }
+  if (count == 0) return site;
+  const Vec3 mean = sum_p / static_cast<double>(count);
+  // The sample nearest to the mean lies on the object; the mean itself may not.
+  double nearest = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < recording.size(); ++i) {
+    const double distance = (recording.motion.p_W_m[i] - mean).norm();
+    if (prediction.n_W[i].isZero() || distance >= nearest) continue;
+    nearest = distance;
+    site.n_W = prediction.n_W[i];
+    site.centre_W_m = recording.motion.p_W_m[i] + prediction.depth_m[i] * site.n_W;
+    if (!recording.motion.q_WS.empty()) site.q_WS = recording.motion.q_WS[i];
+  }
+  site.u_W = site.n_W.unitOrthogonal();
+  site.v_W = site.n_W.cross(site.u_W);
+  site.reach_m = 0.25 * box.diagonal().norm();
+  return site;
+}
+
+struct Gesture {
+  std::string what;
+  double duration_s;
+  // Place relative to the site in (u, v, height above the surface), and the tool's turn.
+  std::function<Vec3(double)> place;
+  std::function<Quat(double)> turn;
+};
+
+Quat no_turn(double) { return Quat::Identity(); }
+
+Quat tilt(double t_s) {
+  const double angle = 40.0 * std::numbers::pi / 180.0;
+  return Quat(Eigen::AngleAxisd(angle * std::sin(2.0 * std::numbers::pi * t_s / 6.0), Vec3::UnitX()) *
+              Eigen::AngleAxisd(angle * std::cos(2.0 * std::numbers::pi * t_s / 4.0) - angle, Vec3::UnitY()));
+}
+
+std::vector<Gesture> repertoire(const Site& site) {
+  const double d = site.depth_m;
+  const double r = site.reach_m;
+  const double tau = 2.0 * std::numbers::pi;
+  return {
+      {"free air, the tool turned about x and y by 40 degrees", 12.0,
+       [=](double) { return Vec3(0.0, 0.0, 3.0 * d + r); }, tilt},
+      {"pressing while the tool is turned about x and y by 40 degrees", 12.0,
+       [=](double t) { return Vec3(0.0, 0.0, -d * 0.5 * (1.0 - std::cos(tau * t / 1.5))); }, tilt},
+      {"presses of growing depth at growing speed", 14.0,
+       [=](double t) {
+         const double cycles = 0.3 * t + 0.12 * t * t;
+         return Vec3(0.0, 0.0, 0.3 * d - d * (0.5 + 0.8 * t / 14.0) * 0.5 * (1.0 - std::cos(tau * cycles)));
+       },
+       no_turn},
+      {"press quickly and hold for eight seconds, then leave", 11.0,
+       [=](double t) {
+         const double press = std::clamp(t / 0.15, 0.0, 1.0) - std::clamp((t - 8.5) / 0.15, 0.0, 1.0);
+         return Vec3(0.0, 0.0, 0.5 * d - 1.5 * d * press);
+       },
+       no_turn},
+      {"circles at constant load, from 3 to 150 mm/s", 16.0,
+       [=](double t) {
+         const double speed = 0.003 * std::pow(50.0, t / 16.0);
+         const double turned = 0.003 * 16.0 / std::log(50.0) * (speed / 0.003 - 1.0) / std::max(r, 1e-9);
+         return Vec3(r * std::cos(turned), r * std::sin(turned), -0.7 * d);
+       },
+       no_turn},
+      {"strokes there and back along four directions at three speeds and three loads", 24.0,
+       [=](double t) {
+         const int stroke = static_cast<int>(t / 2.0);
+         const double direction = std::numbers::pi * (stroke % 4) / 4.0;
+         const double fast = 0.5 * std::pow(2.0, stroke / 4);
+         const double s = r * std::sin(tau * fast * (t - 2.0 * stroke) / 2.0);
+         return Vec3(s * std::cos(direction), s * std::sin(direction), -d * (0.3 + 0.3 * (stroke % 3)));
+       },
+       no_turn},
+  };
+}
+
+MotionColumns perform(const Gesture& gesture, const Site& site, bool with_orientation) {
+  MotionColumns motion;
+  const auto samples = static_cast<std::size_t>(gesture.duration_s * rate_Hz);
+  for (std::size_t i = 0; i < samples; ++i) {
+    const double t_s = static_cast<double>(i) / rate_Hz;
+    const Vec3 place = gesture.place(t_s);
+    motion.t_s.push_back(t_s);
+    motion.p_W_m.push_back(site.centre_W_m + place.x() * site.u_W + place.y() * site.v_W + place.z() * site.n_W);
+    if (with_orientation) motion.q_WS.push_back(gesture.turn(t_s) * site.q_WS);
+  }
+  return motion;
+}
+
+}  // namespace
+
+std::optional<NextExperiment> propose_experiment(const Recording& recording, const Prediction& prediction,
+                                                 const Model& one, const Model& other, const MakePredictor& make,
+                                                 double force_noise_N) {
+  const Site site = find_site(recording, prediction);
+  if (site.depth_m <= 0.0) return std::nullopt;
+  std::optional<NextExperiment> best;
+  for (const Gesture& gesture : repertoire(site)) {
+    NextExperiment proposal{perform(gesture, site, !recording.motion.q_WS.empty()), gesture.what, 0.0};
+    const auto predictor = make(proposal.motion);
+    const Prediction a = predictor->predict(one);
+    const Prediction b = predictor->predict(other);
+    // A constant difference would be taken up by refitting either: only what varies separates them.
+    Vec3 mean = Vec3::Zero();
+    for (std::size_t i = 0; i < a.f_W_N.size(); ++i)
+      mean += (a.f_W_N[i] - b.f_W_N[i]) / static_cast<double>(a.f_W_N.size());
+    double sum = 0.0;
+    for (std::size_t i = 0; i < a.f_W_N.size(); ++i) sum += (a.f_W_N[i] - b.f_W_N[i] - mean).squaredNorm();
+    proposal.separation = std::sqrt(sum / (3.0 * static_cast<double>(a.f_W_N.size()))) / std::max(force_noise_N, 1e-12);
+    if (!best || proposal.separation > best->separation) best = std::move(proposal);
+  }
+  if (best && best->separation < needed_separation) best.reset();
+  return best;
+}
+
+}  // namespace touchstone

@@ -1,0 +1,26 @@
+// Where model and measurement disagree: the samples of a recording by what the tip was doing, and the error in each.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "harness/discrepancy/effect_search.h"
+
+namespace touchstone {
+
+struct Regime {
+  std::string name;  // "free air", "sliding, 20-50 mm/s", ...
+  std::string kind;  // what it splits by: "phase", "sliding speed", "load", "place", "axis", "frequency", "time"
+  std::size_t samples = 0;
+  double before_N = 0.0;  // RMS of the 3-D force error (of one axis, or of a band of frequencies, where it says so)
+  double after_N = 0.0;
+  double share_before = 0.0;  // of the squared error of its kind
+  double error95_N = 0.0;     // half width of before_N's 95 % interval, by runs of half a second
+};
+
+// `evidence`: the samples to sort; predictions of the starting model and of the final one over the whole recording.
+// Contact is told by the final model or by a measured force above the floor.
+std::vector<Regime> sort_by_regime(const Evidence& evidence, const Prediction& before, const Prediction& after,
+                                   double force_floor_N);
+
+}  // namespace touchstone
