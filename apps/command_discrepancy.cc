@@ -53,8 +53,8 @@ InstrumentDescription instrument_of(const Options& options, const Recording& tra
   return instrument;
 }
 
-Gap measure_gap(const SearchResult& search, const SearchData& data) {
-  Gap gap;
+ForceGap measure_gap(const SearchResult& search, const SearchData& data) {
+  ForceGap gap;
   gap.train_before_N = rms_force_error_N(data.train, data.train.predictor->predict(search.start));
   gap.train_after_N = rms_force_error_N(data.train, data.train.predictor->predict(search.model));
   gap.holdout_before_N = rms_force_error_N(data.holdout, data.holdout.predictor->predict(search.start));

@@ -200,7 +200,7 @@ Page discrepancy_page(const Findings& findings, const Evidence& evidence, const 
   Page page;
   page.title = "Where simulation and measurement disagree";
   page.subtitle = fmt::format("{} against {}", findings.search.start.source, evidence.recording->source);
-  const Gap& gap = findings.gap;
+  const ForceGap& gap = findings.gap;
   page.headlines = {
       {"verdict", to_string(findings.verdict), "", "", tone_of(findings.verdict)},
       {"held-out error before", fmt::format("{:.4f}", gap.holdout_before_N), "N", "RMS, 3-D, the model as given",

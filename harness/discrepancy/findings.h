@@ -16,7 +16,7 @@ enum class FindingsVerdict : std::uint8_t { consistent, explained, unexplained, 
 // As findings.json spells it.
 std::string to_string(FindingsVerdict verdict);
 
-struct Gap {
+struct ForceGap {
   double train_before_N = 0.0;
   double train_after_N = 0.0;
   double holdout_before_N = 0.0;
@@ -39,7 +39,7 @@ struct Findings {
   SearchResult search;
   std::vector<std::vector<FoundParameter>> parameters;  // by effect, in the order of search.found
   std::vector<std::vector<std::string>> ambiguous;
-  Gap gap;
+  ForceGap gap;
   std::vector<Regime> where;
   std::optional<NextExperiment> next;
   bool instrument_declared = true;

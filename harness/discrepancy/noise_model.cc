@@ -11,7 +11,7 @@ constexpr std::size_t pooled_on_each_side = 3;
 // Tabulated share of a declared bound ("off by at most") that is taken as its standard deviation: a uniform error.
 const double bound_to_deviation = 1.0 / std::sqrt(3.0);
 
-Vec3 mean_normal(const Block& block, const std::vector<Vec3>& n_W) {
+Vec3 mean_normal(const SampleBlock& block, const std::vector<Vec3>& n_W) {
   Vec3 sum = Vec3::Zero();
   for (std::size_t i = block.begin; i < block.end; ++i) sum += n_W[i];
   return sum.norm() > 0.0 ? Vec3(sum.normalized()) : Vec3(Vec3::Zero());
@@ -32,7 +32,7 @@ NoiseModel::NoiseModel(const MotionColumns& motion, const InstrumentDescription&
 }
 
 std::vector<BlockNoise> NoiseModel::of(const Model& model, const Prediction& nominal,
-                                       const std::vector<Block>& blocks) {
+                                       const std::vector<SampleBlock>& blocks) {
   const std::size_t n = blocks.size();
   std::vector<BlockNoise> noise(n);
   std::vector<double> normal_squares(n, 0.0);

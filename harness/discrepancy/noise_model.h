@@ -23,7 +23,7 @@ class NoiseModel {
   // mesh's declared error, which is smooth along the surface and therefore no replica of sample noise).
   // `nominal`: the model's prediction at the recorded positions.
   [[nodiscard]] std::vector<BlockNoise> of(const Model& model, const Prediction& nominal,
-                                           const std::vector<Block>& blocks);
+                                           const std::vector<SampleBlock>& blocks);
 
   // A recording as it would be were `model` the truth, seen through replica `index`: forces of the model at the
   // recorded positions plus force noise; the positions carry fresh tracker noise. For null distributions.
