@@ -10,6 +10,7 @@ namespace touchstone::apps {
 void add_acquire(CLI::App& program, Run& run);
 void add_check(CLI::App& program, Run& run);
 void add_compare(CLI::App& program, Run& run);
+void add_completion(CLI::App& program, Run& run);
 void add_convert(CLI::App& program, Run& run);
 void add_dataset(CLI::App& program, Run& run);
 void add_doctor(CLI::App& program, Run& run);
@@ -17,6 +18,7 @@ void add_discrepancy(CLI::App& program, Run& run);
 void add_golden(CLI::App& program, Run& run);
 void add_history(CLI::App& program, Run& run);
 void add_experiment(CLI::App& program, Run& run);
+void add_list(CLI::App& program, Run& run);
 void add_replay(CLI::App& program, Run& run);
 void add_synth(CLI::App& program, Run& run);
 void add_version(CLI::App& program, Run& run);
@@ -28,6 +30,7 @@ inline std::vector<AddCommand> commands() {
       add_acquire,
       add_check,
       add_compare,
+      add_completion,
       add_convert,
       add_dataset,
       add_doctor,
@@ -35,6 +38,7 @@ inline std::vector<AddCommand> commands() {
       add_golden,
       add_history,
       add_experiment,
+      add_list,
       add_replay,
       add_synth,
       add_version,
