@@ -1,0 +1,215 @@
+// Each law against its formula on a plane, where depth, normal and path are what the test makes them.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "harness/base/error.h"
+#include "harness/rendering/effect_stack.h"
+#include "harness/rendering/model.h"
+#include "harness/surface/embree_surface.h"
+#include "renderers/catalogue.h"
+#include "renderers/effects/catalogue.h"
+
+namespace touchstone {
+namespace {
+
+constexpr double k = 800.0;
+
+// A square in z = 0, `half` metres to each side.
+std::shared_ptr<const Surface> square(double half) {
+  TriangleMesh mesh;
+  mesh.vertices_W_m = {{-half, -half, 0}, {half, -half, 0}, {half, half, 0}, {-half, half, 0}};
+  mesh.triangles = {{0, 1, 2}, {0, 2, 3}};
+  mesh.source = "square";
+  return make_embree_surface(mesh);
+}
+
+Model with(const std::string& effect, std::map<std::string, double> parameters, double stiffness = k) {
+  Model model;
+  model.renderer = "god-object";
+  model.parameters["stiffness_N_per_m"] = stiffness;
+  model.effects = {{effect, std::move(parameters), "/effects/0"}};
+  model.source = "test";
+  return model;
+}
+
+// Runs the path (one sample each `dt` seconds) and returns the results.
+std::vector<StepResult> run(const Model& model, const std::vector<Vec3>& path, double dt, double half = 1.0) {
+  const auto renderer = make_renderer(model, square(half));
+  renderer->reset();
+  std::vector<StepResult> results;
+  for (std::size_t i = 0; i < path.size(); ++i) {
+    results.push_back(renderer->step({static_cast<double>(i) * dt, path[i], Quat::Identity()}));
+    EXPECT_EQ(results.back().status, StepStatus::ok);
+  }
+  return results;
+}
+
+TEST(Effects, WithoutEffectsTheOutputIsTheBasesToTheBit) {
+  Model plain = with("coulomb-friction", {});
+  plain.effects.clear();
+  const Model inert = with("coulomb-friction", {{"mu_static", 0.0}, {"mu_dynamic", 0.0}});
+  std::vector<Vec3> path;
+  for (int i = 0; i < 200; ++i) path.emplace_back(1e-3 * i, 3e-4 * i, 0.01 - 1e-4 * i);
+  const auto a = run(plain, path, 1e-3);
+  const auto b = run(inert, path, 1e-3);
+  for (std::size_t i = 0; i < path.size(); ++i) {
+    EXPECT_EQ(a[i].f_W_N.z(), b[i].f_W_N.z());
+    EXPECT_EQ(b[i].f_W_N.x(), 0.0);
+  }
+}
+
+class FrictionAtScale : public ::testing::TestWithParam<double> {};
+
+// Down, along x, back, and along y: at every unit of length the same friction.
+TEST_P(FrictionAtScale, StaysInTheConeOpposesMotionAndBreaksAwayAtItsCoefficient) {
+  const double scale = GetParam();
+  const double mu_static = 0.5;
+  const double mu_dynamic = 0.3;
+  const double presliding = 1e-4 * scale;
+  const Model model =
+      with("coulomb-friction", {{"mu_static", mu_static}, {"mu_dynamic", mu_dynamic}, {"presliding_m", presliding}},
+           k / scale);
+  std::vector<Vec3> path{{0, 0, 1e-3 * scale}};
+  for (int i = 0; i <= 100; ++i) path.emplace_back(1e-5 * i * scale, 0.0, -1e-3 * scale);
+  for (int i = 0; i <= 100; ++i) path.emplace_back(1e-3 * scale - 1e-5 * i * scale, 0.0, -1e-3 * scale);
+  const auto results = run(model, path, 1e-3, scale);
+  const double N = k * 1e-3;
+  double largest = 0.0;
+  double work = 0.0;
+  for (std::size_t i = 1; i < path.size(); ++i) {
+    const double f_t = results[i].f_W_N.head<2>().norm();
+    EXPECT_LE(f_t, mu_static * N * (1.0 + 1e-12));
+    largest = std::max(largest, f_t);
+    work += results[i].f_W_N.head<2>().dot((path[i] - path[i - 1]).head<2>());
+  }
+  // Break-away: stuck until the pre-sliding path is used up, with the force in proportion to it.
+  EXPECT_NEAR(results[1 + 5].f_W_N.x(), -mu_static * N * 0.5, 1e-9);
+  EXPECT_GT(largest, 0.89 * mu_static * N);
+  EXPECT_NEAR(results[100].f_W_N.x(), -mu_dynamic * N, 1e-9);   // sliding towards +x
+  EXPECT_NEAR(results.back().f_W_N.x(), mu_dynamic * N, 1e-9);  // sliding back
+  EXPECT_LT(work, 0.0);
+}
+
+INSTANTIATE_TEST_SUITE_P(Units, FrictionAtScale, ::testing::Values(1e-3, 1.0, 1e3));
+
+TEST(Effects, StribeckFallsWithSpeed) {
+  const double v_s = 0.02;
+  const double presliding = 1e-6;
+  const Model model =
+      with("stribeck-friction",
+           {{"mu_static", 0.6}, {"mu_dynamic", 0.2}, {"stribeck_velocity_m_per_s", v_s}, {"presliding_m", presliding}});
+  for (const double v : {0.005, 0.02, 0.1}) {
+    std::vector<Vec3> path;
+    for (int i = 0; i < 60; ++i) path.emplace_back(v * 1e-3 * i, 0.0, -1e-3);
+    const double mu = 0.2 + 0.4 * std::exp(-(v / v_s) * (v / v_s));
+    EXPECT_NEAR(run(model, path, 1e-3).back().f_W_N.x(), -mu * k * 1e-3, 1e-9);
+  }
+}
+
+TEST(Effects, AnisotropicFrictionHasItsOwnCoefficientAlongEachAxis) {
+  const Model model = with("anisotropic-friction", {{"mu_x", 0.2}, {"mu_y", 0.6}, {"presliding_m", 1e-6}});
+  for (const auto& [direction, mu] : {std::pair(Vec3(1, 0, 0), 0.2), std::pair(Vec3(0, 1, 0), 0.6)}) {
+    std::vector<Vec3> path;
+    for (int i = 0; i < 60; ++i) path.emplace_back(1e-5 * i * direction - Vec3(0, 0, 1e-3));
+    EXPECT_NEAR(run(model, path, 1e-3).back().f_W_N.dot(direction), -mu * k * 1e-3, 1e-9);
+  }
+}
+
+TEST(Effects, RatesAgainstTheirFormulas) {
+  const double dt = 1e-3;
+  const double v = 0.05;
+  std::vector<Vec3> press;
+  for (int i = 0; i < 40; ++i) press.emplace_back(0.1 * i * dt, 0.0, 1e-3 - v * i * dt);
+  const double d = -press.back().z();
+  EXPECT_NEAR(run(with("normal-damping", {{"coefficient_N_s_per_m", 7.0}}), press, dt).back().f_W_N.z(),
+              k * d + 7.0 * v, 1e-9);
+  EXPECT_NEAR(run(with("hunt-crossley", {{"coefficient_N_s_per_m2", 900.0}}), press, dt).back().f_W_N.z(),
+              k * d + 900.0 * d * v, 1e-9);
+  EXPECT_NEAR(run(with("viscous-friction", {{"coefficient_N_s_per_m", 3.0}}), press, dt).back().f_W_N.x(), -3.0 * 0.1,
+              1e-9);
+  EXPECT_NEAR(
+      run(with("power-law-stiffness", {{"exponent", 1.5}, {"reference_depth_m", 1e-3}}), press, dt).back().f_W_N.z(),
+      k * 1e-3 * std::pow(d / 1e-3, 1.5), 1e-9);
+}
+
+TEST(Effects, DampingNeverPulls) {
+  std::vector<Vec3> leave;
+  for (int i = 0; i < 40; ++i) leave.emplace_back(0.0, 0.0, -2e-3 + 0.5 * i * 1e-3);
+  for (const StepResult& result : run(with("normal-damping", {{"coefficient_N_s_per_m", 50.0}}), leave, 1e-3)) {
+    EXPECT_GE(result.f_W_N.z(), 0.0);
+  }
+}
+
+TEST(Effects, AStiffnessMapIsAGaussianOverThePlace) {
+  const Model model = with("stiffness-map", {{"amplitude", 0.5}, {"x_m", 0.1}, {"y_m", -0.2}, {"width_m", 0.05}});
+  for (const double distance : {0.0, 0.05, 0.2}) {
+    const auto results = run(model, {{0.1 + distance, -0.2, 1e-3}, {0.1 + distance, -0.2, -1e-3}}, 1e-3);
+    const double factor = 1.0 + 0.5 * std::exp(-0.5 * distance * distance / (0.05 * 0.05));
+    EXPECT_NEAR(results.back().f_W_N.z(), k * 1e-3 * factor, 1e-9);
+  }
+}
+
+TEST(Effects, RelaxationDecaysToTheSpringAlone) {
+  const double ratio = 0.4;
+  const double tau = 0.1;
+  std::vector<Vec3> hold(301, Vec3(0, 0, -2e-3));
+  const auto results = run(with("stress-relaxation", {{"ratio", ratio}, {"time_constant_s", tau}}), hold, 1e-3);
+  EXPECT_NEAR(results.front().f_W_N.z(), k * 2e-3 * (1.0 + ratio), 1e-9);
+  EXPECT_NEAR(results[100].f_W_N.z(), k * 2e-3 * (1.0 + ratio * std::exp(-1.0)), 1e-9);
+  EXPECT_NEAR(results[300].f_W_N.z(), k * 2e-3 * (1.0 + ratio * std::exp(-3.0)), 1e-9);
+}
+
+TEST(Effects, AdhesionHoldsOnlyAfterTouchAndUntilFiveRanges) {
+  const Model model = with("adhesion", {{"force_N", 0.3}, {"range_m", 1e-3}});
+  const std::vector<Vec3> path{{0, 0, 1e-3}, {0, 0, -1e-3}, {0, 0, 1e-3}, {0, 0, 4.9e-3}, {0, 0, 5.1e-3}, {0, 0, 1e-3}};
+  const auto results = run(model, path, 1e-3);
+  EXPECT_EQ(results[0].f_W_N.z(), 0.0);  // near, but never touched
+  EXPECT_NEAR(results[1].f_W_N.z(), k * 1e-3 - 0.3, 1e-9);
+  EXPECT_NEAR(results[2].f_W_N.z(), -0.3 * std::exp(-1.0), 1e-9);
+  EXPECT_NEAR(results[3].f_W_N.z(), -0.3 * std::exp(-4.9), 1e-9);
+  EXPECT_EQ(results[4].f_W_N.z(), 0.0);
+  EXPECT_EQ(results[5].f_W_N.z(), 0.0);  // broken until touched again
+}
+
+TEST(Effects, TextureAddsItsWaveToTheDepthAndTouchesFirstAtItsCrests) {
+  const Model model = with("surface-texture",
+                           {{"amplitude_m", 1e-4}, {"wavelength_m", 0.01}, {"direction_rad", 0.0}, {"phase_rad", 0.0}});
+  const auto results =
+      run(model, {{0, 0, 1e-3}, {0.0025, 0, -1e-3}, {0.0075, 0, -1e-3}, {0.0025, 0, 5e-5}, {0.0075, 0, 5e-5}}, 1e-3);
+  EXPECT_NEAR(results[1].f_W_N.z(), k * 1.1e-3, 1e-9);
+  EXPECT_NEAR(results[2].f_W_N.z(), k * 0.9e-3, 1e-9);
+  EXPECT_NEAR(results[3].f_W_N.z(), k * 5e-5, 1e-9);  // above the mesh, under the crest
+  EXPECT_EQ(results[4].f_W_N.z(), 0.0);
+}
+
+TEST(Effects, WrongModelsAreRefusedWithTheirPlace) {
+  const auto message = [](const Model& model) {
+    try {
+      make_renderer(model, square(1.0));
+    } catch (const BadData& error) {
+      return std::string(error.what());
+    }
+    return std::string("accepted");
+  };
+  EXPECT_THAT(message(with("coulomb-friction", {{"mu_static", 0.2}, {"mu_dynamic", 0.3}})),
+              ::testing::AllOf(::testing::HasSubstr("/effects/0"), ::testing::HasSubstr("below mu_dynamic")));
+  EXPECT_THAT(message(with("coulomb-friction", {{"mu", 0.2}})), ::testing::HasSubstr("/effects/0/parameters/mu"));
+  EXPECT_THAT(message(with("coulomb-frictoin", {})), ::testing::HasSubstr("coulomb-friction"));
+  EXPECT_THAT(message(with("viscous-friction", {{"coefficient_N_s_per_m", -1.0}})),
+              ::testing::HasSubstr("out of range"));
+}
+
+TEST(Effects, EveryEntrySaysWhereItComesFromAndWhyItIsPassive) {
+  ASSERT_FALSE(contact_effects().empty());
+  for (const EffectEntry& entry : contact_effects()) {
+    EXPECT_FALSE(entry.source.empty()) << entry.name;
+    EXPECT_FALSE(entry.passivity.empty()) << entry.name;
+    EXPECT_FALSE(entry.parameters.empty()) << entry.name;
+    EXPECT_TRUE(entry.make != nullptr || !entry.base_parameter.empty()) << entry.name;
+  }
+}
+
+}  // namespace
+}  // namespace touchstone

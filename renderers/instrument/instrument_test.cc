@@ -1,0 +1,130 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "harness/base/random.h"
+#include "harness/surface/embree_surface.h"
+#include "renderers/instrument/instrument_effect.h"
+#include "renderers/model_predictor.h"
+
+namespace touchstone {
+namespace {
+
+struct Samples {
+  std::vector<double> t_s;
+  std::vector<Vec3> p_W_m;
+  std::vector<Quat> q_WS;
+  std::vector<Vec3> f_W_N;
+  [[nodiscard]] MotionView view() const { return {t_s, p_W_m, q_WS}; }
+};
+
+Samples random_samples(std::uint64_t seed) {
+  Random random(seed);
+  Samples samples;
+  for (int i = 0; i < 50; ++i) {
+    samples.t_s.push_back(0.01 * i);
+    samples.p_W_m.push_back(random.direction());
+    samples.q_WS.push_back(random.rotation());
+    samples.f_W_N.push_back(3.0 * random.direction());
+  }
+  return samples;
+}
+
+std::vector<Vec3> applied(const std::string& name, const std::vector<double>& values, const Samples& samples) {
+  std::vector<Vec3> f_W_N = samples.f_W_N;
+  find_instrument_effect(name)->make(values)->apply(samples.view(), f_W_N);
+  return f_W_N;
+}
+
+TEST(InstrumentEffects, ActInTheSensorsFrame) {
+  const Samples samples = random_samples(5);
+  const auto bias = applied("force-bias", {0.1, -0.2, 0.3}, samples);
+  const auto drift = applied("force-drift", {0.1, -0.2, 0.3}, samples);
+  const auto crosstalk = applied("force-crosstalk", {0.1, -0.2}, samples);
+  const auto saturation = applied("force-saturation", {1.0}, samples);
+  for (std::size_t i = 0; i < samples.t_s.size(); ++i) {
+    const Quat& q = samples.q_WS[i];
+    const Vec3 f_S = q.conjugate() * samples.f_W_N[i];
+    EXPECT_NEAR((q.conjugate() * bias[i] - f_S - Vec3(0.1, -0.2, 0.3)).norm(), 0.0, 1e-12);
+    EXPECT_NEAR((q.conjugate() * drift[i] - f_S - samples.t_s[i] * Vec3(0.1, -0.2, 0.3)).norm(), 0.0, 1e-12);
+    EXPECT_NEAR((q.conjugate() * crosstalk[i] - f_S - Vec3(0.1 * f_S.z(), -0.2 * f_S.z(), 0.0)).norm(), 0.0, 1e-12);
+    EXPECT_LE((q.conjugate() * saturation[i]).cwiseAbs().maxCoeff(), 1.0 + 1e-12);
+  }
+}
+
+TEST(InstrumentEffects, WeightPullsDownWhateverTheOrientation) {
+  const Samples samples = random_samples(6);
+  const auto heavy = applied("tool-weight", {0.5}, samples);
+  for (std::size_t i = 0; i < heavy.size(); ++i) {
+    EXPECT_NEAR((heavy[i] - samples.f_W_N[i] - Vec3(0, 0, -0.5 * 9.80665)).norm(), 0.0, 1e-12);
+  }
+}
+
+TEST(InstrumentEffects, InertiaOfASteadyAccelerationIsExact) {
+  Samples samples = random_samples(7);
+  const Vec3 a(1.0, -2.0, 0.5);
+  for (std::size_t i = 0; i < samples.t_s.size(); ++i) samples.p_W_m[i] = 0.5 * samples.t_s[i] * samples.t_s[i] * a;
+  const auto forces = applied("tool-inertia", {0.2, 0.05}, samples);
+  for (std::size_t i = 1; i + 1 < forces.size(); ++i) {
+    EXPECT_NEAR((forces[i] - samples.f_W_N[i] + 0.2 * a).norm(), 0.0, 1e-8) << i;
+  }
+}
+
+TEST(InstrumentEffects, ALagReadsTheForceOfEarlier) {
+  Samples samples = random_samples(8);
+  for (std::size_t i = 0; i < samples.t_s.size(); ++i) samples.f_W_N[i] = samples.t_s[i] * Vec3(1.0, 2.0, 3.0);
+  const auto late = applied("time-lag", {0.025}, samples);
+  for (std::size_t i = 3; i < late.size(); ++i) {
+    EXPECT_NEAR((late[i] - (samples.t_s[i] - 0.025) * Vec3(1.0, 2.0, 3.0)).norm(), 0.0, 1e-12) << i;
+  }
+  EXPECT_EQ(late[0], samples.f_W_N[0]);
+}
+
+TEST(InstrumentEffects, RegistrationIsUndoneExactly) {
+  const Vec3 d(1e-3, -2e-3, 3e-3);
+  const Vec3 r(0.02, -0.03, 0.0);
+  const auto effect =
+      find_instrument_effect("registration")->make(std::vector<double>{d.x(), d.y(), d.z(), r.x(), r.y()});
+  Random random(9);
+  for (int i = 0; i < 20; ++i) {
+    const Vec3 truth = random.direction();
+    EXPECT_NEAR((effect->true_position(truth + d + r.cross(truth)) - truth).norm(), 0.0, 1e-14);
+  }
+}
+
+// A predictor that keeps its search for contact answers as one that starts anew.
+TEST(ModelPredictor, KeptTracesChangeNothing) {
+  TriangleMesh mesh;
+  mesh.vertices_W_m = {{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}};
+  mesh.triangles = {{0, 1, 2}, {0, 2, 3}};
+  const std::shared_ptr<const Surface> surface = make_embree_surface(mesh);
+  MotionColumns motion;
+  Random random(10);
+  for (int i = 0; i < 400; ++i) {
+    motion.t_s.push_back(0.004 * i);
+    motion.p_W_m.emplace_back(0.001 * i, 0.3 * std::sin(0.02 * i), 2e-3 * std::sin(0.05 * i));
+    motion.q_WS.push_back(random.rotation());
+  }
+  Model model;
+  model.renderer = "god-object";
+  model.parameters["stiffness_N_per_m"] = 500.0;
+  model.effects = {{"coulomb-friction", {{"mu_static", 0.3}, {"mu_dynamic", 0.3}}, "/effects/0"}};
+  model.instrument = {
+      {"surface-geometry", {{"amplitude_m", 1e-3}, {"x_m", 0.2}, {"y_m", 0.1}, {"width_m", 0.1}}, "/instrument/0"},
+      {"force-bias", {{"fx_N", 0.1}}, "/instrument/1"}};
+  Model stiffer = model;
+  stiffer.parameters["stiffness_N_per_m"] = 777.0;
+  const auto kept = make_model_predictor(surface, motion);
+  kept->predict(model);
+  const Prediction warm = kept->predict(stiffer);
+  const Prediction cold = make_model_predictor(surface, motion)->predict(stiffer);
+  double largest = 0.0;
+  for (std::size_t i = 0; i < motion.size(); ++i) {
+    EXPECT_NEAR((warm.f_W_N[i] - cold.f_W_N[i]).norm(), 0.0, 1e-12);
+    largest = std::max(largest, warm.f_W_N[i].norm());
+  }
+  EXPECT_GT(largest, 1.0);
+}
+
+}  // namespace
+}  // namespace touchstone
