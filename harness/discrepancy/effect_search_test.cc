@@ -1,0 +1,199 @@
+// The search on a predictor small enough to know by heart: a plane z = 0, a stiffness, a tangential damper and a bias.
+#include "harness/discrepancy/effect_search.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "harness/base/error.h"
+#include "harness/discrepancy/findings.h"
+
+namespace touchstone {
+namespace {
+
+class PlanePredictor final : public Predictor {
+ public:
+  explicit PlanePredictor(MotionColumns motion) : motion_(std::move(motion)) {}
+  Prediction predict(const Model& model) override {
+    Prediction prediction;
+    const double k = model.parameters.at("stiffness_N_per_m");
+    const NamedParameters* const viscous = find_entry(model, "viscous-friction");
+    const NamedParameters* const bias = find_entry(model, "force-bias");
+    for (std::size_t i = 0; i < motion_.size(); ++i) {
+      const double depth = std::max(0.0, -motion_.p_W_m[i].z());
+      Vec3 f(0.0, 0.0, k * depth);
+      if (viscous && depth > 0.0 && i > 0) {
+        const Vec3 v = (motion_.p_W_m[i] - motion_.p_W_m[i - 1]) / (motion_.t_s[i] - motion_.t_s[i - 1]);
+        f.head<2>() -= viscous->parameters.at("coefficient_N_s_per_m") * v.head<2>();
+      }
+      if (bias) f += Vec3(bias->parameters.at("fx_N"), bias->parameters.at("fy_N"), bias->parameters.at("fz_N"));
+      prediction.f_W_N.push_back(f);
+      prediction.n_W.push_back(depth > 0.0 ? Vec3(Vec3::UnitZ()) : Vec3(Vec3::Zero()));
+      prediction.depth_m.push_back(depth);
+      prediction.normal_N.push_back(k * depth);
+    }
+    return prediction;
+  }
+
+ private:
+  MotionColumns motion_;
+};
+
+const std::vector<Candidate> candidates{
+    {"viscous-friction", Side::contact, {{"coefficient_N_s_per_m", "N s/m", 0.0, 1e4, 0.0, "b"}}},
+    {"force-bias",
+     Side::instrument,
+     {{"fx_N", "N", -1e3, 1e3, 0.0, ""}, {"fy_N", "N", -1e3, 1e3, 0.0, ""}, {"fz_N", "N", -1e3, 1e3, 0.0, ""}}},
+};
+
+// Presses and circles for 12 s at 250 Hz; `scale` is the unit of length.
+MotionColumns hand(double phase, double scale) {
+  MotionColumns motion;
+  for (int i = 0; i < 3000; ++i) {
+    const double t = 0.004 * i;
+    motion.t_s.push_back(t);
+    motion.p_W_m.emplace_back(scale * 0.02 * std::sin(1.3 * t + phase), scale * 0.015 * std::cos(2.1 * t),
+                              scale * (0.001 - 0.002 * std::sin(3.0 * t + phase)));
+  }
+  return motion;
+}
+
+struct World {
+  double scale = 1.0;
+  InstrumentDescription instrument;
+  Recording train;
+  Recording holdout;
+  Model start;
+
+  World(const Model& truth, double unit) : scale(unit), start(truth) {
+    instrument.force_noise_N = 0.01;
+    instrument.force_noise_time_constant_s = 0.01;
+    instrument.position_noise_m = 5e-5 * scale;
+    train = measure(truth, hand(0.0, scale), 21);
+    holdout = measure(truth, hand(1.1, scale), 22);
+    start.effects.clear();
+    start.instrument.clear();
+    start.parameters["stiffness_N_per_m"] *= 1.08;
+  }
+
+  Recording measure(const Model& truth, const MotionColumns& path, std::uint64_t seed) const {
+    Random random(seed);
+    Recording recording;
+    recording.f_W_N = PlanePredictor(path).predict(truth).f_W_N;
+    recording.motion = with_position_noise(path, instrument, random);
+    const auto noise = force_noise(path, instrument, random);
+    for (std::size_t i = 0; i < noise.size(); ++i) recording.f_W_N[i] += noise[i];
+    return recording;
+  }
+
+  [[nodiscard]] Findings find() const {
+    const MakePredictor make = [](const MotionColumns& motion) { return std::make_unique<PlanePredictor>(motion); };
+    const auto train_predictor = make(train.motion);
+    const auto holdout_predictor = make(holdout.motion);
+    NoiseModel train_noise(train.motion, instrument, make, 8, 1);
+    NoiseModel holdout_noise(holdout.motion, instrument, make, 8, 2);
+    const SearchData data{{&train, train_predictor.get(), &train_noise, {}},
+                          {&holdout, holdout_predictor.get(), &holdout_noise, {}},
+                          block_window_s(60.0, train.motion),
+                          0.06};
+    Findings findings;
+    findings.search = search_effects(data, start, candidates, {}, [](const std::string&) {});
+    conclude(findings, candidates);
+    return findings;
+  }
+};
+
+Model truth(double scale) {
+  Model model;
+  model.renderer = "plane";
+  model.parameters["stiffness_N_per_m"] = 900.0 / scale;
+  return model;
+}
+
+class SearchAtScale : public ::testing::TestWithParam<double> {};
+
+TEST_P(SearchAtScale, NamesNothingWhereNothingIsMissingAndRefitsTheStiffness) {
+  const World world(truth(GetParam()), GetParam());
+  const Findings findings = world.find();
+  EXPECT_EQ(findings.verdict, FindingsVerdict::consistent);
+  EXPECT_NEAR(findings.search.model.parameters.at("stiffness_N_per_m") * GetParam(), 900.0, 9.0);
+  EXPECT_LT(findings.search.goodness, 2.0);
+}
+
+TEST_P(SearchAtScale, NamesTheDamperWithItsCoefficientInItsInterval) {
+  const double b = 4.0 / GetParam();
+  Model hidden = truth(GetParam());
+  hidden.effects = {{"viscous-friction", {{"coefficient_N_s_per_m", b}}, "/effects/0"}};
+  const World world(hidden, GetParam());
+  const Findings findings = world.find();
+  ASSERT_EQ(findings.verdict, FindingsVerdict::explained);
+  ASSERT_EQ(findings.search.found.size(), 1U);
+  EXPECT_EQ(findings.search.found[0].name, "viscous-friction");
+  const FoundParameter& found = findings.parameters[0][0];
+  EXPECT_NEAR(found.value, b, 0.05 * b);
+  EXPECT_LT(found.low95, found.value);
+  EXPECT_GT(found.high95, found.value);
+}
+
+TEST_P(SearchAtScale, NamesTwoAtOnce) {
+  Model hidden = truth(GetParam());
+  hidden.effects = {{"viscous-friction", {{"coefficient_N_s_per_m", 4.0 / GetParam()}}, "/effects/0"}};
+  hidden.instrument = {{"force-bias", {{"fx_N", 0.1}, {"fy_N", -0.05}, {"fz_N", 0.08}}, "/instrument/0"}};
+  const Findings findings = World(hidden, GetParam()).find();
+  ASSERT_EQ(findings.verdict, FindingsVerdict::explained);
+  std::vector<std::string> names;
+  for (const auto& found : findings.search.found) names.push_back(found.name);
+  EXPECT_THAT(names, ::testing::UnorderedElementsAre("viscous-friction", "force-bias"));
+}
+
+INSTANTIATE_TEST_SUITE_P(Units, SearchAtScale, ::testing::Values(1.0, 1e3));
+
+TEST(Search, AForceThatNoCandidateMakesIsUnexplained) {
+  const World plain(truth(1.0), 1.0);
+  World world = plain;
+  for (auto* recording : {&world.train, &world.holdout}) {
+    for (std::size_t i = 0; i < recording->size(); ++i) {
+      recording->f_W_N[i].y() += 0.3 * std::sin(40.0 * recording->motion.t_s[i]);
+    }
+  }
+  const Findings findings = world.find();
+  EXPECT_EQ(findings.verdict, FindingsVerdict::unexplained);
+  EXPECT_TRUE(findings.search.found.empty());
+}
+
+TEST(Search, AModelWithoutAStiffnessIsRefused) {
+  World world(truth(1.0), 1.0);
+  world.start.parameters.clear();
+  EXPECT_THROW(world.find(), BadData);
+}
+
+TEST(Blocks, CoverEverySampleOnceAndKeepTheMean) {
+  const MotionColumns motion = hand(0.0, 1.0);
+  const auto blocks = make_blocks(motion, 0.033);
+  std::size_t next = 0;
+  for (const SampleBlock& block : blocks) {
+    EXPECT_EQ(block.begin, next);
+    EXPECT_GT(block.end, block.begin);
+    next = block.end;
+  }
+  EXPECT_EQ(next, motion.size());
+  for (const Vec3& mean : block_means(blocks, std::vector<Vec3>(motion.size(), Vec3(1, 2, 3)))) {
+    EXPECT_NEAR((mean - Vec3(1, 2, 3)).norm(), 0.0, 1e-15);
+  }
+}
+
+TEST(InstrumentNoise, HasTheDeclaredDeviation) {
+  InstrumentDescription instrument;
+  instrument.force_noise_N = 0.02;
+  instrument.force_noise_time_constant_s = 0.01;
+  Random random(3);
+  const auto noise = force_noise(hand(0.0, 1.0), instrument, random);
+  double squares = 0.0;
+  for (const Vec3& n : noise) squares += n.squaredNorm() / 3.0;
+  // Coloured: about 2.5 samples to an independent one, so a standard error near 2 %.
+  EXPECT_NEAR(std::sqrt(squares / static_cast<double>(noise.size())), 0.02, 0.002);
+}
+
+}  // namespace
+}  // namespace touchstone
