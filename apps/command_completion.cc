@@ -24,21 +24,16 @@ std::string bash_script(const CLI::App& program) {
   for (const auto* command : program.get_subcommands([](const CLI::App*) { return true; })) {
     cases += fmt::format("    {}) words=\"{}\" ;;\n", command->get_name(), words_of(*command).substr(1));
   }
-  return fmt::format(R"(# bash completion for touchstone: eval "$(touchstone completion bash)"
-_touchstone() {
-    {
-      local current = $ {
-        { COMP_WORDS[COMP_CWORD] }
-      }
-      words = "{}"["$COMP_CWORD" - gt 1] && case $ {
-        { COMP_WORDS[1] }
-      }
-      in {}
-      esac COMPREPLY = ($(compgen - W "$words" --"$current"))["$COMP_CWORD" - gt 1] &&
-                       ["${{current#-}}" = "$current"]&& COMPREPLY += ($(compgen - f-- "$current"))
-    }}
+  return fmt::format(R"sh(# bash completion for touchstone: eval "$(touchstone completion bash)"
+_touchstone() {{
+  local current=${{COMP_WORDS[COMP_CWORD]}} words="{}"
+  [ "$COMP_CWORD" -gt 1 ] && case ${{COMP_WORDS[1]}} in
+{}  esac
+  COMPREPLY=($(compgen -W "$words" -- "$current"))
+  [ "$COMP_CWORD" -gt 1 ] && [ "${{current#-}}" = "$current" ] && COMPREPLY+=($(compgen -f -- "$current"))
+}}
 complete -o filenames -F _touchstone touchstone
-)",
+)sh",
                      words_of(program).substr(1), cases);
 }
 
