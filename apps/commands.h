@@ -17,6 +17,7 @@ void add_doctor(CLI::App& program, Run& run);
 void add_discrepancy(CLI::App& program, Run& run);
 void add_golden(CLI::App& program, Run& run);
 void add_history(CLI::App& program, Run& run);
+void add_hil(CLI::App& program, Run& run);
 void add_experiment(CLI::App& program, Run& run);
 void add_list(CLI::App& program, Run& run);
 void add_replay(CLI::App& program, Run& run);
@@ -37,6 +38,7 @@ inline std::vector<AddCommand> commands() {
       add_discrepancy,
       add_golden,
       add_history,
+      add_hil,
       add_experiment,
       add_list,
       add_replay,
