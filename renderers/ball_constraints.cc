@@ -2,8 +2,7 @@
 
 #include <Eigen/LU>
 #include <cmath>
-
-#include "harness/surface/triangle_queries.h"
+#include <limits>
 
 namespace touchstone {
 namespace {
@@ -97,13 +96,43 @@ bool newton(const ContactMesh& mesh, const Holding& holding, double r, const Vec
 
 Touch touch(const ContactMesh& mesh, std::int32_t triangle, const Vec3& x) noexcept {
   const Facet& facet = mesh.facet(triangle);
-  const TriangleClosest c = closest_on_triangle(mesh.corners(triangle), facet.n, x);
-  if (c.feature == Feature::face) {
-    const double h = facet.height(x);
+  const double h = facet.height(x);
+  const std::array<double, 3> s{facet.inside(0, x), facet.inside(1, x), facet.inside(2, x)};
+  if (s[0] >= 0.0 && s[1] >= 0.0 && s[2] >= 0.0)
     return {h >= 0.0 ? facet.n : Vec3(-facet.n), std::abs(h), Feature::face, 0};
+  // The closest point is on an edge that x is outside of, or at one of its ends.
+  Touch best{facet.n, 0.0, Feature::vertex, 0};
+  Vec3 from = Vec3::Zero();
+  double least = std::numeric_limits<double>::infinity();
+  for (std::uint8_t e = 0; e < 3; ++e) {
+    if (s[e] >= 0.0) continue;
+    const auto next = static_cast<std::uint8_t>(e == 2 ? 0 : e + 1);
+    const Vec3& start = mesh.vertex(facet.corner[e]);
+    const Vec3 along = mesh.vertex(facet.corner[next]) - start;
+    const Vec3 out = x - start;
+    const double reach = out.dot(along);
+    Vec3 here;
+    Feature feature = Feature::vertex;
+    std::uint8_t index = e;
+    if (reach <= 0.0) {
+      here = out;
+    } else if (reach >= along.squaredNorm()) {
+      here = out - along;
+      index = next;
+    } else {
+      here = h * facet.n + s[e] * facet.inward[e];
+      feature = Feature::edge;
+    }
+    if (const double squared = here.squaredNorm(); squared < least) {
+      least = squared;
+      from = here;
+      best.feature = feature;
+      best.index = index;
+    }
   }
-  const double d = std::sqrt(c.squared_distance);
-  return {d > 0.0 ? Vec3(c.from_query / -d) : facet.n, d, c.feature, c.index};
+  best.d = std::sqrt(least);
+  if (best.d > 0.0) best.n = from / best.d;
+  return best;
 }
 
 bool rest_on(const ContactMesh& mesh, const Holding& holding, double r, const Vec3& p, double rounding,

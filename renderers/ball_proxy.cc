@@ -77,14 +77,14 @@ void BallProxy::follow(const Vec3& p) noexcept {
 
 void BallProxy::gather(const Vec3& at, double margin) noexcept {
   ++gathers_;
+  const double off = (at - c_).norm();
   while (true) {
     near_.clear();
     bool overflow = false;
     mesh_->tree().within(at, r_ + margin, [&](std::int32_t t) {
-      const double distance = touch(*mesh_, t, at).d;
-      if (distance <= r_ + margin && !mesh_->facet(t).n.isZero(0.0)) {
-        // Tangential to the triangle from the ball's centre, which is outside; the middle of the gathered may not be.
-        const Touch here = touch(*mesh_, t, c_);
+      // Tangential to the triangle from the ball's centre, which is outside; the middle of the gathered may not be.
+      const Touch here = touch(*mesh_, t, c_);
+      if (here.d - off <= r_ + margin && !mesh_->facet(t).n.isZero(0.0)) {
         if (near_.size() < kMost) {
           near_.push_back({here.n, r_ - here.d + here.n.dot(c_ - at), t});
         } else {
@@ -200,24 +200,33 @@ bool BallProxy::settle(const Vec3& p, Holding& holding, Vec3& x, bool& safe_way)
 
 bool BallProxy::exchange(const Vec3& p, std::int32_t added, Holding& holding, Vec3& x) const noexcept {
   const Holding before = holding;
-  Holding best;
-  Vec3 best_x = x;
-  double least = std::numeric_limits<double>::infinity();
-  for (unsigned chosen = 0; chosen < (1U << before.size); ++chosen) {
-    Holding next;
+  const auto try_with = [&](unsigned chosen, Holding& next, Vec3& there) {
+    next = {};
     next.add(added);
     for (int i = 0; i < before.size && next.size < 3; ++i) {
       if ((chosen >> i & 1U) != 0) next.add(before.triangle[static_cast<std::size_t>(i)]);
     }
-    Vec3 there = c_;
-    if (!rest_on(*mesh_, next, r_, p, rounding_, there)) continue;
-    bool clear = true;
-    for (int i = 0; i < before.size && clear; ++i) {
+    there = c_;
+    if (!rest_on(*mesh_, next, r_, p, rounding_, there)) return false;
+    for (int i = 0; i < before.size; ++i) {
       const std::int32_t t = before.triangle[static_cast<std::size_t>(i)];
-      if (!next.has(t)) clear = touch(*mesh_, t, there).d >= r_ - rounding_;
+      if (!next.has(t) && touch(*mesh_, t, there).d < r_ - rounding_) return false;
     }
-    if (!clear) continue;
-    // The rest closest to the centre: the one that it would slide to first.
+    return true;
+  };
+  // Alone it may hold the ball: on a smooth surface nearly always.
+  if (Holding next; try_with(0, next, x)) {
+    holding = next;
+    return true;
+  }
+  // Else the rest closest to the centre: the one that it would slide to first.
+  Holding best;
+  Vec3 best_x = x;
+  double least = std::numeric_limits<double>::infinity();
+  for (unsigned chosen = 1; chosen < (1U << before.size); ++chosen) {
+    Holding next;
+    Vec3 there;
+    if (!try_with(chosen, next, there)) continue;
     if (const double way = (there - c_).squaredNorm(); way < least) {
       least = way;
       best = next;
@@ -269,9 +278,10 @@ bool BallProxy::creep(const Vec3& goal) noexcept {
   half_spaces_.clear();
   if ((c_ - gathered_at_).norm() > 0.5 * margin_) gather(c_, next_margin_);
   const Vec3 offset = c_ - gathered_at_;
-  const double reach = (goal - c_).norm();
+  // Short moves, for which few triangles matter.
+  const double reach = std::min((goal - c_).norm(), 0.25 * margin_);
   for (Near& near : near_) {
-    // No half-space that the goal's ball leaves free can hold it.
+    // Farther than the move goes.
     if (near.n.dot(offset) - near.b >= reach) continue;
     const Touch t = touch(*mesh_, near.triangle, c_);
     if (ignored(near.triangle)) continue;
@@ -293,8 +303,7 @@ bool BallProxy::creep(const Vec3& goal) noexcept {
   }
   const double length = found.x.norm();
   if (!(length > rounding_)) return false;
-  const double room = margin_ - offset.norm();
-  c_ += length > room ? Vec3(room / length * found.x) : found.x;
+  c_ += length > reach ? Vec3(reach / length * found.x) : found.x;
   return true;
 }
 

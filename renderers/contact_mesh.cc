@@ -8,6 +8,7 @@
 #include <mutex>
 
 #include "harness/base/error.h"
+#include "renderers/mesh_regularity.h"
 
 namespace touchstone {
 namespace {
@@ -27,17 +28,17 @@ ContactMesh::ContactMesh(const Surface& surface)
   extent_ = surface.bounds().diagonal().norm();
   const std::size_t count = mesh_->triangle_count();
   facets_.resize(count);
+  const std::vector<bool> regular = regular_triangles(*mesh_, topology_, *tree_);
   for (std::size_t t = 0; t < count; ++t) {
     Facet& facet = facets_[t];
     facet.corner = mesh_->triangles[t];
     facet.neighbour = topology_.neighbours[t];
     facet.origin = vertex(facet.corner[0]);
     facet.n = topology_.face_normals[t];
-    facet.regular = !facet.n.isZero(0.0);
+    facet.regular = regular[t];
     for (std::size_t e = 0; e < 3; ++e) {
       const Vec3 along = vertex(facet.corner[(e + 1) % 3]) - vertex(facet.corner[e]);
       facet.inward[e] = facet.n.cross(along).normalized();
-      if ((topology_.vertex_flags[at(facet.corner[e])] & vertex_non_manifold) != 0) facet.regular = false;
       magnitude_ = std::max(magnitude_, vertex(facet.corner[e]).cwiseAbs().maxCoeff());
     }
     facet.inset = facet.inward[1].dot(vertex(facet.corner[1]) - facet.origin);
@@ -46,10 +47,8 @@ ContactMesh::ContactMesh(const Surface& surface)
     Facet& facet = facets_[t];
     for (std::size_t e = 0; e < 3; ++e) {
       facet.valley[e] = false;
-      if (facet.neighbour[e] == non_manifold_edge) facet.regular = false;
       if (facet.neighbour[e] < 0) continue;
       const Facet& other = facets_[at(facet.neighbour[e])];
-      if (other.n.isZero(0.0)) facet.regular = false;
       // By the free corner that reaches farther, asked the same way from both sides, so that both agree.
       const auto reach = [&](const Facet& plane, const Facet& from) {
         double far = 0.0;

@@ -22,7 +22,7 @@ struct Facet {
   std::array<std::int32_t, 3> corner;     // vertex indices
   std::array<std::int32_t, 3> neighbour;  // across edge e: a triangle, open_edge or non_manifold_edge
   std::array<bool, 3> valley;             // edge e is concave seen from outside
-  bool regular;                           // has area, and so have its neighbours; manifold at every edge and corner
+  bool regular;                           // may be walked on by its neighbours (mesh_regularity.h)
 
   // Signed distance from the plane, positive outside.
   [[nodiscard]] double height(const Vec3& x) const noexcept { return n.dot(x - origin); }

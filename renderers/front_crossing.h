@@ -35,6 +35,10 @@ inline bool through_outline(const ContactMesh& mesh, const Facet& facet, const V
   return true;
 }
 
+inline bool within(const Facet& facet, const Vec3& x, double widen) noexcept {
+  return facet.inside(0, x) >= -widen && facet.inside(1, x) >= -widen && facet.inside(2, x) >= -widen;
+}
+
 // A way that leaves the surface almost along it: having started on a triangle that is skipped, it can come over the
 // border of the next one already behind that one's plane, by rounding. The fraction at which it does; 2 where it does
 // not.
@@ -56,9 +60,11 @@ inline double slips_under(const Facet& facet, const Vec3& a, const Vec3& p, doub
   return enters < leaves && std::abs(at_border) <= rounding && from + leaves * (to - from) < 0.0 ? enters : 2.0;
 }
 
-// Triangles for which skip(triangle) holds are passed. Ties go to the smaller index.
+// Triangles for which skip(triangle) holds are passed. Ties go to the smaller index. Outlines are taken wider by
+// `widen`: where neighbours are not known a crossing at a border must not fall between two triangles.
 template <class Skip>
-FrontCrossing first_front_crossing(const ContactMesh& mesh, const Vec3& a, const Vec3& p, Skip&& skip) noexcept {
+FrontCrossing first_front_crossing(const ContactMesh& mesh, const Vec3& a, const Vec3& p, Skip&& skip,
+                                   double widen = 0.0) noexcept {
   FrontCrossing first;
   const double rounding = resting_error(mesh, a);
   mesh.tree().along_segment(a, p, [&](std::int32_t t) {
@@ -67,7 +73,9 @@ FrontCrossing first_front_crossing(const ContactMesh& mesh, const Vec3& a, const
     const double to = facet.height(p);
     if (!(to < 0.0 && from >= -rounding && from > to) || skip(t)) return first.fraction;
     double fraction = std::max(0.0, from / (from - to));
-    if (!through_outline(mesh, facet, a, p)) fraction = slips_under(facet, a, p, from, to, rounding);
+    if (!through_outline(mesh, facet, a, p) && !(widen > 0.0 && within(facet, a + fraction * (p - a), widen))) {
+      fraction = slips_under(facet, a, p, from, to, rounding);
+    }
     if (fraction < first.fraction || (fraction == first.fraction && (first.triangle < 0 || t < first.triangle)))
       first = {t, fraction};
     return first.fraction;

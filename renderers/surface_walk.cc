@@ -45,7 +45,7 @@ void SurfaceWalk::start_free(const Vec3& p) noexcept {
   transitions_ = 0;
 }
 
-void SurfaceWalk::start_on(std::int32_t triangle, Feature feature, std::size_t local, const Vec3& p) noexcept {
+bool SurfaceWalk::start_on(std::int32_t triangle, Feature feature, std::size_t local, const Vec3& p) noexcept {
   const auto [a, b, c] = mesh_->corners(triangle);
   on_ = feature == Feature::vertex ? On::vertex : feature == Feature::edge ? On::edge : On::face;
   triangle_ = triangle;
@@ -53,7 +53,14 @@ void SurfaceWalk::start_on(std::int32_t triangle, Feature feature, std::size_t l
   transitions_ = 0;
   // Where on the feature does not matter: it comes to rest on the closest point.
   g_ = (a + b + c) / 3.0;
-  follow(p);
+  if (!mesh_->facet(triangle).regular) return false;
+  return follow(p);
+}
+
+void SurfaceWalk::resume(const Vec3& g, std::int32_t triangle) noexcept {
+  on_ = On::face;
+  triangle_ = triangle;
+  g_ = g;
 }
 
 Vec3 SurfaceWalk::normal() const noexcept {
@@ -63,9 +70,10 @@ Vec3 SurfaceWalk::normal() const noexcept {
   return push_ / length;
 }
 
-void SurfaceWalk::follow(const Vec3& p) noexcept {
+bool SurfaceWalk::follow(const Vec3& p) noexcept {
   double least = std::numeric_limits<double>::infinity();
   int patience = kPatience;
+  stopped_ = false;
   while (true) {
     bool done = false;
     switch (on_) {
@@ -82,14 +90,14 @@ void SurfaceWalk::follow(const Vec3& p) noexcept {
         done = turn_at_vertex(p);
         break;
     }
-    if (done) return;
+    if (done) return !stopped_;
     ++transitions_;
     const double left = (p - g_).squaredNorm();
     patience = left < least ? kPatience : patience - 1;
     least = std::min(least, left);
     if (patience == 0) {
       push_ = g_ - p;
-      return;
+      return true;
     }
   }
 }
@@ -238,7 +246,8 @@ bool SurfaceWalk::touches(std::int32_t triangle) const noexcept {
 bool SurfaceWalk::to_face(std::int32_t triangle) noexcept {
   on_ = On::face;
   triangle_ = triangle;
-  return false;
+  stopped_ = !mesh_->facet(triangle).regular;
+  return stopped_;
 }
 
 bool SurfaceWalk::to_vertex(std::int32_t triangle, std::size_t corner) noexcept {

@@ -38,9 +38,12 @@ class SurfaceWalk {
   void start_free(const Vec3& p) noexcept;
   // The first position of a run inside the object: the god-object starts where the surface is closest, which is the
   // given triangle, or its edge or corner with index `local`.
-  void start_on(std::int32_t triangle, Feature feature, std::size_t local, const Vec3& p) noexcept;
-  // Moves the god-object for a new position of the tip.
-  void follow(const Vec3& p) noexcept;
+  bool start_on(std::int32_t triangle, Feature feature, std::size_t local, const Vec3& p) noexcept;
+  // Goes on from g on that triangle.
+  void resume(const Vec3& g, std::int32_t triangle) noexcept;
+  // Moves the god-object for a new position of the tip. False where it came upon a triangle that cannot be walked on
+  // (Facet::regular): it is at position() on triangle(), and push() is not known.
+  bool follow(const Vec3& p) noexcept;
 
   [[nodiscard]] On on() const noexcept { return on_; }
   [[nodiscard]] bool touching() const noexcept { return on_ != On::nothing; }
@@ -73,6 +76,7 @@ class SurfaceWalk {
   std::int32_t triangle_ = -1;
   std::size_t local_ = 0;
   On on_ = On::nothing;
+  bool stopped_ = false;  // on a triangle that is not regular
   std::uint64_t transitions_ = 0;
 };
 

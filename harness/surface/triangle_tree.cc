@@ -182,4 +182,15 @@ void TriangleTree::ball(const Vec3& center_W_m, double radius_m, Visitor visitor
   rtcPointQuery(self.scene.get(), &query, &context, Embree::in_ball, &visit);
 }
 
+void TriangleTree::pairs(PairVisitor visitor) const {
+  const auto found = [](void* self, RTCCollision* collisions, unsigned count) {
+    const auto& to = *static_cast<const PairVisitor*>(self);
+    for (unsigned i = 0; i < count; ++i) {
+      to.call(to.self, static_cast<std::int32_t>(collisions[i].primID0),
+              static_cast<std::int32_t>(collisions[i].primID1));
+    }
+  };
+  rtcCollide(embree_->scene.get(), embree_->scene.get(), found, &visitor);
+}
+
 }  // namespace touchstone

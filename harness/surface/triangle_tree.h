@@ -38,7 +38,21 @@ class TriangleTree {
          {&visit, [](void* self, std::int32_t t) { return (*static_cast<std::remove_reference_t<Visit>*>(self))(t); }});
   }
 
+  // Calls visit(s, t) for the pairs of triangles whose boxes overlap, every pair at least once in some order (s may
+  // equal t), from several threads at a time.
+  template <class Visit>
+  void overlapping_pairs(Visit&& visit) const {
+    pairs({&visit, [](void* self, std::int32_t s, std::int32_t t) {
+             (*static_cast<std::remove_reference_t<Visit>*>(self))(s, t);
+           }});
+  }
+
  private:
+  struct PairVisitor {
+    void* self;
+    void (*call)(void*, std::int32_t, std::int32_t);
+  };
+  void pairs(PairVisitor visitor) const;
   struct Visitor {
     void* self;
     double (*call)(void*, std::int32_t);

@@ -1,0 +1,130 @@
+// Meshes that are not what a mesh should be: the god-object still passes through nothing that it meets, and no answer
+// is not finite.
+#include <gtest/gtest.h>
+
+#include "harness/base/random.h"
+#include "harness/testing/tiny_meshes.h"
+#include "renderers/mesh_regularity.h"
+#include "renderers/testing.h"
+#include "synthetic/surface_catalogue.h"
+
+namespace touchstone {
+namespace {
+
+using testing::god_object;
+using testing::Hand;
+
+constexpr double kStiffness = 500.0;
+
+TriangleMesh joined(const TriangleMesh& a, const TriangleMesh& b) {
+  TriangleMesh both = a;
+  const auto offset = static_cast<std::int32_t>(a.vertices_W_m.size());
+  both.vertices_W_m.insert(both.vertices_W_m.end(), b.vertices_W_m.begin(), b.vertices_W_m.end());
+  for (const auto& [i, j, k] : b.triangles) both.triangles.push_back({i + offset, j + offset, k + offset});
+  return both;
+}
+
+std::size_t irregular(const TriangleMesh& mesh) {
+  const TriangleTree tree(mesh);
+  const auto regular = regular_triangles(mesh, make_topology(mesh), tree);
+  return static_cast<std::size_t>(std::count(regular.begin(), regular.end(), false));
+}
+
+// Two cubes of 40 mm that overlap: the second 30 mm along x and turned about z.
+TriangleMesh crossing_cubes() {
+  return joined(testing::cube(0.02), testing::moved(testing::cube(0.02), Quat(Eigen::AngleAxisd(0.3, Vec3::UnitZ())),
+                                                    {0.03, 0.001, 0.0013}));
+}
+
+TEST(MeshRegularity, SoundMeshesAreRegularEverywhere) {
+  for (const auto& entry : synthetic::surface_catalogue()) {
+    EXPECT_EQ(irregular(synthetic::make_mesh(entry.name, {}, 2000).mesh), 0U) << entry.name;
+  }
+  EXPECT_EQ(irregular(testing::torus(0.03, 0.01, 30, 20)), 0U);
+}
+
+TEST(MeshRegularity, CrossingsFoldsDuplicatesAndExtraTrianglesAreFound) {
+  EXPECT_GE(irregular(crossing_cubes()), 4U);
+  TriangleMesh duplicate = testing::cube(0.02);
+  duplicate.triangles.push_back(duplicate.triangles[0]);
+  EXPECT_GE(irregular(duplicate), 2U);
+  // A fin on an edge: three triangles at it.
+  TriangleMesh fin = testing::grid(0.02, 2);
+  fin.vertices_W_m.emplace_back(0.0, 0.0, 0.01);
+  fin.triangles.push_back({4, 5, 9});
+  EXPECT_GE(irregular(fin), 3U);
+  // Two triangles folded flat onto one another.
+  TriangleMesh fold;
+  fold.vertices_W_m = {{0, 0, 0}, {1, 0, 0}, {0.2, 1, 0}, {0.4, 0.8, 0}};
+  fold.triangles = {{0, 1, 2}, {1, 0, 3}};
+  EXPECT_EQ(irregular(fold), 2U);
+}
+
+TEST(IrregularMesh, OverCrossingBodiesItStaysOutsideOfBoth) {
+  for (const double scale : {1e-3, 1.0, 1e3}) {
+    const TriangleMesh mesh =
+        testing::moved(crossing_cubes(), testing::awkward_rotation(), scale * Vec3(0.01, 0.02, -0.03), scale);
+    const auto renderer = god_object(mesh, kStiffness / scale);
+    const auto at = [&](const Vec3& p) {
+      return Vec3(testing::awkward_rotation() * (scale * p) + scale * Vec3(0.01, 0.02, -0.03));
+    };
+    Hand hand(*renderer);
+    // Along the top from the first cube's (z = 20 mm) to the second's (z = 21.3 mm), 0.5 mm below the first's.
+    hand.to(at({-0.01, 0.002, 0.03}));
+    StepResult result;
+    for (int i = 0; i <= 400; ++i) {
+      result = hand.to(at({-0.01 + i * 1e-4, 0.002, 0.0195}));
+      ASSERT_TRUE(result.contact) << "scale " << scale << " step " << i;
+      const Vec3 g =
+          testing::awkward_rotation().conjugate() * (result.contact_W_m - scale * Vec3(0.01, 0.02, -0.03)) / scale;
+      ASSERT_GE(g.z(), 0.02 - 1e-12) << "scale " << scale << " step " << i;
+      ASSERT_TRUE(result.f_W_N.allFinite());
+    }
+    // It is held by the second cube's side, which rises 1.3 mm above the first's top.
+    const Vec3 g =
+        testing::awkward_rotation().conjugate() * (result.contact_W_m - scale * Vec3(0.01, 0.02, -0.03)) / scale;
+    EXPECT_LT(g.x(), 0.0125);
+    EXPECT_NEAR(g.z(), 0.02, 1e-12);
+    EXPECT_GT(result.depth_m / scale, 0.015);
+  }
+}
+
+TEST(IrregularMesh, NoPressThroughAnyOfThemAndNoAnswerThatIsNotFinite) {
+  TriangleMesh broken = testing::ball(0.02, 3);
+  // Holes, duplicates, triangles without area, turned triangles, a fin.
+  broken.triangles.erase(broken.triangles.begin() + 40, broken.triangles.begin() + 60);
+  broken.triangles.push_back(broken.triangles[10]);
+  broken.triangles.push_back({5, 5, 9});
+  broken.triangles.push_back({1, 2, 1});
+  std::swap(broken.triangles[100][0], broken.triangles[100][1]);
+  broken.vertices_W_m.emplace_back(0.0, 0.0, 0.03);
+  broken.triangles.push_back(
+      {broken.triangles[20][0], broken.triangles[20][1], static_cast<std::int32_t>(broken.vertices_W_m.size()) - 1});
+  TriangleMesh soup;
+  Random random(30);
+  for (int t = 0; t < 300; ++t) {
+    for (int i = 0; i < 3; ++i) soup.vertices_W_m.push_back(0.02 * random.uniform() * random.direction());
+    soup.triangles.push_back({3 * t, 3 * t + 1, 3 * t + 2});
+  }
+  for (const TriangleMesh& mesh : {broken, soup, crossing_cubes()}) {
+    for (const double radius : {0.0, 1e-3}) {
+      const auto renderer = god_object(mesh, kStiffness, radius);
+      Hand hand(*renderer);
+      Vec3 p(0.05, 0.04, 0.03);
+      Vec3 target = p;
+      int touching = 0;
+      for (int i = 0; i < 3000; ++i) {
+        if (i % 60 == 0) target = 0.05 * random.uniform() * random.direction();
+        p += 0.05 * (target - p) + 2e-4 * random.direction();
+        const StepResult result = hand.to(p);
+        ASSERT_TRUE(result.f_W_N.allFinite() && result.contact_W_m.allFinite() && result.n_W.allFinite()) << i;
+        ASSERT_LT(result.depth_m, 0.2);
+        touching += result.contact ? 1 : 0;
+      }
+      EXPECT_GT(touching, 100);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace touchstone

@@ -1,0 +1,112 @@
+#include "renderers/mesh_regularity.h"
+
+#include <algorithm>
+#include <atomic>
+#include <memory>
+
+#include "harness/surface/exact_predicates.h"
+
+namespace touchstone {
+namespace {
+
+std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
+
+using Corners = std::array<Vec3, 3>;
+
+Corners corners_of(const TriangleMesh& mesh, std::int32_t t) {
+  const auto& c = mesh.triangles[at(t)];
+  return {mesh.vertices_W_m[at(c[0])], mesh.vertices_W_m[at(c[1])], mesh.vertices_W_m[at(c[2])]};
+}
+
+// Whether the edge passes through the other triangle or touches it; one within its plane does not count.
+bool edge_crosses(const Corners& edges_of, std::size_t edge, const Corners& other) {
+  const Vec3& a = edges_of[edge];
+  const Vec3& b = edges_of[(edge + 1) % 3];
+  const auto& [u, v, w] = other;
+  const int from = side_of_plane(u, v, w, a);
+  const int to = side_of_plane(u, v, w, b);
+  if (from * to > 0 || (from == 0 && to == 0)) return false;
+  const int first = side_of_plane(a, b, u, v);
+  const int second = side_of_plane(a, b, v, w);
+  const int third = side_of_plane(a, b, w, u);
+  return first * second >= 0 && second * third >= 0 && third * first >= 0;
+}
+
+// Whether two triangles meet other than along what they share.
+bool cross(const TriangleMesh& mesh, std::int32_t s, std::int32_t t) {
+  const auto& a = mesh.triangles[at(s)];
+  const auto& b = mesh.triangles[at(t)];
+  std::size_t shared = 0;
+  std::size_t lone_a = 0;
+  std::size_t lone_b = 0;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const bool in_b = std::find(b.begin(), b.end(), a[i]) != b.end();
+    if (in_b)
+      ++shared;
+    else
+      lone_a = i;
+    if (std::find(a.begin(), a.end(), b[i]) == a.end()) lone_b = i;
+  }
+  const Corners p = corners_of(mesh, s);
+  const Corners q = corners_of(mesh, t);
+  // The far sides of two triangles apart: nothing meets.
+  const auto apart = [](const Corners& plane, const Corners& other) {
+    int least = 2;
+    int most = -2;
+    for (const Vec3& x : other) {
+      const int side = side_of_plane(plane[0], plane[1], plane[2], x);
+      least = std::min(least, side);
+      most = std::max(most, side);
+    }
+    return least > 0 || most < 0;
+  };
+  if (shared == 0) {
+    if (apart(p, q) || apart(q, p)) return false;
+    for (std::size_t e = 0; e < 3; ++e) {
+      if (edge_crosses(p, e, q) || edge_crosses(q, e, p)) return true;
+    }
+    return false;
+  }
+  if (shared == 1) {
+    // Only the edges opposite to the shared corner can cross.
+    std::size_t corner_a = 0;
+    std::size_t corner_b = 0;
+    for (std::size_t i = 0; i < 3; ++i) {
+      if (std::find(b.begin(), b.end(), a[i]) != b.end()) corner_a = i;
+      if (std::find(a.begin(), a.end(), b[i]) != a.end()) corner_b = i;
+    }
+    return edge_crosses(p, (corner_a + 1) % 3, q) || edge_crosses(q, (corner_b + 1) % 3, p);
+  }
+  if (shared == 3) return true;
+  // Folded flat onto its neighbour: the free corners lie in one plane with the edge, on the same side of it.
+  if (side_of_plane(p[0], p[1], p[2], q[lone_b]) != 0) return false;
+  const Vec3& from = p[(lone_a + 1) % 3];
+  const Vec3 along = p[(lone_a + 2) % 3] - from;
+  return along.cross(p[lone_a] - from).dot(along.cross(q[lone_b] - from)) > 0.0;
+}
+
+}  // namespace
+
+std::vector<bool> regular_triangles(const TriangleMesh& mesh, const MeshTopology& topology, const TriangleTree& tree) {
+  const std::size_t count = mesh.triangle_count();
+  std::vector<bool> regular(count);
+  for (std::size_t t = 0; t < count; ++t) {
+    bool good = !topology.face_normals[t].isZero(0.0);
+    for (std::size_t e = 0; e < 3; ++e) {
+      const std::int32_t neighbour = topology.neighbours[t][e];
+      good = good && neighbour != non_manifold_edge &&
+             (neighbour < 0 || !topology.face_normals[at(neighbour)].isZero(0.0));
+      good = good && (topology.vertex_flags[at(mesh.triangles[t][e])] & vertex_non_manifold) == 0;
+    }
+    regular[t] = good;
+  }
+  // Pairs come from several threads at a time.
+  const auto crossed = std::make_unique<std::atomic<bool>[]>(count);
+  tree.overlapping_pairs([&](std::int32_t s, std::int32_t t) {
+    if (s < t && cross(mesh, s, t)) crossed[at(s)] = crossed[at(t)] = true;
+  });
+  for (std::size_t t = 0; t < count; ++t) regular[t] = regular[t] && !crossed[t];
+  return regular;
+}
+
+}  // namespace touchstone

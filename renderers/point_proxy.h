@@ -1,0 +1,36 @@
+// The god-object of a point tip on any mesh: walks on the surface where that is regular (surface_walk.h), and goes by
+// planes where it is not (plane_contact.h).
+#pragma once
+
+#include "renderers/plane_contact.h"
+#include "renderers/surface_walk.h"
+
+namespace touchstone {
+
+class PointProxy {
+ public:
+  PointProxy(const ContactMesh& mesh, const Surface& surface)
+      : mesh_(&mesh), surface_(&surface), walk_(mesh), planes_(mesh) {}
+
+  // The first position of a run: inside a closed body (or behind an open sheet, its rim aside) the god-object starts at
+  // the closest surface point.
+  void start(const Vec3& p) noexcept;
+  void follow(const Vec3& p) noexcept;
+
+  [[nodiscard]] bool touching() const noexcept { return by_planes_ ? planes_.touching() : walk_.touching(); }
+  [[nodiscard]] const Vec3& position() const noexcept { return by_planes_ ? planes_.position() : walk_.position(); }
+  // From the tip at p to the god-object; zero when free.
+  [[nodiscard]] Vec3 push(const Vec3& p) const noexcept { return by_planes_ ? planes_.push(p) : walk_.push(); }
+  [[nodiscard]] Vec3 normal(const Vec3& p) const noexcept { return by_planes_ ? planes_.normal(p) : walk_.normal(); }
+
+ private:
+  void go_by_planes(const Vec3& g, std::int32_t triangle, const Vec3& p) noexcept;
+
+  const ContactMesh* mesh_;
+  const Surface* surface_;
+  SurfaceWalk walk_;
+  PlaneContact planes_;
+  bool by_planes_ = false;
+};
+
+}  // namespace touchstone
