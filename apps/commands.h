@@ -15,8 +15,11 @@ void add_convert(CLI::App& program, Run& run);
 void add_dataset(CLI::App& program, Run& run);
 void add_doctor(CLI::App& program, Run& run);
 void add_discrepancy(CLI::App& program, Run& run);
+void add_fit(CLI::App& program, Run& run);
 void add_golden(CLI::App& program, Run& run);
 void add_history(CLI::App& program, Run& run);
+void add_hil(CLI::App& program, Run& run);
+void add_evaluate(CLI::App& program, Run& run);
 void add_experiment(CLI::App& program, Run& run);
 void add_list(CLI::App& program, Run& run);
 void add_replay(CLI::App& program, Run& run);
@@ -35,8 +38,11 @@ inline std::vector<AddCommand> commands() {
       add_dataset,
       add_doctor,
       add_discrepancy,
+      add_fit,
       add_golden,
       add_history,
+      add_hil,
+      add_evaluate,
       add_experiment,
       add_list,
       add_replay,

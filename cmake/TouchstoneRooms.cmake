@@ -43,10 +43,11 @@ function(touchstone_add_room name)
     FILE_SET HEADERS DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/touchstone)
 endfunction()
 
-# touchstone_add_tests(<name> SOURCES a_test.cc... [LIBS target...] [LABELS unit...] [TIMEOUT seconds] [SERIAL])
+# touchstone_add_tests(<name> SOURCES a_test.cc... [LIBS target...] [LABELS unit...] [TIMEOUT seconds] [SERIAL]
+#                      [ENVIRONMENT NAME=value...])
 # Makes the GoogleTest program touchstone_<name>_test and one ctest test per case, found when ctest runs.
 function(touchstone_add_tests name)
-  cmake_parse_arguments(ARG "SERIAL" "TIMEOUT" "SOURCES;LIBS;LABELS" ${ARGN})
+  cmake_parse_arguments(ARG "SERIAL" "TIMEOUT" "SOURCES;LIBS;LABELS;ENVIRONMENT" ${ARGN})
   if(NOT BUILD_TESTING)
     return()
   endif()
@@ -62,10 +63,26 @@ function(touchstone_add_tests name)
   if(NOT ARG_TIMEOUT)
     set(ARG_TIMEOUT 120)
   endif()
-  set(properties LABELS "${ARG_LABELS}" TIMEOUT ${ARG_TIMEOUT}
-    ENVIRONMENT "TOUCHSTONE_DATA_DIR=${TOUCHSTONE_DATA_DIR};TOUCHSTONE_SOURCE_DIR=${PROJECT_SOURCE_DIR};TOUCHSTONE_PROGRAM=${PROJECT_BINARY_DIR}/bin/touchstone")
-  if(ARG_SERIAL)
-    list(APPEND properties RUN_SERIAL TRUE)
-  endif()
-  gtest_discover_tests(${target} DISCOVERY_MODE PRE_TEST TEST_PREFIX "${name}." PROPERTIES ${properties})
+  touchstone_discover_tests(${target} PREFIX ${name} LABELS ${ARG_LABELS} TIMEOUT ${ARG_TIMEOUT} SERIAL ${ARG_SERIAL}
+    ENVIRONMENT ${ARG_ENVIRONMENT})
+endfunction()
+
+# touchstone_discover_tests(<target> PREFIX p LABELS l... TIMEOUT seconds SERIAL bool [ENVIRONMENT NAME=value...])
+# One ctest test per case of a GoogleTest program, named p.Suite.Case. A program may be given twice under two prefixes.
+# gtest_discover_tests splits lists among its PROPERTIES, so labels and environment are set by a file that ctest reads
+# after the tests were found.
+function(touchstone_discover_tests target)
+  cmake_parse_arguments(ARG "" "PREFIX;TIMEOUT;SERIAL" "LABELS;ENVIRONMENT" ${ARGN})
+  set(list touchstone_tests_${ARG_PREFIX})
+  gtest_discover_tests(${target} DISCOVERY_MODE PRE_TEST TEST_PREFIX "${ARG_PREFIX}." TEST_LIST ${list}
+    PROPERTIES TIMEOUT ${ARG_TIMEOUT} RUN_SERIAL ${ARG_SERIAL})
+  set(environment "TOUCHSTONE_DATA_DIR=${TOUCHSTONE_DATA_DIR}" "TOUCHSTONE_SOURCE_DIR=${PROJECT_SOURCE_DIR}"
+    "TOUCHSTONE_PROGRAM=${PROJECT_BINARY_DIR}/bin/touchstone" ${ARG_ENVIRONMENT})
+  set(properties_file ${CMAKE_CURRENT_BINARY_DIR}/${list}_properties.cmake)
+  file(CONFIGURE OUTPUT ${properties_file} @ONLY CONTENT [=[
+foreach(test IN LISTS @list@)
+  set_tests_properties("${test}" PROPERTIES LABELS "@ARG_LABELS@" ENVIRONMENT "@environment@")
+endforeach()
+]=])
+  set_property(DIRECTORY APPEND PROPERTY TEST_INCLUDE_FILES ${properties_file})
 endfunction()

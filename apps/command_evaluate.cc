@@ -1,0 +1,105 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <memory>
+
+#include "apps/commands.h"
+#include "apps/evaluation/campaign.h"
+#include "apps/evaluation_flags.h"
+#include "harness/base/atomic_file.h"
+#include "harness/metrics/catalogue.h"
+
+namespace touchstone::apps {
+namespace {
+
+struct Options {
+  EvaluationFlags flags;
+  std::vector<std::string> models, datasets, metrics;
+  std::string out = "touchstone-report", json, time_range = "all";
+};
+
+std::vector<PlannedEvaluation> plan(const Options& options) {
+  EvaluationRequest base = make_request(options.flags);
+  base.metrics = options.metrics;
+  for (const std::string& name : options.metrics) find_metric(name);
+  base.time_ranges = TimeRanges::parse(options.time_range, "--time-range");
+  std::vector<std::filesystem::path> models(options.models.begin(), options.models.end());
+  std::vector<PlannedEvaluation> out;
+  if (!options.flags.recording.empty() || !options.flags.mesh.empty()) {
+    if (options.flags.recording.empty() || options.flags.mesh.empty() || models.empty()) {
+      throw UsageError(
+          "--recording, --mesh and --model belong together; give all three, or a --dataset, or none for the bundled "
+          "data sets");
+    }
+    for (const auto& file : models) {
+      PlannedEvaluation one{base, base.recording.string(), file.stem().string(),
+                            models.size() == 1 ? std::filesystem::path() : file.stem()};
+      one.request.model = load_model(file);
+      one.request.model_file = file;
+      const auto same = [&](const PlannedEvaluation& other) { return other.folder == one.folder; };
+      if (std::ranges::any_of(out, same)) {
+        throw UsageError(
+            fmt::format("two models are named {}; their reports would share a folder", one.folder.string()));
+      }
+      out.push_back(std::move(one));
+    }
+    return out;
+  }
+  std::vector<std::filesystem::path> datasets(options.datasets.begin(), options.datasets.end());
+  if (datasets.empty()) datasets = bundled_datasets();
+  for (const auto& dataset : datasets) {
+    for (PlannedEvaluation& one : plan_dataset(dataset, models, base, !options.flags.in_trajectory.empty()))
+      out.push_back(std::move(one));
+  }
+  return out;
+}
+
+ExitStatus evaluate_command(const Options& options) {
+  const auto planned = plan(options);
+  ensure_writable_folder(options.out);
+  const auto evaluated = run_plan(planned, options.out);
+  fmt::print("{}", summary_table(evaluated));
+  if (!options.json.empty()) write_file(options.json, summary_json(evaluated));
+  // A number that is none must not look like a pass.
+  const bool invalid = std::ranges::any_of(evaluated, [](const Evaluated& one) {
+    return std::ranges::any_of(one.metrics,
+                               [](const MetricResult& metric) { return metric.status == MetricStatus::invalid; });
+  });
+  return invalid ? ExitStatus::failed : ExitStatus::passed;
+}
+
+}  // namespace
+
+void add_evaluate(CLI::App& program, Run& run) {
+  auto* const command = program.add_subcommand(
+      "evaluate",
+      "Hold a renderer's forces, positions and cost against a real recording; without options every renderer on the "
+      "bundled recordings");
+  auto options = std::make_shared<Options>();
+  add_evaluation_flags(*command, options->flags);
+  command->add_option("--model", options->models, "Model file (touchstone-model/1); several are put side by side");
+  command->add_option("--dataset", options->datasets,
+                      "Folder with dataset.json: object, tip and recordings; may be given several times");
+  command
+      ->add_option("--metrics", options->metrics,
+                   "Metrics or results by name, see `touchstone list`; all where not given")
+      ->delimiter(',');
+  command
+      ->add_option("--time-range", options->time_range, "What the metrics see: 0:6,12:18 in seconds, even:6s, odd:6s")
+      ->capture_default_str();
+  command->add_option("--out", options->out, "Folder for report.html, result.json and rendered.csv")
+      ->capture_default_str();
+  command->add_option("--json", options->json, "Write the metrics of all evaluations to this file");
+  command->footer(
+      "Examples:\n"
+      "  touchstone evaluate\n"
+      "  touchstone evaluate --recording press.csv --mesh object.obj --mesh-unit mm --model god-object.json --out "
+      "report\n"
+      "  touchstone evaluate --recording soft.csv --mesh centres.obj --mesh-unit mm --model k800.json \\\n"
+      "      --in-trajectory measured --threshold 0.2N --time-range odd:6s --out soft\n"
+      "  touchstone evaluate --dataset plate --model a.json --model b.json --json summary.json");
+  command->callback([options, &run] { run = [options] { return evaluate_command(*options); }; });
+}
+
+}  // namespace touchstone::apps

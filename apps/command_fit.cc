@@ -1,0 +1,69 @@
+#include <fmt/format.h>
+
+#include <memory>
+
+#include "apps/commands.h"
+#include "apps/evaluation_flags.h"
+#include "apps/fitting/fit_report.h"
+#include "harness/base/atomic_file.h"
+
+namespace touchstone::apps {
+namespace {
+
+struct Options {
+  EvaluationFlags flags;
+  std::vector<std::string> parameters;
+  std::string model, metric = "rms_force_error", fit_range = "all", score_range = "all", out = "touchstone-fit", json;
+};
+
+ExitStatus fit_command(const Options& options) {
+  FitRequest request;
+  request.evaluation = make_request(options.flags);
+  request.fit_range = TimeRanges::parse(options.fit_range, "--fit-range");
+  request.score_range = TimeRanges::parse(options.score_range, "--score-range");
+  request.metric = options.metric;
+  request.parameters = options.parameters;
+  request.evaluation.model = load_model(options.model);
+  request.evaluation.model_file = options.model;
+  ensure_writable_folder(options.out);
+  const FitResult result = run_fit(request);
+  write_fit(result, options.out);
+  if (!options.json.empty()) write_file(options.json, fit_to_json(result));
+  fmt::print("{}\n", fit_table(result));
+  for (const std::string& warning : result.warnings) fmt::print(stderr, "warning: {}\n", warning);
+  fmt::print("{}\nreport: {}/report.html\n", result.interval_note, options.out);
+  return ExitStatus::passed;
+}
+
+}  // namespace
+
+void add_fit(CLI::App& program, Run& run) {
+  auto* const command = program.add_subcommand(
+      "fit", "Identify parameters of a model from a recording, and score them on another part of it");
+  auto options = std::make_shared<Options>();
+  add_evaluation_flags(*command, options->flags);
+  command->get_option("--recording")->required();
+  command->get_option("--mesh")->required();
+  command->add_option("--model", options->model, "Model file; its values are where the search starts")->required();
+  command
+      ->add_option(
+          "--parameter", options->parameters,
+          "What to fit: NAME or NAME=low:high, ENTRY.NAME for effects and instrument; may be given several times")
+      ->required();
+  command->add_option("--metric", options->metric, "What to minimise: a force metric")->capture_default_str();
+  command->add_option("--fit-range", options->fit_range, "Fitted time ranges: 0:6,12:18 in seconds, even:6s, odd:6s")
+      ->capture_default_str();
+  command->add_option("--score-range", options->score_range, "Time ranges to score on")->capture_default_str();
+  command->add_option("--out", options->out, "Folder for model.json, fit.json and report.html")->capture_default_str();
+  command->add_option("--json", options->json, "Write fit.json here too");
+  command->footer(
+      "Examples:\n"
+      "  touchstone fit --parameter stiffness_N_per_m=100:5000 --model k500.json --recording press.csv --mesh "
+      "centres.obj --mesh-unit mm \\\n"
+      "      --in-trajectory measured --fit-range even:6s --score-range odd:6s --out fit\n"
+      "  touchstone fit --parameter coulomb-friction.mu_dynamic=0:1 --model friction.json --recording scan.csv --mesh "
+      "duck.obj --out fit");
+  command->callback([options, &run] { run = [options] { return fit_command(*options); }; });
+}
+
+}  // namespace touchstone::apps

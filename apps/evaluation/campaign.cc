@@ -1,0 +1,147 @@
+#include "apps/evaluation/campaign.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "apps/evaluation/run.h"
+#include "harness/base/error.h"
+#include "harness/report/console.h"
+#include "harness/report/metric_json.h"
+#include "renderers/catalogue.h"
+
+namespace touchstone {
+namespace {
+
+// Every renderer of the catalogue with the data set's stiffness and tip where it has such parameters.
+std::vector<Model> catalogue_models(const Dataset& dataset) {
+  std::vector<Model> models;
+  for (const RendererEntry& entry : renderer_catalogue()) {
+    Model model;
+    model.renderer = entry.name;
+    model.source = "the catalogue's " + entry.name;
+    for (const ParameterDeclaration& parameter : entry.parameters) {
+      if (parameter.name == "stiffness_N_per_m" && dataset.stiffness_N_per_m > 0.0) {
+        model.parameters[parameter.name] = dataset.stiffness_N_per_m;
+      }
+    }
+    models.push_back(std::move(model));
+  }
+  return models;
+}
+
+// A file name without anything that a file system or a reader might mind.
+std::string folder_name(std::string text) {
+  for (char& c : text) {
+    const bool plain =
+        (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '-' || c == '_';
+    if (!plain) c = '-';
+  }
+  return text.empty() ? "-" : text;
+}
+
+std::vector<std::filesystem::path> datasets_in(const std::filesystem::path& folder) {
+  std::vector<std::filesystem::path> found;
+  std::error_code error;
+  for (const auto& entry : std::filesystem::directory_iterator(folder, error)) {
+    if (std::filesystem::exists(entry.path() / "dataset.json", error)) found.push_back(entry.path());
+  }
+  std::ranges::sort(found);
+  return found;
+}
+
+}  // namespace
+
+std::vector<std::filesystem::path> bundled_datasets() {
+  std::error_code error;
+  const std::filesystem::path program = std::filesystem::read_symlink("/proc/self/exe", error);
+  for (std::filesystem::path folder = program.parent_path(); folder.has_relative_path();
+       folder = folder.parent_path()) {
+    for (const char* const place : {"share/touchstone/datasets", "synthetic/bundled"}) {
+      if (auto found = datasets_in(folder / place); !found.empty()) return found;
+    }
+  }
+  throw BadData(
+      "the bundled data sets were not found beside the program; name one with --dataset, or give --recording, --mesh "
+      "and --model");
+}
+
+std::vector<PlannedEvaluation> plan_dataset(const std::filesystem::path& place,
+                                            const std::vector<std::filesystem::path>& model_files,
+                                            const EvaluationRequest& base, bool in_trajectory_chosen) {
+  const Dataset dataset = load_dataset(place);
+  std::vector<std::pair<Model, std::filesystem::path>> models;
+  for (const auto& file : model_files) models.emplace_back(load_model(file), file);
+  if (models.empty()) {
+    for (Model& model : catalogue_models(dataset)) models.emplace_back(std::move(model), "");
+  }
+  const std::string name = std::filesystem::weakly_canonical(dataset.folder).filename().string();
+  std::vector<PlannedEvaluation> plan;
+  for (const DatasetRecording& recording : dataset.recordings) {
+    for (const auto& [model, file] : models) {
+      PlannedEvaluation one{base, {}, {}, {}};
+      one.request.recording = dataset.path_of(recording.file);
+      one.request.mesh = dataset.path_of(dataset.mesh_file);
+      one.request.mesh_unit = dataset.mesh_unit;
+      one.request.model = model;
+      one.request.model_file = file;
+      if (!in_trajectory_chosen) one.request.in_trajectory = dataset.in_trajectory;
+      if (!one.request.tip_radius_m) one.request.tip_radius_m = dataset.tip_radius_m;
+      if (!one.request.stiffness_N_per_m && dataset.stiffness_N_per_m > 0.0) {
+        one.request.stiffness_N_per_m = dataset.stiffness_N_per_m;
+      }
+      const std::string stem = std::filesystem::path(recording.file).stem().string();
+      one.column = file.empty() ? model.renderer : file.stem().string();
+      one.group = fmt::format("{} / {}: {}", name, stem, recording.shows);
+      one.request.title = fmt::format("{} on {} ({})", one.column, dataset.object, recording.shows);
+      one.folder = std::filesystem::path(folder_name(name)) / folder_name(stem) / folder_name(one.column);
+      plan.push_back(std::move(one));
+    }
+  }
+  return plan;
+}
+
+std::vector<Evaluated> run_plan(const std::vector<PlannedEvaluation>& plan, const std::filesystem::path& out) {
+  std::vector<Evaluated> done;
+  for (const PlannedEvaluation& one : plan) {
+    const std::filesystem::path folder = out / one.folder;
+    EvaluationResult result = evaluate_into(one.request, folder);
+    for (const std::string& message : result.messages) fmt::print(stderr, "{}: {}\n", folder.string(), message);
+    done.push_back({one.group, one.column, folder, std::move(result.metrics)});
+    for (MetricResult& metric : done.back().metrics) metric.series.reset(), metric.histogram.reset();
+  }
+  return done;
+}
+
+std::string summary_table(const std::vector<Evaluated>& evaluated) {
+  std::string out;
+  for (std::size_t begin = 0; begin < evaluated.size();) {
+    std::vector<std::pair<std::string, const std::vector<MetricResult>*>> columns;
+    std::size_t end = begin;
+    for (; end < evaluated.size() && evaluated[end].group == evaluated[begin].group; ++end) {
+      columns.emplace_back(evaluated[end].column, &evaluated[end].metrics);
+    }
+    out += fmt::format("{}\n\n{}\n", evaluated[begin].group, console_table(columns));
+    for (std::size_t i = begin; i < end; ++i) {
+      out += fmt::format("report: {}\n", (evaluated[i].folder / "report.html").string());
+    }
+    out += "\n";
+    begin = end;
+  }
+  return out;
+}
+
+std::string summary_json(const std::vector<Evaluated>& evaluated) {
+  nlohmann::json list = nlohmann::json::array();
+  for (const Evaluated& one : evaluated) {
+    nlohmann::json metrics = nlohmann::json::array();
+    for (const MetricResult& metric : one.metrics) metrics.push_back(metric_to_json(metric));
+    list.push_back(
+        {{"group", one.group}, {"name", one.column}, {"folder", one.folder.string()}, {"metrics", std::move(metrics)}});
+  }
+  const nlohmann::json document{{"schema", "touchstone-evaluations/1"}, {"evaluations", std::move(list)}};
+  return document.dump(1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
+}
+
+}  // namespace touchstone

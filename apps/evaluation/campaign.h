@@ -1,0 +1,45 @@
+// Several evaluations at once: data sets times renderers. Each gets its own folder with its report.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "apps/evaluation/request.h"
+#include "harness/metrics/metric.h"
+
+namespace touchstone {
+
+// What stays in memory of an evaluation when its report is written.
+struct Evaluated {
+  std::string group;   // evaluations of one recording, which a table may put side by side
+  std::string column;  // what tells it from the others of the group
+  std::filesystem::path folder;
+  std::vector<MetricResult> metrics;
+};
+
+// The data sets that come with the program: share/touchstone/datasets beside an installed program, synthetic/datasets
+// of the source tree above one that was built there. Throws BadData when there are none.
+std::vector<std::filesystem::path> bundled_datasets();
+
+// One request per recording of the data set and model. Without models: every renderer of the catalogue at the data
+// set's stiffness. `base` holds what the command line chose.
+struct PlannedEvaluation {
+  EvaluationRequest request;
+  std::string group;
+  std::string column;
+  std::filesystem::path folder;  // below the output folder
+};
+std::vector<PlannedEvaluation> plan_dataset(const std::filesystem::path& dataset,
+                                            const std::vector<std::filesystem::path>& models,
+                                            const EvaluationRequest& base, bool in_trajectory_chosen);
+
+// Runs the plan; messages of each evaluation go to stderr under its name.
+std::vector<Evaluated> run_plan(const std::vector<PlannedEvaluation>& plan, const std::filesystem::path& out);
+
+// One table per group, for a terminal.
+std::string summary_table(const std::vector<Evaluated>& evaluated);
+// Schema "touchstone-evaluations/1".
+std::string summary_json(const std::vector<Evaluated>& evaluated);
+
+}  // namespace touchstone

@@ -1,0 +1,137 @@
+#include "apps/evaluation/inputs.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "harness/base/error.h"
+#include "harness/base/progress.h"
+#include "harness/base/units.h"
+#include "harness/metrics/quantiles.h"
+#include "harness/recording/extent_check.h"
+#include "harness/recording/force_sign.h"
+#include "harness/rendering/nearness.h"
+#include "harness/rendering/parameters.h"
+#include "harness/surface/embree_surface.h"
+#include "harness/surface/extend_edges.h"
+#include "harness/surface/mesh_file.h"
+#include "renderers/catalogue.h"
+#include "renderers/effects/assemble.h"
+
+namespace touchstone {
+namespace {
+
+constexpr std::size_t most_kept = 4096;
+
+// Thins to every second when full, so that what is kept is spread evenly over the whole recording.
+void thin(std::vector<Vec3>& values) {
+  for (std::size_t i = 0; 2 * i < values.size(); ++i) values[i] = values[2 * i];
+  values.resize((values.size() + 1) / 2);
+}
+
+RecordingSurvey survey_recording(const EvaluationRequest& request) {
+  RecordingSurvey out;
+  RecordingStream stream = open_recording(request);
+  out.has_force = stream.has(ColumnGroup::force);
+  Quantiles forces;
+  Progress progress("reading " + request.recording.string(), 0);
+  std::uint64_t stride = 1;
+  SampleBlock block;
+  while (stream.next(block)) {
+    for (std::size_t i = 0; i < block.size(); ++i) {
+      const Vec3& p = block.motion.p_W_m[i];
+      out.tips_W_m.extend(p);
+      if (out.has_force) forces.add(block.f_W_N[i].norm());
+      if ((block.first_sample + i) % stride != 0) continue;
+      out.some_tips_W_m.push_back(p);
+      if (out.has_force) out.some_forces_W_N.push_back(request.flip_force ? Vec3(-block.f_W_N[i]) : block.f_W_N[i]);
+      if (out.some_tips_W_m.size() < most_kept) continue;
+      thin(out.some_tips_W_m);
+      thin(out.some_forces_W_N);
+      stride *= 2;
+    }
+    progress.update(stream.samples());
+  }
+  out.samples = stream.samples();
+  out.clock = stream.clock();
+  out.notes = stream.notes();
+  if (out.has_force) out.usual_force_N = forces.quantile(0.99);
+  return out;
+}
+
+void refuse_far(const EvaluationRequest& request, EvaluationInputs& inputs) {
+  std::vector<Vec3> touching;
+  for (std::size_t i = 0; i < inputs.survey.some_forces_W_N.size(); ++i) {
+    if (inputs.survey.some_forces_W_N[i].norm() > request.contact_threshold_N) {
+      touching.push_back(inputs.survey.some_tips_W_m[i]);
+    }
+  }
+  const auto message = far_from_surface(*inputs.surface, touching.empty() ? inputs.survey.some_tips_W_m : touching,
+                                        inputs.tip_radius_m, request.recording.string(), request.mesh_unit);
+  if (message) throw BadData(*message);
+  // The recording touches the surface, but their sizes hardly fit: worth a word.
+  const auto mismatch = check_extents(inputs.survey.tips_W_m, inputs.mesh.bounds(), request.mesh_unit);
+  if (mismatch) inputs.messages.push_back(mismatch->message);
+}
+
+void refuse_reversed(const EvaluationRequest& request, const EvaluationInputs& inputs) {
+  if (!inputs.survey.has_force) return;
+  std::vector<Vec3> normals;
+  for (const Vec3& p : inputs.survey.some_tips_W_m) normals.push_back(inputs.surface->closest(p).n_W);
+  const ForceSign sign = check_force_sign(normals, inputs.survey.some_forces_W_N);
+  if (sign.verdict != SignVerdict::reversed) return;
+  throw BadData(fmt::format("{}: {}; {}", request.recording.string(), sign.explain(),
+                            request.flip_force ? "leave --flip-force out, or turn the mesh inside out"
+                                               : "if the file has the force BY the probe, give --flip-force"));
+}
+
+}  // namespace
+
+RecordingStream open_recording(const EvaluationRequest& request) {
+  StreamOptions options;
+  // Without force there is nothing to make an in-trajectory from; measured positions can be replayed all the same.
+  options.need_force = request.in_trajectory == InTrajectoryMode::synthesize;
+  options.clock = request.clock;
+  return RecordingStream::open(request.recording, options);
+}
+
+EvaluationInputs load_inputs(const EvaluationRequest& request) {
+  EvaluationInputs inputs;
+  inputs.model = request.model;
+  const RendererEntry& entry = find_renderer(inputs.model);  // a misspelt name is said before a large mesh is read
+  const bool ball = std::ranges::any_of(entry.parameters, [](const auto& p) { return p.name == "tip_radius_m"; });
+  if (request.tip_radius_m && ball) {
+    const auto [place, set] = inputs.model.parameters.try_emplace("tip_radius_m", *request.tip_radius_m);
+    if (!set && place->second != *request.tip_radius_m) {
+      throw UsageError(fmt::format("--tip-radius {} m and the model's tip_radius_m {} differ; give one of them",
+                                   *request.tip_radius_m, place->second));
+    }
+  }
+  const Parameters parameters(entry.parameters, base_parameters(inputs.model, entry.parameters),
+                              "renderer " + entry.name, inputs.model.source, "");
+  const auto value = [&](std::string_view name) {
+    const auto found = parameters.values().find(name);
+    return found == parameters.values().end() ? 0.0 : found->second;
+  };
+  inputs.tip_radius_m = request.tip_radius_m.value_or(value("tip_radius_m"));
+  inputs.stiffness_N_per_m = request.stiffness_N_per_m.value_or(value("stiffness_N_per_m"));
+  if (request.in_trajectory == InTrajectoryMode::synthesize && !(inputs.stiffness_N_per_m > 0.0)) {
+    throw UsageError(
+        fmt::format("the renderer {} has no stiffness to make an in-trajectory with; give --stiffness, or "
+                    "--in-trajectory measured",
+                    entry.name));
+  }
+  inputs.mesh = load_mesh(request.mesh, length_unit_factor(request.mesh_unit));
+  if (request.extend_edges_m > 0.0)
+    inputs.mesh = extend_open_edges(weld_coincident_vertices(inputs.mesh), request.extend_edges_m);
+  inputs.surface = make_embree_surface(inputs.mesh);
+  inputs.survey = survey_recording(request);
+  refuse_far(request, inputs);
+  refuse_reversed(request, inputs);
+  inputs.files.push_back(describe_input("recording", request.recording));
+  inputs.files.push_back(describe_input("mesh", request.mesh));
+  if (!request.model_file.empty()) inputs.files.push_back(describe_input("model", request.model_file));
+  return inputs;
+}
+
+}  // namespace touchstone

@@ -1,0 +1,47 @@
+// The inputs of an evaluation, read and looked at before anything runs: a mistake in them is said at once, with what to
+// do about it.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "apps/evaluation/request.h"
+#include "harness/recording/recording_stream.h"
+#include "harness/report/provenance.h"
+#include "harness/surface/surface.h"
+
+namespace touchstone {
+
+// What one pass over the recording tells.
+struct RecordingSurvey {
+  std::uint64_t samples = 0;
+  ClockReport clock;
+  Box3 tips_W_m;
+  bool has_force = false;
+  double usual_force_N = 0.0;  // 99th percentile of the magnitude, within 0.1 %
+  std::vector<std::string> notes;
+  // Every so many samples, a few thousand at most.
+  std::vector<Vec3> some_tips_W_m;
+  std::vector<Vec3> some_forces_W_N;
+};
+
+struct EvaluationInputs {
+  TriangleMesh mesh;
+  std::shared_ptr<const Surface> surface;
+  RecordingSurvey survey;
+  Model model;                     // with the tip radius that was asked for
+  double tip_radius_m = 0.0;       // 0 where neither model nor request name one
+  double stiffness_N_per_m = 0.0;  // 0 where the renderer has none and none was given
+  std::vector<InputFile> files;    // hashed
+  std::vector<std::string> messages;
+};
+
+// Opens the recording as the request says. Forces still have the file's sign.
+RecordingStream open_recording(const EvaluationRequest& request);
+
+// Throws BadData: unreadable files, a recording nowhere near the mesh (asking whether the mesh is in mm), forces whose
+// sign is reversed (offering --flip-force), a model that cannot run.
+EvaluationInputs load_inputs(const EvaluationRequest& request);
+
+}  // namespace touchstone

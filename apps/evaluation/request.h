@@ -1,0 +1,37 @@
+// What to evaluate: one recording, one object, one model, and how to treat them.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "harness/metrics/time_ranges.h"
+#include "harness/recording/clock.h"
+#include "harness/recording/dataset.h"
+#include "harness/rendering/model.h"
+
+namespace touchstone {
+
+struct EvaluationRequest {
+  std::string title;  // "" : made from the names
+  std::filesystem::path recording;
+  std::filesystem::path mesh;
+  std::string mesh_unit = "m";
+  Model model;
+  std::filesystem::path model_file;  // "" where the model did not come from a file
+  InTrajectoryMode in_trajectory = InTrajectoryMode::synthesize;
+  std::optional<double> tip_radius_m;       // the model's tip_radius_m where it is not given
+  std::optional<double> stiffness_N_per_m;  // for the in-trajectory; the model's where it is not given
+  double contact_threshold_N = 0.05;        // see out_trajectory.h, rule 1; also the metrics' force floor
+  std::optional<double> force_threshold_N;  // episodes; a tenth of the largest usual force where it is not given
+  double position_threshold_m = 0.5e-3;     // episodes; the accuracy of the tracker of the 2006 paper
+  bool flip_force = false;
+  double extend_edges_m = 0.0;  // continue the mesh's open edges by this much (harness/surface/extend_edges.h); 0: not
+  ClockPolicy clock;
+  TimeRanges time_ranges;            // what the metrics see; the renderer sees all
+  std::vector<std::string> metrics;  // empty: all
+  std::vector<std::string> command_line;
+};
+
+}  // namespace touchstone

@@ -1,0 +1,21 @@
+// One evaluation from files to a result, in bounded memory whatever the length of the recording.
+#pragma once
+
+#include <filesystem>
+
+#include "apps/evaluation/inputs.h"
+#include "apps/evaluation/request.h"
+#include "harness/report/evaluation.h"
+
+namespace touchstone {
+
+// Replays and measures. `rendered` is the file for what the renderer answered (before any instrument entry); "" writes
+// none. Throws as load_inputs() does, and BadData where the renderer answers with what is not a number.
+EvaluationResult run_evaluation(const EvaluationRequest& request, const std::filesystem::path& rendered);
+EvaluationResult run_evaluation(const EvaluationRequest& request, const EvaluationInputs& inputs,
+                                const std::filesystem::path& rendered);
+
+// run_evaluation() and its report: DIR/rendered.csv, DIR/result.json, DIR/report.html.
+EvaluationResult evaluate_into(const EvaluationRequest& request, const std::filesystem::path& folder);
+
+}  // namespace touchstone

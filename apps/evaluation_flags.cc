@@ -1,0 +1,116 @@
+#include "apps/evaluation_flags.h"
+
+#include <fmt/format.h>
+
+#include <charconv>
+#include <cmath>
+#include <fstream>
+#include <iterator>
+
+#include "harness/base/error.h"
+#include "harness/base/units.h"
+
+namespace touchstone::apps {
+namespace {
+
+// "0.2 N" to 0.2 and "N".
+std::pair<double, std::string_view> number_and_unit(std::string_view text, std::string_view what) {
+  double value = 0.0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  std::string_view unit(end, static_cast<std::size_t>(text.data() + text.size() - end));
+  while (unit.starts_with(' ')) unit.remove_prefix(1);
+  if (error != std::errc{} || !std::isfinite(value) || value < 0.0 || unit.empty()) {
+    throw UsageError(fmt::format("{}: \"{}\" is not a number >= 0 with a unit, such as 0.05N", what, text));
+  }
+  return {value, unit};
+}
+
+}  // namespace
+
+double parse_force_N(std::string_view text, std::string_view what) {
+  const auto [value, unit] = number_and_unit(text, what);
+  const auto factor = si_factor(Dimension::force, unit);
+  if (!factor) {
+    throw UsageError(
+        fmt::format("{}: \"{}\" is not a unit of force; known are {}", what, unit, known_units(Dimension::force)));
+  }
+  return value * *factor;
+}
+
+void apply_threshold(std::string_view text, EvaluationRequest& request) {
+  const std::string_view unit = number_and_unit(text, "--threshold").second;
+  if (si_factor(Dimension::force, unit)) {
+    request.force_threshold_N = parse_force_N(text, "--threshold");
+  } else {
+    request.position_threshold_m = parse_length_m(text, "--threshold");
+  }
+}
+
+void add_evaluation_flags(CLI::App& command, EvaluationFlags& flags) {
+  command.add_option("--recording", flags.recording, "Measured time, position and force: CSV (also .gz) or HDF5");
+  command.add_option("--mesh", flags.mesh, "The object: OBJ, OFF, PLY or STL, also .gz");
+  command.add_option("--mesh-unit", flags.mesh_unit, "Unit of the mesh's coordinates: m, mm, cm, km, um")
+      ->capture_default_str();
+  command
+      .add_option(
+          "--in-trajectory", flags.in_trajectory,
+          "synthesize: the path whose surface contact point would follow the measured one (the default); measured: "
+          "the measured positions as they are, for compliant objects")
+      ->check(CLI::IsMember({"synthesize", "measured"}));
+  command.add_option("--tip-radius", flags.tip_radius,
+                     "The tip is a ball of this radius and positions are its centre: 3.15mm");
+  command.add_option("--stiffness", flags.stiffness_N_per_m,
+                     "Stiffness for the in-trajectory [N/m]; the model's where not given");
+  command.add_option("--contact-threshold", flags.contact_threshold,
+                     "Measured contact is a force that pushes outward by more: 0.05N");
+  command.add_option("--threshold", flags.thresholds,
+                     "Episodes are errors over it: 0.5mm for position, 0.2N for force; may be given twice");
+  command.add_flag("--flip-force", flags.flip_force, "The file has the force BY the probe: negate it");
+  command.add_option(
+      "--extend-edges", flags.extend_edges,
+      "The mesh is a patch of a larger object: continue its open edges by this much (10mm), fill its holes");
+  command.add_option("--on-duplicate", flags.on_duplicate, "Repeated times: refuse, first, mean")
+      ->capture_default_str();
+  command.add_option("--on-gap", flags.on_gap, "Gaps in time: refuse, split (the renderer starts anew), keep")
+      ->capture_default_str();
+}
+
+EvaluationRequest make_request(const EvaluationFlags& flags) {
+  EvaluationRequest request;
+  request.recording = flags.recording;
+  request.mesh = flags.mesh;
+  request.mesh_unit = flags.mesh_unit;
+  static_cast<void>(length_unit_factor(flags.mesh_unit));
+  request.in_trajectory = flags.in_trajectory == "measured" ? InTrajectoryMode::measured : InTrajectoryMode::synthesize;
+  if (!flags.tip_radius.empty()) {
+    request.tip_radius_m = parse_length_m(flags.tip_radius, "--tip-radius");
+    if (!(*request.tip_radius_m >= 0.0))
+      throw UsageError(fmt::format("--tip-radius: {} is negative", flags.tip_radius));
+  }
+  if (flags.stiffness_N_per_m != 0.0) request.stiffness_N_per_m = flags.stiffness_N_per_m;
+  if (!flags.contact_threshold.empty())
+    request.contact_threshold_N = parse_force_N(flags.contact_threshold, "--contact-threshold");
+  for (const std::string& threshold : flags.thresholds) apply_threshold(threshold, request);
+  request.flip_force = flags.flip_force;
+  if (!flags.extend_edges.empty()) request.extend_edges_m = parse_length_m(flags.extend_edges, "--extend-edges");
+  request.clock.on_duplicate = parse_on_duplicate(flags.on_duplicate);
+  request.clock.on_gap = parse_on_gap(flags.on_gap);
+  request.command_line = command_line();
+  return request;
+}
+
+std::vector<std::string> command_line() {
+  std::ifstream in("/proc/self/cmdline", std::ios::binary);
+  const std::string all((std::istreambuf_iterator<char>(in)), std::istreambuf_iterator<char>());
+  std::vector<std::string> words;
+  for (std::size_t begin = 0; begin < all.size();) {
+    const std::size_t end = std::min(all.find('\0', begin), all.size());
+    words.push_back(all.substr(begin, end - begin));
+    begin = end + 1;
+  }
+  // The program by its name: where it was installed says nothing about the result.
+  if (!words.empty()) words.front() = "touchstone";
+  return words;
+}
+
+}  // namespace touchstone::apps

@@ -1,0 +1,89 @@
+#include "hil/devices/device_table.h"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+
+namespace touchstone::hil {
+namespace {
+
+constexpr auto wrench = DeviceRole::wrench_source;
+constexpr auto haptic = DeviceRole::haptic_device;
+constexpr auto volts = DeviceRole::voltage_source;
+
+constexpr std::array devices{
+    KnownDevice{"ati-netft", "ATI Net F/T", wrench, Bus::network, 0, 0, "",
+                "ATI Net F/T manual: RDT on UDP 49152, HTTP configuration", Confidence::confirmed,
+                "looked for at the addresses in the hardware map only"},
+    KnownDevice{"ati-nano17-daq", "ATI Nano17 through a data acquisition card", wrench, Bus::comedi, 0, 0, "",
+                "ATI DAQ F/T manual: six gauge voltages and a calibration file", Confidence::confirmed,
+                "the card is seen, the sensor behind it is not: its serial comes from the calibration file"},
+    KnownDevice{"novint-falcon", "Novint Falcon", haptic, Bus::usb, 0x0403, 0xcb48, "", "libnifalcon; linux-usb.org",
+                Confidence::confirmed, "has no watchdog of its own: only run behind the guardian process"},
+    KnownDevice{"force-dimension-omega", "Force Dimension omega", haptic, Bus::usb, 0x1451, 0x0402, "",
+                "usb.ids; vendor's udev rules", Confidence::reported,
+                "through the vendor's library, tried against a stub only"},
+    KnownDevice{"force-dimension-sigma", "Force Dimension sigma", haptic, Bus::usb, 0x1451, 0, "sigma",
+                "public logs: also seen as 1451:0401", Confidence::conflicting,
+                "through the vendor's library, tried against a stub only"},
+    KnownDevice{"force-dimension-delta", "Force Dimension delta", haptic, Bus::usb, 0x1451, 0x0401, "",
+                "usb.ids; vendor's udev rules", Confidence::reported,
+                "through the vendor's library, tried against a stub only"},
+    KnownDevice{"3ds-touch", "3D Systems Touch", haptic, Bus::usb, 0x2988, 0x0302, "", "public driver logs (cdc_acm)",
+                Confidence::reported, "through the vendor's library, tried against a stub only"},
+    KnownDevice{"3ds-touch", "3D Systems Touch", haptic, Bus::usb, 0x2988, 0x0304, "", "public driver logs (cdc_acm)",
+                Confidence::reported, "through the vendor's library, tried against a stub only"},
+    KnownDevice{"3ds-touch", "3D Systems Touch", haptic, Bus::usb, 0x8829, 0x0203, "",
+                "one public source, its bytes swapped", Confidence::conflicting,
+                "through the vendor's library, tried against a stub only"},
+    KnownDevice{"ni-daq", "National Instruments data acquisition", volts, Bus::usb, 0x3923, 0, "USB-6",
+                "usb.ids and vendor forums disagree on products", Confidence::conflicting,
+                "USB-621x needs the vendor's driver"},
+    KnownDevice{"comedi-daq", "Data acquisition card with a comedi driver", volts, Bus::comedi, 0, 0, "",
+                "comedi.org (ni_pcimio and others)", Confidence::confirmed, "/dev/comedi0 to /dev/comedi15"},
+    KnownDevice{"phantom-omni", "SensAble PHANTOM Omni", haptic, Bus::invisible, 0, 0, "", "vendor's manual",
+                Confidence::confirmed, "is on FireWire, which libusb does not see"},
+    KnownDevice{"haply-inverse", "Haply Inverse3", haptic, Bus::invisible, 0, 0, "", "vendor's manual",
+                Confidence::confirmed, "is reached through a local service, not over USB by this program"},
+    KnownDevice{"ni-pci-daq", "National Instruments PCI card without comedi", volts, Bus::invisible, 0, 0, "",
+                "comedi.org", Confidence::confirmed, "a PCI card is only seen through its comedi node"},
+};
+
+bool contains_ignoring_case(std::string_view text, std::string_view pattern) {
+  const auto same = [](char a, char b) {
+    return std::tolower(static_cast<unsigned char>(a)) == std::tolower(static_cast<unsigned char>(b));
+  };
+  return std::search(text.begin(), text.end(), pattern.begin(), pattern.end(), same) != text.end();
+}
+
+}  // namespace
+
+std::span<const KnownDevice> known_devices() { return devices; }
+
+const KnownDevice* find_known_device(std::string_view id) {
+  const auto found = std::find_if(devices.begin(), devices.end(), [&](const KnownDevice& d) { return d.id == id; });
+  return found == devices.end() ? nullptr : &*found;
+}
+
+const KnownDevice* match_usb(std::uint16_t vendor, std::uint16_t product, std::string_view product_string) {
+  // A pattern that matches beats an id: public lists give one id to several devices.
+  const KnownDevice* by_id = nullptr;
+  for (const KnownDevice& d : devices) {
+    if (d.bus != Bus::usb || d.vendor != vendor) continue;
+    if (!d.product_pattern.empty() && contains_ignoring_case(product_string, d.product_pattern)) return &d;
+    if (d.product_pattern.empty() && d.product == product && by_id == nullptr) by_id = &d;
+  }
+  return by_id;
+}
+
+std::string_view to_string(Bus bus) {
+  constexpr std::array names{"usb", "network", "comedi", "invisible"};
+  return names[static_cast<std::size_t>(bus)];
+}
+
+std::string_view to_string(Confidence confidence) {
+  constexpr std::array names{"confirmed", "reported", "conflicting"};
+  return names[static_cast<std::size_t>(confidence)];
+}
+
+}  // namespace touchstone::hil

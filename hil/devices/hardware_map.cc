@@ -1,0 +1,97 @@
+#include "hil/devices/hardware_map.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cstdlib>
+#include <nlohmann/json.hpp>
+
+#include "harness/base/hash.h"
+#include "harness/base/json_reader.h"
+#include "hil/devices/device_table.h"
+
+namespace touchstone::hil {
+namespace {
+
+int port_of(JsonObject& object, std::string_view key, int otherwise) {
+  const double value = object.optional_number(key).value_or(otherwise);
+  if (!(value >= 1 && value <= 65535) || value != static_cast<int>(value))
+    object.fail_at(key, "a port from 1 to 65535 was expected");
+  return static_cast<int>(value);
+}
+
+MappedDevice read_device(JsonObject& object, const std::filesystem::path& folder) {
+  MappedDevice device;
+  device.id = object.text("id");
+  if (find_known_device(device.id) == nullptr) {
+    std::string known;
+    for (const auto& d : known_devices()) {
+      if (known.find(d.id) == std::string::npos) known += (known.empty() ? "" : ", ") + std::string(d.id);
+    }
+    object.fail_at("id", fmt::format("\"{}\" is not a device known here; known: {}", device.id, known));
+  }
+  device.serial = object.optional_text("serial").value_or("");
+  device.connected = object.optional_flag("connected").value_or(false);
+  device.fixture = object.optional_text("fixture").value_or("");
+  device.force_limit_N = object.optional_number("force_limit_N").value_or(0.0);
+  if (!(device.force_limit_N >= 0.0)) object.fail_at("force_limit_N", "must not be negative");
+  device.address = object.optional_text("address").value_or("");
+  device.http_port = port_of(object, "http_port", device.http_port);
+  device.udp_port = port_of(object, "udp_port", device.udp_port);
+  device.library = object.optional_text("library").value_or("");
+  device.firmware = object.optional_text("firmware").value_or("");
+  if (object.has("calibration")) {
+    auto calibration = object.object("calibration");
+    device.calibration_file = folder / calibration.text("file");
+    device.calibration_sha256 = calibration.optional_text("sha256").value_or("");
+    if (const auto day = calibration.optional_text("expires")) {
+      device.calibration_expires = parse_day(*day, calibration.source() + ": " + calibration.place() + "/expires");
+    }
+    calibration.finish();
+  }
+  object.finish();
+  return device;
+}
+
+}  // namespace
+
+const MappedDevice* HardwareMap::find(std::string_view id) const {
+  const auto found = std::find_if(devices.begin(), devices.end(), [&](const MappedDevice& d) { return d.id == id; });
+  return found == devices.end() ? nullptr : &*found;
+}
+
+HardwareMap load_hardware_map(const std::filesystem::path& path) {
+  const auto json = load_json(path);
+  HardwareMap map;
+  map.source = path.string();
+  JsonObject root(json, path.string(), "");
+  root.schema("touchstone-hardware/1");
+  for (auto& object : root.objects("devices")) map.devices.push_back(read_device(object, path.parent_path()));
+  root.finish();
+  return map;
+}
+
+HardwareMap hardware_map_from_environment() {
+  const char* const path = std::getenv("TOUCHSTONE_HARDWARE_MAP");
+  if (path == nullptr || *path == '\0') return {};
+  return load_hardware_map(path);
+}
+
+CalibrationState calibration_state(const MappedDevice& device, const CalendarDay& today) {
+  std::error_code error;
+  if (!device.calibration_file || !std::filesystem::exists(*device.calibration_file, error))
+    return CalibrationState::absent;
+  if (!device.calibration_sha256.empty() && sha256_file(*device.calibration_file) != device.calibration_sha256)
+    return CalibrationState::changed;
+  if (device.calibration_expires && *device.calibration_expires < today) return CalibrationState::expired;
+  return CalibrationState::usable;
+}
+
+CalendarDay today() {
+  const std::chrono::year_month_day day{std::chrono::floor<std::chrono::days>(std::chrono::system_clock::now())};
+  return {static_cast<int>(day.year()), static_cast<int>(static_cast<unsigned>(day.month())),
+          static_cast<int>(static_cast<unsigned>(day.day()))};
+}
+
+}  // namespace touchstone::hil

@@ -1,0 +1,83 @@
+// What the tests, the recorder and the safety supervisor know of a device: a source of wrenches, a device that renders
+// forces, and a clock. Every call that waits takes a deadline.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <string>
+
+#include "harness/base/vec.h"
+#include "harness/recording/ati_calibration.h"
+#include "hil/devices/device_error.h"
+
+namespace touchstone::hil {
+
+// Monotonic seconds. A test's clock may stand still or jump.
+class Clock {
+ public:
+  virtual ~Clock() = default;
+  [[nodiscard]] virtual double now_s() const = 0;
+  virtual void sleep_until(double t_s) = 0;
+};
+class MonotonicClock final : public Clock {
+ public:
+  [[nodiscard]] double now_s() const override;
+  void sleep_until(double t_s) override;
+};
+
+struct DeviceIdentity {
+  std::string id;  // of the device table
+  std::string serial;
+  std::string firmware;     // or driver, or library version
+  std::string calibration;  // name and SHA-256 of what turned counts into units; empty where there is none
+  bool emulated = false;    // results from it never enter a hardware report
+};
+
+struct WrenchSample {
+  double t_s = 0.0;            // host's monotonic clock when the sample arrived
+  std::uint64_t sequence = 0;  // of the device, unwrapped; gaps mean lost samples
+  Wrench wrench;               // sensor's frame
+  std::uint32_t flags = sample_ok;
+  std::uint32_t device_status = 0;
+};
+
+// What happened to the stream since start().
+struct StreamCounters {
+  std::uint64_t received = 0, lost = 0, repeated = 0, reordered = 0, malformed = 0, device_errors = 0;
+};
+
+class WrenchSource {
+ public:
+  virtual ~WrenchSource() = default;
+  [[nodiscard]] virtual const DeviceIdentity& identity() const = 0;
+  virtual void start() = 0;
+  virtual void stop() noexcept = 0;
+  // The samples that have come, at least one unless the deadline (Clock's seconds) passes first: then 0. Throws
+  // DeviceError when the device is gone.
+  virtual std::size_t read(std::span<WrenchSample> out, double deadline_s) = 0;
+  [[nodiscard]] virtual StreamCounters counters() const = 0;
+};
+
+struct DeviceState {
+  double t_s = 0.0;
+  Vec3 p_W_m = Vec3::Zero();
+  Vec3 v_W_m_per_s = Vec3::Zero();
+  std::uint32_t buttons = 0;
+};
+
+class HapticDevice {
+ public:
+  virtual ~HapticDevice() = default;
+  [[nodiscard]] virtual const DeviceIdentity& identity() const = 0;
+  // One servo exchange: commands the force and returns the state. Throws DeviceError past the deadline or when gone.
+  virtual DeviceState exchange(const Vec3& f_W_N, double deadline_s) = 0;
+  // Best effort, from any state, never throws; returns whether the device confirmed.
+  virtual bool zero_force() noexcept = 0;
+  // After this long without an exchange the device itself lets go; 0: it has no watchdog.
+  [[nodiscard]] virtual double watchdog_s() const = 0;
+  // True once position and force are trustworthy (homed, calibrated). Forces before are refused by the supervisor.
+  [[nodiscard]] virtual bool calibrated() const = 0;
+};
+
+}  // namespace touchstone::hil

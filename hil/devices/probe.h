@@ -1,0 +1,30 @@
+// Which of the known devices are here, and for each that cannot be used, why.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "hil/devices/device_error.h"
+#include "hil/devices/hardware_map.h"
+
+namespace touchstone::hil {
+
+struct ProbeResult {
+  std::string id;  // of the device table
+  std::string name;
+  DeviceStatus status = DeviceStatus::absent;
+  std::string serial;     // where it could be read
+  std::string reason;     // one sentence: what was looked at, what was found, what to do
+  bool required = false;  // the hardware map calls it connected
+};
+
+struct ProbeOptions {
+  double network_timeout_s = 1.0;
+  std::string comedi_library;  // for tests
+};
+
+// One result per known device (by id), in the table's order. Opens devices to read their strings; commands nothing.
+std::vector<ProbeResult> probe(const HardwareMap& map, const ProbeOptions& options = {});
+ProbeResult probe_one(const std::string& id, const HardwareMap& map, const ProbeOptions& options = {});
+
+}  // namespace touchstone::hil

@@ -1,0 +1,257 @@
+#include "hil/drivers/comedi_daq.h"
+
+#include <comedilib.h>
+#include <fmt/format.h>
+#include <poll.h>
+#include <unistd.h>
+
+#include <array>
+#include <cerrno>
+#include <cmath>
+#include <cstring>
+#include <vector>
+
+#include "harness/base/hash.h"
+#include "hil/drivers/vendor_library.h"
+
+namespace touchstone::hil {
+namespace {
+
+constexpr unsigned channels = 6;
+
+struct Comedi {
+  decltype(&::comedi_open) open = nullptr;
+  decltype(&::comedi_close) close = nullptr;
+  decltype(&::comedi_errno) error = nullptr;
+  decltype(&::comedi_strerror) error_text = nullptr;
+  decltype(&::comedi_get_board_name) board = nullptr;
+  decltype(&::comedi_get_read_subdevice) read_subdevice = nullptr;
+  decltype(&::comedi_get_maxdata) maxdata = nullptr;
+  decltype(&::comedi_find_range) find_range = nullptr;
+  decltype(&::comedi_get_range) range = nullptr;
+  decltype(&::comedi_to_phys) to_volts = nullptr;
+  decltype(&::comedi_get_subdevice_flags) flags = nullptr;
+  decltype(&::comedi_get_cmd_generic_timed) generic_timed = nullptr;
+  decltype(&::comedi_command_test) command_test = nullptr;
+  decltype(&::comedi_command) command = nullptr;
+  decltype(&::comedi_cancel) cancel = nullptr;
+  decltype(&::comedi_fileno) descriptor = nullptr;
+};
+
+VendorLibrary load(const std::string& library) {
+  return VendorLibrary(
+      library.empty() ? std::vector<std::string>{"libcomedi.so.0", "libcomedi.so"} : std::vector<std::string>{library},
+      "install libcomedi0");
+}
+
+DeviceStatus status_of_errno(int error) {
+  return error == ENOENT || error == ENODEV || error == ENXIO ? DeviceStatus::absent
+         : error == EACCES || error == EPERM                  ? DeviceStatus::no_permission
+         : error == EBUSY                                     ? DeviceStatus::busy
+                                                              : DeviceStatus::failed;
+}
+
+class Board {
+ public:
+  Board(const std::string& node, const std::string& library) : library_(load(library)), node_(node) {
+    library_.find(c_.open, "comedi_open");
+    library_.find(c_.close, "comedi_close");
+    library_.find(c_.error, "comedi_errno");
+    library_.find(c_.error_text, "comedi_strerror");
+    library_.find(c_.board, "comedi_get_board_name");
+    library_.find(c_.read_subdevice, "comedi_get_read_subdevice");
+    library_.find(c_.maxdata, "comedi_get_maxdata");
+    library_.find(c_.find_range, "comedi_find_range");
+    library_.find(c_.range, "comedi_get_range");
+    library_.find(c_.to_volts, "comedi_to_phys");
+    library_.find(c_.flags, "comedi_get_subdevice_flags");
+    library_.find(c_.generic_timed, "comedi_get_cmd_generic_timed");
+    library_.find(c_.command_test, "comedi_command_test");
+    library_.find(c_.command, "comedi_command");
+    library_.find(c_.cancel, "comedi_cancel");
+    library_.find(c_.descriptor, "comedi_fileno");
+    device_ = c_.open(node.c_str());
+    if (device_ == nullptr) {
+      const int error = c_.error();
+      throw DeviceError(status_of_errno(error), fmt::format("{}: {}", node, c_.error_text(error)));
+    }
+  }
+  ~Board() { c_.close(device_); }
+  Board(const Board&) = delete;
+  Board& operator=(const Board&) = delete;
+
+  [[noreturn]] void fail(const char* what) const {
+    const int error = c_.error();
+    throw DeviceError(status_of_errno(error), fmt::format("{}: {}: {}", node_, what, c_.error_text(error)));
+  }
+  [[nodiscard]] const Comedi& c() const noexcept { return c_; }
+  [[nodiscard]] comedi_t* device() const noexcept { return device_; }
+  [[nodiscard]] std::string name() const {
+    const char* const text = c_.board(device_);
+    return text != nullptr ? text : "";
+  }
+
+ private:
+  VendorLibrary library_;
+  Comedi c_;
+  comedi_t* device_ = nullptr;
+  std::string node_;
+};
+
+class ComediAti final : public WrenchSource {
+ public:
+  explicit ComediAti(const ComediOptions& options)
+      : options_(options),
+        calibration_(read_ati_calibration(options.calibration_file, options.sensor_serial)),
+        board_(options.node, options.library) {
+    const auto& c = board_.c();
+    const int subdevice = c.read_subdevice(board_.device());
+    if (subdevice < 0)
+      throw DeviceError(DeviceStatus::failed,
+                        fmt::format("{}: {} has no streaming analog input", options.node, board_.name()));
+    subdevice_ = static_cast<unsigned>(subdevice);
+    maxdata_ = c.maxdata(board_.device(), subdevice_, 0);
+    const int range = c.find_range(board_.device(), subdevice_, 0, UNIT_volt, -calibration_.gauge_limit_V,
+                                   calibration_.gauge_limit_V);
+    if (range < 0 || maxdata_ == 0) {
+      throw DeviceError(DeviceStatus::failed, fmt::format("{}: {} has no range of +-{} V, which the calibration needs",
+                                                          options.node, board_.name(), calibration_.gauge_limit_V));
+    }
+    range_index_ = static_cast<unsigned>(range);
+    range_ = c.range(board_.device(), subdevice_, 0, range_index_);
+    wide_ = (c.flags(board_.device(), subdevice_) & SDF_LSAMPL) != 0;
+    identity_ = {
+        "ati-nano17-daq", calibration_.serial, board_.name(),
+        fmt::format("{} {}", options.calibration_file.filename().string(), sha256_file(options.calibration_file)),
+        options.emulated};
+  }
+  ~ComediAti() override { stop(); }
+  ComediAti(const ComediAti&) = delete;
+  ComediAti& operator=(const ComediAti&) = delete;
+
+  [[nodiscard]] const DeviceIdentity& identity() const override { return identity_; }
+
+  void start() override {
+    const auto& c = board_.c();
+    for (unsigned i = 0; i < channels; ++i) channel_list_[i] = CR_PACK(i, range_index_, AREF_DIFF);
+    comedi_cmd command{};
+    if (c.generic_timed(board_.device(), subdevice_, &command, channels,
+                        static_cast<unsigned>(std::lround(1e9 / options_.rate_Hz))) < 0)
+      board_.fail("timed scans");
+    command.chanlist = channel_list_.data();
+    command.chanlist_len = channels;
+    command.stop_src = TRIG_NONE;
+    command.stop_arg = 0;
+    for (int pass = 0; pass < 2; ++pass) c.command_test(board_.device(), &command);  // rounds to what the card can
+    if (c.command(board_.device(), &command) < 0) board_.fail("start");
+    running_ = true;
+    counters_ = {};
+    sequence_ = 0;
+    bytes_.clear();
+    bias_ = {};
+    take_bias();
+    counters_ = {};
+    sequence_ = 0;
+  }
+
+  void stop() noexcept override {
+    if (running_) board_.c().cancel(board_.device(), subdevice_);
+    running_ = false;
+  }
+
+  std::size_t read(std::span<WrenchSample> out, double deadline_s) override {
+    const std::size_t scan = channels * (wide_ ? sizeof(lsampl_t) : sizeof(sampl_t));
+    const int fd = board_.c().descriptor(board_.device());
+    while (bytes_.size() < scan) {
+      const double left = deadline_s - clock_.now_s();
+      if (left <= 0.0) return 0;
+      pollfd ready{fd, POLLIN, 0};
+      if (::poll(&ready, 1, static_cast<int>(std::ceil(std::min(left, 3600.0) * 1e3))) <= 0) continue;
+      unsigned char buffer[4096];
+      const auto n = ::read(fd, buffer, sizeof buffer);
+      if (n < 0 && (errno == EAGAIN || errno == EINTR)) continue;
+      if (n < 0 && errno == EPIPE)
+        throw DeviceError(DeviceStatus::failed,
+                          fmt::format("{}: the card's buffer overran: samples were lost", options_.node));
+      if (n <= 0)
+        throw DeviceError(DeviceStatus::gone, fmt::format("{}: the stream ended: {}", options_.node,
+                                                          n == 0 ? "end of file" : std::strerror(errno)));
+      bytes_.insert(bytes_.end(), buffer, buffer + n);
+    }
+    const std::size_t n = std::min(out.size(), bytes_.size() / scan);
+    const double now = clock_.now_s();
+    for (std::size_t i = 0; i < n; ++i) {
+      const auto sample = apply_calibration(calibration_, volts_at(bytes_.data() + i * scan), bias_);
+      out[i] = {};
+      out[i].t_s = now;
+      out[i].sequence = sequence_++;
+      out[i].wrench = sample.wrench;
+      out[i].flags = sample.flags;
+    }
+    counters_.received += n;
+    bytes_.erase(bytes_.begin(), bytes_.begin() + static_cast<std::ptrdiff_t>(n * scan));
+    return n;
+  }
+
+  [[nodiscard]] StreamCounters counters() const override { return counters_; }
+
+ private:
+  GaugeVoltages volts_at(const unsigned char* from) const {
+    GaugeVoltages v{};
+    for (std::size_t k = 0; k < channels; ++k) {
+      lsampl_t count = 0;
+      if (wide_) {
+        std::memcpy(&count, from + k * sizeof(lsampl_t), sizeof(lsampl_t));
+      } else {
+        sampl_t narrow = 0;
+        std::memcpy(&narrow, from + k * sizeof(sampl_t), sizeof(sampl_t));
+        count = narrow;
+      }
+      last_volts_[k] = v[k] = board_.c().to_volts(count, range_, maxdata_);
+    }
+    return v;
+  }
+
+  // The mean of a fifth of a second, while nothing touches the probe.
+  void take_bias() {
+    const auto wanted = static_cast<std::size_t>(0.2 * options_.rate_Hz);
+    GaugeVoltages sum{};
+    std::size_t n = 0;
+    std::vector<WrenchSample> one(1);
+    const double deadline = clock_.now_s() + 5.0;
+    while (n < wanted) {
+      if (read(one, deadline) == 0)
+        throw DeviceError(DeviceStatus::timed_out,
+                          fmt::format("{}: no samples within 5 s of the start", options_.node));
+      for (std::size_t k = 0; k < channels; ++k) sum[k] += last_volts_[k];
+      ++n;
+    }
+    for (std::size_t k = 0; k < channels; ++k) bias_[k] = sum[k] / static_cast<double>(n);
+  }
+
+  ComediOptions options_;
+  AtiCalibration calibration_;
+  Board board_;
+  unsigned subdevice_ = 0, range_index_ = 0;
+  comedi_range* range_ = nullptr;
+  lsampl_t maxdata_ = 0;
+  bool wide_ = false, running_ = false;
+  std::array<unsigned, channels> channel_list_{};
+  DeviceIdentity identity_;
+  MonotonicClock clock_;
+  GaugeVoltages bias_{};
+  mutable GaugeVoltages last_volts_{};
+  std::vector<unsigned char> bytes_;
+  std::uint64_t sequence_ = 0;
+  StreamCounters counters_;
+};
+
+}  // namespace
+
+std::string comedi_board(const std::string& node, const std::string& library) { return Board(node, library).name(); }
+
+std::unique_ptr<WrenchSource> open_comedi_ati(const ComediOptions& options) {
+  return std::make_unique<ComediAti>(options);
+}
+
+}  // namespace touchstone::hil

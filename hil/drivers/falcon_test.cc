@@ -1,0 +1,260 @@
+// The Falcon's kinematics and frames, and its driver under unmodified libusb against the USB emulator. The emulator
+// encodes our reading of the protocol: results are emulated and prove nothing about a real device.
+#include "hil/drivers/falcon.h"
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <functional>
+
+#include "harness/base/atomic_file.h"
+#include "harness/base/random.h"
+#include "hil/drivers/falcon_kinematics.h"
+#include "hil/drivers/usb.h"
+#include "hil/emulators/usb_emulator.h"
+
+namespace touchstone::hil {
+namespace {
+
+using ::testing::HasSubstr;
+
+Vec3 reachable(Random& random) {
+  return {random.uniform(-0.04, 0.04), random.uniform(-0.04, 0.04), random.uniform(0.09, 0.15)};
+}
+
+TEST(FalconKinematics, ForwardUndoesInverse) {
+  Random random(3);
+  int tried = 0;
+  for (int i = 0; i < 500; ++i) {
+    const Vec3 p = reachable(random);
+    const auto angles = falcon::inverse(p);
+    if (!angles) continue;
+    ++tried;
+    const auto back = falcon::forward(*angles, Vec3(0, 0, 0.11));
+    ASSERT_TRUE(back) << p.transpose();
+    EXPECT_LT((*back - p).norm(), 1e-10);
+  }
+  EXPECT_GT(tried, 400);
+}
+
+TEST(FalconKinematics, JacobianIsTheDerivativeAndTorquesDoTheForcesWork) {
+  Random random(4);
+  for (int i = 0; i < 100; ++i) {
+    const Vec3 p = reachable(random);
+    const auto angles = falcon::inverse(p);
+    if (!angles) continue;
+    const Mat3 j = falcon::jacobian(p, *angles);
+    constexpr double h = 1e-6;
+    for (int k = 0; k < 3; ++k) {
+      const Vec3 step = h * Vec3::Unit(k);
+      const auto plus = falcon::inverse(p + step), minus = falcon::inverse(p - step);
+      ASSERT_TRUE(plus && minus);
+      for (int arm = 0; arm < 3; ++arm)
+        EXPECT_NEAR(j(arm, k),
+                    ((*plus)[static_cast<std::size_t>(arm)] - (*minus)[static_cast<std::size_t>(arm)]) / (2 * h),
+                    1e-5 * j.norm());
+    }
+    // Virtual work: tau . (J dp) = F . dp for every dp.
+    const Vec3 f = random.direction(), dp = random.direction();
+    EXPECT_NEAR(falcon::motor_torques(p, *angles, f).dot(j * dp), f.dot(dp), 1e-12);
+  }
+}
+
+TEST(FalconKinematics, OutOfReachIsSaid) {
+  EXPECT_FALSE(falcon::inverse(Vec3(0.3, 0, 0.1)));
+  EXPECT_FALSE(falcon::inverse(Vec3(0, 0, 0.4)));
+  for (const int count : {-3000, 0, 2500}) EXPECT_EQ(falcon::count_of_angle(falcon::angle_of_count(count)), count);
+}
+
+TEST(FalconFrames, ComeBack) {
+  falcon::Command c;
+  c.motors = {-32768, 1, 32767};
+  c.homing = true;
+  const auto back = falcon::decode_command(falcon::encode(c));
+  EXPECT_EQ(back.motors, c.motors);
+  EXPECT_TRUE(back.homing);
+  falcon::Answer a;
+  a.encoders = {-1, 0, 1234};
+  a.homed = 5;
+  a.buttons = 9;
+  auto frame = falcon::encode(a);
+  const auto answer = falcon::decode_answer(frame);
+  ASSERT_TRUE(answer);
+  EXPECT_EQ(answer->encoders, a.encoders);
+  EXPECT_EQ(answer->homed, 5U);
+  EXPECT_EQ(answer->buttons, 9U);
+  frame[3] = 0x7f;
+  EXPECT_FALSE(falcon::decode_answer(frame));
+}
+
+class FalconUsb : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    if (!UsbEmulator::preloaded()) GTEST_SKIP() << "needs LD_PRELOAD=libumockdev-preload.so.0 (ctest sets it)";
+    const Vec3 p(0.01, -0.02, 0.12);
+    const auto angles = falcon::inverse(p);
+    position_ = p;
+    model_.set_encoders({falcon::count_of_angle((*angles)[0]), falcon::count_of_angle((*angles)[1]),
+                         falcon::count_of_angle((*angles)[2])});
+    usb_ = std::make_unique<UsbEmulator>(UsbEmulator::Identity{}, model_);
+  }
+  static DeviceStatus status_of(const std::function<void()>& act) {
+    try {
+      act();
+    } catch (const DeviceError& error) {
+      last_message = error.what();
+      return error.device_status();
+    }
+    return DeviceStatus::present;
+  }
+  std::unique_ptr<HapticDevice> open(const std::string& serial = "") {
+    FalconOptions options;
+    options.serial = serial;
+    options.emulated = true;
+    options.timeout_s = 0.5;
+    return open_falcon(options);
+  }
+  static double soon() { return MonotonicClock().now_s() + 0.5; }
+
+  static inline std::string last_message;
+  Vec3 position_;
+  FalconModel model_{true};
+  std::unique_ptr<UsbEmulator> usb_;
+};
+
+TEST_F(FalconUsb, IsSeenWithItsStrings) {
+  const UsbContext context;
+  const std::uint16_t vendors[] = {0x0403};
+  const auto devices = context.devices(vendors);
+  ASSERT_EQ(devices.size(), 1U);
+  EXPECT_EQ(devices[0].product, 0xcb48);
+  EXPECT_EQ(devices[0].product_name, "FALCON HAPTIC");
+  EXPECT_EQ(devices[0].serial, "EMUF0001");
+  EXPECT_EQ(devices[0].status, DeviceStatus::present);
+}
+
+TEST_F(FalconUsb, HomesReportsItsPositionAndPushesAgainstIt) {
+  const auto device = open();
+  EXPECT_TRUE(device->identity().emulated);
+  EXPECT_EQ(device->watchdog_s(), 0.0);
+  for (int i = 0; i < 6 && !device->calibrated(); ++i) device->exchange(Vec3(0, 0, 1), soon());
+  ASSERT_TRUE(device->calibrated());
+  const auto state = device->exchange(Vec3(0, 0, 1), soon());
+  EXPECT_LT((state.p_W_m - position_).norm(), 1e-4);  // a count is some 40 um
+  const auto motors = model_.motors();
+  EXPECT_NE(motors, (std::array<int, 3>{}));
+  // The motors' torques do the force's work.
+  const auto angles = falcon::inverse(state.p_W_m);
+  const Vec3 tau = falcon::motor_torques(state.p_W_m, *angles, Vec3(0, 0, 1));
+  for (std::size_t i = 0; i < 3; ++i) EXPECT_NEAR(motors[i], -10000 * tau[static_cast<int>(i)], 1.5);
+  EXPECT_TRUE(device->zero_force());
+  EXPECT_EQ(model_.motors(), (std::array<int, 3>{}));
+}
+
+TEST_F(FalconUsb, CommandsNothingBeforeItIsHomed) {
+  const auto device = open();
+  ASSERT_FALSE(device->calibrated());
+  device->exchange(Vec3(0, 0, 5), soon());
+  EXPECT_EQ(model_.motors(), (std::array<int, 3>{}));
+}
+
+TEST_F(FalconUsb, SaysWhyItCannotBeOpened) {
+  EXPECT_EQ(status_of([&] { open("OTHER"); }), DeviceStatus::wrong_serial);
+  EXPECT_THAT(last_message, HasSubstr("EMUF0001 is there"));
+  usb_->faults.busy = true;
+  EXPECT_EQ(status_of([&] { open(); }), DeviceStatus::busy);
+  const UsbContext context;
+  const std::uint16_t vendors[] = {0x0403};
+  EXPECT_EQ(context.devices(vendors)[0].status, DeviceStatus::busy);
+  usb_->faults.busy = false;
+  usb_->faults.stall = true;
+  EXPECT_EQ(status_of([&] { open(); }), DeviceStatus::failed);
+  usb_->faults.stall = false;
+  usb_.reset();
+  EXPECT_EQ(status_of([&] { open(); }), DeviceStatus::absent);
+}
+
+// In a process of its own that is nobody's where this one is root's: root may open everything.
+TEST(FalconUsbPermission, WithoutItTheDriverSaysWhatToDo) {
+  if (!UsbEmulator::preloaded()) GTEST_SKIP() << "needs LD_PRELOAD=libumockdev-preload.so.0 (ctest sets it)";
+  const pid_t child = ::fork();
+  if (child == 0) {
+    if (::geteuid() == 0 && ::setresuid(65534, 65534, 65534) != 0) ::_exit(3);
+    FalconModel model(true);
+    UsbEmulator usb(UsbEmulator::Identity{}, model);
+    usb.forbid();
+    try {
+      open_falcon({});
+    } catch (const DeviceError& error) {
+      const bool said = error.device_status() == DeviceStatus::no_permission &&
+                        std::string(error.what()).find("udev") != std::string::npos;
+      if (!said) fmt::print("{}\n", error.what());
+      std::fflush(stdout);
+      ::_exit(said ? 0 : 1);
+    }
+    ::_exit(2);
+  }
+  int status = 0;
+  ::waitpid(child, &status, 0);
+  EXPECT_EQ(status, 0);
+}
+
+TEST_F(FalconUsb, FaultsWhileRunningAreErrorsWithinTheDeadline) {
+  const auto device = open();
+  MonotonicClock clock;
+  usb_->faults.silent = true;
+  double before = clock.now_s();
+  EXPECT_EQ(status_of([&] { device->exchange(Vec3::Zero(), clock.now_s() + 0.1); }), DeviceStatus::timed_out);
+  EXPECT_GE(clock.now_s(), before + 0.09);
+  usb_->faults.silent = false;
+  EXPECT_EQ(status_of([&] { device->exchange(Vec3::Zero(), soon()); }), DeviceStatus::present);
+  model_.damage_next_frames(1);
+  device->exchange(Vec3::Zero(), soon());  // the answer to the exchange that timed out is still in the pipe
+  EXPECT_EQ(status_of([&] { device->exchange(Vec3::Zero(), soon()); }), DeviceStatus::failed);
+  usb_->faults.stall = true;
+  EXPECT_EQ(status_of([&] { device->exchange(Vec3::Zero(), soon()); }), DeviceStatus::failed);
+  EXPECT_THAT(last_message, HasSubstr("stall"));
+  usb_->faults.stall = false;
+}
+
+TEST_F(FalconUsb, ShortPacketsTimeOutInsteadOfBecomingPositions) {
+  const auto device = open();
+  usb_->faults.short_packets = true;
+  EXPECT_NE(status_of([&] { device->exchange(Vec3::Zero(), MonotonicClock().now_s() + 0.1); }), DeviceStatus::present);
+}
+
+TEST_F(FalconUsb, UnpluggedIsGone) {
+  const auto device = open();
+  usb_->faults.gone = true;
+  EXPECT_EQ(status_of([&] { device->exchange(Vec3::Zero(), soon()); }), DeviceStatus::gone);
+  EXPECT_FALSE(device->zero_force());
+}
+
+TEST_F(FalconUsb, FirmwareIsUploadedWithEveryByteChecked) {
+  usb_.reset();
+  FalconModel bare(false, 1037);
+  bare.set_encoders({100, 200, 300});
+  UsbEmulator usb(UsbEmulator::Identity{}, bare);
+  const auto file = std::filesystem::temp_directory_path() / fmt::format("touchstone-firmware-{}", ::getpid());
+  write_file(file, std::string(1000, 'f') + std::string(37, 'g'));
+  FalconOptions options;
+  options.emulated = true;
+  options.timeout_s = 0.5;
+  EXPECT_EQ(status_of([&] { open_falcon(options); }), DeviceStatus::failed);
+  EXPECT_THAT(last_message, HasSubstr("no firmware is running"));
+  options.firmware = file;
+  bare.damage_echo();
+  EXPECT_EQ(status_of([&] { open_falcon(options); }), DeviceStatus::failed);
+  EXPECT_THAT(last_message, HasSubstr("echo of the firmware differs"));
+  const auto device = open_falcon(options);
+  EXPECT_EQ(bare.firmware_bytes(), 1037U);
+  device->exchange(Vec3::Zero(), soon());
+  std::filesystem::remove(file);
+}
+
+}  // namespace
+}  // namespace touchstone::hil

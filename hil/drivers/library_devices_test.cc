@@ -1,0 +1,185 @@
+// Drivers that go through a library opened at run time, against stub libraries: comedi, Force Dimension, 3D Systems.
+// They show that the calls come in the right order with the right units, nothing about real devices.
+#include <dlfcn.h>
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <functional>
+#include <vector>
+
+#include "harness/base/atomic_file.h"
+#include "hil/drivers/comedi_daq.h"
+#include "hil/drivers/vendor_devices.h"
+
+namespace touchstone::hil {
+namespace {
+
+using ::testing::HasSubstr;
+
+std::string last_message;
+DeviceStatus status_of(const std::function<void()>& act) {
+  try {
+    act();
+  } catch (const DeviceError& error) {
+    last_message = error.what();
+    return error.device_status();
+  }
+  return DeviceStatus::present;
+}
+
+class ComediStub : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    file_ = std::filesystem::temp_directory_path() / fmt::format("touchstone-comedi-{}.cal", ::getpid());
+    std::string xml =
+        "<FTSensor Serial=\"FT9\" BodyStyle=\"Nano17\" Family=\"DAQ\" NumGages=\"6\" "
+        "CalFileVersion=\"1.0\"><Calibration PartNumber=\"SI-12-0.12\" CalDate=\"2/3/2020\" "
+        "ForceUnits=\"N\" TorqueUnits=\"N-mm\" DistUnits=\"mm\" OutputRange=\"20\" OutputBipolar=\"True\">";
+    const char* const names[] = {"Fx", "Fy", "Fz", "Tx", "Ty", "Tz"};
+    for (int i = 0; i < 6; ++i) {
+      xml += fmt::format("<Axis Name=\"{}\" scale=\"1\" max=\"17\" values=\"", names[i]);
+      for (int j = 0; j < 6; ++j) xml += i == j ? " 2" : " 0";
+      xml += "\"/>";
+    }
+    write_file(
+        file_,
+        xml + "<BasicTransform Dx=\"0\" Dy=\"0\" Dz=\"0\" Rx=\"0\" Ry=\"0\" Rz=\"0\"/></Calibration></FTSensor>");
+    options_.library = TOUCHSTONE_STUB_COMEDI;
+    options_.calibration_file = file_;
+    options_.emulated = true;
+    ::setenv("TOUCHSTONE_STUB_COMEDI_VOLTS", "0.5 -1 2 3 4 5", 1);
+  }
+  void TearDown() override {
+    ::unsetenv("TOUCHSTONE_STUB_COMEDI_FAULT");
+    std::filesystem::remove(file_);
+  }
+  std::filesystem::path file_;
+  ComediOptions options_;
+  MonotonicClock clock_;
+};
+
+TEST_F(ComediStub, VoltagesBecomeWrenchesWithoutTheirBias) {
+  const auto source = open_comedi_ati(options_);
+  EXPECT_EQ(source->identity().serial, "FT9");
+  EXPECT_THAT(source->identity().calibration, HasSubstr(".cal"));
+  source->start();
+  std::vector<WrenchSample> samples(500);
+  const double deadline = clock_.now_s() + 5.0;
+  Wrench last;
+  std::uint64_t n = 0;
+  while (n < 4000) {
+    const auto got = source->read(samples, deadline);
+    ASSERT_GT(got, 0U);
+    EXPECT_EQ(samples[0].sequence, n);
+    n += got;
+    last = samples[got - 1].wrench;
+  }
+  const double step = 2.0 * 20.0 / 65535;  // a count, in N
+  EXPECT_LT((last.f_N - Vec3(1, -2, 4)).cwiseAbs().maxCoeff(), step);
+  EXPECT_LT((last.torque_Nm - 1e-3 * Vec3(6, 8, 10)).cwiseAbs().maxCoeff(), 1e-3 * step);
+  EXPECT_EQ(source->counters().received, n);
+}
+
+TEST_F(ComediStub, EveryFaultHasItsWord) {
+  const std::pair<const char*, DeviceStatus> cases[] = {{"absent", DeviceStatus::absent},
+                                                        {"forbidden", DeviceStatus::no_permission},
+                                                        {"busy", DeviceStatus::busy},
+                                                        {"no-range", DeviceStatus::failed}};
+  for (const auto& [fault, expected] : cases) {
+    ::setenv("TOUCHSTONE_STUB_COMEDI_FAULT", fault, 1);
+    EXPECT_EQ(status_of([&] { open_comedi_ati(options_); }), expected) << fault;
+  }
+  ::unsetenv("TOUCHSTONE_STUB_COMEDI_FAULT");
+  options_.library = "/nowhere/libcomedi.so.0";
+  EXPECT_EQ(status_of([&] { open_comedi_ati(options_); }), DeviceStatus::no_driver);
+  EXPECT_THAT(last_message, HasSubstr("/nowhere/libcomedi.so.0"));
+}
+
+TEST_F(ComediStub, AStreamThatEndsIsGone) {
+  ::setenv("TOUCHSTONE_STUB_COMEDI_FAULT", "unplug", 1);
+  const auto source = open_comedi_ati(options_);
+  source->start();
+  std::vector<WrenchSample> samples(100);
+  EXPECT_EQ(status_of([&] {
+              while (source->read(samples, clock_.now_s() + 2.0) > 0) {
+              }
+            }),
+            DeviceStatus::gone);
+}
+
+class VendorStub : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    options_.library = TOUCHSTONE_STUB_VENDOR;
+    options_.emulated = true;
+    stub_ = ::dlopen(TOUCHSTONE_STUB_VENDOR, RTLD_NOW);
+    ASSERT_NE(stub_, nullptr);
+  }
+  void TearDown() override {
+    ::unsetenv("TOUCHSTONE_STUB_VENDOR_FAULT");
+    ::dlclose(stub_);
+  }
+  Vec3 applied() const {
+    Vec3 f;
+    reinterpret_cast<void (*)(double*)>(::dlsym(stub_, "touchstone_stub_force"))(f.data());
+    return f;
+  }
+  void* stub_ = nullptr;
+  VendorDeviceOptions options_;
+  MonotonicClock clock_;
+};
+
+TEST_F(VendorStub, ForceDimensionSetsItsWatchdogAndSpeaksSi) {
+  {
+    const auto device = open_force_dimension(options_);
+    EXPECT_EQ(device->identity().serial, "4711");
+    EXPECT_NEAR(device->watchdog_s(), 0.02, 1e-12);
+    EXPECT_EQ(reinterpret_cast<int (*)()>(::dlsym(stub_, "touchstone_stub_watchdog_periods"))(), 160);
+    const auto state = device->exchange(Vec3(1, 2, 3), clock_.now_s() + 1);
+    EXPECT_EQ(state.p_W_m, Vec3(0.01, 0.02, 0.03));
+    EXPECT_EQ(applied(), Vec3(1, 2, 3));
+    ::setenv("TOUCHSTONE_STUB_VENDOR_FAULT", "fails", 1);
+    EXPECT_EQ(status_of([&] { device->exchange(Vec3(1, 2, 3), clock_.now_s() + 1); }), DeviceStatus::failed);
+    EXPECT_FALSE(device->zero_force());
+    ::unsetenv("TOUCHSTONE_STUB_VENDOR_FAULT");
+  }
+  EXPECT_EQ(applied(), Vec3(0, 0, 0));  // closing leaves it at zero
+  options_.serial = "1";
+  EXPECT_EQ(status_of([&] { open_force_dimension(options_); }), DeviceStatus::wrong_serial);
+  ::setenv("TOUCHSTONE_STUB_VENDOR_FAULT", "absent", 1);
+  EXPECT_EQ(status_of([&] { open_force_dimension(options_); }), DeviceStatus::absent);
+}
+
+TEST_F(VendorStub, OpenHapticsConvertsMillimetresAndHasADeadline) {
+  {
+    const auto device = open_openhaptics(options_);
+    EXPECT_EQ(device->identity().serial, "STUB-4712");
+    const auto state = device->exchange(Vec3(0, 0, 2), clock_.now_s() + 1);
+    EXPECT_LT((state.p_W_m - Vec3(0.01, 0.02, 0.03)).norm(), 1e-15);
+    EXPECT_LT((state.v_W_m_per_s - Vec3(0.1, 0, 0)).norm(), 1e-15);
+    EXPECT_EQ(state.buttons, 3U);
+    EXPECT_EQ(applied(), Vec3(0, 0, 2));
+    EXPECT_TRUE(device->calibrated());
+    ::setenv("TOUCHSTONE_STUB_VENDOR_FAULT", "fails", 1);  // the servo thread stops ticking
+    EXPECT_EQ(status_of([&] { device->exchange(Vec3(0, 0, 2), clock_.now_s() + 0.05); }), DeviceStatus::timed_out);
+    ::unsetenv("TOUCHSTONE_STUB_VENDOR_FAULT");
+  }
+  ::setenv("TOUCHSTONE_STUB_VENDOR_FAULT", "absent", 1);
+  EXPECT_EQ(status_of([&] { open_openhaptics(options_); }), DeviceStatus::absent);
+}
+
+TEST_F(VendorStub, AMissingLibraryIsSaidWithWhatToDo) {
+  options_.library = "/nowhere/libdhd.so";
+  EXPECT_EQ(status_of([&] { open_force_dimension(options_); }), DeviceStatus::no_driver);
+  EXPECT_THAT(last_message, HasSubstr("hardware map"));
+  options_.library = TOUCHSTONE_STUB_COMEDI;  // a library, but another one
+  EXPECT_EQ(status_of([&] { open_openhaptics(options_); }), DeviceStatus::no_driver);
+  EXPECT_THAT(last_message, HasSubstr("hdInitDevice"));
+}
+
+}  // namespace
+}  // namespace touchstone::hil

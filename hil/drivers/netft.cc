@@ -1,0 +1,197 @@
+#include "hil/drivers/netft.h"
+
+#include <arpa/inet.h>
+#include <curl/curl.h>
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <netdb.h>
+#include <netinet/in.h>
+#include <poll.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cmath>
+#include <cstring>
+#include <mutex>
+
+namespace touchstone::hil {
+namespace {
+
+constexpr std::size_t largest_document = 1U << 20U;
+
+std::size_t collect(char* data, std::size_t size, std::size_t count, void* to) {
+  auto& text = *static_cast<std::string*>(to);
+  if (text.size() + size * count > largest_document) return 0;  // curl then fails the transfer
+  text.append(data, size * count);
+  return size * count;
+}
+
+std::string fetch(const std::string& url, double timeout_s) {
+  static std::once_flag once;
+  std::call_once(once, [] { curl_global_init(CURL_GLOBAL_DEFAULT); });
+  const std::unique_ptr<CURL, void (*)(CURL*)> curl(curl_easy_init(), curl_easy_cleanup);
+  std::string text;
+  curl_easy_setopt(curl.get(), CURLOPT_URL, url.c_str());
+  curl_easy_setopt(curl.get(), CURLOPT_TIMEOUT_MS, static_cast<long>(timeout_s * 1e3));
+  curl_easy_setopt(curl.get(), CURLOPT_NOSIGNAL, 1L);
+  curl_easy_setopt(curl.get(), CURLOPT_PROXY, "");  // the sensor is on the bench's network, never behind a proxy
+  curl_easy_setopt(curl.get(), CURLOPT_PROTOCOLS_STR, "http");
+  curl_easy_setopt(curl.get(), CURLOPT_FAILONERROR, 1L);
+  curl_easy_setopt(curl.get(), CURLOPT_WRITEFUNCTION, collect);
+  curl_easy_setopt(curl.get(), CURLOPT_WRITEDATA, &text);
+  const CURLcode code = curl_easy_perform(curl.get());
+  if (code == CURLE_OK) return text;
+  const auto status = code == CURLE_COULDNT_CONNECT || code == CURLE_COULDNT_RESOLVE_HOST ? DeviceStatus::absent
+                      : code == CURLE_OPERATION_TIMEDOUT                                  ? DeviceStatus::timed_out
+                                                                                          : DeviceStatus::failed;
+  throw DeviceError(status, fmt::format("Net F/T at {}: {}", url, curl_easy_strerror(code)));
+}
+
+int connect_udp(const NetFtAddress& address) {
+  addrinfo hints{};
+  hints.ai_family = AF_INET;
+  hints.ai_socktype = SOCK_DGRAM;
+  addrinfo* found = nullptr;
+  if (getaddrinfo(address.host.c_str(), std::to_string(address.udp_port).c_str(), &hints, &found) != 0 ||
+      found == nullptr) {
+    throw DeviceError(DeviceStatus::absent, fmt::format("Net F/T: the host {} is not known", address.host));
+  }
+  const std::unique_ptr<addrinfo, void (*)(addrinfo*)> owner(found, freeaddrinfo);
+  const int fd = ::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
+  // A second of records at 7 kHz, should this process be scheduled away.
+  const int buffer = 4 << 20;
+  ::setsockopt(fd, SOL_SOCKET, SO_RCVBUF, &buffer, sizeof buffer);
+  if (fd < 0 || ::connect(fd, found->ai_addr, found->ai_addrlen) != 0) {
+    const int error = errno;
+    if (fd >= 0) ::close(fd);
+    throw DeviceError(DeviceStatus::absent,
+                      fmt::format("Net F/T at {}:{}: {}", address.host, address.udp_port, std::strerror(error)));
+  }
+  return fd;
+}
+
+class NetFt final : public WrenchSource {
+ public:
+  NetFt(const NetFtAddress& address, double timeout_s, bool emulated)
+      : address_(address), configuration_(read_netft_configuration(address, timeout_s)), socket_(connect_udp(address)) {
+    identity_ = {"ati-netft", configuration_.serial, configuration_.product,
+                 fmt::format("netftapi2.xml: {:.9g} N and {:.9g} N m per count", configuration_.newtons_per_count,
+                             configuration_.newton_metres_per_count),
+                 emulated};
+  }
+  ~NetFt() override {
+    stop();
+    ::close(socket_);
+  }
+  NetFt(const NetFt&) = delete;
+  NetFt& operator=(const NetFt&) = delete;
+
+  [[nodiscard]] const DeviceIdentity& identity() const override { return identity_; }
+
+  void start() override {
+    sequence_ = {};
+    request(RdtCommand::start_realtime, 0);
+  }
+
+  void stop() noexcept override {
+    const auto bytes = encode_request(RdtCommand::stop, 0);
+    [[maybe_unused]] const auto sent = ::send(socket_, bytes.data(), bytes.size(), MSG_NOSIGNAL);
+  }
+
+  std::size_t read(std::span<WrenchSample> out, double deadline_s) override {
+    std::size_t filled = 0;
+    while (filled == 0) {
+      const double left = deadline_s - clock_.now_s();
+      if (left <= 0.0) return 0;
+      pollfd ready{socket_, POLLIN, 0};
+      const int n = ::poll(&ready, 1, static_cast<int>(std::ceil(std::min(left, 3600.0) * 1e3)));
+      if (n < 0 && errno != EINTR)
+        throw DeviceError(DeviceStatus::failed, fmt::format("Net F/T: poll: {}", std::strerror(errno)));
+      if (n > 0) filled = receive(out);
+    }
+    return filled;
+  }
+
+  [[nodiscard]] StreamCounters counters() const override { return sequence_.counters(); }
+
+ private:
+  void request(RdtCommand command, std::uint32_t samples) {
+    const auto bytes = encode_request(command, samples);
+    if (::send(socket_, bytes.data(), bytes.size(), MSG_NOSIGNAL) != static_cast<ssize_t>(bytes.size())) {
+      throw DeviceError(DeviceStatus::failed, fmt::format("Net F/T at {}:{}: the request was not sent: {}",
+                                                          address_.host, address_.udp_port, std::strerror(errno)));
+    }
+  }
+
+  std::size_t receive(std::span<WrenchSample> out) {
+    constexpr std::size_t batch = 64;
+    std::array<std::array<unsigned char, 2 * rdt_record_bytes>, batch> buffers;
+    std::array<iovec, batch> vectors{};
+    std::array<mmsghdr, batch> messages{};
+    const std::size_t want = std::min(batch, out.size());
+    for (std::size_t i = 0; i < want; ++i) {
+      vectors[i] = {buffers[i].data(), buffers[i].size()};
+      messages[i].msg_hdr.msg_iov = &vectors[i];
+      messages[i].msg_hdr.msg_iovlen = 1;
+    }
+    const int n = ::recvmmsg(socket_, messages.data(), static_cast<unsigned>(want), MSG_DONTWAIT, nullptr);
+    if (n < 0) {
+      if (errno == EAGAIN || errno == EINTR) return 0;
+      if (errno == ECONNREFUSED)
+        throw DeviceError(DeviceStatus::gone, fmt::format("Net F/T at {}:{}: nothing listens there any more",
+                                                          address_.host, address_.udp_port));
+      throw DeviceError(DeviceStatus::failed, fmt::format("Net F/T: {}", std::strerror(errno)));
+    }
+    const double now = clock_.now_s();
+    std::size_t filled = 0;
+    for (std::size_t i = 0; i < static_cast<std::size_t>(n); ++i) {
+      if (messages[i].msg_len != rdt_record_bytes) {
+        ++sequence_.counters().malformed;
+        continue;
+      }
+      const RdtRecord record =
+          decode_record(std::span<const unsigned char, rdt_record_bytes>(buffers[i].data(), rdt_record_bytes));
+      const auto verdict = sequence_.accept(record.rdt_sequence);
+      // A late record would make time run back in the recording: it is counted and left out.
+      if (verdict == SequenceTracker::Verdict::repeated || verdict == SequenceTracker::Verdict::reordered) continue;
+      WrenchSample& sample = out[filled++];
+      sample = {};
+      sample.t_s = now;
+      sample.sequence = sequence_.unwrapped();
+      sample.device_status = record.status;
+      if ((record.status & rdt_error_bit) != 0) {
+        sample.flags |= sample_device_error;
+        ++sequence_.counters().device_errors;
+      }
+      if (verdict == SequenceTracker::Verdict::after_gap) sample.flags |= sample_after_gap;
+      for (int k = 0; k < 3; ++k) {
+        sample.wrench.f_N[k] = configuration_.newtons_per_count * record.counts[static_cast<std::size_t>(k)];
+        sample.wrench.torque_Nm[k] =
+            configuration_.newton_metres_per_count * record.counts[static_cast<std::size_t>(k + 3)];
+      }
+    }
+    return filled;
+  }
+
+  NetFtAddress address_;
+  NetFtConfiguration configuration_;
+  DeviceIdentity identity_;
+  MonotonicClock clock_;
+  SequenceTracker sequence_;
+  int socket_;
+};
+
+}  // namespace
+
+NetFtConfiguration read_netft_configuration(const NetFtAddress& address, double timeout_s) {
+  const auto url = fmt::format("http://{}:{}/netftapi2.xml", address.host, address.http_port);
+  return parse_netft_configuration(fetch(url, timeout_s), url);
+}
+
+std::unique_ptr<WrenchSource> open_netft(const NetFtAddress& address, double timeout_s, bool emulated) {
+  return std::make_unique<NetFt>(address, timeout_s, emulated);
+}
+
+}  // namespace touchstone::hil

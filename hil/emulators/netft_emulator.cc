@@ -1,0 +1,154 @@
+#include "hil/emulators/netft_emulator.h"
+
+#include <arpa/inet.h>
+#include <fmt/format.h>
+#include <netinet/in.h>
+#include <poll.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <cstring>
+#include <map>
+#include <optional>
+#include <stdexcept>
+#include <vector>
+
+namespace touchstone::hil {
+namespace {
+
+constexpr double counts_per_newton = 1e6, counts_per_newton_metre = 2e6;
+
+int bind_loopback(int type, int& port) {
+  const int fd = ::socket(AF_INET, type | SOCK_CLOEXEC, 0);
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  socklen_t size = sizeof address;
+  if (fd < 0 || ::bind(fd, reinterpret_cast<sockaddr*>(&address), size) != 0 ||
+      ::getsockname(fd, reinterpret_cast<sockaddr*>(&address), &size) != 0) {
+    throw std::runtime_error("the emulator found no free port on loopback");
+  }
+  port = ntohs(address.sin_port);
+  return fd;
+}
+
+}  // namespace
+
+NetFtEmulator::NetFtEmulator(double rate_Hz, NetFtFaults faults, std::function<Wrench(double)> wrench)
+    : rate_Hz_(rate_Hz), faults_(faults), wrench_(std::move(wrench)) {
+  http_socket_ = bind_loopback(SOCK_STREAM, http_port_);
+  udp_socket_ = bind_loopback(SOCK_DGRAM, udp_port_);
+  ::listen(http_socket_, 8);
+  http_thread_ = std::thread([this] { serve_http(); });
+  rdt_thread_ = std::thread([this] { serve_rdt(); });
+}
+
+NetFtEmulator::~NetFtEmulator() { unplug(); }
+
+void NetFtEmulator::unplug() {
+  stop_ = true;
+  if (http_thread_.joinable()) http_thread_.join();
+  if (rdt_thread_.joinable()) rdt_thread_.join();
+  for (int* fd : {&http_socket_, &udp_socket_}) {
+    if (*fd >= 0) ::close(*fd);
+    *fd = -1;
+  }
+}
+
+NetFtAddress NetFtEmulator::address() const { return {"127.0.0.1", http_port_, udp_port_}; }
+
+void NetFtEmulator::serve_http() {
+  std::vector<int> kept;  // of clients that never get an answer
+  while (!stop_) {
+    pollfd ready{http_socket_, POLLIN, 0};
+    if (::poll(&ready, 1, 20) <= 0) continue;
+    const int client = ::accept4(http_socket_, nullptr, nullptr, SOCK_CLOEXEC);
+    if (client < 0) continue;
+    if (faults_.http_silent) {
+      kept.push_back(client);
+      continue;
+    }
+    char request[2048];
+    pollfd data{client, POLLIN, 0};
+    if (::poll(&data, 1, 1000) > 0) [[maybe_unused]]
+      const auto n = ::recv(client, request, sizeof request, 0);
+    const std::string body =
+        faults_.http_garbage
+            ? "<html>not a sensor</html>"
+            : fmt::format(
+                  "<?xml version=\"1.0\"?><netft><prodname>Net F/T "
+                  "emulated</prodname><setserial>EMU00001</setserial><cfgcpf>{}</cfgcpf>"
+                  "<cfgcpt>{}</cfgcpt><scfgfu>N</scfgfu><scfgtu>Nm</scfgtu><comrdtrate>{}</comrdtrate></netft>",
+                  counts_per_newton, counts_per_newton_metre, rate_Hz_);
+    const auto answer =
+        fmt::format("HTTP/1.0 200 OK\r\nContent-Type: text/xml\r\nContent-Length: {}\r\n\r\n{}", body.size(), body);
+    [[maybe_unused]] const auto n = ::send(client, answer.data(), answer.size(), MSG_NOSIGNAL);
+    ::close(client);
+  }
+  for (const int client : kept) ::close(client);
+}
+
+void NetFtEmulator::serve_rdt() {
+  MonotonicClock clock;
+  std::map<std::pair<std::uint32_t, std::uint16_t>, sockaddr_in> clients;
+  std::uint32_t sequence = faults_.first_sequence;
+  std::uint64_t count = 0;
+  double start = 0.0;
+  std::optional<std::array<unsigned char, rdt_record_bytes>> held;
+  const auto due = [&](std::uint32_t every) { return every != 0 && count % every == 0; };
+  const auto send = [&](const unsigned char* bytes, std::size_t size) {
+    for (const auto& [key, address] : clients) {
+      ::sendto(udp_socket_, bytes, size, MSG_NOSIGNAL, reinterpret_cast<const sockaddr*>(&address), sizeof address);
+    }
+    ++sent_;
+  };
+  while (!stop_) {
+    unsigned char request[64];
+    sockaddr_in from{};
+    socklen_t size = sizeof from;
+    while (::recvfrom(udp_socket_, request, sizeof request, MSG_DONTWAIT, reinterpret_cast<sockaddr*>(&from), &size) ==
+           static_cast<ssize_t>(rdt_request_bytes)) {
+      if (request[0] != 0x12 || request[1] != 0x34) continue;
+      const auto command = static_cast<RdtCommand>(request[2] << 8 | request[3]);
+      const std::pair key(from.sin_addr.s_addr, from.sin_port);
+      if (command == RdtCommand::stop) clients.erase(key);
+      if (command == RdtCommand::start_realtime) {
+        if (clients.empty()) start = clock.now_s(), count = 0, sequence = faults_.first_sequence;
+        if (faults_.newest_client_wins) clients.clear();
+        clients[key] = from;
+      }
+    }
+    const bool silent = faults_.silent_after != 0 && count >= faults_.silent_after;
+    if (clients.empty() || silent) {
+      clock.sleep_until(clock.now_s() + 1e-3);
+      continue;
+    }
+    // What is due by now, so that a late wake-up loses nothing.
+    while (!stop_ && static_cast<double>(count) < (clock.now_s() - start) * rate_Hz_ &&
+           !(faults_.silent_after != 0 && count >= faults_.silent_after)) {
+      ++count;
+      const Wrench w = wrench_(static_cast<double>(count) / rate_Hz_);
+      RdtRecord record;
+      record.rdt_sequence = record.ft_sequence = sequence++;
+      if (due(faults_.error_bit_every)) record.status = rdt_error_bit;
+      for (std::size_t k = 0; k < 3; ++k) {
+        record.counts[k] = static_cast<std::int32_t>(std::lround(w.f_N[static_cast<int>(k)] * counts_per_newton));
+        record.counts[k + 3] =
+            static_cast<std::int32_t>(std::lround(w.torque_Nm[static_cast<int>(k)] * counts_per_newton_metre));
+      }
+      const auto bytes = encode_record(record);
+      if (due(faults_.drop_every)) continue;
+      if (due(faults_.swap_every) && !held) {
+        held = bytes;
+        continue;
+      }
+      send(bytes.data(), due(faults_.short_every) ? 20 : bytes.size());
+      if (due(faults_.repeat_every)) send(bytes.data(), bytes.size());
+      if (held) send(held->data(), held->size()), held.reset();
+    }
+    clock.sleep_until(clock.now_s() + std::min(1e-3, 1.0 / rate_Hz_));
+  }
+}
+
+}  // namespace touchstone::hil

@@ -1,0 +1,103 @@
+// A library with the functions of Force Dimension's libdhd and 3D Systems' libHD that the drivers call, and a device
+// behind both: it stands at (10, 20, 30) mm and remembers the force. TOUCHSTONE_STUB_VENDOR_FAULT: absent, fails.
+// It encodes our reading of the vendors' documentation and proves nothing about their devices.
+#include <atomic>
+#include <chrono>
+#include <cstdlib>
+#include <string>
+#include <thread>
+
+namespace {
+
+bool fault(const char* name) {
+  const char* const text = std::getenv("TOUCHSTONE_STUB_VENDOR_FAULT");
+  return text != nullptr && std::string(text) == name;
+}
+
+std::atomic<double> force[3];
+std::atomic<int> watchdog_periods{0}, forces_on{0};
+std::atomic<bool> scheduling{false};
+std::thread scheduler;
+unsigned (*job)(void*) = nullptr;
+void* job_data = nullptr;
+
+struct HdError {
+  unsigned code;
+  int internal;
+  unsigned device;
+};
+
+}  // namespace
+
+extern "C" {
+int dhdOpen() { return fault("absent") ? -1 : 0; }
+int dhdClose(char) { return 0; }
+int dhdGetSerialNumber(unsigned short* number, char) {
+  *number = 4711;
+  return 0;
+}
+int dhdEnableForce(unsigned char on, char) {
+  forces_on = on;
+  return 0;
+}
+int dhdSetForce(double x, double y, double z, char) {
+  if (fault("fails")) return -1;
+  force[0] = x, force[1] = y, force[2] = z;
+  return 0;
+}
+int dhdGetPosition(double* x, double* y, double* z, char) {
+  *x = 0.01, *y = 0.02, *z = 0.03;
+  return 0;
+}
+int dhdGetLinearVelocity(double* x, double* y, double* z, char) {
+  *x = 0.1, *y = 0.0, *z = 0.0;
+  return 0;
+}
+int dhdGetButton(int, char) { return 1; }
+int dhdSetWatchdog(unsigned char periods, char) {
+  watchdog_periods = periods;
+  return 0;
+}
+const char* dhdErrorGetLastStr() { return "stub error"; }
+
+unsigned hdInitDevice(const char*) { return 1; }
+void hdDisableDevice(unsigned) {}
+void hdEnable(unsigned) { forces_on = 1; }
+void hdStartScheduler() {
+  scheduling = true;
+  scheduler = std::thread([] {
+    while (scheduling) {
+      if (job != nullptr && !fault("fails")) job(job_data);
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+  });
+}
+void hdStopScheduler() {
+  scheduling = false;
+  if (scheduler.joinable()) scheduler.join();
+}
+unsigned long hdScheduleAsynchronous(unsigned (*callback)(void*), void* data, unsigned short) {
+  job = callback, job_data = data;
+  return 1;
+}
+void hdUnschedule(unsigned long) { job = nullptr; }
+void hdBeginFrame(unsigned) {}
+void hdEndFrame(unsigned) {}
+void hdGetDoublev(unsigned what, double* v) {
+  const bool position = what == 0x2050;
+  v[0] = position ? 10 : 100, v[1] = position ? 20 : 0, v[2] = position ? 30 : 0;
+}
+void hdGetIntegerv(unsigned, int* v) { *v = 3; }
+void hdSetDoublev(unsigned, const double* v) {
+  for (int k = 0; k < 3; ++k) force[k] = v[k];
+}
+const char* hdGetString(unsigned) { return "STUB-4712"; }
+HdError hdGetError() { return {fault("absent") ? 0x0301U : 0U, 0, 1}; }
+unsigned hdCheckCalibration() { return 0x5000; }
+
+// For the tests: what the device applies.
+void touchstone_stub_force(double* f) {
+  for (int k = 0; k < 3; ++k) f[k] = force[k];
+}
+int touchstone_stub_watchdog_periods() { return watchdog_periods; }
+}

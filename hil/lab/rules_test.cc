@@ -1,0 +1,248 @@
+// The test of the tests: without hardware nothing passes, a promised device that is absent fails, and emulated results
+// are called so. And the analyses of the lab tests on signals whose answer is known.
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <numbers>
+
+#include "harness/base/atomic_file.h"
+#include "harness/base/hash.h"
+#include "harness/base/random.h"
+#include "hil/devices/device_lock.h"
+#include "hil/devices/device_table.h"
+#include "hil/emulators/netft_emulator.h"
+#include "hil/lab/analysis.h"
+#include "hil/lab/availability.h"
+#include "hil/lab/evidence.h"
+
+namespace touchstone::hil {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+struct Output {
+  std::string text;
+  int status = -1;
+};
+
+Output run_suite(const std::string& environment) {
+  const auto command = "env -u TOUCHSTONE_HARDWARE_MAP -u TOUCHSTONE_HIL_EMULATED -u TOUCHSTONE_REQUIRE_HIL " +
+                       environment + " " TOUCHSTONE_HIL_SUITE " 2>&1";
+  Output output;
+  std::FILE* const pipe = ::popen(command.c_str(), "r");
+  char buffer[4096];
+  while (const auto n = std::fread(buffer, 1, sizeof buffer, pipe)) output.text.append(buffer, n);
+  const int status = ::pclose(pipe);
+  output.status = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+  return output;
+}
+
+bool hardware_here() {
+  for (const auto& r : probe({})) {
+    if (r.status != DeviceStatus::absent && r.status != DeviceStatus::invisible) return true;
+  }
+  return false;
+}
+
+TEST(SkipRules, WithoutHardwareEveryLabTestIsSkippedWithItsDevicesReason) {
+  if (hardware_here()) GTEST_SKIP() << "there is hardware here: this test is for machines without";
+  const auto output = run_suite("");
+  EXPECT_EQ(output.status, 0);
+  EXPECT_THAT(output.text, Not(HasSubstr("[       OK ]")));
+  EXPECT_THAT(output.text, HasSubstr("[  SKIPPED ]"));
+  EXPECT_THAT(output.text, HasSubstr("Novint Falcon (novint-falcon): absent: no such device on USB"));
+  EXPECT_THAT(output.text, HasSubstr("ATI Net F/T (ati-netft): absent: a network sensor is looked for only where the "
+                                     "hardware map gives its address"));
+}
+
+TEST(SkipRules, WhatIsRequiredAndAbsentFails) {
+  if (hardware_here()) GTEST_SKIP() << "there is hardware here: this test is for machines without";
+  const auto output = run_suite("TOUCHSTONE_REQUIRE_HIL=1");
+  EXPECT_EQ(output.status, 1);
+  EXPECT_THAT(output.text, Not(HasSubstr("[       OK ]")));
+  EXPECT_THAT(output.text, Not(HasSubstr("[  SKIPPED ]")));
+  EXPECT_THAT(output.text, HasSubstr("TOUCHSTONE_REQUIRE_HIL=1 allows no absence"));
+  const auto map = std::filesystem::temp_directory_path() / fmt::format("touchstone-map-{}.json", ::getpid());
+  write_file(map, R"({"schema": "touchstone-hardware/1", "devices": [{"id": "novint-falcon", "connected": true}]})");
+  const auto promised = run_suite("TOUCHSTONE_HARDWARE_MAP=" + map.string());
+  std::filesystem::remove(map);
+  EXPECT_EQ(promised.status, 1);
+  EXPECT_THAT(promised.text, HasSubstr("the hardware map calls it connected"));
+  EXPECT_THAT(promised.text, HasSubstr("[  SKIPPED ]"));  // the devices that nobody promised
+}
+
+TEST(SkipRules, EmulatedResultsSaySoAndNeverReachADashboard) {
+  const auto output = run_suite("TOUCHSTONE_HIL_EMULATED=1");
+  EXPECT_EQ(output.status, 0) << output.text;
+  EXPECT_THAT(output.text, HasSubstr("emulated noise-floor-ati-netft noise_fx_N"));
+  EXPECT_THAT(output.text, Not(HasSubstr("CTestMeasurement")));
+  EXPECT_EQ(run_suite("TOUCHSTONE_HIL_EMULATED=1 TOUCHSTONE_REQUIRE_HIL=1").status, 1);
+}
+
+TEST(SkipRules, EveryStatusButPresentSkipsOrFails) {
+  for (const auto status : {DeviceStatus::absent, DeviceStatus::no_permission, DeviceStatus::busy,
+                            DeviceStatus::wrong_serial, DeviceStatus::calibration_expired, DeviceStatus::failed}) {
+    ProbeResult r{"novint-falcon", "Novint Falcon", status, "", "why", false};
+    EXPECT_EQ(judge(r, false).decision, Decision::skip);
+    EXPECT_EQ(judge(r, true).decision, Decision::fail);
+    r.required = true;
+    EXPECT_EQ(judge(r, false).decision, Decision::fail);
+    EXPECT_THAT(judge(r, false).reason, HasSubstr(std::string(to_string(status))));
+  }
+}
+
+TEST(Probe, SaysForEveryKnownDeviceWhatItFound) {
+  const auto results = probe({});
+  EXPECT_GE(results.size(), 10U);
+  for (const auto& r : results) EXPECT_FALSE(r.reason.empty()) << r.id;
+  EXPECT_THAT(probe_one("phantom-omni", {}).reason, HasSubstr("FireWire"));
+  EXPECT_EQ(probe_one("phantom-omni", {}).status, DeviceStatus::invisible);
+}
+
+TEST(Probe, NetworkSensorPresentWrongSerialAndExpired) {
+  NetFtEmulator emulator(100, {}, [](double) { return Wrench{}; });
+  const auto file = std::filesystem::temp_directory_path() / fmt::format("touchstone-probe-{}.cal", ::getpid());
+  write_file(file, "calibration");
+  HardwareMap map;
+  MappedDevice d;
+  d.id = "ati-netft";
+  d.address = "127.0.0.1";
+  d.http_port = emulator.address().http_port;
+  d.udp_port = emulator.address().udp_port;
+  d.calibration_file = file;
+  d.calibration_sha256 = sha256_file(file);
+  d.calibration_expires = CalendarDay{2999, 1, 1};
+  const auto status = [&] {
+    map.devices = {d};
+    return probe_one("ati-netft", map).status;
+  };
+  EXPECT_EQ(status(), DeviceStatus::present);
+  d.serial = "FT99999";
+  EXPECT_EQ(status(), DeviceStatus::wrong_serial);
+  d.serial = "EMU00001";
+  d.calibration_expires = CalendarDay{2020, 1, 1};
+  EXPECT_EQ(status(), DeviceStatus::calibration_expired);
+  d.calibration_expires.reset();
+  d.calibration_sha256 = std::string(64, '0');
+  EXPECT_EQ(status(), DeviceStatus::calibration_expired);
+  std::filesystem::remove(file);
+  EXPECT_EQ(status(), DeviceStatus::calibration_expired);
+  d.calibration_file.reset();
+  emulator.unplug();
+  EXPECT_EQ(status(), DeviceStatus::absent);
+}
+
+TEST(DeviceTable, ProductStringsDecideWhereIdsConflict) {
+  EXPECT_EQ(match_usb(0x1451, 0x0401, "delta.3")->id, "force-dimension-delta");
+  EXPECT_EQ(match_usb(0x1451, 0x0401, "sigma.7 haptic")->id, "force-dimension-sigma");
+  EXPECT_EQ(match_usb(0x0403, 0xcb48, "")->id, "novint-falcon");
+  EXPECT_EQ(match_usb(0x0403, 0x6001, "FT232"), nullptr);
+  EXPECT_EQ(match_usb(0x3923, 0x7272, "USB-6218")->id, "ni-daq");
+}
+
+TEST(HardwareMapFile, SaysWhatIsWrong) {
+  const auto path = std::filesystem::temp_directory_path() / fmt::format("touchstone-hw-{}.json", ::getpid());
+  const auto complaint = [&](const std::string& device) {
+    write_file(path, R"({"schema": "touchstone-hardware/1", "devices": [)" + device + "]}");
+    try {
+      load_hardware_map(path);
+    } catch (const BadData& error) {
+      return std::string(error.what());
+    }
+    return std::string("accepted");
+  };
+  EXPECT_EQ(
+      complaint(R"({"id": "novint-falcon", "serial": "X", "connected": true, "force_limit_N": 3, "fixture": "bench"})"),
+      "accepted");
+  EXPECT_THAT(complaint(R"({"id": "novint-flacon"})"), HasSubstr("known: ati-netft"));
+  EXPECT_THAT(complaint(R"({"id": "novint-falcon", "force_limit": 3})"), HasSubstr("force_limit"));
+  EXPECT_THAT(complaint(R"({"id": "novint-falcon", "force_limit_N": -1})"), HasSubstr("negative"));
+  EXPECT_THAT(complaint(R"({"id": "ati-netft", "udp_port": 70000})"), HasSubstr("port"));
+  std::filesystem::remove(path);
+}
+
+TEST(DeviceLock, ASecondRunIsToldWhoHasIt) {
+  const DeviceLock first("novint-falcon", fmt::format("LOCK{}", ::getpid()));
+  try {
+    const DeviceLock second("novint-falcon", fmt::format("LOCK{}", ::getpid()));
+    FAIL();
+  } catch (const DeviceError& error) {
+    EXPECT_EQ(error.device_status(), DeviceStatus::busy);
+    EXPECT_THAT(error.what(), HasSubstr(fmt::format("process {}", ::getpid())));
+  }
+  const DeviceLock other("novint-falcon", "another");
+}
+
+TEST(DeviceLock, IsFreeOnceItsHolderIsKilled) {
+  const auto serial = fmt::format("KILL{}", ::getpid());
+  const pid_t child = ::fork();
+  if (child == 0) {
+    const DeviceLock lock("novint-falcon", serial);
+    ::raise(SIGKILL);
+  }
+  ::waitpid(child, nullptr, 0);
+  EXPECT_NO_THROW(DeviceLock("novint-falcon", serial));
+}
+
+TEST(Analysis, NoiseAndDriftAreFoundAtEveryScale) {
+  for (const double scale : {1e-3, 1.0, 1e3}) {
+    Random random(8);
+    std::vector<WrenchSample> samples(20000);
+    for (std::size_t i = 0; i < samples.size(); ++i) {
+      samples[i].wrench.f_N = scale * Vec3(0.01 * random.normal() + 0.002 * static_cast<double>(i) / 1000,
+                                           0.02 * random.normal() + 5, 0.03 * random.normal());
+    }
+    const auto n = noise_floor(samples, 1000);
+    EXPECT_NEAR(n.sigma_N.x() / scale, 0.01, 0.0003);
+    EXPECT_NEAR(n.sigma_N.z() / scale, 0.03, 0.001);
+    EXPECT_NEAR(n.drift_N_per_s.x() / scale, 0.002, 0.0001);
+    EXPECT_NEAR(n.allan_N[4] / n.allan_N[0], 0.25, 0.02);  // white noise falls with the root of 16
+  }
+}
+
+TEST(Analysis, StepOfAFirstOrderSystem) {
+  constexpr double tau = 0.01;
+  std::vector<double> t, f;
+  for (double x = 0; x < 0.5; x += 1e-4)
+    t.push_back(x), f.push_back(1.0 + (x < 0.1 ? 0.0 : 2.0 * (1 - std::exp(-(x - 0.1) / tau))));
+  const auto r = step_response(t, f, 0.1);
+  EXPECT_NEAR(r.rise_s, tau * std::log(9.0), 1e-4);
+  EXPECT_NEAR(r.delay_s, tau * std::numbers::ln2, 2e-4);
+  EXPECT_NEAR(r.bandwidth_Hz, 1 / (2 * std::numbers::pi * tau), 0.2);
+  EXPECT_LT(r.overshoot, 1e-6);
+}
+
+TEST(Analysis, JitterOscillationAndZWidth) {
+  std::vector<double> t;
+  for (int i = 0; i < 1000; ++i) t.push_back(1e-3 * i + (i == 500 ? 0.4e-3 : 0.0) + (i >= 800 ? 2.5e-3 : 0.0));
+  const auto j = servo_jitter(t, 1e-3, 1e-4, 10);
+  EXPECT_EQ(j.missed, 1U);
+  EXPECT_NEAR(j.worst_late_s, 2.5e-3, 1e-9);
+  EXPECT_EQ(j.histogram.back(), 1U);
+  std::vector<double> ringing, calm;
+  for (int i = 0; i < 1000; ++i)
+    ringing.push_back(1e-3 * std::sin(0.3 * i)), calm.push_back(1e-3 * std::exp(-0.02 * i) * std::sin(0.3 * i));
+  EXPECT_TRUE(oscillates(ringing, 1e-4));
+  EXPECT_FALSE(oscillates(calm, 1e-4));
+  EXPECT_EQ(z_width_N_per_m({100, 200, 400, 800}, {true, true, false, true}), 200.0);
+  EXPECT_EQ(z_width_N_per_m({100}, {false}), 0.0);
+  EXPECT_DOUBLE_EQ(passive_stiffness_N_per_m(0.5, 1e-3), 1000.0);
+}
+
+TEST(Evidence, RefusesNumbersThatAreNone) {
+  Evidence e;
+  e.device.emulated = true;
+  e.measurements = {{"x", std::nan("")}};
+  EXPECT_THROW(publish(e), BadData);
+}
+
+}  // namespace
+}  // namespace touchstone::hil

@@ -1,0 +1,196 @@
+#include "hil/record/raw_recording.h"
+
+#include <fmt/format.h>
+#include <xxhash.h>
+
+#include <algorithm>
+#include <bit>
+#include <cstring>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <vector>
+
+#include "harness/base/error.h"
+#include "harness/base/json_reader.h"
+
+namespace touchstone::hil {
+
+static_assert(std::endian::native == std::endian::little, "raw recordings are little-endian");
+
+namespace {
+
+template <class T>
+void put(std::string& to, const T& value) {
+  char bytes[sizeof(T)];
+  std::memcpy(bytes, &value, sizeof value);
+  to.append(bytes, sizeof value);
+}
+
+template <class T>
+T get(const char*& from) {
+  T value;
+  std::memcpy(&value, from, sizeof value);
+  from += sizeof value;
+  return value;
+}
+
+RawSample decode(const char* from, bool position) {
+  RawSample s;
+  s.wrench.t_s = get<double>(from);
+  s.wrench.sequence = get<std::uint64_t>(from);
+  for (int k = 0; k < 3; ++k) s.wrench.wrench.f_N[k] = get<double>(from);
+  for (int k = 0; k < 3; ++k) s.wrench.wrench.torque_Nm[k] = get<double>(from);
+  s.wrench.flags = get<std::uint32_t>(from);
+  s.wrench.device_status = get<std::uint32_t>(from);
+  if (position) {
+    for (int k = 0; k < 3; ++k) s.p_W_m[k] = get<double>(from);
+  }
+  return s;
+}
+
+}  // namespace
+
+std::string header_json(const RawHeader& h) {
+  return nlohmann::json{{"schema", "touchstone-raw/1"},
+                        {"device", h.device.id},
+                        {"serial", h.device.serial},
+                        {"firmware", h.device.firmware},
+                        {"calibration", h.device.calibration},
+                        {"emulated", h.device.emulated},
+                        {"scheduling", h.scheduling},
+                        {"started", h.started},
+                        {"nominal_rate_Hz", h.nominal_rate_Hz},
+                        {"position", h.position}}
+      .dump();
+}
+
+RawHeader parse_header(const std::string& text, const std::string& source) {
+  const auto json = parse_json(text, source);
+  JsonObject object(json, source, "");
+  object.schema("touchstone-raw/1");
+  RawHeader h;
+  h.device = {object.text("device"), object.text("serial"), object.text("firmware"), object.text("calibration"),
+              object.optional_flag("emulated").value_or(true)};
+  h.scheduling = object.text("scheduling");
+  h.started = object.text("started");
+  h.nominal_rate_Hz = object.number("nominal_rate_Hz");
+  h.position = object.optional_flag("position").value_or(false);
+  object.finish();
+  return h;
+}
+
+namespace raw_format {
+
+void encode(const RawSample& s, bool position, std::string& to) {
+  put(to, s.wrench.t_s);
+  put(to, s.wrench.sequence);
+  for (int k = 0; k < 3; ++k) put(to, s.wrench.wrench.f_N[k]);
+  for (int k = 0; k < 3; ++k) put(to, s.wrench.wrench.torque_Nm[k]);
+  put(to, s.wrench.flags);
+  put(to, s.wrench.device_status);
+  if (position) {
+    for (int k = 0; k < 3; ++k) put(to, s.p_W_m[k]);
+  }
+}
+
+std::string block(const std::string& samples, std::uint32_t count, std::uint64_t first) {
+  std::string bytes;
+  bytes.reserve(block_header_bytes + samples.size());
+  put(bytes, block_magic);
+  put(bytes, count);
+  put(bytes, first);
+  XXH64_state_t* const state = XXH64_createState();
+  XXH64_reset(state, 0);
+  XXH64_update(state, bytes.data(), bytes.size());
+  XXH64_update(state, samples.data(), samples.size());
+  const std::uint64_t sum = XXH64_digest(state);
+  XXH64_freeState(state);
+  put(bytes, sum);
+  return bytes + samples;
+}
+
+std::string file_start(const RawHeader& header) {
+  const auto json = header_json(header);
+  std::string bytes(file_magic, file_magic_bytes);
+  put(bytes, static_cast<std::uint32_t>(json.size()));
+  bytes += json;
+  const std::uint64_t sum = XXH64(bytes.data(), bytes.size(), 0);
+  put(bytes, sum);
+  return bytes;
+}
+
+}  // namespace raw_format
+
+RecoveryReport read_raw(const std::filesystem::path& path, const std::function<void(const RawSample&)>& visit) {
+  using namespace raw_format;
+  std::ifstream in(path, std::ios::binary);
+  if (!in) throw BadData(fmt::format("{}: cannot be opened for reading", path.string()));
+  const auto size = static_cast<std::uint64_t>(std::filesystem::file_size(path));
+  const auto read_at = [&](std::uint64_t offset, std::uint64_t bytes) {
+    std::string data(static_cast<std::size_t>(std::min(bytes, size > offset ? size - offset : 0)), '\0');
+    in.clear();
+    in.seekg(static_cast<std::streamoff>(offset));
+    in.read(data.data(), static_cast<std::streamsize>(data.size()));
+    data.resize(static_cast<std::size_t>(std::max<std::streamsize>(0, in.gcount())));
+    return data;
+  };
+  auto start = read_at(0, file_magic_bytes + 4);
+  if (start.size() < file_magic_bytes + 4 || start.compare(0, file_magic_bytes, file_magic, file_magic_bytes) != 0) {
+    throw BadData(fmt::format("{}: is not a raw recording of touchstone hil record", path.string()));
+  }
+  const char* cursor = start.data() + file_magic_bytes;
+  const auto length = get<std::uint32_t>(cursor);
+  start = read_at(0, file_magic_bytes + 4 + std::uint64_t{length} + 8);
+  cursor = start.data() + start.size() - 8;
+  if (length > 1U << 20U || start.size() != file_magic_bytes + 4 + length + 8 ||
+      get<std::uint64_t>(cursor) != XXH64(start.data(), start.size() - 8, 0)) {
+    throw BadData(fmt::format(
+        "{}: the header is damaged or cut short; the device and units of its samples are not known for certain",
+        path.string()));
+  }
+  RecoveryReport report;
+  report.header = parse_header(start.substr(file_magic_bytes + 4, length), path.string());
+  const std::size_t each = sample_bytes(report.header.position);
+
+  std::uint64_t offset = start.size(), expected = 0;
+  while (offset < size) {
+    const auto head = read_at(offset, block_header_bytes);
+    bool sound = false;
+    if (head.size() == block_header_bytes) {
+      const char* at = head.data();
+      const auto magic = get<std::uint32_t>(at);
+      const auto count = get<std::uint32_t>(at);
+      const auto first = get<std::uint64_t>(at);
+      const auto sum = get<std::uint64_t>(at);
+      if (magic == block_magic && count > 0 && count <= most_samples) {
+        const auto samples = read_at(offset + block_header_bytes, std::uint64_t{count} * each);
+        const auto again = samples.size() == count * each ? block(samples, count, first) : std::string();
+        sound = !again.empty() && again.compare(block_header_bytes - 8, 8, head, block_header_bytes - 8, 8) == 0 &&
+                sum != 0;
+        if (sound) {
+          if (first > expected) report.missing_samples += first - expected;
+          expected = first + count;
+          for (std::uint32_t i = 0; i < count; ++i) visit(decode(samples.data() + i * each, report.header.position));
+          report.samples += count;
+          ++report.blocks;
+          offset += block_header_bytes + samples.size();
+        }
+      }
+    }
+    if (sound) continue;
+    // Damage: on to the next place that could begin a block.
+    const std::uint64_t from = offset++;
+    for (bool found = false; !found && offset < size;) {
+      const auto window = read_at(offset, 1U << 16U);
+      const char magic[4] = {'T', 'S', 'B', 'K'};
+      const auto at = std::search(window.begin(), window.end(), magic, magic + 4);
+      found = at != window.end();
+      offset += found ? static_cast<std::uint64_t>(at - window.begin())
+                      : (window.size() > 3 && offset + window.size() < size ? window.size() - 3 : window.size());
+    }
+    report.damaged_bytes += std::min(offset, size) - from;
+  }
+  return report;
+}
+
+}  // namespace touchstone::hil

@@ -1,0 +1,67 @@
+#include "hil/record/record_session.h"
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+
+#include "harness/base/error.h"
+#include "hil/emulators/netft_emulator.h"
+
+namespace touchstone::hil {
+namespace {
+
+TEST(RecordSession, RecordsAnEmulatedSensorAndExportsWhatAcquireReads) {
+  const auto folder = std::filesystem::temp_directory_path() / fmt::format("touchstone-session-{}", ::getpid());
+  std::filesystem::create_directories(folder);
+  NetFtEmulator emulator(5000, {}, [](double t) { return Wrench{Vec3(t, 0, 1), Vec3::Zero()}; });
+  const auto source = open_netft(emulator.address(), 2.0, true);
+  RecordOptions options;
+  options.seconds = 1.0;
+  options.nominal_rate_Hz = 5000;
+  options.plot = false;
+  const auto report = record_session(*source, folder / "a.tsraw", options, [] { return false; });
+  EXPECT_FALSE(report.stopped);
+  EXPECT_EQ(report.lost_in_memory, 0U);
+  EXPECT_EQ(report.written, report.stream.received);
+  EXPECT_GT(report.written, 4000U);
+  const auto exported = export_raw({folder / "a.tsraw"}, folder / "a.csv");
+  EXPECT_EQ(exported.samples, report.written);
+  EXPECT_TRUE(exported.emulated);
+  EXPECT_NEAR(exported.rate_Hz, 5000, 250);
+  // Time increases evenly although samples came in packets.
+  std::ifstream in(folder / "a.csv");
+  std::string line;
+  std::getline(in, line);
+  EXPECT_EQ(line, "t_s,fx_N,fy_N,fz_N,tx_Nm,ty_Nm,tz_Nm,flags");
+  double last = -1;
+  while (std::getline(in, line)) {
+    const double t = std::atof(line.c_str());
+    EXPECT_GT(t, last);
+    last = t;
+  }
+  std::filesystem::remove_all(folder);
+}
+
+TEST(RecordSession, KeepsWhatCameBeforeTheDeviceWent) {
+  const auto folder = std::filesystem::temp_directory_path() / fmt::format("touchstone-gone-{}", ::getpid());
+  std::filesystem::create_directories(folder);
+  NetFtFaults faults;
+  faults.silent_after = 2000;
+  NetFtEmulator emulator(5000, faults, [](double) { return Wrench{}; });
+  const auto source = open_netft(emulator.address(), 2.0, true);
+  RecordOptions options;
+  options.plot = false;
+  MonotonicClock clock;
+  const double start = clock.now_s();
+  const auto report = record_session(*source, folder / "b.tsraw", options, [&] { return clock.now_s() > start + 1.0; });
+  EXPECT_TRUE(report.stopped);
+  EXPECT_EQ(report.written, 2000U);
+  std::filesystem::remove_all(folder);
+}
+
+}  // namespace
+}  // namespace touchstone::hil

@@ -1,0 +1,83 @@
+// A program that pushes with an emulated device and then ends in the way it is told: what exits_test kills.
+// usage: exit_victim FILE WAY GUARD   (guard: guardian, scope, none)
+#include <sys/resource.h>
+
+#include <csignal>
+#include <cstdio>
+#include <cstdlib>
+#include <memory>
+#include <stdexcept>
+#include <string>
+
+#include "hil/emulators/haptic_emulator.h"
+#include "hil/safety/force_supervisor.h"
+#include "hil/safety/guardian.h"
+#include "hil/safety/stop_signal.h"
+
+namespace {
+
+using namespace touchstone;
+using namespace touchstone::hil;
+
+void end(const std::string& way) {
+  if (way == "exception" || way == "uncaught exception") throw std::runtime_error(way);
+  if (way == "exit") std::exit(0);
+  if (way == "abort") std::abort();
+  if (way == "SEGV") std::signal(SIGSEGV, SIG_DFL), std::raise(SIGSEGV);
+  if (way == "SIGKILL") std::raise(SIGKILL);
+  if (way == "hung loop") {
+    for (volatile bool forever = true; forever;) {
+    }
+  }
+}
+
+void push(HapticDevice& device, const std::string& way, bool guarded) {
+  std::unique_ptr<ForceGuard> guard;
+  if (guarded) guard = std::make_unique<ForceGuard>(device);
+  std::unique_ptr<StopSignal> stop;
+  if (guarded) stop = std::make_unique<StopSignal>();
+  SafetyLimits limits;
+  limits.force_N = 2.0;
+  limits.workspace_W_m = Box3(Vec3::Constant(-0.1), Vec3::Constant(0.1));
+  limits.stale_s = 1.0;
+  ForceSupervisor supervisor(limits);
+  MonotonicClock clock;
+  ForceSupervisor::Input input;
+  input.calibrated = input.dead_man_held = true;
+  input.wanted_W_N = Vec3(0, 0, 1);
+  input.state.t_s = clock.now_s();
+  const double start = clock.now_s();
+  const bool waits_for_signal = way == "SIGINT" || way == "SIGTERM";
+  bool said = false;
+  for (double t = start; waits_for_signal || t < start + 0.05; t += 1e-3) {
+    if (stop && stop->asked()) return;
+    input.now_s = clock.now_s();
+    input.state = device.exchange(supervisor.allow(input), clock.now_s() + 0.5);
+    if (!said && clock.now_s() > start + 0.03) said = std::puts("pushing") >= 0 && std::fflush(stdout) == 0;
+    clock.sleep_until(t + 1e-3);
+  }
+  end(way);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  if (argc != 4) return 2;
+  const rlimit no_core{0, 0};
+  setrlimit(RLIMIT_CORE, &no_core);
+  const std::string file = argv[1], way = argv[2], guard = argv[3];
+  // Outlives main's frames where the guard is only the scope's: leaked on purpose, so that no destructor helps.
+  HapticDevice* const device =
+      (guard == "guardian" ? open_guarded([&] { return open_emulated_haptic(file); }, {}) : open_emulated_haptic(file))
+          .release();
+  if (way == "uncaught exception") {
+    push(*device, way, guard != "none");
+    return 0;
+  }
+  try {
+    push(*device, way, guard != "none");
+  } catch (const std::runtime_error&) {
+    return 1;
+  }
+  return 0;
+}

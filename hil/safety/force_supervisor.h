@@ -1,0 +1,86 @@
+// What stands between a renderer and a motor: every force passes through here, and leaves limited or as zero.
+//   Nothing before the device is calibrated and the dead-man input is held. Limits on force, slew, tip speed and
+// workspace; a state or a command that is stale trips. A trip is latched: the force ramps down and stays zero until
+// reset() is called with the reason acknowledged. Allocates nothing and takes no lock: made for the servo loop.
+#pragma once
+
+#include <cstdint>
+#include <string_view>
+
+#include "hil/devices/interfaces.h"
+
+namespace touchstone::hil {
+
+struct SafetyLimits {
+  double force_N = 0.0;  // 0 allows nothing: a device without a limit in the hardware map is never driven
+  double slew_N_per_s = 200.0;
+  double speed_m_per_s = 1.0;
+  Box3 workspace_W_m;        // empty: nowhere
+  double stale_s = 0.02;     // a state or a command older than this trips
+  double ramp_down_s = 0.1;  // from a trip to zero, never longer
+};
+
+enum class Trip : std::uint8_t {
+  none,
+  not_finite,
+  force,
+  speed,
+  workspace,
+  stale,
+  dead_man,
+  device_error,
+  time_ran_back,
+  asked
+};
+std::string_view to_string(Trip trip);
+
+class ForceSupervisor {
+ public:
+  explicit ForceSupervisor(const SafetyLimits& limits) : limits_(limits) {}
+
+  struct Input {
+    double now_s = 0.0;
+    DeviceState state;  // state.t_s tells its age
+    Vec3 wanted_W_N = Vec3::Zero();
+    bool calibrated = false;
+    bool dead_man_held = false;
+    bool device_error = false;
+  };
+  // The force to command now. A wanted force above the limit is cut to the limit (saturation is a renderer's normal
+  // life); above twice the limit it trips (a renderer that has lost its mind).
+  Vec3 allow(const Input& input) noexcept;
+
+  void trip(Trip reason) noexcept;
+  [[nodiscard]] Trip tripped() const noexcept { return trip_; }
+  // Only with the reason that is latched: who resets must have read it.
+  bool reset(Trip acknowledged) noexcept;
+  [[nodiscard]] std::uint64_t saturated_steps() const noexcept { return saturated_; }
+
+ private:
+  [[nodiscard]] Trip judge(const Input& input) const noexcept;
+
+  SafetyLimits limits_;
+  Trip trip_ = Trip::none;
+  double trip_s_ = 0.0;
+  Vec3 at_trip_N_ = Vec3::Zero();
+  bool trip_pending_ = false;
+  bool started_ = false;
+  double last_s_ = 0.0;
+  Vec3 last_N_ = Vec3::Zero();
+  std::uint64_t saturated_ = 0;
+};
+
+// Zeroes the device when it goes out of scope. The inner of three guards: a crash, an uncaught exception, exit() and
+// signals pass it by (see guardian.h and the device's own watchdog).
+class ForceGuard {
+ public:
+  explicit ForceGuard(HapticDevice& device) : device_(device) {}
+  ~ForceGuard() { device_.zero_force(); }
+  ForceGuard(const ForceGuard&) = delete;
+  ForceGuard& operator=(const ForceGuard&) = delete;
+
+ private:
+  HapticDevice& device_;
+};
+
+}  // namespace touchstone::hil

@@ -1,0 +1,138 @@
+#include "hil/safety/force_supervisor.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "harness/base/random.h"
+
+namespace touchstone::hil {
+namespace {
+
+SafetyLimits limits() {
+  SafetyLimits l;
+  l.force_N = 3.0;
+  l.slew_N_per_s = 300.0;
+  l.speed_m_per_s = 0.5;
+  l.workspace_W_m = Box3(Vec3(-0.05, -0.05, -0.05), Vec3(0.05, 0.05, 0.05));
+  return l;
+}
+
+ForceSupervisor::Input calm(double t, const Vec3& wanted = Vec3(0, 0, 1)) {
+  ForceSupervisor::Input in;
+  in.now_s = t;
+  in.state.t_s = t;
+  in.wanted_W_N = wanted;
+  in.calibrated = in.dead_man_held = true;
+  return in;
+}
+
+// A supervisor that has come to 1 N at t = 0.1 s.
+ForceSupervisor running() {
+  ForceSupervisor s(limits());
+  for (int i = 0; i <= 100; ++i) s.allow(calm(i * 1e-3));
+  return s;
+}
+
+TEST(ForceSupervisor, PassesWhatIsWithinTheLimits) {
+  auto s = running();
+  EXPECT_EQ(s.allow(calm(0.101)), Vec3(0, 0, 1));
+  EXPECT_EQ(s.tripped(), Trip::none);
+}
+
+TEST(ForceSupervisor, CommandsNothingBeforeCalibrationAndWithoutTheDeadMan) {
+  ForceSupervisor s(limits());
+  for (int i = 0; i < 50; ++i) {
+    auto in = calm(i * 1e-3);
+    in.calibrated = false;
+    EXPECT_EQ(s.allow(in), Vec3(0, 0, 0));
+    in.calibrated = true;
+    in.dead_man_held = false;
+    EXPECT_EQ(s.allow(in), Vec3(0, 0, 0));
+  }
+  EXPECT_EQ(s.tripped(), Trip::none);  // not yet held is not released
+}
+
+TEST(ForceSupervisor, LimitsForceAndSlewWhateverIsWanted) {
+  Random random(9);
+  for (int run = 0; run < 200; ++run) {
+    ForceSupervisor s(limits());
+    Vec3 last = Vec3::Zero();
+    double t = 0.0;
+    for (int i = 0; i < 100; ++i) {
+      const double dt = random.uniform(1e-4, 3e-3);
+      t += dt;
+      const Vec3 f = s.allow(calm(t, random.uniform(0, 6) * random.direction()));
+      EXPECT_LE(f.norm(), 3.0 * (1 + 1e-14));
+      EXPECT_LE((f - last).norm(), (i == 0 ? 0.0 : 300.0 * dt) * (1 + 1e-10));
+      last = f;
+    }
+    EXPECT_EQ(s.tripped(), Trip::none);
+  }
+}
+
+TEST(ForceSupervisor, TripsOnEachCauseRampsDownAndStaysDown) {
+  struct Case {
+    Trip expected;
+    void (*spoil)(ForceSupervisor::Input&);
+    bool ramps;
+  };
+  const Case cases[] = {
+      {Trip::not_finite,
+       [](ForceSupervisor::Input& in) { in.wanted_W_N.x() = std::numeric_limits<double>::quiet_NaN(); }, false},
+      {Trip::not_finite,
+       [](ForceSupervisor::Input& in) { in.state.p_W_m.y() = std::numeric_limits<double>::infinity(); }, false},
+      {Trip::not_finite, [](ForceSupervisor::Input& in) { in.now_s = std::numeric_limits<double>::quiet_NaN(); },
+       false},
+      {Trip::force, [](ForceSupervisor::Input& in) { in.wanted_W_N = Vec3(0, 0, 7); }, true},
+      {Trip::speed, [](ForceSupervisor::Input& in) { in.state.v_W_m_per_s = Vec3(0.6, 0, 0); }, true},
+      {Trip::workspace, [](ForceSupervisor::Input& in) { in.state.p_W_m = Vec3(0, 0, 0.06); }, true},
+      {Trip::stale, [](ForceSupervisor::Input& in) { in.state.t_s -= 0.05; }, false},
+      {Trip::stale, [](ForceSupervisor::Input& in) { in.now_s += 0.1, in.state.t_s += 0.1; }, false},
+      {Trip::dead_man, [](ForceSupervisor::Input& in) { in.dead_man_held = false; }, true},
+      {Trip::device_error, [](ForceSupervisor::Input& in) { in.device_error = true; }, false},
+      {Trip::time_ran_back, [](ForceSupervisor::Input& in) { in.now_s = in.state.t_s = 0.05; }, false},
+  };
+  for (const Case& c : cases) {
+    SCOPED_TRACE(to_string(c.expected));
+    auto s = running();
+    auto in = calm(0.101);
+    c.spoil(in);
+    const Vec3 at_trip = s.allow(in);
+    EXPECT_EQ(s.tripped(), c.expected);
+    EXPECT_LE(at_trip.norm(), 1.0);
+    if (!c.ramps) {
+      EXPECT_EQ(at_trip, Vec3(0, 0, 0));
+    }
+    Vec3 last = at_trip;
+    for (double t = 0.202; t < 0.4; t += 1e-3) {  // the cause is gone, the trip is not
+      const Vec3 f = s.allow(calm(t));
+      EXPECT_LE(f.norm(), last.norm() + 1e-15);
+      last = f;
+    }
+    EXPECT_EQ(last, Vec3(0, 0, 0));
+    EXPECT_FALSE(s.reset(Trip::asked));
+    EXPECT_TRUE(s.reset(c.expected));
+    s.allow(calm(1.0));
+    EXPECT_GT(s.allow(calm(1.001)).norm(), 0.0);
+  }
+}
+
+TEST(ForceSupervisor, RampIsNeverLongerThanStated) {
+  auto s = running();
+  s.trip(Trip::asked);
+  s.allow(calm(0.101));
+  auto during = s;
+  EXPECT_GT(during.allow(calm(0.15)).norm(), 0.0);
+  EXPECT_EQ(s.allow(calm(0.2011)), Vec3(0, 0, 0));
+}
+
+TEST(ForceSupervisor, NoLimitMeansNoForce) {
+  ForceSupervisor s(SafetyLimits{});
+  for (int i = 0; i < 10; ++i) EXPECT_EQ(s.allow(calm(i * 1e-3)), Vec3(0, 0, 0));
+}
+
+}  // namespace
+}  // namespace touchstone::hil
