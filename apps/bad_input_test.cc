@@ -131,6 +131,12 @@ std::vector<BadInput> table() {
   reversed.expected = "--flip-force";
   reversed.names = "rec.csv";
   out.push_back(reversed);
+  BadInput open;
+  open.name = "mesh with holes where a closed one is needed";
+  open.options = "--closed";
+  open.expected = "closed";
+  open.names = "mesh.obj";
+  out.push_back(open);
   BadInput unwritable;
   unwritable.name = "output folder that cannot be written";
   unwritable.options = "--out model.json/out";

@@ -66,6 +66,7 @@ void add_evaluation_flags(CLI::App& command, EvaluationFlags& flags) {
   command.add_option("--threshold", flags.thresholds,
                      "Episodes are errors over it: 0.5mm for position, 0.2N for force; may be given twice");
   command.add_flag("--flip-force", flags.flip_force, "The file has the force BY the probe: negate it");
+  command.add_flag("--closed", flags.closed, "The object is a closed body: refuse a mesh with holes");
   command.add_option(
       "--extend-edges", flags.extend_edges,
       "The mesh is a patch of a larger object: continue its open edges by this much (10mm), fill its holes");
@@ -92,6 +93,7 @@ EvaluationRequest make_request(const EvaluationFlags& flags) {
     request.contact_threshold_N = parse_force_N(flags.contact_threshold, "--contact-threshold");
   for (const std::string& threshold : flags.thresholds) apply_threshold(threshold, request);
   request.flip_force = flags.flip_force;
+  request.closed = flags.closed;
   if (!flags.extend_edges.empty()) request.extend_edges_m = parse_length_m(flags.extend_edges, "--extend-edges");
   request.clock.on_duplicate = parse_on_duplicate(flags.on_duplicate);
   request.clock.on_gap = parse_on_gap(flags.on_gap);

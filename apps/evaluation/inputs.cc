@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "harness/base/error.h"
@@ -15,6 +16,7 @@
 #include "harness/surface/embree_surface.h"
 #include "harness/surface/extend_edges.h"
 #include "harness/surface/mesh_file.h"
+#include "harness/surface/mesh_topology.h"
 #include "renderers/catalogue.h"
 #include "renderers/effects/assemble.h"
 
@@ -85,6 +87,38 @@ void refuse_reversed(const EvaluationRequest& request, const EvaluationInputs& i
                                                : "if the file has the force BY the probe, give --flip-force"));
 }
 
+// The tip that the request names, where the model does not name one.
+void set_tip_radius(const EvaluationRequest& request, const RendererEntry& entry, EvaluationInputs& inputs) {
+  if (!request.tip_radius_m) return;
+  const auto named = base_parameters(inputs.model, entry.parameters);
+  const auto place = named.find("tip_radius_m");
+  const double model_m = place == named.end() ? 0.0 : place->second;
+  if (model_m > 0.0 && model_m != *request.tip_radius_m) {
+    throw UsageError(fmt::format("--tip-radius {} m and the model's tip_radius_m {} differ; give one of them",
+                                 *request.tip_radius_m, model_m));
+  }
+  if (model_m > 0.0 || *request.tip_radius_m == 0.0) return;
+  if (std::ranges::find(entry.parameters, "tip_radius_m", &ParameterDeclaration::name) != entry.parameters.end()) {
+    inputs.model.parameters["tip_radius_m"] = *request.tip_radius_m;
+  } else {
+    inputs.messages.push_back(
+        fmt::format("The probe was a ball of radius {} m; the renderer {} knows point tips only and sees its centre.",
+                    *request.tip_radius_m, entry.name));
+  }
+}
+
+// An object that must be closed, and how open it is.
+void look_at_edges(const EvaluationRequest& request, EvaluationInputs& inputs) {
+  const MeshTopology topology = make_topology(*inputs.surface->mesh());
+  inputs.open_edges = topology.open_edge_count + topology.non_manifold_edges.size() + topology.disoriented_edges.size();
+  if (request.closed && inputs.open_edges > 0) {
+    throw BadData(fmt::format(
+        "{}: a closed mesh is needed (--closed), but {} edges are open or not shared by two triangles that agree in "
+        "orientation; `touchstone doctor` says where, --extend-edges fills small holes",
+        request.mesh.string(), inputs.open_edges));
+  }
+}
+
 }  // namespace
 
 RecordingStream open_recording(const EvaluationRequest& request) {
@@ -99,14 +133,7 @@ EvaluationInputs load_inputs(const EvaluationRequest& request) {
   EvaluationInputs inputs;
   inputs.model = request.model;
   const RendererEntry& entry = find_renderer(inputs.model);  // a misspelt name is said before a large mesh is read
-  const bool ball = std::ranges::any_of(entry.parameters, [](const auto& p) { return p.name == "tip_radius_m"; });
-  if (request.tip_radius_m && ball) {
-    const auto [place, set] = inputs.model.parameters.try_emplace("tip_radius_m", *request.tip_radius_m);
-    if (!set && place->second != *request.tip_radius_m) {
-      throw UsageError(fmt::format("--tip-radius {} m and the model's tip_radius_m {} differ; give one of them",
-                                   *request.tip_radius_m, place->second));
-    }
-  }
+  set_tip_radius(request, entry, inputs);
   const Parameters parameters(entry.parameters, base_parameters(inputs.model, entry.parameters),
                               "renderer " + entry.name, inputs.model.source, "");
   const auto value = [&](std::string_view name) {
@@ -125,6 +152,7 @@ EvaluationInputs load_inputs(const EvaluationRequest& request) {
   if (request.extend_edges_m > 0.0)
     inputs.mesh = extend_open_edges(weld_coincident_vertices(inputs.mesh), request.extend_edges_m);
   inputs.surface = make_embree_surface(inputs.mesh);
+  look_at_edges(request, inputs);
   inputs.survey = survey_recording(request);
   refuse_far(request, inputs);
   refuse_reversed(request, inputs);

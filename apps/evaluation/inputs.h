@@ -28,6 +28,7 @@ struct RecordingSurvey {
 
 struct EvaluationInputs {
   TriangleMesh mesh;
+  std::size_t open_edges = 0;  // 0: inside and outside exist
   std::shared_ptr<const Surface> surface;
   RecordingSurvey survey;
   Model model;                     // with the tip radius that was asked for

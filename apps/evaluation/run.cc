@@ -215,9 +215,11 @@ void describe(const EvaluationRequest& request, const EvaluationInputs& inputs, 
   const Vec3 size = inputs.mesh.bounds().sizes();
   result.settings = {
       {"Recording", fmt::format("{}: {}", request.recording.string(), clock.summary())},
-      {"Object", fmt::format("{}: {} triangles, {} x {} x {} (file in {})", request.mesh.string(),
-                             inputs.mesh.triangle_count(), display_quantity(size.x(), "m"),
-                             display_quantity(size.y(), "m"), display_quantity(size.z(), "m"), request.mesh_unit)},
+      {"Object", fmt::format("{}: {} triangles, {}, {} x {} x {} (file in {})", request.mesh.string(),
+                             inputs.mesh.triangle_count(),
+                             inputs.open_edges == 0 ? "closed" : fmt::format("{} open edges", inputs.open_edges),
+                             display_quantity(size.x(), "m"), display_quantity(size.y(), "m"),
+                             display_quantity(size.z(), "m"), request.mesh_unit)},
       {"Renderer", request.model.renderer},
       {"In-trajectory", request.in_trajectory == InTrajectoryMode::measured
                             ? "the measured positions as they are"
@@ -261,10 +263,13 @@ void describe(const EvaluationRequest& request, const EvaluationInputs& inputs, 
                     summary.free_but_inside, display_quantity(summary.largest_move_free_m, "m")));
   }
   if (lost.samples > 0) {
-    result.messages.push_back(fmt::format(
-        "At {} samples, first at {} s, the recording shows contact and the renderer has none. Where the mesh ends "
-        "but the object does not, the tip may have slipped over an open edge: --extend-edges continues the mesh.",
-        lost.samples, lost.first_t_s));
+    result.messages.push_back(
+        fmt::format("At {} samples, first at {} s, the recording shows contact and the renderer has none.{}",
+                    lost.samples, lost.first_t_s,
+                    inputs.open_edges > 0 ? " Where the mesh ends but the object does not, the tip may have slipped "
+                                            "over an open edge: --extend-edges "
+                                            "continues the mesh."
+                                          : ""));
   }
   for (const std::string& message : inputs.messages) result.messages.push_back(message);
   if (!inputs.survey.has_force)

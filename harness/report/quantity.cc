@@ -16,9 +16,9 @@ struct Step {
 };
 
 constexpr std::array lengths{Step{"km", 1e3, 1e-3}, Step{"m", 1.0, 1.0}, Step{"mm", 1e-4, 1e3}, Step{"um", 1e-7, 1e6},
-                             Step{"nm", 0.0, 1e9}};
-constexpr std::array forces{Step{"kN", 1e4, 1e-3}, Step{"N", 1e-2, 1.0}, Step{"mN", 1e-5, 1e3}, Step{"uN", 0.0, 1e6}};
-constexpr std::array times{Step{"s", 1.0, 1.0}, Step{"ms", 1e-3, 1e3}, Step{"us", 0.0, 1e6}};
+                             Step{"nm", 1e-12, 1e9}};
+constexpr std::array forces{Step{"kN", 1e4, 1e-3}, Step{"N", 1e-2, 1.0}, Step{"mN", 1e-5, 1e3}, Step{"uN", 1e-9, 1e6}};
+constexpr std::array times{Step{"s", 1.0, 1.0}, Step{"ms", 1e-3, 1e3}, Step{"us", 1e-9, 1e6}};
 constexpr std::array costs{Step{"s", 1e6, 1e-6}, Step{"ms", 1e3, 1e-3}, Step{"us", 0.0, 1.0}};
 
 }  // namespace
@@ -29,7 +29,7 @@ DisplayUnit display_unit(std::string_view unit, double largest) {
   if (unit == "N") steps = forces;
   if (unit == "s") steps = times;
   if (unit == "us") steps = costs;
-  // Zero and what is not a number keep the unit as it is.
+  // Zero, what is not a number, and what is smaller than every unit (rounding) keep the unit as it is.
   if (!(std::abs(largest) > 0.0) || !std::isfinite(largest)) return {std::string(unit), 1.0};
   for (const Step& step : steps) {
     if (std::abs(largest) >= step.at_least) return {std::string(step.name), step.factor};

@@ -15,6 +15,7 @@ TEST(Quantity, PicksTheUnitThatSuitsTheValue) {
   EXPECT_EQ(display_quantity(7.0, "1"), "7");
   EXPECT_EQ(display_quantity(12.345678, "deg"), "12.35 deg");
   EXPECT_EQ(display_quantity(0.0, "m"), "0 m");
+  EXPECT_EQ(display_quantity(4.2e-20, "m"), "4.200e-20 m");
   EXPECT_EQ(display_setting(5e-4, "m"), "0.5 mm");
   EXPECT_EQ(display_setting(0.1, "N"), "0.1 N");
 }

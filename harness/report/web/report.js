@@ -141,7 +141,8 @@
     const traces = [{
       type: 'mesh3d', name: 'object', x: column(block.vertices, 0), y: column(block.vertices, 1), z: column(block.vertices, 2),
       i: column(block.triangles, 0), j: column(block.triangles, 1), k: column(block.triangles, 2), vertexcolor: colours,
-      lighting: { ambient: 0.62, diffuse: 0.55, specular: 0.08, roughness: 0.9, fresnel: 0.05 }, flatshading: false,
+      lighting: { ambient: 0.68, diffuse: 0.5, specular: 0.08, roughness: 0.9, fresnel: 0.05 },
+      lightposition: { x: 2e4, y: -4e4, z: 6e4 }, flatshading: false,
       text: block.values.map((value) => (value === null ? 'not touched' : plain(block.value_label) + ': ' + value.toPrecision(3))),
       hovertemplate: '%{text}<extra></extra>', showlegend: true,
     }];
