@@ -22,6 +22,7 @@ void add_hil(CLI::App& program, Run& run);
 void add_evaluate(CLI::App& program, Run& run);
 void add_experiment(CLI::App& program, Run& run);
 void add_list(CLI::App& program, Run& run);
+void add_perceive(CLI::App& program, Run& run);
 void add_replay(CLI::App& program, Run& run);
 void add_synth(CLI::App& program, Run& run);
 void add_version(CLI::App& program, Run& run);
@@ -45,6 +46,7 @@ inline std::vector<AddCommand> commands() {
       add_evaluate,
       add_experiment,
       add_list,
+      add_perceive,
       add_replay,
       add_synth,
       add_version,

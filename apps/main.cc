@@ -11,6 +11,11 @@ namespace {
 
 using touchstone::ExitStatus;
 
+std::vector<std::string>& called_as() {
+  static std::vector<std::string> words;
+  return words;
+}
+
 int run(int argc, char** argv) {
   CLI::App program{
       "Touchstone tells whether a haptic renderer is right: it replays measured probe trajectories through "
@@ -33,7 +38,10 @@ int run(int argc, char** argv) {
 
 }  // namespace
 
+const std::vector<std::string>& touchstone::apps::command_line() { return called_as(); }
+
 int main(int argc, char** argv) {
+  called_as().assign(argv, argv + argc);
   try {
     return run(argc, argv);
   } catch (const touchstone::Error& error) {

@@ -75,10 +75,11 @@ double peak_difference(std::span<const double> real, std::span<const double> ren
 double perceptual_mean_square_error(std::span<const double> real, std::span<const double> rendered,
                                     const WeberLaw& law) {
   check(real, rendered);
+  const NoticeableSteps steps(law);
   double sum = 0.0;
   for (std::size_t i = 0; i < real.size(); ++i) {
-    const double steps = law.steps(real[i]) - law.steps(rendered[i]);
-    sum += steps * steps;
+    const double difference = steps(real[i]) - steps(rendered[i]);
+    sum += difference * difference;
   }
   return sum / static_cast<double>(real.size());
 }

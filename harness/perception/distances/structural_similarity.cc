@@ -16,17 +16,17 @@ struct Moments {
 
 Moments moments(std::span<const double> x, std::span<const double> y) {
   Moments m{};
-  const auto n = static_cast<double>(x.size());
+  const double share = 1.0 / static_cast<double>(x.size());
   for (std::size_t i = 0; i < x.size(); ++i) {
-    m.mean_real += x[i] / n;
-    m.mean_rendered += y[i] / n;
+    m.mean_real += x[i] * share;
+    m.mean_rendered += y[i] * share;
   }
   for (std::size_t i = 0; i < x.size(); ++i) {
     const double a = x[i] - m.mean_real;
     const double b = y[i] - m.mean_rendered;
-    m.variance_real += a * a / n;
-    m.variance_rendered += b * b / n;
-    m.covariance += a * b / n;
+    m.variance_real += a * a * share;
+    m.variance_rendered += b * b * share;
+    m.covariance += a * b * share;
   }
   return m;
 }

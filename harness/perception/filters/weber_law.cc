@@ -14,11 +14,23 @@ double WeberLaw::just_noticeable_difference(double intensity) const noexcept {
   return magnitude < absolute_threshold ? absolute_threshold : fraction(intensity) * magnitude;
 }
 
-double WeberLaw::steps(double intensity) const noexcept {
+double WeberLaw::steps(double intensity) const noexcept { return NoticeableSteps(*this)(intensity); }
+
+NoticeableSteps::NoticeableSteps(const WeberLaw& law) noexcept
+    : threshold_(law.absolute_threshold),
+      breakpoint_(law.breakpoint),
+      per_log_below_(1.0 / std::log1p(law.fraction_below)),
+      per_log_above_(1.0 / std::log1p(law.fraction_above)),
+      log_threshold_(std::log(law.absolute_threshold)),
+      at_breakpoint_(1.0 + std::log(law.breakpoint / law.absolute_threshold) * per_log_below_ -
+                     std::log(law.breakpoint) * per_log_above_) {}
+
+double NoticeableSteps::operator()(double intensity) const noexcept {
   const double magnitude = std::abs(intensity);
-  if (magnitude <= absolute_threshold) return intensity / absolute_threshold;
-  double steps = 1.0 + std::log(std::min(magnitude, breakpoint) / absolute_threshold) / std::log1p(fraction_below);
-  if (magnitude > breakpoint) steps += std::log(magnitude / breakpoint) / std::log1p(fraction_above);
+  if (magnitude <= threshold_) return intensity / threshold_;
+  const double log_magnitude = std::log(magnitude);
+  const double steps = magnitude <= breakpoint_ ? 1.0 + (log_magnitude - log_threshold_) * per_log_below_
+                                                : at_breakpoint_ + log_magnitude * per_log_above_;
   return std::copysign(steps, intensity);
 }
 

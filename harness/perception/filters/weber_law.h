@@ -20,6 +20,21 @@ struct WeberLaw {
   [[nodiscard]] double steps(double intensity) const noexcept;
 };
 
+// WeberLaw::steps() for many values: what depends on the law alone is worked out once.
+class NoticeableSteps {
+ public:
+  explicit NoticeableSteps(const WeberLaw& law) noexcept;
+  [[nodiscard]] double operator()(double intensity) const noexcept;
+
+ private:
+  double threshold_;
+  double breakpoint_;
+  double per_log_below_;   // steps per unit of log intensity
+  double per_log_above_;
+  double log_threshold_;
+  double at_breakpoint_;   // steps there, less its log
+};
+
 // Force on the fingertip (section 3.2): absolute threshold 0.06 N (Jones 2000), K 20 % (of 15-27 %, Nadjarbashi 2015)
 // up to 2.5 N, 7 % above (Pang, Tan and Durlach 1991). These are the defaults of every filter and metric here.
 inline constexpr WeberLaw kFingertipForce{0.06, 2.5, 0.20, 0.07};

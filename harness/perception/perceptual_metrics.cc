@@ -1,0 +1,154 @@
+#include "harness/perception/perceptual_metrics.h"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <cmath>
+
+#include "harness/base/error.h"
+#include "harness/metrics/result.h"
+#include "harness/perception/distances/structural_similarity.h"
+#include "harness/perception/features/rate_hardness.h"
+#include "harness/perception/haptic_data_matrix.h"
+#include "harness/perception/statistics.h"
+
+namespace touchstone::perception {
+
+NoticeableForceError::NoticeableForceError(const WeberLaw& law) : law_(law), series_("force error", "JND") {}
+
+void NoticeableForceError::add(const MetricSample& sample) {
+  const double measured_N = sample.f_measured_W_N.norm();
+  const double error_N = (sample.f_rendered_W_N - sample.f_measured_W_N).norm();
+  const double jnd = error_N / law_.just_noticeable_difference(measured_N);
+  const double steps = law_.steps(sample.f_rendered_W_N.norm()) - law_.steps(measured_N);
+  error_jnd_.add(sample.t_s, jnd);
+  noticeable_.add(sample.t_s, std::isfinite(jnd) ? (jnd > 1.0 ? 1.0 : 0.0) : jnd);
+  felt_squared_.add(sample.t_s, steps * steps);
+  series_.add(sample.t_s, jnd);
+}
+
+std::vector<MetricResult> NoticeableForceError::results() {
+  auto rms =
+      make_result("rms_force_error_jnd", "JND",
+                  "Root mean square of the force error over the just noticeable difference of the measured force.",
+                  error_jnd_.rms(), error_jnd_);
+  rms.series = series_.series();
+  auto most = make_result("max_force_error_jnd", "JND", "The largest force error in just noticeable differences.",
+                          error_jnd_.peak(), error_jnd_);
+  if (most.status == MetricStatus::ok) most.t_s = error_jnd_.peak_t_s();
+  auto share =
+      make_result("noticeable_share", "1", "Share of the samples whose force error can be noticed (above 1 JND).",
+                  noticeable_.mean(), noticeable_);
+  auto felt =
+      make_result("felt_squared_error", "JND^2",
+                  "Mean square error of the force's magnitude on the scale of just noticeable differences (PMSE).",
+                  felt_squared_.mean(), felt_squared_);
+  const std::string law =
+      fmt::format("Weber's law: {:.0f} % up to {} N, {:.0f} % above, nothing felt below {} N",
+                  100.0 * law_.fraction_below, law_.breakpoint, 100.0 * law_.fraction_above, law_.absolute_threshold);
+  for (auto* const result : {&rms, &most, &share, &felt}) {
+    if (result->status == MetricStatus::ok) result->note = law;
+  }
+  return {std::move(rms), std::move(most), std::move(share), std::move(felt)};
+}
+
+namespace {
+
+struct Described {
+  const char* name;
+  const char* unit;
+  const char* meaning;
+};
+constexpr std::array kPress{
+    Described{"rate_hardness", "N/m",
+              "Median rate-hardness of the rendered presses: force change over displacement change."},
+    Described{"extended_rate_hardness", "N/m", "Largest rendered force rate over the velocity of the first contact."},
+    Described{"rate_hardness_error", "1",
+              "RMS difference of rate-hardness, rendered from measured, over the RMS measured."},
+    Described{"force_structural_similarity", "1",
+              "Structural similarity of the force series (an HSSIM with own constants)."}};
+
+MetricResult value_of(const Described& metric, double value) {
+  MetricResult result;
+  result.name = metric.name;
+  result.unit = metric.unit;
+  result.meaning = metric.meaning;
+  result.value = value;
+  result.status = MetricStatus::ok;
+  return result;
+}
+
+MetricResult missing(const Described& metric, const std::string& why) {
+  return make_missing(metric.name, metric.unit, metric.meaning, why);
+}
+
+}  // namespace
+
+std::vector<MetricResult> press_metrics(const Recording& measured, std::span<const Vec3> f_rendered_W_N) {
+  std::vector<MetricResult> results;
+  HapticDataMatrix matrix;
+  HapticDataMatrix rendered_matrix;
+  try {
+    const Vec3 outward = press_direction(measured);
+    PressSignal signal = press_signal(measured, outward, kFingertipForce.absolute_threshold);
+    matrix = make_haptic_data_matrix(std::span(&signal, 1));
+    signal.force_N.clear();
+    for (const Vec3& f : f_rendered_W_N) signal.force_N.push_back(f.dot(outward));
+    rendered_matrix = make_haptic_data_matrix(std::span(&signal, 1));
+    if (matrix.size() <= 2 * kRateHardnessWindow) throw BadData("the recording is too short for rate-hardness");
+  } catch (const BadData& error) {
+    for (const auto& metric : kPress) results.push_back(missing(metric, error.what()));
+    return results;
+  }
+  const MeasuringPart& real = matrix.parts.front();
+  const MeasuringPart& rendered = rendered_matrix.parts.front();
+  const auto real_hardness = rate_hardness(real.force_N, real.displacement_m, kRateHardnessWindow);
+  const auto rendered_hardness = rate_hardness(rendered.force_N, real.displacement_m, kRateHardnessWindow);
+  std::vector<double> of_real;
+  std::vector<double> of_rendered;
+  std::vector<double> difference;
+  for (std::size_t n = 0; n < real_hardness.values_N_per_m.size(); ++n) {
+    if (real_hardness.guarded[n]) continue;
+    of_real.push_back(real_hardness.values_N_per_m[n]);
+    of_rendered.push_back(rendered_hardness.values_N_per_m[n]);
+    difference.push_back(of_rendered.back() - of_real.back());
+  }
+  const std::string guard = fmt::format("window {} samples; {:.1f} % of the windows had too little motion to divide by",
+                                        kRateHardnessWindow, 100.0 * real_hardness.guarded_share);
+  if (of_real.empty()) {
+    results = {missing(kPress[0], "the tip does not move along the force")};
+  } else {
+    results = {value_of(kPress[0], median(of_rendered))};
+    results[0].note = guard;
+    set_reference(results[0], median(of_real), "median rate-hardness measured");
+  }
+  const auto extended = [](const MeasuringPart& part) {
+    return extended_rate_hardness(part.force_N, part.force_rate_N_per_s, part.velocity_m_per_s,
+                                  kFingertipForce.absolute_threshold);
+  };
+  const auto rendered_extended = extended(rendered);
+  if (rendered_extended) {
+    results.push_back(value_of(kPress[1], *rendered_extended));
+    if (const auto own = extended(real)) set_reference(results.back(), *own, "extended rate-hardness measured");
+  } else {
+    results.push_back(missing(kPress[1], "no first contact with a velocity into the object"));
+  }
+  const double size = of_real.empty() ? 0.0 : root_mean_square(of_real);
+  if (size > 0.0) {
+    results.push_back(value_of(kPress[2], root_mean_square(difference) / size));
+    results.back().note = guard;
+  } else {
+    results.push_back(missing(kPress[2], "the measured force does not change with displacement"));
+  }
+  StructuralSimilarityConstants constants;
+  constants.window = static_cast<std::size_t>(std::max(4.0, std::round(0.1 * matrix.rate_Hz)));
+  constants.stride = std::max<std::size_t>(1, constants.window / 2);
+  if (real.force_N.size() >= constants.window) {
+    results.push_back(value_of(kPress[3], structural_similarity(real.force_N, rendered.force_N, constants)));
+  } else {
+    results.push_back(missing(kPress[3], "shorter than one window of 0.1 s"));
+  }
+  return results;
+}
+
+}  // namespace touchstone::perception

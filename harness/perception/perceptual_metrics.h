@@ -1,0 +1,39 @@
+// What an evaluation of a renderer may show of perception: errors in units of what can just be noticed, and the
+// hardness of presses. Shao, Wu and Ouyang, eq 5, 9, 10, 12, 15.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "harness/metrics/metric.h"
+#include "harness/metrics/moments.h"
+#include "harness/metrics/series.h"
+#include "harness/perception/filters/weber_law.h"
+#include "harness/recording/trajectory.h"
+
+namespace touchstone::perception {
+
+// The force error of every sample over the just noticeable difference of the measured force (eq 12); vectors, so that a
+// force of the right size in the wrong direction errs too. Streams.
+// Results: rms_force_error_jnd, max_force_error_jnd [JND], noticeable_share [1], felt_squared_error [JND^2] (eq 9).
+class NoticeableForceError final : public Metric {
+ public:
+  explicit NoticeableForceError(const WeberLaw& law = kFingertipForce);
+  void add(const MetricSample& sample) override;
+  [[nodiscard]] std::vector<MetricResult> results() override;
+
+ private:
+  WeberLaw law_;
+  Moments error_jnd_;
+  Moments noticeable_;
+  Moments felt_squared_;
+  SeriesRecorder series_;
+};
+
+// The presses of a recording as measured and as rendered on its path, along the measured force's direction.
+// Results: rate_hardness [N/m], extended_rate_hardness [N/m] (both rendered, with the measured one as reference),
+// rate_hardness_error [1] (RMS of the difference over the RMS measured), force_structural_similarity [1].
+// Each is `missing` with the reason where the recording has no presses to judge by.
+std::vector<MetricResult> press_metrics(const Recording& measured, std::span<const Vec3> f_rendered_W_N);
+
+}  // namespace touchstone::perception
