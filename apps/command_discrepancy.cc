@@ -34,7 +34,6 @@ struct Options {
   std::filesystem::path out;
   std::filesystem::path json;
   std::uint64_t seed = 1;
-  std::vector<std::string> command_line;
 };
 
 std::vector<Candidate> all_candidates() {
@@ -121,7 +120,7 @@ ExitStatus discrepancy(const Options& options) {
   const std::string json = findings_to_json(findings, trajectory);
   write_file(options.out / "findings.json", json);
   if (!options.json.empty()) write_file(options.json, json);
-  Provenance provenance = make_provenance(options.command_line);
+  Provenance provenance = make_provenance(command_line());
   provenance.inputs = {describe_input("model", options.model), describe_input("mesh", options.mesh),
                        describe_input("recording", options.recording)};
   if (second) provenance.inputs.push_back(describe_input("holdout", options.holdout));
@@ -165,11 +164,7 @@ void add_discrepancy(CLI::App& program, Run& run) {
       "  touchstone discrepancy --model base.json --mesh object.stl --mesh-unit mm --recording scan.csv --out found\n"
       "  touchstone replay --model found/model.json --mesh object.obj --trajectory test.csv --out rendered.csv\n"
       "Measured positions are the in-trajectory as they stand.");
-  command->callback([options, &run, &program] {
-    options->command_line =
-        program.get_parent() ? std::vector<std::string>{} : std::vector<std::string>{"touchstone", "discrepancy"};
-    run = [options] { return discrepancy(*options); };
-  });
+  command->callback([options, &run] { run = [options] { return discrepancy(*options); }; });
 }
 
 }  // namespace touchstone::apps

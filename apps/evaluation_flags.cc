@@ -13,6 +13,21 @@
 namespace touchstone::apps {
 namespace {
 
+// How the program was called, for provenance.
+std::vector<std::string> process_command_line() {
+  std::ifstream in("/proc/self/cmdline", std::ios::binary);
+  const std::string all((std::istreambuf_iterator<char>(in)), std::istreambuf_iterator<char>());
+  std::vector<std::string> words;
+  for (std::size_t begin = 0; begin < all.size();) {
+    const std::size_t end = std::min(all.find('\0', begin), all.size());
+    words.push_back(all.substr(begin, end - begin));
+    begin = end + 1;
+  }
+  // The program by its name: where it was installed says nothing about the result.
+  if (!words.empty()) words.front() = "touchstone";
+  return words;
+}
+
 // "0.2 N" to 0.2 and "N".
 std::pair<double, std::string_view> number_and_unit(std::string_view text, std::string_view what) {
   double value = 0.0;
@@ -97,22 +112,8 @@ EvaluationRequest make_request(const EvaluationFlags& flags) {
   if (!flags.extend_edges.empty()) request.extend_edges_m = parse_length_m(flags.extend_edges, "--extend-edges");
   request.clock.on_duplicate = parse_on_duplicate(flags.on_duplicate);
   request.clock.on_gap = parse_on_gap(flags.on_gap);
-  request.command_line = command_line();
+  request.command_line = process_command_line();
   return request;
-}
-
-std::vector<std::string> command_line() {
-  std::ifstream in("/proc/self/cmdline", std::ios::binary);
-  const std::string all((std::istreambuf_iterator<char>(in)), std::istreambuf_iterator<char>());
-  std::vector<std::string> words;
-  for (std::size_t begin = 0; begin < all.size();) {
-    const std::size_t end = std::min(all.find('\0', begin), all.size());
-    words.push_back(all.substr(begin, end - begin));
-    begin = end + 1;
-  }
-  // The program by its name: where it was installed says nothing about the result.
-  if (!words.empty()) words.front() = "touchstone";
-  return words;
 }
 
 }  // namespace touchstone::apps

@@ -28,7 +28,4 @@ EvaluationRequest make_request(const EvaluationFlags& flags);
 double parse_force_N(std::string_view text, std::string_view what);
 void apply_threshold(std::string_view text, EvaluationRequest& request);
 
-// How the program was called, for provenance.
-std::vector<std::string> command_line();
-
 }  // namespace touchstone::apps
