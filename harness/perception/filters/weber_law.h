@@ -29,10 +29,10 @@ class NoticeableSteps {
  private:
   double threshold_;
   double breakpoint_;
-  double per_log_below_;   // steps per unit of log intensity
+  double per_log_below_;  // steps per unit of log intensity
   double per_log_above_;
   double log_threshold_;
-  double at_breakpoint_;   // steps there, less its log
+  double at_breakpoint_;  // steps there, less its log
 };
 
 // Force on the fingertip (section 3.2): absolute threshold 0.06 N (Jones 2000), K 20 % (of 15-27 %, Nadjarbashi 2015)
