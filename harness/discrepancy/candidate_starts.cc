@@ -62,8 +62,9 @@ std::vector<FreeParameter> two_coefficients(const std::string& owner) {
 }
 
 // Pre-sliding is fitted along: the path over which friction turns must exceed what the tracker's noise makes of a tip
-// that stands still, and below that the recording cannot show it. Above a tenth of the depth it would be a spring of its
-// own in the tangent plane, which is another effect (stick-slip of a compliant tool) and no friction law of the list.
+// that stands still, and below that the recording cannot show it. Above a tenth of the depth it would be a spring of
+// its own in the tangent plane, which is another effect (stick-slip of a compliant tool) and no friction law of the
+// list.
 FreeParameter presliding(const Context& c) {
   return log_parameter(c.candidate.name, "presliding_m", 1e-3 * c.scales.depth_m, 0.1 * c.scales.depth_m);
 }
