@@ -4,8 +4,8 @@
 //
 // Why not a mesh library's readers: those of OpenMesh 9 parse coordinates in single precision, so that the same object
 // in mm and in km becomes two different objects; they drop faces with a repeated or (in its half-edge mesh) a
-// third-owner edge, and pass on indices that are out of range. They serve as the independent twin in mesh_file_test.cc
-// instead.
+// third-owner edge, and pass on indices that are out of range. Its half-edge mesh is the independent twin of our
+// adjacency in mesh_topology_test.cc.
 //
 // Rules:
 // - Coordinates are read in double precision and multiplied by `unit_m`. Faces keep the file's order and orientation.
