@@ -82,9 +82,10 @@ void add_evaluation_flags(CLI::App& command, EvaluationFlags& flags) {
                      "Episodes are errors over it: 0.5mm for position, 0.2N for force; may be given twice");
   command.add_flag("--flip-force", flags.flip_force, "The file has the force BY the probe: negate it");
   command.add_flag("--closed", flags.closed, "The object is a closed body: refuse a mesh with holes");
-  command.add_option(
-      "--extend-edges", flags.extend_edges,
-      "The mesh is a patch of a larger object: continue its open edges by this much (10mm), fill its holes");
+  command.add_option("--extend-edges", flags.extend_edges,
+                     "The mesh is a patch of a larger object: continue its open edges by this much (10mm), fill its "
+                     "holes; 0 leaves it "
+                     "as it is; not given: done where the recording touches beyond the mesh, and said");
   command.add_option("--on-duplicate", flags.on_duplicate, "Repeated times: refuse, first, mean")
       ->capture_default_str();
   command.add_option("--on-gap", flags.on_gap, "Gaps in time: refuse, split (the renderer starts anew), keep")
@@ -109,7 +110,9 @@ EvaluationRequest make_request(const EvaluationFlags& flags) {
   for (const std::string& threshold : flags.thresholds) apply_threshold(threshold, request);
   request.flip_force = flags.flip_force;
   request.closed = flags.closed;
-  if (!flags.extend_edges.empty()) request.extend_edges_m = parse_length_m(flags.extend_edges, "--extend-edges");
+  if (!flags.extend_edges.empty()) {
+    request.extend_edges_m = flags.extend_edges == "0" ? 0.0 : parse_length_m(flags.extend_edges, "--extend-edges");
+  }
   request.clock.on_duplicate = parse_on_duplicate(flags.on_duplicate);
   request.clock.on_gap = parse_on_gap(flags.on_gap);
   request.command_line = process_command_line();

@@ -13,6 +13,7 @@
 #include "harness/recording/force_sign.h"
 #include "harness/rendering/nearness.h"
 #include "harness/rendering/parameters.h"
+#include "harness/report/quantity.h"
 #include "harness/surface/embree_surface.h"
 #include "harness/surface/extend_edges.h"
 #include "harness/surface/mesh_file.h"
@@ -61,13 +62,16 @@ RecordingSurvey survey_recording(const EvaluationRequest& request) {
   return out;
 }
 
-void refuse_far(const EvaluationRequest& request, EvaluationInputs& inputs) {
+std::vector<Vec3> touching_tips(const EvaluationRequest& request, const RecordingSurvey& survey) {
   std::vector<Vec3> touching;
-  for (std::size_t i = 0; i < inputs.survey.some_forces_W_N.size(); ++i) {
-    if (inputs.survey.some_forces_W_N[i].norm() > request.contact_threshold_N) {
-      touching.push_back(inputs.survey.some_tips_W_m[i]);
-    }
+  for (std::size_t i = 0; i < survey.some_forces_W_N.size(); ++i) {
+    if (survey.some_forces_W_N[i].norm() > request.contact_threshold_N) touching.push_back(survey.some_tips_W_m[i]);
   }
+  return touching;
+}
+
+void refuse_far(const EvaluationRequest& request, EvaluationInputs& inputs) {
+  const std::vector<Vec3> touching = touching_tips(request, inputs.survey);
   const auto message = far_from_surface(*inputs.surface, touching.empty() ? inputs.survey.some_tips_W_m : touching,
                                         inputs.tip_radius_m, request.recording.string(), request.mesh_unit);
   if (message) throw BadData(*message);
@@ -119,6 +123,30 @@ void look_at_edges(const EvaluationRequest& request, EvaluationInputs& inputs) {
   }
 }
 
+void extend(double width_m, EvaluationInputs& inputs) {
+  inputs.mesh = extend_open_edges(weld_coincident_vertices(inputs.mesh), width_m);
+  inputs.extended_m = width_m;
+}
+
+// A scan of a part of an object, pressed where it ends: without more surface there the tip would slip over an edge that
+// the object does not have, and every force after that would be lost.
+void extend_where_the_mesh_has_ended(const EvaluationRequest& request, EvaluationInputs& inputs) {
+  constexpr double few = 1e-3;               // less is noise at the border
+  constexpr double share_of_diagonal = 0.1;  // several times the depth of any press that a patch of this size is for
+  if (inputs.open_edges == 0) return;
+  const MeshTopology topology = make_topology(inputs.mesh);
+  if (!topology.non_manifold_edges.empty() || !topology.disoriented_edges.empty()) return;
+  const double share = share_at_open_edges(*inputs.surface, topology, touching_tips(request, inputs.survey));
+  if (share <= few) return;
+  extend(share_of_diagonal * inputs.mesh.bounds().diagonal().norm(), inputs);
+  inputs.surface = make_embree_surface(inputs.mesh);
+  look_at_edges(request, inputs);
+  inputs.messages.push_back(
+      fmt::format("{:.1f} % of the touching samples lie where the mesh has ended; its open edges were continued by {} "
+                  "(--extend-edges sets the width, 0 leaves the mesh as it is).",
+                  100.0 * share, display_setting(inputs.extended_m, "m")));
+}
+
 }  // namespace
 
 RecordingStream open_recording(const EvaluationRequest& request) {
@@ -149,11 +177,11 @@ EvaluationInputs load_inputs(const EvaluationRequest& request) {
                     entry.name));
   }
   inputs.mesh = load_mesh(request.mesh, length_unit_factor(request.mesh_unit));
-  if (request.extend_edges_m > 0.0)
-    inputs.mesh = extend_open_edges(weld_coincident_vertices(inputs.mesh), request.extend_edges_m);
+  if (request.extend_edges_m.value_or(0.0) > 0.0) extend(*request.extend_edges_m, inputs);
   inputs.surface = make_embree_surface(inputs.mesh);
   look_at_edges(request, inputs);
   inputs.survey = survey_recording(request);
+  if (!request.extend_edges_m) extend_where_the_mesh_has_ended(request, inputs);
   refuse_far(request, inputs);
   refuse_reversed(request, inputs);
   inputs.files.push_back(describe_input("recording", request.recording));

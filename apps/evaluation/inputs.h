@@ -28,6 +28,7 @@ struct RecordingSurvey {
 
 struct EvaluationInputs {
   TriangleMesh mesh;
+  double extended_m = 0.0;     // by which open edges were continued
   std::size_t open_edges = 0;  // 0: inside and outside exist
   std::shared_ptr<const Surface> surface;
   RecordingSurvey survey;

@@ -234,9 +234,9 @@ void describe(const EvaluationRequest& request, const EvaluationInputs& inputs, 
        fmt::format("at most {} in contact, {} in the air", display_quantity(summary.largest_move_in_contact_m, "m"),
                    display_quantity(summary.largest_move_free_m, "m"))},
       {"Time ranges", request.time_ranges.text()}};
-  if (request.extend_edges_m > 0.0) {
+  if (inputs.extended_m > 0.0) {
     result.settings.emplace_back("Open edges", fmt::format("continued by {}, holes and notches filled",
-                                                           display_setting(request.extend_edges_m, "m")));
+                                                           display_setting(inputs.extended_m, "m")));
   }
   if (request.flip_force) result.settings.emplace_back("Force sign", "flipped on reading");
   if (segments > 1)

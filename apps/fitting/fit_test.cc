@@ -151,7 +151,6 @@ FitRequest palpation_fit(const std::filesystem::path& recording, const std::file
   request.evaluation.mesh = mesh;
   request.evaluation.mesh_unit = "mm";
   request.evaluation.in_trajectory = InTrajectoryMode::measured;
-  request.evaluation.extend_edges_m = 0.012;
   request.evaluation.model.renderer = renderer;
   request.evaluation.model.parameters["stiffness_N_per_m"] = 500.0;
   request.parameters = {"stiffness_N_per_m=50:5000"};
@@ -160,11 +159,17 @@ FitRequest palpation_fit(const std::filesystem::path& recording, const std::file
   return request;
 }
 
+// The independent figure is that of a spring along the normal of the tangent plane under the tip, over a height field.
+// The nearest point on so steep and deeply pressed a surface is another, and near the outline depends on how far the
+// mesh is continued: over 9 to 30 mm the spring's score moves between 0.43 and 0.45 N, the god-object's by less than 1
+// %.
 TEST(Fit, PalpationStiffnessScoresLikeAnIndependentFit) {
   TOUCHSTONE_SHARED_DATA_OR_SKIP(recording, "palpation/ContPalpRAL18T1.csv");
   TOUCHSTONE_SHARED_DATA_OR_SKIP(mesh, "palpation/DERIVED_surface_ContPalpRAL18T1.obj");
   const double independent_N = 0.418;
-  const FitResult spring = run_fit(palpation_fit(recording, mesh, "spring-linear"));
+  FitRequest wider = palpation_fit(recording, mesh, "spring-linear");
+  wider.evaluation.extend_edges_m = 0.012;
+  const FitResult spring = run_fit(wider);
   EXPECT_NEAR(spring.score_after, independent_N, 0.05 * independent_N);
   const FitResult god_object = run_fit(palpation_fit(recording, mesh, "god-object"));
   EXPECT_GT(god_object.score_after, 0.95 * independent_N);
@@ -177,6 +182,34 @@ TEST(Fit, PalpationStiffnessScoresLikeAnIndependentFit) {
   // Two ways to the same spring: their intervals must meet.
   EXPECT_LT(spring.estimates[0].low95, god_object.estimates[0].high95);
   EXPECT_LT(god_object.estimates[0].low95, spring.estimates[0].high95);
+}
+
+TEST(Fit, FrictionIsSearchedByItsShortNameAndWithoutABreakAwayOfItsOwn) {
+  Model model;
+  model.renderer = "god-object";
+  model.source = "here";
+  model.parameters["stiffness_N_per_m"] = 400.0;
+  model.effects = {{"coulomb-friction", {{"mu_dynamic", 0.2}}, "/effects/0"}};
+  const FitParameter friction = parse_fit_parameter("mu_dynamic=0:1", model);
+  EXPECT_EQ(friction.name, "coulomb-friction.mu_dynamic");
+  EXPECT_EQ(with_values(model, {friction}, {0.7}).effects[0].parameters.count("mu_static"), 0u);
+  model.effects[0].parameters["mu_static"] = 0.3;
+  EXPECT_EQ(with_values(model, {friction}, {0.7}).effects[0].parameters.at("mu_static"), 0.7);
+  EXPECT_EQ(with_values(model, {friction}, {0.1}).effects[0].parameters.at("mu_static"), 0.3);
+  model.effects.push_back({"stribeck-friction", {{"mu_dynamic", 0.2}}, "/effects/1"});
+  EXPECT_THROW(parse_fit_parameter("mu_dynamic=0:1", model), UsageError) << "two entries have one";
+}
+
+// Dry friction explains what the spring alone cannot, on blocks that the fit did not see.
+TEST(Fit, FrictionBringsThePalpationNearerOnUnseenBlocks) {
+  TOUCHSTONE_SHARED_DATA_OR_SKIP(recording, "palpation/ContPalpRAL18T1.csv");
+  TOUCHSTONE_SHARED_DATA_OR_SKIP(mesh, "palpation/DERIVED_surface_ContPalpRAL18T1.obj");
+  FitRequest request = palpation_fit(recording, mesh, "god-object");
+  const FitResult spring = run_fit(request);
+  request.evaluation.model.effects = {{"coulomb-friction", {{"mu_dynamic", 0.1}}, "/effects/0"}};
+  request.parameters.emplace_back("mu_dynamic=0:1");
+  const FitResult friction = run_fit(request);
+  EXPECT_LT(friction.score_after, spring.score_after);
 }
 
 }  // namespace

@@ -46,6 +46,40 @@ std::vector<Declared> declared_in(const Model& model) {
   return out;
 }
 
+// NAME stands for ENTRY.NAME where the renderer has no NAME and just one entry does.
+std::string full_name(std::string_view name, const Model& model) {
+  std::vector<std::string> candidates;
+  for (const Declared& one : declared_in(model)) {
+    if (one.declaration.name != name) continue;
+    if (one.entry.empty()) return std::string(name);
+    candidates.push_back(one.entry + "." + one.declaration.name);
+  }
+  return candidates.size() == 1 ? candidates.front() : std::string(name);
+}
+
+void keep_friction_dry(std::vector<NamedParameters>& effects) {
+  for (NamedParameters& effect : effects) {
+    const auto at_rest = effect.parameters.find("mu_static");
+    const auto sliding = effect.parameters.find("mu_dynamic");
+    if (at_rest == effect.parameters.end() || sliding == effect.parameters.end()) continue;
+    at_rest->second = std::max(at_rest->second, sliding->second);
+  }
+}
+
+void set_parameter(Model& model, const FitParameter& parameter, double value) {
+  if (parameter.entry.empty()) {
+    model.parameters[parameter.key] = value;
+    return;
+  }
+  for (auto* const entries : {&model.effects, &model.instrument}) {
+    const auto found = std::ranges::find(*entries, parameter.entry, &NamedParameters::name);
+    if (found != entries->end()) {
+      found->parameters[parameter.key] = value;
+      return;
+    }
+  }
+}
+
 double bound(std::string_view text, std::string_view whole) {
   double value = 0.0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
@@ -86,7 +120,7 @@ double FitParameter::from_unit(double u) const {
 FitParameter parse_fit_parameter(std::string_view text, const Model& model) {
   const std::size_t equals = text.find('=');
   FitParameter out;
-  out.name = text.substr(0, equals);
+  out.name = full_name(text.substr(0, equals), model);
   const std::size_t dot = out.name.find('.');
   out.key = dot == std::string::npos ? out.name : out.name.substr(dot + 1);
   out.entry = dot == std::string::npos ? "" : out.name.substr(0, dot);
@@ -122,23 +156,10 @@ FitParameter parse_fit_parameter(std::string_view text, const Model& model) {
                                fmt::join(known, ", ")));
 }
 
-void set_parameter(Model& model, const FitParameter& parameter, double value) {
-  if (parameter.entry.empty()) {
-    model.parameters[parameter.key] = value;
-    return;
-  }
-  for (auto* const entries : {&model.effects, &model.instrument}) {
-    const auto found = std::ranges::find(*entries, parameter.entry, &NamedParameters::name);
-    if (found != entries->end()) {
-      found->parameters[parameter.key] = value;
-      return;
-    }
-  }
-}
-
 Model with_values(const Model& model, const std::vector<FitParameter>& parameters, const std::vector<double>& values) {
   Model out = model;
   for (std::size_t i = 0; i < parameters.size(); ++i) set_parameter(out, parameters[i], values[i]);
+  keep_friction_dry(out.effects);
   return out;
 }
 

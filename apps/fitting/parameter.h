@@ -1,5 +1,5 @@
 // A parameter of a model that a fit may change: the renderer's by its name, that of an effect or instrument entry as
-// ENTRY.NAME ("coulomb-friction.mu_dynamic").
+// ENTRY.NAME ("coulomb-friction.mu_dynamic"), or by NAME alone where only one entry has it.
 #pragma once
 
 #include <string>
@@ -30,7 +30,8 @@ struct FitParameter {
 // Throws UsageError that lists what the model declares.
 FitParameter parse_fit_parameter(std::string_view text, const Model& model);
 
-void set_parameter(Model& model, const FitParameter& parameter, double value);
+// The model with these values. Where sliding friction would exceed break-away, which no friction does, mu_static is
+// raised to mu_dynamic, so that either can be searched alone.
 Model with_values(const Model& model, const std::vector<FitParameter>& parameters, const std::vector<double>& values);
 
 }  // namespace touchstone

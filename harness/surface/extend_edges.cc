@@ -168,4 +168,28 @@ TriangleMesh extend_open_edges(const TriangleMesh& mesh, double width_m) {
   return out;
 }
 
+double share_at_open_edges(const Surface& surface, const MeshTopology& topology, std::span<const Vec3> tips_W_m) {
+  const TriangleMesh& mesh = *surface.mesh();
+  const auto on_open_edge = [&](const SurfacePoint& point) {
+    if (point.feature != Feature::edge && point.feature != Feature::vertex) return false;
+    const auto triangle = static_cast<std::size_t>(point.triangle);
+    const auto& corners = mesh.triangles[triangle];
+    for (std::size_t e = 0; e < 3; ++e) {
+      const auto from = static_cast<std::size_t>(corners[e]);
+      const Vec3& a = mesh.vertices_W_m[from];
+      const Vec3 along = mesh.vertices_W_m[static_cast<std::size_t>(corners[(e + 1) % 3])] - a;
+      if (point.p_W_m == a) return (topology.vertex_flags[from] & vertex_open) != 0;
+      if (topology.neighbours[triangle][e] != open_edge) continue;
+      // The point lies on one of the edges: on this one where it is nearest to it, up to the rounding of its
+      // coordinates.
+      const double off_m = (point.p_W_m - a).cross(along).norm() / along.norm();
+      if (off_m <= 1e-9 * (along.norm() + point.p_W_m.norm())) return true;
+    }
+    return false;
+  };
+  std::size_t count = 0;
+  for (const Vec3& tip : tips_W_m) count += on_open_edge(surface.closest(tip)) ? 1 : 0;
+  return tips_W_m.empty() ? 0.0 : static_cast<double>(count) / static_cast<double>(tips_W_m.size());
+}
+
 }  // namespace touchstone

@@ -9,6 +9,10 @@
 // is small beside the radii of curvature.
 #pragma once
 
+#include <span>
+
+#include "harness/surface/mesh_topology.h"
+#include "harness/surface/surface.h"
 #include "harness/surface/triangle_mesh.h"
 
 namespace touchstone {
@@ -16,5 +20,9 @@ namespace touchstone {
 // `mesh`'s vertices and triangles stay the first of the result. Throws UsageError for a width that is not positive and
 // finite, BadData where edges have more than two triangles or disagree in orientation.
 TriangleMesh extend_open_edges(const TriangleMesh& mesh, double width_m);
+
+// The share of the tips whose closest surface point lies on an open edge: where probe and object touched, but the mesh
+// has ended. 0 without tips. `topology` is that of the surface's mesh.
+double share_at_open_edges(const Surface& surface, const MeshTopology& topology, std::span<const Vec3> tips_W_m);
 
 }  // namespace touchstone

@@ -4,6 +4,7 @@
 
 #include "harness/base/error.h"
 #include "harness/base/random.h"
+#include "harness/surface/embree_surface.h"
 
 namespace touchstone {
 namespace {
@@ -85,6 +86,20 @@ TEST(ExtendEdges, AClosedMeshStaysAndNonsenseIsRefused) {
   EXPECT_THROW(extend_open_edges(mesh, std::nan("")), UsageError);
   mesh.triangles[3] = {0, 2, 3};
   EXPECT_THROW(extend_open_edges(mesh, 1.0), BadData);
+}
+
+TEST(ExtendEdges, TellsWhichTipsTouchWhereTheMeshHasEnded) {
+  for (const double scale : {1e-3, 1.0, 1e3}) {
+    const TriangleMesh mesh = grid(4, scale, [](int, int) { return true; });
+    const auto surface = make_embree_surface(mesh);
+    const MeshTopology topology = make_topology(mesh);
+    const std::vector<Vec3> within{scale * Vec3(1.3, 2.7, -0.2), scale * Vec3(2, 2, 0.1), scale * Vec3(1.5, 1.5, 0)};
+    EXPECT_EQ(share_at_open_edges(*surface, topology, within), 0.0);
+    const std::vector<Vec3> mixed{scale * Vec3(4.5, 2.7, -0.2), scale * Vec3(-1, -1, 0.1), scale * Vec3(1.5, -0.1, 0),
+                                  scale * Vec3(1.5, 1.4, 0)};
+    EXPECT_EQ(share_at_open_edges(*surface, topology, mixed), 0.75);
+    EXPECT_EQ(share_at_open_edges(*surface, topology, {}), 0.0);
+  }
 }
 
 }  // namespace

@@ -19,6 +19,18 @@ const EffectEntry& entry_of(const NamedParameters& effect, const Model& model) {
       fmt::format("{}: {}/name: {}", model.source, effect.place, unknown_name("contact effect", effect.name, known)));
 }
 
+// A model without a break-away coefficient of its own breaks away where it slides.
+void complete_coefficients(const NamedParameters& effect, const EffectEntry& entry, std::vector<double>& values) {
+  if (effect.parameters.contains("mu_static")) return;
+  const auto place = [&](std::string_view name) {
+    return static_cast<std::size_t>(std::ranges::find(entry.parameters, name, &ParameterDeclaration::name) -
+                                    entry.parameters.begin());
+  };
+  const std::size_t at_rest = place("mu_static");
+  const std::size_t sliding = place("mu_dynamic");
+  if (at_rest < values.size() && sliding < values.size()) values[at_rest] = std::max(values[at_rest], values[sliding]);
+}
+
 // Friction that is harder to keep going than to start is no friction: it would pull the probe along.
 void check_coefficients(const NamedParameters& effect, const EffectEntry& entry, std::span<const double> values,
                         const Model& model) {
@@ -31,7 +43,7 @@ void check_coefficients(const NamedParameters& effect, const EffectEntry& entry,
   if (mu_static < mu_dynamic) {
     throw BadData(
         fmt::format("{}: {}/parameters: mu_static {} is below mu_dynamic {}: sliding cannot resist more than "
-                    "break-away; set mu_static to at least mu_dynamic",
+                    "break-away; set mu_static to at least mu_dynamic, or leave it out",
                     model.source, effect.place, mu_static, mu_dynamic));
   }
 }
@@ -50,7 +62,8 @@ std::vector<StackedEffect> make_effects(const Model& model) {
   std::vector<StackedEffect> effects;
   for (const NamedParameters& effect : model.effects) {
     const EffectEntry& entry = entry_of(effect, model);
-    const auto values = checked_values(effect, entry.parameters, "contact effect", model.source);
+    auto values = checked_values(effect, entry.parameters, "contact effect", model.source);
+    complete_coefficients(effect, entry, values);
     check_coefficients(effect, entry, values, model);
     if (entry.make != nullptr) effects.push_back({entry.make(values), entry.phase, entry.needs_gap});
   }
