@@ -8,8 +8,11 @@
 #include "renderers/effects/assemble.h"
 #include "renderers/effects/catalogue.h"
 #include "renderers/god_object.h"
+#include "renderers/implicit.h"
 #include "renderers/instrument/instrument_effect.h"
+#include "renderers/penalty.h"
 #include "renderers/spring.h"
+#include "renderers/voxel.h"
 
 namespace touchstone {
 
@@ -23,8 +26,18 @@ double value_or(const Parameters& parameters, std::string_view name, double fall
 }  // namespace
 
 const std::vector<RendererEntry>& renderer_catalogue() {
-  static const std::vector<RendererEntry> catalogue{god_object_entry(), spring_linear_entry(),
-                                                    spring_quadratic_entry()};
+  // One to a line, so that lines from several hands merge.
+  // clang-format off
+  static const std::vector<RendererEntry> catalogue{
+      god_object_entry(),
+      implicit_entry(),
+      penalty_entry(),
+      spring_linear_entry(),
+      spring_quadratic_entry(),
+      voxel_entry(),
+      voxel_sparse_entry(),
+  };
+  // clang-format on
   return catalogue;
 }
 

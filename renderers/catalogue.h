@@ -19,7 +19,10 @@ struct RendererEntry {
   std::string source;   // the publication that the algorithm follows
   std::vector<ParameterDeclaration> parameters;
   std::vector<Limitation> cannot;
-  std::unique_ptr<Renderer> (*make)(const Parameters&, std::shared_ptr<const Surface>);
+  std::unique_ptr<Renderer> (*make)(const Parameters&, std::shared_ptr<const Surface>) = nullptr;
+  // The same with harness/base/counted.h's scalar: the same bits, and every operation of a step counted. nullptr: its
+  // operations are not counted.
+  std::unique_ptr<Renderer> (*make_counted)(const Parameters&, std::shared_ptr<const Surface>) = nullptr;
 };
 
 const std::vector<RendererEntry>& renderer_catalogue();

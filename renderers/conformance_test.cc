@@ -13,12 +13,19 @@ std::string model(const std::string& renderer, const std::string& rest = "") {
 std::vector<RendererSubject> subjects() {
   const std::string friction =
       R"("effects": [{"name": "coulomb-friction", "parameters": {"mu_static": 0.4, "mu_dynamic": 0.3}}])";
+  auto implicit = subject_of("implicit", model("implicit", R"("parameters": {"resolution": 32})"), 500.0);
+  implicit.thinnest_m = 2.0 * 0.04 / 25.0;  // two samples
   return {
       subject_of("god_object", model("god-object"), 500.0),
       subject_of("god_object_ball", model("god-object", R"("parameters": {"tip_radius_m": 0.001})"), 500.0, 0.0, 0.001),
       subject_of("god_object_friction", model("god-object", friction), 500.0, 0.4),
+      subject_of("penalty", model("penalty"), 500.0),
+      subject_of("penalty_ball", model("penalty", R"("parameters": {"tip_radius_m": 0.001})"), 500.0, 0.0, 0.001),
       subject_of("spring_linear", model("spring-linear"), 500.0),
       subject_of("spring_quadratic", model("spring-quadratic"), 200.0),
+      subject_of("voxel", model("voxel", R"("parameters": {"resolution": 32})"), 500.0),
+      subject_of("voxel_sparse", model("voxel-sparse", R"("parameters": {"resolution": 32})"), 500.0),
+      implicit,
   };
 }
 

@@ -2,38 +2,10 @@
 
 #include <limits>
 
+#include "renderers/closest_spring.h"
+
 namespace touchstone {
 namespace {
-
-template <int kPower>
-class Spring final : public Renderer {
- public:
-  Spring(double k, std::shared_ptr<const Surface> surface) : k_(k), surface_(std::move(surface)) {}
-
- private:
-  void do_reset() override {}
-
-  StepResult do_step(const TipState& tip) noexcept override {
-    StepResult result;
-    const SurfacePoint closest = surface_->closest(tip.p_W_m);
-    if (!(closest.signed_distance_m < 0.0)) {
-      result.contact_W_m = tip.p_W_m;
-      return result;
-    }
-    result.contact = true;
-    result.contact_W_m = closest.p_W_m;
-    result.depth_m = closest.distance_m;
-    // On a mesh's edge the way out is towards the edge; the pseudo-normal only tells the side.
-    result.n_W = (closest.p_W_m - tip.p_W_m).normalized();
-    double force_N = k_ * result.depth_m;
-    if constexpr (kPower == 2) force_N *= result.depth_m;
-    result.f_W_N = force_N * result.n_W;
-    return result;
-  }
-
-  double k_;
-  std::shared_ptr<const Surface> surface_;
-};
 
 std::vector<Limitation> limitations() {
   return {{Ability::thin_shells, "it remembers no side: past the middle of a thin body it pushes on"},
@@ -51,7 +23,8 @@ RendererEntry spring_linear_entry() {
           {{"stiffness_N_per_m", "N/m", std::numeric_limits<double>::min(), 1e9, 500.0, "k of F = k dx"}},
           limitations(),
           [](const Parameters& parameters, std::shared_ptr<const Surface> surface) -> std::unique_ptr<Renderer> {
-            return std::make_unique<Spring<1>>(parameters.at("stiffness_N_per_m"), std::move(surface));
+            return std::make_unique<ClosestSpring<1, SurfaceFeet>>(SurfaceFeet(std::move(surface)),
+                                                                   parameters.at("stiffness_N_per_m"), 0.0);
           }};
 }
 
@@ -62,7 +35,8 @@ RendererEntry spring_quadratic_entry() {
           {{"coefficient_N_per_m2", "N/m^2", std::numeric_limits<double>::min(), 1e12, 5e4, "k of F = k dx^2"}},
           limitations(),
           [](const Parameters& parameters, std::shared_ptr<const Surface> surface) -> std::unique_ptr<Renderer> {
-            return std::make_unique<Spring<2>>(parameters.at("coefficient_N_per_m2"), std::move(surface));
+            return std::make_unique<ClosestSpring<2, SurfaceFeet>>(SurfaceFeet(std::move(surface)),
+                                                                   parameters.at("coefficient_N_per_m2"), 0.0);
           }};
 }
 

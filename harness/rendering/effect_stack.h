@@ -24,6 +24,7 @@ class EffectStack final : public Renderer {
   // `nominal_stiffness_N_per_m`: the base's, for an effect that makes contact where the base has none yet.
   EffectStack(std::unique_ptr<Renderer> base, std::vector<StackedEffect> effects,
               std::shared_ptr<const Surface> surface, double offset_m, double nominal_stiffness_N_per_m);
+  [[nodiscard]] std::size_t memory_bytes() const noexcept override { return base_->memory_bytes(); }
 
  protected:
   void do_reset() override;

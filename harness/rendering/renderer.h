@@ -2,6 +2,7 @@
 // reset() and step() are not virtual: they check their input and keep the contract; the do_*() functions render.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <string>
@@ -66,6 +67,9 @@ class Renderer {
     last_t_s_ = tip.t_s;
     return result;
   }
+
+  // Of the structures that this renderer keeps for itself beside those of the surface; 0: none worth the name.
+  [[nodiscard]] virtual std::size_t memory_bytes() const noexcept { return 0; }
 
  protected:
   virtual void do_reset() = 0;

@@ -1,0 +1,162 @@
+#include "renderers/implicit.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "renderers/signed_field.h"
+
+namespace touchstone {
+namespace {
+
+constexpr double kEps = std::numeric_limits<double>::epsilon();
+constexpr int kTurns = 400;   // tangent plane and back; each gains a factor of depth over radius of curvature
+constexpr int kNewton = 20;   // to the zero level
+constexpr int kMarch = 4096;  // along the tip's way
+
+class Implicit final : public Renderer {
+ public:
+  Implicit(std::unique_ptr<SignedField> field, double stiffness_N_per_m, double radius_m)
+      : field_(std::move(field)), stiffness_N_per_m_(stiffness_N_per_m), radius_m_(radius_m) {}
+
+  [[nodiscard]] std::size_t memory_bytes() const noexcept override { return field_->memory_bytes(); }
+
+ private:
+  void do_reset() override {
+    started_ = false;
+    touching_ = false;
+  }
+
+  StepResult do_step(const TipState& tip) noexcept override {
+    const Vec3& p = tip.p_W_m;
+    rounding_m_ = 32.0 * kEps * (field_->size_m() + p.cwiseAbs().maxCoeff());
+    const double here_m = level(p);
+    if (!touching_) {
+      touching_ = started_ ? enter(p, here_m) : here_m < 0.0;
+      if (touching_ && !started_) on_W_m_ = p;
+    }
+    started_ = true;
+    Vec3 n = Vec3::Zero();
+    if (touching_) {
+      n = settle(p);
+      if (n.dot(p - on_W_m_) >= 0.0) {
+        // Let go; where the tip is in the body for all that, it is held by the part that it came to be in.
+        touching_ = here_m < 0.0;
+        if (touching_) {
+          on_W_m_ = p;
+          n = settle(p);
+        }
+      }
+    }
+    last_W_m_ = p;
+    last_m_ = here_m;
+    return answer(p, n);
+  }
+
+  [[nodiscard]] StepResult answer(const Vec3& p, const Vec3& n) const noexcept {
+    StepResult result;
+    result.contact_W_m = p;
+    if (!touching_) return result;
+    const Vec3 push_m = on_W_m_ - p;
+    result.contact = true;
+    result.contact_W_m = on_W_m_;
+    result.depth_m = push_m.norm();
+    result.f_W_N = stiffness_N_per_m_ * push_m;
+    result.n_W = result.depth_m > 0.0 ? Vec3(push_m / result.depth_m) : n;
+    return result;
+  }
+
+  [[nodiscard]] double level(const Vec3& x) const { return field_->value_m(x) - radius_m_; }
+
+  // Whether the way from the last tip to p meets the body; on_W_m_ is then where.
+  bool enter(const Vec3& p, double here_m) noexcept {
+    const Vec3 way = p - last_W_m_;
+    const double length = way.norm();
+    const double steep = field_->steepness();
+    // No surface within reach of either end.
+    if (here_m >= 0.0 && std::max(0.0, last_m_) + here_m > steep * length) return false;
+    double done = 0.0;
+    double value = last_m_;
+    // A stride that rounding would swallow is made this long: shorter ones find no crossing that matters.
+    const double least = std::max(4.0 * rounding_m_, length / kMarch);
+    for (int i = 0; i < kMarch && done < length; ++i) {
+      done = std::min(length, done + std::max(least, value / steep));
+      const Vec3 x = last_W_m_ + done / length * way;
+      value = level(x);
+      if (value < 0.0) {
+        on_W_m_ = x;
+        return true;
+      }
+    }
+    return false;
+  }
+
+  // Moves on_W_m_ to where the body holds the tip and returns the outward normal there.
+  Vec3 settle(const Vec3& p) noexcept {
+    descend(on_W_m_);
+    Vec3 n = unit(field_->gradient(on_W_m_));
+    double moved = std::numeric_limits<double>::infinity();
+    for (int turn = 0; turn < kTurns; ++turn) {
+      Vec3 x = p - n.dot(p - on_W_m_) * n;
+      descend(x);
+      const double step = (x - on_W_m_).norm();
+      // Rounding keeps it moving: it has come as near as it will.
+      if (turn > 8 && step >= moved && step <= 64.0 * rounding_m_) break;
+      moved = step;
+      on_W_m_ = x;
+      n = unit(field_->gradient(x));
+      if (step <= rounding_m_) break;
+    }
+    return n;
+  }
+
+  void descend(Vec3& x) const noexcept {
+    for (int i = 0; i < kNewton; ++i) {
+      const double value = level(x);
+      if (std::abs(value) <= 0.25 * rounding_m_) return;
+      const Vec3 slope = field_->gradient(x);
+      const double steep2 = slope.squaredNorm();
+      if (!(steep2 > kEps)) return;
+      x -= value / steep2 * slope;
+    }
+  }
+
+  std::unique_ptr<SignedField> field_;
+  double stiffness_N_per_m_;
+  double radius_m_;
+  double rounding_m_ = 0.0;
+  bool started_ = false;
+  bool touching_ = false;
+  Vec3 last_W_m_ = Vec3::Zero();
+  double last_m_ = 0.0;         // the level there
+  Vec3 on_W_m_ = Vec3::Zero();  // surface contact point
+};
+
+std::unique_ptr<Renderer> make(const Parameters& parameters, std::shared_ptr<const Surface> surface) {
+  auto field = surface->mesh() == nullptr
+                   ? make_analytic_field(surface)
+                   : make_sampled_field(*surface, static_cast<int>(std::lround(parameters.at("resolution"))));
+  return std::make_unique<Implicit>(std::move(field), parameters.at("stiffness_N_per_m"),
+                                    parameters.at("tip_radius_m"));
+}
+
+}  // namespace
+
+RendererEntry implicit_entry() {
+  return {"implicit",
+          "holds the surface contact point on the zero level of a signed distance field: a slow reference for smooth "
+          "shapes",
+          "Salisbury and Tarr 1997",
+          {{"stiffness_N_per_m", "N/m", std::numeric_limits<double>::min(), 1e9, 500.0,
+            "spring from tip to surface contact point"},
+           {"tip_radius_m", "m", 0.0, 1e3, 0.0, "0: a point; else a ball whose centre the positions are"},
+           {"resolution", "1", 12.0, 512.0, 64.0, "of a mesh: samples along the longest side; nothing else reads it"}},
+          {{Ability::thin_shells, "of a mesh: a body thinner than two samples is not in its field"},
+           {Ability::large_jumps, "of a mesh: a body thinner than two samples is not in its field"},
+           {Ability::start_inside, "of a mesh: the way out is that of the interpolated field"},
+           {Ability::surface_contact, "of a mesh: the contact point is on the interpolated field's zero level"},
+           {Ability::rigid_motion, "of a mesh: the samples lie along the axes"}},
+          make};
+}
+
+}  // namespace touchstone
