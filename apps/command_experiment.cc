@@ -9,6 +9,7 @@
 #include "apps/experiments/palpation_page.h"
 #include "apps/experiments/peer_comparison.h"
 #include "apps/experiments/spring_page.h"
+#include "apps/experiments/voxel_page.h"
 #include "harness/base/atomic_file.h"
 #include "harness/base/progress.h"
 #include "harness/recording/recording_file.h"
@@ -127,6 +128,40 @@ void add_palpation(CLI::App& experiment, Run& run) {
   command->callback([options, &run] { run = [options] { return run_palpation(*options); }; });
 }
 
+struct VoxelOptions {
+  std::string out;
+  experiments::VoxelExperimentOptions experiment;
+};
+
+ExitStatus run_voxel(const VoxelOptions& options) {
+  if (!options.out.empty()) ensure_writable_folder(options.out);
+  Progress progress("voxel experiment", 1 + 2 * options.experiment.resolutions.size());
+  const auto experiment = experiments::run_voxel_experiment(
+      options.experiment, [&progress](std::size_t done, std::size_t) { progress.update(done); });
+  fmt::print("{}", experiments::voxel_table(experiment));
+  if (options.out.empty()) return ExitStatus::passed;
+  const std::filesystem::path out = options.out;
+  write_file(out / "voxel.json", experiments::voxel_experiment_to_json(experiment));
+  write_html(out / "report.html", experiments::voxel_page(experiment, make_provenance(command_line())));
+  fmt::print("report: {}\n", (out / "report.html").string());
+  return ExitStatus::passed;
+}
+
+void add_voxel(CLI::App& experiment, Run& run) {
+  auto* const command = experiment.add_subcommand(
+      "voxel", "The proxy against a voxel grid (Ruffaldi et al. 2006, table 1): error, operations, time, memory");
+  auto options = std::make_shared<VoxelOptions>();
+  command->add_option("--out", options->out, "Folder for report.html and voxel.json");
+  command->add_option("--seed", options->experiment.seed, "Of the scan")->capture_default_str();
+  command->add_option("--triangles", options->experiment.triangles, "Of the body's mesh")
+      ->check(CLI::Range(100, 2000000))
+      ->capture_default_str();
+  command->footer(
+      "Examples:\n  touchstone experiment voxel\n  touchstone experiment voxel --out voxel --triangles 140000 --seed "
+      "7");
+  command->callback([options, &run] { run = [options] { return run_voxel(*options); }; });
+}
+
 }  // namespace
 
 void add_experiment(CLI::App& program, Run& run) {
@@ -143,6 +178,7 @@ void add_experiment(CLI::App& program, Run& run) {
   peers->callback([options, &run] { run = [options] { return peers_command(*options); }; });
   add_springs(*command, run);
   add_palpation(*command, run);
+  add_voxel(*command, run);
 }
 
 }  // namespace touchstone::apps

@@ -23,16 +23,28 @@ ExitStatus replay_command(const Options& options) {
   find_renderer(model);  // a misspelt name is said before a large mesh is read
   const TriangleMesh mesh = load_mesh(options.mesh, length_unit_factor(options.mesh_unit));
   const auto began = std::chrono::steady_clock::now();
-  const auto renderer = make_renderer(model, make_embree_surface(mesh));
+  const std::shared_ptr<const Surface> surface = make_embree_surface(mesh);
+  const auto renderer = make_renderer(model, surface);
   const double build_ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - began).count();
 
   const ReplaySummary summary = replay_file(*renderer, options.trajectory, options.out);
   if (!options.timing.empty()) {
     ReplayTiming timing = measure_steps(*renderer, options.trajectory);
     timing.build_ms = build_ms;
-    write_file(options.timing, timing_to_json(timing));
-    fmt::print("step: mean {:.3f} us, median {:.3f} us, p99 {:.3f} us, max {:.3f} us; build {:.1f} ms\n",
-               timing.mean_us, timing.median_us, timing.p99_us, timing.max_us, timing.build_ms);
+    const CountedRenderer counted = make_counted_renderer(model, surface);
+    std::string operations = "null";
+    if (counted.renderer) {
+      OperationReport report = count_operations(*counted.renderer, options.trajectory);
+      report.not_counted = counted.not_counted;
+      operations = operations_to_json(report);
+      fmt::print("operations of a step: mean {:.1f}, median {:g}, max {}; all {}{}\n", report.mean, report.median,
+                 report.max, report.total(), report.not_counted.empty() ? "" : "; not counted: " + report.not_counted);
+    } else {
+      fmt::print("operations of a step: not counted: {}\n", counted.not_counted);
+    }
+    write_file(options.timing, timing_to_json(timing, operations));
+    fmt::print("step: mean {:.3f} us, median {:.3f} us, p99 {:.3f} us, max {:.3f} us; build {:.1f} ms, {} bytes\n",
+               timing.mean_us, timing.median_us, timing.p99_us, timing.max_us, timing.build_ms, timing.memory_bytes);
   }
   if (!options.json.empty()) {
     write_file(options.json,
@@ -58,8 +70,9 @@ void add_replay(CLI::App& program, Run& run) {
   command->add_option("--out", options->out, "Rendered file: force, surface contact point, contact (CSV or HDF5)")
       ->required();
   command->add_option("--timing", options->timing,
-                      "Write the cost of the steps alone as JSON; replays twice more: whole blocks for the mean, "
-                      "single steps for the rest");
+                      "Write the cost of the steps alone as JSON: microseconds (replays twice more: whole blocks for "
+                      "the mean, single steps for the rest), bytes, and floating-point operations where the renderer's "
+                      "can be counted");
   command->add_option("--json", options->json, "Write the summary as JSON");
   command->footer(
       "Examples:\n"

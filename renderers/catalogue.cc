@@ -76,7 +76,8 @@ const std::vector<NamedDeclaration>& instrument_declarations() {
 namespace {
 
 // The renderer with its contact effects; what lies between it and the hand comes after.
-std::unique_ptr<Renderer> make_contact(const Model& model, std::shared_ptr<const Surface> surface) {
+std::unique_ptr<Renderer> make_contact(const Model& model, std::shared_ptr<const Surface> surface,
+                                       decltype(RendererEntry::make) RendererEntry::*make = &RendererEntry::make) {
   const RendererEntry& entry = find_renderer(model);
   const Parameters parameters(entry.parameters, base_parameters(model, entry.parameters), "renderer " + entry.name,
                               model.source, "");
@@ -89,10 +90,10 @@ std::unique_ptr<Renderer> make_contact(const Model& model, std::shared_ptr<const
                                 entry.name, limit->reason));
     }
   }
-  if (effects.empty()) return entry.make(parameters, std::move(surface));
+  if (effects.empty()) return (entry.*make)(parameters, std::move(surface));
   const double offset_m = value_or(parameters, "tip_radius_m", 0.0);
   const double stiffness = value_or(parameters, "stiffness_N_per_m", 0.0);
-  auto base = entry.make(parameters, surface);
+  auto base = (entry.*make)(parameters, surface);
   return std::make_unique<EffectStack>(std::move(base), std::move(effects), std::move(surface), offset_m, stiffness);
 }
 
@@ -103,6 +104,18 @@ std::unique_ptr<Renderer> make_renderer(const Model& model, std::shared_ptr<cons
   const auto device = take_haptic_device(contact);
   auto renderer = make_contact(contact, std::move(surface));
   return device ? make_haptic_device(std::move(renderer), *device) : std::move(renderer);
+}
+
+CountedRenderer make_counted_renderer(const Model& model, std::shared_ptr<const Surface> surface) {
+  const RendererEntry& entry = find_renderer(model);
+  if (entry.make_counted == nullptr) return {nullptr, "the operations of the renderer " + entry.name};
+  if (surface->mesh() == nullptr) return {nullptr, "the arithmetic of an analytic surface"};
+  Model contact = model;
+  const bool device = take_haptic_device(contact).has_value();
+  CountedRenderer made{make_contact(contact, std::move(surface), &RendererEntry::make_counted), ""};
+  if (!contact.effects.empty()) made.not_counted = "the effects of the contact";
+  if (device) made.not_counted += made.not_counted.empty() ? "the haptic device" : ", the haptic device";
+  return made;
 }
 
 }  // namespace touchstone

@@ -38,4 +38,12 @@ const std::vector<NamedDeclaration>& instrument_declarations();
 // surface that the renderer cannot run on. Instrument entries are checked, not run.
 std::unique_ptr<Renderer> make_renderer(const Model& model, std::shared_ptr<const Surface> surface);
 
+// The model's renderer for harness/rendering/operations.h: the same forces to the bit, its operations counted. No
+// renderer where they are not; `not_counted` then says why, else what of the model is left out.
+struct CountedRenderer {
+  std::unique_ptr<Renderer> renderer;
+  std::string not_counted;
+};
+CountedRenderer make_counted_renderer(const Model& model, std::shared_ptr<const Surface> surface);
+
 }  // namespace touchstone

@@ -4,6 +4,8 @@
 #pragma once
 
 #include <memory>
+#include <type_traits>
+#include <utility>
 
 #include "harness/base/vec.h"
 #include "harness/rendering/renderer.h"
@@ -97,5 +99,14 @@ class ClosestSpring final : public Renderer {
   S k_;
   S radius_m_;
 };
+
+template <int kPower, class Feet>
+std::unique_ptr<Renderer> make_closest_spring(std::shared_ptr<const Surface> surface, double k, double radius_m) {
+  if constexpr (std::is_constructible_v<Feet, std::shared_ptr<const Surface>>) {
+    return std::make_unique<ClosestSpring<kPower, Feet>>(Feet(std::move(surface)), k, radius_m);
+  } else {
+    return std::make_unique<ClosestSpring<kPower, Feet>>(Feet(*surface), k, radius_m);
+  }
+}
 
 }  // namespace touchstone

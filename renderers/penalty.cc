@@ -2,9 +2,19 @@
 
 #include <limits>
 
-#include "renderers/closest_spring.h"
+#include "renderers/counted_feet.h"
 
 namespace touchstone {
+
+namespace {
+
+template <class Feet>
+std::unique_ptr<Renderer> make(const Parameters& parameters, std::shared_ptr<const Surface> surface) {
+  return make_closest_spring<1, Feet>(std::move(surface), parameters.at("stiffness_N_per_m"),
+                                      parameters.at("tip_radius_m"));
+}
+
+}  // namespace
 
 RendererEntry penalty_entry() {
   return {
@@ -17,10 +27,8 @@ RendererEntry penalty_entry() {
        {Ability::large_jumps, "it remembers no side: a tip that jumps through a body is free on the far side"},
        {Ability::continuous_force, "the closest surface point jumps where two are equally close"},
        {Ability::surface_contact, "a ball in a concave corner is pushed off the nearest wall only"}},
-      [](const Parameters& parameters, std::shared_ptr<const Surface> surface) -> std::unique_ptr<Renderer> {
-        return std::make_unique<ClosestSpring<1, SurfaceFeet>>(
-            SurfaceFeet(std::move(surface)), parameters.at("stiffness_N_per_m"), parameters.at("tip_radius_m"));
-      }};
+      make<SurfaceFeet>,
+      make<CountedFeet>};
 }
 
 }  // namespace touchstone

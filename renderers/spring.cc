@@ -2,10 +2,16 @@
 
 #include <limits>
 
-#include "renderers/closest_spring.h"
+#include "renderers/counted_feet.h"
 
 namespace touchstone {
 namespace {
+
+template <int kPower, class Feet>
+std::unique_ptr<Renderer> make(const Parameters& parameters, std::shared_ptr<const Surface> surface) {
+  const char* const k = kPower == 1 ? "stiffness_N_per_m" : "coefficient_N_per_m2";
+  return make_closest_spring<kPower, Feet>(std::move(surface), parameters.at(k), 0.0);
+}
 
 std::vector<Limitation> limitations() {
   return {{Ability::thin_shells, "it remembers no side: past the middle of a thin body it pushes on"},
@@ -22,10 +28,8 @@ RendererEntry spring_linear_entry() {
           "Shao, Wu and Ouyang, section 3; the vector-field method of Zilles and Salisbury 1995",
           {{"stiffness_N_per_m", "N/m", std::numeric_limits<double>::min(), 1e9, 500.0, "k of F = k dx"}},
           limitations(),
-          [](const Parameters& parameters, std::shared_ptr<const Surface> surface) -> std::unique_ptr<Renderer> {
-            return std::make_unique<ClosestSpring<1, SurfaceFeet>>(SurfaceFeet(std::move(surface)),
-                                                                   parameters.at("stiffness_N_per_m"), 0.0);
-          }};
+          make<1, SurfaceFeet>,
+          make<1, CountedFeet>};
 }
 
 RendererEntry spring_quadratic_entry() {
@@ -34,10 +38,8 @@ RendererEntry spring_quadratic_entry() {
           "Shao, Wu and Ouyang, section 3",
           {{"coefficient_N_per_m2", "N/m^2", std::numeric_limits<double>::min(), 1e12, 5e4, "k of F = k dx^2"}},
           limitations(),
-          [](const Parameters& parameters, std::shared_ptr<const Surface> surface) -> std::unique_ptr<Renderer> {
-            return std::make_unique<ClosestSpring<2, SurfaceFeet>>(SurfaceFeet(std::move(surface)),
-                                                                   parameters.at("coefficient_N_per_m2"), 0.0);
-          }};
+          make<2, SurfaceFeet>,
+          make<2, CountedFeet>};
 }
 
 }  // namespace touchstone

@@ -120,6 +120,7 @@ ReplayTiming measure_steps(Renderer& renderer, const std::function<TipSource()>&
   timing.median_us = histogram.quantile_ns(0.5) * 1e-3;
   timing.p99_us = histogram.quantile_ns(0.99) * 1e-3;
   timing.max_us = histogram.max_ns() * 1e-3;
+  timing.memory_bytes = renderer.memory_bytes();
   return timing;
 }
 
@@ -134,10 +135,12 @@ TipSource tip_source(const MotionColumns& motion) {
   };
 }
 
-std::string timing_to_json(const ReplayTiming& timing) {
+std::string timing_to_json(const ReplayTiming& timing, const std::string& operations) {
   return fmt::format(
-      "{{\"steps\": {}, \"mean_us\": {}, \"median_us\": {}, \"p99_us\": {}, \"max_us\": {}, \"build_ms\": {}}}\n",
-      timing.steps, timing.mean_us, timing.median_us, timing.p99_us, timing.max_us, timing.build_ms);
+      "{{\"steps\": {}, \"mean_us\": {}, \"median_us\": {}, \"p99_us\": {}, \"max_us\": {}, \"build_ms\": {}, "
+      "\"memory_bytes\": {}, \"operations\": {}}}\n",
+      timing.steps, timing.mean_us, timing.median_us, timing.p99_us, timing.max_us, timing.build_ms,
+      timing.memory_bytes, operations);
 }
 
 }  // namespace touchstone

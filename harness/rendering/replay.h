@@ -23,7 +23,8 @@ struct ReplayTiming {
   double median_us = 0.0;  // the rest from single steps, the clock's own cost (measured) taken off
   double p99_us = 0.0;
   double max_us = 0.0;
-  double build_ms = 0.0;  // making the renderer and the surface's structures; filled by the caller
+  double build_ms = 0.0;         // making the renderer and the surface's structures; filled by the caller
+  std::size_t memory_bytes = 0;  // Renderer::memory_bytes()
 };
 
 // Resets the renderer and replays. Returns the number of samples. Throws BadData naming the sample when the renderer
@@ -37,7 +38,8 @@ ReplayTiming measure_steps(Renderer& renderer, const std::function<TipSource()>&
 // A source over a trajectory in memory, which must outlive it. Orientations where they were recorded, else identity.
 TipSource tip_source(const MotionColumns& motion);
 
-// {"steps", "mean_us", "median_us", "p99_us", "max_us", "build_ms"}
-std::string timing_to_json(const ReplayTiming& timing);
+// {"steps", "mean_us", "median_us", "p99_us", "max_us", "build_ms", "memory_bytes", "operations"}; `operations` is what
+// operations_to_json() made, or "null".
+std::string timing_to_json(const ReplayTiming& timing, const std::string& operations = "null");
 
 }  // namespace touchstone

@@ -47,4 +47,9 @@ ReplayTiming measure_steps(Renderer& renderer, const std::filesystem::path& in) 
   });
 }
 
+OperationReport count_operations(Renderer& counted, const std::filesystem::path& in) {
+  auto stream = RecordingStream::open(in);
+  return count_operations(counted, tip_source(stream));
+}
+
 }  // namespace touchstone

@@ -4,6 +4,7 @@
 #include <filesystem>
 
 #include "harness/recording/recording_stream.h"
+#include "harness/rendering/operations.h"
 #include "harness/rendering/replay.h"
 
 namespace touchstone {
@@ -24,5 +25,8 @@ ReplaySummary replay_file(Renderer& renderer, const std::filesystem::path& in, c
 
 // The cost of the steps over the positions of the file, see measure_steps().
 ReplayTiming measure_steps(Renderer& renderer, const std::filesystem::path& in);
+
+// The operations of the steps over the positions of the file, see operations.h.
+OperationReport count_operations(Renderer& counted, const std::filesystem::path& in);
 
 }  // namespace touchstone

@@ -84,7 +84,8 @@ TEST(Replay, TimingHasEveryKeyAndConsistentOrder) {
   EXPECT_LE(timing.p99_us, timing.max_us);
   EXPECT_GT(timing.mean_us, 0.0);
   const auto json = nlohmann::json::parse(timing_to_json(timing));
-  for (const char* key : {"steps", "mean_us", "median_us", "p99_us", "max_us", "build_ms"})
+  for (const char* key :
+       {"steps", "mean_us", "median_us", "p99_us", "max_us", "build_ms", "memory_bytes", "operations"})
     EXPECT_TRUE(json.contains(key)) << key;
   EXPECT_EQ(replay(plane, trajectory, true).cost_us.size(), 5000U);
 }

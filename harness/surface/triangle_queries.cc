@@ -8,40 +8,7 @@
 namespace touchstone {
 
 TriangleClosest closest_on_triangle(const std::array<Vec3, 3>& corners, const Vec3& face_normal, const Vec3& q) {
-  const std::array<Vec3, 3> r{corners[0] - q, corners[1] - q, corners[2] - q};
-  // Not from r: next to a far query point an edge would drown in its rounding.
-  const std::array<Vec3, 3> d{corners[1] - corners[0], corners[2] - corners[1], corners[0] - corners[2]};
-  // On an edge or a corner the answer is the edge's or the corner's: they have the pseudo-normals.
-  const bool inside = face_normal.dot(r[0].cross(d[0])) > 0.0 && face_normal.dot(r[1].cross(d[1])) > 0.0 &&
-                      face_normal.dot(r[2].cross(d[2])) > 0.0;
-  if (inside) {
-    // Measured from the nearest corner: the least rounding.
-    const std::array<double, 3> squares{r[0].squaredNorm(), r[1].squaredNorm(), r[2].squaredNorm()};
-    const auto nearest = static_cast<std::size_t>(std::min_element(squares.begin(), squares.end()) - squares.begin());
-    const double height = r[nearest].dot(face_normal);
-    return {height * height, height * face_normal, Feature::face, 0};
-  }
-  TriangleClosest best{};
-  best.squared_distance = -1.0;
-  for (std::uint8_t e = 0; e < 3; ++e) {
-    const double length2 = d[e].squaredNorm();
-    const double along = -r[e].dot(d[e]);
-    TriangleClosest here{};
-    if (along <= 0.0) {
-      here = {0.0, r[e], Feature::vertex, e};
-    } else if (along >= length2) {
-      const auto end = static_cast<std::uint8_t>((e + 1) % 3);
-      here = {0.0, r[end], Feature::vertex, end};
-    } else {
-      // From the nearer end: the least rounding.
-      const Vec3 p = 2.0 * along <= length2 ? Vec3(r[e] + (along / length2) * d[e])
-                                            : Vec3(r[(e + 1U) % 3U] - ((length2 - along) / length2) * d[e]);
-      here = {0.0, p, Feature::edge, e};
-    }
-    here.squared_distance = here.from_query.squaredNorm();
-    if (best.squared_distance < 0.0 || here.squared_distance < best.squared_distance) best = here;
-  }
-  return best;
+  return closest_on_triangle_of<double>(corners, face_normal, q);
 }
 
 std::optional<TriangleCrossing> cross_triangle(const std::array<Vec3, 3>& corners, const Vec3& face_normal,

@@ -6,19 +6,14 @@
 #include <optional>
 
 #include "harness/base/vec.h"
+#include "harness/surface/closest_on_triangle.h"
 #include "harness/surface/surface.h"
 
 namespace touchstone {
 
-struct TriangleClosest {
-  double squared_distance;
-  Vec3 from_query;     // closest point minus query point
-  Feature feature;     // face, edge or vertex
-  std::uint8_t index;  // of the edge (corner index to the next) or of the corner
-};
+using TriangleClosest = TriangleClosestOf<double>;
 
-// The closest point of the triangle to q. `face_normal` is the unit normal, or zero for a triangle without area, which
-// is then its longest edge. Exact to rounding relative to the distances between q and the corners.
+// See closest_on_triangle.h.
 TriangleClosest closest_on_triangle(const std::array<Vec3, 3>& corners, const Vec3& face_normal, const Vec3& q);
 
 struct TriangleCrossing {
