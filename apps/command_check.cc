@@ -18,13 +18,14 @@ struct Options {
 
 ExitStatus check_command(const Options& options) {
   const auto cases = options.golden.load();
+  const ChangeModel change = options.golden.change_model();
   std::size_t passed = 0;
   std::size_t failed = 0;
   std::size_t drifted = 0;
   std::string left;
   for (const GoldenCase& golden : cases) {
     for (const std::string& model : options.golden.models_of(golden)) {
-      const CheckResult result = check_case(golden, model, options.golden.out, options.ctest);
+      const CheckResult result = check_case(golden, model, options.golden.out, options.ctest, change);
       const Comparison& comparison = result.comparison;
       const bool drift = comparison.drift > 0;
       const bool drift_fails = drift && options.fail_on_drift && result.same_cpu;
@@ -56,7 +57,8 @@ void add_check(CLI::App& program, Run& run) {
       "Accuracy (beyond tolerance) always fails; drift (bits) is reported. Writes nothing into the golden folder.\n"
       "Examples:\n"
       "  touchstone check\n"
-      "  touchstone check sphere-scan --model god-object --fail-on-drift");
+      "  touchstone check sphere-scan --model god-object --fail-on-drift\n"
+      "  touchstone check plane-taps --model spring-linear --plugin ./libmine.so --renderer mine");
   command->callback([options, &run] { run = [options] { return check_command(*options); }; });
 }
 

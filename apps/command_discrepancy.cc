@@ -6,6 +6,7 @@
 
 #include "apps/commands.h"
 #include "apps/discrepancy_page.h"
+#include "apps/plugin_flags.h"
 #include "harness/base/atomic_file.h"
 #include "harness/base/units.h"
 #include "harness/discrepancy/findings.h"
@@ -34,6 +35,7 @@ struct Options {
   std::filesystem::path out;
   std::filesystem::path json;
   std::uint64_t seed = 1;
+  PluginFlags plugins;
 };
 
 std::vector<Candidate> all_candidates() {
@@ -77,7 +79,7 @@ std::optional<NextExperiment> next_experiment(const SearchResult& search, const 
 
 ExitStatus discrepancy(const Options& options) {
   ensure_writable_folder(options.out);
-  const Model model = load_model(options.model);
+  const Model model = load_model(options.model, options.plugins.load());
   const TriangleMesh mesh = load_mesh(options.mesh, length_unit_factor(options.mesh_unit));
   const auto surface = make_embree_surface(mesh);
   make_renderer(model, surface);  // refuses a wrong model before the long work begins
@@ -157,6 +159,7 @@ void add_discrepancy(CLI::App& program, Run& run) {
   command->add_option("--out", options->out, "folder for report.html, findings.json, model.json")->required();
   command->add_option("--json", options->json, "write the findings here too");
   command->add_option("--seed", options->seed, "of the simulated noise")->capture_default_str();
+  options->plugins.add_to(*command);
   command->footer(
       "Examples:\n"
       "  touchstone discrepancy --model base.json --mesh object.obj --recording train.csv --holdout test.csv \\\n"

@@ -24,7 +24,9 @@ std::vector<PlannedEvaluation> plan(const Options& options) {
   base.metrics = options.metrics;
   for (const std::string& name : options.metrics) find_metric(name);
   base.time_ranges = TimeRanges::parse(options.time_range, "--time-range");
-  std::vector<std::filesystem::path> models(options.models.begin(), options.models.end());
+  const Plugins plugins = options.flags.plugins.load();
+  std::vector<ModelOfFile> models;
+  for (const std::filesystem::path file : options.models) models.emplace_back(load_model(file, plugins), file);
   std::vector<PlannedEvaluation> out;
   if (!options.flags.recording.empty() || !options.flags.mesh.empty()) {
     if (options.flags.recording.empty() || options.flags.mesh.empty() || models.empty()) {
@@ -32,10 +34,10 @@ std::vector<PlannedEvaluation> plan(const Options& options) {
           "--recording, --mesh and --model belong together; give all three, or a --dataset, or none for the bundled "
           "data sets");
     }
-    for (const auto& file : models) {
+    for (const auto& [model, file] : models) {
       PlannedEvaluation one{base, base.recording.string(), file.stem().string(),
                             models.size() == 1 ? std::filesystem::path() : file.stem()};
-      one.request.model = load_model(file);
+      one.request.model = model;
       one.request.model_file = file;
       const auto same = [&](const PlannedEvaluation& other) { return other.folder == one.folder; };
       if (std::ranges::any_of(out, same)) {
@@ -49,7 +51,7 @@ std::vector<PlannedEvaluation> plan(const Options& options) {
   std::vector<std::filesystem::path> datasets(options.datasets.begin(), options.datasets.end());
   if (datasets.empty()) datasets = bundled_datasets();
   for (const auto& dataset : datasets) {
-    for (PlannedEvaluation& one : plan_dataset(dataset, models, base, !options.flags.in_trajectory.empty()))
+    for (PlannedEvaluation& one : plan_dataset(dataset, models, plugins, base, !options.flags.in_trajectory.empty()))
       out.push_back(std::move(one));
   }
   return out;
@@ -61,10 +63,11 @@ ExitStatus evaluate_command(const Options& options) {
   const auto evaluated = run_plan(planned, options.out);
   fmt::print("{}", summary_table(evaluated));
   if (!options.json.empty()) write_file(options.json, summary_json(evaluated));
-  // A number that is none must not look like a pass.
+  // A number that is none must not look like a pass, nor a renderer that broke down.
   const bool invalid = std::ranges::any_of(evaluated, [](const Evaluated& one) {
-    return std::ranges::any_of(one.metrics,
-                               [](const MetricResult& metric) { return metric.status == MetricStatus::invalid; });
+    return !one.failure.empty() || std::ranges::any_of(one.metrics, [](const MetricResult& metric) {
+      return metric.status == MetricStatus::invalid;
+    });
   });
   return invalid ? ExitStatus::failed : ExitStatus::passed;
 }
@@ -98,6 +101,7 @@ void add_evaluate(CLI::App& program, Run& run) {
       "report\n"
       "  touchstone evaluate --recording soft.csv --mesh centres.obj --mesh-unit mm --model k800.json \\\n"
       "      --in-trajectory measured --threshold 0.2N --time-range odd:6s --out soft\n"
+      "  touchstone evaluate --plugin ./libmine.so --model mine.json --model god-object.json --dataset plate\n"
       "  touchstone evaluate --dataset plate --model a.json --model b.json --json summary.json");
   command->callback([options, &run] { run = [options] { return evaluate_command(*options); }; });
 }

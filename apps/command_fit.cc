@@ -23,7 +23,7 @@ ExitStatus fit_command(const Options& options) {
   request.score_range = TimeRanges::parse(options.score_range, "--score-range");
   request.metric = options.metric;
   request.parameters = options.parameters;
-  request.evaluation.model = load_model(options.model);
+  request.evaluation.model = load_model(options.model, options.flags.plugins.load());
   request.evaluation.model_file = options.model;
   ensure_writable_folder(options.out);
   const FitResult result = run_fit(request);

@@ -94,9 +94,10 @@ ExitStatus export_case(const Options& options) {
 }
 
 ExitStatus render(const Options& options) {
+  const ChangeModel change = options.golden.change_model();
   for (const GoldenCase& golden : options.golden.load()) {
     for (const std::string& model : options.golden.models_of(golden)) {
-      const CaseRun done = run_case(golden, model, false);
+      const CaseRun done = run_case(golden, model, false, change);
       write_golden(std::filesystem::path(options.to) / golden.name / (model + ".h5"), done.rendered, done.provenance);
     }
   }

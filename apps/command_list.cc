@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "apps/commands.h"
+#include "apps/plugin_flags.h"
 #include "harness/base/atomic_file.h"
 #include "harness/metrics/catalogue.h"
 #include "renderers/catalogue.h"
@@ -45,7 +46,7 @@ std::vector<Item> synthetic_items(const Entries& entries) {
   return items;
 }
 
-std::vector<Kind> everything(const CLI::App& program) {
+std::vector<Kind> everything(const CLI::App& program, const Plugins& plugins) {
   std::vector<Kind> kinds;
   Kind commands{"commands", "Commands (each has --help with examples)", {}};
   for (const auto* command : program.get_subcommands([](const CLI::App*) { return true; })) {
@@ -56,6 +57,10 @@ std::vector<Kind> everything(const CLI::App& program) {
   for (const auto& entry : renderer_catalogue()) {
     renderers.items.push_back(
         {entry.name, fmt::format("{} ({})", entry.summary, entry.source), declared(entry.parameters)});
+  }
+  for (const auto& entry : plugins.entries()) {
+    renderers.items.push_back(
+        {entry->name, fmt::format("{} ({}; a plug-in's)", entry->summary, entry->source), declared(entry->parameters)});
   }
   kinds.push_back(std::move(renderers));
   Kind effects{"effects", "Effects of the contact (\"effects\" in a model file)", {}};
@@ -117,6 +122,7 @@ void add_list(CLI::App& program, Run& run) {
   struct Options {
     std::string kind;
     std::filesystem::path json;
+    PluginFlags plugins;
   };
   auto* const command =
       program.add_subcommand("list", "List commands, renderers, effects, metrics, synthetic surfaces and trajectories");
@@ -124,10 +130,13 @@ void add_list(CLI::App& program, Run& run) {
   command->add_option("kind", options->kind, "only this kind")
       ->check(CLI::IsMember({"commands", "renderers", "effects", "instrument", "metrics", "surfaces", "trajectories"}));
   command->add_option("--json", options->json, "write everything here as JSON");
-  command->footer("Examples:\n  touchstone list\n  touchstone list effects\n  touchstone list --json catalogue.json");
+  options->plugins.add_to(*command);
+  command->footer(
+      "Examples:\n  touchstone list\n  touchstone list effects\n  touchstone list --json catalogue.json\n  touchstone "
+      "list renderers --plugin ./libmine.so");
   command->callback([options, &program, &run] {
     run = [options, &program] {
-      const auto kinds = everything(program);
+      const auto kinds = everything(program, options->plugins.load());
       if (!options->json.empty()) write_file(options->json, to_json(kinds));
       for (const Kind& kind : kinds) {
         if (options->kind.empty() || options->kind == kind.name) print(kind);

@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "apps/commands.h"
+#include "apps/plugin_flags.h"
 #include "harness/base/atomic_file.h"
 #include "harness/base/progress.h"
 #include "harness/base/units.h"
@@ -27,6 +28,7 @@ namespace pc = perception;
 struct Options {
   std::string real, mesh, mesh_unit = "m", direction = "force", answers, out, scaling = "reference-norm";
   std::vector<std::string> conditions, models;
+  PluginFlags plugins;
   double explained_share = 0.9;
   double rate_Hz = 0.0;
   double dead_zone_N = 0.0;
@@ -114,10 +116,11 @@ ExitStatus perceive_command(const Options& options) {
     surface = make_embree_surface(load_mesh(options.mesh, length_unit_factor(options.mesh_unit)));
     provenance.inputs.push_back(describe_input("mesh", options.mesh));
   }
+  const Plugins plugins = options.plugins.load();
   for (const auto& text : options.models) {
     const auto [name, file] = name_and_file(text, "--model");
     provenance.inputs.push_back(describe_input("model " + name, file));
-    const Model model = load_model(file);
+    const Model model = load_model(file, plugins);
     find_renderer(model);
     names.push_back(name);
     sources.push_back({name, [model, surface, &real, outward, contact_N] {
@@ -186,6 +189,7 @@ void add_perceive(CLI::App& program, Run& run) {
       ->add_option("--duration-tolerance", options->duration_tolerance,
                    "Durations may differ by this share of the real one")
       ->capture_default_str();
+  options->plugins.add_to(*command);
   command->footer(
       "Examples:\n"
       "  touchstone perceive --real spring.csv --condition omega=omega.csv --condition touch=touch.csv --out "

@@ -4,6 +4,7 @@
 #include <filesystem>
 
 #include "apps/commands.h"
+#include "apps/plugin_flags.h"
 #include "harness/base/atomic_file.h"
 #include "harness/base/units.h"
 #include "harness/rendering/replay_file.h"
@@ -16,10 +17,11 @@ namespace {
 
 struct Options {
   std::string model, mesh, mesh_unit = "m", trajectory, out, timing, json;
+  PluginFlags plugins;
 };
 
 ExitStatus replay_command(const Options& options) {
-  const Model model = load_model(options.model);
+  const Model model = load_model(options.model, options.plugins.load());
   find_renderer(model);  // a misspelt name is said before a large mesh is read
   const TriangleMesh mesh = load_mesh(options.mesh, length_unit_factor(options.mesh_unit));
   const auto began = std::chrono::steady_clock::now();
@@ -74,11 +76,13 @@ void add_replay(CLI::App& program, Run& run) {
                       "the mean, single steps for the rest), bytes, and floating-point operations where the renderer's "
                       "can be counted");
   command->add_option("--json", options->json, "Write the summary as JSON");
+  options->plugins.add_to(*command);
   command->footer(
       "Examples:\n"
       "  touchstone replay --model god-object.json --mesh plane.obj --trajectory in.csv --out rendered.csv\n"
       "  touchstone replay --model god-object.json --mesh scan.stl --mesh-unit mm --trajectory in.h5 --out out.h5 "
-      "--timing t.json");
+      "--timing t.json\n"
+      "  touchstone replay --plugin ./libmine.so --model mine.json --mesh plane.obj --trajectory in.csv --out out.csv");
   command->callback([options, &run] { run = [options] { return replay_command(*options); }; });
 }
 

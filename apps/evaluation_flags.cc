@@ -90,6 +90,7 @@ void add_evaluation_flags(CLI::App& command, EvaluationFlags& flags) {
       ->capture_default_str();
   command.add_option("--on-gap", flags.on_gap, "Gaps in time: refuse, split (the renderer starts anew), keep")
       ->capture_default_str();
+  flags.plugins.add_to(command);
 }
 
 EvaluationRequest make_request(const EvaluationFlags& flags) {

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "apps/evaluation/request.h"
+#include "apps/plugin_flags.h"
 
 namespace touchstone::apps {
 
@@ -15,10 +16,11 @@ struct EvaluationFlags {
   std::vector<std::string> thresholds;
   double stiffness_N_per_m = 0.0;
   bool flip_force = false, closed = false;
+  PluginFlags plugins;
 };
 
 // Adds --recording, --mesh, --mesh-unit, --in-trajectory, --tip-radius, --stiffness, --contact-threshold, --threshold,
-// --flip-force, --on-duplicate, --on-gap.
+// --flip-force, --on-duplicate, --on-gap, --plugin.
 void add_evaluation_flags(CLI::App& command, EvaluationFlags& flags);
 
 // Everything but the model. Throws UsageError for values that make no sense.

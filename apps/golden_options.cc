@@ -11,6 +11,9 @@ namespace touchstone::apps {
 void GoldenOptions::add_to(CLI::App& command) {
   command.add_option("CASE", cases, "Names of cases, or folders; all where none is given");
   command.add_option("--model", model, "Only this model of the cases");
+  command.add_option("--renderer", renderer,
+                     "Run this renderer in place of the models' own: whether another implementation gives the same");
+  plugins.add_to(command);
   command.add_option("--golden", golden, "Folder of the golden cases")
       ->envname("TOUCHSTONE_GOLDEN")
       ->capture_default_str();
@@ -41,6 +44,13 @@ std::vector<std::string> GoldenOptions::models_of(const GoldenCase& one) const {
   std::vector<std::string> models;
   for (const auto& [name, ignored] : one.models) models.push_back(name);
   return models;
+}
+
+ChangeModel GoldenOptions::change_model() const {
+  return [loaded = plugins.load(), name = renderer](Model& changed) {
+    if (!name.empty()) changed.renderer = name;
+    loaded.provide(changed);
+  };
 }
 
 }  // namespace touchstone::apps

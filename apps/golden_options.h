@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "apps/golden_runner.h"
+#include "apps/plugin_flags.h"
 #include "harness/baseline/golden_case.h"
 
 namespace touchstone::apps {
@@ -15,12 +17,16 @@ struct GoldenOptions {
   std::string out = "build/golden-failures";
   std::vector<std::string> cases;
   std::string model;
+  std::string renderer;
+  PluginFlags plugins;
 
   void add_to(CLI::App& command);
   // The chosen cases (all where none is named); throws UsageError listing the known ones.
   [[nodiscard]] std::vector<GoldenCase> load() const;
   // The chosen models of a case.
   [[nodiscard]] std::vector<std::string> models_of(const GoldenCase& golden) const;
+  // What the options make of a case's model: its renderer from a plug-in, or another renderer in its place.
+  [[nodiscard]] ChangeModel change_model() const;
 };
 
 }  // namespace touchstone::apps

@@ -111,7 +111,7 @@ InTrajectory case_trajectory(const GoldenCase& golden) {
   return trajectory;
 }
 
-CaseRun run_case(const GoldenCase& golden, const std::string& model, bool time_steps) {
+CaseRun run_case(const GoldenCase& golden, const std::string& model, bool time_steps, const ChangeModel& change) {
   const auto text = golden.models.find(model);
   if (text == golden.models.end()) {
     std::string known;
@@ -120,9 +120,10 @@ CaseRun run_case(const GoldenCase& golden, const std::string& model, bool time_s
   }
   const TriangleMesh mesh = case_mesh(golden);
   const InTrajectory trajectory = case_trajectory(golden);
-  const auto renderer = make_renderer(
-      parse_model(text->second, fmt::format("{}: /models/{}", (golden.folder / "case.json").string(), model)),
-      make_embree_surface(mesh));
+  Model described =
+      parse_model(text->second, fmt::format("{}: /models/{}", (golden.folder / "case.json").string(), model));
+  if (change) change(described);
+  const auto renderer = make_renderer(described, make_embree_surface(mesh));
   CaseRun run;
   run.rendered = replay(*renderer, trajectory, time_steps);
   run.p99_us = p99(run.rendered.cost_us);
@@ -135,14 +136,14 @@ CaseRun run_case(const GoldenCase& golden, const std::string& model, bool time_s
   return run;
 }
 
-CheckResult check_case(const GoldenCase& golden, const std::string& model, const std::filesystem::path& out,
-                       bool ctest) {
+CheckResult check_case(const GoldenCase& golden, const std::string& model, const std::filesystem::path& out, bool ctest,
+                       const ChangeModel& change) {
   CheckResult result;
   CaseRun run;
   TrajectoryColumns obtained;
   const TrajectoryColumns expected = load_golden(golden.expected(model), result);
   try {
-    run = run_case(golden, model, ctest);
+    run = run_case(golden, model, ctest, change);
     obtained = columns_of(run.rendered, fmt::format("{} {}", golden.name, model));
   } catch (const UsageError&) {
     throw;

@@ -3,11 +3,13 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <string>
 
 #include "harness/baseline/compare.h"
 #include "harness/baseline/golden_case.h"
 #include "harness/baseline/golden_file.h"
+#include "harness/rendering/model.h"
 #include "harness/surface/triangle_mesh.h"
 
 namespace touchstone::apps {
@@ -21,8 +23,11 @@ struct CaseRun {
   double p99_us = 0.0;  // of a step
 };
 
+// Changes a case's model before it runs.
+using ChangeModel = std::function<void(Model&)>;
+
 // Throws BadData when the case cannot run, or the renderer answers with a number that is not finite.
-CaseRun run_case(const GoldenCase& golden, const std::string& model, bool time_steps);
+CaseRun run_case(const GoldenCase& golden, const std::string& model, bool time_steps, const ChangeModel& change = {});
 
 struct CheckResult {
   Comparison comparison;
@@ -34,7 +39,7 @@ struct CheckResult {
 
 // One model of a case against its golden. On anything but `equal` leaves obtained.h5, table.txt, comparison.json and
 // pictures in `out`/<case>/<model>; on `equal` removes what an earlier failure left. With `ctest` prints measurements.
-CheckResult check_case(const GoldenCase& golden, const std::string& model, const std::filesystem::path& out,
-                       bool ctest);
+CheckResult check_case(const GoldenCase& golden, const std::string& model, const std::filesystem::path& out, bool ctest,
+                       const ChangeModel& change = {});
 
 }  // namespace touchstone::apps

@@ -1,8 +1,36 @@
-# Install and export: find_package(touchstone) works from another folder.
+# Install and export: find_package(touchstone) works from another folder, and from another place than it was installed to.
 include(CMakePackageConfigHelpers)
-install(EXPORT touchstoneTargets NAMESPACE touchstone:: DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/touchstone)
+set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/touchstone)
+set(TOUCHSTONE_INSTALL_DATADIR ${CMAKE_INSTALL_DATADIR}/touchstone)
+
+# What each room needs, for the components of the package.
+get_property(rooms GLOBAL PROPERTY TOUCHSTONE_ROOMS)
+file(READ ${CMAKE_CURRENT_LIST_DIR}/touchstoneDependencies.cmake known_libraries)
+set(TOUCHSTONE_ROOM_TABLE "set(_touchstone_rooms ${rooms})\n")
+foreach(room IN LISTS rooms)
+  get_property(depends GLOBAL PROPERTY TOUCHSTONE_ROOM_${room}_DEPENDS)
+  get_property(libraries GLOBAL PROPERTY TOUCHSTONE_ROOM_${room}_LIBS)
+  foreach(library IN LISTS libraries)
+    string(FIND "${known_libraries}" "\"${library}\"" at)
+    if(at EQUAL -1)
+      message(FATAL_ERROR "the room ${room} links ${library}: say in cmake/touchstoneDependencies.cmake which package that is")
+    endif()
+  endforeach()
+  string(APPEND TOUCHSTONE_ROOM_TABLE
+    "set(_touchstone_${room}_depends ${depends})\nset(_touchstone_${room}_libs ${libraries})\n")
+endforeach()
+
+install(EXPORT touchstoneTargets NAMESPACE touchstone:: DESTINATION ${package_dir})
 configure_package_config_file(cmake/touchstoneConfig.cmake.in ${CMAKE_CURRENT_BINARY_DIR}/touchstoneConfig.cmake
-  INSTALL_DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/touchstone)
+  INSTALL_DESTINATION ${package_dir} PATH_VARS TOUCHSTONE_INSTALL_DATADIR)
 write_basic_package_version_file(${CMAKE_CURRENT_BINARY_DIR}/touchstoneConfigVersion.cmake COMPATIBILITY SameMinorVersion)
 install(FILES ${CMAKE_CURRENT_BINARY_DIR}/touchstoneConfig.cmake ${CMAKE_CURRENT_BINARY_DIR}/touchstoneConfigVersion.cmake
-  DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/touchstone)
+  cmake/touchstoneDependencies.cmake cmake/TouchstoneRendererTests.cmake DESTINATION ${package_dir})
+
+# Found at run time from where the program stands (harness/base/bundled_files.h). What the reports need of scripts and
+# styles is inside the program.
+install(DIRECTORY synthetic/bundled/ DESTINATION ${TOUCHSTONE_INSTALL_DATADIR}/datasets)
+install(DIRECTORY golden DESTINATION ${TOUCHSTONE_INSTALL_DATADIR} PATTERN CMakeLists.txt EXCLUDE)
+install(DIRECTORY examples DESTINATION ${TOUCHSTONE_INSTALL_DATADIR})
+install(FILES LICENSE README.md CHANGELOG.md DESTINATION ${CMAKE_INSTALL_DOCDIR})
+install(DIRECTORY docs/ DESTINATION ${CMAKE_INSTALL_DOCDIR})

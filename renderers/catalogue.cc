@@ -42,6 +42,7 @@ const std::vector<RendererEntry>& renderer_catalogue() {
 }
 
 const RendererEntry& find_renderer(const Model& model) {
+  if (model.provided && model.provided->name == model.renderer) return *model.provided;
   std::vector<std::string> known;
   for (const auto& entry : renderer_catalogue()) {
     if (entry.name == model.renderer) return entry;

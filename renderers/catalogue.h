@@ -9,24 +9,14 @@
 #include "harness/rendering/model.h"
 #include "harness/rendering/parameters.h"
 #include "harness/rendering/renderer.h"
+#include "harness/rendering/renderer_entry.h"
 #include "harness/surface/surface.h"
 
 namespace touchstone {
 
-struct RendererEntry {
-  std::string name;     // as model files spell it
-  std::string summary;  // one line
-  std::string source;   // the publication that the algorithm follows
-  std::vector<ParameterDeclaration> parameters;
-  std::vector<Limitation> cannot;
-  std::unique_ptr<Renderer> (*make)(const Parameters&, std::shared_ptr<const Surface>) = nullptr;
-  // The same with harness/base/counted.h's scalar: the same bits, and every operation of a step counted. nullptr: its
-  // operations are not counted.
-  std::unique_ptr<Renderer> (*make_counted)(const Parameters&, std::shared_ptr<const Surface>) = nullptr;
-};
-
 const std::vector<RendererEntry>& renderer_catalogue();
-// Throws BadData that lists the known names.
+// The model's plug-in entry where it has one (Model::provided), else the catalogue's. Throws BadData that lists the
+// known names.
 const RendererEntry& find_renderer(const Model& model);
 
 // What model files may say under "effects" and "instrument", and set there.

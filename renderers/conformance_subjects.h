@@ -1,49 +1,12 @@
 // Renderers of the catalogue, with effects or without, as subjects of the conformance suite.
 #pragma once
 
-#include <cmath>
-#include <sstream>
 #include <utility>
 
-#include "harness/testing/renderer_conformance.h"
+#include "harness/testing/renderer_subject.h"
 #include "renderers/catalogue.h"
 
 namespace touchstone::testing {
-
-// The power of length in a unit: "N/m" -1, "m" 1, "N s/m^2" -2, "1" 0.
-inline int length_power(const std::string& unit) {
-  int power = 0;
-  int sign = 1;
-  std::string word;
-  const auto take = [&] {
-    if (word == "m") power += sign;
-    if (word.size() > 1 && word[0] == 'm' && (word[1] == '^' || std::isdigit(static_cast<unsigned char>(word[1])))) {
-      power += sign * (word.back() - '0');
-    }
-    word.clear();
-  };
-  for (const char c : unit) {
-    if (c == ' ' || c == '/' || c == '(' || c == ')')
-      take();
-    else
-      word += c;
-    if (c == '/') sign = -1;
-  }
-  take();
-  return power;
-}
-
-// The parameters, defaults filled in, for a world whose lengths are multiplied by `unit`.
-inline std::map<std::string, double> in_unit(const std::vector<ParameterDeclaration>& declared,
-                                             const std::map<std::string, double>& given, double unit) {
-  std::map<std::string, double> values;
-  for (const auto& declaration : declared) {
-    const auto found = given.find(declaration.name);
-    const double value = found == given.end() ? declaration.initial : found->second;
-    values[declaration.name] = value * std::pow(unit, length_power(declaration.unit));
-  }
-  return values;
-}
 
 inline Model in_unit(Model model, double unit) {
   model.parameters = in_unit(find_renderer(model).parameters, model.parameters, unit);

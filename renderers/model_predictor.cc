@@ -9,6 +9,7 @@
 
 #include "harness/base/error.h"
 #include "harness/rendering/effect_stack.h"
+#include "harness/rendering/renderer_failed.h"
 #include "renderers/catalogue.h"
 #include "renderers/effects/assemble.h"
 #include "renderers/instrument/instrument_effect.h"
@@ -159,6 +160,9 @@ class ModelPredictor final : public Predictor {
     steps.reserve(tips.size());
     for (const TipState& tip : tips) {
       steps.push_back(renderer->step(tip));
+      if (steps.back().status == StepStatus::failed) {
+        throw RendererFailed(fmt::format("t = {} s: {}", tip.t_s, renderer->failure()));
+      }
       if (steps.back().status == StepStatus::refused || !steps.back().f_W_N.allFinite()) {
         throw BadData(fmt::format("the renderer {} refused the sample at t = {} s", base.renderer, tip.t_s));
       }

@@ -7,6 +7,7 @@
 
 #include "apps/evaluation/run.h"
 #include "harness/base/error.h"
+#include "harness/rendering/renderer_failed.h"
 #include "harness/report/console.h"
 #include "harness/report/metric_json.h"
 #include "renderers/catalogue.h"
@@ -14,19 +15,27 @@
 namespace touchstone {
 namespace {
 
-// Every renderer of the catalogue with the data set's stiffness and tip where it has such parameters.
-std::vector<Model> catalogue_models(const Dataset& dataset) {
+// The renderer with the data set's stiffness where it has such a parameter.
+Model default_model(const RendererEntry& entry, const Dataset& dataset, const std::string& origin) {
+  Model model;
+  model.renderer = entry.name;
+  model.source = origin + entry.name;
+  for (const ParameterDeclaration& parameter : entry.parameters) {
+    if (parameter.name == "stiffness_N_per_m" && dataset.stiffness_N_per_m > 0.0) {
+      model.parameters[parameter.name] = dataset.stiffness_N_per_m;
+    }
+  }
+  return model;
+}
+
+std::vector<Model> default_models(const Dataset& dataset, const Plugins& plugins) {
   std::vector<Model> models;
   for (const RendererEntry& entry : renderer_catalogue()) {
-    Model model;
-    model.renderer = entry.name;
-    model.source = "the catalogue's " + entry.name;
-    for (const ParameterDeclaration& parameter : entry.parameters) {
-      if (parameter.name == "stiffness_N_per_m" && dataset.stiffness_N_per_m > 0.0) {
-        model.parameters[parameter.name] = dataset.stiffness_N_per_m;
-      }
-    }
-    models.push_back(std::move(model));
+    models.push_back(default_model(entry, dataset, "the catalogue's "));
+  }
+  for (const auto& entry : plugins.entries()) {
+    models.push_back(default_model(*entry, dataset, "the plug-in's "));
+    models.back().provided = entry;
   }
   return models;
 }
@@ -67,14 +76,13 @@ std::vector<std::filesystem::path> bundled_datasets() {
       "and --model");
 }
 
-std::vector<PlannedEvaluation> plan_dataset(const std::filesystem::path& place,
-                                            const std::vector<std::filesystem::path>& model_files,
-                                            const EvaluationRequest& base, bool in_trajectory_chosen) {
+std::vector<PlannedEvaluation> plan_dataset(const std::filesystem::path& place, const std::vector<ModelOfFile>& given,
+                                            const Plugins& plugins, const EvaluationRequest& base,
+                                            bool in_trajectory_chosen) {
   const Dataset dataset = load_dataset(place);
-  std::vector<std::pair<Model, std::filesystem::path>> models;
-  for (const auto& file : model_files) models.emplace_back(load_model(file), file);
+  std::vector<ModelOfFile> models = given;
   if (models.empty()) {
-    for (Model& model : catalogue_models(dataset)) models.emplace_back(std::move(model), "");
+    for (Model& model : default_models(dataset, plugins)) models.emplace_back(std::move(model), "");
   }
   const std::string name = std::filesystem::weakly_canonical(dataset.folder).filename().string();
   std::vector<PlannedEvaluation> plan;
@@ -106,9 +114,14 @@ std::vector<Evaluated> run_plan(const std::vector<PlannedEvaluation>& plan, cons
   std::vector<Evaluated> done;
   for (const PlannedEvaluation& one : plan) {
     const std::filesystem::path folder = out / one.folder;
-    EvaluationResult result = evaluate_into(one.request, folder);
-    for (const std::string& message : result.messages) fmt::print(stderr, "{}: {}\n", folder.string(), message);
-    done.push_back({one.group, one.column, folder, std::move(result.metrics)});
+    try {
+      EvaluationResult result = evaluate_into(one.request, folder);
+      for (const std::string& message : result.messages) fmt::print(stderr, "{}: {}\n", folder.string(), message);
+      done.push_back({"", one.group, one.column, folder, std::move(result.metrics)});
+    } catch (const RendererFailed& error) {
+      fmt::print(stderr, "{}: {}\n", folder.string(), error.what());
+      done.push_back({error.what(), one.group, one.column, folder, {}});
+    }
     for (MetricResult& metric : done.back().metrics) metric.series.reset(), metric.histogram.reset();
   }
   return done;
@@ -120,10 +133,14 @@ std::string summary_table(const std::vector<Evaluated>& evaluated) {
     std::vector<std::pair<std::string, const std::vector<MetricResult>*>> columns;
     std::size_t end = begin;
     for (; end < evaluated.size() && evaluated[end].group == evaluated[begin].group; ++end) {
-      columns.emplace_back(evaluated[end].column, &evaluated[end].metrics);
+      if (evaluated[end].failure.empty()) columns.emplace_back(evaluated[end].column, &evaluated[end].metrics);
     }
     out += fmt::format("{}\n\n{}\n", evaluated[begin].group, console_table(columns));
     for (std::size_t i = begin; i < end; ++i) {
+      if (!evaluated[i].failure.empty()) {
+        out += fmt::format("FAILED: {}: {}\n", evaluated[i].column, evaluated[i].failure);
+        continue;
+      }
       out += fmt::format("report: {}\n", (evaluated[i].folder / "report.html").string());
     }
     out += "\n";
@@ -139,6 +156,7 @@ std::string summary_json(const std::vector<Evaluated>& evaluated) {
     for (const MetricResult& metric : one.metrics) metrics.push_back(metric_to_json(metric));
     list.push_back(
         {{"group", one.group}, {"name", one.column}, {"folder", one.folder.string()}, {"metrics", std::move(metrics)}});
+    if (!one.failure.empty()) list.back()["failure"] = one.failure;
   }
   const nlohmann::json document{{"schema", "touchstone-evaluations/1"}, {"evaluations", std::move(list)}};
   return document.dump(1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";

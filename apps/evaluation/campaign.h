@@ -3,15 +3,19 @@
 
 #include <filesystem>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "apps/evaluation/request.h"
 #include "harness/metrics/metric.h"
+#include "harness/plugin/plugin.h"
 
 namespace touchstone {
 
 // What stays in memory of an evaluation when its report is written.
 struct Evaluated {
+  // Why there is nothing else: the renderer crashed, hung, or answered with no number. Empty where it ran.
+  std::string failure;
   std::string group;   // evaluations of one recording, which a table may put side by side
   std::string column;  // what tells it from the others of the group
   std::filesystem::path folder;
@@ -22,8 +26,11 @@ struct Evaluated {
 // of the source tree above one that was built there. Throws BadData when there are none.
 std::vector<std::filesystem::path> bundled_datasets();
 
-// One request per recording of the data set and model. Without models: every renderer of the catalogue at the data
-// set's stiffness. `base` holds what the command line chose.
+// A model and the file that it was read from.
+using ModelOfFile = std::pair<Model, std::filesystem::path>;
+
+// One request per recording of the data set and model. Without models: every renderer of the catalogue and of the
+// plug-ins at the data set's stiffness. `base` holds what the command line chose.
 struct PlannedEvaluation {
   EvaluationRequest request;
   std::string group;
@@ -31,10 +38,11 @@ struct PlannedEvaluation {
   std::filesystem::path folder;  // below the output folder
 };
 std::vector<PlannedEvaluation> plan_dataset(const std::filesystem::path& dataset,
-                                            const std::vector<std::filesystem::path>& models,
+                                            const std::vector<ModelOfFile>& models, const Plugins& plugins,
                                             const EvaluationRequest& base, bool in_trajectory_chosen);
 
-// Runs the plan; messages of each evaluation go to stderr under its name.
+// Runs the plan; messages of each evaluation go to stderr under its name. A renderer that breaks down spoils its own
+// evaluation only.
 std::vector<Evaluated> run_plan(const std::vector<PlannedEvaluation>& plan, const std::filesystem::path& out);
 
 // One table per group, for a terminal.

@@ -29,6 +29,7 @@ class EffectStack final : public Renderer {
  protected:
   void do_reset() override;
   StepResult do_step(const TipState& tip) noexcept override;
+  [[nodiscard]] std::string do_failure() const override { return base_->failure(); }
 
  private:
   void fill_contact(const TipState& tip, const StepResult& base) noexcept;

@@ -4,6 +4,7 @@
 
 #include <filesystem>
 #include <map>
+#include <memory>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -17,12 +18,15 @@ struct NamedParameters {
   std::string place;  // JSON pointer in the file, e.g. /effects/0, for messages
 };
 
+struct RendererEntry;
+
 struct Model {
   std::string renderer;
   std::map<std::string, double> parameters;
-  std::vector<NamedParameters> effects;     // of the contact, in the order in which they act
-  std::vector<NamedParameters> instrument;  // how the measurement was made; only the comparison runs it
-  std::string source;                       // the file, for messages
+  std::vector<NamedParameters> effects;           // of the contact, in the order in which they act
+  std::vector<NamedParameters> instrument;        // how the measurement was made; only the comparison runs it
+  std::string source;                             // the file, for messages
+  std::shared_ptr<const RendererEntry> provided;  // by a plug-in that the user loaded; empty for the catalogue's own
 };
 
 // Strict: an unknown key, a wrong type or a number that is not finite throws BadData with its place. Names and ranges

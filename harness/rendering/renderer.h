@@ -30,6 +30,7 @@ struct TipState {
 enum class StepStatus : std::uint8_t {
   ok,
   refused,  // the input was not finite or time did not advance: force is zero and the state is as it was
+  failed,   // the renderer broke down (a plug-in that crashed or hung): force is zero, failure() says how
 };
 
 struct StepResult {
@@ -71,9 +72,13 @@ class Renderer {
   // Of the structures that this renderer keeps for itself beside those of the surface; 0: none worth the name.
   [[nodiscard]] virtual std::size_t memory_bytes() const noexcept { return 0; }
 
+  // Why steps answer `failed`; empty where they do not. Makes a text: not for the servo loop.
+  [[nodiscard]] std::string failure() const { return do_failure(); }
+
  protected:
   virtual void do_reset() = 0;
   virtual StepResult do_step(const TipState& tip) noexcept = 0;
+  [[nodiscard]] virtual std::string do_failure() const { return {}; }
 
  private:
   bool have_last_ = false;

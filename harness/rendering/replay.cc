@@ -7,6 +7,7 @@
 
 #include "harness/base/error.h"
 #include "harness/rendering/cost_histogram.h"
+#include "harness/rendering/renderer_failed.h"
 #include "harness/rendering/step_clock.h"
 
 namespace touchstone {
@@ -15,7 +16,10 @@ namespace {
 // Enough steps that two clock readings weigh nothing, few enough that reading ahead stays in the cache.
 constexpr std::size_t kBlock = 1024;
 
-void check(const TipState& tip, const StepResult& result, std::uint64_t sample) {
+void check(const Renderer& renderer, const TipState& tip, const StepResult& result, std::uint64_t sample) {
+  if (result.status == StepStatus::failed) {
+    throw RendererFailed(fmt::format("sample {} (t = {} s): {}", sample, tip.t_s, renderer.failure()));
+  }
   if (result.status == StepStatus::refused) {
     throw BadData(fmt::format(
         "sample {} (t = {} s): the renderer refused it: the position is not finite or time does not advance", sample,
@@ -30,7 +34,7 @@ void check(const TipState& tip, const StepResult& result, std::uint64_t sample) 
 
 // Replays block by block; returns the ticks spent in steps when whole blocks are timed.
 template <class Step, class After>
-std::uint64_t in_blocks(const TipSource& source, const Step& step, const After& after) {
+std::uint64_t in_blocks(const Renderer& renderer, const TipSource& source, const Step& step, const After& after) {
   std::vector<TipState> tips(kBlock);
   std::vector<StepResult> results(kBlock);
   std::uint64_t done = 0;
@@ -40,7 +44,7 @@ std::uint64_t in_blocks(const TipSource& source, const Step& step, const After& 
     while (filled < kBlock && source(tips[filled])) ++filled;
     step(std::span<const TipState>(tips.data(), filled), std::span<StepResult>(results.data(), filled));
     for (std::size_t i = 0; i < filled; ++i) {
-      check(tips[i], results[i], done + i);
+      check(renderer, tips[i], results[i], done + i);
       after(tips[i], results[i], i);
     }
     done += filled;
@@ -54,7 +58,7 @@ std::uint64_t replay(Renderer& renderer, const TipSource& source, const StepSink
   renderer.reset();
   if (!time_steps) {
     return in_blocks(
-        source,
+        renderer, source,
         [&](auto tips, auto results) {
           for (std::size_t i = 0; i < tips.size(); ++i) results[i] = renderer.step(tips[i]);
         },
@@ -65,7 +69,7 @@ std::uint64_t replay(Renderer& renderer, const TipSource& source, const StepSink
   const StepClock clock;
   std::vector<double> cost_us(kBlock);
   return in_blocks(
-      source,
+      renderer, source,
       [&](auto tips, auto results) {
         for (std::size_t i = 0; i < tips.size(); ++i) {
           const auto begin = StepClock::ticks();
@@ -105,7 +109,7 @@ ReplayTiming measure_steps(Renderer& renderer, const std::function<TipSource()>&
   double blocks_ns = 0.0;
   renderer.reset();
   timing.steps = in_blocks(
-      open(),
+      renderer, open(),
       [&](auto tips, auto results) {
         const auto begin = StepClock::ticks();
         for (std::size_t i = 0; i < tips.size(); ++i) results[i] = renderer.step(tips[i]);

@@ -1,5 +1,6 @@
 #include "harness/testing/allocation_guard.h"
 
+#include <cerrno>
 #include <cstddef>
 #include <cstdlib>
 #include <new>
@@ -8,8 +9,22 @@ namespace {
 
 thread_local std::uint64_t allocations = 0;
 
+// A sanitizer has its own malloc, which must stay; C code's allocations are then not seen.
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#define TOUCHSTONE_COUNTS_MALLOC 0
+#elif defined(__has_feature)
+#if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer) || __has_feature(memory_sanitizer)
+#define TOUCHSTONE_COUNTS_MALLOC 0
+#endif
+#endif
+#if !defined(TOUCHSTONE_COUNTS_MALLOC) && defined(__GLIBC__)
+#define TOUCHSTONE_COUNTS_MALLOC 1
+#endif
+
 void* counted(std::size_t size, std::size_t alignment) noexcept {
+#if !TOUCHSTONE_COUNTS_MALLOC
   ++allocations;
+#endif
   if (size == 0) size = 1;
   if (alignment <= alignof(std::max_align_t)) return std::malloc(size);
   return std::aligned_alloc(alignment, (size + alignment - 1) / alignment * alignment);
@@ -30,6 +45,42 @@ namespace touchstone::testing {
 std::uint64_t allocations_on_this_thread() noexcept { return allocations; }
 
 }  // namespace touchstone::testing
+
+#if TOUCHSTONE_COUNTS_MALLOC
+// Those of this program and of the libraries that it loads, plug-ins too: glibc's own, counted on the way.
+extern "C" {
+void* __libc_malloc(std::size_t size);
+void* __libc_calloc(std::size_t count, std::size_t size);
+void* __libc_realloc(void* memory, std::size_t size);
+void* __libc_memalign(std::size_t alignment, std::size_t size);
+
+void* malloc(std::size_t size) noexcept {
+  ++allocations;
+  return __libc_malloc(size);
+}
+void* calloc(std::size_t count, std::size_t size) noexcept {
+  ++allocations;
+  return __libc_calloc(count, size);
+}
+void* realloc(void* memory, std::size_t size) noexcept {
+  ++allocations;
+  return __libc_realloc(memory, size);
+}
+void* memalign(std::size_t alignment, std::size_t size) noexcept {
+  ++allocations;
+  return __libc_memalign(alignment, size);
+}
+void* aligned_alloc(std::size_t alignment, std::size_t size) noexcept {
+  ++allocations;
+  return __libc_memalign(alignment, size);
+}
+int posix_memalign(void** memory, std::size_t alignment, std::size_t size) noexcept {
+  ++allocations;
+  *memory = __libc_memalign(alignment, size);
+  return *memory == nullptr && size != 0 ? ENOMEM : 0;
+}
+}
+#endif
 
 // Every form, so that none of the library's frees what another one allocated.
 void* operator new(std::size_t size) { return counted_or_throw(size, 1); }

@@ -1,18 +1,20 @@
-// Proves that a piece of code allocates nothing: counts the calls of operator new on the calling thread while it lives.
-// Link touchstone::testing_alloc, which replaces the program's operator new and delete.
+// Proves that a piece of code allocates nothing: counts the calls of operator new and malloc (calloc, realloc, ...) on
+// the calling thread while it lives, also those of shared libraries that the program loads. Link
+// touchstone::testing_alloc, which replaces the program's operator new, operator delete and malloc.
 //
 //   AllocationGuard guard;
 //   renderer->step(tip);
 //   EXPECT_EQ(guard.count(), 0U);
 //
-// Calls of malloc that do not go through operator new are not seen.
+// Where the program is built with a sanitizer, or the C library is not glibc, calls of malloc that do not go through
+// operator new are not seen.
 #pragma once
 
 #include <cstdint>
 
 namespace touchstone::testing {
 
-// Calls of operator new on this thread since it started.
+// Allocations by this thread since it started.
 std::uint64_t allocations_on_this_thread() noexcept;
 
 class AllocationGuard {

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cstdlib>
 #include <memory>
 #include <thread>
 
@@ -33,6 +34,25 @@ TEST(AllocationGuard, CountsEveryFormOnThisThreadOnly) {
   });
   thread.join();
   EXPECT_EQ(elsewhere, 1U);
+}
+
+TEST(AllocationGuard, CountsWhatCCodeAllocates) {
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+  GTEST_SKIP() << "the sanitizer has its own malloc";
+#endif
+  // Volatile: a compiler may leave out memory that nobody uses.
+  void* volatile memory = nullptr;
+  const AllocationGuard guard;
+  memory = std::malloc(10);
+  EXPECT_EQ(guard.count(), 1U);
+  memory = std::realloc(memory, 1000);
+  EXPECT_EQ(guard.count(), 2U);
+  std::free(memory);
+  memory = std::calloc(3, 5);
+  std::free(memory);
+  memory = std::aligned_alloc(64, 128);
+  std::free(memory);
+  EXPECT_EQ(guard.count(), 4U);
 }
 
 }  // namespace

@@ -34,6 +34,7 @@ class HapticDevice final : public Renderer {
     TipState seen = tip;
     seen.p_W_m = resolved(tip.p_W_m);
     held_ = rendering_->step(seen);
+    if (held_.status == StepStatus::failed) return;
     double magnitude = held_.f_W_N.norm();
     double most = magnitude;
     if (limits_.stiffness_limit_N_per_m > 0.0) most = std::min(most, limits_.stiffness_limit_N_per_m * held_.depth_m);
@@ -48,6 +49,7 @@ class HapticDevice final : public Renderer {
       run_servo(tip);
       servo_t_s_ = tip.t_s;
     }
+    if (held_.status == StepStatus::failed) return held_;
     if (limits_.time_constant_s > 0.0 && started_) {
       felt_W_N_ += (1.0 - std::exp(-dt_s / limits_.time_constant_s)) * (commanded_W_N_ - felt_W_N_);
     } else {
@@ -60,6 +62,8 @@ class HapticDevice final : public Renderer {
     result.f_W_N = felt_W_N_;
     return result;
   }
+
+  [[nodiscard]] std::string do_failure() const override { return rendering_->failure(); }
 
   std::unique_ptr<Renderer> rendering_;
   DeviceLimits limits_;

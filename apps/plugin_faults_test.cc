@@ -1,0 +1,91 @@
+// Tests of the tests: each fault planted in the example plug-in is caught by a named test of those that any plug-in
+// gets, and without a fault all of them pass. The table that this prints says which tests fail for which fault.
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+
+#include <array>
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <set>
+#include <string>
+
+namespace touchstone::apps {
+namespace {
+
+struct Outcome {
+  int status = -1;
+  std::string text;
+};
+
+Outcome run(const std::string& command) {
+  Outcome outcome;
+  FILE* const pipe = ::popen((command + " 2>&1").c_str(), "r");
+  if (pipe == nullptr) return outcome;
+  std::array<char, 4096> part{};
+  while (const std::size_t size = std::fread(part.data(), 1, part.size(), pipe)) outcome.text.append(part.data(), size);
+  const int status = ::pclose(pipe);
+  outcome.status = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+  return outcome;
+}
+
+std::string environment(const char* name) {
+  const char* const value = std::getenv(name);
+  return value == nullptr ? "" : value;
+}
+
+std::string plugin(const std::string& fault) { return environment("TOUCHSTONE_FAULTY_PLUGINS") + "/" + fault + ".so"; }
+
+// The tests that failed, without their shapes: "StepAllocatesNothing", "golden plane-taps".
+std::set<std::string> failing_tests(const std::string& fault) {
+  std::set<std::string> failed;
+  const Outcome suite = run(fmt::format("{} --plugin={}", environment("TOUCHSTONE_CONFORMANCE"), plugin(fault)));
+  const std::string mark = "[  FAILED  ] Plugin/RendererConformance.";
+  for (std::size_t at = suite.text.find(mark); at != std::string::npos; at = suite.text.find(mark, at + 1)) {
+    const std::size_t begin = at + mark.size();
+    failed.insert(suite.text.substr(begin, suite.text.find('/', begin) - begin));
+  }
+  EXPECT_EQ(suite.status, failed.empty() ? 0 : 1) << suite.text;
+  for (const char* const golden : {"plane-taps", "sphere-scan"}) {
+    const Outcome check = run(
+        fmt::format("{} check {} --model spring-linear --renderer penalty-in-c --plugin {} --golden {} --out {}",
+                    environment("TOUCHSTONE_PROGRAM"), golden, plugin(fault),
+                    environment("TOUCHSTONE_SOURCE_DIR") + "/golden", ::testing::TempDir() + "plugin-faults-" + fault));
+    EXPECT_TRUE(check.status == 0 || check.status == 1) << check.text;
+    if (check.status != 0) failed.insert(std::string("golden ") + golden);
+  }
+  std::filesystem::remove_all(::testing::TempDir() + "plugin-faults-" + fault);
+  return failed;
+}
+
+struct Fault {
+  std::string name;
+  std::string caught_by;
+};
+
+void PrintTo(const Fault& fault, std::ostream* out) { *out << fault.name; }
+
+class PluginFault : public ::testing::TestWithParam<Fault> {};
+
+TEST_P(PluginFault, IsCaughtByTheTestThatIsNamed) {
+  const auto failed = failing_tests(GetParam().name);
+  fmt::print("| {} | {} |\n", GetParam().name, fmt::join(failed, ", "));
+  EXPECT_THAT(failed, ::testing::Contains(GetParam().caught_by));
+}
+
+INSTANTIATE_TEST_SUITE_P(Planted, PluginFault,
+                         ::testing::Values(Fault{"WRONG_SIGN", "ForceStaysInTheFrictionConeAndNeverPulls"},
+                                           Fault{"STIFFNESS_ONE_PERCENT", "golden sphere-scan"},
+                                           Fault{"ONE_SAMPLE_DELAY", "golden plane-taps"},
+                                           Fault{"OUTSIDE_FRICTION_CONE", "ForceStaysInTheFrictionConeAndNeverPulls"},
+                                           Fault{"ALLOCATES_IN_STEP", "StepAllocatesNothing"},
+                                           Fault{"DEPENDS_ON_UNIT", "TheUnitOfLengthChangesNothing"}),
+                         [](const auto& tested) { return tested.param.name; });
+
+TEST(PluginFaults, WithoutOneEveryTestPasses) { EXPECT_THAT(failing_tests("NO_FAULT"), ::testing::IsEmpty()); }
+
+}  // namespace
+}  // namespace touchstone::apps

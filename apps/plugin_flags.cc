@@ -1,0 +1,56 @@
+#include "apps/plugin_flags.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "harness/base/error.h"
+#include "harness/base/known_names.h"
+#include "renderers/catalogue.h"
+
+namespace touchstone::apps {
+
+void PluginFlags::add_to(CLI::App& command) {
+  command.add_option("--plugin", libraries,
+                     "Shared library with renderers of your own (docs/your-own-renderer.md); model files may then name "
+                     "them. May be given several times");
+  command.add_flag("--plugin-in-process", in_process,
+                   "Run plug-ins in this process: nothing added to the cost of a step, but a crash ends the run");
+  command
+      .add_option("--plugin-time-limit", step_limit_s,
+                  "A plug-in that does not come back from a step within so many seconds hangs, and is ended")
+      ->capture_default_str();
+}
+
+Plugins PluginFlags::load() const {
+  constexpr double longest_s = 1e6;
+  if (!(step_limit_s >= 1e-3 && step_limit_s <= longest_s)) {
+    throw UsageError(fmt::format("--plugin-time-limit {}: a number of seconds from 0.001 to {} was expected",
+                                 step_limit_s, longest_s));
+  }
+  PluginOptions options;
+  options.in_process = in_process;
+  options.limits.step = std::chrono::milliseconds(std::llround(1e3 * step_limit_s));
+  std::vector<std::string> known;
+  for (const RendererEntry& entry : renderer_catalogue()) known.push_back(entry.name);
+  Plugins plugins;
+  for (const std::string& library : libraries) plugins.load(library, options, known);
+  return plugins;
+}
+
+Model load_model(const std::filesystem::path& path, const Plugins& plugins) {
+  Model model = touchstone::load_model(path);
+  plugins.provide(model);
+  if (model.provided || plugins.entries().empty()) return model;
+  // Said here because only here it is known what the plug-ins have.
+  std::vector<std::string> known;
+  for (const RendererEntry& entry : renderer_catalogue()) known.push_back(entry.name);
+  for (const auto& entry : plugins.entries()) known.push_back(entry->name);
+  if (std::ranges::find(known, model.renderer) == known.end()) {
+    throw BadData(fmt::format("{}: /renderer: {}", path.string(), unknown_name("renderer", model.renderer, known)));
+  }
+  return model;
+}
+
+}  // namespace touchstone::apps

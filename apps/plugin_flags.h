@@ -1,0 +1,27 @@
+// --plugin and what goes with it, the same for every command that takes a model.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "harness/plugin/plugin.h"
+
+namespace touchstone::apps {
+
+struct PluginFlags {
+  std::vector<std::string> libraries;
+  bool in_process = false;
+  double step_limit_s = 10.0;
+
+  void add_to(CLI::App& command);
+
+  // Loads the libraries. Throws as Plugins::load() does, UsageError for a limit that makes no sense.
+  [[nodiscard]] Plugins load() const;
+};
+
+// load_model(), with the renderer from a plug-in where one has it.
+Model load_model(const std::filesystem::path& path, const Plugins& plugins);
+
+}  // namespace touchstone::apps

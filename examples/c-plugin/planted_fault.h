@@ -1,0 +1,60 @@
+/* Faults for the example's renderer, to see which tests catch them: build with -DPLANTED_FAULT=WRONG_SIGN and so on. A
+ * renderer of your own does not need this file. */
+#ifndef PLANTED_FAULT_H
+#define PLANTED_FAULT_H
+
+#include <stdlib.h>
+#include <touchstone/plugin.h>
+
+#define NO_FAULT 0
+#define WRONG_SIGN 1            /* the force pulls inward */
+#define STIFFNESS_ONE_PERCENT 2 /* too high */
+#define ONE_SAMPLE_DELAY 3      /* answers what was right a step ago */
+#define OUTSIDE_FRICTION_CONE 4 /* a tangential force although there is no friction */
+#define ALLOCATES_IN_STEP 5
+#define DEPENDS_ON_UNIT 6 /* an absolute epsilon: contact begins at 10 micrometres, whatever the unit */
+#ifndef PLANTED_FAULT
+#define PLANTED_FAULT NO_FAULT
+#endif
+
+struct planted_memory {
+  touchstone_result last;
+  int steps;
+};
+
+static void plant_fault(struct planted_memory* memory, const touchstone_tip* tip, touchstone_result* result) {
+  const touchstone_result right = *result;
+  double* const f = result->f_W_N;
+  const double* const n = result->n_W;
+  if (PLANTED_FAULT == WRONG_SIGN) {
+    for (int i = 0; i < 3; ++i) f[i] = -f[i];
+  }
+  if (PLANTED_FAULT == STIFFNESS_ONE_PERCENT) {
+    for (int i = 0; i < 3; ++i) f[i] *= 1.01;
+  }
+  if (PLANTED_FAULT == ONE_SAMPLE_DELAY && memory->steps > 0) {
+    *result = memory->last;
+    if (!result->contact) {
+      for (int i = 0; i < 3; ++i) result->contact_W_m[i] = tip->p_W_m[i];
+    }
+  }
+  if (PLANTED_FAULT == OUTSIDE_FRICTION_CONE && result->contact) {
+    /* A tenth of the force, across the normal and x. */
+    const double strength_N = 0.1 * (f[0] * n[0] + f[1] * n[1] + f[2] * n[2]);
+    f[1] += strength_N * n[2];
+    f[2] -= strength_N * n[1];
+  }
+  if (PLANTED_FAULT == ALLOCATES_IN_STEP) {
+    void* volatile memory_of_step = malloc(16);
+    free(memory_of_step);
+  }
+  if (PLANTED_FAULT == DEPENDS_ON_UNIT && result->contact && result->depth_m < 1e-5) {
+    const touchstone_result free_space = {
+        {0.0, 0.0, 0.0}, {tip->p_W_m[0], tip->p_W_m[1], tip->p_W_m[2]}, {0.0, 0.0, 0.0}, 0.0, 0, 0};
+    *result = free_space;
+  }
+  memory->last = right;
+  ++memory->steps;
+}
+
+#endif

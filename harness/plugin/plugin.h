@@ -1,0 +1,46 @@
+// Renderers from plug-ins (<touchstone/plugin.h>), as entries like those of the catalogue: every command, golden case
+// and test that runs a model runs them. Loading is explicit, and nothing global remembers it: a model carries the entry
+// that provides its renderer.
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "harness/plugin/plugin_process.h"
+#include "harness/rendering/model.h"
+#include "harness/rendering/renderer_entry.h"
+
+namespace touchstone {
+
+struct PluginOptions {
+  // In this process a step costs a function call, and a plug-in that crashes or hangs takes the program with it. Else
+  // each renderer has a child process, and a step costs about a microsecond more (bench_plugin).
+  bool in_process = false;
+  PluginLimits limits;
+  std::filesystem::path host;  // find_plugin_host() where empty
+};
+
+// The renderers of one library. Throws BadData for a library that is none, lacks functions, follows or claims a wrong
+// version, or describes what makes no sense; RendererFailed when it crashes or hangs while it is loaded.
+std::vector<std::shared_ptr<const RendererEntry>> load_plugin(const std::filesystem::path& library,
+                                                              const PluginOptions& options);
+
+class Plugins {
+ public:
+  // Adds the library's renderers. Throws as load_plugin() does, and BadData for a name that is taken: by another
+  // plug-in or in `known`, the names of the program's own renderers.
+  void load(const std::filesystem::path& library, const PluginOptions& options, std::span<const std::string> known);
+
+  [[nodiscard]] const std::vector<std::shared_ptr<const RendererEntry>>& entries() const noexcept { return entries_; }
+  // Gives the model the entry of the plug-in that has its renderer, if one does.
+  void provide(Model& model) const;
+
+ private:
+  std::vector<std::shared_ptr<const RendererEntry>> entries_;
+  std::vector<std::filesystem::path> from_;  // the library of each
+};
+
+}  // namespace touchstone

@@ -1,0 +1,66 @@
+#include "harness/plugin/plugin_channel.h"
+
+#include <linux/futex.h>
+#include <sys/syscall.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <climits>
+#include <ctime>
+
+namespace touchstone {
+namespace {
+
+// Longer than a usual step and the work between two, shorter than what a scheduler takes away from others.
+constexpr std::chrono::microseconds kLooking{50};
+
+// On one processor the other side cannot work while this one looks.
+bool may_look() noexcept {
+  static const bool several = ::sysconf(_SC_NPROCESSORS_ONLN) > 1;
+  return several;
+}
+
+void relax() noexcept {
+#if defined(__x86_64__) || defined(__i386__)
+  __builtin_ia32_pause();
+#endif
+}
+
+void futex_wait(std::atomic<std::uint32_t>& word, std::uint32_t seen, std::chrono::nanoseconds limit) noexcept {
+  const auto seconds = std::chrono::duration_cast<std::chrono::seconds>(limit);
+  const std::timespec relative{static_cast<std::time_t>(seconds.count()), static_cast<long>((limit - seconds).count())};
+  ::syscall(SYS_futex, &word, FUTEX_WAIT, seen, &relative, nullptr, 0);
+}
+
+}  // namespace
+
+void Doorbell::ring() noexcept {
+  // In one order with await(): either the sleeper is seen here, or the count is seen there.
+  count.fetch_add(1, std::memory_order_seq_cst);
+  if (sleepers.load(std::memory_order_seq_cst) != 0) {
+    ::syscall(SYS_futex, &count, FUTEX_WAKE, INT_MAX, nullptr, nullptr, 0);
+  }
+}
+
+bool Doorbell::await(std::uint32_t seen, std::chrono::nanoseconds limit) noexcept {
+  using Clock = std::chrono::steady_clock;
+  const auto begin = Clock::now();
+  if (may_look()) {
+    do {
+      for (int i = 0; i < 32; ++i) {
+        if (count.load(std::memory_order_acquire) != seen) return true;
+        relax();
+      }
+    } while (Clock::now() - begin < std::min<std::chrono::nanoseconds>(kLooking, limit));
+  }
+  for (;;) {
+    const auto left = limit - (Clock::now() - begin);
+    if (count.load(std::memory_order_acquire) != seen) return true;
+    if (left <= std::chrono::nanoseconds::zero()) return false;
+    sleepers.fetch_add(1, std::memory_order_seq_cst);
+    if (count.load(std::memory_order_seq_cst) == seen) futex_wait(count, seen, left);
+    sleepers.fetch_sub(1, std::memory_order_seq_cst);
+  }
+}
+
+}  // namespace touchstone

@@ -1,0 +1,51 @@
+// The memory that the program shares with the child process in which a plug-in runs, and the handshake over it. One
+// side waits while the other works: it looks at a word for a short while, which costs a fraction of a microsecond, and
+// then sleeps in the kernel (futex) until it is woken.
+#pragma once
+
+#include <touchstone/plugin.h>
+
+#include <atomic>
+#include <chrono>
+#include <cstdint>
+
+namespace touchstone {
+
+enum class PluginRequest : std::uint32_t { create, reset, step, destroy };
+enum class PluginOutcome : std::uint32_t { good, refused };  // refused: `text` says why
+
+// A word that one side counts up and the other waits for.
+struct alignas(64) Doorbell {
+  std::atomic<std::uint32_t> count{0};
+  std::atomic<std::uint32_t> sleepers{0};
+
+  void ring() noexcept;
+  // Waits until the count is no longer `seen`; false when it still is after `limit`.
+  [[nodiscard]] bool await(std::uint32_t seen, std::chrono::nanoseconds limit) noexcept;
+};
+static_assert(std::atomic<std::uint32_t>::is_always_lock_free);
+
+// At the start of the shared memory; the creation's arrays follow at `*_at` bytes from there and are read-only for the
+// child.
+struct PluginChannel {
+  static constexpr std::size_t text_size = 1024;
+
+  Doorbell asked;
+  PluginRequest request = PluginRequest::create;
+  touchstone_tip tip{};
+  Doorbell answered;
+  PluginOutcome outcome = PluginOutcome::good;
+  touchstone_result result{};
+  char text[text_size] = {};
+
+  std::uint64_t size = 0;           // of the whole memory
+  std::uint64_t arrays_at = 0;      // where the read-only part begins: a multiple of the page size
+  std::uint64_t library_at = 0;     // text
+  std::uint64_t model_text_at = 0;  // text
+  std::uint64_t parameters_at = 0, parameter_count = 0;
+  std::uint64_t vertices_at = 0, vertex_count = 0;
+  std::uint64_t triangles_at = 0, triangle_count = 0;
+  std::uint32_t index = 0;
+};
+
+}  // namespace touchstone

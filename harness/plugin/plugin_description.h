@@ -1,0 +1,36 @@
+// What a plug-in says about one of its renderers, as C++ values; and the bytes in which the child process that loaded
+// the library sends them to the program.
+#pragma once
+
+#include <touchstone/plugin.h>
+
+#include <filesystem>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "harness/rendering/limitation.h"
+#include "harness/rendering/renderer.h"
+
+namespace touchstone {
+
+struct PluginDescription {
+  std::string name, summary, source;
+  std::vector<ParameterDeclaration> parameters;
+  std::vector<std::pair<std::string, std::string>> limitations;  // ability, reason
+};
+
+// Throws BadData, naming the library and the place, for texts that are missing, names that stand twice, ranges that are
+// none.
+PluginDescription read_description(const touchstone_description& description, const std::filesystem::path& library,
+                                   std::uint32_t index);
+
+// Throws BadData for an ability that does not exist; lists those that do.
+std::vector<Limitation> limitations_of(const PluginDescription& description, const std::filesystem::path& library);
+
+std::string pack(std::span<const PluginDescription> descriptions);
+// Throws BadData when the bytes are not what pack() makes.
+std::vector<PluginDescription> unpack(std::string_view bytes, const std::filesystem::path& library);
+
+}  // namespace touchstone

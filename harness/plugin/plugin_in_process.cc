@@ -1,0 +1,50 @@
+#include "harness/plugin/plugin_in_process.h"
+
+#include <fmt/format.h>
+
+#include "harness/rendering/renderer_failed.h"
+
+namespace touchstone {
+namespace {
+
+class InProcess final : public PluginConnection {
+ public:
+  InProcess(std::shared_ptr<const PluginLibrary> library, const touchstone_creation& creation)
+      : library_(std::move(library)) {
+    std::string why;
+    renderer_ = library_->create(creation, why);
+    if (renderer_ == nullptr) {
+      throw RendererFailed(fmt::format("{}: the plug-in makes no renderer {}: {}", library_->path().string(),
+                                       library_->descriptions()[creation.index].name, why));
+    }
+  }
+  ~InProcess() override { library_->destroy(renderer_); }
+  InProcess(const InProcess&) = delete;
+  InProcess& operator=(const InProcess&) = delete;
+
+  bool reset() noexcept override {
+    if (failed_in_ == nullptr && !library_->reset(renderer_)) failed_in_ = "touchstone_reset";
+    return failed_in_ == nullptr;
+  }
+  bool step(const touchstone_tip& tip, touchstone_result& result) noexcept override {
+    if (failed_in_ == nullptr && !library_->step(renderer_, tip, result)) failed_in_ = "touchstone_step";
+    return failed_in_ == nullptr;
+  }
+  [[nodiscard]] std::string failure() const override {
+    return fmt::format("{} failed: {}", failed_in_, library_->error(renderer_));
+  }
+
+ private:
+  std::shared_ptr<const PluginLibrary> library_;
+  touchstone_renderer* renderer_ = nullptr;
+  const char* failed_in_ = nullptr;
+};
+
+}  // namespace
+
+std::unique_ptr<PluginConnection> make_plugin_in_process(std::shared_ptr<const PluginLibrary> library,
+                                                         const touchstone_creation& creation) {
+  return std::make_unique<InProcess>(std::move(library), creation);
+}
+
+}  // namespace touchstone

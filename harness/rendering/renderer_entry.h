@@ -1,0 +1,30 @@
+// What a program knows of a kind of renderer before it makes one: its name, its parameters, what it cannot do, and how
+// to make it. Entries come from the catalogue of renderers/ and from plug-ins (harness/plugin).
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "harness/rendering/limitation.h"
+#include "harness/rendering/parameters.h"
+#include "harness/rendering/renderer.h"
+#include "harness/surface/surface.h"
+
+namespace touchstone {
+
+struct RendererEntry {
+  std::string name;     // as model files spell it
+  std::string summary;  // one line
+  std::string source;   // the publication that the algorithm follows
+  std::vector<ParameterDeclaration> parameters;
+  std::vector<Limitation> cannot;
+  using Make = std::function<std::unique_ptr<Renderer>(const Parameters&, std::shared_ptr<const Surface>)>;
+  Make make;
+  // The same with harness/base/counted.h's scalar: the same bits, and every operation of a step counted. Empty: its
+  // operations are not counted.
+  Make make_counted = {};
+};
+
+}  // namespace touchstone

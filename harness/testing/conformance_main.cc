@@ -1,0 +1,117 @@
+// touchstone-conformance: the conformance suite of renderers (harness/testing/renderer_conformance.h) on the renderers
+// of a plug-in. They run in this process, so that an allocation in a step is seen.
+#include <gtest/gtest.h>
+
+#include <charconv>
+#include <cstdio>
+#include <string_view>
+
+#include "harness/base/error.h"
+#include "harness/plugin/plugin.h"
+#include "harness/testing/renderer_subject.h"
+
+namespace {
+
+using namespace touchstone;
+
+constexpr const char* kUsage =
+    "usage: touchstone-conformance --plugin=libmine.so [--renderer=NAME] [--parameter=NAME=VALUE]... "
+    "[--stiffness=N/M]\n"
+    "                              [--friction=MU] [--tip-radius=M] [--in-child] [--gtest_...]\n"
+    "  --renderer    only this one of the plug-in's\n"
+    "  --parameter   another value than the default\n"
+    "  --stiffness   the steepest rise of force with depth [N/m]; the parameter stiffness_N_per_m where not given\n"
+    "  --friction    the largest tangential over normal force; 0 where not given\n"
+    "  --tip-radius  where the tip is a ball [m]\n"
+    "  --in-child    run the plug-in in a child process, as the program does; allocations are not seen there\n"
+    "Exit status: 0 passed, 1 a test failed, 2 usage, 3 the plug-in cannot be used.\n";
+
+struct Options {
+  std::string plugin, renderer;
+  touchstone::testing::SubjectFacts facts;
+  bool in_child = false;
+};
+
+std::vector<touchstone::testing::RendererSubject>& subjects() {
+  static std::vector<touchstone::testing::RendererSubject> list;
+  return list;
+}
+
+double number(std::string_view text, std::string_view whole) {
+  double value = 0.0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc{} || end != text.data() + text.size()) {
+    throw UsageError(std::string(whole) + ": a number was expected after =");
+  }
+  return value;
+}
+
+void take(std::string_view word, Options& options) {
+  const auto value_of = [&](std::string_view name) -> const char* {
+    const bool is = word.starts_with(name) && word.size() > name.size() && word[name.size()] == '=';
+    return is ? word.data() + name.size() + 1 : nullptr;
+  };
+  if (const char* const text = value_of("--plugin")) {
+    options.plugin = text;
+  } else if (const char* const name = value_of("--renderer")) {
+    options.renderer = name;
+  } else if (const char* const setting = value_of("--parameter")) {
+    const std::string_view both = setting;
+    const std::size_t equals = both.find('=');
+    if (equals == std::string_view::npos) throw UsageError(std::string(word) + ": NAME=VALUE was expected");
+    options.facts.parameters[std::string(both.substr(0, equals))] = number(both.substr(equals + 1), word);
+  } else if (const char* const stiffness = value_of("--stiffness")) {
+    options.facts.stiffness_N_per_m = number(stiffness, word);
+  } else if (const char* const friction = value_of("--friction")) {
+    options.facts.friction = number(friction, word);
+  } else if (const char* const radius = value_of("--tip-radius")) {
+    options.facts.tip_radius_m = number(radius, word);
+  } else if (word == "--in-child") {
+    options.in_child = true;
+  } else if (!word.starts_with("--gtest_")) {
+    throw UsageError(std::string(word) + " is no option of this program");
+  }
+}
+
+void choose_subjects(const Options& options) {
+  if (options.plugin.empty()) throw UsageError("--plugin=libmine.so is missing");
+  PluginOptions how;
+  how.in_process = !options.in_child;
+  std::string known;
+  for (const auto& entry : load_plugin(options.plugin, how)) {
+    known += " " + entry->name;
+    if (options.renderer.empty() || options.renderer == entry->name) {
+      subjects().push_back(touchstone::testing::subject_of(*entry, options.facts));
+    }
+  }
+  if (subjects().empty()) {
+    throw UsageError("--renderer=" + options.renderer + ": " + options.plugin + " has no such renderer; it has" +
+                     known);
+  }
+}
+
+}  // namespace
+
+TOUCHSTONE_RENDERER_CONFORMANCE(Plugin, subjects());
+
+int main(int argc, char** argv) {
+  try {
+    Options options;
+    for (int i = 1; i < argc; ++i) {
+      if (std::string_view(argv[i]) == "--help") {
+        std::fputs(kUsage, stdout);
+        return 0;
+      }
+      take(argv[i], options);
+    }
+    choose_subjects(options);
+  } catch (const UsageError& error) {
+    std::fprintf(stderr, "touchstone-conformance: %s\n%s", error.what(), kUsage);
+    return static_cast<int>(error.status());
+  } catch (const Error& error) {
+    std::fprintf(stderr, "touchstone-conformance: %s\n", error.what());
+    return static_cast<int>(error.status());
+  }
+  ::testing::InitGoogleTest(&argc, argv);
+  return RUN_ALL_TESTS();
+}
