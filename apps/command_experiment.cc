@@ -10,6 +10,7 @@
 #include "apps/experiments/peer_comparison.h"
 #include "apps/experiments/spring_page.h"
 #include "apps/experiments/voxel_page.h"
+#include "apps/plugin_flags.h"
 #include "harness/base/atomic_file.h"
 #include "harness/base/progress.h"
 #include "harness/recording/recording_file.h"
@@ -21,6 +22,7 @@ namespace {
 
 struct PeerOptions {
   std::string data, json;
+  PluginFlags plugins;
 };
 
 ExitStatus peers_command(const PeerOptions& options) {
@@ -34,10 +36,12 @@ ExitStatus peers_command(const PeerOptions& options) {
                peers.string());
     return ExitStatus::skipped;
   }
+  std::vector<Model> besides;
+  for (const auto& entry : options.plugins.load().entries()) besides.push_back(experiments::peer_model(entry));
   std::vector<experiments::PeerCase> cases;
   Progress progress("peers", experiments::peer_meshes().size());
   for (const auto& mesh : experiments::peer_meshes()) {
-    cases.push_back(experiments::compare_with_peers(peers, mesh));
+    cases.push_back(experiments::compare_with_peers(peers, mesh, besides));
     progress.update(cases.size());
   }
   fmt::print("{}", experiments::peer_table(cases));
@@ -173,8 +177,10 @@ void add_experiment(CLI::App& program, Run& run) {
   auto options = std::make_shared<PeerOptions>();
   peers->add_option("--data", options->data, "Folder with in/ and out/ (default: TOUCHSTONE_DATA_DIR/peers)");
   peers->add_option("--json", options->json, "Write the table as JSON");
+  options->plugins.add_to(*peers);
   peers->footer(
-      "Examples:\n  touchstone experiment peers\n  touchstone experiment peers --data ~/data/peers --json peers.json");
+      "Examples:\n  touchstone experiment peers\n  touchstone experiment peers --plugin ./libmine.so\n  touchstone "
+      "experiment peers --data ~/data/peers --json peers.json");
   peers->callback([options, &run] { run = [options] { return peers_command(*options); }; });
   add_springs(*command, run);
   add_palpation(*command, run);

@@ -57,14 +57,14 @@ void write_summary(const GoldenCase& golden) {
 ExitStatus accept(const Options& options) {
   if (options.reason.find_first_not_of(" \t") == std::string::npos)
     throw UsageError("--reason: say why this becomes the golden");
-  if (const auto refused = acceptance_refused(options.golden.golden))
+  if (const auto refused = acceptance_refused(options.golden.folder()))
     throw UsageError(fmt::format("not accepted: {}", *refused));
   const auto pending = chosen_pending(options.golden);
   if (pending.empty())
     throw UsageError(fmt::format("nothing to accept: no failed result of these cases in {}; run: touchstone check",
                                  options.golden.out));
   for (const auto& p : pending) {
-    const GoldenCase golden = load_case(std::filesystem::path(options.golden.golden) / p.case_name);
+    const GoldenCase golden = load_case(options.golden.folder() / p.case_name);
     if (!golden.models.contains(p.model))
       throw UsageError(fmt::format("the case {} has no model {}", p.case_name, p.model));
     const bool before = std::filesystem::exists(golden.expected(p.model));
@@ -133,8 +133,9 @@ void add_golden(CLI::App& program, Run& run) {
   auto* const rendering = add("render", "Run cases and keep the results, without comparing", render);
   rendering->add_option("--to", options->to, "Folder")->required();
   rendering->footer("Example:\n  touchstone golden render --to /tmp/here");
-  auto* const floor = add("floor", "The noise floor: how far other builds of the program are from the goldens",
-                          [](const Options& o) { return golden_floor(o.golden.load(), o.golden.golden, o.programs); });
+  auto* const floor =
+      add("floor", "The noise floor: how far other builds of the program are from the goldens",
+          [](const Options& o) { return golden_floor(o.golden.load(), o.golden.folder().string(), o.programs); });
   floor->add_option("--program", options->programs, "Programs built by other compilers or with other flags")
       ->required();
   floor->footer(

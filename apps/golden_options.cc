@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "harness/base/bundled_files.h"
 #include "harness/base/error.h"
 
 namespace touchstone::apps {
@@ -22,17 +23,25 @@ void GoldenOptions::add_to(CLI::App& command) {
       ->capture_default_str();
 }
 
+std::filesystem::path GoldenOptions::folder() const {
+  if (golden == GoldenOptions{}.golden && !std::filesystem::is_directory(golden)) {
+    if (const auto bundled = find_bundled("golden", "golden")) return *bundled;
+  }
+  return golden;
+}
+
 std::vector<GoldenCase> GoldenOptions::load() const {
-  if (cases.empty()) return load_cases(golden);
+  const std::filesystem::path own = folder();
+  if (cases.empty()) return load_cases(own);
   std::vector<GoldenCase> chosen;
   for (const std::string& name : cases) {
-    const bool folder = name.find('/') != std::string::npos;
-    std::filesystem::path path = folder ? std::filesystem::path(name) : std::filesystem::path(golden) / name;
+    const bool is_folder = name.find('/') != std::string::npos;
+    std::filesystem::path path = is_folder ? std::filesystem::path(name) : own / name;
     if (!path.has_filename()) path = path.parent_path();
     if (!std::filesystem::is_directory(path)) {
       std::string known;
-      for (const GoldenCase& one : load_cases(golden)) known += ' ' + one.name;
-      throw UsageError(fmt::format("there is no golden case '{}' in {}; there are:{}", name, golden, known));
+      for (const GoldenCase& one : load_cases(own)) known += ' ' + one.name;
+      throw UsageError(fmt::format("there is no golden case '{}' in {}; there are:{}", name, own.string(), known));
     }
     chosen.push_back(load_case(path));
   }

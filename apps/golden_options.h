@@ -23,6 +23,8 @@ struct GoldenOptions {
   void add_to(CLI::App& command);
   // The chosen cases (all where none is named); throws UsageError listing the known ones.
   [[nodiscard]] std::vector<GoldenCase> load() const;
+  // --golden; where it is not given and there is no such folder here, the cases that come with the program.
+  [[nodiscard]] std::filesystem::path folder() const;
   // The chosen models of a case.
   [[nodiscard]] std::vector<std::string> models_of(const GoldenCase& golden) const;
   // What the options make of a case's model: its renderer from a plug-in, or another renderer in its place.

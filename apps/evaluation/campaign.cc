@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/evaluation/run.h"
+#include "harness/base/bundled_files.h"
 #include "harness/base/error.h"
 #include "harness/rendering/renderer_failed.h"
 #include "harness/report/console.h"
@@ -63,13 +64,8 @@ std::vector<std::filesystem::path> datasets_in(const std::filesystem::path& fold
 }  // namespace
 
 std::vector<std::filesystem::path> bundled_datasets() {
-  std::error_code error;
-  const std::filesystem::path program = std::filesystem::read_symlink("/proc/self/exe", error);
-  for (std::filesystem::path folder = program.parent_path(); folder.has_relative_path();
-       folder = folder.parent_path()) {
-    for (const char* const place : {"share/touchstone/datasets", "synthetic/bundled"}) {
-      if (auto found = datasets_in(folder / place); !found.empty()) return found;
-    }
+  if (const auto folder = find_bundled("datasets", "synthetic/bundled")) {
+    if (auto found = datasets_in(*folder); !found.empty()) return found;
   }
   throw BadData(
       "the bundled data sets were not found beside the program; name one with --dataset, or give --recording, --mesh "

@@ -4,6 +4,7 @@
 #include <unistd.h>
 #include <zlib.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdlib>
@@ -119,18 +120,38 @@ TriangleMesh peer_mesh(const std::filesystem::path& peers, const std::string& me
 
 std::vector<std::string> peer_meshes() { return {"plane20k", "bumpy1k", "bumpy10k", "gauss20k"}; }
 
-PeerCase compare_with_peers(const std::filesystem::path& peers, const std::string& mesh) {
+Model peer_model(std::shared_ptr<const RendererEntry> entry) {
+  const auto named = [](const ParameterDeclaration& parameter) { return parameter.name == "stiffness_N_per_m"; };
+  if (std::ranges::none_of(entry->parameters, named)) {
+    throw UsageError(fmt::format("the renderer {} has no parameter stiffness_N_per_m; the peers ran at {} N/m",
+                                 entry->name, kStiffness));
+  }
+  Model model;
+  model.renderer = entry->name;
+  model.parameters = {{"stiffness_N_per_m", kStiffness}};
+  model.source = "peer comparison";
+  model.provided = std::move(entry);
+  return model;
+}
+
+PeerCase compare_with_peers(const std::filesystem::path& peers, const std::string& mesh,
+                            const std::vector<Model>& besides) {
   const InTrajectory in = positions(peers, mesh);
   const std::vector<Vec3> exact = exact_forces(mesh, in);
   const TriangleMesh triangles = peer_mesh(peers, mesh);
   PeerCase result{mesh, triangles.triangle_count(), in.size(), {}};
 
-  const auto renderer = our_renderer(triangles);
-  PeerResult ours{"Touchstone god-object", 0, 0, 0, 0, 0};
-  const std::vector<Vec3> of_mesh = replay(*renderer, in).f_W_N;
-  score(ours, of_mesh, exact, of_mesh, 0);
-  ours.mean_us = measure_steps(*renderer, [&] { return tip_source(in.motion); }).mean_us;
-  result.results.push_back(ours);
+  std::vector<Vec3> of_mesh;
+  const auto run = [&](const std::string& name, Renderer& renderer) {
+    PeerResult own{name, 0, 0, 0, 0, 0};
+    const std::vector<Vec3> forces = replay(renderer, in).f_W_N;
+    if (of_mesh.empty()) of_mesh = forces;
+    score(own, forces, exact, of_mesh, 0);
+    own.mean_us = measure_steps(renderer, [&] { return tip_source(in.motion); }).mean_us;
+    result.results.push_back(own);
+  };
+  run("Touchstone god-object", *our_renderer(triangles));
+  for (const Model& model : besides) run(model.renderer, *make_renderer(model, make_embree_surface(triangles)));
 
   for (const Peer& peer : kPeers) {
     const auto path = peers / "out" / fmt::format("{}.{}.csv.gz", mesh, peer.file);

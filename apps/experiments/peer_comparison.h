@@ -22,6 +22,8 @@
 #include <string>
 #include <vector>
 
+#include "harness/rendering/model.h"
+#include "harness/rendering/renderer_entry.h"
 #include "harness/rendering/replay.h"
 
 namespace touchstone::experiments {
@@ -44,8 +46,13 @@ struct PeerCase {
 
 std::vector<std::string> peer_meshes();
 
-// `peers` is the folder with in/ and out/. Throws BadData when a file is missing or malformed.
-PeerCase compare_with_peers(const std::filesystem::path& peers, const std::string& mesh);
+// `peers` is the folder with in/ and out/; `besides` are models of other renderers to run on the same (their stiffness
+// must be that of the peers). Throws BadData when a file is missing or malformed.
+PeerCase compare_with_peers(const std::filesystem::path& peers, const std::string& mesh,
+                            const std::vector<Model>& besides = {});
+// The model of a renderer's entry at the peers' stiffness. Throws UsageError when it has no parameter
+// stiffness_N_per_m.
+Model peer_model(std::shared_ptr<const RendererEntry> entry);
 
 // What our god-object makes of that case's positions when the mesh is given in another unit, in metres.
 RenderedTrajectory render_peer_case(const std::filesystem::path& peers, const std::string& mesh, double unit_m);
