@@ -37,7 +37,8 @@ ExitStatus peers_command(const PeerOptions& options) {
     return ExitStatus::skipped;
   }
   std::vector<Model> besides;
-  for (const auto& entry : options.plugins.load().entries()) besides.push_back(experiments::peer_model(entry));
+  const Plugins plugins = options.plugins.load();
+  for (const auto& entry : plugins.entries()) besides.push_back(experiments::peer_model(entry));
   std::vector<experiments::PeerCase> cases;
   Progress progress("peers", experiments::peer_meshes().size());
   for (const auto& mesh : experiments::peer_meshes()) {
