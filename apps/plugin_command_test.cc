@@ -144,7 +144,7 @@ TEST_F(PluginCommand, AnUnknownRendererIsSaidWithWhatThePluginHas) {
   const Outcome replay =
       run("replay --model plain.json --mesh plate.obj --trajectory taps.csv --out out.csv " + plugin("NOTHING"));
   EXPECT_EQ(replay.status, 3);
-  EXPECT_THAT(replay.err, AllOf(HasSubstr("did you mean plane"), HasSubstr("god-object")));
+  EXPECT_THAT(replay.err, AllOf(HasSubstr("did you mean \"plane\""), HasSubstr("god-object")));
   const Outcome without = run("replay --model plane.json --mesh plate.obj --trajectory taps.csv --out out.csv");
   EXPECT_EQ(without.status, 3);
   EXPECT_THAT(without.err, Not(HasSubstr("internal error")));

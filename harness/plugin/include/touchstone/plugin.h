@@ -105,9 +105,8 @@ typedef struct touchstone_result {
 typedef struct touchstone_renderer touchstone_renderer;
 
 /* For a designated or positional initialiser of touchstone_description: its first four members. */
-#define TOUCHSTONE_PLUGIN_SIZES                                                                                      \
-  (uint32_t)sizeof(touchstone_description), (uint32_t)sizeof(touchstone_creation), (uint32_t)sizeof(touchstone_tip), \
-      (uint32_t)sizeof(touchstone_result)
+#define TOUCHSTONE_PLUGIN_SIZES \
+  sizeof(touchstone_description), sizeof(touchstone_creation), sizeof(touchstone_tip), sizeof(touchstone_result)
 
 /* Returns TOUCHSTONE_PLUGIN_VERSION as the plug-in was compiled. */
 TOUCHSTONE_PLUGIN_EXPORT uint32_t touchstone_plugin_version(void);
