@@ -4,7 +4,9 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/commands.h"
+#include "apps/hil_page.h"
 #include "harness/base/atomic_file.h"
+#include "harness/report/page_html.h"
 #include "hil/devices/device_lock.h"
 #include "hil/devices/device_table.h"
 #include "hil/devices/probe.h"
@@ -148,6 +150,30 @@ void add_recover(CLI::App& hil_command, Run& run) {
   });
 }
 
+struct ReportCommand {
+  std::string folder, out;
+};
+
+void add_report(CLI::App& hil_command, Run& run) {
+  auto* const command = hil_command.add_subcommand("report", "The evidence of a lab's run as an HTML page");
+  auto options = std::make_shared<ReportCommand>();
+  command->add_option("folder", options->folder, "Evidence: the folder hardware or emulated of a run")->required();
+  command->add_option("--out", options->out, "The page to write (.html)")->required();
+  command->footer(
+      "Exit status: 0 all limits hold, 1 some do not.\n"
+      "Example:\n  TOUCHSTONE_HIL_EVIDENCE=evidence ctest -L '^hil$'\n  touchstone hil report evidence/hardware --out "
+      "lab.html");
+  command->callback([options, &run] {
+    run = [options] {
+      const auto made = hil_page(options->folder);
+      write_html(options->out, made.page);
+      fmt::print("{}{} tests, {} out of their limits -> {}\n", made.emulated ? "emulated: " : "", made.tests,
+                 made.failed, options->out);
+      return made.failed == 0 ? ExitStatus::passed : ExitStatus::failed;
+    };
+  });
+}
+
 }  // namespace
 
 void add_hil(CLI::App& program, Run& run) {
@@ -157,6 +183,7 @@ void add_hil(CLI::App& program, Run& run) {
   add_probe(*command, run);
   add_record(*command, run);
   add_recover(*command, run);
+  add_report(*command, run);
 }
 
 }  // namespace touchstone::apps

@@ -7,9 +7,11 @@
 #include <cstdlib>
 #include <nlohmann/json.hpp>
 
+#include "harness/base/error.h"
 #include "harness/base/hash.h"
 #include "harness/base/json_reader.h"
 #include "hil/devices/device_table.h"
+#include "hil/lab/finding.h"
 
 namespace touchstone::hil {
 namespace {
@@ -41,6 +43,19 @@ MappedDevice read_device(JsonObject& object, const std::filesystem::path& folder
   device.udp_port = port_of(object, "udp_port", device.udp_port);
   device.library = object.optional_text("library").value_or("");
   device.firmware = object.optional_text("firmware").value_or("");
+  device.dead_man = object.optional_text("dead_man").value_or("");
+  if (object.has("limits")) {
+    auto limits = object.object("limits");
+    for (const auto& name : limits.keys()) {
+      device.limits[name] = limits.number(name);
+      try {
+        lab_limits({{name, device.limits[name]}});
+      } catch (const UsageError& error) {
+        limits.fail_at(name, error.what());
+      }
+    }
+    limits.finish();
+  }
   if (object.has("calibration")) {
     auto calibration = object.object("calibration");
     device.calibration_file = folder / calibration.text("file");

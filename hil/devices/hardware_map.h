@@ -4,6 +4,7 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -24,8 +25,10 @@ struct MappedDevice {
   std::string address;         // network: host of the sensor; comedi: /dev/comediN
   int http_port = 80;
   int udp_port = 49152;
-  std::string library;   // vendor's library, where it is not on the loader's path
-  std::string firmware;  // Falcon: the vendor's firmware file
+  std::string library;                   // vendor's library, where it is not on the loader's path
+  std::string firmware;                  // Falcon: the vendor's firmware file
+  std::string dead_man;                  // what must be held while a test commands forces, as open_dead_man() takes it
+  std::map<std::string, double> limits;  // of the lab's tests for this device, by LabLimits' names
 };
 
 struct HardwareMap {

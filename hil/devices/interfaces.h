@@ -53,8 +53,8 @@ class WrenchSource {
   [[nodiscard]] virtual const DeviceIdentity& identity() const = 0;
   virtual void start() = 0;
   virtual void stop() noexcept = 0;
-  // The samples that have come, at least one unless the deadline (Clock's seconds) passes first: then 0. Throws
-  // DeviceError when the device is gone.
+  // The samples that have come, at least one unless the deadline (Clock's seconds) passes first: then 0. A deadline
+  // that has passed already asks for what is there, without waiting. Throws DeviceError when the device is gone.
   virtual std::size_t read(std::span<WrenchSample> out, double deadline_s) = 0;
   [[nodiscard]] virtual StreamCounters counters() const = 0;
 };

@@ -163,10 +163,12 @@ class ComediAti final : public WrenchSource {
     const std::size_t scan = channels * (wide_ ? sizeof(lsampl_t) : sizeof(sampl_t));
     const int fd = board_.c().descriptor(board_.device());
     while (bytes_.size() < scan) {
-      const double left = deadline_s - clock_.now_s();
-      if (left <= 0.0) return 0;
+      const double left = std::max(0.0, deadline_s - clock_.now_s());
       pollfd ready{fd, POLLIN, 0};
-      if (::poll(&ready, 1, static_cast<int>(std::ceil(std::min(left, 3600.0) * 1e3))) <= 0) continue;
+      if (::poll(&ready, 1, static_cast<int>(std::ceil(std::min(left, 3600.0) * 1e3))) <= 0) {
+        if (left <= 0.0) return 0;
+        continue;
+      }
       unsigned char buffer[4096];
       const auto n = ::read(fd, buffer, sizeof buffer);
       if (n < 0 && (errno == EAGAIN || errno == EINTR)) continue;

@@ -101,7 +101,7 @@ class NetFt final : public WrenchSource {
   }
 
   std::size_t read(std::span<WrenchSample> out, double deadline_s) override {
-    std::size_t filled = 0;
+    std::size_t filled = receive(out);
     while (filled == 0) {
       const double left = deadline_s - clock_.now_s();
       if (left <= 0.0) return 0;

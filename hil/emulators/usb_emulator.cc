@@ -32,8 +32,10 @@ struct UsbEmulator::Testbed {
   std::deque<Pending> pending;
   bool claimed = false;
   std::string node = "/dev/bus/usb/001/003";
-  std::string syspath;
+  std::string syspath, description;
+  bool plugged = false;
 
+  void add();
   bool handle(UMockdevIoctlClient* client);
   bool submit(UMockdevIoctlClient* client, UMockdevIoctlData* arg);
   bool reap(UMockdevIoctlClient* client, UMockdevIoctlData* arg);
@@ -315,17 +317,40 @@ UsbEmulator::UsbEmulator(const Identity& identity, EmulatedUsbModel& model) : te
                                                64,
                                                0,
                                                0};
-  const auto description = fmt::format(
+  t.description = fmt::format(
       "P: /devices/pci0000:00/usb1/1-1\nN: bus/usb/001/003={0}\nE: SUBSYSTEM=usb\nE: DEVTYPE=usb_device\nE: "
       "DEVNAME=/dev/bus/usb/001/003\nE: BUSNUM=001\nE: DEVNUM=003\n"
       "E: PRODUCT={1:x}/{2:x}/400\nA: busnum=1\nA: devnum=3\nA: speed=12\nA: bConfigurationValue=1\nA: "
       "idVendor={1:04x}\nA: idProduct={2:04x}\nH: descriptors={0}\n",
       hex(descriptors), identity.vendor, identity.product);
-  if (umockdev_testbed_add_from_string(t.testbed, description.c_str(), &error) == FALSE) {
+  t.syspath = "/sys/devices/pci0000:00/usb1/1-1";
+  t.add();
+}
+
+void UsbEmulator::Testbed::add() {
+  GError* error = nullptr;
+  if (umockdev_testbed_add_from_string(testbed, description.c_str(), &error) == FALSE) {
     throw std::runtime_error(
         fmt::format("umockdev: {}", error != nullptr ? error->message : "the device was not added"));
   }
-  t.syspath = "/sys/devices/pci0000:00/usb1/1-1";
+  plugged = true;
+}
+
+void UsbEmulator::plug() {
+  Testbed& t = *testbed_;
+  if (t.plugged) return;
+  faults.gone = false;
+  t.add();
+  umockdev_testbed_uevent(t.testbed, t.syspath.c_str(), "add");
+}
+
+void UsbEmulator::unplug() {
+  Testbed& t = *testbed_;
+  if (!t.plugged) return;
+  faults.gone = true;
+  umockdev_testbed_uevent(t.testbed, t.syspath.c_str(), "remove");
+  umockdev_testbed_remove_device(t.testbed, t.syspath.c_str());
+  t.plugged = false;
 }
 
 UsbEmulator::~UsbEmulator() {

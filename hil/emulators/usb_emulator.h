@@ -47,6 +47,9 @@ class UsbEmulator {
 
   UsbFaults faults;
   void forbid();  // takes the user's permission on the device node away
+  // Leaves the bus and comes to it again, with the kernel's messages that libusb listens to. A new device is plugged.
+  void unplug();
+  void plug();
   [[nodiscard]] static bool preloaded();
 
   // The handler's state, for its C callbacks.

@@ -23,6 +23,14 @@ Availability judge(const ProbeResult& result, bool require_all) {
   return {Decision::skip, false, reason};
 }
 
+Availability judge_dead_man(const Availability& device, const std::string& specification, bool must_run) {
+  if (device.decision != Decision::run || device.emulated || !specification.empty()) return device;
+  return {must_run ? Decision::fail : Decision::skip, false,
+          device.reason +
+              "; commands forces, and no dead-man input is set (TOUCHSTONE_HIL_DEAD_MAN, or \"dead_man\" in the "
+              "hardware map)"};
+}
+
 Availability availability(const std::string& device_id) {
   const bool emulated = flag("TOUCHSTONE_HIL_EMULATED"), required = flag("TOUCHSTONE_REQUIRE_HIL");
   // An emulated run never counts as a hardware run, so the two demands contradict each other.

@@ -20,6 +20,9 @@ struct Availability {
 
 // From a probe's result and the rules; `require_all` is TOUCHSTONE_REQUIRE_HIL.
 Availability judge(const ProbeResult& result, bool require_all);
+// A test that commands forces on hardware needs a dead-man input: without `specification` it is skipped, or fails where
+// absence is a failure.
+Availability judge_dead_man(const Availability& device, const std::string& specification, bool must_run);
 // Probes the device and applies the environment.
 Availability availability(const std::string& device_id);
 

@@ -8,12 +8,52 @@
 #include <cstdlib>
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <utility>
 
 #include "harness/base/atomic_file.h"
 #include "harness/base/version.h"
 #include "hil/lab/analysis.h"
 
 namespace touchstone::hil {
+namespace {
+
+// What a device says of itself may hold anything.
+std::string xml_text(const std::string& text) {
+  std::string safe;
+  for (const char c : text) {
+    if (c == '&') {
+      safe += "&amp;";
+    } else if (c == '<') {
+      safe += "&lt;";
+    } else if (c == '>') {
+      safe += "&gt;";
+    } else {
+      safe += static_cast<unsigned char>(c) < 0x20 || static_cast<unsigned char>(c) >= 0x7f ? '?' : c;
+    }
+  }
+  return safe;
+}
+
+nlohmann::json pictures_json(const std::vector<Picture>& pictures) {
+  auto list = nlohmann::json::array();
+  for (const auto& p : pictures) {
+    nlohmann::json picture{{"title", p.title}, {"x_label", p.x_label}, {"y_label", p.y_label}};
+    for (const auto& c : p.curves)
+      picture["curves"].push_back({{"name", c.name}, {"points", c.points}, {"x", c.x}, {"y", c.y}});
+    list.push_back(std::move(picture));
+  }
+  return list;
+}
+
+}  // namespace
+
+void Evidence::take(const Finding& finding) {
+  test = finding.test + (test.empty() ? "" : "-" + test);
+  measurements = finding.measurements;
+  limits = finding.limits;
+  pictures = finding.pictures;
+  runs = finding.runs;
+}
 
 void publish(const Evidence& e, const std::vector<WrenchSample>& samples) {
   for (const auto& m : e.measurements) {
@@ -25,8 +65,16 @@ void publish(const Evidence& e, const std::vector<WrenchSample>& samples) {
     }
   }
   if (!e.device.emulated) {
-    fmt::print("<CTestMeasurement type=\"text/string\" name=\"device\">{} serial {}, {}</CTestMeasurement>\n",
-               e.device.id, e.device.serial, e.device.calibration);
+    const std::pair<const char*, const std::string*> texts[] = {{"device", &e.device.id},
+                                                                {"device_serial", &e.device.serial},
+                                                                {"device_firmware", &e.device.firmware},
+                                                                {"calibration", &e.device.calibration},
+                                                                {"sensor", &e.sensor},
+                                                                {"fixture", &e.fixture}};
+    for (const auto& [name, text] : texts) {
+      if (!text->empty())
+        fmt::print("<CTestMeasurement type=\"text/string\" name=\"{}\">{}</CTestMeasurement>\n", name, xml_text(*text));
+    }
   }
   const char* const folder = std::getenv("TOUCHSTONE_HIL_EVIDENCE");
   if (folder == nullptr || *folder == '\0') return;
@@ -56,6 +104,15 @@ void publish(const Evidence& e, const std::vector<WrenchSample>& samples) {
         {"malformed", c.malformed},
         {"device_errors", c.device_errors}}}};
   for (const auto& m : e.measurements) json["measurements"][m.name] = m.value;
+  for (const auto& limit : e.limits) {
+    auto& held = json["limits"][limit.measurement];
+    if (std::isfinite(limit.least)) held["least"] = limit.least;
+    if (std::isfinite(limit.most)) held["most"] = limit.most;
+  }
+  if (!e.limits.empty()) json["failures"] = Finding{e.test, e.measurements, e.limits}.failures();
+  if (!e.sensor.empty()) json["sensor"] = e.sensor;
+  if (!e.dead_man.empty()) json["dead_man"] = e.dead_man;
+  json["pictures"] = pictures_json(e.pictures);
   if (!samples.empty()) {
     std::string csv = "t_s,sequence,fx_N,fy_N,fz_N,tx_Nm,ty_Nm,tz_Nm,flags\n";
     for (const auto& s : samples) {
@@ -65,6 +122,28 @@ void publish(const Evidence& e, const std::vector<WrenchSample>& samples) {
     }
     write_file(place / (e.test + ".csv"), csv);
     json["samples"] = e.test + ".csv";
+  }
+  if (!e.runs.empty()) {
+    std::string ticks = "run,t_s,x_m,y_m,z_m,vx_m_per_s,vy_m_per_s,vz_m_per_s,fx_N,fy_N,fz_N\n",
+                wrenches = "run,t_s,sequence,fx_N,fy_N,fz_N,tx_Nm,ty_Nm,tz_Nm,flags\n";
+    for (std::size_t run = 0; run < e.runs.size(); ++run) {
+      json["runs"].push_back({{"start_s", e.runs[run].start_s},
+                              {"trip", to_string(e.runs[run].trip)},
+                              {"saturated_ticks", e.runs[run].saturated},
+                              {"ticks", e.runs[run].ticks.size()}});
+      for (const auto& t : e.runs[run].ticks) {
+        const auto &p = t.p_W_m, &v = t.v_W_m_per_s, &f = t.allowed_N;
+        ticks += fmt::format("{},{:.9f},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g}\n", run, t.t_s,
+                             p.x(), p.y(), p.z(), v.x(), v.y(), v.z(), f.x(), f.y(), f.z());
+      }
+      for (const auto& s : e.runs[run].wrenches) {
+        const auto &f = s.wrench.f_N, &t = s.wrench.torque_Nm;
+        wrenches += fmt::format("{},{:.9f},{},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{}\n", run, s.t_s, s.sequence,
+                                f.x(), f.y(), f.z(), t.x(), t.y(), t.z(), s.flags);
+      }
+    }
+    write_file(place / (e.test + ".ticks.csv"), ticks);
+    write_file(place / (e.test + ".wrenches.csv"), wrenches);
   }
   write_file(place / (e.test + ".json"), json.dump(1) + "\n");
 }

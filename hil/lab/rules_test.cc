@@ -80,9 +80,12 @@ TEST(SkipRules, WhatIsRequiredAndAbsentFails) {
 }
 
 TEST(SkipRules, EmulatedResultsSaySoAndNeverReachADashboard) {
-  const auto output = run_suite("TOUCHSTONE_HIL_EMULATED=1");
+  // One of each kind; all of them are tests of their own under the label emulated.
+  const auto output =
+      run_suite("TOUCHSTONE_HIL_EMULATED=1 GTEST_FILTER='*NoiseFloor*/atinetft:*ForceStep*/novint_falcon'");
   EXPECT_EQ(output.status, 0) << output.text;
   EXPECT_THAT(output.text, HasSubstr("emulated noise-floor-ati-netft noise_fx_N"));
+  EXPECT_THAT(output.text, HasSubstr("emulated force-step-novint-falcon step_measured_N"));
   EXPECT_THAT(output.text, Not(HasSubstr("CTestMeasurement")));
   EXPECT_EQ(run_suite("TOUCHSTONE_HIL_EMULATED=1 TOUCHSTONE_REQUIRE_HIL=1").status, 1);
 }
@@ -97,6 +100,17 @@ TEST(SkipRules, EveryStatusButPresentSkipsOrFails) {
     EXPECT_EQ(judge(r, false).decision, Decision::fail);
     EXPECT_THAT(judge(r, false).reason, HasSubstr(std::string(to_string(status))));
   }
+}
+
+TEST(SkipRules, ForcesOnHardwareNeedADeadMan) {
+  const Availability here{Decision::run, false, "novint-falcon: present"}, emulated{Decision::run, true, "emulated"},
+      absent{Decision::skip, false, "absent"};
+  EXPECT_EQ(judge_dead_man(here, "terminal", true).decision, Decision::run);
+  EXPECT_EQ(judge_dead_man(here, "", false).decision, Decision::skip);
+  EXPECT_EQ(judge_dead_man(here, "", true).decision, Decision::fail);
+  EXPECT_THAT(judge_dead_man(here, "", true).reason, HasSubstr("no dead-man input is set"));
+  EXPECT_EQ(judge_dead_man(emulated, "", true).decision, Decision::run);
+  EXPECT_EQ(judge_dead_man(absent, "", true).decision, Decision::skip);
 }
 
 TEST(Probe, SaysForEveryKnownDeviceWhatItFound) {
@@ -162,6 +176,9 @@ TEST(HardwareMapFile, SaysWhatIsWrong) {
   EXPECT_EQ(
       complaint(R"({"id": "novint-falcon", "serial": "X", "connected": true, "force_limit_N": 3, "fixture": "bench"})"),
       "accepted");
+  EXPECT_EQ(complaint(R"({"id": "novint-falcon", "dead_man": "button:0", "limits": {"friction_N": 0.8}})"), "accepted");
+  EXPECT_THAT(complaint(R"({"id": "novint-falcon", "limits": {"frction_N": 0.8}})"), HasSubstr("known: friction_N"));
+  EXPECT_THAT(complaint(R"({"id": "novint-falcon", "limits": {"friction_N": 0}})"), HasSubstr("not a positive number"));
   EXPECT_THAT(complaint(R"({"id": "novint-flacon"})"), HasSubstr("known: ati-netft"));
   EXPECT_THAT(complaint(R"({"id": "novint-falcon", "force_limit": 3})"), HasSubstr("force_limit"));
   EXPECT_THAT(complaint(R"({"id": "novint-falcon", "force_limit_N": -1})"), HasSubstr("negative"));

@@ -7,7 +7,6 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <poll.h>
 #include <spawn.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -38,11 +37,12 @@ struct Outcome {
 Outcome end_by(const std::string& way, const std::string& guard, double watchdog_s) {
   const auto file = std::filesystem::temp_directory_path() / fmt::format("touchstone-exit-{}-{}", ::getpid(), guard);
   EmulatedHapticPlant plant(file, watchdog_s);
-  int out[2];
-  if (::pipe2(out, O_CLOEXEC) != 0) return {};
+  int in[2];
+  if (::pipe2(in, O_CLOEXEC) != 0) return {};
   posix_spawn_file_actions_t actions;
   posix_spawn_file_actions_init(&actions);
-  posix_spawn_file_actions_adddup2(&actions, out[1], 1);
+  posix_spawn_file_actions_adddup2(&actions, in[0], 0);
+  posix_spawn_file_actions_addopen(&actions, 1, "/dev/null", O_WRONLY, 0);
   posix_spawn_file_actions_addopen(&actions, 2, "/dev/null", O_WRONLY, 0);
   // A runner may ignore signals, and its children inherit that: here they mean what they mean at a terminal.
   posix_spawnattr_t attributes;
@@ -60,15 +60,16 @@ Outcome end_by(const std::string& way, const std::string& guard, double watchdog
       ::posix_spawn(&victim, TOUCHSTONE_EXIT_VICTIM, &actions, &attributes, const_cast<char**>(arguments), environ);
   posix_spawn_file_actions_destroy(&actions);
   posix_spawnattr_destroy(&attributes);
-  ::close(out[1]);
+  ::close(in[0]);
   if (spawned != 0) return {};
   MonotonicClock clock;
   Outcome outcome;
-  // Until it says that it pushes; every wait here has an end.
-  pollfd ready{out[0], POLLIN, 0};
-  ::poll(&ready, 1, 10000);
-  char text[16];
-  outcome.pushed = ::read(out[0], text, sizeof text) > 0 && plant.applied_N().norm() > 0.0;
+  // Until it pushes; every wait here has an end.
+  for (const double until = clock.now_s() + 20.0; clock.now_s() < until && !outcome.pushed;) {
+    outcome.pushed = plant.applied_N().norm() > 0.0;
+    clock.sleep_until(clock.now_s() + 0.0005);
+  }
+  [[maybe_unused]] const auto told = ::write(in[1], "!", 1);
   if (way == "SIGINT") ::kill(victim, SIGINT);
   if (way == "SIGTERM") ::kill(victim, SIGTERM);
   double ended = 0.0;
@@ -97,7 +98,7 @@ Outcome end_by(const std::string& way, const std::string& guard, double watchdog
   }
   ::kill(victim, SIGKILL);
   ::waitpid(victim, nullptr, 0);
-  ::close(out[0]);
+  ::close(in[1]);
   return outcome;
 }
 
