@@ -55,6 +55,8 @@ function(touchstone_add_renderer_tests)
     file(CONFIGURE OUTPUT ${source} CONTENT
       "#include \"@ARG_HEADER@\"\n\n#include \"harness/plugin/plugin_export.h\"\n\nTOUCHSTONE_EXPORT_RENDERERS(@ARG_ENTRY@());\n" @ONLY)
     add_library(${plugin} MODULE ${source})
+    # A static library goes into the plug-in as it is.
+    set_target_properties(${ARG_TARGET} PROPERTIES POSITION_INDEPENDENT_CODE ON)
     target_include_directories(${plugin} PRIVATE ${CMAKE_CURRENT_SOURCE_DIR})
     target_link_libraries(${plugin} PRIVATE ${ARG_TARGET} touchstone::plugin)
   else()
