@@ -153,8 +153,8 @@ class ModelPredictor final : public Predictor {
     return tips;
   }
 
-  [[nodiscard]] std::vector<StepResult> run(const Model& base, std::span<const TipState> tips) const {
-    const auto renderer = make_renderer(base, surface_);
+  [[nodiscard]] std::vector<StepResult> run(const Model& base, std::span<const TipState> tips) {
+    auto renderer = make_renderer(base, surface_);
     renderer->reset();
     std::vector<StepResult> steps;
     steps.reserve(tips.size());
@@ -167,6 +167,7 @@ class ModelPredictor final : public Predictor {
         throw BadData(fmt::format("the renderer {} refused the sample at t = {} s", base.renderer, tip.t_s));
       }
     }
+    last_ = std::move(renderer);
     return steps;
   }
 
@@ -211,6 +212,8 @@ class ModelPredictor final : public Predictor {
   MotionColumns motion_;
   std::list<std::shared_ptr<const Trace>> traces_;
   std::map<std::string, bool> scales_;
+  // Alive, so that what renderers share of a surface (its examined mesh) is not made anew for every geometry.
+  std::unique_ptr<Renderer> last_;
 };
 
 }  // namespace

@@ -62,14 +62,18 @@ std::vector<FreeParameter> two_coefficients(const std::string& owner) {
 }
 
 // Pre-sliding is fitted along: the path over which friction turns must exceed what the tracker's noise makes of a tip
-// that stands still, and below that the recording cannot show it. Above a tenth of the depth it would be a spring of
-// its own in the tangent plane, which is another effect (stick-slip of a compliant tool) and no friction law of the
-// list.
+// that stands still, and below that the recording cannot show it. Far above both the noise and the depth it would be a
+// spring of its own in the tangent plane, which is another effect (stick-slip of a compliant tool) and no friction law
+// of the list.
+double longest_presliding(const Context& c) { return 12.0 * c.scales.position_noise_m + 0.02 * c.scales.depth_m; }
+
 FreeParameter presliding(const Context& c) {
-  return log_parameter(c.candidate.name, "presliding_m", 1e-3 * c.scales.depth_m, 0.1 * c.scales.depth_m);
+  return log_parameter(c.candidate.name, "presliding_m", 0.02 * longest_presliding(c), longest_presliding(c));
 }
 
-std::vector<double> presliding_starts(const Context& c) { return {0.01 * c.scales.depth_m, 0.05 * c.scales.depth_m}; }
+std::vector<double> presliding_starts(const Context& c) {
+  return {0.1 * longest_presliding(c), 0.4 * longest_presliding(c)};
+}
 
 CandidateFit coulomb(const Context& c) {
   CandidateFit fit{Side::contact, {one_coefficient(c.candidate.name), presliding(c)}, {}};
@@ -244,8 +248,9 @@ CandidateFit generic(const Context& c) {
 }  // namespace
 
 RecordingScales measure_scales(const Recording& recording, const Prediction& prediction, double force_floor_N,
-                               double stiffness_N_per_m) {
+                               double stiffness_N_per_m, double position_noise_m) {
   RecordingScales scales;
+  scales.position_noise_m = position_noise_m;
   std::vector<double> forces;
   std::vector<double> depths;
   std::vector<double> speeds;

@@ -19,14 +19,15 @@ struct RecordingScales {
   double speed_m_per_s = 0.0;  // median tangential speed in contact
   double depth_rate_m_per_s = 0.0;
   double duration_s = 0.0;
-  Vec3 low_W_m = Vec3::Zero();  // of the positions in contact
+  double position_noise_m = 0.0;  // declared
+  Vec3 low_W_m = Vec3::Zero();    // of the positions in contact
   Vec3 high_W_m = Vec3::Zero();
   [[nodiscard]] double extent_m() const { return (high_W_m - low_W_m).head<2>().norm(); }
 };
 
 // `force_floor_N`: a measured force above it is contact, whatever the model says.
 RecordingScales measure_scales(const Recording& recording, const Prediction& prediction, double force_floor_N,
-                               double stiffness_N_per_m);
+                               double stiffness_N_per_m, double position_noise_m);
 
 struct CandidateFit {
   Side side = Side::contact;

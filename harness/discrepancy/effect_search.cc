@@ -4,9 +4,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <utility>
 
 #include "harness/base/error.h"
+#include "harness/discrepancy/data_faults.h"
+#include "harness/discrepancy/regimes.h"
 
 namespace touchstone {
 namespace {
@@ -142,10 +145,64 @@ class Search {
   }
 
   CandidateFit options(const Candidate& candidate, const Model& model) const {
+    return options(candidate, model, *data_.train.recording);
+  }
+
+  CandidateFit options(const Candidate& candidate, const Model& model, const Recording& recording) const {
     const Prediction now = data_.train.predictor->predict(model);
-    const RecordingScales scales =
-        measure_scales(*data_.train.recording, now, data_.force_floor_N, model.parameters.at("stiffness_N_per_m"));
-    return candidate_fit(candidate, scales, *data_.train.recording, now);
+    const RecordingScales scales = measure_scales(recording, now, data_.force_floor_N,
+                                                  model.parameters.at("stiffness_N_per_m"), data_.position_noise_m);
+    return candidate_fit(candidate, scales, recording, now);
+  }
+
+  // What the candidate gains on held-out data of worlds where the current model is the truth: noise and the mesh's
+  // declared error alone. Returned is a bar well above (parametric bootstrap, Efron and Tibshirani 1993, chapter 6.5;
+  // few worlds, so mean and spread rather than a quantile).
+  double null_bar(const Candidate& candidate) const {
+    const Prediction train_nominal = data_.train.predictor->predict(current_.model);
+    const Prediction holdout_nominal = data_.holdout.predictor->predict(current_.model);
+    std::vector<double> gains;
+    for (std::size_t world = 0; world < NoiseModel::null_worlds; ++world) {
+      Recording recording = *data_.train.recording;
+      recording.f_W_N = data_.train.noise->null_forces(current_.model, train_nominal, world);
+      FitData train = train_;
+      train.measured_N = block_means(train.blocks, recording.f_W_N);
+      FitData holdout = holdout_;
+      holdout.measured_N =
+          block_means(holdout.blocks, data_.holdout.noise->null_forces(current_.model, holdout_nominal, world));
+      const JointFit base = fit_jointly(train, Model(current_.model), parameters_, settings_.iterations, false);
+      if (!base.ok) continue;
+      const JointFit with =
+          best_fit(train, base.model, options(candidate, base.model, recording), parameters_, settings_.iterations);
+      if (with.ok) gains.push_back(chi_squared(holdout, base.model) - chi_squared(holdout, with.model));
+    }
+    if (gains.size() < 2) return settings_.minimum_gain;
+    double mean = 0.0;
+    for (const double gain : gains) mean += gain / static_cast<double>(gains.size());
+    double squares = 0.0;
+    for (const double gain : gains) squares += (gain - mean) * (gain - mean);
+    return std::max(
+        settings_.minimum_gain,
+        std::max(0.0, mean) + settings_.null_deviations * std::sqrt(squares / static_cast<double>(gains.size() - 1)));
+  }
+
+  // The regime of held-out data that the trial makes worse than noise can, by a share of what it gains in all; empty:
+  // none. (A short regime whose error is all noise, such as the first contact, may go up by chance.)
+  std::string worsened(const Prediction& before, const Model& trial) const {
+    const Prediction after = data_.holdout.predictor->predict(trial);
+    const auto regimes = sort_by_regime(data_.holdout, before, after, data_.force_floor_N);
+    const auto grown = [](const Regime& regime) {
+      return static_cast<double>(regime.samples) *
+             (regime.after_N * regime.after_N - regime.before_N * regime.before_N);
+    };
+    double gained = 0.0;
+    for (const Regime& regime : regimes) gained -= regime.kind == "phase" ? std::min(0.0, grown(regime)) : 0.0;
+    for (const Regime& regime : regimes) {
+      if (regime.kind != "phase") continue;
+      const bool clear = regime.after_N > regime.before_N + regime.error95_N;
+      if (clear && grown(regime) > settings_.worsening * gained) return regime.name;
+    }
+    return "";
   }
 
   bool add_one() {
@@ -174,6 +231,7 @@ class Search {
     }
     std::sort(step.trials.begin(), step.trials.end(),
               [](const Trial& a, const Trial& b) { return a.holdout_gain > b.holdout_gain; });
+    if (found < settings_.most_effects) verify_best(step);
     auto best = std::find_if(step.trials.begin(), step.trials.end(), [](const Trial& t) { return t.verdict.empty(); });
     const bool more = best != step.trials.end() && found < settings_.most_effects;
     if (more) {
@@ -198,6 +256,22 @@ class Search {
     }
     result_.steps.push_back(std::move(step));
     return more;
+  }
+
+  // The dear checks, of the best trial only; the next one's turn comes when it fails.
+  void verify_best(SearchStep& step) const {
+    const Prediction before = data_.holdout.predictor->predict(current_.model);
+    for (Trial& trial : step.trials) {
+      if (!trial.verdict.empty()) continue;
+      const std::string worse = worsened(before, trial.fit.model);
+      if (!worse.empty()) {
+        trial.verdict = fmt::format("makes {} worse", worse);
+        continue;
+      }
+      trial.null_bar = null_bar(candidate(trial.name));
+      if (trial.holdout_gain > trial.null_bar) return;
+      trial.verdict = "no more than noise and the mesh's declared error give where nothing is missing";
+    }
   }
 
   // Empty: strong enough to be added.
@@ -273,18 +347,55 @@ class Search {
   }
 
   void finish() {
+    settle_texture(current_.model);
     result_.model = current_.model;
     result_.parameters = parameters_;
     result_.fit = fit_jointly(train_, Model(current_.model), parameters_, settings_.iterations, true);
     if (std::isfinite(result_.fit.chi_squared)) result_.model = result_.fit.model;
     result_.goodness = chi_squared(holdout_, result_.model) /
                        (3.0 * static_cast<double>(std::max<std::size_t>(1, holdout_.blocks.size())));
-    double sum = 0.0;
-    for (const BlockNoise& noise : holdout_.noise) {
-      sum += noise.along_normal_N * noise.along_normal_N + 2.0 * noise.tangential_N * noise.tangential_N +
-             noise.bias_W_N.squaredNorm();
+    const Prediction nominal = data_.holdout.predictor->predict(result_.model);
+    for (std::size_t world = 0; world < NoiseModel::null_worlds; ++world) {
+      FitData null = holdout_;
+      null.measured_N = block_means(null.blocks, data_.holdout.noise->null_forces(result_.model, nominal, world));
+      result_.null_goodness = std::max(
+          result_.null_goodness,
+          chi_squared(null, result_.model) / (3.0 * static_cast<double>(std::max<std::size_t>(1, null.blocks.size()))));
     }
-    result_.noise_rms_N = std::sqrt(sum / static_cast<double>(std::max<std::size_t>(1, holdout_.noise.size())));
+    const DetectorSide train{data_.train.recording, &train_, data_.train.noise};
+    const DetectorSide holdout{data_.holdout.recording, &holdout_, data_.holdout.noise};
+    result_.structure = detect_structure(train, holdout, result_.model);
+    result_.data_fault = find_data_fault(train, holdout, result_.base, result_.model);
+    const auto squares = data_.holdout.noise->expected_squares(result_.model, nominal);
+    const auto& t_s = data_.holdout.recording->motion.t_s;
+    double sum = 0.0;
+    double count = 0.0;
+    for (std::size_t i = 0; i < squares.size(); ++i) {
+      if (!data_.holdout.part.contains(t_s[i], t_s.front())) continue;
+      sum += squares[i];
+      count += 1.0;
+    }
+    result_.noise_rms_N = std::sqrt(sum / std::max(1.0, count));
+    if (result_.data_fault) {
+      // Nothing is learnt from data that are wrong.
+      result_.model = result_.base;
+      result_.found.clear();
+    }
+  }
+
+  // The same wave has many names: its direction is taken in [0, pi), its phase in [0, 2 pi).
+  static void settle_texture(Model& model) {
+    NamedParameters* const texture = find_entry(model, "surface-texture");
+    if (texture == nullptr) return;
+    constexpr double pi = std::numbers::pi;
+    double& direction = texture->parameters.at("direction_rad");
+    double& phase = texture->parameters.at("phase_rad");
+    direction -= 2.0 * pi * std::floor(direction / (2.0 * pi));
+    if (direction >= pi) {
+      direction -= pi;
+      phase = pi - phase;
+    }
+    phase -= 2.0 * pi * std::floor(phase / (2.0 * pi));
   }
 
   const SearchData& data_;

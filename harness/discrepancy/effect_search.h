@@ -7,21 +7,25 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "harness/discrepancy/candidate_starts.h"
 #include "harness/discrepancy/joint_fit.h"
 #include "harness/discrepancy/noise_model.h"
+#include "harness/discrepancy/structure_detector.h"
 
 namespace touchstone {
 
 struct SearchSettings {
   double minimum_gain =
       60.0;  // of chi-squared, held-out and training: far beyond what noise gives a handful of parameters
-  double minimum_share = 0.08;  // of the held-out chi-squared and of the held-out mean-square error that must go
-  double alike_gain = 0.1;      // two explanations whose held-out gains differ by less than this share of the gain, or
-  double alike_errors = 2.5;    // by less than so many standard errors, are alike
+  double minimum_share = 0.08;   // of the held-out chi-squared and of the held-out mean-square error that must go
+  double null_deviations = 5.0;  // above what the case's own nulls gain, in their standard deviations
+  double worsening = 0.15;       // of the squared error that goes, no regime's may grow by more than this share
+  double alike_gain = 0.1;       // two explanations whose held-out gains differ by less than this share of the gain, or
+  double alike_errors = 2.5;     // by less than so many standard errors, are alike
   std::size_t most_effects = 4;
   int iterations = 12;
 };
@@ -34,6 +38,7 @@ struct Trial {
   double train_gain = 0.0;  // of chi-squared against the model without it
   double holdout_gain = 0.0;
   double holdout_rms_N = 0.0;  // of the 3-D force error, held-out samples
+  double null_bar = 0.0;       // of the held-out gain, from the case's own nulls; 0 where they were not needed
   std::string verdict;         // why it was kept or not
 };
 
@@ -87,6 +92,7 @@ struct SearchData {
   Evidence holdout;
   double window_s = 0.0;       // of the blocks
   double force_floor_N = 0.0;  // a measured force above it is contact
+  double position_noise_m = 0.0;
 };
 
 struct SearchResult {
@@ -97,8 +103,11 @@ struct SearchResult {
   std::vector<FreeParameter> parameters;  // free in `fit`
   std::vector<SearchStep> steps;
   std::vector<FoundEffect> found;
-  double goodness = 0.0;     // held-out chi-squared per degree of freedom of `model` under its own noise; 1: only noise
-  double noise_rms_N = 0.0;  // 3-D force error that the noise model expects of `model` on the held-out samples' blocks
+  double goodness = 0.0;  // held-out chi-squared per degree of freedom of `model` under its own noise; 1: only noise
+  double null_goodness = 0.0;  // the same in the worst world where `model` is the truth
+  Structure structure;         // of what `model` leaves
+  std::optional<std::string> data_fault;
+  double noise_rms_N = 0.0;  // 3-D force error that the noise model expects of `model` on the held-out samples
 };
 
 using Report = std::function<void(const std::string&)>;

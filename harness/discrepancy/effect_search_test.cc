@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "harness/base/error.h"
@@ -59,6 +60,8 @@ MotionColumns hand(double phase, double scale) {
   return motion;
 }
 
+Model truth(double scale);
+
 struct World {
   double scale = 1.0;
   InstrumentDescription instrument;
@@ -87,19 +90,20 @@ struct World {
     return recording;
   }
 
-  [[nodiscard]] Findings find() const {
+  [[nodiscard]] Findings find(const std::vector<Candidate>& library = candidates) const {
     const MakePredictor make = [](const MotionColumns& motion) { return std::make_unique<PlanePredictor>(motion); };
     const auto train_predictor = make(train.motion);
     const auto holdout_predictor = make(holdout.motion);
-    NoiseModel train_noise(train.motion, instrument, make, 8, 1);
-    NoiseModel holdout_noise(holdout.motion, instrument, make, 8, 2);
+    NoiseModel train_noise(train.motion, train_predictor->predict(truth(scale)).n_W, instrument, make, 1, 3);
+    NoiseModel holdout_noise(holdout.motion, holdout_predictor->predict(truth(scale)).n_W, instrument, make, 2, 3);
     const SearchData data{{&train, train_predictor.get(), &train_noise, {}},
                           {&holdout, holdout_predictor.get(), &holdout_noise, {}},
                           block_window_s(60.0, train.motion),
-                          0.06};
+                          0.06,
+                          instrument.position_noise_m};
     Findings findings;
-    findings.search = search_effects(data, start, candidates, {}, [](const std::string&) {});
-    conclude(findings, candidates);
+    findings.search = search_effects(data, start, library, {}, [](const std::string&) {});
+    conclude(findings, library);
     return findings;
   }
 };
@@ -176,6 +180,42 @@ TEST(Search, AForceThatNoCandidateMakesIsUnexplained) {
   const Findings findings = world.find();
   EXPECT_EQ(findings.verdict, FindingsVerdict::unexplained);
   EXPECT_TRUE(findings.search.found.empty());
+}
+
+TEST(Search, ForcesInAWrongOrderAreBlamedAndNothingIsNamed) {
+  Model hidden = truth(1.0);
+  hidden.effects = {{"viscous-friction", {{"coefficient_N_s_per_m", 4.0}}, "/effects/0"}};
+  World world(hidden, 1.0);
+  for (auto* recording : {&world.train, &world.holdout}) {
+    // Runs of 1.1 s, the first last: not a multiple of the motion's periods.
+    std::rotate(recording->f_W_N.begin(), recording->f_W_N.begin() + 275, recording->f_W_N.end());
+  }
+  const Findings findings = world.find();
+  EXPECT_EQ(findings.verdict, FindingsVerdict::unexplained);
+  EXPECT_TRUE(findings.search.found.empty());
+  ASSERT_TRUE(findings.search.data_fault.has_value());
+  EXPECT_THAT(findings.explanation, ::testing::HasSubstr("does not follow the position"));
+}
+
+TEST(Search, AViscosityThatDrivesTheMotionIsAFaultOfTheData) {
+  Model hidden = truth(1.0);
+  hidden.effects = {{"viscous-friction", {{"coefficient_N_s_per_m", -5.0}}, "/effects/0"}};
+  const Findings findings = World(hidden, 1.0).find();
+  EXPECT_EQ(findings.verdict, FindingsVerdict::unexplained);
+  EXPECT_TRUE(findings.search.found.empty());
+  EXPECT_THAT(findings.search.data_fault.value_or(""), ::testing::HasSubstr("viscosity"));
+}
+
+TEST(Search, FindingsDoNotDependOnTheOrderOfTheLibrary) {
+  Model hidden = truth(1.0);
+  hidden.effects = {{"viscous-friction", {{"coefficient_N_s_per_m", 4.0}}, "/effects/0"}};
+  const World world(hidden, 1.0);
+  const Findings once = world.find();
+  const Findings reversed = world.find({candidates[1], candidates[0]});
+  EXPECT_EQ(findings_to_json(once, "").size(), findings_to_json(reversed, "").size());
+  ASSERT_EQ(reversed.search.found.size(), 1U);
+  EXPECT_EQ(reversed.search.found[0].name, "viscous-friction");
+  EXPECT_EQ(reversed.parameters[0][0].value, once.parameters[0][0].value);
 }
 
 TEST(Search, AModelWithoutAStiffnessIsRefused) {

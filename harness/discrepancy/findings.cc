@@ -72,6 +72,10 @@ std::string to_string(FindingsVerdict verdict) {
   return "unexplained";
 }
 
+double unexplained_threshold(const SearchResult& search) {
+  return std::max(unexplained_goodness, unexplained_over_null * search.null_goodness);
+}
+
 void conclude(Findings& findings, const std::vector<Candidate>& candidates) {
   const SearchResult& search = findings.search;
   for (const FoundEffect& effect : search.found) {
@@ -83,8 +87,20 @@ void conclude(Findings& findings, const std::vector<Candidate>& candidates) {
     }
     if (alike.size() > 1) findings.ambiguous.push_back(std::move(alike));
   }
-  const bool noise_left = search.goodness < unexplained_goodness;
-  if (!noise_left) {
+  const bool noise_left = search.goodness < unexplained_threshold(search);
+  const bool structured = search.structure.found() && search.goodness > structured_goodness * search.null_goodness;
+  if (search.data_fault) {
+    findings.verdict = FindingsVerdict::unexplained;
+    findings.explanation = fmt::format("The data seem to be wrong: {}. Nothing is named.", *search.data_fault);
+  } else if (noise_left && structured) {
+    findings.verdict = FindingsVerdict::unexplained;
+    findings.explanation = fmt::format(
+        "Something is missing that no known effect explains: a flexible regression on motion, load and their past, "
+        "learnt on the training data, foretells {:.0f} % of the square of what is left on held-out data (noise alone: "
+        "at most {:.0f} %){}. See where it sits below.",
+        100.0 * search.structure.share, 100.0 * search.structure.bar,
+        search.found.empty() ? "" : fmt::format(", with {} added, which helps", names(search.found)));
+  } else if (!noise_left) {
     findings.verdict = FindingsVerdict::unexplained;
     findings.explanation = fmt::format(
         "Something is missing that no known effect explains: on held-out data the error is {:.1f} times as large, in "
@@ -152,8 +168,16 @@ std::string findings_to_json(const Findings& findings, const std::string& trajec
       {"train", {{"before", number(findings.gap.train_before_N)}, {"after", number(findings.gap.train_after_N)}}},
       {"holdout", {{"before", number(findings.gap.holdout_before_N)}, {"after", number(findings.gap.holdout_after_N)}}},
       {"noise_floor", number(findings.gap.noise_floor_N)}};
+  if (findings.gap.holdout_after_again_N) {
+    root["gap"]["fresh_process_after"] = number(*findings.gap.holdout_after_again_N);
+  }
   root["goodness"] = {{"holdout_chi_squared_per_degree", number(findings.search.goodness)},
-                      {"threshold", unexplained_goodness}};
+                      {"threshold", number(unexplained_threshold(findings.search))},
+                      {"where_the_model_is_the_truth", number(findings.search.null_goodness)}};
+  root["structure"] = {{"share", number(findings.search.structure.share)},
+                       {"bar", number(findings.search.structure.bar)},
+                       {"found", findings.search.structure.found()}};
+  if (findings.search.data_fault) root["data_fault"] = *findings.search.data_fault;
   root["instrument"] = findings.instrument_declared ? "declared" : "estimated";
   root["holdout"] = findings.blocks_held_back ? "alternating blocks of the one recording" : "a recording of its own";
   root["where"] = json::array();

@@ -21,7 +21,8 @@ struct ForceGap {
   double train_after_N = 0.0;
   double holdout_before_N = 0.0;
   double holdout_after_N = 0.0;
-  double noise_floor_N = 0.0;  // what the noise model expects of the final model, held out
+  std::optional<double> holdout_after_again_N;  // by a fresh process from the written model; over the whole recording
+  double noise_floor_N = 0.0;                   // what the noise model expects of the final model, held out
 };
 
 struct FoundParameter {
@@ -46,9 +47,15 @@ struct Findings {
   bool blocks_held_back = false;  // no second recording: blocks of the one were held out
 };
 
-// Held-out chi-squared per degree of freedom above which noise cannot be what is left: faceting, a tracker's filter
-// that is not ours and friction at a standstill bring a right model to about 2.5.
-inline constexpr double unexplained_goodness = 4.0;
+// Held-out chi-squared per degree of freedom above which noise cannot be what is left: twice what noise makes, and more
+// where the case's own null worlds, in which the model is the truth, make more (a tip that sticks and slips with the
+// tracker's noise).
+inline constexpr double unexplained_goodness = 2.0;
+inline constexpr double unexplained_over_null = 2.2;
+double unexplained_threshold(const SearchResult& search);
+
+// Structure counts only where the goodness exceeds, by this factor, that of the case's own null worlds.
+inline constexpr double structured_goodness = 1.3;
 
 // Fills verdict, explanation, parameters and ambiguous from `search` and the declared candidates.
 void conclude(Findings& findings, const std::vector<Candidate>& candidates);

@@ -1,6 +1,7 @@
 #include "harness/discrepancy/instrument_description.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <numbers>
@@ -32,6 +33,13 @@ double noise_of(const std::vector<Vec3>& series) {
     for (int axis = 0; axis < 3; ++axis) magnitudes.push_back(std::abs(difference[axis]));
   }
   return 1.4826 * median(std::move(magnitudes)) / std::sqrt(20.0);
+}
+
+// The impulse response of a two-pole Butterworth filter run forwards and backwards, 1 / (1 + (f / cutoff)^4): the
+// inverse Fourier transform of 4 a^4 / (4 a^4 + w^4), with a = 2 pi cutoff / sqrt(2).
+double zero_phase_response(double t_s, double cutoff_Hz) {
+  const double x = std::numbers::sqrt2 * std::numbers::pi * cutoff_Hz * std::abs(t_s);
+  return std::numbers::pi * cutoff_Hz / std::numbers::sqrt2 * std::exp(-x) * (std::cos(x) + std::sin(x));
 }
 
 }  // namespace
@@ -72,29 +80,86 @@ MotionColumns with_position_noise(const MotionColumns& motion, const InstrumentD
                                   Random& random) {
   MotionColumns noisy = motion;
   if (motion.size() == 0 || instrument.position_noise_m == 0.0) return noisy;
+  constexpr std::ptrdiff_t reach = 6;  // tracker samples: the response has fallen below 1e-3 of its peak
   const double period_s = 1.0 / instrument.position_rate_Hz;
-  const double start_s = motion.t_s.front() - 4.0 * period_s;
-  const auto count = static_cast<std::size_t>((motion.t_s.back() - start_s) / period_s) + 6;
+  const double start_s = motion.t_s.front() - static_cast<double>(reach + 1) * period_s;
+  const auto count = static_cast<std::size_t>((motion.t_s.back() - start_s) / period_s) + reach + 3;
   std::vector<Vec3> draws(count);
   for (Vec3& draw : draws) draw = instrument.position_noise_m * Vec3(random.normal(), random.normal(), random.normal());
-  // A Gaussian whose response falls to 1/sqrt(2) at a quarter of the tracker's rate.
   const double cutoff_Hz = 0.25 * instrument.position_rate_Hz;
-  const double width_s = std::sqrt(std::numbers::ln2) / (2.0 * std::numbers::pi * cutoff_Hz);
   for (std::size_t i = 0; i < motion.size(); ++i) {
     const double place = (motion.t_s[i] - start_s) / period_s;
     const auto nearest = static_cast<std::ptrdiff_t>(std::lround(place));
     Vec3 sum = Vec3::Zero();
-    double weights = 0.0;
-    for (std::ptrdiff_t j = nearest - 3; j <= nearest + 3; ++j) {
-      const double x = (place - static_cast<double>(j)) * period_s / width_s;
-      const double weight = std::exp(-0.5 * x * x);
+    for (std::ptrdiff_t j = nearest - reach; j <= nearest + reach; ++j) {
+      const double weight = period_s * zero_phase_response((place - static_cast<double>(j)) * period_s, cutoff_Hz);
       sum += weight *
              draws[static_cast<std::size_t>(std::clamp<std::ptrdiff_t>(j, 0, static_cast<std::ptrdiff_t>(count) - 1))];
-      weights += weight;
     }
-    noisy.p_W_m[i] += sum / weights;
+    noisy.p_W_m[i] += sum;
   }
   return noisy;
+}
+
+double geometry_deviation_m(const InstrumentDescription& instrument) {
+  return instrument.geometry_error_m / std::sqrt(3.0);
+}
+
+namespace {
+
+// A random function of the place: a sum of waves of random direction and phase, of lengths from facets to the whole
+// scan. Standard deviation 1.
+class SmoothField {
+ public:
+  SmoothField(double extent_m, Random& random) {
+    for (Wave& wave : waves_) {
+      const double length_m = random.log_uniform(0.02 * extent_m, extent_m);
+      wave.k_per_m = 2.0 * std::numbers::pi / length_m * random.direction();
+      wave.phase = random.uniform(0.0, 2.0 * std::numbers::pi);
+    }
+  }
+  [[nodiscard]] double at(const Vec3& p_W_m) const {
+    double sum = 0.0;
+    for (const Wave& wave : waves_) sum += std::sin(wave.k_per_m.dot(p_W_m) + wave.phase);
+    return sum * std::sqrt(2.0 / static_cast<double>(waves_.size()));
+  }
+
+ private:
+  struct Wave {
+    Vec3 k_per_m;
+    double phase = 0.0;
+  };
+  std::array<Wave, 24> waves_;
+};
+
+}  // namespace
+
+MotionColumns with_geometry_error(const MotionColumns& motion, const std::vector<Vec3>& n_W,
+                                  const InstrumentDescription& instrument, Random& random) {
+  MotionColumns moved = motion;
+  if (instrument.mesh_extent_m == 0.0 || instrument.geometry_error_m == 0.0) return moved;
+  const SmoothField height(instrument.mesh_extent_m, random);
+  for (std::size_t i = 0; i < motion.size(); ++i) {
+    moved.p_W_m[i] += geometry_deviation_m(instrument) * height.at(motion.p_W_m[i]) * n_W[i];
+  }
+  return moved;
+}
+
+std::vector<Vec3> normal_tilts(const MotionColumns& motion, const std::vector<Vec3>& n_W,
+                               const InstrumentDescription& instrument, Random& random) {
+  std::vector<Vec3> tilts(motion.size(), Vec3::Zero());
+  const double extent = instrument.mesh_extent_m;
+  if (extent == 0.0 || instrument.normal_error_rad == 0.0) return tilts;
+  // Two of the three components lie in the tangent plane, each with half of the square.
+  const double share = instrument.normal_error_rad / std::sqrt(2.0);
+  const std::array<SmoothField, 3> field{SmoothField(extent, random), SmoothField(extent, random),
+                                         SmoothField(extent, random)};
+  for (std::size_t i = 0; i < tilts.size(); ++i) {
+    const Vec3& p = motion.p_W_m[i];
+    const Vec3 any = share * Vec3(field[0].at(p), field[1].at(p), field[2].at(p));
+    tilts[i] = any - n_W[i].dot(any) * n_W[i];
+  }
+  return tilts;
 }
 
 std::vector<Vec3> force_noise(const MotionColumns& motion, const InstrumentDescription& instrument, Random& random) {

@@ -17,6 +17,7 @@ struct InstrumentDescription {
   double position_rate_Hz = 60.0;            // of the tracker
   double geometry_error_m = 0.0;             // the mesh is off by at most this
   double normal_error_rad = 0.0;             // angle between facets and the smooth surface; from the mesh, not the file
+  double mesh_extent_m = 0.0;                // diagonal of its box; from the mesh, not the file
   bool declared = true;                      // false: estimated from the recording
 };
 
@@ -28,8 +29,20 @@ InstrumentDescription load_instrument(const std::filesystem::path& path);
 InstrumentDescription estimate_instrument(const Recording& recording);
 
 // The motion with one draw of tracker noise added: white at the tracker's rate, low-passed at a quarter of that rate
-// and interpolated, as optical trackers deliver it.
+// without delay (second-order Butterworth, forwards and backwards) and interpolated, as optical trackers deliver it.
 MotionColumns with_position_noise(const MotionColumns& motion, const InstrumentDescription& instrument, Random& random);
+
+// A declared bound ("off by at most") counts as a uniform error: its standard deviation.
+double geometry_deviation_m(const InstrumentDescription& instrument);
+
+// The motion as one draw of the mesh's error would have it: shifted along `n_W` (of every sample) by a height that is
+// smooth along the surface.
+MotionColumns with_geometry_error(const MotionColumns& motion, const std::vector<Vec3>& n_W,
+                                  const InstrumentDescription& instrument, Random& random);
+
+// One draw of how the true normal leans against the facet's at every sample, in the tangent plane [rad].
+std::vector<Vec3> normal_tilts(const MotionColumns& motion, const std::vector<Vec3>& n_W,
+                               const InstrumentDescription& instrument, Random& random);
 
 // One draw of force noise per sample, coloured, plus the rounding of the steps as a uniform error.
 std::vector<Vec3> force_noise(const MotionColumns& motion, const InstrumentDescription& instrument, Random& random);

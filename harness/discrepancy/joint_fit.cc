@@ -1,8 +1,10 @@
 #include "harness/discrepancy/joint_fit.h"
 
 #include <ceres/ceres.h>
+#include <glog/logging.h>
 
 #include <Eigen/Cholesky>
+#include <algorithm>
 #include <cmath>
 
 #include "harness/base/error.h"
@@ -63,7 +65,11 @@ class BlocksCost final : public ceres::CostFunction {
 
   bool evaluate(const Eigen::VectorXd& u, double* out) const {
     Model model = start_;
-    for (std::size_t i = 0; i < parameters_.size(); ++i) parameters_[i].set(model, u[static_cast<Eigen::Index>(i)]);
+    // Rounding may carry a step just across a bound, where a model file's check would refuse it.
+    for (std::size_t i = 0; i < parameters_.size(); ++i) {
+      parameters_[i].set(model,
+                         std::clamp(u[static_cast<Eigen::Index>(i)], parameters_[i].lower, parameters_[i].upper));
+    }
     try {
       residuals(data_, model, out);
     } catch (const BadData&) {
@@ -117,6 +123,8 @@ JointFit fit_jointly(const FitData& data, const Model& start, const std::vector<
   options.parameter_tolerance = 1e-6;
   options.logging_type = ceres::SILENT;
   options.num_threads = 1;
+  // A trial that the renderer refuses ends that trial; Ceres would also say so on stderr, to nobody's use.
+  FLAGS_minloglevel = google::GLOG_FATAL;
   ceres::Solver::Summary summary;
   ceres::Solve(options, &problem, &summary);
 

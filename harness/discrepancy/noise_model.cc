@@ -6,10 +6,9 @@
 namespace touchstone {
 namespace {
 
+constexpr std::size_t replica_count = 8;
 // The noise of neighbouring blocks is pooled, since a handful of replicas measures one block's variance badly.
 constexpr std::size_t pooled_on_each_side = 3;
-// Tabulated share of a declared bound ("off by at most") that is taken as its standard deviation: a uniform error.
-const double bound_to_deviation = 1.0 / std::sqrt(3.0);
 
 Vec3 mean_normal(const SampleBlock& block, const std::vector<Vec3>& n_W) {
   Vec3 sum = Vec3::Zero();
@@ -17,18 +16,58 @@ Vec3 mean_normal(const SampleBlock& block, const std::vector<Vec3>& n_W) {
   return sum.norm() > 0.0 ? Vec3(sum.normalized()) : Vec3(Vec3::Zero());
 }
 
+// Every sample's normal, in free air that of the contact before or, at the start, of the first one.
+std::vector<Vec3> carried_normals(std::vector<Vec3> n_W) {
+  Vec3 last = Vec3::Zero();
+  for (const Vec3& n : n_W) {
+    if (!n.isZero()) {
+      last = n;
+      break;
+    }
+  }
+  for (Vec3& n : n_W) {
+    if (n.isZero()) {
+      n = last;
+    } else {
+      last = n;
+    }
+  }
+  return n_W;
+}
+
+// Normals that are off by an angle: that share of the normal force lies in the tangent plane.
+double leaning_N(const InstrumentDescription& instrument, double normal_N) {
+  return instrument.normal_error_rad * std::abs(normal_N);
+}
+
 }  // namespace
 
-NoiseModel::NoiseModel(const MotionColumns& motion, const InstrumentDescription& instrument, const MakePredictor& make,
-                       std::size_t replicas, std::uint64_t seed)
-    : instrument_(instrument), motion_(motion) {
-  const Random root(seed);
-  for (std::size_t r = 0; r < replicas; ++r) {
+NoiseModel::NoiseModel(const MotionColumns& motion, const std::vector<Vec3>& n_W,
+                       const InstrumentDescription& instrument, const MakePredictor& make, std::uint64_t noise_seed,
+                       std::uint64_t mesh_seed)
+    : instrument_(instrument) {
+  const Random root(noise_seed);
+  const Random mesh_root(mesh_seed);
+  const std::vector<Vec3> normals = carried_normals(n_W);
+  for (std::size_t r = 0; r < replica_count + null_worlds; ++r) {
     Random random = root.stream(r);
-    moved_.push_back(with_position_noise(motion, instrument, random));
-    replicas_.push_back(make(moved_.back()));
-    force_noise_.push_back(force_noise(motion, instrument, random));
+    MotionColumns moved = with_position_noise(motion, instrument, random);
+    const bool null = r >= replica_count;
+    World world;
+    if (null) {
+      Random mesh_random = mesh_root.stream(r);
+      moved = with_geometry_error(moved, normals, instrument, mesh_random);
+      world.tilt_W = normal_tilts(motion, normals, instrument, mesh_random);
+    }
+    world.predictor = make(moved);
+    world.force_noise = force_noise(motion, instrument, random);
+    (null ? nulls_ : replicas_).push_back(std::move(world));
   }
+  MotionColumns displaced = motion;
+  for (std::size_t i = 0; i < displaced.size(); ++i) {
+    displaced.p_W_m[i] -= geometry_deviation_m(instrument) * normals[i];
+  }
+  displaced_ = make(displaced);
 }
 
 std::vector<BlockNoise> NoiseModel::of(const Model& model, const Prediction& nominal,
@@ -38,15 +77,16 @@ std::vector<BlockNoise> NoiseModel::of(const Model& model, const Prediction& nom
   std::vector<double> normal_squares(n, 0.0);
   std::vector<double> tangential_squares(n, 0.0);
   std::vector<std::vector<Vec3>> left;
-  for (std::size_t r = 0; r < replicas_.size(); ++r) {
-    const Prediction replica = replicas_[r]->predict(model);
-    std::vector<Vec3> difference(motion_.size());
+  for (World& world : replicas_) {
+    const Prediction replica = world.predictor->predict(model);
+    std::vector<Vec3> difference(replica.f_W_N.size());
     for (std::size_t i = 0; i < difference.size(); ++i) {
-      difference[i] = replica.f_W_N[i] - nominal.f_W_N[i] + force_noise_[r][i];
+      difference[i] = replica.f_W_N[i] - nominal.f_W_N[i] + world.force_noise[i];
     }
     left.push_back(block_means(blocks, difference));
-    for (std::size_t b = 0; b < n; ++b) noise[b].bias_W_N += left.back()[b] / static_cast<double>(replicas_.size());
+    for (std::size_t b = 0; b < n; ++b) noise[b].bias_W_N += left.back()[b] / static_cast<double>(replica_count);
   }
+  const double freedom = static_cast<double>(replica_count) - 1.0;
   for (std::size_t b = 0; b < n; ++b) {
     noise[b].n_W = mean_normal(blocks[b], nominal.n_W);
     for (const auto& means : left) {
@@ -55,8 +95,15 @@ std::vector<BlockNoise> NoiseModel::of(const Model& model, const Prediction& nom
       normal_squares[b] += normal * normal;
       tangential_squares[b] += spread.squaredNorm() - normal * normal;
     }
+    // A mean over few replicas is itself noisy: it is kept as far as it exceeds that (James and Stein 1961).
+    const double of_mean = (normal_squares[b] + tangential_squares[b]) / freedom / static_cast<double>(replica_count);
+    const double square = noise[b].bias_W_N.squaredNorm();
+    noise[b].bias_W_N *= square > 0.0 ? std::max(0.0, 1.0 - of_mean / square) : 0.0;
   }
-  const double freedom = std::max(1.0, static_cast<double>(replicas_.size()) - 1.0);
+  const Prediction displaced = displaced_->predict(model);
+  std::vector<Vec3> by_geometry(displaced.f_W_N.size());
+  for (std::size_t i = 0; i < by_geometry.size(); ++i) by_geometry[i] = displaced.f_W_N[i] - nominal.f_W_N[i];
+  const std::vector<Vec3> geometry = block_means(blocks, by_geometry);
   for (std::size_t b = 0; b < n; ++b) {
     const std::size_t low = b > pooled_on_each_side ? b - pooled_on_each_side : 0;
     const std::size_t high = std::min(n, b + pooled_on_each_side + 1);
@@ -72,31 +119,44 @@ std::vector<BlockNoise> NoiseModel::of(const Model& model, const Prediction& nom
       tangential += tangential_squares[j];
       tangential_axes += (noise[j].n_W.isZero() ? 3.0 : 2.0) * freedom;
     }
-    double depth_m = 0.0;
     double normal_N = 0.0;
-    for (std::size_t i = blocks[b].begin; i < blocks[b].end; ++i) {
-      depth_m += nominal.depth_m[i];
-      normal_N += nominal.normal_N[i];
-    }
-    const double stiffness = depth_m > 0.0 ? std::abs(normal_N) / depth_m : 0.0;
-    const double geometry = bound_to_deviation * instrument_.geometry_error_m * stiffness;
-    // A normal that is off by an angle turns that share of the normal force into the tangent plane.
-    const double samples = static_cast<double>(blocks[b].end - blocks[b].begin);
-    const double leaning = instrument_.normal_error_rad * std::abs(normal_N) / samples;
-    noise[b].tangential_N = std::sqrt(tangential / tangential_axes + 0.5 * leaning * leaning);
+    for (std::size_t i = blocks[b].begin; i < blocks[b].end; ++i) normal_N += nominal.normal_N[i];
+    const double leaning = leaning_N(instrument_, normal_N / static_cast<double>(blocks[b].end - blocks[b].begin));
+    const double geometry_along = noise[b].n_W.dot(geometry[b]);
+    const double geometry_across = geometry[b].squaredNorm() - geometry_along * geometry_along;
+    noise[b].tangential_N = std::sqrt(tangential / tangential_axes + 0.5 * leaning * leaning +
+                                      geometry_across / (noise[b].n_W.isZero() ? 3.0 : 2.0));
     noise[b].along_normal_N =
-        normal_axes > 0.0 ? std::sqrt(normal / normal_axes + geometry * geometry) : noise[b].tangential_N;
+        normal_axes > 0.0 ? std::sqrt(normal / normal_axes + geometry_along * geometry_along) : noise[b].tangential_N;
   }
   return noise;
 }
 
-Recording NoiseModel::null_recording(const Prediction& nominal, std::size_t index) const {
-  Recording recording;
-  recording.motion = moved_[index];
-  recording.f_W_N = nominal.f_W_N;
-  for (std::size_t i = 0; i < recording.f_W_N.size(); ++i) recording.f_W_N[i] += force_noise_[index][i];
-  recording.source = "simulated";
-  return recording;
+std::vector<double> NoiseModel::expected_squares(const Model& model, const Prediction& nominal) {
+  const std::size_t n = nominal.f_W_N.size();
+  std::vector<double> squares(n, 0.0);
+  for (World& world : replicas_) {
+    const Prediction replica = world.predictor->predict(model);
+    for (std::size_t i = 0; i < n; ++i) {
+      squares[i] += (replica.f_W_N[i] - nominal.f_W_N[i] + world.force_noise[i]).squaredNorm() /
+                    static_cast<double>(replica_count);
+    }
+  }
+  const Prediction displaced = displaced_->predict(model);
+  for (std::size_t i = 0; i < n; ++i) {
+    const double leaning = leaning_N(instrument_, nominal.normal_N[i]);
+    squares[i] += (displaced.f_W_N[i] - nominal.f_W_N[i]).squaredNorm() + leaning * leaning;
+  }
+  return squares;
+}
+
+std::vector<Vec3> NoiseModel::null_forces(const Model& model, const Prediction& nominal, std::size_t index) {
+  World& world = nulls_.at(index);
+  std::vector<Vec3> forces = world.predictor->predict(model).f_W_N;
+  for (std::size_t i = 0; i < forces.size(); ++i) {
+    forces[i] += world.force_noise[i] + std::abs(nominal.normal_N[i]) * world.tilt_W[i];
+  }
+  return forces;
 }
 
 }  // namespace touchstone

@@ -1,7 +1,10 @@
 // What noise alone would leave between a model and a recording, by simulation: tracker noise is an error in the
 // variable that the model bends (contact begins, friction turns), so that no formula of the force noise serves.
 // Replicas of the motion are perturbed by the declared noise, the model runs on each, and the blocks' spread and mean
-// are kept.
+// are kept. Given the recorded positions the true ones scatter about them (Berkson 1950; the prior is flat over the
+// range of the noise), so that what the model makes of the replicas is what the sensor would have shown.
+// The mesh's declared error is smooth along the surface: its part is what the model makes of a mesh that is off by its
+// standard deviation everywhere.
 #pragma once
 
 #include <cstdint>
@@ -15,26 +18,35 @@ namespace touchstone {
 
 class NoiseModel {
  public:
-  // `make` is used once per replica. Deterministic for a seed.
-  NoiseModel(const MotionColumns& motion, const InstrumentDescription& instrument, const MakePredictor& make,
-             std::size_t replicas, std::uint64_t seed);
+  // `n_W`: contact normals of every sample by a model that touches (zero in free air, where the nearest contact's is
+  // taken). `make` is used once per replica. Deterministic for its seeds; recordings of one object have the same error
+  // of the mesh, and so one `mesh_seed`, but each its own noise.
+  NoiseModel(const MotionColumns& motion, const std::vector<Vec3>& n_W, const InstrumentDescription& instrument,
+             const MakePredictor& make, std::uint64_t noise_seed, std::uint64_t mesh_seed);
 
-  // The noise of each block if `model` were the truth, `stiffness_N_per_m` its normal stiffness (for the part of the
-  // mesh's declared error, which is smooth along the surface and therefore no replica of sample noise).
-  // `nominal`: the model's prediction at the recorded positions.
+  // The noise of each block if `model` were the truth. `nominal`: the model's prediction at the recorded positions.
   [[nodiscard]] std::vector<BlockNoise> of(const Model& model, const Prediction& nominal,
                                            const std::vector<SampleBlock>& blocks);
 
-  // A recording as it would be were `model` the truth, seen through replica `index`: forces of the model at the
-  // recorded positions plus force noise; the positions carry fresh tracker noise. For null distributions.
-  [[nodiscard]] Recording null_recording(const Prediction& nominal, std::size_t index) const;
+  // The mean square of the 3-D force error that noise would leave at each sample if `model` were the truth [N^2].
+  [[nodiscard]] std::vector<double> expected_squares(const Model& model, const Prediction& nominal);
+
+  // What the sensor would have shown, were `model` the truth, in a world whose noise and mesh error are number `index`
+  // (< null_worlds): for null distributions of the case itself.
+  static constexpr std::size_t null_worlds = 4;
+  [[nodiscard]] std::vector<Vec3> null_forces(const Model& model, const Prediction& nominal, std::size_t index);
 
  private:
+  struct World {
+    std::unique_ptr<Predictor> predictor;
+    std::vector<Vec3> force_noise;
+    std::vector<Vec3> tilt_W;  // of the true normal against the facet's; null worlds only
+  };
+
   InstrumentDescription instrument_;
-  MotionColumns motion_;
-  std::vector<MotionColumns> moved_;
-  std::vector<std::unique_ptr<Predictor>> replicas_;
-  std::vector<std::vector<Vec3>> force_noise_;
+  std::vector<World> replicas_;           // noise alone
+  std::vector<World> nulls_;              // noise and mesh error
+  std::unique_ptr<Predictor> displaced_;  // the mesh off by its standard deviation
 };
 
 }  // namespace touchstone

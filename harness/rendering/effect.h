@@ -18,7 +18,7 @@ struct ContactState {
   Vec3 proxy_W_m = Vec3::Zero();     // surface contact point of the base renderer
   Vec3 n_W = Vec3::Zero();           // outward unit normal
   double depth_m = 0.0;              // penetration; negative: the gap, where the stack measures gaps
-  double depth_rate_m_per_s = 0.0;   // backward difference of depth_m; 0 at the first sample of a contact
+  double depth_rate_m_per_s = 0.0;   // backward difference of depth_m; at a contact's first sample, of the tip along -n
   double stiffness_N_per_m = 0.0;    // of the base renderer: normal force over depth
   double normal_force_N = 0.0;       // >= 0 but for adhesion
   double adhesion_N = 0.0;           // pull towards the surface, >= 0; no friction comes of it

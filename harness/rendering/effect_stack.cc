@@ -73,8 +73,12 @@ StepResult EffectStack::do_step(const TipState& tip) noexcept {
     state_.contact = state_.depth_m > 0.0 && state_.stiffness_N_per_m > 0.0;
     state_.normal_force_N = state_.contact ? state_.stiffness_N_per_m * state_.depth_m : 0.0;
   }
-  const bool continues = was_contact_ && state_.contact && state_.dt_s > 0.0;
-  state_.depth_rate_m_per_s = continues ? (state_.depth_m - last_depth_m_) / state_.dt_s : 0.0;
+  state_.depth_rate_m_per_s = 0.0;
+  if (state_.contact && state_.dt_s > 0.0) {
+    // At the first sample of a contact there is no depth before: the tip came at this speed along the normal.
+    const double grown_m = was_contact_ ? state_.depth_m - last_depth_m_ : -state_.n_W.dot(state_.tip_step_W_m);
+    state_.depth_rate_m_per_s = grown_m / state_.dt_s;
+  }
   run(EffectPhase::stiffness);
   run(EffectPhase::normal_force);
   state_.normal_force_N = state_.contact ? std::max(state_.normal_force_N, 0.0) : 0.0;

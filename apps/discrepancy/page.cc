@@ -1,4 +1,4 @@
-#include "apps/discrepancy_page.h"
+#include "apps/discrepancy/page.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>

@@ -1,0 +1,152 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <map>
+#include <memory>
+
+#include "apps/commands.h"
+#include "apps/discrepancy/blind_score.h"
+#include "apps/discrepancy/workflow.h"
+#include "harness/base/atomic_file.h"
+#include "harness/base/hash.h"
+#include "harness/base/progress.h"
+#include "synthetic/blind/write_case.h"
+
+namespace touchstone::apps {
+namespace {
+
+struct Options {
+  std::uint64_t seed = 1;
+  double share = 1.0;
+  std::vector<std::string> sets;
+  std::size_t count = 0;
+  std::size_t first = 0;
+  std::filesystem::path out;
+  std::filesystem::path cases;
+  std::filesystem::path answers;
+  std::filesystem::path results;
+  std::filesystem::path json;
+};
+
+// How many cases the full test has of each set.
+const std::map<std::string, std::size_t> full_count{{"one", 200},        {"one-noisy", 100}, {"two", 60},
+                                                    {"three", 15},       {"none", 200},      {"unknown", 60},
+                                                    {"cannot-tell", 40}, {"corrupted", 30}};
+
+ExitStatus make(const Options& options) {
+  if (options.share <= 0.0 || options.share > 1.0) throw UsageError("--share: above 0 and at most 1 was expected");
+  for (const std::string& set : options.sets) {
+    if (!full_count.contains(set)) {
+      throw UsageError(
+          fmt::format("--set {}: unknown; one, one-noisy, two, three, none, unknown, cannot-tell or "
+                      "corrupted was expected",
+                      set));
+    }
+  }
+  std::vector<synthetic::BlindCase> plans;
+  for (const std::string& set : synthetic::blind_sets()) {
+    if (!options.sets.empty() && std::find(options.sets.begin(), options.sets.end(), set) == options.sets.end())
+      continue;
+    const auto shared = static_cast<std::size_t>(std::ceil(options.share * static_cast<double>(full_count.at(set))));
+    const std::size_t count = options.count > 0 ? options.count : shared;
+    for (std::size_t i = 0; i < count; ++i) plans.push_back(synthetic::plan_case(set, options.first + i, options.seed));
+  }
+  // In the order of their opaque names, so that the order tells nothing.
+  std::sort(plans.begin(), plans.end(), [](const auto& a, const auto& b) { return a.id < b.id; });
+  const std::string answers = synthetic::answers_to_json(plans, options.seed);
+  fmt::print("answers: {} cases, SHA-256 {}\n", plans.size(), sha256(answers));
+  ensure_writable_folder(options.out / "cases");
+  Progress progress("blind cases", plans.size());
+  for (std::size_t i = 0; i < plans.size(); ++i) {
+    synthetic::write_case(plans[i], options.out / "cases");
+    progress.update(i + 1);
+  }
+  write_file(options.out / "answers.json", answers);
+  fmt::print("cases: {}\nanswers, not for whoever searches: {}\n", (options.out / "cases").string(),
+             (options.out / "answers.json").string());
+  return ExitStatus::passed;
+}
+
+ExitStatus run_cases(const Options& options) {
+  if (!std::filesystem::is_directory(options.cases)) {
+    throw BadData(fmt::format("{}: no such folder; make cases with: touchstone blind make", options.cases.string()));
+  }
+  std::vector<std::filesystem::path> folders;
+  for (const auto& entry : std::filesystem::directory_iterator(options.cases)) {
+    if (std::filesystem::exists(entry.path() / "model.json")) folders.push_back(entry.path());
+  }
+  std::sort(folders.begin(), folders.end());
+  Progress progress("cases searched", folders.size());
+  for (std::size_t i = 0; i < folders.size(); ++i) {
+    const auto& folder = folders[i];
+    const auto out = options.out / folder.filename();
+    progress.update(i);
+    // What is there is kept, so that an interrupted run goes on.
+    if (std::filesystem::exists(out / "findings.json")) continue;
+    const auto start = std::chrono::steady_clock::now();
+    DiscrepancyFiles files;
+    files.model = folder / "model.json";
+    files.mesh = folder / "mesh.obj";
+    files.recording = folder / "train.csv";
+    files.holdout = folder / "holdout.csv";
+    files.instrument = folder / "instrument.json";
+    files.out = out;
+    const Findings findings = run_discrepancy(files, [](const std::string&) {});
+    std::string names;
+    for (const FoundEffect& effect : findings.search.found) names += " " + effect.name;
+    const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    fmt::print("{} {}{} ({:.0f} s)\n", folder.filename().string(), to_string(findings.verdict), names, seconds);
+    std::fflush(stdout);
+  }
+  return ExitStatus::passed;
+}
+
+ExitStatus score(const Options& options) {
+  const auto scores = score_blind(options.answers, options.cases, options.results);
+  if (!options.json.empty()) write_file(options.json, blind_json(scores));
+  fmt::print("{}", blind_table(scores));
+  return ExitStatus::passed;
+}
+
+}  // namespace
+
+void add_blind(CLI::App& program, Run& run) {
+  auto* const command = program.add_subcommand(
+      "blind", "Test the search for missing effects on recordings whose hidden cause it does not know");
+  command->require_subcommand(1);
+  const auto options = std::make_shared<Options>();
+
+  auto* const maker = command->add_subcommand("make", "Write cases with opaque names and their answers apart");
+  maker->add_option("--seed", options->seed, "of everything")->capture_default_str();
+  maker->add_option("--share", options->share, "of the full test's 705 cases")->capture_default_str();
+  maker->add_option("--set", options->sets,
+                    "only these: one, one-noisy, two, three, none, unknown, cannot-tell, corrupted");
+  maker->add_option("--count", options->count, "of each set, instead of the share");
+  maker->add_option("--first", options->first, "number of the first case in each set")->capture_default_str();
+  maker->add_option("--out", options->out, "folder: cases/ and answers.json")->required();
+  maker->callback([options, &run] { run = [options] { return make(*options); }; });
+
+  auto* const runner = command->add_subcommand("run", "Search every case; cases that have findings are passed over");
+  runner->add_option("--cases", options->cases, "folder of cases")->required();
+  runner->add_option("--out", options->out, "folder for one folder of findings per case")->required();
+  runner->callback([options, &run] { run = [options] { return run_cases(*options); }; });
+
+  auto* const scorer = command->add_subcommand("score", "Compare findings with the answers");
+  scorer->add_option("--answers", options->answers, "answers.json")->required();
+  scorer->add_option("--cases", options->cases, "folder of cases")->required();
+  scorer->add_option("--results", options->results, "folder that blind run wrote")->required();
+  scorer->add_option("--json", options->json, "write the scores here too");
+  scorer->callback([options, &run] { run = [options] { return score(*options); }; });
+
+  command->footer(
+      "Examples:\n"
+      "  touchstone blind make --seed 7 --share 0.05 --out blind\n"
+      "  touchstone blind run --cases blind/cases --out blind/found\n"
+      "  touchstone blind score --answers blind/answers.json --cases blind/cases --results blind/found");
+}
+
+}  // namespace touchstone::apps

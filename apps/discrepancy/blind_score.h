@@ -1,0 +1,44 @@
+// Findings against the answers of blind cases: verdicts, names, parameters, the gap closed; with the bars to meet.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace touchstone::apps {
+
+// One case's outcome.
+struct BlindScore {
+  std::string id;
+  std::string set;
+  std::string expected_verdict;
+  std::string verdict;                // empty: no findings
+  std::vector<std::string> expected;  // effects
+  std::vector<std::string> named;     // in the order found
+  bool right = false;                 // as the set asks
+  bool weak = false;                  // the hidden effects are below half of the noise floor: counted apart
+  bool data_blamed = false;
+  double before_N = 0.0;  // held out: the true stiffness alone
+  double floor_N = 0.0;   // held out: the true structure with the true parameters; 0 where no library has it
+  double after_N = 0.0;
+  double closed = 0.0;  // (before^2 - after^2) / (before^2 - floor^2); NaN without a floor
+  struct Parameter {
+    std::string effect;
+    std::string name;
+    double truth;
+    double value;
+    bool inside;  // its 95 % interval
+  };
+  std::vector<Parameter> parameters;
+};
+
+// `answers`: the file that `touchstone blind make` sealed, or one of its layout. `cases` and `results`: folders with
+// one folder per case. Cases without findings.json count as not run and are left out; throws BadData when none was run.
+std::vector<BlindScore> score_blind(const std::filesystem::path& answers, const std::filesystem::path& cases,
+                                    const std::filesystem::path& results);
+
+// A table by set against its bar with 95 % intervals (Wilson 1927), then gap, parameters and every failure.
+std::string blind_table(const std::vector<BlindScore>& scores);
+std::string blind_json(const std::vector<BlindScore>& scores);
+
+}  // namespace touchstone::apps

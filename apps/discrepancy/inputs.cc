@@ -1,0 +1,62 @@
+#include "apps/discrepancy/inputs.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "apps/plugin_flags.h"
+#include "harness/base/error.h"
+#include "harness/base/units.h"
+#include "harness/recording/recording_file.h"
+#include "harness/rendering/in_trajectory.h"
+#include "harness/rendering/out_trajectory.h"
+#include "harness/surface/embree_surface.h"
+#include "harness/surface/mesh_file.h"
+
+namespace touchstone::apps {
+namespace {
+
+// Two triangles in z = 0 that reach far beyond the recording.
+TriangleMesh half_space(const Recording& recording) {
+  Box3 box;
+  for (const Vec3& p : recording.motion.p_W_m) box.extend(p);
+  const double half = 10.0 * std::max(box.diagonal().norm(), 1e-9);
+  const Vec3 c(box.center().x(), box.center().y(), 0.0);
+  TriangleMesh mesh;
+  mesh.vertices_W_m = {c + Vec3(-half, -half, 0), c + Vec3(half, -half, 0), c + Vec3(half, half, 0),
+                       c + Vec3(-half, half, 0)};
+  mesh.triangles = {{0, 1, 2}, {0, 2, 3}};
+  mesh.source = "half-space below z = 0";
+  return mesh;
+}
+
+void synthesize(Recording& recording, const Surface& surface, const Model& model) {
+  const auto stiffness = model.parameters.find("stiffness_N_per_m");
+  if (stiffness == model.parameters.end()) {
+    throw BadData(
+        fmt::format("{}: /parameters: stiffness_N_per_m is needed to synthesize the in-trajectory", model.source));
+  }
+  const auto radius = model.parameters.find("tip_radius_m");
+  const OutTrajectoryRule rule{radius == model.parameters.end() ? 0.0 : radius->second};
+  recording.motion = synthesize_in_trajectory(make_out_trajectory(recording, surface, rule), stiffness->second).motion;
+}
+
+}  // namespace
+
+DiscrepancyInputs load_inputs(const DiscrepancyFiles& files) {
+  DiscrepancyInputs inputs;
+  inputs.model =
+      files.plugins != nullptr ? load_model(files.model, *files.plugins) : touchstone::load_model(files.model);
+  inputs.train = load_recording(files.recording);
+  if (!files.holdout.empty()) inputs.holdout = load_recording(files.holdout);
+  inputs.mesh =
+      files.mesh.empty() ? half_space(inputs.train) : load_mesh(files.mesh, length_unit_factor(files.mesh_unit));
+  inputs.surface = make_embree_surface(inputs.mesh);
+  if (files.synthesize_in_trajectory) {
+    synthesize(inputs.train, *inputs.surface, inputs.model);
+    if (inputs.holdout) synthesize(*inputs.holdout, *inputs.surface, inputs.model);
+  }
+  return inputs;
+}
+
+}  // namespace touchstone::apps

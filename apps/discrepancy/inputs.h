@@ -1,0 +1,47 @@
+// What a search for missing effects works on, read from files.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "harness/recording/trajectory.h"
+#include "harness/rendering/model.h"
+#include "harness/surface/surface.h"
+
+namespace touchstone {
+class Plugins;
+}
+
+namespace touchstone::apps {
+
+struct DiscrepancyFiles {
+  std::filesystem::path model;
+  std::filesystem::path mesh;  // empty: the half-space below z = 0, for force against displacement
+  std::string mesh_unit = "m";
+  std::filesystem::path recording;
+  std::filesystem::path holdout;     // empty: alternating blocks of `recording` are kept back
+  std::filesystem::path instrument;  // empty: the noise is estimated
+  // Measured positions enter a compliant object as they stand; on a rigid one the in-trajectory is made from the
+  // out-trajectory and the force (Ruffaldi et al. 2006, equation 2).
+  bool synthesize_in_trajectory = false;
+  std::filesystem::path out;
+  std::filesystem::path golden;  // where a golden case of the result is to be made; empty: none
+  std::uint64_t seed = 1;
+  const Plugins* plugins = nullptr;  // where the model's renderer may come from one
+};
+
+struct DiscrepancyInputs {
+  Model model;
+  TriangleMesh mesh;
+  std::shared_ptr<const Surface> surface;
+  Recording train;
+  std::optional<Recording> holdout;
+};
+
+// Throws BadData naming the file.
+DiscrepancyInputs load_inputs(const DiscrepancyFiles& files);
+
+}  // namespace touchstone::apps

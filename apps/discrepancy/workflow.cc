@@ -1,0 +1,169 @@
+#include "apps/discrepancy/workflow.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <optional>
+
+#include "apps/command.h"
+#include "apps/discrepancy/golden_offer.h"
+#include "apps/discrepancy/page.h"
+#include "apps/discrepancy/verify.h"
+#include "harness/base/atomic_file.h"
+#include "harness/recording/recording_file.h"
+#include "harness/rendering/model.h"
+#include "harness/report/page_html.h"
+#include "harness/surface/facet_angle.h"
+#include "renderers/catalogue.h"
+#include "renderers/model_predictor.h"
+
+namespace touchstone::apps {
+namespace {
+
+constexpr double held_back_block_s = 2.0;
+
+InstrumentDescription instrument_of(const DiscrepancyFiles& files, const Recording& train, const TriangleMesh& mesh,
+                                    const Surface& surface) {
+  InstrumentDescription instrument =
+      files.instrument.empty() ? estimate_instrument(train) : load_instrument(files.instrument);
+  std::vector<std::int32_t> touched;
+  const std::size_t stride = std::max<std::size_t>(1, train.size() / 1000);
+  for (std::size_t i = 0; i < train.size(); i += stride) {
+    touched.push_back(surface.closest(train.motion.p_W_m[i]).triangle);
+  }
+  instrument.normal_error_rad = median_facet_angle_rad(mesh, touched);
+  instrument.mesh_extent_m = mesh.bounds().diagonal().norm();
+  return instrument;
+}
+
+ForceGap measure_gap(const SearchResult& search, const SearchData& data) {
+  ForceGap gap;
+  gap.train_before_N = rms_force_error_N(data.train, data.train.predictor->predict(search.start));
+  gap.train_after_N = rms_force_error_N(data.train, data.train.predictor->predict(search.model));
+  gap.holdout_before_N = rms_force_error_N(data.holdout, data.holdout.predictor->predict(search.start));
+  gap.holdout_after_N = rms_force_error_N(data.holdout, data.holdout.predictor->predict(search.model));
+  gap.noise_floor_N = search.noise_rms_N;
+  return gap;
+}
+
+// Only rivals alike need another recording; the first pair decides what to do.
+std::optional<NextExperiment> next_experiment(const SearchResult& search, const SearchData& data,
+                                              const MakePredictor& make, double force_noise_N) {
+  for (const FoundEffect& effect : search.found) {
+    for (const Rival& rival : effect.rivals) {
+      if (!rival.alike) continue;
+      return propose_experiment(*data.train.recording, data.train.predictor->predict(search.model), search.model,
+                                rival.model, make, force_noise_N);
+    }
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+std::vector<Candidate> all_candidates() {
+  std::vector<Candidate> candidates;
+  for (const auto& effect : effect_catalogue()) candidates.push_back({effect.name, Side::contact, effect.parameters});
+  for (const auto& entry : instrument_declarations()) {
+    candidates.push_back({entry.name, Side::instrument, entry.parameters});
+  }
+  return candidates;
+}
+
+Findings run_discrepancy(const DiscrepancyFiles& files, const std::function<void(const std::string&)>& report) {
+  ensure_writable_folder(files.out);
+  const DiscrepancyInputs inputs = load_inputs(files);
+  const Model& model = inputs.model;
+  const TriangleMesh& mesh = inputs.mesh;
+  const auto& surface = inputs.surface;
+  const Recording& train = inputs.train;
+  const auto& second = inputs.holdout;
+  const Recording& holdout = second ? *second : train;
+  // Refuses a wrong model before the long work begins; alive, its examined mesh serves all that follow.
+  const auto alive = make_renderer(model, surface);
+  const InstrumentDescription instrument = instrument_of(files, train, mesh, *surface);
+
+  const MakePredictor make = [&](const MotionColumns& motion) { return make_model_predictor(surface, motion); };
+  const auto train_predictor = make(train.motion);
+  const auto holdout_predictor = make(holdout.motion);
+  NoiseModel train_noise(train.motion, train_predictor->predict(model).n_W, instrument, make, files.seed,
+                         files.seed + 2);
+  NoiseModel holdout_noise(holdout.motion, holdout_predictor->predict(model).n_W, instrument, make, files.seed + 1,
+                           files.seed + 2);
+  const double held_back_s = second ? 0.0 : held_back_block_s;
+  const SearchData data{{&train, train_predictor.get(), &train_noise, {held_back_s, false}},
+                        {&holdout, holdout_predictor.get(), &holdout_noise, {held_back_s, true}},
+                        block_window_s(instrument.position_rate_Hz, train.motion),
+                        6.0 * instrument.force_noise_N + instrument.force_step_N.maxCoeff(),
+                        instrument.position_noise_m};
+  const auto candidates = all_candidates();
+
+  Findings findings;
+  findings.search = search_effects(data, model, candidates, {}, report);
+  findings.gap = measure_gap(findings.search, data);
+  const Prediction before = data.holdout.predictor->predict(model);
+  const Prediction after = data.holdout.predictor->predict(findings.search.model);
+  findings.where = sort_by_regime(data.holdout, before, after, data.force_floor_N);
+  findings.next = next_experiment(findings.search, data, make, instrument.force_noise_N);
+  findings.instrument_declared = instrument.declared;
+  findings.blocks_held_back = !second;
+  conclude(findings, candidates);
+
+  std::string trajectory;
+  if (findings.next && !findings.ambiguous.empty()) {
+    trajectory = "next.csv";
+    save_trajectory(files.out / trajectory, InTrajectory{findings.next->motion});
+  }
+  write_file(files.out / "model.json", model_to_json(findings.search.model) + "\n");
+  // Once more from the files alone, in a process that knows nothing of this one.
+  DiscrepancyFiles written = files;
+  written.model = files.out / "model.json";
+  written.recording = second ? files.holdout : files.recording;
+  const bool repeatable = !files.synthesize_in_trajectory && files.plugins == nullptr;
+  const auto again = repeatable ? rms_in_fresh_process_N(written) : std::nullopt;
+  if (again) {
+    Evidence whole = data.holdout;
+    whole.part = {};
+    const double here = rms_force_error_N(whole, after);
+    if (std::abs(*again - here) > 1e-9 * std::max(here, instrument.force_noise_N)) {
+      throw BadData(fmt::format("{}: run again from this file alone, the model leaves {} N instead of {} N",
+                                (files.out / "model.json").string(), *again, here));
+    }
+    findings.gap.holdout_after_again_N = *again;
+  }
+  const std::string json = findings_to_json(findings, trajectory);
+  write_file(files.out / "findings.json", json);
+  Provenance provenance = make_provenance(command_line());
+  provenance.inputs = {describe_input("model", files.model), describe_input("recording", files.recording)};
+  if (!files.mesh.empty()) provenance.inputs.push_back(describe_input("mesh", files.mesh));
+  if (second) provenance.inputs.push_back(describe_input("holdout", files.holdout));
+  if (instrument.declared) provenance.inputs.push_back(describe_input("instrument", files.instrument));
+  write_html(files.out / "report.html", discrepancy_page(findings, data.holdout, before, after, mesh, provenance));
+  if (!files.golden.empty()) write_golden_case(files.golden, mesh, holdout, findings.search.model);
+  return findings;
+}
+
+std::string findings_text(const Findings& findings, const DiscrepancyFiles& files) {
+  std::string text = fmt::format("{}\n{}\n", to_string(findings.verdict), findings.explanation);
+  for (std::size_t e = 0; e < findings.search.found.size(); ++e) {
+    text += fmt::format("  {}\n", findings.search.found[e].name);
+    for (const FoundParameter& p : findings.parameters[e]) {
+      text +=
+          fmt::format("    {:28} {:>12.5g} {:8} 95 %: {:.5g} to {:.5g}\n", p.name, p.value, p.unit, p.low95, p.high95);
+    }
+  }
+  text +=
+      fmt::format("held-out RMS force error: before {:.4f} N, after {:.4f} N, expected of noise {:.4f} N\nreport: {}\n",
+                  findings.gap.holdout_before_N, findings.gap.holdout_after_N, findings.gap.noise_floor_N,
+                  (files.out / "report.html").string());
+  if (!files.golden.empty()) {
+    text += "a golden case of it is written; it counts once it is accepted:\n" + golden_commands(files.golden);
+  } else if (findings.verdict == FindingsVerdict::explained) {
+    text += "to keep the gap closed, make it a golden case: add --golden golden/NAME\n";
+  }
+  return text;
+}
+
+}  // namespace touchstone::apps

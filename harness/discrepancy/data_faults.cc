@@ -1,0 +1,156 @@
+#include "harness/discrepancy/data_faults.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "harness/base/error.h"
+#include "harness/discrepancy/whitened_regression.h"
+
+namespace touchstone {
+namespace {
+
+// Measured and modelled load of a recording that fits its positions are correlated by more than 0.9 even where laws are
+// missing; seconds in a wrong order leave about 0.
+constexpr double least_correlation = 0.5;
+// Of the held-out chi-squared that a coefficient of the wrong sign must explain.
+constexpr double least_share = 0.3;
+constexpr double least_gain = 100.0;
+
+double load_correlation(const DetectorSide& side, const Prediction& prediction) {
+  std::vector<Vec3> measured = side.recording->f_W_N;
+  std::vector<Vec3> modelled(measured.size());
+  for (std::size_t i = 0; i < measured.size(); ++i) {
+    measured[i] = Vec3(measured[i].norm(), 0.0, 0.0);
+    modelled[i] = Vec3(prediction.f_W_N[i].norm(), 0.0, 0.0);
+  }
+  const auto a = block_means(side.blocks->blocks, measured);
+  const auto b = block_means(side.blocks->blocks, modelled);
+  const double n = static_cast<double>(a.size());
+  double mean_a = 0.0;
+  double mean_b = 0.0;
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    mean_a += a[i].x() / n;
+    mean_b += b[i].x() / n;
+  }
+  double ab = 0.0;
+  double aa = 0.0;
+  double bb = 0.0;
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    ab += (a[i].x() - mean_a) * (b[i].x() - mean_b);
+    aa += (a[i].x() - mean_a) * (a[i].x() - mean_a);
+    bb += (b[i].x() - mean_b) * (b[i].x() - mean_b);
+  }
+  return aa > 0.0 && bb > 0.0 ? ab / std::sqrt(aa * bb) : 1.0;
+}
+
+// A coefficient that is never negative, by the force that a unit of it makes.
+struct OneSided {
+  const char* effect;
+  Side side;
+  std::map<std::string, double> unit;  // parameters at a small size
+  double size;
+  const char* words;
+};
+
+std::vector<Vec3> response(Predictor& predictor, const Model& base, const OneSided& coefficient,
+                           const Prediction& nominal) {
+  Model with = base;
+  (coefficient.side == Side::contact ? with.effects : with.instrument)
+      .push_back({coefficient.effect, coefficient.unit, "/test"});
+  const Prediction moved = predictor.predict(with);
+  std::vector<Vec3> series(nominal.f_W_N.size());
+  for (std::size_t i = 0; i < series.size(); ++i) {
+    series[i] = (moved.f_W_N[i] - nominal.f_W_N[i]) / coefficient.size;
+  }
+  return series;
+}
+
+}  // namespace
+
+std::optional<std::string> find_data_fault(const DetectorSide& train, const DetectorSide& holdout, const Model& base,
+                                           const Model& best) {
+  const Prediction train_nominal = train.blocks->predictor->predict(base);
+  const Prediction holdout_nominal = holdout.blocks->predictor->predict(base);
+  // Of the better of the two: a heavy tool, which only the search's model knows, hides the load from the other.
+  const double correlation =
+      std::max(load_correlation(train, train_nominal), load_correlation(train, train.blocks->predictor->predict(best)));
+  if (correlation < least_correlation) {
+    return fmt::format(
+        "the force does not follow the position: over {:.0f} s the measured and the modelled load have a correlation "
+        "of {:.2f}, where a recording that belongs to this object has more than 0.9. Are blocks of the file in a wrong "
+        "order, its clocks apart, or the mesh another object's?",
+        train.recording->motion.t_s.back() - train.recording->motion.t_s.front(), correlation);
+  }
+  const double held = chi_squared(*holdout.blocks, best);
+  const std::array tests{
+      OneSided{"coulomb-friction",
+               Side::contact,
+               {{"mu_static", 0.05}, {"mu_dynamic", 0.05}},
+               0.05,
+               "the force along the surface pulls with the motion instead of against it, as friction of coefficient "
+               "{:.2f} would: is the sign of the force, or an axis, turned round?"},
+      OneSided{
+          "viscous-friction",
+          Side::contact,
+          {{"coefficient_N_s_per_m", 0.1}},
+          0.1,
+          "the force along the surface drives the motion, as a viscosity of {:.3g} N s/m would: is the sign of the "
+          "force, or the clock, wrong?"},
+      OneSided{
+          "normal-damping",
+          Side::contact,
+          {{"coefficient_N_s_per_m", 0.1}},
+          0.1,
+          "the contact gives energy, as a damping of {:.3g} N s/m would: does the force come before the position?"},
+      OneSided{"tool-weight",
+               Side::instrument,
+               {{"mass_kg", 0.01}},
+               0.01,
+               "the tool pulls upwards, as a mass of {:.3g} kg would: is the sign of the force, or of z, wrong?"},
+      OneSided{"tool-inertia",
+               Side::instrument,
+               {{"mass_kg", 0.01}},
+               0.01,
+               "the force helps every acceleration, as a mass of {:.3g} kg would: is its sign wrong?"}};
+  for (const OneSided& test : tests) {
+    try {
+      // The stiffness may take up a part of it, and a bias of the sensor a part of a weight.
+      const auto series = [&](const DetectorSide& side, const Prediction& nominal) {
+        std::vector<std::vector<Vec3>> columns{response(*side.blocks->predictor, base, test, nominal), nominal.f_W_N};
+        for (int axis = 0; axis < 3 && test.side == Side::instrument; ++axis) {
+          const auto& q = side.recording->motion.q_WS;
+          std::vector<Vec3> constant(nominal.f_W_N.size(), Vec3::Unit(axis));
+          for (std::size_t i = 0; i < q.size(); ++i) constant[i] = q[i] * Vec3::Unit(axis);
+          columns.push_back(std::move(constant));
+        }
+        return columns;
+      };
+      const auto regression = [&](const DetectorSide& side, const Prediction& nominal) {
+        std::vector<Vec3> left(nominal.f_W_N.size());
+        for (std::size_t i = 0; i < left.size(); ++i) left[i] = side.recording->f_W_N[i] - nominal.f_W_N[i];
+        return whiten_for_regression(*side.blocks, left, series(side, nominal));
+      };
+      const RegressionData learn = regression(train, train_nominal);
+      const RegressionData judge = regression(holdout, holdout_nominal);
+      const Eigen::VectorXd with = ridge_coefficients(learn, 1e-9);
+      if (with[0] >= 0.0) continue;
+      RegressionData learn_without = learn;
+      learn_without.responses.col(0).setZero();
+      const Eigen::VectorXd without = ridge_coefficients(learn_without, 1e-9);
+      const double train_gain = left_by(learn_without, without) - left_by(learn, with);
+      const double bare = left_by(judge, without);
+      const double gain = bare - left_by(judge, with);
+      // What the search found explains it better, or it explains little: no fault of the data.
+      if (train_gain < least_gain || gain < std::max(least_gain, least_share * bare) || bare - gain > held) continue;
+      return fmt::format(fmt::runtime(test.words), with[0]);
+    } catch (const BadData&) {
+      continue;  // a base renderer that cannot run the effect
+    }
+  }
+  return std::nullopt;
+}
+
+}  // namespace touchstone

@@ -1,0 +1,39 @@
+#include "harness/discrepancy/whitened_regression.h"
+
+#include <Eigen/Cholesky>
+
+namespace touchstone {
+
+RegressionData whiten_for_regression(const FitData& data, const std::vector<Vec3>& measured_minus_predicted_N,
+                                     const std::vector<std::vector<Vec3>>& series) {
+  const auto rows = static_cast<Eigen::Index>(3 * data.blocks.size());
+  RegressionData out{Eigen::VectorXd(rows), Eigen::MatrixXd(rows, static_cast<Eigen::Index>(series.size()))};
+  const auto residual = block_means(data.blocks, measured_minus_predicted_N);
+  for (std::size_t b = 0; b < data.blocks.size(); ++b) {
+    out.residual.segment<3>(static_cast<Eigen::Index>(3 * b)) = whitened(residual[b], data.noise[b]);
+  }
+  for (std::size_t c = 0; c < series.size(); ++c) {
+    const auto means = block_means(data.blocks, series[c]);
+    for (std::size_t b = 0; b < data.blocks.size(); ++b) {
+      BlockNoise linear = data.noise[b];
+      linear.bias_W_N.setZero();
+      out.responses.block<3, 1>(static_cast<Eigen::Index>(3 * b), static_cast<Eigen::Index>(c)) =
+          whitened(means[b], linear);
+    }
+  }
+  return out;
+}
+
+Eigen::VectorXd ridge_coefficients(const RegressionData& data, double ridge) {
+  const Eigen::VectorXd size = data.responses.colwise().norm().cwiseMax(1e-300);
+  const Eigen::MatrixXd scaled = data.responses * size.cwiseInverse().asDiagonal();
+  Eigen::MatrixXd normal = scaled.transpose() * scaled;
+  normal.diagonal().array() += ridge;
+  return size.cwiseInverse().cwiseProduct(normal.ldlt().solve(scaled.transpose() * data.residual));
+}
+
+double left_by(const RegressionData& data, const Eigen::VectorXd& coefficients) {
+  return (data.residual - data.responses * coefficients).squaredNorm();
+}
+
+}  // namespace touchstone

@@ -1,0 +1,139 @@
+// The maker of blind cases against exact answers: its surface's closest point, its laws at rest and in steady motion,
+// its instrument's noise, and that a seed makes a case.
+#include "synthetic/blind/blind_case.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "harness/base/error.h"
+#include "harness/surface/mesh_topology.h"
+#include "synthetic/blind/write_case.h"
+
+namespace touchstone::synthetic {
+namespace {
+
+TEST(TrueSurface, TheFootOfAPointAboveIsWhereItCameFrom) {
+  for (const double scale : {1e-3, 1.0, 1e3}) {
+    TrueSurface surface;
+    surface.half_side_m = scale;
+    surface.curvature_per_m = Vec2(-0.3, 0.2) / scale;
+    surface.waves.push_back({0.01 * scale, Vec2(2.0, 1.0) / scale, 0.4});
+    surface.bumps.push_back({0.02 * scale, Vec2(0.1, -0.2) * scale, 0.3 * scale});
+    Random random(4);
+    for (int i = 0; i < 200; ++i) {
+      const Vec2 xy = scale * Vec2(random.uniform(-0.8, 0.8), random.uniform(-0.8, 0.8));
+      const auto jet = surface.at(xy);
+      const Vec3 n = Vec3(-jet.slope.x(), -jet.slope.y(), 1.0).normalized();
+      const Vec3 q(xy.x(), xy.y(), jet.h);
+      const double height = scale * random.uniform(-0.2, 0.2);
+      const auto foot = surface.foot(q + height * n, xy + scale * Vec2(0.05, -0.05));
+      EXPECT_NEAR((foot.q_W_m - q).norm(), 0.0, 1e-9 * scale);
+      EXPECT_NEAR(foot.distance_m, height, 1e-9 * scale);
+    }
+  }
+}
+
+TEST(TrueSurface, ItsSlabIsClosedAndWithinTheDeviation) {
+  TrueSurface surface;
+  surface.half_side_m = 0.05;
+  surface.curvature_per_m = Vec2(-4.0, -2.0);
+  const TriangleMesh mesh = surface.slab(16, 0.02);
+  EXPECT_TRUE(make_topology(mesh).closed());
+  double volume = 0.0;
+  for (const auto& [a, b, c] : mesh.triangles) {
+    const auto at = [&](std::int32_t i) { return mesh.vertices_W_m[static_cast<std::size_t>(i)]; };
+    volume += at(a).dot(at(b).cross(at(c))) / 6.0;
+  }
+  EXPECT_GT(volume, 0.0);  // outward
+  // Chord of a parabola: c h^2 / 8 along each axis, the sum at a square's middle.
+  const double step = 0.1 / 16;
+  EXPECT_NEAR(surface.deviation_m(surface, 16), (4.0 + 2.0) * step * step / 8.0, 0.3 * 6.0 * step * step / 8.0);
+}
+
+class Steady : public ::testing::Test {
+ protected:
+  // Presses to `depth` at rest, then moves along `v` for a while; the last force.
+  static HiddenContact::Forces run(const HiddenPhysics& physics, double depth, const Vec3& v, double seconds) {
+    TrueSurface plane;
+    HiddenContact contact(plane, physics);
+    constexpr double dt = 1e-4;
+    HiddenContact::Forces forces;
+    Vec3 p(0.0, 0.0, -depth);
+    for (double t = 0.0; t < seconds; t += dt) {
+      p += dt * v;
+      forces = contact.step(t, dt, p, v);
+    }
+    return forces;
+  }
+};
+
+TEST_F(Steady, LawsAgreeWithTheirFormulas) {
+  HiddenPhysics h;
+  h.stiffness_N_per_m = 600.0;
+  EXPECT_NEAR(run(h, 2e-3, Vec3::Zero(), 0.01).f_W_N.z(), 1.2, 1e-9);
+
+  HiddenPhysics friction = h;
+  friction.mu_static = friction.mu_dynamic = Vec2(0.4, 0.4);
+  const auto f = run(friction, 2e-3, Vec3(0.03, 0.04, 0.0), 0.2).f_W_N;
+  EXPECT_NEAR(f.x(), -0.4 * 1.2 * 0.6, 1e-4);
+  EXPECT_NEAR(f.y(), -0.4 * 1.2 * 0.8, 1e-4);
+
+  HiddenPhysics damped = h;
+  damped.damping_N_s_per_m = 9.0;
+  const double v = -0.02;
+  EXPECT_NEAR(run(damped, 2e-3, Vec3(0, 0, v), 0.1).f_W_N.z(), 600.0 * (2e-3 + 0.02 * 0.1) + 9.0 * 0.02, 2e-3);
+
+  HiddenPhysics relaxing = h;
+  relaxing.relaxation_ratio = 0.5;
+  relaxing.relaxation_time_s = 0.1;
+  // Pressed at once at the first step, then held for two time constants.
+  EXPECT_NEAR(run(relaxing, 2e-3, Vec3::Zero(), 0.2).f_W_N.z(), 1.2 + 0.6 * std::exp(-2.0), 2e-3);
+
+  HiddenPhysics hertz = h;
+  hertz.exponent = 1.5;
+  hertz.reference_depth_m = 1e-3;
+  EXPECT_NEAR(run(hertz, 2e-3, Vec3::Zero(), 0.01).f_W_N.z(), 0.6 * std::pow(2.0, 1.5), 1e-9);
+}
+
+TEST(BlindCase, ASeedMakesACaseAndOpaqueNamesDiffer) {
+  std::set<std::string> names;
+  for (const std::string& set : blind_sets()) {
+    for (std::size_t i = 0; i < 6; ++i) {
+      const BlindCase once = plan_case(set, i, 9);
+      const BlindCase again = plan_case(set, i, 9);
+      EXPECT_EQ(answers_to_json({once}, 9), answers_to_json({again}, 9));
+      names.insert(once.id);
+    }
+  }
+  EXPECT_EQ(names.size(), 6 * blind_sets().size());
+  EXPECT_THROW(plan_case("nonsense", 0, 1), UsageError);
+}
+
+TEST(BlindCase, RecordsForcesThatFollowTheHandAndStayFinite) {
+  for (const std::string& set : blind_sets()) {
+    BlindCase plan = plan_case(set, 3, 5);
+    plan.train.duration_s = 3.0;
+    const Recording recording = record(plan, false);
+    ASSERT_EQ(recording.size(), 750U);
+    double largest = 0.0;
+    for (std::size_t i = 0; i < recording.size(); ++i) {
+      ASSERT_TRUE(recording.f_W_N[i].allFinite() && recording.motion.p_W_m[i].allFinite()) << set;
+      largest = std::max(largest, recording.f_W_N[i].norm());
+    }
+    EXPECT_GT(largest, 0.3) << set;
+    EXPECT_LT(largest, 50.0) << set;
+  }
+}
+
+TEST(BlindCase, AnswersNameTheAlikePairAsAList) {
+  const BlindCase plan = plan_case("cannot-tell", 0, 1);
+  const auto answers = nlohmann::json::parse(answers_to_json({plan}, 1));
+  EXPECT_EQ(answers["cases"][0]["ambiguous"], nlohmann::json::parse(R"([["tool-weight", "force-bias"]])"));
+}
+
+}  // namespace
+}  // namespace touchstone::synthetic

@@ -1,0 +1,114 @@
+#include "synthetic/blind/hidden_physics.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace touchstone::synthetic {
+
+HiddenContact::HiddenContact(const TrueSurface& surface, const HiddenPhysics& physics)
+    : surface_(surface), physics_(physics), dents_m_(dent_cells * dent_cells, 0.0) {}
+
+double& HiddenContact::dent(const Vec2& xy) {
+  const auto cell = [this](double x) {
+    const double share = 0.5 * (x / surface_.half_side_m + 1.0);
+    return static_cast<std::size_t>(std::clamp(static_cast<int>(share * dent_cells), 0, dent_cells - 1));
+  };
+  return dents_m_[cell(xy.y()) * dent_cells + cell(xy.x())];
+}
+
+double HiddenContact::normal_force(double depth_m, double rate_m_per_s, const Vec2& xy, double t_s, double dt_s) {
+  const HiddenPhysics& h = physics_;
+  double k = h.stiffness_N_per_m;
+  if (h.map_amplitude != 0.0) {
+    k *= 1.0 + h.map_amplitude * std::exp(-0.5 * (xy - h.map_place_m).squaredNorm() / (h.map_width_m * h.map_width_m));
+  }
+  if (h.softening_share != 0.0) k *= 1.0 - h.softening_share * (1.0 - std::exp(-t_s / h.softening_time_s));
+  double N =
+      h.exponent == 1.0 ? k * depth_m : k * h.reference_depth_m * std::pow(depth_m / h.reference_depth_m, h.exponent);
+  if (h.bottom_stiffness_N_per_m > 0.0) {
+    N += h.bottom_stiffness_N_per_m * std::max(0.0, depth_m - h.bottom_depth_m);
+  }
+  N += h.damping_N_s_per_m * rate_m_per_s + h.hunt_crossley_N_s_per_m2 * depth_m * rate_m_per_s;
+  if (h.relaxation_ratio > 0.0) {
+    // Maxwell arm: s' = K d' - s / tau, by the trapezium rule.
+    const double spring = h.relaxation_ratio * h.stiffness_N_per_m * depth_m;
+    const double half = 0.5 * dt_s / h.relaxation_time_s;
+    arm_N_ = ((1.0 - half) * arm_N_ + spring - last_arm_spring_N_) / (1.0 + half);
+    last_arm_spring_N_ = spring;
+    N += arm_N_;
+  }
+  return std::max(0.0, N);
+}
+
+Vec3 HiddenContact::friction(double normal_N, const Vec3& n, const Vec3& v_t, double dt_s) {
+  const HiddenPhysics& h = physics_;
+  Vec3 f = -h.viscous_N_s_per_m * v_t;
+  const double speed = v_t.norm();
+  if (h.tool_spring_N_per_m > 0.0) {
+    // The tip sticks until the spring pulls harder than static friction, then slips to where dynamic friction holds it.
+    spring_m_ += v_t * dt_s;
+    spring_m_ -= n.dot(spring_m_) * n;
+    const double pull = h.tool_spring_N_per_m * spring_m_.norm();
+    if (pull > h.mu_static.x() * normal_N) spring_m_ *= h.mu_dynamic.x() * normal_N / pull;
+    return f - h.tool_spring_N_per_m * spring_m_;
+  }
+  if (h.mu_dynamic.isZero() && h.mu_static.isZero()) return f;
+  // Dahl: s z' = v - |v| z, by the implicit Euler rule, since a fast tip crosses s in less than a step.
+  bristle_ = (bristle_ + v_t * dt_s / h.presliding_m) / (1.0 + speed * dt_s / h.presliding_m);
+  bristle_ -= n.dot(bristle_) * n;
+  Vec2 mu = h.mu_dynamic;
+  if (h.stribeck_velocity_m_per_s > 0.0) {
+    const double ratio = speed / h.stribeck_velocity_m_per_s;
+    mu += (h.mu_static - h.mu_dynamic) * std::exp(-ratio * ratio);
+  }
+  Vec3 dry(mu.x() * bristle_.x(), mu.y() * bristle_.y(), std::sqrt(mu.x() * mu.y()) * bristle_.z());
+  dry -= n.dot(dry) * n;
+  return f - normal_N * dry;
+}
+
+HiddenContact::Forces HiddenContact::step(double t_s, double dt_s, const Vec3& p, const Vec3& v) {
+  const HiddenPhysics& h = physics_;
+  const TrueSurface::Foot foot = surface_.foot(p, guess_m_);
+  guess_m_ = foot.q_W_m.head<2>();
+  const Vec3& n = foot.n_W;
+  Forces forces;
+  forces.n_W = n;
+
+  double depth = h.tip_radius_m - foot.distance_m;
+  double rate = -n.dot(v);
+  if (h.texture_amplitude_m != 0.0) {
+    const double wave = 2.0 * std::numbers::pi / h.texture_wavelength_m;
+    const Vec2 direction(std::cos(h.texture_direction_rad), std::sin(h.texture_direction_rad));
+    const double angle = wave * direction.dot(p.head<2>()) + h.texture_phase_rad;
+    depth += h.texture_amplitude_m * std::sin(angle);
+    rate += h.texture_amplitude_m * wave * std::cos(angle) * direction.dot(v.head<2>());
+  }
+  if (h.dent_share > 0.0) {
+    double& here = dent(foot.q_W_m.head<2>());
+    here = std::max(here, h.dent_share * depth);
+    depth -= here;
+  }
+  if (depth > 0.0) {
+    bonded_ = true;
+    forces.contact = true;
+    const double N = normal_force(depth, rate, foot.q_W_m.head<2>(), t_s, dt_s);
+    const Vec3 v_t = v - n.dot(v) * n;
+    forces.f_W_N = N * n + friction(N, n, v_t, dt_s);
+  } else {
+    bristle_.setZero();
+    spring_m_.setZero();
+    arm_N_ = 0.0;
+    last_arm_spring_N_ = 0.0;
+  }
+  const double gap = std::max(0.0, -depth);
+  if (gap > 5.0 * h.adhesion_range_m) bonded_ = false;
+  if (bonded_) forces.f_W_N -= h.adhesion_N * std::exp(-gap / h.adhesion_range_m) * n;
+  if (h.magnet_N > 0.0) forces.f_W_N -= h.magnet_N * std::exp(-gap / h.magnet_range_m) * n;
+  forces.f_W_N -= h.drag_N_s_per_m * v;
+  if (h.cable_N_per_m > 0.0) forces.f_W_N -= h.cable_N_per_m * (p - h.cable_end_W_m);
+  forces.f_W_N.x() += h.vibration_N * std::sin(2.0 * std::numbers::pi * h.vibration_Hz * t_s);
+  return forces;
+}
+
+}  // namespace touchstone::synthetic

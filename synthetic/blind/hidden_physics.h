@@ -1,0 +1,83 @@
+// The contact of a blind case: what the object does to the probe, stepped at 10 kHz with exact velocities. Its formulas
+// are written anew from their sources, not taken from the renderers' effects, which blind cases are there to test:
+// friction is Dahl's differential equation (1968) where the renderers have a play operator, relaxation a Maxwell arm
+// integrated by its differential equation, and so on. SI units, object's frame.
+#pragma once
+
+#include <vector>
+
+#include "synthetic/blind/true_surface.h"
+
+namespace touchstone::synthetic {
+
+// Zero (or one, for the exponent) switches each part off.
+struct HiddenPhysics {
+  double stiffness_N_per_m = 500.0;
+  double damping_N_s_per_m = 0.0;         // k d + b d'
+  double hunt_crossley_N_s_per_m2 = 0.0;  // k d + b d d'
+  double exponent = 1.0;                  // k d0 (d/d0)^n
+  double reference_depth_m = 1e-3;        // d0
+  double map_amplitude = 0.0;             // k (1 + a exp(-r^2/2w^2))
+  Vec2 map_place_m = Vec2::Zero();
+  double map_width_m = 1.0;
+  double relaxation_ratio = 0.0;
+  double relaxation_time_s = 1.0;
+  double tip_radius_m = 0.0;
+  double adhesion_N = 0.0;
+  double adhesion_range_m = 1e-3;
+  double texture_amplitude_m = 0.0;
+  double texture_wavelength_m = 1.0;
+  double texture_direction_rad = 0.0;
+  double texture_phase_rad = 0.0;
+
+  Vec2 mu_static = Vec2::Zero();  // along the object's x and y
+  Vec2 mu_dynamic = Vec2::Zero();
+  double stribeck_velocity_m_per_s = 0.0;  // 0: mu_dynamic at once
+  double presliding_m = 3e-5;
+  double viscous_N_s_per_m = 0.0;
+
+  // Effects that no library of ours has.
+  double tool_spring_N_per_m = 0.0;  // the tip hangs on the tool by a spring along the surface: stick and slip
+  double bottom_depth_m = 0.0;       // beyond this depth a stiffer layer
+  double bottom_stiffness_N_per_m = 0.0;
+  double drag_N_s_per_m = 0.0;  // in free air too
+  double cable_N_per_m = 0.0;   // pulls towards a place, in free air too
+  Vec3 cable_end_W_m = Vec3::Zero();
+  double vibration_N = 0.0;  // along the object's x
+  double vibration_Hz = 20.0;
+  double dent_share = 0.0;       // of the depth that stays as a dent
+  double softening_share = 0.0;  // of the stiffness that is lost in the long run
+  double softening_time_s = 8.0;
+  double magnet_N = 0.0;  // attracts without having touched
+  double magnet_range_m = 1e-3;
+};
+
+class HiddenContact {
+ public:
+  HiddenContact(const TrueSurface& surface, const HiddenPhysics& physics);
+
+  struct Forces {
+    Vec3 f_W_N = Vec3::Zero();  // on the probe
+    Vec3 n_W = Vec3::UnitZ();
+    bool contact = false;
+  };
+  Forces step(double t_s, double dt_s, const Vec3& p_W_m, const Vec3& v_W_m_per_s);
+
+ private:
+  double normal_force(double depth_m, double rate_m_per_s, const Vec2& xy, double t_s, double dt_s);
+  Vec3 friction(double normal_N, const Vec3& n, const Vec3& v_t, double dt_s);
+  double& dent(const Vec2& xy);
+
+  const TrueSurface& surface_;
+  HiddenPhysics physics_;
+  Vec2 guess_m_ = Vec2::Zero();
+  Vec3 bristle_ = Vec3::Zero();  // of length 1 when sliding
+  Vec3 spring_m_ = Vec3::Zero();
+  double arm_N_ = 0.0;
+  double last_arm_spring_N_ = 0.0;
+  bool bonded_ = false;
+  static constexpr int dent_cells = 40;
+  std::vector<double> dents_m_;
+};
+
+}  // namespace touchstone::synthetic

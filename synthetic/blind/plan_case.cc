@@ -1,0 +1,431 @@
+// What each blind case hides, and at which place, scale and noise.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <functional>
+#include <numbers>
+#include <optional>
+#include <string_view>
+
+#include "harness/base/error.h"
+#include "synthetic/blind/blind_case.h"
+
+namespace touchstone::synthetic {
+namespace {
+
+const std::vector<std::string> sets{"one", "one-noisy", "two", "three", "none", "unknown", "cannot-tell", "corrupted"};
+
+// Sizes from which every hidden effect takes its own.
+struct Sizes {
+  double depth_m;
+  double half_side_m;
+  double force_N;
+  double sliding_m_per_s;
+  double pressing_m_per_s;
+};
+
+class Planner {
+ public:
+  Planner(BlindCase& plan, Random random) : plan_(plan), random_(random) {}
+
+  void ground(const std::string& set, std::size_t index) {
+    HiddenPhysics& physics = plan_.physics;
+    physics.stiffness_N_per_m = random_.log_uniform(250.0, 2000.0);
+    sizes_.force_N = random_.uniform(2.5, 4.5);
+    sizes_.depth_m = std::min(sizes_.force_N / physics.stiffness_N_per_m, 0.014);
+    sizes_.force_N = sizes_.depth_m * physics.stiffness_N_per_m;
+    sizes_.half_side_m = sizes_.depth_m * random_.uniform(6.5, 10.0);
+    sizes_.sliding_m_per_s = 0.6 * sizes_.half_side_m / 0.7;
+    sizes_.pressing_m_per_s = sizes_.depth_m / 0.35;
+    plan_.nominal_stiffness_N_per_m = std::round(100.0 * physics.stiffness_N_per_m * random_.uniform(0.9, 1.1)) / 100.0;
+    plan_.train.half_side_m = plan_.holdout.half_side_m = sizes_.half_side_m;
+    plan_.train.depth_m = plan_.holdout.depth_m = sizes_.depth_m;
+    plan_.holdout.pace = random_.uniform(0.75, 1.35);
+    plan_.holdout.load = random_.uniform(0.75, 0.95);
+    physics.presliding_m = random_.uniform(1e-5, 3e-5) * std::min(1.0, sizes_.depth_m / 0.004);
+    physics.reference_depth_m = sizes_.depth_m;
+    // Noise: low, middle, high; finer on small objects, as one would choose the tracker.
+    const std::size_t level = set == "one-noisy" ? 2 : index % 2;
+    DeclaredInstrument& d = plan_.declared;
+    d.force_noise_N = std::array{0.01, 0.02, 0.04}[level];
+    d.position_noise_m =
+        std::min(std::array{5e-5, 1.5e-4, 3e-4}[level], std::array{0.0125, 0.0375, 0.06}[level] * sizes_.depth_m);
+  }
+
+  void shape(bool flat) {
+    TrueSurface& surface = plan_.truth;
+    surface.half_side_m = 1.35 * sizes_.half_side_m;
+    plan_.cells = flat ? 10 : 64;
+    if (flat) return;
+    const double L = sizes_.half_side_m;
+    // Radii of curvature stay well above the depth.
+    const double bend = 1.0 / (6.0 * sizes_.depth_m + 1.5 * L);
+    switch (random_.below(3)) {
+      case 0:
+        surface.curvature_per_m = Vec2(-bend * random_.uniform(0.4, 1.0), -bend * random_.uniform(0.4, 1.0));
+        break;
+      case 1:
+        surface.curvature_per_m = Vec2(bend * random_.uniform(0.3, 0.8), -bend * random_.uniform(0.3, 0.8));
+        break;
+      default:
+        for (int w = 0; w < 3; ++w) {
+          const double k = 2.0 * std::numbers::pi / (L * random_.uniform(1.2, 2.5));
+          const double angle = random_.uniform(0.0, 2.0 * std::numbers::pi);
+          surface.waves.push_back({0.35 * bend / (k * k), k * Vec2(std::cos(angle), std::sin(angle)),
+                                   random_.uniform(0.0, 2.0 * std::numbers::pi)});
+        }
+    }
+  }
+
+  // Hides one effect by its name in model files.
+  void hide(const std::string& name) {
+    HiddenPhysics& h = plan_.physics;
+    HiddenInstrument& i = plan_.instrument;
+    const double F = sizes_.force_N;
+    const double D = sizes_.depth_m;
+    const double L = sizes_.half_side_m;
+    Random& r = random_;
+    const auto sign = [&] { return r.uniform() < 0.5 ? -1.0 : 1.0; };
+    const auto some_place = [&] { return Vec2(L * r.uniform(-0.4, 0.4), L * r.uniform(-0.4, 0.4)); };
+    const std::map<std::string, std::function<void()>> ways{
+        {"coulomb-friction",
+         [&] {
+           const double mu = r.uniform(0.12, 0.6);
+           h.mu_static = h.mu_dynamic = Vec2(mu, mu);
+           note(name, "contact", {{"mu_static", mu}, {"mu_dynamic", mu}});
+         }},
+        {"stribeck-friction",
+         [&] {
+           const double high = r.uniform(0.4, 0.8);
+           const double low = high * r.uniform(0.25, 0.5);
+           h.stribeck_velocity_m_per_s = sizes_.sliding_m_per_s * r.log_uniform(0.15, 0.6);
+           h.mu_static = Vec2(high, high);
+           h.mu_dynamic = Vec2(low, low);
+           note(name, "contact",
+                {{"mu_static", high}, {"mu_dynamic", low}, {"stribeck_velocity_m_per_s", h.stribeck_velocity_m_per_s}});
+         }},
+        {"anisotropic-friction",
+         [&] {
+           h.mu_dynamic = Vec2(r.uniform(0.1, 0.25), r.uniform(0.4, 0.65));
+           if (r.uniform() < 0.5) std::swap(h.mu_dynamic.x(), h.mu_dynamic.y());
+           h.mu_static = h.mu_dynamic;
+           note(name, "contact", {{"mu_x", h.mu_dynamic.x()}, {"mu_y", h.mu_dynamic.y()}});
+         }},
+        {"viscous-friction",
+         [&] {
+           h.viscous_N_s_per_m = r.uniform(0.1, 0.4) * F / sizes_.sliding_m_per_s;
+           note(name, "contact", {{"coefficient_N_s_per_m", h.viscous_N_s_per_m}});
+         }},
+        {"normal-damping",
+         [&] {
+           h.damping_N_s_per_m = r.uniform(0.08, 0.3) * F / sizes_.pressing_m_per_s;
+           note(name, "contact", {{"coefficient_N_s_per_m", h.damping_N_s_per_m}});
+         }},
+        {"hunt-crossley",
+         [&] {
+           h.hunt_crossley_N_s_per_m2 = r.uniform(0.15, 0.5) * F / (sizes_.pressing_m_per_s * D);
+           note(name, "contact", {{"coefficient_N_s_per_m2", h.hunt_crossley_N_s_per_m2}});
+         }},
+        {"power-law-stiffness",
+         [&] {
+           h.exponent = r.uniform() < 0.75 ? r.uniform(1.3, 2.2) : r.uniform(0.55, 0.8);
+           note(name, "contact", {{"exponent", h.exponent}, {"reference_depth_m", h.reference_depth_m}});
+         }},
+        {"stiffness-map",
+         [&] {
+           h.map_amplitude = r.uniform() < 0.7 ? r.uniform(0.4, 1.5) : -r.uniform(0.3, 0.7);
+           h.map_place_m = some_place();
+           h.map_width_m = L * r.uniform(0.15, 0.4);
+           note(name, "contact",
+                {{"amplitude", h.map_amplitude},
+                 {"x_m", h.map_place_m.x()},
+                 {"y_m", h.map_place_m.y()},
+                 {"width_m", h.map_width_m}});
+         }},
+        {"stress-relaxation",
+         [&] {
+           h.relaxation_ratio = r.uniform(0.25, 1.0);
+           h.relaxation_time_s = r.log_uniform(0.1, 1.2);
+           note(name, "contact", {{"ratio", h.relaxation_ratio}, {"time_constant_s", h.relaxation_time_s}});
+         }},
+        {"tip-radius",
+         [&] {
+           h.tip_radius_m = D * r.uniform(0.6, 1.6);
+           note(name, "contact", {{"radius_m", h.tip_radius_m}});
+         }},
+        {"adhesion",
+         [&] {
+           h.adhesion_N = F * r.uniform(0.08, 0.25);
+           h.adhesion_range_m = D * r.uniform(0.05, 0.25);
+           note(name, "contact", {{"force_N", h.adhesion_N}, {"range_m", h.adhesion_range_m}});
+         }},
+        {"surface-texture",
+         [&] {
+           h.texture_amplitude_m = D * r.uniform(0.06, 0.12);
+           h.texture_wavelength_m = L * r.uniform(0.1, 0.35);
+           h.texture_direction_rad = r.uniform(0.0, std::numbers::pi);
+           h.texture_phase_rad = r.uniform(0.0, 2.0 * std::numbers::pi);
+           note(name, "contact",
+                {{"amplitude_m", h.texture_amplitude_m},
+                 {"wavelength_m", h.texture_wavelength_m},
+                 {"direction_rad", h.texture_direction_rad},
+                 {"phase_rad", h.texture_phase_rad}});
+         }},
+        {"tool-weight",
+         [&] {
+           i.weight_kg = F * r.uniform(0.1, 0.4) / 9.8;
+           note(name, "instrument", {{"mass_kg", i.weight_kg}});
+         }},
+        {"tool-inertia",
+         [&] {
+           i.inertia_kg = r.uniform(0.08, 0.3) * std::max(1.0, 0.05 / L);
+           note(name, "instrument", {{"mass_kg", i.inertia_kg}});
+         }},
+        {"force-bias",
+         [&] {
+           i.bias_S_N = F * 0.15 *
+                        Vec3(sign() * r.uniform(0.2, 1.0), sign() * r.uniform(0.2, 1.0), sign() * r.uniform(0.2, 1.0));
+           note(name, "instrument", {{"fx_N", i.bias_S_N.x()}, {"fy_N", i.bias_S_N.y()}, {"fz_N", i.bias_S_N.z()}});
+         }},
+        {"force-drift",
+         [&] {
+           i.drift_S_N_per_s =
+               0.015 * F *
+               Vec3(sign() * r.uniform(0.3, 1.0), sign() * r.uniform(0.3, 1.0), sign() * r.uniform(0.3, 1.0));
+           note(name, "instrument",
+                {{"fx_N_per_s", i.drift_S_N_per_s.x()},
+                 {"fy_N_per_s", i.drift_S_N_per_s.y()},
+                 {"fz_N_per_s", i.drift_S_N_per_s.z()}});
+         }},
+        {"force-crosstalk",
+         [&] {
+           i.c_xz = sign() * r.uniform(0.05, 0.16);
+           i.c_yz = sign() * r.uniform(0.05, 0.16);
+           note(name, "instrument", {{"c_xz", i.c_xz}, {"c_yz", i.c_yz}});
+         }},
+        {"force-saturation",
+         [&] {
+           i.limit_N = F * r.uniform(0.45, 0.65);
+           note(name, "instrument", {{"limit_N", i.limit_N}});
+         }},
+        {"time-lag",
+         [&] {
+           i.lag_s = r.uniform(0.012, 0.05);
+           note(name, "instrument", {{"lag_s", i.lag_s}});
+         }},
+        {"registration",
+         [&] {
+           i.shift_W_m =
+               D * Vec3(sign() * r.uniform(0.1, 0.4), sign() * r.uniform(0.1, 0.4), sign() * r.uniform(0.06, 0.2));
+           i.turn_rad = Vec3(r.uniform(-0.02, 0.02), r.uniform(-0.02, 0.02), 0.0);
+           note(name, "instrument",
+                {{"dx_m", i.shift_W_m.x()},
+                 {"dy_m", i.shift_W_m.y()},
+                 {"dz_m", i.shift_W_m.z()},
+                 {"rx_rad", i.turn_rad.x()},
+                 {"ry_rad", i.turn_rad.y()}});
+         }},
+        {"surface-geometry",
+         [&] {
+           const TrueSurface::Bump bump{sign() * D * r.uniform(0.12, 0.35), some_place(), L * r.uniform(0.15, 0.35)};
+           hidden_bump_ = bump;
+           note(name, "instrument",
+                {{"amplitude_m", bump.amplitude_m},
+                 {"x_m", bump.centre_m.x()},
+                 {"y_m", bump.centre_m.y()},
+                 {"width_m", bump.width_m}});
+         }},
+    };
+    ways.at(name)();
+  }
+
+  static const std::vector<std::string>& hideable() {
+    static const std::vector<std::string> names{
+        "coulomb-friction",    "tool-weight",      "stress-relaxation", "force-bias",      "tip-radius",
+        "normal-damping",      "time-lag",         "surface-texture",   "force-crosstalk", "stribeck-friction",
+        "stiffness-map",       "force-saturation", "viscous-friction",  "registration",    "power-law-stiffness",
+        "force-drift",         "adhesion",         "surface-geometry",  "hunt-crossley",   "tool-inertia",
+        "anisotropic-friction"};
+    return names;
+  }
+
+  // Effects that need a curved surface to be told from a shift of the mesh.
+  static bool wants_curvature(const std::string& name) { return name == "tip-radius" || name == "registration"; }
+
+  // Something that no library of ours has.
+  void hide_unknown(std::size_t kind) {
+    HiddenPhysics& h = plan_.physics;
+    const double F = sizes_.force_N;
+    const double D = sizes_.depth_m;
+    const double L = sizes_.half_side_m;
+    Random& r = random_;
+    switch (kind % 8) {
+      case 0: {
+        const double mu = r.uniform(0.4, 0.7);
+        h.mu_static = Vec2(mu, mu);
+        h.mu_dynamic = 0.6 * h.mu_static;
+        h.tool_spring_N_per_m = mu * F / (0.25 * L);
+        return note("stick-slip", "unknown", {{"mu", mu}, {"stiffness_N_per_m", h.tool_spring_N_per_m}});
+      }
+      case 1:
+        h.bottom_depth_m = 0.5 * D;
+        h.bottom_stiffness_N_per_m = 3.0 * h.stiffness_N_per_m;
+        return note("second-layer", "unknown",
+                    {{"depth_m", h.bottom_depth_m}, {"stiffness_N_per_m", h.bottom_stiffness_N_per_m}});
+      case 2:
+        h.drag_N_s_per_m = 0.25 * F / sizes_.sliding_m_per_s;
+        return note("drag", "unknown", {{"coefficient_N_s_per_m", h.drag_N_s_per_m}});
+      case 3:
+        h.vibration_N = 0.12 * F;
+        h.vibration_Hz = r.uniform(5.0, 12.0);
+        return note("vibration", "unknown", {{"force_N", h.vibration_N}, {"frequency_Hz", h.vibration_Hz}});
+      case 4:
+        h.dent_share = 0.45;
+        return note("dent", "unknown", {{"share", h.dent_share}});
+      case 5:
+        h.softening_share = 0.5;
+        h.softening_time_s = r.uniform(4.0, 8.0);
+        return note("softening", "unknown", {{"share", h.softening_share}, {"time_constant_s", h.softening_time_s}});
+      case 6:
+        h.cable_N_per_m = 0.25 * F / L;
+        h.cable_end_W_m = L * Vec3(r.uniform(-1.0, 1.0), r.uniform(-1.0, 1.0), 0.5);
+        return note("cable", "unknown", {{"stiffness_N_per_m", h.cable_N_per_m}});
+      default:
+        h.magnet_N = 0.25 * F;
+        h.magnet_range_m = 0.8 * D;
+        return note("magnet", "unknown", {{"force_N", h.magnet_N}, {"range_m", h.magnet_range_m}});
+    }
+  }
+
+  // Once everything is hidden: the mesh, which lacks a hidden bump, and what may be said of its error.
+  void finish(bool mesh_error) {
+    plan_.meshed = plan_.truth;
+    TrueSurface known = plan_.truth;
+    if (mesh_error) {
+      const double L = sizes_.half_side_m;
+      const double size = sizes_.depth_m * random_.uniform(0.01, 0.03);
+      for (int b = 0; b < 4; ++b) {
+        plan_.meshed.bumps.push_back({random_.uniform() < 0.5 ? -size : size,
+                                      L * Vec2(random_.uniform(-0.6, 0.6), random_.uniform(-0.6, 0.6)),
+                                      L * random_.uniform(0.15, 0.4)});
+      }
+      plan_.cells = 64;
+    }
+    const double deviation = known.deviation_m(plan_.meshed, plan_.cells);
+    plan_.declared.geometry_error_m = 1e-6 * std::ceil(1e6 * std::max(deviation, 4e-3 * sizes_.depth_m));
+    if (hidden_bump_) plan_.truth.bumps.push_back(*hidden_bump_);
+  }
+
+  void cannot_tell(std::size_t kind) {
+    switch (kind % 3) {
+      case 0:
+        shape(random_.uniform() < 0.5);
+        plan_.train.style = plan_.holdout.style = ScriptStyle::upright;
+        hide(kind % 2 == 0 ? "tool-weight" : "force-bias");
+        if (kind % 2 == 1) {  // along the vertical alone
+          const double fz = plan_.instrument.bias_S_N.z();
+          plan_.instrument.bias_S_N = Vec3(0.0, 0.0, -std::abs(fz));
+          plan_.effects.back().parameters = {{"fx_N", 0.0}, {"fy_N", 0.0}, {"fz_N", -std::abs(fz)}};
+        }
+        plan_.ambiguous = {"tool-weight", "force-bias"};
+        return;
+      case 1:
+        shape(true);
+        plan_.train.style = plan_.holdout.style = ScriptStyle::one_speed;
+        plan_.train.circle_m_per_s = plan_.holdout.circle_m_per_s = 0.5 * sizes_.sliding_m_per_s;
+        plan_.holdout.load = 1.0;
+        hide(kind % 2 == 0 ? "viscous-friction" : "coulomb-friction");
+        plan_.ambiguous = {"coulomb-friction", "viscous-friction"};
+        return;
+      default:
+        shape(true);
+        hide("tip-radius");
+        plan_.ambiguous = {"tip-radius", "registration"};
+    }
+  }
+
+  void note(const std::string& name, const std::string& side, std::map<std::string, double> parameters) {
+    plan_.effects.push_back({name, side, std::move(parameters)});
+  }
+
+ private:
+  BlindCase& plan_;
+  Random random_;
+  Sizes sizes_{};
+  std::optional<TrueSurface::Bump> hidden_bump_;
+};
+
+std::string opaque_name(Random random) {
+  constexpr std::string_view letters = "abcdefghjkmnpqrstuvwxyz23456789";
+  std::string name;
+  for (int i = 0; i < 8; ++i) name += letters[random.below(letters.size())];
+  return name;
+}
+
+// Pairs and triples that take turns; none contains two laws of the same kind.
+std::vector<std::string> several(std::size_t count, std::size_t index, Random& random) {
+  static const std::vector<std::vector<std::string>> kinds{
+      {"coulomb-friction", "viscous-friction", "anisotropic-friction", "stribeck-friction"},
+      {"tool-weight", "force-bias", "force-crosstalk", "force-drift", "time-lag", "force-saturation"},
+      {"stress-relaxation", "normal-damping", "power-law-stiffness", "hunt-crossley", "stiffness-map", "adhesion"},
+      {"tip-radius", "surface-geometry", "registration", "surface-texture"}};
+  std::vector<std::string> names;
+  for (std::size_t k = 0; k < count; ++k) {
+    const auto& kind = kinds[(index + k) % kinds.size()];
+    names.push_back(kind[random.below(kind.size())]);
+  }
+  return names;
+}
+
+}  // namespace
+
+const std::vector<std::string>& blind_sets() { return sets; }
+
+BlindCase plan_case(const std::string& set, std::size_t index, std::uint64_t seed) {
+  const auto known = std::find(sets.begin(), sets.end(), set);
+  if (known == sets.end()) throw UsageError("unknown set '" + set + "'");
+  const Random root = Random(seed).stream(1000 * static_cast<std::uint64_t>(known - sets.begin())).stream(index);
+  BlindCase plan;
+  plan.set = set;
+  plan.id = opaque_name(root.stream(0));
+  plan.seed = root.stream(1).stream(0).next_u64();
+  plan.verdict = "explained";
+  Random random = root.stream(2);
+  Planner planner(plan, root.stream(3));
+  planner.ground(set, index);
+  bool mesh_error = false;
+  if (set == "one" || set == "one-noisy" || set == "two" || set == "three") {
+    const std::size_t count = set == "two" ? 2 : set == "three" ? 3 : 1;
+    const auto names = count == 1 ? std::vector{Planner::hideable()[index % Planner::hideable().size()]}
+                                  : several(count, index, random);
+    const bool curved = std::any_of(names.begin(), names.end(), Planner::wants_curvature);
+    planner.shape(!curved && random.uniform() < 0.35);
+    for (const auto& name : names) planner.hide(name);
+  } else if (set == "none") {
+    mesh_error = index % 2 == 1;
+    planner.shape(random.uniform() < 0.35);
+    plan.verdict = "consistent";
+  } else if (set == "unknown") {
+    planner.shape(random.uniform() < 0.35);
+    planner.hide_unknown(index);
+    plan.verdict = "unexplained";
+  } else if (set == "cannot-tell") {
+    planner.cannot_tell(index);
+    plan.verdict = "not-identifiable";
+  } else {
+    planner.shape(random.uniform() < 0.35);
+    plan.verdict = "unexplained";
+    plan.corruption =
+        std::array{Corruption::shuffled_blocks, Corruption::negative_friction, Corruption::negative_mass}[index % 3];
+    if (plan.corruption == Corruption::negative_friction) planner.hide("coulomb-friction");
+    if (plan.corruption == Corruption::negative_mass) {
+      planner.hide("tool-weight");
+      plan.instrument.weight_kg *= -1.0;
+    }
+    plan.effects.clear();
+  }
+  planner.finish(mesh_error);
+  return plan;
+}
+
+}  // namespace touchstone::synthetic
