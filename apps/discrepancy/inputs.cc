@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <vector>
 
 #include "apps/plugin_flags.h"
 #include "harness/base/error.h"
@@ -11,7 +12,9 @@
 #include "harness/rendering/in_trajectory.h"
 #include "harness/rendering/out_trajectory.h"
 #include "harness/surface/embree_surface.h"
+#include "harness/surface/extend_edges.h"
 #include "harness/surface/mesh_file.h"
+#include "harness/surface/mesh_topology.h"
 
 namespace touchstone::apps {
 namespace {
@@ -28,6 +31,25 @@ TriangleMesh half_space(const Recording& recording) {
   mesh.triangles = {{0, 1, 2}, {0, 2, 3}};
   mesh.source = "half-space below z = 0";
   return mesh;
+}
+
+// A scan of a part of an object, pressed where it ends: without more surface there the tip would slip over an edge that
+// the object does not have, and every force after that would be lost.
+void continue_where_the_mesh_has_ended(DiscrepancyInputs& inputs) {
+  constexpr double few = 1e-3;
+  constexpr double share_of_diagonal = 0.1;
+  const MeshTopology topology = make_topology(inputs.mesh);
+  if (topology.open_edge_count == 0 || !topology.non_manifold_edges.empty() || !topology.disoriented_edges.empty()) {
+    return;
+  }
+  std::vector<Vec3> touching;
+  for (std::size_t i = 0; i < inputs.train.size(); ++i) {
+    if (inputs.train.f_W_N[i].norm() > default_contact_threshold_N) touching.push_back(inputs.train.motion.p_W_m[i]);
+  }
+  if (share_at_open_edges(*inputs.surface, topology, touching) <= few) return;
+  inputs.mesh = extend_open_edges(weld_coincident_vertices(inputs.mesh),
+                                  share_of_diagonal * inputs.mesh.bounds().diagonal().norm());
+  inputs.surface = make_embree_surface(inputs.mesh);
 }
 
 void synthesize(Recording& recording, const Surface& surface, const Model& model) {
@@ -52,6 +74,7 @@ DiscrepancyInputs load_inputs(const DiscrepancyFiles& files) {
   inputs.mesh =
       files.mesh.empty() ? half_space(inputs.train) : load_mesh(files.mesh, length_unit_factor(files.mesh_unit));
   inputs.surface = make_embree_surface(inputs.mesh);
+  if (!files.mesh.empty()) continue_where_the_mesh_has_ended(inputs);
   if (files.synthesize_in_trajectory) {
     synthesize(inputs.train, *inputs.surface, inputs.model);
     if (inputs.holdout) synthesize(*inputs.holdout, *inputs.surface, inputs.model);

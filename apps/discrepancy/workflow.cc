@@ -22,7 +22,8 @@
 namespace touchstone::apps {
 namespace {
 
-constexpr double held_back_block_s = 2.0;
+constexpr double held_back_block_s = 2.0;        // without a second recording
+constexpr double held_back_least_blocks = 20.0;  // a short recording has shorter blocks
 
 InstrumentDescription instrument_of(const DiscrepancyFiles& files, const Recording& train, const TriangleMesh& mesh,
                                     const Surface& surface) {
@@ -92,7 +93,8 @@ Findings run_discrepancy(const DiscrepancyFiles& files, const std::function<void
                          files.seed + 2);
   NoiseModel holdout_noise(holdout.motion, holdout_predictor->predict(model).n_W, instrument, make, files.seed + 1,
                            files.seed + 2);
-  const double held_back_s = second ? 0.0 : held_back_block_s;
+  const double duration_s = train.motion.t_s.back() - train.motion.t_s.front();
+  const double held_back_s = second ? 0.0 : std::min(held_back_block_s, duration_s / held_back_least_blocks);
   const SearchData data{{&train, train_predictor.get(), &train_noise, {held_back_s, false}},
                         {&holdout, holdout_predictor.get(), &holdout_noise, {held_back_s, true}},
                         block_window_s(instrument.position_rate_Hz, train.motion),
