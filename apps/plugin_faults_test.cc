@@ -74,6 +74,9 @@ void PrintTo(const Fault& fault, std::ostream* out) { *out << fault.name; }
 class PluginFault : public ::testing::TestWithParam<Fault> {};
 
 TEST_P(PluginFault, IsCaughtByTheTestThatIsNamed) {
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+  if (GetParam().name == "ALLOCATES_IN_STEP") GTEST_SKIP() << "the sanitizer has its own malloc, which is not counted";
+#endif
   const auto failed = failing_tests(GetParam().name);
   fmt::print("| {} | {} |\n", GetParam().name, fmt::join(failed, ", "));
   EXPECT_THAT(failed, ::testing::Contains(GetParam().caught_by));
