@@ -18,14 +18,15 @@ constexpr int kCuts = 40;       // of the search for the least distance along a 
 
 }  // namespace
 
-BallProxy::BallProxy(const ContactMesh& mesh, const Surface& surface, double radius_m)
-    : mesh_(&mesh), surface_(&surface), r_(radius_m), next_margin_(0.25 * radius_m) {
+BallProxy::BallProxy(const ContactMesh& mesh, const Surface& surface, double radius_m, const ConeFriction& friction)
+    : mesh_(&mesh), surface_(&surface), r_(radius_m), cone_(friction), next_margin_(0.25 * radius_m) {
   near_.reserve(kMost);
   half_spaces_.reserve(kMost);
 }
 
 void BallProxy::start(const Vec3& p) noexcept {
   holding_ = {};
+  cone_.stick();
   margin_ = -1.0;
   next_margin_ = 0.25 * r_;
   gathers_ = moves_ = 0;
@@ -45,11 +46,27 @@ void BallProxy::start(const Vec3& p) noexcept {
     c_ = nearest.p_W_m + reach * out;
     if (surface_->closest(c_).distance_m >= r_ * (1.0 - 64.0 * kEps)) break;
   }
-  follow(p);
+  pull(p);
+}
+
+void BallProxy::follow(const Vec3& p) noexcept {
+  if (cone_.friction().none()) return pull(p);
+  cone_.follow(*this, p, std::max(rounding_at(p), rounding_at(c_)));
+}
+
+ContactNormals BallProxy::contact_normals() const noexcept {
+  ContactNormals contact;
+  for (int i = 0; i < holding_.size; ++i) {
+    const auto k = static_cast<std::size_t>(i);
+    contact.n[k] = touch(*mesh_, holding_.triangle[k], c_).n;
+  }
+  contact.size = holding_.size;
+  return contact;
 }
 
 Vec3 BallProxy::normal(const Vec3& p) const noexcept {
   if (!touching()) return Vec3::Zero();
+  if (!cone_.friction().none()) return cone_normal(*this, p, rounding_);
   const Vec3 push = c_ - p;
   if (holding_.size > 1 && push.squaredNorm() > 0.0) return push.normalized();
   return touch(*mesh_, holding_.triangle[0], c_).n;
@@ -59,7 +76,7 @@ double BallProxy::rounding_at(const Vec3& x) const noexcept {
   return 32.0 * kEps * std::max(mesh_->magnitude(), x.cwiseAbs().maxCoeff());
 }
 
-void BallProxy::follow(const Vec3& p) noexcept {
+void BallProxy::pull(const Vec3& p) noexcept {
   rounding_ = std::max(rounding_at(p), rounding_at(c_));
   for (int move = 0; move < kMoves; ++move) {
     ++moves_;
@@ -305,6 +322,16 @@ bool BallProxy::creep(const Vec3& goal) noexcept {
   if (!(length > rounding_)) return false;
   c_ += length > reach ? Vec3(reach / length * found.x) : found.x;
   return true;
+}
+
+ContactPlaces BallProxy::contact_places() const noexcept {
+  ContactPlaces contact;
+  contact.size = holding_.size;
+  for (std::size_t k = 0; k < static_cast<std::size_t>(holding_.size); ++k) {
+    const Touch t = touch(*mesh_, holding_.triangle[k], c_);
+    contact.place[k] = {holding_.triangle[k], t.feature, t.index, c_ - t.d * t.n, t.n};
+  }
+  return contact;
 }
 
 }  // namespace touchstone

@@ -23,17 +23,20 @@
 #include <vector>
 
 #include "renderers/ball_constraints.h"
+#include "renderers/cone_friction.h"
 #include "renderers/nearest_in_polyhedron.h"
 
 namespace touchstone {
 
 class BallProxy {
  public:
-  BallProxy(const ContactMesh& mesh, const Surface& surface, double radius_m);
+  BallProxy(const ContactMesh& mesh, const Surface& surface, double radius_m, const ConeFriction& friction = {});
 
   // The first position of a run: where the ball overlaps the object it starts at the place outside that is closest.
   void start(const Vec3& p) noexcept;
   void follow(const Vec3& p) noexcept;
+  // Towards p, without friction.
+  void pull(const Vec3& p) noexcept;
 
   [[nodiscard]] bool touching() const noexcept { return holding_.size > 0; }
   // The ball's centre, and from the tip to it (zero when free).
@@ -41,6 +44,10 @@ class BallProxy {
   [[nodiscard]] Vec3 push(const Vec3& p) const noexcept { return touching() ? Vec3(c_ - p) : Vec3::Zero(); }
   // From the contact to the centre; of several contacts the direction of the push. `p` is where the tip is.
   [[nodiscard]] Vec3 normal(const Vec3& p) const noexcept;
+  [[nodiscard]] ContactNormals contact_normals() const noexcept;
+  [[nodiscard]] bool frictionless() const noexcept { return cone_.friction().none(); }
+  // For force shading: where on which triangles it rests.
+  [[nodiscard]] ContactPlaces contact_places() const noexcept;
 
   // For statistics and tests.
   [[nodiscard]] std::uint64_t gathers() const noexcept { return gathers_; }
@@ -76,6 +83,7 @@ class BallProxy {
   const ContactMesh* mesh_;
   const Surface* surface_;
   double r_;
+  ConeFollower cone_;
   Vec3 c_ = Vec3::Zero();
   Holding holding_;
   std::vector<Near> near_;              // capacity fixed at construction

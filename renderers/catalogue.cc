@@ -7,6 +7,9 @@
 #include "renderers/devices/haptic_device.h"
 #include "renderers/effects/assemble.h"
 #include "renderers/effects/catalogue.h"
+#include "renderers/effects/friction.h"
+#include "renderers/force_shading.h"
+#include "renderers/friction_cone.h"
 #include "renderers/god_object.h"
 #include "renderers/implicit.h"
 #include "renderers/instrument/instrument_effect.h"
@@ -30,6 +33,8 @@ const std::vector<RendererEntry>& renderer_catalogue() {
   // clang-format off
   static const std::vector<RendererEntry> catalogue{
       god_object_entry(),
+      friction_cone_entry(),
+      force_shading_entry(),
       implicit_entry(),
       penalty_entry(),
       spring_linear_entry(),
@@ -82,6 +87,8 @@ std::unique_ptr<Renderer> make_contact(const Model& model, std::shared_ptr<const
   const RendererEntry& entry = find_renderer(model);
   const Parameters parameters(entry.parameters, base_parameters(model, entry.parameters), "renderer " + entry.name,
                               model.source, "");
+  check_coefficients(value_or(parameters, "mu_static", 0.0), value_or(parameters, "mu_dynamic", 0.0),
+                     model.source + ": /parameters");
   auto effects = make_effects(model);
   for (const auto& part : model.instrument)
     check_entry(part, instrument_declarations(), "instrument entry", model.source);

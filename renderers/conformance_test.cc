@@ -15,12 +15,20 @@ std::vector<RendererSubject> subjects() {
       R"("effects": [{"name": "coulomb-friction", "parameters": {"mu_static": 0.4, "mu_dynamic": 0.3}}])";
   auto implicit = subject_of("implicit", model("implicit", R"("parameters": {"resolution": 32})"), 500.0);
   implicit.thinnest_m = 2.0 * 0.04 / 25.0;  // two samples
+  const std::string cone = R"("parameters": {"mu_static": 0.4, "mu_dynamic": 0.3})";
+  const std::string cone_ball = R"("parameters": {"mu_static": 0.4, "mu_dynamic": 0.3, "tip_radius_m": 0.001})";
   return {
       subject_of("god_object", model("god-object"), 500.0),
       subject_of("god_object_ball", model("god-object", R"("parameters": {"tip_radius_m": 0.001})"), 500.0, 0.0, 0.001),
       subject_of("god_object_friction", model("god-object", friction), 500.0, 0.4),
       subject_of("penalty", model("penalty"), 500.0),
       subject_of("penalty_ball", model("penalty", R"("parameters": {"tip_radius_m": 0.001})"), 500.0, 0.0, 0.001),
+      subject_of("friction_cone", model("friction-cone", cone), 500.0, 0.4),
+      subject_of("friction_cone_ball", model("friction-cone", cone_ball), 500.0, 0.4, 0.001),
+      subject_of("force_shading", model("force-shading"), 500.0),
+      subject_of("force_shading_ball", model("force-shading", R"("parameters": {"tip_radius_m": 0.001})"), 500.0, 0.0,
+                 0.001),
+      subject_of("force_shading_friction", model("force-shading", cone), 500.0, 0.4),
       subject_of("spring_linear", model("spring-linear"), 500.0),
       subject_of("spring_quadratic", model("spring-quadratic"), 200.0),
       subject_of("voxel", model("voxel", R"("parameters": {"resolution": 32})"), 500.0),

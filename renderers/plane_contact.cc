@@ -28,7 +28,7 @@ void PlaneContact::remove(int index) noexcept {
   --size_;
 }
 
-void PlaneContact::follow(const Vec3& p) noexcept {
+void PlaneContact::pull(const Vec3& p) noexcept {
   std::int32_t left = -1;  // the triangle whose border was just crossed
   for (int move = 0; move < kMoves; ++move) {
     const double rounding = resting_error(*mesh_, g_);
@@ -103,6 +103,25 @@ Vec3 PlaneContact::normal(const Vec3& p) const noexcept {
   const Vec3 push = g_ - p;
   if (size_ > 1 && push.squaredNorm() > 0.0) return push.normalized();
   return mesh_->facet(active_[0]).n;
+}
+
+ContactNormals PlaneContact::contact_normals() const noexcept {
+  ContactNormals contact;
+  for (int i = 0; i < std::min(size_, 3); ++i) {
+    const auto k = static_cast<std::size_t>(i);
+    contact.n[k] = mesh_->facet(active_[k]).n;
+  }
+  contact.size = std::min(size_, 3);
+  return contact;
+}
+
+ContactPlaces PlaneContact::contact_places() const noexcept {
+  const ContactNormals normals = contact_normals();
+  ContactPlaces contact;
+  contact.size = normals.size;
+  for (std::size_t k = 0; k < static_cast<std::size_t>(normals.size); ++k)
+    contact.place[k] = {active_[k], Feature::face, 0, g_, normals.n[k]};
+  return contact;
 }
 
 }  // namespace touchstone

@@ -11,6 +11,7 @@
 #include <array>
 #include <cstdint>
 
+#include "renderers/cone_friction.h"
 #include "renderers/contact_mesh.h"
 
 namespace touchstone {
@@ -21,12 +22,15 @@ class PlaneContact {
 
   // The god-object is at g on the triangle.
   void start(const Vec3& g, std::int32_t triangle) noexcept;
-  void follow(const Vec3& p) noexcept;
+  // Towards p, without friction.
+  void pull(const Vec3& p) noexcept;
 
   [[nodiscard]] bool touching() const noexcept { return size_ > 0; }
   [[nodiscard]] const Vec3& position() const noexcept { return g_; }
   [[nodiscard]] Vec3 push(const Vec3& p) const noexcept { return touching() ? Vec3(g_ - p) : Vec3::Zero(); }
   [[nodiscard]] Vec3 normal(const Vec3& p) const noexcept;
+  [[nodiscard]] ContactNormals contact_normals() const noexcept;
+  [[nodiscard]] ContactPlaces contact_places() const noexcept;
   // The only active triangle, -1 where there are none or several.
   [[nodiscard]] std::int32_t single() const noexcept { return size_ == 1 ? active_[0] : -1; }
 

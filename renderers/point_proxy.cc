@@ -1,11 +1,13 @@
 #include "renderers/point_proxy.h"
 
 #include "harness/surface/triangle_queries.h"
+#include "renderers/front_crossing.h"
 
 namespace touchstone {
 
 void PointProxy::start(const Vec3& p) noexcept {
   by_planes_ = false;
+  cone_.stick();
   const SurfacePoint nearest = surface_->closest(p);
   if (!(nearest.signed_distance_m < 0.0)) return walk_.start_free(p);
   const Facet& facet = mesh_->facet(nearest.triangle);
@@ -26,16 +28,39 @@ void PointProxy::follow(const Vec3& p) noexcept {
 
 void PointProxy::go_by_planes(const Vec3& g, std::int32_t triangle, const Vec3& p) noexcept {
   if (triangle >= 0) planes_.start(g, triangle);
-  planes_.follow(p);
+  if (cone_.friction().none()) {
+    planes_.pull(p);
+  } else {
+    cone_.follow(planes_, p, resting_error(*mesh_, g));
+  }
   by_planes_ = true;
   if (!planes_.touching()) {
     walk_.start_free(planes_.position());
     by_planes_ = false;
   } else if (const std::int32_t single = planes_.single(); single >= 0 && mesh_->facet(single).regular) {
     // Back on a triangle that can be walked on; from there the walk may stop again, then planes_ stands as it is.
-    walk_.resume(planes_.position(), single);
+    walk_.resume(planes_.position(), single, cone_.sliding());
     by_planes_ = !walk_.follow(p);
   }
+}
+
+Vec3 PointProxy::normal(const Vec3& p) const noexcept {
+  if (!by_planes_) return walk_.normal();
+  return cone_.friction().none() ? planes_.normal(p)
+                                 : cone_normal(planes_, p, resting_error(*mesh_, planes_.position()));
+}
+
+ContactPlaces PointProxy::contact_places() const noexcept {
+  if (by_planes_) return planes_.contact_places();
+  using On = SurfaceWalk::On;
+  ContactPlaces contact;
+  if (walk_.on() == On::nothing) return contact;
+  const Feature feature = walk_.on() == On::face   ? Feature::face
+                          : walk_.on() == On::edge ? Feature::edge
+                                                   : Feature::vertex;
+  contact.place[0] = {walk_.triangle(), feature, walk_.local(), walk_.position(), walk_.normal()};
+  contact.size = 1;
+  return contact;
 }
 
 }  // namespace touchstone

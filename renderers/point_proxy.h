@@ -9,8 +9,8 @@ namespace touchstone {
 
 class PointProxy {
  public:
-  PointProxy(const ContactMesh& mesh, const Surface& surface)
-      : mesh_(&mesh), surface_(&surface), walk_(mesh), planes_(mesh) {}
+  PointProxy(const ContactMesh& mesh, const Surface& surface, const ConeFriction& friction = {})
+      : mesh_(&mesh), surface_(&surface), walk_(mesh, friction), planes_(mesh), cone_(friction) {}
 
   // The first position of a run: inside a closed body (or behind an open sheet, its rim aside) the god-object starts at
   // the closest surface point.
@@ -21,7 +21,10 @@ class PointProxy {
   [[nodiscard]] const Vec3& position() const noexcept { return by_planes_ ? planes_.position() : walk_.position(); }
   // From the tip at p to the god-object; zero when free.
   [[nodiscard]] Vec3 push(const Vec3& p) const noexcept { return by_planes_ ? planes_.push(p) : walk_.push(); }
-  [[nodiscard]] Vec3 normal(const Vec3& p) const noexcept { return by_planes_ ? planes_.normal(p) : walk_.normal(); }
+  [[nodiscard]] Vec3 normal(const Vec3& p) const noexcept;
+  [[nodiscard]] bool frictionless() const noexcept { return cone_.friction().none(); }
+  // For force shading: where on which triangles it rests.
+  [[nodiscard]] ContactPlaces contact_places() const noexcept;
 
  private:
   void go_by_planes(const Vec3& g, std::int32_t triangle, const Vec3& p) noexcept;
@@ -30,6 +33,7 @@ class PointProxy {
   const Surface* surface_;
   SurfaceWalk walk_;
   PlaneContact planes_;
+  ConeFollower cone_;  // for planes_; the walk has its own
   bool by_planes_ = false;
 };
 

@@ -43,6 +43,7 @@ void SurfaceWalk::start_free(const Vec3& p) noexcept {
   g_ = p;
   push_.setZero();
   transitions_ = 0;
+  sliding_ = false;
 }
 
 bool SurfaceWalk::start_on(std::int32_t triangle, Feature feature, std::size_t local, const Vec3& p) noexcept {
@@ -53,24 +54,47 @@ bool SurfaceWalk::start_on(std::int32_t triangle, Feature feature, std::size_t l
   transitions_ = 0;
   // Where on the feature does not matter: it comes to rest on the closest point.
   g_ = (a + b + c) / 3.0;
+  sliding_ = false;
   if (!mesh_->facet(triangle).regular) return false;
-  return follow(p);
+  hold_ = 0.0;
+  return descend(p);
 }
 
-void SurfaceWalk::resume(const Vec3& g, std::int32_t triangle) noexcept {
+void SurfaceWalk::resume(const Vec3& g, std::int32_t triangle, bool sliding) noexcept {
   on_ = On::face;
+  sliding_ = sliding;
   triangle_ = triangle;
   g_ = g;
 }
 
 Vec3 SurfaceWalk::normal() const noexcept {
   if (on_ == On::nothing) return Vec3::Zero();
-  const double length = push_.norm();
-  if (on_ == On::face || !(length > 0.0)) return mesh_->facet(triangle_).n;
-  return push_ / length;
+  const Facet& facet = mesh_->facet(triangle_);
+  if (on_ == On::face) return facet.n;
+  Vec3 across = push_;
+  if (on_ == On::edge && !friction_.none()) {
+    const Vec3 along = mesh_->vertex(facet.corner[(local_ + 1) % 3]) - mesh_->vertex(facet.corner[local_]);
+    across -= along.dot(push_) / along.squaredNorm() * along;
+  }
+  const double length = across.norm();
+  return length > 0.0 ? Vec3(across / length) : facet.n;
 }
 
 bool SurfaceWalk::follow(const Vec3& p) noexcept {
+  if (friction_.none()) return descend(p);
+  hold_ = sliding_ ? friction_.mu_dynamic : friction_.mu_static;
+  rounding_ = resting_error(*mesh_, p);
+  sliding_ = false;
+  return descend(p);
+}
+
+double SurfaceWalk::slip(double depth_m) noexcept {
+  sliding_ = true;
+  hold_ = friction_.mu_dynamic;
+  return hold_ * depth_m;
+}
+
+bool SurfaceWalk::descend(const Vec3& p) noexcept {
   double least = std::numeric_limits<double>::infinity();
   int patience = kPatience;
   stopped_ = false;
@@ -104,11 +128,19 @@ bool SurfaceWalk::follow(const Vec3& p) noexcept {
 
 bool SurfaceWalk::slide_on_face(const Vec3& p) noexcept {
   const Facet& facet = mesh_->facet(triangle_);
-  const Vec3 r = p - facet.origin;
+  Vec3 r = p - facet.origin;
   const double h = facet.n.dot(r);
   if (h >= 0.0) return leave(p);
+  Vec3 push = -h * facet.n;
+  if (hold_ > 0.0) {
+    Vec3 behind = g_ - (p + push);
+    const double away = behind.norm();
+    if (held(away, -h)) return rest(g_, push + behind);
+    behind *= slip(-h) / away;
+    r += behind;
+    push += behind;
+  }
   const std::array<double, 3> s{facet.inward[0].dot(r), facet.inward[1].dot(r) - facet.inset, facet.inward[2].dot(r)};
-  const Vec3 push = -h * facet.n;
   if (s[0] >= 0.0 && s[1] >= 0.0 && s[2] >= 0.0) return rest(p + push, push);
 
   // Over the border that the straight way within the plane meets first.
@@ -160,6 +192,18 @@ bool SurfaceWalk::slide_on_edge(const Vec3& p) noexcept {
   // Asked from both ends as turn_at_vertex() does, so that the two never disagree.
   const double after = (p - from).dot(along);
   const double before = (p - to).dot(-along);
+  if (hold_ > 0.0) {
+    const double length = along.norm();
+    const double foot = after / (after + before);
+    const double depth = (p - (from + foot * along)).norm();
+    const double behind = (g_ - from).dot(along) / (length * length) - foot;
+    if (held(std::abs(behind) * length, depth)) return rest(g_, g_ - p);
+    const double there = foot + std::copysign(slip(depth) / length, behind);
+    if (there <= 0.0) return to_vertex(triangle_, start);
+    if (there >= 1.0) return to_vertex(triangle_, end);
+    const Vec3 g = from + there * along;
+    return rest(g, g - p);
+  }
   if (after <= 0.0) return to_vertex(triangle_, start);
   if (before <= 0.0) return to_vertex(triangle_, end);
   const Vec3 g = from + after / (after + before) * along;

@@ -18,12 +18,17 @@
 // open mesh, or comes from behind, is free: the inside of an open mesh is not defined, and a closed one is never
 // entered.
 //
+// With friction (cone_friction.h) the god-object stays where the cone holds it, on a face or along a valley's edge, and
+// else goes only as far towards the tip's foot point as the cone lets it. A ridge's edge holds nothing by itself: each
+// face is asked, the steeper first, and where that one holds the other does too.
+//
 // The mesh must be manifold about the triangles that the god-object touches, and not cross itself there; see
 // Facet::regular.
 #pragma once
 
 #include <cstdint>
 
+#include "renderers/cone_friction.h"
 #include "renderers/contact_mesh.h"
 
 namespace touchstone {
@@ -32,15 +37,16 @@ class SurfaceWalk {
  public:
   enum class On : std::uint8_t { nothing, face, edge, vertex };
 
-  explicit SurfaceWalk(const ContactMesh& mesh) : mesh_(&mesh) {}
+  explicit SurfaceWalk(const ContactMesh& mesh, const ConeFriction& friction = {})
+      : mesh_(&mesh), friction_(friction) {}
 
   // The first position of a run, free of the surface.
   void start_free(const Vec3& p) noexcept;
   // The first position of a run inside the object: the god-object starts where the surface is closest, which is the
   // given triangle, or its edge or corner with index `local`.
   bool start_on(std::int32_t triangle, Feature feature, std::size_t local, const Vec3& p) noexcept;
-  // Goes on from g on that triangle.
-  void resume(const Vec3& g, std::int32_t triangle) noexcept;
+  // Goes on from g on that triangle, sliding or held.
+  void resume(const Vec3& g, std::int32_t triangle, bool sliding = false) noexcept;
   // Moves the god-object for a new position of the tip. False where it came upon a triangle that cannot be walked on
   // (Facet::regular): it is at position() on triangle(), and push() is not known.
   bool follow(const Vec3& p) noexcept;
@@ -50,8 +56,10 @@ class SurfaceWalk {
   // The god-object, and from the tip to it (zero when free; computed without cancellation).
   [[nodiscard]] const Vec3& position() const noexcept { return g_; }
   [[nodiscard]] const Vec3& push() const noexcept { return push_; }
-  // Of the contact: on a face its normal, else the direction of push(); zero when free.
+  // Of the contact: on a face its normal, else the direction of push() without friction's part; zero when free.
   [[nodiscard]] Vec3 normal() const noexcept;
+  // Whether friction let the god-object go in the last step.
+  [[nodiscard]] bool sliding() const noexcept { return sliding_; }
   // The triangle touched (one of them at edges and vertices) and which of its edges or corners.
   [[nodiscard]] std::int32_t triangle() const noexcept { return triangle_; }
   [[nodiscard]] std::size_t local() const noexcept { return local_; }
@@ -59,6 +67,13 @@ class SurfaceWalk {
   [[nodiscard]] std::uint64_t transitions() const noexcept { return transitions_; }
 
  private:
+  bool descend(const Vec3& p) noexcept;
+  // Whether the cone holds the god-object that far from the foot point at that depth; else it slides, and the answer of
+  // slip() is how far it may stay behind.
+  [[nodiscard]] bool held(double away_m, double depth_m) const noexcept {
+    return away_m <= hold_ * depth_m + rounding_;
+  }
+  double slip(double depth_m) noexcept;
   // Each returns true when the god-object has come to rest.
   bool slide_on_face(const Vec3& p) noexcept;
   bool slide_on_edge(const Vec3& p) noexcept;
@@ -77,6 +92,10 @@ class SurfaceWalk {
   std::size_t local_ = 0;
   On on_ = On::nothing;
   bool stopped_ = false;  // on a triangle that is not regular
+  bool sliding_ = false;
+  ConeFriction friction_;
+  double hold_ = 0.0;      // the coefficient that holds the god-object now; 0: no friction
+  double rounding_ = 0.0;  // of the distances that friction compares
   std::uint64_t transitions_ = 0;
 };
 

@@ -118,6 +118,7 @@ class RendererConformance : public ::testing::TestWithParam<std::tuple<RendererS
     for (int contact = 0; contact < contacts; ++contact) {
       Vec3 from = 0.05 * random.direction();
       if (shape().flat) from = {0.012 * random.uniform(-1, 1), 0.012 * random.uniform(-1, 1), 0.03};
+      if (contact > 0) fly_round(tips, from);
       SurfacePoint foot = at->closest(from);
       const Vec3 first_n = foot.n_W;
       const Vec3 along = random.direction();
@@ -132,8 +133,8 @@ class RendererConformance : public ::testing::TestWithParam<std::tuple<RendererS
         const SurfacePoint reached = at->closest(next);
         if (reached.n_W.dot(first_n) > 0.8) foot = reached;
       }
-      fly_round(tips, random);
     }
+    tips.push_back(2.0 * tips.back());
     return tips;
   }
 
@@ -169,13 +170,14 @@ class RendererConformance : public ::testing::TestWithParam<std::tuple<RendererS
   }
 
  private:
-  // Well outside to another place; of a flat shape straight up and down again.
-  void fly_round(std::vector<Vec3>& tips, Random& random) const {
+  // Well outside, by the great circle, to over the place where the next contact begins; of a flat shape straight up and
+  // down again.
+  void fly_round(std::vector<Vec3>& tips, const Vec3& to) const {
     if (shape().flat) return tips.push_back({tips.back().x(), tips.back().y(), 0.04});
+    const Quat turn = Quat::FromTwoVectors(tips.back(), to);
     const Vec3 from = 0.08 * tips.back().normalized();
-    const Vec3 to = 0.08 * random.direction();
-    for (int i = 0; i <= 20; ++i)
-      tips.push_back(0.08 * (from + (to - from) * i / 20.0 + Vec3(1e-4, 2e-4, 3e-4)).normalized());
+    for (int i = 0; i <= 20; ++i) tips.push_back(Quat::Identity().slerp(i / 20.0, turn) * from);
+    tips.push_back(to);
   }
 };
 
@@ -278,11 +280,16 @@ TEST_P(RendererConformance, ClosedLoopsGiveNoEnergyBack) {
 TEST_P(RendererConformance, ContactBeginsAndEndsWithoutAJump) {
   if (const auto* limit = lacks(Ability::continuous_force)) GTEST_SKIP() << limit->reason;
   const auto renderer = make();
+  const auto at = surface();
   const auto tips = strokes(105, 12);
   const auto results = run(*renderer, tips);
   int contacts = 0;
   for (std::size_t i = 1; i < tips.size(); ++i) {
     if (results[i].contact == results[i - 1].contact) continue;
+    // Friction may hold on to one face of a sharp edge while the tip leaves by the other.
+    const bool past_edge = subject().friction > 0.0 && shape().name == "cube" && results[i - 1].contact &&
+                           at->signed_distance(tips[i - 1]) > subject().tip_radius_m;
+    if (past_edge) continue;
     const Vec3& f = results[i].contact ? results[i].f_W_N : results[i - 1].f_W_N;
     const double most_N = subject().stiffness_N_per_m * (tips[i] - tips[i - 1]).norm() * (1.0 + subject().friction);
     ASSERT_LE(f.norm(), most_N * (1.0 + 1e-9)) << "step " << i;

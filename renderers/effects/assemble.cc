@@ -7,6 +7,7 @@
 #include "harness/base/error.h"
 #include "harness/base/known_names.h"
 #include "renderers/effects/catalogue.h"
+#include "renderers/effects/friction.h"
 
 namespace touchstone {
 namespace {
@@ -31,7 +32,7 @@ void complete_coefficients(const NamedParameters& effect, const EffectEntry& ent
   if (at_rest < values.size() && sliding < values.size()) values[at_rest] = std::max(values[at_rest], values[sliding]);
 }
 
-// Friction that is harder to keep going than to start is no friction: it would pull the probe along.
+// Of the effects that have both coefficients.
 void check_coefficients(const NamedParameters& effect, const EffectEntry& entry, std::span<const double> values,
                         const Model& model) {
   double mu_static = 0.0;
@@ -40,12 +41,7 @@ void check_coefficients(const NamedParameters& effect, const EffectEntry& entry,
     if (entry.parameters[i].name == "mu_static") mu_static = values[i];
     if (entry.parameters[i].name == "mu_dynamic") mu_dynamic = values[i];
   }
-  if (mu_static < mu_dynamic) {
-    throw BadData(
-        fmt::format("{}: {}/parameters: mu_static {} is below mu_dynamic {}: sliding cannot resist more than "
-                    "break-away; set mu_static to at least mu_dynamic, or leave it out",
-                    model.source, effect.place, mu_static, mu_dynamic));
-  }
+  touchstone::check_coefficients(mu_static, mu_dynamic, fmt::format("{}: {}/parameters", model.source, effect.place));
 }
 
 }  // namespace
@@ -72,6 +68,11 @@ std::vector<StackedEffect> make_effects(const Model& model) {
 
 std::map<std::string, double> base_parameters(const Model& model, const std::vector<ParameterDeclaration>& declared) {
   std::map<std::string, double> parameters = model.parameters;
+  // As for effects: a break-away coefficient that is not given is the sliding one.
+  const bool has_break_away =
+      std::any_of(declared.begin(), declared.end(), [](const auto& d) { return d.name == "mu_static"; });
+  if (const auto sliding = parameters.find("mu_dynamic"); has_break_away && sliding != parameters.end())
+    parameters.try_emplace("mu_static", sliding->second);
   for (const NamedParameters& effect : model.effects) {
     const EffectEntry& entry = entry_of(effect, model);
     if (entry.base_parameter.empty()) continue;

@@ -1,7 +1,11 @@
 #include "renderers/effects/friction.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
+
+#include "harness/base/error.h"
 
 namespace touchstone {
 namespace {
@@ -104,6 +108,15 @@ class AnisotropicFriction final : public Effect {
 };
 
 }  // namespace
+
+void check_coefficients(double mu_static, double mu_dynamic, const std::string& place) {
+  if (mu_static < mu_dynamic) {
+    throw BadData(
+        fmt::format("{}: mu_static {} is below mu_dynamic {}: sliding cannot resist more than break-away; "
+                    "set mu_static to at least mu_dynamic, or leave it out",
+                    place, mu_static, mu_dynamic));
+  }
+}
 
 std::unique_ptr<Effect> make_coulomb_friction(std::span<const double> values) {
   return std::make_unique<IsotropicFriction>(values[0], values[1], 0.0, values[2]);

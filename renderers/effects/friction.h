@@ -17,10 +17,15 @@
 
 #include <memory>
 #include <span>
+#include <string>
 
 #include "harness/rendering/effect.h"
 
 namespace touchstone {
+
+// Friction that is harder to keep going than to start is no friction: it would pull the probe along. Throws BadData
+// with `place` (the file and the parameters' place in it) where mu_static < mu_dynamic.
+void check_coefficients(double mu_static, double mu_dynamic, const std::string& place);
 
 // Values: mu_static, mu_dynamic, presliding_m.
 std::unique_ptr<Effect> make_coulomb_friction(std::span<const double> values);

@@ -1,0 +1,32 @@
+// What presses on a proxy at rest: the contacts, as friction and force shading ask for them.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+#include "harness/base/vec.h"
+#include "harness/surface/surface.h"
+
+namespace touchstone {
+
+// Up to three unit normals.
+struct ContactNormals {
+  std::array<Vec3, 3> n;
+  int size = 0;
+};
+
+// Where on which triangles they are.
+struct ContactPlaces {
+  struct Place {
+    std::int32_t triangle = -1;
+    Feature feature = Feature::face;
+    std::size_t index = 0;  // of the edge or corner
+    Vec3 p;                 // on the triangle
+    Vec3 n;                 // unit normal of this contact
+  };
+  std::array<Place, 3> place;
+  int size = 0;
+};
+
+}  // namespace touchstone

@@ -1,0 +1,64 @@
+// The servo step that all constraint-based renderers share: a proxy that follows the tip on the surface, and a spring
+// that joins the two.
+#pragma once
+
+#include <memory>
+#include <utility>
+
+#include "harness/rendering/renderer.h"
+#include "renderers/contact_mesh.h"
+
+namespace touchstone {
+
+// The force as the spring gives it.
+struct NoShading {
+  template <class Proxy>
+  void turn(const Proxy& /*proxy*/, const Vec3& /*p*/, StepResult& /*result*/) const noexcept {}
+};
+
+// `Proxy`: PointProxy or BallProxy. `Shading` may turn the force once the proxy is found.
+template <class Proxy, class Shading = NoShading>
+class ProxyRenderer final : public Renderer {
+ public:
+  // `tip`: what the proxy's constructor takes after mesh and surface.
+  template <class... Tip>
+  ProxyRenderer(double stiffness_N_per_m, std::shared_ptr<const Surface> surface, Shading shading, Tip... tip)
+      : stiffness_N_per_m_(stiffness_N_per_m),
+        surface_(std::move(surface)),
+        mesh_(contact_mesh(surface_)),
+        shading_(std::move(shading)),
+        proxy_(*mesh_, *surface_, tip...) {}
+
+ private:
+  void do_reset() override { started_ = false; }
+
+  StepResult do_step(const TipState& tip) noexcept override {
+    const Vec3& p = tip.p_W_m;
+    if (started_) {
+      proxy_.follow(p);
+    } else {
+      started_ = true;
+      proxy_.start(p);
+    }
+    StepResult result;
+    result.contact_W_m = proxy_.position();
+    if (proxy_.touching()) {
+      const Vec3 push = proxy_.push(p);
+      result.contact = true;
+      result.f_W_N = stiffness_N_per_m_ * push;
+      result.n_W = proxy_.normal(p);
+      result.depth_m = proxy_.frictionless() ? push.norm() : push.dot(result.n_W);
+      shading_.turn(proxy_, p, result);
+    }
+    return result;
+  }
+
+  double stiffness_N_per_m_;
+  std::shared_ptr<const Surface> surface_;
+  std::shared_ptr<const ContactMesh> mesh_;
+  Shading shading_;
+  Proxy proxy_;
+  bool started_ = false;
+};
+
+}  // namespace touchstone
