@@ -120,6 +120,11 @@ bool SurfaceWalk::descend(const Vec3& p) noexcept {
     patience = left < least ? kPatience : patience - 1;
     least = std::min(least, left);
     if (patience == 0) {
+      // Along a rim to rounding it can be neither on the sheet nor past it: then it is past it.
+      if (!mesh_->closed() && near_rim()) {
+        on_ = On::nothing;
+        g_ = p;
+      }
       push_ = g_ - p;
       return true;
     }
@@ -285,6 +290,11 @@ bool SurfaceWalk::touches(std::int32_t triangle) const noexcept {
   const std::int32_t index = mesh_->facet(triangle_).corner[local_];
   const auto& corner = mesh_->facet(triangle).corner;
   return corner[0] == index || corner[1] == index || corner[2] == index;
+}
+
+bool SurfaceWalk::near_rim() const noexcept {
+  const auto& corner = mesh_->facet(triangle_).corner;
+  return std::any_of(corner.begin(), corner.end(), [this](std::int32_t v) { return mesh_->open_vertex(v); });
 }
 
 bool SurfaceWalk::to_face(std::int32_t triangle) noexcept {

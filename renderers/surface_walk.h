@@ -81,6 +81,7 @@ class SurfaceWalk {
   bool leave(const Vec3& p) noexcept;
 
   [[nodiscard]] bool touches(std::int32_t triangle) const noexcept;
+  [[nodiscard]] bool near_rim() const noexcept;
   bool to_face(std::int32_t triangle) noexcept;
   bool to_vertex(std::int32_t triangle, std::size_t corner) noexcept;
   bool rest(const Vec3& g, const Vec3& push) noexcept;
