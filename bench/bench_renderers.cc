@@ -46,17 +46,18 @@ std::shared_ptr<const Surface> cached_body(std::size_t triangles) {
   return body;
 }
 
-std::unique_ptr<Renderer> god_object(std::size_t triangles, double tip_radius_m) {
+std::unique_ptr<Renderer> make(const std::string& name, std::size_t triangles, double tip_radius_m, double mu) {
   Model model;
-  model.renderer = "god-object";
+  model.renderer = name;
   model.parameters = {{"stiffness_N_per_m", 500.0}, {"tip_radius_m", tip_radius_m}};
+  if (mu > 0.0) model.parameters["mu_static"] = model.parameters["mu_dynamic"] = mu;
   model.source = "benchmark";
   return make_renderer(model, cached_body(triangles));
 }
 
-void replay_bumpy(benchmark::State& state, double tip_radius_m) {
+void replay_bumpy(benchmark::State& state, const std::string& name, double tip_radius_m, double mu = 0.0) {
   const auto& tips = cached_path(tip_radius_m);
-  const auto renderer = god_object(static_cast<std::size_t>(state.range(0)), tip_radius_m);
+  const auto renderer = make(name, static_cast<std::size_t>(state.range(0)), tip_radius_m, mu);
   std::size_t touching = 0;
   for (auto _ : state) {
     renderer->reset();
@@ -74,10 +75,16 @@ void replay_bumpy(benchmark::State& state, double tip_radius_m) {
       static_cast<double>(cached_body(static_cast<std::size_t>(state.range(0)))->mesh()->triangle_count());
 }
 
-void BM_GodObjectPoint(benchmark::State& state) { replay_bumpy(state, 0.0); }
-void BM_GodObjectBall1mm(benchmark::State& state) { replay_bumpy(state, 1e-3); }
-BENCHMARK(BM_GodObjectPoint)->Arg(1000)->Arg(10000)->Arg(140000)->Unit(benchmark::kMillisecond);
-BENCHMARK(BM_GodObjectBall1mm)->Arg(1000)->Arg(10000)->Arg(140000)->Unit(benchmark::kMillisecond);
+#define TOUCHSTONE_BENCH(...) \
+  BENCHMARK_CAPTURE(replay_bumpy, __VA_ARGS__)->Arg(1000)->Arg(10000)->Arg(140000)->Unit(benchmark::kMillisecond)
+TOUCHSTONE_BENCH(god_object_point, "god-object", 0.0);
+TOUCHSTONE_BENCH(friction_cone_point, "friction-cone", 0.0, 0.3);
+TOUCHSTONE_BENCH(force_shading_point, "force-shading", 0.0);
+TOUCHSTONE_BENCH(force_shading_friction_point, "force-shading", 0.0, 0.3);
+TOUCHSTONE_BENCH(god_object_ball_1mm, "god-object", 1e-3);
+TOUCHSTONE_BENCH(friction_cone_ball_1mm, "friction-cone", 1e-3, 0.3);
+TOUCHSTONE_BENCH(force_shading_ball_1mm, "force-shading", 1e-3);
+#undef TOUCHSTONE_BENCH
 
 // The structures of the surface and of the renderer over a mesh in memory.
 void BM_Build(benchmark::State& state) {

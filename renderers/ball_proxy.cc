@@ -14,13 +14,15 @@ constexpr std::size_t kMany = 96;
 constexpr std::size_t kMost = 4096;
 constexpr int kMoves = 256;     // per step; a jump across the object takes some
 constexpr int kExchanges = 12;  // of holding triangles per move
+constexpr double kAhead = 0.7;  // of the margin: how far ahead of the centre to gather
 constexpr int kCuts = 40;       // of the search for the least distance along a way
 
 }  // namespace
 
 BallProxy::BallProxy(const ContactMesh& mesh, const Surface& surface, double radius_m, const ConeFriction& friction)
-    : mesh_(&mesh), surface_(&surface), r_(radius_m), cone_(friction), next_margin_(0.25 * radius_m) {
+    : mesh_(&mesh), surface_(&surface), r_(radius_m), cone_(friction), feeler_(mesh), next_margin_(0.25 * radius_m) {
   near_.reserve(kMost);
+  candidates_.reserve(kMost);
   half_spaces_.reserve(kMost);
 }
 
@@ -94,19 +96,14 @@ void BallProxy::pull(const Vec3& p) noexcept {
 
 void BallProxy::gather(const Vec3& at, double margin) noexcept {
   ++gathers_;
-  const double off = (at - c_).norm();
   while (true) {
-    near_.clear();
+    candidates_.clear();
     bool overflow = false;
     mesh_->tree().within(at, r_ + margin, [&](std::int32_t t) {
-      // Tangential to the triangle from the ball's centre, which is outside; the middle of the gathered may not be.
-      const Touch here = touch(*mesh_, t, c_);
-      if (here.d - off <= r_ + margin && !mesh_->facet(t).n.isZero(0.0)) {
-        if (near_.size() < kMost) {
-          near_.push_back({here.n, r_ - here.d + here.n.dot(c_ - at), t});
-        } else {
-          overflow = true;
-        }
+      if (candidates_.size() < kMost) {
+        candidates_.push_back(t);
+      } else {
+        overflow = true;
       }
       return r_ + margin;
     });
@@ -114,7 +111,18 @@ void BallProxy::gather(const Vec3& at, double margin) noexcept {
     margin *= 0.25;
   }
   // In an order that does not depend on the tree.
-  std::sort(near_.begin(), near_.end(), [](const Near& a, const Near& b) { return a.triangle < b.triangle; });
+  std::sort(candidates_.begin(), candidates_.end());
+  const double off = (at - c_).norm();
+  const Vec3 from_at = c_ - at;
+  near_.clear();
+  for (const std::int32_t t : candidates_) {
+    const Facet& facet = mesh_->facet(t);
+    // Farther from the plane than the ball reaches, or without area.
+    if (std::abs(facet.height(at)) > r_ + margin || facet.n.isZero(0.0)) continue;
+    // Tangential to the triangle from the ball's centre, which is outside; the middle of the gathered may not be.
+    const Touch here = touch(*mesh_, t, c_);
+    if (here.d - off <= r_ + margin) near_.push_back({here.n, r_ - here.d + here.n.dot(from_at), t});
+  }
   gathered_at_ = at;
   margin_ = margin;
   next_margin_ = margin * (near_.size() > kMany ? 0.5 : near_.size() < kFew ? 1.5 : 1.0);
@@ -185,7 +193,7 @@ bool BallProxy::stays_clear(std::int32_t triangle, const Vec3& x) const noexcept
 
 bool BallProxy::settle(const Vec3& p, Holding& holding, Vec3& x, bool& safe_way) noexcept {
   x = c_;
-  if (!rest_on(*mesh_, holding, r_, p, rounding_, x)) {
+  if (!rest_on(*mesh_, holding, r_, p, rounding_, x) && !roll(p, holding, x)) {
     // Fewer of them may do: the first that leaves the others clear.
     const Holding before = holding;
     bool found = false;
@@ -213,6 +221,22 @@ bool BallProxy::settle(const Vec3& p, Holding& holding, Vec3& x, bool& safe_way)
     if (!exchange(p, result.worst, holding, x)) return false;
   }
   return false;
+}
+
+bool BallProxy::roll(const Vec3& p, Holding& holding, Vec3& x) noexcept {
+  if (holding.size == 0) return false;
+  const std::int32_t from = holding.triangle[0];
+  const Touch t = touch(*mesh_, from, c_);
+  if (!mesh_->facet(from).regular || t.feature == Feature::face) return false;
+  feeler_.resume(c_ - t.d * t.n, from);
+  if (!feeler_.follow(p) || feeler_.on() != SurfaceWalk::On::face) return false;
+  const Facet& facet = mesh_->facet(feeler_.triangle());
+  const Vec3 there = p + (r_ - facet.height(p)) * facet.n;
+  if (!((there - c_).squaredNorm() <= 0.25 * r_ * r_)) return false;
+  holding = {};
+  holding.add(feeler_.triangle());
+  x = there;
+  return true;
 }
 
 bool BallProxy::exchange(const Vec3& p, std::int32_t added, Holding& holding, Vec3& x) const noexcept {
@@ -259,9 +283,9 @@ bool BallProxy::exchange(const Vec3& p, std::int32_t added, Holding& holding, Ve
 bool BallProxy::advance(const Vec3& x, bool safe_way, const Holding& holding) noexcept {
   const double length = (x - c_).norm();
   if (!covered(x)) {
-    // Around where it is going, if both ends fit; else only as far as the margin goes.
+    // Ahead, where it will be in the next steps, if both ends fit; else only as far as the margin goes.
     if (length <= next_margin_) {
-      gather(c_ + 0.5 * (x - c_), next_margin_);
+      gather(c_ + std::max(0.5, kAhead * next_margin_ / length) * (x - c_), next_margin_);
       return false;
     }
     next_margin_ = std::min(length, 2.0 * next_margin_);
@@ -293,7 +317,7 @@ bool BallProxy::advance(const Vec3& x, bool safe_way, const Holding& holding) no
 
 bool BallProxy::creep(const Vec3& goal) noexcept {
   half_spaces_.clear();
-  if ((c_ - gathered_at_).norm() > 0.5 * margin_) gather(c_, next_margin_);
+  if ((c_ - gathered_at_).norm() > 0.75 * margin_) gather(c_, next_margin_);
   const Vec3 offset = c_ - gathered_at_;
   // Short moves, for which few triangles matter.
   const double reach = std::min((goal - c_).norm(), 0.25 * margin_);

@@ -25,6 +25,7 @@
 #include "renderers/ball_constraints.h"
 #include "renderers/cone_friction.h"
 #include "renderers/nearest_in_polyhedron.h"
+#include "renderers/surface_walk.h"
 
 namespace touchstone {
 
@@ -50,6 +51,7 @@ class BallProxy {
   [[nodiscard]] ContactPlaces contact_places() const noexcept;
 
   // For statistics and tests.
+  void forget_near() noexcept { margin_ = -1.0; }  // the next step asks the tree
   [[nodiscard]] std::uint64_t gathers() const noexcept { return gathers_; }
   [[nodiscard]] std::uint64_t moves() const noexcept { return moves_; }
 
@@ -74,6 +76,9 @@ class BallProxy {
   [[nodiscard]] bool ignored(std::int32_t triangle) const noexcept;
   // The rest position for p near the centre; false where the search does not settle.
   bool settle(const Vec3& p, Holding& holding, Vec3& x, bool& safe_way) noexcept;
+  // Off an edge or corner below which the tip is deeper than the ball's radius, onto the face that the tip pulls to:
+  // the face on which the god-object of a point comes to rest. False where there is none near.
+  bool roll(const Vec3& p, Holding& holding, Vec3& x) noexcept;
   bool exchange(const Vec3& p, std::int32_t added, Holding& holding, Vec3& x) const noexcept;
   // One safe move: to x if the way is safe, else as far towards it as is. True when x was reached.
   bool advance(const Vec3& x, bool safe_way, const Holding& holding) noexcept;
@@ -86,7 +91,9 @@ class BallProxy {
   ConeFollower cone_;
   Vec3 c_ = Vec3::Zero();
   Holding holding_;
-  std::vector<Near> near_;              // capacity fixed at construction
+  SurfaceWalk feeler_;      // of roll()
+  std::vector<Near> near_;  // capacity fixed at construction
+  std::vector<std::int32_t> candidates_;
   std::vector<HalfSpace> half_spaces_;  // scratch of creep()
   Vec3 gathered_at_ = Vec3::Zero();
   double margin_ = -1.0;  // of the gathered triangles; < 0: none gathered

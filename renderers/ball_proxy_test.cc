@@ -230,5 +230,41 @@ TEST(BallProxy, DistanceToTheMeshNeverFallsBelowTheRadius) {
   }
 }
 
+// The triangles kept from earlier steps against those that the tree finds anew at each: the same path, bit for bit.
+TEST(BallProxy, WithItsNeighbourhoodKeptIsWhatAskingTheTreeGives) {
+  std::size_t touched = 0;
+  for (const std::string name : {"bumpy", "torus", "v-groove", "gauss"}) {
+    for (const double scale : {1e-3, 1.0, 1e3}) {
+      const TriangleMesh mesh = testing::moved(synthetic::make_mesh(name, {}, 2000).mesh, testing::awkward_rotation(),
+                                               scale * Vec3(0.01, -0.02, 0.005), scale);
+      const auto surface = make_embree_surface(mesh);
+      const ContactMesh contact(*surface);
+      const double radius = 1e-3 * scale;
+      BallProxy kept(contact, *surface, radius);
+      BallProxy asked(contact, *surface, radius);
+      Random random(31);
+      Vec3 way = random.direction();
+      for (int i = 0; i < 1500; ++i) {
+        way = (way + 0.01 * random.direction()).normalized();
+        const SurfacePoint foot = surface->closest(surface->bounds().center() + 0.04 * scale * way);
+        const Vec3 p = foot.p_W_m + (0.6 - 0.7 * std::sin(0.02 * i)) * radius * foot.n_W;
+        if (i == 0) {
+          kept.start(p);
+          asked.start(p);
+        } else {
+          asked.forget_near();
+          kept.follow(p);
+          asked.follow(p);
+        }
+        ASSERT_EQ(kept.position(), asked.position()) << name << " x " << scale << " step " << i;
+        ASSERT_EQ(kept.touching(), asked.touching()) << name << " x " << scale << " step " << i;
+        touched += kept.touching() ? 1U : 0U;
+      }
+      EXPECT_LT(kept.gathers(), asked.gathers() / 2);
+    }
+  }
+  EXPECT_GT(touched, 5000U);
+}
+
 }  // namespace
 }  // namespace touchstone
