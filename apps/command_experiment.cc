@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <memory>
 
+#include "apps/command_experiment_scan.h"
 #include "apps/commands.h"
 #include "apps/experiments/palpation_page.h"
 #include "apps/experiments/peer_comparison.h"
@@ -186,6 +187,7 @@ void add_experiment(CLI::App& program, Run& run) {
   add_springs(*command, run);
   add_palpation(*command, run);
   add_voxel(*command, run);
+  add_scan_experiments(*command, run);
 }
 
 }  // namespace touchstone::apps

@@ -8,6 +8,7 @@
 namespace touchstone::apps {
 
 void add_acquire(CLI::App& program, Run& run);
+void add_atlas(CLI::App& program, Run& run);
 void add_blind(CLI::App& program, Run& run);
 void add_check(CLI::App& program, Run& run);
 void add_compare(CLI::App& program, Run& run);
@@ -33,6 +34,7 @@ void add_version(CLI::App& program, Run& run);
 inline std::vector<AddCommand> commands() {
   return {
       add_acquire,
+      add_atlas,
       add_blind,
       add_check,
       add_compare,

@@ -1,0 +1,57 @@
+// The atlas of a renderer's geometric correctness (Ruffaldi et al. 2006, section 5 and figure 8): sharpness x stiffness
+// x friction x renderer, each case a run whose exact answer is known, told apart by the detectors of
+// harness/metrics/anomalies.h.
+//
+// Two scenes, both extruded along y, traced along x at 20 mm/s and 1 kHz by a hand that presses with 1.5 N:
+//   bump   a ridge 3 mm high and 8 mm wide on a block; sharpness: the angle of its sides against the block [rad]. The
+//          out-trajectory follows its outline with the exact normals; the in-trajectory is equation 2. At a corner the
+//          normal turns at once, and with it the tip, as deep as stiffness lets it be: the case of figure 8.
+//   shell  a flat plate; sharpness: its thickness [m]. Deeper than it is thick the tip is beyond its far side.
+// Friction: renderers with mu_static and mu_dynamic of their own run with both at the coefficient, others with the
+// effect coulomb-friction; how far friction may rightly hold the contact point back is allowed for.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "harness/metrics/anomalies.h"
+
+namespace touchstone::atlas {
+
+enum class Scene : std::uint8_t { bump, shell };
+std::string name_of(Scene scene);
+
+struct AtlasGrid {
+  std::vector<std::string> renderers{"god-object", "friction-cone", "force-shading", "penalty", "voxel"};
+  std::vector<double> side_angles_rad{0.2, 0.4, 0.6, 0.8, 1.0, 1.2, 1.4, 1.55};
+  std::vector<double> thicknesses_m{2e-3, 1e-3, 5e-4, 2e-4, 1e-4, 5e-5};
+  std::vector<double> stiffnesses_N_per_m{100, 200, 400, 800, 1600, 3200};
+  std::vector<double> mus{0.0, 0.2, 0.5, 1.0};
+  double force_N = 1.5;
+};
+
+struct AtlasCase {
+  Scene scene;
+  std::string renderer;
+  double sharpness;  // rad or m, see above
+  double stiffness_N_per_m;
+  double mu;
+  Anomalies found;
+};
+
+// All cases in a fixed order, whatever the number of threads: renderer, then sharpness, stiffness, friction, the bump
+// first. Throws BadData for an unknown renderer.
+std::vector<AtlasCase> run_atlas(const AtlasGrid& grid, const std::function<void(std::size_t done)>& progress = {});
+// How many cases that is.
+std::size_t case_count(const AtlasGrid& grid);
+
+// One case, for tests.
+AtlasCase run_case(Scene scene, const std::string& renderer, double sharpness, double stiffness_N_per_m, double mu,
+                   double force_N = 1.5);
+
+// What is wrong, shortest first: "" for nothing, else of "s" sticks, "p" pops through, "l" loses contact, "i" pulls
+// inward, each where at least 1 % of the samples show it.
+std::string letters(const Anomalies& found);
+
+}  // namespace touchstone::atlas

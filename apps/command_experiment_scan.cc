@@ -1,0 +1,116 @@
+#include "apps/command_experiment_scan.h"
+
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <memory>
+
+#include "apps/experiments/scan_pages.h"
+#include "harness/base/atomic_file.h"
+#include "harness/base/progress.h"
+#include "harness/recording/recording_file.h"
+#include "harness/report/page_html.h"
+#include "harness/surface/embree_surface.h"
+#include "harness/surface/extend_edges.h"
+#include "harness/surface/mesh_file.h"
+
+namespace touchstone::apps {
+namespace {
+
+struct Options {
+  std::string out;
+  std::uint64_t seed = 1;
+  std::string recording, mesh;
+  double mesh_unit_m = 1.0;
+  double block_s = 6.0;
+  double extend_m = 0.02;
+};
+
+void write_report(const Options& options, const std::string& name, const std::string& json, const Page& page) {
+  const std::filesystem::path out = options.out;
+  write_file(out / (name + ".json"), json);
+  write_html(out / "report.html", page);
+  fmt::print("report: {}\n", (out / "report.html").string());
+}
+
+ExitStatus run_friction(const Options& options) {
+  if (options.recording.empty() != options.mesh.empty())
+    throw UsageError("--recording and --mesh belong together: a real scan and the surface it was made over");
+  if (!options.out.empty()) ensure_writable_folder(options.out);
+  experiments::FrictionExperiment experiment;
+  constexpr std::array kCoefficients{0.25, 0.15, 0.40};
+  Progress progress("friction experiment", kCoefficients.size());
+  for (std::size_t i = 0; i < kCoefficients.size(); ++i) {
+    experiment.fits.push_back(experiments::fit_friction(options.seed + i, kCoefficients[i]));
+    progress.update(i + 1);
+  }
+  Provenance provenance = make_provenance(command_line());
+  if (!options.recording.empty()) {
+    experiment.real = experiments::fit_real_friction(load_recording(options.recording),
+                                                     make_embree_surface(load_mesh(options.mesh, options.mesh_unit_m)),
+                                                     options.block_s);
+    provenance.inputs.push_back(describe_input("recording", options.recording));
+    provenance.inputs.push_back(describe_input("mesh", options.mesh));
+  }
+  fmt::print("{}", experiments::friction_table(experiment));
+  if (!options.out.empty())
+    write_report(options, "friction", experiments::friction_to_json(experiment),
+                 experiments::friction_page(experiment, provenance));
+  return ExitStatus::passed;
+}
+
+ExitStatus run_density(const Options& options, bool shading) {
+  if (!options.out.empty()) ensure_writable_folder(options.out);
+  const auto experiment = experiments::run_density_experiment(options.seed);
+  fmt::print("{}", experiments::density_table(experiment, shading));
+  if (!options.out.empty())
+    write_report(options, shading ? "shading" : "density", experiments::density_to_json(experiment),
+                 experiments::density_page(experiment, shading, make_provenance(command_line())));
+  return ExitStatus::passed;
+}
+
+CLI::App* add(CLI::App& experiment, const std::string& name, const std::string& about,
+              const std::shared_ptr<Options>& options) {
+  auto* const command = experiment.add_subcommand(name, about);
+  command->add_option("--out", options->out, "Folder for report.html and " + name + ".json");
+  command->add_option("--seed", options->seed, "Of the scan")->capture_default_str();
+  return command;
+}
+
+}  // namespace
+
+void add_scan_experiments(CLI::App& experiment, Run& run) {
+  auto friction = std::make_shared<Options>();
+  auto* const command = add(experiment, "friction",
+                            "Friction identified from scans (Ruffaldi et al. 2006, table 2): the coefficient, and the "
+                            "error with and without",
+                            friction);
+  command->add_option("--recording", friction->recording, "A real recording beside the simulated ones (CSV or HDF5)");
+  command->add_option("--mesh", friction->mesh, "The surface of zero force of its positions");
+  command->add_option("--mesh-unit", friction->mesh_unit_m, "Unit of the mesh")
+      ->transform(
+          CLI::CheckedTransformer(std::map<std::string, double>{{"m", 1.0}, {"cm", 1e-2}, {"mm", 1e-3}, {"km", 1e3}}));
+  command->add_option("--block", friction->block_s, "Seconds of the blocks that are fitted and held out in turn")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  command->add_option("--extend", friction->extend_m, "How far an open mesh is continued at its edges [m]")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  command->footer(
+      "Examples:\n  touchstone experiment friction\n  touchstone experiment friction --out friction --recording "
+      "raster.csv --mesh phantom.obj --mesh-unit mm");
+  command->callback([friction, &run] { run = [friction] { return run_friction(*friction); }; });
+  for (const bool shading : {false, true}) {
+    auto options = std::make_shared<Options>();
+    const std::string name = shading ? "shading" : "density";
+    auto* const own = add(experiment, name,
+                          shading ? "Force shading over the density of the mesh (Ruffaldi et al. 2006, figure 7)"
+                                  : "Force error over the density of the mesh (Ruffaldi et al. 2006, table 3)",
+                          options);
+    own->footer(
+        fmt::format("Examples:\n  touchstone experiment {0}\n  touchstone experiment {0} --out {0} --seed 7", name));
+    own->callback([options, shading, &run] { run = [options, shading] { return run_density(*options, shading); }; });
+  }
+}
+
+}  // namespace touchstone::apps

@@ -1,0 +1,48 @@
+// The scan on which the experiments of Ruffaldi et al. 2006 (section 4) are repeated: the duck-like body dragged over
+// by a ball-tipped probe with friction, measured by models of their instruments (synthetic/). What the renderers get is
+// the measured recording alone.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "harness/recording/trajectory.h"
+#include "harness/rendering/model.h"
+#include "harness/surface/surface.h"
+
+namespace touchstone::experiments {
+
+struct BodyScan {
+  Recording recording;  // measured, at the tracker's 60 Hz
+  OutTrajectory out;    // made from it over the finest mesh
+  InTrajectory in;      // equation 2
+  TriangleMesh finest;  // 140,000 triangles
+  double tip_radius_m;
+  double stiffness_N_per_m;  // of the virtual probe, the paper's 0.5 N/mm
+  double true_mu;            // hidden from the renderers, for the answer
+};
+
+// `mu`: the body's friction.
+BodyScan make_body_scan(std::uint64_t seed, double mu);
+
+// The samples in contact of one part of a scan.
+struct ForceError {
+  double mean_N = 0.0;  // equation 3 of the paper, which it calls RMS
+  double rms_N = 0.0;
+  std::size_t samples = 0;
+};
+
+enum class Against : std::uint8_t {
+  recorded,     // the force as recorded
+  normal_part,  // its normal part, from which the in-trajectory was made: what a frictionless renderer can give back
+};
+
+// Renders the in-trajectory and compares in [from, to) of the samples. Throws BadData for a renderer that refuses.
+ForceError force_error(const BodyScan& scan, const Model& model, const std::shared_ptr<const Surface>& surface,
+                       Against against, std::size_t from, std::size_t to);
+
+// The model of a proxy-based renderer for the scan's tip and stiffness.
+Model proxy_model(const BodyScan& scan, const std::string& renderer);
+
+}  // namespace touchstone::experiments

@@ -1,0 +1,66 @@
+// Experiment 2 of Ruffaldi et al. 2006 (section 4.2, table 2): friction identified from a scan. The force error of the
+// friction cone as a function of its coefficient, the minimum, and the error without friction beside it.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "apps/experiments/body_scan.h"
+
+namespace touchstone::experiments {
+
+// By a virtual probe of one stiffness.
+struct FrictionAtStiffness {
+  double stiffness_N_per_m = 0.0;
+  std::vector<double> mu;  // of the curve
+  std::vector<double> mean_error_N;
+  double fitted_mu = 0.0;    // on the first half of the scan
+  ForceError without, with;  // on the second
+};
+
+struct FrictionFit {
+  std::uint64_t seed = 0;
+  double true_mu = 0.0;
+  FrictionAtStiffness soft;   // the paper's 0.5 N/mm
+  FrictionAtStiffness stiff;  // ten times that: the god-object lags by mu times the depth, which is a tenth
+};
+
+// The same on a recording of a soft real object, pressed at its measured positions: stiffness and coefficient fitted on
+// even blocks of time, errors on the odd ones.
+struct RealFrictionFit {
+  double fitted_mu = 0.0;
+  double stiffness_N_per_m = 0.0;  // with friction
+  double rms_without_N = 0.0;
+  double rms_with_N = 0.0;
+  std::size_t fitted_samples = 0, held_out_samples = 0;
+};
+
+struct FrictionExperiment {
+  std::vector<FrictionFit> fits;
+  std::optional<RealFrictionFit> real;
+};
+
+// The published numbers (table 2).
+struct PublishedFriction {
+  static constexpr double without_N = 0.132;
+  static constexpr double with_N = 0.067;
+  static constexpr double without_flops = 10.4e6;
+  static constexpr double with_flops = 10.8e6;
+};
+
+FrictionFit fit_friction(std::uint64_t seed, double true_mu);
+// `surface`: the surface of zero force of the recorded point, in metres.
+RealFrictionFit fit_real_friction(const Recording& recording, const std::shared_ptr<const Surface>& surface,
+                                  double block_s);
+
+// A finding of the paper, and whether it holds here.
+struct PaperFinding {
+  std::string statement;
+  bool holds;
+  std::string here;  // the numbers that say so
+};
+std::vector<PaperFinding> friction_findings(const FrictionExperiment& experiment);
+
+}  // namespace touchstone::experiments

@@ -1,0 +1,179 @@
+#include "apps/experiments/scan_pages.h"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <cmath>
+
+#include "harness/report/console.h"
+#include "harness/report/evaluation_page.h"
+
+namespace touchstone::experiments {
+namespace {
+
+// Tables first as rows of text, the first of them the columns' names: for console and page alike.
+using Rows = std::vector<std::vector<std::string>>;
+
+Table to_table(const Rows& rows, std::string caption) {
+  Table table;
+  table.caption = std::move(caption);
+  table.columns = rows.front();
+  for (std::size_t i = 1; i < rows.size(); ++i) {
+    Table::Row row;
+    for (const auto& cell : rows[i]) row.cells.push_back({cell, true, Tone::neutral});
+    table.rows.push_back(std::move(row));
+  }
+  return table;
+}
+
+std::string findings_text(const std::vector<PaperFinding>& findings) {
+  std::string text;
+  for (const auto& f : findings)
+    text += fmt::format("{}: {}; here: {}\n", f.holds ? "holds" : "DOES NOT HOLD", f.statement, f.here);
+  return text;
+}
+
+Section findings_section(const std::vector<PaperFinding>& findings) {
+  Section section{"Which findings hold here", "Of the paper. Our body is not their duck.", {}, false};
+  Table table;
+  table.columns = {"finding of the paper", "here", "holds"};
+  for (const auto& f : findings) {
+    table.rows.push_back({{{f.statement, false, Tone::neutral},
+                           {f.here, false, Tone::neutral},
+                           {f.holds ? "yes" : "no", false, f.holds ? Tone::good : Tone::warning}},
+                          "",
+                          {}});
+  }
+  section.blocks.emplace_back(std::move(table));
+  return section;
+}
+
+Rows friction_rows(const FrictionExperiment& e) {
+  Rows rows{{"", "stiffness [N/m]", "true mu", "fitted mu", "without [N]", "with [N]", "left"}};
+  const auto add = [&](const std::string& what, const std::string& stiffness, const std::string& truth,
+                       const std::string& mu, double without, double with) {
+    rows.push_back({what, stiffness, truth, mu, fmt::format("{:.3f}", without), fmt::format("{:.3f}", with),
+                    fmt::format("{:.0f} %", 100.0 * with / without)});
+  };
+  for (const auto& fit : e.fits) {
+    for (const FrictionAtStiffness* const own : {&fit.soft, &fit.stiff})
+      add(fmt::format("scan {}", fit.seed), fmt::format("{:.0f}", own->stiffness_N_per_m),
+          fmt::format("{:.3f}", fit.true_mu), fmt::format("{:.4f}", own->fitted_mu), own->without.mean_N,
+          own->with.mean_N);
+  }
+  if (e.real)
+    add("real recording", fmt::format("{:.0f} (fitted)", e.real->stiffness_N_per_m), "unknown",
+        fmt::format("{:.4f}", e.real->fitted_mu), e.real->rms_without_N, e.real->rms_with_N);
+  add("published, table 2", "500", "unknown", "radius 0.3008 mm", PublishedFriction::without_N,
+      PublishedFriction::with_N);
+  return rows;
+}
+
+Rows density_rows(const DensityExperiment& e, bool shading) {
+  Rows rows{{"triangles", "error [N]", "relative"}};
+  if (shading) rows[0].insert(rows[0].end(), {"with shading [N]", "gone"});
+  rows[0].insert(rows[0].end(),
+                 {"against the whole force [N]", "published kTri", "published [N]", "published relative"});
+  const double finest = e.points.back().plain.mean_N;
+  for (std::size_t i = 0; i < e.points.size(); ++i) {
+    const DensityPoint& p = e.points[i];
+    std::vector<std::string> row{fmt::format("{}", p.triangles), fmt::format("{:.4f}", p.plain.mean_N),
+                                 fmt::format("{:.2f}", p.plain.mean_N / finest)};
+    if (shading)
+      row.insert(row.end(), {fmt::format("{:.4f}", p.shaded.mean_N),
+                             fmt::format("{:.0f} %", 100.0 * (1.0 - p.shaded.mean_N / p.plain.mean_N))});
+    const auto& theirs = kPublishedDensity[i];
+    row.insert(row.end(), {fmt::format("{:.3f}", shading ? p.shaded_all.mean_N : p.plain_all.mean_N),
+                           fmt::format("{:g}", theirs.kilo_triangles), fmt::format("{:.3f}", theirs.error_N),
+                           fmt::format("{:.2f}", theirs.relative)});
+    rows.push_back(std::move(row));
+  }
+  return rows;
+}
+
+Line density_line(const DensityExperiment& e, std::string name, double (*value)(const DensityPoint&), Tone tone) {
+  Line line{std::move(name), {}, {}, tone, false, true};
+  for (const auto& p : e.points) {
+    line.x.push_back(std::log10(static_cast<double>(p.triangles)));
+    line.y.push_back(value(p));
+  }
+  return line;
+}
+
+}  // namespace
+
+std::string friction_table(const FrictionExperiment& e) {
+  return "Mean force error (their equation 3) on the half not fitted; real recording: RMS, on blocks not fitted\n" +
+         align_columns(friction_rows(e)) + findings_text(friction_findings(e));
+}
+
+Page friction_page(const FrictionExperiment& e, const Provenance& provenance) {
+  Page page;
+  page.title = "Friction identified from a scan";
+  page.subtitle = "Experiment 2 of Ruffaldi et al. 2006 (section 4.2, table 2) on simulated scans of a duck-like body";
+  page.sections.push_back(findings_section(friction_findings(e)));
+  Section table{"Table 2",
+                "Simulated scans with instrument noise: the coefficient is fitted on the first half and the mean error "
+                "(equation 3) is of the second. The friction cone of Harwin and Melder, mu_static = mu_dynamic; the "
+                "paper varies a friction radius instead. A real recording: stiffness and coefficient fitted on even "
+                "blocks of time at the measured positions, RMS error on odd ones.",
+                {},
+                false};
+  table.blocks.emplace_back(to_table(friction_rows(e), "Here and published"));
+  LinePlot plot;
+  plot.title = "Force error against the friction coefficient";
+  plot.x_label = "mu";
+  plot.y_label = "mean force error [N]";
+  constexpr std::array kTones{Tone::rendered, Tone::measured, Tone::error, Tone::reference, Tone::good};
+  for (std::size_t i = 0; i < e.fits.size(); ++i) {
+    for (const FrictionAtStiffness* const own : {&e.fits[i].soft, &e.fits[i].stiff})
+      plot.lines.push_back(
+          {fmt::format("true mu {:.2f}, {:.1f} N/mm", e.fits[i].true_mu, 1e-3 * own->stiffness_N_per_m), own->mu,
+           own->mean_error_N, kTones[i % kTones.size()], own == &e.fits[i].soft, true});
+  }
+  table.blocks.emplace_back(std::move(plot));
+  page.sections.push_back(std::move(table));
+  page.sections.push_back(provenance_section(provenance));
+  return page;
+}
+
+std::string density_table(const DensityExperiment& e, bool shading) {
+  return "Mean force error (their equation 3) against the normal part of the recorded force\n" +
+         align_columns(density_rows(e, shading)) + findings_text(shading ? shading_findings(e) : density_findings(e));
+}
+
+Page density_page(const DensityExperiment& e, bool shading, const Provenance& provenance) {
+  Page page;
+  page.title = shading ? "Force shading and the density of the mesh" : "The density of the mesh";
+  page.subtitle = shading ? "Experiment 4 of Ruffaldi et al. 2006 (section 4.4, figure 7) on a duck-like body"
+                          : "Experiment 3 of Ruffaldi et al. 2006 (section 4.3, table 3) on a duck-like body";
+  page.sections.push_back(findings_section(shading ? shading_findings(e) : density_findings(e)));
+  Section table{
+      shading ? "Figure 7" : "Table 3",
+      "Eight meshes decimated from one of 140,000 triangles. The in-trajectory is made once, over the finest; "
+      "the error is against the normal part of the recorded force, from which it was made.",
+      {},
+      false};
+  table.blocks.emplace_back(to_table(density_rows(e, shading), "Here and published"));
+  LinePlot plot;
+  plot.title = "Force error over the size of the mesh";
+  plot.x_label = "log10 of the number of triangles";
+  plot.y_label = "mean force error [N]";
+  plot.lines.push_back(density_line(
+      e, "proxy", [](const DensityPoint& p) { return p.plain.mean_N; }, Tone::rendered));
+  if (shading)
+    plot.lines.push_back(density_line(
+        e, "with force shading", [](const DensityPoint& p) { return p.shaded.mean_N; }, Tone::good));
+  Line published{"published (another body)", {}, {}, Tone::reference, true, true};
+  for (const auto& p : kPublishedDensity) {
+    published.x.push_back(std::log10(1000.0 * p.kilo_triangles));
+    published.y.push_back(p.error_N);
+  }
+  plot.lines.push_back(std::move(published));
+  table.blocks.emplace_back(std::move(plot));
+  page.sections.push_back(std::move(table));
+  page.sections.push_back(provenance_section(provenance));
+  return page;
+}
+
+}  // namespace touchstone::experiments

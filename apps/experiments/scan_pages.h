@@ -1,0 +1,22 @@
+// The friction, density and shading experiments as text for the console, as reports and as JSON.
+#pragma once
+
+#include <string>
+
+#include "apps/experiments/density_experiment.h"
+#include "apps/experiments/friction_experiment.h"
+#include "harness/report/page.h"
+#include "harness/report/provenance.h"
+
+namespace touchstone::experiments {
+
+std::string friction_table(const FrictionExperiment& experiment);
+Page friction_page(const FrictionExperiment& experiment, const Provenance& provenance);
+std::string friction_to_json(const FrictionExperiment& experiment);
+
+// `shading`: experiment 4, else 3; the same run serves both.
+std::string density_table(const DensityExperiment& experiment, bool shading);
+Page density_page(const DensityExperiment& experiment, bool shading, const Provenance& provenance);
+std::string density_to_json(const DensityExperiment& experiment);
+
+}  // namespace touchstone::experiments
