@@ -6,6 +6,7 @@
 #include <map>
 #include <vector>
 
+#include "harness/rendering/operations.h"
 #include "harness/surface/embree_surface.h"
 #include "renderers/catalogue.h"
 #include "synthetic/surface_catalogue.h"
@@ -46,18 +47,36 @@ std::shared_ptr<const Surface> cached_body(std::size_t triangles) {
   return body;
 }
 
-std::unique_ptr<Renderer> make(const std::string& name, std::size_t triangles, double tip_radius_m, double mu) {
+Model model_of(const std::string& name, double tip_radius_m, double mu) {
   Model model;
   model.renderer = name;
-  model.parameters = {{"stiffness_N_per_m", 500.0}, {"tip_radius_m", tip_radius_m}};
+  if (name != "spring-quadratic") model.parameters["stiffness_N_per_m"] = 500.0;
+  if (tip_radius_m > 0.0) model.parameters["tip_radius_m"] = tip_radius_m;
   if (mu > 0.0) model.parameters["mu_static"] = model.parameters["mu_dynamic"] = mu;
   model.source = "benchmark";
-  return make_renderer(model, cached_body(triangles));
+  return model;
+}
+
+// Floating-point operations of a step, mean and most; none where they are not counted.
+void count(benchmark::State& state, const Model& model, const std::shared_ptr<const Surface>& body,
+           const std::vector<Vec3>& tips) {
+  const CountedRenderer counted = make_counted_renderer(model, body);
+  if (!counted.renderer) return;
+  const OperationReport report = count_operations(*counted.renderer, [&, i = std::size_t{0}](TipState& tip) mutable {
+    if (i == tips.size()) return false;
+    tip.t_s = static_cast<double>(i) * 1e-3;
+    tip.p_W_m = tips[i++];
+    return true;
+  });
+  state.counters["operations"] = report.mean;
+  state.counters["most_operations"] = static_cast<double>(report.max);
 }
 
 void replay_bumpy(benchmark::State& state, const std::string& name, double tip_radius_m, double mu = 0.0) {
   const auto& tips = cached_path(tip_radius_m);
-  const auto renderer = make(name, static_cast<std::size_t>(state.range(0)), tip_radius_m, mu);
+  const auto body = cached_body(static_cast<std::size_t>(state.range(0)));
+  const Model model = model_of(name, tip_radius_m, mu);
+  const auto renderer = make_renderer(model, body);
   std::size_t touching = 0;
   for (auto _ : state) {
     renderer->reset();
@@ -71,8 +90,9 @@ void replay_bumpy(benchmark::State& state, const std::string& name, double tip_r
   const auto steps = static_cast<double>(state.iterations()) * static_cast<double>(kSteps);
   state.counters["per_step"] = benchmark::Counter(steps, benchmark::Counter::kIsRate | benchmark::Counter::kInvert);
   state.counters["in_contact"] = static_cast<double>(touching) / static_cast<double>(kSteps);
-  state.counters["triangles"] =
-      static_cast<double>(cached_body(static_cast<std::size_t>(state.range(0)))->mesh()->triangle_count());
+  state.counters["triangles"] = static_cast<double>(body->mesh()->triangle_count());
+  state.counters["bytes"] = static_cast<double>(renderer->memory_bytes());
+  count(state, model, body, tips);
 }
 
 #define TOUCHSTONE_BENCH(...) \
@@ -84,6 +104,12 @@ TOUCHSTONE_BENCH(force_shading_friction_point, "force-shading", 0.0, 0.3);
 TOUCHSTONE_BENCH(god_object_ball_1mm, "god-object", 1e-3);
 TOUCHSTONE_BENCH(friction_cone_ball_1mm, "friction-cone", 1e-3, 0.3);
 TOUCHSTONE_BENCH(force_shading_ball_1mm, "force-shading", 1e-3);
+TOUCHSTONE_BENCH(penalty_point, "penalty", 0.0);
+TOUCHSTONE_BENCH(spring_linear, "spring-linear", 0.0);
+TOUCHSTONE_BENCH(spring_quadratic, "spring-quadratic", 0.0);
+TOUCHSTONE_BENCH(voxel_64, "voxel", 0.0);
+TOUCHSTONE_BENCH(voxel_sparse_64, "voxel-sparse", 0.0);
+TOUCHSTONE_BENCH(implicit_64, "implicit", 0.0);
 #undef TOUCHSTONE_BENCH
 
 // The structures of the surface and of the renderer over a mesh in memory.

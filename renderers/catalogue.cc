@@ -102,6 +102,7 @@ std::unique_ptr<Renderer> make_contact(const Model& model, std::shared_ptr<const
   const double offset_m = value_or(parameters, "tip_radius_m", 0.0);
   const double stiffness = value_or(parameters, "stiffness_N_per_m", 0.0);
   auto base = (entry.*make)(parameters, surface);
+  if (!base) return nullptr;
   return std::make_unique<EffectStack>(std::move(base), std::move(effects), std::move(surface), offset_m, stiffness);
 }
 
@@ -121,6 +122,7 @@ CountedRenderer make_counted_renderer(const Model& model, std::shared_ptr<const 
   Model contact = model;
   const bool device = take_haptic_device(contact).has_value();
   CountedRenderer made{make_contact(contact, std::move(surface), &RendererEntry::make_counted), ""};
+  if (!made.renderer) return {nullptr, "the renderer " + entry.name + " with this tip or on this mesh"};
   if (!contact.effects.empty()) made.not_counted = "the effects of the contact";
   if (device) made.not_counted += made.not_counted.empty() ? "the haptic device" : ", the haptic device";
   return made;

@@ -1,5 +1,6 @@
 // Every renderer of the catalogue on every shape of the conformance suite. A new one gets it all by a line here; the
 // last test fails for a renderer that has none.
+#include "harness/surface_cgal/exact_surface.h"
 #include "renderers/conformance_subjects.h"
 
 namespace touchstone::testing {
@@ -17,7 +18,7 @@ std::vector<RendererSubject> subjects() {
   implicit.thinnest_m = 2.0 * 0.04 / 25.0;  // two samples
   const std::string cone = R"("parameters": {"mu_static": 0.4, "mu_dynamic": 0.3})";
   const std::string cone_ball = R"("parameters": {"mu_static": 0.4, "mu_dynamic": 0.3, "tip_radius_m": 0.001})";
-  return {
+  std::vector<RendererSubject> all{
       subject_of("god_object", model("god-object"), 500.0),
       subject_of("god_object_ball", model("god-object", R"("parameters": {"tip_radius_m": 0.001})"), 500.0, 0.0, 0.001),
       subject_of("god_object_friction", model("god-object", friction), 500.0, 0.4),
@@ -35,6 +36,12 @@ std::vector<RendererSubject> subjects() {
       subject_of("voxel_sparse", model("voxel-sparse", R"("parameters": {"resolution": 32})"), 500.0),
       implicit,
   };
+  if (exact_surface_available()) {
+    all.push_back(subject_of("god_object_exact_queries", model("god-object"), 500.0));
+    all.back().queries = make_exact_surface;
+    all.back().queries_allocate = true;
+  }
+  return all;
 }
 
 TEST(ConformanceOfTheCatalogue, EveryRendererIsASubject) {

@@ -2,6 +2,7 @@
 // reads, neighbours by index, and the tree for the rest. Shared between renderers on the same surface.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <memory>
@@ -14,26 +15,30 @@
 namespace touchstone {
 
 // A triangle's plane and borders. Edge e runs from corner e to corner (e + 1) mod 3.
-struct Facet {
-  Vec3 origin;                            // corner 0
-  Vec3 n;                                 // outward unit normal; zero where the triangle has no area
-  std::array<Vec3, 3> inward;             // unit, in the plane, from edge e towards the triangle's inside
-  double inset;                           // of edge 1 from the origin along inward[1]; edges 0 and 2 pass through it
+template <class S>
+struct FacetOf {
+  Vec3Of<S> origin;                       // corner 0
+  Vec3Of<S> n;                            // outward unit normal; zero where the triangle has no area
+  std::array<Vec3Of<S>, 3> inward;        // unit, in the plane, from edge e towards the triangle's inside
+  S inset;                                // of edge 1 from the origin along inward[1]; edges 0 and 2 pass through it
   std::array<std::int32_t, 3> corner;     // vertex indices
   std::array<std::int32_t, 3> neighbour;  // across edge e: a triangle, open_edge or non_manifold_edge
   std::array<bool, 3> valley;             // edge e is concave seen from outside
   bool regular;                           // may be walked on by its neighbours (mesh_regularity.h)
 
   // Signed distance from the plane, positive outside.
-  [[nodiscard]] double height(const Vec3& x) const noexcept { return n.dot(x - origin); }
+  [[nodiscard]] S height(const Vec3Of<S>& x) const noexcept { return dot(n, x - origin); }
   // Signed distance within the plane from edge e's line, positive on the triangle's side.
-  [[nodiscard]] double inside(std::size_t e, const Vec3& x) const noexcept {
-    return inward[e].dot(x - origin) - (e == 1 ? inset : 0.0);
+  [[nodiscard]] S inside(std::size_t e, const Vec3Of<S>& x) const noexcept {
+    const S along = dot(inward[e], x - origin);
+    return e == 1 ? along - inset : along;
   }
 };
+using Facet = FacetOf<double>;
 
 class ContactMesh {
  public:
+  using Scalar = double;
   // Throws BadData for a surface without triangles. The surface must outlive this.
   explicit ContactMesh(const Surface& surface);
 
@@ -66,6 +71,15 @@ class ContactMesh {
                                          std::int32_t from) const noexcept;
   [[nodiscard]] const TriangleTree& tree() const noexcept { return *tree_; }
   [[nodiscard]] std::size_t triangle_count() const noexcept { return facets_.size(); }
+  [[nodiscard]] std::size_t vertex_count() const noexcept { return mesh_->vertices_W_m.size(); }
+  // All triangles may be walked on.
+  [[nodiscard]] bool regular() const noexcept {
+    return std::all_of(facets_.begin(), facets_.end(), [](const Facet& facet) { return facet.regular; });
+  }
+  // Without the mesh itself and the tree, which is Embree's.
+  [[nodiscard]] std::size_t memory_bytes() const noexcept {
+    return facets_.capacity() * sizeof(Facet) + topology_.memory_bytes();
+  }
   [[nodiscard]] bool closed() const noexcept { return topology_.closed(); }
   // The length of the bounding box's diagonal.
   [[nodiscard]] double extent() const noexcept { return extent_; }

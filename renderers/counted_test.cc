@@ -85,7 +85,32 @@ INSTANTIATE_TEST_SUITE_P(Catalogue, CountedRendererOf, ::testing::ValuesIn(count
   return name;
 });
 
+TEST(CountedRenderer, FrictionAndOpenMeshesToTheBit) {
+  const std::shared_ptr<const Surface> sheet = make_embree_surface(testing::grid(0.05, 10));
+  for (const double mu : {0.0, 0.3}) {
+    const Model model = testing::model_of("friction-cone", {{"mu_static", 1.5 * mu}, {"mu_dynamic", mu}});
+    const auto plain = make_renderer(model, sheet);
+    const CountedRenderer counted = make_counted_renderer(model, sheet);
+    ASSERT_NE(counted.renderer, nullptr);
+    Random random(5);
+    Vec3 tip(0.0, 0.0, 0.002);
+    for (int i = 0; i < 20000; ++i) {
+      tip += 1e-4 * random.direction() - 1e-2 * Vec3(tip.x(), tip.y(), tip.z() + 1e-3);
+      if (i % 500 == 0) tip = {random.uniform(-0.06, 0.06), random.uniform(-0.06, 0.06), 0.002};
+      const TipState now{static_cast<double>(i) * 1e-3, tip, Quat::Identity()};
+      const StepResult a = plain->step(now);
+      const StepResult b = counted.renderer->step(now);
+      ASSERT_EQ(a.f_W_N, b.f_W_N) << i;
+      ASSERT_EQ(a.contact_W_m, b.contact_W_m) << i;
+    }
+  }
+}
+
 TEST(CountedRenderer, SaysWhatIsNotCounted) {
+  const CountedRenderer ball = make_counted_renderer(testing::model_of("god-object", {{"tip_radius_m", 1e-3}}),
+                                                     make_embree_surface(testing::cube(0.02)));
+  EXPECT_EQ(ball.renderer, nullptr);
+  EXPECT_EQ(ball.not_counted, "the renderer god-object with this tip or on this mesh");
   const std::shared_ptr<const Surface> mesh = make_embree_surface(testing::cube(0.02));
   const CountedRenderer none = make_counted_renderer(testing::model_of("implicit", {}), mesh);
   EXPECT_EQ(none.renderer, nullptr);

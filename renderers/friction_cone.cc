@@ -3,6 +3,7 @@
 #include <limits>
 
 #include "renderers/ball_proxy.h"
+#include "renderers/counted_god_object.h"
 #include "renderers/point_proxy.h"
 #include "renderers/proxy_renderer.h"
 
@@ -30,6 +31,11 @@ RendererEntry friction_cone_entry() {
           return std::make_unique<ProxyRenderer<BallProxy>>(stiffness, std::move(surface), NoShading{}, radius,
                                                             friction);
         return std::make_unique<ProxyRenderer<PointProxy>>(stiffness, std::move(surface), NoShading{}, friction);
+      },
+      [](const Parameters& parameters, std::shared_ptr<const Surface> surface) -> std::unique_ptr<Renderer> {
+        if (parameters.at("tip_radius_m") > 0.0) return nullptr;
+        return make_counted_god_object(std::move(surface), parameters.at("stiffness_N_per_m"),
+                                       {parameters.at("mu_static"), parameters.at("mu_dynamic")});
       }};
   for (auto& declared : cone_parameters()) entry.parameters.push_back(std::move(declared));
   return entry;

@@ -3,6 +3,7 @@
 #include <limits>
 
 #include "renderers/ball_proxy.h"
+#include "renderers/counted_god_object.h"
 #include "renderers/point_proxy.h"
 #include "renderers/proxy_renderer.h"
 
@@ -22,6 +23,10 @@ RendererEntry god_object_entry() {
         if (radius > 0.0)
           return std::make_unique<ProxyRenderer<BallProxy>>(stiffness, std::move(surface), NoShading{}, radius);
         return std::make_unique<ProxyRenderer<PointProxy>>(stiffness, std::move(surface), NoShading{});
+      },
+      [](const Parameters& parameters, std::shared_ptr<const Surface> surface) -> std::unique_ptr<Renderer> {
+        if (parameters.at("tip_radius_m") > 0.0) return nullptr;
+        return make_counted_god_object(std::move(surface), parameters.at("stiffness_N_per_m"), {});
       }};
 }
 

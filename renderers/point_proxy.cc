@@ -5,17 +5,22 @@
 
 namespace touchstone {
 
+StartPlace start_place(const ContactMesh& mesh, const Surface& surface, const Vec3& p) noexcept {
+  const SurfacePoint nearest = surface.closest(p);
+  if (!(nearest.signed_distance_m < 0.0)) return {};
+  const Facet& facet = mesh.facet(nearest.triangle);
+  const TriangleClosest where = closest_on_triangle(mesh.corners(nearest.triangle), facet.n, p);
+  // Beyond the rim of an open mesh there is no inside.
+  if (mesh.on_rim(nearest.triangle, where.feature, where.index)) return {};
+  return {true, nearest.triangle, where.feature, where.index, nearest.p_W_m};
+}
+
 void PointProxy::start(const Vec3& p) noexcept {
   by_planes_ = false;
   cone_.stick();
-  const SurfacePoint nearest = surface_->closest(p);
-  if (!(nearest.signed_distance_m < 0.0)) return walk_.start_free(p);
-  const Facet& facet = mesh_->facet(nearest.triangle);
-  const TriangleClosest where = closest_on_triangle(mesh_->corners(nearest.triangle), facet.n, p);
-  // Beyond the rim of an open mesh there is no inside.
-  if (mesh_->on_rim(nearest.triangle, where.feature, where.index)) return walk_.start_free(p);
-  if (!walk_.start_on(nearest.triangle, where.feature, where.index, p))
-    go_by_planes(nearest.p_W_m, nearest.triangle, p);
+  const StartPlace place = start_place(*mesh_, *surface_, p);
+  if (!place.inside) return walk_.start_free(p);
+  if (!walk_.start_on(place.triangle, place.feature, place.index, p)) go_by_planes(place.p_W_m, place.triangle, p);
 }
 
 void PointProxy::follow(const Vec3& p) noexcept {

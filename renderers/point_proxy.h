@@ -7,6 +7,16 @@
 
 namespace touchstone {
 
+// Where a run starts: inside a closed body (or behind an open sheet, its rim aside) at the closest surface point.
+struct StartPlace {
+  bool inside = false;
+  std::int32_t triangle = -1;
+  Feature feature = Feature::face;
+  std::size_t index = 0;  // of the edge or corner
+  Vec3 p_W_m = Vec3::Zero();
+};
+StartPlace start_place(const ContactMesh& mesh, const Surface& surface, const Vec3& p) noexcept;
+
 class PointProxy {
  public:
   PointProxy(const ContactMesh& mesh, const Surface& surface, const ConeFriction& friction = {})

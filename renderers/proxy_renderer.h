@@ -16,6 +16,22 @@ struct NoShading {
   void turn(const Proxy& /*proxy*/, const Vec3& /*p*/, StepResult& /*result*/) const noexcept {}
 };
 
+// The force of the spring from p to the proxy, before any shading.
+template <class S, class Proxy>
+StepResult spring_to(const Proxy& proxy, const Vec3Of<S>& p, const S& stiffness_N_per_m) noexcept {
+  using std::sqrt;
+  StepResult result;
+  result.contact_W_m = proxy.position().template cast<double>();
+  if (!proxy.touching()) return result;
+  const Vec3Of<S> push = proxy.push(p);
+  const Vec3Of<S> n = proxy.normal(p);
+  result.contact = true;
+  result.f_W_N = (stiffness_N_per_m * push).template cast<double>();
+  result.n_W = n.template cast<double>();
+  result.depth_m = static_cast<double>(proxy.frictionless() ? S(sqrt(squared_norm(push))) : dot(push, n));
+  return result;
+}
+
 // `Proxy`: PointProxy or BallProxy. `Shading` may turn the force once the proxy is found.
 template <class Proxy, class Shading = NoShading>
 class ProxyRenderer final : public Renderer {
@@ -29,6 +45,8 @@ class ProxyRenderer final : public Renderer {
         shading_(std::move(shading)),
         proxy_(*mesh_, *surface_, tip...) {}
 
+  [[nodiscard]] std::size_t memory_bytes() const noexcept override { return mesh_->memory_bytes(); }
+
  private:
   void do_reset() override { started_ = false; }
 
@@ -40,16 +58,8 @@ class ProxyRenderer final : public Renderer {
       started_ = true;
       proxy_.start(p);
     }
-    StepResult result;
-    result.contact_W_m = proxy_.position();
-    if (proxy_.touching()) {
-      const Vec3 push = proxy_.push(p);
-      result.contact = true;
-      result.f_W_N = stiffness_N_per_m_ * push;
-      result.n_W = proxy_.normal(p);
-      result.depth_m = proxy_.frictionless() ? push.norm() : push.dot(result.n_W);
-      shading_.turn(proxy_, p, result);
-    }
+    StepResult result = spring_to<double>(proxy_, p, stiffness_N_per_m_);
+    if (result.contact) shading_.turn(proxy_, p, result);
     return result;
   }
 

@@ -33,31 +33,35 @@
 
 namespace touchstone {
 
-class SurfaceWalk {
+// Over any mesh with the members of ContactMesh that it uses: ContactMesh itself, and CountedContactMesh whose scalar
+// counts operations.
+template <class Mesh>
+class SurfaceWalkOf {
  public:
+  using S = typename Mesh::Scalar;
+  using V = Vec3Of<S>;
   enum class On : std::uint8_t { nothing, face, edge, vertex };
 
-  explicit SurfaceWalk(const ContactMesh& mesh, const ConeFriction& friction = {})
-      : mesh_(&mesh), friction_(friction) {}
+  explicit SurfaceWalkOf(const Mesh& mesh, const ConeFriction& friction = {}) : mesh_(&mesh), friction_(friction) {}
 
   // The first position of a run, free of the surface.
-  void start_free(const Vec3& p) noexcept;
+  void start_free(const V& p) noexcept;
   // The first position of a run inside the object: the god-object starts where the surface is closest, which is the
   // given triangle, or its edge or corner with index `local`.
-  bool start_on(std::int32_t triangle, Feature feature, std::size_t local, const Vec3& p) noexcept;
+  bool start_on(std::int32_t triangle, Feature feature, std::size_t local, const V& p) noexcept;
   // Goes on from g on that triangle, sliding or held.
-  void resume(const Vec3& g, std::int32_t triangle, bool sliding = false) noexcept;
+  void resume(const V& g, std::int32_t triangle, bool sliding = false) noexcept;
   // Moves the god-object for a new position of the tip. False where it came upon a triangle that cannot be walked on
   // (Facet::regular): it is at position() on triangle(), and push() is not known.
-  bool follow(const Vec3& p) noexcept;
+  bool follow(const V& p) noexcept;
 
   [[nodiscard]] On on() const noexcept { return on_; }
   [[nodiscard]] bool touching() const noexcept { return on_ != On::nothing; }
   // The god-object, and from the tip to it (zero when free; computed without cancellation).
-  [[nodiscard]] const Vec3& position() const noexcept { return g_; }
-  [[nodiscard]] const Vec3& push() const noexcept { return push_; }
+  [[nodiscard]] const V& position() const noexcept { return g_; }
+  [[nodiscard]] const V& push() const noexcept { return push_; }
   // Of the contact: on a face its normal, else the direction of push() without friction's part; zero when free.
-  [[nodiscard]] Vec3 normal() const noexcept;
+  [[nodiscard]] V normal() const noexcept;
   // Whether friction let the god-object go in the last step.
   [[nodiscard]] bool sliding() const noexcept { return sliding_; }
   // The triangle touched (one of them at edges and vertices) and which of its edges or corners.
@@ -67,37 +71,40 @@ class SurfaceWalk {
   [[nodiscard]] std::uint64_t transitions() const noexcept { return transitions_; }
 
  private:
-  bool descend(const Vec3& p) noexcept;
+  static constexpr S zero{0.0};
+  static constexpr S one{1.0};
+
+  bool descend(const V& p) noexcept;
   // Whether the cone holds the god-object that far from the foot point at that depth; else it slides, and the answer of
   // slip() is how far it may stay behind.
-  [[nodiscard]] bool held(double away_m, double depth_m) const noexcept {
-    return away_m <= hold_ * depth_m + rounding_;
-  }
-  double slip(double depth_m) noexcept;
+  [[nodiscard]] bool held(S away_m, S depth_m) const noexcept { return away_m <= hold_ * depth_m + rounding_; }
+  S slip(S depth_m) noexcept;
   // Each returns true when the god-object has come to rest.
-  bool slide_on_face(const Vec3& p) noexcept;
-  bool slide_on_edge(const Vec3& p) noexcept;
-  bool turn_at_vertex(const Vec3& p) noexcept;
-  bool leave(const Vec3& p) noexcept;
+  bool slide_on_face(const V& p) noexcept;
+  bool slide_on_edge(const V& p) noexcept;
+  bool turn_at_vertex(const V& p) noexcept;
+  bool leave(const V& p) noexcept;
 
   [[nodiscard]] bool touches(std::int32_t triangle) const noexcept;
   [[nodiscard]] bool near_rim() const noexcept;
   bool to_face(std::int32_t triangle) noexcept;
   bool to_vertex(std::int32_t triangle, std::size_t corner) noexcept;
-  bool rest(const Vec3& g, const Vec3& push) noexcept;
+  bool rest(const V& g, const V& push) noexcept;
 
-  const ContactMesh* mesh_;
-  Vec3 g_ = Vec3::Zero();
-  Vec3 push_ = Vec3::Zero();
+  const Mesh* mesh_;
+  V g_ = V::Zero();
+  V push_ = V::Zero();
   std::int32_t triangle_ = -1;
   std::size_t local_ = 0;
   On on_ = On::nothing;
   bool stopped_ = false;  // on a triangle that is not regular
   bool sliding_ = false;
   ConeFriction friction_;
-  double hold_ = 0.0;      // the coefficient that holds the god-object now; 0: no friction
-  double rounding_ = 0.0;  // of the distances that friction compares
+  S hold_ = S(0.0);      // the coefficient that holds the god-object now; 0: no friction
+  S rounding_ = S(0.0);  // of the distances that friction compares
   std::uint64_t transitions_ = 0;
 };
+
+using SurfaceWalk = SurfaceWalkOf<ContactMesh>;
 
 }  // namespace touchstone

@@ -35,13 +35,16 @@ TEST_P(VoxelExperimentSeed, TheFindingsOfThePaper) {
   // Against the smooth body the god-object is the nearest and each halving of the voxel helps.
   EXPECT_LT(experiment.find("god-object", 0)->own_rms_N, experiment.find("voxel", 64)->own_rms_N);
   EXPECT_LT(experiment.find("voxel", 64)->own_rms_N, experiment.find("voxel", 32)->own_rms_N);
-  // Findings 0 to 4 are counts and errors; 5 is a time and is reported only.
-  ASSERT_EQ(experiment.findings.size(), 7U);
-  EXPECT_TRUE(experiment.findings[0].holds) << experiment.findings[0].here;
-  EXPECT_TRUE(experiment.findings[2].holds) << experiment.findings[2].here;
-  EXPECT_TRUE(experiment.findings[3].holds) << experiment.findings[3].here;
-  EXPECT_TRUE(experiment.findings[4].holds) << experiment.findings[4].here;
-  EXPECT_FALSE(experiment.findings[6].holds) << "ours keeps a record per triangle";
+  // In the order of the table; the sixth is a time and is reported only. At 32^3 a voxel of this body is 3.6 mm wide
+  // and the error not comparable any more.
+  ASSERT_EQ(experiment.findings.size(), 8U);
+  const auto holds = [&](std::size_t i) { return experiment.findings[i].holds; };
+  EXPECT_TRUE(holds(1)) << experiment.findings[1].here;
+  EXPECT_TRUE(holds(2)) << experiment.findings[2].here;
+  EXPECT_TRUE(holds(3)) << experiment.findings[3].here;
+  EXPECT_TRUE(holds(4)) << experiment.findings[4].here;
+  EXPECT_TRUE(holds(5)) << experiment.findings[5].here;
+  EXPECT_FALSE(holds(7)) << "ours keeps a record per triangle";
 }
 
 INSTANTIATE_TEST_SUITE_P(Seeds, VoxelExperimentSeed, ::testing::Values(1, 2, 3));

@@ -50,7 +50,7 @@ inline OperationCounts& operations_on_this_thread() noexcept {
 class Counted {
  public:
   Counted() = default;
-  Counted(double value) noexcept : value_(value) {}  // implicit: constants, and Eigen's own
+  constexpr Counted(double value) noexcept : value_(value) {}  // implicit: constants, and Eigen's own
   explicit operator double() const noexcept { return value_; }
   [[nodiscard]] double value() const noexcept { return value_; }
 

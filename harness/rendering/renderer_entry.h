@@ -23,7 +23,7 @@ struct RendererEntry {
   using Make = std::function<std::unique_ptr<Renderer>(const Parameters&, std::shared_ptr<const Surface>)>;
   Make make;
   // The same with harness/base/counted.h's scalar: the same bits, and every operation of a step counted. Empty: its
-  // operations are not counted.
+  // operations are not counted; it may answer nullptr where they are not with these parameters or on this mesh.
   Make make_counted = {};
 };
 

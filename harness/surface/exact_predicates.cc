@@ -79,25 +79,7 @@ int side_of_plane_exact(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3&
 }
 
 int side_of_plane(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
-  const Vec3 u = a - d;
-  const Vec3 v = b - d;
-  const Vec3 w = c - d;
-  const double vw = v.x() * w.y();
-  const double wv = w.x() * v.y();
-  const double wu = w.x() * u.y();
-  const double uw = u.x() * w.y();
-  const double uv = u.x() * v.y();
-  const double vu = v.x() * u.y();
-  // det(a - d, b - d, c - d) = -det(b - a, c - a, d - a)
-  const double det = u.z() * (vw - wv) + v.z() * (wu - uw) + w.z() * (uv - vu);
-  const double permanent = std::abs(u.z()) * (std::abs(vw) + std::abs(wv)) +
-                           std::abs(v.z()) * (std::abs(wu) + std::abs(uw)) +
-                           std::abs(w.z()) * (std::abs(uv) + std::abs(vu));
-  constexpr double unit = 0.5 * std::numeric_limits<double>::epsilon();
-  const double bound = (7.0 + 56.0 * unit) * unit * permanent;
-  if (det > bound) return -1;
-  if (-det > bound) return 1;
-  return side_of_plane_exact(a, b, c, d);
+  return side_of_plane_of<double>(a, b, c, d);
 }
 
 }  // namespace touchstone

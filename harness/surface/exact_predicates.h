@@ -4,6 +4,9 @@
 // unless a product of three coordinates falls below 1e-290 or above 1e300.
 #pragma once
 
+#include <cmath>
+#include <limits>
+
 #include "harness/base/vec.h"
 
 namespace touchstone {
@@ -12,7 +15,45 @@ namespace touchstone {
 // counter-clockwise, 0 where the four points lie in one plane.
 int side_of_plane(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d);
 
+// The filter over any scalar (harness/base/counted.h): 0 where it cannot decide, else the sign and true.
+template <class S>
+struct FilteredSide {
+  int sign;
+  bool certain;
+};
+template <class S>
+FilteredSide<S> filter_side_of_plane(const Vec3Of<S>& a, const Vec3Of<S>& b, const Vec3Of<S>& c, const Vec3Of<S>& d) {
+  using std::abs;
+  const Vec3Of<S> u = a - d;
+  const Vec3Of<S> v = b - d;
+  const Vec3Of<S> w = c - d;
+  const S vw = v.x() * w.y();
+  const S wv = w.x() * v.y();
+  const S wu = w.x() * u.y();
+  const S uw = u.x() * w.y();
+  const S uv = u.x() * v.y();
+  const S vu = v.x() * u.y();
+  // det(a - d, b - d, c - d) = -det(b - a, c - a, d - a)
+  const S det = u.z() * (vw - wv) + v.z() * (wu - uw) + w.z() * (uv - vu);
+  const S permanent =
+      abs(u.z()) * (abs(vw) + abs(wv)) + abs(v.z()) * (abs(wu) + abs(uw)) + abs(w.z()) * (abs(uv) + abs(vu));
+  constexpr double unit_of_rounding = 0.5 * std::numeric_limits<double>::epsilon();
+  const S bound = S((7.0 + 56.0 * unit_of_rounding) * unit_of_rounding) * permanent;
+  if (det > bound) return {-1, true};
+  if (-det > bound) return {1, true};
+  return {0, false};
+}
+
 // The same sign from exact arithmetic alone, for checking the filter.
 int side_of_plane_exact(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d);
+
+// side_of_plane() over any scalar; what the filter cannot decide is decided in double, and not counted.
+template <class S>
+int side_of_plane_of(const Vec3Of<S>& a, const Vec3Of<S>& b, const Vec3Of<S>& c, const Vec3Of<S>& d) {
+  const FilteredSide<S> side = filter_side_of_plane<S>(a, b, c, d);
+  if (side.certain) return side.sign;
+  const auto plain = [](const Vec3Of<S>& x) -> Vec3 { return x.template cast<double>(); };
+  return side_of_plane_exact(plain(a), plain(b), plain(c), plain(d));
+}
 
 }  // namespace touchstone

@@ -50,6 +50,11 @@ struct MeshTopology {
   }
   // The edge's pseudo-normal, unit: of both triangles, or of the one where there is no (single) neighbour.
   [[nodiscard]] Vec3 edge_normal(std::size_t triangle, std::size_t edge) const;
+  [[nodiscard]] std::size_t memory_bytes() const noexcept {
+    return neighbours.capacity() * sizeof(neighbours[0]) + convexity.capacity() * sizeof(convexity[0]) +
+           (face_normals.capacity() + vertex_normals.capacity()) * sizeof(Vec3) + vertex_flags.capacity() +
+           (fan_start.capacity() + fan_triangles.capacity()) * sizeof(std::int32_t);
+  }
   // Every edge has exactly two triangles that agree in orientation: inside and outside exist.
   [[nodiscard]] bool closed() const noexcept {
     return open_edge_count == 0 && non_manifold_edges.empty() && disoriented_edges.empty();

@@ -53,6 +53,9 @@ struct RendererSubject {
   double friction = 0.0;             // largest |f_t| / f_n
   double tip_radius_m = 0.0;
   std::vector<Limitation> cannot;
+  // How the surface is asked; the shapes' own places are always found with Embree.
+  std::function<std::shared_ptr<const Surface>(const TriangleMesh&)> queries = make_embree_surface;
+  bool queries_allocate = false;
   double thinnest_m = 0.0;  // a body thinner than this it does not feel at all, which it declares as thin_shells
 };
 
@@ -64,6 +67,7 @@ struct ConformanceShape {
   bool closed;
   bool flat;  // touched from above only: its other sides are too near or not there
   double thickness_m = std::numeric_limits<double>::infinity();
+  bool level = false;  // a tip that went straight down through it stays on its top
 };
 
 inline void PrintTo(const ConformanceShape& shape, std::ostream* out) { *out << shape.name; }
@@ -71,11 +75,11 @@ inline void PrintTo(const ConformanceShape& shape, std::ostream* out) { *out << 
 inline std::vector<ConformanceShape> conformance_shapes() {
   TriangleMesh plate = cube(0.02);
   for (Vec3& v : plate.vertices_W_m) v.z() *= 0.005;  // 0.2 mm thick
-  return {{"cube", cube(0.02), true, false},
+  return {{"cube", cube(0.02), true, false, std::numeric_limits<double>::infinity(), true},
           {"ball", ball(0.02, 4), true, false},
           {"torus", torus(0.02, 0.008, 48, 24), true, false},
-          {"plate", plate, true, true, 2e-4},
-          {"sheet", grid(0.02, 12), false, true}};
+          {"plate", plate, true, true, 2e-4, true},
+          {"sheet", grid(0.02, 12), false, true, std::numeric_limits<double>::infinity(), true}};
 }
 
 // A pose and unit of the world.
@@ -105,7 +109,7 @@ class RendererConformance : public ::testing::TestWithParam<std::tuple<RendererS
     return make_embree_surface(moved(shape().mesh, pose.turn, pose.shift, pose.unit));
   }
   [[nodiscard]] std::unique_ptr<Renderer> make(const Pose& pose = {}) const {
-    return subject().make(surface(pose), pose.unit);
+    return subject().make(subject().queries(moved(shape().mesh, pose.turn, pose.shift, pose.unit)), pose.unit);
   }
 
   // Taps, strokes at up to 0.5 mm depth and retreats all about the shape; begins and ends outside. A stroke does not
@@ -299,6 +303,7 @@ TEST_P(RendererConformance, ContactBeginsAndEndsWithoutAJump) {
 }
 
 TEST_P(RendererConformance, StepAllocatesNothing) {
+  if (subject().queries_allocate) GTEST_SKIP() << "the exact queries allocate, the fast ones do not";
   const auto renderer = make();
   const auto tips = strokes(106, 6);
   renderer->reset();
@@ -356,7 +361,7 @@ TEST_P(RendererConformance, LargeJumpsThroughABodyStayOutside) {
   // On a round top it slides round to where the tip is; on a flat one it stays.
   const double gap = surface()->signed_distance(below.contact_W_m) - subject().tip_radius_m;
   EXPECT_TRUE(!shape().closed || gap >= -1e-9) << gap;
-  if (shape().name != "ball" && shape().name != "torus") {
+  if (shape().level) {
     ASSERT_TRUE(below.contact);
     EXPECT_GT(below.contact_W_m.z(), -1e-9);
     EXPECT_GT(below.f_W_N.z(), 0.0);
