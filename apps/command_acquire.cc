@@ -4,6 +4,7 @@
 
 #include "apps/commands.h"
 #include "harness/acquisition/acquire.h"
+#include "harness/acquisition/free_air_files.h"
 #include "harness/base/atomic_file.h"
 #include "harness/recording/recording_file.h"
 
@@ -82,6 +83,44 @@ void add_tool(CLI::App& acquire_command, Run& run) {
   });
 }
 
+struct FreeAirOptions {
+  FreeAirFiles files;
+  std::string acceleration, json;
+};
+
+void add_free_air(CLI::App& acquire_command, Run& run) {
+  auto* const command = acquire_command.add_subcommand(
+      "free-air", "What is left of the force when a moving tool touches nothing, and what it is made of");
+  auto options = std::make_shared<FreeAirOptions>();
+  auto& files = options->files;
+  command
+      ->add_option("statics", files.statics,
+                   "Static orientations as for `acquire tool`, with ax, ay, az where there is an accelerometer")
+      ->required();
+  command->add_option("--wrench", files.wrench, "The run: t, fx ... tz")->required();
+  command->add_option("--orientation", files.orientation, "The run: t and qw ... qz or r11 ... r33, on its own clock")
+      ->required();
+  command->add_option("--acceleration", options->acceleration, "The run: t, ax, ay, az in any unit, on its own clock");
+  command->add_option("--time-unit", files.time_unit, "Of a column t without one")
+      ->check(CLI::IsMember({"s", "ms", "us"}));
+  command->add_option("--gravity", files.gravity_m_per_s2, "Gravity along -z of the orientations' world, m/s^2")
+      ->capture_default_str();
+  command->add_flag("--si", files.bare_is_si, "Columns without a unit (fx, tx) are in N and N m");
+  command->add_option("--json", options->json, "Write the result to this file");
+  command->footer(
+      "Example:\n  touchstone acquire free-air statics.csv --wrench wrench.csv --orientation orientations.csv "
+      "--acceleration accel.csv --time-unit us --si");
+  command->callback([options, &run] {
+    run = [options] {
+      if (!options->acceleration.empty()) options->files.acceleration = options->acceleration;
+      const auto result = read_and_analyse_free_air(options->files);
+      fmt::print("{}", free_air_text(result));
+      if (!options->json.empty()) write_file(options->json, free_air_json(result));
+      return ExitStatus::passed;
+    };
+  });
+}
+
 }  // namespace
 
 void add_acquire(CLI::App& program, Run& run) {
@@ -89,6 +128,7 @@ void add_acquire(CLI::App& program, Run& run) {
   command->require_subcommand(1);
   add_run(*command, run);
   add_tool(*command, run);
+  add_free_air(*command, run);
 }
 
 }  // namespace touchstone::apps

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <Eigen/QR>
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -22,6 +23,20 @@ Vec3 mean_of(const std::vector<Vec3>& v) {
   Vec3 sum = Vec3::Zero();
   for (const Vec3& x : v) sum += x / static_cast<double>(v.size());
   return sum;
+}
+
+// What is left of `force` after the best multiple of `acceleration` and a constant, and that multiple.
+struct MassFit {
+  double mass_kg = 0.0, left_N = 0.0;
+};
+MassFit fit_mass(const std::vector<Vec3>& force, const std::vector<Vec3>& acceleration) {
+  const Vec3 f_mean = mean_of(force), a_mean = mean_of(acceleration);
+  double fa = 0.0, aa = 0.0, ff = 0.0;
+  for (std::size_t i = 0; i < force.size(); ++i) {
+    const Vec3 f = force[i] - f_mean, a = acceleration[i] - a_mean;
+    fa += f.dot(a), aa += a.squaredNorm(), ff += f.squaredNorm();
+  }
+  return {fa / aa, std::sqrt(std::max(0.0, ff - fa * fa / aa) / static_cast<double>(force.size()))};
 }
 
 }  // namespace
@@ -115,12 +130,25 @@ FreeAirReport analyse_free_air(const FreeAirRun& run, const ToolLoad& load, cons
     band.cutoff_Hz = cutoff;
     band.weight_removed_N = rms_length(force, Vec3::Zero());
     band.bias_removed_N = rms_length(force, mean_of(force));
-    band.inertia_removed_N = std::numeric_limits<double>::quiet_NaN();
+    band.inertia_removed_N = band.fitted_mass_kg = band.fitted_offset_s = band.fitted_removed_N =
+        std::numeric_limits<double>::quiet_NaN();
     if (!inertial.empty()) {
       const auto acceleration = smooth_at(run.t_acceleration_s, inertial, at, cutoff, source).values;
       std::vector<Vec3> left;
       for (std::size_t i = 0; i < force.size(); ++i) left.push_back(force[i] - load.mass_kg * acceleration[i]);
       band.inertia_removed_N = rms_length(left, mean_of(left));
+      constexpr double most_s = 0.02, offset_step_s = 0.002;
+      for (double offset = -most_s; offset < most_s + 0.5 * offset_step_s; offset += offset_step_s) {
+        std::vector<double> shifted;
+        for (const double x : at)
+          shifted.push_back(std::clamp(x - offset, run.t_acceleration_s.front(), run.t_acceleration_s.back()));
+        const auto fit = fit_mass(force, smooth_at(run.t_acceleration_s, inertial, shifted, cutoff, source).values);
+        if (!(fit.left_N >= band.fitted_removed_N)) {
+          band.fitted_removed_N = fit.left_N;
+          band.fitted_mass_kg = fit.mass_kg;
+          band.fitted_offset_s = offset;
+        }
+      }
     }
     report.bands.push_back(band);
   }

@@ -35,6 +35,11 @@ struct FreeAirBand {
   double bias_removed_N = 0.0;    // and this run's mean
   double inertia_removed_N =
       0.0;  // and the tool's inertia with the mass of the static calibration; NaN without accelerometer
+  // Least squares of the force error on the acceleration over a clock offset within +-20 ms: had the static mass or the
+  // clocks been wrong, they would differ here. NaN without accelerometer.
+  double fitted_mass_kg = 0.0;
+  double fitted_offset_s = 0.0;  // the force's clock is late by that much against the acceleration's
+  double fitted_removed_N = 0.0;
 };
 
 struct FreeAirReport {

@@ -79,7 +79,8 @@ class NetFt final : public WrenchSource {
     identity_ = {"ati-netft", configuration_.serial, configuration_.product,
                  fmt::format("netftapi2.xml: {:.9g} N and {:.9g} N m per count", configuration_.newtons_per_count,
                              configuration_.newton_metres_per_count),
-                 emulated};
+                 // An emulator says so itself, also where somebody's hardware map gives its address.
+                 emulated || configuration_.product.find("emulated") != std::string::npos};
   }
   ~NetFt() override {
     stop();

@@ -104,6 +104,11 @@ TEST(NetFtEmulated, ForcesArriveInNewtonsAndInOrder) {
   EXPECT_EQ(source->counters().lost, 0U);
 }
 
+TEST(NetFtEmulated, IsKnownForAnEmulatorAlsoByWhoTakesItForHardware) {
+  NetFtEmulator emulator(1000, {}, wave);
+  EXPECT_TRUE(open_netft(emulator.address(), 2.0, false)->identity().emulated);
+}
+
 TEST(NetFtEmulated, FaultsAreCountedAndFlaggedAndTimeNeverRunsBack) {
   NetFtFaults faults;
   faults.drop_every = 50;

@@ -16,10 +16,11 @@
 namespace touchstone::hil {
 
 struct RawRecorderOptions {
-  std::uint32_t block_samples = 500;     // a tenth of a second at 5 kHz is what a crash can cost
-  std::size_t ring_samples = 1U << 16U;  // 13 s at 5 kHz
-  double sync_s = 1.0;                   // how often the disk is told to keep it
-  std::filesystem::path spill_folder;    // empty: the system's folder for temporary files
+  std::uint32_t block_samples = 500;  // a tenth of a second at 5 kHz is what a crash can cost
+  // 105 s at 5 kHz: a disk that others keep busy has been seen to stand still for half a minute.
+  std::size_t ring_samples = 1U << 19U;
+  double sync_s = 1.0;                 // how often the disk is told to keep it
+  std::filesystem::path spill_folder;  // empty: the system's folder for temporary files
 };
 
 class RawRecorder {

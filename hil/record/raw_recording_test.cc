@@ -230,7 +230,7 @@ TEST_F(RawRecordingTest, AMinuteAtFiveKilohertzCompressed) {
   recorder.finish();
   EXPECT_EQ(recorder.written(), n);
   EXPECT_LE(recorder.memory_bytes(), memory);
-  EXPECT_LT(memory, 16U << 20U);
+  EXPECT_LT(memory, 80U << 20U);
   std::uint64_t i = 0, wrong = 0;
   const auto report = read_raw(path(), [&](const RawSample& s) { wrong += s.wrench.sequence != i++; });
   EXPECT_EQ(report.samples, n);
