@@ -45,7 +45,8 @@ class DiscrepancySamples : public ::testing::Test {
   // Of the folder data/discrepancy-sample.
   void check(const std::filesystem::path& samples, const std::string& id) const {
     nlohmann::json answer;
-    for (const auto& one : nlohmann::json::parse(read_file(samples / "answers.json")).at("cases")) {
+    const auto answers = nlohmann::json::parse(read_file(samples / "answers.json"));
+    for (const auto& one : answers.at("cases")) {
       if (one.at("id") == id) answer = one;
     }
     ASSERT_FALSE(answer.is_null());
