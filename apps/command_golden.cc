@@ -19,6 +19,7 @@ struct Options {
   std::string reason;
   std::string to;
   std::vector<std::string> programs;
+  std::string json;
 };
 
 // The pending results of the chosen cases and model.
@@ -43,6 +44,13 @@ ExitStatus review(const Options& options) {
   }
   fmt::print("{} results wait for a decision in {}\n", pending.size(), options.golden.out);
   return ExitStatus::passed;
+}
+
+ExitStatus noise_floor(const Options& options) {
+  if (options.programs.empty() && options.json.empty())
+    throw UsageError("floor: give --program to measure, or --json to judge what was kept");
+  if (options.programs.empty()) return judge_golden_floor(options.golden.load(), options.json);
+  return measure_golden_floor(options.golden.load(), options.golden.folder().string(), options.programs, options.json);
 }
 
 void write_summary(const GoldenCase& golden) {
@@ -134,14 +142,14 @@ void add_golden(CLI::App& program, Run& run) {
   rendering->add_option("--to", options->to, "Folder")->required();
   rendering->footer("Example:\n  touchstone golden render --to /tmp/here");
   auto* const floor =
-      add("floor", "The noise floor: how far other builds of the program are from the goldens",
-          [](const Options& o) { return golden_floor(o.golden.load(), o.golden.folder().string(), o.programs); });
-  floor->add_option("--program", options->programs, "Programs built by other compilers or with other flags")
-      ->required();
+      add("floor", "The noise floor: how far other builds of the program are from the goldens", noise_floor);
+  floor->add_option("--program", options->programs, "Programs built by other compilers or with other flags");
+  floor->add_option("--json", options->json, "Keep what was measured, or without --program: judge what was kept");
   floor->footer(
-      "Each tolerance must be at least ten times the floor. ci/golden-floor builds the programs and runs "
-      "this.\nExample:\n"
-      "  touchstone golden floor --program build/clang/bin/touchstone --program build/fma/bin/touchstone");
+      "Each tolerance must be at least ten times the floor. ci/golden-floor builds the programs and keeps the result "
+      "in\ngolden/noise-floor.json. Exit status 77: none is too tight, some are not measured.\nExamples:\n"
+      "  touchstone golden floor --program build/clang/bin/touchstone --program build/fma/bin/touchstone\n"
+      "  touchstone golden floor --json golden/noise-floor.json");
 }
 
 }  // namespace touchstone::apps

@@ -1,6 +1,8 @@
 // The catalogue of commands: a new one is a file `command_<name>.cc` and a line here and in commands().
 #pragma once
 
+#include <array>
+#include <string_view>
 #include <vector>
 
 #include "apps/command.h"
@@ -28,6 +30,13 @@ void add_perceive(CLI::App& program, Run& run);
 void add_replay(CLI::App& program, Run& run);
 void add_synth(CLI::App& program, Run& run);
 void add_version(CLI::App& program, Run& run);
+
+// Those that need no heavy library. The program `touchstone` has them itself and becomes touchstone-full for every
+// other one: loading the libraries of fitting, archives and devices takes longer than a comparison.
+inline constexpr std::array<std::string_view, 5> light_command_names{"check", "compare", "golden", "replay", "version"};
+inline std::vector<AddCommand> light_commands() {
+  return {add_check, add_compare, add_golden, add_replay, add_version};
+}
 
 // One to a line, so that lines from several hands merge.
 // clang-format off

@@ -6,10 +6,18 @@
 #include <unistd.h>
 
 #include <array>
-#include <filesystem>
+#include <map>
+#include <nlohmann/json.hpp>
 
+#include "harness/base/atomic_file.h"
+#include "harness/base/hash.h"
+#include "harness/base/json_reader.h"
+#include "harness/base/progress.h"
 #include "harness/baseline/column_file.h"
 #include "harness/baseline/compare.h"
+#include "harness/baseline/golden_file.h"
+#include "harness/baseline/golden_summary.h"
+#include "harness/recording/recording_file.h"
 
 extern char** environ;
 
@@ -17,6 +25,7 @@ namespace touchstone::apps {
 namespace {
 
 constexpr double most_of_tolerance = 0.1;
+constexpr const char* schema = "touchstone-golden-floor/1";
 
 class ScratchFolder {
  public:
@@ -51,33 +60,122 @@ void run_render(const std::string& program, const std::string& golden, const std
   if (status != 0) throw BadData(fmt::format("{} golden render {}: failed", program, one));
 }
 
+struct Floor {
+  double force_max_N = 0.0;
+  double contact_position_max_m = 0.0;
+  std::size_t drift_rows = 0;
+  std::size_t rows = 0;
+  double of_tolerance = 0.0;
+};
+
+void widen(Floor& floor, const Comparison& comparison) {
+  floor.of_tolerance = std::max(floor.of_tolerance, comparison.tolerance_used());
+  floor.drift_rows = std::max(floor.drift_rows, comparison.drift);
+  floor.rows = comparison.expected_rows;
+  if (const auto* const force = comparison.find("force")) floor.force_max_N = std::max(floor.force_max_N, force->max);
+  if (const auto* const contact = comparison.find("contact_position"))
+    floor.contact_position_max_m = std::max(floor.contact_position_max_m, contact->max);
+}
+
+std::string golden_hash(const GoldenCase& one, const std::string& model) {
+  return summarise(load_rendered(one.expected(model))).sha256;
+}
+
+std::string tolerance_hash(const GoldenCase& one) { return sha256(to_json(one.tolerance).dump()); }
+
+nlohmann::json entry_of(const GoldenCase& one, const std::string& model, const Floor& floor) {
+  return {{"case", one.name},
+          {"model", model},
+          {"force_max_N", floor.force_max_N},
+          {"contact_position_max_m", floor.contact_position_max_m},
+          {"drift_rows", floor.drift_rows},
+          {"rows", floor.rows},
+          {"of_tolerance", floor.of_tolerance},
+          {"golden_sha256", golden_hash(one, model)},
+          {"tolerance_sha256", tolerance_hash(one)}};
+}
+
+bool print_floor(const std::string& name, const std::string& model, const Floor& floor) {
+  const bool wide_enough = floor.of_tolerance <= most_of_tolerance;
+  fmt::print("{:<28} {:<24} {:>10.3g} {:>12.3g} {:>6} of {:<6} {:>12.3g}% {:>10}\n", name, model, floor.force_max_N,
+             floor.contact_position_max_m, floor.drift_rows, floor.rows, 100.0 * floor.of_tolerance,
+             wide_enough ? "ok" : "TOO TIGHT");
+  return wide_enough;
+}
+
+void print_heading() {
+  fmt::print("{:<28} {:<24} {:>10} {:>12} {:>16} {:>13}\n", "case", "model", "force [N]", "proxy [m]", "rows differ",
+             "of tolerance");
+}
+
 }  // namespace
 
-ExitStatus golden_floor(const std::vector<GoldenCase>& cases, const std::string& golden,
-                        const std::vector<std::string>& programs) {
+ExitStatus measure_golden_floor(const std::vector<GoldenCase>& cases, const std::string& golden,
+                                const std::vector<std::string>& programs, const std::filesystem::path& json) {
   const ScratchFolder scratch;
   bool good = true;
-  fmt::print("{:<32} {:<24} {:>12} {:>14} {:>10}\n", "case", "model", "force [N]", "of tolerance", "");
-  for (const GoldenCase& one : cases) {
+  nlohmann::json document{
+      {"schema", schema}, {"programs", nlohmann::json::array()}, {"floors", nlohmann::json::array()}};
+  print_heading();
+  Progress progress("noise floor", cases.size());
+  for (std::size_t c = 0; c < cases.size(); ++c) {
+    const GoldenCase& one = cases[c];
     for (std::size_t p = 0; p < programs.size(); ++p)
       run_render(programs[p], golden, one.name, scratch.path() / std::to_string(p));
     for (const auto& [model, text] : one.models) {
       const TrajectoryColumns expected = load_columns(one.expected(model));
-      double floor_N = 0.0;
-      double share = 0.0;
+      Floor floor;
       for (std::size_t p = 0; p < programs.size(); ++p) {
-        const auto obtained = load_columns(scratch.path() / std::to_string(p) / one.name / (model + ".h5"));
-        const Comparison comparison = compare(expected, obtained, one.tolerance);
-        share = std::max(share, comparison.tolerance_used());
-        if (const auto* const force = comparison.find("force")) floor_N = std::max(floor_N, force->max);
+        const auto file = scratch.path() / std::to_string(p) / one.name / (model + ".h5");
+        widen(floor, compare(expected, load_columns(file), one.tolerance));
+        if (document["programs"].size() <= p) {
+          auto made_by = read_provenance(file);
+          for (const char* const key : {"compiler", "flags", "cpu", "version", "commit"})
+            document["programs"][p][key] = made_by[key];
+        }
       }
-      const bool wide_enough = share <= most_of_tolerance;
-      good = good && wide_enough;
-      fmt::print("{:<32} {:<24} {:>12.3g} {:>13.3g}% {:>10}\n", one.name, model, floor_N, 100.0 * share,
-                 wide_enough ? "ok" : "TOO TIGHT");
+      good = print_floor(one.name, model, floor) && good;
+      document["floors"].push_back(entry_of(one, model, floor));
+    }
+    progress.update(c + 1);
+  }
+  if (!json.empty()) write_file(json, document.dump(1) + "\n");
+  return good ? ExitStatus::passed : ExitStatus::failed;
+}
+
+ExitStatus judge_golden_floor(const std::vector<GoldenCase>& cases, const std::filesystem::path& json) {
+  const nlohmann::json document = load_json(json);
+  JsonObject root(document, json.string(), "");
+  if (root.text("schema") != schema) throw BadData(fmt::format("{}: /schema: expected {}", json.string(), schema));
+  static_cast<void>(root.raw("programs"));
+  std::map<std::pair<std::string, std::string>, JsonObject> known;
+  for (JsonObject& entry : root.objects("floors"))
+    known.emplace(std::pair(entry.text("case"), entry.text("model")), entry);
+  root.finish();
+  bool good = true;
+  std::string without;
+  print_heading();
+  for (const GoldenCase& one : cases) {
+    for (const auto& [model, text] : one.models) {
+      const auto found = known.find({one.name, model});
+      if (found == known.end() || found->second.text("golden_sha256") != golden_hash(one, model) ||
+          found->second.text("tolerance_sha256") != tolerance_hash(one)) {
+        without += fmt::format("  {} {}: {}\n", one.name, model,
+                               found == known.end() ? "never measured" : "measured for another golden or tolerance");
+        continue;
+      }
+      JsonObject& entry = found->second;
+      good = print_floor(one.name, model,
+                         {entry.number("force_max_N"), entry.number("contact_position_max_m"),
+                          static_cast<std::size_t>(entry.number("drift_rows")),
+                          static_cast<std::size_t>(entry.number("rows")), entry.number("of_tolerance")}) &&
+             good;
     }
   }
-  return good ? ExitStatus::passed : ExitStatus::failed;
+  if (!good) return ExitStatus::failed;
+  if (without.empty()) return ExitStatus::passed;
+  fmt::print("skipped, no noise floor is known for:\n{}measure them with ci/golden-floor\n", without);
+  return ExitStatus::skipped;
 }
 
 }  // namespace touchstone::apps

@@ -1,7 +1,8 @@
-// The noise floor of golden cases: how far results move when only compiler and flags change. A tolerance below ten
-// times that would fail on another machine; this measures it.
+// The noise floor of golden cases: how far results move when nothing but compiler, flags or machine changes. A
+// tolerance must be at least ten times that, or it fails on what is no fault.
 #pragma once
 
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -10,9 +11,16 @@
 
 namespace touchstone::apps {
 
-// Runs `golden render` of each program and prints, per case and model, the largest share of the tolerance that any of
-// them uses. Failed when a share exceeds a tenth.
-ExitStatus golden_floor(const std::vector<GoldenCase>& cases, const std::string& golden,
-                        const std::vector<std::string>& programs);
+// Runs the cases with each program (other builds of this one) and compares with the goldens. With `json` keeps what was
+// found, and by which builds:
+//   {"schema": "touchstone-golden-floor/1", "programs": [{"compiler", "flags", "cpu", "version", "commit"}],
+//    "floors": [{"case", "model", "force_max_N", "contact_position_max_m", "drift_rows", "rows", "of_tolerance",
+//                "golden_sha256", "tolerance_sha256"}]}
+ExitStatus measure_golden_floor(const std::vector<GoldenCase>& cases, const std::string& golden,
+                                const std::vector<std::string>& programs, const std::filesystem::path& json);
+
+// Judges the floors that were kept. Fails where a tolerance is less than ten times its floor; skipped where none fails
+// and some model has no floor, or one of another golden or tolerance than today's.
+ExitStatus judge_golden_floor(const std::vector<GoldenCase>& cases, const std::filesystem::path& json);
 
 }  // namespace touchstone::apps

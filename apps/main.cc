@@ -1,57 +1,40 @@
-// The command-line program: parses, dispatches, and turns errors into a message on stderr and an exit status.
+// The program `touchstone`: runs the light commands itself, and becomes touchstone-full, which stands beside it, for
+// all others.
 #include <fmt/format.h>
+#include <unistd.h>
 
-#include <exception>
-#include <new>
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
+#include <string_view>
 
 #include "apps/commands.h"
-#include "harness/base/version.h"
+#include "apps/program.h"
 
 namespace {
 
-using touchstone::ExitStatus;
-
-std::vector<std::string>& called_as() {
-  static std::vector<std::string> words;
-  return words;
+bool is_light(std::string_view command) {
+  return std::ranges::find(touchstone::apps::light_command_names, command) !=
+         touchstone::apps::light_command_names.end();
 }
 
-int run(int argc, char** argv) {
-  CLI::App program{
-      "Touchstone tells whether a haptic renderer is right: it replays measured probe trajectories through "
-      "renderers and compares forces, positions and cost with the measured truth.",
-      "touchstone"};
-  program.require_subcommand(1);
-  program.set_version_flag("--version", touchstone::build_info().version);
-  program.footer(
-      "Exit status: 0 passed, 1 a regression or a disagreement beyond tolerance, 2 usage, 3 bad data, 77 skipped.");
-  touchstone::apps::Run chosen;
-  for (const auto add : touchstone::apps::commands()) add(program, chosen);
-  try {
-    program.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    const int status = program.exit(error);
-    return status == 0 ? 0 : static_cast<int>(ExitStatus::usage);
-  }
-  return static_cast<int>(chosen());
+// Returns only when that fails.
+int become_full(char** argv) {
+  std::error_code error;
+  const auto self = std::filesystem::read_symlink("/proc/self/exe", error);
+  const auto full = self.parent_path() / "touchstone-full";
+  ::execv(full.c_str(), argv);
+  fmt::print(stderr,
+             "touchstone: {}: {}; all commands but check, compare, golden, replay and version are in that file, which "
+             "belongs beside this one\n",
+             full.string(), std::strerror(errno));
+  return static_cast<int>(touchstone::ExitStatus::usage);
 }
 
 }  // namespace
 
-const std::vector<std::string>& touchstone::apps::command_line() { return called_as(); }
-
 int main(int argc, char** argv) {
-  called_as().assign(argv, argv + argc);
-  try {
-    return run(argc, argv);
-  } catch (const touchstone::Error& error) {
-    fmt::print(stderr, "touchstone: {}\n", error.what());
-    return static_cast<int>(error.status());
-  } catch (const std::bad_alloc&) {
-    fmt::print(stderr, "touchstone: out of memory\n");
-    return static_cast<int>(ExitStatus::bad_data);
-  } catch (const std::exception& error) {
-    fmt::print(stderr, "touchstone: internal error, please report it: {}\n", error.what());
-    return 70;
-  }
+  if (argc < 2 || !is_light(argv[1])) return become_full(argv);
+  return touchstone::apps::run_program(argc, argv, touchstone::apps::light_commands());
 }

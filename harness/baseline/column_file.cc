@@ -63,9 +63,7 @@ TrajectoryColumns load_columns(const std::filesystem::path& path) {
 
 std::pair<TrajectoryColumns, TrajectoryColumns> load_columns(const std::filesystem::path& expected,
                                                              const std::filesystem::path& obtained) {
-  // libhdf5 is not safe for threads as Debian builds it; text is where the time goes.
-  const bool text = table_format(expected) != TableFormat::hdf5 && table_format(obtained) != TableFormat::hdf5;
-  auto other = std::async(text ? std::launch::async : std::launch::deferred, [&] { return load_columns(obtained); });
+  auto other = std::async(std::launch::async, [&] { return load_columns(obtained); });
   auto first = load_columns(expected);
   return {std::move(first), other.get()};
 }

@@ -11,7 +11,7 @@ namespace touchstone {
 
 // Throws BadData for a file that cannot be read and for a column whose name or unit is not known.
 TrajectoryColumns load_columns(const std::filesystem::path& path);
-// Both at once, on two threads where the format allows.
+// Both at once, on two threads.
 std::pair<TrajectoryColumns, TrajectoryColumns> load_columns(const std::filesystem::path& expected,
                                                              const std::filesystem::path& obtained);
 

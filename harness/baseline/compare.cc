@@ -32,10 +32,14 @@ double used(double error, double bound) noexcept {
   return ratio <= std::numeric_limits<double>::max() ? ratio : infinity;
 }
 
-double norm(const std::array<Series, 4>& columns, std::size_t axes, std::size_t row) noexcept {
+double squared_norm(const std::array<Series, 4>& columns, std::size_t axes, std::size_t row) noexcept {
   double sum = 0.0;
   for (std::size_t a = 0; a < axes; ++a) sum += columns[a][row] * columns[a][row];
-  return std::sqrt(sum);
+  return sum;
+}
+
+double norm(const std::array<Series, 4>& columns, std::size_t axes, std::size_t row) noexcept {
+  return std::sqrt(squared_norm(columns, axes, row));
 }
 
 bool same_bits(const Pair& pair, std::size_t row) noexcept {
@@ -117,21 +121,27 @@ void add_gates(const GroupTolerance& limits, GroupResult& result) {
   add("max", result.max, limits.max);
 }
 
+// Marks in `drifted` the rows in which some bit differs.
 GroupResult compare_group(const ComparedQuantity& group, const Pair& pair, const GroupTolerance& limits,
-                          const TimeTube& tube) {
+                          const TimeTube& tube, std::vector<unsigned char>& drifted) {
   GroupResult result;
   result.group = group.name;
   result.unit = group.unit;
   const std::size_t rows = pair.expected[0].size();
-  for (std::size_t row = 0; row < rows; ++row) result.peak = std::max(result.peak, norm(pair.expected, pair.axes, row));
+  for (std::size_t row = 0; row < rows; ++row)
+    result.peak = std::max(result.peak, squared_norm(pair.expected, pair.axes, row));
+  result.peak = std::sqrt(result.peak);
 
   std::vector<double> lengths(rows);
   std::vector<double> shares;
   std::array<double, 4> axis_square{};
   double square = 0.0;
-  double worst_share = -1.0;
+  double worst_share = 0.0;
   for (std::size_t row = 0; row < rows; ++row) {
-    if (!same_bits(pair, row)) ++result.drift;
+    // The same bits lie inside every bound; most rows of most comparisons are such.
+    if (same_bits(pair, row)) continue;
+    ++result.drift;
+    drifted[row] = 1;
     RowError error = row_error(pair, row, limits, result.peak, tube, axis_square);
     if (group.name == "orientation") {
       error.length = rotation_angle(pair, row);
@@ -238,10 +248,11 @@ ContactEvents pair_events(Series t_s, Series expected, Series obtained) {
 }
 
 // Without a tube contact states agree row by row; with one, events pair up in order and each shift stays within it.
-GroupResult compare_contact(Pair pair, Series t_s, const Tolerance& tolerance, Comparison& comparison) {
+GroupResult compare_contact(Pair pair, Series t_s, const Tolerance& tolerance, Comparison& comparison,
+                            std::vector<unsigned char>& drifted) {
   const TimeTube no_tube({}, {}, 0.0);
   const ComparedQuantity& group = *quantity_of_column("contact");
-  GroupResult result = compare_group(group, pair, tolerance.of("contact"), no_tube);
+  GroupResult result = compare_group(group, pair, tolerance.of("contact"), no_tube, drifted);
   comparison.events = pair_events(t_s, pair.expected[0], pair.obtained[0]);
   if (tolerance.tube_s > 0.0) {
     result.tolerance_used = used(comparison.events.max_shift_s, tolerance.tube_s);
@@ -297,12 +308,10 @@ Comparison compare(const TrajectoryColumns& expected, const TrajectoryColumns& o
       result.verdict = Verdict::invalid;
       return result;
     }
-    for (std::size_t row = 0; row < drifted.size(); ++row)
-      drifted[row] |= static_cast<unsigned char>(!same_bits(pair, row));
     const bool rendered = group.name == "force" || group.name == "contact_position" || group.name == "torque";
-    result.groups.push_back(group.name == "contact"
-                                ? compare_contact(pair, *t_s, tolerance, result)
-                                : compare_group(group, pair, tolerance.of(group.name), rendered ? tube : no_tube));
+    result.groups.push_back(group.name == "contact" ? compare_contact(pair, *t_s, tolerance, result, drifted)
+                                                    : compare_group(group, pair, tolerance.of(group.name),
+                                                                    rendered ? tube : no_tube, drifted));
     result.verdict = worst(result.verdict, result.groups.back().verdict);
   }
   result.drift = static_cast<std::size_t>(std::ranges::count(drifted, 1));

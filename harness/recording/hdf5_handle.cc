@@ -1,6 +1,7 @@
 #include "harness/recording/hdf5_handle.h"
 
 #include <cstring>
+#include <mutex>
 #include <vector>
 
 #if defined(__has_feature)
@@ -11,7 +12,7 @@
 #ifdef __SANITIZE_ADDRESS__
 // The library forgets memory of its own when it meets a damaged file; that is not ours to find.
 extern "C" const char* __lsan_default_suppressions();
-extern "C" const char* __lsan_default_suppressions() { return "leak:libhdf5"; }
+extern "C" const char* __lsan_default_suppressions() { return "leak:libhdf5\nleak:H5"; }
 #endif
 
 namespace touchstone {
@@ -20,9 +21,14 @@ namespace {
 // No attribute that this project writes is longer; a file that claims so is damaged.
 constexpr std::size_t longest_attribute = 4096;
 
+std::mutex library;
+// How many stand inside one another in this thread. A child process that was forked within one starts inside it.
+thread_local int depth = 0;
+
 }  // namespace
 
 Hdf5Quiet::Hdf5Quiet() noexcept {
+  if (depth++ == 0) library.lock();
   // A damaged file can leave the library unable to close itself at exit, of which it complains on stderr. Handles are
   // closed by their owners, so nothing is lost without. Works only before the library's first use, and only once.
   static const herr_t no_closing_at_exit = H5dont_atexit();
@@ -31,7 +37,10 @@ Hdf5Quiet::Hdf5Quiet() noexcept {
   H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
 }
 
-Hdf5Quiet::~Hdf5Quiet() { H5Eset_auto2(H5E_DEFAULT, print_, data_); }
+Hdf5Quiet::~Hdf5Quiet() {
+  H5Eset_auto2(H5E_DEFAULT, print_, data_);
+  if (--depth == 0) library.unlock();
+}
 
 std::string hdf5_reason() {
   std::string reason;

@@ -47,7 +47,8 @@ using Hdf5Type = Hdf5Handle<H5Tclose>;
 using Hdf5Attribute = Hdf5Handle<H5Aclose>;
 using Hdf5Properties = Hdf5Handle<H5Pclose>;
 
-// While it lives, HDF5 prints nothing; what went wrong is had from hdf5_reason().
+// While it lives, HDF5 prints nothing (what went wrong is had from hdf5_reason()), and no other thread may make one: as
+// Debian builds it the library is not safe for threads. Stands around every use of it; may stand inside another.
 class Hdf5Quiet {
  public:
   Hdf5Quiet() noexcept;

@@ -21,11 +21,13 @@ class Hdf5Sink final : public TableSink {
     // The newest file format checksums its own structures, so that damage is noticed and not followed.
     const Hdf5Properties access(H5Pcreate(H5P_FILE_ACCESS));
     if (!access || H5Pset_libver_bounds(access.get(), H5F_LIBVER_V110, H5F_LIBVER_V110) < 0) fail();
-    // Without times the same recording gives the same bytes. Links stay in the root's header, which has a checksum; the
-    // heap that would hold more than eight of them has none.
+    // Without times the same recording gives the same bytes. Links and attributes stay in the root's header, which has
+    // a checksum; the heap that would hold more than eight of them has none.
+    constexpr unsigned most_attributes = 64;
     const Hdf5Properties creation(H5Pcreate(H5P_FILE_CREATE));
     if (!creation || H5Pset_obj_track_times(creation.get(), 0) < 0 ||
-        H5Pset_link_phase_change(creation.get(), quantity_count, quantity_count) < 0) {
+        H5Pset_link_phase_change(creation.get(), quantity_count, quantity_count) < 0 ||
+        H5Pset_attr_phase_change(creation.get(), most_attributes, most_attributes) < 0) {
       fail();
     }
     file_ = Hdf5File(H5Fcreate(atomic_.path().c_str(), H5F_ACC_TRUNC, creation.get(), access.get()));

@@ -1,24 +1,21 @@
 #include "harness/report/cdash_history.h"
 
-#include <curl/curl.h>
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
 
 #include "harness/base/error.h"
+#include "harness/base/web_request.h"
 
 namespace touchstone {
 namespace {
 
 using nlohmann::json;
 
-constexpr long connect_timeout_s = 10;
-constexpr long timeout_s = 60;
 constexpr long first_error_status = 400;
 
 // One page of builds; filters keep the answer small on servers with many tests.
@@ -28,34 +25,14 @@ constexpr const char* query = R"(query($project: String!, $test: String!, $after
       tests(filters: {eq: {name: $test}}) { edges { node { testMeasurements { name value } } } } } }
     pageInfo { hasNextPage endCursor } } } })";
 
-std::size_t take(char* data, std::size_t size, std::size_t count, void* text) {
-  static_cast<std::string*>(text)->append(data, size * count);
-  return size * count;
-}
-
 json fetch(const CdashServer& server, const std::string& path, const std::optional<std::string>& body) {
-  const std::unique_ptr<CURL, decltype(&curl_easy_cleanup)> curl(curl_easy_init(), &curl_easy_cleanup);
-  if (!curl) throw BadData("libcurl cannot be started");
-  curl_slist* list = curl_slist_append(nullptr, "Content-Type: application/json");
-  if (!server.token.empty()) list = curl_slist_append(list, ("Authorization: Bearer " + server.token).c_str());
-  const std::unique_ptr<curl_slist, decltype(&curl_slist_free_all)> headers(list, &curl_slist_free_all);
-  const std::string url = server.url + path;
-  std::string text;
-  curl_easy_setopt(curl.get(), CURLOPT_URL, url.c_str());
-  curl_easy_setopt(curl.get(), CURLOPT_PROTOCOLS_STR, "http,https");
-  curl_easy_setopt(curl.get(), CURLOPT_HTTPHEADER, headers.get());
-  curl_easy_setopt(curl.get(), CURLOPT_CONNECTTIMEOUT, connect_timeout_s);
-  curl_easy_setopt(curl.get(), CURLOPT_TIMEOUT, timeout_s);
-  curl_easy_setopt(curl.get(), CURLOPT_WRITEFUNCTION, &take);
-  curl_easy_setopt(curl.get(), CURLOPT_WRITEDATA, &text);
-  if (body) curl_easy_setopt(curl.get(), CURLOPT_POSTFIELDS, body->c_str());
-  const CURLcode status = curl_easy_perform(curl.get());
-  if (status != CURLE_OK) throw BadData(fmt::format("{}: {}", server.url, curl_easy_strerror(status)));
-  long answered = 0;
-  curl_easy_getinfo(curl.get(), CURLINFO_RESPONSE_CODE, &answered);
-  if (answered >= first_error_status)
-    throw BadData(fmt::format("{}: the server answers {}: {}", server.url, answered, text.substr(0, 300)));
-  json answer = json::parse(text, nullptr, false);
+  WebRequest request{.url = server.url + path, .headers = {"Content-Type: application/json"}, .body = body};
+  if (!server.token.empty()) request.headers.push_back("Authorization: Bearer " + server.token);
+  const WebAnswer got = web_request(request);
+  if (got.outcome != WebOutcome::answered) throw BadData(fmt::format("{}: {}", server.url, got.problem));
+  if (got.status >= first_error_status)
+    throw BadData(fmt::format("{}: the server answers {}: {}", server.url, got.status, got.text.substr(0, 300)));
+  json answer = json::parse(got.text, nullptr, false);
   if (answer.is_discarded())
     throw BadData(fmt::format("{}: the answer is not JSON; is this a CDash server?", server.url));
   return answer;
@@ -118,12 +95,10 @@ History cdash_history(const CdashServer& server, const std::string& project, con
 
 History cdash_test_graph(const CdashServer& server, const std::string& build_id, const std::string& test_id,
                          const std::string& metric) {
-  const std::unique_ptr<char, decltype(&curl_free)> name(
-      curl_easy_escape(nullptr, metric.c_str(), static_cast<int>(metric.size())), &curl_free);
   const json answer =
       fetch(server,
             fmt::format("/api/v1/testGraph.php?testid={}&buildid={}&type=measurement&measurementname={}", test_id,
-                        build_id, name.get()),
+                        build_id, percent_encoded(metric)),
             std::nullopt);
   std::vector<std::pair<double, HistoryPoint>> points;
   try {

@@ -1,7 +1,6 @@
 #include "hil/drivers/netft.h"
 
 #include <arpa/inet.h>
-#include <curl/curl.h>
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <netdb.h>
@@ -14,39 +13,33 @@
 #include <cerrno>
 #include <cmath>
 #include <cstring>
-#include <mutex>
+
+#include "harness/base/web_request.h"
 
 namespace touchstone::hil {
 namespace {
 
 constexpr std::size_t largest_document = 1U << 20U;
-
-std::size_t collect(char* data, std::size_t size, std::size_t count, void* to) {
-  auto& text = *static_cast<std::string*>(to);
-  if (text.size() + size * count > largest_document) return 0;  // curl then fails the transfer
-  text.append(data, size * count);
-  return size * count;
-}
+constexpr long first_error_status = 400;
 
 std::string fetch(const std::string& url, double timeout_s) {
-  static std::once_flag once;
-  std::call_once(once, [] { curl_global_init(CURL_GLOBAL_DEFAULT); });
-  const std::unique_ptr<CURL, void (*)(CURL*)> curl(curl_easy_init(), curl_easy_cleanup);
-  std::string text;
-  curl_easy_setopt(curl.get(), CURLOPT_URL, url.c_str());
-  curl_easy_setopt(curl.get(), CURLOPT_TIMEOUT_MS, static_cast<long>(timeout_s * 1e3));
-  curl_easy_setopt(curl.get(), CURLOPT_NOSIGNAL, 1L);
-  curl_easy_setopt(curl.get(), CURLOPT_PROXY, "");  // the sensor is on the bench's network, never behind a proxy
-  curl_easy_setopt(curl.get(), CURLOPT_PROTOCOLS_STR, "http");
-  curl_easy_setopt(curl.get(), CURLOPT_FAILONERROR, 1L);
-  curl_easy_setopt(curl.get(), CURLOPT_WRITEFUNCTION, collect);
-  curl_easy_setopt(curl.get(), CURLOPT_WRITEDATA, &text);
-  const CURLcode code = curl_easy_perform(curl.get());
-  if (code == CURLE_OK) return text;
-  const auto status = code == CURLE_COULDNT_CONNECT || code == CURLE_COULDNT_RESOLVE_HOST ? DeviceStatus::absent
-                      : code == CURLE_OPERATION_TIMEDOUT                                  ? DeviceStatus::timed_out
-                                                                                          : DeviceStatus::failed;
-  throw DeviceError(status, fmt::format("Net F/T at {}: {}", url, curl_easy_strerror(code)));
+  // The sensor is on the bench's network, never behind a proxy.
+  const auto timeout_ms = static_cast<long>(timeout_s * 1e3);
+  WebAnswer answer = web_request({.url = url,
+                                  .headers = {},
+                                  .body = std::nullopt,
+                                  .connect_timeout_ms = timeout_ms,
+                                  .timeout_ms = timeout_ms,
+                                  .encrypted_too = false,
+                                  .use_proxy = false,
+                                  .largest_answer_bytes = largest_document});
+  if (answer.outcome == WebOutcome::answered && answer.status < first_error_status) return std::move(answer.text);
+  const auto status = answer.outcome == WebOutcome::unreachable ? DeviceStatus::absent
+                      : answer.outcome == WebOutcome::timed_out ? DeviceStatus::timed_out
+                                                                : DeviceStatus::failed;
+  throw DeviceError(
+      status, fmt::format("Net F/T at {}: {}", url,
+                          answer.problem.empty() ? fmt::format("HTTP status {}", answer.status) : answer.problem));
 }
 
 int connect_udp(const NetFtAddress& address) {

@@ -1,0 +1,128 @@
+#include "harness/base/web_request.h"
+
+#include <curl/curl.h>
+#include <dlfcn.h>
+#include <fmt/format.h>
+
+#include <cctype>
+#include <memory>
+
+#include "harness/base/error.h"
+
+namespace touchstone {
+namespace {
+
+// curl.h wraps some calls in macros of the same name.
+#undef curl_easy_setopt
+#undef curl_easy_getinfo
+
+class Curl {
+ public:
+  static const Curl& library() {
+    static const Curl curl;
+    return curl;
+  }
+  decltype(&curl_easy_init) easy_init;
+  decltype(&curl_easy_cleanup) easy_cleanup;
+  decltype(&curl_easy_setopt) easy_setopt;
+  decltype(&curl_easy_perform) easy_perform;
+  decltype(&curl_easy_getinfo) easy_getinfo;
+  decltype(&curl_easy_strerror) easy_strerror;
+  decltype(&curl_slist_append) slist_append;
+  decltype(&curl_slist_free_all) slist_free_all;
+
+ private:
+  Curl() : handle_(::dlopen("libcurl.so.4", RTLD_NOW | RTLD_LOCAL)) {
+    if (handle_ == nullptr)
+      throw BadData(fmt::format("libcurl cannot be loaded ({}); install it (Debian: libcurl4)", ::dlerror()));
+    find(easy_init, "curl_easy_init");
+    find(easy_cleanup, "curl_easy_cleanup");
+    find(easy_setopt, "curl_easy_setopt");
+    find(easy_perform, "curl_easy_perform");
+    find(easy_getinfo, "curl_easy_getinfo");
+    find(easy_strerror, "curl_easy_strerror");
+    find(slist_append, "curl_slist_append");
+    find(slist_free_all, "curl_slist_free_all");
+    decltype(&curl_global_init) global_init = nullptr;
+    find(global_init, "curl_global_init");
+    global_init(CURL_GLOBAL_DEFAULT);
+  }
+  template <typename Function>
+  void find(Function& function, const char* name) const {
+    function = reinterpret_cast<Function>(::dlsym(handle_, name));
+    if (function == nullptr) throw BadData(fmt::format("libcurl has no function {}; its version is not known", name));
+  }
+
+  void* handle_;  // stays loaded: libcurl keeps threads and caches of its own
+};
+
+struct Collected {
+  std::string text;
+  std::size_t most;
+};
+
+std::size_t collect(char* data, std::size_t size, std::size_t count, void* to) {
+  auto& collected = *static_cast<Collected*>(to);
+  if (collected.text.size() + size * count > collected.most) return 0;  // curl then fails the transfer
+  collected.text.append(data, size * count);
+  return size * count;
+}
+
+WebOutcome outcome_of(CURLcode code) {
+  switch (code) {
+    case CURLE_OK:
+      return WebOutcome::answered;
+    case CURLE_COULDNT_CONNECT:
+    case CURLE_COULDNT_RESOLVE_HOST:
+      return WebOutcome::unreachable;
+    case CURLE_OPERATION_TIMEDOUT:
+      return WebOutcome::timed_out;
+    default:
+      return WebOutcome::failed;
+  }
+}
+
+}  // namespace
+
+WebAnswer web_request(const WebRequest& request) {
+  const Curl& curl = Curl::library();
+  const std::unique_ptr<CURL, decltype(curl.easy_cleanup)> easy(curl.easy_init(), curl.easy_cleanup);
+  if (!easy) throw BadData("libcurl cannot be started");
+  curl_slist* list = nullptr;
+  for (const std::string& header : request.headers) list = curl.slist_append(list, header.c_str());
+  const std::unique_ptr<curl_slist, decltype(curl.slist_free_all)> headers(list, curl.slist_free_all);
+  Collected collected{{}, request.largest_answer_bytes};
+  const auto set = [&](CURLoption option, auto value) { curl.easy_setopt(easy.get(), option, value); };
+  set(CURLOPT_URL, request.url.c_str());
+  set(CURLOPT_PROTOCOLS_STR, request.encrypted_too ? "http,https" : "http");
+  set(CURLOPT_CONNECTTIMEOUT_MS, request.connect_timeout_ms);
+  set(CURLOPT_TIMEOUT_MS, request.timeout_ms);
+  set(CURLOPT_NOSIGNAL, 1L);
+  if (!request.use_proxy) set(CURLOPT_PROXY, "");
+  if (list != nullptr) set(CURLOPT_HTTPHEADER, list);
+  set(CURLOPT_WRITEFUNCTION, &collect);
+  set(CURLOPT_WRITEDATA, &collected);
+  if (request.body) set(CURLOPT_POSTFIELDS, request.body->c_str());
+  const CURLcode code = curl.easy_perform(easy.get());
+  WebAnswer answer{outcome_of(code), 0, std::move(collected.text), {}};
+  curl.easy_getinfo(easy.get(), CURLINFO_RESPONSE_CODE, &answer.status);
+  if (code != CURLE_OK) answer.problem = curl.easy_strerror(code);
+  return answer;
+}
+
+std::string percent_encoded(const std::string& text) {
+  std::string encoded;
+  for (const char c : text) {
+    const auto byte = static_cast<unsigned char>(c);
+    const bool plain =
+        byte < 0x80 && (std::isalnum(byte) != 0 || std::string_view("-._~").find(c) != std::string_view::npos);
+    if (plain) {
+      encoded += c;
+    } else {
+      encoded += fmt::format("%{:02X}", byte);
+    }
+  }
+  return encoded;
+}
+
+}  // namespace touchstone
