@@ -28,6 +28,7 @@ void add_experiment(CLI::App& program, Run& run);
 void add_list(CLI::App& program, Run& run);
 void add_perceive(CLI::App& program, Run& run);
 void add_replay(CLI::App& program, Run& run);
+void add_sweep(CLI::App& program, Run& run);
 void add_synth(CLI::App& program, Run& run);
 void add_version(CLI::App& program, Run& run);
 
@@ -61,6 +62,7 @@ inline std::vector<AddCommand> commands() {
       add_list,
       add_perceive,
       add_replay,
+      add_sweep,
       add_synth,
       add_version,
   };

@@ -86,28 +86,26 @@ TrajectoryColumns load_golden(const std::filesystem::path& file, CheckResult& re
 
 }  // namespace
 
-TriangleMesh case_mesh(const GoldenCase& golden) {
-  TriangleMesh mesh =
-      golden.surface.generator.empty()
-          ? load_mesh(golden.surface.mesh, length_unit_factor(golden.surface.unit))
-          : synthetic::make_mesh(golden.surface.generator, golden.surface.parameters, golden.surface.triangles).mesh;
-  for (Vec3& vertex : mesh.vertices_W_m) vertex *= golden.scale;
+TriangleMesh case_mesh(const CaseSurface& surface, double scale) {
+  TriangleMesh mesh = surface.generator.empty()
+                          ? load_mesh(surface.mesh, length_unit_factor(surface.unit))
+                          : synthetic::make_mesh(surface.generator, surface.parameters, surface.triangles).mesh;
+  for (Vec3& vertex : mesh.vertices_W_m) vertex *= scale;
   return mesh;
 }
 
-InTrajectory case_trajectory(const GoldenCase& golden) {
+InTrajectory case_trajectory(const CaseTrajectory& wanted, double scale, double speed) {
   InTrajectory trajectory;
-  if (golden.trajectory.generator.empty()) {
-    trajectory = load_trajectory(golden.trajectory.file);
-    for (double& t : trajectory.motion.t_s) t /= golden.speed;
+  if (wanted.generator.empty()) {
+    trajectory = load_trajectory(wanted.file);
+    for (double& t : trajectory.motion.t_s) t /= speed;
   } else {
-    const auto path =
-        synthetic::make_path(golden.trajectory.generator, golden.trajectory.parameters, golden.trajectory.seed);
-    trajectory = synthetic::sample(*path, golden.trajectory.rate_Hz / golden.speed);
+    const auto path = synthetic::make_path(wanted.generator, wanted.parameters, wanted.seed);
+    trajectory = synthetic::sample(*path, wanted.rate_Hz / speed);
     for (std::size_t i = 0; i < trajectory.size(); ++i)
-      trajectory.motion.t_s[i] = static_cast<double>(i) / golden.trajectory.rate_Hz;
+      trajectory.motion.t_s[i] = static_cast<double>(i) / wanted.rate_Hz;
   }
-  for (Vec3& p : trajectory.motion.p_W_m) p = golden.scale * (p + golden.trajectory.offset_W_m);
+  for (Vec3& p : trajectory.motion.p_W_m) p = scale * (p + wanted.offset_W_m);
   return trajectory;
 }
 

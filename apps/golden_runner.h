@@ -14,8 +14,12 @@
 
 namespace touchstone::apps {
 
-TriangleMesh case_mesh(const GoldenCase& golden);
-InTrajectory case_trajectory(const GoldenCase& golden);
+TriangleMesh case_mesh(const CaseSurface& surface, double scale);
+InTrajectory case_trajectory(const CaseTrajectory& wanted, double scale, double speed);
+inline TriangleMesh case_mesh(const GoldenCase& golden) { return case_mesh(golden.surface, golden.scale); }
+inline InTrajectory case_trajectory(const GoldenCase& golden) {
+  return case_trajectory(golden.trajectory, golden.scale, golden.speed);
+}
 
 struct CaseRun {
   RenderedTrajectory rendered;

@@ -38,16 +38,20 @@ std::size_t whole(JsonObject& object, const char* key, double value) {
   return static_cast<std::size_t>(value);
 }
 
-std::filesystem::path file_of_case(JsonObject& object, const char* key, const std::filesystem::path& folder) {
+std::filesystem::path file_of_case(JsonObject& object, const char* key, const std::filesystem::path& folder,
+                                   CaseFiles files) {
   const std::filesystem::path file = object.text(key);
-  if (file.has_parent_path()) object.fail_at(key, "a file in the case's own folder was expected, without a path");
+  if (files == CaseFiles::own_folder && file.has_parent_path())
+    object.fail_at(key, "a file in the case's own folder was expected, without a path");
   return folder / file;
 }
 
-CaseSurface read_surface(JsonObject object, const std::filesystem::path& folder) {
+}  // namespace
+
+CaseSurface read_case_surface(JsonObject object, const std::filesystem::path& folder, CaseFiles files) {
   CaseSurface surface;
   if (object.has("mesh")) {
-    surface.mesh = file_of_case(object, "mesh", folder);
+    surface.mesh = file_of_case(object, "mesh", folder, files);
     surface.unit = object.text("unit");
   } else {
     surface.generator = object.text("name");
@@ -58,10 +62,10 @@ CaseSurface read_surface(JsonObject object, const std::filesystem::path& folder)
   return surface;
 }
 
-CaseTrajectory read_trajectory(JsonObject object, const std::filesystem::path& folder) {
+CaseTrajectory read_case_trajectory(JsonObject object, const std::filesystem::path& folder, CaseFiles files) {
   CaseTrajectory trajectory;
   if (object.has("file")) {
-    trajectory.file = file_of_case(object, "file", folder);
+    trajectory.file = file_of_case(object, "file", folder, files);
   } else {
     trajectory.generator = object.text("name");
     trajectory.parameters = read_parameters(object);
@@ -76,8 +80,6 @@ CaseTrajectory read_trajectory(JsonObject object, const std::filesystem::path& f
   object.finish();
   return trajectory;
 }
-
-}  // namespace
 
 GoldenCase load_case(const std::filesystem::path& folder) {
   const auto file = folder / "case.json";
@@ -98,8 +100,8 @@ GoldenCase load_case(const std::filesystem::path& folder) {
             golden.name, folder.filename().string()));
   }
   golden.summary = object.text("summary");
-  golden.surface = read_surface(object.object("surface"), folder);
-  golden.trajectory = read_trajectory(object.object("trajectory"), folder);
+  golden.surface = read_case_surface(object.object("surface"), folder, CaseFiles::own_folder);
+  golden.trajectory = read_case_trajectory(object.object("trajectory"), folder, CaseFiles::own_folder);
   golden.scale = positive(object, "scale", 1.0);
   golden.speed = positive(object, "speed", 1.0);
   JsonObject models = object.object("models");

@@ -19,6 +19,7 @@
 #include <string>
 #include <vector>
 
+#include "harness/base/json_reader.h"
 #include "harness/base/vec.h"
 #include "harness/baseline/tolerance.h"
 
@@ -58,6 +59,13 @@ struct GoldenCase {
   }
   [[nodiscard]] std::filesystem::path summary_file() const { return folder / "expected.summary.json"; }
 };
+
+// Whether a case may name files outside of its own folder.
+enum class CaseFiles : std::uint8_t { own_folder, anywhere };
+
+// "surface" and "trajectory" of a case; files are relative to `folder`. Throw BadData with the place.
+CaseSurface read_case_surface(JsonObject object, const std::filesystem::path& folder, CaseFiles files);
+CaseTrajectory read_case_trajectory(JsonObject object, const std::filesystem::path& folder, CaseFiles files);
 
 // Throws BadData with the place for anything missing, unknown, or without a reason; the name must be the folder's.
 GoldenCase load_case(const std::filesystem::path& folder);

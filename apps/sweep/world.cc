@@ -1,0 +1,139 @@
+#include "apps/sweep/world.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <mutex>
+#include <new>
+#include <nlohmann/json.hpp>
+
+#include "apps/golden_runner.h"
+#include "apps/sweep/shared_cache.h"
+#include "harness/base/error.h"
+#include "harness/base/json_reader.h"
+#include "harness/rendering/model.h"
+#include "harness/rendering/replay.h"
+#include "harness/surface/embree_surface.h"
+#include "renderers/catalogue.h"
+#include "synthetic/surface_catalogue.h"
+#include "synthetic/surfaces/exact_contact.h"
+
+namespace touchstone::apps {
+namespace {
+
+// About 250 bytes each with all structures: a gigabyte.
+constexpr std::uint64_t most_triangles = 4'000'000;
+constexpr std::uint64_t most_samples = 20'000'000;
+
+struct SharedSurface {
+  std::shared_ptr<const Surface> surface;
+  std::uint64_t triangles = 0;
+  std::unique_ptr<synthetic::AnalyticSurface> exact;  // nullptr for a mesh from a file
+  double scale = 1.0;
+
+  // The first renderer of each kind stays: with it live the structures that those after it share.
+  std::unique_ptr<Renderer> make(const Model& model) {
+    auto renderer = make_renderer(model, surface);
+    const std::lock_guard lock(mutex);
+    if (!keepers.contains(model.renderer)) keepers.emplace(model.renderer, make_renderer(model, surface));
+    return renderer;
+  }
+  std::mutex mutex;
+  std::map<std::string, std::unique_ptr<Renderer>> keepers;
+};
+
+std::optional<ExactError> exact_error(const SharedSurface& world, const Model& model, const InTrajectory& trajectory,
+                                      const RenderedTrajectory& run) {
+  const bool frictionless = model.renderer == "god-object" || model.renderer == "spring-linear";
+  if (!world.exact || !frictionless || !model.effects.empty()) return std::nullopt;
+  const Parameters values(find_renderer(model).parameters, model.parameters, "", model.source, "");
+  const double stiffness = values.at("stiffness_N_per_m");
+  const auto radius = values.values().find("tip_radius_m");
+  const double radius_m = radius == values.values().end() ? 0.0 : radius->second;
+  ExactError error;
+  double force = 0.0;
+  double contact = 0.0;
+  std::size_t touching = 0;
+  for (std::size_t i = 0; i < run.size(); ++i) {
+    const auto exact = synthetic::exact_contact(*world.exact, trajectory.motion.p_W_m[i] / world.scale, stiffness,
+                                                radius_m / world.scale);
+    const double off_N = (run.f_W_N[i] - world.scale * exact.f_W_N).norm();
+    force += off_N * off_N;
+    error.force_max_N = std::max(error.force_max_N, off_N);
+    if (exact.contact && run.contact[i] != 0) {
+      contact += (run.contact_W_m[i] - world.scale * exact.proxy_W_m).squaredNorm();
+      ++touching;
+    }
+  }
+  error.force_rms_N = std::sqrt(force / static_cast<double>(run.size()));
+  error.contact_rms_m = touching == 0 ? 0.0 : std::sqrt(contact / static_cast<double>(touching));
+  return error;
+}
+
+}  // namespace
+
+struct SweepWorld::State {
+  explicit State(const SweepDesign& wanted) : design(&wanted) {}
+
+  void run(SweepOutcome& outcome) {
+    const SweepCase& one = outcome.one;
+    const std::string source = fmt::format("case {}", one.number);
+    const nlohmann::json document = parse_json(one.document, source);
+    JsonObject root(document, source, "");
+    const double scale = positive(root, "scale");
+    const double speed = positive(root, "speed");
+    const auto world = surfaces.get(one.surface_key, [&] { return make_surface(root, scale); });
+    const auto trajectory = trajectories.get(one.trajectory_key, [&] {
+      return std::make_shared<InTrajectory>(case_trajectory(
+          read_case_trajectory(root.object("trajectory"), design->folder(), CaseFiles::anywhere), scale, speed));
+    });
+    const Model model = parse_model(document["model"].dump(), source + ": /model");
+    const auto renderer = world->make(model);
+    const RenderedTrajectory rendered = replay(*renderer, *trajectory);
+    outcome.summary = summarise(rendered);
+    if (design->truth()) outcome.exact = exact_error(*world, model, *trajectory, rendered);
+  }
+
+  [[nodiscard]] std::shared_ptr<SharedSurface> make_surface(JsonObject& root, double scale) const {
+    auto made = std::make_shared<SharedSurface>();
+    const CaseSurface wanted = read_case_surface(root.object("surface"), design->folder(), CaseFiles::anywhere);
+    made->surface = make_embree_surface(case_mesh(wanted, scale));
+    made->triangles = made->surface->mesh()->triangle_count();
+    made->scale = scale;
+    if (!wanted.generator.empty() && design->truth())
+      made->exact = synthetic::make_surface(wanted.generator, wanted.parameters);
+    return made;
+  }
+
+  static double positive(JsonObject& root, const char* key) {
+    const double value = root.number(key);
+    if (!(value > 0.0)) root.fail_at(key, fmt::format("a number above 0 was expected, got {}", value));
+    return value;
+  }
+
+  const SweepDesign* design;
+  SharedCache<SharedSurface> surfaces{most_triangles, [](const SharedSurface& s) { return s.triangles; }};
+  SharedCache<InTrajectory> trajectories{most_samples, [](const InTrajectory& t) { return t.size() + 1; }};
+};
+
+SweepWorld::SweepWorld(const SweepDesign& design) : state_(std::make_unique<State>(design)) {}
+SweepWorld::~SweepWorld() = default;
+
+std::uint64_t SweepWorld::surfaces_made() const { return state_->surfaces.made(); }
+
+SweepOutcome SweepWorld::run(std::uint64_t number) {
+  SweepOutcome outcome;
+  outcome.one.number = number;
+  try {
+    outcome.one = state_->design->at(number);
+    state_->run(outcome);
+  } catch (const std::bad_alloc&) {
+    outcome.error = "out of memory";
+  } catch (const std::exception& error) {
+    outcome.error = error.what();
+  }
+  return outcome;
+}
+
+}  // namespace touchstone::apps
