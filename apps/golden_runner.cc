@@ -59,10 +59,34 @@ double share_of_jnd(const TrajectoryColumns& golden, const GroupTolerance& force
   return share;
 }
 
+// Judges a run that is beyond tolerance by the exact answer, where there is one: `better` when its force is nearer to
+// it by more than the tolerance, over the run and at its worst.
+void judge_by_exact_answer(const GoldenCase& golden, const std::string& model, const ChangeModel& change,
+                           const RenderedTrajectory& obtained, CheckResult& result) {
+  if (golden.surface.generator.empty()) return;
+  const auto analytic = synthetic::make_surface(golden.surface.generator, golden.surface.parameters);
+  Model parsed = parse_model(golden.models.at(model), golden.name);
+  if (change) change(parsed);
+  result.exact = exact_error(*analytic, golden.scale, parsed, obtained);
+  if (!result.exact || result.comparison.verdict != Verdict::worse) return;
+  const auto before = exact_error(*analytic, golden.scale, parsed, load_rendered(golden.expected(model)));
+  if (!before) return;
+  result.comparison.problems.push_back(exact_comparison(before, result.exact));
+  const double band_N = golden.tolerance.of("force").atol;
+  if (before->force_rms_N - result.exact->force_rms_N > band_N &&
+      before->force_max_N - result.exact->force_max_N > -band_N)
+    result.comparison.verdict = Verdict::better;
+}
+
 void print_measurements(const CheckResult& result, const CaseRun& run, const std::string& hash) {
   for (const auto& [name, value] : metrics_of(result.comparison)) print_measurement(stdout, name, value);
   print_measurement(stdout, "step_p99_us", run.p99_us);
   print_measurement(stdout, "tolerance_of_jnd", result.share_of_jnd);
+  if (result.exact) {
+    print_measurement(stdout, "exact_force_rms_N", result.exact->force_rms_N);
+    print_measurement(stdout, "exact_force_max_N", result.exact->force_max_N);
+    print_measurement(stdout, "exact_contact_rms_m", result.exact->contact_rms_m);
+  }
   print_measurement(stdout, "golden_hash", std::string_view(hash));
 }
 
@@ -159,6 +183,8 @@ CheckResult check_case(const GoldenCase& golden, const std::string& model, const
           "the force tolerance reaches {:.3g} of a just noticeable difference; the case allows itself {:.3g}",
           result.share_of_jnd, golden.jnd_share));
     }
+    if (ctest || result.comparison.verdict == Verdict::worse)
+      judge_by_exact_answer(golden, model, change, run.rendered, result);
   }
   result.table = fmt::format("{} {}\n{}", golden.name, model, to_table(result.comparison));
   const auto folder = out / golden.name / model;

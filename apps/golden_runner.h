@@ -4,8 +4,10 @@
 
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <string>
 
+#include "apps/exact_error.h"
 #include "harness/baseline/compare.h"
 #include "harness/baseline/golden_case.h"
 #include "harness/baseline/golden_file.h"
@@ -35,14 +37,17 @@ CaseRun run_case(const GoldenCase& golden, const std::string& model, bool time_s
 
 struct CheckResult {
   Comparison comparison;
-  std::string table;              // for people, with why it could not run where that is so
-  double share_of_jnd = 0.0;      // the widest the tolerance gets, in just noticeable differences of force
-  bool same_cpu = false;          // as the golden's
-  std::filesystem::path left_in;  // the folder of a failure, else empty
+  std::string table;                // for people, with why it could not run where that is so
+  double share_of_jnd = 0.0;        // the widest the tolerance gets, in just noticeable differences of force
+  bool same_cpu = false;            // as the golden's
+  std::optional<ExactError> exact;  // of what was obtained, where an exact answer is known
+  std::filesystem::path left_in;    // the folder of a failure, else empty
 };
 
-// One model of a case against its golden. On anything but `equal` leaves obtained.h5, table.txt, comparison.json and
-// pictures in `out`/<case>/<model>; on `equal` removes what an earlier failure left. With `ctest` prints measurements.
+// One model of a case against its golden. Beyond tolerance but nearer to the exact answer is `better`, which does not
+// pass either: it is news, and becomes the golden by a person's decision. On anything but `equal` leaves obtained.h5,
+// table.txt, comparison.json and pictures in `out`/<case>/<model>; on `equal` removes what an earlier failure left.
+// With `ctest` prints measurements.
 CheckResult check_case(const GoldenCase& golden, const std::string& model, const std::filesystem::path& out, bool ctest,
                        const ChangeModel& change = {});
 

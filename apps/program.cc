@@ -5,6 +5,7 @@
 #include <exception>
 #include <new>
 
+#include "harness/base/half_files.h"
 #include "harness/base/version.h"
 
 namespace touchstone::apps {
@@ -41,6 +42,7 @@ const std::vector<std::string>& command_line() { return called_as(); }
 
 int run_program(int argc, char** argv, const std::vector<AddCommand>& commands) {
   called_as().assign(argv, argv + argc);
+  remove_half_files_when_interrupted();
   try {
     return run(argc, argv, commands);
   } catch (const Error& error) {

@@ -96,7 +96,9 @@ TEST_F(Sweep, AHypercubeHasEachStratumOfEachAxisOnce) {
     }
     EXPECT_EQ(stiffness.size(), cases);
     EXPECT_EQ(scale.size(), cases);
-    if (cases > 2) EXPECT_LE(std::max(surfaces["ball"], surfaces["floor"]), (cases + 1) / 2);
+    if (cases > 2) {
+      EXPECT_LE(std::max(surfaces["ball"], surfaces["floor"]), (cases + 1) / 2);
+    }
   }
 }
 
@@ -193,7 +195,8 @@ TEST_F(Sweep, TheExactAnswerIsNearOnAFineMeshAndScalesWithTheWorld) {
     ASSERT_TRUE(outcome.exact.has_value());
     EXPECT_GT(outcome.summary.peak_force_N, 0.0);
     EXPECT_GT(outcome.exact->force_rms_N, 0.0);
-    EXPECT_LT(outcome.exact->force_max_N, 0.02 * outcome.summary.peak_force_N);
+    // Facets of 1.2 mm on a ball of 30 mm turn the normal by up to 0.023 rad.
+    EXPECT_LT(outcome.exact->force_max_N, 0.03 * outcome.summary.peak_force_N);
   }
   EXPECT_EQ(world.surfaces_made(), 3U);  // one for each scale
 }

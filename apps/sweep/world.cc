@@ -2,8 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <cmath>
 #include <mutex>
 #include <new>
 #include <nlohmann/json.hpp>
@@ -17,7 +15,6 @@
 #include "harness/surface/embree_surface.h"
 #include "renderers/catalogue.h"
 #include "synthetic/surface_catalogue.h"
-#include "synthetic/surfaces/exact_contact.h"
 
 namespace touchstone::apps {
 namespace {
@@ -30,7 +27,6 @@ struct SharedSurface {
   std::shared_ptr<const Surface> surface;
   std::uint64_t triangles = 0;
   std::unique_ptr<synthetic::AnalyticSurface> exact;  // nullptr for a mesh from a file
-  double scale = 1.0;
 
   // The first renderer of each kind stays: with it live the structures that those after it share.
   std::unique_ptr<Renderer> make(const Model& model) {
@@ -42,34 +38,6 @@ struct SharedSurface {
   std::mutex mutex;
   std::map<std::string, std::unique_ptr<Renderer>> keepers;
 };
-
-std::optional<ExactError> exact_error(const SharedSurface& world, const Model& model, const InTrajectory& trajectory,
-                                      const RenderedTrajectory& run) {
-  const bool frictionless = model.renderer == "god-object" || model.renderer == "spring-linear";
-  if (!world.exact || !frictionless || !model.effects.empty()) return std::nullopt;
-  const Parameters values(find_renderer(model).parameters, model.parameters, "", model.source, "");
-  const double stiffness = values.at("stiffness_N_per_m");
-  const auto radius = values.values().find("tip_radius_m");
-  const double radius_m = radius == values.values().end() ? 0.0 : radius->second;
-  ExactError error;
-  double force = 0.0;
-  double contact = 0.0;
-  std::size_t touching = 0;
-  for (std::size_t i = 0; i < run.size(); ++i) {
-    const auto exact = synthetic::exact_contact(*world.exact, trajectory.motion.p_W_m[i] / world.scale, stiffness,
-                                                radius_m / world.scale);
-    const double off_N = (run.f_W_N[i] - world.scale * exact.f_W_N).norm();
-    force += off_N * off_N;
-    error.force_max_N = std::max(error.force_max_N, off_N);
-    if (exact.contact && run.contact[i] != 0) {
-      contact += (run.contact_W_m[i] - world.scale * exact.proxy_W_m).squaredNorm();
-      ++touching;
-    }
-  }
-  error.force_rms_N = std::sqrt(force / static_cast<double>(run.size()));
-  error.contact_rms_m = touching == 0 ? 0.0 : std::sqrt(contact / static_cast<double>(touching));
-  return error;
-}
 
 }  // namespace
 
@@ -92,7 +60,8 @@ struct SweepWorld::State {
     const auto renderer = world->make(model);
     const RenderedTrajectory rendered = replay(*renderer, *trajectory);
     outcome.summary = summarise(rendered);
-    if (design->truth()) outcome.exact = exact_error(*world, model, *trajectory, rendered);
+    if (design->truth())
+      outcome.exact = world->exact ? exact_error(*world->exact, scale, model, rendered) : std::nullopt;
   }
 
   [[nodiscard]] std::shared_ptr<SharedSurface> make_surface(JsonObject& root, double scale) const {
@@ -100,7 +69,6 @@ struct SweepWorld::State {
     const CaseSurface wanted = read_case_surface(root.object("surface"), design->folder(), CaseFiles::anywhere);
     made->surface = make_embree_surface(case_mesh(wanted, scale));
     made->triangles = made->surface->mesh()->triangle_count();
-    made->scale = scale;
     if (!wanted.generator.empty() && design->truth())
       made->exact = synthetic::make_surface(wanted.generator, wanted.parameters);
     return made;

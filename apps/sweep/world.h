@@ -7,24 +7,17 @@
 #include <optional>
 #include <string>
 
+#include "apps/exact_error.h"
 #include "apps/sweep/design.h"
 #include "harness/baseline/golden_summary.h"
 
 namespace touchstone::apps {
 
-// How far the rendered forces and surface contact points are from the exact answer on the analytic surface
-// (synthetic/surfaces/exact_contact.h): for god-object and spring-linear without effects, on generated surfaces.
-struct ExactError {
-  double force_rms_N = 0.0;
-  double force_max_N = 0.0;
-  double contact_rms_m = 0.0;  // over the samples in contact on both sides
-};
-
 struct SweepOutcome {
   SweepCase one;
   std::string error;  // empty: it ran
   GoldenSummary summary;
-  std::optional<ExactError> exact;
+  std::optional<ExactError> exact;  // where it is asked for, on generated surfaces
 };
 
 class SweepWorld {

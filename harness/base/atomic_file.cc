@@ -11,6 +11,7 @@
 #include <string>
 
 #include "harness/base/error.h"
+#include "harness/base/half_files.h"
 
 namespace touchstone {
 namespace {
@@ -23,12 +24,14 @@ std::filesystem::path beside(const std::filesystem::path& target) {
 
 }  // namespace
 
-AtomicFile::AtomicFile(std::filesystem::path target) : target_(std::move(target)), temporary_(beside(target_)) {}
+AtomicFile::AtomicFile(std::filesystem::path target) : target_(std::move(target)), temporary_(beside(target_)) {
+  add_half_file(temporary_);
+}
 
 AtomicFile::~AtomicFile() {
-  if (committed_) return;
   std::error_code ignored;
-  std::filesystem::remove(temporary_, ignored);
+  if (!committed_) std::filesystem::remove(temporary_, ignored);
+  drop_half_file(temporary_);
 }
 
 void AtomicFile::commit() {

@@ -1,12 +1,17 @@
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include <cmath>
+#include <csignal>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
 #include "harness/base/atomic_file.h"
 #include "harness/base/error.h"
+#include "harness/base/half_files.h"
 #include "harness/base/hash.h"
 #include "harness/base/json_reader.h"
 #include "harness/base/random.h"
@@ -90,6 +95,31 @@ TEST(AtomicFile, AnExistingFileSurvivesAnAbandonedWrite) {
   EXPECT_EQ(read_file(file), "first");
   EXPECT_THROW(ensure_writable_folder(file / "under-a-file"), BadData);
   EXPECT_THROW(write_file(folder / "absent" / "b.txt", "x"), BadData);
+}
+
+TEST(AtomicFile, AnInterruptLeavesNoHalfFile) {
+  const auto folder = std::filesystem::path(::testing::TempDir()) / fmt::format("touchstone-half-{}", ::getpid());
+  ensure_writable_folder(folder);
+  write_file(folder / "a.txt", "whole");
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
+    const pid_t child = ::fork();
+    if (child == 0) {
+      std::signal(signal, SIG_DFL);
+      remove_half_files_when_interrupted();
+      AtomicFile one(folder / "a.txt");
+      AtomicFile other(folder / "b.txt");
+      write_file(one.path(), "half");
+      write_file(other.path(), "half");
+      std::raise(signal);
+      ::_exit(0);
+    }
+    int status = 0;
+    ::waitpid(child, &status, 0);
+    EXPECT_TRUE(WIFSIGNALED(status) && WTERMSIG(status) == signal) << "it ends as interrupted programs do";
+    EXPECT_EQ(read_file(folder / "a.txt"), "whole");
+    EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder), {}), 1);
+  }
+  std::filesystem::remove_all(folder);
 }
 
 }  // namespace

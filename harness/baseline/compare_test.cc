@@ -3,7 +3,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <bit>
 #include <cmath>
+#include <cstdint>
 #include <functional>
 #include <limits>
 #include <nlohmann/json.hpp>
@@ -124,6 +126,7 @@ INSTANTIATE_TEST_SUITE_P(
         Mutation{"MilliUnitTakenAsUnit", Verdict::worse, [](auto&, auto& o) { for (auto& v : column(o, "fz")) v *= 1e3; }},
         Mutation{"OneSample", Verdict::worse, [](auto&, auto& o) { column(o, "fz")[1234] += 1e-3 * std::max(1e-3, column(o, "fz")[300]); }},
         Mutation{"ZeroReferenceUnderRelative", Verdict::worse, [](auto& g, auto& o) { column(o, "fy")[0] = 1e-4 * *std::ranges::max_element(column(g, "fz")); }},
+        Mutation{"UlpsThatATruncatedCountLoses", Verdict::worse, [](auto&, auto& o) { auto& v = column(o, "fz")[300]; v = std::bit_cast<double>(std::bit_cast<std::uint64_t>(v) + (std::uint64_t{1} << 40U)); }},
         Mutation{"TimesNeverAlign", Verdict::worse, [](auto&, auto& o) { for (auto& time : column(o, "t")) time += 0.0005; }},
         Mutation{"TimeInMillisecondsTakenAsSeconds", Verdict::worse, [](auto&, auto& o) { for (auto& time : column(o, "t")) time *= 1e3; }},
         Mutation{"RowsShiftedByOne", Verdict::worse, [](auto&, auto& o) { auto& f = column(o, "fz"); std::rotate(f.begin(), f.begin() + 1, f.end()); }},

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "harness/base/error.h"
+#include "harness/base/half_files.h"
 #include "harness/base/version.h"
 #include "harness/recording/hdf5_handle.h"
 #include "harness/recording/recording_file.h"
@@ -24,10 +25,12 @@ class PartFile {
     path_ = target.parent_path() / fmt::format(".{}.{}.part.h5", target.stem().string(), ::getpid());
     std::error_code ignored;
     fs::create_directories(target.parent_path(), ignored);
+    add_half_file(path_);
   }
   ~PartFile() {
     std::error_code ignored;
     fs::remove(path_, ignored);
+    drop_half_file(path_);
   }
   PartFile(const PartFile&) = delete;
   PartFile& operator=(const PartFile&) = delete;

@@ -7,6 +7,8 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <memory>
+#include <mutex>
 #include <vector>
 
 #include "harness/base/error.h"
@@ -25,11 +27,28 @@ constexpr double padding = 2e-6;
 constexpr double far_away = 1e6;
 
 struct DeviceRelease {
-  void operator()(RTCDevice device) const { rtcReleaseDevice(device); }
+  void operator()(RTCDevice device) const {
+    if (device != nullptr) rtcReleaseDevice(device);
+  }
 };
 struct SceneRelease {
   void operator()(RTCScene scene) const { rtcReleaseScene(scene); }
 };
+
+// One for all surfaces that live: the library starts no more than some three hundred. Its errors are kept per thread.
+std::shared_ptr<RTCDeviceTy> shared_device(const std::string& source) {
+  static std::mutex mutex;
+  static std::weak_ptr<RTCDeviceTy> known;
+  const std::lock_guard lock(mutex);
+  auto device = known.lock();
+  if (device) return device;
+  device.reset(rtcNewDevice(nullptr), DeviceRelease{});
+  if (!device)
+    throw Error(ExitStatus::bad_data, fmt::format("{}: Embree cannot start (error {})", source,
+                                                  static_cast<int>(rtcGetDeviceError(nullptr))));
+  known = device;
+  return device;
+}
 
 class EmbreeSurface final : public TriangleSurface {
  public:
@@ -40,10 +59,7 @@ class EmbreeSurface final : public TriangleSurface {
     balls_.reserve(mesh_.triangles.size());
     for (std::size_t t = 0; t < mesh_.triangles.size(); ++t)
       balls_.push_back(ball_around(static_cast<std::int32_t>(t)));
-    device_.reset(rtcNewDevice(nullptr));
-    if (!device_)
-      throw Error(ExitStatus::bad_data, fmt::format("{}: Embree cannot start (error {})", mesh_.source,
-                                                    static_cast<int>(rtcGetDeviceError(nullptr))));
+    device_ = shared_device(mesh_.source);
     scene_.reset(rtcNewScene(device_.get()));
     rtcSetSceneFlags(scene_.get(), RTC_SCENE_FLAG_ROBUST);
     const RTCGeometry geometry = rtcNewGeometry(device_.get(), RTC_GEOMETRY_TYPE_USER);
@@ -232,7 +248,7 @@ class EmbreeSurface final : public TriangleSurface {
     hit.hit.primID = arguments->primID;
   }
 
-  std::unique_ptr<RTCDeviceTy, DeviceRelease> device_;
+  std::shared_ptr<RTCDeviceTy> device_;
   std::unique_ptr<RTCSceneTy, SceneRelease> scene_;
   std::vector<Ball> balls_;
   Vec3 center_;
