@@ -3,6 +3,7 @@
 #include <tbb/blocked_range.h>
 #include <tbb/global_control.h>
 #include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
 
 #include <algorithm>
 #include <chrono>
@@ -87,7 +88,10 @@ SweepTally run_sweep(const SweepDesign& design, SweepStore& store, SweepShard sh
   Collector collector(store, open.size());
   // One case is thousands of steps: each may go to another thread. A thread works through neighbours, which share.
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, open.size()), [&](const auto& range) {
-    for (std::size_t i = range.begin(); i < range.end() && !stop; ++i) collector.take(world.run(open[i]));
+    // Isolated: a thread that waits for the parts of a structure that it is making must not begin another case, which
+    // could want that very structure.
+    for (std::size_t i = range.begin(); i < range.end() && !stop; ++i)
+      tbb::this_task_arena::isolate([&] { collector.take(world.run(open[i])); });
   });
   collector.finish(tally);
   tally.stopped = tally.ran < open.size();

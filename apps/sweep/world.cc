@@ -19,8 +19,10 @@
 namespace touchstone::apps {
 namespace {
 
-// About 250 bytes each with all structures: a gigabyte.
+// About 250 bytes each with all structures: a gigabyte. Embree fails beyond some hundred scenes, however small, so that
+// each weighs as many triangles again.
 constexpr std::uint64_t most_triangles = 4'000'000;
+constexpr std::uint64_t triangles_of_a_scene = 40'000;
 constexpr std::uint64_t most_samples = 20'000'000;
 
 struct SharedSurface {
@@ -81,7 +83,8 @@ struct SweepWorld::State {
   }
 
   const SweepDesign* design;
-  SharedCache<SharedSurface> surfaces{most_triangles, [](const SharedSurface& s) { return s.triangles; }};
+  SharedCache<SharedSurface> surfaces{most_triangles,
+                                      [](const SharedSurface& s) { return s.triangles + triangles_of_a_scene; }};
   SharedCache<InTrajectory> trajectories{most_samples, [](const InTrajectory& t) { return t.size() + 1; }};
 };
 
