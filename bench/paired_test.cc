@@ -33,7 +33,9 @@ TEST(Paired, AKnownRatioIsFoundWhateverTheMachineDoes) {
     const auto found = compare_paired(before, after, 0.95);
     EXPECT_NEAR(found.ratio, ratio, 0.01 * ratio);
     EXPECT_LT(found.high / found.low, 1.02);
-    if (ratio != 1.0) EXPECT_LT(found.p, 1e-4);
+    if (ratio != 1.0) {
+      EXPECT_LT(found.p, 1e-4);
+    }
   }
 }
 
