@@ -17,7 +17,8 @@ namespace touchstone::hil {
 
 struct RawRecorderOptions {
   std::uint32_t block_samples = 500;  // a tenth of a second at 5 kHz is what a crash can cost
-  // 105 s at 5 kHz: with 13 s a busy machine lost samples in an hour; whether disk or scheduling kept the writer is not known.
+  // 105 s at 5 kHz: with 13 s a busy machine lost samples in an hour; whether disk or scheduling kept the writer is not
+  // known.
   std::size_t ring_samples = 1U << 19U;
   double sync_s = 1.0;                 // how often the disk is told to keep it
   std::filesystem::path spill_folder;  // empty: the system's folder for temporary files
