@@ -1,11 +1,14 @@
 #include <fmt/format.h>
 
+#include <charconv>
+
 #include "apps/commands.h"
 #include "apps/golden_floor.h"
 #include "apps/golden_options.h"
 #include "apps/golden_runner.h"
 #include "harness/base/atomic_file.h"
 #include "harness/baseline/acceptance.h"
+#include "harness/baseline/golden_file.h"
 #include "harness/baseline/golden_summary.h"
 #include "harness/recording/recording_file.h"
 #include "harness/rendering/model.h"
@@ -53,13 +56,39 @@ ExitStatus noise_floor(const Options& options) {
   return measure_golden_floor(options.golden.load(), options.golden.folder().string(), options.programs, options.json);
 }
 
-void write_summary(const GoldenCase& golden) {
+// `changed` has other operations than the summary knows so far; the other models keep theirs.
+void write_summary(const GoldenCase& golden, const std::string& changed, std::optional<RunOperations> operations) {
   std::map<std::string, GoldenSummary> summaries;
+  const auto known = load_operations(golden.summary_file());
   for (const auto& [model, text] : golden.models) {
-    if (std::filesystem::exists(golden.expected(model)))
-      summaries[model] = summarise(load_rendered(golden.expected(model)));
+    if (!std::filesystem::exists(golden.expected(model))) continue;
+    GoldenSummary& summary = summaries[model] = summarise(load_rendered(golden.expected(model)));
+    const auto found = known.find(model);
+    if (model == changed) {
+      summary.operations = operations;
+    } else if (found != known.end()) {
+      summary.operations = found->second;
+    }
   }
   write_file(golden.summary_file(), summaries_to_json(golden.name, summaries));
+}
+
+std::optional<RunOperations> operations_of(const Provenance& provenance) {
+  RunOperations operations;
+  const auto read = [&](const char* name, std::uint64_t& value) {
+    const auto found = provenance.find(name);
+    if (found == provenance.end()) return false;
+    const std::string& text = found->second;
+    return std::from_chars(text.data(), text.data() + text.size(), value).ec == std::errc();
+  };
+  if (!read("operations", operations.total) || !read("operations_max_step", operations.max_per_step))
+    return std::nullopt;
+  return operations;
+}
+
+bool same_bits(const std::filesystem::path& a, const std::filesystem::path& b) {
+  return std::filesystem::exists(a) && std::filesystem::exists(b) &&
+         summarise(load_rendered(a)).sha256 == summarise(load_rendered(b)).sha256;
 }
 
 ExitStatus accept(const Options& options) {
@@ -76,10 +105,12 @@ ExitStatus accept(const Options& options) {
     if (!golden.models.contains(p.model))
       throw UsageError(fmt::format("the case {} has no model {}", p.case_name, p.model));
     const bool before = std::filesystem::exists(golden.expected(p.model));
-    copy_golden(p.obtained(), golden.expected(p.model), {{"reason", options.reason}});
-    write_summary(golden);
+    // Where only the operations are other ones, the trajectory stays as it is, with what is known of its origin.
+    const bool same = before && same_bits(p.obtained(), golden.expected(p.model));
+    if (!same) copy_golden(p.obtained(), golden.expected(p.model), {{"reason", options.reason}});
+    write_summary(golden, p.model, operations_of(read_provenance(p.obtained())));
     std::filesystem::remove_all(p.folder);
-    fmt::print("{} {} {}\n", before ? "replaced" : "new", p.case_name, p.model);
+    fmt::print("{} {} {}\n", same ? "operations" : before ? "replaced" : "new", p.case_name, p.model);
   }
   return ExitStatus::passed;
 }

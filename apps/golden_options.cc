@@ -56,6 +56,7 @@ std::vector<std::string> GoldenOptions::models_of(const GoldenCase& one) const {
 }
 
 ChangeModel GoldenOptions::change_model() const {
+  if (renderer.empty() && plugins.libraries.empty()) return {};
   return [loaded = plugins.load(), name = renderer](Model& changed) {
     if (!name.empty()) changed.renderer = name;
     loaded.provide(changed);

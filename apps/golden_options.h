@@ -27,7 +27,8 @@ struct GoldenOptions {
   [[nodiscard]] std::filesystem::path folder() const;
   // The chosen models of a case.
   [[nodiscard]] std::vector<std::string> models_of(const GoldenCase& golden) const;
-  // What the options make of a case's model: its renderer from a plug-in, or another renderer in its place.
+  // What the options make of a case's model: its renderer from a plug-in, or another renderer in its place; empty
+  // where they leave it as it is.
   [[nodiscard]] ChangeModel change_model() const;
 };
 

@@ -12,9 +12,9 @@
 #include "harness/base/units.h"
 #include "harness/baseline/column_file.h"
 #include "harness/baseline/comparison_report.h"
-#include "harness/baseline/golden_summary.h"
 #include "harness/perception/filters/weber_law.h"
 #include "harness/recording/recording_file.h"
+#include "harness/rendering/operations.h"
 #include "harness/rendering/replay.h"
 #include "harness/report/ctest_measurement.h"
 #include "harness/surface/embree_surface.h"
@@ -40,6 +40,14 @@ double p99(std::vector<double> values) {
   const auto at = values.begin() + static_cast<std::ptrdiff_t>(values.size() * 99 / 100);
   std::ranges::nth_element(values, at);
   return *at;
+}
+
+std::optional<RunOperations> count_run(const Model& model, std::shared_ptr<const Surface> surface,
+                                       const InTrajectory& trajectory) {
+  const CountedRenderer counted = make_counted_renderer(model, std::move(surface));
+  if (!counted.renderer) return std::nullopt;
+  const OperationReport report = count_operations(*counted.renderer, tip_source(trajectory.motion));
+  return RunOperations{report.total(), report.max};
 }
 
 // How wide the tolerance gets over the golden's forces, in differences that a fingertip just notices there.
@@ -78,9 +86,24 @@ void judge_by_exact_answer(const GoldenCase& golden, const std::string& model, c
     result.comparison.verdict = Verdict::better;
 }
 
+// More, fewer, or none where there were some: each is news.
+void judge_operations(const GoldenCase& golden, const std::string& model, const CaseRun& run, CheckResult& result) {
+  const auto known = load_operations(golden.summary_file());
+  const auto found = known.find(model);
+  const auto change = operations_change(found == known.end() ? std::nullopt : std::optional(found->second),
+                                        run.operations, result.comparison.drift > 0);
+  if (!change) return;
+  result.comparison.problems.push_back(change->message);
+  result.comparison.verdict = worst(result.comparison.verdict, change->verdict);
+}
+
 void print_measurements(const CheckResult& result, const CaseRun& run, const std::string& hash) {
   for (const auto& [name, value] : metrics_of(result.comparison)) print_measurement(stdout, name, value);
   print_measurement(stdout, "step_p99_us", run.p99_us);
+  if (run.operations) {
+    print_measurement(stdout, "operations", static_cast<double>(run.operations->total));
+    print_measurement(stdout, "operations_max_step", static_cast<double>(run.operations->max_per_step));
+  }
   print_measurement(stdout, "tolerance_of_jnd", result.share_of_jnd);
   if (result.exact) {
     print_measurement(stdout, "exact_force_rms_N", result.exact->force_rms_N);
@@ -145,7 +168,8 @@ CaseRun run_case(const GoldenCase& golden, const std::string& model, bool time_s
   Model described =
       parse_model(text->second, fmt::format("{}: /models/{}", (golden.folder / "case.json").string(), model));
   if (change) change(described);
-  const auto renderer = make_renderer(described, make_embree_surface(mesh));
+  const std::shared_ptr<const Surface> surface = make_embree_surface(mesh);
+  const auto renderer = make_renderer(described, surface);
   CaseRun run;
   run.rendered = replay(*renderer, trajectory, time_steps);
   run.p99_us = p99(run.rendered.cost_us);
@@ -154,6 +178,11 @@ CaseRun run_case(const GoldenCase& golden, const std::string& model, bool time_s
   run.provenance["geometry_sha256"] = hash_of(mesh);
   run.provenance["trajectory_sha256"] = hash_of(trajectory);
   run.provenance["seed"] = std::to_string(golden.trajectory.seed);
+  run.operations = count_run(described, surface, trajectory);
+  if (run.operations) {
+    run.provenance["operations"] = std::to_string(run.operations->total);
+    run.provenance["operations_max_step"] = std::to_string(run.operations->max_per_step);
+  }
   run.provenance["command"] = fmt::format("touchstone check {} --model {}", golden.name, model);
   return run;
 }
@@ -185,6 +214,7 @@ CheckResult check_case(const GoldenCase& golden, const std::string& model, const
     }
     if (ctest || result.comparison.verdict == Verdict::worse)
       judge_by_exact_answer(golden, model, change, run.rendered, result);
+    if (!change) judge_operations(golden, model, run, result);
   }
   result.table = fmt::format("{} {}\n{}", golden.name, model, to_table(result.comparison));
   const auto folder = out / golden.name / model;

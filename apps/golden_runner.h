@@ -11,6 +11,7 @@
 #include "harness/baseline/compare.h"
 #include "harness/baseline/golden_case.h"
 #include "harness/baseline/golden_file.h"
+#include "harness/baseline/golden_summary.h"
 #include "harness/rendering/model.h"
 #include "harness/surface/triangle_mesh.h"
 
@@ -26,7 +27,8 @@ inline InTrajectory case_trajectory(const GoldenCase& golden) {
 struct CaseRun {
   RenderedTrajectory rendered;
   Provenance provenance;
-  double p99_us = 0.0;  // of a step
+  double p99_us = 0.0;                      // of a step
+  std::optional<RunOperations> operations;  // where the renderer's are counted
 };
 
 // Changes a case's model before it runs.
@@ -45,7 +47,8 @@ struct CheckResult {
 };
 
 // One model of a case against its golden. Beyond tolerance but nearer to the exact answer is `better`, which does not
-// pass either: it is news, and becomes the golden by a person's decision. On anything but `equal` leaves obtained.h5,
+// pass either: it is news, and becomes the golden by a person's decision. So are operations that are not the golden's,
+// which are held against it as long as the model is the case's own. On anything but `equal` leaves obtained.h5,
 // table.txt, comparison.json and pictures in `out`/<case>/<model>; on `equal` removes what an earlier failure left.
 // With `ctest` prints measurements.
 CheckResult check_case(const GoldenCase& golden, const std::string& model, const std::filesystem::path& out, bool ctest,

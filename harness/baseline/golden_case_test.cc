@@ -144,6 +144,43 @@ TEST(GoldenSummary, SaysWhatIsInTheRun) {
   EXPECT_THAT(summaries_to_json("ball", {{"god-object", summary}}), HasSubstr("\"samples\": 50"));
 }
 
+TEST_F(GoldenFolder, OperationsAreReadBackFromTheSummary) {
+  GoldenSummary counted = summarise(rendered());
+  counted.operations = RunOperations{9007199254740993, 321};  // beyond what a double holds
+  const fs::path file = golden / "expected.summary.json";
+  EXPECT_TRUE(load_operations(file).empty()) << "no file yet";
+  write_file(file, summaries_to_json("ball", {{"counted", counted}, {"plain", summarise(rendered())}}));
+  const auto read = load_operations(file);
+  ASSERT_EQ(read.size(), 1U);
+  EXPECT_EQ(read.at("counted"), *counted.operations);
+  write_file(file, R"({"models": {"counted": {"operations": 1.5, "operations_max_step": 2}}})");
+  try {
+    load_operations(file);
+    FAIL() << "half an operation was accepted";
+  } catch (const BadData& error) {
+    EXPECT_THAT(error.what(), HasSubstr("/models/counted/operations"));
+  }
+}
+
+TEST(GoldenOperations, AreExactWhereTheBitsAgree) {
+  const std::optional<RunOperations> golden = RunOperations{100000, 200};
+  const auto verdict = [&](std::optional<RunOperations> obtained, bool bits_differ) {
+    const auto change = operations_change(golden, obtained, bits_differ);
+    return change ? change->verdict : Verdict::equal;
+  };
+  EXPECT_EQ(verdict(golden, false), Verdict::equal);
+  EXPECT_EQ(verdict(RunOperations{100001, 200}, false), Verdict::worse);
+  EXPECT_EQ(verdict(RunOperations{99999, 200}, false), Verdict::better);
+  EXPECT_EQ(verdict(RunOperations{99999, 201}, false), Verdict::worse);
+  EXPECT_EQ(verdict(RunOperations{100900, 200}, true), Verdict::equal);
+  EXPECT_EQ(verdict(RunOperations{101100, 200}, true), Verdict::worse);
+  EXPECT_EQ(verdict(RunOperations{100000, 203}, true), Verdict::worse);
+  EXPECT_EQ(verdict(std::nullopt, false), Verdict::missing);
+  EXPECT_EQ(operations_change(std::nullopt, golden, false)->verdict, Verdict::missing);
+  EXPECT_EQ(operations_change(std::nullopt, std::nullopt, false), std::nullopt);
+  EXPECT_EQ(operations_change(RunOperations{}, RunOperations{1, 1}, true)->verdict, Verdict::worse);
+}
+
 TEST_F(GoldenFolder, NothingIsAcceptedUnderCiOutsideGitOrFromADirtyTree) {
   const std::string run = "cd '" + golden.string() + "' && unset GIT_DIR && ";
   const auto shell = [&](const std::string& command) {
