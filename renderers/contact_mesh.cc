@@ -86,7 +86,7 @@ std::shared_ptr<const ContactMesh> contact_mesh(const std::shared_ptr<const Surf
   std::erase_if(known, [](const auto& item) { return item.second.expired(); });
   std::shared_ptr<const Kept> kept = known[surface.get()].lock();
   if (!kept) {
-    kept = std::make_shared<const Kept>(surface, ContactMesh(*surface));
+    kept = std::make_shared<const Kept>(Kept{surface, ContactMesh(*surface)});
     known[surface.get()] = kept;
   }
   return {kept, &kept->mesh};
