@@ -77,6 +77,7 @@ std::size_t ContactMesh::edge_towards(std::int32_t triangle, std::int32_t neighb
 std::shared_ptr<const ContactMesh> contact_mesh(const std::shared_ptr<const Surface>& surface) {
   // Kept with its surface, so that the address cannot come to mean another one.
   struct Kept {
+    explicit Kept(std::shared_ptr<const Surface> over) : surface(std::move(over)), mesh(*surface) {}
     std::shared_ptr<const Surface> surface;
     ContactMesh mesh;
   };
@@ -86,7 +87,7 @@ std::shared_ptr<const ContactMesh> contact_mesh(const std::shared_ptr<const Surf
   std::erase_if(known, [](const auto& item) { return item.second.expired(); });
   std::shared_ptr<const Kept> kept = known[surface.get()].lock();
   if (!kept) {
-    kept = std::make_shared<const Kept>(Kept{surface, ContactMesh(*surface)});
+    kept = std::make_shared<const Kept>(surface);
     known[surface.get()] = kept;
   }
   return {kept, &kept->mesh};
