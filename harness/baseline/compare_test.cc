@@ -98,6 +98,7 @@ TEST_P(PlantedMutation, DoesNotPassAtAnyScale) {
     EXPECT_FALSE(passes(result.verdict));
     EXPECT_GT(result.tolerance_used(), 1.0);
   }
+  std::printf("| %s | %s |\n", GetParam().name, std::string(to_string(GetParam().expected)).c_str());
 }
 
 INSTANTIATE_TEST_SUITE_P(
