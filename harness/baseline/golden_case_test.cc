@@ -162,23 +162,20 @@ TEST_F(GoldenFolder, OperationsAreReadBackFromTheSummary) {
   }
 }
 
-TEST(GoldenOperations, AreExactWhereTheBitsAgree) {
+TEST(GoldenOperations, AreExact) {
   const std::optional<RunOperations> golden = RunOperations{100000, 200};
-  const auto verdict = [&](std::optional<RunOperations> obtained, bool bits_differ) {
-    const auto change = operations_change(golden, obtained, bits_differ);
+  const auto verdict = [&](std::optional<RunOperations> obtained) {
+    const auto change = operations_change(golden, obtained);
     return change ? change->verdict : Verdict::equal;
   };
-  EXPECT_EQ(verdict(golden, false), Verdict::equal);
-  EXPECT_EQ(verdict(RunOperations{100001, 200}, false), Verdict::worse);
-  EXPECT_EQ(verdict(RunOperations{99999, 200}, false), Verdict::better);
-  EXPECT_EQ(verdict(RunOperations{99999, 201}, false), Verdict::worse);
-  EXPECT_EQ(verdict(RunOperations{100900, 200}, true), Verdict::equal);
-  EXPECT_EQ(verdict(RunOperations{101100, 200}, true), Verdict::worse);
-  EXPECT_EQ(verdict(RunOperations{100000, 203}, true), Verdict::worse);
-  EXPECT_EQ(verdict(std::nullopt, false), Verdict::missing);
-  EXPECT_EQ(operations_change(std::nullopt, golden, false)->verdict, Verdict::missing);
-  EXPECT_EQ(operations_change(std::nullopt, std::nullopt, false), std::nullopt);
-  EXPECT_EQ(operations_change(RunOperations{}, RunOperations{1, 1}, true)->verdict, Verdict::worse);
+  EXPECT_EQ(verdict(golden), Verdict::equal);
+  EXPECT_EQ(verdict(RunOperations{100001, 200}), Verdict::worse);
+  EXPECT_EQ(verdict(RunOperations{99999, 200}), Verdict::better);
+  EXPECT_EQ(verdict(RunOperations{99999, 201}), Verdict::worse);
+  EXPECT_EQ(verdict(std::nullopt), Verdict::missing);
+  EXPECT_EQ(operations_change(std::nullopt, golden)->verdict, Verdict::missing);
+  EXPECT_EQ(operations_change(std::nullopt, std::nullopt), std::nullopt);
+  EXPECT_EQ(operations_change(RunOperations{}, RunOperations{1, 1})->verdict, Verdict::worse);
 }
 
 TEST_F(GoldenFolder, NothingIsAcceptedUnderCiOutsideGitOrFromADirtyTree) {

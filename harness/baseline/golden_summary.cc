@@ -14,8 +14,6 @@
 namespace touchstone {
 namespace {
 
-constexpr double share_where_bits_differ = 0.01;
-
 std::string operations_text(const std::optional<RunOperations>& operations) {
   if (!operations) return "";
   return fmt::format(",\n      \"operations\": {},\n      \"operations_max_step\": {}", operations->total,
@@ -89,15 +87,13 @@ std::map<std::string, RunOperations> load_operations(const std::filesystem::path
 }
 
 std::optional<OperationsChange> operations_change(const std::optional<RunOperations>& golden,
-                                                  const std::optional<RunOperations>& obtained, bool bits_differ) {
-  if (!golden && !obtained) return std::nullopt;
+                                                  const std::optional<RunOperations>& obtained) {
+  if (golden == obtained) return std::nullopt;
   if (!golden) return OperationsChange{Verdict::missing, "operations: counted now, the golden has none"};
   if (!obtained)
     return OperationsChange{Verdict::missing, "operations: the golden has them, this run cannot be counted"};
   const double total = share(golden->total, obtained->total);
   const double most = share(golden->max_per_step, obtained->max_per_step);
-  const double allowed = bits_differ ? share_where_bits_differ : 0.0;
-  if (std::abs(total) <= allowed && std::abs(most) <= allowed) return std::nullopt;
   return OperationsChange{total <= 0.0 && most <= 0.0 ? Verdict::better : Verdict::worse,
                           fmt::format("operations: {} ({:+.3g}%) where the golden takes {}, in the dearest step {} "
                                       "({:+.3g}%) for {}",

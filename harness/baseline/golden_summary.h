@@ -37,14 +37,13 @@ std::string summaries_to_json(const std::string& case_name, const std::map<std::
 // The operations that a summary file states, by model; none where there is no file. Throws BadData with the place.
 std::map<std::string, RunOperations> load_operations(const std::filesystem::path& summary_file);
 
-// What is to be said about operations that are not the golden's. Exactly the golden's where the bits of the run agree
-// too; another compiler's rounding takes other branches now and then, so where bits differ within a hundredth.
+// What is to be said about operations that are not exactly the golden's.
 struct OperationsChange {
   Verdict verdict = Verdict::worse;  // better: fewer; missing: only one side has any
   std::string message;
   bool operator==(const OperationsChange&) const = default;
 };
 std::optional<OperationsChange> operations_change(const std::optional<RunOperations>& golden,
-                                                  const std::optional<RunOperations>& obtained, bool bits_differ);
+                                                  const std::optional<RunOperations>& obtained);
 
 }  // namespace touchstone
