@@ -8,6 +8,7 @@
 #include "harness/base/atomic_file.h"
 #include "harness/base/progress.h"
 #include "harness/report/page_html.h"
+#include "harness/report/page_markdown.h"
 
 namespace touchstone::apps {
 namespace {
@@ -27,7 +28,9 @@ ExitStatus run(const AtlasOptions& options) {
   write_file(out / "atlas.json", atlas::atlas_to_json(cases));
   write_file(out / "bump.svg", atlas::atlas_picture(cases, atlas::Scene::bump));
   write_file(out / "shell.svg", atlas::atlas_picture(cases, atlas::Scene::shell));
-  write_html(out / "report.html", atlas::atlas_page(cases, make_provenance(command_line())));
+  const Page page = atlas::atlas_page(cases, make_provenance(command_line()));
+  write_html(out / "report.html", page);
+  write_file(out / "tables.md", tables_to_markdown(page));
   fmt::print("report: {}\n", (out / "report.html").string());
   return ExitStatus::passed;
 }
@@ -39,7 +42,7 @@ void add_atlas(CLI::App& program, Run& run_it) {
       "atlas", "Map where renderers stick, pop through, lose contact or pull inward: sharpness x stiffness x friction");
   auto options = std::make_shared<AtlasOptions>();
   auto& grid = options->grid;
-  command->add_option("--out", options->out, "Folder for report.html, atlas.json, bump.svg and shell.svg");
+  command->add_option("--out", options->out, "Folder for report.html, tables.md, atlas.json, bump.svg and shell.svg");
   command->add_option("--renderers", grid.renderers, "Names of the catalogue")->delimiter(',')->capture_default_str();
   command->add_option("--angles", grid.side_angles_rad, "Sides of the bump against its block [rad]")
       ->delimiter(',')

@@ -7,8 +7,11 @@
 
 #include "apps/command_experiment_scan.h"
 #include "apps/commands.h"
+#include "apps/experiments/indentation_page.h"
 #include "apps/experiments/palpation_page.h"
 #include "apps/experiments/peer_comparison.h"
+#include "apps/experiments/renderer_cost.h"
+#include "apps/experiments/seed_spread.h"
 #include "apps/experiments/spring_page.h"
 #include "apps/experiments/voxel_page.h"
 #include "apps/plugin_flags.h"
@@ -17,9 +20,16 @@
 #include "harness/recording/recording_file.h"
 #include "harness/report/console.h"
 #include "harness/report/page_html.h"
+#include "harness/report/page_markdown.h"
 
 namespace touchstone::apps {
 namespace {
+
+// The report for people, and its tables for documents.
+void write_page(const std::filesystem::path& folder, const Page& page) {
+  write_html(folder / "report.html", page);
+  write_file(folder / "tables.md", tables_to_markdown(page));
+}
 
 struct PeerOptions {
   std::string data, json;
@@ -65,7 +75,7 @@ ExitStatus run_springs(const SpringOptions& options) {
   const auto experiment = experiments::run_spring_experiment(
       options.first_seed, options.seeds, [&progress](std::size_t done, std::size_t) { progress.update(done); });
   write_file(out / "springs.json", experiments::spring_experiment_to_json(experiment));
-  write_html(out / "report.html", experiments::spring_page(experiment, make_provenance(command_line())));
+  write_page(out, experiments::spring_page(experiment, make_provenance(command_line())));
   for (const auto& condition : experiments::spring_conditions(experiment.variants.front().variant.setup)) {
     std::string name = condition.device + (condition.linear ? "-linear" : "-quadratic");
     std::replace(name.begin(), name.end(), ' ', '-');
@@ -89,7 +99,7 @@ void add_springs(CLI::App& experiment, Run& run) {
   auto* const command = experiment.add_subcommand(
       "springs", "Two spring models on three devices against a real spring (Shao, Wu and Ouyang): which findings hold");
   auto options = std::make_shared<SpringOptions>();
-  command->add_option("--out", options->out, "Folder for report.html, springs.json and the six model files")
+  command->add_option("--out", options->out, "Folder for report.html, tables.md, springs.json and the six model files")
       ->required();
   command->add_option("--seeds", options->seeds, "How many seeds")->check(CLI::Range(1, 100000))->capture_default_str();
   command->add_option("--first-seed", options->first_seed, "The first of them")->capture_default_str();
@@ -112,7 +122,7 @@ ExitStatus run_palpation(const PalpationOptions& options) {
   Provenance provenance = make_provenance(command_line());
   provenance.inputs.push_back(describe_input("recording", options.recording));
   write_file(out / "palpation.json", experiments::palpation_to_json(recording, comparisons));
-  write_html(out / "report.html", experiments::palpation_page(recording, comparisons, provenance));
+  write_page(out, experiments::palpation_page(recording, comparisons, provenance));
   std::size_t nearer = 0;
   for (const auto& own : comparisons) nearer += own.same() < own.rendered() ? 1 : 0;
   fmt::print("{} of {} rows lie nearer to the next one as measured than as one spring on one plane renders it; {}\n",
@@ -129,26 +139,80 @@ void add_palpation(CLI::App& experiment, Run& run) {
   command->add_option("--presses", options->presses, "Presses of a row that are compared")
       ->check(CLI::Range(2, 1000))
       ->capture_default_str();
-  command->add_option("--out", options->out, "Folder for report.html and palpation.json")->required();
+  command->add_option("--out", options->out, "Folder for report.html, tables.md and palpation.json")->required();
   command->footer("Example:\n  touchstone experiment palpation --recording raster.csv --out palpation");
   command->callback([options, &run] { run = [options] { return run_palpation(*options); }; });
 }
 
+struct IndentationOptions {
+  std::string curve, out;
+};
+
+ExitStatus run_indentation(const IndentationOptions& options) {
+  ensure_writable_folder(options.out);
+  const std::filesystem::path out = options.out;
+  const auto approach = experiments::read_approach(options.curve);
+  const auto comparisons = experiments::compare_indentation(approach);
+  Provenance provenance = make_provenance(command_line());
+  provenance.inputs.push_back(describe_input("curve", options.curve));
+  write_file(out / "indentation.json", experiments::indentation_to_json(approach, comparisons));
+  write_page(out, experiments::indentation_page(approach, comparisons, provenance));
+  fmt::print("in {} of {} pairs the record measured again lies nearer than every rendering; {}\n",
+             experiments::measured_nearest(comparisons), comparisons.size(), (out / "report.html").string());
+  return ExitStatus::passed;
+}
+
+void add_indentation(CLI::App& experiment, Run& run) {
+  auto* const command = experiment.add_subcommand(
+      "indentation", "A real AFM indentation: nearer to itself measured again than to what power laws make of it?");
+  auto options = std::make_shared<IndentationOptions>();
+  command->add_option("--curve", options->curve, "Force-distance curve, the .tab format of afmformats")->required();
+  command->add_option("--out", options->out, "Folder for report.html, tables.md and indentation.json")->required();
+  command->footer("Example:\n  touchstone experiment indentation --curve curve.tab --out indentation");
+  command->callback([options, &run] { run = [options] { return run_indentation(*options); }; });
+}
+
 struct VoxelOptions {
   std::string out;
+  std::size_t seeds = 1;
   experiments::VoxelExperimentOptions experiment;
 };
 
+void add_to(experiments::SeedSpread& spread, const experiments::VoxelExperiment& experiment) {
+  std::vector<std::pair<std::string, double>> values;
+  for (const auto& row : experiment.rows) {
+    if (row.renderer == "voxel-sparse") continue;  // the same forces to the bit
+    const std::string what = row.resolution > 0 ? fmt::format("{} {}^3", row.renderer, row.resolution) : row.renderer;
+    values.emplace_back(what + ": RMS force error [N]", row.rms_N);
+    values.emplace_back(what + ": own part [N]", row.own_rms_N);
+    if (row.operations) values.emplace_back(what + ": operations per step", row.operations->mean);
+  }
+  std::vector<std::pair<std::string, bool>> findings;
+  for (const auto& own : experiment.findings) findings.emplace_back(own.statement, own.holds);
+  spread.add(values, findings);
+}
+
 ExitStatus run_voxel(const VoxelOptions& options) {
   if (!options.out.empty()) ensure_writable_folder(options.out);
-  Progress progress("voxel experiment", 1 + 2 * options.experiment.resolutions.size());
-  const auto experiment = experiments::run_voxel_experiment(
-      options.experiment, [&progress](std::size_t done, std::size_t) { progress.update(done); });
-  fmt::print("{}", experiments::voxel_table(experiment));
+  const std::size_t rows = 1 + 2 * options.experiment.resolutions.size();
+  Progress progress("voxel experiment", rows * options.seeds);
+  experiments::VoxelExperiment experiment;
+  experiments::SeedSpread spread;
+  for (std::size_t s = 0; s < options.seeds; ++s) {
+    auto settings = options.experiment;
+    settings.seed += s;
+    auto own = experiments::run_voxel_experiment(
+        settings, [&progress, before = s * rows](std::size_t done, std::size_t) { progress.update(before + done); });
+    add_to(spread, own);
+    if (s == 0) experiment = std::move(own);
+  }
+  fmt::print("{}{}", experiments::voxel_table(experiment), experiments::spread_table(spread));
   if (options.out.empty()) return ExitStatus::passed;
   const std::filesystem::path out = options.out;
   write_file(out / "voxel.json", experiments::voxel_experiment_to_json(experiment));
-  write_html(out / "report.html", experiments::voxel_page(experiment, make_provenance(command_line())));
+  Page page = experiments::voxel_page(experiment, make_provenance(command_line()));
+  page.sections.insert(page.sections.begin() + 1, experiments::spread_section(spread));
+  write_page(out, page);
   fmt::print("report: {}\n", (out / "report.html").string());
   return ExitStatus::passed;
 }
@@ -157,15 +221,53 @@ void add_voxel(CLI::App& experiment, Run& run) {
   auto* const command = experiment.add_subcommand(
       "voxel", "The proxy against a voxel grid (Ruffaldi et al. 2006, table 1): error, operations, time, memory");
   auto options = std::make_shared<VoxelOptions>();
-  command->add_option("--out", options->out, "Folder for report.html and voxel.json");
+  command->add_option("--out", options->out, "Folder for report.html, tables.md and voxel.json");
   command->add_option("--seed", options->experiment.seed, "Of the scan")->capture_default_str();
+  command->add_option("--seeds", options->seeds, "How many seeds, from --seed on; the tables are of the first")
+      ->check(CLI::Range(1, 1000))
+      ->capture_default_str();
   command->add_option("--triangles", options->experiment.triangles, "Of the body's mesh")
       ->check(CLI::Range(100, 2000000))
       ->capture_default_str();
   command->footer(
       "Examples:\n  touchstone experiment voxel\n  touchstone experiment voxel --out voxel --triangles 140000 --seed "
-      "7");
+      "7 --seeds 5");
   command->callback([options, &run] { run = [options] { return run_voxel(*options); }; });
+}
+
+struct CostCommandOptions {
+  std::string out;
+  experiments::CostOptions cost;
+};
+
+ExitStatus run_cost(const CostCommandOptions& options) {
+  if (!options.out.empty()) ensure_writable_folder(options.out);
+  Progress progress("renderer costs", experiments::cost_cases(options.cost));
+  const auto costs = experiments::measure_costs(options.cost, [&progress](std::size_t done) { progress.update(done); });
+  fmt::print("{}", experiments::cost_table(costs));
+  if (options.out.empty()) return ExitStatus::passed;
+  const std::filesystem::path out = options.out;
+  write_file(out / "cost.json", experiments::cost_to_json(costs));
+  write_page(out, experiments::cost_page(costs, make_provenance(command_line())));
+  fmt::print("report: {}\n", (out / "report.html").string());
+  return ExitStatus::passed;
+}
+
+void add_cost(CLI::App& experiment, Run& run) {
+  auto* const command = experiment.add_subcommand(
+      "cost", "Floating-point operations and microseconds per step of every renderer over the size of the mesh");
+  auto options = std::make_shared<CostCommandOptions>();
+  command->add_option("--out", options->out, "Folder for report.html, tables.md and cost.json");
+  command->add_option("--triangles", options->cost.triangles, "Sizes of the mesh")
+      ->delimiter(',')
+      ->check(CLI::Range(100, 4000000))
+      ->capture_default_str();
+  command->add_option("--steps", options->cost.steps, "Steps at 1 kHz")
+      ->check(CLI::Range(100, 10000000))
+      ->capture_default_str();
+  command->footer(
+      "Examples:\n  touchstone experiment cost\n  touchstone experiment cost --triangles 1000,1000000 --out cost");
+  command->callback([options, &run] { run = [options] { return run_cost(*options); }; });
 }
 
 }  // namespace
@@ -186,7 +288,9 @@ void add_experiment(CLI::App& program, Run& run) {
   peers->callback([options, &run] { run = [options] { return peers_command(*options); }; });
   add_springs(*command, run);
   add_palpation(*command, run);
+  add_indentation(*command, run);
   add_voxel(*command, run);
+  add_cost(*command, run);
   add_scan_experiments(*command, run);
 }
 

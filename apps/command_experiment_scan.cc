@@ -4,12 +4,15 @@
 
 #include <filesystem>
 #include <memory>
+#include <utility>
 
 #include "apps/experiments/scan_pages.h"
+#include "apps/experiments/seed_spread.h"
 #include "harness/base/atomic_file.h"
 #include "harness/base/progress.h"
 #include "harness/recording/recording_file.h"
 #include "harness/report/page_html.h"
+#include "harness/report/page_markdown.h"
 #include "harness/surface/embree_surface.h"
 #include "harness/surface/extend_edges.h"
 #include "harness/surface/mesh_file.h"
@@ -20,6 +23,7 @@ namespace {
 struct Options {
   std::string out;
   std::uint64_t seed = 1;
+  std::size_t seeds = 1;
   std::string recording, mesh;
   double mesh_unit_m = 1.0;
   double block_s = 6.0;
@@ -30,6 +34,7 @@ void write_report(const Options& options, const std::string& name, const std::st
   const std::filesystem::path out = options.out;
   write_file(out / (name + ".json"), json);
   write_html(out / "report.html", page);
+  write_file(out / "tables.md", tables_to_markdown(page));
   fmt::print("report: {}\n", (out / "report.html").string());
 }
 
@@ -46,9 +51,10 @@ ExitStatus run_friction(const Options& options) {
   }
   Provenance provenance = make_provenance(command_line());
   if (!options.recording.empty()) {
-    experiment.real = experiments::fit_real_friction(load_recording(options.recording),
-                                                     make_embree_surface(load_mesh(options.mesh, options.mesh_unit_m)),
-                                                     options.block_s);
+    experiment.real = experiments::fit_real_friction(
+        load_recording(options.recording),
+        make_embree_surface(extend_open_edges(load_mesh(options.mesh, options.mesh_unit_m), options.extend_m)),
+        options.block_s);
     provenance.inputs.push_back(describe_input("recording", options.recording));
     provenance.inputs.push_back(describe_input("mesh", options.mesh));
   }
@@ -61,18 +67,36 @@ ExitStatus run_friction(const Options& options) {
 
 ExitStatus run_density(const Options& options, bool shading) {
   if (!options.out.empty()) ensure_writable_folder(options.out);
-  const auto experiment = experiments::run_density_experiment(options.seed);
-  fmt::print("{}", experiments::density_table(experiment, shading));
-  if (!options.out.empty())
-    write_report(options, shading ? "shading" : "density", experiments::density_to_json(experiment),
-                 experiments::density_page(experiment, shading, make_provenance(command_line())));
+  experiments::DensityExperiment experiment;
+  experiments::SeedSpread spread;
+  Progress progress(shading ? "shading experiment" : "density experiment", options.seeds);
+  for (std::size_t s = 0; s < options.seeds; ++s) {
+    auto own = experiments::run_density_experiment(options.seed + s);
+    std::vector<std::pair<std::string, double>> values;
+    for (const auto& point : own.points) {
+      values.emplace_back(fmt::format("{} triangles: proxy [N]", point.triangles), point.plain.mean_N);
+      if (shading)
+        values.emplace_back(fmt::format("{} triangles: with shading [N]", point.triangles), point.shaded.mean_N);
+    }
+    std::vector<std::pair<std::string, bool>> findings;
+    for (const auto& finding : shading ? experiments::shading_findings(own) : experiments::density_findings(own))
+      findings.emplace_back(finding.statement, finding.holds);
+    spread.add(values, findings);
+    if (s == 0) experiment = std::move(own);
+    progress.update(s + 1);
+  }
+  fmt::print("{}{}", experiments::density_table(experiment, shading), experiments::spread_table(spread));
+  if (options.out.empty()) return ExitStatus::passed;
+  Page page = experiments::density_page(experiment, shading, make_provenance(command_line()));
+  page.sections.insert(page.sections.begin() + 1, experiments::spread_section(spread));
+  write_report(options, shading ? "shading" : "density", experiments::density_to_json(experiment), page);
   return ExitStatus::passed;
 }
 
 CLI::App* add(CLI::App& experiment, const std::string& name, const std::string& about,
               const std::shared_ptr<Options>& options) {
   auto* const command = experiment.add_subcommand(name, about);
-  command->add_option("--out", options->out, "Folder for report.html and " + name + ".json");
+  command->add_option("--out", options->out, "Folder for report.html, tables.md and " + name + ".json");
   command->add_option("--seed", options->seed, "Of the scan")->capture_default_str();
   return command;
 }
@@ -107,8 +131,11 @@ void add_scan_experiments(CLI::App& experiment, Run& run) {
                           shading ? "Force shading over the density of the mesh (Ruffaldi et al. 2006, figure 7)"
                                   : "Force error over the density of the mesh (Ruffaldi et al. 2006, table 3)",
                           options);
-    own->footer(
-        fmt::format("Examples:\n  touchstone experiment {0}\n  touchstone experiment {0} --out {0} --seed 7", name));
+    own->add_option("--seeds", options->seeds, "How many seeds, from --seed on; the tables are of the first")
+        ->check(CLI::Range(1, 1000))
+        ->capture_default_str();
+    own->footer(fmt::format(
+        "Examples:\n  touchstone experiment {0}\n  touchstone experiment {0} --out {0} --seed 7 --seeds 5", name));
     own->callback([options, shading, &run] { run = [options, shading] { return run_density(*options, shading); }; });
   }
 }

@@ -147,8 +147,8 @@ ExitStatus perceive_command(const Options& options) {
   fmt::print("{}", table_of(evaluation));
   for (const auto& remark : evaluation.remarks) fmt::print(stderr, "note: {}\n", remark);
   fmt::print("{} of {} dimensions explain {:.1f} %; {} and {}\n", evaluation.space.dimensions,
-             evaluation.space.eigenvalues.size(), 100.0 * evaluation.space.explained_share,
-             (out / "report.html").string(), (out / "perception.json").string());
+             evaluation.space.available, 100.0 * evaluation.space.explained_share, (out / "report.html").string(),
+             (out / "perception.json").string());
   return ExitStatus::passed;
 }
 

@@ -2,10 +2,10 @@
 // and of building the structures. One iteration is a whole replay, so the counters are means over 10,000 steps.
 #include <benchmark/benchmark.h>
 
-#include <cmath>
 #include <map>
 #include <vector>
 
+#include "apps/experiments/renderer_cost.h"
 #include "harness/rendering/operations.h"
 #include "harness/surface/embree_surface.h"
 #include "renderers/catalogue.h"
@@ -16,27 +16,10 @@ namespace {
 
 constexpr std::size_t kSteps = 10000;
 
-// Three turns about the body on a path that crosses triangles in all directions, about 60 mm/s, pressed up to 1 mm deep
-// by a point, or by the ball whose centre the positions are, with a tap into free space every second.
-std::vector<Vec3> path(double tip_radius_m) {
-  const auto body = synthetic::make_surface("bumpy");
-  std::vector<Vec3> tips;
-  for (std::size_t i = 0; i < kSteps; ++i) {
-    const double t = static_cast<double>(i) * 1e-3;
-    const double around = 2.0 * M_PI * t / 3.3;
-    const double up = 0.9 * std::sin(2.0 * M_PI * t / 7.1);
-    const Vec3 out(std::cos(around) * std::cos(up), std::sin(around) * std::cos(up), std::sin(up));
-    const SurfacePoint foot = body->closest(0.03 * out);
-    const double depth = 1e-3 * (0.45 + 0.55 * std::sin(2.0 * M_PI * t));
-    tips.push_back(foot.p_W_m + (tip_radius_m - depth) * foot.n_W);
-  }
-  return tips;
-}
-
 const std::vector<Vec3>& cached_path(double tip_radius_m) {
   static std::map<double, std::vector<Vec3>> paths;
   auto& tips = paths[tip_radius_m];
-  if (tips.empty()) tips = path(tip_radius_m);
+  if (tips.empty()) tips = experiments::path_over_the_bumpy_body(tip_radius_m, kSteps);
   return tips;
 }
 

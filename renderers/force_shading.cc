@@ -2,12 +2,12 @@
 
 #include <Eigen/Geometry>
 #include <Eigen/LU>
-#include <limits>
 #include <numbers>
 
 #include "renderers/ball_proxy.h"
 #include "renderers/friction_cone.h"
 #include "renderers/point_proxy.h"
+#include "renderers/proxy_parameters.h"
 #include "renderers/proxy_renderer.h"
 #include "renderers/shaded_normals.h"
 
@@ -71,16 +71,21 @@ class Shading {
   ShadedNormals normals_;
 };
 
+std::vector<ParameterDeclaration> parameters_of_force_shading() {
+  std::vector<ParameterDeclaration> own{
+      {"crease_angle_rad", "rad", 0.0, std::numbers::pi, std::numbers::pi / 3.0, "sharper edges are not shaded"}};
+  for (auto& declared : cone_parameters()) own.push_back(std::move(declared));
+  return proxy_parameters(std::move(own));
+}
+
 }  // namespace
 
 RendererEntry force_shading_entry() {
-  RendererEntry entry{
+  return {
       "force-shading",
       "god-object whose force points along normals interpolated between the vertices', with or without friction",
       "Morgenbesser and Srinivasan 1996",
-      {{"stiffness_N_per_m", "N/m", std::numeric_limits<double>::min(), 1e9, 500.0, "spring from tip to god-object"},
-       {"tip_radius_m", "m", 0.0, 1e3, 0.0, "0: a point; else a ball whose centre the positions are"},
-       {"crease_angle_rad", "rad", 0.0, std::numbers::pi, std::numbers::pi / 3.0, "sharper edges are not shaded"}},
+      parameters_of_force_shading(),
       {{Ability::analytic_surface, "it constrains the god-object by triangles"},
        {Ability::passive,
         "interpolated normals are no surface's: a path of length L at depth d gives back up to k d 2 sin(a/2) L, a the "
@@ -96,8 +101,6 @@ RendererEntry force_shading_entry() {
         return std::make_unique<ProxyRenderer<PointProxy, Shading>>(stiffness, std::move(surface), std::move(shading),
                                                                     friction);
       }};
-  for (auto& declared : cone_parameters()) entry.parameters.push_back(std::move(declared));
-  return entry;
 }
 
 }  // namespace touchstone

@@ -1,10 +1,9 @@
 #include "renderers/friction_cone.h"
 
-#include <limits>
-
 #include "renderers/ball_proxy.h"
 #include "renderers/counted_god_object.h"
 #include "renderers/point_proxy.h"
+#include "renderers/proxy_parameters.h"
 #include "renderers/proxy_renderer.h"
 
 namespace touchstone {
@@ -16,29 +15,25 @@ std::vector<ParameterDeclaration> cone_parameters() {
 }
 
 RendererEntry friction_cone_entry() {
-  RendererEntry entry{
-      "friction-cone",
-      "god-object that a friction cone about the normal holds back",
-      "Harwin and Melder 2002; Melder and Harwin 2004",
-      {{"stiffness_N_per_m", "N/m", std::numeric_limits<double>::min(), 1e9, 500.0, "spring from tip to god-object"},
-       {"tip_radius_m", "m", 0.0, 1e3, 0.0, "0: a point; else a ball whose centre the positions are"}},
-      {{Ability::analytic_surface, "it constrains the god-object by triangles"}},
-      [](const Parameters& parameters, std::shared_ptr<const Surface> surface) -> std::unique_ptr<Renderer> {
-        const double stiffness = parameters.at("stiffness_N_per_m");
-        const double radius = parameters.at("tip_radius_m");
-        const ConeFriction friction{parameters.at("mu_static"), parameters.at("mu_dynamic")};
-        if (radius > 0.0)
-          return std::make_unique<ProxyRenderer<BallProxy>>(stiffness, std::move(surface), NoShading{}, radius,
-                                                            friction);
-        return std::make_unique<ProxyRenderer<PointProxy>>(stiffness, std::move(surface), NoShading{}, friction);
-      },
-      [](const Parameters& parameters, std::shared_ptr<const Surface> surface) -> std::unique_ptr<Renderer> {
-        if (parameters.at("tip_radius_m") > 0.0) return nullptr;
-        return make_counted_god_object(std::move(surface), parameters.at("stiffness_N_per_m"),
-                                       {parameters.at("mu_static"), parameters.at("mu_dynamic")});
-      }};
-  for (auto& declared : cone_parameters()) entry.parameters.push_back(std::move(declared));
-  return entry;
+  return {"friction-cone",
+          "god-object that a friction cone about the normal holds back",
+          "Harwin and Melder 2002; Melder and Harwin 2004",
+          proxy_parameters(cone_parameters()),
+          {{Ability::analytic_surface, "it constrains the god-object by triangles"}},
+          [](const Parameters& parameters, std::shared_ptr<const Surface> surface) -> std::unique_ptr<Renderer> {
+            const double stiffness = parameters.at("stiffness_N_per_m");
+            const double radius = parameters.at("tip_radius_m");
+            const ConeFriction friction{parameters.at("mu_static"), parameters.at("mu_dynamic")};
+            if (radius > 0.0)
+              return std::make_unique<ProxyRenderer<BallProxy>>(stiffness, std::move(surface), NoShading{}, radius,
+                                                                friction);
+            return std::make_unique<ProxyRenderer<PointProxy>>(stiffness, std::move(surface), NoShading{}, friction);
+          },
+          [](const Parameters& parameters, std::shared_ptr<const Surface> surface) -> std::unique_ptr<Renderer> {
+            if (parameters.at("tip_radius_m") > 0.0) return nullptr;
+            return make_counted_god_object(std::move(surface), parameters.at("stiffness_N_per_m"),
+                                           {parameters.at("mu_static"), parameters.at("mu_dynamic")});
+          }};
 }
 
 }  // namespace touchstone

@@ -1,33 +1,30 @@
 #include "renderers/god_object.h"
 
-#include <limits>
-
 #include "renderers/ball_proxy.h"
 #include "renderers/counted_god_object.h"
 #include "renderers/point_proxy.h"
+#include "renderers/proxy_parameters.h"
 #include "renderers/proxy_renderer.h"
 
 namespace touchstone {
 
 RendererEntry god_object_entry() {
-  return {
-      "god-object",
-      "constraint-based: the surface contact point follows the tip outside the surface, a spring joins the two",
-      "Zilles and Salisbury 1995",
-      {{"stiffness_N_per_m", "N/m", std::numeric_limits<double>::min(), 1e9, 500.0, "spring from tip to god-object"},
-       {"tip_radius_m", "m", 0.0, 1e3, 0.0, "0: a point; else a ball whose centre the positions are"}},
-      {{Ability::analytic_surface, "it constrains the god-object by triangles"}},
-      [](const Parameters& parameters, std::shared_ptr<const Surface> surface) -> std::unique_ptr<Renderer> {
-        const double stiffness = parameters.at("stiffness_N_per_m");
-        const double radius = parameters.at("tip_radius_m");
-        if (radius > 0.0)
-          return std::make_unique<ProxyRenderer<BallProxy>>(stiffness, std::move(surface), NoShading{}, radius);
-        return std::make_unique<ProxyRenderer<PointProxy>>(stiffness, std::move(surface), NoShading{});
-      },
-      [](const Parameters& parameters, std::shared_ptr<const Surface> surface) -> std::unique_ptr<Renderer> {
-        if (parameters.at("tip_radius_m") > 0.0) return nullptr;
-        return make_counted_god_object(std::move(surface), parameters.at("stiffness_N_per_m"), {});
-      }};
+  return {"god-object",
+          "constraint-based: the surface contact point follows the tip outside the surface, a spring joins the two",
+          "Zilles and Salisbury 1995",
+          proxy_parameters(),
+          {{Ability::analytic_surface, "it constrains the god-object by triangles"}},
+          [](const Parameters& parameters, std::shared_ptr<const Surface> surface) -> std::unique_ptr<Renderer> {
+            const double stiffness = parameters.at("stiffness_N_per_m");
+            const double radius = parameters.at("tip_radius_m");
+            if (radius > 0.0)
+              return std::make_unique<ProxyRenderer<BallProxy>>(stiffness, std::move(surface), NoShading{}, radius);
+            return std::make_unique<ProxyRenderer<PointProxy>>(stiffness, std::move(surface), NoShading{});
+          },
+          [](const Parameters& parameters, std::shared_ptr<const Surface> surface) -> std::unique_ptr<Renderer> {
+            if (parameters.at("tip_radius_m") > 0.0) return nullptr;
+            return make_counted_god_object(std::move(surface), parameters.at("stiffness_N_per_m"), {});
+          }};
 }
 
 }  // namespace touchstone

@@ -7,11 +7,10 @@
 
 #include "harness/base/random.h"
 #include "harness/testing/tiny_meshes.h"
+#include "renderers/posed_surface.h"
 #include "renderers/signed_field.h"
 #include "renderers/testing.h"
-#include "synthetic/surface_catalogue.h"
 #include "synthetic/surfaces/exact_contact.h"
-#include "synthetic/surfaces/posed_surface.h"
 
 namespace touchstone {
 namespace {
@@ -19,6 +18,7 @@ namespace {
 using testing::awkward_rotation;
 using testing::Hand;
 using testing::model_of;
+using testing::posed;
 using testing::unit_scales;
 
 constexpr double kStiffness = 500.0;
@@ -28,18 +28,6 @@ std::unique_ptr<Renderer> implicit(std::shared_ptr<const Surface> surface, doubl
   return make_renderer(
       model_of("implicit", {{"stiffness_N_per_m", stiffness}, {"tip_radius_m", radius_m}, {"resolution", resolution}}),
       std::move(surface));
-}
-
-std::shared_ptr<const synthetic::AnalyticSurface> posed(const std::string& name, double scale) {
-  synthetic::ParameterOverrides overrides;
-  for (const auto& entry : synthetic::surface_catalogue()) {
-    if (entry.name != name) continue;
-    for (const auto& p : entry.parameters) {
-      if (p.unit == "m") overrides[p.name] = p.initial * scale;
-    }
-  }
-  return std::make_shared<synthetic::PosedSurface>(synthetic::make_surface(name, overrides), awkward_rotation(),
-                                                   scale * Vec3(0.01, -0.02, 0.005));
 }
 
 // A stroke over the surface, at most `depth` deep, that begins free: tips at `scale`.

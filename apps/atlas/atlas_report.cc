@@ -92,7 +92,9 @@ Table map_table(const Map& map, Scene scene, const std::string& renderer, double
 
 }  // namespace
 
-std::string atlas_table(const std::vector<AtlasCase>& cases) {
+namespace {
+
+std::vector<std::vector<std::string>> summary_rows(const std::vector<AtlasCase>& cases) {
   std::vector<std::vector<std::string>> rows{
       {"scene", "renderer", "mu", "cases", "clean", "sticks", "pops through", "loses contact", "pulls inward"}};
   for (const Scene scene : {Scene::bump, Scene::shell}) {
@@ -109,8 +111,35 @@ std::string atlas_table(const std::vector<AtlasCase>& cases) {
       rows.push_back(std::move(row));
     });
   }
-  return align_columns(rows);
+  return rows;
 }
+
+Section summary_section(const std::vector<AtlasCase>& cases) {
+  Section section{
+      "How many cases show what",
+      "A case is one run; sticks, pops through and so on are counted where at least 1 % of its samples show "
+      "it. Definitions: harness/metrics/anomalies.h.",
+      {},
+      false};
+  Table table;
+  table.caption = "Summary";
+  const auto rows = summary_rows(cases);
+  table.columns = rows.front();
+  for (std::size_t i = 1; i < rows.size(); ++i) {
+    Table::Row row;
+    for (std::size_t c = 0; c < rows[i].size(); ++c) {
+      const bool wrong = c >= 5 && rows[i][c] != "0";
+      row.cells.push_back({rows[i][c], c >= 2, wrong ? Tone::warning : Tone::neutral});
+    }
+    table.rows.push_back(std::move(row));
+  }
+  section.blocks.emplace_back(std::move(table));
+  return section;
+}
+
+}  // namespace
+
+std::string atlas_table(const std::vector<AtlasCase>& cases) { return align_columns(summary_rows(cases)); }
 
 Page atlas_page(const std::vector<AtlasCase>& cases, const Provenance& provenance) {
   Page page;
@@ -118,6 +147,7 @@ Page atlas_page(const std::vector<AtlasCase>& cases, const Provenance& provenanc
   page.subtitle =
       "Where renderers stick, pop through, lose contact or pull inward: sharpness x stiffness x friction (Ruffaldi et "
       "al. 2006, section 5 and figure 8)";
+  page.sections.push_back(summary_section(cases));
   for (const Scene scene : {Scene::bump, Scene::shell}) {
     for (const auto& renderer : values_of(cases, scene, &AtlasCase::renderer)) {
       Section section{

@@ -16,22 +16,36 @@
 namespace touchstone {
 namespace {
 
-// The renderer with the data set's stiffness where it has such a parameter.
+bool has_parameter(const RendererEntry& entry, std::string_view name) {
+  return std::ranges::any_of(entry.parameters, [name](const auto& parameter) { return parameter.name == name; });
+}
+
+// A renderer that is nothing but its friction: at its default coefficient of 0 it is the god-object once more. With the
+// others friction is what their model says.
+bool needs_friction(const RendererEntry& entry) { return entry.name == "friction-cone"; }
+
+// The renderer with the data set's stiffness and friction where it has such parameters.
 Model default_model(const RendererEntry& entry, const Dataset& dataset, const std::string& origin) {
   Model model;
   model.renderer = entry.name;
   model.source = origin + entry.name;
-  for (const ParameterDeclaration& parameter : entry.parameters) {
-    if (parameter.name == "stiffness_N_per_m" && dataset.stiffness_N_per_m > 0.0) {
-      model.parameters[parameter.name] = dataset.stiffness_N_per_m;
-    }
-  }
+  if (has_parameter(entry, "stiffness_N_per_m") && dataset.stiffness_N_per_m > 0.0)
+    model.parameters["stiffness_N_per_m"] = dataset.stiffness_N_per_m;
+  if (needs_friction(entry) && dataset.friction_coefficient)
+    model.parameters["mu_static"] = model.parameters["mu_dynamic"] = *dataset.friction_coefficient;
   return model;
 }
 
 std::vector<Model> default_models(const Dataset& dataset, const Plugins& plugins) {
   std::vector<Model> models;
   for (const RendererEntry& entry : renderer_catalogue()) {
+    if (needs_friction(entry) && !(dataset.friction_coefficient.value_or(0.0) > 0.0)) {
+      fmt::print(stderr,
+                 "{}: {} is left out: without friction it is the god-object, and the data set declares no "
+                 "friction_coefficient\n",
+                 dataset.folder.string(), entry.name);
+      continue;
+    }
     models.push_back(default_model(entry, dataset, "the catalogue's "));
   }
   for (const auto& entry : plugins.entries()) {

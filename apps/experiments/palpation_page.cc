@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "apps/experiments/nearness.h"
 #include "harness/perception/statistics.h"
 #include "harness/report/evaluation_page.h"
 #include "harness/report/perception_page.h"
@@ -56,7 +57,10 @@ Page palpation_page(const Recording& recording, const std::vector<RowComparison>
                           {}});
   }
   plot.lines = {std::move(same), std::move(rendered)};
-  section.blocks = {std::move(plot), std::move(table)};
+  std::vector<const perception::PerceptualEvaluation*> evaluations;
+  for (const auto& own : comparisons) evaluations.push_back(&own.evaluation);
+  table.caption = "Every row";
+  section.blocks = {nearness_table(nearness(evaluations), {"measured", "rendered"}), std::move(plot), std::move(table)};
   page.sections.push_back(std::move(section));
   const auto& first = comparisons.front().evaluation;
   for (auto sections : {perception_result_sections(first), perception_signal_sections(first)}) {

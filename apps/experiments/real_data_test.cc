@@ -4,9 +4,10 @@
 
 #include <cmath>
 #include <fstream>
-#include <sstream>
 
+#include "apps/experiments/indentation.h"
 #include "apps/experiments/palpation_rows.h"
+#include "harness/base/error.h"
 #include "harness/perception/statistics.h"
 #include "harness/recording/recording_file.h"
 #include "harness/testing/shared_data.h"
@@ -39,72 +40,61 @@ TEST(RealData, NeighbouringRowsOfARasterAreNearerThanASpringOnAPlane) {
   EXPECT_LT(pc::median(same), pc::median(rendered));
 }
 
-struct Curve {
-  std::vector<double> force_N;
-  std::vector<double> tip_m;
-};
-
-// The approach of an AFM curve: force, height (measured), ..., segment, time; tip = height + force / k.
-Curve read_approach(const std::filesystem::path& file, double cantilever_N_per_m) {
-  std::ifstream in(file);
-  Curve curve;
-  for (std::string line; std::getline(in, line);) {
-    if (line.empty() || line[0] == '#') continue;
-    std::istringstream cells(line);
-    double force = 0.0;
-    double height = 0.0;
-    double piezo = 0.0;
-    std::string segment;
-    if (!(cells >> force >> height >> piezo >> segment) || segment != "False") continue;
-    curve.force_N.push_back(force);
-    curve.tip_m.push_back(height + force / cantilever_N_per_m);
+TEST(RealData, RecordsOfAnIndentationAreNearerThanAnyRendering) {
+  TOUCHSTONE_SHARED_DATA_OR_SKIP(file, "afm-indentation/fmt-tab-fd_version_0.13.3.tab");
+  const auto comparisons = compare_indentation(read_approach(file));
+  ASSERT_EQ(comparisons.size(), kInterleaved * (kInterleaved - 1));
+  for (const auto& own : comparisons) {
+    const auto& c = own.evaluation.conditions;
+    ASSERT_EQ(c.size(), kIndentationConditions);
+    std::cout << "record " << own.real << " against " << own.other << ": again " << c[0].distance << ", d "
+              << c[1].distance << ", d^1.5 " << c[2].distance << ", d^2 " << c[3].distance << ", d^"
+              << own.fitted_exponent << " " << c[4].distance << "\n";
+    for (std::size_t i = 1; i < c.size(); ++i) EXPECT_LT(c[0].distance, c[i].distance) << c[i].name;
+    // The effect that is missing from the linear spring is what brings a rendering nearer.
+    EXPECT_LT(c[4].distance, c[1].distance);
+    EXPECT_LT(c[2].distance, c[1].distance);
   }
-  return curve;
 }
 
-TEST(RealData, HalvesOfAnIndentationAreNearerThanALinearSpring) {
-  TOUCHSTONE_SHARED_DATA_OR_SKIP(file, "afm-indentation/fmt-tab-fd_version_0.13.3.tab");
-  const Curve curve = read_approach(file, 0.02230065831827453);
-  ASSERT_GT(curve.force_N.size(), 1000u);
-  // The free part gives the force's zero and its noise; contact is where it leaves them for good.
-  const std::size_t free = curve.force_N.size() / 5;
-  const std::vector<double> quiet(curve.force_N.begin(), curve.force_N.begin() + static_cast<std::ptrdiff_t>(free));
-  const double zero = pc::mean(quiet);
-  const double noise = pc::standard_deviation(quiet);
-  std::size_t contact = curve.force_N.size() - 1;
-  while (contact > 0 && curve.force_N[contact] - zero > 3.0 * noise) --contact;
-  // As a haptic AFM shows it: 1 nN as 1 N, 1 um as 1 mm.
-  const auto presses = [&](std::size_t parity, double exponent) {
-    double both = 0.0;
-    double squares = 0.0;
-    for (std::size_t i = contact; i < curve.force_N.size(); ++i) {
-      const double depth = std::pow(std::max(0.0, curve.tip_m[contact] - curve.tip_m[i]), exponent);
-      both += depth * (curve.force_N[i] - zero);
-      squares += depth * depth;
+TEST(Indentation, FindsTheExponentOfACurveThatHasOne) {
+  for (const double exponent : {1.0, 1.5, 2.0, 2.7}) {
+    Approach approach;
+    approach.rate_Hz = 2000.0;
+    approach.contact = 500;
+    for (int i = 0; i < 2000; ++i) {
+      approach.depth_m.push_back(1e-9 * (i - 500));
+      approach.force_N.push_back(i < 500 ? 0.0 : 3e-3 * std::pow(approach.depth_m.back(), exponent));
     }
-    pc::PressSignal signal;
-    signal.name = exponent == 0.0 ? "measured" : "rendered";
-    for (std::size_t i = contact - free / 4 + parity; i < curve.force_N.size(); i += 2) {
-      const double depth = curve.tip_m[contact] - curve.tip_m[i];
-      signal.t_s.push_back(static_cast<double>(signal.t_s.size()) / 1000.0);
-      const double rendered = both / squares * std::pow(std::max(0.0, depth), exponent);
-      signal.force_N.push_back(1e9 * (exponent == 0.0 ? curve.force_N[i] - zero : rendered));
-      signal.displacement_m.push_back(1e3 * depth);
+    const PowerLaw law = fit_power_law(approach, 1, 4);
+    EXPECT_NEAR(law.exponent, exponent, 1e-5);
+    EXPECT_NEAR(law.coefficient / 3e-3, 1.0, 1e-3);
+  }
+}
+
+TEST(Indentation, BadFilesAreNamed) {
+  const std::filesystem::path folder = ::testing::TempDir();
+  const auto refused = [&](const std::string& text, const std::string& words) {
+    const auto file = folder / "curve.tab";
+    std::ofstream(file) << text;
+    try {
+      read_approach(file);
+      ADD_FAILURE() << "taken: " << text.substr(0, 80);
+    } catch (const BadData& error) {
+      EXPECT_NE(std::string(error.what()).find(words), std::string::npos) << error.what();
     }
-    return std::vector<pc::PressSignal>{signal};
   };
-  pc::EvaluationOptions options;
-  options.image.rate_hardness_window = 40;
-  const auto result = pc::evaluate(presses(0, 0.0),
-                                   {{"the other half of the samples", [&] { return presses(1, 0.0); }},
-                                    {"Hertz, F = k d^1.5", [&] { return presses(1, 1.5); }},
-                                    {"linear, F = k d", [&] { return presses(1, 1.0); }}},
-                                   options);
-  std::cout << "the same " << result.conditions[0].distance << ", Hertz " << result.conditions[1].distance
-            << ", linear " << result.conditions[2].distance << "\n";
-  EXPECT_LT(result.conditions[0].distance, result.conditions[1].distance);
-  EXPECT_LT(result.conditions[0].distance, result.conditions[2].distance);
-  EXPECT_LT(result.conditions[1].distance, result.conditions[2].distance);
+  const std::string header =
+      "# BEGIN METADATA\n# {\"spring constant\": 0.02, \"rate approach\": 2000}\n# END METADATA\n";
+  refused("", "no JSON");
+  refused("# BEGIN METADATA\n# {\"rate approach\": 2000}\n# END METADATA\n", "spring constant");
+  refused(header + "1e-9\t2\n", ":4:");
+  refused(header + "1e-9\tnan\tx\tFalse\t0\n", ":4:");
+  refused(header + "1e-9\t1e-6\t1e-6\tFalse\t0\n", "1 samples");
+  std::string flat = header;
+  for (int i = 0; i < 1200; ++i) flat += "0\t1e-6\t1e-6\tFalse\t0\n";
+  refused(flat, "in contact was expected");
+  EXPECT_THROW(read_approach(folder / "absent.tab"), BadData);
 }
 
 }  // namespace

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 
 #include "harness/perception/published_tables.h"
 #include "harness/perception/statistics.h"
@@ -102,27 +101,23 @@ Section scan_section(const SpringExperiment& e) {
                   e.scan.front().findings.front().of),
       {},
       false};
-  constexpr std::array kTones{Tone::measured, Tone::rendered, Tone::error, Tone::reference, Tone::good, Tone::warning};
   for (const auto rule : {QuadraticRule::equal_at_full_stroke, QuadraticRule::same_number}) {
-    LinePlot plot;
-    plot.title = rule == QuadraticRule::same_number ? "F = k dx^2 with the same number for k"
-                                                    : "F = k dx^2 with the same force at the full stroke";
-    plot.x_label = "force at the full stroke [N]";
-    plot.y_label = "share of seeds";
-    for (std::size_t f = 0; f < spring_findings().size(); ++f) {
-      Line line;
-      line.name = spring_findings()[f].name;
-      line.tone = kTones[f % kTones.size()];
-      line.dashed = f >= kTones.size();
-      line.markers = true;
-      for (const auto& point : e.scan) {
-        if (point.rule != rule) continue;
-        line.x.push_back(point.full_stroke_force_N);
-        line.y.push_back(point.findings[f].value());
-      }
-      plot.lines.push_back(std::move(line));
+    Table table;
+    table.caption = rule == QuadraticRule::same_number ? "F = k dx^2 with the same number for k"
+                                                       : "F = k dx^2 with the same force at the full stroke";
+    table.columns = {"finding of the paper"};
+    for (const auto& point : e.scan) {
+      if (point.rule == rule) table.columns.push_back(fmt::format("{:g} N", point.full_stroke_force_N));
     }
-    section.blocks.emplace_back(std::move(plot));
+    for (std::size_t f = 0; f < spring_findings().size(); ++f) {
+      Table::Row row;
+      row.cells.push_back(text(spring_findings()[f].statement));
+      for (const auto& point : e.scan) {
+        if (point.rule == rule) row.cells.push_back(share_cell(point.findings[f]));
+      }
+      table.rows.push_back(std::move(row));
+    }
+    section.blocks.emplace_back(std::move(table));
   }
   return section;
 }

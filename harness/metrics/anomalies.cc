@@ -32,6 +32,18 @@ class StickDetector {
   std::size_t total_ = 0;
 };
 
+// Whether the force of sample `i` pushes to the far side, see the header.
+bool pops_through(const std::vector<TrackedContact>& run, std::size_t i, const AnomalyLimits& limits) {
+  const Vec3& f_W_N = run[i].f_W_N;
+  double back_m = 0.0;
+  for (std::size_t j = i + 1; j-- > 0;) {
+    if (!(f_W_N.dot(run[j].exact_n_W) < -limits.sine * f_W_N.norm())) return false;
+    if (j > 0) back_m += (run[j].exact_W_m - run[j - 1].exact_W_m).norm();
+    if (back_m > limits.stick_lag_m + limits.slack_m) break;
+  }
+  return true;
+}
+
 }  // namespace
 
 Anomalies find_anomalies(const std::vector<TrackedContact>& run, const AnomalyLimits& limits) {
@@ -47,7 +59,7 @@ Anomalies find_anomalies(const std::vector<TrackedContact>& run, const AnomalyLi
     if (pressed && now.contact)
       found.largest_lag_m = std::max(found.largest_lag_m, (now.exact_W_m - now.contact_W_m).norm());
     if (!(force > 0.0)) continue;
-    if (pressed && now.f_W_N.dot(now.exact_n_W) < -limits.sine * force) ++found.pops_through;
+    if (pressed && pops_through(run, i, limits)) ++found.pops_through;
     if (now.f_W_N.dot(now.own_n_W) < -limits.sine * force || now.tip_outside_m > limits.depth_m) ++found.pulls_inward;
   }
   stick.end();

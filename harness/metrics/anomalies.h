@@ -3,7 +3,9 @@
 //
 //   sticks        the surface contact point stays behind: for at least `stick_path_m` of the exact contact point's path
 //                 it lies more than `stick_lag_m` + `slack_m` from it, against the direction in which that moves
-//   pops through  the force pushes to the far side: f . n < -s |f|, n the outward normal at the exact contact point
+//   pops through  the force pushes to the far side: f . n < -s |f|, n the outward normal at the exact contact point and
+//                 at every exact one of the run up to `stick_lag_m` + `slack_m` of path before it: round a corner a
+//                 contact point that friction rightly holds back has the normal and the friction of the other side
 //   loses contact the tip is pressed more than `depth_m` deep and there is no contact
 //   pulls inward  the force points into the object where the renderer has its own contact point, f . n' < -s |f|, n'
 //                 the outward normal of the surface closest to it; or the tip is more than `depth_m` outside the object

@@ -144,10 +144,12 @@ HapticDataMatrix make_haptic_data_matrix(std::span<const PressSignal> parts, con
     part.angle_rad = raw.angle_rad.empty() ? std::vector<double>(count, 0.0) : on_grid(raw.angle_rad);
     part.force_rate_N_per_s = rate(part.force_N);
     part.velocity_m_per_s = rate(part.displacement_m);
-    part.displacement_second_rate_m_per_s2 = rate(part.velocity_m_per_s);
-    part.acceleration_m_per_s2 =
-        raw.acceleration_m_per_s2.empty() ? part.displacement_second_rate_m_per_s2 : on_grid(raw.acceleration_m_per_s2);
-    part.angle_rate_rad_per_s = rate(part.angle_rad);
+    if (options.second_rates) {
+      part.displacement_second_rate_m_per_s2 = rate(part.velocity_m_per_s);
+      part.acceleration_m_per_s2 = raw.acceleration_m_per_s2.empty() ? part.displacement_second_rate_m_per_s2
+                                                                     : on_grid(raw.acceleration_m_per_s2);
+    }
+    part.angle_rate_rad_per_s = raw.angle_rad.empty() ? part.angle_rad : rate(part.angle_rad);
     matrix.parts.push_back(std::move(part));
   }
   return matrix;
@@ -177,6 +179,8 @@ PressSignal press_signal(const Recording& recording, const Vec3& outward, double
   PressSignal signal;
   signal.name = recording.source;
   signal.t_s = recording.motion.t_s;
+  signal.force_N.reserve(recording.size());
+  signal.displacement_m.reserve(recording.size());
   for (const auto& f : recording.f_W_N) signal.force_N.push_back(f.dot(outward));
   const auto contact = std::find_if(signal.force_N.begin(), signal.force_N.end(),
                                     [contact_force_N](double f) { return std::abs(f) > contact_force_N; });

@@ -52,6 +52,8 @@ struct HapticDataMatrix {
 };
 
 struct HapticDataMatrixOptions {
+  // Else acceleration and the second rate of displacement are left empty: no feature needs them.
+  bool second_rates = true;
   double rate_Hz = 0.0;           // of the matrix; 0: the median rate of the first part
   int derivative_half_width = 1;  // samples either side in the least-squares slope; 1 is the central difference
   double longest_gap = 20.0;      // in median sampling intervals: a longer hole is refused rather than bridged

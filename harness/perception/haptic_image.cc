@@ -81,7 +81,10 @@ HapticImage haptic_image(const HapticDataMatrix& matrix, const HapticImageOption
     }
     const auto spectrum = amplitude_spectrum(force, matrix.rate_Hz, options.spectrum_limit_Hz);
     if (options.use_spectrum) {
-      image.blocks.push_back({prefix + "spectrum", "N", gathered(spectrum.amplitude, options.points_per_feature)});
+      FeatureBlock block{prefix + "spectrum", "N", gathered(spectrum.amplitude, options.points_per_feature)};
+      block.step_Hz = spectrum.step_Hz * static_cast<double>(spectrum.amplitude.size()) /
+                      static_cast<double>(std::max<std::size_t>(1, block.values.size()));
+      image.blocks.push_back(std::move(block));
     }
     if (first) {
       image.guarded_share = hardness.guarded_share;

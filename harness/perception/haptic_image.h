@@ -34,6 +34,7 @@ struct FeatureBlock {
   std::string name;
   std::string unit;
   std::vector<double> values;
+  double step_Hz = 0.0;  // of a spectrum, from value to value; 0 for a series over the recording's time
 };
 
 struct HapticImage {

@@ -128,6 +128,7 @@ std::string evaluation_to_json(const PerceptualEvaluation& evaluation, const Sub
                 {"dimensions", evaluation.space.dimensions},
                 {"explained_share", number(evaluation.space.explained_share)}};
   const auto& eigenvalues = evaluation.space.eigenvalues;
+  document["components"] = evaluation.space.available;
   document["eigenvalues"] = numbers({eigenvalues.data(), eigenvalues.data() + eigenvalues.size()});
   document["real"] = condition(evaluation, evaluation.real, 0);
   document["conditions"] = Json::array();
@@ -137,11 +138,11 @@ std::string evaluation_to_json(const PerceptualEvaluation& evaluation, const Sub
   document["methods"] = {method(evaluation, kPerceptionSpaceMethod)};
   for (const auto& own : statistical_methods()) document["methods"].push_back(method(evaluation, own.method));
   document["scalings"] = Json::array();
-  for (const auto own : kFeatureScalings) {
-    const auto distances = distances_with_scaling(evaluation, own, evaluation.explained_share_wanted);
-    document["scalings"].push_back({{"scaling", name_of(own)},
-                                    {"distances", numbers(distances)},
-                                    {"ranking", ranking(evaluation, distances, false)}});
+  const auto distances = distances_by_scaling(evaluation);
+  for (std::size_t s = 0; s < distances.size(); ++s) {
+    document["scalings"].push_back({{"scaling", name_of(kFeatureScalings[s])},
+                                    {"distances", numbers(distances[s])},
+                                    {"ranking", ranking(evaluation, distances[s], false)}});
   }
   document["rate_hardness_windows"] = Json::array();
   for (const auto& own : evaluation.windows) {
@@ -153,8 +154,11 @@ std::string evaluation_to_json(const PerceptualEvaluation& evaluation, const Sub
                                                  {"guarded_share", number(own.guarded_share)}});
   }
   document["disagreements"] = Json::array();
+  document["disagreeing_pairs"] = Json::object();
   for (const auto& own : statistical_methods()) {
-    for (const auto& d : disagreements(evaluation, own.method.name)) {
+    const Disagreements found = disagreements(evaluation, own.method.name);
+    document["disagreeing_pairs"][std::string(own.method.name)] = {{"pairs", found.pairs}, {"of", found.of}};
+    for (const auto& d : found.most) {
       document["disagreements"].push_back({{"method", own.method.name},
                                            {"nearer_in_space", evaluation.conditions[d.nearer_in_space].name},
                                            {"nearer_by_statistic", evaluation.conditions[d.nearer_by_statistic].name},

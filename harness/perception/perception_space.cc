@@ -2,12 +2,12 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
 #include "harness/base/error.h"
+#include "harness/perception/leading_eigenpairs.h"
 
 namespace touchstone::perception {
 
@@ -133,23 +133,24 @@ PerceptionSpace build_perception_space(const Eigen::MatrixXd& images, double sha
   const bool few = images.rows() <= images.cols();
   const Eigen::MatrixXd product =
       few ? Eigen::MatrixXd(centred * centred.transpose()) : Eigen::MatrixXd(centred.transpose() * centred);
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(product);
-  const Eigen::Index available = std::min(images.rows() - 1, images.cols());
+  const EigenPairs pairs = leading_eigenpairs(product, share);
   PerceptionSpace space;
-  // Ascending from the solver; rounding may leave the smallest ones below zero.
-  space.eigenvalues = solver.eigenvalues().reverse().head(available).cwiseMax(0.0) / n;
-  const double total = space.eigenvalues.sum();
+  space.available = std::min(images.rows() - 1, images.cols());
+  const Eigen::Index known = std::min(space.available, pairs.values.size());
+  // Rounding may leave the smallest ones below zero.
+  space.eigenvalues = pairs.values.head(known).cwiseMax(0.0) / n;
+  const double total = pairs.values.size() < product.rows() ? product.trace() / n : space.eigenvalues.sum();
   // Singular values at the level of rounding are no dimension: then all conditions are the same.
   const double rounding = std::numeric_limits<double>::epsilon() * images.cwiseAbs().maxCoeff();
   const double noise = rounding * rounding * static_cast<double>(images.size());
   const double least = std::max(noise, 1e-14 * space.eigenvalues(0) * n) / n;
   double explained = 0.0;
-  while (space.dimensions < available && space.eigenvalues(space.dimensions) > least &&
+  while (space.dimensions < known && space.eigenvalues(space.dimensions) > least &&
          explained < share * total * (1.0 - 1e-12)) {
     explained += space.eigenvalues(space.dimensions++);
   }
   if (space.dimensions > 0) space.explained_share = explained / total;
-  space.basis = solver.eigenvectors().rowwise().reverse().leftCols(space.dimensions);
+  space.basis = pairs.vectors.leftCols(space.dimensions);
   if (few) {
     space.basis = (centred.transpose() * space.basis).eval();
     for (Eigen::Index d = 0; d < space.dimensions; ++d) space.basis.col(d).normalize();

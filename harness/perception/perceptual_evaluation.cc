@@ -10,9 +10,11 @@
 #include <limits>
 #include <mutex>
 #include <set>
+#include <tuple>
 
 #include "harness/base/error.h"
 #include "harness/perception/distances/signal_distance.h"
+#include "harness/perception/statistics.h"
 
 namespace touchstone::perception {
 
@@ -132,6 +134,7 @@ std::size_t compare_all(PerceptualEvaluation& result, const HapticDataMatrix& re
                         bool keep) {
   HapticDataMatrixOptions matrix_options = options.matrix;
   matrix_options.rate_Hz = reference.rate_Hz;
+  matrix_options.second_rates = false;
   result.images.assign(conditions.size() + 1, {});
   result.conditions.assign(conditions.size(), {});
   result.rendered_N.assign(keep ? conditions.size() + 1 : 0, {});
@@ -279,7 +282,40 @@ std::vector<double> distances_with_scaling(const PerceptualEvaluation& evaluatio
   return distances;
 }
 
-std::vector<Disagreement> disagreements(const PerceptualEvaluation& evaluation, std::string_view statistic) {
+std::vector<std::vector<double>> distances_by_scaling(const PerceptualEvaluation& evaluation) {
+  std::vector<std::vector<double>> result(kFeatureScalings.size());
+  tbb::parallel_for(std::size_t{0}, result.size(), [&](std::size_t s) {
+    result[s] = distances_with_scaling(evaluation, kFeatureScalings[s], evaluation.explained_share_wanted);
+  });
+  return result;
+}
+
+namespace {
+
+// The feature whose squared distances differ most in the direction of the space's verdict.
+Disagreement explained(const PerceptualEvaluation& evaluation, const Method& method, std::size_t a, std::size_t b) {
+  const auto& near = evaluation.conditions[a];
+  const auto& far = evaluation.conditions[b];
+  std::size_t decisive = 0;
+  double largest = -std::numeric_limits<double>::infinity();
+  for (std::size_t f = 0; f < evaluation.features.size(); ++f) {
+    const double gain = std::pow(far.block_distance[f], 2) - std::pow(near.block_distance[f], 2);
+    if (gain > largest) {
+      largest = gain;
+      decisive = f;
+    }
+  }
+  return {a, b, evaluation.features[decisive],
+          fmt::format("'{}' has the smaller {}, but its {} is {:.3g} from the real process's where that of '{}' is "
+                      "{:.3g} (scaled {})",
+                      far.name, method.larger_is_better ? "loss of " + std::string(method.name) : method.name,
+                      evaluation.features[decisive], far.block_distance[decisive], near.name,
+                      near.block_distance[decisive], name_of(evaluation.scaling))};
+}
+
+}  // namespace
+
+Disagreements disagreements(const PerceptualEvaluation& evaluation, std::string_view statistic, std::size_t told) {
   const auto& methods = statistical_methods();
   const auto method =
       std::find_if(methods.begin(), methods.end(), [=](const auto& m) { return m.method.name == statistic; });
@@ -288,31 +324,32 @@ std::vector<Disagreement> disagreements(const PerceptualEvaluation& evaluation, 
   if (method->method.larger_is_better) {
     for (double& v : value) v = -v;
   }
-  std::vector<Disagreement> result;
+  struct Pair {
+    std::size_t a;
+    std::size_t b;
+    double between;  // ranks
+  };
+  std::vector<Pair> pairs;
+  const bool ranked = std::all_of(value.begin(), value.end(), [](double v) { return std::isfinite(v); });
+  const auto by_value = ranked ? ranks(value) : std::vector<double>(value.size(), 0.0);
+  const auto rank_in_space = [&](std::size_t c) {
+    return static_cast<double>(evaluation.conditions[c].rank_perception);
+  };
   for (std::size_t a = 0; a < value.size(); ++a) {
     for (std::size_t b = 0; b < value.size(); ++b) {
-      const auto& near = evaluation.conditions[a];
-      const auto& far = evaluation.conditions[b];
-      if (!(near.distance < far.distance && value[a] > value[b])) continue;
-      // The feature whose squared distances differ most in the direction of the space's verdict.
-      std::size_t decisive = 0;
-      double largest = -std::numeric_limits<double>::infinity();
-      for (std::size_t f = 0; f < evaluation.features.size(); ++f) {
-        const double gain = std::pow(far.block_distance[f], 2) - std::pow(near.block_distance[f], 2);
-        if (gain > largest) {
-          largest = gain;
-          decisive = f;
-        }
-      }
-      result.push_back(
-          {a, b, evaluation.features[decisive],
-           fmt::format("'{}' has the smaller {}, but its {} is {:.3g} from the real process's where that of '{}' is "
-                       "{:.3g} (scaled {})",
-                       far.name, method->method.larger_is_better ? "loss of " + std::string(statistic) : statistic,
-                       evaluation.features[decisive], far.block_distance[decisive], near.name,
-                       near.block_distance[decisive], name_of(evaluation.scaling))});
+      if (!(evaluation.conditions[a].distance < evaluation.conditions[b].distance && value[a] > value[b])) continue;
+      pairs.push_back({a, b, rank_in_space(b) - rank_in_space(a) + by_value[a] - by_value[b]});
     }
   }
+  Disagreements result;
+  result.pairs = pairs.size();
+  result.of = value.size() * (value.size() - 1) / 2;
+  const auto end = pairs.begin() + static_cast<std::ptrdiff_t>(std::min(told, pairs.size()));
+  std::partial_sort(pairs.begin(), end, pairs.end(), [](const Pair& x, const Pair& y) {
+    return std::make_tuple(-x.between, x.a, x.b) < std::make_tuple(-y.between, y.a, y.b);
+  });
+  std::transform(pairs.begin(), end, std::back_inserter(result.most),
+                 [&](const Pair& own) { return explained(evaluation, method->method, own.a, own.b); });
   return result;
 }
 

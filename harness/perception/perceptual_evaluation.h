@@ -103,6 +103,9 @@ PerceptualEvaluation evaluate(const std::vector<PressSignal>& real, const std::v
 std::vector<double> distances_with_scaling(const PerceptualEvaluation& evaluation, FeatureScaling scaling,
                                            double explained_share);
 
+// The same under every rule, in the order of kFeatureScalings.
+std::vector<std::vector<double>> distances_by_scaling(const PerceptualEvaluation& evaluation);
+
 // Pairs of conditions that perception space and a statistic order differently, with the feature that decides in the
 // space.
 struct Disagreement {
@@ -111,6 +114,13 @@ struct Disagreement {
   std::string feature;
   std::string why;
 };
-std::vector<Disagreement> disagreements(const PerceptualEvaluation& evaluation, std::string_view statistic);
+struct Disagreements {
+  std::size_t pairs = 0;  // so many are ordered differently
+  std::size_t of = 0;
+  std::vector<Disagreement> most;  // those whose ranks differ most, that first
+};
+inline constexpr std::size_t kDisagreementsTold = 100;
+Disagreements disagreements(const PerceptualEvaluation& evaluation, std::string_view statistic,
+                            std::size_t told = kDisagreementsTold);
 
 }  // namespace touchstone::perception

@@ -162,7 +162,11 @@ TEST(PerceptualEvaluation, ScalingsAndDisagreements) {
   }
   std::size_t found = 0;
   for (const auto& method : statistical_methods()) {
-    for (const auto& d : disagreements(result, method.method.name)) {
+    const Disagreements own = disagreements(result, method.method.name);
+    EXPECT_EQ(own.of, 1u);
+    EXPECT_EQ(own.pairs, own.most.size());
+    EXPECT_TRUE(disagreements(result, method.method.name, 0).most.empty());
+    for (const auto& d : own.most) {
       ++found;
       EXPECT_LT(result.conditions[d.nearer_in_space].distance, result.conditions[d.nearer_by_statistic].distance);
       EXPECT_THAT(d.why, HasSubstr(d.feature));

@@ -34,6 +34,14 @@ SubjectiveComparison compare_with_people(const PerceptualEvaluation& evaluation,
   }
   SubjectiveComparison result;
   result.fraction_preferred = answers.fraction_preferred();
+  const Eigen::MatrixXd wins = answers.wins();
+  for (Eigen::Index a = 0; a < wins.rows(); ++a) {
+    for (Eigen::Index b = a + 1; b < wins.cols(); ++b) {
+      const double all = wins(a, b) + wins(b, a);
+      if (all > 0.0)
+        result.pairs.push_back({static_cast<std::size_t>(a), static_cast<std::size_t>(b), wins(a, b) / all, all});
+    }
+  }
   result.thurstone = thurstone_case_v(answers);
   result.bradley_terry = bradley_terry(answers);
   result.triads = circular_triads(answers);

@@ -24,8 +24,16 @@ struct Agreement {
 Agreement agree(const std::string& method, const std::vector<double>& values, bool larger_is_better,
                 const std::vector<double>& scale);
 
+struct PairShare {
+  std::size_t a;
+  std::size_t b;
+  double a_chosen;  // share of the answers to this pair
+  double answers;
+};
+
 struct SubjectiveComparison {
   std::vector<double> fraction_preferred;
+  std::vector<PairShare> pairs;  // that were compared
   PsychologicalScale thurstone;
   PsychologicalScale bradley_terry;
   std::vector<CircularTriads> triads;

@@ -77,6 +77,9 @@ Dataset load_dataset(const std::filesystem::path& place) {
   }
   dataset.stiffness_N_per_m = root.number("stiffness_N_per_m");
   if (!(dataset.stiffness_N_per_m > 0.0)) root.fail_at("stiffness_N_per_m", "must be above 0");
+  dataset.friction_coefficient = root.optional_number("friction_coefficient");
+  if (dataset.friction_coefficient && !(*dataset.friction_coefficient >= 0.0 && *dataset.friction_coefficient <= 5.0))
+    root.fail_at("friction_coefficient", "must lie between 0 and 5");
   const std::string mode = root.text("in_trajectory");
   if (mode != "synthesize" && mode != "measured") {
     root.fail_at("in_trajectory", fmt::format("'{}' is unknown: use synthesize or measured", mode));
@@ -114,6 +117,7 @@ void save_dataset(const Dataset& dataset) {
   json["instrument"] = dataset.instrument;
   if (!dataset.instrument_file.empty()) json["instrument_file"] = dataset.instrument_file;
   json["stiffness_N_per_m"] = dataset.stiffness_N_per_m;
+  if (dataset.friction_coefficient) json["friction_coefficient"] = *dataset.friction_coefficient;
   json["in_trajectory"] = dataset.in_trajectory == InTrajectoryMode::measured ? "measured" : "synthesize";
   json["recordings"] = nlohmann::ordered_json::array();
   for (const DatasetRecording& recording : dataset.recordings) {

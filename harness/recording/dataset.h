@@ -9,6 +9,7 @@
 //    "instrument": "ATI Nano17 at 5 kHz, optical tracker at 60 Hz",
 //    "instrument_file": "instrument.json",                        (optional; touchstone-instrument/1)
 //    "stiffness_N_per_m": 500,
+//    "friction_coefficient": 0.2,                                 (optional; of tip and object, where it is known)
 //    "in_trajectory": "synthesize",                               (or "measured", for compliant objects)
 //    "recordings": [{"file": "scan.csv", "shows": "a scan along y with taps at both ends",
 //                    "exact": "scan.exact.csv"}],                 (optional: the exact answer)
@@ -21,6 +22,7 @@
 #include <filesystem>
 #include <functional>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -49,6 +51,7 @@ struct Dataset {
   std::string instrument;
   std::string instrument_file;  // "" where there is none
   double stiffness_N_per_m = 0.0;
+  std::optional<double> friction_coefficient;
   InTrajectoryMode in_trajectory = InTrajectoryMode::synthesize;
   std::vector<DatasetRecording> recordings;
   std::string source;

@@ -64,6 +64,8 @@ struct LinePlot {
   std::string link;  // plots of one link group zoom and pan together
   int height_px = 260;
   bool half_width = false;
+  // Names instead of numbers at places of the x axis, e.g. of conditions.
+  std::vector<std::pair<double, std::string>> x_names = {};
 };
 
 struct BarPlot {

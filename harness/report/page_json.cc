@@ -72,10 +72,12 @@ json to_json(const LinePlot& plot) {
   for (const auto& [label, value] : plot.levels) levels.push_back({{"label", label}, {"value", plotted_number(value)}});
   json bands = json::array();
   for (const auto& [from, to] : plot.bands) bands.push_back({plotted_number(from), plotted_number(to)});
-  return {{"kind", "lines"},           {"title", plot.title},       {"x_label", plot.x_label},
-          {"y_label", plot.y_label},   {"lines", std::move(lines)}, {"levels", std::move(levels)},
-          {"bands", std::move(bands)}, {"note", plot.note},         {"link", plot.link},
-          {"height", plot.height_px},  {"half", plot.half_width}};
+  json x_names = json::array();
+  for (const auto& [at, name] : plot.x_names) x_names.push_back({{"at", plotted_number(at)}, {"name", name}});
+  return {{"kind", "lines"},           {"title", plot.title},           {"x_label", plot.x_label},
+          {"y_label", plot.y_label},   {"lines", std::move(lines)},     {"levels", std::move(levels)},
+          {"bands", std::move(bands)}, {"x_names", std::move(x_names)}, {"note", plot.note},
+          {"link", plot.link},         {"height", plot.height_px},      {"half", plot.half_width}};
 }
 
 json to_json(const BarPlot& plot) {

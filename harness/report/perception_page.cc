@@ -3,27 +3,16 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <numeric>
 
 #include "harness/report/evaluation_page.h"
+#include "harness/report/perception_plots.h"
 
 namespace touchstone {
 namespace {
 
+using namespace perception_plots;
 using perception::PerceptualEvaluation;
-
-constexpr std::array kTones{Tone::rendered, Tone::error, Tone::good, Tone::warning, Tone::reference, Tone::neutral};
-
-// Colours repeat after six conditions; the second six are dashed.
-Line line_of(const PerceptualEvaluation& e, std::size_t row) {
-  Line line;
-  line.name = row == 0 ? "real" : e.conditions[row - 1].name;
-  line.tone = row == 0 ? Tone::measured : kTones[(row - 1) % kTones.size()];
-  line.dashed = row > kTones.size();
-  return line;
-}
 
 // At most about 2000 points: of each stretch its smallest and largest value, so that steps and peaks stay.
 void thin(Line& line, const std::vector<double>& y, double step) {
@@ -48,15 +37,6 @@ void thin(Line& line, const std::vector<double>& y, double step) {
 Table::Cell text(std::string value) { return {std::move(value), false, Tone::neutral}; }
 Table::Cell number(double value, int digits = 4) {
   return {std::isfinite(value) ? fmt::format("{:.{}g}", value, digits) : "none", true, Tone::neutral};
-}
-
-std::vector<std::size_t> order_of(const std::vector<double>& cost) {
-  std::vector<std::size_t> order(cost.size());
-  std::iota(order.begin(), order.end(), std::size_t{0});
-  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
-    return std::isfinite(cost[a]) && (!std::isfinite(cost[b]) || cost[a] < cost[b]);
-  });
-  return order;
 }
 
 std::vector<std::size_t> ranks_of(const std::vector<double>& values, bool larger_is_better) {
@@ -113,13 +93,30 @@ LinePlot scatter(const PerceptualEvaluation& e, Eigen::Index across, Eigen::Inde
   plot.title = fmt::format("Perception space, x{} and x{}", across + 1, up + 1);
   plot.x_label = fmt::format("x{}", across + 1);
   plot.y_label = fmt::format("x{}", up + 1);
-  plot.half_width = true;
-  plot.height_px = 380;
+  plot.half_width = e.space.dimensions >= 3;
+  plot.height_px = 420;
+  plot.note =
+      "Lines lead from the real process to the conditions; they are as long as the distances, as far as these "
+      "two axes show them.";
+  const auto at = [&](Eigen::Index row) {
+    return std::pair{e.space.coordinates(row, across), e.space.coordinates(row, up)};
+  };
+  if (!few(e)) {
+    Line all{"conditions", {}, {}, Tone::rendered, false, true};
+    for (Eigen::Index row = 1; row < e.space.coordinates.rows(); ++row) {
+      for (const double gap : {0.0, std::nan("")}) {  // marks alone, not a path from one to the next
+        all.x.push_back(at(row).first + gap);
+        all.y.push_back(at(row).second + gap);
+      }
+    }
+    plot.lines = {std::move(all), Line{"real", {at(0).first}, {at(0).second}, Tone::measured, false, true}};
+    plot.note.clear();
+    return plot;
+  }
   for (Eigen::Index row = 0; row < e.space.coordinates.rows(); ++row) {
     Line line = line_of(e, static_cast<std::size_t>(row));
-    // From the real process to the condition: its length is the distance, as far as these two axes show it.
-    line.x = {e.space.coordinates(0, across), e.space.coordinates(row, across)};
-    line.y = {e.space.coordinates(0, up), e.space.coordinates(row, up)};
+    line.x = {at(0).first, at(row).first};
+    line.y = {at(0).second, at(row).second};
     line.markers = true;
     plot.lines.push_back(std::move(line));
   }
@@ -138,40 +135,18 @@ Section space_section(const PerceptualEvaluation& e) {
   if (e.space.dimensions >= 2) section.blocks.emplace_back(scatter(e, 0, 1));
   if (e.space.dimensions >= 3) section.blocks.emplace_back(scatter(e, 0, 2));
   if (e.conditions.size() >= 2) {
-    LinePlot plot;
-    plot.title = "Relative similarity of the conditions by each method (figure 13)";
-    plot.x_label = "condition, in the order of the perception space";
-    plot.y_label = "relative similarity, 1 is the best";
-    const auto order = order_of(e.values(perception::kPerceptionSpaceMethod.name));
-    std::size_t tone = 0;
-    const auto add = [&](const perception::Method& method) {
-      const auto similarity = perception::relative_similarity(e.values(method.name), method.larger_is_better);
-      Line line;
-      line.name = std::string(method.name);
-      line.tone = kTones[tone % kTones.size()];
-      line.dashed = tone >= kTones.size();
-      line.markers = true;
-      ++tone;
-      for (std::size_t i = 0; i < order.size(); ++i) {
-        line.x.push_back(static_cast<double>(i + 1));
-        line.y.push_back(similarity[order[i]]);
-      }
-      plot.lines.push_back(std::move(line));
-    };
-    add(perception::kPerceptionSpaceMethod);
-    for (const auto& m : perception::statistical_methods()) add(m.method);
-    std::string names;
-    for (std::size_t i = 0; i < order.size(); ++i) {
-      names += fmt::format("{}{}: {}", i == 0 ? "" : ", ", i + 1, e.conditions[order[i]].name);
-    }
-    plot.note = names;
-    section.blocks.emplace_back(std::move(plot));
+    auto theirs = similarity_plot(e, methods_of_figure_13(true), nullptr);
+    theirs.title = "Relative similarity of the conditions by each method (figure 13)";
+    section.blocks.emplace_back(std::move(theirs));
+    auto others = similarity_plot(e, methods_of_figure_13(false), nullptr);
+    others.title = "The same by the other statistics";
+    section.blocks.emplace_back(std::move(others));
   }
   Table table;
   table.caption = "How the ranking depends on the scaling of features, which the paper leaves open: distance (rank).";
   table.columns = {"scaling"};
   for (const auto& c : e.conditions) table.columns.push_back(c.name);
-  if (e.conditions.size() <= perception::kKeepSeriesUpTo) {
+  if (few(e)) {
     for (const auto scaling : perception::kFeatureScalings) {
       const auto distances = perception::distances_with_scaling(e, scaling, e.explained_share_wanted);
       const auto ranks = ranks_of(distances, false);
@@ -192,10 +167,19 @@ Section space_section(const PerceptualEvaluation& e) {
 
 Section disagreement_section(const PerceptualEvaluation& e) {
   Section section{"Where statistics disagree, and why", "", {}, false};
+  Table counts;
+  counts.caption = "Pairs of conditions that a method orders otherwise than the perception space does";
+  counts.columns = {"method", "pairs", "of"};
   Table table;
+  table.caption = "The pairs whose ranks differ most";
   table.columns = {"method", "nearer in perception space", "nearer by the method", "deciding feature", "why"};
   for (const auto& m : perception::statistical_methods()) {
-    for (const auto& d : perception::disagreements(e, m.method.name)) {
+    const auto found = perception::disagreements(e, m.method.name, few(e) ? perception::kDisagreementsTold : 5);
+    counts.rows.push_back({{text(std::string(m.method.title)), number(static_cast<double>(found.pairs)),
+                            number(static_cast<double>(found.of))},
+                           "",
+                           {}});
+    for (const auto& d : found.most) {
       table.rows.push_back({{text(std::string(m.method.name)), text(e.conditions[d.nearer_in_space].name),
                              text(e.conditions[d.nearer_by_statistic].name), text(d.feature), text(d.why)},
                             "",
@@ -206,6 +190,7 @@ Section disagreement_section(const PerceptualEvaluation& e) {
     section.blocks.emplace_back(
         TextBlock{"Every statistic ranks the conditions as the perception space does.", Tone::good});
   } else {
+    section.blocks.emplace_back(std::move(counts));
     section.blocks.emplace_back(std::move(table));
   }
   return section;
@@ -217,6 +202,7 @@ LinePlot series_plot(const std::string& title, const std::string& y_label) {
   plot.x_label = "time [s]";
   plot.y_label = y_label;
   plot.link = "time";
+  plot.height_px = 300;
   return plot;
 }
 
@@ -271,24 +257,35 @@ Section feature_section(const PerceptualEvaluation& e) {
   const double duration = static_cast<double>(e.samples) / e.rate_Hz;
   for (std::size_t f = 0; f < e.features.size(); ++f) {
     const auto& block = e.images.front().blocks[f];
-    const bool spectrum = block.name.find("spectrum") != std::string::npos;
+    const bool spectrum = block.step_Hz > 0.0;
     LinePlot plot;
+    plot.height_px = 300;
     plot.title = spectrum ? block.name + " (figure 10)" : block.name;
-    plot.x_label = spectrum ? "band" : "time [s]";
+    plot.x_label = spectrum ? "frequency [Hz]" : "time [s]";
     plot.y_label = fmt::format("{} [{}]", block.name, block.unit);
     for (std::size_t row = 0; row < e.images.size(); ++row) {
       Line line = line_of(e, row);
       line.y = e.images[row].blocks[f].values;
       for (std::size_t i = 0; i < line.y.size(); ++i) {
         const auto at = static_cast<double>(i);
-        line.x.push_back(spectrum ? at : duration * (at + 0.5) / static_cast<double>(line.y.size()));
+        line.x.push_back(spectrum ? block.step_Hz * at : duration * (at + 0.5) / static_cast<double>(line.y.size()));
       }
       plot.lines.push_back(std::move(line));
     }
     section.blocks.emplace_back(std::move(plot));
   }
   if (e.windows.empty()) return section;
-  auto plot = series_plot("Rate-hardness of the real process by window (figure 8)", "rate-hardness [N/m]");
+  // A press or two: over more of them the lines are a band of ink.
+  const std::size_t shown = std::min<std::size_t>(2000, e.samples);
+  const std::vector<double> force_N(e.rendered_N[0].begin(),
+                                    e.rendered_N[0].begin() + static_cast<std::ptrdiff_t>(shown));
+  const std::vector<double> displacement_m(e.rendered_displacement_m[0].begin(),
+                                           e.rendered_displacement_m[0].begin() + static_cast<std::ptrdiff_t>(shown));
+  LinePlot plot;
+  plot.title = fmt::format("Rate-hardness of the real process by window (figure 8), the first {} samples", shown);
+  plot.x_label = "time [s]";
+  plot.y_label = "rate-hardness [N/m]";
+  plot.height_px = 340;
   Table table;
   table.caption = "A larger window is quieter and coarser.";
   table.columns = {"window [samples]", "duration [s]", "resolution [m]", "level [N/m]", "noise [N/m]", "guarded"};
@@ -297,8 +294,8 @@ Section feature_section(const PerceptualEvaluation& e) {
     Line line;
     line.name = fmt::format("{} samples", own.window);
     line.tone = kTones[w % kTones.size()];
-    thin(line, perception::rate_hardness(e.rendered_N[0], e.rendered_displacement_m[0], own.window).values_N_per_m,
-         1.0 / e.rate_Hz);
+    if (own.window < shown)
+      thin(line, perception::rate_hardness(force_N, displacement_m, own.window).values_N_per_m, 1.0 / e.rate_Hz);
     plot.lines.push_back(std::move(line));
     table.rows.push_back({{number(static_cast<double>(own.window)),
                            number(own.duration_s),
@@ -314,10 +311,6 @@ Section feature_section(const PerceptualEvaluation& e) {
   return section;
 }
 
-std::string with_interval(const perception::RankCorrelation& own) {
-  return fmt::format("{:.2f} ({:.2f} to {:.2f}), p = {:.3f}", own.coefficient, own.low95, own.high95, own.p_two_sided);
-}
-
 }  // namespace
 
 std::vector<Section> perception_result_sections(const PerceptualEvaluation& evaluation) {
@@ -327,86 +320,6 @@ std::vector<Section> perception_result_sections(const PerceptualEvaluation& eval
 std::vector<Section> perception_signal_sections(const PerceptualEvaluation& evaluation) {
   if (evaluation.rendered_N.empty()) return {};
   return {signal_section(evaluation), feature_section(evaluation)};
-}
-
-Section agreement_section(const PerceptualEvaluation& e, const perception::SubjectiveComparison& people) {
-  Section section{"Against the subjective scale",
-                  fmt::format("{} answers of {} subjects, as paired comparisons.", people.answers, people.subjects),
-                  {},
-                  false};
-  Table scales;
-  scales.caption =
-      "Psychological scales, larger is more like the real process; standard errors by leaving out one subject.";
-  scales.columns = {"condition", "fraction preferred", std::string(name_of(people.bradley_terry.model)),
-                    std::string(name_of(people.thurstone.model))};
-  const auto value = [](const perception::PsychologicalScale& scale, std::size_t c) {
-    return scale.standard_error.empty() ? fmt::format("{:.3f}", scale.value[c])
-                                        : fmt::format("{:.3f} +- {:.3f}", scale.value[c], scale.standard_error[c]);
-  };
-  for (std::size_t c = 0; c < e.conditions.size(); ++c) {
-    scales.rows.push_back({{text(e.conditions[c].name),
-                            number(people.fraction_preferred[c], 3),
-                            {value(people.bradley_terry, c), true, Tone::neutral},
-                            {value(people.thurstone, c), true, Tone::neutral}},
-                           "",
-                           {}});
-  }
-  section.blocks.emplace_back(std::move(scales));
-  Facts facts;
-  for (const auto* scale : {&people.bradley_terry, &people.thurstone}) {
-    facts.rows.emplace_back(
-        std::string(name_of(scale->model)),
-        fmt::format("misfit chi^2 = {:.3g} on {} degrees of freedom, p = {:.3g}{}{}", scale->misfit,
-                    scale->degrees_of_freedom, scale->misfit_p, scale->remark.empty() ? "" : "; ", scale->remark));
-  }
-  facts.rows.emplace_back("Order of presentation",
-                          fmt::format("{:.3f} +- {:.3f} in favour of what came first",
-                                      people.bradley_terry.order_effect, people.bradley_terry.order_effect_error));
-  double triads = 0.0;
-  double rounds = 0.0;
-  for (const auto& own : people.triads) {
-    triads += own.triads * static_cast<double>(own.complete_rounds);
-    rounds += static_cast<double>(own.complete_rounds);
-  }
-  if (rounds > 0.0) {
-    facts.rows.emplace_back("Circular triads",
-                            fmt::format("{:.2f} per complete round, over {} rounds", triads / rounds, rounds));
-  }
-  section.blocks.emplace_back(std::move(facts));
-  LinePlot curve;
-  curve.title = "Fraction preferred over the psychological scale (figure 12)";
-  curve.x_label = "psychological scale (Bradley-Terry)";
-  curve.y_label = "fraction preferred";
-  Line points;
-  points.name = "observed";
-  points.tone = Tone::measured;
-  points.markers = true;
-  Line model;
-  model.name = "expected by the model";
-  model.tone = Tone::rendered;
-  model.dashed = true;
-  model.markers = true;
-  auto cost = people.bradley_terry.value;
-  for (const std::size_t c : order_of(cost)) {
-    points.x.push_back(people.bradley_terry.value[c]);
-    points.y.push_back(people.fraction_preferred[c]);
-    model.x.push_back(people.bradley_terry.value[c]);
-    model.y.push_back(perception::expected_fraction_of(people.bradley_terry, c));
-  }
-  curve.lines = {std::move(points), std::move(model)};
-  section.blocks.emplace_back(std::move(curve));
-  Table agreement;
-  agreement.caption =
-      "Rank correlation of every method with the scale: 95 % interval, and the chance of as much without any.";
-  agreement.columns = {"method", "Spearman's rho", "Kendall's tau"};
-  for (const auto& own : people.agreement) {
-    agreement.rows.push_back({{text(own.method), text(own.remark.empty() ? with_interval(own.spearman) : own.remark),
-                               text(own.remark.empty() ? with_interval(own.kendall) : "")},
-                              "",
-                              {}});
-  }
-  section.blocks.emplace_back(std::move(agreement));
-  return section;
 }
 
 Page perception_page(const std::string& title, const PerceptualEvaluation& evaluation,

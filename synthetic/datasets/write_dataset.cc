@@ -108,6 +108,7 @@ void write_dataset(const Recipe& recipe, std::uint64_t seed, const std::filesyst
                                    recipe.sensor.rate_Hz, recipe.tracker.rate_Hz);
   dataset.instrument_file = "instrument.json";
   dataset.stiffness_N_per_m = recipe.stiffness_N_per_m;
+  dataset.friction_coefficient = recipe.contact.mu;
   dataset.recordings = {{"scan.csv", recipe.shows, "scan.exact.csv"}};
   dataset.source =
       fmt::format("computed by touchstone synth --dataset {} --seed {}; see PROVENANCE.md", recipe.name, seed);

@@ -228,25 +228,21 @@ PsychologicalScale bradley_terry(const PairedComparisons& comparisons) {
   return scale;
 }
 
-namespace {
-
-double preference(const PsychologicalScale& scale, double difference) {
+double expected_preference(const PsychologicalScale& scale, double difference) {
   if (scale.model == ScaleModel::thurstone_case_v) return normal_cdf(difference);
   return 0.5 * (logistic(difference + scale.order_effect) + logistic(difference - scale.order_effect));
 }
 
-}  // namespace
-
 double expected_fraction(const PsychologicalScale& scale, double v) {
   double sum = 0.0;
-  for (const double other : scale.value) sum += preference(scale, v - other);
+  for (const double other : scale.value) sum += expected_preference(scale, v - other);
   return sum / static_cast<double>(scale.value.size());
 }
 
 double expected_fraction_of(const PsychologicalScale& scale, std::size_t condition) {
   double sum = 0.0;
   for (std::size_t j = 0; j < scale.value.size(); ++j) {
-    if (j != condition) sum += preference(scale, scale.value[condition] - scale.value[j]);
+    if (j != condition) sum += expected_preference(scale, scale.value[condition] - scale.value[j]);
   }
   return sum / static_cast<double>(scale.value.size() - 1);
 }

@@ -37,6 +37,8 @@ PsychologicalScale thurstone_case_v(const PairedComparisons& comparisons);
 // conditions fall into groups that were never compared.
 PsychologicalScale bradley_terry(const PairedComparisons& comparisons);
 
+// The chance that the model gives a condition to be chosen over another which lies `difference` lower, order balanced.
+double expected_preference(const PsychologicalScale& scale, double difference);
 // The fraction that the model expects a condition of scale value `v` to be preferred against all others but itself,
 // order balanced: the curve of figure 12.
 double expected_fraction(const PsychologicalScale& scale, double v);

@@ -98,7 +98,9 @@
       });
     }
     const named = block.lines.length > 1;
+    const names = block.x_names.length ? { tickmode: 'array', tickvals: block.x_names.map((one) => one.at), ticktext: block.x_names.map((one) => plain(one.name)) } : {};
     return Plotly.newPlot(host, traces, layoutOf(block, {
+      xaxis: axis(block.x_label, names),
       shapes, annotations, showlegend: named, margin: { l: 64, r: 14, t: named ? 30 : 10, b: 44 },
     }), CONFIG).then(() => link(block.link, host));
   }

@@ -1,0 +1,34 @@
+// One experiment over several seeds: in how many of them each finding of the paper holds, and how far the numbers
+// spread.
+#pragma once
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "harness/report/page.h"
+
+namespace touchstone::experiments {
+
+struct SeedSpread {
+  struct Value {
+    std::string name;  // with its unit
+    std::vector<double> of_seed;
+  };
+  struct Finding {
+    std::string statement;
+    std::vector<bool> held;  // by seed
+  };
+  std::vector<Value> values;
+  std::vector<Finding> findings;
+
+  // Of the next seed; names and statements are those of the first, in its order.
+  void add(const std::vector<std::pair<std::string, double>>& values_of_seed,
+           const std::vector<std::pair<std::string, bool>>& findings_of_seed);
+};
+
+// "" for fewer than two seeds.
+std::string spread_table(const SeedSpread& spread);
+Section spread_section(const SeedSpread& spread);
+
+}  // namespace touchstone::experiments
