@@ -6,6 +6,7 @@
 
 #include "apps/commands.h"
 #include "apps/evaluation/campaign.h"
+#include "apps/evaluation/perceived.h"
 #include "apps/evaluation_flags.h"
 #include "harness/base/atomic_file.h"
 #include "harness/metrics/catalogue.h"
@@ -22,7 +23,9 @@ struct Options {
 std::vector<PlannedEvaluation> plan(const Options& options) {
   EvaluationRequest base = make_request(options.flags);
   base.metrics = options.metrics;
-  for (const std::string& name : options.metrics) find_metric(name);
+  for (const std::string& name : options.metrics) {
+    if (!is_perceived_metric(name)) find_metric(name);
+  }
   base.time_ranges = TimeRanges::parse(options.time_range, "--time-range");
   const Plugins plugins = options.flags.plugins.load();
   std::vector<ModelOfFile> models;
@@ -86,7 +89,7 @@ void add_evaluate(CLI::App& program, Run& run) {
                       "Folder with dataset.json: object, tip and recordings; may be given several times");
   command
       ->add_option("--metrics", options->metrics,
-                   "Metrics or results by name, see `touchstone list`; all where not given")
+                   "Metrics or results by name, see `touchstone list`, or perception; all where not given")
       ->delimiter(',');
   command
       ->add_option("--time-range", options->time_range, "What the metrics see: 0:6,12:18 in seconds, even:6s, odd:6s")

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "apps/commands.h"
+#include "apps/evaluation/perceived.h"
 #include "apps/plugin_flags.h"
 #include "harness/base/atomic_file.h"
 #include "harness/metrics/catalogue.h"
@@ -77,6 +78,13 @@ std::vector<Kind> everything(const CLI::App& program, const Plugins& plugins) {
     std::string results;
     for (const auto& result : entry.results) results += (results.empty() ? "" : ", ") + result;
     metrics.items.push_back({entry.name, results, {}});
+  }
+  {
+    std::string results;
+    for (const auto& name : perceived_metrics()) {
+      if (name != "perception") results += (results.empty() ? "" : ", ") + name;
+    }
+    metrics.items.push_back({"perception", results, {}});
   }
   kinds.push_back(std::move(metrics));
   kinds.push_back({"surfaces", "Synthetic surfaces (parameters: touchstone synth --list)",

@@ -63,6 +63,21 @@ TEST(Evaluation, WritesARenderedFileAResultAndAReport) {
   EXPECT_FALSE(read.object.vertices_W_m.empty());
 }
 
+TEST(Evaluation, SaysWhatAPersonWouldNotice) {
+  EvaluationRequest request = write_scan(fresh_folder("touchstone-perceived"), scan(0.0), 500.0);
+  const EvaluationResult all = run_evaluation(request, "");
+  EXPECT_EQ(find_result(all.metrics, "rms_force_error_jnd").unit, "JND");
+  EXPECT_LT(value(all, "max_force_error_jnd"), 1.0) << "what is below the contact threshold cannot be felt";
+  EXPECT_EQ(value(all, "noticeable_share"), 0.0);
+  EXPECT_GT(value(all, "force_structural_similarity"), 0.9);
+  request.metrics = {"noticeable_share"};
+  const EvaluationResult one = run_evaluation(request, "");
+  ASSERT_EQ(one.metrics.size(), 1u);
+  EXPECT_EQ(one.metrics.front().name, "noticeable_share");
+  request.metrics = {"perception", "rms_force_error"};
+  EXPECT_GT(run_evaluation(request, "").metrics.size(), 8u);
+}
+
 TEST(Evaluation, TimeRangesChooseWhatTheMetricsSee) {
   const auto folder = fresh_folder("touchstone-ranges");
   Recording recording = scan(0.0);

@@ -7,6 +7,7 @@
 #include <deque>
 #include <memory>
 
+#include "apps/evaluation/perceived.h"
 #include "apps/evaluation/sensor_window.h"
 #include "harness/base/atomic_file.h"
 #include "harness/base/error.h"
@@ -52,15 +53,22 @@ MetricOptions metric_options(const EvaluationRequest& request, const RecordingSu
   return options;
 }
 
+// What is asked of the catalogue of metrics; perception is beside it.
+std::vector<std::string> of_the_catalogue(std::vector<std::string> names) {
+  std::erase_if(names, is_perceived_metric);
+  return names;
+}
+
 // Everything that looks at the stream of samples.
 class Collector {
  public:
   Collector(const EvaluationRequest& request, const EvaluationInputs& inputs)
-      : ranges_(request.time_ranges),
+      : names_(request.metrics),
+        ranges_(request.time_ranges),
         first_t_s_(inputs.survey.clock.start_s),
         has_force_(inputs.survey.has_force),
         options_(metric_options(request, inputs.survey)),
-        metrics_(request.metrics, {has_force_, true, true}, options_),
+        metrics_(of_the_catalogue(request.metrics), {has_force_, true, true}, options_),
         close_ups_(options_.force_threshold_N),
         errors_(cell_size(inputs)) {}
 
@@ -68,6 +76,7 @@ class Collector {
     const MetricSample& m = sample.metric;
     if (!ranges_.contains(m.t_s, first_t_s_)) return;
     metrics_.add(m);
+    perceived_.add(m, sample.p_W_m);
     for (std::size_t axis = 0; axis < 3; ++axis) {
       const auto i = static_cast<Eigen::Index>(axis);
       if (has_force_) measured_[axis].add(m.t_s, m.f_measured_W_N[i]);
@@ -87,7 +96,9 @@ class Collector {
   }
 
   void finish(const EvaluationInputs& inputs, EvaluationResult& result) {
-    result.metrics = metrics_.results();
+    // Names that are all of perception leave none for the catalogue, which would take that for all of its own.
+    if (names_.empty() || !of_the_catalogue(names_).empty()) result.metrics = metrics_.results();
+    for (MetricResult& one : perceived_.results(names_, has_force_)) result.metrics.push_back(std::move(one));
     for (std::size_t axis = 0; has_force_ && axis < 3; ++axis) result.signals.push_back(measured_[axis].series());
     for (const SeriesRecorder& one : rendered_) result.signals.push_back(one.series());
     result.force_threshold_N = options_.force_threshold_N;
@@ -111,11 +122,13 @@ class Collector {
   [[nodiscard]] std::uint64_t seen() const { return seen_; }
 
  private:
+  std::vector<std::string> names_;
   TimeRanges ranges_;
   double first_t_s_;
   bool has_force_;
   MetricOptions options_;
   MetricSet metrics_;
+  PerceivedQuality perceived_;
   CloseUpRecorder close_ups_;
   ErrorMap errors_;
   std::array<SeriesRecorder, 3> measured_{SeriesRecorder{"measured_x", "N"}, SeriesRecorder{"measured_y", "N"},
