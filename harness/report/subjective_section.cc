@@ -31,7 +31,6 @@ LinePlot fraction_curve(const PerceptualEvaluation& e, const perception::Subject
   plot.x_label = "psychological scale (Bradley-Terry), with its standard error";
   plot.y_label = "fraction preferred";
   plot.height_px = 380;
-  plot.half_width = true;
   const auto [low, high] = std::minmax_element(scale.value.begin(), scale.value.end());
   Line model{"model", grid(*low, *high), {}, Tone::neutral, true, false};
   for (const double v : model.x) model.y.push_back(perception::expected_fraction(scale, v));
@@ -55,8 +54,7 @@ LinePlot pair_curve(const PerceptualEvaluation& e, const perception::SubjectiveC
   plot.title = "Every pair: how often the one that lies higher was chosen";
   plot.x_label = "difference on the scale";
   plot.y_label = "share of the answers";
-  plot.height_px = 380;
-  plot.half_width = true;
+  plot.height_px = 340;
   Line pairs{"pairs, observed", {}, {}, Tone::measured, false, true};
   double largest = 0.0;
   for (const auto& own : people.pairs) {
@@ -76,7 +74,7 @@ LinePlot pair_curve(const PerceptualEvaluation& e, const perception::SubjectiveC
   plot.lines = {std::move(pairs), std::move(model)};
   plot.note = fmt::format(
       "{} conditions make {} pairs; the fit of the scale shows here: through the fractions on the "
-      "left maximum likelihood passes of itself.",
+      "above maximum likelihood passes of itself.",
       e.conditions.size(), people.pairs.size());
   return plot;
 }

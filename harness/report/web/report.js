@@ -98,7 +98,12 @@
       });
     }
     const named = block.lines.length > 1;
-    const names = block.x_names.length ? { tickmode: 'array', tickvals: block.x_names.map((one) => one.at), ticktext: block.x_names.map((one) => plain(one.name)) } : {};
+    const places = block.x_names.map((one) => one.at);
+    // Half a place of room at either end, where names would not fit otherwise.
+    const names = places.length ? {
+      tickmode: 'array', tickvals: places, ticktext: block.x_names.map((one) => plain(one.name)),
+      range: [Math.min(...places) - 0.5, Math.max(...places) + 0.5],
+    } : {};
     return Plotly.newPlot(host, traces, layoutOf(block, {
       xaxis: axis(block.x_label, names),
       shapes, annotations, showlegend: named, margin: { l: 64, r: 14, t: named ? 30 : 10, b: 44 },
