@@ -9,6 +9,7 @@
 #include <memory>
 
 #include "apps/commands.h"
+#include "apps/discrepancy/blind_follow.h"
 #include "apps/discrepancy/blind_score.h"
 #include "apps/discrepancy/workflow.h"
 #include "harness/base/atomic_file.h"
@@ -30,17 +31,14 @@ struct Options {
   std::filesystem::path answers;
   std::filesystem::path results;
   std::filesystem::path json;
+  std::string id;
+  std::filesystem::path trajectory;
 };
-
-// How many cases the full test has of each set.
-const std::map<std::string, std::size_t> full_count{{"one", 200},        {"one-noisy", 100}, {"two", 60},
-                                                    {"three", 15},       {"none", 200},      {"unknown", 60},
-                                                    {"cannot-tell", 40}, {"corrupted", 30}};
 
 ExitStatus make(const Options& options) {
   if (options.share <= 0.0 || options.share > 1.0) throw UsageError("--share: above 0 and at most 1 was expected");
   for (const std::string& set : options.sets) {
-    if (!full_count.contains(set)) {
+    if (!blind_full_count().contains(set)) {
       throw UsageError(
           fmt::format("--set {}: unknown; one, one-noisy, two, three, none, unknown, cannot-tell or "
                       "corrupted was expected",
@@ -51,7 +49,8 @@ ExitStatus make(const Options& options) {
   for (const std::string& set : synthetic::blind_sets()) {
     if (!options.sets.empty() && std::find(options.sets.begin(), options.sets.end(), set) == options.sets.end())
       continue;
-    const auto shared = static_cast<std::size_t>(std::ceil(options.share * static_cast<double>(full_count.at(set))));
+    const auto shared =
+        static_cast<std::size_t>(std::ceil(options.share * static_cast<double>(blind_full_count().at(set))));
     const std::size_t count = options.count > 0 ? options.count : shared;
     for (std::size_t i = 0; i < count; ++i) plans.push_back(synthetic::plan_case(set, options.first + i, options.seed));
   }
@@ -68,6 +67,13 @@ ExitStatus make(const Options& options) {
   write_file(options.out / "answers.json", answers);
   fmt::print("cases: {}\nanswers, not for whoever searches: {}\n", (options.out / "cases").string(),
              (options.out / "answers.json").string());
+  return ExitStatus::passed;
+}
+
+ExitStatus follow(const Options& options) {
+  ensure_writable_folder(options.out);
+  record_along_proposal(options.answers, options.id, options.trajectory, options.out);
+  fmt::print("{}: train.csv and holdout.csv along {}\n", options.out.string(), options.trajectory.string());
   return ExitStatus::passed;
 }
 
@@ -108,8 +114,9 @@ ExitStatus run_cases(const Options& options) {
 ExitStatus score(const Options& options) {
   const auto scores = score_blind(options.answers, options.cases, options.results);
   if (!options.json.empty()) write_file(options.json, blind_json(scores));
-  fmt::print("{}", blind_table(scores));
-  return ExitStatus::passed;
+  const BlindTable table = blind_table(scores);
+  fmt::print("{}", table.text);
+  return table.met ? ExitStatus::passed : ExitStatus::failed;
 }
 
 }  // namespace
@@ -135,6 +142,14 @@ void add_blind(CLI::App& program, Run& run) {
   runner->add_option("--out", options->out, "folder for one folder of findings per case")->required();
   runner->callback([options, &run] { run = [options] { return run_cases(*options); }; });
 
+  auto* const follower =
+      command->add_subcommand("follow", "Record a case's object along a motion that a search asked for");
+  follower->add_option("--answers", options->answers, "answers.json")->required();
+  follower->add_option("--case", options->id, "the case's opaque name")->required();
+  follower->add_option("--trajectory", options->trajectory, "next.csv of its findings")->required();
+  follower->add_option("--out", options->out, "folder for train.csv and holdout.csv")->required();
+  follower->callback([options, &run] { run = [options] { return follow(*options); }; });
+
   auto* const scorer = command->add_subcommand("score", "Compare findings with the answers");
   scorer->add_option("--answers", options->answers, "answers.json")->required();
   scorer->add_option("--cases", options->cases, "folder of cases")->required();
@@ -146,7 +161,11 @@ void add_blind(CLI::App& program, Run& run) {
       "Examples:\n"
       "  touchstone blind make --seed 7 --share 0.05 --out blind\n"
       "  touchstone blind run --cases blind/cases --out blind/found\n"
-      "  touchstone blind score --answers blind/answers.json --cases blind/cases --results blind/found");
+      "  touchstone blind score --answers blind/answers.json --cases blind/cases --results blind/found\n"
+      "  touchstone blind follow --answers blind/answers.json --case 3k7vq9xd --trajectory "
+      "blind/found/3k7vq9xd/next.csv \\\n"
+      "      --out again\n"
+      "score exits with 1 where a bar is not met.");
 }
 
 }  // namespace touchstone::apps

@@ -49,7 +49,10 @@ void add_discrepancy(CLI::App& program, Run& run) {
   command->add_option("--recording", options->files.recording, "measured positions and forces to learn from")
       ->required();
   command->add_option("--holdout", options->files.holdout,
-                      "second recording to judge by; without it, alternating blocks of 2 s of the first are kept back");
+                      "second recording to judge by; without it, alternating blocks of the first are kept back");
+  command->add_option("--block", options->files.block_s, "length of those blocks [s]")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
   command->add_option("--instrument", options->files.instrument,
                       "what the makers of sensor and tracker declare (JSON); without it the noise is estimated");
   command

@@ -4,6 +4,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <functional>
 #include <limits>
@@ -11,8 +12,12 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
+#include "apps/discrepancy/workflow.h"
 #include "harness/base/error.h"
 #include "harness/base/json_reader.h"
+#include "harness/discrepancy/candidate_starts.h"
+#include "harness/discrepancy/instrument_description.h"
+#include "harness/discrepancy/joint_fit.h"
 #include "harness/recording/recording_file.h"
 #include "harness/rendering/model.h"
 #include "harness/surface/embree_surface.h"
@@ -36,10 +41,38 @@ std::vector<std::string> names_of(const json& effects) {
   return names;
 }
 
-// The floor with the true parameters, and the error of the true stiffness alone.
+// The true structure, its parameters fitted once more to the training recording: what the best of searches could leave.
+// True parameters alone may leave more, since positions are noisy and the mesh has an error.
+double refitted_floor_N(const BlindScore& score, const Model& truth, const Recording& train,
+                        const std::shared_ptr<const Surface>& surface, Predictor& holdout_predictor,
+                        const Recording& holdout, const InstrumentDescription& instrument) {
+  const auto predictor = make_model_predictor(surface, train.motion);
+  const Prediction nominal = predictor->predict(truth);
+  const double stiffness = truth.parameters.at("stiffness_N_per_m");
+  const double floor_N = 6.0 * instrument.force_noise_N + instrument.force_step_N.maxCoeff();
+  const RecordingScales scales = measure_scales(train, nominal, floor_N, stiffness, instrument.position_noise_m);
+  std::vector<FreeParameter> parameters{log_base_parameter("stiffness_N_per_m", 0.1 * stiffness, 10.0 * stiffness)};
+  for (const Candidate& candidate : all_candidates()) {
+    if (find_entry(truth, candidate.name) == nullptr) continue;
+    const auto free = candidate_fit(candidate, scales, train, nominal).parameters;
+    parameters.insert(parameters.end(), free.begin(), free.end());
+  }
+  constexpr double window_s = 1.0 / 30.0;
+  FitData data;
+  data.predictor = predictor.get();
+  data.blocks = make_blocks(train.motion, window_s);
+  data.measured_N = block_means(data.blocks, train.f_W_N);
+  // All blocks weigh the same, as in the RMS that the gap is measured by.
+  data.noise.assign(data.blocks.size(), {Vec3::Zero(), score.floor_N, score.floor_N, Vec3::Zero()});
+  constexpr int iterations = 15;
+  const JointFit fit = fit_jointly(data, truth, parameters, iterations, false);
+  return fit.ok ? rms_N(holdout, holdout_predictor.predict(fit.model)) : score.floor_N;
+}
+
+// The floor of the true structure, and the error of the true stiffness alone.
 void measure_floor(BlindScore& score, const json& answer, const std::filesystem::path& folder) {
   const Recording holdout = load_recording(folder / "holdout.csv");
-  const auto surface = make_embree_surface(load_mesh(folder / "mesh.obj", 1.0));
+  const std::shared_ptr<const Surface> surface = make_embree_surface(load_mesh(folder / "mesh.obj", 1.0));
   const auto predictor = make_model_predictor(surface, holdout.motion);
   Model model = load_model(folder / "model.json");
   model.parameters["stiffness_N_per_m"] = answer.at("true_stiffness_N_per_m").get<double>();
@@ -56,6 +89,10 @@ void measure_floor(BlindScore& score, const json& answer, const std::filesystem:
     (side == "contact" ? model.effects : model.instrument).push_back(std::move(entry));
   }
   score.floor_N = rms_N(holdout, predictor->predict(model));
+  if (answer.at("effects").empty()) return;
+  const Recording train = load_recording(folder / "train.csv");
+  score.floor_N = std::min(score.floor_N, refitted_floor_N(score, model, train, surface, *predictor, holdout,
+                                                           load_instrument(folder / "instrument.json")));
 }
 
 bool as_sets_ask(const BlindScore& score, const json& findings) {
@@ -129,13 +166,32 @@ const std::vector<Bar> bars{
     {"one", "one effect, low and middle noise: first choice right", 0.95},
     {"one-noisy", "one effect, high noise: first choice right", 0.85},
     {"two", "two at once: both named", 0.90},
-    {"three", "three at once: all named", 0.80},
+    {"three", "three at once: of the hidden effects, named", 0.80},
     {"none", "nothing missing: nothing named", 0.98},
     {"unknown", "unknown effects: flagged", 0.90},
     {"cannot-tell", "cannot tell: said so, with the right pair", 0.90},
     {"corrupted", "corrupted: nothing named, the data blamed", 1.0},
     {"sample", "samples: right", 1.0},
 };
+
+// How often a single effect is found, by the RMS force that it makes over the noise floor.
+std::string detection_curve(const std::vector<BlindScore>& scores) {
+  constexpr std::array edges{0.0, 0.25, 0.5, 1.0, 2.0, 5.0, std::numeric_limits<double>::infinity()};
+  std::string text = "\nfound first, by the effect's RMS force over the noise floor (single effects):\n";
+  for (std::size_t i = 0; i + 1 < edges.size(); ++i) {
+    Share share;
+    for (const BlindScore& score : scores) {
+      const double square = score.before_N * score.before_N - score.floor_N * score.floor_N;
+      const double strength = std::sqrt(std::max(0.0, square)) / score.floor_N;
+      if (score.expected.size() != 1 || !(strength >= edges[i] && strength < edges[i + 1])) continue;
+      ++share.all;
+      share.right += !score.named.empty() && score.named.front() == score.expected.front() ? 1 : 0;
+    }
+    if (share.all == 0) continue;
+    text += fmt::format("  {:4} to {:4}  {}\n", edges[i], edges[i + 1], with_interval(share));
+  }
+  return text;
+}
 
 }  // namespace
 
@@ -179,19 +235,33 @@ std::vector<BlindScore> score_blind(const std::filesystem::path& answers, const 
   return scores;
 }
 
-std::string blind_table(const std::vector<BlindScore>& scores) {
+BlindTable blind_table(const std::vector<BlindScore>& scores) {
   std::string text;
+  bool all_met = true;
+  // A figure that could not be had (no case of the kind) has no bar.
+  const auto judged = [&](double value, bool met) {
+    if (std::isnan(value)) return "";
+    all_met = all_met && met;
+    return met ? "met" : "NOT MET";
+  };
   for (const Bar& bar : bars) {
     Share share;
     for (const BlindScore& score : scores) {
       if (score.set != bar.set || score.weak) continue;
+      if (score.set == "three") {
+        for (const std::string& name : score.expected) {
+          ++share.all;
+          share.right += std::find(score.named.begin(), score.named.end(), name) != score.named.end() ? 1 : 0;
+        }
+        continue;
+      }
       ++share.all;
       share.right += score.right ? 1 : 0;
     }
     if (share.all == 0) continue;
     const double p = static_cast<double>(share.right) / static_cast<double>(share.all);
     text += fmt::format("{:56} bar {:3.0f} %  {}  {}\n", bar.what, 100.0 * bar.least, with_interval(share),
-                        p >= bar.least ? "met" : "NOT MET");
+                        judged(p, p >= bar.least));
   }
   Share false_flags;
   Share extra;
@@ -232,15 +302,25 @@ std::string blind_table(const std::vector<BlindScore>& scores) {
       }
     }
   }
-  text += fmt::format("{:56} bar at most 5 %  {}\n", "flagged as unknown though nothing unknown was there",
-                      with_interval(false_flags));
-  text += fmt::format("{:56} bar at most 10 %  {}\n", "effects named that are not there", with_interval(extra));
+  const auto part = [](const Share& share) {
+    return static_cast<double>(share.right) / static_cast<double>(share.all);
+  };
+  text += fmt::format("{:56} bar at most 5 %  {}  {}\n", "flagged as unknown though nothing unknown was there",
+                      with_interval(false_flags), judged(part(false_flags), part(false_flags) <= 0.05));
+  text += fmt::format("{:56} bar at most 10 %  {}  {}\n", "effects named that are not there", with_interval(extra),
+                      judged(part(extra), part(extra) <= 0.10));
+  const double median = quantile(closed, 0.5);
+  const double tenth = quantile(closed, 0.1);
+  const double least = quantile(closed, 0.0);
   text += fmt::format(
-      "gap closed, held out: median {:.3f} (bar 0.97), 10th percentile {:.3f} (bar 0.90), least {:.3f} "
-      "(bar -0.02)\n",
-      quantile(closed, 0.5), quantile(closed, 0.1), quantile(closed, 0.0));
-  text += fmt::format("parameters inside their 95 % interval: bar 88 %  {}\n", with_interval(inside));
+      "gap closed, held out: median {:.3f} (bar 0.97) {}, 10th percentile {:.3f} (bar 0.90) {}, least {:.3f} "
+      "(bar -0.02) {}\n",
+      median, judged(median, median >= 0.97), tenth, judged(tenth, tenth >= 0.90), least,
+      judged(least, least >= -0.02));
+  text += fmt::format("parameters inside their 95 % interval: bar 88 %  {}  {}\n", with_interval(inside),
+                      judged(part(inside), part(inside) >= 0.88));
   text += fmt::format("weaker than half of the noise floor: {} cases, {} of them found\n", weak, weak_named);
+  text += detection_curve(scores);
   text += "\nfound, where it was hidden (among others or alone), and median error of its parameters:\n";
   for (const auto& [name, share] : by_effect) {
     text += fmt::format("  {:24} {} of {} ", name, share.right, share.all);
@@ -253,12 +333,12 @@ std::string blind_table(const std::vector<BlindScore>& scores) {
   text += "\nnot right:\n";
   for (const BlindScore& score : scores) {
     if (score.right) continue;
-    text += fmt::format("  {} {:12} {}: expected {} {}, found {} {} (held out {:.4f} N, floor {:.4f} N){}\n", score.id,
+    text += fmt::format("  {} {:12} {}: expected {} {}, found {} {} (held out {:.4g} N, floor {:.4g} N){}\n", score.id,
                         score.set, score.weak ? "weak " : "", score.expected_verdict,
                         fmt::join(score.expected, " and "), score.verdict, fmt::join(score.named, " and "),
                         score.after_N, score.floor_N, score.data_blamed ? ", data blamed" : "");
   }
-  return text;
+  return {text, all_met};
 }
 
 std::string blind_json(const std::vector<BlindScore>& scores) {

@@ -19,7 +19,7 @@ struct BlindScore {
   bool weak = false;                  // the hidden effects are below half of the noise floor: counted apart
   bool data_blamed = false;
   double before_N = 0.0;  // held out: the true stiffness alone
-  double floor_N = 0.0;   // held out: the true structure with the true parameters; 0 where no library has it
+  double floor_N = 0.0;   // held out: the true structure, refitted; NaN where no library has it
   double after_N = 0.0;
   double closed = 0.0;  // (before^2 - after^2) / (before^2 - floor^2); NaN without a floor
   struct Parameter {
@@ -37,8 +37,13 @@ struct BlindScore {
 std::vector<BlindScore> score_blind(const std::filesystem::path& answers, const std::filesystem::path& cases,
                                     const std::filesystem::path& results);
 
-// A table by set against its bar with 95 % intervals (Wilson 1927), then gap, parameters and every failure.
-std::string blind_table(const std::vector<BlindScore>& scores);
+// A table by set against its bar with 95 % intervals (Wilson 1927), then gap, parameters, how weak an effect is found,
+// and every failure.
+struct BlindTable {
+  std::string text;
+  bool met = false;  // every bar that has a case
+};
+BlindTable blind_table(const std::vector<BlindScore>& scores);
 std::string blind_json(const std::vector<BlindScore>& scores);
 
 }  // namespace touchstone::apps

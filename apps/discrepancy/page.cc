@@ -15,7 +15,7 @@ namespace {
 constexpr std::size_t most_plotted = 4000;
 
 Table::Cell text(std::string value, Tone tone = Tone::neutral) { return {std::move(value), false, tone}; }
-Table::Cell number(double value, const char* format = "{:.4f}") {
+Table::Cell number(double value, const char* format = "{:.4g}") {
   return {fmt::format(fmt::runtime(format), value), true, Tone::neutral};
 }
 
@@ -25,6 +25,13 @@ Tone tone_of(FindingsVerdict verdict) {
 
 Section what_section(const Findings& findings) {
   Section section{"What is missing", findings.explanation, {}, false};
+  if (findings.search.data_fault) {
+    section.blocks.emplace_back(TextBlock{
+        fmt::format("A fault of the data: {}. Mend the recording and search again; what the tables below say of the "
+                    "error stands, but nothing is learnt from it.",
+                    *findings.search.data_fault),
+        Tone::error});
+  }
   if (!findings.search.found.empty()) {
     Table table{"Effects added, with 95 % intervals",
                 {"effect", "belongs to", "parameter", "value", "interval", "unit"},
@@ -177,8 +184,10 @@ Section search_section(const Findings& findings) {
   Section section{"How the search went", "Gains are of chi-squared over blocks; the held-out gain decides.", {}, true};
   std::size_t count = 0;
   for (const SearchStep& step : findings.search.steps) {
-    Table table{fmt::format("Step {}: from a held-out RMS of {:.4f} N{}", ++count, step.holdout_rms_N,
-                            step.added.empty() ? ", nothing added" : fmt::format(", {} added", step.added)),
+    Table table{fmt::format("Step {}: from a held-out RMS of {:.4g} N{}", ++count, step.holdout_rms_N,
+                            step.added.empty()     ? ", nothing added"
+                            : step.removed.empty() ? fmt::format(", {} added", step.added)
+                                                   : fmt::format(", {} in place of {}", step.added, step.removed)),
                 {"candidate", "training gain", "held-out gain", "held-out RMS [N]", "verdict"},
                 {},
                 ""};
@@ -203,13 +212,20 @@ Page discrepancy_page(const Findings& findings, const Evidence& evidence, const 
   const ForceGap& gap = findings.gap;
   page.headlines = {
       {"verdict", to_string(findings.verdict), "", "", tone_of(findings.verdict)},
-      {"held-out error before", fmt::format("{:.4f}", gap.holdout_before_N), "N", "RMS, 3-D, the model as given",
+      {"held-out error before", fmt::format("{:.4g}", gap.holdout_before_N), "N", "RMS, 3-D, the model as given",
        Tone::neutral},
-      {"held-out error after", fmt::format("{:.4f}", gap.holdout_after_N), "N", "RMS, 3-D, the model written",
+      {"held-out error after", fmt::format("{:.4g}", gap.holdout_after_N), "N", "RMS, 3-D, the model written",
        Tone::neutral},
-      {"expected of noise", fmt::format("{:.4f}", gap.noise_floor_N), "N",
+      {"expected of noise", fmt::format("{:.4g}", gap.noise_floor_N), "N",
        findings.instrument_declared ? "from the declared instrument" : "from noise estimated in the recording",
        Tone::neutral}};
+  if (gap.holdout_after_again_N) {
+    page.headlines.push_back({"again from the files", fmt::format("{:.4g}", *gap.holdout_after_again_N), "N",
+                              findings.blocks_held_back
+                                  ? "by a fresh process from model.json alone, over the whole recording"
+                                  : "by a fresh process from model.json alone, held out",
+                              Tone::neutral});
+  }
   page.sections.push_back(what_section(findings));
   page.sections.push_back(where_section(findings));
   page.sections.push_back(time_section(evidence, before, after));

@@ -12,6 +12,7 @@
 #include "apps/discrepancy/page.h"
 #include "apps/discrepancy/verify.h"
 #include "harness/base/atomic_file.h"
+#include "harness/discrepancy/smooth_motion.h"
 #include "harness/recording/recording_file.h"
 #include "harness/rendering/model.h"
 #include "harness/report/page_html.h"
@@ -22,7 +23,6 @@
 namespace touchstone::apps {
 namespace {
 
-constexpr double held_back_block_s = 2.0;        // without a second recording
 constexpr double held_back_least_blocks = 20.0;  // a short recording has shorter blocks
 
 InstrumentDescription instrument_of(const DiscrepancyFiles& files, const Recording& train, const TriangleMesh& mesh,
@@ -94,12 +94,15 @@ Findings run_discrepancy(const DiscrepancyFiles& files, const std::function<void
   NoiseModel holdout_noise(holdout.motion, holdout_predictor->predict(model).n_W, instrument, make, files.seed + 1,
                            files.seed + 2);
   const double duration_s = train.motion.t_s.back() - train.motion.t_s.front();
-  const double held_back_s = second ? 0.0 : std::min(held_back_block_s, duration_s / held_back_least_blocks);
-  const SearchData data{{&train, train_predictor.get(), &train_noise, {held_back_s, false}},
-                        {&holdout, holdout_predictor.get(), &holdout_noise, {held_back_s, true}},
+  const double held_back_s = second ? 0.0 : std::min(files.block_s, duration_s / held_back_least_blocks);
+  const auto smooth_train = make(smoothed_motion(train.motion, instrument));
+  const auto smooth_holdout = make(smoothed_motion(holdout.motion, instrument));
+  const SearchData data{{&train, train_predictor.get(), &train_noise, {held_back_s, false}, smooth_train.get()},
+                        {&holdout, holdout_predictor.get(), &holdout_noise, {held_back_s, true}, smooth_holdout.get()},
                         block_window_s(instrument.position_rate_Hz, train.motion),
                         6.0 * instrument.force_noise_N + instrument.force_step_N.maxCoeff(),
-                        instrument.position_noise_m};
+                        instrument.position_noise_m,
+                        instrument.geometry_error_m};
   const auto candidates = all_candidates();
 
   Findings findings;
@@ -157,7 +160,7 @@ std::string findings_text(const Findings& findings, const DiscrepancyFiles& file
     }
   }
   text +=
-      fmt::format("held-out RMS force error: before {:.4f} N, after {:.4f} N, expected of noise {:.4f} N\nreport: {}\n",
+      fmt::format("held-out RMS force error: before {:.4g} N, after {:.4g} N, expected of noise {:.4g} N\nreport: {}\n",
                   findings.gap.holdout_before_N, findings.gap.holdout_after_N, findings.gap.noise_floor_N,
                   (files.out / "report.html").string());
   if (!files.golden.empty()) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <numbers>
 
@@ -128,6 +129,8 @@ CandidateFit bump(const Context& c, Side side, double amplitude_scale, double lo
   const auto& name = c.candidate.name;
   const Vec3 size = c.scales.high_W_m - c.scales.low_W_m;
   const double extent = c.scales.extent_m();
+  // Wider, it has no flank within the scan: another stiffness or another place of the whole object.
+  constexpr double widest = 0.35;
   CandidateFit fit;
   fit.side = side;
   fit.parameters = {
@@ -135,7 +138,7 @@ CandidateFit bump(const Context& c, Side side, double amplitude_scale, double lo
                        lower * amplitude_scale, upper * amplitude_scale),
       linear_parameter(name, "x_m", extent, c.scales.low_W_m.x() - 0.2 * extent, c.scales.high_W_m.x() + 0.2 * extent),
       linear_parameter(name, "y_m", extent, c.scales.low_W_m.y() - 0.2 * extent, c.scales.high_W_m.y() + 0.2 * extent),
-      log_parameter(name, "width_m", 0.02 * extent, extent)};
+      log_parameter(name, "width_m", 0.02 * extent, widest * extent)};
   for (const double fx : {0.2, 0.5, 0.8}) {
     for (const double fy : {0.2, 0.5, 0.8}) {
       fit.starts.push_back(entry(c, {{fit.parameters[0].name, 0.1 * amplitude_scale},
@@ -188,10 +191,12 @@ CandidateFit texture(const Context& c) {
                                    {"phase_rad", peak.phase_rad}}));
   }
   const double scale = 0.1 * c.scales.depth_m;
+  // A texture repeats: a wave that the scan sees less than three times of is the object's shape.
+  constexpr double longest = 1.0 / 3.0;
   // A wave vector moves the phase at the far end of the scan by radians: a small step of it in u is a small turn.
   FreeParameter direction = linear_parameter(name, "direction_rad", 0.05, -2.0 * pi, 2.0 * pi);
   fit.parameters = {linear_parameter(name, "amplitude_m", scale, 0.0, 10.0 * scale),
-                    log_parameter(name, "wavelength_m", 1e-3 * c.scales.extent_m(), 2.0 * c.scales.extent_m()),
+                    log_parameter(name, "wavelength_m", 1e-3 * c.scales.extent_m(), longest * c.scales.extent_m()),
                     direction, linear_parameter(name, "phase_rad", 1.0, -2.0 * pi, 2.0 * pi)};
   return fit;
 }
@@ -214,6 +219,22 @@ CandidateFit several_linear(const Context& c, const std::vector<std::string>& na
     zero[names[i]] = 0.0;
   }
   fit.starts = {entry(c, zero)};
+  return fit;
+}
+
+// Where the mesh lies so far off that model and measurement do not touch at the same time, no small shift changes
+// anything: the fit starts from larger ones too.
+CandidateFit registration(const Context& c) {
+  constexpr double much = 0.2;
+  const double d = c.scales.depth_m;
+  const double turn = d / c.scales.extent_m();
+  CandidateFit fit = several_linear(c, {"dx_m", "dy_m", "dz_m", "rx_rad", "ry_rad"}, {d, d, d, turn, turn}, 3.0);
+  if (c.scales.touching_apart > much) {
+    for (const double share : {1.0, -1.0}) {
+      fit.starts.push_back(fit.starts.front());
+      fit.starts.back().parameters["dz_m"] = share * d;
+    }
+  }
   return fit;
 }
 
@@ -255,6 +276,7 @@ RecordingScales measure_scales(const Recording& recording, const Prediction& pre
   std::vector<double> depths;
   std::vector<double> speeds;
   std::vector<double> rates;
+  double apart = 0.0;
   Box3 box;
   for (std::size_t i = 0; i < recording.size(); ++i) {
     scales.largest_axis_N = std::max(scales.largest_axis_N, recording.f_W_N[i].cwiseAbs().maxCoeff());
@@ -265,6 +287,7 @@ RecordingScales measure_scales(const Recording& recording, const Prediction& pre
       forces.push_back(recording.f_W_N[i].norm());
       box.extend(recording.motion.p_W_m[i]);
     }
+    if (pressed != !n.isZero()) apart += 1.0;
     if (n.isZero()) continue;
     depths.push_back(prediction.depth_m[i]);
     if (i == 0 || prediction.n_W[i - 1].isZero()) continue;
@@ -273,6 +296,7 @@ RecordingScales measure_scales(const Recording& recording, const Prediction& pre
     speeds.push_back((step - n.dot(step) * n).norm() / dt_s);
     rates.push_back(std::abs(prediction.depth_m[i] - prediction.depth_m[i - 1]) / dt_s);
   }
+  scales.touching_apart = forces.empty() ? 0.0 : apart / static_cast<double>(forces.size());
   scales.force_N = percentile(forces, 0.9);
   scales.depth_m = depths.empty() ? scales.force_N / stiffness_N_per_m : percentile(depths, 0.9);
   scales.speed_m_per_s = percentile(speeds, 0.5);
@@ -289,7 +313,6 @@ CandidateFit candidate_fit(const Candidate& candidate, const RecordingScales& sc
                            const Prediction& current) {
   const Context c{candidate, scales, recording, current};
   const double F = scales.force_N;
-  const double L = scales.extent_m();
   using Maker = std::function<CandidateFit(const Context&)>;
   const std::map<std::string, Maker> makers{
       {"coulomb-friction", coulomb},
@@ -326,17 +349,24 @@ CandidateFit candidate_fit(const Candidate& candidate, const RecordingScales& sc
        }},
       {"force-saturation", saturation},
       {"time-lag", [](const Context& x) { return one_linear(x, "lag_s", 0.01, 0.0, 0.3, 0.005); }},
-      {"registration",
-       [&](const Context& x) {
-         const double d = scales.depth_m;
-         return several_linear(x, {"dx_m", "dy_m", "dz_m", "rx_rad", "ry_rad"}, {d, d, d, d / L, d / L}, 3.0);
-       }},
+      {"registration", registration},
       {"surface-geometry", [&](const Context& x) { return bump(x, Side::instrument, scales.depth_m, -1.0, 1.0); }},
   };
   const auto known = makers.find(candidate.name);
   CandidateFit fit = known == makers.end() ? generic(c) : known->second(c);
   fit.side = candidate.side;
   return fit;
+}
+
+double surface_displacement_m(const NamedParameters& entry, const MotionColumns& motion) {
+  const auto& p = entry.parameters;
+  if (entry.name == "surface-geometry" || entry.name == "surface-texture") return std::abs(p.at("amplitude_m"));
+  if (entry.name != "registration") return std::numeric_limits<double>::infinity();
+  const Vec3 shift(p.at("dx_m"), p.at("dy_m"), p.at("dz_m"));
+  const Vec3 turn(p.at("rx_rad"), p.at("ry_rad"), 0.0);
+  double most = 0.0;
+  for (const Vec3& place : motion.p_W_m) most = std::max(most, (shift + turn.cross(place)).norm());
+  return most;
 }
 
 }  // namespace touchstone

@@ -20,6 +20,7 @@ struct RecordingScales {
   double depth_rate_m_per_s = 0.0;
   double duration_s = 0.0;
   double position_noise_m = 0.0;  // declared
+  double touching_apart = 0.0;    // share of the samples in contact by force or by model that are so by one alone
   Vec3 low_W_m = Vec3::Zero();    // of the positions in contact
   Vec3 high_W_m = Vec3::Zero();
   [[nodiscard]] double extent_m() const { return (high_W_m - low_W_m).head<2>().norm(); }
@@ -39,5 +40,9 @@ struct CandidateFit {
 // (texture).
 CandidateFit candidate_fit(const Candidate& candidate, const RecordingScales& scales, const Recording& recording,
                            const Prediction& current);
+
+// The most by which an effect moves the surface, for those that do nothing else: what the mesh's makers declare as its
+// error is not missing. Infinite for all other effects.
+double surface_displacement_m(const NamedParameters& entry, const MotionColumns& motion);
 
 }  // namespace touchstone

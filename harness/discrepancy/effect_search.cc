@@ -4,102 +4,19 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
+#include <numeric>
+#include <set>
+#include <tuple>
 #include <utility>
 
-#include "harness/base/error.h"
 #include "harness/discrepancy/data_faults.h"
+#include "harness/discrepancy/model_edit.h"
+#include "harness/discrepancy/null_gains.h"
+#include "harness/discrepancy/parameter_intervals.h"
 #include "harness/discrepancy/regimes.h"
 
 namespace touchstone {
 namespace {
-
-// An effect that another contains as a special case: alike, the smaller is the finding, not a riddle.
-const std::vector<std::pair<std::string, std::string>> contained_in{
-    {"coulomb-friction", "stribeck-friction"},
-    {"coulomb-friction", "anisotropic-friction"},
-};
-
-bool contains(const std::string& larger, const std::string& smaller) {
-  return std::find(contained_in.begin(), contained_in.end(), std::pair(smaller, larger)) != contained_in.end();
-}
-
-FitData fit_data(const Evidence& evidence, const Model& model, double window_s) {
-  FitData data;
-  data.predictor = evidence.predictor;
-  const auto& t_s = evidence.recording->motion.t_s;
-  for (const SampleBlock& block : make_blocks(evidence.recording->motion, window_s)) {
-    if (evidence.part.contains(t_s[block.begin], t_s.front())) data.blocks.push_back(block);
-  }
-  data.measured_N = block_means(data.blocks, evidence.recording->f_W_N);
-  data.noise = evidence.noise->of(model, evidence.predictor->predict(model), data.blocks);
-  return data;
-}
-
-FreeParameter base_stiffness(const Model& start) {
-  const auto given = start.parameters.find("stiffness_N_per_m");
-  if (given == start.parameters.end()) {
-    throw BadData(fmt::format("{}: /parameters: stiffness_N_per_m is needed: it is fitted together with every effect",
-                              start.source));
-  }
-  return log_base_parameter("stiffness_N_per_m", 0.1 * given->second, 10.0 * given->second);
-}
-
-Model with_entry(const Model& model, Side side, const NamedParameters& entry) {
-  Model extended = model;
-  (side == Side::contact ? extended.effects : extended.instrument).push_back(entry);
-  return extended;
-}
-
-Model without_entry(const Model& model, const std::string& name) {
-  Model reduced = model;
-  for (auto* entries : {&reduced.effects, &reduced.instrument}) {
-    std::erase_if(*entries, [&](const NamedParameters& entry) { return entry.name == name; });
-  }
-  return reduced;
-}
-
-std::vector<FreeParameter> without_owner(const std::vector<FreeParameter>& parameters, const std::string& name) {
-  std::vector<FreeParameter> kept = parameters;
-  std::erase_if(kept, [&](const FreeParameter& parameter) { return parameter.owner == name; });
-  return kept;
-}
-
-// The best fit over the candidate's starts: a few steps from each, the best one finished.
-JointFit best_fit(const FitData& data, const Model& current, const CandidateFit& candidate,
-                  std::vector<FreeParameter> parameters, int iterations) {
-  parameters.insert(parameters.end(), candidate.parameters.begin(), candidate.parameters.end());
-  JointFit best;
-  const bool several = candidate.starts.size() > 1;
-  for (const NamedParameters& entry : candidate.starts) {
-    const Model start = with_entry(current, candidate.side, entry);
-    JointFit fit = fit_jointly(data, start, parameters, several ? iterations / 3 : iterations, false);
-    if (fit.ok && (!best.ok || fit.chi_squared < best.chi_squared)) best = std::move(fit);
-  }
-  if (best.ok && several) {
-    JointFit finished = fit_jointly(data, Model(best.model), parameters, iterations, false);
-    if (finished.ok && finished.chi_squared < best.chi_squared) best = std::move(finished);
-  }
-  return best;
-}
-
-// Sum and standard error of the difference of two models' chi-squared over the blocks. Neighbouring blocks share what
-// the model lacks, so that runs of them are summed before their spread is taken.
-std::pair<double, double> paired_difference(const std::vector<double>& a, const std::vector<double>& b) {
-  constexpr std::size_t run = 8;
-  std::vector<double> sums;
-  for (std::size_t i = 0; i < a.size(); i += run) {
-    double sum = 0.0;
-    for (std::size_t j = i; j < std::min(i + run, a.size()); ++j) sum += a[j] - b[j];
-    sums.push_back(sum);
-  }
-  double total = 0.0;
-  for (const double sum : sums) total += sum;
-  const double mean = total / static_cast<double>(sums.size());
-  double squares = 0.0;
-  for (const double sum : sums) squares += (sum - mean) * (sum - mean);
-  return {total, std::sqrt(squares)};
-}
 
 class Search {
  public:
@@ -110,25 +27,43 @@ class Search {
   SearchResult run(const Model& start) {
     result_.start = start;
     parameters_ = {base_stiffness(start)};
+    Prediction nothing;
+    nothing.f_W_N.assign(data_.holdout.recording->size(), Vec3::Zero());
+    holdout_force_N_ = rms_force_error_N(data_.holdout, nothing);
     renew_noise(start);
     current_ = fit_jointly(train_, start, parameters_, settings_.iterations, false);
     if (!current_.ok) current_.model = start;
     renew_noise(current_.model);
     refit();
     result_.base = current_.model;
-    while (add_one()) {
-    }
-    drop_needless();
-    weigh_rivals();
+    do {
+      while (add_one()) {
+      }
+      drop_needless();
+      weigh_rivals();
+    } while (swap_one());
     finish();
     return std::move(result_);
   }
 
  private:
-  // Noise follows the model: friction adds its own, damping too.
+  // Noise follows the model: friction adds its own, damping too. What the model lacks counts as noise until it is
+  // found.
   void renew_noise(const Model& model) {
     train_ = fit_data(data_.train, model, data_.window_s);
     holdout_ = fit_data(data_.holdout, model, data_.window_s);
+    declared_train_ = train_;
+    declared_holdout_ = holdout_;
+    const Misfit misfit = estimate_misfit(train_, model);
+    add_misfit(train_, misfit);
+    add_misfit(holdout_, misfit);
+  }
+
+  // Under the noise of the current model and the misfit that the given one leaves on the training blocks.
+  double holdout_deviance(const Model& model) const {
+    FitData holdout = declared_holdout_;
+    add_misfit(holdout, estimate_misfit(declared_train_, model));
+    return deviance(holdout, model);
   }
 
   void refit() {
@@ -155,35 +90,21 @@ class Search {
     return candidate_fit(candidate, scales, recording, now);
   }
 
-  // What the candidate gains on held-out data of worlds where the current model is the truth: noise and the mesh's
-  // declared error alone. Returned is a bar well above (parametric bootstrap, Efron and Tibshirani 1993, chapter 6.5;
-  // few worlds, so mean and spread rather than a quantile).
-  double null_bar(const Candidate& candidate) const {
-    const Prediction train_nominal = data_.train.predictor->predict(current_.model);
-    const Prediction holdout_nominal = data_.holdout.predictor->predict(current_.model);
-    std::vector<double> gains;
-    for (std::size_t world = 0; world < NoiseModel::null_worlds; ++world) {
-      Recording recording = *data_.train.recording;
-      recording.f_W_N = data_.train.noise->null_forces(current_.model, train_nominal, world);
-      FitData train = train_;
-      train.measured_N = block_means(train.blocks, recording.f_W_N);
-      FitData holdout = holdout_;
-      holdout.measured_N =
-          block_means(holdout.blocks, data_.holdout.noise->null_forces(current_.model, holdout_nominal, world));
-      const JointFit base = fit_jointly(train, Model(current_.model), parameters_, settings_.iterations, false);
-      if (!base.ok) continue;
-      const JointFit with =
-          best_fit(train, base.model, options(candidate, base.model, recording), parameters_, settings_.iterations);
-      if (with.ok) gains.push_back(chi_squared(holdout, base.model) - chi_squared(holdout, with.model));
-    }
-    if (gains.size() < 2) return settings_.minimum_gain;
-    double mean = 0.0;
-    for (const double gain : gains) mean += gain / static_cast<double>(gains.size());
-    double squares = 0.0;
-    for (const double gain : gains) squares += (gain - mean) * (gain - mean);
-    return std::max(
-        settings_.minimum_gain,
-        std::max(0.0, mean) + settings_.null_deviations * std::sqrt(squares / static_cast<double>(gains.size() - 1)));
+  // Few worlds where they decide clearly, all of them where the gain is near the bar.
+  double null_bar(const Candidate& candidate, double gain) const {
+    constexpr std::size_t few = 4;
+    constexpr double near = 3.0;
+    const NullCase null{&data_.train, &data_.holdout,      &train_, &holdout_, &current_.model,
+                        &parameters_, settings_.iterations};
+    const auto enter = [&](const Model& model, const Recording& recording) {
+      return options(candidate, model, recording);
+    };
+    auto gains = null_gains(null, enter, 0, few);
+    double bar = std::max(settings_.minimum_gain, bar_above(gains, settings_.null_deviations));
+    if (gain > near * bar || near * gain < bar) return bar;
+    const auto more = null_gains(null, enter, few, NoiseModel::null_worlds);
+    gains.insert(gains.end(), more.begin(), more.end());
+    return std::max(settings_.minimum_gain, bar_above(gains, settings_.null_deviations));
   }
 
   // The regime of held-out data that the trial makes worse than noise can, by a share of what it gains in all; empty:
@@ -208,54 +129,88 @@ class Search {
   bool add_one() {
     SearchStep step;
     step.train_chi_squared = chi_squared(train_, current_.model);
-    step.holdout_chi_squared = chi_squared(holdout_, current_.model);
+    const auto before = block_chi_squared(holdout_, current_.model);
+    step.holdout_chi_squared = std::accumulate(before.begin(), before.end(), 0.0);
     step.holdout_rms_N = holdout_rms(current_.model);
     const std::size_t found = current_.model.effects.size() + current_.model.instrument.size();
-    report_(fmt::format("step {}: held-out RMS {:.4f} N, chi-squared per degree of freedom {:.2f}", found + 1,
+    report_(fmt::format("step {}: held-out RMS {:.4g} N, chi-squared per degree of freedom {:.2f}", found + 1,
                         step.holdout_rms_N,
                         step.holdout_chi_squared / (3.0 * static_cast<double>(holdout_.blocks.size()))));
-    std::vector<CandidateFit> fits;
     for (const Candidate& candidate : candidates_) {
-      if (find_entry(current_.model, candidate.name) != nullptr) continue;
+      if (find_entry(current_.model, candidate.name) != nullptr || has_what_contains(current_.model, candidate.name))
+        continue;
+      const Model rest = without_special_cases(current_.model, candidate.name);
       Trial trial;
       trial.name = candidate.name;
       trial.side = candidate.side;
-      trial.fit =
-          best_fit(train_, current_.model, options(candidate, current_.model), parameters_, settings_.iterations);
+      trial.fit = best_fit(train_, rest, options(candidate, rest), free_in(rest), settings_.iterations);
       if (!trial.fit.ok) continue;
       trial.train_gain = step.train_chi_squared - trial.fit.chi_squared;
-      trial.holdout_gain = step.holdout_chi_squared - chi_squared(holdout_, trial.fit.model);
+      std::tie(trial.holdout_gain, trial.holdout_error) =
+          paired_difference(before, block_chi_squared(holdout_, trial.fit.model));
       trial.holdout_rms_N = holdout_rms(trial.fit.model);
+      trial.deviance = holdout_deviance(trial.fit.model);
       trial.verdict = weakness(trial, step);
       step.trials.push_back(std::move(trial));
     }
     std::sort(step.trials.begin(), step.trials.end(),
-              [](const Trial& a, const Trial& b) { return a.holdout_gain > b.holdout_gain; });
-    if (found < settings_.most_effects) verify_best(step);
-    auto best = std::find_if(step.trials.begin(), step.trials.end(), [](const Trial& t) { return t.verdict.empty(); });
-    const bool more = best != step.trials.end() && found < settings_.most_effects;
-    if (more) {
-      // A special case that does as well is preferred to what contains it.
-      for (auto& trial : step.trials) {
-        if (trial.verdict.empty() && contains(best->name, trial.name) &&
-            best->holdout_gain - trial.holdout_gain < settings_.alike_gain * 0.1 * best->holdout_gain + 10.0) {
-          best->verdict = "no better than " + trial.name + ", which it contains";
-          best = std::find_if(step.trials.begin(), step.trials.end(),
-                              [&](const Trial& t) { return t.name == trial.name; });
-          break;
-        }
-      }
-      best->verdict = "added";
-      step.added = best->name;
-      report_(fmt::format("  {}: held-out RMS {:.4f} N", best->name, best->holdout_rms_N));
-      const CandidateFit chosen = options(candidate(best->name), current_.model);
-      parameters_.insert(parameters_.end(), chosen.parameters.begin(), chosen.parameters.end());
-      current_ = best->fit;
-      renew_noise(current_.model);
-      refit();
+              [](const Trial& a, const Trial& b) { return a.deviance < b.deviance; });
+    bool more = false;
+    while (found < settings_.most_effects && !more) {
+      verify_best(step);
+      Trial* const best = preferred(step);
+      if (best == nullptr) break;
+      more = add(*best, step);
     }
     result_.steps.push_back(std::move(step));
     return more;
+  }
+
+  // The best of what passed; a special case that does as well is preferred to what contains it. nullptr: none passed.
+  Trial* preferred(SearchStep& step) const {
+    const auto best =
+        std::find_if(step.trials.begin(), step.trials.end(), [](const Trial& t) { return t.verdict.empty(); });
+    if (best == step.trials.end()) return nullptr;
+    for (Trial& trial : step.trials) {
+      if (trial.verdict.empty() && contains(best->name, trial.name) &&
+          best->holdout_gain - trial.holdout_gain < settings_.alike_gain * 0.1 * best->holdout_gain + 10.0) {
+        best->verdict = "no better than " + trial.name + ", which it contains";
+        return &trial;
+      }
+    }
+    return &*best;
+  }
+
+  // Adds the trial's effect; takes it back where the model, refitted under its own noise, does worse on held-out data.
+  bool add(Trial& trial, SearchStep& step) {
+    const auto parameters = parameters_;
+    const JointFit before = current_;
+    const Model rest = without_special_cases(current_.model, trial.name);
+    parameters_ = free_in(rest);
+    const CandidateFit chosen = options(candidate(trial.name), rest);
+    parameters_.insert(parameters_.end(), chosen.parameters.begin(), chosen.parameters.end());
+    current_ = trial.fit;
+    renew_noise(current_.model);
+    refit();
+    if (holdout_rms(current_.model) < step.holdout_rms_N) {
+      trial.verdict = "added";
+      step.added = trial.name;
+      report_(fmt::format("  {}: held-out RMS {:.4g} N", trial.name, holdout_rms(current_.model)));
+      return true;
+    }
+    trial.verdict = "does worse on held-out data once all is refitted";
+    parameters_ = parameters;
+    current_ = before;
+    renew_noise(current_.model);
+    return false;
+  }
+
+  std::vector<FreeParameter> free_in(const Model& model) const {
+    std::vector<FreeParameter> kept = parameters_;
+    std::erase_if(kept, [&](const FreeParameter& parameter) {
+      return find_entry(current_.model, parameter.owner) != nullptr && find_entry(model, parameter.owner) == nullptr;
+    });
+    return kept;
   }
 
   // The dear checks, of the best trial only; the next one's turn comes when it fails.
@@ -268,7 +223,7 @@ class Search {
         trial.verdict = fmt::format("makes {} worse", worse);
         continue;
       }
-      trial.null_bar = null_bar(candidate(trial.name));
+      trial.null_bar = null_bar(candidate(trial.name), trial.holdout_gain);
       if (trial.holdout_gain > trial.null_bar) return;
       trial.verdict = "no more than noise and the mesh's declared error give where nothing is missing";
     }
@@ -276,11 +231,20 @@ class Search {
 
   // Empty: strong enough to be added.
   std::string weakness(const Trial& trial, const SearchStep& step) const {
-    const double share = 1.0 - trial.holdout_rms_N * trial.holdout_rms_N / (step.holdout_rms_N * step.holdout_rms_N);
     if (trial.train_gain < settings_.minimum_gain) return "no more than noise on the training blocks";
     if (trial.holdout_gain < settings_.minimum_gain) return "no more than noise on the held-out blocks";
-    if (trial.holdout_gain < settings_.minimum_share * step.holdout_chi_squared || share < settings_.minimum_share) {
-      return "too small to matter";
+    if (trial.holdout_gain < settings_.gain_errors * trial.holdout_error) {
+      return "its gain comes from a few held-out blocks alone";
+    }
+    const double removed = step.holdout_rms_N * step.holdout_rms_N - trial.holdout_rms_N * trial.holdout_rms_N;
+    const bool shares = trial.holdout_gain >= settings_.minimum_share * step.holdout_chi_squared &&
+                        removed >= settings_.minimum_share * step.holdout_rms_N * step.holdout_rms_N;
+    const double noticed_N = settings_.just_noticeable_share * holdout_force_N_;
+    if (!shares && removed < noticed_N * noticed_N) return "too small to matter";
+    const NamedParameters& entry = *find_entry(trial.fit.model, trial.name);
+    if (surface_displacement_m(entry, data_.train.recording->motion) <=
+        settings_.mesh_margin * data_.geometry_error_m) {
+      return "within the mesh's declared error";
     }
     return "";
   }
@@ -309,6 +273,7 @@ class Search {
   }
 
   void weigh_rivals() {
+    result_.found.clear();
     std::vector<std::pair<std::string, Side>> names;
     for (const NamedParameters& entry : current_.model.effects) names.emplace_back(entry.name, Side::contact);
     for (const NamedParameters& entry : current_.model.instrument) names.emplace_back(entry.name, Side::instrument);
@@ -324,8 +289,14 @@ class Search {
       const double bare_chi = chi_squared(holdout_, bare.model);
       found.holdout_gain = bare_chi - chi_squared(holdout_, current_.model);
       for (const Candidate& other : candidates_) {
-        if (find_entry(current_.model, other.name) != nullptr) continue;
-        const JointFit fit = best_fit(train_, bare.model, options(other, bare.model), kept, settings_.iterations);
+        const Model rest = without_entry(current_.model, name);
+        const bool one_too_many = has_what_contains(rest, other.name) ||
+                                  without_special_cases(rest, other.name).effects.size() < rest.effects.size();
+        if (find_entry(current_.model, other.name) != nullptr || one_too_many) continue;
+        // From what is known of the rest, which `bare` had to bend to make up for what it lacks.
+        CandidateFit starting = options(other, bare.model);
+        if (const NamedParameters* const tried = came_to(other.name, name)) starting.starts.push_back(*tried);
+        const JointFit fit = best_fit(train_, rest, starting, kept, settings_.iterations);
         if (!fit.ok) continue;
         Rival rival;
         rival.name = other.name;
@@ -336,8 +307,10 @@ class Search {
         rival.error = error;
         rival.holdout_rms_N = holdout_rms(fit.model);
         const bool close = lost < settings_.alike_errors * error || lost < settings_.minimum_gain / 3.0;
-        rival.alike = close && lost < settings_.alike_gain * found.holdout_gain && !contains(other.name, name) &&
-                      !contains(name, other.name);
+        const bool related = contains(other.name, name) || contains(name, other.name);
+        if (lost < settings_.alike_gain * found.holdout_gain && !related) {
+          rival.alike = close || alike_without_noise(rival.model, kept, other);
+        }
         found.rivals.push_back(std::move(rival));
       }
       std::sort(found.rivals.begin(), found.rivals.end(),
@@ -346,36 +319,95 @@ class Search {
     }
   }
 
+  // What the rival came to when it competed with the effect that was added instead: a start that is near.
+  const NamedParameters* came_to(const std::string& rival, const std::string& added) const {
+    for (const SearchStep& step : result_.steps) {
+      for (const Trial& trial : step.trials) {
+        if (step.added == added && trial.name == rival) return find_entry(trial.fit.model, rival);
+      }
+    }
+    return nullptr;
+  }
+
+  // Whether the rival does as well as the found model on the smoothed motion, each fitted to it; or differs there from
+  // it by less than an effect must be to be claimed.
+  bool alike_without_noise(const Model& rival, std::vector<FreeParameter> parameters,
+                           const Candidate& candidate) const {
+    if (data_.train.smooth == nullptr || data_.holdout.smooth == nullptr) return false;
+    FitData train = train_;
+    FitData holdout = holdout_;
+    train.predictor = data_.train.smooth;
+    holdout.predictor = data_.holdout.smooth;
+    const auto own = fit_data(data_.holdout, rival, data_.window_s).noise;
+    for (std::size_t b = 0; b < own.size(); ++b) {
+      holdout.noise[b].along_normal_N = std::max(holdout.noise[b].along_normal_N, own[b].along_normal_N);
+      holdout.noise[b].tangential_N = std::max(holdout.noise[b].tangential_N, own[b].tangential_N);
+    }
+    const JointFit found = fit_jointly(train, Model(current_.model), parameters_, settings_.iterations, false);
+    const auto fit = options(candidate, current_.model).parameters;
+    parameters.insert(parameters.end(), fit.begin(), fit.end());
+    const JointFit other = fit_jointly(train, rival, parameters, settings_.iterations, false);
+    if (!found.ok || !other.ok) return false;
+    const auto [lost, error] =
+        paired_difference(block_chi_squared(holdout, other.model), block_chi_squared(holdout, found.model));
+    const double apart_N = rms_difference_N(data_.holdout, data_.holdout.smooth->predict(found.model),
+                                            data_.holdout.smooth->predict(other.model));
+    const double floor_N = expected_noise_N(data_.holdout, current_.model);
+    report_(fmt::format("    {} on the smoothed motion: loses {:.0f} +- {:.0f}, {:.4g} N apart, noise {:.4g} N",
+                        candidate.name, lost, error, apart_N, floor_N));
+    return lost < std::max(settings_.alike_errors * error, settings_.minimum_gain / 3.0) ||
+           apart_N < settings_.apart_share * floor_N;
+  }
+
+  // What stands in the place of a found effect and does better, now that the others are known, takes it. What was put
+  // away does not come back, so that this ends.
+  bool swap_one() {
+    const Rival* best = nullptr;
+    const FoundEffect* loser = nullptr;
+    for (const FoundEffect& found : result_.found) {
+      for (const Rival& rival : found.rivals) {
+        const double clear = std::max(settings_.minimum_gain, settings_.alike_errors * rival.error);
+        if (rival.holdout_gain_lost > -clear || put_away_.contains(rival.name)) continue;
+        if (best == nullptr || rival.holdout_gain_lost < best->holdout_gain_lost) {
+          best = &rival;
+          loser = &found;
+        }
+      }
+    }
+    if (best == nullptr) return false;
+    report_(fmt::format("  {} in place of {}", best->name, loser->name));
+    SearchStep step;
+    step.train_chi_squared = chi_squared(train_, current_.model);
+    step.holdout_chi_squared = chi_squared(holdout_, current_.model);
+    step.holdout_rms_N = holdout_rms(current_.model);
+    step.added = best->name;
+    step.removed = loser->name;
+    result_.steps.push_back(std::move(step));
+    put_away_.insert(loser->name);
+    const CandidateFit chosen = options(candidate(best->name), without_entry(current_.model, loser->name));
+    parameters_ = without_owner(parameters_, loser->name);
+    parameters_.insert(parameters_.end(), chosen.parameters.begin(), chosen.parameters.end());
+    current_.model = best->model;
+    renew_noise(current_.model);
+    refit();
+    return true;
+  }
+
   void finish() {
     settle_texture(current_.model);
     result_.model = current_.model;
     result_.parameters = parameters_;
-    result_.fit = fit_jointly(train_, Model(current_.model), parameters_, settings_.iterations, true);
+    result_.fit = fit_jointly(train_, Model(current_.model), parameters_, 4 * settings_.iterations, true);
     if (std::isfinite(result_.fit.chi_squared)) result_.model = result_.fit.model;
-    result_.goodness = chi_squared(holdout_, result_.model) /
-                       (3.0 * static_cast<double>(std::max<std::size_t>(1, holdout_.blocks.size())));
-    const Prediction nominal = data_.holdout.predictor->predict(result_.model);
-    for (std::size_t world = 0; world < NoiseModel::null_worlds; ++world) {
-      FitData null = holdout_;
-      null.measured_N = block_means(null.blocks, data_.holdout.noise->null_forces(result_.model, nominal, world));
-      result_.null_goodness = std::max(
-          result_.null_goodness,
-          chi_squared(null, result_.model) / (3.0 * static_cast<double>(std::max<std::size_t>(1, null.blocks.size()))));
-    }
+    result_.draws = bootstrap_models(data_.train, train_, result_.fit, parameters_, settings_.iterations / 2);
+    // Whether noise is all that is left is judged by the declared noise.
+    train_ = fit_data(data_.train, result_.model, data_.window_s);
+    holdout_ = fit_data(data_.holdout, result_.model, data_.window_s);
+    judge_goodness();
     const DetectorSide train{data_.train.recording, &train_, data_.train.noise};
     const DetectorSide holdout{data_.holdout.recording, &holdout_, data_.holdout.noise};
     result_.structure = detect_structure(train, holdout, result_.model);
     result_.data_fault = find_data_fault(train, holdout, result_.base, result_.model);
-    const auto squares = data_.holdout.noise->expected_squares(result_.model, nominal);
-    const auto& t_s = data_.holdout.recording->motion.t_s;
-    double sum = 0.0;
-    double count = 0.0;
-    for (std::size_t i = 0; i < squares.size(); ++i) {
-      if (!data_.holdout.part.contains(t_s[i], t_s.front())) continue;
-      sum += squares[i];
-      count += 1.0;
-    }
-    result_.noise_rms_N = std::sqrt(sum / std::max(1.0, count));
     if (result_.data_fault) {
       // Nothing is learnt from data that are wrong.
       result_.model = result_.base;
@@ -383,19 +415,16 @@ class Search {
     }
   }
 
-  // The same wave has many names: its direction is taken in [0, pi), its phase in [0, 2 pi).
-  static void settle_texture(Model& model) {
-    NamedParameters* const texture = find_entry(model, "surface-texture");
-    if (texture == nullptr) return;
-    constexpr double pi = std::numbers::pi;
-    double& direction = texture->parameters.at("direction_rad");
-    double& phase = texture->parameters.at("phase_rad");
-    direction -= 2.0 * pi * std::floor(direction / (2.0 * pi));
-    if (direction >= pi) {
-      direction -= pi;
-      phase = pi - phase;
+  void judge_goodness() {
+    const double freedom = 3.0 * static_cast<double>(std::max<std::size_t>(1, holdout_.blocks.size()));
+    result_.goodness = chi_squared(holdout_, result_.model) / freedom;
+    const Prediction nominal = data_.holdout.predictor->predict(result_.model);
+    for (std::size_t world = 0; world < NoiseModel::null_worlds; ++world) {
+      FitData null = holdout_;
+      null.measured_N = block_means(null.blocks, data_.holdout.noise->null_forces(result_.model, nominal, world));
+      result_.null_goodness = std::max(result_.null_goodness, chi_squared(null, result_.model) / freedom);
     }
-    phase -= 2.0 * pi * std::floor(phase / (2.0 * pi));
+    result_.noise_rms_N = expected_noise_N(data_.holdout, result_.model);
   }
 
   const SearchData& data_;
@@ -403,25 +432,17 @@ class Search {
   const SearchSettings& settings_;
   const Report& report_;
   std::vector<FreeParameter> parameters_;
-  FitData train_;
+  FitData declared_train_;  // under the declared noise alone
+  FitData declared_holdout_;
+  FitData train_;  // with the current model's misfit
   FitData holdout_;
   JointFit current_;
+  double holdout_force_N_ = 0.0;  // RMS of the measured force, held out
+  std::set<std::string> put_away_;
   SearchResult result_;
 };
 
 }  // namespace
-
-double rms_force_error_N(const Evidence& evidence, const Prediction& prediction) {
-  const Recording& recording = *evidence.recording;
-  double sum = 0.0;
-  std::size_t count = 0;
-  for (std::size_t i = 0; i < recording.size(); ++i) {
-    if (!evidence.part.contains(recording.motion.t_s[i], recording.motion.t_s.front())) continue;
-    sum += (recording.f_W_N[i] - prediction.f_W_N[i]).squaredNorm();
-    ++count;
-  }
-  return std::sqrt(sum / static_cast<double>(std::max<std::size_t>(1, count)));
-}
 
 SearchResult search_effects(const SearchData& data, const Model& start, const std::vector<Candidate>& candidates,
                             const SearchSettings& settings, const Report& report) {

@@ -12,8 +12,9 @@
 #include <vector>
 
 #include "harness/discrepancy/candidate_starts.h"
+#include "harness/discrepancy/evidence.h"
 #include "harness/discrepancy/joint_fit.h"
-#include "harness/discrepancy/noise_model.h"
+#include "harness/discrepancy/misfit.h"
 #include "harness/discrepancy/structure_detector.h"
 
 namespace touchstone {
@@ -21,11 +22,16 @@ namespace touchstone {
 struct SearchSettings {
   double minimum_gain =
       60.0;  // of chi-squared, held-out and training: far beyond what noise gives a handful of parameters
-  double minimum_share = 0.08;   // of the held-out chi-squared and of the held-out mean-square error that must go
-  double null_deviations = 5.0;  // above what the case's own nulls gain, in their standard deviations
-  double worsening = 0.15;       // of the squared error that goes, no regime's may grow by more than this share
-  double alike_gain = 0.1;       // two explanations whose held-out gains differ by less than this share of the gain, or
-  double alike_errors = 2.5;     // by less than so many standard errors, are alike
+  double minimum_share = 0.08;  // of the held-out chi-squared and of the held-out mean-square error that must go
+  double gain_errors = 1.64;    // the held-out gain exceeds so many of its standard errors by runs of blocks
+  double just_noticeable_share = 0.07;  // of the force: what removes more error than a hand can notice matters always
+                                        // (Weber fraction of force, Jones 1989)
+  double mesh_margin = 1.25;            // a displaced surface must exceed the mesh's declared error by so much
+  double null_deviations = 5.0;         // above what the case's own nulls gain, in their standard deviations
+  double worsening = 0.15;              // of the squared error that goes, no regime's may grow by more than this share
+  double alike_gain = 0.1;    // two explanations whose held-out gains differ by less than this share of the gain, or
+  double alike_errors = 2.5;  // by less than so many standard errors, are alike
+  double apart_share = 0.5;   // and so are two whose forces differ by less than this share of what noise leaves
   std::size_t most_effects = 4;
   int iterations = 12;
 };
@@ -37,6 +43,8 @@ struct Trial {
   JointFit fit;
   double train_gain = 0.0;  // of chi-squared against the model without it
   double holdout_gain = 0.0;
+  double holdout_error = 0.0;  // standard error of that gain, by runs of blocks
+  double deviance = 0.0;       // held out, with what this trial leaves counted as noise: the least is the best
   double holdout_rms_N = 0.0;  // of the 3-D force error, held-out samples
   double null_bar = 0.0;       // of the held-out gain, from the case's own nulls; 0 where they were not needed
   std::string verdict;         // why it was kept or not
@@ -48,6 +56,7 @@ struct SearchStep {
   double holdout_rms_N = 0.0;
   std::vector<Trial> trials;  // best first
   std::string added;          // empty: none was strong enough
+  std::string removed;        // what `added` took the place of; empty: nothing
 };
 
 // What stands in place of an effect that was found.
@@ -68,38 +77,12 @@ struct FoundEffect {
   std::vector<Rival> rivals;  // nearest first
 };
 
-// Part of a recording: everything, or alternating blocks of time.
-struct Part {
-  double block_s = 0.0;  // 0: everything
-  bool odd = false;
-  [[nodiscard]] bool contains(double t_s, double first_t_s) const {
-    if (block_s <= 0.0) return true;
-    const auto number = static_cast<long long>((t_s - first_t_s) / block_s);
-    return (number % 2 == 1) == odd;
-  }
-};
-
-// A recording, or a part of it, seen through a predictor. What is pointed to must outlive it.
-struct Evidence {
-  const Recording* recording = nullptr;
-  Predictor* predictor = nullptr;
-  NoiseModel* noise = nullptr;
-  Part part;
-};
-
-struct SearchData {
-  Evidence train;
-  Evidence holdout;
-  double window_s = 0.0;       // of the blocks
-  double force_floor_N = 0.0;  // a measured force above it is contact
-  double position_noise_m = 0.0;
-};
-
 struct SearchResult {
   Model start;
   Model base;                             // the start with its base parameters refitted
   Model model;                            // with the effects found
   JointFit fit;                           // of `model`, with covariance
+  std::vector<Model> draws;               // `model` fitted again in the case's null worlds
   std::vector<FreeParameter> parameters;  // free in `fit`
   std::vector<SearchStep> steps;
   std::vector<FoundEffect> found;
@@ -115,8 +98,5 @@ using Report = std::function<void(const std::string&)>;
 // Throws BadData when the starting model cannot run or has no stiffness to fit.
 SearchResult search_effects(const SearchData& data, const Model& start, const std::vector<Candidate>& candidates,
                             const SearchSettings& settings, const Report& report);
-
-// Of the 3-D force error, over the samples of the part.
-double rms_force_error_N(const Evidence& evidence, const Prediction& prediction);
 
 }  // namespace touchstone

@@ -9,37 +9,13 @@
 
 #include "harness/base/error.h"
 #include "harness/discrepancy/findings.h"
+#include "harness/discrepancy/plane_for_test.h"
 
 namespace touchstone {
 namespace {
 
-class PlanePredictor final : public Predictor {
- public:
-  explicit PlanePredictor(MotionColumns motion) : motion_(std::move(motion)) {}
-  Prediction predict(const Model& model) override {
-    Prediction prediction;
-    const double k = model.parameters.at("stiffness_N_per_m");
-    const NamedParameters* const viscous = find_entry(model, "viscous-friction");
-    const NamedParameters* const bias = find_entry(model, "force-bias");
-    for (std::size_t i = 0; i < motion_.size(); ++i) {
-      const double depth = std::max(0.0, -motion_.p_W_m[i].z());
-      Vec3 f(0.0, 0.0, k * depth);
-      if (viscous && depth > 0.0 && i > 0) {
-        const Vec3 v = (motion_.p_W_m[i] - motion_.p_W_m[i - 1]) / (motion_.t_s[i] - motion_.t_s[i - 1]);
-        f.head<2>() -= viscous->parameters.at("coefficient_N_s_per_m") * v.head<2>();
-      }
-      if (bias) f += Vec3(bias->parameters.at("fx_N"), bias->parameters.at("fy_N"), bias->parameters.at("fz_N"));
-      prediction.f_W_N.push_back(f);
-      prediction.n_W.push_back(depth > 0.0 ? Vec3(Vec3::UnitZ()) : Vec3(Vec3::Zero()));
-      prediction.depth_m.push_back(depth);
-      prediction.normal_N.push_back(k * depth);
-    }
-    return prediction;
-  }
-
- private:
-  MotionColumns motion_;
-};
+using testing::hand;
+using testing::PlanePredictor;
 
 const std::vector<Candidate> candidates{
     {"viscous-friction", Side::contact, {{"coefficient_N_s_per_m", "N s/m", 0.0, 1e4, 0.0, "b"}}},
@@ -47,18 +23,6 @@ const std::vector<Candidate> candidates{
      Side::instrument,
      {{"fx_N", "N", -1e3, 1e3, 0.0, ""}, {"fy_N", "N", -1e3, 1e3, 0.0, ""}, {"fz_N", "N", -1e3, 1e3, 0.0, ""}}},
 };
-
-// Presses and circles for 12 s at 250 Hz; `scale` is the unit of length.
-MotionColumns hand(double phase, double scale) {
-  MotionColumns motion;
-  for (int i = 0; i < 3000; ++i) {
-    const double t = 0.004 * i;
-    motion.t_s.push_back(t);
-    motion.p_W_m.emplace_back(scale * 0.02 * std::sin(1.3 * t + phase), scale * 0.015 * std::cos(2.1 * t),
-                              scale * (0.001 - 0.002 * std::sin(3.0 * t + phase)));
-  }
-  return motion;
-}
 
 Model truth(double scale);
 
@@ -100,7 +64,8 @@ struct World {
                           {&holdout, holdout_predictor.get(), &holdout_noise, {}},
                           block_window_s(60.0, train.motion),
                           0.06,
-                          instrument.position_noise_m};
+                          instrument.position_noise_m,
+                          instrument.geometry_error_m};
     Findings findings;
     findings.search = search_effects(data, start, library, {}, [](const std::string&) {});
     conclude(findings, library);

@@ -7,6 +7,8 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "harness/discrepancy/parameter_intervals.h"
+
 namespace touchstone {
 namespace {
 
@@ -22,28 +24,13 @@ std::vector<FoundParameter> parameters_of(const SearchResult& search, const Cand
   for (const ParameterDeclaration& declared : candidate.parameters) {
     const auto value = entry->parameters.find(declared.name);
     if (value == entry->parameters.end()) continue;
-    FoundParameter parameter{declared.name, declared.unit, value->second, value->second, value->second, false};
+    const Interval interval = interval95(search.fit, search.parameters, search.draws, candidate.name, declared.name);
+    FoundParameter parameter{declared.name, declared.unit, value->second, interval.low, interval.high, false};
     for (std::size_t i = 0; i < search.parameters.size(); ++i) {
       const FreeParameter& free = search.parameters[i];
-      if (free.owner != candidate.name || free.name != declared.name) continue;
-      parameter.at_bound = search.fit.at_bound[i];
-      const auto index = static_cast<Eigen::Index>(i);
-      if (search.fit.covariance.rows() <= index) continue;
-      const double half = 1.96 * std::sqrt(std::max(0.0, search.fit.covariance(index, index)));
-      // Through the model, because u may be a logarithm or an excess over another parameter.
-      for (const double sign : {-1.0, 1.0}) {
-        Model moved = search.model;
-        free.set(moved, std::clamp(search.fit.u[index] + sign * half, free.lower, free.upper));
-        (sign < 0.0 ? parameter.low95 : parameter.high95) =
-            find_entry(moved, candidate.name)->parameters.at(declared.name);
-      }
+      if (free.owner == candidate.name && free.name == declared.name) parameter.at_bound = search.fit.at_bound[i];
     }
-    // Plain Coulomb friction has one coefficient: the other follows.
     found.push_back(parameter);
-  }
-  if (candidate.name == "coulomb-friction" && found.size() >= 2) {
-    found[0].low95 = found[1].low95;
-    found[0].high95 = found[1].high95;
   }
   return found;
 }
@@ -109,7 +96,7 @@ void conclude(Findings& findings, const std::vector<Candidate>& candidates) {
   } else if (search.found.empty()) {
     findings.verdict = FindingsVerdict::consistent;
     findings.explanation = fmt::format(
-        "Nothing is missing: with its stiffness refitted the model leaves {:.4f} N of held-out error, as the noise "
+        "Nothing is missing: with its stiffness refitted the model leaves {:.4g} N of held-out error, as the noise "
         "does.",
         findings.gap.holdout_after_N);
   } else if (!findings.ambiguous.empty()) {
@@ -121,7 +108,7 @@ void conclude(Findings& findings, const std::vector<Candidate>& candidates) {
   } else {
     findings.verdict = FindingsVerdict::explained;
     findings.explanation =
-        fmt::format("{} {} missing. With {} the held-out error falls from {:.4f} N to {:.4f} N.", names(search.found),
+        fmt::format("{} {} missing. With {} the held-out error falls from {:.4g} N to {:.4g} N.", names(search.found),
                     search.found.size() == 1 ? "was" : "were", search.found.size() == 1 ? "it" : "them",
                     findings.gap.holdout_before_N, findings.gap.holdout_after_N);
   }
@@ -203,10 +190,14 @@ std::string findings_to_json(const Findings& findings, const std::string& trajec
       trials.push_back({{"name", trial.name},
                         {"train_gain", number(trial.train_gain)},
                         {"holdout_gain", number(trial.holdout_gain)},
+                        {"holdout_error", number(trial.holdout_error)},
+                        {"bar", number(trial.null_bar)},
+                        {"deviance", number(trial.deviance)},
                         {"holdout_rms_N", number(trial.holdout_rms_N)},
                         {"verdict", trial.verdict}});
     }
     root["steps"].push_back({{"added", step.added},
+                             {"removed", step.removed},
                              {"holdout_rms_N", number(step.holdout_rms_N)},
                              {"holdout_chi_squared", number(step.holdout_chi_squared)},
                              {"trials", std::move(trials)}});

@@ -33,7 +33,8 @@ FreeParameter log_parameter(const std::string& owner, const std::string& name, d
           std::log(lower),
           std::log(upper),
           [=](Model& model, double u) { find_entry(model, owner)->parameters[name] = std::exp(u); },
-          [=](const Model& model) { return std::log(find_entry(model, owner)->parameters.at(name)); }};
+          [=](const Model& model) { return std::log(find_entry(model, owner)->parameters.at(name)); },
+          true};
 }
 
 FreeParameter log_base_parameter(const std::string& name, double lower, double upper) {
@@ -42,7 +43,8 @@ FreeParameter log_base_parameter(const std::string& name, double lower, double u
           std::log(lower),
           std::log(upper),
           [=](Model& model, double u) { model.parameters[name] = std::exp(u); },
-          [=](const Model& model) { return std::log(model.parameters.at(name)); }};
+          [=](const Model& model) { return std::log(model.parameters.at(name)); },
+          true};
 }
 
 }  // namespace touchstone

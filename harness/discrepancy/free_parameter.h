@@ -17,6 +17,7 @@ struct FreeParameter {
   double upper = 0.0;
   std::function<void(Model&, double u)> set;
   std::function<double(const Model&)> get;
+  bool logarithmic = false;  // u is the logarithm of the value
 };
 
 // The entry of that name among contact effects and instrument entries; nullptr when the model has none.

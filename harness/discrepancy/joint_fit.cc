@@ -151,8 +151,18 @@ JointFit fit_jointly(const FitData& data, const Model& start, const std::vector<
   fit.ok =
       curvature.info() == Eigen::Success && curvature.vectorD().minCoeff() > 1e-12 * curvature.vectorD().maxCoeff();
   if (!fit.ok) return fit;
-  const double freedom = static_cast<double>(cost.num_residuals() - n);
-  fit.covariance = curvature.solve(Eigen::MatrixXd::Identity(n, n)) * std::max(1.0, fit.chi_squared / freedom);
+  const Eigen::MatrixXd inverse = curvature.solve(Eigen::MatrixXd::Identity(n, n));
+  Eigen::MatrixXd scores = Eigen::MatrixXd::Zero(n, n);
+  const auto rows_of_run = static_cast<Eigen::Index>(3 * blocks_in_run);
+  for (Eigen::Index row = 0; row < jacobian.rows(); row += rows_of_run) {
+    const Eigen::Index count = std::min(rows_of_run, jacobian.rows() - row);
+    const Eigen::VectorXd score = jacobian.middleRows(row, count).transpose() * out.segment(row, count);
+    scores += score * score.transpose();
+  }
+  fit.covariance = inverse * scores * inverse;
+  const Eigen::VectorXd wider =
+      inverse.diagonal().cwiseQuotient(fit.covariance.diagonal().cwiseMax(1e-300)).cwiseMax(1.0).cwiseSqrt();
+  fit.covariance = Eigen::MatrixXd(wider.asDiagonal() * fit.covariance * wider.asDiagonal());
   return fit;
 }
 

@@ -33,7 +33,7 @@ class NoiseModel {
 
   // What the sensor would have shown, were `model` the truth, in a world whose noise and mesh error are number `index`
   // (< null_worlds): for null distributions of the case itself.
-  static constexpr std::size_t null_worlds = 4;
+  static constexpr std::size_t null_worlds = 10;
   [[nodiscard]] std::vector<Vec3> null_forces(const Model& model, const Prediction& nominal, std::size_t index);
 
  private:

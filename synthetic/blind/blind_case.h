@@ -73,4 +73,8 @@ BlindCase plan_case(const std::string& set, std::size_t index, std::uint64_t see
 // Deterministic. 250 Hz.
 Recording record(const BlindCase& plan, bool holdout);
 
+// What the case's object and instruments show when a machine leads the tip along a given motion of equal time steps:
+// for the recording that a search asks for. `repetition`: the motion is the same, the noise is not.
+Recording record_along(const BlindCase& plan, const MotionColumns& motion, std::uint64_t repetition);
+
 }  // namespace touchstone::synthetic

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 #include <numbers>
 
 #include "synthetic/blind/blind_case.h"
@@ -27,6 +28,9 @@ struct Truth {
     return series[i] + share * (series[i + 1] - series[i]);
   }
 };
+
+// How the tool stands at a time of the recording.
+using Turn = std::function<Quat(double)>;
 
 Truth simulate(const BlindCase& plan, const HandScript& script, double duration_s) {
   // A hand about a tool: 0.15 kg on 800 N/m, damped at 0.8 of critical; the arm leans into presses.
@@ -60,6 +64,38 @@ Truth simulate(const BlindCase& plan, const HandScript& script, double duration_
     truth.f_W_N.push_back(forces.f_W_N);
     v += step_s * a;
     p += step_s * v;
+  }
+  return truth;
+}
+
+// Catmull and Rom's cubic through equally spaced points, at `place` in steps.
+Vec3 cubic(const std::vector<Vec3>& points, double place) {
+  const auto i = std::clamp<std::size_t>(static_cast<std::size_t>(std::max(0.0, place)), 1, points.size() - 3);
+  const double u = place - static_cast<double>(i);
+  const Vec3& a = points[i - 1];
+  const Vec3& b = points[i];
+  const Vec3& c = points[i + 1];
+  const Vec3& d = points[i + 2];
+  return b + 0.5 * u * (c - a + u * (2.0 * a - 5.0 * b + 4.0 * c - d + u * (3.0 * (b - c) + d - a)));
+}
+
+// A machine leads the tip along the motion, whatever the contact's force.
+Truth lead_along(const BlindCase& plan, const MotionColumns& motion) {
+  HiddenContact contact(plan.truth, plan.physics);
+  const double period_s =
+      (motion.t_s.back() - motion.t_s.front()) / static_cast<double>(std::max<std::size_t>(1, motion.size() - 1));
+  const double last_s = motion.t_s.back() - motion.t_s.front();
+  const auto place = [&](double t_s) { return cubic(motion.p_W_m, std::clamp(t_s, 0.0, last_s) / period_s); };
+  Truth truth;
+  const auto steps = static_cast<std::size_t>((last_s + 2.0 * lead_s) / step_s) + 1;
+  for (std::size_t i = 0; i < steps; ++i) {
+    const double t_s = static_cast<double>(i) * step_s - lead_s;
+    const Vec3 p = place(t_s);
+    const Vec3 before = place(t_s - step_s);
+    const Vec3 v = (p - before) / step_s;
+    truth.p_W_m.push_back(p);
+    truth.a_W_m_per_s2.push_back((place(t_s + step_s) - 2.0 * p + before) / (step_s * step_s));
+    truth.f_W_N.push_back(contact.step(t_s, step_s, p, v).f_W_N);
   }
   return truth;
 }
@@ -100,45 +136,28 @@ std::vector<Vec3> track(const BlindCase& plan, const Truth& truth, const std::ve
   smooth_both_ways(seen);
   std::vector<Vec3> positions;
   for (const double t : t_s) {
-    const double place = (t - start_s) / period_s;
-    const auto i = std::clamp<std::size_t>(static_cast<std::size_t>(place), 1, seen.size() - 3);
-    const double u = place - static_cast<double>(i);
-    // Catmull and Rom's cubic.
-    const Vec3& a = seen[i - 1];
-    const Vec3& b = seen[i];
-    const Vec3& c = seen[i + 1];
-    const Vec3& d = seen[i + 2];
-    positions.emplace_back(b + 0.5 * u * (c - a + u * (2.0 * a - 5.0 * b + 4.0 * c - d + u * (3.0 * (b - c) + d - a))));
+    positions.push_back(cubic(seen, (t - start_s) / period_s));
   }
   return positions;
 }
 
 // The sensor's reading in its own frame, without noise.
-Vec3 reading_S_N(const BlindCase& plan, const Truth& truth, const HandScript& script, double t_s, bool flip_friction,
+Vec3 reading_S_N(const BlindCase& plan, const Truth& truth, const Turn& turn, double t_s, bool flip_friction,
                  const Vec3& n_W) {
   const HiddenInstrument& h = plan.instrument;
   Vec3 f = Truth::at(truth.f_W_N, t_s);
   if (flip_friction) f = 2.0 * n_W.dot(f) * n_W - f;
   f.z() -= h.weight_kg * gravity_m_per_s2;
   f -= h.inertia_kg * Truth::at(truth.a_W_m_per_s2, t_s);
-  Vec3 s = script.turn(t_s + lead_s).conjugate() * f;
+  Vec3 s = turn(t_s).conjugate() * f;
   s += Vec3(h.c_xz * s.z(), h.c_yz * s.z(), 0.0);
   return s + h.bias_S_N + t_s * h.drift_S_N_per_s;
 }
 
-}  // namespace
-
-Recording record(const BlindCase& plan, bool holdout) {
-  const ScriptSettings& settings = holdout ? plan.holdout : plan.train;
-  const Random root = Random(plan.seed).stream(holdout ? 12 : 11);
-  ScriptSettings longer = settings;
-  longer.duration_s += 2.0 * lead_s;
-  const HandScript script(longer, root.stream(0));
-  const Truth truth = simulate(plan, script, settings.duration_s);
-
+Recording measure(const BlindCase& plan, const Truth& truth, std::vector<double> times_s, const Turn& turn,
+                  const Random& root) {
   Recording recording;
-  const auto samples = static_cast<std::size_t>(settings.duration_s * record_Hz);
-  for (std::size_t i = 0; i < samples; ++i) recording.motion.t_s.push_back(static_cast<double>(i) / record_Hz);
+  recording.motion.t_s = std::move(times_s);
   recording.motion.p_W_m = track(plan, truth, recording.motion.t_s, root.stream(1));
 
   Random random = root.stream(2);
@@ -151,20 +170,20 @@ Recording record(const BlindCase& plan, bool holdout) {
     const Vec3 p = Truth::at(truth.p_W_m, t_s);
     const auto foot = plan.truth.foot(p, t_s == 0.0 ? Vec2(p.head<2>()) : guess);
     guess = foot.q_W_m.head<2>();
-    Vec3 s = reading_S_N(plan, truth, script, t_s - plan.instrument.lag_s, flip, foot.n_W) + noise;
+    Vec3 s = reading_S_N(plan, truth, turn, t_s - plan.instrument.lag_s, flip, foot.n_W) + noise;
     noise = keep * noise + d.force_noise_N * std::sqrt(1.0 - keep * keep) * gaussian(random);
     const double limit = plan.instrument.limit_N;
     for (int axis = 0; axis < 3; ++axis) {
       s[axis] = d.force_step_N[axis] * std::round(std::clamp(s[axis], -limit, limit) / d.force_step_N[axis]);
     }
-    const Quat q = script.turn(t_s + lead_s);
+    const Quat q = turn(t_s);
     recording.motion.q_WS.push_back(q);
     recording.f_W_N.push_back(q * s);
   }
   if (plan.corruption == Corruption::shuffled_blocks) {
     // Seconds of force in another order, as when files are joined wrongly.
     const auto block = static_cast<std::size_t>(record_Hz);
-    const std::size_t blocks = samples / block;
+    const std::size_t blocks = recording.size() / block;
     for (std::size_t b = blocks - 1; b > 0; --b) {
       const std::size_t other = random.below(b + 1);
       for (std::size_t i = 0; i < block; ++i) {
@@ -177,6 +196,38 @@ Recording record(const BlindCase& plan, bool holdout) {
   for (Vec3& f : recording.f_W_N) f = 1e-5 * (1e5 * f).array().round().matrix();
   recording.source = plan.id;
   return recording;
+}
+
+}  // namespace
+
+Recording record(const BlindCase& plan, bool holdout) {
+  const ScriptSettings& settings = holdout ? plan.holdout : plan.train;
+  const Random root = Random(plan.seed).stream(holdout ? 12 : 11);
+  ScriptSettings longer = settings;
+  longer.duration_s += 2.0 * lead_s;
+  const HandScript script(longer, root.stream(0));
+  std::vector<double> t_s;
+  const auto samples = static_cast<std::size_t>(settings.duration_s * record_Hz);
+  for (std::size_t i = 0; i < samples; ++i) t_s.push_back(static_cast<double>(i) / record_Hz);
+  return measure(
+      plan, simulate(plan, script, settings.duration_s), std::move(t_s),
+      [&](double t) { return script.turn(t + lead_s); }, root);
+}
+
+Recording record_along(const BlindCase& plan, const MotionColumns& motion, std::uint64_t repetition) {
+  const Random root = Random(plan.seed).stream(100).stream(repetition);
+  const double start_s = motion.t_s.front();
+  std::vector<double> t_s;
+  for (const double t : motion.t_s) t_s.push_back(t - start_s);
+  const auto turn = [&](double t) {
+    if (motion.q_WS.empty()) return Quat(Quat::Identity());
+    const auto next = std::upper_bound(t_s.begin(), t_s.end(), t);
+    if (next == t_s.begin()) return motion.q_WS.front();
+    if (next == t_s.end()) return motion.q_WS.back();
+    const auto i = static_cast<std::size_t>(next - t_s.begin());
+    return motion.q_WS[i - 1].slerp((t - t_s[i - 1]) / (t_s[i] - t_s[i - 1]), motion.q_WS[i]);
+  };
+  return measure(plan, lead_along(plan, motion), t_s, turn, root);
 }
 
 }  // namespace touchstone::synthetic

@@ -1,0 +1,19 @@
+// The recording that a search asks for, made of a blind case's object.
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <map>
+#include <string>
+
+namespace touchstone::apps {
+
+// How many cases the full blind test has of each set.
+const std::map<std::string, std::size_t>& blind_full_count();
+
+// Writes OUT/train.csv and OUT/holdout.csv: the object of the case named `id` among `answers`, with the tip led along
+// `trajectory`, twice with other noise. Throws BadData for a case that the answers' seed does not make.
+void record_along_proposal(const std::filesystem::path& answers, const std::string& id,
+                           const std::filesystem::path& trajectory, const std::filesystem::path& out);
+
+}  // namespace touchstone::apps

@@ -1,0 +1,45 @@
+// A small fixed part of the blind test on every commit: made, searched and scored by the program as a user would.
+#include "apps/discrepancy/sample_check.h"
+
+namespace touchstone::testing {
+namespace {
+
+class Blind : public DiscrepancySamples {
+ protected:
+  // Makes, searches and scores so many cases of the sets; what `score` wrote.
+  nlohmann::json blind(const std::string& sets, int seed) const {
+    const auto place = folder_.string();
+    EXPECT_EQ(run(fmt::format("blind make --seed {} {} --count 1 --out '{}'", seed, sets, place)), 0) << errors();
+    EXPECT_EQ(run(fmt::format("blind run --cases '{0}/cases' --out '{0}/found'", place)), 0) << errors();
+    // Too few cases for the bars: the status is not asked for.
+    run(
+        fmt::format("blind score --answers '{0}/answers.json' --cases '{0}/cases' --results '{0}/found' --json "
+                    "'{0}/score.json'",
+                    place));
+    return nlohmann::json::parse(read_file(folder_ / "score.json"));
+  }
+  std::string errors() const { return read_file(folder_ / "err.txt"); }
+};
+
+TEST_F(Blind, ASmallPartIsRight) {
+  const auto score = blind("--set none --set one --set corrupted", 2026);
+  ASSERT_EQ(score.at("cases").size(), 3);
+  for (const auto& one : score.at("cases")) {
+    EXPECT_TRUE(one.at("right").get<bool>()) << one.dump(1);
+    if (one.at("closed").is_null() || one.at("expected").empty()) continue;
+    EXPECT_GT(one.at("closed").get<double>(), 0.9) << one.dump(1);
+  }
+}
+
+TEST_F(Blind, CasesAreTheSameForTheSameSeedAndTheirAnswersAreSealed) {
+  ASSERT_EQ(run(fmt::format("blind make --seed 5 --set none --count 1 --out '{}/a'", folder_.string())), 0);
+  const std::string first = read_file(folder_ / "out.txt");
+  ASSERT_EQ(run(fmt::format("blind make --seed 5 --set none --count 1 --out '{}/b'", folder_.string())), 0);
+  const std::string hash = "SHA-256 ";
+  EXPECT_EQ(first.substr(first.find(hash), hash.size() + 64),
+            read_file(folder_ / "out.txt").substr(first.find(hash), hash.size() + 64));
+  EXPECT_EQ(read_file(folder_ / "a" / "answers.json"), read_file(folder_ / "b" / "answers.json"));
+}
+
+}  // namespace
+}  // namespace touchstone::testing

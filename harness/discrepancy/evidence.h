@@ -1,0 +1,57 @@
+// What a search judges by: recordings, or parts of them, seen through predictors, and their blocks as a fit takes them.
+#pragma once
+
+#include <utility>
+#include <vector>
+
+#include "harness/discrepancy/joint_fit.h"
+#include "harness/discrepancy/noise_model.h"
+
+namespace touchstone {
+
+// Part of a recording: everything, or alternating blocks of time.
+struct Part {
+  double block_s = 0.0;  // 0: everything
+  bool odd = false;
+  [[nodiscard]] bool contains(double t_s, double first_t_s) const {
+    if (block_s <= 0.0) return true;
+    const auto number = static_cast<long long>((t_s - first_t_s) / block_s);
+    return (number % 2 == 1) == odd;
+  }
+};
+
+// A recording, or a part of it, seen through a predictor. What is pointed to must outlive it.
+struct Evidence {
+  const Recording* recording = nullptr;
+  Predictor* predictor = nullptr;
+  NoiseModel* noise = nullptr;
+  Part part;
+  Predictor* smooth = nullptr;  // at the positions without their noise, as far as it is known; may be missing
+};
+
+struct SearchData {
+  Evidence train;
+  Evidence holdout;
+  double window_s = 0.0;       // of the blocks
+  double force_floor_N = 0.0;  // a measured force above it is contact
+  double position_noise_m = 0.0;
+  double geometry_error_m = 0.0;  // declared: the mesh is off by at most this
+};
+
+// Of the 3-D force error, over the samples of the part.
+double rms_force_error_N(const Evidence& evidence, const Prediction& prediction);
+
+// Between two predictions of the evidence's motion, over the samples of the part.
+double rms_difference_N(const Evidence& evidence, const Prediction& a, const Prediction& b);
+
+// RMS of the 3-D force error that noise leaves on the part's samples where `model` is the truth.
+double expected_noise_N(const Evidence& evidence, const Model& model);
+
+// The part's blocks, with the noise that the instrument's makers declare if `model` were the truth.
+FitData fit_data(const Evidence& evidence, const Model& model, double window_s);
+
+// Sum and standard error of the difference a - b of two models' chi-squared over the blocks. Neighbouring blocks share
+// what the model lacks, so that runs of them are summed before their spread is taken.
+std::pair<double, double> paired_difference(const std::vector<double>& a, const std::vector<double>& b);
+
+}  // namespace touchstone

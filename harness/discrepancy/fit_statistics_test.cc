@@ -1,0 +1,151 @@
+// What a fit says of itself: misfit beyond noise, intervals that hold the truth, motion without its noise.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "harness/discrepancy/misfit.h"
+#include "harness/discrepancy/model_edit.h"
+#include "harness/discrepancy/parameter_intervals.h"
+#include "harness/discrepancy/plane_for_test.h"
+#include "harness/discrepancy/smooth_motion.h"
+
+namespace touchstone {
+namespace {
+
+using testing::hand;
+using testing::PlanePredictor;
+
+Model plane(double stiffness) {
+  Model model;
+  model.renderer = "plane";
+  model.parameters["stiffness_N_per_m"] = stiffness;
+  return model;
+}
+
+// Blocks on a motion with force noise of a given size and what a model lacks: one more spread per direction.
+struct NoisyBlocks {
+  PlanePredictor predictor;
+  FitData data;
+
+  NoisyBlocks(double unit, double noise_N, const Misfit& lacking, std::uint64_t seed) : predictor(hand(0.0, unit)) {
+    const MotionColumns motion = hand(0.0, unit);
+    const Prediction truth = predictor.predict(plane(900.0 / unit));
+    data.predictor = &predictor;
+    data.blocks = make_blocks(motion, 1.0 / 30.0);
+    data.measured_N = block_means(data.blocks, truth.f_W_N);
+    const auto normals = block_means(data.blocks, truth.n_W);
+    Random random(seed);
+    for (std::size_t b = 0; b < data.blocks.size(); ++b) {
+      BlockNoise noise;
+      noise.n_W = normals[b].norm() > 0.0 ? Vec3(normals[b].normalized()) : Vec3(Vec3::Zero());
+      noise.along_normal_N = noise.tangential_N = noise_N;
+      const bool free = noise.n_W.isZero();
+      const double across = std::hypot(noise_N, free ? lacking.free_N : lacking.tangential_N);
+      const double along = std::hypot(noise_N, free ? lacking.free_N : lacking.along_normal_N);
+      data.measured_N[b] += Vec3(across * random.normal(), across * random.normal(), along * random.normal());
+      data.noise.push_back(noise);
+    }
+  }
+};
+
+TEST(Misfit, IsFoundInTheGroupThatHasItAtEveryUnit) {
+  for (const double unit : {1e-3, 1.0, 1e3}) {
+    NoisyBlocks blocks(unit, 0.01 * unit, {0.0, 0.0, 0.08 * unit}, 5);
+    const Misfit found = estimate_misfit(blocks.data, plane(900.0 / unit));
+    EXPECT_NEAR(found.tangential_N / unit, 0.08, 0.012) << unit;
+    EXPECT_LT(found.along_normal_N / unit, 0.006) << unit;
+    EXPECT_LT(found.free_N / unit, 0.006) << unit;
+    // With it, every group's chi-squared comes to its degrees of freedom.
+    add_misfit(blocks.data, found);
+    const double freedom = 3.0 * static_cast<double>(blocks.data.blocks.size());
+    EXPECT_NEAR(chi_squared(blocks.data, plane(900.0 / unit)) / freedom, 1.0, 0.08) << unit;
+  }
+}
+
+TEST(Misfit, OfAGroupOfAFewBlocksIsThatOfTheOthers) {
+  NoisyBlocks blocks(1.0, 0.01, {0.0, 0.1, 0.1}, 6);
+  std::size_t free = 0;
+  for (std::size_t b = blocks.data.blocks.size(); b-- > 0;) {
+    if (!blocks.data.noise[b].n_W.isZero() || ++free <= 3) continue;
+    const auto at = static_cast<std::ptrdiff_t>(b);
+    blocks.data.blocks.erase(blocks.data.blocks.begin() + at);
+    blocks.data.measured_N.erase(blocks.data.measured_N.begin() + at);
+    blocks.data.noise.erase(blocks.data.noise.begin() + at);
+  }
+  const Misfit found = estimate_misfit(blocks.data, plane(900.0));
+  EXPECT_DOUBLE_EQ(found.free_N, std::max(found.along_normal_N, found.tangential_N));
+}
+
+TEST(Misfit, LeavesTheBetterOfTwoModelsTheLesserDeviance) {
+  NoisyBlocks blocks(1.0, 0.01, {}, 7);
+  const auto under_own_misfit = [&](double stiffness) {
+    FitData data = blocks.data;
+    add_misfit(data, estimate_misfit(data, plane(stiffness)));
+    return deviance(data, plane(stiffness));
+  };
+  EXPECT_LT(under_own_misfit(900.0), under_own_misfit(960.0) - 100.0);
+  EXPECT_LT(under_own_misfit(960.0), under_own_misfit(1200.0) - 100.0);
+}
+
+// Recordings of one damper with noise in force and position: the interval holds the truth as often as it says.
+TEST(Intervals, HoldTheTruthInNineOfTenRecordings) {
+  InstrumentDescription instrument;
+  instrument.force_noise_N = 0.01;
+  instrument.force_noise_time_constant_s = 0.01;
+  instrument.position_noise_m = 5e-5;
+  constexpr double truth_N_s_per_m = 12.0;
+  Model truth = plane(900.0);
+  truth.effects.push_back({"viscous-friction", {{"coefficient_N_s_per_m", truth_N_s_per_m}}, "/effects/0"});
+  const std::vector<FreeParameter> parameters{
+      log_base_parameter("stiffness_N_per_m", 90.0, 9000.0),
+      linear_parameter("viscous-friction", "coefficient_N_s_per_m", 10.0, 0.0, 200.0)};
+  const MakePredictor make = [](const MotionColumns& motion) { return std::make_unique<PlanePredictor>(motion); };
+  constexpr int recordings = 20;
+  int inside = 0;
+  double width = 0.0;
+  for (int i = 0; i < recordings; ++i) {
+    Random random(100 + static_cast<std::uint64_t>(i));
+    const MotionColumns path = hand(0.05 * i, 1.0);
+    Recording recording;
+    recording.f_W_N = PlanePredictor(path).predict(truth).f_W_N;
+    recording.motion = with_position_noise(path, instrument, random);
+    const auto noise = force_noise(path, instrument, random);
+    for (std::size_t k = 0; k < noise.size(); ++k) recording.f_W_N[k] += noise[k];
+    const auto predictor = make(recording.motion);
+    NoiseModel model_of_noise(recording.motion, predictor->predict(truth).n_W, instrument, make, 1, 3);
+    const Evidence evidence{&recording, predictor.get(), &model_of_noise, {}};
+    const FitData data = fit_data(evidence, truth, 1.0 / 30.0);
+    const JointFit fit = fit_jointly(data, truth, parameters, 12, true);
+    ASSERT_TRUE(fit.ok);
+    const auto draws = bootstrap_models(evidence, data, fit, parameters, 6);
+    const Interval interval = interval95(fit, parameters, draws, "viscous-friction", "coefficient_N_s_per_m");
+    inside += interval.low <= truth_N_s_per_m && truth_N_s_per_m <= interval.high ? 1 : 0;
+    width += (interval.high - interval.low) / truth_N_s_per_m / recordings;
+  }
+  EXPECT_GE(inside, 18);
+  EXPECT_LT(width, 0.25);  // and is worth stating
+}
+
+TEST(SmoothMotion, TakesMostOfTheNoiseAndLeavesTheMotion) {
+  for (const double unit : {1e-3, 1.0, 1e3}) {
+    const MotionColumns path = hand(0.0, unit);
+    InstrumentDescription instrument;
+    instrument.position_noise_m = 1e-4 * unit;
+    Random random(9);
+    const MotionColumns noisy = with_position_noise(path, instrument, random);
+    const MotionColumns smooth = smoothed_motion(noisy, instrument);
+    double before = 0.0;
+    double after = 0.0;
+    for (std::size_t i = 0; i < path.size(); ++i) {
+      before += (noisy.p_W_m[i] - path.p_W_m[i]).squaredNorm();
+      after += (smooth.p_W_m[i] - path.p_W_m[i]).squaredNorm();
+    }
+    EXPECT_LT(std::sqrt(after / before), 0.6) << unit;
+    instrument.position_noise_m = 0.0;
+    EXPECT_EQ(smoothed_motion(noisy, instrument).p_W_m[7], noisy.p_W_m[7]);
+  }
+}
+
+}  // namespace
+}  // namespace touchstone

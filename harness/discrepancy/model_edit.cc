@@ -1,0 +1,101 @@
+#include "harness/discrepancy/model_edit.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <utility>
+
+#include "harness/base/error.h"
+
+namespace touchstone {
+namespace {
+
+// Smaller, larger.
+const std::vector<std::pair<std::string, std::string>> contained_in{
+    {"coulomb-friction", "stribeck-friction"},
+    {"coulomb-friction", "anisotropic-friction"},
+};
+
+}  // namespace
+
+bool contains(const std::string& larger, const std::string& smaller) {
+  return std::find(contained_in.begin(), contained_in.end(), std::pair(smaller, larger)) != contained_in.end();
+}
+
+bool has_what_contains(const Model& model, const std::string& smaller) {
+  return std::any_of(contained_in.begin(), contained_in.end(), [&](const auto& pair) {
+    return pair.first == smaller && find_entry(model, pair.second) != nullptr;
+  });
+}
+
+Model without_special_cases(const Model& model, const std::string& larger) {
+  Model rest = model;
+  for (const auto& pair : contained_in) {
+    if (pair.second == larger) rest = without_entry(rest, pair.first);
+  }
+  return rest;
+}
+
+FreeParameter base_stiffness(const Model& start) {
+  const auto given = start.parameters.find("stiffness_N_per_m");
+  if (given == start.parameters.end()) {
+    throw BadData(fmt::format("{}: /parameters: stiffness_N_per_m is needed: it is fitted together with every effect",
+                              start.source));
+  }
+  return log_base_parameter("stiffness_N_per_m", 0.1 * given->second, 10.0 * given->second);
+}
+
+Model with_entry(const Model& model, Side side, const NamedParameters& entry) {
+  Model extended = model;
+  (side == Side::contact ? extended.effects : extended.instrument).push_back(entry);
+  return extended;
+}
+
+Model without_entry(const Model& model, const std::string& name) {
+  Model reduced = model;
+  for (auto* entries : {&reduced.effects, &reduced.instrument}) {
+    std::erase_if(*entries, [&](const NamedParameters& entry) { return entry.name == name; });
+  }
+  return reduced;
+}
+
+std::vector<FreeParameter> without_owner(const std::vector<FreeParameter>& parameters, const std::string& name) {
+  std::vector<FreeParameter> kept = parameters;
+  std::erase_if(kept, [&](const FreeParameter& parameter) { return parameter.owner == name; });
+  return kept;
+}
+
+void settle_texture(Model& model) {
+  NamedParameters* const texture = find_entry(model, "surface-texture");
+  if (texture == nullptr) return;
+  constexpr double pi = std::numbers::pi;
+  double& direction = texture->parameters.at("direction_rad");
+  double& phase = texture->parameters.at("phase_rad");
+  direction -= 2.0 * pi * std::floor(direction / (2.0 * pi));
+  if (direction >= pi) {
+    direction -= pi;
+    phase = pi - phase;
+  }
+  phase -= 2.0 * pi * std::floor(phase / (2.0 * pi));
+}
+
+JointFit best_fit(const FitData& data, const Model& current, const CandidateFit& candidate,
+                  std::vector<FreeParameter> parameters, int iterations) {
+  parameters.insert(parameters.end(), candidate.parameters.begin(), candidate.parameters.end());
+  JointFit best;
+  const bool several = candidate.starts.size() > 1;
+  for (const NamedParameters& entry : candidate.starts) {
+    const Model start = with_entry(current, candidate.side, entry);
+    JointFit fit = fit_jointly(data, start, parameters, several ? iterations / 3 : iterations, false);
+    if (fit.ok && (!best.ok || fit.chi_squared < best.chi_squared)) best = std::move(fit);
+  }
+  if (best.ok && several) {
+    JointFit finished = fit_jointly(data, Model(best.model), parameters, iterations, false);
+    if (finished.ok && finished.chi_squared < best.chi_squared) best = std::move(finished);
+  }
+  return best;
+}
+
+}  // namespace touchstone

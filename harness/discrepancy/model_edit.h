@@ -1,0 +1,33 @@
+// Models with an effect more or less, and the free parameters that go with them.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "harness/discrepancy/candidate_starts.h"
+#include "harness/discrepancy/joint_fit.h"
+
+namespace touchstone {
+
+// What every fit is free to change: the base renderer's stiffness. Throws BadData where the model has none.
+FreeParameter base_stiffness(const Model& start);
+
+Model with_entry(const Model& model, Side side, const NamedParameters& entry);
+Model without_entry(const Model& model, const std::string& name);
+std::vector<FreeParameter> without_owner(const std::vector<FreeParameter>& parameters, const std::string& name);
+
+// Whether `larger` has `smaller` as a special case: alike, the smaller is the finding, not a riddle; and one model has
+// not both.
+bool contains(const std::string& larger, const std::string& smaller);
+bool has_what_contains(const Model& model, const std::string& smaller);
+Model without_special_cases(const Model& model, const std::string& larger);
+
+// The same wave has many names: its direction is taken in [0, pi), its phase in [0, 2 pi).
+void settle_texture(Model& model);
+
+// The best fit of `current` with the candidate over all the candidate's starts: a few steps from each, the best one
+// finished. `parameters`: what is free in `current`; those of the candidate are added.
+JointFit best_fit(const FitData& data, const Model& current, const CandidateFit& candidate,
+                  std::vector<FreeParameter> parameters, int iterations);
+
+}  // namespace touchstone

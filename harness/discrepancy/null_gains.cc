@@ -1,0 +1,40 @@
+#include "harness/discrepancy/null_gains.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace touchstone {
+
+std::vector<double> null_gains(const NullCase& null, const CandidateOptions& options, std::size_t first,
+                               std::size_t last) {
+  const Prediction train_nominal = null.train->predictor->predict(*null.model);
+  const Prediction holdout_nominal = null.holdout->predictor->predict(*null.model);
+  std::vector<double> gains;
+  for (std::size_t world = first; world < last; ++world) {
+    Recording recording = *null.train->recording;
+    recording.f_W_N = null.train->noise->null_forces(*null.model, train_nominal, world);
+    FitData train = *null.train_blocks;
+    train.measured_N = block_means(train.blocks, recording.f_W_N);
+    FitData holdout = *null.holdout_blocks;
+    holdout.measured_N =
+        block_means(holdout.blocks, null.holdout->noise->null_forces(*null.model, holdout_nominal, world));
+    const JointFit base = fit_jointly(train, Model(*null.model), *null.parameters, null.iterations, false);
+    if (!base.ok) continue;
+    const JointFit with =
+        best_fit(train, base.model, options(base.model, recording), *null.parameters, null.iterations);
+    if (with.ok) gains.push_back(chi_squared(holdout, base.model) - chi_squared(holdout, with.model));
+  }
+  return gains;
+}
+
+double bar_above(const std::vector<double>& gains, double deviations) {
+  if (gains.size() < 2) return 0.0;
+  const double n = static_cast<double>(gains.size());
+  double mean = 0.0;
+  for (const double gain : gains) mean += gain / n;
+  double squares = 0.0;
+  for (const double gain : gains) squares += (gain - mean) * (gain - mean);
+  return std::max(0.0, mean) + deviations * std::sqrt(squares / (n - 1.0));
+}
+
+}  // namespace touchstone

@@ -1,0 +1,85 @@
+#include "harness/discrepancy/parameter_intervals.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace touchstone {
+namespace {
+
+constexpr double normal_quantile = 1.96;
+
+// Student's, 97.5 %, for 1 to 15 degrees of freedom.
+double student_quantile(std::size_t freedom) {
+  constexpr std::array table{12.71, 4.303, 3.182, 2.776, 2.571, 2.447, 2.365, 2.306,
+                             2.262, 2.228, 2.201, 2.179, 2.160, 2.145, 2.131};
+  return freedom >= 1 && freedom <= table.size() ? table[freedom - 1] : normal_quantile;
+}
+
+// A scale on which an interval is symmetrical: the logarithm for scales and time constants.
+struct Scale {
+  bool logarithmic;
+  [[nodiscard]] double to(double value) const { return logarithmic ? std::log(value) : value; }
+  [[nodiscard]] double from(double value) const { return logarithmic ? std::exp(value) : value; }
+};
+
+// Variance by the fit's covariance, through the model: u may be an excess over another parameter.
+double fitted_variance(const JointFit& fit, const std::vector<FreeParameter>& parameters, const std::string& effect,
+                       const std::string& name, const Scale& scale) {
+  constexpr double step = 1e-4;
+  const auto n = static_cast<Eigen::Index>(parameters.size());
+  if (fit.covariance.rows() != n) return 0.0;
+  const double here = scale.to(find_entry(fit.model, effect)->parameters.at(name));
+  Eigen::VectorXd gradient(n);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const FreeParameter& free = parameters[static_cast<std::size_t>(i)];
+    const double h = fit.u[i] + step > free.upper ? -step : step;
+    Model moved = fit.model;
+    free.set(moved, fit.u[i] + h);
+    gradient[i] = (scale.to(find_entry(moved, effect)->parameters.at(name)) - here) / h;
+  }
+  return gradient.dot(fit.covariance * gradient);
+}
+
+}  // namespace
+
+std::vector<Model> bootstrap_models(const Evidence& train, const FitData& data, const JointFit& fit,
+                                    const std::vector<FreeParameter>& parameters, int iterations) {
+  std::vector<Model> models;
+  const Prediction nominal = train.predictor->predict(fit.model);
+  for (std::size_t world = 0; world < NoiseModel::null_worlds; ++world) {
+    FitData again = data;
+    again.measured_N = block_means(data.blocks, train.noise->null_forces(fit.model, nominal, world));
+    JointFit refitted = fit_jointly(again, fit.model, parameters, iterations, false);
+    if (refitted.ok) models.push_back(std::move(refitted.model));
+  }
+  return models;
+}
+
+Interval interval95(const JointFit& fit, const std::vector<FreeParameter>& parameters, const std::vector<Model>& draws,
+                    const std::string& effect, const std::string& name) {
+  const auto free = std::find_if(parameters.begin(), parameters.end(),
+                                 [&](const FreeParameter& p) { return p.owner == effect && p.name == name; });
+  const Scale scale{free != parameters.end() && free->logarithmic};
+  const double value = find_entry(fit.model, effect)->parameters.at(name);
+  const double here = scale.to(value);
+  double variance = fitted_variance(fit, parameters, effect, name, scale);
+  double bias = 0.0;
+  double quantile = normal_quantile;
+  if (draws.size() >= 3) {
+    const double n = static_cast<double>(draws.size());
+    for (const Model& draw : draws) bias += (scale.to(find_entry(draw, effect)->parameters.at(name)) - here) / n;
+    double squares = 0.0;
+    for (const Model& draw : draws) {
+      const double off = scale.to(find_entry(draw, effect)->parameters.at(name)) - here - bias;
+      squares += off * off;
+    }
+    quantile = student_quantile(draws.size() - 1);
+    // The mean of a few worlds is itself uncertain.
+    variance = std::max(variance, squares / (n - 1.0)) * (1.0 + 1.0 / n);
+  }
+  const double half = quantile * std::sqrt(variance);
+  return {std::min(value, scale.from(here - bias - half)), std::max(value, scale.from(here - bias + half))};
+}
+
+}  // namespace touchstone

@@ -1,0 +1,29 @@
+// 95 % intervals of what was fitted: parametric bootstrap of the case itself (Efron and Tibshirani 1993, chapter 6.5).
+// In every null world, where the found model is the truth under the declared noise and error of the mesh, the fit is
+// made again; how far it lands from the truth, on average and in spread, is what the stated value may be off. So the
+// error of the mesh, one and the same in all blocks, and the bias that noise in the positions brings about are in the
+// interval. Where the model leaves more than the worlds do, the fit's own covariance, by runs of blocks, is wider and
+// counts instead.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "harness/discrepancy/evidence.h"
+
+namespace touchstone {
+
+// The fit made again in each null world. `data`: the blocks of `train` that `fit` was made on.
+std::vector<Model> bootstrap_models(const Evidence& train, const FitData& data, const JointFit& fit,
+                                    const std::vector<FreeParameter>& parameters, int iterations);
+
+struct Interval {
+  double low = 0.0;
+  double high = 0.0;
+};
+
+// Of an effect's parameter, holding its fitted value; of no width where nothing free moves it. `fit` with covariance.
+Interval interval95(const JointFit& fit, const std::vector<FreeParameter>& parameters, const std::vector<Model>& draws,
+                    const std::string& effect, const std::string& name);
+
+}  // namespace touchstone
