@@ -238,12 +238,11 @@ CandidateFit registration(const Context& c) {
   return fit;
 }
 
+// A sensor that clips shows nothing beyond its limit but noise.
 CandidateFit saturation(const Context& c) {
-  CandidateFit fit{
-      Side::instrument,
-      {log_parameter(c.candidate.name, "limit_N", 0.1 * c.scales.largest_axis_N, 1.2 * c.scales.largest_axis_N)},
-      {}};
-  for (const double share : {0.6, 0.97}) fit.starts.push_back(entry(c, {{"limit_N", share * c.scales.largest_axis_N}}));
+  const double largest = c.scales.largest_axis_N;
+  CandidateFit fit{Side::instrument, {log_parameter(c.candidate.name, "limit_N", 0.85 * largest, 1.2 * largest)}, {}};
+  for (const double share : {0.88, 0.97}) fit.starts.push_back(entry(c, {{"limit_N", share * largest}}));
   return fit;
 }
 
@@ -279,7 +278,9 @@ RecordingScales measure_scales(const Recording& recording, const Prediction& pre
   double apart = 0.0;
   Box3 box;
   for (std::size_t i = 0; i < recording.size(); ++i) {
-    scales.largest_axis_N = std::max(scales.largest_axis_N, recording.f_W_N[i].cwiseAbs().maxCoeff());
+    const auto& q_WS = recording.motion.q_WS;
+    const Vec3 f_S_N = q_WS.empty() ? recording.f_W_N[i] : Vec3(q_WS[i].conjugate() * recording.f_W_N[i]);
+    scales.largest_axis_N = std::max(scales.largest_axis_N, f_S_N.cwiseAbs().maxCoeff());
     const Vec3& n = prediction.n_W[i];
     // A tip whose radius the model lacks presses before the model touches: the force tells.
     const bool pressed = recording.f_W_N[i].norm() > force_floor_N;

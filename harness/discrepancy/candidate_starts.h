@@ -13,10 +13,10 @@ namespace touchstone {
 
 // Typical sizes of a recording in contact.
 struct RecordingScales {
-  double force_N = 0.0;  // 90th percentile of the measured force's magnitude in contact
-  double largest_axis_N = 0.0;
-  double depth_m = 0.0;        // 90th percentile
-  double speed_m_per_s = 0.0;  // median tangential speed in contact
+  double force_N = 0.0;         // 90th percentile of the measured force's magnitude in contact
+  double largest_axis_N = 0.0;  // of the sensor
+  double depth_m = 0.0;         // 90th percentile
+  double speed_m_per_s = 0.0;   // median tangential speed in contact
   double depth_rate_m_per_s = 0.0;
   double duration_s = 0.0;
   double position_noise_m = 0.0;  // declared

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "harness/discrepancy/data_faults.h"
+#include "harness/discrepancy/goodness.h"
 #include "harness/discrepancy/model_edit.h"
 #include "harness/discrepancy/null_gains.h"
 #include "harness/discrepancy/parameter_intervals.h"
@@ -278,6 +279,8 @@ class Search {
     for (const NamedParameters& entry : current_.model.effects) names.emplace_back(entry.name, Side::contact);
     for (const NamedParameters& entry : current_.model.instrument) names.emplace_back(entry.name, Side::instrument);
     const auto here = block_chi_squared(holdout_, current_.model);
+    const double here_N = holdout_rms(current_.model);
+    const double floor_N = expected_noise_N(data_.holdout, current_.model);
     for (const auto& [name, side] : names) {
       report_(fmt::format("  rivals of {}", name));
       FoundEffect found;
@@ -309,7 +312,9 @@ class Search {
         const bool close = lost < settings_.alike_errors * error || lost < settings_.minimum_gain / 3.0;
         const bool related = contains(other.name, name) || contains(name, other.name);
         if (lost < settings_.alike_gain * found.holdout_gain && !related) {
-          rival.alike = close || alike_without_noise(rival.model, kept, other);
+          // Many units of chi-squared from a few runs have a large error and tell all the same.
+          const double more_N = std::sqrt(std::max(0.0, rival.holdout_rms_N * rival.holdout_rms_N - here_N * here_N));
+          rival.alike = (close && more_N < floor_N) || alike_without_noise(rival.model, kept, other);
         }
         found.rivals.push_back(std::move(rival));
       }
@@ -401,11 +406,12 @@ class Search {
     if (std::isfinite(result_.fit.chi_squared)) result_.model = result_.fit.model;
     result_.draws = bootstrap_models(data_.train, train_, result_.fit, parameters_, settings_.iterations / 2);
     // Whether noise is all that is left is judged by the declared noise.
-    train_ = fit_data(data_.train, result_.model, data_.window_s);
-    holdout_ = fit_data(data_.holdout, result_.model, data_.window_s);
-    judge_goodness();
-    const DetectorSide train{data_.train.recording, &train_, data_.train.noise};
-    const DetectorSide holdout{data_.holdout.recording, &holdout_, data_.holdout.noise};
+    const Goodness goodness = judge_goodness(data_.train, data_.holdout, result_.model, data_.window_s);
+    result_.goodness = goodness.chi_squared;
+    result_.null_goodness = goodness.null;
+    result_.noise_rms_N = goodness.noise_rms_N;
+    const DetectorSide train{data_.train.recording, &goodness.train, data_.train.noise};
+    const DetectorSide holdout{data_.holdout.recording, &goodness.holdout, data_.holdout.noise};
     result_.structure = detect_structure(train, holdout, result_.model);
     result_.data_fault = find_data_fault(train, holdout, result_.base, result_.model);
     if (result_.data_fault) {
@@ -413,18 +419,6 @@ class Search {
       result_.model = result_.base;
       result_.found.clear();
     }
-  }
-
-  void judge_goodness() {
-    const double freedom = 3.0 * static_cast<double>(std::max<std::size_t>(1, holdout_.blocks.size()));
-    result_.goodness = chi_squared(holdout_, result_.model) / freedom;
-    const Prediction nominal = data_.holdout.predictor->predict(result_.model);
-    for (std::size_t world = 0; world < NoiseModel::null_worlds; ++world) {
-      FitData null = holdout_;
-      null.measured_N = block_means(null.blocks, data_.holdout.noise->null_forces(result_.model, nominal, world));
-      result_.null_goodness = std::max(result_.null_goodness, chi_squared(null, result_.model) / freedom);
-    }
-    result_.noise_rms_N = expected_noise_N(data_.holdout, result_.model);
   }
 
   const SearchData& data_;

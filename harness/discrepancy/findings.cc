@@ -7,6 +7,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "harness/discrepancy/goodness.h"
 #include "harness/discrepancy/parameter_intervals.h"
 
 namespace touchstone {
@@ -59,10 +60,6 @@ std::string to_string(FindingsVerdict verdict) {
   return "unexplained";
 }
 
-double unexplained_threshold(const SearchResult& search) {
-  return std::max(unexplained_goodness, unexplained_over_null * search.null_goodness);
-}
-
 void conclude(Findings& findings, const std::vector<Candidate>& candidates) {
   const SearchResult& search = findings.search;
   for (const FoundEffect& effect : search.found) {
@@ -74,7 +71,7 @@ void conclude(Findings& findings, const std::vector<Candidate>& candidates) {
     }
     if (alike.size() > 1) findings.ambiguous.push_back(std::move(alike));
   }
-  const bool noise_left = search.goodness < unexplained_threshold(search);
+  const bool noise_left = search.goodness < unexplained_threshold(search.null_goodness);
   const bool structured = search.structure.found() && search.goodness > structured_goodness * search.null_goodness;
   if (search.data_fault) {
     findings.verdict = FindingsVerdict::unexplained;
@@ -159,7 +156,7 @@ std::string findings_to_json(const Findings& findings, const std::string& trajec
     root["gap"]["fresh_process_after"] = number(*findings.gap.holdout_after_again_N);
   }
   root["goodness"] = {{"holdout_chi_squared_per_degree", number(findings.search.goodness)},
-                      {"threshold", number(unexplained_threshold(findings.search))},
+                      {"threshold", number(unexplained_threshold(findings.search.null_goodness))},
                       {"where_the_model_is_the_truth", number(findings.search.null_goodness)}};
   root["structure"] = {{"share", number(findings.search.structure.share)},
                        {"bar", number(findings.search.structure.bar)},

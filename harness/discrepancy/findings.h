@@ -47,13 +47,6 @@ struct Findings {
   bool blocks_held_back = false;  // no second recording: blocks of the one were held out
 };
 
-// Held-out chi-squared per degree of freedom above which noise cannot be what is left: twice what noise makes, and more
-// where the case's own null worlds, in which the model is the truth, make more (a tip that sticks and slips with the
-// tracker's noise).
-inline constexpr double unexplained_goodness = 2.0;
-inline constexpr double unexplained_over_null = 2.2;
-double unexplained_threshold(const SearchResult& search);
-
 // Structure counts only where the goodness exceeds, by this factor, that of the case's own null worlds.
 inline constexpr double structured_goodness = 1.3;
 

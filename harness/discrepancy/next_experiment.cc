@@ -112,12 +112,23 @@ std::vector<Gesture> repertoire(const Site& site) {
   };
 }
 
+// Each gesture begins and ends in free air, above its first and last place, so that what acts in contact alone shows.
 MotionColumns perform(const Gesture& gesture, const Site& site, bool with_orientation) {
+  constexpr double free_s = 1.0;
+  constexpr double approach_s = 1.0;
+  const double clear_m = 2.0 * site.depth_m + 0.2 * site.reach_m;
+  const double lead_s = free_s + approach_s;
   MotionColumns motion;
-  const auto samples = static_cast<std::size_t>(gesture.duration_s * rate_Hz);
+  const auto samples = static_cast<std::size_t>((gesture.duration_s + 2.0 * lead_s) * rate_Hz);
   for (std::size_t i = 0; i < samples; ++i) {
     const double t_s = static_cast<double>(i) / rate_Hz;
-    const Vec3 place = gesture.place(t_s);
+    const double into_s = std::clamp(t_s - lead_s, 0.0, gesture.duration_s);
+    Vec3 place = gesture.place(into_s);
+    const double outside_s = std::abs(t_s - lead_s - into_s);
+    // Minimum jerk (Flash and Hogan 1985).
+    const double u = std::min(1.0, outside_s / approach_s);
+    const double lift = u * u * u * (10.0 + u * (6.0 * u - 15.0));
+    place.z() += lift * std::max(0.0, clear_m - place.z());
     motion.t_s.push_back(t_s);
     motion.p_W_m.push_back(site.centre_W_m + place.x() * site.u_W + place.y() * site.v_W + place.z() * site.n_W);
     if (with_orientation) motion.q_WS.push_back(gesture.turn(t_s) * site.q_WS);
