@@ -360,8 +360,8 @@ class Search {
     const double floor_N = expected_noise_N(data_.holdout, current_.model);
     report_(fmt::format("    {} on the smoothed motion: loses {:.0f} +- {:.0f}, {:.4g} N apart, noise {:.4g} N",
                         candidate.name, lost, error, apart_N, floor_N));
-    return lost < std::max(settings_.alike_errors * error, settings_.minimum_gain / 3.0) ||
-           apart_N < settings_.apart_share * floor_N;
+    const bool close = lost < std::max(settings_.alike_errors * error, settings_.minimum_gain / 3.0);
+    return apart_N < (close ? 1.0 : settings_.apart_share) * floor_N;
   }
 
   // What stands in the place of a found effect and does better, now that the others are known, takes it. What was put
