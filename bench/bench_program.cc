@@ -4,6 +4,7 @@
 #include <benchmark/benchmark.h>
 #include <fcntl.h>
 #include <spawn.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -47,9 +48,21 @@ int run(const std::vector<std::string>& arguments) {
   return WEXITSTATUS(status);
 }
 
+double children_cpu_s() {
+  rusage usage{};
+  ::getrusage(RUSAGE_CHILDREN, &usage);
+  const auto seconds = [](const timeval& t) {
+    return static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec);
+  };
+  return seconds(usage.ru_utime) + seconds(usage.ru_stime);
+}
+
+// The time is the processor time of the program that is run: what else the machine does is not in it.
 void whole_run(benchmark::State& state, const std::vector<std::string>& arguments) {
   for (auto _ : state) {
+    const double before_s = children_cpu_s();
     const int status = run(arguments);
+    state.SetIterationTime(children_cpu_s() - before_s);
     if (status != 0) {
       state.SkipWithError(("exit status " + std::to_string(status)).c_str());
       break;
@@ -74,8 +87,7 @@ const bool registered = [] {
   };
   const auto add = [](const char* name, const std::vector<std::string>& words) {
     return benchmark::RegisterBenchmark(name, [words](benchmark::State& state) { whole_run(state, words); })
-        ->UseRealTime()
-        ->MeasureProcessCPUTime()
+        ->UseManualTime()
         ->Unit(benchmark::kMillisecond);
   };
   add("start", {"version"});

@@ -1,6 +1,7 @@
 #include "renderers/contact_mesh.h"
 
 #include <fmt/format.h>
+#include <tbb/task_arena.h>
 
 #include <algorithm>
 #include <cmath>
@@ -8,6 +9,7 @@
 #include <mutex>
 
 #include "harness/base/error.h"
+#include "harness/base/in_parallel.h"
 #include "renderers/mesh_regularity.h"
 
 namespace touchstone {
@@ -24,26 +26,32 @@ const TriangleMesh& triangles_of(const Surface& surface) {
 }  // namespace
 
 ContactMesh::ContactMesh(const Surface& surface)
-    : mesh_(&triangles_of(surface)), topology_(make_topology(*mesh_)), tree_(std::make_unique<TriangleTree>(*mesh_)) {
+    : mesh_(&triangles_of(surface)),
+      own_topology_(surface.topology() ? nullptr : std::make_unique<MeshTopology>(make_topology(*mesh_))),
+      own_tree_(surface.tree() ? nullptr : std::make_unique<TriangleTree>(*mesh_)),
+      topology_(own_topology_ ? own_topology_.get() : surface.topology()),
+      tree_(own_tree_ ? own_tree_.get() : surface.tree()) {
   extent_ = surface.bounds().diagonal().norm();
   const std::size_t count = mesh_->triangle_count();
   facets_.resize(count);
-  const std::vector<bool> regular = regular_triangles(*mesh_, topology_, *tree_);
-  for (std::size_t t = 0; t < count; ++t) {
+  const std::vector<bool> regular = regular_triangles(*mesh_, *topology_, *tree_);
+  in_parallel(count, [&](std::size_t t) {
     Facet& facet = facets_[t];
     facet.corner = mesh_->triangles[t];
-    facet.neighbour = topology_.neighbours[t];
+    facet.neighbour = topology_->neighbours[t];
     facet.origin = vertex(facet.corner[0]);
-    facet.n = topology_.face_normals[t];
+    facet.n = topology_->face_normals[t];
     facet.regular = regular[t];
     for (std::size_t e = 0; e < 3; ++e) {
       const Vec3 along = vertex(facet.corner[(e + 1) % 3]) - vertex(facet.corner[e]);
       facet.inward[e] = facet.n.cross(along).normalized();
-      magnitude_ = std::max(magnitude_, vertex(facet.corner[e]).cwiseAbs().maxCoeff());
     }
     facet.inset = facet.inward[1].dot(vertex(facet.corner[1]) - facet.origin);
+  });
+  for (const auto& triangle : mesh_->triangles) {
+    for (const std::int32_t corner : triangle) magnitude_ = std::max(magnitude_, vertex(corner).cwiseAbs().maxCoeff());
   }
-  for (std::size_t t = 0; t < count; ++t) {
+  in_parallel(count, [&](std::size_t t) {
     Facet& facet = facets_[t];
     for (std::size_t e = 0; e < 3; ++e) {
       facet.valley[e] = false;
@@ -62,7 +70,7 @@ ContactMesh::ContactMesh(const Surface& surface)
       const double here = reach(other, facet);
       facet.valley[e] = (std::abs(there) > std::abs(here) ? there : here) > 0.0;
     }
-  }
+  });
 }
 
 std::size_t ContactMesh::edge_towards(std::int32_t triangle, std::int32_t neighbour, std::int32_t from) const noexcept {
@@ -81,14 +89,27 @@ std::shared_ptr<const ContactMesh> contact_mesh(const std::shared_ptr<const Surf
     std::shared_ptr<const Surface> surface;
     ContactMesh mesh;
   };
+  // Each surface's has a lock of its own: different ones are made at the same time.
+  struct Slot {
+    std::mutex mutex;
+    std::weak_ptr<const Kept> kept;
+  };
   static std::mutex mutex;
-  static std::map<const Surface*, std::weak_ptr<const Kept>> known;
-  const std::lock_guard lock(mutex);
-  std::erase_if(known, [](const auto& item) { return item.second.expired(); });
-  std::shared_ptr<const Kept> kept = known[surface.get()].lock();
+  static std::map<const Surface*, std::shared_ptr<Slot>> known;
+  std::shared_ptr<Slot> slot;
+  {
+    const std::lock_guard lock(mutex);
+    std::erase_if(known, [](const auto& item) { return item.second.use_count() == 1 && item.second->kept.expired(); });
+    auto& place = known[surface.get()];
+    if (!place) place = std::make_shared<Slot>();
+    slot = place;
+  }
+  const std::lock_guard lock(slot->mutex);
+  std::shared_ptr<const Kept> kept = slot->kept.lock();
   if (!kept) {
-    kept = std::make_shared<const Kept>(surface);
-    known[surface.get()] = kept;
+    // In isolation: while this thread waits for its helpers it must not take up a task that wants the same lock.
+    tbb::this_task_arena::isolate([&] { kept = std::make_shared<const Kept>(surface); });
+    slot->kept = kept;
   }
   return {kept, &kept->mesh};
 }

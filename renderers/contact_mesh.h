@@ -49,18 +49,18 @@ class ContactMesh {
     return mesh_->vertices_W_m[static_cast<std::size_t>(index)];
   }
   [[nodiscard]] const Vec3& vertex_normal(std::int32_t index) const noexcept {
-    return topology_.vertex_normals[static_cast<std::size_t>(index)];
+    return topology_->vertex_normals[static_cast<std::size_t>(index)];
   }
   // Whether the vertex, or the edge or corner with that index of the triangle, is on the rim of an open mesh.
   [[nodiscard]] bool open_vertex(std::int32_t index) const noexcept {
-    return (topology_.vertex_flags[static_cast<std::size_t>(index)] & vertex_open) != 0;
+    return (topology_->vertex_flags[static_cast<std::size_t>(index)] & vertex_open) != 0;
   }
   [[nodiscard]] bool on_rim(std::int32_t triangle, Feature feature, std::size_t local) const noexcept {
     if (feature == Feature::edge) return facet(triangle).neighbour[local] < 0;
     return feature == Feature::vertex && open_vertex(facet(triangle).corner[local]);
   }
   [[nodiscard]] std::span<const std::int32_t> fan(std::int32_t vertex) const {
-    return topology_.fan(static_cast<std::size_t>(vertex));
+    return topology_->fan(static_cast<std::size_t>(vertex));
   }
   [[nodiscard]] std::array<Vec3, 3> corners(std::int32_t triangle) const {
     const auto& c = facet(triangle).corner;
@@ -78,9 +78,9 @@ class ContactMesh {
   }
   // Without the mesh itself and the tree, which is Embree's.
   [[nodiscard]] std::size_t memory_bytes() const noexcept {
-    return facets_.capacity() * sizeof(Facet) + topology_.memory_bytes();
+    return facets_.capacity() * sizeof(Facet) + topology_->memory_bytes();
   }
-  [[nodiscard]] bool closed() const noexcept { return topology_.closed(); }
+  [[nodiscard]] bool closed() const noexcept { return topology_->closed(); }
   // The length of the bounding box's diagonal.
   [[nodiscard]] double extent() const noexcept { return extent_; }
   // The largest magnitude of a coordinate: what rounding of positions on the surface is relative to.
@@ -88,9 +88,11 @@ class ContactMesh {
 
  private:
   const TriangleMesh* mesh_;
-  MeshTopology topology_;
+  std::unique_ptr<const MeshTopology> own_topology_;  // null where the surface has them
+  std::unique_ptr<const TriangleTree> own_tree_;
+  const MeshTopology* topology_;
+  const TriangleTree* tree_;
   std::vector<Facet> facets_;
-  std::unique_ptr<TriangleTree> tree_;
   double magnitude_ = 0.0;
   double extent_ = 0.0;
 };

@@ -13,7 +13,9 @@ ParameterValues::ParameterValues(std::string owner, std::span<const Parameter> d
                                  const ParameterOverrides& overrides)
     : owner_(std::move(owner)) {
   for (const Parameter& parameter : declared) values_.emplace(parameter.name, parameter.initial);
-  for (const auto& [name, value] : overrides) {
+  for (const auto& given : overrides) {
+    const std::string& name = given.first;
+    const double value = given.second;
     const auto found =
         std::find_if(declared.begin(), declared.end(), [&name = name](const Parameter& p) { return p.name == name; });
     if (found == declared.end()) {

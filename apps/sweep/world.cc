@@ -19,10 +19,10 @@
 namespace touchstone::apps {
 namespace {
 
-// About 250 bytes each with all structures: a gigabyte. Embree fails beyond some hundred scenes, however small, so that
-// each weighs as many triangles again.
+// About 400 bytes each with all structures: 1.6 gigabytes.
 constexpr std::uint64_t most_triangles = 4'000'000;
-constexpr std::uint64_t triangles_of_a_scene = 40'000;
+// What a surface takes however small, in triangles: no more than four thousand are kept.
+constexpr std::uint64_t of_a_scene = 1000;
 constexpr std::uint64_t most_samples = 20'000'000;
 
 struct SharedSurface {
@@ -83,8 +83,7 @@ struct SweepWorld::State {
   }
 
   const SweepDesign* design;
-  SharedCache<SharedSurface> surfaces{most_triangles,
-                                      [](const SharedSurface& s) { return s.triangles + triangles_of_a_scene; }};
+  SharedCache<SharedSurface> surfaces{most_triangles, [](const SharedSurface& s) { return s.triangles + of_a_scene; }};
   SharedCache<InTrajectory> trajectories{most_samples, [](const InTrajectory& t) { return t.size() + 1; }};
 };
 

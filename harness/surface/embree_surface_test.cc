@@ -149,5 +149,18 @@ TEST(EmbreeSurface, RefusesWhatIsNoSurface) {
   EXPECT_THROW(make_embree_surface(wrong), BadData);
 }
 
+// All of them share one device of Embree's: it starts no more than some three hundred.
+TEST(EmbreeSurface, AThousandLiveAtOnce) {
+  const TriangleMesh mesh = cube(0.02);
+  std::vector<std::shared_ptr<Surface>> surfaces;
+  for (int i = 0; i < 1000; ++i) {
+    surfaces.push_back(make_embree_surface(moved(mesh, Quat::Identity(), Vec3(0.1 * i, 0.0, 0.0))));
+  }
+  for (int i = 0; i < 1000; ++i) {
+    const Vec3 middle(0.1 * i, 0.0, 0.0);
+    EXPECT_NEAR(surfaces[static_cast<std::size_t>(i)]->closest(middle + Vec3(0.05, 0.0, 0.0)).distance_m, 0.03, 1e-12);
+  }
+}
+
 }  // namespace
 }  // namespace touchstone

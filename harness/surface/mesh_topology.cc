@@ -5,6 +5,8 @@
 #include <limits>
 #include <numeric>
 
+#include "harness/base/in_parallel.h"
+
 namespace touchstone {
 namespace {
 
@@ -43,8 +45,9 @@ class Builder {
   // far query point multiplies it by its distance.
   void face_normals() {
     using Long3 = Eigen::Matrix<long double, 3, 1>;
-    out_.face_normals.reserve(mesh_.triangles.size());
-    for (const auto& [a, b, c] : mesh_.triangles) {
+    out_.face_normals.resize(mesh_.triangles.size());
+    in_parallel(mesh_.triangles.size(), [&](std::size_t t) {
+      const auto& [a, b, c] = mesh_.triangles[t];
       const Long3 origin = mesh_.vertices_W_m[at(a)].cast<long double>();
       const Long3 u = mesh_.vertices_W_m[at(b)].cast<long double>() - origin;
       const Long3 v = mesh_.vertices_W_m[at(c)].cast<long double>() - origin;
@@ -53,8 +56,8 @@ class Builder {
       const long double longest = std::max({u.squaredNorm(), v.squaredNorm(), (v - u).squaredNorm()});
       // Below this the cross product of the (exactly known) corners would be rounding in double precision.
       const bool has_area = length > 8.0L * std::numeric_limits<double>::epsilon() * longest;
-      out_.face_normals.push_back(has_area ? Vec3((n / length).cast<double>()) : Vec3::Zero());
-    }
+      out_.face_normals[t] = has_area ? Vec3((n / length).cast<double>()) : Vec3::Zero();
+    });
   }
 
   [[nodiscard]] Vec3 edge(std::int32_t from, std::int32_t to) const {
@@ -121,7 +124,7 @@ class Builder {
   }
 
   void edge_convexity() {
-    for (std::size_t t = 0; t < mesh_.triangles.size(); ++t) {
+    in_parallel(mesh_.triangles.size(), [&](std::size_t t) {
       for (std::size_t e = 0; e < 3; ++e) {
         const std::int32_t neighbour = out_.neighbours[t][e];
         if (neighbour < 0) continue;
@@ -138,7 +141,7 @@ class Builder {
                                : side > rounding ? Convexity::valley
                                                  : Convexity::flat;
       }
-    }
+    });
   }
 
   void fans() {
@@ -202,15 +205,20 @@ class Builder {
   }
 
   void vertex_normals() {
-    out_.vertex_normals.assign(mesh_.vertices_W_m.size(), Vec3::Zero());
-    for (std::size_t t = 0; t < mesh_.triangles.size(); ++t) {
-      const Vec3& n = out_.face_normals[t];
+    std::vector<std::array<double, 3>> angles(mesh_.triangles.size());
+    in_parallel(angles.size(), [&](std::size_t t) {
       const auto& corners = mesh_.triangles[t];
       for (std::size_t i = 0; i < 3; ++i) {
         const Vec3 u = edge(corners[i], corners[(i + 1) % 3]);
         const Vec3 w = edge(corners[i], corners[(i + 2) % 3]);
-        out_.vertex_normals[at(corners[i])] += std::atan2(u.cross(w).norm(), u.dot(w)) * n;
+        angles[t][i] = std::atan2(u.cross(w).norm(), u.dot(w));
       }
+    });
+    // Summed in the triangles' order: the same bits on any number of threads.
+    out_.vertex_normals.assign(mesh_.vertices_W_m.size(), Vec3::Zero());
+    for (std::size_t t = 0; t < angles.size(); ++t) {
+      for (std::size_t i = 0; i < 3; ++i)
+        out_.vertex_normals[at(mesh_.triangles[t][i])] += angles[t][i] * out_.face_normals[t];
     }
     for (Vec3& n : out_.vertex_normals) n.normalize();
   }

@@ -11,6 +11,9 @@
 
 namespace touchstone {
 
+struct MeshTopology;
+class TriangleTree;
+
 // Where on a triangle a point lies.
 enum class Feature : std::uint8_t { face, edge, vertex, analytic };
 
@@ -45,6 +48,10 @@ class Surface {
   [[nodiscard]] virtual Box3 bounds() const = 0;
   // The triangles behind the surface; nullptr for an analytic shape.
   [[nodiscard]] virtual const TriangleMesh* mesh() const noexcept { return nullptr; }
+  // Structures over mesh() that a renderer on this surface may use, too, in place of making its own; nullptr where the
+  // surface has none. They live as long as the surface.
+  [[nodiscard]] virtual const MeshTopology* topology() const noexcept { return nullptr; }
+  [[nodiscard]] virtual const TriangleTree* tree() const noexcept { return nullptr; }
 };
 
 }  // namespace touchstone

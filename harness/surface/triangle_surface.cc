@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "harness/base/error.h"
+#include "harness/base/in_parallel.h"
 #include "harness/surface/mesh_file.h"
 
 namespace touchstone {
@@ -31,15 +32,15 @@ const TriangleMesh& checked(const TriangleMesh& mesh) {
 
 TriangleSurface::TriangleSurface(const TriangleMesh& mesh)
     : mesh_(weld_coincident_vertices(checked(mesh))), topology_(make_topology(mesh_)) {
-  facets_.reserve(mesh_.triangles.size());
-  for (std::size_t t = 0; t < mesh_.triangles.size(); ++t) {
-    Facet facet;
-    for (std::size_t i = 0; i < 3; ++i) {
+  facets_.resize(mesh_.triangles.size());
+  in_parallel(facets_.size(), [&](std::size_t t) {
+    Facet& facet = facets_[t];
+    for (std::size_t i = 0; i < 3; ++i)
       facet.corners[i] = mesh_.vertices_W_m[static_cast<std::size_t>(mesh_.triangles[t][i])];
-      bounds_.extend(facet.corners[i]);
-    }
     facet.normal = topology_.face_normals[t];
-    facets_.push_back(facet);
+  });
+  for (const Facet& facet : facets_) {
+    for (const Vec3& corner : facet.corners) bounds_.extend(corner);
   }
   if (!(bounds_.sizes().maxCoeff() > 0.0))
     throw BadData(fmt::format("{}: all triangles lie in one point", mesh.source));

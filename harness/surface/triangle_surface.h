@@ -15,7 +15,7 @@ class TriangleSurface : public Surface {
 
   [[nodiscard]] Box3 bounds() const override { return bounds_; }
   [[nodiscard]] const TriangleMesh* mesh() const noexcept override { return &mesh_; }
-  [[nodiscard]] const MeshTopology& topology() const noexcept { return topology_; }
+  [[nodiscard]] const MeshTopology* topology() const noexcept override { return &topology_; }
 
  protected:
   // Corners and unit normal (zero without area) side by side: a query that visits a triangle waits for one place in

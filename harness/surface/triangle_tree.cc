@@ -2,11 +2,15 @@
 
 #include <embree3/rtcore.h>
 #include <fmt/format.h>
+#include <tbb/task_arena.h>
 
 #include <algorithm>
 #include <cmath>
+#include <mutex>
+#include <vector>
 
 #include "harness/base/error.h"
+#include "harness/base/in_parallel.h"
 
 namespace touchstone {
 namespace {
@@ -18,10 +22,43 @@ constexpr double kPadding = 2e-6;
 constexpr double kFarAway = 1e6;
 
 struct DeviceRelease {
-  void operator()(RTCDevice device) const { rtcReleaseDevice(device); }
+  void operator()(RTCDevice device) const {
+    if (device != nullptr) rtcReleaseDevice(device);
+  }
 };
 struct SceneRelease {
   void operator()(RTCScene scene) const { rtcReleaseScene(scene); }
+};
+
+// One for all trees that live: the library starts no more than some three hundred. Its errors are kept per thread.
+std::shared_ptr<RTCDeviceTy> shared_device(const std::string& source) {
+  static std::mutex mutex;
+  static std::weak_ptr<RTCDeviceTy> known;
+  const std::lock_guard lock(mutex);
+  auto device = known.lock();
+  if (device) return device;
+  device.reset(rtcNewDevice(nullptr), DeviceRelease{});
+  if (!device)
+    throw Error(ExitStatus::bad_data, fmt::format("{}: Embree cannot start (error {})", source,
+                                                  static_cast<int>(rtcGetDeviceError(nullptr))));
+  known = device;
+  return device;
+}
+
+// Around a triangle, scaled and padded. Embree hands over whole leaves: most of their triangles are turned down by this
+// small array before their corners are fetched.
+struct Ball {
+  float x;
+  float y;
+  float z;
+  float radius;
+  [[nodiscard]] bool beyond(const RTCPointQuery& query) const {
+    const float dx = query.x - x;
+    const float dy = query.y - y;
+    const float dz = query.z - z;
+    const float reach = query.radius + radius;
+    return dx * dx + dy * dy + dz * dz > reach * reach;
+  }
 };
 
 }  // namespace
@@ -31,8 +68,23 @@ struct TriangleTree::Embree {
   Vec3 center;
   Vec3 half;  // of the scaled mesh's box
   double scale;
-  std::unique_ptr<RTCDeviceTy, DeviceRelease> device;
+  std::vector<Ball> balls;
+  std::shared_ptr<RTCDeviceTy> device;
   std::unique_ptr<RTCSceneTy, SceneRelease> scene;
+
+  [[nodiscard]] Vec3 scaled(std::int32_t vertex) const {
+    return scale * (mesh->vertices_W_m[static_cast<std::size_t>(vertex)] - center);
+  }
+  [[nodiscard]] Ball ball_around(std::size_t triangle) const {
+    Box3 box;
+    for (const std::int32_t corner : mesh->triangles[triangle]) box.extend(scaled(corner));
+    const Vec3 middle = box.center();
+    double radius2 = 0.0;
+    for (const std::int32_t corner : mesh->triangles[triangle])
+      radius2 = std::max(radius2, (scaled(corner) - middle).squaredNorm());
+    return {static_cast<float>(middle.x()), static_cast<float>(middle.y()), static_cast<float>(middle.z()),
+            static_cast<float>(std::sqrt(radius2) + kPadding)};
+  }
 
   // Embree hands its context to the callback: it must come first.
   struct SegmentVisit {
@@ -42,6 +94,7 @@ struct TriangleTree::Embree {
     double begin;   // where the ray starts along it
   };
   struct BallVisit {
+    const Embree* tree;
     Visitor visitor;
     double scale;
     double slack;
@@ -50,9 +103,7 @@ struct TriangleTree::Embree {
   static void bounds(const RTCBoundsFunctionArguments* arguments) {
     const auto& self = *static_cast<const Embree*>(arguments->geometryUserPtr);
     Box3 box;
-    for (const std::int32_t corner : self.mesh->triangles[arguments->primID]) {
-      box.extend(Vec3(self.scale * (self.mesh->vertices_W_m[static_cast<std::size_t>(corner)] - self.center)));
-    }
+    for (const std::int32_t corner : self.mesh->triangles[arguments->primID]) box.extend(self.scaled(corner));
     RTCBounds& out = *arguments->bounds_o;
     out.lower_x = static_cast<float>(box.min().x() - kPadding);
     out.lower_y = static_cast<float>(box.min().y() - kPadding);
@@ -78,6 +129,7 @@ struct TriangleTree::Embree {
 
   static bool in_ball(RTCPointQueryFunctionArguments* arguments) {
     auto& visit = *static_cast<BallVisit*>(arguments->userPtr);
+    if (visit.tree->balls[arguments->primID].beyond(*arguments->query)) return false;
     const double beyond = visit.visitor.call(visit.visitor.self, static_cast<std::int32_t>(arguments->primID));
     const auto radius = static_cast<float>(visit.scale * beyond * (1.0 + kPadding) + visit.slack);
     if (!(radius < arguments->query->radius)) return false;
@@ -100,8 +152,9 @@ TriangleTree::TriangleTree(const TriangleMesh& mesh) : embree_(std::make_unique<
     throw Error(ExitStatus::bad_data, fmt::format("{}: Embree cannot build its hierarchy over {} triangles (error {})",
                                                   mesh.source, mesh.triangles.size(), static_cast<int>(error)));
   };
-  self.device.reset(rtcNewDevice(nullptr));
-  if (!self.device) fail(rtcGetDeviceError(nullptr));
+  self.balls.resize(mesh.triangles.size());
+  in_parallel(self.balls.size(), [&](std::size_t t) { self.balls[t] = self.ball_around(t); });
+  self.device = shared_device(mesh.source);
   self.scene.reset(rtcNewScene(self.device.get()));
   rtcSetSceneFlags(self.scene.get(), RTC_SCENE_FLAG_ROBUST);
   const RTCGeometry geometry = rtcNewGeometry(self.device.get(), RTC_GEOMETRY_TYPE_USER);
@@ -112,7 +165,8 @@ TriangleTree::TriangleTree(const TriangleMesh& mesh) : embree_(std::make_unique<
   rtcCommitGeometry(geometry);
   rtcAttachGeometry(self.scene.get(), geometry);
   rtcReleaseGeometry(geometry);
-  rtcCommitScene(self.scene.get());
+  // In isolation: whoever builds under a lock must not, while it waits, take up a task that wants the same lock.
+  tbb::this_task_arena::isolate([&] { rtcCommitScene(self.scene.get()); });
   if (const RTCError error = rtcGetDeviceError(self.device.get()); error != RTC_ERROR_NONE) fail(error);
 }
 
@@ -170,7 +224,7 @@ void TriangleTree::ball(const Vec3& center_W_m, double radius_m, Visitor visitor
       visitor.call(visitor.self, static_cast<std::int32_t>(t));
     return;
   }
-  Embree::BallVisit visit{visitor, self.scale, kPadding * (1.0 + magnitude)};
+  Embree::BallVisit visit{&self, visitor, self.scale, kPadding * (1.0 + magnitude)};
   RTCPointQueryContext context;
   rtcInitPointQueryContext(&context);
   RTCPointQuery query;
@@ -190,7 +244,7 @@ void TriangleTree::pairs(PairVisitor visitor) const {
               static_cast<std::int32_t>(collisions[i].primID1));
     }
   };
-  rtcCollide(embree_->scene.get(), embree_->scene.get(), found, &visitor);
+  tbb::this_task_arena::isolate([&] { rtcCollide(embree_->scene.get(), embree_->scene.get(), found, &visitor); });
 }
 
 }  // namespace touchstone

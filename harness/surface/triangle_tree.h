@@ -7,6 +7,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <type_traits>
 
 #include "harness/base/vec.h"
 #include "harness/surface/triangle_mesh.h"
