@@ -17,7 +17,7 @@ ParameterValues::ParameterValues(std::string owner, std::span<const Parameter> d
     const std::string& name = given.first;
     const double value = given.second;
     const auto found =
-        std::find_if(declared.begin(), declared.end(), [&name = name](const Parameter& p) { return p.name == name; });
+        std::find_if(declared.begin(), declared.end(), [&](const Parameter& p) { return p.name == name; });
     if (found == declared.end()) {
       std::string known;
       for (const Parameter& p : declared) known += (known.empty() ? "" : ", ") + p.name;
