@@ -62,7 +62,8 @@ export async function openPage(executable, width, height) {
       const gone = new Promise((resolve) => child.on('exit', resolve));
       child.kill('SIGKILL');
       await gone;
-      rmSync(profile, { recursive: true, force: true, maxRetries: 5 });
+      // Its helpers die a little later and may still write.
+      rmSync(profile, { recursive: true, force: true, maxRetries: 50, retryDelay: 100 });
     },
   };
 }
