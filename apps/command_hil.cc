@@ -142,7 +142,9 @@ void add_recover(CLI::App& hil_command, Run& run) {
     run = [options] {
       const auto report = hil::export_raw({options->files.begin(), options->files.end()}, options->out);
       fmt::print(
-          "{} samples at {:.3f} Hz -> {}{}\narrival scatter {:.3g} ms; {} damaged bytes skipped, {} samples missing\n",
+          "{} samples at {:.3f} Hz -> {}{}\narrival scatter {:.3g} ms; {} damaged bytes skipped, {} samples missing by "
+          "the "
+          "device's count (flag 16: the first one after a gap)\n",
           report.samples, report.rate_Hz, options->out, report.emulated ? " (emulated)" : "",
           1e3 * report.arrival_scatter_s, report.damaged_bytes, report.missing_samples);
       return ExitStatus::passed;

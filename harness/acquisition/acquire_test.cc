@@ -196,6 +196,21 @@ TEST_F(AcquireTest, LeadsBackToTheTruth) {
   EXPECT_THAT(report_text(report), HasSubstr("clocks"));
 }
 
+TEST(AcquisitionGuide, ItsExampleIsADescription) {
+  const char* const source = std::getenv("TOUCHSTONE_SOURCE_DIR");
+  ASSERT_NE(source, nullptr);
+  const std::string guide = read_file(fs::path(source) / "docs" / "acquire.md");
+  const std::string fence = "```json\n";
+  const auto from = guide.find(fence) + fence.size();
+  const auto file = fs::path(::testing::TempDir()) / "acquisition-guide.json";
+  write_file(file, guide.substr(from, guide.find("```", from) - from));
+  const AcquisitionDescription description = read_description(file);
+  EXPECT_EQ(description.serial, "FT12345");
+  EXPECT_EQ(description.tip_radius_m, 0.0015);
+  EXPECT_EQ(description.mesh_unit, "mm");
+  fs::remove(file);
+}
+
 TEST_F(AcquireTest, SaysWhatIsWrongWithItsInputs) {
   EXPECT_EQ(complaint(), "accepted");
   replace_in("acquisition.json", "FT0042", "FT0043");

@@ -111,17 +111,22 @@ RecordReport record_session(WrenchSource& source, const std::filesystem::path& p
 ExportReport export_raw(const std::vector<std::filesystem::path>& files, const std::filesystem::path& csv) {
   ExportReport report;
   ClockLine line;
+  std::uint64_t last_sequence = 0;
   for (const auto& file : files) {
-    const auto part = read_raw(file, [&](const RawSample& s) { line.add(s.wrench.sequence, s.wrench.t_s); });
+    const auto part = read_raw(file, [&](const RawSample& s) {
+      line.add(s.wrench.sequence, s.wrench.t_s);
+      last_sequence = std::max(last_sequence, s.wrench.sequence);
+    });
     report.samples += part.samples;
     report.damaged_bytes += part.damaged_bytes;
-    report.missing_samples += part.missing_samples;
     report.emulated = report.emulated || part.header.device.emulated;
   }
   if (report.samples < 2)
     throw BadData(fmt::format("{}: holds {} sound samples; nothing to export", files.front().string(), report.samples));
   if (!(line.slope() > 0.0))
     throw BadData(fmt::format("{}: time does not advance with the samples", files.front().string()));
+  const std::uint64_t sent = last_sequence - line.first_sequence + 1;
+  report.missing_samples = sent > report.samples ? sent - report.samples : 0;
   report.rate_Hz = 1.0 / line.slope();
   report.arrival_scatter_s = line.scatter();
   AtomicFile target(csv);

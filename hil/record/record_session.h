@@ -32,7 +32,8 @@ RecordReport record_session(WrenchSource& source, const std::filesystem::path& p
 // through sequence numbers and arrival times, because samples arrive in packets; its scatter is returned. Several files
 // are joined in order (a spilled rest).
 struct ExportReport {
-  std::uint64_t samples = 0, damaged_bytes = 0, missing_samples = 0;
+  std::uint64_t samples = 0, damaged_bytes = 0;
+  std::uint64_t missing_samples = 0;  // by the device's sequence numbers: lost on the way, in memory or in the file
   double rate_Hz = 0.0, arrival_scatter_s = 0.0;
   bool emulated = false;
 };

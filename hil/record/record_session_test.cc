@@ -46,6 +46,25 @@ TEST(RecordSession, RecordsAnEmulatedSensorAndExportsWhatAcquireReads) {
   std::filesystem::remove_all(folder);
 }
 
+TEST(RecordSession, TheExportSaysHowManySamplesNeverArrived) {
+  const auto folder = std::filesystem::temp_directory_path() / fmt::format("touchstone-lost-{}", ::getpid());
+  std::filesystem::create_directories(folder);
+  RawRecorder recorder(folder / "c.tsraw", {}, {});
+  for (std::uint64_t sequence = 100; sequence < 400; ++sequence) {
+    if (sequence == 150 || sequence == 151 || sequence == 333) continue;
+    RawSample sample;
+    sample.wrench.sequence = sequence;
+    sample.wrench.t_s = 1e-3 * static_cast<double>(sequence);
+    recorder.push(sample);
+  }
+  recorder.finish();
+  const auto exported = export_raw({folder / "c.tsraw"}, folder / "c.csv");
+  EXPECT_EQ(exported.samples, 297U);
+  EXPECT_EQ(exported.missing_samples, 3U);
+  EXPECT_EQ(exported.damaged_bytes, 0U);
+  std::filesystem::remove_all(folder);
+}
+
 TEST(RecordSession, KeepsWhatCameBeforeTheDeviceWent) {
   const auto folder = std::filesystem::temp_directory_path() / fmt::format("touchstone-gone-{}", ::getpid());
   std::filesystem::create_directories(folder);
