@@ -122,19 +122,41 @@ std::vector<PlannedEvaluation> plan_dataset(const std::filesystem::path& place, 
 
 std::vector<Evaluated> run_plan(const std::vector<PlannedEvaluation>& plan, const std::filesystem::path& out) {
   std::vector<Evaluated> done;
+  std::size_t begin = 0;  // of the group
   for (const PlannedEvaluation& one : plan) {
+    if (begin < done.size() && done[begin].group != one.group) {
+      fmt::print(stderr, "{}", group_messages(std::span(done).subspan(begin)));
+      begin = done.size();
+    }
     const std::filesystem::path folder = out / one.folder;
     try {
       EvaluationResult result = evaluate_into(one.request, folder);
-      for (const std::string& message : result.messages) fmt::print(stderr, "{}: {}\n", folder.string(), message);
-      done.push_back({"", one.group, one.column, folder, std::move(result.metrics)});
+      done.push_back({"", one.group, one.column, folder, std::move(result.metrics), std::move(result.messages)});
     } catch (const RendererFailed& error) {
-      fmt::print(stderr, "{}: {}\n", folder.string(), error.what());
-      done.push_back({error.what(), one.group, one.column, folder, {}});
+      done.push_back({error.what(), one.group, one.column, folder, {}, {error.what()}});
     }
     for (MetricResult& metric : done.back().metrics) metric.series.reset(), metric.histogram.reset();
   }
+  fmt::print(stderr, "{}", group_messages(std::span(done).subspan(begin)));
   return done;
+}
+
+std::string group_messages(std::span<const Evaluated> group) {
+  std::vector<std::pair<std::string, std::vector<std::string>>> said;  // in order, with who says it
+  for (const Evaluated& one : group) {
+    for (const std::string& message : one.messages) {
+      const auto same = std::ranges::find(said, message, [](const auto& each) { return each.first; });
+      (same == said.end() ? said.emplace_back(message, std::vector<std::string>{}) : *same)
+          .second.push_back(one.column);
+    }
+  }
+  std::string lines;
+  for (const auto& [message, columns] : said) {
+    const std::string name = group.front().group.substr(0, group.front().group.find(": "));
+    lines += columns.size() == group.size() ? fmt::format("{}: {}\n", name, message)
+                                            : fmt::format("{}, {}: {}\n", name, fmt::join(columns, ", "), message);
+  }
+  return lines;
 }
 
 std::string summary_table(const std::vector<Evaluated>& evaluated) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -20,9 +21,10 @@ struct Evaluated {
   std::string column;  // what tells it from the others of the group
   std::filesystem::path folder;
   std::vector<MetricResult> metrics;
+  std::vector<std::string> messages;  // to the person who runs it
 };
 
-// The data sets that come with the program: share/touchstone/datasets beside an installed program, synthetic/datasets
+// The data sets that come with the program: share/touchstone/datasets beside an installed program, synthetic/bundled
 // of the source tree above one that was built there. Throws BadData when there are none.
 std::vector<std::filesystem::path> bundled_datasets();
 
@@ -41,10 +43,13 @@ std::vector<PlannedEvaluation> plan_dataset(const std::filesystem::path& dataset
                                             const std::vector<ModelOfFile>& models, const Plugins& plugins,
                                             const EvaluationRequest& base, bool in_trajectory_chosen);
 
-// Runs the plan; messages of each evaluation go to stderr under its name. A renderer that breaks down spoils its own
-// evaluation only.
+// Runs the plan; what its evaluations have to say goes to stderr when a group has ended. A renderer that breaks down
+// spoils its own evaluation only.
 std::vector<Evaluated> run_plan(const std::vector<PlannedEvaluation>& plan, const std::filesystem::path& out);
 
+// A line for each thing that evaluations of one group have to say: what several of them say is said once, with the
+// columns it is about unless it is about all.
+std::string group_messages(std::span<const Evaluated> group);
 // One table per group, for a terminal.
 std::string summary_table(const std::vector<Evaluated>& evaluated);
 // Schema "touchstone-evaluations/1".

@@ -1,3 +1,4 @@
+#include "apps/evaluation/campaign.h"
 #include "apps/evaluation/run.h"
 #include "apps/evaluation/sample_scan.h"
 #include "apps/evaluation/sensor_window.h"
@@ -38,6 +39,17 @@ TEST(Evaluation, AFrictionlessScanComesBackToRounding) {
       EXPECT_EQ(value(result, "spurious_onsets"), 0.0);
     }
   }
+}
+
+TEST(Campaign, WhatManySayIsSaidOnceAndOfWhom) {
+  const auto one = [](const char* column, std::vector<std::string> messages) {
+    return Evaluated{"", "duck / scan: over the back", column, {}, {}, std::move(messages)};
+  };
+  const std::vector<Evaluated> group{one("penalty", {"noisy", "lost"}), one("god-object", {"noisy"}),
+                                     one("voxel", {"blind", "noisy", "lost"})};
+  EXPECT_EQ(group_messages(group),
+            "duck / scan: noisy\nduck / scan, penalty, voxel: lost\nduck / scan, voxel: blind\n");
+  EXPECT_EQ(group_messages({}), "");
 }
 
 TEST(Evaluation, MeasuredPositionsOfACompliantObject) {

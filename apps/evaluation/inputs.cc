@@ -106,8 +106,8 @@ void set_tip_radius(const EvaluationRequest& request, const RendererEntry& entry
     inputs.model.parameters["tip_radius_m"] = *request.tip_radius_m;
   } else {
     inputs.messages.push_back(
-        fmt::format("The probe was a ball of radius {} m; the renderer {} knows point tips only and sees its centre.",
-                    *request.tip_radius_m, entry.name));
+        fmt::format("The probe was a ball of radius {}; the renderer knows point tips only and sees its centre.",
+                    display_quantity(*request.tip_radius_m, "m")));
   }
 }
 

@@ -277,7 +277,7 @@ void describe(const EvaluationRequest& request, const EvaluationInputs& inputs, 
   }
   if (lost.samples > 0) {
     result.messages.push_back(
-        fmt::format("At {} samples, first at {} s, the recording shows contact and the renderer has none.{}",
+        fmt::format("At {} samples, first at {:.3f} s, the recording shows contact and the renderer has none.{}",
                     lost.samples, lost.first_t_s,
                     inputs.open_edges > 0 ? " Where the mesh ends but the object does not, the tip may have slipped "
                                             "over an open edge: --extend-edges "

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -78,6 +79,23 @@ MetricResult value_of(const Described& metric, double value) {
   return result;
 }
 
+// Below this share of the force's changes that a straight line over the displacement's explains, force and displacement
+// are not those of presses, and their ratio says nothing of hardness.
+constexpr double kPressShare = 0.5;
+
+// R^2 of y = c x; 0 where there is nothing to explain.
+double share_explained(std::span<const double> x, std::span<const double> y) {
+  double xx = 0.0;
+  double xy = 0.0;
+  double yy = 0.0;
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    xx += x[i] * x[i];
+    xy += x[i] * y[i];
+    yy += y[i] * y[i];
+  }
+  return xx > 0.0 && yy > 0.0 ? xy * xy / (xx * yy) : 0.0;
+}
+
 MetricResult missing(const Described& metric, const std::string& why) {
   return make_missing(metric.name, metric.unit, metric.meaning, why);
 }
@@ -104,19 +122,36 @@ std::vector<MetricResult> press_metrics(const Recording& measured, std::span<con
   const MeasuringPart& rendered = rendered_matrix.parts.front();
   const auto real_hardness = rate_hardness(real.force_N, real.displacement_m, kRateHardnessWindow);
   const auto rendered_hardness = rate_hardness(rendered.force_N, real.displacement_m, kRateHardnessWindow);
+  // Of presses alone: windows that begin and end in contact.
   std::vector<double> of_real;
   std::vector<double> of_rendered;
   std::vector<double> difference;
+  std::vector<double> force_change_N;
+  std::vector<double> displacement_change_m;
   for (std::size_t n = 0; n < real_hardness.values_N_per_m.size(); ++n) {
-    if (real_hardness.guarded[n]) continue;
+    const std::size_t end = n + kRateHardnessWindow;
+    const bool pressed = std::min(real.force_N[n], real.force_N[end]) > kFingertipForce.absolute_threshold;
+    if (real_hardness.guarded[n] || !pressed) continue;
     of_real.push_back(real_hardness.values_N_per_m[n]);
     of_rendered.push_back(rendered_hardness.values_N_per_m[n]);
     difference.push_back(of_rendered.back() - of_real.back());
+    force_change_N.push_back(real.force_N[end] - real.force_N[n]);
+    displacement_change_m.push_back(real.displacement_m[end] - real.displacement_m[n]);
   }
-  const std::string guard = fmt::format("window {} samples; {:.1f} % of the windows had too little motion to divide by",
-                                        kRateHardnessWindow, 100.0 * real_hardness.guarded_share);
+  const double follows = share_explained(displacement_change_m, force_change_N);
+  std::string unfit;
   if (of_real.empty()) {
-    results = {missing(kPress[0], "the tip does not move along the force")};
+    unfit = "the tip does not move along the force while it presses";
+  } else if (!(follows >= kPressShare)) {
+    unfit = fmt::format(
+        "in contact the measured force does not follow the displacement ({:.0f} % of its change explained, {:.0f} % "
+        "needed): strokes, or an object too stiff for the tracker",
+        100.0 * follows, 100.0 * kPressShare);
+  }
+  const std::string guard =
+      fmt::format("window {} samples; {} of them in contact and moving", kRateHardnessWindow, of_real.size());
+  if (!unfit.empty()) {
+    results = {missing(kPress[0], unfit)};
   } else {
     results = {value_of(kPress[0], median(of_rendered))};
     results[0].note = guard;
@@ -131,14 +166,14 @@ std::vector<MetricResult> press_metrics(const Recording& measured, std::span<con
     results.push_back(value_of(kPress[1], *rendered_extended));
     if (const auto own = extended(real)) set_reference(results.back(), *own, "extended rate-hardness measured");
   } else {
-    results.push_back(missing(kPress[1], "no first contact with a velocity into the object"));
+    results.push_back(
+        missing(kPress[1], "the measured positions show no first contact with a velocity into the object"));
   }
-  const double size = of_real.empty() ? 0.0 : root_mean_square(of_real);
-  if (size > 0.0) {
-    results.push_back(value_of(kPress[2], root_mean_square(difference) / size));
+  if (unfit.empty()) {
+    results.push_back(value_of(kPress[2], root_mean_square(difference) / root_mean_square(of_real)));
     results.back().note = guard;
   } else {
-    results.push_back(missing(kPress[2], "the measured force does not change with displacement"));
+    results.push_back(missing(kPress[2], unfit));
   }
   StructuralSimilarityConstants constants;
   constants.window = static_cast<std::size_t>(std::max(4.0, std::round(0.1 * matrix.rate_Hz)));

@@ -61,6 +61,34 @@ TEST(PressMetrics, TellHardnessBesideTheMeasuredOne) {
   }
 }
 
+// A press of a tenth of the time: what happens in free air is not part of the hardness.
+TEST(PressMetrics, DoNotCountFreeAir) {
+  Recording measured = presses(500.0, Vec3::UnitZ());
+  auto rendered = presses(400.0, Vec3::UnitZ()).f_W_N;
+  const std::size_t n = measured.size();
+  const double step_s = measured.motion.t_s[1] - measured.motion.t_s[0];
+  for (std::size_t i = 0; i < 9 * n; ++i) {
+    measured.motion.t_s.push_back(measured.motion.t_s.back() + step_s);
+    measured.motion.p_W_m.emplace_back(0, 0, 0.02 + 0.01 * std::sin(0.02 * static_cast<double>(i)));
+    measured.f_W_N.push_back(Vec3::Zero());
+    rendered.push_back(Vec3::Zero());
+  }
+  const auto results = press_metrics(measured, rendered);
+  EXPECT_NEAR(find_result(results, "rate_hardness").value, 400.0, 1.0);
+  EXPECT_NEAR(find_result(results, "rate_hardness").reference.value(), 500.0, 1.0);
+}
+
+TEST(PressMetrics, OfStrokesAreMissing) {
+  Recording stroke = presses(500.0, Vec3::UnitZ());
+  for (std::size_t i = 0; i < stroke.size(); ++i)
+    stroke.motion.p_W_m[i].z() = -1e-3 * std::sin(0.37 * static_cast<double>(i));
+  const auto results = press_metrics(stroke, stroke.f_W_N);
+  for (const char* const name : {"rate_hardness", "rate_hardness_error"}) {
+    EXPECT_EQ(find_result(results, name).status, MetricStatus::missing) << name;
+    EXPECT_THAT(find_result(results, name).note, ::testing::HasSubstr("does not follow the displacement"));
+  }
+}
+
 TEST(PressMetrics, AreMissingWithAReason) {
   Recording still = presses(500.0, Vec3::UnitZ());
   for (Vec3& p : still.motion.p_W_m) p = Vec3(0, 0, -0.001);
