@@ -75,6 +75,8 @@ Section section_of(const json& e, bool failed) {
   for (const char* const key : {"device", "serial", "firmware", "calibration", "sensor", "dead_man", "fixture",
                                 "scheduling", "clock", "when", "commit", "samples"}) {
     if (const auto text = text_of(e, key); !text.empty()) facts.rows.emplace_back(key, text);
+    if (std::string_view(key) == "commit" && e.value("dirty", false))
+      facts.rows.back().second += ", with changes that were not committed";
   }
   for (const auto& [name, count] : e.at("counters").items())
     facts.rows.emplace_back("samples " + name, std::to_string(count.get<std::uint64_t>()));

@@ -153,6 +153,10 @@ std::string group_messages(std::span<const Evaluated> group) {
   std::string lines;
   for (const auto& [message, columns] : said) {
     const std::string name = group.front().group.substr(0, group.front().group.find(": "));
+    if (message.starts_with(name + ": ")) {  // a reader's, which names its file
+      lines += message + "\n";
+      continue;
+    }
     lines += columns.size() == group.size() ? fmt::format("{}: {}\n", name, message)
                                             : fmt::format("{}, {}: {}\n", name, fmt::join(columns, ", "), message);
   }

@@ -49,6 +49,8 @@ TEST(Campaign, WhatManySayIsSaidOnceAndOfWhom) {
                                      one("voxel", {"blind", "noisy", "lost"})};
   EXPECT_EQ(group_messages(group),
             "duck / scan: noisy\nduck / scan, penalty, voxel: lost\nduck / scan, voxel: blind\n");
+  const Evaluated of_file{"", "a.csv", "k", {}, {}, {"a.csv: 3 times are jittered", "far away"}};
+  EXPECT_EQ(group_messages(std::span(&of_file, 1)), "a.csv: 3 times are jittered\na.csv: far away\n");
   EXPECT_EQ(group_messages({}), "");
 }
 

@@ -65,6 +65,13 @@ int connect_udp(const NetFtAddress& address) {
   return fd;
 }
 
+bool on_loopback(int socket) {
+  sockaddr_in peer{};
+  socklen_t size = sizeof peer;
+  return ::getpeername(socket, reinterpret_cast<sockaddr*>(&peer), &size) == 0 &&
+         ntohl(peer.sin_addr.s_addr) >> 24U == IN_LOOPBACKNET;
+}
+
 class NetFt final : public WrenchSource {
  public:
   NetFt(const NetFtAddress& address, double timeout_s, bool emulated)
@@ -72,8 +79,9 @@ class NetFt final : public WrenchSource {
     identity_ = {"ati-netft", configuration_.serial, configuration_.product,
                  fmt::format("netftapi2.xml: {:.9g} N and {:.9g} N m per count", configuration_.newtons_per_count,
                              configuration_.newton_metres_per_count),
-                 // An emulator says so itself, also where somebody's hardware map gives its address.
-                 emulated || configuration_.product.find("emulated") != std::string::npos};
+                 // An emulator says so itself, also where somebody's hardware map gives its address; and no sensor
+                 // answers from this machine.
+                 emulated || configuration_.product.find("emulated") != std::string::npos || on_loopback(socket_)};
   }
   ~NetFt() override {
     stop();

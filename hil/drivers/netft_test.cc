@@ -107,6 +107,12 @@ TEST(NetFtEmulated, ForcesArriveInNewtonsAndInOrder) {
 TEST(NetFtEmulated, IsKnownForAnEmulatorAlsoByWhoTakesItForHardware) {
   NetFtEmulator emulator(1000, {}, wave);
   EXPECT_TRUE(open_netft(emulator.address(), 2.0, false)->identity().emulated);
+  NetFtFaults silent;
+  silent.names_itself_a_sensor = true;
+  NetFtEmulator impostor(1000, silent, wave);
+  const auto source = open_netft(impostor.address(), 2.0, false);
+  EXPECT_EQ(source->identity().firmware, "Net F/T");
+  EXPECT_TRUE(source->identity().emulated);  // no sensor answers from the loopback
 }
 
 TEST(NetFtEmulated, FaultsAreCountedAndFlaggedAndTimeNeverRunsBack) {

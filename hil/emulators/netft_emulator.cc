@@ -77,10 +77,11 @@ void NetFtEmulator::serve_http() {
         faults_.http_garbage
             ? "<html>not a sensor</html>"
             : fmt::format(
-                  "<?xml version=\"1.0\"?><netft><prodname>Net F/T "
-                  "emulated</prodname><setserial>EMU00001</setserial><cfgcpf>{}</cfgcpf>"
-                  "<cfgcpt>{}</cfgcpt><scfgfu>N</scfgfu><scfgtu>Nm</scfgtu><comrdtrate>{}</comrdtrate></netft>",
-                  counts_per_newton, counts_per_newton_metre, rate_Hz_);
+                  "<?xml version=\"1.0\"?><netft><prodname>Net F/T{}</prodname><setserial>EMU00001</setserial>"
+                  "<cfgcpf>{}</cfgcpf><cfgcpt>{}</cfgcpt><scfgfu>N</scfgfu><scfgtu>Nm</scfgtu>"
+                  "<comrdtrate>{}</comrdtrate></netft>",
+                  faults_.names_itself_a_sensor ? "" : " emulated", counts_per_newton, counts_per_newton_metre,
+                  rate_Hz_);
     const auto answer =
         fmt::format("HTTP/1.0 200 OK\r\nContent-Type: text/xml\r\nContent-Length: {}\r\n\r\n{}", body.size(), body);
     [[maybe_unused]] const auto n = ::send(client, answer.data(), answer.size(), MSG_NOSIGNAL);

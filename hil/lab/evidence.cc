@@ -94,6 +94,7 @@ void publish(const Evidence& e, const std::vector<WrenchSample>& samples) {
       {"scheduling", scheduling()},
       {"clock", "CLOCK_MONOTONIC"},
       {"commit", build_info().commit},
+      {"dirty", build_info().dirty},
       {"when",
        fmt::format("{:%FT%TZ}", fmt::gmtime(std::chrono::system_clock::to_time_t(std::chrono::system_clock::now())))},
       {"counters",
