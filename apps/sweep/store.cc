@@ -275,7 +275,6 @@ SweepMerge SweepStore::merge(const std::filesystem::path& part) {
   SweepMerge merged;
   merged.repeated = database_->one_number("SELECT count(*) FROM " + both);
   const std::string offset = database_->one_text("SELECT coalesce(max(run), 0) FROM main.runs");
-  const std::uint64_t before = database_->one_number("SELECT count(*) FROM main.cases");
   database_->run("BEGIN IMMEDIATE");
   try {
     database_->run(
@@ -286,12 +285,12 @@ SweepMerge SweepStore::merge(const std::filesystem::path& part) {
         fmt::format("INSERT INTO main.cases(run, {0}) SELECT run + {1}, {0} FROM part.cases WHERE case_number "
                     "NOT IN (SELECT case_number FROM main.cases)",
                     columns, offset));
+    merged.added = static_cast<std::uint64_t>(sqlite3_changes64(database_->handle));
     database_->run("COMMIT");
   } catch (...) {
     sqlite3_exec(database_->handle, "ROLLBACK", nullptr, nullptr, nullptr);
     throw;
   }
-  merged.added = database_->one_number("SELECT count(*) FROM main.cases") - before;
   return merged;
 }
 

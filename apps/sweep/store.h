@@ -16,7 +16,7 @@
 namespace touchstone::apps {
 
 struct SweepMerge {
-  std::uint64_t added = 0;
+  std::uint64_t added = 0;     // those that stand for a failed one too
   std::uint64_t repeated = 0;  // the same case, with the same result, in more than one part
 };
 

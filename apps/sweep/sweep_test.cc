@@ -230,6 +230,26 @@ TEST_F(Sweep, PartsThatDisagreeAreNotMerged) {
   EXPECT_THROW(store.merge(out("absent.sqlite")), BadData);
 }
 
+TEST_F(Sweep, AMergedCaseStandsForOneThatFailed) {
+  const SweepDesign design(write(hypercube(5)));
+  run_all(design, "whole.sqlite", 1);
+  run_all(design, "gaps.sqlite", 1);
+  sqlite3* database = nullptr;
+  ASSERT_EQ(sqlite3_open(out("gaps.sqlite").c_str(), &database), SQLITE_OK);
+  ASSERT_EQ(sqlite3_exec(database,
+                         "UPDATE cases SET status = 'failed', error = 'disk' WHERE case_number = 3;"
+                         "DELETE FROM cases WHERE case_number = 1",
+                         nullptr, nullptr, nullptr),
+            SQLITE_OK);
+  sqlite3_close(database);
+  SweepStore store(out("gaps.sqlite"), design);
+  const SweepMerge merged = store.merge(out("whole.sqlite"));
+  EXPECT_EQ(merged.added, 2U);
+  EXPECT_EQ(merged.repeated, 4U);
+  EXPECT_EQ(store.failed(), 0U);
+  EXPECT_EQ(store.content_hash(), SweepStore(out("whole.sqlite"), design).content_hash());
+}
+
 TEST_F(Sweep, ShardsCoverEveryCaseOnce) {
   for (const std::uint64_t cases : {1U, 7U, 100U, 1001U}) {
     for (const std::uint64_t count : {1U, 2U, 3U, 8U}) {
