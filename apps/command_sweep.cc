@@ -25,24 +25,6 @@ struct Options {
 
 std::atomic<bool> stop_requested = false;
 
-SweepShard read_shard(const std::string& text) {
-  SweepShard shard;
-  if (text.empty()) return shard;
-  const auto slash = text.find('/');
-  try {
-    std::size_t used = 0;
-    shard.index = std::stoull(text, &used);
-    if (slash == std::string::npos || used != slash) throw std::invalid_argument("no slash");
-    shard.count = std::stoull(text.substr(slash + 1), &used);
-    if (used != text.size() - slash - 1) throw std::invalid_argument("more");
-  } catch (const std::logic_error&) {
-    shard.index = 0;
-  }
-  if (shard.index < 1 || shard.index > shard.count)
-    throw UsageError(fmt::format("--shard {}: K/N was expected, with 1 <= K <= N, for instance 3/8", text));
-  return shard;
-}
-
 // What the file holds now against what it must hold.
 ExitStatus conclude(const Options& options, const SweepDesign& design, const SweepStore& store, SweepShard shard) {
   const auto done = store.done();

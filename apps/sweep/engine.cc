@@ -73,9 +73,6 @@ class Collector {
 
 }  // namespace
 
-std::uint64_t SweepShard::first(std::uint64_t cases) const noexcept { return cases * (index - 1) / count; }
-std::uint64_t SweepShard::last(std::uint64_t cases) const noexcept { return cases * index / count; }
-
 SweepTally run_sweep(const SweepDesign& design, SweepStore& store, SweepShard shard, unsigned threads,
                      const std::atomic<bool>& stop) {
   const std::uint64_t first = shard.first(design.size());

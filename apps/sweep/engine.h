@@ -4,17 +4,10 @@
 #include <atomic>
 #include <cstdint>
 
+#include "apps/sweep/shard.h"
 #include "apps/sweep/store.h"
 
 namespace touchstone::apps {
-
-// Part `index` (1 to `count`) of the cases: consecutive numbers, so that cases which share a surface stay together.
-struct SweepShard {
-  std::uint64_t index = 1;
-  std::uint64_t count = 1;
-  [[nodiscard]] std::uint64_t first(std::uint64_t cases) const noexcept;
-  [[nodiscard]] std::uint64_t last(std::uint64_t cases) const noexcept;  // behind the last
-};
 
 struct SweepTally {
   std::uint64_t before = 0;  // were done already

@@ -264,6 +264,15 @@ TEST_F(Sweep, ShardsCoverEveryCaseOnce) {
   }
 }
 
+TEST(Shard, IsReadAsKOfN) {
+  EXPECT_EQ(read_shard("").count, 1U);
+  EXPECT_EQ(read_shard("3/8").index, 3U);
+  EXPECT_EQ(read_shard("3/8").count, 8U);
+  for (const char* const bad : {"3", "0/8", "9/8", "3/8x", "/8", "3/", "-1/8", "3/0", "a/b"}) {
+    EXPECT_THROW(read_shard(bad), UsageError) << bad;
+  }
+}
+
 struct BadSpecification {
   const char* name;
   const char* pointer;
