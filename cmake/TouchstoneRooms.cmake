@@ -78,8 +78,9 @@ endfunction()
 function(touchstone_discover_tests target)
   cmake_parse_arguments(ARG "" "PREFIX;TIMEOUT;SERIAL" "LABELS;ENVIRONMENT" ${ARGN})
   set(list touchstone_tests_${ARG_PREFIX})
-  gtest_discover_tests(${target} DISCOVERY_MODE PRE_TEST TEST_PREFIX "${ARG_PREFIX}." TEST_LIST ${list}
-    PROPERTIES TIMEOUT ${ARG_TIMEOUT} RUN_SERIAL ${ARG_SERIAL})
+  # A busy machine may take longer to list thousands of cases than the 5 s after which CMake gives up on all of them.
+  gtest_discover_tests(${target} DISCOVERY_MODE PRE_TEST DISCOVERY_TIMEOUT 120 TEST_PREFIX "${ARG_PREFIX}."
+    TEST_LIST ${list} PROPERTIES TIMEOUT ${ARG_TIMEOUT} RUN_SERIAL ${ARG_SERIAL})
   set(environment "TOUCHSTONE_DATA_DIR=${TOUCHSTONE_DATA_DIR}" "TOUCHSTONE_SOURCE_DIR=${PROJECT_SOURCE_DIR}"
     "TOUCHSTONE_PROGRAM=${PROJECT_BINARY_DIR}/bin/touchstone" ${ARG_ENVIRONMENT})
   set(properties_file ${CMAKE_CURRENT_BINARY_DIR}/${list}_properties.cmake)
