@@ -12,7 +12,6 @@
 #include "apps/discrepancy/page.h"
 #include "apps/discrepancy/verify.h"
 #include "harness/base/atomic_file.h"
-#include "harness/discrepancy/smooth_motion.h"
 #include "harness/recording/recording_file.h"
 #include "harness/rendering/model.h"
 #include "harness/report/page_html.h"
@@ -95,10 +94,8 @@ Findings run_discrepancy(const DiscrepancyFiles& files, const std::function<void
                            files.seed + 2);
   const double duration_s = train.motion.t_s.back() - train.motion.t_s.front();
   const double held_back_s = second ? 0.0 : std::min(files.block_s, duration_s / held_back_least_blocks);
-  const auto smooth_train = make(smoothed_motion(train.motion, instrument));
-  const auto smooth_holdout = make(smoothed_motion(holdout.motion, instrument));
-  const SearchData data{{&train, train_predictor.get(), &train_noise, {held_back_s, false}, smooth_train.get()},
-                        {&holdout, holdout_predictor.get(), &holdout_noise, {held_back_s, true}, smooth_holdout.get()},
+  const SearchData data{{&train, train_predictor.get(), &train_noise, {held_back_s, false}},
+                        {&holdout, holdout_predictor.get(), &holdout_noise, {held_back_s, true}},
                         block_window_s(instrument.position_rate_Hz, train.motion),
                         6.0 * instrument.force_noise_N + instrument.force_step_N.maxCoeff(),
                         instrument.position_noise_m,

@@ -68,12 +68,19 @@ std::vector<Vec3> response(Predictor& predictor, const Model& base, const OneSid
   return series;
 }
 
+// The whitened squares that a model leaves along the likely motion.
+double left_by_model(const DetectorSide& side, const Model& model) {
+  const Prediction prediction = side.noise->likely_predictor().predict(model);
+  std::vector<Vec3> left(prediction.f_W_N.size());
+  for (std::size_t i = 0; i < left.size(); ++i) left[i] = side.recording->f_W_N[i] - prediction.f_W_N[i];
+  return whiten_for_regression(*side.blocks, left, {}).residual.squaredNorm();
+}
+
 }  // namespace
 
 std::optional<std::string> find_data_fault(const DetectorSide& train, const DetectorSide& holdout, const Model& base,
                                            const Model& best) {
   const Prediction train_nominal = train.blocks->predictor->predict(base);
-  const Prediction holdout_nominal = holdout.blocks->predictor->predict(base);
   // Of the better of the two: a heavy tool, which only the search's model knows, hides the load from the other.
   const double correlation =
       std::max(load_correlation(train, train_nominal), load_correlation(train, train.blocks->predictor->predict(best)));
@@ -84,7 +91,11 @@ std::optional<std::string> find_data_fault(const DetectorSide& train, const Dete
         "order, its clocks apart, or the mesh another object's?",
         train.recording->motion.t_s.back() - train.recording->motion.t_s.front(), correlation);
   }
-  const double held = chi_squared(*holdout.blocks, best);
+  // Coefficients are sought along the likely motion: where the tip rests, friction at noisy positions turns with the
+  // noise, and a rate is mostly noise.
+  const Prediction train_likely = train.noise->likely_predictor().predict(base);
+  const Prediction holdout_likely = holdout.noise->likely_predictor().predict(base);
+  const double held = left_by_model(holdout, best);
   const std::array tests{
       OneSided{"coulomb-friction",
                Side::contact,
@@ -119,7 +130,8 @@ std::optional<std::string> find_data_fault(const DetectorSide& train, const Dete
     try {
       // The stiffness may take up a part of it, and a bias of the sensor a part of a weight.
       const auto series = [&](const DetectorSide& side, const Prediction& nominal) {
-        std::vector<std::vector<Vec3>> columns{response(*side.blocks->predictor, base, test, nominal), nominal.f_W_N};
+        std::vector<std::vector<Vec3>> columns{response(side.noise->likely_predictor(), base, test, nominal),
+                                               nominal.f_W_N};
         for (int axis = 0; axis < 3 && test.side == Side::instrument; ++axis) {
           const auto& q = side.recording->motion.q_WS;
           std::vector<Vec3> constant(nominal.f_W_N.size(), Vec3::Unit(axis));
@@ -133,8 +145,8 @@ std::optional<std::string> find_data_fault(const DetectorSide& train, const Dete
         for (std::size_t i = 0; i < left.size(); ++i) left[i] = side.recording->f_W_N[i] - nominal.f_W_N[i];
         return whiten_for_regression(*side.blocks, left, series(side, nominal));
       };
-      const RegressionData learn = regression(train, train_nominal);
-      const RegressionData judge = regression(holdout, holdout_nominal);
+      const RegressionData learn = regression(train, train_likely);
+      const RegressionData judge = regression(holdout, holdout_likely);
       const Eigen::VectorXd with = ridge_coefficients(learn, 1e-9);
       if (with[0] >= 0.0) continue;
       RegressionData learn_without = learn;

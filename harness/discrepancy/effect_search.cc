@@ -9,6 +9,7 @@
 #include <tuple>
 #include <utility>
 
+#include "harness/discrepancy/along_likely.h"
 #include "harness/discrepancy/data_faults.h"
 #include "harness/discrepancy/goodness.h"
 #include "harness/discrepancy/model_edit.h"
@@ -18,6 +19,11 @@
 
 namespace touchstone {
 namespace {
+
+std::vector<FreeParameter> joined(std::vector<FreeParameter> parameters, const std::vector<FreeParameter>& more) {
+  parameters.insert(parameters.end(), more.begin(), more.end());
+  return parameters;
+}
 
 class Search {
  public:
@@ -108,25 +114,6 @@ class Search {
     return std::max(settings_.minimum_gain, bar_above(gains, settings_.null_deviations));
   }
 
-  // The regime of held-out data that the trial makes worse than noise can, by a share of what it gains in all; empty:
-  // none. (A short regime whose error is all noise, such as the first contact, may go up by chance.)
-  std::string worsened(const Prediction& before, const Model& trial) const {
-    const Prediction after = data_.holdout.predictor->predict(trial);
-    const auto regimes = sort_by_regime(data_.holdout, before, after, data_.force_floor_N);
-    const auto grown = [](const Regime& regime) {
-      return static_cast<double>(regime.samples) *
-             (regime.after_N * regime.after_N - regime.before_N * regime.before_N);
-    };
-    double gained = 0.0;
-    for (const Regime& regime : regimes) gained -= regime.kind == "phase" ? std::min(0.0, grown(regime)) : 0.0;
-    for (const Regime& regime : regimes) {
-      if (regime.kind != "phase") continue;
-      const bool clear = regime.after_N > regime.before_N + regime.error95_N;
-      if (clear && grown(regime) > settings_.worsening * gained) return regime.name;
-    }
-    return "";
-  }
-
   bool add_one() {
     SearchStep step;
     step.train_chi_squared = chi_squared(train_, current_.model);
@@ -187,9 +174,7 @@ class Search {
     const auto parameters = parameters_;
     const JointFit before = current_;
     const Model rest = without_special_cases(current_.model, trial.name);
-    parameters_ = free_in(rest);
-    const CandidateFit chosen = options(candidate(trial.name), rest);
-    parameters_.insert(parameters_.end(), chosen.parameters.begin(), chosen.parameters.end());
+    parameters_ = joined(free_in(rest), options(candidate(trial.name), rest).parameters);
     current_ = trial.fit;
     renew_noise(current_.model);
     refit();
@@ -219,15 +204,29 @@ class Search {
     const Prediction before = data_.holdout.predictor->predict(current_.model);
     for (Trial& trial : step.trials) {
       if (!trial.verdict.empty()) continue;
-      const std::string worse = worsened(before, trial.fit.model);
+      const Prediction after = data_.holdout.predictor->predict(trial.fit.model);
+      const std::string worse =
+          worsened_phase(sort_by_regime(data_.holdout, before, after, data_.force_floor_N), settings_.worsening);
       if (!worse.empty()) {
         trial.verdict = fmt::format("makes {} worse", worse);
+        continue;
+      }
+      if (!helps_without_noise(trial)) {
+        trial.verdict = "helps at the noisy positions alone: it passes less of their noise on";
         continue;
       }
       trial.null_bar = null_bar(candidate(trial.name), trial.holdout_gain);
       if (trial.holdout_gain > trial.null_bar) return;
       trial.verdict = "no more than noise and the mesh's declared error give where nothing is missing";
     }
+  }
+
+  bool helps_without_noise(const Trial& trial) const {
+    const Model rest = without_special_cases(current_.model, trial.name);
+    const auto parameters = joined(free_in(rest), options(candidate(trial.name), rest).parameters);
+    const auto loss = compare_along_likely(data_, train_, holdout_, {&trial.fit.model, &parameters},
+                                           {&current_.model, &parameters_}, settings_.iterations);
+    return !loss || loss->lost >= settings_.likely_share * trial.holdout_gain;
   }
 
   // Empty: strong enough to be added.
@@ -311,10 +310,11 @@ class Search {
         rival.holdout_rms_N = holdout_rms(fit.model);
         const bool close = lost < settings_.alike_errors * error || lost < settings_.minimum_gain / 3.0;
         const bool related = contains(other.name, name) || contains(name, other.name);
-        if (lost < settings_.alike_gain * found.holdout_gain && !related) {
+        if (lost < settings_.rival_gain * found.holdout_gain && !related) {
           // Many units of chi-squared from a few runs have a large error and tell all the same.
           const double more_N = std::sqrt(std::max(0.0, rival.holdout_rms_N * rival.holdout_rms_N - here_N * here_N));
-          rival.alike = (close && more_N < floor_N) || alike_without_noise(rival.model, kept, other);
+          const bool near = lost < settings_.alike_gain * found.holdout_gain;
+          rival.alike = (near && close && more_N < floor_N) || alike_without_noise(rival.model, kept, other, !near);
         }
         found.rivals.push_back(std::move(rival));
       }
@@ -334,34 +334,33 @@ class Search {
     return nullptr;
   }
 
-  // Whether the rival does as well as the found model on the smoothed motion, each fitted to it; or differs there from
-  // it by less than an effect must be to be claimed.
-  bool alike_without_noise(const Model& rival, std::vector<FreeParameter> parameters,
-                           const Candidate& candidate) const {
-    if (data_.train.smooth == nullptr || data_.holdout.smooth == nullptr) return false;
-    FitData train = train_;
+  // Whether the rival does as well as the found model along the likely motion, each fitted to it; or, where that is
+  // enough, differs there from it by less than an effect must be to be claimed.
+  bool alike_without_noise(const Model& rival, const std::vector<FreeParameter>& kept, const Candidate& candidate,
+                           bool needs_close) const {
     FitData holdout = holdout_;
-    train.predictor = data_.train.smooth;
-    holdout.predictor = data_.holdout.smooth;
     const auto own = fit_data(data_.holdout, rival, data_.window_s).noise;
     for (std::size_t b = 0; b < own.size(); ++b) {
       holdout.noise[b].along_normal_N = std::max(holdout.noise[b].along_normal_N, own[b].along_normal_N);
       holdout.noise[b].tangential_N = std::max(holdout.noise[b].tangential_N, own[b].tangential_N);
     }
-    const JointFit found = fit_jointly(train, Model(current_.model), parameters_, settings_.iterations, false);
-    const auto fit = options(candidate, current_.model).parameters;
-    parameters.insert(parameters.end(), fit.begin(), fit.end());
-    const JointFit other = fit_jointly(train, rival, parameters, settings_.iterations, false);
-    if (!found.ok || !other.ok) return false;
-    const auto [lost, error] =
-        paired_difference(block_chi_squared(holdout, other.model), block_chi_squared(holdout, found.model));
-    const double apart_N = rms_difference_N(data_.holdout, data_.holdout.smooth->predict(found.model),
-                                            data_.holdout.smooth->predict(other.model));
+    const auto parameters = joined(kept, options(candidate, current_.model).parameters);
+    const auto loss = compare_along_likely(data_, train_, holdout, {&current_.model, &parameters_},
+                                           {&rival, &parameters}, settings_.iterations);
+    if (!loss) return false;
     const double floor_N = expected_noise_N(data_.holdout, current_.model);
-    report_(fmt::format("    {} on the smoothed motion: loses {:.0f} +- {:.0f}, {:.4g} N apart, noise {:.4g} N",
-                        candidate.name, lost, error, apart_N, floor_N));
-    const bool close = lost < std::max(settings_.alike_errors * error, settings_.minimum_gain / 3.0);
-    return apart_N < (close ? 1.0 : settings_.apart_share) * floor_N;
+    report_(fmt::format("    {} along the likely motion: loses {:.0f} +- {:.0f}, {:.4g} N apart, noise {:.4g} N",
+                        candidate.name, loss->lost, loss->error, loss->apart_N, floor_N));
+    const bool close = loss->lost < std::max(settings_.alike_errors * loss->error, settings_.minimum_gain / 3.0);
+    return loss->apart_N < (close ? 1.0 : needs_close ? 0.0 : settings_.apart_share) * floor_N;
+  }
+
+  bool does_better_without_noise(const Rival& rival, const std::string& loser) const {
+    const auto parameters = joined(without_owner(parameters_, loser),
+                                   options(candidate(rival.name), without_entry(current_.model, loser)).parameters);
+    const auto loss = compare_along_likely(data_, train_, holdout_, {&current_.model, &parameters_},
+                                           {&rival.model, &parameters}, settings_.iterations);
+    return !loss || loss->lost < 0.0;
   }
 
   // What stands in the place of a found effect and does better, now that the others are known, takes it. What was put
@@ -373,6 +372,7 @@ class Search {
       for (const Rival& rival : found.rivals) {
         const double clear = std::max(settings_.minimum_gain, settings_.alike_errors * rival.error);
         if (rival.holdout_gain_lost > -clear || put_away_.contains(rival.name)) continue;
+        if (!does_better_without_noise(rival, found.name)) continue;
         if (best == nullptr || rival.holdout_gain_lost < best->holdout_gain_lost) {
           best = &rival;
           loser = &found;
@@ -389,9 +389,8 @@ class Search {
     step.removed = loser->name;
     result_.steps.push_back(std::move(step));
     put_away_.insert(loser->name);
-    const CandidateFit chosen = options(candidate(best->name), without_entry(current_.model, loser->name));
-    parameters_ = without_owner(parameters_, loser->name);
-    parameters_.insert(parameters_.end(), chosen.parameters.begin(), chosen.parameters.end());
+    parameters_ = joined(without_owner(parameters_, loser->name),
+                         options(candidate(best->name), without_entry(current_.model, loser->name)).parameters);
     current_.model = best->model;
     renew_noise(current_.model);
     refit();

@@ -30,8 +30,10 @@ struct SearchSettings {
   double null_deviations = 5.0;         // above what the case's own nulls gain, in their standard deviations
   double worsening = 0.15;              // of the squared error that goes, no regime's may grow by more than this share
   double alike_gain = 0.1;    // two explanations whose held-out gains differ by less than this share of the gain, or
+  double rival_gain = 0.5;    // what makes up for half of the gain may be alike once noise is out of the motion
   double alike_errors = 2.5;  // by less than so many standard errors, are alike
   double apart_share = 0.5;   // and so are two whose forces differ by less than this share of what noise leaves
+  double likely_share = 0.5;  // of its gain that an effect must have along the likely motion too
   std::size_t most_effects = 4;
   int iterations = 12;
 };

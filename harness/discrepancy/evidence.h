@@ -26,7 +26,6 @@ struct Evidence {
   Predictor* predictor = nullptr;
   NoiseModel* noise = nullptr;
   Part part;
-  Predictor* smooth = nullptr;  // at the positions without their noise, as far as it is known; may be missing
 };
 
 struct SearchData {

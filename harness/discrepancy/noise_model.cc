@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "harness/discrepancy/smooth_motion.h"
+
 namespace touchstone {
 namespace {
 
@@ -49,12 +51,17 @@ NoiseModel::NoiseModel(const MotionColumns& motion, const std::vector<Vec3>& n_W
   const Random root(noise_seed);
   const Random mesh_root(mesh_seed);
   const std::vector<Vec3> normals = carried_normals(n_W);
+  const MotionSmoother smoother(motion, instrument);
+  likely_motion_ = smoother.smoothed(motion);
+  likely_ = make(likely_motion_);
   for (std::size_t r = 0; r < replica_count + null_worlds; ++r) {
     Random random = root.stream(r);
-    MotionColumns moved = with_position_noise(motion, instrument, random);
     const bool null = r >= replica_count;
+    MotionColumns moved = null ? likely_motion_ : with_position_noise(motion, instrument, random);
     World world;
     if (null) {
+      const std::vector<Vec3> off_m = smoother.left_of_noise(random);
+      for (std::size_t i = 0; i < off_m.size(); ++i) moved.p_W_m[i] += off_m[i];
       Random mesh_random = mesh_root.stream(r);
       moved = with_geometry_error(moved, normals, instrument, mesh_random);
       world.tilt_W = normal_tilts(motion, normals, instrument, mesh_random);

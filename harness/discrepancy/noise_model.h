@@ -3,8 +3,12 @@
 // Replicas of the motion are perturbed by the declared noise, the model runs on each, and the blocks' spread and mean
 // are kept. Given the recorded positions the true ones scatter about them (Berkson 1950; the prior is flat over the
 // range of the noise), so that what the model makes of the replicas is what the sensor would have shown.
-// The mesh's declared error is smooth along the surface: its part is what the model makes of a mesh that is off by its
-// standard deviation everywhere.
+// How large the noise is needs no more than that. What it does to a fit needs the true path itself, which the
+// neighbours of a sample tell better than the sample (see smooth_motion.h): in the null worlds the tip goes along the
+// smoothed motion, off by what smoothing leaves of the noise, while the models are fitted at the recorded positions. So
+// a null world weakens coefficients and rewards laws that only pass less noise on just as the recording does (errors in
+// the variables; Carroll, Ruppert, Stefanski and Crainiceanu 2006, chapter 2). The mesh's declared error is smooth
+// along the surface: its part is what the model makes of a mesh that is off by its standard deviation everywhere.
 #pragma once
 
 #include <cstdint>
@@ -31,6 +35,10 @@ class NoiseModel {
   // The mean square of the 3-D force error that noise would leave at each sample if `model` were the truth [N^2].
   [[nodiscard]] std::vector<double> expected_squares(const Model& model, const Prediction& nominal);
 
+  // The motion without the tracker's noise, as far as it is known (see smooth_motion.h).
+  [[nodiscard]] const MotionColumns& likely_motion() const { return likely_motion_; }
+  [[nodiscard]] Predictor& likely_predictor() const { return *likely_; }
+
   // What the sensor would have shown, were `model` the truth, in a world whose noise and mesh error are number `index`
   // (< null_worlds): for null distributions of the case itself.
   static constexpr std::size_t null_worlds = 10;
@@ -44,6 +52,8 @@ class NoiseModel {
   };
 
   InstrumentDescription instrument_;
+  MotionColumns likely_motion_;
+  std::unique_ptr<Predictor> likely_;
   std::vector<World> replicas_;           // noise alone
   std::vector<World> nulls_;              // noise and mesh error
   std::unique_ptr<Predictor> displaced_;  // the mesh off by its standard deviation

@@ -232,4 +232,18 @@ std::vector<Regime> sort_by_regime(const Evidence& evidence, const Prediction& b
   return sorter.regimes();
 }
 
+std::string worsened_phase(const std::vector<Regime>& regimes, double share) {
+  const auto grown = [](const Regime& regime) {
+    return static_cast<double>(regime.samples) * (regime.after_N * regime.after_N - regime.before_N * regime.before_N);
+  };
+  double gained = 0.0;
+  for (const Regime& regime : regimes) gained -= regime.kind == "phase" ? std::min(0.0, grown(regime)) : 0.0;
+  for (const Regime& regime : regimes) {
+    if (regime.kind != "phase") continue;
+    const bool clear = regime.after_N > regime.before_N + regime.error95_N;
+    if (clear && grown(regime) > share * gained) return regime.name;
+  }
+  return "";
+}
+
 }  // namespace touchstone

@@ -23,4 +23,8 @@ struct Regime {
 std::vector<Regime> sort_by_regime(const Evidence& evidence, const Prediction& before, const Prediction& after,
                                    double force_floor_N);
 
+// The phase that got worse than noise can make it, by more than `share` of what got better in all; empty: none. (A
+// short one whose error is all noise, such as the first contact, may go up by chance.)
+std::string worsened_phase(const std::vector<Regime>& regimes, double share);
+
 }  // namespace touchstone

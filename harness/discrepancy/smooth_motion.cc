@@ -4,58 +4,101 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 
 namespace touchstone {
 namespace {
 
-std::vector<Vec3> smooth(const std::vector<double>& t_s, const std::vector<Vec3>& series, double half_window_s) {
+constexpr std::array half_windows{2.0, 3.0, 4.0, 6.0, 8.0, 12.0, 16.0, 24.0, 32.0};  // of the tracker's period
+// Of a confidence interval, in standard deviations: seldom left by noise.
+constexpr double interval_deviations = 2.5;
+// A window grows by at most so much of the way from where it had to be short: it may not reach across what made it so.
+constexpr double window_growth = 0.5;
+
+std::vector<Vec3> smooth(const std::vector<double>& t_s, const std::vector<Vec3>& series,
+                         const std::vector<double>& half_window_s) {
   std::vector<Vec3> out(series.size());
-  std::size_t low = 0;
-  std::size_t high = 0;
   for (std::size_t i = 0; i < series.size(); ++i) {
-    while (t_s[low] < t_s[i] - half_window_s) ++low;
-    while (high + 1 < series.size() && t_s[high + 1] <= t_s[i] + half_window_s) ++high;
+    const double half_s = half_window_s[i];
+    const auto first = std::lower_bound(t_s.begin(), t_s.end(), t_s[i] - half_s) - t_s.begin();
+    const auto last = std::upper_bound(t_s.begin(), t_s.end(), t_s[i] + half_s) - t_s.begin();
     Mat3 normal = Mat3::Zero();
     Mat3 right = Mat3::Zero();
-    for (std::size_t j = low; j <= high; ++j) {
-      const double u = (t_s[j] - t_s[i]) / half_window_s;
+    for (auto j = static_cast<std::size_t>(first); j < static_cast<std::size_t>(last); ++j) {
+      const double u = (t_s[j] - t_s[i]) / half_s;
       const double share = 1.0 - std::abs(u * u * u);
       const Vec3 basis(1.0, u, u * u);
       const double weight = share * share * share;
       normal += weight * basis * basis.transpose();
       right += weight * basis * series[j].transpose();
     }
-    constexpr std::size_t enough = 5;
-    out[i] = high - low + 1 < enough ? series[i] : Vec3(normal.ldlt().solve(right).row(0).transpose());
+    constexpr std::ptrdiff_t enough = 5;
+    out[i] = last - first < enough ? series[i] : Vec3(normal.ldlt().solve(right).row(0).transpose());
   }
   return out;
 }
 
-double rms_difference(const std::vector<Vec3>& a, const std::vector<Vec3>& b) {
+double rms_of_axis(const std::vector<Vec3>& series) {
   double sum = 0.0;
-  for (std::size_t i = 0; i < a.size(); ++i) sum += (a[i] - b[i]).squaredNorm();
-  return std::sqrt(sum / static_cast<double>(a.size()));
+  for (const Vec3& v : series) sum += v.squaredNorm();
+  return std::sqrt(sum / (3.0 * static_cast<double>(series.size())));
+}
+
+std::vector<Vec3> draw_noise(const std::vector<double>& t_s, const InstrumentDescription& instrument, Random& random) {
+  MotionColumns still;
+  still.t_s = t_s;
+  still.p_W_m.assign(t_s.size(), Vec3::Zero());
+  return with_position_noise(still, instrument, random).p_W_m;
 }
 
 }  // namespace
 
-MotionColumns smoothed_motion(const MotionColumns& motion, const InstrumentDescription& instrument) {
-  constexpr std::array half_windows{2.0, 3.0, 4.0, 6.0, 8.0, 12.0, 16.0};  // of the tracker's period
-  constexpr double margin = 1.1;
-  MotionColumns smoothed = motion;
-  if (motion.size() == 0 || instrument.position_noise_m == 0.0) return smoothed;
-  MotionColumns still = motion;
-  std::fill(still.p_W_m.begin(), still.p_W_m.end(), Vec3::Zero());
+MotionSmoother::MotionSmoother(const MotionColumns& motion, const InstrumentDescription& instrument)
+    : instrument_(instrument), t_s_(motion.t_s) {
+  const std::size_t n = motion.size();
+  if (n == 0 || instrument.position_noise_m == 0.0) return;
   Random random(1);
-  const std::vector<Vec3> noise = with_position_noise(still, instrument, random).p_W_m;
+  const std::vector<Vec3> noise = draw_noise(t_s_, instrument, random);
+  half_window_s_.assign(n, 0.0);
+  std::vector<Eigen::Array3d> low(n, Eigen::Array3d::Constant(-std::numeric_limits<double>::infinity()));
+  std::vector<Eigen::Array3d> high(n, Eigen::Array3d::Constant(std::numeric_limits<double>::infinity()));
+  std::vector<bool> settled(n, false);
   for (const double periods : half_windows) {
-    const double half_window_s = periods / instrument.position_rate_Hz;
-    const auto tried = smooth(motion.t_s, motion.p_W_m, half_window_s);
-    const double of_noise = rms_difference(noise, smooth(motion.t_s, noise, half_window_s));
-    if (rms_difference(motion.p_W_m, tried) > margin * of_noise) break;
-    smoothed.p_W_m = tried;
+    const std::vector<double> half_s(n, periods / instrument.position_rate_Hz);
+    const auto tried = smooth(t_s_, motion.p_W_m, half_s);
+    const double reach_m = interval_deviations * rms_of_axis(smooth(t_s_, noise, half_s));
+    for (std::size_t i = 0; i < n; ++i) {
+      if (settled[i]) continue;
+      low[i] = low[i].max(tried[i].array() - reach_m);
+      high[i] = high[i].min(tried[i].array() + reach_m);
+      if ((low[i] > high[i]).any()) {
+        settled[i] = true;
+      } else {
+        half_window_s_[i] = half_s[i];
+      }
+    }
   }
-  return smoothed;
+  const auto bound = [this](std::size_t i, std::size_t neighbour) {
+    half_window_s_[i] =
+        std::min(half_window_s_[i], half_window_s_[neighbour] + window_growth * std::abs(t_s_[i] - t_s_[neighbour]));
+  };
+  for (std::size_t i = 1; i < n; ++i) bound(i, i - 1);
+  for (std::size_t i = n - 1; i-- > 0;) bound(i, i + 1);
+}
+
+MotionColumns MotionSmoother::smoothed(const MotionColumns& motion) const {
+  MotionColumns out = motion;
+  if (!half_window_s_.empty()) out.p_W_m = smooth(t_s_, motion.p_W_m, half_window_s_);
+  return out;
+}
+
+std::vector<Vec3> MotionSmoother::left_of_noise(Random& random) const {
+  std::vector<Vec3> noise = draw_noise(t_s_, instrument_, random);
+  return half_window_s_.empty() ? noise : smooth(t_s_, noise, half_window_s_);
+}
+
+MotionColumns smoothed_motion(const MotionColumns& motion, const InstrumentDescription& instrument) {
+  return MotionSmoother(motion, instrument).smoothed(motion);
 }
 
 }  // namespace touchstone

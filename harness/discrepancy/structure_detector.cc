@@ -30,8 +30,7 @@ class Memory {
 };
 
 // Forces that something outside the library might make.
-std::vector<std::vector<Vec3>> features(const Recording& recording, const Prediction& prediction) {
-  const auto& motion = recording.motion;
+std::vector<std::vector<Vec3>> features(const MotionColumns& motion, const Prediction& prediction) {
   const std::size_t n = motion.size();
   std::vector<std::vector<Vec3>> all;
   std::vector<Vec3> velocity(n, Vec3::Zero());
@@ -126,22 +125,29 @@ Structure detect_structure(const DetectorSide& train, const DetectorSide& holdou
     Prediction nominal;
     RegressionData data;
   };
-  const auto prepare = [&](const DetectorSide& side) {
-    Prepared out{side.blocks->predictor->predict(model), {}};
+  const auto prepare = [&](const DetectorSide& side, const MotionColumns& motion, Predictor& predictor) {
+    Prepared out{predictor.predict(model), {}};
     out.data = whiten_for_regression(*side.blocks, difference(side.recording->f_W_N, out.nominal.f_W_N),
-                                     features(*side.recording, out.nominal));
+                                     features(motion, out.nominal));
     return out;
   };
-  Prepared learn = prepare(train);
-  Prepared judge = prepare(holdout);
-  const auto share_of = [&] {
-    const Eigen::VectorXd coefficients = ridge_coefficients(learn.data, ridge);
+  const auto gain_of = [](const Prepared& learn, const Prepared& judge) {
+    return judge.data.residual.squaredNorm() - left_by(judge.data, ridge_coefficients(learn.data, ridge));
+  };
+  // What foretells the residual at noisy positions alone foretells the noise.
+  const auto along_likely = [&](const DetectorSide& side) {
+    return prepare(side, side.noise->likely_motion(), side.noise->likely_predictor());
+  };
+  const double likely_gain = gain_of(along_likely(train), along_likely(holdout));
+  Prepared learn = prepare(train, train.recording->motion, *train.blocks->predictor);
+  Prepared judge = prepare(holdout, holdout.recording->motion, *holdout.blocks->predictor);
+  const auto share_of = [&](double gain) {
     const double before = judge.data.residual.squaredNorm();
-    return before > 0.0 ? 1.0 - left_by(judge.data, coefficients) / before : 0.0;
+    return before > 0.0 ? gain / before : 0.0;
   };
   Structure structure;
-  structure.share = share_of();
-  structure.gain = structure.share * judge.data.residual.squaredNorm();
+  structure.gain = std::min(gain_of(learn, judge), likely_gain);
+  structure.share = share_of(structure.gain);
 
   std::array<double, NoiseModel::null_worlds> shares{};
   const std::vector<std::vector<Vec3>> none;
@@ -152,7 +158,7 @@ Structure detect_structure(const DetectorSide& train, const DetectorSide& holdou
     };
     learn.data.residual = null_residual(train, learn);
     judge.data.residual = null_residual(holdout, judge);
-    shares[world] = std::max(0.0, share_of());
+    shares[world] = std::max(0.0, share_of(gain_of(learn, judge)));
   }
   double mean = 0.0;
   for (const double share : shares) mean += share / static_cast<double>(shares.size());

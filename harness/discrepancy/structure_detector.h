@@ -11,7 +11,7 @@ namespace touchstone {
 
 struct Structure {
   double gain = 0.0;   // of held-out chi-squared
-  double share = 0.0;  // of the held-out chi-squared
+  double share = 0.0;  // of the held-out chi-squared, at the recorded positions and along the likely motion: the lesser
   double bar = 0.0;    // of the share, well above what the case's own null worlds give
   [[nodiscard]] bool found() const { return share > bar; }
 };
