@@ -6,10 +6,12 @@ namespace {
 
 class Blind : public DiscrepancySamples {
  protected:
-  // Makes, searches and scores so many cases of the sets; what `score` wrote.
+  // Makes, searches and scores the second case of the sets, which are cheap: a tool's weight, a mesh that is off within
+  // its declared error, friction that pulls along. What `score` wrote.
   nlohmann::json blind(const std::string& sets, int seed) const {
     const auto place = folder_.string();
-    EXPECT_EQ(run(fmt::format("blind make --seed {} {} --count 1 --out '{}'", seed, sets, place)), 0) << errors();
+    EXPECT_EQ(run(fmt::format("blind make --seed {} {} --first 1 --count 1 --out '{}'", seed, sets, place)), 0)
+        << errors();
     EXPECT_EQ(run(fmt::format("blind run --cases '{0}/cases' --out '{0}/found'", place)), 0) << errors();
     // Too few cases for the bars: the status is not asked for.
     run(

@@ -12,6 +12,9 @@
 namespace touchstone {
 namespace {
 
+// Of the samples in contact: so many are so by the sensor or by the model alone only where the surface is elsewhere.
+constexpr double much_apart = 0.2;
+
 double percentile(std::vector<double> values, double share) {
   if (values.empty()) return 0.0;
   const auto at = values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
@@ -225,11 +228,10 @@ CandidateFit several_linear(const Context& c, const std::vector<std::string>& na
 // Where the mesh lies so far off that model and measurement do not touch at the same time, no small shift changes
 // anything: the fit starts from larger ones too.
 CandidateFit registration(const Context& c) {
-  constexpr double much = 0.2;
   const double d = c.scales.depth_m;
   const double turn = d / c.scales.extent_m();
   CandidateFit fit = several_linear(c, {"dx_m", "dy_m", "dz_m", "rx_rad", "ry_rad"}, {d, d, d, turn, turn}, 3.0);
-  if (c.scales.touching_apart > much) {
+  if (c.scales.touching_apart > much_apart) {
     for (const double share : {1.0, -1.0}) {
       fit.starts.push_back(fit.starts.front());
       fit.starts.back().parameters["dz_m"] = share * d;
@@ -299,7 +301,10 @@ RecordingScales measure_scales(const Recording& recording, const Prediction& pre
   }
   scales.touching_apart = forces.empty() ? 0.0 : apart / static_cast<double>(forces.size());
   scales.force_N = percentile(forces, 0.9);
-  scales.depth_m = depths.empty() ? scales.force_N / stiffness_N_per_m : percentile(depths, 0.9);
+  // A model that hardly touches where the sensor is pressed does not know the depth; the force tells it.
+  const double by_force_m = scales.force_N / stiffness_N_per_m;
+  scales.depth_m = percentile(depths, 0.9);
+  if (depths.empty() || scales.touching_apart > much_apart) scales.depth_m = std::max(scales.depth_m, by_force_m);
   scales.speed_m_per_s = percentile(speeds, 0.5);
   scales.depth_rate_m_per_s = percentile(rates, 0.9);
   if (recording.size() > 1) scales.duration_s = recording.motion.t_s.back() - recording.motion.t_s.front();

@@ -92,8 +92,9 @@ class Search {
 
   CandidateFit options(const Candidate& candidate, const Model& model, const Recording& recording) const {
     const Prediction now = data_.train.predictor->predict(model);
-    const RecordingScales scales = measure_scales(recording, now, data_.force_floor_N,
-                                                  model.parameters.at("stiffness_N_per_m"), data_.position_noise_m);
+    // The start's stiffness: that of a model which hardly touches was fitted to nothing.
+    const RecordingScales scales = measure_scales(
+        recording, now, data_.force_floor_N, result_.start.parameters.at("stiffness_N_per_m"), data_.position_noise_m);
     return candidate_fit(candidate, scales, recording, now);
   }
 

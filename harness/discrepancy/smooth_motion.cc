@@ -22,18 +22,36 @@ std::vector<Vec3> smooth(const std::vector<double>& t_s, const std::vector<Vec3>
     const double half_s = half_window_s[i];
     const auto first = std::lower_bound(t_s.begin(), t_s.end(), t_s[i] - half_s) - t_s.begin();
     const auto last = std::upper_bound(t_s.begin(), t_s.end(), t_s[i] + half_s) - t_s.begin();
-    Mat3 normal = Mat3::Zero();
-    Mat3 right = Mat3::Zero();
+    constexpr std::ptrdiff_t enough = 5;
+    if (last - first < enough) {
+      out[i] = series[i];
+      continue;
+    }
+    // The moments of the weights, and of the series with them; only the value in the middle is wanted.
+    std::array<double, 5> moments{};
+    Vec3 constant = Vec3::Zero();
+    Vec3 linear = Vec3::Zero();
+    Vec3 square = Vec3::Zero();
     for (auto j = static_cast<std::size_t>(first); j < static_cast<std::size_t>(last); ++j) {
       const double u = (t_s[j] - t_s[i]) / half_s;
-      const double share = 1.0 - std::abs(u * u * u);
-      const Vec3 basis(1.0, u, u * u);
+      const double share = 1.0 - std::abs(u) * u * u;
       const double weight = share * share * share;
-      normal += weight * basis * basis.transpose();
-      right += weight * basis * series[j].transpose();
+      const double weight_u = weight * u;
+      const double weight_uu = weight_u * u;
+      moments[0] += weight;
+      moments[1] += weight_u;
+      moments[2] += weight_uu;
+      moments[3] += weight_uu * u;
+      moments[4] += weight_uu * u * u;
+      constant += weight * series[j];
+      linear += weight_u * series[j];
+      square += weight_uu * series[j];
     }
-    constexpr std::ptrdiff_t enough = 5;
-    out[i] = last - first < enough ? series[i] : Vec3(normal.ldlt().solve(right).row(0).transpose());
+    Mat3 normal;
+    normal << moments[0], moments[1], moments[2], moments[1], moments[2], moments[3], moments[2], moments[3],
+        moments[4];
+    const Vec3 row = normal.ldlt().solve(Vec3::UnitX());
+    out[i] = row[0] * constant + row[1] * linear + row[2] * square;
   }
   return out;
 }
