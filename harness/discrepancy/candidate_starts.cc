@@ -168,6 +168,9 @@ CandidateFit tip_radius(const Context& c) {
                    {log_parameter(c.candidate.name, "radius_m", 1e-3 * c.scales.extent_m(), c.scales.extent_m())},
                    {}};
   for (const double share : {0.02, 0.06}) fit.starts.push_back(entry(c, {{"radius_m", share * c.scales.extent_m()}}));
+  if (c.scales.touching_apart > much_apart) {  // as for a registration
+    for (const double share : {0.7, 1.5}) fit.starts.push_back(entry(c, {{"radius_m", share * c.scales.depth_m}}));
+  }
   return fit;
 }
 
