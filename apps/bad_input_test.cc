@@ -1,34 +1,14 @@
 // The table of bad files: each run through the real program, with the message it must get and exit status 3. No file
 // that exists may be harmed by any of them.
-#include <sys/wait.h>
-
-#include <cstdio>
-#include <cstdlib>
-
 #include "apps/evaluation/sample_scan.h"
-#include "harness/base/atomic_file.h"
+#include "harness/testing/built_program.h"
 
 namespace touchstone {
 namespace {
 
-using testing::fresh_folder;
+using testing::Outcome;
 
-struct Ran {
-  int status;
-  std::string out;  // stdout and stderr
-};
-
-Ran run_program(const std::string& arguments) {
-  const char* const program = std::getenv("TOUCHSTONE_PROGRAM");
-  const std::string command = fmt::format("'{}' {} 2>&1", program == nullptr ? "touchstone" : program, arguments);
-  std::FILE* const pipe = ::popen(command.c_str(), "r");
-  Ran ran{-1, {}};
-  char buffer[4096];
-  for (std::size_t n = 0; (n = std::fread(buffer, 1, sizeof buffer, pipe)) > 0;) ran.out.append(buffer, n);
-  const int status = ::pclose(pipe);
-  ran.status = WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status);
-  return ran;
-}
+class BadInput : public testing::BuiltProgram {};
 
 const std::string header = "t_s,x_m,y_m,z_m,fx_N,fy_N,fz_N\n";
 
@@ -44,7 +24,7 @@ const std::string good_mesh = "v 0 0 0\nv 0.1 0 0\nv 0.1 0.1 0\nv 0 0.1 0\nf 1 2
 const std::string good_model =
     R"({"schema": "touchstone-model/1", "renderer": "god-object", "parameters": {"stiffness_N_per_m": 500}})";
 
-struct BadInput {
+struct Bad {
   std::string name;
   std::string recording = rows(100);
   std::string mesh = good_mesh;
@@ -55,10 +35,10 @@ struct BadInput {
   std::string mesh_name = "mesh.obj";
 };
 
-std::vector<BadInput> table() {
-  std::vector<BadInput> out;
+std::vector<Bad> table() {
+  std::vector<Bad> out;
   const auto recording = [&](std::string name, std::string text, std::string expected) {
-    BadInput bad;
+    Bad bad;
     bad.name = std::move(name), bad.recording = std::move(text), bad.expected = std::move(expected),
     bad.names = "rec.csv";
     out.push_back(bad);
@@ -79,7 +59,7 @@ std::vector<BadInput> table() {
   recording("truncated last line", rows(100).substr(0, rows(100).size() - 6), "101");
   recording("not a table", std::string("\x89HDF\r\n\x1a\n\0\0\0", 11), "rec.csv");
   const auto mesh = [&](std::string name, std::string text, std::string expected, std::string file = "mesh.obj") {
-    BadInput bad;
+    Bad bad;
     bad.name = std::move(name), bad.mesh = std::move(text), bad.expected = std::move(expected), bad.mesh_name = file,
     bad.names = file;
     out.push_back(bad);
@@ -92,7 +72,7 @@ std::vector<BadInput> table() {
   mesh("truncated STL", std::string(80, ' ') + std::string("\x02\0\0\0", 4) + std::string(60, '\0'), "mesh.stl",
        "mesh.stl");
   const auto model = [&](std::string name, std::string text, std::string expected) {
-    BadInput bad;
+    Bad bad;
     bad.name = std::move(name), bad.model = std::move(text), bad.expected = std::move(expected),
     bad.names = "model.json";
     out.push_back(bad);
@@ -114,14 +94,14 @@ std::vector<BadInput> table() {
       "coulomb");
   model("unread key", R"({"schema": "touchstone-model/1", "renderer": "god-object", "colour": "red"})", "colour");
   model("another schema", R"({"schema": "touchstone-case/1", "renderer": "god-object"})", "touchstone-model/1");
-  BadInput far;
+  Bad far;
   far.name = "mesh in millimetres read as metres";
   far.mesh = "v 20 20 500\nv 120 20 500\nv 120 120 500\nv 20 120 500\nf 1 2 3\nf 1 3 4\n";
   far.recording = header;
   for (int i = 0; i < 100; ++i) far.recording += fmt::format("{},0.05,{},0.5,0,0,1\n", 0.001 * i, 0.05 + 1e-5 * i);
   far.expected = "mm";
   out.push_back(far);
-  BadInput reversed;
+  Bad reversed;
   reversed.name = "reversed forces";
   reversed.recording = header;
   for (int i = 0; i < 5000; ++i) {
@@ -131,18 +111,18 @@ std::vector<BadInput> table() {
   reversed.expected = "--flip-force";
   reversed.names = "rec.csv";
   out.push_back(reversed);
-  BadInput open;
+  Bad open;
   open.name = "mesh with holes where a closed one is needed";
   open.options = "--closed";
   open.expected = "closed";
   open.names = "mesh.obj";
   out.push_back(open);
-  BadInput unwritable;
+  Bad unwritable;
   unwritable.name = "output folder that cannot be written";
   unwritable.options = "--out model.json/out";
   unwritable.expected = "cannot be written";
   out.push_back(unwritable);
-  BadInput range;
+  Bad range;
   range.name = "time range without samples";
   range.options = "--time-range 50:60";
   range.expected = "50:60";
@@ -151,73 +131,67 @@ std::vector<BadInput> table() {
   return out;
 }
 
-TEST(BadInput, EachIsRefusedWithItsMessageAndStatusThree) {
-  const auto folder = fresh_folder("touchstone-bad-input");
-  for (const BadInput& bad : table()) {
+TEST_F(BadInput, EachIsRefusedWithItsMessageAndStatusThree) {
+  for (const Bad& bad : table()) {
     SCOPED_TRACE(bad.name);
-    std::filesystem::remove_all(folder);
-    std::filesystem::create_directories(folder);
-    write_file(folder / "rec.csv", bad.recording);
-    write_file(folder / bad.mesh_name, bad.mesh);
-    write_file(folder / "model.json", bad.model);
+    std::filesystem::remove_all(folder_);
+    std::filesystem::create_directories(folder_);
+    write_file(folder_ / "rec.csv", bad.recording);
+    write_file(folder_ / bad.mesh_name, bad.mesh);
+    write_file(folder_ / "model.json", bad.model);
     const std::string command =
         fmt::format("evaluate --recording rec.csv --mesh {} --model model.json {}", bad.mesh_name,
                     bad.options.find("--out") == std::string::npos ? "--out out " + bad.options : bad.options);
-    const auto before = std::filesystem::current_path();
-    std::filesystem::current_path(folder);
-    const Ran ran = run_program(command);
-    std::filesystem::current_path(before);
-    EXPECT_EQ(ran.status, 3) << ran.out;
-    EXPECT_NE(ran.out.find(bad.expected), std::string::npos) << "expected \"" << bad.expected << "\" in: " << ran.out;
-    EXPECT_NE(ran.out.find(bad.names), std::string::npos) << ran.out;
-    EXPECT_EQ(ran.out.find("internal error"), std::string::npos) << ran.out;
+    const Outcome ran = run(command);
+    EXPECT_EQ(ran.status, 3) << ran.err;
+    EXPECT_NE(ran.err.find(bad.expected), std::string::npos) << "expected \"" << bad.expected << "\" in: " << ran.err;
+    EXPECT_NE(ran.err.find(bad.names), std::string::npos) << ran.err;
+    EXPECT_EQ(ran.err.find("internal error"), std::string::npos) << ran.err;
     // The inputs are as they were, and no half of an output is left.
-    EXPECT_EQ(read_file(folder / "rec.csv"), bad.recording);
-    EXPECT_EQ(read_file(folder / "model.json"), bad.model);
-    EXPECT_FALSE(std::filesystem::exists(folder / "out" / "report.html"));
-    EXPECT_FALSE(std::filesystem::exists(folder / "out" / "rendered.csv"));
+    EXPECT_EQ(read_file(folder_ / "rec.csv"), bad.recording);
+    EXPECT_EQ(read_file(folder_ / "model.json"), bad.model);
+    EXPECT_FALSE(std::filesystem::exists(folder_ / "out" / "report.html"));
+    EXPECT_FALSE(std::filesystem::exists(folder_ / "out" / "rendered.csv"));
   }
 }
 
-TEST(BadInput, ATruncatedHdf5FileIsRefused) {
-  const auto folder = fresh_folder("touchstone-bad-hdf5");
-  save_recording(folder / "rec.h5", testing::scan(0.0));
-  const std::string whole = read_file(folder / "rec.h5");
-  write_file(folder / "mesh.obj", good_mesh);
-  write_file(folder / "model.json", good_model);
+TEST_F(BadInput, ATruncatedHdf5FileIsRefused) {
+  save_recording(folder_ / "rec.h5", testing::scan(0.0));
+  const std::string whole = read_file(folder_ / "rec.h5");
+  write_file(folder_ / "mesh.obj", good_mesh);
+  write_file(folder_ / "model.json", good_model);
   for (const double part : {0.0, 0.1, 0.5, 0.95}) {
-    write_file(folder / "cut.h5", whole.substr(0, static_cast<std::size_t>(part * static_cast<double>(whole.size()))));
-    const Ran ran = run_program(
+    write_file(folder_ / "cut.h5", whole.substr(0, static_cast<std::size_t>(part * static_cast<double>(whole.size()))));
+    const Outcome ran = run(
         fmt::format("evaluate --recording '{0}/cut.h5' --mesh '{0}/mesh.obj' --model '{0}/model.json' --out '{0}/out'",
-                    folder.string()));
-    EXPECT_EQ(ran.status, 3) << part << ": " << ran.out;
-    EXPECT_NE(ran.out.find("cut.h5"), std::string::npos) << ran.out;
+                    folder_.string()));
+    EXPECT_EQ(ran.status, 3) << part << ": " << ran.err;
+    EXPECT_NE(ran.err.find("cut.h5"), std::string::npos) << ran.err;
   }
 }
 
-TEST(BadInput, ARefusedRunLeavesAnEarlierReportAsItWas) {
-  const auto folder = fresh_folder("touchstone-bad-keeps");
-  write_file(folder / "mesh.obj", good_mesh);
-  write_file(folder / "model.json", good_model);
-  write_file(folder / "rec.csv", rows(100, "0.05,nan,0.05,0,0,0,1", 90));
-  std::filesystem::create_directories(folder / "out");
+TEST_F(BadInput, ARefusedRunLeavesAnEarlierReportAsItWas) {
+  write_file(folder_ / "mesh.obj", good_mesh);
+  write_file(folder_ / "model.json", good_model);
+  write_file(folder_ / "rec.csv", rows(100, "0.05,nan,0.05,0,0,0,1", 90));
+  std::filesystem::create_directories(folder_ / "out");
   for (const char* const name : {"report.html", "result.json", "rendered.csv"})
-    write_file(folder / "out" / name, "earlier");
-  const Ran ran = run_program(
+    write_file(folder_ / "out" / name, "earlier");
+  const Outcome ran = run(
       fmt::format("evaluate --recording '{0}/rec.csv' --mesh '{0}/mesh.obj' --model '{0}/model.json' --out '{0}/out'",
-                  folder.string()));
-  EXPECT_EQ(ran.status, 3) << ran.out;
+                  folder_.string()));
+  EXPECT_EQ(ran.status, 3) << ran.err;
   for (const char* const name : {"report.html", "result.json", "rendered.csv"})
-    EXPECT_EQ(read_file(folder / "out" / name), "earlier");
+    EXPECT_EQ(read_file(folder_ / "out" / name), "earlier");
 }
 
-TEST(BadInput, UsageIsStatusTwo) {
+TEST_F(BadInput, UsageIsStatusTwo) {
   for (const char* const arguments :
        {"evaluate --recording only.csv", "evaluate --metrics rms_farce_error", "evaluate --threshold 5",
         "evaluate --tip-radius 3", "evaluate --time-range 6:0", "evaluate --in-trajectory guessed",
         "evaluate --mesh-unit inch", "fit", "nonsense"}) {
-    const Ran ran = run_program(arguments);
-    EXPECT_EQ(ran.status, 2) << arguments << ": " << ran.out;
+    const Outcome ran = run(arguments);
+    EXPECT_EQ(ran.status, 2) << arguments << ": " << ran.err;
   }
 }
 

@@ -1,44 +1,23 @@
 // The program's commands perceive and experiment, run as a user runs them.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <sys/wait.h>
 
 #include <cmath>
-#include <cstdlib>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <numbers>
 
-#include "harness/base/atomic_file.h"
+#include "harness/testing/built_program.h"
 
 namespace touchstone {
 namespace {
 
 using ::testing::HasSubstr;
 
-struct Outcome {
-  int status;
-  std::string err;
-};
+using testing::Outcome;
 
-class Program : public ::testing::Test {
+class Program : public testing::BuiltProgram {
  protected:
-  void SetUp() override {
-    const char* const program = std::getenv("TOUCHSTONE_PROGRAM");
-    if (program == nullptr || !std::filesystem::exists(program))
-      GTEST_SKIP() << "needs the built program in TOUCHSTONE_PROGRAM";
-    program_ = program;
-    folder_ = std::filesystem::path(::testing::TempDir()) /
-              (std::string("perceive-") + ::testing::UnitTest::GetInstance()->current_test_info()->name());
-    std::filesystem::remove_all(folder_);
-    std::filesystem::create_directories(folder_);
-  }
-  Outcome run(const std::string& arguments) const {
-    const auto err = folder_ / "err.txt";
-    const int status = std::system(
-        fmt::format("cd '{}' && '{}' {} > out.txt 2> err.txt", folder_.string(), program_, arguments).c_str());
-    return {WEXITSTATUS(status), read_file(err)};
-  }
   void press(const std::string& name, double k, double exponent, double seconds = 3.0) const {
     std::string text = "t_s,x_mm,y_mm,z_mm,fx_N,fy_N,fz_N\n";
     for (int n = 0; n < static_cast<int>(seconds * 500); ++n) {
@@ -48,9 +27,6 @@ class Program : public ::testing::Test {
     }
     write_file(folder_ / name, text);
   }
-
-  std::string program_;
-  std::filesystem::path folder_;
 };
 
 TEST_F(Program, PerceiveRanksRecordingsModelsAndAnswers) {

@@ -2,14 +2,12 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <sys/wait.h>
 
 #include <cmath>
-#include <cstdlib>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
-#include "harness/base/atomic_file.h"
+#include "harness/testing/built_program.h"
 
 namespace touchstone {
 namespace {
@@ -18,23 +16,14 @@ using ::testing::AllOf;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
-struct Outcome {
-  int status;
-  std::string out, err;
-};
+using testing::environment;
+using testing::Outcome;
 
-std::string environment(const char* name) {
-  const char* const value = std::getenv(name);
-  return value == nullptr ? "" : value;
-}
-
-class PluginCommand : public ::testing::Test {
+class PluginCommand : public testing::BuiltProgram {
  protected:
   void SetUp() override {
-    folder_ = std::filesystem::path(::testing::TempDir()) /
-              (std::string("plugin-") + ::testing::UnitTest::GetInstance()->current_test_info()->name());
-    std::filesystem::remove_all(folder_);
-    std::filesystem::create_directories(folder_);
+    BuiltProgram::SetUp();
+    if (IsSkipped()) return;
     write_file(folder_ / "plate.obj", "v -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nf 1 2 3\nf 1 3 4\n");
     write_file(folder_ / "plane.json",
                R"({"schema": "touchstone-model/1", "renderer": "plane", "parameters": {"stiffness_N_per_m": 400}})");
@@ -46,19 +35,9 @@ class PluginCommand : public ::testing::Test {
     }
     write_file(folder_ / "taps.csv", taps);
   }
-  void TearDown() override { std::filesystem::remove_all(folder_); }
-
-  [[nodiscard]] Outcome run(const std::string& arguments) const {
-    const int status = std::system(fmt::format("cd '{}' && '{}' {} > out.txt 2> err.txt", folder_.string(),
-                                               environment("TOUCHSTONE_PROGRAM"), arguments)
-                                       .c_str());
-    return {WEXITSTATUS(status), read_file(folder_ / "out.txt"), read_file(folder_ / "err.txt")};
-  }
   static std::string plugin(const std::string& name) {
     return "--plugin " + environment("TOUCHSTONE_TEST_PLUGINS") + "/" + name + ".so";
   }
-
-  std::filesystem::path folder_;
 };
 
 TEST_F(PluginCommand, ListShowsItsRenderers) {

@@ -4,63 +4,46 @@
 #include <fmt/ranges.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <sys/wait.h>
 
-#include <array>
-#include <cstdio>
-#include <cstdlib>
 #include <filesystem>
 #include <set>
 #include <string>
 
+#include "harness/testing/built_program.h"
+
 namespace touchstone::apps {
 namespace {
 
-struct Outcome {
-  int status = -1;
-  std::string text;
-};
-
-Outcome run(const std::string& command) {
-  Outcome outcome;
-  FILE* const pipe = ::popen((command + " 2>&1").c_str(), "r");
-  if (pipe == nullptr) return outcome;
-  std::array<char, 4096> part{};
-  while (const std::size_t size = std::fread(part.data(), 1, part.size(), pipe)) outcome.text.append(part.data(), size);
-  const int status = ::pclose(pipe);
-  outcome.status = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
-  return outcome;
-}
-
-std::string environment(const char* name) {
-  const char* const value = std::getenv(name);
-  return value == nullptr ? "" : value;
-}
+using testing::environment;
+using testing::Outcome;
 
 std::string plugin(const std::string& fault) { return environment("TOUCHSTONE_FAULTY_PLUGINS") + "/" + fault + ".so"; }
 
 // The tests that failed, without their shapes: "StepAllocatesNothing", "golden plane-taps".
 std::set<std::string> failing_tests(const std::string& fault) {
   std::set<std::string> failed;
+  const auto folder = std::filesystem::path(::testing::TempDir()) / ("touchstone-plugin-fault-" + fault);
+  std::filesystem::create_directories(folder);
+  const auto run = [&](const std::string& command) { return testing::run_command(command, folder); };
   // A fault shows on the small shapes, where the example's search through all triangles is quick.
   const char* const shapes = fault == "NO_FAULT" ? "*" : "*_cube:*_plate:*_sheet";
   const Outcome suite = run(
       fmt::format("{} --plugin={} --gtest_filter='{}'", environment("TOUCHSTONE_CONFORMANCE"), plugin(fault), shapes));
   const std::string mark = "[  FAILED  ] Plugin/RendererConformance.";
-  for (std::size_t at = suite.text.find(mark); at != std::string::npos; at = suite.text.find(mark, at + 1)) {
+  for (std::size_t at = suite.out.find(mark); at != std::string::npos; at = suite.out.find(mark, at + 1)) {
     const std::size_t begin = at + mark.size();
-    failed.insert(suite.text.substr(begin, suite.text.find('/', begin) - begin));
+    failed.insert(suite.out.substr(begin, suite.out.find('/', begin) - begin));
   }
-  EXPECT_EQ(suite.status, failed.empty() ? 0 : 1) << suite.text;
+  EXPECT_EQ(suite.status, failed.empty() ? 0 : 1) << suite.out;
   for (const char* const golden : {"plane-taps", "sphere-scan"}) {
-    const Outcome check = run(
-        fmt::format("{} check {} --model spring-linear --renderer penalty-in-c --plugin {} --golden {} --out {}",
-                    environment("TOUCHSTONE_PROGRAM"), golden, plugin(fault),
-                    environment("TOUCHSTONE_SOURCE_DIR") + "/golden", ::testing::TempDir() + "plugin-faults-" + fault));
-    EXPECT_TRUE(check.status == 0 || check.status == 1) << check.text;
+    const Outcome check =
+        run(fmt::format("{} check {} --model spring-linear --renderer penalty-in-c --plugin {} --golden {} --out {}",
+                        environment("TOUCHSTONE_PROGRAM"), golden, plugin(fault),
+                        environment("TOUCHSTONE_SOURCE_DIR") + "/golden", (folder / "pending").string()));
+    EXPECT_TRUE(check.status == 0 || check.status == 1) << check.err;
     if (check.status != 0) failed.insert(std::string("golden ") + golden);
   }
-  std::filesystem::remove_all(::testing::TempDir() + "plugin-faults-" + fault);
+  std::filesystem::remove_all(folder);
   return failed;
 }
 

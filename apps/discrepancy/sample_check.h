@@ -4,43 +4,21 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <sys/wait.h>
 
-#include <algorithm>
 #include <cmath>
-#include <cstdlib>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <set>
 
-#include "harness/base/atomic_file.h"
 #include "harness/recording/recording_file.h"
+#include "harness/testing/built_program.h"
 #include "harness/testing/shared_data.h"
 
 namespace touchstone::testing {
 
-class DiscrepancySamples : public ::testing::Test {
+class DiscrepancySamples : public BuiltProgram {
  protected:
-  void SetUp() override {
-    const char* const program = std::getenv("TOUCHSTONE_PROGRAM");
-    if (program == nullptr || !std::filesystem::exists(program))
-      GTEST_SKIP() << "needs the built program in TOUCHSTONE_PROGRAM";
-    program_ = program;
-    folder_ = std::filesystem::path(::testing::TempDir()) /
-              (std::string("discrepancy-") + ::testing::UnitTest::GetInstance()->current_test_info()->name());
-    std::string name = folder_.string();
-    std::replace(name.begin() + static_cast<std::ptrdiff_t>(::testing::TempDir().size()), name.end(), '/', '-');
-    folder_ = name;
-    std::filesystem::remove_all(folder_);
-    std::filesystem::create_directories(folder_);
-  }
-
-  int run(const std::string& arguments) const {
-    const int status = std::system(
-        fmt::format("'{}' {} > '{}/out.txt' 2> '{}/err.txt'", program_, arguments, folder_.string(), folder_.string())
-            .c_str());
-    return WEXITSTATUS(status);
-  }
+  int run(const std::string& arguments) const { return BuiltProgram::run(arguments).status; }
 
   // Of the folder data/discrepancy-sample.
   void check(const std::filesystem::path& samples, const std::string& id) const {
@@ -90,9 +68,6 @@ class DiscrepancySamples : public ::testing::Test {
       }
     }
   }
-
-  std::string program_;
-  std::filesystem::path folder_;
 };
 
 }  // namespace touchstone::testing
