@@ -8,6 +8,8 @@
 #include "apps/commands.h"
 #include "apps/plugin_flags.h"
 #include "harness/base/atomic_file.h"
+#include "harness/base/freed_memory.h"
+#include "harness/base/in_parallel.h"
 #include "harness/base/progress.h"
 #include "harness/base/units.h"
 #include "harness/perception/perception_json.h"
@@ -67,6 +69,16 @@ Recording rendered_by(const Model& model, const std::shared_ptr<const Surface>& 
   return recording;
 }
 
+// Where the files come from, in their order: hashing many recordings takes as long as comparing them.
+std::vector<InputFile> described(const std::vector<std::pair<std::string, std::string>>& role_and_file) {
+  std::vector<InputFile> result(role_and_file.size());
+  const auto describe = [&](std::size_t i) {
+    result[i] = describe_input(role_and_file[i].first, role_and_file[i].second);
+  };
+  in_parallel(result.size(), describe, 1);
+  return result;
+}
+
 std::string table_of(const pc::PerceptualEvaluation& evaluation) {
   std::vector<std::vector<std::string>> rows{{"condition", "rank", "distance"}};
   for (const auto& m : pc::statistical_methods()) rows.front().emplace_back(m.method.name);
@@ -97,14 +109,13 @@ ExitStatus perceive_command(const Options& options) {
   const Recording real = load_recording(options.real);
   const Vec3 outward = direction_of(options.direction, real);
   const double contact_N = settings.image.force_law.absolute_threshold;
-  Provenance provenance = make_provenance(command_line());
-  provenance.inputs.push_back(describe_input("real", options.real));
+  std::vector<std::pair<std::string, std::string>> inputs{{"real", options.real}};
 
   std::vector<pc::ConditionSource> sources;
   std::vector<std::string> names;
   for (const auto& text : options.conditions) {
     const auto [name, file] = name_and_file(text, "--condition");
-    provenance.inputs.push_back(describe_input("condition " + name, file));
+    inputs.emplace_back("condition " + name, file);
     names.push_back(name);
     sources.push_back({name, [file = file, outward, contact_N] {
                          return std::vector<pc::PressSignal>{
@@ -114,12 +125,12 @@ ExitStatus perceive_command(const Options& options) {
   std::shared_ptr<const Surface> surface;
   if (!options.models.empty()) {
     surface = make_embree_surface(load_mesh(options.mesh, length_unit_factor(options.mesh_unit)));
-    provenance.inputs.push_back(describe_input("mesh", options.mesh));
+    inputs.emplace_back("mesh", options.mesh);
   }
   const Plugins plugins = options.plugins.load();
   for (const auto& text : options.models) {
     const auto [name, file] = name_and_file(text, "--model");
-    provenance.inputs.push_back(describe_input("model " + name, file));
+    inputs.emplace_back("model " + name, file);
     const Model model = load_model(file, plugins);
     find_renderer(model);
     names.push_back(name);
@@ -131,8 +142,11 @@ ExitStatus perceive_command(const Options& options) {
   std::optional<pc::PairedComparisons> answers;
   if (!options.answers.empty()) {
     answers = pc::read_answers(options.answers, names);
-    provenance.inputs.push_back(describe_input("answers", options.answers));
+    inputs.emplace_back("answers", options.answers);
   }
+  Provenance provenance = make_provenance(command_line());
+  provenance.inputs = described(inputs);
+  keep_freed_memory();
 
   Progress progress("conditions", sources.size());
   settings.progress = [&progress](std::size_t done) { progress.update(done); };

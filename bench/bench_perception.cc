@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "harness/base/freed_memory.h"
 #include "harness/base/random.h"
 #include "harness/perception/perceptual_evaluation.h"
 
@@ -33,6 +34,7 @@ pc::PressSignal presses(double k, std::uint64_t seed) {
 }
 
 void evaluate(benchmark::State& state) {
+  touchstone::keep_freed_memory();  // as the program does
   const auto count = static_cast<std::size_t>(state.range(0));
   const std::vector<pc::PressSignal> real{presses(500.0, 0)};
   // What a source costs (reading a file) is not what is measured: a few signals serve all conditions.

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "harness/base/error.h"
 #include "harness/perception/statistics.h"
@@ -43,13 +44,21 @@ void check(const PressSignal& part, double longest_gap) {
     throw BadData(fmt::format("{}: {} samples are too few for rates of change; at least 4 are needed", part.name,
                               part.t_s.size()));
   }
+  double shortest = std::numeric_limits<double>::infinity();
+  double longest = 0.0;
+  for (std::size_t i = 1; i < part.t_s.size(); ++i) {
+    const double dt = part.t_s[i] - part.t_s[i - 1];
+    if (!(dt > 0.0)) {
+      throw BadData(fmt::format("{}: time does not advance from sample {} to {} ({} s to {} s)", part.name, i, i + 1,
+                                part.t_s[i - 1], part.t_s[i]));
+    }
+    shortest = std::min(shortest, dt);
+    longest = std::max(longest, dt);
+  }
+  if (longest <= longest_gap * shortest) return;  // no median can make a hole of that
   const auto dt = intervals(part.t_s);
   const double typical = median(dt);
   for (std::size_t i = 0; i < dt.size(); ++i) {
-    if (!(dt[i] > 0.0)) {
-      throw BadData(fmt::format("{}: time does not advance from sample {} to {} ({} s to {} s)", part.name, i + 1,
-                                i + 2, part.t_s[i], part.t_s[i + 1]));
-    }
     if (dt[i] > longest_gap * typical) {
       throw BadData(
           fmt::format("{}: a hole of {:.4g} s after t = {:.6g} s, {:.0f} sampling intervals long; cut the "
@@ -59,18 +68,22 @@ void check(const PressSignal& part, double longest_gap) {
   }
 }
 
-// Linear interpolation at first_s + n / rate.
-std::vector<double> resample(const std::vector<double>& t_s, const std::vector<double>& x, double first_s,
-                             double rate_Hz, std::size_t count) {
-  std::vector<double> result(count);
+struct Resampled {
+  const std::vector<double>& from;
+  std::vector<double>& to;
+};
+
+// Linear interpolation of all columns at first_s + n / rate.
+void resample(const std::vector<double>& t_s, double first_s, double rate_Hz, std::size_t count,
+              std::span<const Resampled> columns) {
+  for (const auto& column : columns) column.to.resize(count);
   std::size_t i = 0;
   for (std::size_t n = 0; n < count; ++n) {
     const double t = first_s + static_cast<double>(n) / rate_Hz;
     while (i + 2 < t_s.size() && t_s[i + 1] <= t) ++i;
     const double share = std::clamp((t - t_s[i]) / (t_s[i + 1] - t_s[i]), 0.0, 1.0);
-    result[n] = share == 0.0 ? x[i] : x[i] + share * (x[i + 1] - x[i]);
+    for (const auto& [x, result] : columns) result[n] = share == 0.0 ? x[i] : x[i] + share * (x[i + 1] - x[i]);
   }
-  return result;
 }
 
 }  // namespace
@@ -83,27 +96,38 @@ Eigen::Matrix<double, 2, 4> HapticDataMatrix::observation(std::size_t t, std::si
   return result;
 }
 
+namespace {
+
+double sum_of_squares(std::ptrdiff_t reach) {
+  double sum = 0.0;
+  for (std::ptrdiff_t k = 1; k <= reach; ++k) sum += 2.0 * static_cast<double>(k * k);
+  return sum;
+}
+
+}  // namespace
+
 std::vector<double> derivative(std::span<const double> x, double rate_Hz, int half_width) {
   const auto n = static_cast<std::ptrdiff_t>(x.size());
   std::vector<double> result(x.size(), 0.0);
-  for (std::ptrdiff_t i = 0; i < n; ++i) {
-    // Symmetric where it can be: the window shrinks towards the ends; the two end samples use their one neighbour.
+  const auto at = [&x](std::ptrdiff_t index) { return x[static_cast<std::size_t>(index)]; };
+  const auto fit = [&](std::ptrdiff_t i, std::ptrdiff_t reach, double squares) {
+    double numerator = 0.0;
+    for (std::ptrdiff_t k = 1; k <= reach; ++k) numerator += static_cast<double>(k) * (at(i + k) - at(i - k));
+    result[static_cast<std::size_t>(i)] = numerator / squares * rate_Hz;
+  };
+  // Symmetric where it can be: the window shrinks towards the ends; the two end samples use their one neighbour.
+  const auto fit_near_end = [&](std::ptrdiff_t i) {
     const std::ptrdiff_t reach = std::min<std::ptrdiff_t>({half_width, i, n - 1 - i});
-    const auto at = [&x](std::ptrdiff_t index) { return x[static_cast<std::size_t>(index)]; };
-    double slope = 0.0;
-    if (reach == 0) {
-      slope = n < 2 ? 0.0 : (i == 0 ? at(1) - at(0) : at(i) - at(i - 1));
-    } else {
-      double numerator = 0.0;
-      double denominator = 0.0;
-      for (std::ptrdiff_t k = 1; k <= reach; ++k) {
-        numerator += static_cast<double>(k) * (at(i + k) - at(i - k));
-        denominator += 2.0 * static_cast<double>(k * k);
-      }
-      slope = numerator / denominator;
-    }
-    result[static_cast<std::size_t>(i)] = slope * rate_Hz;
-  }
+    if (reach > 0) return fit(i, reach, sum_of_squares(reach));
+    const double change = n < 2 ? 0.0 : (i == 0 ? at(1) - at(0) : at(i) - at(i - 1));
+    result[static_cast<std::size_t>(i)] = change * rate_Hz;
+  };
+  const std::ptrdiff_t begin = std::min<std::ptrdiff_t>(half_width, n);
+  const std::ptrdiff_t end = std::max<std::ptrdiff_t>(begin, n - half_width);
+  for (std::ptrdiff_t i = 0; i < begin; ++i) fit_near_end(i);
+  const double squares = sum_of_squares(half_width);
+  for (std::ptrdiff_t i = begin; i < end; ++i) fit(i, half_width, squares);
+  for (std::ptrdiff_t i = end; i < n; ++i) fit_near_end(i);
   return result;
 }
 
@@ -131,23 +155,25 @@ HapticDataMatrix make_haptic_data_matrix(std::span<const PressSignal> parts, con
     throw UsageError(fmt::format("a rate of {:.4g} Hz would need {:.3g} samples", matrix.rate_Hz, samples));
   const auto count = static_cast<std::size_t>(samples);
   for (const auto& raw : parts) {
-    const auto on_grid = [&](const std::vector<double>& x) {
-      return resample(raw.t_s, x, first_s, matrix.rate_Hz, count);
-    };
     const auto rate = [&](const std::vector<double>& x) {
       return derivative(x, matrix.rate_Hz, options.derivative_half_width);
     };
     MeasuringPart part;
     part.name = raw.name;
-    part.force_N = on_grid(raw.force_N);
-    part.displacement_m = on_grid(raw.displacement_m);
-    part.angle_rad = raw.angle_rad.empty() ? std::vector<double>(count, 0.0) : on_grid(raw.angle_rad);
+    std::vector<Resampled> columns{{raw.force_N, part.force_N}, {raw.displacement_m, part.displacement_m}};
+    if (raw.angle_rad.empty()) {
+      part.angle_rad.assign(count, 0.0);
+    } else {
+      columns.push_back({raw.angle_rad, part.angle_rad});
+    }
+    const bool measured_acceleration = options.second_rates && !raw.acceleration_m_per_s2.empty();
+    if (measured_acceleration) columns.push_back({raw.acceleration_m_per_s2, part.acceleration_m_per_s2});
+    resample(raw.t_s, first_s, matrix.rate_Hz, count, columns);
     part.force_rate_N_per_s = rate(part.force_N);
     part.velocity_m_per_s = rate(part.displacement_m);
     if (options.second_rates) {
       part.displacement_second_rate_m_per_s2 = rate(part.velocity_m_per_s);
-      part.acceleration_m_per_s2 = raw.acceleration_m_per_s2.empty() ? part.displacement_second_rate_m_per_s2
-                                                                     : on_grid(raw.acceleration_m_per_s2);
+      if (!measured_acceleration) part.acceleration_m_per_s2 = part.displacement_second_rate_m_per_s2;
     }
     part.angle_rate_rad_per_s = raw.angle_rad.empty() ? part.angle_rad : rate(part.angle_rad);
     matrix.parts.push_back(std::move(part));

@@ -87,8 +87,10 @@ ScaledImages scale_images(std::span<const HapticImage* const> images, FeatureSca
   for (const auto& feature : features) {
     auto block = result.rows.middleCols(at, static_cast<Eigen::Index>(feature.values.size()));
     double scale = block_scale(block, scaling);
-    if (scaling == FeatureScaling::reference_norm && !(scale > 0.0)) {
-      scale = block.cwiseAbs().maxCoeff();
+    // What is rounding beside the conditions' values is nothing: divided by, it would be all that the distances show.
+    const double largest = block.cwiseAbs().maxCoeff();
+    if (scaling == FeatureScaling::reference_norm && !(scale > 1e-12 * largest)) {
+      scale = largest;
       result.remarks.push_back(
           fmt::format("the real process has no {}; that feature is scaled by its largest value "
                       "among the conditions instead",

@@ -42,7 +42,7 @@ const std::vector<StatisticalMethod>& statistical_methods() {
        }},
       {{"pmse", "perceptual mean square error (eq 9)", "JND^2", false},
        [](const ComparedSeries& s) -> std::optional<double> {
-         return perceptual_mean_square_error(s.real_N, s.rendered_N, s.law);
+         return mean_square_error(s.real_steps, noticeable_steps(s.rendered_N, s.law));
        }},
       {{"hssim", "HSSIM with our constants (eq 10, 11)", "1", true},
        [](const ComparedSeries& s) -> std::optional<double> {
@@ -92,10 +92,11 @@ void fill(ConditionResult& result, const HapticImage& image) {
 
 std::vector<std::optional<double>> statistics(const std::vector<double>& real_N, const std::vector<double>& real_felt_N,
                                               const std::vector<double>& rendered_N, const std::vector<double>& felt_N,
-                                              double rate_Hz, const WeberLaw& law) {
+                                              const std::vector<double>& real_steps, double rate_Hz,
+                                              const WeberLaw& law) {
   std::vector<std::optional<double>> result;
   for (const auto& method : statistical_methods()) {
-    result.push_back(method.value({real_N, rendered_N, real_felt_N, felt_N, rate_Hz, law}));
+    result.push_back(method.value({real_N, rendered_N, real_felt_N, felt_N, real_steps, rate_Hz, law}));
   }
   return result;
 }
@@ -127,6 +128,19 @@ void rank(std::vector<ConditionResult>& conditions) {
   }
 }
 
+void check(const EvaluationOptions& options) {
+  const auto refuse = [](const char* what, double value, const char* unit) {
+    throw UsageError(fmt::format("{}: 0 or more{} was expected, not {}", what, unit, value));
+  };
+  for (const auto& [what, value, unit] :
+       {std::tuple{"the rate of the haptic data matrix", options.matrix.rate_Hz, " Hz"},
+        std::tuple{"the output band", options.image.output_band_Hz, " Hz"},
+        std::tuple{"the dead zone of the sensor", options.image.sensor_dead_zone_N, " N"},
+        std::tuple{"the tolerance of durations", options.duration_tolerance, ""}}) {
+    if (!(value >= 0.0 && std::isfinite(value))) refuse(what, value, unit);
+  }
+}
+
 // Fills the images and statistics of all conditions over the reference's length. Returns the number of samples that all
 // have: where it is less than the reference's, the results are of no use.
 std::size_t compare_all(PerceptualEvaluation& result, const HapticDataMatrix& reference,
@@ -147,8 +161,9 @@ std::size_t compare_all(PerceptualEvaluation& result, const HapticDataMatrix& re
   result.real = {};
   result.real.name = "real";
   fill(result.real, result.images[0]);
+  const std::vector<double> real_steps = noticeable_steps(real_N, options.image.force_law);
   result.real.statistics =
-      statistics(real_N, real_felt_N, real_N, real_felt_N, result.rate_Hz, options.image.force_law);
+      statistics(real_N, real_felt_N, real_N, real_felt_N, real_steps, result.rate_Hz, options.image.force_law);
   if (keep) {
     result.rendered_N[0] = real_N;
     result.rendered_displacement_m[0] = reference.parts.front().displacement_m;
@@ -181,8 +196,8 @@ std::size_t compare_all(PerceptualEvaluation& result, const HapticDataMatrix& re
     own.name = conditions[c].name;
     fill(own, image);
     auto& part = matrix.parts.front();
-    own.statistics =
-        statistics(real_N, real_felt_N, part.force_N, image.felt_force.held, result.rate_Hz, options.image.force_law);
+    own.statistics = statistics(real_N, real_felt_N, part.force_N, image.felt_force.held, real_steps, result.rate_Hz,
+                                options.image.force_law);
     if (keep) {
       result.rendered_N[c + 1] = std::move(part.force_N);
       result.rendered_displacement_m[c + 1] = std::move(part.displacement_m);
@@ -225,6 +240,7 @@ PerceptualEvaluation evaluate(const std::vector<PressSignal>& real, const std::v
   for (const auto& c : conditions) {
     if (!names.insert(c.name).second) throw BadData(fmt::format("two conditions are called '{}'", c.name));
   }
+  check(options);
   PerceptualEvaluation result;
   result.scaling = options.scaling;
   result.explained_share_wanted = options.explained_share;

@@ -29,6 +29,7 @@ struct ComparedSeries {
   const std::vector<double>& rendered_N;
   const std::vector<double>& real_felt_N;  // after the perceptual filters
   const std::vector<double>& rendered_felt_N;
+  const std::vector<double>& real_steps;  // real_N in just noticeable differences
   double rate_Hz;
   const WeberLaw& law;
 };
@@ -95,7 +96,7 @@ struct ConditionSource {
 inline constexpr std::size_t kKeepSeriesUpTo = 24;
 
 // Throws BadData, naming the condition, for input that cannot be compared (see make_haptic_data_matrix), no condition,
-// or two conditions of one name.
+// or two conditions of one name; UsageError for options that are below zero or not finite.
 PerceptualEvaluation evaluate(const std::vector<PressSignal>& real, const std::vector<ConditionSource>& conditions,
                               const EvaluationOptions& options);
 

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "harness/base/error.h"
@@ -12,6 +13,7 @@
 namespace touchstone::perception {
 namespace {
 
+using ::testing::Contains;
 using ::testing::HasSubstr;
 
 struct Spring {
@@ -138,6 +140,32 @@ TEST(PerceptualEvaluation, ConstantSignalsHaveNoCorrelationAndStillADistance) {
   EXPECT_THAT(silent.remarks, ::testing::Contains(HasSubstr("the real process has no force rate")));
   EXPECT_TRUE(std::isfinite(silent.conditions[0].distance));
   EXPECT_LT(silent.conditions[1].distance, silent.conditions[0].distance);
+}
+
+TEST(PerceptualEvaluation, AConstantRealProcessDoesNotMakeDistancesOfItsRounding) {
+  // 1.2 N and 3 mm are no sums of powers of two: their resampled and filtered values are not all the same to the bit.
+  auto still = presses("still", {.duration_s = 60.0});
+  for (double& force : still[0].force_N) force = 1.2;
+  for (double& displacement : still[0].displacement_m) displacement = 3e-3;
+  const auto result = evaluate(still, {source("pressed", {.duration_s = 60.0})}, {});
+  EXPECT_LT(result.conditions[0].distance, 100.0);
+  EXPECT_GT(result.conditions[0].distance, 0.1);
+  EXPECT_THAT(result.remarks, Contains(HasSubstr("has no spectrum")));
+  EXPECT_THAT(result.remarks, Contains(HasSubstr("has no force rate")));
+  for (const char* const method : {"pearson", "pearson-filtered"}) EXPECT_TRUE(std::isnan(result.values(method)[0]));
+}
+
+TEST(PerceptualEvaluation, OptionsThatMeanNothingAreRefused) {
+  const auto real = presses("real", {});
+  for (const double bad : {-1.0, std::nan(""), std::numeric_limits<double>::infinity()}) {
+    EvaluationOptions rate, band, dead_zone, tolerance;
+    rate.matrix.rate_Hz = bad;
+    band.image.output_band_Hz = bad;
+    dead_zone.image.sensor_dead_zone_N = bad;
+    tolerance.duration_tolerance = bad;
+    for (const auto& options : {rate, band, dead_zone, tolerance})
+      EXPECT_THROW(evaluate(real, {source("same", {})}, options), UsageError) << bad;
+  }
 }
 
 TEST(PerceptualEvaluation, ASingleConditionHasADistanceAndARemark) {

@@ -38,6 +38,16 @@ TEST(SignalDistance, CorrelationOfLinesIsOneAndOfConstantsNone) {
     EXPECT_NEAR(pearson_correlation(x, down).value(), -1.0, 1e-12);
     EXPECT_EQ(pearson_correlation(x, std::vector<double>(50, 0.1 * scale)), std::nullopt);
     EXPECT_EQ(pearson_correlation(std::vector<double>(50, 0.0), x), std::nullopt);
+    // The mean of many equal values is not that value.
+    const std::vector<double> still(60000, 1.2 * scale);
+    std::vector<double> moving(60000);
+    for (std::size_t n = 0; n < moving.size(); ++n) moving[n] = scale * std::sin(0.01 * static_cast<double>(n));
+    EXPECT_EQ(pearson_correlation(still, moving), std::nullopt);
+    EXPECT_EQ(pearson_correlation(moving, still), std::nullopt);
+    // A change of a billionth is one.
+    auto almost = still;
+    for (std::size_t n = 0; n < almost.size(); ++n) almost[n] += 1e-9 * moving[n];
+    EXPECT_NEAR(pearson_correlation(almost, moving).value(), 1.0, 1e-6);
   }
 }
 

@@ -25,6 +25,12 @@ double largest_magnitude(std::span<const double> x) {
   return result;
 }
 
+// But for rounding. Not by the spread about the mean: that of a long series is rounded itself.
+bool constant(std::span<const double> x) {
+  const auto [low, high] = std::minmax_element(x.begin(), x.end());
+  return *high - *low <= 16.0 * std::numeric_limits<double>::epsilon() * std::max(std::abs(*low), std::abs(*high));
+}
+
 }  // namespace
 
 double euclidean_distance(std::span<const double> real, std::span<const double> rendered) {
@@ -52,11 +58,7 @@ std::optional<double> pearson_correlation(std::span<const double> real, std::spa
     squares_real += a * a;
     squares_rendered += b * b;
   }
-  // A spread at the level of rounding of the mean is that of a constant series.
-  const auto constant = [n = static_cast<double>(real.size())](double squares, double centre) {
-    return squares <= n * std::pow(4.0 * std::numeric_limits<double>::epsilon() * centre, 2);
-  };
-  if (constant(squares_real, real_mean) || constant(squares_rendered, rendered_mean)) return std::nullopt;
+  if (constant(real) || constant(rendered)) return std::nullopt;
   return std::clamp(both / (std::sqrt(squares_real) * std::sqrt(squares_rendered)), -1.0, 1.0);
 }
 
@@ -72,16 +74,16 @@ double peak_difference(std::span<const double> real, std::span<const double> ren
   return largest_magnitude(rendered) - largest_magnitude(real);
 }
 
+std::vector<double> noticeable_steps(std::span<const double> stimulus, const WeberLaw& law) {
+  std::vector<double> result(stimulus.size());
+  std::transform(stimulus.begin(), stimulus.end(), result.begin(), NoticeableSteps(law));
+  return result;
+}
+
 double perceptual_mean_square_error(std::span<const double> real, std::span<const double> rendered,
                                     const WeberLaw& law) {
   check(real, rendered);
-  const NoticeableSteps steps(law);
-  double sum = 0.0;
-  for (std::size_t i = 0; i < real.size(); ++i) {
-    const double difference = steps(real[i]) - steps(rendered[i]);
-    sum += difference * difference;
-  }
-  return sum / static_cast<double>(real.size());
+  return mean_square_error(noticeable_steps(real, law), noticeable_steps(rendered, law));
 }
 
 }  // namespace touchstone::perception

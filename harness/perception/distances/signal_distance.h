@@ -4,6 +4,7 @@
 
 #include <optional>
 #include <span>
+#include <vector>
 
 #include "harness/perception/filters/weber_law.h"
 
@@ -19,6 +20,7 @@ double peak_difference(std::span<const double> real, std::span<const double> ren
 
 // Eq 9 (Chaudhari, Steinbach and Hirche 2011): mean square error of what is felt. Im is the stimulus on the scale of
 // just noticeable differences (WeberLaw::steps), so that the unit is JND squared.
+std::vector<double> noticeable_steps(std::span<const double> stimulus, const WeberLaw& law);
 double perceptual_mean_square_error(std::span<const double> real, std::span<const double> rendered,
                                     const WeberLaw& law);
 
