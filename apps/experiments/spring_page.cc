@@ -17,10 +17,14 @@ namespace pc = perception;
 Table::Cell text(std::string value) { return {std::move(value), false, Tone::neutral}; }
 Table::Cell number(double value) { return {fmt::format("{:.4g}", value), true, Tone::neutral}; }
 
+Table::Cell percent(const Share& own) { return {fmt::format("{:.0f} %", 100.0 * own.value()), true, Tone::neutral}; }
+
 // A finding holds where it held in nearly every seed, fails where in nearly none, and else depends on chance.
 Table::Cell share_cell(const Share& own) {
   const Tone tone = own.low95() > 0.9 ? Tone::good : (own.high95() < 0.1 ? Tone::error : Tone::warning);
-  return {fmt::format("{:.0f} %", 100.0 * own.value()), true, tone};
+  Table::Cell cell = percent(own);
+  cell.tone = tone;
+  return cell;
 }
 
 Section findings_section(const SpringExperiment& e) {
@@ -113,7 +117,8 @@ Section scan_section(const SpringExperiment& e) {
       Table::Row row;
       row.cells.push_back(text(spring_findings()[f].statement));
       for (const auto& point : e.scan) {
-        if (point.rule == rule) row.cells.push_back(share_cell(point.findings[f]));
+        // No tones: so few seeds make nothing sure.
+        if (point.rule == rule) row.cells.push_back(percent(point.findings[f]));
       }
       table.rows.push_back(std::move(row));
     }

@@ -50,6 +50,12 @@ std::vector<std::size_t> ranks_of(const std::vector<double>& values, bool larger
   return rank;
 }
 
+// The real process, whose line comes first, is drawn last and broken: else what equals it would hide it.
+void real_on_top(LinePlot& plot) {
+  plot.lines.front().dashed = true;
+  std::rotate(plot.lines.begin(), plot.lines.begin() + 1, plot.lines.end());
+}
+
 Section ranking_section(const PerceptualEvaluation& e) {
   Section section{
       "Ranking",
@@ -120,6 +126,7 @@ LinePlot scatter(const PerceptualEvaluation& e, Eigen::Index across, Eigen::Inde
     line.markers = true;
     plot.lines.push_back(std::move(line));
   }
+  real_on_top(plot);
   return plot;
 }
 
@@ -127,14 +134,16 @@ Section space_section(const PerceptualEvaluation& e) {
   Section section{
       "Perception space",
       fmt::format("Haptic images of {} (eq 16), scaled by the rule '{}', principal components (eq 17-20): {} "
-                  "dimensions explain {:.1f} % of the variance. Distances by eq 21.",
-                  fmt::join(e.features, ", "), perception::name_of(e.scaling), e.space.dimensions,
-                  100.0 * e.space.explained_share),
+                  "of the variance. Distances by eq 21.",
+                  fmt::join(e.features, ", "), perception::name_of(e.scaling),
+                  fmt::format("{} {} {:.1f} %", e.space.dimensions,
+                              e.space.dimensions == 1 ? "dimension explains" : "dimensions explain",
+                              100.0 * e.space.explained_share)),
       {},
       false};
   if (e.space.dimensions >= 2) section.blocks.emplace_back(scatter(e, 0, 1));
   if (e.space.dimensions >= 3) section.blocks.emplace_back(scatter(e, 0, 2));
-  if (e.conditions.size() >= 2) {
+  if (e.conditions.size() >= 3) {  // of two the one is 1 and the other 0 by every method
     auto theirs = similarity_plot(e, methods_of_figure_13(true), nullptr);
     theirs.title = "Relative similarity of the conditions by each method (figure 13)";
     section.blocks.emplace_back(std::move(theirs));
@@ -209,9 +218,9 @@ LinePlot series_plot(const std::string& title, const std::string& y_label) {
 Section signal_section(const PerceptualEvaluation& e) {
   Section section{"Signals", "Along the direction of pressing, on the real process's clock.", {}, false};
   const double step = 1.0 / e.rate_Hz;
-  auto force = series_plot("Force (figure 5)", "force [N]");
+  auto force = series_plot("Force (figures 2 and 5)", "force [N]");
   auto felt = series_plot("Force as it is felt: output band and dead band (figure 6)", "force [N]");
-  auto displacement = series_plot("Displacement", "displacement [m]");
+  auto displacement = series_plot("Displacement (figure 2)", "displacement [m]");
   for (std::size_t row = 0; row < e.rendered_N.size(); ++row) {
     Line line = line_of(e, row);
     Line other = line;
@@ -223,6 +232,7 @@ Section signal_section(const PerceptualEvaluation& e) {
     felt.lines.push_back(std::move(other));
     displacement.lines.push_back(std::move(third));
   }
+  for (auto* const plot : {&force, &felt, &displacement}) real_on_top(*plot);
   auto velocity = series_plot("Velocity of the real process (figure 2)", "velocity [m/s]");
   Line line = line_of(e, 0);
   thin(line, perception::derivative(e.rendered_displacement_m[0], e.rate_Hz, 5), step);
@@ -260,7 +270,7 @@ Section feature_section(const PerceptualEvaluation& e) {
     const bool spectrum = block.step_Hz > 0.0;
     LinePlot plot;
     plot.height_px = 300;
-    plot.title = spectrum ? block.name + " (figure 10)" : block.name;
+    plot.title = block.name + (spectrum ? " (figure 10)" : block.name.ends_with("rate") ? " (figure 7)" : "");
     plot.x_label = spectrum ? "frequency [Hz]" : "time [s]";
     plot.y_label = fmt::format("{} [{}]", block.name, block.unit);
     for (std::size_t row = 0; row < e.images.size(); ++row) {
@@ -272,6 +282,7 @@ Section feature_section(const PerceptualEvaluation& e) {
       }
       plot.lines.push_back(std::move(line));
     }
+    real_on_top(plot);
     section.blocks.emplace_back(std::move(plot));
   }
   if (e.windows.empty()) return section;
