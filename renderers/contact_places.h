@@ -17,16 +17,18 @@ struct ContactNormals {
 };
 
 // Where on which triangles they are.
-struct ContactPlaces {
+template <class S>
+struct ContactPlacesOf {
   struct Place {
     std::int32_t triangle = -1;
     Feature feature = Feature::face;
     std::size_t index = 0;  // of the edge or corner
-    Vec3 p;                 // on the triangle
-    Vec3 n;                 // unit normal of this contact
+    Vec3Of<S> p;            // on the triangle
+    Vec3Of<S> n;            // unit normal of this contact
   };
   std::array<Place, 3> place;
   int size = 0;
 };
+using ContactPlaces = ContactPlacesOf<double>;
 
 }  // namespace touchstone

@@ -42,7 +42,9 @@ TEST_P(CountedRendererOf, GivesTheSameBitsAndTheSameCountsAgain) {
       const std::shared_ptr<const Surface> surface =
           make_embree_surface(testing::moved(synthetic::make_mesh(shape, {}, 1500).mesh, testing::awkward_rotation(),
                                              scale * Vec3(1, 2, 3) * 0.01, scale));
-      const Model model = testing::model_of(GetParam(), {});
+      Model model = testing::model_of(GetParam(), {});
+      // Takes samples of the whole body: few of them say as much here.
+      if (GetParam() == "implicit") model.parameters["resolution"] = 20.0;
       const auto plain = make_renderer(model, surface);
       const CountedRenderer counted = make_counted_renderer(model, surface);
       ASSERT_NE(counted.renderer, nullptr) << counted.not_counted;
@@ -60,7 +62,7 @@ TEST_P(CountedRendererOf, GivesTheSameBitsAndTheSameCountsAgain) {
         ASSERT_EQ(a.contact, b.contact);
         touching += a.contact ? 1 : 0;
       }
-      EXPECT_GT(touching, 300) << shape;
+      EXPECT_GT(touching, 200) << shape;
       const OperationReport once = count_operations(*counted.renderer, source_of(tips));
       const OperationReport again = count_operations(*make_counted_renderer(model, surface).renderer, source_of(tips));
       EXPECT_EQ(once.counts, again.counts);
@@ -87,8 +89,8 @@ INSTANTIATE_TEST_SUITE_P(Catalogue, CountedRendererOf, ::testing::ValuesIn(count
 
 TEST(CountedRenderer, FrictionAndOpenMeshesToTheBit) {
   const std::shared_ptr<const Surface> sheet = make_embree_surface(testing::grid(0.05, 10));
-  for (const double mu : {0.0, 0.3}) {
-    const Model model = testing::model_of("friction-cone", {{"mu_static", 1.5 * mu}, {"mu_dynamic", mu}});
+  for (const auto& [renderer, mu] : {std::pair{"friction-cone", 0.0}, {"friction-cone", 0.3}, {"force-shading", 0.3}}) {
+    const Model model = testing::model_of(renderer, {{"mu_static", 1.5 * mu}, {"mu_dynamic", mu}});
     const auto plain = make_renderer(model, sheet);
     const CountedRenderer counted = make_counted_renderer(model, sheet);
     ASSERT_NE(counted.renderer, nullptr);
@@ -112,9 +114,14 @@ TEST(CountedRenderer, SaysWhatIsNotCounted) {
   EXPECT_EQ(ball.renderer, nullptr);
   EXPECT_EQ(ball.not_counted, "the renderer god-object with this tip or on this mesh");
   const std::shared_ptr<const Surface> mesh = make_embree_surface(testing::cube(0.02));
-  const CountedRenderer none = make_counted_renderer(testing::model_of("implicit", {}), mesh);
-  EXPECT_EQ(none.renderer, nullptr);
-  EXPECT_EQ(none.not_counted, "the operations of the renderer implicit");
+  const CountedRenderer shaded =
+      make_counted_renderer(testing::model_of("force-shading", {{"tip_radius_m", 1e-3}}), mesh);
+  EXPECT_EQ(shaded.renderer, nullptr);
+  EXPECT_EQ(shaded.not_counted, "the renderer force-shading with this tip or on this mesh");
+  const CountedRenderer analytic =
+      make_counted_renderer(testing::model_of("implicit", {}), synthetic::make_surface("sphere"));
+  EXPECT_EQ(analytic.renderer, nullptr);
+  EXPECT_EQ(analytic.not_counted, "the arithmetic of an analytic surface");
   Model friction = testing::model_of("penalty", {});
   friction.effects.push_back({"coulomb-friction", {{"mu_static", 0.3}, {"mu_dynamic", 0.3}}, "/effects/0"});
   const CountedRenderer with = make_counted_renderer(friction, mesh);

@@ -3,8 +3,10 @@
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <numbers>
+#include <type_traits>
 
 #include "renderers/ball_proxy.h"
+#include "renderers/counted_god_object.h"
 #include "renderers/friction_cone.h"
 #include "renderers/point_proxy.h"
 #include "renderers/proxy_parameters.h"
@@ -14,11 +16,11 @@
 namespace touchstone {
 namespace {
 
-// v turned by the shortest rotation that takes the unit vector a to b; a . b > 0.
-Vec3 turned(const Vec3& a, const Vec3& b, const Vec3& v) noexcept {
-  const double c = a.dot(b);
-  const Vec3 w = a.cross(b);
-  return c * v + w.cross(v) + w.dot(v) / (1.0 + c) * w;
+// v turned by the shortest rotation that takes the unit vector a to b; c = a . b > 0.
+template <class S>
+Vec3Of<S> turned(const Vec3Of<S>& a, const Vec3Of<S>& b, const S& c, const Vec3Of<S>& v) noexcept {
+  const Vec3Of<S> w = a.cross(b);
+  return c * v + w.cross(v) + dot(w, v) / (S(1.0) + c) * w;
 }
 
 // How much each contact presses: n = sum w_i n_i, least squares; zeros where the normals cannot be told apart.
@@ -42,32 +44,38 @@ Vec3 shares(const ContactPlaces& contact, const Vec3& n) noexcept {
 
 class Shading {
  public:
-  Shading(std::shared_ptr<const ContactMesh> mesh, double crease_angle_rad)
-      : mesh_(std::move(mesh)), normals_(*mesh_, crease_angle_rad) {}
+  Shading(const ContactMesh& mesh, double crease_angle_rad) : normals_(mesh, crease_angle_rad) {}
 
-  template <class Proxy>
-  void turn(const Proxy& proxy, const Vec3& /*p*/, StepResult& result) const noexcept {
-    const ContactPlaces contact = proxy.contact_places();
+  template <class Mesh, class Proxy>
+  void turn(const Mesh& mesh, const Proxy& proxy, StepResult& result) const noexcept {
+    const auto contact = proxy.contact_places();
     if (contact.size == 0) return;
-    Vec3 shaded;
     if (contact.size == 1) {
-      shaded = normals_.at(*mesh_, contact.place[0]);
-    } else {
+      const auto& place = contact.place[0];
+      turn_to(normals_.at(mesh.facet(place.triangle), place), result);
+    } else if constexpr (std::is_same_v<typename Mesh::Scalar, double>) {
+      // A walk, which is all that counts its operations, rests at one place.
       const Vec3 share = shares(contact, result.n_W);
-      shaded.setZero();
-      for (int i = 0; i < contact.size; ++i)
-        shaded += share[i] * normals_.at(*mesh_, contact.place[static_cast<std::size_t>(i)]);
+      Vec3 shaded = Vec3::Zero();
+      for (int i = 0; i < contact.size; ++i) {
+        const auto& place = contact.place[static_cast<std::size_t>(i)];
+        shaded += share[i] * normals_.at(mesh.facet(place.triangle), place);
+      }
       const double length = shaded.norm();
-      if (!(length > 0.0)) return;
-      shaded /= length;
+      if (length > 0.0) turn_to(Vec3(shaded / length), result);
     }
-    if (!(shaded.dot(result.n_W) > 0.0)) return;
-    result.f_W_N = turned(result.n_W, shaded, result.f_W_N);
-    result.n_W = shaded;
   }
 
  private:
-  std::shared_ptr<const ContactMesh> mesh_;
+  template <class S>
+  static void turn_to(const Vec3Of<S>& shaded, StepResult& result) noexcept {
+    const Vec3Of<S> n = result.n_W.cast<S>();
+    const S c = dot(n, shaded);
+    if (!(c > S(0.0))) return;
+    result.f_W_N = turned<S>(n, shaded, c, result.f_W_N.cast<S>()).template cast<double>();
+    result.n_W = shaded.template cast<double>();
+  }
+
   ShadedNormals normals_;
 };
 
@@ -94,12 +102,20 @@ RendererEntry force_shading_entry() {
         const double stiffness = parameters.at("stiffness_N_per_m");
         const double radius = parameters.at("tip_radius_m");
         const ConeFriction friction{parameters.at("mu_static"), parameters.at("mu_dynamic")};
-        Shading shading(contact_mesh(surface), parameters.at("crease_angle_rad"));
+        const auto mesh = contact_mesh(surface);  // kept, so that it is built once
+        Shading shading(*mesh, parameters.at("crease_angle_rad"));
         if (radius > 0.0)
           return std::make_unique<ProxyRenderer<BallProxy, Shading>>(stiffness, std::move(surface), std::move(shading),
                                                                      radius, friction);
         return std::make_unique<ProxyRenderer<PointProxy, Shading>>(stiffness, std::move(surface), std::move(shading),
                                                                     friction);
+      },
+      [](const Parameters& parameters, std::shared_ptr<const Surface> surface) -> std::unique_ptr<Renderer> {
+        if (parameters.at("tip_radius_m") > 0.0) return nullptr;
+        const auto mesh = contact_mesh(surface);
+        Shading shading(*mesh, parameters.at("crease_angle_rad"));
+        return make_counted_proxy(std::move(surface), parameters.at("stiffness_N_per_m"),
+                                  {parameters.at("mu_static"), parameters.at("mu_dynamic")}, std::move(shading));
       }};
 }
 

@@ -56,16 +56,7 @@ Vec3 PointProxy::normal(const Vec3& p) const noexcept {
 }
 
 ContactPlaces PointProxy::contact_places() const noexcept {
-  if (by_planes_) return planes_.contact_places();
-  using On = SurfaceWalk::On;
-  ContactPlaces contact;
-  if (walk_.on() == On::nothing) return contact;
-  const Feature feature = walk_.on() == On::face   ? Feature::face
-                          : walk_.on() == On::edge ? Feature::edge
-                                                   : Feature::vertex;
-  contact.place[0] = {walk_.triangle(), feature, walk_.local(), walk_.position(), walk_.normal()};
-  contact.size = 1;
-  return contact;
+  return by_planes_ ? planes_.contact_places() : contact_places_of(walk_);
 }
 
 }  // namespace touchstone

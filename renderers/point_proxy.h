@@ -17,6 +17,20 @@ struct StartPlace {
 };
 StartPlace start_place(const ContactMesh& mesh, const Surface& surface, const Vec3& p) noexcept;
 
+// Where a walk (surface_walk.h) rests: at one place, or none.
+template <class Walk>
+ContactPlacesOf<typename Walk::S> contact_places_of(const Walk& walk) noexcept {
+  using On = typename Walk::On;
+  ContactPlacesOf<typename Walk::S> contact;
+  if (walk.on() == On::nothing) return contact;
+  const Feature feature = walk.on() == On::face   ? Feature::face
+                          : walk.on() == On::edge ? Feature::edge
+                                                  : Feature::vertex;
+  contact.place[0] = {walk.triangle(), feature, walk.local(), walk.position(), walk.normal()};
+  contact.size = 1;
+  return contact;
+}
+
 class PointProxy {
  public:
   PointProxy(const ContactMesh& mesh, const Surface& surface, const ConeFriction& friction = {})

@@ -12,8 +12,8 @@ namespace touchstone {
 
 // The force as the spring gives it.
 struct NoShading {
-  template <class Proxy>
-  void turn(const Proxy& /*proxy*/, const Vec3& /*p*/, StepResult& /*result*/) const noexcept {}
+  template <class Mesh, class Proxy>
+  void turn(const Mesh& /*mesh*/, const Proxy& /*proxy*/, StepResult& /*result*/) const noexcept {}
 };
 
 // The force of the spring from p to the proxy, before any shading.
@@ -59,7 +59,7 @@ class ProxyRenderer final : public Renderer {
       proxy_.start(p);
     }
     StepResult result = spring_to<double>(proxy_, p, stiffness_N_per_m_);
-    if (result.contact) shading_.turn(proxy_, p, result);
+    if (result.contact) shading_.turn(*mesh_, proxy_, result);
     return result;
   }
 

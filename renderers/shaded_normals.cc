@@ -103,14 +103,4 @@ ShadedNormals::ShadedNormals(const ContactMesh& mesh, double crease_angle_rad) {
   }
 }
 
-Vec3 ShadedNormals::at(const ContactMesh& mesh, const ContactPlaces::Place& place) const noexcept {
-  const Shade& shade = shades_[static_cast<std::size_t>(place.triangle)];
-  if (place.feature == Feature::edge && !shade.smooth_edge[place.index]) return place.n;
-  if (place.feature == Feature::vertex && !shade.smooth_corner[place.index]) return place.n;
-  const Facet& facet = mesh.facet(place.triangle);
-  const Vec3 r = place.p - facet.origin;
-  const Vec3 n = shade.n0 + facet.inward[2].dot(r) * shade.d1 + facet.inward[0].dot(r) * shade.d2;
-  return n.dot(place.n) > 0.0 ? Vec3(n.normalized()) : place.n;
-}
-
 }  // namespace touchstone

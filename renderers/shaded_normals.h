@@ -22,7 +22,17 @@ class ShadedNormals {
 
   // The interpolated unit normal; the contact's own where the feature is sharp or the interpolated one would turn the
   // force by a right angle or more.
-  [[nodiscard]] Vec3 at(const ContactMesh& mesh, const ContactPlaces::Place& place) const noexcept;
+  // `facet` is the place's triangle. A template, so that the operations can be counted (harness/base/counted.h).
+  template <class S>
+  [[nodiscard]] Vec3Of<S> at(const FacetOf<S>& facet, const typename ContactPlacesOf<S>::Place& place) const noexcept {
+    const Shade& shade = shades_[static_cast<std::size_t>(place.triangle)];
+    if (place.feature == Feature::edge && !shade.smooth_edge[place.index]) return place.n;
+    if (place.feature == Feature::vertex && !shade.smooth_corner[place.index]) return place.n;
+    const Vec3Of<S> r = place.p - facet.origin;
+    const Vec3Of<S> n = shade.n0.cast<S>() + dot(facet.inward[2], r) * shade.d1.cast<S>() +
+                        dot(facet.inward[0], r) * shade.d2.cast<S>();
+    return dot(n, place.n) > S(0.0) ? unit(n) : place.n;
+  }
 
  private:
   // n(x) ~ n0 + d1 (inward[2] . (x - corner 0)) + d2 (inward[0] . (x - corner 0)): corner 1 lies opposite of edge 2.

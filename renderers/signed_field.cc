@@ -32,19 +32,24 @@ class AnalyticField final : public SignedField {
 };
 
 // Keys' four weights at a fraction of the way from the second of four samples to the third, and their slopes.
+template <class S>
 struct Weights {
-  std::array<double, 4> w;
-  std::array<double, 4> slope;
+  std::array<S, 4> w;
+  std::array<S, 4> slope;
 };
 
-Weights cubic(double t) {
-  const double t2 = t * t;
-  const double t3 = t2 * t;
+template <class S>
+Weights<S> cubic(const S& t) {
+  const S t2 = t * t;
+  const S t3 = t2 * t;
   return {{-0.5 * t3 + t2 - 0.5 * t, 1.5 * t3 - 2.5 * t2 + 1.0, -1.5 * t3 + 2.0 * t2 + 0.5 * t, 0.5 * t3 - 0.5 * t2},
           {-1.5 * t2 + 2.0 * t - 0.5, 4.5 * t2 - 5.0 * t, -4.5 * t2 + 4.0 * t + 0.5, 1.5 * t2 - t}};
 }
 
-class SampledField final : public SignedField {
+template <class S>
+class SampledField final : public SignedFieldOf<S> {
+  using V = Vec3Of<S>;
+
  public:
   SampledField(const Surface& surface, int resolution) : box_(surface.bounds()) {
     size_m_ = box_.sizes().maxCoeff();
@@ -67,24 +72,25 @@ class SampledField final : public SignedField {
     });
   }
 
-  [[nodiscard]] double value_m(const Vec3& p_W_m) const override {
+  [[nodiscard]] S value_m(const V& p_W_m) const override {
+    using std::sqrt;
     Place place;
-    if (!find(p_W_m, place)) return box_.exteriorDistance(p_W_m);
-    double sum = 0.0;
-    each(place, [&](std::size_t i, std::size_t j, std::size_t k, double value) {
+    if (!find(p_W_m, place)) return sqrt(squared_norm(beyond_box(p_W_m)));
+    S sum = 0.0;
+    each(place, [&](std::size_t i, std::size_t j, std::size_t k, const S& value) {
       sum += place.along[0].w[i] * place.along[1].w[j] * place.along[2].w[k] * value;
     });
     return sum;
   }
-  [[nodiscard]] Vec3 gradient(const Vec3& p_W_m) const override {
+  [[nodiscard]] V gradient(const V& p_W_m) const override {
     Place place;
-    if (!find(p_W_m, place)) return unit(p_W_m - p_W_m.cwiseMax(box_.min()).cwiseMin(box_.max()));
-    Vec3 sum = Vec3::Zero();
+    if (!find(p_W_m, place)) return unit(beyond_box(p_W_m));
+    V sum = V::Zero();
     const auto& [x, y, z] = place.along;
-    each(place, [&, &x = x, &y = y, &z = z](std::size_t i, std::size_t j, std::size_t k, double value) {
-      sum += value * Vec3(x.slope[i] * y.w[j] * z.w[k], x.w[i] * y.slope[j] * z.w[k], x.w[i] * y.w[j] * z.slope[k]);
+    each(place, [&, &x = x, &y = y, &z = z](std::size_t i, std::size_t j, std::size_t k, const S& value) {
+      sum += value * V(x.slope[i] * y.w[j] * z.w[k], x.w[i] * y.slope[j] * z.w[k], x.w[i] * y.w[j] * z.slope[k]);
     });
-    return sum / step_m_;
+    return sum / S(step_m_);
   }
   // Keys' weights add up to at most 5/4 in magnitude along each axis.
   [[nodiscard]] double steepness() const noexcept override { return 2.0; }
@@ -97,15 +103,27 @@ class SampledField final : public SignedField {
 
   struct Place {
     std::array<std::size_t, 3> first;  // of the four samples
-    std::array<Weights, 3> along;
+    std::array<Weights<S>, 3> along;
   };
-  bool find(const Vec3& p_W_m, Place& place) const {
-    const Vec3 q = (p_W_m - origin_W_m_) / step_m_;
+  // From the body's box to p.
+  [[nodiscard]] V beyond_box(const V& p_W_m) const {
+    V way = V::Zero();
+    for (Eigen::Index i = 0; i < 3; ++i) {
+      const S least = box_.min()[i];
+      const S most = box_.max()[i];
+      if (p_W_m[i] < least) way[i] = p_W_m[i] - least;
+      if (p_W_m[i] > most) way[i] = p_W_m[i] - most;
+    }
+    return way;
+  }
+  bool find(const V& p_W_m, Place& place) const {
+    using std::floor;
+    const V q = (p_W_m - origin_W_m_.template cast<S>()) / S(step_m_);
     for (std::size_t i = 0; i < 3; ++i) {
-      const double at = q[static_cast<Eigen::Index>(i)];
-      if (!(at >= 1.0 && at < static_cast<double>(count_[i] - 2))) return false;
-      const double below = std::floor(at);
-      place.first[i] = static_cast<std::size_t>(below) - 1;
+      const S at = q[static_cast<Eigen::Index>(i)];
+      if (!(at >= S(1.0) && at < S(static_cast<double>(count_[i] - 2)))) return false;
+      const S below = floor(at);
+      place.first[i] = static_cast<std::size_t>(static_cast<double>(below)) - 1;
       place.along[i] = cubic(at - below);
     }
     return true;
@@ -115,7 +133,7 @@ class SampledField final : public SignedField {
     for (std::size_t k = 0; k < 4; ++k) {
       for (std::size_t j = 0; j < 4; ++j) {
         const std::size_t row = ((place.first[2] + k) * count_[1] + place.first[1] + j) * count_[0] + place.first[0];
-        for (std::size_t i = 0; i < 4; ++i) visit(i, j, k, value_m_[row + i]);
+        for (std::size_t i = 0; i < 4; ++i) visit(i, j, k, S(value_m_[row + i]));
       }
     }
   }
@@ -135,7 +153,11 @@ std::unique_ptr<SignedField> make_analytic_field(std::shared_ptr<const Surface> 
 }
 
 std::unique_ptr<SignedField> make_sampled_field(const Surface& surface, int resolution) {
-  return std::make_unique<SampledField>(surface, resolution);
+  return std::make_unique<SampledField<double>>(surface, resolution);
+}
+
+std::unique_ptr<SignedFieldOf<Counted>> make_counted_field(const Surface& surface, int resolution) {
+  return std::make_unique<SampledField<Counted>>(surface, resolution);
 }
 
 }  // namespace touchstone

@@ -5,23 +5,27 @@
 #include <cstddef>
 #include <memory>
 
+#include "harness/base/counted.h"
 #include "harness/base/vec.h"
 #include "harness/surface/surface.h"
 
 namespace touchstone {
 
-class SignedField {
+// Over another scalar than double its operations are counted (harness/base/counted.h).
+template <class S>
+class SignedFieldOf {
  public:
-  virtual ~SignedField() = default;
+  virtual ~SignedFieldOf() = default;
   // Negative inside. Never more than the distance to the surface times steepness().
-  [[nodiscard]] virtual double value_m(const Vec3& p_W_m) const = 0;
-  [[nodiscard]] virtual Vec3 gradient(const Vec3& p_W_m) const = 0;
+  [[nodiscard]] virtual S value_m(const Vec3Of<S>& p_W_m) const = 0;
+  [[nodiscard]] virtual Vec3Of<S> gradient(const Vec3Of<S>& p_W_m) const = 0;
   // How much faster than distance the value may grow.
   [[nodiscard]] virtual double steepness() const noexcept { return 1.0; }
   // The body's size: what tolerances are relative to.
   [[nodiscard]] virtual double size_m() const noexcept = 0;
   [[nodiscard]] virtual std::size_t memory_bytes() const noexcept { return 0; }
 };
+using SignedField = SignedFieldOf<double>;
 
 // Surface::signed_distance, with its gradient by the central difference of fourth order, (8 (f(d) - f(-d)) - (f(2d) -
 // f(-2d))) / 12 d at d = 1e-4 of the body's size: neither normals nor foot points of the surface are used, so that an
@@ -34,5 +38,7 @@ std::unique_ptr<SignedField> make_analytic_field(std::shared_ptr<const Surface> 
 // smooth. What is finer than two nodes is not seen. Outside the grid the value is the distance to the body's box. Built
 // in parallel; the same to the bit whatever the number of threads.
 std::unique_ptr<SignedField> make_sampled_field(const Surface& surface, int resolution);
+// The same with its operations counted, to the bit. Not counted: taking the samples.
+std::unique_ptr<SignedFieldOf<Counted>> make_counted_field(const Surface& surface, int resolution);
 
 }  // namespace touchstone
