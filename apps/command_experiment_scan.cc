@@ -27,7 +27,7 @@ struct Options {
   std::string recording, mesh;
   double mesh_unit_m = 1.0;
   double block_s = 6.0;
-  double extend_m = 0.02;
+  std::vector<double> extend_m{0.02};
 };
 
 void write_report(const Options& options, const std::string& name, const std::string& json, const Page& page) {
@@ -42,26 +42,50 @@ ExitStatus run_friction(const Options& options) {
   if (options.recording.empty() != options.mesh.empty())
     throw UsageError("--recording and --mesh belong together: a real scan and the surface it was made over");
   if (!options.out.empty()) ensure_writable_folder(options.out);
-  experiments::FrictionExperiment experiment;
   constexpr std::array kCoefficients{0.25, 0.15, 0.40};
-  Progress progress("friction experiment", kCoefficients.size());
-  for (std::size_t i = 0; i < kCoefficients.size(); ++i) {
-    experiment.fits.push_back(experiments::fit_friction(options.seed + i, kCoefficients[i]));
-    progress.update(i + 1);
+  const std::size_t extensions = options.recording.empty() ? 0 : options.extend_m.size();
+  Progress progress("friction experiment", kCoefficients.size() * options.seeds + extensions);
+  std::size_t done = 0;
+  experiments::FrictionExperiment experiment;
+  experiments::SeedSpread spread;
+  for (std::size_t s = 0; s < options.seeds; ++s) {
+    experiments::FrictionExperiment own;
+    std::vector<std::pair<std::string, double>> values;
+    for (std::size_t i = 0; i < kCoefficients.size(); ++i) {
+      own.fits.push_back(experiments::fit_friction(options.seed + kCoefficients.size() * s + i, kCoefficients[i]));
+      for (const auto* const probe : {&own.fits.back().soft, &own.fits.back().stiff}) {
+        const std::string what =
+            fmt::format("mu {:.2f}, probe of {:.0f} N/m: ", kCoefficients[i], probe->stiffness_N_per_m);
+        values.emplace_back(what + "fitted mu", probe->fitted_mu);
+        values.emplace_back(what + "without [N]", probe->without.mean_N);
+        values.emplace_back(what + "with [N]", probe->with.mean_N);
+      }
+      progress.update(++done);
+    }
+    std::vector<std::pair<std::string, bool>> findings;
+    for (const auto& finding : experiments::friction_findings(own))
+      findings.emplace_back(finding.statement, finding.holds);
+    spread.add(values, findings);
+    if (s == 0) experiment = std::move(own);
   }
   Provenance provenance = make_provenance(command_line());
   if (!options.recording.empty()) {
-    experiment.real = experiments::fit_real_friction(
-        load_recording(options.recording),
-        make_embree_surface(extend_open_edges(load_mesh(options.mesh, options.mesh_unit_m), options.extend_m)),
-        options.block_s);
+    const Recording recording = load_recording(options.recording);
+    const TriangleMesh mesh = load_mesh(options.mesh, options.mesh_unit_m);
+    for (const double extend_m : options.extend_m) {
+      const auto surface = make_embree_surface(extend_m > 0.0 ? extend_open_edges(mesh, extend_m) : mesh);
+      experiment.real.push_back(experiments::fit_real_friction(recording, surface, options.block_s));
+      experiment.real.back().extended_m = extend_m;
+      progress.update(++done);
+    }
     provenance.inputs.push_back(describe_input("recording", options.recording));
     provenance.inputs.push_back(describe_input("mesh", options.mesh));
   }
-  fmt::print("{}", experiments::friction_table(experiment));
-  if (!options.out.empty())
-    write_report(options, "friction", experiments::friction_to_json(experiment),
-                 experiments::friction_page(experiment, provenance));
+  fmt::print("{}{}", experiments::friction_table(experiment), experiments::spread_table(spread));
+  if (options.out.empty()) return ExitStatus::passed;
+  Page page = experiments::friction_page(experiment, provenance);
+  page.sections.insert(page.sections.end() - 1, experiments::spread_section(spread));
+  write_report(options, "friction", experiments::friction_to_json(experiment), page);
   return ExitStatus::passed;
 }
 
@@ -98,6 +122,9 @@ CLI::App* add(CLI::App& experiment, const std::string& name, const std::string& 
   auto* const command = experiment.add_subcommand(name, about);
   command->add_option("--out", options->out, "Folder for report.html, tables.md and " + name + ".json");
   command->add_option("--seed", options->seed, "Of the scan")->capture_default_str();
+  command->add_option("--seeds", options->seeds, "How many seeds, from --seed on; the tables are of the first")
+      ->check(CLI::Range(1, 1000))
+      ->capture_default_str();
   return command;
 }
 
@@ -117,12 +144,15 @@ void add_scan_experiments(CLI::App& experiment, Run& run) {
   command->add_option("--block", friction->block_s, "Seconds of the blocks that are fitted and held out in turn")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
-  command->add_option("--extend", friction->extend_m, "How far an open mesh is continued at its edges [m]")
-      ->check(CLI::PositiveNumber)
+  command
+      ->add_option("--extend", friction->extend_m,
+                   "How far an open mesh is continued at its edges [m], 0 for not at all; several are tried in turn")
+      ->delimiter(',')
+      ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
   command->footer(
-      "Examples:\n  touchstone experiment friction\n  touchstone experiment friction --out friction --recording "
-      "raster.csv --mesh phantom.obj --mesh-unit mm");
+      "Examples:\n  touchstone experiment friction --seeds 5\n  touchstone experiment friction --out friction "
+      "--recording raster.csv --mesh phantom.obj --mesh-unit mm --extend 0,0.005,0.02");
   command->callback([friction, &run] { run = [friction] { return run_friction(*friction); }; });
   for (const bool shading : {false, true}) {
     auto options = std::make_shared<Options>();
@@ -131,9 +161,6 @@ void add_scan_experiments(CLI::App& experiment, Run& run) {
                           shading ? "Force shading over the density of the mesh (Ruffaldi et al. 2006, figure 7)"
                                   : "Force error over the density of the mesh (Ruffaldi et al. 2006, table 3)",
                           options);
-    own->add_option("--seeds", options->seeds, "How many seeds, from --seed on; the tables are of the first")
-        ->check(CLI::Range(1, 1000))
-        ->capture_default_str();
     own->footer(fmt::format(
         "Examples:\n  touchstone experiment {0}\n  touchstone experiment {0} --out {0} --seed 7 --seeds 5", name));
     own->callback([options, shading, &run] { run = [options, shading] { return run_density(*options, shading); }; });

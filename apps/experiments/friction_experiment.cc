@@ -6,6 +6,7 @@
 #include <functional>
 #include <limits>
 
+#include "apps/experiments/golden_section.h"
 #include "harness/base/error.h"
 #include "harness/rendering/in_trajectory.h"
 #include "harness/rendering/replay.h"
@@ -15,31 +16,6 @@
 
 namespace touchstone::experiments {
 namespace {
-
-// The least value of f between a and b, f falling to it and rising from it: golden-section search (Kiefer 1953).
-double golden_section(const std::function<double(double)>& f, double a, double b, double tolerance) {
-  const double ratio = 0.5 * (std::sqrt(5.0) - 1.0);
-  double x = b - ratio * (b - a);
-  double y = a + ratio * (b - a);
-  double fx = f(x);
-  double fy = f(y);
-  while (b - a > tolerance) {
-    if (fx < fy) {
-      b = y;
-      y = x;
-      fy = fx;
-      x = b - ratio * (b - a);
-      fx = f(x);
-    } else {
-      a = x;
-      x = y;
-      fx = fy;
-      y = a + ratio * (b - a);
-      fy = f(y);
-    }
-  }
-  return 0.5 * (a + b);
-}
 
 constexpr double kLargestMu = 0.6;
 constexpr int kCurve = 24;
@@ -130,6 +106,7 @@ RealFrictionFit fit_real_friction(const Recording& recording, const std::shared_
     error.push_back(fitted(mu.back()));
   }
   RealFrictionFit result;
+  result.block_s = block_s;
   result.fitted_mu = refine(fitted, mu, error);
   const Fit with = run(result.fitted_mu);
   result.stiffness_N_per_m = with.stiffness;

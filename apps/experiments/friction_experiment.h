@@ -3,7 +3,6 @@
 #pragma once
 
 #include <cstdint>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -30,6 +29,8 @@ struct FrictionFit {
 // The same on a recording of a soft real object, pressed at its measured positions: stiffness and coefficient fitted on
 // even blocks of time, errors on the odd ones.
 struct RealFrictionFit {
+  double extended_m = 0.0;  // how far the surface is continued beyond the mesh
+  double block_s = 0.0;
   double fitted_mu = 0.0;
   double stiffness_N_per_m = 0.0;  // with friction
   double rms_without_N = 0.0;
@@ -39,7 +40,7 @@ struct RealFrictionFit {
 
 struct FrictionExperiment {
   std::vector<FrictionFit> fits;
-  std::optional<RealFrictionFit> real;
+  std::vector<RealFrictionFit> real;  // of one recording, over the surface continued by different lengths
 };
 
 // The published numbers (table 2).

@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "apps/experiments/golden_section.h"
 #include "harness/base/error.h"
 #include "harness/perception/statistics.h"
 
@@ -142,32 +143,10 @@ PowerLaw fit_power_law(const Approach& approach, double exponent, std::size_t ph
 }
 
 PowerLaw fit_power_law(const Approach& approach, std::size_t phase, std::size_t of) {
-  const double golden = 0.5 * (std::sqrt(5.0) - 1.0);
   const auto cost = [&](double exponent) {
     return sum_of_squares(approach, fit_power_law(approach, exponent, phase, of), phase, of);
   };
-  double low = 0.5;
-  double high = 4.0;
-  double a = high - golden * (high - low);
-  double b = low + golden * (high - low);
-  double cost_a = cost(a);
-  double cost_b = cost(b);
-  while (high - low > 1e-6) {
-    if (cost_a < cost_b) {
-      high = b;
-      b = a;
-      cost_b = cost_a;
-      a = high - golden * (high - low);
-      cost_a = cost(a);
-    } else {
-      low = a;
-      a = b;
-      cost_a = cost_b;
-      b = low + golden * (high - low);
-      cost_b = cost(b);
-    }
-  }
-  return fit_power_law(approach, 0.5 * (low + high), phase, of);
+  return fit_power_law(approach, golden_section(cost, 0.5, 4.0, 1e-6), phase, of);
 }
 
 std::vector<IndentationComparison> compare_indentation(const Approach& approach) {

@@ -8,7 +8,6 @@
 #include "apps/experiments/nearness.h"
 #include "harness/perception/statistics.h"
 #include "harness/report/evaluation_page.h"
-#include "harness/report/perception_page.h"
 
 namespace touchstone::experiments {
 namespace {
@@ -109,13 +108,7 @@ Page indentation_page(const Approach& approach, const std::vector<IndentationCom
   section.blocks = {distances_table(comparisons), nearness_table(nearness_of(comparisons), names_of(comparisons)),
                     curve_plot(approach)};
   page.sections.push_back(std::move(section));
-  const auto& first = comparisons.front().evaluation;
-  for (auto sections : {perception_result_sections(first), perception_signal_sections(first)}) {
-    for (auto& own : sections) {
-      own.title = "First pair: " + own.title;
-      page.sections.push_back(std::move(own));
-    }
-  }
+  show_first_pair(page, comparisons.front().evaluation);
   page.sections.push_back(provenance_section(provenance));
   return page;
 }

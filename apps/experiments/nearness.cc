@@ -2,23 +2,32 @@
 
 #include <fmt/format.h>
 
+#include "harness/base/error.h"
 #include "harness/perception/statistics.h"
+#include "harness/report/perception_page.h"
 
 namespace touchstone::experiments {
 
 namespace pc = perception;
 
 std::vector<Nearness> nearness(const std::vector<const pc::PerceptualEvaluation*>& comparisons) {
+  if (comparisons.empty()) throw BadData("no comparison to tell what is nearer by");
+  const std::size_t conditions = comparisons.front()->conditions.size();
+  for (const auto* const comparison : comparisons) {
+    if (comparison->conditions.size() != conditions) {
+      throw BadData(fmt::format("a comparison has {} conditions where the first has {}", comparison->conditions.size(),
+                                conditions));
+    }
+  }
   std::vector<Nearness> result;
   for (const double share : {0.9, 1.0}) {
     for (const auto scaling : pc::kFeatureScalings) {
       Nearness own{scaling, share, {}, {}, comparisons.size()};
-      std::vector<std::vector<double>> distances;  // by condition
+      own.nearer.resize(conditions, 0);
+      std::vector<std::vector<double>> distances(conditions);
       for (const auto* const comparison : comparisons) {
         const auto of_one = pc::distances_with_scaling(*comparison, scaling, share);
-        distances.resize(of_one.size());
-        own.nearer.resize(of_one.size(), 0);
-        for (std::size_t c = 0; c < of_one.size(); ++c) {
+        for (std::size_t c = 0; c < conditions; ++c) {
           distances[c].push_back(of_one[c]);
           own.nearer[c] += of_one[0] < of_one[c] ? 1 : 0;
         }
@@ -51,6 +60,15 @@ Table nearness_table(const std::vector<Nearness>& rows, const std::vector<std::s
     table.rows.push_back(std::move(row));
   }
   return table;
+}
+
+void show_first_pair(Page& page, const pc::PerceptualEvaluation& first) {
+  for (auto sections : {perception_result_sections(first), perception_signal_sections(first)}) {
+    for (auto& own : sections) {
+      own.title = "First pair: " + own.title;
+      page.sections.push_back(std::move(own));
+    }
+  }
 }
 
 }  // namespace touchstone::experiments

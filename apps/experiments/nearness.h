@@ -19,9 +19,13 @@ struct Nearness {
   std::size_t compared;
 };
 
-// Of comparisons with the same conditions in the same order, the one measured again first.
+// Of comparisons with the same conditions in the same order, the one measured again first. Throws BadData for none, or
+// where their numbers of conditions differ.
 std::vector<Nearness> nearness(const std::vector<const perception::PerceptualEvaluation*>& comparisons);
 
 Table nearness_table(const std::vector<Nearness>& rows, const std::vector<std::string>& conditions);
+
+// Appends one comparison in full, its titles marked as those of the first pair.
+void show_first_pair(Page& page, const perception::PerceptualEvaluation& first);
 
 }  // namespace touchstone::experiments

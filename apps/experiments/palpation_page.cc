@@ -8,7 +8,6 @@
 #include "apps/experiments/nearness.h"
 #include "harness/perception/statistics.h"
 #include "harness/report/evaluation_page.h"
-#include "harness/report/perception_page.h"
 
 namespace touchstone::experiments {
 namespace {
@@ -62,13 +61,7 @@ Page palpation_page(const Recording& recording, const std::vector<RowComparison>
   table.caption = "Every row";
   section.blocks = {nearness_table(nearness(evaluations), {"measured", "rendered"}), std::move(plot), std::move(table)};
   page.sections.push_back(std::move(section));
-  const auto& first = comparisons.front().evaluation;
-  for (auto sections : {perception_result_sections(first), perception_signal_sections(first)}) {
-    for (auto& own : sections) {
-      own.title = "First pair: " + own.title;
-      page.sections.push_back(std::move(own));
-    }
-  }
+  show_first_pair(page, comparisons.front().evaluation);
   page.sections.push_back(provenance_section(provenance));
   return page;
 }

@@ -8,7 +8,10 @@
 #include <cmath>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <set>
 
+#include "apps/experiments/rows.h"
+#include "harness/base/error.h"
 #include "harness/report/console.h"
 #include "harness/report/evaluation_page.h"
 #include "harness/surface/embree_surface.h"
@@ -45,13 +48,13 @@ std::vector<Kind> kinds() {
   return result;
 }
 
-Model model_of(const Kind& kind) {
+Model model_of(const Kind& kind, double voxels) {
   Model model;
   model.renderer = kind.entry->name;
   model.source = "experiment cost";
   for (const auto& parameter : kind.entry->parameters) {
     if (parameter.name == "stiffness_N_per_m") model.parameters[parameter.name] = kStiffness_N_per_m;
-    if (parameter.name == "resolution") model.parameters[parameter.name] = 64.0;
+    if (parameter.name == "resolution") model.parameters[parameter.name] = voxels;
     if (parameter.name == "tip_radius_m") model.parameters[parameter.name] = kind.tip_radius_m;
     if (parameter.name == "mu_static" || parameter.name == "mu_dynamic") model.parameters[parameter.name] = kind.mu;
   }
@@ -67,7 +70,8 @@ TipSource source_of(const std::vector<Vec3>& tips) {
   };
 }
 
-RendererCost measure(const Kind& kind, const std::shared_ptr<const Surface>& body, const std::vector<Vec3>& tips) {
+RendererCost measure(const Kind& kind, double voxels, const std::shared_ptr<const Surface>& body,
+                     const std::vector<Vec3>& tips) {
   RendererCost cost;
   cost.renderer = kind.entry->name;
   cost.tip_radius_m = kind.tip_radius_m;
@@ -75,7 +79,7 @@ RendererCost measure(const Kind& kind, const std::shared_ptr<const Surface>& bod
   cost.what = kind.entry->name + (kind.mu > 0.0 ? fmt::format(", mu {:g}", kind.mu) : "") +
               (kind.tip_radius_m > 0.0 ? fmt::format(", ball of {:g} mm", 1e3 * kind.tip_radius_m) : "");
   cost.triangles = body->mesh()->triangle_count();
-  const Model model = model_of(kind);
+  const Model model = model_of(kind, voxels);
   const auto began = std::chrono::steady_clock::now();
   const auto renderer = make_renderer(model, body);
   const double build_ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - began).count();
@@ -91,9 +95,9 @@ RendererCost measure(const Kind& kind, const std::shared_ptr<const Surface>& bod
   return cost;
 }
 
-std::vector<std::vector<std::string>> rows_of(const std::vector<RendererCost>& costs) {
-  std::vector<std::vector<std::string>> rows{{"renderer", "triangles", "operations per step", "median", "most",
-                                              "median us", "p99 us", "mean us", "memory [MB]", "made in [ms]"}};
+Rows rows_of(const std::vector<RendererCost>& costs) {
+  Rows rows{{"renderer", "triangles", "operations per step", "median", "most", "median us", "p99 us", "mean us",
+             "memory [MB]", "made in [ms]"}};
   for (const auto& own : costs) {
     const bool counted = own.operations.has_value();
     rows.push_back({own.what, fmt::format("{}", own.triangles),
@@ -124,9 +128,12 @@ std::vector<Vec3> path_over_the_bumpy_body(double tip_radius_m, std::size_t step
   return tips;
 }
 
-std::size_t cost_cases(const CostOptions& options) { return kinds().size() * options.triangles.size(); }
+std::size_t cost_cases(const CostOptions& options) {
+  return kinds().size() * std::set<std::size_t>(options.triangles.begin(), options.triangles.end()).size();
+}
 
 std::vector<RendererCost> measure_costs(const CostOptions& options, const std::function<void(std::size_t)>& done) {
+  if (options.triangles.empty() || options.steps == 0) throw UsageError("costs need a size of the mesh and a step");
   std::map<std::size_t, std::shared_ptr<const Surface>> bodies;
   for (const std::size_t triangles : options.triangles)
     bodies[triangles] = make_embree_surface(synthetic::make_mesh("bumpy", {}, triangles).mesh);
@@ -136,7 +143,7 @@ std::vector<RendererCost> measure_costs(const CostOptions& options, const std::f
     auto& tips = paths[kind.tip_radius_m];
     if (tips.empty()) tips = path_over_the_bumpy_body(kind.tip_radius_m, options.steps);
     for (const auto& [triangles, body] : bodies) {
-      costs.push_back(measure(kind, body, tips));
+      costs.push_back(measure(kind, static_cast<double>(options.voxels), body, tips));
       if (done) done(costs.size());
     }
   }
@@ -159,14 +166,9 @@ Page cost_page(const std::vector<RendererCost>& costs, const Provenance& provena
       "mesh has made already costs no time again.",
       {},
       false};
-  const auto rows = rows_of(costs);
-  Table table;
-  table.columns = rows.front();
-  for (std::size_t i = 1; i < rows.size(); ++i) {
-    Table::Row row;
-    for (std::size_t c = 0; c < rows[i].size(); ++c) row.cells.push_back({rows[i][c], c > 0, Tone::neutral});
-    if (!costs[i - 1].not_counted.empty()) row.detail = "not counted: " + costs[i - 1].not_counted;
-    table.rows.push_back(std::move(row));
+  Table table = table_of(rows_of(costs), "");
+  for (std::size_t i = 0; i < costs.size(); ++i) {
+    if (!costs[i].not_counted.empty()) table.rows[i].detail = "not counted: " + costs[i].not_counted;
   }
   section.blocks.emplace_back(std::move(table));
   constexpr std::array kTones{Tone::rendered, Tone::measured,  Tone::error,  Tone::good,

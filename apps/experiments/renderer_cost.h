@@ -30,10 +30,11 @@ struct RendererCost {
 struct CostOptions {
   std::vector<std::size_t> triangles{1000, 10000, 140000};
   std::size_t steps = 10000;
+  std::size_t voxels = 64;  // or nodes along the longest side, of renderers that need a grid
 };
 
-// Every renderer of the catalogue, point tips first; those with friction and those with a ball tip too. Renderers that
-// need a grid have 64 voxels or nodes along the longest side.
+// Every renderer of the catalogue, point tips first; those with friction and those with a ball tip too; each over
+// every different size, the smallest first. Throws UsageError for no size or no step.
 std::vector<RendererCost> measure_costs(const CostOptions& options, const std::function<void(std::size_t)>& done = {});
 std::size_t cost_cases(const CostOptions& options);
 

@@ -32,10 +32,16 @@ std::string friction_to_json(const FrictionExperiment& e) {
     }
     document["fits"].push_back({{"seed", fit.seed}, {"true_mu", fit.true_mu}, {"probes", probes}});
   }
-  if (e.real) {
-    document["real"] = {{"fitted_mu", e.real->fitted_mu},           {"stiffness_N_per_m", e.real->stiffness_N_per_m},
-                        {"rms_without_N", e.real->rms_without_N},   {"rms_with_N", e.real->rms_with_N},
-                        {"fitted_samples", e.real->fitted_samples}, {"held_out_samples", e.real->held_out_samples}};
+  document["real"] = Json::array();
+  for (const auto& own : e.real) {
+    document["real"].push_back({{"extended_m", own.extended_m},
+                                {"block_s", own.block_s},
+                                {"fitted_mu", own.fitted_mu},
+                                {"stiffness_N_per_m", own.stiffness_N_per_m},
+                                {"rms_without_N", own.rms_without_N},
+                                {"rms_with_N", own.rms_with_N},
+                                {"fitted_samples", own.fitted_samples},
+                                {"held_out_samples", own.held_out_samples}});
   }
   document["findings"] = to_json(friction_findings(e));
   return document.dump(2) + "\n";

@@ -5,26 +5,12 @@
 #include <array>
 #include <cmath>
 
+#include "apps/experiments/rows.h"
 #include "harness/report/console.h"
 #include "harness/report/evaluation_page.h"
 
 namespace touchstone::experiments {
 namespace {
-
-// Tables first as rows of text, the first of them the columns' names: for console and page alike.
-using Rows = std::vector<std::vector<std::string>>;
-
-Table to_table(const Rows& rows, std::string caption) {
-  Table table;
-  table.caption = std::move(caption);
-  table.columns = rows.front();
-  for (std::size_t i = 1; i < rows.size(); ++i) {
-    Table::Row row;
-    for (const auto& cell : rows[i]) row.cells.push_back({cell, true, Tone::neutral});
-    table.rows.push_back(std::move(row));
-  }
-  return table;
-}
 
 std::string findings_text(const std::vector<PaperFinding>& findings) {
   std::string text;
@@ -61,11 +47,19 @@ Rows friction_rows(const FrictionExperiment& e) {
           fmt::format("{:.3f}", fit.true_mu), fmt::format("{:.4f}", own->fitted_mu), own->without.mean_N,
           own->with.mean_N);
   }
-  if (e.real)
-    add("real recording", fmt::format("{:.0f} (fitted)", e.real->stiffness_N_per_m), "unknown",
-        fmt::format("{:.4f}", e.real->fitted_mu), e.real->rms_without_N, e.real->rms_with_N);
   add("published, table 2", "500", "unknown", "radius 0.3008 mm", PublishedFriction::without_N,
       PublishedFriction::with_N);
+  return rows;
+}
+
+Rows real_friction_rows(const FrictionExperiment& e) {
+  Rows rows{{"mesh continued by", "fitted stiffness [N/m]", "fitted mu", "without [N]", "with [N]", "left"}};
+  for (const RealFrictionFit& own : e.real) {
+    rows.push_back({own.extended_m > 0.0 ? fmt::format("{:g} mm", 1e3 * own.extended_m) : "not at all",
+                    fmt::format("{:.0f}", own.stiffness_N_per_m), fmt::format("{:.4f}", own.fitted_mu),
+                    fmt::format("{:.3f}", own.rms_without_N), fmt::format("{:.3f}", own.rms_with_N),
+                    fmt::format("{:.0f} %", 100.0 * own.rms_with_N / own.rms_without_N)});
+  }
   return rows;
 }
 
@@ -103,8 +97,10 @@ Line density_line(const DensityExperiment& e, std::string name, double (*value)(
 }  // namespace
 
 std::string friction_table(const FrictionExperiment& e) {
-  return "Mean force error (their equation 3) on the half not fitted; real recording: RMS, on blocks not fitted\n" +
-         align_columns(friction_rows(e)) + findings_text(friction_findings(e));
+  std::string text = "Mean force error (their equation 3) on the half not fitted\n" + align_columns(friction_rows(e));
+  if (!e.real.empty())
+    text += "Real recording: RMS force error on the blocks not fitted\n" + align_columns(real_friction_rows(e));
+  return text + findings_text(friction_findings(e));
 }
 
 Page friction_page(const FrictionExperiment& e, const Provenance& provenance) {
@@ -115,11 +111,10 @@ Page friction_page(const FrictionExperiment& e, const Provenance& provenance) {
   Section table{"Table 2",
                 "Simulated scans with instrument noise: the coefficient is fitted on the first half and the mean error "
                 "(equation 3) is of the second. The friction cone of Harwin and Melder, mu_static = mu_dynamic; the "
-                "paper varies a friction radius instead. A real recording: stiffness and coefficient fitted on even "
-                "blocks of time at the measured positions, RMS error on odd ones.",
+                "paper varies a friction radius instead.",
                 {},
                 false};
-  table.blocks.emplace_back(to_table(friction_rows(e), "Here and published"));
+  table.blocks.emplace_back(table_of(friction_rows(e), "Here and published"));
   LinePlot plot;
   plot.title = "Force error against the friction coefficient";
   plot.x_label = "mu";
@@ -133,6 +128,17 @@ Page friction_page(const FrictionExperiment& e, const Provenance& provenance) {
   }
   table.blocks.emplace_back(std::move(plot));
   page.sections.push_back(std::move(table));
+  if (!e.real.empty()) {
+    Section real{"A real recording",
+                 fmt::format("Stiffness and coefficient fitted on every other {:g} s of the recording, at the measured "
+                             "positions; RMS force error on the rest. A mesh that ends where the recording does lets "
+                             "the tip slip over an edge that the object does not have, so it is continued.",
+                             e.real.front().block_s),
+                 {},
+                 false};
+    real.blocks.emplace_back(table_of(real_friction_rows(e), "Fitted on a real recording"));
+    page.sections.push_back(std::move(real));
+  }
   page.sections.push_back(provenance_section(provenance));
   return page;
 }
@@ -154,7 +160,7 @@ Page density_page(const DensityExperiment& e, bool shading, const Provenance& pr
       "the error is against the normal part of the recorded force, from which it was made.",
       {},
       false};
-  table.blocks.emplace_back(to_table(density_rows(e, shading), "Here and published"));
+  table.blocks.emplace_back(table_of(density_rows(e, shading), "Here and published", 0));
   LinePlot plot;
   plot.title = "Force error over the size of the mesh";
   plot.x_label = "log10 of the number of triangles";

@@ -22,12 +22,12 @@ struct SeedSpread {
   std::vector<Value> values;
   std::vector<Finding> findings;
 
-  // Of the next seed; names and statements are those of the first, in its order.
+  // Of the next seed. Throws std::invalid_argument where names and statements are not those of the first, in its order.
   void add(const std::vector<std::pair<std::string, double>>& values_of_seed,
            const std::vector<std::pair<std::string, bool>>& findings_of_seed);
 };
 
-// "" for fewer than two seeds.
+// Medians and extremes; "none" where a value is not finite in every seed. "" for fewer than two seeds.
 std::string spread_table(const SeedSpread& spread);
 Section spread_section(const SeedSpread& spread);
 
