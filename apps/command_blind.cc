@@ -37,6 +37,7 @@ struct Options {
   std::string id;
   std::string shard;
   std::filesystem::path trajectory;
+  std::filesystem::path again;
 };
 
 ExitStatus make(const Options& options) {
@@ -75,6 +76,14 @@ ExitStatus make(const Options& options) {
 }
 
 ExitStatus follow(const Options& options) {
+  if (options.id.empty()) {
+    if (options.cases.empty() || options.results.empty()) {
+      throw UsageError("follow: --case and --trajectory for one case, or --cases and --results for all, are needed");
+    }
+    const std::size_t count = follow_proposals(options.answers, options.cases, options.results, options.out);
+    fmt::print("{}: {} cases along the motions asked for\n", options.out.string(), count);
+    return ExitStatus::passed;
+  }
   ensure_writable_folder(options.out);
   record_along_proposal(options.answers, options.id, options.trajectory, options.out);
   fmt::print("{}: train.csv and holdout.csv along {}\n", options.out.string(), options.trajectory.string());
@@ -129,7 +138,7 @@ ExitStatus run_cases(const Options& options) {
 }
 
 ExitStatus score(const Options& options) {
-  const auto scores = score_blind(options.answers, options.cases, options.results);
+  const auto scores = score_blind(options.answers, options.cases, options.results, options.again);
   if (!options.json.empty()) write_file(options.json, blind_json(scores));
   const BlindTable table = blind_table(scores);
   fmt::print("{}", table.text);
@@ -167,15 +176,19 @@ void add_blind(CLI::App& program, Run& run) {
   auto* const follower =
       command->add_subcommand("follow", "Record a case's object along a motion that a search asked for");
   follower->add_option("--answers", options->answers, "answers.json")->required();
-  follower->add_option("--case", options->id, "the case's opaque name")->required();
-  follower->add_option("--trajectory", options->trajectory, "next.csv of its findings")->required();
-  follower->add_option("--out", options->out, "folder for train.csv and holdout.csv")->required();
+  follower->add_option("--case", options->id, "the case's opaque name; without it, all that asked");
+  follower->add_option("--trajectory", options->trajectory, "next.csv of its findings");
+  follower->add_option("--cases", options->cases, "for all: folder of cases");
+  follower->add_option("--results", options->results, "for all: folder that blind run wrote");
+  follower->add_option("--out", options->out, "folder for train.csv and holdout.csv; for all, of a folder each")
+      ->required();
   follower->callback([options, &run] { run = [options] { return follow(*options); }; });
 
   auto* const scorer = command->add_subcommand("score", "Compare findings with the answers");
   scorer->add_option("--answers", options->answers, "answers.json")->required();
   scorer->add_option("--cases", options->cases, "folder of cases")->required();
   scorer->add_option("--results", options->results, "folder that blind run wrote")->required();
+  scorer->add_option("--again", options->again, "results on the motions that cases asked for (see follow)");
   scorer->add_option("--json", options->json, "write the scores here too");
   scorer->callback([options, &run] { run = [options] { return score(*options); }; });
 
@@ -188,6 +201,8 @@ void add_blind(CLI::App& program, Run& run) {
       "  touchstone blind follow --answers blind/answers.json --case 3k7vq9xd --trajectory "
       "blind/found/3k7vq9xd/next.csv \\\n"
       "      --out again\n"
+      "  touchstone blind follow --answers blind/answers.json --cases blind/cases --results blind/found --out "
+      "blind/again/cases\n"
       "score exits with 1 where a bar is not met.");
 }
 

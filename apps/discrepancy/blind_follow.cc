@@ -4,6 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "harness/base/atomic_file.h"
 #include "harness/base/error.h"
 #include "harness/base/json_reader.h"
 #include "harness/recording/recording_file.h"
@@ -36,6 +37,26 @@ void record_along_proposal(const std::filesystem::path& answers, const std::stri
     }
   }
   throw BadData(fmt::format("{}: seed {} makes no case named {}", answers.string(), seed, id));
+}
+
+std::size_t follow_proposals(const std::filesystem::path& answers, const std::filesystem::path& cases,
+                             const std::filesystem::path& results, const std::filesystem::path& out) {
+  std::size_t count = 0;
+  if (!std::filesystem::is_directory(results)) {
+    throw BadData(fmt::format("{}: no such folder; search the cases with: touchstone blind run", results.string()));
+  }
+  for (const auto& entry : std::filesystem::directory_iterator(results)) {
+    const auto trajectory = entry.path() / "next.csv";
+    if (!std::filesystem::exists(trajectory)) continue;
+    const std::string id = entry.path().filename().string();
+    ensure_writable_folder(out / id);
+    for (const char* const name : {"mesh.obj", "instrument.json", "model.json"}) {
+      write_file(out / id / name, read_file(cases / id / name));
+    }
+    record_along_proposal(answers, id, trajectory, out / id);
+    ++count;
+  }
+  return count;
 }
 
 }  // namespace touchstone::apps

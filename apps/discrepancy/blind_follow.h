@@ -16,4 +16,9 @@ const std::map<std::string, std::size_t>& blind_full_count();
 void record_along_proposal(const std::filesystem::path& answers, const std::string& id,
                            const std::filesystem::path& trajectory, const std::filesystem::path& out);
 
+// The same for every case of `results` that asked for a motion: a folder of cases below `out`, each with the model,
+// mesh and instrument of the first. How many.
+std::size_t follow_proposals(const std::filesystem::path& answers, const std::filesystem::path& cases,
+                             const std::filesystem::path& results, const std::filesystem::path& out);
+
 }  // namespace touchstone::apps

@@ -196,7 +196,7 @@ std::string detection_curve(const std::vector<BlindScore>& scores) {
 }  // namespace
 
 std::vector<BlindScore> score_blind(const std::filesystem::path& answers, const std::filesystem::path& cases,
-                                    const std::filesystem::path& results) {
+                                    const std::filesystem::path& results, const std::filesystem::path& again) {
   const json root = load_json(answers);
   if (!root.contains("cases") || !root.at("cases").is_array()) {
     throw BadData(fmt::format("{}: /cases: a list of cases was expected", answers.string()));
@@ -220,6 +220,13 @@ std::vector<BlindScore> score_blind(const std::filesystem::path& answers, const 
       measure_floor(score, answer, cases / score.id);
       score.right = as_sets_ask(score, findings);
       compare_parameters(score, answer, findings);
+      const auto second = again / score.id / "findings.json";
+      if (score.set == "cannot-tell" && !again.empty() && std::filesystem::exists(second)) {
+        const json told = load_json(second);
+        const auto named = names_of(told.at("effects"));
+        score.told_apart = told.at("verdict") == "explained" && !named.empty() &&
+                           named.front() == names_of(answer.at("effects")).front();
+      }
     } catch (const nlohmann::json::exception& error) {
       throw BadData(fmt::format("{} or findings of case {}: {}", answers.string(), score.id, error.what()));
     }
@@ -262,6 +269,17 @@ BlindTable blind_table(const std::vector<BlindScore>& scores) {
     const double p = static_cast<double>(share.right) / static_cast<double>(share.all);
     text += fmt::format("{:56} bar {:3.0f} %  {}  {}\n", bar.what, 100.0 * bar.least, with_interval(share),
                         judged(p, p >= bar.least));
+  }
+  Share told;
+  for (const BlindScore& score : scores) {
+    if (!score.told_apart) continue;
+    ++told.all;
+    told.right += *score.told_apart ? 1 : 0;
+  }
+  if (told.all > 0) {
+    const double p = static_cast<double>(told.right) / static_cast<double>(told.all);
+    text += fmt::format("{:56} bar {:3.0f} %  {}  {}\n", "cannot tell: right once the motion asked for is recorded",
+                        90.0, with_interval(told), judged(p, p >= 0.90));
   }
   Share false_flags;
   Share extra;
@@ -360,6 +378,7 @@ std::string blind_json(const std::vector<BlindScore>& scores) {
                                  {"after_N", number(score.after_N)},
                                  {"closed", number(score.closed)},
                                  {"parameters", nlohmann::ordered_json::array()}};
+    if (score.told_apart) entry["told_apart"] = *score.told_apart;
     for (const auto& p : score.parameters) {
       entry["parameters"].push_back(
           {{"effect", p.effect}, {"name", p.name}, {"truth", p.truth}, {"value", p.value}, {"inside", p.inside}});

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -30,12 +31,14 @@ struct BlindScore {
     bool inside;  // its 95 % interval
   };
   std::vector<Parameter> parameters;
+  std::optional<bool> told_apart;  // by the motion that the search asked for; none: nothing asked for, or not run
 };
 
 // `answers`: the file that `touchstone blind make` sealed, or one of its layout. `cases` and `results`: folders with
-// one folder per case. Cases without findings.json count as not run and are left out; throws BadData when none was run.
+// one folder per case; `again`: results on the motions asked for, may be empty. Cases without findings.json count as
+// not run and are left out; throws BadData when none was run.
 std::vector<BlindScore> score_blind(const std::filesystem::path& answers, const std::filesystem::path& cases,
-                                    const std::filesystem::path& results);
+                                    const std::filesystem::path& results, const std::filesystem::path& again);
 
 // A table by set against its bar with 95 % intervals (Wilson 1927), then gap, parameters, how weak an effect is found,
 // and every failure.

@@ -40,21 +40,26 @@ Section what_section(const Findings& findings) {
     for (std::size_t e = 0; e < findings.search.found.size(); ++e) {
       const FoundEffect& effect = findings.search.found[e];
       for (const FoundParameter& p : findings.parameters[e]) {
-        table.rows.push_back(
-            {{text(effect.name), text(effect.side == Side::contact ? "the contact" : "the instrument"), text(p.name),
-              number(p.value, "{:.5g}"),
-              text(p.low95 == p.high95 ? "held fixed" : fmt::format("{:.4g} to {:.4g}", p.low95, p.high95)),
-              text(p.unit)},
-             p.at_bound ? "At the bound of what is physical or of what this recording can show." : "",
-             {}});
+        table.rows.push_back({{text(effect.name),
+                               text(effect.side == Side::contact ? "the contact" : "the instrument"),
+                               text(p.name),
+                               number(p.value, "{:.5g}"),
+                               {p.low95 == p.high95 ? "held fixed" : fmt::format("{:.4g} to {:.4g}", p.low95, p.high95),
+                                true, Tone::neutral},
+                               text(p.unit)},
+                              p.at_bound ? "At the bound of what is physical or of what this recording can show." : "",
+                              {}});
       }
     }
     section.blocks.emplace_back(std::move(table));
     for (const FoundEffect& effect : findings.search.found) {
-      Table rivals{fmt::format("In place of {}: rivals, nearest first", effect.name),
-                   {"rival", "held-out chi-squared lost", "its standard error", "held-out RMS [N]", "why it lost"},
-                   {},
-                   ""};
+      Table rivals{
+          fmt::format("In place of {} (held-out RMS {:.4g} N): what else was tried, nearest first; chi-squared "
+                      "counts squared errors in units of the noise",
+                      effect.name, findings.gap.holdout_after_N),
+          {"rival", "worse by, in held-out chi-squared", "+-", "held-out RMS [N]", "why it lost"},
+          {},
+          ""};
       for (const Rival& rival : effect.rivals) {
         if (rivals.rows.size() == 6) break;
         const std::string why = rival.alike ? "did not lose: explains the data alike"
@@ -72,8 +77,8 @@ Section what_section(const Findings& findings) {
   if (findings.next && !findings.ambiguous.empty()) {
     section.blocks.emplace_back(TextBlock{
         fmt::format(
-            "To tell {} apart, record the motion in next.csv ({}): there the explanations differ by {:.0f} times the "
-            "force noise.",
+            "To tell {} apart, record the motion in next.csv ({}): there the explanations differ by {:.1f} times the "
+            "noise.",
             fmt::join(findings.ambiguous.front(), " from "), findings.next->what, findings.next->separation),
         Tone::warning});
   }
@@ -84,11 +89,11 @@ Section where_section(const Findings& findings) {
   Section section{
       "Where they disagree",
       "RMS of the force error on held-out data, of the starting model and of the final one. The share is that "
-      "of the starting model's squared error among the rows of the same kind.",
+      "of the starting model's squared error among the rows of the same kind: they sum to 100 %.",
       {},
       false};
   Table table{"Held-out error by regime",
-              {"by", "regime", "samples", "before [N]", "+- [N]", "after [N]", "share of the error"},
+              {"by", "regime", "samples", "before [N]", "its 95 % [+- N]", "after [N]", "share of error before"},
               {},
               ""};
   for (const Regime& regime : findings.where) {

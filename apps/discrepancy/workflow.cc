@@ -50,12 +50,12 @@ ForceGap measure_gap(const SearchResult& search, const SearchData& data) {
 
 // Only rivals alike need another recording; the first pair decides what to do.
 std::optional<NextExperiment> next_experiment(const SearchResult& search, const SearchData& data,
-                                              const MakePredictor& make, double force_noise_N) {
+                                              const MakePredictor& make, const InstrumentDescription& instrument) {
   for (const FoundEffect& effect : search.found) {
     for (const Rival& rival : effect.rivals) {
       if (!rival.alike) continue;
       return propose_experiment(*data.train.recording, data.train.predictor->predict(search.model), search.model,
-                                rival.model, make, force_noise_N);
+                                rival.model, make, instrument.force_noise_N, instrument.position_noise_m);
     }
   }
   return std::nullopt;
@@ -108,7 +108,7 @@ Findings run_discrepancy(const DiscrepancyFiles& files, const std::function<void
   const Prediction before = data.holdout.predictor->predict(model);
   const Prediction after = data.holdout.predictor->predict(findings.search.model);
   findings.where = sort_by_regime(data.holdout, before, after, data.force_floor_N);
-  findings.next = next_experiment(findings.search, data, make, instrument.force_noise_N);
+  findings.next = next_experiment(findings.search, data, make, instrument);
   findings.instrument_declared = instrument.declared;
   findings.blocks_held_back = !second;
   conclude(findings, candidates);

@@ -299,7 +299,8 @@ class Search {
         // From what is known of the rest, which `bare` had to bend to make up for what it lacks.
         CandidateFit starting = options(other, bare.model);
         if (const NamedParameters* const tried = came_to(other.name, name)) starting.starts.push_back(*tried);
-        const JointFit fit = best_fit(train_, rest, starting, kept, settings_.iterations);
+        // To the end: a rival must lose by its evidence, not by a fit that was broken off.
+        const JointFit fit = best_fit(train_, rest, starting, kept, 3 * settings_.iterations);
         if (!fit.ok) continue;
         Rival rival;
         rival.name = other.name;

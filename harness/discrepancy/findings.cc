@@ -38,7 +38,14 @@ std::vector<FoundParameter> parameters_of(const SearchResult& search, const Cand
 
 std::string names(const std::vector<FoundEffect>& found) {
   std::vector<std::string> list;
-  for (const FoundEffect& effect : found) list.push_back(effect.name);
+  for (const FoundEffect& effect : found) {
+    std::vector<std::string> alike;
+    for (const Rival& rival : effect.rivals) {
+      if (rival.alike) alike.push_back(rival.name);
+    }
+    list.push_back(alike.empty() ? effect.name
+                                 : fmt::format("{} (or {}, alike here)", effect.name, fmt::join(alike, " or ")));
+  }
   return fmt::format("{}", fmt::join(list, " and "));
 }
 
@@ -177,7 +184,7 @@ std::string findings_to_json(const Findings& findings, const std::string& trajec
   if (findings.next && !findings.ambiguous.empty()) {
     root["next_experiment"] = {{"separates", findings.ambiguous.front()},
                                {"trajectory", trajectory_file},
-                               {"why", fmt::format("{}: the predicted forces differ by {:.1f} times the force noise",
+                               {"why", fmt::format("{}: the predicted forces differ by {:.1f} times the noise",
                                                    findings.next->what, findings.next->separation)}};
   }
   root["steps"] = json::array();

@@ -1,5 +1,7 @@
 #include "harness/discrepancy/next_experiment.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <functional>
@@ -11,7 +13,7 @@ namespace touchstone {
 namespace {
 
 constexpr double rate_Hz = 250.0;
-constexpr double needed_separation = 3.0;
+constexpr double needed_separation = 1.5;
 
 // The place to work at: where the recording was in contact, its normal, and how deep and far it went.
 struct Site {
@@ -21,8 +23,28 @@ struct Site {
   Vec3 v_W = Vec3::UnitY();
   double depth_m = 0.0;
   double reach_m = 0.0;
+  double speed_m_per_s = 0.0;  // along the surface, median in contact
   Quat q_WS = Quat::Identity();
 };
+
+// Over a tenth of a second, in which a tracker's noise is small against the way.
+double sliding_speed_m_per_s(const Recording& recording, const Prediction& prediction, const Vec3& n_W) {
+  constexpr double over_s = 0.1;
+  std::vector<double> speeds;
+  std::size_t before = 0;
+  for (std::size_t i = 0; i < recording.size(); ++i) {
+    const double elapsed_s = recording.motion.t_s[i] - recording.motion.t_s[before];
+    if (elapsed_s < over_s) continue;
+    const Vec3 way = recording.motion.p_W_m[i] - recording.motion.p_W_m[before];
+    const bool touching = !prediction.n_W[i].isZero() && !prediction.n_W[before].isZero();
+    if (touching) speeds.push_back((way - n_W.dot(way) * n_W).norm() / elapsed_s);
+    ++before;
+  }
+  if (speeds.empty()) return 0.0;
+  const auto middle = speeds.begin() + static_cast<std::ptrdiff_t>(speeds.size() / 2);
+  std::nth_element(speeds.begin(), middle, speeds.end());
+  return *middle;
+}
 
 Site find_site(const Recording& recording, const Prediction& prediction) {
   Site site;
@@ -50,6 +72,7 @@ Site find_site(const Recording& recording, const Prediction& prediction) {
     site.centre_W_m = recording.motion.p_W_m[i] + prediction.depth_m[i] * site.n_W;
     if (!recording.motion.q_WS.empty()) site.q_WS = recording.motion.q_WS[i];
   }
+  site.speed_m_per_s = sliding_speed_m_per_s(recording, prediction, site.n_W);
   site.u_W = site.n_W.unitOrthogonal();
   site.v_W = site.n_W.cross(site.u_W);
   site.reach_m = 0.25 * box.diagonal().norm();
@@ -76,6 +99,9 @@ std::vector<Gesture> repertoire(const Site& site) {
   const double d = site.depth_m;
   const double r = site.reach_m;
   const double tau = 2.0 * std::numbers::pi;
+  // Circles from a fifth of the recorded speed to three times of it, within what a hand does on so large a circle.
+  constexpr double growth = 15.0;
+  const double slowest = std::clamp(site.speed_m_per_s / 5.0, 0.02 * r, 0.4 * r);
   return {
       {"free air, the tool turned about x and y by 40 degrees", 12.0,
        [=](double) { return Vec3(0.0, 0.0, 3.0 * d + r); }, tilt},
@@ -93,10 +119,9 @@ std::vector<Gesture> repertoire(const Site& site) {
          return Vec3(0.0, 0.0, 0.5 * d - 1.5 * d * press);
        },
        no_turn},
-      {"circles at constant load, from 3 to 150 mm/s", 16.0,
+      {fmt::format("circles at constant load, from {:.2g} to {:.2g} mm/s", 1e3 * slowest, 1e3 * growth * slowest), 16.0,
        [=](double t) {
-         const double speed = 0.003 * std::pow(50.0, t / 16.0);
-         const double turned = 0.003 * 16.0 / std::log(50.0) * (speed / 0.003 - 1.0) / std::max(r, 1e-9);
+         const double turned = slowest / r * 16.0 / std::log(growth) * (std::pow(growth, t / 16.0) - 1.0);
          return Vec3(r * std::cos(turned), r * std::sin(turned), -0.7 * d);
        },
        no_turn},
@@ -140,9 +165,11 @@ MotionColumns perform(const Gesture& gesture, const Site& site, bool with_orient
 
 std::optional<NextExperiment> propose_experiment(const Recording& recording, const Prediction& prediction,
                                                  const Model& one, const Model& other, const MakePredictor& make,
-                                                 double force_noise_N) {
+                                                 double force_noise_N, double position_noise_m) {
   const Site site = find_site(recording, prediction);
-  if (site.depth_m <= 0.0) return std::nullopt;
+  if (site.depth_m <= 0.0 || site.reach_m <= 0.0) return std::nullopt;
+  const double by_position_N = one.parameters.at("stiffness_N_per_m") * position_noise_m;
+  force_noise_N = std::max(force_noise_N, 1e-12);
   std::optional<NextExperiment> best;
   for (const Gesture& gesture : repertoire(site)) {
     NextExperiment proposal{perform(gesture, site, !recording.motion.q_WS.empty()), gesture.what, 0.0};
@@ -154,8 +181,12 @@ std::optional<NextExperiment> propose_experiment(const Recording& recording, con
     for (std::size_t i = 0; i < a.f_W_N.size(); ++i)
       mean += (a.f_W_N[i] - b.f_W_N[i]) / static_cast<double>(a.f_W_N.size());
     double sum = 0.0;
-    for (std::size_t i = 0; i < a.f_W_N.size(); ++i) sum += (a.f_W_N[i] - b.f_W_N[i] - mean).squaredNorm();
-    proposal.separation = std::sqrt(sum / (3.0 * static_cast<double>(a.f_W_N.size()))) / std::max(force_noise_N, 1e-12);
+    for (std::size_t i = 0; i < a.f_W_N.size(); ++i) {
+      const bool touches = !a.n_W[i].isZero() || !b.n_W[i].isZero();
+      const double noise_N = std::hypot(force_noise_N, touches ? by_position_N : 0.0);
+      sum += (a.f_W_N[i] - b.f_W_N[i] - mean).squaredNorm() / (noise_N * noise_N);
+    }
+    proposal.separation = std::sqrt(sum / (3.0 * static_cast<double>(a.f_W_N.size())));
     if (!best || proposal.separation > best->separation) best = std::move(proposal);
   }
   if (best && best->separation < needed_separation) best.reset();

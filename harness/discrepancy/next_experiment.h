@@ -1,5 +1,6 @@
 // The trajectory that would tell alike explanations apart: the motions a hand can make at the place already scanned,
-// and the one on which the explanations' predicted forces differ most beyond the force noise.
+// and the one on which the explanations' predicted forces differ most beyond the noise: the sensor's, and where they
+// touch the tracker's, which the stiffness turns into force.
 #pragma once
 
 #include <optional>
@@ -12,12 +13,13 @@ namespace touchstone {
 struct NextExperiment {
   MotionColumns motion;     // positions, and orientations where the recording has them; 250 Hz
   std::string what;         // "free air, the tool turned about x and y by 40 degrees"
-  double separation = 0.0;  // RMS difference of the predicted forces over the RMS force noise
+  double separation = 0.0;  // RMS over samples and axes of the predicted forces' difference over the noise
 };
 
-// Nothing when no motion of the repertoire separates the two models by more than three times the noise.
+// Nothing when no motion of the repertoire separates the two models by one and a half times the noise: less than the
+// noise counts as alike, and refitting takes some of the difference.
 std::optional<NextExperiment> propose_experiment(const Recording& recording, const Prediction& prediction,
                                                  const Model& one, const Model& other, const MakePredictor& make,
-                                                 double force_noise_N);
+                                                 double force_noise_N, double position_noise_m);
 
 }  // namespace touchstone

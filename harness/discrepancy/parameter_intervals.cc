@@ -78,8 +78,8 @@ Interval interval95(const JointFit& fit, const std::vector<FreeParameter>& param
     // The mean of a few worlds is itself uncertain.
     variance = std::max(variance, squares / (n - 1.0)) * (1.0 + 1.0 / n);
   }
-  const double half = quantile * std::sqrt(variance);
-  return {std::min(value, scale.from(here - bias - half)), std::max(value, scale.from(here - bias + half))};
+  const double half = quantile * std::sqrt(variance) + std::abs(bias);
+  return {scale.from(here - half), scale.from(here + half)};
 }
 
 }  // namespace touchstone

@@ -5,7 +5,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdlib>
+#include <limits>
 #include <map>
+#include <tuple>
 
 namespace touchstone {
 namespace {
@@ -102,10 +105,35 @@ class Sorter {
       if (regime.before_N > 0.0) regime.error95_N = 1.96 * std::sqrt(spread) / n / (2.0 * regime.before_N);
       all.push_back(std::move(regime));
     }
+    // For a reader: kind by kind, and within each as they follow one another.
+    std::stable_sort(all.begin(), all.end(), [](const Regime& a, const Regime& b) {
+      const auto key = [](const Regime& r) { return std::tuple(place_in(kinds, r.kind), rank(r.name), r.name); };
+      return key(a) < key(b);
+    });
     return all;
   }
 
  private:
+  static constexpr std::array kinds{"phase", "direction",   "sliding speed", "load",
+                                    "place", "sensor axis", "time",          "frequency"};
+  static constexpr std::array phases{"free air",  "first contact", "loading", "hold",
+                                     "unloading", "sliding",       "reversal"};
+
+  template <std::size_t n>
+  static std::size_t place_in(const std::array<const char*, n>& list, const std::string& name) {
+    return static_cast<std::size_t>(std::find(list.begin(), list.end(), name) - list.begin());
+  }
+
+  // Phases by their list, ranges by where they begin.
+  static double rank(const std::string& name) {
+    const std::size_t phase = place_in(phases, name);
+    if (phase < phases.size()) return static_cast<double>(phase);
+    if (name.find("below") != std::string::npos) return -1.0;
+    if (name.find("above") != std::string::npos) return std::numeric_limits<double>::infinity();
+    const std::size_t digit = name.find_first_of("0123456789");
+    return digit == std::string::npos ? 0.0 : std::strtod(name.c_str() + digit, nullptr);
+  }
+
   std::map<std::pair<std::string, std::string>, Sum> sums_;
   std::vector<std::pair<std::string, std::string>> order_;
 };
