@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 
+#include "harness/discrepancy/model_edit.h"
 #include "harness/rendering/model.h"
 
 namespace touchstone::apps {
@@ -62,7 +63,8 @@ Section what_section(const Findings& findings) {
           ""};
       for (const Rival& rival : effect.rivals) {
         if (rivals.rows.size() == 6) break;
-        const std::string why = rival.alike ? "did not lose: explains the data alike"
+        const std::string why = rival.alike                         ? "did not lose: explains the data alike"
+                                : contains(rival.name, effect.name) ? "contains it, and does no better"
                                 : rival.holdout_gain_lost > 0.9 * effect.holdout_gain ? "explains next to nothing of it"
                                                                                       : "explains less";
         rivals.rows.push_back(
