@@ -174,8 +174,7 @@ class Search {
   bool add(Trial& trial, SearchStep& step) {
     const auto parameters = parameters_;
     const JointFit before = current_;
-    const Model rest = without_special_cases(current_.model, trial.name);
-    parameters_ = joined(free_in(rest), options(candidate(trial.name), rest).parameters);
+    parameters_ = parameters_with(trial.name);
     current_ = trial.fit;
     renew_noise(current_.model);
     refit();
@@ -216,15 +215,31 @@ class Search {
         trial.verdict = "helps at the noisy positions alone: it passes less of their noise on";
         continue;
       }
+      if (!displaces_for_sure(trial)) {
+        trial.verdict = "may be within the mesh's declared error";
+        continue;
+      }
       trial.null_bar = null_bar(candidate(trial.name), trial.holdout_gain);
       if (trial.holdout_gain > trial.null_bar) return;
       trial.verdict = "no more than noise and the mesh's declared error give where nothing is missing";
     }
   }
 
+  std::vector<FreeParameter> parameters_with(const std::string& name) const {
+    const Model rest = without_special_cases(current_.model, name);
+    return joined(free_in(rest), options(candidate(name), rest).parameters);
+  }
+
+  // A bump or a texture of the mesh that is not there, by more than its makers declare.
+  bool displaces_for_sure(const Trial& trial) const {
+    if (!find_entry(trial.fit.model, trial.name)->parameters.contains("amplitude_m")) return true;
+    const auto parameters = parameters_with(trial.name);
+    const JointFit fit = fit_jointly(train_, trial.fit.model, parameters, settings_.iterations, true);
+    return least_size95(fit, parameters, trial.name, "amplitude_m") > data_.geometry_error_m;
+  }
+
   bool helps_without_noise(const Trial& trial) const {
-    const Model rest = without_special_cases(current_.model, trial.name);
-    const auto parameters = joined(free_in(rest), options(candidate(trial.name), rest).parameters);
+    const auto parameters = parameters_with(trial.name);
     const auto loss = compare_along_likely(data_, train_, holdout_, {&trial.fit.model, &parameters},
                                            {&current_.model, &parameters_}, settings_.iterations);
     return !loss || loss->lost >= settings_.likely_share * trial.holdout_gain;
