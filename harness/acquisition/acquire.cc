@@ -129,8 +129,8 @@ bool has_motion(const MotionStream& motion, double t_motion_s) {
 
 MarkerRegistration read_markers(const AcquisitionDescription& d) {
   const RawTable table(*d.markers_file);
-  const auto result = register_markers(table.vectors("", length_units, false), table.vectors("m", length_units, false),
-                                       d.markers_file->string());
+  auto result = register_markers(table.vectors("", length_units, false), table.vectors("m", length_units, false),
+                                 d.markers_file->string());
   if (result.residual_rms_m > d.largest_marker_residual_m) {
     const auto worst = std::max_element(result.residual_m.begin(), result.residual_m.end());
     throw BadData(
@@ -205,6 +205,7 @@ std::vector<StaticPose> read_static_poses(const std::filesystem::path& path, boo
   const auto f = table.vectors("f", force_units, bare_is_si), torque = table.vectors("t", torque_units, bare_is_si);
   const auto q = table.rotations();
   std::vector<StaticPose> poses;
+  poses.reserve(table.rows());
   for (std::size_t i = 0; i < table.rows(); ++i) poses.push_back({q[i], {f[i], torque[i]}});
   return poses;
 }
@@ -275,6 +276,7 @@ Acquired acquire(const AcquisitionDescription& d) {
                     report.force_bandwidth_Hz, 2 * report.motion_bandwidth_Hz));
   }
   std::vector<Vec3> positions;
+  positions.reserve(index.size());
   for (const std::size_t i : index) positions.push_back(motion.tip_T_m[i]);
   if (d.motion_cutoff_Hz > 0.0) {
     const auto smooth = smooth_at(motion.t_s, motion.tip_T_m, at, d.motion_cutoff_Hz, d.motion_file.string());

@@ -15,6 +15,7 @@
 #include "harness/base/atomic_file.h"
 #include "harness/base/error.h"
 #include "harness/base/random.h"
+#include "harness/testing/steps.h"
 
 namespace touchstone {
 namespace {
@@ -77,7 +78,7 @@ class AcquireTest : public ::testing::Test {
     const Vec3 gravity_T(0, 0, -9.81);
     // Voltages at 1 kHz keep the test quick.
     std::string volts = "t_s,v1_V,v2_V,v3_V,v4_V,v5_V,v6_V\n";
-    for (double t = 0.0; t < 29; t += 1e-3) {
+    for (const double t : testing::steps(0.0, 29, 1e-3)) {
       const Quat q_TS = q_TW * attitude(t);
       const Vec3 f_S = q_TS.conjugate() * (q_TW * force(t));
       Wrench w = tool_wrench(tool_, q_TS, gravity_T);
@@ -92,7 +93,7 @@ class AcquireTest : public ::testing::Test {
     }
     write_file(folder_ / "volts.csv", volts);
     std::string motion = "t_s,x_m,y_m,z_m,qw,qx,qy,qz,tracked\n";
-    for (double t = 0.0; t < 29; t += 1.0 / 60) {
+    for (const double t : testing::steps(0.0, 29, 1.0 / 60)) {
       const Quat q_TP = q_TW * attitude(t) * q_PS.conjugate();
       const Vec3 tip_T = q_TW * (tip(t) - object_.t_m);
       const Vec3 p = tip_T - q_TP * tip_P + 5e-5 * Vec3(random.normal(), random.normal(), random.normal());

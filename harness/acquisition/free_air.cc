@@ -123,7 +123,11 @@ FreeAirReport analyse_free_air(const FreeAirRun& run, const ToolLoad& load, cons
     const double sigma = gaussian_sigma_s(cutoff), from = t.front() + 2 * sigma, to = t.back() - 2 * sigma,
                  step = std::min(0.25 / cutoff, 0.02);
     std::vector<double> at;
-    for (double x = from; x < to; x += step) at.push_back(x);
+    double next = from;
+    while (next < to) {
+      at.push_back(next);
+      next += step;
+    }
     if (at.size() < 10) continue;
     const auto force = smooth_at(t, error, at, cutoff, source).values;
     FreeAirBand band;
@@ -135,11 +139,16 @@ FreeAirReport analyse_free_air(const FreeAirRun& run, const ToolLoad& load, cons
     if (!inertial.empty()) {
       const auto acceleration = smooth_at(run.t_acceleration_s, inertial, at, cutoff, source).values;
       std::vector<Vec3> left;
+      left.reserve(force.size());
       for (std::size_t i = 0; i < force.size(); ++i) left.push_back(force[i] - load.mass_kg * acceleration[i]);
       band.inertia_removed_N = rms_length(left, mean_of(left));
-      constexpr double most_s = 0.02, offset_step_s = 0.002;
-      for (double offset = -most_s; offset < most_s + 0.5 * offset_step_s; offset += offset_step_s) {
+      // From -20 to 20 ms.
+      constexpr double offset_step_s = 0.002;
+      constexpr int offsets = 21;
+      double offset = -offset_step_s * (offsets / 2);
+      for (int tried = 0; tried < offsets; ++tried, offset += offset_step_s) {
         std::vector<double> shifted;
+        shifted.reserve(at.size());
         for (const double x : at)
           shifted.push_back(std::clamp(x - offset, run.t_acceleration_s.front(), run.t_acceleration_s.back()));
         const auto fit = fit_mass(force, smooth_at(run.t_acceleration_s, inertial, shifted, cutoff, source).values);

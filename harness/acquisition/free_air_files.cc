@@ -17,6 +17,7 @@ const std::vector<std::pair<std::string, double>> torque_units{{"Nm", 1.0}, {"Nm
 std::vector<Wrench> wrenches(const RawTable& table, bool bare_is_si) {
   const auto f = table.vectors("f", force_units, bare_is_si), t = table.vectors("t", torque_units, bare_is_si);
   std::vector<Wrench> list;
+  list.reserve(f.size());
   for (std::size_t i = 0; i < f.size(); ++i) list.push_back({f[i], t[i]});
   return list;
 }
@@ -31,6 +32,7 @@ FreeAirResult read_and_analyse_free_air(const FreeAirFiles& files) {
   const auto static_wrench = wrenches(statics, files.bare_is_si);
   const auto static_q = statics.rotations();
   std::vector<StaticPose> poses;
+  poses.reserve(static_q.size());
   for (std::size_t i = 0; i < static_q.size(); ++i) poses.push_back({static_q[i], static_wrench[i]});
   FreeAirResult result;
   result.tool = identify_tool(poses, gravity, statics.source());

@@ -8,6 +8,7 @@
 
 #include "harness/base/error.h"
 #include "harness/base/random.h"
+#include "harness/testing/steps.h"
 
 namespace touchstone {
 namespace {
@@ -19,9 +20,7 @@ std::vector<double> times(double rate, double length, double jitter, Random& ran
 }
 
 std::vector<double> inner(const std::vector<double>& t, double margin) {
-  std::vector<double> q;
-  for (double x = t.front() + margin; x < t.back() - margin; x += 1.0 / 60) q.push_back(x);
-  return q;
+  return testing::steps(t.front() + margin, t.back() - margin, 1.0 / 60);
 }
 
 TEST(Smoothing, HasTheStatedBandwidth) {

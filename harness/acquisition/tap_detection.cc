@@ -39,6 +39,7 @@ Baseline baseline_of(const std::vector<double>& force) {
   }
   if (windows.empty()) return {0.0, 0.0};
   std::vector<double> levels;
+  levels.reserve(windows.size());
   for (const auto& [level, spread] : windows) levels.push_back(level);
   std::sort(levels.begin(), levels.end());
   const double low = levels[levels.size() / 20];

@@ -12,6 +12,7 @@
 
 #include "harness/acquisition/tap_alignment.h"
 #include "harness/base/random.h"
+#include "harness/testing/steps.h"
 
 namespace touchstone::testing {
 
@@ -81,11 +82,11 @@ inline Session make_session(std::uint64_t seed, const Shape& shape) {
     }
     return f;
   };
-  for (double t = 0; t < s.length; t += 1.0 / 60) {
+  for (const double t : testing::steps(0, s.length, 1.0 / 60)) {
     s.t_motion.push_back(t);
     s.height.push_back(shape.unit * (height(t) + shape.motion_noise * random.normal()));
   }
-  for (double t = 0; t < s.length; t += 1.0 / 5000) {
+  for (const double t : testing::steps(0, s.length, 1.0 / 5000)) {
     const double true_motion_time = t;
     s.t_force.push_back(s.true_force_time(true_motion_time));
     s.force.push_back(shape.unit * (push(true_motion_time) + shape.force_noise * random.normal()));

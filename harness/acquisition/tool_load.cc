@@ -127,6 +127,7 @@ ToolIdentification identify_tool(const std::vector<StaticPose>& poses, const Vec
   result.load = load_of(all.x);
   result.condition = all.condition;
   std::vector<Wrench> errors;
+  errors.reserve(poses.size());
   for (const StaticPose& pose : poses) errors.push_back(error_of(pose, result.load, gravity_W_m_per_s2));
   result.fit = residual_of(errors);
 

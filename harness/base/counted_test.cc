@@ -72,7 +72,7 @@ TEST(Counted, ByHandForVectors) {
 TEST(Counted, TheSameCodeGivesTheSameBitsAsDouble) {
   Random random(1);
   for (int i = 0; i < 20000; ++i) {
-    std::array<double, 6> x;
+    std::array<double, 6> x{};
     for (double& value : x) value = random.log_uniform(1e-6, 1e6) * (random.uniform(-1, 1) < 0 ? -1.0 : 1.0);
     ASSERT_EQ(polynomial_and_norms<Counted>(x).value(), polynomial_and_norms<double>(x)) << i;
   }

@@ -8,6 +8,8 @@
 
 #include <cstddef>
 
+#include "harness/base/work_order.h"
+
 namespace touchstone {
 
 // Calls work(i) for i from 0 to count - 1; in pieces of `piece` or more. While the calling thread waits it takes up
@@ -19,8 +21,10 @@ void in_parallel(std::size_t count, Work&& work, std::size_t piece = 8192) {
     return;
   }
   tbb::this_task_arena::isolate([&] {
+    WorkOrder order;
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, piece),
                       [&](const tbb::blocked_range<std::size_t>& range) {
+                        const WorkOrder::Piece own(order);
                         for (std::size_t i = range.begin(); i != range.end(); ++i) work(i);
                       });
   });

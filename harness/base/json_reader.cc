@@ -94,6 +94,7 @@ std::vector<JsonObject> JsonObject::objects(std::string_view key) {
   const auto& value = required(key);
   if (!value.is_array()) fail_at(key, fmt::format("a list [...] was expected, got {}", value.type_name()));
   std::vector<JsonObject> objects;
+  objects.reserve(value.size());
   for (std::size_t i = 0; i < value.size(); ++i)
     objects.emplace_back(value[i], source_, fmt::format("{}/{}/{}", place_, key, i));
   return objects;

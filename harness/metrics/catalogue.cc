@@ -68,6 +68,7 @@ const MetricEntry& find_metric(std::string_view name) {
 
 MetricSet::MetricSet(const std::vector<std::string>& names, const MetricInputs& inputs, const MetricOptions& options) {
   std::vector<const MetricEntry*> chosen;
+  chosen.reserve(names.size());
   for (const std::string& name : names) chosen.push_back(&find_metric(name));
   for (const MetricEntry& entry : metric_catalogue()) {
     if (!names.empty() && std::ranges::find(chosen, &entry) == chosen.end()) continue;

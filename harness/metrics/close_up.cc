@@ -41,6 +41,7 @@ void CloseUpRecorder::close() {
 std::vector<CloseUp> CloseUpRecorder::worst() {
   if (open_) close();
   std::vector<CloseUp> out;
+  out.reserve(worst_.size());
   for (const Clip& clip : worst_) {
     out.push_back({clip.worst, clip.worst_t_s, {clip.measured.series(), clip.rendered.series(), clip.error.series()}});
   }

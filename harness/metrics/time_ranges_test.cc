@@ -1,6 +1,7 @@
 #include "harness/metrics/time_ranges.h"
 
 #include "harness/base/error.h"
+#include "harness/testing/steps.h"
 
 namespace touchstone {
 namespace {
@@ -22,7 +23,8 @@ TEST(TimeRanges, AlternatingBlocksCountFromTheFirstSampleAndNeverOverlap) {
   EXPECT_TRUE(even.contains(100.5, first));
   EXPECT_FALSE(even.contains(106.5, first));
   EXPECT_TRUE(even.contains(112.5, first));
-  for (double t = first; t < first + 60.0; t += 0.37) EXPECT_NE(even.contains(t, first), odd.contains(t, first)) << t;
+  for (const double t : testing::steps(first, first + 60.0, 0.37))
+    EXPECT_NE(even.contains(t, first), odd.contains(t, first)) << t;
 }
 
 TEST(TimeRanges, EverythingWhereNothingIsSaid) {

@@ -1,5 +1,6 @@
 #include "harness/rendering/out_trajectory.h"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

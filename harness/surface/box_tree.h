@@ -25,11 +25,12 @@ class BoxTree {
   // distance beyond which further candidates are of no interest.
   template <class S, class Visit>
   void nearest(const Vec3Of<S>& q, Visit&& visit) const {
-    struct Open {
+    struct Open {  // NOLINT(cppcoreguidelines-pro-type-member-init): see below
       std::int32_t node;
       S square;
     };
-    std::array<Open, kDepth> stack;
+    // Each is written before it is read; zeros would cost every query.
+    std::array<Open, kDepth> stack;  // NOLINT(cppcoreguidelines-pro-type-member-init)
     std::size_t size = 0;
     stack[size++] = {0, squared_distance(nodes_[0], q)};
     S beyond(0.0);
@@ -56,7 +57,8 @@ class BoxTree {
   // Calls visit(triangle) -> S for the candidates of the segment a-b, see TriangleTree::along_segment.
   template <class S, class Visit>
   void along_segment(const Vec3Of<S>& a, const Vec3Of<S>& b, Visit&& visit) const {
-    std::array<std::int32_t, kDepth> stack;
+    // As in nearest().
+    std::array<std::int32_t, kDepth> stack;  // NOLINT(cppcoreguidelines-pro-type-member-init)
     std::size_t size = 0;
     stack[size++] = 0;
     S until(1.0);

@@ -18,7 +18,7 @@ namespace {
 template <class S>
 std::pair<std::int32_t, double> nearest_by(const BoxTree& tree, const TriangleMesh& mesh, const MeshTopology& topology,
                                            const Vec3& q_m) {
-  const Vec3Of<S> q = q_m.cast<S>();
+  const Vec3Of<S>& q = q_m.cast<S>();
   std::int32_t nearest = -1;
   S least(0.0);
   tree.nearest<S>(q, [&](std::int32_t t) {

@@ -153,6 +153,7 @@ TEST(EmbreeSurface, RefusesWhatIsNoSurface) {
 TEST(EmbreeSurface, AThousandLiveAtOnce) {
   const TriangleMesh mesh = cube(0.02);
   std::vector<std::shared_ptr<Surface>> surfaces;
+  surfaces.reserve(1000);
   for (int i = 0; i < 1000; ++i) {
     surfaces.push_back(make_embree_surface(moved(mesh, Quat::Identity(), Vec3(0.1 * i, 0.0, 0.0))));
   }

@@ -100,6 +100,7 @@ class Examination {
     };
     for (const auto& [a, b] : edges) parent[at(root(a))] = root(b);
     std::vector<std::int32_t> roots;
+    roots.reserve(edges.size());
     for (const auto& edge : edges) roots.push_back(root(edge[0]));
     std::sort(roots.begin(), roots.end());
     result_.boundary_loops = static_cast<std::size_t>(std::unique(roots.begin(), roots.end()) - roots.begin());

@@ -19,7 +19,7 @@ using ::testing::HasSubstr;
 using ::testing::StartsWith;
 
 std::filesystem::path scratch() {
-  const auto folder = std::filesystem::path(::testing::TempDir()) / "touchstone-mesh-file";
+  auto folder = std::filesystem::path(::testing::TempDir()) / "touchstone-mesh-file";
   std::filesystem::create_directories(folder);
   return folder;
 }

@@ -38,7 +38,7 @@ TEST(MeshTopology, NeighboursAndFansAgreeWithOpenMesh) {
       for (std::size_t e = 0; e < 3; ++e) {
         const auto h = twin.find_halfedge(Twin::VertexHandle(mesh.triangles[t][e]),
                                           Twin::VertexHandle(mesh.triangles[t][(e + 1) % 3]));
-        ASSERT_EQ(topology.neighbours[t][e], twin.opposite_face_handle(h).idx());
+        ASSERT_EQ(topology.neighbours[t][e], h.opp().face().idx());
       }
     }
     for (std::size_t v = 0; v < mesh.vertices_W_m.size(); ++v) {

@@ -71,6 +71,7 @@ struct TriangleTree::Embree {
   std::vector<Ball> balls;
   std::shared_ptr<RTCDeviceTy> device;
   std::unique_ptr<RTCSceneTy, SceneRelease> scene;
+  WorkOrder* order = nullptr;  // of the build
 
   [[nodiscard]] Vec3 scaled(std::int32_t vertex) const {
     return scale * (mesh->vertices_W_m[static_cast<std::size_t>(vertex)] - center);
@@ -102,6 +103,7 @@ struct TriangleTree::Embree {
 
   static void bounds(const RTCBoundsFunctionArguments* arguments) {
     const auto& self = *static_cast<const Embree*>(arguments->geometryUserPtr);
+    const WorkOrder::Piece piece(*self.order);
     Box3 box;
     for (const std::int32_t corner : self.mesh->triangles[arguments->primID]) box.extend(self.scaled(corner));
     RTCBounds& out = *arguments->bounds_o;
@@ -166,7 +168,12 @@ TriangleTree::TriangleTree(const TriangleMesh& mesh) : embree_(std::make_unique<
   rtcAttachGeometry(self.scene.get(), geometry);
   rtcReleaseGeometry(geometry);
   // In isolation: whoever builds under a lock must not, while it waits, take up a task that wants the same lock.
-  tbb::this_task_arena::isolate([&] { rtcCommitScene(self.scene.get()); });
+  {
+    WorkOrder order;
+    self.order = &order;
+    tbb::this_task_arena::isolate([&] { rtcCommitScene(self.scene.get()); });
+    self.order = nullptr;
+  }
   if (const RTCError error = rtcGetDeviceError(self.device.get()); error != RTC_ERROR_NONE) fail(error);
 }
 
@@ -237,14 +244,19 @@ void TriangleTree::ball(const Vec3& center_W_m, double radius_m, Visitor visitor
 }
 
 void TriangleTree::pairs(PairVisitor visitor) const {
+  struct Visit {
+    PairVisitor visitor;
+    WorkOrder order;
+  } visit{visitor, {}};
   const auto found = [](void* self, RTCCollision* collisions, unsigned count) {
-    const auto& to = *static_cast<const PairVisitor*>(self);
+    auto& [to, order] = *static_cast<Visit*>(self);
+    const WorkOrder::Piece piece(order);
     for (unsigned i = 0; i < count; ++i) {
       to.call(to.self, static_cast<std::int32_t>(collisions[i].primID0),
               static_cast<std::int32_t>(collisions[i].primID1));
     }
   };
-  tbb::this_task_arena::isolate([&] { rtcCollide(embree_->scene.get(), embree_->scene.get(), found, &visitor); });
+  tbb::this_task_arena::isolate([&] { rtcCollide(embree_->scene.get(), embree_->scene.get(), found, &visit); });
 }
 
 }  // namespace touchstone

@@ -1,0 +1,50 @@
+// The order between threads that oneTBB and Embree keep, told to the thread sanitizer: it cannot see into libraries
+// that were not compiled with it, and would call every hand-over of work by them a race. Pieces of work stay unordered
+// among themselves: races between those are real. Nothing in other builds.
+#pragma once
+
+#if defined(__has_feature)
+#if __has_feature(thread_sanitizer)
+#define TOUCHSTONE_THREAD_SANITIZER
+#endif
+#elif defined(__SANITIZE_THREAD__)
+#define TOUCHSTONE_THREAD_SANITIZER
+#endif
+#ifdef TOUCHSTONE_THREAD_SANITIZER
+#include <sanitizer/tsan_interface.h>
+#endif
+
+namespace touchstone {
+
+// What its thread did before it was made comes before each Piece, and each Piece before what follows its end.
+class WorkOrder {
+ public:
+  WorkOrder() noexcept { release(&before_); }
+  ~WorkOrder() { acquire(&after_); }
+  WorkOrder(const WorkOrder&) = delete;
+  WorkOrder& operator=(const WorkOrder&) = delete;
+
+  class Piece {
+   public:
+    explicit Piece(WorkOrder& order) noexcept : after_(&order.after_) { acquire(&order.before_); }
+    ~Piece() { release(after_); }
+    Piece(const Piece&) = delete;
+    Piece& operator=(const Piece&) = delete;
+
+   private:
+    char* after_;
+  };
+
+ private:
+#ifdef TOUCHSTONE_THREAD_SANITIZER
+  static void acquire(char* place) noexcept { __tsan_acquire(place); }
+  static void release(char* place) noexcept { __tsan_release(place); }
+#else
+  static void acquire(char* /*place*/) noexcept {}
+  static void release(char* /*place*/) noexcept {}
+#endif
+  char before_ = 0;
+  char after_ = 0;
+};
+
+}  // namespace touchstone
