@@ -7,10 +7,32 @@
 
 #include "apps/experiments/mesh_family.h"
 #include "harness/surface/embree_surface.h"
+#include "renderers/catalogue.h"
 #include "renderers/contact_mesh.h"
 #include "synthetic/datasets/recipe.h"
 
 namespace touchstone::experiments {
+
+namespace {
+
+MotionColumns deepest_places(const BodyScan& scan) {
+  MotionColumns motion = scan.in.motion;
+  for (std::size_t i = 0; i < motion.size(); ++i) {
+    if (scan.out.normal_force_N[i] > 0.0) motion.p_W_m[i] -= scan.tip_radius_m * scan.out.n_W[i];
+  }
+  return motion;
+}
+
+std::optional<OperationReport> operations_of_a_point(const BodyScan& scan, const MotionColumns& motion,
+                                                     const std::shared_ptr<const Surface>& surface) {
+  Model model = proxy_model(scan, "god-object");
+  model.parameters["tip_radius_m"] = 0.0;
+  const CountedRenderer counted = make_counted_renderer(model, surface);
+  if (!counted.renderer) return std::nullopt;
+  return count_operations(*counted.renderer, tip_source(motion));
+}
+
+}  // namespace
 
 DensityExperiment run_density_experiment(std::uint64_t seed) {
   const BodyScan scan = make_body_scan(seed, synthetic::recipe("duck").contact.mu);
@@ -19,6 +41,7 @@ DensityExperiment run_density_experiment(std::uint64_t seed) {
     targets.push_back(static_cast<std::size_t>(std::lround(1000.0 * published.kilo_triangles)));
   targets.back() = scan.finest.triangle_count();
   DensityExperiment experiment{seed, {}};
+  const MotionColumns deepest = deepest_places(scan);
   for (const TriangleMesh& mesh : decimated_family(scan.finest, targets)) {
     const std::shared_ptr<const Surface> surface = make_embree_surface(mesh);
     const auto shared = contact_mesh(surface);  // kept, so that it is built once
@@ -27,7 +50,8 @@ DensityExperiment run_density_experiment(std::uint64_t seed) {
     };
     experiment.points.push_back({mesh.triangle_count(), error("god-object", Against::normal_part),
                                  error("force-shading", Against::normal_part), error("god-object", Against::recorded),
-                                 error("force-shading", Against::recorded)});
+                                 error("force-shading", Against::recorded),
+                                 operations_of_a_point(scan, deepest, surface)});
   }
   return experiment;
 }

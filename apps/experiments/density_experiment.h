@@ -8,9 +8,11 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "apps/experiments/friction_experiment.h"
+#include "harness/rendering/operations.h"
 
 namespace touchstone::experiments {
 
@@ -31,6 +33,9 @@ struct DensityPoint {
   std::size_t triangles;
   ForceError plain, shaded;          // against the normal part
   ForceError plain_all, shaded_all;  // against the whole recorded force
+  // Of the god-object without shading. A ball's are not counted, so these are of a point: the place of the ball that is
+  // deepest. Nothing where the mesh has triangles that cannot be walked on.
+  std::optional<OperationReport> operations;
 };
 
 struct DensityExperiment {

@@ -50,11 +50,13 @@ std::string friction_to_json(const FrictionExperiment& e) {
 std::string density_to_json(const DensityExperiment& e) {
   Json document{{"schema", "touchstone-density-experiment/1"}, {"seed", e.seed}, {"points", Json::array()}};
   for (const auto& p : e.points) {
-    document["points"].push_back({{"triangles", p.triangles},
-                                  {"plain", to_json(p.plain)},
-                                  {"shaded", to_json(p.shaded)},
-                                  {"plain_against_whole_force", to_json(p.plain_all)},
-                                  {"shaded_against_whole_force", to_json(p.shaded_all)}});
+    document["points"].push_back(
+        {{"triangles", p.triangles},
+         {"plain", to_json(p.plain)},
+         {"shaded", to_json(p.shaded)},
+         {"plain_against_whole_force", to_json(p.plain_all)},
+         {"shaded_against_whole_force", to_json(p.shaded_all)},
+         {"operations", p.operations ? Json::parse(operations_to_json(*p.operations)) : Json()}});
   }
   document["density_findings"] = to_json(density_findings(e));
   document["shading_findings"] = to_json(shading_findings(e));

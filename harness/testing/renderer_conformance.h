@@ -160,9 +160,10 @@ class RendererConformance : public ::testing::TestWithParam<std::tuple<RendererS
     const auto there = make(pose);
     const auto expected = run(*here, tips);
     const auto obtained = run(*there, tips, pose);
-    // Moving the mesh rounds its vertices: a tilt of eps |x| / (length of an edge), for at most 1 mm of depth.
+    // Moving the mesh rounds its vertices: a tilt of eps |x| / (height of a triangle), for at most 1 mm of depth.
     const double lengths = 0.1 + pose.shift.norm() / pose.unit;
-    const double tolerance_N = subject().stiffness_N_per_m * lengths * 1e3 * kEps;
+    const double tilt = std::max(1e3, 1e-3 / least_height_m());
+    const double tolerance_N = subject().stiffness_N_per_m * lengths * tilt * kEps;
     std::size_t touching = 0;
     for (std::size_t i = 0; i < tips.size(); ++i) {
       ASSERT_LE((pose.turn.conjugate() * obtained[i].f_W_N - expected[i].f_W_N).norm(), tolerance_N)
@@ -170,10 +171,30 @@ class RendererConformance : public ::testing::TestWithParam<std::tuple<RendererS
           << expected[i].f_W_N.transpose();
       touching += expected[i].contact ? 1U : 0U;
     }
+    if (touching == 0U && !feels_exactly()) GTEST_SKIP() << kNotReached << lacks(Ability::surface_contact)->reason;
     EXPECT_GT(touching, 100U) << "the strokes must touch";
   }
 
+  // Else it may round an edge off by more than the strokes are deep.
+  [[nodiscard]] bool feels_exactly() const { return lacks(Ability::surface_contact) == nullptr; }
+  static constexpr const char* kNotReached = "the strokes do not reach what it feels: ";
+
  private:
+  // Of all triangles with an area.
+  [[nodiscard]] double least_height_m() const {
+    double least = std::numeric_limits<double>::infinity();
+    const TriangleMesh& mesh = shape().mesh;
+    for (const auto& corners : mesh.triangles) {
+      const auto at = [&](std::size_t i) { return mesh.vertices_W_m[static_cast<std::size_t>(corners[i])]; };
+      const Vec3 a = at(1) - at(0);
+      const Vec3 b = at(2) - at(0);
+      const double longest = std::max({a.norm(), b.norm(), (b - a).norm()});
+      const double height = a.cross(b).norm() / longest;
+      if (height > 0.0) least = std::min(least, height);
+    }
+    return least;
+  }
+
   // Well outside, by the great circle, to over the place where the next contact begins; of a flat shape straight up and
   // down again.
   void fly_round(std::vector<Vec3>& tips, const Vec3& to) const {
@@ -227,9 +248,11 @@ TEST_P(RendererConformance, NoForceInFreeSpace) {
   renderer->reset();
   std::size_t tick = 0;
   for (int i = 0; i < 500; ++i) {
-    // From one free place to the next by a way outside the box about the shape (of a sheet: in front of it).
+    // From one free place to the next by a way outside the box about the shape (of a sheet: in front of it, and of one
+    // that is not plane in front of its rim's tangents, too).
     Vec3 p = random.log_uniform(0.036, 1.0) * random.direction();
     if (shape().flat) p.z() = std::abs(p.z());
+    if (!shape().closed) p.z() += 2.0 * p.head<2>().norm();
     if (at->closest(p).distance_m <= 1.001 * subject().tip_radius_m) continue;
     const Vec3 far = 2.0 * p.normalized();
     for (const Vec3& tip : {Vec3(far), p, Vec3(far)}) {
@@ -299,6 +322,7 @@ TEST_P(RendererConformance, ContactBeginsAndEndsWithoutAJump) {
     ASSERT_LE(f.norm(), most_N * (1.0 + 1e-9)) << "step " << i;
     contacts += results[i].contact ? 1 : 0;
   }
+  if (contacts == 0 && !feels_exactly()) GTEST_SKIP() << kNotReached << lacks(Ability::surface_contact)->reason;
   EXPECT_GE(contacts, 12);
 }
 
