@@ -50,6 +50,7 @@ ExitStatus history_command(const Options& options) {
   }
   const History history = read(options);
   std::vector<double> values;
+  values.reserve(history.size());
   for (const auto& point : history) values.push_back(point.value);
   const auto steps = find_steps(values);
   std::size_t next = 0;

@@ -36,6 +36,7 @@ struct Kind {
 
 std::vector<Parameter> declared(const std::vector<ParameterDeclaration>& declarations) {
   std::vector<Parameter> parameters;
+  parameters.reserve(declarations.size());
   for (const auto& p : declarations) parameters.push_back({p.name, p.unit, p.meaning, p.initial});
   return parameters;
 }
@@ -43,6 +44,7 @@ std::vector<Parameter> declared(const std::vector<ParameterDeclaration>& declara
 template <class Entries>
 std::vector<Item> synthetic_items(const Entries& entries) {
   std::vector<Item> items;
+  items.reserve(entries.size());
   for (const auto& entry : entries) items.push_back({entry.name, entry.summary, {}});
   return items;
 }

@@ -39,8 +39,10 @@ void evaluate(benchmark::State& state) {
   const std::vector<pc::PressSignal> real{presses(500.0, 0)};
   // What a source costs (reading a file) is not what is measured: a few signals serve all conditions.
   std::vector<pc::PressSignal> pool;
+  pool.reserve(8);
   for (std::uint64_t i = 0; i < 8; ++i) pool.push_back(presses(400.0 + 25.0 * static_cast<double>(i), i + 1));
   std::vector<pc::ConditionSource> conditions;
+  conditions.reserve(count);
   for (std::size_t c = 0; c < count; ++c) {
     conditions.push_back(
         {std::to_string(c), [&pool, c] { return std::vector<pc::PressSignal>{pool[c % pool.size()]}; }});

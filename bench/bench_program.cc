@@ -34,6 +34,7 @@ int run(const std::vector<std::string>& arguments) {
   std::vector<std::string> words{TOUCHSTONE_PROGRAM};
   words.insert(words.end(), arguments.begin(), arguments.end());
   std::vector<char*> pointers;
+  pointers.reserve(words.size() + 1);
   for (std::string& word : words) pointers.push_back(word.data());
   pointers.push_back(nullptr);
   posix_spawn_file_actions_t actions;

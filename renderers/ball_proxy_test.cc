@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "harness/base/random.h"
+#include "harness/testing/steps.h"
 #include "harness/testing/tiny_meshes.h"
 #include "renderers/testing.h"
 #include "synthetic/surface_catalogue.h"
@@ -84,7 +85,7 @@ TEST(BallProxy, RollsOverARidgeAndRestsInAGroove) {
       // faces' normals there.
       World roof(synthetic::make_mesh("wedge", {}, 200).mesh, radius, scale);
       roof.to({-0.001, 0.003, 2.0 * radius});
-      for (double angle = -0.7; angle <= 0.7; angle += 0.05) {
+      for (const double angle : testing::steps(-0.7, 0.7 + 0.025, 0.05)) {
         const Vec3 out(std::sin(angle), 0, std::cos(angle));
         const auto answer = roof.to(Vec3(0, 0.003 + 0.002 * angle, 0) + 0.8 * radius * out);
         ASSERT_LE((answer.center - Vec3(0, 0.003 + 0.002 * angle, 0) - radius * out).norm(), kRounding)

@@ -1,10 +1,10 @@
 #include "renderers/signed_field.h"
 
-#include <tbb/parallel_for.h>
-
 #include <array>
 #include <cmath>
 #include <vector>
+
+#include "harness/base/in_parallel.h"
 
 namespace touchstone {
 namespace {
@@ -62,14 +62,15 @@ class SampledField final : public SignedFieldOf<S> {
     }
     origin_W_m_ = box_.min() - step_m_ * Vec3::Constant(kMargin);
     value_m_.resize(nodes);
-    tbb::parallel_for(std::size_t{0}, count_[2] * count_[1], [&](std::size_t row) {
+    const auto fill = [&](std::size_t row) {
       const std::size_t y = row % count_[1];
       const std::size_t z = row / count_[1];
       for (std::size_t x = 0; x < count_[0]; ++x) {
         const Vec3 node(static_cast<double>(x), static_cast<double>(y), static_cast<double>(z));
         value_m_[row * count_[0] + x] = surface.signed_distance(origin_W_m_ + step_m_ * node);
       }
-    });
+    };
+    in_parallel(count_[2] * count_[1], fill, 1);
   }
 
   [[nodiscard]] S value_m(const V& p_W_m) const override {

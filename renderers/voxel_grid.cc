@@ -1,13 +1,13 @@
 #include "renderers/voxel_grid.h"
 
 #include <fmt/format.h>
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
 #include "harness/base/error.h"
+#include "harness/base/in_parallel.h"
 
 namespace touchstone {
 namespace {
@@ -78,12 +78,13 @@ std::vector<SparseVoxels::Brick> make_bricks(const Surface& surface, const Voxel
   const VoxelIndex& bricks = shape.bricks();
   const std::size_t count = std::size_t(bricks[0]) * std::size_t(bricks[1]) * std::size_t(bricks[2]);
   std::vector<SparseVoxels::Brick> made(count);
-  tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) {
+  const auto make = [&](std::size_t i) {
     const auto x = static_cast<std::int32_t>(i % std::size_t(bricks[0]));
     const auto y = static_cast<std::int32_t>(i / std::size_t(bricks[0]) % std::size_t(bricks[1]));
     const auto z = static_cast<std::int32_t>(i / std::size_t(bricks[0]) / std::size_t(bricks[1]));
     made[i] = make_brick(surface, layout, options, {4 * x, 4 * y, 4 * z});
-  });
+  };
+  in_parallel(count, make, 1);
   return made;
 }
 

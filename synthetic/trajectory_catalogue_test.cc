@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "harness/base/error.h"
+#include "harness/testing/steps.h"
 #include "synthetic/trajectories/tremor.h"
 
 namespace touchstone::synthetic {
@@ -102,7 +103,7 @@ TEST(Trajectories, EdgeCrossingsPassTheOriginUnderEveryAngle) {
     EXPECT_LE(p.norm(), 0.01 + 1e-12);
   }
   EXPECT_GE(passes, 6);
-  for (double t = 1e-3; t < path->duration_s(); t += 1.234e-2) EXPECT_NEAR(speed_at(*path, t), 0.05, 2e-3);
+  for (const double t : testing::steps(1e-3, path->duration_s(), 1.234e-2)) EXPECT_NEAR(speed_at(*path, t), 0.05, 2e-3);
 }
 
 TEST(Trajectories, PushesReachBeyondAShellAndComeBackAside) {
@@ -119,7 +120,7 @@ TEST(Trajectories, RastersCoverTheirSquareAtConstantSpeed) {
   Box3 box;
   for (const auto trajectory = sample(*path, 1000.0); const Vec3& p : trajectory.motion.p_W_m) box.extend(p);
   EXPECT_LT((box.sizes() - Vec3(0.04, 0.04, 0.0)).norm(), 1e-4);
-  for (double t = 1e-3; t < path->duration_s(); t += 3.21e-2) EXPECT_NEAR(speed_at(*path, t), 0.05, 1e-7);
+  for (const double t : testing::steps(1e-3, path->duration_s(), 3.21e-2)) EXPECT_NEAR(speed_at(*path, t), 0.05, 1e-7);
 }
 
 TEST(Trajectories, TremorStaysInItsBandAndHasItsSize) {
@@ -142,7 +143,7 @@ TEST(Trajectories, TremorStaysInItsBandAndHasItsSize) {
   };
   double inside = 0.0;
   double outside = 0.0;
-  for (double f = 1.0; f < 30.0; f += 0.1) (f > 7.7 && f < 12.3 ? inside : outside) += power(f);
+  for (const double f : testing::steps(1.0, 30.0, 0.1)) (f > 7.7 && f < 12.3 ? inside : outside) += power(f);
   EXPECT_LT(outside, 1e-6 * inside);
   double square = 0.0;
   for (const Vec3& at : samples) square += at.squaredNorm() / (3.0 * count);

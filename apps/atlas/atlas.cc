@@ -1,12 +1,11 @@
 #include "apps/atlas/atlas.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cmath>
 #include <map>
 #include <mutex>
 
+#include "harness/base/in_parallel.h"
 #include "harness/surface/embree_surface.h"
 #include "renderers/catalogue.h"
 #include "renderers/contact_mesh.h"
@@ -102,8 +101,11 @@ AtlasCase run_on(const Stage& stage, Scene scene, const std::string& name, doubl
   const OutPoint& first = stage.out.front();
   double t_s = 0.0;
   // Straight down at the first place; what follows is looked at.
-  for (double press = -1e-3; press < depth; press += 1e-4)
+  double press = -1e-3;
+  while (press < depth) {
     renderer->step({t_s += 1e-3, first.p_W_m - press * first.n_W, Quat::Identity()});
+    press += 1e-4;
+  }
   for (const OutPoint& out : stage.out) {
     const Vec3 tip = out.p_W_m - depth * out.n_W;
     const StepResult step = renderer->step({t_s += 1e-3, tip, Quat::Identity()});
@@ -150,14 +152,15 @@ std::vector<AtlasCase> run_atlas(const AtlasGrid& grid, const std::function<void
   }
   std::mutex mutex;
   std::size_t done = 0;
-  tbb::parallel_for(std::size_t{0}, cases.size(), [&](std::size_t i) {
+  const auto run = [&](std::size_t i) {
     AtlasCase& own = cases[i];
     own = run_on(stages.at({own.scene, own.sharpness}), own.scene, own.renderer, own.sharpness, own.stiffness_N_per_m,
                  own.mu, grid.force_N);
     const std::lock_guard lock(mutex);
     ++done;
     if (progress) progress(done);
-  });
+  };
+  in_parallel(cases.size(), run, 1);
   return cases;
 }
 

@@ -37,6 +37,7 @@ double rms_N(const Recording& recording, const Prediction& prediction) {
 
 std::vector<std::string> names_of(const json& effects) {
   std::vector<std::string> names;
+  names.reserve(effects.size());
   for (const auto& effect : effects) names.push_back(effect.at("name").get<std::string>());
   return names;
 }

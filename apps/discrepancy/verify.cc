@@ -39,6 +39,7 @@ std::optional<double> rms_in_fresh_process_N(const DiscrepancyFiles& files) {
                                  "--mesh-unit=" + files.mesh_unit};
   if (!files.mesh.empty()) words.push_back("--mesh=" + files.mesh.string());
   std::vector<char*> arguments;
+  arguments.reserve(words.size() + 1);
   for (std::string& word : words) arguments.push_back(word.data());
   arguments.push_back(nullptr);
   posix_spawn_file_actions_t actions;

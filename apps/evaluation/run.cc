@@ -349,7 +349,7 @@ EvaluationResult run_evaluation(const EvaluationRequest& request, const std::fil
 
 EvaluationResult evaluate_into(const EvaluationRequest& request, const std::filesystem::path& folder) {
   ensure_writable_folder(folder);
-  const EvaluationResult result = run_evaluation(request, folder / "rendered.csv");
+  EvaluationResult result = run_evaluation(request, folder / "rendered.csv");
   write_file(folder / "result.json", result_to_json(result));
   write_html(folder / "report.html", evaluation_page(result));
   return result;

@@ -15,7 +15,7 @@
 namespace touchstone::testing {
 
 inline std::filesystem::path fresh_folder(const std::string& name) {
-  const auto folder = std::filesystem::temp_directory_path() / (name + "-" + std::to_string(::getpid()));
+  auto folder = std::filesystem::temp_directory_path() / (name + "-" + std::to_string(::getpid()));
   std::filesystem::remove_all(folder);
   std::filesystem::create_directories(folder);
   return folder;

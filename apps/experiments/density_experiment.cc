@@ -37,6 +37,7 @@ std::optional<OperationReport> operations_of_a_point(const BodyScan& scan, const
 DensityExperiment run_density_experiment(std::uint64_t seed) {
   const BodyScan scan = make_body_scan(seed, synthetic::recipe("duck").contact.mu);
   std::vector<std::size_t> targets;
+  targets.reserve(kPublishedDensity.size());
   for (const auto& published : kPublishedDensity)
     targets.push_back(static_cast<std::size_t>(std::lround(1000.0 * published.kilo_triangles)));
   targets.back() = scan.finest.triangle_count();

@@ -118,6 +118,7 @@ Approach read_approach(const std::filesystem::path& file) {
         approach.source, approach.contact, size));
   }
   std::vector<double> tip_m;
+  tip_m.reserve(size);
   for (std::size_t i = 0; i < size; ++i)
     tip_m.push_back(samples.height_m[i] + samples.force_N[i] / approach.cantilever_N_per_m);
   for (const double tip : tip_m) approach.depth_m.push_back(tip_m[approach.contact] - tip);

@@ -20,6 +20,7 @@ double distance(const IndentationComparison& own, std::size_t condition) {
 
 std::vector<Nearness> nearness_of(const std::vector<IndentationComparison>& comparisons) {
   std::vector<const perception::PerceptualEvaluation*> evaluations;
+  evaluations.reserve(comparisons.size());
   for (const auto& own : comparisons) evaluations.push_back(&own.evaluation);
   return nearness(evaluations);
 }

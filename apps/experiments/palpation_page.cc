@@ -57,6 +57,7 @@ Page palpation_page(const Recording& recording, const std::vector<RowComparison>
   }
   plot.lines = {std::move(same), std::move(rendered)};
   std::vector<const perception::PerceptualEvaluation*> evaluations;
+  evaluations.reserve(comparisons.size());
   for (const auto& own : comparisons) evaluations.push_back(&own.evaluation);
   table.caption = "Every row";
   section.blocks = {nearness_table(nearness(evaluations), {"measured", "rendered"}), std::move(plot), std::move(table)};

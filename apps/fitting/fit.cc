@@ -25,6 +25,7 @@ constexpr double flat = 0.01;  // a metric that changes by less, relatively, ove
 // Where the model's values lie on the unit scale; on a bound they are moved in, so that a search can start there.
 std::vector<double> start_of(const std::vector<Estimate>& estimates) {
   std::vector<double> out;
+  out.reserve(estimates.size());
   for (const Estimate& one : estimates)
     out.push_back(std::clamp(one.parameter.to_unit(one.parameter.initial), 0.01, 0.99));
   return out;
@@ -37,6 +38,7 @@ class Problem {
 
   [[nodiscard]] Model model_at(const std::vector<double>& u) const {
     std::vector<double> values;
+    values.reserve(parameters_.size());
     for (std::size_t i = 0; i < parameters_.size(); ++i) values.push_back(parameters_[i].from_unit(u[i]));
     return with_values(model_, parameters_, values);
   }
@@ -202,6 +204,7 @@ FitResult run_fit(const FitRequest& request) {
   result.model = problem.model_at(minimum.u);
   result.model_text = model_to_json(result.model);
   std::vector<double> t_s;
+  t_s.reserve(fit_part.size());
   for (const std::size_t i : fit_part) t_s.push_back(recording.motion.t_s[i]);
   const Uncertainty uncertainty =
       sandwich_uncertainty([&](const std::vector<double>& u) { return problem.losses_at(u); }, minimum.u, t_s);

@@ -1,8 +1,6 @@
 #include "apps/sweep/engine.h"
 
-#include <tbb/blocked_range.h>
 #include <tbb/global_control.h>
-#include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
 #include <algorithm>
@@ -10,6 +8,7 @@
 #include <mutex>
 #include <thread>
 
+#include "harness/base/in_parallel.h"
 #include "harness/base/progress.h"
 
 namespace touchstone::apps {
@@ -84,12 +83,12 @@ SweepTally run_sweep(const SweepDesign& design, SweepStore& store, SweepShard sh
   SweepWorld world(design);
   Collector collector(store, open.size());
   // One case is thousands of steps: each may go to another thread. A thread works through neighbours, which share.
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, open.size()), [&](const auto& range) {
+  const auto run = [&](std::size_t i) {
     // Isolated: a thread that waits for the parts of a structure that it is making must not begin another case, which
     // could want that very structure.
-    for (std::size_t i = range.begin(); i < range.end() && !stop; ++i)
-      tbb::this_task_arena::isolate([&] { collector.take(world.run(open[i])); });
-  });
+    if (!stop) tbb::this_task_arena::isolate([&] { collector.take(world.run(open[i])); });
+  };
+  in_parallel(open.size(), run, 1);
   collector.finish(tally);
   tally.stopped = tally.ran < open.size();
   return tally;

@@ -37,7 +37,7 @@ struct Behaviour {
   std::string next() {
     const std::lock_guard lock(mutex);
     if (mode == "ok") return mode;
-    const std::string now = mode;
+    std::string now = mode;
     if (count > 0 && --count == 0) mode = "ok";
     return now;
   }

@@ -144,9 +144,9 @@ FreeAirReport analyse_free_air(const FreeAirRun& run, const ToolLoad& load, cons
       band.inertia_removed_N = rms_length(left, mean_of(left));
       // From -20 to 20 ms.
       constexpr double offset_step_s = 0.002;
-      constexpr int offsets = 21;
-      double offset = -offset_step_s * (offsets / 2);
-      for (int tried = 0; tried < offsets; ++tried, offset += offset_step_s) {
+      constexpr int each_way = 10;
+      double offset = -offset_step_s * each_way;
+      for (int tried = -each_way; tried <= each_way; ++tried, offset += offset_step_s) {
         std::vector<double> shifted;
         shifted.reserve(at.size());
         for (const double x : at)

@@ -33,7 +33,7 @@ typename A::Scalar squared_norm(const Eigen::MatrixBase<A>& a) {
 template <class A>
 Vec3Of<typename A::Scalar> unit(const Eigen::MatrixBase<A>& a) {
   using std::sqrt;
-  const Vec3Of<typename A::Scalar> v = a;
+  Vec3Of<typename A::Scalar> v = a;
   const typename A::Scalar square = dot(v, v);
   if (!(square > typename A::Scalar(0.0))) return v;
   return v / sqrt(square);

@@ -45,6 +45,7 @@ ParsedName parse_name(const TableSource& table, std::size_t column) {
 TrajectoryColumns load_columns(const std::filesystem::path& path) {
   const auto table = open_table(path);
   std::vector<ParsedName> names;
+  names.reserve(table->names().size());
   for (std::size_t c = 0; c < table->names().size(); ++c) names.push_back(parse_name(*table, c));
   std::vector<std::vector<double>> values(names.size());
   constexpr std::size_t block = 1 << 16;

@@ -128,6 +128,7 @@ std::vector<GoldenCase> load_cases(const std::filesystem::path& golden) {
   if (folders.empty()) throw BadData(fmt::format("{}: holds no golden case", golden.string()));
   std::ranges::sort(folders);
   std::vector<GoldenCase> cases;
+  cases.reserve(folders.size());
   for (const auto& folder : folders) cases.push_back(load_case(folder));
   return cases;
 }

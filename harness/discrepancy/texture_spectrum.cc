@@ -39,7 +39,8 @@ std::vector<TexturePeak> texture_peaks(const Recording& recording, const Predict
   // Wave numbers in steps that move the phase across the scan by a third of a turn: no peak falls between two.
   std::vector<TexturePeak> all;
   const double step = 1.0 / (3.0 * extent_m);
-  for (double wave_number = 0.5 / extent_m; wave_number < 1.0 / (finest * extent_m); wave_number += step) {
+  double wave_number = 0.5 / extent_m;
+  while (wave_number < 1.0 / (finest * extent_m)) {
     for (int d = 0; d < directions; ++d) {
       // Finer turns for short waves: the phase at the scan's border must not jump either.
       const int turns = 1 + static_cast<int>(wave_number * extent_m * std::numbers::pi / directions * 1.5);
@@ -69,6 +70,7 @@ std::vector<TexturePeak> texture_peaks(const Recording& recording, const Predict
         all.push_back({std::hypot(a, b), 1.0 / wave_number, direction, std::atan2(a, b), (a * c + b * sn) / total});
       }
     }
+    wave_number += step;
   }
   std::sort(all.begin(), all.end(), [](const TexturePeak& p, const TexturePeak& q) { return p.power > q.power; });
   for (const TexturePeak& peak : all) {

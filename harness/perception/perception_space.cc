@@ -168,6 +168,7 @@ PerceptionSpace build_perception_space(const Eigen::MatrixXd& images, double sha
 
 std::vector<double> distances_to(const Eigen::MatrixXd& coordinates, Eigen::Index reference) {
   std::vector<double> result;
+  result.reserve(static_cast<std::size_t>(coordinates.rows()));
   for (Eigen::Index i = 0; i < coordinates.rows(); ++i) {
     result.push_back((coordinates.row(i) - coordinates.row(reference)).norm());
   }

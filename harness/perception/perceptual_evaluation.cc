@@ -1,7 +1,6 @@
 #include "harness/perception/perceptual_evaluation.h"
 
 #include <fmt/format.h>
-#include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
 #include <algorithm>
@@ -13,6 +12,7 @@
 #include <tuple>
 
 #include "harness/base/error.h"
+#include "harness/base/in_parallel.h"
 #include "harness/perception/distances/signal_distance.h"
 #include "harness/perception/statistics.h"
 
@@ -103,6 +103,7 @@ std::vector<std::optional<double>> statistics(const std::vector<double>& real_N,
 
 std::vector<const HapticImage*> pointers(const std::vector<HapticImage>& images) {
   std::vector<const HapticImage*> result;
+  result.reserve(images.size());
   for (const auto& image : images) result.push_back(&image);
   return result;
 }
@@ -211,7 +212,7 @@ std::size_t compare_all(PerceptualEvaluation& result, const HapticDataMatrix& re
     if (options.progress) options.progress(done);
   };
   tbb::task_arena arena(options.threads == 0 ? tbb::task_arena::automatic : static_cast<int>(options.threads));
-  arena.execute([&] { tbb::parallel_for(std::size_t{0}, conditions.size(), compare); });
+  arena.execute([&] { in_parallel(conditions.size(), compare, 1); });
   return shortest;
 }
 
@@ -300,9 +301,10 @@ std::vector<double> distances_with_scaling(const PerceptualEvaluation& evaluatio
 
 std::vector<std::vector<double>> distances_by_scaling(const PerceptualEvaluation& evaluation) {
   std::vector<std::vector<double>> result(kFeatureScalings.size());
-  tbb::parallel_for(std::size_t{0}, result.size(), [&](std::size_t s) {
+  const auto fill = [&](std::size_t s) {
     result[s] = distances_with_scaling(evaluation, kFeatureScalings[s], evaluation.explained_share_wanted);
-  });
+  };
+  in_parallel(result.size(), fill, 1);
   return result;
 }
 

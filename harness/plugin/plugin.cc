@@ -79,6 +79,7 @@ std::vector<std::shared_ptr<const RendererEntry>> load_plugin(const std::filesys
     descriptions = describe_plugin(library, chosen.limits, chosen.host);
   }
   std::vector<std::shared_ptr<const RendererEntry>> entries;
+  entries.reserve(descriptions.size());
   for (std::uint32_t i = 0; i < descriptions.size(); ++i) {
     entries.push_back(std::make_shared<const RendererEntry>(entry_of(descriptions[i], i, library, loaded, chosen)));
   }

@@ -20,7 +20,7 @@ namespace {
 using ::testing::HasSubstr;
 
 std::filesystem::path folder() {
-  const auto path = std::filesystem::path(::testing::TempDir()) / "touchstone-bad-recording";
+  auto path = std::filesystem::path(::testing::TempDir()) / "touchstone-bad-recording";
   ensure_writable_folder(path);
   return path;
 }

@@ -35,8 +35,8 @@ Recording arc(double force_N) {
 }
 
 std::filesystem::path make_dataset(const std::string& json = example) {
-  const auto folder = std::filesystem::path(::testing::TempDir()) / "touchstone-dataset" /
-                      ::testing::UnitTest::GetInstance()->current_test_info()->name() / "plate";
+  auto folder = std::filesystem::path(::testing::TempDir()) / "touchstone-dataset" /
+                ::testing::UnitTest::GetInstance()->current_test_info()->name() / "plate";
   std::filesystem::remove_all(folder.parent_path());
   ensure_writable_folder(folder / "meshes");
   write_file(folder / "dataset.json", json);

@@ -60,7 +60,7 @@ void EffectStack::fill_contact(const TipState& tip, const StepResult& base) noex
 }
 
 StepResult EffectStack::do_step(const TipState& tip) noexcept {
-  const StepResult base = base_->step(tip);
+  StepResult base = base_->step(tip);
   if (base.status == StepStatus::failed) return base;
   fill_contact(tip, base);
 

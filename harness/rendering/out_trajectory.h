@@ -35,13 +35,13 @@ struct OutTrajectoryRule {
 };
 
 struct OutSample {
-  Vec3 p_W_m;             // the tip (the ball's centre), s(p) >= r
-  Vec3 n_W;               // outward unit normal, rule 4
-  double gap_m;           // s(p) - r, >= 0; 0 where it was put on the surface
-  double normal_force_N;  // rule 5
-  double moved_m;         // from the measured position
-  bool contact;           // rule 1
-  bool clear;             // s(p) >= r was reached; false in a slot too narrow for the ball
+  Vec3 p_W_m = Vec3::Zero();    // the tip (the ball's centre), s(p) >= r
+  Vec3 n_W = Vec3::Zero();      // outward unit normal, rule 4
+  double gap_m = 0.0;           // s(p) - r, >= 0; 0 where it was put on the surface
+  double normal_force_N = 0.0;  // rule 5
+  double moved_m = 0.0;         // from the measured position
+  bool contact = false;         // rule 1
+  bool clear = false;           // s(p) >= r was reached; false in a slot too narrow for the ball
 };
 
 // One sample after the other, so that a recording of any length can stream. Const and thread-safe; allocates nothing

@@ -63,7 +63,7 @@ class Renderer {
       refused.status = StepStatus::refused;
       return refused;
     }
-    const StepResult result = do_step(tip);
+    StepResult result = do_step(tip);
     have_last_ = true;
     last_t_s_ = tip.t_s;
     return result;

@@ -19,10 +19,10 @@ inline std::optional<std::filesystem::path> shared_data(const std::string& relat
 
 }  // namespace touchstone::testing
 
-// Declares `const std::filesystem::path name`, or skips the test (GoogleTest) with the reason.
+// Declares `const std::filesystem::path& name`, or skips the test (GoogleTest) with the reason.
 #define TOUCHSTONE_SHARED_DATA_OR_SKIP(name, relative)                                              \
   const auto name##_found = ::touchstone::testing::shared_data(relative);                           \
   if (!name##_found)                                                                                \
     GTEST_SKIP() << "needs " << (relative) << " under TOUCHSTONE_DATA_DIR, which is "               \
                  << (std::getenv("TOUCHSTONE_DATA_DIR") ? "set, but has no such file" : "not set"); \
-  const std::filesystem::path name = *name##_found
+  const std::filesystem::path& name = *name##_found  // NOLINT(bugprone-macro-parentheses): a name cannot stand in them

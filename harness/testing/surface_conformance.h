@@ -99,7 +99,7 @@ class SurfaceConformance : public ::testing::TestWithParam<SurfaceCase> {
   // Anywhere, near the surface, near an edge, near a vertex in turn; near means 1e-12 to 1 of the size.
   static Vec3 query(const Pose& pose, Random& random, int i) {
     const Surface& surface = *pose.surface;
-    const Vec3 anywhere = surface.bounds().center() + pose.size_m * random.log_uniform(1e-2, 3.0) * random.direction();
+    Vec3 anywhere = surface.bounds().center() + pose.size_m * random.log_uniform(1e-2, 3.0) * random.direction();
     if (i % 4 == 0) return anywhere;
     Vec3 base = surface.closest(anywhere).p_W_m;
     if (const TriangleMesh* mesh = surface.mesh(); mesh != nullptr && i % 4 >= 2) {
@@ -270,6 +270,7 @@ TEST_P(SurfaceConformance, TheSameInOtherThreadsAndWithoutAllocating) {
   Random random(seed);
   const Pose at = pose(1.0, random.rotation(), Vec3(0.1, 0.2, 0.3));
   std::vector<std::pair<Vec3, Vec3>> queries;
+  queries.reserve(static_cast<std::size_t>(traits().queries));
   for (int i = 0; i < traits().queries; ++i) queries.emplace_back(query(at, random, i), query(at, random, i + 1));
   const auto answers = [&](std::vector<double>& out) {
     for (const auto& [a, b] : queries) {
@@ -286,6 +287,7 @@ TEST_P(SurfaceConformance, TheSameInOtherThreadsAndWithoutAllocating) {
   EXPECT_TRUE(traits().allocates || allocated == 0U) << allocated << " allocations";
   std::vector<std::vector<double>> obtained(3);
   std::vector<std::thread> threads;
+  threads.reserve(obtained.size());
   for (auto& out : obtained) threads.emplace_back([&] { answers(out); });
   for (std::thread& thread : threads) thread.join();
   for (const auto& out : obtained) EXPECT_EQ(out, expected);

@@ -61,7 +61,7 @@ class FaultTable : public ::testing::Test {
     spoil(usb, model);
     MonotonicClock clock;
     const double before = clock.now_s();
-    const auto answer = answer_of([&] { device->exchange(Vec3::Zero(), before + deadline_s); });
+    auto answer = answer_of([&] { device->exchange(Vec3::Zero(), before + deadline_s); });
     EXPECT_LT(clock.now_s() - before, deadline_s + 5.0) << "a wait without an end";
     return answer;
   }
@@ -75,7 +75,7 @@ class FaultTable : public ::testing::Test {
       clock.sleep_until(clock.now_s() + 0.1);
       usb.unplug();
     });
-    const auto answer = answer_of([&] { device->exchange(Vec3::Zero(), MonotonicClock().now_s() + 10.0); });
+    auto answer = answer_of([&] { device->exchange(Vec3::Zero(), MonotonicClock().now_s() + 10.0); });
     hand.join();
     return answer;
   }

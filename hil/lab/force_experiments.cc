@@ -70,13 +70,15 @@ double best_lag(const std::vector<double>& t_s, const std::vector<double>& force
                 const std::function<double(double)>& command) {
   constexpr double step = 2e-4;
   std::vector<double> agreement;
-  for (double lag = 0.0; lag <= most_s; lag += step) {
+  double lag = 0.0;
+  while (lag <= most_s) {
     double sum = 0.0, square = 0.0;
     for (std::size_t i = 0; i < t_s.size(); ++i) {
       const double u = command(t_s[i] - lag);
       sum += u * force[i], square += u * u;
     }
     agreement.push_back(square > 0.0 ? sum / std::sqrt(square) : 0.0);
+    lag += step;
   }
   const auto peak = static_cast<std::size_t>(std::max_element(agreement.begin(), agreement.end()) - agreement.begin());
   if (peak == 0 || peak + 1 == agreement.size()) return step * static_cast<double>(peak);
@@ -254,8 +256,10 @@ Finding golden_replay(Bench& bench, const LabLimits& limits, const GoldenForce& 
   };
   double lag = 0.0, least = error_at_lag(0.0);
   const double as_is = least;
-  for (double tried = 5e-4; tried <= 0.05; tried += 5e-4) {
+  double tried = 5e-4;
+  while (tried <= 0.05) {
     if (const double e = error_at_lag(tried); e < least) least = e, lag = tried;
+    tried += 5e-4;
   }
   Finding finding;
   finding.test = "golden-replay";

@@ -105,6 +105,7 @@ Finding friction_by_hand(Bench& bench, const LabLimits& limits, double seconds, 
     fitted_down.x.push_back(down), fitted_down.y.push_back(-c[0] + c[1] * down / v_scale + c[3]);
   }
   std::vector<double> without_inertia;
+  without_inertia.reserve(f.size());
   for (std::size_t i = 0; i < f.size(); ++i) without_inertia.push_back(f[i] - c[2] * a[i] / a_scale);
   finding.runs = {run};
   finding.pictures = {{"Friction when moved by hand",

@@ -15,6 +15,7 @@
 #include "harness/base/atomic_file.h"
 #include "harness/base/hash.h"
 #include "harness/base/random.h"
+#include "harness/testing/steps.h"
 #include "hil/devices/device_lock.h"
 #include "hil/devices/device_table.h"
 #include "hil/emulators/netft_emulator.h"
@@ -228,7 +229,7 @@ TEST(Analysis, NoiseAndDriftAreFoundAtEveryScale) {
 TEST(Analysis, StepOfAFirstOrderSystem) {
   constexpr double tau = 0.01;
   std::vector<double> t, f;
-  for (double x = 0; x < 0.5; x += 1e-4)
+  for (const double x : testing::steps(0, 0.5, 1e-4))
     t.push_back(x), f.push_back(1.0 + (x < 0.1 ? 0.0 : 2.0 * (1 - std::exp(-(x - 0.1) / tau))));
   const auto r = step_response(t, f, 0.1);
   EXPECT_NEAR(r.rise_s, tau * std::log(9.0), 1e-4);

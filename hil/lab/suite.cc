@@ -32,7 +32,7 @@ MappedDevice mapped_device(const std::string& id) {
 bool operator_present() { return environment("TOUCHSTONE_HIL_OPERATOR") == "1"; }
 
 Availability availability_for(const std::string& device_id, Needs needs) {
-  const auto found = availability(device_id);
+  auto found = availability(device_id);
   if (found.decision != Decision::run || found.emulated || needs == Needs::nothing) return found;
   if (!operator_present()) {
     return {Decision::skip, false,

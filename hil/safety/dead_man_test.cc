@@ -17,6 +17,7 @@
 #include <limits>
 #include <string_view>
 
+#include "harness/testing/steps.h"
 #include "hil/safety/force_supervisor.h"
 
 namespace touchstone::hil {
@@ -166,7 +167,7 @@ TEST(DeadManPedal, IsHeldByPressAndRepeatsAndReleasedByAllElse) {
   send(pipe, EV_KEY, KEY_B, 1);
   send(pipe, EV_SYN, SYN_REPORT, 0);
   EXPECT_TRUE(dead_man->held(0.1, {}));
-  for (double t = 0.2; t < 1.0; t += 0.03) {
+  for (const double t : testing::steps(0.2, 1.0, 0.03)) {
     send(pipe, EV_KEY, KEY_B, 2);
     EXPECT_TRUE(dead_man->held(t, {}));
   }

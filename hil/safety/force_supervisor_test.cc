@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "harness/base/random.h"
+#include "harness/testing/steps.h"
 
 namespace touchstone::hil {
 namespace {
@@ -107,7 +108,7 @@ TEST(ForceSupervisor, TripsOnEachCauseRampsDownAndStaysDown) {
       EXPECT_EQ(at_trip, Vec3(0, 0, 0));
     }
     Vec3 last = at_trip;
-    for (double t = 0.202; t < 0.4; t += 1e-3) {  // the cause is gone, the trip is not
+    for (const double t : testing::steps(0.202, 0.4, 1e-3)) {  // the cause is gone, the trip is not
       const Vec3 f = s.allow(calm(t));
       EXPECT_LE(f.norm(), last.norm() + 1e-15);
       last = f;

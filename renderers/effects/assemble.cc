@@ -50,6 +50,7 @@ std::vector<double> checked_values(const NamedParameters& entry, const std::vect
                                    std::string_view what, std::string_view source) {
   const Parameters parameters(declared, entry.parameters, fmt::format("{} {}", what, entry.name), source, entry.place);
   std::vector<double> values;
+  values.reserve(declared.size());
   for (const ParameterDeclaration& declaration : declared) values.push_back(parameters.at(declaration.name));
   return values;
 }

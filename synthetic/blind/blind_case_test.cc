@@ -11,6 +11,7 @@
 
 #include "harness/base/error.h"
 #include "harness/surface/mesh_topology.h"
+#include "harness/testing/steps.h"
 #include "synthetic/blind/write_case.h"
 
 namespace touchstone::synthetic {
@@ -63,7 +64,7 @@ class Steady : public ::testing::Test {
     constexpr double dt = 1e-4;
     HiddenContact::Forces forces;
     Vec3 p(0.0, 0.0, -depth);
-    for (double t = 0.0; t < seconds; t += dt) {
+    for (const double t : testing::steps(0.0, seconds, dt)) {
       p += dt * v;
       forces = contact.step(t, dt, p, v);
     }

@@ -44,7 +44,7 @@ class HandScript {
   void press_one_place(Random& random);
 
   struct Key {
-    double t_s;
+    double t_s = 0.0;
     Aim aim;
   };
   ScriptSettings settings_;

@@ -128,15 +128,18 @@ std::vector<Vec3> track(const BlindCase& plan, const Truth& truth, const std::ve
   const double period_s = 1.0 / plan.declared.position_rate_Hz;
   const double start_s = -lead_s + 0.5 * period_s;
   std::vector<Vec3> seen;
-  for (double t = start_s; t < t_s.back() + lead_s; t += period_s) {
+  double t = start_s;
+  while (t < t_s.back() + lead_s) {
     const Vec3 p = Truth::at(truth.p_W_m, t);
     const Vec3 shown = p + plan.instrument.shift_W_m + plan.instrument.turn_rad.cross(p);
     seen.push_back(shown + plan.declared.position_noise_m * gaussian(random));
+    t += period_s;
   }
   smooth_both_ways(seen);
   std::vector<Vec3> positions;
-  for (const double t : t_s) {
-    positions.push_back(cubic(seen, (t - start_s) / period_s));
+  positions.reserve(t_s.size());
+  for (const double wanted : t_s) {
+    positions.push_back(cubic(seen, (wanted - start_s) / period_s));
   }
   return positions;
 }
@@ -206,8 +209,9 @@ Recording record(const BlindCase& plan, bool holdout) {
   ScriptSettings longer = settings;
   longer.duration_s += 2.0 * lead_s;
   const HandScript script(longer, root.stream(0));
-  std::vector<double> t_s;
   const auto samples = static_cast<std::size_t>(settings.duration_s * record_Hz);
+  std::vector<double> t_s;
+  t_s.reserve(samples);
   for (std::size_t i = 0; i < samples; ++i) t_s.push_back(static_cast<double>(i) / record_Hz);
   return measure(
       plan, simulate(plan, script, settings.duration_s), std::move(t_s),

@@ -21,7 +21,7 @@ ColouredNoise::ColouredNoise(const Random& stream, double rms, double time_const
       state_(normal3(random_)) {}
 
 Vec3 ColouredNoise::next() {
-  const Vec3 now = rms_ * state_;
+  Vec3 now = rms_ * state_;
   state_ = memory_ * state_ + fresh_ * normal3(random_);
   return now;
 }

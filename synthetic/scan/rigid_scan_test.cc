@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 
 #include "harness/base/error.h"
+#include "harness/testing/steps.h"
 #include "synthetic/datasets/recipe.h"
 #include "synthetic/surface_catalogue.h"
 
@@ -25,7 +26,7 @@ TEST_P(EveryRecipe, ObeysCoulombAndStaysOnTheSurface) {
   const auto surface = make_surface(chosen().surface, chosen().parameters);
   const Contact& contact = scan.contact();
   int in_contact = 0;
-  for (double t = 0.0; t < scan.duration_s(); t += 0.0173) {
+  for (const double t : testing::steps(0.0, scan.duration_s(), 0.0173)) {
     const ScanTruth at = scan.at(t);
     EXPECT_NEAR(at.n_W.norm(), 1.0, 1e-14);
     // The ball's centre keeps radius and gap from the surface: a search over the whole surface finds nothing closer.
@@ -61,7 +62,7 @@ TEST_P(EveryRecipe, HookeGivesTheNormalForceBack) {
   const auto surface = make_surface(chosen().surface, chosen().parameters);
   const double r = scan.contact().tip_radius_m;
   for (const double k : {300.0, 500.0, 5000.0}) {
-    for (double t = 0.0; t < scan.duration_s(); t += 0.0371) {
+    for (const double t : testing::steps(0.0, scan.duration_s(), 0.0371)) {
       const ScanTruth at = scan.at(t);
       const Vec3 in = RigidScan::in_trajectory_W_m(at, r, k);
       const double depth = r - surface->closest(in).signed_distance_m;
@@ -106,7 +107,7 @@ TEST(RigidScan, CompliantObjectGivesWayByItsHooke) {
                         {Touch::slide, 2.0, Vec3(0.01, 0.002, 0)},
                         {Touch::free, 0.3, Vec3(0.01, 0.002, 0)}};
   const RigidScan scan(guide, ScanScript(Vec3(-0.01, 0, 0), legs, HandModel{}, seed), {0.0005, 2000.0, 0.3});
-  for (double t = 0.0; t < 2.6; t += 0.01) {
+  for (const double t : testing::steps(0.0, 2.6, 0.01)) {
     const ScanTruth at = scan.at(t);
     const double depth = 0.0005 - surface->closest(at.p_W_m).signed_distance_m;
     EXPECT_NEAR(at.normal_force_N, 2000.0 * std::max(0.0, depth), 1e-9);
@@ -124,7 +125,7 @@ TEST(RigidScan, BallRollsOverAnEdge) {
   const RigidScan scan(guide, ScanScript(Vec3(0.01, 0, 0.002), legs, hand, seed),
                        {0.001, std::numeric_limits<double>::infinity(), 0.3});
   int at_edge = 0;
-  for (double t = 0.3; t < 2.3; t += 0.005) {
+  for (const double t : testing::steps(0.3, 2.3, 0.005)) {
     const ScanTruth at = scan.at(t);
     EXPECT_NEAR(surface->closest(at.p_W_m).signed_distance_m, 0.001 + at.gap_m, 1e-15);
     at_edge += at.contact_W_m.norm() < 1e-12 ? 1 : 0;

@@ -68,8 +68,8 @@ Vec3 ScanScript::target(double t_s) const {
   const auto after = std::upper_bound(starts_s_.begin() + 1, starts_s_.end() - 1, t);
   const auto leg = static_cast<std::size_t>(after - starts_s_.begin()) - 1;
   const double length_s = starts_s_[leg + 1] - starts_s_[leg];
-  const Vec3 place = quintic(places_[leg], velocities_[leg], places_[leg + 1], velocities_[leg + 1], length_s,
-                             (t - starts_s_[leg]) / length_s);
+  Vec3 place = quintic(places_[leg], velocities_[leg], places_[leg + 1], velocities_[leg + 1], length_s,
+                       (t - starts_s_[leg]) / length_s);
   // A tap is held still; elsewhere tremor lives between the windows' ends.
   const Within now = within(t);
   if (now.window->touch == Touch::tap) return place;

@@ -12,7 +12,7 @@ namespace touchstone::synthetic {
 struct Tessellation {
   TriangleMesh mesh;
   // No point of the mesh is further than this from the analytic surface (rounding aside); 0: the mesh is the surface.
-  double deviation_bound_m;
+  double deviation_bound_m = 0.0;
 };
 
 class AnalyticSurface : public Surface {

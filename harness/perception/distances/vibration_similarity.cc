@@ -48,6 +48,7 @@ std::vector<double> normalised(std::span<const double> block) {
   const double centre = mean(block);
   const double spread = standard_deviation(block) + kEpsilon;
   std::vector<double> result;
+  result.reserve(block.size());
   for (const double value : block) result.push_back((value - centre) / spread);
   return result;
 }

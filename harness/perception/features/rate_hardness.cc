@@ -60,6 +60,7 @@ std::vector<WindowTradeOff> window_trade_off(std::span<const double> force_N, st
     const RateHardness hardness = rate_hardness(force_N, displacement_m, window);
     const auto& h = hardness.values_N_per_m;
     std::vector<double> changes;
+    changes.reserve(h.size());
     for (std::size_t n = 0; n < h.size(); ++n)
       changes.push_back(std::abs(displacement_m[n + window] - displacement_m[n]));
     // h(n-w) - 2 h(n) + h(n+w) from overlapping ends: independent windows share no sample but their ends.

@@ -150,6 +150,7 @@ std::vector<double> jackknife(const PairedComparisons& comparisons, Fit fit) {
   std::vector<double> errors;
   for (std::size_t v = 0; v < estimates.front().size(); ++v) {
     std::vector<double> column;
+    column.reserve(estimates.size());
     for (const auto& estimate : estimates) column.push_back(estimate[v]);
     errors.push_back(standard_deviation(column) * std::sqrt(static_cast<double>(subjects - 1)));
   }

@@ -177,9 +177,8 @@ TEST(SimulatedObserver, AJustNoticeableDifferenceMakesGuesses) {
 class Answers : public ::testing::Test {
  protected:
   std::filesystem::path write(const std::string& text) const {
-    const auto file =
-        std::filesystem::path(::testing::TempDir()) /
-        (std::string("answers-") + ::testing::UnitTest::GetInstance()->current_test_info()->name() + ".csv");
+    auto file = std::filesystem::path(::testing::TempDir()) /
+                (std::string("answers-") + ::testing::UnitTest::GetInstance()->current_test_info()->name() + ".csv");
     write_file(file, text);
     return file;
   }

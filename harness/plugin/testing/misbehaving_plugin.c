@@ -90,6 +90,7 @@ int touchstone_step(touchstone_renderer* renderer, const touchstone_tip* tip, to
   if (MISBEHAVE == CRASHES_IN_STEP) crash();
   if (MISBEHAVE == HANGS_IN_STEP) hang();
   if (MISBEHAVE == RETURNS_NAN) result->f_W_N[1] = NAN;
+  /* Around `const`, as a plug-in must not. NOLINTNEXTLINE(performance-no-int-to-ptr) */
   if (MISBEHAVE == WRITES_TO_THE_MESH) *(double*)(uintptr_t)renderer->vertices_W_m = 0.0;
   if (MISBEHAVE == EXITS) exit(7);
   return MISBEHAVE == FAILS_WITH_A_REASON;
