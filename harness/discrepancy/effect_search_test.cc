@@ -119,6 +119,14 @@ TEST_P(SearchAtScale, NamesTheDamperWithItsCoefficientInItsInterval) {
   EXPECT_NEAR(found.value, b, 0.05 * b);
   EXPECT_LT(found.low95, found.value);
   EXPECT_GT(found.high95, found.value);
+  // The same search, had the held-out error grown: that is no explanation.
+  Findings worse;
+  worse.search = findings.search;
+  worse.gap.holdout_before_N = 0.218;
+  worse.gap.holdout_after_N = 0.281;
+  conclude(worse, candidates);
+  EXPECT_EQ(worse.verdict, FindingsVerdict::unexplained);
+  EXPECT_THAT(worse.explanation, ::testing::HasSubstr("rises from 0.218 N to 0.281 N"));
 }
 
 TEST_P(SearchAtScale, NamesTwoAtOnce) {

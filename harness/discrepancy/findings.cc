@@ -51,6 +51,9 @@ std::string names(const std::vector<FoundEffect>& found) {
 
 nlohmann::json number(double value) { return std::isfinite(value) ? nlohmann::json(value) : nlohmann::json(nullptr); }
 
+// Weighed by noise an explanation may gain where the plain error of force stays as it was, but not where that grows.
+constexpr double no_gain = 1.01;
+
 }  // namespace
 
 std::string to_string(FindingsVerdict verdict) {
@@ -109,6 +112,12 @@ void conclude(Findings& findings, const std::vector<Candidate>& candidates) {
         "This recording cannot tell: {} fit the held-out data alike. {}", fmt::join(findings.ambiguous.front(), ", "),
         findings.next ? fmt::format("A recording of this motion would tell: {}.", findings.next->what)
                       : "No motion of the repertoire separates them beyond the noise.");
+  } else if (findings.gap.holdout_after_N > no_gain * findings.gap.holdout_before_N) {
+    findings.verdict = FindingsVerdict::unexplained;
+    findings.explanation = fmt::format(
+        "Something is missing that no known effect explains: {} fits, but on held-out data the error rises from {:.4g} "
+        "N to {:.4g} N.",
+        names(search.found), findings.gap.holdout_before_N, findings.gap.holdout_after_N);
   } else {
     findings.verdict = FindingsVerdict::explained;
     findings.explanation =
