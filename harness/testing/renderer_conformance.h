@@ -390,7 +390,14 @@ TEST_P(RendererConformance, LargeJumpsThroughABodyStayOutside) {
     EXPECT_GT(below.contact_W_m.z(), -1e-9);
     EXPECT_GT(below.f_W_N.z(), 0.0);
   }
-  EXPECT_FALSE(step(*renderer, 2, {x, 0.0021, 0.05}).contact);
+  const StepResult back = step(*renderer, 2, {x, 0.0021, 0.05});
+  if (below.contact) {
+    EXPECT_FALSE(back.contact);
+  } else {
+    // It had slid round and out below: from there the body is in the way again, and a flat underside holds it.
+    const double back_gap = surface()->signed_distance(back.contact_W_m) - subject().tip_radius_m;
+    EXPECT_TRUE(!shape().closed || back_gap >= -1e-9) << back_gap;
+  }
 }
 
 TEST_P(RendererConformance, SlowPushesThroughAThinShellStayOutside) {
