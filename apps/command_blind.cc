@@ -9,11 +9,11 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "apps/cases/shard.h"
 #include "apps/commands.h"
 #include "apps/discrepancy/blind_follow.h"
 #include "apps/discrepancy/blind_score.h"
 #include "apps/discrepancy/workflow.h"
-#include "apps/sweep/shard.h"
 #include "harness/base/atomic_file.h"
 #include "harness/base/hash.h"
 #include "harness/base/json_reader.h"
@@ -115,7 +115,7 @@ ExitStatus run_cases(const Options& options) {
     if (std::filesystem::exists(entry.path() / "model.json")) folders.push_back(entry.path());
   }
   std::sort(folders.begin(), folders.end());
-  const SweepShard shard = read_shard(options.shard);
+  const CaseShard shard = read_shard(options.shard);
   const std::uint64_t first = shard.first(folders.size());
   const std::uint64_t last = shard.last(folders.size());
   Progress progress("cases searched", last - first);

@@ -12,8 +12,7 @@
 #include <set>
 #include <thread>
 
-#include "apps/sweep/engine.h"
-#include "apps/sweep/slurm.h"
+#include "apps/sweep/sweep_cases.h"
 #include "harness/base/atomic_file.h"
 #include "harness/base/error.h"
 
@@ -55,11 +54,15 @@ class Sweep : public testing::Test {
   }
   std::filesystem::path out(const std::string& name) const { return folder_ / name; }
 
+  static CaseTally run(const SweepDesign& design, CaseStore& store, CaseShard shard, unsigned threads) {
+    SweepWorld world(design);
+    return run_cases(sweep_job(design, world), store, shard, threads, never);
+  }
   // Everything on `threads` threads into a new file; its content hash.
   std::string run_all(const SweepDesign& design, const std::string& name, unsigned threads) const {
-    SweepStore store(out(name), design);
+    CaseStore store(out(name), sweep_table(design));
     store.start_run({{"command", name}});
-    run_sweep(design, store, {}, threads, never);
+    run(design, store, {}, threads);
     return store.content_hash();
   }
 
@@ -106,12 +109,12 @@ TEST_F(Sweep, ResultsDoNotDependOnThreadsOrShardsToTheBit) {
   const SweepDesign design(write(hypercube(60)));
   const std::string alone = run_all(design, "one.sqlite", 1);
   EXPECT_EQ(run_all(design, "four.sqlite", 4), alone);
-  SweepStore merged(out("merged.sqlite"), design);
+  CaseStore merged(out("merged.sqlite"), sweep_table(design));
   for (const std::uint64_t k : {3U, 1U, 2U}) {
     {
-      SweepStore part(out("part" + std::to_string(k)), design);
+      CaseStore part(out("part" + std::to_string(k)), sweep_table(design));
       part.start_run({});
-      run_sweep(design, part, {k, 3}, 2, never);
+      run(design, part, {k, 3}, 2);
     }
     EXPECT_EQ(merged.merge(out("part" + std::to_string(k))).added, 20U);
     EXPECT_EQ(merged.merge(out("part" + std::to_string(k))).repeated, 20U);
@@ -129,9 +132,9 @@ TEST_F(Sweep, GoesOnAfterKillWithoutCountingTwice) {
   for (int round = 0; round < 2; ++round) {
     const pid_t child = fork();
     if (child == 0) {
-      SweepStore store(file, design);
+      CaseStore store(file, sweep_table(design));
       store.start_run({});
-      run_sweep(design, store, {}, 1, never);
+      run(design, store, {}, 1);
       _exit(0);
     }
     std::this_thread::sleep_for(std::chrono::milliseconds(1600));
@@ -139,21 +142,21 @@ TEST_F(Sweep, GoesOnAfterKillWithoutCountingTwice) {
     int status = 0;
     ::waitpid(child, &status, 0);
     kills += WIFSIGNALED(status) ? 1 : 0;
-    const SweepStore store(file, design);
+    const CaseStore store(file, sweep_table(design));
     EXPECT_GE(store.done().size(), before);
     before = store.done().size();
   }
   std::string whole;
   {
-    SweepStore store(file, design);
+    CaseStore store(file, sweep_table(design));
     store.start_run({});
-    const SweepTally tally = run_sweep(design, store, {}, 2, never);
+    const CaseTally tally = run(design, store, {}, 2);
     EXPECT_EQ(tally.before, before);
     EXPECT_EQ(tally.ran, 1500U - before);
     EXPECT_EQ(store.done().size(), 1500U);
     EXPECT_EQ(store.failed(), 0U);
     whole = store.content_hash();
-    EXPECT_EQ(run_sweep(design, store, {}, 2, never).ran, 0U);
+    EXPECT_EQ(run(design, store, {}, 2).ran, 0U);
   }
   fmt::print("killed {} times, {} cases kept until then\n", kills, before);
   EXPECT_EQ(run_all(design, "unharmed.sqlite", 2), whole);
@@ -164,9 +167,9 @@ TEST_F(Sweep, ACaseThatFailsIsARowWithItsError) {
   spec["vary"][0]["values"] = {300, -1};
   spec["surfaces"]["nothing"] = {{"name", "no-such-shape"}, {"triangles", 10}};
   const SweepDesign design(write(spec));
-  SweepStore store(out("failing.sqlite"), design);
+  CaseStore store(out("failing.sqlite"), sweep_table(design));
   store.start_run({});
-  const SweepTally tally = run_sweep(design, store, {}, 2, never);
+  const CaseTally tally = run(design, store, {}, 2);
   EXPECT_EQ(tally.ran, design.size());
   EXPECT_EQ(tally.failed,
             design.size() / 3 + design.size() / 3);  // one surface of three, one stiffness of the rest's two
@@ -177,7 +180,7 @@ TEST_F(Sweep, ACaseThatFailsIsARowWithItsError) {
   EXPECT_THAT(csv, HasSubstr("stiffness_N_per_m"));
   EXPECT_EQ(std::ranges::count(csv, '\n'), static_cast<std::ptrdiff_t>(design.size() + 1));
   store.forget_failed();
-  EXPECT_EQ(run_sweep(design, store, {}, 2, never).ran, tally.failed);
+  EXPECT_EQ(run(design, store, {}, 2).ran, tally.failed);
 }
 
 TEST_F(Sweep, TheExactAnswerIsNearOnAFineMeshAndScalesWithTheWorld) {
@@ -204,15 +207,15 @@ TEST_F(Sweep, TheExactAnswerIsNearOnAFineMeshAndScalesWithTheWorld) {
 TEST_F(Sweep, AForeignFileIsRefusedAndLeftAsItIs) {
   const SweepDesign design(write(grid()));
   write_file(out("notes.txt"), "my notes, longer than the head of a database, so that nothing could take them for one");
-  EXPECT_THROW(SweepStore(out("notes.txt"), design), BadData);
+  EXPECT_THROW(CaseStore(out("notes.txt"), sweep_table(design)), BadData);
   EXPECT_THAT(read_file(out("notes.txt")), testing::StartsWith("my notes"));
-  { const SweepStore first(out("first.sqlite"), design); }
+  { const CaseStore first(out("first.sqlite"), sweep_table(design)); }
   json other = grid();
   other["seeds"] = {1};
   const SweepDesign another(write(other, "other.json"));
-  EXPECT_THROW(SweepStore(out("first.sqlite"), another), BadData);
-  const SweepStore writing(out("first.sqlite"), design);
-  EXPECT_THROW(SweepStore(out("first.sqlite"), design), BadData);
+  EXPECT_THROW(CaseStore(out("first.sqlite"), sweep_table(another)), BadData);
+  const CaseStore writing(out("first.sqlite"), sweep_table(design));
+  EXPECT_THROW(CaseStore(out("first.sqlite"), sweep_table(design)), BadData);
 }
 
 TEST_F(Sweep, PartsThatDisagreeAreNotMerged) {
@@ -225,7 +228,7 @@ TEST_F(Sweep, PartsThatDisagreeAreNotMerged) {
                          nullptr, nullptr, nullptr),
             SQLITE_OK);
   sqlite3_close(database);
-  SweepStore store(out("a.sqlite"), design);
+  CaseStore store(out("a.sqlite"), sweep_table(design));
   EXPECT_THROW(store.merge(out("b.sqlite")), BadData);
   EXPECT_THROW(store.merge(out("absent.sqlite")), BadData);
 }
@@ -242,35 +245,12 @@ TEST_F(Sweep, AMergedCaseStandsForOneThatFailed) {
                          nullptr, nullptr, nullptr),
             SQLITE_OK);
   sqlite3_close(database);
-  SweepStore store(out("gaps.sqlite"), design);
-  const SweepMerge merged = store.merge(out("whole.sqlite"));
+  CaseStore store(out("gaps.sqlite"), sweep_table(design));
+  const CaseMerge merged = store.merge(out("whole.sqlite"));
   EXPECT_EQ(merged.added, 2U);
   EXPECT_EQ(merged.repeated, 4U);
   EXPECT_EQ(store.failed(), 0U);
-  EXPECT_EQ(store.content_hash(), SweepStore(out("whole.sqlite"), design).content_hash());
-}
-
-TEST_F(Sweep, ShardsCoverEveryCaseOnce) {
-  for (const std::uint64_t cases : {1U, 7U, 100U, 1001U}) {
-    for (const std::uint64_t count : {1U, 2U, 3U, 8U}) {
-      std::uint64_t next = 0;
-      for (std::uint64_t k = 1; k <= count; ++k) {
-        const SweepShard shard{k, count};
-        EXPECT_EQ(shard.first(cases), next);
-        next = shard.last(cases);
-      }
-      EXPECT_EQ(next, cases);
-    }
-  }
-}
-
-TEST(Shard, IsReadAsKOfN) {
-  EXPECT_EQ(read_shard("").count, 1U);
-  EXPECT_EQ(read_shard("3/8").index, 3U);
-  EXPECT_EQ(read_shard("3/8").count, 8U);
-  for (const char* const bad : {"3", "0/8", "9/8", "3/8x", "/8", "3/", "-1/8", "3/0", "a/b"}) {
-    EXPECT_THROW(read_shard(bad), UsageError) << bad;
-  }
+  EXPECT_EQ(store.content_hash(), CaseStore(out("whole.sqlite"), sweep_table(design)).content_hash());
 }
 
 struct BadSpecification {
@@ -313,17 +293,6 @@ INSTANTIATE_TEST_SUITE_P(
                     BadSpecification{"HalfASeed", "/seeds", json::array({0.5}), "whole number"},
                     BadSpecification{"TooMany", "/vary/1/count", 5000000, "whole number"}),
     [](const auto& bad) { return std::string(bad.param.name); });
-
-// sbatch is played by a script that runs the array's tasks one after the other, and loses some.
-TEST_F(Sweep, ASlurmScriptNamesShardsAndQuotesWhatAShellWouldTakeApart) {
-  const SlurmRequest request{"/opt/it's here/touchstone", folder_ / "my spec.json", folder_ / "all.sqlite", 12, 2,
-                             "--partition=short"};
-  const std::string script = slurm_script(request, {1, 2, 3, 7, 9, 10});
-  EXPECT_THAT(script, HasSubstr("--array=1-3,7,9-10\n"));
-  EXPECT_THAT(script, HasSubstr("#SBATCH --partition=short\n"));
-  EXPECT_THAT(script, HasSubstr("'/opt/it'\\''s here/touchstone' sweep '"));
-  EXPECT_THAT(script, HasSubstr("--shard \"$SLURM_ARRAY_TASK_ID/12\""));
-}
 
 }  // namespace
 }  // namespace touchstone::apps

@@ -6,8 +6,8 @@
 #include <new>
 #include <nlohmann/json.hpp>
 
+#include "apps/cases/shared_cache.h"
 #include "apps/golden_runner.h"
-#include "apps/sweep/shared_cache.h"
 #include "harness/base/error.h"
 #include "harness/base/json_reader.h"
 #include "harness/rendering/model.h"

@@ -7,7 +7,7 @@
 namespace touchstone::apps {
 
 // Part `index` (1 to `count`) of the cases: consecutive numbers, so that cases which share a surface stay together.
-struct SweepShard {
+struct CaseShard {
   std::uint64_t index = 1;
   std::uint64_t count = 1;
   [[nodiscard]] std::uint64_t first(std::uint64_t cases) const noexcept;
@@ -15,6 +15,6 @@ struct SweepShard {
 };
 
 // "3/8"; all of it where the text is empty. Throws UsageError naming the option.
-SweepShard read_shard(const std::string& text);
+CaseShard read_shard(const std::string& text);
 
 }  // namespace touchstone::apps

@@ -1,4 +1,4 @@
-#include "apps/sweep/slurm.h"
+#include "apps/cases/slurm.h"
 
 #include <fmt/format.h>
 #include <spawn.h>
@@ -27,6 +27,12 @@ std::string quoted(const std::string& text) {
   return result + "'";
 }
 
+// Only where a shell would take it apart.
+std::string word_of(const std::string& text) {
+  constexpr const char* plain = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_./=,:+-";
+  return text.empty() || text.find_first_not_of(plain) != std::string::npos ? quoted(text) : text;
+}
+
 // As --array takes them: 1-4,7
 std::string ranges(const std::vector<std::uint64_t>& shards) {
   std::string text;
@@ -50,18 +56,19 @@ std::string slurm_script(const SlurmRequest& request, const std::vector<std::uin
   const std::string folder = parts_folder(request).string();
   std::string script = fmt::format(
       "#!/bin/sh\n"
-      "#SBATCH --job-name=touchstone-sweep\n"
+      "#SBATCH --job-name=touchstone-{}\n"
       "#SBATCH --array={}\n"
       "#SBATCH --ntasks=1 --cpus-per-task={}\n"
       "#SBATCH --requeue --open-mode=append\n"
       "#SBATCH --output={}/%a.log\n",
-      ranges(shards), request.cores_per_task, folder);
+      request.words.front(), ranges(shards), request.cores_per_task, folder);
   if (!request.options.empty()) script += fmt::format("#SBATCH {}\n", request.options);
-  script += fmt::format(
-      "exec {} sweep {} --shard \"$SLURM_ARRAY_TASK_ID/{}\" --threads {} --out {}/\"$SLURM_ARRAY_TASK_ID\".sqlite\n",
-      quoted(std::filesystem::absolute(request.program).string()),
-      quoted(std::filesystem::absolute(request.specification).string()), request.shards, request.cores_per_task,
-      quoted(folder));
+  std::string words;
+  for (const std::string& word : request.words) words += ' ' + word_of(word);
+  script +=
+      fmt::format("exec {}{} --shard \"$SLURM_ARRAY_TASK_ID/{}\" --threads {} {} {}/\"$SLURM_ARRAY_TASK_ID\".sqlite\n",
+                  quoted(std::filesystem::absolute(request.program).string()), words, request.shards,
+                  request.cores_per_task, request.file_option, quoted(folder));
   return script;
 }
 

@@ -1,4 +1,4 @@
-// Things that are expensive to make and shared by the cases of a sweep: each is made once, by whichever thread needs it
+// Things that are expensive to make and shared by many cases: each is made once, by whichever thread needs it
 // first, and kept while it is in use or among the last used within a budget.
 #pragma once
 

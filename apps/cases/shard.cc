@@ -1,4 +1,4 @@
-#include "apps/sweep/shard.h"
+#include "apps/cases/shard.h"
 
 #include <fmt/format.h>
 
@@ -8,11 +8,11 @@
 
 namespace touchstone::apps {
 
-std::uint64_t SweepShard::first(std::uint64_t cases) const noexcept { return cases * (index - 1) / count; }
-std::uint64_t SweepShard::last(std::uint64_t cases) const noexcept { return cases * index / count; }
+std::uint64_t CaseShard::first(std::uint64_t cases) const noexcept { return cases * (index - 1) / count; }
+std::uint64_t CaseShard::last(std::uint64_t cases) const noexcept { return cases * index / count; }
 
-SweepShard read_shard(const std::string& text) {
-  SweepShard shard;
+CaseShard read_shard(const std::string& text) {
+  CaseShard shard;
   if (text.empty()) return shard;
   const auto slash = text.find('/');
   try {

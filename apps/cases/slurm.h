@@ -1,4 +1,4 @@
-// A sweep on a Slurm cluster: a job array whose tasks run shards, each into a result file of its own, merged and
+// Many cases on a Slurm cluster: a job array whose tasks run shards, each into a result file of its own, merged and
 // checked for completeness at the end. Shards that are lost are sent again.
 #pragma once
 
@@ -10,9 +10,10 @@
 namespace touchstone::apps {
 
 struct SlurmRequest {
-  std::filesystem::path program;  // the touchstone that the tasks run
-  std::filesystem::path specification;
-  std::filesystem::path out;  // the merged result; shards go to <out>.parts/<n>.sqlite
+  std::filesystem::path program;   // the touchstone that the tasks run
+  std::vector<std::string> words;  // of the command: {"sweep", "spec.json"}
+  std::string file_option;         // with which the command is told its result file
+  std::filesystem::path out;       // the merged result; shards go to <out>.parts/<n>.sqlite
   std::uint64_t shards = 1;
   unsigned cores_per_task = 1;
   std::string options;  // further #SBATCH options, for instance "--partition=short --time=01:00:00"

@@ -1,0 +1,40 @@
+#include "apps/case_flags.h"
+
+#include <fmt/format.h>
+
+#include <filesystem>
+
+#include "apps/command.h"
+
+namespace touchstone::apps {
+
+void add_case_flags(CLI::App& command, CaseOptions& options, const std::string& cases) {
+  for (const std::string& word : command_line()) options.called_as += (options.called_as.empty() ? "" : " ") + word;
+  command.add_option("--threads", options.threads, "Default: all cores; with slurm the cores of a task, default 1");
+  command.add_option("--shard", options.shard, fmt::format("K/N: only the K-th of N parts of the {}", cases));
+  command.add_option("--merge", options.merge, "Put the results of shards together, and say what is missing");
+  command.add_flag("--retry-failed", options.retry_failed, fmt::format("Run {} again that failed", cases));
+  command.add_option("--csv", options.csv, "Write the rows as CSV, too");
+  command.add_option("--engine", options.engine, "local, or slurm: a job array")
+      ->check(CLI::IsMember({"local", "slurm"}))
+      ->capture_default_str();
+  command.add_option("--tasks", options.tasks, "slurm: tasks of the array; default one for 100 cases, or for a seed");
+  command.add_option("--attempts", options.attempts, "slurm: how often lost tasks are sent")->capture_default_str();
+  command.add_option("--slurm-options", options.slurm_options, "slurm: further #SBATCH options");
+  command.add_flag("--dry-run", options.dry_run,
+                   fmt::format("List the {}, or with slurm show the script; run nothing", cases));
+}
+
+void add_case_file_flags(CLI::App& command, CaseOptions& options, const std::string& without) {
+  command.add_option("--cases", options.file, "Results (SQLite); a run that stopped goes on in it")
+      ->default_str(without);
+  command.add_flag("--any-build", options.any_build, "Go on with rows that another build of touchstone made");
+}
+
+InputFile stored_rows(const CaseStore& store, const CaseOptions& options) {
+  return {options.any_build ? "rows, some perhaps of other builds (content)" : "rows (content)",
+          options.file.empty() ? "not kept" : options.file, store.content_hash(),
+          options.file.empty() ? 0 : std::filesystem::file_size(options.file)};
+}
+
+}  // namespace touchstone::apps

@@ -1,0 +1,20 @@
+// The options of every command that runs many cases.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <string>
+
+#include "apps/cases/case_command.h"
+#include "harness/report/provenance.h"
+
+namespace touchstone::apps {
+
+// `cases`: what they are, "cases" or "seeds".
+void add_case_flags(CLI::App& command, CaseOptions& options, const std::string& cases);
+// --cases and --any-build: for commands that make a report of the rows.
+void add_case_file_flags(CLI::App& command, CaseOptions& options, const std::string& without);
+
+// The rows that a report is made of, by their content hash.
+InputFile stored_rows(const CaseStore& store, const CaseOptions& options);
+
+}  // namespace touchstone::apps
