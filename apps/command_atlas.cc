@@ -3,10 +3,11 @@
 #include <filesystem>
 #include <memory>
 
+#include "apps/atlas/atlas_cases.h"
 #include "apps/atlas/atlas_report.h"
+#include "apps/case_flags.h"
 #include "apps/commands.h"
 #include "harness/base/atomic_file.h"
-#include "harness/base/progress.h"
 #include "harness/report/page_html.h"
 #include "harness/report/page_markdown.h"
 
@@ -16,23 +17,38 @@ namespace {
 struct AtlasOptions {
   atlas::AtlasGrid grid;
   std::string out;
+  CaseOptions cases;
 };
 
-ExitStatus run(const AtlasOptions& options) {
-  if (!options.out.empty()) ensure_writable_folder(options.out);
-  Progress progress("atlas", atlas::case_count(options.grid));
-  const auto cases = atlas::run_atlas(options.grid, [&progress](std::size_t done) { progress.update(done); });
-  fmt::print("{}", atlas::atlas_table(cases));
-  if (options.out.empty()) return ExitStatus::passed;
-  const std::filesystem::path out = options.out;
+void write_report(const std::filesystem::path& out, const std::vector<atlas::AtlasCase>& cases,
+                  const CaseOutcome& outcome, const CaseOptions& options) {
   write_file(out / "atlas.json", atlas::atlas_to_json(cases));
   write_file(out / "bump.svg", atlas::atlas_picture(cases, atlas::Scene::bump));
   write_file(out / "shell.svg", atlas::atlas_picture(cases, atlas::Scene::shell));
-  const Page page = atlas::atlas_page(cases, make_provenance(command_line()));
+  Provenance provenance = make_provenance(command_line());
+  provenance.inputs.push_back(stored_rows(*outcome.store, options));
+  const Page page = atlas::atlas_page(cases, provenance);
   write_html(out / "report.html", page);
   write_file(out / "tables.md", tables_to_markdown(page));
   fmt::print("report: {}\n", (out / "report.html").string());
-  return ExitStatus::passed;
+}
+
+ExitStatus run(AtlasOptions options) {
+  if (!options.out.empty() && !options.cases.dry_run) ensure_writable_folder(options.out);
+  if (options.cases.file.empty() && !options.out.empty())
+    options.cases.file = (std::filesystem::path(options.out) / "atlas.sqlite").string();
+  atlas::AtlasWorld world(options.grid);
+  CaseCommand command;
+  command.job = atlas::atlas_job(options.grid, world);
+  command.table = atlas::atlas_case_table(options.grid);
+  command.words = atlas::atlas_words(options.grid);
+  command.describe = [&](std::uint64_t number) { return atlas::describe_case(options.grid, number); };
+  const CaseOutcome outcome = run_case_command(command, options.cases);
+  if (!outcome.store) return outcome.status;
+  const auto cases = atlas::stored_cases(options.grid, *outcome.store);
+  fmt::print("{}", atlas::atlas_table(cases));
+  if (!options.out.empty()) write_report(options.out, cases, outcome, options.cases);
+  return outcome.status;
 }
 
 }  // namespace
@@ -43,6 +59,7 @@ void add_atlas(CLI::App& program, Run& run_it) {
   auto options = std::make_shared<AtlasOptions>();
   auto& grid = options->grid;
   command->add_option("--out", options->out, "Folder for report.html, tables.md, atlas.json, bump.svg and shell.svg");
+  add_case_file_flags(*command, options->cases, "atlas.sqlite in --out; without either, kept nowhere");
   command->add_option("--renderers", grid.renderers, "Names of the catalogue")->delimiter(',')->capture_default_str();
   command->add_option("--angles", grid.side_angles_rad, "Sides of the bump against its block [rad]")
       ->delimiter(',')
@@ -55,9 +72,17 @@ void add_atlas(CLI::App& program, Run& run_it) {
   command->add_option("--force", grid.force_N, "With which the hand presses [N]")
       ->check(CLI::Range(1e-3, 1e3))
       ->capture_default_str();
+  add_case_flags(*command, options->cases, "cases");
   command->footer(
-      "Examples:\n  touchstone atlas --out atlas\n  touchstone atlas --renderers god-object,penalty --mus 0 --angles "
-      "0.5,1.0,1.5");
+      "A run that stopped goes on where it was; a case that cannot be run is a row with its error and stands as ? in "
+      "the "
+      "maps.\nExit status 1: cases are missing, or could not be run.\n"
+      "Examples:\n"
+      "  touchstone atlas --out atlas\n"
+      "  touchstone atlas --renderers god-object,penalty --mus 0 --angles 0.5,1.0,1.5\n"
+      "  touchstone atlas --cases a.sqlite --shard 1/2   (and b.sqlite with 2/2 on another machine)\n"
+      "  touchstone atlas --merge a.sqlite b.sqlite --out atlas\n"
+      "  touchstone atlas --out atlas --engine slurm --tasks 20 --slurm-options=--partition=short");
   command->callback([options, &run_it] { run_it = [options] { return run(*options); }; });
 }
 

@@ -1,11 +1,12 @@
 #include "apps/atlas/atlas.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
-#include <map>
-#include <mutex>
+#include <stdexcept>
 
-#include "harness/base/in_parallel.h"
+#include "apps/cases/shared_cache.h"
 #include "harness/surface/embree_surface.h"
 #include "renderers/catalogue.h"
 #include "renderers/contact_mesh.h"
@@ -17,6 +18,8 @@ namespace {
 constexpr double kHalfSide = 0.05;
 constexpr double kHeight = 0.003;
 constexpr double kTop = 0.008;
+// Bodies that are kept; cases that follow one another share theirs.
+constexpr std::uint64_t kStages = 100;
 constexpr double kStep = 2e-5;  // along the outline per sample: 20 mm/s at 1 kHz
 
 struct OutPoint {
@@ -91,11 +94,10 @@ Model make_model(const std::string& renderer, double stiffness_N_per_m, double m
   return model;
 }
 
-AtlasCase run_on(const Stage& stage, Scene scene, const std::string& name, double sharpness, double stiffness,
-                 double mu, double force_N) {
-  const auto renderer = make_renderer(make_model(name, stiffness, mu), stage.mesh);
+Anomalies run_on(const Stage& stage, const AtlasCase& one, double force_N) {
+  const auto renderer = make_renderer(make_model(one.renderer, one.stiffness_N_per_m, one.mu), stage.mesh);
   renderer->reset();
-  const double depth = force_N / stiffness;
+  const double depth = force_N / one.stiffness_N_per_m;
   std::vector<TrackedContact> run;
   run.reserve(stage.out.size());
   const OutPoint& first = stage.out.front();
@@ -119,54 +121,63 @@ AtlasCase run_on(const Stage& stage, Scene scene, const std::string& name, doubl
     now.exact_depth_m = depth;
     // Pressed through a thin plate the tip is outside and rightly held: only above the object is it free.
     const double outside = stage.body->closest(tip).signed_distance_m;
-    now.tip_outside_m = scene == Scene::shell ? std::min(outside, tip.z()) : outside;
+    now.tip_outside_m = one.scene == Scene::shell ? std::min(outside, tip.z()) : outside;
     run.push_back(now);
   }
   AnomalyLimits limits;
-  limits.slack_m = mu * depth;
-  return {scene, name, sharpness, stiffness, mu, find_anomalies(run, limits)};
+  limits.slack_m = one.mu * depth;
+  return find_anomalies(run, limits);
 }
 
 }  // namespace
 
 std::string name_of(Scene scene) { return scene == Scene::bump ? "bump" : "shell"; }
 
-std::size_t case_count(const AtlasGrid& grid) {
+std::uint64_t case_count(const AtlasGrid& grid) {
   return grid.renderers.size() * (grid.side_angles_rad.size() + grid.thicknesses_m.size()) *
          grid.stiffnesses_N_per_m.size() * grid.mus.size();
 }
 
-std::vector<AtlasCase> run_atlas(const AtlasGrid& grid, const std::function<void(std::size_t)>& progress) {
-  std::vector<AtlasCase> cases;
-  std::map<std::pair<Scene, double>, Stage> stages;
-  for (const Scene scene : {Scene::bump, Scene::shell}) {
-    for (const double sharpness : sharpnesses(grid, scene)) stages[{scene, sharpness}] = make_stage(scene, sharpness);
-    for (const auto& renderer : grid.renderers) {
-      make_model(renderer, 1.0, 0.0);  // an unknown one is refused before any work
-      for (const double sharpness : sharpnesses(grid, scene)) {
-        for (const double stiffness : grid.stiffnesses_N_per_m) {
-          for (const double mu : grid.mus) cases.push_back({scene, renderer, sharpness, stiffness, mu, {}});
-        }
-      }
-    }
-  }
-  std::mutex mutex;
-  std::size_t done = 0;
-  const auto run = [&](std::size_t i) {
-    AtlasCase& own = cases[i];
-    own = run_on(stages.at({own.scene, own.sharpness}), own.scene, own.renderer, own.sharpness, own.stiffness_N_per_m,
-                 own.mu, grid.force_N);
-    const std::lock_guard lock(mutex);
-    ++done;
-    if (progress) progress(done);
+AtlasCase case_at(const AtlasGrid& grid, std::uint64_t number) {
+  if (number >= case_count(grid)) throw std::out_of_range("the atlas has no such case");
+  const std::uint64_t of_sharpness = grid.stiffnesses_N_per_m.size() * grid.mus.size();
+  const std::uint64_t bumps = grid.renderers.size() * grid.side_angles_rad.size() * of_sharpness;
+  const Scene scene = number < bumps ? Scene::bump : Scene::shell;
+  std::uint64_t rest = number < bumps ? number : number - bumps;
+  const auto take = [&](const auto& values) {
+    const auto& value = values[rest % values.size()];
+    rest /= values.size();
+    return value;
   };
-  in_parallel(cases.size(), run, 1);
-  return cases;
+  AtlasCase one{scene, "", 0.0, 0.0, 0.0, {}, ""};
+  one.mu = take(grid.mus);
+  one.stiffness_N_per_m = take(grid.stiffnesses_N_per_m);
+  one.sharpness = take(sharpnesses(grid, scene));
+  one.renderer = take(grid.renderers);
+  return one;
+}
+
+struct AtlasWorld::State {
+  double force_N;
+  apps::SharedCache<Stage> stages{kStages, [](const Stage&) { return 1; }};
+};
+
+AtlasWorld::AtlasWorld(const AtlasGrid& grid) : state_(std::make_unique<State>(grid.force_N)) {
+  for (const auto& renderer : grid.renderers) make_model(renderer, 1.0, 0.0);
+}
+AtlasWorld::~AtlasWorld() = default;
+
+Anomalies AtlasWorld::run(const AtlasCase& one) {
+  const auto stage = state_->stages.get(fmt::format("{} {}", name_of(one.scene), one.sharpness),
+                                        [&] { return std::make_shared<Stage>(make_stage(one.scene, one.sharpness)); });
+  return run_on(*stage, one, state_->force_N);
 }
 
 AtlasCase run_case(Scene scene, const std::string& renderer, double sharpness, double stiffness_N_per_m, double mu,
                    double force_N) {
-  return run_on(make_stage(scene, sharpness), scene, renderer, sharpness, stiffness_N_per_m, mu, force_N);
+  AtlasCase one{scene, renderer, sharpness, stiffness_N_per_m, mu, {}, ""};
+  one.found = run_on(make_stage(scene, sharpness), one, force_N);
+  return one;
 }
 
 std::string letters(const Anomalies& found) {
@@ -178,5 +189,7 @@ std::string letters(const Anomalies& found) {
   if (shown(found.pulls_inward)) text += "i";
   return text;
 }
+
+std::string letters(const AtlasCase& one) { return one.error.empty() ? letters(one.found) : "?"; }
 
 }  // namespace touchstone::atlas

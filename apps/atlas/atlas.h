@@ -11,7 +11,8 @@
 // effect coulomb-friction; how far friction may rightly hold the contact point back is allowed for.
 #pragma once
 
-#include <functional>
+#include <cstdint>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -38,13 +39,31 @@ struct AtlasCase {
   double stiffness_N_per_m;
   double mu;
   Anomalies found;
+  std::string error;  // why it could not be run; empty: it ran
 };
 
-// All cases in a fixed order, whatever the number of threads: renderer, then sharpness, stiffness, friction, the bump
-// first. Throws BadData for an unknown renderer.
-std::vector<AtlasCase> run_atlas(const AtlasGrid& grid, const std::function<void(std::size_t done)>& progress = {});
 // How many cases that is.
-std::size_t case_count(const AtlasGrid& grid);
+std::uint64_t case_count(const AtlasGrid& grid);
+// What the case with that number is, below case_count(); not yet run. The bump first, then by renderer, sharpness,
+// stiffness, friction.
+AtlasCase case_at(const AtlasGrid& grid, std::uint64_t number);
+
+// The bodies and the ways over them, made when a case first needs them and shared by all.
+class AtlasWorld {
+ public:
+  // Throws BadData for an unknown renderer.
+  explicit AtlasWorld(const AtlasGrid& grid);
+  ~AtlasWorld();
+  AtlasWorld(const AtlasWorld&) = delete;
+  AtlasWorld& operator=(const AtlasWorld&) = delete;
+
+  // Thread-safe; depends on the case alone. Throws BadData where the renderer refuses.
+  [[nodiscard]] Anomalies run(const AtlasCase& one);
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
 
 // One case, for tests.
 AtlasCase run_case(Scene scene, const std::string& renderer, double sharpness, double stiffness_N_per_m, double mu,
@@ -53,5 +72,7 @@ AtlasCase run_case(Scene scene, const std::string& renderer, double sharpness, d
 // What is wrong, shortest first: "" for nothing, else of "s" sticks, "p" pops through, "l" loses contact, "i" pulls
 // inward, each where at least 1 % of the samples show it.
 std::string letters(const Anomalies& found);
+// The same of a case; "?" for one that could not be run.
+std::string letters(const AtlasCase& one);
 
 }  // namespace touchstone::atlas

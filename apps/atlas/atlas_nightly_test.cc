@@ -52,23 +52,5 @@ TEST(AtlasKnownLimits, PenaltyPopsOrSlipsOffASteepBumpWherePressedDeep) {
   EXPECT_NE(letters(run_case(Scene::bump, "penalty", 1.55, 100, 0.0).found), "");
 }
 
-TEST(Atlas, DoesNotDependOnThreads) {
-  AtlasGrid grid;
-  grid.renderers = {"god-object", "friction-cone"};
-  grid.side_angles_rad = {0.6, 1.4};
-  grid.thicknesses_m = {1e-4};
-  grid.stiffnesses_N_per_m = {200, 1600};
-  grid.mus = {0.0, 0.5};
-  const auto first = run_atlas(grid);
-  ASSERT_EQ(first.size(), case_count(grid));
-  EXPECT_EQ(atlas_to_json(first), atlas_to_json(run_atlas(grid)));
-  for (const auto& own : first) {
-    const auto alone = run_case(own.scene, own.renderer, own.sharpness, own.stiffness_N_per_m, own.mu);
-    EXPECT_EQ(letters(alone.found), letters(own.found));
-    EXPECT_EQ(alone.found.largest_lag_m, own.found.largest_lag_m);
-  }
-  EXPECT_NE(atlas_picture(first, Scene::bump).find("friction-cone"), std::string::npos);
-}
-
 }  // namespace
 }  // namespace touchstone::atlas

@@ -54,6 +54,7 @@ std::string sharpness_axis(Scene scene) { return scene == Scene::bump ? "angle o
 
 // Okabe and Ito's palette, as the reports; the worst that a case shows decides.
 const char* colour(const std::string& shown) {
+  if (shown == "?") return "#BBBBBB";
   if (shown.find('p') != std::string::npos) return "#D55E00";
   if (shown.find('l') != std::string::npos) return "#CC79A7";
   if (shown.find('i') != std::string::npos) return "#0072B2";
@@ -61,8 +62,10 @@ const char* colour(const std::string& shown) {
   return "#DDEEE7";
 }
 
-constexpr const char* kLegend =
-    "s sticks, p pops through, l loses contact, i pulls inward, each in at least 1 % of the samples";
+std::string legend(const std::vector<AtlasCase>& cases) {
+  return std::string("s sticks, p pops through, l loses contact, i pulls inward, each in at least 1 % of the samples") +
+         (failed_cases(cases) > 0 ? "; ? could not be run" : "");
+}
 
 template <class Visit>
 void each_map(const std::vector<AtlasCase>& cases, Scene scene, Visit&& visit) {
@@ -82,8 +85,9 @@ Table map_table(const Map& map, Scene scene, const std::string& renderer, double
     row.cells.push_back({fmt::format("{:g}", *k), true, Tone::neutral});
     for (const double s : map.sharpness) {
       const AtlasCase* const own = map.at(s, *k);
-      const std::string shown = own == nullptr ? "?" : letters(own->found);
-      row.cells.push_back({shown.empty() ? "-" : shown, false, shown.empty() ? Tone::good : Tone::warning});
+      const std::string shown = own == nullptr ? "?" : letters(*own);
+      const Tone tone = shown == "?" ? Tone::error : shown.empty() ? Tone::good : Tone::warning;
+      row.cells.push_back({shown.empty() ? "-" : shown, false, tone});
     }
     table.rows.push_back(std::move(row));
   }
@@ -95,23 +99,46 @@ Table map_table(const Map& map, Scene scene, const std::string& renderer, double
 namespace {
 
 std::vector<std::vector<std::string>> summary_rows(const std::vector<AtlasCase>& cases) {
+  const bool failed = failed_cases(cases) > 0;
   std::vector<std::vector<std::string>> rows{
       {"scene", "renderer", "mu", "cases", "clean", "sticks", "pops through", "loses contact", "pulls inward"}};
+  if (failed) rows.front().emplace_back("failed to run");
   for (const Scene scene : {Scene::bump, Scene::shell}) {
     each_map(cases, scene, [&](const std::string& renderer, double mu, const Map& map) {
       std::array<std::size_t, 5> count{};
       for (const AtlasCase* own : map.cells()) {
-        const std::string shown = letters(own->found);
+        const std::string shown = letters(*own);
         count[0] += shown.empty() ? 1U : 0U;
         for (std::size_t i = 0; i < 4; ++i) count[i + 1] += shown.find("spli"[i]) != std::string::npos ? 1U : 0U;
       }
       std::vector<std::string> row{name_of(scene), renderer, fmt::format("{:g}", mu),
                                    fmt::format("{}", map.cells().size())};
       for (const std::size_t own : count) row.push_back(fmt::format("{}", own));
+      if (failed)
+        row.push_back(fmt::format(
+            "{}", std::ranges::count_if(map.cells(), [](const AtlasCase* own) { return !own->error.empty(); })));
       rows.push_back(std::move(row));
     });
   }
   return rows;
+}
+
+// Those that could not be run, each with its reason.
+Section failed_section(const std::vector<AtlasCase>& cases) {
+  Section section{
+      "Cases that could not be run", "They stand as ? in the maps and are counted nowhere else.", {}, false};
+  Table table;
+  table.columns = {"scene", "renderer", "sharpness", "stiffness [N/m]", "mu", "why"};
+  for (const auto& own : cases) {
+    if (own.error.empty()) continue;
+    Table::Row row;
+    for (const std::string& text : {name_of(own.scene), own.renderer, sharpness_label(own.scene, own.sharpness),
+                                    fmt::format("{:g}", own.stiffness_N_per_m), fmt::format("{:g}", own.mu), own.error})
+      row.cells.push_back({text, false, Tone::error});
+    table.rows.push_back(std::move(row));
+  }
+  section.blocks.emplace_back(std::move(table));
+  return section;
 }
 
 Section summary_section(const std::vector<AtlasCase>& cases) {
@@ -139,6 +166,10 @@ Section summary_section(const std::vector<AtlasCase>& cases) {
 
 }  // namespace
 
+std::size_t failed_cases(const std::vector<AtlasCase>& cases) {
+  return static_cast<std::size_t>(std::ranges::count_if(cases, [](const auto& own) { return !own.error.empty(); }));
+}
+
 std::string atlas_table(const std::vector<AtlasCase>& cases) { return align_columns(summary_rows(cases)); }
 
 Page atlas_page(const std::vector<AtlasCase>& cases, const Provenance& provenance) {
@@ -148,10 +179,11 @@ Page atlas_page(const std::vector<AtlasCase>& cases, const Provenance& provenanc
       "Where renderers stick, pop through, lose contact or pull inward: sharpness x stiffness x friction (Ruffaldi et "
       "al. 2006, section 5 and figure 8)";
   page.sections.push_back(summary_section(cases));
+  if (failed_cases(cases) > 0) page.sections.push_back(failed_section(cases));
   for (const Scene scene : {Scene::bump, Scene::shell}) {
     for (const auto& renderer : values_of(cases, scene, &AtlasCase::renderer)) {
       Section section{
-          fmt::format("{}: {}", scene == Scene::bump ? "Bump" : "Thin shell", renderer), kLegend, {}, false};
+          fmt::format("{}: {}", scene == Scene::bump ? "Bump" : "Thin shell", renderer), legend(cases), {}, false};
       for (const double mu : values_of(cases, scene, &AtlasCase::mu))
         section.blocks.emplace_back(map_table(Map(cases, scene, renderer, mu), scene, renderer, mu));
       page.sections.push_back(std::move(section));
@@ -164,17 +196,22 @@ Page atlas_page(const std::vector<AtlasCase>& cases, const Provenance& provenanc
 std::string atlas_to_json(const std::vector<AtlasCase>& cases) {
   nlohmann::ordered_json document{{"schema", "touchstone-atlas/1"}, {"cases", nlohmann::ordered_json::array()}};
   for (const auto& own : cases) {
-    document["cases"].push_back({{"scene", name_of(own.scene)},
-                                 {"renderer", own.renderer},
-                                 {own.scene == Scene::bump ? "side_angle_rad" : "thickness_m", own.sharpness},
-                                 {"stiffness_N_per_m", own.stiffness_N_per_m},
-                                 {"mu", own.mu},
-                                 {"samples", own.found.samples},
-                                 {"sticks", own.found.sticks},
-                                 {"pops_through", own.found.pops_through},
-                                 {"loses_contact", own.found.loses_contact},
-                                 {"pulls_inward", own.found.pulls_inward},
-                                 {"largest_lag_m", own.found.largest_lag_m}});
+    nlohmann::ordered_json one{{"scene", name_of(own.scene)},
+                               {"renderer", own.renderer},
+                               {own.scene == Scene::bump ? "side_angle_rad" : "thickness_m", own.sharpness},
+                               {"stiffness_N_per_m", own.stiffness_N_per_m},
+                               {"mu", own.mu}};
+    if (own.error.empty()) {
+      one.update({{"samples", own.found.samples},
+                  {"sticks", own.found.sticks},
+                  {"pops_through", own.found.pops_through},
+                  {"loses_contact", own.found.loses_contact},
+                  {"pulls_inward", own.found.pulls_inward},
+                  {"largest_lag_m", own.found.largest_lag_m}});
+    } else {
+      one["error"] = own.error;
+    }
+    document["cases"].push_back(std::move(one));
   }
   return document.dump(1) + "\n";
 }
@@ -215,7 +252,7 @@ std::string atlas_picture(const std::vector<AtlasCase>& cases, Scene scene) {
         text(x - 4, cell_y + 15, fmt::format("{:g}", up[k]), "text-anchor=\"end\" font-size=\"8\"");
         for (std::size_t s = 0; s < across.size(); ++s) {
           const AtlasCase* const own = map.at(across[s], up[k]);
-          const std::string shown = own == nullptr ? "?" : letters(own->found);
+          const std::string shown = own == nullptr ? "?" : letters(*own);
           const int cell_x = x + static_cast<int>(s) * kCell;
           svg += fmt::format("<rect x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\" fill=\"{}\" stroke=\"white\"/>\n",
                              cell_x, cell_y, kCell, kCell, colour(shown));
@@ -228,7 +265,7 @@ std::string atlas_picture(const std::vector<AtlasCase>& cases, Scene scene) {
       }
     }
   }
-  text(8, height - 12, kLegend);
+  text(8, height - 12, legend(cases));
   return svg + "</svg>\n";
 }
 

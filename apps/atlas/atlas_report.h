@@ -10,6 +10,7 @@
 
 namespace touchstone::atlas {
 
+std::size_t failed_cases(const std::vector<AtlasCase>& cases);
 // A line for each renderer, scene and friction: how many of the cases show what.
 std::string atlas_table(const std::vector<AtlasCase>& cases);
 Page atlas_page(const std::vector<AtlasCase>& cases, const Provenance& provenance);
