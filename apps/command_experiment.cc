@@ -11,10 +11,12 @@
 #include "apps/experiments/palpation_page.h"
 #include "apps/experiments/peer_comparison.h"
 #include "apps/experiments/renderer_cost.h"
-#include "apps/experiments/seed_spread.h"
+#include "apps/experiments/seeded_experiments.h"
 #include "apps/experiments/spring_page.h"
+#include "apps/experiments/spring_seed.h"
 #include "apps/experiments/voxel_page.h"
 #include "apps/plugin_flags.h"
+#include "apps/seeded_command.h"
 #include "harness/base/atomic_file.h"
 #include "harness/base/progress.h"
 #include "harness/recording/recording_file.h"
@@ -62,26 +64,35 @@ ExitStatus peers_command(const PeerOptions& options) {
 }
 
 struct SpringOptions {
-  std::string out;
+  SeededOptions seeded;
   std::size_t seeds = 100;
   std::uint64_t first_seed = 1;
 };
 
-ExitStatus run_springs(const SpringOptions& options) {
-  using experiments::spring_findings;
-  ensure_writable_folder(options.out);
-  const std::filesystem::path out = options.out;
-  Progress progress("spring experiment", 0);
-  const auto experiment = experiments::run_spring_experiment(
-      options.first_seed, options.seeds, [&progress](std::size_t done, std::size_t) { progress.update(done); });
+void write_spring_report(const std::filesystem::path& out, const experiments::SpringExperiment& experiment,
+                         const SeededRun& run) {
   write_file(out / "springs.json", experiments::spring_experiment_to_json(experiment));
-  write_page(out, experiments::spring_page(experiment, make_provenance(command_line())));
+  Provenance provenance = make_provenance(command_line());
+  provenance.inputs.push_back(*run.rows);
+  write_page(out, experiments::spring_page(experiment, provenance));
   for (const auto& condition : experiments::spring_conditions(experiment.variants.front().variant.setup)) {
     std::string name = condition.device + (condition.linear ? "-linear" : "-quadratic");
     std::replace(name.begin(), name.end(), ' ', '-');
     write_file(out / (name + ".json"), model_to_json(condition.model));
   }
+  fmt::print("the report has the others: {}\n", (out / "report.html").string());
+}
 
+ExitStatus run_springs(const SpringOptions& options) {
+  using experiments::spring_findings;
+  const SeededRun run =
+      run_seeded(experiments::seeded_springs(options.first_seed, options.seeds), options.seeded, "springs");
+  if (run.seeds.empty()) return run.status;
+  std::vector<experiments::SpringSeed> seeds;
+  for (const auto& own : run.seeds) {
+    if (own.error.empty()) seeds.push_back(experiments::spring_seed_from_json(own.result.document));
+  }
+  const auto experiment = experiments::gather_springs(options.first_seed, seeds);
   std::vector<std::vector<std::string>> rows{{"share of seeds"}};
   for (const auto& own : experiment.variants) rows.front().push_back(own.variant.name);
   for (std::size_t f = 0; f < spring_findings().size(); ++f) {
@@ -90,22 +101,26 @@ ExitStatus run_springs(const SpringOptions& options) {
       rows.back().push_back(fmt::format("{:.0f} %", 100.0 * own.findings[f][0].value()));
   }
   fmt::print("{}", align_columns(rows));
-  fmt::print("seeds {} to {}; features scaled by the rule reference-norm; the report has the others: {}\n",
-             options.first_seed, options.first_seed + options.seeds - 1, (out / "report.html").string());
-  return ExitStatus::passed;
+  fmt::print("seeds {} to {}; features scaled by the rule reference-norm\n", options.first_seed,
+             options.first_seed + options.seeds - 1);
+  if (!options.seeded.out.empty()) write_spring_report(options.seeded.out, experiment, run);
+  return run.status;
 }
 
 void add_springs(CLI::App& experiment, Run& run) {
   auto* const command = experiment.add_subcommand(
       "springs", "Two spring models on three devices against a real spring (Shao, Wu and Ouyang): which findings hold");
   auto options = std::make_shared<SpringOptions>();
-  command->add_option("--out", options->out, "Folder for report.html, tables.md, springs.json and the six model files")
-      ->required();
+  command->add_option("--out", options->seeded.out,
+                      "Folder for report.html, tables.md, springs.json and the six model files");
   command->add_option("--seeds", options->seeds, "How many seeds")->check(CLI::Range(1, 100000))->capture_default_str();
   command->add_option("--first-seed", options->first_seed, "The first of them")->capture_default_str();
+  add_seeded_flags(*command, options->seeded, "springs");
   command->footer(
+      "One seed after the other, each on all cores. A run that stopped goes on where it was.\n"
       "Examples:\n  touchstone experiment springs --out springs\n  touchstone experiment springs --seeds 10 --out "
-      "quick");
+      "quick\n" +
+      seeded_examples("springs"));
   command->callback([options, &run] { run = [options] { return run_springs(*options); }; });
 }
 
@@ -173,55 +188,36 @@ void add_indentation(CLI::App& experiment, Run& run) {
 }
 
 struct VoxelOptions {
-  std::string out;
+  SeededOptions seeded;
   std::size_t seeds = 1;
   experiments::VoxelExperimentOptions experiment;
 };
 
-void add_to(experiments::SeedSpread& spread, const experiments::VoxelExperiment& experiment) {
-  std::vector<std::pair<std::string, double>> values;
-  for (const auto& row : experiment.rows) {
-    if (row.renderer == "voxel-sparse") continue;  // the same forces to the bit
-    const std::string what = row.resolution > 0 ? fmt::format("{} {}^3", row.renderer, row.resolution) : row.renderer;
-    values.emplace_back(what + ": RMS force error [N]", row.rms_N);
-    values.emplace_back(what + ": own part [N]", row.own_rms_N);
-    if (row.operations) values.emplace_back(what + ": operations per step", row.operations->mean);
-  }
-  std::vector<std::pair<std::string, bool>> findings;
-  for (const auto& own : experiment.findings) findings.emplace_back(own.statement, own.holds);
-  spread.add(values, findings);
-}
-
 ExitStatus run_voxel(const VoxelOptions& options) {
-  if (!options.out.empty()) ensure_writable_folder(options.out);
-  const std::size_t rows = 1 + 2 * options.experiment.resolutions.size();
-  Progress progress("voxel experiment", rows * options.seeds);
-  experiments::VoxelExperiment experiment;
-  experiments::SeedSpread spread;
-  for (std::size_t s = 0; s < options.seeds; ++s) {
-    auto settings = options.experiment;
-    settings.seed += s;
-    auto own = experiments::run_voxel_experiment(
-        settings, [&progress, before = s * rows](std::size_t done, std::size_t) { progress.update(before + done); });
-    add_to(spread, own);
-    if (s == 0) experiment = std::move(own);
-  }
+  const auto seeded = experiments::seeded_voxel(options.experiment, options.seeds);
+  const SeededRun run = run_seeded(seeded, options.seeded, "voxel");
+  if (run.seeds.empty()) return run.status;
+  const auto& first = run.seeds.front().result;
+  const auto experiment = experiments::voxel_from(first.document, first.times);
+  const auto spread = experiments::stored_spread(seeded, run.seeds);
   fmt::print("{}{}", experiments::voxel_table(experiment), experiments::spread_table(spread));
-  if (options.out.empty()) return ExitStatus::passed;
-  const std::filesystem::path out = options.out;
+  if (options.seeded.out.empty()) return run.status;
+  const std::filesystem::path out = options.seeded.out;
   write_file(out / "voxel.json", experiments::voxel_experiment_to_json(experiment));
-  Page page = experiments::voxel_page(experiment, make_provenance(command_line()));
+  Provenance provenance = make_provenance(command_line());
+  provenance.inputs.push_back(*run.rows);
+  Page page = experiments::voxel_page(experiment, provenance);
   page.sections.insert(page.sections.begin() + 1, experiments::spread_section(spread));
   write_page(out, page);
   fmt::print("report: {}\n", (out / "report.html").string());
-  return ExitStatus::passed;
+  return run.status;
 }
 
 void add_voxel(CLI::App& experiment, Run& run) {
   auto* const command = experiment.add_subcommand(
       "voxel", "The proxy against a voxel grid (Ruffaldi et al. 2006, table 1): error, operations, time, memory");
   auto options = std::make_shared<VoxelOptions>();
-  command->add_option("--out", options->out, "Folder for report.html, tables.md and voxel.json");
+  command->add_option("--out", options->seeded.out, "Folder for report.html, tables.md and voxel.json");
   command->add_option("--seed", options->experiment.seed, "Of the scan")->capture_default_str();
   command->add_option("--seeds", options->seeds, "How many seeds, from --seed on; the tables are of the first")
       ->check(CLI::Range(1, 1000))
@@ -229,9 +225,12 @@ void add_voxel(CLI::App& experiment, Run& run) {
   command->add_option("--triangles", options->experiment.triangles, "Of the body's mesh")
       ->check(CLI::Range(100, 2000000))
       ->capture_default_str();
+  add_seeded_flags(*command, options->seeded, "voxel");
   command->footer(
+      "One seed after the other: it measures times. Times are those of the run that made the row.\n"
       "Examples:\n  touchstone experiment voxel\n  touchstone experiment voxel --out voxel --triangles 140000 --seed "
-      "7 --seeds 5");
+      "7 --seeds 5\n" +
+      seeded_examples("voxel"));
   command->callback([options, &run] { run = [options] { return run_voxel(*options); }; });
 }
 

@@ -4,10 +4,10 @@
 
 #include <filesystem>
 #include <memory>
-#include <utility>
 
 #include "apps/experiments/scan_pages.h"
-#include "apps/experiments/seed_spread.h"
+#include "apps/experiments/seeded_experiments.h"
+#include "apps/seeded_command.h"
 #include "harness/base/atomic_file.h"
 #include "harness/base/progress.h"
 #include "harness/recording/recording_file.h"
@@ -21,7 +21,7 @@ namespace touchstone::apps {
 namespace {
 
 struct Options {
-  std::string out;
+  SeededOptions seeded;
   std::uint64_t seed = 1;
   std::size_t seeds = 1;
   std::string recording, mesh;
@@ -31,7 +31,7 @@ struct Options {
 };
 
 void write_report(const Options& options, const std::string& name, const std::string& json, const Page& page) {
-  const std::filesystem::path out = options.out;
+  const std::filesystem::path out = options.seeded.out;
   write_file(out / (name + ".json"), json);
   write_html(out / "report.html", page);
   write_file(out / "tables.md", tables_to_markdown(page));
@@ -41,90 +41,60 @@ void write_report(const Options& options, const std::string& name, const std::st
 ExitStatus run_friction(const Options& options) {
   if (options.recording.empty() != options.mesh.empty())
     throw UsageError("--recording and --mesh belong together: a real scan and the surface it was made over");
-  if (!options.out.empty()) ensure_writable_folder(options.out);
-  constexpr std::array kCoefficients{0.25, 0.15, 0.40};
-  const std::size_t extensions = options.recording.empty() ? 0 : options.extend_m.size();
-  Progress progress("friction experiment", kCoefficients.size() * options.seeds + extensions);
-  std::size_t done = 0;
-  experiments::FrictionExperiment experiment;
-  experiments::SeedSpread spread;
-  for (std::size_t s = 0; s < options.seeds; ++s) {
-    experiments::FrictionExperiment own;
-    std::vector<std::pair<std::string, double>> values;
-    for (std::size_t i = 0; i < kCoefficients.size(); ++i) {
-      own.fits.push_back(experiments::fit_friction(options.seed + kCoefficients.size() * s + i, kCoefficients[i]));
-      for (const auto* const probe : {&own.fits.back().soft, &own.fits.back().stiff}) {
-        const std::string what =
-            fmt::format("mu {:.2f}, probe of {:.0f} N/m: ", kCoefficients[i], probe->stiffness_N_per_m);
-        values.emplace_back(what + "fitted mu", probe->fitted_mu);
-        values.emplace_back(what + "without [N]", probe->without.mean_N);
-        values.emplace_back(what + "with [N]", probe->with.mean_N);
-      }
-      progress.update(++done);
-    }
-    std::vector<std::pair<std::string, bool>> findings;
-    for (const auto& finding : experiments::friction_findings(own))
-      findings.emplace_back(finding.statement, finding.holds);
-    spread.add(values, findings);
-    if (s == 0) experiment = std::move(own);
-  }
+  const auto seeded = experiments::seeded_friction(options.seed, options.seeds);
+  const SeededRun run = run_seeded(seeded, options.seeded, "friction");
+  if (run.seeds.empty()) return run.status;
+  auto experiment = experiments::friction_from_json(run.seeds.front().result.document);
   Provenance provenance = make_provenance(command_line());
+  provenance.inputs.push_back(*run.rows);
   if (!options.recording.empty()) {
+    Progress progress("friction of a real recording", options.extend_m.size());
     const Recording recording = load_recording(options.recording);
     const TriangleMesh mesh = load_mesh(options.mesh, options.mesh_unit_m);
     for (const double extend_m : options.extend_m) {
       const auto surface = make_embree_surface(extend_m > 0.0 ? extend_open_edges(mesh, extend_m) : mesh);
       experiment.real.push_back(experiments::fit_real_friction(recording, surface, options.block_s));
       experiment.real.back().extended_m = extend_m;
-      progress.update(++done);
+      progress.update(experiment.real.size());
     }
     provenance.inputs.push_back(describe_input("recording", options.recording));
     provenance.inputs.push_back(describe_input("mesh", options.mesh));
   }
+  const auto spread = experiments::stored_spread(seeded, run.seeds);
   fmt::print("{}{}", experiments::friction_table(experiment), experiments::spread_table(spread));
-  if (options.out.empty()) return ExitStatus::passed;
+  if (options.seeded.out.empty()) return run.status;
   Page page = experiments::friction_page(experiment, provenance);
   page.sections.insert(page.sections.end() - 1, experiments::spread_section(spread));
   write_report(options, "friction", experiments::friction_to_json(experiment), page);
-  return ExitStatus::passed;
+  return run.status;
 }
 
 ExitStatus run_density(const Options& options, bool shading) {
-  if (!options.out.empty()) ensure_writable_folder(options.out);
-  experiments::DensityExperiment experiment;
-  experiments::SeedSpread spread;
-  Progress progress(shading ? "shading experiment" : "density experiment", options.seeds);
-  for (std::size_t s = 0; s < options.seeds; ++s) {
-    auto own = experiments::run_density_experiment(options.seed + s);
-    std::vector<std::pair<std::string, double>> values;
-    for (const auto& point : own.points) {
-      values.emplace_back(fmt::format("{} triangles: proxy [N]", point.triangles), point.plain.mean_N);
-      if (shading)
-        values.emplace_back(fmt::format("{} triangles: with shading [N]", point.triangles), point.shaded.mean_N);
-    }
-    std::vector<std::pair<std::string, bool>> findings;
-    for (const auto& finding : shading ? experiments::shading_findings(own) : experiments::density_findings(own))
-      findings.emplace_back(finding.statement, finding.holds);
-    spread.add(values, findings);
-    if (s == 0) experiment = std::move(own);
-    progress.update(s + 1);
-  }
+  const std::string name = shading ? "shading" : "density";
+  const auto seeded = experiments::seeded_density(options.seed, options.seeds, shading);
+  const SeededRun run = run_seeded(seeded, options.seeded, name);
+  if (run.seeds.empty()) return run.status;
+  const auto experiment = experiments::density_from_json(run.seeds.front().result.document);
+  const auto spread = experiments::stored_spread(seeded, run.seeds, experiments::density_part(shading));
   fmt::print("{}{}", experiments::density_table(experiment, shading), experiments::spread_table(spread));
-  if (options.out.empty()) return ExitStatus::passed;
-  Page page = experiments::density_page(experiment, shading, make_provenance(command_line()));
+  if (options.seeded.out.empty()) return run.status;
+  Provenance provenance = make_provenance(command_line());
+  provenance.inputs.push_back(*run.rows);
+  Page page = experiments::density_page(experiment, shading, provenance);
   page.sections.insert(page.sections.begin() + 1, experiments::spread_section(spread));
-  write_report(options, shading ? "shading" : "density", experiments::density_to_json(experiment), page);
-  return ExitStatus::passed;
+  write_report(options, name, experiments::density_to_json(experiment), page);
+  return run.status;
 }
 
 CLI::App* add(CLI::App& experiment, const std::string& name, const std::string& about,
               const std::shared_ptr<Options>& options) {
   auto* const command = experiment.add_subcommand(name, about);
-  command->add_option("--out", options->out, "Folder for report.html, tables.md and " + name + ".json");
+  command->add_option("--out", options->seeded.out, "Folder for report.html, tables.md and " + name + ".json");
   command->add_option("--seed", options->seed, "Of the scan")->capture_default_str();
   command->add_option("--seeds", options->seeds, "How many seeds, from --seed on; the tables are of the first")
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();
+  add_seeded_flags(*command, options->seeded, name);
   return command;
 }
 
@@ -152,7 +122,8 @@ void add_scan_experiments(CLI::App& experiment, Run& run) {
       ->capture_default_str();
   command->footer(
       "Examples:\n  touchstone experiment friction --seeds 5\n  touchstone experiment friction --out friction "
-      "--recording raster.csv --mesh phantom.obj --mesh-unit mm --extend 0,0.005,0.02");
+      "--recording raster.csv --mesh phantom.obj --mesh-unit mm --extend 0,0.005,0.02\n" +
+      seeded_examples("friction"));
   command->callback([friction, &run] { run = [friction] { return run_friction(*friction); }; });
   for (const bool shading : {false, true}) {
     auto options = std::make_shared<Options>();
@@ -162,7 +133,10 @@ void add_scan_experiments(CLI::App& experiment, Run& run) {
                                   : "Force error over the density of the mesh (Ruffaldi et al. 2006, table 3)",
                           options);
     own->footer(fmt::format(
-        "Examples:\n  touchstone experiment {0}\n  touchstone experiment {0} --out {0} --seed 7 --seeds 5", name));
+        "The rows of `density` are those of `shading`: --cases with the file of the one gives the report of the "
+        "other.\n"
+        "Examples:\n  touchstone experiment {0}\n  touchstone experiment {0} --out {0} --seed 7 --seeds 5\n{1}",
+        name, seeded_examples(name)));
     own->callback([options, shading, &run] { run = [options, shading] { return run_density(*options, shading); }; });
   }
 }

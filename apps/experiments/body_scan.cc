@@ -1,6 +1,7 @@
 #include "apps/experiments/body_scan.h"
 
 #include <cmath>
+#include <stdexcept>
 
 #include "harness/rendering/in_trajectory.h"
 #include "harness/rendering/replay.h"
@@ -22,6 +23,7 @@ BodyScan make_body_scan(std::uint64_t seed, double mu) {
   scan.stiffness_N_per_m = recipe.stiffness_N_per_m;
   scan.true_mu = mu;
   scan.finest = synthetic::make_mesh(recipe.surface, recipe.parameters, 140000).mesh;
+  if (scan.finest.triangle_count() != kFinestTriangles) throw std::logic_error("kFinestTriangles is out of date");
   const auto surface = make_embree_surface(scan.finest);
   scan.out = make_out_trajectory(scan.recording, *surface, {.tip_radius_m = scan.tip_radius_m});
   scan.in = synthesize_in_trajectory(scan.out, scan.stiffness_N_per_m);

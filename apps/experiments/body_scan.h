@@ -13,11 +13,14 @@
 
 namespace touchstone::experiments {
 
+// Of the finest mesh; make_body_scan() holds itself to it.
+inline constexpr std::size_t kFinestTriangles = 141120;
+
 struct BodyScan {
   Recording recording;  // measured, at the tracker's 60 Hz
   OutTrajectory out;    // made from it over the finest mesh
   InTrajectory in;      // equation 2
-  TriangleMesh finest;  // 140,000 triangles
+  TriangleMesh finest;
   double tip_radius_m;
   double stiffness_N_per_m;  // of the virtual probe, the paper's 0.5 N/mm
   double true_mu;            // hidden from the renderers, for the answer

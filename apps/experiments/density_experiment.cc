@@ -34,16 +34,20 @@ std::optional<OperationReport> operations_of_a_point(const BodyScan& scan, const
 
 }  // namespace
 
+std::vector<std::size_t> density_triangles() {
+  std::vector<std::size_t> sizes;
+  sizes.reserve(kPublishedDensity.size());
+  for (const auto& published : kPublishedDensity)
+    sizes.push_back(static_cast<std::size_t>(std::lround(1000.0 * published.kilo_triangles)));
+  sizes.back() = kFinestTriangles;
+  return sizes;
+}
+
 DensityExperiment run_density_experiment(std::uint64_t seed) {
   const BodyScan scan = make_body_scan(seed, synthetic::recipe("duck").contact.mu);
-  std::vector<std::size_t> targets;
-  targets.reserve(kPublishedDensity.size());
-  for (const auto& published : kPublishedDensity)
-    targets.push_back(static_cast<std::size_t>(std::lround(1000.0 * published.kilo_triangles)));
-  targets.back() = scan.finest.triangle_count();
   DensityExperiment experiment{seed, {}};
   const MotionColumns deepest = deepest_places(scan);
-  for (const TriangleMesh& mesh : decimated_family(scan.finest, targets)) {
+  for (const TriangleMesh& mesh : decimated_family(scan.finest, density_triangles())) {
     const std::shared_ptr<const Surface> surface = make_embree_surface(mesh);
     const auto shared = contact_mesh(surface);  // kept, so that it is built once
     const auto error = [&](const std::string& renderer, Against against) {

@@ -43,6 +43,8 @@ struct DensityExperiment {
   std::vector<DensityPoint> points;  // from coarse to fine, as kPublishedDensity
 };
 
+// The sizes of its meshes, from coarse to fine.
+std::vector<std::size_t> density_triangles();
 DensityExperiment run_density_experiment(std::uint64_t seed);
 std::vector<PaperFinding> density_findings(const DensityExperiment& experiment);
 std::vector<PaperFinding> shading_findings(const DensityExperiment& experiment);

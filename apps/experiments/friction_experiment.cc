@@ -19,8 +19,6 @@ namespace {
 
 constexpr double kLargestMu = 0.6;
 constexpr int kCurve = 24;
-constexpr double kSoft_N_per_m = 500.0;
-constexpr double kStiff_N_per_m = 5000.0;
 
 // About the best place of a curve.
 double refine(const std::function<double(double)>& f, const std::vector<double>& x, const std::vector<double>& y) {
@@ -47,7 +45,7 @@ FrictionFit fit_friction(std::uint64_t seed, double true_mu) {
   fit.seed = seed;
   fit.true_mu = true_mu;
   for (FrictionAtStiffness* const own : {&fit.soft, &fit.stiff}) {
-    own->stiffness_N_per_m = scan.stiffness_N_per_m = own == &fit.soft ? kSoft_N_per_m : kStiff_N_per_m;
+    own->stiffness_N_per_m = scan.stiffness_N_per_m = own == &fit.soft ? kSoftProbe_N_per_m : kStiffProbe_N_per_m;
     scan.in = synthesize_in_trajectory(scan.out, scan.stiffness_N_per_m);
     const auto fitted = [&](double mu) { return error(mu, 0, half).mean_N; };
     for (int i = 0; i <= kCurve; ++i) {

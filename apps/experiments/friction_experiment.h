@@ -10,6 +10,11 @@
 
 namespace touchstone::experiments {
 
+// Of the virtual probes: the paper's 0.5 N/mm, and ten times that: the god-object lags by mu times the depth, which is
+// a tenth then.
+inline constexpr double kSoftProbe_N_per_m = 500.0;
+inline constexpr double kStiffProbe_N_per_m = 5000.0;
+
 // By a virtual probe of one stiffness.
 struct FrictionAtStiffness {
   double stiffness_N_per_m = 0.0;
@@ -22,8 +27,7 @@ struct FrictionAtStiffness {
 struct FrictionFit {
   std::uint64_t seed = 0;
   double true_mu = 0.0;
-  FrictionAtStiffness soft;   // the paper's 0.5 N/mm
-  FrictionAtStiffness stiff;  // ten times that: the god-object lags by mu times the depth, which is a tenth
+  FrictionAtStiffness soft, stiff;
 };
 
 // The same on a recording of a soft real object, pressed at its measured positions: stiffness and coefficient fitted on

@@ -31,6 +31,7 @@ TEST(FrictionExperiment, FindsTheCoefficientWithinTwoPercentAndHalvesTheError) {
     }
   }
   std::printf("%s", friction_table(experiment).c_str());
+  EXPECT_EQ(friction_to_json(friction_from_json(friction_to_json(experiment))), friction_to_json(experiment));
 }
 
 TEST(FrictionExperiment, HelpsOnARealRecordingInBlocksThatItDidNotSee) {
@@ -50,6 +51,9 @@ TEST(DensityExperiment, TheErrorIsFlatAboveAThousandTrianglesAndSteepBelowAndSha
   const DensityExperiment experiment = run_density_experiment(1);
   std::printf("%s%s", density_table(experiment, false).c_str(), density_table(experiment, true).c_str());
   ASSERT_EQ(experiment.points.size(), kPublishedDensity.size());
+  for (std::size_t i = 0; i < experiment.points.size(); ++i)
+    EXPECT_EQ(experiment.points[i].triangles, density_triangles()[i]);
+  EXPECT_EQ(density_to_json(density_from_json(density_to_json(experiment))), density_to_json(experiment));
   const auto density = density_findings(experiment);
   ASSERT_EQ(density.size(), 3U);
   // Does not hold here, and should not: nothing but the mesh is wrong. Should it begin to, the text is wrong.

@@ -1,6 +1,8 @@
 #include <nlohmann/json.hpp>
 
+#include "apps/experiments/operations_json.h"
 #include "apps/experiments/scan_pages.h"
+#include "harness/base/error.h"
 
 namespace touchstone::experiments {
 namespace {
@@ -9,6 +11,11 @@ using Json = nlohmann::ordered_json;
 
 Json to_json(const ForceError& error) {
   return {{"mean_N", error.mean_N}, {"rms_N", error.rms_N}, {"samples", error.samples}};
+}
+
+ForceError force_error_from(const Json& document) {
+  return {document.at("mean_N").get<double>(), document.at("rms_N").get<double>(),
+          document.at("samples").get<std::size_t>()};
 }
 
 Json to_json(const std::vector<PaperFinding>& findings) {
@@ -50,17 +57,64 @@ std::string friction_to_json(const FrictionExperiment& e) {
 std::string density_to_json(const DensityExperiment& e) {
   Json document{{"schema", "touchstone-density-experiment/1"}, {"seed", e.seed}, {"points", Json::array()}};
   for (const auto& p : e.points) {
-    document["points"].push_back(
-        {{"triangles", p.triangles},
-         {"plain", to_json(p.plain)},
-         {"shaded", to_json(p.shaded)},
-         {"plain_against_whole_force", to_json(p.plain_all)},
-         {"shaded_against_whole_force", to_json(p.shaded_all)},
-         {"operations", p.operations ? Json::parse(operations_to_json(*p.operations)) : Json()}});
+    document["points"].push_back({{"triangles", p.triangles},
+                                  {"plain", to_json(p.plain)},
+                                  {"shaded", to_json(p.shaded)},
+                                  {"plain_against_whole_force", to_json(p.plain_all)},
+                                  {"shaded_against_whole_force", to_json(p.shaded_all)},
+                                  {"operations", p.operations ? operations_document(*p.operations) : Json()}});
   }
   document["density_findings"] = to_json(density_findings(e));
   document["shading_findings"] = to_json(shading_findings(e));
   return document.dump(2) + "\n";
+}
+
+FrictionExperiment friction_from_json(const std::string& text) {
+  try {
+    const Json document = Json::parse(text);
+    FrictionExperiment e;
+    for (const Json& one : document.at("fits")) {
+      FrictionFit fit;
+      one.at("seed").get_to(fit.seed);
+      one.at("true_mu").get_to(fit.true_mu);
+      std::size_t at = 0;
+      for (FrictionAtStiffness* const own : {&fit.soft, &fit.stiff}) {
+        const Json& probe = one.at("probes").at(at++);
+        probe.at("stiffness_N_per_m").get_to(own->stiffness_N_per_m);
+        probe.at("fitted_mu").get_to(own->fitted_mu);
+        own->without = force_error_from(probe.at("without"));
+        own->with = force_error_from(probe.at("with"));
+        probe.at("curve").at("mu").get_to(own->mu);
+        probe.at("curve").at("mean_N").get_to(own->mean_error_N);
+      }
+      e.fits.push_back(std::move(fit));
+    }
+    for (const Json& one : document.at("real")) {
+      e.real.push_back({one.at("extended_m").get<double>(), one.at("block_s").get<double>(),
+                        one.at("fitted_mu").get<double>(), one.at("stiffness_N_per_m").get<double>(),
+                        one.at("rms_without_N").get<double>(), one.at("rms_with_N").get<double>(),
+                        one.at("fitted_samples").get<std::size_t>(), one.at("held_out_samples").get<std::size_t>()});
+    }
+    return e;
+  } catch (const Json::exception& error) {
+    throw BadData(std::string("the friction experiment cannot be read: ") + error.what());
+  }
+}
+
+DensityExperiment density_from_json(const std::string& text) {
+  try {
+    const Json document = Json::parse(text);
+    DensityExperiment e{document.at("seed").get<std::uint64_t>(), {}};
+    for (const Json& one : document.at("points")) {
+      e.points.push_back({one.at("triangles").get<std::size_t>(), force_error_from(one.at("plain")),
+                          force_error_from(one.at("shaded")), force_error_from(one.at("plain_against_whole_force")),
+                          force_error_from(one.at("shaded_against_whole_force")), std::nullopt});
+      if (!one.at("operations").is_null()) e.points.back().operations = operations_from(one.at("operations"));
+    }
+    return e;
+  } catch (const Json::exception& error) {
+    throw BadData(std::string("the density experiment cannot be read: ") + error.what());
+  }
 }
 
 }  // namespace touchstone::experiments

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "harness/perception/agreement.h"
+#include "apps/experiments/spring_seed.h"
 #include "harness/perception/subjective/simulated_observer.h"
 
 namespace touchstone::experiments {
@@ -100,87 +100,51 @@ double Share::high95() const {
 
 namespace {
 
-pc::PerceptualEvaluation evaluate_seed(const Variant& variant, const std::vector<SpringCondition>& conditions,
-                                       std::uint64_t seed) {
-  std::vector<pc::ConditionSource> sources;
-  for (std::size_t c = 0; c < conditions.size(); ++c) {
-    sources.push_back({conditions[c].name, [&variant, &condition = conditions[c], seed, c] {
-                         return std::vector<pc::PressSignal>{press_condition(variant.setup, condition, seed, c)};
-                       }});
-  }
-  pc::EvaluationOptions options;
-  options.image = variant.image;
-  return pc::evaluate({press_real_spring(variant.setup, seed)}, sources, options);
-}
-
 void add_to(std::vector<double>& mean, const std::vector<double>& values, double weight) {
   mean.resize(values.size(), 0.0);
   for (std::size_t i = 0; i < values.size(); ++i) mean[i] += weight * values[i];
 }
 
-// Larger is more like the real process, in the order of spring_conditions(): the order that the paper's subjects gave.
-const std::vector<double> kPublishedLikeness{6, 5, 4, 3, 2, 1};
-
-Costs costs_of(const pc::PerceptualEvaluation& evaluation) {
-  Costs costs{evaluation.values(pc::kPerceptionSpaceMethod.name), evaluation.values("euclidean"),
-              evaluation.values("pearson")};
-  for (double& value : costs.pearson) value = 1.0 - value;
-  return costs;
-}
-
-void count(VariantResult& result, const pc::PerceptualEvaluation& evaluation, double weight) {
-  Costs costs = costs_of(evaluation);
+void count(VariantResult& result, const SpringSeed::OfVariant& own, double weight) {
   const auto& findings = spring_findings();
   result.findings.resize(findings.size());
-  std::vector<std::vector<double>> spaces;
-  for (const auto scaling : pc::kFeatureScalings) {
-    spaces.push_back(pc::distances_with_scaling(evaluation, scaling, evaluation.explained_share_wanted));
-  }
-  result.mean_distance.resize(spaces.size());
-  for (std::size_t s = 0; s < spaces.size(); ++s) add_to(result.mean_distance[s], spaces[s], weight);
+  result.mean_distance.resize(own.spaces.size());
+  for (std::size_t s = 0; s < own.spaces.size(); ++s) add_to(result.mean_distance[s], own.spaces[s], weight);
   for (std::size_t f = 0; f < findings.size(); ++f) {
-    result.findings[f].resize(findings[f].uses_space ? spaces.size() : 1);
+    result.findings[f].resize(findings[f].uses_space ? own.spaces.size() : 1);
     for (std::size_t s = 0; s < result.findings[f].size(); ++s) {
       result.findings[f][s].of += 1;
-      costs.space = spaces[s];
-      result.findings[f][s].held += findings[f].holds(costs) ? 1 : 0;
+      result.findings[f][s].held += findings[f].holds(own.costs(own.spaces[s])) ? 1 : 0;
     }
   }
-  result.features = evaluation.features;
+  result.features = own.features;
   result.by_feature.resize(result.features.size());
   result.mean_block_distance.resize(result.features.size());
   for (std::size_t b = 0; b < result.features.size(); ++b) {
-    std::vector<double> alone;
-    for (const auto& condition : evaluation.conditions) alone.push_back(condition.block_distance[b]);
-    add_to(result.mean_block_distance[b], alone, weight);
+    add_to(result.mean_block_distance[b], own.blocks[b], weight);
     result.by_feature[b].resize(findings.size());
     for (std::size_t f = 0; f < findings.size(); ++f) {
       result.by_feature[b][f].of += 1;
-      costs.space = alone;
-      result.by_feature[b][f].held += findings[f].holds(costs) ? 1 : 0;
+      result.by_feature[b][f].held += findings[f].holds(own.costs(own.blocks[b])) ? 1 : 0;
     }
   }
-  result.mean_dimensions += weight * static_cast<double>(evaluation.space.dimensions);
-  result.mean_explained_share += weight * evaluation.space.explained_share;
+  result.mean_dimensions += weight * own.dimensions;
+  result.mean_explained_share += weight * own.explained_share;
   const auto& methods = pc::statistical_methods();
   result.mean_statistic.resize(methods.size());
   result.methods = {std::string(pc::kPerceptionSpaceMethod.name)};
   result.agreement.resize(methods.size() + 1);
-  const auto likeness = [&](const pc::Method& method) {
-    return pc::agree(std::string(method.name), evaluation.values(method.name), method.larger_is_better,
-                     kPublishedLikeness)
-        .spearman.coefficient;
-  };
-  result.agreement[0].push_back(likeness(pc::kPerceptionSpaceMethod));
+  result.agreement[0].push_back(own.agreement[0]);
   for (std::size_t m = 0; m < methods.size(); ++m) {
-    add_to(result.mean_statistic[m], evaluation.values(methods[m].method.name), weight);
+    add_to(result.mean_statistic[m], own.statistics[m], weight);
     result.methods.emplace_back(methods[m].method.name);
-    result.agreement[m + 1].push_back(likeness(methods[m].method));
+    result.agreement[m + 1].push_back(own.agreement[m + 1]);
   }
 }
 
-// Presses from half of what the weakest device can give to more than the strongest can.
-std::vector<ScanPoint> scan_points() {
+}  // namespace
+
+std::vector<ScanPoint> spring_scan_points() {
   std::vector<ScanPoint> points;
   for (const auto rule : {QuadraticRule::equal_at_full_stroke, QuadraticRule::same_number}) {
     for (const double force_N : {1.5, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0, 14.0}) points.push_back({rule, force_N, {}});
@@ -188,52 +152,47 @@ std::vector<ScanPoint> scan_points() {
   return points;
 }
 
-void scan(ScanPoint& point, std::uint64_t first_seed, std::size_t seeds) {
-  Variant variant = spring_variants().front();
-  variant.setup.rule = point.rule;
-  variant.setup.motion.stroke_m = point.full_stroke_force_N / variant.setup.stiffness_N_per_m;
-  const auto conditions = spring_conditions(variant.setup);
-  const auto& findings = spring_findings();
-  point.findings.resize(findings.size());
-  for (std::size_t s = 0; s < seeds; ++s) {
-    const Costs costs = costs_of(evaluate_seed(variant, conditions, first_seed + s));
-    for (std::size_t f = 0; f < findings.size(); ++f) {
-      point.findings[f].of += 1;
-      point.findings[f].held += findings[f].holds(costs) ? 1 : 0;
-    }
-  }
-}
-
-}  // namespace
-
 SpringExperiment run_spring_experiment(std::uint64_t first_seed, std::size_t seeds,
                                        const std::function<void(std::size_t done, std::size_t of)>& progress) {
+  std::size_t done = 0;
+  const std::size_t scanned = std::min(seeds, kScanSeeds);
+  const std::size_t all = scanned * spring_parts(true) + (seeds - scanned) * spring_parts(false);
+  std::vector<SpringSeed> of_seed;
+  for (std::size_t s = 0; s < seeds; ++s) {
+    of_seed.push_back(run_spring_seed(first_seed + s, s < kScanSeeds, [&] {
+      if (progress) progress(++done, all);
+    }));
+  }
+  return gather_springs(first_seed, of_seed);
+}
+
+SpringExperiment gather_springs(std::uint64_t first_seed, const std::vector<SpringSeed>& seeds) {
   SpringExperiment experiment;
   experiment.first_seed = first_seed;
-  experiment.seeds = seeds;
+  experiment.seeds = seeds.size();
   const auto variants = spring_variants();
-  experiment.scan = scan_points();
-  const std::size_t scan_seeds = std::min(seeds, kScanSeeds);
-  const std::size_t all = variants.size() * seeds + experiment.scan.size() * scan_seeds;
-  for (const auto& variant : variants) {
-    const auto conditions = spring_conditions(variant.setup);
+  for (std::size_t v = 0; v < variants.size(); ++v) {
     VariantResult result;
-    result.variant = variant;
-    for (std::size_t s = 0; s < seeds; ++s) {
-      auto evaluation = evaluate_seed(variant, conditions, first_seed + s);
-      count(result, evaluation, 1.0 / static_cast<double>(seeds));
-      if (experiment.variants.empty() && s == 0) experiment.example = std::move(evaluation);
-      if (progress) progress(experiment.variants.size() * seeds + s + 1, all);
-    }
+    result.variant = variants[v];
+    for (const SpringSeed& own : seeds) count(result, own.variants.at(v), 1.0 / static_cast<double>(seeds.size()));
     experiment.variants.push_back(std::move(result));
-    if (experiment.conditions.empty()) {
-      for (const auto& condition : conditions) experiment.conditions.push_back(condition.name);
+  }
+  for (const auto& condition : spring_conditions(variants.front().setup))
+    experiment.conditions.push_back(condition.name);
+  experiment.scan = spring_scan_points();
+  const auto& findings = spring_findings();
+  for (std::size_t p = 0; p < experiment.scan.size(); ++p) {
+    auto& shares = experiment.scan[p].findings;
+    shares.resize(findings.size());
+    for (const SpringSeed& own : seeds) {
+      if (own.scan.empty()) continue;
+      for (std::size_t f = 0; f < findings.size(); ++f) {
+        shares[f].of += 1;
+        shares[f].held += findings[f].holds(own.scan.at(p)) ? 1 : 0;
+      }
     }
   }
-  for (std::size_t p = 0; p < experiment.scan.size(); ++p) {
-    scan(experiment.scan[p], first_seed, scan_seeds);
-    if (progress) progress(variants.size() * seeds + (p + 1) * scan_seeds, all);
-  }
+  experiment.example = spring_example(first_seed);
   // Ten observers, as the paper had subjects; they feel the example's distances with a noise of a quarter of their
   // range.
   const auto distances = experiment.example.values(pc::kPerceptionSpaceMethod.name);

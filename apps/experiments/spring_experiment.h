@@ -74,6 +74,9 @@ struct ScanPoint {
   std::vector<Share> findings;
 };
 
+// Presses from half of what the weakest device can give to more than the strongest can.
+std::vector<ScanPoint> spring_scan_points();
+
 struct SpringExperiment {
   std::vector<std::string> conditions;
   std::vector<ScanPoint> scan;
@@ -86,6 +89,10 @@ struct SpringExperiment {
 
 // The scan needs no more: it shows where a finding begins and ends, not how sure it is.
 inline constexpr std::size_t kScanSeeds = 20;
+
+struct SpringSeed;  // apps/experiments/spring_seed.h
+// Everything over the seeds that ran, in their order; the example is made anew of the first.
+SpringExperiment gather_springs(std::uint64_t first_seed, const std::vector<SpringSeed>& seeds);
 
 SpringExperiment run_spring_experiment(std::uint64_t first_seed, std::size_t seeds,
                                        const std::function<void(std::size_t done, std::size_t of)>& progress);

@@ -2,7 +2,8 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "apps/experiments/spring_experiment.h"
+#include "apps/experiments/spring_seed.h"
+#include "harness/base/error.h"
 
 namespace touchstone::experiments {
 namespace {
@@ -18,6 +19,25 @@ Json numbers(const std::vector<double>& values) {
   Json result = Json::array();
   for (const double value : values) result.push_back(std::isfinite(value) ? Json(value) : Json());
   return result;
+}
+
+Json tables(const std::vector<std::vector<double>>& rows) {
+  Json result = Json::array();
+  for (const auto& row : rows) result.push_back(numbers(row));
+  return result;
+}
+
+// null is what has no number.
+std::vector<double> numbers_from(const Json& document) {
+  std::vector<double> values;
+  for (const Json& value : document) values.push_back(value.is_null() ? std::nan("") : value.get<double>());
+  return values;
+}
+
+std::vector<std::vector<double>> tables_from(const Json& document) {
+  std::vector<std::vector<double>> rows;
+  for (const Json& row : document) rows.push_back(numbers_from(row));
+  return rows;
 }
 
 Json variant_to_json(const VariantResult& own) {
@@ -72,6 +92,44 @@ std::string spring_experiment_to_json(const SpringExperiment& experiment) {
     document["scan"].push_back(point);
   }
   return document.dump(2) + "\n";
+}
+
+std::string spring_seed_to_json(const SpringSeed& seed) {
+  Json document{{"variants", Json::array()}, {"scan", Json::array()}};
+  for (const auto& own : seed.variants) {
+    document["variants"].push_back({{"spaces", tables(own.spaces)},
+                                    {"features", own.features},
+                                    {"blocks", tables(own.blocks)},
+                                    {"statistics", tables(own.statistics)},
+                                    {"agreement", numbers(own.agreement)},
+                                    {"dimensions", own.dimensions},
+                                    {"explained_share", own.explained_share}});
+  }
+  for (const Costs& own : seed.scan) document["scan"].push_back(tables({own.space, own.euclidean, own.pearson}));
+  return document.dump();
+}
+
+SpringSeed spring_seed_from_json(const std::string& text) {
+  try {
+    const Json document = Json::parse(text);
+    SpringSeed seed;
+    for (const Json& one : document.at("variants")) {
+      SpringSeed::OfVariant own;
+      own.spaces = tables_from(one.at("spaces"));
+      one.at("features").get_to(own.features);
+      own.blocks = tables_from(one.at("blocks"));
+      own.statistics = tables_from(one.at("statistics"));
+      own.agreement = numbers_from(one.at("agreement"));
+      one.at("dimensions").get_to(own.dimensions);
+      one.at("explained_share").get_to(own.explained_share);
+      seed.variants.push_back(std::move(own));
+    }
+    for (const Json& one : document.at("scan"))
+      seed.scan.push_back({numbers_from(one.at(0)), numbers_from(one.at(1)), numbers_from(one.at(2))});
+    return seed;
+  } catch (const Json::exception& error) {
+    throw BadData(std::string("the stored seed of the spring experiment cannot be read: ") + error.what());
+  }
 }
 
 }  // namespace touchstone::experiments

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <nlohmann/json.hpp>
 
 #include "harness/base/error.h"
 #include "harness/rendering/in_trajectory.h"
@@ -111,7 +110,9 @@ double total(const VoxelRow& row) {
   return row.operations ? static_cast<double>(row.operations->total()) : std::nan("");
 }
 
-std::vector<VoxelFinding> judge(const VoxelExperiment& e) {
+}  // namespace
+
+std::vector<VoxelFinding> voxel_findings(const VoxelExperiment& e) {
   const VoxelRow& proxy = *e.find("god-object", 0);
   const VoxelRow& coarse = *e.find("voxel", 32);
   const VoxelRow& fine = *e.find("voxel", 64);
@@ -146,8 +147,6 @@ std::vector<VoxelFinding> judge(const VoxelExperiment& e) {
   return findings;
 }
 
-}  // namespace
-
 const VoxelRow* VoxelExperiment::find(const std::string& renderer, int resolution) const {
   const auto found = std::find_if(rows.begin(), rows.end(), [&](const VoxelRow& row) {
     return row.renderer == renderer && row.resolution == resolution;
@@ -180,7 +179,7 @@ VoxelExperiment run_voxel_experiment(const VoxelExperimentOptions& options, cons
     add("voxel", resolution);
     add("voxel-sparse", resolution);
   }
-  experiment.findings = judge(experiment);
+  experiment.findings = voxel_findings(experiment);
   return experiment;
 }
 
@@ -208,42 +207,6 @@ std::string voxel_table(const VoxelExperiment& e) {
     text +=
         fmt::format("{}  {}: {}\n", finding.holds ? "holds       " : "does not hold", finding.statement, finding.here);
   return text;
-}
-
-std::string voxel_experiment_to_json(const VoxelExperiment& e) {
-  nlohmann::ordered_json root{{"schema", "touchstone-experiment-voxel/1"},
-                              {"seed", e.options.seed},
-                              {"triangles", e.options.triangles},
-                              {"samples", e.samples},
-                              {"in_contact", e.in_contact},
-                              {"deepest_m", e.deepest_m},
-                              {"surface_build_ms", e.surface_build_ms},
-                              {"rms_measured_N", e.rms_measured_N}};
-  for (const VoxelRow& row : e.rows) {
-    root["rows"].push_back(
-        {{"renderer", row.renderer},
-         {"resolution", row.resolution},
-         {"rms_force_error_N", row.rms_N},
-         {"mean_force_error_N", row.mean_N},
-         {"own_rms_N", row.own_rms_N},
-         {"operations", row.operations ? nlohmann::json::parse(operations_to_json(*row.operations)) : nlohmann::json()},
-         {"mean_us", row.timing.mean_us},
-         {"median_us", row.timing.median_us},
-         {"max_us", row.timing.max_us},
-         {"build_ms", row.timing.build_ms},
-         {"memory_bytes", row.timing.memory_bytes}});
-  }
-  for (const PublishedVoxelRow& row : published_voxel_table()) {
-    root["published"].push_back({{"algorithm", row.algorithm},
-                                 {"resolution", row.resolution},
-                                 {"rms_force_error_N", row.rms_N},
-                                 {"operations", row.operations},
-                                 {"init_s", row.init_s},
-                                 {"memory_MB", row.memory_MB}});
-  }
-  for (const VoxelFinding& finding : e.findings)
-    root["findings"].push_back({{"statement", finding.statement}, {"holds", finding.holds}, {"here", finding.here}});
-  return root.dump(2) + "\n";
 }
 
 }  // namespace touchstone::experiments

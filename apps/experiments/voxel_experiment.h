@@ -75,8 +75,19 @@ using ExperimentProgress = std::function<void(std::size_t done, std::size_t all)
 // Resolutions must hold 32 and 64, which the findings are about.
 VoxelExperiment run_voxel_experiment(const VoxelExperimentOptions& options, const ExperimentProgress& progress = {});
 
+// Of rows that have the god-object and 32^3 and 64^3 voxels; the statements do not depend on the numbers.
+std::vector<VoxelFinding> voxel_findings(const VoxelExperiment& experiment);
+inline constexpr std::size_t kTimedVoxelFinding = 6;  // the one about preprocessing rests on times
+
 // Ours and the paper's beside it; the findings.
 std::string voxel_table(const VoxelExperiment& experiment);
 std::string voxel_experiment_to_json(const VoxelExperiment& experiment);
+
+// The same in two parts, to be kept and read back: what is the same in every run, with the series that the report draws
+// where `series`, and the times, which are not.
+std::string voxel_document(const VoxelExperiment& experiment, bool series);
+std::string voxel_times(const VoxelExperiment& experiment);
+// Throws BadData for other text.
+VoxelExperiment voxel_from(const std::string& document, const std::string& times);
 
 }  // namespace touchstone::experiments
