@@ -15,7 +15,7 @@ void HistogramRecorder::add(double value) {
       return;
     }
     // A power of two, so that merging pairs and doubling the width are exact.
-    width_ = std::exp2(std::floor(std::log2(value))) / static_cast<double>(bins / 2);
+    width_ = 2.0 * std::exp2(std::floor(std::log2(value))) / static_cast<double>(bins);
     if (width_ == 0.0) width_ = std::numeric_limits<double>::min();
     counts_.assign(bins, 0);
     counts_[0] = zeros_;

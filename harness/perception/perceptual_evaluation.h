@@ -20,7 +20,7 @@ struct Method {
   std::string_view name;   // machine-readable
   std::string_view title;  // for people, with the equation
   std::string_view unit;
-  bool larger_is_better;
+  bool larger_is_better = false;
 };
 
 // The series of one comparison, on the same grid.
@@ -30,12 +30,12 @@ struct ComparedSeries {
   const std::vector<double>& real_felt_N;  // after the perceptual filters
   const std::vector<double>& rendered_felt_N;
   const std::vector<double>& real_steps;  // real_N in just noticeable differences
-  double rate_Hz;
+  double rate_Hz = 0.0;
   const WeberLaw& law;
 };
 
 struct StatisticalMethod {
-  Method method;
+  Method method{};
   std::optional<double> (*value)(const ComparedSeries& series);  // nothing where it is undefined
 };
 // The explicit catalogue of statistics; the perception space itself is kPerceptionSpaceMethod.

@@ -15,8 +15,6 @@
 
 #include "harness/rendering/renderer_failed.h"
 
-extern char** environ;
-
 namespace touchstone {
 namespace {
 

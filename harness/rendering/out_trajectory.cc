@@ -18,7 +18,7 @@ constexpr double epsilon = std::numeric_limits<double>::epsilon();
 // The half-space n . x >= offset that keeps the ball clear of one contact.
 struct HalfSpace {
   Vec3 n;
-  double offset;
+  double offset = 0.0;
   [[nodiscard]] double clearance(const Vec3& x) const { return n.dot(x) - offset; }
 };
 

@@ -13,11 +13,11 @@ namespace touchstone {
 
 // A parameter that a model file may set.
 struct ParameterDeclaration {
-  std::string name;  // carries its unit: stiffness_N_per_m
-  std::string unit;  // "N/m", "1"
-  double minimum;    // inclusive
-  double maximum;    // inclusive
-  double initial;    // the default
+  std::string name;      // carries its unit: stiffness_N_per_m
+  std::string unit;      // "N/m", "1"
+  double minimum = 0.0;  // inclusive
+  double maximum = 0.0;  // inclusive
+  double initial = 0.0;  // the default
   std::string meaning;
 };
 

@@ -86,8 +86,8 @@ class BoxTree {
   struct Node {
     Vec3 low;
     Vec3 high;
-    std::int32_t first;  // of a leaf: in order_; else the first of its two children
-    std::int32_t count;  // of triangles; 0: not a leaf
+    std::int32_t first = 0;  // of a leaf: in order_; else the first of its two children
+    std::int32_t count = 0;  // of triangles; 0: not a leaf
   };
 
   template <class S>

@@ -38,7 +38,7 @@ std::string unpacked(const std::filesystem::path& path) {
   const std::unique_ptr<gzFile_s, Closer> file(gzopen(path.c_str(), "rb"));
   if (!file) throw BadData(fmt::format("{}: cannot be opened for reading", path.string()));
   std::string text;
-  std::array<char, 1 << 16> block;
+  std::array<char, 1 << 16> block{};
   int n = 0;
   while ((n = gzread(file.get(), block.data(), block.size())) > 0) {
     text.append(block.data(), static_cast<std::size_t>(n));

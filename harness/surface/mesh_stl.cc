@@ -30,7 +30,7 @@ void add_triangle(Soup& soup, std::string_view where, std::uint64_t number) {
 void read_binary(std::string_view bytes, std::uint32_t count, Soup& soup) {
   soup.reserve(3UL * count, count);
   for (std::uint32_t i = 0; i < count; ++i) {
-    std::array<float, 12> numbers;  // the normal, which is not used, and the corners
+    std::array<float, 12> numbers{};  // the normal, which is not used, and the corners
     std::memcpy(numbers.data(), bytes.data() + header_bytes + i * triangle_bytes, sizeof numbers);
     for (std::size_t corner = 3; corner < 12; corner += 3) {
       soup.add_vertex(Vec3(static_cast<double>(numbers[corner]), static_cast<double>(numbers[corner + 1]),

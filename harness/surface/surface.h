@@ -18,21 +18,21 @@ class TriangleTree;
 enum class Feature : std::uint8_t { face, edge, vertex, analytic };
 
 struct SurfacePoint {
-  Vec3 p_W_m;                // on the surface
-  Vec3 n_W;                  // outward unit normal; at edges and vertices the angle-weighted pseudo-normal
-                             // (Baerentzen and Aanaes 2005), whose sign decides inside against outside
-  double distance_m;         // to the query point, >= 0
-  double signed_distance_m;  // negative inside
-  std::int32_t triangle;     // -1 on analytic surfaces
-  Feature feature;
+  Vec3 p_W_m;                      // on the surface
+  Vec3 n_W;                        // outward unit normal; at edges and vertices the angle-weighted pseudo-normal
+                                   // (Baerentzen and Aanaes 2005), whose sign decides inside against outside
+  double distance_m = 0.0;         // to the query point, >= 0
+  double signed_distance_m = 0.0;  // negative inside
+  std::int32_t triangle = -1;      // -1 on analytic surfaces
+  Feature feature = Feature::analytic;
 };
 
 struct Crossing {
-  double fraction;  // along the segment, 0 at its start, 1 at its end
+  double fraction = 0.0;  // along the segment, 0 at its start, 1 at its end
   Vec3 p_W_m;
-  Vec3 n_W;               // of the triangle or shape, outward
-  bool entering;          // from the outside to the inside
-  std::int32_t triangle;  // -1 on analytic surfaces
+  Vec3 n_W;                    // of the triangle or shape, outward
+  bool entering = false;       // from the outside to the inside
+  std::int32_t triangle = -1;  // -1 on analytic surfaces
 };
 
 class Surface {

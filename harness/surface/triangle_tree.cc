@@ -64,10 +64,10 @@ struct Ball {
 }  // namespace
 
 struct TriangleTree::Embree {
-  const TriangleMesh* mesh;
+  const TriangleMesh* mesh = nullptr;
   Vec3 center;
   Vec3 half;  // of the scaled mesh's box
-  double scale;
+  double scale = 0.0;
   std::vector<Ball> balls;
   std::shared_ptr<RTCDeviceTy> device;
   std::unique_ptr<RTCSceneTy, SceneRelease> scene;
@@ -234,7 +234,7 @@ void TriangleTree::ball(const Vec3& center_W_m, double radius_m, Visitor visitor
   Embree::BallVisit visit{&self, visitor, self.scale, kPadding * (1.0 + magnitude)};
   RTCPointQueryContext context;
   rtcInitPointQueryContext(&context);
-  RTCPointQuery query;
+  RTCPointQuery query{};
   query.x = static_cast<float>(q.x());
   query.y = static_cast<float>(q.y());
   query.z = static_cast<float>(q.z());
