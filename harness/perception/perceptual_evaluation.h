@@ -36,7 +36,7 @@ struct ComparedSeries {
 
 struct StatisticalMethod {
   Method method{};
-  std::optional<double> (*value)(const ComparedSeries& series);  // nothing where it is undefined
+  std::optional<double> (*value)(const ComparedSeries& series) = nullptr;  // nothing where it is undefined
 };
 // The explicit catalogue of statistics; the perception space itself is kPerceptionSpaceMethod.
 const std::vector<StatisticalMethod>& statistical_methods();

@@ -232,7 +232,7 @@ void TriangleTree::ball(const Vec3& center_W_m, double radius_m, Visitor visitor
     return;
   }
   Embree::BallVisit visit{&self, visitor, self.scale, kPadding * (1.0 + magnitude)};
-  RTCPointQueryContext context;
+  RTCPointQueryContext context{};
   rtcInitPointQueryContext(&context);
   RTCPointQuery query{};
   query.x = static_cast<float>(q.x());
