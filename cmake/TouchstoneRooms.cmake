@@ -78,6 +78,9 @@ endfunction()
 function(touchstone_discover_tests target)
   cmake_parse_arguments(ARG "" "PREFIX;TIMEOUT;SERIAL" "LABELS;ENVIRONMENT" ${ARGN})
   set(list touchstone_tests_${ARG_PREFIX})
+  if(TOUCHSTONE_SANITIZE)  # instrumented and hardly optimised, a step takes some ten times as long
+    math(EXPR ARG_TIMEOUT "10 * ${ARG_TIMEOUT}")
+  endif()
   # A busy machine may take longer to list thousands of cases than the 5 s after which CMake gives up on all of them.
   gtest_discover_tests(${target} DISCOVERY_MODE PRE_TEST DISCOVERY_TIMEOUT 120 TEST_PREFIX "${ARG_PREFIX}."
     TEST_LIST ${list} PROPERTIES TIMEOUT ${ARG_TIMEOUT} RUN_SERIAL ${ARG_SERIAL})

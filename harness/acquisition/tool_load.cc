@@ -20,7 +20,7 @@ struct Solution {
   Eigen::Matrix<double, unknowns, 1> x;
   Eigen::Matrix<double, unknowns, unknowns> inverse_normal;  // (A^T A)^-1
   Eigen::Index rank = 0;
-  double condition = 0.0;
+  double condition = std::numeric_limits<double>::infinity();
 };
 
 void fill(const StaticPose& pose, const Vec3& gravity_W, Eigen::Ref<Eigen::MatrixXd> a, Eigen::Ref<Eigen::VectorXd> b) {
@@ -50,9 +50,9 @@ Solution solve(const std::vector<StaticPose>& poses, const Vec3& gravity_W, std:
   svd.setThreshold(rank_tolerance);
   Solution solution;
   solution.rank = svd.rank();
-  const auto& s = svd.singularValues();
-  solution.condition = s[unknowns - 1] > 0.0 ? s[0] / s[unknowns - 1] : std::numeric_limits<double>::infinity();
   if (solution.rank < unknowns) return solution;
+  const auto& s = svd.singularValues();  // as many as unknowns: fewer rows would be of a lower rank
+  solution.condition = s[0] / s[unknowns - 1];
   solution.x = inverse_scale.asDiagonal() * svd.solve(b);
   const Eigen::MatrixXd half = inverse_scale.asDiagonal() * svd.matrixV() * s.cwiseInverse().asDiagonal();
   solution.inverse_normal = half * half.transpose();
