@@ -19,8 +19,6 @@
 #include "harness/baseline/golden_summary.h"
 #include "harness/recording/recording_file.h"
 
-extern char** environ;
-
 namespace touchstone::apps {
 namespace {
 

@@ -14,8 +14,6 @@
 
 #include "harness/base/atomic_file.h"
 
-extern char** environ;
-
 namespace touchstone {
 namespace {
 

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <spawn.h>
 #include <sys/wait.h>
+#include <unistd.h>
 
 #include <array>
 #include <cerrno>
@@ -10,8 +11,6 @@
 
 #include "harness/base/atomic_file.h"
 #include "harness/base/error.h"
-
-extern char** environ;
 
 namespace touchstone::apps {
 namespace {

@@ -10,8 +10,6 @@
 #include <cstdlib>
 #include <sstream>
 
-extern char** environ;
-
 namespace touchstone {
 namespace {
 

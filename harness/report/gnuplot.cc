@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 #include <spawn.h>
 #include <sys/wait.h>
+#include <unistd.h>
 
 #include <array>
 #include <cmath>
@@ -12,8 +13,6 @@
 #include "harness/base/atomic_file.h"
 #include "harness/base/error.h"
 #include "harness/report/ctest_measurement.h"
-
-extern char** environ;
 
 namespace touchstone {
 namespace {

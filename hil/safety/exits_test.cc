@@ -17,8 +17,6 @@
 
 #include "hil/emulators/haptic_emulator.h"
 
-extern char** environ;
-
 namespace touchstone::hil {
 namespace {
 
