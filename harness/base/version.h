@@ -8,7 +8,7 @@ namespace touchstone {
 struct BuildInfo {
   std::string version;     // semantic version, e.g. 0.1.0
   std::string commit;      // git commit when the program was linked; "unknown" outside a checkout
-  bool dirty;              // uncommitted changes then
+  bool dirty = false;      // uncommitted changes then
   std::string compiler;    // name and version
   std::string build_type;  // e.g. Release
   std::string flags;       // compile flags that bear on rounding
