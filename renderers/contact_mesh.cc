@@ -99,7 +99,12 @@ std::shared_ptr<const ContactMesh> contact_mesh(const std::shared_ptr<const Surf
   std::shared_ptr<Slot> slot;
   {
     const std::lock_guard lock(mutex);
-    std::erase_if(known, [](const auto& item) { return item.second.use_count() == 1 && item.second->kept.expired(); });
+    std::erase_if(known, [](const auto& item) {
+      if (item.second.use_count() > 1) return false;
+      // Its last user may have written it a moment ago: the lock orders that before this look at it.
+      const std::lock_guard own(item.second->mutex);
+      return item.second->kept.expired();
+    });
     auto& place = known[surface.get()];
     if (!place) place = std::make_shared<Slot>();
     slot = place;

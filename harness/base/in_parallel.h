@@ -22,6 +22,7 @@ void in_parallel(std::size_t count, Work&& work, std::size_t piece = 8192) {
   }
   tbb::this_task_arena::isolate([&] {
     WorkOrder order;
+    const WorkOrder::Whole whole(order);
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, piece),
                       [&](const tbb::blocked_range<std::size_t>& range) {
                         const WorkOrder::Piece own(order);

@@ -16,13 +16,23 @@
 
 namespace touchstone {
 
-// What its thread did before it was made comes before each Piece, and each Piece before what follows its end.
+// What a thread did before a Whole comes before each Piece of it, and each Piece before what follows the Whole.
 class WorkOrder {
  public:
-  WorkOrder() noexcept { release(&before_); }
-  ~WorkOrder() { acquire(&after_); }
+  WorkOrder() = default;
   WorkOrder(const WorkOrder&) = delete;
   WorkOrder& operator=(const WorkOrder&) = delete;
+
+  class Whole {
+   public:
+    explicit Whole(WorkOrder& order) noexcept : after_(&order.after_) { release(&order.before_); }
+    ~Whole() { acquire(after_); }
+    Whole(const Whole&) = delete;
+    Whole& operator=(const Whole&) = delete;
+
+   private:
+    char* after_;
+  };
 
   class Piece {
    public:

@@ -71,7 +71,7 @@ struct TriangleTree::Embree {
   std::vector<Ball> balls;
   std::shared_ptr<RTCDeviceTy> device;
   std::unique_ptr<RTCSceneTy, SceneRelease> scene;
-  WorkOrder* order = nullptr;  // of the build
+  mutable WorkOrder order;  // of the build
 
   [[nodiscard]] Vec3 scaled(std::int32_t vertex) const {
     return scale * (mesh->vertices_W_m[static_cast<std::size_t>(vertex)] - center);
@@ -103,7 +103,7 @@ struct TriangleTree::Embree {
 
   static void bounds(const RTCBoundsFunctionArguments* arguments) {
     const auto& self = *static_cast<const Embree*>(arguments->geometryUserPtr);
-    const WorkOrder::Piece piece(*self.order);
+    const WorkOrder::Piece piece(self.order);
     Box3 box;
     for (const std::int32_t corner : self.mesh->triangles[arguments->primID]) box.extend(self.scaled(corner));
     RTCBounds& out = *arguments->bounds_o;
@@ -169,10 +169,8 @@ TriangleTree::TriangleTree(const TriangleMesh& mesh) : embree_(std::make_unique<
   rtcReleaseGeometry(geometry);
   // In isolation: whoever builds under a lock must not, while it waits, take up a task that wants the same lock.
   {
-    WorkOrder order;
-    self.order = &order;
+    const WorkOrder::Whole whole(self.order);
     tbb::this_task_arena::isolate([&] { rtcCommitScene(self.scene.get()); });
-    self.order = nullptr;
   }
   if (const RTCError error = rtcGetDeviceError(self.device.get()); error != RTC_ERROR_NONE) fail(error);
 }
@@ -256,6 +254,7 @@ void TriangleTree::pairs(PairVisitor visitor) const {
               static_cast<std::int32_t>(collisions[i].primID1));
     }
   };
+  const WorkOrder::Whole whole(visit.order);
   tbb::this_task_arena::isolate([&] { rtcCollide(embree_->scene.get(), embree_->scene.get(), found, &visit); });
 }
 

@@ -5,15 +5,42 @@
 #include <cstdlib>
 #include <new>
 
+#if defined(__SANITIZE_THREAD__)
+#define TOUCHSTONE_THREAD_SANITIZER
+#elif defined(__has_feature)
+#if __has_feature(thread_sanitizer)
+#define TOUCHSTONE_THREAD_SANITIZER
+#endif
+#endif
+
 namespace {
 
 thread_local std::uint64_t allocations = 0;
 
+}  // namespace
+
+namespace touchstone::testing {
+
+std::uint64_t allocations_on_this_thread() noexcept { return allocations; }
+
+bool allocations_are_counted() noexcept {
+#ifdef TOUCHSTONE_THREAD_SANITIZER
+  return false;
+#else
+  return true;
+#endif
+}
+
+}  // namespace touchstone::testing
+
+#ifndef TOUCHSTONE_THREAD_SANITIZER
+namespace {
+
 // A sanitizer has its own malloc, which must stay; C code's allocations are then not seen.
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#if defined(__SANITIZE_ADDRESS__)
 #define TOUCHSTONE_COUNTS_MALLOC 0
 #elif defined(__has_feature)
-#if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer) || __has_feature(memory_sanitizer)
+#if __has_feature(address_sanitizer) || __has_feature(memory_sanitizer)
 #define TOUCHSTONE_COUNTS_MALLOC 0
 #endif
 #endif
@@ -39,12 +66,6 @@ void* counted_or_throw(std::size_t size, std::size_t alignment) {
 std::size_t number(std::align_val_t alignment) { return static_cast<std::size_t>(alignment); }
 
 }  // namespace
-
-namespace touchstone::testing {
-
-std::uint64_t allocations_on_this_thread() noexcept { return allocations; }
-
-}  // namespace touchstone::testing
 
 #if TOUCHSTONE_COUNTS_MALLOC
 // Those of this program and of the libraries that it loads, plug-ins too: glibc's own, counted on the way.
@@ -107,3 +128,4 @@ void operator delete[](void* memory, std::align_val_t) noexcept { std::free(memo
 void operator delete[](void* memory, std::size_t, std::align_val_t) noexcept { std::free(memory); }
 void operator delete[](void* memory, const std::nothrow_t&) noexcept { std::free(memory); }
 void operator delete[](void* memory, std::align_val_t, const std::nothrow_t&) noexcept { std::free(memory); }
+#endif

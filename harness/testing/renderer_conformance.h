@@ -330,6 +330,7 @@ TEST_P(RendererConformance, ContactBeginsAndEndsWithoutAJump) {
 
 TEST_P(RendererConformance, StepAllocatesNothing) {
   if (subject().queries_allocate) GTEST_SKIP() << "the exact queries allocate, the fast ones do not";
+  if (!allocations_are_counted()) GTEST_SKIP() << "the thread sanitizer does not let allocations be counted";
   const auto renderer = make();
   const auto tips = strokes(106, 6);
   renderer->reset();

@@ -120,13 +120,16 @@ class VendorStub : public ::testing::Test {
     ASSERT_NE(stub_, nullptr);
   }
   void TearDown() override {
-    ::unsetenv("TOUCHSTONE_STUB_VENDOR_FAULT");
+    fault("");
     ::dlclose(stub_);
   }
   Vec3 applied() const {
     Vec3 f;
     reinterpret_cast<void (*)(double*)>(::dlsym(stub_, "touchstone_stub_force"))(f.data());
     return f;
+  }
+  void fault(const char* name) const {
+    reinterpret_cast<void (*)(const char*)>(::dlsym(stub_, "touchstone_stub_fault"))(name);
   }
   void* stub_ = nullptr;
   VendorDeviceOptions options_;
@@ -142,15 +145,15 @@ TEST_F(VendorStub, ForceDimensionSetsItsWatchdogAndSpeaksSi) {
     const auto state = device->exchange(Vec3(1, 2, 3), clock_.now_s() + 1);
     EXPECT_EQ(state.p_W_m, Vec3(0.01, 0.02, 0.03));
     EXPECT_EQ(applied(), Vec3(1, 2, 3));
-    ::setenv("TOUCHSTONE_STUB_VENDOR_FAULT", "fails", 1);
+    fault("fails");
     EXPECT_EQ(status_of([&] { device->exchange(Vec3(1, 2, 3), clock_.now_s() + 1); }), DeviceStatus::failed);
     EXPECT_FALSE(device->zero_force());
-    ::unsetenv("TOUCHSTONE_STUB_VENDOR_FAULT");
+    fault("");
   }
   EXPECT_EQ(applied(), Vec3(0, 0, 0));  // closing leaves it at zero
   options_.serial = "1";
   EXPECT_EQ(status_of([&] { open_force_dimension(options_); }), DeviceStatus::wrong_serial);
-  ::setenv("TOUCHSTONE_STUB_VENDOR_FAULT", "absent", 1);
+  fault("absent");
   EXPECT_EQ(status_of([&] { open_force_dimension(options_); }), DeviceStatus::absent);
 }
 
@@ -164,11 +167,11 @@ TEST_F(VendorStub, OpenHapticsConvertsMillimetresAndHasADeadline) {
     EXPECT_EQ(state.buttons, 3U);
     EXPECT_EQ(applied(), Vec3(0, 0, 2));
     EXPECT_TRUE(device->calibrated());
-    ::setenv("TOUCHSTONE_STUB_VENDOR_FAULT", "fails", 1);  // the servo thread stops ticking
+    fault("fails");  // the servo thread stops ticking
     EXPECT_EQ(status_of([&] { device->exchange(Vec3(0, 0, 2), clock_.now_s() + 0.05); }), DeviceStatus::timed_out);
-    ::unsetenv("TOUCHSTONE_STUB_VENDOR_FAULT");
+    fault("");
   }
-  ::setenv("TOUCHSTONE_STUB_VENDOR_FAULT", "absent", 1);
+  fault("absent");
   EXPECT_EQ(status_of([&] { open_openhaptics(options_); }), DeviceStatus::absent);
 }
 

@@ -1,25 +1,20 @@
 // A library with the functions of Force Dimension's libdhd and 3D Systems' libHD that the drivers call, and a device
-// behind both: it stands at (10, 20, 30) mm and remembers the force. TOUCHSTONE_STUB_VENDOR_FAULT: absent, fails.
-// It encodes our reading of the vendors' documentation and proves nothing about their devices.
+// behind both: it stands at (10, 20, 30) mm and remembers the force. touchstone_stub_fault() sets what is wrong with
+// it. It encodes our reading of the vendors' documentation and proves nothing about their devices.
 #include <atomic>
 #include <chrono>
-#include <cstdlib>
-#include <string>
 #include <thread>
 
 namespace {
 
-bool fault(const char* name) {
-  const char* const text = std::getenv("TOUCHSTONE_STUB_VENDOR_FAULT");
-  return text != nullptr && std::string(text) == name;
-}
-
+enum Fault { none, absent, fails };
+std::atomic<int> fault{none};  // the servo thread reads it while a test sets it
 std::atomic<double> force[3];
 std::atomic<int> watchdog_periods{0}, forces_on{0};
 std::atomic<bool> scheduling{false};
 std::thread scheduler;
-unsigned (*job)(void*) = nullptr;
-void* job_data = nullptr;
+std::atomic<unsigned (*)(void*)> job{nullptr};
+std::atomic<void*> job_data{nullptr};
 
 struct HdError {
   unsigned code;
@@ -30,7 +25,7 @@ struct HdError {
 }  // namespace
 
 extern "C" {
-int dhdOpen() { return fault("absent") ? -1 : 0; }
+int dhdOpen() { return fault == absent ? -1 : 0; }
 int dhdClose(char) { return 0; }
 int dhdGetSerialNumber(unsigned short* number, char) {
   *number = 4711;
@@ -41,7 +36,7 @@ int dhdEnableForce(unsigned char on, char) {
   return 0;
 }
 int dhdSetForce(double x, double y, double z, char) {
-  if (fault("fails")) return -1;
+  if (fault == fails) return -1;
   force[0] = x, force[1] = y, force[2] = z;
   return 0;
 }
@@ -67,7 +62,7 @@ void hdStartScheduler() {
   scheduling = true;
   scheduler = std::thread([] {
     while (scheduling) {
-      if (job != nullptr && !fault("fails")) job(job_data);
+      if (const auto now = job.load(); now != nullptr && fault != fails) now(job_data);
       std::this_thread::sleep_for(std::chrono::milliseconds(1));
     }
   });
@@ -77,7 +72,7 @@ void hdStopScheduler() {
   if (scheduler.joinable()) scheduler.join();
 }
 unsigned long hdScheduleAsynchronous(unsigned (*callback)(void*), void* data, unsigned short) {
-  job = callback, job_data = data;
+  job_data = data, job = callback;
   return 1;
 }
 void hdUnschedule(unsigned long) { job = nullptr; }
@@ -92,10 +87,11 @@ void hdSetDoublev(unsigned, const double* v) {
   for (int k = 0; k < 3; ++k) force[k] = v[k];
 }
 const char* hdGetString(unsigned) { return "STUB-4712"; }
-HdError hdGetError() { return {fault("absent") ? 0x0301U : 0U, 0, 1}; }
+HdError hdGetError() { return {fault == absent ? 0x0301U : 0U, 0, 1}; }
 unsigned hdCheckCalibration() { return 0x5000; }
 
-// For the tests: what the device applies.
+// For the tests: "absent", "fails", or "" for a sound device; and what it applies.
+void touchstone_stub_fault(const char* name) { fault = name[0] == 'a' ? absent : name[0] == 'f' ? fails : none; }
 void touchstone_stub_force(double* f) {
   for (int k = 0; k < 3; ++k) f[k] = force[k];
 }
