@@ -61,7 +61,7 @@ TEST(ToolLoad, ThreeDirectionsOfGravityAreNeeded) {
   Random random(seed + 1);
   const ToolLoad truth = tool_of(0.03, 1e-3);
   const auto many = poses_of(truth, 8, 0, 0, 0, random);
-  const auto complaint = [&](std::vector<StaticPose> poses) {
+  const auto complaint = [&](const std::vector<StaticPose>& poses) {
     try {
       identify_tool(poses, gravity, "poses.csv");
       return std::string("accepted");

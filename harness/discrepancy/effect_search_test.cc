@@ -194,7 +194,7 @@ TEST(Search, FindingsDoNotDependOnTheOrderOfTheLibrary) {
 TEST(Search, AModelWithoutAStiffnessIsRefused) {
   World world(truth(1.0), 1.0);
   world.start.parameters.clear();
-  EXPECT_THROW(world.find(), BadData);
+  EXPECT_THROW(static_cast<void>(world.find()), BadData);
 }
 
 TEST(Blocks, CoverEverySampleOnceAndKeepTheMean) {

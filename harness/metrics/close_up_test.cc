@@ -14,7 +14,10 @@ MetricSample forces(int i, double rendered_N) {
 TEST(CloseUp, EverySampleAroundTheWorstEpisodesWorstFirst) {
   CloseUpRecorder recorder(0.5);
   // Ten episodes of one sample each, 200 samples apart, error i + 1 for the i-th.
-  for (int i = 0; i < 2000; ++i) recorder.add(forces(i, i % 200 == 100 ? 2.0 + i / 200 : 1.0));
+  for (int i = 0; i < 2000; ++i) {
+    const int episode = i / 200;
+    recorder.add(forces(i, i % 200 == 100 ? 2.0 + episode : 1.0));
+  }
   const auto worst = recorder.worst();
   ASSERT_EQ(worst.size(), CloseUpRecorder::kept);
   for (std::size_t k = 0; k < worst.size(); ++k) {

@@ -1,6 +1,10 @@
 // Reports opened in headless Chromium as a reader would open them. Skips where Chromium or node is missing.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
 #include <cstdio>
 #include <cstdlib>
+#include <nlohmann/json.hpp>
 
 #include "harness/report/evaluation_page.h"
 #include "harness/report/page_html.h"

@@ -70,22 +70,24 @@ std::size_t number(std::align_val_t alignment) { return static_cast<std::size_t>
 #if TOUCHSTONE_COUNTS_MALLOC
 // Those of this program and of the libraries that it loads, plug-ins too: glibc's own, counted on the way.
 extern "C" {
+// NOLINTBEGIN(clang-diagnostic-reserved-identifier): glibc's names
 void* __libc_malloc(std::size_t size);
-void* __libc_calloc(std::size_t count, std::size_t size);
-void* __libc_realloc(void* memory, std::size_t size);
+void* __libc_calloc(std::size_t nmemb, std::size_t size);
+void* __libc_realloc(void* ptr, std::size_t size);
 void* __libc_memalign(std::size_t alignment, std::size_t size);
+// NOLINTEND(clang-diagnostic-reserved-identifier)
 
 void* malloc(std::size_t size) noexcept {
   ++allocations;
   return __libc_malloc(size);
 }
-void* calloc(std::size_t count, std::size_t size) noexcept {
+void* calloc(std::size_t nmemb, std::size_t size) noexcept {
   ++allocations;
-  return __libc_calloc(count, size);
+  return __libc_calloc(nmemb, size);
 }
-void* realloc(void* memory, std::size_t size) noexcept {
+void* realloc(void* ptr, std::size_t size) noexcept {
   ++allocations;
-  return __libc_realloc(memory, size);
+  return __libc_realloc(ptr, size);
 }
 void* memalign(std::size_t alignment, std::size_t size) noexcept {
   ++allocations;
@@ -95,10 +97,10 @@ void* aligned_alloc(std::size_t alignment, std::size_t size) noexcept {
   ++allocations;
   return __libc_memalign(alignment, size);
 }
-int posix_memalign(void** memory, std::size_t alignment, std::size_t size) noexcept {
+int posix_memalign(void** memptr, std::size_t alignment, std::size_t size) noexcept {
   ++allocations;
-  *memory = __libc_memalign(alignment, size);
-  return *memory == nullptr && size != 0 ? ENOMEM : 0;
+  *memptr = __libc_memalign(alignment, size);
+  return *memptr == nullptr && size != 0 ? ENOMEM : 0;
 }
 }
 #endif
