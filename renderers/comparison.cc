@@ -9,7 +9,7 @@
 
 namespace touchstone {
 
-Comparison::Comparison(const Model& model, std::shared_ptr<const Surface> surface) {
+Comparison::Comparison(const Model& model, const std::shared_ptr<const Surface>& surface) {
   // Checks the model and the surface; without geometry entries it is already the renderer to run.
   renderer_ = make_renderer(model, surface);
   const RendererEntry& entry = find_renderer(model);

@@ -16,7 +16,7 @@ namespace touchstone {
 class Comparison {
  public:
   // Throws BadData as make_renderer() does.
-  Comparison(const Model& model, std::shared_ptr<const Surface> surface);
+  Comparison(const Model& model, const std::shared_ptr<const Surface>& surface);
 
   [[nodiscard]] Renderer& renderer() const { return *renderer_; }
   [[nodiscard]] bool has_instrument() const { return !instrument_.empty(); }

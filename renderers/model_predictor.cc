@@ -20,7 +20,7 @@ namespace {
 // What the base renderer made of every sample, at one stiffness.
 struct Trace {
   std::string key;
-  double stiffness_N_per_m;
+  double stiffness_N_per_m = 0.0;
   std::vector<TipState> tips;
   std::vector<StepResult> steps;
 };

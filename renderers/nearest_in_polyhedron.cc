@@ -53,18 +53,19 @@ bool on_planes(std::span<const HalfSpace> all, const Basis& basis, int size, con
 
 }  // namespace
 
-NearestInPolyhedron nearest_in_polyhedron(std::span<const HalfSpace> all, const Vec3& p, double rounding) noexcept {
+NearestInPolyhedron nearest_in_polyhedron(std::span<const HalfSpace> half_spaces, const Vec3& p,
+                                          double rounding) noexcept {
   NearestInPolyhedron now;
   now.x = p;
   now.found = true;
   const auto violation = [&](std::int32_t i, const Vec3& x) {
-    const HalfSpace& h = all[static_cast<std::size_t>(i)];
+    const HalfSpace& h = half_spaces[static_cast<std::size_t>(i)];
     return h.b - h.n.dot(x);
   };
-  for (std::size_t round = 0; round < 4 * all.size() + 8; ++round) {
+  for (std::size_t round = 0; round < 4 * half_spaces.size() + 8; ++round) {
     std::int32_t worst = -1;
     double most = rounding;
-    for (std::size_t i = 0; i < all.size(); ++i) {
+    for (std::size_t i = 0; i < half_spaces.size(); ++i) {
       if (const double v = violation(static_cast<std::int32_t>(i), now.x); v > most) {
         most = v;
         worst = static_cast<std::int32_t>(i);
@@ -87,7 +88,7 @@ NearestInPolyhedron nearest_in_polyhedron(std::span<const HalfSpace> all, const 
         basis[static_cast<std::size_t>(size++)] = now.basis[static_cast<std::size_t>(i)];
       }
       Vec3 x;
-      if (!fits || !on_planes(all, basis, size, p, x)) continue;
+      if (!fits || !on_planes(half_spaces, basis, size, p, x)) continue;
       double left = violation(worst, x);
       for (int i = 0; i < now.basis_size; ++i)
         left = std::max(left, violation(now.basis[static_cast<std::size_t>(i)], x));

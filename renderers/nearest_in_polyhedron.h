@@ -15,8 +15,8 @@
 namespace touchstone {
 
 struct HalfSpace {
-  Vec3 n;    // unit, into the allowed side
-  double b;  // n . x >= b
+  Vec3 n;          // unit, into the allowed side
+  double b = 0.0;  // n . x >= b
 };
 
 struct NearestInPolyhedron {

@@ -7,7 +7,7 @@
 namespace touchstone::synthetic {
 
 HiddenContact::HiddenContact(const TrueSurface& surface, const HiddenPhysics& physics)
-    : surface_(surface), physics_(physics), dents_m_(dent_cells * dent_cells, 0.0) {}
+    : surface_(surface), physics_(physics), dents_m_(std::size_t{dent_cells} * dent_cells, 0.0) {}
 
 double& HiddenContact::dent(const Vec2& xy) {
   const auto cell = [this](double x) {

@@ -22,15 +22,15 @@ struct Contact {
 };
 
 struct ScanTruth {
-  double t_s;
-  Vec3 p_W_m;             // the ball's centre
-  Quat q_WS;              // the sensor's frame, z along the probe from tip to hand
-  Vec3 contact_W_m;       // the surface point under the ball
-  Vec3 n_W;               // outward normal there
-  double gap_m;           // between ball and surface, 0 in contact
-  double normal_force_N;  // 0 off the surface
-  Vec3 v_t_W_m_per_s;     // tangential velocity of the centre
-  Vec3 f_W_N;             // on the probe
+  double t_s = 0.0;
+  Vec3 p_W_m;                   // the ball's centre
+  Quat q_WS;                    // the sensor's frame, z along the probe from tip to hand
+  Vec3 contact_W_m;             // the surface point under the ball
+  Vec3 n_W;                     // outward normal there
+  double gap_m = 0.0;           // between ball and surface, 0 in contact
+  double normal_force_N = 0.0;  // 0 off the surface
+  Vec3 v_t_W_m_per_s;           // tangential velocity of the centre
+  Vec3 f_W_N;                   // on the probe
 };
 
 class RigidScan {

@@ -24,7 +24,7 @@ Vec3 quintic(const Vec3& p0, const Vec3& v0, const Vec3& p1, const Vec3& v1, dou
 
 }  // namespace
 
-ScanScript::ScanScript(Vec3 start, std::vector<Leg> legs, HandModel hand, std::uint64_t seed)
+ScanScript::ScanScript(const Vec3& start, std::vector<Leg> legs, HandModel hand, std::uint64_t seed)
     : places_{start},
       starts_s_{0.0},
       hand_(hand),

@@ -34,7 +34,7 @@ struct HandModel {
 class ScanScript {
  public:
   // Starts at `start`, free. Throws UsageError unless the first and last leg are free and every duration is positive.
-  ScanScript(Vec3 start, std::vector<Leg> legs, HandModel hand, std::uint64_t seed);
+  ScanScript(const Vec3& start, std::vector<Leg> legs, HandModel hand, std::uint64_t seed);
 
   [[nodiscard]] Vec3 target(double t_s) const;
   struct Press {

@@ -68,8 +68,8 @@ Fillet fillet(const Corner& before, const Corner& corner, const Corner& after) {
 
 }  // namespace
 
-ProfileElement profile_line(const Vec2& a, const Vec2& b) {
-  return {false, a, b, right_of(b - a), Vec2::Zero(), 0, 0, 0};
+ProfileElement profile_line(const Vec2& start, const Vec2& end) {
+  return {false, start, end, right_of(end - start), Vec2::Zero(), 0, 0, 0};
 }
 
 ProfileElement profile_arc(const Vec2& centre, double radius, double start_angle, double sweep) {

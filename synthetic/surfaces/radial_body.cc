@@ -104,8 +104,9 @@ RadialBody::RadialBody(std::unique_ptr<const RadialFunction> rho_m) : rho_m_(std
     const Vec3 centre = point_W_m(middle);
     double radius = 0.0;
     for (int k = 0; k < (grid + 1) * (grid + 1); ++k) {
-      const Vec3 u = direction_at(cell.face, cell.x + cell.side * (k % (grid + 1)) / grid,
-                                  cell.y + cell.side * (k / (grid + 1)) / grid);
+      const int row = k / (grid + 1);
+      const int column = k % (grid + 1);
+      const Vec3 u = direction_at(cell.face, cell.x + cell.side * column / grid, cell.y + cell.side * row / grid);
       const Vec3 q = point_W_m(u);
       radius = std::max(radius, (q - centre).norm());
       least = std::min(least, q.norm());
@@ -116,7 +117,7 @@ RadialBody::RadialBody(std::unique_ptr<const RadialFunction> rho_m) : rho_m_(std
     leaf_directions_.push_back(middle);
   }
   for (int level = levels - 1; level >= 0; --level) {
-    const auto& children = tree_[static_cast<std::size_t>(level + 1)];
+    const auto& children = tree_[static_cast<std::size_t>(level) + 1];
     for (std::size_t i = 0; i < children.size(); i += 4) {
       Ball ball{Vec3::Zero(), 0.0};
       for (std::size_t k = i; k < i + 4; ++k) ball.centre_W_m += 0.25 * children[k].centre_W_m;

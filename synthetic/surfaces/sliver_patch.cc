@@ -20,7 +20,8 @@ Tessellation SliverPatch::tessellate(std::size_t triangles) const {
   add_square(smallest);
   mesh.triangles = {{0, 1, 2}, {0, 2, 3}};
   for (std::size_t i = 1; i <= 2 * pairs; ++i) {
-    const double whole = smallest * std::pow(growth, static_cast<double>((i + 1) / 2));
+    const std::size_t pair = (i + 1) / 2;
+    const double whole = smallest * std::pow(growth, static_cast<double>(pair));
     // A side is 2 * half long: a gap of side / aspect makes the sliver.
     add_square(i % 2 == 1 ? whole * (1.0 - 2.0 / aspect_) : whole);
     const auto outer = static_cast<std::int32_t>(4 * i);
