@@ -70,14 +70,24 @@ TEST(InstrumentEffects, InertiaOfASteadyAccelerationIsExact) {
   }
 }
 
-TEST(InstrumentEffects, ALagReadsTheForceOfEarlier) {
+TEST(InstrumentEffects, ALagReadsTheForceOfEarlierInTheSensorsFrame) {
   Samples samples = random_samples(8);
-  for (std::size_t i = 0; i < samples.t_s.size(); ++i) samples.f_W_N[i] = samples.t_s[i] * Vec3(1.0, 2.0, 3.0);
-  const auto late = applied("time-lag", {0.025}, samples);
-  for (std::size_t i = 3; i < late.size(); ++i) {
-    EXPECT_NEAR((late[i] - (samples.t_s[i] - 0.025) * Vec3(1.0, 2.0, 3.0)).norm(), 0.0, 1e-12) << i;
+  const auto reading_S_N = [](double t_s) { return Vec3(t_s * Vec3(1.0, 2.0, 3.0)); };
+  const auto check = [&](const char* what) {
+    const auto late = applied("time-lag", {0.025}, samples);
+    for (std::size_t i = 3; i < late.size(); ++i) {
+      const Quat q = samples.q_WS.empty() ? Quat::Identity() : samples.q_WS[i];
+      EXPECT_NEAR((q.conjugate() * late[i] - reading_S_N(samples.t_s[i] - 0.025)).norm(), 0.0, 1e-12) << what << i;
+    }
+    EXPECT_NEAR((late[0] - samples.f_W_N[0]).norm(), 0.0, 1e-12) << what;
+  };
+  for (std::size_t i = 0; i < samples.t_s.size(); ++i) {
+    samples.f_W_N[i] = samples.q_WS[i] * reading_S_N(samples.t_s[i]);
   }
-  EXPECT_EQ(late[0], samples.f_W_N[0]);
+  check("turning, sample ");
+  samples.q_WS.clear();
+  for (std::size_t i = 0; i < samples.t_s.size(); ++i) samples.f_W_N[i] = reading_S_N(samples.t_s[i]);
+  check("not turned, sample ");
 }
 
 TEST(InstrumentEffects, RegistrationIsUndoneExactly) {

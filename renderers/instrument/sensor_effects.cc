@@ -74,18 +74,20 @@ class TimeLag final : public InstrumentEffect {
   explicit TimeLag(double lag) : lag_s_(lag) {}
   [[nodiscard]] double halo_s() const override { return lag_s_; }
   void apply(const MotionView& motion, std::span<Vec3> f_W_N) const override {
-    const std::vector<Vec3> prompt(f_W_N.begin(), f_W_N.end());
+    // What comes late is the sensor's reading, in the frame that it had then; it is turned by the frame of now.
+    std::vector<Vec3> prompt_S_N;
+    in_sensor_frame(motion, f_W_N, [&](const Vec3& f, double) { prompt_S_N.push_back(f); });
     std::size_t next = 1;
-    for (std::size_t i = 0; i < f_W_N.size(); ++i) {
-      const double t_s = motion.t_s[i] - lag_s_;
-      while (next + 1 < prompt.size() && motion.t_s[next] < t_s) ++next;
-      if (t_s <= motion.t_s[0] || prompt.size() < 2) {
-        f_W_N[i] = prompt[0];
-        continue;
+    in_sensor_frame(motion, f_W_N, [&](Vec3& f, double now_s) {
+      const double t_s = now_s - lag_s_;
+      while (next + 1 < prompt_S_N.size() && motion.t_s[next] < t_s) ++next;
+      if (t_s <= motion.t_s[0] || prompt_S_N.size() < 2) {
+        f = prompt_S_N[0];
+        return;
       }
       const double share = (t_s - motion.t_s[next - 1]) / (motion.t_s[next] - motion.t_s[next - 1]);
-      f_W_N[i] = prompt[next - 1] + std::min(share, 1.0) * (prompt[next] - prompt[next - 1]);
-    }
+      f = prompt_S_N[next - 1] + std::min(share, 1.0) * (prompt_S_N[next] - prompt_S_N[next - 1]);
+    });
   }
 
  private:

@@ -3,7 +3,8 @@
 //   force-drift      F + (fx, fy, fz) t, t from the recording's first time being zero or not: as recorded
 //   force-crosstalk  fx += c_xz fz, fy += c_yz fz
 //   force-saturation every axis clipped at +- limit
-//   time-lag         the force at t is that of t - lag, linear between samples; before the first sample, the first
+//   time-lag         the reading at t is that of t - lag, linear between samples; before the first sample, the first.
+//                    A tool that turns meanwhile turns the late reading with it
 #pragma once
 
 #include <memory>
