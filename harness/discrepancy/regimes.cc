@@ -27,7 +27,43 @@ struct Motion {
   std::vector<double> load_N;
 };
 
+// Which samples the measured force alone tells to be in contact, whatever the model says: those whose force differs
+// from what the sensor shows in free air. That is what the model says, or more by a constant (a tool whose weight the
+// model lacks): of the two the one that more of the model's free samples agree with.
+std::vector<bool> pressed_by_force(const Recording& recording, const Prediction& after, double force_floor_N) {
+  const std::size_t n = recording.size();
+  std::array<std::vector<double>, 3> free_N;
+  for (std::size_t i = 0; i < n; ++i) {
+    if (!after.n_W[i].isZero()) continue;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const auto a = static_cast<Eigen::Index>(axis);
+      free_N[axis].push_back(recording.f_W_N[i][a] - after.f_W_N[i][a]);
+    }
+  }
+  Vec3 constant_W_N = Vec3::Zero();
+  for (std::size_t axis = 0; axis < 3 && !free_N[axis].empty(); ++axis) {
+    const auto middle = free_N[axis].begin() + static_cast<std::ptrdiff_t>(free_N[axis].size() / 2);
+    std::nth_element(free_N[axis].begin(), middle, free_N[axis].end());
+    constant_W_N[static_cast<Eigen::Index>(axis)] = *middle;
+  }
+  const auto differs = [&](std::size_t i, const Vec3& free_W_N) {
+    return (recording.f_W_N[i] - after.f_W_N[i] - free_W_N).norm() > force_floor_N;
+  };
+  std::size_t agree = 0;
+  std::size_t agree_with_constant = 0;
+  for (std::size_t i = 0; i < n; ++i) {
+    if (!after.n_W[i].isZero()) continue;
+    agree += differs(i, Vec3::Zero()) ? 0 : 1;
+    agree_with_constant += differs(i, constant_W_N) ? 0 : 1;
+  }
+  if (agree_with_constant <= agree) constant_W_N.setZero();
+  std::vector<bool> pressed(n);
+  for (std::size_t i = 0; i < n; ++i) pressed[i] = differs(i, constant_W_N);
+  return pressed;
+}
+
 Motion describe(const Recording& recording, const Prediction& after, double force_floor_N) {
+  const std::vector<bool> pressed = pressed_by_force(recording, after, force_floor_N);
   const auto& t_s = recording.motion.t_s;
   const auto& p = recording.motion.p_W_m;
   const std::size_t n = recording.size();
@@ -45,7 +81,7 @@ Motion describe(const Recording& recording, const Prediction& after, double forc
   for (std::size_t i = 0; i < n; ++i) {
     while (t_s[low] < t_s[i] - smoothing_s) ++low;
     while (high + 1 < n && t_s[high] < t_s[i] + smoothing_s) ++high;
-    motion.contact[i] = !after.n_W[i].isZero() || recording.f_W_N[i].norm() > force_floor_N;
+    motion.contact[i] = !after.n_W[i].isZero() || pressed[i];
     if (motion.contact[i] && (i == 0 || !motion.contact[i - 1])) onset = t_s[i];
     motion.since_onset_s[i] = t_s[i] - onset;
     motion.load_N[i] = recording.f_W_N[i].norm();
