@@ -414,13 +414,28 @@ class Search {
     return true;
   }
 
+  // What a search counts as noise while something is missing is the same for all blocks of a group, and so takes weight
+  // from the best of them: a tip that sticks shows the noise of its tracker, and in equal weight with one that slides
+  // it would draw the coefficient of friction down. Values are fitted by the declared noise where that foretells the
+  // held-out data better. Whether it did.
+  bool settle_values() {
+    JointFit sharp = fit_jointly(declared_train_, Model(result_.model), parameters_, 4 * settings_.iterations, true);
+    if (!sharp.ok || chi_squared(declared_holdout_, sharp.model) >= chi_squared(declared_holdout_, result_.model)) {
+      return false;
+    }
+    result_.fit = std::move(sharp);
+    result_.model = result_.fit.model;
+    return true;
+  }
+
   void finish() {
     settle_texture(current_.model);
     result_.model = current_.model;
     result_.parameters = parameters_;
     result_.fit = fit_jointly(train_, Model(current_.model), parameters_, 4 * settings_.iterations, true);
     if (std::isfinite(result_.fit.chi_squared)) result_.model = result_.fit.model;
-    result_.draws = bootstrap_models(data_.train, train_, result_.fit, parameters_, settings_.iterations / 2);
+    const FitData& weights = settle_values() ? declared_train_ : train_;
+    result_.draws = bootstrap_fits(data_.train, weights, result_.fit, parameters_, settings_.iterations / 2);
     // Whether noise is all that is left is judged by the declared noise.
     const Goodness goodness = judge_goodness(data_.train, data_.holdout, result_.model, data_.window_s);
     result_.goodness = goodness.chi_squared;
@@ -428,7 +443,7 @@ class Search {
     result_.noise_rms_N = goodness.noise_rms_N;
     const DetectorSide train{data_.train.recording, &goodness.train, data_.train.noise};
     const DetectorSide holdout{data_.holdout.recording, &goodness.holdout, data_.holdout.noise};
-    result_.structure = detect_structure(train, holdout, result_.model);
+    result_.structure = detect_structure(train, holdout, result_.model, result_.draws);
     result_.data_fault = find_data_fault(train, holdout, result_.base, result_.model);
     if (result_.data_fault) {
       // Nothing is learnt from data that are wrong.

@@ -15,6 +15,7 @@
 #include "harness/discrepancy/evidence.h"
 #include "harness/discrepancy/joint_fit.h"
 #include "harness/discrepancy/misfit.h"
+#include "harness/discrepancy/parameter_intervals.h"
 #include "harness/discrepancy/structure_detector.h"
 
 namespace touchstone {
@@ -84,7 +85,7 @@ struct SearchResult {
   Model base;                             // the start with its base parameters refitted
   Model model;                            // with the effects found
   JointFit fit;                           // of `model`, with covariance
-  std::vector<Model> draws;               // `model` fitted again in the case's null worlds
+  std::vector<NullFit> draws;             // `model` fitted again in the case's null worlds
   std::vector<FreeParameter> parameters;  // free in `fit`
   std::vector<SearchStep> steps;
   std::vector<FoundEffect> found;

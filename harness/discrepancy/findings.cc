@@ -89,10 +89,10 @@ void conclude(Findings& findings, const std::vector<Candidate>& candidates) {
   } else if (noise_left && structured) {
     findings.verdict = FindingsVerdict::unexplained;
     findings.explanation = fmt::format(
-        "Something is missing that no known effect explains: a flexible regression on motion, load and their past, "
-        "learnt on the training data, foretells {:.0f} % of the square of what is left on held-out data (noise alone: "
-        "at most {:.0f} %){}. See where it sits below.",
-        100.0 * search.structure.share, 100.0 * search.structure.bar,
+        "Something is missing that no known effect explains: a flexible regression on {}, learnt on the training data, "
+        "foretells {:.0f} % of the square of what is left on held-out data (noise and details that do not matter: at "
+        "most {:.0f} %){}. See where it sits below.",
+        search.structure.view, 100.0 * search.structure.share, 100.0 * search.structure.bar,
         search.found.empty() ? "" : fmt::format(", with {} added, which helps", names(search.found)));
   } else if (!noise_left) {
     findings.verdict = FindingsVerdict::unexplained;
@@ -174,7 +174,8 @@ std::string findings_to_json(const Findings& findings, const std::string& trajec
   root["goodness"] = {{"holdout_chi_squared_per_degree", number(findings.search.goodness)},
                       {"threshold", number(unexplained_threshold(findings.search.null_goodness))},
                       {"where_the_model_is_the_truth", number(findings.search.null_goodness)}};
-  root["structure"] = {{"share", number(findings.search.structure.share)},
+  root["structure"] = {{"view", findings.search.structure.view},
+                       {"share", number(findings.search.structure.share)},
                        {"bar", number(findings.search.structure.bar)},
                        {"found", findings.search.structure.found()}};
   if (findings.search.data_fault) root["data_fault"] = *findings.search.data_fault;

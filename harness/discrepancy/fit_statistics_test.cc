@@ -118,7 +118,7 @@ TEST(Intervals, HoldTheTruthInNineOfTenRecordings) {
     const FitData data = fit_data(evidence, truth, 1.0 / 30.0);
     const JointFit fit = fit_jointly(data, truth, parameters, 12, true);
     ASSERT_TRUE(fit.ok);
-    const auto draws = bootstrap_models(evidence, data, fit, parameters, 6);
+    const auto draws = bootstrap_fits(evidence, data, fit, parameters, 6);
     const Interval interval = interval95(fit, parameters, draws, "viscous-friction", "coefficient_N_s_per_m");
     inside += interval.low <= truth_N_s_per_m && truth_N_s_per_m <= interval.high ? 1 : 0;
     width += (interval.high - interval.low) / truth_N_s_per_m / recordings;

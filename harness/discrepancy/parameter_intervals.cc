@@ -43,21 +43,21 @@ double fitted_variance(const JointFit& fit, const std::vector<FreeParameter>& pa
 
 }  // namespace
 
-std::vector<Model> bootstrap_models(const Evidence& train, const FitData& data, const JointFit& fit,
+std::vector<NullFit> bootstrap_fits(const Evidence& train, const FitData& data, const JointFit& fit,
                                     const std::vector<FreeParameter>& parameters, int iterations) {
-  std::vector<Model> models;
+  std::vector<NullFit> fits;
   const Prediction nominal = train.predictor->predict(fit.model);
   for (std::size_t world = 0; world < NoiseModel::null_worlds; ++world) {
     FitData again = data;
     again.measured_N = block_means(data.blocks, train.noise->null_forces(fit.model, nominal, world));
     JointFit refitted = fit_jointly(again, fit.model, parameters, iterations, false);
-    if (refitted.ok) models.push_back(std::move(refitted.model));
+    if (refitted.ok) fits.push_back({world, std::move(refitted.model)});
   }
-  return models;
+  return fits;
 }
 
-Interval interval95(const JointFit& fit, const std::vector<FreeParameter>& parameters, const std::vector<Model>& draws,
-                    const std::string& effect, const std::string& name) {
+Interval interval95(const JointFit& fit, const std::vector<FreeParameter>& parameters,
+                    const std::vector<NullFit>& draws, const std::string& effect, const std::string& name) {
   const auto free = std::find_if(parameters.begin(), parameters.end(),
                                  [&](const FreeParameter& p) { return p.owner == effect && p.name == name; });
   const Scale scale{free != parameters.end() && free->logarithmic};
@@ -68,10 +68,11 @@ Interval interval95(const JointFit& fit, const std::vector<FreeParameter>& param
   double quantile = normal_quantile;
   if (draws.size() >= 3) {
     const double n = static_cast<double>(draws.size());
-    for (const Model& draw : draws) bias += (scale.to(find_entry(draw, effect)->parameters.at(name)) - here) / n;
+    for (const NullFit& draw : draws)
+      bias += (scale.to(find_entry(draw.model, effect)->parameters.at(name)) - here) / n;
     double squares = 0.0;
-    for (const Model& draw : draws) {
-      const double off = scale.to(find_entry(draw, effect)->parameters.at(name)) - here - bias;
+    for (const NullFit& draw : draws) {
+      const double off = scale.to(find_entry(draw.model, effect)->parameters.at(name)) - here - bias;
       squares += off * off;
     }
     quantile = student_quantile(draws.size() - 1);

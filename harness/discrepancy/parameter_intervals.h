@@ -15,8 +15,14 @@
 
 namespace touchstone {
 
-// The fit made again in each null world. `data`: the blocks of `train` that `fit` was made on.
-std::vector<Model> bootstrap_models(const Evidence& train, const FitData& data, const JointFit& fit,
+// The fit made again in a null world.
+struct NullFit {
+  std::size_t world = 0;
+  Model model;
+};
+
+// In each null world where the fit succeeds. `data`: the blocks of `train` that `fit` was made on.
+std::vector<NullFit> bootstrap_fits(const Evidence& train, const FitData& data, const JointFit& fit,
                                     const std::vector<FreeParameter>& parameters, int iterations);
 
 struct Interval {
@@ -25,8 +31,8 @@ struct Interval {
 };
 
 // Of an effect's parameter, holding its fitted value; of no width where nothing free moves it. `fit` with covariance.
-Interval interval95(const JointFit& fit, const std::vector<FreeParameter>& parameters, const std::vector<Model>& draws,
-                    const std::string& effect, const std::string& name);
+Interval interval95(const JointFit& fit, const std::vector<FreeParameter>& parameters,
+                    const std::vector<NullFit>& draws, const std::string& effect, const std::string& name);
 
 // The least size that a parameter may have by the fit's covariance, 95 %; 0 where its sign is not sure.
 double least_size95(const JointFit& fit, const std::vector<FreeParameter>& parameters, const std::string& effect,
