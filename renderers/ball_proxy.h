@@ -47,7 +47,8 @@ class BallProxy {
   [[nodiscard]] Vec3 normal(const Vec3& p) const noexcept;
   [[nodiscard]] ContactNormals contact_normals() const noexcept;
   [[nodiscard]] bool frictionless() const noexcept { return cone_.friction().none(); }
-  // For force shading: where on which triangles it rests.
+  // For force shading: where on which triangles it rests, be it one.
+  static RestingPlaceOf<double> resting_place() noexcept { return {}; }
   [[nodiscard]] ContactPlaces contact_places() const noexcept;
 
   // For statistics and tests.

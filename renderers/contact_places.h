@@ -16,6 +16,15 @@ struct ContactNormals {
   int size = 0;
 };
 
+// Where a proxy rests that touches at one place; triangle < 0 where it touches at none, or at several.
+template <class S>
+struct RestingPlaceOf {
+  std::int32_t triangle = -1;
+  Feature feature = Feature::face;
+  std::size_t index = 0;            // of the edge or corner
+  Vec3Of<S> p = Vec3Of<S>::Zero();  // on the triangle
+};
+
 // Where on which triangles they are.
 template <class S>
 struct ContactPlacesOf {

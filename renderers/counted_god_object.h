@@ -38,7 +38,7 @@ class CountedPointProxy {
   [[nodiscard]] const Vec3Of<Counted>& push(const Vec3Of<Counted>& /*p*/) const noexcept { return walk_.push(); }
   [[nodiscard]] Vec3Of<Counted> normal(const Vec3Of<Counted>& /*p*/) const noexcept { return walk_.normal(); }
   [[nodiscard]] bool frictionless() const noexcept { return frictionless_; }
-  [[nodiscard]] ContactPlacesOf<Counted> contact_places() const noexcept { return contact_places_of(walk_); }
+  [[nodiscard]] RestingPlaceOf<Counted> resting_place() const noexcept { return resting_place_of(walk_); }
 
  private:
   SurfaceWalkOf<CountedContactMesh> walk_;

@@ -1,7 +1,7 @@
 #include "renderers/force_shading.h"
 
-#include <Eigen/Geometry>
 #include <Eigen/LU>
+#include <cmath>
 #include <numbers>
 #include <type_traits>
 
@@ -15,13 +15,6 @@
 
 namespace touchstone {
 namespace {
-
-// v turned by the shortest rotation that takes the unit vector a to b; c = a . b > 0.
-template <class S>
-Vec3Of<S> turned(const Vec3Of<S>& a, const Vec3Of<S>& b, const S& c, const Vec3Of<S>& v) noexcept {
-  const Vec3Of<S> w = a.cross(b);
-  return c * v + w.cross(v) + dot(w, v) / (S(1.0) + c) * w;
-}
 
 // How much each contact presses: n = sum w_i n_i, least squares; zeros where the normals cannot be told apart.
 Vec3 shares(const ContactPlaces& contact, const Vec3& n) noexcept {
@@ -47,36 +40,55 @@ class Shading {
   Shading(const ContactMesh& mesh, double crease_angle_rad) : normals_(mesh, crease_angle_rad) {}
 
   template <class Mesh, class Proxy>
-  void turn(const Mesh& mesh, const Proxy& proxy, StepResult& result) const noexcept {
-    const auto contact = proxy.contact_places();
-    if (contact.size == 0) return;
-    if (contact.size == 1) {
-      const auto& place = contact.place[0];
-      turn_to(normals_.at(mesh.facet(place.triangle), place), result);
-    } else if constexpr (std::is_same_v<typename Mesh::Scalar, double>) {
-      // A walk, which is all that counts its operations, rests at one place.
-      const Vec3 share = shares(contact, result.n_W);
-      Vec3 shaded = Vec3::Zero();
-      for (int i = 0; i < contact.size; ++i) {
-        const auto& place = contact.place[static_cast<std::size_t>(i)];
-        shaded += share[i] * normals_.at(mesh.facet(place.triangle), place);
+  void turn(const Mesh& mesh, const Proxy& proxy, StepResult& result) noexcept {
+    using S = typename Mesh::Scalar;
+    Vec3Of<S> m;
+    if (const auto place = proxy.resting_place(); place.triangle >= 0) {
+      const FacetOf<S>& facet = mesh.facet(place.triangle);
+      if (place.triangle != fetched_about_) {
+        fetched_about_ = place.triangle;
+        normals_.fetch_about(facet.neighbour);
       }
-      const double length = shaded.norm();
-      if (length > 0.0) turn_to(Vec3(shaded / length), result);
+      const Vec3Of<S> n = result.n_W.cast<S>();
+      const S along = normals_.direction(facet, place, n, m);
+      if (!(along > S(0.0))) return;
+      if (!proxy.frictionless()) return turn_to(n, m, along, result);
+      // All of the force is along n.
+      const Vec3Of<S> shaded = (S(1.0) / sqrt(squared_norm(m))) * m;
+      result.f_W_N = (dot(result.f_W_N.cast<S>(), n) * shaded).template cast<double>();
+      result.n_W = shaded.template cast<double>();
+    } else if constexpr (std::is_same_v<S, double>) {
+      // A walk, which is all that counts its operations, rests at one place.
+      const ContactPlaces contact = proxy.contact_places();
+      if (contact.size == 0) return;
+      const Vec3 share = contact.size == 1 ? Vec3(1.0, 0.0, 0.0) : shares(contact, result.n_W);
+      m.setZero();
+      for (int i = 0; i < contact.size; ++i) {
+        const auto& at = contact.place[static_cast<std::size_t>(i)];
+        m += share[i] * normals_.at(mesh.facet(at.triangle), at);
+      }
+      const Vec3 n = result.n_W;
+      if (const double along = n.dot(m); along > 0.0) turn_to(n, m, along, result);
     }
   }
 
  private:
+  // The force turned by the shortest rotation that takes the unit vector n to the direction m, along = n . m > 0: of v
+  // it makes v - s (s . v) / (1 + n . b) + 2 b (n . v), where b is the unit vector along m and s = n + b.
   template <class S>
-  static void turn_to(const Vec3Of<S>& shaded, StepResult& result) noexcept {
-    const Vec3Of<S> n = result.n_W.cast<S>();
-    const S c = dot(n, shaded);
-    if (!(c > S(0.0))) return;
-    result.f_W_N = turned<S>(n, shaded, c, result.f_W_N.cast<S>()).template cast<double>();
-    result.n_W = shaded.template cast<double>();
+  static void turn_to(const Vec3Of<S>& n, const Vec3Of<S>& m, const S& along, StepResult& result) noexcept {
+    const S inverse = S(1.0) / sqrt(squared_norm(m));
+    const Vec3Of<S> b = inverse * m;
+    const Vec3Of<S> s = n + b;
+    const Vec3Of<S> v = result.f_W_N.cast<S>();
+    const S back = dot(s, v) / (S(1.0) + inverse * along);
+    const S press = dot(n, v);
+    result.f_W_N = (v - back * s + (press + press) * b).template cast<double>();
+    result.n_W = b.template cast<double>();
   }
 
   ShadedNormals normals_;
+  std::int32_t fetched_about_ = -1;  // that triangle
 };
 
 std::vector<ParameterDeclaration> parameters_of_force_shading() {

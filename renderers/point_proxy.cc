@@ -55,8 +55,4 @@ Vec3 PointProxy::normal(const Vec3& p) const noexcept {
                                  : cone_normal(planes_, p, resting_error(*mesh_, planes_.position()));
 }
 
-ContactPlaces PointProxy::contact_places() const noexcept {
-  return by_planes_ ? planes_.contact_places() : contact_places_of(walk_);
-}
-
 }  // namespace touchstone

@@ -19,16 +19,13 @@ StartPlace start_place(const ContactMesh& mesh, const Surface& surface, const Ve
 
 // Where a walk (surface_walk.h) rests: at one place, or none.
 template <class Walk>
-ContactPlacesOf<typename Walk::S> contact_places_of(const Walk& walk) noexcept {
+RestingPlaceOf<typename Walk::S> resting_place_of(const Walk& walk) noexcept {
   using On = typename Walk::On;
-  ContactPlacesOf<typename Walk::S> contact;
-  if (walk.on() == On::nothing) return contact;
+  if (walk.on() == On::nothing) return {};
   const Feature feature = walk.on() == On::face   ? Feature::face
                           : walk.on() == On::edge ? Feature::edge
                                                   : Feature::vertex;
-  contact.place[0] = {walk.triangle(), feature, walk.local(), walk.position(), walk.normal()};
-  contact.size = 1;
-  return contact;
+  return {walk.triangle(), feature, walk.local(), walk.position()};
 }
 
 class PointProxy {
@@ -47,8 +44,13 @@ class PointProxy {
   [[nodiscard]] Vec3 push(const Vec3& p) const noexcept { return by_planes_ ? planes_.push(p) : walk_.push(); }
   [[nodiscard]] Vec3 normal(const Vec3& p) const noexcept;
   [[nodiscard]] bool frictionless() const noexcept { return cone_.friction().none(); }
-  // For force shading: where on which triangles it rests.
-  [[nodiscard]] ContactPlaces contact_places() const noexcept;
+  // For force shading: where it rests while it walks, and on which triangles when it goes by planes.
+  [[nodiscard]] RestingPlaceOf<double> resting_place() const noexcept {
+    return by_planes_ ? RestingPlaceOf<double>{} : resting_place_of(walk_);
+  }
+  [[nodiscard]] ContactPlaces contact_places() const noexcept {
+    return by_planes_ ? planes_.contact_places() : ContactPlaces{};
+  }
 
  private:
   void go_by_planes(const Vec3& g, std::int32_t triangle, const Vec3& p) noexcept;

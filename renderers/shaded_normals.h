@@ -8,10 +8,14 @@
 // no part in it.
 #pragma once
 
+#include <algorithm>
+#include <array>
+#include <cstdint>
 #include <vector>
 
 #include "renderers/contact_mesh.h"
 #include "renderers/contact_places.h"
+#include "renderers/fetch.h"
 
 namespace touchstone {
 
@@ -20,18 +24,30 @@ class ShadedNormals {
   // crease_angle_rad: 0 leaves every edge sharp, pi none.
   ShadedNormals(const ContactMesh& mesh, double crease_angle_rad);
 
-  // The interpolated unit normal; the contact's own where the feature is sharp or the interpolated one would turn the
-  // force by a right angle or more.
+  // The direction m of the interpolated normal at a place with the normal n, m not of unit length. Answers n . m, or
+  // zero where n stays: where the feature is sharp or m would turn the force by a right angle or more.
   // `facet` is the place's triangle. A template, so that the operations can be counted (harness/base/counted.h).
-  template <class S>
-  [[nodiscard]] Vec3Of<S> at(const FacetOf<S>& facet, const typename ContactPlacesOf<S>::Place& place) const noexcept {
+  template <class S, class Place>
+  [[nodiscard]] S direction(const FacetOf<S>& facet, const Place& place, const Vec3Of<S>& n,
+                            Vec3Of<S>& m) const noexcept {
     const Shade& shade = shades_[static_cast<std::size_t>(place.triangle)];
-    if (place.feature == Feature::edge && !shade.smooth_edge[place.index]) return place.n;
-    if (place.feature == Feature::vertex && !shade.smooth_corner[place.index]) return place.n;
+    if (place.feature == Feature::edge && !shade.smooth_edge[place.index]) return S(0.0);
+    if (place.feature == Feature::vertex && !shade.smooth_corner[place.index]) return S(0.0);
     const Vec3Of<S> r = place.p - facet.origin;
-    const Vec3Of<S> n = shade.n0.cast<S>() + dot(facet.inward[2], r) * shade.d1.cast<S>() +
-                        dot(facet.inward[0], r) * shade.d2.cast<S>();
-    return dot(n, place.n) > S(0.0) ? unit(n) : place.n;
+    m = shade.n0.cast<S>() + dot(facet.inward[2], r) * shade.d1.cast<S>() +
+        dot(facet.inward[0], r) * shade.d2.cast<S>();
+    return std::max(S(0.0), dot(n, m));
+  }
+  // The interpolated unit normal, or the contact's own.
+  [[nodiscard]] Vec3 at(const Facet& facet, const ContactPlaces::Place& place) const noexcept {
+    Vec3 m;
+    return direction<double>(facet, place, place.n, m) > 0.0 ? unit(m) : place.n;
+  }
+  // Has what is stored of a triangle's neighbours fetched from memory: the next contact is most likely on one of them.
+  void fetch_about(const std::array<std::int32_t, 3>& neighbours) const noexcept {
+    for (const std::int32_t t : neighbours) {
+      if (t >= 0) fetch(shades_[static_cast<std::size_t>(t)]);
+    }
   }
 
  private:

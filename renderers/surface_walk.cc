@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "renderers/counted_contact_mesh.h"
+#include "renderers/fetch.h"
 #include "renderers/front_crossing.h"
 
 namespace touchstone {
@@ -322,7 +323,12 @@ template <class Mesh>
 bool SurfaceWalkOf<Mesh>::to_face(std::int32_t triangle) noexcept {
   on_ = On::face;
   triangle_ = triangle;
-  stopped_ = !mesh_->facet(triangle).regular;
+  const FacetOf<S>& facet = mesh_->facet(triangle);
+  // The next step most likely ends here or on one of these.
+  for (const std::int32_t t : facet.neighbour) {
+    if (t >= 0) fetch(mesh_->facet(t));
+  }
+  stopped_ = !facet.regular;
   return stopped_;
 }
 
