@@ -3,6 +3,7 @@
 #include <Eigen/LU>
 #include <cmath>
 #include <limits>
+#include <type_traits>
 
 namespace touchstone {
 namespace {
@@ -11,9 +12,11 @@ constexpr int kNewtonSteps = 16;
 constexpr int kFeatureChanges = 6;
 
 // On one triangle: by its face, edge or corner in closed form, until the answer's own closest feature is the one used.
+// Both this and newton() answer false where the contact ends up on the triangle's other side.
 bool rest_on_one(const ContactMesh& mesh, std::int32_t triangle, double r, const Vec3& p, Vec3& x) noexcept {
   const Facet& facet = mesh.facet(triangle);
   Touch now = touch(mesh, triangle, x);
+  const Vec3 before = now.n;
   for (int change = 0; change < kFeatureChanges; ++change) {
     Vec3 next;
     double pull = 0.0;
@@ -37,15 +40,14 @@ bool rest_on_one(const ContactMesh& mesh, std::int32_t triangle, double r, const
     if (pull < 0.0) return false;
     const Touch then = touch(mesh, triangle, next);
     x = next;
-    if (then.feature == now.feature && then.index == now.index) return true;
+    if (then.feature == now.feature && then.index == now.index) return then.n.dot(before) > 0.0;
     now = then;
   }
   return false;
 }
 
-// The second derivative of the distance.
+// The second derivative of the distance from an edge or corner.
 Mat3 curvature(const ContactMesh& mesh, std::int32_t triangle, const Touch& t) noexcept {
-  if (t.feature == Feature::face || !(t.d > 0.0)) return Mat3::Zero();
   Mat3 bend = Mat3::Identity() - t.n * t.n.transpose();
   if (t.feature == Feature::edge) {
     const auto& corner = mesh.facet(triangle).corner;
@@ -60,34 +62,47 @@ bool newton(const ContactMesh& mesh, const Holding& holding, double r, const Vec
             Vec3& x) noexcept {
   using Multipliers = Eigen::Matrix<double, M, 1>;
   Multipliers l = Multipliers::Zero();
+  Eigen::Matrix<double, 3, M> before;  // the normals at the start
   for (int step = 0; step < kNewtonSteps; ++step) {
     Eigen::Matrix<double, 3, M> n;
     Multipliers gap;
     Mat3 k = Mat3::Identity();
+    bool bent = false;
     for (int i = 0; i < M; ++i) {
       const std::int32_t triangle = holding.triangle[static_cast<std::size_t>(i)];
       const Touch t = touch(mesh, triangle, x);
       n.col(i) = t.n;
       gap[i] = r - t.d;
-      if (step > 0) k -= l[i] * curvature(mesh, triangle, t);
+      if (step > 0 && t.feature != Feature::face && t.d > 0.0) {
+        k -= l[i] * curvature(mesh, triangle, t);
+        bent = true;
+      }
     }
-    // K dx - N l = p - x, N' dx = gap: eliminate dx.
-    bool solvable = false;
+    if (step == 0) before = n;
+    // K dx - N l = p - x, N' dx = gap: eliminate dx. Of planes K is the identity.
+    bool solvable = true;
     Mat3 inverse;
-    k.computeInverseWithCheck(inverse, solvable, 1e-12);
+    if (bent) k.computeInverseWithCheck(inverse, solvable, 1e-12);
     if (!solvable) return false;
-    const Eigen::Matrix<double, M, M> gram = n.transpose() * inverse * n;
+    const auto released = [&](const auto& v) {
+      using Released = Eigen::Matrix<double, 3, std::decay_t<decltype(v)>::ColsAtCompileTime>;
+      return bent ? Released(inverse * v) : Released(v);
+    };
+    const Eigen::Matrix<double, M, M> gram = n.transpose() * released(n);
     Eigen::Matrix<double, M, M> gram_inverse;
     gram.computeInverseWithCheck(gram_inverse, solvable, 1e-24);
     if (!solvable) return false;
-    l = gram_inverse * (gap - n.transpose() * (inverse * (p - x)));
-    const Vec3 dx = inverse * (p - x + n * l);
+    const Vec3 pull = p - x;
+    l = gram_inverse * (gap - n.transpose() * released(pull));
+    const Vec3 dx = released(Vec3(pull + n * l));
     if (!dx.allFinite()) return false;
     // Far steps leave the neighbourhood in which the closest features are what they are.
     const double length = dx.norm();
     const bool far = length > 0.5 * r;
     x += far ? Vec3(0.5 * r / length * dx) : dx;
-    if (!far && length <= rounding && gap.cwiseAbs().maxCoeff() <= rounding) return (l.array() >= 0.0).all();
+    // The last normals are those at x but for a step of rounding.
+    if (!far && length <= rounding && gap.cwiseAbs().maxCoeff() <= rounding)
+      return (l.array() >= 0.0).all() && (n.cwiseProduct(before).colwise().sum().array() > 0.0).all();
   }
   return false;
 }
@@ -141,16 +156,8 @@ bool rest_on(const ContactMesh& mesh, const Holding& holding, double r, const Ve
     x = p;
     return true;
   }
-  const Vec3 start = x;
-  const bool found = holding.size == 1   ? rest_on_one(mesh, holding.triangle[0], r, p, x)
-                     : holding.size == 2 ? newton<2>(mesh, holding, r, p, rounding, x)
-                                         : newton<3>(mesh, holding, r, p, rounding, x);
-  if (!found) return false;
-  for (int i = 0; i < holding.size; ++i) {
-    const std::int32_t t = holding.triangle[static_cast<std::size_t>(i)];
-    if (!(touch(mesh, t, x).n.dot(touch(mesh, t, start).n) > 0.0)) return false;
-  }
-  return true;
+  if (holding.size == 1) return rest_on_one(mesh, holding.triangle[0], r, p, x);
+  return holding.size == 2 ? newton<2>(mesh, holding, r, p, rounding, x) : newton<3>(mesh, holding, r, p, rounding, x);
 }
 
 }  // namespace touchstone

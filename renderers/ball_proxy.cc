@@ -4,15 +4,18 @@
 #include <cmath>
 #include <limits>
 
+#include "renderers/fetch.h"
+
 namespace touchstone {
 namespace {
 
 constexpr double kEps = std::numeric_limits<double>::epsilon();
 // Triangles to gather at a time: enough for several servo ticks, few enough to test quickly.
-constexpr std::size_t kFew = 24;
+constexpr std::size_t kFew = 16;
 constexpr std::size_t kMany = 96;
 constexpr std::size_t kMost = 4096;
 constexpr int kMoves = 256;     // per step; a jump across the object takes some
+constexpr int kGlide = 8;       // edges of one move over faces
 constexpr int kExchanges = 12;  // of holding triangles per move
 constexpr double kAhead = 0.7;  // of the margin: how far ahead of the centre to gather
 constexpr int kCuts = 40;       // of the search for the least distance along a way
@@ -20,10 +23,16 @@ constexpr int kCuts = 40;       // of the search for the least distance along a 
 }  // namespace
 
 BallProxy::BallProxy(const ContactMesh& mesh, const Surface& surface, double radius_m, const ConeFriction& friction)
-    : mesh_(&mesh), surface_(&surface), r_(radius_m), cone_(friction), feeler_(mesh), next_margin_(0.25 * radius_m) {
-  near_.reserve(kMost);
+    : mesh_(&mesh),
+      surface_(&surface),
+      r_(radius_m),
+      cone_(friction),
+      feeler_(mesh),
+      near_(kMost),
+      next_margin_(0.25 * radius_m) {
   candidates_.reserve(kMost);
   half_spaces_.reserve(kMost);
+  limiting_.reserve(kMost);
 }
 
 void BallProxy::start(const Vec3& p) noexcept {
@@ -102,6 +111,7 @@ void BallProxy::gather(const Vec3& at, double margin) noexcept {
     mesh_->tree().within(at, r_ + margin, [&](std::int32_t t) {
       if (candidates_.size() < kMost) {
         candidates_.push_back(t);
+        fetch(mesh_->facet(t));
       } else {
         overflow = true;
       }
@@ -118,10 +128,16 @@ void BallProxy::gather(const Vec3& at, double margin) noexcept {
   for (const std::int32_t t : candidates_) {
     const Facet& facet = mesh_->facet(t);
     // Farther from the plane than the ball reaches, or without area.
-    if (std::abs(facet.height(at)) > r_ + margin || facet.n.isZero(0.0)) continue;
+    const double height = facet.height(at);
+    if (std::abs(height) > r_ + margin || facet.n.isZero(0.0)) continue;
+    // Where the surface bends away the triangle's own plane does, now and later: no need of its closest point.
+    if (facet.height(c_) >= r_) {
+      near_.add(t, facet.n, r_ - height);
+      continue;
+    }
     // Tangential to the triangle from the ball's centre, which is outside; the middle of the gathered may not be.
     const Touch here = touch(*mesh_, t, c_);
-    if (here.d - off <= r_ + margin) near_.push_back({here.n, r_ - here.d + here.n.dot(from_at), t});
+    if (here.d - off <= r_ + margin) near_.add(t, here.n, r_ - here.d + here.n.dot(from_at));
   }
   gathered_at_ = at;
   margin_ = margin;
@@ -138,27 +154,34 @@ BallProxy::Check BallProxy::check(const Vec3& x, const Holding& held) noexcept {
   const Vec3 offset = x - gathered_at_;
   const bool far = (x - c_).squaredNorm() > 0.25 * r_ * r_;
   double least = r_ - rounding_;
-  for (Near& near : near_) {
-    if (near.n.dot(offset) >= near.b) continue;
-    const Touch t = touch(*mesh_, near.triangle, x);
-    const bool through =
-        far && mesh_->facet(near.triangle).height(c_) >= 0.0 && mesh_->facet(near.triangle).height(x) < 0.0;
-    if (held.has(near.triangle) || (t.d >= r_ - rounding_ && !through)) {
+  const double* const slack = near_.slack(offset);
+  for (std::size_t i = 0; i < near_.size(); ++i) {
+    if (slack[i] >= 0.0) continue;
+    const std::int32_t triangle = near_.triangle(i);
+    const Facet& facet = mesh_->facet(triangle);
+    const double height = facet.height(x);
+    const double height_now = facet.height(c_);
+    if (height >= r_ && height_now >= r_) {
+      near_.set(i, facet.n, r_ - facet.height(gathered_at_));
+      continue;
+    }
+    const Touch t = touch(*mesh_, triangle, x);
+    const bool through = far && height_now >= 0.0 && height < 0.0;
+    if (held.has(triangle) || (t.d >= r_ - rounding_ && !through)) {
       // Now tangential at x. The centre, where it is now, must lie in the half-space too for the way to be safe.
       const double b = r_ - t.d + t.n.dot(offset);
       if (t.n.dot(c_ - gathered_at_) >= b - rounding_) {
-        near.n = t.n;
-        near.b = b - rounding_;
+        near_.set(i, t.n, b - rounding_);
       } else if (far) {
-        result.safe_way = result.safe_way && stays_clear(near.triangle, x);
+        result.safe_way = result.safe_way && stays_clear(triangle, x);
       }
       continue;
     }
-    if (ignored(near.triangle)) continue;
+    if (ignored(triangle)) continue;
     const double depth = through ? -t.d : t.d;
     if (depth < least) {
       least = depth;
-      result.worst = near.triangle;
+      result.worst = triangle;
     }
   }
   return result;
@@ -191,7 +214,46 @@ bool BallProxy::stays_clear(std::int32_t triangle, const Vec3& x) const noexcept
   return false;
 }
 
+bool BallProxy::glide(const Vec3& p, Holding& holding, Vec3& x, bool& safe_way) noexcept {
+  if (holding.size != 1) return false;
+  std::int32_t triangle = holding.triangle[0];
+  std::int32_t from = -1;
+  for (int edges = 0; edges < kGlide; ++edges) {
+    const Facet& facet = mesh_->facet(triangle);
+    const double pull = r_ - facet.height(p);
+    if (!facet.regular || !(pull >= 0.0) || !(facet.height(c_) > 0.0)) return false;
+    const Vec3 there = p + pull * facet.n;
+    if (!((there - c_).squaredNorm() <= 0.25 * r_ * r_)) return false;
+    // Over the edge that it is farthest outside of.
+    std::size_t exit = 3;
+    double least = 0.0;
+    for (std::size_t e = 0; e < 3; ++e) {
+      if (const double s = facet.inside(e, there); s < least) {
+        least = s;
+        exit = e;
+      }
+    }
+    if (exit == 3) {
+      Holding face;
+      face.add(triangle);
+      // Where not all triangles near are known yet there is nothing to ask: advance() will gather them first.
+      const Check result = covered(there) ? check(there, face) : Check{};
+      if (result.worst >= 0) return false;
+      holding = face;
+      x = there;
+      safe_way = result.safe_way;
+      return true;
+    }
+    const std::int32_t next = facet.neighbour[exit];
+    if (next < 0 || next == from || ignored(next)) return false;
+    from = triangle;
+    triangle = next;
+  }
+  return false;
+}
+
 bool BallProxy::settle(const Vec3& p, Holding& holding, Vec3& x, bool& safe_way) noexcept {
+  if (glide(p, holding, x, safe_way)) return true;
   x = c_;
   if (!rest_on(*mesh_, holding, r_, p, rounding_, x) && !roll(p, holding, x)) {
     // Fewer of them may do: the first that leaves the others clear.
@@ -264,7 +326,9 @@ bool BallProxy::exchange(const Vec3& p, std::int32_t added, Holding& holding, Ve
   Holding best;
   Vec3 best_x = x;
   double least = std::numeric_limits<double>::infinity();
-  for (unsigned chosen = 1; chosen < (1U << before.size); ++chosen) {
+  // All of three and the added one would be four, which do not hold a ball.
+  const unsigned subsets = std::min(1U << before.size, 7U);
+  for (unsigned chosen = 1; chosen < subsets; ++chosen) {
     Holding next;
     Vec3 there;
     if (!try_with(chosen, next, there)) continue;
@@ -317,27 +381,30 @@ bool BallProxy::advance(const Vec3& x, bool safe_way, const Holding& holding) no
 
 bool BallProxy::creep(const Vec3& goal) noexcept {
   half_spaces_.clear();
+  limiting_.clear();
   if ((c_ - gathered_at_).norm() > 0.75 * margin_) gather(c_, next_margin_);
   const Vec3 offset = c_ - gathered_at_;
   // Short moves, for which few triangles matter.
   const double reach = std::min((goal - c_).norm(), 0.25 * margin_);
-  for (Near& near : near_) {
+  const double* const slack = near_.slack(offset);
+  for (std::size_t i = 0; i < near_.size(); ++i) {
     // Farther than the move goes.
-    if (near.n.dot(offset) - near.b >= reach) continue;
-    const Touch t = touch(*mesh_, near.triangle, c_);
-    if (ignored(near.triangle)) continue;
-    near.n = t.n;
-    near.b = r_ - t.d + t.n.dot(offset);
+    if (slack[i] >= reach) continue;
+    const std::int32_t triangle = near_.triangle(i);
+    const Touch t = touch(*mesh_, triangle, c_);
+    if (ignored(triangle)) continue;
+    near_.set(i, t.n, r_ - t.d + t.n.dot(offset));
     half_spaces_.push_back({t.n, r_ - t.d});
+    limiting_.push_back(triangle);
   }
   const NearestInPolyhedron found = nearest_in_polyhedron(half_spaces_, goal - c_, rounding_);
   if (!found.found) return false;
   holding_ = {};
   for (int i = 0; i < found.basis_size; ++i) {
     const HalfSpace& held = half_spaces_[static_cast<std::size_t>(found.basis[static_cast<std::size_t>(i)])];
-    for (const Near& near : near_) {
-      if (near.n == held.n && holding_.size < 3 && !holding_.has(near.triangle)) {
-        holding_.add(near.triangle);
+    for (std::size_t k = 0; k < half_spaces_.size(); ++k) {
+      if (half_spaces_[k].n == held.n && holding_.size < 3 && !holding_.has(limiting_[k])) {
+        holding_.add(limiting_[k]);
         break;
       }
     }

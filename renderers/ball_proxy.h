@@ -19,6 +19,7 @@
 // while the centre is behind its plane or already closer than r, which is how a ball that came from behind passes.
 #pragma once
 
+#include <Eigen/Core>
 #include <cstdint>
 #include <vector>
 
@@ -57,11 +58,40 @@ class BallProxy {
   [[nodiscard]] std::uint64_t moves() const noexcept { return moves_; }
 
  private:
-  // A triangle near the ball and a half-space that it leaves free: n . (x - gathered_at_) >= b means distance >= r.
-  struct Near {
-    Vec3 n;
-    double b;
-    std::int32_t triangle;
+  // The triangles near the ball, each with a half-space that it leaves free: n . (x - gathered_at_) >= b means distance
+  // >= r. In columns, so that all of them are asked a few at a time.
+  class Near {
+   public:
+    explicit Near(std::size_t most)
+        : planes_(static_cast<Eigen::Index>(most), 4), slack_(static_cast<Eigen::Index>(most)) {
+      triangles_.reserve(most);
+    }
+    void clear() noexcept { triangles_.clear(); }
+    [[nodiscard]] std::size_t size() const noexcept { return triangles_.size(); }
+    void add(std::int32_t triangle, const Vec3& n, double b) noexcept {
+      triangles_.push_back(triangle);
+      set(triangles_.size() - 1, n, b);
+    }
+    void set(std::size_t i, const Vec3& n, double b) noexcept {
+      const auto row = static_cast<Eigen::Index>(i);
+      planes_(row, 0) = n.x();
+      planes_(row, 1) = n.y();
+      planes_(row, 2) = n.z();
+      planes_(row, 3) = b;
+    }
+    [[nodiscard]] std::int32_t triangle(std::size_t i) const noexcept { return triangles_[i]; }
+    // n . offset - b of all of them, valid until the next call.
+    [[nodiscard]] const double* slack(const Vec3& offset) noexcept {
+      const auto size = static_cast<Eigen::Index>(triangles_.size());
+      const auto column = [&](Eigen::Index i) { return planes_.col(i).head(size); };
+      slack_.head(size) = column(0) * offset.x() + column(1) * offset.y() + column(2) * offset.z() - column(3);
+      return slack_.data();
+    }
+
+   private:
+    Eigen::ArrayXXd planes_;  // n and b, a row each
+    Eigen::ArrayXd slack_;
+    std::vector<std::int32_t> triangles_;
   };
   struct Check {
     std::int32_t worst = -1;  // the triangle that the ball would overlap most
@@ -75,6 +105,9 @@ class BallProxy {
   // Whether the way from the centre to x keeps the distance r from the triangle.
   [[nodiscard]] bool stays_clear(std::int32_t triangle, const Vec3& x) const noexcept;
   [[nodiscard]] bool ignored(std::int32_t triangle) const noexcept;
+  // Onto the face under the ball where that is the held triangle's own or a few edges farther on and nothing else is
+  // touched there: nearly every step over a smooth surface. Else false, with nothing changed.
+  bool glide(const Vec3& p, Holding& holding, Vec3& x, bool& safe_way) noexcept;
   // The rest position for p near the centre; false where the search does not settle.
   bool settle(const Vec3& p, Holding& holding, Vec3& x, bool& safe_way) noexcept;
   // Off an edge or corner below which the tip is deeper than the ball's radius, onto the face that the tip pulls to:
@@ -92,10 +125,11 @@ class BallProxy {
   ConeFollower cone_;
   Vec3 c_ = Vec3::Zero();
   Holding holding_;
-  SurfaceWalk feeler_;      // of roll()
-  std::vector<Near> near_;  // capacity fixed at construction
+  SurfaceWalk feeler_;  // of roll()
+  Near near_;
   std::vector<std::int32_t> candidates_;
-  std::vector<HalfSpace> half_spaces_;  // scratch of creep()
+  std::vector<HalfSpace> half_spaces_;  // scratch of creep(), and whose they are
+  std::vector<std::int32_t> limiting_;
   Vec3 gathered_at_ = Vec3::Zero();
   double margin_ = -1.0;  // of the gathered triangles; < 0: none gathered
   double next_margin_;
