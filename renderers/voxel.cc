@@ -17,6 +17,7 @@ class VoxelRenderer final : public Renderer {
         origin_W_m_(grid_.layout.origin_W_m.template cast<S>()),
         voxel_m_(grid_.layout.voxel_m),
         per_m_(grid_.layout.per_m),
+        count_(S(grid_.layout.count[0]), S(grid_.layout.count[1]), S(grid_.layout.count[2])),
         stiffness_N_per_m_(stiffness_N_per_m) {}
 
   [[nodiscard]] std::size_t memory_bytes() const noexcept override { return grid_.voxels.memory_bytes(); }
@@ -25,19 +26,18 @@ class VoxelRenderer final : public Renderer {
   void do_reset() override {}
 
   StepResult do_step(const TipState& tip) noexcept override {
-    using std::floor;
     StepResult result;
     result.contact_W_m = tip.p_W_m;
     const Vec3Of<S> p_W_m = tip.p_W_m.template cast<S>();
     const Vec3Of<S> q = (p_W_m - origin_W_m_) * per_m_;  // in voxels from here on
     Vec3Of<S> center;
     VoxelIndex at;
-    for (std::size_t i = 0; i < 3; ++i) {
-      const S& along = q[static_cast<Eigen::Index>(i)];
-      if (!(along >= S(0.0) && along < S(grid_.layout.count[i]))) return result;
-      const S below = floor(along);
-      center[static_cast<Eigen::Index>(i)] = below + S(0.5);
-      at[i] = static_cast<std::int32_t>(static_cast<double>(below));
+    for (Eigen::Index i = 0; i < 3; ++i) {
+      if (!(q[i] >= S(0.0) && q[i] < count_[i])) return result;
+      // Not negative: to cut off the fraction is to round down.
+      const auto below = static_cast<std::int32_t>(static_cast<double>(q[i]));
+      center[i] = S(below) + S(0.5);
+      at[static_cast<std::size_t>(i)] = below;
     }
     const VoxelPlane* const plane = grid_.voxels.find(at);
     if (plane == nullptr) return result;
@@ -59,6 +59,7 @@ class VoxelRenderer final : public Renderer {
   Vec3Of<S> origin_W_m_;
   S voxel_m_;
   S per_m_;
+  Vec3Of<S> count_;  // of voxels
   S stiffness_N_per_m_;
 };
 
