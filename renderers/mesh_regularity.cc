@@ -75,6 +75,11 @@ bool cross(const TriangleMesh& mesh, std::int32_t s, std::int32_t t) {
       if (std::find(b.begin(), b.end(), a[i]) != b.end()) corner_a = i;
       if (std::find(a.begin(), a.end(), b[i]) != a.end()) corner_b = i;
     }
+    // Both of them on one side of the first one's plane, as nearly always: they meet in the corner alone.
+    if (side_of_plane(p[0], p[1], p[2], q[(corner_b + 1) % 3]) *
+            side_of_plane(p[0], p[1], p[2], q[(corner_b + 2) % 3]) >
+        0)
+      return false;
     return edge_crosses(p, (corner_a + 1) % 3, q) || edge_crosses(q, (corner_b + 1) % 3, p);
   }
   if (shared == 3) return true;

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <limits>
 #include <memory>
+#include <utility>
 
 #include "harness/surface/triangle_queries.h"
 #include "harness/surface/triangle_surface.h"
@@ -13,9 +14,12 @@ namespace {
 
 class EmbreeSurface final : public TriangleSurface {
  public:
-  explicit EmbreeSurface(const TriangleMesh& mesh) : TriangleSurface(mesh), tree_(mesh_) {}
+  // The tree over the surface's own mesh is made beside the rest of it.
+  explicit EmbreeSurface(const TriangleMesh& mesh, std::unique_ptr<const TriangleTree> tree = nullptr)
+      : TriangleSurface(mesh, [&](const TriangleMesh& own) { tree = std::make_unique<const TriangleTree>(own); }),
+        tree_(std::move(tree)) {}
 
-  [[nodiscard]] const TriangleTree* tree() const noexcept override { return &tree_; }
+  [[nodiscard]] const TriangleTree* tree() const noexcept override { return tree_.get(); }
 
   // Of equally close triangles the one with the smaller index, whatever the order of visits.
   [[nodiscard]] SurfacePoint closest(const Vec3& p_W_m) const override {
@@ -23,7 +27,7 @@ class EmbreeSurface final : public TriangleSurface {
     TriangleClosest best{};
     std::int32_t nearest = -1;
     double distance_m = std::numeric_limits<double>::infinity();
-    tree_.within(p_W_m, distance_m, [&](std::int32_t t) {
+    tree_->within(p_W_m, distance_m, [&](std::int32_t t) {
       const TriangleClosest here = closest_on_triangle(facet(t).corners, facet(t).normal, p_W_m);
       if (nearest >= 0 && (here.squared_distance > best.squared_distance ||
                            (here.squared_distance == best.squared_distance && t > nearest)))
@@ -40,7 +44,7 @@ class EmbreeSurface final : public TriangleSurface {
     if (!a_W_m.allFinite() || !b_W_m.allFinite()) return std::nullopt;
     TriangleCrossing best{};
     std::int32_t first = -1;
-    tree_.along_segment(a_W_m, b_W_m, [&](std::int32_t t) {
+    tree_->along_segment(a_W_m, b_W_m, [&](std::int32_t t) {
       const auto crossing = cross_triangle(facet(t).corners, facet(t).normal, a_W_m, b_W_m);
       const bool better = crossing && (first < 0 || crossing->fraction < best.fraction ||
                                        (crossing->fraction == best.fraction && t < first));
@@ -55,7 +59,7 @@ class EmbreeSurface final : public TriangleSurface {
   }
 
  private:
-  TriangleTree tree_;  // over mesh_, which does not move: a surface is not copied
+  std::unique_ptr<const TriangleTree> tree_;  // over mesh_, which does not move: a surface is not copied
 };
 
 }  // namespace

@@ -30,8 +30,21 @@ const TriangleMesh& checked(const TriangleMesh& mesh) {
 
 }  // namespace
 
-TriangleSurface::TriangleSurface(const TriangleMesh& mesh)
-    : mesh_(weld_coincident_vertices(checked(mesh))), topology_(make_topology(mesh_)) {
+TriangleSurface::TriangleSurface(const TriangleMesh& mesh, const std::function<void(const TriangleMesh&)>& beside)
+    : mesh_(weld_coincident_vertices(checked(mesh))) {
+  for (const auto& triangle : mesh_.triangles) {
+    for (const std::int32_t corner : triangle) bounds_.extend(mesh_.vertices_W_m[static_cast<std::size_t>(corner)]);
+  }
+  if (!(bounds_.sizes().maxCoeff() > 0.0))
+    throw BadData(fmt::format("{}: all triangles lie in one point", mesh.source));
+  // Half of making topology waits for no other thread's help: time for whatever else is to be made.
+  in_parallel(
+      2,
+      [&](std::size_t which) {
+        if (which == 0) topology_ = make_topology(mesh_);
+        if (which == 1 && beside) beside(mesh_);
+      },
+      1);
   facets_.resize(mesh_.triangles.size());
   in_parallel(facets_.size(), [&](std::size_t t) {
     Facet& facet = facets_[t];
@@ -39,11 +52,6 @@ TriangleSurface::TriangleSurface(const TriangleMesh& mesh)
       facet.corners[i] = mesh_.vertices_W_m[static_cast<std::size_t>(mesh_.triangles[t][i])];
     facet.normal = topology_.face_normals[t];
   });
-  for (const Facet& facet : facets_) {
-    for (const Vec3& corner : facet.corners) bounds_.extend(corner);
-  }
-  if (!(bounds_.sizes().maxCoeff() > 0.0))
-    throw BadData(fmt::format("{}: all triangles lie in one point", mesh.source));
 }
 
 SurfacePoint TriangleSurface::finish(const Vec3& q, std::int32_t triangle, const TriangleClosest& closest) const {

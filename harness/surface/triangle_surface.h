@@ -2,6 +2,8 @@
 // triangle becomes an answer.
 #pragma once
 
+#include <functional>
+
 #include "harness/surface/mesh_topology.h"
 #include "harness/surface/surface.h"
 #include "harness/surface/triangle_queries.h"
@@ -10,8 +12,9 @@ namespace touchstone {
 
 class TriangleSurface : public Surface {
  public:
-  // Joins vertices with equal coordinates. Throws BadData for no triangles or an index out of range.
-  explicit TriangleSurface(const TriangleMesh& mesh);
+  // Joins vertices with equal coordinates. Throws BadData for no triangles or an index out of range. `beside` is called
+  // with the surface's own mesh() while its topology is made, on another thread where there is one.
+  explicit TriangleSurface(const TriangleMesh& mesh, const std::function<void(const TriangleMesh&)>& beside = {});
 
   [[nodiscard]] Box3 bounds() const override { return bounds_; }
   [[nodiscard]] const TriangleMesh* mesh() const noexcept override { return &mesh_; }
