@@ -3,8 +3,6 @@
 // Counter predictions: how often the fit ran the renderer, which is what it costs with a real one.
 #include <benchmark/benchmark.h>
 
-#include <cmath>
-
 #include "harness/base/random.h"
 #include "harness/discrepancy/joint_fit.h"
 #include "harness/discrepancy/plane_for_test.h"
@@ -60,7 +58,7 @@ void candidate_fit(benchmark::State& state) {
   const MotionColumns motion = testing::hand(0.0, 1.0);
   CountingPredictor predictor(motion);
   const FitData data = measured(predictor, motion);
-  const std::vector<FreeParameter> free{log_base_parameter("stiffness_N_per_m", std::log(1.0), std::log(1e6)),
+  const std::vector<FreeParameter> free{log_base_parameter("stiffness_N_per_m", 1.0, 1e6),
                                         linear_parameter("viscous-friction", "coefficient_N_s_per_m", 1.0, 0.0, 100.0)};
   const std::size_t before = predictor.runs();
   JointFit fit;
