@@ -142,7 +142,7 @@ class Implicit final : public Renderer {
   V on_W_m_ = V::Zero();  // surface contact point
 };
 
-std::unique_ptr<Renderer> make(const Parameters& parameters, std::shared_ptr<const Surface> surface) {
+std::unique_ptr<Renderer> make(const Parameters& parameters, const std::shared_ptr<const Surface>& surface) {
   auto field = surface->mesh() == nullptr
                    ? make_analytic_field(surface)
                    : make_sampled_field(*surface, static_cast<int>(std::lround(parameters.at("resolution"))));
@@ -150,7 +150,7 @@ std::unique_ptr<Renderer> make(const Parameters& parameters, std::shared_ptr<con
                                             parameters.at("tip_radius_m"));
 }
 
-std::unique_ptr<Renderer> make_counted(const Parameters& parameters, std::shared_ptr<const Surface> surface) {
+std::unique_ptr<Renderer> make_counted(const Parameters& parameters, const std::shared_ptr<const Surface>& surface) {
   auto field = make_counted_field(*surface, static_cast<int>(std::lround(parameters.at("resolution"))));
   return std::make_unique<Implicit<Counted>>(std::move(field), parameters.at("stiffness_N_per_m"),
                                              parameters.at("tip_radius_m"));

@@ -57,7 +57,7 @@ class SampledField final : public SignedFieldOf<S> {
     std::size_t nodes = 1;
     for (std::size_t i = 0; i < 3; ++i) {
       const double side = box_.sizes()[static_cast<Eigen::Index>(i)];
-      count_[i] = static_cast<std::size_t>(std::ceil(side / step_m_ - 1e-6)) + 1 + 2 * kMargin;
+      count_[i] = static_cast<std::size_t>(std::ceil(side / step_m_ - 1e-6)) + 1 + std::size_t{2} * kMargin;
       nodes *= count_[i];
     }
     origin_W_m_ = box_.min() - step_m_ * Vec3::Constant(kMargin);
@@ -75,7 +75,7 @@ class SampledField final : public SignedFieldOf<S> {
 
   [[nodiscard]] S value_m(const V& p_W_m) const override {
     using std::sqrt;
-    Place place;
+    Place place{};
     if (!find(p_W_m, place)) return sqrt(squared_norm(beyond_box(p_W_m)));
     S sum = 0.0;
     each(place, [&](std::size_t i, std::size_t j, std::size_t k, const S& value) {
@@ -84,7 +84,7 @@ class SampledField final : public SignedFieldOf<S> {
     return sum;
   }
   [[nodiscard]] V gradient(const V& p_W_m) const override {
-    Place place;
+    Place place{};
     if (!find(p_W_m, place)) return unit(beyond_box(p_W_m));
     V sum = V::Zero();
     const auto& [x, y, z] = place.along;
@@ -103,8 +103,8 @@ class SampledField final : public SignedFieldOf<S> {
   static constexpr int kMargin = 3;
 
   struct Place {
-    std::array<std::size_t, 3> first;  // of the four samples
-    std::array<Weights<S>, 3> along;
+    std::array<std::size_t, 3> first{};  // of the four samples
+    std::array<Weights<S>, 3> along{};
   };
   // From the body's box to p.
   [[nodiscard]] V beyond_box(const V& p_W_m) const {

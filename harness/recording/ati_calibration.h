@@ -22,6 +22,7 @@ struct CalendarDay {
   int year = 0;
   int month = 0;
   int day = 0;
+  // NOLINTNEXTLINE(modernize-use-nullptr): clang-tidy takes the 0 of a three-way comparison for a pointer
   auto operator<=>(const CalendarDay&) const = default;
 };
 

@@ -61,26 +61,26 @@ void stream(comedi_t* card) {
 
 }  // namespace
 
-extern "C" {
+extern "C" {  // parameters as comedilib.h names them
 comedi_t* comedi_open(const char*) {
   const auto f = fault();
   last_error = f == "absent" ? ENOENT : f == "forbidden" ? EACCES : f == "busy" ? EBUSY : 0;
   return last_error == 0 ? new comedi_t : nullptr;
 }
-int comedi_cancel(comedi_t* card, unsigned) {
-  card->stop = true;
-  if (card->ends[0] >= 0) ::close(card->ends[0]);
-  card->ends[0] = -1;
-  if (card->thread.joinable()) card->thread.join();
+int comedi_cancel(comedi_t* it, unsigned) {
+  it->stop = true;
+  if (it->ends[0] >= 0) ::close(it->ends[0]);
+  it->ends[0] = -1;
+  if (it->thread.joinable()) it->thread.join();
   return 0;
 }
-int comedi_close(comedi_t* card) {
-  comedi_cancel(card, 0);
-  delete card;
+int comedi_close(comedi_t* it) {
+  comedi_cancel(it, 0);
+  delete it;
   return 0;
 }
 int comedi_errno(void) { return last_error; }
-const char* comedi_strerror(int error) { return std::strerror(error); }
+const char* comedi_strerror(int errnum) { return std::strerror(errnum); }
 const char* comedi_get_board_name(comedi_t*) { return "stub card (emulated)"; }
 int comedi_get_read_subdevice(comedi_t*) { return 0; }
 lsampl_t comedi_get_maxdata(comedi_t*, unsigned, unsigned) { return 65535; }
@@ -88,21 +88,21 @@ int comedi_find_range(comedi_t*, unsigned, unsigned, unsigned, double, double) {
   return fault() == "no-range" ? -1 : 0;
 }
 comedi_range* comedi_get_range(comedi_t*, unsigned, unsigned, unsigned) { return &range_10V; }
-double comedi_to_phys(lsampl_t data, comedi_range* range, lsampl_t maxdata) {
-  return range->min + (range->max - range->min) * data / maxdata;
+double comedi_to_phys(lsampl_t data, comedi_range* rng, lsampl_t maxdata) {
+  return rng->min + (rng->max - rng->min) * data / maxdata;
 }
 int comedi_get_subdevice_flags(comedi_t*, unsigned) { return 0; }
-int comedi_get_cmd_generic_timed(comedi_t* card, unsigned, comedi_cmd*, unsigned, unsigned period_ns) {
-  card->period_s = 1e-9 * period_ns;
+int comedi_get_cmd_generic_timed(comedi_t* dev, unsigned, comedi_cmd*, unsigned, unsigned period_ns) {
+  dev->period_s = 1e-9 * period_ns;
   return 0;
 }
 int comedi_command_test(comedi_t*, comedi_cmd*) { return 0; }
-int comedi_command(comedi_t* card, comedi_cmd*) {
-  if (::pipe2(card->ends, O_CLOEXEC) != 0) return -1;
+int comedi_command(comedi_t* it, comedi_cmd*) {
+  if (::pipe2(it->ends, O_CLOEXEC) != 0) return -1;
   ::signal(SIGPIPE, SIG_IGN);
-  card->stop = false;
-  card->thread = std::thread(stream, card);
+  it->stop = false;
+  it->thread = std::thread(stream, it);
   return 0;
 }
-int comedi_fileno(comedi_t* card) { return card->ends[0]; }
+int comedi_fileno(comedi_t* it) { return it->ends[0]; }
 }

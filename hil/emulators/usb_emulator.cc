@@ -103,7 +103,7 @@ bool UsbEmulator::Testbed::submit(UMockdevIoctlClient* client, UMockdevIoctlData
   UMockdevIoctlData* const urb_data = umockdev_ioctl_data_resolve(arg, 0, sizeof(usbdevfs_urb), &error);
   g_clear_error(&error);
   if (urb_data == nullptr) return complete(client, -1, EFAULT);
-  usbdevfs_urb urb;
+  usbdevfs_urb urb{};
   std::memcpy(&urb, urb_data->data, sizeof urb);
   std::vector<unsigned char> buffer;
   if (urb.buffer_length > 0) {
@@ -132,7 +132,7 @@ bool UsbEmulator::Testbed::submit(UMockdevIoctlClient* client, UMockdevIoctlData
 
 bool UsbEmulator::Testbed::reap(UMockdevIoctlClient* client, UMockdevIoctlData* arg) {
   for (auto it = pending.begin(); it != pending.end(); ++it) {
-    usbdevfs_urb urb;
+    usbdevfs_urb urb{};
     std::memcpy(&urb, it->urb->data, sizeof urb);
     const bool in = urb.type == USBDEVFS_URB_TYPE_BULK && (urb.endpoint & 0x80) != 0;
     if (!it->done && in && !faults->silent) {

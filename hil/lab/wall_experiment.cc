@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "hil/lab/analysis.h"
 
@@ -57,7 +56,9 @@ Finding wall_sweep(Bench& bench, const LabLimits& limits, const WallSweep& sweep
   for (const double damping : sweep.damping_N_s_per_m) {
     std::vector<double> stiffness;
     std::vector<bool> stable;
-    for (double k = sweep.softest_N_per_m; k <= 1.001 * sweep.stiffest_N_per_m; k *= std::numbers::sqrt2) {
+    for (int step = 0;; ++step) {  // by half an octave
+      const double k = sweep.softest_N_per_m * std::exp2(0.5 * step);
+      if (k > 1.001 * sweep.stiffest_N_per_m) break;
       sweep.prepare();
       bench.tell(fmt::format("press the handle lightly against the wall x = 0 ({:.0f} N/m)", k));
       const auto run = run_servo(bench, sweep.trial_s, [&](const DeviceState& s, double) -> Vec3 {

@@ -28,7 +28,7 @@ struct RawHeader {
   bool position = false;
 };
 std::string header_json(const RawHeader& header);
-RawHeader parse_header(const std::string& json, const std::string& source);
+RawHeader parse_header(const std::string& text, const std::string& source);
 
 struct RecoveryReport {
   RawHeader header;

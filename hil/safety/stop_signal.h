@@ -17,8 +17,8 @@ class StopSignal {
   bool asked() noexcept;
 
  private:
-  sigset_t watched_;
-  sigset_t before_;
+  sigset_t watched_{};
+  sigset_t before_{};
   bool asked_ = false;
 };
 
