@@ -39,9 +39,9 @@ PowerLaw fit_power_law(const Approach& approach, double exponent, std::size_t ph
 PowerLaw fit_power_law(const Approach& approach, std::size_t phase, std::size_t of);
 
 struct IndentationComparison {
-  std::size_t real;  // which of the interleaved records
-  std::size_t other;
-  double fitted_exponent;
+  std::size_t real = 0;  // which of the interleaved records
+  std::size_t other = 0;
+  double fitted_exponent = 0.0;
   // Real: one record. Conditions: the other as measured, then rendered at the other's depths by laws fitted to the real
   // one: exponent 1, 1.5, 2, and the fitted one.
   perception::PerceptualEvaluation evaluation;

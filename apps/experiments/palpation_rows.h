@@ -30,8 +30,8 @@ struct PlaneSpring {
 PlaneSpring fit_plane_spring(const Recording& recording, double contact_force_N);
 
 struct RowComparison {
-  RasterRow row;
-  RasterRow next;
+  RasterRow row{};
+  RasterRow next{};
   perception::PerceptualEvaluation evaluation;  // real: the row; conditions: the next row as measured, and as rendered
   [[nodiscard]] double same() const { return evaluation.conditions[0].distance; }
   [[nodiscard]] double rendered() const { return evaluation.conditions[1].distance; }
