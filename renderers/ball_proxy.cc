@@ -53,9 +53,11 @@ void BallProxy::start(const Vec3& p) noexcept {
   rounding_ = rounding_at(p);
   const Vec3 out = inside || t.d <= 4.0 * rounding_ ? nearest.n_W : t.n;
   // Out along the normal until the ball is clear, then down again to where the tip pulls it.
-  for (double reach = r_; reach < 1e3 * (r_ + mesh_->extent()); reach *= 2.0) {
+  double reach = r_;
+  while (reach < 1e3 * (r_ + mesh_->extent())) {
     c_ = nearest.p_W_m + reach * out;
     if (surface_->closest(c_).distance_m >= r_ * (1.0 - 64.0 * kEps)) break;
+    reach *= 2.0;
   }
   pull(p);
 }

@@ -117,7 +117,7 @@ class BallProxy {
   // One safe move: to x if the way is safe, else as far towards it as is. True when x was reached.
   bool advance(const Vec3& x, bool safe_way, const Holding& holding) noexcept;
   // One move within the half-spaces at the centre; false when that leads nowhere.
-  bool creep(const Vec3& p) noexcept;
+  bool creep(const Vec3& goal) noexcept;
 
   const ContactMesh* mesh_;
   const Surface* surface_;

@@ -17,14 +17,14 @@ namespace touchstone {
 // A triangle's plane and borders. Edge e runs from corner e to corner (e + 1) mod 3.
 template <class S>
 struct FacetOf {
-  Vec3Of<S> origin;                       // corner 0
-  Vec3Of<S> n;                            // outward unit normal; zero where the triangle has no area
-  std::array<Vec3Of<S>, 3> inward;        // unit, in the plane, from edge e towards the triangle's inside
-  S inset;                                // of edge 1 from the origin along inward[1]; edges 0 and 2 pass through it
-  std::array<std::int32_t, 3> corner;     // vertex indices
-  std::array<std::int32_t, 3> neighbour;  // across edge e: a triangle, open_edge or non_manifold_edge
-  std::array<bool, 3> valley;             // edge e is concave seen from outside
-  bool regular;                           // may be walked on by its neighbours (mesh_regularity.h)
+  Vec3Of<S> origin;                         // corner 0
+  Vec3Of<S> n;                              // outward unit normal; zero where the triangle has no area
+  std::array<Vec3Of<S>, 3> inward;          // unit, in the plane, from edge e towards the triangle's inside
+  S inset{};                                // of edge 1 from the origin along inward[1]; edges 0 and 2 pass through it
+  std::array<std::int32_t, 3> corner{};     // vertex indices
+  std::array<std::int32_t, 3> neighbour{};  // across edge e: a triangle, open_edge or non_manifold_edge
+  std::array<bool, 3> valley{};             // edge e is concave seen from outside
+  bool regular = false;                     // may be walked on by its neighbours (mesh_regularity.h)
 
   // Signed distance from the plane, positive outside.
   [[nodiscard]] S height(const Vec3Of<S>& x) const noexcept { return dot(n, x - origin); }

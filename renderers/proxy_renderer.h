@@ -23,7 +23,7 @@ StepResult spring_to(const Proxy& proxy, const Vec3Of<S>& p, const S& stiffness_
   StepResult result;
   result.contact_W_m = proxy.position().template cast<double>();
   if (!proxy.touching()) return result;
-  const Vec3Of<S> push = proxy.push(p);
+  const Vec3Of<S>& push = proxy.push(p);
   const Vec3Of<S> n = proxy.normal(p);
   result.contact = true;
   result.f_W_N = (stiffness_N_per_m * push).template cast<double>();

@@ -8,7 +8,7 @@ namespace {
 
 struct Corner {
   Vec3 n;
-  bool smooth;  // all edges about the vertex are
+  bool smooth = false;  // all edges about the vertex are
 };
 
 // Which of the fan's triangles belong together, and their mean.

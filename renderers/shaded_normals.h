@@ -54,8 +54,8 @@ class ShadedNormals {
   // n(x) ~ n0 + d1 (inward[2] . (x - corner 0)) + d2 (inward[0] . (x - corner 0)): corner 1 lies opposite of edge 2.
   struct Shade {
     Vec3 n0, d1, d2;
-    std::array<bool, 3> smooth_edge;
-    std::array<bool, 3> smooth_corner;
+    std::array<bool, 3> smooth_edge{};
+    std::array<bool, 3> smooth_corner{};
   };
   std::vector<Shade> shades_;
 };

@@ -69,13 +69,13 @@ VoxelGridOptions options_of(const Parameters& parameters) {
 }
 
 template <class S>
-std::unique_ptr<Renderer> make_dense(const Parameters& parameters, std::shared_ptr<const Surface> surface) {
+std::unique_ptr<Renderer> make_dense(const Parameters& parameters, const std::shared_ptr<const Surface>& surface) {
   return std::make_unique<VoxelRenderer<S, DenseVoxelGrid>>(make_dense_grid(*surface, options_of(parameters)),
                                                             parameters.at("stiffness_N_per_m"));
 }
 
 template <class S>
-std::unique_ptr<Renderer> make_sparse(const Parameters& parameters, std::shared_ptr<const Surface> surface) {
+std::unique_ptr<Renderer> make_sparse(const Parameters& parameters, const std::shared_ptr<const Surface>& surface) {
   return std::make_unique<VoxelRenderer<S, SparseVoxelGrid>>(make_sparse_grid(*surface, options_of(parameters)),
                                                              parameters.at("stiffness_N_per_m"));
 }
