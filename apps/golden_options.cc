@@ -48,10 +48,10 @@ std::vector<GoldenCase> GoldenOptions::load() const {
   return chosen;
 }
 
-std::vector<std::string> GoldenOptions::models_of(const GoldenCase& golden) const {
+std::vector<std::string> GoldenOptions::models_of(const GoldenCase& one) const {
   if (!model.empty()) return {model};
   std::vector<std::string> models;
-  for (const auto& [name, ignored] : golden.models) models.push_back(name);
+  for (const auto& [name, ignored] : one.models) models.push_back(name);
   return models;
 }
 

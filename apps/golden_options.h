@@ -26,7 +26,7 @@ struct GoldenOptions {
   // --golden; where it is not given and there is no such folder here, the cases that come with the program.
   [[nodiscard]] std::filesystem::path folder() const;
   // The chosen models of a case.
-  [[nodiscard]] std::vector<std::string> models_of(const GoldenCase& golden) const;
+  [[nodiscard]] std::vector<std::string> models_of(const GoldenCase& one) const;
   // What the options make of a case's model: its renderer from a plug-in, or another renderer in its place; empty
   // where they leave it as it is.
   [[nodiscard]] ChangeModel change_model() const;

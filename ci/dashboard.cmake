@@ -94,6 +94,7 @@ if(preset)
   list(APPEND options --preset ${preset})
 endif()
 if(coverage)
+  set(ENV{CCACHE_DISABLE} 1)  # it shortens paths, and gcov then does not find the sources
   list(APPEND options -DCMAKE_BUILD_TYPE=Debug "-DCMAKE_CXX_FLAGS_DEBUG=-O0 -g --coverage")
 endif()
 ctest_configure(OPTIONS "${options}" RETURN_VALUE configured)

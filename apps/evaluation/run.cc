@@ -195,7 +195,7 @@ class MeasuredStream {
 
   [[nodiscard]] bool exhausted() const { return at_ == block_.size(); }
   Item take() {
-    const Item item = waiting_.front();
+    Item item = waiting_.front();
     waiting_.pop_front();
     return item;
   }
