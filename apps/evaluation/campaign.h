@@ -39,9 +39,9 @@ struct PlannedEvaluation {
   std::string column;
   std::filesystem::path folder;  // below the output folder
 };
-std::vector<PlannedEvaluation> plan_dataset(const std::filesystem::path& dataset,
-                                            const std::vector<ModelOfFile>& models, const Plugins& plugins,
-                                            const EvaluationRequest& base, bool in_trajectory_chosen);
+std::vector<PlannedEvaluation> plan_dataset(const std::filesystem::path& place, const std::vector<ModelOfFile>& given,
+                                            const Plugins& plugins, const EvaluationRequest& base,
+                                            bool in_trajectory_chosen);
 
 // Runs the plan; what its evaluations have to say goes to stderr when a group has ended. A renderer that breaks down
 // spoils its own evaluation only.

@@ -145,7 +145,7 @@ class Collector {
 class MeasuredStream {
  public:
   struct Item {
-    double t_s;
+    double t_s = 0.0;
     Vec3 p_W_m;
     Vec3 f_W_N;
     Quat q_WS;

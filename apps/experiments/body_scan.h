@@ -21,9 +21,9 @@ struct BodyScan {
   OutTrajectory out;    // made from it over the finest mesh
   InTrajectory in;      // equation 2
   TriangleMesh finest;
-  double tip_radius_m;
-  double stiffness_N_per_m;  // of the virtual probe, the paper's 0.5 N/mm
-  double true_mu;            // hidden from the renderers, for the answer
+  double tip_radius_m = 0.0;
+  double stiffness_N_per_m = 0.0;  // of the virtual probe, the paper's 0.5 N/mm
+  double true_mu = 0.0;            // hidden from the renderers, for the answer
 };
 
 // `mu`: the body's friction.

@@ -30,7 +30,7 @@ struct Scene {
   Recording recording;
   InTrajectory in;
   std::vector<Vec3> exact_W_N;
-  double stiffness_N_per_m;
+  double stiffness_N_per_m = 0.0;
 };
 
 Scene make_scene(const VoxelExperimentOptions& options, VoxelExperiment& experiment) {

@@ -21,7 +21,7 @@ double halton(std::size_t index, unsigned base) {
 }
 
 struct Counted {
-  const UnitFunction* function;
+  const UnitFunction* function = nullptr;
   int evaluations = 0;
 };
 
