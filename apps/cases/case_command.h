@@ -27,7 +27,7 @@ struct CaseOptions {
 struct CaseCommand {
   CaseJob job;
   CaseTable table;
-  // How a Slurm task calls it, but for shard and file: {"sweep", "/home/me/spec.json"}.
+  // How a Slurm task calls it, but for shard and file: {"sweep", "/data/spec.json"}.
   std::vector<std::string> words;
   std::uint64_t cases_of_a_task = 100;                        // where the user does not say how many tasks
   std::function<std::string(std::uint64_t number)> describe;  // a line of --dry-run
