@@ -126,12 +126,12 @@ CaseStore::CaseStore(const std::filesystem::path& file, const CaseTable& table)
   } catch (const BadData& error) {
     refuse(std::string(error.what()).find("locked") != std::string::npos
                ? fmt::format("another process is writing it; wait for that, or give another {}", table.file_option)
-               : "is not the result file of a sweep; it is left as it is");
+               : "is no file of results; it is left as it is");
   }
   const bool empty = database.one_number("SELECT count(*) FROM sqlite_master") == 0;
   if (empty) state_->make();
   if (database.one_number("PRAGMA application_id") != application_id)
-    refuse("is a database, but not the result file of a sweep; it is left as it is");
+    refuse("is a database, but no file of results; it is left as it is");
   if (database.one_text("SELECT specification_sha256 FROM sweep") != sha256(table.specification)) {
     const std::string theirs = database.one_text("SELECT specification FROM sweep");
     const bool shown = theirs.size() + table.specification.size() <= longest_shown;

@@ -3,13 +3,7 @@
 // among themselves: races between those are real. Nothing in other builds.
 #pragma once
 
-#if defined(__SANITIZE_THREAD__)  // gcc; first, since libraries define __has_feature to be 0 for it
-#define TOUCHSTONE_THREAD_SANITIZER
-#elif defined(__has_feature)
-#if __has_feature(thread_sanitizer)
-#define TOUCHSTONE_THREAD_SANITIZER
-#endif
-#endif
+#include "harness/base/thread_sanitizer.h"
 #ifdef TOUCHSTONE_THREAD_SANITIZER
 #include <sanitizer/tsan_interface.h>
 #endif

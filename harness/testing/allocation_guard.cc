@@ -5,13 +5,7 @@
 #include <cstdlib>
 #include <new>
 
-#if defined(__SANITIZE_THREAD__)
-#define TOUCHSTONE_THREAD_SANITIZER
-#elif defined(__has_feature)
-#if __has_feature(thread_sanitizer)
-#define TOUCHSTONE_THREAD_SANITIZER
-#endif
-#endif
+#include "harness/base/thread_sanitizer.h"
 
 namespace {
 
