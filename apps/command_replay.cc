@@ -39,8 +39,9 @@ ExitStatus replay_command(const Options& options) {
       OperationReport report = count_operations(*counted.renderer, options.trajectory);
       report.not_counted = counted.not_counted;
       operations = operations_to_json(report);
-      fmt::print("operations of a step: mean {:.1f}, median {:g}, max {}; all {}{}\n", report.mean, report.median,
-                 report.max, report.total(), report.not_counted.empty() ? "" : "; not counted: " + report.not_counted);
+      fmt::print("operations of a step: mean {:.1f}, median {:g}, max {}; all {}{} ({})\n", report.mean, report.median,
+                 report.max, report.total(), report.not_counted.empty() ? "" : "; not counted: " + report.not_counted,
+                 kHowSearchesAreCounted);
     } else {
       fmt::print("operations of a step: not counted: {}\n", counted.not_counted);
     }

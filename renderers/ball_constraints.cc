@@ -1,9 +1,11 @@
 #include "renderers/ball_constraints.h"
 
-#include <Eigen/LU>
+#include <algorithm>
 #include <cmath>
 #include <limits>
-#include <type_traits>
+
+#include "renderers/counted_contact_mesh.h"
+#include "renderers/fixed_order.h"
 
 namespace touchstone {
 namespace {
@@ -13,145 +15,164 @@ constexpr int kFeatureChanges = 6;
 
 // On one triangle: by its face, edge or corner in closed form, until the answer's own closest feature is the one used.
 // Both this and newton() answer false where the contact ends up on the triangle's other side.
-bool rest_on_one(const ContactMesh& mesh, std::int32_t triangle, double r, const Vec3& p, Vec3& x) noexcept {
-  const Facet& facet = mesh.facet(triangle);
-  Touch now = touch(mesh, triangle, x);
-  const Vec3 before = now.n;
+template <class Mesh, class S = typename Mesh::Scalar>
+bool rest_on_one(const Mesh& mesh, std::int32_t triangle, const S& r, const Vec3Of<S>& p, Vec3Of<S>& x) noexcept {
+  using V = Vec3Of<S>;
+  const S none(0.0);
+  const FacetOf<S>& facet = mesh.facet(triangle);
+  TouchOf<S> now = touch(mesh, triangle, x);
+  const V before = now.n;
   for (int change = 0; change < kFeatureChanges; ++change) {
-    Vec3 next;
-    double pull = 0.0;
+    V next;
+    S pull(0.0);
     if (now.feature == Feature::face) {
-      const Vec3& n = now.n;
-      pull = r - n.dot(p - facet.origin);
+      const V& n = now.n;
+      pull = r - dot(n, p - facet.origin);
       next = p + pull * n;
     } else {
-      Vec3 foot = mesh.vertex(facet.corner[now.index]);
+      V foot = mesh.vertex(facet.corner[now.index]);
       if (now.feature == Feature::edge) {
-        const Vec3 along = mesh.vertex(facet.corner[(now.index + 1U) % 3U]) - foot;
-        foot += along.dot(p - foot) / along.squaredNorm() * along;
+        const V along = mesh.vertex(facet.corner[(now.index + 1U) % 3U]) - foot;
+        foot += dot(along, p - foot) / squared_norm(along) * along;
       }
-      const Vec3 out = p - foot;
-      const double distance = out.norm();
+      const V out = p - foot;
+      const S distance = norm(out);
       // Beyond the edge or corner the nearest place is on its other side: the ball must find its way round it first.
-      if (!(out.dot(now.n) > 0.0)) return false;
+      if (!(dot(out, now.n) > none)) return false;
       pull = r - distance;
       next = foot + (r / distance) * out;
     }
-    if (pull < 0.0) return false;
-    const Touch then = touch(mesh, triangle, next);
+    if (pull < none) return false;
+    const TouchOf<S> then = touch(mesh, triangle, next);
     x = next;
-    if (then.feature == now.feature && then.index == now.index) return then.n.dot(before) > 0.0;
+    if (then.feature == now.feature && then.index == now.index) return dot(then.n, before) > none;
     now = then;
   }
   return false;
 }
 
+template <class S>
+using Mat3Of = Eigen::Matrix<S, 3, 3>;
+
 // The second derivative of the distance from an edge or corner.
-Mat3 curvature(const ContactMesh& mesh, std::int32_t triangle, const Touch& t) noexcept {
-  Mat3 bend = Mat3::Identity() - t.n * t.n.transpose();
+template <class Mesh, class S = typename Mesh::Scalar>
+Mat3Of<S> curvature(const Mesh& mesh, std::int32_t triangle, const TouchOf<S>& t) noexcept {
+  Mat3Of<S> bend = Mat3Of<S>::Identity() - t.n * t.n.transpose();
   if (t.feature == Feature::edge) {
     const auto& corner = mesh.facet(triangle).corner;
-    const Vec3 e = (mesh.vertex(corner[(t.index + 1U) % 3U]) - mesh.vertex(corner[t.index])).normalized();
+    const Vec3Of<S> e = unit(mesh.vertex(corner[(t.index + 1U) % 3U]) - mesh.vertex(corner[t.index]));
     bend -= e * e.transpose();
   }
   return bend / t.d;
 }
 
-template <int M>
-bool newton(const ContactMesh& mesh, const Holding& holding, double r, const Vec3& p, double rounding,
-            Vec3& x) noexcept {
-  using Multipliers = Eigen::Matrix<double, M, 1>;
+template <int M, class Mesh, class S = typename Mesh::Scalar>
+bool newton(const Mesh& mesh, const Holding& holding, const S& r, const Vec3Of<S>& p, const S& rounding,
+            Vec3Of<S>& x) noexcept {
+  using std::abs;
+  using Multipliers = Eigen::Matrix<S, M, 1>;
+  using Normals = Eigen::Matrix<S, 3, M>;
+  const S none(0.0);
   Multipliers l = Multipliers::Zero();
-  Eigen::Matrix<double, 3, M> before;  // the normals at the start
+  Normals before;  // the normals at the start
   for (int step = 0; step < kNewtonSteps; ++step) {
-    Eigen::Matrix<double, 3, M> n;
+    Normals n;
     Multipliers gap;
-    Mat3 k = Mat3::Identity();
+    Mat3Of<S> k = Mat3Of<S>::Identity();
     bool bent = false;
     for (int i = 0; i < M; ++i) {
       const std::int32_t triangle = holding.triangle[static_cast<std::size_t>(i)];
-      const Touch t = touch(mesh, triangle, x);
+      const TouchOf<S> t = touch(mesh, triangle, x);
       n.col(i) = t.n;
       gap[i] = r - t.d;
-      if (step > 0 && t.feature != Feature::face && t.d > 0.0) {
+      if (step > 0 && t.feature != Feature::face && t.d > none) {
         k -= l[i] * curvature(mesh, triangle, t);
         bent = true;
       }
     }
     if (step == 0) before = n;
     // K dx - N l = p - x, N' dx = gap: eliminate dx. Of planes K is the identity.
-    bool solvable = true;
-    Mat3 inverse;
-    if (bent) k.computeInverseWithCheck(inverse, solvable, 1e-12);
-    if (!solvable) return false;
-    const auto released = [&](const auto& v) {
-      using Released = Eigen::Matrix<double, 3, std::decay_t<decltype(v)>::ColsAtCompileTime>;
-      return bent ? Released(inverse * v) : Released(v);
-    };
-    const Eigen::Matrix<double, M, M> gram = n.transpose() * released(n);
-    Eigen::Matrix<double, M, M> gram_inverse;
-    gram.computeInverseWithCheck(gram_inverse, solvable, 1e-24);
-    if (!solvable) return false;
-    const Vec3 pull = p - x;
-    l = gram_inverse * (gap - n.transpose() * released(pull));
-    const Vec3 dx = released(Vec3(pull + n * l));
-    if (!dx.allFinite()) return false;
+    Mat3Of<S> inverse;
+    if (bent && !invert<S>(k, 1e-12, inverse)) return false;
+    const Normals released_n = bent ? product(inverse, n) : n;
+    const Eigen::Matrix<S, M, M> gram = inner_products(n, released_n);
+    Eigen::Matrix<S, M, M> gram_inverse;
+    if (!invert<S>(gram, 1e-24, gram_inverse)) return false;
+    const Vec3Of<S> pull = p - x;
+    const Vec3Of<S> released_pull = bent ? product(inverse, pull) : pull;
+    const Multipliers left = gap - inner_products(n, released_pull);
+    l = product(gram_inverse, left);
+    const Vec3Of<S> pushed = pull + product(n, l);
+    const Vec3Of<S> dx = bent ? product(inverse, pushed) : pushed;
+    if (!finite(dx)) return false;
     // Far steps leave the neighbourhood in which the closest features are what they are.
-    const double length = dx.norm();
-    const bool far = length > 0.5 * r;
-    x += far ? Vec3(0.5 * r / length * dx) : dx;
+    const S length = norm(dx);
+    const bool far = length > S(0.5) * r;
+    x += far ? Vec3Of<S>(S(0.5) * r / length * dx) : dx;
     // The last normals are those at x but for a step of rounding.
-    if (!far && length <= rounding && gap.cwiseAbs().maxCoeff() <= rounding)
-      return (l.array() >= 0.0).all() && (n.cwiseProduct(before).colwise().sum().array() > 0.0).all();
+    if (far || !(length <= rounding)) continue;
+    bool settled = true;
+    for (int i = 0; i < M; ++i) settled = settled && abs(gap[i]) <= rounding;
+    if (!settled) continue;
+    for (int i = 0; i < M; ++i) {
+      if (!(l[i] >= none && dot(n.col(i), before.col(i)) > none)) return false;
+    }
+    return true;
   }
   return false;
 }
 
 }  // namespace
 
-Touch touch(const ContactMesh& mesh, std::int32_t triangle, const Vec3& x) noexcept {
-  const Facet& facet = mesh.facet(triangle);
-  const double h = facet.height(x);
-  const std::array<double, 3> s{facet.inside(0, x), facet.inside(1, x), facet.inside(2, x)};
-  if (s[0] >= 0.0 && s[1] >= 0.0 && s[2] >= 0.0)
-    return {h >= 0.0 ? facet.n : Vec3(-facet.n), std::abs(h), Feature::face, 0};
+template <class Mesh, class S>
+TouchOf<S> touch(const Mesh& mesh, std::int32_t triangle, const Vec3Of<S>& x) noexcept {
+  using std::abs;
+  using std::sqrt;
+  using V = Vec3Of<S>;
+  const S none(0.0);
+  const FacetOf<S>& facet = mesh.facet(triangle);
+  const S h = facet.height(x);
+  const std::array<S, 3> s{facet.inside(0, x), facet.inside(1, x), facet.inside(2, x)};
+  if (s[0] >= none && s[1] >= none && s[2] >= none)
+    return {h >= none ? facet.n : V(-facet.n), abs(h), Feature::face, 0};
   // The closest point is on an edge that x is outside of, or at one of its ends.
-  Touch best{facet.n, 0.0, Feature::vertex, 0};
-  Vec3 from = Vec3::Zero();
-  double least = std::numeric_limits<double>::infinity();
+  TouchOf<S> best{facet.n, none, Feature::vertex, 0};
+  V from = V::Zero();
+  S least(std::numeric_limits<double>::infinity());
   for (std::uint8_t e = 0; e < 3; ++e) {
-    if (s[e] >= 0.0) continue;
+    if (s[e] >= none) continue;
     const auto next = static_cast<std::uint8_t>(e == 2 ? 0 : e + 1);
-    const Vec3& start = mesh.vertex(facet.corner[e]);
-    const Vec3 along = mesh.vertex(facet.corner[next]) - start;
-    const Vec3 out = x - start;
-    const double reach = out.dot(along);
-    Vec3 here;
+    const V& start = mesh.vertex(facet.corner[e]);
+    const V along = mesh.vertex(facet.corner[next]) - start;
+    const V out = x - start;
+    const S reach = dot(out, along);
+    V here;
     Feature feature = Feature::vertex;
     std::uint8_t index = e;
-    if (reach <= 0.0) {
+    if (reach <= none) {
       here = out;
-    } else if (reach >= along.squaredNorm()) {
+    } else if (reach >= squared_norm(along)) {
       here = out - along;
       index = next;
     } else {
       here = h * facet.n + s[e] * facet.inward[e];
       feature = Feature::edge;
     }
-    if (const double squared = here.squaredNorm(); squared < least) {
+    if (const S squared = squared_norm(here); squared < least) {
       least = squared;
       from = here;
       best.feature = feature;
       best.index = index;
     }
   }
-  best.d = std::sqrt(least);
-  if (best.d > 0.0) best.n = from / best.d;
+  best.d = sqrt(least);
+  if (best.d > none) best.n = from / best.d;
   return best;
 }
 
-bool rest_on(const ContactMesh& mesh, const Holding& holding, double r, const Vec3& p, double rounding,
-             Vec3& x) noexcept {
+template <class Mesh, class S>
+bool rest_on(const Mesh& mesh, const Holding& holding, const S& r, const Vec3Of<S>& p, const S& rounding,
+             Vec3Of<S>& x) noexcept {
   if (holding.size == 0) {
     x = p;
     return true;
@@ -159,5 +180,11 @@ bool rest_on(const ContactMesh& mesh, const Holding& holding, double r, const Ve
   if (holding.size == 1) return rest_on_one(mesh, holding.triangle[0], r, p, x);
   return holding.size == 2 ? newton<2>(mesh, holding, r, p, rounding, x) : newton<3>(mesh, holding, r, p, rounding, x);
 }
+
+template TouchOf<double> touch(const ContactMesh&, std::int32_t, const Vec3&) noexcept;
+template TouchOf<Counted> touch(const CountedContactMesh&, std::int32_t, const Vec3Of<Counted>&) noexcept;
+template bool rest_on(const ContactMesh&, const Holding&, const double&, const Vec3&, const double&, Vec3&) noexcept;
+template bool rest_on(const CountedContactMesh&, const Holding&, const Counted&, const Vec3Of<Counted>&, const Counted&,
+                      Vec3Of<Counted>&) noexcept;
 
 }  // namespace touchstone

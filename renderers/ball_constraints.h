@@ -1,7 +1,8 @@
 // A ball that touches triangles: where its centre comes to rest when the tip pulls it to p.
 //
 // The centre keeps the distance r from each triangle, as a convex set: from its face, an edge or a corner, whichever is
-// closest. Up to three triangles hold it at rest.
+// closest. Up to three triangles hold it at rest. Templates over the mesh, whose scalar may be the one that counts
+// (counted_contact_mesh.h).
 #pragma once
 
 #include <array>
@@ -12,14 +13,16 @@
 namespace touchstone {
 
 // The triangle's closest point seen from x, the centre of a ball.
-struct Touch {
-  Vec3 n;           // unit, from the closest point to x
-  double d;         // distance
+template <class S>
+struct TouchOf {
+  Vec3Of<S> n;      // unit, from the closest point to x
+  S d;              // distance
   Feature feature;  // face, edge or vertex of the triangle
   std::uint8_t index;
 };
 
-Touch touch(const ContactMesh& mesh, std::int32_t triangle, const Vec3& x) noexcept;
+template <class Mesh, class S = typename Mesh::Scalar>
+TouchOf<S> touch(const Mesh& mesh, std::int32_t triangle, const Vec3Of<S>& x) noexcept;
 
 // The triangles that hold a ball.
 struct Holding {
@@ -40,7 +43,8 @@ struct Holding {
 //   x - p = sum l_i n_i(x),  d_i(x) = r
 // for several. False where it does not converge, leaves the side of the triangle on which it started, or a triangle
 // would pull (l_i < 0).
-bool rest_on(const ContactMesh& mesh, const Holding& holding, double r, const Vec3& p, double rounding,
-             Vec3& x) noexcept;
+template <class Mesh, class S = typename Mesh::Scalar>
+bool rest_on(const Mesh& mesh, const Holding& holding, const S& r, const Vec3Of<S>& p, const S& rounding,
+             Vec3Of<S>& x) noexcept;
 
 }  // namespace touchstone

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "renderers/counted_contact_mesh.h"
 #include "renderers/fetch.h"
 
 namespace touchstone {
@@ -14,15 +15,18 @@ constexpr double kEps = std::numeric_limits<double>::epsilon();
 constexpr std::size_t kFew = 16;
 constexpr std::size_t kMany = 96;
 constexpr std::size_t kMost = 4096;
-constexpr int kMoves = 256;     // per step; a jump across the object takes some
-constexpr int kGlide = 8;       // edges of one move over faces
-constexpr int kExchanges = 12;  // of holding triangles per move
-constexpr double kAhead = 0.7;  // of the margin: how far ahead of the centre to gather
-constexpr int kCuts = 40;       // of the search for the least distance along a way
+constexpr std::size_t kMostProposed = 2 * kMost;  // by the tree
+constexpr int kMoves = 256;                       // per step; a jump across the object takes some
+constexpr int kGlide = 8;                         // edges of one move over faces
+constexpr int kExchanges = 12;                    // of holding triangles per move
+constexpr double kAhead = 0.7;                    // of the margin: how far ahead of the centre to gather
+constexpr double kBeyond = 1.0 + 64.0 * kEps;     // for what is farther for sure, rounding aside
+constexpr int kCuts = 40;                         // of the search for the least distance along a way
 
 }  // namespace
 
-BallProxy::BallProxy(const ContactMesh& mesh, const Surface& surface, double radius_m, const ConeFriction& friction)
+template <class Mesh>
+BallProxyOf<Mesh>::BallProxyOf(const Mesh& mesh, const Surface& surface, double radius_m, const ConeFriction& friction)
     : mesh_(&mesh),
       surface_(&surface),
       r_(radius_m),
@@ -30,45 +34,48 @@ BallProxy::BallProxy(const ContactMesh& mesh, const Surface& surface, double rad
       feeler_(mesh),
       near_(kMost),
       next_margin_(0.25 * radius_m) {
-  candidates_.reserve(kMost);
+  candidates_.reserve(kMostProposed);
   half_spaces_.reserve(kMost);
   limiting_.reserve(kMost);
 }
 
-void BallProxy::start(const Vec3& p) noexcept {
+template <class Mesh>
+void BallProxyOf<Mesh>::start(const V& p) noexcept {
   holding_ = {};
   cone_.stick();
   margin_ = -1.0;
   next_margin_ = 0.25 * r_;
   gathers_ = moves_ = 0;
   c_ = p;
-  const SurfacePoint nearest = surface_->closest(p);
+  const SurfacePoint nearest = surface_->closest(p.template cast<double>());
   if (nearest.signed_distance_m >= r_) return;
-  const Touch t = touch(*mesh_, nearest.triangle, p);
+  const TouchOf<S> t = touch(*mesh_, nearest.triangle, p);
   const bool rim = mesh_->on_rim(nearest.triangle, t.feature, t.index);
   const bool inside = nearest.signed_distance_m < 0.0;
   // Behind the rim of an open mesh there is no inside: the ball passes.
   if (inside && rim) return;
   // On the surface to rounding the direction to the tip is noise.
   rounding_ = rounding_at(p);
-  const Vec3 out = inside || t.d <= 4.0 * rounding_ ? nearest.n_W : t.n;
+  const V out = inside || t.d <= 4.0 * rounding_ ? V(nearest.n_W.template cast<S>()) : t.n;
   // Out along the normal until the ball is clear, then down again to where the tip pulls it.
-  double reach = r_;
+  S reach = r_;
   while (reach < 1e3 * (r_ + mesh_->extent())) {
-    c_ = nearest.p_W_m + reach * out;
-    if (surface_->closest(c_).distance_m >= r_ * (1.0 - 64.0 * kEps)) break;
+    c_ = nearest.p_W_m.template cast<S>() + reach * out;
+    if (S(surface_->closest(c_.template cast<double>()).distance_m) >= r_ * (1.0 - 64.0 * kEps)) break;
     reach *= 2.0;
   }
   pull(p);
 }
 
-void BallProxy::follow(const Vec3& p) noexcept {
+template <class Mesh>
+void BallProxyOf<Mesh>::follow(const V& p) noexcept {
   if (cone_.friction().none()) return pull(p);
   cone_.follow(*this, p, std::max(rounding_at(p), rounding_at(c_)));
 }
 
-ContactNormals BallProxy::contact_normals() const noexcept {
-  ContactNormals contact;
+template <class Mesh>
+auto BallProxyOf<Mesh>::contact_normals() const noexcept -> ContactNormalsOf<S> {
+  ContactNormalsOf<S> contact;
   for (int i = 0; i < holding_.size; ++i) {
     const auto k = static_cast<std::size_t>(i);
     contact.n[k] = touch(*mesh_, holding_.triangle[k], c_).n;
@@ -77,25 +84,28 @@ ContactNormals BallProxy::contact_normals() const noexcept {
   return contact;
 }
 
-Vec3 BallProxy::normal(const Vec3& p) const noexcept {
-  if (!touching()) return Vec3::Zero();
+template <class Mesh>
+auto BallProxyOf<Mesh>::normal(const V& p) const noexcept -> V {
+  if (!touching()) return V(V::Zero());
   if (!cone_.friction().none()) return cone_normal(*this, p, rounding_);
-  const Vec3 push = c_ - p;
-  if (holding_.size > 1 && push.squaredNorm() > 0.0) return push.normalized();
+  const V push = c_ - p;
+  if (holding_.size > 1 && squared_norm(push) > S(0.0)) return unit(push);
   return touch(*mesh_, holding_.triangle[0], c_).n;
 }
 
-double BallProxy::rounding_at(const Vec3& x) const noexcept {
-  return 32.0 * kEps * std::max(mesh_->magnitude(), x.cwiseAbs().maxCoeff());
+template <class Mesh>
+auto BallProxyOf<Mesh>::rounding_at(const V& x) const noexcept -> S {
+  return 32.0 * kEps * std::max(S(mesh_->magnitude()), largest(x));
 }
 
-void BallProxy::pull(const Vec3& p) noexcept {
+template <class Mesh>
+void BallProxyOf<Mesh>::pull(const V& p) noexcept {
   rounding_ = std::max(rounding_at(p), rounding_at(c_));
   for (int move = 0; move < kMoves; ++move) {
     ++moves_;
     if (!(margin_ >= 0.0) || !covered(c_)) gather(c_, next_margin_);
     Holding holding = holding_;
-    Vec3 x = c_;
+    V x = c_;
     bool safe_way = true;
     if (settle(p, holding, x, safe_way)) {
       if (advance(x, safe_way, holding)) return;
@@ -105,101 +115,122 @@ void BallProxy::pull(const Vec3& p) noexcept {
   }
 }
 
-void BallProxy::gather(const Vec3& at, double margin) noexcept {
+// Whether the triangle comes as close as that: trees propose others too, each its own.
+template <class Mesh>
+bool BallProxyOf<Mesh>::reaches(const FacetOf<S>& facet, std::int32_t triangle, const V& at,
+                                const S& reach) const noexcept {
+  using std::abs;
+  const V from = at - facet.origin;
+  const S height = dot(facet.n, from);
+  if (abs(height) > reach) return false;
+  // Nearly always its first corner or its plane and borders say it.
+  if (squared_norm(from) <= reach * reach) return true;
+  const S outside = -std::min(std::min(dot(facet.inward[0], from), dot(facet.inward[1], from) - facet.inset),
+                              dot(facet.inward[2], from));
+  if (outside <= S(0.0)) return true;
+  if (height * height + outside * outside > kBeyond * reach * reach) return false;
+  return touch(*mesh_, triangle, at).d <= reach;
+}
+
+template <class Mesh>
+void BallProxyOf<Mesh>::gather(const V& at, S margin) noexcept {
   ++gathers_;
-  while (true) {
-    candidates_.clear();
-    bool overflow = false;
-    mesh_->tree().within(at, r_ + margin, [&](std::int32_t t) {
-      if (candidates_.size() < kMost) {
-        candidates_.push_back(t);
-        fetch(mesh_->facet(t));
-      } else {
-        overflow = true;
-      }
-      return r_ + margin;
-    });
-    if (!overflow || !(margin > rounding_)) break;
-    margin *= 0.25;
-  }
-  // In an order that does not depend on the tree.
-  std::sort(candidates_.begin(), candidates_.end());
-  const double off = (at - c_).norm();
-  const Vec3 from_at = c_ - at;
-  near_.clear();
-  for (const std::int32_t t : candidates_) {
-    const Facet& facet = mesh_->facet(t);
-    // Farther from the plane than the ball reaches, or without area.
-    const double height = facet.height(at);
-    if (std::abs(height) > r_ + margin || facet.n.isZero(0.0)) continue;
-    // Where the surface bends away the triangle's own plane does, now and later: no need of its closest point.
-    if (facet.height(c_) >= r_) {
-      near_.add(t, facet.n, r_ - height);
-      continue;
-    }
-    // Tangential to the triangle from the ball's centre, which is outside; the middle of the gathered may not be.
-    const Touch here = touch(*mesh_, t, c_);
-    if (here.d - off <= r_ + margin) near_.add(t, here.n, r_ - here.d + here.n.dot(from_at));
-  }
+  while (!gather_within(at, margin) && margin > rounding_) margin *= 0.25;
   gathered_at_ = at;
   margin_ = margin;
   next_margin_ = margin * (near_.size() > kMany ? 0.5 : near_.size() < kFew ? 1.5 : 1.0);
 }
 
-bool BallProxy::ignored(std::int32_t triangle) const noexcept {
+// False where there are too many.
+template <class Mesh>
+bool BallProxyOf<Mesh>::gather_within(const V& at, const S& margin) noexcept {
+  const S reach = r_ + margin;
+  candidates_.clear();
+  bool all = true;
+  mesh_->tree().within(at, reach, [&](std::int32_t t) {
+    if (candidates_.size() < kMostProposed) {
+      candidates_.push_back(t);
+      fetch(mesh_->facet(t));
+    } else {
+      all = false;
+    }
+    return reach;
+  });
+  // In an order that does not depend on the tree.
+  std::sort(candidates_.begin(), candidates_.end());
+  const V from_at = c_ - at;
+  near_.clear();
+  for (const std::int32_t t : candidates_) {
+    const FacetOf<S>& facet = mesh_->facet(t);
+    if (is_zero(facet.n) || !reaches(facet, t, at, reach)) continue;
+    if (near_.size() == kMost) return false;
+    // Where the surface bends away the triangle's own plane does, now and later: no need of its closest point.
+    if (facet.height(c_) >= r_) {
+      near_.add(t, facet.n, r_ - facet.height(at));
+      continue;
+    }
+    // Tangential to the triangle from the ball's centre, which is outside; the middle of the gathered may not be.
+    const TouchOf<S> here = touch(*mesh_, t, c_);
+    near_.add(t, here.n, r_ - here.d + dot(here.n, from_at));
+  }
+  return all;
+}
+
+template <class Mesh>
+bool BallProxyOf<Mesh>::ignored(std::int32_t triangle) const noexcept {
   if (mesh_->closed()) return false;
   return mesh_->facet(triangle).height(c_) < -rounding_ || touch(*mesh_, triangle, c_).d < r_ - 64.0 * rounding_;
 }
 
-BallProxy::Check BallProxy::check(const Vec3& x, const Holding& held) noexcept {
+template <class Mesh>
+auto BallProxyOf<Mesh>::check(const V& x, const Holding& held) noexcept -> Check {
   Check result;
-  const Vec3 offset = x - gathered_at_;
-  const bool far = (x - c_).squaredNorm() > 0.25 * r_ * r_;
-  double least = r_ - rounding_;
-  const double* const slack = near_.slack(offset);
-  for (std::size_t i = 0; i < near_.size(); ++i) {
-    if (slack[i] >= 0.0) continue;
+  const V offset = x - gathered_at_;
+  const bool far = squared_distance<S>(x, c_) > 0.25 * r_ * r_;
+  S least = r_ - rounding_;
+  near_.each_below(offset, S(0.0), [&](std::size_t i) {
     const std::int32_t triangle = near_.triangle(i);
-    const Facet& facet = mesh_->facet(triangle);
-    const double height = facet.height(x);
-    const double height_now = facet.height(c_);
+    const FacetOf<S>& facet = mesh_->facet(triangle);
+    const S height = facet.height(x);
+    const S height_now = facet.height(c_);
     if (height >= r_ && height_now >= r_) {
       near_.set(i, facet.n, r_ - facet.height(gathered_at_));
-      continue;
+      return;
     }
-    const Touch t = touch(*mesh_, triangle, x);
+    const TouchOf<S> t = touch(*mesh_, triangle, x);
     const bool through = far && height_now >= 0.0 && height < 0.0;
     if (held.has(triangle) || (t.d >= r_ - rounding_ && !through)) {
       // Now tangential at x. The centre, where it is now, must lie in the half-space too for the way to be safe.
-      const double b = r_ - t.d + t.n.dot(offset);
-      if (t.n.dot(c_ - gathered_at_) >= b - rounding_) {
+      const S b = r_ - t.d + dot(t.n, offset);
+      if (dot(t.n, c_ - gathered_at_) >= b - rounding_) {
         near_.set(i, t.n, b - rounding_);
       } else if (far) {
         result.safe_way = result.safe_way && stays_clear(triangle, x);
       }
-      continue;
+      return;
     }
-    if (ignored(triangle)) continue;
-    const double depth = through ? -t.d : t.d;
+    if (ignored(triangle)) return;
+    const S depth = through ? -t.d : t.d;
     if (depth < least) {
       least = depth;
       result.worst = triangle;
     }
-  }
+  });
   return result;
 }
 
 // The distance from a convex set is convex along the way: between two points it lies above the tangents there, and they
 // bracket its least value.
-bool BallProxy::stays_clear(std::int32_t triangle, const Vec3& x) const noexcept {
-  const Vec3 way = x - c_;
-  const double least = r_ - 2.0 * rounding_;
+template <class Mesh>
+bool BallProxyOf<Mesh>::stays_clear(std::int32_t triangle, const V& x) const noexcept {
+  const V way = x - c_;
+  const S least = r_ - 2.0 * rounding_;
   struct At {
-    double t, d, slope;
+    S t, d, slope;
   };
-  const auto at = [&](double t) {
-    const Touch here = touch(*mesh_, triangle, c_ + t * way);
-    return At{t, here.d, here.n.dot(way)};
+  const auto at = [&](S t) {
+    const TouchOf<S> here = touch(*mesh_, triangle, V(c_ + t * way));
+    return At{t, here.d, dot(here.n, way)};
   };
   At low = at(0.0);
   At high = at(1.0);
@@ -207,7 +238,7 @@ bool BallProxy::stays_clear(std::int32_t triangle, const Vec3& x) const noexcept
   for (int i = 0; i < kCuts; ++i) {
     if (low.slope >= 0.0 || high.slope <= 0.0) return true;
     // Where the tangents meet.
-    const double t = (high.d - low.d + low.slope * low.t - high.slope * high.t) / (low.slope - high.slope);
+    const S t = (high.d - low.d + low.slope * low.t - high.slope * high.t) / (low.slope - high.slope);
     if (low.d + low.slope * (t - low.t) >= least) return true;
     const At between = at(std::clamp(t, low.t, high.t));
     if (between.d < least) return false;
@@ -216,21 +247,22 @@ bool BallProxy::stays_clear(std::int32_t triangle, const Vec3& x) const noexcept
   return false;
 }
 
-bool BallProxy::glide(const Vec3& p, Holding& holding, Vec3& x, bool& safe_way) noexcept {
+template <class Mesh>
+bool BallProxyOf<Mesh>::glide(const V& p, Holding& holding, V& x, bool& safe_way) noexcept {
   if (holding.size != 1) return false;
   std::int32_t triangle = holding.triangle[0];
   std::int32_t from = -1;
   for (int edges = 0; edges < kGlide; ++edges) {
-    const Facet& facet = mesh_->facet(triangle);
-    const double pull = r_ - facet.height(p);
+    const FacetOf<S>& facet = mesh_->facet(triangle);
+    const S pull = r_ - facet.height(p);
     if (!facet.regular || !(pull >= 0.0) || !(facet.height(c_) > 0.0)) return false;
-    const Vec3 there = p + pull * facet.n;
-    if (!((there - c_).squaredNorm() <= 0.25 * r_ * r_)) return false;
+    const V there = p + pull * facet.n;
+    if (!(squared_distance<S>(there, c_) <= 0.25 * r_ * r_)) return false;
     // Over the edge that it is farthest outside of.
     std::size_t exit = 3;
-    double least = 0.0;
+    S least = 0.0;
     for (std::size_t e = 0; e < 3; ++e) {
-      if (const double s = facet.inside(e, there); s < least) {
+      if (const S s = facet.inside(e, there); s < least) {
         least = s;
         exit = e;
       }
@@ -254,7 +286,8 @@ bool BallProxy::glide(const Vec3& p, Holding& holding, Vec3& x, bool& safe_way) 
   return false;
 }
 
-bool BallProxy::settle(const Vec3& p, Holding& holding, Vec3& x, bool& safe_way) noexcept {
+template <class Mesh>
+bool BallProxyOf<Mesh>::settle(const V& p, Holding& holding, V& x, bool& safe_way) noexcept {
   if (glide(p, holding, x, safe_way)) return true;
   x = c_;
   if (!rest_on(*mesh_, holding, r_, p, rounding_, x) && !roll(p, holding, x)) {
@@ -272,8 +305,8 @@ bool BallProxy::settle(const Vec3& p, Holding& holding, Vec3& x, bool& safe_way)
       for (int i = 0; i < before.size && found; ++i) {
         const std::int32_t t = before.triangle[static_cast<std::size_t>(i)];
         if (holding.has(t)) continue;
-        const Vec3& n = touch(*mesh_, t, c_).n;
-        found = n.dot(x - c_) >= -rounding_;
+        const V n = touch(*mesh_, t, c_).n;
+        found = dot(n, x - c_) >= -rounding_;
       }
     }
     if (!found) return false;
@@ -287,25 +320,27 @@ bool BallProxy::settle(const Vec3& p, Holding& holding, Vec3& x, bool& safe_way)
   return false;
 }
 
-bool BallProxy::roll(const Vec3& p, Holding& holding, Vec3& x) noexcept {
+template <class Mesh>
+bool BallProxyOf<Mesh>::roll(const V& p, Holding& holding, V& x) noexcept {
   if (holding.size == 0) return false;
   const std::int32_t from = holding.triangle[0];
-  const Touch t = touch(*mesh_, from, c_);
+  const TouchOf<S> t = touch(*mesh_, from, c_);
   if (!mesh_->facet(from).regular || t.feature == Feature::face) return false;
   feeler_.resume(c_ - t.d * t.n, from);
-  if (!feeler_.follow(p) || feeler_.on() != SurfaceWalk::On::face) return false;
-  const Facet& facet = mesh_->facet(feeler_.triangle());
-  const Vec3 there = p + (r_ - facet.height(p)) * facet.n;
-  if (!((there - c_).squaredNorm() <= 0.25 * r_ * r_)) return false;
+  if (!feeler_.follow(p) || feeler_.on() != SurfaceWalkOf<Mesh>::On::face) return false;
+  const FacetOf<S>& facet = mesh_->facet(feeler_.triangle());
+  const V there = p + (r_ - facet.height(p)) * facet.n;
+  if (!(squared_distance<S>(there, c_) <= 0.25 * r_ * r_)) return false;
   holding = {};
   holding.add(feeler_.triangle());
   x = there;
   return true;
 }
 
-bool BallProxy::exchange(const Vec3& p, std::int32_t added, Holding& holding, Vec3& x) const noexcept {
+template <class Mesh>
+bool BallProxyOf<Mesh>::exchange(const V& p, std::int32_t added, Holding& holding, V& x) const noexcept {
   const Holding before = holding;
-  const auto try_with = [&](unsigned chosen, Holding& next, Vec3& there) {
+  const auto try_with = [&](unsigned chosen, Holding& next, V& there) {
     next = {};
     next.add(added);
     for (int i = 0; i < before.size && next.size < 3; ++i) {
@@ -326,15 +361,15 @@ bool BallProxy::exchange(const Vec3& p, std::int32_t added, Holding& holding, Ve
   }
   // Else the rest closest to the centre: the one that it would slide to first.
   Holding best;
-  Vec3 best_x = x;
-  double least = std::numeric_limits<double>::infinity();
+  V best_x = x;
+  S least = std::numeric_limits<double>::infinity();
   // All of three and the added one would be four, which do not hold a ball.
   const unsigned subsets = std::min(1U << before.size, 7U);
   for (unsigned chosen = 1; chosen < subsets; ++chosen) {
     Holding next;
-    Vec3 there;
+    V there;
     if (!try_with(chosen, next, there)) continue;
-    if (const double way = (there - c_).squaredNorm(); way < least) {
+    if (const S way = squared_distance<S>(there, c_); way < least) {
       least = way;
       best = next;
       best_x = there;
@@ -346,15 +381,16 @@ bool BallProxy::exchange(const Vec3& p, std::int32_t added, Holding& holding, Ve
   return true;
 }
 
-bool BallProxy::advance(const Vec3& x, bool safe_way, const Holding& holding) noexcept {
-  const double length = (x - c_).norm();
+template <class Mesh>
+bool BallProxyOf<Mesh>::advance(const V& x, bool safe_way, const Holding& holding) noexcept {
+  const S length = distance<S>(x, c_);
   if (!covered(x)) {
     // Ahead, where it will be in the next steps, if both ends fit; else only as far as the margin goes.
     if (length <= next_margin_) {
-      gather(c_ + std::max(0.5, kAhead * next_margin_ / length) * (x - c_), next_margin_);
+      gather(c_ + std::max(S(0.5), kAhead * next_margin_ / length) * (x - c_), next_margin_);
       return false;
     }
-    next_margin_ = std::min(length, 2.0 * next_margin_);
+    next_margin_ = std::min(length, S(2.0 * next_margin_));
     gather(c_, next_margin_);
     if (length > margin_) {
       creep(c_ + (0.99 * margin_ / length) * (x - c_));
@@ -367,12 +403,12 @@ bool BallProxy::advance(const Vec3& x, bool safe_way, const Holding& holding) no
     holding_ = holding;
     return true;
   }
-  const Vec3 part = c_ + (0.5 * r_ / length) * (x - c_);
+  const V part = c_ + (0.5 * r_ / length) * (x - c_);
   Holding held = holding;
-  Vec3 there = c_;
+  V there = c_;
   bool safe = true;
-  if (settle(part, held, there, safe) && covered(there) && (there - c_).norm() <= r_ &&
-      (there - c_).norm() > rounding_) {
+  if (settle(part, held, there, safe) && covered(there) && distance<S>(there, c_) <= r_ &&
+      distance<S>(there, c_) > rounding_) {
     c_ = there;
     holding_ = held;
   } else {
@@ -381,29 +417,28 @@ bool BallProxy::advance(const Vec3& x, bool safe_way, const Holding& holding) no
   return false;
 }
 
-bool BallProxy::creep(const Vec3& goal) noexcept {
+template <class Mesh>
+bool BallProxyOf<Mesh>::creep(const V& goal) noexcept {
   half_spaces_.clear();
   limiting_.clear();
-  if ((c_ - gathered_at_).norm() > 0.75 * margin_) gather(c_, next_margin_);
-  const Vec3 offset = c_ - gathered_at_;
+  if (distance<S>(c_, gathered_at_) > 0.75 * margin_) gather(c_, next_margin_);
+  const V offset = c_ - gathered_at_;
   // Short moves, for which few triangles matter.
-  const double reach = std::min((goal - c_).norm(), 0.25 * margin_);
-  const double* const slack = near_.slack(offset);
-  for (std::size_t i = 0; i < near_.size(); ++i) {
-    // Farther than the move goes.
-    if (slack[i] >= reach) continue;
+  const S reach = std::min(distance<S>(goal, c_), S(0.25 * margin_));
+  // Not those farther than the move goes.
+  near_.each_below(offset, reach, [&](std::size_t i) {
     const std::int32_t triangle = near_.triangle(i);
-    const Touch t = touch(*mesh_, triangle, c_);
-    if (ignored(triangle)) continue;
-    near_.set(i, t.n, r_ - t.d + t.n.dot(offset));
+    const TouchOf<S> t = touch(*mesh_, triangle, c_);
+    if (ignored(triangle)) return;
+    near_.set(i, t.n, r_ - t.d + dot(t.n, offset));
     half_spaces_.push_back({t.n, r_ - t.d});
     limiting_.push_back(triangle);
-  }
-  const NearestInPolyhedron found = nearest_in_polyhedron(half_spaces_, goal - c_, rounding_);
+  });
+  const NearestInPolyhedronOf<S> found = nearest_in_polyhedron_of<S>(half_spaces_, goal - c_, rounding_);
   if (!found.found) return false;
   holding_ = {};
   for (int i = 0; i < found.basis_size; ++i) {
-    const HalfSpace& held = half_spaces_[static_cast<std::size_t>(found.basis[static_cast<std::size_t>(i)])];
+    const HalfSpaceOf<S>& held = half_spaces_[static_cast<std::size_t>(found.basis[static_cast<std::size_t>(i)])];
     for (std::size_t k = 0; k < half_spaces_.size(); ++k) {
       if (half_spaces_[k].n == held.n && holding_.size < 3 && !holding_.has(limiting_[k])) {
         holding_.add(limiting_[k]);
@@ -411,20 +446,24 @@ bool BallProxy::creep(const Vec3& goal) noexcept {
       }
     }
   }
-  const double length = found.x.norm();
+  const S length = norm(found.x);
   if (!(length > rounding_)) return false;
-  c_ += length > reach ? Vec3(reach / length * found.x) : found.x;
+  c_ += length > reach ? V(reach / length * found.x) : found.x;
   return true;
 }
 
-ContactPlaces BallProxy::contact_places() const noexcept {
-  ContactPlaces contact;
+template <class Mesh>
+auto BallProxyOf<Mesh>::contact_places() const noexcept -> ContactPlacesOf<S> {
+  ContactPlacesOf<S> contact;
   contact.size = holding_.size;
   for (std::size_t k = 0; k < static_cast<std::size_t>(holding_.size); ++k) {
-    const Touch t = touch(*mesh_, holding_.triangle[k], c_);
+    const TouchOf<S> t = touch(*mesh_, holding_.triangle[k], c_);
     contact.place[k] = {holding_.triangle[k], t.feature, t.index, c_ - t.d * t.n, t.n};
   }
   return contact;
 }
+
+template class BallProxyOf<ContactMesh>;
+template class BallProxyOf<CountedContactMesh>;
 
 }  // namespace touchstone

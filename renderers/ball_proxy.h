@@ -20,77 +20,100 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <cstdint>
+#include <type_traits>
 #include <vector>
 
 #include "renderers/ball_constraints.h"
 #include "renderers/cone_friction.h"
+#include "renderers/fixed_order.h"
 #include "renderers/nearest_in_polyhedron.h"
 #include "renderers/surface_walk.h"
 
 namespace touchstone {
 
-class BallProxy {
+// Over ContactMesh, and over CountedContactMesh whose scalar counts operations. Which triangles are gathered does not
+// depend on the tree that proposes them, nor do the operations.
+template <class Mesh>
+class BallProxyOf {
  public:
-  BallProxy(const ContactMesh& mesh, const Surface& surface, double radius_m, const ConeFriction& friction = {});
+  using Scalar = typename Mesh::Scalar;
+  using S = Scalar;
+  using V = Vec3Of<S>;
+
+  BallProxyOf(const Mesh& mesh, const Surface& surface, double radius_m, const ConeFriction& friction = {});
 
   // The first position of a run: where the ball overlaps the object it starts at the place outside that is closest.
-  void start(const Vec3& p) noexcept;
-  void follow(const Vec3& p) noexcept;
+  void start(const V& p) noexcept;
+  void follow(const V& p) noexcept;
   // Towards p, without friction.
-  void pull(const Vec3& p) noexcept;
+  void pull(const V& p) noexcept;
 
   [[nodiscard]] bool touching() const noexcept { return holding_.size > 0; }
   // The ball's centre, and from the tip to it (zero when free).
-  [[nodiscard]] const Vec3& position() const noexcept { return c_; }
-  [[nodiscard]] Vec3 push(const Vec3& p) const noexcept { return touching() ? Vec3(c_ - p) : Vec3::Zero(); }
+  [[nodiscard]] const V& position() const noexcept { return c_; }
+  [[nodiscard]] V push(const V& p) const noexcept { return touching() ? V(c_ - p) : V(V::Zero()); }
   // From the contact to the centre; of several contacts the direction of the push. `p` is where the tip is.
-  [[nodiscard]] Vec3 normal(const Vec3& p) const noexcept;
-  [[nodiscard]] ContactNormals contact_normals() const noexcept;
+  [[nodiscard]] V normal(const V& p) const noexcept;
+  [[nodiscard]] ContactNormalsOf<S> contact_normals() const noexcept;
   [[nodiscard]] bool frictionless() const noexcept { return cone_.friction().none(); }
   // For force shading: where on which triangles it rests, be it one.
-  static RestingPlaceOf<double> resting_place() noexcept { return {}; }
-  [[nodiscard]] ContactPlaces contact_places() const noexcept;
+  static RestingPlaceOf<S> resting_place() noexcept { return {}; }
+  [[nodiscard]] ContactPlacesOf<S> contact_places() const noexcept;
 
   // For statistics and tests.
-  void forget_near() noexcept { margin_ = -1.0; }  // the next step asks the tree
+  void forget_near() noexcept { margin_ = S(-1.0); }  // the next step asks the tree
   [[nodiscard]] std::uint64_t gathers() const noexcept { return gathers_; }
   [[nodiscard]] std::uint64_t moves() const noexcept { return moves_; }
 
  private:
   // The triangles near the ball, each with a half-space that it leaves free: n . (x - gathered_at_) >= b means distance
-  // >= r. In columns, so that all of them are asked a few at a time.
+  // >= r. Four to a block, which are asked together.
   class Near {
    public:
-    explicit Near(std::size_t most)
-        : planes_(static_cast<Eigen::Index>(most), 4), slack_(static_cast<Eigen::Index>(most)) {
+    explicit Near(std::size_t most) {
+      blocks_.resize((most + 3) / 4);
       triangles_.reserve(most);
     }
     void clear() noexcept { triangles_.clear(); }
     [[nodiscard]] std::size_t size() const noexcept { return triangles_.size(); }
-    void add(std::int32_t triangle, const Vec3& n, double b) noexcept {
+    void add(std::int32_t triangle, const V& n, const S& b) noexcept {
       triangles_.push_back(triangle);
       set(triangles_.size() - 1, n, b);
     }
-    void set(std::size_t i, const Vec3& n, double b) noexcept {
-      const auto row = static_cast<Eigen::Index>(i);
-      planes_(row, 0) = n.x();
-      planes_(row, 1) = n.y();
-      planes_(row, 2) = n.z();
-      planes_(row, 3) = b;
+    void set(std::size_t i, const V& n, const S& b) noexcept {
+      const auto lane = static_cast<Eigen::Index>(i % 4);
+      Block& block = blocks_[i / 4];
+      block(lane, 0) = n.x();
+      block(lane, 1) = n.y();
+      block(lane, 2) = n.z();
+      block(lane, 3) = b;
     }
     [[nodiscard]] std::int32_t triangle(std::size_t i) const noexcept { return triangles_[i]; }
-    // n . offset - b of all of them, valid until the next call.
-    [[nodiscard]] const double* slack(const Vec3& offset) noexcept {
-      const auto size = static_cast<Eigen::Index>(triangles_.size());
-      const auto column = [&](Eigen::Index i) { return planes_.col(i).head(size); };
-      slack_.head(size) = column(0) * offset.x() + column(1) * offset.y() + column(2) * offset.z() - column(3);
-      return slack_.data();
+    // Calls visit(i) in order for those with n . offset - b < limit. The visit may set(i).
+    template <class Visit>
+    void each_below(const V& offset, const S& limit, Visit&& visit) noexcept {
+      for (std::size_t first = 0; first < size(); first += 4) {
+        const Block& block = blocks_[first / 4];
+        const auto count = static_cast<Eigen::Index>(std::min<std::size_t>(4, size() - first));
+        Eigen::Array<S, 4, 1> slack;
+        if constexpr (std::is_same_v<S, double>) {
+          slack = block.col(0) * offset.x() + block.col(1) * offset.y() + block.col(2) * offset.z() - block.col(3);
+          if (count == 4 && slack.minCoeff() >= limit) continue;
+        } else {
+          for (Eigen::Index i = 0; i < count; ++i)
+            slack[i] = block(i, 0) * offset.x() + block(i, 1) * offset.y() + block(i, 2) * offset.z() - block(i, 3);
+        }
+        for (Eigen::Index i = 0; i < count; ++i) {
+          if (!(slack[i] >= limit)) visit(first + static_cast<std::size_t>(i));
+        }
+      }
     }
 
    private:
-    Eigen::ArrayXXd planes_;  // n and b, a row each
-    Eigen::ArrayXd slack_;
+    using Block = Eigen::Array<S, 4, 4>;  // n and b, a row each
+    std::vector<Block> blocks_;
     std::vector<std::int32_t> triangles_;
   };
   struct Check {
@@ -98,44 +121,49 @@ class BallProxy {
     bool safe_way = true;     // every half-space holds at both ends
   };
 
-  [[nodiscard]] double rounding_at(const Vec3& x) const noexcept;
-  void gather(const Vec3& at, double margin) noexcept;
-  [[nodiscard]] bool covered(const Vec3& x) const noexcept { return (x - gathered_at_).norm() <= margin_; }
-  Check check(const Vec3& x, const Holding& held) noexcept;
+  [[nodiscard]] S rounding_at(const V& x) const noexcept;
+  [[nodiscard]] bool reaches(const FacetOf<S>& facet, std::int32_t triangle, const V& at,
+                             const S& reach) const noexcept;
+  void gather(const V& at, S margin) noexcept;
+  bool gather_within(const V& at, const S& margin) noexcept;
+  [[nodiscard]] bool covered(const V& x) const noexcept { return distance<S>(x, gathered_at_) <= margin_; }
+  Check check(const V& x, const Holding& held) noexcept;
   // Whether the way from the centre to x keeps the distance r from the triangle.
-  [[nodiscard]] bool stays_clear(std::int32_t triangle, const Vec3& x) const noexcept;
+  [[nodiscard]] bool stays_clear(std::int32_t triangle, const V& x) const noexcept;
   [[nodiscard]] bool ignored(std::int32_t triangle) const noexcept;
   // Onto the face under the ball where that is the held triangle's own or a few edges farther on and nothing else is
   // touched there: nearly every step over a smooth surface. Else false, with nothing changed.
-  bool glide(const Vec3& p, Holding& holding, Vec3& x, bool& safe_way) noexcept;
+  bool glide(const V& p, Holding& holding, V& x, bool& safe_way) noexcept;
   // The rest position for p near the centre; false where the search does not settle.
-  bool settle(const Vec3& p, Holding& holding, Vec3& x, bool& safe_way) noexcept;
+  bool settle(const V& p, Holding& holding, V& x, bool& safe_way) noexcept;
   // Off an edge or corner below which the tip is deeper than the ball's radius, onto the face that the tip pulls to:
   // the face on which the god-object of a point comes to rest. False where there is none near.
-  bool roll(const Vec3& p, Holding& holding, Vec3& x) noexcept;
-  bool exchange(const Vec3& p, std::int32_t added, Holding& holding, Vec3& x) const noexcept;
+  bool roll(const V& p, Holding& holding, V& x) noexcept;
+  bool exchange(const V& p, std::int32_t added, Holding& holding, V& x) const noexcept;
   // One safe move: to x if the way is safe, else as far towards it as is. True when x was reached.
-  bool advance(const Vec3& x, bool safe_way, const Holding& holding) noexcept;
+  bool advance(const V& x, bool safe_way, const Holding& holding) noexcept;
   // One move within the half-spaces at the centre; false when that leads nowhere.
-  bool creep(const Vec3& goal) noexcept;
+  bool creep(const V& goal) noexcept;
 
-  const ContactMesh* mesh_;
+  const Mesh* mesh_;
   const Surface* surface_;
-  double r_;
+  S r_;
   ConeFollower cone_;
-  Vec3 c_ = Vec3::Zero();
+  V c_ = V::Zero();
   Holding holding_;
-  SurfaceWalk feeler_;  // of roll()
+  SurfaceWalkOf<Mesh> feeler_;  // of roll()
   Near near_;
   std::vector<std::int32_t> candidates_;
-  std::vector<HalfSpace> half_spaces_;  // scratch of creep(), and whose they are
+  std::vector<HalfSpaceOf<S>> half_spaces_;  // scratch of creep(), and whose they are
   std::vector<std::int32_t> limiting_;
-  Vec3 gathered_at_ = Vec3::Zero();
-  double margin_ = -1.0;  // of the gathered triangles; < 0: none gathered
-  double next_margin_;
-  double rounding_ = 0.0;  // of distances at the present centre
+  V gathered_at_ = V::Zero();
+  S margin_ = S(-1.0);  // of the gathered triangles; < 0: none gathered
+  S next_margin_;
+  S rounding_ = S(0.0);  // of distances at the present centre
   std::uint64_t gathers_ = 0;
   std::uint64_t moves_ = 0;
 };
+
+using BallProxy = BallProxyOf<ContactMesh>;
 
 }  // namespace touchstone

@@ -122,7 +122,8 @@ CountedRenderer make_counted_renderer(const Model& model, std::shared_ptr<const 
   Model contact = model;
   const bool device = take_haptic_device(contact).has_value();
   CountedRenderer made{make_contact(contact, std::move(surface), &RendererEntry::make_counted), ""};
-  if (!made.renderer) return {nullptr, "the renderer " + entry.name + " with this tip or on this mesh"};
+  if (!made.renderer)
+    return {nullptr, "the renderer " + entry.name + " on a mesh with triangles that cannot be walked on"};
   if (!contact.effects.empty()) made.not_counted = "the effects of the contact";
   if (device) made.not_counted += made.not_counted.empty() ? "the haptic device" : ", the haptic device";
   return made;

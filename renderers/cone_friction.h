@@ -18,6 +18,7 @@
 #include <cmath>
 
 #include "renderers/contact_places.h"
+#include "renderers/fixed_order.h"
 #include "renderers/nearest_in_polyhedron.h"
 
 namespace touchstone {
@@ -30,17 +31,19 @@ struct ConeFriction {
 };
 
 // The pull from a proxy towards its tip, `way`, split by the normals there.
-struct ConeSplit {
-  Vec3 slide;   // where it would move without friction, to first order: the tangential part
-  Vec3 normal;  // way = slide - normal: the sum of non-negative multiples of the normals
+template <class S>
+struct ConeSplitOf {
+  Vec3Of<S> slide;   // where it would move without friction, to first order: the tangential part
+  Vec3Of<S> normal;  // way = slide - normal: the sum of non-negative multiples of the normals
 };
 
-ConeSplit split_by_normals(const ContactNormals& contact, const Vec3& way, double rounding) noexcept;
+template <class S>
+ConeSplitOf<S> split_by_normals(const ContactNormalsOf<S>& contact, const Vec3Of<S>& way, const S& rounding) noexcept;
 
 // A proxy that moves towards goals (nothing, until it is held) made to stop at the cone: it is sent to the goal that it
 // reaches without friction where the tip lies on the cone, found by iterating on the normals at the place reached; on a
 // plane once is enough.
-// Proxy: position(), touching(), contact_normals(), pull(goal) that moves it without friction.
+// Proxy: a Scalar, position(), touching(), contact_normals(), pull(goal) that moves it without friction.
 class ConeFollower {
  public:
   ConeFollower() = default;
@@ -50,72 +53,79 @@ class ConeFollower {
   [[nodiscard]] bool sliding() const noexcept { return sliding_; }
   [[nodiscard]] const ConeFriction& friction() const noexcept { return friction_; }
 
-  template <class Proxy>
-  void follow(Proxy& proxy, const Vec3& p, double rounding) noexcept {
+  template <class Proxy, class S = typename Proxy::Scalar>
+  void follow(Proxy& proxy, const Vec3Of<S>& p, const S& rounding) noexcept {
     const bool was_sliding = sliding_;
     sliding_ = false;
     if (!proxy.touching()) return land(proxy, p, rounding);
-    ConeSplit split = split_by_normals(proxy.contact_normals(), p - proxy.position(), rounding);
-    double normal_m = split.normal.norm();
-    const double hold = was_sliding ? friction_.mu_dynamic : friction_.mu_static;
-    if (normal_m > 0.0 && split.slide.norm() <= hold * normal_m + rounding) return;
+    const ConeSplitOf<S> split = split_at(proxy, p, rounding);
+    const S normal_m = norm(split.normal);
+    const S hold(was_sliding ? friction_.mu_dynamic : friction_.mu_static);
+    if (normal_m > S(0.0) && norm(split.slide) <= hold * normal_m + rounding) return;
     slide(proxy, p, split, normal_m, rounding);
   }
 
  private:
+  template <class Proxy, class S = typename Proxy::Scalar>
+  static ConeSplitOf<S> split_at(const Proxy& proxy, const Vec3Of<S>& p, const S& rounding) noexcept {
+    return split_by_normals<S>(proxy.contact_normals(), p - proxy.position(), rounding);
+  }
+
   // From the air: held where it came through the surface, if the cone allows.
-  template <class Proxy>
-  void land(Proxy& proxy, const Vec3& p, double rounding) noexcept {
-    const Vec3 from = proxy.position();
+  template <class Proxy, class S = typename Proxy::Scalar>
+  void land(Proxy& proxy, const Vec3Of<S>& p, const S& rounding) noexcept {
+    const Vec3Of<S> from = proxy.position();
     proxy.pull(p);
     if (!proxy.touching()) return;
-    const Vec3 normal = proxy.position() - p;
-    const double depth_m = normal.norm();
-    const double sink = normal.dot(p - from);
-    if (!(depth_m > 0.0) || !(sink < 0.0)) return;
+    const Vec3Of<S> normal = proxy.position() - p;
+    const S depth_m = norm(normal);
+    const S sink = dot(normal, p - from);
+    if (!(depth_m > S(0.0)) || !(sink < S(0.0))) return;
     // Where the way meets the plane through the proxy, seen from the proxy.
-    const Vec3 entry = p + (normal.squaredNorm() / -sink) * (from - p) - proxy.position();
-    const double away = entry.norm();
+    const Vec3Of<S> entry = p + (squared_norm(normal) / -sink) * (from - p) - proxy.position();
+    const S away = norm(entry);
     // Held, or dragged to the cone.
-    const bool held = away <= friction_.mu_static * depth_m;
-    const double share = held ? 1.0 : friction_.mu_dynamic * depth_m / away;
+    const bool held = away <= S(friction_.mu_static) * depth_m;
+    const S share = held ? S(1.0) : S(S(friction_.mu_dynamic) * depth_m / away);
     if (away > rounding) proxy.pull(p + share * entry);
-    ConeSplit split = split_by_normals(proxy.contact_normals(), p - proxy.position(), rounding);
-    const double normal_m = split.normal.norm();
-    const double hold = held ? friction_.mu_static : friction_.mu_dynamic;
-    if (!proxy.touching() || split.slide.norm() > hold * normal_m + rounding)
-      slide(proxy, p, split, normal_m, rounding);
+    const ConeSplitOf<S> split = split_at(proxy, p, rounding);
+    const S normal_m = norm(split.normal);
+    const S hold(held ? friction_.mu_static : friction_.mu_dynamic);
+    if (!proxy.touching() || norm(split.slide) > hold * normal_m + rounding) slide(proxy, p, split, normal_m, rounding);
     sliding_ = sliding_ || !held;
   }
 
   // Goals between the tip (without friction: inside the cone) and the point below the proxy (held: outside). On a plane
   // the first one is right; over curves the secant method finds it.
-  template <class Proxy>
-  void slide(Proxy& proxy, const Vec3& p, const ConeSplit& split, double normal_m, double rounding) noexcept {
+  template <class Proxy, class S = typename Proxy::Scalar>
+  void slide(Proxy& proxy, const Vec3Of<S>& p, const ConeSplitOf<S>& split, const S& normal_m,
+             const S& rounding) noexcept {
+    using std::abs;
     constexpr int kRounds = 16;
     constexpr double kConverged = 1e-12;  // of the normal part
-    const double mu = friction_.mu_dynamic;
-    const double slide_m = split.slide.norm();
+    const S mu(friction_.mu_dynamic);
+    const S slide_m = norm(split.slide);
     sliding_ = true;
-    if (!(normal_m > 0.0) || !(slide_m > 0.0)) return proxy.pull(p);
-    double inside = 0.0;
-    double outside = 1.0;
-    double last = 1.0;
-    double last_excess = slide_m - mu * normal_m;
-    double share = mu * normal_m / slide_m;
+    if (!(normal_m > S(0.0)) || !(slide_m > S(0.0))) return proxy.pull(p);
+    S inside(0.0);
+    S outside(1.0);
+    S last(1.0);
+    S last_excess = slide_m - mu * normal_m;
+    S share = mu * normal_m / slide_m;
     for (int round = 0; round < kRounds; ++round) {
       proxy.pull(p - share * split.slide);
       if (!proxy.touching()) return proxy.pull(p);
-      const ContactNormals contact = proxy.contact_normals();
-      const ConeSplit now = split_by_normals(contact, p - proxy.position(), rounding);
-      const double limit = mu * now.normal.norm();
-      const double excess = now.slide.norm() - limit;
-      if (std::abs(excess) <= kConverged * now.normal.norm() + rounding) return;
+      const ContactNormalsOf<S> contact = proxy.contact_normals();
+      const ConeSplitOf<S> now = split_by_normals<S>(contact, p - proxy.position(), rounding);
+      const S pressed_m = norm(now.normal);
+      const S limit = mu * pressed_m;
+      const S excess = norm(now.slide) - limit;
+      if (abs(excess) <= S(kConverged) * pressed_m + rounding) return;
       // Caught in a valley, where less than sliding friction holds it.
-      if (contact.size > 1 && excess < -0.5 * limit) return;
-      (excess < 0.0 ? inside : outside) = share;
-      double next = share - excess * (share - last) / (excess - last_excess);
-      if (!(next > inside && next < outside)) next = 0.5 * (inside + outside);
+      if (contact.size > 1 && excess < S(-0.5) * limit) return;
+      (excess < S(0.0) ? inside : outside) = share;
+      S next = share - excess * (share - last) / (excess - last_excess);
+      if (!(next > inside && next < outside)) next = S(0.5) * (inside + outside);
       last = share;
       last_excess = excess;
       share = next;
@@ -129,14 +139,14 @@ class ConeFollower {
 };
 
 // The unit normal that the cone stands about; of a proxy without friction's part of the push.
-template <class Proxy>
-Vec3 cone_normal(const Proxy& proxy, const Vec3& p, double rounding) noexcept {
-  if (!proxy.touching()) return Vec3::Zero();
-  const ContactNormals contact = proxy.contact_normals();
+template <class Proxy, class S = typename Proxy::Scalar>
+Vec3Of<S> cone_normal(const Proxy& proxy, const Vec3Of<S>& p, const S& rounding) noexcept {
+  if (!proxy.touching()) return Vec3Of<S>::Zero();
+  const ContactNormalsOf<S> contact = proxy.contact_normals();
   if (contact.size == 1) return contact.n[0];
-  const Vec3 normal = split_by_normals(contact, p - proxy.position(), rounding).normal;
-  const double length = normal.norm();
-  return length > 0.0 ? Vec3(normal / length) : contact.n[0];
+  const Vec3Of<S> normal = split_by_normals<S>(contact, p - proxy.position(), rounding).normal;
+  const S length = norm(normal);
+  return length > S(0.0) ? Vec3Of<S>(normal / length) : contact.n[0];
 }
 
 }  // namespace touchstone

@@ -11,10 +11,12 @@
 namespace touchstone {
 
 // Up to three unit normals.
-struct ContactNormals {
-  std::array<Vec3, 3> n;
+template <class S>
+struct ContactNormalsOf {
+  std::array<Vec3Of<S>, 3> n;
   int size = 0;
 };
+using ContactNormals = ContactNormalsOf<double>;
 
 // Where a proxy rests that touches at one place; triangle < 0 where it touches at none, or at several.
 template <class S>

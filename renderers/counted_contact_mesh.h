@@ -38,6 +38,10 @@ class CountedContactMesh {
     return mesh_->edge_towards(triangle, neighbour, from);
   }
   [[nodiscard]] bool closed() const noexcept { return mesh_->closed(); }
+  [[nodiscard]] bool on_rim(std::int32_t triangle, Feature feature, std::size_t local) const noexcept {
+    return mesh_->on_rim(triangle, feature, local);
+  }
+  [[nodiscard]] double extent() const noexcept { return mesh_->extent(); }
   [[nodiscard]] double magnitude() const noexcept { return mesh_->magnitude(); }
   [[nodiscard]] const ContactMesh& plain() const noexcept { return *mesh_; }
 

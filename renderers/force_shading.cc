@@ -1,12 +1,12 @@
 #include "renderers/force_shading.h"
 
-#include <Eigen/LU>
+#include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <type_traits>
 
 #include "renderers/ball_proxy.h"
 #include "renderers/counted_god_object.h"
+#include "renderers/fixed_order.h"
 #include "renderers/friction_cone.h"
 #include "renderers/point_proxy.h"
 #include "renderers/proxy_parameters.h"
@@ -17,22 +17,25 @@ namespace touchstone {
 namespace {
 
 // How much each contact presses: n = sum w_i n_i, least squares; zeros where the normals cannot be told apart.
-Vec3 shares(const ContactPlaces& contact, const Vec3& n) noexcept {
-  Vec3 share = Vec3::Zero();
+template <class S>
+Vec3Of<S> shares(const ContactPlacesOf<S>& contact, const Vec3Of<S>& n) noexcept {
+  const S none(0.0);
+  const S one(1.0);
+  Vec3Of<S> share = Vec3Of<S>::Zero();
   if (contact.size == 2) {
-    const double c = contact.place[0].n.dot(contact.place[1].n);
-    const double a = contact.place[0].n.dot(n);
-    const double b = contact.place[1].n.dot(n);
-    if (1.0 - c * c > 0.0) share = {(a - c * b) / (1.0 - c * c), (b - c * a) / (1.0 - c * c), 0.0};
+    const S c = dot(contact.place[0].n, contact.place[1].n);
+    const S a = dot(contact.place[0].n, n);
+    const S b = dot(contact.place[1].n, n);
+    const S apart = one - c * c;
+    if (apart > none) share = {(a - c * b) / apart, (b - c * a) / apart, none};
   } else {
-    Mat3 normals;
+    Eigen::Matrix<S, 3, 3> normals;
     for (int i = 0; i < 3; ++i) normals.col(i) = contact.place[static_cast<std::size_t>(i)].n;
-    Mat3 inverse;
-    bool solvable = false;
-    normals.computeInverseWithCheck(inverse, solvable, 1e-12);
-    if (solvable) share = inverse * n;
+    Eigen::Matrix<S, 3, 3> inverse;
+    if (invert<S>(normals, 1e-12, inverse)) share = product(inverse, n);
   }
-  return share.cwiseMax(0.0);
+  for (S& part : share) part = std::max(none, part);
+  return share;
 }
 
 class Shading {
@@ -57,18 +60,17 @@ class Shading {
       const Vec3Of<S> shaded = (S(1.0) / sqrt(squared_norm(m))) * m;
       result.f_W_N = (dot(result.f_W_N.cast<S>(), n) * shaded).template cast<double>();
       result.n_W = shaded.template cast<double>();
-    } else if constexpr (std::is_same_v<S, double>) {
-      // A walk, which is all that counts its operations, rests at one place.
-      const ContactPlaces contact = proxy.contact_places();
+    } else {
+      const ContactPlacesOf<S> contact = proxy.contact_places();
       if (contact.size == 0) return;
-      const Vec3 share = contact.size == 1 ? Vec3(1.0, 0.0, 0.0) : shares(contact, result.n_W);
+      const Vec3Of<S> n = result.n_W.cast<S>();
+      const Vec3Of<S> share = contact.size == 1 ? Vec3Of<S>(S(1.0), S(0.0), S(0.0)) : shares(contact, n);
       m.setZero();
       for (int i = 0; i < contact.size; ++i) {
         const auto& at = contact.place[static_cast<std::size_t>(i)];
         m += share[i] * normals_.at(mesh.facet(at.triangle), at);
       }
-      const Vec3 n = result.n_W;
-      if (const double along = n.dot(m); along > 0.0) turn_to(n, m, along, result);
+      if (const S along = dot(n, m); along > S(0.0)) turn_to(n, m, along, result);
     }
   }
 
@@ -123,10 +125,9 @@ RendererEntry force_shading_entry() {
                                                                     friction);
       },
       [](const Parameters& parameters, std::shared_ptr<const Surface> surface) -> std::unique_ptr<Renderer> {
-        if (parameters.at("tip_radius_m") > 0.0) return nullptr;
         const auto mesh = contact_mesh(surface);
         Shading shading(*mesh, parameters.at("crease_angle_rad"));
-        return make_counted_proxy(std::move(surface), parameters.at("stiffness_N_per_m"),
+        return make_counted_proxy(std::move(surface), parameters.at("stiffness_N_per_m"), parameters.at("tip_radius_m"),
                                   {parameters.at("mu_static"), parameters.at("mu_dynamic")}, std::move(shading));
       }};
 }

@@ -30,8 +30,8 @@ RendererEntry friction_cone_entry() {
             return std::make_unique<ProxyRenderer<PointProxy>>(stiffness, std::move(surface), NoShading{}, friction);
           },
           [](const Parameters& parameters, std::shared_ptr<const Surface> surface) -> std::unique_ptr<Renderer> {
-            if (parameters.at("tip_radius_m") > 0.0) return nullptr;
             return make_counted_god_object(std::move(surface), parameters.at("stiffness_N_per_m"),
+                                           parameters.at("tip_radius_m"),
                                            {parameters.at("mu_static"), parameters.at("mu_dynamic")});
           }};
 }

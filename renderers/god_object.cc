@@ -22,8 +22,8 @@ RendererEntry god_object_entry() {
             return std::make_unique<ProxyRenderer<PointProxy>>(stiffness, std::move(surface), NoShading{});
           },
           [](const Parameters& parameters, std::shared_ptr<const Surface> surface) -> std::unique_ptr<Renderer> {
-            if (parameters.at("tip_radius_m") > 0.0) return nullptr;
-            return make_counted_god_object(std::move(surface), parameters.at("stiffness_N_per_m"), {});
+            return make_counted_god_object(std::move(surface), parameters.at("stiffness_N_per_m"),
+                                           parameters.at("tip_radius_m"), {});
           }};
 }
 

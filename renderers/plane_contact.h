@@ -18,6 +18,7 @@ namespace touchstone {
 
 class PlaneContact {
  public:
+  using Scalar = double;
   explicit PlaneContact(const ContactMesh& mesh) : mesh_(&mesh) {}
 
   // The god-object is at g on the triangle.

@@ -39,9 +39,10 @@ class ShadedNormals {
     return std::max(S(0.0), dot(n, m));
   }
   // The interpolated unit normal, or the contact's own.
-  [[nodiscard]] Vec3 at(const Facet& facet, const ContactPlaces::Place& place) const noexcept {
-    Vec3 m;
-    return direction<double>(facet, place, place.n, m) > 0.0 ? unit(m) : place.n;
+  template <class S>
+  [[nodiscard]] Vec3Of<S> at(const FacetOf<S>& facet, const typename ContactPlacesOf<S>::Place& place) const noexcept {
+    Vec3Of<S> m;
+    return direction<S>(facet, place, place.n, m) > S(0.0) ? unit(m) : place.n;
   }
   // Has what is stored of a triangle's neighbours fetched from memory: the next contact is most likely on one of them.
   void fetch_about(const std::array<std::int32_t, 3>& neighbours) const noexcept {

@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <limits>
+#include <type_traits>
 
 #include "harness/base/counted.h"
 #include "renderers/voxel_grid.h"
@@ -32,17 +33,34 @@ class VoxelRenderer final : public Renderer {
     const Vec3Of<S> q = (p_W_m - origin_W_m_) * per_m_;  // in voxels from here on
     Vec3Of<S> center;
     VoxelIndex at;
-    for (Eigen::Index i = 0; i < 3; ++i) {
-      if (!(q[i] >= S(0.0) && q[i] < count_[i])) return result;
+    // By name and not in a loop, and the normal's length here and not in unit(): what goes through memory between two
+    // operations waits for it, and this step is one chain of operations.
+    const auto along = [&]<std::size_t i>(std::integral_constant<std::size_t, i>) {
+      constexpr auto axis = static_cast<Eigen::Index>(i);
+      if (!(q[axis] >= S(0.0) && q[axis] < count_[axis])) return false;
       // Not negative: to cut off the fraction is to round down.
-      const auto below = static_cast<std::int32_t>(static_cast<double>(q[i]));
-      center[i] = S(below) + S(0.5);
-      at[static_cast<std::size_t>(i)] = below;
-    }
+      at[i] = static_cast<std::int32_t>(static_cast<double>(q[axis]));
+      center[axis] = S(at[i]) + S(0.5);
+      return true;
+    };
+    if (!along(std::integral_constant<std::size_t, 0>{}) || !along(std::integral_constant<std::size_t, 1>{}) ||
+        !along(std::integral_constant<std::size_t, 2>{}))
+      return result;
     const VoxelPlane* const plane = grid_.voxels.find(at);
     if (plane == nullptr) return result;
     // Single precision is unit to 1e-7 only.
-    const Vec3Of<S> n = unit(Vec3Of<S>(S(plane->nx), S(plane->ny), S(plane->nz)));
+    using std::sqrt;
+    S x(plane->nx);
+    S y(plane->ny);
+    S z(plane->nz);
+    const S square = (x * x + y * y) + z * z;
+    if (square > S(0.0)) {
+      const S length = sqrt(square);
+      x /= length;
+      y /= length;
+      z /= length;
+    }
+    const Vec3Of<S> n(x, y, z);
     const S depth = S(plane->offset) - dot(n, q - center);
     if (!(depth > S(0.0))) return result;
     const S depth_m = depth * voxel_m_;

@@ -15,21 +15,10 @@ namespace touchstone::experiments {
 
 namespace {
 
-MotionColumns deepest_places(const BodyScan& scan) {
-  MotionColumns motion = scan.in.motion;
-  for (std::size_t i = 0; i < motion.size(); ++i) {
-    if (scan.out.normal_force_N[i] > 0.0) motion.p_W_m[i] -= scan.tip_radius_m * scan.out.n_W[i];
-  }
-  return motion;
-}
-
-std::optional<OperationReport> operations_of_a_point(const BodyScan& scan, const MotionColumns& motion,
-                                                     const std::shared_ptr<const Surface>& surface) {
-  Model model = proxy_model(scan, "god-object");
-  model.parameters["tip_radius_m"] = 0.0;
-  const CountedRenderer counted = make_counted_renderer(model, surface);
+std::optional<OperationReport> operations_of(const BodyScan& scan, const std::shared_ptr<const Surface>& surface) {
+  const CountedRenderer counted = make_counted_renderer(proxy_model(scan, "god-object"), surface);
   if (!counted.renderer) return std::nullopt;
-  return count_operations(*counted.renderer, tip_source(motion));
+  return count_operations(*counted.renderer, tip_source(scan.in.motion));
 }
 
 }  // namespace
@@ -46,7 +35,6 @@ std::vector<std::size_t> density_triangles() {
 DensityExperiment run_density_experiment(std::uint64_t seed) {
   const BodyScan scan = make_body_scan(seed, synthetic::recipe("duck").contact.mu);
   DensityExperiment experiment{seed, {}};
-  const MotionColumns deepest = deepest_places(scan);
   for (const TriangleMesh& mesh : decimated_family(scan.finest, density_triangles())) {
     const std::shared_ptr<const Surface> surface = make_embree_surface(mesh);
     const auto shared = contact_mesh(surface);  // kept, so that it is built once
@@ -55,8 +43,7 @@ DensityExperiment run_density_experiment(std::uint64_t seed) {
     };
     experiment.points.push_back({mesh.triangle_count(), error("god-object", Against::normal_part),
                                  error("force-shading", Against::normal_part), error("god-object", Against::recorded),
-                                 error("force-shading", Against::recorded),
-                                 operations_of_a_point(scan, deepest, surface)});
+                                 error("force-shading", Against::recorded), operations_of(scan, surface)});
   }
   return experiment;
 }

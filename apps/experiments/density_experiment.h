@@ -33,8 +33,7 @@ struct DensityPoint {
   std::size_t triangles;
   ForceError plain, shaded;          // against the normal part
   ForceError plain_all, shaded_all;  // against the whole recorded force
-  // Of the god-object without shading. A ball's are not counted, so these are of a point: the place of the ball that is
-  // deepest. Nothing where the mesh has triangles that cannot be walked on.
+  // Of the god-object without shading, a ball.
   std::optional<OperationReport> operations;
 };
 

@@ -160,8 +160,9 @@ Page cost_page(const std::vector<RendererCost>& costs, const Provenance& provena
       "Operations, time and memory",
       "Operations are floating-point additions, subtractions, multiplications, divisions, square roots and "
       "comparisons, one each, of the step alone, counted by running the same code with a counting scalar; "
-      "they repeat exactly. Microseconds are this machine's; the mean holds whatever else it did in between, where it "
-      "is above the 99th percentile nothing but that. Memory is the "
+      "they repeat exactly; searches are counted on a plain tree of boxes, not inside Embree. Microseconds are this "
+      "machine's; the mean holds whatever else it did in between, where it is above the 99th percentile nothing but "
+      "that. Memory is the "
       "renderer's own, without mesh and Embree's tree; a structure that another renderer over the same "
       "mesh has made already costs no time again.",
       {},

@@ -160,8 +160,8 @@ Page density_page(const DensityExperiment& e, bool shading, const Provenance& pr
       shading ? "Figure 7" : "Table 3",
       "Eight meshes decimated from one of 140,000 triangles. The in-trajectory is made once, over the finest; "
       "the error is against the normal part of the recorded force, from which it was made. Operations are "
-      "floating-point operations of the whole trajectory, without shading, of a point tip at the place of the ball "
-      "that is deepest; the paper's are of its own trajectory.",
+      "floating-point operations of the whole trajectory, without shading, of the ball tip, searches on a plain tree "
+      "of boxes and not inside Embree; the paper's are of its own trajectory.",
       {},
       false};
   table.blocks.emplace_back(table_of(density_rows(e, shading), "Here and published", 0));

@@ -60,7 +60,8 @@ std::string operations_to_json(const OperationReport& report) {
                                 {"divide", n.divide},
                                 {"square_root", n.square_root},
                                 {"compare", n.compare},
-                                {"not_counted", report.not_counted}}
+                                {"not_counted", report.not_counted},
+                                {"searches", kHowSearchesAreCounted}}
       .dump();
 }
 

@@ -7,11 +7,16 @@
 
 #include <cstdint>
 #include <string>
+#include <string_view>
 
 #include "harness/base/counted.h"
 #include "harness/rendering/replay.h"
 
 namespace touchstone {
+
+// What every count of a renderer on triangles is of, to be said where it is shown.
+inline constexpr std::string_view kHowSearchesAreCounted =
+    "searches are counted on a plain tree of boxes, not inside Embree or CGAL";
 
 struct OperationReport {
   std::uint64_t steps = 0;
@@ -27,7 +32,8 @@ struct OperationReport {
 // Resets the renderer and steps it over the positions. Throws BadData as replay() does.
 OperationReport count_operations(Renderer& counted, const TipSource& source);
 
-// {"total", "mean", "median", "max", "add", "multiply", "divide", "square_root", "compare", "not_counted"}
+// {"total", "mean", "median", "max", "add", "multiply", "divide", "square_root", "compare", "not_counted",
+// "searches": kHowSearchesAreCounted}
 std::string operations_to_json(const OperationReport& report);
 
 }  // namespace touchstone

@@ -76,6 +76,29 @@ class BoxTree {
     }
   }
 
+  // Calls visit(triangle) -> S for the candidates within `radius` of q, see TriangleTree::within.
+  template <class S, class Visit>
+  void within(const Vec3Of<S>& q, const S& radius, Visit&& visit) const {
+    // As in nearest().
+    std::array<std::int32_t, kDepth> stack;  // NOLINT(cppcoreguidelines-pro-type-member-init)
+    std::size_t size = 0;
+    stack[size++] = 0;
+    S square = radius * radius;
+    while (size > 0) {
+      const Node& node = nodes_[static_cast<std::size_t>(stack[--size])];
+      if (squared_distance(node, q) > square) continue;
+      if (node.count == 0) {
+        stack[size++] = node.first + 1;
+        stack[size++] = node.first;
+        continue;
+      }
+      for (std::int32_t i = node.first; i < node.first + node.count; ++i) {
+        const S beyond = visit(order_[static_cast<std::size_t>(i)]);
+        square = std::min(square, S(beyond * beyond));
+      }
+    }
+  }
+
   [[nodiscard]] std::size_t memory_bytes() const noexcept {
     return nodes_.capacity() * sizeof(Node) + order_.capacity() * sizeof(std::int32_t);
   }
