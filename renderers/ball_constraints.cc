@@ -12,6 +12,9 @@ namespace {
 
 constexpr int kNewtonSteps = 16;
 constexpr int kFeatureChanges = 6;
+// Of rounding: what may be left of a gap where the answer no longer moves. Of normals nearly alike (cos 0.9999) the
+// equations of the multipliers lose four digits, and with them the place.
+constexpr double kStanding = 64.0;
 
 // On one triangle: by its face, edge or corner in closed form, until the answer's own closest feature is the one used.
 // Both this and newton() answer false where the contact ends up on the triangle's other side.
@@ -108,11 +111,14 @@ bool newton(const Mesh& mesh, const Holding& holding, const S& r, const Vec3Of<S
     // Far steps leave the neighbourhood in which the closest features are what they are.
     const S length = norm(dx);
     const bool far = length > S(0.5) * r;
-    x += far ? Vec3Of<S>(S(0.5) * r / length * dx) : dx;
+    const Vec3Of<S> next = x + (far ? Vec3Of<S>(S(0.5) * r / length * dx) : dx);
+    const bool stands = next == x;
+    x = next;
     // The last normals are those at x but for a step of rounding.
     if (far || !(length <= rounding)) continue;
     bool settled = true;
-    for (int i = 0; i < M; ++i) settled = settled && abs(gap[i]) <= rounding;
+    for (int i = 0; i < M; ++i) settled = settled && abs(gap[i]) <= (stands ? S(kStanding * rounding) : rounding);
+    if (!settled && stands) return false;  // for ever
     if (!settled) continue;
     for (int i = 0; i < M; ++i) {
       if (!(l[i] >= none && dot(n.col(i), before.col(i)) > none)) return false;

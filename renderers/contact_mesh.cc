@@ -9,6 +9,7 @@
 #include <mutex>
 
 #include "harness/base/error.h"
+#include "harness/base/huge_pages.h"
 #include "harness/base/in_parallel.h"
 #include "renderers/mesh_regularity.h"
 
@@ -33,15 +34,28 @@ ContactMesh::ContactMesh(const Surface& surface)
       tree_(own_tree_ ? own_tree_.get() : surface.tree()) {
   extent_ = surface.bounds().diagonal().norm();
   const std::size_t count = mesh_->triangle_count();
+  std::vector<bool> regular;
+  // The search for crossings, half of which waits for memory, and the records side by side.
+  in_parallel(
+      2,
+      [&](std::size_t which) {
+        if (which == 0) regular = regular_triangles(*mesh_, *topology_, *tree_);
+        if (which == 1) make_facets();
+      },
+      1);
+  in_parallel(count, [&](std::size_t t) { facets_[t].regular = regular[t]; });
+}
+
+void ContactMesh::make_facets() {
+  const std::size_t count = mesh_->triangle_count();
+  reserve_in_huge_pages(facets_, count);
   facets_.resize(count);
-  const std::vector<bool> regular = regular_triangles(*mesh_, *topology_, *tree_);
   in_parallel(count, [&](std::size_t t) {
     Facet& facet = facets_[t];
     facet.corner = mesh_->triangles[t];
     facet.neighbour = topology_->neighbours[t];
     facet.origin = vertex(facet.corner[0]);
     facet.n = topology_->face_normals[t];
-    facet.regular = regular[t];
     for (std::size_t e = 0; e < 3; ++e) {
       const Vec3 along = vertex(facet.corner[(e + 1) % 3]) - vertex(facet.corner[e]);
       facet.inward[e] = facet.n.cross(along).normalized();

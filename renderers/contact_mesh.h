@@ -87,6 +87,8 @@ class ContactMesh {
   [[nodiscard]] double magnitude() const noexcept { return magnitude_; }
 
  private:
+  void make_facets();
+
   const TriangleMesh* mesh_;
   std::unique_ptr<const MeshTopology> own_topology_;  // null where the surface has them
   std::unique_ptr<const TriangleTree> own_tree_;

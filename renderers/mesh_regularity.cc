@@ -32,6 +32,23 @@ bool edge_crosses(const Corners& edges_of, std::size_t edge, const Corners& othe
   return first * second >= 0 && second * third >= 0 && third * first >= 0;
 }
 
+// Of two triangles that share one corner: whether both other corners of the second lie on one side of the first one's
+// plane for sure, as nearly always; then they meet in the corner alone.
+bool only_meet_there(const TriangleMesh& mesh, std::int32_t s, std::int32_t t) {
+  const auto& a = mesh.triangles[at(s)];
+  const auto& b = mesh.triangles[at(t)];
+  const auto vertex = [&](std::int32_t i) -> const Vec3& { return mesh.vertices_W_m[at(i)]; };
+  std::size_t i = 0;
+  std::size_t j = 0;
+  for (std::size_t k = 0; k < 9; ++k) {
+    if (a[k / 3] != b[k % 3]) continue;
+    i = k / 3;
+    j = k % 3;
+  }
+  const PlaneFilter plane(vertex(a[i]), vertex(a[(i + 1) % 3]), vertex(a[(i + 2) % 3]));
+  return plane.side(vertex(b[(j + 1) % 3])) * plane.side(vertex(b[(j + 2) % 3])) > 0;
+}
+
 // Whether two triangles meet other than along what they share.
 bool cross(const TriangleMesh& mesh, std::int32_t s, std::int32_t t) {
   const auto& a = mesh.triangles[at(s)];
@@ -47,6 +64,7 @@ bool cross(const TriangleMesh& mesh, std::int32_t s, std::int32_t t) {
       lone_a = i;
     if (std::find(a.begin(), a.end(), b[i]) == a.end()) lone_b = i;
   }
+  if (shared == 1 && only_meet_there(mesh, s, t)) return false;
   const Corners p = corners_of(mesh, s);
   const Corners q = corners_of(mesh, t);
   // The far sides of two triangles apart: nothing meets.
@@ -75,11 +93,6 @@ bool cross(const TriangleMesh& mesh, std::int32_t s, std::int32_t t) {
       if (std::find(b.begin(), b.end(), a[i]) != b.end()) corner_a = i;
       if (std::find(a.begin(), a.end(), b[i]) != a.end()) corner_b = i;
     }
-    // Both of them on one side of the first one's plane, as nearly always: they meet in the corner alone.
-    if (side_of_plane(p[0], p[1], p[2], q[(corner_b + 1) % 3]) *
-            side_of_plane(p[0], p[1], p[2], q[(corner_b + 2) % 3]) >
-        0)
-      return false;
     return edge_crosses(p, (corner_a + 1) % 3, q) || edge_crosses(q, (corner_b + 1) % 3, p);
   }
   if (shared == 3) return true;

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "harness/base/huge_pages.h"
+
 namespace touchstone {
 namespace {
 
@@ -85,6 +87,7 @@ ShadedNormals::ShadedNormals(const ContactMesh& mesh, double crease_angle_rad) {
       corners[static_cast<std::size_t>(fan[i])][c] = groups.corner(i);
     }
   }
+  reserve_in_huge_pages(shades_, count);
   shades_.resize(count);
   for (std::size_t t = 0; t < count; ++t) {
     const auto triangle = static_cast<std::int32_t>(t);

@@ -98,6 +98,42 @@ TEST_P(BoxTreeOn, ProposesEveryTriangleThatASegmentMeets) {
   EXPECT_LT(proposed, 300U * mesh.triangle_count() / 10U) << "it must leave most triangles out";
 }
 
+TEST_P(BoxTreeOn, ProposesEveryTriangleWithinABall) {
+  const TriangleMesh mesh = testing::moved(testing::torus(0.02, 0.008, 40, 20), Quat::Identity(),
+                                           GetParam() * Vec3(0.1, 0.2, -0.3), GetParam());
+  const BoxTree tree(mesh);
+  Random random(3);
+  std::size_t within = 0;
+  std::size_t proposed = 0;
+  for (int i = 0; i < 300; ++i) {
+    const Vec3 q = GetParam() * (Vec3(0.1, 0.2, -0.3) + 0.03 * random.direction());
+    const double radius = GetParam() * random.log_uniform(1e-4, 0.03);
+    std::set<std::int32_t> candidates;
+    tree.within<double>(q, radius, [&](std::int32_t t) {
+      candidates.insert(t);
+      return radius;
+    });
+    proposed += candidates.size();
+    std::size_t counted = 0;
+    tree.within<Counted>(q.cast<Counted>(), Counted(radius), [&](std::int32_t) {
+      ++counted;
+      return Counted(radius);
+    });
+    ASSERT_EQ(counted, candidates.size());
+    for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+      std::array<Vec3, 3> corners;
+      for (std::size_t c = 0; c < 3; ++c)
+        corners[c] = mesh.vertices_W_m[static_cast<std::size_t>(mesh.triangles[t][c])];
+      const auto closest = closest_on_triangle(corners, mesh.scaled_normal(t).normalized(), q);
+      if (!(closest.squared_distance <= radius * radius)) continue;
+      ++within;
+      ASSERT_TRUE(candidates.contains(static_cast<std::int32_t>(t)));
+    }
+  }
+  EXPECT_GT(within, 1000U);
+  EXPECT_LT(proposed, 4 * within + 2000U) << "it must leave most triangles out";
+}
+
 INSTANTIATE_TEST_SUITE_P(Scales, BoxTreeOn, ::testing::Values(1e-3, 1.0, 1e3),
                          [](const auto& of) { return "Scale" + std::to_string(of.index); });
 

@@ -44,6 +44,32 @@ FilteredSide<S> filter_side_of_plane(const Vec3Of<S>& a, const Vec3Of<S>& b, con
   return {0, false};
 }
 
+// The filter for many points d over one plane, with the plane's a as the origin of the differences in the place of d:
+// the same number of roundings in the same places, so the same bound. 0 where it cannot decide.
+class PlaneFilter {
+ public:
+  PlaneFilter(const Vec3& a, const Vec3& b, const Vec3& c) : origin_(a) {
+    const Vec3 u = b - a;
+    const Vec3 v = c - a;
+    const Vec3 first(u.y() * v.z(), u.z() * v.x(), u.x() * v.y());
+    const Vec3 second(u.z() * v.y(), u.x() * v.z(), u.y() * v.x());
+    normal_ = first - second;
+    sizes_ = first.cwiseAbs() + second.cwiseAbs();
+  }
+  [[nodiscard]] int side(const Vec3& d) const {
+    constexpr double unit_of_rounding = 0.5 * std::numeric_limits<double>::epsilon();
+    const Vec3 w = d - origin_;
+    const double det = dot(normal_, w);
+    const double bound = (7.0 + 56.0 * unit_of_rounding) * unit_of_rounding * dot(sizes_, w.cwiseAbs());
+    return det > bound ? 1 : -det > bound ? -1 : 0;
+  }
+
+ private:
+  Vec3 origin_;
+  Vec3 normal_;  // not of unit length
+  Vec3 sizes_;   // what its differences are made of
+};
+
 // The same sign from exact arithmetic alone, for checking the filter.
 int side_of_plane_exact(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d);
 

@@ -5,6 +5,7 @@
 #include <limits>
 #include <numeric>
 
+#include "harness/base/huge_pages.h"
 #include "harness/base/in_parallel.h"
 
 namespace touchstone {
@@ -29,6 +30,8 @@ class Builder {
   MeshTopology build() {
     const std::size_t triangles = mesh_.triangles.size();
     const std::size_t vertices = mesh_.vertices_W_m.size();
+    reserve_in_huge_pages(out_.neighbours, triangles);
+    reserve_in_huge_pages(out_.convexity, triangles);
     out_.neighbours.assign(triangles, {open_edge, open_edge, open_edge});
     out_.convexity.assign(triangles, {Convexity::flat, Convexity::flat, Convexity::flat});
     out_.vertex_flags.assign(vertices, 0);
@@ -45,6 +48,7 @@ class Builder {
   // far query point multiplies it by its distance.
   void face_normals() {
     using Long3 = Eigen::Matrix<long double, 3, 1>;
+    reserve_in_huge_pages(out_.face_normals, mesh_.triangles.size());
     out_.face_normals.resize(mesh_.triangles.size());
     in_parallel(mesh_.triangles.size(), [&](std::size_t t) {
       const auto& [a, b, c] = mesh_.triangles[t];
@@ -77,7 +81,9 @@ class Builder {
     };
     each([&](std::int32_t from, std::int32_t to, std::int32_t) { ++start[at(std::min(from, to)) + 1]; });
     std::partial_sum(start.begin(), start.end(), start.begin());
-    std::vector<HalfEdge> halfedges(at(start.back()));
+    std::vector<HalfEdge> halfedges;
+    reserve_in_huge_pages(halfedges, at(start.back()));
+    halfedges.resize(at(start.back()));
     std::vector<std::int32_t> fill(start.begin(), start.end() - 1);
     each([&](std::int32_t from, std::int32_t to, std::int32_t h) {
       halfedges[at(fill[at(std::min(from, to))]++)] = {std::max(from, to), h, from < to};
@@ -152,6 +158,7 @@ class Builder {
       for (const std::int32_t corner : triangle) ++out_.fan_start[at(corner) + 1];
     }
     std::partial_sum(out_.fan_start.begin(), out_.fan_start.end(), out_.fan_start.begin());
+    reserve_in_huge_pages(out_.fan_triangles, at(out_.fan_start.back()));
     out_.fan_triangles.resize(at(out_.fan_start.back()));
     std::vector<std::int32_t> fill(out_.fan_start.begin(), out_.fan_start.end() - 1);
     for (std::size_t t = 0; t < mesh_.triangles.size(); ++t) {
@@ -205,7 +212,9 @@ class Builder {
   }
 
   void vertex_normals() {
-    std::vector<std::array<double, 3>> angles(mesh_.triangles.size());
+    std::vector<std::array<double, 3>> angles;
+    reserve_in_huge_pages(angles, mesh_.triangles.size());
+    angles.resize(mesh_.triangles.size());
     in_parallel(angles.size(), [&](std::size_t t) {
       const auto& corners = mesh_.triangles[t];
       for (std::size_t i = 0; i < 3; ++i) {
@@ -215,6 +224,7 @@ class Builder {
       }
     });
     // Summed in the triangles' order: the same bits on any number of threads.
+    reserve_in_huge_pages(out_.vertex_normals, mesh_.vertices_W_m.size());
     out_.vertex_normals.assign(mesh_.vertices_W_m.size(), Vec3::Zero());
     for (std::size_t t = 0; t < angles.size(); ++t) {
       for (std::size_t i = 0; i < 3; ++i)

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "harness/base/error.h"
+#include "harness/base/huge_pages.h"
 #include "harness/base/in_parallel.h"
 #include "harness/surface/mesh_file.h"
 
@@ -41,10 +42,16 @@ TriangleSurface::TriangleSurface(const TriangleMesh& mesh, const std::function<v
   in_parallel(
       2,
       [&](std::size_t which) {
-        if (which == 0) topology_ = make_topology(mesh_);
         if (which == 1 && beside) beside(mesh_);
+        if (which != 0) return;
+        topology_ = make_topology(mesh_);
+        make_facets();
       },
       1);
+}
+
+void TriangleSurface::make_facets() {
+  reserve_in_huge_pages(facets_, mesh_.triangles.size());
   facets_.resize(mesh_.triangles.size());
   in_parallel(facets_.size(), [&](std::size_t t) {
     Facet& facet = facets_[t];

@@ -34,6 +34,10 @@ class TriangleSurface : public Surface {
   // For a query point that is not finite.
   [[nodiscard]] static SurfacePoint no_point(const Vec3& q);
 
+ private:
+  void make_facets();
+
+ protected:
   TriangleMesh mesh_;
   MeshTopology topology_;
   std::vector<Facet> facets_;

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "harness/base/error.h"
+#include "harness/base/huge_pages.h"
 #include "harness/base/in_parallel.h"
 
 namespace touchstone {
@@ -154,6 +155,7 @@ TriangleTree::TriangleTree(const TriangleMesh& mesh) : embree_(std::make_unique<
     throw Error(ExitStatus::bad_data, fmt::format("{}: Embree cannot build its hierarchy over {} triangles (error {})",
                                                   mesh.source, mesh.triangles.size(), static_cast<int>(error)));
   };
+  reserve_in_huge_pages(self.balls, mesh.triangles.size());
   self.balls.resize(mesh.triangles.size());
   in_parallel(self.balls.size(), [&](std::size_t t) { self.balls[t] = self.ball_around(t); });
   self.device = shared_device(mesh.source);
