@@ -25,6 +25,27 @@ struct Trace {
   std::vector<StepResult> steps;
 };
 
+// What a contact depends on in a model; the rest of the instrument acts on its force afterwards.
+struct ContactKey {
+  std::string renderer;
+  const RendererEntry* provided = nullptr;
+  std::map<std::string, double> parameters;
+  std::vector<NamedParameters> entries;
+
+  [[nodiscard]] bool operator==(const ContactKey& other) const {
+    const auto same = [](const NamedParameters& a, const NamedParameters& b) {
+      return a.name == b.name && a.parameters == b.parameters;
+    };
+    return renderer == other.renderer && provided == other.provided && parameters == other.parameters &&
+           std::equal(entries.begin(), entries.end(), other.entries.begin(), other.entries.end(), same);
+  }
+};
+
+struct Contact {
+  ContactKey key;
+  Prediction prediction;  // before the instrument
+};
+
 // Plays a trace back as a renderer, forces scaled to another stiffness.
 class TracePlayer final : public Renderer {
  public:
@@ -68,6 +89,31 @@ class ModelPredictor final : public Predictor {
 
   Prediction predict(const Model& model) override {
     const Instrument instrument = make_instrument(model);
+    Prediction prediction = contact_of(model, instrument);
+    const MotionView view{motion_.t_s, motion_.p_W_m, motion_.q_WS};
+    for (const auto& [stage, effect] : instrument.effects) effect->apply(view, prediction.f_W_N);
+    return prediction;
+  }
+
+ private:
+  // A fit varies one parameter after the other, and half of them are the sensor's, which leave the contact as it is.
+  const Prediction& contact_of(const Model& model, const Instrument& instrument) {
+    ContactKey key{model.renderer, model.provided.get(), model.parameters, model.effects};
+    for (const NamedParameters& entry : model.instrument) {
+      const InstrumentStage stage = find_instrument_effect(entry.name)->stage;
+      if (stage == InstrumentStage::pose || stage == InstrumentStage::geometry) key.entries.push_back(entry);
+    }
+    const auto kept = std::find_if(contacts_.begin(), contacts_.end(), [&](const Contact& c) { return c.key == key; });
+    if (kept != contacts_.end()) {
+      contacts_.splice(contacts_.begin(), contacts_, kept);
+    } else {
+      contacts_.push_front({std::move(key), run_contact(model, instrument)});
+      if (contacts_.size() > kept_contacts) contacts_.pop_back();
+    }
+    return contacts_.front().prediction;
+  }
+
+  Prediction run_contact(const Model& model, const Instrument& instrument) {
     auto effects = make_effects(model);
     for (const auto& [stage, effect] : instrument.effects) {
       if (auto inside = effect->contact_effect()) effects.push_back({std::move(inside), EffectPhase::depth, true});
@@ -87,16 +133,15 @@ class ModelPredictor final : public Predictor {
     if (!effects.empty()) {
       renderer = std::make_unique<EffectStack>(std::move(renderer), std::move(effects), surface_, offset, stiffness);
     }
-    return collect(*renderer, *trace, instrument);
+    return collect(*renderer, *trace);
   }
 
- private:
   static double value_or(const Parameters& parameters, std::string_view name) {
     const auto found = parameters.values().find(name);
     return found == parameters.values().end() ? 0.0 : found->second;
   }
 
-  Prediction collect(Renderer& renderer, const Trace& trace, const Instrument& instrument) const {
+  Prediction collect(Renderer& renderer, const Trace& trace) const {
     Prediction prediction;
     const std::size_t n = motion_.size();
     prediction.f_W_N.resize(n);
@@ -112,8 +157,6 @@ class ModelPredictor final : public Predictor {
       prediction.depth_m[i] = step.contact ? step.depth_m : 0.0;
       prediction.normal_N[i] = step.contact ? step.f_W_N.dot(step.n_W) : 0.0;
     }
-    const MotionView view{motion_.t_s, motion_.p_W_m, motion_.q_WS};
-    for (const auto& [stage, effect] : instrument.effects) effect->apply(view, prediction.f_W_N);
     return prediction;
   }
 
@@ -206,11 +249,13 @@ class ModelPredictor final : public Predictor {
   }
 
   static constexpr std::size_t kept_traces = 12;
+  static constexpr std::size_t kept_contacts = 3;
   static constexpr std::size_t tried_samples = 2000;
 
   std::shared_ptr<const Surface> surface_;
   MotionColumns motion_;
   std::list<std::shared_ptr<const Trace>> traces_;
+  std::list<Contact> contacts_;  // the last ones used first
   std::map<std::string, bool> scales_;
   // Alive, so that what renderers share of a surface (its examined mesh) is not made anew for every geometry.
   std::unique_ptr<Renderer> last_;

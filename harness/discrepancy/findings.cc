@@ -201,7 +201,7 @@ std::string findings_to_json(const Findings& findings, const std::string& trajec
   for (const SearchStep& step : findings.search.steps) {
     json trials = json::array();
     for (const Trial& trial : step.trials) {
-      trials.push_back({{"name", trial.name},
+      trials.push_back({{"name", trial.title()},
                         {"train_gain", number(trial.train_gain)},
                         {"holdout_gain", number(trial.holdout_gain)},
                         {"holdout_error", number(trial.holdout_error)},

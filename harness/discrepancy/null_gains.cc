@@ -2,11 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <optional>
 
 namespace touchstone {
 
-std::vector<double> null_gains(const NullCase& null, const CandidateOptions& options, std::size_t first,
-                               std::size_t last) {
+std::vector<double> null_gains(const NullCase& null, const RefitInWorld& refits, std::size_t first, std::size_t last) {
   const Prediction train_nominal = null.train->predictor->predict(*null.model);
   const Prediction holdout_nominal = null.holdout->predictor->predict(*null.model);
   std::vector<double> gains;
@@ -20,9 +21,14 @@ std::vector<double> null_gains(const NullCase& null, const CandidateOptions& opt
         block_means(holdout.blocks, null.holdout->noise->null_forces(*null.model, holdout_nominal, world));
     const JointFit base = fit_jointly(train, Model(*null.model), *null.parameters, null.iterations, false);
     if (!base.ok) continue;
-    const JointFit with =
-        best_fit(train, base.model, options(base.model, recording), *null.parameters, null.iterations);
-    if (with.ok) gains.push_back(chi_squared(holdout, base.model) - chi_squared(holdout, with.model));
+    const double before = chi_squared(holdout, base.model);
+    std::optional<double> most;
+    for (const JointFit& with : refits(train, recording, base.model)) {
+      if (with.ok)
+        most = std::max(most.value_or(-std::numeric_limits<double>::infinity()),
+                        before - chi_squared(holdout, with.model));
+    }
+    if (most) gains.push_back(*most);
   }
   return gains;
 }

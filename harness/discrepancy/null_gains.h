@@ -18,14 +18,14 @@ struct NullCase {
   int iterations = 12;
 };
 
-// How the candidate enters a fit of that model to that recording.
-using CandidateOptions = std::function<CandidateFit(const Model&, const Recording&)>;
+// Fits of a world's recording with what competes added to `base`, which was fitted to it.
+using RefitInWorld =
+    std::function<std::vector<JointFit>(const FitData& train, const Recording& recording, const Model& base)>;
 
-// The candidate's gains of held-out chi-squared in the worlds from `first` to before `last` where the case's model is
-// the truth, under the declared noise and error of the mesh alone (parametric bootstrap, Efron and Tibshirani 1993,
-// chapter 6.5).
-std::vector<double> null_gains(const NullCase& null, const CandidateOptions& options, std::size_t first,
-                               std::size_t last);
+// The most that any of the fits gains of held-out chi-squared in each world from `first` to before `last`, where the
+// case's model is the truth, under the declared noise and error of the mesh alone (parametric bootstrap, Efron and
+// Tibshirani 1993, chapter 6.5; of several that compete the maximum, Westfall and Young 1993).
+std::vector<double> null_gains(const NullCase& null, const RefitInWorld& refits, std::size_t first, std::size_t last);
 
 // Mean and so many standard deviations: worlds are too few for a far quantile. 0 for fewer than two.
 double bar_above(const std::vector<double>& gains, double deviations);

@@ -1,0 +1,119 @@
+#include "harness/discrepancy/pair_move.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <set>
+#include <utility>
+
+#include "harness/discrepancy/model_edit.h"
+#include "harness/discrepancy/trial_gates.h"
+
+namespace touchstone {
+namespace {
+
+constexpr std::size_t most_firsts = 4;
+constexpr std::size_t most_pairs = 6;  // that compete to the end
+
+// By training gain; of laws that contain each other the better alone.
+std::vector<Trial> best_by_training(std::vector<Trial> singles) {
+  std::sort(singles.begin(), singles.end(), [](const Trial& a, const Trial& b) { return a.train_gain > b.train_gain; });
+  std::vector<Trial> firsts;
+  for (const Trial& trial : singles) {
+    if (!(trial.train_gain > 0.0) || firsts.size() == most_firsts) break;
+    const bool related = std::any_of(firsts.begin(), firsts.end(), [&](const Trial& first) {
+      return contains(first.name, trial.name) || contains(trial.name, first.name);
+    });
+    if (!related) firsts.push_back(trial);
+  }
+  return firsts;
+}
+
+// The second's trial in the state where the first is known, as a pair seen from the state where neither is.
+Trial paired(const SearchState& state, const Standing& standing, const Trial& first, const Trial& second) {
+  Trial pair = second;
+  pair.name = first.name;
+  pair.partner = second.name;
+  pair.side = first.side;
+  pair.verdict.clear();
+  JointFit fit = fit_jointly(state.train, Model(second.fit.model), pair.parameters, state.settings->iterations, false);
+  if (fit.ok) pair.fit = std::move(fit);
+  pair.fit.chi_squared = chi_squared(state.train, pair.fit.model);
+  score(state, standing, pair);
+  return pair;
+}
+
+// Every pair whose second effect is more than noise on what the first leaves, the least deviance first.
+std::vector<Trial> competing_pairs(const SearchState& state, const Standing& standing,
+                                   const std::vector<Trial>& firsts) {
+  std::vector<Trial> pairs;
+  for (const Trial& first : firsts) {
+    const SearchState known = with_trial(state, first);
+    const Standing left = standing_of(known);
+    for (const Candidate& candidate : *state.candidates) {
+      if (contains(candidate.name, first.name)) continue;
+      const auto second = try_candidate(known, left, candidate);
+      if (!second || !weakness(known, left, *second).empty()) continue;
+      pairs.push_back(paired(state, standing, first, *second));
+    }
+  }
+  std::sort(pairs.begin(), pairs.end(), [](const Trial& a, const Trial& b) { return a.deviance < b.deviance; });
+  // The same two in either order: the better fit.
+  std::set<std::set<std::string>> seen;
+  std::erase_if(pairs, [&](const Trial& pair) { return !seen.insert({pair.name, pair.partner}).second; });
+  if (pairs.size() > most_pairs) pairs.resize(most_pairs);
+  return pairs;
+}
+
+// Whether `name` earns its place beside `other`, which is taken for known.
+std::string refusal_of_member(const SearchState& state, const Trial& other, const std::string& name) {
+  const SearchState known = with_trial(state, other);
+  const Standing left = standing_of(known);
+  auto trial = try_candidate(known, left, state.candidate(name));
+  return trial ? refusal(known, left, *trial) : "no fit of it beside the other is usable";
+}
+
+}  // namespace
+
+std::vector<Trial> try_pairs(const SearchState& state, const Standing& standing, const std::vector<Trial>& singles) {
+  std::vector<Trial> pairs = competing_pairs(state, standing, best_by_training(singles));
+  const auto alone = [&](const std::string& name) {
+    return std::find_if(singles.begin(), singles.end(), [&](const Trial& t) { return t.name == name; });
+  };
+  // The maximum over all that compete, in worlds where neither effect is.
+  const auto refits = [&](const FitData& train, const Recording& recording, const Model& base) {
+    std::vector<JointFit> fits;
+    for (const Trial& pair : pairs) {
+      const int iterations = state.settings->iterations;
+      const CandidateFit first = state.options(state.candidate(pair.name), base, recording);
+      const JointFit one = best_fit(train, base, first, state.parameters, iterations);
+      if (!one.ok) continue;
+      const CandidateFit second = state.options(state.candidate(pair.partner), one.model, recording);
+      fits.push_back(best_fit(train, one.model, second, joined(state.parameters, first.parameters), iterations));
+    }
+    return fits;
+  };
+  bool passed = false;
+  for (Trial& pair : pairs) {
+    if (passed) {
+      pair.verdict = "not judged: a better pair passed";
+      continue;
+    }
+    pair.verdict = weakness(state, standing, pair);
+    if (pair.verdict.empty()) pair.verdict = objection(state, pair);
+    for (const auto& [name, other] : {std::pair(pair.name, pair.partner), std::pair(pair.partner, pair.name)}) {
+      if (!pair.verdict.empty()) break;
+      const auto known = alone(other);
+      const std::string reason =
+          known == singles.end() ? "it could not be fitted alone" : refusal_of_member(state, *known, name);
+      if (!reason.empty()) pair.verdict = fmt::format("{} beside {}: {}", name, other, reason);
+    }
+    if (!pair.verdict.empty()) continue;
+    pair.null_bar = null_bar(state, refits, pair.holdout_gain);
+    passed = pair.holdout_gain > pair.null_bar;
+    if (!passed) pair.verdict = within_null;
+  }
+  return pairs;
+}
+
+}  // namespace touchstone

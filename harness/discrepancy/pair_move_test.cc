@@ -1,0 +1,140 @@
+// Two effects of which neither helps alone: forces A and A + B/8 whose difference is what is missing. The first lacks
+// B, the second brings eight times as much that is not there.
+#include "harness/discrepancy/pair_move.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "harness/discrepancy/effect_search.h"
+#include "harness/discrepancy/plane_for_test.h"
+
+namespace touchstone {
+namespace {
+
+using testing::hand;
+
+double wave_a(double t_s) { return std::sin(5.0 * t_s); }
+double wave_b(double t_s) { return std::cos(3.1 * t_s); }
+constexpr double share_of_b = 0.125;
+
+// The plane of the other tests, and forces along y that are switched on by amplitude.
+class WavesPredictor final : public Predictor {
+ public:
+  explicit WavesPredictor(const MotionColumns& motion) : plane_(motion), t_s_(motion.t_s) {}
+  Prediction predict(const Model& model) override {
+    Prediction prediction = plane_.predict(model);
+    for (const NamedParameters& entry : model.instrument) {
+      const auto amplitude = entry.parameters.find("amplitude_N");
+      if (amplitude == entry.parameters.end()) continue;
+      for (std::size_t i = 0; i < t_s_.size(); ++i) {
+        const double t = t_s_[i];
+        const double wave = entry.name == "carrier"  ? wave_a(t)
+                            : entry.name == "marked" ? wave_a(t) + share_of_b * wave_b(t)
+                                                     : std::sin(11.0 * t);
+        prediction.f_W_N[i].y() += amplitude->second * wave;
+      }
+    }
+    return prediction;
+  }
+
+ private:
+  testing::PlanePredictor plane_;
+  std::vector<double> t_s_;
+};
+
+Candidate wave(const std::string& name) { return {name, Side::instrument, {{"amplitude_N", "N", -100, 100, 0.0, ""}}}; }
+
+struct TwoWaves {
+  InstrumentDescription instrument;
+  std::vector<Candidate> library{wave("idle"), wave("carrier"), wave("marked")};
+  Model start;
+  Recording train;
+  Recording holdout;
+  std::unique_ptr<Predictor> train_predictor;
+  std::unique_ptr<Predictor> holdout_predictor;
+  std::unique_ptr<NoiseModel> train_noise;
+  std::unique_ptr<NoiseModel> holdout_noise;
+  SearchData data;
+
+  // `size_N` of the force that is missing, `stray_N` of one that no candidate makes.
+  TwoWaves(double size_N, double stray_N) {
+    instrument.force_noise_N = 0.01;
+    instrument.force_noise_time_constant_s = 0.01;
+    instrument.position_noise_m = 5e-5;
+    start.renderer = "plane";
+    start.parameters["stiffness_N_per_m"] = 900.0;
+    train = measure(hand(0.0, 1.0), size_N, stray_N, 21);
+    holdout = measure(hand(1.1, 1.0), size_N, stray_N, 22);
+    const MakePredictor make = [](const MotionColumns& motion) { return std::make_unique<WavesPredictor>(motion); };
+    train_predictor = make(train.motion);
+    holdout_predictor = make(holdout.motion);
+    train_noise =
+        std::make_unique<NoiseModel>(train.motion, train_predictor->predict(start).n_W, instrument, make, 1, 3);
+    holdout_noise =
+        std::make_unique<NoiseModel>(holdout.motion, holdout_predictor->predict(start).n_W, instrument, make, 2, 3);
+    data = {{&train, train_predictor.get(), train_noise.get(), {}},
+            {&holdout, holdout_predictor.get(), holdout_noise.get(), {}},
+            block_window_s(60.0, train.motion),
+            0.06,
+            instrument.position_noise_m,
+            instrument.geometry_error_m};
+  }
+
+  Recording measure(const MotionColumns& path, double size_N, double stray_N, std::uint64_t seed) const {
+    Random random(seed);
+    Recording recording;
+    recording.f_W_N = WavesPredictor(path).predict(start).f_W_N;
+    recording.motion = with_position_noise(path, instrument, random);
+    const auto noise = force_noise(path, instrument, random);
+    for (std::size_t i = 0; i < noise.size(); ++i) {
+      recording.f_W_N[i] += noise[i];
+      recording.f_W_N[i].y() += size_N * wave_b(path.t_s[i]) + stray_N * std::sin(23.0 * path.t_s[i] + 1.0);
+    }
+    return recording;
+  }
+
+  [[nodiscard]] SearchResult search() const {
+    return search_effects(data, start, library, {}, [](const std::string&) {});
+  }
+};
+
+TEST(PairMove, FindsTwoEffectsOfWhichNeitherPassesAlone) {
+  const SearchResult result = TwoWaves(0.2, 0.0).search();
+  ASSERT_FALSE(result.steps.empty());
+  for (const Trial& trial : result.steps.front().trials) {
+    EXPECT_TRUE(!trial.partner.empty() || trial.verdict != "added") << trial.name << " alone was thought enough";
+  }
+  std::vector<std::string> names;
+  for (const FoundEffect& effect : result.found) names.push_back(effect.name);
+  EXPECT_THAT(names, ::testing::UnorderedElementsAre("carrier", "marked"));
+  const double marked = find_entry(result.model, "marked")->parameters.at("amplitude_N");
+  EXPECT_NEAR(marked, 0.2 / share_of_b, 0.1 * 0.2 / share_of_b);
+  EXPECT_NEAR(find_entry(result.model, "carrier")->parameters.at("amplitude_N"), -marked, 0.05 * marked);
+}
+
+TEST(PairMove, NamesNoPairWhereWhatIsMissingIsNoneOfTheirs) {
+  const SearchResult result = TwoWaves(0.0, 0.3).search();
+  EXPECT_TRUE(result.found.empty());
+  EXPECT_GT(result.goodness, 2.0);
+}
+
+TEST(PairMove, APairOfWhichOneIsIdleIsRefusedForThatOne) {
+  const TwoWaves world(0.2, 0.0);
+  SearchState state(world.data, world.library, SearchSettings{}, world.start);
+  state.refit();
+  const Standing standing = standing_of(state);
+  std::vector<Trial> singles;
+  for (const Candidate& candidate : world.library) {
+    if (auto trial = try_candidate(state, standing, candidate)) singles.push_back(*trial);
+  }
+  ASSERT_EQ(singles.size(), 3U);
+  for (const Trial& pair : try_pairs(state, standing, singles)) {
+    const bool idle = pair.name == "idle" || pair.partner == "idle";
+    EXPECT_EQ(pair.verdict.empty(), !idle) << pair.title() << ": " << pair.verdict;
+  }
+}
+
+}  // namespace
+}  // namespace touchstone

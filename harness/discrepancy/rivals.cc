@@ -1,0 +1,134 @@
+#include "harness/discrepancy/rivals.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <tuple>
+#include <utility>
+
+#include "harness/discrepancy/along_likely.h"
+#include "harness/discrepancy/model_edit.h"
+
+namespace touchstone {
+namespace {
+
+using Report = std::function<void(const std::string&)>;
+
+// Whether the rival does as well as the found model along the likely motion, each fitted to it; or, where that is
+// enough, differs there from it by less than an effect must be to be claimed.
+bool alike_without_noise(const SearchState& state, const Model& rival, const std::vector<FreeParameter>& kept,
+                         const Candidate& candidate, bool needs_close, const Report& report) {
+  const SearchData& data = *state.data;
+  const SearchSettings& settings = *state.settings;
+  FitData holdout = state.holdout;
+  const auto own = fit_data(data.holdout, rival, data.window_s).noise;
+  for (std::size_t b = 0; b < own.size(); ++b) {
+    holdout.noise[b].along_normal_N = std::max(holdout.noise[b].along_normal_N, own[b].along_normal_N);
+    holdout.noise[b].tangential_N = std::max(holdout.noise[b].tangential_N, own[b].tangential_N);
+  }
+  const auto parameters = joined(kept, state.options(candidate, state.current.model).parameters);
+  const auto loss = compare_along_likely(data, state.train, holdout, {&state.current.model, &state.parameters},
+                                         {&rival, &parameters}, settings.iterations);
+  if (!loss) return false;
+  const double floor_N = expected_noise_N(data.holdout, state.current.model);
+  report(fmt::format("    {} along the likely motion: loses {:.0f} +- {:.0f}, {:.4g} N apart, noise {:.4g} N",
+                     candidate.name, loss->lost, loss->error, loss->apart_N, floor_N));
+  const bool close = loss->lost < std::max(settings.alike_errors * loss->error, settings.minimum_gain / 3.0);
+  return loss->apart_N < (close ? 1.0 : needs_close ? 0.0 : settings.apart_share) * floor_N;
+}
+
+bool does_better_without_noise(const SearchState& state, const Rival& rival, const std::string& loser) {
+  const Model rest = without_entry(state.current.model, loser);
+  const auto parameters =
+      joined(without_owner(state.parameters, loser), state.options(state.candidate(rival.name), rest).parameters);
+  const auto loss =
+      compare_along_likely(*state.data, state.train, state.holdout, {&state.current.model, &state.parameters},
+                           {&rival.model, &parameters}, state.settings->iterations);
+  return !loss || loss->lost < 0.0;
+}
+
+// Whether the model without one of its effects has no place for the candidate: it is there, or what contains it is, or
+// what it contains.
+bool one_too_many(const SearchState& state, const Model& rest, const std::string& name) {
+  return find_entry(state.current.model, name) != nullptr || has_what_contains(rest, name) ||
+         without_special_cases(rest, name).effects.size() < rest.effects.size();
+}
+
+FoundEffect with_rivals(const SearchState& state, FoundEffect found, const JointFit& bare,
+                        const std::vector<FreeParameter>& kept, const CameTo& came_to, const Report& report) {
+  const SearchSettings& settings = *state.settings;
+  const auto here = block_chi_squared(state.holdout, state.current.model);
+  const double here_N = state.holdout_rms_N(state.current.model);
+  const double floor_N = expected_noise_N(state.data->holdout, state.current.model);
+  const Model rest = without_entry(state.current.model, found.name);
+  for (const Candidate& other : *state.candidates) {
+    if (one_too_many(state, rest, other.name)) continue;
+    // From what is known of the rest, which `bare` had to bend to make up for what it lacks.
+    CandidateFit starting = state.options(other, bare.model);
+    if (const NamedParameters* const tried = came_to(other.name, found.name)) starting.starts.push_back(*tried);
+    // To the end: a rival must lose by its evidence, not by a fit that was broken off.
+    const JointFit fit = best_fit(state.train, rest, starting, kept, 3 * settings.iterations);
+    if (!fit.ok) continue;
+    Rival rival;
+    rival.name = other.name;
+    rival.side = other.side;
+    rival.model = fit.model;
+    std::tie(rival.holdout_gain_lost, rival.error) =
+        paired_difference(block_chi_squared(state.holdout, fit.model), here);
+    const double lost = rival.holdout_gain_lost;
+    rival.holdout_rms_N = state.holdout_rms_N(fit.model);
+    const bool close = lost < settings.alike_errors * rival.error || lost < settings.minimum_gain / 3.0;
+    const bool related = contains(other.name, found.name) || contains(found.name, other.name);
+    if (lost < settings.rival_gain * found.holdout_gain && !related) {
+      // Many units of chi-squared from a few runs have a large error and tell all the same.
+      const double more_N = std::sqrt(std::max(0.0, rival.holdout_rms_N * rival.holdout_rms_N - here_N * here_N));
+      const bool near = lost < settings.alike_gain * found.holdout_gain;
+      rival.alike =
+          (near && close && more_N < floor_N) || alike_without_noise(state, rival.model, kept, other, !near, report);
+    }
+    found.rivals.push_back(std::move(rival));
+  }
+  std::sort(found.rivals.begin(), found.rivals.end(),
+            [](const Rival& a, const Rival& b) { return a.holdout_gain_lost < b.holdout_gain_lost; });
+  return found;
+}
+
+}  // namespace
+
+std::vector<FoundEffect> weigh_rivals(const SearchState& state, const CameTo& came_to, const Report& report) {
+  std::vector<FoundEffect> all;
+  std::vector<std::pair<std::string, Side>> names;
+  for (const NamedParameters& entry : state.current.model.effects) names.emplace_back(entry.name, Side::contact);
+  for (const NamedParameters& entry : state.current.model.instrument) names.emplace_back(entry.name, Side::instrument);
+  for (const auto& [name, side] : names) {
+    report(fmt::format("  rivals of {}", name));
+    FoundEffect found;
+    found.name = name;
+    found.side = side;
+    const auto kept = without_owner(state.parameters, name);
+    const JointFit bare =
+        fit_jointly(state.train, without_entry(state.current.model, name), kept, state.settings->iterations, false);
+    if (!bare.ok) continue;
+    found.holdout_gain = chi_squared(state.holdout, bare.model) - chi_squared(state.holdout, state.current.model);
+    all.push_back(with_rivals(state, std::move(found), bare, kept, came_to, report));
+  }
+  return all;
+}
+
+Swap best_swap(const SearchState& state, const std::vector<FoundEffect>& found, const std::set<std::string>& put_away) {
+  Swap best;
+  for (const FoundEffect& effect : found) {
+    for (const Rival& rival : effect.rivals) {
+      const double clear = std::max(state.settings->minimum_gain, state.settings->alike_errors * rival.error);
+      if (rival.holdout_gain_lost > -clear || put_away.contains(rival.name)) continue;
+      if (!does_better_without_noise(state, rival, effect.name)) continue;
+      if (best.winner == nullptr || rival.holdout_gain_lost < best.winner->holdout_gain_lost) {
+        best = {&effect, &rival};
+      }
+    }
+  }
+  return best;
+}
+
+}  // namespace touchstone

@@ -1,0 +1,48 @@
+// What could stand in the place of an effect that was found: every other candidate is fitted there, to the end, and
+// compared with it on the held-out blocks, at the recorded positions and along the likely motion.
+#pragma once
+
+#include <functional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "harness/discrepancy/trial.h"
+
+namespace touchstone {
+
+// What stands in place of an effect that was found.
+struct Rival {
+  std::string name;
+  Side side = Side::contact;
+  Model model;
+  double holdout_gain_lost = 0.0;  // of chi-squared, against the found one
+  double error = 0.0;              // its standard error by blocks
+  double holdout_rms_N = 0.0;
+  bool alike = false;
+};
+
+struct FoundEffect {
+  std::string name;
+  Side side = Side::contact;
+  double holdout_gain = 0.0;  // of chi-squared: what leaving it out costs
+  std::vector<Rival> rivals;  // nearest first
+};
+
+// Entries that rivals had in earlier trials, where a fit starts near its end: by the name that was added and the
+// rival's.
+using CameTo = std::function<const NamedParameters*(const std::string& rival, const std::string& added)>;
+
+// Of every effect of the state's model, each with its rivals.
+std::vector<FoundEffect> weigh_rivals(const SearchState& state, const CameTo& came_to,
+                                      const std::function<void(const std::string&)>& report);
+
+// The rival that does best of those that clearly do better in the place of a found effect, also along the likely
+// motion, and the effect that it beats; nullptr: none. `put_away`: those that do not come back.
+struct Swap {
+  const FoundEffect* loser = nullptr;
+  const Rival* winner = nullptr;
+};
+Swap best_swap(const SearchState& state, const std::vector<FoundEffect>& found, const std::set<std::string>& put_away);
+
+}  // namespace touchstone

@@ -1,0 +1,27 @@
+// What a search for missing effects asks of an effect before it is named.
+#pragma once
+
+#include <cstddef>
+
+namespace touchstone {
+
+struct SearchSettings {
+  double minimum_gain =
+      60.0;  // of chi-squared, held-out and training: far beyond what noise gives a handful of parameters
+  double minimum_share = 0.08;  // of the held-out chi-squared and of the held-out mean-square error that must go
+  double gain_errors = 1.64;    // the held-out gain exceeds so many of its standard errors by runs of blocks
+  double just_noticeable_share = 0.07;  // of the force: what removes more error than a hand can notice matters always
+                                        // (Weber fraction of force, Jones 1989)
+  double mesh_margin = 1.25;            // a displaced surface must exceed the mesh's declared error by so much
+  double null_deviations = 5.0;         // above what the case's own nulls gain, in their standard deviations
+  double worsening = 0.15;              // of the squared error that goes, no regime's may grow by more than this share
+  double alike_gain = 0.1;    // two explanations whose held-out gains differ by less than this share of the gain, or
+  double rival_gain = 0.5;    // what makes up for half of the gain may be alike once noise is out of the motion
+  double alike_errors = 2.5;  // by less than so many standard errors, are alike
+  double apart_share = 0.5;   // and so are two whose forces differ by less than this share of what noise leaves
+  double likely_share = 0.5;  // of its gain that an effect must have along the likely motion too
+  std::size_t most_effects = 4;
+  int iterations = 12;
+};
+
+}  // namespace touchstone

@@ -1,0 +1,75 @@
+#include "harness/discrepancy/search_state.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "harness/discrepancy/misfit.h"
+#include "harness/discrepancy/model_edit.h"
+
+namespace touchstone {
+
+SearchState::SearchState(const SearchData& evidence, const std::vector<Candidate>& library,
+                         const SearchSettings& limits, const Model& first)
+    : data(&evidence), candidates(&library), settings(&limits), start(first), parameters{base_stiffness(first)} {
+  current.model = start;
+  Prediction nothing;
+  nothing.f_W_N.assign(data->holdout.recording->size(), Vec3::Zero());
+  holdout_force_N = rms_force_error_N(data->holdout, nothing);
+  renew_noise(start);
+}
+
+void SearchState::renew_noise(const Model& model) {
+  train = fit_data(data->train, model, data->window_s);
+  holdout = fit_data(data->holdout, model, data->window_s);
+  declared_train = train;
+  declared_holdout = holdout;
+  const Misfit misfit = estimate_misfit(train, model);
+  add_misfit(train, misfit);
+  add_misfit(holdout, misfit);
+}
+
+void SearchState::refit() {
+  JointFit fit = fit_jointly(train, Model(current.model), parameters, settings->iterations, false);
+  if (fit.ok) current = std::move(fit);
+}
+
+double SearchState::holdout_deviance(const Model& model) const {
+  FitData judged = declared_holdout;
+  add_misfit(judged, estimate_misfit(declared_train, model));
+  return deviance(judged, model);
+}
+
+double SearchState::holdout_rms_N(const Model& model) const {
+  return rms_force_error_N(data->holdout, data->holdout.predictor->predict(model));
+}
+
+const Candidate& SearchState::candidate(const std::string& name) const {
+  return *std::find_if(candidates->begin(), candidates->end(), [&](const Candidate& c) { return c.name == name; });
+}
+
+CandidateFit SearchState::options(const Candidate& candidate, const Model& model) const {
+  return options(candidate, model, *data->train.recording);
+}
+
+CandidateFit SearchState::options(const Candidate& candidate, const Model& model, const Recording& recording) const {
+  const Prediction now = data->train.predictor->predict(model);
+  // The start's stiffness: that of a model which hardly touches was fitted to nothing.
+  const RecordingScales scales = measure_scales(recording, now, data->force_floor_N,
+                                                start.parameters.at("stiffness_N_per_m"), data->position_noise_m);
+  return candidate_fit(candidate, scales, recording, now);
+}
+
+std::vector<FreeParameter> SearchState::free_in(const Model& model) const {
+  std::vector<FreeParameter> kept = parameters;
+  std::erase_if(kept, [&](const FreeParameter& parameter) {
+    return find_entry(current.model, parameter.owner) != nullptr && find_entry(model, parameter.owner) == nullptr;
+  });
+  return kept;
+}
+
+std::vector<FreeParameter> joined(std::vector<FreeParameter> parameters, const std::vector<FreeParameter>& more) {
+  parameters.insert(parameters.end(), more.begin(), more.end());
+  return parameters;
+}
+
+}  // namespace touchstone

@@ -1,0 +1,51 @@
+// What a search knows at one moment: the model found so far with what is free in it, and the blocks of both recordings
+// under the noise that goes with that model.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "harness/discrepancy/candidate_starts.h"
+#include "harness/discrepancy/evidence.h"
+#include "harness/discrepancy/search_settings.h"
+
+namespace touchstone {
+
+// What is pointed to must outlive it. A copy is a state of its own, but for the predictors, which are shared.
+struct SearchState {
+  // Not yet fitted: `current` is `start`. Throws BadData when the starting model cannot run or has no stiffness to fit.
+  SearchState(const SearchData& evidence, const std::vector<Candidate>& library, const SearchSettings& limits,
+              const Model& first);
+
+  const SearchData* data;
+  const std::vector<Candidate>* candidates;
+  const SearchSettings* settings;
+  Model start;
+  std::vector<FreeParameter> parameters;  // free in `current`
+  JointFit current;
+  FitData declared_train;  // under the declared noise alone
+  FitData declared_holdout;
+  FitData train;  // with the current model's misfit
+  FitData holdout;
+  double holdout_force_N = 0.0;  // RMS of the measured force, held out
+
+  // Noise follows the model: friction adds its own, damping too. What the model lacks counts as noise until it is
+  // found.
+  void renew_noise(const Model& model);
+  void refit();
+
+  // Under the noise of the current model and the misfit that the given one leaves on the training blocks.
+  [[nodiscard]] double holdout_deviance(const Model& model) const;
+  [[nodiscard]] double holdout_rms_N(const Model& model) const;
+
+  [[nodiscard]] const Candidate& candidate(const std::string& name) const;
+  // How the candidate enters a fit of that model, to the training recording or to another of its motion.
+  [[nodiscard]] CandidateFit options(const Candidate& candidate, const Model& model) const;
+  [[nodiscard]] CandidateFit options(const Candidate& candidate, const Model& model, const Recording& recording) const;
+  // What is free now without that of entries which `model` has no more.
+  [[nodiscard]] std::vector<FreeParameter> free_in(const Model& model) const;
+};
+
+std::vector<FreeParameter> joined(std::vector<FreeParameter> parameters, const std::vector<FreeParameter>& more);
+
+}  // namespace touchstone

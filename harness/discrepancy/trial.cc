@@ -1,0 +1,60 @@
+#include "harness/discrepancy/trial.h"
+
+#include <numeric>
+#include <tuple>
+#include <utility>
+
+#include "harness/discrepancy/model_edit.h"
+
+namespace touchstone {
+
+std::vector<std::string> Trial::effects() const {
+  return partner.empty() ? std::vector<std::string>{name} : std::vector<std::string>{name, partner};
+}
+
+std::string Trial::title() const { return partner.empty() ? name : name + " and " + partner; }
+
+Standing standing_of(const SearchState& state) {
+  Standing standing;
+  standing.train_chi_squared = chi_squared(state.train, state.current.model);
+  standing.holdout_blocks = block_chi_squared(state.holdout, state.current.model);
+  standing.holdout_chi_squared = std::accumulate(standing.holdout_blocks.begin(), standing.holdout_blocks.end(), 0.0);
+  standing.holdout_rms_N = state.holdout_rms_N(state.current.model);
+  return standing;
+}
+
+void score(const SearchState& state, const Standing& standing, Trial& trial) {
+  const Model& model = trial.fit.model;
+  trial.train_gain = standing.train_chi_squared - trial.fit.chi_squared;
+  std::tie(trial.holdout_gain, trial.holdout_error) =
+      paired_difference(standing.holdout_blocks, block_chi_squared(state.holdout, model));
+  trial.holdout_rms_N = state.holdout_rms_N(model);
+  trial.deviance = state.holdout_deviance(model);
+}
+
+std::optional<Trial> try_candidate(const SearchState& state, const Standing& standing, const Candidate& candidate) {
+  const Model& model = state.current.model;
+  if (find_entry(model, candidate.name) != nullptr || has_what_contains(model, candidate.name)) return std::nullopt;
+  const Model rest = without_special_cases(model, candidate.name);
+  const CandidateFit options = state.options(candidate, rest);
+  Trial trial;
+  trial.name = candidate.name;
+  trial.side = candidate.side;
+  trial.parameters = state.free_in(rest);
+  trial.fit = best_fit(state.train, rest, options, trial.parameters, state.settings->iterations);
+  if (!trial.fit.ok) return std::nullopt;
+  trial.parameters = joined(std::move(trial.parameters), options.parameters);
+  score(state, standing, trial);
+  return trial;
+}
+
+SearchState with_trial(const SearchState& state, const Trial& trial) {
+  SearchState next = state;
+  next.parameters = trial.parameters;
+  next.current = trial.fit;
+  next.renew_noise(next.current.model);
+  next.refit();
+  return next;
+}
+
+}  // namespace touchstone

@@ -1,0 +1,101 @@
+#include "harness/discrepancy/trial_gates.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "harness/discrepancy/along_likely.h"
+#include "harness/discrepancy/parameter_intervals.h"
+#include "harness/discrepancy/regimes.h"
+
+namespace touchstone {
+namespace {
+
+// A bump or a texture of the mesh that is not there, by more than its makers declare.
+bool displaces_for_sure(const SearchState& state, const Trial& trial) {
+  const auto effects = trial.effects();
+  const auto moves = [&](const std::string& name) {
+    return find_entry(trial.fit.model, name)->parameters.contains("amplitude_m");
+  };
+  if (std::none_of(effects.begin(), effects.end(), moves)) return true;
+  const JointFit fit = fit_jointly(state.train, trial.fit.model, trial.parameters, state.settings->iterations, true);
+  return std::all_of(effects.begin(), effects.end(), [&](const std::string& name) {
+    return !moves(name) || least_size95(fit, trial.parameters, name, "amplitude_m") > state.data->geometry_error_m;
+  });
+}
+
+bool helps_without_noise(const SearchState& state, const Trial& trial) {
+  const auto loss = compare_along_likely(*state.data, state.train, state.holdout, {&trial.fit.model, &trial.parameters},
+                                         {&state.current.model, &state.parameters}, state.settings->iterations);
+  return !loss || loss->lost >= state.settings->likely_share * trial.holdout_gain;
+}
+
+}  // namespace
+
+std::string weakness(const SearchState& state, const Standing& standing, const Trial& trial) {
+  const SearchSettings& settings = *state.settings;
+  if (!(trial.train_gain >= settings.minimum_gain)) return "no more than noise on the training blocks";
+  if (!(trial.holdout_gain >= settings.minimum_gain)) return "no more than noise on the held-out blocks";
+  if (trial.holdout_gain < settings.gain_errors * trial.holdout_error) {
+    return "its gain comes from a few held-out blocks alone";
+  }
+  const double before = standing.holdout_rms_N * standing.holdout_rms_N;
+  const double removed = before - trial.holdout_rms_N * trial.holdout_rms_N;
+  const bool shares = trial.holdout_gain >= settings.minimum_share * standing.holdout_chi_squared &&
+                      removed >= settings.minimum_share * before;
+  const double noticed_N = settings.just_noticeable_share * state.holdout_force_N;
+  if (!shares && !(removed >= noticed_N * noticed_N)) return "too small to matter";
+  for (const std::string& name : trial.effects()) {
+    const NamedParameters& entry = *find_entry(trial.fit.model, name);
+    if (surface_displacement_m(entry, state.data->train.recording->motion) <=
+        settings.mesh_margin * state.data->geometry_error_m) {
+      return "within the mesh's declared error";
+    }
+  }
+  return "";
+}
+
+std::string objection(const SearchState& state, const Trial& trial) {
+  Predictor& predictor = *state.data->holdout.predictor;
+  const auto regimes = sort_by_regime(state.data->holdout, predictor.predict(state.current.model),
+                                      predictor.predict(trial.fit.model), state.data->force_floor_N);
+  const std::string worse = worsened_phase(regimes, state.settings->worsening);
+  if (!worse.empty()) return fmt::format("makes {} worse", worse);
+  if (!helps_without_noise(state, trial)) {
+    return "helps at the noisy positions alone: it passes less of their noise on";
+  }
+  if (!displaces_for_sure(state, trial)) return "may be within the mesh's declared error";
+  return "";
+}
+
+double null_bar(const SearchState& state, const RefitInWorld& refits, double gain) {
+  constexpr std::size_t few = 4;
+  constexpr double near = 3.0;
+  const SearchSettings& settings = *state.settings;
+  const NullCase null{&state.data->train,   &state.data->holdout, &state.train,       &state.holdout,
+                      &state.current.model, &state.parameters,    settings.iterations};
+  auto gains = null_gains(null, refits, 0, few);
+  const double bar = std::max(settings.minimum_gain, bar_above(gains, settings.null_deviations));
+  if (gain > near * bar || near * gain < bar) return bar;
+  const auto more = null_gains(null, refits, few, NoiseModel::null_worlds);
+  gains.insert(gains.end(), more.begin(), more.end());
+  return std::max(settings.minimum_gain, bar_above(gains, settings.null_deviations));
+}
+
+double null_bar(const SearchState& state, const Candidate& candidate, double gain) {
+  const auto refit = [&](const FitData& train, const Recording& recording, const Model& base) {
+    const CandidateFit options = state.options(candidate, base, recording);
+    return std::vector<JointFit>{best_fit(train, base, options, state.parameters, state.settings->iterations)};
+  };
+  return null_bar(state, refit, gain);
+}
+
+std::string refusal(const SearchState& state, const Standing& standing, Trial& trial) {
+  std::string reason = weakness(state, standing, trial);
+  if (reason.empty()) reason = objection(state, trial);
+  if (!reason.empty()) return reason;
+  trial.null_bar = null_bar(state, state.candidate(trial.name), trial.holdout_gain);
+  return trial.holdout_gain > trial.null_bar ? "" : within_null;
+}
+
+}  // namespace touchstone
