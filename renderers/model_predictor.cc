@@ -4,6 +4,10 @@
 
 #include <algorithm>
 #include <list>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <optional>
 #include <span>
 #include <string>
 
@@ -46,23 +50,32 @@ struct Contact {
   Prediction prediction;  // before the instrument
 };
 
-// Plays a trace back as a renderer, forces scaled to another stiffness.
-class TracePlayer final : public Renderer {
+// The last ones that were asked for; for many threads.
+template <class Item>
+class Kept {
  public:
-  TracePlayer(std::shared_ptr<const Trace> trace, double scale) : trace_(std::move(trace)), scale_(scale) {}
+  explicit Kept(std::size_t most) : most_(most) {}
 
- protected:
-  void do_reset() override { next_ = 0; }
-  StepResult do_step(const TipState&) noexcept override {
-    StepResult result = trace_->steps[next_++];
-    result.f_W_N *= scale_;
-    return result;
+  template <class Is>
+  std::shared_ptr<const Item> find(const Is& is) {
+    const std::lock_guard lock(mutex_);
+    const auto found = std::find_if(items_.begin(), items_.end(), [&](const auto& item) { return is(*item); });
+    if (found == items_.end()) return nullptr;
+    items_.splice(items_.begin(), items_, found);
+    return items_.front();
+  }
+
+  std::shared_ptr<const Item> keep(std::shared_ptr<const Item> item) {
+    const std::lock_guard lock(mutex_);
+    items_.push_front(item);
+    if (items_.size() > most_) items_.pop_back();
+    return item;
   }
 
  private:
-  std::shared_ptr<const Trace> trace_;
-  double scale_;
-  std::size_t next_ = 0;
+  std::size_t most_;
+  std::mutex mutex_;
+  std::list<std::shared_ptr<const Item>> items_;
 };
 
 struct Instrument {
@@ -89,7 +102,7 @@ class ModelPredictor final : public Predictor {
 
   Prediction predict(const Model& model) override {
     const Instrument instrument = make_instrument(model);
-    Prediction prediction = contact_of(model, instrument);
+    Prediction prediction = contact_of(model, instrument)->prediction;
     const MotionView view{motion_.t_s, motion_.p_W_m, motion_.q_WS};
     for (const auto& [stage, effect] : instrument.effects) effect->apply(view, prediction.f_W_N);
     return prediction;
@@ -97,20 +110,14 @@ class ModelPredictor final : public Predictor {
 
  private:
   // A fit varies one parameter after the other, and half of them are the sensor's, which leave the contact as it is.
-  const Prediction& contact_of(const Model& model, const Instrument& instrument) {
+  std::shared_ptr<const Contact> contact_of(const Model& model, const Instrument& instrument) {
     ContactKey key{model.renderer, model.provided.get(), model.parameters, model.effects};
     for (const NamedParameters& entry : model.instrument) {
       const InstrumentStage stage = find_instrument_effect(entry.name)->stage;
       if (stage == InstrumentStage::pose || stage == InstrumentStage::geometry) key.entries.push_back(entry);
     }
-    const auto kept = std::find_if(contacts_.begin(), contacts_.end(), [&](const Contact& c) { return c.key == key; });
-    if (kept != contacts_.end()) {
-      contacts_.splice(contacts_.begin(), contacts_, kept);
-    } else {
-      contacts_.push_front({std::move(key), run_contact(model, instrument)});
-      if (contacts_.size() > kept_contacts) contacts_.pop_back();
-    }
-    return contacts_.front().prediction;
+    if (auto known = contacts_.find([&](const Contact& contact) { return contact.key == key; })) return known;
+    return contacts_.keep(std::make_shared<Contact>(Contact{std::move(key), run_contact(model, instrument)}));
   }
 
   Prediction run_contact(const Model& model, const Instrument& instrument) {
@@ -126,14 +133,12 @@ class ModelPredictor final : public Predictor {
     const Parameters parameters(entry.parameters, base.parameters, "renderer " + entry.name, model.source, "");
     const double stiffness = value_or(parameters, "stiffness_N_per_m");
     const double offset = value_or(parameters, "tip_radius_m");
-    const auto trace = trace_of(base, parameters, stiffness, offset, instrument, model);
+    const auto trace = trace_of(base, parameters, offset, instrument, model);
     const double scale = trace->stiffness_N_per_m == stiffness ? 1.0 : stiffness / trace->stiffness_N_per_m;
 
-    std::unique_ptr<Renderer> renderer = std::make_unique<TracePlayer>(trace, scale);
-    if (!effects.empty()) {
-      renderer = std::make_unique<EffectStack>(std::move(renderer), std::move(effects), surface_, offset, stiffness);
-    }
-    return collect(*renderer, *trace);
+    std::optional<EffectChain> chain;
+    if (!effects.empty()) chain.emplace(std::move(effects), surface_, offset, stiffness);
+    return play(*trace, scale, chain);
   }
 
   static double value_or(const Parameters& parameters, std::string_view name) {
@@ -141,16 +146,19 @@ class ModelPredictor final : public Predictor {
     return found == parameters.values().end() ? 0.0 : found->second;
   }
 
-  Prediction collect(Renderer& renderer, const Trace& trace) const {
+  // The trace with its forces scaled to another stiffness, then the effects.
+  static Prediction play(const Trace& trace, double scale, std::optional<EffectChain>& effects) {
     Prediction prediction;
-    const std::size_t n = motion_.size();
+    const std::size_t n = trace.steps.size();
     prediction.f_W_N.resize(n);
     prediction.n_W.resize(n);
     prediction.depth_m.resize(n);
     prediction.normal_N.resize(n);
-    renderer.reset();
+    if (effects) effects->reset();
     for (std::size_t i = 0; i < n; ++i) {
-      const StepResult step = renderer.step(trace.tips[i]);
+      StepResult step = trace.steps[i];
+      step.f_W_N *= scale;
+      if (effects) step = effects->act(trace.tips[i], step);
       prediction.f_W_N[i] = step.f_W_N;
       // A free step of the trace may carry the normal of the nearest surface: only contact has one here.
       prediction.n_W[i] = step.contact ? step.n_W : Vec3(Vec3::Zero());
@@ -160,30 +168,26 @@ class ModelPredictor final : public Predictor {
     return prediction;
   }
 
-  std::shared_ptr<const Trace> trace_of(const Model& base, const Parameters& parameters, double stiffness,
-                                        double offset, const Instrument& instrument, const Model& model) {
+  std::shared_ptr<const Trace> trace_of(Model base, const Parameters& parameters, double offset,
+                                        const Instrument& instrument, const Model& model) {
+    const Scaling scaling = scaling_of(base);
     std::string key = base.renderer;
     for (const auto& [name, value] : parameters.values()) {
-      if (name != "stiffness_N_per_m" || !scales_with_stiffness(base)) key += fmt::format(" {}={}", name, value);
+      if (name != "stiffness_N_per_m" || !scaling.scales) key += fmt::format(" {}={}", name, value);
     }
     for (const NamedParameters& entry : model.instrument) {
       if (find_instrument_effect(entry.name)->stage != InstrumentStage::pose) continue;
       for (const auto& [name, value] : entry.parameters) key += fmt::format(" {}.{}={}", entry.name, name, value);
     }
-    for (auto kept = traces_.begin(); kept != traces_.end(); ++kept) {
-      if ((*kept)->key != key) continue;
-      traces_.splice(traces_.begin(), traces_, kept);
-      return traces_.front();
-    }
+    if (auto known = traces_.find([&](const Trace& trace) { return trace.key == key; })) return known;
+    if (scaling.scales) base.parameters["stiffness_N_per_m"] = scaling.stiffness_N_per_m;
     auto trace = std::make_shared<Trace>();
     trace->key = key;
-    trace->stiffness_N_per_m = stiffness;
+    trace->stiffness_N_per_m = scaling.scales ? scaling.stiffness_N_per_m : value_or(parameters, "stiffness_N_per_m");
     trace->tips = true_tips(instrument);
     trace->steps = run(base, trace->tips);
     add_gaps(*trace, offset);
-    traces_.push_front(trace);
-    if (traces_.size() > kept_traces) traces_.pop_back();
-    return trace;
+    return traces_.keep(std::move(trace));
   }
 
   [[nodiscard]] std::vector<TipState> true_tips(const Instrument& instrument) const {
@@ -210,6 +214,7 @@ class ModelPredictor final : public Predictor {
         throw BadData(fmt::format("the renderer {} refused the sample at t = {} s", base.renderer, tip.t_s));
       }
     }
+    const std::lock_guard lock(alive_mutex_);
     last_ = std::move(renderer);
     return steps;
   }
@@ -225,39 +230,48 @@ class ModelPredictor final : public Predictor {
     }
   }
 
-  // Whether doubling the stiffness doubles the force and leaves the proxy where it is, tried on a part of the motion.
-  bool scales_with_stiffness(const Model& base) {
-    const auto known = scales_.find(base.renderer);
-    if (known != scales_.end()) return known->second;
+  struct Scaling {
     bool scales = false;
+    double stiffness_N_per_m = 0.0;  // at which every trace is made, whichever model asks for it first
+  };
+
+  // Whether doubling the stiffness doubles the force and leaves the proxy where it is, tried on a part of the motion.
+  Scaling scaling_of(const Model& base) {
+    const std::lock_guard lock(scaling_mutex_);
+    const auto known = scaling_.find(base.renderer);
+    if (known != scaling_.end()) return known->second;
+    Scaling scaling;
     const auto given = base.parameters.find("stiffness_N_per_m");
     if (given != base.parameters.end()) {
+      scaling.stiffness_N_per_m = given->second;
       const std::vector<TipState> tips = true_tips({});
       const auto some = std::span(tips).first(std::min<std::size_t>(tips.size(), tried_samples));
       Model doubled = base;
       doubled.parameters["stiffness_N_per_m"] = 2.0 * given->second;
       const auto once = run(base, some);
       const auto twice = run(doubled, some);
-      scales = true;
+      scaling.scales = true;
       for (std::size_t i = 0; i < some.size(); ++i) {
         const double bound = 1e-12 * once[i].f_W_N.norm();
-        scales = scales && (twice[i].f_W_N - 2.0 * once[i].f_W_N).norm() <= bound;
+        scaling.scales = scaling.scales && (twice[i].f_W_N - 2.0 * once[i].f_W_N).norm() <= bound;
       }
     }
-    scales_[base.renderer] = scales;
-    return scales;
+    scaling_[base.renderer] = scaling;
+    return scaling;
   }
 
   static constexpr std::size_t kept_traces = 12;
-  static constexpr std::size_t kept_contacts = 3;
+  static constexpr std::size_t kept_contacts = 4;
   static constexpr std::size_t tried_samples = 2000;
 
   std::shared_ptr<const Surface> surface_;
   MotionColumns motion_;
-  std::list<std::shared_ptr<const Trace>> traces_;
-  std::list<Contact> contacts_;  // the last ones used first
-  std::map<std::string, bool> scales_;
+  Kept<Trace> traces_{kept_traces};
+  Kept<Contact> contacts_{kept_contacts};
+  std::mutex scaling_mutex_;
+  std::map<std::string, Scaling> scaling_;
   // Alive, so that what renderers share of a surface (its examined mesh) is not made anew for every geometry.
+  std::mutex alive_mutex_;
   std::unique_ptr<Renderer> last_;
 };
 

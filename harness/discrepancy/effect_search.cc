@@ -58,12 +58,8 @@ class Search {
     report_(fmt::format("step {}: held-out RMS {:.4g} N, chi-squared per degree of freedom {:.2f}", found + 1,
                         step.holdout_rms_N,
                         step.holdout_chi_squared / (3.0 * static_cast<double>(state_.holdout.blocks.size()))));
-    for (const Candidate& candidate : *state_.candidates) {
-      auto trial = try_candidate(state_, standing, candidate);
-      if (!trial) continue;
-      trial->verdict = weakness(state_, standing, *trial);
-      step.trials.push_back(std::move(*trial));
-    }
+    step.trials = try_candidates(state_, standing);
+    for (Trial& trial : step.trials) trial.verdict = weakness(state_, standing, trial);
     std::sort(step.trials.begin(), step.trials.end(),
               [](const Trial& a, const Trial& b) { return a.deviance < b.deviance; });
     bool more = false;

@@ -124,7 +124,11 @@ JointFit fit_jointly(const FitData& data, const Model& start, const std::vector<
   options.logging_type = ceres::SILENT;
   options.num_threads = 1;
   // A trial that the renderer refuses ends that trial; Ceres would also say so on stderr, to nobody's use.
-  FLAGS_minloglevel = google::GLOG_FATAL;
+  static const bool quiet = [] {
+    FLAGS_minloglevel = google::GLOG_FATAL;
+    return true;
+  }();
+  static_cast<void>(quiet);
   ceres::Solver::Summary summary;
   ceres::Solve(options, &problem, &summary);
 

@@ -2,35 +2,39 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <optional>
+
+#include "harness/base/in_parallel.h"
 
 namespace touchstone {
 
 std::vector<double> null_gains(const NullCase& null, const RefitInWorld& refits, std::size_t first, std::size_t last) {
   const Prediction train_nominal = null.train->predictor->predict(*null.model);
   const Prediction holdout_nominal = null.holdout->predictor->predict(*null.model);
-  std::vector<double> gains;
-  for (std::size_t world = first; world < last; ++world) {
+  std::vector<std::optional<double>> gains(last - first);
+  const auto in_world = [&](std::size_t i) {
     Recording recording = *null.train->recording;
-    recording.f_W_N = null.train->noise->null_forces(*null.model, train_nominal, world);
+    recording.f_W_N = null.train->noise->null_forces(*null.model, train_nominal, first + i);
     FitData train = *null.train_blocks;
     train.measured_N = block_means(train.blocks, recording.f_W_N);
     FitData holdout = *null.holdout_blocks;
     holdout.measured_N =
-        block_means(holdout.blocks, null.holdout->noise->null_forces(*null.model, holdout_nominal, world));
+        block_means(holdout.blocks, null.holdout->noise->null_forces(*null.model, holdout_nominal, first + i));
     const JointFit base = fit_jointly(train, Model(*null.model), *null.parameters, null.iterations, false);
-    if (!base.ok) continue;
+    if (!base.ok) return;
     const double before = chi_squared(holdout, base.model);
-    std::optional<double> most;
     for (const JointFit& with : refits(train, recording, base.model)) {
-      if (with.ok)
-        most = std::max(most.value_or(-std::numeric_limits<double>::infinity()),
-                        before - chi_squared(holdout, with.model));
+      if (!with.ok) continue;
+      const double gain = before - chi_squared(holdout, with.model);
+      gains[i] = std::max(gains[i].value_or(gain), gain);
     }
-    if (most) gains.push_back(*most);
+  };
+  in_parallel(gains.size(), in_world, 1);
+  std::vector<double> usable;
+  for (const auto& gain : gains) {
+    if (gain) usable.push_back(*gain);
   }
-  return gains;
+  return usable;
 }
 
 double bar_above(const std::vector<double>& gains, double deviations) {

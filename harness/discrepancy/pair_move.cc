@@ -3,7 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <map>
 #include <set>
+#include <string>
 #include <utility>
 
 #include "harness/discrepancy/model_edit.h"
@@ -13,7 +15,7 @@ namespace touchstone {
 namespace {
 
 constexpr std::size_t most_firsts = 4;
-constexpr std::size_t most_pairs = 6;  // that compete to the end
+constexpr std::size_t most_pairs = 4;  // that compete to the end
 
 // By training gain; of laws that contain each other the better alone.
 std::vector<Trial> best_by_training(std::vector<Trial> singles) {
@@ -50,11 +52,9 @@ std::vector<Trial> competing_pairs(const SearchState& state, const Standing& sta
   for (const Trial& first : firsts) {
     const SearchState known = with_trial(state, first);
     const Standing left = standing_of(known);
-    for (const Candidate& candidate : *state.candidates) {
-      if (contains(candidate.name, first.name)) continue;
-      const auto second = try_candidate(known, left, candidate);
-      if (!second || !weakness(known, left, *second).empty()) continue;
-      pairs.push_back(paired(state, standing, first, *second));
+    for (const Trial& second : try_candidates(known, left)) {
+      if (contains(second.name, first.name) || !weakness(known, left, second).empty()) continue;
+      pairs.push_back(paired(state, standing, first, second));
     }
   }
   std::sort(pairs.begin(), pairs.end(), [](const Trial& a, const Trial& b) { return a.deviance < b.deviance; });
@@ -83,13 +83,16 @@ std::vector<Trial> try_pairs(const SearchState& state, const Standing& standing,
   // The maximum over all that compete, in worlds where neither effect is.
   const auto refits = [&](const FitData& train, const Recording& recording, const Model& base) {
     std::vector<JointFit> fits;
+    std::map<std::string, JointFit> alone_here;
     for (const Trial& pair : pairs) {
       const int iterations = state.settings->iterations;
       const CandidateFit first = state.options(state.candidate(pair.name), base, recording);
-      const JointFit one = best_fit(train, base, first, state.parameters, iterations);
-      if (!one.ok) continue;
-      const CandidateFit second = state.options(state.candidate(pair.partner), one.model, recording);
-      fits.push_back(best_fit(train, one.model, second, joined(state.parameters, first.parameters), iterations));
+      const auto [one, unknown] = alone_here.try_emplace(pair.name);
+      if (unknown) one->second = best_fit(train, base, first, state.parameters, iterations);
+      if (!one->second.ok) continue;
+      const Model& with_first = one->second.model;
+      const CandidateFit second = state.options(state.candidate(pair.partner), with_first, recording);
+      fits.push_back(best_fit(train, with_first, second, joined(state.parameters, first.parameters), iterations));
     }
     return fits;
   };

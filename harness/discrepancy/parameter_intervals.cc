@@ -3,6 +3,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
+#include <utility>
+
+#include "harness/base/in_parallel.h"
 
 namespace touchstone {
 namespace {
@@ -45,15 +49,20 @@ double fitted_variance(const JointFit& fit, const std::vector<FreeParameter>& pa
 
 std::vector<NullFit> bootstrap_fits(const Evidence& train, const FitData& data, const JointFit& fit,
                                     const std::vector<FreeParameter>& parameters, int iterations) {
-  std::vector<NullFit> fits;
   const Prediction nominal = train.predictor->predict(fit.model);
-  for (std::size_t world = 0; world < NoiseModel::null_worlds; ++world) {
+  std::vector<std::optional<NullFit>> fits(NoiseModel::null_worlds);
+  const auto in_world = [&](std::size_t world) {
     FitData again = data;
     again.measured_N = block_means(data.blocks, train.noise->null_forces(fit.model, nominal, world));
     JointFit refitted = fit_jointly(again, fit.model, parameters, iterations, false);
-    if (refitted.ok) fits.push_back({world, std::move(refitted.model)});
+    if (refitted.ok) fits[world] = NullFit{world, std::move(refitted.model)};
+  };
+  in_parallel(fits.size(), in_world, 1);
+  std::vector<NullFit> usable;
+  for (auto& one : fits) {
+    if (one) usable.push_back(std::move(*one));
   }
-  return fits;
+  return usable;
 }
 
 Interval interval95(const JointFit& fit, const std::vector<FreeParameter>& parameters,

@@ -4,9 +4,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <tuple>
 #include <utility>
 
+#include "harness/base/in_parallel.h"
 #include "harness/discrepancy/along_likely.h"
 #include "harness/discrepancy/model_edit.h"
 
@@ -55,49 +57,76 @@ bool one_too_many(const SearchState& state, const Model& rest, const std::string
          without_special_cases(rest, name).effects.size() < rest.effects.size();
 }
 
-FoundEffect with_rivals(const SearchState& state, FoundEffect found, const JointFit& bare,
-                        const std::vector<FreeParameter>& kept, const CameTo& came_to, const Report& report) {
+// What rivals of one effect are compared with.
+struct Incumbent {
+  const FoundEffect& found;
+  std::vector<FreeParameter> kept;  // without the effect's
+  JointFit bare;                    // the model without it
+  Model rest;                       // the same without a fit
+  std::vector<double> here;         // chi-squared of the held-out blocks
+  double here_N = 0.0;
+  double floor_N = 0.0;
+};
+
+std::optional<Rival> weigh(const SearchState& state, const Incumbent& incumbent, const Candidate& other,
+                           const CameTo& came_to, const Report& report) {
   const SearchSettings& settings = *state.settings;
-  const auto here = block_chi_squared(state.holdout, state.current.model);
-  const double here_N = state.holdout_rms_N(state.current.model);
-  const double floor_N = expected_noise_N(state.data->holdout, state.current.model);
-  const Model rest = without_entry(state.current.model, found.name);
-  for (const Candidate& other : *state.candidates) {
-    if (one_too_many(state, rest, other.name)) continue;
-    // From what is known of the rest, which `bare` had to bend to make up for what it lacks.
-    CandidateFit starting = state.options(other, bare.model);
-    if (const NamedParameters* const tried = came_to(other.name, found.name)) starting.starts.push_back(*tried);
-    // To the end: a rival must lose by its evidence, not by a fit that was broken off.
-    const JointFit fit = best_fit(state.train, rest, starting, kept, 3 * settings.iterations);
-    if (!fit.ok) continue;
-    Rival rival;
-    rival.name = other.name;
-    rival.side = other.side;
-    rival.model = fit.model;
-    std::tie(rival.holdout_gain_lost, rival.error) =
-        paired_difference(block_chi_squared(state.holdout, fit.model), here);
-    const double lost = rival.holdout_gain_lost;
-    rival.holdout_rms_N = state.holdout_rms_N(fit.model);
-    const bool close = lost < settings.alike_errors * rival.error || lost < settings.minimum_gain / 3.0;
-    const bool related = contains(other.name, found.name) || contains(found.name, other.name);
-    if (lost < settings.rival_gain * found.holdout_gain && !related) {
-      // Many units of chi-squared from a few runs have a large error and tell all the same.
-      const double more_N = std::sqrt(std::max(0.0, rival.holdout_rms_N * rival.holdout_rms_N - here_N * here_N));
-      const bool near = lost < settings.alike_gain * found.holdout_gain;
-      rival.alike =
-          (near && close && more_N < floor_N) || alike_without_noise(state, rival.model, kept, other, !near, report);
-    }
-    found.rivals.push_back(std::move(rival));
+  const FoundEffect& found = incumbent.found;
+  if (one_too_many(state, incumbent.rest, other.name)) return std::nullopt;
+  // From what is known of the rest, which `bare` had to bend to make up for what it lacks.
+  CandidateFit starting = state.options(other, incumbent.bare.model);
+  if (const NamedParameters* const tried = came_to(other.name, found.name)) starting.starts.push_back(*tried);
+  // To the end: a rival must lose by its evidence, not by a fit that was broken off.
+  const JointFit fit = best_fit(state.train, incumbent.rest, starting, incumbent.kept, 3 * settings.iterations);
+  if (!fit.ok) return std::nullopt;
+  Rival rival;
+  rival.name = other.name;
+  rival.side = other.side;
+  rival.model = fit.model;
+  std::tie(rival.holdout_gain_lost, rival.error) =
+      paired_difference(block_chi_squared(state.holdout, fit.model), incumbent.here);
+  const double lost = rival.holdout_gain_lost;
+  rival.holdout_rms_N = state.holdout_rms_N(fit.model);
+  const bool close = lost < settings.alike_errors * rival.error || lost < settings.minimum_gain / 3.0;
+  const bool related = contains(other.name, found.name) || contains(found.name, other.name);
+  if (lost < settings.rival_gain * found.holdout_gain && !related) {
+    // Many units of chi-squared from a few runs have a large error and tell all the same.
+    const double more_N =
+        std::sqrt(std::max(0.0, rival.holdout_rms_N * rival.holdout_rms_N - incumbent.here_N * incumbent.here_N));
+    const bool near = lost < settings.alike_gain * found.holdout_gain;
+    rival.alike = (near && close && more_N < incumbent.floor_N) ||
+                  alike_without_noise(state, rival.model, incumbent.kept, other, !near, report);
   }
-  std::sort(found.rivals.begin(), found.rivals.end(),
+  return rival;
+}
+
+std::vector<Rival> weigh_all(const SearchState& state, const Incumbent& incumbent, const CameTo& came_to,
+                             const Report& report) {
+  const std::size_t count = state.candidates->size();
+  std::vector<std::optional<Rival>> weighed(count);
+  std::vector<std::string> said(count);
+  const auto one = [&](std::size_t i) {
+    weighed[i] =
+        weigh(state, incumbent, (*state.candidates)[i], came_to, [&](const std::string& text) { said[i] = text; });
+  };
+  in_parallel(count, one, 1);
+  std::vector<Rival> rivals;
+  for (std::size_t i = 0; i < count; ++i) {
+    if (!said[i].empty()) report(said[i]);
+    if (weighed[i]) rivals.push_back(std::move(*weighed[i]));
+  }
+  std::sort(rivals.begin(), rivals.end(),
             [](const Rival& a, const Rival& b) { return a.holdout_gain_lost < b.holdout_gain_lost; });
-  return found;
+  return rivals;
 }
 
 }  // namespace
 
 std::vector<FoundEffect> weigh_rivals(const SearchState& state, const CameTo& came_to, const Report& report) {
   std::vector<FoundEffect> all;
+  const auto here = block_chi_squared(state.holdout, state.current.model);
+  const double here_N = state.holdout_rms_N(state.current.model);
+  const double floor_N = expected_noise_N(state.data->holdout, state.current.model);
   std::vector<std::pair<std::string, Side>> names;
   for (const NamedParameters& entry : state.current.model.effects) names.emplace_back(entry.name, Side::contact);
   for (const NamedParameters& entry : state.current.model.instrument) names.emplace_back(entry.name, Side::instrument);
@@ -111,7 +140,9 @@ std::vector<FoundEffect> weigh_rivals(const SearchState& state, const CameTo& ca
         fit_jointly(state.train, without_entry(state.current.model, name), kept, state.settings->iterations, false);
     if (!bare.ok) continue;
     found.holdout_gain = chi_squared(state.holdout, bare.model) - chi_squared(state.holdout, state.current.model);
-    all.push_back(with_rivals(state, std::move(found), bare, kept, came_to, report));
+    found.rivals = weigh_all(
+        state, {found, kept, bare, without_entry(state.current.model, name), here, here_N, floor_N}, came_to, report);
+    all.push_back(std::move(found));
   }
   return all;
 }

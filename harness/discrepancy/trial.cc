@@ -4,6 +4,7 @@
 #include <tuple>
 #include <utility>
 
+#include "harness/base/in_parallel.h"
 #include "harness/discrepancy/model_edit.h"
 
 namespace touchstone {
@@ -46,6 +47,17 @@ std::optional<Trial> try_candidate(const SearchState& state, const Standing& sta
   trial.parameters = joined(std::move(trial.parameters), options.parameters);
   score(state, standing, trial);
   return trial;
+}
+
+std::vector<Trial> try_candidates(const SearchState& state, const Standing& standing) {
+  std::vector<std::optional<Trial>> tried(state.candidates->size());
+  const auto one = [&](std::size_t i) { tried[i] = try_candidate(state, standing, (*state.candidates)[i]); };
+  in_parallel(tried.size(), one, 1);
+  std::vector<Trial> trials;
+  for (auto& trial : tried) {
+    if (trial) trials.push_back(std::move(*trial));
+  }
+  return trials;
 }
 
 SearchState with_trial(const SearchState& state, const Trial& trial) {

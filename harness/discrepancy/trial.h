@@ -42,6 +42,9 @@ Standing standing_of(const SearchState& state);
 // has the candidate already.
 std::optional<Trial> try_candidate(const SearchState& state, const Standing& standing, const Candidate& candidate);
 
+// Of every candidate, in their order.
+std::vector<Trial> try_candidates(const SearchState& state, const Standing& standing);
+
 // Fills in what the trial's fit gains.
 void score(const SearchState& state, const Standing& standing, Trial& trial);
 

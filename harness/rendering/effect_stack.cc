@@ -4,10 +4,9 @@
 
 namespace touchstone {
 
-EffectStack::EffectStack(std::unique_ptr<Renderer> base, std::vector<StackedEffect> effects,
-                         std::shared_ptr<const Surface> surface, double offset_m, double nominal_stiffness_N_per_m)
-    : base_(std::move(base)),
-      effects_(std::move(effects)),
+EffectChain::EffectChain(std::vector<StackedEffect> effects, std::shared_ptr<const Surface> surface, double offset_m,
+                         double nominal_stiffness_N_per_m)
+    : effects_(std::move(effects)),
       surface_(std::move(surface)),
       offset_m_(offset_m),
       nominal_stiffness_N_per_m_(nominal_stiffness_N_per_m) {
@@ -17,8 +16,7 @@ EffectStack::EffectStack(std::unique_ptr<Renderer> base, std::vector<StackedEffe
   needs_gap_ = std::any_of(effects_.begin(), effects_.end(), [](const StackedEffect& e) { return e.needs_gap; });
 }
 
-void EffectStack::do_reset() {
-  base_->reset();
+void EffectChain::reset() {
   for (auto& stacked : effects_) stacked.effect->reset();
   state_ = ContactState{};
   first_ = true;
@@ -27,7 +25,7 @@ void EffectStack::do_reset() {
   state_.stiffness_N_per_m = nominal_stiffness_N_per_m_;
 }
 
-void EffectStack::fill_contact(const TipState& tip, const StepResult& base) noexcept {
+void EffectChain::fill_contact(const TipState& tip, const StepResult& base) noexcept {
   state_.dt_s = first_ ? 0.0 : tip.t_s - state_.t_s;
   state_.tip_step_W_m = first_ ? Vec3(Vec3::Zero()) : Vec3(tip.p_W_m - state_.tip_W_m);
   state_.t_s = tip.t_s;
@@ -59,9 +57,7 @@ void EffectStack::fill_contact(const TipState& tip, const StepResult& base) noex
   }
 }
 
-StepResult EffectStack::do_step(const TipState& tip) noexcept {
-  StepResult base = base_->step(tip);
-  if (base.status == StepStatus::failed) return base;
+StepResult EffectChain::act(const TipState& tip, const StepResult& base) noexcept {
   fill_contact(tip, base);
 
   auto next = effects_.begin();

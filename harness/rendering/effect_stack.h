@@ -4,6 +4,8 @@
 #pragma once
 
 #include <memory>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include "harness/rendering/effect.h"
@@ -18,23 +20,20 @@ struct StackedEffect {
   bool needs_gap;  // wants depth_m < 0 outside contact: the stack then asks the surface, which costs a query
 };
 
-class EffectStack final : public Renderer {
+// The effects alone, acting on what a base renderer has answered.
+class EffectChain {
  public:
   // `offset_m`: distance from the surface at which the base renderer's contact begins (its tip radius).
   // `nominal_stiffness_N_per_m`: the base's, for an effect that makes contact where the base has none yet.
-  EffectStack(std::unique_ptr<Renderer> base, std::vector<StackedEffect> effects,
-              std::shared_ptr<const Surface> surface, double offset_m, double nominal_stiffness_N_per_m);
-  [[nodiscard]] std::size_t memory_bytes() const noexcept override { return base_->memory_bytes(); }
-
- protected:
-  void do_reset() override;
-  StepResult do_step(const TipState& tip) noexcept override;
-  [[nodiscard]] std::string do_failure() const override { return base_->failure(); }
+  EffectChain(std::vector<StackedEffect> effects, std::shared_ptr<const Surface> surface, double offset_m,
+              double nominal_stiffness_N_per_m);
+  void reset();
+  // What the base answered at this tip, with the effects. Steps in their order.
+  StepResult act(const TipState& tip, const StepResult& base) noexcept;
 
  private:
   void fill_contact(const TipState& tip, const StepResult& base) noexcept;
 
-  std::unique_ptr<Renderer> base_;
   std::vector<StackedEffect> effects_;
   std::shared_ptr<const Surface> surface_;
   double offset_m_;
@@ -44,6 +43,32 @@ class EffectStack final : public Renderer {
   bool first_ = true;
   bool was_contact_ = false;
   double last_depth_m_ = 0.0;
+};
+
+class EffectStack final : public Renderer {
+ public:
+  EffectStack(std::unique_ptr<Renderer> base, EffectChain effects)
+      : base_(std::move(base)), effects_(std::move(effects)) {}
+  EffectStack(std::unique_ptr<Renderer> base, std::vector<StackedEffect> effects,
+              std::shared_ptr<const Surface> surface, double offset_m, double nominal_stiffness_N_per_m)
+      : EffectStack(std::move(base),
+                    EffectChain(std::move(effects), std::move(surface), offset_m, nominal_stiffness_N_per_m)) {}
+  [[nodiscard]] std::size_t memory_bytes() const noexcept override { return base_->memory_bytes(); }
+
+ protected:
+  void do_reset() override {
+    base_->reset();
+    effects_.reset();
+  }
+  StepResult do_step(const TipState& tip) noexcept override {
+    const StepResult base = base_->step(tip);
+    return base.status == StepStatus::failed ? base : effects_.act(tip, base);
+  }
+  [[nodiscard]] std::string do_failure() const override { return base_->failure(); }
+
+ private:
+  std::unique_ptr<Renderer> base_;
+  EffectChain effects_;
 };
 
 }  // namespace touchstone

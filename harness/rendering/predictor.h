@@ -24,8 +24,9 @@ struct Prediction {
 class Predictor {
  public:
   virtual ~Predictor() = default;
-  // Throws BadData for a model that cannot run. Calls with the same geometry (renderer, tip, registration) share the
-  // search for contact, so that fitting stiffness and effects costs microseconds a sample or less.
+  // Throws BadData for a model that cannot run. Many threads may call it at once. Calls with the same geometry
+  // (renderer, tip, registration) share the search for contact, so that fitting stiffness and effects costs
+  // microseconds a sample or less.
   virtual Prediction predict(const Model& model) = 0;
 };
 
