@@ -8,6 +8,7 @@
 #include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <set>
 
 #include "apps/cases/shard.h"
 #include "apps/commands.h"
@@ -18,6 +19,7 @@
 #include "harness/base/hash.h"
 #include "harness/base/json_reader.h"
 #include "harness/base/progress.h"
+#include "synthetic/blind/weaken.h"
 #include "synthetic/blind/write_case.h"
 
 namespace touchstone::apps {
@@ -26,6 +28,7 @@ namespace {
 struct Options {
   std::uint64_t seed = 1;
   double share = 1.0;
+  double strength = 1.0;
   std::vector<std::string> sets;
   std::size_t count = 0;
   std::size_t first = 0;
@@ -40,6 +43,12 @@ struct Options {
   std::filesystem::path again;
 };
 
+bool hides_effects_to_be_found(const std::vector<std::string>& names) {
+  const std::set<std::string> hiding{"one", "one-noisy", "two", "three", "unknown"};
+  return !names.empty() &&
+         std::all_of(names.begin(), names.end(), [&](const auto& name) { return hiding.contains(name); });
+}
+
 ExitStatus make(const Options& options) {
   if (options.share <= 0.0 || options.share > 1.0) throw UsageError("--share: above 0 and at most 1 was expected");
   for (const std::string& set : options.sets) {
@@ -50,6 +59,13 @@ ExitStatus make(const Options& options) {
                       set));
     }
   }
+  if (!(options.strength > 0.0) || options.strength > 1.0) {
+    throw UsageError("--strength: above 0 and at most 1 was expected");
+  }
+  if (options.strength < 1.0 && !hides_effects_to_be_found(options.sets)) {
+    throw UsageError(
+        "--strength: with --set one, one-noisy, two, three or unknown alone; the others hide no effect to be found");
+  }
   std::vector<synthetic::BlindCase> plans;
   for (const std::string& set : synthetic::blind_sets()) {
     if (!options.sets.empty() && std::find(options.sets.begin(), options.sets.end(), set) == options.sets.end())
@@ -57,7 +73,10 @@ ExitStatus make(const Options& options) {
     const auto shared =
         static_cast<std::size_t>(std::ceil(options.share * static_cast<double>(blind_full_count().at(set))));
     const std::size_t count = options.count > 0 ? options.count : shared;
-    for (std::size_t i = 0; i < count; ++i) plans.push_back(synthetic::plan_case(set, options.first + i, options.seed));
+    for (std::size_t i = 0; i < count; ++i) {
+      plans.push_back(synthetic::plan_case(set, options.first + i, options.seed));
+      if (options.strength < 1.0) synthetic::weaken(plans.back(), options.strength);
+    }
   }
   // In the order of their opaque names, so that the order tells nothing.
   std::sort(plans.begin(), plans.end(), [](const auto& a, const auto& b) { return a.id < b.id; });
@@ -163,6 +182,10 @@ void add_blind(CLI::App& program, Run& run) {
   maker->add_option("--set", options->sets,
                     "only these: one, one-noisy, two, three, none, unknown, cannot-tell, corrupted");
   maker->add_option("--count", options->count, "of each set, instead of the share");
+  maker
+      ->add_option("--strength", options->strength,
+                   "of the hidden effects, of what they are otherwise: how weak is still found?")
+      ->capture_default_str();
   maker->add_option("--first", options->first, "number of the first case in each set")->capture_default_str();
   maker->add_option("--out", options->out, "folder: cases/ and answers.json")->required();
   maker->callback([options, &run] { run = [options] { return make(*options); }; });
@@ -195,6 +218,7 @@ void add_blind(CLI::App& program, Run& run) {
   command->footer(
       "Examples:\n"
       "  touchstone blind make --seed 7 --share 0.05 --out blind\n"
+      "  touchstone blind make --seed 7 --set one --count 21 --strength 0.2 --out weak\n"
       "  touchstone blind run --cases blind/cases --out blind/found\n"
       "  touchstone blind run --cases blind/cases --out blind/found --shard 1/2   (and 2/2 beside it)\n"
       "  touchstone blind score --answers blind/answers.json --cases blind/cases --results blind/found\n"

@@ -14,7 +14,7 @@
 namespace touchstone {
 namespace {
 
-constexpr std::size_t most_firsts = 4;
+constexpr std::size_t most_firsts = 3;
 constexpr std::size_t most_pairs = 4;  // that compete to the end
 
 // By training gain; of laws that contain each other the better alone.
@@ -45,7 +45,16 @@ Trial paired(const SearchState& state, const Standing& standing, const Trial& fi
   return pair;
 }
 
-// Every pair whose second effect is more than noise on what the first leaves, the least deviance first.
+// Two that happen to bend the right way together always gain a little: a pair must be most of what is missing.
+bool is_most_of_what_is_missing(const SearchState& state, const Standing& standing, const Trial& pair) {
+  const double noise_N = expected_noise_N(state.data->holdout, pair.fit.model);
+  const double before = standing.holdout_rms_N * standing.holdout_rms_N;
+  const double after = pair.holdout_rms_N * pair.holdout_rms_N;
+  return before - after >= state.settings->pair_share * (before - noise_N * noise_N);
+}
+
+// Every pair whose second effect is more than noise on what the first leaves, and that is most of what is missing; the
+// least deviance first.
 std::vector<Trial> competing_pairs(const SearchState& state, const Standing& standing,
                                    const std::vector<Trial>& firsts) {
   std::vector<Trial> pairs;
@@ -54,7 +63,8 @@ std::vector<Trial> competing_pairs(const SearchState& state, const Standing& sta
     const Standing left = standing_of(known);
     for (const Trial& second : try_candidates(known, left)) {
       if (contains(second.name, first.name) || !weakness(known, left, second).empty()) continue;
-      pairs.push_back(paired(state, standing, first, second));
+      Trial pair = paired(state, standing, first, second);
+      if (is_most_of_what_is_missing(state, standing, pair)) pairs.push_back(std::move(pair));
     }
   }
   std::sort(pairs.begin(), pairs.end(), [](const Trial& a, const Trial& b) { return a.deviance < b.deviance; });

@@ -130,7 +130,9 @@ TEST(PairMove, APairOfWhichOneIsIdleIsRefusedForThatOne) {
     if (auto trial = try_candidate(state, standing, candidate)) singles.push_back(*trial);
   }
   ASSERT_EQ(singles.size(), 3U);
-  for (const Trial& pair : try_pairs(state, standing, singles)) {
+  const auto pairs = try_pairs(state, standing, singles);
+  EXPECT_FALSE(pairs.empty());
+  for (const Trial& pair : pairs) {
     const bool idle = pair.name == "idle" || pair.partner == "idle";
     EXPECT_EQ(pair.verdict.empty(), !idle) << pair.title() << ": " << pair.verdict;
   }

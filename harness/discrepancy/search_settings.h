@@ -20,6 +20,7 @@ struct SearchSettings {
   double alike_errors = 2.5;  // by less than so many standard errors, are alike
   double apart_share = 0.5;   // and so are two whose forces differ by less than this share of what noise leaves
   double likely_share = 0.5;  // of its gain that an effect must have along the likely motion too
+  double pair_share = 0.5;    // of the held-out squared error beyond noise that two effects tried at once must remove
   std::size_t most_effects = 4;
   int iterations = 12;
 };

@@ -12,6 +12,7 @@
 #include "harness/base/error.h"
 #include "harness/surface/mesh_topology.h"
 #include "harness/testing/steps.h"
+#include "synthetic/blind/weaken.h"
 #include "synthetic/blind/write_case.h"
 
 namespace touchstone::synthetic {
@@ -134,6 +135,39 @@ TEST(BlindCase, AnswersNameTheAlikePairAsAList) {
   const BlindCase plan = plan_case("cannot-tell", 0, 1);
   const auto answers = nlohmann::json::parse(answers_to_json({plan}, 1));
   EXPECT_EQ(answers["cases"][0]["ambiguous"], nlohmann::json::parse(R"([["tool-weight", "force-bias"]])"));
+}
+
+TEST(BlindCase, AWeakenedEffectIsSmallerInTheRecordingAndInTheAnswer) {
+  for (std::size_t index = 0; index < 21; ++index) {
+    const BlindCase whole = plan_case("one", index, 11);
+    BlindCase weak = whole;
+    weaken(weak, 1e-6);
+    BlindCase none = whole;
+    weaken(none, 0.0);
+    const Recording as_planned = record(whole, false);
+    const Recording weakened = record(weak, false);
+    const Recording without = record(none, false);
+    // A registration moves the positions, all others the forces.
+    const double stiffness = whole.physics.stiffness_N_per_m;
+    const auto apart = [&](const Recording& a) {
+      double sum = 0.0;
+      for (std::size_t i = 0; i < a.size(); ++i) {
+        sum += (a.f_W_N[i] - without.f_W_N[i]).squaredNorm() +
+               (stiffness * (a.motion.p_W_m[i] - without.motion.p_W_m[i])).squaredNorm();
+      }
+      return sum;
+    };
+    const double full = apart(as_planned);
+    const double left = apart(weakened);
+    EXPECT_GT(full, 0.0) << whole.effects[0].name;
+    // Rounding of the sensor's steps, where a reading lay on one.
+    EXPECT_LT(left, 1e-3 * full) << whole.effects[0].name;
+    std::size_t changed = 0;
+    for (const auto& [name, value] : whole.effects[0].parameters) {
+      if (weak.effects[0].parameters.at(name) != value) ++changed;
+    }
+    EXPECT_GT(changed, 0U) << whole.effects[0].name;
+  }
 }
 
 }  // namespace
