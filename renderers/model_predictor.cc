@@ -103,7 +103,7 @@ class ModelPredictor final : public Predictor {
   Prediction predict(const Model& model) override {
     const Instrument instrument = make_instrument(model);
     Prediction prediction = contact_of(model, instrument)->prediction;
-    const MotionView view{motion_.t_s, motion_.p_W_m, motion_.q_WS};
+    const MotionView view{motion_.t_s, motion_.p_W_m, motion_.q_WS, &accelerations_};
     for (const auto& [stage, effect] : instrument.effects) effect->apply(view, prediction.f_W_N);
     return prediction;
   }
@@ -266,6 +266,7 @@ class ModelPredictor final : public Predictor {
 
   std::shared_ptr<const Surface> surface_;
   MotionColumns motion_;
+  AccelerationMemo accelerations_;
   Kept<Trace> traces_{kept_traces};
   Kept<Contact> contacts_{kept_contacts};
   std::mutex scaling_mutex_;

@@ -3,7 +3,9 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <memory>
+#include <mutex>
 #include <span>
 #include <string_view>
 #include <vector>
@@ -25,11 +27,29 @@ enum class InstrumentStage : std::uint8_t {
   time,           // force later than position
 };
 
+// Accelerations of one motion that were worked out before, by the window of their fit: a fit of the mass that they act
+// on asks for them again and again. For many threads.
+class AccelerationMemo {
+ public:
+  template <class WorkOut>
+  std::shared_ptr<const std::vector<Vec3>> of(double window_s, const WorkOut& work_out) {
+    const std::lock_guard lock(mutex_);
+    auto& known = known_[window_s];
+    if (known == nullptr) known = std::make_shared<const std::vector<Vec3>>(work_out());
+    return known;
+  }
+
+ private:
+  std::mutex mutex_;
+  std::map<double, std::shared_ptr<const std::vector<Vec3>>> known_;
+};
+
 // Synchronous columns; q_WS may be empty: the sensor's frame is then the object's.
 struct MotionView {
   std::span<const double> t_s;
   std::span<const Vec3> p_W_m;
   std::span<const Quat> q_WS;
+  AccelerationMemo* accelerations = nullptr;  // of this motion, where somebody keeps one
 };
 
 class InstrumentEffect {

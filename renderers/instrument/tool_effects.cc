@@ -1,6 +1,8 @@
 #include "renderers/instrument/tool_effects.h"
 
 #include <algorithm>
+#include <memory>
+#include <vector>
 
 namespace touchstone {
 namespace {
@@ -23,7 +25,15 @@ class ToolInertia final : public InstrumentEffect {
   ToolInertia(double mass, double window) : mass_kg_(mass), window_s_(window) {}
   [[nodiscard]] double halo_s() const override { return window_s_; }
   void apply(const MotionView& motion, std::span<Vec3> f_W_N) const override {
-    const std::size_t n = f_W_N.size();
+    const auto work_out = [&] { return accelerations(motion, f_W_N.size()); };
+    const auto a_W = motion.accelerations != nullptr ? motion.accelerations->of(window_s_, work_out)
+                                                     : std::make_shared<const std::vector<Vec3>>(work_out());
+    for (std::size_t i = 0; i < f_W_N.size(); ++i) f_W_N[i] -= mass_kg_ * (*a_W)[i];
+  }
+
+ private:
+  [[nodiscard]] std::vector<Vec3> accelerations(const MotionView& motion, std::size_t n) const {
+    std::vector<Vec3> a_W(n);
     std::size_t first = 0;
     std::size_t last = 0;  // one past
     for (std::size_t i = 0; i < n; ++i) {
@@ -32,11 +42,11 @@ class ToolInertia final : public InstrumentEffect {
       // A quadratic needs three samples; at a slow clock the neighbours are used beyond the window.
       const std::size_t low = std::min(first, i > 0 ? i - 1 : i);
       const std::size_t high = std::max(last, std::min(i + 2, n));
-      f_W_N[i] -= mass_kg_ * acceleration(motion, low, high, motion.t_s[i]);
+      a_W[i] = acceleration(motion, low, high, motion.t_s[i]);
     }
+    return a_W;
   }
 
- private:
   static Vec3 acceleration(const MotionView& motion, std::size_t low, std::size_t high, double t_s) {
     if (high - low < 3) return Vec3::Zero();
     Mat3 normal = Mat3::Zero();
