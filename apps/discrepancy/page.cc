@@ -199,8 +199,8 @@ Section search_section(const Findings& findings) {
                 {},
                 ""};
     for (const Trial& trial : step.trials) {
-      table.rows.push_back({{text(trial.title()), number(trial.train_gain, "{:.0f}"), number(trial.holdout_gain, "{:.0f}"),
-                             number(trial.holdout_rms_N), text(trial.verdict)},
+      table.rows.push_back({{text(trial.title()), number(trial.train_gain, "{:.0f}"),
+                             number(trial.holdout_gain, "{:.0f}"), number(trial.holdout_rms_N), text(trial.verdict)},
                             "",
                             {}});
     }
