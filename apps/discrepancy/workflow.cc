@@ -28,6 +28,14 @@ InstrumentDescription instrument_of(const DiscrepancyFiles& files, const Recordi
                                     const Surface& surface) {
   InstrumentDescription instrument =
       files.instrument.empty() ? estimate_instrument(train) : load_instrument(files.instrument);
+  if (!(instrument.force_noise_N > 0.0)) {
+    throw BadData(files.instrument.empty()
+                      ? fmt::format("{}: no noise of the force can be estimated from it: give the sensor's with "
+                                    "--instrument, whose force_noise_N is above zero",
+                                    files.recording.string())
+                      : fmt::format("{}: /force_noise_N: above zero was expected: everything is judged by it",
+                                    files.instrument.string()));
+  }
   std::vector<std::int32_t> touched;
   const std::size_t stride = std::max<std::size_t>(1, train.size() / 1000);
   for (std::size_t i = 0; i < train.size(); i += stride) {

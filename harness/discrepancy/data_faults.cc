@@ -148,7 +148,7 @@ std::optional<std::string> find_data_fault(const DetectorSide& train, const Dete
       const RegressionData learn = regression(train, train_likely);
       const RegressionData judge = regression(holdout, holdout_likely);
       const Eigen::VectorXd with = ridge_coefficients(learn, 1e-9);
-      if (with[0] >= 0.0) continue;
+      if (!(with[0] < 0.0)) continue;
       RegressionData learn_without = learn;
       learn_without.responses.col(0).setZero();
       const Eigen::VectorXd without = ridge_coefficients(learn_without, 1e-9);
@@ -156,7 +156,8 @@ std::optional<std::string> find_data_fault(const DetectorSide& train, const Dete
       const double bare = left_by(judge, without);
       const double gain = bare - left_by(judge, with);
       // What the search found explains it better, or it explains little: no fault of the data.
-      if (train_gain < least_gain || gain < std::max(least_gain, least_share * bare) || bare - gain > held) continue;
+      const bool clear = train_gain >= least_gain && gain >= std::max(least_gain, least_share * bare);
+      if (!clear || !(bare - gain <= held)) continue;
       return fmt::format(fmt::runtime(test.words), with[0]);
     } catch (const BadData&) {
       continue;  // a base renderer that cannot run the effect

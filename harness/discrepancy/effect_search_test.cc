@@ -224,5 +224,16 @@ TEST(InstrumentNoise, HasTheDeclaredDeviation) {
   EXPECT_NEAR(std::sqrt(squares / static_cast<double>(noise.size())), 0.02, 0.002);
 }
 
+TEST(InstrumentNoise, IsEstimatedFromTheAxesThatWereMeasured) {
+  Random random(5);
+  Recording recording;
+  recording.motion = hand(0.0, 1.0);
+  for (Vec3& p : recording.motion.p_W_m) p.x() = p.y() = 0.0;
+  for (const Vec3& p : recording.motion.p_W_m) {
+    recording.f_W_N.emplace_back(0.0, 0.0, 900.0 * std::max(0.0, -p.z()) + 0.02 * random.normal());
+  }
+  EXPECT_NEAR(estimate_instrument(recording).force_noise_N, 0.02, 0.002);
+}
+
 }  // namespace
 }  // namespace touchstone

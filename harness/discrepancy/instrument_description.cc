@@ -26,11 +26,16 @@ double median(std::vector<double> values) {
 
 // The standard deviation of white noise in a series, from its third differences by their median: differences remove
 // what varies slowly, the median what varies in bursts. 1.4826 and sqrt(20) turn the median into a standard deviation.
+// An axis that never changes was not measured: force against displacement has two of them.
 double noise_of(const std::vector<Vec3>& series) {
   std::vector<double> magnitudes;
-  for (std::size_t i = 3; i < series.size(); ++i) {
-    const Vec3 difference = series[i] - 3.0 * series[i - 1] + 3.0 * series[i - 2] - series[i - 3];
-    for (int axis = 0; axis < 3; ++axis) magnitudes.push_back(std::abs(difference[axis]));
+  for (int axis = 0; axis < 3; ++axis) {
+    const auto still = [&](const Vec3& value) { return value[axis] == series.front()[axis]; };
+    if (std::all_of(series.begin(), series.end(), still)) continue;
+    for (std::size_t i = 3; i < series.size(); ++i) {
+      const Vec3 difference = series[i] - 3.0 * series[i - 1] + 3.0 * series[i - 2] - series[i - 3];
+      magnitudes.push_back(std::abs(difference[axis]));
+    }
   }
   return 1.4826 * median(std::move(magnitudes)) / std::sqrt(20.0);
 }

@@ -122,8 +122,10 @@ TEST(PairMove, NamesNoPairWhereWhatIsMissingIsNoneOfTheirs) {
 
 TEST(PairMove, APairOfWhichOneIsIdleIsRefusedForThatOne) {
   const TwoWaves world(0.2, 0.0);
-  SearchState state(world.data, world.library, SearchSettings{}, world.start);
+  const SearchSettings settings;
+  SearchState state(world.data, world.library, settings, world.start);
   state.refit();
+  state.renew_noise(state.current.model);
   const Standing standing = standing_of(state);
   std::vector<Trial> singles;
   for (const Candidate& candidate : world.library) {
