@@ -48,10 +48,11 @@ function(touchstone_add_room name)
 endfunction()
 
 # touchstone_add_tests(<name> SOURCES a_test.cc... [LIBS target...] [LABELS unit...] [TIMEOUT seconds] [SERIAL]
-#                      [ENVIRONMENT NAME=value...])
-# Makes the GoogleTest program touchstone_<name>_test and one ctest test per case, found when ctest runs.
+#                      [ENVIRONMENT NAME=value...] [SHARDS n])
+# Makes the GoogleTest program touchstone_<name>_test and one ctest test per case, found when ctest runs; with SHARDS n
+# parts of many cases each, for thousands of cases that cost less than the start of the program.
 function(touchstone_add_tests name)
-  cmake_parse_arguments(ARG "SERIAL" "TIMEOUT" "SOURCES;LIBS;LABELS;ENVIRONMENT" ${ARGN})
+  cmake_parse_arguments(ARG "SERIAL" "TIMEOUT;SHARDS" "SOURCES;LIBS;LABELS;ENVIRONMENT" ${ARGN})
   if(NOT BUILD_TESTING)
     return()
   endif()
@@ -67,8 +68,38 @@ function(touchstone_add_tests name)
   if(NOT ARG_TIMEOUT)
     set(ARG_TIMEOUT 120)
   endif()
-  touchstone_discover_tests(${target} PREFIX ${name} LABELS ${ARG_LABELS} TIMEOUT ${ARG_TIMEOUT} SERIAL ${ARG_SERIAL}
-    ENVIRONMENT ${ARG_ENVIRONMENT})
+  if(ARG_SHARDS)
+    touchstone_shard_tests(${target} PREFIX ${name} LABELS ${ARG_LABELS} TIMEOUT ${ARG_TIMEOUT} SHARDS ${ARG_SHARDS}
+      ENVIRONMENT ${ARG_ENVIRONMENT})
+  else()
+    touchstone_discover_tests(${target} PREFIX ${name} LABELS ${ARG_LABELS} TIMEOUT ${ARG_TIMEOUT} SERIAL ${ARG_SERIAL}
+      ENVIRONMENT ${ARG_ENVIRONMENT})
+  endif()
+endfunction()
+
+# touchstone_shard_tests(<target> PREFIX p LABELS l... TIMEOUT seconds SHARDS n [ENVIRONMENT NAME=value...])
+# The ctest tests p.1_of_n to p.n_of_n, each every n-th case of a GoogleTest program. A part without cases fails.
+function(touchstone_shard_tests target)
+  cmake_parse_arguments(ARG "" "PREFIX;TIMEOUT;SHARDS" "LABELS;ENVIRONMENT" ${ARGN})
+  if(TOUCHSTONE_SANITIZE)
+    math(EXPR ARG_TIMEOUT "10 * ${ARG_TIMEOUT}")
+  endif()
+  math(EXPR last "${ARG_SHARDS} - 1")
+  foreach(i RANGE ${last})
+    math(EXPR number "${i} + 1")
+    set(test ${ARG_PREFIX}.${number}_of_${ARG_SHARDS})
+    add_test(NAME ${test} COMMAND ${target} --gtest_brief=1)
+    touchstone_test_environment(environment ${ARG_ENVIRONMENT})
+    set_tests_properties(${test} PROPERTIES LABELS "${ARG_LABELS}" TIMEOUT ${ARG_TIMEOUT}
+      ENVIRONMENT "${environment};GTEST_TOTAL_SHARDS=${ARG_SHARDS};GTEST_SHARD_INDEX=${i}"
+      FAIL_REGULAR_EXPRESSION " 0 tests from 0 test suites ran")
+  endforeach()
+endfunction()
+
+# What every test finds in its environment: touchstone_test_environment(<variable> [NAME=value...])
+function(touchstone_test_environment variable)
+  set(${variable} "TOUCHSTONE_DATA_DIR=${TOUCHSTONE_DATA_DIR}" "TOUCHSTONE_SOURCE_DIR=${PROJECT_SOURCE_DIR}"
+    "TOUCHSTONE_PROGRAM=${PROJECT_BINARY_DIR}/bin/touchstone" ${ARGN} PARENT_SCOPE)
 endfunction()
 
 # touchstone_discover_tests(<target> PREFIX p LABELS l... TIMEOUT seconds SERIAL bool [ENVIRONMENT NAME=value...])
@@ -84,8 +115,7 @@ function(touchstone_discover_tests target)
   # A busy machine may take longer to list thousands of cases than the 5 s after which CMake gives up on all of them.
   gtest_discover_tests(${target} DISCOVERY_MODE PRE_TEST DISCOVERY_TIMEOUT 120 TEST_PREFIX "${ARG_PREFIX}."
     TEST_LIST ${list} PROPERTIES TIMEOUT ${ARG_TIMEOUT} RUN_SERIAL ${ARG_SERIAL})
-  set(environment "TOUCHSTONE_DATA_DIR=${TOUCHSTONE_DATA_DIR}" "TOUCHSTONE_SOURCE_DIR=${PROJECT_SOURCE_DIR}"
-    "TOUCHSTONE_PROGRAM=${PROJECT_BINARY_DIR}/bin/touchstone" ${ARG_ENVIRONMENT})
+  touchstone_test_environment(environment ${ARG_ENVIRONMENT})
   set(properties_file ${CMAKE_CURRENT_BINARY_DIR}/${list}_properties.cmake)
   file(CONFIGURE OUTPUT ${properties_file} @ONLY CONTENT [=[
 foreach(test IN LISTS @list@)

@@ -6,6 +6,7 @@
 #include <array>
 #include <chrono>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <set>
@@ -96,19 +97,41 @@ RendererCost measure(const Kind& kind, double voxels, const std::shared_ptr<cons
 }
 
 Rows rows_of(const std::vector<RendererCost>& costs) {
-  Rows rows{{"renderer", "triangles", "operations per step", "median", "most", "median us", "p99 us", "mean us",
+  Rows rows{{"renderer", "triangles", "operations", "median", "most", "total", "median us", "p99 us", "mean us",
              "memory [MB]", "made in [ms]"}};
   for (const auto& own : costs) {
     const bool counted = own.operations.has_value();
     rows.push_back({own.what, fmt::format("{}", own.triangles),
                     counted ? fmt::format("{:.1f}", own.operations->mean) : "not counted",
                     counted ? fmt::format("{:g}", own.operations->median) : "",
-                    counted ? fmt::format("{}", own.operations->max) : "", fmt::format("{:.3f}", own.timing.median_us),
-                    fmt::format("{:.3f}", own.timing.p99_us), fmt::format("{:.3f}", own.timing.mean_us),
+                    counted ? fmt::format("{}", own.operations->max) : "",
+                    counted ? fmt::format("{}", own.operations->total()) : "",
+                    fmt::format("{:.3f}", own.timing.median_us), fmt::format("{:.3f}", own.timing.p99_us),
+                    fmt::format("{:.3f}", own.timing.mean_us),
                     fmt::format("{:.3f}", 1e-6 * static_cast<double>(own.timing.memory_bytes)),
                     fmt::format("{:.1f}", own.timing.build_ms)});
   }
   return rows;
+}
+
+// A line for every renderer, a dashed one where it has a ball for a tip.
+LinePlot over_the_mesh(std::string title, std::string y_label, const std::vector<RendererCost>& costs,
+                       double (*value)(const RendererCost&)) {
+  constexpr std::array kTones{Tone::rendered, Tone::measured,  Tone::error,  Tone::good,
+                              Tone::warning,  Tone::reference, Tone::neutral};
+  LinePlot plot;
+  plot.title = std::move(title);
+  plot.x_label = "triangles";
+  plot.y_label = std::move(y_label);
+  plot.height_px = 420;
+  plot.log_x = plot.log_y = true;
+  for (const auto& own : costs) {
+    if (plot.lines.empty() || plot.lines.back().name != own.what)
+      plot.lines.push_back({own.what, {}, {}, kTones[plot.lines.size() % kTones.size()], own.tip_radius_m > 0.0, true});
+    plot.lines.back().x.push_back(static_cast<double>(own.triangles));
+    plot.lines.back().y.push_back(value(own));
+  }
+  return plot;
 }
 
 }  // namespace
@@ -158,7 +181,8 @@ Page cost_page(const std::vector<RendererCost>& costs, const Provenance& provena
   page.subtitle = "Every renderer over the bumpy body, 1 kHz, up to 1 mm deep, in the air once a second";
   Section section{
       "Operations, time and memory",
-      "Operations are floating-point additions, subtractions, multiplications, divisions, square roots and "
+      "Operations are, per step (mean, median, most) and of the whole path, floating-point additions, subtractions, "
+      "multiplications, divisions, square roots and "
       "comparisons, one each, of the step alone, counted by running the same code with a counting scalar; "
       "they repeat exactly; searches are counted on a plain tree of boxes, not inside Embree. Microseconds are this "
       "machine's; the mean holds whatever else it did in between, where it is above the 99th percentile nothing but "
@@ -172,22 +196,12 @@ Page cost_page(const std::vector<RendererCost>& costs, const Provenance& provena
     if (!costs[i].not_counted.empty()) table.rows[i].detail = "not counted: " + costs[i].not_counted;
   }
   section.blocks.emplace_back(std::move(table));
-  constexpr std::array kTones{Tone::rendered, Tone::measured,  Tone::error,  Tone::good,
-                              Tone::warning,  Tone::reference, Tone::neutral};
-  LinePlot plot;
-  plot.title = "Median microseconds per step over the size of the mesh";
-  plot.x_label = "log10 of the number of triangles";
-  plot.y_label = "log10 of us per step";
-  plot.height_px = 420;
-  for (const auto& own : costs) {
-    if (plot.lines.empty() || plot.lines.back().name != own.what) {
-      const std::size_t n = plot.lines.size();
-      plot.lines.push_back({own.what, {}, {}, kTones[n % kTones.size()], n >= kTones.size(), true});
-    }
-    plot.lines.back().x.push_back(std::log10(static_cast<double>(own.triangles)));
-    plot.lines.back().y.push_back(std::log10(own.timing.median_us));
-  }
-  section.blocks.emplace_back(std::move(plot));
+  section.blocks.emplace_back(over_the_mesh("Median microseconds per step over the size of the mesh", "us per step",
+                                            costs, [](const RendererCost& own) { return own.timing.median_us; }));
+  section.blocks.emplace_back(over_the_mesh(
+      "Operations per step over the size of the mesh", "operations per step, mean", costs, [](const RendererCost& own) {
+        return own.operations ? own.operations->mean : std::numeric_limits<double>::quiet_NaN();
+      }));
   page.sections.push_back(std::move(section));
   page.sections.push_back(provenance_section(provenance));
   return page;

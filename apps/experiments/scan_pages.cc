@@ -89,7 +89,7 @@ Rows density_rows(const DensityExperiment& e, bool shading) {
 Line density_line(const DensityExperiment& e, std::string name, double (*value)(const DensityPoint&), Tone tone) {
   Line line{std::move(name), {}, {}, tone, false, true};
   for (const auto& p : e.points) {
-    line.x.push_back(std::log10(static_cast<double>(p.triangles)));
+    line.x.push_back(static_cast<double>(p.triangles));
     line.y.push_back(value(p));
   }
   return line;
@@ -167,7 +167,8 @@ Page density_page(const DensityExperiment& e, bool shading, const Provenance& pr
   table.blocks.emplace_back(table_of(density_rows(e, shading), "Here and published", 0));
   LinePlot plot;
   plot.title = "Force error over the size of the mesh";
-  plot.x_label = "log10 of the number of triangles";
+  plot.x_label = "triangles";
+  plot.log_x = true;
   plot.y_label = "mean force error [N]";
   plot.lines.push_back(density_line(
       e, "proxy", [](const DensityPoint& p) { return p.plain.mean_N; }, Tone::rendered));
@@ -176,7 +177,7 @@ Page density_page(const DensityExperiment& e, bool shading, const Provenance& pr
         e, "with force shading", [](const DensityPoint& p) { return p.shaded.mean_N; }, Tone::good));
   Line published{"published (another body)", {}, {}, Tone::reference, true, true};
   for (const auto& p : kPublishedDensity) {
-    published.x.push_back(std::log10(1000.0 * p.kilo_triangles));
+    published.x.push_back(1000.0 * p.kilo_triangles);
     published.y.push_back(p.error_N);
   }
   plot.lines.push_back(std::move(published));

@@ -66,6 +66,9 @@ struct LinePlot {
   bool half_width = false;
   // Names instead of numbers at places of the x axis, e.g. of conditions.
   std::vector<std::pair<double, std::string>> x_names = {};
+  // Logarithmic axes, of positive values; not together with bands or names.
+  bool log_x = false;
+  bool log_y = false;
 };
 
 struct BarPlot {

@@ -74,10 +74,13 @@ json to_json(const LinePlot& plot) {
   for (const auto& [from, to] : plot.bands) bands.push_back({plotted_number(from), plotted_number(to)});
   json x_names = json::array();
   for (const auto& [at, name] : plot.x_names) x_names.push_back({{"at", plotted_number(at)}, {"name", name}});
-  return {{"kind", "lines"},           {"title", plot.title},           {"x_label", plot.x_label},
-          {"y_label", plot.y_label},   {"lines", std::move(lines)},     {"levels", std::move(levels)},
-          {"bands", std::move(bands)}, {"x_names", std::move(x_names)}, {"note", plot.note},
-          {"link", plot.link},         {"height", plot.height_px},      {"half", plot.half_width}};
+  return {{"kind", "lines"},           {"title", plot.title},
+          {"x_label", plot.x_label},   {"y_label", plot.y_label},
+          {"lines", std::move(lines)}, {"levels", std::move(levels)},
+          {"bands", std::move(bands)}, {"x_names", std::move(x_names)},
+          {"log_x", plot.log_x},       {"log_y", plot.log_y},
+          {"note", plot.note},         {"link", plot.link},
+          {"height", plot.height_px},  {"half", plot.half_width}};
 }
 
 json to_json(const BarPlot& plot) {

@@ -38,6 +38,8 @@
     }, extra);
   }
 
+  const LOG = { type: 'log', dtick: 'D2' };
+
   function layoutOf(block, extra) {
     return Object.assign({
       height: block.height, margin: { l: 64, r: 14, t: 8, b: 44 }, font: FONT, paper_bgcolor: '#fff', plot_bgcolor: '#fff',
@@ -93,7 +95,7 @@
     for (const level of block.levels) {
       shapes.push({ type: 'line', xref: 'paper', x0: 0, x1: 1, y0: level.value, y1: level.value, line: { color: TONES.reference, width: 1.2, dash: 'dash' } });
       annotations.push({
-        xref: 'paper', x: 1, xanchor: 'right', y: level.value, yanchor: 'bottom', text: plain(level.label), showarrow: false,
+        xref: 'paper', x: 1, xanchor: 'right', y: block.log_y ? Math.log10(level.value) : level.value, yanchor: 'bottom', text: plain(level.label), showarrow: false,
         font: { size: 11.5, color: '#5b6875' }, bgcolor: 'rgba(255,255,255,0.75)',
       });
     }
@@ -105,7 +107,7 @@
       range: [Math.min(...places) - 0.5, Math.max(...places) + 0.5],
     } : {};
     return Plotly.newPlot(host, traces, layoutOf(block, {
-      xaxis: axis(block.x_label, names),
+      xaxis: axis(block.x_label, block.log_x ? LOG : names), yaxis: axis(block.y_label, block.log_y ? LOG : {}),
       shapes, annotations, showlegend: named, margin: { l: 64, r: 14, t: named ? 30 : 10, b: 44 },
     }), CONFIG).then(() => link(block.link, host));
   }
