@@ -1,6 +1,15 @@
 # One CMake target per room: the compiler then enforces who may include whom.
 include(GoogleTest)
 
+if(TOUCHSTONE_TIMEOUT_FACTOR STREQUAL "")
+  set(TOUCHSTONE_TIMEOUT_FACTOR 1)
+  if(TOUCHSTONE_SANITIZE)  # instrumented and hardly optimised, a step takes some ten times as long
+    set(TOUCHSTONE_TIMEOUT_FACTOR 10)
+  endif()
+elseif(NOT TOUCHSTONE_TIMEOUT_FACTOR MATCHES "^[1-9][0-9]*$")
+  message(FATAL_ERROR "TOUCHSTONE_TIMEOUT_FACTOR is '${TOUCHSTONE_TIMEOUT_FACTOR}': a whole number from 1 on was expected")
+endif()
+
 # Tests share one precompiled header: parsing GoogleTest, Eigen and JSON anew in each would double their build time.
 if(BUILD_TESTING)
   file(CONFIGURE OUTPUT ${PROJECT_BINARY_DIR}/test_pch.cc CONTENT "int main() {}\n")
@@ -81,9 +90,7 @@ endfunction()
 # The ctest tests p.1_of_n to p.n_of_n, each every n-th case of a GoogleTest program. A part without cases fails.
 function(touchstone_shard_tests target)
   cmake_parse_arguments(ARG "" "PREFIX;TIMEOUT;SHARDS" "LABELS;ENVIRONMENT" ${ARGN})
-  if(TOUCHSTONE_SANITIZE)
-    math(EXPR ARG_TIMEOUT "10 * ${ARG_TIMEOUT}")
-  endif()
+  math(EXPR ARG_TIMEOUT "${TOUCHSTONE_TIMEOUT_FACTOR} * ${ARG_TIMEOUT}")
   math(EXPR last "${ARG_SHARDS} - 1")
   foreach(i RANGE ${last})
     math(EXPR number "${i} + 1")
@@ -109,9 +116,7 @@ endfunction()
 function(touchstone_discover_tests target)
   cmake_parse_arguments(ARG "" "PREFIX;TIMEOUT;SERIAL" "LABELS;ENVIRONMENT" ${ARGN})
   set(list touchstone_tests_${ARG_PREFIX})
-  if(TOUCHSTONE_SANITIZE)  # instrumented and hardly optimised, a step takes some ten times as long
-    math(EXPR ARG_TIMEOUT "10 * ${ARG_TIMEOUT}")
-  endif()
+  math(EXPR ARG_TIMEOUT "${TOUCHSTONE_TIMEOUT_FACTOR} * ${ARG_TIMEOUT}")
   # A busy machine may take longer to list thousands of cases than the 5 s after which CMake gives up on all of them.
   gtest_discover_tests(${target} DISCOVERY_MODE PRE_TEST DISCOVERY_TIMEOUT 120 TEST_PREFIX "${ARG_PREFIX}."
     TEST_LIST ${list} PROPERTIES TIMEOUT ${ARG_TIMEOUT} RUN_SERIAL ${ARG_SERIAL})
