@@ -158,6 +158,7 @@ AtlasCase case_at(const AtlasGrid& grid, std::uint64_t number) {
 }
 
 struct AtlasWorld::State {
+  explicit State(double force) : force_N(force) {}
   double force_N;
   apps::SharedCache<Stage> stages{kStages, [](const Stage&) { return 1; }};
 };
