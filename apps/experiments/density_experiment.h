@@ -30,7 +30,7 @@ inline constexpr std::array<PublishedDensity, 8> kPublishedDensity{{{0.2, 9.7136
                                                                     {140, 9.2452e6, 0.009, 1.00}}};
 
 struct DensityPoint {
-  std::size_t triangles;
+  std::size_t triangles = 0;
   ForceError plain, shaded;          // against the normal part
   ForceError plain_all, shaded_all;  // against the whole recorded force
   // Of the god-object without shading, a ball.

@@ -14,6 +14,7 @@ namespace {
 template <class Finding>
 std::vector<std::string> statements(const std::vector<Finding>& findings) {
   std::vector<std::string> texts;
+  texts.reserve(findings.size());
   for (const auto& own : findings) texts.push_back(own.statement);
   return texts;
 }
@@ -21,6 +22,7 @@ std::vector<std::string> statements(const std::vector<Finding>& findings) {
 template <class Finding>
 std::vector<bool> held(const std::vector<Finding>& findings) {
   std::vector<bool> all;
+  all.reserve(findings.size());
   for (const auto& own : findings) all.push_back(own.holds);
   return all;
 }
