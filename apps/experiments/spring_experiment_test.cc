@@ -22,7 +22,7 @@ TEST(PressMotion, HasItsStrokeBeatAndSeed) {
   ASSERT_EQ(depths.size(), 10000u);
   EXPECT_EQ(press_depths_m(motion, 1000.0, 3), depths);
   EXPECT_NE(press_depths_m(motion, 1000.0, 4), depths);
-  for (int press = 0; press < 10; ++press) {
+  for (std::ptrdiff_t press = 0; press < 10; ++press) {
     const auto begin = depths.begin() + 1000 * press;
     EXPECT_NEAR(*std::max_element(begin, begin + 1000), motion.stroke_m, 5.0 * motion.stroke_spread * motion.stroke_m);
   }
