@@ -17,11 +17,12 @@ template <class T>
 void reserve_in_huge_pages(std::vector<T>& array, std::size_t count) {
   array.reserve(count);
 #ifdef __linux__
-  constexpr std::uintptr_t kPage = std::uintptr_t{2} << 20;
-  const auto begin = reinterpret_cast<std::uintptr_t>(array.data());
-  const std::uintptr_t first = (begin + kPage - 1) & ~(kPage - 1);
-  const std::uintptr_t last = (begin + array.capacity() * sizeof(T)) & ~(kPage - 1);
-  if (first < last) madvise(reinterpret_cast<void*>(first), last - first, MADV_HUGEPAGE);
+  constexpr std::size_t kPage = std::size_t{2} << 20;
+  auto* const begin = reinterpret_cast<char*>(array.data());
+  const std::size_t skip = (kPage - reinterpret_cast<std::uintptr_t>(begin) % kPage) % kPage;
+  const std::size_t bytes = array.capacity() * sizeof(T);
+  if (bytes < skip + kPage) return;
+  madvise(begin + skip, (bytes - skip) / kPage * kPage, MADV_HUGEPAGE);
 #endif
 }
 
