@@ -24,6 +24,12 @@ bool contains(const std::string& larger, const std::string& smaller) {
   return std::find(contained_in.begin(), contained_in.end(), std::pair(smaller, larger)) != contained_in.end();
 }
 
+bool of_one_kind(const std::string& a, const std::string& b) {
+  return contains(a, b) || contains(b, a) ||
+         std::any_of(contained_in.begin(), contained_in.end(),
+                     [&](const auto& pair) { return contains(a, pair.first) && contains(b, pair.first); });
+}
+
 bool has_what_contains(const Model& model, const std::string& smaller) {
   return std::any_of(contained_in.begin(), contained_in.end(), [&](const auto& pair) {
     return pair.first == smaller && find_entry(model, pair.second) != nullptr;

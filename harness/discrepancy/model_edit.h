@@ -19,6 +19,8 @@ std::vector<FreeParameter> without_owner(const std::vector<FreeParameter>& param
 // Whether `larger` has `smaller` as a special case: alike, the smaller is the finding, not a riddle; and one model has
 // not both.
 bool contains(const std::string& larger, const std::string& smaller);
+// One contains the other, or both contain the same.
+bool of_one_kind(const std::string& a, const std::string& b);
 bool has_what_contains(const Model& model, const std::string& smaller);
 Model without_special_cases(const Model& model, const std::string& larger);
 

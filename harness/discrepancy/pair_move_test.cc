@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "harness/discrepancy/effect_search.h"
+#include "harness/discrepancy/model_edit.h"
 #include "harness/discrepancy/plane_for_test.h"
 
 namespace touchstone {
@@ -138,6 +139,12 @@ TEST(PairMove, APairOfWhichOneIsIdleIsRefusedForThatOne) {
     const bool idle = pair.name == "idle" || pair.partner == "idle";
     EXPECT_EQ(pair.verdict.empty(), !idle) << pair.title() << ": " << pair.verdict;
   }
+}
+
+TEST(PairMove, LawsOfDryFrictionAreOfOneKind) {
+  EXPECT_TRUE(of_one_kind("stribeck-friction", "anisotropic-friction"));
+  EXPECT_TRUE(of_one_kind("coulomb-friction", "stribeck-friction"));
+  EXPECT_FALSE(of_one_kind("stribeck-friction", "viscous-friction"));
 }
 
 }  // namespace
