@@ -93,12 +93,6 @@ void judge_operations(const GoldenCase& golden, const std::string& model, const 
   if (build_info().flags.find("-ffp-contract=off") == std::string::npos) return;
   const auto known = load_operations(golden.summary_file());
   const auto found = known.find(model);
-  // Counted only since the golden was accepted: measured, and gated once a golden has them.
-  if (found == known.end() && run.operations) {
-    result.comparison.problems.push_back(fmt::format("operations: {}, in the dearest step {}; the golden has none yet",
-                                                     run.operations->total, run.operations->max_per_step));
-    return;
-  }
   const auto change =
       operations_change(found == known.end() ? std::nullopt : std::optional(found->second), run.operations);
   if (!change) return;
