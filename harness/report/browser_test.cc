@@ -37,12 +37,23 @@ Opened open_in_browser(const std::filesystem::path& report) {
   return out;
 }
 
-std::filesystem::path fresh_report(const std::string& name, const Page& page) {
-  const auto folder = std::filesystem::temp_directory_path() / fmt::format("touchstone-browser-{}", ::getpid());
-  std::filesystem::create_directories(folder);
-  write_html(folder / name, page);
-  return folder / name;
-}
+class Browser : public ::testing::Test {
+ protected:
+  Browser() { std::filesystem::create_directories(folder_); }
+  ~Browser() override {
+    std::error_code ignored;
+    std::filesystem::remove_all(folder_, ignored);
+  }
+
+  std::filesystem::path fresh_report(const std::string& name, const Page& page) const {
+    write_html(folder_ / name, page);
+    return folder_ / name;
+  }
+
+ private:
+  std::filesystem::path folder_ =
+      std::filesystem::temp_directory_path() / fmt::format("touchstone-browser-{}", ::getpid());
+};
 
 void expect_whole(const nlohmann::json& seen, const std::string& file) {
   EXPECT_TRUE(seen["console"].empty()) << seen["console"];
@@ -66,7 +77,7 @@ void expect_whole(const nlohmann::json& seen, const std::string& file) {
   EXPECT_GT(seen["scenes"][0]["colours"].get<int>(), 30) << "the 3-D view shows no error";
 }
 
-TEST(Browser, DrawsEverythingOfflineWithoutAnError) {
+TEST_F(Browser, DrawsEverythingOfflineWithoutAnError) {
   const auto report = fresh_report("plain.html", evaluation_page(testing::sample_result("A sphere, stroked")));
   const Opened opened = open_in_browser(report);
   if (opened.status == 77) GTEST_SKIP() << "needs node and chromium";
@@ -75,7 +86,7 @@ TEST(Browser, DrawsEverythingOfflineWithoutAnError) {
   expect_whole(opened.seen, "plain.html");
 }
 
-TEST(Browser, HostileNamesAreShownNotRun) {
+TEST_F(Browser, HostileNamesAreShownNotRun) {
   const std::string hostile =
       "</script><script>window.stolen=1</script><img src=x onerror=\"window.stolen=1\">' \" & <a "
       "href='javascript:window.stolen=1'>x</a> "

@@ -13,11 +13,37 @@ export function findChromium() {
   return names.find((name) => name && existsSync(name));
 }
 
+// Does not keep the program alive by itself.
+const atMost = (ms) => new Promise((resolve) => setTimeout(resolve, ms).unref());
+
+// The browser and its helpers.
+function killGroup(pid) {
+  try {
+    process.kill(-pid, 'SIGKILL');
+  } catch (error) {
+    if (error.code !== 'ESRCH') throw error;
+  }
+}
+
+// A helper that dies later than the browser may still write into the folder. The retries of rmSync list a folder once
+// and would never see what came since, so each attempt here lists it anew. A folder left behind falsifies nothing that
+// the page has shown: no error.
+async function removeFolder(path) {
+  for (let attempt = 0; attempt < 100; ++attempt) {
+    try {
+      rmSync(path, { recursive: true, force: true });
+      return;
+    } catch {
+      await new Promise((resolve) => setTimeout(resolve, 100));
+    }
+  }
+}
+
 // Opens a page; gives { send, on, close }. `send` is a method of the DevTools protocol on that page.
 export async function openPage(executable, width, height) {
   const profile = mkdtempSync(join(tmpdir(), 'touchstone-chromium-'));
   const child = spawn(executable, [...FLAGS, '--remote-debugging-pipe', '--user-data-dir=' + profile, `--window-size=${width},${height}`, 'about:blank'],
-    { stdio: ['ignore', 'ignore', 'ignore', 'pipe', 'pipe'] });
+    { stdio: ['ignore', 'ignore', 'ignore', 'pipe', 'pipe'], detached: true });
   const [, , , toBrowser, fromBrowser] = child.stdio;
   const waiting = new Map();
   const listeners = [];
@@ -59,11 +85,12 @@ export async function openPage(executable, width, height) {
     send: (method, params) => raw(method, params, sessionId),
     on: (listener) => listeners.push(listener),
     close: async () => {
-      const gone = new Promise((resolve) => child.on('exit', resolve));
-      child.kill('SIGKILL');
+      const gone = new Promise((resolve) => (child.exitCode === null && child.signalCode === null ? child.on('exit', resolve) : resolve()));
+      raw('Browser.close').catch(() => {});
+      await Promise.race([gone, atMost(5000)]);
+      killGroup(child.pid);
       await gone;
-      // Its helpers die a little later and may still write.
-      rmSync(profile, { recursive: true, force: true, maxRetries: 50, retryDelay: 100 });
+      await removeFolder(profile);
     },
   };
 }
