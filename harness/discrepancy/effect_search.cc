@@ -16,6 +16,8 @@
 namespace touchstone {
 namespace {
 
+constexpr const char* was_added = "added";
+
 class Search {
  public:
   Search(const SearchData& data, const std::vector<Candidate>& candidates, const SearchSettings& settings,
@@ -117,7 +119,7 @@ class Search {
       trial.verdict = "does worse on held-out data once all is refitted";
       return false;
     }
-    trial.verdict = "added";
+    trial.verdict = was_added;
     step.added = trial.title();
     report_(fmt::format("  {}: held-out RMS {:.4g} N", step.added, rms_N));
     state_ = std::move(next);
@@ -150,9 +152,13 @@ class Search {
 
   // What the rival came to when it competed with the effect that was added instead: a start that is near.
   const NamedParameters* came_to(const std::string& rival, const std::string& added) const {
+    const auto adds = [&](const Trial& trial) {
+      return trial.verdict == was_added && (trial.name == added || trial.partner == added);
+    };
     for (const SearchStep& step : result_.steps) {
+      if (std::none_of(step.trials.begin(), step.trials.end(), adds)) continue;
       for (const Trial& trial : step.trials) {
-        if (step.added == added && trial.name == rival) return find_entry(trial.fit.model, rival);
+        if (trial.name == rival) return find_entry(trial.fit.model, rival);
       }
     }
     return nullptr;

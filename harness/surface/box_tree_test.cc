@@ -14,6 +14,14 @@
 namespace touchstone {
 namespace {
 
+template <class S>
+std::array<Vec3Of<S>, 3> corners_of(const TriangleMesh& mesh, std::size_t t) {
+  std::array<Vec3Of<S>, 3> corners;
+  for (std::size_t c = 0; c < 3; ++c)
+    corners[c] = mesh.vertices_W_m[static_cast<std::size_t>(mesh.triangles[t][c])].cast<S>();
+  return corners;
+}
+
 // The closest triangle and distance by the tree, with either scalar.
 template <class S>
 std::pair<std::int32_t, double> nearest_by(const BoxTree& tree, const TriangleMesh& mesh, const MeshTopology& topology,
@@ -22,10 +30,7 @@ std::pair<std::int32_t, double> nearest_by(const BoxTree& tree, const TriangleMe
   std::int32_t nearest = -1;
   S least(0.0);
   tree.nearest<S>(q, [&](std::int32_t t) {
-    std::array<Vec3Of<S>, 3> corners;
-    for (std::size_t i = 0; i < 3; ++i)
-      corners[i] =
-          mesh.vertices_W_m[static_cast<std::size_t>(mesh.triangles[static_cast<std::size_t>(t)][i])].cast<S>();
+    const auto corners = corners_of<S>(mesh, static_cast<std::size_t>(t));
     const Vec3Of<S> n = topology.face_normals[static_cast<std::size_t>(t)].cast<S>();
     const S here = closest_on_triangle_of<S>(corners, n, q).squared_distance;
     if (nearest < 0 || here < least || (here == least && t < nearest)) {
@@ -37,7 +42,14 @@ std::pair<std::int32_t, double> nearest_by(const BoxTree& tree, const TriangleMe
   return {nearest, static_cast<double>(least)};
 }
 
-class BoxTreeOn : public ::testing::TestWithParam<double> {};
+// At a unit of length.
+class BoxTreeOn : public ::testing::TestWithParam<double> {
+ protected:
+  static TriangleMesh moved_torus() {
+    return testing::moved(testing::torus(0.02, 0.008, 40, 20), Quat::Identity(), GetParam() * Vec3(0.1, 0.2, -0.3),
+                          GetParam());
+  }
+};
 
 TEST_P(BoxTreeOn, FindsTheClosestTriangleOfTheSurfaceWithEitherScalar) {
   for (const TriangleMesh& shape :
@@ -63,8 +75,7 @@ TEST_P(BoxTreeOn, FindsTheClosestTriangleOfTheSurfaceWithEitherScalar) {
 }
 
 TEST_P(BoxTreeOn, ProposesEveryTriangleThatASegmentMeets) {
-  const TriangleMesh mesh = testing::moved(testing::torus(0.02, 0.008, 40, 20), Quat::Identity(),
-                                           GetParam() * Vec3(0.1, 0.2, -0.3), GetParam());
+  const TriangleMesh mesh = moved_torus();
   const BoxTree tree(mesh);
   Random random(2);
   std::size_t met = 0;
@@ -86,9 +97,7 @@ TEST_P(BoxTreeOn, ProposesEveryTriangleThatASegmentMeets) {
     });
     ASSERT_EQ(counted, candidates.size());
     for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-      std::array<Vec3, 3> corners;
-      for (std::size_t c = 0; c < 3; ++c)
-        corners[c] = mesh.vertices_W_m[static_cast<std::size_t>(mesh.triangles[t][c])];
+      const auto corners = corners_of<double>(mesh, t);
       if (!cross_triangle(corners, mesh.scaled_normal(t).normalized(), a, b)) continue;
       ++met;
       ASSERT_TRUE(candidates.contains(static_cast<std::int32_t>(t)));
@@ -99,8 +108,7 @@ TEST_P(BoxTreeOn, ProposesEveryTriangleThatASegmentMeets) {
 }
 
 TEST_P(BoxTreeOn, ProposesEveryTriangleWithinABall) {
-  const TriangleMesh mesh = testing::moved(testing::torus(0.02, 0.008, 40, 20), Quat::Identity(),
-                                           GetParam() * Vec3(0.1, 0.2, -0.3), GetParam());
+  const TriangleMesh mesh = moved_torus();
   const BoxTree tree(mesh);
   Random random(3);
   std::size_t within = 0;
@@ -121,9 +129,7 @@ TEST_P(BoxTreeOn, ProposesEveryTriangleWithinABall) {
     });
     ASSERT_EQ(counted, candidates.size());
     for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-      std::array<Vec3, 3> corners;
-      for (std::size_t c = 0; c < 3; ++c)
-        corners[c] = mesh.vertices_W_m[static_cast<std::size_t>(mesh.triangles[t][c])];
+      const auto corners = corners_of<double>(mesh, t);
       const auto closest = closest_on_triangle(corners, mesh.scaled_normal(t).normalized(), q);
       if (!(closest.squared_distance <= radius * radius)) continue;
       ++within;
