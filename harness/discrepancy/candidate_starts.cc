@@ -7,6 +7,7 @@
 #include <map>
 #include <numbers>
 
+#include "harness/discrepancy/bump_peaks.h"
 #include "harness/discrepancy/texture_spectrum.h"
 
 namespace touchstone {
@@ -127,28 +128,25 @@ CandidateFit power_law(const Context& c) {
           {entry(c, {{"exponent", 1.2}, {"reference_depth_m", reference}})}};
 }
 
-// A bump somewhere: starts on a grid over the touched place, one per sign.
-CandidateFit bump(const Context& c, Side side, double amplitude_scale, double lower, double upper) {
+// A bump somewhere: from the places and widths that explain most of what is left along the normal.
+CandidateFit bump(const Context& c, BumpOf of, double scale, double lower, double upper) {
   const auto& name = c.candidate.name;
-  const Vec3 size = c.scales.high_W_m - c.scales.low_W_m;
+  const std::string amplitude = of == BumpOf::surface ? "amplitude_m" : "amplitude";
   const double extent = c.scales.extent_m();
   // Wider, it has no flank within the scan: another stiffness or another place of the whole object.
   constexpr double widest = 0.35;
   CandidateFit fit;
-  fit.side = side;
+  fit.side = of == BumpOf::surface ? Side::instrument : Side::contact;
   fit.parameters = {
-      linear_parameter(name, "amplitude" + std::string(side == Side::instrument ? "_m" : ""), amplitude_scale,
-                       lower * amplitude_scale, upper * amplitude_scale),
+      linear_parameter(name, amplitude, scale, lower * scale, upper * scale),
       linear_parameter(name, "x_m", extent, c.scales.low_W_m.x() - 0.2 * extent, c.scales.high_W_m.x() + 0.2 * extent),
       linear_parameter(name, "y_m", extent, c.scales.low_W_m.y() - 0.2 * extent, c.scales.high_W_m.y() + 0.2 * extent),
       log_parameter(name, "width_m", 0.02 * extent, widest * extent)};
-  for (const double fx : {0.2, 0.5, 0.8}) {
-    for (const double fy : {0.2, 0.5, 0.8}) {
-      fit.starts.push_back(entry(c, {{fit.parameters[0].name, 0.1 * amplitude_scale},
-                                     {"x_m", c.scales.low_W_m.x() + fx * size.x()},
-                                     {"y_m", c.scales.low_W_m.y() + fy * size.y()},
-                                     {"width_m", 0.2 * extent}}));
-    }
+  for (const BumpPeak& peak : bump_peaks(c.recording, c.current, of, c.scales.low_W_m, c.scales.high_W_m, 6)) {
+    fit.starts.push_back(entry(c, {{amplitude, std::clamp(peak.amplitude, 0.8 * lower * scale, 0.8 * upper * scale)},
+                                   {"x_m", peak.x_m},
+                                   {"y_m", peak.y_m},
+                                   {"width_m", peak.width_m}}));
   }
   return fit;
 }
@@ -336,7 +334,7 @@ CandidateFit candidate_fit(const Candidate& candidate, const RecordingScales& sc
          return one_rate(x, "coefficient_N_s_per_m2", scales.depth_rate_m_per_s * scales.depth_m);
        }},
       {"power-law-stiffness", power_law},
-      {"stiffness-map", [](const Context& x) { return bump(x, Side::contact, 1.0, -0.95, 10.0); }},
+      {"stiffness-map", [](const Context& x) { return bump(x, BumpOf::stiffness, 1.0, -0.95, 10.0); }},
       {"stress-relaxation", relaxation},
       {"tip-radius", tip_radius},
       {"adhesion", adhesion},
@@ -359,7 +357,7 @@ CandidateFit candidate_fit(const Candidate& candidate, const RecordingScales& sc
       {"force-saturation", saturation},
       {"time-lag", [](const Context& x) { return one_linear(x, "lag_s", 0.01, 0.0, 0.3, 0.005); }},
       {"registration", registration},
-      {"surface-geometry", [&](const Context& x) { return bump(x, Side::instrument, scales.depth_m, -1.0, 1.0); }},
+      {"surface-geometry", [&](const Context& x) { return bump(x, BumpOf::surface, scales.depth_m, -1.0, 1.0); }},
   };
   const auto known = makers.find(candidate.name);
   CandidateFit fit = known == makers.end() ? generic(c) : known->second(c);

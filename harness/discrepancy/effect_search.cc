@@ -84,7 +84,7 @@ class Search {
 
   [[nodiscard]] bool clearly_missing() const {
     const Goodness goodness = judge_goodness(data_.train, data_.holdout, state_.current.model, data_.window_s);
-    return goodness.chi_squared >= unexplained_threshold(goodness.null);
+    return goodness.chi_squared >= goodness.threshold;
   }
 
   // The dear gates, of the best trial only; the next one's turn comes when it fails.
@@ -213,6 +213,7 @@ class Search {
     const Goodness goodness = judge_goodness(data_.train, data_.holdout, result_.model, data_.window_s);
     result_.goodness = goodness.chi_squared;
     result_.null_goodness = goodness.null;
+    result_.goodness_threshold = goodness.threshold;
     result_.noise_rms_N = goodness.noise_rms_N;
     const DetectorSide train{data_.train.recording, &goodness.train, data_.train.noise};
     const DetectorSide holdout{data_.holdout.recording, &goodness.holdout, data_.holdout.noise};

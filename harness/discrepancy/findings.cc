@@ -7,7 +7,6 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "harness/discrepancy/goodness.h"
 #include "harness/discrepancy/parameter_intervals.h"
 
 namespace touchstone {
@@ -81,7 +80,7 @@ void conclude(Findings& findings, const std::vector<Candidate>& candidates) {
     }
     if (alike.size() > 1) findings.ambiguous.push_back(std::move(alike));
   }
-  const bool noise_left = search.goodness < unexplained_threshold(search.null_goodness);
+  const bool noise_left = search.goodness < search.goodness_threshold;
   const bool structured = search.structure.found() && search.goodness > structured_goodness * search.null_goodness;
   if (search.data_fault) {
     findings.verdict = FindingsVerdict::unexplained;
@@ -172,7 +171,7 @@ std::string findings_to_json(const Findings& findings, const std::string& trajec
     root["gap"]["fresh_process_after"] = number(*findings.gap.holdout_after_again_N);
   }
   root["goodness"] = {{"holdout_chi_squared_per_degree", number(findings.search.goodness)},
-                      {"threshold", number(unexplained_threshold(findings.search.null_goodness))},
+                      {"threshold", number(findings.search.goodness_threshold)},
                       {"where_the_model_is_the_truth", number(findings.search.null_goodness)}};
   root["structure"] = {{"view", findings.search.structure.view},
                        {"share", number(findings.search.structure.share)},

@@ -1,25 +1,27 @@
 #include "harness/discrepancy/goodness.h"
 
 #include <algorithm>
-#include <array>
+
+#include "harness/discrepancy/model_edit.h"
 
 namespace touchstone {
 namespace {
 
-constexpr const char* path_name = "presliding_m";
+struct Excess {
+  double least;      // of chi-squared per degree of freedom, whatever the null worlds make
+  double over_null;  // times the most that they make
+};
+constexpr Excess smooth{1.5, 1.35};
+constexpr Excess dry_friction{2.0, 2.2};
 
-bool has_path(const Model& model) {
-  return std::any_of(model.effects.begin(), model.effects.end(),
-                     [](const NamedParameters& entry) { return entry.parameters.contains(path_name); });
+bool has_dry_friction(const Model& model) {
+  const auto coefficient = model.parameters.find("mu_dynamic");
+  return has_path(model) || (coefficient != model.parameters.end() && coefficient->second > 0.0);
 }
 
-Model with_shorter_path(const Model& model, double share) {
-  Model shorter = model;
-  for (NamedParameters& entry : shorter.effects) {
-    const auto path = entry.parameters.find(path_name);
-    if (path != entry.parameters.end()) path->second *= share;
-  }
-  return shorter;
+double unexplained_threshold(const Model& model, double null_goodness) {
+  const Excess& excess = has_dry_friction(model) ? dry_friction : smooth;
+  return std::max(excess.least, excess.over_null * null_goodness);
 }
 
 // The blocks with the larger of the noise of both models.
@@ -53,18 +55,16 @@ Goodness judge_under(const Evidence& train, const Evidence& holdout, const Model
 
 }  // namespace
 
-double unexplained_threshold(double null_goodness) {
-  return std::max(unexplained_goodness, unexplained_over_null * null_goodness);
-}
-
 Goodness judge_goodness(const Evidence& train, const Evidence& holdout, const Model& model, double window_s) {
   Goodness fitted = judge_under(train, holdout, model, model, window_s);
-  if (fitted.chi_squared < unexplained_threshold(fitted.null) || !has_path(model)) return fitted;
-  for (const double share : std::array{0.3, 0.1}) {
-    Goodness shorter = judge_under(train, holdout, model, with_shorter_path(model, share), window_s);
+  fitted.threshold = unexplained_threshold(model, fitted.null);
+  if (fitted.chi_squared < fitted.threshold) return fitted;
+  for (const Model& noisy : with_shorter_paths(model)) {
+    Goodness shorter = judge_under(train, holdout, model, noisy, window_s);
     // The null worlds are another model's here: what they leave is no excuse for more.
     shorter.null = fitted.null;
-    if (shorter.chi_squared < unexplained_threshold(shorter.null)) return shorter;
+    shorter.threshold = fitted.threshold;
+    if (shorter.chi_squared < shorter.threshold) return shorter;
   }
   return fitted;
 }

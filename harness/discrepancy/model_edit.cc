@@ -12,6 +12,8 @@
 namespace touchstone {
 namespace {
 
+constexpr const char* path_name = "presliding_m";
+
 // Smaller, larger.
 const std::vector<std::pair<std::string, std::string>> contained_in{
     {"coulomb-friction", "stribeck-friction"},
@@ -71,6 +73,24 @@ std::vector<FreeParameter> without_owner(const std::vector<FreeParameter>& param
   std::vector<FreeParameter> kept = parameters;
   std::erase_if(kept, [&](const FreeParameter& parameter) { return parameter.owner == name; });
   return kept;
+}
+
+bool has_path(const Model& model) {
+  return std::any_of(model.effects.begin(), model.effects.end(),
+                     [](const NamedParameters& entry) { return entry.parameters.contains(path_name); });
+}
+
+std::vector<Model> with_shorter_paths(const Model& model) {
+  std::vector<Model> shorter;
+  if (!has_path(model)) return shorter;
+  for (const double share : {0.3, 0.1}) {
+    shorter.push_back(model);
+    for (NamedParameters& entry : shorter.back().effects) {
+      const auto path = entry.parameters.find(path_name);
+      if (path != entry.parameters.end()) path->second *= share;
+    }
+  }
+  return shorter;
 }
 
 void settle_texture(Model& model) {

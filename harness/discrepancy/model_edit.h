@@ -24,6 +24,12 @@ bool of_one_kind(const std::string& a, const std::string& b);
 bool has_what_contains(const Model& model, const std::string& smaller);
 Model without_special_cases(const Model& model, const std::string& larger);
 
+// Whether friction turns over a path that is fitted.
+bool has_path(const Model& model);
+// The model with that path at a third and a tenth; none without a path. A tracker's noise makes a fit prefer a longer
+// one than the tip has.
+std::vector<Model> with_shorter_paths(const Model& model);
+
 // The same wave has many names: its direction is taken in [0, pi), its phase in [0, 2 pi).
 void settle_texture(Model& model);
 

@@ -41,10 +41,12 @@ double bar_above(const std::vector<double>& gains, double deviations) {
   if (gains.size() < 2) return 0.0;
   const double n = static_cast<double>(gains.size());
   double mean = 0.0;
-  for (const double gain : gains) mean += gain / n;
+  // What loses in a null world gains nothing there: how much it lost says nothing of how much it may gain.
+  const auto gained = [](double gain) { return std::max(0.0, gain); };
+  for (const double gain : gains) mean += gained(gain) / n;
   double squares = 0.0;
-  for (const double gain : gains) squares += (gain - mean) * (gain - mean);
-  return std::max(0.0, mean) + deviations * std::sqrt(squares / (n - 1.0));
+  for (const double gain : gains) squares += (gained(gain) - mean) * (gained(gain) - mean);
+  return mean + deviations * std::sqrt(squares / (n - 1.0));
 }
 
 }  // namespace touchstone

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "harness/discrepancy/model_edit.h"
 #include "harness/discrepancy/residual_views.h"
 #include "harness/discrepancy/whitened_regression.h"
 
@@ -49,6 +50,12 @@ std::vector<Eigen::MatrixXd> responses_of(const DetectorSide& side, const std::v
   return responses;
 }
 
+// Whitened residuals of both sides.
+struct Left {
+  Eigen::VectorXd train;
+  Eigen::VectorXd holdout;
+};
+
 struct Moments {
   double mean = 0.0;
   double deviation = 0.0;
@@ -92,8 +99,15 @@ Structure detect_structure(const DetectorSide& train, const DetectorSide& holdou
 
   const Eigen::VectorXd left = whitened_residual(train, train.recording->f_W_N, train_nominal.f_W_N);
   const Eigen::VectorXd held_out = whitened_residual(holdout, holdout.recording->f_W_N, holdout_nominal.f_W_N);
-  const Eigen::VectorXd likely_left = whitened_residual(train, train.recording->f_W_N, train_likely.f_W_N);
-  const Eigen::VectorXd likely_held_out = whitened_residual(holdout, holdout.recording->f_W_N, holdout_likely.f_W_N);
+  std::vector<Left> along_likely{{whitened_residual(train, train.recording->f_W_N, train_likely.f_W_N),
+                                  whitened_residual(holdout, holdout.recording->f_W_N, holdout_likely.f_W_N)}};
+  // Nor is it structure that friction turns late over a path that the noise has made too long.
+  for (const Model& shorter : with_shorter_paths(model)) {
+    along_likely.push_back(
+        {whitened_residual(train, train.recording->f_W_N, train.noise->likely_predictor().predict(shorter).f_W_N),
+         whitened_residual(holdout, holdout.recording->f_W_N,
+                           holdout.noise->likely_predictor().predict(shorter).f_W_N)});
+  }
 
   std::array<const Model*, worlds> fitted{};
   fitted.fill(&model);
@@ -126,7 +140,10 @@ Structure detect_structure(const DetectorSide& train, const DetectorSide& holdou
   for (std::size_t v = 0; v < train_views.size() && before > 0.0; ++v) {
     Structure structure;
     structure.view = train_views[v].name;
-    structure.gain = std::min(recorded.gain(v, left, held_out), likely.gain(v, likely_left, likely_held_out));
+    structure.gain = recorded.gain(v, left, held_out);
+    for (const Left& here : along_likely) {
+      structure.gain = std::min(structure.gain, likely.gain(v, here.train, here.holdout));
+    }
     structure.share = structure.gain / before;
     const Moments null = moments(null_shares[v], worlds);
     structure.bar = least_share + std::max(0.0, null.mean) + deviations * null.deviation;

@@ -44,7 +44,11 @@ std::string weakness(const SearchState& state, const Standing& standing, const T
   const bool shares = trial.holdout_gain >= settings.minimum_share * standing.holdout_chi_squared &&
                       removed >= settings.minimum_share * before;
   const double noticed_N = settings.just_noticeable_share * state.holdout_force_N;
-  if (!shares && !(removed >= noticed_N * noticed_N)) return "too small to matter";
+  const bool noticed = removed >= noticed_N * noticed_N;
+  // Few blocks see an effect of one place: it has little of the chi-squared of all, and all the same what removes more
+  // error than noise leaves matters.
+  const double noise_N = expected_noise_N(state.data->holdout, trial.fit.model);
+  if (!shares && !noticed && !(removed >= noise_N * noise_N)) return "too small to matter";
   for (const std::string& name : trial.effects()) {
     const NamedParameters& entry = *find_entry(trial.fit.model, name);
     if (surface_displacement_m(entry, state.data->train.recording->motion) <=

@@ -1,0 +1,32 @@
+#include "harness/discrepancy/model_edit.h"
+
+#include <gtest/gtest.h>
+
+namespace touchstone {
+namespace {
+
+TEST(ShorterPaths, AreOfEveryFrictionAndLeaveTheRest) {
+  Model model;
+  model.parameters["stiffness_N_per_m"] = 700.0;
+  EXPECT_FALSE(has_path(model));
+  EXPECT_TRUE(with_shorter_paths(model).empty());
+  model.effects.push_back({"normal-damping", {{"coefficient_N_s_per_m", 2.0}}, ""});
+  EXPECT_FALSE(has_path(model));
+  model.effects.push_back({"coulomb-friction", {{"mu_static", 0.4}, {"mu_dynamic", 0.4}, {"presliding_m", 2e-4}}, ""});
+  ASSERT_TRUE(has_path(model));
+  const auto shorter = with_shorter_paths(model);
+  ASSERT_EQ(shorter.size(), 2u);
+  double before_m = 2e-4;
+  for (const Model& one : shorter) {
+    const double path_m = one.effects[1].parameters.at("presliding_m");
+    EXPECT_LT(path_m, 0.5 * before_m);
+    EXPECT_GT(path_m, 0.0);
+    before_m = path_m;
+    EXPECT_EQ(one.effects[1].parameters.at("mu_dynamic"), 0.4);
+    EXPECT_EQ(one.effects[0].parameters, model.effects[0].parameters);
+    EXPECT_EQ(one.parameters, model.parameters);
+  }
+}
+
+}  // namespace
+}  // namespace touchstone
