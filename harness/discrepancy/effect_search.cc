@@ -214,6 +214,7 @@ class Search {
     result_.goodness = goodness.chi_squared;
     result_.null_goodness = goodness.null;
     result_.goodness_threshold = goodness.threshold;
+    result_.structured_threshold = goodness.structured_threshold;
     result_.noise_rms_N = goodness.noise_rms_N;
     const DetectorSide train{data_.train.recording, &goodness.train, data_.train.noise};
     const DetectorSide holdout{data_.holdout.recording, &goodness.holdout, data_.holdout.noise};

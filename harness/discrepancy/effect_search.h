@@ -41,6 +41,7 @@ struct SearchResult {
   double goodness = 0.0;  // held-out chi-squared per degree of freedom of `model` under its own noise; 1: only noise
   double null_goodness = 0.0;  // the same in the worst world where `model` is the truth
   double goodness_threshold = 0.0;
+  double structured_threshold = 0.0;
   Structure structure;  // of what `model` leaves
   std::optional<std::string> data_fault;
   double noise_rms_N = 0.0;  // 3-D force error that the noise model expects of `model` on the held-out samples

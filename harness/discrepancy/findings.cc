@@ -81,7 +81,7 @@ void conclude(Findings& findings, const std::vector<Candidate>& candidates) {
     if (alike.size() > 1) findings.ambiguous.push_back(std::move(alike));
   }
   const bool noise_left = search.goodness < search.goodness_threshold;
-  const bool structured = search.structure.found() && search.goodness > structured_goodness * search.null_goodness;
+  const bool structured = search.structure.found() && search.goodness > search.structured_threshold;
   if (search.data_fault) {
     findings.verdict = FindingsVerdict::unexplained;
     findings.explanation = fmt::format("The data seem to be wrong: {}. Nothing is named.", *search.data_fault);

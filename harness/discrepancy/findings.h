@@ -47,9 +47,6 @@ struct Findings {
   bool blocks_held_back = false;  // no second recording: blocks of the one were held out
 };
 
-// Structure counts only where the goodness exceeds, by this factor, that of the case's own null worlds.
-inline constexpr double structured_goodness = 1.3;
-
 // Fills verdict, explanation, parameters and ambiguous from `search` and the declared candidates.
 void conclude(Findings& findings, const std::vector<Candidate>& candidates);
 

@@ -10,18 +10,20 @@ namespace {
 struct Excess {
   double least;      // of chi-squared per degree of freedom, whatever the null worlds make
   double over_null;  // times the most that they make
+  double structured_over_null;
 };
-constexpr Excess smooth{1.5, 1.35};
-constexpr Excess dry_friction{2.0, 2.2};
+constexpr Excess smooth{1.5, 1.35, 1.1};
+constexpr Excess dry_friction{2.0, 2.2, 1.3};
 
 bool has_dry_friction(const Model& model) {
   const auto coefficient = model.parameters.find("mu_dynamic");
   return has_path(model) || (coefficient != model.parameters.end() && coefficient->second > 0.0);
 }
 
-double unexplained_threshold(const Model& model, double null_goodness) {
+void set_thresholds(const Model& model, Goodness& goodness) {
   const Excess& excess = has_dry_friction(model) ? dry_friction : smooth;
-  return std::max(excess.least, excess.over_null * null_goodness);
+  goodness.threshold = std::max(excess.least, excess.over_null * goodness.null);
+  goodness.structured_threshold = excess.structured_over_null * goodness.null;
 }
 
 // The blocks with the larger of the noise of both models.
@@ -57,13 +59,13 @@ Goodness judge_under(const Evidence& train, const Evidence& holdout, const Model
 
 Goodness judge_goodness(const Evidence& train, const Evidence& holdout, const Model& model, double window_s) {
   Goodness fitted = judge_under(train, holdout, model, model, window_s);
-  fitted.threshold = unexplained_threshold(model, fitted.null);
+  set_thresholds(model, fitted);
   if (fitted.chi_squared < fitted.threshold) return fitted;
   for (const Model& noisy : with_shorter_paths(model)) {
     Goodness shorter = judge_under(train, holdout, model, noisy, window_s);
     // The null worlds are another model's here: what they leave is no excuse for more.
     shorter.null = fitted.null;
-    shorter.threshold = fitted.threshold;
+    set_thresholds(model, shorter);
     if (shorter.chi_squared < shorter.threshold) return shorter;
   }
   return fitted;

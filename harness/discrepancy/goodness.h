@@ -17,6 +17,8 @@ struct Goodness {
   // which the model is the truth. They are few, and idealize: under dry friction a tip that sticks and slips with the
   // tracker's noise leaves up to twice of what they make, and it takes more there.
   double threshold = 0.0;
+  // What a flexible regression foretells (see structure_detector.h) counts where more than this is left.
+  double structured_threshold = 0.0;
   double noise_rms_N = 0.0;  // 3-D force error that noise leaves on the held-out samples
   FitData train;             // blocks under the noise that it was judged by
   FitData holdout;
