@@ -14,6 +14,7 @@
 #include "apps/commands.h"
 #include "apps/discrepancy/blind_follow.h"
 #include "apps/discrepancy/blind_score.h"
+#include "apps/discrepancy/blind_table.h"
 #include "apps/discrepancy/workflow.h"
 #include "harness/base/atomic_file.h"
 #include "harness/base/hash.h"

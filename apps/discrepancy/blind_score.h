@@ -40,13 +40,6 @@ struct BlindScore {
 std::vector<BlindScore> score_blind(const std::filesystem::path& answers, const std::filesystem::path& cases,
                                     const std::filesystem::path& results, const std::filesystem::path& again);
 
-// A table by set against its bar with 95 % intervals (Wilson 1927), then gap, parameters, how weak an effect is found,
-// and every failure.
-struct BlindTable {
-  std::string text;
-  bool met = false;  // every bar that has a case
-};
-BlindTable blind_table(const std::vector<BlindScore>& scores);
 std::string blind_json(const std::vector<BlindScore>& scores);
 
 }  // namespace touchstone::apps

@@ -1,4 +1,6 @@
 // A small fixed part of the blind test on every commit: made, searched and scored by the program as a user would.
+#include <fstream>
+
 #include "apps/discrepancy/sample_check.h"
 
 namespace touchstone::testing {
@@ -13,13 +15,17 @@ class Blind : public DiscrepancySamples {
     EXPECT_EQ(run(fmt::format("blind make --seed {} {} --first 1 --count 1 --out '{}'", seed, sets, place)), 0)
         << errors();
     EXPECT_EQ(run(fmt::format("blind run --cases '{0}/cases' --out '{0}/found'", place)), 0) << errors();
-    // Too few cases for the bars: the status is not asked for.
-    run(
-        fmt::format("blind score --answers '{0}/answers.json' --cases '{0}/cases' --results '{0}/found' --json "
-                    "'{0}/score.json'",
-                    place));
+    score();
     return nlohmann::json::parse(read_file(folder_ / "score.json"));
   }
+  // Its exit status; the table is in out.txt.
+  int score() const {
+    return run(
+        fmt::format("blind score --answers '{0}/answers.json' --cases '{0}/cases' --results '{0}/found' --json "
+                    "'{0}/score.json'",
+                    folder_.string()));
+  }
+  std::string table() const { return read_file(folder_ / "out.txt"); }
   std::string errors() const { return read_file(folder_ / "err.txt"); }
 };
 
@@ -31,6 +37,22 @@ TEST_F(Blind, ASmallPartIsRight) {
     if (one.at("closed").is_null() || one.at("expected").empty()) continue;
     EXPECT_GT(one.at("closed").get<double>(), 0.9) << one.dump(1);
   }
+}
+
+TEST_F(Blind, AWeightThatIsOffMissesItsBar) {
+  using ::testing::ContainsRegex;
+  const auto scored = blind("--set one", 2026);
+  ASSERT_EQ(scored.at("cases").size(), 1);
+  const std::string line = "parameters of weight, bias, [a-z, -]*: [0-9.]+ % \\(bar 2 %\\)  ";
+  EXPECT_THAT(table(), ContainsRegex(line + "met"));
+  const auto file = folder_ / "found" / scored.at("cases")[0].at("id").get<std::string>() / "findings.json";
+  auto findings = nlohmann::json::parse(read_file(file));
+  auto& mass = findings.at("effects").at(0).at("parameters").at(0);
+  ASSERT_EQ(mass.at("name"), "mass_kg");
+  mass["value"] = 1.1 * mass.at("value").get<double>();
+  std::ofstream(file) << findings;
+  EXPECT_EQ(score(), 1);
+  EXPECT_THAT(table(), ContainsRegex(line + "NOT MET"));
 }
 
 TEST_F(Blind, CasesAreTheSameForTheSameSeedAndTheirAnswersAreSealed) {
