@@ -211,14 +211,16 @@ BlindTable blind_table(const std::vector<BlindScore>& scores) {
                       with_interval(false_flags), judged(part(false_flags), part(false_flags) <= 0.05));
   text += fmt::format("{:56} bar at most 10 %  {}  {}\n", "effects named that are not there", with_interval(extra),
                       judged(part(extra), part(extra) <= 0.10));
-  const double median = quantile(closed, 0.5);
-  const double tenth = quantile(closed, 0.1);
-  const double least = quantile(closed, 0.0);
-  text += fmt::format(
-      "gap closed, held out: median {:.3f} (bar 0.97) {}, 10th percentile {:.3f} (bar 0.90) {}, least {:.3f} "
-      "(bar -0.02) {}\n",
-      median, judged(median, median >= 0.97), tenth, judged(tenth, tenth >= 0.90), least,
-      judged(least, least >= -0.02));
+  if (!closed.empty()) {
+    const double median = quantile(closed, 0.5);
+    const double tenth = quantile(closed, 0.1);
+    const double least = quantile(closed, 0.0);
+    text += fmt::format(
+        "gap closed, held out: median {:.3f} (bar 0.97) {}, 10th percentile {:.3f} (bar 0.90) {}, least {:.3f} "
+        "(bar -0.02) {}\n",
+        median, judged(median, median >= 0.97), tenth, judged(tenth, tenth >= 0.90), least,
+        judged(least, least >= -0.02));
+  }
   text += fmt::format("parameters inside their 95 % interval: bar 88 %  {}  {}\n", with_interval(inside),
                       judged(part(inside), part(inside) >= 0.88));
   for (const ParameterBar& bar : parameter_bars) {
