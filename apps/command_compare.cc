@@ -2,6 +2,7 @@
 
 #include "apps/commands.h"
 #include "harness/base/atomic_file.h"
+#include "harness/base/freed_memory.h"
 #include "harness/baseline/column_file.h"
 #include "harness/baseline/comparison_report.h"
 #include "harness/baseline/error_regimes.h"
@@ -15,6 +16,7 @@ struct Options {
 };
 
 ExitStatus compare_command(const Options& options) {
+  take_memory_in_huge_pages(std::size_t{16} << 20);
   const Tolerance tolerance = options.tolerance.empty() ? default_tolerance() : load_tolerance(options.tolerance);
   const auto [expected, obtained] = load_columns(options.expected, options.obtained);
   const Comparison comparison = compare(expected, obtained, tolerance);

@@ -7,8 +7,6 @@ macro(touchstone_find_library_of_room library)
     find_dependency(fmt)
   elseif("${library}" STREQUAL "nlohmann_json::nlohmann_json")
     find_dependency(nlohmann_json)
-  elseif("${library}" STREQUAL "OpenSSL::Crypto")
-    find_dependency(OpenSSL COMPONENTS Crypto)
   elseif("${library}" STREQUAL "hdf5::hdf5")
     # FindHDF5 tries the C compiler.
     enable_language(C)

@@ -1,7 +1,9 @@
 #include "harness/base/hash.h"
 
+#include <dlfcn.h>
 #include <fmt/format.h>
 #include <openssl/evp.h>
+#include <openssl/opensslv.h>
 
 #include <array>
 #include <fstream>
@@ -13,20 +15,72 @@
 namespace touchstone {
 namespace {
 
+#define TOUCHSTONE_TEXT_OF(number) TOUCHSTONE_TEXT(number)
+#define TOUCHSTONE_TEXT(number) #number
+constexpr const char* libcrypto = "libcrypto.so." TOUCHSTONE_TEXT_OF(OPENSSL_SHLIB_VERSION);
+
+// Loaded at the first hash: linked, it would take a quarter of the time in which the program starts.
+class Crypto {
+ public:
+  static const Crypto& library() {
+    static const Crypto crypto;
+    return crypto;
+  }
+  decltype(&EVP_MD_CTX_new) context_new = nullptr;
+  decltype(&EVP_MD_CTX_free) context_free = nullptr;
+  decltype(&EVP_sha256) sha256 = nullptr;
+  decltype(&EVP_DigestInit_ex) init = nullptr;
+  decltype(&EVP_DigestUpdate) update = nullptr;
+  decltype(&EVP_DigestFinal_ex) finish = nullptr;
+
+ private:
+  Crypto() : handle_(::dlopen(libcrypto, RTLD_NOW | RTLD_LOCAL)) {
+    if (handle_ == nullptr) {
+      throw BadData(
+          fmt::format("{}, which makes checksums of files, cannot be loaded ({}); install it (Debian: libssl3)",
+                      libcrypto, ::dlerror()));
+    }
+    find(context_new, "EVP_MD_CTX_new");
+    find(context_free, "EVP_MD_CTX_free");
+    find(sha256, "EVP_sha256");
+    find(init, "EVP_DigestInit_ex");
+    find(update, "EVP_DigestUpdate");
+    find(finish, "EVP_DigestFinal_ex");
+  }
+  template <typename Function>
+  void find(Function& function, const char* name) const {
+    function = reinterpret_cast<Function>(::dlsym(handle_, name));
+    if (function == nullptr) {
+      throw BadData(fmt::format("{} has no function {}; its version is not known", libcrypto, name));
+    }
+  }
+
+  void* handle_;  // stays loaded
+};
+
 class Sha256 {
  public:
-  Sha256() : context_(EVP_MD_CTX_new(), &EVP_MD_CTX_free) { EVP_DigestInit_ex(context_.get(), EVP_sha256(), nullptr); }
-  void add(const void* data, std::size_t size) { EVP_DigestUpdate(context_.get(), data, size); }
+  Sha256() : context_(crypto_.context_new(), crypto_.context_free) {
+    if (!context_ || crypto_.init(context_.get(), crypto_.sha256(), nullptr) != 1) failed();
+  }
+  void add(const void* data, std::size_t size) {
+    if (crypto_.update(context_.get(), data, size) != 1) failed();
+  }
   std::string hex() {
     std::array<unsigned char, EVP_MAX_MD_SIZE> digest{};
     unsigned int size = 0;
-    EVP_DigestFinal_ex(context_.get(), digest.data(), &size);
+    if (crypto_.finish(context_.get(), digest.data(), &size) != 1) failed();
     std::string text;
     for (unsigned int i = 0; i < size; ++i) text += fmt::format("{:02x}", digest[i]);
     return text;
   }
 
  private:
+  [[noreturn]] static void failed() {
+    throw BadData(fmt::format("{} cannot make a SHA-256 checksum; is it whole?", libcrypto));
+  }
+
+  const Crypto& crypto_ = Crypto::library();
   std::unique_ptr<EVP_MD_CTX, decltype(&EVP_MD_CTX_free)> context_;
 };
 

@@ -3,7 +3,10 @@
 
 #include <gtest/gtest.h>
 
+#include <future>
 #include <numeric>
+
+#include "harness/base/freed_memory.h"
 
 namespace touchstone {
 namespace {
@@ -20,6 +23,24 @@ TEST(HugePages, ArraysKeepWhatTheyHoldAndTakeWhatTheyShall) {
     std::iota(array.begin(), array.end(), 0.0);
     EXPECT_EQ(array.back(), static_cast<double>(array.size() - 1));
   }
+}
+
+TEST(HugePages, MemoryTakenInThemServesAllThreadsAndMoreThanWasAskedFor) {
+  take_memory_in_huge_pages(std::size_t{4} << 20);
+  const auto fill = [](std::size_t count) {
+    std::vector<std::vector<std::size_t>> arrays(100);
+    for (auto& array : arrays) {
+      array.resize(count);
+      std::iota(array.begin(), array.end(), count);
+    }
+    for (const auto& array : arrays) {
+      if (array.back() != 2 * count - 1) return false;
+    }
+    return true;
+  };
+  auto other = std::async(std::launch::async, fill, 20001);
+  EXPECT_TRUE(fill(30001));
+  EXPECT_TRUE(other.get());
 }
 
 }  // namespace

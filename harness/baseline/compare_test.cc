@@ -51,6 +51,35 @@ Verdict verdict_of(const TrajectoryColumns& golden, const TrajectoryColumns& obt
   return compare(golden, obtained, tolerance).verdict;
 }
 
+// Rows are looked at many at a time: whatever the row and the length, the one that differs is found, and one that is
+// not finite.
+TEST(Compare, OneRowThatDiffersIsFoundWhereverItStands) {
+  for (const std::size_t rows : {1U, 7U, 8U, 255U, 256U, 257U, 1000U}) {
+    const auto golden = strokes(rows);
+    for (std::size_t row = 0; row < rows; ++row) {
+      auto other = golden;
+      column(other, "fy")[row] += 1.0;
+      const auto result = compare(golden, other, default_tolerance());
+      const GroupResult& force = *result.find("force");
+      ASSERT_EQ(result.verdict, Verdict::worse) << row << " of " << rows;
+      ASSERT_EQ(result.drift, 1U) << row << " of " << rows;
+      ASSERT_EQ(force.worst_row, row) << "of " << rows;
+      ASSERT_EQ(force.max, 1.0) << row << " of " << rows;
+      ASSERT_EQ(force.p99, rows <= 99 ? 1.0 : 0.0) << row << " of " << rows;
+      double peak = 0.0;
+      for (std::size_t i = 0; i < rows; ++i)
+        peak = std::max(peak, std::hypot(column(other, "fx")[i], golden.find("fy")->at(i), column(other, "fz")[i]));
+      ASSERT_NEAR(force.peak, peak, 1e-15) << rows;
+      for (const double value : {nan, std::numeric_limits<double>::infinity()}) {
+        column(other, "fy")[row] = value;
+        const auto refused = compare(golden, other, default_tolerance());
+        ASSERT_EQ(refused.verdict, Verdict::invalid) << row << " of " << rows;
+        ASSERT_TRUE(refused.bad_data);
+      }
+    }
+  }
+}
+
 TEST(Compare, IdenticalIsEqualWithoutDriftAndUsesNothingOfTheTolerance) {
   const auto golden = strokes(1000);
   const auto result = compare(golden, golden, default_tolerance());

@@ -4,10 +4,10 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cstdint>
 #include <cstring>
 
+#include "harness/recording/hdf5_filters.h"
 #include "harness/recording/hdf5_handle.h"
 
 namespace touchstone {
@@ -20,30 +20,6 @@ constexpr unsigned without_deflate = 2;
 constexpr unsigned without_checksum = 4;
 constexpr std::size_t checksum_bytes = 4;
 
-// Fletcher's sum over big-endian 16-bit words, as HDF5 computes it.
-std::uint32_t fletcher32(std::span<const unsigned char> bytes) {
-  constexpr std::size_t words_without_overflow = 360;
-  std::uint32_t low = 0;
-  std::uint32_t high = 0;
-  const auto fold = [](std::uint32_t sum) { return (sum & 0xffffU) + (sum >> 16U); };
-  const unsigned char* at = bytes.data();
-  for (std::size_t words = bytes.size() / 2; words > 0;) {
-    const std::size_t block = std::min(words, words_without_overflow);
-    for (std::size_t i = 0; i < block; ++i, at += 2) {
-      low += (std::uint32_t{at[0]} << 8U) | at[1];
-      high += low;
-    }
-    low = fold(low);
-    high = fold(high);
-    words -= block;
-  }
-  if (bytes.size() % 2 == 1) {
-    low = fold(low + (std::uint32_t{*at} << 8U));
-    high = fold(high + low);
-  }
-  return (fold(high) << 16U) | fold(low);
-}
-
 // What is left of the stored bytes after the checksum at their end, which must be theirs.
 std::optional<std::span<const unsigned char>> without_sum(std::span<const unsigned char> stored) {
   if (stored.size() < checksum_bytes) return std::nullopt;
@@ -51,57 +27,6 @@ std::optional<std::span<const unsigned char>> without_sum(std::span<const unsign
   std::uint32_t sum = 0;
   for (std::size_t i = 0; i < checksum_bytes; ++i) sum |= std::uint32_t{stored[body.size() + i]} << (8 * i);
   return sum == fletcher32(body) ? std::optional(body) : std::nullopt;
-}
-
-std::uint64_t eight_bytes(const unsigned char* bytes) {
-  std::uint64_t word = 0;
-  std::memcpy(&word, bytes, sizeof word);
-  return word;
-}
-
-// Swaps the two off-diagonal blocks of each pair of words.
-template <unsigned Bits>
-inline void swap_blocks(std::uint64_t& upper, std::uint64_t& lower, std::uint64_t mask) {
-  const std::uint64_t other = ((upper >> Bits) ^ lower) & mask;
-  lower ^= other;
-  upper ^= other << Bits;
-}
-
-// Warren, Hacker's Delight, section 7-3, for bytes.
-inline void transpose(std::array<std::uint64_t, 8>& r) {
-  constexpr std::uint64_t quarters = 0x00000000ffffffffU;
-  constexpr std::uint64_t pairs = 0x0000ffff0000ffffU;
-  constexpr std::uint64_t single = 0x00ff00ff00ff00ffU;
-  swap_blocks<32>(r[0], r[4], quarters);
-  swap_blocks<32>(r[1], r[5], quarters);
-  swap_blocks<32>(r[2], r[6], quarters);
-  swap_blocks<32>(r[3], r[7], quarters);
-  swap_blocks<16>(r[0], r[2], pairs);
-  swap_blocks<16>(r[1], r[3], pairs);
-  swap_blocks<16>(r[4], r[6], pairs);
-  swap_blocks<16>(r[5], r[7], pairs);
-  swap_blocks<8>(r[0], r[1], single);
-  swap_blocks<8>(r[2], r[3], single);
-  swap_blocks<8>(r[4], r[5], single);
-  swap_blocks<8>(r[6], r[7], single);
-}
-
-// The i-th byte of every value stands in the i-th of eight rows of `count` bytes: takes `to.size()` values from the
-// `first` on, eight at a time.
-void unshuffle(const unsigned char* bytes, std::size_t count, std::size_t first, std::span<double> to) {
-  static_assert(std::endian::native == std::endian::little);
-  std::size_t done = 0;
-  for (; done + 8 <= to.size(); done += 8) {
-    std::array<std::uint64_t, 8> rows{};
-    for (std::size_t i = 0; i < rows.size(); ++i) rows[i] = eight_bytes(bytes + i * count + first + done);
-    transpose(rows);
-    std::memcpy(&to[done], rows.data(), sizeof rows);
-  }
-  for (; done < to.size(); ++done) {
-    std::uint64_t bits = 0;
-    for (std::size_t i = 0; i < sizeof bits; ++i) bits |= std::uint64_t{bytes[i * count + first + done]} << (8 * i);
-    to[done] = std::bit_cast<double>(bits);
-  }
 }
 
 }  // namespace

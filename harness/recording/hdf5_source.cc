@@ -32,9 +32,11 @@ herr_t add_link(hid_t, const char* name, const H5L_info_t* info, void* data) {
 
 class Hdf5Source final : public TableSource {
  public:
-  explicit Hdf5Source(const std::filesystem::path& path) : name_(path.string()) {
+  // `file`: this file where it is open already.
+  explicit Hdf5Source(const std::filesystem::path& path, Hdf5File file = {})
+      : name_(path.string()), file_(std::move(file)) {
     const Hdf5Quiet quiet;
-    file_ = Hdf5File(H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT));
+    if (!file_) file_ = Hdf5File(H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT));
     if (!file_) {
       throw BadData(
           fmt::format("{}: cannot be read as HDF5: {}; is it complete, and HDF5 at all?", name_, hdf5_reason()));
@@ -205,21 +207,24 @@ bool checksummed_object(hid_t file, const char* name) {
          info.hdr.version >= 2 && info.meta_size.obj.heap_size == 0 && info.meta_size.attr.heap_size == 0;
 }
 
-// Every structure and value that the library would follow has a checksum, as in all files that Touchstone writes: then
-// damage is noticed, and no child needs to try the file first.
-bool all_checksummed(const std::filesystem::path& path) {
-  if (!structures_are_checksummed(path)) return false;
+// Opened only if every structure and value that the library would follow has a checksum, as in all files that
+// Touchstone writes: then damage is noticed, and no child needs to try the file first.
+Hdf5File open_if_checksummed(const std::filesystem::path& path) {
+  if (!structures_are_checksummed(path)) return {};
   const Hdf5Quiet quiet;
-  const Hdf5File file(H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT));
+  Hdf5File file(H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT));
   Links links;
   hsize_t at = 0;
-  return file && checksummed_object(file.get(), "/") &&
-         H5Literate(file.get(), H5_INDEX_NAME, H5_ITER_INC, &at, add_link, &links) >= 0 && links.refused.empty() &&
-         links.names.size() <= most_links && std::ranges::all_of(links.names, [&](const std::string& name) {
-           if (!checksummed_object(file.get(), name.c_str())) return false;
-           const Hdf5Dataset dataset(H5Dopen2(file.get(), name.c_str(), H5P_DEFAULT));
-           return dataset && checksummed_chunks(dataset.get());
-         });
+  const bool all = file && checksummed_object(file.get(), "/") &&
+                   H5Literate(file.get(), H5_INDEX_NAME, H5_ITER_INC, &at, add_link, &links) >= 0 &&
+                   links.refused.empty() && links.names.size() <= most_links &&
+                   std::ranges::all_of(links.names, [&](const std::string& name) {
+                     if (!checksummed_object(file.get(), name.c_str())) return false;
+                     const Hdf5Dataset dataset(H5Dopen2(file.get(), name.c_str(), H5P_DEFAULT));
+                     return dataset && checksummed_chunks(dataset.get());
+                   });
+  if (!all) file.close();
+  return file;
 }
 
 // Opens everything, and reads what can be stored: deflate shrinks at most 1032 to 1, so what a file declares beyond
@@ -243,10 +248,11 @@ void try_to_read(const std::filesystem::path& path) {
 std::unique_ptr<TableSource> open_hdf5_source(const std::filesystem::path& path) {
   // A child that is forked while another thread is in the library would find it locked for ever.
   const Hdf5Quiet quiet;
-  if (!all_checksummed(path) && try_in_child([&] { try_to_read(path); }) == Trial::crashed) {
+  Hdf5File file = open_if_checksummed(path);
+  if (!file && try_in_child([&] { try_to_read(path); }) == Trial::crashed) {
     throw BadData(fmt::format("{}: is damaged: the HDF5 library crashes on it", path.string()));
   }
-  return std::make_unique<Hdf5Source>(path);
+  return std::make_unique<Hdf5Source>(path, std::move(file));
 }
 
 }  // namespace touchstone
