@@ -10,6 +10,8 @@
 #include "harness/recording/trajectory.h"
 #include "harness/rendering/model.h"
 #include "harness/surface/surface.h"
+#include "synthetic/instruments/force_sensor.h"
+#include "synthetic/instruments/tracker.h"
 
 namespace touchstone::experiments {
 
@@ -24,10 +26,17 @@ struct BodyScan {
   double tip_radius_m = 0.0;
   double stiffness_N_per_m = 0.0;  // of the virtual probe, the paper's 0.5 N/mm
   double true_mu = 0.0;            // hidden from the renderers, for the answer
+  synthetic::ForceSensor sensor;   // what is known of the instruments
+  synthetic::Tracker tracker;
 };
 
 // `mu`: the body's friction.
 BodyScan make_body_scan(std::uint64_t seed, double mu);
+
+// What the instruments would have recorded had the tip been where `recording` has it, and felt what it has there: their
+// errors a second time, drawn anew.
+Recording measured_again(const Recording& recording, const synthetic::ForceSensor& sensor,
+                         const synthetic::Tracker& tracker, std::uint64_t seed);
 
 // The samples in contact of one part of a scan.
 struct ForceError {

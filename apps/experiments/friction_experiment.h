@@ -24,10 +24,28 @@ struct FrictionAtStiffness {
   ForceError without, with;  // on the second
 };
 
+// What the two fits and the instruments' known errors say together.
+//  - A probe of stiffness k is held back by mu F / k, so that what it finds is off by a part that goes with 1 / k: of
+//    two probes the linear extrapolation to 1 / k = 0 (Richardson 1911) is free of it.
+//  - Errors of positions turn the direction of motion, and friction along a wrong direction looks like less of it. The
+//    scan is measured again and again with the instruments' errors added a second time; the mean of what is found then
+//    is off twice as far, and the line through both is followed back to no errors: simulation extrapolation (Cook and
+//    Stefanski 1994).
+//  - The spread of those is that of the estimate as far as the instruments make it (parametric bootstrap: Efron and
+//    Tibshirani 1993, section 6.5); the mean of so many adds its own.
+struct FrictionEstimate {
+  double rigid_mu = 0.0;     // extrapolated to a rigid probe
+  double again_mu = 0.0;     // the same, on average over the scans measured again
+  std::size_t measured = 0;  // how many they are
+  double mu = 0.0;           // 2 rigid_mu - again_mu
+  double standard_error = 0.0;
+};
+
 struct FrictionFit {
   std::uint64_t seed = 0;
   double true_mu = 0.0;
   FrictionAtStiffness soft, stiff;
+  FrictionEstimate estimate;
 };
 
 // The same on a recording of a soft real object, pressed at its measured positions: stiffness and coefficient fitted on
@@ -54,6 +72,13 @@ struct PublishedFriction {
   static constexpr double without_flops = 10.4e6;
   static constexpr double with_flops = 10.8e6;
 };
+
+inline constexpr std::size_t kMeasuredAgain = 10;
+
+// `soft_mu` and `stiff_mu`: found by probes of kSoftProbe_N_per_m and kStiffProbe_N_per_m.
+double of_a_rigid_probe(double soft_mu, double stiff_mu);
+// `again_mu`: what the scans measured again gave, each extrapolated to a rigid probe; at least two.
+FrictionEstimate friction_estimate(double rigid_mu, const std::vector<double>& again_mu);
 
 FrictionFit fit_friction(std::uint64_t seed, double true_mu);
 // `surface`: the surface of zero force of the recorded point, in metres.

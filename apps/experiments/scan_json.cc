@@ -37,7 +37,15 @@ std::string friction_to_json(const FrictionExperiment& e) {
                         {"with", to_json(own->with)},
                         {"curve", {{"mu", own->mu}, {"mean_N", own->mean_error_N}}}});
     }
-    document["fits"].push_back({{"seed", fit.seed}, {"true_mu", fit.true_mu}, {"probes", probes}});
+    document["fits"].push_back({{"seed", fit.seed},
+                                {"true_mu", fit.true_mu},
+                                {"probes", probes},
+                                {"estimate",
+                                 {{"mu", fit.estimate.mu},
+                                  {"standard_error", fit.estimate.standard_error},
+                                  {"rigid_mu", fit.estimate.rigid_mu},
+                                  {"again_mu", fit.estimate.again_mu},
+                                  {"measured_again", fit.estimate.measured}}}});
   }
   document["real"] = Json::array();
   for (const auto& own : e.real) {
@@ -87,6 +95,12 @@ FrictionExperiment friction_from_json(const std::string& text) {
         probe.at("curve").at("mu").get_to(own->mu);
         probe.at("curve").at("mean_N").get_to(own->mean_error_N);
       }
+      const Json& estimate = one.at("estimate");
+      estimate.at("mu").get_to(fit.estimate.mu);
+      estimate.at("standard_error").get_to(fit.estimate.standard_error);
+      estimate.at("rigid_mu").get_to(fit.estimate.rigid_mu);
+      estimate.at("again_mu").get_to(fit.estimate.again_mu);
+      estimate.at("measured_again").get_to(fit.estimate.measured);
       e.fits.push_back(std::move(fit));
     }
     for (const Json& one : document.at("real")) {

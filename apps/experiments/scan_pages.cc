@@ -52,6 +52,21 @@ Rows friction_rows(const FrictionExperiment& e) {
   return rows;
 }
 
+Rows friction_estimate_rows(const FrictionExperiment& e) {
+  Rows rows{{"", "true mu", "by 500 N/m", "by 5000 N/m", "rigid probe", "with the errors twice", "estimate",
+             "standard error", "off", "standard error / mu"}};
+  for (const auto& fit : e.fits) {
+    const FrictionEstimate& own = fit.estimate;
+    rows.push_back({fmt::format("scan {}", fit.seed), fmt::format("{:.3f}", fit.true_mu),
+                    fmt::format("{:.4f}", fit.soft.fitted_mu), fmt::format("{:.4f}", fit.stiff.fitted_mu),
+                    fmt::format("{:.4f}", own.rigid_mu), fmt::format("{:.4f}", own.again_mu),
+                    fmt::format("{:.4f}", own.mu), fmt::format("{:.4f}", own.standard_error),
+                    fmt::format("{:+.2f} %", 100.0 * (own.mu / fit.true_mu - 1.0)),
+                    fmt::format("{:.2f} %", 100.0 * own.standard_error / own.mu)});
+  }
+  return rows;
+}
+
 Rows real_friction_rows(const FrictionExperiment& e) {
   Rows rows{{"mesh continued by", "fitted stiffness [N/m]", "fitted mu", "without [N]", "with [N]", "left"}};
   for (const RealFrictionFit& own : e.real) {
@@ -98,7 +113,9 @@ Line density_line(const DensityExperiment& e, std::string name, double (*value)(
 }  // namespace
 
 std::string friction_table(const FrictionExperiment& e) {
-  std::string text = "Mean force error (their equation 3) on the half not fitted\n" + align_columns(friction_rows(e));
+  std::string text = "Mean force error (their equation 3) on the half not fitted\n" + align_columns(friction_rows(e)) +
+                     "Coefficient estimated from both probes and the instruments' known errors\n" +
+                     align_columns(friction_estimate_rows(e));
   if (!e.real.empty())
     text += "Real recording: RMS force error on the blocks not fitted\n" + align_columns(real_friction_rows(e));
   return text + findings_text(friction_findings(e));
@@ -130,6 +147,16 @@ Page friction_page(const FrictionExperiment& e, const Provenance& provenance) {
   }
   table.blocks.emplace_back(std::move(plot));
   page.sections.push_back(std::move(table));
+  Section estimate{
+      "The coefficient",
+      fmt::format("Two probes extrapolated to a rigid one (Richardson 1911); then {} times measured again "
+                  "with the instruments' errors added a second time, and followed back to none (simulation "
+                  "extrapolation: Cook and Stefanski 1994). The standard error is their spread.",
+                  kMeasuredAgain),
+      {},
+      false};
+  estimate.blocks.emplace_back(table_of(friction_estimate_rows(e), "Coefficient estimated"));
+  page.sections.push_back(std::move(estimate));
   if (!e.real.empty()) {
     Section real{"A real recording",
                  fmt::format("Stiffness and coefficient fitted on every other {:g} s of the recording, at the measured "

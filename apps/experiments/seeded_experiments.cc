@@ -72,6 +72,7 @@ std::vector<double> friction_numbers(const FrictionExperiment& e) {
   for (const FrictionFit& fit : e.fits) {
     for (const FrictionAtStiffness* const probe : {&fit.soft, &fit.stiff})
       append<double>(values, {probe->fitted_mu, probe->without.mean_N, probe->with.mean_N});
+    append<double>(values, {fit.estimate.mu, fit.estimate.standard_error});
   }
   return values;
 }
@@ -117,6 +118,8 @@ SeededExperiment seeded_friction(std::uint64_t first_seed, std::uint64_t seeds) 
       for (const char* const value : {"fitted mu", "without [N]", "with [N]"})
         own.values.push_back(fmt::format("mu {:.2f}, probe of {:.0f} N/m: {}", mu, stiffness, value));
     }
+    for (const char* const value : {"estimated mu", "standard error"})
+      own.values.push_back(fmt::format("mu {:.2f}: {}", mu, value));
   }
   own.findings = statements(friction_findings({}));
   own.words = words("friction", first_seed, seeds);
