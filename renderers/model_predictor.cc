@@ -158,7 +158,7 @@ class ModelPredictor final : public Predictor {
     for (std::size_t i = 0; i < n; ++i) {
       StepResult step = trace.steps[i];
       step.f_W_N *= scale;
-      if (effects) step = effects->act(trace.tips[i], step);
+      if (effects) effects->act(trace.tips[i], step);
       prediction.f_W_N[i] = step.f_W_N;
       // A free step of the trace may carry the normal of the nearest surface: only contact has one here.
       prediction.n_W[i] = step.contact ? step.n_W : Vec3(Vec3::Zero());

@@ -57,8 +57,8 @@ void EffectChain::fill_contact(const TipState& tip, const StepResult& base) noex
   }
 }
 
-StepResult EffectChain::act(const TipState& tip, const StepResult& base) noexcept {
-  fill_contact(tip, base);
+void EffectChain::act(const TipState& tip, StepResult& result) noexcept {
+  fill_contact(tip, result);
 
   auto next = effects_.begin();
   const auto run = [&](EffectPhase phase) {
@@ -85,11 +85,15 @@ StepResult EffectChain::act(const TipState& tip, const StepResult& base) noexcep
   was_contact_ = state_.contact;
   last_depth_m_ = state_.depth_m;
 
-  StepResult result = base;
   result.contact = state_.contact;
   result.n_W = state_.contact || state_.adhesion_N > 0.0 ? state_.n_W : Vec3(Vec3::Zero());
   result.depth_m = std::max(state_.depth_m, 0.0);
   result.f_W_N = (state_.normal_force_N - state_.adhesion_N) * result.n_W + state_.tangential_W_N;
+}
+
+StepResult EffectStack::do_step(const TipState& tip) noexcept {
+  StepResult result = base_->step(tip);
+  if (result.status != StepStatus::failed) effects_.act(tip, result);
   return result;
 }
 

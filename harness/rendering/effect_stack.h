@@ -28,8 +28,8 @@ class EffectChain {
   EffectChain(std::vector<StackedEffect> effects, std::shared_ptr<const Surface> surface, double offset_m,
               double nominal_stiffness_N_per_m);
   void reset();
-  // What the base answered at this tip, with the effects. Steps in their order.
-  StepResult act(const TipState& tip, const StepResult& base) noexcept;
+  // Turns what the base answered at this tip into what it is with the effects. Steps in their order.
+  void act(const TipState& tip, StepResult& result) noexcept;
 
  private:
   void fill_contact(const TipState& tip, const StepResult& base) noexcept;
@@ -60,10 +60,8 @@ class EffectStack final : public Renderer {
     base_->reset();
     effects_.reset();
   }
-  StepResult do_step(const TipState& tip) noexcept override {
-    const StepResult base = base_->step(tip);
-    return base.status == StepStatus::failed ? base : effects_.act(tip, base);
-  }
+  // Not here, where compilers would put it into every loop over steps, which then ask each renderer whether it is this.
+  StepResult do_step(const TipState& tip) noexcept override;
   [[nodiscard]] std::string do_failure() const override { return base_->failure(); }
 
  private:
