@@ -202,6 +202,7 @@ std::string findings_to_json(const Findings& findings, const std::string& trajec
     for (const Trial& trial : step.trials) {
       trials.push_back({{"name", trial.title()},
                         {"train_gain", number(trial.train_gain)},
+                        {"train_error", number(trial.train_error)},
                         {"holdout_gain", number(trial.holdout_gain)},
                         {"holdout_error", number(trial.holdout_error)},
                         {"bar", number(trial.null_bar)},

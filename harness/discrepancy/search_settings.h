@@ -8,8 +8,9 @@ namespace touchstone {
 struct SearchSettings {
   double minimum_gain =
       60.0;  // of chi-squared, held-out and training: far beyond what noise gives a handful of parameters
-  double minimum_share = 0.08;  // of the held-out chi-squared and of the held-out mean-square error that must go
-  double gain_errors = 1.64;    // the held-out gain exceeds so many of its standard errors by runs of blocks
+  double minimum_share = 0.08;    // of the held-out chi-squared and of the held-out mean-square error that must go
+  double gain_errors = 1.64;      // the held-out gain exceeds so many of its standard errors by runs of blocks
+  double both_gain_errors = 3.0;  // or the gains of both recordings together so many of theirs
   double just_noticeable_share = 0.07;  // of the force: what removes more error than a hand can notice matters always
                                         // (Weber fraction of force, Jones 1989)
   double mesh_margin = 1.25;            // a displaced surface must exceed the mesh's declared error by so much

@@ -17,8 +17,9 @@ std::string Trial::title() const { return partner.empty() ? name : name + " and 
 
 Standing standing_of(const SearchState& state) {
   Standing standing;
-  standing.train_chi_squared = chi_squared(state.train, state.current.model);
+  standing.train_blocks = block_chi_squared(state.train, state.current.model);
   standing.holdout_blocks = block_chi_squared(state.holdout, state.current.model);
+  standing.train_chi_squared = std::accumulate(standing.train_blocks.begin(), standing.train_blocks.end(), 0.0);
   standing.holdout_chi_squared = std::accumulate(standing.holdout_blocks.begin(), standing.holdout_blocks.end(), 0.0);
   standing.holdout_rms_N = state.holdout_rms_N(state.current.model);
   return standing;
@@ -26,7 +27,8 @@ Standing standing_of(const SearchState& state) {
 
 void score(const SearchState& state, const Standing& standing, Trial& trial) {
   const Model& model = trial.fit.model;
-  trial.train_gain = standing.train_chi_squared - trial.fit.chi_squared;
+  std::tie(trial.train_gain, trial.train_error) =
+      paired_difference(standing.train_blocks, block_chi_squared(state.train, model));
   std::tie(trial.holdout_gain, trial.holdout_error) =
       paired_difference(standing.holdout_blocks, block_chi_squared(state.holdout, model));
   trial.holdout_rms_N = state.holdout_rms_N(model);

@@ -17,8 +17,9 @@ struct Trial {
   JointFit fit;
   std::vector<FreeParameter> parameters;  // free in it
   double train_gain = 0.0;                // of chi-squared against the model without it
+  double train_error = 0.0;               // standard error of that gain, by runs of blocks
   double holdout_gain = 0.0;
-  double holdout_error = 0.0;  // standard error of that gain, by runs of blocks
+  double holdout_error = 0.0;
   double deviance = 0.0;       // held out, with what this trial leaves counted as noise: the least is the best
   double holdout_rms_N = 0.0;  // of the 3-D force error, held-out samples
   double null_bar = 0.0;       // of the held-out gain, from the case's own nulls; 0 where they were not needed
@@ -30,8 +31,9 @@ struct Trial {
 
 // How the model that a step starts from does.
 struct Standing {
+  std::vector<double> train_blocks;  // chi-squared of each
+  std::vector<double> holdout_blocks;
   double train_chi_squared = 0.0;
-  std::vector<double> holdout_blocks;  // chi-squared of each
   double holdout_chi_squared = 0.0;
   double holdout_rms_N = 0.0;
 };

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "harness/discrepancy/along_likely.h"
 #include "harness/discrepancy/parameter_intervals.h"
@@ -36,7 +37,10 @@ std::string weakness(const SearchState& state, const Standing& standing, const T
   const SearchSettings& settings = *state.settings;
   if (!(trial.train_gain >= settings.minimum_gain)) return "no more than noise on the training blocks";
   if (!(trial.holdout_gain >= settings.minimum_gain)) return "no more than noise on the held-out blocks";
-  if (trial.holdout_gain < settings.gain_errors * trial.holdout_error) {
+  // What acts in a few moments alone, such as a lag, gains in a few blocks, but in those of both recordings.
+  const double both = trial.train_gain + trial.holdout_gain;
+  if (trial.holdout_gain < settings.gain_errors * trial.holdout_error &&
+      both < settings.both_gain_errors * std::hypot(trial.train_error, trial.holdout_error)) {
     return "its gain comes from a few held-out blocks alone";
   }
   const double before = standing.holdout_rms_N * standing.holdout_rms_N;
