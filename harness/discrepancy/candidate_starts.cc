@@ -162,9 +162,12 @@ CandidateFit relaxation(const Context& c) {
 }
 
 CandidateFit tip_radius(const Context& c) {
-  CandidateFit fit{Side::contact,
-                   {log_parameter(c.candidate.name, "radius_m", 1e-3 * c.scales.extent_m(), c.scales.extent_m())},
-                   {}};
+  // A larger one hardly fits between two places of the scan; and it meets ever more of the mesh, which is dear.
+  constexpr double largest = 0.25;
+  CandidateFit fit{
+      Side::contact,
+      {log_parameter(c.candidate.name, "radius_m", 1e-3 * c.scales.extent_m(), largest * c.scales.extent_m())},
+      {}};
   for (const double share : {0.02, 0.06}) fit.starts.push_back(entry(c, {{"radius_m", share * c.scales.extent_m()}}));
   if (c.scales.touching_apart > much_apart) {  // as for a registration
     for (const double share : {0.7, 1.5}) fit.starts.push_back(entry(c, {{"radius_m", share * c.scales.depth_m}}));

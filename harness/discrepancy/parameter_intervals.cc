@@ -92,9 +92,9 @@ Interval interval95(const JointFit& fit, const std::vector<FreeParameter>& param
   return {scale.from(here - half), scale.from(here + half)};
 }
 
-double least_size95(const JointFit& fit, const std::vector<FreeParameter>& parameters, const std::string& effect,
-                    const std::string& name) {
-  const Interval interval = interval95(fit, parameters, {}, effect, name);
+double least_size95(const JointFit& fit, const std::vector<FreeParameter>& parameters,
+                    const std::vector<NullFit>& draws, const std::string& effect, const std::string& name) {
+  const Interval interval = interval95(fit, parameters, draws, effect, name);
   return interval.low * interval.high > 0.0 ? std::min(std::abs(interval.low), std::abs(interval.high)) : 0.0;
 }
 

@@ -34,8 +34,8 @@ struct Interval {
 Interval interval95(const JointFit& fit, const std::vector<FreeParameter>& parameters,
                     const std::vector<NullFit>& draws, const std::string& effect, const std::string& name);
 
-// The least size that a parameter may have by the fit's covariance, 95 %; 0 where its sign is not sure.
-double least_size95(const JointFit& fit, const std::vector<FreeParameter>& parameters, const std::string& effect,
-                    const std::string& name);
+// The least size that a parameter may have, 95 %; 0 where its sign is not sure. Without draws by the covariance alone.
+double least_size95(const JointFit& fit, const std::vector<FreeParameter>& parameters,
+                    const std::vector<NullFit>& draws, const std::string& effect, const std::string& name);
 
 }  // namespace touchstone

@@ -19,10 +19,17 @@ bool displaces_for_sure(const SearchState& state, const Trial& trial) {
     return find_entry(trial.fit.model, name)->parameters.contains("amplitude_m");
   };
   if (std::none_of(effects.begin(), effects.end(), moves)) return true;
-  const JointFit fit = fit_jointly(state.train, trial.fit.model, trial.parameters, state.settings->iterations, true);
-  return std::all_of(effects.begin(), effects.end(), [&](const std::string& name) {
-    return !moves(name) || least_size95(fit, trial.parameters, name, "amplitude_m") > state.data->geometry_error_m;
-  });
+  const int iterations = state.settings->iterations;
+  const JointFit fit = fit_jointly(state.train, trial.fit.model, trial.parameters, iterations, true);
+  const auto for_sure = [&](const std::vector<NullFit>& draws) {
+    return std::all_of(effects.begin(), effects.end(), [&](const std::string& name) {
+      return !moves(name) ||
+             least_size95(fit, trial.parameters, draws, name, "amplitude_m") > state.data->geometry_error_m;
+    });
+  };
+  // By its covariance first, which is cheap; then with what noise and an error of the mesh elsewhere make of its size.
+  return for_sure({}) &&
+         for_sure(bootstrap_fits(state.data->train, state.train, fit, trial.parameters, iterations / 2));
 }
 
 bool helps_without_noise(const SearchState& state, const Trial& trial) {
