@@ -8,7 +8,8 @@ namespace touchstone {
 struct SearchSettings {
   double minimum_gain =
       60.0;  // of chi-squared, held-out and training: far beyond what noise gives a handful of parameters
-  double minimum_share = 0.08;    // of the held-out chi-squared and of the held-out mean-square error that must go
+  double minimum_share = 0.08;    // of the held-out mean-square error that must go, and of the held-out chi-squared
+  double noise_share = 0.5;       // or, in the place of the latter, in square of what noise leaves
   double gain_errors = 1.64;      // the held-out gain exceeds so many of its standard errors by runs of blocks
   double both_gain_errors = 3.0;  // or the gains of both recordings together so many of theirs
   double just_noticeable_share = 0.07;  // of the force: what removes more error than a hand can notice matters always
