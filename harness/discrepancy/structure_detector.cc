@@ -43,6 +43,7 @@ struct Responses {
 
 std::vector<Eigen::MatrixXd> responses_of(const DetectorSide& side, const std::vector<ResidualView>& views) {
   std::vector<Eigen::MatrixXd> responses;
+  responses.reserve(views.size());
   const std::vector<Vec3> nothing(side.recording->size(), Vec3::Zero());
   for (const ResidualView& view : views) {
     responses.push_back(whiten_for_regression(*side.blocks, nothing, view.series).responses);
