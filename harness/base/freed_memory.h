@@ -2,12 +2,12 @@
 #pragma once
 
 #include <cstddef>
-#include <cstdint>
 #include <cstdlib>
+
+#include "harness/base/huge_pages.h"
 
 #if defined(__GLIBC__)
 #include <malloc.h>
-#include <sys/mman.h>
 #endif
 
 namespace touchstone {
@@ -33,8 +33,7 @@ inline void take_memory_in_huge_pages(std::size_t bytes) noexcept {
   mallopt(M_ARENA_MAX, 1);
   void* const taken = std::malloc(bytes + kPage);
   if (taken == nullptr) return;
-  const std::size_t skip = (kPage - reinterpret_cast<std::uintptr_t>(taken) % kPage) % kPage;
-  madvise(static_cast<char*>(taken) + skip, bytes / kPage * kPage, MADV_HUGEPAGE);
+  ask_for_huge_pages(taken, bytes + kPage);
   std::free(taken);
 #else
   (void)bytes;

@@ -1,6 +1,5 @@
 #include "harness/base/hash.h"
 
-#include <dlfcn.h>
 #include <fmt/format.h>
 #include <openssl/evp.h>
 #include <openssl/opensslv.h>
@@ -11,6 +10,7 @@
 #include <vector>
 
 #include "harness/base/error.h"
+#include "harness/base/loaded_library.h"
 
 namespace touchstone {
 namespace {
@@ -34,28 +34,15 @@ class Crypto {
   decltype(&EVP_DigestFinal_ex) finish = nullptr;
 
  private:
-  Crypto() : handle_(::dlopen(libcrypto, RTLD_NOW | RTLD_LOCAL)) {
-    if (handle_ == nullptr) {
-      throw BadData(
-          fmt::format("{}, which makes checksums of files, cannot be loaded ({}); install it (Debian: libssl3)",
-                      libcrypto, ::dlerror()));
-    }
-    find(context_new, "EVP_MD_CTX_new");
-    find(context_free, "EVP_MD_CTX_free");
-    find(sha256, "EVP_sha256");
-    find(init, "EVP_DigestInit_ex");
-    find(update, "EVP_DigestUpdate");
-    find(finish, "EVP_DigestFinal_ex");
+  Crypto() {
+    const LoadedLibrary library(libcrypto, "makes checksums of files", "libssl3");
+    library.find(context_new, "EVP_MD_CTX_new");
+    library.find(context_free, "EVP_MD_CTX_free");
+    library.find(sha256, "EVP_sha256");
+    library.find(init, "EVP_DigestInit_ex");
+    library.find(update, "EVP_DigestUpdate");
+    library.find(finish, "EVP_DigestFinal_ex");
   }
-  template <typename Function>
-  void find(Function& function, const char* name) const {
-    function = reinterpret_cast<Function>(::dlsym(handle_, name));
-    if (function == nullptr) {
-      throw BadData(fmt::format("{} has no function {}; its version is not known", libcrypto, name));
-    }
-  }
-
-  void* handle_;  // stays loaded
 };
 
 class Sha256 {

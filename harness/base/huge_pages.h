@@ -12,18 +12,21 @@
 
 namespace touchstone {
 
+// The whole pages of 2 MB between `begin` and `bytes` on; off Linux nothing.
+inline void ask_for_huge_pages([[maybe_unused]] void* begin, [[maybe_unused]] std::size_t bytes) noexcept {
+#ifdef __linux__
+  constexpr std::size_t kPage = std::size_t{2} << 20;
+  const std::size_t skip = (kPage - reinterpret_cast<std::uintptr_t>(begin) % kPage) % kPage;
+  if (bytes < skip + kPage) return;
+  madvise(static_cast<char*>(begin) + skip, (bytes - skip) / kPage * kPage, MADV_HUGEPAGE);
+#endif
+}
+
 // As vector::reserve(), before the elements are written.
 template <class T>
 void reserve_in_huge_pages(std::vector<T>& array, std::size_t count) {
   array.reserve(count);
-#ifdef __linux__
-  constexpr std::size_t kPage = std::size_t{2} << 20;
-  auto* const begin = reinterpret_cast<char*>(array.data());
-  const std::size_t skip = (kPage - reinterpret_cast<std::uintptr_t>(begin) % kPage) % kPage;
-  const std::size_t bytes = array.capacity() * sizeof(T);
-  if (bytes < skip + kPage) return;
-  madvise(begin + skip, (bytes - skip) / kPage * kPage, MADV_HUGEPAGE);
-#endif
+  ask_for_huge_pages(array.data(), array.capacity() * sizeof(T));
 }
 
 }  // namespace touchstone

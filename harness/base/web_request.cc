@@ -1,13 +1,13 @@
 #include "harness/base/web_request.h"
 
 #include <curl/curl.h>
-#include <dlfcn.h>
 #include <fmt/format.h>
 
 #include <cctype>
 #include <memory>
 
 #include "harness/base/error.h"
+#include "harness/base/loaded_library.h"
 
 namespace touchstone {
 namespace {
@@ -32,28 +32,20 @@ class Curl {
   decltype(&curl_slist_free_all) slist_free_all = nullptr;
 
  private:
-  Curl() : handle_(::dlopen("libcurl.so.4", RTLD_NOW | RTLD_LOCAL)) {
-    if (handle_ == nullptr)
-      throw BadData(fmt::format("libcurl cannot be loaded ({}); install it (Debian: libcurl4)", ::dlerror()));
-    find(easy_init, "curl_easy_init");
-    find(easy_cleanup, "curl_easy_cleanup");
-    find(easy_setopt, "curl_easy_setopt");
-    find(easy_perform, "curl_easy_perform");
-    find(easy_getinfo, "curl_easy_getinfo");
-    find(easy_strerror, "curl_easy_strerror");
-    find(slist_append, "curl_slist_append");
-    find(slist_free_all, "curl_slist_free_all");
+  Curl() {
+    const LoadedLibrary library("libcurl.so.4", "asks servers", "libcurl4");
+    library.find(easy_init, "curl_easy_init");
+    library.find(easy_cleanup, "curl_easy_cleanup");
+    library.find(easy_setopt, "curl_easy_setopt");
+    library.find(easy_perform, "curl_easy_perform");
+    library.find(easy_getinfo, "curl_easy_getinfo");
+    library.find(easy_strerror, "curl_easy_strerror");
+    library.find(slist_append, "curl_slist_append");
+    library.find(slist_free_all, "curl_slist_free_all");
     decltype(&curl_global_init) global_init = nullptr;
-    find(global_init, "curl_global_init");
+    library.find(global_init, "curl_global_init");
     global_init(CURL_GLOBAL_DEFAULT);
   }
-  template <typename Function>
-  void find(Function& function, const char* name) const {
-    function = reinterpret_cast<Function>(::dlsym(handle_, name));
-    if (function == nullptr) throw BadData(fmt::format("libcurl has no function {}; its version is not known", name));
-  }
-
-  void* handle_;  // stays loaded: libcurl keeps threads and caches of its own
 };
 
 struct Collected {

@@ -53,13 +53,16 @@ std::string weakness(const SearchState& state, const Standing& standing, const T
   const double before = standing.holdout_rms_N * standing.holdout_rms_N;
   const double removed = before - trial.holdout_rms_N * trial.holdout_rms_N;
   const double noticed_N = settings.just_noticeable_share * state.holdout_force_N;
-  const bool noticed = removed >= noticed_N * noticed_N;
-  // Few blocks see an effect of one place or of small depths: it has little of the chi-squared of all, in which besides
-  // what is missing counts as noise. All the same what removes half of what noise leaves matters.
-  const double seen_N = settings.noise_share * expected_noise_N(state.data->holdout, trial.fit.model);
-  const bool shares =
-      trial.holdout_gain >= settings.minimum_share * standing.holdout_chi_squared || removed >= seen_N * seen_N;
-  if (!noticed && !(shares && removed >= settings.minimum_share * before)) return "too small to matter";
+  if (!(removed >= noticed_N * noticed_N)) {
+    // Few blocks see an effect of one place or of small depths: it has little of the chi-squared of all, in which
+    // besides what is missing counts as noise. All the same what removes half of what noise leaves matters.
+    const auto seen = [&] {
+      const double seen_N = settings.noise_share * expected_noise_N(state.data->holdout, trial.fit.model);
+      return removed >= seen_N * seen_N;
+    };
+    const bool shares = trial.holdout_gain >= settings.minimum_share * standing.holdout_chi_squared || seen();
+    if (!shares || !(removed >= settings.minimum_share * before)) return "too small to matter";
+  }
   for (const std::string& name : trial.effects()) {
     const NamedParameters& entry = *find_entry(trial.fit.model, name);
     if (surface_displacement_m(entry, state.data->train.recording->motion) <=
