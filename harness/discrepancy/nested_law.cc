@@ -1,0 +1,185 @@
+#include "harness/discrepancy/nested_law.h"
+
+#include <algorithm>
+#include <optional>
+#include <utility>
+
+#include "harness/base/in_parallel.h"
+#include "harness/discrepancy/misfit.h"
+#include "harness/discrepancy/model_edit.h"
+#include "harness/discrepancy/null_gains.h"
+#include "harness/discrepancy/trial_gates.h"
+
+namespace touchstone {
+namespace {
+
+// What the sensor showed, of the blocks of both recordings.
+struct Shown {
+  std::vector<Vec3> train_N;
+  std::vector<Vec3> holdout_N;
+};
+
+struct Judged {
+  JointFit fit;
+  double train = 0.0;  // -2 ln likelihood, less a constant
+  double holdout = 0.0;
+};
+
+struct Law {
+  Model model;  // where its fit starts
+  std::vector<FreeParameter> parameters;
+};
+
+// The blocks along the likely motion, under the noise of the model if it were the truth.
+FitData along_likely(const Evidence& evidence, const Model& model, double window_s, const std::vector<Vec3>& shown_N) {
+  FitData blocks = fit_data(evidence, model, window_s);
+  blocks.predictor = &evidence.noise->likely_predictor();
+  blocks.measured_N = shown_N;
+  return blocks;
+}
+
+// The noise follows the model and the fit the noise, in turns.
+std::optional<Judged> judge(const SearchState& state, const Law& law, const Shown& shown, int rounds) {
+  const SearchData& data = *state.data;
+  Judged judged;
+  judged.fit.model = law.model;
+  for (int round = 0; round < rounds; ++round) {
+    const Model from = judged.fit.model;
+    FitData train = along_likely(data.train, from, data.window_s, shown.train_N);
+    add_misfit(train, estimate_misfit(train, from));
+    judged.fit = fit_jointly(train, from, law.parameters, 2 * state.settings->iterations, false);
+    if (!judged.fit.ok) return std::nullopt;
+  }
+  const Model& model = judged.fit.model;
+  FitData train = along_likely(data.train, model, data.window_s, shown.train_N);
+  FitData holdout = along_likely(data.holdout, model, data.window_s, shown.holdout_N);
+  const Misfit misfit = estimate_misfit(train, model);
+  add_misfit(train, misfit);
+  add_misfit(holdout, misfit);
+  judged.train = deviance(train, model);
+  judged.holdout = deviance(holdout, model);
+  return judged;
+}
+
+// What the larger law gains in worlds in which the smaller one is the truth.
+std::vector<double> null_likelihoods(const SearchState& state, const Law& smaller, const Law& larger) {
+  const SearchData& data = *state.data;
+  const auto shown_in = [&](const Evidence& evidence, const FitData& blocks, std::size_t world) {
+    const Prediction nominal = evidence.predictor->predict(smaller.model);
+    return block_means(blocks.blocks, evidence.noise->null_forces(smaller.model, nominal, world));
+  };
+  std::vector<std::optional<double>> gains(NoiseModel::null_worlds);
+  const auto in_world = [&](std::size_t world) {
+    const Shown shown{shown_in(data.train, state.train, world), shown_in(data.holdout, state.holdout, world)};
+    const auto a = judge(state, smaller, shown, 2);
+    const auto b = judge(state, larger, shown, 2);
+    if (a && b) gains[world] = std::min(a->train - b->train, a->holdout - b->holdout);
+  };
+  in_parallel(gains.size(), in_world, 1);
+  std::vector<double> usable;
+  for (const auto& gain : gains) {
+    if (gain) usable.push_back(*gain);
+  }
+  return usable;
+}
+
+// The model with the candidate in the place of one of its effects.
+std::optional<Law> with_larger(const SearchState& state, const std::string& smaller, const Candidate& candidate) {
+  const Model rest = without_entry(state.current.model, smaller);
+  const CandidateFit options = state.options(candidate, rest);
+  const auto kept = without_owner(state.parameters, smaller);
+  JointFit fit = best_fit(state.train, rest, options, kept, state.settings->iterations);
+  if (!fit.ok) return std::nullopt;
+  return Law{std::move(fit.model), joined(kept, options.parameters)};
+}
+
+// The smaller law from where the larger one's fit ended, as far as they have parameters of one name: what is left of
+// the difference is the laws' and not that of two fits.
+std::optional<Judged> judge_special_case(const SearchState& state, const Law& now, const std::string& smaller,
+                                         const Model& larger_model, const std::string& larger, const Shown& shown,
+                                         int rounds) {
+  Law special{without_entry(larger_model, larger), now.parameters};
+  NamedParameters entry = *find_entry(now.model, smaller);
+  for (const auto& [name, value] : find_entry(larger_model, larger)->parameters) {
+    const auto shared = entry.parameters.find(name);
+    if (shared != entry.parameters.end()) shared->second = value;
+  }
+  special.model.effects.push_back(std::move(entry));
+  return judge(state, special, shown, rounds);
+}
+
+// How far apart two models' forces are where they are most: the share of the force that 2 % of the held-out blocks in
+// contact exceed.
+double most_apart(const SearchState& state, const Model& a, const Model& b) {
+  Predictor& predictor = state.data->holdout.noise->likely_predictor();
+  const auto of_a = block_means(state.holdout.blocks, predictor.predict(a).f_W_N);
+  const auto of_b = block_means(state.holdout.blocks, predictor.predict(b).f_W_N);
+  std::vector<double> shares;
+  for (std::size_t i = 0; i < of_a.size(); ++i) {
+    if (state.holdout.noise[i].n_W.isZero()) continue;
+    shares.push_back((of_a[i] - of_b[i]).norm() / std::max(of_a[i].norm(), state.data->force_floor_N));
+  }
+  if (shares.empty()) return 0.0;
+  const auto at = shares.begin() + static_cast<std::ptrdiff_t>(0.98 * static_cast<double>(shares.size() - 1));
+  std::nth_element(shares.begin(), at, shares.end());
+  return *at;
+}
+
+// What the larger law changes, as a share of what the smaller one does.
+double changes(const SearchState& state, const Model& smaller_model, const std::string& smaller,
+               const Model& larger_model) {
+  return most_apart(state, smaller_model, larger_model) /
+         std::max(most_apart(state, smaller_model, without_entry(smaller_model, smaller)), 1e-12);
+}
+
+}  // namespace
+
+std::vector<LargerLaw> weigh_larger_laws(const SearchState& state) {
+  const SearchSettings& settings = *state.settings;
+  const Shown measured{state.train.measured_N, state.holdout.measured_N};
+  const Law now{state.current.model, state.parameters};
+  constexpr int rounds = 4;
+  std::optional<Judged> standing;
+  std::vector<LargerLaw> laws;
+  for (const NamedParameters& entry : state.current.model.effects) {
+    for (const Candidate& candidate : *state.candidates) {
+      if (!contains(candidate.name, entry.name)) continue;
+      if (!standing) standing = judge(state, now, measured, rounds);
+      if (!standing) return laws;
+      const auto larger = with_larger(state, entry.name, candidate);
+      const auto judged = larger ? judge(state, *larger, measured, rounds) : std::nullopt;
+      if (!judged) continue;
+      const auto again =
+          judge_special_case(state, now, entry.name, judged->fit.model, candidate.name, measured, rounds);
+      const Judged& special = again && again->train < standing->train ? *again : *standing;
+      Trial trial;
+      trial.name = candidate.name;
+      trial.side = candidate.side;
+      trial.fit = judged->fit;
+      trial.parameters = larger->parameters;
+      trial.train_gain = special.train - judged->train;
+      trial.holdout_gain = special.holdout - judged->holdout;
+      trial.deviance = judged->holdout;
+      trial.holdout_rms_N = state.holdout_rms_N(trial.fit.model);
+      const double gain = std::min(trial.train_gain, trial.holdout_gain);
+      if (gain < settings.law_gain) {
+        trial.verdict = "no more likely than " + entry.name + ", which it contains";
+      } else if (changes(state, special.fit.model, entry.name, trial.fit.model) < settings.law_change) {
+        trial.verdict = "changes " + entry.name + ", which it contains, by less than laws are idealized";
+      } else {
+        const auto gains =
+            null_likelihoods(state, {special.fit.model, now.parameters}, {trial.fit.model, trial.parameters});
+        trial.null_bar = std::max(settings.law_gain, bar_above(gains, settings.null_deviations));
+        if (gain <= trial.null_bar) trial.verdict = within_null;
+      }
+      laws.push_back({entry.name, std::move(trial)});
+    }
+  }
+  std::sort(laws.begin(), laws.end(), [](const LargerLaw& a, const LargerLaw& b) {
+    return std::pair(!a.trial.verdict.empty(), a.trial.deviance) <
+           std::pair(!b.trial.verdict.empty(), b.trial.deviance);
+  });
+  return laws;
+}
+
+}  // namespace touchstone

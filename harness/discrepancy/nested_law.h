@@ -1,0 +1,28 @@
+// Whether a law that was found is the special case of another one that acts.
+//
+// Laws of friction differ where the tip moves slowly, and there a tracker's noise hides where to it moves: at noisy
+// positions both leave the same large error, though the sizes of the force tell them apart. So they are compared by
+// their likelihoods, each under the noise that it makes itself (a law with the larger coefficient expects the larger
+// scatter of a tip that sticks), along the likely motion, whose speeds are not the noise's. The larger law takes the
+// smaller one's place if its likelihood is higher on the training and on the held-out data by more than in any
+// simulated world of the case in which the smaller one is the truth (likelihood ratio of nested hypotheses by
+// parametric bootstrap: Efron and Tibshirani 1993, chapter 16.4).
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "harness/discrepancy/trial.h"
+
+namespace touchstone {
+
+struct LargerLaw {
+  std::string in_place_of;
+  // Fitted along the likely motion; its gains are of -2 ln likelihood, its bar what simulated worlds gain.
+  Trial trial;
+};
+
+// Every law that contains one of the model's, its verdict empty where it passed, the best of those first.
+std::vector<LargerLaw> weigh_larger_laws(const SearchState& state);
+
+}  // namespace touchstone
