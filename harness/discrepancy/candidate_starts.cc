@@ -235,6 +235,7 @@ CandidateFit registration(const Context& c) {
   const double d = c.scales.depth_m;
   const double turn = d / c.scales.extent_m();
   CandidateFit fit = several_linear(c, {"dx_m", "dy_m", "dz_m", "rx_rad", "ry_rad"}, {d, d, d, turn, turn}, 3.0);
+  for (std::size_t along = 0; along < 2; ++along) fit.parameters[along].step = c.scales.facet_m / d;
   if (c.scales.touching_apart > much_apart) {
     for (const double share : {1.0, -1.0}) {
       fit.starts.push_back(fit.starts.front());
@@ -282,6 +283,8 @@ RecordingScales measure_scales(const Recording& recording, const Prediction& pre
   std::vector<double> speeds;
   std::vector<double> rates;
   double apart = 0.0;
+  double way_m = 0.0;
+  double turns = 0.0;
   Box3 box;
   for (std::size_t i = 0; i < recording.size(); ++i) {
     const auto& q_WS = recording.motion.q_WS;
@@ -300,6 +303,8 @@ RecordingScales measure_scales(const Recording& recording, const Prediction& pre
     if (i == 0 || prediction.n_W[i - 1].isZero()) continue;
     const double dt_s = recording.motion.t_s[i] - recording.motion.t_s[i - 1];
     const Vec3 step = recording.motion.p_W_m[i] - recording.motion.p_W_m[i - 1];
+    way_m += (step - n.dot(step) * n).norm();
+    if (n != prediction.n_W[i - 1]) turns += 1.0;
     speeds.push_back((step - n.dot(step) * n).norm() / dt_s);
     rates.push_back(std::abs(prediction.depth_m[i] - prediction.depth_m[i - 1]) / dt_s);
   }
@@ -309,6 +314,7 @@ RecordingScales measure_scales(const Recording& recording, const Prediction& pre
   const double by_force_m = scales.force_N / stiffness_N_per_m;
   scales.depth_m = percentile(depths, 0.9);
   if (depths.empty() || scales.touching_apart > much_apart) scales.depth_m = std::max(scales.depth_m, by_force_m);
+  scales.facet_m = turns > 0.0 ? std::min(way_m / turns, scales.depth_m) : scales.depth_m;
   scales.speed_m_per_s = percentile(speeds, 0.5);
   scales.depth_rate_m_per_s = percentile(rates, 0.9);
   if (recording.size() > 1) scales.duration_s = recording.motion.t_s.back() - recording.motion.t_s.front();

@@ -20,6 +20,7 @@ struct RecordingScales {
   double depth_rate_m_per_s = 0.0;
   double duration_s = 0.0;
   double position_noise_m = 0.0;  // declared
+  double facet_m = 0.0;           // way along the surface from one normal to another one; at most the depth
   double touching_apart = 0.0;    // share of the samples in contact by force or by model that are so by one alone
   Vec3 low_W_m = Vec3::Zero();    // of the positions in contact
   Vec3 high_W_m = Vec3::Zero();

@@ -6,6 +6,7 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "harness/base/error.h"
 
@@ -47,21 +48,40 @@ class BlocksCost final : public ceres::CostFunction {
     if (jacobians == nullptr || jacobians[0] == nullptr) return true;
     Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>> jacobian(jacobians[0], rows,
                                                                                                 columns);
-    const Eigen::Map<const Eigen::VectorXd> here(out, rows);
-    Eigen::VectorXd there(rows);
     for (Eigen::Index c = 0; c < columns; ++c) {
-      // Friction and contact make small kinks: a step well above them, inward at a bound.
-      const double h = u[0][c] + difference > parameters_[static_cast<std::size_t>(c)].upper ? -difference : difference;
-      x[c] = u[0][c] + h;
-      if (!evaluate(x, there.data())) return false;
-      jacobian.col(c) = (there - here) / h;
-      x[c] = u[0][c];
+      const auto column = parameters_[static_cast<std::size_t>(c)].step > 0.0
+                              ? across(x, c, parameters_[static_cast<std::size_t>(c)])
+                              : to_one_side(x, c, parameters_[static_cast<std::size_t>(c)], out);
+      if (!column) return false;
+      jacobian.col(c) = *column;
     }
     return true;
   }
 
  private:
   static constexpr double difference = 2e-3;
+
+  // Friction and contact make small kinks: a step well above them, inward at a bound.
+  std::optional<Eigen::VectorXd> to_one_side(Eigen::VectorXd u, Eigen::Index c, const FreeParameter& parameter,
+                                             const double* here) const {
+    const double h = u[c] + difference > parameter.upper ? -difference : difference;
+    Eigen::VectorXd there(num_residuals());
+    u[c] += h;
+    if (!evaluate(u, there.data())) return std::nullopt;
+    return (there - Eigen::Map<const Eigen::VectorXd>(here, num_residuals())) / h;
+  }
+
+  std::optional<Eigen::VectorXd> across(Eigen::VectorXd u, Eigen::Index c, const FreeParameter& parameter) const {
+    const double low = std::max(parameter.lower, u[c] - parameter.step);
+    const double high = std::min(parameter.upper, u[c] + parameter.step);
+    Eigen::VectorXd below(num_residuals());
+    Eigen::VectorXd above(num_residuals());
+    u[c] = low;
+    if (!evaluate(u, below.data())) return std::nullopt;
+    u[c] = high;
+    if (!evaluate(u, above.data())) return std::nullopt;
+    return (above - below) / (high - low);
+  }
 
   bool evaluate(const Eigen::VectorXd& u, double* out) const {
     Model model = start_;

@@ -22,6 +22,8 @@ const std::vector<std::pair<std::string, std::string>> contained_in{
 
 }  // namespace
 
+bool moves_contact(const std::string& effect) { return effect == "registration" || effect == "tip-radius"; }
+
 bool contains(const std::string& larger, const std::string& smaller) {
   return std::find(contained_in.begin(), contained_in.end(), std::pair(smaller, larger)) != contained_in.end();
 }
@@ -109,19 +111,24 @@ void settle_texture(Model& model) {
 
 JointFit best_fit(const FitData& data, const Model& current, const CandidateFit& candidate,
                   std::vector<FreeParameter> parameters, int iterations) {
-  parameters.insert(parameters.end(), candidate.parameters.begin(), candidate.parameters.end());
+  std::vector<FreeParameter> quick = parameters;
+  std::erase_if(quick, [](const FreeParameter& p) { return moves_contact(p.owner); });
+  for (auto* list : {&quick, &parameters}) {
+    list->insert(list->end(), candidate.parameters.begin(), candidate.parameters.end());
+  }
+  if (candidate.starts.size() == 1) {
+    return fit_jointly(data, with_entry(current, candidate.side, candidate.starts.front()), parameters, iterations,
+                       false);
+  }
   JointFit best;
-  const bool several = candidate.starts.size() > 1;
   for (const NamedParameters& entry : candidate.starts) {
-    const Model start = with_entry(current, candidate.side, entry);
-    JointFit fit = fit_jointly(data, start, parameters, several ? iterations / 3 : iterations, false);
+    JointFit fit = fit_jointly(data, with_entry(current, candidate.side, entry), quick, iterations / 3, false);
     if (fit.ok && (!best.ok || fit.chi_squared < best.chi_squared)) best = std::move(fit);
   }
-  if (best.ok && several) {
-    JointFit finished = fit_jointly(data, Model(best.model), parameters, iterations, false);
-    if (finished.ok && finished.chi_squared < best.chi_squared) best = std::move(finished);
-  }
-  return best;
+  if (!best.ok) return best;
+  JointFit finished = fit_jointly(data, Model(best.model), parameters, iterations, false);
+  // A fit of fewer parameters is none of these, however good.
+  return finished.ok || quick.size() < parameters.size() ? finished : best;
 }
 
 }  // namespace touchstone

@@ -24,6 +24,10 @@ bool of_one_kind(const std::string& a, const std::string& b);
 bool has_what_contains(const Model& model, const std::string& smaller);
 Model without_special_cases(const Model& model, const std::string& larger);
 
+// Whether the effect's parameters change where the tip meets the mesh, so that each value needs a search for contact of
+// its own: dear in a fit.
+bool moves_contact(const std::string& effect);
+
 // Whether friction turns over a path that is fitted.
 bool has_path(const Model& model);
 // The model with that path at a third and a tenth; none without a path. A tracker's noise makes a fit prefer a longer
@@ -33,8 +37,9 @@ std::vector<Model> with_shorter_paths(const Model& model);
 // The same wave has many names: its direction is taken in [0, pi), its phase in [0, 2 pi).
 void settle_texture(Model& model);
 
-// The best fit of `current` with the candidate over all the candidate's starts: a few steps from each, the best one
-// finished. `parameters`: what is free in `current`; those of the candidate are added.
+// The best fit of `current` with the candidate over all the candidate's starts: a few steps from each, with what moves
+// the contact kept, the best one finished with all free. `parameters`: what is free in `current`; those of the
+// candidate are added.
 JointFit best_fit(const FitData& data, const Model& current, const CandidateFit& candidate,
                   std::vector<FreeParameter> parameters, int iterations);
 

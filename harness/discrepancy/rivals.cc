@@ -156,6 +156,8 @@ Swap best_swap(const SearchState& state, const std::vector<FoundEffect>& found, 
     for (const Rival& rival : effect.rivals) {
       const double clear = std::max(state.settings->minimum_gain, state.settings->alike_errors * rival.error);
       if (rival.holdout_gain_lost > -clear || put_away.contains(rival.name)) continue;
+      // A law with more parameters gains a little always: whether it acts is asked elsewhere (nested_law.h).
+      if (contains(rival.name, effect.name)) continue;
       if (!does_better_without_noise(state, rival, effect.name)) continue;
       if (best.winner == nullptr || rival.holdout_gain_lost < best.winner->holdout_gain_lost) {
         best = {&effect, &rival};

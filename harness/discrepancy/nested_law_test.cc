@@ -1,0 +1,167 @@
+// Which law of friction, where the tracker's noise hides the way of a slow tip: a plane under a bristle whose
+// coefficient falls with speed, or does not.
+#include "harness/discrepancy/nested_law.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "harness/discrepancy/model_edit.h"
+#include "harness/discrepancy/plane_for_test.h"
+
+namespace touchstone {
+namespace {
+
+// A play operator on a plane; the coefficient by the speed of the tip while it slides, the static one while it sticks.
+class BristlePredictor final : public Predictor {
+ public:
+  explicit BristlePredictor(const MotionColumns& motion) : plane_(motion), motion_(motion) {}
+  Prediction predict(const Model& model) override {
+    Prediction prediction = plane_.predict(model);
+    for (const NamedParameters& entry : model.effects) add(entry, prediction);
+    return prediction;
+  }
+
+ private:
+  void add(const NamedParameters& entry, Prediction& prediction) const {
+    const auto& p = entry.parameters;
+    const double length_m = p.at("presliding_m");
+    const bool falls = entry.name == "stribeck-friction";
+    Vec3 z = Vec3::Zero();
+    for (std::size_t i = 1; i < motion_.size(); ++i) {
+      if (prediction.n_W[i].isZero()) {
+        z.setZero();
+        continue;
+      }
+      Vec3 step = motion_.p_W_m[i] - motion_.p_W_m[i - 1];
+      step.z() = 0.0;
+      z += step;
+      const double over = z.norm() / length_m;
+      if (over > 1.0) z /= over;
+      double mu = p.at("mu_dynamic");
+      if (falls) {
+        const double ratio = step.norm() / (motion_.t_s[i] - motion_.t_s[i - 1]) / p.at("stribeck_velocity_m_per_s");
+        mu += (p.at("mu_static") - mu) * std::exp(-ratio * ratio);
+      }
+      prediction.f_W_N[i] -= mu * prediction.normal_N[i] / length_m * z;
+    }
+  }
+
+  testing::PlanePredictor plane_;
+  MotionColumns motion_;
+};
+
+// To and fro with slow turns and rests, under a depth that breathes.
+MotionColumns strokes(double phase, double unit) {
+  MotionColumns motion;
+  for (int i = 0; i < 4000; ++i) {
+    const double t = 0.004 * i;
+    const double swing = std::sin(1.9 * t + phase);
+    motion.t_s.push_back(t);
+    motion.p_W_m.emplace_back(unit * 0.02 * swing * swing * swing, unit * 0.006 * std::sin(0.7 * t),
+                              unit * (-0.001 - 0.0002 * std::sin(2.7 * t + phase)));
+  }
+  return motion;
+}
+
+struct Strokes {
+  std::vector<Candidate> library{
+      {"coulomb-friction", Side::contact, {}},
+      {"stribeck-friction", Side::contact, {}},
+  };
+  InstrumentDescription instrument;
+  Model found;  // with plain friction
+  Recording train;
+  Recording holdout;
+  std::unique_ptr<Predictor> train_predictor;
+  std::unique_ptr<Predictor> holdout_predictor;
+  std::unique_ptr<NoiseModel> train_noise;
+  std::unique_ptr<NoiseModel> holdout_noise;
+  SearchData data;
+  SearchSettings settings;
+
+  // Friction of coefficients `high`, at rest, and `low`.
+  Strokes(double high, double low, double unit) {
+    instrument.force_noise_N = 0.01;
+    instrument.force_noise_time_constant_s = 0.01;
+    instrument.position_noise_m = 5e-5 * unit;
+    Model truth;
+    truth.renderer = "plane";
+    truth.parameters["stiffness_N_per_m"] = 900.0 / unit;
+    found = truth;
+    truth.effects.push_back({"stribeck-friction",
+                             {{"mu_static", high},
+                              {"mu_dynamic", low},
+                              {"stribeck_velocity_m_per_s", 0.012 * unit},
+                              {"presliding_m", 1e-5 * unit}},
+                             ""});
+    found.effects.push_back(
+        {"coulomb-friction", {{"mu_static", low}, {"mu_dynamic", low}, {"presliding_m", 1e-4 * unit}}, ""});
+    train = measure(truth, strokes(0.0, unit), 31);
+    holdout = measure(truth, strokes(1.1, unit), 32);
+    const MakePredictor make = [](const MotionColumns& motion) { return std::make_unique<BristlePredictor>(motion); };
+    train_predictor = make(train.motion);
+    holdout_predictor = make(holdout.motion);
+    train_noise =
+        std::make_unique<NoiseModel>(train.motion, train_predictor->predict(found).n_W, instrument, make, 1, 3);
+    holdout_noise =
+        std::make_unique<NoiseModel>(holdout.motion, holdout_predictor->predict(found).n_W, instrument, make, 2, 3);
+    data = {{&train, train_predictor.get(), train_noise.get(), {}},
+            {&holdout, holdout_predictor.get(), holdout_noise.get(), {}},
+            block_window_s(60.0, train.motion),
+            0.06,
+            instrument.position_noise_m,
+            instrument.geometry_error_m};
+  }
+
+  Recording measure(const Model& truth, const MotionColumns& path, std::uint64_t seed) const {
+    Random random(seed);
+    Recording recording;
+    recording.f_W_N = BristlePredictor(path).predict(truth).f_W_N;
+    recording.motion = with_position_noise(path, instrument, random);
+    const auto noise = force_noise(path, instrument, random);
+    for (std::size_t i = 0; i < noise.size(); ++i) recording.f_W_N[i] += noise[i];
+    return recording;
+  }
+
+  [[nodiscard]] std::vector<LargerLaw> weigh() const {
+    SearchState state(data, library, settings, found);
+    state.parameters =
+        joined(state.parameters, state.options(library.front(), without_entry(found, "coulomb-friction")).parameters);
+    state.refit();
+    state.renew_noise(state.current.model);
+    state.refit();
+    return weigh_larger_laws(state);
+  }
+};
+
+TEST(NestedLaw, FrictionThatFallsWithSpeedTakesThePlaceOfPlainFrictionAtEveryUnit) {
+  for (const double unit : {1e-3, 1.0, 1e3}) {
+    const auto laws = Strokes(0.6, 0.25, unit).weigh();
+    ASSERT_EQ(laws.size(), 1U) << unit;
+    EXPECT_EQ(laws.front().in_place_of, "coulomb-friction");
+    const Trial& trial = laws.front().trial;
+    EXPECT_EQ(trial.name, "stribeck-friction");
+    EXPECT_EQ(trial.verdict, "") << unit;
+    EXPECT_GT(std::min(trial.train_gain, trial.holdout_gain), trial.null_bar) << unit;
+    const auto& fitted = find_entry(trial.fit.model, "stribeck-friction")->parameters;
+    EXPECT_NEAR(fitted.at("mu_dynamic"), 0.25, 0.02) << unit;
+    EXPECT_GT(fitted.at("mu_static"), 0.4) << unit;
+    EXPECT_LT(fitted.at("mu_static"), 0.8) << unit;
+  }
+}
+
+TEST(NestedLaw, PlainFrictionStays) {
+  const auto laws = Strokes(0.4, 0.4, 1.0).weigh();
+  ASSERT_EQ(laws.size(), 1U);
+  EXPECT_NE(laws.front().trial.verdict, "");
+}
+
+TEST(NestedLaw, ALawWithoutALargerOneIsNotAskedFor) {
+  Strokes world(0.4, 0.4, 1.0);
+  world.library.pop_back();
+  EXPECT_TRUE(world.weigh().empty());
+}
+
+}  // namespace
+}  // namespace touchstone
