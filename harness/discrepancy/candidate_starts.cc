@@ -215,6 +215,17 @@ CandidateFit one_linear(const Context& c, const std::string& parameter, double s
           {entry(c, {{parameter, start}})}};
 }
 
+// The longer the window that acceleration is taken over, the less of a tracker's noise is in it, and the less of a
+// quick motion's: from which the mass explains more is tried.
+CandidateFit tool_inertia(const Context& c) {
+  CandidateFit fit = one_linear(c, "mass_kg", 0.1, 0.0, 5.0, 0.0);
+  fit.starts.clear();
+  for (const double window_s : {0.033, 0.05, 0.065, 0.08, 0.1, 0.13, 0.17, 0.22, 0.3}) {
+    fit.starts.push_back(entry(c, {{"mass_kg", 0.0}, {"window_s", window_s}}));
+  }
+  return fit;
+}
+
 CandidateFit several_linear(const Context& c, const std::vector<std::string>& names, const std::vector<double>& scales,
                             double range) {
   CandidateFit fit;
@@ -349,7 +360,7 @@ CandidateFit candidate_fit(const Candidate& candidate, const RecordingScales& sc
       {"adhesion", adhesion},
       {"surface-texture", texture},
       {"tool-weight", [](const Context& x) { return one_linear(x, "mass_kg", 0.1, 0.0, 5.0, 0.0); }},
-      {"tool-inertia", [](const Context& x) { return one_linear(x, "mass_kg", 0.1, 0.0, 5.0, 0.0); }},
+      {"tool-inertia", tool_inertia},
       {"force-bias",
        [&](const Context& x) {
          return several_linear(x, {"fx_N", "fy_N", "fz_N"}, {F, F, F}, 2.0);

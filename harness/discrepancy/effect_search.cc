@@ -132,7 +132,11 @@ class Search {
   // A law that contains one of the model's and is more likely takes its place. Whether one did.
   bool extend_law() {
     auto laws = weigh_larger_laws(state_);
-    if (laws.empty() || !laws.front().trial.verdict.empty()) return false;
+    if (laws.empty()) return false;
+    if (!laws.front().trial.verdict.empty()) {
+      for (LargerLaw& law : laws) result_.steps.back().trials.push_back(std::move(law.trial));
+      return false;
+    }
     LargerLaw& best = laws.front();
     report_(fmt::format("  {} in place of {}, being more likely", best.trial.name, best.in_place_of));
     state_ = with_trial(state_, best.trial);

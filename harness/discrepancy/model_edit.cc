@@ -13,6 +13,7 @@ namespace touchstone {
 namespace {
 
 constexpr const char* path_name = "presliding_m";
+constexpr const char* window_name = "window_s";
 
 // Smaller, larger.
 const std::vector<std::pair<std::string, std::string>> contained_in{
@@ -83,14 +84,27 @@ bool has_path(const Model& model) {
 }
 
 std::vector<Model> with_shorter_paths(const Model& model) {
+  struct Shares {
+    double path;
+    double window;
+  };
   std::vector<Model> shorter;
-  if (!has_path(model)) return shorter;
-  for (const double share : {0.3, 0.1}) {
-    shorter.push_back(model);
-    for (NamedParameters& entry : shorter.back().effects) {
-      const auto path = entry.parameters.find(path_name);
-      if (path != entry.parameters.end()) path->second *= share;
+  const auto shorten = [](std::vector<NamedParameters>& entries, const char* name, double share) {
+    bool any = false;
+    for (NamedParameters& entry : entries) {
+      const auto length = entry.parameters.find(name);
+      if (length == entry.parameters.end()) continue;
+      length->second *= share;
+      any = true;
     }
+    return any;
+  };
+  // The noise of an acceleration grows with the window's power of -2.5, that of a force beyond a path is bounded.
+  for (const Shares& shares : {Shares{0.3, 0.6}, Shares{0.1, 0.4}}) {
+    Model one = model;
+    const bool path = shorten(one.effects, path_name, shares.path);
+    const bool window = shorten(one.instrument, window_name, shares.window);
+    if (path || window) shorter.push_back(std::move(one));
   }
   return shorter;
 }

@@ -30,8 +30,9 @@ bool moves_contact(const std::string& effect);
 
 // Whether friction turns over a path that is fitted.
 bool has_path(const Model& model);
-// The model with that path at a third and a tenth; none without a path. A tracker's noise makes a fit prefer a longer
-// one than the tip has.
+// The model with that path at a third and a tenth, and the window over which an acceleration is taken at 0.6 and 0.4;
+// none without either. A tracker's noise makes a fit prefer a longer path than the tip has, and a longer window than
+// the tool's quickest motions ask for: what the longer one leaves out is within the noise of the shorter one.
 std::vector<Model> with_shorter_paths(const Model& model);
 
 // The same wave has many names: its direction is taken in [0, pi), its phase in [0, 2 pi).

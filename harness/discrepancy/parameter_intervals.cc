@@ -45,6 +45,18 @@ double fitted_variance(const JointFit& fit, const std::vector<FreeParameter>& pa
   return gradient.dot(fit.covariance * gradient);
 }
 
+// How far the truth may lie from a fitted value on the side from which fits are drawn away. Noise in the positions
+// weakens a coefficient by a share of itself, so that the truth is beyond by more than a world shows whose truth is the
+// weakened value: a mass whose acceleration drowns in noise comes out at a fifth, and in its worlds at a twenty-fifth.
+double bias_of_truth(double here, double bias, const Scale& scale) {
+  constexpr double weakest = 0.05;  // share left: beyond, nothing is known of the size
+  const double size = std::abs(bias);
+  const bool weakens = bias * here < 0.0;
+  if (scale.logarithmic || !weakens || size >= std::abs(here)) return size;
+  const double left = std::max(weakest, 1.0 - size / std::abs(here));
+  return std::abs(here) * (1.0 / left - 1.0);
+}
+
 }  // namespace
 
 std::vector<NullFit> bootstrap_fits(const Evidence& train, const FitData& data, const JointFit& fit,
@@ -88,8 +100,11 @@ Interval interval95(const JointFit& fit, const std::vector<FreeParameter>& param
     // The mean of a few worlds is itself uncertain.
     variance = std::max(variance, squares / (n - 1.0)) * (1.0 + 1.0 / n);
   }
-  const double half = quantile * std::sqrt(variance) + std::abs(bias);
-  return {scale.from(here - half), scale.from(here + half)};
+  const double half = quantile * std::sqrt(variance);
+  const double back = bias_of_truth(here, bias, scale);
+  const double below = bias > 0.0 ? back : std::abs(bias);
+  const double above = bias < 0.0 ? back : std::abs(bias);
+  return {scale.from(here - half - below), scale.from(here + half + above)};
 }
 
 double least_size95(const JointFit& fit, const std::vector<FreeParameter>& parameters,
