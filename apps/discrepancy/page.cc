@@ -188,7 +188,12 @@ Section place_section(const Evidence& evidence, const Prediction& before, const 
 }
 
 Section search_section(const Findings& findings) {
-  Section section{"How the search went", "Gains are of chi-squared over blocks; the held-out gain decides.", {}, true};
+  Section section{"How the search went",
+                  "Gains are of chi-squared over blocks, where a law is weighed against one that it contains of -2 ln "
+                  "likelihood along "
+                  "the likely motion; the held-out gain decides.",
+                  {},
+                  true};
   std::size_t count = 0;
   for (const SearchStep& step : findings.search.steps) {
     Table table{fmt::format("Step {}: from a held-out RMS of {:.4g} N{}", ++count, step.holdout_rms_N,

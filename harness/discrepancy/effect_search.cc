@@ -142,7 +142,7 @@ class Search {
     state_ = with_trial(state_, best.trial);
     put_away_.insert(best.in_place_of);
     by_likelihood_.insert(best.trial.name);
-    best.trial.verdict = was_added;
+    best.trial.verdict = fmt::format("added: more likely than {}, which it contains", best.in_place_of);
     SearchStep step = step_from(standing_of(state_));
     step.added = best.trial.name;
     step.removed = best.in_place_of;
