@@ -385,15 +385,21 @@ CandidateFit candidate_fit(const Candidate& candidate, const RecordingScales& sc
   return fit;
 }
 
-double surface_displacement_m(const NamedParameters& entry, const MotionColumns& motion) {
+double surface_displacement_m(const NamedParameters& entry, const MotionColumns& motion, const std::vector<Vec3>& n_W) {
   const auto& p = entry.parameters;
   if (entry.name == "surface-geometry" || entry.name == "surface-texture") return std::abs(p.at("amplitude_m"));
   if (entry.name != "registration") return std::numeric_limits<double>::infinity();
   const Vec3 shift(p.at("dx_m"), p.at("dy_m"), p.at("dz_m"));
   const Vec3 turn(p.at("rx_rad"), p.at("ry_rad"), 0.0);
-  double most = 0.0;
-  for (const Vec3& place : motion.p_W_m) most = std::max(most, (shift + turn.cross(place)).norm());
-  return most;
+  double squares = 0.0;
+  double count = 0.0;
+  for (std::size_t i = 0; i < motion.size(); ++i) {
+    if (n_W[i].isZero()) continue;
+    const double along_m = n_W[i].dot(shift + turn.cross(motion.p_W_m[i]));
+    squares += along_m * along_m;
+    count += 1.0;
+  }
+  return count > 0.0 ? std::sqrt(squares / count) : shift.norm();
 }
 
 }  // namespace touchstone

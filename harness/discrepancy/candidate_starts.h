@@ -42,8 +42,9 @@ struct CandidateFit {
 CandidateFit candidate_fit(const Candidate& candidate, const RecordingScales& scales, const Recording& recording,
                            const Prediction& current);
 
-// The most by which an effect moves the surface, for those that do nothing else: what the mesh's makers declare as its
-// error is not missing. Infinite for all other effects.
-double surface_displacement_m(const NamedParameters& entry, const MotionColumns& motion);
+// By how much an effect moves the surface along its normals, for those that do nothing else: what the mesh's makers
+// declare as its error is not missing. Of a registration the RMS over the samples in contact (`n_W`; zero when free): a
+// mesh that is off by as much makes up for it, however far it goes along the surface. Infinite for all other effects.
+double surface_displacement_m(const NamedParameters& entry, const MotionColumns& motion, const std::vector<Vec3>& n_W);
 
 }  // namespace touchstone

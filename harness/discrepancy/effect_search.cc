@@ -74,7 +74,16 @@ class Search {
       if (best == nullptr) break;
       more = keep(*best, step);
     }
-    if (!more && found + 2 <= settings_.most_effects && clearly_missing()) {
+    const bool missing = !more && found < settings_.most_effects && clearly_missing();
+    if (missing) {
+      for (Trial& likely : weigh_by_likelihood(state_, step.trials)) {
+        if (more) break;
+        more = keep(likely, step);
+        if (more) likely.verdict = "added: more likely with it along the likely motion";
+        step.trials.push_back(std::move(likely));
+      }
+    }
+    if (missing && !more && found + 2 <= settings_.most_effects) {
       report_("  no single effect passes, though something is missing: pairs");
       for (Trial& pair : try_pairs(state_, standing, step.trials)) {
         if (!more && pair.verdict.empty()) more = keep(pair, step);
@@ -95,6 +104,8 @@ class Search {
     for (Trial& trial : step.trials) {
       if (!trial.verdict.empty()) continue;
       trial.verdict = refusal(state_, standing, trial);
+      const Trial* const mesh = explained_by_mesh(step.trials, trial);
+      if (trial.verdict.empty() && mesh != nullptr) trial.verdict = mesh->name + " does as much, " + mesh->verdict;
       if (trial.verdict.empty()) return;
     }
   }

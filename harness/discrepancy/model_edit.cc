@@ -19,11 +19,17 @@ constexpr const char* window_name = "window_s";
 const std::vector<std::pair<std::string, std::string>> contained_in{
     {"coulomb-friction", "stribeck-friction"},
     {"coulomb-friction", "anisotropic-friction"},
+    {"normal-damping", "stress-relaxation"},  // a time constant far below the tracker's
 };
 
 }  // namespace
 
 bool moves_contact(const std::string& effect) { return effect == "registration" || effect == "tip-radius"; }
+
+bool follows_speed(const std::string& effect) {
+  return effect == "normal-damping" || effect == "hunt-crossley" || effect == "viscous-friction" ||
+         effect == "tool-inertia";
+}
 
 bool contains(const std::string& larger, const std::string& smaller) {
   return std::find(contained_in.begin(), contained_in.end(), std::pair(smaller, larger)) != contained_in.end();

@@ -28,6 +28,9 @@ Model without_special_cases(const Model& model, const std::string& larger);
 // its own: dear in a fit.
 bool moves_contact(const std::string& effect);
 
+// Whether the effect's force is a derivative of the motion, of which a tracker's noise is large.
+bool follows_speed(const std::string& effect);
+
 // Whether friction turns over a path that is fitted.
 bool has_path(const Model& model);
 // The model with that path at a third and a tenth, and the window over which an acceleration is taken at 0.6 and 0.4;

@@ -8,6 +8,7 @@
 #include "harness/discrepancy/misfit.h"
 #include "harness/discrepancy/model_edit.h"
 #include "harness/discrepancy/null_gains.h"
+#include "harness/discrepancy/regimes.h"
 #include "harness/discrepancy/trial_gates.h"
 
 namespace touchstone {
@@ -180,6 +181,43 @@ std::vector<LargerLaw> weigh_larger_laws(const SearchState& state) {
            std::pair(!b.trial.verdict.empty(), b.trial.deviance);
   });
   return laws;
+}
+
+std::vector<Trial> weigh_by_likelihood(const SearchState& state, const std::vector<Trial>& trials) {
+  const SearchSettings& settings = *state.settings;
+  const Evidence& evidence = state.data->holdout;
+  Predictor& likely = evidence.noise->likely_predictor();
+  const Shown measured{state.train.measured_N, state.holdout.measured_N};
+  const Law now{state.current.model, state.parameters};
+  constexpr int rounds = 3;
+  const auto standing = judge(state, now, measured, rounds);
+  std::vector<Trial> passed;
+  if (!standing) return passed;
+  const Prediction before = likely.predict(standing->fit.model);
+  const double before_N = rms_force_error_N(evidence, before);
+  for (const Trial& tried : trials) {
+    if (!follows_speed(tried.name) || !(tried.train_gain >= settings.minimum_gain)) continue;
+    const auto judged = judge(state, {tried.fit.model, tried.parameters}, measured, rounds);
+    if (!judged) continue;
+    Trial trial = tried;
+    trial.fit = judged->fit;
+    trial.train_gain = standing->train - judged->train;
+    trial.holdout_gain = standing->holdout - judged->holdout;
+    trial.deviance = judged->holdout;
+    const double gain = std::min(trial.train_gain, trial.holdout_gain);
+    if (gain < settings.minimum_gain) continue;
+    const Prediction after = likely.predict(trial.fit.model);
+    const double after_N = rms_force_error_N(evidence, after);
+    if (before_N * before_N - after_N * after_N < settings.minimum_share * before_N * before_N) continue;
+    const auto regimes = sort_by_regime(evidence, before, after, state.data->force_floor_N);
+    if (!worsened_phase(regimes, settings.worsening).empty()) continue;
+    const auto gains =
+        null_likelihoods(state, {standing->fit.model, now.parameters}, {trial.fit.model, trial.parameters});
+    trial.null_bar = std::max(settings.minimum_gain, bar_above(gains, settings.null_deviations));
+    if (gain > trial.null_bar) passed.push_back(std::move(trial));
+  }
+  std::sort(passed.begin(), passed.end(), [](const Trial& a, const Trial& b) { return a.deviance < b.deviance; });
+  return passed;
 }
 
 }  // namespace touchstone

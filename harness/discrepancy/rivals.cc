@@ -11,6 +11,7 @@
 #include "harness/base/in_parallel.h"
 #include "harness/discrepancy/along_likely.h"
 #include "harness/discrepancy/model_edit.h"
+#include "harness/discrepancy/trial_gates.h"
 
 namespace touchstone {
 namespace {
@@ -157,7 +158,7 @@ Swap best_swap(const SearchState& state, const std::vector<FoundEffect>& found, 
       const double clear = std::max(state.settings->minimum_gain, state.settings->alike_errors * rival.error);
       if (rival.holdout_gain_lost > -clear || put_away.contains(rival.name)) continue;
       // A law with more parameters gains a little always: whether it acts is asked elsewhere (nested_law.h).
-      if (contains(rival.name, effect.name)) continue;
+      if (contains(rival.name, effect.name) || within_mesh_error(state, rival.model, rival.name)) continue;
       if (!does_better_without_noise(state, rival, effect.name)) continue;
       if (best.winner == nullptr || rival.holdout_gain_lost < best.winner->holdout_gain_lost) {
         best = {&effect, &rival};

@@ -40,6 +40,13 @@ bool helps_without_noise(const SearchState& state, const Trial& trial) {
 
 }  // namespace
 
+bool within_mesh_error(const SearchState& state, const Model& model, const std::string& effect) {
+  const Evidence& train = state.data->train;
+  const double moved_m =
+      surface_displacement_m(*find_entry(model, effect), train.recording->motion, train.predictor->predict(model).n_W);
+  return moved_m <= state.settings->mesh_margin * state.data->geometry_error_m;
+}
+
 std::string weakness(const SearchState& state, const Standing& standing, const Trial& trial) {
   const SearchSettings& settings = *state.settings;
   if (!(trial.train_gain >= settings.minimum_gain)) return "no more than noise on the training blocks";
@@ -64,11 +71,7 @@ std::string weakness(const SearchState& state, const Standing& standing, const T
     if (!shares || !(removed >= settings.minimum_share * before)) return "too small to matter";
   }
   for (const std::string& name : trial.effects()) {
-    const NamedParameters& entry = *find_entry(trial.fit.model, name);
-    if (surface_displacement_m(entry, state.data->train.recording->motion) <=
-        settings.mesh_margin * state.data->geometry_error_m) {
-      return "within the mesh's declared error";
-    }
+    if (within_mesh_error(state, trial.fit.model, name)) return within_mesh;
   }
   return "";
 }
@@ -82,7 +85,7 @@ std::string objection(const SearchState& state, const Trial& trial) {
   if (!helps_without_noise(state, trial)) {
     return "helps at the noisy positions alone: it passes less of their noise on";
   }
-  if (!displaces_for_sure(state, trial)) return "may be within the mesh's declared error";
+  if (!displaces_for_sure(state, trial)) return maybe_within_mesh;
   return "";
 }
 
@@ -106,6 +109,15 @@ double null_bar(const SearchState& state, const Candidate& candidate, double gai
     return std::vector<JointFit>{best_fit(train, base, options, state.parameters, state.settings->iterations)};
   };
   return null_bar(state, refit, gain);
+}
+
+const Trial* explained_by_mesh(const std::vector<Trial>& trials, const Trial& trial) {
+  const auto does = [&](const Trial& other) {
+    return (other.verdict == within_mesh || other.verdict == maybe_within_mesh) &&
+           other.train_gain >= trial.train_gain && other.holdout_gain >= trial.holdout_gain;
+  };
+  const auto found = std::find_if(trials.begin(), trials.end(), does);
+  return found == trials.end() ? nullptr : &*found;
 }
 
 std::string refusal(const SearchState& state, const Standing& standing, Trial& trial) {

@@ -11,6 +11,9 @@
 
 namespace touchstone {
 
+// Whether all that an effect does is to move the surface, by no more than the mesh's makers declare as its error.
+bool within_mesh_error(const SearchState& state, const Model& model, const std::string& effect);
+
 // Empty: it gains more than noise, and matters.
 std::string weakness(const SearchState& state, const Standing& standing, const Trial& trial);
 
@@ -25,6 +28,12 @@ double null_bar(const SearchState& state, const Candidate& candidate, double gai
 
 inline constexpr const char* within_null =
     "no more than noise and the mesh's declared error give where nothing is missing";
+
+inline constexpr const char* within_mesh = "within the mesh's declared error";
+inline constexpr const char* maybe_within_mesh = "may be within the mesh's declared error";
+// The other trial that gains at least as much, though all it does may be the mesh's declared error: what that may
+// explain is not missing. nullptr: none.
+const Trial* explained_by_mesh(const std::vector<Trial>& trials, const Trial& trial);
 
 // All gates in their order. Sets the trial's bar where it came to that.
 std::string refusal(const SearchState& state, const Standing& standing, Trial& trial);

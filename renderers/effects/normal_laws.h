@@ -6,7 +6,8 @@
 //                         object's xy plane
 //   stress-relaxation     N = k d + s, s' = ratio k d' - s / time_constant: a second spring of ratio*k in series with a
 //                         damper (standard linear solid in Maxwell form), integrated exactly for a d' constant over the
-//                         step; the first touch is a step of depth from zero; off the surface the arm relaxes on at depth 0
+//                         step; the first touch is a step of depth from zero; off the surface the arm relaxes on at
+//                         depth 0
 // Passivity: the first two dissipate b d'^2 and b d d'^2; the clamp at zero only removes a pull. The next two are
 // springs (a potential in d at one place; a map has no force along its gradient, so that a tip pushed in at a soft
 // place and drawn out at a stiff one gains energy). The last is passive as a network of spring and damper.
