@@ -127,6 +127,30 @@ TEST(Intervals, HoldTheTruthInNineOfTenRecordings) {
   EXPECT_LT(width, 0.25);  // and is worth stating
 }
 
+// A mass that noise weakens to a fifth: in the worlds whose truth is the weakened one it is weakened to a fifth again.
+TEST(Intervals, ReachTheTruthBeyondAWeakenedValueOfEitherSign) {
+  for (const double truth : {0.25, -0.25}) {
+    const double share = 0.2;
+    JointFit fit;
+    fit.ok = true;
+    fit.model.instrument.push_back({"tool-inertia", {{"mass_kg", share * truth}}, ""});
+    const std::vector<FreeParameter> parameters{linear_parameter("tool-inertia", "mass_kg", 0.1, -5.0, 5.0)};
+    std::vector<NullFit> draws;
+    for (std::size_t world = 0; world < 10; ++world) {
+      const double scatter = 1.0 + 0.01 * (static_cast<double>(world) - 4.5);
+      Model drawn = fit.model;
+      drawn.instrument.front().parameters["mass_kg"] = share * share * truth * scatter;
+      draws.push_back({world, drawn});
+    }
+    const Interval interval = interval95(fit, parameters, draws, "tool-inertia", "mass_kg");
+    EXPECT_LE(interval.low, truth);
+    EXPECT_GE(interval.high, truth);
+    // To the other side no further than the bias that was seen.
+    const double other = truth > 0.0 ? interval.low : -interval.high;
+    EXPECT_GT(other, share * 0.25 - (share - share * share) * 0.25 - 0.02);
+  }
+}
+
 TEST(SmoothMotion, TakesMostOfTheNoiseAndLeavesTheMotion) {
   for (const double unit : {1e-3, 1.0, 1e3}) {
     const MotionColumns path = hand(0.0, unit);

@@ -28,5 +28,21 @@ TEST(ShorterPaths, AreOfEveryFrictionAndLeaveTheRest) {
   }
 }
 
+TEST(ShorterPaths, SoAreWindowsOfAccelerations) {
+  Model model;
+  model.instrument.push_back({"tool-inertia", {{"mass_kg", 0.2}, {"window_s", 0.2}}, ""});
+  const auto shorter = with_shorter_paths(model);
+  ASSERT_EQ(shorter.size(), 2u);
+  EXPECT_DOUBLE_EQ(shorter[0].instrument[0].parameters.at("window_s"), 0.12);
+  EXPECT_DOUBLE_EQ(shorter[1].instrument[0].parameters.at("window_s"), 0.08);
+  EXPECT_EQ(shorter[0].instrument[0].parameters.at("mass_kg"), 0.2);
+  EXPECT_FALSE(has_path(model));  // of dry friction, whose bars are others
+}
+
+TEST(Kinds, DampingIsALimitOfRelaxationAndNotTheOtherWay) {
+  EXPECT_TRUE(contains("stress-relaxation", "normal-damping"));
+  EXPECT_FALSE(contains("normal-damping", "stress-relaxation"));
+}
+
 }  // namespace
 }  // namespace touchstone

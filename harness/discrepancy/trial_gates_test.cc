@@ -1,0 +1,51 @@
+// What the mesh's makers declare as its error is not missing.
+#include "harness/discrepancy/trial_gates.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "harness/discrepancy/plane_for_test.h"
+
+namespace touchstone {
+namespace {
+
+NamedParameters registration(double dx_m, double dz_m, double ry_rad) {
+  return {"registration", {{"dx_m", dx_m}, {"dy_m", 0.0}, {"dz_m", dz_m}, {"rx_rad", 0.0}, {"ry_rad", ry_rad}}, ""};
+}
+
+TEST(MeshError, OfARegistrationIsWhatItMovesAlongTheNormals) {
+  const MotionColumns motion = testing::hand(0.0, 1.0);
+  const std::vector<Vec3> up(motion.size(), Vec3::UnitZ());
+  EXPECT_NEAR(surface_displacement_m(registration(5e-3, 0.0, 0.0), motion, up), 0.0, 1e-15);  // along a plane
+  EXPECT_NEAR(surface_displacement_m(registration(5e-3, 2e-4, 0.0), motion, up), 2e-4, 1e-15);
+  double squares = 0.0;
+  for (const Vec3& p : motion.p_W_m) squares += p.x() * p.x();
+  const double spread_m = std::sqrt(squares / static_cast<double>(motion.size()));
+  EXPECT_NEAR(surface_displacement_m(registration(0.0, 0.0, 0.01), motion, up), 0.01 * spread_m, 1e-12);
+  // A slope makes the shift along it felt, and free samples say nothing.
+  std::vector<Vec3> slope(motion.size(), Vec3(0.6, 0.0, 0.8));
+  slope.front().setZero();
+  EXPECT_NEAR(surface_displacement_m(registration(1e-3, 0.0, 0.0), motion, slope), 6e-4, 1e-15);
+}
+
+TEST(MeshError, WhatItExplainsAsWellIsNotMissing) {
+  Trial hill;
+  hill.name = "surface-geometry";
+  hill.train_gain = 300.0;
+  hill.holdout_gain = 200.0;
+  hill.verdict = maybe_within_mesh;
+  Trial map;
+  map.name = "stiffness-map";
+  map.train_gain = 250.0;
+  map.holdout_gain = 150.0;
+  EXPECT_EQ(explained_by_mesh({hill, map}, map)->name, "surface-geometry");
+  map.holdout_gain = 210.0;
+  EXPECT_EQ(explained_by_mesh({hill, map}, map), nullptr);
+  map.holdout_gain = 150.0;
+  hill.verdict = "too small to matter";
+  EXPECT_EQ(explained_by_mesh({hill, map}, map), nullptr);
+}
+
+}  // namespace
+}  // namespace touchstone
