@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <set>
 #include <utility>
 
@@ -74,23 +75,31 @@ class Search {
       if (best == nullptr) break;
       more = keep(*best, step);
     }
-    const bool missing = !more && found < settings_.most_effects && clearly_missing();
-    if (missing) {
-      for (Trial& likely : weigh_by_likelihood(state_, step.trials)) {
-        if (more) break;
-        more = keep(likely, step);
-        if (more) likely.verdict = "added: more likely with it along the likely motion";
-        step.trials.push_back(std::move(likely));
+    if (!more && found < settings_.most_effects && clearly_missing()) more = add_where_noise_hides(standing, step);
+    result_.steps.push_back(std::move(step));
+    return more;
+  }
+
+  // A law of speed by its likelihood, else two effects at once. Whether any was added.
+  bool add_where_noise_hides(const Standing& standing, SearchStep& step) {
+    const std::size_t room =
+        settings_.most_effects - state_.current.model.effects.size() - state_.current.model.instrument.size();
+    std::vector<Trial> more_trials = weigh_by_likelihood(state_, step.trials);
+    bool more = false;
+    for (Trial& likely : more_trials) {
+      if (!more && keep(likely, step)) {
+        more = true;
+        likely.verdict = "added: more likely with it along the likely motion";
       }
     }
-    if (missing && !more && found + 2 <= settings_.most_effects) {
+    if (!more && room >= 2) {
       report_("  no single effect passes, though something is missing: pairs");
       for (Trial& pair : try_pairs(state_, standing, step.trials)) {
         if (!more && pair.verdict.empty()) more = keep(pair, step);
-        step.trials.push_back(std::move(pair));
+        more_trials.push_back(std::move(pair));
       }
     }
-    result_.steps.push_back(std::move(step));
+    std::move(more_trials.begin(), more_trials.end(), std::back_inserter(step.trials));
     return more;
   }
 

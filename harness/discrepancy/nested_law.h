@@ -1,4 +1,5 @@
-// Whether a law that was found is the special case of another one that acts.
+// Effects weighed by their likelihood along the likely motion: whether a law that was found is the special case of
+// another one that acts, and laws of speed where nothing else passes.
 //
 // Laws of friction differ where the tip moves slowly, and there a tracker's noise hides where to it moves: at noisy
 // positions both leave the same large error, though the sizes of the force tell them apart. So they are compared by
