@@ -190,8 +190,7 @@ Section place_section(const Evidence& evidence, const Prediction& before, const 
 Section search_section(const Findings& findings) {
   Section section{"How the search went",
                   "Gains are of chi-squared over blocks, where a law is weighed against one that it contains of -2 ln "
-                  "likelihood along "
-                  "the likely motion; the held-out gain decides.",
+                  "likelihood along the likely motion; the held-out gain decides.",
                   {},
                   true};
   std::size_t count = 0;

@@ -1,6 +1,7 @@
 #include "harness/discrepancy/nested_law.h"
 
 #include <algorithm>
+#include <limits>
 #include <optional>
 #include <utility>
 
@@ -62,8 +63,9 @@ std::optional<Judged> judge(const SearchState& state, const Law& law, const Show
   return judged;
 }
 
-// What the larger law gains in worlds in which the smaller one is the truth.
-std::vector<double> null_likelihoods(const SearchState& state, const Law& smaller, const Law& larger) {
+// What the larger law must gain: more than in the worlds in which the smaller one is the truth, and at least `least`.
+// Infinite where too few worlds could be judged: a bar that is missing is not passed.
+double likelihood_bar(const SearchState& state, const Law& smaller, const Law& larger, double least) {
   const SearchData& data = *state.data;
   const auto shown_in = [&](const Evidence& evidence, const FitData& blocks, std::size_t world) {
     const Prediction nominal = evidence.predictor->predict(smaller.model);
@@ -81,7 +83,9 @@ std::vector<double> null_likelihoods(const SearchState& state, const Law& smalle
   for (const auto& gain : gains) {
     if (gain) usable.push_back(*gain);
   }
-  return usable;
+  constexpr std::size_t fewest = 4;
+  if (usable.size() < fewest) return std::numeric_limits<double>::infinity();
+  return std::max(least, bar_above(usable, state.settings->null_deviations));
 }
 
 // The model with the candidate in the place of one of its effects.
@@ -163,15 +167,14 @@ std::vector<LargerLaw> weigh_larger_laws(const SearchState& state) {
       trial.deviance = judged->holdout;
       trial.holdout_rms_N = state.holdout_rms_N(trial.fit.model);
       const double gain = std::min(trial.train_gain, trial.holdout_gain);
-      if (gain < settings.law_gain) {
+      if (!(gain >= settings.law_gain)) {
         trial.verdict = "no more likely than " + entry.name + ", which it contains";
-      } else if (changes(state, special.fit.model, entry.name, trial.fit.model) < settings.law_change) {
+      } else if (!(changes(state, special.fit.model, entry.name, trial.fit.model) >= settings.law_change)) {
         trial.verdict = "changes " + entry.name + ", which it contains, by less than laws are idealized";
       } else {
-        const auto gains =
-            null_likelihoods(state, {special.fit.model, now.parameters}, {trial.fit.model, trial.parameters});
-        trial.null_bar = std::max(settings.law_gain, bar_above(gains, settings.null_deviations));
-        if (gain <= trial.null_bar) trial.verdict = within_null;
+        trial.null_bar = likelihood_bar(state, {special.fit.model, now.parameters}, {trial.fit.model, trial.parameters},
+                                        settings.law_gain);
+        if (!(gain > trial.null_bar)) trial.verdict = within_null;
       }
       laws.push_back({entry.name, std::move(trial)});
     }
@@ -205,15 +208,14 @@ std::vector<Trial> weigh_by_likelihood(const SearchState& state, const std::vect
     trial.holdout_gain = standing->holdout - judged->holdout;
     trial.deviance = judged->holdout;
     const double gain = std::min(trial.train_gain, trial.holdout_gain);
-    if (gain < settings.minimum_gain) continue;
+    if (!(gain >= settings.minimum_gain)) continue;
     const Prediction after = likely.predict(trial.fit.model);
     const double after_N = rms_force_error_N(evidence, after);
-    if (before_N * before_N - after_N * after_N < settings.minimum_share * before_N * before_N) continue;
+    if (!(before_N * before_N - after_N * after_N >= settings.minimum_share * before_N * before_N)) continue;
     const auto regimes = sort_by_regime(evidence, before, after, state.data->force_floor_N);
     if (!worsened_phase(regimes, settings.worsening).empty()) continue;
-    const auto gains =
-        null_likelihoods(state, {standing->fit.model, now.parameters}, {trial.fit.model, trial.parameters});
-    trial.null_bar = std::max(settings.minimum_gain, bar_above(gains, settings.null_deviations));
+    trial.null_bar = likelihood_bar(state, {standing->fit.model, now.parameters}, {trial.fit.model, trial.parameters},
+                                    settings.minimum_gain);
     if (gain > trial.null_bar) passed.push_back(std::move(trial));
   }
   std::sort(passed.begin(), passed.end(), [](const Trial& a, const Trial& b) { return a.deviance < b.deviance; });
