@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "harness/discrepancy/bump_peaks.h"
+#include "harness/discrepancy/percentile.h"
 #include "harness/discrepancy/texture_spectrum.h"
 
 namespace touchstone {
@@ -15,13 +16,6 @@ namespace {
 
 // Of the samples in contact: so many are so by the sensor or by the model alone only where the surface is elsewhere.
 constexpr double much_apart = 0.2;
-
-double percentile(std::vector<double> values, double share) {
-  if (values.empty()) return 0.0;
-  const auto at = values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
-  std::nth_element(values.begin(), at, values.end());
-  return *at;
-}
 
 struct Context {
   const Candidate& candidate;

@@ -10,6 +10,7 @@
 #include "harness/base/error.h"
 #include "harness/discrepancy/findings.h"
 #include "harness/discrepancy/plane_for_test.h"
+#include "harness/discrepancy/two_recordings_for_test.h"
 
 namespace touchstone {
 namespace {
@@ -27,47 +28,31 @@ const std::vector<Candidate> candidates{
 Model truth(double scale);
 
 struct World {
-  double scale = 1.0;
+  double scale;
   InstrumentDescription instrument;
   Recording train;
   Recording holdout;
   Model start;
 
-  World(const Model& truth, double unit) : scale(unit), start(truth) {
-    instrument.force_noise_N = 0.01;
-    instrument.force_noise_time_constant_s = 0.01;
-    instrument.position_noise_m = 5e-5 * scale;
-    train = measure(truth, hand(0.0, scale), 21);
-    holdout = measure(truth, hand(1.1, scale), 22);
+  World(const Model& truth, double unit) : scale(unit), instrument(testing::small_noise(unit)), start(truth) {
+    train = measure(truth, 0.0, 21);
+    holdout = measure(truth, 1.1, 22);
     start.effects.clear();
     start.instrument.clear();
     start.parameters["stiffness_N_per_m"] *= 1.08;
   }
 
-  Recording measure(const Model& truth, const MotionColumns& path, std::uint64_t seed) const {
-    Random random(seed);
-    Recording recording;
-    recording.f_W_N = PlanePredictor(path).predict(truth).f_W_N;
-    recording.motion = with_position_noise(path, instrument, random);
-    const auto noise = force_noise(path, instrument, random);
-    for (std::size_t i = 0; i < noise.size(); ++i) recording.f_W_N[i] += noise[i];
-    return recording;
+  [[nodiscard]] Recording measure(const Model& truth, double phase, std::uint64_t seed) const {
+    const MotionColumns path = hand(phase, scale);
+    return testing::measured(path, PlanePredictor(path).predict(truth).f_W_N, instrument, seed);
   }
 
   [[nodiscard]] Findings find(const std::vector<Candidate>& library = candidates) const {
-    const MakePredictor make = [](const MotionColumns& motion) { return std::make_unique<PlanePredictor>(motion); };
-    const auto train_predictor = make(train.motion);
-    const auto holdout_predictor = make(holdout.motion);
-    NoiseModel train_noise(train.motion, train_predictor->predict(truth(scale)).n_W, instrument, make, 1, 3);
-    NoiseModel holdout_noise(holdout.motion, holdout_predictor->predict(truth(scale)).n_W, instrument, make, 2, 3);
-    const SearchData data{{&train, train_predictor.get(), &train_noise, {}},
-                          {&holdout, holdout_predictor.get(), &holdout_noise, {}},
-                          block_window_s(60.0, train.motion),
-                          0.06,
-                          instrument.position_noise_m,
-                          instrument.geometry_error_m};
+    const testing::TwoRecordings recordings(train, holdout, instrument, truth(scale), [](const MotionColumns& motion) {
+      return std::make_unique<PlanePredictor>(motion);
+    });
     Findings findings;
-    findings.search = search_effects(data, start, library, {}, [](const std::string&) {});
+    findings.search = search_effects(recordings.data, start, library, {}, [](const std::string&) {});
     conclude(findings, library);
     return findings;
   }

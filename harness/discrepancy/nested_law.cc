@@ -9,6 +9,7 @@
 #include "harness/discrepancy/misfit.h"
 #include "harness/discrepancy/model_edit.h"
 #include "harness/discrepancy/null_gains.h"
+#include "harness/discrepancy/percentile.h"
 #include "harness/discrepancy/regimes.h"
 #include "harness/discrepancy/trial_gates.h"
 
@@ -124,10 +125,7 @@ double most_apart(const SearchState& state, const Model& a, const Model& b) {
     if (state.holdout.noise[i].n_W.isZero()) continue;
     shares.push_back((of_a[i] - of_b[i]).norm() / std::max(of_a[i].norm(), state.data->force_floor_N));
   }
-  if (shares.empty()) return 0.0;
-  const auto at = shares.begin() + static_cast<std::ptrdiff_t>(0.98 * static_cast<double>(shares.size() - 1));
-  std::nth_element(shares.begin(), at, shares.end());
-  return *at;
+  return percentile(std::move(shares), 0.98);
 }
 
 // What the larger law changes, as a share of what the smaller one does.

@@ -5,9 +5,11 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <optional>
 
 #include "harness/discrepancy/model_edit.h"
 #include "harness/discrepancy/plane_for_test.h"
+#include "harness/discrepancy/two_recordings_for_test.h"
 
 namespace touchstone {
 namespace {
@@ -69,22 +71,12 @@ struct Strokes {
       {"coulomb-friction", Side::contact, {}},
       {"stribeck-friction", Side::contact, {}},
   };
-  InstrumentDescription instrument;
   Model found;  // with plain friction
-  Recording train;
-  Recording holdout;
-  std::unique_ptr<Predictor> train_predictor;
-  std::unique_ptr<Predictor> holdout_predictor;
-  std::unique_ptr<NoiseModel> train_noise;
-  std::unique_ptr<NoiseModel> holdout_noise;
-  SearchData data;
+  std::optional<testing::TwoRecordings> recordings;
   SearchSettings settings;
 
   // Friction of coefficients `high`, at rest, and `low`.
   Strokes(double high, double low, double unit) {
-    instrument.force_noise_N = 0.01;
-    instrument.force_noise_time_constant_s = 0.01;
-    instrument.position_noise_m = 5e-5 * unit;
     Model truth;
     truth.renderer = "plane";
     truth.parameters["stiffness_N_per_m"] = 900.0 / unit;
@@ -97,35 +89,17 @@ struct Strokes {
                              ""});
     found.effects.push_back(
         {"coulomb-friction", {{"mu_static", low}, {"mu_dynamic", low}, {"presliding_m", 1e-4 * unit}}, ""});
-    train = measure(truth, strokes(0.0, unit), 31);
-    holdout = measure(truth, strokes(1.1, unit), 32);
-    const MakePredictor make = [](const MotionColumns& motion) { return std::make_unique<BristlePredictor>(motion); };
-    train_predictor = make(train.motion);
-    holdout_predictor = make(holdout.motion);
-    train_noise =
-        std::make_unique<NoiseModel>(train.motion, train_predictor->predict(found).n_W, instrument, make, 1, 3);
-    holdout_noise =
-        std::make_unique<NoiseModel>(holdout.motion, holdout_predictor->predict(found).n_W, instrument, make, 2, 3);
-    data = {{&train, train_predictor.get(), train_noise.get(), {}},
-            {&holdout, holdout_predictor.get(), holdout_noise.get(), {}},
-            block_window_s(60.0, train.motion),
-            0.06,
-            instrument.position_noise_m,
-            instrument.geometry_error_m};
-  }
-
-  Recording measure(const Model& truth, const MotionColumns& path, std::uint64_t seed) const {
-    Random random(seed);
-    Recording recording;
-    recording.f_W_N = BristlePredictor(path).predict(truth).f_W_N;
-    recording.motion = with_position_noise(path, instrument, random);
-    const auto noise = force_noise(path, instrument, random);
-    for (std::size_t i = 0; i < noise.size(); ++i) recording.f_W_N[i] += noise[i];
-    return recording;
+    const InstrumentDescription instrument = testing::small_noise(unit);
+    const auto measure = [&](double phase, std::uint64_t seed) {
+      const MotionColumns path = strokes(phase, unit);
+      return testing::measured(path, BristlePredictor(path).predict(truth).f_W_N, instrument, seed);
+    };
+    recordings.emplace(measure(0.0, 31), measure(1.1, 32), instrument, found,
+                       [](const MotionColumns& motion) { return std::make_unique<BristlePredictor>(motion); });
   }
 
   [[nodiscard]] std::vector<LargerLaw> weigh() const {
-    SearchState state(data, library, settings, found);
+    SearchState state(recordings->data, library, settings, found);
     state.parameters =
         joined(state.parameters, state.options(library.front(), without_entry(found, "coulomb-friction")).parameters);
     state.refit();

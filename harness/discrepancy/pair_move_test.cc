@@ -6,10 +6,11 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <optional>
 
-#include "harness/discrepancy/effect_search.h"
 #include "harness/discrepancy/model_edit.h"
 #include "harness/discrepancy/plane_for_test.h"
+#include "harness/discrepancy/two_recordings_for_test.h"
 
 namespace touchstone {
 namespace {
@@ -48,56 +49,29 @@ class WavesPredictor final : public Predictor {
 Candidate wave(const std::string& name) { return {name, Side::instrument, {{"amplitude_N", "N", -100, 100, 0.0, ""}}}; }
 
 struct TwoWaves {
-  InstrumentDescription instrument;
   std::vector<Candidate> library{wave("idle"), wave("carrier"), wave("marked")};
   Model start;
-  Recording train;
-  Recording holdout;
-  std::unique_ptr<Predictor> train_predictor;
-  std::unique_ptr<Predictor> holdout_predictor;
-  std::unique_ptr<NoiseModel> train_noise;
-  std::unique_ptr<NoiseModel> holdout_noise;
-  SearchData data;
+  std::optional<testing::TwoRecordings> recordings;
 
   // `size_N` of the force that is missing, `stray_N` of one that no candidate makes.
   TwoWaves(double size_N, double stray_N) {
-    instrument.force_noise_N = 0.01;
-    instrument.force_noise_time_constant_s = 0.01;
-    instrument.position_noise_m = 5e-5;
     start.renderer = "plane";
     start.parameters["stiffness_N_per_m"] = 900.0;
-    train = measure(hand(0.0, 1.0), size_N, stray_N, 21);
-    holdout = measure(hand(1.1, 1.0), size_N, stray_N, 22);
-    const MakePredictor make = [](const MotionColumns& motion) { return std::make_unique<WavesPredictor>(motion); };
-    train_predictor = make(train.motion);
-    holdout_predictor = make(holdout.motion);
-    train_noise =
-        std::make_unique<NoiseModel>(train.motion, train_predictor->predict(start).n_W, instrument, make, 1, 3);
-    holdout_noise =
-        std::make_unique<NoiseModel>(holdout.motion, holdout_predictor->predict(start).n_W, instrument, make, 2, 3);
-    data = {{&train, train_predictor.get(), train_noise.get(), {}},
-            {&holdout, holdout_predictor.get(), holdout_noise.get(), {}},
-            block_window_s(60.0, train.motion),
-            0.06,
-            instrument.position_noise_m,
-            instrument.geometry_error_m};
-  }
-
-  Recording measure(const MotionColumns& path, double size_N, double stray_N, std::uint64_t seed) const {
-    Random random(seed);
-    Recording recording;
-    recording.f_W_N = WavesPredictor(path).predict(start).f_W_N;
-    recording.motion = with_position_noise(path, instrument, random);
-    const auto noise = force_noise(path, instrument, random);
-    for (std::size_t i = 0; i < noise.size(); ++i) {
-      recording.f_W_N[i] += noise[i];
-      recording.f_W_N[i].y() += size_N * wave_b(path.t_s[i]) + stray_N * std::sin(23.0 * path.t_s[i] + 1.0);
-    }
-    return recording;
+    const InstrumentDescription instrument = testing::small_noise(1.0);
+    const auto measure = [&](double phase, std::uint64_t seed) {
+      const MotionColumns path = hand(phase, 1.0);
+      std::vector<Vec3> f_W_N = WavesPredictor(path).predict(start).f_W_N;
+      for (std::size_t i = 0; i < f_W_N.size(); ++i) {
+        f_W_N[i].y() += size_N * wave_b(path.t_s[i]) + stray_N * std::sin(23.0 * path.t_s[i] + 1.0);
+      }
+      return testing::measured(path, std::move(f_W_N), instrument, seed);
+    };
+    recordings.emplace(measure(0.0, 21), measure(1.1, 22), instrument, start,
+                       [](const MotionColumns& motion) { return std::make_unique<WavesPredictor>(motion); });
   }
 
   [[nodiscard]] SearchResult search() const {
-    return search_effects(data, start, library, {}, [](const std::string&) {});
+    return search_effects(recordings->data, start, library, {}, [](const std::string&) {});
   }
 };
 
@@ -124,7 +98,7 @@ TEST(PairMove, NamesNoPairWhereWhatIsMissingIsNoneOfTheirs) {
 TEST(PairMove, APairOfWhichOneIsIdleIsRefusedForThatOne) {
   const TwoWaves world(0.2, 0.0);
   const SearchSettings settings;
-  SearchState state(world.data, world.library, settings, world.start);
+  SearchState state(world.recordings->data, world.library, settings, world.start);
   state.refit();
   state.renew_noise(state.current.model);
   const Standing standing = standing_of(state);

@@ -5,19 +5,14 @@
 #include <cmath>
 #include <span>
 
+#include "harness/discrepancy/percentile.h"
+
 namespace touchstone {
 namespace {
 
 constexpr double velocity_half_window_s = 0.02;
 // A speed below this share of the typical one has no sure direction.
 constexpr double slow_share = 0.1;
-
-double percentile(std::vector<double> values, double share) {
-  if (values.empty()) return 0.0;
-  const auto place = values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
-  std::nth_element(values.begin(), place, values.end());
-  return *place;
-}
 
 std::vector<Vec3> velocities(const MotionColumns& motion) {
   const std::size_t n = motion.size();
