@@ -260,7 +260,7 @@ class ModelPredictor final : public Predictor {
     return scaling;
   }
 
-  static constexpr std::size_t kept_traces = 12;
+  static constexpr std::size_t kept_traces = 48;
   static constexpr std::size_t kept_contacts = 4;
   static constexpr std::size_t tried_samples = 2000;
 

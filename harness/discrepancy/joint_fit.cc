@@ -43,23 +43,44 @@ class BlocksCost final : public ceres::CostFunction {
   bool Evaluate(double const* const* u, double* out, double** jacobians) const override {
     const auto rows = static_cast<Eigen::Index>(num_residuals());
     const auto columns = static_cast<Eigen::Index>(parameters_.size());
-    Eigen::VectorXd x = Eigen::Map<const Eigen::VectorXd>(u[0], columns);
-    if (!evaluate(x, out)) return false;
-    if (jacobians == nullptr || jacobians[0] == nullptr) return true;
-    Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>> jacobian(jacobians[0], rows,
-                                                                                                columns);
-    for (Eigen::Index c = 0; c < columns; ++c) {
-      const auto column = parameters_[static_cast<std::size_t>(c)].step > 0.0
-                              ? across(x, c, parameters_[static_cast<std::size_t>(c)])
-                              : to_one_side(x, c, parameters_[static_cast<std::size_t>(c)], out);
-      if (!column) return false;
-      jacobian.col(c) = *column;
+    const Eigen::VectorXd x = Eigen::Map<const Eigen::VectorXd>(u[0], columns);
+    if (!last_ || last_->u != x) {
+      Point point{x, Eigen::VectorXd(rows), {}};
+      if (!evaluate(x, point.residuals.data())) return false;
+      last_ = std::move(point);
     }
+    Eigen::Map<Eigen::VectorXd>(out, rows) = last_->residuals;
+    if (jacobians == nullptr || jacobians[0] == nullptr) return true;
+    if (last_->jacobian.size() == 0 && !differentiate(*last_)) return false;
+    Eigen::Map<Jacobian>(jacobians[0], rows, columns) = last_->jacobian;
     return true;
   }
 
  private:
+  using Jacobian = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
+  // Where it was asked last: Ceres asks of a point for its line search, once it has gone there, and for the
+  // derivatives.
+  struct Point {
+    Eigen::VectorXd u;
+    Eigen::VectorXd residuals;
+    Jacobian jacobian;  // empty until it is asked for
+  };
+
   static constexpr double difference = 2e-3;
+
+  bool differentiate(Point& point) const {
+    Jacobian jacobian(num_residuals(), point.u.size());
+    for (Eigen::Index c = 0; c < jacobian.cols(); ++c) {
+      const FreeParameter& parameter = parameters_[static_cast<std::size_t>(c)];
+      const auto column = parameter.step > 0.0 ? across(point.u, c, parameter)
+                                               : to_one_side(point.u, c, parameter, point.residuals.data());
+      if (!column) return false;
+      jacobian.col(c) = *column;
+    }
+    point.jacobian = std::move(jacobian);
+    return true;
+  }
 
   // Friction and contact make small kinks: a step well above them, inward at a bound.
   std::optional<Eigen::VectorXd> to_one_side(Eigen::VectorXd u, Eigen::Index c, const FreeParameter& parameter,
@@ -101,6 +122,7 @@ class BlocksCost final : public ceres::CostFunction {
   const FitData& data_;
   const Model& start_;
   const std::vector<FreeParameter>& parameters_;
+  mutable std::optional<Point> last_;  // of one fit, which is one thread's
 };
 
 }  // namespace
@@ -142,6 +164,9 @@ JointFit fit_jointly(const FitData& data, const Model& start, const std::vector<
   options.function_tolerance = 1e-5;
   options.parameter_tolerance = 1e-6;
   options.logging_type = ceres::SILENT;
+  // Within bounds every step ends with a line search. A cubic one asks for derivatives at each of its points, which
+  // cost more than all else, and takes those of kinks at their word.
+  options.line_search_interpolation_type = ceres::QUADRATIC;
   options.num_threads = 1;
   // A trial that the renderer refuses ends that trial; Ceres would also say so on stderr, to nobody's use.
   static const bool quiet = [] {
