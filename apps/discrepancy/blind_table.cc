@@ -47,7 +47,7 @@ const std::vector<Bar> bars{
     {"one-noisy", "one effect, high noise: first choice right", 0.85},
     {"two", "two at once: both named", 0.90},
     {"three", "three at once: of the hidden effects, named", 0.80},
-    {"none", "nothing missing: nothing named", 0.98},
+    {"none", "nothing missing: nothing named", 0.98},  // that nothing is missing need not have been said
     {"unknown", "unknown effects: flagged", 0.90},
     {"cannot-tell", "cannot tell: said so, with the right pair", 0.90},
     {"corrupted", "corrupted: nothing named, the data blamed", 1.0},
@@ -118,6 +118,18 @@ Share least_of_an_effect(const std::vector<BlindScore>& scores) {
   return least == by_effect.end() ? Share{} : least->second;
 }
 
+// Of the cases in which nothing is missing, those that were said to lack nothing. What was flagged as unknown instead
+// counts among the false flags, which have a bar of their own.
+std::string said_consistent(const std::vector<BlindScore>& scores) {
+  Share share;
+  for (const BlindScore& score : scores) {
+    if (score.set != "none") continue;
+    ++share.all;
+    share.right += score.right ? 1 : 0;
+  }
+  return with_interval(share);
+}
+
 }  // namespace
 
 BlindTable blind_table(const std::vector<BlindScore>& scores) {
@@ -141,12 +153,14 @@ BlindTable blind_table(const std::vector<BlindScore>& scores) {
         continue;
       }
       ++share.all;
-      share.right += score.right ? 1 : 0;
+      share.right += (score.set == "none" ? score.named.empty() : score.right) ? 1 : 0;
     }
     if (share.all == 0) continue;
     const double p = static_cast<double>(share.right) / static_cast<double>(share.all);
     text += fmt::format("{:56} bar {:3.0f} %  {}  {}\n", bar.what, 100.0 * bar.least, with_interval(share),
                         judged(p, p >= bar.least));
+    if (bar.set == "none")
+      text += fmt::format("{:56}            {}\n", "nothing missing: said so", said_consistent(scores));
   }
   const Share worst = least_of_an_effect(scores);
   if (worst.all > 0) {

@@ -55,6 +55,20 @@ TEST_F(Blind, AWeightThatIsOffMissesItsBar) {
   EXPECT_THAT(table(), ContainsRegex(line + "NOT MET"));
 }
 
+TEST_F(Blind, WhatIsFlaggedAsUnknownThoughNothingIsMissingIsNotNamed) {
+  using ::testing::ContainsRegex;
+  const auto scored = blind("--set none", 2026);
+  ASSERT_EQ(scored.at("cases").size(), 1);
+  EXPECT_THAT(table(), ContainsRegex("nothing named +bar  98 %  100 % .*\n.*said so +100 %"));
+  const auto file = folder_ / "found" / scored.at("cases")[0].at("id").get<std::string>() / "findings.json";
+  auto findings = nlohmann::json::parse(read_file(file));
+  findings["verdict"] = "unexplained";
+  std::ofstream(file) << findings;
+  EXPECT_EQ(score(), 1);
+  EXPECT_THAT(table(), ContainsRegex("nothing named +bar  98 %  100 % .*\n.*said so +0 %"));
+  EXPECT_THAT(table(), ContainsRegex("nothing unknown was there +bar at most 5 %  100 % .*NOT MET"));
+}
+
 TEST_F(Blind, CasesAreTheSameForTheSameSeedAndTheirAnswersAreSealed) {
   ASSERT_EQ(run(fmt::format("blind make --seed 5 --set none --count 1 --out '{}/a'", folder_.string())), 0);
   const std::string first = read_file(folder_ / "out.txt");
