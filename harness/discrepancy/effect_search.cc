@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "harness/discrepancy/data_faults.h"
+#include "harness/discrepancy/friction_cone.h"
 #include "harness/discrepancy/goodness.h"
 #include "harness/discrepancy/model_edit.h"
 #include "harness/discrepancy/nested_law.h"
@@ -245,15 +246,59 @@ class Search {
     return true;
   }
 
+  // Where friction falls with speed, its values are read from the forces alone too, and their intervals reach to what
+  // was read. Forces that leave the fitted law's own cone show that noise has made the fit prefer a weaker law: then
+  // the values are those read and no longer fitted, unless they give back most of what the fit gains at the noisy
+  // positions.
+  void settle_cone() {
+    for (const NamedParameters& entry : state_.current.model.effects) {
+      if (!falls_with_speed(entry.name)) continue;
+      const Evidence& train = data_.train;
+      const auto samples =
+          cone_samples(train, state_.current.model, entry.name, train.recording->f_W_N, data_.force_floor_N);
+      const auto cone = cone_of(samples);
+      const auto read = read_falling(samples);
+      if (!cone || !read) return;
+      for (std::size_t draw = 0; draw < NoiseModel::null_worlds; ++draw) {
+        Model as_read = state_.current.model;
+        if (const auto again = read_again(samples, draw)) set_falling(as_read, entry.name, *again);
+        result_.readings.push_back({draw, std::move(as_read)});
+      }
+      if (cone->widest > settings_.within_cone * entry.parameters.at("mu_static")) hold_as_read(entry.name, *read);
+      return;
+    }
+  }
+
+  // `name` is its own: the entry that it came from goes with the state.
+  void hold_as_read(std::string name, const FallingCoefficient& read) {
+    SearchState held = state_;
+    set_falling(held.current.model, name, read);
+    std::erase_if(held.parameters, [&](const FreeParameter& p) { return p.owner == name && is_of_falling(p.name); });
+    held.renew_noise(held.current.model);
+    held.refit();
+    const auto square = [&](const Model& model) { return std::pow(state_.holdout_rms_N(model), 2); };
+    const double fitted = square(state_.current.model);
+    if (!(square(held.current.model) - fitted < settings_.read_share * (square(result_.base) - fitted))) return;
+    report_(fmt::format("  {}: its values are read from the forces, which leave the cone of the fitted law", name));
+    state_ = std::move(held);
+    read_ = [this, name = std::move(name)](Model& model, std::size_t world) {
+      for (const NullFit& reading : result_.readings) {
+        if (reading.world == world) find_entry(model, name)->parameters = find_entry(reading.model, name)->parameters;
+      }
+    };
+  }
+
   void finish() {
     settle_texture(state_.current.model);
+    settle_cone();
     result_.model = state_.current.model;
     result_.parameters = state_.parameters;
     result_.fit =
         fit_jointly(state_.train, Model(state_.current.model), state_.parameters, 4 * settings_.iterations, true);
     if (std::isfinite(result_.fit.chi_squared)) result_.model = result_.fit.model;
     const FitData& weights = settle_values() ? state_.declared_train : state_.train;
-    result_.draws = bootstrap_fits(data_.train, weights, result_.fit, state_.parameters, settings_.iterations / 2);
+    result_.draws =
+        bootstrap_fits(data_.train, weights, result_.fit, state_.parameters, settings_.iterations / 2, read_);
     // Whether noise is all that is left is judged by the declared noise.
     const Goodness goodness = judge_goodness(data_.train, data_.holdout, result_.model, data_.window_s);
     result_.goodness = goodness.chi_squared;
@@ -278,6 +323,7 @@ class Search {
   SearchState state_;
   std::set<std::string> put_away_;
   std::set<std::string> by_likelihood_;
+  ReadValues read_;
   SearchResult result_;
 };
 

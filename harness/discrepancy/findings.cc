@@ -7,6 +7,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "harness/discrepancy/friction_cone.h"
 #include "harness/discrepancy/parameter_intervals.h"
 
 namespace touchstone {
@@ -24,7 +25,13 @@ std::vector<FoundParameter> parameters_of(const SearchResult& search, const Cand
   for (const ParameterDeclaration& declared : candidate.parameters) {
     const auto value = entry->parameters.find(declared.name);
     if (value == entry->parameters.end()) continue;
-    const Interval interval = interval95(search.fit, search.parameters, search.draws, candidate.name, declared.name);
+    Interval interval = interval95(search.fit, search.parameters, search.draws, candidate.name, declared.name);
+    for (const NullFit& reading : search.readings) {
+      const NamedParameters* const as_read = find_entry(reading.model, candidate.name);
+      if (as_read == nullptr || !is_of_falling(declared.name)) continue;
+      interval.low = std::min(interval.low, as_read->parameters.at(declared.name));
+      interval.high = std::max(interval.high, as_read->parameters.at(declared.name));
+    }
     FoundParameter parameter{declared.name, declared.unit, value->second, interval.low, interval.high, false};
     for (std::size_t i = 0; i < search.parameters.size(); ++i) {
       const FreeParameter& free = search.parameters[i];

@@ -28,7 +28,7 @@ bool moves_contact(const std::string& effect) { return effect == "registration" 
 
 bool follows_speed(const std::string& effect) {
   return effect == "normal-damping" || effect == "hunt-crossley" || effect == "viscous-friction" ||
-         effect == "tool-inertia";
+         effect == "tool-inertia" || effect == "time-lag";
 }
 
 bool contains(const std::string& larger, const std::string& smaller) {

@@ -28,7 +28,8 @@ Model without_special_cases(const Model& model, const std::string& larger);
 // its own: dear in a fit.
 bool moves_contact(const std::string& effect);
 
-// Whether the effect's force is a derivative of the motion, of which a tracker's noise is large.
+// Whether the effect's force goes with a derivative of the motion, of which a tracker's noise is large: it damps, lags
+// behind or resists acceleration.
 bool follows_speed(const std::string& effect);
 
 // Whether friction turns over a path that is fitted.

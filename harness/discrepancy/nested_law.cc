@@ -1,11 +1,14 @@
 #include "harness/discrepancy/nested_law.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <limits>
 #include <optional>
 #include <utility>
 
 #include "harness/base/in_parallel.h"
+#include "harness/discrepancy/friction_cone.h"
 #include "harness/discrepancy/misfit.h"
 #include "harness/discrepancy/model_edit.h"
 #include "harness/discrepancy/null_gains.h"
@@ -15,6 +18,8 @@
 
 namespace touchstone {
 namespace {
+
+constexpr std::size_t fewest_worlds = 4;  // for a bar
 
 // What the sensor showed, of the blocks of both recordings.
 struct Shown {
@@ -84,8 +89,7 @@ double likelihood_bar(const SearchState& state, const Law& smaller, const Law& l
   for (const auto& gain : gains) {
     if (gain) usable.push_back(*gain);
   }
-  constexpr std::size_t fewest = 4;
-  if (usable.size() < fewest) return std::numeric_limits<double>::infinity();
+  if (usable.size() < fewest_worlds) return std::numeric_limits<double>::infinity();
   return std::max(least, bar_above(usable, state.settings->null_deviations));
 }
 
@@ -135,6 +139,25 @@ double changes(const SearchState& state, const Model& smaller_model, const std::
          std::max(most_apart(state, smaller_model, without_entry(smaller_model, smaller)), 1e-12);
 }
 
+// Why a coefficient that falls with speed is not to take the place of a steady one; "" where it is.
+std::string stays_in_cone(const SearchState& state, const std::string& smaller) {
+  const SearchSettings& settings = *state.settings;
+  for (const Evidence* evidence : {&state.data->train, &state.data->holdout}) {
+    const Model& model = state.current.model;
+    const double floor_N = state.data->force_floor_N;
+    const auto cone = cone_of(cone_samples(*evidence, model, smaller, evidence->recording->f_W_N, floor_N));
+    const auto nulls = null_excesses(*evidence, model, smaller, floor_N);
+    if (!cone || nulls.size() < fewest_worlds) return "too little contact to tell whether friction falls with speed";
+    const double bar = std::max(settings.cone_excess, bar_above(nulls, settings.null_deviations));
+    if (!(cone->excess() > bar)) {
+      return fmt::format(
+          "forces leave the cone of fast sliding by {:.0f} % of its coefficient; noise and {} by {:.0f} %",
+          100.0 * cone->excess(), smaller, 100.0 * bar);
+    }
+  }
+  return "";
+}
+
 }  // namespace
 
 std::vector<LargerLaw> weigh_larger_laws(const SearchState& state) {
@@ -165,7 +188,9 @@ std::vector<LargerLaw> weigh_larger_laws(const SearchState& state) {
       trial.deviance = judged->holdout;
       trial.holdout_rms_N = state.holdout_rms_N(trial.fit.model);
       const double gain = std::min(trial.train_gain, trial.holdout_gain);
-      if (!(gain >= settings.law_gain)) {
+      if (falls_with_speed(candidate.name)) {
+        trial.verdict = stays_in_cone(state, entry.name);
+      } else if (!(gain >= settings.law_gain)) {
         trial.verdict = "no more likely than " + entry.name + ", which it contains";
       } else if (!(changes(state, special.fit.model, entry.name, trial.fit.model) >= settings.law_change)) {
         trial.verdict = "changes " + entry.name + ", which it contains, by less than laws are idealized";

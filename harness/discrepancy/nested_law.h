@@ -26,10 +26,10 @@ struct LargerLaw {
 // Every law that contains one of the model's, its verdict empty where it passed, the best of those first.
 std::vector<LargerLaw> weigh_larger_laws(const SearchState& state);
 
-// Of the trials of a step of which none passed, those whose force is a derivative of the motion, weighed in the same
-// way against the model as it stands: at noisy positions their force is mostly noise, and what they gain is lost in it.
-// Those that pass, the most likely first; they remove their share of the held-out error along the likely motion and
-// make no regime worse there.
+// Of the trials of a step of which none passed, those whose force goes with a derivative of the motion, weighed in the
+// same way against the model as it stands: at noisy positions their force is mostly noise, and what they gain is lost
+// in it. Those that pass, the most likely first; they remove their share of the held-out error along the likely motion
+// and make no regime worse there.
 std::vector<Trial> weigh_by_likelihood(const SearchState& state, const std::vector<Trial>& trials);
 
 }  // namespace touchstone

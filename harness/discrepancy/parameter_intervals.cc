@@ -60,13 +60,16 @@ double bias_of_truth(double here, double bias, const Scale& scale) {
 }  // namespace
 
 std::vector<NullFit> bootstrap_fits(const Evidence& train, const FitData& data, const JointFit& fit,
-                                    const std::vector<FreeParameter>& parameters, int iterations) {
+                                    const std::vector<FreeParameter>& parameters, int iterations,
+                                    const ReadValues& read) {
   const Prediction nominal = train.predictor->predict(fit.model);
   std::vector<std::optional<NullFit>> fits(NoiseModel::null_worlds);
   const auto in_world = [&](std::size_t world) {
     FitData again = data;
     again.measured_N = block_means(data.blocks, train.noise->null_forces(fit.model, nominal, world));
-    JointFit refitted = fit_jointly(again, fit.model, parameters, iterations, false);
+    Model from = fit.model;
+    if (read) read(from, world);
+    JointFit refitted = fit_jointly(again, from, parameters, iterations, false);
     if (refitted.ok) fits[world] = NullFit{world, std::move(refitted.model)};
   };
   in_parallel(fits.size(), in_world, 1);
@@ -81,8 +84,11 @@ Interval interval95(const JointFit& fit, const std::vector<FreeParameter>& param
                     const std::vector<NullFit>& draws, const std::string& effect, const std::string& name) {
   const auto free = std::find_if(parameters.begin(), parameters.end(),
                                  [&](const FreeParameter& p) { return p.owner == effect && p.name == name; });
-  const Scale scale{free != parameters.end() && free->logarithmic};
   const double value = find_entry(fit.model, effect)->parameters.at(name);
+  const auto positive = [&](const NullFit& draw) { return find_entry(draw.model, effect)->parameters.at(name) > 0.0; };
+  // What is not free was read (see ReadValues), or has no width.
+  const Scale scale{free != parameters.end() ? free->logarithmic
+                                             : value > 0.0 && std::all_of(draws.begin(), draws.end(), positive)};
   const double here = scale.to(value);
   double variance = fitted_variance(fit, parameters, effect, name, scale);
   double bias = 0.0;

@@ -9,6 +9,7 @@
 // the model leaves more than the worlds do, the fit's own covariance, by runs of blocks, is wider and counts instead.
 #pragma once
 
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -22,9 +23,15 @@ struct NullFit {
   Model model;
 };
 
-// In each null world where the fit succeeds. `data`: the blocks of `train` that `fit` was made on.
+// Sets in the model what is not fitted but read from the forces alone, as far off as it may be: another draw for every
+// world.
+using ReadValues = std::function<void(Model&, std::size_t world)>;
+
+// In each null world where the fit succeeds. `data`: the blocks of `train` that `fit` was made on. `read`, where given,
+// goes before the fit.
 std::vector<NullFit> bootstrap_fits(const Evidence& train, const FitData& data, const JointFit& fit,
-                                    const std::vector<FreeParameter>& parameters, int iterations);
+                                    const std::vector<FreeParameter>& parameters, int iterations,
+                                    const ReadValues& read = {});
 
 struct Interval {
   double low = 0.0;

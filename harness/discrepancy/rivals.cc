@@ -90,7 +90,8 @@ std::optional<Rival> weigh(const SearchState& state, const Incumbent& incumbent,
   rival.holdout_rms_N = state.holdout_rms_N(fit.model);
   const bool close = lost < settings.alike_errors * rival.error || lost < settings.minimum_gain / 3.0;
   const bool related = contains(other.name, found.name) || contains(found.name, other.name);
-  if (by_likelihood.contains(found.name) && of_one_kind(found.name, other.name)) return rival;
+  rival.of_settled_kind = by_likelihood.contains(found.name) && of_one_kind(found.name, other.name);
+  if (rival.of_settled_kind) return rival;
   if (lost < settings.rival_gain * found.holdout_gain && !related) {
     // Many units of chi-squared from a few runs have a large error and tell all the same.
     const double more_N =
@@ -120,6 +121,17 @@ std::vector<Rival> weigh_all(const SearchState& state, const Incumbent& incumben
   std::sort(rivals.begin(), rivals.end(),
             [](const Rival& a, const Rival& b) { return a.holdout_gain_lost < b.holdout_gain_lost; });
   return rivals;
+}
+
+// Whether the rival does as well at the recorded positions and along the likely motion with less than half of the
+// parameters: then it is the likelier of the two (Jefferys and Berger 1992), though the data cannot tell.
+bool simpler_and_alike(const SearchState& state, const FoundEffect& found, const Rival& rival) {
+  if (!rival.alike || !(rival.holdout_gain_lost < state.settings->minimum_gain / 3.0)) return false;
+  const Model rest = without_entry(state.current.model, found.name);
+  const auto count = [&](const std::string& name) {
+    return state.options(state.candidate(name), rest).parameters.size();
+  };
+  return 2 * count(rival.name) < count(found.name);
 }
 
 }  // namespace
@@ -156,7 +168,9 @@ Swap best_swap(const SearchState& state, const std::vector<FoundEffect>& found, 
   for (const FoundEffect& effect : found) {
     for (const Rival& rival : effect.rivals) {
       const double clear = std::max(state.settings->minimum_gain, state.settings->alike_errors * rival.error);
-      if (rival.holdout_gain_lost > -clear || put_away.contains(rival.name)) continue;
+      if (put_away.contains(rival.name) || rival.of_settled_kind) continue;
+      if (simpler_and_alike(state, effect, rival)) return {&effect, &rival};
+      if (rival.holdout_gain_lost > -clear) continue;
       // A law with more parameters gains a little always: whether it acts is asked elsewhere (nested_law.h).
       if (contains(rival.name, effect.name) || within_mesh_error(state, rival.model, rival.name)) continue;
       if (!does_better_without_noise(state, rival, effect.name)) continue;

@@ -20,6 +20,7 @@ struct Rival {
   double error = 0.0;              // its standard error by blocks
   double holdout_rms_N = 0.0;
   bool alike = false;
+  bool of_settled_kind = false;  // weighed against the found one by likelihood or by force alone: no place to take
 };
 
 struct FoundEffect {
@@ -40,7 +41,8 @@ std::vector<FoundEffect> weigh_rivals(const SearchState& state, const CameTo& ca
                                       const std::function<void(const std::string&)>& report);
 
 // The rival that does best of those that clearly do better in the place of a found effect, also along the likely
-// motion, and the effect that it beats; nullptr: none. `put_away`: those that do not come back.
+// motion, and the effect that it beats; or one that does as well with far fewer parameters. nullptr: none. `put_away`:
+// those that do not come back.
 struct Swap {
   const FoundEffect* loser = nullptr;
   const Rival* winner = nullptr;

@@ -26,6 +26,10 @@ struct SearchSettings {
   double law_gain = 30.0;     // of -2 ln likelihood that a law with more parameters must gain over its special case
   double law_change = 0.14;   // and must change of the latter's force: laws are idealized (the blind test's friction
                               // approaches its limit smoothly), which alone made up to 0.105
+  double cone_excess = 0.2;   // by which forces leave the cone of fast sliding, as a share of its coefficient, before
+                              // friction is said to fall with speed
+  double within_cone = 1.15;  // the widest ratio over a fitted static coefficient: beyond, the fit is not believed
+  double read_share = 0.5;  // of what the fit gains on the start, held out, that values read in its place may give back
   std::size_t most_effects = 4;
   int iterations = 12;
 };

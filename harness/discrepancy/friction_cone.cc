@@ -1,0 +1,155 @@
+#include "harness/discrepancy/friction_cone.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "harness/base/random.h"
+#include "harness/discrepancy/model_edit.h"
+#include "harness/discrepancy/percentile.h"
+
+namespace touchstone {
+namespace {
+
+constexpr double fast_share = 0.85;    // of the samples: slower than the fast ones
+constexpr double widest_share = 0.98;  // of the samples: within the widest ratio
+constexpr double steepest = 2.0;       // static coefficient above the dynamic one, at most
+
+// The samples that are faster than almost all that stick.
+std::vector<ConeSample> sliding_samples(std::vector<ConeSample> samples, double mu) {
+  constexpr double sticks_below = 0.8;  // of the dynamic coefficient
+  constexpr double sticking = 0.05;     // of the samples that are taken to slide
+  std::sort(samples.begin(), samples.end(),
+            [](const ConeSample& a, const ConeSample& b) { return a.speed_m_per_s > b.speed_m_per_s; });
+  std::size_t stuck = 0;
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    stuck += samples[i].ratio < sticks_below * mu ? 1 : 0;
+    if (static_cast<double>(stuck) <= sticking * static_cast<double>(i + 1)) count = i + 1;
+  }
+  samples.resize(count);
+  return samples;
+}
+
+// Koenker and Bassett's loss of one residual.
+double quantile_loss(double residual, double quantile) {
+  return residual > 0.0 ? quantile * residual : (quantile - 1.0) * residual;
+}
+
+}  // namespace
+
+bool falls_with_speed(const std::string& effect) { return effect == "stribeck-friction"; }
+
+std::vector<ConeSample> cone_samples(const Evidence& evidence, const Model& model, const std::string& friction,
+                                     const std::vector<Vec3>& shown_W_N, double force_floor_N) {
+  constexpr double least_load = 0.15;  // of the load that a tenth of the samples exceed
+  const Prediction others = evidence.predictor->predict(without_entry(model, friction));
+  const MotionColumns& likely = evidence.noise->likely_motion();
+  std::vector<std::pair<ConeSample, double>> loaded;
+  std::vector<double> loads_N;
+  for (std::size_t i = 1; i + 1 < likely.size(); ++i) {
+    const Vec3& n = others.n_W[i];
+    if (n.isZero() || others.n_W[i - 1].isZero() || others.n_W[i + 1].isZero()) continue;
+    const Vec3 left_N = shown_W_N[i] - others.f_W_N[i];
+    const double load_N = others.normal_N[i] + n.dot(left_N);
+    if (!(load_N > force_floor_N)) continue;
+    const Vec3 way = likely.p_W_m[i + 1] - likely.p_W_m[i - 1];
+    const double speed = (way - n.dot(way) * n).norm() / (likely.t_s[i + 1] - likely.t_s[i - 1]);
+    loaded.emplace_back(ConeSample{(left_N - n.dot(left_N) * n).norm() / load_N, speed}, load_N);
+    loads_N.push_back(load_N);
+  }
+  const double least_N = least_load * percentile(std::move(loads_N), 0.9);
+  std::vector<ConeSample> cone;
+  for (const auto& [sample, load_N] : loaded) {
+    if (load_N >= least_N) cone.push_back(sample);
+  }
+  return cone;
+}
+
+std::optional<Cone> cone_of(const std::vector<ConeSample>& samples) {
+  constexpr std::size_t fewest = 300;
+  if (samples.size() < fewest) return std::nullopt;
+  std::vector<double> ratios;
+  std::vector<double> speeds;
+  for (const ConeSample& sample : samples) {
+    ratios.push_back(sample.ratio);
+    speeds.push_back(sample.speed_m_per_s);
+  }
+  const double fast = percentile(std::move(speeds), fast_share);
+  std::vector<double> of_fast;
+  for (const ConeSample& sample : samples) {
+    if (sample.speed_m_per_s >= fast) of_fast.push_back(sample.ratio);
+  }
+  const Cone cone{percentile(std::move(of_fast), 0.5), percentile(std::move(ratios), widest_share)};
+  if (!(cone.sliding > 0.0)) return std::nullopt;
+  return cone;
+}
+
+std::vector<double> null_excesses(const Evidence& evidence, const Model& model, const std::string& friction,
+                                  double force_floor_N) {
+  const Prediction nominal = evidence.predictor->predict(model);
+  std::vector<double> excesses;
+  for (std::size_t world = 0; world < NoiseModel::null_worlds; ++world) {
+    const auto shown = evidence.noise->null_forces(model, nominal, world);
+    const auto cone = cone_of(cone_samples(evidence, model, friction, shown, force_floor_N));
+    if (cone) excesses.push_back(cone->excess());
+  }
+  return excesses;
+}
+
+std::optional<FallingCoefficient> read_falling(const std::vector<ConeSample>& samples, double quantile) {
+  const auto cone = cone_of(samples);
+  if (!cone) return std::nullopt;
+  const auto sliding = sliding_samples(samples, cone->sliding);
+  if (sliding.size() < 2) return std::nullopt;
+  const double slowest = std::max(sliding.back().speed_m_per_s, 1e-3 * sliding.front().speed_m_per_s);
+  constexpr int steps = 60;
+  const double from = 0.3 * slowest;  // a law that falls below what slides at all is seen by its largest values alone
+  const double to = sliding.front().speed_m_per_s;
+  const double least = std::max(0.0, cone->widest - cone->sliding);
+  FallingCoefficient best{cone->widest, cone->sliding, to};
+  double best_loss = std::numeric_limits<double>::infinity();
+  for (int i = 0; i <= steps; ++i) {
+    const double velocity = from * std::pow(to / from, static_cast<double>(i) / steps);
+    for (int j = 0; j <= steps; ++j) {
+      const double excess = least + (steepest - least) * static_cast<double>(j * j) / (steps * steps);
+      double loss = 0.0;
+      for (const ConeSample& sample : sliding) {
+        const double v = sample.speed_m_per_s / velocity;
+        loss += quantile_loss(sample.ratio - cone->sliding - excess * std::exp(-v * v), quantile);
+      }
+      if (!(loss < best_loss)) continue;
+      best_loss = loss;
+      best = {cone->sliding + excess, cone->sliding, velocity};
+    }
+  }
+  return best;
+}
+
+std::optional<FallingCoefficient> read_again(const std::vector<ConeSample>& samples, std::size_t draw) {
+  constexpr std::array quantiles{0.5, 0.6, 0.7, 0.8};
+  constexpr std::size_t run = 60;
+  if (samples.size() < run) return std::nullopt;
+  Random random(0xc04e + draw);
+  std::vector<ConeSample> drawn;
+  while (drawn.size() < samples.size()) {
+    const auto from = static_cast<std::ptrdiff_t>(random.below(samples.size() - run + 1));
+    drawn.insert(drawn.end(), samples.begin() + from, samples.begin() + from + run);
+  }
+  return read_falling(drawn, quantiles.at(draw % quantiles.size()));
+}
+
+void set_falling(Model& model, const std::string& friction, const FallingCoefficient& read) {
+  auto& parameters = find_entry(model, friction)->parameters;
+  parameters["mu_static"] = read.mu_static;
+  parameters["mu_dynamic"] = read.mu_dynamic;
+  parameters["stribeck_velocity_m_per_s"] = read.velocity_m_per_s;
+}
+
+bool is_of_falling(const std::string& parameter) {
+  return parameter == "mu_static" || parameter == "mu_dynamic" || parameter == "stribeck_velocity_m_per_s";
+}
+
+}  // namespace touchstone
