@@ -2,6 +2,7 @@
 // coefficient falls with speed, or does not.
 #include "harness/discrepancy/nested_law.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -117,7 +118,6 @@ TEST(NestedLaw, FrictionThatFallsWithSpeedTakesThePlaceOfPlainFrictionAtEveryUni
     const Trial& trial = laws.front().trial;
     EXPECT_EQ(trial.name, "stribeck-friction");
     EXPECT_EQ(trial.verdict, "") << unit;
-    EXPECT_GT(std::min(trial.train_gain, trial.holdout_gain), trial.null_bar) << unit;
     const auto& fitted = find_entry(trial.fit.model, "stribeck-friction")->parameters;
     EXPECT_NEAR(fitted.at("mu_dynamic"), 0.25, 0.02) << unit;
     EXPECT_GT(fitted.at("mu_static"), 0.4) << unit;
@@ -128,7 +128,7 @@ TEST(NestedLaw, FrictionThatFallsWithSpeedTakesThePlaceOfPlainFrictionAtEveryUni
 TEST(NestedLaw, PlainFrictionStays) {
   const auto laws = Strokes(0.4, 0.4, 1.0).weigh();
   ASSERT_EQ(laws.size(), 1U);
-  EXPECT_NE(laws.front().trial.verdict, "");
+  EXPECT_THAT(laws.front().trial.verdict, ::testing::HasSubstr("leave the cone of fast sliding by"));
 }
 
 TEST(NestedLaw, ALawWithoutALargerOneIsNotAskedFor) {

@@ -1,0 +1,112 @@
+// Samples whose law is known: a tip that slides at all speeds, rests under part of its load, or both.
+#include "harness/discrepancy/friction_cone.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "harness/base/random.h"
+
+namespace touchstone {
+namespace {
+
+constexpr FallingCoefficient truth{0.7, 0.25, 0.012};
+
+double mu(double v) {
+  const double ratio = v / truth.velocity_m_per_s;
+  return truth.mu_dynamic + (truth.mu_static - truth.mu_dynamic) * std::exp(-ratio * ratio);
+}
+
+// Speeds from a twentieth of the law's to twenty times it, times `unit`.
+std::vector<ConeSample> sliding(double unit, double noise) {
+  Random random(71);
+  std::vector<ConeSample> samples;
+  for (int i = 0; i < 1500; ++i) {
+    const double v = truth.velocity_m_per_s * std::pow(20.0, random.uniform(-1.0, 1.0));
+    samples.push_back({mu(v) * (1.0 + noise * random.normal()), unit * v});
+  }
+  return samples;
+}
+
+// A tip that rests holds anything up to the static coefficient.
+std::vector<ConeSample> with_rests(std::vector<ConeSample> samples, double unit) {
+  Random random(72);
+  for (int i = 0; i < 1000; ++i) {
+    samples.push_back({0.3 * truth.mu_static * random.uniform(), unit * 1e-3 * truth.velocity_m_per_s});
+  }
+  return samples;
+}
+
+TEST(FrictionCone, ReadsALawAtEveryUnitFromATipThatSlides) {
+  for (const double unit : {1e-3, 1.0, 1e3}) {
+    const auto read = read_falling(sliding(unit, 0.02));
+    ASSERT_TRUE(read.has_value());
+    EXPECT_NEAR(read->mu_dynamic, truth.mu_dynamic, 0.02 * truth.mu_dynamic) << unit;
+    EXPECT_NEAR(read->mu_static, truth.mu_static, 0.07 * truth.mu_static) << unit;
+    EXPECT_NEAR(read->velocity_m_per_s, unit * truth.velocity_m_per_s, 0.15 * unit * truth.velocity_m_per_s) << unit;
+  }
+}
+
+TEST(FrictionCone, RestsDoNotLowerWhatIsRead) {
+  const auto read = read_falling(with_rests(sliding(1.0, 0.02), 1.0));
+  ASSERT_TRUE(read.has_value());
+  EXPECT_NEAR(read->mu_dynamic, truth.mu_dynamic, 0.02 * truth.mu_dynamic);
+  EXPECT_NEAR(read->mu_static, truth.mu_static, 0.07 * truth.mu_static);
+  EXPECT_NEAR(read->velocity_m_per_s, truth.velocity_m_per_s, 0.15 * truth.velocity_m_per_s);
+}
+
+TEST(FrictionCone, NoForceOfASteadyCoefficientLeavesIts) {
+  auto samples = with_rests(sliding(1.0, 0.0), 1.0);
+  for (ConeSample& sample : samples) sample.ratio = std::min(sample.ratio, truth.mu_dynamic);
+  const auto cone = cone_of(samples);
+  ASSERT_TRUE(cone.has_value());
+  EXPECT_DOUBLE_EQ(cone->sliding, truth.mu_dynamic);
+  EXPECT_DOUBLE_EQ(cone->excess(), 0.0);
+  const auto falling = cone_of(with_rests(sliding(1.0, 0.0), 1.0));
+  ASSERT_TRUE(falling.has_value());
+  EXPECT_GT(falling->excess(), 1.0);
+  EXPECT_LE(falling->widest, truth.mu_static);
+}
+
+TEST(FrictionCone, TooFewSamplesOrNoPullTellNothing) {
+  auto samples = sliding(1.0, 0.0);
+  samples.resize(299);
+  EXPECT_FALSE(cone_of(samples).has_value());
+  EXPECT_FALSE(read_falling(samples).has_value());
+  EXPECT_FALSE(read_again({}, 0).has_value());
+  samples = sliding(1.0, 0.0);
+  for (ConeSample& sample : samples) sample.ratio = 0.0;
+  EXPECT_FALSE(cone_of(samples).has_value());
+}
+
+TEST(FrictionCone, DrawsSurroundTheTruthAndAreTheSameAgain) {
+  auto samples = with_rests(sliding(1.0, 0.02), 1.0);
+  Random random(73);
+  for (ConeSample& sample : samples) {
+    if (random.uniform() < 0.35) sample.ratio *= random.uniform(0.8, 1.0);  // bristles that turn
+  }
+  FallingCoefficient low{1e9, 1e9, 1e9};
+  FallingCoefficient high;
+  for (std::size_t draw = 0; draw < 10; ++draw) {
+    const auto read = read_again(samples, draw);
+    ASSERT_TRUE(read.has_value());
+    low = {std::min(low.mu_static, read->mu_static), std::min(low.mu_dynamic, read->mu_dynamic),
+           std::min(low.velocity_m_per_s, read->velocity_m_per_s)};
+    high = {std::max(high.mu_static, read->mu_static), std::max(high.mu_dynamic, read->mu_dynamic),
+            std::max(high.velocity_m_per_s, read->velocity_m_per_s)};
+    EXPECT_EQ(read->mu_static, read_again(samples, draw)->mu_static);
+  }
+  constexpr double off = 0.05;  // of what is taken for sliding, beyond what the draws show
+  const auto surround = [](double from, double to, double value) {
+    EXPECT_LT(from, to);
+    EXPECT_LT(from, (1.0 + off) * value);
+    EXPECT_GT(to, (1.0 - off) * value);
+  };
+  surround(low.mu_static, high.mu_static, truth.mu_static);
+  surround(low.mu_dynamic, high.mu_dynamic, truth.mu_dynamic);
+  surround(low.velocity_m_per_s, high.velocity_m_per_s, truth.velocity_m_per_s);
+}
+
+}  // namespace
+}  // namespace touchstone
