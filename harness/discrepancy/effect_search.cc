@@ -41,7 +41,7 @@ class Search {
       drop_needless();
       result_.found = weigh_rivals(
           state_, [this](const std::string& rival, const std::string& added) { return came_to(rival, added); },
-          by_likelihood_, report_);
+          settled_, report_);
     } while (swap_one());
     finish();
     return std::move(result_);
@@ -150,7 +150,7 @@ class Search {
     return true;
   }
 
-  // A law that contains one of the model's and is more likely takes its place. Whether one did.
+  // A law that contains one of the model's and does what that one cannot takes its place. Whether one did.
   bool extend_law() {
     auto laws = weigh_larger_laws(state_);
     if (laws.empty()) return false;
@@ -159,11 +159,14 @@ class Search {
       return false;
     }
     LargerLaw& best = laws.front();
-    report_(fmt::format("  {} in place of {}, being more likely", best.trial.name, best.in_place_of));
+    const bool cone = falls_with_speed(best.trial.name);
+    report_(fmt::format("  {} in place of {}, {}", best.trial.name, best.in_place_of,
+                        cone ? "whose cone the forces leave" : "being more likely"));
     state_ = with_trial(state_, best.trial);
     put_away_.insert(best.in_place_of);
-    by_likelihood_.insert(best.trial.name);
-    best.trial.verdict = fmt::format("added: more likely than {}, which it contains", best.in_place_of);
+    settled_.insert(best.trial.name);
+    best.trial.verdict = (cone ? "added: forces leave the cone of " : "added: more likely than ") + best.in_place_of +
+                         ", which it contains";
     SearchStep step = step_from(standing_of(state_));
     step.added = best.trial.name;
     step.removed = best.in_place_of;
@@ -322,7 +325,7 @@ class Search {
   const Report& report_;
   SearchState state_;
   std::set<std::string> put_away_;
-  std::set<std::string> by_likelihood_;
+  std::set<std::string> settled_;
   ReadValues read_;
   SearchResult result_;
 };

@@ -91,7 +91,7 @@ void conclude(Findings& findings, const std::vector<Candidate>& candidates) {
   const bool structured = search.structure.found() && search.goodness > search.structured_threshold;
   if (search.data_fault) {
     findings.verdict = FindingsVerdict::unexplained;
-    findings.explanation = fmt::format("The data seem to be wrong: {}. Nothing is named.", *search.data_fault);
+    findings.explanation = fmt::format("The data seem to be wrong: {} Nothing is named.", *search.data_fault);
   } else if (noise_left && structured) {
     findings.verdict = FindingsVerdict::unexplained;
     findings.explanation = fmt::format(

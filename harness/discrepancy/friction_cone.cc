@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <utility>
 
@@ -15,7 +16,18 @@ namespace {
 
 constexpr double fast_share = 0.85;    // of the samples: slower than the fast ones
 constexpr double widest_share = 0.98;  // of the samples: within the widest ratio
-constexpr double steepest = 2.0;       // static coefficient above the dynamic one, at most
+constexpr std::size_t fewest_samples = 300;
+constexpr double steepest = 2.0;  // static coefficient above the dynamic one, at most
+
+std::vector<ConeSample> fastest(const std::vector<ConeSample>& samples) {
+  std::vector<double> speeds;
+  for (const ConeSample& sample : samples) speeds.push_back(sample.speed_m_per_s);
+  const double fast = percentile(std::move(speeds), fast_share);
+  std::vector<ConeSample> chosen;
+  std::copy_if(samples.begin(), samples.end(), std::back_inserter(chosen),
+               [&](const ConeSample& sample) { return sample.speed_m_per_s >= fast; });
+  return chosen;
+}
 
 // The samples that are faster than almost all that stick.
 std::vector<ConeSample> sliding_samples(std::vector<ConeSample> samples, double mu) {
@@ -56,8 +68,11 @@ std::vector<ConeSample> cone_samples(const Evidence& evidence, const Model& mode
     const double load_N = others.normal_N[i] + n.dot(left_N);
     if (!(load_N > force_floor_N)) continue;
     const Vec3 way = likely.p_W_m[i + 1] - likely.p_W_m[i - 1];
-    const double speed = (way - n.dot(way) * n).norm() / (likely.t_s[i + 1] - likely.t_s[i - 1]);
-    loaded.emplace_back(ConeSample{(left_N - n.dot(left_N) * n).norm() / load_N, speed}, load_N);
+    const Vec3 along = way - n.dot(way) * n;
+    const double speed = along.norm() / (likely.t_s[i + 1] - likely.t_s[i - 1]);
+    const Vec3 direction = along.isZero() ? Vec3(Vec3::Zero()) : Vec3(along.normalized());
+    const Vec3 pull = (left_N - n.dot(left_N) * n) / load_N;
+    loaded.emplace_back(ConeSample{pull.norm(), speed, direction, pull.dot(direction)}, load_N);
     loads_N.push_back(load_N);
   }
   const double least_N = least_load * percentile(std::move(loads_N), 0.9);
@@ -69,22 +84,34 @@ std::vector<ConeSample> cone_samples(const Evidence& evidence, const Model& mode
 }
 
 std::optional<Cone> cone_of(const std::vector<ConeSample>& samples) {
-  constexpr std::size_t fewest = 300;
-  if (samples.size() < fewest) return std::nullopt;
+  if (samples.size() < fewest_samples) return std::nullopt;
   std::vector<double> ratios;
-  std::vector<double> speeds;
-  for (const ConeSample& sample : samples) {
-    ratios.push_back(sample.ratio);
-    speeds.push_back(sample.speed_m_per_s);
-  }
-  const double fast = percentile(std::move(speeds), fast_share);
+  for (const ConeSample& sample : samples) ratios.push_back(sample.ratio);
   std::vector<double> of_fast;
-  for (const ConeSample& sample : samples) {
-    if (sample.speed_m_per_s >= fast) of_fast.push_back(sample.ratio);
-  }
+  for (const ConeSample& sample : fastest(samples)) of_fast.push_back(sample.ratio);
   const Cone cone{percentile(std::move(of_fast), 0.5), percentile(std::move(ratios), widest_share)};
   if (!(cone.sliding > 0.0)) return std::nullopt;
   return cone;
+}
+
+std::optional<double> pulls_along(const std::vector<ConeSample>& samples) {
+  constexpr double least = 0.05;
+  constexpr double share_along = 0.9;
+  constexpr double one_way = 0.7;  // length of the mean direction: the error of a slope would pull to one side alone
+  if (samples.size() < fewest_samples) return std::nullopt;
+  const auto fast = fastest(samples);
+  const double n = static_cast<double>(fast.size());
+  double pulled = 0.0;
+  Vec3 mean = Vec3::Zero();
+  std::vector<double> along;
+  for (const ConeSample& sample : fast) {
+    pulled += sample.along > 0.0 ? 1.0 / n : 0.0;
+    mean += sample.direction_W / n;
+    along.push_back(sample.along);
+  }
+  const double coefficient = percentile(std::move(along), 0.5);
+  if (!(pulled >= share_along) || !(coefficient >= least) || !(mean.norm() < one_way)) return std::nullopt;
+  return coefficient;
 }
 
 std::vector<double> null_excesses(const Evidence& evidence, const Model& model, const std::string& friction,

@@ -69,6 +69,28 @@ TEST(FrictionCone, NoForceOfASteadyCoefficientLeavesIts) {
   EXPECT_LE(falling->widest, truth.mu_static);
 }
 
+// A tip that goes to and fro, quicker and slower, and is pulled along by `coefficient` of its load.
+std::vector<ConeSample> pulled(double coefficient, double share, bool to_and_fro) {
+  Random random(74);
+  std::vector<ConeSample> samples;
+  for (int i = 0; i < 1000; ++i) {
+    const Vec3 direction = (to_and_fro && i % 2 == 1 ? -1.0 : 1.0) * Vec3::UnitX();
+    const double along = (random.uniform() < share ? 1.0 : -1.0) * coefficient;
+    samples.push_back({std::abs(along), random.uniform(0.01, 0.1), direction, along});
+  }
+  return samples;
+}
+
+TEST(FrictionCone, AForceThatPullsATipAlongIsNoFriction) {
+  EXPECT_NEAR(pulls_along(pulled(0.21, 1.0, true)).value_or(0.0), 0.21, 1e-12);
+  EXPECT_NEAR(pulls_along(pulled(0.21, 0.95, true)).value_or(0.0), 0.21, 1e-12);
+  EXPECT_FALSE(pulls_along(pulled(-0.21, 1.0, true)).has_value()) << "friction resists";
+  EXPECT_FALSE(pulls_along(pulled(0.21, 0.7, true)).has_value()) << "as often against the motion";
+  EXPECT_FALSE(pulls_along(pulled(0.04, 1.0, true)).has_value()) << "less than slopes may be off";
+  EXPECT_FALSE(pulls_along(pulled(0.21, 1.0, false)).has_value()) << "a slope may pull to one side";
+  EXPECT_FALSE(pulls_along({}).has_value());
+}
+
 TEST(FrictionCone, TooFewSamplesOrNoPullTellNothing) {
   auto samples = sliding(1.0, 0.0);
   samples.resize(299);

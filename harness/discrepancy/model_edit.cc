@@ -84,9 +84,11 @@ std::vector<FreeParameter> without_owner(const std::vector<FreeParameter>& param
   return kept;
 }
 
+bool has_path(const NamedParameters& entry) { return entry.parameters.contains(path_name); }
+
 bool has_path(const Model& model) {
   return std::any_of(model.effects.begin(), model.effects.end(),
-                     [](const NamedParameters& entry) { return entry.parameters.contains(path_name); });
+                     [](const NamedParameters& entry) { return has_path(entry); });
 }
 
 std::vector<Model> with_shorter_paths(const Model& model) {

@@ -33,6 +33,7 @@ bool moves_contact(const std::string& effect);
 bool follows_speed(const std::string& effect);
 
 // Whether friction turns over a path that is fitted.
+bool has_path(const NamedParameters& entry);
 bool has_path(const Model& model);
 // The model with that path at a third and a tenth, and the window over which an acceleration is taken at 0.6 and 0.4;
 // none without either. A tracker's noise makes a fit prefer a longer path than the tip has, and a longer window than

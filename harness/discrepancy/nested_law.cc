@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <iterator>
 #include <limits>
 #include <optional>
 #include <utility>
@@ -158,6 +159,25 @@ std::string stays_in_cone(const SearchState& state, const std::string& smaller) 
   return "";
 }
 
+// The phase that the model makes worse along the likely motion, by the path of its friction and by shorter ones; "" for
+// none. A path that noise has made too long lags like a sensor, so that with the lag found the two together are too
+// late.
+std::string worsened_by_every_path(const SearchState& state, const Prediction& before, const Model& model) {
+  const Evidence& evidence = state.data->holdout;
+  const auto regimes_of = [&](const Model& variant) {
+    return sort_by_regime(evidence, before, evidence.noise->likely_predictor().predict(variant),
+                          state.data->force_floor_N);
+  };
+  auto least = regimes_of(model);
+  for (const Model& shorter : with_shorter_paths(model)) {
+    const auto regimes = regimes_of(shorter);
+    for (std::size_t i = 0; i < least.size() && i < regimes.size(); ++i) {
+      if (regimes[i].name == least[i].name) least[i].after_N = std::min(least[i].after_N, regimes[i].after_N);
+    }
+  }
+  return worsened_phase(least, state.settings->worsening);
+}
+
 }  // namespace
 
 std::vector<LargerLaw> weigh_larger_laws(const SearchState& state) {
@@ -221,8 +241,14 @@ std::vector<Trial> weigh_by_likelihood(const SearchState& state, const std::vect
   if (!standing) return passed;
   const Prediction before = likely.predict(standing->fit.model);
   const double before_N = rms_force_error_N(evidence, before);
+  const double noisy_N = state.holdout_rms_N(state.current.model);
+  const auto matters = [&](double without_N, double with_N) {
+    return without_N * without_N - with_N * with_N >= settings.minimum_share * without_N * without_N;
+  };
+  const double deviance_now = state.holdout_deviance(state.current.model);
   for (const Trial& tried : trials) {
-    if (!follows_speed(tried.name) || !(tried.train_gain >= settings.minimum_gain)) continue;
+    const bool hides = follows_speed(tried.name) || has_path(*find_entry(tried.fit.model, tried.name));
+    if (!hides || !(std::max(tried.train_gain, deviance_now - tried.deviance) >= settings.minimum_gain)) continue;
     const auto judged = judge(state, {tried.fit.model, tried.parameters}, measured, rounds);
     if (!judged) continue;
     Trial trial = tried;
@@ -234,15 +260,25 @@ std::vector<Trial> weigh_by_likelihood(const SearchState& state, const std::vect
     if (!(gain >= settings.minimum_gain)) continue;
     const Prediction after = likely.predict(trial.fit.model);
     const double after_N = rms_force_error_N(evidence, after);
-    if (!(before_N * before_N - after_N * after_N >= settings.minimum_share * before_N * before_N)) continue;
-    const auto regimes = sort_by_regime(evidence, before, after, state.data->force_floor_N);
-    if (!worsened_phase(regimes, settings.worsening).empty()) continue;
+    // A tip that rests leaves much that no law takes away, at noisy positions less than along the likely motion or
+    // more.
+    if (!matters(before_N, after_N) && !matters(noisy_N, tried.holdout_rms_N)) continue;
+    if (!worsened_by_every_path(state, before, trial.fit.model).empty()) continue;
     trial.null_bar = likelihood_bar(state, {standing->fit.model, now.parameters}, {trial.fit.model, trial.parameters},
                                     settings.minimum_gain);
     if (gain > trial.null_bar) passed.push_back(std::move(trial));
   }
-  std::sort(passed.begin(), passed.end(), [](const Trial& a, const Trial& b) { return a.deviance < b.deviance; });
-  return passed;
+  // A law that contains another one that passed must be more likely than that.
+  std::vector<Trial> chosen;
+  std::copy_if(passed.begin(), passed.end(), std::back_inserter(chosen), [&](const Trial& large) {
+    return std::none_of(passed.begin(), passed.end(), [&](const Trial& small) {
+      return contains(large.name, small.name) &&
+             !(std::min(large.train_gain - small.train_gain, large.holdout_gain - small.holdout_gain) >=
+               settings.law_gain);
+    });
+  });
+  std::sort(chosen.begin(), chosen.end(), [](const Trial& a, const Trial& b) { return a.deviance < b.deviance; });
+  return chosen;
 }
 
 }  // namespace touchstone

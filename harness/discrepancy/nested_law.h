@@ -1,13 +1,14 @@
-// Effects weighed by their likelihood along the likely motion: whether a law that was found is the special case of
-// another one that acts, and laws of speed where nothing else passes.
+// Whether a law that was found is the special case of another one that acts, and laws of speed where nothing else
+// passes.
 //
 // Laws of friction differ where the tip moves slowly, and there a tracker's noise hides where to it moves: at noisy
-// positions both leave the same large error, though the sizes of the force tell them apart. So they are compared by
-// their likelihoods, each under the noise that it makes itself (a law with the larger coefficient expects the larger
-// scatter of a tip that sticks), along the likely motion, whose speeds are not the noise's. The larger law takes the
-// smaller one's place if its likelihood is higher on the training and on the held-out data by more than in any
-// simulated world of the case in which the smaller one is the truth (likelihood ratio of nested hypotheses by
-// parametric bootstrap: Efron and Tibshirani 1993, chapter 16.4).
+// positions both leave the same large error. Whether a coefficient falls with speed is told by forces outside of its
+// cone (friction_cone.h), in both recordings by more than in any simulated world of the case in which it is steady.
+// Other laws are compared by their likelihoods, each under the noise that it makes itself (a law with the larger
+// coefficient expects the larger scatter of a tip that sticks), along the likely motion, whose speeds are not the
+// noise's. The larger law takes the smaller one's place if its likelihood is higher on the training and on the held-out
+// data by more than in any simulated world of the case in which the smaller one is the truth (likelihood ratio of
+// nested hypotheses by parametric bootstrap: Efron and Tibshirani 1993, chapter 16.4).
 #pragma once
 
 #include <string>
@@ -26,10 +27,10 @@ struct LargerLaw {
 // Every law that contains one of the model's, its verdict empty where it passed, the best of those first.
 std::vector<LargerLaw> weigh_larger_laws(const SearchState& state);
 
-// Of the trials of a step of which none passed, those whose force goes with a derivative of the motion, weighed in the
-// same way against the model as it stands: at noisy positions their force is mostly noise, and what they gain is lost
-// in it. Those that pass, the most likely first; they remove their share of the held-out error along the likely motion
-// and make no regime worse there.
+// Of the trials of a step of which none passed, those whose force goes with a derivative of the motion or turns over a
+// path, weighed in the same way against the model as it stands: at noisy positions their force is mostly noise, and
+// what they gain is lost in it. Those that pass, the most likely first; they remove their share of the held-out error
+// along the likely motion and make no regime worse there.
 std::vector<Trial> weigh_by_likelihood(const SearchState& state, const std::vector<Trial>& trials);
 
 }  // namespace touchstone

@@ -70,7 +70,7 @@ struct Incumbent {
 };
 
 std::optional<Rival> weigh(const SearchState& state, const Incumbent& incumbent, const Candidate& other,
-                           const CameTo& came_to, const std::set<std::string>& by_likelihood, const Report& report) {
+                           const CameTo& came_to, const std::set<std::string>& settled, const Report& report) {
   const SearchSettings& settings = *state.settings;
   const FoundEffect& found = incumbent.found;
   if (one_too_many(state, incumbent.rest, other.name)) return std::nullopt;
@@ -90,7 +90,7 @@ std::optional<Rival> weigh(const SearchState& state, const Incumbent& incumbent,
   rival.holdout_rms_N = state.holdout_rms_N(fit.model);
   const bool close = lost < settings.alike_errors * rival.error || lost < settings.minimum_gain / 3.0;
   const bool related = contains(other.name, found.name) || contains(found.name, other.name);
-  rival.of_settled_kind = by_likelihood.contains(found.name) && of_one_kind(found.name, other.name);
+  rival.of_settled_kind = settled.contains(found.name) && of_one_kind(found.name, other.name);
   if (rival.of_settled_kind) return rival;
   if (lost < settings.rival_gain * found.holdout_gain && !related) {
     // Many units of chi-squared from a few runs have a large error and tell all the same.
@@ -104,12 +104,12 @@ std::optional<Rival> weigh(const SearchState& state, const Incumbent& incumbent,
 }
 
 std::vector<Rival> weigh_all(const SearchState& state, const Incumbent& incumbent, const CameTo& came_to,
-                             const std::set<std::string>& by_likelihood, const Report& report) {
+                             const std::set<std::string>& settled, const Report& report) {
   const std::size_t count = state.candidates->size();
   std::vector<std::optional<Rival>> weighed(count);
   std::vector<std::string> said(count);
   const auto one = [&](std::size_t i) {
-    weighed[i] = weigh(state, incumbent, (*state.candidates)[i], came_to, by_likelihood,
+    weighed[i] = weigh(state, incumbent, (*state.candidates)[i], came_to, settled,
                        [&](const std::string& text) { said[i] = text; });
   };
   in_parallel(count, one, 1);
@@ -137,7 +137,7 @@ bool simpler_and_alike(const SearchState& state, const FoundEffect& found, const
 }  // namespace
 
 std::vector<FoundEffect> weigh_rivals(const SearchState& state, const CameTo& came_to,
-                                      const std::set<std::string>& by_likelihood, const Report& report) {
+                                      const std::set<std::string>& settled, const Report& report) {
   std::vector<FoundEffect> all;
   const auto here = block_chi_squared(state.holdout, state.current.model);
   const double here_N = state.holdout_rms_N(state.current.model);
@@ -157,7 +157,7 @@ std::vector<FoundEffect> weigh_rivals(const SearchState& state, const CameTo& ca
     found.holdout_gain = chi_squared(state.holdout, bare.model) - chi_squared(state.holdout, state.current.model);
     found.rivals =
         weigh_all(state, {found, kept, bare, without_entry(state.current.model, name), here, here_N, floor_N}, came_to,
-                  by_likelihood, report);
+                  settled, report);
     all.push_back(std::move(found));
   }
   return all;

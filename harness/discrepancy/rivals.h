@@ -34,10 +34,10 @@ struct FoundEffect {
 // rival's.
 using CameTo = std::function<const NamedParameters*(const std::string& rival, const std::string& added)>;
 
-// Of every effect of the state's model, each with its rivals. `by_likelihood`: laws that took the place of a special
-// case by their likelihood: none of their kind is alike.
+// Of every effect of the state's model, each with its rivals. `settled`: laws that took the place of a special
+// case by their likelihood or by force alone: none of their kind is alike.
 std::vector<FoundEffect> weigh_rivals(const SearchState& state, const CameTo& came_to,
-                                      const std::set<std::string>& by_likelihood,
+                                      const std::set<std::string>& settled,
                                       const std::function<void(const std::string&)>& report);
 
 // The rival that does best of those that clearly do better in the place of a found effect, also along the likely
