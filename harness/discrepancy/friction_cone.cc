@@ -21,6 +21,7 @@ constexpr double steepest = 2.0;  // static coefficient above the dynamic one, a
 
 std::vector<ConeSample> fastest(const std::vector<ConeSample>& samples) {
   std::vector<double> speeds;
+  speeds.reserve(samples.size());
   for (const ConeSample& sample : samples) speeds.push_back(sample.speed_m_per_s);
   const double fast = percentile(std::move(speeds), fast_share);
   std::vector<ConeSample> chosen;
@@ -86,6 +87,7 @@ std::vector<ConeSample> cone_samples(const Evidence& evidence, const Model& mode
 std::optional<Cone> cone_of(const std::vector<ConeSample>& samples) {
   if (samples.size() < fewest_samples) return std::nullopt;
   std::vector<double> ratios;
+  ratios.reserve(samples.size());
   for (const ConeSample& sample : samples) ratios.push_back(sample.ratio);
   std::vector<double> of_fast;
   for (const ConeSample& sample : fastest(samples)) of_fast.push_back(sample.ratio);
