@@ -85,8 +85,7 @@ double left_by_model(const DetectorSide& side, const Model& model) {
 std::optional<std::string> pulls_along_everywhere(const DetectorSide& train, const DetectorSide& holdout,
                                                   const Model& base) {
   const auto pull = [&](const DetectorSide& side) {
-    const Evidence evidence{side.recording, side.blocks->predictor, side.noise, {}};
-    return pulls_along(cone_samples(evidence, base, "", side.recording->f_W_N, 0.0));
+    return pulls_along(cone_samples(cone_evidence(*side.blocks, *side.noise, base, 0.0), side.recording->f_W_N));
   };
   const auto learnt = pull(train);
   if (!learnt || !pull(holdout)) return std::nullopt;

@@ -256,9 +256,9 @@ class Search {
   void settle_cone() {
     for (const NamedParameters& entry : state_.current.model.effects) {
       if (!falls_with_speed(entry.name)) continue;
-      const Evidence& train = data_.train;
-      const auto samples =
-          cone_samples(train, state_.current.model, entry.name, train.recording->f_W_N, data_.force_floor_N);
+      const Model others = without_entry(state_.current.model, entry.name);
+      const auto samples = cone_samples(cone_evidence(state_.train, *data_.train.noise, others, data_.force_floor_N),
+                                        data_.train.recording->f_W_N);
       const auto cone = cone_of(samples);
       const auto read = read_falling(samples);
       if (!cone || !read) return;

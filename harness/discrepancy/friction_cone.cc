@@ -55,19 +55,22 @@ double quantile_loss(double residual, double quantile) {
 
 bool falls_with_speed(const std::string& effect) { return effect == "stribeck-friction"; }
 
-std::vector<ConeSample> cone_samples(const Evidence& evidence, const Model& model, const std::string& friction,
-                                     const std::vector<Vec3>& shown_W_N, double force_floor_N) {
+ConeEvidence cone_evidence(const FitData& blocks, const NoiseModel& noise, const Model& others, double force_floor_N) {
+  return {blocks.predictor->predict(others), &blocks.blocks, &noise.likely_motion(), force_floor_N};
+}
+
+std::vector<ConeSample> cone_samples(const ConeEvidence& evidence, const std::vector<Vec3>& shown_W_N) {
   constexpr double least_load = 0.15;  // of the load that a tenth of the samples exceed
-  const Prediction others = evidence.predictor->predict(without_entry(model, friction));
-  const MotionColumns& likely = evidence.noise->likely_motion();
+  const Prediction& others = evidence.others;
+  const MotionColumns& likely = *evidence.likely;
   std::vector<std::pair<ConeSample, double>> loaded;
   std::vector<double> loads_N;
-  for (std::size_t i = 1; i + 1 < likely.size(); ++i) {
+  const auto read = [&](std::size_t i) {
     const Vec3& n = others.n_W[i];
-    if (n.isZero() || others.n_W[i - 1].isZero() || others.n_W[i + 1].isZero()) continue;
+    if (n.isZero() || others.n_W[i - 1].isZero() || others.n_W[i + 1].isZero()) return;
     const Vec3 left_N = shown_W_N[i] - others.f_W_N[i];
     const double load_N = others.normal_N[i] + n.dot(left_N);
-    if (!(load_N > force_floor_N)) continue;
+    if (!(load_N > evidence.force_floor_N)) return;
     const Vec3 way = likely.p_W_m[i + 1] - likely.p_W_m[i - 1];
     const Vec3 along = way - n.dot(way) * n;
     const double speed = along.norm() / (likely.t_s[i + 1] - likely.t_s[i - 1]);
@@ -75,6 +78,10 @@ std::vector<ConeSample> cone_samples(const Evidence& evidence, const Model& mode
     const Vec3 pull = (left_N - n.dot(left_N) * n) / load_N;
     loaded.emplace_back(ConeSample{pull.norm(), speed, direction, pull.dot(direction)}, load_N);
     loads_N.push_back(load_N);
+  };
+  for (const SampleBlock& block : *evidence.blocks) {
+    const std::size_t end = std::min(block.end, likely.size() - 1);
+    for (std::size_t i = std::max<std::size_t>(block.begin, 1); i < end; ++i) read(i);
   }
   const double least_N = least_load * percentile(std::move(loads_N), 0.9);
   std::vector<ConeSample> cone;
@@ -116,13 +123,11 @@ std::optional<double> pulls_along(const std::vector<ConeSample>& samples) {
   return coefficient;
 }
 
-std::vector<double> null_excesses(const Evidence& evidence, const Model& model, const std::string& friction,
-                                  double force_floor_N) {
-  const Prediction nominal = evidence.predictor->predict(model);
+std::vector<double> null_excesses(const ConeEvidence& evidence, NoiseModel& noise, const Model& model,
+                                  const Prediction& nominal) {
   std::vector<double> excesses;
   for (std::size_t world = 0; world < NoiseModel::null_worlds; ++world) {
-    const auto shown = evidence.noise->null_forces(model, nominal, world);
-    const auto cone = cone_of(cone_samples(evidence, model, friction, shown, force_floor_N));
+    const auto cone = cone_of(cone_samples(evidence, noise.null_forces(model, nominal, world)));
     if (cone) excesses.push_back(cone->excess());
   }
   return excesses;

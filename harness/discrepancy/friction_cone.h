@@ -23,10 +23,19 @@ struct ConeSample {
   double along = 0.0;               // of the ratio, the part along the direction: negative where friction resists
 };
 
-// Of one recording's samples in contact, given what the sensor showed: of the model's forces all but those of its entry
-// `friction` are taken off. Loads below `force_floor_N`, and small ones, are left out.
-std::vector<ConeSample> cone_samples(const Evidence& evidence, const Model& model, const std::string& friction,
-                                     const std::vector<Vec3>& shown_W_N, double force_floor_N);
+// What friction is read from: the forces of all but friction at the recorded positions, the blocks of the part that
+// counts, and the likely motion. What is pointed to must outlive it.
+struct ConeEvidence {
+  Prediction others;
+  const std::vector<SampleBlock>* blocks = nullptr;
+  const MotionColumns* likely = nullptr;
+  double force_floor_N = 0.0;  // loads below it are left out
+};
+// `blocks`: of the evidence; `others`: the model without its friction.
+ConeEvidence cone_evidence(const FitData& blocks, const NoiseModel& noise, const Model& others, double force_floor_N);
+
+// Of the part's samples in contact, given what the sensor showed at every sample. Small loads are left out.
+std::vector<ConeSample> cone_samples(const ConeEvidence& evidence, const std::vector<Vec3>& shown_W_N);
 
 struct Cone {
   double sliding = 0.0;  // the coefficient of the fastest 15 % of the samples: their median ratio
@@ -43,10 +52,10 @@ std::optional<Cone> cone_of(const std::vector<ConeSample>& samples);
 // to different sides, by a twentieth of the load or more.
 std::optional<double> pulls_along(const std::vector<ConeSample>& samples);
 
-// The excess where the model is the truth, in every simulated world of the evidence (parametric bootstrap: Efron and
-// Tibshirani 1993, chapter 6.5).
-std::vector<double> null_excesses(const Evidence& evidence, const Model& model, const std::string& friction,
-                                  double force_floor_N);
+// The excess where the model is the truth, in every simulated world of the noise (parametric bootstrap: Efron and
+// Tibshirani 1993, chapter 6.5). `nominal`: the model's prediction at the recorded positions.
+std::vector<double> null_excesses(const ConeEvidence& evidence, NoiseModel& noise, const Model& model,
+                                  const Prediction& nominal);
 
 // mu(v) = dynamic + (static - dynamic) exp(-(v / velocity)^2), as the effect stribeck-friction has it.
 struct FallingCoefficient {

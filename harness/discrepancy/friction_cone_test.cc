@@ -69,6 +69,32 @@ TEST(FrictionCone, NoForceOfASteadyCoefficientLeavesIts) {
   EXPECT_LE(falling->widest, truth.mu_static);
 }
 
+TEST(FrictionCone, SamplesAreOfThePartThatCountsAlone) {
+  constexpr std::size_t n = 200;
+  MotionColumns likely;
+  ConeEvidence evidence;
+  std::vector<Vec3> shown;
+  for (std::size_t i = 0; i < n; ++i) {
+    likely.t_s.push_back(0.01 * static_cast<double>(i));
+    likely.p_W_m.emplace_back(0.03 * likely.t_s.back(), 0.0, 0.0);
+    evidence.others.n_W.emplace_back(Vec3::UnitZ());
+    evidence.others.f_W_N.emplace_back(0.0, 0.0, 2.0);
+    evidence.others.normal_N.push_back(2.0);
+    // What is held back pulls twice as hard.
+    shown.emplace_back(i < n / 2 ? -0.6 : -1.2, 0.0, 2.0);
+  }
+  const std::vector<SampleBlock> blocks{{0, n / 2}};
+  evidence.blocks = &blocks;
+  evidence.likely = &likely;
+  const auto samples = cone_samples(evidence, shown);
+  ASSERT_EQ(samples.size(), n / 2 - 1);  // the first has no sample before it
+  for (const ConeSample& sample : samples) {
+    EXPECT_NEAR(sample.ratio, 0.3, 1e-12);
+    EXPECT_NEAR(sample.along, -0.3, 1e-12);
+    EXPECT_NEAR(sample.speed_m_per_s, 0.03, 1e-12);
+  }
+}
+
 // A tip that goes to and fro, quicker and slower, and is pulled along by `coefficient` of its load.
 std::vector<ConeSample> pulled(double coefficient, double share, bool to_and_fro) {
   Random random(74);

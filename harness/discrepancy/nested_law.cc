@@ -143,11 +143,13 @@ double changes(const SearchState& state, const Model& smaller_model, const std::
 // Why a coefficient that falls with speed is not to take the place of a steady one; "" where it is.
 std::string stays_in_cone(const SearchState& state, const std::string& smaller) {
   const SearchSettings& settings = *state.settings;
-  for (const Evidence* evidence : {&state.data->train, &state.data->holdout}) {
-    const Model& model = state.current.model;
-    const double floor_N = state.data->force_floor_N;
-    const auto cone = cone_of(cone_samples(*evidence, model, smaller, evidence->recording->f_W_N, floor_N));
-    const auto nulls = null_excesses(*evidence, model, smaller, floor_N);
+  const Model& model = state.current.model;
+  const Model others = without_entry(model, smaller);
+  for (const auto& [side, blocks] :
+       {std::pair(&state.data->train, &state.train), std::pair(&state.data->holdout, &state.holdout)}) {
+    const ConeEvidence evidence = cone_evidence(*blocks, *side->noise, others, state.data->force_floor_N);
+    const auto cone = cone_of(cone_samples(evidence, side->recording->f_W_N));
+    const auto nulls = null_excesses(evidence, *side->noise, model, side->predictor->predict(model));
     if (!cone || nulls.size() < fewest_worlds) return "too little contact to tell whether friction falls with speed";
     const double bar = std::max(settings.cone_excess, bar_above(nulls, settings.null_deviations));
     if (!(cone->excess() > bar)) {

@@ -118,6 +118,7 @@ TEST(NestedLaw, FrictionThatFallsWithSpeedTakesThePlaceOfPlainFrictionAtEveryUni
     const Trial& trial = laws.front().trial;
     EXPECT_EQ(trial.name, "stribeck-friction");
     EXPECT_EQ(trial.verdict, "") << unit;
+    EXPECT_GT(std::min(trial.train_gain, trial.holdout_gain), SearchSettings{}.law_gain) << unit;
     const auto& fitted = find_entry(trial.fit.model, "stribeck-friction")->parameters;
     EXPECT_NEAR(fitted.at("mu_dynamic"), 0.25, 0.02) << unit;
     EXPECT_GT(fitted.at("mu_static"), 0.4) << unit;
@@ -136,6 +137,44 @@ TEST(NestedLaw, ALawWithoutALargerOneIsNotAskedFor) {
   world.library.pop_back();
   EXPECT_TRUE(world.weigh().empty());
 }
+
+// A plane with a damper along it that the model lacks, or has not got.
+std::vector<Trial> likely_trials(double damper_N_s_per_m) {
+  const std::vector<Candidate> library{
+      {"viscous-friction", Side::contact, {{"coefficient_N_s_per_m", "N s/m", 0.0, 1e4, 0.0, ""}}}};
+  Model start;
+  start.renderer = "plane";
+  start.parameters["stiffness_N_per_m"] = 900.0;
+  Model truth = start;
+  if (damper_N_s_per_m > 0.0) {
+    truth.effects.push_back({"viscous-friction", {{"coefficient_N_s_per_m", damper_N_s_per_m}}, ""});
+  }
+  const InstrumentDescription instrument = testing::small_noise(1.0);
+  const auto measure = [&](double phase, std::uint64_t seed) {
+    const MotionColumns path = testing::hand(phase, 1.0);
+    return testing::measured(path, testing::PlanePredictor(path).predict(truth).f_W_N, instrument, seed);
+  };
+  const testing::TwoRecordings recordings(
+      measure(0.0, 41), measure(1.1, 42), instrument, start,
+      [](const MotionColumns& motion) { return std::make_unique<testing::PlanePredictor>(motion); });
+  const SearchSettings settings;
+  SearchState state(recordings.data, library, settings, start);
+  state.refit();
+  state.renew_noise(state.current.model);
+  state.refit();
+  return weigh_by_likelihood(state, try_candidates(state, standing_of(state)));
+}
+
+TEST(WeighedByLikelihood, ADamperThatActsPassesWithItsCoefficient) {
+  const auto passed = likely_trials(4.0);
+  ASSERT_EQ(passed.size(), 1U);
+  EXPECT_EQ(passed.front().name, "viscous-friction");
+  EXPECT_GT(std::min(passed.front().train_gain, passed.front().holdout_gain), passed.front().null_bar);
+  const auto& fitted = find_entry(passed.front().fit.model, "viscous-friction")->parameters;
+  EXPECT_NEAR(fitted.at("coefficient_N_s_per_m"), 4.0, 0.2);
+}
+
+TEST(WeighedByLikelihood, NothingPassesWhereNothingIsMissing) { EXPECT_TRUE(likely_trials(0.0).empty()); }
 
 }  // namespace
 }  // namespace touchstone

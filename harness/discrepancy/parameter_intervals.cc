@@ -86,9 +86,10 @@ Interval interval95(const JointFit& fit, const std::vector<FreeParameter>& param
                                  [&](const FreeParameter& p) { return p.owner == effect && p.name == name; });
   const double value = find_entry(fit.model, effect)->parameters.at(name);
   const auto positive = [&](const NullFit& draw) { return find_entry(draw.model, effect)->parameters.at(name) > 0.0; };
-  // What is not free was read (see ReadValues), or has no width.
-  const Scale scale{free != parameters.end() ? free->logarithmic
-                                             : value > 0.0 && std::all_of(draws.begin(), draws.end(), positive)};
+  // What nothing free moves was read (see ReadValues), or has no width.
+  const bool read = free == parameters.end() && !(fitted_variance(fit, parameters, effect, name, {false}) > 0.0);
+  const Scale scale{read ? value > 0.0 && std::all_of(draws.begin(), draws.end(), positive)
+                         : free != parameters.end() && free->logarithmic};
   const double here = scale.to(value);
   double variance = fitted_variance(fit, parameters, effect, name, scale);
   double bias = 0.0;
