@@ -26,7 +26,7 @@
 namespace touchstone::apps {
 namespace {
 
-struct Options {
+struct BlindOptions {
   std::uint64_t seed = 1;
   double share = 1.0;
   double strength = 1.0;
@@ -50,7 +50,7 @@ bool hides_effects_to_be_found(const std::vector<std::string>& names) {
          std::all_of(names.begin(), names.end(), [&](const auto& name) { return hiding.contains(name); });
 }
 
-ExitStatus make(const Options& options) {
+ExitStatus make(const BlindOptions& options) {
   if (options.share <= 0.0 || options.share > 1.0) throw UsageError("--share: above 0 and at most 1 was expected");
   for (const std::string& set : options.sets) {
     if (!blind_full_count().contains(set)) {
@@ -95,7 +95,7 @@ ExitStatus make(const Options& options) {
   return ExitStatus::passed;
 }
 
-ExitStatus follow(const Options& options) {
+ExitStatus follow(const BlindOptions& options) {
   if (options.id.empty()) {
     if (options.cases.empty() || options.results.empty()) {
       throw UsageError("follow: --case and --trajectory for one case, or --cases and --results for all, are needed");
@@ -126,7 +126,7 @@ void search_case(const std::filesystem::path& folder, const std::filesystem::pat
   fmt::print("{} {}{} ({:.0f} s)\n", folder.filename().string(), to_string(findings.verdict), names, seconds);
 }
 
-ExitStatus run_cases(const Options& options) {
+ExitStatus run_cases(const BlindOptions& options) {
   if (!std::filesystem::is_directory(options.cases)) {
     throw BadData(fmt::format("{}: no such folder; make cases with: touchstone blind make", options.cases.string()));
   }
@@ -157,7 +157,7 @@ ExitStatus run_cases(const Options& options) {
   return failed ? ExitStatus::failed : ExitStatus::passed;
 }
 
-ExitStatus score(const Options& options) {
+ExitStatus score(const BlindOptions& options) {
   const auto scores = score_blind(options.answers, options.cases, options.results, options.again);
   if (!options.json.empty()) write_file(options.json, blind_json(scores));
   const BlindTable table = blind_table(scores);
@@ -175,7 +175,7 @@ void add_blind(CLI::App& program, Run& run) {
   auto* const command = program.add_subcommand(
       "blind", "Test the search for missing effects on recordings whose hidden cause it does not know");
   command->require_subcommand(1);
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<BlindOptions>();
 
   auto* const maker = command->add_subcommand("make", "Write cases with opaque names and their answers apart");
   maker->add_option("--seed", options->seed, "of everything")->capture_default_str();

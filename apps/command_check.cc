@@ -10,13 +10,13 @@
 namespace touchstone::apps {
 namespace {
 
-struct Options {
+struct CheckOptions {
   GoldenOptions golden;
   bool ctest = false;
   bool fail_on_drift = false;
 };
 
-ExitStatus check_command(const Options& options) {
+ExitStatus check_command(const CheckOptions& options) {
   const auto cases = options.golden.load();
   const ChangeModel change = options.golden.change_model();
   std::size_t passed = 0;
@@ -47,7 +47,7 @@ ExitStatus check_command(const Options& options) {
 
 void add_check(CLI::App& program, Run& run) {
   auto* const command = program.add_subcommand("check", "Run golden cases and compare with what they must give");
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<CheckOptions>();
   options->golden.add_to(*command);
   command->add_flag("--ctest", options->ctest,
                     "Print measurements and pictures for ctest and CDash, with the time of the steps");

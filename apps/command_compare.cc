@@ -10,12 +10,12 @@
 namespace touchstone::apps {
 namespace {
 
-struct Options {
+struct CompareOptions {
   std::string expected, obtained, tolerance, json, print;
   bool where = false;
 };
 
-ExitStatus compare_command(const Options& options) {
+ExitStatus compare_command(const CompareOptions& options) {
   take_memory_in_huge_pages(std::size_t{16} << 20);
   const Tolerance tolerance = options.tolerance.empty() ? default_tolerance() : load_tolerance(options.tolerance);
   const auto [expected, obtained] = load_columns(options.expected, options.obtained);
@@ -44,7 +44,7 @@ ExitStatus compare_command(const Options& options) {
 
 void add_compare(CLI::App& program, Run& run) {
   auto* const command = program.add_subcommand("compare", "Compare two recordings, rendered files or goldens");
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<CompareOptions>();
   command->add_option("EXPECTED", options->expected, "CSV (also .gz) or HDF5")->required();
   command->add_option("OBTAINED", options->obtained, "CSV (also .gz) or HDF5")->required();
   command->add_option("--tolerance", options->tolerance,

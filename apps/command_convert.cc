@@ -9,7 +9,7 @@
 namespace touchstone::apps {
 namespace {
 
-struct Options {
+struct ConvertOptions {
   std::string in;
   std::string out;
   ColumnUnits units;
@@ -17,7 +17,7 @@ struct Options {
   std::string on_gap = "keep";
 };
 
-ExitStatus convert(const Options& options) {
+ExitStatus convert(const ConvertOptions& options) {
   ClockPolicy clock;
   clock.on_duplicate = parse_on_duplicate(options.on_duplicate);
   clock.on_gap = parse_on_gap(options.on_gap);
@@ -37,7 +37,7 @@ ExitStatus convert(const Options& options) {
 void add_convert(CLI::App& program, Run& run) {
   auto* const command =
       program.add_subcommand("convert", "Convert a recording or rendered file between CSV and HDF5, or to other units");
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<ConvertOptions>();
   command->add_option("in", options->in, "The file to read: .csv, .csv.gz, .h5 or .hdf5")->required();
   command->add_option("out", options->out, "The file to write; its extension says the format")->required();
   command->add_option("--time-unit", options->units.time, "Unit of the time column: s, ms, us")->capture_default_str();

@@ -10,7 +10,7 @@
 namespace touchstone::apps {
 namespace {
 
-struct Options {
+struct DatasetOptions {
   std::string folder;
   std::string out;
   std::string on_duplicate = "refuse";
@@ -18,7 +18,7 @@ struct Options {
 };
 
 // Prints what was found; true when nothing is wrong.
-bool report(const Dataset& dataset, const Options& options) {
+bool report(const Dataset& dataset, const DatasetOptions& options) {
   ClockPolicy clock;
   clock.on_duplicate = parse_on_duplicate(options.on_duplicate);
   clock.on_gap = parse_on_gap(options.on_gap);
@@ -35,11 +35,11 @@ bool report(const Dataset& dataset, const Options& options) {
   return found.errors.empty();
 }
 
-ExitStatus check(const Options& options) {
+ExitStatus check(const DatasetOptions& options) {
   return report(load_dataset(options.folder), options) ? ExitStatus::passed : ExitStatus::bad_data;
 }
 
-ExitStatus pack(const Options& options) {
+ExitStatus pack(const DatasetOptions& options) {
   Dataset dataset = load_dataset(options.folder);
   pack_dataset(dataset);
   if (!report(dataset, options)) return ExitStatus::bad_data;
@@ -50,7 +50,7 @@ ExitStatus pack(const Options& options) {
   return ExitStatus::passed;
 }
 
-void add_common(CLI::App& command, Options& options) {
+void add_common(CLI::App& command, DatasetOptions& options) {
   command.add_option("folder", options.folder, "The data set's folder, or its dataset.json")->required();
   command.add_option("--on-duplicate", options.on_duplicate, "Samples that repeat a time: refuse, first, mean")
       ->capture_default_str();
@@ -64,7 +64,7 @@ void add_dataset(CLI::App& program, Run& run) {
   auto* const command = program.add_subcommand(
       "dataset", "Check or pack a data set: a folder with dataset.json, the mesh and the recordings of one object");
   command->require_subcommand(1);
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<DatasetOptions>();
   auto* const checking = command->add_subcommand(
       "check", "Every file is there, is what its hash says, can be read, and lies where the mesh is");
   add_common(*checking, *options);

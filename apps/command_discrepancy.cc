@@ -12,14 +12,14 @@
 namespace touchstone::apps {
 namespace {
 
-struct Options {
+struct DiscrepancyOptions {
   DiscrepancyFiles files;
   std::filesystem::path json;
   bool verify = false;
   PluginFlags plugins;
 };
 
-ExitStatus discrepancy(Options options) {
+ExitStatus discrepancy(DiscrepancyOptions options) {
   const Plugins plugins = options.plugins.load();
   if (!options.plugins.libraries.empty()) options.files.plugins = &plugins;
   if (options.verify) {
@@ -39,7 +39,7 @@ ExitStatus discrepancy(Options options) {
 void add_discrepancy(CLI::App& program, Run& run) {
   auto* const command = program.add_subcommand(
       "discrepancy", "Find where simulation and measurement disagree, name the missing effect and show the gap shrink");
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<DiscrepancyOptions>();
   command->add_option("--model", options->files.model, "starting model (JSON)")->required();
   command->add_option("--mesh", options->files.mesh,
                       "object: OBJ, OFF, PLY or STL; without it the half-space below z = 0, for recordings of "

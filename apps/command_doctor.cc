@@ -12,12 +12,12 @@
 namespace touchstone::apps {
 namespace {
 
-struct Options {
+struct DoctorOptions {
   std::string mesh, mesh_unit = "m", json;
   MeshDoctorRule rule;
 };
 
-ExitStatus doctor_command(const Options& options) {
+ExitStatus doctor_command(const DoctorOptions& options) {
   const TriangleMesh mesh = load_mesh(options.mesh, length_unit_factor(options.mesh_unit));
   const MeshDiagnosis diagnosis = examine_mesh(mesh, options.rule, self_intersections);
   if (!options.json.empty()) write_file(options.json, diagnosis_json(diagnosis, options.mesh));
@@ -30,7 +30,7 @@ ExitStatus doctor_command(const Options& options) {
 void add_doctor(CLI::App& program, Run& run) {
   auto* const command =
       program.add_subcommand("doctor", "Say what is wrong with a mesh and what that means for rendering");
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<DoctorOptions>();
   command->add_option("MESH,--mesh", options->mesh, "OBJ, OFF, PLY or STL, also .gz")->required();
   command->add_option("--mesh-unit", options->mesh_unit, "Unit of the mesh's coordinates: m, mm, cm, km, um")
       ->capture_default_str();

@@ -14,13 +14,13 @@
 namespace touchstone::apps {
 namespace {
 
-struct Options {
+struct EvaluateOptions {
   EvaluationFlags flags;
   std::vector<std::string> models, datasets, metrics;
   std::string out = "touchstone-report", json, time_range = "all";
 };
 
-std::vector<PlannedEvaluation> plan(const Options& options) {
+std::vector<PlannedEvaluation> plan(const EvaluateOptions& options) {
   EvaluationRequest base = make_request(options.flags);
   base.metrics = options.metrics;
   for (const std::string& name : options.metrics) {
@@ -60,7 +60,7 @@ std::vector<PlannedEvaluation> plan(const Options& options) {
   return out;
 }
 
-ExitStatus evaluate_command(const Options& options) {
+ExitStatus evaluate_command(const EvaluateOptions& options) {
   const auto planned = plan(options);
   ensure_writable_folder(options.out);
   const auto evaluated = run_plan(planned, options.out);
@@ -82,7 +82,7 @@ void add_evaluate(CLI::App& program, Run& run) {
       "evaluate",
       "Hold a renderer's forces, positions and cost against a real recording; without options every renderer on the "
       "bundled recordings");
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<EvaluateOptions>();
   add_evaluation_flags(*command, options->flags);
   command->add_option("--model", options->models, "Model file (touchstone-model/1); several are put side by side");
   command->add_option("--dataset", options->datasets,

@@ -20,7 +20,7 @@
 namespace touchstone::apps {
 namespace {
 
-struct Options {
+struct ExperimentScanOptions {
   SeededOptions seeded;
   std::uint64_t seed = 1;
   std::size_t seeds = 1;
@@ -30,7 +30,7 @@ struct Options {
   std::vector<double> extend_m{0.02};
 };
 
-void write_report(const Options& options, const std::string& name, const std::string& json, const Page& page) {
+void write_report(const ExperimentScanOptions& options, const std::string& name, const std::string& json, const Page& page) {
   const std::filesystem::path out = options.seeded.out;
   write_file(out / (name + ".json"), json);
   write_html(out / "report.html", page);
@@ -38,7 +38,7 @@ void write_report(const Options& options, const std::string& name, const std::st
   fmt::print("report: {}\n", (out / "report.html").string());
 }
 
-ExitStatus run_friction(const Options& options) {
+ExitStatus run_friction(const ExperimentScanOptions& options) {
   if (options.recording.empty() != options.mesh.empty())
     throw UsageError("--recording and --mesh belong together: a real scan and the surface it was made over");
   const auto seeded = experiments::seeded_friction(options.seed, options.seeds);
@@ -69,7 +69,7 @@ ExitStatus run_friction(const Options& options) {
   return run.status;
 }
 
-ExitStatus run_density(const Options& options, bool shading) {
+ExitStatus run_density(const ExperimentScanOptions& options, bool shading) {
   const std::string name = shading ? "shading" : "density";
   const auto seeded = experiments::seeded_density(options.seed, options.seeds, shading);
   const SeededRun run = run_seeded(seeded, options.seeded, name);
@@ -87,7 +87,7 @@ ExitStatus run_density(const Options& options, bool shading) {
 }
 
 CLI::App* add(CLI::App& experiment, const std::string& name, const std::string& about,
-              const std::shared_ptr<Options>& options) {
+              const std::shared_ptr<ExperimentScanOptions>& options) {
   auto* const command = experiment.add_subcommand(name, about);
   command->add_option("--out", options->seeded.out, "Folder for report.html, tables.md and " + name + ".json");
   command->add_option("--seed", options->seed, "Of the scan")->capture_default_str();
@@ -101,7 +101,7 @@ CLI::App* add(CLI::App& experiment, const std::string& name, const std::string& 
 }  // namespace
 
 void add_scan_experiments(CLI::App& experiment, Run& run) {
-  auto friction = std::make_shared<Options>();
+  auto friction = std::make_shared<ExperimentScanOptions>();
   auto* const command = add(experiment, "friction",
                             "Friction identified from scans (Ruffaldi et al. 2006, table 2): the coefficient, and the "
                             "error with and without",
@@ -126,7 +126,7 @@ void add_scan_experiments(CLI::App& experiment, Run& run) {
       seeded_examples("friction"));
   command->callback([friction, &run] { run = [friction] { return run_friction(*friction); }; });
   for (const bool shading : {false, true}) {
-    auto options = std::make_shared<Options>();
+    auto options = std::make_shared<ExperimentScanOptions>();
     const std::string name = shading ? "shading" : "density";
     auto* const own = add(experiment, name,
                           shading ? "Force shading over the density of the mesh (Ruffaldi et al. 2006, figure 7)"

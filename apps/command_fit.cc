@@ -10,13 +10,13 @@
 namespace touchstone::apps {
 namespace {
 
-struct Options {
+struct FitOptions {
   EvaluationFlags flags;
   std::vector<std::string> parameters;
   std::string model, metric = "rms_force_error", fit_range = "all", score_range = "all", out = "touchstone-fit", json;
 };
 
-ExitStatus fit_command(const Options& options) {
+ExitStatus fit_command(const FitOptions& options) {
   FitRequest request;
   request.evaluation = make_request(options.flags);
   request.fit_range = TimeRanges::parse(options.fit_range, "--fit-range");
@@ -40,7 +40,7 @@ ExitStatus fit_command(const Options& options) {
 void add_fit(CLI::App& program, Run& run) {
   auto* const command = program.add_subcommand(
       "fit", "Identify parameters of a model from a recording, and score them on another part of it");
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<FitOptions>();
   add_evaluation_flags(*command, options->flags);
   command->get_option("--recording")->required();
   command->get_option("--mesh")->required();

@@ -17,7 +17,7 @@
 namespace touchstone::apps {
 namespace {
 
-struct Options {
+struct GoldenCommandOptions {
   GoldenOptions golden;
   std::string reason;
   std::string to;
@@ -35,7 +35,7 @@ std::vector<PendingResult> chosen_pending(const GoldenOptions& options) {
   return pending;
 }
 
-ExitStatus review(const Options& options) {
+ExitStatus review(const GoldenCommandOptions& options) {
   const auto pending = chosen_pending(options.golden);
   for (const auto& p : pending) {
     fmt::print("{}", read_file(p.folder / "table.txt"));
@@ -49,7 +49,7 @@ ExitStatus review(const Options& options) {
   return ExitStatus::passed;
 }
 
-ExitStatus noise_floor(const Options& options) {
+ExitStatus noise_floor(const GoldenCommandOptions& options) {
   if (options.programs.empty() && options.json.empty())
     throw UsageError("floor: give --program to measure, or --json to judge what was kept");
   if (options.programs.empty()) return judge_golden_floor(options.golden.load(), options.json);
@@ -91,7 +91,7 @@ bool same_bits(const std::filesystem::path& a, const std::filesystem::path& b) {
          summarise(load_rendered(a)).sha256 == summarise(load_rendered(b)).sha256;
 }
 
-ExitStatus accept(const Options& options) {
+ExitStatus accept(const GoldenCommandOptions& options) {
   if (options.reason.find_first_not_of(" \t") == std::string::npos)
     throw UsageError("--reason: say why this becomes the golden");
   if (const auto refused = acceptance_refused(options.golden.folder()))
@@ -116,7 +116,7 @@ ExitStatus accept(const Options& options) {
 }
 
 // The case as files that any version of the program can replay, by the interface that stays.
-ExitStatus export_case(const Options& options) {
+ExitStatus export_case(const GoldenCommandOptions& options) {
   const auto cases = options.golden.load();
   if (cases.size() != 1) throw UsageError("export: name one case");
   const GoldenCase& golden = cases.front();
@@ -132,7 +132,7 @@ ExitStatus export_case(const Options& options) {
   return ExitStatus::passed;
 }
 
-ExitStatus render(const Options& options) {
+ExitStatus render(const GoldenCommandOptions& options) {
   const ChangeModel change = options.golden.change_model();
   for (const GoldenCase& golden : options.golden.load()) {
     for (const std::string& model : options.golden.models_of(golden)) {
@@ -149,8 +149,8 @@ void add_golden(CLI::App& program, Run& run) {
   auto* const command =
       program.add_subcommand("golden", "Review and accept results of golden cases, measure their noise floor");
   command->require_subcommand(1);
-  auto options = std::make_shared<Options>();
-  const auto add = [&](const char* name, const char* what, ExitStatus (*function)(const Options&)) {
+  auto options = std::make_shared<GoldenCommandOptions>();
+  const auto add = [&](const char* name, const char* what, ExitStatus (*function)(const GoldenCommandOptions&)) {
     auto* const sub = command->add_subcommand(name, what);
     options->golden.add_to(*sub);
     sub->callback([options, function, &run] { run = [options, function] { return function(*options); }; });

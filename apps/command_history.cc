@@ -10,14 +10,14 @@
 namespace touchstone::apps {
 namespace {
 
-struct Options {
+struct HistoryOptions {
   std::string local, cdash, project = "Touchstone", test, build_id, test_id, metric, plot, json, commit;
   HistoryGate gate;
   double value = 0.0;
   bool record = false;
 };
 
-History read(const Options& options) {
+History read(const HistoryOptions& options) {
   if (!options.local.empty()) return load_history(options.local, options.metric, options.test);
   const char* const token = std::getenv("TOUCHSTONE_CDASH_TOKEN");
   const CdashServer server{options.cdash, token == nullptr ? "" : token};
@@ -25,7 +25,7 @@ History read(const Options& options) {
   return cdash_history(server, options.project, options.test, options.metric);
 }
 
-std::string draw(const Options& options, const History& history, const std::vector<Step>& steps) {
+std::string draw(const HistoryOptions& options, const History& history, const std::vector<Step>& steps) {
   PlotPanel panel{options.metric, options.metric, {{"measured", {}, true}, {"level", {}, false}}, {0.0, 0.0}};
   std::size_t next = 0;
   for (std::size_t i = 0; i < history.size(); ++i) {
@@ -42,7 +42,7 @@ std::string draw(const Options& options, const History& history, const std::vect
                     options.plot);
 }
 
-ExitStatus history_command(const Options& options) {
+ExitStatus history_command(const HistoryOptions& options) {
   if (options.local.empty() == options.cdash.empty()) throw UsageError("give either --local FILE or --cdash URL");
   if (options.record) {
     if (options.local.empty() || options.commit.empty()) throw UsageError("--record needs --local and --commit");
@@ -87,7 +87,7 @@ ExitStatus history_command(const Options& options) {
 
 void add_history(CLI::App& program, Run& run) {
   auto* const command = program.add_subcommand("history", "A metric over commits: plot, steps, thresholds");
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<HistoryOptions>();
   command->add_option("--metric", options->metric, "Measurement, for instance force_rms_N")->required();
   command->add_option("--local", options->local,
                       "File with one JSON object to a line: commit, metric, value [, test, time]");

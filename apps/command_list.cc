@@ -129,14 +129,14 @@ std::string to_json(const std::vector<Kind>& kinds) {
 }  // namespace
 
 void add_list(CLI::App& program, Run& run) {
-  struct Options {
+  struct ListOptions {
     std::string kind;
     std::filesystem::path json;
     PluginFlags plugins;
   };
   auto* const command =
       program.add_subcommand("list", "List commands, renderers, effects, metrics, synthetic surfaces and trajectories");
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<ListOptions>();
   command->add_option("kind", options->kind, "only this kind")
       ->check(CLI::IsMember({"commands", "renderers", "effects", "instrument", "metrics", "surfaces", "trajectories"}));
   command->add_option("--json", options->json, "write everything here as JSON");

@@ -27,7 +27,7 @@ namespace {
 
 namespace pc = perception;
 
-struct Options {
+struct PerceiveOptions {
   std::string real, mesh, mesh_unit = "m", direction = "force", answers, out, scaling = "reference-norm";
   std::vector<std::string> conditions, models;
   PluginFlags plugins;
@@ -89,7 +89,7 @@ std::string table_of(const pc::PerceptualEvaluation& evaluation) {
   return align_columns(rows);
 }
 
-ExitStatus perceive_command(const Options& options) {
+ExitStatus perceive_command(const PerceiveOptions& options) {
   pc::EvaluationOptions settings;
   settings.scaling = pc::feature_scaling(options.scaling);
   settings.explained_share = options.explained_share;
@@ -172,7 +172,7 @@ void add_perceive(CLI::App& program, Run& run) {
   auto* const command = program.add_subcommand(
       "perceive",
       "Rank rendering conditions by how close they feel to a real process, beside what plain statistics say");
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<PerceiveOptions>();
   command->add_option("--real", options->real, "Recording of the real process (CSV or HDF5)")->required();
   command->add_option("--condition", options->conditions, "NAME=FILE, a recording of a condition; repeat for more");
   command->add_option("--model", options->models, "NAME=MODEL, a condition that a model renders along the real path");

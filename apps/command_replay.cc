@@ -15,12 +15,12 @@
 namespace touchstone::apps {
 namespace {
 
-struct Options {
+struct ReplayOptions {
   std::string model, mesh, mesh_unit = "m", trajectory, out, timing, json;
   PluginFlags plugins;
 };
 
-ExitStatus replay_command(const Options& options) {
+ExitStatus replay_command(const ReplayOptions& options) {
   const Model model = load_model(options.model, options.plugins.load());
   find_renderer(model);  // a misspelt name is said before a large mesh is read
   const TriangleMesh mesh = load_mesh(options.mesh, length_unit_factor(options.mesh_unit));
@@ -63,7 +63,7 @@ ExitStatus replay_command(const Options& options) {
 
 void add_replay(CLI::App& program, Run& run) {
   auto* const command = program.add_subcommand("replay", "Run one renderer over positions as they are");
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<ReplayOptions>();
   command->add_option("--model", options->model, "Model file (touchstone-model/1)")->required();
   command->add_option("--mesh", options->mesh, "OBJ, OFF, PLY or STL, also .gz")->required();
   command->add_option("--mesh-unit", options->mesh_unit, "Unit of the mesh's coordinates: m, mm, cm, km, um")

@@ -8,12 +8,12 @@
 namespace touchstone::apps {
 namespace {
 
-struct Options {
+struct SweepOptions {
   std::string specification;
   CaseOptions cases;
 };
 
-ExitStatus sweep_command(const Options& options) {
+ExitStatus sweep_command(const SweepOptions& options) {
   const SweepDesign design(options.specification);
   SweepWorld world(design);
   CaseCommand command;
@@ -30,7 +30,7 @@ ExitStatus sweep_command(const Options& options) {
 void add_sweep(CLI::App& program, Run& run) {
   auto* const command = program.add_subcommand(
       "sweep", "Run many cases: a grid, list or Latin hypercube of surfaces, motions and models");
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<SweepOptions>();
   command->add_option("SPEC", options->specification, "touchstone-sweep/1 (JSON); see docs/scaling.md")->required();
   command->add_option("--out", options->cases.file, "Results (SQLite); a run that stopped goes on in it")
       ->default_str("SPEC with .sqlite");

@@ -15,7 +15,7 @@
 namespace touchstone::apps {
 namespace {
 
-struct Options {
+struct SynthOptions {
   bool list = false;
   std::string dataset, surface, trajectory;
   std::vector<std::string> parameters;
@@ -42,7 +42,7 @@ synthetic::ParameterOverrides parse_parameters(const std::vector<std::string>& t
   return overrides;
 }
 
-ExitStatus synth_command(const Options& options) {
+ExitStatus synth_command(const SynthOptions& options) {
   if (options.list) {
     fmt::print("{}", synthetic::catalogue_markdown());
     if (!options.json.empty()) write_file(options.json, synthetic::catalogue_json());
@@ -86,7 +86,7 @@ ExitStatus synth_command(const Options& options) {
 void add_synth(CLI::App& program, Run& run) {
   auto* const command =
       program.add_subcommand("synth", "Make meshes, trajectories and data sets whose exact answer is known");
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<SynthOptions>();
   auto* const what = command->add_option_group("what");
   what->add_flag("--list", options->list, "Print every data set, surface and trajectory with its parameters");
   what->add_option("--dataset", options->dataset, "A data set: mesh, recording through instruments, exact answer");

@@ -27,8 +27,14 @@ target_compile_options(touchstone_options INTERFACE -ffp-contract=${TOUCHSTONE_F
 # ccache can only cache units that use a precompiled header when the preprocessor keeps track of it.
 target_compile_options(touchstone_options INTERFACE $<$<CXX_COMPILER_ID:GNU>:-fpch-preprocess>)
 target_compile_options(touchstone_options INTERFACE
-  -Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor -Wold-style-cast -Wcast-qual
+  -Wall -Wextra -Wpedantic -Wnon-virtual-dtor -Wold-style-cast -Wcast-qual
   -Woverloaded-virtual -Wimplicit-fallthrough -Wunused)
+# In a unit of several files a name of one file's unnamed namespace is not shadowed by a parameter in the next.
+if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND TOUCHSTONE_UNITY GREATER 1)
+  target_compile_options(touchstone_options INTERFACE -Wshadow=local -Wno-subobject-linkage)
+else()
+  target_compile_options(touchstone_options INTERFACE -Wshadow)
+endif()
 if(TOUCHSTONE_WERROR)
   target_compile_options(touchstone_options INTERFACE -Werror)
 endif()

@@ -10,6 +10,29 @@ elseif(NOT TOUCHSTONE_TIMEOUT_FACTOR MATCHES "^[1-9][0-9]*$")
   message(FATAL_ERROR "TOUCHSTONE_TIMEOUT_FACTOR is '${TOUCHSTONE_TIMEOUT_FACTOR}': a whole number from 1 on was expected")
 endif()
 
+# Most of what compiling cost was parsing Eigen, fmt and JSON once more for each file. Rooms therefore share one precompiled
+# header, and CMake compiles several files of a target as one unit (TOUCHSTONE_UNITY files, 0: each alone). The preset
+# `tidy` has neither, so that clang-tidy finds a missing include.
+if(TOUCHSTONE_UNITY GREATER 1)
+  set(CMAKE_UNITY_BUILD ON)
+  set(CMAKE_UNITY_BUILD_BATCH_SIZE ${TOUCHSTONE_UNITY})
+endif()
+file(CONFIGURE OUTPUT ${PROJECT_BINARY_DIR}/room_pch.cc CONTENT "namespace touchstone {}\n")
+add_library(touchstone_room_pch STATIC ${PROJECT_BINARY_DIR}/room_pch.cc)
+function(touchstone_use_room_pch)
+  target_link_libraries(touchstone_room_pch PRIVATE touchstone_options Eigen3::Eigen fmt::fmt nlohmann_json::nlohmann_json)
+  target_precompile_headers(touchstone_room_pch PRIVATE <Eigen/Core> <Eigen/Geometry> <fmt/format.h> <nlohmann/json.hpp>
+    <algorithm> <array> <cmath> <cstdint> <filesystem> <fstream> <functional> <map> <memory> <optional> <span> <sstream>
+    <string> <string_view> <utility> <vector>)
+endfunction()
+
+# touchstone_precompiled(<library>...) compiles static libraries with the rooms' precompiled header.
+function(touchstone_precompiled)
+  foreach(target IN LISTS ARGV)
+    target_precompile_headers(${target} REUSE_FROM touchstone_room_pch)
+  endforeach()
+endfunction()
+
 # Tests share one precompiled header: parsing GoogleTest, Eigen and JSON anew in each would double their build time.
 if(BUILD_TESTING)
   file(CONFIGURE OUTPUT ${PROJECT_BINARY_DIR}/test_pch.cc CONTENT "int main() {}\n")
@@ -22,11 +45,12 @@ function(touchstone_use_test_pch)
     <fmt/format.h> <nlohmann/json.hpp> <filesystem> <fstream> <functional> <optional> <string> <vector>)
 endfunction()
 
-# touchstone_add_room(<name> SOURCES a.cc... [HEADERS a.h...] [DEPENDS room...] [LIBS target...] [PRIVATE_LIBS target...])
+# touchstone_add_room(<name> SOURCES a.cc... [HEADERS a.h...] [DEPENDS room...] [LIBS target...] [PRIVATE_LIBS target...] [ALONE])
+# ALONE: each file is a unit of its own, without the rooms' precompiled header.
 # Makes the static library touchstone_<name> with alias touchstone::<name>. Headers are included by their path from the
 # top of the tree, are checked for self-containment by the target all_verify_interface_header_sets, and are installed.
 function(touchstone_add_room name)
-  cmake_parse_arguments(ARG "" "" "SOURCES;HEADERS;DEPENDS;LIBS;PRIVATE_LIBS" ${ARGN})
+  cmake_parse_arguments(ARG "ALONE" "" "SOURCES;HEADERS;DEPENDS;LIBS;PRIVATE_LIBS" ${ARGN})
   set(target touchstone_${name})
   # For the package: what find_package must find for those who want this room (TouchstoneInstall.cmake).
   set_property(GLOBAL APPEND PROPERTY TOUCHSTONE_ROOMS ${name})
@@ -36,6 +60,11 @@ function(touchstone_add_room name)
     add_library(${target} STATIC ${ARG_SOURCES})
     set(scope PUBLIC)
     target_link_libraries(${target} PRIVATE $<BUILD_INTERFACE:touchstone_options>)
+    if(ARG_ALONE)
+      set_target_properties(${target} PROPERTIES UNITY_BUILD OFF)
+    else()
+      touchstone_precompiled(${target})
+    endif()
   else()
     add_library(${target} INTERFACE)
     set(scope INTERFACE)
@@ -57,11 +86,12 @@ function(touchstone_add_room name)
 endfunction()
 
 # touchstone_add_tests(<name> SOURCES a_test.cc... [LIBS target...] [LABELS unit...] [TIMEOUT seconds] [SERIAL]
-#                      [ENVIRONMENT NAME=value...] [SHARDS n])
+#                      [ENVIRONMENT NAME=value...] [SHARDS n] [ALONE])
+# ALONE: each file is a unit of its own, for tests whose unnamed namespaces have names in common.
 # Makes the GoogleTest program touchstone_<name>_test and one ctest test per case, found when ctest runs; with SHARDS n
 # parts of many cases each, for thousands of cases that cost less than the start of the program.
 function(touchstone_add_tests name)
-  cmake_parse_arguments(ARG "SERIAL" "TIMEOUT;SHARDS" "SOURCES;LIBS;LABELS;ENVIRONMENT" ${ARGN})
+  cmake_parse_arguments(ARG "SERIAL;ALONE" "TIMEOUT;SHARDS" "SOURCES;LIBS;LABELS;ENVIRONMENT" ${ARGN})
   if(NOT BUILD_TESTING)
     return()
   endif()
@@ -71,6 +101,9 @@ function(touchstone_add_tests name)
     GTest::gmock GTest::gtest GTest::gtest_main)
   target_compile_options(${target} PRIVATE -O1)
   target_precompile_headers(${target} REUSE_FROM touchstone_test_pch)
+  if(ARG_ALONE)
+    set_target_properties(${target} PROPERTIES UNITY_BUILD OFF)
+  endif()
   if(NOT ARG_LABELS)
     set(ARG_LABELS unit)
   endif()

@@ -16,8 +16,6 @@
 namespace touchstone {
 namespace {
 
-std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
-
 const TriangleMesh& triangles_of(const Surface& surface) {
   if (surface.mesh() == nullptr)
     throw BadData("this renderer constrains by triangles and cannot run on an analytic surface");

@@ -6,7 +6,7 @@
 namespace touchstone {
 namespace {
 
-const TriangleMesh& triangles_of(const Surface& surface) {
+const TriangleMesh& counted_triangles_of(const Surface& surface) {
   if (surface.mesh() == nullptr)
     throw BadData("operations are counted on triangles only: an analytic surface's own arithmetic is not counted");
   return *surface.mesh();
@@ -15,7 +15,7 @@ const TriangleMesh& triangles_of(const Surface& surface) {
 }  // namespace
 
 CountedFeet::CountedFeet(const Surface& surface)
-    : mesh_(std::make_shared<const TriangleMesh>(triangles_of(surface))),
+    : mesh_(std::make_shared<const TriangleMesh>(counted_triangles_of(surface))),
       topology_(make_topology(*mesh_)),
       tree_(*mesh_) {
   facets_.reserve(mesh_->triangles.size());

@@ -9,8 +9,6 @@
 namespace touchstone {
 namespace {
 
-std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
-
 using Corners = std::array<Vec3, 3>;
 
 Corners corners_of(const TriangleMesh& mesh, std::int32_t t) {

@@ -35,7 +35,7 @@ std::string csv_field(const std::string& text) {
   return field + '"';
 }
 
-void bind(Statement& statement, const CaseValue& value) {
+void bind_value(Statement& statement, const CaseValue& value) {
   if (const auto* const integer = std::get_if<std::uint64_t>(&value)) {
     statement.bind(*integer);
   } else if (const auto* const real = std::get_if<double>(&value)) {
@@ -188,7 +188,7 @@ void CaseStore::add(std::span<const CaseRow> rows) {
     const bool ran = row.error.empty();
     insert.bind(row.number).bind(state_->current_run).bind(std::string(ran ? "ran" : "failed"));
     ran ? insert.bind_null() : insert.bind(row.error);
-    for (std::size_t c = 0; c < columns; ++c) bind(insert, c < row.values.size() ? row.values[c] : CaseValue());
+    for (std::size_t c = 0; c < columns; ++c) bind_value(insert, c < row.values.size() ? row.values[c] : CaseValue());
     insert.run();
   }
   all.commit();

@@ -168,7 +168,7 @@ TEST(SensorWindow, SeamsDoNotShow) {
   model.instrument = {{"time-lag", {{"lag_s", 0.0137}}, "/instrument/0"},
                       {"tool-inertia", {{"mass_kg", 0.05}}, "/instrument/1"},
                       {"force-bias", {{"fx_N", 0.1}, {"fy_N", 0.2}, {"fz_N", 0.3}}, "/instrument/2"}};
-  const Comparison comparison(model, make_embree_surface(testing::plate()));
+  const MeasuredRenderer comparison(model, make_embree_surface(testing::plate()));
   std::vector<double> t_s;
   std::vector<Vec3> p, expected, streamed;
   std::vector<Quat> q;

@@ -152,7 +152,7 @@ class MeasuredStream {
     OutSample out;
   };
 
-  MeasuredStream(const EvaluationRequest& request, const EvaluationInputs& inputs, const Comparison& comparison)
+  MeasuredStream(const EvaluationRequest& request, const EvaluationInputs& inputs, const MeasuredRenderer& comparison)
       : request_(request),
         inputs_(inputs),
         comparison_(comparison),
@@ -204,7 +204,7 @@ class MeasuredStream {
  private:
   const EvaluationRequest& request_;
   const EvaluationInputs& inputs_;
-  const Comparison& comparison_;
+  const MeasuredRenderer& comparison_;
   RecordingStream stream_;
   OutTrajectoryMaker maker_;
   OutTrajectorySummary summary_;
@@ -293,7 +293,7 @@ void describe(const EvaluationRequest& request, const EvaluationInputs& inputs, 
 
 EvaluationResult run_evaluation(const EvaluationRequest& request, const EvaluationInputs& inputs,
                                 const std::filesystem::path& rendered) {
-  const Comparison comparison(inputs.model, inputs.surface);
+  const MeasuredRenderer comparison(inputs.model, inputs.surface);
   Collector collector(request, inputs);
   SensorWindow window(comparison, [&](const ComparedSample& sample) { collector.add(sample); });
   MeasuredStream measured(request, inputs, comparison);

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "harness/metrics/metric.h"
-#include "renderers/comparison.h"
+#include "renderers/measured_renderer.h"
 
 namespace touchstone {
 
@@ -23,7 +23,7 @@ class SensorWindow {
  public:
   using Sink = std::function<void(const ComparedSample&)>;
 
-  SensorWindow(const Comparison& comparison, Sink sink);
+  SensorWindow(const MeasuredRenderer& comparison, Sink sink);
   void add(const ComparedSample& sample);
   // After the last sample, and before a gap over which nothing acts.
   void finish();
@@ -31,7 +31,7 @@ class SensorWindow {
  private:
   void flush(bool all);
 
-  const Comparison& comparison_;
+  const MeasuredRenderer& comparison_;
   Sink sink_;
   double halo_s_;
   std::vector<ComparedSample> held_;

@@ -12,8 +12,6 @@
 namespace touchstone::experiments {
 namespace {
 
-Table::Cell number(double value) { return {fmt::format("{:.4g}", value), true, Tone::neutral}; }
-
 double distance(const IndentationComparison& own, std::size_t condition) {
   return own.evaluation.conditions[condition].distance;
 }
@@ -43,9 +41,9 @@ Table distances_table(const std::vector<IndentationComparison>& comparisons) {
       nearest += comparison.evaluation.conditions[c].rank_perception == 1 ? 1 : 0;
     }
     table.rows.push_back({{{comparisons.front().evaluation.conditions[c].name, false, Tone::neutral},
-                           number(perception::median(own)),
-                           number(*std::min_element(own.begin(), own.end())),
-                           number(*std::max_element(own.begin(), own.end())),
+                           number_cell(perception::median(own)),
+                           number_cell(*std::min_element(own.begin(), own.end())),
+                           number_cell(*std::max_element(own.begin(), own.end())),
                            {fmt::format("{} of {}", nearest, own.size()), true, Tone::neutral}},
                           "",
                           {}});

@@ -17,7 +17,6 @@ std::size_t nearer(const std::vector<RowComparison>& comparisons) {
                                                 [](const auto& own) { return own.same() < own.rendered(); }));
 }
 
-Table::Cell number(double value) { return {fmt::format("{:.4g}", value), true, Tone::neutral}; }
 
 }  // namespace
 
@@ -50,8 +49,8 @@ Page palpation_page(const Recording& recording, const std::vector<RowComparison>
     same.y.push_back(own.same());
     rendered.x.push_back(start_s);
     rendered.y.push_back(own.rendered());
-    table.rows.push_back({{number(start_s), number(recording.motion.t_s[own.row.end - 1]),
-                           number(recording.motion.t_s[own.next.first]), number(own.same()), number(own.rendered())},
+    table.rows.push_back({{number_cell(start_s), number_cell(recording.motion.t_s[own.row.end - 1]),
+                           number_cell(recording.motion.t_s[own.next.first]), number_cell(own.same()), number_cell(own.rendered())},
                           "",
                           {}});
   }

@@ -14,8 +14,6 @@ namespace {
 
 namespace pc = perception;
 
-Table::Cell text(std::string value) { return {std::move(value), false, Tone::neutral}; }
-Table::Cell number(double value) { return {fmt::format("{:.4g}", value), true, Tone::neutral}; }
 
 Table::Cell percent(const Share& own) { return {fmt::format("{:.0f} %", 100.0 * own.value()), true, Tone::neutral}; }
 
@@ -44,9 +42,9 @@ Section findings_section(const SpringExperiment& e) {
     for (const auto scaling : pc::kFeatureScalings) table.columns.emplace_back(pc::name_of(scaling));
     for (std::size_t f = 0; f < findings.size(); ++f) {
       Table::Row row;
-      row.cells.push_back(text(findings[f].statement));
+      row.cells.push_back(text_cell(findings[f].statement));
       for (const auto& share : own.findings[f]) row.cells.push_back(share_cell(share));
-      while (row.cells.size() < table.columns.size()) row.cells.push_back(text(""));
+      while (row.cells.size() < table.columns.size()) row.cells.push_back(text_cell(""));
       table.rows.push_back(std::move(row));
     }
     section.blocks.emplace_back(std::move(table));
@@ -74,7 +72,7 @@ Section why_section(const SpringExperiment& e) {
     for (std::size_t f = 0; f < findings.size(); ++f) {
       if (!findings[f].uses_space) continue;
       Table::Row row;
-      row.cells.push_back(text(findings[f].statement));
+      row.cells.push_back(text_cell(findings[f].statement));
       for (std::size_t b = 0; b < own.features.size(); ++b) row.cells.push_back(share_cell(own.by_feature[b][f]));
       table.rows.push_back(std::move(row));
     }
@@ -86,9 +84,9 @@ Section why_section(const SpringExperiment& e) {
     means.columns.emplace_back("Euclidean distance [N]");
     for (std::size_t c = 0; c < e.conditions.size(); ++c) {
       Table::Row row;
-      row.cells = {text(e.conditions[c]), number(own.mean_distance[0][c])};
-      for (std::size_t b = 0; b < own.features.size(); ++b) row.cells.push_back(number(own.mean_block_distance[b][c]));
-      row.cells.push_back(number(own.mean_statistic[0][c]));
+      row.cells = {text_cell(e.conditions[c]), number_cell(own.mean_distance[0][c])};
+      for (std::size_t b = 0; b < own.features.size(); ++b) row.cells.push_back(number_cell(own.mean_block_distance[b][c]));
+      row.cells.push_back(number_cell(own.mean_statistic[0][c]));
       means.rows.push_back(std::move(row));
     }
     section.blocks.emplace_back(std::move(means));
@@ -115,7 +113,7 @@ Section scan_section(const SpringExperiment& e) {
     }
     for (std::size_t f = 0; f < spring_findings().size(); ++f) {
       Table::Row row;
-      row.cells.push_back(text(spring_findings()[f].statement));
+      row.cells.push_back(text_cell(spring_findings()[f].statement));
       for (const auto& point : e.scan) {
         // No tones: so few seeds make nothing sure.
         if (point.rule == rule) row.cells.push_back(percent(point.findings[f]));
@@ -141,7 +139,7 @@ Section agreement_table(const SpringExperiment& e) {
   const auto& methods = e.variants.front().methods;
   for (std::size_t m = 0; m < methods.size(); ++m) {
     Table::Row row;
-    row.cells.push_back(text(methods[m]));
+    row.cells.push_back(text_cell(methods[m]));
     for (const auto& own : e.variants) {
       auto sorted = own.agreement[m];
       std::sort(sorted.begin(), sorted.end());
@@ -169,7 +167,7 @@ Section agreement_table(const SpringExperiment& e) {
   const auto add = [&](const std::string& name, const std::vector<double>& values, bool larger_is_better) {
     const auto own = pc::agree(name, values, larger_is_better, likeness).spearman;
     published.rows.push_back(
-        {{text(name), {fmt::format("{:.2f}, p = {:.3f}", own.coefficient, own.p_two_sided), true, Tone::neutral}},
+        {{text_cell(name), {fmt::format("{:.2f}, p = {:.3f}", own.coefficient, own.p_two_sided), true, Tone::neutral}},
          "",
          {}});
   };

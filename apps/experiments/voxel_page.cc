@@ -7,8 +7,6 @@
 namespace touchstone::experiments {
 namespace {
 
-Table::Cell text(std::string value) { return {std::move(value), false, Tone::neutral}; }
-Table::Cell number(std::string value) { return {std::move(value), true, Tone::neutral}; }
 std::string cube(int resolution) { return resolution > 0 ? fmt::format("{}^3", resolution) : "none"; }
 
 Section findings_section(const VoxelExperiment& e) {
@@ -16,8 +14,8 @@ Section findings_section(const VoxelExperiment& e) {
   Table table;
   table.columns = {"finding of the paper", "here", "holds"};
   for (const VoxelFinding& finding : e.findings) {
-    table.rows.push_back({{text(finding.statement),
-                           text(finding.here),
+    table.rows.push_back({{text_cell(finding.statement),
+                           text_cell(finding.here),
                            {finding.holds ? "yes" : "no", false, finding.holds ? Tone::good : Tone::warning}},
                           "",
                           {}});
@@ -42,18 +40,18 @@ Section table_section(const VoxelExperiment& e) {
                   "init [s]",   "memory [MB]"};
   for (const VoxelRow& row : e.rows) {
     Table::Row cells;
-    cells.cells = {text(row.renderer), number(cube(row.resolution)), number(fmt::format("{:.4f}", row.rms_N)),
-                   number(fmt::format("{:.4f}", row.own_rms_N))};
+    cells.cells = {text_cell(row.renderer), number_cell(cube(row.resolution)), number_cell(fmt::format("{:.4f}", row.rms_N)),
+                   number_cell(fmt::format("{:.4f}", row.own_rms_N))};
     if (row.operations) {
-      cells.cells.push_back(number(fmt::format("{}", row.operations->total())));
-      cells.cells.push_back(number(fmt::format("{:g}", row.operations->median)));
-      cells.cells.push_back(number(fmt::format("{}", row.operations->max)));
+      cells.cells.push_back(number_cell(fmt::format("{}", row.operations->total())));
+      cells.cells.push_back(number_cell(fmt::format("{:g}", row.operations->median)));
+      cells.cells.push_back(number_cell(fmt::format("{}", row.operations->max)));
     } else {
-      for (int i = 0; i < 3; ++i) cells.cells.push_back(text("not counted"));
+      for (int i = 0; i < 3; ++i) cells.cells.push_back(text_cell("not counted"));
     }
-    cells.cells.push_back(number(fmt::format("{:.3f}", row.timing.mean_us)));
-    cells.cells.push_back(number(fmt::format("{:.3f}", 1e-3 * row.timing.build_ms)));
-    cells.cells.push_back(number(fmt::format("{:.3f}", 1e-6 * static_cast<double>(row.timing.memory_bytes))));
+    cells.cells.push_back(number_cell(fmt::format("{:.3f}", row.timing.mean_us)));
+    cells.cells.push_back(number_cell(fmt::format("{:.3f}", 1e-3 * row.timing.build_ms)));
+    cells.cells.push_back(number_cell(fmt::format("{:.3f}", 1e-6 * static_cast<double>(row.timing.memory_bytes))));
     ours.rows.push_back(std::move(cells));
   }
   section.blocks.emplace_back(std::move(ours));
@@ -61,9 +59,9 @@ Section table_section(const VoxelExperiment& e) {
   theirs.caption = "Table 1 of the paper (a scanned duck, a 1.5 GHz Pentium)";
   theirs.columns = {"renderer", "voxels", "RMS force error [N]", "operations", "init [s]", "memory [MB]"};
   for (const PublishedVoxelRow& row : published_voxel_table()) {
-    theirs.rows.push_back({{text(row.algorithm), number(cube(row.resolution)), number(fmt::format("{:.3f}", row.rms_N)),
-                            number(fmt::format("{:.0f}", row.operations)), number(fmt::format("{:.2f}", row.init_s)),
-                            number(fmt::format("{:.1f}", row.memory_MB))},
+    theirs.rows.push_back({{text_cell(row.algorithm), number_cell(cube(row.resolution)), number_cell(fmt::format("{:.3f}", row.rms_N)),
+                            number_cell(fmt::format("{:.0f}", row.operations)), number_cell(fmt::format("{:.2f}", row.init_s)),
+                            number_cell(fmt::format("{:.1f}", row.memory_MB))},
                            "",
                            {}});
   }

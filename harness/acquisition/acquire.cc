@@ -17,8 +17,6 @@
 namespace touchstone {
 namespace {
 
-const std::vector<std::pair<std::string, double>> force_units{{"N", 1.0}, {"mN", 1e-3}};
-const std::vector<std::pair<std::string, double>> torque_units{{"Nm", 1.0}, {"Nmm", 1e-3}};
 const std::vector<std::pair<std::string, double>> length_units{{"m", 1.0}, {"mm", 1e-3}};
 
 struct ForceStream {

@@ -11,9 +11,6 @@
 namespace touchstone {
 namespace {
 
-const std::vector<std::pair<std::string, double>> force_units{{"N", 1.0}, {"mN", 1e-3}};
-const std::vector<std::pair<std::string, double>> torque_units{{"Nm", 1.0}, {"Nmm", 1e-3}};
-
 std::vector<Wrench> wrenches(const RawTable& table, bool bare_is_si) {
   const auto f = table.vectors("f", force_units, bare_is_si), t = table.vectors("t", torque_units, bare_is_si);
   std::vector<Wrench> list;

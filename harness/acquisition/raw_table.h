@@ -11,6 +11,10 @@
 
 namespace touchstone {
 
+// The units that a column of forces or torques may name, and what one of each is in SI.
+inline const std::vector<std::pair<std::string, double>> force_units{{"N", 1.0}, {"mN", 1e-3}};
+inline const std::vector<std::pair<std::string, double>> torque_units{{"Nm", 1.0}, {"Nmm", 1e-3}};
+
 class RawTable {
  public:
   // Throws BadData naming file, line and column for anything that is not a table of numbers.

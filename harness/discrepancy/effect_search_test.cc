@@ -186,7 +186,7 @@ TEST(Blocks, CoverEverySampleOnceAndKeepTheMean) {
   const MotionColumns motion = hand(0.0, 1.0);
   const auto blocks = make_blocks(motion, 0.033);
   std::size_t next = 0;
-  for (const SampleBlock& block : blocks) {
+  for (const ResidualBlock& block : blocks) {
     EXPECT_EQ(block.begin, next);
     EXPECT_GT(block.end, block.begin);
     next = block.end;

@@ -46,7 +46,7 @@ FitData fit_data(const Evidence& evidence, const Model& model, double window_s) 
   FitData data;
   data.predictor = evidence.predictor;
   const auto& t_s = evidence.recording->motion.t_s;
-  for (const SampleBlock& block : make_blocks(evidence.recording->motion, window_s)) {
+  for (const ResidualBlock& block : make_blocks(evidence.recording->motion, window_s)) {
     if (evidence.part.contains(t_s[block.begin], t_s.front())) data.blocks.push_back(block);
   }
   data.measured_N = block_means(data.blocks, evidence.recording->f_W_N);

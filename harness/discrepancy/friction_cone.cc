@@ -79,7 +79,7 @@ std::vector<ConeSample> cone_samples(const ConeEvidence& evidence, const std::ve
     loaded.emplace_back(ConeSample{pull.norm(), speed, direction, pull.dot(direction)}, load_N);
     loads_N.push_back(load_N);
   };
-  for (const SampleBlock& block : *evidence.blocks) {
+  for (const ResidualBlock& block : *evidence.blocks) {
     const std::size_t end = std::min(block.end, likely.size() - 1);
     for (std::size_t i = std::max<std::size_t>(block.begin, 1); i < end; ++i) read(i);
   }

@@ -27,7 +27,7 @@ struct ConeSample {
 // counts, and the likely motion. What is pointed to must outlive it.
 struct ConeEvidence {
   Prediction others;
-  const std::vector<SampleBlock>* blocks = nullptr;
+  const std::vector<ResidualBlock>* blocks = nullptr;
   const MotionColumns* likely = nullptr;
   double force_floor_N = 0.0;  // loads below it are left out
 };

@@ -83,7 +83,7 @@ TEST(FrictionCone, SamplesAreOfThePartThatCountsAlone) {
     // What is held back pulls twice as hard.
     shown.emplace_back(i < n / 2 ? -0.6 : -1.2, 0.0, 2.0);
   }
-  const std::vector<SampleBlock> blocks{{0, n / 2}};
+  const std::vector<ResidualBlock> blocks{{0, n / 2}};
   evidence.blocks = &blocks;
   evidence.likely = &likely;
   const auto samples = cone_samples(evidence, shown);

@@ -14,7 +14,7 @@ namespace touchstone {
 // A recording as the fit sees it. The referenced predictor must outlive it.
 struct FitData {
   Predictor* predictor = nullptr;
-  std::vector<SampleBlock> blocks;
+  std::vector<ResidualBlock> blocks;
   std::vector<Vec3> measured_N;  // block means
   std::vector<BlockNoise> noise;
 };

@@ -12,7 +12,7 @@ constexpr std::size_t replica_count = 8;
 // The noise of neighbouring blocks is pooled, since a handful of replicas measures one block's variance badly.
 constexpr std::size_t pooled_on_each_side = 3;
 
-Vec3 mean_normal(const SampleBlock& block, const std::vector<Vec3>& n_W) {
+Vec3 mean_normal(const ResidualBlock& block, const std::vector<Vec3>& n_W) {
   Vec3 sum = Vec3::Zero();
   for (std::size_t i = block.begin; i < block.end; ++i) sum += n_W[i];
   return sum.norm() > 0.0 ? Vec3(sum.normalized()) : Vec3(Vec3::Zero());
@@ -78,7 +78,7 @@ NoiseModel::NoiseModel(const MotionColumns& motion, const std::vector<Vec3>& n_W
 }
 
 std::vector<BlockNoise> NoiseModel::of(const Model& model, const Prediction& nominal,
-                                       const std::vector<SampleBlock>& blocks) {
+                                       const std::vector<ResidualBlock>& blocks) {
   const std::size_t n = blocks.size();
   std::vector<BlockNoise> noise(n);
   std::vector<double> normal_squares(n, 0.0);

@@ -30,7 +30,7 @@ class NoiseModel {
 
   // The noise of each block if `model` were the truth. `nominal`: the model's prediction at the recorded positions.
   [[nodiscard]] std::vector<BlockNoise> of(const Model& model, const Prediction& nominal,
-                                           const std::vector<SampleBlock>& blocks);
+                                           const std::vector<ResidualBlock>& blocks);
 
   // The mean square of the 3-D force error that noise would leave at each sample if `model` were the truth [N^2].
   [[nodiscard]] std::vector<double> expected_squares(const Model& model, const Prediction& nominal);

@@ -13,8 +13,8 @@ double block_window_s(double position_rate_Hz, const MotionColumns& motion) {
   return window_s;
 }
 
-std::vector<SampleBlock> make_blocks(const MotionColumns& motion, double window_s) {
-  std::vector<SampleBlock> blocks;
+std::vector<ResidualBlock> make_blocks(const MotionColumns& motion, double window_s) {
+  std::vector<ResidualBlock> blocks;
   std::size_t begin = 0;
   for (std::size_t i = 1; i <= motion.size(); ++i) {
     const bool full = i < motion.size() && motion.t_s[i] - motion.t_s[begin] >= window_s;
@@ -26,10 +26,10 @@ std::vector<SampleBlock> make_blocks(const MotionColumns& motion, double window_
   return blocks;
 }
 
-std::vector<Vec3> block_means(const std::vector<SampleBlock>& blocks, std::span<const Vec3> series) {
+std::vector<Vec3> block_means(const std::vector<ResidualBlock>& blocks, std::span<const Vec3> series) {
   std::vector<Vec3> means;
   means.reserve(blocks.size());
-  for (const SampleBlock& block : blocks) {
+  for (const ResidualBlock& block : blocks) {
     Vec3 sum = Vec3::Zero();
     for (std::size_t i = block.begin; i < block.end; ++i) sum += series[i];
     means.emplace_back(sum / static_cast<double>(block.end - block.begin));

@@ -13,20 +13,20 @@
 
 namespace touchstone {
 
-struct SampleBlock {
+struct ResidualBlock {
   std::size_t begin;
   std::size_t end;  // one past
 };
 
 // `window_s`: two samples of the tracker (see block_window_s).
-std::vector<SampleBlock> make_blocks(const MotionColumns& motion, double window_s);
+std::vector<ResidualBlock> make_blocks(const MotionColumns& motion, double window_s);
 double block_window_s(double position_rate_Hz, const MotionColumns& motion);
 
 // Neighbouring blocks share what a model lacks: where their spread is taken, runs of so many count as one.
 inline constexpr std::size_t blocks_in_run = 8;
 
 // Mean of a series over each block.
-std::vector<Vec3> block_means(const std::vector<SampleBlock>& blocks, std::span<const Vec3> series);
+std::vector<Vec3> block_means(const std::vector<ResidualBlock>& blocks, std::span<const Vec3> series);
 
 // What noise alone would leave of a block's mean residual, in the contact's frame.
 struct BlockNoise {

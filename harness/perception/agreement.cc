@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::size_t kExactUpTo = 8;  // 8! = 40320 orders
 
-void check(std::span<const double> x, std::span<const double> y) {
+void check_ranked(std::span<const double> x, std::span<const double> y) {
   if (x.size() != y.size() || x.size() < 3) {
     throw BadData(fmt::format("a rank correlation needs two series of one length and at least 3 values, not {} and {}",
                               x.size(), y.size()));
@@ -71,7 +71,7 @@ double exact_p(const std::vector<double>& a, std::vector<double> b, double obser
 template <class Coefficient>
 RankCorrelation correlate(std::span<const double> x, std::span<const double> y, Coefficient coefficient,
                           double (*z_variance)(double coefficient, double n), double (*null_variance)(double n)) {
-  check(x, y);
+  check_ranked(x, y);
   const auto a = ranks(x);
   const auto b = ranks(y);
   const auto n = static_cast<double>(x.size());

@@ -41,6 +41,10 @@ struct Table {
   std::vector<Row> rows;
   std::string zoom_link;
 };
+// Cells of words, and of a figure; a value that is not finite reads "none".
+Table::Cell text_cell(std::string value);
+Table::Cell number_cell(std::string value);
+Table::Cell number_cell(double value, int digits = 4);
 
 struct Line {
   std::string name;

@@ -34,10 +34,6 @@ void thin(Line& line, const std::vector<double>& y, double step) {
   }
 }
 
-Table::Cell text(std::string value) { return {std::move(value), false, Tone::neutral}; }
-Table::Cell number(double value, int digits = 4) {
-  return {std::isfinite(value) ? fmt::format("{:.{}g}", value, digits) : "none", true, Tone::neutral};
-}
 
 std::vector<std::size_t> ranks_of(const std::vector<double>& values, bool larger_is_better) {
   auto cost = values;
@@ -74,9 +70,9 @@ Section ranking_section(const PerceptualEvaluation& e) {
   for (const std::size_t c : order_of(e.values(perception::kPerceptionSpaceMethod.name))) {
     const auto& own = e.conditions[c];
     Table::Row row;
-    row.cells = {text(own.name), number(own.distance)};
+    row.cells = {text_cell(own.name), number_cell(own.distance)};
     for (std::size_t m = 0; m < methods.size(); ++m) {
-      auto cell = number(own.statistics[m].value_or(std::nan("")));
+      auto cell = number_cell(own.statistics[m].value_or(std::nan("")));
       cell.text += fmt::format(" ({})", ranks[m][c]);
       if (ranks[m][c] != own.rank_perception) cell.tone = Tone::warning;
       row.cells.push_back(cell);
@@ -160,9 +156,9 @@ Section space_section(const PerceptualEvaluation& e) {
       const auto distances = perception::distances_with_scaling(e, scaling, e.explained_share_wanted);
       const auto ranks = ranks_of(distances, false);
       Table::Row row;
-      row.cells = {text(std::string(perception::name_of(scaling)))};
+      row.cells = {text_cell(std::string(perception::name_of(scaling)))};
       for (std::size_t c = 0; c < distances.size(); ++c) {
-        auto cell = number(distances[c]);
+        auto cell = number_cell(distances[c]);
         cell.text += fmt::format(" ({})", ranks[c]);
         if (ranks[c] != e.conditions[c].rank_perception) cell.tone = Tone::warning;
         row.cells.push_back(cell);
@@ -184,13 +180,13 @@ Section disagreement_section(const PerceptualEvaluation& e) {
   table.columns = {"method", "nearer in perception space", "nearer by the method", "deciding feature", "why"};
   for (const auto& m : perception::statistical_methods()) {
     const auto found = perception::disagreements(e, m.method.name, few(e) ? perception::kDisagreementsTold : 5);
-    counts.rows.push_back({{text(std::string(m.method.title)), number(static_cast<double>(found.pairs)),
-                            number(static_cast<double>(found.of))},
+    counts.rows.push_back({{text_cell(std::string(m.method.title)), number_cell(static_cast<double>(found.pairs)),
+                            number_cell(static_cast<double>(found.of))},
                            "",
                            {}});
     for (const auto& d : found.most) {
-      table.rows.push_back({{text(std::string(m.method.name)), text(e.conditions[d.nearer_in_space].name),
-                             text(e.conditions[d.nearer_by_statistic].name), text(d.feature), text(d.why)},
+      table.rows.push_back({{text_cell(std::string(m.method.name)), text_cell(e.conditions[d.nearer_in_space].name),
+                             text_cell(e.conditions[d.nearer_by_statistic].name), text_cell(d.feature), text_cell(d.why)},
                             "",
                             {}});
     }
@@ -251,8 +247,8 @@ Section signal_section(const PerceptualEvaluation& e) {
       return Table::Cell{fmt::format("{:.2f} %", 100.0 * share), true, Tone::neutral};
     };
     table.rows.push_back(
-        {{text(own.name), percent(own.force_reduction), percent(own.displacement_reduction), percent(own.guarded_share),
-          number(own.extended_rate_hardness_N_per_m.value_or(std::nan(""))), number(own.harmonic_share)},
+        {{text_cell(own.name), percent(own.force_reduction), percent(own.displacement_reduction), percent(own.guarded_share),
+          number_cell(own.extended_rate_hardness_N_per_m.value_or(std::nan(""))), number_cell(own.harmonic_share)},
          "",
          {}});
   };
@@ -308,11 +304,11 @@ Section feature_section(const PerceptualEvaluation& e) {
     if (own.window < shown)
       thin(line, perception::rate_hardness(force_N, displacement_m, own.window).values_N_per_m, 1.0 / e.rate_Hz);
     plot.lines.push_back(std::move(line));
-    table.rows.push_back({{number(static_cast<double>(own.window)),
-                           number(own.duration_s),
-                           number(own.resolution_m),
-                           number(own.level_N_per_m),
-                           number(own.noise_N_per_m),
+    table.rows.push_back({{number_cell(static_cast<double>(own.window)),
+                           number_cell(own.duration_s),
+                           number_cell(own.resolution_m),
+                           number_cell(own.level_N_per_m),
+                           number_cell(own.noise_N_per_m),
                            {fmt::format("{:.1f} %", 100.0 * own.guarded_share), true, Tone::neutral}},
                           "",
                           {}});

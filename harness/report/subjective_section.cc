@@ -13,7 +13,6 @@ namespace {
 using namespace perception_plots;
 using perception::PerceptualEvaluation;
 
-Table::Cell text(std::string value) { return {std::move(value), false, Tone::neutral}; }
 
 // The scale from a little below its least value to a little above its largest, or of their differences.
 std::vector<double> grid(double low, double high) {
@@ -100,7 +99,7 @@ Section agreement_section(const PerceptualEvaluation& e, const perception::Subje
                                         : fmt::format("{:.3f} +- {:.3f}", scale.value[c], scale.standard_error[c]);
   };
   for (std::size_t c = 0; c < e.conditions.size(); ++c) {
-    scales.rows.push_back({{text(e.conditions[c].name),
+    scales.rows.push_back({{text_cell(e.conditions[c].name),
                             {fmt::format("{:.3f}", people.fraction_preferred[c]), true, Tone::neutral},
                             {value(people.bradley_terry, c), true, Tone::neutral},
                             {value(people.thurstone, c), true, Tone::neutral}},
@@ -139,8 +138,8 @@ Section agreement_section(const PerceptualEvaluation& e, const perception::Subje
       "Rank correlation of every method with the scale: 95 % interval, and the chance of as much without any.";
   agreement.columns = {"method", "Spearman's rho", "Kendall's tau"};
   for (const auto& own : people.agreement) {
-    agreement.rows.push_back({{text(own.method), text(own.remark.empty() ? with_interval(own.spearman) : own.remark),
-                               text(own.remark.empty() ? with_interval(own.kendall) : "")},
+    agreement.rows.push_back({{text_cell(own.method), text_cell(own.remark.empty() ? with_interval(own.spearman) : own.remark),
+                               text_cell(own.remark.empty() ? with_interval(own.kendall) : "")},
                               "",
                               {}});
   }

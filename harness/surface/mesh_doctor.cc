@@ -13,8 +13,6 @@
 namespace touchstone {
 namespace {
 
-std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
-
 // Nesting is looked for among at most this many pieces: it costs their number times the triangles.
 constexpr std::size_t most_nested_pieces = 200;
 

@@ -7,8 +7,6 @@
 namespace touchstone {
 namespace {
 
-std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
-
 bool runs_along(const std::array<std::int32_t, 3>& corners, std::int32_t from, std::int32_t to) {
   for (std::size_t i = 0; i < 3; ++i) {
     if (corners[i] == from && corners[(i + 1) % 3] == to) return true;

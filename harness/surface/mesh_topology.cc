@@ -11,8 +11,6 @@
 namespace touchstone {
 namespace {
 
-std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
-
 // A triangle that names a vertex twice is no neighbour of anything.
 bool collapsed(const std::array<std::int32_t, 3>& t) { return t[0] == t[1] || t[1] == t[2] || t[2] == t[0]; }
 

@@ -11,6 +11,9 @@
 
 namespace touchstone {
 
+// An index that files keep as 32 bits, as one of std::vector.
+constexpr std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
+
 struct TriangleMesh {
   std::vector<Vec3> vertices_W_m;
   std::vector<std::array<std::int32_t, 3>> triangles;

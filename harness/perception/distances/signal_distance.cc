@@ -12,7 +12,7 @@
 namespace touchstone::perception {
 namespace {
 
-void check(std::span<const double> real, std::span<const double> rendered) {
+void check_lengths(std::span<const double> real, std::span<const double> rendered) {
   if (real.empty() || real.size() != rendered.size()) {
     throw BadData(fmt::format("series of {} and {} values cannot be compared sample by sample; resample them first",
                               real.size(), rendered.size()));
@@ -38,14 +38,14 @@ double euclidean_distance(std::span<const double> real, std::span<const double> 
 }
 
 double mean_square_error(std::span<const double> real, std::span<const double> rendered) {
-  check(real, rendered);
+  check_lengths(real, rendered);
   double sum = 0.0;
   for (std::size_t i = 0; i < real.size(); ++i) sum += (real[i] - rendered[i]) * (real[i] - rendered[i]);
   return sum / static_cast<double>(real.size());
 }
 
 std::optional<double> pearson_correlation(std::span<const double> real, std::span<const double> rendered) {
-  check(real, rendered);
+  check_lengths(real, rendered);
   const double real_mean = mean(real);
   const double rendered_mean = mean(rendered);
   double both = 0.0;
@@ -63,14 +63,14 @@ std::optional<double> pearson_correlation(std::span<const double> real, std::spa
 }
 
 double maximum_absolute_error(std::span<const double> real, std::span<const double> rendered) {
-  check(real, rendered);
+  check_lengths(real, rendered);
   double result = 0.0;
   for (std::size_t i = 0; i < real.size(); ++i) result = std::max(result, std::abs(real[i] - rendered[i]));
   return result;
 }
 
 double peak_difference(std::span<const double> real, std::span<const double> rendered) {
-  check(real, rendered);
+  check_lengths(real, rendered);
   return largest_magnitude(rendered) - largest_magnitude(real);
 }
 
@@ -82,7 +82,7 @@ std::vector<double> noticeable_steps(std::span<const double> stimulus, const Web
 
 double perceptual_mean_square_error(std::span<const double> real, std::span<const double> rendered,
                                     const WeberLaw& law) {
-  check(real, rendered);
+  check_lengths(real, rendered);
   return mean_square_error(noticeable_steps(real, law), noticeable_steps(rendered, law));
 }
 

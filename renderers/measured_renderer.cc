@@ -1,4 +1,4 @@
-#include "renderers/comparison.h"
+#include "renderers/measured_renderer.h"
 
 #include <algorithm>
 
@@ -9,7 +9,7 @@
 
 namespace touchstone {
 
-Comparison::Comparison(const Model& model, const std::shared_ptr<const Surface>& surface) {
+MeasuredRenderer::MeasuredRenderer(const Model& model, const std::shared_ptr<const Surface>& surface) {
   // Checks the model and the surface; without geometry entries it is already the renderer to run.
   renderer_ = make_renderer(model, surface);
   const RendererEntry& entry = find_renderer(model);
@@ -38,17 +38,17 @@ Comparison::Comparison(const Model& model, const std::shared_ptr<const Surface>&
   }
 }
 
-Vec3 Comparison::true_position(const Vec3& measured_W_m) const {
+Vec3 MeasuredRenderer::true_position(const Vec3& measured_W_m) const {
   Vec3 p = measured_W_m;
   for (const auto& [stage, effect] : instrument_) p = effect->true_position(p);
   return p;
 }
 
-void Comparison::apply(const MotionView& motion, std::span<Vec3> f_W_N) const {
+void MeasuredRenderer::apply(const MotionView& motion, std::span<Vec3> f_W_N) const {
   for (const auto& [stage, effect] : instrument_) effect->apply(motion, f_W_N);
 }
 
-double Comparison::halo_s() const {
+double MeasuredRenderer::halo_s() const {
   double sum = 0.0;
   for (const auto& [stage, effect] : instrument_) sum += effect->halo_s();
   return sum;

@@ -1,4 +1,4 @@
-#include "renderers/comparison.h"
+#include "renderers/measured_renderer.h"
 
 #include "harness/surface/embree_surface.h"
 #include "renderers/catalogue.h"
@@ -22,10 +22,10 @@ Model spring(double stiffness_N_per_m) {
   return model;
 }
 
-TEST(Comparison, InstrumentEntriesStayOutOfTheRenderer) {
+TEST(MeasuredRenderer, InstrumentEntriesStayOutOfTheRenderer) {
   Model model = spring(500.0);
   model.instrument.push_back({"force-bias", {{"fx_N", 1.0}, {"fy_N", 0.0}, {"fz_N", 0.0}}, "/instrument/0"});
-  const Comparison comparison(model, plate());
+  const MeasuredRenderer comparison(model, plate());
   const TipState tip{0.0, Vec3(0.05, 0.05, 0.01), Quat::Identity()};
   EXPECT_EQ(comparison.renderer().step(tip).f_W_N, Vec3(0, 0, 0));
   std::vector<double> t_s{0.0};

@@ -13,10 +13,10 @@
 
 namespace touchstone {
 
-class Comparison {
+class MeasuredRenderer {
  public:
   // Throws BadData as make_renderer() does.
-  Comparison(const Model& model, const std::shared_ptr<const Surface>& surface);
+  MeasuredRenderer(const Model& model, const std::shared_ptr<const Surface>& surface);
 
   [[nodiscard]] Renderer& renderer() const { return *renderer_; }
   [[nodiscard]] bool has_instrument() const { return !instrument_.empty(); }
