@@ -30,7 +30,8 @@ struct ExperimentScanOptions {
   std::vector<double> extend_m{0.02};
 };
 
-void write_report(const ExperimentScanOptions& options, const std::string& name, const std::string& json, const Page& page) {
+void write_report(const ExperimentScanOptions& options, const std::string& name, const std::string& json,
+                  const Page& page) {
   const std::filesystem::path out = options.seeded.out;
   write_file(out / (name + ".json"), json);
   write_html(out / "report.html", page);

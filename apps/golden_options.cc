@@ -23,9 +23,22 @@ void GoldenOptions::add_to(CLI::App& command) {
       ->capture_default_str();
 }
 
+namespace {
+
+// A folder named "golden" may be something else's, such as CMake's for the build of the cases.
+bool holds_cases(const std::filesystem::path& folder) {
+  std::error_code error;
+  for (const auto& entry : std::filesystem::directory_iterator(folder, error)) {
+    if (std::filesystem::exists(entry.path() / "case.json", error)) return true;
+  }
+  return false;
+}
+
+}  // namespace
+
 std::filesystem::path GoldenOptions::folder() const {
-  if (golden == GoldenOptions{}.golden && !std::filesystem::is_directory(golden)) {
-    if (const auto bundled = find_bundled("golden", "golden")) return *bundled;
+  if (golden == GoldenOptions{}.golden && !holds_cases(golden)) {
+    if (const auto bundled = find_bundled("golden")) return *bundled;
   }
   return golden;
 }

@@ -226,6 +226,8 @@ CheckResult check_case(const GoldenCase& golden, const std::string& model, const
   if (passes(result.comparison.verdict)) return result;
 
   ensure_writable_folder(folder);
+  // Git passes over the folder, so that what a failure leaves does not make a checkout look changed.
+  if (const auto ignore = out / ".gitignore"; !std::filesystem::exists(ignore)) write_file(ignore, "*\n");
   result.left_in = folder;
   if (!obtained.columns.empty()) write_golden(folder / "obtained.h5", run.rendered, run.provenance);
   write_file(folder / "table.txt", result.table);

@@ -27,10 +27,28 @@ write_basic_package_version_file(${CMAKE_CURRENT_BINARY_DIR}/touchstoneConfigVer
 install(FILES ${CMAKE_CURRENT_BINARY_DIR}/touchstoneConfig.cmake ${CMAKE_CURRENT_BINARY_DIR}/touchstoneConfigVersion.cmake
   cmake/touchstoneDependencies.cmake cmake/TouchstoneRendererTests.cmake DESTINATION ${package_dir})
 
+# What a whole package holds, for TouchstoneInstallGuard.cmake.
+set(artefacts "")
+foreach(room IN LISTS rooms)
+  get_target_property(type touchstone_${room} TYPE)
+  if(NOT type STREQUAL "INTERFACE_LIBRARY")
+    string(APPEND artefacts "$<TARGET_FILE:touchstone_${room}>\n")
+  endif()
+endforeach()
+if(TARGET touchstone_conformance)
+  string(APPEND artefacts "$<TARGET_FILE:touchstone_conformance>\n")
+endif()
+file(GENERATE OUTPUT ${TOUCHSTONE_INSTALLED_FILES} CONTENT "${artefacts}")
+
+# The built program finds the same folders where the installed one does, wherever the build folder is.
+file(MAKE_DIRECTORY ${PROJECT_BINARY_DIR}/share/touchstone)
+file(CREATE_LINK ${PROJECT_SOURCE_DIR}/golden ${PROJECT_BINARY_DIR}/share/touchstone/golden SYMBOLIC)
+file(CREATE_LINK ${PROJECT_SOURCE_DIR}/synthetic/bundled ${PROJECT_BINARY_DIR}/share/touchstone/datasets SYMBOLIC)
+
 # Found at run time from where the program stands (harness/base/bundled_files.h). What the reports need of scripts and
 # styles is inside the program.
-install(DIRECTORY synthetic/bundled/ DESTINATION ${TOUCHSTONE_INSTALL_DATADIR}/datasets)
-install(DIRECTORY golden DESTINATION ${TOUCHSTONE_INSTALL_DATADIR} PATTERN CMakeLists.txt EXCLUDE)
+install(DIRECTORY synthetic/bundled/ DESTINATION ${TOUCHSTONE_INSTALL_DATADIR}/datasets COMPONENT program)
+install(DIRECTORY golden DESTINATION ${TOUCHSTONE_INSTALL_DATADIR} COMPONENT program PATTERN CMakeLists.txt EXCLUDE)
 install(DIRECTORY examples DESTINATION ${TOUCHSTONE_INSTALL_DATADIR})
-install(FILES LICENSE README.md CHANGELOG.md DESTINATION ${CMAKE_INSTALL_DOCDIR})
-install(DIRECTORY docs/ DESTINATION ${CMAKE_INSTALL_DOCDIR})
+install(FILES LICENSE README.md CHANGELOG.md DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT documentation)
+install(DIRECTORY docs/ DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT documentation)

@@ -78,7 +78,7 @@ std::vector<std::filesystem::path> datasets_in(const std::filesystem::path& fold
 }  // namespace
 
 std::vector<std::filesystem::path> bundled_datasets() {
-  if (const auto folder = find_bundled("datasets", "synthetic/bundled")) {
+  if (const auto folder = find_bundled("datasets")) {
     if (auto found = datasets_in(*folder); !found.empty()) return found;
   }
   throw BadData(

@@ -17,7 +17,6 @@ std::size_t nearer(const std::vector<RowComparison>& comparisons) {
                                                 [](const auto& own) { return own.same() < own.rendered(); }));
 }
 
-
 }  // namespace
 
 Page palpation_page(const Recording& recording, const std::vector<RowComparison>& comparisons,
@@ -49,10 +48,11 @@ Page palpation_page(const Recording& recording, const std::vector<RowComparison>
     same.y.push_back(own.same());
     rendered.x.push_back(start_s);
     rendered.y.push_back(own.rendered());
-    table.rows.push_back({{number_cell(start_s), number_cell(recording.motion.t_s[own.row.end - 1]),
-                           number_cell(recording.motion.t_s[own.next.first]), number_cell(own.same()), number_cell(own.rendered())},
-                          "",
-                          {}});
+    table.rows.push_back(
+        {{number_cell(start_s), number_cell(recording.motion.t_s[own.row.end - 1]),
+          number_cell(recording.motion.t_s[own.next.first]), number_cell(own.same()), number_cell(own.rendered())},
+         "",
+         {}});
   }
   plot.lines = {std::move(same), std::move(rendered)};
   std::vector<const perception::PerceptualEvaluation*> evaluations;

@@ -14,7 +14,6 @@ namespace {
 
 namespace pc = perception;
 
-
 Table::Cell percent(const Share& own) { return {fmt::format("{:.0f} %", 100.0 * own.value()), true, Tone::neutral}; }
 
 // A finding holds where it held in nearly every seed, fails where in nearly none, and else depends on chance.
@@ -85,7 +84,8 @@ Section why_section(const SpringExperiment& e) {
     for (std::size_t c = 0; c < e.conditions.size(); ++c) {
       Table::Row row;
       row.cells = {text_cell(e.conditions[c]), number_cell(own.mean_distance[0][c])};
-      for (std::size_t b = 0; b < own.features.size(); ++b) row.cells.push_back(number_cell(own.mean_block_distance[b][c]));
+      for (std::size_t b = 0; b < own.features.size(); ++b)
+        row.cells.push_back(number_cell(own.mean_block_distance[b][c]));
       row.cells.push_back(number_cell(own.mean_statistic[0][c]));
       means.rows.push_back(std::move(row));
     }

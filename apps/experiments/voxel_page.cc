@@ -40,8 +40,8 @@ Section table_section(const VoxelExperiment& e) {
                   "init [s]",   "memory [MB]"};
   for (const VoxelRow& row : e.rows) {
     Table::Row cells;
-    cells.cells = {text_cell(row.renderer), number_cell(cube(row.resolution)), number_cell(fmt::format("{:.4f}", row.rms_N)),
-                   number_cell(fmt::format("{:.4f}", row.own_rms_N))};
+    cells.cells = {text_cell(row.renderer), number_cell(cube(row.resolution)),
+                   number_cell(fmt::format("{:.4f}", row.rms_N)), number_cell(fmt::format("{:.4f}", row.own_rms_N))};
     if (row.operations) {
       cells.cells.push_back(number_cell(fmt::format("{}", row.operations->total())));
       cells.cells.push_back(number_cell(fmt::format("{:g}", row.operations->median)));
@@ -59,11 +59,12 @@ Section table_section(const VoxelExperiment& e) {
   theirs.caption = "Table 1 of the paper (a scanned duck, a 1.5 GHz Pentium)";
   theirs.columns = {"renderer", "voxels", "RMS force error [N]", "operations", "init [s]", "memory [MB]"};
   for (const PublishedVoxelRow& row : published_voxel_table()) {
-    theirs.rows.push_back({{text_cell(row.algorithm), number_cell(cube(row.resolution)), number_cell(fmt::format("{:.3f}", row.rms_N)),
-                            number_cell(fmt::format("{:.0f}", row.operations)), number_cell(fmt::format("{:.2f}", row.init_s)),
-                            number_cell(fmt::format("{:.1f}", row.memory_MB))},
-                           "",
-                           {}});
+    theirs.rows.push_back(
+        {{text_cell(row.algorithm), number_cell(cube(row.resolution)), number_cell(fmt::format("{:.3f}", row.rms_N)),
+          number_cell(fmt::format("{:.0f}", row.operations)), number_cell(fmt::format("{:.2f}", row.init_s)),
+          number_cell(fmt::format("{:.1f}", row.memory_MB))},
+         "",
+         {}});
   }
   section.blocks.emplace_back(std::move(theirs));
   return section;

@@ -8,8 +8,8 @@
 
 namespace touchstone {
 
-// The folder share/touchstone/<installed> beside an installed program, or <in_tree> of the source tree above one that
-// was built there; nothing when neither is there.
-std::optional<std::filesystem::path> find_bundled(std::string_view installed, std::string_view in_tree);
+// The folder share/touchstone/<name> in a folder above the running program: beside bin/ of an installed program as of one
+// that was just built (its build folder links there to the source tree). Nothing if there is none.
+std::optional<std::filesystem::path> find_bundled(std::string_view name);
 
 }  // namespace touchstone

@@ -34,7 +34,6 @@ void thin(Line& line, const std::vector<double>& y, double step) {
   }
 }
 
-
 std::vector<std::size_t> ranks_of(const std::vector<double>& values, bool larger_is_better) {
   auto cost = values;
   if (larger_is_better) {
@@ -185,10 +184,11 @@ Section disagreement_section(const PerceptualEvaluation& e) {
                            "",
                            {}});
     for (const auto& d : found.most) {
-      table.rows.push_back({{text_cell(std::string(m.method.name)), text_cell(e.conditions[d.nearer_in_space].name),
-                             text_cell(e.conditions[d.nearer_by_statistic].name), text_cell(d.feature), text_cell(d.why)},
-                            "",
-                            {}});
+      table.rows.push_back(
+          {{text_cell(std::string(m.method.name)), text_cell(e.conditions[d.nearer_in_space].name),
+            text_cell(e.conditions[d.nearer_by_statistic].name), text_cell(d.feature), text_cell(d.why)},
+           "",
+           {}});
     }
   }
   if (table.rows.empty()) {
@@ -247,8 +247,9 @@ Section signal_section(const PerceptualEvaluation& e) {
       return Table::Cell{fmt::format("{:.2f} %", 100.0 * share), true, Tone::neutral};
     };
     table.rows.push_back(
-        {{text_cell(own.name), percent(own.force_reduction), percent(own.displacement_reduction), percent(own.guarded_share),
-          number_cell(own.extended_rate_hardness_N_per_m.value_or(std::nan(""))), number_cell(own.harmonic_share)},
+        {{text_cell(own.name), percent(own.force_reduction), percent(own.displacement_reduction),
+          percent(own.guarded_share), number_cell(own.extended_rate_hardness_N_per_m.value_or(std::nan(""))),
+          number_cell(own.harmonic_share)},
          "",
          {}});
   };

@@ -13,7 +13,6 @@ namespace {
 using namespace perception_plots;
 using perception::PerceptualEvaluation;
 
-
 // The scale from a little below its least value to a little above its largest, or of their differences.
 std::vector<double> grid(double low, double high) {
   constexpr int kPoints = 60;
@@ -138,10 +137,11 @@ Section agreement_section(const PerceptualEvaluation& e, const perception::Subje
       "Rank correlation of every method with the scale: 95 % interval, and the chance of as much without any.";
   agreement.columns = {"method", "Spearman's rho", "Kendall's tau"};
   for (const auto& own : people.agreement) {
-    agreement.rows.push_back({{text_cell(own.method), text_cell(own.remark.empty() ? with_interval(own.spearman) : own.remark),
-                               text_cell(own.remark.empty() ? with_interval(own.kendall) : "")},
-                              "",
-                              {}});
+    agreement.rows.push_back(
+        {{text_cell(own.method), text_cell(own.remark.empty() ? with_interval(own.spearman) : own.remark),
+          text_cell(own.remark.empty() ? with_interval(own.kendall) : "")},
+         "",
+         {}});
   }
   section.blocks.emplace_back(std::move(agreement));
   return section;
