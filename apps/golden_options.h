@@ -23,7 +23,8 @@ struct GoldenOptions {
   void add_to(CLI::App& command);
   // The chosen cases (all where none is named); throws UsageError listing the known ones.
   [[nodiscard]] std::vector<GoldenCase> load() const;
-  // --golden; if it is not given and no folder of that name with a case in it is here, the cases that come with the program.
+  // --golden; if it is not given and no folder of that name with a case in it is here, the cases that come with the
+  // program.
   [[nodiscard]] std::filesystem::path folder() const;
   // The chosen models of a case.
   [[nodiscard]] std::vector<std::string> models_of(const GoldenCase& one) const;

@@ -32,16 +32,16 @@ constexpr unsigned longest_s = 120;
 
 }  // namespace
 
-Trial try_in_child(const std::function<void()>& work) {
+ChildOutcome try_in_child(const std::function<void()>& work) {
   const pid_t child = fork();
-  if (child < 0) return Trial::no_verdict;
+  if (child < 0) return ChildOutcome::no_verdict;
   if (child == 0) run(work);
   int status = 0;
   while (waitpid(child, &status, 0) < 0) {
-    if (errno != EINTR) return Trial::no_verdict;
+    if (errno != EINTR) return ChildOutcome::no_verdict;
   }
-  if (WIFSIGNALED(status)) return WTERMSIG(status) == SIGALRM ? Trial::no_verdict : Trial::crashed;
-  return WEXITSTATUS(status) == 0 ? Trial::survived : Trial::crashed;
+  if (WIFSIGNALED(status)) return WTERMSIG(status) == SIGALRM ? ChildOutcome::no_verdict : ChildOutcome::crashed;
+  return WEXITSTATUS(status) == 0 ? ChildOutcome::survived : ChildOutcome::crashed;
 }
 
 }  // namespace touchstone

@@ -7,7 +7,7 @@
 
 namespace touchstone {
 
-enum class Trial : std::uint8_t {
+enum class ChildOutcome : std::uint8_t {
   survived,    // returned or threw
   crashed,     // killed by a signal, or stopped by a sanitizer
   no_verdict,  // could not be started, or took more than two minutes
@@ -15,6 +15,6 @@ enum class Trial : std::uint8_t {
 
 // Runs `work` in a fork of this process; nothing it does is seen here, and what it prints is dropped. `work` must not
 // need other threads.
-Trial try_in_child(const std::function<void()>& work);
+ChildOutcome try_in_child(const std::function<void()>& work);
 
 }  // namespace touchstone

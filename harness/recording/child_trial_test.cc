@@ -13,12 +13,12 @@ namespace {
 TEST(ChildTrial, TellsACrashFromAnErrorAndLeavesNothingBehind) {
   int touched = 0;
   ::testing::internal::CaptureStderr();
-  EXPECT_EQ(try_in_child([&] { touched = 1; }), Trial::survived);
-  EXPECT_EQ(try_in_child([] { throw std::runtime_error("refused"); }), Trial::survived);
-  EXPECT_EQ(try_in_child([] { std::fputs("noise\n", stderr); }), Trial::survived);
-  EXPECT_EQ(try_in_child([] { std::abort(); }), Trial::crashed);
-  EXPECT_EQ(try_in_child([] { std::raise(SIGSEGV); }), Trial::crashed);
-  EXPECT_EQ(try_in_child([] { std::_Exit(1); }), Trial::crashed);
+  EXPECT_EQ(try_in_child([&] { touched = 1; }), ChildOutcome::survived);
+  EXPECT_EQ(try_in_child([] { throw std::runtime_error("refused"); }), ChildOutcome::survived);
+  EXPECT_EQ(try_in_child([] { std::fputs("noise\n", stderr); }), ChildOutcome::survived);
+  EXPECT_EQ(try_in_child([] { std::abort(); }), ChildOutcome::crashed);
+  EXPECT_EQ(try_in_child([] { std::raise(SIGSEGV); }), ChildOutcome::crashed);
+  EXPECT_EQ(try_in_child([] { std::_Exit(1); }), ChildOutcome::crashed);
   EXPECT_EQ(::testing::internal::GetCapturedStderr(), "");
   EXPECT_EQ(touched, 0) << "the work was done in another process";
 }

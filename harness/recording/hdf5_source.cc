@@ -249,7 +249,7 @@ std::unique_ptr<TableSource> open_hdf5_source(const std::filesystem::path& path)
   // A child that is forked while another thread is in the library would find it locked for ever.
   const Hdf5Quiet quiet;
   Hdf5File file = open_if_checksummed(path);
-  if (!file && try_in_child([&] { try_to_read(path); }) == Trial::crashed) {
+  if (!file && try_in_child([&] { try_to_read(path); }) == ChildOutcome::crashed) {
     throw BadData(fmt::format("{}: is damaged: the HDF5 library crashes on it", path.string()));
   }
   return std::make_unique<Hdf5Source>(path, std::move(file));
