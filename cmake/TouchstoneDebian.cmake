@@ -1,0 +1,42 @@
+# Debian packages from the build tree, by CPack: `cpack --config build/default/CPackConfig.cmake` or ci/package.
+#   touchstone        the program, golden cases and bundled data sets
+#   libtouchstone-dev headers, static libraries, package files for find_package, the conformance program, examples
+#   touchstone-doc    the guide
+set(CPACK_GENERATOR DEB)
+set(CPACK_PACKAGE_NAME touchstone)
+set(CPACK_PACKAGE_VENDOR "Touchstone")
+set(CPACK_PACKAGE_CONTACT "The Touchstone maintainers")
+set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "${PROJECT_DESCRIPTION}")
+set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
+set(CPACK_PACKAGE_DIRECTORY ${PROJECT_BINARY_DIR}/packages)
+set(CPACK_STRIP_FILES ON)
+set(CPACK_DEB_COMPONENT_INSTALL ON)
+set(CPACK_COMPONENTS_ALL program development documentation)
+set(CPACK_COMPONENTS_GROUPING ONE_PER_GROUP)
+set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
+set(CPACK_DEBIAN_PACKAGE_SECTION science)
+set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
+set(CPACK_DEBIAN_ENABLE_COMPONENT_DEPENDS OFF)
+
+set(CPACK_DEBIAN_PROGRAM_PACKAGE_NAME touchstone)
+# Loaded when a command needs them (ARCHITECTURE.md), so that no linker knows of them.
+set(CPACK_DEBIAN_PROGRAM_PACKAGE_RECOMMENDS "libcurl4, libssl3, libusb-1.0-0, libcomedi0, gnuplot-nox | gnuplot, git")
+
+set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_NAME libtouchstone-dev)
+set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SECTION libdevel)
+# What find_package(touchstone) looks for: the development packages of ci/packages.txt.
+file(STRINGS ${PROJECT_SOURCE_DIR}/ci/packages.txt development_packages REGEX "^lib.*-dev$")
+list(REMOVE_ITEM development_packages libumockdev-dev libbenchmark-dev libcpp-httplib-dev)
+list(JOIN development_packages ", " development_packages)
+set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS "touchstone (= ${PROJECT_VERSION}), cmake (>= 3.25), g++, ${development_packages}")
+
+set(CPACK_DEBIAN_DOCUMENTATION_PACKAGE_NAME touchstone-doc)
+set(CPACK_DEBIAN_DOCUMENTATION_PACKAGE_SECTION doc)
+set(CPACK_DEBIAN_DOCUMENTATION_PACKAGE_ARCHITECTURE all)
+set(CPACK_DEBIAN_DOCUMENTATION_PACKAGE_SHLIBDEPS OFF)
+
+# Sources with the report's web parts in them, for a machine that cannot reach the npm registry.
+set(CPACK_SOURCE_GENERATOR TXZ)
+set(CPACK_SOURCE_IGNORE_FILES "/build/;/\\\\.git/;/\\\\.cache/")
+
+include(CPack)
