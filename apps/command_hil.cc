@@ -95,6 +95,9 @@ void add_record(CLI::App& hil_command, Run& run) {
   command->add_option("--seconds", options->seconds, "Stop after so long; default: until Ctrl-C");
   command->add_option("--rate", options->rate_Hz, "Scans per second of a data acquisition card")->capture_default_str();
   command->footer(
+      "Exit status: 0 every sample is there, 1 samples were lost or the stream stopped (what came is kept), 3 the "
+      "device "
+      "failed.\n"
       "Example:\n  touchstone hil record ati-netft --map lab/hardware.json --seconds 60 --out run1.tsraw\n  touchstone "
       "hil recover run1.tsraw --out run1.csv");
   command->callback([options, &run] {
@@ -108,7 +111,7 @@ void add_record(CLI::App& hil_command, Run& run) {
       const auto state =
           mapped->calibration_file ? hil::calibration_state(*mapped, hil::today()) : hil::CalibrationState::usable;
       if (state != hil::CalibrationState::usable) throw BadData(hil::probe_one(options->device, map).reason);
-      const hil::DeviceLock lock(options->device, mapped->serial);
+      const hil::DeviceLock lock(*mapped);
       const auto source = open_source(options->device, *mapped, options->rate_Hz);
       hil::RecordOptions record;
       record.seconds = options->seconds;
@@ -119,8 +122,9 @@ void add_record(CLI::App& hil_command, Run& run) {
           "errors {}, lost in memory {}\n",
           report.written, report.seconds, options->out, report.stream.lost, report.stream.repeated,
           report.stream.reordered, report.stream.malformed, report.stream.device_errors, report.lost_in_memory);
-      return report.stream.lost + report.lost_in_memory + report.stream.device_errors == 0 ? ExitStatus::passed
-                                                                                           : ExitStatus::failed;
+      const auto problems = report.problems();
+      for (const auto& problem : problems) fmt::print(stderr, "{}: {}\n", options->device, problem);
+      return problems.empty() ? ExitStatus::passed : ExitStatus::failed;
     };
   });
 }
@@ -142,11 +146,13 @@ void add_recover(CLI::App& hil_command, Run& run) {
     run = [options] {
       const auto report = hil::export_raw({options->files.begin(), options->files.end()}, options->out);
       fmt::print(
-          "{} samples at {:.3f} Hz -> {}{}\narrival scatter {:.3g} ms; {} damaged bytes skipped, {} samples missing by "
-          "the "
-          "device's count (flag 16: the first one after a gap)\n",
-          report.samples, report.rate_Hz, options->out, report.emulated ? " (emulated)" : "",
-          1e3 * report.arrival_scatter_s, report.damaged_bytes, report.missing_samples);
+          "{} samples at {:.3f} Hz -> {}{}\narrivals were {:.3g} ms late on average, {:.3g} ms at worst; the time axis "
+          "is "
+          "good to {:.2g} ms\n{} damaged bytes skipped, {} samples missing by the device's count (flag 16: the first "
+          "one "
+          "after a gap)\n",
+          report.samples, report.rate_Hz, options->out, report.emulated ? " (emulated)" : "", 1e3 * report.mean_delay_s,
+          1e3 * report.worst_delay_s, 1e3 * report.axis_uncertainty_s, report.damaged_bytes, report.missing_samples);
       return ExitStatus::passed;
     };
   });

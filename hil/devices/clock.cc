@@ -8,7 +8,7 @@ namespace touchstone::hil {
 
 double MonotonicClock::now_s() const {
   timespec t{};
-  clock_gettime(CLOCK_MONOTONIC, &t);
+  clock_gettime(CLOCK_BOOTTIME, &t);
   return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
 }
 
@@ -16,7 +16,7 @@ void MonotonicClock::sleep_until(double t_s) {
   timespec t{};
   t.tv_sec = static_cast<time_t>(std::floor(t_s));
   t.tv_nsec = static_cast<long>((t_s - std::floor(t_s)) * 1e9);
-  while (clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &t, nullptr) == EINTR) {
+  while (clock_nanosleep(CLOCK_BOOTTIME, TIMER_ABSTIME, &t, nullptr) == EINTR) {
   }
 }
 

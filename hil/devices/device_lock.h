@@ -1,16 +1,20 @@
-// One run per device: an advisory lock named after the device's id and serial. The kernel frees it when the holder
-// dies, however it dies.
+// One run per device, by an advisory lock: the kernel frees it when the holder dies, however it dies. Locks are shared
+// by all users of the machine. A sensor on the network is locked by its address: two hardware maps that say more or
+// less of it (a serial, a host name) still mean the same sensor.
 #pragma once
 
 #include <filesystem>
 #include <string>
+
+#include "hil/devices/hardware_map.h"
 
 namespace touchstone::hil {
 
 class DeviceLock {
  public:
   // Throws DeviceError(busy) naming the process that holds it.
-  DeviceLock(const std::string& device_id, const std::string& serial);
+  DeviceLock(const std::string& device_id, const std::string& name);
+  explicit DeviceLock(const MappedDevice& device);
   ~DeviceLock();
   DeviceLock(const DeviceLock&) = delete;
   DeviceLock& operator=(const DeviceLock&) = delete;
@@ -21,5 +25,9 @@ class DeviceLock {
   std::filesystem::path path_;
   int descriptor_ = -1;
 };
+
+// What tells this device from others of its kind: the numeric address and port of a sensor on the network, the node of
+// a card, the serial else.
+std::string lock_name(const MappedDevice& device);
 
 }  // namespace touchstone::hil

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <span>
 #include <string>
 
@@ -13,13 +14,15 @@
 
 namespace touchstone::hil {
 
-// Monotonic seconds. A test's clock may stand still or jump.
+// Seconds that never run back. A test's clock may stand still or jump.
 class Clock {
  public:
   virtual ~Clock() = default;
   [[nodiscard]] virtual double now_s() const = 0;
   virtual void sleep_until(double t_s) = 0;
 };
+// CLOCK_BOOTTIME: it counts the time in which the machine was suspended, so that a command from before a suspend is old
+// after it. CLOCK_MONOTONIC stands still meanwhile.
 class MonotonicClock final : public Clock {
  public:
   [[nodiscard]] double now_s() const override;
@@ -35,7 +38,7 @@ struct DeviceIdentity {
 };
 
 struct WrenchSample {
-  double t_s = 0.0;            // host's monotonic clock when the sample arrived
+  double t_s = 0.0;            // MonotonicClock's time when the sample arrived, by the kernel where it says so
   std::uint64_t sequence = 0;  // of the device, unwrapped; gaps mean lost samples
   Wrench wrench;               // sensor's frame
   std::uint32_t flags = sample_ok;
@@ -51,6 +54,8 @@ class WrenchSource {
  public:
   virtual ~WrenchSource() = default;
   [[nodiscard]] virtual const DeviceIdentity& identity() const = 0;
+  // Records per second as the device states them; 0: it does not say.
+  [[nodiscard]] virtual double nominal_rate_Hz() const { return 0.0; }
   virtual void start() = 0;
   virtual void stop() noexcept = 0;
   // The samples that have come, at least one unless the deadline (Clock's seconds) passes first: then 0. A deadline
@@ -64,6 +69,7 @@ struct DeviceState {
   Vec3 p_W_m = Vec3::Zero();
   Vec3 v_W_m_per_s = Vec3::Zero();
   std::uint32_t buttons = 0;
+  double temperature_C = std::numeric_limits<double>::quiet_NaN();  // of the motors; NaN: not read
 };
 
 class HapticDevice {
@@ -74,6 +80,8 @@ class HapticDevice {
   virtual DeviceState exchange(const Vec3& f_W_N, double deadline_s) = 0;
   // Best effort, from any state, never throws; returns whether the device confirmed.
   virtual bool zero_force() noexcept = 0;
+  // The amplifiers off, where the device can: what is left when zero was confirmed, or could not be. As zero_force().
+  virtual bool motors_off() noexcept { return zero_force(); }
   // After this long without an exchange the device itself lets go; 0: it has no watchdog.
   [[nodiscard]] virtual double watchdog_s() const = 0;
   // True once position and force are trustworthy (homed, calibrated). Forces before are refused by the supervisor.

@@ -76,6 +76,8 @@ constexpr std::uint8_t request_reset = 0, request_modem = 1, request_flow = 2, r
                        request_latency = 9;
 constexpr std::uint8_t endpoint_out = 0x02, endpoint_in = 0x81;
 constexpr int largest_motor = 4095;
+constexpr std::uint16_t purge_received = 1, purge_sent = 2;  // values of request_reset
+constexpr double confirm_s = 0.01;                           // ten frames of the servo rate
 
 class Falcon final : public HapticDevice {
  public:
@@ -108,7 +110,6 @@ class Falcon final : public HapticDevice {
 
   DeviceState exchange(const Vec3& f_W_N, double deadline_s) override {
     falcon::Command command;
-    command.homing = answer_.homed != 7U;
     if (calibrated()) {
       const Vec3 torque = falcon::motor_torques(position_m_, angles_, f_W_N);
       for (int i = 0; i < 3; ++i) {
@@ -135,7 +136,9 @@ class Falcon final : public HapticDevice {
 
   bool zero_force() noexcept override {
     try {
-      usb_.write(endpoint_out, falcon::encode(falcon::Command{}), 0.05);
+      // Old answers out of the way first, so that the one that comes confirms this command.
+      usb_.control(request_reset, purge_received, 0, confirm_s);
+      transfer(falcon::Command{}, clock_.now_s() + confirm_s);
       return true;
     } catch (...) {
       return false;
@@ -144,8 +147,8 @@ class Falcon final : public HapticDevice {
 
  private:
   void purge() {
-    usb_.control(request_reset, 1, 0, options_.timeout_s);
-    usb_.control(request_reset, 2, 0, options_.timeout_s);
+    usb_.control(request_reset, purge_received, 0, options_.timeout_s);
+    usb_.control(request_reset, purge_sent, 0, options_.timeout_s);
   }
 
   void normal_mode() {
@@ -158,8 +161,7 @@ class Falcon final : public HapticDevice {
     for (int attempt = 0; attempt < 3; ++attempt) {
       try {
         // A boot loader in the middle of an upload echoes what it gets, which looks like an answer.
-        falcon::Command question;
-        question.homing = true;
+        const falcon::Command question;
         transfer(question, clock_.now_s() + 0.1);
         return last_frame_ != falcon::encode(question);
       } catch (const DeviceError& error) {

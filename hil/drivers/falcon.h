@@ -22,7 +22,9 @@ using Frame = std::array<unsigned char, frame_bytes>;
 
 struct Command {
   std::array<int, 3> motors{};  // signed 16 bit
-  bool homing = false;          // the firmware counts from the arms' index marks while set
+  // The firmware counts from the arms' index marks while set, and forgets them where a packet comes without: "the
+  // homing mode bit must be set in each input packet" (libnifalcon, FalconFirmware.h).
+  bool homing = true;
 };
 struct Answer {
   std::array<int, 3> encoders{};

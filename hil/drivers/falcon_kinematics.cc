@@ -7,8 +7,7 @@
 namespace touchstone::hil::falcon {
 namespace {
 
-constexpr double a = 0.060, b = 0.1025, c = 0.014, d = 0.01125, e = 0.01125, f = -0.025, r = 0.037233758,
-                 s = -0.027330909;
+constexpr double a = 0.060, b = 0.1025, c = 0.01443, d = 0.01125, e = 0.01125, f = -0.025, r = 0.0400, s = -0.02309;
 constexpr double pi = std::numbers::pi;
 constexpr std::array<double, 3> phi{pi / 2 + pi / 12, -pi / 6 + pi / 12, -5 * pi / 6 + pi / 12};
 

@@ -1,6 +1,11 @@
 // Kinematics of the Novint Falcon, a delta of three arms (Stamper 1997, "A three degree of freedom parallel manipulator
-// with only translational degrees of freedom", section 2; link lengths as libnifalcon publishes them). Arm i in its own
-// frame (u, v, w): (p_u + c - a cos t)^2 + (p_w - a sin t)^2 = (sqrt(b^2 - (p_v + f)^2) + d + e)^2.
+// with only translational degrees of freedom", section 2). Arm i in its own frame (u, v, w):
+// (p_u + c - a cos t)^2 + (p_w - a sin t)^2 = (sqrt(b^2 - (p_v + f)^2) + d + e)^2.
+//   Link lengths: libnifalcon's include/falcon/core/FalconGeometry.h as of revision f7c727a. It corrected c, r and s on
+// 2009-06-23 (5ca9c0b, "Corrected values of r and s. [...] Tested.") and exchanged r and s on 2009-09-18 (935a31e). The
+// values before (c 0.014, r 0.037233758, s -0.027330909) are still found in older publications; they differ by
+// millimetres. Forces do not follow libnifalcon: its jacobian() has sin(theta2)^2 where the derivative of its own IK
+// has sin(theta2) sin(theta3), and transposes a matrix in place over itself.
 #pragma once
 
 #include <array>

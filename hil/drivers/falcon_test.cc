@@ -64,6 +64,29 @@ TEST(FalconKinematics, JacobianIsTheDerivativeAndTorquesDoTheForcesWork) {
   }
 }
 
+// What libnifalcon's FalconKinematicStamper::IK (revision f7c727a) answers, in single precision. Its forces are no
+// reference: its jacobian() is not the derivative of its IK (see falcon_kinematics.h).
+TEST(FalconKinematics, AgreesWithLibnifalcon) {
+  struct Answer {
+    Vec3 p_m;
+    std::array<double, 3> angles_rad;
+  };
+  const Answer answers[] = {
+      {{0, 0, 0.12}, {0.4174482, 0.4174482, 0.4174482}},
+      {{0.02, -0.01, 0.1}, {0.3864701, -0.1274871, 0.2755369}},
+      {{-0.03, 0.02, 0.13}, {0.3461088, 0.9523516, 0.59613}},
+      {{0.01, 0.035, 0.15}, {0.621153, 0.9238471, 1.19661}},
+      {{-0.02, -0.03, 0.09}, {0.443871, 0.309711, -0.4653296}},
+      {{0.04, 0, 0.11}, {0.561958, -0.09320584, 0.7186516}},
+  };
+  for (const auto& answer : answers) {
+    const auto angles = falcon::inverse(answer.p_m);
+    ASSERT_TRUE(angles);
+    for (std::size_t i = 0; i < 3; ++i) EXPECT_NEAR((*angles)[i], answer.angles_rad[i], 3e-7) << answer.p_m.transpose();
+  }
+  EXPECT_NEAR(falcon::angle_of_count(100) * 180 / 3.14159265, 38.6435, 5e-5);
+}
+
 TEST(FalconKinematics, OutOfReachIsSaid) {
   EXPECT_FALSE(falcon::inverse(Vec3(0.3, 0, 0.1)));
   EXPECT_FALSE(falcon::inverse(Vec3(0, 0, 0.4)));
@@ -153,6 +176,23 @@ TEST_F(FalconUsb, HomesReportsItsPositionAndPushesAgainstIt) {
   for (std::size_t i = 0; i < 3; ++i) EXPECT_NEAR(motors[i], -10000 * tau[static_cast<int>(i)], 1.5);
   EXPECT_TRUE(device->zero_force());
   EXPECT_EQ(model_.motors(), (std::array<int, 3>{}));
+}
+
+// Against firmware that obeys the bit: once homed, every exchange carries the force.
+TEST_F(FalconUsb, StaysHomed) {
+  const auto device = open();
+  for (int i = 0; i < 6 && !device->calibrated(); ++i) device->exchange(Vec3(0, 0, 1), soon());
+  ASSERT_TRUE(device->calibrated());
+  int with_force = 0;
+  for (int i = 0; i < 100; ++i) {
+    device->exchange(Vec3(0, 0, 1), soon());
+    with_force += model_.motors() != std::array<int, 3>{};
+    ASSERT_TRUE(device->calibrated()) << i;
+  }
+  EXPECT_EQ(with_force, 100);
+  EXPECT_TRUE(device->zero_force());
+  device->exchange(Vec3::Zero(), soon());
+  EXPECT_TRUE(device->calibrated()) << "letting go must not lose the reference";
 }
 
 TEST_F(FalconUsb, CommandsNothingBeforeItIsHomed) {

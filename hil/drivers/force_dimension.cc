@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <vector>
 
@@ -21,10 +22,14 @@ struct Dhd {
   int (*velocity)(double* vx, double* vy, double* vz, char id);
   int (*button)(int index, char id);
   int (*watchdog)(unsigned char periods, char id);
+  int (*status)(int* flags, char id);
   const char* (*last_error)();
 };
 
 constexpr double watchdog_step_s = 125e-6;
+// Places in dhdGetStatus' answer (dhdc.h: DHD_STATUS_RESET, DHD_STATUS_ERROR; DHD_MAX_STATUS grew from 12 to 17 over
+// the versions, so that the array leaves room).
+constexpr std::size_t status_reset = 3, status_error = 9, most_status = 64;
 
 class ForceDimension final : public HapticDevice {
  public:
@@ -41,6 +46,7 @@ class ForceDimension final : public HapticDevice {
     library_.find(dhd_.velocity, "dhdGetLinearVelocity");
     library_.find(dhd_.button, "dhdGetButton");
     library_.find(dhd_.watchdog, "dhdSetWatchdog");
+    library_.find(dhd_.status, "dhdGetStatus");
     library_.find(dhd_.last_error, "dhdErrorGetLastStr");
     const int id = dhd_.open();
     if (id < 0) throw DeviceError(DeviceStatus::absent, fmt::format("Force Dimension: {}", dhd_.last_error()));
@@ -61,7 +67,8 @@ class ForceDimension final : public HapticDevice {
 
   [[nodiscard]] const DeviceIdentity& identity() const override { return identity_; }
   [[nodiscard]] double watchdog_s() const override { return watchdog_s_; }
-  [[nodiscard]] bool calibrated() const override { return true; }
+  // The device counts from its index marks (RESET): before, positions and the directions of forces are arbitrary.
+  [[nodiscard]] bool calibrated() const override { return calibrated_; }
 
   DeviceState exchange(const Vec3& f, double) override {
     DeviceState state;
@@ -69,11 +76,14 @@ class ForceDimension final : public HapticDevice {
     check(dhd_.velocity(&state.v_W_m_per_s.x(), &state.v_W_m_per_s.y(), &state.v_W_m_per_s.z(), id_));
     state.t_s = clock_.now_s();
     state.buttons = dhd_.button(0, id_) > 0 ? 1U : 0U;
-    check(dhd_.set_force(f.x(), f.y(), f.z(), id_));
+    read_status();
+    const Vec3 force = calibrated_ ? f : Vec3(Vec3::Zero());
+    check(dhd_.set_force(force.x(), force.y(), force.z(), id_));
     return state;
   }
 
   bool zero_force() noexcept override { return dhd_.set_force(0.0, 0.0, 0.0, id_) >= 0; }
+  bool motors_off() noexcept override { return zero_force() && dhd_.enable_force(0, id_) >= 0; }
 
  private:
   void start(const VendorDeviceOptions& options) {
@@ -90,7 +100,13 @@ class ForceDimension final : public HapticDevice {
     watchdog_s_ = periods * watchdog_step_s;
     check(dhd_.set_force(0.0, 0.0, 0.0, id_));
     check(dhd_.enable_force(1, id_));
+    read_status();
     identity_ = {"force-dimension-omega", serial, library_.name(), "vendor's", options.emulated};
+  }
+  void read_status() {
+    std::array<int, most_status> flags{};
+    check(dhd_.status(flags.data(), id_));
+    calibrated_ = flags[status_reset] == 1 && flags[status_error] == 0;
   }
   void check(int code) const {
     if (code < 0) throw DeviceError(DeviceStatus::failed, fmt::format("Force Dimension: {}", dhd_.last_error()));
@@ -100,6 +116,7 @@ class ForceDimension final : public HapticDevice {
   Dhd dhd_{};
   char id_ = -1;
   double watchdog_s_ = 0.0;
+  bool calibrated_ = false;
   DeviceIdentity identity_;
   MonotonicClock clock_;
 };

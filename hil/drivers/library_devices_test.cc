@@ -157,6 +157,21 @@ TEST_F(VendorStub, ForceDimensionSetsItsWatchdogAndSpeaksSi) {
   EXPECT_EQ(status_of([&] { open_force_dimension(options_); }), DeviceStatus::absent);
 }
 
+TEST_F(VendorStub, ForceDimensionIsNotCalibratedBeforeItsReset) {
+  const auto reset_done = reinterpret_cast<void (*)(int)>(::dlsym(stub_, "touchstone_stub_reset_done"));
+  reset_done(0);
+  const auto device = open_force_dimension(options_);
+  EXPECT_FALSE(device->calibrated());
+  device->exchange(Vec3(1, 2, 3), clock_.now_s() + 1);
+  EXPECT_FALSE(device->calibrated());
+  EXPECT_EQ(applied(), Vec3(0, 0, 0));  // nothing is commanded in an arbitrary direction
+  reset_done(1);
+  device->exchange(Vec3::Zero(), clock_.now_s() + 1);
+  EXPECT_TRUE(device->calibrated());
+  device->exchange(Vec3(1, 2, 3), clock_.now_s() + 1);
+  EXPECT_EQ(applied(), Vec3(1, 2, 3));
+}
+
 TEST_F(VendorStub, OpenHapticsConvertsMillimetresAndHasADeadline) {
   {
     const auto device = open_openhaptics(options_);

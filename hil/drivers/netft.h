@@ -1,8 +1,9 @@
 // ATI Net F/T: configuration over HTTP (netftapi2.xml), records over UDP (Raw Data Transfer, "RDT").
 //   request, 8 bytes big-endian: 0x1234, command u16, sample count u32 (0: until told to stop)
 //   record, 36 bytes big-endian: rdt_sequence u32, ft_sequence u32, status u32, Fx Fy Fz Tx Ty Tz int32 counts
-// Source: ATI Net F/T manual, sections "RDT protocol" and "netftapi2.xml". Counts per force and per torque come from
-// the device: they depend on its calibration.
+// Source: ATI Net F/T manual, sections "RDT protocol" and "netftapi2.xml", and what a Gamma (firmware 2.2.59) answered
+// (hil/emulators/netft_answers.h). Counts per force and per torque come from the device: they depend on its
+// calibration. They and their units are indispensable; every other element may be missing.
 #pragma once
 
 #include <array>
@@ -22,13 +23,13 @@ struct NetFtAddress {
 
 struct NetFtConfiguration {
   std::string product;
-  std::string serial;
+  std::string serial;  // of the transducer's calibration; empty where the device does not say
   double newtons_per_count = 0.0;
   double newton_metres_per_count = 0.0;
   double rate_Hz = 0.0;  // of the records, where the device says
 };
 
-// Parses netftapi2.xml; throws BadData naming the element and the unit that is not known.
+// Parses netftapi2.xml; throws BadData naming the element that is indispensable and missing, or the unknown unit.
 NetFtConfiguration parse_netft_configuration(std::string_view xml, const std::string& source);
 // Asks the device within the deadline; throws DeviceError(absent | timed_out | failed).
 NetFtConfiguration read_netft_configuration(const NetFtAddress& address, double timeout_s);

@@ -22,6 +22,13 @@ std::uint32_t get(const unsigned char* from) {
   return value;
 }
 
+std::string trimmed(std::string_view word) {
+  constexpr std::string_view blank = " \t\r\n";
+  const auto first = word.find_first_not_of(blank);
+  return first == std::string_view::npos ? ""
+                                         : std::string(word.substr(first, word.find_last_not_of(blank) - first + 1));
+}
+
 constexpr double pound_N = 4.4482216152605, inch_m = 0.0254, kilogram_force_N = 9.80665;
 
 }  // namespace
@@ -30,11 +37,14 @@ NetFtConfiguration parse_netft_configuration(std::string_view xml, const std::st
   pugi::xml_document document;
   const auto parsed = document.load_buffer(xml.data(), xml.size());
   if (!parsed) throw BadData(fmt::format("{}: is not XML: {} at byte {}", source, parsed.description(), parsed.offset));
-  const auto root = document.first_child();
+  const auto root = document.document_element();
   const auto text = [&](const char* name) -> std::string {
     const auto node = root.child(name);
-    if (!node) throw BadData(fmt::format("{}: has no <{}>; is this a Net F/T's netftapi2.xml?", source, name));
-    return node.child_value();
+    if (!node) {
+      throw BadData(fmt::format(
+          "{}: has no <{}>, without which counts are not newtons; is this a Net F/T's netftapi2.xml?", source, name));
+    }
+    return trimmed(node.child_value());
   };
   const auto number = [&](const char* name) {
     const auto word = text(name);
@@ -70,10 +80,20 @@ NetFtConfiguration parse_netft_configuration(std::string_view xml, const std::st
                                         {"kgf-cm", kilogram_force_N * 1e-2}});
   c.newtons_per_count = force / number("cfgcpf");
   c.newton_metres_per_count = torque / number("cfgcpt");
-  c.product =
-      root.child("setuserproduct") ? root.child("setuserproduct").child_value() : root.child("prodname").child_value();
-  c.serial = text("setserial");
-  if (root.child("comrdtrate")) c.rate_Hz = number("comrdtrate");
+  // Whatever else there is helps; firmware versions differ in what they say and how they spell it.
+  const auto first_of = [&](std::initializer_list<const char*> names) -> std::string {
+    for (const char* const name : names) {
+      if (const auto word = trimmed(root.child(name).child_value()); !word.empty()) return word;
+    }
+    return "";
+  };
+  c.serial = first_of({"cfgcalsn", "setserial"});
+  const auto version = first_of({"mfgdigver"}), name = first_of({"cfgnam"});
+  c.product = "Net F/T" + (version.empty() ? "" : " firmware " + version) + (name.empty() ? "" : ", " + name);
+  const auto rate = first_of({"comrdtrate", "commrdtrate"});
+  double value = 0.0;
+  const auto result = std::from_chars(rate.data(), rate.data() + rate.size(), value);
+  if (result.ec == std::errc() && std::isfinite(value) && value > 0.0) c.rate_Hz = value;
   return c;
 }
 

@@ -9,6 +9,7 @@
 #include <cmath>
 #include <vector>
 
+#include "hil/emulators/netft_answers.h"
 #include "hil/emulators/netft_emulator.h"
 
 namespace touchstone::hil {
@@ -61,6 +62,35 @@ TEST(NetFtProtocol, SequenceNumbersAcrossTheirRollover) {
   EXPECT_EQ(t.counters().received, 4U);
 }
 
+TEST(NetFtProtocol, ReadsWhatRealSensorsAnswer) {
+  const auto gamma = parse_netft_configuration(netft_gamma_answer, "gamma");
+  EXPECT_EQ(gamma.serial, "FT27462");
+  EXPECT_EQ(gamma.product, "Net F/T firmware 2.2.59, empty");
+  EXPECT_DOUBLE_EQ(gamma.newtons_per_count, 1e-6);
+  EXPECT_DOUBLE_EQ(gamma.newton_metres_per_count, 1e-6);
+  EXPECT_EQ(gamma.rate_Hz, 100);
+  const auto axia = parse_netft_configuration(netft_axia_answer, "axia");
+  EXPECT_EQ(axia.serial, "FT31234");
+  EXPECT_EQ(axia.rate_Hz, 2000);
+  EXPECT_DOUBLE_EQ(axia.newton_metres_per_count, 1e-6) << "N-m";
+}
+
+TEST(NetFtProtocol, OnlyCountsAndUnitsAreIndispensable) {
+  const auto bare = parse_netft_configuration(
+      "<netFTApi><cfgcpf>1000</cfgcpf><cfgcpt>500</cfgcpt><scfgfu> N </scfgfu><scfgtu>Nmm</scfgtu></netFTApi>", "bare");
+  EXPECT_DOUBLE_EQ(bare.newtons_per_count, 1e-3);
+  EXPECT_DOUBLE_EQ(bare.newton_metres_per_count, 2e-6);
+  EXPECT_EQ(bare.serial, "");
+  EXPECT_EQ(bare.rate_Hz, 0.0);
+  EXPECT_EQ(bare.product, "Net F/T");
+  for (const char* const element : {"cfgcpf", "cfgcpt", "scfgfu", "scfgtu"}) {
+    auto xml = std::string(netft_gamma_answer);
+    const auto begin = xml.find(fmt::format("<{}>", element)), end = xml.find(fmt::format("</{}>", element));
+    xml.erase(begin, end + std::string(element).size() + 3 - begin);
+    EXPECT_THROW(parse_netft_configuration(xml, "gamma"), BadData) << element;
+  }
+}
+
 TEST(NetFtProtocol, ConfigurationSaysWhatItCannotRead) {
   const std::string good =
       "<netft><prodname>P</prodname><setserial>FT1</setserial><cfgcpf>1000</cfgcpf><cfgcpt>500</cfgcpt><scfgfu>lbf</"
@@ -82,14 +112,14 @@ TEST(NetFtProtocol, ConfigurationSaysWhatItCannotRead) {
   };
   EXPECT_THAT(with("lbf<", "stone<"), HasSubstr("\"stone\""));
   EXPECT_THAT(with("1000", "0"), HasSubstr("<cfgcpf> is \"0\""));
-  EXPECT_THAT(with("<setserial>FT1</setserial>", ""), HasSubstr("<setserial>"));
+  EXPECT_THAT(with("<scfgtu>lbf-in</scfgtu>", ""), HasSubstr("<scfgtu>"));
   EXPECT_THAT(complaint("not xml <"), HasSubstr("netftapi2.xml"));
 }
 
 TEST(NetFtEmulated, ForcesArriveInNewtonsAndInOrder) {
   NetFtEmulator emulator(1000, {}, wave);
   const auto source = open_netft(emulator.address(), 2.0, true);
-  EXPECT_EQ(source->identity().serial, "EMU00001");
+  EXPECT_EQ(source->identity().serial, "FT27462");
   EXPECT_TRUE(source->identity().emulated);
   source->start();
   const auto samples = read_samples(*source, 300);
@@ -111,7 +141,7 @@ TEST(NetFtEmulated, IsKnownForAnEmulatorAlsoByWhoTakesItForHardware) {
   silent.names_itself_a_sensor = true;
   NetFtEmulator impostor(1000, silent, wave);
   const auto source = open_netft(impostor.address(), 2.0, false);
-  EXPECT_EQ(source->identity().firmware, "Net F/T");
+  EXPECT_EQ(source->identity().firmware, "Net F/T firmware 2.2.59, empty");
   EXPECT_TRUE(source->identity().emulated);  // no sensor answers from the loopback
 }
 

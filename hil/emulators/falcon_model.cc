@@ -3,6 +3,31 @@
 #include "hil/emulators/usb_emulator.h"
 
 namespace touchstone::hil {
+namespace {
+
+constexpr std::size_t frame_bytes = 16;
+
+// libnifalcon, FalconFirmwareNovintSDK::formatInput: `<`, three motors of four nibbles, lowest first, LEDs with the
+// homing bit lowest, an unused nibble, `>`; every nibble + 0x41.
+int nibbles_at(const unsigned char* from) {
+  unsigned value = 0;
+  for (unsigned i = 0; i < 4; ++i) value |= (static_cast<unsigned>(from[i] - 0x41) & 0xfU) << (4 * i);
+  return static_cast<std::int16_t>(value);
+}
+
+// FalconFirmwareNovintSDK::formatOutput: encoders in the motors' places, then homed arms << 4 | buttons.
+std::vector<unsigned char> answer_of(const std::array<int, 3>& encoders, unsigned homed) {
+  std::vector<unsigned char> frame(frame_bytes, 0x41);
+  frame.front() = '<', frame.back() = '>';
+  for (std::size_t i = 0; i < 12; ++i) {
+    const auto value = static_cast<unsigned>(encoders[i / 4]) >> (4 * (i % 4));
+    frame[1 + i] = static_cast<unsigned char>(0x41 + (value & 0xfU));
+  }
+  frame[13] = static_cast<unsigned char>(0x41 + (homed << 4U));
+  return frame;
+}
+
+}  // namespace
 
 void FalconModel::send(const std::vector<unsigned char>& bytes) {
   // At most 62 bytes after the two modem bytes, as a full-speed packet holds.
@@ -39,17 +64,16 @@ void FalconModel::received(const std::vector<unsigned char>& bytes) {
   }
   if (!running_) return;
   in_.insert(in_.end(), bytes.begin(), bytes.end());
-  while (in_.size() >= falcon::frame_bytes) {
-    falcon::Frame frame;
-    std::copy_n(in_.begin(), frame.size(), frame.begin());
-    in_.erase(in_.begin(), in_.begin() + static_cast<std::ptrdiff_t>(frame.size()));
-    motors_ = falcon::decode_command(frame).motors;
-    falcon::Answer answer;
-    answer.encoders = encoders_;
-    answer.homed = ++frames_ > 3 ? 7U : 0U;  // the arms pass their index marks
-    auto bytes_out = falcon::encode(answer);
+  while (in_.size() >= frame_bytes) {
+    const bool whole = in_[0] == '<' && in_[frame_bytes - 1] == '>';
+    const bool homing = whole && ((in_[13] - 0x41) & 1) != 0;
+    for (std::size_t i = 0; whole && i < 3; ++i) motors_[i] = nibbles_at(in_.data() + 1 + 4 * i);
+    in_.erase(in_.begin(), in_.begin() + static_cast<std::ptrdiff_t>(frame_bytes));
+    // The arms pass their index marks within three frames; a frame without the bit makes the firmware forget them.
+    frames_ = homing ? frames_ + 1 : 0;
+    auto bytes_out = answer_of(encoders_, frames_ > 3 ? 7U : 0U);
     if (damaged_ > 0) --damaged_, bytes_out[5] = 0x7f;
-    send({bytes_out.begin(), bytes_out.end()});
+    send(bytes_out);
   }
 }
 

@@ -7,6 +7,7 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include <array>
 #include <cmath>
 #include <cstring>
 #include <map>
@@ -14,10 +15,24 @@
 #include <stdexcept>
 #include <vector>
 
+#include "hil/emulators/netft_answers.h"
+
 namespace touchstone::hil {
 namespace {
 
-constexpr double counts_per_newton = 1e6, counts_per_newton_metre = 2e6;
+constexpr double counts_per_newton = 1e6, counts_per_newton_metre = 1e6;  // as the answer says: cfgcpf, cfgcpt
+constexpr std::size_t request_bytes = 8, record_bytes = 36;
+using Record = std::array<unsigned char, record_bytes>;
+
+void put_big_endian(Record& record, std::size_t word, std::uint32_t value) {
+  for (std::size_t i = 0; i < 4; ++i) record[4 * word + i] = static_cast<unsigned char>(value >> (24 - 8 * i));
+}
+
+// The text of an element exchanged.
+std::string with_element(std::string xml, const std::string& name, const std::string& text) {
+  const auto begin = xml.find("<" + name + ">") + name.size() + 2, end = xml.find("</" + name + ">");
+  return xml.replace(begin, end - begin, text);
+}
 
 int bind_loopback(int type, int& port) {
   const int fd = ::socket(AF_INET, type | SOCK_CLOEXEC, 0);
@@ -76,12 +91,8 @@ void NetFtEmulator::serve_http() {
     const std::string body =
         faults_.http_garbage
             ? "<html>not a sensor</html>"
-            : fmt::format(
-                  "<?xml version=\"1.0\"?><netft><prodname>Net F/T{}</prodname><setserial>EMU00001</setserial>"
-                  "<cfgcpf>{}</cfgcpf><cfgcpt>{}</cfgcpt><scfgfu>N</scfgfu><scfgtu>Nm</scfgtu>"
-                  "<comrdtrate>{}</comrdtrate></netft>",
-                  faults_.names_itself_a_sensor ? "" : " emulated", counts_per_newton, counts_per_newton_metre,
-                  rate_Hz_);
+            : with_element(with_element(std::string(netft_gamma_answer), "comrdtrate", fmt::format("{}", rate_Hz_)),
+                           "cfgnam", faults_.names_itself_a_sensor ? "empty" : "emulated");
     const auto answer =
         fmt::format("HTTP/1.0 200 OK\r\nContent-Type: text/xml\r\nContent-Length: {}\r\n\r\n{}", body.size(), body);
     [[maybe_unused]] const auto n = ::send(client, answer.data(), answer.size(), MSG_NOSIGNAL);
@@ -96,7 +107,7 @@ void NetFtEmulator::serve_rdt() {
   std::uint32_t sequence = faults_.first_sequence;
   std::uint64_t count = 0;
   double start = 0.0;
-  std::optional<std::array<unsigned char, rdt_record_bytes>> held;
+  std::optional<Record> held;
   const auto due = [&](std::uint32_t every) { return every != 0 && count % every == 0; };
   const auto send = [&](const unsigned char* bytes, std::size_t size) {
     for (const auto& [key, address] : clients) {
@@ -109,12 +120,12 @@ void NetFtEmulator::serve_rdt() {
     sockaddr_in from{};
     socklen_t size = sizeof from;
     while (::recvfrom(udp_socket_, request, sizeof request, MSG_DONTWAIT, reinterpret_cast<sockaddr*>(&from), &size) ==
-           static_cast<ssize_t>(rdt_request_bytes)) {
+           static_cast<ssize_t>(request_bytes)) {
       if (request[0] != 0x12 || request[1] != 0x34) continue;
-      const auto command = static_cast<RdtCommand>(request[2] << 8 | request[3]);
+      const int command = request[2] << 8 | request[3];  // 0: stop, 2: send at full rate
       const std::pair key(from.sin_addr.s_addr, from.sin_port);
-      if (command == RdtCommand::stop) clients.erase(key);
-      if (command == RdtCommand::start_realtime) {
+      if (command == 0) clients.erase(key);
+      if (command == 2) {
         if (clients.empty()) start = clock.now_s(), count = 0, sequence = faults_.first_sequence;
         if (faults_.newest_client_wins) clients.clear();
         clients[key] = from;
@@ -130,15 +141,16 @@ void NetFtEmulator::serve_rdt() {
            !(faults_.silent_after != 0 && count >= faults_.silent_after)) {
       ++count;
       const Wrench w = wrench_(static_cast<double>(count) / rate_Hz_);
-      RdtRecord record;
-      record.rdt_sequence = record.ft_sequence = sequence++;
-      if (due(faults_.error_bit_every)) record.status = rdt_error_bit;
-      for (std::size_t k = 0; k < 3; ++k) {
-        record.counts[k] = static_cast<std::int32_t>(std::lround(w.f_N[static_cast<int>(k)] * counts_per_newton));
-        record.counts[k + 3] =
-            static_cast<std::int32_t>(std::lround(w.torque_Nm[static_cast<int>(k)] * counts_per_newton_metre));
+      Record bytes{};
+      put_big_endian(bytes, 0, sequence);
+      put_big_endian(bytes, 1, sequence++);
+      put_big_endian(bytes, 2, due(faults_.error_bit_every) ? 1U << 31U : 0U);
+      for (int k = 0; k < 3; ++k) {
+        const auto force = static_cast<std::int32_t>(std::lround(w.f_N[k] * counts_per_newton)),
+                   torque = static_cast<std::int32_t>(std::lround(w.torque_Nm[k] * counts_per_newton_metre));
+        put_big_endian(bytes, static_cast<std::size_t>(3 + k), static_cast<std::uint32_t>(force));
+        put_big_endian(bytes, static_cast<std::size_t>(6 + k), static_cast<std::uint32_t>(torque));
       }
-      const auto bytes = encode_record(record);
       if (due(faults_.drop_every)) continue;
       if (due(faults_.swap_every) && !held) {
         held = bytes;

@@ -1,5 +1,8 @@
 // A Net F/T on the loopback interface: HTTP configuration and RDT records, with the faults that networks and sensors
-// have. It encodes our reading of the protocol and proves nothing about the real device; all results say `emulated`.
+// have. It answers netftapi2.xml with what a real Gamma answered (netft_answers.h), its rate and name exchanged.
+// Requests and records are laid out as ATI's manual 9620-05-NET FT, section "RDT protocol", and public ROS drivers for
+// it (netft_utils) have them: big-endian, 8 and 36 bytes; nothing is taken from the driver that it tests. All results
+// say `emulated`.
 #pragma once
 
 #include <atomic>
@@ -23,7 +26,7 @@ struct NetFtFaults {
   bool http_silent = false;            // accepts the connection and never answers
   bool http_garbage = false;           // answers with something that is not a configuration
   bool newest_client_wins = false;     // a second client takes the stream from the first
-  bool names_itself_a_sensor = false;  // its product does not say that it is emulated
+  bool names_itself_a_sensor = false;  // its name does not say that it is emulated
 };
 
 class NetFtEmulator {

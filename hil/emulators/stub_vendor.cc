@@ -10,7 +10,7 @@ namespace {
 enum Fault { none, absent, fails };
 std::atomic<int> fault{none};  // the servo thread reads it while a test sets it
 std::atomic<double> force[3];
-std::atomic<int> watchdog_periods{0}, forces_on{0};
+std::atomic<int> watchdog_periods{0}, forces_on{0}, reset_done{1};
 std::atomic<bool> scheduling{false};
 std::thread scheduler;
 std::atomic<unsigned (*)(void*)> job{nullptr};
@@ -51,6 +51,13 @@ int dhdGetLinearVelocity(double* x, double* y, double* z, char) {
 int dhdGetButton(int, char) { return 1; }
 int dhdSetWatchdog(unsigned char periods, char) {
   watchdog_periods = periods;
+  return 0;
+}
+// dhdc.h: DHD_STATUS_POWER 0, CONNECTED 1, STARTED 2, RESET 3, ..., ERROR 9; DHD_MAX_STATUS 17 in version 3.14.
+int dhdGetStatus(int* status, char) {
+  for (int i = 0; i < 17; ++i) status[i] = 0;
+  status[0] = status[1] = status[2] = 1;
+  status[3] = reset_done;
   return 0;
 }
 const char* dhdErrorGetLastStr() { return "stub error"; }
@@ -95,5 +102,6 @@ void touchstone_stub_fault(const char* name) { fault = name[0] == 'a' ? absent :
 void touchstone_stub_force(double* f) {
   for (int k = 0; k < 3; ++k) f[k] = force[k];
 }
+void touchstone_stub_reset_done(int done) { reset_done = done; }
 int touchstone_stub_watchdog_periods() { return watchdog_periods; }
 }

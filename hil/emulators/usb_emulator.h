@@ -60,7 +60,9 @@ class UsbEmulator {
 };
 
 // A Falcon behind the USB emulator: boot loader, firmware with echo, frames, homing, motors. Without a watchdog, as the
-// real one.
+// real one. Frames and boot loader follow libnifalcon's FalconFirmwareNovintSDK.cpp and FalconCommLibUSB.cpp (revision
+// f7c727a), homing its FalconFirmware.h: "the homing mode bit must be set in each input packet sent in order for the
+// falcon to stay homed". Nothing is taken from the driver that it tests.
 class FalconModel final : public EmulatedUsbModel {
  public:
   // Runs at once, or after a firmware of that many bytes was uploaded.

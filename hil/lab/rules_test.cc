@@ -1,16 +1,21 @@
 // The test of the tests: without hardware nothing passes, a promised device that is absent fails, and emulated results
 // are called so. And the analyses of the lab tests on signals whose answer is known.
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sched.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <ctime>
 #include <filesystem>
 #include <numbers>
+#include <string_view>
 
 #include "harness/base/atomic_file.h"
 #include "harness/base/hash.h"
@@ -142,7 +147,7 @@ TEST(Probe, NetworkSensorPresentWrongSerialAndExpired) {
   EXPECT_EQ(status(), DeviceStatus::present);
   d.serial = "FT99999";
   EXPECT_EQ(status(), DeviceStatus::wrong_serial);
-  d.serial = "EMU00001";
+  d.serial = "FT27462";
   d.calibration_expires = CalendarDay{2020, 1, 1};
   EXPECT_EQ(status(), DeviceStatus::calibration_expired);
   d.calibration_expires.reset();
@@ -197,6 +202,74 @@ TEST(DeviceLock, ASecondRunIsToldWhoHasIt) {
     EXPECT_THAT(error.what(), HasSubstr(fmt::format("process {}", ::getpid())));
   }
   const DeviceLock other("novint-falcon", "another");
+}
+
+TEST(DeviceLock, TheSameSensorHasOneLockWhateverTheMapSaysOfIt) {
+  MappedDevice named, bare;
+  named.id = bare.id = "ati-netft";
+  named.serial = "FT27462";
+  named.address = "localhost";
+  bare.address = "127.0.0.1";
+  EXPECT_EQ(lock_name(named), lock_name(bare));
+  named.udp_port = bare.udp_port = 1000 + ::getpid() % 60000;
+  const DeviceLock first(named);
+  EXPECT_THROW(DeviceLock{bare}, DeviceError);
+  bare.udp_port += 1;
+  const DeviceLock another(bare);
+}
+
+TEST(DeviceLock, ServesEveryUserOfTheMachine) {
+  if (::geteuid() != 0) GTEST_SKIP() << "needs to become two users: run as root";
+  const auto name = fmt::format("USERS{}", ::getpid());
+  // What it does as that user: 0 it had the lock, 1 it was refused.
+  const auto as_user = [&](uid_t user, mode_t mask) {
+    const pid_t child = ::fork();
+    if (child == 0) {
+      ::umask(mask);
+      if (::setresuid(user, user, user) != 0) ::_exit(9);
+      try {
+        const DeviceLock lock("novint-falcon", name);
+        ::_exit(0);
+      } catch (const DeviceError&) {
+        ::_exit(1);
+      }
+    }
+    int status = 0;
+    ::waitpid(child, &status, 0);
+    return WEXITSTATUS(status);
+  };
+  EXPECT_EQ(as_user(65533, 022), 0);
+  EXPECT_EQ(as_user(65534, 022), 0);
+  const auto path = DeviceLock("novint-falcon", name).path();
+  std::filesystem::permissions(path, std::filesystem::perms(0644));  // as older versions left them
+  EXPECT_EQ(as_user(65534, 022), 0);
+  EXPECT_EQ(as_user(65533, 022), 0);
+  std::filesystem::remove(path);
+}
+
+// In a time namespace CLOCK_BOOTTIME runs 100 s ahead of CLOCK_MONOTONIC, as after a suspend of 100 s.
+TEST(MonotonicClock, SeesTheTimeInWhichTheMachineWasSuspended) {
+  const pid_t child = ::fork();
+  if (child == 0) {
+    if (::unshare(CLONE_NEWTIME) != 0) ::_exit(77);
+    const int offsets = ::open("/proc/self/timens_offsets", O_WRONLY | O_CLOEXEC);
+    constexpr std::string_view ahead = "boottime 100 0";
+    if (offsets < 0 || ::write(offsets, ahead.data(), ahead.size()) != static_cast<ssize_t>(ahead.size())) ::_exit(77);
+    const pid_t inside = ::fork();  // children live in the new namespace
+    if (inside == 0) {
+      timespec still{};
+      ::clock_gettime(CLOCK_MONOTONIC, &still);
+      const double ahead_s = MonotonicClock().now_s() - static_cast<double>(still.tv_sec);
+      ::_exit(ahead_s > 99.0 ? 0 : 1);
+    }
+    int status = 0;
+    ::waitpid(inside, &status, 0);
+    ::_exit(WEXITSTATUS(status));
+  }
+  int status = 0;
+  ::waitpid(child, &status, 0);
+  if (WEXITSTATUS(status) == 77) GTEST_SKIP() << "this machine allows no time namespace";
+  EXPECT_EQ(WEXITSTATUS(status), 0);
 }
 
 TEST(DeviceLock, IsFreeOnceItsHolderIsKilled) {

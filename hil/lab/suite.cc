@@ -75,7 +75,7 @@ LabStation::LabStation(const std::string& device_id, const Availability& found, 
   }
   mapped_ = mapped_device(device_id);
   limits_ = lab_limits(mapped_.limits);
-  lock_ = std::make_unique<DeviceLock>(device_id, mapped_.serial);
+  lock_ = std::make_unique<DeviceLock>(mapped_);
   device_ = open_guarded([this] { return open_mapped_device(id_, mapped_); }, {});
   bench_ = std::make_unique<Bench>(Bench{clock_, *device_});
   bench_->limits.force_N = mapped_.force_limit_N;
@@ -85,7 +85,7 @@ LabStation::LabStation(const std::string& device_id, const Availability& found, 
     for (const std::string id : {"ati-netft", "ati-nano17-daq"}) {
       if (sensor_ || availability(id).decision != Decision::run) continue;
       const auto sensor = mapped_device(id);
-      sensor_lock_ = std::make_unique<DeviceLock>(id, sensor.serial);
+      sensor_lock_ = std::make_unique<DeviceLock>(sensor);
       sensor_ = open_mapped_sensor(id, sensor);
     }
     if (!sensor_)

@@ -32,7 +32,7 @@ class WrenchSensor : public ::testing::TestWithParam<const char*> {
       });
       source_ = open_netft(emulator_->address(), 2.0, true);
     } else {
-      lock_ = std::make_unique<DeviceLock>(GetParam(), mapped != nullptr ? mapped->serial : "");
+      lock_ = mapped != nullptr ? std::make_unique<DeviceLock>(*mapped) : std::make_unique<DeviceLock>(GetParam(), "");
       source_ = open_mapped_sensor(GetParam(), mapped != nullptr ? *mapped : MappedDevice{});
     }
     source_->start();

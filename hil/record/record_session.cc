@@ -6,10 +6,10 @@
 
 #include <array>
 #include <chrono>
-#include <cmath>
 #include <cstdio>
 
 #include "harness/base/atomic_file.h"
+#include "harness/recording/envelope_clock.h"
 #include "hil/lab/analysis.h"
 
 namespace touchstone::hil {
@@ -53,23 +53,8 @@ class LivePlot {
   std::size_t at_ = 0;
 };
 
-// Straight line through (sequence, arrival), about the first sample.
-struct ClockLine {
-  double n = 0, sx = 0, sy = 0, sxx = 0, sxy = 0, syy = 0;
-  std::uint64_t first_sequence = 0;
-  double first_s = 0.0;
-  void add(std::uint64_t sequence, double t_s) {
-    if (n == 0) first_sequence = sequence, first_s = t_s;
-    const double x = static_cast<double>(sequence - first_sequence), y = t_s - first_s;
-    n += 1, sx += x, sy += y, sxx += x * x, sxy += x * y, syy += y * y;
-  }
-  [[nodiscard]] double slope() const { return (n * sxy - sx * sy) / (n * sxx - sx * sx); }
-  [[nodiscard]] double level() const { return (sy - slope() * sx) / n; }
-  [[nodiscard]] double at(std::uint64_t sequence) const {
-    return first_s + level() + slope() * static_cast<double>(sequence - first_sequence);
-  }
-  [[nodiscard]] double scatter() const { return std::sqrt(std::max(0.0, (syy - level() * sy - slope() * sxy) / n)); }
-};
+// Less than this share of the device's rate is no recording of its stream: another client had it meanwhile.
+constexpr double least_share = 0.97;
 
 }  // namespace
 
@@ -80,7 +65,7 @@ RecordReport record_session(WrenchSource& source, const std::filesystem::path& p
   header.scheduling = scheduling();
   header.started =
       fmt::format("{:%FT%TZ}", fmt::gmtime(std::chrono::system_clock::to_time_t(std::chrono::system_clock::now())));
-  header.nominal_rate_Hz = options.nominal_rate_Hz;
+  header.nominal_rate_Hz = source.nominal_rate_Hz() > 0.0 ? source.nominal_rate_Hz() : options.nominal_rate_Hz;
   RawRecorder recorder(path, header, options.recorder);
   LivePlot plot(options.plot);
   MonotonicClock clock;
@@ -88,6 +73,8 @@ RecordReport record_session(WrenchSource& source, const std::filesystem::path& p
   std::vector<WrenchSample> samples(1024);
   source.start();
   const double start = clock.now_s();
+  double last_came = start, first_sample = 0.0, last_sample = 0.0;
+  report.device_rate_Hz = source.nominal_rate_Hz();
   while (!(report.stopped = stop())) {
     const double now = clock.now_s();
     if (options.seconds > 0.0 && now >= start + options.seconds) break;
@@ -97,25 +84,68 @@ RecordReport record_session(WrenchSource& source, const std::filesystem::path& p
       recorder.push({samples[i], Vec3::Zero()});
       plot.add(samples[i]);
     }
+    if (n > 0) {
+      if (first_sample == 0.0) first_sample = samples[0].t_s;
+      last_sample = samples[n - 1].t_s;
+      last_came = clock.now_s();
+    }
+    if (n == 0 && clock.now_s() - last_came > options.silence_s) {
+      report.silent = true;
+      break;
+    }
     plot.draw(now - start, source.counters(), recorder.written());
   }
   source.stop();
   report.stream = source.counters();
   report.seconds = clock.now_s() - start;
+  if (last_sample > first_sample) {
+    report.arrival_rate_Hz =
+        static_cast<double>(report.stream.received + report.stream.lost - 1) / (last_sample - first_sample);
+  }
   recorder.finish();
   report.written = recorder.written();
   report.lost_in_memory = recorder.lost();
   return report;
 }
 
+std::vector<std::string> RecordReport::problems() const {
+  std::vector<std::string> said;
+  if (silent && written == 0) {
+    said.emplace_back(
+        "the sensor sent nothing: is another program recording from it (most serve one client), is its stream switched "
+        "off, does a firewall stop its packets?");
+  } else if (silent) {
+    said.push_back(fmt::format("the stream stopped before the end: what came in {:.1f} s is there and sound", seconds));
+  } else if (written == 0) {
+    said.emplace_back("no sample came in that time");
+  }
+  if (stream.lost > 0) said.push_back(fmt::format("{} samples were lost on the way", stream.lost));
+  if (lost_in_memory > 0) said.push_back(fmt::format("{} samples were lost in memory", lost_in_memory));
+  if (stream.device_errors > 0)
+    said.push_back(fmt::format("{} samples have the device's error bit", stream.device_errors));
+  // Over a tenth of a second and more: packets come in lumps.
+  if (!silent && device_rate_Hz > 0.0 && arrival_rate_Hz > 0.0 && arrival_rate_Hz < least_share * device_rate_Hz &&
+      seconds > 0.1) {
+    said.push_back(fmt::format(
+        "samples came at {:.1f} Hz, the device states {:.1f} Hz: another client may have had the stream for a while",
+        arrival_rate_Hz, device_rate_Hz));
+  }
+  return said;
+}
+
 ExportReport export_raw(const std::vector<std::filesystem::path>& files, const std::filesystem::path& csv) {
   ExportReport report;
-  ClockLine line;
-  std::uint64_t last_sequence = 0;
+  EnvelopeClock clock;
+  std::uint64_t first_sequence = 0, last_sequence = 0;
   for (const auto& file : files) {
     const auto part = read_raw(file, [&](const RawSample& s) {
-      line.add(s.wrench.sequence, s.wrench.t_s);
-      last_sequence = std::max(last_sequence, s.wrench.sequence);
+      if (clock.samples() == 0) first_sequence = s.wrench.sequence;
+      if (clock.samples() > 0 && s.wrench.sequence <= last_sequence) {
+        throw BadData(fmt::format("{}: sample {} comes after sample {}: are the files in the order of their recording?",
+                                  file.string(), s.wrench.sequence, last_sequence));
+      }
+      clock.add(s.wrench.sequence, s.wrench.t_s);
+      last_sequence = s.wrench.sequence;
     });
     report.samples += part.samples;
     report.damaged_bytes += part.damaged_bytes;
@@ -123,24 +153,29 @@ ExportReport export_raw(const std::vector<std::filesystem::path>& files, const s
   }
   if (report.samples < 2)
     throw BadData(fmt::format("{}: holds {} sound samples; nothing to export", files.front().string(), report.samples));
-  if (!(line.slope() > 0.0))
+  const EnvelopeClock::Line line = clock.line();
+  if (!(line.seconds_per_sample > 0.0))
     throw BadData(fmt::format("{}: time does not advance with the samples", files.front().string()));
-  const std::uint64_t sent = last_sequence - line.first_sequence + 1;
+  const std::uint64_t sent = last_sequence - first_sequence + 1;
   report.missing_samples = sent > report.samples ? sent - report.samples : 0;
-  report.rate_Hz = 1.0 / line.slope();
-  report.arrival_scatter_s = line.scatter();
+  report.rate_Hz = 1.0 / line.seconds_per_sample;
+  ArrivalDelays delays(line, first_sequence, last_sequence);
   AtomicFile target(csv);
   std::FILE* const out = std::fopen(target.path().c_str(), "we");
   if (out == nullptr) throw BadData(fmt::format("{}: cannot be written", csv.string()));
   std::fputs("t_s,fx_N,fy_N,fz_N,tx_Nm,ty_Nm,tz_Nm,flags\n", out);
-  const double origin = line.at(line.first_sequence);
+  const double origin = line.at(first_sequence);
   for (const auto& file : files) {
     read_raw(file, [&](const RawSample& s) {
+      delays.add(s.wrench.sequence, s.wrench.t_s);
       const auto &f = s.wrench.wrench.f_N, &t = s.wrench.wrench.torque_Nm;
       fmt::print(out, "{:.9f},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{}\n", line.at(s.wrench.sequence) - origin,
                  f.x(), f.y(), f.z(), t.x(), t.y(), t.z(), s.wrench.flags);
     });
   }
+  report.mean_delay_s = delays.mean_s();
+  report.worst_delay_s = delays.worst_s();
+  report.axis_uncertainty_s = delays.floor_s();
   const bool good = std::ferror(out) == 0;
   if (std::fclose(out) != 0 || !good)
     throw BadData(fmt::format("{}: cannot be written: is the disk full?", csv.string()));

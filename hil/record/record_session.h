@@ -4,6 +4,8 @@
 
 #include <filesystem>
 #include <functional>
+#include <string>
+#include <vector>
 
 #include "hil/record/raw_recorder.h"
 
@@ -12,7 +14,8 @@ namespace touchstone::hil {
 struct RecordOptions {
   double seconds = 0.0;  // 0: until stopped
   double nominal_rate_Hz = 0.0;
-  bool plot = true;  // on stderr, only where that is a terminal
+  double silence_s = 2.0;  // a stream that sends nothing for so long has stopped: the run ends
+  bool plot = true;        // on stderr, only where that is a terminal
   RawRecorderOptions recorder;
 };
 
@@ -20,21 +23,29 @@ struct RecordReport {
   StreamCounters stream;
   std::uint64_t written = 0, lost_in_memory = 0;
   double seconds = 0.0;
-  bool stopped = false;  // by the user
+  bool stopped = false;          // by the user
+  bool silent = false;           // the stream stopped
+  double device_rate_Hz = 0.0;   // as the device states it; 0: it does not
+  double arrival_rate_Hz = 0.0;  // of samples that came or were lost, between the first and the last
+
+  // What is wrong with the recording, one sentence each; none: it is whole.
+  [[nodiscard]] std::vector<std::string> problems() const;
 };
 
-// `stop` is asked between reads. Throws DeviceError when the device goes (what came until then is on disk), BadData
-// when the disk fails.
+// `stop` is asked between reads. A stream that stops ends the run, with report.silent. Throws DeviceError when the
+// device goes (what came until then is on disk), BadData when the disk fails.
 RecordReport record_session(WrenchSource& source, const std::filesystem::path& path, const RecordOptions& options,
                             const std::function<bool()>& stop);
 
-// A raw recording as CSV that `touchstone acquire` reads: t_s, fx_N .. tz_Nm, flags. Times come from a straight line
-// through sequence numbers and arrival times, because samples arrive in packets; its scatter is returned. Several files
-// are joined in order (a spilled rest).
+// A raw recording as CSV that `touchstone acquire` reads: t_s, fx_N .. tz_Nm, flags. Times come from the line below all
+// arrivals over the sequence numbers (EnvelopeClock), because arrivals are late, never early. Several files are joined
+// in order (a spilled rest).
 struct ExportReport {
   std::uint64_t samples = 0, damaged_bytes = 0;
   std::uint64_t missing_samples = 0;  // by the device's sequence numbers: lost on the way, in memory or in the file
-  double rate_Hz = 0.0, arrival_scatter_s = 0.0;
+  double rate_Hz = 0.0;
+  double mean_delay_s = 0.0, worst_delay_s = 0.0;  // of the arrivals against the time axis
+  double axis_uncertainty_s = 0.0;                 // ArrivalDelays::floor_s: a drifting clock shows here
   bool emulated = false;
 };
 ExportReport export_raw(const std::vector<std::filesystem::path>& files, const std::filesystem::path& csv);

@@ -14,6 +14,54 @@
 namespace touchstone::hil {
 namespace {
 
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+// Most sensors serve one client. The one that gets nothing must not pass, nor the one whose stream was taken away.
+TEST(RecordSession, ASilentStreamIsNoSuccess) {
+  const auto folder = std::filesystem::temp_directory_path() / fmt::format("touchstone-silent-{}", ::getpid());
+  std::filesystem::create_directories(folder);
+  NetFtFaults faults;
+  faults.newest_client_wins = true;
+  NetFtEmulator emulator(1000, faults, [](double) { return Wrench{}; });
+  const auto first = open_netft(emulator.address(), 2.0, true), second = open_netft(emulator.address(), 2.0, true);
+  first->start();
+  second->start();
+  RecordOptions options;
+  options.plot = false;
+  options.seconds = 20.0;
+  options.silence_s = 0.5;
+  // Without start(): the newest client has the stream already.
+  struct Started final : WrenchSource {
+    explicit Started(WrenchSource& s) : source(s) {}
+    [[nodiscard]] const DeviceIdentity& identity() const override { return source.identity(); }
+    void start() override {}
+    void stop() noexcept override {}
+    std::size_t read(std::span<WrenchSample> out, double deadline_s) override { return source.read(out, deadline_s); }
+    [[nodiscard]] StreamCounters counters() const override { return source.counters(); }
+    WrenchSource& source;
+  } robbed(*first);
+  for (std::vector<WrenchSample> old(64); first->read(old, MonotonicClock().now_s() + 0.2) > 0;) {
+  }
+  const auto report = record_session(robbed, folder / "a.tsraw", options, [] { return false; });
+  EXPECT_LT(report.seconds, 15.0);
+  EXPECT_TRUE(report.silent);
+  EXPECT_EQ(report.written, 0U);
+  EXPECT_THAT(report.problems(), ElementsAre(HasSubstr("sent nothing")));
+  std::filesystem::remove_all(folder);
+}
+
+TEST(RecordSession, AThirdOfTheStreamIsNotAllOfIt) {
+  RecordReport report;
+  report.written = 20000;
+  report.seconds = 6.0;
+  report.device_rate_Hz = report.arrival_rate_Hz = 5000;
+  EXPECT_THAT(report.problems(), IsEmpty());
+  report.arrival_rate_Hz = 3333;
+  EXPECT_THAT(report.problems(), ElementsAre(HasSubstr("another client")));
+}
+
 TEST(RecordSession, RecordsAnEmulatedSensorAndExportsWhatAcquireReads) {
   const auto folder = std::filesystem::temp_directory_path() / fmt::format("touchstone-session-{}", ::getpid());
   std::filesystem::create_directories(folder);
@@ -31,7 +79,8 @@ TEST(RecordSession, RecordsAnEmulatedSensorAndExportsWhatAcquireReads) {
   const auto exported = export_raw({folder / "a.tsraw"}, folder / "a.csv");
   EXPECT_EQ(exported.samples, report.written);
   EXPECT_TRUE(exported.emulated);
-  EXPECT_NEAR(exported.rate_Hz, 5000, 250);
+  EXPECT_NEAR(exported.rate_Hz, 5000, 0.005 * 5000);
+  EXPECT_LE(exported.mean_delay_s, exported.worst_delay_s);
   // Time increases evenly although samples came in packets.
   std::ifstream in(folder / "a.csv");
   std::string line;
@@ -74,16 +123,11 @@ TEST(RecordSession, KeepsWhatCameBeforeTheDeviceWent) {
   const auto source = open_netft(emulator.address(), 2.0, true);
   RecordOptions options;
   options.plot = false;
-  MonotonicClock clock;
-  // A while after the last was sent, however slow this machine is.
-  double last_s = clock.now_s();
-  const auto stop = [&] {
-    if (emulator.sent() < faults.silent_after) last_s = clock.now_s();
-    return clock.now_s() > last_s + 1.0;
-  };
-  const auto report = record_session(*source, folder / "b.tsraw", options, stop);
-  EXPECT_TRUE(report.stopped);
+  options.silence_s = 1.0;
+  const auto report = record_session(*source, folder / "b.tsraw", options, [] { return false; });
+  EXPECT_TRUE(report.silent);
   EXPECT_EQ(report.written, 2000U);
+  EXPECT_THAT(report.problems(), ElementsAre(HasSubstr("the stream stopped")));
   std::filesystem::remove_all(folder);
 }
 
