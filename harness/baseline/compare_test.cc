@@ -80,6 +80,27 @@ TEST(Compare, OneRowThatDiffersIsFoundWhereverItStands) {
   }
 }
 
+// Errors of 1, 2, ..., n mN in some order: the smallest that at least 99 % of the samples do not exceed (nearest rank,
+// Hyndman and Fan 1996, definition 1), whatever the length.
+TEST(Compare, TheNinetyNinthPercentileIsThatOfTheNearestRank) {
+  for (const std::size_t rows : {50U, 99U, 100U, 101U, 150U, 200U, 1000U}) {
+    TrajectoryColumns golden{"golden", {{"t", {}}, {"fz", {}}}};
+    auto obtained = golden;
+    for (std::size_t i = 0; i < rows; ++i) {
+      for (auto* const side : {&golden, &obtained}) {
+        side->columns[0].values.push_back(0.001 * static_cast<double>(i));
+        side->columns[1].values.push_back(0.0);
+      }
+      obtained.columns[1].values.back() = 1e-3 * static_cast<double>((7 * i) % rows + 1);
+    }
+    std::size_t rank = 1;
+    while (100 * rank < 99 * rows) ++rank;
+    const auto result = compare(golden, obtained, default_tolerance());
+    EXPECT_DOUBLE_EQ(result.find("force")->p99, 1e-3 * static_cast<double>(rank)) << rows;
+    EXPECT_DOUBLE_EQ(result.find("force")->max, 1e-3 * static_cast<double>(rows)) << rows;
+  }
+}
+
 TEST(Compare, IdenticalIsEqualWithoutDriftAndUsesNothingOfTheTolerance) {
   const auto golden = strokes(1000);
   const auto result = compare(golden, golden, default_tolerance());

@@ -30,6 +30,23 @@ TEST(ContactEvents, ChangesAreFound) {
   EXPECT_TRUE(contact_changes(std::vector<double>{}).empty());
 }
 
+// Row by row against the sentence of the header: the rows of the golden within the tube of this row, if an event is.
+TEST(TimeTube, AllowsExactlyTheRowsWithinIt) {
+  constexpr std::size_t n = 40;
+  std::vector<double> t_s;
+  std::vector<double> contact;
+  for (std::size_t i = 0; i < n; ++i) {
+    t_s.push_back(static_cast<double>(i));  // whole seconds: no rounding decides what is within
+    contact.push_back(i >= 10 && i < 30 ? 1.0 : 0.0);
+  }
+  const TimeTube tube(t_s, contact, 3.0);
+  for (std::size_t row = 0; row < n; ++row) {
+    const auto near = [&](std::size_t event) { return row + 3 >= event && row <= event + 3; };
+    const auto expected = near(10) || near(30) ? std::pair{row - 3, std::min(row + 3, n - 1)} : std::pair{row, row};
+    EXPECT_EQ(tube.rows(row), expected) << "row " << row;
+  }
+}
+
 TEST(TimeTube, ShiftWithinPassesAndIsMeasured) {
   const auto result = compare(tap(30, 60), tap(32, 59), with_tube(0.0025));
   EXPECT_EQ(result.verdict, Verdict::equal);

@@ -33,6 +33,9 @@ TEST(ForceError, EquationThreeAsPrintedAndAsItsTextCallsIt) {
   EXPECT_EQ(find_result(results, "max_force_error").value, 13.0);
   EXPECT_EQ(find_result(results, "max_force_error").t_s, 0.2);
   EXPECT_DOUBLE_EQ(*find_result(results, "rms_force_error").reference, std::sqrt((0.0 + 14.0 + 169.0) / 3.0));
+  // Each error beside the same figure of the measured force: mean beside mean, largest beside largest.
+  EXPECT_DOUBLE_EQ(*find_result(results, "mean_force_error").reference, (0.0 + std::sqrt(14.0) + 13.0) / 3.0);
+  EXPECT_DOUBLE_EQ(*find_result(results, "max_force_error").reference, 13.0);
   const Series& series = *find_result(results, "rms_force_error").series;
   EXPECT_EQ(series.value, (std::vector<double>{5.0, 0.0, 13.0}));
   EXPECT_EQ(find_result(results, "rms_force_error").histogram->total(), 3u);

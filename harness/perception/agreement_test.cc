@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <vector>
@@ -38,6 +39,33 @@ TEST(RankCorrelation, KnownCases) {
   // Critical value of the tables for n = 6: rho = 0.886 is the 5 % point, two-sided.
   EXPECT_LT(spearman(x, std::vector<double>{2, 1, 3, 4, 6, 5}).p_two_sided, 0.05);
   EXPECT_GT(spearman(x, std::vector<double>{2, 1, 4, 3, 6, 5}).p_two_sided, 0.05);
+}
+
+// Beyond eight values the p of Kendall's tau is that of a normal with the variance of tau over all orders. That
+// variance is counted here: the number of orders with k inversions, place by place (Knuth, The Art of Computer
+// Programming 3, section 5.1.1).
+TEST(RankCorrelation, KendallsPHasTheVarianceOverAllOrders) {
+  for (const std::size_t n : {9U, 12U, 20U}) {
+    std::vector<double> orders{1.0};  // share of the orders of i values with k inversions
+    for (std::size_t i = 2; i <= n; ++i) {
+      std::vector<double> next(orders.size() + i - 1, 0.0);
+      for (std::size_t k = 0; k < orders.size(); ++k) {
+        for (std::size_t added = 0; added < i; ++added) next[k + added] += orders[k] / static_cast<double>(i);
+      }
+      orders = next;
+    }
+    const double pairs = 0.5 * static_cast<double>(n * (n - 1));
+    double variance = 0.0;
+    for (std::size_t k = 0; k < orders.size(); ++k)
+      variance += orders[k] * std::pow(1.0 - 2.0 * static_cast<double>(k) / pairs, 2);
+
+    std::vector<double> x;
+    for (std::size_t i = 0; i < n; ++i) x.push_back(static_cast<double>(i));
+    auto y = x;
+    std::reverse(y.begin(), y.begin() + static_cast<std::ptrdiff_t>(n / 2));
+    const auto found = kendall(x, y);
+    EXPECT_NEAR(found.p_two_sided, std::erfc(std::abs(found.coefficient) / std::sqrt(2.0 * variance)), 1e-9) << n;
+  }
 }
 
 TEST(RankCorrelation, IntervalsCoverTheTruth) {

@@ -101,6 +101,20 @@ TEST(StructuralSimilarity, DoesNotDependOnTheUnitAndFollowsItsFormula) {
   EXPECT_NEAR(structural_similarity(std::vector<double>{0, 2}, std::vector<double>{0, 4}, constants), expected, 1e-12);
 }
 
+// With a covariance that is not the product of the deviations, C3 shows: five samples, written out.
+TEST(StructuralSimilarity, TheThirdConstantIsHalfTheSecond) {
+  StructuralSimilarityConstants constants;
+  constants.window = 5;
+  constants.stride = 1;
+  constants.alpha = constants.beta = 0.0;
+  // Both have the mean 2 and the variance 2; the range is 4.
+  const std::vector<double> real{0, 1, 2, 3, 4};
+  const std::vector<double> rendered{1, 0, 2, 4, 3};
+  const double covariance = (-2 * -1 + -1 * -2 + 0 * 0 + 1 * 2 + 2 * 1) / 5.0;
+  const double c3 = 0.5 * std::pow(0.03 * 4.0, 2);
+  EXPECT_NEAR(structural_similarity(real, rendered, constants), (covariance + c3) / (2.0 + c3), 1e-12);
+}
+
 TEST(StructuralSimilarity, ConstantsCounterPhaseAndShortSeries) {
   const std::vector<double> still(200, 2.0);
   EXPECT_EQ(structural_similarity(still, still), 1.0);
