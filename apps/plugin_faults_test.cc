@@ -25,14 +25,17 @@ std::set<std::string> failing_tests(const std::string& fault) {
   const auto folder = std::filesystem::path(::testing::TempDir()) / ("touchstone-plugin-fault-" + fault);
   std::filesystem::create_directories(folder);
   const auto run = [&](const std::string& command) { return testing::run_command(command, folder); };
-  // A fault shows on the small shapes, where the example's search through all triangles is quick.
-  const char* const shapes = fault == "NO_FAULT" ? "*" : "*_cube:*_plate:*_sheet";
+  // A fault shows on the small shapes, where the example's search through all triangles is quick, or by its own name.
+  const char* const shapes =
+      fault == "NO_FAULT" ? "*" : "*_cube:*_plate:*_sheet:*TheForceIs*:*TheForceTurns*:*SmallTri*";
   const Outcome suite = run(
       fmt::format("{} --plugin={} --gtest_filter='{}'", environment("TOUCHSTONE_CONFORMANCE"), plugin(fault), shapes));
-  const std::string mark = "[  FAILED  ] Plugin/RendererConformance.";
-  for (std::size_t at = suite.out.find(mark); at != std::string::npos; at = suite.out.find(mark, at + 1)) {
-    const std::size_t begin = at + mark.size();
-    failed.insert(suite.out.substr(begin, suite.out.find('/', begin) - begin));
+  for (const std::string mark :
+       {"[  FAILED  ] Plugin/RendererConformance.", "[  FAILED  ] Plugin/RendererBehaviour."}) {
+    for (std::size_t at = suite.out.find(mark); at != std::string::npos; at = suite.out.find(mark, at + 1)) {
+      const std::size_t begin = at + mark.size();
+      failed.insert(suite.out.substr(begin, suite.out.find('/', begin) - begin));
+    }
   }
   EXPECT_EQ(suite.status, failed.empty() ? 0 : 1) << suite.out;
   for (const char* const golden : {"plane-taps", "sphere-scan"}) {
@@ -68,9 +71,11 @@ TEST_P(PluginFault, IsCaughtByTheTestThatIsNamed) {
 INSTANTIATE_TEST_SUITE_P(Planted, PluginFault,
                          ::testing::Values(Fault{"WRONG_SIGN", "ForceStaysInTheFrictionConeAndNeverPulls"},
                                            Fault{"STIFFNESS_ONE_PERCENT", "golden sphere-scan"},
-                                           Fault{"ONE_SAMPLE_DELAY", "golden plane-taps"},
+                                           Fault{"ONE_SAMPLE_DELAY", "TheForceIsThatOfTheTipNow"},
                                            Fault{"OUTSIDE_FRICTION_CONE", "ForceStaysInTheFrictionConeAndNeverPulls"},
                                            Fault{"ALLOCATES_IN_STEP", "StepAllocatesNothing"},
+                                           Fault{"TURNS_WITH_THE_TIP", "TheForceTurnsWithTheWorldAndNotWithTheTip"},
+                                           Fault{"LOSES_SMALL_TRIANGLES", "SmallTrianglesAreFeltAsLargeOnes"},
                                            Fault{"DEPENDS_ON_UNIT", "TheUnitOfLengthChangesNothing"}),
                          [](const auto& tested) { return tested.param.name; });
 

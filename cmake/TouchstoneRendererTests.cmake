@@ -1,6 +1,6 @@
 # touchstone_add_renderer_tests(TARGET <target> RENDERER <name>
 #   [ENTRY <function> HEADER <header>]
-#   [PARAMETERS name=value...] [STIFFNESS N/m] [FRICTION coefficient] [TIP_RADIUS m]
+#   [PARAMETERS name=value...] [STIFFNESS N/m] [FRICTION coefficient] [TIP_RADIUS m] [EPSILON m]
 #   [GOLDEN_LIKE <model> [GOLDEN_CASES case...]] [GOLDEN_DIR folder]
 #   [PREFIX prefix] [LABELS label...])
 #
@@ -14,7 +14,8 @@
 # Tests, each with the labels:
 #   <prefix>.conformance.<Test>.<shape>   every test of harness/testing/renderer_conformance.h on every shape. PARAMETERS are
 #                                         set; STIFFNESS is the steepest rise of force with depth where the renderer has no
-#                                         parameter stiffness_N_per_m; FRICTION the largest tangential over normal force.
+#                                         parameter stiffness_N_per_m; FRICTION the largest tangential over normal force;
+#                                         EPSILON a length below which the renderer tells nothing apart.
 #                                         What the renderer declares it cannot do is skipped and shown as such.
 #   <prefix>.golden.<case>                GOLDEN_LIKE: the bundled golden cases that have this model (all, or GOLDEN_CASES), with
 #                                         the renderer in place of the model's own: it must give the same within tolerance.
@@ -22,7 +23,7 @@
 #                                         touchstone golden accept.
 # PREFIX is the renderer's name where it is not given.
 function(touchstone_add_renderer_tests)
-  cmake_parse_arguments(ARG "" "TARGET;RENDERER;ENTRY;HEADER;STIFFNESS;FRICTION;TIP_RADIUS;GOLDEN_LIKE;GOLDEN_DIR;PREFIX"
+  cmake_parse_arguments(ARG "" "TARGET;RENDERER;ENTRY;HEADER;STIFFNESS;FRICTION;TIP_RADIUS;EPSILON;GOLDEN_LIKE;GOLDEN_DIR;PREFIX"
     "PARAMETERS;GOLDEN_CASES;LABELS" ${ARGN})
   if(ARG_UNPARSED_ARGUMENTS)
     message(FATAL_ERROR "touchstone_add_renderer_tests: ${ARG_UNPARSED_ARGUMENTS} are no arguments of it")
@@ -70,7 +71,7 @@ function(touchstone_add_renderer_tests)
   foreach(parameter IN LISTS ARG_PARAMETERS)
     list(APPEND arguments --parameter=${parameter})
   endforeach()
-  foreach(fact IN ITEMS STIFFNESS FRICTION TIP_RADIUS)
+  foreach(fact IN ITEMS STIFFNESS FRICTION TIP_RADIUS EPSILON)
     if(DEFINED ARG_${fact})
       string(TOLOWER ${fact} option)
       string(REPLACE "_" "-" option ${option})
@@ -86,7 +87,7 @@ function(touchstone_add_renderer_tests)
     foreach(case IN LISTS cases)
       _touchstone_models_of(${bundled}/${case}/case.json models)
       if(ARG_GOLDEN_LIKE IN_LIST models AND (NOT ARG_GOLDEN_CASES OR case IN_LIST ARG_GOLDEN_CASES))
-        _touchstone_add_golden_test(${ARG_PREFIX}.golden.${case} ${bundled} ${case} ${ARG_GOLDEN_LIKE} ${plugin} "${ARG_LABELS}"
+        _touchstone_add_golden_test(${ARG_PREFIX} ${ARG_PREFIX}.golden.${case} ${bundled} ${case} ${ARG_GOLDEN_LIKE} ${plugin} "${ARG_LABELS}"
           --renderer ${ARG_RENDERER})
         list(APPEND added ${case})
       endif()
@@ -105,16 +106,19 @@ function(touchstone_add_renderer_tests)
     foreach(case IN LISTS cases)
       _touchstone_models_of(${own}/${case}/case.json models)
       foreach(model IN LISTS models)
-        _touchstone_add_golden_test(${ARG_PREFIX}.golden.${case}.${model} ${own} ${case} ${model} ${plugin} "${ARG_LABELS}")
+        _touchstone_add_golden_test(${ARG_PREFIX} ${ARG_PREFIX}.golden.${case}.${model} ${own} ${case} ${model} ${plugin} "${ARG_LABELS}")
       endforeach()
     endforeach()
   endif()
 endfunction()
 
-# One test per test and shape, asked of the program when ctest runs: the plug-in is built by then.
+# One test per test and shape, asked of the program when ctest runs: the plug-in is built by then. Their outcomes come from
+# a few runs of the whole suite, the tests <prefix>.conformance.run_<i>_of_<n>, which ctest starts first; a test that is
+# chosen without them runs by itself.
 function(_touchstone_add_conformance_tests prefix labels arguments)
   set(program $<TARGET_FILE:touchstone::conformance>)
   set(script ${CMAKE_CURRENT_BINARY_DIR}/${prefix}_conformance_tests.cmake)
+  set(results ${CMAKE_CURRENT_BINARY_DIR}/conformance-results/${prefix})
   file(GENERATE OUTPUT ${script} CONTENT "set(program \"${program}\")
 set(arguments \"${arguments}\")
 set(labels \"${labels}\")
@@ -125,6 +129,15 @@ if(NOT status EQUAL 0)
   set_tests_properties(${prefix}.conformance PROPERTIES LABELS \"\${labels}\")
   return()
 endif()
+set(runs \"\")
+foreach(i RANGE 3)
+  math(EXPR number \"\${i} + 1\")
+  set(name ${prefix}.conformance.run_\${number}_of_4)
+  add_test(\${name} \"\${program}\" \${arguments} \"--results=${results}\" --record --gtest_brief=1)
+  set_tests_properties(\${name} PROPERTIES LABELS \"\${labels}\" TIMEOUT 1800
+    ENVIRONMENT \"GTEST_TOTAL_SHARDS=4;GTEST_SHARD_INDEX=\${i}\")
+  list(APPEND runs \${name})
+endforeach()
 string(REGEX REPLACE \"[;]\" \"\" listed \"\${listed}\")
 string(REPLACE \"\\n\" \";\" listed \"\${listed}\")
 foreach(line IN LISTS listed)
@@ -133,8 +146,9 @@ foreach(line IN LISTS listed)
   elseif(line MATCHES \"^  ([A-Za-z_0-9]+)/([A-Za-z_0-9]+)\")
     set(test \${CMAKE_MATCH_1}/\${CMAKE_MATCH_2})
     set(name ${prefix}.conformance.\${CMAKE_MATCH_1}.\${CMAKE_MATCH_2})
-    add_test(\${name} \"\${program}\" \${arguments} \"--gtest_filter=\${suite}.\${test}\")
-    set_tests_properties(\${name} PROPERTIES LABELS \"\${labels}\" TIMEOUT 300 SKIP_REGULAR_EXPRESSION \"\\\\[  SKIPPED \\\\]\")
+    add_test(\${name} \"\${program}\" \${arguments} \"--results=${results}\" \"--gtest_filter=\${suite}.\${test}\")
+    set_tests_properties(\${name} PROPERTIES LABELS \"\${labels}\" TIMEOUT 300 SKIP_REGULAR_EXPRESSION \"\\\\[  SKIPPED \\\\]\"
+      DEPENDS \"\${runs}\")
   endif()
 endforeach()
 ")
@@ -162,8 +176,10 @@ function(_touchstone_models_of file result)
   set(${result} ${models} PARENT_SCOPE)
 endfunction()
 
-function(_touchstone_add_golden_test name folder case model plugin labels)
+# What a failure leaves behind is the renderer's own: another's pass on the same case leaves it alone.
+function(_touchstone_add_golden_test prefix name folder case model plugin labels)
   add_test(NAME ${name} COMMAND touchstone::program check ${case} --model ${model} --golden ${folder}
-    --out ${CMAKE_CURRENT_BINARY_DIR}/golden-failures --plugin $<TARGET_FILE:${plugin}> ${ARGN} --ctest)
+    --out ${CMAKE_CURRENT_BINARY_DIR}/golden-failures/${prefix} --plugin $<TARGET_FILE:${plugin}>
+    ${ARGN} --ctest)
   set_tests_properties(${name} PROPERTIES TIMEOUT 300 LABELS "${labels}")
 endfunction()

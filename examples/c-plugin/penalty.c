@@ -115,6 +115,7 @@ int touchstone_step(touchstone_renderer* renderer, const touchstone_tip* tip, to
   vec closest = {0.0, 0.0, 0.0};
   double least_m = INFINITY; /* distance to the closest point */
   double above_m = 0.0;      /* height over the plane of its triangle: negative inside */
+  size_t nearest = 0;
   for (size_t i = 0; i < renderer->triangle_count; ++i) {
     const vec point = closest_of_triangle(renderer->corners + 3 * i, p);
     const vec away = sub(p, point);
@@ -126,6 +127,7 @@ int touchstone_step(touchstone_renderer* renderer, const touchstone_tip* tip, to
       least_m = distance_m;
       above_m = height_m;
       closest = point;
+      nearest = i;
     }
   }
 
@@ -137,7 +139,8 @@ int touchstone_step(touchstone_renderer* renderer, const touchstone_tip* tip, to
     const vec f = scaled(renderer->stiffness_N_per_m, out);
     *result = (touchstone_result){{f.x, f.y, f.z}, {closest.x, closest.y, closest.z}, {n.x, n.y, n.z}, least_m, 1, 0};
   }
-  plant_fault(&renderer->planted, tip, result);
+  const vec side = sub(renderer->corners[3 * nearest + 1], renderer->corners[3 * nearest]);
+  plant_fault(&renderer->planted, tip, sqrt(dot(side, side)), result);
   return 0;
 }
 

@@ -12,7 +12,9 @@
 #define ONE_SAMPLE_DELAY 3      /* answers what was right a step ago */
 #define OUTSIDE_FRICTION_CONE 4 /* a tangential force although there is no friction */
 #define ALLOCATES_IN_STEP 5
-#define DEPENDS_ON_UNIT 6 /* an absolute epsilon: contact begins at 10 micrometres, whatever the unit */
+#define DEPENDS_ON_UNIT 6       /* an absolute epsilon: contact begins at 10 micrometres, whatever the unit */
+#define TURNS_WITH_THE_TIP 7    /* the force is given in the tip's frame */
+#define LOSES_SMALL_TRIANGLES 8 /* no contact with triangles below 10 micrometres */
 #ifndef PLANTED_FAULT
 #define PLANTED_FAULT NO_FAULT
 #endif
@@ -22,7 +24,9 @@ struct planted_memory {
   int steps;
 };
 
-static void plant_fault(struct planted_memory* memory, const touchstone_tip* tip, touchstone_result* result) {
+/* `size_m` is that of the triangle touched. */
+static void plant_fault(struct planted_memory* memory, const touchstone_tip* tip, double size_m,
+                        touchstone_result* result) {
   const touchstone_result right = *result;
   /* Not every fault needs them. NOLINTNEXTLINE(clang-analyzer-deadcode.DeadStores) */
   double* const f = result->f_W_N;
@@ -49,7 +53,17 @@ static void plant_fault(struct planted_memory* memory, const touchstone_tip* tip
     void* volatile memory_of_step = malloc(16);
     free(memory_of_step);
   }
-  if (PLANTED_FAULT == DEPENDS_ON_UNIT && result->contact && result->depth_m < 1e-5) {
+  if (PLANTED_FAULT == TURNS_WITH_THE_TIP) {
+    /* v + 2 w (u x v) + 2 u x (u x v) of the quaternion (w, u). */
+    const double* const q = tip->q_WS;
+    const double c[3] = {q[2] * f[2] - q[3] * f[1], q[3] * f[0] - q[1] * f[2], q[1] * f[1] - q[2] * f[0]};
+    f[0] += 2.0 * (q[0] * c[0] + q[2] * c[2] - q[3] * c[1]);
+    f[1] += 2.0 * (q[0] * c[1] + q[3] * c[0] - q[1] * c[2]);
+    f[2] += 2.0 * (q[0] * c[2] + q[1] * c[1] - q[2] * c[0]);
+  }
+  const int lost = (PLANTED_FAULT == DEPENDS_ON_UNIT && result->depth_m < 1e-5) ||
+                   (PLANTED_FAULT == LOSES_SMALL_TRIANGLES && size_m < 1e-5);
+  if (lost && result->contact) {
     const touchstone_result free_space = {
         {0.0, 0.0, 0.0}, {tip->p_W_m[0], tip->p_W_m[1], tip->p_W_m[2]}, {0.0, 0.0, 0.0}, 0.0, 0, 0};
     *result = free_space;

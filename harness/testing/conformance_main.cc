@@ -4,10 +4,12 @@
 
 #include <charconv>
 #include <cstdio>
+#include <optional>
 #include <string_view>
 
 #include "harness/base/error.h"
 #include "harness/plugin/plugin.h"
+#include "harness/testing/conformance_results.h"
 #include "harness/testing/renderer_subject.h"
 
 namespace {
@@ -17,19 +19,25 @@ using namespace touchstone;
 constexpr const char* kUsage =
     "usage: touchstone-conformance --plugin=libmine.so [--renderer=NAME] [--parameter=NAME=VALUE]... "
     "[--stiffness=N/M]\n"
-    "                              [--friction=MU] [--tip-radius=M] [--in-child] [--gtest_...]\n"
+    "                              [--friction=MU] [--tip-radius=M] [--epsilon=M] [--in-child]\n"
+    "                              [--results=FOLDER [--record]] [--gtest_...]\n"
     "  --renderer    only this one of the plug-in's\n"
     "  --parameter   another value than the default\n"
     "  --stiffness   the steepest rise of force with depth [N/m]; the parameter stiffness_N_per_m where not given\n"
     "  --friction    the largest tangential over normal force; 0 where not given\n"
     "  --tip-radius  where the tip is a ball [m]\n"
+    "  --epsilon     lengths below it are nothing to the renderer [m]; what it declares where not given\n"
+    "  --results     with --record: write each test's outcome there; else: tell an outcome that this ctest run "
+    "recorded\n"
+    "                there in place of running the test\n"
     "  --in-child    run the plug-in in a child process, as the program does; allocations are not seen there\n"
     "Exit status: 0 passed, 1 a test failed, 2 usage, 3 the plug-in cannot be used.\n";
 
 struct Options {
-  std::string plugin, renderer;
+  std::string plugin, renderer, results, filter;
   touchstone::testing::SubjectFacts facts;
   bool in_child = false;
+  bool record = false;
 };
 
 std::vector<touchstone::testing::RendererSubject>& subjects() {
@@ -66,8 +74,16 @@ void take(std::string_view word, Options& options) {
     options.facts.friction = number(friction, word);
   } else if (const char* const radius = value_of("--tip-radius")) {
     options.facts.tip_radius_m = number(radius, word);
+  } else if (const char* const epsilon = value_of("--epsilon")) {
+    options.facts.epsilon_m = number(epsilon, word);
+  } else if (const char* const results = value_of("--results")) {
+    options.results = results;
+  } else if (word == "--record") {
+    options.record = true;
   } else if (word == "--in-child") {
     options.in_child = true;
+  } else if (const char* const filter = value_of("--gtest_filter")) {
+    options.filter = filter;
   } else if (!word.starts_with("--gtest_")) {
     throw UsageError(std::string(word) + " is no option of this program");
   }
@@ -90,19 +106,31 @@ void choose_subjects(const Options& options) {
   }
 }
 
+// As GoogleTest would say it: ctest looks for the mark of a skipped test.
+int tell(const std::string& test, const touchstone::testing::RecordedResult& result) {
+  const char* const mark = result.status == 0 ? "[       OK ]" : result.status == 1 ? "[  FAILED  ]" : "[  SKIPPED ]";
+  std::printf("%s%s %s (from one run of the whole suite)\n", result.text.c_str(), mark, test.c_str());
+  return result.status == 1 ? 1 : 0;
+}
+
 }  // namespace
 
 TOUCHSTONE_RENDERER_CONFORMANCE(Plugin, subjects());
 
 int main(int argc, char** argv) {
+  Options options;
   try {
-    Options options;
     for (int i = 1; i < argc; ++i) {
       if (std::string_view(argv[i]) == "--help") {
         std::fputs(kUsage, stdout);
         return 0;
       }
       take(argv[i], options);
+    }
+    if (options.record && options.results.empty()) throw UsageError("--record needs --results=FOLDER");
+    if (!options.results.empty() && !options.record) {
+      if (const auto known = touchstone::testing::recorded_result(options.results, options.filter))
+        return tell(options.filter, *known);
     }
     choose_subjects(options);
   } catch (const UsageError& error) {
@@ -113,5 +141,9 @@ int main(int argc, char** argv) {
     return static_cast<int>(error.status());
   }
   ::testing::InitGoogleTest(&argc, argv);
-  return RUN_ALL_TESTS();
+  if (!options.record) return RUN_ALL_TESTS();
+  ::testing::UnitTest::GetInstance()->listeners().Append(new touchstone::testing::ResultRecorder(options.results));
+  // Each test fails by its own name: a record of failures is a good record.
+  const int failed = RUN_ALL_TESTS();
+  return ::testing::UnitTest::GetInstance()->test_to_run_count() > 0 ? 0 : failed;
 }

@@ -22,6 +22,9 @@
 //   been
 //  10  contact point: on or above the surface
 //  11  what the abilities promise: thin shells, large jumps, a start inside
+//
+// On every subject, not on every shape: the faults that harness/diagnosis knows by name, on meshes of its own
+// (RendererBehaviour, harness/testing/renderer_behaviour.h).
 #pragma once
 
 #include <gtest/gtest.h>
@@ -35,31 +38,15 @@
 #include <vector>
 
 #include "harness/base/random.h"
+#include "harness/diagnosis/engine.h"
 #include "harness/rendering/limitation.h"
 #include "harness/rendering/renderer.h"
 #include "harness/surface/embree_surface.h"
 #include "harness/testing/allocation_guard.h"
+#include "harness/testing/renderer_behaviour.h"
 #include "harness/testing/tiny_meshes.h"
 
 namespace touchstone::testing {
-
-// A renderer under test.
-struct RendererSubject {
-  std::string name;  // letters, digits and underscores
-  // Over a world whose lengths are multiplied by `unit`: lengths among the parameters must be too, and stiffnesses
-  // divided, so that forces stay what they are.
-  std::function<std::unique_ptr<Renderer>(std::shared_ptr<const Surface>, double unit)> make;
-  double stiffness_N_per_m = 500.0;  // the steepest rise of force with depth at unit 1
-  double friction = 0.0;             // largest |f_t| / f_n
-  double tip_radius_m = 0.0;
-  std::vector<Limitation> cannot;
-  // How the surface is asked; the shapes' own places are always found with Embree.
-  std::function<std::shared_ptr<const Surface>(const TriangleMesh&)> queries = make_embree_surface;
-  bool queries_allocate = false;
-  double thinnest_m = 0.0;  // a body thinner than this it does not feel at all, which it declares as thin_shells
-};
-
-inline void PrintTo(const RendererSubject& subject, std::ostream* out) { *out << subject.name; }
 
 struct ConformanceShape {
   std::string name;
@@ -451,5 +438,7 @@ TEST_P(RendererConformance, AStartInsideIsPushedOutByTheClosestWay) {
                            ::testing::Combine(::testing::ValuesIn(subjects),              \
                                               ::testing::ValuesIn(conformance_shapes())), \
                            conformance_name);                                             \
+  INSTANTIATE_TEST_SUITE_P(prefix, RendererBehaviour, ::testing::ValuesIn(subjects),      \
+                           [](const auto& tested) { return tested.param.name; });         \
   }                                                                                       \
   static_assert(true)

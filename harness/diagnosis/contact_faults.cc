@@ -1,0 +1,128 @@
+// Faults of touching: where contact begins and where the contact point is.
+#include <fmt/format.h>
+
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include "harness/diagnosis/detectors.h"
+#include "harness/diagnosis/meshes.h"
+#include "harness/diagnosis/probe.h"
+
+namespace touchstone::diagnosis {
+namespace {
+
+constexpr double kEps = std::numeric_limits<double>::epsilon();
+// Rounding of places on a body of this size, with room for some sums.
+constexpr double kPlaceRounding_m = 1e3 * kEps * kHalf_m;
+
+// Beside edges and corners of the meshes below.
+const Vec3 kFoot(0.0031, 0.0017, 0.0);
+
+TriangleMesh level_block() { return block({-kHalf_m, -kHalf_m, -kHalf_m}, {kHalf_m, kHalf_m, 0.0}); }
+
+}  // namespace
+
+std::optional<Finding> find_standoff(const Engine& engine) {
+  Probe probe(engine, level_block());
+  const StepResult now = probe.approach(kFoot, Vec3::UnitZ(), kDepth_m);
+  const double above_m = now.contact_W_m.z() - engine.tip_radius_m;
+  const double allowed_m = std::max(kPlaceRounding_m, engine.epsilon_m);
+  if (now.contact && std::abs(above_m) <= allowed_m) return std::nullopt;
+  if (!now.contact) {
+    return Finding{"standoff", "a tip pressed on the level top of a block touches nothing",
+                   fmt::format("a block 40 mm wide, its top at z = 0, the tip {:g} mm deep", 1e3 * kDepth_m), 0.0, "m"};
+  }
+  return Finding{"standoff",
+                 fmt::format("the surface contact point is {:.3g} m {} the surface ({:.3g} m are allowed)",
+                             std::abs(above_m), above_m > 0.0 ? "above" : "below", allowed_m),
+                 fmt::format("a block 40 mm wide, its top at z = 0, the tip {:g} mm deep", 1e3 * kDepth_m), above_m,
+                 "m"};
+}
+
+std::optional<Finding> find_gap_at_contact(const Engine& engine) {
+  constexpr double step_m = 1e-6;
+  constexpr int from = 40;  // steps above the surface
+  Probe probe(engine, level_block());
+  probe.approach(kFoot, Vec3::UnitZ(), -1e-3);
+  const double allowed_m = step_m + kPlaceRounding_m + engine.epsilon_m;
+  for (int i = -from; i <= 400; ++i) {
+    const double depth_m = step_m * (i + 0.5);
+    const StepResult now = probe.press(kFoot, Vec3::UnitZ(), depth_m);
+    if (!now.contact) continue;
+    const double jump_N = now.f_W_N.norm();
+    const double most_N = engine.stiffness_N_per_m * allowed_m * (1.0 + engine.friction);
+    if (depth_m > 0.0 && depth_m <= allowed_m && jump_N <= most_N) return std::nullopt;
+    return Finding{"gap-at-contact",
+                   fmt::format("contact begins {:.3g} m {} the surface, with {:.3g} N at once", std::abs(depth_m),
+                               depth_m > 0.0 ? "below" : "above", jump_N),
+                   fmt::format("a block 40 mm wide, the tip coming down on it in steps of {:g} um", 1e6 * step_m),
+                   depth_m, "m"};
+  }
+  return Finding{"gap-at-contact", "contact has not begun 0.4 mm below the surface",
+                 fmt::format("a block 40 mm wide, the tip coming down on it in steps of {:g} um", 1e6 * step_m), 4e-4,
+                 "m"};
+}
+
+std::optional<Finding> find_untouchable_triangles(const Engine& engine) {
+  // Both are the same plane sheet: what is felt must be the same whatever its triangles.
+  for (const double unit : {1.0, 1e-3, 1e3}) {
+    for (const double size_m : {1e-3, 1e-4, 1e-5, 1e-6, 1e-7}) {
+      if (size_m * unit < 10.0 * engine.epsilon_m) continue;
+      Probe coarse(engine, nested_sheet(kHalf_m, kHalf_m), unit);
+      Probe fine(engine, nested_sheet(kHalf_m, size_m), unit);
+      // Down in the middle of the small ones, then over them and out over larger and larger ones.
+      const Vec3 start(0.31 * size_m, 0.17 * size_m, 0.0);
+      std::vector<Vec3> feet;
+      for (int i = 0; i < 40; ++i) feet.push_back(start * std::pow(0.5 * kHalf_m / start.norm(), i / 39.0));
+      double worst = 0.0;
+      Vec3 worst_at = start;
+      const auto compare = [&](const Vec3& at, const StepResult& expected, const StepResult& obtained) {
+        const double off = (obtained.f_W_N - expected.f_W_N).norm() / expected.f_W_N.norm();
+        if (!(off <= worst)) {
+          worst = std::isfinite(off) ? off : 1.0;
+          worst_at = at;
+        }
+      };
+      compare(start, coarse.approach(start, Vec3::UnitZ(), kDepth_m), fine.approach(start, Vec3::UnitZ(), kDepth_m));
+      for (const Vec3& foot : feet) {
+        const StepResult expected = coarse.press(foot, Vec3::UnitZ(), kDepth_m);
+        compare(foot, expected, fine.press(foot, Vec3::UnitZ(), kDepth_m));
+      }
+      if (worst <= 0.01) continue;
+      return Finding{"untouchable-triangles",
+                     fmt::format("on a plane sheet with triangles down to {:g} m the force is {:.0f} % off what it is "
+                                 "on large ones, with lengths in units of {:g} m",
+                                 size_m, 100.0 * worst, 1.0 / unit),
+                     fmt::format("a sheet 40 mm wide whose squares halve towards the middle, lengths times {:g}, tip "
+                                 "{:g} mm deep at ({:.3g}, {:.3g}) m",
+                                 unit, 1e3 * kDepth_m, worst_at.x(), worst_at.y()),
+                     size_m, "m"};
+    }
+  }
+  return std::nullopt;
+}
+
+std::optional<Finding> find_pops_through_shell(const Engine& engine) {
+  constexpr double below_m = 5e-3;
+  constexpr double step_m = 2e-5;
+  for (const double thickness_m : {8e-3, 4e-3, 2e-3, 1e-3, 5e-4, 2e-4, 1e-4, 1e-5}) {
+    Probe probe(engine, block({-kHalf_m, -kHalf_m, -thickness_m}, {kHalf_m, kHalf_m, 0.0}));
+    probe.approach(kFoot, Vec3::UnitZ(), -step_m);
+    const int steps = static_cast<int>(below_m / step_m);
+    for (int i = 0; i <= steps; ++i) {
+      const StepResult now = probe.press(kFoot, Vec3::UnitZ(), step_m * (i + 0.5));
+      if (now.contact && now.f_W_N.z() > 0.0) continue;
+      return Finding{"pops-through-shell",
+                     fmt::format("a tip pushed into a plate {:g} mm thick is let through, or out below, {:.3g} mm deep",
+                                 1e3 * thickness_m, 1e3 * step_m * (i + 0.5)),
+                     fmt::format("a plate 40 mm wide and {:g} mm thick, the tip pushed down on its middle in steps of "
+                                 "{:g} mm",
+                                 1e3 * thickness_m, 1e3 * step_m),
+                     thickness_m, "m"};
+    }
+  }
+  return std::nullopt;
+}
+
+}  // namespace touchstone::diagnosis

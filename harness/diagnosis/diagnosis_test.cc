@@ -1,0 +1,311 @@
+// Each detector finds the fault that is planted for it, by name, and finds nothing in a renderer without it. A planted
+// fault is a right renderer of the catalogue with its input, its answer or its cost changed.
+#include "harness/diagnosis/diagnosis.h"
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <time.h>
+
+#include <atomic>
+#include <cmath>
+#include <deque>
+#include <thread>
+
+#include "harness/base/error.h"
+#include "harness/testing/allocation_guard.h"
+#include "renderers/catalogue.h"
+
+namespace touchstone::diagnosis {
+namespace {
+
+// What a fault may remember, and what of the world it may look at.
+struct Memory {
+  std::deque<StepResult> past;
+  std::size_t steps = 0;  // since it was made
+  std::size_t since_reset = 0;
+  double unit = 1.0;
+  std::shared_ptr<const Surface> surface;
+  Vec3 last_tip = Vec3::Zero();
+};
+
+struct Fault {
+  std::string name;
+  std::string caught_by;
+  std::function<void(TipState&, Memory&)> before = {};
+  std::function<void(StepResult&, const TipState&, Memory&)> after = {};
+  std::string renderer = "god-object";
+  std::string parameters = {};
+};
+
+void PrintTo(const Fault& fault, std::ostream* out) { *out << fault.name; }
+
+class Faulty final : public Renderer {
+ public:
+  Faulty(const Fault& fault, std::unique_ptr<Renderer> healthy, std::shared_ptr<const Surface> surface, double unit)
+      : fault_(fault), healthy_(std::move(healthy)) {
+    memory_.surface = std::move(surface);
+    memory_.unit = unit;
+  }
+
+ private:
+  void do_reset() override {
+    healthy_->reset();
+    memory_.past.clear();
+    memory_.since_reset = 0;
+  }
+  StepResult do_step(const TipState& tip) noexcept override {
+    TipState seen = tip;
+    if (fault_.before) fault_.before(seen, memory_);
+    StepResult result = healthy_->step(seen);
+    if (fault_.after) fault_.after(result, tip, memory_);
+    memory_.last_tip = tip.p_W_m;
+    ++memory_.steps;
+    ++memory_.since_reset;
+    return result;
+  }
+
+  Fault fault_;
+  std::unique_ptr<Renderer> healthy_;
+  Memory memory_;
+};
+
+Engine engine_of(const Fault& fault) {
+  Engine engine;
+  engine.name = fault.name;
+  engine.friction = fault.renderer == "friction-cone" ? 0.4 : 0.0;
+  engine.make = [fault](std::shared_ptr<const Surface> surface, double unit) -> std::unique_ptr<Renderer> {
+    const Model model = parse_model(
+        fmt::format(
+            R"({{"schema": "touchstone-model/1", "renderer": "{}", "parameters": {{"stiffness_N_per_m": {}{}}}}})",
+            fault.renderer, 500.0 / unit, fault.parameters),
+        fault.name);
+    return std::make_unique<Faulty>(fault, make_renderer(model, surface), surface, unit);
+  };
+  engine.allocations = testing::allocations_on_this_thread;
+  return engine;
+}
+
+void nothing_there(StepResult& result, const TipState& tip) {
+  result = StepResult{};
+  result.contact_W_m = tip.p_W_m;
+}
+
+void burn(double seconds) {
+  const auto now = [] {
+    timespec t{};
+    ::clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
+    return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
+  };
+  for (const double end = now() + seconds; now() < end;) {
+  }
+}
+
+// The side of the smallest triangle's square near a place, from its area.
+double size_at(const Memory& memory, const Vec3& p) {
+  const SurfacePoint foot = memory.surface->closest(p);
+  return std::sqrt(memory.surface->mesh()->scaled_normal(static_cast<std::size_t>(foot.triangle)).norm());
+}
+
+std::atomic<double> shared_depth_m{0.0};
+
+std::vector<Fault> faults() {
+  const std::string cone = R"(, "mu_static": 0.4, "mu_dynamic": 0.3)";
+  const auto swap_last = [](StepResult& result, Memory& memory, std::size_t lag) {
+    memory.past.push_back(result);
+    if (memory.past.size() > lag) {
+      result = memory.past.front();
+      memory.past.pop_front();
+    }
+  };
+  return {
+      {"TurnsWithTheTip", "wrong-frame", {}, [](auto& r, auto& tip, auto&) { r.f_W_N = tip.q_WS * r.f_W_N; }},
+      {"WorldFrameForgotten",
+       "wrong-frame",
+       {},
+       [](auto& r, auto&, auto&) {
+         r.f_W_N = {0, 0, r.f_W_N.norm()};
+       }},
+      // A wall that nobody sees where a joint is: the force of a proxy that stays behind.
+      {"SticksAtZero",
+       "sticks-at-joints",
+       {},
+       [](auto& r, auto& tip, auto&) {
+         if (r.contact && tip.p_W_m.x() > 0.0 && std::abs(tip.p_W_m.z()) < 0.01) r.f_W_N.x() -= 500.0 * tip.p_W_m.x();
+       }},
+      {"SticksAtSmallBends",
+       "sticks-at-flat-edges",
+       {},
+       [](auto& r, auto& tip, auto& m) {
+         const auto& mesh = *m.surface->mesh();
+         const bool nearly_flat = mesh.source == "roof" && std::abs(mesh.bounds().max().z()) < 1e-6;
+         if (r.contact && nearly_flat && tip.p_W_m.x() > 0.0) r.f_W_N.x() -= 500.0 * tip.p_W_m.x();
+       }},
+      {"PopsThroughAMillimetre",
+       "pops-through-shell",
+       {},
+       [](auto& r, auto& tip, auto& m) {
+         const auto box = m.surface->bounds();
+         const double thickness = box.sizes().z();
+         if (thickness <= 1e-3 && tip.p_W_m.z() < -0.5 * thickness) nothing_there(r, tip);
+       }},
+      // A renderer with an absolute epsilon: intersections with triangles below a size are lost.
+      {"TriangleTooSmallForItsEpsilon",
+       "untouchable-triangles",
+       {},
+       [](auto& r, auto& tip, auto& m) {
+         if (r.contact && size_at(m, r.contact_W_m) < 1e-5) nothing_there(r, tip);
+       }},
+      {"JumpsByTwoPercentOnOneTriangle",
+       "jump-between-triangles",
+       {},
+       [](auto& r, auto&, auto& m) {
+         if (r.contact && m.surface->closest(r.contact_W_m).triangle == 17) r.f_W_N *= 1.02;
+       }},
+      {"LosesItsFriction",
+       "friction-lost",
+       {},
+       [](auto& r, auto&, auto&) { r.f_W_N = r.f_W_N.dot(r.n_W) * r.n_W; },
+       "friction-cone",
+       cone},
+      {"LosesItsFrictionInMillimetres",
+       "friction-lost",
+       {},
+       [](auto& r, auto&, auto& m) {
+         if (m.unit == 1e3) r.f_W_N = r.f_W_N.dot(r.n_W) * r.n_W;
+       },
+       "friction-cone",
+       cone},
+      {"PushesMoreOnTheWayOut",
+       "energy-gained",
+       {},
+       [](auto& r, auto& tip, auto& m) {
+         if (tip.p_W_m.z() > m.last_tip.z()) r.f_W_N *= 1.05;
+       }},
+      {"OneSampleLate", "delay", {}, [=](auto& r, auto&, auto& m) { swap_last(r, m, 1); }},
+      {"FiveSamplesLate", "delay", {}, [=](auto& r, auto&, auto& m) { swap_last(r, m, 5); }},
+      {"TenMicrometresLate",
+       "gap-at-contact",
+       {},
+       [](auto& r, auto& tip, auto&) {
+         if (r.contact && r.depth_m < 1e-5) nothing_there(r, tip);
+       }},
+      {"FloatsByATenthOfAMicrometre",
+       "standoff",
+       {},
+       [](auto& r, auto&, auto&) {
+         if (r.contact) r.contact_W_m += 1e-7 * r.n_W;
+       }},
+      {"NoisyAtRest",
+       "noise",
+       {},
+       [](auto& r, auto&, auto& m) {
+         if (r.contact) r.f_W_N *= 1.0 + 0.01 * std::sin(12.9898 * static_cast<double>(m.steps));
+       }},
+      {"SawsWhileSliding",
+       "noise",
+       {},
+       [](auto& r, auto& tip, auto&) {
+         if (r.contact) r.f_W_N *= 1.0 + 0.01 * std::fmod(std::abs(tip.p_W_m.x()) / 1e-4, 1.0);
+       }},
+      {"RemembersTheLastRun",
+       "state-after-reset",
+       {},
+       [](auto& r, auto&, auto& m) {
+         if (m.steps != m.since_reset) r.f_W_N *= 1.0 + 1e-12;
+       }},
+      {"OneScratchForAll", "shared-state",
+       [](auto& tip, auto&) {
+         shared_depth_m = tip.p_W_m.z();
+         for (int i = 0; i < 20; ++i) std::this_thread::yield();
+         tip.p_W_m.z() = shared_depth_m;
+       }},
+      {"OneMemoryForAll",
+       "shared-state",
+       {},
+       [](auto& r, auto& tip, auto&) {
+         // Smooths its depth with that of the last step, whoever's it was.
+         const double last = shared_depth_m.exchange(tip.p_W_m.z());
+         r.f_W_N.z() += last == tip.p_W_m.z() ? 0.0 : 1e-9 * last;
+       }},
+      {"AllocatesInContact",
+       "allocation",
+       {},
+       [](auto& r, auto&, auto&) {
+         if (r.contact) delete new volatile double(r.depth_m);
+       }},
+      {"CostGrowsWithTheSteps",
+       "growing-cost",
+       {},
+       [](auto& r, auto&, auto& m) {
+         volatile double sum = 0.0;
+         for (std::size_t i = 0; i < m.steps / 50; ++i) sum = sum + 1.0;
+         r.depth_m += 0.0 * sum;
+       }},
+      {"SpikeAfterAMillionSteps",
+       "late-spike",
+       {},
+       [](auto&, auto&, auto& m) {
+         if (m.steps == 1'000'000) burn(1e-3);
+       }},
+  };
+}
+
+class PlantedFault : public ::testing::TestWithParam<Fault> {};
+
+TEST_P(PlantedFault, IsFoundByName) {
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+  if (GetParam().caught_by == "allocation" || GetParam().caught_by == "shared-state")
+    GTEST_SKIP() << "the sanitizer's own business";
+#endif
+  const auto finding = find_detector(GetParam().caught_by).find(engine_of(GetParam()));
+  ASSERT_TRUE(finding.has_value());
+  fmt::print("{}: {}: {}\n  {}\n", GetParam().name, finding->name, finding->what, finding->smallest_case);
+  EXPECT_EQ(finding->name, GetParam().caught_by);
+  EXPECT_FALSE(finding->smallest_case.empty());
+}
+
+INSTANTIATE_TEST_SUITE_P(Diagnosis, PlantedFault, ::testing::ValuesIn(faults()),
+                         [](const auto& tested) { return tested.param.name; });
+
+class Healthy : public ::testing::TestWithParam<std::string> {};
+
+// The same path without a fault is clean: it is the fault that is found.
+TEST_P(Healthy, IsClean) {
+  const std::string& renderer = GetParam();
+  const Engine engine = engine_of(
+      {"healthy", "", {}, {}, renderer, renderer == "friction-cone" ? R"(, "mu_static": 0.4, "mu_dynamic": 0.3)" : ""});
+  for (const Detector& detector : detectors()) {
+    // The proxies of this catalogue do stick there, as the planted one does.
+    if (detector.name == "sticks-at-joints") continue;
+    const auto finding = detector.find(engine);
+    EXPECT_FALSE(finding.has_value()) << detector.name << ": " << finding->what << "; " << finding->smallest_case;
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Diagnosis, Healthy, ::testing::Values("god-object", "friction-cone"), [](const auto& tested) {
+  return tested.param == "god-object" ? "GodObject" : "FrictionCone";
+});
+
+TEST(Diagnosis, EveryDetectorHasAPlantedFaultAndItsOwnName) {
+  const auto planted = faults();
+  for (const Detector& detector : detectors()) {
+    EXPECT_TRUE(std::ranges::any_of(planted, [&](const Fault& fault) { return fault.caught_by == detector.name; }))
+        << detector.name;
+    EXPECT_EQ(find_detector(detector.name).name, detector.name);
+  }
+  EXPECT_THROW(find_detector("bad-luck"), UsageError);
+}
+
+TEST(Diagnosis, WhatIsDeclaredIsNotLookedForAndWhatThrowsIsSaid) {
+  Engine engine = engine_of({"healthy", ""});
+  engine.cannot = {{Ability::surface_contact, "it rounds"}};
+  engine.make = [](auto, double) -> std::unique_ptr<Renderer> { throw BadData("no memory"); };
+  const Diagnosis diagnosis = diagnose(engine);
+  EXPECT_THAT(diagnosis.declared, ::testing::Contains(::testing::Pair("standoff", "it rounds")));
+  EXPECT_THAT(diagnosis.failed, ::testing::Contains(::testing::Pair("delay", "no memory")));
+  EXPECT_TRUE(diagnosis.findings.empty());
+}
+
+}  // namespace
+}  // namespace touchstone::diagnosis

@@ -1,0 +1,72 @@
+#include "harness/diagnosis/entry_engine.h"
+
+#include <cctype>
+#include <cmath>
+#include <utility>
+
+#include "harness/base/error.h"
+
+namespace touchstone::diagnosis {
+
+int length_power(const std::string& unit) {
+  int power = 0;
+  int sign = 1;
+  std::string word;
+  const auto take = [&] {
+    if (word == "m") power += sign;
+    if (word.size() > 1 && word[0] == 'm' && (word[1] == '^' || std::isdigit(static_cast<unsigned char>(word[1])))) {
+      power += sign * (word.back() - '0');
+    }
+    word.clear();
+  };
+  for (const char c : unit) {
+    if (c == ' ' || c == '/' || c == '(' || c == ')')
+      take();
+    else
+      word += c;
+    if (c == '/') sign = -1;
+  }
+  take();
+  return power;
+}
+
+std::map<std::string, double> in_unit(const std::vector<ParameterDeclaration>& declared,
+                                      const std::map<std::string, double>& given, double unit) {
+  std::map<std::string, double> values;
+  for (const auto& declaration : declared) {
+    const auto found = given.find(declaration.name);
+    const double value = found == given.end() ? declaration.initial : found->second;
+    values[declaration.name] = value * std::pow(unit, length_power(declaration.unit));
+  }
+  return values;
+}
+
+Engine engine_of(const RendererEntry& entry, const EngineFacts& facts) {
+  Engine engine;
+  for (const char c : entry.name) engine.name += std::isalnum(static_cast<unsigned char>(c)) ? c : '_';
+  const Parameters checked(entry.parameters, facts.parameters, "renderer " + entry.name, "the options", "");
+  engine.make = [entry, given = facts.parameters](std::shared_ptr<const Surface> surface, double unit) {
+    const Parameters parameters(entry.parameters, in_unit(entry.parameters, given, unit), "renderer " + entry.name,
+                                "the options", "");
+    return entry.make(parameters, std::move(surface));
+  };
+  engine.stiffness_N_per_m = facts.stiffness_N_per_m;
+  if (engine.stiffness_N_per_m == 0.0) {
+    const auto declared = checked.values().find("stiffness_N_per_m");
+    if (declared == checked.values().end()) {
+      throw UsageError("the renderer " + entry.name +
+                       " has no parameter stiffness_N_per_m: say how steeply its force rises with depth, in N/m");
+    }
+    engine.stiffness_N_per_m = declared->second;
+  }
+  engine.friction = facts.friction;
+  engine.tip_radius_m = facts.tip_radius_m;
+  engine.epsilon_m = facts.epsilon_m;
+  if (const auto declared = checked.values().find("epsilon_m");
+      engine.epsilon_m == 0.0 && declared != checked.values().end())
+    engine.epsilon_m = declared->second;
+  engine.cannot = entry.cannot;
+  return engine;
+}
+
+}  // namespace touchstone::diagnosis

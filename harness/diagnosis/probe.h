@@ -1,0 +1,54 @@
+// One renderer over one mesh and a tip that is moved over it: what every detector does.
+#pragma once
+
+#include <memory>
+
+#include "harness/diagnosis/engine.h"
+#include "harness/surface/embree_surface.h"
+#include "harness/surface/triangle_mesh.h"
+
+namespace touchstone::diagnosis {
+
+inline constexpr double kTick_s = 1e-3;
+// Half the width of the blocks and sheets, and how deep strokes press.
+inline constexpr double kHalf_m = 0.02;
+inline constexpr double kDepth_m = 5e-4;
+
+class Probe {
+ public:
+  // Places and lengths given to it are those of the world at unit 1.
+  Probe(const Engine& engine, TriangleMesh mesh, double unit = 1.0) : unit_(unit), radius_m_(engine.tip_radius_m) {
+    for (Vec3& v : mesh.vertices_W_m) v *= unit;
+    renderer_ = engine.make(make_embree_surface(mesh), unit);
+    renderer_->reset();
+  }
+
+  StepResult to(const Vec3& tip, const Quat& q = Quat::Identity()) {
+    StepResult result = renderer_->step({kTick_s * static_cast<double>(++tick_), unit_ * tip, q});
+    result.contact_W_m /= unit_;
+    result.depth_m /= unit_;
+    return result;
+  }
+  // The tip `depth_m` below a surface at this foot with this normal: a ball's centre is its radius higher.
+  StepResult press(const Vec3& foot, const Vec3& n, double depth_m) { return to(foot + (radius_m_ - depth_m) * n); }
+  // From 2 mm above straight down to the depth in `steps`: renderers that look for crossings need the way.
+  StepResult approach(const Vec3& foot, const Vec3& n, double depth_m, int steps = 10) {
+    StepResult last;
+    constexpr double from_m = 2e-3;
+    for (int i = 0; i <= steps; ++i) last = press(foot, n, -from_m + (from_m + depth_m) * i / steps);
+    return last;
+  }
+  void reset() {
+    renderer_->reset();
+    tick_ = 0;
+  }
+  [[nodiscard]] Renderer& renderer() { return *renderer_; }
+
+ private:
+  double unit_;
+  double radius_m_;
+  std::unique_ptr<Renderer> renderer_;
+  std::uint64_t tick_ = 0;
+};
+
+}  // namespace touchstone::diagnosis

@@ -1,0 +1,55 @@
+// One page and one JSON per engine: what is wrong by name, errors on the golden cases, cost, and what to fix first.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "harness/diagnosis/diagnosis.h"
+
+namespace touchstone::diagnosis {
+
+// An engine on one golden case, against the right answer of that case.
+struct CaseScore {
+  std::string name;       // "sphere-scan"
+  std::string reference;  // "exact": of the smooth body; "golden": of its mesh
+  double rms_N = 0.0;
+  double max_N = 0.0;
+  double max_jnd = 0.0;  // the largest error in just noticeable differences of the right force
+  bool exact = false;    // within the case's own tolerance
+  bool felt = false;     // within the felt tolerance
+  std::string problem;   // why it could not run; then nothing above counts
+};
+
+// Of a step over a ball of `triangles` triangles.
+struct CostScore {
+  std::size_t triangles = 0;
+  std::size_t steps = 0;
+  double median_us = 0.0;
+  double p99_us = 0.0;
+  double p999_us = 0.0;
+  double build_ms = 0.0;
+};
+
+struct Scorecard {
+  std::string engine, summary, source;
+  std::string library, library_sha256;  // of a plug-in
+  std::string options;                  // parameters and facts that were given
+  double felt_tolerance_jnd = 1.0;
+  double epsilon_m = 0.0;
+  Diagnosis diagnosis;
+  std::vector<CaseScore> cases;
+  std::optional<CostScore> cost;
+};
+
+// Strokes over a ball; single steps, each with the clock's own cost in it (some 20 ns).
+CostScore measure_cost(const Engine& engine, int levels);
+
+// {"schema": "touchstone-scorecard/1", ...}
+std::string scorecard_to_json(const Scorecard& card);
+// One page without scripts or outside files. Several engines: side by side.
+std::string scorecard_to_html(const std::vector<Scorecard>& cards);
+// A few lines for the terminal.
+std::string scorecard_to_text(const Scorecard& card);
+
+}  // namespace touchstone::diagnosis

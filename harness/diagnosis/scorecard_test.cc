@@ -1,0 +1,76 @@
+#include "harness/diagnosis/scorecard.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "harness/diagnosis/entry_engine.h"
+#include "renderers/catalogue.h"
+
+namespace touchstone::diagnosis {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+Scorecard a_card() {
+  Scorecard card;
+  card.engine = "mine";
+  card.summary = "F < k & d";
+  card.diagnosis.findings.push_back({"delay", "one sample late", "a block", 1.0, "samples"});
+  card.diagnosis.clean = {"noise"};
+  card.diagnosis.declared = {{"standoff", "it rounds"}};
+  card.diagnosis.failed = {{"allocation", "no memory"}};
+  card.cases.push_back({"sphere-scan", "exact", 0.1, 0.2, 0.5, false, true, ""});
+  card.cases.push_back({"torus-spiral", "", 0.0, 0.0, 0.0, true, true, "it crashed"});
+  return card;
+}
+
+TEST(Scorecard, TheJsonHasEveryVerdictAndWhatToFixFirst) {
+  const auto json = nlohmann::json::parse(scorecard_to_json(a_card()));
+  EXPECT_EQ(json["schema"], "touchstone-scorecard/1");
+  EXPECT_EQ(json["fix_first"], "delay");
+  EXPECT_EQ(json["findings"][0]["unit"], "samples");
+  EXPECT_EQ(json["declared"][0]["reason"], "it rounds");
+  EXPECT_EQ(json["could_not_run"][0]["name"], "allocation");
+  EXPECT_EQ(json["passed"]["cases"], 2);
+  EXPECT_EQ(json["passed"]["felt"], 1) << "a case that could not run passes nothing";
+  EXPECT_EQ(json["passed"]["exact"], 0);
+  EXPECT_EQ(json["cases"][1]["problem"], "it crashed");
+  EXPECT_TRUE(json["cost"].is_null());
+}
+
+TEST(Scorecard, ThePageShowsEveryDetectorForEveryEngine) {
+  const std::string page = scorecard_to_html({a_card(), a_card()});
+  for (const Detector& detector : detectors()) EXPECT_THAT(page, HasSubstr(detector.name));
+  EXPECT_THAT(page, HasSubstr("F &lt; k &amp; d"));
+  EXPECT_THAT(page, HasSubstr("it crashed"));
+  EXPECT_THAT(page, Not(HasSubstr("<script")));
+  EXPECT_THAT(scorecard_to_text(a_card()), HasSubstr("fix first: delay"));
+}
+
+TEST(Scorecard, CostIsMeasuredOverABallOfTheSizeAskedFor) {
+  const RendererEntry& entry =
+      find_renderer(parse_model(R"({"schema": "touchstone-model/1", "renderer": "god-object"})", ""));
+  const CostScore cost = measure_cost(touchstone::diagnosis::engine_of(entry, {}), 3);
+  EXPECT_EQ(cost.triangles, 512U);
+  EXPECT_EQ(cost.steps, 20'000U);
+  EXPECT_GT(cost.median_us, 0.0);
+  EXPECT_LE(cost.median_us, cost.p99_us);
+  EXPECT_LE(cost.p99_us, cost.p999_us);
+}
+
+TEST(EntryEngine, AnEpsilonThatTheEntryDeclaresIsTaken) {
+  RendererEntry entry;
+  entry.name = "mine";
+  entry.parameters = {{"stiffness_N_per_m", "N/m", 1.0, 1e4, 300.0, ""}, {"epsilon_m", "m", 0.0, 1.0, 1e-6, ""}};
+  EXPECT_EQ(touchstone::diagnosis::engine_of(entry, {}).epsilon_m, 1e-6);
+  EXPECT_EQ(touchstone::diagnosis::engine_of(entry, {}).stiffness_N_per_m, 300.0);
+  EngineFacts facts;
+  facts.epsilon_m = 1e-5;
+  EXPECT_EQ(touchstone::diagnosis::engine_of(entry, facts).epsilon_m, 1e-5);
+}
+
+}  // namespace
+}  // namespace touchstone::diagnosis

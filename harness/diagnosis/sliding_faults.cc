@@ -1,0 +1,208 @@
+// Faults of sliding: what edges, joints and triangles do to the force, and friction.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "harness/diagnosis/detectors.h"
+#include "harness/diagnosis/meshes.h"
+#include "harness/diagnosis/probe.h"
+
+namespace touchstone::diagnosis {
+namespace {
+
+// Along x from -start to start over what lies at x = 0, `depth_m` below planes given by their falling angle on the
+// right.
+struct Slide {
+  double angle_rad = 0.0;
+  double depth_m = 7.5e-4;
+  double start_m = 6e-3;
+  double step_m = 2e-5;
+};
+
+struct SlideResult {
+  double worst_N = 0.0;  // off the right force, beyond what friction may add
+  double at_x_m = 0.0;
+};
+
+// Past what is at the joint by twice the depth the right answer is that of one plane alone: k d along its normal.
+SlideResult slide_over(const Engine& engine, const TriangleMesh& mesh, const Slide& slide) {
+  Probe probe(engine, mesh);
+  const Vec3 n_right(std::sin(slide.angle_rad), 0.0, std::cos(slide.angle_rad));
+  const double y = 0.0017;
+  const auto foot = [&](double x) { return Vec3(x, y, x > 0.0 ? -x * std::tan(slide.angle_rad) : 0.0); };
+  const StepResult first = probe.approach(foot(-slide.start_m), Vec3::UnitZ(), slide.depth_m);
+  const double load_N = first.f_W_N.dot(Vec3::UnitZ());
+  SlideResult result;
+  const double reach_m = 2.0 * slide.depth_m + engine.tip_radius_m;
+  for (double x = -slide.start_m; x <= slide.start_m; x += slide.step_m) {
+    const Vec3& n = x > 0.0 ? n_right : Vec3(Vec3::UnitZ());
+    const StepResult now = probe.press(foot(x), n, slide.depth_m);
+    if (std::abs(x) < reach_m) continue;
+    const double normal_N = now.f_W_N.dot(n);
+    const double sideways_N = (now.f_W_N - normal_N * n).norm();
+    const double off_N = std::max(std::abs(normal_N - load_N), sideways_N - engine.friction * load_N);
+    if (off_N > result.worst_N) result = {off_N, x};
+  }
+  return result;
+}
+
+// 1 % of the load, which is below what anyone notices; the engine's own epsilon on top.
+double allowed_N(const Engine& engine, const Slide& slide) {
+  return engine.stiffness_N_per_m * (0.01 * slide.depth_m + engine.epsilon_m);
+}
+
+// An edge between two triangles, its bend and a direction across it.
+struct Crossing {
+  Vec3 middle;
+  Vec3 n;       // mean of both normals
+  Vec3 across;  // from the first triangle to the second, unit length
+  double bend_rad = 0.0;
+};
+
+std::vector<Crossing> crossings(const TriangleMesh& mesh) {
+  std::map<std::pair<std::int32_t, std::int32_t>, std::size_t> first;
+  std::vector<Crossing> found;
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    for (std::size_t i = 0; i < 3; ++i) {
+      const std::int32_t a = mesh.triangles[t][i];
+      const std::int32_t b = mesh.triangles[t][(i + 1) % 3];
+      const auto other = first.find({b, a});
+      if (other == first.end()) {
+        first[{a, b}] = t;
+        continue;
+      }
+      const Vec3 n_first = mesh.scaled_normal(other->second).normalized();
+      const Vec3 n_second = mesh.scaled_normal(t).normalized();
+      const Vec3 p = mesh.vertices_W_m[static_cast<std::size_t>(a)];
+      const Vec3 q = mesh.vertices_W_m[static_cast<std::size_t>(b)];
+      Crossing crossing;
+      // Not in the middle: there two other edges may be as near.
+      crossing.middle = 0.55 * p + 0.45 * q;
+      crossing.n = (n_first + n_second).normalized();
+      // In triangle t the edge runs a to b with the triangle on its left.
+      crossing.across = crossing.n.cross((q - p).normalized()).normalized();
+      crossing.bend_rad = std::atan2(n_first.cross(n_second).norm(), n_first.dot(n_second));
+      found.push_back(crossing);
+    }
+  }
+  return found;
+}
+
+// Largest tangential over normal force in a slow drag over a level block, its first steps included.
+double friction_felt(const Engine& engine, double unit) {
+  Probe probe(engine, block({-kHalf_m, -kHalf_m, -kHalf_m}, {kHalf_m, kHalf_m, 0.0}), unit);
+  const Vec3 from(-5e-3, 1.7e-3, 0.0);
+  probe.approach(from, Vec3::UnitZ(), kDepth_m);
+  double most = 0.0;
+  for (int i = 1; i <= 1000; ++i) {
+    const StepResult now = probe.press(from + Vec3(1e-5 * i, 0.0, 0.0), Vec3::UnitZ(), kDepth_m);
+    if (now.f_W_N.z() > 0.0) most = std::max(most, -now.f_W_N.x() / now.f_W_N.z());
+  }
+  return most;
+}
+
+}  // namespace
+
+std::optional<Finding> find_sticks_at_flat_edges(const Engine& engine) {
+  Slide slide;
+  // Beyond a degree or so force shading rightly changes the force near an edge.
+  for (const double bend : {1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-8, 1e-10}) {
+    for (const double sign : {1.0, -1.0}) {
+      slide.angle_rad = sign * bend;
+      const SlideResult result = slide_over(engine, roof(kHalf_m, slide.angle_rad), slide);
+      if (result.worst_N <= allowed_N(engine, slide)) continue;
+      return Finding{"sticks-at-flat-edges",
+                     fmt::format("behind a {} edge of {:g} rad the force is {:.3g} N off, {:.3g} mm past it",
+                                 sign > 0.0 ? "convex" : "concave", bend, result.worst_N, 1e3 * result.at_x_m),
+                     fmt::format("two planes 20 mm wide that meet at {:g} rad, the tip sliding over the edge {:g} mm "
+                                 "deep",
+                                 bend, 1e3 * slide.depth_m),
+                     bend, "rad"};
+    }
+  }
+  return std::nullopt;
+}
+
+std::optional<Finding> find_sticks_at_joints(const Engine& engine) {
+  const Slide slide;
+  const double h = kHalf_m;
+  for (const double overlap_m : {0.0, 1e-3}) {
+    // Each order of the two bodies, and the joint off the origin's own coordinates.
+    for (const bool left_first : {true, false}) {
+      const TriangleMesh left = block({-h, -h, -h}, {0.5 * overlap_m, h, 0.0});
+      const TriangleMesh right = block({-0.5 * overlap_m, -h, -h}, {h, h, 0.0});
+      const TriangleMesh both = left_first ? together(left, right) : together(right, left);
+      const SlideResult result = slide_over(engine, both, slide);
+      if (result.worst_N <= allowed_N(engine, slide)) continue;
+      return Finding{"sticks-at-joints",
+                     fmt::format("past the joint of two blocks with level tops the force is {:.3g} N off, {:.3g} mm "
+                                 "from it",
+                                 result.worst_N, 1e3 * result.at_x_m),
+                     fmt::format("two blocks that {}, tops at one height, the tip sliding across {:g} mm deep",
+                                 overlap_m > 0.0 ? fmt::format("overlap by {:g} mm", 1e3 * overlap_m) : "touch",
+                                 1e3 * slide.depth_m),
+                     result.worst_N, "N"};
+    }
+  }
+  return std::nullopt;
+}
+
+std::optional<Finding> find_jump_between_triangles(const Engine& engine) {
+  constexpr double step_m = 2e-7;
+  constexpr double depth_m = 1e-4;
+  struct Case {
+    TriangleMesh mesh;
+    const char* name;
+  };
+  for (const Case& one : {Case{sphere(kHalf_m, 4), "a ball of 2048 triangles, 20 mm in radius"},
+                          Case{nested_sheet(kHalf_m, 1e-3), "a plane sheet 40 mm wide"}}) {
+    Probe probe(engine, one.mesh);
+    for (const Crossing& edge : crossings(one.mesh)) {
+      // A proxy keeps its face until its own foot passes the edge.
+      const int reach = 5 + static_cast<int>(depth_m * edge.bend_rad / step_m);
+      probe.reset();
+      const double load_N = probe.approach(edge.middle - reach * step_m * edge.across, edge.n, depth_m, 4).f_W_N.norm();
+      double last_N = 0.0;
+      double jump_N = 0.0;
+      for (int i = -reach; i <= reach; ++i) {
+        const double now_N = probe.press(edge.middle + (i + 0.5) * step_m * edge.across, edge.n, depth_m).f_W_N.norm();
+        // The first ones may turn from pressing to sliding, which friction feels.
+        if (i > 2 - reach) jump_N = std::max(jump_N, std::abs(now_N - last_N));
+        last_N = now_N;
+      }
+      // A ridge: from face to face the depth changes by its cosine; the rest is the tip's own way.
+      const double right_N = load_N * (1.0 - std::cos(edge.bend_rad)) +
+                             engine.stiffness_N_per_m * ((2.0 + engine.friction) * step_m + engine.epsilon_m);
+      if (jump_N <= right_N) continue;
+      return Finding{
+          "jump-between-triangles",
+          fmt::format("from one triangle to its neighbour, {:.2g} rad apart, the force jumps by {:.3g} N, "
+                      "{:.2g} % of it ({:.2g} N are right)",
+                      edge.bend_rad, jump_N, 100.0 * jump_N / load_N, right_N),
+          fmt::format("{}, the tip {:g} mm deep moving {:g} um across the edge at ({:.4g}, {:.4g}, {:.4g}) m", one.name,
+                      1e3 * depth_m, 1e6 * step_m, edge.middle.x(), edge.middle.y(), edge.middle.z()),
+          jump_N, "N"};
+    }
+  }
+  return std::nullopt;
+}
+
+std::optional<Finding> find_friction_lost(const Engine& engine) {
+  if (engine.friction == 0.0) return std::nullopt;
+  for (const double unit : {1.0, 1e-3, 1e3}) {
+    const double felt = friction_felt(engine, unit);
+    if (felt >= 0.5 * engine.friction) continue;
+    return Finding{"friction-lost",
+                   fmt::format("dragged over a plane, the tangential force reaches {:.3g} of the normal force; {:.3g} "
+                               "is declared; lengths in units of {:g} m",
+                               felt, engine.friction, 1.0 / unit),
+                   fmt::format("a block 40 mm wide, lengths times {:g}, the tip {:g} mm deep, dragged 10 mm at 10 mm/s",
+                               unit, 1e3 * kDepth_m),
+                   felt, "1"};
+  }
+  return std::nullopt;
+}
+
+}  // namespace touchstone::diagnosis

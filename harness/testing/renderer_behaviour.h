@@ -1,0 +1,66 @@
+// What every renderer must keep whatever the shape: the faults that harness/diagnosis finds, each a test of its own
+// that fails with the finding and its smallest case. An ability that a renderer declares it lacks skips with its
+// reason. Joined by TOUCHSTONE_RENDERER_CONFORMANCE (harness/testing/renderer_conformance.h).
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <functional>
+#include <memory>
+#include <ostream>
+
+#include "harness/diagnosis/diagnosis.h"
+#include "harness/surface/embree_surface.h"
+#include "harness/testing/allocation_guard.h"
+
+namespace touchstone::testing {
+
+// A renderer under test, with what the suite on shapes must know besides.
+struct RendererSubject : diagnosis::Engine {
+  // How the surface is asked; the shapes' own places are always found with Embree.
+  std::function<std::shared_ptr<const Surface>(const TriangleMesh&)> queries = make_embree_surface;
+  bool queries_allocate = false;
+  double thinnest_m = 0.0;  // a body thinner than this it does not feel at all, which it declares as thin_shells
+};
+
+inline void PrintTo(const RendererSubject& subject, std::ostream* out) { *out << subject.name; }
+
+class RendererBehaviour : public ::testing::TestWithParam<RendererSubject> {
+ protected:
+  void SetUp() override {
+    if (GetParam().queries_allocate) GTEST_SKIP() << "the faults are looked for with the fast queries";
+  }
+
+  // Fails with the finding where the fault is there.
+  static void expect_none(const std::string& fault) {
+    const diagnosis::Detector& detector = diagnosis::find_detector(fault);
+    diagnosis::Engine engine = GetParam();
+    if (allocations_are_counted()) engine.allocations = allocations_on_this_thread;
+    for (const Ability ability : detector.needs) {
+      if (const Limitation* const declared = find_limitation(engine.cannot, ability)) GTEST_SKIP() << declared->reason;
+    }
+    const auto finding = detector.find(engine);
+    EXPECT_FALSE(finding.has_value()) << fault << ": " << finding->what << "\n  " << finding->smallest_case;
+  }
+};
+
+GTEST_ALLOW_UNINSTANTIATED_PARAMETERIZED_TEST(RendererBehaviour);
+
+TEST_P(RendererBehaviour, TheForceTurnsWithTheWorldAndNotWithTheTip) { expect_none("wrong-frame"); }
+TEST_P(RendererBehaviour, NearlyFlatEdgesHoldNothingBack) { expect_none("sticks-at-flat-edges"); }
+TEST_P(RendererBehaviour, PlatesOfAnyThicknessHold) { expect_none("pops-through-shell"); }
+TEST_P(RendererBehaviour, SmallTrianglesAreFeltAsLargeOnes) { expect_none("untouchable-triangles"); }
+TEST_P(RendererBehaviour, TheForceDoesNotJumpFromTriangleToTriangle) { expect_none("jump-between-triangles"); }
+TEST_P(RendererBehaviour, DeclaredFrictionIsFelt) { expect_none("friction-lost"); }
+TEST_P(RendererBehaviour, ACircleGivesNoEnergy) { expect_none("energy-gained"); }
+TEST_P(RendererBehaviour, TheForceIsThatOfTheTipNow) { expect_none("delay"); }
+TEST_P(RendererBehaviour, ContactBeginsAtTheSurface) { expect_none("gap-at-contact"); }
+TEST_P(RendererBehaviour, TheContactPointLiesOnAPlane) { expect_none("standoff"); }
+TEST_P(RendererBehaviour, AtRestAndOverAPlaneTheForceIsSteady) { expect_none("noise"); }
+TEST_P(RendererBehaviour, ResetForgetsARunBrokenOffInContact) { expect_none("state-after-reset"); }
+TEST_P(RendererBehaviour, TwoOnOneSurfaceDoNotDisturbOneAnother) { expect_none("shared-state"); }
+TEST_P(RendererBehaviour, NoStepAllocates) { expect_none("allocation"); }
+TEST_P(RendererBehaviour, TheCostDoesNotGrowWithTheSteps) { expect_none("growing-cost"); }
+TEST_P(RendererBehaviour, NoStepOfAMillionIsASpike) { expect_none("late-spike"); }
+
+}  // namespace touchstone::testing
