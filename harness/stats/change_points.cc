@@ -1,0 +1,301 @@
+#include "harness/stats/change_points.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numeric>
+
+#include "harness/stats/energy.h"
+#include "harness/stats/trend.h"
+#include "harness/stats/two_sample.h"
+
+namespace touchstone::stats {
+namespace {
+
+constexpr double builds_per_year = 365.0;
+// A stretch without a change is looked at over at most two years, so that a pair's end has at most so many partners.
+constexpr std::size_t longest_stretch = 730;
+constexpr std::size_t kept_of_longest = 365;
+// Beside all values since the last change, so many before the index are compared with those after it: earlier changes
+// that are not found yet would hide a later one. Half of the level goes to all values, the rest to these in equal
+// parts.
+constexpr std::array<std::size_t, 4> reaches{10, 20, 40, 80};
+
+using Values = std::span<const double>;
+
+double mean_of_stretch(Values values) {
+  return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
+}
+
+double squares_about_mean(Values values) {
+  const double mean = mean_of_stretch(values);
+  return std::accumulate(values.begin(), values.end(), 0.0,
+                         [&](double sum, double v) { return sum + (v - mean) * (v - mean); });
+}
+
+struct Candidate {
+  std::size_t start = 0;
+  std::size_t index = 0;
+  std::size_t end = 0;
+};
+
+// Among all pairs, the one of smallest p by the plain t test, with the `reach` values before the index on the left:
+// sums make every pair cost the same.
+Candidate smallest_p_split(Values values, std::size_t smallest, std::size_t reach) {
+  std::vector<double> sums(values.size() + 1, 0.0);
+  std::vector<double> squares(values.size() + 1, 0.0);
+  const double center = mean_of_stretch(values);  // keeps the squares from cancelling
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    const double value = values[i] - center;
+    sums[i + 1] = sums[i] + value;
+    squares[i + 1] = squares[i] + value * value;
+  }
+  Candidate best;
+  double largest = 0.0;
+  for (std::size_t index = smallest; index + smallest <= values.size(); ++index) {
+    const std::size_t start = index > reach ? index - reach : 0;
+    const auto n = static_cast<double>(index - start);
+    const double left = (sums[index] - sums[start]) / n;
+    for (std::size_t end = index + smallest; end <= values.size(); ++end) {
+      const auto m = static_cast<double>(end - index);
+      const double right = (sums[end] - sums[index]) / m;
+      const double within = squares[end] - squares[start] - n * left * left - m * right * right;
+      const double between = (right - left) * (right - left) * n * m / (n + m);
+      // The likelihood ratio orders pairs of different length nearly as p does.
+      const double gain = within > 0.0 ? (n + m) * std::log1p(between / within) : 0.0;
+      if (gain > largest) {
+        largest = gain;
+        best = {start, index, end};
+      }
+    }
+  }
+  return best;
+}
+
+class Search {
+ public:
+  Search(Values values, const ChangeOptions& options)
+      : values_(values.begin(), values.end()),
+        options_(options),
+        level_(options.false_alarms_per_year / 2.0 / (builds_per_year * static_cast<double>(longest_stretch))),
+        trend_level_(options.false_alarms_per_year / 2.0 / builds_per_year) {
+    double largest = 0.0;
+    for (const double value : values) largest = std::max(largest, std::abs(value));
+    constexpr double last_bits = 1e-13;
+    rounding_ = std::max(last_bits * largest, options.smallest_absolute);
+  }
+
+  ChangeReport run() {
+    ChangeReport report;
+    report.exact = is_exact();
+    if (report.exact) {
+      exact_steps(report);
+    } else {
+      stretch(0, values_.size(), report);
+      merge(report);
+    }
+    std::erase_if(report.changes, [&](const Change& change) { return !matters(change.before, change.after); });
+    levels(report);
+    return report;
+  }
+
+ private:
+  [[nodiscard]] Values part(std::size_t first, std::size_t end) const {
+    return Values(values_).subspan(first, end - first);
+  }
+
+  [[nodiscard]] bool matters(double before, double after) const {
+    return std::abs(after - before) >
+           std::max(options_.smallest_absolute, options_.smallest_relative * std::abs(before));
+  }
+
+  [[nodiscard]] bool is_exact() const {
+    constexpr std::size_t enough = 8;
+    if (values_.size() < enough) return false;
+    std::size_t differing = 0;
+    for (std::size_t i = 1; i < values_.size(); ++i)
+      differing += std::abs(values_[i] - values_[i - 1]) > rounding_ ? 1 : 0;
+    return 8 * differing <= values_.size();
+  }
+
+  void exact_steps(ChangeReport& report) const {
+    for (std::size_t i = 1; i < values_.size(); ++i) {
+      if (matters(values_[i - 1], values_[i]))
+        report.changes.push_back({ChangeKind::step, i, i, i, values_[i - 1], values_[i], 0.0});
+    }
+  }
+
+  [[nodiscard]] TwoSample test(std::size_t first, std::size_t index, std::size_t end) const {
+    return pooled_t_test_without(part(first, index), part(index, end), options_.outliers, rounding_);
+  }
+
+  // The best of the candidates in [first, end), if it passes.
+  [[nodiscard]] std::size_t find_step(std::size_t first, std::size_t end) const {
+    const std::size_t smallest = options_.outliers + 1;
+    if (end - first < 2 * smallest) return 0;
+    const Values values = part(first, end);
+    double best = 1.0;
+    std::size_t found = 0;
+    const auto consider = [&](const Candidate& candidate, double level) {
+      if (candidate.index == 0) return;
+      const double p = test(first + candidate.start, first + candidate.index, first + candidate.end).p / level;
+      if (p <= best) {
+        best = p;
+        found = first + candidate.index;
+      }
+    };
+    const EnergySplit energy = largest_energy_split(values, smallest);
+    consider({0, energy.index, energy.end}, 0.5 * level_);
+    consider(smallest_p_split(values, smallest, values.size()), 0.5 * level_);
+    for (const std::size_t reach : reaches) {
+      if (reach < values.size())
+        consider(smallest_p_split(values, smallest, reach), 0.5 * level_ / static_cast<double>(reaches.size()));
+    }
+    return found;
+  }
+
+  // Two levels have one parameter more than a line: Schwarz's criterion weighs it.
+  [[nodiscard]] bool line_is_better(std::size_t first, std::size_t index, std::size_t end) const {
+    const auto n = static_cast<double>(end - first);
+    const double line = squares_about_line(part(first, end));
+    const double levels = squares_about_mean(part(first, index)) + squares_about_mean(part(index, end));
+    return n * std::log(std::max(line, 1e-300)) < n * std::log(std::max(levels, 1e-300)) + std::log(n);
+  }
+
+  void stretch(std::size_t first, std::size_t end, ChangeReport& report) {
+    while (end - first > longest_stretch) {  // whole years, so that a year of builds has one beginning
+      const std::size_t next = first + kept_of_longest;
+      if (const std::size_t step = find_step(first, first + longest_stretch)) {
+        split(first, step, end, report);
+        return;
+      }
+      first = next;
+    }
+    std::size_t step = find_step(first, end);
+    if (end - first >= smallest_drift && (step == 0 || line_is_better(first, step, end))) {
+      const Trend trend = find_trend(part(first, end));
+      const double to = trend.intercept + trend.slope * static_cast<double>(end - first - 1);
+      if (trend.p <= trend_level_ && matters(trend.intercept, to)) {
+        step = find_step_beside_line(first, end, trend.slope);
+        if (step == 0)
+          report.changes.push_back({ChangeKind::drift, first, first, end - 1, trend.intercept, to, trend.p});
+      }
+    }
+    if (step != 0) split(first, step, end, report);
+  }
+
+  void split(std::size_t first, std::size_t step, std::size_t end, ChangeReport& report) {
+    report.changes.push_back({.kind = ChangeKind::step, .index = step, .first = step, .last = step});
+    stretch(first, step, report);
+    stretch(step, end, report);
+  }
+
+  [[nodiscard]] std::size_t find_step_beside_line(std::size_t first, std::size_t end, double slope) {
+    const std::vector<double> kept(part(first, end).begin(), part(first, end).end());
+    for (std::size_t i = first; i < end; ++i) values_[i] -= slope * static_cast<double>(i - first);
+    const std::size_t step = find_step(first, end);
+    std::ranges::copy(kept, values_.begin() + static_cast<std::ptrdiff_t>(first));
+    return step;
+  }
+
+  // Bottom-up (Fleming et al., Hunter, 2023): a step between neighbouring levels that is none goes, the weakest first.
+  void merge(ChangeReport& report) const {
+    auto& changes = report.changes;
+    std::ranges::sort(changes, {}, [](const Change& c) { return std::pair(c.index, c.kind); });
+    while (true) {
+      std::size_t weakest = changes.size();
+      double largest = level_;
+      for (std::size_t i = 0; i < changes.size(); ++i) {
+        if (changes[i].kind != ChangeKind::step) continue;
+        const auto [first, end] = neighbours(changes, i);
+        const TwoSample tested = test(first, changes[i].index, end);
+        changes[i].before = tested.before;
+        changes[i].after = tested.after;
+        changes[i].p = tested.p;
+        if (ends_of_drift(changes, changes[i])) continue;
+        if (tested.p > largest) {
+          largest = tested.p;
+          weakest = i;
+        }
+      }
+      if (weakest == changes.size()) break;
+      changes.erase(changes.begin() + static_cast<std::ptrdiff_t>(weakest));
+    }
+    for (std::size_t i = 0; i < changes.size(); ++i) {
+      if (changes[i].kind == ChangeKind::step) place(changes, i);
+    }
+  }
+
+  // If a drift ends or begins at the step: the step goes from one line to the next, and the means say nothing.
+  static bool ends_of_drift(const std::vector<Change>& changes, Change& step) {
+    bool found = false;
+    for (const Change& change : changes) {
+      if (change.kind != ChangeKind::drift) continue;
+      if (change.last + 1 == step.index) step.before = change.after;
+      if (change.index == step.index) step.after = change.before;
+      found = found || change.last + 1 == step.index || change.index == step.index;
+    }
+    return found;
+  }
+
+  // The stretches on both sides of a step: to the neighbouring steps.
+  [[nodiscard]] std::pair<std::size_t, std::size_t> neighbours(const std::vector<Change>& changes,
+                                                               std::size_t i) const {
+    std::size_t first = 0;
+    std::size_t end = values_.size();
+    for (const Change& other : changes) {
+      if (other.kind != ChangeKind::step) continue;
+      if (other.index < changes[i].index) first = std::max(first, other.index);
+      if (other.index > changes[i].index) end = std::min(end, other.index);
+    }
+    return {first, end};
+  }
+
+  // Places that fit nearly as well: the profile of the likelihood within half the 95 % quantile of chi-squared(1).
+  void place(std::vector<Change>& changes, std::size_t i) const {
+    const auto [first, end] = neighbours(changes, i);
+    const auto n = static_cast<double>(end - first);
+    std::vector<double> cost(end - first, 0.0);
+    for (std::size_t at = first + 1; at < end; ++at)
+      cost[at - first] = squares_about_mean(part(first, at)) + squares_about_mean(part(at, end));
+    constexpr double quantile_95 = 3.841458820694124;
+    const double most = cost[changes[i].index - first] * std::exp(quantile_95 / n);
+    while (changes[i].first > first + 1 && cost[changes[i].first - 1 - first] <= most) --changes[i].first;
+    while (changes[i].last + 1 < end && cost[changes[i].last + 1 - first] <= most) ++changes[i].last;
+  }
+
+  void levels(ChangeReport& report) const {
+    std::size_t first = 0;
+    const auto close = [&](std::size_t end) {
+      if (end <= first) return;
+      const double mean = mean_of_stretch(part(first, end));
+      report.levels.push_back({first, end, mean, mean});
+      first = end;
+    };
+    for (const Change& change : report.changes) {
+      close(change.index);
+      if (change.kind == ChangeKind::drift) {
+        report.levels.push_back({change.index, change.last + 1, change.before, change.after});
+        first = change.last + 1;
+      }
+    }
+    close(values_.size());
+  }
+
+  static constexpr std::size_t smallest_drift = 12;
+
+  std::vector<double> values_;
+  ChangeOptions options_;
+  double level_;
+  double trend_level_;
+  double rounding_ = 0.0;
+};
+
+}  // namespace
+
+ChangeReport find_changes(std::span<const double> values, const ChangeOptions& options) {
+  if (values.empty()) return {};
+  return Search(values, options).run();
+}
+
+}  // namespace touchstone::stats

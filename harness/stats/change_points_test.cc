@@ -1,0 +1,126 @@
+#include "harness/stats/change_points.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <vector>
+
+#include "harness/base/random.h"
+
+namespace touchstone::stats {
+namespace {
+
+using testing::ElementsAre;
+
+std::vector<std::size_t> steps_of(const ChangeReport& report) {
+  std::vector<std::size_t> found;
+  for (const Change& change : report.changes) {
+    if (change.kind == ChangeKind::step) found.push_back(change.index);
+  }
+  return found;
+}
+
+std::vector<double> noisy(std::size_t count, double noise, std::uint64_t seed) {
+  Random random(seed);
+  std::vector<double> values(count);
+  for (double& value : values) value = 1.0 + noise * random.normal();
+  return values;
+}
+
+TEST(Changes, AStepIsFoundAtItsPlaceAtAnyScaleAndInBothDirections) {
+  for (const double scale : {1e-6, 1.0, -1e6}) {
+    for (const double to : {1.2, 0.8}) {
+      auto values = noisy(60, 0.02, 5);
+      for (std::size_t i = 40; i < values.size(); ++i) values[i] += to - 1.0;
+      for (double& value : values) value *= scale;
+      const auto report = find_changes(values, {.smallest_absolute = 0.0});
+      ASSERT_THAT(steps_of(report), ElementsAre(40U)) << scale << ' ' << to;
+      EXPECT_NEAR(report.changes[0].after / report.changes[0].before, to, 0.02);
+      EXPECT_LE(report.changes[0].first, 40U);
+      EXPECT_GE(report.changes[0].last, 40U);
+    }
+  }
+}
+
+TEST(Changes, AStepIsFoundThreeBuildsAfterIt) {
+  auto values = noisy(63, 0.02, 11);
+  for (std::size_t i = 60; i < values.size(); ++i) values[i] += 0.3;
+  EXPECT_THAT(steps_of(find_changes(values)), ElementsAre(60U));
+  values.pop_back();
+  EXPECT_TRUE(find_changes(values).changes.empty()) << "two values may be outliers";
+}
+
+TEST(Changes, OutliersAreNoSteps) {
+  auto values = noisy(100, 0.02, 3);
+  values[30] = values[31] = 5.0;
+  values[80] = -3.0;
+  EXPECT_TRUE(find_changes(values).changes.empty());
+}
+
+TEST(Changes, UpAndDownAgainAreTwo) {
+  auto values = noisy(60, 0.002, 8);
+  for (std::size_t i = 20; i < 30; ++i) values[i] += 0.02;
+  EXPECT_THAT(steps_of(find_changes(values)), ElementsAre(20U, 30U));
+}
+
+TEST(Changes, ASmallStepASmallDriftAndAnotherLevelAreKeptApart) {
+  auto values = noisy(120, 0.001, 21);
+  for (std::size_t i = 0; i < values.size(); ++i) values[i] *= i < 60 ? 1.0 : 1.04;
+  const auto steps = find_changes(values);
+  EXPECT_THAT(steps_of(steps), ElementsAre(60U));
+  for (std::size_t i = 60; i < values.size(); ++i) values[i] += 0.0005 * static_cast<double>(i - 60);
+  const auto both = find_changes(values);
+  EXPECT_THAT(steps_of(both), ElementsAre(60U));
+  ASSERT_EQ(both.changes.size(), 2U);
+  EXPECT_EQ(both.changes[1].kind, ChangeKind::drift);
+  EXPECT_NEAR(both.changes[1].after - both.changes[1].before, 0.0005 * 59, 0.002);
+}
+
+TEST(Changes, ADriftIsNoStaircase) {
+  auto values = noisy(100, 0.01, 4);
+  for (std::size_t i = 0; i < values.size(); ++i) values[i] += 0.003 * static_cast<double>(i);
+  const auto report = find_changes(values);
+  ASSERT_EQ(report.changes.size(), 1U);
+  EXPECT_EQ(report.changes[0].kind, ChangeKind::drift);
+  EXPECT_NEAR(report.changes[0].after, 1.3, 0.01);
+  // A step inside it keeps its place.
+  for (std::size_t i = 50; i < values.size(); ++i) values[i] += 0.1;
+  EXPECT_THAT(steps_of(find_changes(values)), ElementsAre(50U));
+}
+
+TEST(Changes, AnExactSeriesChangesAtOnce) {
+  std::vector<double> values(20, 0.25);
+  values.push_back(0.2501);
+  EXPECT_TRUE(find_changes(values).exact);
+  EXPECT_THAT(steps_of(find_changes(values)), ElementsAre(20U));
+  values.back() = 0.25 + 1e-14;
+  EXPECT_TRUE(find_changes(values).changes.empty()) << "rounding";
+  EXPECT_TRUE(find_changes(values, {.smallest_relative = 0.1}).changes.empty());
+}
+
+TEST(Changes, RoundingAfterZerosIsNoChange) {
+  std::vector<double> values(20, 0.0);
+  values.push_back(1e-15);
+  EXPECT_TRUE(find_changes(values).changes.empty());
+  values.back() = 1e-3;
+  EXPECT_THAT(steps_of(find_changes(values)), ElementsAre(20U));
+}
+
+TEST(Changes, ShortSeriesHaveNone) {
+  EXPECT_TRUE(find_changes({}).changes.empty());
+  EXPECT_TRUE(find_changes(std::vector<double>{1.0, 2.0}).changes.empty());
+}
+
+TEST(Changes, LevelsCoverTheSeries) {
+  auto values = noisy(60, 0.002, 8);
+  for (std::size_t i = 20; i < 30; ++i) values[i] += 0.02;
+  const auto report = find_changes(values);
+  ASSERT_EQ(report.levels.size(), 3U);
+  EXPECT_EQ(report.levels[0].first, 0U);
+  EXPECT_EQ(report.levels[1].first, report.levels[0].end);
+  EXPECT_EQ(report.levels[2].end, 60U);
+}
+
+}  // namespace
+}  // namespace touchstone::stats

@@ -1,0 +1,64 @@
+// The stated false-alarm rate and the delay of detection, over simulated years of daily builds.
+#include <gtest/gtest.h>
+
+#include <cstdio>
+
+#include "harness/stats/change_points.h"
+#include "harness/stats/simulated_noise.h"
+
+namespace touchstone::stats {
+namespace {
+
+class FalseAlarms : public testing::TestWithParam<std::string_view> {};
+
+// 300 years each, looked at every fourth day: at 1 % a year, more than 9 alarms have probability 1e-3.
+TEST_P(FalseAlarms, AtMostOnePercentAYear) {
+  constexpr int years = 300;
+  int alarms = 0;
+  for (int year = 0; year < years; ++year) {
+    Random random(1000 + static_cast<std::uint64_t>(year));
+    const auto values = series_of(GetParam(), 365, random);
+    bool alarm = false;
+    for (std::size_t day = 8; day <= values.size() && !alarm; day += 4) {
+      ChangeOptions options;
+      options.smallest_relative = 0.0;
+      alarm = !find_changes(std::span(values).first(day), options).changes.empty();
+    }
+    alarms += alarm ? 1 : 0;
+  }
+  std::printf("| %s | %d of %d |\n", std::string(GetParam()).c_str(), alarms, years);
+  EXPECT_LE(alarms, 9);
+}
+INSTANTIATE_TEST_SUITE_P(Noise, FalseAlarms, testing::ValuesIn(noises));
+
+// Builds from a step after 60 quiet builds to its detection: each size over 200 series.
+TEST(Detection, DelayBySize) {
+  for (const std::string_view noise : noises) {
+    for (const double size : {2.0, 3.0, 5.0, 10.0}) {
+      std::vector<std::size_t> delays;
+      for (std::uint64_t seed = 0; seed < 200; ++seed) {
+        Random random(seed);
+        auto values = series_of(noise, 120, random);
+        for (std::size_t i = 60; i < values.size(); ++i) values[i] += size;
+        std::size_t day = 61;
+        const auto found = [&] {
+          const auto report = find_changes(std::span(values).first(day), {.smallest_relative = 0.0});
+          for (const Change& change : report.changes) {
+            if (change.first <= 63 && change.last >= 57) return true;
+          }
+          return false;
+        };
+        while (day < values.size() && !found()) ++day;
+        delays.push_back(day - 60);
+      }
+      std::ranges::sort(delays);
+      std::printf("| %s | %g | %zu | %zu |\n", std::string(noise).c_str(), size, delays[100], delays[190]);
+      if (size >= 5.0) {
+        EXPECT_LE(delays[100], 10U) << noise << ' ' << size;
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace touchstone::stats
