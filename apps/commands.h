@@ -16,6 +16,7 @@ void add_check(CLI::App& program, Run& run);
 void add_compare(CLI::App& program, Run& run);
 void add_completion(CLI::App& program, Run& run);
 void add_convert(CLI::App& program, Run& run);
+void add_dashboard(CLI::App& program, Run& run);
 void add_dataset(CLI::App& program, Run& run);
 void add_doctor(CLI::App& program, Run& run);
 void add_discrepancy(CLI::App& program, Run& run);
@@ -50,6 +51,7 @@ inline std::vector<AddCommand> commands() {
       add_compare,
       add_completion,
       add_convert,
+      add_dashboard,
       add_dataset,
       add_doctor,
       add_discrepancy,

@@ -3,7 +3,7 @@
 # Settings, from the environment:
 #   TOUCHSTONE_CDASH_URL, TOUCHSTONE_CDASH_PROJECT        the server (CTestConfig.cmake); without a URL results are kept only
 #   TOUCHSTONE_CDASH_TOKEN or TOUCHSTONE_CDASH_TOKEN_FILE for a protected project
-#   TOUCHSTONE_DASHBOARD_SITE, _BUILD_NAME                how the run is called; default host name and compiler
+#   TOUCHSTONE_DASHBOARD_SITE, _BUILD_NAME                how the run is called; default host name, and system, preset and compiler
 #   TOUCHSTONE_DASHBOARD_SOURCE, _BINARY                  default this checkout and build/dashboard-<track>
 #   TOUCHSTONE_DASHBOARD_PRESET                           configure preset, default "default"; "" for none
 #   TOUCHSTONE_DASHBOARD_TARGETS, _TESTS                  build these only (separated by ';'); run tests that match the regex only
@@ -11,7 +11,10 @@
 #   TOUCHSTONE_DASHBOARD_COVERAGE=1, _MEMCHECK=LABEL      gcov; valgrind on the tests of that label
 #   TOUCHSTONE_DASHBOARD_UPLOAD                           files to upload, separated by ';'
 #   TOUCHSTONE_DASHBOARD_NOTES                            files to attach as notes (HIL adds the evidence of its tests)
-#   TOUCHSTONE_DASHBOARD_REQUIRE_SUBMIT=1                 exit non-zero when the server did not take everything
+#   TOUCHSTONE_DASHBOARD_REQUIRE_SUBMIT=1                 exit non-zero when the server does not hold everything in the end
+#   TOUCHSTONE_DASHBOARD_WAIT                             seconds for the server to show what it took, default 120
+#   TOUCHSTONE_DASHBOARD_PROGRAM                          the touchstone that delivers; default the one just built, that of
+#                                                         build/default, or one on the PATH
 # Exit status: 0 when everything was built and all tests passed (and, where asked, submitted), else not 0.
 cmake_minimum_required(VERSION 3.25)
 
@@ -49,7 +52,9 @@ from_environment(memcheck MEMCHECK "")
 from_environment(upload UPLOAD "")
 from_environment(CTEST_NOTES_FILES NOTES "")
 from_environment(require_submit REQUIRE_SUBMIT "")
-from_environment(CTEST_BUILD_NAME BUILD_NAME "${CMAKE_HOST_SYSTEM_NAME}-${preset}")
+include("${CMAKE_CURRENT_LIST_DIR}/dashboard_compiler.cmake")
+dashboard_compiler(compiler "${CTEST_SOURCE_DIRECTORY}" "${preset}")
+from_environment(CTEST_BUILD_NAME BUILD_NAME "${CMAKE_HOST_SYSTEM_NAME}-${preset}-${compiler}")
 from_environment(CTEST_CMAKE_GENERATOR GENERATOR Ninja)
 set(failed "")
 
@@ -74,16 +79,22 @@ endif()
 if(track STREQUAL Nightly)
   include("${CTEST_SOURCE_DIRECTORY}/CTestConfig.cmake")
 endif()
-if(update)
+# A build without a revision cannot be looked for in the history of a metric: without an update it is written down only.
+set(revision ${update})
+if(NOT update AND EXISTS "${CTEST_SOURCE_DIRECTORY}/.git")
+  set(CTEST_UPDATE_VERSION_ONLY ON)
+  set(revision 1)
+endif()
+if(revision)
   find_program(CTEST_GIT_COMMAND git REQUIRED)
 endif()
 ctest_start(${model} ${group})
 
-if(update)
+if(revision)
   ctest_update(RETURN_VALUE updated)
   if(updated LESS 0)
     list(APPEND failed update)
-  elseif(updated EQUAL 0 AND track STREQUAL Continuous)
+  elseif(update AND updated EQUAL 0 AND track STREQUAL Continuous)
     message("dashboard: nothing new; a Continuous run has nothing to do")
     return()
   endif()
@@ -91,7 +102,8 @@ endif()
 
 set(options "")
 if(preset)
-  list(APPEND options --preset ${preset})
+  # The preset names a build folder of its own, and the run has another.
+  list(APPEND options --preset ${preset} -B "${CTEST_BINARY_DIRECTORY}")
 endif()
 if(coverage)
   set(ENV{CCACHE_DISABLE} 1)  # it shortens paths, and gcov then does not find the sources
@@ -179,21 +191,27 @@ else()
       list(APPEND failed memcheck)
     endif()
   endif()
+  set(files "")
   foreach(file IN LISTS upload)
+    get_filename_component(name "${file}" NAME)
     if(NOT EXISTS "${file}")
       message("dashboard: ${file} was to be uploaded and does not exist")
       list(APPEND failed upload)
-      list(REMOVE_ITEM upload "${file}")
+    elseif(NOT name MATCHES "[.]")  # CDash 5.3 fails on such a name, and on all that comes with it
+      file(COPY_FILE "${file}" "${CTEST_BINARY_DIRECTORY}/dashboard-upload-${name}.txt")
+      list(APPEND files "${CTEST_BINARY_DIRECTORY}/dashboard-upload-${name}.txt")
+    else()
+      list(APPEND files "${file}")
     endif()
   endforeach()
-  if(upload)
-    ctest_upload(FILES ${upload})
+  if(files)
+    ctest_upload(FILES ${files})
   endif()
 endif()
 
 include("${CMAKE_CURRENT_LIST_DIR}/dashboard_outbox.cmake")
 outbox_keep(entry)
-execute_process(COMMAND "${CTEST_EXECUTABLE_NAME}" -S "${CMAKE_CURRENT_LIST_DIR}/dashboard_submit.cmake,${entry}" RESULT_VARIABLE unsent)
+outbox_send("${entry}" "${checkout}" unsent)
 if(unsent AND require_submit)
   list(APPEND failed submit)
 endif()

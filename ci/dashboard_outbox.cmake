@@ -1,8 +1,8 @@
 # The outbox: what a dashboard run produced, kept until a server has it. One folder per build in
-# <binary>/dashboard-outbox: Testing/ as ctest wrote it, notes/, and entry.cmake, which says what the build is called.
+# <binary>/dashboard-outbox: Testing/ as ctest wrote it, notes/, and what was tried so far in sent/ (harness/report/cdash_delivery.h).
 
 # outbox_keep(VARIABLE): copies the results of the current run there and sets VARIABLE to the folder. A second run within
-# the minute is, for a server, the same build: it takes the place of the first.
+# the minute is, for a server, the same build: it takes the place of the first, and what was tried of it is known still.
 function(outbox_keep variable)
   file(STRINGS "${CTEST_BINARY_DIRECTORY}/Testing/TAG" tag)
   list(GET tag 0 stamp)
@@ -13,24 +13,48 @@ function(outbox_keep variable)
   file(REMOVE_RECURSE "${entry}.part")
   file(MAKE_DIRECTORY "${entry}.part/Testing")
   file(COPY "${CTEST_BINARY_DIRECTORY}/Testing/TAG" "${CTEST_BINARY_DIRECTORY}/Testing/${stamp}" DESTINATION "${entry}.part/Testing")
-  set(notes "")
+  # ctest sends what ran under valgrind as test results once more, which a server adds to the rows it has of the same tests.
+  file(REMOVE "${entry}.part/Testing/${stamp}/DynamicAnalysis-Test.xml" "${entry}.part/Testing/${stamp}/Notes.xml")
   foreach(file IN LISTS CTEST_NOTES_FILES)
     file(COPY "${file}" DESTINATION "${entry}.part/notes")
-    get_filename_component(file "${file}" NAME)
-    list(APPEND notes "${entry}/notes/${file}")
   endforeach()
-  set(CTEST_NOTES_FILES "${notes}")
-  set(text "")
-  foreach(name IN ITEMS CTEST_SITE CTEST_BUILD_NAME CTEST_SOURCE_DIRECTORY CTEST_NOTES_FILES)
-    string(APPEND text "set(${name} [==[${${name}}]==])\n")
-  endforeach()
-  file(WRITE "${entry}.part/entry.cmake" "${text}")
   if(EXISTS "${entry}")
-    if(EXISTS "${entry}/attempted")
-      file(TOUCH "${entry}.part/attempted")
+    if(EXISTS "${entry}/sent")
+      file(COPY "${entry}/sent" DESTINATION "${entry}.part")
     endif()
     file(REMOVE_RECURSE "${entry}")
   endif()
   file(RENAME "${entry}.part" "${entry}")
   set(${variable} "${entry}" PARENT_SCOPE)
+endfunction()
+
+# outbox_send(ENTRY CHECKOUT VARIABLE): delivers what the outbox holds; VARIABLE is empty when nothing is left. `touchstone
+# dashboard send` does it; if this run built none and no other is at hand, ctest sends this run once, as well as it can
+# (dashboard_submit.cmake), and the next run's program makes sure of it.
+function(outbox_send entry checkout variable)
+  set(${variable} TRUE PARENT_SCOPE)
+  if("$ENV{TOUCHSTONE_CDASH_URL}" STREQUAL "")
+    message("dashboard: no server is set (TOUCHSTONE_CDASH_URL); the results are kept in ${entry}")
+    return()
+  endif()
+  set(program "$ENV{TOUCHSTONE_DASHBOARD_PROGRAM}")
+  if(NOT program)
+    find_program(program touchstone PATHS "${CTEST_BINARY_DIRECTORY}/bin" "${checkout}/build/default/bin" NO_DEFAULT_PATH)
+    find_program(program touchstone)
+  endif()
+  if(program)
+    set(patience "")
+    if(NOT "$ENV{TOUCHSTONE_DASHBOARD_WAIT}" STREQUAL "")
+      set(patience --wait "$ENV{TOUCHSTONE_DASHBOARD_WAIT}")
+    endif()
+    execute_process(COMMAND "${program}" dashboard send "${CTEST_BINARY_DIRECTORY}" ${patience} RESULT_VARIABLE unsent)
+  else()
+    message("dashboard: no touchstone program is at hand: ctest sends this run, and nothing reads it back")
+    execute_process(COMMAND "${CTEST_EXECUTABLE_NAME}" -S "${CMAKE_CURRENT_FUNCTION_LIST_DIR}/dashboard_submit.cmake,${entry}"
+      RESULT_VARIABLE unsent)
+  endif()
+  if(unsent EQUAL 0)
+    set(unsent "")
+  endif()
+  set(${variable} "${unsent}" PARENT_SCOPE)
 endfunction()

@@ -1,9 +1,19 @@
-// A stand-in for a CDash server on loopback, for the tests of the dashboard script: answers as CDash 5.3 was seen to
-// (submission, token, MD5, refusals, test graph, GraphQL), keeps what it was sent in a folder, and misbehaves on
-// request.
-//   cdash_stand_in FOLDER     writes FOLDER/port, then one file per accepted submission; ends at POST /quit
-// Projects: Open, and Protected, whose token is "token-of-the-test".
-//   POST /behave?mode=ok|error500|malformed|database-down|slow|cut[&count=N]   the next N submissions (default: all)
+// A stand-in for a CDash 5.3.0 server on loopback, for the tests of the dashboard. Written from its sources (tag v5.3.0
+// of github.com/Kitware/CDash, BSD 3-Clause): what submissions do is in cdash_model.h; here are the answers on the wire
+//   SubmissionController.php     the order of checks and their texts; resources/views/submission/xml-response.blade.php
+//   Middleware/AuthenticateToken.php   api/v1 takes bearer tokens of full access and logs in: the session's cookie
+//   config/lighthouse.php        /graphql takes the session only, by POST, and no token
+//   TestController.php           testGraph.php: buildid and testname; 404 "test not found"
+//   public/api/v1/buildgroup.php, GraphQL/Mutations, BuildController.php   for administrators only
+//
+//   cdash_stand_in FOLDER     writes FOLDER/port, then one file per submission taken; ends at POST /quit
+// Projects: Open; Protected (private, authenticated submissions); New (public, as made: a quota of ten bytes, no HIL).
+// Tokens: "token-of-the-test" (full access, administrator), "submit-only".
+//   POST /behave?mode=ok|html|error500|malformed|database-down|slow|cut|torn[&count=N]   the next N submissions
+//   (default: all)
+//     html: a log-in page of a proxy; malformed: damaged on the way; cut: it arrives, the answer does not; torn:
+//     neither
+//   POST /queue?connection=sync|database[&delay_ms=N]     POST /break?kind=Testing: that handler throws
 //   GET /state    the builds as JSON
 #include <httplib.h>
 #include <openssl/evp.h>
@@ -12,22 +22,25 @@
 #include <chrono>
 #include <fstream>
 #include <iostream>
-#include <nlohmann/json.hpp>
+#include <set>
 #include <thread>
 
-#include "ci/testing/stand_in_builds.h"
+#include "ci/testing/cdash_model.h"
+#include "ci/testing/graphql_answer.h"
 
 namespace {
 
 using httplib::Request;
 using httplib::Response;
 using nlohmann::json;
-using touchstone::testing::SubmittedBuilds;
+using touchstone::testing::CdashModel;
 
 constexpr int bad_request = 400;
 constexpr int forbidden = 403;
 constexpr int not_found = 404;
 constexpr int server_error = 500;
+constexpr const char* full_access = "token-of-the-test";
+constexpr const char* submit_only = "submit-only";
 
 struct Behaviour {
   std::mutex mutex;
@@ -41,9 +54,13 @@ struct Behaviour {
     if (count > 0 && --count == 0) mode = "ok";
     return now;
   }
+  std::string now() {
+    const std::lock_guard lock(mutex);
+    return mode;
+  }
 };
 
-std::string md5(const std::string& text) {
+std::string md5_of(const std::string& text) {
   std::array<unsigned char, EVP_MAX_MD_SIZE> digest{};
   unsigned int size = 0;
   EVP_Digest(text.data(), text.size(), digest.data(), &size, EVP_md5(), nullptr);
@@ -61,26 +78,30 @@ void refuse(Response& response, int status, const std::string& why) {
   response.set_content(json{{"status", 1}, {"description", why}}.dump(), "application/json");
 }
 
-void answer(Response& response, const std::string& message, int build, const std::string& hash) {
-  response.set_content(
-      "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<cdash version=\"5.3.0\">\n <status>OK</status>\n <message>" +
-          message + "</message>\n <md5>" + hash + "</md5>\n <buildId>" + std::to_string(build) +
-          "</buildId>\n</cdash>\n",
-      "text/xml");
+std::string bearer(const Request& request) {
+  const std::string header = request.get_header_value("Authorization");
+  return header.starts_with("Bearer ") ? header.substr(7) : "";
 }
 
 class Server {
  public:
   explicit Server(std::string folder) : folder_(std::move(folder)) {
     server_.Put("/submit.php", [this](const Request& q, Response& r) { submit(q, r); });
-    server_.Get("/state", [this](const Request&, Response& r) { state(r); });
-    server_.Get("/api/v1/testGraph.php", [this](const Request& q, Response& r) { graph(q, r); });
+    server_.Get("/api/v1/index.php", api([this](const Request& q, Response& r) { index(q, r); }));
+    server_.Get("/api/v1/testGraph.php", api([this](const Request& q, Response& r) { graph(q, r); }));
+    server_.Post("/api/v1/buildgroup.php", api([this](const Request& q, Response& r) { group(q, r); }));
+    server_.Post("/api/v1/build.php", api([this](const Request& q, Response& r) { build(q, r); }));
     server_.Post("/graphql", [this](const Request& q, Response& r) { graphql(q, r); });
+    server_.Get("/state", [this](const Request&, Response& r) { state(r); });
     server_.Post("/behave", [this](const Request& q, Response&) {
       const std::lock_guard lock(behaviour_.mutex);
       behaviour_.mode = q.get_param_value("mode");
       behaviour_.count = q.has_param("count") ? std::stoi(q.get_param_value("count")) : -1;
     });
+    server_.Post("/queue", [this](const Request& q, Response&) {
+      model_.queue(q.get_param_value("connection"), std::stoi("0" + q.get_param_value("delay_ms")));
+    });
+    server_.Post("/break", [this](const Request& q, Response&) { model_.break_handler(q.get_param_value("kind")); });
     server_.Post("/quit", [this](const Request&, Response&) { server_.stop(); });
   }
 
@@ -93,120 +114,168 @@ class Server {
   }
 
  private:
-  void submit(const Request& request, Response& response) {
-    const std::string mode = behaviour_.next();
-    ++requests_;
-    const std::string project = request.get_param_value("project");
-    if (project.empty()) return refuse(response, bad_request, "No project specified.");
-    if (project != "Open" && project != "Protected")
-      return refuse(response, not_found, "The requested project does not exist.");
-    if (project == "Protected" && request.get_header_value("Authorization") != "Bearer token-of-the-test") {
-      return refuse(response, forbidden, "Invalid Token");
-    }
-    if (mode == "error500") return refuse(response, server_error, "Internal error.");
-    const std::string hash = md5(request.body);
-    if (mode == "malformed" || (request.has_param("MD5") && request.get_param_value("MD5") != hash)) {
-      return refuse(response, bad_request,
-                    "md5 mismatch. expected: " + request.get_param_value("MD5") + ", received: " + hash);
-    }
-    if (mode == "slow") std::this_thread::sleep_for(std::chrono::milliseconds(1500));
-    accept(request, response, mode, project, hash);
-    if (mode == "cut") {  // it arrived, the answer does not
-      response.body.clear();
-      response.set_content_provider(1000, "text/xml",
-                                    [](std::size_t, std::size_t, httplib::DataSink&) { return false; });
-    }
+  using Handler = std::function<void(const Request&, Response&)>;
+
+  // A token of full access logs in and gets a session; away without the database.
+  Handler api(Handler inner) {
+    return [this, inner = std::move(inner)](const Request& request, Response& response) {
+      if (behaviour_.now() == "database-down") return refuse(response, server_error, "Server Error");
+      if (bearer(request) == full_access) {
+        const std::lock_guard lock(sessions_mutex_);
+        const std::string session = "session-" + std::to_string(sessions_.size() + 1);
+        sessions_.insert(session);
+        response.set_header("Set-Cookie",
+                            "cdash_session=" + session + "; expires=never; path=/; httponly; samesite=lax");
+      }
+      inner(request, response);
+    };
+  }
+  bool session_of(const Request& request) {
+    const std::string cookies = request.get_header_value("Cookie");
+    const std::lock_guard lock(sessions_mutex_);
+    return std::ranges::any_of(sessions_, [&](const std::string& session) {
+      const auto at = cookies.find("cdash_session=" + session);
+      const auto end = at + 14 + session.size();
+      return at != std::string::npos && (end == cookies.size() || cookies[end] == ';');
+    });
+  }
+  bool may_see(const std::string& project, bool logged_in) {
+    const auto* const found = model_.project(project);
+    return found != nullptr && (found->is_public || logged_in);
   }
 
-  void accept(const Request& request, Response& response, const std::string& mode, const std::string& project,
-              const std::string& hash) {
-    std::string kind;
+  void submit(const Request& request, Response& response) {
+    ++requests_;
+    const std::string mode = behaviour_.next();
+    if (mode == "html") return response.set_content("<!DOCTYPE html><html><title>Log in</title></html>", "text/html");
+    if (mode == "torn") return lose_answer(response);
+    const std::string project = request.get_param_value("project");
+    if (project.empty()) return refuse(response, bad_request, "No project name provided.");
+    const std::string expected = request.get_param_value("MD5");
+    const std::string received = mode == "malformed" ? md5_of(request.body + "damaged") : md5_of(request.body);
+    if (!expected.empty() && expected != received)
+      return refuse(response, bad_request, "md5 mismatch. expected: " + expected + ", received: " + received);
+    if (mode == "database-down") return answer(response, "Database is unavailable.", 0);
+    const auto* const found = model_.project(project);
+    if (found == nullptr) return refuse(response, not_found, "The requested project does not exist.");
+    if (found->authenticate_submissions && bearer(request) != full_access && bearer(request) != submit_only)
+      return refuse(response, forbidden, "Invalid Token");
+    if (mode == "error500") return refuse(response, server_error, "Internal error.");
+    if (mode == "slow") std::this_thread::sleep_for(std::chrono::milliseconds(1500));
     try {
-      kind = touchstone::testing::submission_kind(request.body);
-    } catch (const std::invalid_argument& error) {
-      return refuse(response, bad_request, std::string("The XML is malformed: ") + error.what());
+      const int id = model_.submit({project, request.get_param_value("site"), request.get_param_value("build"),
+                                    request.get_param_value("stamp"), request.body});
+      const std::string kind = touchstone::testing::cdash_part_kind(request.body);
+      std::ofstream(folder_ + "/" + std::to_string(++files_) + "-" + kind + ".xml", std::ios::binary) << request.body;
+      answer(response, "", id);
+    } catch (const std::runtime_error& error) {
+      refuse(response, server_error, error.what());
     }
-    if (kind.empty()) return refuse(response, server_error, "Unrecognised XML.");
-    std::ofstream(folder_ + "/" + std::to_string(++files_) + "-" + kind + ".xml", std::ios::binary) << request.body;
-    int build = 0;
-    if (kind == "Done") {
-      build = touchstone::testing::done_build_id(request.body);
-      if (!builds_.finish(build)) return refuse(response, bad_request, "Done for a build that does not exist.");
+    if (mode == "cut") lose_answer(response);
+  }
+
+  static void answer(Response& response, const std::string& message, int build) {
+    response.set_content("<cdash version=\"5.3.0\">\n    <message>" + message +
+                             "</message>\n    <status>OK</status>\n" +
+                             (build > 0 ? "    <buildId>" + std::to_string(build) + "</buildId>\n" : "") + "</cdash>\n",
+                         "text/xml");
+  }
+  static void lose_answer(Response& response) {
+    response.body.clear();
+    response.set_content_provider(1000, "text/xml", [](std::size_t, std::size_t, httplib::DataSink&) { return false; });
+  }
+
+  void index(const Request& request, Response& response) {
+    const std::string project = request.get_param_value("project");
+    if (!may_see(project, bearer(request) == full_access || session_of(request)))
+      return response.set_content(json{{"requirelogin", 1}}.dump(), "application/json");
+    response.set_content(model_.index(project, request.get_param_value("date")).dump(), "application/json");
+  }
+
+  void graph(const Request& request, Response& response) {
+    if (!request.has_param("buildid")) return refuse(response, bad_request, "\"buildid\" parameter is required.");
+    const json found =
+        model_.test_graph(std::stoi("0" + request.get_param_value("buildid")), request.get_param_value("testname"),
+                          request.get_param_value("measurementname"));
+    if (found.is_null()) return refuse(response, not_found, "test not found");
+    if (request.get_param_value("type") != "measurement")
+      return refuse(response, bad_request, "Invalid type of graph requested.");
+    response.set_content(found.dump(), "application/json");
+  }
+
+  void group(const Request& request, Response& response) {
+    auto* const project = model_.project(request.get_param_value("project"));
+    if (project == nullptr) return refuse(response, not_found, "Project does not exist");
+    if (bearer(request) != full_access) {  // can_administrate_project: the page simply ends
+      response.status = 204;
+      return;
+    }
+    const std::string name = request.get_param_value("newbuildgroup");
+    const bool is_new = std::ranges::find(project->groups, name) == project->groups.end();
+    if (is_new) project->groups.push_back(name);
+    response.set_content(json{{"id", project->groups.size()}, {"name", name}, {"autoremovetimeframe", 0}}.dump(),
+                         "application/json");
+    response.status = is_new ? 201 : 200;
+  }
+
+  void build(const Request& request, Response& response) {
+    if (bearer(request) != full_access) return refuse(response, forbidden, "This action is unauthorized.");
+    if (!model_.mark_done(std::stoi("0" + request.get_param_value("buildid"))))
+      return refuse(response, not_found, "no build");
+    response.set_content("[]", "application/json");
+  }
+
+  void graphql(const Request& request, Response& response) {
+    if (behaviour_.now() == "database-down") return refuse(response, server_error, "Server Error");
+    const json asked = json::parse(request.body, nullptr, false);
+    if (asked.is_discarded() || !asked.contains("query")) return refuse(response, bad_request, "Syntax error");
+    json data = json::object();
+    try {
+      const auto query = touchstone::testing::parse_graphql(asked["query"], asked.value("variables", json::object()));
+      for (const auto& field : query.fields)
+        data[field.name] = query.mutation ? mutation(field, session_of(request)) : top(field, session_of(request));
+    } catch (const std::exception& error) {
+      response.set_content(json{{"errors", json::array({{{"message", error.what()}}})}}.dump(), "application/json");
+      return;
+    }
+    response.set_content(json{{"data", data}}.dump(), "application/json");
+  }
+  json top(const touchstone::testing::GraphqlField& field, bool logged_in) {
+    if (field.name != "project")
+      throw std::invalid_argument("Cannot query field \"" + field.name + "\" on type \"Query\".");
+    const std::string name = field.arguments.value("name", "");
+    if (!may_see(name, logged_in)) return nullptr;
+    return touchstone::testing::graphql_value(model_.graphql_project(name), field);
+  }
+  json mutation(const touchstone::testing::GraphqlField& field, bool logged_in) {
+    if (!logged_in) throw std::invalid_argument("This action is unauthorized.");
+    const json input = field.arguments.at("input");
+    const std::array names{"Open", "Protected", "New"};
+    const bool pin = field.name == "createPinnedTestMeasurement";
+    const std::string id = input.at(pin ? "projectId" : "id");
+    auto* const project = model_.project(names.at(std::stoul(id) - 1));
+    if (pin) {
+      project->pinned.push_back(input.at("name"));
+    } else if (field.name == "updateProject") {
+      project->upload_quota_bytes = input.at("fileUploadLimit").get<double>() * 1073741824.0;
     } else {
-      build = builds_.add(project, request.get_param_value("site"), request.get_param_value("build"),
-                          request.get_param_value("stamp"), kind, request.body);
+      throw std::invalid_argument("Cannot query field \"" + field.name + "\" on type \"Mutation\".");
     }
-    answer(response, mode == "database-down" ? "Database is unavailable." : "", build, hash);
+    return {{"message", nullptr}};
   }
 
   void state(Response& response) {
-    json builds = json::array();
-    for (const auto& build : builds_.all()) builds.push_back(to_json(build));
-    response.set_content(
-        json{{"builds", builds}, {"deleted", builds_.deleted()}, {"requests", requests_.load()}}.dump(1) + "\n",
-        "application/json");
-  }
-
-  // [{"label": "rms", "data": [{"buildtestid": 1, "x": milliseconds, "y": "0.1"}]}]; here a test's number is its place
-  // + 1.
-  void graph(const Request& request, Response& response) {
-    const auto builds = builds_.all();
-    const std::size_t wanted = std::stoul("0" + request.get_param_value("testid"));
-    const int build_id = std::stoi("0" + request.get_param_value("buildid"));
-    const auto build = std::ranges::find(builds, build_id, &touchstone::testing::SubmittedBuild::id);
-    if (build == builds.end() || wanted == 0 || wanted > build->tests.size())
-      return refuse(response, not_found, "test not found");
-    if (request.get_param_value("type") != "measurement")
-      return refuse(response, bad_request, "Invalid type of graph requested.");
-    const std::string measurement = request.get_param_value("measurementname");
-    json data = json::array();
-    for (const auto& other : builds) {
-      for (const auto& test : other.tests) {
-        const auto value = test.measurements.find(measurement);
-        if (test.name != build->tests[wanted - 1].name || value == test.measurements.end()) continue;
-        data.push_back(
-            {{"buildtestid", other.id * 1000}, {"x", 1700000000000LL + other.id * 60000LL}, {"y", value->second}});
-      }
-    }
-    response.set_content(json::array({json{{"label", measurement}, {"data", data}}}).dump(), "application/json");
-  }
-
-  // Answers the one query that `touchstone history` asks, two builds to a page; only its variables are read.
-  void graphql(const Request& request, Response& response) {
-    constexpr std::size_t page = 2;
-    const json asked = json::parse(request.body, nullptr, false);
-    if (asked.is_discarded() || !asked.contains("variables")) return refuse(response, bad_request, "Syntax error");
-    const auto& variables = asked["variables"];
-    const auto builds = builds_.all();
-    const std::size_t first = variables["after"].is_string() ? std::stoul(variables["after"].get<std::string>()) : 0;
-    json edges = json::array();
-    for (std::size_t i = first; i < std::min(first + page, builds.size()); ++i) {
-      json tests = json::array();
-      for (const auto& test : builds[i].tests) {
-        if (test.name != variables["test"]) continue;
-        json values = json::array();
-        for (const auto& [name, value] : test.measurements) values.push_back({{"name", name}, {"value", value}});
-        tests.push_back({{"node", {{"testMeasurements", values}}}});
-      }
-      const auto minute = std::to_string(10 + builds[i].id % 50);
-      edges.push_back({{"node",
-                        {{"id", std::to_string(builds[i].id)},
-                         {"startTime", "2026-01-01T00:" + minute + ":00+00:00"},
-                         {"name", builds[i].name},
-                         {"updateStep", {{"revision", "commit" + std::to_string(builds[i].id)}}},
-                         {"tests", {{"edges", tests}}}}}});
-    }
-    const bool more = first + page < builds.size();
-    const json connection{{"edges", edges},
-                          {"pageInfo", {{"hasNextPage", more}, {"endCursor", std::to_string(first + page)}}}};
-    const json project = variables["project"] == "Open" ? json{{"builds", connection}} : json(nullptr);
-    response.set_content(json{{"data", {{"project", project}}}}.dump(), "application/json");
+    json state = model_.state();
+    state["requests"] = requests_.load();
+    response.set_content(state.dump(1) + "\n", "application/json");
   }
 
   std::string folder_;
+  CdashModel model_;
   httplib::Server server_;
   Behaviour behaviour_;
-  SubmittedBuilds builds_;
+  std::mutex sessions_mutex_;
+  std::set<std::string> sessions_;
   std::atomic<int> requests_{0};
   std::atomic<int> files_{0};
 };

@@ -3,8 +3,10 @@
 #include <curl/curl.h>
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cctype>
 #include <memory>
+#include <string_view>
 
 #include "harness/base/error.h"
 #include "harness/base/loaded_library.h"
@@ -60,6 +62,19 @@ std::size_t collect(char* data, std::size_t size, std::size_t count, void* to) {
   return size * count;
 }
 
+// Called once for each header line.
+std::size_t collect_cookies(char* data, std::size_t size, std::size_t count, void* to) {
+  const std::string_view line(data, size * count);
+  constexpr std::string_view name = "set-cookie:";
+  const auto same = [](char a, char b) { return std::tolower(static_cast<unsigned char>(a)) == b; };
+  if (line.size() > name.size() &&
+      std::equal(name.begin(), name.end(), line.begin(), [&](char a, char b) { return same(b, a); })) {
+    const std::string_view rest = line.substr(std::min(line.find_first_not_of(' ', name.size()), line.size()));
+    static_cast<std::vector<std::string>*>(to)->emplace_back(rest.substr(0, rest.find_first_of(";\r\n")));
+  }
+  return size * count;
+}
+
 WebOutcome outcome_of(CURLcode code) {
   switch (code) {
     case CURLE_OK:
@@ -94,9 +109,16 @@ WebAnswer web_request(const WebRequest& request) {
   if (list != nullptr) set(CURLOPT_HTTPHEADER, list);
   set(CURLOPT_WRITEFUNCTION, &collect);
   set(CURLOPT_WRITEDATA, &collected);
-  if (request.body) set(CURLOPT_POSTFIELDS, request.body->c_str());
+  std::vector<std::string> cookies;
+  set(CURLOPT_HEADERFUNCTION, &collect_cookies);
+  set(CURLOPT_HEADERDATA, &cookies);
+  if (request.body) {
+    set(CURLOPT_POSTFIELDSIZE_LARGE, static_cast<curl_off_t>(request.body->size()));
+    set(CURLOPT_POSTFIELDS, request.body->c_str());
+    if (request.put) set(CURLOPT_CUSTOMREQUEST, "PUT");
+  }
   const CURLcode code = curl.easy_perform(easy.get());
-  WebAnswer answer{outcome_of(code), 0, std::move(collected.text), {}};
+  WebAnswer answer{outcome_of(code), 0, std::move(collected.text), std::move(cookies), {}};
   curl.easy_getinfo(easy.get(), CURLINFO_RESPONSE_CODE, &answer.status);
   if (code != CURLE_OK) answer.problem = curl.easy_strerror(code);
   return answer;

@@ -14,6 +14,7 @@ struct WebRequest {
   std::string url;
   std::vector<std::string> headers;  // "Content-Type: application/json"
   std::optional<std::string> body;   // given: POST, else GET
+  bool put = false;                  // the body by PUT
   long connect_timeout_ms = 10'000;
   long timeout_ms = 60'000;   // of the whole exchange
   bool encrypted_too = true;  // https as well as http
@@ -25,9 +26,10 @@ enum class WebOutcome : std::uint8_t { answered, unreachable, timed_out, failed 
 
 struct WebAnswer {
   WebOutcome outcome = WebOutcome::failed;
-  long status = 0;      // HTTP's, where there was an answer
-  std::string text;     // the answer's body
-  std::string problem;  // what went wrong where there was none
+  long status = 0;                   // HTTP's, where there was an answer
+  std::string text;                  // the answer's body
+  std::vector<std::string> cookies;  // "name=value", as the server sets them
+  std::string problem;               // what went wrong where there was none
 };
 
 // Never throws for what the network or the server does; throws BadData where libcurl is not installed.

@@ -5,38 +5,17 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
 
 #include "harness/base/error.h"
-#include "harness/base/web_request.h"
 
 namespace touchstone {
 namespace {
 
 using nlohmann::json;
-
-constexpr long first_error_status = 400;
-
-// One page of builds; filters keep the answer small on servers with many tests.
-constexpr const char* query = R"(query($project: String!, $test: String!, $after: String) {
-  project(name: $project) { builds(first: 50, after: $after) {
-    edges { node { id name startTime updateStep { revision }
-      tests(filters: {eq: {name: $test}}) { edges { node { testMeasurements { name value } } } } } }
-    pageInfo { hasNextPage endCursor } } } })";
-
-json fetch(const CdashServer& server, const std::string& path, const std::optional<std::string>& body) {
-  WebRequest request{.url = server.url + path, .headers = {"Content-Type: application/json"}, .body = body};
-  if (!server.token.empty()) request.headers.push_back("Authorization: Bearer " + server.token);
-  const WebAnswer got = web_request(request);
-  if (got.outcome != WebOutcome::answered) throw BadData(fmt::format("{}: {}", server.url, got.problem));
-  if (got.status >= first_error_status)
-    throw BadData(fmt::format("{}: the server answers {}: {}", server.url, got.status, got.text.substr(0, 300)));
-  json answer = json::parse(got.text, nullptr, false);
-  if (answer.is_discarded())
-    throw BadData(fmt::format("{}: the answer is not JSON; is this a CDash server?", server.url));
-  return answer;
-}
+using SeriesMap = std::map<SeriesKey, std::vector<HistoryPoint>>;
 
 // CDash hands numbers out as text or as numbers; what is not a finite number is no measurement.
 std::optional<double> number_of(const json& value) {
@@ -53,53 +32,74 @@ std::optional<double> number_of(const json& value) {
   return std::isfinite(number) ? std::optional(number) : std::nullopt;
 }
 
-void add_build(const json& build, const std::string& metric, History& history) {
-  for (const auto& test : build.at("tests").at("edges")) {
-    for (const auto& measured : test.at("node").at("testMeasurements")) {
+// A name that stands for one only can be asked for; one with a star is sorted out here.
+std::string filter(const char* field, const std::string& name) {
+  if (name.empty() || name.back() == '*') return "";
+  return fmt::format("(filters: {{eq: {{{}: {}}}}})", field, graphql_text(name));
+}
+
+// One page of builds; filters keep the answer small on servers with many tests.
+std::string query_of(const std::string& project, const SeriesKey& wanted, const std::string& after) {
+  std::string tests = filter("name", wanted.test);
+  tests = tests.empty() ? "(first: 100000)" : "(first: 100000, " + tests.substr(1);
+  return fmt::format(
+      "{{ project(name: {}) {{ builds(first: 50{}) {{ edges {{ node {{ id name stamp startTime buildType "
+      "site {{ name }} updateStep {{ revision }} tests{} {{ edges {{ node {{ name status "
+      "testMeasurements{} {{ name value }} }} }} }} }} }} pageInfo {{ hasNextPage endCursor }} }} }} }}",
+      graphql_text(project), after.empty() ? "" : ", after: " + graphql_text(after), tests,
+      filter("name", wanted.metric));
+}
+
+void add_build(const json& build, const SeriesKey& wanted, SeriesMap& map) {
+  const auto& update = build.at("updateStep");
+  const bool known = update.is_object() && update.at("revision").is_string();
+  const std::string commit =
+      known ? update.at("revision").get<std::string>() : "build " + build.at("id").get<std::string>();
+  for (const auto& edge : build.at("tests").at("edges")) {
+    const json& test = edge.at("node");
+    for (const auto& measured : test.at("testMeasurements")) {
+      const SeriesKey key{build.at("site").at("name"), build.at("name"), build.at("buildType"), test.at("name"),
+                          measured.at("name")};
       const auto value = number_of(measured.at("value"));
-      if (measured.at("name") != metric || !value) continue;
-      const auto& update = build.at("updateStep");
-      const std::string commit =
-          update.is_object() && update.at("revision").is_string() ? update.at("revision") : build.at("name");
-      history.push_back({commit, build.at("startTime"), *value});
+      if (value && matches(wanted, key)) map[key].push_back({commit, build.at("startTime"), *value});
     }
   }
 }
 
 }  // namespace
 
-History cdash_history(const CdashServer& server, const std::string& project, const std::string& test,
-                      const std::string& metric) {
-  History history;
-  json after = nullptr;
+std::vector<HistorySeries> cdash_history(CdashConnection& connection, const SeriesKey& wanted) {
+  const CdashServer& server = connection.server();
+  SeriesMap map;
+  std::string after;
   try {
     for (bool more = true; more;) {
-      const json body{{"query", query}, {"variables", {{"project", project}, {"test", test}, {"after", after}}}};
-      const json answer = fetch(server, "/graphql", body.dump());
-      if (answer.contains("errors"))
-        throw BadData(fmt::format("{}: {}", server.url, answer["errors"].dump().substr(0, 300)));
-      const json& found = answer.at("data").at("project");
+      const json answer = connection.graphql(query_of(server.project, wanted, after));
+      const json& found = answer.at("project");
       if (found.is_null())
-        throw BadData(fmt::format("{}: there is no project '{}' that this token may see", server.url, project));
-      for (const auto& edge : found.at("builds").at("edges")) add_build(edge.at("node"), metric, history);
+        throw BadData(fmt::format("{}: there is no project '{}' that this token may see", server.url, server.project));
+      for (const auto& edge : found.at("builds").at("edges")) add_build(edge.at("node"), wanted, map);
       const json& page = found.at("builds").at("pageInfo");
       more = page.at("hasNextPage").get<bool>();
-      after = page.at("endCursor");
+      if (more) after = page.at("endCursor").get<std::string>();
     }
   } catch (const json::exception& error) {
     throw BadData(fmt::format("{}: the answer is not what CDash's GraphQL gives: {}", server.url, error.what()));
   }
-  std::ranges::stable_sort(history, {}, &HistoryPoint::time);  // ISO 8601 sorts as text
-  return history;
+  std::vector<HistorySeries> all;
+  for (auto& [key, points] : map) {
+    std::ranges::stable_sort(points, {}, &HistoryPoint::time);  // ISO 8601 in one zone sorts as text
+    all.push_back({key, std::move(points)});
+  }
+  return all;
 }
 
-History cdash_test_graph(const CdashServer& server, const std::string& build_id, const std::string& test_id,
-                         const std::string& metric) {
-  const json answer =
-      fetch(server,
-            fmt::format("/api/v1/testGraph.php?testid={}&buildid={}&type=measurement&measurementname={}", test_id,
-                        build_id, percent_encoded(metric)),
-            std::nullopt);
+HistorySeries cdash_test_graph(CdashConnection& connection, const std::string& build_id, const std::string& test,
+                               const std::string& metric) {
+  const std::string path =
+      fmt::format("/api/v1/testGraph.php?buildid={}&testname={}&type=measurement&measurementname={}",
+                  percent_encoded(build_id), percent_encoded(test), percent_encoded(metric));
+  const json answer = connection.get(path);
   std::vector<std::pair<double, HistoryPoint>> points;
   try {
     for (const auto& point : answer.at(0).at("data")) {
@@ -107,15 +107,17 @@ History cdash_test_graph(const CdashServer& server, const std::string& build_id,
       const double milliseconds = point.at("x").get<double>();
       if (value)
         points.push_back(
-            {milliseconds, {point.at("buildtestid").dump(), fmt::format("{:.0f}", milliseconds / 1e3), *value}});
+            {milliseconds,
+             {"test run " + point.at("buildtestid").dump(), fmt::format("{:.0f}", milliseconds / 1e3), *value}});
     }
   } catch (const json::exception& error) {
-    throw BadData(fmt::format("{}: the answer is not what CDash's test graph gives: {}", server.url, error.what()));
+    throw BadData(
+        fmt::format("{}: the answer is not what CDash's test graph gives: {}", connection.server().url, error.what()));
   }
   std::ranges::stable_sort(points, {}, [](const auto& p) { return p.first; });
-  History history;
-  for (auto& [time, point] : points) history.push_back(std::move(point));
-  return history;
+  HistorySeries series{{"", "", "", test, metric}, {}};
+  for (auto& [time, point] : points) series.points.push_back(std::move(point));
+  return series;
 }
 
 }  // namespace touchstone

@@ -1,24 +1,22 @@
-// Reads a measurement's history back from a CDash server, by its GraphQL interface (every build of a project) or by the
-// interface behind its test graphs (one test of one build, and its earlier runs).
+// Reads measurements back from a CDash server, by its GraphQL interface (every build of a project) or by the interface
+// behind its test graphs (one test of one build, and its earlier runs under the same site, name and track).
 #pragma once
 
 #include <string>
+#include <vector>
 
+#include "harness/report/cdash_server.h"
 #include "harness/report/history.h"
 
 namespace touchstone {
 
-struct CdashServer {
-  std::string url;    // http(s)://host/path, without a trailing slash
-  std::string token;  // empty for an open project; goes into a header only
-};
+// The series of the wanted keys (matches()). A build without Update.xml has no revision: its points are called
+// "build N". Throws BadData when the server cannot be reached, refuses, does not know the project or hides it from this
+// token, or answers with something else.
+std::vector<HistorySeries> cdash_history(CdashConnection& connection, const SeriesKey& wanted);
 
-// The builds in which the test has the measurement, oldest first. Throws BadData when the server cannot be reached,
-// refuses, does not know the project, or answers with something else.
-History cdash_history(const CdashServer& server, const std::string& project, const std::string& test,
-                      const std::string& metric);
-// Through api/v1/testGraph.php.
-History cdash_test_graph(const CdashServer& server, const std::string& build_id, const std::string& test_id,
-                         const std::string& metric);
+// Through api/v1/testGraph.php, which takes the name of the test, not its number. Its points carry no revision.
+HistorySeries cdash_test_graph(CdashConnection& connection, const std::string& build_id, const std::string& test,
+                               const std::string& metric);
 
 }  // namespace touchstone

@@ -3,11 +3,14 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
+#include <ctime>
 #include <fstream>
+#include <map>
 #include <nlohmann/json.hpp>
-#include <numeric>
-#include <span>
+#include <pugixml.hpp>
+#include <set>
 
 #include "harness/base/atomic_file.h"
 #include "harness/base/error.h"
@@ -16,54 +19,23 @@
 namespace touchstone {
 namespace {
 
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::ranges::nth_element(values, middle);
-  if (values.size() % 2 == 1) return *middle;
-  return 0.5 * (*middle + *std::max_element(values.begin(), middle));
-}
+using SeriesMap = std::map<SeriesKey, std::vector<HistoryPoint>>;
 
-double mean(std::span<const double> values) {
-  return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
-}
-
-double noise_of(const std::vector<double>& values) {
-  std::vector<double> differences;
-  double largest = 0.0;
-  for (std::size_t i = 0; i < values.size(); ++i) {
-    largest = std::max(largest, std::abs(values[i]));
-    if (i > 0) differences.push_back(std::abs(values[i] - values[i - 1]));
+std::vector<HistorySeries> in_order(SeriesMap map) {
+  std::vector<HistorySeries> all;
+  for (auto& [key, points] : map) {
+    const bool timed = std::ranges::all_of(points, [](const HistoryPoint& p) { return !p.time.empty(); });
+    if (timed) std::ranges::stable_sort(points, {}, &HistoryPoint::time);  // ISO 8601 sorts as text
+    all.push_back({key, std::move(points)});
   }
-  // 1.4826: the median absolute deviation of a normal in standard deviations; sqrt(2): a difference of two.
-  constexpr double rounding = 1e-12;
-  return std::max(1.4826 * median(differences) / std::sqrt(2.0), rounding * largest);
+  return all;
 }
 
-void split(const std::vector<double>& values, std::size_t first, std::size_t last, double noise,
-           std::vector<Step>& steps) {
-  const std::size_t count = last - first;
-  const double penalty = 3.0 * std::log(static_cast<double>(values.size()));
-  Step best{0, 0.0, 0.0, 0.0};
-  for (std::size_t at = first + 1; at < last; ++at) {
-    const double before = mean(std::span(values).subspan(first, at - first));
-    const double after = mean(std::span(values).subspan(at, last - at));
-    const double error =
-        noise * std::sqrt(1.0 / static_cast<double>(at - first) + 1.0 / static_cast<double>(last - at));
-    const double score = error > 0.0 ? std::abs(after - before) / error : 0.0;
-    if (score > best.score) best = {at, before, after, score};
-  }
-  if (count < 2 || !(best.score * best.score > penalty)) return;
-  split(values, first, best.index, noise, steps);
-  steps.push_back(best);
-  split(values, best.index, last, noise, steps);
-}
-
-}  // namespace
-
-History load_history(const std::filesystem::path& file, std::string_view metric, std::string_view test) {
+void read_lines(const std::filesystem::path& file, const SeriesKey& wanted, std::set<std::string>& seen,
+                SeriesMap& map) {
   std::ifstream in(file);
   if (!in) throw BadData(fmt::format("{}: cannot be opened for reading", file.string()));
-  History history;
+  std::set<std::string> here;
   std::size_t number = 0;
   for (std::string line; std::getline(in, line);) {
     ++number;
@@ -71,54 +43,118 @@ History load_history(const std::filesystem::path& file, std::string_view metric,
     const std::string place = fmt::format("{}: line {}", file.string(), number);
     const nlohmann::json document = parse_json(line, place);
     JsonObject object(document, place, "");
-    const auto of_test = object.optional_text("test");
-    HistoryPoint point{object.text("commit"), object.optional_text("time").value_or(""), object.number("value")};
-    const bool wanted = object.text("metric") == metric && (test.empty() || of_test == test);
+    const auto text = [&](const char* name) { return object.optional_text(name).value_or(""); };
+    const SeriesKey key{text("site"), text("build"), text("track"), text("test"), object.text("metric")};
+    HistoryPoint point{object.text("commit"), text("time"), object.number("value")};
     object.finish();
-    if (wanted) history.push_back(std::move(point));
+    // Equal lines of one file are repeated measurements; of two files, the same one fetched twice.
+    if (seen.contains(line)) continue;
+    here.insert(line);
+    if (matches(wanted, key)) map[key].push_back(std::move(point));
   }
-  return history;
+  seen.merge(here);
 }
 
-void append_history(const std::filesystem::path& file, const HistoryPoint& point, std::string_view metric,
-                    std::string_view test) {
-  if (!std::isfinite(point.value))
-    throw BadData(fmt::format("{} of {} is {}: not recorded", metric, point.commit, point.value));
-  nlohmann::json line{{"commit", point.commit}, {"metric", metric}, {"value", point.value}};
-  if (!test.empty()) line["test"] = test;
-  if (!point.time.empty()) line["time"] = point.time;
-  const std::string before = std::filesystem::exists(file) ? read_file(file) : std::string();
-  write_file(file, before + (before.empty() || before.ends_with('\n') ? "" : "\n") + line.dump() + "\n");
+std::vector<std::filesystem::path> files_of(const std::filesystem::path& path) {
+  if (!std::filesystem::is_directory(path)) return {path};
+  std::vector<std::filesystem::path> files;
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(path)) {
+    if (entry.is_regular_file() && entry.path().extension() == ".jsonl") files.push_back(entry.path());
+  }
+  if (files.empty()) throw BadData(fmt::format("{}: no *.jsonl file is in this folder or below", path.string()));
+  std::ranges::sort(files);
+  return files;
 }
 
-std::vector<Step> find_steps(const std::vector<double>& values) {
-  std::vector<Step> steps;
-  if (values.size() < 3) return steps;
-  split(values, 0, values.size(), noise_of(values), steps);
-  return steps;
+std::string utc_time(std::time_t seconds) {
+  std::tm parts{};
+  gmtime_r(&seconds, &parts);
+  return fmt::format("{:04}-{:02}-{:02}T{:02}:{:02}:{:02}Z", parts.tm_year + 1900, parts.tm_mon + 1, parts.tm_mday,
+                     parts.tm_hour, parts.tm_min, parts.tm_sec);
 }
 
-std::vector<std::string> broken_gates(const History& history, const HistoryGate& gate) {
-  if (history.empty()) return {"there is no value to hold against a threshold"};
-  std::vector<std::string> broken;
-  const HistoryPoint& newest = history.back();
-  if (gate.maximum && !(newest.value <= *gate.maximum)) {
-    broken.push_back(fmt::format("{}: {:.6g} is above {:.6g}", newest.commit, newest.value, *gate.maximum));
+}  // namespace
+
+std::string title_of(const SeriesKey& key) {
+  std::string title = key.metric;
+  if (!key.test.empty()) title += " of " + key.test;
+  const std::string where = key.site + (key.site.empty() || key.build.empty() ? "" : "/") + key.build;
+  if (!where.empty()) title += ", " + where;
+  if (!key.track.empty()) title += ", " + key.track;
+  return title;
+}
+
+bool matches_name(const std::string& pattern, const std::string& name) {
+  if (pattern.empty()) return true;
+  if (pattern.back() == '*') return name.starts_with(std::string_view(pattern).substr(0, pattern.size() - 1));
+  return pattern == name;
+}
+
+bool matches(const SeriesKey& pattern, const SeriesKey& key) {
+  return matches_name(pattern.site, key.site) && matches_name(pattern.build, key.build) &&
+         matches_name(pattern.track, key.track) && matches_name(pattern.test, key.test) &&
+         matches_name(pattern.metric, key.metric);
+}
+
+std::vector<HistorySeries> load_history(const std::vector<std::filesystem::path>& files, const SeriesKey& wanted) {
+  SeriesMap map;
+  std::set<std::string> seen;
+  for (const auto& path : files) {
+    for (const auto& file : files_of(path)) read_lines(file, wanted, seen, map);
   }
-  if (gate.minimum && !(newest.value >= *gate.minimum)) {
-    broken.push_back(fmt::format("{}: {:.6g} is below {:.6g}", newest.commit, newest.value, *gate.minimum));
-  }
-  if (gate.most_rise && history.size() == 1) broken.push_back("there is no earlier value to rise from");
-  if (gate.most_rise && history.size() > 1) {
-    std::vector<double> earlier;
-    for (const auto& point : std::span(history).first(history.size() - 1)) earlier.push_back(point.value);
-    const double usual = median(earlier);
-    if (!(newest.value - usual <= *gate.most_rise * std::abs(usual))) {
-      broken.push_back(fmt::format("{}: {:.6g} is more than {:.3g} % above {:.6g}, the median before", newest.commit,
-                                   newest.value, 100.0 * *gate.most_rise, usual));
+  return in_order(std::move(map));
+}
+
+void append_history(const std::filesystem::path& file, const std::vector<HistorySeries>& series) {
+  std::string text = std::filesystem::exists(file) ? read_file(file) : std::string();
+  if (!text.empty() && !text.ends_with('\n')) text += '\n';
+  for (const auto& [key, points] : series) {
+    for (const HistoryPoint& point : points) {
+      if (!std::isfinite(point.value))
+        throw BadData(fmt::format("{} of {} is {}: not recorded", key.metric, point.commit, point.value));
+      nlohmann::json line{{"commit", point.commit}, {"metric", key.metric}, {"value", point.value}};
+      const auto add = [&](const char* name, const std::string& value) {
+        if (!value.empty()) line[name] = value;
+      };
+      add("test", key.test);
+      add("site", key.site);
+      add("build", key.build);
+      add("track", key.track);
+      add("time", point.time);
+      text += line.dump() + "\n";
     }
   }
-  return broken;
+  write_file(file, text);
+}
+
+std::vector<HistorySeries> collect_ctest(const std::filesystem::path& testing, const std::string& commit) {
+  std::ifstream tag(testing / "TAG");
+  std::string stamp;
+  std::getline(tag, stamp);
+  const auto file = testing / stamp / "Test.xml";
+  pugi::xml_document document;
+  if (stamp.empty() || !document.load_file(file.c_str()))
+    throw BadData(fmt::format("{}: no readable Test.xml of a run: run the tests by ctest -T Test", testing.string()));
+  const auto site = document.child("Site");
+  const std::string build_stamp = site.attribute("BuildStamp").value();
+  const auto dash = build_stamp.find('-', build_stamp.find('-') + 1);
+  const std::string time = utc_time(site.child("Testing").child("StartTestTime").text().as_llong());
+  SeriesMap map;
+  for (const auto& test : site.child("Testing").children("Test")) {
+    for (const auto& measured : test.child("Results").children("NamedMeasurement")) {
+      const std::string_view name = measured.attribute("name").value();
+      const std::string_view value = measured.child_value("Value");
+      if (std::string_view(measured.attribute("type").value()) != "numeric/double" || name == "Execution Time")
+        continue;
+      double number = 0.0;
+      const auto [end, error] = std::from_chars(value.data(), value.data() + value.size(), number);
+      if (error != std::errc{} || end != value.data() + value.size() || !std::isfinite(number)) continue;
+      map[{site.attribute("Name").value(), site.attribute("BuildName").value(),
+           dash == std::string::npos ? "" : build_stamp.substr(dash + 1), test.child_value("Name"), std::string(name)}]
+          .push_back({commit, time, number});
+    }
+  }
+  return in_order(std::move(map));
 }
 
 }  // namespace touchstone

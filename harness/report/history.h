@@ -1,48 +1,47 @@
-// A metric over commits: read from a local file of lines, judged against thresholds, and searched for steps.
+// Metrics over builds. A series is what one test measured at one site, under one build name, in one track: values of
+// another machine, compiler or developer are another series and are never judged together.
 #pragma once
 
-#include <cstddef>
+#include <compare>
 #include <filesystem>
-#include <optional>
 #include <string>
-#include <string_view>
 #include <vector>
 
 namespace touchstone {
 
+struct SeriesKey {
+  std::string site, build, track, test, metric;  // empty where the source does not say
+  auto operator<=>(const SeriesKey&) const = default;
+};
+
 struct HistoryPoint {
-  std::string commit;  // or the build's name
-  std::string time;    // as the source has it; may be empty
+  std::string commit;  // the revision; "build N" where the source does not know it
+  std::string time;    // ISO 8601, or as the source has it; may be empty
   double value = 0.0;  // finite
 };
-using History = std::vector<HistoryPoint>;  // oldest first
 
-// One JSON object to a line: {"commit": "...", "test": "...", "metric": "...", "value": 1.5, "time": "..."}; lines of
-// another metric, or of another test where one is asked for, are passed over. Throws BadData with file and line.
-History load_history(const std::filesystem::path& file, std::string_view metric, std::string_view test);
-// Adds one line; throws BadData for a value that is not finite.
-void append_history(const std::filesystem::path& file, const HistoryPoint& point, std::string_view metric,
-                    std::string_view test);
-
-// A change of the mean, at the first point of the new level.
-struct Step {
-  std::size_t index;
-  double before;  // mean of the level that ends
-  double after;
-  double score;  // difference of the means over its standard error
+struct HistorySeries {
+  SeriesKey key;
+  std::vector<HistoryPoint> points;  // oldest first
 };
 
-// Binary segmentation (Scott and Knott 1974): the best split is kept while the square of its score exceeds 3 ln n (the
-// penalty of Zhang and Siegmund 2007 for a change of unknown place). The noise is that of successive differences
-// (median absolute, so that steps do not count as noise); where there is none, any change beyond rounding is a step.
-std::vector<Step> find_steps(const std::vector<double>& values);
+// "metric of test, site/build, track", without what is empty.
+std::string title_of(const SeriesKey& key);
 
-struct HistoryGate {
-  std::optional<double> maximum = std::nullopt;
-  std::optional<double> minimum = std::nullopt;
-  std::optional<double> most_rise = std::nullopt;  // of the newest over the median of those before, as a fraction
-};
-// One sentence for each threshold that the newest value breaks; a history without values breaks every gate.
-std::vector<std::string> broken_gates(const History& history, const HistoryGate& gate);
+// Which series are wanted: empty fields take all; a final '*' takes every name that begins so.
+bool matches(const SeriesKey& pattern, const SeriesKey& key);
+bool matches_name(const std::string& pattern, const std::string& name);
+
+// Files with one JSON object to a line: {"commit", "metric", "value" [, "test", "site", "build", "track", "time"]}.
+// A folder stands for every *.jsonl file in it and below, such as artefacts fetched from a CI service; the same line in
+// several files counts once. Points with times are put in their order. Throws BadData with file and line.
+std::vector<HistorySeries> load_history(const std::vector<std::filesystem::path>& files, const SeriesKey& wanted);
+
+// Adds one line for each series' points; throws BadData for a value that is not finite.
+void append_history(const std::filesystem::path& file, const std::vector<HistorySeries>& series);
+
+// Every numeric measurement of the newest run in `testing`, the folder Testing of a build: ctest's Test.xml, which
+// `ctest -T Test` and the dashboard write. Throws BadData if there is none.
+std::vector<HistorySeries> collect_ctest(const std::filesystem::path& testing, const std::string& commit);
 
 }  // namespace touchstone

@@ -5,35 +5,90 @@
 
 #include <cmath>
 #include <filesystem>
+#include <nlohmann/json.hpp>
 
 #include "harness/base/atomic_file.h"
 #include "harness/base/error.h"
 #include "harness/base/random.h"
+#include "harness/report/history_page.h"
+#include "harness/report/history_verdict.h"
 
 namespace touchstone {
 namespace {
 
+using testing::HasSubstr;
+
 class HistoryFile : public testing::Test {
  protected:
-  std::filesystem::path file =
+  std::filesystem::path folder =
       std::filesystem::path(testing::TempDir()) /
-      (std::string("history_") + testing::UnitTest::GetInstance()->current_test_info()->name() + ".jsonl");
-  void SetUp() override { std::filesystem::remove(file); }
-  void TearDown() override { std::filesystem::remove(file); }
+      (std::string("history_") + testing::UnitTest::GetInstance()->current_test_info()->name());
+  std::filesystem::path file = folder / "history.jsonl";
+  void SetUp() override {
+    std::filesystem::remove_all(folder);
+    std::filesystem::create_directories(folder);
+  }
+  void TearDown() override { std::filesystem::remove_all(folder); }
 };
 
+HistorySeries series_of(const std::vector<double>& values) {
+  HistorySeries series{{"site", "build", "Nightly", "test", "metric"}, {}};
+  for (std::size_t i = 0; i < values.size(); ++i) series.points.push_back({"c" + std::to_string(i), "", values[i]});
+  return series;
+}
+
+SeriesVerdict judged(const std::vector<double>& values, const HistoryLimit& limit = {}) {
+  return judge_series(series_of(values), limit, 0.01, 1);
+}
+
+std::vector<double> noisy(std::size_t count, double noise, std::uint64_t seed) {
+  Random random(seed);
+  std::vector<double> values(count);
+  for (double& value : values) value = 1.0 + noise * random.normal();
+  return values;
+}
+
 TEST_F(HistoryFile, WhatIsAppendedIsReadBack) {
-  append_history(file, {"a1", "2026-01-01", 0.1}, "force_rms_N", "golden.x.y");
-  append_history(file, {"a1", "", 7.0}, "operations", "golden.x.y");
-  append_history(file, {"b2", "", 0.2}, "force_rms_N", "golden.other.y");
-  append_history(file, {"b2", "", 0.3}, "force_rms_N", "golden.x.y");
-  const auto history = load_history(file, "force_rms_N", "golden.x.y");
-  ASSERT_EQ(history.size(), 2U);
-  EXPECT_EQ(history[0].commit, "a1");
-  EXPECT_EQ(history[0].value, 0.1);
-  EXPECT_EQ(history[1].value, 0.3);
-  EXPECT_EQ(load_history(file, "force_rms_N", "").size(), 3U);
-  EXPECT_THROW(append_history(file, {"c", "", NAN}, "force_rms_N", ""), BadData);
+  append_history(file, {{{"", "", "", "golden.x.y", "force_rms_N"}, {{"a1", "2026-01-01", 0.1}}},
+                        {{"", "", "", "golden.x.y", "operations"}, {{"a1", "", 7.0}}}});
+  append_history(file, {{{"", "", "", "golden.other.y", "force_rms_N"}, {{"b2", "", 0.2}}}});
+  append_history(file, {{{"", "", "", "golden.x.y", "force_rms_N"}, {{"b2", "", 0.3}}}});
+  const auto history = load_history({file}, {"", "", "", "golden.x.y", "force_rms_N"});
+  ASSERT_EQ(history.size(), 1U);
+  ASSERT_EQ(history[0].points.size(), 2U);
+  EXPECT_EQ(history[0].points[0].commit, "a1");
+  EXPECT_EQ(history[0].points[0].value, 0.1);
+  EXPECT_EQ(history[0].points[1].value, 0.3);
+  EXPECT_EQ(load_history({file}, {"", "", "", "", "force_rms_N"}).size(), 2U);
+  EXPECT_EQ(load_history({file}, {"", "", "", "golden.*", ""}).size(), 3U);
+  EXPECT_THROW(append_history(file, {{{"", "", "", "", "m"}, {{"c", "", NAN}}}}), BadData);
+}
+
+TEST_F(HistoryFile, SitesBuildNamesAndTracksAreSeriesOfTheirOwn) {
+  for (const char* const site : {"lab", "ci"}) {
+    for (const char* const build : {"gcc", "clang"}) {
+      for (const char* const track : {"Nightly", "Experimental"})
+        append_history(file, {{{site, build, track, "t", "m"}, {{"a", "", 1.0}}}});
+    }
+  }
+  EXPECT_EQ(load_history({file}, {}).size(), 8U);
+  EXPECT_EQ(load_history({file}, {"lab", "", "Nightly", "", ""}).size(), 2U);
+}
+
+TEST_F(HistoryFile, AFolderOfArtefactsIsReadOnceEachAndInOrderOfTime) {
+  const HistorySeries old{{"", "", "", "t", "m"}, {{"a", "2026-01-01T00:00:00Z", 1.0}}};
+  const HistorySeries late{{"", "", "", "t", "m"}, {{"b", "2026-02-01T00:00:00Z", 2.0}}};
+  std::filesystem::create_directories(folder / "run-1");
+  std::filesystem::create_directories(folder / "run-2");
+  append_history(folder / "run-2" / "history.jsonl", {old});
+  append_history(folder / "run-1" / "history.jsonl", {late, old});
+  const auto history = load_history({folder}, {});
+  ASSERT_EQ(history.size(), 1U);
+  ASSERT_EQ(history[0].points.size(), 2U);
+  EXPECT_EQ(history[0].points[0].commit, "a");
+  std::filesystem::remove_all(folder / "run-1");
+  std::filesystem::remove_all(folder / "run-2");
+  EXPECT_THROW(load_history({folder}, {}), BadData);
 }
 
 TEST_F(HistoryFile, ABadLineIsNamed) {
@@ -41,60 +96,111 @@ TEST_F(HistoryFile, ABadLineIsNamed) {
              "{\"commit\": \"a\", \"metric\": \"m\", \"value\": 1}\n{\"commit\": \"b\", \"metric\": \"m\", \"value\": "
              "null}\n");
   try {
-    load_history(file, "m", "");
+    load_history({file}, {"", "", "", "", "m"});
     FAIL() << "accepted";
   } catch (const BadData& error) {
-    EXPECT_THAT(error.what(), testing::HasSubstr("line 2"));
+    EXPECT_THAT(error.what(), HasSubstr("line 2"));
   }
 }
 
-TEST(Steps, APlantedStepIsFoundAtItsPlace) {
-  for (const double scale : {1e-6, 1.0, 1e6}) {
-    Random random(5);
-    std::vector<double> values;
-    for (int i = 0; i < 60; ++i) values.push_back(scale * ((i < 40 ? 1.0 : 1.2) + 0.02 * random.normal()));
-    const auto steps = find_steps(values);
-    ASSERT_EQ(steps.size(), 1U) << "scale " << scale;
-    EXPECT_EQ(steps[0].index, 40U);
-    EXPECT_NEAR(steps[0].after / steps[0].before, 1.2, 0.02);
+// As ctest 3.25 writes it.
+TEST_F(HistoryFile, MeasurementsOfARunAreCollected) {
+  std::filesystem::create_directories(folder / "20260102-0304");
+  write_file(folder / "TAG", "20260102-0304\nNightly\nNightly\n");
+  write_file(folder / "20260102-0304" / "Test.xml",
+             R"(<?xml version="1.0" encoding="UTF-8"?>
+<Site BuildName="Linux-gcc" BuildStamp="20260102-0304-Nightly" Name="lab" Generator="ctest-3.25.1"><Testing>
+<StartTestTime>1767323040</StartTestTime><TestList><Test>./golden.x</Test></TestList>
+<Test Status="passed"><Name>golden.x</Name><Results>
+<NamedMeasurement type="numeric/double" name="force_rms_N"><Value>0.125</Value></NamedMeasurement>
+<NamedMeasurement type="numeric/double" name="Execution Time"><Value>0.01</Value></NamedMeasurement>
+<NamedMeasurement type="text/string" name="golden_hash"><Value>1</Value></NamedMeasurement>
+</Results></Test></Testing></Site>)");
+  const auto collected = collect_ctest(folder, "abc");
+  ASSERT_EQ(collected.size(), 1U);
+  EXPECT_EQ(collected[0].key, (SeriesKey{"lab", "Linux-gcc", "Nightly", "golden.x", "force_rms_N"}));
+  EXPECT_EQ(collected[0].points[0].value, 0.125);
+  EXPECT_EQ(collected[0].points[0].time, "2026-01-02T03:04:00Z");
+  EXPECT_THROW(collect_ctest(folder / "nowhere", "abc"), BadData);
+}
+
+TEST(Gates, HoldTheNewestValueInBothDirections) {
+  const std::vector<double> values{1.0, 1.0, 1.2};
+  EXPECT_FALSE(judged(values).failed());
+  EXPECT_FALSE(judged(values, {.maximum = 1.3, .minimum = 1.0, .most_rise = 0.25}).failed());
+  EXPECT_EQ(judged(values, {.maximum = 1.1, .minimum = 1.3, .most_rise = 0.1}).findings.size(), 3U);
+  EXPECT_TRUE(judged({}, {.maximum = 1.0}).failed());
+  EXPECT_TRUE(judged({1.0}, {.most_rise = 1.0}).failed());
+}
+
+TEST(Gates, AFallOfANegativeValueIsAFall) {
+  const std::vector<double> values{-1.0, -1.0, -1.5};
+  EXPECT_FALSE(judged(values, {.most_rise = 0.1}).failed());
+  EXPECT_TRUE(judged(values, {.most_fall = 0.1}).failed());
+  EXPECT_TRUE(judged({-1.0, -1.0, -0.5}, {.most_rise = 0.1}).failed());
+}
+
+TEST(Gates, RoundingAfterZerosIsNoRise) {
+  EXPECT_FALSE(judged({0.0, 0.0, 0.0, 1e-15}, {.most_rise = 0.02}).failed());
+  EXPECT_TRUE(judged({0.0, 0.0, 0.0, 1e-3}, {.most_rise = 0.02}).failed());
+}
+
+TEST(Judgement, AStepFailsUntilItIsAcceptedOrOver) {
+  auto values = noisy(80, 0.01, 3);
+  for (std::size_t i = 60; i < values.size(); ++i) values[i] += 0.2;
+  const auto verdict = judged(values);
+  EXPECT_TRUE(verdict.failed());
+  ASSERT_EQ(verdict.findings.size(), 1U);
+  EXPECT_THAT(verdict.findings[0].sentence, HasSubstr("c59..c60"));
+  EXPECT_FALSE(judged(values, {.worse = Worse::down}).failed());
+  EXPECT_TRUE(judged(values, {.worse = Worse::up}).failed());
+  EXPECT_FALSE(judged(values, {.smallest_relative = 0.3}).failed());
+  EXPECT_FALSE(judged(values, {.accepted = {{"c60", "a better algorithm"}}}).failed());
+  EXPECT_TRUE(judged(values, {.accepted = {{"c12", "another"}}}).failed());
+  for (std::size_t i = 70; i < values.size(); ++i) values[i] -= 0.2;
+  EXPECT_FALSE(judged(values, {.worse = Worse::up}).failed()) << "over since then";
+}
+
+TEST(Judgement, ADriftFails) {
+  auto values = noisy(60, 0.001, 6);
+  for (std::size_t i = 0; i < values.size(); ++i) values[i] += 0.0005 * static_cast<double>(i);
+  const auto verdict = judged(values);
+  ASSERT_EQ(verdict.findings.size(), 1U);
+  EXPECT_THAT(verdict.findings[0].sentence, HasSubstr("drift"));
+  EXPECT_TRUE(verdict.failed());
+}
+
+TEST_F(HistoryFile, LimitsAreReadAndTheFirstThatMatchesCounts) {
+  write_file(file, R"({"schema": "touchstone-history/1", "false_alarms_per_year": 0.005, "limits": [
+    {"metric": "force_rms_N", "test": "golden.*", "worse": "up", "max": 0.1,
+     "accepted": [{"commit": "abc", "reason": "new algorithm"}]},
+    {"metric": "*", "smallest_relative": 0.1}]})");
+  const auto limits = load_history_limits(file);
+  EXPECT_EQ(limits.false_alarms_per_year, 0.005);
+  EXPECT_EQ(limits.of({"", "", "", "golden.x", "force_rms_N"}).maximum, 0.1);
+  EXPECT_EQ(limits.of({"", "", "", "bench", "force_rms_N"}).smallest_relative, 0.1);
+  write_file(file, R"({"schema": "touchstone-history/1", "limits": [{"metric": "m", "worse": "upwards"}]})");
+  EXPECT_THROW(load_history_limits(file), BadData);
+}
+
+TEST(HistoryPicture, EachLevelIsALineOfItsOwnAndHorizontal) {
+  auto values = noisy(80, 0.01, 3);
+  for (std::size_t i = 60; i < values.size(); ++i) values[i] += 0.2;
+  const JudgedSeries one{series_of(values), judged(values)};
+  const auto plot = history_plot(one);
+  ASSERT_EQ(plot.panels.size(), 1U);
+  ASSERT_EQ(plot.panels[0].lines.size(), 3U);
+  for (std::size_t i = 1; i < 3; ++i) {
+    const auto& points = plot.panels[0].lines[i].points;
+    ASSERT_EQ(points.size(), 2U);
+    EXPECT_EQ(points[0].second, points[1].second);
+    EXPECT_LT(points[0].first, points[1].first);
   }
-}
-
-TEST(Steps, UpAndDownAgainAreTwo) {
-  std::vector<double> values(50, 1.0);
-  for (std::size_t i = 20; i < 30; ++i) values[i] = 1.01;
-  const auto steps = find_steps(values);
-  ASSERT_EQ(steps.size(), 2U);
-  EXPECT_EQ(steps[0].index, 20U);
-  EXPECT_EQ(steps[1].index, 30U);
-}
-
-// Over many histories of noise alone, few steps are claimed.
-TEST(Steps, NoiseAloneRarelyShowsOne) {
-  int claimed = 0;
-  for (std::uint64_t seed = 0; seed < 200; ++seed) {
-    Random random(seed);
-    std::vector<double> values;
-    for (int i = 0; i < 50; ++i) values.push_back(1.0 + 0.1 * random.normal());
-    claimed += find_steps(values).empty() ? 0 : 1;
-  }
-  EXPECT_LE(claimed, 20);
-}
-
-TEST(Steps, ConstantAndShortHistoriesHaveNone) {
-  EXPECT_TRUE(find_steps(std::vector<double>(20, 3.0)).empty());
-  EXPECT_TRUE(find_steps(std::vector<double>(20, 0.0)).empty());
-  EXPECT_TRUE(find_steps({}).empty());
-  EXPECT_TRUE(find_steps({1.0, 2.0}).empty());
-}
-
-TEST(Gates, HoldTheNewestValue) {
-  const History history{{"a", "", 1.0}, {"b", "", 1.0}, {"c", "", 1.2}};
-  EXPECT_TRUE(broken_gates(history, {}).empty());
-  EXPECT_TRUE(broken_gates(history, {.maximum = 1.3, .minimum = 1.0, .most_rise = 0.25}).empty());
-  EXPECT_EQ(broken_gates(history, {.maximum = 1.1, .minimum = 1.3, .most_rise = 0.1}).size(), 3U);
-  EXPECT_FALSE(broken_gates({}, {.maximum = 1.0}).empty());
-  EXPECT_FALSE(broken_gates({{"a", "", 1.0}}, {.most_rise = 1.0}).empty());
+  const auto page = history_page({one}, "A <title>");
+  EXPECT_THAT(page, HasSubstr("A &lt;title&gt;"));
+  EXPECT_THAT(page, HasSubstr("class=\"failed\""));
+  EXPECT_EQ(page.find("http"), std::string::npos) << "nothing is fetched";
+  EXPECT_TRUE(history_json({one})["failed"].get<bool>());
 }
 
 }  // namespace
