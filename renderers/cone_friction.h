@@ -50,6 +50,7 @@ class ConeFollower {
   explicit ConeFollower(const ConeFriction& friction) : friction_(friction) {}
 
   void stick() noexcept { sliding_ = false; }
+  void resume(bool sliding) noexcept { sliding_ = sliding; }
   [[nodiscard]] bool sliding() const noexcept { return sliding_; }
   [[nodiscard]] const ConeFriction& friction() const noexcept { return friction_; }
 

@@ -81,6 +81,8 @@ class ContactMesh {
     return facets_.capacity() * sizeof(Facet) + topology_->memory_bytes();
   }
   [[nodiscard]] bool closed() const noexcept { return topology_->closed(); }
+  // Some edge has one triangle only: the mesh has a rim, beyond which inside and outside are not defined.
+  [[nodiscard]] bool open() const noexcept { return topology_->open_edge_count > 0; }
   // The length of the bounding box's diagonal.
   [[nodiscard]] double extent() const noexcept { return extent_; }
   // The largest magnitude of a coordinate: what rounding of positions on the surface is relative to.

@@ -5,6 +5,8 @@
 #include <memory>
 
 #include "harness/surface/exact_predicates.h"
+#include "harness/surface/triangle_queries.h"
+#include "renderers/flush.h"
 
 namespace touchstone {
 namespace {
@@ -101,6 +103,73 @@ bool cross(const TriangleMesh& mesh, std::int32_t s, std::int32_t t) {
   return along.cross(p[lone_a] - from).dot(along.cross(q[lone_b] - from)) > 0.0;
 }
 
+// The number of each triangle's body; empty where there is one only.
+std::vector<std::int32_t> bodies(const MeshTopology& topology) {
+  const std::size_t count = topology.neighbours.size();
+  std::vector<std::int32_t> body(count, -1);
+  std::vector<std::int32_t> queue;
+  queue.reserve(count);
+  std::int32_t found = 0;
+  for (std::size_t seed = 0; seed < count; ++seed) {
+    if (body[seed] >= 0) continue;
+    body[seed] = found;
+    queue.assign(1, static_cast<std::int32_t>(seed));
+    for (std::size_t head = 0; head < queue.size(); ++head) {
+      for (const std::int32_t next : topology.neighbours[at(queue[head])]) {
+        if (next < 0 || body[at(next)] >= 0) continue;
+        body[at(next)] = found;
+        queue.push_back(next);
+      }
+    }
+    if (queue.size() == count) return {};
+    ++found;
+  }
+  return body;
+}
+
+double squared_distance_of_segments(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
+  // C. Ericson, Real-Time Collision Detection, 2005, section 5.1.9.
+  const Vec3 u = b - a;
+  const Vec3 v = d - c;
+  const Vec3 r = a - c;
+  const double uu = u.squaredNorm();
+  const double vv = v.squaredNorm();
+  const double uv = u.dot(v);
+  const double ur = u.dot(r);
+  const double vr = v.dot(r);
+  const double det = uu * vv - uv * uv;
+  double s = det > 0.0 ? std::clamp((uv * vr - ur * vv) / det, 0.0, 1.0) : 0.0;
+  double t = vv > 0.0 ? (uv * s + vr) / vv : 0.0;
+  if (t < 0.0 || t > 1.0) {
+    t = std::clamp(t, 0.0, 1.0);
+    s = uu > 0.0 ? std::clamp((uv * t - ur) / uu, 0.0, 1.0) : 0.0;
+  }
+  return (r + s * u - t * v).squaredNorm();
+}
+
+// Whether the triangles come as close as that: a corner to a triangle, or an edge to an edge, as wherever they do not
+// cross.
+bool within_reach(const Corners& p, const Vec3& p_normal, const Corners& q, const Vec3& q_normal, double reach) {
+  const double most = reach * reach;
+  for (std::size_t i = 0; i < 3; ++i) {
+    if (closest_on_triangle(q, q_normal, p[i]).squared_distance <= most) return true;
+    if (closest_on_triangle(p, p_normal, q[i]).squared_distance <= most) return true;
+    for (std::size_t j = 0; j < 3; ++j) {
+      if (squared_distance_of_segments(p[i], p[(i + 1) % 3], q[j], q[(j + 1) % 3]) <= most) return true;
+    }
+  }
+  return false;
+}
+
+double magnitude_of(const TriangleMesh& mesh) {
+  double magnitude = 0.0;
+  for (const auto& triangle : mesh.triangles) {
+    for (const std::int32_t corner : triangle)
+      magnitude = std::max(magnitude, mesh.vertices_W_m[at(corner)].cwiseAbs().maxCoeff());
+  }
+  return magnitude;
+}
+
 }  // namespace
 
 std::vector<bool> regular_triangles(const TriangleMesh& mesh, const MeshTopology& topology, const TriangleTree& tree) {
@@ -116,10 +185,17 @@ std::vector<bool> regular_triangles(const TriangleMesh& mesh, const MeshTopology
     }
     regular[t] = good;
   }
+  const std::vector<std::int32_t> body = bodies(topology);
+  const double flush = body.empty() ? 0.0 : flush_m(magnitude_of(mesh));
+  const auto touch = [&](std::int32_t s, std::int32_t t) {
+    return !body.empty() && body[at(s)] != body[at(t)] &&
+           within_reach(corners_of(mesh, s), topology.face_normals[at(s)], corners_of(mesh, t),
+                        topology.face_normals[at(t)], flush);
+  };
   // Pairs come from several threads at a time.
   const auto crossed = std::make_unique<std::atomic<bool>[]>(count);
   tree.overlapping_pairs([&](std::int32_t s, std::int32_t t) {
-    if (s < t && cross(mesh, s, t)) crossed[at(s)] = crossed[at(t)] = true;
+    if (s < t && (cross(mesh, s, t) || touch(s, t))) crossed[at(s)] = crossed[at(t)] = true;
   });
   for (std::size_t t = 0; t < count; ++t) regular[t] = regular[t] && !crossed[t];
   return regular;

@@ -9,8 +9,9 @@
 namespace touchstone {
 
 // True for a triangle that has area, whose edges and corners are manifold, whose neighbours have area and do not lie
-// folded onto it, and that no triangle crosses other than its neighbours along the shared edge or corner. Rims are
-// regular. Crossings are decided exactly (triangle_queries.h).
+// folded onto it, that no triangle crosses other than its neighbours along the shared edge or corner, and that no
+// triangle of another body touches to what counts as flush (flush.h). Rims are regular. Crossings are decided exactly
+// (triangle_queries.h). A body here is what hangs together across edges of two triangles.
 std::vector<bool> regular_triangles(const TriangleMesh& mesh, const MeshTopology& topology, const TriangleTree& tree);
 
 }  // namespace touchstone

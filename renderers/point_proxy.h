@@ -2,20 +2,11 @@
 // planes where it is not (plane_contact.h).
 #pragma once
 
+#include "renderers/exposed_place.h"
 #include "renderers/plane_contact.h"
 #include "renderers/surface_walk.h"
 
 namespace touchstone {
-
-// Where a run starts: inside a closed body (or behind an open sheet, its rim aside) at the closest surface point.
-struct StartPlace {
-  bool inside = false;
-  std::int32_t triangle = -1;
-  Feature feature = Feature::face;
-  std::size_t index = 0;  // of the edge or corner
-  Vec3 p_W_m = Vec3::Zero();
-};
-StartPlace start_place(const ContactMesh& mesh, const Surface& surface, const Vec3& p) noexcept;
 
 // Where a walk (surface_walk.h) rests: at one place, or none.
 template <class Walk>
@@ -53,7 +44,7 @@ class PointProxy {
   }
 
  private:
-  void go_by_planes(const Vec3& g, std::int32_t triangle, const Vec3& p) noexcept;
+  void go_by_planes(const Vec3& p) noexcept;
 
   const ContactMesh* mesh_;
   const Surface* surface_;

@@ -93,10 +93,14 @@ auto SurfaceWalkOf<Mesh>::normal() const noexcept -> V {
 template <class Mesh>
 bool SurfaceWalkOf<Mesh>::follow(const V& p) noexcept {
   if (friction_.none()) return descend(p);
-  hold_ = S(sliding_ ? friction_.mu_dynamic : friction_.mu_static);
+  const bool was_sliding = sliding_;
+  hold_ = S(was_sliding ? friction_.mu_dynamic : friction_.mu_static);
   rounding_ = resting_error(*mesh_, p);
   sliding_ = false;
-  return descend(p);
+  const bool done = descend(p);
+  // Stopped on the way: what goes on from here goes on sliding.
+  if (!done) sliding_ = sliding_ || was_sliding;
+  return done;
 }
 
 template <class Mesh>
@@ -292,8 +296,12 @@ bool SurfaceWalkOf<Mesh>::leave(const V& p) noexcept {
     push_.setZero();
     return true;
   }
+  const V from = g_;
   g_ += hit.fraction * (p - g_);
-  return to_face(hit.triangle);
+  if (!to_face(hit.triangle)) return false;
+  took_off_ = from;
+  flew_ = true;
+  return true;
 }
 
 template <class Mesh>
@@ -329,6 +337,7 @@ bool SurfaceWalkOf<Mesh>::to_face(std::int32_t triangle) noexcept {
     if (t >= 0) fetch(mesh_->facet(t));
   }
   stopped_ = !facet.regular;
+  flew_ = false;
   return stopped_;
 }
 

@@ -52,8 +52,11 @@ class SurfaceWalkOf {
   // Goes on from g on that triangle, sliding or held.
   void resume(const V& g, std::int32_t triangle, bool sliding = false) noexcept;
   // Moves the god-object for a new position of the tip. False where it came upon a triangle that cannot be walked on
-  // (Facet::regular): it is at position() on triangle(), and push() is not known.
+  // (Facet::regular): it is at position() on triangle(), and push() is not known. flew() says whether it came there
+  // through free space, from took_off().
   bool follow(const V& p) noexcept;
+  [[nodiscard]] bool flew() const noexcept { return flew_; }
+  [[nodiscard]] const V& took_off() const noexcept { return took_off_; }
 
   [[nodiscard]] On on() const noexcept { return on_; }
   [[nodiscard]] bool touching() const noexcept { return on_ != On::nothing; }
@@ -94,10 +97,12 @@ class SurfaceWalkOf {
   const Mesh* mesh_;
   V g_ = V::Zero();
   V push_ = V::Zero();
+  V took_off_ = V::Zero();  // where stopped_
   std::int32_t triangle_ = -1;
   std::size_t local_ = 0;
   On on_ = On::nothing;
   bool stopped_ = false;  // on a triangle that is not regular
+  bool flew_ = false;     // where stopped_
   bool sliding_ = false;
   ConeFriction friction_;
   S hold_ = S(0.0);      // the coefficient that holds the god-object now; 0: no friction
