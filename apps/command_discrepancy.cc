@@ -46,6 +46,9 @@ void add_discrepancy(CLI::App& program, Run& run) {
                       "force against displacement (x = y = 0, or a sliding way in x)");
   command->add_option("--mesh-unit", options->files.mesh_unit, "unit of the mesh: m, mm, cm or km")
       ->capture_default_str();
+  command->add_flag("--repair", options->files.repair,
+                    "turn triangles that face the other way than most of their piece, and closed pieces that are "
+                    "inside out");
   command->add_option("--recording", options->files.recording, "measured positions and forces to learn from")
       ->required();
   command->add_option("--holdout", options->files.holdout,

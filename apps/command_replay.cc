@@ -4,12 +4,10 @@
 #include <filesystem>
 
 #include "apps/commands.h"
+#include "apps/mesh_flags.h"
 #include "apps/plugin_flags.h"
 #include "harness/base/atomic_file.h"
-#include "harness/base/units.h"
 #include "harness/rendering/replay_file.h"
-#include "harness/surface/embree_surface.h"
-#include "harness/surface/mesh_file.h"
 #include "renderers/catalogue.h"
 
 namespace touchstone::apps {
@@ -17,17 +15,19 @@ namespace {
 
 struct ReplayOptions {
   std::string model, mesh, mesh_unit = "m", trajectory, out, timing, json;
+  MeshFlags meshes;
   PluginFlags plugins;
 };
 
 ExitStatus replay_command(const ReplayOptions& options) {
   const Model model = load_model(options.model, options.plugins.load());
   find_renderer(model);  // a misspelt name is said before a large mesh is read
-  const TriangleMesh mesh = load_mesh(options.mesh, length_unit_factor(options.mesh_unit));
+  const TriangleMesh mesh = options.meshes.load(options.mesh, options.mesh_unit);
   const auto began = std::chrono::steady_clock::now();
-  const std::shared_ptr<const Surface> surface = make_embree_surface(mesh);
+  const std::shared_ptr<const Surface> surface = options.meshes.surface(mesh);
   const auto renderer = make_renderer(model, surface);
   const double build_ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - began).count();
+  options.meshes.warn(mesh, *surface);
 
   const ReplaySummary summary = replay_file(*renderer, options.trajectory, options.out);
   if (!options.timing.empty()) {
@@ -46,8 +46,11 @@ ExitStatus replay_command(const ReplayOptions& options) {
       fmt::print("operations of a step: not counted: {}\n", counted.not_counted);
     }
     write_file(options.timing, timing_to_json(timing, operations));
-    fmt::print("step: mean {:.3f} us, median {:.3f} us, p99 {:.3f} us, max {:.3f} us; build {:.1f} ms, {} bytes\n",
-               timing.mean_us, timing.median_us, timing.p99_us, timing.max_us, timing.build_ms, timing.memory_bytes);
+    fmt::print(
+        "step: mean {:.3f} us, median {:.3f} us, p99 {:.3f} us, p99.9 {:.3f} us, max {:.3f} us; build {:.1f} ms, {} "
+        "bytes\n",
+        timing.mean_us, timing.median_us, timing.p99_us, timing.p999_us, timing.max_us, timing.build_ms,
+        timing.memory_bytes);
   }
   if (!options.json.empty()) {
     write_file(options.json,
@@ -68,6 +71,8 @@ void add_replay(CLI::App& program, Run& run) {
   command->add_option("--mesh", options->mesh, "OBJ, OFF, PLY or STL, also .gz")->required();
   command->add_option("--mesh-unit", options->mesh_unit, "Unit of the mesh's coordinates: m, mm, cm, km, um")
       ->capture_default_str();
+  options->meshes.add_repair_to(*command);
+  options->meshes.add_two_sided_to(*command);
   command->add_option("--trajectory", options->trajectory, "Positions over time: CSV or HDF5 with t_s, x_m, y_m, z_m")
       ->required();
   command->add_option("--out", options->out, "Rendered file: force, surface contact point, contact (CSV or HDF5)")

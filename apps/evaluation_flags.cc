@@ -82,6 +82,9 @@ void add_evaluation_flags(CLI::App& command, EvaluationFlags& flags) {
                      "Episodes are errors over it: 0.5mm for position, 0.2N for force; may be given twice");
   command.add_flag("--flip-force", flags.flip_force, "The file has the force BY the probe: negate it");
   command.add_flag("--closed", flags.closed, "The object is a closed body: refuse a mesh with holes");
+  command.add_flag("--repair", flags.repair,
+                   "Turn triangles that face the other way than most of their piece, and closed pieces that are inside "
+                   "out, before anything else; the report says how many");
   command.add_option("--extend-edges", flags.extend_edges,
                      "The mesh is a patch of a larger object: continue its open edges by this much (10mm), fill its "
                      "holes; 0 leaves it "
@@ -111,6 +114,7 @@ EvaluationRequest make_request(const EvaluationFlags& flags) {
   for (const std::string& threshold : flags.thresholds) apply_threshold(threshold, request);
   request.flip_force = flags.flip_force;
   request.closed = flags.closed;
+  request.repair = flags.repair;
   if (!flags.extend_edges.empty()) {
     request.extend_edges_m = flags.extend_edges == "0" ? 0.0 : parse_length_m(flags.extend_edges, "--extend-edges");
   }

@@ -15,7 +15,7 @@ struct EvaluationFlags {
                                       on_duplicate = "refuse", on_gap = "keep";
   std::vector<std::string> thresholds;
   double stiffness_N_per_m = 0.0;
-  bool flip_force = false, closed = false;
+  bool flip_force = false, closed = false, repair = false;
   PluginFlags plugins;
 };
 

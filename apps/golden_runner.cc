@@ -20,6 +20,7 @@
 #include "harness/report/ctest_measurement.h"
 #include "harness/surface/embree_surface.h"
 #include "harness/surface/mesh_file.h"
+#include "harness/surface/mesh_warnings.h"
 #include "renderers/catalogue.h"
 #include "synthetic/surface_catalogue.h"
 #include "synthetic/trajectory_catalogue.h"
@@ -173,6 +174,9 @@ CaseRun run_case(const GoldenCase& golden, const std::string& model, bool time_s
   if (change) change(described);
   const std::shared_ptr<const Surface> surface = make_embree_surface(mesh);
   const auto renderer = make_renderer(described, surface);
+  if (golden.surface.generator.empty()) {
+    for (const std::string& warning : mesh_warnings(*surface)) fmt::print(stderr, "warning: {}\n", warning);
+  }
   CaseRun run;
   run.rendered = replay(*renderer, trajectory, time_steps);
   run.p99_us = p99(run.rendered.cost_us);

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <utility>
 #include <vector>
 
 #include "apps/plugin_flags.h"
@@ -14,7 +15,9 @@
 #include "harness/surface/embree_surface.h"
 #include "harness/surface/extend_edges.h"
 #include "harness/surface/mesh_file.h"
+#include "harness/surface/mesh_repair.h"
 #include "harness/surface/mesh_topology.h"
+#include "harness/surface/mesh_warnings.h"
 
 namespace touchstone::apps {
 namespace {
@@ -73,7 +76,13 @@ DiscrepancyInputs load_inputs(const DiscrepancyFiles& files) {
   if (!files.holdout.empty()) inputs.holdout = load_recording(files.holdout);
   inputs.mesh =
       files.mesh.empty() ? half_space(inputs.train) : load_mesh(files.mesh, length_unit_factor(files.mesh_unit));
+  if (files.repair) {
+    OrientedMesh repaired = orient(inputs.mesh);
+    if (repaired.turned > 0) inputs.remarks.push_back(orientation_note(repaired));
+    inputs.mesh = std::move(repaired.mesh);
+  }
   inputs.surface = make_embree_surface(inputs.mesh);
+  for (const std::string& warning : mesh_warnings(*inputs.surface)) inputs.remarks.push_back("warning: " + warning);
   if (!files.mesh.empty()) continue_where_the_mesh_has_ended(inputs);
   if (files.synthesize_in_trajectory) {
     synthesize(inputs.train, *inputs.surface, inputs.model);

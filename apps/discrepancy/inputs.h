@@ -6,6 +6,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "harness/recording/trajectory.h"
 #include "harness/rendering/model.h"
@@ -21,6 +22,7 @@ struct DiscrepancyFiles {
   std::filesystem::path model;
   std::filesystem::path mesh;  // empty: the half-space below z = 0, for force against displacement
   std::string mesh_unit = "m";
+  bool repair = false;  // turn triangles that are inside out (harness/surface/mesh_repair.h)
   std::filesystem::path recording;
   std::filesystem::path holdout;     // empty: alternating blocks of `recording` are kept back
   double block_s = 2.0;              // of the blocks kept back; a short recording has shorter ones
@@ -40,6 +42,7 @@ struct DiscrepancyInputs {
   std::shared_ptr<const Surface> surface;
   Recording train;
   std::optional<Recording> holdout;
+  std::vector<std::string> remarks;  // on the mesh: what was repaired, what is wrong with it
 };
 
 // Throws BadData naming the file.

@@ -38,6 +38,7 @@ std::optional<double> rms_in_fresh_process_N(const DiscrepancyFiles& files) {
                                  "--recording=" + files.recording.string(),
                                  "--mesh-unit=" + files.mesh_unit};
   if (!files.mesh.empty()) words.push_back("--mesh=" + files.mesh.string());
+  if (files.repair) words.emplace_back("--repair");
   std::vector<char*> arguments;
   arguments.reserve(words.size() + 1);
   for (std::string& word : words) arguments.push_back(word.data());

@@ -83,6 +83,7 @@ std::vector<Candidate> all_candidates() {
 Findings run_discrepancy(const DiscrepancyFiles& files, const std::function<void(const std::string&)>& report) {
   ensure_writable_folder(files.out);
   const DiscrepancyInputs inputs = load_inputs(files);
+  for (const std::string& remark : inputs.remarks) report(remark);
   const Model& model = inputs.model;
   const TriangleMesh& mesh = inputs.mesh;
   const auto& surface = inputs.surface;

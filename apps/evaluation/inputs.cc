@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "harness/base/error.h"
 #include "harness/base/progress.h"
@@ -17,7 +18,9 @@
 #include "harness/surface/embree_surface.h"
 #include "harness/surface/extend_edges.h"
 #include "harness/surface/mesh_file.h"
+#include "harness/surface/mesh_repair.h"
 #include "harness/surface/mesh_topology.h"
+#include "harness/surface/mesh_warnings.h"
 #include "renderers/catalogue.h"
 #include "renderers/effects/assemble.h"
 
@@ -123,6 +126,12 @@ void look_at_edges(const EvaluationRequest& request, EvaluationInputs& inputs) {
   }
 }
 
+void repair(EvaluationInputs& inputs) {
+  OrientedMesh repaired = orient(inputs.mesh);
+  if (repaired.turned > 0) inputs.messages.push_back(orientation_note(repaired));
+  inputs.mesh = std::move(repaired.mesh);
+}
+
 void extend(double width_m, EvaluationInputs& inputs) {
   inputs.mesh = extend_open_edges(weld_coincident_vertices(inputs.mesh), width_m);
   inputs.extended_m = width_m;
@@ -177,9 +186,11 @@ EvaluationInputs load_inputs(const EvaluationRequest& request) {
                     entry.name));
   }
   inputs.mesh = load_mesh(request.mesh, length_unit_factor(request.mesh_unit));
+  if (request.repair) repair(inputs);
   if (request.extend_edges_m.value_or(0.0) > 0.0) extend(*request.extend_edges_m, inputs);
   inputs.surface = make_embree_surface(inputs.mesh);
   look_at_edges(request, inputs);
+  for (const std::string& warning : mesh_warnings(*inputs.surface)) inputs.messages.push_back(warning);
   inputs.survey = survey_recording(request);
   if (!request.extend_edges_m) extend_where_the_mesh_has_ended(request, inputs);
   refuse_far(request, inputs);

@@ -28,6 +28,7 @@ struct EvaluationRequest {
   double position_threshold_m = 0.5e-3;     // episodes; the accuracy of the tracker of the 2006 paper
   bool flip_force = false;
   bool closed = false;  // refuse a mesh with open edges
+  bool repair = false;  // turn triangles that are inside out (harness/surface/mesh_repair.h)
   // Continue the mesh's open edges by this much (harness/surface/extend_edges.h); 0: not. Where it is not given, they
   // are continued if the recording touches the object where the mesh has ended, and the report says so.
   std::optional<double> extend_edges_m;

@@ -168,6 +168,7 @@ FitResult run_fit(const FitRequest& request) {
   result.metric = request.metric;
   check_fit_metric(request.metric);
   const EvaluationInputs inputs = load_inputs(request.evaluation);
+  for (const std::string& message : inputs.messages) result.warnings.push_back(message);
   std::vector<FitParameter> parameters;
   for (const std::string& text : request.parameters) {
     parameters.push_back(parse_fit_parameter(text, inputs.model));

@@ -22,6 +22,7 @@ struct ReplayTiming {
   double mean_us = 0.0;    // from whole blocks of steps between two clock readings: the clock's cost is not in it
   double median_us = 0.0;  // the rest from single steps, the clock's own cost (measured) taken off
   double p99_us = 0.0;
+  double p999_us = 0.0;  // 99.9th percentile: what one step in a thousand takes, once a second at 1 kHz
   double max_us = 0.0;
   double build_ms = 0.0;         // making the renderer and the surface's structures; filled by the caller
   std::size_t memory_bytes = 0;  // Renderer::memory_bytes()

@@ -13,9 +13,6 @@
 namespace touchstone {
 namespace {
 
-// Nesting is looked for among at most this many pieces: it costs their number times the triangles.
-constexpr std::size_t most_nested_pieces = 200;
-
 class Examination {
  public:
   Examination(const TriangleMesh& mesh, const MeshDoctorRule& rule)
@@ -127,20 +124,7 @@ class Examination {
   }
 
   void inward_facing() {
-    std::vector<std::int32_t> inward;
-    for (std::size_t i = 0; i < pieces_.count(); ++i) {
-      if (!pieces_.closed[i] || !pieces_.orientable[i] || !(pieces_.volume_m3[i] < 0.0)) continue;
-      // A hollow: an inward piece within an outward one is right.
-      if (pieces_.count() > 1 && pieces_.count() <= most_nested_pieces) {
-        const Vec3 p = middle(pieces_.first[i]);
-        double winding = 0.0;
-        for (std::size_t j = 0; j < pieces_.count(); ++j) {
-          if (j != i && pieces_.closed[j]) winding += winding_number(mesh_, pieces_, static_cast<std::int32_t>(j), p);
-        }
-        if (winding > 0.5) continue;
-      }
-      inward.push_back(static_cast<std::int32_t>(i));
-    }
+    const std::vector<std::int32_t> inward = inward_pieces(mesh_, pieces_);
     if (inward.empty()) return;
     MeshFinding& finding =
         add("inward-facing", Severity::matters, inward.size(),

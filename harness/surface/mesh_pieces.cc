@@ -89,6 +89,25 @@ MeshPieces find_pieces(const TriangleMesh& mesh, const MeshTopology& topology) {
   return pieces;
 }
 
+std::vector<std::int32_t> inward_pieces(const TriangleMesh& mesh, const MeshPieces& pieces) {
+  std::vector<std::int32_t> inward;
+  for (std::size_t i = 0; i < pieces.count(); ++i) {
+    if (!pieces.closed[i] || !pieces.orientable[i] || !(pieces.volume_m3[i] < 0.0)) continue;
+    // A hollow: an inward piece within an outward one is right.
+    if (pieces.count() > 1 && pieces.count() <= most_nested_pieces) {
+      Vec3 p = Vec3::Zero();
+      for (const std::int32_t v : mesh.triangles[at(pieces.first[i])]) p += mesh.vertices_W_m[at(v)] / 3.0;
+      double winding = 0.0;
+      for (std::size_t j = 0; j < pieces.count(); ++j) {
+        if (j != i && pieces.closed[j]) winding += winding_number(mesh, pieces, static_cast<std::int32_t>(j), p);
+      }
+      if (winding > 0.5) continue;
+    }
+    inward.push_back(static_cast<std::int32_t>(i));
+  }
+  return inward;
+}
+
 double winding_number(const TriangleMesh& mesh, const MeshPieces& pieces, std::int32_t piece, const Vec3& p) {
   double angle = 0.0;
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {

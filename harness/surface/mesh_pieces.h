@@ -22,6 +22,13 @@ struct MeshPieces {
 
 MeshPieces find_pieces(const TriangleMesh& mesh, const MeshTopology& topology);
 
+// The closed pieces that enclose a negative volume: their normals point inwards. Not those within another piece, which
+// are hollows; nesting is looked for among at most `most_nested_pieces`.
+std::vector<std::int32_t> inward_pieces(const TriangleMesh& mesh, const MeshPieces& pieces);
+
+// Looking for nesting costs the number of pieces times that of triangles.
+inline constexpr std::size_t most_nested_pieces = 200;
+
 // How often the piece winds around p: 1 inside an outward closed piece, 0 outside (sum of solid angles over 4 pi;
 // A. Van Oosterom and J. Strackee, "The solid angle of a plane triangle", IEEE Trans. Biomed. Eng. 30, 1983, equation
 // 8).

@@ -1,0 +1,45 @@
+#include "apps/mesh_flags.h"
+
+#include <fmt/format.h>
+
+#include <utility>
+
+#include "harness/base/units.h"
+#include "harness/surface/embree_surface.h"
+#include "harness/surface/mesh_file.h"
+#include "harness/surface/mesh_repair.h"
+#include "harness/surface/mesh_warnings.h"
+
+namespace touchstone::apps {
+
+void MeshFlags::add_repair_to(CLI::App& command) {
+  command.add_flag("--repair", repair,
+                   "Turn triangles that face the other way than most of their piece, and closed pieces that are inside "
+                   "out, before rendering; says how many");
+}
+
+void MeshFlags::add_two_sided_to(CLI::App& command) {
+  command.add_flag("--two-sided", two_sided,
+                   "Triangles stop the tip from both sides (god-object, friction-cone, force-shading): for sheets that "
+                   "are touched from below, too, and for meshes without orientation. A run starts in free space");
+}
+
+TriangleMesh MeshFlags::load(const std::string& path, const std::string& unit) const {
+  TriangleMesh mesh = load_mesh(path, length_unit_factor(unit));
+  if (!repair) return mesh;
+  OrientedMesh repaired = orient(mesh);
+  if (repaired.turned > 0) fmt::print(stderr, "{}\n", orientation_note(repaired));
+  return std::move(repaired.mesh);
+}
+
+std::shared_ptr<const Surface> MeshFlags::surface(const TriangleMesh& mesh) const {
+  return make_embree_surface(two_sided ? touchstone::two_sided(mesh) : mesh);
+}
+
+void MeshFlags::warn(const TriangleMesh& mesh, const Surface& surface) const {
+  // Of two sides each is the other one's double.
+  const auto warnings = two_sided ? mesh_warnings(*make_embree_surface(mesh)) : mesh_warnings(surface);
+  for (const std::string& warning : warnings) fmt::print(stderr, "warning: {}\n", warning);
+}
+
+}  // namespace touchstone::apps

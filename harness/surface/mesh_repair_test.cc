@@ -1,0 +1,124 @@
+#include "harness/surface/mesh_repair.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <numbers>
+
+#include "harness/base/error.h"
+#include "harness/base/random.h"
+#include "harness/surface/mesh_topology.h"
+#include "harness/testing/tiny_meshes.h"
+
+namespace touchstone {
+namespace {
+
+using testing::ball;
+using ::testing::HasSubstr;
+
+TriangleMesh with_turned(TriangleMesh mesh, double share, std::uint64_t seed) {
+  Random random(seed);
+  for (auto& triangle : mesh.triangles) {
+    if (random.uniform() < share) std::swap(triangle[1], triangle[2]);
+  }
+  return mesh;
+}
+
+// Up to which corner comes first.
+std::vector<std::array<std::int32_t, 3>> turned_alike(const TriangleMesh& mesh) {
+  auto triangles = mesh.triangles;
+  for (auto& t : triangles) std::rotate(t.begin(), std::min_element(t.begin(), t.end()), t.end());
+  return triangles;
+}
+
+TEST(MeshRepair, TurnsWhatFacesTheOtherWayAndNothingElse) {
+  for (const double scale : {1e-3, 1.0, 1e3}) {
+    for (const TriangleMesh& sound : {ball(0.02, 3), testing::torus(0.03, 0.01, 30, 20), testing::cube(0.02)}) {
+      const TriangleMesh mesh =
+          testing::moved(sound, Quat(0.8, 0.3, -0.4, 0.2).normalized(), Vec3(1, 2, 3) * scale, scale);
+      for (const double share : {0.01, 0.3}) {
+        const TriangleMesh broken = with_turned(mesh, share, 3);
+        const OrientedMesh repaired = orient(broken);
+        EXPECT_EQ(turned_alike(repaired.mesh), turned_alike(mesh));
+        std::size_t different = 0;
+        for (std::size_t t = 0; t < mesh.triangle_count(); ++t)
+          different += broken.triangles[t] != mesh.triangles[t] ? 1U : 0U;
+        EXPECT_EQ(repaired.turned, different);
+        EXPECT_EQ(repaired.mesh.vertices_W_m, mesh.vertices_W_m);
+      }
+      EXPECT_EQ(orient(mesh).turned, 0U);
+    }
+  }
+}
+
+TEST(MeshRepair, TurnsWholeBodiesButNoHollow) {
+  TriangleMesh inside_out = with_turned(ball(0.02, 2), 2.0, 1);
+  const OrientedMesh repaired = orient(inside_out);
+  EXPECT_EQ(repaired.turned, inside_out.triangle_count());
+  EXPECT_EQ(repaired.pieces_turned, 1U);
+  EXPECT_EQ(turned_alike(repaired.mesh), turned_alike(ball(0.02, 2)));
+
+  TriangleMesh hollow = ball(0.02, 2);
+  const TriangleMesh inner = with_turned(ball(0.01, 2), 2.0, 1);
+  const auto offset = static_cast<std::int32_t>(hollow.vertices_W_m.size());
+  hollow.vertices_W_m.insert(hollow.vertices_W_m.end(), inner.vertices_W_m.begin(), inner.vertices_W_m.end());
+  for (const auto& [a, b, c] : inner.triangles) hollow.triangles.push_back({a + offset, b + offset, c + offset});
+  EXPECT_EQ(orient(hollow).turned, 0U);
+  // Most of the outer one and all of the inner one the wrong way round.
+  EXPECT_EQ(turned_alike(orient(with_turned(hollow, 0.1, 7)).mesh), turned_alike(hollow));
+}
+
+TEST(MeshRepair, AFileThatRepeatsItsVerticesKeepsThem) {
+  const TriangleMesh sound = ball(0.02, 2);
+  TriangleMesh soup;
+  for (const auto& triangle : sound.triangles) {
+    for (const std::int32_t corner : triangle)
+      soup.vertices_W_m.push_back(sound.vertices_W_m[static_cast<std::size_t>(corner)]);
+    const auto last = static_cast<std::int32_t>(soup.vertices_W_m.size());
+    soup.triangles.push_back({last - 3, last - 2, last - 1});
+  }
+  std::swap(soup.triangles[5][1], soup.triangles[5][2]);
+  const OrientedMesh repaired = orient(soup);
+  EXPECT_EQ(repaired.turned, 1U);
+  EXPECT_EQ(repaired.mesh.vertices_W_m.size(), soup.vertices_W_m.size());
+  EXPECT_EQ(repaired.mesh.scaled_normal(5), -soup.scaled_normal(5));
+}
+
+TEST(MeshRepair, AMoebiusStripIsRefusedWithItsPlace) {
+  TriangleMesh strip;
+  strip.source = "strip";
+  for (int i = 0; i < 5; ++i) {
+    const double u = 2.0 * std::numbers::pi * i / 5;
+    for (const double w : {-0.3, 0.3})
+      strip.vertices_W_m.emplace_back((1 + w * std::cos(u / 2)) * std::cos(u), (1 + w * std::cos(u / 2)) * std::sin(u),
+                                      w * std::sin(u / 2));
+  }
+  for (std::int32_t i = 0; i < 5; ++i) {
+    const std::int32_t a = 2 * i, b = 2 * i + 1;
+    const std::int32_t c = i == 4 ? 1 : 2 * i + 2, d = i == 4 ? 0 : 2 * i + 3;
+    strip.triangles.push_back({a, c, b});
+    strip.triangles.push_back({b, c, d});
+  }
+  try {
+    orient(strip);
+    FAIL() << "it has no orientation";
+  } catch (const BadData& error) {
+    EXPECT_THAT(error.what(), HasSubstr("strip: the piece with triangle 0, at (0.7, 0, -0) m, has no orientation"));
+  }
+}
+
+TEST(MeshRepair, TwoSidedHasEveryTriangleFromBothSides) {
+  const TriangleMesh sheet = testing::grid(0.02, 3);
+  const TriangleMesh both = two_sided(sheet);
+  ASSERT_EQ(both.triangle_count(), 2 * sheet.triangle_count());
+  for (std::size_t t = 0; t < sheet.triangle_count(); ++t) {
+    EXPECT_EQ(both.scaled_normal(t), sheet.scaled_normal(t));
+    EXPECT_EQ(both.scaled_normal(t + sheet.triangle_count()), -sheet.scaled_normal(t));
+  }
+  // Nothing of it is open.
+  EXPECT_EQ(make_topology(both).open_edge_count, 0U);
+}
+
+}  // namespace
+}  // namespace touchstone
