@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "harness/base/error.h"
+#include "synthetic/trajectories/approach.h"
 #include "synthetic/trajectories/hand_scan.h"
 #include "synthetic/trajectories/presses.h"
 #include "synthetic/trajectories/strokes.h"
@@ -30,17 +31,30 @@ Parameter time(std::string name, double initial, std::string meaning) {
 }
 Parameter depth(double initial = 0.001) { return offset("depth_m", initial, "below z = 0"); }
 
+Parameter approach() {
+  return {"approach_m", "m",
+          0.0,          1e6,
+          0.0,          "above z = 0, from where it comes straight down to the first position; 0: it starts there"};
+}
+Made approached(Made path, const ParameterValues& v) {
+  const bool from_above = v["approach_m"] > 0.0 && v["approach_m"] > path->position_W_m(0.0).z();
+  if (!from_above) return path;
+  return std::make_unique<ApproachPath>(std::move(path), v["approach_m"], v["speed_m_per_s"]);
+}
+
 Made stroke(const ParameterValues& v, std::uint64_t) {
-  return std::make_unique<StrokePath>(
-      Stroke{v["length_m"], v["speed_m_per_s"], v["azimuth_rad"], v["descent_rad"], v["depth_m"], v["passes"]});
+  return approached(std::make_unique<StrokePath>(Stroke{v["length_m"], v["speed_m_per_s"], v["azimuth_rad"],
+                                                        v["descent_rad"], v["depth_m"], v["passes"]}),
+                    v);
 }
 Made edge_crossing(const ParameterValues& v, std::uint64_t) {
   return std::make_unique<EdgeCrossingPath>(v["length_m"], v["speed_m_per_s"], v["depth_m"],
                                             static_cast<double>(v.count("strokes")));
 }
 Made raster(const ParameterValues& v, std::uint64_t) {
-  return std::make_unique<RasterPath>(v["side_m"], static_cast<double>(v.count("lines")), v["speed_m_per_s"],
-                                      v["depth_m"]);
+  return approached(std::make_unique<RasterPath>(v["side_m"], static_cast<double>(v.count("lines")), v["speed_m_per_s"],
+                                                 v["depth_m"]),
+                    v);
 }
 Made taps(const ParameterValues& v, std::uint64_t) {
   return std::make_unique<TapPath>(v["height_m"], v["depth_m"], v["period_s"], v["taps"]);
@@ -70,7 +84,8 @@ std::span<const TrajectoryEntry> trajectory_catalogue() {
         {"azimuth_rad", "rad", -2 * pi, 2 * pi, 0.0, "of the line, from x towards y"},
         {"descent_rad", "rad", -0.5 * pi, 0.5 * pi, 0.0, "of the line below the horizontal"},
         depth(),
-        number("passes", 0.01, 2, "along the line")},
+        number("passes", 0.01, 2, "along the line"),
+        approach()},
        stroke},
       {"edge-crossing",
        "strokes through the origin, each from another angle: an edge along y is crossed under all angles",
@@ -78,7 +93,7 @@ std::span<const TrajectoryEntry> trajectory_catalogue() {
        edge_crossing},
       {"raster",
        "lines along y side by side over a square about the origin",
-       {length("side_m", 0.04, "of the square"), number("lines", 2, 9, "side by side"), speed(), depth()},
+       {length("side_m", 0.04, "of the square"), number("lines", 2, 9, "side by side"), speed(), depth(), approach()},
        raster},
       {"taps",
        "down and up at the origin as a cosine",

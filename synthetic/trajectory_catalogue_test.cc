@@ -76,6 +76,28 @@ TEST_P(EveryTrajectory, TakesAnyUnitScale) {
   }
 }
 
+TEST(Trajectories, AnApproachComesStraightDownAndLeavesTheRestAsItIs) {
+  for (const char* const name : {"stroke", "raster"}) {
+    const auto plain = make_path(name);
+    const auto approached = make_path(name, {{"approach_m", 0.002}});
+    const Vec3 first = plain->position_W_m(0.0);
+    const double lead_s = (0.002 - first.z()) / 0.05;
+    EXPECT_NEAR(approached->duration_s(), plain->duration_s() + lead_s, 1e-12);
+    EXPECT_EQ(approached->position_W_m(0.0).z(), 0.002) << name;
+    for (int i = 0; i < 100; ++i) {
+      const Vec3 p = approached->position_W_m(lead_s * i / 100.0);
+      EXPECT_EQ(p.head<2>(), first.head<2>());
+      EXPECT_NEAR(p.z(), 0.002 - 0.05 * lead_s * i / 100.0, 1e-15);
+    }
+    for (int i = 0; i <= 100; ++i) {
+      const double t = plain->duration_s() * i / 100.0;
+      EXPECT_LT((approached->position_W_m(lead_s + t) - plain->position_W_m(t)).norm(), 1e-15) << name;
+    }
+    // From below the first position there is nothing to come down from.
+    EXPECT_EQ(make_path(name, {{"depth_m", -0.01}, {"approach_m", 0.002}})->duration_s(), plain->duration_s());
+  }
+}
+
 double speed_at(const Path& path, double t) {
   return (path.position_W_m(t + 1e-6) - path.position_W_m(t - 1e-6)).norm() / 2e-6;
 }
