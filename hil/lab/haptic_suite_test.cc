@@ -112,13 +112,15 @@ TEST_P(Haptic, LetsGoWhenTheProgramStops) {
   const auto file =
       std::filesystem::temp_directory_path() / fmt::format("touchstone-lab-{}-{}", ::getpid(), GetParam());
   const EmulatedHapticPlant plant(file, 0.0);
-  const auto device = open_guarded([&] { return open_emulated_haptic(file); }, {});
+  GuardOptions options;
+  options.limits = station.bench().limits;
+  options.limits.stale_s = options.driver_timeout_s = options.watchdog_s = 5.0;
+  const auto device = open_guarded([&] { return open_emulated_haptic(file); }, options);
   MonotonicClock clock;
   Bench bench{clock, *device};
   bench.dead_man = station.bench().dead_man;
   bench.limits = station.bench().limits;
   bench.patience_s = bench.limits.stale_s = 5.0;  // an emulator on a busy machine may be late without any harm
-  // Until it pushes: where this process is not scheduled in time, the guardian lets go in between, as it should.
   double pushed_N = 0.0;
   bench.stop = [&] { return pushed_N > 0.5; };
   run_servo(bench, 5.0, [&](const DeviceState& state, double t) {

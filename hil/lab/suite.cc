@@ -60,6 +60,16 @@ std::unique_ptr<HapticDevice> open_mapped_device(const std::string& id, const Ma
   return id == "3ds-touch" ? open_openhaptics(vendor) : open_force_dimension(vendor);
 }
 
+GuardOptions guard_options(const MappedDevice& mapped) {
+  GuardOptions options;
+  options.limits.force_N = mapped.force_limit_N;
+  // The force step and the pseudo-random sequence jump from end to end of the range within a tick.
+  constexpr double ticks_per_s = 1000.0;
+  options.limits.slew_N_per_s = 2.0 * mapped.force_limit_N * ticks_per_s;
+  options.limits.workspace_W_m = Box3(Vec3::Constant(-0.2), Vec3::Constant(0.2));
+  return options;
+}
+
 LabStation::LabStation(const std::string& device_id, const Availability& found, bool commands_forces, bool with_sensor)
     : id_(device_id) {
   if (found.emulated) {
@@ -76,7 +86,7 @@ LabStation::LabStation(const std::string& device_id, const Availability& found, 
   mapped_ = mapped_device(device_id);
   limits_ = lab_limits(mapped_.limits);
   lock_ = std::make_unique<DeviceLock>(mapped_);
-  device_ = open_guarded([this] { return open_mapped_device(id_, mapped_); }, {});
+  device_ = open_guarded([this] { return open_mapped_device(id_, mapped_); }, guard_options(mapped_));
   bench_ = std::make_unique<Bench>(Bench{clock_, *device_});
   bench_->limits.force_N = mapped_.force_limit_N;
   bench_->limits.workspace_W_m = Box3(Vec3::Constant(-0.2), Vec3::Constant(0.2));

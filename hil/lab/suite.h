@@ -16,6 +16,7 @@
 #include "hil/lab/evidence.h"
 #include "hil/lab/finding.h"
 #include "hil/lab/servo_loop.h"
+#include "hil/safety/guardian.h"
 #include "hil/safety/stop_signal.h"
 
 namespace touchstone::hil {
@@ -65,6 +66,8 @@ class LabStation {
 
 // The force sensor that the map calls `id`. Throws DeviceError.
 std::unique_ptr<WrenchSource> open_mapped_sensor(const std::string& id, const MappedDevice& mapped);
+// The guard's limits for it: the map's force limit, and what the lab's tests need of the rest.
+GuardOptions guard_options(const MappedDevice& mapped);
 std::unique_ptr<HapticDevice> open_mapped_device(const std::string& id, const MappedDevice& mapped);
 
 }  // namespace touchstone::hil

@@ -32,6 +32,16 @@ void end(const std::string& way) {
   }
 }
 
+GuardOptions guard_options(const std::string& way) {
+  GuardOptions options;
+  options.limits.force_N = 2.0;
+  options.limits.workspace_W_m = Box3(Vec3::Constant(-0.1), Vec3::Constant(0.1));
+  // A busy machine is not what is tried here: only the hung loop is to be noticed by its silence.
+  options.limits.stale_s = way == "hung loop" ? 0.02 : 1.0;
+  options.driver_timeout_s = options.idle_timeout_s = options.watchdog_s = 1.0;
+  return options;
+}
+
 void push(HapticDevice& device, const std::string& way, bool guarded) {
   std::unique_ptr<ForceGuard> guard;
   if (guarded) guard = std::make_unique<ForceGuard>(device);
@@ -68,8 +78,8 @@ int main(int argc, char** argv) {
   const std::string file = argv[1], way = argv[2], guard = argv[3];
   // Outlives main's frames where the guard is only the scope's: leaked on purpose, so that no destructor helps.
   HapticDevice* const device =
-      (guard == "guardian" ? open_guarded([&] { return open_emulated_haptic(file); }, {}) : open_emulated_haptic(file))
-          .release();
+      guard == "guardian" ? open_guarded([&] { return open_emulated_haptic(file); }, guard_options(way)).release()
+                          : open_emulated_haptic(file).release();
   if (way == "uncaught exception") {
     push(*device, way, guard != "none");
     return 0;

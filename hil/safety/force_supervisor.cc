@@ -7,9 +7,35 @@
 namespace touchstone::hil {
 
 std::string_view to_string(Trip trip) {
-  constexpr std::array names{"none",       "value not finite",  "force",        "speed",         "workspace",
-                             "stale data", "dead-man released", "device error", "time ran back", "asked for"};
+  constexpr std::array names{"none",
+                             "value not finite",
+                             "force",
+                             "speed",
+                             "workspace",
+                             "stale data",
+                             "dead-man released",
+                             "device error",
+                             "time ran back",
+                             "asked for",
+                             "power",
+                             "energy",
+                             "temperature",
+                             "the program is gone",
+                             "the driver does not answer",
+                             "the driver is gone",
+                             "the watchdog is gone",
+                             "the guard is gone",
+                             "zero not confirmed"};
   return names[static_cast<std::size_t>(trip)];
+}
+
+Trip ForceSupervisor::judge_state(const DeviceState& state, double now_s) const noexcept {
+  if (!std::isfinite(state.t_s) || !state.p_W_m.allFinite() || !state.v_W_m_per_s.allFinite()) return Trip::not_finite;
+  if (now_s - state.t_s > limits_.stale_s) return Trip::stale;
+  if (!(state.v_W_m_per_s.norm() <= limits_.speed_m_per_s)) return Trip::speed;
+  if (!limits_.workspace_W_m.contains(state.p_W_m)) return Trip::workspace;
+  if (state.temperature_C > limits_.temperature_C) return Trip::temperature;
+  return Trip::none;
 }
 
 Trip ForceSupervisor::judge(const Input& in) const noexcept {
@@ -22,8 +48,11 @@ Trip ForceSupervisor::judge(const Input& in) const noexcept {
   if (in.now_s - in.state.t_s > limits_.stale_s || (started_ && in.now_s - last_s_ > limits_.stale_s))
     return Trip::stale;
   if (!in.dead_man_held && last_N_.squaredNorm() > 0.0) return Trip::dead_man;
-  if (!(in.state.v_W_m_per_s.norm() <= limits_.speed_m_per_s)) return Trip::speed;
-  if (!limits_.workspace_W_m.contains(in.state.p_W_m)) return Trip::workspace;
+  if (const Trip trip = judge_state(in.state, in.now_s); trip != Trip::none) return trip;
+  // last_N_ acted on the hand from the last step on.
+  const double power_W = last_N_.dot(in.state.v_W_m_per_s);
+  if (power_W > limits_.power_W) return Trip::power;
+  if (given_J_ + power_W * (started_ ? in.now_s - last_s_ : 0.0) > limits_.energy_J) return Trip::energy;
   if (in.wanted_W_N.norm() > 2.0 * limits_.force_N) return Trip::force;
   return Trip::none;
 }
@@ -41,6 +70,7 @@ bool ForceSupervisor::reset(Trip acknowledged) noexcept {
   trip_pending_ = false;
   started_ = false;
   last_N_.setZero();
+  given_J_ = 0.0;
   return true;
 }
 
@@ -72,6 +102,7 @@ Vec3 ForceSupervisor::allow(const Input& in) noexcept {
     const double most = limits_.slew_N_per_s * dt;
     if (change.norm() > most) force = last_N_ + change * (most / change.norm());
   }
+  given_J_ = last_N_.isZero() ? 0.0 : given_J_ + dt * last_N_.dot(in.state.v_W_m_per_s);
   last_N_ = force;
   if (time_usable) last_s_ = in.now_s, started_ = true;
   return force;

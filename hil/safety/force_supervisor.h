@@ -1,10 +1,12 @@
 // What stands between a renderer and a motor: every force passes through here, and leaves limited or as zero.
 //   Nothing before the device is calibrated and the dead-man input is held. Limits on force, slew, tip speed and
 // workspace; a state or a command that is stale trips. A trip is latched: the force ramps down and stays zero until
-// reset() is called with the reason acknowledged. Allocates nothing and takes no lock: made for the servo loop.
+// reset() is called with the reason acknowledged. The guard process runs one over every command (guardian.h); a servo
+// loop may run its own with tighter limits. Allocates nothing and takes no lock: made for the servo loop.
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <string_view>
 
 #include "hil/devices/interfaces.h"
@@ -15,9 +17,14 @@ struct SafetyLimits {
   double force_N = 0.0;  // 0 allows nothing: a device without a limit in the hardware map is never driven
   double slew_N_per_s = 200.0;
   double speed_m_per_s = 1.0;
-  Box3 workspace_W_m;        // empty: nowhere
-  double stale_s = 0.02;     // a state or a command older than this trips
-  double ramp_down_s = 0.1;  // from a trip to zero, never longer
+  Box3 workspace_W_m;  // empty: nowhere
+  // What the device may give to the hand: at any moment, and net over one contact (from zero force to zero force). A
+  // passive rendering gives back at most what was put in (passivity observer: Hannaford and Ryu 2002).
+  double power_W = std::numeric_limits<double>::infinity();
+  double energy_J = std::numeric_limits<double>::infinity();
+  double temperature_C = std::numeric_limits<double>::infinity();  // of the motors, where it is read
+  double stale_s = 0.02;                                           // a state or a command older than this trips
+  double ramp_down_s = 0.1;                                        // from a trip to zero, never longer
 };
 
 enum class Trip : std::uint8_t {
@@ -30,7 +37,16 @@ enum class Trip : std::uint8_t {
   dead_man,
   device_error,
   time_ran_back,
-  asked
+  asked,
+  power,
+  energy,
+  temperature,
+  client_gone,
+  driver_silent,
+  driver_gone,
+  watchdog_gone,
+  guard_gone,
+  zero_not_confirmed
 };
 std::string_view to_string(Trip trip);
 
@@ -50,6 +66,9 @@ class ForceSupervisor {
   // life); above twice the limit it trips (a renderer that has lost its mind).
   Vec3 allow(const Input& input) noexcept;
 
+  // What is wrong with a state by itself, whatever is commanded.
+  [[nodiscard]] Trip judge_state(const DeviceState& state, double now_s) const noexcept;
+
   void trip(Trip reason) noexcept;
   [[nodiscard]] Trip tripped() const noexcept { return trip_; }
   // Only with the reason that is latched: who resets must have read it.
@@ -67,6 +86,7 @@ class ForceSupervisor {
   bool started_ = false;
   double last_s_ = 0.0;
   Vec3 last_N_ = Vec3::Zero();
+  double given_J_ = 0.0;  // to the hand, since the force was zero
   std::uint64_t saturated_ = 0;
 };
 

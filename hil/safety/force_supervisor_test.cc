@@ -121,6 +121,56 @@ TEST(ForceSupervisor, TripsOnEachCauseRampsDownAndStaysDown) {
   }
 }
 
+// A spring of 500 N/m at x = 0, pressed 10 mm deep by a hand and let out again: it gives back what was put in. One that
+// is stiffer on the way out gives more, and trips.
+TEST(ForceSupervisor, EnergyLetsThePassivePassAndStopsTheActive) {
+  const auto press = [](double stiffness_out_N_per_m) {
+    auto l = limits();
+    l.force_N = 20.0;
+    l.slew_N_per_s = 1e6;
+    l.energy_J = 0.005;
+    ForceSupervisor s(l);
+    for (int i = 0; i <= 1000; ++i) {
+      const double t = 1e-3 * i, phase = 3.14159265358979 * t;
+      auto in = calm(t);
+      in.state.p_W_m.x() = -0.01 * std::sin(phase);
+      in.state.v_W_m_per_s.x() = -0.01 * 3.14159265358979 * std::cos(phase);
+      in.wanted_W_N = Vec3(-(i < 500 ? 500.0 : stiffness_out_N_per_m) * in.state.p_W_m.x(), 0, 0);
+      s.allow(in);
+    }
+    return s.tripped();
+  };
+  EXPECT_EQ(press(500.0), Trip::none);
+  EXPECT_EQ(press(800.0), Trip::energy);  // 0.015 J more than was put in
+}
+
+TEST(ForceSupervisor, PowerIsLimited) {
+  auto l = limits();
+  l.power_W = 0.2;
+  ForceSupervisor s(l);
+  for (int i = 0; i <= 100; ++i) s.allow(calm(i * 1e-3));
+  auto in = calm(0.101);
+  in.state.v_W_m_per_s = Vec3(0, 0, -0.3);  // the hand works against 1 N: it may
+  s.allow(in);
+  EXPECT_EQ(s.tripped(), Trip::none);
+  in = calm(0.102);
+  in.state.v_W_m_per_s = Vec3(0, 0, 0.3);
+  s.allow(in);
+  EXPECT_EQ(s.tripped(), Trip::power);
+}
+
+TEST(ForceSupervisor, HotMotorsTripWhereTheirTemperatureIsRead) {
+  auto l = limits();
+  l.temperature_C = 70.0;
+  ForceSupervisor s(l);
+  s.allow(calm(0.0));  // not read
+  EXPECT_EQ(s.tripped(), Trip::none);
+  auto in = calm(0.001);
+  in.state.temperature_C = 71.0;
+  s.allow(in);
+  EXPECT_EQ(s.tripped(), Trip::temperature);
+}
+
 TEST(ForceSupervisor, RampIsNeverLongerThanStated) {
   auto s = running();
   s.trip(Trip::asked);

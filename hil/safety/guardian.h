@@ -1,26 +1,62 @@
-// The outer guard: the device is owned by a process of its own, the guardian, and the program that computes forces
-// talks to it over a socket. When that program goes away in any way (return, exception, exit, signal, SIGKILL) the
-// socket closes and the guardian brings the device to zero at once; when it hangs, the guardian does so after
-// `heartbeat_s`. Should the guardian itself die, the device's own watchdog remains, and where there is none (Novint
-// Falcon) the physical switch.
+// The outer guard. No program that computes forces holds the device: it asks a guard, and the limits are the guard's.
+//
+//   program --socket--> guard --socket--> driver process (owns the device)
+//                         |                     ^
+//                         +---- rescuer --------+   (watches both, ends them, brings the device to zero itself)
+//
+//   guard    a process of its own, real-time, memory locked, protected from the out-of-memory killer where the user
+//   may.
+//            Every command passes its ForceSupervisor: force, force rate, speed, workspace, power, energy, temperature,
+//            NaN, age. It calls no device code, so that no driver can stop it. On a trip, or when the program falls
+//            silent or ends in any way, it has zero repeated until the device confirms it, then the motors switched
+//            off. A trip is final: to push again, open the device again.
+//   driver   calls the device. An exception of any kind, or silence from the guard, brings the device to zero. When it
+//            blocks or dies, the guard has it ended and calls the rescuer.
+//   rescuer  the second watchdog. It opens the device in a fresh process and repeats zero until it is confirmed, when
+//   the
+//            guard asks for it, when the guard dies, and when the guard's sign of life is older than `watchdog_s` while
+//            a force is on. Where the rescuer is gone, the guard lets go: nothing is pushed without it.
+//
+// What is left when the device itself does not obey: its own watchdog, and the physical switch.
 #pragma once
 
 #include <functional>
 #include <memory>
+#include <vector>
 
 #include "hil/devices/interfaces.h"
+#include "hil/safety/guard_page.h"
 
 namespace touchstone::hil {
 
-struct GuardianOptions {
-  double heartbeat_s = 0.02;        // silence after which the guardian lets go
-  double exchange_timeout_s = 0.1;  // a device exchange that takes longer is a failure
+struct GuardOptions {
+  GuardOptions() { limits.stale_s = 0.01; }
+
+  // limits.stale_s is the age of the last command and of the device's state at which the guard lets go; ramp_down_s is
+  // not used: the guard goes to zero at once.
+  SafetyLimits limits;
+  double driver_timeout_s = 0.006;  // an exchange that takes longer while a force is on
+  double idle_timeout_s = 0.1;      // an exchange at zero force, as while homing
+  double watchdog_s = 0.008;        // silence of the guard while a force is on
+  double open_timeout_s = 30.0;
+  // Made beforehand by who wants to watch the guard from another process; none: made when the device is opened.
+  std::shared_ptr<GuardPage> page;
 };
 
-// Starts the guardian; it opens the device by `open` in its own process. Call before any other thread is started (it
-// forks). Throws DeviceError with the guardian's reason when the device cannot be opened. The returned device sends
-// every exchange through the guardian.
-std::unique_ptr<HapticDevice> open_guarded(const std::function<std::unique_ptr<HapticDevice>()>& open,
-                                           const GuardianOptions& options);
+class GuardedDevice : public HapticDevice {
+ public:
+  [[nodiscard]] virtual Trip tripped() const noexcept = 0;
+  [[nodiscard]] virtual GuardPhase phase() const noexcept = 0;
+  // What the guard let pass of the last command.
+  [[nodiscard]] virtual Vec3 last_allowed_N() const noexcept = 0;
+  // States and their reasons since the device was opened.
+  [[nodiscard]] virtual std::vector<GuardEvent> events() const = 0;
+};
+
+// Starts the guard; the device is opened by `open` in the driver's process, and again by the rescuer where it must.
+// Call before any other thread is started (it forks). Throws DeviceError with the reason when the device cannot be
+// opened.
+std::unique_ptr<GuardedDevice> open_guarded(const std::function<std::unique_ptr<HapticDevice>()>& open,
+                                            const GuardOptions& options);
 
 }  // namespace touchstone::hil

@@ -1,0 +1,317 @@
+// Every fault that a driver, a program or a process of the guard can have, at every state in which it can have it: how
+// long until the motors are at zero? The table is docs/hil/guard.md: this test makes it (TOUCHSTONE_HIL_GUARD_TABLE
+// names a file to write it to) and holds faults and reasons against it; times are of the machine that wrote it. On a
+// quiet machine with real-time scheduling TOUCHSTONE_HIL_QUIET=1 holds the times against 20 ms, too.
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sched.h>
+#include <sys/mman.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <csignal>
+#include <cstdlib>
+#include <filesystem>
+#include <functional>
+#include <limits>
+#include <new>
+#include <optional>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "harness/base/atomic_file.h"
+#include "hil/emulators/faulty_device.h"
+#include "hil/emulators/haptic_emulator.h"
+#include "hil/safety/guardian.h"
+
+namespace touchstone::hil {
+namespace {
+
+constexpr double longest_to_zero_s = 0.02;
+
+bool real_time(int priority) {
+  sched_param parameters{};
+  parameters.sched_priority = priority;
+  return ::sched_setscheduler(0, SCHED_FIFO, &parameters) == 0;
+}
+
+// How the test tells the program that pushes what to do.
+struct Orders {
+  std::atomic<bool> push{false}, end{false}, refused{false};
+  std::atomic<double> force_N[3] = {0.0, 0.0, 1.0};
+};
+
+GuardOptions options_for(bool timely, std::shared_ptr<GuardPage> page) {
+  GuardOptions options;
+  options.limits.force_N = 2.0;
+  options.limits.slew_N_per_s = 1e4;
+  options.limits.workspace_W_m = Box3(Vec3::Constant(-0.1), Vec3::Constant(0.1));
+  options.page = std::move(page);
+  // Without real-time scheduling a tick may come late by more than the guard's patience without any fault.
+  if (!timely) options.limits.stale_s = options.driver_timeout_s = options.watchdog_s = 0.3;
+  return options;
+}
+
+// The program: pushes at 1 kHz through the guard until told to end; stays alive when the guard lets go.
+[[noreturn]] void program(const std::filesystem::path& file, FaultOrders& faults, Orders& orders,
+                          const GuardOptions& options) {
+  const rlimit no_core{0, 0};
+  ::setrlimit(RLIMIT_CORE, &no_core);
+  real_time(79);
+  MonotonicClock clock;
+  try {
+    const auto device = open_guarded([&] { return open_faulty_device(file, faults); }, options);
+    for (double t = clock.now_s(); !orders.end; t += 1e-3) {
+      const Vec3 force(orders.force_N[0], orders.force_N[1], orders.force_N[2]);
+      device->exchange(orders.push ? force : Vec3(Vec3::Zero()), clock.now_s() + 1.0);
+      clock.sleep_until(t + 1e-3);
+    }
+    ::_exit(0);
+  } catch (const DeviceError&) {
+    orders.refused = true;
+    while (!orders.end) clock.sleep_until(clock.now_s() + 0.001);
+    ::_exit(1);
+  }
+}
+
+struct Trial {
+  std::string fault, state;
+  // Set before the device is opened.
+  DeviceCall call = DeviceCall::none;
+  DriverFault driver_fault = DriverFault::none;
+  int times = 1, instance = 1;
+  bool at_once = false;  // strikes while opening; else only from when the state is reached
+  bool push = true;
+  // What the test does when the state is reached.
+  std::function<void(pid_t program, GuardPage& page, Orders& orders)> act;
+  bool no_fault = false;  // nothing is to happen: the force must stay, or the table shows nothing
+};
+
+struct Outcome {
+  bool reached = false;  // the state
+  double to_zero_s = -1;
+  double most_N = 0.0;  // after the fault struck
+  std::string reason;
+};
+
+class GuardTrial {
+ public:
+  GuardTrial(const Trial& trial, bool timely) : trial_(trial), timely_(timely) {
+    file_ = std::filesystem::temp_directory_path() / fmt::format("touchstone-guard-{}", ::getpid());
+    plant_ = std::make_unique<EmulatedHapticPlant>(file_, 0.0);
+    void* const memory = ::mmap(nullptr, sizeof(Orders), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
+    orders_ = new (memory) Orders;
+  }
+  ~GuardTrial() { ::munmap(orders_, sizeof(Orders)); }
+  GuardTrial(const GuardTrial&) = delete;
+  GuardTrial& operator=(const GuardTrial&) = delete;
+
+  Outcome go() {
+    if (trial_.at_once) arm();
+    const auto options = options_for(timely_, page_);
+    const pid_t program_pid = ::fork();
+    if (program_pid == 0) program(file_, *faults_, *orders_, options);
+    Outcome outcome;
+    orders_->push = trial_.push;
+    outcome.reached = wait_for(
+        [&] { return trial_.at_once || (trial_.push ? plant_->applied_N().norm() > 0.9 : plant_->commands() > 20); });
+    double from = clock_.now_s();
+    if (!trial_.at_once && trial_.call != DeviceCall::none) arm();
+    if (trial_.act) trial_.act(program_pid, *page_, *orders_);
+    const bool by_driver = !trial_.act && trial_.call != DeviceCall::none;
+    if (by_driver && wait_for([&] { return faults_->struck_s > 0.0; })) from = faults_->struck_s;
+    // Where no force is on, the program is told at most that something is wrong.
+    if (trial_.at_once || !trial_.push) wait_for([&] { return orders_->refused.load(); }, 2.0);
+    const double until = clock_.now_s() + (trial_.no_fault ? 0.2 : trial_.push ? 5.0 : 0.05);
+    for (;;) {
+      const double force = plant_->applied_N().norm();
+      outcome.most_N = std::max(outcome.most_N, force);
+      if (force == 0.0 && (trial_.push || trial_.at_once)) {
+        outcome.to_zero_s = std::max(0.0, clock_.now_s() - from);
+        break;
+      }
+      if (clock_.now_s() > until) break;
+      clock_.sleep_until(clock_.now_s() + 2e-4);
+      if (!trial_.push) outcome.to_zero_s = 0.0;
+    }
+    // The log's last word may come after the zero.
+    wait_for([&] { return page_->phase == GuardPhase::off || trial_.no_fault || !trial_.push || trial_.at_once; }, 0.5);
+    outcome.reason =
+        page_->trip == Trip::none ? (orders_->refused ? "refused" : "-") : std::string(to_string(page_->trip));
+    // Zero must stay zero.
+    if (outcome.to_zero_s >= 0.0 && plant_->applied_N().norm() > 0.0) outcome.to_zero_s = -1;
+    end(program_pid);
+    return outcome;
+  }
+
+ private:
+  void arm() {
+    faults_->fault = trial_.driver_fault;
+    faults_->times = trial_.times;
+    faults_->instance = trial_.instance;
+    faults_->call = trial_.call;
+  }
+  template <class Condition>
+  bool wait_for(const Condition& condition, double within_s = 20.0) {
+    for (const double until = clock_.now_s() + within_s; clock_.now_s() < until;) {
+      if (condition()) return true;
+      clock_.sleep_until(clock_.now_s() + 2e-4);
+    }
+    return false;
+  }
+  void end(pid_t program_pid) {
+    orders_->end = true;
+    ::kill(program_pid, SIGCONT);
+    for (int i = 0; i < 3000 && ::waitpid(program_pid, nullptr, WNOHANG) == 0; ++i) {
+      if (i == 2500) ::kill(program_pid, SIGKILL);
+      clock_.sleep_until(clock_.now_s() + 0.001);
+    }
+    // Processes that the trial stopped or that block for ever, each by its own number: those that never went away.
+    for (const int pid : {page_->guard_pid.load(), page_->driver_pid.load(), page_->rescuer_pid.load()}) {
+      if (pid > 0 && !wait_for([&] { return ::kill(pid, 0) != 0; }, 0.2)) ::kill(pid, SIGKILL);
+    }
+  }
+
+  const Trial& trial_;
+  bool timely_;
+  std::filesystem::path file_;
+  std::unique_ptr<EmulatedHapticPlant> plant_;
+  std::shared_ptr<FaultOrders> faults_ = make_fault_orders();
+  std::shared_ptr<GuardPage> page_ = make_guard_page();
+  Orders* orders_ = nullptr;
+  MonotonicClock clock_;
+};
+
+void add_driver_faults(std::vector<Trial>& trials) {
+  using C = DeviceCall;
+  using F = DriverFault;
+  const std::pair<F, const char*> everywhere[] = {
+      {F::device_error, "an error"}, {F::out_of_memory, "bad_alloc"}, {F::not_exception, "an int is thrown"},
+      {F::blocks, "never returns"},  {F::late, "50 ms late"},         {F::aborts, "the process dies"}};
+  for (const auto& [fault, words] : everywhere) {
+    if (fault != F::blocks && fault != F::late) {
+      trials.push_back({fmt::format("open: {}", words), "opening", C::open, fault, 1, 1, true, true, {}, false});
+    }
+    trials.push_back(
+        {fmt::format("exchange: {}", words), "at zero", C::exchange, fault, 1, 1, false, false, {}, false});
+    trials.push_back({fmt::format("exchange: {}", words), "pushing", C::exchange, fault, 1, 1, false, true, {}, false});
+    trials.push_back(
+        {fmt::format("calibrated: {}", words), "pushing", C::calibrated, fault, 1, 1, false, true, {}, false});
+  }
+  for (const auto& [fault, words] : {std::pair{F::not_finite, "a position that is no number"},
+                                     {F::frozen, "a state of a second ago"},
+                                     {F::out_of_reach, "a position out of the workspace"}}) {
+    trials.push_back({fmt::format("exchange: {}", words), "pushing", C::exchange, fault, 1, 1, false, true, {}, false});
+  }
+  const auto kill_program = [](pid_t program, GuardPage&, Orders&) { ::kill(program, SIGKILL); };
+  for (const auto& [call, name] : {std::pair{C::zero_force, "zero"}, {C::motors_off, "motors off"}}) {
+    for (const auto& [fault, words] : {std::pair{F::refuses, "refused once"},
+                                       {F::blocks, "never returns"},
+                                       {F::aborts, "the process dies"},
+                                       {F::out_of_memory, "bad_alloc (ends the process)"}}) {
+      trials.push_back(
+          {fmt::format("{}: {}", name, words), "letting go", call, fault, 1, 1, false, true, kill_program, false});
+    }
+    trials.push_back({fmt::format("{}: always refused by this driver", name), "letting go", call, F::refuses, -1, 1,
+                      false, true, kill_program, false});
+  }
+  trials.push_back(
+      {"close: never returns", "letting go", C::close, F::blocks, -1, 1, false, true, kill_program, false});
+}
+
+void add_process_faults(std::vector<Trial>& trials) {
+  const auto signal_to = [](std::atomic<int> GuardPage::*whom, int signal) {
+    return [whom, signal](pid_t, GuardPage& page, Orders&) { ::kill(page.*whom, signal); };
+  };
+  const auto add = [&](const char* fault, std::function<void(pid_t, GuardPage&, Orders&)> act, DeviceCall call = {},
+                       DriverFault driver = {}, int times = 0) {
+    trials.push_back({fault, "pushing", call, driver, times, 1, false, true, std::move(act), false});
+  };
+  const auto hang = [](pid_t program, GuardPage&, Orders&) { ::kill(program, SIGSTOP); };
+  const auto command = [](double x, double y, double z) {
+    return
+        [=](pid_t, GuardPage&, Orders& orders) { orders.force_N[0] = x, orders.force_N[1] = y, orders.force_N[2] = z; };
+  };
+  constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+  add("the program is killed", [](pid_t program, GuardPage&, Orders&) { ::kill(program, SIGKILL); });
+  add("the program hangs", hang);
+  add("the program ends", [](pid_t, GuardPage&, Orders& orders) { orders.end = true; });
+  add("the program commands 1e6 N", command(0, 0, 1e6));
+  add("the program commands (NaN, 5, 0) N", command(nan, 5, 0));
+  add("the program hangs, and one zero is refused", hang, DeviceCall::zero_force, DriverFault::refuses, 1);
+  add("the guard is killed", signal_to(&GuardPage::guard_pid, SIGKILL));
+  add("the guard is stopped", signal_to(&GuardPage::guard_pid, SIGSTOP));
+  add("the guard crashes", signal_to(&GuardPage::guard_pid, SIGSEGV));
+  add("the driver is killed", signal_to(&GuardPage::driver_pid, SIGKILL));
+  add("the driver is stopped", signal_to(&GuardPage::driver_pid, SIGSTOP));
+  add("the rescuer is killed", signal_to(&GuardPage::rescuer_pid, SIGKILL));
+  for (const int signal : {SIGKILL, SIGSTOP}) {
+    const char* const what = signal == SIGKILL ? "killed" : "stopped";
+    trials.push_back({fmt::format("the driver blocks and the guard is {}", what), "pushing", DeviceCall::none,
+                      DriverFault::none, 0, 1, false, true,
+                      [signal](pid_t, GuardPage& page, Orders&) {
+                        ::kill(page.driver_pid, SIGSTOP);
+                        ::kill(page.guard_pid, signal);
+                      },
+                      false});
+  }
+  add("the driver is killed, and opening anew fails once", signal_to(&GuardPage::driver_pid, SIGKILL), DeviceCall::open,
+      DriverFault::device_error, 1);
+  trials.back().instance = 2;
+  trials.push_back({"none", "pushing", DeviceCall::none, DriverFault::none, 0, 1, false, true, {}, true});
+}
+
+std::string row_start(const Trial& trial, const Outcome& outcome) {
+  return fmt::format("| {} | {} | {} | ", trial.fault, trial.state, outcome.reason);
+}
+
+TEST(GuardFaultTable, IsTheOneInTheDocumentation) {
+  std::vector<Trial> trials;
+  add_driver_faults(trials);
+  add_process_faults(trials);
+  sched_param before{};
+  const int policy = ::sched_getscheduler(0);
+  ::sched_getparam(0, &before);
+  const bool timely = real_time(83);
+  std::string table = "| fault | while | what the guard states | zero after |\n|---|---|---|---|\n";
+  std::vector<std::string> starts;
+  double worst_s = 0.0;
+  for (const Trial& trial : trials) {
+    const Outcome outcome = GuardTrial(trial, timely).go();
+    SCOPED_TRACE(trial.fault + ", " + trial.state);
+    EXPECT_TRUE(outcome.reached);
+    EXPECT_LE(outcome.most_N, 2.0 + 1e-9) << "more than the limit reached the motors";
+    if (trial.no_fault) {
+      EXPECT_LT(outcome.to_zero_s, 0.0) << "the force must stay, or this table shows nothing";
+      EXPECT_EQ(outcome.reason, "-");
+    } else {
+      EXPECT_GE(outcome.to_zero_s, 0.0) << "a force stays on";
+      worst_s = std::max(worst_s, outcome.to_zero_s);
+    }
+    const bool never_on = !trial.push || trial.at_once;
+    starts.push_back(row_start(trial, outcome));
+    table += starts.back() +
+             (trial.no_fault ? "stays on"
+              : never_on     ? "never on"
+                             : fmt::format("{:.1f} ms", 1e3 * outcome.to_zero_s)) +
+             " |\n";
+  }
+  ::sched_setscheduler(0, policy, &before);
+  fmt::print("{}emulated: {} faults, worst time to zero {:.1f} ms, {} real-time scheduling\n", table, trials.size() - 1,
+             1e3 * worst_s, timely ? "with" : "without");
+  const char* const quiet = std::getenv("TOUCHSTONE_HIL_QUIET");
+  if (quiet != nullptr && std::string(quiet) == "1") {
+    EXPECT_LE(worst_s, longest_to_zero_s);
+  }
+  if (const char* const file = std::getenv("TOUCHSTONE_HIL_GUARD_TABLE")) write_file(file, table);
+  const auto documented =
+      read_file(std::filesystem::path(std::getenv("TOUCHSTONE_SOURCE_DIR")) / "docs" / "hil" / "guard.md");
+  for (const auto& start : starts) EXPECT_THAT(documented, ::testing::HasSubstr(start));
+}
+
+}  // namespace
+}  // namespace touchstone::hil
