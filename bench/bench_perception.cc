@@ -8,6 +8,7 @@
 
 #include "harness/base/freed_memory.h"
 #include "harness/base/random.h"
+#include "harness/perception/judge/judged_conditions.h"
 #include "harness/perception/perceptual_evaluation.h"
 
 namespace {
@@ -54,6 +55,41 @@ void evaluate(benchmark::State& state) {
   state.counters["conditions_per_s"] =
       benchmark::Counter(static_cast<double>(count), benchmark::Counter::kIsIterationInvariantRate);
 }
+
+// The judge, from recordings in memory to the verdict.
+void judge(benchmark::State& state) {
+  touchstone::keep_freed_memory();
+  const auto count = static_cast<std::size_t>(state.range(0));
+  std::vector<touchstone::Recording> pool;
+  for (std::uint64_t i = 0; i < 9; ++i) {
+    const auto signal = presses(400.0 + 25.0 * static_cast<double>(i), i);
+    touchstone::Recording recording;
+    recording.source = "presses";
+    recording.motion.t_s = signal.t_s;
+    for (std::size_t n = 0; n < kSamples; ++n) {
+      recording.motion.p_W_m.emplace_back(0.0, 0.0, -signal.displacement_m[n]);
+      recording.f_W_N.emplace_back(0.0, 0.0, signal.force_N[n]);
+    }
+    pool.push_back(std::move(recording));
+  }
+  std::vector<pc::RecordingSource> conditions;
+  for (std::size_t c = 0; c < count; ++c)
+    conditions.push_back({std::to_string(c), [&pool, c] { return pool[1 + c % 8]; }});
+  for (auto _ : state) {
+    const auto judged = pc::judge_conditions(pool[0], {}, conditions, touchstone::Vec3::UnitZ(), {});
+    benchmark::DoNotOptimize(judged.conditions.front().judgement.d_prime);
+  }
+  state.counters["conditions_per_s"] =
+      benchmark::Counter(static_cast<double>(count), benchmark::Counter::kIsIterationInvariantRate);
+}
+
+BENCHMARK(judge)
+    ->Name("perceive/judge_60000_samples")
+    ->Arg(100)
+    ->Arg(1000)
+    ->Unit(benchmark::kMillisecond)
+    ->MeasureProcessCPUTime()
+    ->UseRealTime();
 
 BENCHMARK(evaluate)
     ->Name("perceive/60000_samples")

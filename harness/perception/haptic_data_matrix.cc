@@ -207,7 +207,12 @@ PressSignal press_signal(const Recording& recording, const Vec3& outward, double
   signal.t_s = recording.motion.t_s;
   signal.force_N.reserve(recording.size());
   signal.displacement_m.reserve(recording.size());
-  for (const auto& f : recording.f_W_N) signal.force_N.push_back(f.dot(outward));
+  double across = 0.0;
+  for (const auto& f : recording.f_W_N) {
+    signal.force_N.push_back(f.dot(outward));
+    across += std::max(0.0, f.squaredNorm() - signal.force_N.back() * signal.force_N.back());
+  }
+  if (recording.size() > 0) signal.sideways_N = std::sqrt(across / static_cast<double>(recording.size()));
   const auto contact = std::find_if(signal.force_N.begin(), signal.force_N.end(),
                                     [contact_force_N](double f) { return std::abs(f) > contact_force_N; });
   const auto start = contact == signal.force_N.end() ? 0 : contact - signal.force_N.begin();

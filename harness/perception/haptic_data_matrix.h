@@ -26,6 +26,7 @@ struct PressSignal {
   std::vector<double> displacement_m;
   std::vector<double> angle_rad;              // empty where not measured
   std::vector<double> acceleration_m_per_s2;  // measured; empty: the second derivative of displacement stands in
+  double sideways_N = 0.0;  // root mean square of the force across the direction of pressing: no column holds it
 };
 
 struct MeasuringPart {

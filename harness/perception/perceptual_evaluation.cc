@@ -82,6 +82,21 @@ double span_s(const std::vector<PressSignal>& parts) {
   return last - first;
 }
 
+// Force across the direction of pressing, which the data matrix has no column for.
+std::string sideways_remark(const std::vector<PressSignal>& parts, const std::string& who) {
+  constexpr double kWorthSaying = 0.05;  // of the force along it: its direction is then known no better
+  for (const auto& part : parts) {
+    const double along_N = root_mean_square(part.force_N);
+    if (part.sideways_N > kFingertipForce.absolute_threshold && part.sideways_N > kWorthSaying * along_N) {
+      return fmt::format(
+          "{}: {:.3g} N root mean square lie across the direction of pressing ({:.3g} N along it); this "
+          "method compares the force along it alone",
+          who, part.sideways_N, along_N);
+    }
+  }
+  return {};
+}
+
 void fill(ConditionResult& result, const HapticImage& image) {
   result.extended_rate_hardness_N_per_m = image.extended_rate_hardness_N_per_m;
   result.harmonic_share = image.harmonic_share;
@@ -140,6 +155,19 @@ void check(const EvaluationOptions& options) {
         std::tuple{"the tolerance of durations", options.duration_tolerance, ""}}) {
     if (!(value >= 0.0 && std::isfinite(value))) refuse(what, value, unit);
   }
+}
+
+// What the method cuts off or does not look at.
+void note_what_is_not_judged(const std::vector<PressSignal>& parts, double own_s, double real_s, double rate_Hz,
+                             ConditionResult& own) {
+  if (own_s > real_s + 1.5 / rate_Hz) {
+    own.remarks.push_back(
+        fmt::format("condition '{}' lasts {:.4g} s and the real process {:.4g} s: its last {:.3g} s "
+                    "are not compared",
+                    own.name, own_s, real_s, own_s - real_s));
+  }
+  if (auto remark = sideways_remark(parts, fmt::format("condition '{}'", own.name)); !remark.empty())
+    own.remarks.push_back(std::move(remark));
 }
 
 // Fills the images and statistics of all conditions over the reference's length. Returns the number of samples that all
@@ -207,6 +235,7 @@ std::size_t compare_all(PerceptualEvaluation& result, const HapticDataMatrix& re
       image.felt_displacement = {};
     }
     result.images[c + 1] = std::move(image);
+    note_what_is_not_judged(parts, own_s, real_s, result.rate_Hz, own);
     const std::scoped_lock lock(mutex);
     ++done;
     if (options.progress) options.progress(done);
@@ -263,6 +292,10 @@ PerceptualEvaluation evaluate(const std::vector<PressSignal>& real, const std::v
         fmt::format("compared over the first {:.4g} s: a condition is shorter than the real process ({:.4g} s)",
                     static_cast<double>(common) / result.rate_Hz, real_s));
   }
+  if (auto remark = sideways_remark(real, "the real process"); !remark.empty())
+    result.remarks.push_back(std::move(remark));
+  for (const auto& c : result.conditions)
+    result.remarks.insert(result.remarks.end(), c.remarks.begin(), c.remarks.end());
   result.samples = common;
   const std::vector<double>& real_N = reference.parts.front().force_N;
   std::vector<std::size_t> windows;
@@ -281,6 +314,12 @@ PerceptualEvaluation evaluate(const std::vector<PressSignal>& real, const std::v
   rank(result.conditions);
   if (conditions.size() == 1) {
     result.remarks.emplace_back("a single condition has a distance but no rank and no relative similarity");
+  }
+  if (conditions.size() > 1 && result.space.explained_share < 1.0 - 1e-9) {
+    result.remarks.push_back(
+        fmt::format("the {} dimensions kept hold {:.4g} % of the variance between these conditions: adding or removing "
+                    "one may change the order of the others; --explained 1 keeps all",
+                    result.space.dimensions, 100.0 * result.space.explained_share));
   }
   if (result.real.guarded_share > 0.0) {
     result.remarks.push_back(

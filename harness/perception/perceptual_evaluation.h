@@ -63,7 +63,8 @@ struct ConditionResult {
   double guarded_share = 0.0;
   double force_reduction = 0.0;  // of the dead band
   double displacement_reduction = 0.0;
-  std::size_t rank_perception = 0;  // 1 is the nearest
+  std::size_t rank_perception = 0;   // 1 is the nearest
+  std::vector<std::string> remarks;  // what of it is not compared
 };
 
 struct PerceptualEvaluation {

@@ -17,6 +17,18 @@ namespace touchstone::perception {
 
 NoticeableForceError::NoticeableForceError(const WeberLaw& law) : law_(law), series_("force error", "JND") {}
 
+void NoticeableForceError::follow(const MetricSample& sample) {
+  constexpr double kMemory_s = 0.05;
+  const double step_s = sample.t_s - before_s_;
+  if (has_before_ && step_s > 0.0 && sample.out_W_m.allFinite()) {
+    const Vec3 now = (sample.out_W_m - foot_before_W_m_) / step_s;
+    slide_W_m_per_s_ += std::min(1.0, step_s / kMemory_s) * (now - slide_W_m_per_s_);
+  }
+  foot_before_W_m_ = sample.out_W_m;
+  before_s_ = sample.t_s;
+  has_before_ = sample.out_W_m.allFinite();
+}
+
 void NoticeableForceError::add(const MetricSample& sample) {
   const double measured_N = sample.f_measured_W_N.norm();
   const double error_N = (sample.f_rendered_W_N - sample.f_measured_W_N).norm();
@@ -26,6 +38,17 @@ void NoticeableForceError::add(const MetricSample& sample) {
   noticeable_.add(sample.t_s, std::isfinite(jnd) ? (jnd > 1.0 ? 1.0 : 0.0) : jnd);
   felt_squared_.add(sample.t_s, steps * steps);
   series_.add(sample.t_s, jnd);
+  follow(sample);
+  if (!(jnd > 1.0)) return;
+  constexpr double kSlides_m_per_s = 0.001;
+  const Vec3 error = sample.f_rendered_W_N - sample.f_measured_W_N;
+  const Vec3 way = slide_W_m_per_s_.norm() > kSlides_m_per_s ? Vec3(slide_W_m_per_s_.normalized()) : Vec3(Vec3::Zero());
+  const double along_way = error.dot(way);
+  const Vec3 pressing = sample.f_measured_W_N - sample.f_measured_W_N.dot(way) * way;
+  const double along_force = pressing.norm() > 0.0 ? error.dot(pressing.normalized()) : 0.0;
+  const double rest = std::sqrt(std::max(0.0, error.squaredNorm() - along_way * along_way - along_force * along_force));
+  const std::array<double, 3> parts{std::abs(along_way), std::abs(along_force), rest};
+  ++noticed_by_[static_cast<std::size_t>(std::max_element(parts.begin(), parts.end()) - parts.begin())];
 }
 
 std::vector<MetricResult> NoticeableForceError::results() {
@@ -50,6 +73,12 @@ std::vector<MetricResult> NoticeableForceError::results() {
   for (auto* const result : {&rms, &most, &share, &felt}) {
     if (result->status == MetricStatus::ok) result->note = law;
   }
+  if (share.status == MetricStatus::ok && share.value > 0.0) {
+    constexpr std::array<const char*, 3> kParts{"friction", "the strength of the force", "the direction of the force"};
+    const auto most_of = std::max_element(noticed_by_.begin(), noticed_by_.end()) - noticed_by_.begin();
+    share.note = fmt::format("a person would notice the force error in {:.0f} % of the scan, mostly as {}; {}",
+                             100.0 * share.value, kParts[static_cast<std::size_t>(most_of)], law);
+  }
   return {std::move(rms), std::move(most), std::move(share), std::move(felt)};
 }
 
@@ -63,7 +92,8 @@ struct Described {
 constexpr std::array kPress{
     Described{"rate_hardness", "N/m",
               "Median rate-hardness of the rendered presses: force change over displacement change."},
-    Described{"extended_rate_hardness", "N/m", "Largest rendered force rate over the velocity of the first contact."},
+    Described{"extended_rate_hardness", "N/m",
+              "Rendered force rate over the velocity in the first 20 ms of contact, median of the contacts."},
     Described{"rate_hardness_error", "1",
               "RMS difference of rate-hardness, rendered from measured, over the RMS measured."},
     Described{"force_structural_similarity", "1",
@@ -157,17 +187,21 @@ std::vector<MetricResult> press_metrics(const Recording& measured, std::span<con
     results[0].note = guard;
     set_reference(results[0], median(of_real), "median rate-hardness measured");
   }
-  const auto extended = [](const MeasuringPart& part) {
-    return extended_rate_hardness(part.force_N, part.force_rate_N_per_s, part.velocity_m_per_s,
-                                  kFingertipForce.absolute_threshold);
+  const auto extended = [&](const MeasuringPart& part) {
+    return estimated_rate_hardness(part.force_N, part.displacement_m, matrix.rate_Hz,
+                                   kFingertipForce.absolute_threshold);
   };
-  const auto rendered_extended = extended(rendered);
-  if (rendered_extended) {
-    results.push_back(value_of(kPress[1], *rendered_extended));
-    if (const auto own = extended(real)) set_reference(results.back(), *own, "extended rate-hardness measured");
+  const auto interval = [](const RateHardnessEstimate& estimate) {
+    return fmt::format("95 % {:.4g} to {:.4g} N/m over {} contacts", estimate.low95_N_per_m, estimate.high95_N_per_m,
+                       estimate.contacts);
+  };
+  if (const auto rendered_extended = extended(rendered)) {
+    results.push_back(value_of(kPress[1], rendered_extended->value_N_per_m));
+    results.back().note = interval(*rendered_extended);
+    if (const auto own = extended(real))
+      set_reference(results.back(), own->value_N_per_m, "extended rate-hardness measured, " + interval(*own));
   } else {
-    results.push_back(
-        missing(kPress[1], "the measured positions show no first contact with a velocity into the object"));
+    results.push_back(missing(kPress[1], "fewer than three contacts from free air, or contacts that do not agree"));
   }
   if (unfit.empty()) {
     results.push_back(value_of(kPress[2], root_mean_square(difference) / root_mean_square(of_real)));

@@ -2,6 +2,8 @@
 // hardness of presses. Shao, Wu and Ouyang, eq 5, 9, 10, 12, 15.
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <span>
 #include <vector>
 
@@ -15,6 +17,8 @@ namespace touchstone::perception {
 
 // The force error of every sample over the just noticeable difference of the measured force (eq 12); vectors, so that a
 // force of the right size in the wrong direction errs too. Streams.
+// What a noticed sample is noticed by: friction (error along the way the foot slides), strength (along the measured
+// force), or direction (the rest), whichever is largest; the note of noticeable_share says which prevails.
 // Results: rms_force_error_jnd, max_force_error_jnd [JND], noticeable_share [1], felt_squared_error [JND^2] (eq 9).
 class NoticeableForceError final : public Metric {
  public:
@@ -23,11 +27,19 @@ class NoticeableForceError final : public Metric {
   [[nodiscard]] std::vector<MetricResult> results() override;
 
  private:
+  void follow(const MetricSample& sample);
+
   WeberLaw law_;
   Moments error_jnd_;
   Moments noticeable_;
   Moments felt_squared_;
   SeriesRecorder series_;
+  // The foot's way over the last 50 ms, and samples noticed by friction, strength, direction.
+  Vec3 slide_W_m_per_s_ = Vec3::Zero();
+  Vec3 foot_before_W_m_ = Vec3::Zero();
+  double before_s_ = 0.0;
+  bool has_before_ = false;
+  std::array<std::size_t, 3> noticed_by_{};
 };
 
 // The presses of a recording as measured and as rendered on its path, along the measured force's direction.

@@ -45,6 +45,25 @@ TEST(NoticeableForceError, CountsInJustNoticeableDifferences) {
   for (const auto& result : silent.results()) EXPECT_NE(result.status, MetricStatus::ok);
 }
 
+TEST(NoticeableForceError, SaysWhatAPersonWouldNoticeItBy) {
+  const auto noticed_as = [](const Vec3& error) {
+    NoticeableForceError metric;
+    for (int i = 0; i < 1000; ++i) {
+      MetricSample sample;
+      sample.t_s = 0.001 * i;
+      sample.out_W_m = {1e-5 * i, 0.0, 0.0};  // slides along x at 10 mm/s
+      sample.f_measured_W_N = {0.0, 0.0, 1.0};
+      sample.f_rendered_W_N = sample.f_measured_W_N + (i < 630 ? Vec3(Vec3::Zero()) : error);
+      metric.add(sample);
+    }
+    const auto results = metric.results();
+    return find_result(results, "noticeable_share").note;
+  };
+  EXPECT_THAT(noticed_as({-0.5, 0.0, 0.1}), ::testing::HasSubstr("in 37 % of the scan, mostly as friction"));
+  EXPECT_THAT(noticed_as({0.0, 0.0, 0.5}), ::testing::HasSubstr("mostly as the strength of the force"));
+  EXPECT_THAT(noticed_as({0.0, 0.5, 0.0}), ::testing::HasSubstr("mostly as the direction of the force"));
+}
+
 TEST(PressMetrics, TellHardnessBesideTheMeasuredOne) {
   for (const Vec3& n : {Vec3(0, 0, 1), Vec3(0.6, 0.0, 0.8)}) {
     const Recording measured = presses(500.0, n);

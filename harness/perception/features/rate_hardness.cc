@@ -89,4 +89,60 @@ std::optional<double> extended_rate_hardness(std::span<const double> force_N,
   return *std::max_element(force_rate_N_per_s.begin(), force_rate_N_per_s.end()) / velocity_m_per_s[at];
 }
 
+namespace {
+
+// Sum of (x - mean)(y - mean) over `count` samples from `first` on.
+double joint_sum(std::span<const double> x, std::span<const double> y, std::size_t first, std::size_t count) {
+  double mean_x = 0.0;
+  double mean_y = 0.0;
+  for (std::size_t i = first; i < first + count; ++i) {
+    mean_x += x[i] / static_cast<double>(count);
+    mean_y += y[i] / static_cast<double>(count);
+  }
+  double sum = 0.0;
+  for (std::size_t i = first; i < first + count; ++i) sum += (x[i] - mean_x) * (y[i] - mean_y);
+  return sum;
+}
+
+}  // namespace
+
+std::optional<RateHardnessEstimate> estimated_rate_hardness(std::span<const double> force_N,
+                                                            std::span<const double> displacement_m, double rate_Hz,
+                                                            double contact_force_N) {
+  constexpr double kLine_s = 0.02;
+  constexpr std::size_t kFewestContacts = 3;
+  const auto count = static_cast<std::size_t>(std::max(3.0, std::round(kLine_s * rate_Hz)));
+  std::vector<double> time(count);
+  for (std::size_t i = 0; i < count; ++i) time[i] = static_cast<double>(i) / rate_Hz;
+  const double time_squares = joint_sum(time, time, 0, count);
+  std::vector<double> values;
+  std::size_t free = 0;
+  for (std::size_t i = 0; i + count <= force_N.size(); ++i) {
+    if (force_N[i] <= contact_force_N) {
+      ++free;
+      continue;
+    }
+    if (free >= count) {
+      const double force_rate = joint_sum(time, force_N.subspan(i, count), 0, count) / time_squares;
+      const double speed = joint_sum(time, displacement_m.subspan(i, count), 0, count) / time_squares;
+      if (speed > 0.0 && force_rate > 0.0) values.push_back(force_rate / speed);
+    }
+    free = 0;
+  }
+  if (values.size() < kFewestContacts) return std::nullopt;
+  const auto n = static_cast<double>(values.size());
+  RateHardnessEstimate estimate;
+  estimate.contacts = values.size();
+  estimate.value_N_per_m = median(values);
+  double squares = 0.0;
+  for (const double v : values) squares += std::pow(v - estimate.value_N_per_m, 2);
+  // The median of normal values spreads by sqrt(pi / 2) more than their mean.
+  const double error = 1.2533 * std::sqrt(squares / (n - 1.0) / n);
+  const double reach = student_t_975(n - 1.0) * error;
+  estimate.low95_N_per_m = std::max(0.0, estimate.value_N_per_m - reach);
+  estimate.high95_N_per_m = estimate.value_N_per_m + reach;
+  if (!(estimate.high95_N_per_m - estimate.low95_N_per_m < estimate.value_N_per_m)) return std::nullopt;
+  return estimate;
+}
+
 }  // namespace touchstone::perception

@@ -44,4 +44,20 @@ std::optional<double> extended_rate_hardness(std::span<const double> force_N,
                                              std::span<const double> force_rate_N_per_s,
                                              std::span<const double> velocity_m_per_s, double contact_force_N);
 
+// Extended rate-hardness of measured data: a straight line through the force of the first 20 ms after contact over one
+// through the displacement, contact by contact; median and a 95 % interval over the contacts (Student's t with the
+// spread about the median). Raw differences of noisy samples, as eq 5 has them, say nothing: twelve recordings of one
+// spring give values that differ by a factor of ten.
+struct RateHardnessEstimate {
+  double value_N_per_m = 0.0;
+  double low95_N_per_m = 0.0;
+  double high95_N_per_m = 0.0;
+  std::size_t contacts = 0;
+};
+// Contacts of `force_N` above the absolute threshold after at least 20 ms below it. Nothing for fewer than three
+// contacts, or where the interval is wider than the value.
+std::optional<RateHardnessEstimate> estimated_rate_hardness(std::span<const double> force_N,
+                                                            std::span<const double> displacement_m, double rate_Hz,
+                                                            double contact_force_N);
+
 }  // namespace touchstone::perception

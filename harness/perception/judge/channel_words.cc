@@ -1,0 +1,81 @@
+#include "harness/perception/judge/channel_words.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <numbers>
+
+namespace touchstone::perception {
+
+void describe_slow(ChannelEvidence& evidence, const SlowEvidence& found, const Thresholds& thresholds) {
+  const double depth_mm = 1e3 * found.depth_m;
+  const double change = found.real > 0.0 ? 100.0 * (found.rendered / found.real - 1.0) : 0.0;
+  switch (evidence.channel) {
+    case Channel::force:
+      evidence.what = fmt::format("{:.3g} N instead of {:.3g} N at {:.3g} mm ({:+.3g} %)", found.rendered, found.real,
+                                  depth_mm, change);
+      evidence.remedy = fmt::format("bring the force at {:.3g} mm to within {:.2g} N of {:.3g} N", depth_mm,
+                                    thresholds.force.just_noticeable_difference(found.real), found.real);
+      break;
+    case Channel::stiffness:
+      evidence.what = fmt::format("{:.4g} N/m instead of {:.4g} N/m ({:+.3g} %)", found.rendered, found.real, change);
+      evidence.remedy = fmt::format("choose a stiffness between {:.4g} and {:.4g} N/m",
+                                    found.real / (1.0 + thresholds.stiffness_fraction),
+                                    found.real * (1.0 + thresholds.stiffness_fraction));
+      break;
+    case Channel::rate:
+      evidence.what = fmt::format(
+          "{:+.3g} N with the speed of pressing instead of {:+.3g} N at {:.3g} mm: {}", found.rendered, found.real,
+          depth_mm, found.rendered < found.real ? "force behind motion, or too little damping" : "too much damping");
+      evidence.remedy = fmt::format("lower the delay, or match the damping, by a factor of {:.2g}", evidence.jnd);
+      break;
+    case Channel::direction:
+      evidence.what = fmt::format("the force points {:.3g} degrees away", 180.0 / std::numbers::pi * found.rendered);
+      evidence.remedy =
+          fmt::format("turn the force to within {:.3g} degrees", 180.0 / std::numbers::pi * thresholds.direction_rad);
+      break;
+    case Channel::friction:
+      evidence.what =
+          fmt::format("friction of {:.3g} N instead of {:.3g} N at {:.3g} mm", found.rendered, found.real, depth_mm);
+      evidence.remedy = fmt::format("bring friction to within {:.2g} N of {:.3g} N",
+                                    std::abs(found.rendered - found.real) / std::max(1e-12, found.jnd), found.real);
+      break;
+    case Channel::vibration:
+    case Channel::transient:
+    case Channel::position:
+      break;
+  }
+}
+
+void describe_vibration(ChannelEvidence& evidence, const VibrationDifference& found) {
+  const bool burst = evidence.channel == Channel::transient;
+  const char* const which = burst ? "burst after contact" : "vibration in contact";
+  evidence.what = fmt::format("{} near {:.3g} Hz: {:.2g} N instead of {:.2g} N (felt from {:.2g} N on)", which,
+                              found.frequency_Hz, found.rendered_N, found.real_N, found.threshold_N);
+  evidence.remedy = fmt::format(
+      "bring the {} near {:.3g} Hz to within {:.2g} N of {:.2g} N", which, found.frequency_Hz,
+      std::abs(found.rendered_N - found.real_N) / std::max(1e-12, std::sqrt(std::max(0.0, found.jnd2))), found.real_N);
+}
+
+std::string why_unknown(Channel channel) {
+  switch (channel) {
+    case Channel::force:
+    case Channel::rate:
+      return "the two recordings press to no common depth";
+    case Channel::stiffness:
+      return "the force does not grow with depth over the common depths";
+    case Channel::direction:
+      return "the force is too small to have a direction";
+    case Channel::friction:
+      return "one of the recordings does not slide";
+    case Channel::vibration:
+      return "a recording stays in contact for less than 64 ms at a time, or is too slow";
+    case Channel::transient:
+      return "a recording begins contact from free air fewer than three times";
+    case Channel::position:
+      return "a recording shows no first contact";
+  }
+  return {};
+}
+
+}  // namespace touchstone::perception

@@ -1,0 +1,163 @@
+#include "harness/perception/judge/felt_series.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "harness/base/error.h"
+#include "harness/perception/statistics.h"
+
+namespace touchstone::perception {
+namespace {
+
+constexpr double kSmoothing_s = 0.02;
+constexpr double kLongestGap = 20.0;
+constexpr std::size_t kFewestSamples = 50;
+
+// Mean over 2 m + 1 samples by a running sum, fewer at the ends, and the least-squares slope over the same samples.
+struct Smoothed {
+  std::vector<double> value;
+  std::vector<double> slope_per_s;
+};
+
+Smoothed smoothed(const std::vector<double>& x, double rate_Hz, std::size_t m) {
+  const std::size_t n = x.size();
+  Smoothed result{std::vector<double>(n), std::vector<double>(n)};
+  // Sums of x and of i x from the start; offset by the first value, so that little is lost in differences.
+  std::vector<double> sum(n + 1, 0.0);
+  std::vector<double> moment(n + 1, 0.0);
+  for (std::size_t i = 0; i < n; ++i) {
+    sum[i + 1] = sum[i] + (x[i] - x[0]);
+    moment[i + 1] = moment[i] + static_cast<double>(i) * (x[i] - x[0]);
+  }
+  for (std::size_t i = 0; i < n; ++i) {
+    const std::size_t first = i < m ? 0 : i - m;
+    const std::size_t last = std::min(n - 1, i + m);
+    const auto count = static_cast<double>(last - first + 1);
+    const double total = sum[last + 1] - sum[first];
+    const double middle = 0.5 * static_cast<double>(first + last);
+    const double slope = (moment[last + 1] - moment[first] - middle * total) * 12.0 / (count * (count * count - 1.0));
+    // The straight line's value at i: the mean where the window is symmetric.
+    result.value[i] = x[0] + total / count + slope * (static_cast<double>(i) - middle);
+    result.slope_per_s[i] = slope * rate_Hz;
+  }
+  return result;
+}
+
+void check_felt(const Recording& r) {
+  if (r.f_W_N.size() != r.size()) {
+    throw BadData(fmt::format("{}: has no force; a perceptual evaluation compares forces", r.source));
+  }
+  if (r.size() < kFewestSamples) {
+    throw BadData(fmt::format("{}: {} samples; at least {} are needed", r.source, r.size(), kFewestSamples));
+  }
+  for (std::size_t i = 0; i < r.size(); ++i) {
+    if (!r.f_W_N[i].allFinite() || !r.motion.p_W_m[i].allFinite() || !std::isfinite(r.motion.t_s[i])) {
+      throw BadData(fmt::format("{}: sample {} (t = {} s) is not a finite number; remove or repair the sample",
+                                r.source, i + 1, r.motion.t_s[i]));
+    }
+    if (i > 0 && !(r.motion.t_s[i] > r.motion.t_s[i - 1])) {
+      throw BadData(fmt::format("{}: time does not advance from sample {} to {} ({} s to {} s)", r.source, i, i + 1,
+                                r.motion.t_s[i - 1], r.motion.t_s[i]));
+    }
+  }
+}
+
+// The columns of one axis at even times.
+std::vector<double> at_even_times(const std::vector<double>& t_s, const std::vector<double>& x, double rate_Hz,
+                                  std::size_t count) {
+  std::vector<double> result(count);
+  std::size_t i = 0;
+  for (std::size_t k = 0; k < count; ++k) {
+    const double t = t_s.front() + static_cast<double>(k) / rate_Hz;
+    while (i + 2 < t_s.size() && t_s[i + 1] <= t) ++i;
+    const double share = std::clamp((t - t_s[i]) / (t_s[i + 1] - t_s[i]), 0.0, 1.0);
+    result[k] = x[i] + share * (x[i + 1] - x[i]);
+  }
+  return result;
+}
+
+}  // namespace
+
+FeltSeries felt_series(const Recording& recording, const Vec3& outward) {
+  check_felt(recording);
+  const std::vector<double>& t_s = recording.motion.t_s;
+  const std::size_t n = recording.size();
+  FeltSeries felt;
+  felt.name = recording.source;
+  felt.start_s = t_s.front();
+  std::vector<double> steps_s;
+  steps_s.reserve(n - 1);
+  for (std::size_t i = 1; i < n; ++i) steps_s.push_back(t_s[i] - t_s[i - 1]);
+  const double typical_s = median(steps_s);
+  double worst = 0.0;
+  for (std::size_t i = 0; i + 1 < n; ++i) {
+    if (steps_s[i] > kLongestGap * typical_s) {
+      throw BadData(
+          fmt::format("{}: a hole of {:.4g} s after t = {:.6g} s; cut the recording there: nothing is made "
+                      "up over more than {:.0f} sampling intervals",
+                      felt.name, steps_s[i], t_s[i], kLongestGap));
+    }
+    worst = std::max(worst, std::abs(steps_s[i] - typical_s) / typical_s);
+  }
+  felt.rate_Hz = static_cast<double>(n - 1) / (t_s.back() - t_s.front());
+  felt.same_clock = worst <= 0.05;
+
+  const Vec3 axis0 = outward.normalized();
+  const Vec3 axis1 = axis0.unitOrthogonal();
+  const Vec3 axis2 = axis0.cross(axis1);
+  std::vector<double> place[3];
+  for (auto& column : place) column.resize(n);
+  for (auto& column : felt.force_N) column.resize(n);
+  for (std::size_t i = 0; i < n; ++i) {
+    const Vec3& p = recording.motion.p_W_m[i];
+    const Vec3& f = recording.f_W_N[i];
+    place[0][i] = -p.dot(axis0);
+    place[1][i] = p.dot(axis1);
+    place[2][i] = p.dot(axis2);
+    felt.force_N[0][i] = f.dot(axis0);
+    felt.force_N[1][i] = f.dot(axis1);
+    felt.force_N[2][i] = f.dot(axis2);
+  }
+  if (!felt.same_clock) {
+    for (auto& column : place) column = at_even_times(t_s, column, felt.rate_Hz, n);
+    for (auto& column : felt.force_N) column = at_even_times(t_s, column, felt.rate_Hz, n);
+  }
+  const auto half = static_cast<std::size_t>(std::max(1.0, std::round(0.5 * kSmoothing_s * felt.rate_Hz)));
+  auto depth = smoothed(place[0], felt.rate_Hz, half);
+  felt.depth_m = std::move(depth.value);
+  felt.rate_of_depth_m_per_s = std::move(depth.slope_per_s);
+  felt.slide_x = smoothed(place[1], felt.rate_Hz, half).slope_per_s;
+  felt.slide_y = smoothed(place[2], felt.rate_Hz, half).slope_per_s;
+  constexpr double kRest_m_per_s = 0.001;
+  for (std::size_t i = 0; i < n; ++i) {
+    const double x = felt.slide_x[i];
+    const double y = felt.slide_y[i];
+    const double speed = std::sqrt(x * x + y * y) + kRest_m_per_s;
+    felt.slide_x[i] = x / speed;
+    felt.slide_y[i] = y / speed;
+  }
+  return felt;
+}
+
+FeltSeries with_lag(const FeltSeries& felt, double lag_s) {
+  FeltSeries result = felt;
+  const double samples = lag_s * felt.rate_Hz;
+  const auto whole = static_cast<std::size_t>(samples);
+  const double part = samples - static_cast<double>(whole);
+  const auto shift = [&](const std::vector<double>& from, std::vector<double>& to) {
+    for (std::size_t i = 0; i < from.size(); ++i) {
+      const double later = from[i < whole ? 0 : i - whole];
+      const double earlier = from[i < whole + 1 ? 0 : i - whole - 1];
+      to[i] = later + part * (earlier - later);
+    }
+  };
+  shift(felt.depth_m, result.depth_m);
+  shift(felt.rate_of_depth_m_per_s, result.rate_of_depth_m_per_s);
+  shift(felt.slide_x, result.slide_x);
+  shift(felt.slide_y, result.slide_y);
+  return result;
+}
+
+}  // namespace touchstone::perception

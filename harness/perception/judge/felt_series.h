@@ -1,0 +1,38 @@
+// One process as the hand meets it: force and motion in the frame of pressing, on one uniform clock.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "harness/recording/trajectory.h"
+
+namespace touchstone::perception {
+
+// Axis 0 is the outward direction of pressing, 1 and 2 lie across it. SI units; force ON the probe BY the object.
+struct FeltSeries {
+  std::string name;  // where it comes from, for messages
+  double rate_Hz = 0.0;
+  double start_s = 0.0;         // time of the first sample in the recording
+  std::vector<double> depth_m;  // against the outward direction; any origin. Smoothed over 20 ms
+  std::vector<double> rate_of_depth_m_per_s;
+  // Direction of sliding along axis 1 and 2: s_i / (|s| + 1 mm/s), so that rest has none.
+  std::vector<double> slide_x;
+  std::vector<double> slide_y;
+  std::vector<double> force_N[3];
+  bool same_clock = true;  // false: samples were interpolated to an even clock
+
+  [[nodiscard]] std::size_t size() const noexcept { return depth_m.size(); }
+  [[nodiscard]] double t_s(std::size_t i) const noexcept { return start_s + static_cast<double>(i) / rate_Hz; }
+};
+
+// Positions and velocities are means and slopes over 20 ms, so that a tracker's noise does not look like a vibration
+// of the object. Samples are interpolated to an even clock if an interval differs from the median by more than 5 %.
+// Throws BadData for no force, values that are not finite, time that does not advance, a hole of more than 20
+// intervals, or fewer than 50 samples.
+FeltSeries felt_series(const Recording& recording, const Vec3& outward);
+
+// The motion of `lag_s` ago beside the force of now: what an object with that delay answers to. The first samples keep
+// the first motion.
+FeltSeries with_lag(const FeltSeries& felt, double lag_s);
+
+}  // namespace touchstone::perception

@@ -1,0 +1,332 @@
+#include "harness/perception/judge/judge.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "harness/base/error.h"
+#include "harness/perception/judge/channel_words.h"
+#include "harness/perception/judge/moments.h"
+#include "harness/perception/judge/slow_channels.h"
+#include "harness/perception/statistics.h"
+
+namespace touchstone::perception {
+
+std::string_view name_of(Channel channel) {
+  constexpr std::string_view kNames[kChannels] = {"force",    "stiffness", "rate",      "direction",
+                                                  "friction", "vibration", "transient", "position"};
+  return kNames[static_cast<std::size_t>(channel)];
+}
+
+std::string_view name_of(Verdict verdict) {
+  switch (verdict) {
+    case Verdict::noticed:
+      return "noticed";
+    case Verdict::not_noticed:
+      return "not-noticed";
+    case Verdict::cannot_tell:
+      break;
+  }
+  return "cannot-tell";
+}
+
+JudgedProcess judged_process(FeltSeries felt, const Thresholds& thresholds, const JudgedProcess* reference) {
+  // A delay below this is no more than the rate's part of the force; what is longer displaces the onset of force too.
+  constexpr double kShortLag_s = 0.002;
+  constexpr double kLongestLag_s = 0.25;
+  JudgedProcess process;
+  // A rendering that gives no force has no contact of its own: it is in contact where the real process is.
+  const auto contact_of = [&](const FeltSeries& series) {
+    const auto contact = first_contact(series, thresholds.force);
+    return !contact.begins_free && reference != nullptr && reference->contact.begins_free ? reference->contact
+                                                                                          : contact;
+  };
+  process.contact = contact_of(felt);
+  const DepthGrid own =
+      reference != nullptr && reference->response ? reference->response->grid : depth_grid(felt, process.contact);
+  process.response = fit_response(felt, process.contact, own);
+  process.felt = std::move(felt);
+  if (!process.response) return process;
+  // Steps of a secant: the delay that is left after each. Kept only if the force is explained better.
+  double lag_s = 0.0;
+  const FeltSeries prompt = process.felt;
+  for (int step = 0; step < 4; ++step) {
+    const double more_s = apparent_lag_s(*process.response);
+    if (!(std::abs(more_s) > kShortLag_s) || !(lag_s + more_s > kShortLag_s) || lag_s + more_s > kLongestLag_s) break;
+    lag_s += more_s;
+    FeltSeries lagged = with_lag(prompt, lag_s);
+    const auto contact = contact_of(lagged);
+    auto response = fit_response(lagged, contact, own);
+    const double before_N2 = residual_squares_N2(*process.response, process.felt);
+    if (!response || !(residual_squares_N2(*response, lagged) < before_N2)) break;
+    response->lag_s = lag_s;
+    process.response = std::move(response);
+    process.contact = contact;
+    process.felt = std::move(lagged);
+  }
+  process.fast = fast_force(process.felt, *process.response);
+  return process;
+}
+
+namespace {
+
+constexpr double kSameMotion_m = 1e-12;
+// What straight lines between knots, smoothed positions and bands leave without any noise: standard error as a share
+// and in JND, as `touchstone experiment perception` shows it of cases whose answer is exact.
+constexpr double kMethodShare = 0.03;
+constexpr double kMethod_jnd = 0.02;
+constexpr double kWorthNaming_jnd = 0.5;  // less is guessed in two of three trials
+
+bool moves_alike(const FeltSeries& a, const FeltSeries& b) {
+  if (a.size() != b.size() || a.rate_Hz != b.rate_Hz) return false;
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    if (!(std::abs(a.depth_m[i] - b.depth_m[i]) <= kSameMotion_m)) return false;
+  }
+  return a.slide_x == b.slide_x && a.slide_y == b.slide_y;
+}
+
+// Standard error of a root from that of its square, and back.
+double error_of_root(double square, double error) {
+  return square > error ? 0.5 * error / std::sqrt(square) : std::sqrt(error) * 0.5;
+}
+double error_of_square(double value, double error) { return 2.0 * value * error + error * error; }
+
+ChannelEvidence& of(Judgement& judgement, Channel channel) {
+  return judgement.channels[static_cast<std::size_t>(channel)];
+}
+
+// What the declared instrument may do to the force and to the depth that goes with it, in JND of the channel.
+double declared_jnd(const SlowEvidences& slow, const Response& real, const DeclaredNoise& declared,
+                    const std::vector<double>& depths_m, const Thresholds& thresholds) {
+  if (depths_m.empty()) return 0.0;
+  const auto& stiffness = slow[static_cast<std::size_t>(SlowChannel::stiffness)];
+  if (!stiffness.known) return 0.0;
+  const double force_N = at_depth(real.curves.normal_N, depths_m.front(), real.grid);
+  const double error_N = stiffness.real * declared.geometry_m;
+  if (!(force_N > 0.0)) return 0.0;
+  const NoticeableSteps steps(thresholds.force);
+  return steps(force_N + error_N) - steps(force_N);
+}
+
+void fill_slow(Judgement& judgement, const JudgedProcess& real, const JudgedProcess& rendered,
+               const JudgeOptions& options) {
+  const Response& r = *real.response;
+  const Response& c = *rendered.response;
+  const auto depths = common_depths_m(r, c);
+  const auto slow = slow_evidence(r, r.curves, c, c.curves, depths, options.thresholds);
+  const auto errors = slow_errors(r, c, judgement.same_motion, depths, options.thresholds);
+  constexpr Channel kOrder[kSlowChannels] = {Channel::force, Channel::stiffness, Channel::rate, Channel::direction,
+                                             Channel::friction};
+  for (std::size_t e = 0; e < kSlowChannels; ++e) {
+    ChannelEvidence& own = of(judgement, kOrder[e]);
+    own.known = slow[e].known;
+    own.jnd = slow[e].jnd;
+    own.standard_error = errors[e];
+    own.depth_m = slow[e].depth_m;
+    if (own.known) describe_slow(own, slow[e], options.thresholds);
+    if (!own.known) own.why = why_unknown(own.channel);
+  }
+  ChannelEvidence& force = of(judgement, Channel::force);
+  force.standard_error =
+      std::hypot(force.standard_error, declared_jnd(slow, r, options.declared, depths, options.thresholds));
+  // Moment by moment where the hand is the same: what differs from place to place cancels in a curve over depth.
+  if (judgement.same_motion && !judgement.moments.empty() && force.known) {
+    const auto local = local_force(judgement.moments);
+    if (local.jnd > force.jnd) {
+      force.jnd = local.jnd;
+      force.standard_error = std::hypot(force.standard_error, local.standard_error);
+      force.what = fmt::format("the force differs from place to place, {:.2g} JND root mean square", local.jnd);
+      force.remedy = fmt::format("lower the local error of force by a factor of {:.2g}", local.jnd);
+      force.depth_m = std::numeric_limits<double>::quiet_NaN();
+    }
+  }
+}
+
+void fill_fast(Judgement& judgement, const JudgedProcess& real, const JudgedProcess& rendered,
+               const JudgeOptions& options) {
+  // White over all axes unless a time constant limits its band: then its power lies below 1 / (4 tau).
+  const double band_Hz = options.declared.force_time_constant_s > 0.0
+                             ? std::min(0.5 * real.felt.rate_Hz, 0.25 / options.declared.force_time_constant_s)
+                             : 0.5 * real.felt.rate_Hz;
+  const double noise = 3.0 * options.declared.force_N * options.declared.force_N / band_Hz;
+  const auto fill = [&](Channel channel, const VibrationDifference& found) {
+    ChannelEvidence& own = of(judgement, channel);
+    own.known = found.known;
+    own.depth_m = std::numeric_limits<double>::quiet_NaN();
+    if (!found.known) {
+      own.why = why_unknown(channel);
+      return;
+    }
+    // What cannot be told from noise counts less: the square shrinks by the share that signal has in it (Wiener).
+    const double square = std::max(0.0, found.jnd2);
+    const double share = square > 0.0 ? square * square / (square * square + found.jnd2_error * found.jnd2_error) : 0.0;
+    own.jnd = std::sqrt(square * share);
+    own.jnd2_error = found.jnd2_error;
+    own.standard_error = error_of_root(square, found.jnd2_error);
+    describe_vibration(own, found);
+  };
+  fill(Channel::vibration, vibration_difference(real.fast, rendered.fast, noise, options.thresholds));
+  fill(Channel::transient, transient_difference(real.fast, rendered.fast, options.thresholds));
+}
+
+void fill_position(Judgement& judgement, const JudgedProcess& real, const JudgedProcess& rendered,
+                   const JudgeOptions& options) {
+  ChannelEvidence& own = of(judgement, Channel::position);
+  own.depth_m = 0.0;
+  own.known = real.contact.begins_free && rendered.contact.begins_free;
+  if (!own.known) {
+    own.why = why_unknown(Channel::position);
+    return;
+  }
+  const double apart_m = rendered.contact.depth_m - real.contact.depth_m;
+  own.jnd = std::abs(apart_m) / options.thresholds.position_m;
+  own.standard_error = options.declared.geometry_m / options.thresholds.position_m;
+  own.what = fmt::format("contact begins {:.3g} mm {}", 1e3 * std::abs(apart_m), apart_m > 0.0 ? "deeper" : "earlier");
+  if (own.jnd > 1.0)
+    own.remedy = fmt::format("bring first contact to within {:.3g} mm", 1e3 * options.thresholds.position_m);
+}
+
+bool is_fast(Channel channel) { return channel == Channel::vibration || channel == Channel::transient; }
+
+// Noise alone makes a magnitude: its square is larger by the variance, which is taken off.
+void take_noise_off(ChannelEvidence& own, const NoiseFloor& floor) {
+  const auto index = static_cast<std::size_t>(own.channel);
+  const double repeats_jnd = index < floor.jnd.size() ? floor.jnd[index] : 0.0;
+  if (!is_fast(own.channel) || repeats_jnd > own.standard_error) {
+    own.standard_error = std::max(own.standard_error, repeats_jnd);
+    own.jnd = std::sqrt(std::max(0.0, own.jnd * own.jnd - own.standard_error * own.standard_error));
+    own.jnd2_error = std::max(own.jnd2_error, error_of_square(own.jnd, own.standard_error));
+  }
+  own.jnd2_error = std::hypot(own.jnd2_error, error_of_square(own.jnd, kMethodShare * own.jnd + kMethod_jnd));
+  own.probability = forced_choice_probability(own.jnd);
+  if (own.jnd <= 1.0) own.remedy.clear();
+}
+
+// d' of everything and its interval, on the scale of the square, where the parts add up.
+void combine(Judgement& judgement, const NoiseFloor& floor, const JudgeOptions& options) {
+  for (auto& own : judgement.channels) {
+    if (own.known) take_noise_off(own, floor);
+  }
+  const ChannelEvidence& force = of(judgement, Channel::force);
+  const ChannelEvidence& stiffness = of(judgement, Channel::stiffness);
+  // Few repeats, and few blocks, leave the spread itself uncertain.
+  const double quantile = student_t_975(static_cast<double>(floor.repeats + kBlocks - 1));
+  double square = 0.0;
+  double certain = 0.0;  // of what is above noise: the rest may be nothing
+  double below = 0.0;
+  double above = 0.0;
+  double strongest = 0.0;
+  for (const auto& own : judgement.channels) {
+    const bool left_out =
+        !own.known || std::find(options.without.begin(), options.without.end(), own.channel) != options.without.end();
+    if (left_out) continue;
+    if (own.jnd > std::max(strongest, kWorthNaming_jnd) && own.jnd * own.jnd > quantile * own.jnd2_error) {
+      strongest = own.jnd;
+      judgement.gives_away = own.channel;
+    }
+    const bool weaker_cue = (own.channel == Channel::force && stiffness.known && stiffness.jnd > force.jnd) ||
+                            (own.channel == Channel::stiffness && force.known && force.jnd >= stiffness.jnd);
+    if (weaker_cue) continue;
+    square += own.jnd * own.jnd;
+    const double reach = quantile * own.jnd2_error;
+    above += reach * reach;
+    if (!(own.jnd * own.jnd > reach)) continue;
+    judgement.above_noise = true;
+    certain += own.jnd * own.jnd;
+    below += reach * reach;
+  }
+  judgement.d_prime = std::sqrt(square);
+  judgement.d_prime_low95 = std::sqrt(std::max(0.0, certain - std::sqrt(below)));
+  judgement.d_prime_high95 = std::sqrt(square + std::sqrt(above));
+  judgement.noticed_probability = forced_choice_probability(judgement.d_prime);
+  judgement.noticed_low95 = forced_choice_probability(judgement.d_prime_low95);
+  judgement.noticed_high95 = forced_choice_probability(judgement.d_prime_high95);
+  if (judgement.d_prime_low95 > 1.0) {
+    judgement.verdict = Verdict::noticed;
+  } else if (judgement.d_prime_high95 < 1.0) {
+    judgement.verdict = Verdict::not_noticed;
+  } else {
+    judgement.verdict = Verdict::cannot_tell;
+  }
+}
+
+// All but the combination: what noise_floor() needs.
+Judgement compare(const JudgedProcess& real, const JudgedProcess& rendered, const JudgeOptions& options) {
+  Judgement judgement;
+  for (std::size_t c = 0; c < kChannels; ++c) {
+    judgement.channels.emplace_back();
+    judgement.channels.back().channel = static_cast<Channel>(c);
+  }
+  judgement.same_motion = moves_alike(real.felt, rendered.felt);
+  if (options.keep_moments || judgement.same_motion)
+    judgement.moments = felt_moments(real, rendered, judgement.same_motion, options.thresholds);
+  fill_slow(judgement, real, rendered, options);
+  fill_fast(judgement, real, rendered, options);
+  fill_position(judgement, real, rendered, options);
+  return judgement;
+}
+
+void check_processes(const JudgedProcess& real, const JudgedProcess& rendered) {
+  for (const auto* process : {&real, &rendered}) {
+    if (!process->response) {
+      throw BadData(
+          fmt::format("{}: never presses into anything along the direction of pressing; give the direction "
+                      "(--direction), or check the sign of the force",
+                      process->felt.name));
+    }
+  }
+  if (real.response->grid.spacing_m != rendered.response->grid.spacing_m)
+    throw UsageError("the responses of a pair need one grid of depths");
+}
+
+}  // namespace
+
+NoiseFloor noise_floor(const JudgedProcess& real, const std::vector<JudgedProcess>& repeats,
+                       const JudgeOptions& options) {
+  NoiseFloor floor;
+  floor.repeats = repeats.size();
+  if (repeats.empty()) return floor;
+  floor.jnd.assign(kChannels, 0.0);
+  std::vector<double> seen(kChannels, 0.0);
+  for (const auto& repeat : repeats) {
+    check_processes(real, repeat);
+    const auto compared = compare(real, repeat, options);
+    for (std::size_t c = 0; c < kChannels; ++c) {
+      if (!compared.channels[c].known) continue;
+      floor.jnd[c] += compared.channels[c].jnd * compared.channels[c].jnd;
+      seen[c] += 1.0;
+    }
+  }
+  for (std::size_t c = 0; c < kChannels; ++c) floor.jnd[c] = seen[c] > 0.0 ? std::sqrt(floor.jnd[c] / seen[c]) : 0.0;
+  return floor;
+}
+
+Judgement judge(const JudgedProcess& real, const JudgedProcess& rendered, const NoiseFloor& floor,
+                const JudgeOptions& options) {
+  check_processes(real, rendered);
+  Judgement judgement = compare(real, rendered, options);
+  combine(judgement, floor, options);
+  judgement.noticed_share = noticed_share(judgement.moments);
+  if (!options.keep_moments) judgement.moments.clear();
+  const double nyquist = std::min(real.fast.nyquist_Hz, rendered.fast.nyquist_Hz);
+  if (nyquist < 1000.0) {
+    judgement.remarks.push_back(
+        fmt::format("vibration is judged up to {:.4g} Hz, half the rate of the slower recording; it is felt up to 1000 "
+                    "Hz",
+                    nyquist));
+  }
+  if (real.fast.air.segments == 0 && options.declared.force_N == 0.0) {
+    judgement.remarks.emplace_back(
+        "the real recording shows no free air and no instrument is declared: the sensor's noise counts as vibration");
+  }
+  if (floor.repeats == 0) {
+    judgement.remarks.emplace_back(
+        "no repeats: intervals hold the noise within each recording, not how one session differs from the next");
+  }
+  return judgement;
+}
+
+}  // namespace touchstone::perception

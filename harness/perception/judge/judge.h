@@ -1,0 +1,110 @@
+// Would a person tell a rendering from the real thing? A statement about one pair of recordings: d' and the share of
+// right answers in a two-alternative forced choice, with 95 % intervals, and the channel that gives it away.
+//
+// Channels: force (magnitude over depth), stiffness, rate (damping, or a delay of force behind motion), direction of
+// force, friction, vibration, contact transient, position of first contact. Evidence of each is in just noticeable
+// differences (thresholds.h). Force and stiffness are two cues of one curve: the stronger counts. The others are
+// independent: d' is the root of the sum of squares (Green and Swets 1966, section 9.3; for touch Ernst and Banks
+// 2002).
+//
+// The recordings are compared as responses to motion (response.h), so that hands that press deeper, faster or more
+// often are no difference. Where the two motions are the same to the last digit (a model replayed on the real path),
+// the forces are compared moment by moment too.
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "harness/perception/judge/felt_series.h"
+#include "harness/perception/judge/response.h"
+#include "harness/perception/judge/thresholds.h"
+#include "harness/perception/judge/vibration.h"
+
+namespace touchstone::perception {
+
+enum class Channel : unsigned char { force, stiffness, rate, direction, friction, vibration, transient, position };
+inline constexpr std::size_t kChannels = 8;
+std::string_view name_of(Channel channel);
+
+// What the makers of the instrument declare; 0: not declared. Used where no repeats say more.
+struct DeclaredNoise {
+  double force_N = 0.0;
+  double force_time_constant_s = 0.0;  // 0: white up to half the rate
+  double geometry_m = 0.0;             // error of the surface, or of where it stands
+};
+
+// A process, prepared once for all its pairs.
+struct JudgedProcess {
+  FeltSeries felt;  // with the motion of lag ago, as the response has it
+  FirstContact contact;
+  std::optional<Response> response;  // nothing: never in contact
+  FastForce fast;
+};
+// `reference`: the real process, whose depths it is compared at; null for the real process itself.
+JudgedProcess judged_process(FeltSeries felt, const Thresholds& thresholds, const JudgedProcess* reference = nullptr);
+
+struct ChannelEvidence {
+  Channel channel = Channel::force;
+  bool known = false;  // false: these recordings do not show it; `why` says so
+  double jnd = 0.0;    // never below 0; what noise adds is taken off
+  double standard_error = 0.0;
+  double jnd2_error = 0.0;   // standard error of the square of jnd
+  double probability = 0.5;  // of this channel alone
+  std::string what;          // "38 % softer", "0.35 N near 200 Hz"
+  std::string remedy;        // what gets it below one JND; empty where it is below
+  std::string why;
+  double depth_m = 0.0;  // where it is strongest, from contact; NaN: has no depth
+};
+
+// A stretch of the condition's recording.
+struct FeltMoment {
+  double t_s = 0.0;             // middle
+  double jnd = 0.0;             // of the force against what the real process gives for this motion
+  double sideways_share = 0.0;  // of the squared difference that lies across the direction of pressing
+  std::size_t sample = 0;       // in the middle
+};
+
+enum class Verdict : unsigned char { noticed, not_noticed, cannot_tell };
+std::string_view name_of(Verdict verdict);
+
+struct Judgement {
+  double d_prime = 0.0;
+  double d_prime_low95 = 0.0;
+  double d_prime_high95 = 0.0;
+  double noticed_probability = 0.5;
+  double noticed_low95 = 0.5;
+  double noticed_high95 = 0.5;
+  // noticed: the interval lies above one JND; not_noticed: below; else these recordings cannot tell.
+  Verdict verdict = Verdict::cannot_tell;
+  bool above_noise = false;               // d' is not explained by the noise of the recordings
+  std::vector<ChannelEvidence> channels;  // in the order of Channel
+  std::optional<Channel> gives_away;      // the strongest, if it is above noise
+  bool same_motion = false;
+  std::vector<FeltMoment> moments;  // in contact
+  double noticed_share = 0.0;       // of the moments, above one JND; NaN without moments
+  std::vector<std::string> remarks;
+};
+
+struct JudgeOptions {
+  Thresholds thresholds;
+  DeclaredNoise declared;
+  std::vector<Channel> without;  // left out of d', still reported
+  bool keep_moments = true;
+};
+
+// How much repeats of the real process differ from it, by channel, root mean square in JND; nothing without repeats.
+struct NoiseFloor {
+  std::vector<double> jnd;
+  std::size_t repeats = 0;
+};
+NoiseFloor noise_floor(const JudgedProcess& real, const std::vector<JudgedProcess>& repeats,
+                       const JudgeOptions& options);
+
+// Depends on nothing but its arguments. Throws BadData where the real process is never in contact.
+Judgement judge(const JudgedProcess& real, const JudgedProcess& rendered, const NoiseFloor& floor,
+                const JudgeOptions& options);
+
+}  // namespace touchstone::perception

@@ -1,0 +1,261 @@
+#include "harness/perception/judge/judge.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "harness/base/error.h"
+#include "harness/base/random.h"
+#include "harness/perception/judge/forced_choice.h"
+#include "harness/perception/judge/judged_conditions.h"
+
+namespace touchstone::perception {
+namespace {
+
+using ::testing::HasSubstr;
+
+constexpr double kTwoPi = 2.0 * std::numbers::pi;
+
+// Presses from free air on a spring, with a hand of its own for every seed.
+struct JudgedPress {
+  double k = 500.0;
+  double stroke_m = 0.008;
+  double beat_Hz = 1.0;
+  int presses = 10;
+  double sideways_N = 0.0;
+  double buzz_N = 0.0;
+  double delay_s = 0.0;
+  double damping_N_s_per_m = 0.0;
+  double record_later_s = 0.0;
+  double noise_N = 0.005;
+  double late_m = 0.0;
+  Vec3 outward = Vec3::UnitZ();
+};
+
+Recording record_presses(const JudgedPress& press, std::uint64_t seed) {
+  Random random(seed);
+  Recording recording;
+  recording.source = "presses";
+  const double phase = random.uniform(0.0, 0.2);
+  const auto depth = [&](double t) {
+    return -0.0012 +
+           (press.stroke_m + 0.0012) * 0.5 * (1.0 - std::cos(kTwoPi * press.beat_Hz * std::max(0.0, t - phase)));
+  };
+  const Vec3 across = press.outward.unitOrthogonal();
+  const auto count = static_cast<int>(1000 * press.presses / press.beat_Hz);
+  for (int i = 0; i < count; ++i) {
+    const double clock = i / 1000.0;
+    const double t = clock - press.record_later_s;
+    const double felt = depth(t - press.delay_s) - press.late_m;
+    const double speed = (depth(t + 1e-4) - depth(t - 1e-4)) / 2e-4;
+    Vec3 f = Vec3::Zero();
+    if (felt > 0.0) {
+      const double part = std::min(1.0, 5.0 * felt / 0.008);
+      f = (press.k * felt + press.damping_N_s_per_m * speed + press.buzz_N * std::sin(kTwoPi * 200.0 * t)) *
+              press.outward +
+          part * part * (3.0 - 2.0 * part) * press.sideways_N * across;
+    }
+    const double x = random.normal();
+    const double y = random.normal();
+    f += press.noise_N * Vec3(x, y, random.normal());
+    recording.motion.t_s.push_back(clock);
+    recording.motion.p_W_m.push_back(-(depth(t) + 1e-5 * random.normal()) * press.outward);
+    recording.f_W_N.push_back(f);
+  }
+  return recording;
+}
+
+Judgement judged(const JudgedPress& rendered, const JudgeOptions& options = {}, std::uint64_t seed = 2,
+                 const JudgedPress& real = {}) {
+  const auto reference = judged_process(felt_series(record_presses(real, 1), real.outward), options.thresholds);
+  const auto other =
+      judged_process(felt_series(record_presses(rendered, seed), rendered.outward), options.thresholds, &reference);
+  return judge(reference, other, {}, options);
+}
+
+const ChannelEvidence& of(const Judgement& judgement, Channel channel) {
+  return judgement.channels[static_cast<std::size_t>(channel)];
+}
+
+// Steps of 7 % above 2.5 N between two forces.
+double steps_above(double a_N, double b_N) { return std::abs(std::log(a_N / b_N)) / std::log(1.07); }
+
+TEST(Judge, ARepeatOfTheRealThingIsNotNoticed) {
+  for (const std::uint64_t seed : {2u, 3u, 4u, 5u}) {
+    const auto judgement = judged({.noise_N = 0.001}, {}, seed, {.noise_N = 0.001});
+    EXPECT_EQ(judgement.verdict, Verdict::not_noticed) << judgement.d_prime;
+    EXPECT_LT(judgement.noticed_probability, 0.65);
+    EXPECT_FALSE(judgement.gives_away.has_value());
+  }
+}
+
+TEST(Judge, ASofterSpringIsNoticedByItsForceAsWebersLawSays) {
+  const auto judgement = judged({.k = 400});
+  EXPECT_EQ(judgement.verdict, Verdict::noticed);
+  ASSERT_TRUE(judgement.gives_away.has_value());
+  EXPECT_EQ(*judgement.gives_away, Channel::force);
+  // 4 N and 3.2 N at the full stroke: both above 2.5 N.
+  EXPECT_NEAR(of(judgement, Channel::force).jnd, steps_above(4.0, 3.2), 0.1);
+  EXPECT_NEAR(of(judgement, Channel::stiffness).jnd, std::log(1.25) / std::log(1.22), 0.05);
+  EXPECT_THAT(of(judgement, Channel::stiffness).what, HasSubstr("400"));
+  EXPECT_FALSE(of(judgement, Channel::force).remedy.empty());
+}
+
+TEST(Judge, SidewaysForceABuzzAndADelayAreSeenEachInItsChannel) {
+  const auto sideways = judged({.sideways_N = 5.0});
+  EXPECT_GT(sideways.d_prime, 5.0);
+  EXPECT_NEAR(of(sideways, Channel::direction).jnd * 0.4468, std::atan2(5.0, 3.2), 0.1);
+  const auto buzz = judged({.buzz_N = 0.5});
+  ASSERT_TRUE(buzz.gives_away.has_value());
+  EXPECT_EQ(*buzz.gives_away, Channel::vibration);
+  EXPECT_THAT(of(buzz, Channel::vibration).what, HasSubstr("202 Hz"));
+  const double threshold_N = Thresholds{}.vibration_force_N(20.0 * std::exp2(10.0 / 3.0));
+  EXPECT_NEAR(of(buzz, Channel::vibration).jnd * threshold_N / 0.5, 1.0, 0.1);
+  const auto delayed = judged({.delay_s = 0.03});
+  ASSERT_TRUE(delayed.gives_away.has_value());
+  EXPECT_EQ(*delayed.gives_away, Channel::rate);
+}
+
+TEST(Judge, TheHandIsNotJudged) {
+  for (const JudgedPress& other :
+       {JudgedPress{.stroke_m = 0.012}, JudgedPress{.stroke_m = 0.006}, JudgedPress{.beat_Hz = 2.0},
+        JudgedPress{.presses = 15}, JudgedPress{.record_later_s = 0.1}}) {
+    const auto judgement = judged(other);
+    EXPECT_LT(judgement.d_prime_low95, 0.1) << other.stroke_m << " " << other.beat_Hz << " " << other.presses;
+    EXPECT_NE(judgement.verdict, Verdict::noticed);
+    EXPECT_LT(of(judgement, Channel::force).jnd, 0.1);
+    EXPECT_LT(of(judgement, Channel::rate).jnd, 0.1);
+  }
+}
+
+TEST(Judge, DampingIsComparedAtTheSameSpeedWhateverTheHands) {
+  const JudgedPress damped{.damping_N_s_per_m = 10.0};
+  JudgedPress faster = damped;
+  faster.beat_Hz = 2.0;
+  EXPECT_LT(of(judged(faster, {}, 2, damped), Channel::rate).jnd, 0.2);
+  EXPECT_GT(of(judged({}, {}, 2, damped), Channel::rate).jnd, 1.0);
+}
+
+TEST(Judge, DoesNotDependOnTheFrameOrTheUnitOfTime) {
+  const auto along_z = judged({.k = 450});
+  const auto along_y = judged({.k = 450, .outward = Vec3::UnitY()}, {}, 2, {.outward = Vec3::UnitY()});
+  EXPECT_NEAR(along_z.d_prime, along_y.d_prime, 0.5);  // noise of vibration differs with the axes
+  EXPECT_NEAR(of(along_z, Channel::force).jnd, of(along_y, Channel::force).jnd, 1e-2);
+}
+
+TEST(Judge, AModelOnTheRealPathIsComparedMomentByMomentToo) {
+  const auto real = record_presses({.noise_N = 0.0}, 1);
+  Recording rendered = real;
+  // Too strong in the first half, too weak in the second: the mean over depth is right.
+  for (std::size_t i = 0; i < rendered.size(); ++i) rendered.f_W_N[i] *= i < rendered.size() / 2 ? 1.3 : 0.7;
+  const JudgeOptions options;
+  const auto reference = judged_process(felt_series(real, Vec3::UnitZ()), options.thresholds);
+  const auto other = judged_process(felt_series(rendered, Vec3::UnitZ()), options.thresholds, &reference);
+  const auto judgement = judge(reference, other, {}, options);
+  EXPECT_TRUE(judgement.same_motion);
+  EXPECT_EQ(judgement.verdict, Verdict::noticed);
+  EXPECT_GT(judgement.noticed_share, 0.9);
+  const auto itself = judge(reference, reference, {}, options);
+  EXPECT_EQ(itself.d_prime, 0.0);
+  EXPECT_EQ(itself.noticed_probability, 0.5);
+}
+
+TEST(Judge, RepeatsThatDifferMakeTheFloorAndTheAnswerThatTheDataCannotTell) {
+  const JudgeOptions options;
+  const auto real = judged_process(felt_series(record_presses({}, 1), Vec3::UnitZ()), options.thresholds);
+  const auto process = [&](const JudgedPress& press, std::uint64_t seed) {
+    return judged_process(felt_series(record_presses(press, seed), Vec3::UnitZ()), options.thresholds, &real);
+  };
+  const auto rendered = process({.k = 450}, 2);
+  EXPECT_TRUE(judge(real, rendered, {}, options).above_noise);
+  // Sessions that differ by 12 % from one to the next say nothing about 10 %.
+  const auto floor = noise_floor(real, {process({.k = 440}, 3), process({.k = 560}, 4)}, options);
+  const auto judgement = judge(real, rendered, floor, options);
+  EXPECT_EQ(judgement.verdict, Verdict::cannot_tell);
+  EXPECT_FALSE(judgement.above_noise);
+  EXPECT_LT(judgement.d_prime, judge(real, rendered, {}, options).d_prime);
+}
+
+TEST(Judge, ARenderingThatGivesNoForceIsNoticed) {
+  const auto judgement = judged({.k = 0.0});
+  EXPECT_EQ(judgement.verdict, Verdict::noticed);
+  EXPECT_GT(of(judgement, Channel::force).jnd, 5.0);
+}
+
+TEST(Judge, LeavesChannelsOutOfTheSumButShowsThem) {
+  JudgeOptions options;
+  const auto late = judged({.noise_N = 0.001, .late_m = 0.003}, options, 2, {.noise_N = 0.001});
+  EXPECT_NEAR(of(late, Channel::position).jnd, 3.0, 0.1);
+  options.without = {Channel::position};
+  const auto without = judged({.noise_N = 0.001, .late_m = 0.003}, options, 2, {.noise_N = 0.001});
+  EXPECT_LT(without.d_prime, 1.0);
+  EXPECT_NEAR(of(without, Channel::position).jnd, 3.0, 0.1);
+}
+
+TEST(Judge, SimulatedObserversGiveTheStatedShareOfRightAnswers) {
+  constexpr std::size_t kTrials = 40000;
+  // Three standard errors of a share.
+  const double tolerance = 3.0 * 0.5 / std::sqrt(static_cast<double>(kTrials));
+  std::uint64_t seed = 1;
+  for (const auto& evidence : {std::vector<double>{}, {0.0}, {1.0}, {0.7, 0.7}, {0.3, 0.2, 1.5}, {4.0}}) {
+    double squares = 0.0;
+    for (const double jnd : evidence) squares += jnd * jnd;
+    EXPECT_NEAR(simulated_forced_choice(evidence, kTrials, seed++), forced_choice_probability(std::sqrt(squares)),
+                tolerance);
+  }
+}
+
+TEST(JudgedConditions, NumbersOfAPairDoNotDependOnTheOthersToTheBit) {
+  const auto source = [](const std::string& name, const JudgedPress& press, std::uint64_t seed) {
+    return RecordingSource{name, [=] { return record_presses(press, seed); }};
+  };
+  const auto real = record_presses({}, 1);
+  const auto soft = source("soft", {.k = 450}, 2);
+  const auto odd = source("odd", {.k = 100, .buzz_N = 2.0}, 3);
+  const auto close = source("close", {}, 4);
+  const auto alone = judge_conditions(real, {}, {soft}, Vec3::UnitZ(), {});
+  const auto among = judge_conditions(real, {}, {odd, close, soft}, Vec3::UnitZ(), {});
+  const auto& a = alone.conditions[0];
+  const auto& b = among.conditions[2];
+  EXPECT_EQ(a.judgement.d_prime, b.judgement.d_prime);
+  EXPECT_EQ(a.judgement.d_prime_high95, b.judgement.d_prime_high95);
+  for (std::size_t c = 0; c < kChannels; ++c) EXPECT_EQ(a.judgement.channels[c].jnd, b.judgement.channels[c].jnd);
+  ASSERT_EQ(a.others.size(), b.others.size());
+  for (std::size_t m = 0; m < a.others.size(); ++m) EXPECT_EQ(a.others[m].value, b.others[m].value) << a.others[m].name;
+  EXPECT_EQ(among.conditions[0].rank, 3u);
+  EXPECT_EQ(among.conditions[1].rank, 1u);
+  EXPECT_THROW(judge_conditions(real, {}, {soft, soft}, Vec3::UnitZ(), {}), BadData);
+  EXPECT_THROW(judge_conditions(real, {}, {}, Vec3::UnitZ(), {}), BadData);
+}
+
+TEST(JudgedConditions, RateHardnessOfRepeatsAgreesOrHasNoValue) {
+  for (const std::uint64_t seed : {1u, 2u, 3u, 4u, 5u, 6u}) {
+    const auto felt = felt_series(record_presses({}, seed), Vec3::UnitZ());
+    const auto estimate = estimated_rate_hardness(felt.force_N[0], felt.depth_m, felt.rate_Hz, 0.06);
+    ASSERT_TRUE(estimate.has_value());
+    EXPECT_NEAR(estimate->value_N_per_m, 500.0, 25.0);
+    EXPECT_LT(estimate->low95_N_per_m, 500.0 * 1.05);
+    EXPECT_GT(estimate->high95_N_per_m, 500.0 * 0.95);
+    const auto noisy = felt_series(record_presses({.noise_N = 2.0}, seed), Vec3::UnitZ());
+    EXPECT_FALSE(estimated_rate_hardness(noisy.force_N[0], noisy.depth_m, noisy.rate_Hz, 0.06).has_value());
+  }
+}
+
+TEST(Judge, RefusesWhatItCannotCompare) {
+  const JudgeOptions options;
+  auto broken = record_presses({}, 1);
+  broken.f_W_N[17].x() = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_THROW(felt_series(broken, Vec3::UnitZ()), BadData);
+  broken = record_presses({}, 1);
+  broken.motion.t_s[20] = broken.motion.t_s[19];
+  EXPECT_THROW(felt_series(broken, Vec3::UnitZ()), BadData);
+  broken = record_presses({}, 1);
+  broken.f_W_N.clear();
+  EXPECT_THROW(felt_series(broken, Vec3::UnitZ()), BadData);
+}
+
+}  // namespace
+}  // namespace touchstone::perception

@@ -1,0 +1,80 @@
+// The object as a response: force over depth, its part that goes with the rate of depth (damping, or a delay of force
+// behind motion), and lateral force with and without sliding. Two recordings are compared by their responses, so that
+// another depth, speed, duration or number of presses is no difference between objects.
+//
+//   F_0(d, d')   = a(d) + b(d) d'                    along the outward direction
+//   F_i(d, s_i)  = a_i(d) + c_i(d) s_i / (|s| + s0)   across, i = 1, 2; s the velocity of sliding, s0 = 1 mm/s
+//
+// a, b, c are straight between knots. Least squares over the samples in contact; the spread comes from leaving out one
+// of kBlocks stretches of time after the other (block jackknife, Kuensch 1989), which needs no assumption about how
+// noise is correlated within a stretch.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <optional>
+#include <vector>
+
+#include "harness/perception/filters/weber_law.h"
+#include "harness/perception/judge/felt_series.h"
+
+namespace touchstone::perception {
+
+inline constexpr std::size_t kBlocks = 16;
+
+// Depths are from first contact. The same grid serves both recordings of a pair.
+struct DepthGrid {
+  double spacing_m = 0.0;
+};
+
+struct ResponseCurves {
+  // Values at knots 0, 1, 2, ... times the spacing.
+  std::vector<double> normal_N;                   // a
+  std::vector<double> normal_N_s_per_m;           // b
+  std::array<std::vector<double>, 2> side_N;      // a_1, a_2
+  std::array<std::vector<double>, 2> friction_N;  // c_1, c_2
+};
+
+struct Response {
+  double lag_s = 0.0;  // of force behind motion; the curves are over the motion of that long ago
+  DepthGrid grid;
+  double contact_m = 0.0;              // depth of first contact in the series' own origin
+  bool begins_free = false;            // whether there is a first contact; else contact_m is the least depth
+  double deepest_m = 0.0;              // from contact
+  std::vector<double> seen;            // weight of samples at every knot
+  std::vector<double> speed_m_per_s;   // root mean square rate of depth at every knot
+  std::array<double, 2> slid_share{};  // of the samples in contact with sliding along axis 1, 2
+  ResponseCurves curves;
+  std::vector<ResponseCurves> without;  // without block 0 .. kBlocks - 1
+
+  [[nodiscard]] std::size_t knots() const noexcept { return seen.size(); }
+};
+
+struct FirstContact {
+  double depth_m = 0.0;
+  bool begins_free = false;
+};
+// Where the mean force over depth first exceeds the absolute threshold of force, carried back to zero force along its
+// slope.
+FirstContact first_contact(const FeltSeries& felt, const WeberLaw& force);
+
+// A tenth of the deepest press of the reference.
+DepthGrid depth_grid(const FeltSeries& felt, const FirstContact& contact);
+
+// Nothing if no knot is seen by enough samples.
+std::optional<Response> fit_response(const FeltSeries& felt, const FirstContact& contact, const DepthGrid& grid);
+
+// Sum of the squared residuals along the outward direction, in contact and in the air.
+double residual_squares_N2(const Response& response, const FeltSeries& felt);
+
+// The delay that the rate's part of the force amounts to: b = -lag a' at every depth, by least squares; below 0 for
+// damping.
+double apparent_lag_s(const Response& response);
+
+// Straight between knots; held beyond the last.
+double at_depth(const std::vector<double>& curve, double depth_m, const DepthGrid& grid);
+// Force along axis 0, 1, 2 of sample i by the response.
+std::array<double, 3> expected_force_N(const Response& response, const FeltSeries& felt, double contact_m,
+                                       std::size_t i);
+
+}  // namespace touchstone::perception

@@ -1,0 +1,153 @@
+#include "harness/perception/judge/slow_channels.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "harness/base/vec.h"
+
+namespace touchstone::perception {
+namespace {
+
+constexpr double kSlidShare = 0.05;      // of the contact with sliding along an axis: less shows no friction along it
+constexpr double kDirectionForce = 5.0;  // absolute thresholds of force that a direction needs
+
+Vec3 static_force(const ResponseCurves& c, double d, const DepthGrid& grid) {
+  return {at_depth(c.normal_N, d, grid), at_depth(c.side_N[0], d, grid), at_depth(c.side_N[1], d, grid)};
+}
+
+bool seen_at(const Response& r, double d) {
+  const auto j = static_cast<std::size_t>(d / r.grid.spacing_m);
+  return j < r.knots() && r.seen[j] > 0.0 && (j + 1 >= r.knots() || r.seen[j + 1] > 0.0);
+}
+
+// Least-squares slope of the force's magnitude.
+double slope_of(const ResponseCurves& c, const std::vector<double>& depths_m, const DepthGrid& grid) {
+  double mean_d = 0.0;
+  double mean_f = 0.0;
+  for (const double d : depths_m) {
+    mean_d += d / static_cast<double>(depths_m.size());
+    mean_f += static_force(c, d, grid).norm() / static_cast<double>(depths_m.size());
+  }
+  double df = 0.0;
+  double dd = 0.0;
+  for (const double d : depths_m) {
+    df += (d - mean_d) * (static_force(c, d, grid).norm() - mean_f);
+    dd += (d - mean_d) * (d - mean_d);
+  }
+  return dd > 0.0 ? df / dd : 0.0;
+}
+
+void keep_larger(SlowEvidence& evidence, double jnd, double depth_m, double real, double rendered) {
+  evidence.known = true;
+  if (!(jnd > evidence.jnd)) return;
+  evidence = {true, jnd, depth_m, real, rendered};
+}
+
+}  // namespace
+
+std::vector<double> common_depths_m(const Response& real, const Response& rendered) {
+  std::vector<double> depths;
+  const double common = std::min(real.deepest_m, rendered.deepest_m);
+  for (int tenth = 2; tenth <= 10; ++tenth) {
+    const double d = 0.1 * tenth * common * (1.0 - 1e-9);
+    if (seen_at(real, d) && seen_at(rendered, d)) depths.push_back(d);
+  }
+  return depths;
+}
+
+SlowEvidences slow_evidence(const Response& real, const ResponseCurves& real_curves, const Response& rendered,
+                            const ResponseCurves& rendered_curves, const std::vector<double>& depths_m,
+                            const Thresholds& thresholds) {
+  SlowEvidences evidence;
+  const auto at = [&evidence](SlowChannel c) -> SlowEvidence& { return evidence[static_cast<std::size_t>(c)]; };
+  if (depths_m.empty()) return evidence;
+  const NoticeableSteps steps(thresholds.force);
+  const DepthGrid& grid = real.grid;
+  const bool slid[2] = {std::min(real.slid_share[0], rendered.slid_share[0]) > kSlidShare,
+                        std::min(real.slid_share[1], rendered.slid_share[1]) > kSlidShare};
+  Vec3 real_sum = Vec3::Zero();
+  Vec3 rendered_sum = Vec3::Zero();
+  double deep = 0.0;
+  for (const double d : depths_m) {
+    const Vec3 fr = static_force(real_curves, d, grid);
+    const Vec3 fc = static_force(rendered_curves, d, grid);
+    keep_larger(at(SlowChannel::force), std::abs(steps(fc.norm()) - steps(fr.norm())), d, fr.norm(), fc.norm());
+    if (d >= 0.6 * depths_m.back()) {
+      real_sum += fr;
+      rendered_sum += fc;
+      deep += 1.0;
+    }
+    const double v = std::min(at_depth(real.speed_m_per_s, d, grid), at_depth(rendered.speed_m_per_s, d, grid));
+    // The same object with the delay and the damping of either: force on the way in (+) and out (-).
+    const auto in_motion = [&](const ResponseCurves& c, double lag_s, double sign) {
+      const double delayed = std::max(0.0, at_depth(real_curves.normal_N, d - sign * v * lag_s, grid));
+      return delayed + sign * v * at_depth(c.normal_N_s_per_m, d, grid);
+    };
+    for (const double sign : {1.0, -1.0}) {
+      const double own = in_motion(real_curves, real.lag_s, sign);
+      const double other = in_motion(rendered_curves, rendered.lag_s, sign);
+      keep_larger(at(SlowChannel::rate), std::abs(steps(other) - steps(own)), d, sign * (own - fr.x()),
+                  sign * (other - fr.x()));
+    }
+    if (slid[0] || slid[1]) {
+      double squared = 0.0;
+      double own = 0.0;
+      double other = 0.0;
+      for (std::size_t axis = 0; axis < 2; ++axis) {
+        if (!slid[axis]) continue;
+        const double cr = at_depth(real_curves.friction_N[axis], d, grid);
+        const double cc = at_depth(rendered_curves.friction_N[axis], d, grid);
+        squared += (cc - cr) * (cc - cr);
+        own += cr * cr;
+        other += cc * cc;
+      }
+      const double jnd_N = std::max(thresholds.force.absolute_threshold, thresholds.friction_fraction * fr.norm());
+      keep_larger(at(SlowChannel::friction), std::sqrt(squared) / jnd_N, d, std::sqrt(own), std::sqrt(other));
+    }
+  }
+  if (depths_m.size() >= 3) {
+    const double kr = slope_of(real_curves, depths_m, grid);
+    const double kc = slope_of(rendered_curves, depths_m, grid);
+    if (kr > 0.0 && kc > 0.0) {
+      at(SlowChannel::stiffness) = {true, std::abs(std::log(kc / kr)) / std::log1p(thresholds.stiffness_fraction),
+                                    depths_m.back(), kr, kc};
+    }
+  }
+  const double least = kDirectionForce * thresholds.force.absolute_threshold;
+  if (deep > 0.0 && real_sum.norm() / deep > least && rendered_sum.norm() / deep > least) {
+    const double angle = std::atan2(real_sum.cross(rendered_sum).norm(), real_sum.dot(rendered_sum));
+    at(SlowChannel::direction) = {true, angle / thresholds.direction_rad, depths_m.back(), 0.0, angle};
+  }
+  return evidence;
+}
+
+std::array<double, kSlowChannels> slow_errors(const Response& real, const Response& rendered, bool same_motion,
+                                              const std::vector<double>& depths_m, const Thresholds& thresholds) {
+  std::array<double, kSlowChannels> variance{};
+  const auto gather = [&](auto&& curves_without) {
+    std::array<double, kSlowChannels> sum{};
+    std::array<double, kSlowChannels> squares{};
+    for (std::size_t b = 0; b < kBlocks; ++b) {
+      const auto& [r, c] = curves_without(b);
+      const auto evidence = slow_evidence(real, *r, rendered, *c, depths_m, thresholds);
+      for (std::size_t e = 0; e < kSlowChannels; ++e) {
+        sum[e] += evidence[e].jnd;
+        squares[e] += evidence[e].jnd * evidence[e].jnd;
+      }
+    }
+    constexpr double n = static_cast<double>(kBlocks);
+    for (std::size_t e = 0; e < kSlowChannels; ++e)
+      variance[e] += (n - 1.0) / n * std::max(0.0, squares[e] - sum[e] * sum[e] / n);
+  };
+  using Pair = std::pair<const ResponseCurves*, const ResponseCurves*>;
+  if (same_motion) {
+    gather([&](std::size_t b) { return Pair{&real.without[b], &rendered.without[b]}; });
+  } else {
+    gather([&](std::size_t b) { return Pair{&real.without[b], &rendered.curves}; });
+    gather([&](std::size_t b) { return Pair{&real.curves, &rendered.without[b]}; });
+  }
+  for (double& v : variance) v = std::sqrt(v);
+  return variance;
+}
+
+}  // namespace touchstone::perception

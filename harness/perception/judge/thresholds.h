@@ -1,0 +1,64 @@
+// What people can just notice, channel by channel: constants with their sources. A file replaces any of them.
+//
+// One just noticeable difference (JND) is the difference with d' = 1 (Durlach and Braida 1969; Pang, Tan and Durlach
+// 1991 report theirs so): 76 % right answers in a two-alternative forced choice. d' grows in proportion to the
+// difference on the scale of JNDs.
+//
+// File (JSON), every member optional; a name that is not one of threshold_entries() is an error:
+//   {"schema": "touchstone-thresholds/1", "stiffness_fraction": 0.15,
+//    "vibration_threshold": {"frequency_Hz": [20, 100, 250, 1000], "amplitude_N": [0.01, 0.003, 0.0015, 0.2]}}
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "harness/perception/filters/weber_law.h"
+
+namespace touchstone::perception {
+
+struct Thresholds {
+  WeberLaw force = kFingertipForce;
+  double stiffness_fraction = 0.22;
+  double direction_rad = 0.4468;
+  double friction_fraction = 0.20;
+  double position_m = 0.001;
+  double vibration_fraction = 0.20;
+  double vibration_integration_s = 0.2;
+  // The hand at the tip as mass, damper and spring: turns a threshold of displacement into one of force.
+  double hand_mass_kg = 0.006;
+  double hand_damping_N_s_per_m = 4.0;
+  double hand_stiffness_N_per_m = 800.0;
+  // A measured threshold of vibrating force (amplitude of a sine) in place of the derived one; ascending frequencies.
+  std::vector<double> vibration_frequency_Hz;
+  std::vector<double> vibration_amplitude_N;
+
+  // Amplitude of the displacement sine that is just felt, for the Pacinian and the non-Pacinian channel, the lower one.
+  [[nodiscard]] static double vibration_displacement_m(double frequency_Hz);
+  // Amplitude of the force sine at the tip that is just felt.
+  [[nodiscard]] double vibration_force_N(double frequency_Hz) const;
+};
+
+// One constant: its name in files, unit, source and place.
+struct ThresholdEntry {
+  std::string_view name;
+  std::string_view unit;
+  std::string_view source;
+  double& (*place)(Thresholds&);
+};
+const std::vector<ThresholdEntry>& threshold_entries();
+// Where the curve of vibration comes from if no file gives one.
+std::string_view vibration_threshold_source();
+
+// The defaults with what the file replaces. Throws BadData naming file and place for an unknown name, or a value that
+// is not above zero.
+Thresholds read_thresholds(const std::filesystem::path& file);
+// The same format, complete, each constant with its unit and source beside it ("sources"): read_thresholds() takes it.
+std::string thresholds_to_json(const Thresholds& thresholds);
+
+// d' of a difference of `jnd` just noticeable differences is `jnd`; share of right answers in a two-alternative forced
+// choice with that d' (Macmillan and Creelman 2005, eq 7.2): Phi(d' / sqrt 2).
+double forced_choice_probability(double d_prime);
+
+}  // namespace touchstone::perception

@@ -1,0 +1,88 @@
+#include "harness/perception/judge/thresholds.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+#include <numbers>
+
+#include "harness/base/atomic_file.h"
+#include "harness/base/error.h"
+
+namespace touchstone::perception {
+namespace {
+
+using ::testing::HasSubstr;
+
+class ThresholdFile : public ::testing::Test {
+ protected:
+  void SetUp() override { std::filesystem::create_directories(folder_); }
+  void TearDown() override { std::filesystem::remove_all(folder_); }
+  [[nodiscard]] Thresholds read(const std::string& text) const {
+    write_file(folder_ / "thresholds.json", text);
+    return read_thresholds(folder_ / "thresholds.json");
+  }
+  [[nodiscard]] std::string refusal(const std::string& text) const {
+    try {
+      static_cast<void>(read(text));
+    } catch (const Error& error) {
+      return error.what();
+    }
+    return "no error";
+  }
+  std::filesystem::path folder_ =
+      std::filesystem::path(::testing::TempDir()) / ::testing::UnitTest::GetInstance()->current_test_info()->name();
+};
+
+TEST_F(ThresholdFile, ReplacesAnyConstantAndGivesBackWhatItWrites) {
+  auto changed = read(R"({"schema": "touchstone-thresholds/1", "stiffness_fraction": 0.15})");
+  EXPECT_EQ(changed.stiffness_fraction, 0.15);
+  EXPECT_EQ(changed.direction_rad, Thresholds{}.direction_rad);
+  double value = 0.011;
+  for (const auto& entry : threshold_entries()) {
+    EXPECT_FALSE(entry.source.empty()) << entry.name;
+    entry.place(changed) = value;
+    value *= 1.1;
+  }
+  auto again = read(thresholds_to_json(changed));
+  for (const auto& entry : threshold_entries()) EXPECT_EQ(entry.place(again), entry.place(changed)) << entry.name;
+  for (const double f : {20.0, 100.0, 1000.0})
+    EXPECT_NEAR(again.vibration_force_N(f) / changed.vibration_force_N(f), 1.0, 1e-12) << f;
+}
+
+TEST_F(ThresholdFile, RefusesWhatItDoesNotUnderstandWithItsPlace) {
+  EXPECT_THAT(refusal(R"({"schema": "touchstone-thresholds/1", "stifness_fraction": 0.15})"),
+              HasSubstr("stifness_fraction"));
+  EXPECT_THAT(refusal(R"({"schema": "touchstone-thresholds/1", "position_m": 0})"),
+              HasSubstr("a value above 0 was expected"));
+  EXPECT_THAT(refusal(R"({"schema": "touchstone-thresholds/1",
+                          "vibration_threshold": {"frequency_Hz": [100, 20], "amplitude_N": [1, 1]}})"),
+              HasSubstr("ascending"));
+  EXPECT_THAT(refusal(R"({"schema": "touchstone-thresholds/1",
+                          "vibration_threshold": {"frequency_Hz": [100], "amplitude_N": [1, 1]}})"),
+              HasSubstr("at least two frequencies"));
+}
+
+TEST(Thresholds, VibrationIsFeltBestNear250HzAsInTheSourceOfTheCurve) {
+  // 0.1 um at 250 Hz, 12 dB per octave on both sides of the best range (Bolanowski et al. 1988).
+  EXPECT_DOUBLE_EQ(Thresholds::vibration_displacement_m(250.0), 1e-7);
+  EXPECT_NEAR(Thresholds::vibration_displacement_m(125.0) / 1e-7, std::pow(10.0, 12.0412 / 20.0), 1e-4);
+  EXPECT_NEAR(Thresholds::vibration_displacement_m(600.0) / 1e-7, std::pow(10.0, 12.0412 / 20.0), 1e-4);
+  for (double f = 20.0; f <= 1000.0; f *= 1.1) EXPECT_GE(Thresholds::vibration_displacement_m(f), 1e-7) << f;
+  // With a hand that is a damper alone, force is damping times speed.
+  Thresholds damper;
+  damper.hand_mass_kg = 1e-12;
+  damper.hand_stiffness_N_per_m = 1e-9;
+  damper.hand_damping_N_s_per_m = 2.0;
+  EXPECT_NEAR(damper.vibration_force_N(250.0), 2.0 * 2.0 * std::numbers::pi * 250.0 * 1e-7, 1e-12);
+}
+
+TEST(Thresholds, OneJndIs76PercentOfRightAnswersAndNoneIsChance) {
+  EXPECT_DOUBLE_EQ(forced_choice_probability(0.0), 0.5);
+  EXPECT_NEAR(forced_choice_probability(1.0), 0.7602, 1e-4);  // Macmillan and Creelman 2005, table A5.2
+  EXPECT_NEAR(forced_choice_probability(std::numbers::sqrt2 * 0.6744897501960817), 0.75, 1e-12);
+}
+
+}  // namespace
+}  // namespace touchstone::perception
