@@ -1,0 +1,94 @@
+#include "apps/command_perceive_options.h"
+
+#include <fmt/format.h>
+
+#include <map>
+
+#include "harness/base/error.h"
+#include "harness/base/in_parallel.h"
+#include "harness/base/units.h"
+#include "harness/perception/haptic_data_matrix.h"
+#include "harness/rendering/replay.h"
+#include "harness/surface/embree_surface.h"
+#include "harness/surface/extend_edges.h"
+#include "harness/surface/mesh_file.h"
+#include "harness/surface/mesh_topology.h"
+#include "renderers/catalogue.h"
+
+namespace touchstone::apps {
+
+std::pair<std::string, std::string> name_and_file(const std::string& text, const char* option) {
+  const auto equals = text.find('=');
+  if (equals == std::string::npos || equals == 0 || equals + 1 == text.size()) {
+    throw UsageError(fmt::format("{} {}: NAME=FILE was expected", option, text));
+  }
+  return {text.substr(0, equals), text.substr(equals + 1)};
+}
+
+Vec3 press_direction_of(const std::string& text, const Recording& real) {
+  static const std::map<std::string, Vec3> axes{{"+x", Vec3::UnitX()},  {"-x", -Vec3::UnitX()}, {"+y", Vec3::UnitY()},
+                                                {"-y", -Vec3::UnitY()}, {"+z", Vec3::UnitZ()},  {"-z", -Vec3::UnitZ()}};
+  if (text == "force") return perception::press_direction(real);
+  const auto found = axes.find(text);
+  if (found == axes.end())
+    throw UsageError(fmt::format("--direction {}: force, +x, -x, +y, -y, +z or -z was expected", text));
+  return found->second;
+}
+
+Recording rendered_by(const Model& model, const std::shared_ptr<const Surface>& surface, const Recording& real) {
+  const auto renderer = make_renderer(model, surface);
+  const RenderedTrajectory rendered = replay(*renderer, InTrajectory{real.motion});
+  Recording recording;
+  recording.motion = real.motion;
+  recording.f_W_N = rendered.f_W_N;
+  recording.source = model.source;
+  return recording;
+}
+
+// In parallel: hashing many recordings takes as long as comparing them.
+std::vector<InputFile> described(const std::vector<std::pair<std::string, std::string>>& role_and_file) {
+  std::vector<InputFile> result(role_and_file.size());
+  const auto describe = [&](std::size_t i) {
+    result[i] = describe_input(role_and_file[i].first, role_and_file[i].second);
+  };
+  in_parallel(result.size(), describe, 1);
+  return result;
+}
+
+std::shared_ptr<const Surface> rendered_object(const PerceiveOptions& options, const Recording& real,
+                                               std::vector<std::string>& notes) {
+  constexpr double kFew = 1e-3;             // less is noise at the border
+  constexpr double kShareOfDiagonal = 0.1;  // as `evaluate` has it
+  constexpr std::size_t kLookedAt = 4000;
+  TriangleMesh mesh = load_mesh(options.mesh, length_unit_factor(options.mesh_unit));
+  std::shared_ptr<const Surface> surface = make_embree_surface(mesh);
+  const bool asked = !options.extend_edges.empty();
+  const double asked_m =
+      asked && options.extend_edges != "0" ? parse_length_m(options.extend_edges, "--extend-edges") : 0.0;
+  if (asked && asked_m == 0.0) return surface;
+  const MeshTopology topology = make_topology(mesh);
+  double share = 0.0;
+  if (!asked) {
+    if (topology.open_edge_count == 0 || !topology.non_manifold_edges.empty() || !topology.disoriented_edges.empty())
+      return surface;
+    std::vector<Vec3> touching;
+    const std::size_t stride = 1 + real.f_W_N.size() / kLookedAt;
+    for (std::size_t i = 0; i < real.f_W_N.size(); i += stride) {
+      if (real.f_W_N[i].norm() > perception::kFingertipForce.absolute_threshold)
+        touching.push_back(real.motion.p_W_m[i]);
+    }
+    share = share_at_open_edges(*surface, topology, touching);
+    if (share <= kFew) return surface;
+  }
+  const double width_m = asked_m > 0.0 ? asked_m : kShareOfDiagonal * mesh.bounds().diagonal().norm();
+  mesh = extend_open_edges(weld_coincident_vertices(mesh), width_m);
+  if (!asked) {
+    notes.push_back(
+        fmt::format("{:.1f} % of the touching samples lie where the mesh has ended; its open edges were "
+                    "continued by {:.4g} mm (--extend-edges sets the width, 0 leaves the mesh as it is)",
+                    100.0 * share, 1e3 * width_m));
+  }
+  return make_embree_surface(mesh);
+}
+
+}  // namespace touchstone::apps

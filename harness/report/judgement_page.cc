@@ -1,0 +1,217 @@
+#include "harness/report/judgement_page.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "harness/report/evaluation_page.h"
+
+namespace touchstone {
+namespace {
+
+namespace pc = perception;
+using JudgedTableCell = Table::Cell;
+
+JudgedTableCell judged_text(std::string text) { return {std::move(text), false, Tone::neutral}; }
+JudgedTableCell judged_number(double value, const char* format = "{:.3g}") {
+  return {std::isfinite(value) ? fmt::format(fmt::runtime(format), value) : "none", true, Tone::neutral};
+}
+
+Tone tone_of(pc::Verdict verdict) {
+  switch (verdict) {
+    case pc::Verdict::noticed:
+      return Tone::warning;
+    case pc::Verdict::not_noticed:
+      return Tone::good;
+    case pc::Verdict::cannot_tell:
+      break;
+  }
+  return Tone::neutral;
+}
+
+std::vector<const pc::JudgedCondition*> by_rank(const pc::JudgedConditions& judged) {
+  std::vector<const pc::JudgedCondition*> ranked;
+  for (const auto& c : judged.conditions) ranked.push_back(&c);
+  std::ranges::sort(ranked, {}, &pc::JudgedCondition::rank);
+  return ranked;
+}
+
+Section verdict_section(const pc::JudgedConditions& judged) {
+  Section section;
+  section.title = "Would a person notice?";
+  section.intro =
+      "The share of right answers in a two-alternative forced choice against the real process: 50 % is guessing, 76 % "
+      "one just noticeable difference (JND). Each line is a statement about one pair: other conditions do not enter. "
+      "Conditions of one group are not told apart by these data.";
+  Table table;
+  table.columns = {"rank", "group",   "condition",          "told apart", "95 %",
+                   "d'",   "verdict", "what gives it away", "to change"};
+  for (const auto* c : by_rank(judged)) {
+    const pc::Judgement& j = c->judgement;
+    std::string what = j.above_noise ? "no single channel" : "nothing above the noise of the recordings";
+    std::string remedy;
+    if (j.gives_away) {
+      const auto& channel = j.channels[static_cast<std::size_t>(*j.gives_away)];
+      what = fmt::format("{}: {}", pc::name_of(channel.channel), channel.what);
+      remedy = channel.remedy;
+    }
+    Table::Row row;
+    row.cells = {judged_number(static_cast<double>(c->rank), "{:.0f}"),
+                 judged_number(static_cast<double>(c->group), "{:.0f}"),
+                 judged_text(c->name),
+                 judged_number(100.0 * j.noticed_probability, "{:.0f} %"),
+                 judged_text(fmt::format("{:.0f} to {:.0f}", 100.0 * j.noticed_low95, 100.0 * j.noticed_high95)),
+                 judged_number(j.d_prime, "{:.2f}"),
+                 {std::string(pc::name_of(j.verdict)), false, tone_of(j.verdict)},
+                 judged_text(what),
+                 judged_text(remedy)};
+    for (const auto& remark : j.remarks) row.detail += remark + ". ";
+    table.rows.push_back(std::move(row));
+  }
+  section.blocks.emplace_back(std::move(table));
+  return section;
+}
+
+Section channel_section(const pc::JudgedConditions& judged) {
+  Section section;
+  section.title = "Channel by channel";
+  section.intro =
+      "Evidence in just noticeable differences, with its standard error. Force and stiffness are two cues of one "
+      "curve: the stronger counts. \"-\": these recordings do not show the channel.";
+  Table table;
+  table.columns = {"condition"};
+  for (std::size_t c = 0; c < pc::kChannels; ++c) table.columns.emplace_back(pc::name_of(static_cast<pc::Channel>(c)));
+  for (const auto* c : by_rank(judged)) {
+    Table::Row row;
+    row.cells.push_back(judged_text(c->name));
+    for (const auto& channel : c->judgement.channels) {
+      row.cells.push_back(judged_text(
+          channel.known ? fmt::format("{:.2f} +- {:.2f}", channel.jnd, channel.standard_error) : std::string("-")));
+      row.detail += fmt::format("{}: {}. ", pc::name_of(channel.channel), channel.known ? channel.what : channel.why);
+    }
+    table.rows.push_back(std::move(row));
+  }
+  section.blocks.emplace_back(std::move(table));
+  return section;
+}
+
+Section moment_section(const pc::JudgedConditions& judged) {
+  Section section;
+  section.title = "When and where";
+  section.intro =
+      "The mean force of every quarter of a second in contact against what the real process gives for the same motion.";
+  LinePlot plot;
+  plot.title = "Difference over time";
+  plot.x_label = "time [s]";
+  plot.y_label = "difference [JND]";
+  plot.levels.emplace_back("1 JND", 1.0);
+  constexpr Tone kTones[] = {Tone::rendered, Tone::error, Tone::reference, Tone::good, Tone::warning, Tone::neutral};
+  Table table;
+  table.columns = {"condition", "noticed in", "strongest at", "there"};
+  for (const auto& c : judged.conditions) {
+    if (c.judgement.moments.empty()) continue;
+    Line line;
+    line.name = c.name;
+    line.markers = true;
+    line.tone = kTones[plot.lines.size() % std::size(kTones)];
+    for (const auto& m : c.judgement.moments) {
+      line.x.push_back(m.t_s);
+      line.y.push_back(m.jnd);
+    }
+    plot.lines.push_back(std::move(line));
+    Table::Row row;
+    row.cells = {judged_text(c.name), judged_number(100.0 * c.judgement.noticed_share, "{:.0f} % of the contact"),
+                 judged_number(c.strongest_s, "{:.2f} s"),
+                 judged_text(fmt::format("({:.1f}, {:.1f}, {:.1f}) mm", 1e3 * c.strongest_W_m.x(),
+                                         1e3 * c.strongest_W_m.y(), 1e3 * c.strongest_W_m.z()))};
+    table.rows.push_back(std::move(row));
+  }
+  if (plot.lines.empty()) return section;
+  section.blocks.emplace_back(std::move(plot));
+  section.blocks.emplace_back(std::move(table));
+  return section;
+}
+
+Section other_section(const pc::JudgedConditions& judged) {
+  Section section;
+  section.title = "Metrics of other authors, side by side";
+  section.intro =
+      "Each pair by itself. They compare samples of the same moment: hands that press deeper, faster or later count as "
+      "differences. The distance keeps all components. HSSIM has our constants, for want of the published ones.";
+  Table table;
+  table.columns = {"condition"};
+  for (const auto& c : judged.conditions) {
+    if (c.others.empty()) return section;
+    if (table.columns.size() == 1) {
+      for (const auto& other : c.others)
+        table.columns.push_back(other.unit == "1" ? other.name : fmt::format("{} [{}]", other.name, other.unit));
+    }
+    Table::Row row;
+    row.cells.push_back(judged_text(c.name));
+    std::set<std::string> reasons;
+    for (const auto& other : c.others) {
+      row.cells.push_back(other.value ? judged_number(*other.value, "{:.4g}") : judged_text("none"));
+      if (!other.why.empty()) reasons.insert(other.why);
+    }
+    for (const auto& why : reasons) row.detail += why + ". ";
+    table.rows.push_back(std::move(row));
+  }
+  section.blocks.emplace_back(std::move(table));
+  return section;
+}
+
+Section threshold_section(const pc::JudgeOptions& options) {
+  Section section;
+  section.title = "Thresholds";
+  section.intro = "What one just noticeable difference is. --thresholds replaces any of them.";
+  section.folded = true;
+  Table table;
+  table.columns = {"constant", "value", "unit", "source"};
+  pc::Thresholds thresholds = options.thresholds;
+  for (const auto& entry : pc::threshold_entries()) {
+    Table::Row row;
+    row.cells = {judged_text(std::string(entry.name)), judged_number(entry.place(thresholds), "{:.4g}"),
+                 judged_text(std::string(entry.unit)), judged_text(std::string(entry.source))};
+    table.rows.push_back(std::move(row));
+  }
+  section.blocks.emplace_back(std::move(table));
+  LinePlot plot;
+  plot.title = "Vibrating force that is just felt";
+  plot.x_label = "frequency [Hz]";
+  plot.y_label = "amplitude [N]";
+  plot.log_x = true;
+  plot.log_y = true;
+  plot.note = std::string(pc::vibration_threshold_source());
+  Line line;
+  line.name = "threshold";
+  for (const double f : pc::band_centres_Hz()) {
+    line.x.push_back(f);
+    line.y.push_back(thresholds.vibration_force_N(f));
+  }
+  plot.lines.push_back(std::move(line));
+  section.blocks.emplace_back(std::move(plot));
+  return section;
+}
+
+}  // namespace
+
+Page judgement_page(const std::string& title, const pc::JudgedConditions& judged, const pc::JudgeOptions& options,
+                    const std::vector<std::string>& notes, const Provenance& provenance) {
+  Page page;
+  page.title = title;
+  page.subtitle =
+      fmt::format("{} conditions, {} repeats of the real process", judged.conditions.size(), judged.floor.repeats);
+  page.sections.push_back(verdict_section(judged));
+  for (const auto& note : notes) page.sections.front().blocks.emplace_back(TextBlock{note, Tone::warning});
+  page.sections.push_back(channel_section(judged));
+  for (auto section : {moment_section(judged), other_section(judged)}) {
+    if (!section.blocks.empty()) page.sections.push_back(std::move(section));
+  }
+  page.sections.push_back(threshold_section(options));
+  page.sections.push_back(provenance_section(provenance));
+  return page;
+}
+
+}  // namespace touchstone
