@@ -10,6 +10,7 @@
 #include "apps/experiments/indentation_page.h"
 #include "apps/experiments/palpation_page.h"
 #include "apps/experiments/peer_comparison.h"
+#include "apps/experiments/perception_bench_page.h"
 #include "apps/experiments/renderer_cost.h"
 #include "apps/experiments/seeded_experiments.h"
 #include "apps/experiments/spring_page.h"
@@ -269,6 +270,42 @@ void add_cost(CLI::App& experiment, Run& run) {
   command->callback([options, &run] { run = [options] { return run_cost(*options); }; });
 }
 
+struct PerceptionBenchCommand {
+  std::string out;
+  experiments::PerceptionBenchOptions bench;
+};
+
+ExitStatus run_perception(const PerceptionBenchCommand& options) {
+  if (!options.out.empty()) ensure_writable_folder(options.out);
+  Progress progress("runs", experiments::bench_runs(options.bench));
+  const auto bench =
+      experiments::run_perception_bench(options.bench, [&progress](std::size_t done) { progress.update(done); });
+  fmt::print("{}", experiments::perception_bench_table(bench));
+  if (options.out.empty()) return ExitStatus::passed;
+  const std::filesystem::path out = options.out;
+  write_file(out / "perception-bench.json", experiments::perception_bench_to_json(bench));
+  write_page(out, experiments::perception_bench_page(bench, make_provenance(command_line())));
+  fmt::print("report: {}\n", (out / "report.html").string());
+  return ExitStatus::passed;
+}
+
+void add_perception_bench(CLI::App& experiment, Run& run) {
+  auto* const command = experiment.add_subcommand(
+      "perception",
+      "Every metric of perception on presses with planted differences whose d' published thresholds give");
+  auto options = std::make_shared<PerceptionBenchCommand>();
+  command->add_option("--out", options->out, "Folder for report.html, tables.md and perception-bench.json");
+  command->add_option("--seeds", options->bench.seeds, "How many seeds, each through every setup")
+      ->check(CLI::Range(1, 10000))
+      ->capture_default_str();
+  command->add_option("--first-seed", options->bench.first_seed, "The first of them")->capture_default_str();
+  command->add_flag("!--judge-only", options->bench.other_metrics, "Leave the metrics of other authors out: faster");
+  command->footer(
+      "Examples:\n  touchstone experiment perception --seeds 1\n  touchstone experiment perception --out perception "
+      "--seeds 20 --first-seed 1000");
+  command->callback([options, &run] { run = [options] { return run_perception(*options); }; });
+}
+
 }  // namespace
 
 void add_experiment(CLI::App& program, Run& run) {
@@ -288,6 +325,7 @@ void add_experiment(CLI::App& program, Run& run) {
   add_springs(*command, run);
   add_palpation(*command, run);
   add_indentation(*command, run);
+  add_perception_bench(*command, run);
   add_voxel(*command, run);
   add_cost(*command, run);
   add_scan_experiments(*command, run);
