@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "harness/acquisition/frame_check.h"
 #include "harness/acquisition/raw_table.h"
 #include "harness/base/error.h"
 #include "harness/base/hash.h"
@@ -220,7 +221,10 @@ Acquired acquire(const AcquisitionDescription& d) {
 
   ToolLoad tool;
   if (d.tool_file) {
-    report.tool = identify_tool(read_static_poses(*d.tool_file, false), d.gravity_T_m_per_s2, d.tool_file->string());
+    const auto poses = read_static_poses(*d.tool_file, false);
+    report.tool = identify_tool(poses, d.gravity_T_m_per_s2, d.tool_file->string());
+    const FrameCheck frames = check_frames(poses, {}, *report.tool, d.gravity_T_m_per_s2, d.tool_file->string());
+    if (frames.bad_fit) report.notes.push_back(frames.message(*report.tool, d.tool_file->string()));
     tool = report.tool->load;
   } else if (d.tool) {
     tool = *d.tool;

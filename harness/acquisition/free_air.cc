@@ -39,7 +39,67 @@ MassFit fit_mass(const std::vector<Vec3>& force, const std::vector<Vec3>& accele
   return {fa / aa, std::sqrt(std::max(0.0, ff - fa * fa / aa) / static_cast<double>(force.size()))};
 }
 
+double median_of(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+// The middle of a set of vectors, axis by axis: a run that touches for less than half of its time does not move it.
+Vec3 median_of(const std::vector<Vec3>& vectors) {
+  Vec3 middle;
+  for (int axis = 0; axis < 3; ++axis) {
+    std::vector<double> values;
+    values.reserve(vectors.size());
+    for (const Vec3& v : vectors) values.push_back(v[axis]);
+    middle[axis] = median_of(std::move(values));
+  }
+  return middle;
+}
+
+constexpr double contact_cutoff_Hz = 5.0;
+constexpr double shortest_contact_s = 0.05;
+
+// `left`: the smoothed force that weight and inertia do not explain, at times `at`.
+void find_contacts(const std::vector<double>& at, const std::vector<Vec3>& left, double weight_N, bool inertia_known,
+                   FreeAirReport& report) {
+  const Vec3 bias = median_of(left);
+  // The run's own bias may have moved by little. Where it moved by as much as the bar, the tool leans on something all
+  // along, and its middle is no bias.
+  const double bar_of_motion_N = (inertia_known ? 0.25 : 0.5) * weight_N;
+  const Vec3 taken = bias.norm() < bar_of_motion_N ? bias : Vec3(Vec3::Zero());
+  std::vector<double> size;
+  size.reserve(left.size());
+  for (const Vec3& f : left) size.push_back((f - taken).norm());
+  // A normal deviation in three axes has a median length of 1.538 of one axis's deviation (chi with 3 degrees).
+  report.contact_bar_N = std::max(bar_of_motion_N, bias.norm() < bar_of_motion_N ? 6.0 * median_of(size) / 1.538 : 0.0);
+  AirContact contact;
+  bool touching = false;
+  for (std::size_t i = 0; i <= at.size(); ++i) {
+    const bool over = i < at.size() && size[i] > report.contact_bar_N;
+    if (over && !touching) contact = {at[i], at[i], 0.0};
+    if (over) contact.to_s = at[i], contact.force_N = std::max(contact.force_N, size[i]);
+    if (!over && touching && contact.to_s - contact.from_s >= shortest_contact_s) report.contacts.push_back(contact);
+    touching = over;
+  }
+}
+
 }  // namespace
+
+std::string contact_message(const FreeAirReport& report, const std::string& source) {
+  if (report.contacts.empty()) return {};
+  double touching_s = 0.0;
+  const AirContact* hardest = report.contacts.data();
+  for (const AirContact& contact : report.contacts) {
+    touching_s += contact.to_s - contact.from_s;
+    if (contact.force_N > hardest->force_N) hardest = &contact;
+  }
+  return fmt::format(
+      "{}: contact: this run touches something, {} time{} for {:.2f} s in all; hardest from {:.2f} s to {:.2f} s with "
+      "{:.3g} N (moving the tool makes up to {:.3g} N): leave these stretches out, or record anew in free air",
+      source, report.contacts.size(), report.contacts.size() == 1 ? "" : "s", touching_s, hardest->from_s,
+      hardest->to_s, hardest->force_N, report.contact_bar_N);
+}
 
 AccelerometerMap identify_accelerometer(const std::vector<Vec3>& readings, const std::vector<Quat>& q_WS,
                                         const Vec3& gravity_W_m_per_s2, const std::string& source) {
@@ -130,6 +190,10 @@ FreeAirReport analyse_free_air(const FreeAirRun& run, const ToolLoad& load, cons
     }
     if (at.size() < 10) continue;
     const auto force = smooth_at(t, error, at, cutoff, source).values;
+    const bool judged = cutoff == contact_cutoff_Hz;
+    if (judged && inertial.empty()) {
+      find_contacts(at, force, load.mass_kg * gravity_W_m_per_s2.norm(), false, report);
+    }
     FreeAirBand band;
     band.cutoff_Hz = cutoff;
     band.weight_removed_N = rms_length(force, Vec3::Zero());
@@ -142,6 +206,7 @@ FreeAirReport analyse_free_air(const FreeAirRun& run, const ToolLoad& load, cons
       left.reserve(force.size());
       for (std::size_t i = 0; i < force.size(); ++i) left.push_back(force[i] - load.mass_kg * acceleration[i]);
       band.inertia_removed_N = rms_length(left, mean_of(left));
+      if (judged) find_contacts(at, left, load.mass_kg * gravity_W_m_per_s2.norm(), true, report);
       // From -20 to 20 ms.
       constexpr double offset_step_s = 0.002;
       constexpr int each_way = 10;

@@ -42,13 +42,27 @@ struct FreeAirBand {
   double fitted_removed_N = 0.0;
 };
 
+// A stretch in which the tool pushes against something.
+struct AirContact {
+  double from_s = 0.0, to_s = 0.0;
+  double force_N = 0.0;  // the largest that is left there
+};
+
 struct FreeAirReport {
   WrenchResidual raw;                // unsmoothed, bias and weight removed
   WrenchResidual at_rest;            // the part in which the tool does not turn
   Vec3 bias_shift_N = Vec3::Zero();  // mean error at rest: what the bias moved by since the calibration
   double rest_fraction = 0.0;
   std::vector<FreeAirBand> bands;
+  // Where the run touches something after all, in order. Force smoothed to 5 Hz, bias, weight and (with an
+  // accelerometer) inertia removed, that exceeds what a hand or an arm makes by moving the tool: half of its weight, or
+  // a quarter of it where the inertia is known, and six robust deviations of its own.
+  std::vector<AirContact> contacts;
+  double contact_bar_N = 0.0;
 };
+
+// Empty, or that the run touches something, where, and how hard.
+std::string contact_message(const FreeAirReport& report, const std::string& source);
 
 // A turn slower than `rest_rad_per_s` counts as rest.
 FreeAirReport analyse_free_air(const FreeAirRun& run, const ToolLoad& load, const AccelerometerMap& accelerometer,

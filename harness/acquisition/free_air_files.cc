@@ -87,6 +87,7 @@ std::string free_air_text(const FreeAirResult& result) {
   }
   if (share_below > 0.0)
     text += fmt::format("  faster than 20 Hz (vibration): {:.0f} % of the square\n", 100 * (1.0 - share_below));
+  if (!r.contacts.empty()) text += "  " + contact_message(r, "the run") + "\n";
   return text;
 }
 
@@ -101,7 +102,11 @@ std::string free_air_json(const FreeAirResult& result) {
                    {"at_rest_force_vector_rms_N", number(r.at_rest.force_vector_N)},
                    {"rest_fraction", r.rest_fraction},
                    {"bias_shift_N", {r.bias_shift_N.x(), r.bias_shift_N.y(), r.bias_shift_N.z()}},
+                   {"contacts", nlohmann::json::array()},
                    {"bands", nlohmann::json::array()}};
+  for (const auto& c : r.contacts) {
+    j["contacts"].push_back({{"from_s", c.from_s}, {"to_s", c.to_s}, {"force_N", c.force_N}});
+  }
   for (const auto& b : r.bands) {
     j["bands"].push_back({{"cutoff_Hz", b.cutoff_Hz},
                           {"weight_removed_N", b.weight_removed_N},

@@ -1,0 +1,54 @@
+// Are static poses written in the frames that they are taken for? Fits the tool anew under each mistake that files of
+// this kind hold (force by the tool's holder, orientation inverted, quaternion in another order, wrench already turned
+// into the world) and compares what the best tool of each leaves. Nothing is applied: the caller names the repair.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "harness/acquisition/tool_load.h"
+
+namespace touchstone {
+
+enum class WrenchFrame { sensor, world };
+enum class OrientationReading { given, inverse, scalar_last };
+
+// How a table of poses is read. The default is what the format asks for.
+struct PoseReading {
+  WrenchFrame wrench = WrenchFrame::sensor;
+  OrientationReading orientation = OrientationReading::given;
+  bool flip_force = false;  // negate force and torque
+
+  // The flags of `touchstone acquire tool` that ask for this reading: "--wrench-frame world"; empty for the default.
+  [[nodiscard]] std::string flags() const;
+  // What it says of the file: "the wrench is in the world's frame"; empty for the default.
+  [[nodiscard]] std::string meaning() const;
+};
+
+// The poses as `reading` has them: wrench in the sensor's frame, orientation from the sensor's frame to the world's.
+std::vector<StaticPose> read_as(const std::vector<StaticPose>& poses, const PoseReading& reading);
+
+// The share of the tool's own weight that its best fit leaves, as a length: 0 fits exactly.
+double share_of_weight_left(const ToolIdentification& found, const Vec3& gravity_W_m_per_s2);
+
+// More of the weight than this left means a bad fit: so much is an error of 0.1 rad (6 degrees) in every orientation,
+// which no arm and no tracker that can be used makes.
+inline constexpr double most_weight_left = 0.1;
+
+struct FrameCheck {
+  bool bad_fit = false;     // as it was read
+  double share_left = 0.0;  // of the weight
+  // The reading that fits best, with its tool; nothing where no other reading has a positive mass and a good fit.
+  std::optional<PoseReading> repair;
+  ToolIdentification repaired;
+
+  // Empty, or what a user must know, with the flags of the repair.
+  [[nodiscard]] std::string message(const ToolIdentification& as_read, const std::string& source) const;
+};
+
+// `poses` as they stand in the file, `as_read` the tool that was found under `reading`.
+FrameCheck check_frames(const std::vector<StaticPose>& poses, const PoseReading& reading,
+                        const ToolIdentification& as_read, const Vec3& gravity_W_m_per_s2, const std::string& source);
+
+}  // namespace touchstone
