@@ -49,6 +49,8 @@ void add_discrepancy(CLI::App& program, Run& run) {
   command->add_flag("--repair", options->files.repair,
                     "turn triangles that face the other way than most of their piece, and closed pieces that are "
                     "inside out");
+  command->add_flag("--flip-force", options->files.flip_force,
+                    "the files have the force BY the probe: negate it (the holdout's too)");
   command->add_option("--recording", options->files.recording, "measured positions and forces to learn from")
       ->required();
   command->add_option("--holdout", options->files.holdout,

@@ -26,6 +26,7 @@ void add_history(CLI::App& program, Run& run);
 void add_hil(CLI::App& program, Run& run);
 void add_evaluate(CLI::App& program, Run& run);
 void add_experiment(CLI::App& program, Run& run);
+void add_import(CLI::App& program, Run& run);
 void add_list(CLI::App& program, Run& run);
 void add_perceive(CLI::App& program, Run& run);
 void add_replay(CLI::App& program, Run& run);
@@ -61,6 +62,7 @@ inline std::vector<AddCommand> commands() {
       add_hil,
       add_evaluate,
       add_experiment,
+      add_import,
       add_list,
       add_perceive,
       add_replay,

@@ -13,6 +13,13 @@ set(HDF5_USE_STATIC_LIBRARIES ON)
 find_package(HDF5 REQUIRED COMPONENTS C)
 target_link_libraries(hdf5::hdf5 INTERFACE sz z m ${CMAKE_DL_LIBS})
 pkg_check_modules(libdeflate REQUIRED IMPORTED_TARGET libdeflate)
+# The static library, over the same HDF5: Debian's shared one would bring a second, shared HDF5 into the program.
+find_path(MATIO_INCLUDE_DIR matio.h REQUIRED)
+find_library(MATIO_LIBRARY libmatio.a REQUIRED)
+add_library(matio::matio STATIC IMPORTED GLOBAL)
+set_target_properties(matio::matio PROPERTIES IMPORTED_LOCATION ${MATIO_LIBRARY} INTERFACE_INCLUDE_DIRECTORIES ${MATIO_INCLUDE_DIR}
+  INTERFACE_LINK_LIBRARIES "hdf5::hdf5;z")
+find_package(SQLite3 REQUIRED)
 find_package(Threads REQUIRED)
 find_package(LibArchive REQUIRED)
 find_package(OpenMesh CONFIG REQUIRED)

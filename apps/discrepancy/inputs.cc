@@ -12,6 +12,7 @@
 #include "harness/recording/recording_file.h"
 #include "harness/rendering/in_trajectory.h"
 #include "harness/rendering/out_trajectory.h"
+#include "harness/sanity/sanity.h"
 #include "harness/surface/embree_surface.h"
 #include "harness/surface/extend_edges.h"
 #include "harness/surface/mesh_file.h"
@@ -66,6 +67,26 @@ void synthesize(Recording& recording, const Surface& surface, const Model& model
   recording.motion = synthesize_in_trajectory(make_out_trajectory(recording, surface, rule), stiffness->second).motion;
 }
 
+void flip_forces(Recording& recording) {
+  for (Vec3& f : recording.f_W_N) f = -f;
+  for (Vec3& torque : recording.torque_W_Nm) torque = -torque;
+}
+
+// Before anything is fitted: what a recording with a fault would be explained by has no meaning.
+void check_recordings(const DiscrepancyFiles& files, DiscrepancyInputs& inputs) {
+  SanityContext context;
+  context.surface = inputs.surface.get();
+  context.mesh_unit = files.mesh_unit;
+  const auto radius = inputs.model.parameters.find("tip_radius_m");
+  context.tip_radius_m = radius == inputs.model.parameters.end() ? 0.0 : radius->second;
+  context.force_flipped = files.flip_force;
+  context.contact_force_N = default_contact_threshold_N;
+  for (const Recording* const recording : {&inputs.train, inputs.holdout ? &*inputs.holdout : nullptr}) {
+    if (recording == nullptr) continue;
+    for (const std::string& remark : refuse_insane(*recording, context)) inputs.remarks.push_back("warning: " + remark);
+  }
+}
+
 }  // namespace
 
 DiscrepancyInputs load_inputs(const DiscrepancyFiles& files) {
@@ -74,6 +95,10 @@ DiscrepancyInputs load_inputs(const DiscrepancyFiles& files) {
       files.plugins != nullptr ? load_model(files.model, *files.plugins) : touchstone::load_model(files.model);
   inputs.train = load_recording(files.recording);
   if (!files.holdout.empty()) inputs.holdout = load_recording(files.holdout);
+  if (files.flip_force) {
+    flip_forces(inputs.train);
+    if (inputs.holdout) flip_forces(*inputs.holdout);
+  }
   inputs.mesh =
       files.mesh.empty() ? half_space(inputs.train) : load_mesh(files.mesh, length_unit_factor(files.mesh_unit));
   if (files.repair) {
@@ -84,6 +109,7 @@ DiscrepancyInputs load_inputs(const DiscrepancyFiles& files) {
   inputs.surface = make_embree_surface(inputs.mesh);
   for (const std::string& warning : mesh_warnings(*inputs.surface)) inputs.remarks.push_back("warning: " + warning);
   if (!files.mesh.empty()) continue_where_the_mesh_has_ended(inputs);
+  check_recordings(files, inputs);
   if (files.synthesize_in_trajectory) {
     synthesize(inputs.train, *inputs.surface, inputs.model);
     if (inputs.holdout) synthesize(*inputs.holdout, *inputs.surface, inputs.model);

@@ -22,7 +22,8 @@ struct DiscrepancyFiles {
   std::filesystem::path model;
   std::filesystem::path mesh;  // empty: the half-space below z = 0, for force against displacement
   std::string mesh_unit = "m";
-  bool repair = false;  // turn triangles that are inside out (harness/surface/mesh_repair.h)
+  bool repair = false;      // turn triangles that are inside out (harness/surface/mesh_repair.h)
+  bool flip_force = false;  // the files have the force BY the probe
   std::filesystem::path recording;
   std::filesystem::path holdout;     // empty: alternating blocks of `recording` are kept back
   double block_s = 2.0;              // of the blocks kept back; a short recording has shorter ones
@@ -42,10 +43,10 @@ struct DiscrepancyInputs {
   std::shared_ptr<const Surface> surface;
   Recording train;
   std::optional<Recording> holdout;
-  std::vector<std::string> remarks;  // on the mesh: what was repaired, what is wrong with it
+  std::vector<std::string> remarks;  // on mesh and recordings: what was repaired, what is wrong
 };
 
-// Throws BadData naming the file.
+// Throws BadData naming the file: also for a recording that is not sane (harness/sanity/sanity.h).
 DiscrepancyInputs load_inputs(const DiscrepancyFiles& files);
 
 }  // namespace touchstone::apps

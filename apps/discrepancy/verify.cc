@@ -39,6 +39,7 @@ std::optional<double> rms_in_fresh_process_N(const DiscrepancyFiles& files) {
                                  "--mesh-unit=" + files.mesh_unit};
   if (!files.mesh.empty()) words.push_back("--mesh=" + files.mesh.string());
   if (files.repair) words.emplace_back("--repair");
+  if (files.flip_force) words.emplace_back("--flip-force");
   std::vector<char*> arguments;
   arguments.reserve(words.size() + 1);
   for (std::string& word : words) arguments.push_back(word.data());

@@ -46,6 +46,22 @@ InstrumentDescription instrument_of(const DiscrepancyFiles& files, const Recordi
   return instrument;
 }
 
+// An estimate of the noise that expects more than even the starting model leaves is too large: quantization, vibration
+// and jitter look like noise to it. It is brought down to what is left.
+void bound_by_residual(InstrumentDescription& instrument, const Recording& train, const Model& model,
+                       const MakePredictor& make, const DiscrepancyFiles& files) {
+  if (instrument.declared) return;
+  const Prediction nominal = make(train.motion)->predict(model);
+  NoiseModel noise(train.motion, nominal.n_W, instrument, make, files.seed, files.seed + 2);
+  double expected = 0.0, left = 0.0;
+  for (const double square : noise.expected_squares(model, nominal)) expected += square;
+  for (std::size_t i = 0; i < train.size(); ++i) left += (train.f_W_N[i] - nominal.f_W_N[i]).squaredNorm();
+  if (!(left > 0.0) || !(expected > left)) return;
+  const double factor = std::sqrt(left / expected);
+  instrument.force_noise_N *= factor;
+  instrument.position_noise_m *= factor;
+}
+
 ForceGap measure_gap(const SearchResult& search, const SearchData& data) {
   ForceGap gap;
   gap.train_before_N = rms_force_error_N(data.train, data.train.predictor->predict(search.start));
@@ -92,9 +108,9 @@ Findings run_discrepancy(const DiscrepancyFiles& files, const std::function<void
   const Recording& holdout = second ? *second : train;
   // Refuses a wrong model before the long work begins; alive, its examined mesh serves all that follow.
   const auto alive = make_renderer(model, surface);
-  const InstrumentDescription instrument = instrument_of(files, train, mesh, *surface);
-
   const MakePredictor make = [&](const MotionColumns& motion) { return make_model_predictor(surface, motion); };
+  InstrumentDescription instrument = instrument_of(files, train, mesh, *surface);
+  bound_by_residual(instrument, train, model, make, files);
   const auto train_predictor = make(train.motion);
   const auto holdout_predictor = make(holdout.motion);
   NoiseModel train_noise(train.motion, train_predictor->predict(model).n_W, instrument, make, files.seed,

@@ -11,10 +11,10 @@
 #include "harness/base/units.h"
 #include "harness/metrics/quantiles.h"
 #include "harness/recording/extent_check.h"
-#include "harness/recording/force_sign.h"
 #include "harness/rendering/nearness.h"
 #include "harness/rendering/parameters.h"
 #include "harness/report/quantity.h"
+#include "harness/sanity/sanity.h"
 #include "harness/surface/embree_surface.h"
 #include "harness/surface/extend_edges.h"
 #include "harness/surface/mesh_file.h"
@@ -30,7 +30,8 @@ namespace {
 constexpr std::size_t most_kept = 4096;
 
 // Thins to every second when full, so that what is kept is spread evenly over the whole recording.
-void thin(std::vector<Vec3>& values) {
+template <class T>
+void thin(std::vector<T>& values) {
   for (std::size_t i = 0; 2 * i < values.size(); ++i) values[i] = values[2 * i];
   values.resize((values.size() + 1) / 2);
 }
@@ -49,10 +50,14 @@ RecordingSurvey survey_recording(const EvaluationRequest& request) {
       out.tips_W_m.extend(p);
       if (out.has_force) forces.add(block.f_W_N[i].norm());
       if ((block.first_sample + i) % stride != 0) continue;
+      out.some_times_s.push_back(block.motion.t_s[i]);
       out.some_tips_W_m.push_back(p);
+      if (!block.motion.q_WS.empty()) out.some_orientations_WS.push_back(block.motion.q_WS[i]);
       if (out.has_force) out.some_forces_W_N.push_back(request.flip_force ? Vec3(-block.f_W_N[i]) : block.f_W_N[i]);
       if (out.some_tips_W_m.size() < most_kept) continue;
+      thin(out.some_times_s);
       thin(out.some_tips_W_m);
+      thin(out.some_orientations_WS);
       thin(out.some_forces_W_N);
       stride *= 2;
     }
@@ -83,15 +88,21 @@ void refuse_far(const EvaluationRequest& request, EvaluationInputs& inputs) {
   if (mismatch) inputs.messages.push_back(mismatch->message);
 }
 
-void refuse_reversed(const EvaluationRequest& request, const EvaluationInputs& inputs) {
-  if (!inputs.survey.has_force) return;
-  std::vector<Vec3> normals;
-  for (const Vec3& p : inputs.survey.some_tips_W_m) normals.push_back(inputs.surface->closest(p).n_W);
-  const ForceSign sign = check_force_sign(normals, inputs.survey.some_forces_W_N);
-  if (sign.verdict != SignVerdict::reversed) return;
-  throw BadData(fmt::format("{}: {}; {}", request.recording.string(), sign.explain(),
-                            request.flip_force ? "leave --flip-force out, or turn the mesh inside out"
-                                               : "if the file has the force BY the probe, give --flip-force"));
+// The gate of every command, on samples that are spread over the whole recording.
+void refuse_faults(const EvaluationRequest& request, EvaluationInputs& inputs) {
+  const RecordingSurvey& survey = inputs.survey;
+  if (!survey.has_force) return;
+  Recording some;
+  some.source = request.recording.string();
+  some.motion = {survey.some_times_s, survey.some_tips_W_m, survey.some_orientations_WS};
+  some.f_W_N = survey.some_forces_W_N;
+  SanityContext context;
+  context.surface = inputs.surface.get();
+  context.mesh_unit = request.mesh_unit;
+  context.tip_radius_m = inputs.tip_radius_m;
+  context.force_flipped = request.flip_force;
+  context.contact_force_N = request.contact_threshold_N;
+  for (std::string& remark : refuse_insane(some, context)) inputs.messages.push_back(std::move(remark));
 }
 
 // The tip that the request names, where the model does not name one.
@@ -194,7 +205,7 @@ EvaluationInputs load_inputs(const EvaluationRequest& request) {
   inputs.survey = survey_recording(request);
   if (!request.extend_edges_m) extend_where_the_mesh_has_ended(request, inputs);
   refuse_far(request, inputs);
-  refuse_reversed(request, inputs);
+  refuse_faults(request, inputs);
   inputs.files.push_back(describe_input("recording", request.recording));
   inputs.files.push_back(describe_input("mesh", request.mesh));
   if (!request.model_file.empty()) inputs.files.push_back(describe_input("model", request.model_file));

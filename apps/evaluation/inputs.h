@@ -22,8 +22,10 @@ struct RecordingSurvey {
   double usual_force_N = 0.0;  // 99th percentile of the magnitude, within 0.1 %
   std::vector<std::string> notes;
   // Every so many samples, a few thousand at most.
+  std::vector<double> some_times_s;
   std::vector<Vec3> some_tips_W_m;
   std::vector<Vec3> some_forces_W_N;
+  std::vector<Quat> some_orientations_WS;  // empty where not recorded
 };
 
 struct EvaluationInputs {
@@ -42,8 +44,8 @@ struct EvaluationInputs {
 // Opens the recording as the request says. Forces still have the file's sign.
 RecordingStream open_recording(const EvaluationRequest& request);
 
-// Throws BadData: unreadable files, a recording nowhere near the mesh (asking whether the mesh is in mm), forces whose
-// sign is reversed (offering --flip-force), a model that cannot run.
+// Throws BadData: unreadable files, a recording that is not sane (harness/sanity/sanity.h: nowhere near the mesh,
+// forces reversed or in another frame), a model that cannot run.
 EvaluationInputs load_inputs(const EvaluationRequest& request);
 
 }  // namespace touchstone

@@ -9,13 +9,11 @@
 #include "harness/base/error.h"
 #include "harness/discrepancy/friction_cone.h"
 #include "harness/discrepancy/whitened_regression.h"
+#include "harness/sanity/block_order.h"
 
 namespace touchstone {
 namespace {
 
-// Measured and modelled load of a recording that fits its positions are correlated by more than 0.9 even where laws are
-// missing; seconds in a wrong order leave about 0.
-constexpr double least_correlation = 0.5;
 // Of the held-out chi-squared that a coefficient of the wrong sign must explain.
 constexpr double least_share = 0.3;
 constexpr double least_gain = 100.0;
@@ -23,33 +21,6 @@ constexpr double least_gain = 100.0;
 constexpr const char* pulls_words =
     "the force along the surface pulls with the motion instead of against it, as friction of coefficient {:.2f} would: "
     "is the sign of the force, or an axis, turned round?";
-
-double load_correlation(const DetectorSide& side, const Prediction& prediction) {
-  std::vector<Vec3> measured = side.recording->f_W_N;
-  std::vector<Vec3> modelled(measured.size());
-  for (std::size_t i = 0; i < measured.size(); ++i) {
-    measured[i] = Vec3(measured[i].norm(), 0.0, 0.0);
-    modelled[i] = Vec3(prediction.f_W_N[i].norm(), 0.0, 0.0);
-  }
-  const auto a = block_means(side.blocks->blocks, measured);
-  const auto b = block_means(side.blocks->blocks, modelled);
-  const double n = static_cast<double>(a.size());
-  double mean_a = 0.0;
-  double mean_b = 0.0;
-  for (std::size_t i = 0; i < a.size(); ++i) {
-    mean_a += a[i].x() / n;
-    mean_b += b[i].x() / n;
-  }
-  double ab = 0.0;
-  double aa = 0.0;
-  double bb = 0.0;
-  for (std::size_t i = 0; i < a.size(); ++i) {
-    ab += (a[i].x() - mean_a) * (b[i].x() - mean_b);
-    aa += (a[i].x() - mean_a) * (a[i].x() - mean_a);
-    bb += (b[i].x() - mean_b) * (b[i].x() - mean_b);
-  }
-  return aa > 0.0 && bb > 0.0 ? ab / std::sqrt(aa * bb) : 1.0;
-}
 
 // A coefficient that is never negative, by the force that a unit of it makes.
 struct OneSided {
@@ -94,18 +65,26 @@ std::optional<std::string> pulls_along_everywhere(const DetectorSide& train, con
 
 }  // namespace
 
+std::optional<std::string> find_order_fault(const DetectorSide& side, const Model& model) {
+  const Prediction prediction = side.blocks->predictor->predict(model);
+  std::vector<double> measured, modelled;
+  for (std::size_t i = 0; i < side.recording->size(); ++i) {
+    measured.push_back(side.recording->f_W_N[i].norm());
+    modelled.push_back(prediction.f_W_N[i].norm());
+  }
+  const auto order = find_wrong_order(side.recording->motion.t_s, measured, modelled);
+  if (!order) return std::nullopt;
+  return fmt::format(
+      "the force does not follow the position: the measured and the modelled load have a correlation of {:.2f}, but of "
+      "{:.2f} {}. Were pieces of the log joined in a wrong order?",
+      order->correlation, order->reordered, order->remedy());
+}
+
 std::optional<std::string> find_data_fault(const DetectorSide& train, const DetectorSide& holdout, const Model& base,
                                            const Model& best) {
-  const Prediction train_nominal = train.blocks->predictor->predict(base);
-  // Of the better of the two: a heavy tool, which only the search's model knows, hides the load from the other.
-  const double correlation =
-      std::max(load_correlation(train, train_nominal), load_correlation(train, train.blocks->predictor->predict(best)));
-  if (correlation < least_correlation) {
-    return fmt::format(
-        "the force does not follow the position: over {:.0f} s the measured and the modelled load have a correlation "
-        "of {:.2f}, where a recording that belongs to this object has more than 0.9. Are blocks of the file in a wrong "
-        "order, its clocks apart, or the mesh another object's?",
-        train.recording->motion.t_s.back() - train.recording->motion.t_s.front(), correlation);
+  // A heavy tool, which only the search's model knows, hides the load from the other.
+  for (const Model* const model : {&base, &best}) {
+    if (auto fault = find_order_fault(train, *model)) return fault;
   }
   // Coefficients are sought along the likely motion: where the tip rests, friction at noisy positions turns with the
   // noise, and a rate is mostly noise.

@@ -1,6 +1,7 @@
-// Signs that the data, not the model, are wrong: forces that do not follow the positions, and coefficients that physics
-// wants positive but the data negative (friction that pulls along, a tool that weighs less than nothing, damping that
-// drives). Such a recording is blamed, and nothing is named.
+// Signs that the data, not the model, are wrong: blocks of force in a wrong order, and coefficients that physics wants
+// positive but the data negative (friction that pulls along, a tool that weighs less than nothing, damping that
+// drives). Such a recording is blamed, and nothing is named. A load that does not vary, or that follows no position, is
+// no fault: it is blamed only where another order of the blocks makes it follow.
 #pragma once
 
 #include <optional>
@@ -9,6 +10,10 @@
 #include "harness/discrepancy/structure_detector.h"
 
 namespace touchstone {
+
+// Blocks of the force in another order than those of the position (see harness/sanity/block_order.h): the modelled load
+// is `model`'s. Needs no search, and so may be asked before one.
+std::optional<std::string> find_order_fault(const DetectorSide& side, const Model& model);
 
 // `base`: the starting model refitted; `best`: what the search found. Nothing when the data may be right.
 std::optional<std::string> find_data_fault(const DetectorSide& train, const DetectorSide& holdout, const Model& base,

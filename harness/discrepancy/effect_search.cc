@@ -33,6 +33,16 @@ class Search {
     state_.renew_noise(state_.current.model);
     state_.refit();
     result_.base = state_.current.model;
+    // Nothing can be learnt from blocks in a wrong order: the long work would be for nothing.
+    const DetectorSide train{data_.train.recording, &state_.train, data_.train.noise};
+    result_.data_fault = find_order_fault(train, result_.base);
+    if (!result_.data_fault) search();
+    finish();
+    return std::move(result_);
+  }
+
+ private:
+  void search() {
     do {
       do {
         while (add()) {
@@ -43,11 +53,8 @@ class Search {
           state_, [this](const std::string& rival, const std::string& added) { return came_to(rival, added); },
           settled_, report_);
     } while (swap_one());
-    finish();
-    return std::move(result_);
   }
 
- private:
   [[nodiscard]] SearchStep step_from(const Standing& standing) const {
     SearchStep step;
     step.train_chi_squared = standing.train_chi_squared;
@@ -312,7 +319,7 @@ class Search {
     const DetectorSide train{data_.train.recording, &goodness.train, data_.train.noise};
     const DetectorSide holdout{data_.holdout.recording, &goodness.holdout, data_.holdout.noise};
     result_.structure = detect_structure(train, holdout, result_.model, result_.draws);
-    result_.data_fault = find_data_fault(train, holdout, result_.base, result_.model);
+    if (!result_.data_fault) result_.data_fault = find_data_fault(train, holdout, result_.base, result_.model);
     if (result_.data_fault) {
       // Nothing is learnt from data that are wrong.
       result_.model = result_.base;

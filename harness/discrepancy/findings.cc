@@ -57,8 +57,21 @@ std::string names(const std::vector<FoundEffect>& found) {
 
 nlohmann::json number(double value) { return std::isfinite(value) ? nlohmann::json(value) : nlohmann::json(nullptr); }
 
+// An estimate of the noise that is so many times what is left hides what is missing.
+constexpr double noise_too_large = 2.0;
+
 // Weighed by noise an explanation may gain where the plain error of force stays as it was, but not where that grows.
 constexpr double no_gain = 1.01;
+
+void warn_of_noise(Findings& findings) {
+  const ForceGap& gap = findings.gap;
+  if (findings.instrument_declared || !(gap.noise_floor_N > noise_too_large * gap.holdout_after_N)) return;
+  findings.explanation += fmt::format(
+      " The noise was estimated from the recording and expects {:.4g} N, {:.1f} times what is left: it is too large, "
+      "and "
+      "smaller effects are hidden by it; give the sensor's with --instrument.",
+      gap.noise_floor_N, gap.noise_floor_N / gap.holdout_after_N);
+}
 
 }  // namespace
 
@@ -104,8 +117,9 @@ void conclude(Findings& findings, const std::vector<Candidate>& candidates) {
     findings.verdict = FindingsVerdict::unexplained;
     findings.explanation = fmt::format(
         "Something is missing that no known effect explains: on held-out data the error is {:.1f} times as large, in "
-        "square, as the declared noise allows{}. See where it sits below.",
-        search.goodness, search.found.empty() ? "" : fmt::format(", with {} added, which helps", names(search.found)));
+        "square, as the {} noise allows{}. See where it sits below.",
+        search.goodness, findings.instrument_declared ? "declared" : "estimated",
+        search.found.empty() ? "" : fmt::format(", with {} added, which helps", names(search.found)));
   } else if (search.found.empty()) {
     findings.verdict = FindingsVerdict::consistent;
     findings.explanation = fmt::format(
@@ -131,6 +145,7 @@ void conclude(Findings& findings, const std::vector<Candidate>& candidates) {
                     search.found.size() == 1 ? "was" : "were", search.found.size() == 1 ? "it" : "them",
                     findings.gap.holdout_before_N, findings.gap.holdout_after_N);
   }
+  warn_of_noise(findings);
 }
 
 std::string findings_to_json(const Findings& findings, const std::string& trajectory_file) {

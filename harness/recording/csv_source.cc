@@ -39,6 +39,23 @@ std::string shown(std::string_view text) {
   return text.size() > longest ? result + "..." : result;
 }
 
+constexpr std::string_view wanted_header =
+    "a recording begins with the names of its columns, quantity and unit, for instance t_s,x_m,y_m,z_m,fx_N,fy_N,fz_N";
+
+// What to do with a file whose first line is no header: what stands there, and both ways out of it.
+std::string no_header(const std::string& file, std::string_view what, std::string_view by_hand) {
+  return fmt::format("{}: {}; {}. {}, or let `touchstone import {} --guess` propose how to read it", file, what,
+                     wanted_header, by_hand, file);
+}
+
+// The sign that a line of many loggers begins with where it holds no data; empty where it is none of them.
+std::string_view comment_sign(std::string_view line) {
+  for (const std::string_view sign : {"#", "%", "//", "!"}) {
+    if (line.starts_with(sign)) return sign;
+  }
+  return {};
+}
+
 class CsvSource final : public TableSource {
  public:
   explicit CsvSource(const std::filesystem::path& path)
@@ -154,13 +171,17 @@ class CsvSource final : public TableSource {
     if (line.starts_with("\xff\xfe") || line.starts_with("\xfe\xff")) {
       throw BadData(fmt::format("{}: is UTF-16 text; save it as UTF-8 or ASCII", name_));
     }
-    if (trim(line).empty()) throw BadData(fmt::format("{}: line 1 is blank; column names were expected", name_));
+    if (trim(line).empty()) throw BadData(no_header(name_, "line 1 is blank", "Delete the blank lines before it"));
     if (line.find('\r') != std::string_view::npos) {
       throw BadData(
           fmt::format("{}: lines end in bare carriage returns; save it with Unix or Windows line ends", name_));
     }
     if (std::ranges::any_of(line, [](char c) { return static_cast<unsigned char>(c) < 0x20 && c != '\t'; })) {
       throw BadData(fmt::format("{}: line 1 is not text ('{}'); this is not a CSV file", name_, shown(line)));
+    }
+    if (const auto sign = comment_sign(trim(line)); !sign.empty()) {
+      throw BadData(no_header(name_, fmt::format("line 1 is a comment ('{}')", shown(trim(line))),
+                              fmt::format("Delete the lines that begin with {}", sign)));
     }
     choose_separator(line);
     while (true) {
@@ -175,10 +196,8 @@ class CsvSource final : public TableSource {
           double ignored = 0.0;
           return !name.empty() && std::from_chars(name.data(), name.data() + name.size(), ignored).ec == std::errc{};
         })) {
-      throw BadData(
-          fmt::format("{}: line 1 holds numbers; it must name the columns, quantity and unit, for instance "
-                      "t_s,x_m,y_m,z_m,fx_N,fy_N,fz_N",
-                      name_));
+      throw BadData(no_header(name_, fmt::format("has no header: line 1 holds numbers, {} of them", names_.size()),
+                              "Put a line with the names of the columns before it"));
     }
   }
 

@@ -1,0 +1,78 @@
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <memory>
+
+#include "apps/commands.h"
+#include "harness/base/atomic_file.h"
+#include "harness/import/guess_map.h"
+#include "harness/import/import_file.h"
+
+namespace touchstone::apps {
+namespace {
+
+struct ImportOptions {
+  std::string file, map, out, picture;
+  bool guess = false;
+};
+
+// Writes the proposal, or prints it where no file for it is named.
+void propose_map(const ImportOptions& options) {
+  const GuessedMap guessed = guess_map(options.file);
+  for (const std::string& reason : guessed.reasons) fmt::print(stderr, "{}\n", reason);
+  std::string missing;
+  for (const std::string& group : guessed.missing) missing += (missing.empty() ? "" : ", ") + group;
+  if (!missing.empty()) fmt::print(stderr, "nothing was found for {}: a recording needs it\n", missing);
+  if (options.map.empty()) {
+    fmt::print("{}", guessed.json);
+    return;
+  }
+  if (std::filesystem::exists(options.map)) {
+    throw UsageError(
+        fmt::format("--map {} exists: a proposal does not take its place; name another file", options.map));
+  }
+  write_file(options.map, guessed.json);
+  fmt::print("a proposal is written to {0}; read it, correct it, then\n  touchstone import {1} --map {0} --out R.csv\n",
+             options.map, options.file);
+}
+
+ExitStatus import_command(const ImportOptions& options) {
+  if (options.guess) {
+    propose_map(options);
+    return ExitStatus::passed;
+  }
+  if (options.map.empty()) throw UsageError("--map: a map is needed; --guess proposes one");
+  const Imported imported = import_file(options.file, load_import_map(options.map));
+  for (const std::string& note : imported.notes) fmt::print(stderr, "note: {}\n", note);
+  if (!options.out.empty()) save_imported(options.out, imported);
+  if (!options.picture.empty()) write_file(options.picture, imported_picture(imported, options.file));
+  fmt::print("{}", imported_text(imported));
+  if (!options.out.empty()) fmt::print("written: {}\n", options.out);
+  return ExitStatus::passed;
+}
+
+}  // namespace
+
+void add_import(CLI::App& program, Run& run) {
+  auto* const command =
+      program.add_subcommand("import", "Foreign tables, .mat files, ROS bags and curves to a recording");
+  const auto options = std::make_shared<ImportOptions>();
+  command
+      ->add_option("file", options->file,
+                   "What the instrument wrote: a table of text, .lvm, an AFM curve, .mat, a ROS bag (.bag, .db3), HDF5")
+      ->required();
+  command->add_option("--map", options->map,
+                      "What its columns mean (JSON, schema touchstone-import/1); with --guess: the file to write");
+  command->add_flag("--guess", options->guess, "Propose a map, each line of it with its reason, and import nothing");
+  command->add_option("--out", options->out, "The recording to write (.csv); without it what was read is only shown");
+  command->add_option("--picture", options->picture, "Draw what was read into this file (.svg)");
+  command->footer(
+      "What is read is shown: rate, units, ranges. Nothing is written where the result is no recording.\n\n"
+      "Examples:\n"
+      "  touchstone import log.txt --guess --map log.map.json\n"
+      "  touchstone import log.txt --map log.map.json --picture log.svg\n"
+      "  touchstone import log.txt --map log.map.json --out log.csv");
+  command->callback([&run, options] { run = [options] { return import_command(*options); }; });
+}
+
+}  // namespace touchstone::apps

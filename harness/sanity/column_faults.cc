@@ -1,0 +1,173 @@
+#include "harness/sanity/column_faults.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <map>
+#include <optional>
+#include <unordered_map>
+
+namespace touchstone {
+namespace {
+
+constexpr std::array<const char*, 3> axis_names{"x", "y", "z"};
+
+struct Stretch {
+  std::size_t begin = 0, end = 0;
+};
+
+// The longest stretch over which `same(i)` says that sample i repeats sample i - 1.
+template <class Same>
+Stretch longest_stretch(std::size_t n, const Same& same) {
+  Stretch best, now;
+  for (std::size_t i = 1; i <= n; ++i) {
+    if (i < n && same(i)) continue;
+    now.end = i;
+    if (now.end - now.begin > best.end - best.begin) best = now;
+    now.begin = i;
+  }
+  return best;
+}
+
+// The mean way from sample to sample.
+double mean_step(const std::vector<Vec3>& values, std::size_t from, std::size_t to) {
+  double way = 0.0;
+  for (std::size_t i = from + 1; i < to; ++i) way += (values[i] - values[i - 1]).norm();
+  return way / static_cast<double>(to - from - 1);
+}
+
+// The way from sample to sample, in the middle of those that move at all.
+double usual_step(const std::vector<Vec3>& values) {
+  std::vector<double> steps;
+  for (std::size_t i = 1; i < values.size(); ++i) {
+    if (values[i] != values[i - 1]) steps.push_back((values[i] - values[i - 1]).norm());
+  }
+  if (steps.empty()) return 0.0;
+  const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
+  std::nth_element(steps.begin(), middle, steps.end());
+  return *middle;
+}
+
+// `stuck` stands still number by number while `other` moves as much as in the whole recording, and where it goes on it
+// has jumped: it moved all the time and was not read. A tip that rests goes on where it stopped.
+std::optional<Stretch> find_stuck(const std::vector<double>& t_s, const std::vector<Vec3>& stuck,
+                                  const std::vector<Vec3>& other) {
+  constexpr std::size_t fewest = 50;
+  constexpr double shortest_s = 0.2;
+  constexpr double jump_of_steps = 10.0;
+  const Stretch s = longest_stretch(stuck.size(), [&](std::size_t i) { return stuck[i] == stuck[i - 1]; });
+  if (s.end - s.begin < fewest || t_s[s.end - 1] - t_s[s.begin] < shortest_s) return std::nullopt;
+  if (!(mean_step(other, s.begin, s.end) > 0.5 * mean_step(other, 0, other.size()))) return std::nullopt;
+  // It rests all along, or to the end: another column's matter (one axis pressed in place).
+  if (s.end == stuck.size() || !((stuck[s.end] - stuck[s.end - 1]).norm() > jump_of_steps * usual_step(stuck))) {
+    return std::nullopt;
+  }
+  return s;
+}
+
+// Samples at the end of the range pile up, where those just below it thin out.
+std::optional<std::string> find_clipped(const std::vector<Vec3>& forces, int axis, double sign) {
+  constexpr std::size_t fewest = 20;
+  constexpr std::size_t longest_run = 5;
+  double end = -std::numeric_limits<double>::infinity();
+  for (const Vec3& f : forces) end = std::max(end, sign * f[axis]);
+  if (end == 0.0) return std::nullopt;  // zero off contact
+  std::map<double, std::size_t, std::greater<>> counts;
+  std::size_t run = 0, longest = 0;
+  for (const Vec3& f : forces) {
+    ++counts[sign * f[axis]];
+    run = sign * f[axis] == end ? run + 1 : 0;
+    longest = std::max(longest, run);
+  }
+  if (counts.size() < 4) return std::nullopt;  // hardly varies: a stuck or an unmeasured axis
+  const std::size_t at_end = counts.begin()->second;
+  std::size_t next = 0, looked = 0;
+  for (auto it = std::next(counts.begin()); it != counts.end() && looked < 3; ++it, ++looked) {
+    next = std::max(next, it->second);
+  }
+  if (at_end < fewest || longest < longest_run || at_end < 5 * next) return std::nullopt;
+  return fmt::format("{} of {} samples of f{} stand at exactly {:.6g} N, {} in a row, and {} at the next value", at_end,
+                     forces.size(), axis_names[static_cast<std::size_t>(axis)], sign * end, longest, next);
+}
+
+// Windows of so many samples that are equal in position and force to an earlier window.
+std::optional<std::pair<Stretch, std::size_t>> find_repeat(const Recording& r) {
+  constexpr std::size_t window = 32;
+  const auto& p = r.motion.p_W_m;
+  const auto& f = r.f_W_N;
+  if (r.size() < 2 * window) return std::nullopt;
+  const auto sample_hash = [&](std::size_t i) {
+    std::uint64_t h = 1469598103934665603ULL;
+    for (const double v : {p[i].x(), p[i].y(), p[i].z(), f[i].x(), f[i].y(), f[i].z()}) {
+      std::uint64_t bits = 0;
+      std::memcpy(&bits, &v, sizeof bits);
+      h = (h ^ bits) * 1099511628211ULL;
+    }
+    return h;
+  };
+  const auto equal = [&](std::size_t a, std::size_t b) { return p[a] == p[b] && f[a] == f[b]; };
+  // Windows that begin at whole multiples, against every window: each repeat of twice the length holds one of them.
+  std::unordered_multimap<std::uint64_t, std::size_t> starts;
+  for (std::size_t i = 0; i + window <= r.size(); i += window) starts.emplace(sample_hash(i), i);
+  for (std::size_t i = 1; i + window <= r.size(); ++i) {
+    const auto [from, to] = starts.equal_range(sample_hash(i));
+    for (auto it = from; it != to; ++it) {
+      const std::size_t earlier = it->second;
+      if (earlier + window > i) continue;
+      std::size_t n = 0, changes = 0;
+      while (i + n < r.size() && earlier + n < i && equal(earlier + n, i + n)) {
+        if (n > 0 && !equal(i + n, i + n - 1)) ++changes;
+        ++n;
+      }
+      // At rest in free air the numbers may well be the same.
+      if (n >= window && 2 * changes > n) return std::pair{Stretch{i, i + n}, earlier};
+    }
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+std::vector<ColumnFault> find_column_faults(const Recording& r) {
+  std::vector<ColumnFault> faults;
+  const auto& t = r.motion.t_s;
+  if (r.size() < 2 || r.f_W_N.size() != r.size()) return faults;
+  const auto stretch = [&](const Stretch& s) {
+    return fmt::format("{} samples, {:.4g} s to {:.4g} s", s.end - s.begin, t[s.begin], t[s.end - 1]);
+  };
+  if (const auto s = find_stuck(t, r.motion.p_W_m, r.f_W_N)) {
+    faults.push_back({"stuck position",
+                      fmt::format("the position stands still to the last digit over {} while the force goes on, and "
+                                  "then jumps: the tracker gave nothing new",
+                                  stretch(*s)),
+                      "leave that stretch out"});
+  }
+  if (const auto s = find_stuck(t, r.f_W_N, r.motion.p_W_m)) {
+    faults.push_back({"stuck force",
+                      fmt::format("the force stands still to the last digit over {} while the tip moves, and then "
+                                  "jumps: the sensor gave nothing new",
+                                  stretch(*s)),
+                      "leave that stretch out"});
+  }
+  for (int axis = 0; axis < 3; ++axis) {
+    for (const double sign : {1.0, -1.0}) {
+      const auto clipped = find_clipped(r.f_W_N, axis, sign);
+      if (!clipped) continue;
+      faults.push_back({"saturated force", *clipped + ": the sensor was at the end of its range",
+                        "record anew with a larger range, or press less; `force-saturation` in a model stands for it"});
+    }
+  }
+  if (const auto repeat = find_repeat(r)) {
+    faults.push_back({"repeated samples",
+                      fmt::format("{} repeat those from {:.4g} s on to the last digit: noise never does, a buffer was "
+                                  "written twice",
+                                  stretch(repeat->first), t[repeat->second]),
+                      "leave the repeated stretch out"});
+  }
+  return faults;
+}
+
+}  // namespace touchstone

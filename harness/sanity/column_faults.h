@@ -1,0 +1,21 @@
+// Faults that single columns show by themselves: stuck (the same number while the rest moves on), clipped at an end of
+// the range, and stretches that repeat an earlier stretch number by number, as when a buffer was written twice.
+// A force whose axis is zero throughout was not measured: legitimate in recordings of one axis.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "harness/recording/trajectory.h"
+
+namespace touchstone {
+
+struct ColumnFault {
+  std::string fault;    // "stuck position", "saturated force", "repeated samples"
+  std::string message;  // what was found and where
+  std::string repair;   // what to do
+};
+
+std::vector<ColumnFault> find_column_faults(const Recording& recording);
+
+}  // namespace touchstone

@@ -1,0 +1,78 @@
+#include "harness/sanity/column_faults.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "harness/base/random.h"
+
+namespace touchstone {
+namespace {
+
+// Presses at 500 Hz for 10 s, with noise, rounded as files round.
+Recording presses(Random& random) {
+  Recording r;
+  for (int i = 0; i < 5000; ++i) {
+    const double t = 0.002 * i;
+    const double depth = 1e-3 * std::sin(4.0 * t);
+    r.motion.t_s.push_back(t);
+    r.motion.p_W_m.emplace_back(1e-7 * std::round(1e7 * 0.01 * std::sin(0.3 * t)), 0.0,
+                                1e-7 * std::round(-1e7 * depth));
+    r.f_W_N.emplace_back(0.003 * std::round(random.normal()), 0.003 * std::round(random.normal()),
+                         0.003 * std::round(std::max(0.0, 500.0 * depth) / 0.003 + 2.0 * random.normal()));
+  }
+  return r;
+}
+
+std::string faults_of(const Recording& r) {
+  std::string names;
+  for (const ColumnFault& fault : find_column_faults(r)) names += (names.empty() ? "" : ", ") + fault.fault;
+  return names;
+}
+
+TEST(ColumnFaults, PlantedFaultsAreNamed) {
+  Random random(1);
+  for (int world = 0; world < 20; ++world) {
+    const Recording good = presses(random);
+    EXPECT_EQ(faults_of(good), "");
+    Recording stuck = good;
+    for (std::size_t i = 1000; i < 1600; ++i) stuck.motion.p_W_m[i] = stuck.motion.p_W_m[1000];
+    EXPECT_EQ(faults_of(stuck), "stuck position");
+    Recording frozen = good;
+    for (std::size_t i = 1150; i < 1600; ++i) frozen.f_W_N[i] = Vec3(0.003, 0.0, 0.3);
+    EXPECT_EQ(faults_of(frozen), "stuck force");
+    Recording clipped = good;
+    for (Vec3& f : clipped.f_W_N) f.z() = std::min(f.z(), 0.3);
+    EXPECT_EQ(faults_of(clipped), "saturated force");
+    Recording twice = good;
+    for (std::size_t i = 0; i < 300; ++i) {
+      twice.motion.p_W_m[3017 + i] = twice.motion.p_W_m[2001 + i];
+      twice.f_W_N[3017 + i] = twice.f_W_N[2001 + i];
+    }
+    EXPECT_EQ(faults_of(twice), "repeated samples");
+  }
+}
+
+TEST(ColumnFaults, OneAxisConstantLoadAndRestAreLegitimate) {
+  Random random(2);
+  Recording axis = presses(random);
+  for (std::size_t i = 0; i < axis.size(); ++i) {
+    axis.motion.p_W_m[i] = Vec3(0, 0, axis.motion.p_W_m[i].z());
+    axis.f_W_N[i] = Vec3(0, 0, axis.f_W_N[i].z());
+  }
+  EXPECT_EQ(faults_of(axis), "");
+  Recording constant = axis;
+  for (Vec3& f : constant.f_W_N) f = Vec3(0, 0, 2.0);
+  EXPECT_EQ(faults_of(constant), "");
+  Recording rest = presses(random);
+  for (std::size_t i = 2000; i < 5000; ++i) rest.motion.p_W_m[i] = rest.motion.p_W_m[1999];
+  EXPECT_EQ(faults_of(rest), "");
+  Recording few;
+  few.motion.t_s = {0.0, 1.0};
+  few.motion.p_W_m = {Vec3::Zero(), Vec3::Ones()};
+  few.f_W_N = {Vec3::Zero(), Vec3::Ones()};
+  EXPECT_EQ(faults_of(few), "");
+}
+
+}  // namespace
+}  // namespace touchstone

@@ -1,0 +1,204 @@
+#include "harness/sanity/sanity.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "harness/base/error.h"
+#include "harness/recording/force_sign.h"
+#include "harness/rendering/nearness.h"
+#include "harness/sanity/block_order.h"
+#include "harness/sanity/column_faults.h"
+#include "harness/sanity/force_frame.h"
+#include "harness/sanity/load_lag.h"
+
+namespace touchstone {
+namespace {
+
+// The recording against the surface, sample by sample (evenly thinned where it is long).
+struct Contact {
+  std::vector<double> t_s, depth_m, load_N;
+  std::vector<Vec3> n_W, f_W_N;
+  std::vector<Quat> q_WS;
+};
+
+constexpr std::size_t most_samples = 20000;
+
+Contact against(const Recording& r, const SanityContext& context) {
+  Contact c;
+  const std::size_t stride = r.size() / most_samples + 1;
+  for (std::size_t i = 0; i < r.size(); i += stride) {
+    const SurfacePoint foot = context.surface->closest(r.motion.p_W_m[i]);
+    c.t_s.push_back(r.motion.t_s[i]);
+    c.n_W.push_back(foot.n_W);
+    c.f_W_N.push_back(r.f_W_N[i]);
+    c.depth_m.push_back(std::max(0.0, context.tip_radius_m - foot.signed_distance_m));
+    c.load_N.push_back(r.f_W_N[i].dot(foot.n_W));
+    if (!r.motion.q_WS.empty()) c.q_WS.push_back(r.motion.q_WS[i]);
+  }
+  return c;
+}
+
+// The samples that push: in free air the direction of the force is that of its noise.
+Contact touching_part(const Contact& all, double contact_force_N) {
+  Contact part;
+  for (std::size_t i = 0; i < all.f_W_N.size(); ++i) {
+    if (!(all.f_W_N[i].norm() > contact_force_N)) continue;
+    part.n_W.push_back(all.n_W[i]);
+    part.f_W_N.push_back(all.f_W_N[i]);
+    if (!all.q_WS.empty()) part.q_WS.push_back(all.q_WS[i]);
+  }
+  return part;
+}
+
+std::vector<double> negated(std::vector<double> values) {
+  for (double& v : values) v = -v;
+  return values;
+}
+
+std::optional<SanityFinding> reversed_force(const Contact& c, const SanityContext& context) {
+  const Contact touching = touching_part(c, context.contact_force_N);
+  const ForceSign sign = check_force_sign(touching.n_W, touching.f_W_N);
+  if (sign.verdict != SignVerdict::reversed) return std::nullopt;
+  const double follows = correlation(c.depth_m, c.load_N);
+  std::string message = sign.explain();
+  // A constant load follows nothing, reversed or not.
+  if (std::abs(follows) > 0.1) {
+    message += fmt::format("; with the force reversed the load follows the position (correlation {:.3f} -> {:.3f})",
+                           follows, correlation(c.depth_m, negated(c.load_N)));
+  }
+  return SanityFinding{SanityWeight::fault, "reversed force", std::move(message),
+                       context.force_flipped ? "leave --flip-force out, or turn the mesh inside out"
+                                             : "if the file has the force BY the probe, give --flip-force"};
+}
+
+std::optional<SanityFinding> far_away(const Recording& r, const SanityContext& context) {
+  std::vector<Vec3> touching;
+  for (std::size_t i = 0; i < r.size(); ++i) {
+    if (r.f_W_N[i].norm() > context.contact_force_N) touching.push_back(r.motion.p_W_m[i]);
+  }
+  const auto message = far_from_surface(*context.surface, touching.empty() ? r.motion.p_W_m : touching,
+                                        context.tip_radius_m, r.source, context.mesh_unit);
+  if (!message) return std::nullopt;
+  return SanityFinding{SanityWeight::fault, "mesh unit or place", *message, ""};
+}
+
+std::optional<SanityFinding> wrong_frame(const Contact& c, const SanityContext& context) {
+  const Contact touching = touching_part(c, context.contact_force_N);
+  const auto frame = find_force_frame(touching.n_W, touching.f_W_N, touching.q_WS);
+  if (!frame) return std::nullopt;
+  return SanityFinding{SanityWeight::fault, "force frame",
+                       fmt::format("{}: read so, forces lie along the outward normal (alignment {:.3f} -> {:.3f})",
+                                   frame->meaning, frame->alignment, frame->repaired),
+                       fmt::format("read the file with `touchstone import` and {} in the map", frame->map_key)};
+}
+
+std::optional<SanityFinding> wrong_order(const Contact& c) {
+  const auto order = find_wrong_order(c.t_s, c.load_N, c.depth_m);
+  if (!order) return std::nullopt;
+  return SanityFinding{SanityWeight::remark, "order",
+                       fmt::format("the force does not follow the position (correlation {:.2f}), but would {} ({:.2f})",
+                                   order->correlation, order->remedy(), order->reordered),
+                       "join the pieces of the log in the order of their time"};
+}
+
+std::optional<SanityFinding> wrong_clock(const Contact& c) {
+  const auto lag = find_load_lag(c.t_s, c.load_N, c.depth_m);
+  if (!lag) return std::nullopt;
+  std::string message = fmt::format(
+      "the force comes {:.3g} s {} than the position: shifted by it the load follows the depth (correlation {:.3f} -> "
+      "{:.3f})",
+      std::abs(lag->lag_s), lag->lag_s > 0.0 ? "later" : "earlier", lag->correlation, lag->shifted);
+  if (lag->drift_s != 0.0) {
+    message += fmt::format("; it is {:.3g} s more in the second half: the two clocks drift", lag->drift_s);
+  }
+  return SanityFinding{
+      SanityWeight::remark, "clock", std::move(message),
+      fmt::format("read the file with `touchstone import` and \"shift_force_s\": {:.4g} in the map", -lag->lag_s)};
+}
+
+// Force while the tip is well outside of the object: a tip radius or a registration that is missing.
+std::optional<SanityFinding> pushed_from_afar(const Recording& r, const SanityContext& context) {
+  std::vector<double> gaps_m;
+  double along = 0.0, size = 0.0;
+  const std::size_t stride = r.size() / most_samples + 1;
+  for (std::size_t i = 0; i < r.size(); i += stride) {
+    if (!(r.f_W_N[i].norm() > context.contact_force_N)) continue;
+    const SurfacePoint foot = context.surface->closest(r.motion.p_W_m[i]);
+    gaps_m.push_back(foot.signed_distance_m - context.tip_radius_m);
+    along += r.f_W_N[i].dot(foot.n_W), size += r.f_W_N[i].norm();
+  }
+  // Friction in air, weights and biases push nowhere along the normal.
+  if (gaps_m.size() < 20 || !(along > 0.8 * size)) return std::nullopt;
+  std::ranges::sort(gaps_m);
+  const double low = gaps_m[gaps_m.size() / 20], middle = gaps_m[gaps_m.size() / 2];
+  const double near_m = 0.005 * context.surface->bounds().diagonal().norm();
+  if (!(low > near_m)) return std::nullopt;  // 19 of 20 pushed from outside
+  return SanityFinding{
+      SanityWeight::remark, "registration",
+      fmt::format("19 of 20 samples with force have the tip outside of the object, by {:.3g} m in the middle", middle),
+      fmt::format("is the tip a ball (--tip-radius {:.3g}mm), or the object registered wrongly?",
+                  1e3 * (middle + context.tip_radius_m))};
+}
+
+std::optional<SanityFinding> touches_nothing(const Recording& r, const Contact& c, const SanityContext& context) {
+  double largest = 0.0;
+  for (const Vec3& f : r.f_W_N) largest = std::max(largest, f.norm());
+  const bool touched = std::ranges::any_of(c.depth_m, [](double d) { return d > 0.0; });
+  if (touched || largest > context.contact_force_N) return std::nullopt;
+  return SanityFinding{SanityWeight::remark, "no contact",
+                       fmt::format("nothing is touched: the tip stays outside of the object and the force below {:.2g} "
+                                   "N",
+                                   context.contact_force_N),
+                       "is it a run in free air?"};
+}
+
+}  // namespace
+
+std::vector<SanityFinding> check_sanity(const Recording& recording, const SanityContext& context) {
+  std::vector<SanityFinding> findings;
+  const auto add = [&](std::optional<SanityFinding> finding) {
+    if (finding) findings.push_back(std::move(*finding));
+    return !findings.empty();
+  };
+  if (context.surface != nullptr && recording.size() > 0 && recording.f_W_N.size() == recording.size()) {
+    // Far from the surface its normals and depths mean nothing; reversed forces make every later test fail.
+    if (add(far_away(recording, context))) return findings;
+    const Contact contact = against(recording, context);
+    // A lag makes blocks of its own length fit in another order: it goes first.
+    if (!add(wrong_frame(contact, context)) && !add(reversed_force(contact, context)) && !add(wrong_clock(contact))) {
+      add(wrong_order(contact));
+      add(pushed_from_afar(recording, context));
+      add(touches_nothing(recording, contact, context));
+    }
+  }
+  for (const ColumnFault& fault : find_column_faults(recording)) {
+    findings.push_back({SanityWeight::remark, fault.fault, fault.message, fault.repair});
+  }
+  std::ranges::stable_sort(findings, [](const SanityFinding& a, const SanityFinding& b) {
+    return a.weight == SanityWeight::fault && b.weight == SanityWeight::remark;
+  });
+  return findings;
+}
+
+std::string sanity_line(const SanityFinding& finding) {
+  return finding.repair.empty() ? finding.message : fmt::format("{}; {}", finding.message, finding.repair);
+}
+
+std::vector<std::string> refuse_insane(const Recording& recording, const SanityContext& context) {
+  std::vector<std::string> remarks;
+  for (const SanityFinding& finding : check_sanity(recording, context)) {
+    if (finding.weight == SanityWeight::fault) {
+      const std::string line = sanity_line(finding);
+      // The check of places names the recording itself.
+      throw BadData(line.find(recording.source) != std::string::npos ? line
+                                                                     : fmt::format("{}: {}", recording.source, line));
+    }
+    remarks.push_back(fmt::format("{}: {}: {}", recording.source, finding.fault, sanity_line(finding)));
+  }
+  return remarks;
+}
+
+}  // namespace touchstone

@@ -1,0 +1,43 @@
+// The gate that every command passes a recording through before it fits or judges anything: is the recording sane? Each
+// fault is a hypothesis that was tried; what is reported names the repair and what it gains. Nothing is repaired
+// silently, and constant loads, one axis, few samples and recordings that touch little are legitimate.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "harness/recording/trajectory.h"
+#include "harness/surface/surface.h"
+
+namespace touchstone {
+
+enum class SanityWeight {
+  remark,  // worth knowing: results are what they are
+  fault,   // results would be wrong without the repair
+};
+
+struct SanityFinding {
+  SanityWeight weight = SanityWeight::fault;
+  std::string fault;    // "reversed force", "mesh unit", "force frame", "clock", "order", "saturated force", ...
+  std::string message;  // what was found, with numbers before and after the repair
+  std::string repair;   // the flag or the key of an import map that does it; what to do where there is none
+};
+
+struct SanityContext {
+  const Surface* surface = nullptr;
+  std::string mesh_unit = "m";
+  double tip_radius_m = 0.0;
+  bool force_flipped = false;  // the user gave --flip-force: `recording` is flipped already
+  double contact_force_N = 0.05;
+};
+
+// What is wrong with `recording`, gravest first. `recording.source` names it in messages of refuse_insane().
+std::vector<SanityFinding> check_sanity(const Recording& recording, const SanityContext& context);
+
+// Throws BadData for the first fault. Returns a line for each remark.
+std::vector<std::string> refuse_insane(const Recording& recording, const SanityContext& context);
+
+// "the force is reversed ...; give --flip-force"
+std::string sanity_line(const SanityFinding& finding);
+
+}  // namespace touchstone
