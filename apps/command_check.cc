@@ -5,6 +5,7 @@
 #include "apps/commands.h"
 #include "apps/golden_options.h"
 #include "apps/golden_runner.h"
+#include "harness/base/error.h"
 #include "harness/base/progress.h"
 
 namespace touchstone::apps {
@@ -14,33 +15,56 @@ struct CheckOptions {
   GoldenOptions golden;
   bool ctest = false;
   bool fail_on_drift = false;
+  std::string verdict = "exact";
+  FeltTolerance felt;
 };
 
-ExitStatus check_command(const CheckOptions& options) {
-  const auto cases = options.golden.load();
-  const ChangeModel change = options.golden.change_model();
-  std::size_t passed = 0;
-  std::size_t failed = 0;
-  std::size_t drifted = 0;
-  std::string left;
-  for (const GoldenCase& golden : cases) {
-    for (const std::string& model : options.golden.models_of(golden)) {
-      const CheckResult result = check_case(golden, model, options.golden.out, options.ctest, change);
-      const Comparison& comparison = result.comparison;
-      const bool drift = comparison.drift > 0;
-      const bool drift_fails = drift && options.fail_on_drift && result.same_cpu;
-      drifted += drift ? 1 : 0;
-      const bool good = passes(comparison.verdict) && !drift_fails;
-      (good ? passed : failed) += 1;
-      fmt::print("{:<8} {} {}: uses {:.3g}% of the tolerance, bits differ in {} of {} rows{}\n",
-                 to_string(comparison.verdict), golden.name, model, 100.0 * comparison.tolerance_used(),
-                 comparison.drift, comparison.expected_rows, drift_fails ? " (drift, asked to fail)" : "");
-      if (!passes(comparison.verdict)) fmt::print("{}  left in {}\n", result.table, result.left_in.string());
-    }
+struct CheckCounts {
+  std::size_t passed = 0, failed = 0, drifted = 0, skipped = 0;
+};
+
+void check_one(const GoldenCase& golden, const std::string& model, const CheckOptions& options, const CaseCheck& how,
+               CheckCounts& counts) {
+  const CheckResult result = check_case(golden, model, how);
+  if (!result.skipped.empty()) {
+    counts.skipped += 1;
+    fmt::print("skipped  {} {}: {}\n", golden.name, model, result.skipped);
+    return;
   }
-  fmt::print("{} passed, {} failed, {} drifted\n", passed, failed, drifted);
-  if (failed > 0) fmt::print("to look at the failures: touchstone golden review --out {}\n", options.golden.out);
-  return failed == 0 ? ExitStatus::passed : ExitStatus::failed;
+  const Comparison& comparison = result.comparison;
+  const bool drift = comparison.drift > 0;
+  const bool drift_fails = drift && options.fail_on_drift && result.same_cpu;
+  counts.drifted += drift ? 1 : 0;
+  const bool good = result.passed() && !drift_fails;
+  (good ? counts.passed : counts.failed) += 1;
+  if (result.felt) {
+    fmt::print("{:<8} {} {}: {}\n", good ? "felt" : "noticed", golden.name, model,
+               to_sentence(*result.felt, options.felt));
+  } else {
+    fmt::print("{:<8} {} {}: uses {:.3g}% of the tolerance, bits differ in {} of {} rows{}\n",
+               to_string(comparison.verdict), golden.name, model, 100.0 * comparison.tolerance_used(), comparison.drift,
+               comparison.expected_rows, drift_fails ? " (drift, asked to fail)" : "");
+  }
+  if (!result.passed()) fmt::print("{}  left in {}\n", result.table, result.left_in.string());
+}
+
+ExitStatus check_command(const CheckOptions& options) {
+  if (options.verdict != "exact" && options.verdict != "felt")
+    throw UsageError(fmt::format("--verdict {}: exact or felt was expected", options.verdict));
+  if (!(options.felt.jnd > 0.0 && options.felt.epsilon_m >= 0.0))
+    throw UsageError("--felt-tolerance must be above 0, --epsilon at least 0");
+  const auto cases = options.golden.load();
+  CaseCheck how{options.golden.out, options.ctest, options.golden.change_model(), std::nullopt};
+  if (options.verdict == "felt") how.felt = options.felt;
+  CheckCounts counts;
+  for (const GoldenCase& golden : cases) {
+    for (const std::string& model : options.golden.models_of(golden)) check_one(golden, model, options, how, counts);
+  }
+  fmt::print("{} passed, {} failed, {} drifted{}\n", counts.passed, counts.failed, counts.drifted,
+             counts.skipped > 0 ? fmt::format(", {} skipped", counts.skipped) : "");
+  if (counts.failed > 0) fmt::print("to look at the failures: touchstone golden review --out {}\n", options.golden.out);
+  if (counts.failed == 0 && counts.passed == 0 && counts.skipped > 0) return ExitStatus::skipped;
+  return counts.failed == 0 ? ExitStatus::passed : ExitStatus::failed;
 }
 
 }  // namespace
@@ -53,12 +77,27 @@ void add_check(CLI::App& program, Run& run) {
                     "Print measurements and pictures for ctest and CDash, with the time of the steps");
   command->add_flag("--fail-on-drift", options->fail_on_drift,
                     "Fail when any bit differs, where the processor is the one that made the golden");
+  command
+      ->add_option("--verdict", options->verdict,
+                   "exact: within the case's tolerance of its golden; felt: a person would not notice the difference "
+                   "from the right answer")
+      ->capture_default_str();
+  command
+      ->add_option("--felt-tolerance", options->felt.jnd,
+                   "For felt: the largest error, in just noticeable differences of the right force")
+      ->capture_default_str();
+  command
+      ->add_option("--epsilon", options->felt.epsilon_m,
+                   "For felt: a length [m] that the renderer does not tell apart; times the stiffness it is allowed "
+                   "on top")
+      ->capture_default_str();
   command->footer(
       "Accuracy (beyond tolerance) always fails; drift (bits) is reported. Writes nothing into the golden folder.\n"
       "Examples:\n"
       "  touchstone check\n"
       "  touchstone check sphere-scan --model god-object --fail-on-drift\n"
-      "  touchstone check plane-taps --model spring-linear --plugin ./libmine.so --renderer mine");
+      "  touchstone check plane-taps --model spring-linear --plugin ./libmine.so --renderer mine\n"
+      "  touchstone check --model god-object --plugin ./libmine.so --renderer mine --verdict felt --epsilon 1e-7");
   command->callback([options, &run] { run = [options] { return check_command(*options); }; });
 }
 

@@ -104,12 +104,19 @@ ExitStatus accept(const GoldenCommandOptions& options) {
     const GoldenCase golden = load_case(options.golden.folder() / p.case_name);
     if (!golden.models.contains(p.model))
       throw UsageError(fmt::format("the case {} has no model {}", p.case_name, p.model));
+    Provenance run = read_provenance(p.obtained());
+    if (const auto refused = run_refused(run))
+      throw UsageError(fmt::format("{} {}: not accepted: {}", p.case_name, p.model, *refused));
+    Provenance changes{{"reason", options.reason}};
+    // Which file it was says its hash; where it lay is of this machine.
+    if (const auto library = run.find("plugin_library"); library != run.end())
+      changes["plugin_library"] = std::filesystem::path(library->second).filename().string();
     const bool before = std::filesystem::exists(golden.expected(p.model));
     // Where only the operations are other ones, the trajectory stays as it is, with what is known of its origin.
     const bool same = before && same_bits(p.obtained(), golden.expected(p.model));
-    if (!same) copy_golden(p.obtained(), golden.expected(p.model), {{"reason", options.reason}});
-    write_summary(golden, p.model, operations_of(read_provenance(p.obtained())));
-    std::filesystem::remove_all(p.folder);
+    if (!same) copy_golden(p.obtained(), golden.expected(p.model), changes);
+    write_summary(golden, p.model, operations_of(run));
+    clear_result_folder(result_folder(options.golden.out, p.case_name, p.model));
     fmt::print("{} {} {}\n", same ? "operations" : before ? "replaced" : "new", p.case_name, p.model);
   }
   return ExitStatus::passed;

@@ -11,9 +11,11 @@
 #include "harness/base/hash.h"
 #include "harness/base/units.h"
 #include "harness/base/version.h"
+#include "harness/baseline/acceptance.h"
 #include "harness/baseline/column_file.h"
 #include "harness/baseline/comparison_report.h"
 #include "harness/perception/filters/weber_law.h"
+#include "harness/plugin/plugin_provenance.h"
 #include "harness/recording/recording_file.h"
 #include "harness/rendering/operations.h"
 #include "harness/rendering/replay.h"
@@ -135,6 +137,19 @@ TrajectoryColumns load_golden(const std::filesystem::path& file, CheckResult& re
   }
 }
 
+// Why the case is none for this renderer: the run starts inside the body, and the renderer declares that it cannot.
+std::string declared_not_to_run(const GoldenCase& golden, const std::string& model, const ChangeModel& change) {
+  if (!change) return "";
+  Model described = parse_model(golden.models.at(model), golden.name);
+  change(described);
+  const Limitation* const limit = find_limitation(find_renderer(described).cannot, Ability::start_inside);
+  if (limit == nullptr) return "";
+  const InTrajectory trajectory = case_trajectory(golden);
+  if (trajectory.size() == 0) return "";
+  const SurfacePoint first = make_embree_surface(case_mesh(golden))->closest(trajectory.motion.p_W_m.front());
+  return first.signed_distance_m < 0.0 ? "the run starts inside the body: " + limit->reason : "";
+}
+
 }  // namespace
 
 TriangleMesh case_mesh(const CaseSurface& surface, double scale) {
@@ -171,6 +186,7 @@ CaseRun run_case(const GoldenCase& golden, const std::string& model, bool time_s
   const InTrajectory trajectory = case_trajectory(golden);
   Model described =
       parse_model(text->second, fmt::format("{}: /models/{}", (golden.folder / "case.json").string(), model));
+  const std::string own_renderer = described.renderer;
   if (change) change(described);
   const std::shared_ptr<const Surface> surface = make_embree_surface(mesh);
   const auto renderer = make_renderer(described, surface);
@@ -182,6 +198,8 @@ CaseRun run_case(const GoldenCase& golden, const std::string& model, bool time_s
   run.p99_us = p99(run.rendered.cost_us);
   run.rendered.cost_us.clear();
   run.provenance = build_provenance();
+  if (described.provided) run.provenance.merge(plugin_provenance(*described.provided));
+  if (described.renderer != own_renderer) run.provenance["renderer_in_place"] = described.renderer;
   run.provenance["geometry_sha256"] = hash_of(mesh);
   run.provenance["trajectory_sha256"] = hash_of(trajectory);
   run.provenance["seed"] = std::to_string(golden.trajectory.seed);
@@ -194,14 +212,18 @@ CaseRun run_case(const GoldenCase& golden, const std::string& model, bool time_s
   return run;
 }
 
-CheckResult check_case(const GoldenCase& golden, const std::string& model, const std::filesystem::path& out, bool ctest,
-                       const ChangeModel& change) {
+CheckResult check_case(const GoldenCase& golden, const std::string& model, const CaseCheck& options) {
+  const auto folder = result_folder(options.out, golden.name, model);
   CheckResult result;
   CaseRun run;
   TrajectoryColumns obtained;
+  if (auto reason = declared_not_to_run(golden, model, options.change); !reason.empty()) {
+    result.skipped = std::move(reason);
+    return result;
+  }
   const TrajectoryColumns expected = load_golden(golden.expected(model), result);
   try {
-    run = run_case(golden, model, ctest, change);
+    run = run_case(golden, model, options.ctest, options.change);
     obtained = columns_of(run.rendered, fmt::format("{} {}", golden.name, model));
   } catch (const UsageError&) {
     throw;
@@ -219,25 +241,28 @@ CheckResult check_case(const GoldenCase& golden, const std::string& model, const
           "the force tolerance reaches {:.3g} of a just noticeable difference; the case allows itself {:.3g}",
           result.share_of_jnd, golden.jnd_share));
     }
-    if (ctest || result.comparison.verdict == Verdict::worse)
-      judge_by_exact_answer(golden, model, change, run.rendered, result);
-    if (!change) judge_operations(golden, model, run, result);
+    if (options.ctest || result.comparison.verdict == Verdict::worse)
+      judge_by_exact_answer(golden, model, options.change, run.rendered, result);
+    if (!options.change) judge_operations(golden, model, run, result);
+  }
+  if (options.felt && !obtained.columns.empty()) {
+    result.felt = felt_error(golden, model, run.rendered, *options.felt);
+    result.comparison.problems.push_back(to_sentence(*result.felt, *options.felt));
   }
   result.table = fmt::format("{} {}\n{}", golden.name, model, to_table(result.comparison));
-  const auto folder = out / golden.name / model;
-  std::filesystem::remove_all(folder);
-  if (ctest) print_measurements(result, run, obtained.columns.empty() ? "" : summarise(run.rendered).sha256);
-  if (passes(result.comparison.verdict)) return result;
+  clear_result_folder(folder);
+  if (options.ctest) print_measurements(result, run, obtained.columns.empty() ? "" : summarise(run.rendered).sha256);
+  if (result.passed()) return result;
 
   ensure_writable_folder(folder);
   // Git passes over the folder, so that what a failure leaves does not make a checkout look changed.
-  if (const auto ignore = out / ".gitignore"; !std::filesystem::exists(ignore)) write_file(ignore, "*\n");
+  if (const auto ignore = options.out / ".gitignore"; !std::filesystem::exists(ignore)) write_file(ignore, "*\n");
   result.left_in = folder;
   if (!obtained.columns.empty()) write_golden(folder / "obtained.h5", run.rendered, run.provenance);
   write_file(folder / "table.txt", result.table);
   write_file(folder / "comparison.json", to_json_text(result.comparison));
   for (const auto& [name, picture] : draw_pictures(expected, obtained, folder)) {
-    if (ctest) print_picture(stdout, name, picture);
+    if (options.ctest) print_picture(stdout, name, picture);
   }
   return result;
 }

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "apps/exact_error.h"
+#include "apps/felt_verdict.h"
 #include "harness/baseline/compare.h"
 #include "harness/baseline/golden_case.h"
 #include "harness/baseline/golden_file.h"
@@ -43,7 +44,18 @@ struct CheckResult {
   double share_of_jnd = 0.0;        // the widest the tolerance gets, in just noticeable differences of force
   bool same_cpu = false;            // as the golden's
   std::optional<ExactError> exact;  // of what was obtained, where an exact answer is known
+  std::optional<FeltError> felt;    // where the verdict `felt` was asked for and the case ran
+  std::string skipped;              // the reason that the renderer declares for what the case demands; else empty
   std::filesystem::path left_in;    // the folder of a failure, else empty
+
+  [[nodiscard]] bool passed() const { return felt ? felt->passed : passes(comparison.verdict); }
+};
+
+struct CaseCheck {
+  std::filesystem::path out;  // for what failures leave behind
+  bool ctest = false;         // print measurements, with the time of the steps
+  ChangeModel change = {};
+  std::optional<FeltTolerance> felt = std::nullopt;  // judge by what a person would notice
 };
 
 // One model of a case against its golden. Beyond tolerance but nearer to the exact answer is `better`, which does not
@@ -51,7 +63,7 @@ struct CheckResult {
 // which are held against it as long as the model is the case's own. On anything but `equal` leaves obtained.h5,
 // table.txt, comparison.json and pictures in `out`/<case>/<model>; on `equal` removes what an earlier failure left.
 // With `ctest` prints measurements.
-CheckResult check_case(const GoldenCase& golden, const std::string& model, const std::filesystem::path& out, bool ctest,
-                       const ChangeModel& change = {});
+// A case whose run starts inside the body is skipped for a renderer that declares that it cannot.
+CheckResult check_case(const GoldenCase& golden, const std::string& model, const CaseCheck& options);
 
 }  // namespace touchstone::apps

@@ -26,7 +26,8 @@ int become_full(char** argv) {
   const auto full = self.parent_path() / "touchstone-full";
   ::execv(full.c_str(), argv);
   fmt::print(stderr,
-             "touchstone: {}: {}; all commands but check, compare, golden, replay and version are in that file, which "
+             "touchstone: {}: {}; all commands but check, compare, golden, replay, scorecard and version are in that "
+             "file, which "
              "belongs beside this one\n",
              full.string(), std::strerror(errno));
   return static_cast<int>(touchstone::ExitStatus::usage);

@@ -60,6 +60,18 @@ TEST_F(PluginCommand, ReplayRendersWithIt) {
   }
 }
 
+// The plane z = 0 knows no other side, no ball and no triangle: a scorecard says so by name.
+TEST_F(PluginCommand, ScorecardNamesItsFaults) {
+  const Outcome card = run("scorecard --no-cases --no-cost --out card --plugin-in-process " + plugin("NOTHING"));
+  EXPECT_EQ(card.status, 1) << card.err;
+  const auto json = nlohmann::json::parse(read_file(folder_ / "card/plane.json"));
+  EXPECT_EQ(json["schema"], "touchstone-scorecard/1");
+  EXPECT_FALSE(json["findings"].empty());
+  EXPECT_THAT(json["clean"].get<std::vector<std::string>>(), ::testing::Contains("delay"));
+  EXPECT_THAT(read_file(folder_ / "card/index.html"), HasSubstr("sticks-at-joints"));
+  EXPECT_EQ(run("scorecard --out card").status, 2) << "no renderer is named";
+}
+
 TEST_F(PluginCommand, FitFindsItsStiffness) {
   const Outcome fit =
       run("fit --parameter stiffness_N_per_m=100:5000 --model plane.json --recording taps.csv --mesh plate.obj "

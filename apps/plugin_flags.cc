@@ -15,6 +15,9 @@ void PluginFlags::add_to(CLI::App& command) {
   command.add_option("--plugin", libraries,
                      "Shared library with renderers of your own (docs/your-own-renderer.md); model files may then name "
                      "them. May be given several times");
+  command.add_option("--plugin-source", source,
+                     "Folder of the plug-ins' sources, whose commit and state a golden names; the library's own folder "
+                     "where not given");
   command.add_flag("--plugin-in-process", in_process,
                    "Run plug-ins in this process: nothing added to the cost of a step, but a crash ends the run");
   command
@@ -31,6 +34,7 @@ Plugins PluginFlags::load() const {
   }
   PluginOptions options;
   options.in_process = in_process;
+  options.source = source;
   options.limits.step = std::chrono::milliseconds(std::llround(1e3 * step_limit_s));
   std::vector<std::string> known;
   for (const RendererEntry& entry : renderer_catalogue()) known.push_back(entry.name);

@@ -12,6 +12,7 @@ namespace touchstone::apps {
 
 struct PluginFlags {
   std::vector<std::string> libraries;
+  std::string source;
   bool in_process = false;
   double step_limit_s = 10.0;
 

@@ -180,6 +180,6 @@ endfunction()
 function(_touchstone_add_golden_test prefix name folder case model plugin labels)
   add_test(NAME ${name} COMMAND touchstone::program check ${case} --model ${model} --golden ${folder}
     --out ${CMAKE_CURRENT_BINARY_DIR}/golden-failures/${prefix} --plugin $<TARGET_FILE:${plugin}>
-    ${ARGN} --ctest)
+    --plugin-source ${CMAKE_CURRENT_SOURCE_DIR} ${ARGN} --ctest)
   set_tests_properties(${name} PROPERTIES TIMEOUT 300 LABELS "${labels}")
 endfunction()

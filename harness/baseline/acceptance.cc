@@ -1,44 +1,18 @@
 #include "harness/baseline/acceptance.h"
 
 #include <fmt/format.h>
-#include <spawn.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
 #include <algorithm>
-#include <array>
 #include <cstdlib>
-#include <sstream>
+
+#include "harness/base/error.h"
+#include "harness/base/hash.h"
+#include "harness/base/repository_state.h"
 
 namespace touchstone {
 namespace {
 
 namespace fs = std::filesystem;
-
-// What git says about the tree; nothing when it cannot be asked.
-std::optional<std::string> git_status(const fs::path& folder) {
-  std::array<int, 2> ends{};
-  if (::pipe(ends.data()) != 0) return std::nullopt;
-  posix_spawn_file_actions_t actions;
-  posix_spawn_file_actions_init(&actions);
-  posix_spawn_file_actions_adddup2(&actions, ends[1], 1);
-  posix_spawn_file_actions_addclose(&actions, ends[0]);
-  std::array<std::string, 6> words{"git", "-C", folder.string(), "status", "--porcelain", "--untracked-files=normal"};
-  std::array<char*, 7> arguments{};
-  for (std::size_t i = 0; i < words.size(); ++i) arguments[i] = words[i].data();
-  pid_t child = 0;
-  const bool started = posix_spawnp(&child, "git", &actions, nullptr, arguments.data(), environ) == 0;
-  posix_spawn_file_actions_destroy(&actions);
-  ::close(ends[1]);
-  std::string text;
-  std::array<char, 4096> block{};
-  for (ssize_t n = 0; started && (n = ::read(ends[0], block.data(), block.size())) > 0;)
-    text.append(block.data(), static_cast<std::size_t>(n));
-  ::close(ends[0]);
-  int status = 1;
-  if (started) ::waitpid(child, &status, 0);
-  return status == 0 ? std::optional(text) : std::nullopt;
-}
 
 bool expected_result(const std::string& line) {
   const bool summary = line.ends_with("/expected.summary.json");
@@ -67,20 +41,75 @@ std::optional<std::string> acceptance_refused(const fs::path& golden) {
   if (ci != nullptr && *ci != '\0' && std::string_view(ci) != "false" && std::string_view(ci) != "0") {
     return "this runs under CI (the environment variable CI is set); goldens are accepted by a person";
   }
-  const auto status = git_status(golden);
-  if (!status)
+  const auto state = repository_state(golden);
+  if (!state)
     return fmt::format("{} is not in a git checkout, so that no commit could be named as the golden's origin",
                        golden.string());
-  std::istringstream lines(*status);
-  for (std::string line; std::getline(lines, line);) {
-    if (!expected_result(line)) {
-      return fmt::format(
-          "the tree has changes that are not committed ({}); commit them first, so that the golden can say what made "
-          "it",
-          line.substr(std::min<std::size_t>(3, line.size())));
-    }
+  if (const auto change = first_change_of_source(*state)) {
+    return fmt::format(
+        "the tree has changes that are not committed ({}); commit them first, so that the golden can say what made it",
+        *change);
   }
   return std::nullopt;
+}
+
+std::optional<std::string> first_change_of_source(const RepositoryState& state) {
+  const auto found = std::ranges::find_if_not(state.changes, expected_result);
+  return found == state.changes.end() ? std::nullopt : std::optional(*found);
+}
+
+std::optional<std::string> run_refused(const Provenance& run) {
+  const auto value = [&](const char* name) {
+    const auto found = run.find(name);
+    return found == run.end() ? std::string() : found->second;
+  };
+  if (const std::string other = value("renderer_in_place"); !other.empty()) {
+    return fmt::format(
+        "it was rendered by {}, which --renderer put in the place of the case's own; a golden is made by the renderer "
+        "that the case names",
+        other);
+  }
+  const std::string library = value("plugin_library");
+  if (library.empty()) return std::nullopt;
+  if (const std::string state = value("plugin_state"); state != "clean") {
+    return fmt::format(
+        "when it was rendered, the repository of the plug-in {} was not clean: {}; commit, build the plug-in, and run "
+        "touchstone check again",
+        library, state.empty() ? "nothing is known of it" : state);
+  }
+  if (!fs::exists(library)) {
+    return fmt::format("the plug-in {} that rendered it is no longer there; build it and run touchstone check again",
+                       library);
+  }
+  if (const std::string now = sha256_file(library); now != value("plugin_sha256")) {
+    return fmt::format(
+        "the plug-in {} is not the one that rendered it (SHA-256 {:.12} then, {:.12} now); run touchstone check again",
+        library, value("plugin_sha256"), now);
+  }
+  return std::nullopt;
+}
+
+fs::path result_folder(const fs::path& out, const std::string& case_name, const std::string& model) {
+  const fs::path folder = out / case_name / model;
+  for (const fs::path& part : {out / case_name, folder}) {
+    if (!fs::is_symlink(fs::symlink_status(part))) continue;
+    throw BadData(
+        fmt::format("{}: is a symbolic link; results are removed here before a new run, and nothing is removed through "
+                    "a link. Remove the link, or give another --out",
+                    part.string()));
+  }
+  return folder;
+}
+
+void clear_result_folder(const fs::path& folder) {
+  std::error_code error;
+  // Once more where another run removed from it or wrote into it at the same time.
+  for (int attempt = 0; attempt < 3; ++attempt) {
+    fs::remove_all(folder, error);
+    if (!error) return;
+  }
+  throw BadData(fmt::format("{}: cannot be removed: {}; is another run writing here? Give each its own --out",
+                            folder.string(), error.message()));
 }
 
 }  // namespace touchstone

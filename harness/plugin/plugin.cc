@@ -40,6 +40,8 @@ RendererEntry entry_of(const PluginDescription& description, std::uint32_t index
   entry.source = description.source;
   entry.parameters = description.parameters;
   entry.cannot = limitations_of(description, path);
+  entry.library = path;
+  entry.library_source = options.source;
   entry.make = [=](const Parameters& parameters, std::shared_ptr<const Surface> surface) -> std::unique_ptr<Renderer> {
     const TriangleMesh* const mesh = surface->mesh();
     if (mesh == nullptr) {

@@ -21,6 +21,8 @@ struct PluginOptions {
   bool in_process = false;
   PluginLimits limits;
   std::filesystem::path host;  // find_plugin_host() where empty
+  // The folder of its sources, for provenance; the library's own where empty.
+  std::filesystem::path source;
 };
 
 // The renderers of one library. Throws BadData for a library that is none, lacks functions, follows or claims a wrong

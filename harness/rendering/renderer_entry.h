@@ -2,6 +2,7 @@
 // to make it. Entries come from the catalogue of renderers/ and from plug-ins (harness/plugin).
 #pragma once
 
+#include <filesystem>
 #include <functional>
 #include <memory>
 #include <string>
@@ -25,6 +26,9 @@ struct RendererEntry {
   // The same with harness/base/counted.h's scalar: the same bits, and every operation of a step counted. Empty: its
   // operations are not counted; it may answer nullptr where they are not with these parameters or on this mesh.
   Make make_counted = {};
+  // Of a plug-in: its shared library, and where its sources are if the library lies elsewhere.
+  std::filesystem::path library = {};
+  std::filesystem::path library_source = {};
 };
 
 }  // namespace touchstone

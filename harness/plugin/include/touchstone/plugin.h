@@ -29,7 +29,8 @@ extern "C" {
 #define TOUCHSTONE_PLUGIN_EXPORT __attribute__((visibility("default")))
 #endif
 
-/* A parameter that a model file may set. */
+/* A parameter that a model file may set. One named "epsilon_m" states the length below which the renderer tells nothing
+ * apart: contact points may be off by it, and forces by it times the stiffness. */
 typedef struct touchstone_parameter {
   const char* name; /* with its unit: "stiffness_N_per_m" */
   const char* unit; /* "N/m"; "1" for a ratio. From it the tests know how the value changes with the unit of length */
