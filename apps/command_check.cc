@@ -1,12 +1,17 @@
 #include <fmt/format.h>
 
+#include <chrono>
 #include <cmath>
+#include <filesystem>
+#include <vector>
 
 #include "apps/commands.h"
 #include "apps/golden_options.h"
 #include "apps/golden_runner.h"
+#include "harness/base/atomic_file.h"
 #include "harness/base/error.h"
 #include "harness/base/progress.h"
+#include "harness/report/test_summary.h"
 
 namespace touchstone::apps {
 namespace {
@@ -17,14 +22,40 @@ struct CheckOptions {
   bool fail_on_drift = false;
   std::string verdict = "exact";
   FeltTolerance felt;
+  bool annotations = false;
+  std::string junit, markdown;
 };
 
 struct CheckCounts {
   std::size_t passed = 0, failed = 0, drifted = 0, skipped = 0;
+  std::vector<CheckedTest> tests;  // those that ran, for other programs
 };
+
+CheckedTest for_others(const GoldenCase& golden, const std::string& model, const CheckResult& result, bool good) {
+  CheckedTest test{golden.name,  model, good, 0.0, std::string(to_string(result.comparison.verdict)),
+                   result.table, {},    {}};
+  if (good) return test;
+  if (result.passed()) test.verdict = "drift, asked to fail";
+  test.file = std::filesystem::path(golden.folder / "case.json").lexically_proximate(std::filesystem::current_path());
+  for (const char* const name : {"golden.png", "obtained.png", "difference.png"}) {
+    if (!result.left_in.empty() && std::filesystem::exists(result.left_in / name))
+      test.pictures.push_back(result.left_in / name);
+  }
+  return test;
+}
+
+void write_for_others(const CheckOptions& options, const std::vector<CheckedTest>& tests) {
+  if (!options.junit.empty()) write_file(options.junit, tests_to_junit("golden", tests));
+  if (!options.markdown.empty()) {
+    const auto base = std::filesystem::absolute(options.markdown).parent_path();
+    write_file(options.markdown, tests_to_markdown("Golden cases", tests, base));
+  }
+  if (options.annotations) fmt::print("{}", tests_to_github_annotations(tests));
+}
 
 void check_one(const GoldenCase& golden, const std::string& model, const CheckOptions& options, const CaseCheck& how,
                CheckCounts& counts) {
+  const auto began = std::chrono::steady_clock::now();
   const CheckResult result = check_case(golden, model, how);
   if (!result.skipped.empty()) {
     counts.skipped += 1;
@@ -37,6 +68,8 @@ void check_one(const GoldenCase& golden, const std::string& model, const CheckOp
   counts.drifted += drift ? 1 : 0;
   const bool good = result.passed() && !drift_fails;
   (good ? counts.passed : counts.failed) += 1;
+  counts.tests.push_back(for_others(golden, model, result, good));
+  counts.tests.back().seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
   if (result.felt) {
     fmt::print("{:<8} {} {}: {}\n", good ? "felt" : "noticed", golden.name, model,
                to_sentence(*result.felt, options.felt));
@@ -60,6 +93,7 @@ ExitStatus check_command(const CheckOptions& options) {
   for (const GoldenCase& golden : cases) {
     for (const std::string& model : options.golden.models_of(golden)) check_one(golden, model, options, how, counts);
   }
+  write_for_others(options, counts.tests);
   fmt::print("{} passed, {} failed, {} drifted{}\n", counts.passed, counts.failed, counts.drifted,
              counts.skipped > 0 ? fmt::format(", {} skipped", counts.skipped) : "");
   if (counts.failed > 0) fmt::print("to look at the failures: touchstone golden review --out {}\n", options.golden.out);
@@ -91,11 +125,16 @@ void add_check(CLI::App& program, Run& run) {
                    "For felt: a length [m] that the renderer does not tell apart; times the stiffness it is allowed "
                    "on top")
       ->capture_default_str();
+  command->add_option("--junit", options->junit, "Write the results as JUnit XML, for GitLab, Jenkins and others");
+  command->add_option("--markdown", options->markdown, "Write a summary with pictures as Markdown, for a job's page");
+  command->add_flag("--annotations", options->annotations,
+                    "Print failures as GitHub's workflow commands, which mark files");
   command->footer(
       "Accuracy (beyond tolerance) always fails; drift (bits) is reported. Writes nothing into the golden folder.\n"
       "Examples:\n"
       "  touchstone check\n"
       "  touchstone check sphere-scan --model god-object --fail-on-drift\n"
+      "  touchstone check --junit golden.xml --markdown golden.md\n"
       "  touchstone check plane-taps --model spring-linear --plugin ./libmine.so --renderer mine\n"
       "  touchstone check --model god-object --plugin ./libmine.so --renderer mine --verdict felt --epsilon 1e-7");
   command->callback([options, &run] { run = [options] { return check_command(*options); }; });

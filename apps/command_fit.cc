@@ -6,6 +6,7 @@
 #include "apps/evaluation_flags.h"
 #include "apps/fitting/fit_report.h"
 #include "harness/base/atomic_file.h"
+#include "harness/base/input_files.h"
 
 namespace touchstone::apps {
 namespace {
@@ -26,6 +27,7 @@ ExitStatus fit_command(const FitOptions& options) {
   request.evaluation.model = load_model(options.model, options.flags.plugins.load());
   request.evaluation.model_file = options.model;
   ensure_writable_folder(options.out);
+  refuse_to_replace_input(std::filesystem::path(options.out) / "model.json");  // before the long work
   const FitResult result = run_fit(request);
   write_fit(result, options.out);
   if (!options.json.empty()) write_file(options.json, fit_to_json(result));

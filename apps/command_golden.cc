@@ -70,7 +70,7 @@ void write_summary(const GoldenCase& golden, const std::string& changed, std::op
       summary.operations = found->second;
     }
   }
-  write_file(golden.summary_file(), summaries_to_json(golden.name, summaries));
+  write_file(golden.summary_file(), summaries_to_json(golden.name, summaries), Replace::inputs_too);
 }
 
 std::optional<RunOperations> operations_of(const Provenance& provenance) {

@@ -11,6 +11,7 @@ namespace touchstone::apps {
 
 void add_acquire(CLI::App& program, Run& run);
 void add_atlas(CLI::App& program, Run& run);
+void add_bisect(CLI::App& program, Run& run);
 void add_blind(CLI::App& program, Run& run);
 void add_check(CLI::App& program, Run& run);
 void add_compare(CLI::App& program, Run& run);
@@ -49,6 +50,7 @@ inline std::vector<AddCommand> commands() {
   return {
       add_acquire,
       add_atlas,
+      add_bisect,
       add_blind,
       add_check,
       add_compare,

@@ -15,20 +15,23 @@ constexpr std::array<const char*, 3> axes{"fx", "fy", "fz"};
 constexpr std::size_t most_points = 2000;
 
 // Every sample of short runs, the extremes of each stretch of long ones, so that a single wrong sample stays visible.
+// What is not finite is left out: the tables say where it is.
 std::vector<std::pair<double, double>> thinned(const std::vector<double>& t, const std::vector<double>& values) {
   std::vector<std::pair<double, double>> points;
   const std::size_t rows = std::min(t.size(), values.size());
-  const std::size_t stretch = std::max<std::size_t>(1, 2 * rows / most_points);
+  // Two points for each stretch.
+  const std::size_t stretch = rows <= most_points ? 1 : 2 * rows / most_points;
   for (std::size_t first = 0; first < rows; first += stretch) {
-    const auto begin = values.begin() + static_cast<std::ptrdiff_t>(first);
-    const auto end = values.begin() + static_cast<std::ptrdiff_t>(std::min(first + stretch, rows));
-    auto [low, high] = std::minmax_element(begin, end);
-    if (high < low) std::swap(low, high);
-    for (const auto& at : {low, high}) {
-      if (points.empty() || at != low || stretch > 1)
-        points.emplace_back(t[static_cast<std::size_t>(at - values.begin())], *at);
-      if (stretch == 1) break;
+    std::size_t low = rows;
+    std::size_t high = rows;
+    for (std::size_t i = first; i < std::min(first + stretch, rows); ++i) {
+      if (!std::isfinite(values[i])) continue;
+      if (low == rows || values[i] < values[low]) low = i;
+      if (high == rows || values[i] > values[high]) high = i;
     }
+    if (low == rows) continue;
+    points.emplace_back(t[std::min(low, high)], values[std::min(low, high)]);
+    if (low != high) points.emplace_back(t[std::max(low, high)], values[std::max(low, high)]);
   }
   return points;
 }

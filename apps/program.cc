@@ -2,10 +2,15 @@
 
 #include <fmt/format.h>
 
+#include <cerrno>
+#include <csignal>
+#include <cstdio>
+#include <cstring>
 #include <exception>
 #include <new>
 
 #include "harness/base/half_files.h"
+#include "harness/base/input_files.h"
 #include "harness/base/version.h"
 
 namespace touchstone::apps {
@@ -36,6 +41,12 @@ int run(int argc, char** argv, const std::vector<AddCommand>& commands) {
   return static_cast<int>(chosen());
 }
 
+int lost_output() {
+  fmt::print(stderr, "touchstone: standard output cannot be written ({}); the results on it are not complete\n",
+             std::strerror(errno));
+  return static_cast<int>(ExitStatus::bad_data);
+}
+
 }  // namespace
 
 const std::vector<std::string>& command_line() { return called_as(); }
@@ -43,8 +54,13 @@ const std::vector<std::string>& command_line() { return called_as(); }
 int run_program(int argc, char** argv, const std::vector<AddCommand>& commands) {
   called_as().assign(argv, argv + argc);
   remove_half_files_when_interrupted();
+  protect_input_files();
+  // A file that grows beyond the limit (ulimit -f) is an error like a full disk, with its message and exit status.
+  std::signal(SIGXFSZ, SIG_IGN);
   try {
-    return run(argc, argv, commands);
+    const int status = run(argc, argv, commands);
+    // What is still in the buffer may not fit: only now it is known whether the result was written.
+    return std::fflush(stdout) == 0 && std::ferror(stdout) == 0 ? status : lost_output();
   } catch (const Error& error) {
     fmt::print(stderr, "touchstone: {}\n", error.what());
     return static_cast<int>(error.status());
@@ -52,6 +68,7 @@ int run_program(int argc, char** argv, const std::vector<AddCommand>& commands) 
     fmt::print(stderr, "touchstone: out of memory\n");
     return static_cast<int>(ExitStatus::bad_data);
   } catch (const std::exception& error) {
+    if (std::ferror(stdout) != 0) return lost_output();
     fmt::print(stderr, "touchstone: internal error, please report it: {}\n", error.what());
     return 70;
   }

@@ -146,21 +146,27 @@ CaseOutcome run_slurm(const CaseCommand& command, const CaseOptions& options) {
   request.options = options.slurm_options;
   std::vector<std::uint64_t> open(request.shards);
   std::iota(open.begin(), open.end(), 1);
+  const std::uint64_t max_array_size = slurm_max_array_size();
   if (options.dry_run) {
-    fmt::print("{}", slurm_script(request, open));
+    for (const SlurmArray& array : slurm_arrays(open, max_array_size)) fmt::print("{}", slurm_script(request, array));
     return {};
   }
   auto store = open_store(command, options);
   check_builds(command, options, *store);
   for (unsigned attempt = 1; attempt <= options.attempts && !open.empty(); ++attempt) {
     fmt::print(stderr, "attempt {}: {} tasks of {} cores\n", attempt, open.size(), request.cores_per_task);
-    if (!run_on_slurm(request, open)) fmt::print(stderr, "some tasks failed; their logs are beside their results\n");
+    const SlurmEnd end = run_on_slurm(request, slurm_arrays(open, max_array_size));
+    if (end == SlurmEnd::some_failed) fmt::print(stderr, "some tasks failed; their logs are beside their results\n");
     std::erase_if(open, [&](std::uint64_t index) {
       const auto part = shard_file(request, index);
       if (std::filesystem::exists(part)) store->merge(part);
       const CaseShard shard{index, request.shards};
       return cases_left(store->done(), shard.first(cases), shard.last(cases)).empty();
     });
+    if (end == SlurmEnd::refused) {
+      fmt::print(stderr, "sbatch refused the job for the reason above; sending it again would not help\n");
+      break;
+    }
   }
   check_builds(command, options, *store);
   return conclude(command, options, std::move(store), {});

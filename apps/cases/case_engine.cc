@@ -1,5 +1,6 @@
 #include "apps/cases/case_engine.h"
 
+#include <fmt/format.h>
 #include <tbb/global_control.h>
 #include <tbb/task_arena.h>
 
@@ -10,6 +11,7 @@
 #include <new>
 #include <thread>
 
+#include "harness/base/error.h"
 #include "harness/base/in_parallel.h"
 #include "harness/base/progress.h"
 
@@ -34,15 +36,23 @@ class Collector {
     failed_ += row.error.empty() ? 0 : 1;
     waiting_.push_back(std::move(row));
     progress_.update(parts_ += parts_left);
-    if (waiting_.size() >= most_waiting || Clock::now() - committed_ >= between_commits) commit();
+    if (!full_ && (waiting_.size() >= most_waiting || Clock::now() - committed_ >= between_commits)) try_to_commit();
   }
+  // The store takes no more rows: further cases would be lost.
+  [[nodiscard]] bool full() const { return full_; }
   void part_done() {
     const std::lock_guard lock(mutex_);
     progress_.update(++parts_);
   }
   void finish(CaseTally& tally) {
     const std::lock_guard lock(mutex_);
-    commit();
+    try {
+      commit();  // what did not fit may fit now
+    } catch (const BadData& error) {
+      throw BadData(
+          fmt::format("{}; {} cases that ran are not in it. What was stored before is: make room and run again",
+                      error.what(), waiting_.size()));
+    }
     tally.ran = ran_;
     tally.failed = failed_;
   }
@@ -54,7 +64,17 @@ class Collector {
     committed_ = Clock::now();
   }
 
+  // No exception: this is called on all threads, in the middle of other cases.
+  void try_to_commit() {
+    try {
+      commit();
+    } catch (const BadData&) {
+      full_ = true;
+    }
+  }
+
   std::mutex mutex_;
+  std::atomic<bool> full_ = false;
   CaseStore* store_;
   Progress progress_;
   std::vector<CaseRow> waiting_;
@@ -128,7 +148,7 @@ CaseTally run_cases(const CaseJob& job, CaseStore& store, CaseShard shard, unsig
   const auto run = [&](std::size_t i) {
     // Isolated: a thread that waits for the parts of a structure that it is making must not begin another case, which
     // could want that very structure.
-    if (!stop) tbb::this_task_arena::isolate([&] { run_one(job, open[i], collector); });
+    if (!stop && !collector.full()) tbb::this_task_arena::isolate([&] { run_one(job, open[i], collector); });
   };
   in_parallel(open.size(), run, job.alone ? std::max<std::size_t>(1, open.size()) : 1);
   collector.finish(tally);

@@ -34,7 +34,8 @@ struct CaseTally {
 };
 
 // `threads` 0: as many as there are cores. Stops soon after `stop` becomes true; what ran is kept. Progress with rate
-// and time left on stderr where that is a terminal.
+// and time left on stderr where that is a terminal. Throws BadData when the store cannot be written, on a full disk for
+// instance: no case begins then, and what was committed stays.
 CaseTally run_cases(const CaseJob& job, CaseStore& store, CaseShard shard, unsigned threads,
                     const std::atomic<bool>& stop);
 

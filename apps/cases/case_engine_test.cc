@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <signal.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -134,6 +135,57 @@ TEST(CaseEngine, WhatWasCommittedSurvivesKill) {
   EXPECT_EQ(tally.before, before);
   EXPECT_EQ(tally.ran, 200U - before);
   EXPECT_EQ(store.done().size(), 200U);
+  std::filesystem::remove(file);
+}
+
+// No file may grow beyond this, as on a full disk, while this lives.
+class SmallFiles {
+ public:
+  explicit SmallFiles(rlim_t bytes) : handler_(::signal(SIGXFSZ, SIG_IGN)) {
+    ::getrlimit(RLIMIT_FSIZE, &before_);
+    const rlimit limit{bytes, before_.rlim_max};
+    ::setrlimit(RLIMIT_FSIZE, &limit);
+  }
+  ~SmallFiles() {
+    ::setrlimit(RLIMIT_FSIZE, &before_);
+    ::signal(SIGXFSZ, handler_);
+  }
+  SmallFiles(const SmallFiles&) = delete;
+  SmallFiles& operator=(const SmallFiles&) = delete;
+
+ private:
+  void (*handler_)(int);
+  rlimit before_{};
+};
+
+// A file that may not grow fails as a full disk does. Many threads, many commits: what was stored before is whole, the
+// error is one message, and the run goes on once there is room.
+TEST(CaseEngine, AFullDiskEndsTheRunAndLosesNoStoredRow) {
+  const auto file = std::filesystem::temp_directory_path() / ("touchstone-full-" + std::to_string(::getpid()));
+  const CaseTable many{"squares", 40000, {{"square"}}};
+  CaseJob job = squares();
+  job.cases = many.cases;
+  job.run = [](CaseRow& row, const PartDone&) { row.values = {static_cast<double>(row.number * row.number)}; };
+  for (int round = 0; round < 5; ++round) {
+    std::filesystem::remove(file);
+    {
+      const SmallFiles limited(600000);
+      CaseStore store(file, many);
+      store.start_run({});
+      try {
+        run_cases(job, store, {}, 4, never);
+        ADD_FAILURE() << "was stored whole";
+      } catch (const BadData& error) {
+        EXPECT_THAT(error.what(), testing::HasSubstr("make room and run again"));
+      }
+    }
+    CaseStore store(file, many);
+    const std::size_t before = store.done().size();
+    EXPECT_GT(before, 0U);
+    EXPECT_LT(before, many.cases);
+    store.start_run({});
+    EXPECT_EQ(run_cases(job, store, {}, 4, never).ran, many.cases - before);
+  }
   std::filesystem::remove(file);
 }
 

@@ -95,8 +95,9 @@ struct CaseStore::State {
         .bind(table.cases)
         .run();
     database.run("CREATE TABLE runs(run INTEGER, name TEXT, value TEXT, PRIMARY KEY(run, name))");
-    database.run("CREATE TABLE cases(case_number INTEGER PRIMARY KEY, run INTEGER, status TEXT, error TEXT" + columns +
-                 ")");
+    database.run(
+        "CREATE TABLE cases(case_number INTEGER PRIMARY KEY, run INTEGER, status TEXT, error TEXT, row_check TEXT" +
+        columns + ")");
     database.run(fmt::format("PRAGMA application_id = {}", application_id));
     all.commit();
   }
@@ -110,10 +111,47 @@ struct CaseStore::State {
     return names;
   }
 
+  // Over everything of the row of `select`, whose columns are columns(true), and the specification. It finds damage and
+  // rows that were edited or brought from elsewhere by mistake; it is no signature.
+  [[nodiscard]] std::string check_of(const Statement& select) const {
+    std::string text = specification_sha256;
+    for (int c = 0; c < select.columns(); ++c) {
+      const bool absent = select.type(c) == Statement::Type::null;
+      text += (absent ? "\x1e" : "\x1f") + select.text(c);
+    }
+    return sha256(text).substr(0, 16);
+  }
+
+  // The first row of `cases` ("main.cases") that is not as it was stored; empty when all are.
+  [[nodiscard]] std::string changed_row(const std::string& cases) const {
+    const std::string names = fmt::format("{}", fmt::join(columns(true), ", "));
+    Statement select(database.handle(), fmt::format("SELECT {} FROM {} ORDER BY case_number", names, cases));
+    Statement checks(database.handle(), fmt::format("SELECT row_check FROM {} ORDER BY case_number", cases));
+    while (select.step()) {
+      if (!checks.step() || checks.text(0) != check_of(select)) return select.text(0);
+    }
+    return "";
+  }
+
   Database database;
   CaseTable table;
+  std::string specification_sha256 = sha256(table.specification);
   std::uint64_t current_run = 0;
 };
+
+namespace {
+
+constexpr int first_value_column = 5;  // of the table `cases`, after case_number, run, status, error, row_check
+
+std::string changed_row_message(const std::string& file, const std::string& number) {
+  return fmt::format(
+      "{}: case {} is not as it was stored: it was edited, damaged, or brought from another file. Remove the row "
+      "(DELETE "
+      "FROM cases WHERE case_number = {}) and run again",
+      file, number, number);
+}
+
+}  // namespace
 
 CaseStore::CaseStore(const std::filesystem::path& file, const CaseTable& table)
     : state_(std::make_unique<State>(file, table)) {
@@ -142,10 +180,13 @@ CaseStore::CaseStore(const std::filesystem::path& file, const CaseTable& table)
   std::vector<std::string> there;
   Statement columns(database.handle(), "SELECT name FROM pragma_table_info('cases') WHERE cid > 3 ORDER BY cid");
   while (columns.step()) there.push_back(columns.text(0));
-  const auto same = [](const std::string& name, const CaseColumn& column) { return name == column.name; };
-  if (!std::ranges::equal(there, table.columns, same))
+  std::vector<std::string> expected{"row_check"};
+  for (const CaseColumn& column : table.columns) expected.push_back(column.name);
+  if (there != expected)
     refuse(fmt::format("was made by another version, with other columns; give another {}, or remove it",
                        table.file_option));
+  if (const std::string changed = state_->changed_row("main.cases"); !changed.empty())
+    throw BadData(changed_row_message(file.string(), changed));
   Statement(database.handle(), "UPDATE sweep SET cases = ? WHERE cases < ?1").bind(table.cases).run();
 }
 
@@ -179,7 +220,7 @@ std::set<std::string> CaseStore::makers(const std::vector<std::string>& names) c
 void CaseStore::add(std::span<const CaseRow> rows) {
   if (rows.empty()) return;
   const std::size_t columns = state_->table.columns.size();
-  std::string marks = "?, ?, ?, ?";
+  std::string marks = "?, ?, ?, ?, NULL";
   for (std::size_t i = 0; i < columns; ++i) marks += ", ?";
   Transaction all(state_->database);
   Statement insert(state_->database.handle(), fmt::format("INSERT INTO cases VALUES({})", marks));
@@ -190,6 +231,15 @@ void CaseStore::add(std::span<const CaseRow> rows) {
     ran ? insert.bind_null() : insert.bind(row.error);
     for (std::size_t c = 0; c < columns; ++c) bind_value(insert, c < row.values.size() ? row.values[c] : CaseValue());
     insert.run();
+  }
+  // The check covers what the database made of the values.
+  Statement stored(state_->database.handle(),
+                   fmt::format("SELECT {} FROM cases WHERE case_number = ?", fmt::join(state_->columns(true), ", ")));
+  Statement check(state_->database.handle(), "UPDATE cases SET row_check = ? WHERE case_number = ?");
+  for (const CaseRow& row : rows) {
+    stored.bind(row.number).step();
+    check.bind(state_->check_of(stored)).bind(row.number).run();
+    stored.run();
   }
   all.commit();
 }
@@ -213,7 +263,7 @@ std::vector<CaseRow> CaseStore::rows(std::uint64_t first, std::uint64_t last) co
   std::vector<CaseRow> rows;
   while (select.step()) {
     CaseRow row{select.number(0), select.text(error_column), {}};
-    for (int c = error_column + 1; c < select.columns(); ++c) row.values.push_back(value_of(select, c));
+    for (int c = first_value_column; c < select.columns(); ++c) row.values.push_back(value_of(select, c));
     rows.push_back(std::move(row));
   }
   return rows;
@@ -234,6 +284,8 @@ CaseMerge CaseStore::merge(const std::filesystem::path& part) {
   } catch (const BadData& error) {
     throw BadData(fmt::format("{}: is no part of this sweep: {}", part.string(), error.what()));
   }
+  if (const std::string changed = state_->changed_row("part.cases"); !changed.empty())
+    throw BadData(changed_row_message(part.string(), changed));
   // `IS` and not `=`: absent equals absent.
   std::string differs;
   for (const std::string& column : state_->columns(false))
@@ -252,10 +304,10 @@ CaseMerge CaseStore::merge(const std::filesystem::path& part) {
       "DELETE FROM main.cases WHERE status = 'failed' AND case_number IN (SELECT case_number FROM part.cases "
       "WHERE status = 'ran')");
   database.run(fmt::format("INSERT INTO main.runs SELECT run + {}, name, value FROM part.runs", offset));
-  database.run(
-      fmt::format("INSERT INTO main.cases(run, {0}) SELECT run + {1}, {0} FROM part.cases WHERE case_number "
-                  "NOT IN (SELECT case_number FROM main.cases)",
-                  fmt::join(state_->columns(true), ", "), offset));
+  database.run(fmt::format(
+      "INSERT INTO main.cases(run, row_check, {0}) SELECT run + {1}, row_check, {0} FROM part.cases WHERE case_number "
+      "NOT IN (SELECT case_number FROM main.cases)",
+      fmt::join(state_->columns(true), ", "), offset));
   merged.added = database.changes();
   all.commit();
   return merged;
@@ -274,7 +326,9 @@ std::string CaseStore::content_hash() const {
 }
 
 void CaseStore::write_csv(const std::filesystem::path& file) const {
-  Statement select(state_->database.handle(), "SELECT * FROM cases ORDER BY case_number");
+  std::string columns = "case_number, run, status, error";
+  for (const CaseColumn& column : state_->table.columns) columns += ", " + quoted_name(column.name);
+  Statement select(state_->database.handle(), fmt::format("SELECT {} FROM cases ORDER BY case_number", columns));
   std::string text;
   for (int c = 0; c < select.columns(); ++c) text += (c == 0 ? "" : ",") + csv_field(select.name(c));
   text += '\n';

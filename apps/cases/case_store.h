@@ -58,7 +58,8 @@ class CaseStore {
   static constexpr const char* in_memory = ":memory:";
 
   // Makes the file, or opens that of an earlier run of the same specification. Throws BadData for a file of another
-  // one, one that is no such file at all (it is left as it is), or one that another process is writing.
+  // one, one that is no such file at all (it is left as it is), one that another process is writing, or one with a row
+  // that was changed after it was stored.
   CaseStore(const std::filesystem::path& file, const CaseTable& table);
   ~CaseStore();
   CaseStore(const CaseStore&) = delete;
@@ -68,7 +69,7 @@ class CaseStore {
   void start_run(const std::map<std::string, std::string>& provenance);
   // Who made the rows that are there: the values of `names` in every run of which there are rows, each once.
   [[nodiscard]] std::set<std::string> makers(const std::vector<std::string>& names) const;
-  // All of them or, where that fails, none.
+  // All of them or, where that fails, none. Each with a check sum over its content and the specification.
   void add(std::span<const CaseRow> rows);
 
   // Case numbers, ascending.
@@ -79,7 +80,7 @@ class CaseStore {
   // Forgets the rows with an error, so that they run again.
   void forget_failed();
   // Takes the rows of another file of the same specification. A case that both have must have the same result; where
-  // one of the two failed, the other counts. Throws BadData.
+  // one of the two failed, the other counts. Throws BadData, for a row of the part that was changed, too.
   CaseMerge merge(const std::filesystem::path& part);
 
   // SHA-256 over all rows in the order of their numbers, without who made them: equal where the results are, to the

@@ -7,6 +7,7 @@
 
 #include <cmath>
 #include <filesystem>
+#include <functional>
 #include <limits>
 
 #include "harness/base/atomic_file.h"
@@ -139,6 +140,48 @@ TEST_F(Store, PartsOfAnotherGridAreNotMerged) {
   EXPECT_THROW(store.merge(file("other")), BadData);
   EXPECT_THROW(store.merge(file("notes.txt")), BadData);
   EXPECT_THROW(store.merge(file("absent")), BadData);
+}
+
+// Whatever column was edited, and a row that came from another file: refused with its number, to open and to merge.
+TEST_F(Store, ARowThatWasChangedAfterwardsIsRefused) {
+  for (const char* const edit :
+       {"UPDATE cases SET \"lag \"\"m\"\"\" = 1.0000000000000002 WHERE case_number = 2",
+        "UPDATE cases SET name = 'other' WHERE case_number = 2", "UPDATE cases SET name = NULL WHERE case_number = 2",
+        "UPDATE cases SET time_s = 0.25 WHERE case_number = 2",
+        "UPDATE cases SET status = 'failed', error = 'no' WHERE case_number = 2",
+        "DELETE FROM cases WHERE case_number = 3; UPDATE cases SET case_number = 3 WHERE case_number = 2",
+        "UPDATE cases SET row_check = NULL WHERE case_number = 2"}) {
+    std::filesystem::remove(file("a"));
+    std::filesystem::remove(file("b"));
+    {
+      CaseStore store(file("a"), table());
+      store.start_run({});
+      store.add(std::vector<CaseRow>{row(1, 1.0, 0.5), row(2, 1.0, 0.5), row(3, 2.0, 0.5)});
+    }
+    { const CaseStore again(file("a"), table()); }
+    sql("a", edit);
+    CaseStore other(file("b"), table());
+    for (const auto& use : std::vector<std::function<void()>>{[&] { const CaseStore changed(file("a"), table()); },
+                                                              [&] { other.merge(file("a")); }}) {
+      try {
+        use();
+        ADD_FAILURE() << "was taken: " << edit;
+      } catch (const BadData& error) {
+        EXPECT_THAT(error.what(), testing::ContainsRegex("case [23] is not as it was stored")) << edit;
+      }
+    }
+    EXPECT_TRUE(other.done().empty());
+  }
+}
+
+TEST_F(Store, ARowOfAnotherSpecificationIsNotTaken) {
+  for (const auto& [name, specification] : {std::pair{"a", "one"}, {"b", "two"}}) {
+    CaseStore store(file(name), table(specification));
+    store.start_run({});
+    store.add(std::vector<CaseRow>{row(std::string(name) == "a" ? 1 : 2, 1.0, 0.5)});
+  }
+  sql("a", ("ATTACH '" + file("b").string() + "' AS b; INSERT INTO main.cases SELECT * FROM b.cases").c_str());
+  EXPECT_THROW(CaseStore(file("a"), table("one")), BadData);
 }
 
 TEST_F(Store, GrowsWithTheNumberOfCases) {

@@ -12,6 +12,7 @@
 #include "apps/discrepancy/page.h"
 #include "apps/discrepancy/verify.h"
 #include "harness/base/atomic_file.h"
+#include "harness/base/input_files.h"
 #include "harness/recording/recording_file.h"
 #include "harness/rendering/model.h"
 #include "harness/report/page_html.h"
@@ -100,6 +101,7 @@ Findings run_discrepancy(const DiscrepancyFiles& files, const std::function<void
   ensure_writable_folder(files.out);
   const DiscrepancyInputs inputs = load_inputs(files);
   for (const std::string& remark : inputs.remarks) report(remark);
+  refuse_to_replace_input(files.out / "model.json");  // before the long work
   const Model& model = inputs.model;
   const TriangleMesh& mesh = inputs.mesh;
   const auto& surface = inputs.surface;

@@ -12,6 +12,7 @@
 
 #include "harness/base/error.h"
 #include "harness/base/half_files.h"
+#include "harness/base/input_files.h"
 
 namespace touchstone {
 namespace {
@@ -22,27 +23,59 @@ std::filesystem::path beside(const std::filesystem::path& target) {
   return target.parent_path() / name;
 }
 
+// The file that symbolic links lead to, which need not be there yet.
+std::filesystem::path end_of_links(std::filesystem::path path) {
+  constexpr int most_links = 40;  // as Linux follows
+  std::error_code error;
+  for (int i = 0; i < most_links && std::filesystem::is_symlink(path, error); ++i) {
+    const auto next = std::filesystem::read_symlink(path, error);
+    if (error) break;
+    path = next.is_absolute() ? next : path.parent_path() / next;
+  }
+  return path;
+}
+
+// A device, a pipe, or an open file of a process (/dev/stdout leads to /proc/self/fd/1): renaming would put a file in
+// its place.
+bool is_written_in_place(const std::filesystem::path& path) {
+  std::error_code error;
+  const auto type = std::filesystem::status(path, error).type();
+  using std::filesystem::file_type;
+  return type == file_type::character || type == file_type::block || type == file_type::fifo ||
+         type == file_type::socket || path.native().starts_with("/proc/");
+}
+
 }  // namespace
 
-AtomicFile::AtomicFile(std::filesystem::path target) : target_(std::move(target)), temporary_(beside(target_)) {
+AtomicFile::AtomicFile(std::filesystem::path target, Replace replace) : target_(end_of_links(std::move(target))) {
+  if (replace == Replace::outputs) refuse_to_replace_input(target_);
+  if (is_written_in_place(target_)) {
+    temporary_ = target_;
+    committed_ = true;
+    return;
+  }
+  temporary_ = beside(target_);
   add_half_file(temporary_);
 }
 
 AtomicFile::~AtomicFile() {
+  if (temporary_ == target_) return;
   std::error_code ignored;
   if (!committed_) std::filesystem::remove(temporary_, ignored);
   drop_half_file(temporary_);
 }
 
 void AtomicFile::commit() {
+  if (temporary_ == target_) return;
   std::error_code error;
   std::filesystem::rename(temporary_, target_, error);
   if (error) throw BadData(fmt::format("{}: cannot be written: {}", target_.string(), error.message()));
   committed_ = true;
+  note_output_file(target_);
 }
 
-void write_file(const std::filesystem::path& target, std::string_view text) {
-  AtomicFile file(target);
+void write_file(const std::filesystem::path& target, std::string_view text, Replace replace) {
+  AtomicFile file(target, replace);
   errno = 0;
   std::ofstream out(file.path(), std::ios::binary);
   out.write(text.data(), static_cast<std::streamsize>(text.size()));

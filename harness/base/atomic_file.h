@@ -1,16 +1,22 @@
 // Output files appear whole or not at all: written beside their place, then renamed over it. An existing file is never
-// left half-written, whatever goes wrong.
+// left half-written, whatever goes wrong, and no file that the program reads is replaced (input_files.h).
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <string_view>
 
 namespace touchstone {
 
-// A file being written beside `target`. commit() renames it into place; without commit() it is removed.
+// Whether a file that the program has read may be replaced: only where changing it is what the user asked for.
+enum class Replace : std::uint8_t { outputs, inputs_too };
+
+// A file being written beside `target`. commit() renames it into place; without commit() it is removed. A symbolic link
+// stays one: the file that it leads to is replaced. What is no file (/dev/stdout, a pipe) is written at once.
 class AtomicFile {
  public:
-  explicit AtomicFile(std::filesystem::path target);
+  // Throws UsageError where `target` is an input.
+  explicit AtomicFile(std::filesystem::path target, Replace replace = Replace::outputs);
   ~AtomicFile();
   AtomicFile(const AtomicFile&) = delete;
   AtomicFile& operator=(const AtomicFile&) = delete;
@@ -27,7 +33,7 @@ class AtomicFile {
 };
 
 // Writes `text` to `target` atomically; throws BadData naming the file and the reason.
-void write_file(const std::filesystem::path& target, std::string_view text);
+void write_file(const std::filesystem::path& target, std::string_view text, Replace replace = Replace::outputs);
 
 // The whole file as text; throws BadData naming the file.
 std::string read_file(const std::filesystem::path& path);

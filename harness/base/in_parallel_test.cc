@@ -45,5 +45,14 @@ TEST(InParallel, ThrowsWhatAPieceThrew) {
   EXPECT_THROW(in_parallel(1000, work, 1), std::runtime_error);
 }
 
+// As a full disk has it: each call fails, on every thread, inside loops that are isolated from one another.
+TEST(InParallel, FailuresOnAllThreadsAtOnceEndTheLoopInOneException) {
+  const auto inner = [](std::size_t i) {
+    if (i % 3 == 0) throw std::runtime_error("full");
+  };
+  const auto outer = [&](std::size_t /*i*/) { in_parallel(30, inner, 1); };
+  for (int round = 0; round < 200; ++round) EXPECT_THROW(in_parallel(50, outer, 1), std::runtime_error);
+}
+
 }  // namespace
 }  // namespace touchstone

@@ -9,6 +9,7 @@
 
 #include "harness/base/error.h"
 #include "harness/base/half_files.h"
+#include "harness/base/input_files.h"
 #include "harness/base/version.h"
 #include "harness/recording/hdf5_handle.h"
 #include "harness/recording/recording_file.h"
@@ -39,6 +40,7 @@ class PartFile {
     std::error_code error;
     fs::rename(path_, target_, error);
     if (error) throw BadData(fmt::format("{}: cannot be written: {}", target_.string(), error.message()));
+    note_output_file(target_);
   }
 
  private:
@@ -82,6 +84,7 @@ Provenance build_provenance() {
 }
 
 void write_golden(const fs::path& path, const RenderedTrajectory& rendered, const Provenance& provenance) {
+  refuse_to_replace_input(path);
   const PartFile part(path);
   save_rendered(part.path(), rendered);
   set_attributes(part.path(), provenance);
@@ -98,6 +101,7 @@ void copy_golden(const fs::path& from, const fs::path& to, const Provenance& cha
 }
 
 Provenance read_provenance(const fs::path& path) {
+  note_input_file(path);
   const Hdf5Quiet quiet;
   const Hdf5File file(H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT));
   std::vector<std::string> names;

@@ -47,6 +47,18 @@ std::vector<std::string> Dataset::files() const {
   return files;
 }
 
+std::filesystem::path Dataset::own_path_of(const std::string& file) const {
+  const auto path = path_of(file);
+  const auto inside = std::filesystem::weakly_canonical(folder.empty() ? "." : folder);
+  const auto real = std::filesystem::weakly_canonical(path);
+  const auto [end, unused] = std::ranges::mismatch(inside, real);
+  if (end != inside.end())
+    throw BadData(
+        fmt::format("{}: is a symbolic link that leads out of the data set's folder, to {}; copy the file here",
+                    path.string(), real.string()));
+  return path;
+}
+
 Dataset load_dataset(const std::filesystem::path& place) {
   std::error_code error;
   const bool is_description = place.filename() == description && !std::filesystem::is_directory(place, error);
@@ -130,12 +142,12 @@ void save_dataset(const Dataset& dataset) {
   json["source"] = dataset.source;
   json["licence"] = dataset.licence;
   if (!dataset.sha256.empty()) json["sha256"] = dataset.sha256;
-  write_file(dataset.folder / description, json.dump(2) + "\n");
+  write_file(dataset.folder / description, json.dump(2) + "\n", Replace::inputs_too);
 }
 
 void pack_dataset(Dataset& dataset) {
   std::map<std::string, std::string> hashes;
-  for (const std::string& file : dataset.files()) hashes[file] = sha256_file(dataset.path_of(file));
+  for (const std::string& file : dataset.files()) hashes[file] = sha256_file(dataset.own_path_of(file));
   dataset.sha256 = std::move(hashes);
   save_dataset(dataset);
 }

@@ -59,6 +59,9 @@ struct Dataset {
   std::map<std::string, std::string> sha256;
 
   [[nodiscard]] std::filesystem::path path_of(const std::string& file) const { return folder / file; }
+  // The same for what is handed on: throws BadData where a symbolic link leads out of the data set's folder, to a file
+  // that nobody meant to give away.
+  [[nodiscard]] std::filesystem::path own_path_of(const std::string& file) const;
   // Every file that the description names, each once: mesh, instrument, recordings, exact answers.
   [[nodiscard]] std::vector<std::string> files() const;
 };

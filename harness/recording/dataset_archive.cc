@@ -41,7 +41,7 @@ void archive_dataset(const Dataset& dataset, const std::filesystem::path& out) {
   files.insert(files.begin(), "dataset.json");
   auto folder = std::filesystem::weakly_canonical(dataset.folder).filename();
   for (const std::string& member : files) {
-    const std::string content = read_file(dataset.path_of(member));
+    const std::string content = read_file(dataset.own_path_of(member));
     const std::unique_ptr<archive_entry, CloseArchive> entry(archive_entry_new());
     archive_entry_set_pathname(entry.get(), (folder / member).generic_string().c_str());
     archive_entry_set_size(entry.get(), static_cast<la_int64_t>(content.size()));

@@ -90,6 +90,39 @@ TEST(Dataset, PackThenCheckPasses) {
   EXPECT_EQ(text, read_file(folder / "dataset.json")) << "packing twice changes nothing";
 }
 
+// A link to a file elsewhere, directly or through a folder: nothing of it is hashed or packed. A link within is fine.
+TEST(Dataset, NothingFromOutsideOfTheFolderIsPacked) {
+  const auto folder = make_dataset();
+  const auto outside = folder.parent_path() / "private";
+  const auto archive = folder.parent_path() / "plate.tar.gz";
+  std::filesystem::create_directories(outside);
+  save_recording(outside / "scan.csv", arc(1.0));
+  write_file(outside / "plate.obj", "v 0 0 0\n");
+  const auto refused = [&] {
+    Dataset dataset = load_dataset(folder);
+    EXPECT_THROW(pack_dataset(dataset), BadData);
+    EXPECT_THROW(archive_dataset(dataset, archive), BadData);
+    EXPECT_FALSE(std::filesystem::exists(archive));
+    EXPECT_TRUE(load_dataset(folder).sha256.empty());
+  };
+  std::filesystem::remove(folder / "scan.csv");
+  std::filesystem::create_symlink("../private/scan.csv", folder / "scan.csv");
+  refused();
+  std::filesystem::remove(folder / "scan.csv");
+  std::filesystem::create_symlink(outside / "scan.csv", folder / "scan.csv");
+  refused();
+  std::filesystem::remove(folder / "scan.csv");
+  std::filesystem::create_symlink("exact.csv", folder / "scan.csv");
+  Dataset dataset = load_dataset(folder);
+  pack_dataset(dataset);
+  archive_dataset(dataset, archive);
+  std::filesystem::remove_all(folder / "meshes");
+  std::filesystem::create_directory_symlink("../private", folder / "meshes");
+  write_file(folder / "dataset.json", example);
+  std::filesystem::remove(archive);
+  refused();
+}
+
 TEST(Dataset, CheckFindsWhatIsWrong) {
   const auto folder = make_dataset();
   Dataset dataset = load_dataset(folder);

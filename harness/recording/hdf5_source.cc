@@ -16,6 +16,8 @@ namespace touchstone {
 namespace {
 
 constexpr std::size_t most_links = 64;
+// No input makes deflate shrink more than 1032 to 1 (zlib's technical notes, "maximum compression factor").
+constexpr hsize_t largest_deflate_ratio = 1032;
 
 struct Links {
   std::vector<std::string> names;
@@ -168,6 +170,7 @@ class Hdf5Source final : public TableSource {
       refuse(fmt::format("has {} values, but '{}' has {}; all must have the same number", length, names_.front(),
                          length_));
     }
+    refuse_more_than_stored(dataset.get(), properties.get(), H5Tget_size(type.get()), length, refuse);
     length_ = length;
     const std::string unit = hdf5_text_attribute(dataset.get(), "unit");
     const auto underscore = name.rfind('_');
@@ -177,6 +180,18 @@ class Hdf5Source final : public TableSource {
     }
     layouts_.push_back(checksummed_chunks(dataset.get()));
     datasets_.push_back(std::move(dataset));
+  }
+
+  // HDF5 fills in what was never stored, so that a few kilobytes can declare more samples than memory holds.
+  template <class Refuse>
+  static void refuse_more_than_stored(hid_t dataset, hid_t properties, std::size_t value_bytes, hsize_t length,
+                                      const Refuse& refuse) {
+    const hsize_t stored = H5Dget_storage_size(dataset);
+    const hsize_t most = H5Pget_nfilters(properties) > 0 ? stored * largest_deflate_ratio : stored;
+    if (length <= most / std::max<std::size_t>(1, value_bytes)) return;
+    refuse(fmt::format(
+        "declares {} samples, but its {} stored bytes hold at most {}; it was not written to its end, or is damaged",
+        length, stored, most / std::max<std::size_t>(1, value_bytes)));
   }
 
   std::string name_;
@@ -236,7 +251,7 @@ void try_to_read(const std::filesystem::path& path) {
   Hdf5Source source(path);
   const auto size = std::filesystem::file_size(path);
   if (size > large && structures_are_checksummed(path)) return;
-  const auto most = size * 1032 / sizeof(double);
+  const auto most = size * largest_deflate_ratio / sizeof(double);
   std::vector<std::vector<double>> columns(source.names().size());
   for (std::uintmax_t done = 0; done < most && source.read(rows, columns) > 0; done += rows) {
     for (auto& column : columns) column.clear();

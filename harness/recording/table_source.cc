@@ -8,6 +8,7 @@
 #include <fstream>
 
 #include "harness/base/error.h"
+#include "harness/base/input_files.h"
 #include "harness/recording/csv_source.h"
 #include "harness/recording/hdf5_source.h"
 
@@ -52,6 +53,7 @@ TableFormat table_format(const std::filesystem::path& path) {
 std::unique_ptr<TableSource> open_table(const std::filesystem::path& path) {
   const TableFormat format = table_format(path);
   check_readable(path);
+  note_input_file(path);
   if (format == TableFormat::hdf5) return open_hdf5_source(path);
   if (holds_hdf5(path)) {
     throw BadData(fmt::format("{}: is an HDF5 file with the name of a CSV file; rename it to .h5", path.string()));

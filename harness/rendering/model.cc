@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "harness/base/atomic_file.h"
+#include "harness/base/input_files.h"
 #include "harness/base/json_reader.h"
 
 namespace touchstone {
@@ -40,7 +41,10 @@ nlohmann::ordered_json to_json(const std::vector<NamedParameters>& entries) {
 
 }  // namespace
 
-Model load_model(const std::filesystem::path& path) { return parse_model(read_file(path), path.string()); }
+Model load_model(const std::filesystem::path& path) {
+  note_input_file(path);
+  return parse_model(read_file(path), path.string());
+}
 
 Model parse_model(std::string_view text, std::string_view source) {
   const nlohmann::json document = parse_json(text, source);

@@ -6,6 +6,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <string>
@@ -13,6 +14,7 @@
 #include "harness/base/atomic_file.h"
 #include "harness/base/error.h"
 #include "harness/report/ctest_measurement.h"
+#include "harness/report/drawn_pixels.h"
 
 namespace touchstone {
 namespace {
@@ -24,13 +26,16 @@ std::string quoted(const std::string& text) {
   return safe + "'";
 }
 
+constexpr std::size_t picture_width = 1000;
+constexpr std::size_t title_height = 60;
+
 std::string script_of(const Plot& plot, const std::filesystem::path& png) {
-  constexpr int panel_height = 260;
-  const int height = panel_height * static_cast<int>(plot.panels.size()) + 60;
+  constexpr std::size_t panel_height = 260;
+  const auto height = panel_height * plot.panels.size() + title_height;
   std::string script = fmt::format(
-      "set terminal pngcairo noenhanced size 1000,{} font 'sans,9'\nset output {}\nset datafile separator ' '\n"
+      "set terminal pngcairo noenhanced size {},{} font 'sans,9'\nset output {}\nset datafile separator ' '\n"
       "set multiplot layout {},1 title {}\nset grid\nset xlabel {}\n",
-      height, quoted(png.string()), plot.panels.size(), quoted(plot.title), quoted(plot.x_label));
+      picture_width, height, quoted(png.string()), plot.panels.size(), quoted(plot.title), quoted(plot.x_label));
   for (const PlotPanel& panel : plot.panels) {
     script += fmt::format("set title {}\nset ylabel {}\nset autoscale y\n", quoted(panel.title), quoted(panel.y_label));
     if (panel.y_range.first < panel.y_range.second) {
@@ -52,11 +57,45 @@ std::string script_of(const Plot& plot, const std::filesystem::path& png) {
   return script + "unset multiplot\n";
 }
 
+// Whether a line goes through most of the panel's width, so that it must show.
+bool goes_across(const PlotPanel& panel) {
+  double low = INFINITY;
+  double high = -INFINITY;
+  double widest = 0.0;
+  for (const PlotLine& line : panel.lines) {
+    double first = INFINITY;
+    double last = -INFINITY;
+    for (const auto& [x, y] : line.points) {
+      if (!std::isfinite(x) || !std::isfinite(y)) continue;
+      first = std::min(first, x);
+      last = std::max(last, x);
+    }
+    low = std::min(low, first);
+    high = std::max(high, last);
+    if (last > first) widest = std::max(widest, last - first);
+  }
+  return widest > 0.5 * (high - low) && widest > 0.0;
+}
+
+// A decoded picture may still show no data: the columns of pixels that a line through the panel takes are counted.
+std::string picture_problem(const Plot& plot, const std::filesystem::path& png) {
+  if (auto problem = png_problem(png); !problem.empty()) return problem;
+  const auto drawn = coloured_columns(png, plot.panels.size(), title_height);
+  for (std::size_t i = 0; i < plot.panels.size(); ++i) {
+    // Far more than the legend's sample of the line.
+    if (goes_across(plot.panels[i]) && (i >= drawn.size() || drawn[i] < picture_width / 4))
+      return "the panel '" + plot.panels[i].title + "' is blank although it has data";
+  }
+  return {};
+}
+
 }  // namespace
 
 std::string write_plot(const Plot& plot, const std::filesystem::path& png) {
-  const auto script = png.string() + ".gnuplot";
-  write_file(script, script_of(plot, png));
+  AtomicFile picture(png);
+  const AtomicFile script_file(png.string() + ".gnuplot");  // for gnuplot alone: never put in place
+  const std::string script = script_file.path().string();
+  write_file(script, script_of(plot, picture.path()));
   posix_spawn_file_actions_t actions;
   posix_spawn_file_actions_init(&actions);
   posix_spawn_file_actions_addopen(&actions, 1, "/dev/null", O_WRONLY, 0);
@@ -69,11 +108,11 @@ std::string write_plot(const Plot& plot, const std::filesystem::path& png) {
   posix_spawn_file_actions_destroy(&actions);
   int status = 0;
   if (failed == 0) waitpid(child, &status, 0);
-  std::error_code ignored;
-  std::filesystem::remove(script, ignored);
   if (failed != 0) return "gnuplot is not installed (Debian package gnuplot-nox)";
   if (status != 0) return "gnuplot failed";
-  return png_problem(png);
+  if (auto problem = picture_problem(plot, picture.path()); !problem.empty()) return problem;
+  picture.commit();
+  return {};
 }
 
 }  // namespace touchstone

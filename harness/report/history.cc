@@ -124,7 +124,7 @@ void append_history(const std::filesystem::path& file, const std::vector<History
       text += line.dump() + "\n";
     }
   }
-  write_file(file, text);
+  write_file(file, text, Replace::inputs_too);
 }
 
 std::vector<HistorySeries> collect_ctest(const std::filesystem::path& testing, const std::string& commit) {

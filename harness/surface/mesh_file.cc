@@ -11,6 +11,7 @@
 
 #include "harness/base/atomic_file.h"
 #include "harness/base/error.h"
+#include "harness/base/input_files.h"
 #include "harness/surface/mesh_soup.h"
 
 namespace touchstone {
@@ -80,6 +81,7 @@ MeshFormat mesh_format(const std::filesystem::path& path) {
 
 TriangleMesh load_mesh(const std::filesystem::path& path, double unit_m) {
   const MeshFormat format = mesh_format(path);
+  note_input_file(path);
   const std::string bytes = lower_extension(path) == ".gz" ? unpacked(path) : read_file(path);
   return parse_mesh(bytes, format, unit_m, path.string());
 }

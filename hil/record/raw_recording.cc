@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "harness/base/error.h"
+#include "harness/base/input_files.h"
 #include "harness/base/json_reader.h"
 
 namespace touchstone::hil {
@@ -125,6 +126,7 @@ RecoveryReport read_raw(const std::filesystem::path& path, const std::function<v
   using namespace raw_format;
   std::ifstream in(path, std::ios::binary);
   if (!in) throw BadData(fmt::format("{}: cannot be opened for reading", path.string()));
+  note_input_file(path);
   const auto size = static_cast<std::uint64_t>(std::filesystem::file_size(path));
   const auto read_at = [&](std::uint64_t offset, std::uint64_t bytes) {
     std::string data(static_cast<std::size_t>(std::min(bytes, size > offset ? size - offset : 0)), '\0');
