@@ -43,8 +43,9 @@ std::vector<TexturePeak> texture_peaks(const Recording& recording, const Predict
     const Vec3& n = current.n_W[i];
     if (n.isZero() || current.depth_m[i] <= 0.0 || current.normal_N[i] <= 0.0) continue;
     const double stiffness = current.normal_N[i] / current.depth_m[i];
-    seen.emplace_back(recording.motion.p_W_m[i].x(), recording.motion.p_W_m[i].y(),
-                      n.dot(recording.f_W_N[i] - current.f_W_N[i]) / stiffness);
+    // The wave is the surface's: it is seen at the foot of a point tip, up to a constant for a ball on a smooth body.
+    const Vec3 foot_W_m = recording.motion.p_W_m[i] + current.depth_m[i] * n;
+    seen.emplace_back(foot_W_m.x(), foot_W_m.y(), n.dot(recording.f_W_N[i] - current.f_W_N[i]) / stiffness);
   }
   std::vector<TexturePeak> peaks;
   if (seen.size() < 30 || !(extent_m > 0.0)) return peaks;

@@ -15,7 +15,7 @@ struct ContactState {
   double dt_s = 0.0;  // since the last step; 0 at the first
   Vec3 tip_W_m = Vec3::Zero();
   Vec3 tip_step_W_m = Vec3::Zero();  // tip's displacement since the last step; zero at the first
-  Vec3 proxy_W_m = Vec3::Zero();     // surface contact point of the base renderer
+  Vec3 proxy_W_m = Vec3::Zero();     // surface contact point of the base renderer; across a gap the closest one
   Vec3 n_W = Vec3::Zero();           // outward unit normal
   double depth_m = 0.0;              // penetration; negative: the gap, where the stack measures gaps
   double depth_rate_m_per_s = 0.0;   // backward difference of depth_m; at a contact's first sample, of the tip along -n

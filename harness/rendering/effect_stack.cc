@@ -47,10 +47,12 @@ void EffectChain::fill_contact(const TipState& tip, const StepResult& base) noex
       // The base has already measured the gap.
       state_.n_W = base.n_W;
       state_.depth_m = base.depth_m;
+      state_.proxy_W_m = tip.p_W_m - (offset_m_ - base.depth_m) * base.n_W;
     } else if (needs_gap_) {
       const SurfacePoint closest = surface_->closest(tip.p_W_m);
       state_.n_W = closest.n_W;
       state_.depth_m = offset_m_ - closest.distance_m;
+      state_.proxy_W_m = closest.p_W_m;
     } else {
       state_.n_W.setZero();
     }

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <numbers>
 
 #include "harness/base/error.h"
 #include "harness/rendering/effect_stack.h"
@@ -10,6 +11,7 @@
 #include "harness/surface/embree_surface.h"
 #include "renderers/catalogue.h"
 #include "renderers/effects/catalogue.h"
+#include "synthetic/surfaces/sphere.h"
 
 namespace touchstone {
 namespace {
@@ -182,6 +184,25 @@ TEST(Effects, TextureAddsItsWaveToTheDepthAndTouchesFirstAtItsCrests) {
   EXPECT_NEAR(results[2].f_W_N.z(), k * 0.9e-3, 1e-9);
   EXPECT_NEAR(results[3].f_W_N.z(), k * 5e-5, 1e-9);  // above the mesh, under the crest
   EXPECT_EQ(results[4].f_W_N.z(), 0.0);
+}
+
+// On a curved body a deeply pressed tip is not where its foot is: the texture is the surface's, so it counts at the
+// foot.
+TEST(Effects, TextureActsAtTheFootOnACurvedBody) {
+  const double radius = 0.03, depth = 0.004, amplitude = 2e-4, wavelength = 0.005;
+  const auto surface = std::make_shared<synthetic::Sphere>(radius);
+  Model model =
+      with("surface-texture",
+           {{"amplitude_m", amplitude}, {"wavelength_m", wavelength}, {"direction_rad", 0.0}, {"phase_rad", 0.3}});
+  model.renderer = "penalty";
+  const auto renderer = make_renderer(model, surface);
+  for (const double angle : {0.2, 0.5, 0.9, 1.3}) {
+    const Vec3 n(std::sin(angle), 0.0, std::cos(angle));
+    renderer->reset();
+    const StepResult result = renderer->step({0.0, (radius - depth) * n, Quat::Identity()});
+    const double height = amplitude * std::sin(2.0 * std::numbers::pi * radius * n.x() / wavelength + 0.3);
+    EXPECT_NEAR(result.f_W_N.dot(n), k * (depth + height), 1e-9) << "at " << angle << " rad";
+  }
 }
 
 TEST(Effects, WrongModelsAreRefusedWithTheirPlace) {

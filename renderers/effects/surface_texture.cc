@@ -19,7 +19,7 @@ class SurfaceTexture final : public Effect {
   void apply(ContactState& contact) noexcept override {
     // Far from the surface the sine cannot make a contact; the normal is unknown there.
     if (contact.n_W.isZero()) return;
-    contact.depth_m += amplitude_ * std::sin(kx_ * contact.tip_W_m.x() + ky_ * contact.tip_W_m.y() + phase_);
+    contact.depth_m += amplitude_ * std::sin(kx_ * contact.proxy_W_m.x() + ky_ * contact.proxy_W_m.y() + phase_);
   }
 
  private:

@@ -80,9 +80,14 @@ HiddenContact::Forces HiddenContact::step(double t_s, double dt_s, const Vec3& p
   if (h.texture_amplitude_m != 0.0) {
     const double wave = 2.0 * std::numbers::pi / h.texture_wavelength_m;
     const Vec2 direction(std::cos(h.texture_direction_rad), std::sin(h.texture_direction_rad));
-    const double angle = wave * direction.dot(p.head<2>()) + h.texture_phase_rad;
-    depth += h.texture_amplitude_m * std::sin(angle);
-    rate += h.texture_amplitude_m * wave * std::cos(angle) * direction.dot(v.head<2>());
+    // The texture is the surface's: it is felt at the foot, which runs slower or faster than the tip on a curved
+    // object.
+    const double height =
+        h.texture_amplitude_m * std::sin(wave * direction.dot(foot.q_W_m.head<2>()) + h.texture_phase_rad);
+    depth += height;
+    if (dt_s > 0.0 && has_texture_height_) rate += (height - texture_height_m_) / dt_s;
+    texture_height_m_ = height;
+    has_texture_height_ = true;
   }
   if (h.dent_share > 0.0) {
     double& here = dent(foot.q_W_m.head<2>());

@@ -76,6 +76,8 @@ class HiddenContact {
   double arm_N_ = 0.0;
   double last_arm_spring_N_ = 0.0;
   bool bonded_ = false;
+  double texture_height_m_ = 0.0;  // at the last step
+  bool has_texture_height_ = false;
   static constexpr int dent_cells = 40;
   std::vector<double> dents_m_;
 };
