@@ -93,10 +93,11 @@ Dataset load_dataset(const std::filesystem::path& place) {
   if (dataset.friction_coefficient && !(*dataset.friction_coefficient >= 0.0 && *dataset.friction_coefficient <= 5.0))
     root.fail_at("friction_coefficient", "must lie between 0 and 5");
   const std::string mode = root.text("in_trajectory");
-  if (mode != "synthesize" && mode != "measured") {
-    root.fail_at("in_trajectory", fmt::format("'{}' is unknown: use synthesize or measured", mode));
+  const std::optional<InTrajectoryMode> known = find_in_trajectory(mode);
+  if (!known) {
+    root.fail_at("in_trajectory", fmt::format("'{}' is unknown: use synthesize, whole-force or measured", mode));
   }
-  dataset.in_trajectory = mode == "measured" ? InTrajectoryMode::measured : InTrajectoryMode::synthesize;
+  dataset.in_trajectory = *known;
   for (JsonObject& entry : root.objects("recordings")) {
     DatasetRecording recording;
     recording.file = file_name(entry, "file", entry.text("file"));
@@ -119,6 +120,25 @@ Dataset load_dataset(const std::filesystem::path& place) {
   return dataset;
 }
 
+std::string_view in_trajectory_name(InTrajectoryMode mode) {
+  switch (mode) {
+    case InTrajectoryMode::synthesize:
+      return "synthesize";
+    case InTrajectoryMode::whole_force:
+      return "whole-force";
+    case InTrajectoryMode::measured:
+      return "measured";
+  }
+  return "";
+}
+
+std::optional<InTrajectoryMode> find_in_trajectory(std::string_view name) {
+  for (const auto mode : {InTrajectoryMode::synthesize, InTrajectoryMode::whole_force, InTrajectoryMode::measured}) {
+    if (in_trajectory_name(mode) == name) return mode;
+  }
+  return std::nullopt;
+}
+
 void save_dataset(const Dataset& dataset) {
   nlohmann::ordered_json json;
   json["schema"] = schema;
@@ -130,7 +150,7 @@ void save_dataset(const Dataset& dataset) {
   if (!dataset.instrument_file.empty()) json["instrument_file"] = dataset.instrument_file;
   json["stiffness_N_per_m"] = dataset.stiffness_N_per_m;
   if (dataset.friction_coefficient) json["friction_coefficient"] = *dataset.friction_coefficient;
-  json["in_trajectory"] = dataset.in_trajectory == InTrajectoryMode::measured ? "measured" : "synthesize";
+  json["in_trajectory"] = in_trajectory_name(dataset.in_trajectory);
   json["recordings"] = nlohmann::ordered_json::array();
   for (const DatasetRecording& recording : dataset.recordings) {
     nlohmann::ordered_json entry;

@@ -10,7 +10,7 @@
 //    "instrument_file": "instrument.json",                        (optional; touchstone-instrument/1)
 //    "stiffness_N_per_m": 500,
 //    "friction_coefficient": 0.2,                                 (optional; of tip and object, where it is known)
-//    "in_trajectory": "synthesize",                               (or "measured", for compliant objects)
+//    "in_trajectory": "synthesize",                               (or "whole-force"; "measured" for compliant objects)
 //    "recordings": [{"file": "scan.csv", "shows": "a scan along y with taps at both ends",
 //                    "exact": "scan.exact.csv"}],                 (optional: the exact answer)
 //    "source": "who measured or made it, and how",
@@ -24,6 +24,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "harness/base/vec.h"
@@ -31,10 +32,18 @@
 
 namespace touchstone {
 
+// How the path that a renderer gets is made of a recording; harness/rendering/in_trajectory.h derives when each is
+// right.
 enum class InTrajectoryMode : std::uint8_t {
-  synthesize,  // p_in = p_out - F_n / k (Ruffaldi et al. 2006, equation 2)
-  measured,    // the measured positions as they are
+  synthesize,   // p_in = p_out - F_n / k, the normal force (Ruffaldi et al. 2006, equation 2)
+  whole_force,  // p_in = p_out - F / k, friction included
+  measured,     // the measured positions as they are
 };
+
+// "synthesize", "whole-force", "measured": as data sets and command lines spell them.
+std::string_view in_trajectory_name(InTrajectoryMode mode);
+// Empty for any other text.
+std::optional<InTrajectoryMode> find_in_trajectory(std::string_view name);
 
 struct DatasetRecording {
   std::string file;

@@ -10,6 +10,7 @@
 #include "harness/metrics/episodes.h"
 #include "harness/metrics/metric.h"
 #include "harness/report/provenance.h"
+#include "harness/report/rendered_input.h"
 
 namespace touchstone {
 
@@ -35,6 +36,7 @@ struct EvaluationResult {
   std::string title;                                          // what was evaluated, in a few words
   std::string renderer;                                       // name in the model
   std::string model;                                          // the model file's text, normalised
+  RenderedInput input;                                        // what the renderer was given; hash "" where not known
   std::vector<std::pair<std::string, std::string>> settings;  // what was chosen, with units
   std::vector<std::string> messages;                          // what the reader must know: warnings, what was assumed
   std::vector<MetricResult> metrics;

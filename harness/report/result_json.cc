@@ -112,6 +112,7 @@ std::string result_to_json(const EvaluationResult& result) {
                       {"title", result.title},
                       {"renderer", result.renderer},
                       {"model", result.model},
+                      {"input", input_to_json(result.input)},
                       {"settings", std::move(settings)},
                       {"messages", result.messages},
                       {"metrics", std::move(metrics)},
@@ -133,6 +134,7 @@ EvaluationResult parse_result(std::string_view text, std::string_view source) {
   out.title = in.text("title");
   out.renderer = in.text("renderer");
   out.model = in.text("model");
+  if (in.has("input")) out.input = input_from_json(in.object("input"));
   for (JsonObject& one : in.objects("settings")) {
     out.settings.emplace_back(one.text("name"), one.text("value"));
     one.finish();

@@ -1,0 +1,99 @@
+#include "harness/pipeline/board.h"
+
+#include <nlohmann/json.hpp>
+
+#include "harness/base/atomic_file.h"
+#include "harness/base/random.h"
+#include "harness/pipeline/board_json.h"
+#include "harness/pipeline/board_pictures.h"
+#include "harness/pipeline/sample_board.h"
+#include "harness/pipeline/verdict.h"
+
+namespace touchstone::pipeline {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+TEST(Board, SaysInWordsWhoIsBest) {
+  const Board board = sample_board({0.1, 0.2, 0.2001, 0.5});
+  const std::string words = verdict(board.tasks.front());
+  EXPECT_THAT(words, HasSubstr("renderer-0 is best"));
+  EXPECT_THAT(words, HasSubstr("Last is renderer-3"));
+  EXPECT_THAT(words, HasSubstr("pointed does not enter"));
+  EXPECT_THAT(words, HasSubstr("crashed failed"));
+  const Board same = sample_board({0.1, 0.1});
+  EXPECT_THAT(verdict(same.tasks.front()), HasSubstr("cannot tell the 2 renderers apart"));
+}
+
+TEST(Board, TheTableFitsATerminal) {
+  const Board board = sample_board({0.1, 0.2, 0.3});
+  const std::string table = short_table(board.tasks.front());
+  std::istringstream lines(table);
+  for (std::string line; std::getline(lines, line);) EXPECT_LE(line.size(), 80u) << line;
+  EXPECT_LT(table.find("renderer-0"), table.find("renderer-1"));
+  EXPECT_THAT(table, HasSubstr("FAILED"));
+  EXPECT_EQ(wrapped("one two three", 8, 2), "one two\n  three");
+}
+
+TEST(Board, OverAllRecordingsRanksOnlyWhoRanOnAll) {
+  Board board = sample_board({0.1, 0.2, 0.3}, 6);
+  board.tasks[3].entries[1].state = EntryState::failed;
+  rank_board(board, true);
+  ASSERT_TRUE(board.overall.has_value());
+  EXPECT_EQ(board.overall->renderers, (std::vector<std::string>{"renderer-0", "renderer-2"}));
+  EXPECT_THAT(board.overall->left_out, ::testing::Contains(HasSubstr("renderer-1: failed on task 3")));
+  EXPECT_TRUE(board.overall->ranking.told_apart(0, 1));
+  EXPECT_EQ(board.overall->pareto, (std::vector<bool>{true, false})) << "the better one takes fewer operations as well";
+}
+
+TEST(Board, TheJsonIsTheSameForTheSameRowsAndHasNoTimes) {
+  Board board = sample_board({0.1, 0.2}, 2);
+  const std::string text = board_to_json(board);
+  for (Task& task : board.tasks) {
+    for (Entry& entry : task.entries) entry.scores.median_us *= 2.0;
+  }
+  rank_board(board, true);
+  EXPECT_EQ(board_to_json(board), text);
+  EXPECT_THAT(text, Not(HasSubstr("_us")));
+  const auto json = nlohmann::json::parse(text);
+  EXPECT_EQ(json["schema"], "touchstone-leaderboard/1");
+  EXPECT_EQ(json["tasks"][0]["entries"][0]["renderer"], "renderer-0");
+  EXPECT_EQ(json["tasks"][0]["entries"].back()["state"], "failed");
+}
+
+TEST(Board, ChangesAreSaidAndOtherInputsAreNotCompared) {
+  Board board = sample_board({0.1, 0.2}, 2);
+  const auto file = std::filesystem::temp_directory_path() / ("touchstone-board-" + std::to_string(::getpid()));
+  write_file(file, board_to_json(board));
+  const auto before = load_earlier(file);
+  std::filesystem::remove(file);
+  EXPECT_TRUE(changes_since(before, board).empty());
+  board.tasks[0].entries[0].scores.rms_force_error_N = 0.05;
+  board.tasks[1].entries[0].input.hash = "another";
+  board.tasks[1].entries[1].renderer = "newcomer";
+  EXPECT_THAT(
+      changes_since(before, board),
+      ::testing::ElementsAre(HasSubstr("renderer-0 on task 0: RMS force error"), HasSubstr("another input than before"),
+                             HasSubstr("newcomer on task 1: new"), HasSubstr("1 entries of the last run")));
+}
+
+TEST(Board, ErrorsComeBackFromTheirText) {
+  const Board board = sample_board({0.1});
+  const BinnedErrors& errors = board.tasks[0].entries[0].errors;
+  const BinnedErrors read = errors_from_text(errors_to_text(errors), "row");
+  EXPECT_EQ(read.squares_N2, errors.squares_N2);
+  EXPECT_EQ(read.samples, errors.samples);
+}
+
+TEST(Board, PicturesNameEveryRendererThatRan) {
+  const Board board = sample_board({0.1, 0.2, 0.3}, 2);
+  for (const std::string& picture :
+       {error_picture(board.tasks[0]), error_picture(*board.overall), pareto_picture(*board.overall)}) {
+    for (const char* const name : {"renderer-0", "renderer-1", "renderer-2"}) EXPECT_THAT(picture, HasSubstr(name));
+    EXPECT_THAT(picture, Not(HasSubstr("nan")));
+  }
+}
+
+}  // namespace
+}  // namespace touchstone::pipeline
