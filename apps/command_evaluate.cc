@@ -6,10 +6,13 @@
 
 #include "apps/commands.h"
 #include "apps/evaluation/campaign.h"
+#include "apps/evaluation/counted_cost.h"
 #include "apps/evaluation/perceived.h"
 #include "apps/evaluation_flags.h"
 #include "harness/base/atomic_file.h"
 #include "harness/metrics/catalogue.h"
+#include "harness/pipeline/board_site.h"
+#include "harness/pipeline/verdict.h"
 
 namespace touchstone::apps {
 namespace {
@@ -24,7 +27,7 @@ std::vector<PlannedEvaluation> plan(const EvaluateOptions& options) {
   EvaluationRequest base = make_request(options.flags);
   base.metrics = options.metrics;
   for (const std::string& name : options.metrics) {
-    if (!is_perceived_metric(name)) find_metric(name);
+    if (!is_perceived_metric(name) && !is_operation_metric(name)) find_metric(name);
   }
   base.time_ranges = TimeRanges::parse(options.time_range, "--time-range");
   const Plugins plugins = options.flags.plugins.load();
@@ -39,7 +42,7 @@ std::vector<PlannedEvaluation> plan(const EvaluateOptions& options) {
     }
     for (const auto& [model, file] : models) {
       PlannedEvaluation one{base, base.recording.string(), file.stem().string(),
-                            models.size() == 1 ? std::filesystem::path() : file.stem()};
+                            models.size() == 1 ? std::filesystem::path() : file.stem(), ""};
       one.request.model = model;
       one.request.model_file = file;
       const auto same = [&](const PlannedEvaluation& other) { return other.folder == one.folder; };
@@ -60,11 +63,30 @@ std::vector<PlannedEvaluation> plan(const EvaluateOptions& options) {
   return out;
 }
 
+// In words, and a table that fits the terminal; everything else goes into files beside the reports.
+void print_results(const std::vector<Evaluated>& evaluated, const std::filesystem::path& out) {
+  constexpr std::size_t few = 2;  // evaluations whose whole tables a terminal takes
+  pipeline::Board board = board_of(evaluated, out);
+  board.title = evaluated.size() == 1 ? evaluated.front().column + " on " + evaluated.front().group
+                                      : "Renderers held against recordings";
+  pipeline::rank_board(board, false);
+  const std::string tables = summary_table(evaluated);
+  write_file(out / "tables.txt", tables);
+  write_file(out / "index.html",
+             pipeline::site_html(board, {make_provenance(command_line()), {}, false, {{"tables", "tables.txt"}}}));
+  for (const pipeline::Task& task : board.tasks) {
+    fmt::print("{}\n{}\n\n", task.name, pipeline::wrapped(pipeline::verdict(task), pipeline::terminal_width()));
+    if (evaluated.size() > few) fmt::print("{}\n", pipeline::short_table(task));
+  }
+  if (evaluated.size() <= few) fmt::print("{}", tables);
+  fmt::print("every metric: {}\nall reports: {}\n", (out / "tables.txt").string(), (out / "index.html").string());
+}
+
 ExitStatus evaluate_command(const EvaluateOptions& options) {
   const auto planned = plan(options);
   ensure_writable_folder(options.out);
   const auto evaluated = run_plan(planned, options.out);
-  fmt::print("{}", summary_table(evaluated));
+  print_results(evaluated, options.out);
   if (!options.json.empty()) write_file(options.json, summary_json(evaluated));
   // A number that is none must not look like a pass, nor a renderer that broke down.
   const bool invalid = std::ranges::any_of(evaluated, [](const Evaluated& one) {
@@ -72,6 +94,8 @@ ExitStatus evaluate_command(const EvaluateOptions& options) {
       return metric.status == MetricStatus::invalid;
     });
   });
+  const bool none = std::ranges::all_of(evaluated, [](const Evaluated& one) { return !one.does_not_enter.empty(); });
+  if (none) throw UsageError(evaluated.front().does_not_enter);
   return invalid ? ExitStatus::failed : ExitStatus::passed;
 }
 

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "apps/commands.h"
+#include "apps/evaluation/counted_cost.h"
 #include "apps/evaluation/perceived.h"
 #include "apps/plugin_flags.h"
 #include "harness/base/atomic_file.h"
@@ -87,6 +88,11 @@ std::vector<Kind> everything(const CLI::App& program, const Plugins& plugins) {
       if (name != "perception") results += (results.empty() ? "" : ", ") + name;
     }
     metrics.items.push_back({"perception", results, {}});
+    results.clear();
+    for (const auto& name : operation_metrics()) {
+      if (name != "operations") results += (results.empty() ? "" : ", ") + name;
+    }
+    metrics.items.push_back({"operations", results, {}});
   }
   kinds.push_back(std::move(metrics));
   kinds.push_back({"surfaces", "Synthetic surfaces (parameters: touchstone synth --list)",

@@ -69,9 +69,10 @@ void add_evaluation_flags(CLI::App& command, EvaluationFlags& flags) {
   command
       .add_option(
           "--in-trajectory", flags.in_trajectory,
-          "synthesize: the path whose surface contact point would follow the measured one (the default); measured: "
+          "synthesize: the path whose surface contact point would follow the measured one, from the normal force (the "
+          "default); whole-force: the same from the whole force, for renderers with friction in their proxy; measured: "
           "the measured positions as they are, for compliant objects")
-      ->check(CLI::IsMember({"synthesize", "measured"}));
+      ->check(CLI::IsMember({"synthesize", "whole-force", "measured"}));
   command.add_option("--tip-radius", flags.tip_radius,
                      "The tip is a ball of this radius and positions are its centre: 3.15mm");
   command.add_option("--stiffness", flags.stiffness_N_per_m,
@@ -102,7 +103,7 @@ EvaluationRequest make_request(const EvaluationFlags& flags) {
   request.mesh = flags.mesh;
   request.mesh_unit = flags.mesh_unit;
   static_cast<void>(length_unit_factor(flags.mesh_unit));
-  request.in_trajectory = flags.in_trajectory == "measured" ? InTrajectoryMode::measured : InTrajectoryMode::synthesize;
+  request.in_trajectory = find_in_trajectory(flags.in_trajectory).value_or(InTrajectoryMode::synthesize);
   if (!flags.tip_radius.empty()) {
     request.tip_radius_m = parse_length_m(flags.tip_radius, "--tip-radius");
     if (!(*request.tip_radius_m >= 0.0))

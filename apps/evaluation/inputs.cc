@@ -105,7 +105,14 @@ void refuse_faults(const EvaluationRequest& request, EvaluationInputs& inputs) {
   for (std::string& remark : refuse_insane(some, context)) inputs.messages.push_back(std::move(remark));
 }
 
-// The tip that the request names, where the model does not name one.
+// What the renderer says of itself, as " (it renders a point)".
+std::string point_reason(const RendererEntry& entry) {
+  const Limitation* const limitation = find_limitation(entry.cannot, Ability::ball_tip);
+  return limitation == nullptr ? "" : fmt::format(" ({})", limitation->reason);
+}
+
+// The tip that the request names, where the model does not name one. A renderer that cannot represent it is refused:
+// fed the ball's centre it would answer for another place.
 void set_tip_radius(const EvaluationRequest& request, const RendererEntry& entry, EvaluationInputs& inputs) {
   if (!request.tip_radius_m) return;
   const auto named = base_parameters(inputs.model, entry.parameters);
@@ -119,9 +126,10 @@ void set_tip_radius(const EvaluationRequest& request, const RendererEntry& entry
   if (std::ranges::find(entry.parameters, "tip_radius_m", &ParameterDeclaration::name) != entry.parameters.end()) {
     inputs.model.parameters["tip_radius_m"] = *request.tip_radius_m;
   } else {
-    inputs.messages.push_back(
-        fmt::format("The probe was a ball of radius {}; the renderer knows point tips only and sees its centre.",
-                    display_quantity(*request.tip_radius_m, "m")));
+    throw TipNotRepresentable(fmt::format(
+        "{} renders point tips only{}, and the probe was a ball of radius {}: its centre is not where it touched. Give "
+        "--tip-radius 0, and every renderer gets the point where the ball touched",
+        entry.name, point_reason(entry), display_quantity(*request.tip_radius_m, "m")));
   }
 }
 
@@ -172,9 +180,15 @@ void extend_where_the_mesh_has_ended(const EvaluationRequest& request, Evaluatio
 RecordingStream open_recording(const EvaluationRequest& request) {
   StreamOptions options;
   // Without force there is nothing to make an in-trajectory from; measured positions can be replayed all the same.
-  options.need_force = request.in_trajectory == InTrajectoryMode::synthesize;
+  options.need_force = request.in_trajectory != InTrajectoryMode::measured;
   options.clock = request.clock;
   return RecordingStream::open(request.recording, options);
+}
+
+bool can_have_tip(const Model& model, double tip_radius_m) {
+  const RendererEntry& entry = find_renderer(model);
+  return tip_radius_m == 0.0 ||
+         std::ranges::find(entry.parameters, "tip_radius_m", &ParameterDeclaration::name) != entry.parameters.end();
 }
 
 EvaluationInputs load_inputs(const EvaluationRequest& request) {
@@ -190,7 +204,7 @@ EvaluationInputs load_inputs(const EvaluationRequest& request) {
   };
   inputs.tip_radius_m = request.tip_radius_m.value_or(value("tip_radius_m"));
   inputs.stiffness_N_per_m = request.stiffness_N_per_m.value_or(value("stiffness_N_per_m"));
-  if (request.in_trajectory == InTrajectoryMode::synthesize && !(inputs.stiffness_N_per_m > 0.0)) {
+  if (request.in_trajectory != InTrajectoryMode::measured && !(inputs.stiffness_N_per_m > 0.0)) {
     throw UsageError(
         fmt::format("the renderer {} has no stiffness to make an in-trajectory with; give --stiffness, or "
                     "--in-trajectory measured",

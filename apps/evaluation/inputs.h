@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "apps/evaluation/request.h"
+#include "harness/base/error.h"
 #include "harness/recording/recording_stream.h"
 #include "harness/report/provenance.h"
 #include "harness/surface/surface.h"
@@ -28,6 +29,15 @@ struct RecordingSurvey {
   std::vector<Quat> some_orientations_WS;  // empty where not recorded
 };
 
+// The renderer cannot represent the tip of the recording: it does not enter.
+class TipNotRepresentable : public UsageError {
+ public:
+  using UsageError::UsageError;
+};
+
+// Whether a model of the catalogue's or a plug-in's renderer can have a tip of this radius; see TipNotRepresentable.
+bool can_have_tip(const Model& model, double tip_radius_m);
+
 struct EvaluationInputs {
   TriangleMesh mesh;
   double extended_m = 0.0;     // by which open edges were continued
@@ -45,7 +55,8 @@ struct EvaluationInputs {
 RecordingStream open_recording(const EvaluationRequest& request);
 
 // Throws BadData: unreadable files, a recording that is not sane (harness/sanity/sanity.h: nowhere near the mesh,
-// forces reversed or in another frame), a model that cannot run.
+// forces reversed or in another frame), a model that cannot run. Throws TipNotRepresentable for a tip that
+// the renderer cannot have.
 EvaluationInputs load_inputs(const EvaluationRequest& request);
 
 }  // namespace touchstone

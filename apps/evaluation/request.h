@@ -26,6 +26,8 @@ struct EvaluationRequest {
   double contact_threshold_N = 0.05;        // see out_trajectory.h, rule 1; also the metrics' force floor
   std::optional<double> force_threshold_N;  // episodes; a tenth of the largest usual force where it is not given
   double position_threshold_m = 0.5e-3;     // episodes; the accuracy of the tracker of the 2006 paper
+  // The probe was a ball, and every renderer gets the point where it touched, as a point tip (--tip-radius 0).
+  double probe_radius_m = 0.0;  // of the ball; 0: the tip is what it is
   bool flip_force = false;
   bool closed = false;  // refuse a mesh with open edges
   bool repair = false;  // turn triangles that are inside out (harness/surface/mesh_repair.h)

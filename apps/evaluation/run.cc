@@ -7,6 +7,7 @@
 #include <deque>
 #include <memory>
 
+#include "apps/evaluation/counted_cost.h"
 #include "apps/evaluation/perceived.h"
 #include "apps/evaluation/sensor_window.h"
 #include "harness/base/atomic_file.h"
@@ -53,10 +54,15 @@ MetricOptions metric_options(const EvaluationRequest& request, const RecordingSu
   return options;
 }
 
-// What is asked of the catalogue of metrics; perception is beside it.
+// What is asked of the catalogue of metrics; perception and operations are beside it.
 std::vector<std::string> of_the_catalogue(std::vector<std::string> names) {
   std::erase_if(names, is_perceived_metric);
+  std::erase_if(names, is_operation_metric);
   return names;
+}
+
+bool asks_for_perception(const std::vector<std::string>& names) {
+  return names.empty() || std::ranges::any_of(names, is_perceived_metric);
 }
 
 // Everything that looks at the stream of samples.
@@ -98,7 +104,9 @@ class Collector {
   void finish(const EvaluationInputs& inputs, EvaluationResult& result) {
     // Names that are all of perception leave none for the catalogue, which would take that for all of its own.
     if (names_.empty() || !of_the_catalogue(names_).empty()) result.metrics = metrics_.results();
-    for (MetricResult& one : perceived_.results(names_, has_force_)) result.metrics.push_back(std::move(one));
+    if (asks_for_perception(names_)) {
+      for (MetricResult& one : perceived_.results(names_, has_force_)) result.metrics.push_back(std::move(one));
+    }
     for (std::size_t axis = 0; has_force_ && axis < 3; ++axis) result.signals.push_back(measured_[axis].series());
     for (const SeriesRecorder& one : rendered_) result.signals.push_back(one.series());
     result.force_threshold_N = options_.force_threshold_N;
@@ -158,6 +166,7 @@ class MeasuredStream {
         comparison_(comparison),
         stream_(open_recording(request)),
         maker_(*inputs.surface, {inputs.tip_radius_m, request.contact_threshold_N}) {
+    for (const Vec3& vertex : inputs.mesh.vertices_W_m) hash_.add_vertex(vertex);
     if (request.clock.on_gap == OnGap::split) {
       longest_step_s_ = request.clock.gap_factor * inputs.survey.clock.median_interval_s;
     }
@@ -182,10 +191,9 @@ class MeasuredStream {
     item.q_WS = block_.motion.q_WS.empty() ? Quat::Identity() : block_.motion.q_WS[at_];
     item.out = maker_(item.p_W_m, item.f_W_N);
     summary_.add(item.out);
-    tip = {t_s,
-           request_.in_trajectory == InTrajectoryMode::measured ? item.p_W_m
-                                                                : in_position(item.out, inputs_.stiffness_N_per_m),
+    tip = {t_s, in_position(item.out, item.p_W_m, item.f_W_N, inputs_.stiffness_N_per_m, request_.in_trajectory),
            item.q_WS};
+    hash_.add(t_s, tip.p_W_m, item.f_W_N, request_.time_ranges.contains(t_s, inputs_.survey.clock.start_s));
     waiting_.push_back(item);
     have_last_ = true;
     last_t_s_ = t_s;
@@ -200,6 +208,7 @@ class MeasuredStream {
     return item;
   }
   [[nodiscard]] const OutTrajectorySummary& summary() const { return summary_; }
+  [[nodiscard]] std::string hash() const { return hash_.text(); }
 
  private:
   const EvaluationRequest& request_;
@@ -208,6 +217,7 @@ class MeasuredStream {
   RecordingStream stream_;
   OutTrajectoryMaker maker_;
   OutTrajectorySummary summary_;
+  InputHash hash_;
   double longest_step_s_ = std::numeric_limits<double>::infinity();
   SampleBlock block_;
   std::size_t at_ = 0;
@@ -222,6 +232,18 @@ struct LostContact {
   double first_t_s = 0.0;
 };
 
+std::string tip_text(const EvaluationRequest& request, const EvaluationInputs& inputs) {
+  if (inputs.tip_radius_m > 0.0) return fmt::format("ball of radius {}", display_setting(inputs.tip_radius_m, "m"));
+  if (!(request.probe_radius_m > 0.0)) return "point";
+  return fmt::format("point: where the ball of radius {} touched", display_setting(request.probe_radius_m, "m"));
+}
+
+RenderedInput rendered_input(const EvaluationRequest& request, const EvaluationInputs& inputs, std::string hash) {
+  const bool made = request.in_trajectory != InTrajectoryMode::measured;
+  return {std::string(in_trajectory_name(request.in_trajectory)), made ? inputs.stiffness_N_per_m : 0.0,
+          inputs.tip_radius_m, request.contact_threshold_N, std::move(hash)};
+}
+
 void describe(const EvaluationRequest& request, const EvaluationInputs& inputs, const OutTrajectorySummary& summary,
               const LostContact& lost, std::uint64_t segments, EvaluationResult& result) {
   const ClockReport& clock = inputs.survey.clock;
@@ -234,12 +256,8 @@ void describe(const EvaluationRequest& request, const EvaluationInputs& inputs, 
                              display_quantity(size.x(), "m"), display_quantity(size.y(), "m"),
                              display_quantity(size.z(), "m"), request.mesh_unit)},
       {"Renderer", request.model.renderer},
-      {"In-trajectory", request.in_trajectory == InTrajectoryMode::measured
-                            ? "the measured positions as they are"
-                            : fmt::format("synthesized: out-trajectory less normal force over stiffness, at {}",
-                                          display_setting(inputs.stiffness_N_per_m, "N/m"))},
-      {"Tip", inputs.tip_radius_m > 0.0 ? fmt::format("ball of radius {}", display_setting(inputs.tip_radius_m, "m"))
-                                        : "point"},
+      {"In-trajectory", input_text(result.input)},
+      {"Tip", tip_text(request, inputs)},
       {"Contact threshold", fmt::format("{}: measured contact is a force that pushes outward by more",
                                         display_setting(request.contact_threshold_N, "N"))},
       {"Samples in contact", fmt::format("{} of {}", summary.in_contact, summary.samples)},
@@ -289,13 +307,34 @@ void describe(const EvaluationRequest& request, const EvaluationInputs& inputs, 
     result.messages.emplace_back("The recording has no force: nothing is said about force errors.");
 }
 
+// The same positions once more, through the renderer with counted arithmetic; segments follow one another as before.
+void add_operation_metrics(const EvaluationRequest& request, const EvaluationInputs& inputs,
+                           const MeasuredRenderer& comparison, std::vector<MetricResult>& metrics) {
+  if (!asks_for_operations(request.metrics)) return;
+  MeasuredStream positions(request, inputs, comparison);
+  const auto source = [&positions](TipState& tip) {
+    while (!positions.next(tip)) {
+      if (positions.exhausted()) return false;
+    }
+    positions.take();
+    return true;
+  };
+  for (MetricResult& one : count_of_steps(inputs.model, inputs.surface, source, request.metrics)) {
+    metrics.push_back(std::move(one));
+  }
+}
+
 }  // namespace
 
 EvaluationResult run_evaluation(const EvaluationRequest& request, const EvaluationInputs& inputs,
-                                const std::filesystem::path& rendered) {
+                                const std::filesystem::path& rendered, const ErrorSink& errors) {
   const MeasuredRenderer comparison(inputs.model, inputs.surface);
   Collector collector(request, inputs);
-  SensorWindow window(comparison, [&](const ComparedSample& sample) { collector.add(sample); });
+  SensorWindow window(comparison, [&](const ComparedSample& sample) {
+    collector.add(sample);
+    const MetricSample& m = sample.metric;
+    if (errors && request.time_ranges.contains(m.t_s, inputs.survey.clock.start_s)) errors(m);
+  });
   MeasuredStream measured(request, inputs, comparison);
   std::unique_ptr<RenderedWriter> writer;
   if (!rendered.empty()) writer = std::make_unique<RenderedWriter>(rendered, true);
@@ -336,6 +375,8 @@ EvaluationResult run_evaluation(const EvaluationRequest& request, const Evaluati
   result.renderer = request.model.renderer;
   result.model = model_to_json(inputs.model);
   collector.finish(inputs, result);
+  result.input = rendered_input(request, inputs, measured.hash());
+  add_operation_metrics(request, inputs, comparison, result.metrics);
   describe(request, inputs, measured.summary(), lost, segments, result);
   result.provenance = make_provenance(request.command_line);
   result.provenance.inputs = inputs.files;
@@ -347,9 +388,10 @@ EvaluationResult run_evaluation(const EvaluationRequest& request, const std::fil
   return run_evaluation(request, load_inputs(request), rendered);
 }
 
-EvaluationResult evaluate_into(const EvaluationRequest& request, const std::filesystem::path& folder) {
+EvaluationResult evaluate_into(const EvaluationRequest& request, const std::filesystem::path& folder,
+                               const ErrorSink& errors) {
   ensure_writable_folder(folder);
-  EvaluationResult result = run_evaluation(request, folder / "rendered.csv");
+  EvaluationResult result = run_evaluation(request, load_inputs(request), folder / "rendered.csv", errors);
   write_file(folder / "result.json", result_to_json(result));
   write_html(folder / "report.html", evaluation_page(result));
   return result;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 
 #include "apps/evaluation/inputs.h"
 #include "apps/evaluation/request.h"
@@ -12,10 +13,13 @@ namespace touchstone {
 // Replays and measures. `rendered` is the file for what the renderer answered (before any instrument entry); "" writes
 // none. Throws as load_inputs() does, and BadData where the renderer answers with what is not a number.
 EvaluationResult run_evaluation(const EvaluationRequest& request, const std::filesystem::path& rendered);
+// Takes every sample that the metrics see, in the order of time.
+using ErrorSink = std::function<void(const MetricSample&)>;
 EvaluationResult run_evaluation(const EvaluationRequest& request, const EvaluationInputs& inputs,
-                                const std::filesystem::path& rendered);
+                                const std::filesystem::path& rendered, const ErrorSink& errors = {});
 
 // run_evaluation() and its report: DIR/rendered.csv, DIR/result.json, DIR/report.html.
-EvaluationResult evaluate_into(const EvaluationRequest& request, const std::filesystem::path& folder);
+EvaluationResult evaluate_into(const EvaluationRequest& request, const std::filesystem::path& folder,
+                               const ErrorSink& errors = {});
 
 }  // namespace touchstone

@@ -158,6 +158,8 @@ MotionColumns in_motion(const FitRequest& request, const EvaluationInputs& input
   if (request.evaluation.in_trajectory == InTrajectoryMode::measured) return recording.motion;
   const OutTrajectory out =
       make_out_trajectory(recording, *inputs.surface, {inputs.tip_radius_m, request.evaluation.contact_threshold_N});
+  if (request.evaluation.in_trajectory == InTrajectoryMode::whole_force)
+    return whole_force_in_trajectory(out, recording.f_W_N, inputs.stiffness_N_per_m).motion;
   return synthesize_in_trajectory(out, inputs.stiffness_N_per_m).motion;
 }
 
@@ -173,7 +175,7 @@ FitResult run_fit(const FitRequest& request) {
   for (const std::string& text : request.parameters) {
     parameters.push_back(parse_fit_parameter(text, inputs.model));
     if (parameters.back().key == "stiffness_N_per_m" &&
-        request.evaluation.in_trajectory == InTrajectoryMode::synthesize && !request.evaluation.stiffness_N_per_m) {
+        request.evaluation.in_trajectory != InTrajectoryMode::measured && !request.evaluation.stiffness_N_per_m) {
       throw UsageError(
           "a synthesized in-trajectory is made with the stiffness, so every stiffness fits it; give --in-trajectory "
           "measured "
