@@ -28,6 +28,7 @@ void add_hil(CLI::App& program, Run& run);
 void add_evaluate(CLI::App& program, Run& run);
 void add_experiment(CLI::App& program, Run& run);
 void add_import(CLI::App& program, Run& run);
+void add_leaderboard(CLI::App& program, Run& run);
 void add_list(CLI::App& program, Run& run);
 void add_perceive(CLI::App& program, Run& run);
 void add_replay(CLI::App& program, Run& run);
@@ -67,6 +68,7 @@ inline std::vector<AddCommand> commands() {
       add_evaluate,
       add_experiment,
       add_import,
+      add_leaderboard,
       add_list,
       add_perceive,
       add_replay,

@@ -97,9 +97,11 @@ std::span<const Recipe> recipes() {
 
 const Recipe& recipe(std::string_view name) {
   std::string known;
-  for (const Recipe& r : recipes()) {
-    if (r.name == name) return r;
-    known += (known.empty() ? "" : ", ") + r.name;
+  for (const auto& list : {recipes(), families()}) {
+    for (const Recipe& r : list) {
+      if (r.name == name) return r;
+      known += (known.empty() ? "" : ", ") + r.name;
+    }
   }
   throw UsageError(fmt::format("no data set is called '{}'; there are: {}", name, known));
 }

@@ -31,7 +31,10 @@ struct Recipe {
 };
 
 std::span<const Recipe> recipes();
-// Throws UsageError listing what is known.
+// Families of shapes with exact answers, which are made when they are wanted instead of being bundled (families.cc):
+// bumps, a saddle, a closed bumpy body, a convex crease, a thin shell.
+std::span<const Recipe> families();
+// Of both. Throws UsageError listing what is known.
 const Recipe& recipe(std::string_view name);
 
 // The scan of a recipe; the surface is kept alive by it.
