@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <memory>
 
+#include "apps/command_experiment_paper.h"
 #include "apps/command_experiment_scan.h"
 #include "apps/commands.h"
 #include "apps/experiments/indentation_page.h"
@@ -329,6 +330,7 @@ void add_experiment(CLI::App& program, Run& run) {
   add_voxel(*command, run);
   add_cost(*command, run);
   add_scan_experiments(*command, run);
+  add_paper_experiment(*command, run);
 }
 
 }  // namespace touchstone::apps

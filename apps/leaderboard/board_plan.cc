@@ -41,6 +41,8 @@ void add_dataset(const std::filesystem::path& place, BoardPlan& plan) {
   base.in_trajectory = mode_of(request, dataset);
   base.tip_radius_m = request.tip == BoardTip::point ? 0.0 : dataset.tip_radius_m;
   for (PlannedEvaluation& one : plan_dataset(place, request.models, *request.plugins, base, true)) {
+    // A model of a submission has a name and no file; what counts of it stands in the specification.
+    if (!std::filesystem::exists(one.request.model_file)) one.request.model_file.clear();
     const auto known = std::ranges::find(plan.tasks, one.group, &BoardTask::name);
     auto task = static_cast<std::size_t>(known - plan.tasks.begin());
     if (known == plan.tasks.end()) {

@@ -204,22 +204,27 @@ Draws draw_all(const std::vector<RunningSums>& sums, const RankingOptions& optio
   return out;
 }
 
-// The chance that a log ratio as large as this appears if it is by chance alone which of two renderers was better in a
-// block (Fisher's randomisation test: the two are swapped block by block). Exact for equal renderers also if few
-// episodes hold most of the error, where draws of blocks do not show how far off the ratio could have been.
-// Data sets that are a sample are swapped whole.
+// How often a log ratio as large as this appears if it is by chance alone which of two renderers was better in a block
+// (Fisher's randomisation test: the two are swapped block by block; data sets that are a sample are swapped whole).
+// Exact for equal renderers also if few episodes hold most of the error, where draws of blocks do not show how far off
+// the ratio could have been. Every pattern of swaps is tried if `draws` are enough for that, else as many are drawn.
 double chance_by_swaps(const std::vector<Blocks>& datasets, bool sampled, const PairOfRenderers& pair,
                        std::size_t draws, Random random) {
-  std::size_t as_large = 1;
-  const double found = std::abs(pair.log_ratio) * (1.0 - 1e-12);
-  for (std::size_t i = 0; i < draws; ++i) {
+  std::size_t pieces = 0;
+  for (const Blocks& blocks : datasets) pieces += sampled ? 1 : blocks.samples.size();
+  const bool all = pieces < 63 && (std::uint64_t{1} << pieces) <= draws;
+  const std::uint64_t patterns = all ? std::uint64_t{1} << pieces : draws;
+  std::size_t as_large = all ? 0 : 1;
+  const double found = std::abs(pair.log_ratio) * (1.0 - 1e-9);  // the pattern without swaps is as large as itself
+  for (std::uint64_t pattern = 0; pattern < patterns; ++pattern) {
     double ratio = 0.0;
+    std::size_t piece = 0;
     for (const Blocks& blocks : datasets) {
       double a = 0.0;
       double b = 0.0;
       bool swapped = false;
       for (std::size_t k = 0; k < blocks.samples.size(); ++k) {
-        if (k == 0 || !sampled) swapped = random.below(2) == 1;
+        if (k == 0 || !sampled) swapped = all ? ((pattern >> piece++) & 1U) == 1U : random.below(2) == 1;
         a += blocks.squares[swapped ? pair.other : pair.better][k];
         b += blocks.squares[swapped ? pair.better : pair.other][k];
       }
@@ -227,7 +232,7 @@ double chance_by_swaps(const std::vector<Blocks>& datasets, bool sampled, const 
     }
     as_large += std::abs(ratio) >= found ? 1 : 0;
   }
-  return static_cast<double>(as_large) / static_cast<double>(draws + 1);
+  return static_cast<double>(as_large) / static_cast<double>(all ? patterns : draws + 1);
 }
 
 void judge_pairs(const std::vector<RunningSums>& sums, const Draws& draws, const RankingOptions& options,
@@ -241,8 +246,7 @@ void judge_pairs(const std::vector<RunningSums>& sums, const Draws& draws, const
   for (std::size_t d = 0; d < sums.size(); ++d) whole.push_back(cut(sums[d], ranking.block_bins[d]));
   std::size_t blocks = 0;
   for (const Blocks& one : whole) blocks += ranking.datasets_resampled ? 1 : one.samples.size();
-  const double rarest =
-      2.0 * std::pow(0.5, static_cast<double>(blocks)) * (1.0 + 1.0 / std::sqrt(static_cast<double>(swaps)));
+  const double rarest = 2.0 * std::pow(0.5, static_cast<double>(blocks));
   constexpr double rounding = 1e-12;  // of a log ratio: errors that are equal but for the order of summation
   const Random root = Random(options.seed).stream(options.draws);
   for (std::size_t i = 0; i < ranking.pairs.size(); ++i) {

@@ -1,0 +1,10 @@
+// The four experiments of Ruffaldi et al. 2006 on any data.
+#pragma once
+
+#include "apps/command.h"
+
+namespace touchstone::apps {
+
+void add_paper_experiment(CLI::App& experiment, Run& run);
+
+}  // namespace touchstone::apps
