@@ -23,7 +23,9 @@ TEST(Families, AreDataSetsWithAnExactAnswer) {
     std::size_t touching = 0;
     for (std::size_t i = 0; i < exact.size(); ++i) {
       touching += exact.contact[i];
-      if (exact.contact[i] == 0) EXPECT_EQ(exact.f_W_N[i].norm(), 0.0) << recipe.name << ' ' << i;
+      if (exact.contact[i] == 0) {
+        EXPECT_EQ(exact.f_W_N[i].norm(), 0.0) << recipe.name << ' ' << i;
+      }
     }
     EXPECT_GT(touching, exact.size() / 2) << recipe.name;
     std::filesystem::remove_all(folder);
