@@ -7,6 +7,7 @@
 #include "harness/base/error.h"
 #include "harness/base/in_parallel.h"
 #include "harness/base/units.h"
+#include "harness/perception/filters/weber_law.h"
 #include "harness/perception/haptic_data_matrix.h"
 #include "harness/rendering/replay.h"
 #include "harness/surface/embree_surface.h"
