@@ -235,6 +235,21 @@ double chance_by_swaps(const std::vector<Blocks>& datasets, bool sampled, const 
   return static_cast<double>(as_large) / static_cast<double>(all ? patterns : draws + 1);
 }
 
+// In how many blocks, or data sets that are a sample, the two did not err alike.
+std::size_t pieces_that_differ(const std::vector<Blocks>& datasets, bool sampled, const PairOfRenderers& pair) {
+  std::size_t pieces = 0;
+  for (const Blocks& blocks : datasets) {
+    std::size_t own = 0;
+    for (std::size_t k = 0; k < blocks.samples.size(); ++k) {
+      const double a = blocks.squares[pair.better][k];
+      const double b = blocks.squares[pair.other][k];
+      own += std::abs(a - b) > 1e-9 * std::max(a, b) ? 1 : 0;
+    }
+    pieces += sampled ? std::min<std::size_t>(own, 1) : own;
+  }
+  return pieces;
+}
+
 void judge_pairs(const std::vector<RunningSums>& sums, const Draws& draws, const RankingOptions& options,
                  Ranking& ranking) {
   // Sidak's share of the level for each pair, and enough swaps to resolve it.
@@ -244,9 +259,6 @@ void judge_pairs(const std::vector<RunningSums>& sums, const Draws& draws, const
   const std::size_t swaps = std::max(options.draws, static_cast<std::size_t>(std::ceil(4.0 / each)));
   std::vector<Blocks> whole;
   for (std::size_t d = 0; d < sums.size(); ++d) whole.push_back(cut(sums[d], ranking.block_bins[d]));
-  std::size_t blocks = 0;
-  for (const Blocks& one : whole) blocks += ranking.datasets_resampled ? 1 : one.samples.size();
-  const double rarest = 2.0 * std::pow(0.5, static_cast<double>(blocks));
   constexpr double rounding = 1e-12;  // of a log ratio: errors that are equal but for the order of summation
   const Random root = Random(options.seed).stream(options.draws);
   for (std::size_t i = 0; i < ranking.pairs.size(); ++i) {
@@ -254,7 +266,10 @@ void judge_pairs(const std::vector<RunningSums>& sums, const Draws& draws, const
     pair.told_apart = ranking.why_not.empty() && std::abs(pair.log_ratio) > rounding &&
                       std::abs(pair.log_ratio) > quantile_of(draws.deviations[i], 1.0 - each) * pair.standard_error;
     if (!pair.told_apart) continue;
-    // With few blocks no pattern is rarer than all of them on one side: then it must be that one.
+    // With few blocks no pattern is rarer than all of them on one side: then it must be that one. Blocks in which the
+    // two erred alike, as in free air, say nothing and have no side.
+    const double rarest =
+        2.0 * std::pow(0.5, static_cast<double>(pieces_that_differ(whole, ranking.datasets_resampled, pair)));
     pair.told_apart =
         chance_by_swaps(whole, ranking.datasets_resampled, pair, swaps, root.stream(i)) <= std::max(each, rarest);
   }

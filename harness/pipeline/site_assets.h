@@ -13,7 +13,7 @@ inline constexpr std::string_view kSiteStyle = R"css(
 body{margin:0;background:var(--back);color:var(--ink);font:16px/1.5 system-ui,sans-serif}
 main{max-width:48rem;margin:0 auto;padding:1rem}
 h1{font-size:1.6rem;line-height:1.2}h2{font-size:1.2rem;margin:2rem 0 .3rem}h3{font-size:1rem}
-p{margin:.4rem 0;overflow-wrap:anywhere}.about,.facts,footer,small{color:var(--soft);font-size:.85rem}small{display:block}
+p{margin:.4rem 0}h1,h2,p,li,td,a{overflow-wrap:anywhere;min-width:0}.about,.facts,footer,small{color:var(--soft);font-size:.85rem}small{display:block}
 nav{display:flex;flex-wrap:wrap;gap:.3rem .9rem}a{color:var(--blue)}
 table{width:100%;border-collapse:collapse;margin:.6rem 0;font-size:.92rem}
 th,td{padding:.3rem .45rem;border-bottom:1px solid var(--line);text-align:right;vertical-align:top}

@@ -77,7 +77,7 @@ std::span<const Recipe> families() {
       family("bump-smooth", "a rigid plate with a smooth bump of 3 mm", "gauss",
              {{"amplitude_m", 0.003}, {"width_m", 0.008}, {"half_side_m", kHalfSide_m}}, field_guide, raster_script),
       family("bump-round", "a rigid disc with a round bump of 3 mm and a slanted side", "bump",
-             {{"height_m", 0.003}, {"edge_radius_m", 0.004}, {"half_side_m", kHalfSide_m}}, closest_guide,
+             {{"height_m", 0.003}, {"edge_radius_m", 0.003}, {"half_side_m", kHalfSide_m}}, closest_guide,
              raster_script),
       family("saddle", "a rigid saddle, radii of 50 mm", "saddle", {{"radius_m", 0.05}, {"half_side_m", kHalfSide_m}},
              field_guide, raster_script),
