@@ -54,17 +54,24 @@ struct PaperDensity {
   double plain_normal_N = 0.0, shaded_normal_N = 0.0;  // against its normal part
 };
 
+struct JudgedFinding {
+  std::string statement;
+  std::optional<bool> holds;  // empty: this scan cannot say
+  std::string here;           // the numbers that say so, or why there are none
+};
+
 struct PaperResult {
   std::string scan;
   double measured_N = 0.0;               // the recorded force by the same average
   std::vector<PaperRow> voxel;           // proxy, 32^3, 64^3
   double fitted_mu = 0.0;                // on the first half
   double without_N = 0.0, with_N = 0.0;  // on the second half
-  std::vector<PaperDensity> density;     // from coarse to fine
-  std::vector<PaperFinding> findings;    // the same statements for every scan, in the same order
+  std::vector<PaperDensity> density;     // from coarse to fine; of an open mesh itself alone
+  std::vector<JudgedFinding> findings;   // the same statements for every scan, in the same order
 };
 
-// Throws BadData where the mesh cannot be decimated, or no sample touches.
+// An open mesh is not decimated: its border would move, and the probe slip off. Throws BadData where the mesh cannot be
+// decimated, or no sample touches.
 PaperResult run_paper_experiments(const PaperScan& scan, const PaperOptions& options);
 
 // The tables, and which finding holds on which scan.
