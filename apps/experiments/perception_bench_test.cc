@@ -44,9 +44,11 @@ TEST(PlantedCases, RecordingsRepeatToTheBitAndShowWhatIsPlanted) {
   EXPECT_EQ(a.f_W_N, b.f_W_N);
   EXPECT_EQ(a.motion.p_W_m, b.motion.p_W_m);
   const auto sideways = record_planted(planted_named(cases, "5.0 N sideways"), setup, 5);
-  double most = 0.0;
-  for (const auto& f : sideways.f_W_N) most = std::max(most, f.y());
-  EXPECT_NEAR(most, 5.0, 0.05);
+  // It grows with the depth, as the normal force does: 5 N where that has its peak. The hand may press deeper.
+  const auto deepest = std::max_element(sideways.f_W_N.begin(), sideways.f_W_N.end(),
+                                        [](const Vec3& l, const Vec3& r) { return l.z() < r.z(); });
+  ASSERT_GT(deepest->z(), 0.9 * setup.peak_N);
+  EXPECT_NEAR(deepest->y() / deepest->z(), 5.0 / setup.peak_N, 0.01);
 }
 
 // The bars of the whole bench on one seed of one setup would be a matter of chance; these are the failures that were

@@ -14,6 +14,7 @@
 #include "harness/recording/recording_file.h"
 #include "harness/rendering/in_trajectory.h"
 #include "harness/report/quantity.h"
+#include "harness/surface/mesh_warnings.h"
 #include "renderers/model_predictor.h"
 
 namespace touchstone {
@@ -170,7 +171,7 @@ FitResult run_fit(const FitRequest& request) {
   result.metric = request.metric;
   check_fit_metric(request.metric);
   const EvaluationInputs inputs = load_inputs(request.evaluation);
-  for (const std::string& message : inputs.messages) result.warnings.push_back(message);
+  for (const std::string& warning : mesh_warnings(*inputs.surface)) result.warnings.push_back(warning);
   std::vector<FitParameter> parameters;
   for (const std::string& text : request.parameters) {
     parameters.push_back(parse_fit_parameter(text, inputs.model));

@@ -112,7 +112,8 @@ std::optional<Finding> find_wrong_frame(const Engine& engine) {
   Random random(202);
   for (int i = 0; i <= 60; ++i) {
     const double depth_m = std::min(i - 20, 20) * 2.5e-5;
-    const Vec3 foot = kPlace + Vec3(1e-5 * std::max(0, i - 40), 0.0, 0.0);
+    // In steps of which no whole number is a usual pre-sliding path: none ends on the edge between stuck and sliding.
+    const Vec3 foot = kPlace + Vec3(1.37e-5 * std::max(0, i - 40), 0.0, 0.0);
     const Vec3 tip = foot + (engine.tip_radius_m - depth_m) * Vec3::UnitZ();
     const Vec3 f = here.to(tip).f_W_N;
     const Vec3 f_turning = turning.to(tip, random.rotation()).f_W_N;

@@ -3,9 +3,11 @@
 // ROS 2 (rosbag2_storage_default_plugins, tables topics and messages; payloads in CDR).
 #include <archive.h>
 #include <archive_entry.h>
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sqlite3.h>
+#include <unistd.h>
 
 #include <cstring>
 
@@ -20,7 +22,7 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
 std::filesystem::path bag_folder() {
-  auto path = std::filesystem::path(::testing::TempDir()) / "touchstone-import-bag";
+  auto path = std::filesystem::path(::testing::TempDir()) / fmt::format("touchstone-import-bag-{}", ::getpid());
   ensure_writable_folder(path);
   return path;
 }

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <cmath>
 #include <nlohmann/json.hpp>
@@ -20,7 +21,7 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
 std::filesystem::path map_folder() {
-  auto path = std::filesystem::path(::testing::TempDir()) / "touchstone-import-map";
+  auto path = std::filesystem::path(::testing::TempDir()) / fmt::format("touchstone-import-map-{}", ::getpid());
   ensure_writable_folder(path);
   return path;
 }

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <cmath>
 
@@ -18,7 +19,7 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
 std::filesystem::path text_folder() {
-  auto path = std::filesystem::path(::testing::TempDir()) / "touchstone-import-text";
+  auto path = std::filesystem::path(::testing::TempDir()) / fmt::format("touchstone-import-text-{}", ::getpid());
   ensure_writable_folder(path);
   return path;
 }

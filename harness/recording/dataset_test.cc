@@ -159,7 +159,7 @@ TEST(Dataset, DescriptionsThatCannotBeUsedNameThePlace) {
   EXPECT_THAT(message_of(changed("taps.h5", "scan.csv")), HasSubstr("listed twice"));
   EXPECT_THAT(message_of(changed("0.001", "-1")), HasSubstr("tip_radius_m"));
   EXPECT_THAT(message_of(changed("500", "0")), HasSubstr("stiffness_N_per_m"));
-  EXPECT_THAT(message_of(changed("\"synthesize\"", "\"guess\"")), HasSubstr("use synthesize or measured"));
+  EXPECT_THAT(message_of(changed("\"synthesize\"", "\"guess\"")), HasSubstr("use synthesize, whole-force or measured"));
   EXPECT_THAT(message_of(changed("\"CC0-1.0\"", "\"\"")), HasSubstr("/licence"));
   EXPECT_THAT(message_of(changed("\"source\"", "\"origin\"")), HasSubstr("source"));
   EXPECT_THROW(load_dataset(std::filesystem::path(::testing::TempDir()) / "no-such-folder"), BadData);
