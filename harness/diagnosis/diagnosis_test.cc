@@ -276,8 +276,6 @@ TEST_P(Healthy, IsClean) {
   const Engine engine = engine_of(
       {"healthy", "", {}, {}, renderer, renderer == "friction-cone" ? R"(, "mu_static": 0.4, "mu_dynamic": 0.3)" : ""});
   for (const Detector& detector : detectors()) {
-    // The proxies of this catalogue do stick there, as the planted one does.
-    if (detector.name == "sticks-at-joints") continue;
     const auto finding = detector.find(engine);
     EXPECT_FALSE(finding.has_value()) << detector.name << ": " << finding->what << "; " << finding->smallest_case;
   }
