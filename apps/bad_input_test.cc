@@ -3,7 +3,7 @@
 #include "apps/evaluation/sample_scan.h"
 #include "harness/testing/built_program.h"
 
-namespace touchstone {
+namespace touchstone::apps {
 namespace {
 
 using testing::Outcome;
@@ -156,7 +156,7 @@ TEST_F(BadInput, EachIsRefusedWithItsMessageAndStatusThree) {
 }
 
 TEST_F(BadInput, ATruncatedHdf5FileIsRefused) {
-  save_recording(folder_ / "rec.h5", testing::scan(0.0));
+  save_recording(folder_ / "rec.h5", scan(0.0));
   const std::string whole = read_file(folder_ / "rec.h5");
   write_file(folder_ / "mesh.obj", good_mesh);
   write_file(folder_ / "model.json", good_model);
@@ -196,4 +196,4 @@ TEST_F(BadInput, UsageIsStatusTwo) {
 }
 
 }  // namespace
-}  // namespace touchstone
+}  // namespace touchstone::apps

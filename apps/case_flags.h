@@ -4,8 +4,9 @@
 #include <CLI/CLI.hpp>
 #include <string>
 
-#include "apps/cases/case_command.h"
+#include "harness/base/rooms.h"
 #include "harness/report/provenance.h"
+#include "harness/runs/case_command.h"
 
 namespace touchstone::apps {
 

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "harness/base/error.h"
+#include "harness/base/rooms.h"
 
 namespace touchstone::apps {
 

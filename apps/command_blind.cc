@@ -10,7 +10,6 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
-#include "apps/cases/shard.h"
 #include "apps/commands.h"
 #include "apps/discrepancy/blind_follow.h"
 #include "apps/discrepancy/blind_score.h"
@@ -20,6 +19,7 @@
 #include "harness/base/hash.h"
 #include "harness/base/json_reader.h"
 #include "harness/base/progress.h"
+#include "harness/runs/shard.h"
 #include "synthetic/blind/weaken.h"
 #include "synthetic/blind/write_case.h"
 

@@ -5,9 +5,9 @@
 #include "apps/commands.h"
 #include "harness/base/atomic_file.h"
 #include "harness/base/units.h"
+#include "harness/surface/cgal/self_intersection.h"
 #include "harness/surface/mesh_doctor.h"
 #include "harness/surface/mesh_file.h"
-#include "harness/surface_cgal/self_intersection.h"
 
 namespace touchstone::apps {
 namespace {

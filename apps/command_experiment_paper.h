@@ -2,6 +2,7 @@
 #pragma once
 
 #include "apps/command.h"
+#include "harness/base/rooms.h"
 
 namespace touchstone::apps {
 

@@ -5,8 +5,8 @@
 
 #include "apps/commands.h"
 #include "harness/base/atomic_file.h"
-#include "harness/import/guess_map.h"
-#include "harness/import/import_file.h"
+#include "harness/importing/guess_map.h"
+#include "harness/importing/import_file.h"
 
 namespace touchstone::apps {
 namespace {

@@ -9,6 +9,7 @@
 
 #include "apps/command.h"
 #include "apps/plugin_flags.h"
+#include "harness/base/rooms.h"
 #include "harness/perception/features/rate_hardness.h"
 #include "harness/perception/filters/output_band.h"
 #include "harness/recording/trajectory.h"

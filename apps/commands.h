@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "apps/command.h"
+#include "harness/base/rooms.h"
 
 namespace touchstone::apps {
 

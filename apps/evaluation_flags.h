@@ -7,6 +7,7 @@
 
 #include "apps/evaluation/request.h"
 #include "apps/plugin_flags.h"
+#include "harness/base/rooms.h"
 
 namespace touchstone::apps {
 

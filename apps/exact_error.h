@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 
+#include "harness/base/rooms.h"
 #include "harness/recording/trajectory.h"
 #include "harness/rendering/model.h"
 #include "harness/surface/surface.h"

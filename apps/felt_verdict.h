@@ -4,6 +4,7 @@
 
 #include <string>
 
+#include "harness/base/rooms.h"
 #include "harness/baseline/golden_case.h"
 #include "harness/recording/trajectory.h"
 

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "harness/base/error.h"
+#include "harness/base/rooms.h"
 #include "harness/baseline/golden_case.h"
 
 namespace touchstone::apps {

@@ -8,6 +8,7 @@
 
 #include "apps/golden_runner.h"
 #include "apps/plugin_flags.h"
+#include "harness/base/rooms.h"
 #include "harness/baseline/golden_case.h"
 
 namespace touchstone::apps {

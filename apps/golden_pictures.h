@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "harness/base/rooms.h"
 #include "harness/baseline/trajectory_columns.h"
 
 namespace touchstone::apps {

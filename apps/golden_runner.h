@@ -9,6 +9,7 @@
 
 #include "apps/exact_error.h"
 #include "apps/felt_verdict.h"
+#include "harness/base/rooms.h"
 #include "harness/baseline/compare.h"
 #include "harness/baseline/golden_case.h"
 #include "harness/baseline/golden_file.h"

@@ -33,7 +33,7 @@ TriangleMesh MeshFlags::load(const std::string& path, const std::string& unit) c
 }
 
 std::shared_ptr<const Surface> MeshFlags::surface(const TriangleMesh& mesh) const {
-  return make_embree_surface(two_sided ? touchstone::two_sided(mesh) : mesh);
+  return make_embree_surface(two_sided ? surface::two_sided(mesh) : mesh);
 }
 
 void MeshFlags::warn(const TriangleMesh& mesh, const Surface& surface) const {

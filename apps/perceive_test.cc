@@ -9,7 +9,7 @@
 
 #include "harness/testing/built_program.h"
 
-namespace touchstone {
+namespace touchstone::apps {
 namespace {
 
 using ::testing::HasSubstr;
@@ -259,4 +259,4 @@ TEST_F(Program, ExperimentPalpationComparesTheRowsOfARaster) {
 }
 
 }  // namespace
-}  // namespace touchstone
+}  // namespace touchstone::apps

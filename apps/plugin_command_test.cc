@@ -9,7 +9,7 @@
 
 #include "harness/testing/built_program.h"
 
-namespace touchstone {
+namespace touchstone::apps {
 namespace {
 
 using ::testing::AllOf;
@@ -142,4 +142,4 @@ TEST_F(PluginCommand, AnUnknownRendererIsSaidWithWhatThePluginHas) {
 }
 
 }  // namespace
-}  // namespace touchstone
+}  // namespace touchstone::apps

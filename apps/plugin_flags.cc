@@ -44,7 +44,7 @@ Plugins PluginFlags::load() const {
 }
 
 Model load_model(const std::filesystem::path& path, const Plugins& plugins) {
-  Model model = touchstone::load_model(path);
+  Model model = rendering::load_model(path);
   plugins.provide(model);
   if (model.provided || plugins.entries().empty()) return model;
   // Said here because only here it is known what the plug-ins have.

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "harness/base/rooms.h"
 #include "harness/plugin/plugin.h"
 
 namespace touchstone::apps {

@@ -10,7 +10,7 @@
 #include "harness/baseline/golden_file.h"
 #include "harness/testing/built_program.h"
 
-namespace touchstone {
+namespace touchstone::apps {
 namespace {
 
 using ::testing::HasSubstr;
@@ -114,4 +114,4 @@ TEST_F(PluginGolden, AStandInsResultIsNoGolden) {
 }
 
 }  // namespace
-}  // namespace touchstone
+}  // namespace touchstone::apps

@@ -6,6 +6,7 @@
 
 #include "apps/case_flags.h"
 #include "apps/experiments/seed_cases.h"
+#include "harness/base/rooms.h"
 
 namespace touchstone::apps {
 

@@ -9,7 +9,7 @@
 #include "harness/baseline/compare.h"
 #include "harness/baseline/golden_file.h"
 
-namespace touchstone {
+namespace touchstone::bench {
 namespace {
 
 constexpr std::size_t rows = 60000;
@@ -66,4 +66,4 @@ BENCHMARK(in_memory)->Unit(benchmark::kMillisecond);
 BENCHMARK(from_files)->Unit(benchmark::kMillisecond);
 
 }  // namespace
-}  // namespace touchstone
+}  // namespace touchstone::bench

@@ -7,7 +7,7 @@
 #include "harness/discrepancy/joint_fit.h"
 #include "harness/discrepancy/plane_for_test.h"
 
-namespace touchstone {
+namespace touchstone::bench {
 namespace {
 
 constexpr double kWindow_s = 1.0 / 30.0;
@@ -24,7 +24,7 @@ class CountingPredictor final : public Predictor {
   [[nodiscard]] std::size_t runs() const noexcept { return runs_; }
 
  private:
-  testing::PlanePredictor plane_;
+  discrepancy::PlanePredictor plane_;
   std::size_t runs_ = 0;
 };
 
@@ -55,7 +55,7 @@ FitData measured(CountingPredictor& predictor, const MotionColumns& motion) {
 }
 
 void candidate_fit(benchmark::State& state) {
-  const MotionColumns motion = testing::hand(0.0, 1.0);
+  const MotionColumns motion = discrepancy::hand(0.0, 1.0);
   CountingPredictor predictor(motion);
   const FitData data = measured(predictor, motion);
   const std::vector<FreeParameter> free{log_base_parameter("stiffness_N_per_m", 1.0, 1e6),
@@ -75,10 +75,10 @@ void candidate_fit(benchmark::State& state) {
 BENCHMARK(candidate_fit)->ArgName("with_covariance")->Arg(0)->Arg(1)->Unit(benchmark::kMillisecond);
 
 void blocks(benchmark::State& state) {
-  const MotionColumns motion = testing::hand(0.0, 1.0);
+  const MotionColumns motion = discrepancy::hand(0.0, 1.0);
   for (auto _ : state) benchmark::DoNotOptimize(make_blocks(motion, kWindow_s));
 }
 BENCHMARK(blocks)->Unit(benchmark::kMicrosecond);
 
 }  // namespace
-}  // namespace touchstone
+}  // namespace touchstone::bench

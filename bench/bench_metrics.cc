@@ -5,7 +5,7 @@
 
 #include "harness/metrics/catalogue.h"
 
-namespace touchstone {
+namespace touchstone::bench {
 namespace {
 
 constexpr std::size_t samples = 10000;
@@ -48,4 +48,4 @@ const bool registered = [] {
 }();
 
 }  // namespace
-}  // namespace touchstone
+}  // namespace touchstone::bench

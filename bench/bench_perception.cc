@@ -60,10 +60,10 @@ void evaluate(benchmark::State& state) {
 void judge(benchmark::State& state) {
   touchstone::keep_freed_memory();
   const auto count = static_cast<std::size_t>(state.range(0));
-  std::vector<touchstone::Recording> pool;
+  std::vector<touchstone::recording::Recording> pool;
   for (std::uint64_t i = 0; i < 9; ++i) {
     const auto signal = presses(400.0 + 25.0 * static_cast<double>(i), i);
-    touchstone::Recording recording;
+    touchstone::recording::Recording recording;
     recording.source = "presses";
     recording.motion.t_s = signal.t_s;
     for (std::size_t n = 0; n < kSamples; ++n) {

@@ -10,7 +10,7 @@
 #include "harness/testing/tiny_meshes.h"
 #include "renderers/catalogue.h"
 
-namespace touchstone {
+namespace touchstone::bench {
 namespace {
 
 std::unique_ptr<Renderer> make(const std::string& suffix, bool in_process) {
@@ -50,4 +50,4 @@ BENCHMARK(plugin_in_child)->UseRealTime();
 BENCHMARK(make_in_child)->UseRealTime()->Unit(benchmark::kMillisecond);
 
 }  // namespace
-}  // namespace touchstone
+}  // namespace touchstone::bench

@@ -14,7 +14,7 @@
 
 #include "harness/base/atomic_file.h"
 
-namespace touchstone {
+namespace touchstone::bench {
 namespace {
 
 // A folder of this process, removed at its end.
@@ -101,4 +101,4 @@ const bool registered = [] {
 }();
 
 }  // namespace
-}  // namespace touchstone
+}  // namespace touchstone::bench

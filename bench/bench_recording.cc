@@ -12,7 +12,7 @@
 #include "harness/recording/recording_stream.h"
 #include "harness/recording/recording_writer.h"
 
-namespace touchstone {
+namespace touchstone::bench {
 namespace {
 
 constexpr std::int64_t columns = 7;  // t, x, y, z, fx, fy, fz
@@ -110,4 +110,4 @@ BENCHMARK_CAPTURE(stream_ten_million, csv, std::string(".csv"))->Unit(benchmark:
 BENCHMARK_CAPTURE(stream_ten_million, hdf5, std::string(".h5"))->Unit(benchmark::kSecond)->Iterations(1);
 
 }  // namespace
-}  // namespace touchstone
+}  // namespace touchstone::bench

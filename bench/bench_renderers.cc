@@ -14,7 +14,7 @@
 #include "renderers/catalogue.h"
 #include "synthetic/surface_catalogue.h"
 
-namespace touchstone {
+namespace touchstone::bench {
 namespace {
 
 constexpr std::size_t kSteps = 10000;
@@ -145,4 +145,4 @@ void BM_Build(benchmark::State& state) {
 BENCHMARK(BM_Build)->Arg(10000)->Arg(140000)->Arg(1000000)->Unit(benchmark::kMillisecond);
 
 }  // namespace
-}  // namespace touchstone
+}  // namespace touchstone::bench

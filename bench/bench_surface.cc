@@ -7,12 +7,12 @@
 #include <stdexcept>
 
 #include "harness/base/random.h"
+#include "harness/surface/cgal/exact_surface.h"
 #include "harness/surface/embree_surface.h"
 #include "harness/surface/mesh_topology.h"
-#include "harness/surface_cgal/exact_surface.h"
 #include "harness/testing/tiny_meshes.h"
 
-namespace touchstone {
+namespace touchstone::bench {
 namespace {
 
 // A torus of 0.1 m with that many triangles.
@@ -125,12 +125,12 @@ void add(Kind kind) {
 }
 
 }  // namespace
-}  // namespace touchstone
+}  // namespace touchstone::bench
 
 int main(int argc, char** argv) {
-  touchstone::add(touchstone::Kind::embree);
-  if (touchstone::exact_surface_available()) touchstone::add(touchstone::Kind::exact);
-  benchmark::RegisterBenchmark("topology", touchstone::topology)
+  touchstone::bench::add(touchstone::bench::Kind::embree);
+  if (touchstone::surface::exact_surface_available()) touchstone::bench::add(touchstone::bench::Kind::exact);
+  benchmark::RegisterBenchmark("topology", touchstone::bench::topology)
       ->ArgName("triangles")
       ->Arg(10000)
       ->Arg(140000)

@@ -3,15 +3,12 @@
 #include <gtest/gtest.h>
 
 #include "harness/base/random.h"
-#include "harness/surface_cgal/exact_surface.h"
-#include "renderers/testing.h"
+#include "harness/surface/cgal/exact_surface.h"
+#include "renderers/hand_for_test.h"
 #include "synthetic/surface_catalogue.h"
 
-namespace touchstone {
+namespace touchstone::renderers {
 namespace {
-
-using testing::Hand;
-using testing::model_of;
 
 constexpr double kStiffness = 500.0;
 constexpr double kEps = std::numeric_limits<double>::epsilon();
@@ -80,4 +77,4 @@ TEST(AllSurfaces, ProxiesGiveTheSameWithExactQueriesAndStayInTheConeAndOutside) 
 }
 
 }  // namespace
-}  // namespace touchstone
+}  // namespace touchstone::renderers

@@ -8,16 +8,16 @@
 #include "renderers/effects/assemble.h"
 #include "renderers/effects/catalogue.h"
 #include "renderers/effects/friction.h"
-#include "renderers/force_shading.h"
-#include "renderers/friction_cone.h"
-#include "renderers/god_object.h"
-#include "renderers/implicit.h"
+#include "renderers/field/implicit.h"
 #include "renderers/instrument/instrument_effect.h"
-#include "renderers/penalty.h"
-#include "renderers/spring.h"
-#include "renderers/voxel.h"
+#include "renderers/proxy/force_shading.h"
+#include "renderers/proxy/friction_cone.h"
+#include "renderers/proxy/god_object.h"
+#include "renderers/spring/penalty.h"
+#include "renderers/spring/spring.h"
+#include "renderers/voxel/voxel.h"
 
-namespace touchstone {
+namespace touchstone::renderers {
 
 namespace {
 
@@ -129,4 +129,4 @@ CountedRenderer make_counted_renderer(const Model& model, std::shared_ptr<const 
   return made;
 }
 
-}  // namespace touchstone
+}  // namespace touchstone::renderers

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "harness/base/rooms.h"
 #include "harness/rendering/limitation.h"
 #include "harness/rendering/model.h"
 #include "harness/rendering/parameters.h"
@@ -12,7 +13,7 @@
 #include "harness/rendering/renderer_entry.h"
 #include "harness/surface/surface.h"
 
-namespace touchstone {
+namespace touchstone::renderers {
 
 const std::vector<RendererEntry>& renderer_catalogue();
 // The model's plug-in entry where it has one (Model::provided), else the catalogue's. Throws BadData that lists the
@@ -36,4 +37,4 @@ struct CountedRenderer {
 };
 CountedRenderer make_counted_renderer(const Model& model, std::shared_ptr<const Surface> surface);
 
-}  // namespace touchstone
+}  // namespace touchstone::renderers

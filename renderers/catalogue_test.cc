@@ -8,7 +8,7 @@
 
 #include "harness/base/error.h"
 
-namespace touchstone {
+namespace touchstone::renderers {
 namespace {
 
 using ::testing::AllOf;
@@ -69,4 +69,4 @@ TEST(Catalogue, RefusesByNameWithThePlaceAndWhatIsKnown) {
 }
 
 }  // namespace
-}  // namespace touchstone
+}  // namespace touchstone::renderers

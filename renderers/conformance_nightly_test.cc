@@ -1,11 +1,12 @@
 // Every renderer of the catalogue on every surface of synthetic/, with Embree's queries and with the exact ones. The
 // surfaces are brought to the size of the suite's own shapes; patches and blocks are touched from above, bodies all
 // about. What a renderer declares that it cannot skips with its reason shown.
-#include "harness/surface_cgal/exact_surface.h"
-#include "renderers/conformance_subjects.h"
+#include "harness/surface/cgal/exact_surface.h"
+#include "renderers/conformance_subjects_for_test.h"
 #include "synthetic/surface_catalogue.h"
 
-namespace touchstone::testing {
+namespace touchstone::renderers {
+using namespace touchstone::testing;  // the suite
 namespace {
 
 std::string identifier(std::string name) {
@@ -85,4 +86,4 @@ INSTANTIATE_TEST_SUITE_P(SyntheticExact, RendererConformance,
                          conformance_name);
 
 }  // namespace
-}  // namespace touchstone::testing
+}  // namespace touchstone::renderers

@@ -1,9 +1,10 @@
 // Every renderer of the catalogue on every shape of the conformance suite. A new one gets it all by a line here; the
 // last test fails for a renderer that has none.
-#include "harness/surface_cgal/exact_surface.h"
-#include "renderers/conformance_subjects.h"
+#include "harness/surface/cgal/exact_surface.h"
+#include "renderers/conformance_subjects_for_test.h"
 
-namespace touchstone::testing {
+namespace touchstone::renderers {
+using namespace touchstone::testing;  // the suite
 namespace {
 
 std::string model(const std::string& renderer, const std::string& rest = "") {
@@ -56,6 +57,6 @@ TEST(ConformanceOfTheCatalogue, EveryRendererIsASubject) {
 }
 
 }  // namespace
-}  // namespace touchstone::testing
+}  // namespace touchstone::renderers
 
-TOUCHSTONE_RENDERER_CONFORMANCE(Catalogue, subjects());
+TOUCHSTONE_RENDERER_CONFORMANCE(Catalogue, touchstone::renderers::subjects());

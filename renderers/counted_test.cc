@@ -4,10 +4,10 @@
 #include "harness/base/random.h"
 #include "harness/rendering/operations.h"
 #include "harness/testing/tiny_meshes.h"
-#include "renderers/testing.h"
+#include "renderers/hand_for_test.h"
 #include "synthetic/surface_catalogue.h"
 
-namespace touchstone {
+namespace touchstone::renderers {
 namespace {
 
 std::vector<Vec3> tips_about(const Surface& surface, std::uint64_t seed, int count) {
@@ -42,8 +42,8 @@ struct Subject {
 };
 void PrintTo(const Subject& subject, std::ostream* out) { *out << subject.name; }
 
-Model model_of(const Subject& subject, double scale) {
-  Model model = testing::model_of(subject.renderer, {});
+Model model_of_subject(const Subject& subject, double scale) {
+  Model model = model_of(subject.renderer, {});
   if (subject.tip_radius > 0.0) model.parameters["tip_radius_m"] = scale * subject.tip_radius;
   if (subject.mu > 0.0) {
     model.parameters["mu_static"] = 1.5 * subject.mu;
@@ -59,10 +59,9 @@ class CountedRendererOf : public ::testing::TestWithParam<Subject> {};
 TEST_P(CountedRendererOf, GivesTheSameBitsAndTheSameCountsAgain) {
   for (const char* shape : {"duck", "v-groove", "thin-shell", "gauss", "extrusion"}) {
     for (const double scale : {1e-3, 1.0, 1e3}) {
-      const std::shared_ptr<const Surface> surface =
-          make_embree_surface(testing::moved(synthetic::make_mesh(shape, {}, 1500).mesh, testing::awkward_rotation(),
-                                             scale * Vec3(1, 2, 3) * 0.01, scale));
-      const Model model = model_of(GetParam(), scale);
+      const std::shared_ptr<const Surface> surface = make_embree_surface(testing::moved(
+          synthetic::make_mesh(shape, {}, 1500).mesh, awkward_rotation(), scale * Vec3(1, 2, 3) * 0.01, scale));
+      const Model model = model_of_subject(GetParam(), scale);
       const auto plain = make_renderer(model, surface);
       const CountedRenderer counted = make_counted_renderer(model, surface);
       ASSERT_NE(counted.renderer, nullptr) << counted.not_counted;
@@ -122,8 +121,7 @@ TEST(CountedRenderer, FrictionAndOpenMeshesToTheBit) {
                                              {"friction-cone", 0.0, 2e-3},
                                              {"friction-cone", 0.3, 2e-3},
                                              {"force-shading", 0.3, 2e-3}}) {
-    const Model model =
-        testing::model_of(renderer, {{"mu_static", 1.5 * mu}, {"mu_dynamic", mu}, {"tip_radius_m", radius}});
+    const Model model = model_of(renderer, {{"mu_static", 1.5 * mu}, {"mu_dynamic", mu}, {"tip_radius_m", radius}});
     const auto plain = make_renderer(model, sheet);
     const CountedRenderer counted = make_counted_renderer(model, sheet);
     ASSERT_NE(counted.renderer, nullptr);
@@ -148,19 +146,17 @@ TEST(CountedRenderer, SaysWhatIsNotCounted) {
   fin.vertices_W_m = {{0, 0, 0}, {0.01, 0, 0}, {0, 0.01, 0}, {0, -0.01, 0}, {0, 0, 0.01}};
   fin.triangles = {{0, 1, 2}, {1, 0, 3}, {0, 1, 4}};
   const std::shared_ptr<const Surface> irregular = make_embree_surface(fin);
-  const CountedRenderer point = make_counted_renderer(testing::model_of("god-object", {}), irregular);
+  const CountedRenderer point = make_counted_renderer(model_of("god-object", {}), irregular);
   EXPECT_EQ(point.renderer, nullptr);
   EXPECT_EQ(point.not_counted, "the renderer god-object on a mesh with triangles that cannot be walked on");
   // A ball does not walk.
-  const CountedRenderer ball =
-      make_counted_renderer(testing::model_of("god-object", {{"tip_radius_m", 1e-3}}), irregular);
+  const CountedRenderer ball = make_counted_renderer(model_of("god-object", {{"tip_radius_m", 1e-3}}), irregular);
   EXPECT_NE(ball.renderer, nullptr);
   EXPECT_EQ(ball.not_counted, "");
-  const CountedRenderer analytic =
-      make_counted_renderer(testing::model_of("implicit", {}), synthetic::make_surface("sphere"));
+  const CountedRenderer analytic = make_counted_renderer(model_of("implicit", {}), synthetic::make_surface("sphere"));
   EXPECT_EQ(analytic.renderer, nullptr);
   EXPECT_EQ(analytic.not_counted, "the arithmetic of an analytic surface");
-  Model friction = testing::model_of("penalty", {});
+  Model friction = model_of("penalty", {});
   friction.effects.push_back({"coulomb-friction", {{"mu_static", 0.3}, {"mu_dynamic", 0.3}}, "/effects/0"});
   const CountedRenderer with = make_counted_renderer(friction, mesh);
   EXPECT_NE(with.renderer, nullptr);
@@ -173,9 +169,8 @@ TEST(CountedRenderer, ABallsStepsOverATriangleAreWhatTheyAreByHand) {
   TriangleMesh one;
   one.vertices_W_m = {{-1.0, -1.0, 0.0}, {1.0, -1.0, 0.0}, {0.0, 1.0, 0.0}};
   one.triangles = {{0, 1, 2}};
-  const CountedRenderer counted =
-      make_counted_renderer(testing::model_of("god-object", {{"stiffness_N_per_m", 500.0}, {"tip_radius_m", kRadius}}),
-                            make_embree_surface(one));
+  const CountedRenderer counted = make_counted_renderer(
+      model_of("god-object", {{"stiffness_N_per_m", 500.0}, {"tip_radius_m", kRadius}}), make_embree_surface(one));
   ASSERT_NE(counted.renderer, nullptr);
   auto step = [&, t_s = 0.0](double z) mutable {
     const OperationCounts before = operations_on_this_thread();
@@ -221,4 +216,4 @@ TEST(CountedRenderer, ABallsStepsOverATriangleAreWhatTheyAreByHand) {
 }
 
 }  // namespace
-}  // namespace touchstone
+}  // namespace touchstone::renderers

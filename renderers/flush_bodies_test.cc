@@ -8,15 +8,13 @@
 
 #include "harness/base/random.h"
 #include "harness/testing/tiny_meshes.h"
-#include "renderers/exposed_place.h"
-#include "renderers/flush.h"
-#include "renderers/mesh_regularity.h"
-#include "renderers/testing.h"
+#include "renderers/hand_for_test.h"
+#include "renderers/walkable/exposed_place.h"
+#include "renderers/walkable/flush.h"
+#include "renderers/walkable/mesh_regularity.h"
 
-namespace touchstone {
+namespace touchstone::renderers {
 namespace {
-
-using testing::Hand;
 
 constexpr double kStiffness = 7000.0;
 constexpr double kDepth = 0.75e-3;
@@ -114,13 +112,13 @@ struct Scene {
   [[nodiscard]] std::unique_ptr<Renderer> renderer(const std::string& name,
                                                    std::map<std::string, double> parameters = {}) const {
     parameters["stiffness_N_per_m"] = kStiffness / scale;
-    return make_renderer(testing::model_of(name, std::move(parameters)), make_embree_surface(mesh));
+    return make_renderer(model_of(name, std::move(parameters)), make_embree_surface(mesh));
   }
 };
 
 const std::vector<Quat>& poses() {
   static const std::vector<Quat> all{Quat::Identity(), Quat(Eigen::AngleAxisd(0.1, Vec3(0.2, 1.0, 0.1).normalized())),
-                                     testing::awkward_rotation()};
+                                     awkward_rotation()};
   return all;
 }
 
@@ -287,12 +285,12 @@ TEST(FlushBodies, TheSideOfAStackIsOneWall) {
 TEST(FlushBodies, ARunThatStartsInsideStartsOnTheOutside) {
   for (const double scale : {1e-3, 1.0, 1e3}) {
     for (const Floor& floor : floors()) {
-      const Scene scene(floor.bodies, 2, testing::awkward_rotation(), scale);
+      const Scene scene(floor.bodies, 2, awkward_rotation(), scale);
       const auto renderer = scene.renderer("god-object");
       for (const double x : {-0.013, 0.0005, 0.0021, 0.0025, 0.0029, 0.0031}) {
         Hand hand(*renderer);
         const StepResult result = hand.to(scene.at({x, 0.0007, -kDepth}));
-        const Vec3 f = testing::awkward_rotation().conjugate() * result.f_W_N;
+        const Vec3 f = awkward_rotation().conjugate() * result.f_W_N;
         EXPECT_LE((f - Vec3(0, 0, kStiffness * kDepth)).norm(), kRounding_N)
             << floor.name << ", x " << x << ", scale " << scale << ": " << f.transpose();
       }
@@ -301,8 +299,7 @@ TEST(FlushBodies, ARunThatStartsInsideStartsOnTheOutside) {
 }
 
 TEST(FlushBodies, WindingIsCountedNotCancelled) {
-  const Scene scene({box({0, 0, 0}, {2, 2, 2}), box({1, 0.5, 0.25}, {3, 1.5, 1.75})}, 1, testing::awkward_rotation(),
-                    1.0);
+  const Scene scene({box({0, 0, 0}, {2, 2, 2}), box({1, 0.5, 0.25}, {3, 1.5, 1.75})}, 1, awkward_rotation(), 1.0);
   const auto surface = make_embree_surface(scene.mesh);
   const ContactMesh mesh(*surface);
   EXPECT_EQ(winding_about(mesh, scene.at({0.5, 1.0, 1.0})), 1);
@@ -329,4 +326,4 @@ TEST(FlushBodies, BodiesApartAreWalkedOnTouchingOnesAreNot) {
 }
 
 }  // namespace
-}  // namespace touchstone
+}  // namespace touchstone::renderers

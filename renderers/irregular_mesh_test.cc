@@ -5,15 +5,12 @@
 #include "harness/base/random.h"
 #include "harness/surface/mesh_repair.h"
 #include "harness/testing/tiny_meshes.h"
-#include "renderers/mesh_regularity.h"
-#include "renderers/testing.h"
+#include "renderers/hand_for_test.h"
+#include "renderers/walkable/mesh_regularity.h"
 #include "synthetic/surface_catalogue.h"
 
-namespace touchstone {
+namespace touchstone::renderers {
 namespace {
-
-using testing::god_object;
-using testing::Hand;
 
 constexpr double kStiffness = 500.0;
 
@@ -64,10 +61,10 @@ TEST(MeshRegularity, CrossingsFoldsDuplicatesAndExtraTrianglesAreFound) {
 TEST(IrregularMesh, OverCrossingBodiesItStaysOutsideOfBoth) {
   for (const double scale : {1e-3, 1.0, 1e3}) {
     const TriangleMesh mesh =
-        testing::moved(crossing_cubes(), testing::awkward_rotation(), scale * Vec3(0.01, 0.02, -0.03), scale);
+        testing::moved(crossing_cubes(), awkward_rotation(), scale * Vec3(0.01, 0.02, -0.03), scale);
     const auto renderer = god_object(mesh, kStiffness / scale);
     const auto at = [&](const Vec3& p) {
-      return Vec3(testing::awkward_rotation() * (scale * p) + scale * Vec3(0.01, 0.02, -0.03));
+      return Vec3(awkward_rotation() * (scale * p) + scale * Vec3(0.01, 0.02, -0.03));
     };
     Hand hand(*renderer);
     // Along the top from the first cube's (z = 20 mm) to the second's (z = 21.3 mm), 0.5 mm below the first's.
@@ -76,14 +73,12 @@ TEST(IrregularMesh, OverCrossingBodiesItStaysOutsideOfBoth) {
     for (int i = 0; i <= 400; ++i) {
       result = hand.to(at({-0.01 + i * 1e-4, 0.002, 0.0195}));
       ASSERT_TRUE(result.contact) << "scale " << scale << " step " << i;
-      const Vec3 g =
-          testing::awkward_rotation().conjugate() * (result.contact_W_m - scale * Vec3(0.01, 0.02, -0.03)) / scale;
+      const Vec3 g = awkward_rotation().conjugate() * (result.contact_W_m - scale * Vec3(0.01, 0.02, -0.03)) / scale;
       ASSERT_GE(g.z(), 0.02 - 1e-12) << "scale " << scale << " step " << i;
       ASSERT_TRUE(result.f_W_N.allFinite());
     }
     // It is held by the second cube's side, which rises 1.3 mm above the first's top.
-    const Vec3 g =
-        testing::awkward_rotation().conjugate() * (result.contact_W_m - scale * Vec3(0.01, 0.02, -0.03)) / scale;
+    const Vec3 g = awkward_rotation().conjugate() * (result.contact_W_m - scale * Vec3(0.01, 0.02, -0.03)) / scale;
     EXPECT_LT(g.x(), 0.0125);
     EXPECT_NEAR(g.z(), 0.02, 1e-12);
     EXPECT_GT(result.depth_m / scale, 0.015);
@@ -164,4 +159,4 @@ TEST(IrregularMesh, NoPressThroughAnyOfThemAndNoAnswerThatIsNotFinite) {
 }
 
 }  // namespace
-}  // namespace touchstone
+}  // namespace touchstone::renderers

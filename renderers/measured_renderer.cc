@@ -7,7 +7,7 @@
 #include "renderers/catalogue.h"
 #include "renderers/effects/assemble.h"
 
-namespace touchstone {
+namespace touchstone::renderers {
 
 MeasuredRenderer::MeasuredRenderer(const Model& model, const std::shared_ptr<const Surface>& surface) {
   // Checks the model and the surface; without geometry entries it is already the renderer to run.
@@ -54,4 +54,4 @@ double MeasuredRenderer::halo_s() const {
   return sum;
 }
 
-}  // namespace touchstone
+}  // namespace touchstone::renderers

@@ -6,12 +6,13 @@
 #include <utility>
 #include <vector>
 
+#include "harness/base/rooms.h"
 #include "harness/rendering/model.h"
 #include "harness/rendering/renderer.h"
 #include "harness/surface/surface.h"
 #include "renderers/instrument/instrument_effect.h"
 
-namespace touchstone {
+namespace touchstone::renderers {
 
 class MeasuredRenderer {
  public:
@@ -32,4 +33,4 @@ class MeasuredRenderer {
   std::unique_ptr<Renderer> renderer_;
 };
 
-}  // namespace touchstone
+}  // namespace touchstone::renderers

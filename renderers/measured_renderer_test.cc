@@ -3,7 +3,7 @@
 #include "harness/surface/embree_surface.h"
 #include "renderers/catalogue.h"
 
-namespace touchstone {
+namespace touchstone::renderers {
 namespace {
 
 // A plate of 100 mm x 100 mm at z = 0, outward +z.
@@ -36,4 +36,4 @@ TEST(MeasuredRenderer, InstrumentEntriesStayOutOfTheRenderer) {
 }
 
 }  // namespace
-}  // namespace touchstone
+}  // namespace touchstone::renderers

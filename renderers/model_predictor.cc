@@ -18,7 +18,7 @@
 #include "renderers/effects/assemble.h"
 #include "renderers/instrument/instrument_effect.h"
 
-namespace touchstone {
+namespace touchstone::renderers {
 namespace {
 
 // What the base renderer made of every sample, at one stiffness.
@@ -282,4 +282,4 @@ std::unique_ptr<Predictor> make_model_predictor(std::shared_ptr<const Surface> s
   return std::make_unique<ModelPredictor>(std::move(surface), std::move(motion));
 }
 
-}  // namespace touchstone
+}  // namespace touchstone::renderers

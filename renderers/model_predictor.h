@@ -3,14 +3,15 @@
 
 #include <memory>
 
+#include "harness/base/rooms.h"
 #include "harness/rendering/predictor.h"
 #include "harness/surface/surface.h"
 
-namespace touchstone {
+namespace touchstone::renderers {
 
 // `motion`: the measured positions, which are the in-trajectory as they stand. The search for contact is done once per
 // geometry and kept: for a renderer whose proxy does not depend on the stiffness (checked by running it at two), only
 // effects and instrument run again when other parameters change.
 std::unique_ptr<Predictor> make_model_predictor(std::shared_ptr<const Surface> surface, MotionColumns motion);
 
-}  // namespace touchstone
+}  // namespace touchstone::renderers

@@ -7,9 +7,11 @@
 #include "harness/base/random.h"
 #include "harness/plugin/plugin.h"
 #include "harness/testing/tiny_meshes.h"
-#include "renderers/testing.h"
+#include "renderers/hand_for_test.h"
 
-namespace touchstone::testing {
+namespace touchstone::renderers {
+using namespace plugin;
+using namespace touchstone::testing;  // the suite
 namespace {
 
 struct Run {
@@ -85,4 +87,4 @@ INSTANTIATE_TEST_SUITE_P(
     });
 
 }  // namespace
-}  // namespace touchstone::testing
+}  // namespace touchstone::renderers

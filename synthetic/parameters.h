@@ -8,6 +8,8 @@
 #include <string_view>
 #include <vector>
 
+#include "harness/base/rooms.h"
+
 namespace touchstone::synthetic {
 
 struct Parameter {

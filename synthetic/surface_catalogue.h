@@ -6,6 +6,7 @@
 #include <string>
 #include <string_view>
 
+#include "harness/base/rooms.h"
 #include "synthetic/parameters.h"
 #include "synthetic/surfaces/analytic_surface.h"
 

@@ -6,7 +6,8 @@
 #include "synthetic/surface_catalogue.h"
 #include "synthetic/surfaces/posed_surface.h"
 
-namespace touchstone::testing {
+namespace touchstone::synthetic {
+using namespace touchstone::testing;  // the suite
 namespace {
 
 std::vector<SurfaceCase> every_surface() {
@@ -36,4 +37,4 @@ std::vector<SurfaceCase> every_surface() {
 INSTANTIATE_TEST_SUITE_P(Synthetic, SurfaceConformance, ::testing::ValuesIn(every_surface()), surface_case_name);
 
 }  // namespace
-}  // namespace touchstone::testing
+}  // namespace touchstone::synthetic

@@ -6,10 +6,10 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "apps/cases/shared_cache.h"
+#include "harness/runs/shared_cache.h"
 #include "harness/surface/embree_surface.h"
 #include "renderers/catalogue.h"
-#include "renderers/contact_mesh.h"
+#include "renderers/walkable/contact_mesh.h"
 #include "synthetic/surface_catalogue.h"
 
 namespace touchstone::atlas {

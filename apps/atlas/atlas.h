@@ -16,6 +16,7 @@
 #include <string>
 #include <vector>
 
+#include "harness/base/rooms.h"
 #include "harness/metrics/anomalies.h"
 
 namespace touchstone::atlas {

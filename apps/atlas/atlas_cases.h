@@ -1,8 +1,10 @@
-// The atlas as cases for the engine (apps/cases/case_engine.h), as rows of its store, and as the words of its command.
+// The atlas as cases for the engine (harness/runs/case_engine.h), as rows of its store, and as the words of its
+// command.
 #pragma once
 
 #include "apps/atlas/atlas.h"
-#include "apps/cases/case_engine.h"
+#include "harness/base/rooms.h"
+#include "harness/runs/case_engine.h"
 
 namespace touchstone::atlas {
 

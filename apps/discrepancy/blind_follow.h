@@ -6,6 +6,8 @@
 #include <map>
 #include <string>
 
+#include "harness/base/rooms.h"
+
 namespace touchstone::apps {
 
 // How many cases the full blind test has of each set.

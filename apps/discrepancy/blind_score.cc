@@ -71,7 +71,7 @@ void measure_floor(BlindScore& score, const json& answer, const std::filesystem:
   const Recording holdout = load_recording(folder / "holdout.csv");
   const std::shared_ptr<const Surface> surface = make_embree_surface(load_mesh(folder / "mesh.obj", 1.0));
   const auto predictor = make_model_predictor(surface, holdout.motion);
-  Model model = touchstone::load_model(folder / "model.json");
+  Model model = rendering::load_model(folder / "model.json");
   model.parameters["stiffness_N_per_m"] = answer.at("true_stiffness_N_per_m").get<double>();
   score.before_N = rms_N(holdout, predictor->predict(model));
   score.floor_N = std::numeric_limits<double>::quiet_NaN();

@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "harness/base/rooms.h"
+
 namespace touchstone::apps {
 
 // One case's outcome.

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "apps/discrepancy/blind_score.h"
+#include "harness/base/rooms.h"
 
 namespace touchstone::apps {
 

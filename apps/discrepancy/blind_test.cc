@@ -3,7 +3,7 @@
 
 #include "apps/discrepancy/sample_check.h"
 
-namespace touchstone::testing {
+namespace touchstone::apps {
 namespace {
 
 class Blind : public DiscrepancySamples {
@@ -80,4 +80,4 @@ TEST_F(Blind, CasesAreTheSameForTheSameSeedAndTheirAnswersAreSealed) {
 }
 
 }  // namespace
-}  // namespace touchstone::testing
+}  // namespace touchstone::apps

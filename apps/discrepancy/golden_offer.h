@@ -5,6 +5,7 @@
 #include <filesystem>
 
 #include "apps/discrepancy/inputs.h"
+#include "harness/base/rooms.h"
 
 namespace touchstone::apps {
 

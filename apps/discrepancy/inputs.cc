@@ -92,7 +92,7 @@ void check_recordings(const DiscrepancyFiles& files, DiscrepancyInputs& inputs) 
 DiscrepancyInputs load_inputs(const DiscrepancyFiles& files) {
   DiscrepancyInputs inputs;
   inputs.model =
-      files.plugins != nullptr ? load_model(files.model, *files.plugins) : touchstone::load_model(files.model);
+      files.plugins != nullptr ? load_model(files.model, *files.plugins) : rendering::load_model(files.model);
   inputs.train = load_recording(files.recording);
   if (!files.holdout.empty()) inputs.holdout = load_recording(files.holdout);
   if (files.flip_force) {

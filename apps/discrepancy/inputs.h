@@ -8,11 +8,12 @@
 #include <string>
 #include <vector>
 
+#include "harness/base/rooms.h"
 #include "harness/recording/trajectory.h"
 #include "harness/rendering/model.h"
 #include "harness/surface/surface.h"
 
-namespace touchstone {
+namespace touchstone::plugin {
 class Plugins;
 }
 

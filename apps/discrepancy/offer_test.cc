@@ -4,7 +4,7 @@
 #include "apps/discrepancy/sample_check.h"
 #include "harness/base/random.h"
 
-namespace touchstone::testing {
+namespace touchstone::apps {
 namespace {
 
 class Offer : public DiscrepancySamples {
@@ -77,4 +77,4 @@ TEST_F(Offer, AClosedGapBecomesAGoldenCaseThatPassesAndThatAChangedModelFails) {
 }
 
 }  // namespace
-}  // namespace touchstone::testing
+}  // namespace touchstone::apps

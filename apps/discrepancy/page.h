@@ -1,6 +1,7 @@
 // The report of a search for missing effects, as a page.
 #pragma once
 
+#include "harness/base/rooms.h"
 #include "harness/discrepancy/findings.h"
 #include "harness/report/page.h"
 #include "harness/report/provenance.h"

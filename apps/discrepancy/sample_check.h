@@ -10,15 +10,16 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
+#include "harness/base/rooms.h"
 #include "harness/recording/recording_file.h"
 #include "harness/testing/built_program.h"
 #include "harness/testing/shared_data.h"
 
-namespace touchstone::testing {
+namespace touchstone::apps {
 
-class DiscrepancySamples : public BuiltProgram {
+class DiscrepancySamples : public testing::BuiltProgram {
  protected:
-  int run(const std::string& arguments) const { return BuiltProgram::run(arguments).status; }
+  int run(const std::string& arguments) const { return testing::BuiltProgram::run(arguments).status; }
 
   // Of the folder data/discrepancy-sample.
   void check(const std::filesystem::path& samples, const std::string& id) const {
@@ -70,4 +71,4 @@ class DiscrepancySamples : public BuiltProgram {
   }
 };
 
-}  // namespace touchstone::testing
+}  // namespace touchstone::apps

@@ -1,7 +1,7 @@
 // All samples, minutes of work.
 #include "apps/discrepancy/sample_check.h"
 
-namespace touchstone::testing {
+namespace touchstone::apps {
 namespace {
 
 class EverySample : public DiscrepancySamples, public ::testing::WithParamInterface<const char*> {};
@@ -16,4 +16,4 @@ INSTANTIATE_TEST_SUITE_P(Samples, EverySample,
                                            "sj6aqhqp", "vkkqfues", "warrewee", "xhfnzmn9"));
 
 }  // namespace
-}  // namespace touchstone::testing
+}  // namespace touchstone::apps

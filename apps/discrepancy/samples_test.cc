@@ -1,7 +1,7 @@
 // The three quickest of the samples; the night runs all of them.
 #include "apps/discrepancy/sample_check.h"
 
-namespace touchstone::testing {
+namespace touchstone::apps {
 namespace {
 
 TEST_F(DiscrepancySamples, NothingMissing) {
@@ -35,4 +35,4 @@ TEST_F(DiscrepancySamples, DampingAndTheModelRunsInAnOrdinaryReplay) {
 }
 
 }  // namespace
-}  // namespace touchstone::testing
+}  // namespace touchstone::apps

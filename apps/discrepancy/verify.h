@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "apps/discrepancy/inputs.h"
+#include "harness/base/rooms.h"
 
 namespace touchstone::apps {
 

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "apps/discrepancy/inputs.h"
+#include "harness/base/rooms.h"
 #include "harness/discrepancy/findings.h"
 
 namespace touchstone::apps {

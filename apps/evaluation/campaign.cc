@@ -16,7 +16,7 @@
 #include "harness/report/quantity.h"
 #include "renderers/catalogue.h"
 
-namespace touchstone {
+namespace touchstone::apps {
 namespace {
 
 bool has_parameter(const RendererEntry& entry, std::string_view name) {
@@ -347,4 +347,4 @@ std::string summary_json(const std::vector<Evaluated>& evaluated) {
   return document.dump(1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
 }
 
-}  // namespace touchstone
+}  // namespace touchstone::apps

@@ -8,11 +8,12 @@
 #include <vector>
 
 #include "apps/evaluation/request.h"
+#include "harness/base/rooms.h"
 #include "harness/metrics/metric.h"
 #include "harness/pipeline/board.h"
 #include "harness/plugin/plugin.h"
 
-namespace touchstone {
+namespace touchstone::apps {
 
 // What stays in memory of an evaluation when its report is written.
 struct Evaluated {
@@ -72,4 +73,4 @@ std::string summary_table(const std::vector<Evaluated>& evaluated);
 // Schema "touchstone-evaluations/1".
 std::string summary_json(const std::vector<Evaluated>& evaluated);
 
-}  // namespace touchstone
+}  // namespace touchstone::apps

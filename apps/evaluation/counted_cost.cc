@@ -10,7 +10,7 @@
 #include "harness/rendering/operations.h"
 #include "renderers/catalogue.h"
 
-namespace touchstone {
+namespace touchstone::apps {
 
 const std::vector<std::string>& operation_metrics() {
   static const std::vector<std::string> names{"operations", "total_operations", "mean_operations", "median_operations",
@@ -56,4 +56,4 @@ std::vector<MetricResult> count_of_steps(const Model& model, const std::shared_p
   return out;
 }
 
-}  // namespace touchstone
+}  // namespace touchstone::apps

@@ -8,12 +8,13 @@
 #include <string_view>
 #include <vector>
 
+#include "harness/base/rooms.h"
 #include "harness/metrics/metric.h"
 #include "harness/rendering/model.h"
 #include "harness/rendering/replay.h"
 #include "harness/surface/surface.h"
 
-namespace touchstone {
+namespace touchstone::apps {
 
 // What --metrics may name: "operations" for all, or one result.
 const std::vector<std::string>& operation_metrics();
@@ -25,4 +26,4 @@ bool asks_for_operations(std::span<const std::string> names);
 std::vector<MetricResult> count_of_steps(const Model& model, const std::shared_ptr<const Surface>& surface,
                                          const TipSource& source, std::span<const std::string> names);
 
-}  // namespace touchstone
+}  // namespace touchstone::apps

@@ -7,12 +7,8 @@
 #include "harness/report/result_json.h"
 #include "harness/surface/embree_surface.h"
 
-namespace touchstone {
+namespace touchstone::apps {
 namespace {
-
-using testing::fresh_folder;
-using testing::scan;
-using testing::write_scan;
 
 double value(const EvaluationResult& result, const std::string& name) {
   const MetricResult& metric = find_result(result.metrics, name);
@@ -124,7 +120,7 @@ TEST(Evaluation, AMeshInMillimetresReadAsMetresIsAskedAbout) {
   Recording recording = scan(0.0);
   for (Vec3& p : recording.motion.p_W_m) p.z() += 0.5;
   EvaluationRequest request = write_scan(folder, recording, 500.0);
-  TriangleMesh mesh = testing::plate();
+  TriangleMesh mesh = plate();
   for (Vec3& v : mesh.vertices_W_m) v.z() += 0.5;
   save_mesh(mesh, folder / "mesh.obj", 1e-3);
   try {
@@ -168,7 +164,7 @@ TEST(SensorWindow, SeamsDoNotShow) {
   model.instrument = {{"time-lag", {{"lag_s", 0.0137}}, "/instrument/0"},
                       {"tool-inertia", {{"mass_kg", 0.05}}, "/instrument/1"},
                       {"force-bias", {{"fx_N", 0.1}, {"fy_N", 0.2}, {"fz_N", 0.3}}, "/instrument/2"}};
-  const MeasuredRenderer comparison(model, make_embree_surface(testing::plate()));
+  const MeasuredRenderer comparison(model, make_embree_surface(plate()));
   std::vector<double> t_s;
   std::vector<Vec3> p, expected, streamed;
   std::vector<Quat> q;
@@ -193,4 +189,4 @@ TEST(SensorWindow, SeamsDoNotShow) {
 }
 
 }  // namespace
-}  // namespace touchstone
+}  // namespace touchstone::apps

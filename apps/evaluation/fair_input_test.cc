@@ -8,11 +8,8 @@
 #include "harness/rendering/in_trajectory.h"
 #include "harness/report/result_json.h"
 
-namespace touchstone {
+namespace touchstone::apps {
 namespace {
-
-using testing::fresh_folder;
-using testing::write_scan;
 
 constexpr double kMu = 0.25;
 
@@ -123,7 +120,7 @@ TEST(FairInput, EveryResultSaysItsInput) {
 
 // A renderer of points gets no ball's centre: it does not enter, and all enter with the point of contact.
 TEST(FairInput, ATipThatARendererCannotHaveKeepsItOut) {
-  EvaluationRequest request = write_scan(fresh_folder("touchstone-tip"), testing::scan(0.0), 500.0);
+  EvaluationRequest request = write_scan(fresh_folder("touchstone-tip"), scan(0.0), 500.0);
   request.model.renderer = "voxel";
   request.tip_radius_m = 0.0015;
   try {
@@ -164,7 +161,7 @@ TEST(FairInput, DifferentInputsAreNotCompared) {
   std::vector<Evaluated> done;
   for (const double stiffness : {500.0, 700.0}) {
     PlannedEvaluation one;
-    one.request = write_scan(folder, testing::scan(0.0), stiffness);
+    one.request = write_scan(folder, scan(0.0), stiffness);
     one.group = "scan";
     one.column = std::to_string(static_cast<int>(stiffness));
     done.push_back(evaluate_planned(one, folder / one.column));
@@ -179,7 +176,7 @@ TEST(FairInput, DifferentInputsAreNotCompared) {
 
 // Counted over the same positions as the replay; a plate of two triangles takes the same on each machine.
 TEST(FairInput, OperationsAreCountedInAnEvaluation) {
-  EvaluationRequest request = write_scan(fresh_folder("touchstone-counted"), testing::scan(0.0), 500.0);
+  EvaluationRequest request = write_scan(fresh_folder("touchstone-counted"), scan(0.0), 500.0);
   const EvaluationResult all = run_evaluation(request, "");
   const double total = value_of(all, "total_operations");
   EXPECT_NEAR(value_of(all, "mean_operations"), total / 10'000.0, 1e-9);
@@ -192,4 +189,4 @@ TEST(FairInput, OperationsAreCountedInAnEvaluation) {
 }
 
 }  // namespace
-}  // namespace touchstone
+}  // namespace touchstone::apps

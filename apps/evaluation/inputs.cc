@@ -24,7 +24,7 @@
 #include "renderers/catalogue.h"
 #include "renderers/effects/assemble.h"
 
-namespace touchstone {
+namespace touchstone::apps {
 namespace {
 
 constexpr std::size_t most_kept = 4096;
@@ -226,4 +226,4 @@ EvaluationInputs load_inputs(const EvaluationRequest& request) {
   return inputs;
 }
 
-}  // namespace touchstone
+}  // namespace touchstone::apps

@@ -8,11 +8,12 @@
 
 #include "apps/evaluation/request.h"
 #include "harness/base/error.h"
+#include "harness/base/rooms.h"
 #include "harness/recording/recording_stream.h"
 #include "harness/report/provenance.h"
 #include "harness/surface/surface.h"
 
-namespace touchstone {
+namespace touchstone::apps {
 
 // What one pass over the recording tells.
 struct RecordingSurvey {
@@ -59,4 +60,4 @@ RecordingStream open_recording(const EvaluationRequest& request);
 // the renderer cannot have.
 EvaluationInputs load_inputs(const EvaluationRequest& request);
 
-}  // namespace touchstone
+}  // namespace touchstone::apps

@@ -6,7 +6,7 @@
 
 #include "harness/metrics/result.h"
 
-namespace touchstone {
+namespace touchstone::apps {
 namespace {
 
 constexpr std::size_t kMostSamples = 2'000'000;  // 300 MB
@@ -55,4 +55,4 @@ std::vector<MetricResult> PerceivedQuality::results(std::span<const std::string>
   return all;
 }
 
-}  // namespace touchstone
+}  // namespace touchstone::apps

@@ -8,9 +8,10 @@
 #include <string_view>
 #include <vector>
 
+#include "harness/base/rooms.h"
 #include "harness/perception/perceptual_metrics.h"
 
-namespace touchstone {
+namespace touchstone::apps {
 
 // What --metrics may name: "perception" for all, or one result.
 const std::vector<std::string>& perceived_metrics();
@@ -30,4 +31,4 @@ class PerceivedQuality {
   bool cut_ = false;
 };
 
-}  // namespace touchstone
+}  // namespace touchstone::apps

@@ -6,12 +6,13 @@
 #include <string>
 #include <vector>
 
+#include "harness/base/rooms.h"
 #include "harness/metrics/time_ranges.h"
 #include "harness/recording/clock.h"
 #include "harness/recording/dataset.h"
 #include "harness/rendering/model.h"
 
-namespace touchstone {
+namespace touchstone::apps {
 
 struct EvaluationRequest {
   std::string title;  // "" : made from the names
@@ -40,4 +41,4 @@ struct EvaluationRequest {
   std::vector<std::string> command_line;
 };
 
-}  // namespace touchstone
+}  // namespace touchstone::apps

@@ -25,7 +25,7 @@
 #include "harness/report/quantity.h"
 #include "harness/report/result_json.h"
 
-namespace touchstone {
+namespace touchstone::apps {
 namespace {
 
 // Detail of the drawn error: this many cubes along the longest side of the path's box.
@@ -397,4 +397,4 @@ EvaluationResult evaluate_into(const EvaluationRequest& request, const std::file
   return result;
 }
 
-}  // namespace touchstone
+}  // namespace touchstone::apps

@@ -6,9 +6,10 @@
 
 #include "apps/evaluation/inputs.h"
 #include "apps/evaluation/request.h"
+#include "harness/base/rooms.h"
 #include "harness/report/evaluation.h"
 
-namespace touchstone {
+namespace touchstone::apps {
 
 // Replays and measures. `rendered` is the file for what the renderer answered (before any instrument entry); "" writes
 // none. Throws as load_inputs() does, and BadData where the renderer answers with what is not a number.
@@ -22,4 +23,4 @@ EvaluationResult run_evaluation(const EvaluationRequest& request, const Evaluati
 EvaluationResult evaluate_into(const EvaluationRequest& request, const std::filesystem::path& folder,
                                const ErrorSink& errors = {});
 
-}  // namespace touchstone
+}  // namespace touchstone::apps

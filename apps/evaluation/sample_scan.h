@@ -9,10 +9,11 @@
 
 #include "apps/evaluation/request.h"
 #include "harness/base/random.h"
+#include "harness/base/rooms.h"
 #include "harness/recording/recording_file.h"
 #include "harness/surface/mesh_file.h"
 
-namespace touchstone::testing {
+namespace touchstone::apps {
 
 inline std::filesystem::path fresh_folder(const std::string& name) {
   auto folder = std::filesystem::temp_directory_path() / (name + "-" + std::to_string(::getpid()));
@@ -64,4 +65,4 @@ inline EvaluationRequest write_scan(const std::filesystem::path& folder, const R
   return request;
 }
 
-}  // namespace touchstone::testing
+}  // namespace touchstone::apps

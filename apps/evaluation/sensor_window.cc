@@ -2,7 +2,7 @@
 
 #include <utility>
 
-namespace touchstone {
+namespace touchstone::apps {
 namespace {
 
 // Large beside any halo in practice, so that little is computed twice; a longer halo makes the window longer.
@@ -55,4 +55,4 @@ void SensorWindow::flush(bool all) {
   done_ = i - keep;
 }
 
-}  // namespace touchstone
+}  // namespace touchstone::apps

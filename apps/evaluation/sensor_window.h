@@ -5,10 +5,11 @@
 #include <functional>
 #include <vector>
 
+#include "harness/base/rooms.h"
 #include "harness/metrics/metric.h"
 #include "renderers/measured_renderer.h"
 
-namespace touchstone {
+namespace touchstone::apps {
 
 // A sample on its way to the metrics.
 struct ComparedSample {
@@ -38,4 +39,4 @@ class SensorWindow {
   std::size_t done_ = 0;  // of held_, kept only because later samples look back at them
 };
 
-}  // namespace touchstone
+}  // namespace touchstone::apps

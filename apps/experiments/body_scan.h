@@ -7,6 +7,7 @@
 #include <memory>
 #include <vector>
 
+#include "harness/base/rooms.h"
 #include "harness/recording/trajectory.h"
 #include "harness/rendering/model.h"
 #include "harness/surface/surface.h"

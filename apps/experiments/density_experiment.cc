@@ -8,7 +8,7 @@
 #include "apps/experiments/mesh_family.h"
 #include "harness/surface/embree_surface.h"
 #include "renderers/catalogue.h"
-#include "renderers/contact_mesh.h"
+#include "renderers/walkable/contact_mesh.h"
 #include "synthetic/datasets/recipe.h"
 
 namespace touchstone::experiments {

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "apps/experiments/friction_experiment.h"
+#include "harness/base/rooms.h"
 #include "harness/rendering/operations.h"
 
 namespace touchstone::experiments {

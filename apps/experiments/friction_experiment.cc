@@ -14,7 +14,7 @@
 #include "harness/rendering/replay.h"
 #include "harness/surface/embree_surface.h"
 #include "renderers/catalogue.h"
-#include "renderers/contact_mesh.h"
+#include "renderers/walkable/contact_mesh.h"
 
 namespace touchstone::experiments {
 namespace {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "apps/experiments/body_scan.h"
+#include "harness/base/rooms.h"
 
 namespace touchstone::experiments {
 

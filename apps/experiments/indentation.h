@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "harness/base/rooms.h"
 #include "harness/perception/perceptual_evaluation.h"
 
 namespace touchstone::experiments {

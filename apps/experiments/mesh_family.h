@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <vector>
 
+#include "harness/base/rooms.h"
 #include "harness/surface/triangle_mesh.h"
 
 namespace touchstone::experiments {

@@ -3,6 +3,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "harness/base/rooms.h"
 #include "harness/rendering/operations.h"
 
 namespace touchstone::experiments {

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "apps/experiments/palpation_rows.h"
+#include "harness/base/rooms.h"
 #include "harness/report/page.h"
 #include "harness/report/provenance.h"
 

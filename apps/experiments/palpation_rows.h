@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <vector>
 
+#include "harness/base/rooms.h"
 #include "harness/perception/perceptual_evaluation.h"
 #include "harness/recording/trajectory.h"
 

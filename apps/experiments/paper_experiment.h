@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "apps/experiments/friction_experiment.h"
+#include "harness/base/rooms.h"
 #include "harness/recording/dataset.h"
 #include "harness/recording/trajectory.h"
 #include "harness/rendering/operations.h"

@@ -22,6 +22,7 @@
 #include <string>
 #include <vector>
 
+#include "harness/base/rooms.h"
 #include "harness/rendering/model.h"
 #include "harness/rendering/renderer_entry.h"
 #include "harness/rendering/replay.h"

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "apps/experiments/planted_cases.h"
+#include "harness/base/rooms.h"
 #include "harness/report/page.h"
 #include "harness/report/provenance.h"
 

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "apps/experiments/perception_bench.h"
+#include "harness/base/rooms.h"
 #include "harness/report/page.h"
 #include "harness/report/provenance.h"
 

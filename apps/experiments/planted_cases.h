@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "harness/base/rooms.h"
 #include "harness/perception/judge/thresholds.h"
 #include "harness/recording/trajectory.h"
 

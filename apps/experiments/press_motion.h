@@ -5,6 +5,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "harness/base/rooms.h"
+
 namespace touchstone::experiments {
 
 // The paper gives neither stroke nor beat nor how alike the presses are: all of this is ours.

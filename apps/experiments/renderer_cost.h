@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "harness/base/rooms.h"
 #include "harness/rendering/operations.h"
 #include "harness/rendering/replay.h"
 #include "harness/report/page.h"

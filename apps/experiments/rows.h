@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "harness/base/rooms.h"
 #include "harness/report/page.h"
 
 namespace touchstone::experiments {

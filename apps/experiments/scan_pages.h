@@ -5,6 +5,7 @@
 
 #include "apps/experiments/density_experiment.h"
 #include "apps/experiments/friction_experiment.h"
+#include "harness/base/rooms.h"
 #include "harness/report/page.h"
 #include "harness/report/provenance.h"
 

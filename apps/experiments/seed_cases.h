@@ -1,4 +1,4 @@
-// An experiment over several seeds as cases for the engine (apps/cases/case_engine.h): a seed is a case, its named
+// An experiment over several seeds as cases for the engine (harness/runs/case_engine.h): a seed is a case, its named
 // values and findings are its row, and what the report shows of it stands beside them as JSON.
 #pragma once
 
@@ -8,8 +8,9 @@
 #include <string>
 #include <vector>
 
-#include "apps/cases/case_command.h"
 #include "apps/experiments/seed_spread.h"
+#include "harness/base/rooms.h"
+#include "harness/runs/case_command.h"
 
 namespace touchstone::experiments {
 

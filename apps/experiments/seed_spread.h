@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "harness/base/rooms.h"
 #include "harness/report/page.h"
 
 namespace touchstone::experiments {

@@ -5,6 +5,7 @@
 
 #include "apps/experiments/seed_cases.h"
 #include "apps/experiments/voxel_experiment.h"
+#include "harness/base/rooms.h"
 
 namespace touchstone::experiments {
 

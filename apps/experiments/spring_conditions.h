@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "apps/experiments/press_motion.h"
+#include "harness/base/rooms.h"
 #include "harness/perception/haptic_data_matrix.h"
 #include "harness/rendering/model.h"
 

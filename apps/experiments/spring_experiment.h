@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "apps/experiments/spring_conditions.h"
+#include "harness/base/rooms.h"
 #include "harness/perception/perceptual_evaluation.h"
 #include "harness/perception/subjective_comparison.h"
 

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "apps/experiments/spring_experiment.h"
+#include "harness/base/rooms.h"
 #include "harness/report/page.h"
 #include "harness/report/provenance.h"
 

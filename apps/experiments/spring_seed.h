@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "apps/experiments/spring_experiment.h"
+#include "harness/base/rooms.h"
 
 namespace touchstone::experiments {
 

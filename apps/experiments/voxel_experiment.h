@@ -16,6 +16,7 @@
 #include <string>
 #include <vector>
 
+#include "harness/base/rooms.h"
 #include "harness/rendering/operations.h"
 #include "harness/rendering/replay.h"
 

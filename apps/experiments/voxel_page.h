@@ -2,6 +2,7 @@
 #pragma once
 
 #include "apps/experiments/voxel_experiment.h"
+#include "harness/base/rooms.h"
 #include "harness/report/page.h"
 #include "harness/report/provenance.h"
 

@@ -17,7 +17,7 @@
 #include "harness/surface/mesh_warnings.h"
 #include "renderers/model_predictor.h"
 
-namespace touchstone {
+namespace touchstone::apps {
 namespace {
 
 constexpr std::size_t profile_points = 41;
@@ -251,4 +251,4 @@ FitResult run_fit(const FitRequest& request) {
   return result;
 }
 
-}  // namespace touchstone
+}  // namespace touchstone::apps

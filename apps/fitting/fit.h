@@ -9,10 +9,11 @@
 #include "apps/evaluation/inputs.h"
 #include "apps/evaluation/request.h"
 #include "apps/fitting/parameter.h"
+#include "harness/base/rooms.h"
 #include "harness/metrics/metric.h"
 #include "harness/report/provenance.h"
 
-namespace touchstone {
+namespace touchstone::apps {
 
 struct FitRequest {
   EvaluationRequest evaluation;  // recording, mesh, model, in-trajectory, ...
@@ -59,4 +60,4 @@ struct FitResult {
 // for a stiffness that is to be fitted to an in-trajectory that was made with it.
 FitResult run_fit(const FitRequest& request);
 
-}  // namespace touchstone
+}  // namespace touchstone::apps

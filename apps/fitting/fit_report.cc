@@ -13,7 +13,7 @@
 #include "harness/report/page_html.h"
 #include "harness/report/quantity.h"
 
-namespace touchstone {
+namespace touchstone::apps {
 namespace {
 
 using nlohmann::json;
@@ -182,4 +182,4 @@ void write_fit(const FitResult& result, const std::filesystem::path& folder) {
   write_html(folder / "report.html", fit_page(result));
 }
 
-}  // namespace touchstone
+}  // namespace touchstone::apps

@@ -5,13 +5,14 @@
 #include <string>
 
 #include "apps/fitting/fit.h"
+#include "harness/base/rooms.h"
 #include "harness/report/page.h"
 
-namespace touchstone {
+namespace touchstone::apps {
 
 std::string fit_to_json(const FitResult& result);
 Page fit_page(const FitResult& result);
 std::string fit_table(const FitResult& result);
 void write_fit(const FitResult& result, const std::filesystem::path& folder);
 
-}  // namespace touchstone
+}  // namespace touchstone::apps

@@ -6,12 +6,8 @@
 #include "harness/base/error.h"
 #include "harness/testing/shared_data.h"
 
-namespace touchstone {
+namespace touchstone::apps {
 namespace {
-
-using testing::fresh_folder;
-using testing::scan;
-using testing::write_scan;
 
 FitRequest stiffness_fit(const std::filesystem::path& folder, const Recording& recording,
                          const std::string& parameter) {
@@ -213,4 +209,4 @@ TEST(Fit, FrictionBringsThePalpationNearerOnUnseenBlocks) {
 }
 
 }  // namespace
-}  // namespace touchstone
+}  // namespace touchstone::apps

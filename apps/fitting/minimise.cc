@@ -6,7 +6,7 @@
 
 #include "harness/base/error.h"
 
-namespace touchstone {
+namespace touchstone::apps {
 namespace {
 
 constexpr double tolerance = 1e-7;  // of the unit cube
@@ -83,4 +83,4 @@ Minimum minimise(const UnitFunction& function, const std::vector<double>& first)
   return best;
 }
 
-}  // namespace touchstone
+}  // namespace touchstone::apps

@@ -7,7 +7,9 @@
 #include <functional>
 #include <vector>
 
-namespace touchstone {
+#include "harness/base/rooms.h"
+
+namespace touchstone::apps {
 
 using UnitFunction = std::function<double(const std::vector<double>&)>;
 
@@ -22,4 +24,4 @@ Minimum minimise(const UnitFunction& function, const std::vector<double>& first)
 // The local search alone, from `start`, with a first step of `step`.
 Minimum minimise_near(const UnitFunction& function, const std::vector<double>& start, double step);
 
-}  // namespace touchstone
+}  // namespace touchstone::apps

@@ -7,7 +7,7 @@
 
 #include "harness/base/error.h"
 
-namespace touchstone {
+namespace touchstone::apps {
 namespace {
 
 std::vector<std::string> force_metrics() {
@@ -97,4 +97,4 @@ std::vector<std::size_t> Objective::part(const TimeRanges& ranges, const std::st
   return out;
 }
 
-}  // namespace touchstone
+}  // namespace touchstone::apps

@@ -5,12 +5,13 @@
 #include <string>
 #include <vector>
 
+#include "harness/base/rooms.h"
 #include "harness/metrics/catalogue.h"
 #include "harness/metrics/time_ranges.h"
 #include "harness/recording/trajectory.h"
 #include "harness/rendering/predictor.h"
 
-namespace touchstone {
+namespace touchstone::apps {
 
 // `metric` names a result that needs force only (rms_force_error); throws UsageError for another.
 void check_fit_metric(const std::string& metric);
@@ -43,4 +44,4 @@ class Objective {
   MetricOptions options_;
 };
 
-}  // namespace touchstone
+}  // namespace touchstone::apps

@@ -11,7 +11,7 @@
 #include "renderers/catalogue.h"
 #include "renderers/effects/assemble.h"
 
-namespace touchstone {
+namespace touchstone::apps {
 namespace {
 
 // Bounds further apart than this are no search range but "anything that makes sense".
@@ -163,4 +163,4 @@ Model with_values(const Model& model, const std::vector<FitParameter>& parameter
   return out;
 }
 
-}  // namespace touchstone
+}  // namespace touchstone::apps

@@ -6,9 +6,10 @@
 #include <string_view>
 #include <vector>
 
+#include "harness/base/rooms.h"
 #include "harness/rendering/model.h"
 
-namespace touchstone {
+namespace touchstone::apps {
 
 struct FitParameter {
   std::string name;   // as given, without bounds
@@ -34,4 +35,4 @@ FitParameter parse_fit_parameter(std::string_view text, const Model& model);
 // raised to mu_dynamic, so that either can be searched alone.
 Model with_values(const Model& model, const std::vector<FitParameter>& parameters, const std::vector<double>& values);
 
-}  // namespace touchstone
+}  // namespace touchstone::apps

@@ -8,7 +8,7 @@
 #include <cmath>
 #include <numeric>
 
-namespace touchstone {
+namespace touchstone::apps {
 namespace {
 
 double median_step(const std::vector<double>& t_s) {
@@ -123,4 +123,4 @@ Uncertainty sandwich_uncertainty(const LossFunction& loss, const std::vector<dou
   return out;
 }
 
-}  // namespace touchstone
+}  // namespace touchstone::apps

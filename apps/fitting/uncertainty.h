@@ -10,7 +10,9 @@
 #include <string>
 #include <vector>
 
-namespace touchstone {
+#include "harness/base/rooms.h"
+
+namespace touchstone::apps {
 
 // Loss of each sample at a point of the unit cube.
 using LossFunction = std::function<std::vector<double>(const std::vector<double>&)>;
@@ -34,4 +36,4 @@ Uncertainty sandwich_uncertainty(const LossFunction& loss, const std::vector<dou
 std::vector<std::size_t> independent_blocks(const std::vector<double>& loss, const std::vector<double>& t_s,
                                             double& block_s);
 
-}  // namespace touchstone
+}  // namespace touchstone::apps

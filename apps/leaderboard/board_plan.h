@@ -7,9 +7,10 @@
 #include <string>
 #include <vector>
 
-#include "apps/cases/case_engine.h"
 #include "apps/evaluation/campaign.h"
+#include "harness/base/rooms.h"
 #include "harness/pipeline/board.h"
+#include "harness/runs/case_engine.h"
 
 namespace touchstone::apps {
 

@@ -13,7 +13,7 @@
 #include "harness/report/quantity.h"
 #include "harness/surface/facet_angle.h"
 #include "renderers/catalogue.h"
-#include "renderers/contact_mesh.h"
+#include "renderers/walkable/contact_mesh.h"
 
 namespace touchstone::apps {
 namespace {

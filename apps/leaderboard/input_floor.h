@@ -16,6 +16,7 @@
 #include <memory>
 
 #include "apps/evaluation/request.h"
+#include "harness/base/rooms.h"
 #include "harness/discrepancy/instrument_description.h"
 #include "harness/pipeline/board.h"
 #include "harness/recording/trajectory.h"

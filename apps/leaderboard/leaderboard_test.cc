@@ -11,8 +11,6 @@
 
 namespace touchstone::apps {
 namespace {
-
-using testing::fresh_folder;
 using ::testing::HasSubstr;
 
 // Pressed all the time with 2 N while it moves over a plate.
@@ -25,7 +23,7 @@ FloorWorld plate_world(double noise_N) {
     world.recording.motion.p_W_m.emplace_back(0.05 + 0.01 * std::sin(2.0 * t), 0.05, 0.0);
     world.recording.f_W_N.emplace_back(0.0, 0.0, 2.0);
   }
-  world.surface = make_embree_surface(testing::plate());
+  world.surface = make_embree_surface(plate());
   world.stiffness_N_per_m = 500.0;
   world.contact_threshold_N = 0.05;
   world.instrument.force_noise_N = noise_N;

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "apps/leaderboard/board_plan.h"
+#include "harness/base/rooms.h"
 #include "harness/report/provenance.h"
 
 namespace touchstone::apps {

@@ -24,6 +24,8 @@
 #include <string>
 #include <vector>
 
+#include "harness/base/rooms.h"
+
 namespace touchstone::apps {
 
 struct SweepCase {

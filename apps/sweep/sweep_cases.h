@@ -1,8 +1,9 @@
-// A sweep as cases for the engine (apps/cases/case_engine.h) and as rows of its store.
+// A sweep as cases for the engine (harness/runs/case_engine.h) and as rows of its store.
 #pragma once
 
-#include "apps/cases/case_engine.h"
 #include "apps/sweep/world.h"
+#include "harness/base/rooms.h"
+#include "harness/runs/case_engine.h"
 
 namespace touchstone::apps {
 

@@ -6,12 +6,12 @@
 #include <new>
 #include <nlohmann/json.hpp>
 
-#include "apps/cases/shared_cache.h"
 #include "apps/golden_runner.h"
 #include "harness/base/error.h"
 #include "harness/base/json_reader.h"
 #include "harness/rendering/model.h"
 #include "harness/rendering/replay.h"
+#include "harness/runs/shared_cache.h"
 #include "harness/surface/embree_surface.h"
 #include "renderers/catalogue.h"
 #include "synthetic/surface_catalogue.h"

@@ -9,6 +9,7 @@
 
 #include "apps/exact_error.h"
 #include "apps/sweep/design.h"
+#include "harness/base/rooms.h"
 #include "harness/baseline/golden_summary.h"
 
 namespace touchstone::apps {

@@ -17,6 +17,8 @@
 #include <thread>
 #include <vector>
 
+#include "harness/base/rooms.h"
+
 namespace touchstone::testing {
 
 struct CdashProject {

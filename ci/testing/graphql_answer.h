@@ -7,6 +7,8 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "harness/base/rooms.h"
+
 namespace touchstone::testing {
 
 struct GraphqlField {

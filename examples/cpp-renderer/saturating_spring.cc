@@ -6,6 +6,8 @@ namespace example {
 namespace {
 
 using namespace touchstone;
+using namespace touchstone::rendering;
+using namespace touchstone::surface;
 
 class SaturatingSpring final : public Renderer {
  public:

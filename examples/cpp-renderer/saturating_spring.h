@@ -6,6 +6,6 @@
 
 namespace example {
 
-touchstone::RendererEntry saturating_spring_entry();
+touchstone::rendering::RendererEntry saturating_spring_entry();
 
 }  // namespace example

@@ -15,7 +15,7 @@
 #include "harness/surface/embree_surface.h"
 #include "harness/surface/mesh_file.h"
 
-namespace touchstone {
+namespace touchstone::acquisition {
 namespace {
 
 const std::vector<std::pair<std::string, double>> length_units{{"m", 1.0}, {"mm", 1e-3}};
@@ -313,4 +313,4 @@ Acquired acquire(const AcquisitionDescription& d) {
   return result;
 }
 
-}  // namespace touchstone
+}  // namespace touchstone::acquisition

@@ -9,9 +9,10 @@
 
 #include "harness/acquisition/description.h"
 #include "harness/acquisition/smoothing.h"
+#include "harness/base/rooms.h"
 #include "harness/recording/trajectory.h"
 
-namespace touchstone {
+namespace touchstone::acquisition {
 
 struct FlaggedSamples {
   std::size_t total = 0, saturated = 0, out_of_range = 0, not_finite = 0;
@@ -47,4 +48,4 @@ std::string report_text(const AcquisitionReport& report);
 // Static orientations of a tool from a table: fx_N .. tz_Nm (or without units where they are SI) and qw.. or r11..r33.
 std::vector<StaticPose> read_static_poses(const std::filesystem::path& path, bool bare_is_si);
 
-}  // namespace touchstone
+}  // namespace touchstone::acquisition

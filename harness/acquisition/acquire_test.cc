@@ -17,7 +17,7 @@
 #include "harness/base/random.h"
 #include "harness/testing/steps.h"
 
-namespace touchstone {
+namespace touchstone::acquisition {
 namespace {
 
 using ::testing::HasSubstr;
@@ -252,4 +252,4 @@ TEST_F(AcquireTest, SaysWhatIsWrongWithItsInputs) {
 }
 
 }  // namespace
-}  // namespace touchstone
+}  // namespace touchstone::acquisition

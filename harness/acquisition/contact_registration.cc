@@ -8,7 +8,7 @@
 
 #include "harness/base/error.h"
 
-namespace touchstone {
+namespace touchstone::acquisition {
 namespace {
 
 using Vector6 = Eigen::Matrix<double, 6, 1>;
@@ -127,4 +127,4 @@ ContactRegistration register_contacts(const Surface& surface, const std::vector<
   return result;
 }
 
-}  // namespace touchstone
+}  // namespace touchstone::acquisition

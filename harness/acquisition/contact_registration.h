@@ -7,9 +7,10 @@
 #include <vector>
 
 #include "harness/acquisition/rigid_registration.h"
+#include "harness/base/rooms.h"
 #include "harness/surface/surface.h"
 
-namespace touchstone {
+namespace touchstone::acquisition {
 
 struct ContactRegistrationOptions {
   int most_iterations = 100;
@@ -42,4 +43,4 @@ struct BallContact {
 };
 BallContact ball_contact(const Surface& surface, const Vec3& center_W_m, double tip_radius_m);
 
-}  // namespace touchstone
+}  // namespace touchstone::acquisition

@@ -5,7 +5,7 @@
 
 #include "harness/base/json_reader.h"
 
-namespace touchstone {
+namespace touchstone::acquisition {
 namespace {
 
 Vec3 vector_of(JsonObject& object, std::string_view key) {
@@ -106,4 +106,4 @@ AcquisitionDescription read_description(const std::filesystem::path& path) {
   return d;
 }
 
-}  // namespace touchstone
+}  // namespace touchstone::acquisition

@@ -10,8 +10,9 @@
 #include "harness/acquisition/contact_registration.h"
 #include "harness/acquisition/tap_alignment.h"
 #include "harness/acquisition/tool_load.h"
+#include "harness/base/rooms.h"
 
-namespace touchstone {
+namespace touchstone::acquisition {
 
 struct AcquisitionDescription {
   struct Interval {
@@ -54,4 +55,4 @@ struct AcquisitionDescription {
 // Throws BadData naming the file and the place in it.
 AcquisitionDescription read_description(const std::filesystem::path& path);
 
-}  // namespace touchstone
+}  // namespace touchstone::acquisition

@@ -8,7 +8,7 @@
 
 #include "harness/base/error.h"
 
-namespace touchstone {
+namespace touchstone::acquisition {
 namespace {
 
 // Every reading, the plainest first: of two that fit alike, the one with fewer mistakes is named.
@@ -108,4 +108,4 @@ std::string FrameCheck::message(const ToolIdentification& as_read, const std::st
                             repaired.load.mass_kg, repaired.fit.force_component_N, flags.empty() ? "no flags" : flags);
 }
 
-}  // namespace touchstone
+}  // namespace touchstone::acquisition

@@ -8,8 +8,9 @@
 #include <vector>
 
 #include "harness/acquisition/tool_load.h"
+#include "harness/base/rooms.h"
 
-namespace touchstone {
+namespace touchstone::acquisition {
 
 enum class WrenchFrame { sensor, world };
 enum class OrientationReading { given, inverse, scalar_last };
@@ -51,4 +52,4 @@ struct FrameCheck {
 FrameCheck check_frames(const std::vector<StaticPose>& poses, const PoseReading& reading,
                         const ToolIdentification& as_read, const Vec3& gravity_W_m_per_s2, const std::string& source);
 
-}  // namespace touchstone
+}  // namespace touchstone::acquisition

@@ -12,7 +12,7 @@
 #include "harness/base/random.h"
 #include "harness/testing/shared_data.h"
 
-namespace touchstone {
+namespace touchstone::acquisition {
 namespace {
 
 using ::testing::HasSubstr;
@@ -125,4 +125,4 @@ TEST(FrameCheck, ARealWrenchInTheWorldsFrameIsNamed) {
 }
 
 }  // namespace
-}  // namespace touchstone
+}  // namespace touchstone::acquisition

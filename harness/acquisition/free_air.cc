@@ -10,7 +10,7 @@
 #include "harness/acquisition/smoothing.h"
 #include "harness/base/error.h"
 
-namespace touchstone {
+namespace touchstone::acquisition {
 namespace {
 
 double rms_length(const std::vector<Vec3>& v, const Vec3& from) {
@@ -229,4 +229,4 @@ FreeAirReport analyse_free_air(const FreeAirRun& run, const ToolLoad& load, cons
   return report;
 }
 
-}  // namespace touchstone
+}  // namespace touchstone::acquisition

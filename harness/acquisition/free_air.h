@@ -7,8 +7,9 @@
 #include <vector>
 
 #include "harness/acquisition/tool_load.h"
+#include "harness/base/rooms.h"
 
-namespace touchstone {
+namespace touchstone::acquisition {
 
 // Accelerometer readings a = A g_S + b, from static orientations: A maps the sensor's frame and m/s^2 to its own.
 struct AccelerometerMap {
@@ -69,4 +70,4 @@ FreeAirReport analyse_free_air(const FreeAirRun& run, const ToolLoad& load, cons
                                const Vec3& gravity_W_m_per_s2, const std::vector<double>& cutoffs_Hz,
                                double rest_rad_per_s, const std::string& source);
 
-}  // namespace touchstone
+}  // namespace touchstone::acquisition

@@ -11,7 +11,7 @@
 #include "harness/base/random.h"
 #include "harness/testing/shared_data.h"
 
-namespace touchstone {
+namespace touchstone::acquisition {
 namespace {
 
 using ::testing::HasSubstr;
@@ -110,4 +110,4 @@ TEST(FreeAirContact, ARealRunIsFreeUntilAPressIsPlanted) {
 }
 
 }  // namespace
-}  // namespace touchstone
+}  // namespace touchstone::acquisition

@@ -8,7 +8,7 @@
 #include "harness/acquisition/raw_table.h"
 #include "harness/recording/ati_calibration.h"
 
-namespace touchstone {
+namespace touchstone::acquisition {
 namespace {
 
 std::vector<Wrench> wrenches(const RawTable& table, bool bare_is_si) {
@@ -119,4 +119,4 @@ std::string free_air_json(const FreeAirResult& result) {
   return j.dump(1) + "\n";
 }
 
-}  // namespace touchstone
+}  // namespace touchstone::acquisition

@@ -7,8 +7,9 @@
 
 #include "harness/acquisition/free_air.h"
 #include "harness/acquisition/tool_load.h"
+#include "harness/base/rooms.h"
 
-namespace touchstone {
+namespace touchstone::acquisition {
 
 struct FreeAirFiles {
   std::filesystem::path statics;      // one row per orientation: f, t, rotation, and a where there is an accelerometer
@@ -32,4 +33,4 @@ FreeAirResult read_and_analyse_free_air(const FreeAirFiles& files);
 std::string free_air_text(const FreeAirResult& result);
 std::string free_air_json(const FreeAirResult& result);
 
-}  // namespace touchstone
+}  // namespace touchstone::acquisition

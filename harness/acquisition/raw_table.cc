@@ -9,7 +9,7 @@
 #include "harness/base/error.h"
 #include "harness/recording/table_source.h"
 
-namespace touchstone {
+namespace touchstone::acquisition {
 
 RawTable::RawTable(const std::filesystem::path& path) : source_(path.string()) {
   const auto table = open_table(path);
@@ -107,4 +107,4 @@ std::vector<Quat> RawTable::rotations() const {
   return result;
 }
 
-}  // namespace touchstone
+}  // namespace touchstone::acquisition

@@ -7,9 +7,10 @@
 #include <string>
 #include <vector>
 
+#include "harness/base/rooms.h"
 #include "harness/base/vec.h"
 
-namespace touchstone {
+namespace touchstone::acquisition {
 
 // The units that a column of forces or torques may name, and what one of each is in SI.
 inline const std::vector<std::pair<std::string, double>> force_units{{"N", 1.0}, {"mN", 1e-3}};
@@ -44,4 +45,4 @@ class RawTable {
   std::size_t rows_ = 0;
 };
 
-}  // namespace touchstone
+}  // namespace touchstone::acquisition

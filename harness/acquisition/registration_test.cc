@@ -9,7 +9,7 @@
 #include "harness/base/error.h"
 #include "harness/base/random.h"
 
-namespace touchstone {
+namespace touchstone::acquisition {
 namespace {
 
 using testing::HasSubstr;
@@ -181,4 +181,4 @@ TEST(BallContact, LiesOneRadiusBelowTheCentre) {
 }
 
 }  // namespace
-}  // namespace touchstone
+}  // namespace touchstone::acquisition

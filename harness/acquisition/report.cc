@@ -5,7 +5,7 @@
 
 #include "harness/acquisition/acquire.h"
 
-namespace touchstone {
+namespace touchstone::acquisition {
 namespace {
 
 using nlohmann::json;
@@ -113,4 +113,4 @@ std::string report_text(const AcquisitionReport& report) {
   return text;
 }
 
-}  // namespace touchstone
+}  // namespace touchstone::acquisition

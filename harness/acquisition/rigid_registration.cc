@@ -8,7 +8,7 @@
 
 #include "harness/base/error.h"
 
-namespace touchstone {
+namespace touchstone::acquisition {
 
 MarkerRegistration register_markers(const std::vector<Vec3>& tracker_m, const std::vector<Vec3>& object_m,
                                     const std::string& source) {
@@ -68,4 +68,4 @@ double MarkerRegistration::expected_error_m(const Vec3& p_object_m) const {
   return std::sqrt(localisation / n * (1.0 + sum / 3.0));
 }
 
-}  // namespace touchstone
+}  // namespace touchstone::acquisition

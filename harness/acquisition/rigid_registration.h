@@ -7,9 +7,10 @@
 #include <string>
 #include <vector>
 
+#include "harness/base/rooms.h"
 #include "harness/base/vec.h"
 
-namespace touchstone {
+namespace touchstone::acquisition {
 
 struct RigidTransform {
   Quat q = Quat::Identity();
@@ -40,4 +41,4 @@ struct MarkerRegistration {
 MarkerRegistration register_markers(const std::vector<Vec3>& tracker_m, const std::vector<Vec3>& object_m,
                                     const std::string& source);
 
-}  // namespace touchstone
+}  // namespace touchstone::acquisition

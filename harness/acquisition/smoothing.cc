@@ -8,7 +8,7 @@
 
 #include "harness/base/error.h"
 
-namespace touchstone {
+namespace touchstone::acquisition {
 namespace {
 
 constexpr double reach_in_sigmas = 4.0;
@@ -114,4 +114,4 @@ std::vector<Vec3> lerp_at(const std::vector<double>& t_s, const std::vector<Vec3
   return result;
 }
 
-}  // namespace touchstone
+}  // namespace touchstone::acquisition

@@ -7,9 +7,10 @@
 #include <string>
 #include <vector>
 
+#include "harness/base/rooms.h"
 #include "harness/base/vec.h"
 
-namespace touchstone {
+namespace touchstone::acquisition {
 
 struct Smoothed {
   std::vector<Vec3> values;
@@ -36,4 +37,4 @@ std::vector<Vec3> lerp_at(const std::vector<double>& t_s, const std::vector<Vec3
 // Median distance between samples.
 double sample_interval_s(const std::vector<double>& t_s);
 
-}  // namespace touchstone
+}  // namespace touchstone::acquisition

@@ -10,7 +10,7 @@
 #include "harness/base/random.h"
 #include "harness/testing/steps.h"
 
-namespace touchstone {
+namespace touchstone::acquisition {
 namespace {
 
 std::vector<double> times(double rate, double length, double jitter, Random& random) {
@@ -84,4 +84,4 @@ TEST(Smoothing, TurnsOrientationsEvenly) {
 }
 
 }  // namespace
-}  // namespace touchstone
+}  // namespace touchstone::acquisition

@@ -9,7 +9,7 @@
 #include "harness/acquisition/smoothing.h"
 #include "harness/base/error.h"
 
-namespace touchstone {
+namespace touchstone::acquisition {
 namespace {
 
 constexpr double ordinary_skew = 100e-6;  // what quartz clocks differ by
@@ -245,4 +245,4 @@ ClockAlignment align_by_taps(const std::vector<double>& t_force_s, const std::ve
   return result;
 }
 
-}  // namespace touchstone
+}  // namespace touchstone::acquisition

@@ -9,9 +9,10 @@
 #include <string>
 #include <vector>
 
+#include "harness/base/rooms.h"
 #include "harness/base/vec.h"
 
-namespace touchstone {
+namespace touchstone::acquisition {
 
 struct TapOptions {
   double force_threshold_N = 0.0;  // 0: eight times the baseline's noise, at least a tenth of the median peak
@@ -81,4 +82,4 @@ ClockAlignment align_by_taps(const std::vector<double>& t_force_s, const std::ve
                              const std::vector<double>& t_motion_s, const std::vector<double>& height_m,
                              const TapOptions& options, const std::string& source);
 
-}  // namespace touchstone
+}  // namespace touchstone::acquisition

@@ -2,4 +2,6 @@
 
 #include "harness/acquisition/tap_session_for_test.h"
 
-TEST(TapAlignmentNightly, FindsOffsetAndSkewOverAHundredSeeds) { touchstone::testing::check_alignment_over_seeds(100); }
+TEST(TapAlignmentNightly, FindsOffsetAndSkewOverAHundredSeeds) {
+  touchstone::acquisition::check_alignment_over_seeds(100);
+}

@@ -14,17 +14,10 @@
 #include "harness/acquisition/tap_session_for_test.h"
 #include "harness/base/error.h"
 
-namespace touchstone {
+namespace touchstone::acquisition {
 namespace {
 
 using ::testing::HasSubstr;
-
-using touchstone::testing::align;
-using touchstone::testing::check_alignment_over_seeds;
-using touchstone::testing::make_session;
-using touchstone::testing::Session;
-using touchstone::testing::Shape;
-using touchstone::testing::worst_error;
 
 TEST(TapAlignment, FindsOffsetAndSkew) { check_alignment_over_seeds(20); }
 
@@ -105,4 +98,4 @@ TEST(TapAlignment, RefusesWhatItCannotTell) {
 }
 
 }  // namespace
-}  // namespace touchstone
+}  // namespace touchstone::acquisition

@@ -9,7 +9,7 @@
 #include "harness/acquisition/smoothing.h"
 #include "harness/acquisition/tap_alignment.h"
 
-namespace touchstone {
+namespace touchstone::acquisition {
 namespace {
 
 double median(std::vector<double> v) {
@@ -227,4 +227,4 @@ MotionStop fit_hinge(const std::vector<double>& t_s, const std::vector<double>& 
   return stop;
 }
 
-}  // namespace touchstone
+}  // namespace touchstone::acquisition

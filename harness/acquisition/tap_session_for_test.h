@@ -12,9 +12,10 @@
 
 #include "harness/acquisition/tap_alignment.h"
 #include "harness/base/random.h"
+#include "harness/base/rooms.h"
 #include "harness/testing/steps.h"
 
-namespace touchstone::testing {
+namespace touchstone::acquisition {
 
 struct Session {
   std::vector<double> t_force, force, t_motion, height;
@@ -136,4 +137,4 @@ inline void check_alignment_over_seeds(int seeds) {
   EXPECT_GE(within_two_sigma, seeds * 85 / 100);  // the stated uncertainty must mean something
 }
 
-}  // namespace touchstone::testing
+}  // namespace touchstone::acquisition

@@ -9,7 +9,7 @@
 #include "harness/acquisition/raw_table.h"
 #include "harness/testing/shared_data.h"
 
-namespace touchstone {
+namespace touchstone::acquisition {
 namespace {
 
 const Vec3 gravity(0, 0, -9.82085);  // as the data's own gravity column has it
@@ -86,4 +86,4 @@ TEST(ToolGravity, FreeAirResidualIsBiasInertiaAndVibration) {
 }
 
 }  // namespace
-}  // namespace touchstone
+}  // namespace touchstone::acquisition

@@ -9,7 +9,7 @@
 
 #include "harness/base/error.h"
 
-namespace touchstone {
+namespace touchstone::acquisition {
 namespace {
 
 constexpr Eigen::Index unknowns = 10;
@@ -153,4 +153,4 @@ ToolIdentification identify_tool(const std::vector<StaticPose>& poses, const Vec
   return result;
 }
 
-}  // namespace touchstone
+}  // namespace touchstone::acquisition

@@ -8,9 +8,10 @@
 #include <string>
 #include <vector>
 
+#include "harness/base/rooms.h"
 #include "harness/recording/wrench.h"
 
-namespace touchstone {
+namespace touchstone::acquisition {
 
 // A sensor at rest in one orientation. The wrench is in the sensor's frame, as read.
 struct StaticPose {
@@ -59,4 +60,4 @@ Wrench contact_wrench_at_tip(const Wrench& measured, const ToolLoad& load, const
 
 WrenchResidual residual_of(const std::vector<Wrench>& errors);
 
-}  // namespace touchstone
+}  // namespace touchstone::acquisition

@@ -8,7 +8,7 @@
 #include "harness/base/error.h"
 #include "harness/base/random.h"
 
-namespace touchstone {
+namespace touchstone::acquisition {
 namespace {
 
 using testing::HasSubstr;
@@ -127,4 +127,4 @@ TEST(ToolLoad, CompensationLeavesTheContactAndMovesTheTorqueToTheTip) {
 }
 
 }  // namespace
-}  // namespace touchstone
+}  // namespace touchstone::acquisition

@@ -9,7 +9,7 @@
 #include "harness/base/hash.h"
 #include "harness/base/repository_state.h"
 
-namespace touchstone {
+namespace touchstone::baseline {
 namespace {
 
 namespace fs = std::filesystem;
@@ -112,4 +112,4 @@ void clear_result_folder(const fs::path& folder) {
                             folder.string(), error.message()));
 }
 
-}  // namespace touchstone
+}  // namespace touchstone::baseline

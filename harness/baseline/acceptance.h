@@ -7,9 +7,10 @@
 #include <vector>
 
 #include "harness/base/repository_state.h"
+#include "harness/base/rooms.h"
 #include "harness/baseline/golden_file.h"
 
-namespace touchstone {
+namespace touchstone::baseline {
 
 // A folder <out>/<case>/<model> with obtained.h5, table.txt, comparison.json and, where gnuplot is, pictures.
 struct PendingResult {
@@ -39,4 +40,4 @@ std::filesystem::path result_folder(const std::filesystem::path& out, const std:
 // Removes the folder and what is in it. Throws BadData where that fails.
 void clear_result_folder(const std::filesystem::path& folder);
 
-}  // namespace touchstone
+}  // namespace touchstone::baseline

@@ -7,7 +7,7 @@
 #include "harness/base/error.h"
 #include "harness/base/hash.h"
 
-namespace touchstone {
+namespace touchstone::baseline {
 namespace {
 
 using ::testing::HasSubstr;
@@ -78,4 +78,4 @@ TEST_F(Acceptance, ARunWithAPluginThatIsNotTraceableIsRefused) {
 }
 
 }  // namespace
-}  // namespace touchstone
+}  // namespace touchstone::baseline

@@ -9,7 +9,7 @@
 #include "harness/recording/column.h"
 #include "harness/recording/table_source.h"
 
-namespace touchstone {
+namespace touchstone::baseline {
 namespace {
 
 // The step time is a measurement of the machine, not of the renderer's answer.
@@ -69,4 +69,4 @@ std::pair<TrajectoryColumns, TrajectoryColumns> load_columns(const std::filesyst
   return {std::move(first), other.get()};
 }
 
-}  // namespace touchstone
+}  // namespace touchstone::baseline

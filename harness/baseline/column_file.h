@@ -5,9 +5,10 @@
 #include <filesystem>
 #include <utility>
 
+#include "harness/base/rooms.h"
 #include "harness/baseline/trajectory_columns.h"
 
-namespace touchstone {
+namespace touchstone::baseline {
 
 // Throws BadData for a file that cannot be read and for a column whose name or unit is not known.
 TrajectoryColumns load_columns(const std::filesystem::path& path);
@@ -15,4 +16,4 @@ TrajectoryColumns load_columns(const std::filesystem::path& path);
 std::pair<TrajectoryColumns, TrajectoryColumns> load_columns(const std::filesystem::path& expected,
                                                              const std::filesystem::path& obtained);
 
-}  // namespace touchstone
+}  // namespace touchstone::baseline

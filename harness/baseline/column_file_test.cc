@@ -9,7 +9,7 @@
 #include "harness/base/error.h"
 #include "harness/baseline/comparison_report.h"
 
-namespace touchstone {
+namespace touchstone::baseline {
 namespace {
 
 namespace fs = std::filesystem;
@@ -97,4 +97,4 @@ TEST_F(ColumnFile, ARepeatedColumnIsInvalid) {
 }
 
 }  // namespace
-}  // namespace touchstone
+}  // namespace touchstone::baseline

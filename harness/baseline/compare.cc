@@ -11,7 +11,7 @@
 
 #include "harness/baseline/contact_events.h"
 
-namespace touchstone {
+namespace touchstone::baseline {
 namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
@@ -356,4 +356,4 @@ Comparison compare(const TrajectoryColumns& expected, const TrajectoryColumns& o
   return result;
 }
 
-}  // namespace touchstone
+}  // namespace touchstone::baseline

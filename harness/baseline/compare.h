@@ -8,11 +8,12 @@
 #include <string>
 #include <vector>
 
+#include "harness/base/rooms.h"
 #include "harness/baseline/tolerance.h"
 #include "harness/baseline/trajectory_columns.h"
 #include "harness/baseline/verdict.h"
 
-namespace touchstone {
+namespace touchstone::baseline {
 
 // A limit on the whole run.
 struct Gate {
@@ -66,4 +67,4 @@ struct Comparison {
 
 Comparison compare(const TrajectoryColumns& expected, const TrajectoryColumns& obtained, const Tolerance& tolerance);
 
-}  // namespace touchstone
+}  // namespace touchstone::baseline

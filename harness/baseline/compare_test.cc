@@ -13,7 +13,7 @@
 #include "harness/base/random.h"
 #include "harness/baseline/comparison_report.h"
 
-namespace touchstone {
+namespace touchstone::baseline {
 namespace {
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
@@ -292,4 +292,4 @@ TEST(Compare, MetricsAreNamedAndFinite) {
 }
 
 }  // namespace
-}  // namespace touchstone
+}  // namespace touchstone::baseline

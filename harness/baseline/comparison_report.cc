@@ -6,7 +6,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-namespace touchstone {
+namespace touchstone::baseline {
 namespace {
 
 std::string_view mark(Verdict verdict) { return verdict == Verdict::equal ? "ok" : to_string(verdict); }
@@ -105,4 +105,4 @@ std::vector<std::pair<std::string, double>> metrics_of(const Comparison& compari
   return metrics;
 }
 
-}  // namespace touchstone
+}  // namespace touchstone::baseline

@@ -6,9 +6,10 @@
 #include <utility>
 #include <vector>
 
+#include "harness/base/rooms.h"
 #include "harness/baseline/compare.h"
 
-namespace touchstone {
+namespace touchstone::baseline {
 
 // The verdict, one line per quantity and gate, and the worst sample of each quantity that is beyond tolerance.
 std::string to_table(const Comparison& comparison);
@@ -19,4 +20,4 @@ std::string to_json_text(const Comparison& comparison);
 // drift_samples, tolerance_used. Only what is finite; nothing from a comparison that could not be made.
 std::vector<std::pair<std::string, double>> metrics_of(const Comparison& comparison);
 
-}  // namespace touchstone
+}  // namespace touchstone::baseline

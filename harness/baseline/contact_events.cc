@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace touchstone {
+namespace touchstone::baseline {
 
 std::vector<std::size_t> contact_changes(std::span<const double> contact) {
   std::vector<std::size_t> rows;
@@ -34,4 +34,4 @@ std::pair<std::size_t, std::size_t> TimeTube::rows(std::size_t row) const noexce
   return around_.empty() ? std::pair{row, row} : around_[row];
 }
 
-}  // namespace touchstone
+}  // namespace touchstone::baseline

@@ -6,7 +6,9 @@
 #include <utility>
 #include <vector>
 
-namespace touchstone {
+#include "harness/base/rooms.h"
+
+namespace touchstone::baseline {
 
 // Rows at which the contact state differs from the row before.
 std::vector<std::size_t> contact_changes(std::span<const double> contact);
@@ -22,4 +24,4 @@ class TimeTube {
   std::vector<std::pair<std::size_t, std::size_t>> around_;  // per row; empty without a tube
 };
 
-}  // namespace touchstone
+}  // namespace touchstone::baseline

@@ -4,7 +4,7 @@
 
 #include "harness/baseline/compare.h"
 
-namespace touchstone {
+namespace touchstone::baseline {
 namespace {
 
 // A step to 1 N at row `on`, back to 0 at row `off`, at 1 kHz.
@@ -88,4 +88,4 @@ TEST(TimeTube, NeedsTheContactColumn) {
 }
 
 }  // namespace
-}  // namespace touchstone
+}  // namespace touchstone::baseline

@@ -8,7 +8,7 @@
 
 #include "harness/baseline/contact_events.h"
 
-namespace touchstone {
+namespace touchstone::baseline {
 namespace {
 
 constexpr double event_s = 0.010;
@@ -120,4 +120,4 @@ std::string to_table(const ErrorPlaces& places) {
   return text;
 }
 
-}  // namespace touchstone
+}  // namespace touchstone::baseline

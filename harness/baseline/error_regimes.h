@@ -7,10 +7,11 @@
 #include <string>
 #include <vector>
 
+#include "harness/base/rooms.h"
 #include "harness/base/vec.h"
 #include "harness/baseline/trajectory_columns.h"
 
-namespace touchstone {
+namespace touchstone::baseline {
 
 struct RegimeError {
   std::string name;  // "free air", "contact event", "holding", "loading", "unloading", "sliding"
@@ -34,4 +35,4 @@ struct ErrorPlaces {
 ErrorPlaces locate_error(const TrajectoryColumns& expected, const TrajectoryColumns& obtained);
 std::string to_table(const ErrorPlaces& places);
 
-}  // namespace touchstone
+}  // namespace touchstone::baseline

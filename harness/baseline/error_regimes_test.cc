@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-namespace touchstone {
+namespace touchstone::baseline {
 namespace {
 
 // Down onto a plane for a second, along it for a second at constant depth, up again; at 1 kHz.
@@ -62,4 +62,4 @@ TEST(ErrorRegimes, WithoutErrorOrColumnsThereIsNoPlace) {
 }
 
 }  // namespace
-}  // namespace touchstone
+}  // namespace touchstone::baseline

@@ -9,7 +9,7 @@
 
 #include "harness/base/error.h"
 
-namespace touchstone {
+namespace touchstone::baseline {
 namespace {
 
 // Names become test names and file names.
@@ -133,4 +133,4 @@ std::vector<GoldenCase> load_cases(const std::filesystem::path& golden) {
   return cases;
 }
 
-}  // namespace touchstone
+}  // namespace touchstone::baseline

@@ -20,10 +20,11 @@
 #include <vector>
 
 #include "harness/base/json_reader.h"
+#include "harness/base/rooms.h"
 #include "harness/base/vec.h"
 #include "harness/baseline/tolerance.h"
 
-namespace touchstone {
+namespace touchstone::baseline {
 
 struct CaseSurface {
   std::string generator;  // empty where it is a file
@@ -73,4 +74,4 @@ GoldenCase load_case(const std::filesystem::path& folder);
 // those of the folders, so that none can stand twice.
 std::vector<GoldenCase> load_cases(const std::filesystem::path& golden);
 
-}  // namespace touchstone
+}  // namespace touchstone::baseline

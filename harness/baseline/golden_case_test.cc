@@ -14,7 +14,7 @@
 #include "harness/baseline/golden_file.h"
 #include "harness/baseline/golden_summary.h"
 
-namespace touchstone {
+namespace touchstone::baseline {
 namespace {
 
 namespace fs = std::filesystem;
@@ -203,4 +203,4 @@ TEST_F(GoldenFolder, NothingIsAcceptedUnderCiOutsideGitOrFromADirtyTree) {
 }
 
 }  // namespace
-}  // namespace touchstone
+}  // namespace touchstone::baseline

@@ -14,7 +14,7 @@
 #include "harness/recording/hdf5_handle.h"
 #include "harness/recording/recording_file.h"
 
-namespace touchstone {
+namespace touchstone::baseline {
 namespace {
 
 namespace fs = std::filesystem;
@@ -113,4 +113,4 @@ Provenance read_provenance(const fs::path& path) {
   return provenance;
 }
 
-}  // namespace touchstone
+}  // namespace touchstone::baseline

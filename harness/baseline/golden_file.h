@@ -6,9 +6,10 @@
 #include <map>
 #include <string>
 
+#include "harness/base/rooms.h"
 #include "harness/recording/trajectory.h"
 
-namespace touchstone {
+namespace touchstone::baseline {
 
 // Name to value: geometry_sha256, trajectory_sha256, seed, version, commit, dirty, compiler, flags, cpu, command,
 // reason.
@@ -25,4 +26,4 @@ void copy_golden(const std::filesystem::path& from, const std::filesystem::path&
 // The text attributes of the file; throws BadData when it is not HDF5.
 Provenance read_provenance(const std::filesystem::path& path);
 
-}  // namespace touchstone
+}  // namespace touchstone::baseline

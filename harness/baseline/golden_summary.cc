@@ -11,7 +11,7 @@
 #include "harness/baseline/contact_events.h"
 #include "harness/baseline/trajectory_columns.h"
 
-namespace touchstone {
+namespace touchstone::baseline {
 namespace {
 
 std::string operations_text(const std::optional<RunOperations>& operations) {
@@ -101,4 +101,4 @@ std::optional<OperationsChange> operations_change(const std::optional<RunOperati
                                       100.0 * most, golden->max_per_step)};
 }
 
-}  // namespace touchstone
+}  // namespace touchstone::baseline

@@ -7,10 +7,11 @@
 #include <optional>
 #include <string>
 
+#include "harness/base/rooms.h"
 #include "harness/baseline/verdict.h"
 #include "harness/recording/trajectory.h"
 
-namespace touchstone {
+namespace touchstone::baseline {
 
 // Floating-point operations of a run, where the renderer's are counted (harness/rendering/operations.h).
 struct RunOperations {
@@ -46,4 +47,4 @@ struct OperationsChange {
 std::optional<OperationsChange> operations_change(const std::optional<RunOperations>& golden,
                                                   const std::optional<RunOperations>& obtained);
 
-}  // namespace touchstone
+}  // namespace touchstone::baseline

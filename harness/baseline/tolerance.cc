@@ -7,7 +7,7 @@
 
 #include "harness/baseline/trajectory_columns.h"
 
-namespace touchstone {
+namespace touchstone::baseline {
 namespace {
 
 void read_limit(JsonObject& object, const std::string& key, std::optional<double>& limit) {
@@ -112,4 +112,4 @@ nlohmann::json to_json(const Tolerance& tolerance) {
   return document;
 }
 
-}  // namespace touchstone
+}  // namespace touchstone::baseline

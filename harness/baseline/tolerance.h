@@ -19,8 +19,9 @@
 #include <string_view>
 
 #include "harness/base/json_reader.h"
+#include "harness/base/rooms.h"
 
-namespace touchstone {
+namespace touchstone::baseline {
 
 // Limits of one quantity, in its SI unit.
 struct GroupTolerance {
@@ -54,4 +55,4 @@ Tolerance load_tolerance(const std::filesystem::path& path);
 Tolerance read_tolerance(JsonObject object, Tolerance base);
 nlohmann::json to_json(const Tolerance& tolerance);
 
-}  // namespace touchstone
+}  // namespace touchstone::baseline

@@ -7,7 +7,7 @@
 
 #include "harness/base/error.h"
 
-namespace touchstone {
+namespace touchstone::baseline {
 namespace {
 
 Tolerance parse(const char* text) {
@@ -64,4 +64,4 @@ TEST(Tolerance, BadValuesAreRefusedWithTheirPlace) {
 }
 
 }  // namespace
-}  // namespace touchstone
+}  // namespace touchstone::baseline

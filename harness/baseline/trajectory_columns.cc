@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace touchstone {
+namespace touchstone::baseline {
 namespace {
 
 constexpr std::array<ComparedQuantity, 7> groups{{
@@ -60,4 +60,4 @@ TrajectoryColumns columns_of(const RenderedTrajectory& rendered, std::string sou
   return set;
 }
 
-}  // namespace touchstone
+}  // namespace touchstone::baseline

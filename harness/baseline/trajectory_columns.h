@@ -9,10 +9,11 @@
 #include <string_view>
 #include <vector>
 
+#include "harness/base/rooms.h"
 #include "harness/base/units.h"
 #include "harness/recording/trajectory.h"
 
-namespace touchstone {
+namespace touchstone::baseline {
 
 struct TrajectoryColumn {
   std::string name;  // without its unit: "fx"
@@ -43,4 +44,4 @@ const ComparedQuantity* quantity_of_column(std::string_view column) noexcept;
 
 TrajectoryColumns columns_of(const RenderedTrajectory& rendered, std::string source);
 
-}  // namespace touchstone
+}  // namespace touchstone::baseline

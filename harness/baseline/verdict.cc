@@ -1,6 +1,6 @@
 #include "harness/baseline/verdict.h"
 
-namespace touchstone {
+namespace touchstone::baseline {
 
 std::string_view to_string(Verdict verdict) noexcept {
   switch (verdict) {
@@ -18,4 +18,4 @@ std::string_view to_string(Verdict verdict) noexcept {
   return "invalid";
 }
 
-}  // namespace touchstone
+}  // namespace touchstone::baseline

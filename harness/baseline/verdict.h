@@ -4,7 +4,9 @@
 #include <cstdint>
 #include <string_view>
 
-namespace touchstone {
+#include "harness/base/rooms.h"
+
+namespace touchstone::baseline {
 
 // In rising order of what it says about the result, so that the worst of several is their maximum.
 enum class Verdict : std::uint8_t {
@@ -19,4 +21,4 @@ std::string_view to_string(Verdict verdict) noexcept;
 constexpr bool passes(Verdict verdict) noexcept { return verdict == Verdict::equal; }
 constexpr Verdict worst(Verdict a, Verdict b) noexcept { return a < b ? b : a; }
 
-}  // namespace touchstone
+}  // namespace touchstone::baseline

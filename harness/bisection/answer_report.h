@@ -3,6 +3,7 @@
 
 #include <string>
 
+#include "harness/base/rooms.h"
 #include "harness/bisection/bisection.h"
 #include "harness/report/gnuplot.h"
 

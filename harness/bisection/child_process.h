@@ -8,6 +8,8 @@
 #include <utility>
 #include <vector>
 
+#include "harness/base/rooms.h"
+
 namespace touchstone::bisection {
 
 struct ChildCommand {

@@ -5,6 +5,8 @@
 #include <cstddef>
 #include <vector>
 
+#include "harness/base/rooms.h"
+
 namespace touchstone::bisection {
 
 class CommitCurve {

@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "harness/base/rooms.h"
+
 namespace touchstone::bisection {
 
 class GitHistory {

@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "harness/base/rooms.h"
+
 namespace touchstone::bisection {
 
 struct MeasuredCommit {

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <string>
 
+#include "harness/base/rooms.h"
 #include "harness/bisection/bisection.h"
 
 namespace touchstone::bisection {

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "harness/base/rooms.h"
 #include "harness/bisection/git_history.h"
 
 namespace touchstone::bisection {

@@ -3,6 +3,7 @@
 
 #include <optional>
 
+#include "harness/base/rooms.h"
 #include "harness/diagnosis/diagnosis.h"
 
 namespace touchstone::diagnosis {

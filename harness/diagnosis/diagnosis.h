@@ -27,6 +27,7 @@
 #include <string>
 #include <vector>
 
+#include "harness/base/rooms.h"
 #include "harness/diagnosis/engine.h"
 
 namespace touchstone::diagnosis {

@@ -17,6 +17,7 @@
 #include "renderers/catalogue.h"
 
 namespace touchstone::diagnosis {
+using namespace renderers;
 namespace {
 
 // What a fault may remember, and what of the world it may look at.

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "harness/base/rooms.h"
 #include "harness/rendering/limitation.h"
 #include "harness/rendering/renderer.h"
 #include "harness/surface/surface.h"

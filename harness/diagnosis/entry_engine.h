@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "harness/base/rooms.h"
 #include "harness/diagnosis/engine.h"
 #include "harness/rendering/renderer_entry.h"
 

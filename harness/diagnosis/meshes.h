@@ -2,6 +2,7 @@
 // unless said otherwise.
 #pragma once
 
+#include "harness/base/rooms.h"
 #include "harness/surface/triangle_mesh.h"
 
 namespace touchstone::diagnosis {

@@ -3,6 +3,7 @@
 
 #include <memory>
 
+#include "harness/base/rooms.h"
 #include "harness/diagnosis/engine.h"
 #include "harness/surface/embree_surface.h"
 #include "harness/surface/triangle_mesh.h"

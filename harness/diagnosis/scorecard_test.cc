@@ -9,6 +9,7 @@
 #include "renderers/catalogue.h"
 
 namespace touchstone::diagnosis {
+using namespace renderers;
 namespace {
 
 using ::testing::HasSubstr;

@@ -2,7 +2,7 @@
 
 #include <tuple>
 
-namespace touchstone {
+namespace touchstone::discrepancy {
 
 std::optional<LikelyLoss> compare_along_likely(const SearchData& data, FitData train, FitData holdout,
                                                const Explanation& one, const Explanation& other, int iterations) {
@@ -19,4 +19,4 @@ std::optional<LikelyLoss> compare_along_likely(const SearchData& data, FitData t
   return loss;
 }
 
-}  // namespace touchstone
+}  // namespace touchstone::discrepancy

@@ -8,9 +8,10 @@
 #include <optional>
 #include <vector>
 
+#include "harness/base/rooms.h"
 #include "harness/discrepancy/evidence.h"
 
-namespace touchstone {
+namespace touchstone::discrepancy {
 
 struct Explanation {
   const Model* model = nullptr;  // where its fit starts
@@ -27,4 +28,4 @@ struct LikelyLoss {
 std::optional<LikelyLoss> compare_along_likely(const SearchData& data, FitData train, FitData holdout,
                                                const Explanation& one, const Explanation& other, int iterations);
 
-}  // namespace touchstone
+}  // namespace touchstone::discrepancy

@@ -5,7 +5,7 @@
 #include <array>
 #include <cmath>
 
-namespace touchstone {
+namespace touchstone::discrepancy {
 namespace {
 
 constexpr std::size_t most_samples = 1200;
@@ -93,4 +93,4 @@ std::vector<BumpPeak> bump_peaks(const Recording& recording, const Prediction& c
   return peaks;
 }
 
-}  // namespace touchstone
+}  // namespace touchstone::discrepancy

@@ -5,10 +5,11 @@
 
 #include <vector>
 
+#include "harness/base/rooms.h"
 #include "harness/recording/trajectory.h"
 #include "harness/rendering/predictor.h"
 
-namespace touchstone {
+namespace touchstone::discrepancy {
 
 enum class BumpOf { stiffness, surface };
 
@@ -24,4 +25,4 @@ struct BumpPeak {
 std::vector<BumpPeak> bump_peaks(const Recording& recording, const Prediction& current, BumpOf of, const Vec3& low_W_m,
                                  const Vec3& high_W_m, std::size_t count);
 
-}  // namespace touchstone
+}  // namespace touchstone::discrepancy

@@ -8,7 +8,7 @@
 
 #include "harness/discrepancy/plane_for_test.h"
 
-namespace touchstone {
+namespace touchstone::discrepancy {
 namespace {
 
 struct Hidden {
@@ -30,10 +30,10 @@ class BumpPeaksAt : public ::testing::TestWithParam<double> {
 
   // What a sensor shows of a plane with the bump, stiffer than the model by a tenth and with a bias.
   void record(BumpOf of, const Hidden& hidden) {
-    recording_.motion = testing::hand(0.3, unit_);
+    recording_.motion = hand(0.3, unit_);
     Model model;
     model.parameters["stiffness_N_per_m"] = 800.0;
-    current_ = testing::PlanePredictor(recording_.motion).predict(model);
+    current_ = PlanePredictor(recording_.motion).predict(model);
     std::mt19937_64 random(11);
     std::normal_distribution<double> noise_N(0.0, 0.01 * unit_);
     for (std::size_t i = 0; i < recording_.motion.size(); ++i) {
@@ -83,4 +83,4 @@ TEST_P(BumpPeaksAt, FindsNoneWithoutContactOrExtent) {
 INSTANTIATE_TEST_SUITE_P(Units, BumpPeaksAt, ::testing::Values(1e-3, 1.0, 1e3));
 
 }  // namespace
-}  // namespace touchstone
+}  // namespace touchstone::discrepancy

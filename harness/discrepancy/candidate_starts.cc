@@ -11,7 +11,7 @@
 #include "harness/discrepancy/percentile.h"
 #include "harness/discrepancy/texture_spectrum.h"
 
-namespace touchstone {
+namespace touchstone::discrepancy {
 namespace {
 
 // Of the samples in contact: so many are so by the sensor or by the model alone only where the surface is elsewhere.
@@ -396,4 +396,4 @@ double surface_displacement_m(const NamedParameters& entry, const MotionColumns&
   return count > 0.0 ? std::sqrt(squares / count) : shift.norm();
 }
 
-}  // namespace touchstone
+}  // namespace touchstone::discrepancy

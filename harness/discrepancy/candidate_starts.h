@@ -6,10 +6,11 @@
 #include <functional>
 #include <vector>
 
+#include "harness/base/rooms.h"
 #include "harness/discrepancy/free_parameter.h"
 #include "harness/rendering/predictor.h"
 
-namespace touchstone {
+namespace touchstone::discrepancy {
 
 // Typical sizes of a recording in contact.
 struct RecordingScales {
@@ -47,4 +48,4 @@ CandidateFit candidate_fit(const Candidate& candidate, const RecordingScales& sc
 // mesh that is off by as much makes up for it, however far it goes along the surface. Infinite for all other effects.
 double surface_displacement_m(const NamedParameters& entry, const MotionColumns& motion, const std::vector<Vec3>& n_W);
 
-}  // namespace touchstone
+}  // namespace touchstone::discrepancy

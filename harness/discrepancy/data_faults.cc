@@ -11,7 +11,7 @@
 #include "harness/discrepancy/whitened_regression.h"
 #include "harness/sanity/block_order.h"
 
-namespace touchstone {
+namespace touchstone::discrepancy {
 namespace {
 
 // Of the held-out chi-squared that a coefficient of the wrong sign must explain.
@@ -156,4 +156,4 @@ std::optional<std::string> find_data_fault(const DetectorSide& train, const Dete
   return pulls_along_everywhere(train, holdout, base);
 }
 
-}  // namespace touchstone
+}  // namespace touchstone::discrepancy

@@ -7,9 +7,10 @@
 #include <optional>
 #include <string>
 
+#include "harness/base/rooms.h"
 #include "harness/discrepancy/structure_detector.h"
 
-namespace touchstone {
+namespace touchstone::discrepancy {
 
 // Blocks of the force in another order than those of the position (see harness/sanity/block_order.h): the modelled load
 // is `model`'s. Needs no search, and so may be asked before one.
@@ -19,4 +20,4 @@ std::optional<std::string> find_order_fault(const DetectorSide& side, const Mode
 std::optional<std::string> find_data_fault(const DetectorSide& train, const DetectorSide& holdout, const Model& base,
                                            const Model& best);
 
-}  // namespace touchstone
+}  // namespace touchstone::discrepancy

@@ -10,7 +10,7 @@
 #include "harness/base/random.h"
 #include "harness/discrepancy/plane_for_test.h"
 
-namespace touchstone {
+namespace touchstone::discrepancy {
 namespace {
 
 // Presses of a plane at 250 Hz for 20 s; no two alike.
@@ -39,7 +39,7 @@ struct Case {
   }
   [[nodiscard]] std::optional<std::string> fault() { return find_order_fault({&recording, &blocks, nullptr}, model); }
 
-  testing::PlanePredictor predictor;
+  PlanePredictor predictor;
   Model model;
   Recording recording;
   FitData blocks;
@@ -69,7 +69,7 @@ TEST(DataFaults, AJointWhoseTorqueFollowsTheDirectionAloneIsNoFault) {
     motion.p_W_m[i] = Vec3(t < 10.0 ? 0.1 * t : 2.0 - 0.1 * t, 0.0, -1e-3);
     joint.recording.f_W_N[i] = Vec3((t < 10.0 ? -0.07 : 0.07) + 0.01 * random.normal(), 0.0, 0.5);
   }
-  testing::PlanePredictor along(motion);
+  PlanePredictor along(motion);
   joint.blocks.predictor = &along;
   EXPECT_FALSE(joint.fault());
 }
@@ -91,4 +91,4 @@ TEST(DataFaults, SecondsInAWrongOrderAreOne) {
 }
 
 }  // namespace
-}  // namespace touchstone
+}  // namespace touchstone::discrepancy

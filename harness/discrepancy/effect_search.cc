@@ -16,7 +16,7 @@
 #include "harness/discrepancy/pair_move.h"
 #include "harness/discrepancy/trial_gates.h"
 
-namespace touchstone {
+namespace touchstone::discrepancy {
 namespace {
 
 constexpr const char* was_added = "added";
@@ -344,4 +344,4 @@ SearchResult search_effects(const SearchData& data, const Model& start, const st
   return Search(data, candidates, settings, start, report).run();
 }
 
-}  // namespace touchstone
+}  // namespace touchstone::discrepancy

@@ -12,13 +12,14 @@
 #include <string>
 #include <vector>
 
+#include "harness/base/rooms.h"
 #include "harness/discrepancy/parameter_intervals.h"
 #include "harness/discrepancy/rivals.h"
 #include "harness/discrepancy/search_settings.h"
 #include "harness/discrepancy/structure_detector.h"
 #include "harness/discrepancy/trial.h"
 
-namespace touchstone {
+namespace touchstone::discrepancy {
 
 struct SearchStep {
   double train_chi_squared = 0.0;  // of the model that the step starts from
@@ -54,4 +55,4 @@ using Report = std::function<void(const std::string&)>;
 SearchResult search_effects(const SearchData& data, const Model& start, const std::vector<Candidate>& candidates,
                             const SearchSettings& settings, const Report& report);
 
-}  // namespace touchstone
+}  // namespace touchstone::discrepancy

@@ -12,11 +12,8 @@
 #include "harness/discrepancy/plane_for_test.h"
 #include "harness/discrepancy/two_recordings_for_test.h"
 
-namespace touchstone {
+namespace touchstone::discrepancy {
 namespace {
-
-using testing::hand;
-using testing::PlanePredictor;
 
 const std::vector<Candidate> candidates{
     {"viscous-friction", Side::contact, {{"coefficient_N_s_per_m", "N s/m", 0.0, 1e4, 0.0, "b"}}},
@@ -34,7 +31,7 @@ struct World {
   Recording holdout;
   Model start;
 
-  World(const Model& truth, double unit) : scale(unit), instrument(testing::small_noise(unit)), start(truth) {
+  World(const Model& truth, double unit) : scale(unit), instrument(small_noise(unit)), start(truth) {
     train = measure(truth, 0.0, 21);
     holdout = measure(truth, 1.1, 22);
     start.effects.clear();
@@ -44,11 +41,11 @@ struct World {
 
   [[nodiscard]] Recording measure(const Model& truth, double phase, std::uint64_t seed) const {
     const MotionColumns path = hand(phase, scale);
-    return testing::measured(path, PlanePredictor(path).predict(truth).f_W_N, instrument, seed);
+    return measured(path, PlanePredictor(path).predict(truth).f_W_N, instrument, seed);
   }
 
   [[nodiscard]] Findings find(const std::vector<Candidate>& library = candidates) const {
-    const testing::TwoRecordings recordings(train, holdout, instrument, truth(scale), [](const MotionColumns& motion) {
+    const TwoRecordings recordings(train, holdout, instrument, truth(scale), [](const MotionColumns& motion) {
       return std::make_unique<PlanePredictor>(motion);
     });
     Findings findings;
@@ -221,4 +218,4 @@ TEST(InstrumentNoise, IsEstimatedFromTheAxesThatWereMeasured) {
 }
 
 }  // namespace
-}  // namespace touchstone
+}  // namespace touchstone::discrepancy

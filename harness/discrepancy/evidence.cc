@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace touchstone {
+namespace touchstone::discrepancy {
 
 namespace {
 
@@ -69,4 +69,4 @@ std::pair<double, double> paired_difference(const std::vector<double>& a, const 
   return {total, std::sqrt(squares)};
 }
 
-}  // namespace touchstone
+}  // namespace touchstone::discrepancy

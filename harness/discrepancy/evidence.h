@@ -4,10 +4,11 @@
 #include <utility>
 #include <vector>
 
+#include "harness/base/rooms.h"
 #include "harness/discrepancy/joint_fit.h"
 #include "harness/discrepancy/noise_model.h"
 
-namespace touchstone {
+namespace touchstone::discrepancy {
 
 // Part of a recording: everything, or alternating blocks of time.
 struct Part {
@@ -53,4 +54,4 @@ FitData fit_data(const Evidence& evidence, const Model& model, double window_s);
 // what the model lacks, so that runs of them are summed before their spread is taken.
 std::pair<double, double> paired_difference(const std::vector<double>& a, const std::vector<double>& b);
 
-}  // namespace touchstone
+}  // namespace touchstone::discrepancy

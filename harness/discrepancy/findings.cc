@@ -10,7 +10,7 @@
 #include "harness/discrepancy/friction_cone.h"
 #include "harness/discrepancy/parameter_intervals.h"
 
-namespace touchstone {
+namespace touchstone::discrepancy {
 namespace {
 
 const Candidate* find_candidate(const std::vector<Candidate>& candidates, const std::string& name) {
@@ -241,4 +241,4 @@ std::string findings_to_json(const Findings& findings, const std::string& trajec
   return root.dump(2) + "\n";
 }
 
-}  // namespace touchstone
+}  // namespace touchstone::discrepancy

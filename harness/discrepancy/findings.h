@@ -5,11 +5,12 @@
 #include <string>
 #include <vector>
 
+#include "harness/base/rooms.h"
 #include "harness/discrepancy/effect_search.h"
 #include "harness/discrepancy/next_experiment.h"
 #include "harness/discrepancy/regimes.h"
 
-namespace touchstone {
+namespace touchstone::discrepancy {
 
 enum class FindingsVerdict : std::uint8_t { consistent, explained, unexplained, not_identifiable };
 
@@ -53,4 +54,4 @@ void conclude(Findings& findings, const std::vector<Candidate>& candidates);
 // `trajectory_file`: the name under which the proposed trajectory was written, empty if none.
 std::string findings_to_json(const Findings& findings, const std::string& trajectory_file);
 
-}  // namespace touchstone
+}  // namespace touchstone::discrepancy

@@ -10,11 +10,8 @@
 #include "harness/discrepancy/plane_for_test.h"
 #include "harness/discrepancy/smooth_motion.h"
 
-namespace touchstone {
+namespace touchstone::discrepancy {
 namespace {
-
-using testing::hand;
-using testing::PlanePredictor;
 
 Model plane(double stiffness) {
   Model model;
@@ -172,4 +169,4 @@ TEST(SmoothMotion, TakesMostOfTheNoiseAndLeavesTheMotion) {
 }
 
 }  // namespace
-}  // namespace touchstone
+}  // namespace touchstone::discrepancy

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-namespace touchstone {
+namespace touchstone::discrepancy {
 
 const NamedParameters* find_entry(const Model& model, const std::string& name) {
   for (const auto* entries : {&model.effects, &model.instrument}) {
@@ -47,4 +47,4 @@ FreeParameter log_base_parameter(const std::string& name, double lower, double u
           true};
 }
 
-}  // namespace touchstone
+}  // namespace touchstone::discrepancy

@@ -6,9 +6,10 @@
 #include <string>
 #include <vector>
 
+#include "harness/base/rooms.h"
 #include "harness/rendering/model.h"
 
-namespace touchstone {
+namespace touchstone::discrepancy {
 
 struct FreeParameter {
   std::string owner;   // "stiffness" of the base, or the effect's name
@@ -36,4 +37,4 @@ FreeParameter log_parameter(const std::string& owner, const std::string& name, d
 // The base renderer's own parameter, u = ln(value).
 FreeParameter log_base_parameter(const std::string& name, double lower, double upper);
 
-}  // namespace touchstone
+}  // namespace touchstone::discrepancy

@@ -11,7 +11,7 @@
 #include "harness/discrepancy/model_edit.h"
 #include "harness/discrepancy/percentile.h"
 
-namespace touchstone {
+namespace touchstone::discrepancy {
 namespace {
 
 constexpr double fast_share = 0.85;    // of the samples: slower than the fast ones
@@ -186,4 +186,4 @@ bool is_of_falling(const std::string& parameter) {
   return parameter == "mu_static" || parameter == "mu_dynamic" || parameter == "stribeck_velocity_m_per_s";
 }
 
-}  // namespace touchstone
+}  // namespace touchstone::discrepancy

@@ -9,9 +9,10 @@
 #include <string>
 #include <vector>
 
+#include "harness/base/rooms.h"
 #include "harness/discrepancy/evidence.h"
 
-namespace touchstone {
+namespace touchstone::discrepancy {
 
 // Whether the effect is dry friction whose coefficient falls with speed.
 bool falls_with_speed(const std::string& effect);
@@ -78,4 +79,4 @@ void set_falling(Model& model, const std::string& friction, const FallingCoeffic
 // Whether `set_falling` sets the parameter.
 bool is_of_falling(const std::string& parameter);
 
-}  // namespace touchstone
+}  // namespace touchstone::discrepancy

@@ -8,7 +8,7 @@
 
 #include "harness/base/random.h"
 
-namespace touchstone {
+namespace touchstone::discrepancy {
 namespace {
 
 constexpr FallingCoefficient truth{0.7, 0.25, 0.012};
@@ -157,4 +157,4 @@ TEST(FrictionCone, DrawsSurroundTheTruthAndAreTheSameAgain) {
 }
 
 }  // namespace
-}  // namespace touchstone
+}  // namespace touchstone::discrepancy

@@ -4,7 +4,7 @@
 
 #include "harness/discrepancy/model_edit.h"
 
-namespace touchstone {
+namespace touchstone::discrepancy {
 namespace {
 
 struct Excess {
@@ -71,4 +71,4 @@ Goodness judge_goodness(const Evidence& train, const Evidence& holdout, const Mo
   return fitted;
 }
 
-}  // namespace touchstone
+}  // namespace touchstone::discrepancy

@@ -6,9 +6,10 @@
 // path.
 #pragma once
 
+#include "harness/base/rooms.h"
 #include "harness/discrepancy/evidence.h"
 
-namespace touchstone {
+namespace touchstone::discrepancy {
 
 struct Goodness {
   double chi_squared = 0.0;  // held out, per degree of freedom, of the model under its noise; 1: only noise
@@ -26,4 +27,4 @@ struct Goodness {
 
 Goodness judge_goodness(const Evidence& train, const Evidence& holdout, const Model& model, double window_s);
 
-}  // namespace touchstone
+}  // namespace touchstone::discrepancy

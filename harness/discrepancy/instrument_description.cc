@@ -8,7 +8,7 @@
 
 #include "harness/base/json_reader.h"
 
-namespace touchstone {
+namespace touchstone::discrepancy {
 namespace {
 
 double non_negative(JsonObject& object, std::string_view key) {
@@ -184,4 +184,4 @@ std::vector<Vec3> force_noise(const MotionColumns& motion, const InstrumentDescr
   return noise;
 }
 
-}  // namespace touchstone
+}  // namespace touchstone::discrepancy

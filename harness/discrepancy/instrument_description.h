@@ -5,9 +5,10 @@
 #include <vector>
 
 #include "harness/base/random.h"
+#include "harness/base/rooms.h"
 #include "harness/recording/trajectory.h"
 
-namespace touchstone {
+namespace touchstone::discrepancy {
 
 struct InstrumentDescription {
   double force_noise_N = 0.0;                // standard deviation per axis
@@ -47,4 +48,4 @@ std::vector<Vec3> normal_tilts(const MotionColumns& motion, const std::vector<Ve
 // One draw of force noise per sample, coloured, plus the rounding of the steps as a uniform error.
 std::vector<Vec3> force_noise(const MotionColumns& motion, const InstrumentDescription& instrument, Random& random);
 
-}  // namespace touchstone
+}  // namespace touchstone::discrepancy

@@ -10,7 +10,7 @@
 
 #include "harness/base/error.h"
 
-namespace touchstone {
+namespace touchstone::discrepancy {
 namespace {
 
 // Whitened blocks beyond this many standard deviations count linearly.
@@ -215,4 +215,4 @@ JointFit fit_jointly(const FitData& data, const Model& start, const std::vector<
   return fit;
 }
 
-}  // namespace touchstone
+}  // namespace touchstone::discrepancy

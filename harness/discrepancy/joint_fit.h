@@ -5,11 +5,12 @@
 #include <Eigen/Core>
 #include <vector>
 
+#include "harness/base/rooms.h"
 #include "harness/discrepancy/free_parameter.h"
 #include "harness/discrepancy/residual_blocks.h"
 #include "harness/rendering/predictor.h"
 
-namespace touchstone {
+namespace touchstone::discrepancy {
 
 // A recording as the fit sees it. The referenced predictor must outlive it.
 struct FitData {
@@ -39,4 +40,4 @@ struct JointFit {
 JointFit fit_jointly(const FitData& data, const Model& start, const std::vector<FreeParameter>& parameters,
                      int iterations, bool with_covariance);
 
-}  // namespace touchstone
+}  // namespace touchstone::discrepancy

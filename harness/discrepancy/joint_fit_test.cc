@@ -6,7 +6,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace touchstone {
+namespace touchstone::discrepancy {
 namespace {
 
 constexpr double wave_m = 0.02;
@@ -90,4 +90,4 @@ TEST(JointFit, AStepAcrossABoundEndsThere) {
 }
 
 }  // namespace
-}  // namespace touchstone
+}  // namespace touchstone::discrepancy

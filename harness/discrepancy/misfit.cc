@@ -4,7 +4,7 @@
 #include <cmath>
 #include <vector>
 
-namespace touchstone {
+namespace touchstone::discrepancy {
 namespace {
 
 struct Group {
@@ -77,4 +77,4 @@ void add_misfit(FitData& data, const Misfit& misfit) {
   }
 }
 
-}  // namespace touchstone
+}  // namespace touchstone::discrepancy

@@ -6,9 +6,10 @@
 // no more than the noise.
 #pragma once
 
+#include "harness/base/rooms.h"
 #include "harness/discrepancy/joint_fit.h"
 
-namespace touchstone {
+namespace touchstone::discrepancy {
 
 // Standard deviations per axis [N].
 struct Misfit {
@@ -23,4 +24,4 @@ Misfit estimate_misfit(const FitData& declared, const Model& model);
 double deviance(const FitData& data, const Model& model);
 void add_misfit(FitData& data, const Misfit& misfit);
 
-}  // namespace touchstone
+}  // namespace touchstone::discrepancy

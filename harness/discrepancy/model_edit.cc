@@ -9,7 +9,7 @@
 
 #include "harness/base/error.h"
 
-namespace touchstone {
+namespace touchstone::discrepancy {
 namespace {
 
 constexpr const char* path_name = "presliding_m";
@@ -153,4 +153,4 @@ JointFit best_fit(const FitData& data, const Model& current, const CandidateFit&
   return finished.ok || quick.size() < parameters.size() ? finished : best;
 }
 
-}  // namespace touchstone
+}  // namespace touchstone::discrepancy

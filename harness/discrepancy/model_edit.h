@@ -4,10 +4,11 @@
 #include <string>
 #include <vector>
 
+#include "harness/base/rooms.h"
 #include "harness/discrepancy/candidate_starts.h"
 #include "harness/discrepancy/joint_fit.h"
 
-namespace touchstone {
+namespace touchstone::discrepancy {
 
 // What every fit is free to change: the base renderer's stiffness. Throws BadData where the model has none.
 FreeParameter base_stiffness(const Model& start);
@@ -49,4 +50,4 @@ void settle_texture(Model& model);
 JointFit best_fit(const FitData& data, const Model& current, const CandidateFit& candidate,
                   std::vector<FreeParameter> parameters, int iterations);
 
-}  // namespace touchstone
+}  // namespace touchstone::discrepancy

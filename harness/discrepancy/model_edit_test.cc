@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace touchstone {
+namespace touchstone::discrepancy {
 namespace {
 
 TEST(ShorterPaths, AreOfEveryFrictionAndLeaveTheRest) {
@@ -45,4 +45,4 @@ TEST(Kinds, DampingIsALimitOfRelaxationAndNotTheOtherWay) {
 }
 
 }  // namespace
-}  // namespace touchstone
+}  // namespace touchstone::discrepancy

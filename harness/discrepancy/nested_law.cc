@@ -17,7 +17,7 @@
 #include "harness/discrepancy/regimes.h"
 #include "harness/discrepancy/trial_gates.h"
 
-namespace touchstone {
+namespace touchstone::discrepancy {
 namespace {
 
 constexpr std::size_t fewest_worlds = 4;  // for a bar
@@ -283,4 +283,4 @@ std::vector<Trial> weigh_by_likelihood(const SearchState& state, const std::vect
   return chosen;
 }
 
-}  // namespace touchstone
+}  // namespace touchstone::discrepancy

@@ -14,9 +14,10 @@
 #include <string>
 #include <vector>
 
+#include "harness/base/rooms.h"
 #include "harness/discrepancy/trial.h"
 
-namespace touchstone {
+namespace touchstone::discrepancy {
 
 struct LargerLaw {
   std::string in_place_of;
@@ -33,4 +34,4 @@ std::vector<LargerLaw> weigh_larger_laws(const SearchState& state);
 // along the likely motion and make no regime worse there.
 std::vector<Trial> weigh_by_likelihood(const SearchState& state, const std::vector<Trial>& trials);
 
-}  // namespace touchstone
+}  // namespace touchstone::discrepancy

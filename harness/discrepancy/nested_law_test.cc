@@ -12,7 +12,7 @@
 #include "harness/discrepancy/plane_for_test.h"
 #include "harness/discrepancy/two_recordings_for_test.h"
 
-namespace touchstone {
+namespace touchstone::discrepancy {
 namespace {
 
 // A play operator on a plane; the coefficient by the speed of the tip while it slides, the static one while it sticks.
@@ -50,7 +50,7 @@ class BristlePredictor final : public Predictor {
     }
   }
 
-  testing::PlanePredictor plane_;
+  PlanePredictor plane_;
   MotionColumns motion_;
 };
 
@@ -73,7 +73,7 @@ struct Strokes {
       {"stribeck-friction", Side::contact, {}},
   };
   Model found;  // with plain friction
-  std::optional<testing::TwoRecordings> recordings;
+  std::optional<TwoRecordings> recordings;
   SearchSettings settings;
 
   // Friction of coefficients `high`, at rest, and `low`.
@@ -90,10 +90,10 @@ struct Strokes {
                              ""});
     found.effects.push_back(
         {"coulomb-friction", {{"mu_static", low}, {"mu_dynamic", low}, {"presliding_m", 1e-4 * unit}}, ""});
-    const InstrumentDescription instrument = testing::small_noise(unit);
+    const InstrumentDescription instrument = small_noise(unit);
     const auto measure = [&](double phase, std::uint64_t seed) {
       const MotionColumns path = strokes(phase, unit);
-      return testing::measured(path, BristlePredictor(path).predict(truth).f_W_N, instrument, seed);
+      return measured(path, BristlePredictor(path).predict(truth).f_W_N, instrument, seed);
     };
     recordings.emplace(measure(0.0, 31), measure(1.1, 32), instrument, found,
                        [](const MotionColumns& motion) { return std::make_unique<BristlePredictor>(motion); });
@@ -149,14 +149,13 @@ std::vector<Trial> likely_trials(double damper_N_s_per_m) {
   if (damper_N_s_per_m > 0.0) {
     truth.effects.push_back({"viscous-friction", {{"coefficient_N_s_per_m", damper_N_s_per_m}}, ""});
   }
-  const InstrumentDescription instrument = testing::small_noise(1.0);
+  const InstrumentDescription instrument = small_noise(1.0);
   const auto measure = [&](double phase, std::uint64_t seed) {
-    const MotionColumns path = testing::hand(phase, 1.0);
-    return testing::measured(path, testing::PlanePredictor(path).predict(truth).f_W_N, instrument, seed);
+    const MotionColumns path = hand(phase, 1.0);
+    return measured(path, PlanePredictor(path).predict(truth).f_W_N, instrument, seed);
   };
-  const testing::TwoRecordings recordings(
-      measure(0.0, 41), measure(1.1, 42), instrument, start,
-      [](const MotionColumns& motion) { return std::make_unique<testing::PlanePredictor>(motion); });
+  const TwoRecordings recordings(measure(0.0, 41), measure(1.1, 42), instrument, start,
+                                 [](const MotionColumns& motion) { return std::make_unique<PlanePredictor>(motion); });
   const SearchSettings settings;
   SearchState state(recordings.data, library, settings, start);
   state.refit();
@@ -177,4 +176,4 @@ TEST(WeighedByLikelihood, ADamperThatActsPassesWithItsCoefficient) {
 TEST(WeighedByLikelihood, NothingPassesWhereNothingIsMissing) { EXPECT_TRUE(likely_trials(0.0).empty()); }
 
 }  // namespace
-}  // namespace touchstone
+}  // namespace touchstone::discrepancy

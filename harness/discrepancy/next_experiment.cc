@@ -9,7 +9,7 @@
 #include <numbers>
 #include <vector>
 
-namespace touchstone {
+namespace touchstone::discrepancy {
 namespace {
 
 constexpr double rate_Hz = 250.0;
@@ -193,4 +193,4 @@ std::optional<NextExperiment> propose_experiment(const Recording& recording, con
   return best;
 }
 
-}  // namespace touchstone
+}  // namespace touchstone::discrepancy

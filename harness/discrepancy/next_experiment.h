@@ -6,9 +6,10 @@
 #include <optional>
 #include <string>
 
+#include "harness/base/rooms.h"
 #include "harness/discrepancy/effect_search.h"
 
-namespace touchstone {
+namespace touchstone::discrepancy {
 
 struct NextExperiment {
   MotionColumns motion;     // positions, and orientations where the recording has them; 250 Hz
@@ -22,4 +23,4 @@ std::optional<NextExperiment> propose_experiment(const Recording& recording, con
                                                  const Model& one, const Model& other, const MakePredictor& make,
                                                  double force_noise_N, double position_noise_m);
 
-}  // namespace touchstone
+}  // namespace touchstone::discrepancy

@@ -5,7 +5,7 @@
 
 #include "harness/discrepancy/smooth_motion.h"
 
-namespace touchstone {
+namespace touchstone::discrepancy {
 namespace {
 
 constexpr std::size_t replica_count = 8;
@@ -166,4 +166,4 @@ std::vector<Vec3> NoiseModel::null_forces(const Model& model, const Prediction& 
   return forces;
 }
 
-}  // namespace touchstone
+}  // namespace touchstone::discrepancy

@@ -15,10 +15,11 @@
 #include <memory>
 #include <vector>
 
+#include "harness/base/rooms.h"
 #include "harness/discrepancy/instrument_description.h"
 #include "harness/discrepancy/residual_blocks.h"
 
-namespace touchstone {
+namespace touchstone::discrepancy {
 
 class NoiseModel {
  public:
@@ -59,4 +60,4 @@ class NoiseModel {
   std::unique_ptr<Predictor> displaced_;  // the mesh off by its standard deviation
 };
 
-}  // namespace touchstone
+}  // namespace touchstone::discrepancy

@@ -6,7 +6,7 @@
 
 #include "harness/base/in_parallel.h"
 
-namespace touchstone {
+namespace touchstone::discrepancy {
 
 std::vector<double> null_gains(const NullCase& null, const RefitInWorld& refits, std::size_t first, std::size_t last) {
   const Prediction train_nominal = null.train->predictor->predict(*null.model);
@@ -49,4 +49,4 @@ double bar_above(const std::vector<double>& gains, double deviations) {
   return mean + deviations * std::sqrt(squares / (n - 1.0));
 }
 
-}  // namespace touchstone
+}  // namespace touchstone::discrepancy

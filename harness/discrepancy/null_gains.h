@@ -3,10 +3,11 @@
 
 #include <functional>
 
+#include "harness/base/rooms.h"
 #include "harness/discrepancy/evidence.h"
 #include "harness/discrepancy/model_edit.h"
 
-namespace touchstone {
+namespace touchstone::discrepancy {
 
 struct NullCase {
   const Evidence* train = nullptr;
@@ -30,4 +31,4 @@ std::vector<double> null_gains(const NullCase& null, const RefitInWorld& refits,
 // Mean and so many standard deviations: worlds are too few for a far quantile. 0 for fewer than two.
 double bar_above(const std::vector<double>& gains, double deviations);
 
-}  // namespace touchstone
+}  // namespace touchstone::discrepancy

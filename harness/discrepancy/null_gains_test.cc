@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace touchstone {
+namespace touchstone::discrepancy {
 namespace {
 
 TEST(BarAbove, IsMeanAndDeviationsOfWhatWasGained) {
@@ -17,4 +17,4 @@ TEST(BarAbove, DoesNotRiseWithWhatANullWorldLoses) {
 }
 
 }  // namespace
-}  // namespace touchstone
+}  // namespace touchstone::discrepancy

@@ -11,7 +11,7 @@
 #include "harness/discrepancy/model_edit.h"
 #include "harness/discrepancy/trial_gates.h"
 
-namespace touchstone {
+namespace touchstone::discrepancy {
 namespace {
 
 constexpr std::size_t most_firsts = 3;
@@ -129,4 +129,4 @@ std::vector<Trial> try_pairs(const SearchState& state, const Standing& standing,
   return pairs;
 }
 
-}  // namespace touchstone
+}  // namespace touchstone::discrepancy

@@ -7,12 +7,13 @@
 
 #include <vector>
 
+#include "harness/base/rooms.h"
 #include "harness/discrepancy/trial.h"
 
-namespace touchstone {
+namespace touchstone::discrepancy {
 
 // Pairs tried, the best first; the one whose verdict is empty passed. `singles`: the trials of the step that none of
 // passed.
 std::vector<Trial> try_pairs(const SearchState& state, const Standing& standing, const std::vector<Trial>& singles);
 
-}  // namespace touchstone
+}  // namespace touchstone::discrepancy

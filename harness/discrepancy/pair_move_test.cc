@@ -12,10 +12,8 @@
 #include "harness/discrepancy/plane_for_test.h"
 #include "harness/discrepancy/two_recordings_for_test.h"
 
-namespace touchstone {
+namespace touchstone::discrepancy {
 namespace {
-
-using testing::hand;
 
 double wave_a(double t_s) { return std::sin(5.0 * t_s); }
 double wave_b(double t_s) { return std::cos(3.1 * t_s); }
@@ -42,7 +40,7 @@ class WavesPredictor final : public Predictor {
   }
 
  private:
-  testing::PlanePredictor plane_;
+  PlanePredictor plane_;
   std::vector<double> t_s_;
 };
 
@@ -51,20 +49,20 @@ Candidate wave(const std::string& name) { return {name, Side::instrument, {{"amp
 struct TwoWaves {
   std::vector<Candidate> library{wave("idle"), wave("carrier"), wave("marked")};
   Model start;
-  std::optional<testing::TwoRecordings> recordings;
+  std::optional<TwoRecordings> recordings;
 
   // `size_N` of the force that is missing, `stray_N` of one that no candidate makes.
   TwoWaves(double size_N, double stray_N) {
     start.renderer = "plane";
     start.parameters["stiffness_N_per_m"] = 900.0;
-    const InstrumentDescription instrument = testing::small_noise(1.0);
+    const InstrumentDescription instrument = small_noise(1.0);
     const auto measure = [&](double phase, std::uint64_t seed) {
       const MotionColumns path = hand(phase, 1.0);
       std::vector<Vec3> f_W_N = WavesPredictor(path).predict(start).f_W_N;
       for (std::size_t i = 0; i < f_W_N.size(); ++i) {
         f_W_N[i].y() += size_N * wave_b(path.t_s[i]) + stray_N * std::sin(23.0 * path.t_s[i] + 1.0);
       }
-      return testing::measured(path, std::move(f_W_N), instrument, seed);
+      return measured(path, std::move(f_W_N), instrument, seed);
     };
     recordings.emplace(measure(0.0, 21), measure(1.1, 22), instrument, start,
                        [](const MotionColumns& motion) { return std::make_unique<WavesPredictor>(motion); });
@@ -122,4 +120,4 @@ TEST(PairMove, LawsOfDryFrictionAreOfOneKind) {
 }
 
 }  // namespace
-}  // namespace touchstone
+}  // namespace touchstone::discrepancy

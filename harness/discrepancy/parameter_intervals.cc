@@ -8,7 +8,7 @@
 
 #include "harness/base/in_parallel.h"
 
-namespace touchstone {
+namespace touchstone::discrepancy {
 namespace {
 
 constexpr double normal_quantile = 1.96;
@@ -120,4 +120,4 @@ double least_size95(const JointFit& fit, const std::vector<FreeParameter>& param
   return interval.low * interval.high > 0.0 ? std::min(std::abs(interval.low), std::abs(interval.high)) : 0.0;
 }
 
-}  // namespace touchstone
+}  // namespace touchstone::discrepancy

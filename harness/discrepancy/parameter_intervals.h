@@ -13,9 +13,10 @@
 #include <string>
 #include <vector>
 
+#include "harness/base/rooms.h"
 #include "harness/discrepancy/evidence.h"
 
-namespace touchstone {
+namespace touchstone::discrepancy {
 
 // The fit made again in a null world.
 struct NullFit {
@@ -46,4 +47,4 @@ Interval interval95(const JointFit& fit, const std::vector<FreeParameter>& param
 double least_size95(const JointFit& fit, const std::vector<FreeParameter>& parameters,
                     const std::vector<NullFit>& draws, const std::string& effect, const std::string& name);
 
-}  // namespace touchstone
+}  // namespace touchstone::discrepancy

@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <vector>
 
-namespace touchstone {
+#include "harness/base/rooms.h"
+
+namespace touchstone::discrepancy {
 
 // The value below which `share`, 0 to 1, of the values lie: one of them, the lower where two would do; 0 for none.
 inline double percentile(std::vector<double> values, double share) {
@@ -13,4 +15,4 @@ inline double percentile(std::vector<double> values, double share) {
   return *at;
 }
 
-}  // namespace touchstone
+}  // namespace touchstone::discrepancy

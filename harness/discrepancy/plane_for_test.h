@@ -6,10 +6,11 @@
 #include <cmath>
 #include <utility>
 
+#include "harness/base/rooms.h"
 #include "harness/discrepancy/free_parameter.h"
 #include "harness/rendering/predictor.h"
 
-namespace touchstone::testing {
+namespace touchstone::discrepancy {
 
 class PlanePredictor final : public Predictor {
  public:
@@ -51,4 +52,4 @@ inline MotionColumns hand(double phase, double scale) {
   return motion;
 }
 
-}  // namespace touchstone::testing
+}  // namespace touchstone::discrepancy

@@ -10,7 +10,7 @@
 #include <map>
 #include <tuple>
 
-namespace touchstone {
+namespace touchstone::discrepancy {
 namespace {
 
 constexpr double onset_s = 0.05;  // "first contact" lasts this long
@@ -310,4 +310,4 @@ std::string worsened_phase(const std::vector<Regime>& regimes, double share) {
   return "";
 }
 
-}  // namespace touchstone
+}  // namespace touchstone::discrepancy

@@ -4,9 +4,10 @@
 #include <string>
 #include <vector>
 
+#include "harness/base/rooms.h"
 #include "harness/discrepancy/effect_search.h"
 
-namespace touchstone {
+namespace touchstone::discrepancy {
 
 struct Regime {
   std::string name;  // "free air", "sliding, 20-50 mm/s", ...
@@ -28,4 +29,4 @@ std::vector<Regime> sort_by_regime(const Evidence& evidence, const Prediction& b
 // short one whose error is all noise, such as the first contact, may go up by chance.)
 std::string worsened_phase(const std::vector<Regime>& regimes, double share);
 
-}  // namespace touchstone
+}  // namespace touchstone::discrepancy

@@ -6,11 +6,8 @@
 
 #include "harness/discrepancy/plane_for_test.h"
 
-namespace touchstone {
+namespace touchstone::discrepancy {
 namespace {
-
-using testing::hand;
-using testing::PlanePredictor;
 
 constexpr double floor_N = 0.06;
 
@@ -70,4 +67,4 @@ TEST(Regimes, AForceThatComesAndGoesWhereTheModelIsFreeIsContact) {
 }
 
 }  // namespace
-}  // namespace touchstone
+}  // namespace touchstone::discrepancy

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace touchstone {
+namespace touchstone::discrepancy {
 
 double block_window_s(double position_rate_Hz, const MotionColumns& motion) {
   double window_s = 2.0 / position_rate_Hz;
@@ -43,4 +43,4 @@ Vec3 whitened(const Vec3& residual_W_N, const BlockNoise& noise) {
   return (left - normal * noise.n_W) / noise.tangential_N + noise.n_W * (normal / noise.along_normal_N);
 }
 
-}  // namespace touchstone
+}  // namespace touchstone::discrepancy

@@ -7,11 +7,12 @@
 #include <span>
 #include <vector>
 
+#include "harness/base/rooms.h"
 #include "harness/base/vec.h"
 #include "harness/recording/trajectory.h"
 #include "harness/rendering/predictor.h"
 
-namespace touchstone {
+namespace touchstone::discrepancy {
 
 struct ResidualBlock {
   std::size_t begin;
@@ -39,4 +40,4 @@ struct BlockNoise {
 // A block's residual over its noise: a vector of unit variance per axis if nothing but noise is left.
 Vec3 whitened(const Vec3& residual_W_N, const BlockNoise& noise);
 
-}  // namespace touchstone
+}  // namespace touchstone::discrepancy

@@ -7,7 +7,7 @@
 
 #include "harness/discrepancy/percentile.h"
 
-namespace touchstone {
+namespace touchstone::discrepancy {
 namespace {
 
 constexpr double velocity_half_window_s = 0.02;
@@ -264,4 +264,4 @@ std::vector<ResidualView> residual_views(const MotionColumns& motion, const Pred
   return Views(motion, prediction, scales).all();
 }
 
-}  // namespace touchstone
+}  // namespace touchstone::discrepancy

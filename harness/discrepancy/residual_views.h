@@ -8,10 +8,11 @@
 #include <string>
 #include <vector>
 
+#include "harness/base/rooms.h"
 #include "harness/recording/trajectory.h"
 #include "harness/rendering/predictor.h"
 
-namespace touchstone {
+namespace touchstone::discrepancy {
 
 struct ViewScales {
   double depth_m = 0.0;             // 95th percentile in contact
@@ -33,4 +34,4 @@ struct ResidualView {
 std::vector<ResidualView> residual_views(const MotionColumns& motion, const Prediction& prediction,
                                          const ViewScales& scales);
 
-}  // namespace touchstone
+}  // namespace touchstone::discrepancy

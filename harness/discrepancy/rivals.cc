@@ -13,7 +13,7 @@
 #include "harness/discrepancy/model_edit.h"
 #include "harness/discrepancy/trial_gates.h"
 
-namespace touchstone {
+namespace touchstone::discrepancy {
 namespace {
 
 using Report = std::function<void(const std::string&)>;
@@ -182,4 +182,4 @@ Swap best_swap(const SearchState& state, const std::vector<FoundEffect>& found, 
   return best;
 }
 
-}  // namespace touchstone
+}  // namespace touchstone::discrepancy

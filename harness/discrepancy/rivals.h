@@ -7,9 +7,10 @@
 #include <string>
 #include <vector>
 
+#include "harness/base/rooms.h"
 #include "harness/discrepancy/trial.h"
 
-namespace touchstone {
+namespace touchstone::discrepancy {
 
 // What stands in place of an effect that was found.
 struct Rival {
@@ -49,4 +50,4 @@ struct Swap {
 };
 Swap best_swap(const SearchState& state, const std::vector<FoundEffect>& found, const std::set<std::string>& put_away);
 
-}  // namespace touchstone
+}  // namespace touchstone::discrepancy

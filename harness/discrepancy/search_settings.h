@@ -3,7 +3,9 @@
 
 #include <cstddef>
 
-namespace touchstone {
+#include "harness/base/rooms.h"
+
+namespace touchstone::discrepancy {
 
 struct SearchSettings {
   double minimum_gain =
@@ -34,4 +36,4 @@ struct SearchSettings {
   int iterations = 12;
 };
 
-}  // namespace touchstone
+}  // namespace touchstone::discrepancy

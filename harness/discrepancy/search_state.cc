@@ -6,7 +6,7 @@
 #include "harness/discrepancy/misfit.h"
 #include "harness/discrepancy/model_edit.h"
 
-namespace touchstone {
+namespace touchstone::discrepancy {
 
 SearchState::SearchState(const SearchData& evidence, const std::vector<Candidate>& library,
                          const SearchSettings& limits, const Model& first)
@@ -72,4 +72,4 @@ std::vector<FreeParameter> joined(std::vector<FreeParameter> parameters, const s
   return parameters;
 }
 
-}  // namespace touchstone
+}  // namespace touchstone::discrepancy

@@ -5,11 +5,12 @@
 #include <string>
 #include <vector>
 
+#include "harness/base/rooms.h"
 #include "harness/discrepancy/candidate_starts.h"
 #include "harness/discrepancy/evidence.h"
 #include "harness/discrepancy/search_settings.h"
 
-namespace touchstone {
+namespace touchstone::discrepancy {
 
 // What is pointed to must outlive it. A copy is a state of its own, but for the predictors, which are shared.
 struct SearchState {
@@ -48,4 +49,4 @@ struct SearchState {
 
 std::vector<FreeParameter> joined(std::vector<FreeParameter> parameters, const std::vector<FreeParameter>& more);
 
-}  // namespace touchstone
+}  // namespace touchstone::discrepancy

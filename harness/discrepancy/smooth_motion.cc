@@ -6,7 +6,7 @@
 #include <cmath>
 #include <limits>
 
-namespace touchstone {
+namespace touchstone::discrepancy {
 namespace {
 
 constexpr std::array half_windows{2.0, 3.0, 4.0, 6.0, 8.0, 12.0, 16.0, 24.0, 32.0};  // of the tracker's period
@@ -119,4 +119,4 @@ MotionColumns smoothed_motion(const MotionColumns& motion, const InstrumentDescr
   return MotionSmoother(motion, instrument).smoothed(motion);
 }
 
-}  // namespace touchstone
+}  // namespace touchstone::discrepancy

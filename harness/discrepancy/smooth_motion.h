@@ -8,9 +8,10 @@
 
 #include <vector>
 
+#include "harness/base/rooms.h"
 #include "harness/discrepancy/instrument_description.h"
 
-namespace touchstone {
+namespace touchstone::discrepancy {
 
 // Local quadratic regression in time with tricube weights (Cleveland 1979, section 2). At every sample the window is
 // the longest whose estimate agrees, within the noise, with those of all shorter windows (intersection of confidence
@@ -33,4 +34,4 @@ class MotionSmoother {
 
 MotionColumns smoothed_motion(const MotionColumns& motion, const InstrumentDescription& instrument);
 
-}  // namespace touchstone
+}  // namespace touchstone::discrepancy

@@ -9,7 +9,7 @@
 #include "harness/discrepancy/residual_views.h"
 #include "harness/discrepancy/whitened_regression.h"
 
-namespace touchstone {
+namespace touchstone::discrepancy {
 namespace {
 
 constexpr double ridge = 3e-3;
@@ -155,4 +155,4 @@ Structure detect_structure(const DetectorSide& train, const DetectorSide& holdou
   return most;
 }
 
-}  // namespace touchstone
+}  // namespace touchstone::discrepancy

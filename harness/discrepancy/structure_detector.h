@@ -12,11 +12,12 @@
 #include <string>
 #include <vector>
 
+#include "harness/base/rooms.h"
 #include "harness/discrepancy/joint_fit.h"
 #include "harness/discrepancy/noise_model.h"
 #include "harness/discrepancy/parameter_intervals.h"
 
-namespace touchstone {
+namespace touchstone::discrepancy {
 
 struct Structure {
   std::string view;    // the one that exceeds its bar most, or comes nearest
@@ -36,4 +37,4 @@ struct DetectorSide {
 Structure detect_structure(const DetectorSide& train, const DetectorSide& holdout, const Model& model,
                            const std::vector<NullFit>& refits);
 
-}  // namespace touchstone
+}  // namespace touchstone::discrepancy

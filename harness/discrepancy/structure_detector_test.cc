@@ -10,11 +10,8 @@
 #include "harness/discrepancy/model_edit.h"
 #include "harness/discrepancy/plane_for_test.h"
 
-namespace touchstone {
+namespace touchstone::discrepancy {
 namespace {
-
-using testing::hand;
-using testing::PlanePredictor;
 
 // A force beside the plane's, at the true position.
 using Hidden = std::function<Vec3(double t_s, const Vec3& p, double unit)>;
@@ -102,4 +99,4 @@ TEST_P(StructureAtScale, AStiffnessThatFadesIsSeen) {
 INSTANTIATE_TEST_SUITE_P(Units, StructureAtScale, ::testing::Values(1e-3, 1.0, 1e3));
 
 }  // namespace
-}  // namespace touchstone
+}  // namespace touchstone::discrepancy

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace touchstone {
+namespace touchstone::discrepancy {
 namespace {
 
 constexpr std::size_t most_samples = 1200;
@@ -101,4 +101,4 @@ std::vector<TexturePeak> texture_peaks(const Recording& recording, const Predict
   return peaks;
 }
 
-}  // namespace touchstone
+}  // namespace touchstone::discrepancy

@@ -4,10 +4,11 @@
 
 #include <vector>
 
+#include "harness/base/rooms.h"
 #include "harness/recording/trajectory.h"
 #include "harness/rendering/predictor.h"
 
-namespace touchstone {
+namespace touchstone::discrepancy {
 
 struct TexturePeak {
   double amplitude_m;
@@ -22,4 +23,4 @@ struct TexturePeak {
 std::vector<TexturePeak> texture_peaks(const Recording& recording, const Prediction& current, double extent_m,
                                        std::size_t count);
 
-}  // namespace touchstone
+}  // namespace touchstone::discrepancy

@@ -7,7 +7,7 @@
 #include "harness/base/in_parallel.h"
 #include "harness/discrepancy/model_edit.h"
 
-namespace touchstone {
+namespace touchstone::discrepancy {
 
 std::vector<std::string> Trial::effects() const {
   return partner.empty() ? std::vector<std::string>{name} : std::vector<std::string>{name, partner};
@@ -71,4 +71,4 @@ SearchState with_trial(const SearchState& state, const Trial& trial) {
   return next;
 }
 
-}  // namespace touchstone
+}  // namespace touchstone::discrepancy

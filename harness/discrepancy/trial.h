@@ -6,9 +6,10 @@
 #include <string>
 #include <vector>
 
+#include "harness/base/rooms.h"
 #include "harness/discrepancy/search_state.h"
 
-namespace touchstone {
+namespace touchstone::discrepancy {
 
 struct Trial {
   std::string name;
@@ -53,4 +54,4 @@ void score(const SearchState& state, const Standing& standing, Trial& trial);
 // The state in which the trial's effects are known.
 SearchState with_trial(const SearchState& state, const Trial& trial);
 
-}  // namespace touchstone
+}  // namespace touchstone::discrepancy

@@ -9,7 +9,7 @@
 #include "harness/discrepancy/parameter_intervals.h"
 #include "harness/discrepancy/regimes.h"
 
-namespace touchstone {
+namespace touchstone::discrepancy {
 namespace {
 
 // A bump or a texture of the mesh that is not there, by more than its makers declare.
@@ -128,4 +128,4 @@ std::string refusal(const SearchState& state, const Standing& standing, Trial& t
   return trial.holdout_gain > trial.null_bar ? "" : within_null;
 }
 
-}  // namespace touchstone
+}  // namespace touchstone::discrepancy

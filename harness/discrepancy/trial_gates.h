@@ -6,10 +6,11 @@
 #include <string>
 #include <vector>
 
+#include "harness/base/rooms.h"
 #include "harness/discrepancy/null_gains.h"
 #include "harness/discrepancy/trial.h"
 
-namespace touchstone {
+namespace touchstone::discrepancy {
 
 // Whether all that an effect does is to move the surface, by no more than the mesh's makers declare as its error.
 bool within_mesh_error(const SearchState& state, const Model& model, const std::string& effect);
@@ -38,4 +39,4 @@ const Trial* explained_by_mesh(const std::vector<Trial>& trials, const Trial& tr
 // All gates in their order. Sets the trial's bar where it came to that.
 std::string refusal(const SearchState& state, const Standing& standing, Trial& trial);
 
-}  // namespace touchstone
+}  // namespace touchstone::discrepancy

@@ -7,7 +7,7 @@
 
 #include "harness/discrepancy/plane_for_test.h"
 
-namespace touchstone {
+namespace touchstone::discrepancy {
 namespace {
 
 NamedParameters registration(double dx_m, double dz_m, double ry_rad) {
@@ -15,7 +15,7 @@ NamedParameters registration(double dx_m, double dz_m, double ry_rad) {
 }
 
 TEST(MeshError, OfARegistrationIsWhatItMovesAlongTheNormals) {
-  const MotionColumns motion = testing::hand(0.0, 1.0);
+  const MotionColumns motion = hand(0.0, 1.0);
   const std::vector<Vec3> up(motion.size(), Vec3::UnitZ());
   EXPECT_NEAR(surface_displacement_m(registration(5e-3, 0.0, 0.0), motion, up), 0.0, 1e-15);  // along a plane
   EXPECT_NEAR(surface_displacement_m(registration(5e-3, 2e-4, 0.0), motion, up), 2e-4, 1e-15);
@@ -48,4 +48,4 @@ TEST(MeshError, WhatItExplainsAsWellIsNotMissing) {
 }
 
 }  // namespace
-}  // namespace touchstone
+}  // namespace touchstone::discrepancy

@@ -8,9 +8,10 @@
 #include <utility>
 #include <vector>
 
+#include "harness/base/rooms.h"
 #include "harness/discrepancy/effect_search.h"
 
-namespace touchstone::testing {
+namespace touchstone::discrepancy {
 
 // `unit` is the unit of length over the metre.
 inline InstrumentDescription small_noise(double unit) {
@@ -69,4 +70,4 @@ class TwoRecordings {
   const SearchData data;
 };
 
-}  // namespace touchstone::testing
+}  // namespace touchstone::discrepancy

@@ -2,7 +2,7 @@
 
 #include <Eigen/Cholesky>
 
-namespace touchstone {
+namespace touchstone::discrepancy {
 
 RegressionData whiten_for_regression(const FitData& data, const std::vector<Vec3>& measured_minus_predicted_N,
                                      const std::vector<std::vector<Vec3>>& series) {
@@ -36,4 +36,4 @@ double left_by(const RegressionData& data, const Eigen::VectorXd& coefficients) 
   return (data.residual - data.responses * coefficients).squaredNorm();
 }
 
-}  // namespace touchstone
+}  // namespace touchstone::discrepancy

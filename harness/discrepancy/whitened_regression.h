@@ -5,9 +5,10 @@
 #include <Eigen/Core>
 #include <vector>
 
+#include "harness/base/rooms.h"
 #include "harness/discrepancy/joint_fit.h"
 
-namespace touchstone {
+namespace touchstone::discrepancy {
 
 // Residuals of blocks and responses to them, whitened by the blocks' noise: 3 rows a block.
 struct RegressionData {
@@ -25,4 +26,4 @@ Eigen::VectorXd ridge_coefficients(const RegressionData& data, double ridge);
 // Chi-squared left by the coefficients.
 double left_by(const RegressionData& data, const Eigen::VectorXd& coefficients);
 
-}  // namespace touchstone
+}  // namespace touchstone::discrepancy

@@ -7,7 +7,7 @@
 #include "harness/metrics/quantiles.h"
 #include "harness/metrics/series.h"
 
-namespace touchstone {
+namespace touchstone::metrics {
 namespace {
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
@@ -125,4 +125,4 @@ TEST(Quantiles, WithinTheStatedErrorOfTheSortedTwin) {
 }
 
 }  // namespace
-}  // namespace touchstone
+}  // namespace touchstone::metrics

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace touchstone {
+namespace touchstone::metrics {
 namespace {
 
 // Stretches of samples that lag, counted where the exact contact point goes far enough meanwhile.
@@ -67,4 +67,4 @@ Anomalies find_anomalies(const std::vector<TrackedContact>& run, const AnomalyLi
   return found;
 }
 
-}  // namespace touchstone
+}  // namespace touchstone::metrics

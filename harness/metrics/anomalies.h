@@ -17,9 +17,10 @@
 #include <cstddef>
 #include <vector>
 
+#include "harness/base/rooms.h"
 #include "harness/base/vec.h"
 
-namespace touchstone {
+namespace touchstone::metrics {
 
 // One sample of a run.
 struct TrackedContact {
@@ -55,4 +56,4 @@ struct Anomalies {
 
 Anomalies find_anomalies(const std::vector<TrackedContact>& run, const AnomalyLimits& limits = {});
 
-}  // namespace touchstone
+}  // namespace touchstone::metrics

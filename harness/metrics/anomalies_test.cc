@@ -5,7 +5,7 @@
 
 #include <functional>
 
-namespace touchstone {
+namespace touchstone::metrics {
 namespace {
 
 // A faultless stroke along x over the plane z = 0, 0.1 mm a sample, pressed 1 mm deep.
@@ -113,4 +113,4 @@ TEST(Anomalies, PullsInwardWhereTheForcePointsIntoTheObjectOrHoldsATipThatIsOuts
 }
 
 }  // namespace
-}  // namespace touchstone
+}  // namespace touchstone::metrics

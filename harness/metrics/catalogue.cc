@@ -14,7 +14,7 @@
 #include "harness/metrics/result.h"
 #include "harness/metrics/step_cost.h"
 
-namespace touchstone {
+namespace touchstone::metrics {
 namespace {
 
 template <class T>
@@ -121,4 +121,4 @@ const MetricResult& find_result(const std::vector<MetricResult>& results, std::s
   throw UsageError(fmt::format("there is no result \"{}\"; there are: {}", name, fmt::join(known, ", ")));
 }
 
-}  // namespace touchstone
+}  // namespace touchstone::metrics

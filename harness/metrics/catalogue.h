@@ -7,10 +7,11 @@
 #include <string_view>
 #include <vector>
 
+#include "harness/base/rooms.h"
 #include "harness/metrics/episodes.h"
 #include "harness/metrics/metric.h"
 
-namespace touchstone {
+namespace touchstone::metrics {
 
 struct MetricEntry {
   std::string name;                  // what --metrics takes: "force-error"
@@ -52,4 +53,4 @@ class MetricSet {
 // The result of that name; throws UsageError listing the names that are there.
 const MetricResult& find_result(const std::vector<MetricResult>& results, std::string_view name);
 
-}  // namespace touchstone
+}  // namespace touchstone::metrics

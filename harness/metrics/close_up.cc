@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-namespace touchstone {
+namespace touchstone::metrics {
 
 void CloseUpRecorder::Clip::add(const Point& point) {
   measured.add(point.t_s, point.measured_N);
@@ -48,4 +48,4 @@ std::vector<CloseUp> CloseUpRecorder::worst() {
   return out;
 }
 
-}  // namespace touchstone
+}  // namespace touchstone::metrics

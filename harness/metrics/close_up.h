@@ -6,9 +6,10 @@
 #include <deque>
 #include <vector>
 
+#include "harness/base/rooms.h"
 #include "harness/metrics/metric.h"
 
-namespace touchstone {
+namespace touchstone::metrics {
 
 struct CloseUp {
   double worst = 0.0;
@@ -49,4 +50,4 @@ class CloseUpRecorder {
   std::vector<Clip> worst_;
 };
 
-}  // namespace touchstone
+}  // namespace touchstone::metrics

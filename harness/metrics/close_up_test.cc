@@ -1,6 +1,6 @@
 #include "harness/metrics/close_up.h"
 
-namespace touchstone {
+namespace touchstone::metrics {
 namespace {
 
 MetricSample forces(int i, double rendered_N) {
@@ -42,4 +42,4 @@ TEST(CloseUp, AnEpisodeAtTheEndIsClosedThere) {
 }
 
 }  // namespace
-}  // namespace touchstone
+}  // namespace touchstone::metrics

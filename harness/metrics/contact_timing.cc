@@ -6,7 +6,7 @@
 
 #include "harness/metrics/result.h"
 
-namespace touchstone {
+namespace touchstone::metrics {
 
 std::optional<ContactDetector::Event> ContactDetector::add(double t_s, double force_N) {
   std::optional<Event> event;
@@ -122,4 +122,4 @@ std::vector<MetricResult> ContactTiming::results() {
   return out;
 }
 
-}  // namespace touchstone
+}  // namespace touchstone::metrics

@@ -12,10 +12,11 @@
 #include <optional>
 #include <vector>
 
+#include "harness/base/rooms.h"
 #include "harness/metrics/metric.h"
 #include "harness/metrics/moments.h"
 
-namespace touchstone {
+namespace touchstone::metrics {
 
 // Turns a force magnitude over time into onsets and releases.
 class ContactDetector {
@@ -82,4 +83,4 @@ class ContactTiming final : public Metric {
   Moments input_;
 };
 
-}  // namespace touchstone
+}  // namespace touchstone::metrics

@@ -2,7 +2,7 @@
 
 #include "harness/metrics/catalogue.h"
 
-namespace touchstone {
+namespace touchstone::metrics {
 namespace {
 
 MetricOptions options() {
@@ -98,4 +98,4 @@ TEST(ContactTiming, NotANumberMakesEveryAnswerInvalid) {
 }
 
 }  // namespace
-}  // namespace touchstone
+}  // namespace touchstone::metrics

@@ -6,7 +6,7 @@
 
 #include "harness/metrics/result.h"
 
-namespace touchstone {
+namespace touchstone::metrics {
 namespace {
 
 bool worse(const Episode& a, const Episode& b) {
@@ -78,4 +78,4 @@ std::vector<MetricResult> ErrorEpisodes::results() {
   return {std::move(count), std::move(time)};
 }
 
-}  // namespace touchstone
+}  // namespace touchstone::metrics

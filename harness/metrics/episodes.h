@@ -7,10 +7,11 @@
 #include <string>
 #include <vector>
 
+#include "harness/base/rooms.h"
 #include "harness/metrics/metric.h"
 #include "harness/metrics/moments.h"
 
-namespace touchstone {
+namespace touchstone::metrics {
 
 struct Episode {
   double start_s = 0.0;           // first sample over the threshold
@@ -63,4 +64,4 @@ class ErrorEpisodes final : public Metric {
   Moments error_;
 };
 
-}  // namespace touchstone
+}  // namespace touchstone::metrics

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-namespace touchstone {
+namespace touchstone::metrics {
 
 std::size_t ErrorMap::Hash::operator()(const Key& key) const noexcept {
   // Large odd multipliers (Teschner et al. 2003, "Optimized spatial hashing", use primes likewise).
@@ -53,4 +53,4 @@ std::optional<double> ErrorMap::at(const Vec3& p_W_m) const {
   return sum / weight;
 }
 
-}  // namespace touchstone
+}  // namespace touchstone::metrics

@@ -8,9 +8,10 @@
 #include <optional>
 #include <unordered_map>
 
+#include "harness/base/rooms.h"
 #include "harness/base/vec.h"
 
-namespace touchstone {
+namespace touchstone::metrics {
 
 class ErrorMap {
  public:
@@ -38,4 +39,4 @@ class ErrorMap {
   std::unordered_map<Key, Cell, Hash> cells_;
 };
 
-}  // namespace touchstone
+}  // namespace touchstone::metrics

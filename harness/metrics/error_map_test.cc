@@ -4,7 +4,7 @@
 
 #include "harness/base/random.h"
 
-namespace touchstone {
+namespace touchstone::metrics {
 namespace {
 
 TEST(ErrorMap, AConstantErrorIsThatConstantEverywhereNear) {
@@ -41,4 +41,4 @@ TEST(ErrorMap, LeavesOutWhatIsNotFinite) {
 }
 
 }  // namespace
-}  // namespace touchstone
+}  // namespace touchstone::metrics

@@ -6,7 +6,7 @@
 
 #include "harness/metrics/result.h"
 
-namespace touchstone {
+namespace touchstone::metrics {
 namespace {
 
 constexpr std::array<char, 3> axes{'x', 'y', 'z'};
@@ -41,4 +41,4 @@ std::vector<MetricResult> ForceAxes::results() {
   return out;
 }
 
-}  // namespace touchstone
+}  // namespace touchstone::metrics

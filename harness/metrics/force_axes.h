@@ -6,10 +6,11 @@
 #include <array>
 #include <vector>
 
+#include "harness/base/rooms.h"
 #include "harness/metrics/metric.h"
 #include "harness/metrics/moments.h"
 
-namespace touchstone {
+namespace touchstone::metrics {
 
 class ForceAxes final : public Metric {
  public:
@@ -21,4 +22,4 @@ class ForceAxes final : public Metric {
   std::array<Moments, 3> measured_;
 };
 
-}  // namespace touchstone
+}  // namespace touchstone::metrics

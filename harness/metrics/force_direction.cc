@@ -7,7 +7,7 @@
 
 #include "harness/metrics/result.h"
 
-namespace touchstone {
+namespace touchstone::metrics {
 
 double angle_deg(const Vec3& a, const Vec3& b) {
   const Vec3 u = a.stableNormalized();
@@ -52,4 +52,4 @@ std::vector<MetricResult> ForceDirection::results() {
   return {std::move(rms), std::move(bias), std::move(mean), std::move(most)};
 }
 
-}  // namespace touchstone
+}  // namespace touchstone::metrics

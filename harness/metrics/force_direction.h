@@ -6,10 +6,11 @@
 
 #include <vector>
 
+#include "harness/base/rooms.h"
 #include "harness/metrics/metric.h"
 #include "harness/metrics/moments.h"
 
-namespace touchstone {
+namespace touchstone::metrics {
 
 // The angle in degrees between two vectors that are not zero. By atan2, so that angles near 0 and 180 degrees keep
 // their digits (Kahan 2006, "How futile are mindless assessments of roundoff", section 12).
@@ -29,4 +30,4 @@ class ForceDirection final : public Metric {
   SeriesRecorder angle_series_{"angle between measured and rendered force", "deg"};
 };
 
-}  // namespace touchstone
+}  // namespace touchstone::metrics

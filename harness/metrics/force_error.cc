@@ -2,7 +2,7 @@
 
 #include "harness/metrics/result.h"
 
-namespace touchstone {
+namespace touchstone::metrics {
 
 void ForceError::add(const MetricSample& sample) {
   const double error = (sample.f_measured_W_N - sample.f_rendered_W_N).norm();
@@ -32,4 +32,4 @@ std::vector<MetricResult> ForceError::results() {
   return {std::move(rms), std::move(mean), std::move(most)};
 }
 
-}  // namespace touchstone
+}  // namespace touchstone::metrics

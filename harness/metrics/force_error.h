@@ -6,10 +6,11 @@
 
 #include <vector>
 
+#include "harness/base/rooms.h"
 #include "harness/metrics/metric.h"
 #include "harness/metrics/moments.h"
 
-namespace touchstone {
+namespace touchstone::metrics {
 
 class ForceError final : public Metric {
  public:
@@ -23,4 +24,4 @@ class ForceError final : public Metric {
   HistogramRecorder histogram_{"N"};
 };
 
-}  // namespace touchstone
+}  // namespace touchstone::metrics

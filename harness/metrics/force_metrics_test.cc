@@ -8,7 +8,7 @@
 #include "harness/metrics/force_direction.h"
 #include "harness/metrics/force_error.h"
 
-namespace touchstone {
+namespace touchstone::metrics {
 namespace {
 
 MetricSample forces(double t_s, const Vec3& measured, const Vec3& rendered) {
@@ -121,4 +121,4 @@ TEST(ForceMetrics, InvariantUnderRotation) {
 }
 
 }  // namespace
-}  // namespace touchstone
+}  // namespace touchstone::metrics

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <numeric>
 
-namespace touchstone {
+namespace touchstone::metrics {
 
 std::uint64_t Histogram::total() const { return std::accumulate(counts.begin(), counts.end(), std::uint64_t{0}); }
 
@@ -35,4 +35,4 @@ Histogram HistogramRecorder::histogram() const {
   return out;
 }
 
-}  // namespace touchstone
+}  // namespace touchstone::metrics

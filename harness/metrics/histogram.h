@@ -6,7 +6,9 @@
 #include <string>
 #include <vector>
 
-namespace touchstone {
+#include "harness/base/rooms.h"
+
+namespace touchstone::metrics {
 
 struct Histogram {
   std::string unit;
@@ -33,4 +35,4 @@ class HistogramRecorder {
   std::vector<std::uint64_t> counts_;
 };
 
-}  // namespace touchstone
+}  // namespace touchstone::metrics

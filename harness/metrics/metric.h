@@ -9,11 +9,12 @@
 #include <string>
 #include <vector>
 
+#include "harness/base/rooms.h"
 #include "harness/base/vec.h"
 #include "harness/metrics/histogram.h"
 #include "harness/metrics/series.h"
 
-namespace touchstone {
+namespace touchstone::metrics {
 
 // One instant of an evaluation: measured and rendered, at the same time. SI; the object's frame W; forces are ON the
 // probe BY the object.
@@ -70,4 +71,4 @@ class Metric {
   [[nodiscard]] virtual std::vector<MetricResult> results() = 0;
 };
 
-}  // namespace touchstone
+}  // namespace touchstone::metrics

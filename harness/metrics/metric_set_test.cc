@@ -4,7 +4,7 @@
 #include "harness/base/random.h"
 #include "harness/metrics/catalogue.h"
 
-namespace touchstone {
+namespace touchstone::metrics {
 namespace {
 
 MetricSample random_sample(Random& random, int i) {
@@ -90,4 +90,4 @@ TEST(MetricSet, ResultsDoNotGrowWithTheRecording) {
 }
 
 }  // namespace
-}  // namespace touchstone
+}  // namespace touchstone::metrics

@@ -6,7 +6,9 @@
 #include <cstdint>
 #include <string>
 
-namespace touchstone {
+#include "harness/base/rooms.h"
+
+namespace touchstone::metrics {
 
 class CompensatedSum {
  public:
@@ -58,4 +60,4 @@ class Moments {
   double peak_t_s_ = 0.0;
 };
 
-}  // namespace touchstone
+}  // namespace touchstone::metrics

@@ -2,7 +2,7 @@
 
 #include "harness/metrics/result.h"
 
-namespace touchstone {
+namespace touchstone::metrics {
 
 void PositionError::add(const MetricSample& sample) {
   const double error = (sample.contact_W_m - sample.out_W_m).norm();
@@ -24,4 +24,4 @@ std::vector<MetricResult> PositionError::results() {
   return {std::move(rms), std::move(mean), std::move(most)};
 }
 
-}  // namespace touchstone
+}  // namespace touchstone::metrics

@@ -5,10 +5,11 @@
 
 #include <vector>
 
+#include "harness/base/rooms.h"
 #include "harness/metrics/metric.h"
 #include "harness/metrics/moments.h"
 
-namespace touchstone {
+namespace touchstone::metrics {
 
 class PositionError final : public Metric {
  public:
@@ -21,4 +22,4 @@ class PositionError final : public Metric {
   HistogramRecorder histogram_{"m"};
 };
 
-}  // namespace touchstone
+}  // namespace touchstone::metrics

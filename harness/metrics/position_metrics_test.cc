@@ -6,7 +6,7 @@
 #include "harness/metrics/position_error.h"
 #include "harness/metrics/step_cost.h"
 
-namespace touchstone {
+namespace touchstone::metrics {
 namespace {
 
 MetricSample at(double t_s, const Vec3& out, const Vec3& contact) {
@@ -92,4 +92,4 @@ TEST(StepCost, MeanMedianP99Max) {
 }
 
 }  // namespace
-}  // namespace touchstone
+}  // namespace touchstone::metrics

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-namespace touchstone {
+namespace touchstone::metrics {
 namespace {
 
 constexpr double gamma = (1.0 + Quantiles::relative_error) / (1.0 - Quantiles::relative_error);
@@ -32,4 +32,4 @@ double Quantiles::quantile(double q) const {
   return std::nan("");
 }
 
-}  // namespace touchstone
+}  // namespace touchstone::metrics

@@ -6,7 +6,9 @@
 #include <cstdint>
 #include <map>
 
-namespace touchstone {
+#include "harness/base/rooms.h"
+
+namespace touchstone::metrics {
 
 class Quantiles {
  public:
@@ -25,4 +27,4 @@ class Quantiles {
   std::map<int, std::uint64_t> buckets_;
 };
 
-}  // namespace touchstone
+}  // namespace touchstone::metrics

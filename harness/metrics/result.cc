@@ -5,7 +5,7 @@
 #include <cmath>
 #include <utility>
 
-namespace touchstone {
+namespace touchstone::metrics {
 
 MetricResult make_missing(std::string name, std::string unit, std::string meaning, std::string why) {
   MetricResult result;
@@ -38,4 +38,4 @@ void set_reference(MetricResult& result, double reference, std::string meaning) 
   result.reference_meaning = std::move(meaning);
 }
 
-}  // namespace touchstone
+}  // namespace touchstone::metrics

@@ -4,10 +4,11 @@
 
 #include <string>
 
+#include "harness/base/rooms.h"
 #include "harness/metrics/metric.h"
 #include "harness/metrics/moments.h"
 
-namespace touchstone {
+namespace touchstone::metrics {
 
 // `value` where every one of the samples behind `from` was finite, else invalid with how many were not and the first.
 MetricResult make_result(std::string name, std::string unit, std::string meaning, double value, const Moments& from);
@@ -16,4 +17,4 @@ MetricResult make_missing(std::string name, std::string unit, std::string meanin
 // Adds what to hold the value against; left out where it is not finite.
 void set_reference(MetricResult& result, double reference, std::string meaning);
 
-}  // namespace touchstone
+}  // namespace touchstone::metrics

@@ -5,7 +5,7 @@
 
 #include "harness/base/error.h"
 
-namespace touchstone {
+namespace touchstone::metrics {
 
 SeriesRecorder::SeriesRecorder(std::string name, std::string unit, std::size_t most_points)
     : name_(std::move(name)), unit_(std::move(unit)), most_points_(most_points) {
@@ -77,4 +77,4 @@ Series SeriesRecorder::series() const {
   return out;
 }
 
-}  // namespace touchstone
+}  // namespace touchstone::metrics

@@ -7,7 +7,9 @@
 #include <string>
 #include <vector>
 
-namespace touchstone {
+#include "harness/base/rooms.h"
+
+namespace touchstone::metrics {
 
 // Finished series: points in order of time.
 struct Series {
@@ -46,4 +48,4 @@ class SeriesRecorder {
   std::uint64_t samples_ = 0;
 };
 
-}  // namespace touchstone
+}  // namespace touchstone::metrics

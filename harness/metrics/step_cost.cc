@@ -6,7 +6,7 @@
 
 #include "harness/metrics/result.h"
 
-namespace touchstone {
+namespace touchstone::metrics {
 
 void StepCost::add(const MetricSample& sample) {
   cost_.add(sample.t_s, sample.cost_us);
@@ -33,4 +33,4 @@ std::vector<MetricResult> StepCost::results() {
   return {std::move(mean), std::move(median), std::move(p99), std::move(most)};
 }
 
-}  // namespace touchstone
+}  // namespace touchstone::metrics

@@ -6,11 +6,12 @@
 
 #include <vector>
 
+#include "harness/base/rooms.h"
 #include "harness/metrics/metric.h"
 #include "harness/metrics/moments.h"
 #include "harness/metrics/quantiles.h"
 
-namespace touchstone {
+namespace touchstone::metrics {
 
 class StepCost final : public Metric {
  public:
@@ -24,4 +25,4 @@ class StepCost final : public Metric {
   HistogramRecorder histogram_{"us"};
 };
 
-}  // namespace touchstone
+}  // namespace touchstone::metrics

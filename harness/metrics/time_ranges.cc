@@ -8,7 +8,7 @@
 
 #include "harness/base/error.h"
 
-namespace touchstone {
+namespace touchstone::metrics {
 namespace {
 
 [[noreturn]] void refuse(std::string_view option, std::string_view text, std::string_view why) {
@@ -63,4 +63,4 @@ bool TimeRanges::contains(double t_s, double first_t_s) const {
   return std::ranges::any_of(ranges_, [t_s](const auto& range) { return range.first <= t_s && t_s < range.second; });
 }
 
-}  // namespace touchstone
+}  // namespace touchstone::metrics

@@ -7,7 +7,9 @@
 #include <utility>
 #include <vector>
 
-namespace touchstone {
+#include "harness/base/rooms.h"
+
+namespace touchstone::metrics {
 
 class TimeRanges {
  public:
@@ -30,4 +32,4 @@ class TimeRanges {
   std::string text_ = "all";
 };
 
-}  // namespace touchstone
+}  // namespace touchstone::metrics

@@ -3,7 +3,7 @@
 #include "harness/base/error.h"
 #include "harness/testing/steps.h"
 
-namespace touchstone {
+namespace touchstone::metrics {
 namespace {
 
 TEST(TimeRanges, HalfOpenRanges) {
@@ -45,4 +45,4 @@ TEST(TimeRanges, NonsenseIsRefusedWithTheOptionNamed) {
 }
 
 }  // namespace
-}  // namespace touchstone
+}  // namespace touchstone::metrics

@@ -3,6 +3,8 @@
 
 #include <span>
 
+#include "harness/base/rooms.h"
+
 namespace touchstone::perception {
 
 struct RankCorrelation {

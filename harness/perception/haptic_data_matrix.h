@@ -14,6 +14,7 @@
 #include <string>
 #include <vector>
 
+#include "harness/base/rooms.h"
 #include "harness/recording/trajectory.h"
 
 namespace touchstone::perception {

@@ -5,6 +5,8 @@
 
 #include <Eigen/Core>
 
+#include "harness/base/rooms.h"
+
 namespace touchstone::perception {
 
 struct EigenPairs {

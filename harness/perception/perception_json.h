@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <string>
 
+#include "harness/base/rooms.h"
 #include "harness/perception/perceptual_evaluation.h"
 #include "harness/perception/subjective_comparison.h"
 

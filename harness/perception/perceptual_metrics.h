@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "harness/base/rooms.h"
 #include "harness/metrics/metric.h"
 #include "harness/metrics/moments.h"
 #include "harness/metrics/series.h"

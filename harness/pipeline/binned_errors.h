@@ -5,6 +5,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "harness/base/rooms.h"
+
 namespace touchstone::pipeline {
 
 inline constexpr double kErrorBin_s = 0.1;

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "harness/base/rooms.h"
 #include "harness/pipeline/binned_errors.h"
 #include "harness/pipeline/ranking.h"
 #include "harness/report/rendered_input.h"

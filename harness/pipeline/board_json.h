@@ -7,6 +7,7 @@
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 
+#include "harness/base/rooms.h"
 #include "harness/pipeline/board.h"
 
 namespace touchstone::pipeline {

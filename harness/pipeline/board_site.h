@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "harness/base/rooms.h"
 #include "harness/pipeline/board.h"
 #include "harness/report/provenance.h"
 

@@ -24,6 +24,7 @@
 #include <string>
 #include <vector>
 
+#include "harness/base/rooms.h"
 #include "harness/pipeline/binned_errors.h"
 
 namespace touchstone::pipeline {

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "harness/base/random.h"
+#include "harness/base/rooms.h"
 #include "harness/pipeline/board.h"
 
 namespace touchstone::pipeline {

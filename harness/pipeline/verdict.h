@@ -3,6 +3,7 @@
 
 #include <string>
 
+#include "harness/base/rooms.h"
 #include "harness/pipeline/board.h"
 
 namespace touchstone::pipeline {

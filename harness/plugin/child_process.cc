@@ -15,7 +15,7 @@
 
 #include "harness/rendering/renderer_failed.h"
 
-namespace touchstone {
+namespace touchstone::plugin {
 namespace {
 
 constexpr int kMemoryFd = 3;
@@ -110,4 +110,4 @@ std::string ChildProcess::how_it_ended() const {
   return fmt::format("ended its process with exit status {}", WEXITSTATUS(*status_));
 }
 
-}  // namespace touchstone
+}  // namespace touchstone::plugin

@@ -8,7 +8,9 @@
 #include <string>
 #include <vector>
 
-namespace touchstone {
+#include "harness/base/rooms.h"
+
+namespace touchstone::plugin {
 
 // A file descriptor that closes itself.
 class OwnedFd {
@@ -46,4 +48,4 @@ class ChildProcess {
   std::optional<int> status_;
 };
 
-}  // namespace touchstone
+}  // namespace touchstone::plugin

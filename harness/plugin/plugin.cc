@@ -8,7 +8,7 @@
 #include "harness/plugin/plugin_in_process.h"
 #include "harness/plugin/plugin_renderer.h"
 
-namespace touchstone {
+namespace touchstone::plugin {
 namespace {
 
 static_assert(sizeof(Vec3) == 3 * sizeof(double));
@@ -113,4 +113,4 @@ void Plugins::provide(Model& model) const {
   }
 }
 
-}  // namespace touchstone
+}  // namespace touchstone::plugin

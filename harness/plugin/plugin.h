@@ -9,11 +9,12 @@
 #include <string>
 #include <vector>
 
+#include "harness/base/rooms.h"
 #include "harness/plugin/plugin_process.h"
 #include "harness/rendering/model.h"
 #include "harness/rendering/renderer_entry.h"
 
-namespace touchstone {
+namespace touchstone::plugin {
 
 struct PluginOptions {
   // In this process a step costs a function call, and a plug-in that crashes or hangs takes the program with it. Else
@@ -45,4 +46,4 @@ class Plugins {
   std::vector<std::filesystem::path> from_;  // the library of each
 };
 
-}  // namespace touchstone
+}  // namespace touchstone::plugin

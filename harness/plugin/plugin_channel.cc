@@ -8,7 +8,7 @@
 #include <climits>
 #include <ctime>
 
-namespace touchstone {
+namespace touchstone::plugin {
 namespace {
 
 // Longer than a usual step and the way of a word from one processor to another. Not much longer: where other programs
@@ -65,4 +65,4 @@ bool Doorbell::await(std::uint32_t seen, std::chrono::nanoseconds limit) noexcep
   }
 }
 
-}  // namespace touchstone
+}  // namespace touchstone::plugin

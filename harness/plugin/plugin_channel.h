@@ -9,7 +9,9 @@
 #include <chrono>
 #include <cstdint>
 
-namespace touchstone {
+#include "harness/base/rooms.h"
+
+namespace touchstone::plugin {
 
 enum class PluginRequest : std::uint32_t { create, reset, step, destroy };
 enum class PluginOutcome : std::uint32_t { good, refused };  // refused: `text` says why
@@ -49,4 +51,4 @@ struct PluginChannel {
   std::uint32_t index = 0;
 };
 
-}  // namespace touchstone
+}  // namespace touchstone::plugin

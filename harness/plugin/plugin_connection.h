@@ -5,7 +5,9 @@
 
 #include <string>
 
-namespace touchstone {
+#include "harness/base/rooms.h"
+
+namespace touchstone::plugin {
 
 class PluginConnection {
  public:
@@ -17,4 +19,4 @@ class PluginConnection {
   [[nodiscard]] virtual std::string failure() const = 0;
 };
 
-}  // namespace touchstone
+}  // namespace touchstone::plugin

@@ -10,7 +10,7 @@
 
 #include "harness/base/error.h"
 
-namespace touchstone {
+namespace touchstone::plugin {
 namespace {
 
 constexpr std::array<std::pair<std::string_view, Ability>, 10> kAbilities{{
@@ -187,4 +187,4 @@ std::vector<PluginDescription> unpack(std::string_view bytes, const std::filesys
   return out;
 }
 
-}  // namespace touchstone
+}  // namespace touchstone::plugin

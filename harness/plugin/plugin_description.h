@@ -10,10 +10,11 @@
 #include <string_view>
 #include <vector>
 
+#include "harness/base/rooms.h"
 #include "harness/rendering/limitation.h"
 #include "harness/rendering/renderer.h"
 
-namespace touchstone {
+namespace touchstone::plugin {
 
 struct PluginDescription {
   std::string name, summary, source;
@@ -33,4 +34,4 @@ std::string pack(std::span<const PluginDescription> descriptions);
 // Throws BadData when the bytes are not what pack() makes.
 std::vector<PluginDescription> unpack(std::string_view bytes, const std::filesystem::path& library);
 
-}  // namespace touchstone
+}  // namespace touchstone::plugin

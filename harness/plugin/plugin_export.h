@@ -15,16 +15,17 @@
 #include <string>
 #include <vector>
 
+#include "harness/base/rooms.h"
 #include "harness/rendering/renderer_entry.h"
 #include "harness/surface/embree_surface.h"
 
 // Completes the C interface's type: what the plug-in hands out.
 struct touchstone_renderer {
-  std::unique_ptr<touchstone::Renderer> renderer;
+  std::unique_ptr<touchstone::rendering::Renderer> renderer;
   std::string error;
 };
 
-namespace touchstone::plugin_export {
+namespace touchstone::plugin::plugin_export {
 
 inline const char* name_of(Ability ability) {
   switch (ability) {
@@ -148,28 +149,29 @@ inline int step(touchstone_renderer& handle, const touchstone_tip& tip, touchsto
   return 0;
 }
 
-}  // namespace touchstone::plugin_export
+}  // namespace touchstone::plugin::plugin_export
 
-#define TOUCHSTONE_EXPORT_RENDERERS(...)                                                                        \
-  static const touchstone::plugin_export::ExportedList& touchstone_exported() {                                 \
-    static const auto list = touchstone::plugin_export::export_all(__VA_ARGS__);                                \
-    return list;                                                                                                \
-  }                                                                                                             \
-  extern "C" {                                                                                                  \
-  uint32_t touchstone_plugin_version(void) { return TOUCHSTONE_PLUGIN_VERSION; }                                \
-  const touchstone_description* touchstone_describe(uint32_t index) {                                           \
-    return index < touchstone_exported().size() ? touchstone_exported()[index]->description() : nullptr;        \
-  }                                                                                                             \
-  touchstone_renderer* touchstone_create(const touchstone_creation* creation) {                                 \
-    return touchstone::plugin_export::create(touchstone_exported(), *creation);                                 \
-  }                                                                                                             \
-  int touchstone_reset(touchstone_renderer* renderer) { return touchstone::plugin_export::reset(*renderer); }   \
-  int touchstone_step(touchstone_renderer* renderer, const touchstone_tip* tip, touchstone_result* result) {    \
-    return touchstone::plugin_export::step(*renderer, *tip, *result);                                           \
-  }                                                                                                             \
-  void touchstone_destroy(touchstone_renderer* renderer) { delete renderer; }                                   \
-  const char* touchstone_error(const touchstone_renderer* renderer) {                                           \
-    return renderer == nullptr ? touchstone::plugin_export::creation_error().c_str() : renderer->error.c_str(); \
-  }                                                                                                             \
-  }                                                                                                             \
+#define TOUCHSTONE_EXPORT_RENDERERS(...)                                                                              \
+  static const touchstone::plugin::plugin_export::ExportedList& touchstone_exported() {                               \
+    static const auto list = touchstone::plugin::plugin_export::export_all(__VA_ARGS__);                              \
+    return list;                                                                                                      \
+  }                                                                                                                   \
+  extern "C" {                                                                                                        \
+  uint32_t touchstone_plugin_version(void) { return TOUCHSTONE_PLUGIN_VERSION; }                                      \
+  const touchstone_description* touchstone_describe(uint32_t index) {                                                 \
+    return index < touchstone_exported().size() ? touchstone_exported()[index]->description() : nullptr;              \
+  }                                                                                                                   \
+  touchstone_renderer* touchstone_create(const touchstone_creation* creation) {                                       \
+    return touchstone::plugin::plugin_export::create(touchstone_exported(), *creation);                               \
+  }                                                                                                                   \
+  int touchstone_reset(touchstone_renderer* renderer) { return touchstone::plugin::plugin_export::reset(*renderer); } \
+  int touchstone_step(touchstone_renderer* renderer, const touchstone_tip* tip, touchstone_result* result) {          \
+    return touchstone::plugin::plugin_export::step(*renderer, *tip, *result);                                         \
+  }                                                                                                                   \
+  void touchstone_destroy(touchstone_renderer* renderer) { delete renderer; }                                         \
+  const char* touchstone_error(const touchstone_renderer* renderer) {                                                 \
+    return renderer == nullptr ? touchstone::plugin::plugin_export::creation_error().c_str()                          \
+                               : renderer->error.c_str();                                                             \
+  }                                                                                                                   \
+  }                                                                                                                   \
   static_assert(true)

@@ -21,6 +21,7 @@
 namespace {
 
 using namespace touchstone;
+using namespace touchstone::plugin;
 
 constexpr int kMemoryFd = 3;
 constexpr int kLifelineFd = 4;

@@ -4,7 +4,7 @@
 
 #include "harness/rendering/renderer_failed.h"
 
-namespace touchstone {
+namespace touchstone::plugin {
 namespace {
 
 class InProcess final : public PluginConnection {
@@ -47,4 +47,4 @@ std::unique_ptr<PluginConnection> make_plugin_in_process(std::shared_ptr<const P
   return std::make_unique<InProcess>(std::move(library), creation);
 }
 
-}  // namespace touchstone
+}  // namespace touchstone::plugin

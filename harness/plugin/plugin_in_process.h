@@ -3,13 +3,14 @@
 
 #include <memory>
 
+#include "harness/base/rooms.h"
 #include "harness/plugin/plugin_connection.h"
 #include "harness/plugin/plugin_library.h"
 
-namespace touchstone {
+namespace touchstone::plugin {
 
 // Throws RendererFailed when the plug-in makes none. The creation's arrays must outlive the connection.
 std::unique_ptr<PluginConnection> make_plugin_in_process(std::shared_ptr<const PluginLibrary> library,
                                                          const touchstone_creation& creation);
 
-}  // namespace touchstone
+}  // namespace touchstone::plugin

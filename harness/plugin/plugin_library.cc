@@ -7,7 +7,7 @@
 
 #include "harness/base/error.h"
 
-namespace touchstone {
+namespace touchstone::plugin {
 namespace {
 
 constexpr const char* kThrew = "a C++ exception left the plug-in; catch it inside and return an error";
@@ -138,4 +138,4 @@ std::string PluginLibrary::error(const touchstone_renderer* renderer) const {
   }
 }
 
-}  // namespace touchstone
+}  // namespace touchstone::plugin

@@ -9,9 +9,10 @@
 #include <string>
 #include <vector>
 
+#include "harness/base/rooms.h"
 #include "harness/plugin/plugin_description.h"
 
-namespace touchstone {
+namespace touchstone::plugin {
 
 class PluginLibrary {
  public:
@@ -53,4 +54,4 @@ class PluginLibrary {
   decltype(touchstone_error)* error_ = nullptr;
 };
 
-}  // namespace touchstone
+}  // namespace touchstone::plugin

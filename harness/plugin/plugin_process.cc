@@ -16,7 +16,7 @@
 #include "harness/plugin/shared_memory.h"
 #include "harness/rendering/renderer_failed.h"
 
-namespace touchstone {
+namespace touchstone::plugin {
 namespace {
 
 // How often a waiting program looks whether the child still lives.
@@ -223,4 +223,4 @@ std::unique_ptr<PluginConnection> make_plugin_process(const std::filesystem::pat
   return std::make_unique<InChild>(library, creation, limits, host);
 }
 
-}  // namespace touchstone
+}  // namespace touchstone::plugin

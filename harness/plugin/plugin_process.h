@@ -7,10 +7,11 @@
 #include <memory>
 #include <vector>
 
+#include "harness/base/rooms.h"
 #include "harness/plugin/plugin_connection.h"
 #include "harness/plugin/plugin_description.h"
 
-namespace touchstone {
+namespace touchstone::plugin {
 
 // After these the plug-in is said to hang, and killed.
 struct PluginLimits {
@@ -32,4 +33,4 @@ std::unique_ptr<PluginConnection> make_plugin_process(const std::filesystem::pat
                                                       const touchstone_creation& creation, const PluginLimits& limits,
                                                       const std::filesystem::path& host);
 
-}  // namespace touchstone
+}  // namespace touchstone::plugin

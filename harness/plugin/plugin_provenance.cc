@@ -5,7 +5,7 @@
 #include "harness/base/hash.h"
 #include "harness/base/repository_state.h"
 
-namespace touchstone {
+namespace touchstone::plugin {
 namespace {
 
 // golden/<case>/expected/ and the summary beside it are written by accepting, not by whoever changes the renderer.
@@ -39,4 +39,4 @@ std::map<std::string, std::string> plugin_provenance(const RendererEntry& entry)
   return out;
 }
 
-}  // namespace touchstone
+}  // namespace touchstone::plugin

@@ -4,13 +4,14 @@
 #include <map>
 #include <string>
 
+#include "harness/base/rooms.h"
 #include "harness/rendering/renderer_entry.h"
 
-namespace touchstone {
+namespace touchstone::plugin {
 
 // plugin_library (the file's absolute path), plugin_sha256, plugin_commit, plugin_state: "clean", "changed: <path>", or
 // why nothing is known. Changes of a golden case's expected results are none. Empty for a renderer that is no
 // plug-in's. Throws BadData where the library cannot be read any more.
 std::map<std::string, std::string> plugin_provenance(const RendererEntry& entry);
 
-}  // namespace touchstone
+}  // namespace touchstone::plugin

@@ -7,7 +7,7 @@
 
 #include "harness/rendering/renderer_failed.h"
 
-namespace touchstone {
+namespace touchstone::plugin {
 namespace {
 
 bool finite(const double* values, std::size_t count) noexcept {
@@ -82,4 +82,4 @@ std::string PluginRenderer::do_failure() const {
                      last_tip_.p_W_m.x(), last_tip_.p_W_m.y(), last_tip_.p_W_m.z());
 }
 
-}  // namespace touchstone
+}  // namespace touchstone::plugin

@@ -5,10 +5,11 @@
 #include <memory>
 #include <string>
 
+#include "harness/base/rooms.h"
 #include "harness/plugin/plugin_connection.h"
 #include "harness/rendering/renderer.h"
 
-namespace touchstone {
+namespace touchstone::plugin {
 
 // A step that fails, or answers with what is no finite number, makes this and every later step StepStatus::failed;
 // failure() says how and where in the run.
@@ -34,4 +35,4 @@ class PluginRenderer final : public Renderer {
   touchstone_result last_result_{};
 };
 
-}  // namespace touchstone
+}  // namespace touchstone::plugin

@@ -12,7 +12,7 @@
 #include "harness/surface/embree_surface.h"
 #include "harness/testing/tiny_meshes.h"
 
-namespace touchstone {
+namespace touchstone::plugin {
 namespace {
 
 using ::testing::AllOf;
@@ -236,4 +236,4 @@ TEST(Plugin, WithoutItsHostProgramItSaysSo) {
 }
 
 }  // namespace
-}  // namespace touchstone
+}  // namespace touchstone::plugin

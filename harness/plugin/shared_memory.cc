@@ -9,7 +9,7 @@
 
 #include "harness/rendering/renderer_failed.h"
 
-namespace touchstone {
+namespace touchstone::plugin {
 
 SharedMemory::SharedMemory(std::size_t size) : size_(size), fd_(::memfd_create("touchstone-plugin", MFD_CLOEXEC)) {
   void* mapped = MAP_FAILED;
@@ -25,4 +25,4 @@ SharedMemory::SharedMemory(std::size_t size) : size_(size), fd_(::memfd_create("
 
 SharedMemory::~SharedMemory() { ::munmap(data_, size_); }
 
-}  // namespace touchstone
+}  // namespace touchstone::plugin

@@ -3,9 +3,10 @@
 
 #include <cstddef>
 
+#include "harness/base/rooms.h"
 #include "harness/plugin/child_process.h"
 
-namespace touchstone {
+namespace touchstone::plugin {
 
 class SharedMemory {
  public:
@@ -25,4 +26,4 @@ class SharedMemory {
   std::byte* data_ = nullptr;
 };
 
-}  // namespace touchstone
+}  // namespace touchstone::plugin

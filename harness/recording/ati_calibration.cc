@@ -15,7 +15,7 @@
 #include "harness/base/atomic_file.h"
 #include "harness/base/error.h"
 
-namespace touchstone {
+namespace touchstone::recording {
 namespace {
 
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
@@ -250,4 +250,4 @@ CalibratedSample apply_calibration(const AtiCalibration& calibration, const Gaug
   return sample;
 }
 
-}  // namespace touchstone
+}  // namespace touchstone::recording

@@ -11,9 +11,10 @@
 #include <string>
 #include <string_view>
 
+#include "harness/base/rooms.h"
 #include "harness/recording/wrench.h"
 
-namespace touchstone {
+namespace touchstone::recording {
 
 using GaugeVoltages = std::array<double, 6>;
 
@@ -65,4 +66,4 @@ struct CalibratedSample {
 CalibratedSample apply_calibration(const AtiCalibration& calibration, const GaugeVoltages& volts,
                                    const GaugeVoltages& bias_volts);
 
-}  // namespace touchstone
+}  // namespace touchstone::recording

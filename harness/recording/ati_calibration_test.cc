@@ -14,7 +14,7 @@
 #include "harness/base/error.h"
 #include "harness/base/random.h"
 
-namespace touchstone {
+namespace touchstone::recording {
 namespace {
 
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
@@ -196,4 +196,4 @@ TEST(Wrench, TorqueAboutAnotherPointUndoesItself) {
 }
 
 }  // namespace
-}  // namespace touchstone
+}  // namespace touchstone::recording

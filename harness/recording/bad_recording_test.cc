@@ -14,7 +14,7 @@
 #include "harness/recording/hdf5_handle.h"
 #include "harness/recording/recording_file.h"
 
-namespace touchstone {
+namespace touchstone::recording {
 namespace {
 
 using ::testing::HasSubstr;
@@ -401,4 +401,4 @@ TEST(BadRecording, Hdf5OfOtherShapesAndTypesIsRefused) {
 }
 
 }  // namespace
-}  // namespace touchstone
+}  // namespace touchstone::recording

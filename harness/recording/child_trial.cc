@@ -8,7 +8,7 @@
 #include <cerrno>
 #include <csignal>
 
-namespace touchstone {
+namespace touchstone::recording {
 namespace {
 
 constexpr unsigned longest_s = 120;
@@ -44,4 +44,4 @@ ChildOutcome try_in_child(const std::function<void()>& work) {
   return WEXITSTATUS(status) == 0 ? ChildOutcome::survived : ChildOutcome::crashed;
 }
 
-}  // namespace touchstone
+}  // namespace touchstone::recording

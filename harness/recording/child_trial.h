@@ -5,7 +5,9 @@
 #include <cstdint>
 #include <functional>
 
-namespace touchstone {
+#include "harness/base/rooms.h"
+
+namespace touchstone::recording {
 
 enum class ChildOutcome : std::uint8_t {
   survived,    // returned or threw
@@ -17,4 +19,4 @@ enum class ChildOutcome : std::uint8_t {
 // need other threads.
 ChildOutcome try_in_child(const std::function<void()>& work);
 
-}  // namespace touchstone
+}  // namespace touchstone::recording

@@ -7,7 +7,7 @@
 #include <cstdlib>
 #include <stdexcept>
 
-namespace touchstone {
+namespace touchstone::recording {
 namespace {
 
 TEST(ChildTrial, TellsACrashFromAnErrorAndLeavesNothingBehind) {
@@ -24,4 +24,4 @@ TEST(ChildTrial, TellsACrashFromAnErrorAndLeavesNothingBehind) {
 }
 
 }  // namespace
-}  // namespace touchstone
+}  // namespace touchstone::recording

@@ -7,7 +7,7 @@
 
 #include "harness/base/error.h"
 
-namespace touchstone {
+namespace touchstone::recording {
 namespace {
 
 constexpr std::size_t most_gaps = 1024;
@@ -119,4 +119,4 @@ ClockReport examine_clock(const std::vector<double>& t_s, double gap_factor) {
   return monitor.report(gap_factor);
 }
 
-}  // namespace touchstone
+}  // namespace touchstone::recording

@@ -10,7 +10,9 @@
 #include <string_view>
 #include <vector>
 
-namespace touchstone {
+#include "harness/base/rooms.h"
+
+namespace touchstone::recording {
 
 // Samples that repeat the time of the one before. Time that goes back is always refused.
 enum class OnDuplicate : std::uint8_t {
@@ -93,4 +95,4 @@ class ClockMonitor {
 // The report of times that are in memory already. Throws BadData when they do not increase strictly.
 ClockReport examine_clock(const std::vector<double>& t_s, double gap_factor = ClockPolicy{}.gap_factor);
 
-}  // namespace touchstone
+}  // namespace touchstone::recording

@@ -9,7 +9,7 @@
 #include "harness/base/error.h"
 #include "harness/base/random.h"
 
-namespace touchstone {
+namespace touchstone::recording {
 namespace {
 
 TEST(Clock, ASteadyClockIsExactAtAnyRateAndOrigin) {
@@ -93,4 +93,4 @@ TEST(Clock, RefusesTimesThatDoNotIncrease) {
 }
 
 }  // namespace
-}  // namespace touchstone
+}  // namespace touchstone::recording

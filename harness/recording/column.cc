@@ -7,7 +7,7 @@
 
 #include "harness/base/error.h"
 
-namespace touchstone {
+namespace touchstone::recording {
 namespace {
 
 // The step time's only unit: it never enters a computation, so it is not converted.
@@ -230,4 +230,4 @@ std::string describe_group(ColumnGroup group) {
   return units.find(',') == std::string::npos ? text : fmt::format("{} (units: {})", text, units);
 }
 
-}  // namespace touchstone
+}  // namespace touchstone::recording

@@ -11,9 +11,10 @@
 #include <string_view>
 #include <vector>
 
+#include "harness/base/rooms.h"
 #include "harness/base/units.h"
 
-namespace touchstone {
+namespace touchstone::recording {
 
 enum class Quantity : std::uint8_t { t, x, y, z, qw, qx, qy, qz, fx, fy, fz, tx, ty, tz, px, py, pz, contact, cost };
 inline constexpr std::size_t quantity_count = 19;
@@ -81,4 +82,4 @@ std::string group_members(ColumnGroup group);
 // The names with units that a group may have: "fx_N, fy_N, fz_N (units: N, mN, kN)".
 std::string describe_group(ColumnGroup group);
 
-}  // namespace touchstone
+}  // namespace touchstone::recording

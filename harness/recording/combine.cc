@@ -7,7 +7,7 @@
 
 #include "harness/base/error.h"
 
-namespace touchstone {
+namespace touchstone::recording {
 namespace {
 
 std::vector<double> common_times(const MotionColumns& pose, const ForceColumns& force, const CombineOptions& options) {
@@ -80,4 +80,4 @@ Combined combine(const MotionColumns& pose, const ForceColumns& force, const Com
   return combined;
 }
 
-}  // namespace touchstone
+}  // namespace touchstone::recording

@@ -5,12 +5,13 @@
 #include <string>
 #include <vector>
 
+#include "harness/base/rooms.h"
 #include "harness/base/vec.h"
 #include "harness/recording/clock.h"
 #include "harness/recording/resample.h"
 #include "harness/recording/trajectory.h"
 
-namespace touchstone {
+namespace touchstone::recording {
 
 // What a force sensor gave, in the object's frame or about to be turned into it.
 struct ForceColumns {
@@ -43,4 +44,4 @@ struct Combined {
 // Throws BadData where the two do not overlap, or on_gap is refuse and there is a gap.
 Combined combine(const MotionColumns& pose, const ForceColumns& force, const CombineOptions& options = {});
 
-}  // namespace touchstone
+}  // namespace touchstone::recording

@@ -8,7 +8,7 @@
 
 #include "harness/base/error.h"
 
-namespace touchstone {
+namespace touchstone::recording {
 namespace {
 
 using ::testing::Contains;
@@ -88,4 +88,4 @@ TEST(Combine, ClocksThatDoNotOverlapAreRefused) {
 }
 
 }  // namespace
-}  // namespace touchstone
+}  // namespace touchstone::recording

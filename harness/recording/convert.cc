@@ -3,7 +3,7 @@
 #include "harness/recording/recording_stream.h"
 #include "harness/recording/recording_writer.h"
 
-namespace touchstone {
+namespace touchstone::recording {
 
 Conversion convert_recording(const std::filesystem::path& in, const std::filesystem::path& out,
                              const ColumnUnits& units, const ClockPolicy& clock,
@@ -24,4 +24,4 @@ Conversion convert_recording(const std::filesystem::path& in, const std::filesys
   return {stream.samples(), stream.clock(), stream.notes()};
 }
 
-}  // namespace touchstone
+}  // namespace touchstone::recording

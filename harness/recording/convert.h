@@ -7,10 +7,11 @@
 #include <string>
 #include <vector>
 
+#include "harness/base/rooms.h"
 #include "harness/recording/clock.h"
 #include "harness/recording/column.h"
 
-namespace touchstone {
+namespace touchstone::recording {
 
 struct Conversion {
   std::uint64_t samples = 0;
@@ -25,4 +26,4 @@ Conversion convert_recording(const std::filesystem::path& in, const std::filesys
                              const ColumnUnits& units = {}, const ClockPolicy& clock = {},
                              const std::function<void(std::uint64_t)>& progress = {});
 
-}  // namespace touchstone
+}  // namespace touchstone::recording

@@ -9,7 +9,7 @@
 #include "harness/base/error.h"
 #include "harness/recording/recording_file.h"
 
-namespace touchstone {
+namespace touchstone::recording {
 namespace {
 
 std::filesystem::path temporary(const std::string& name) {
@@ -45,4 +45,4 @@ TEST(Convert, WhatIsWrongLeavesTheTargetAsItWas) {
 }
 
 }  // namespace
-}  // namespace touchstone
+}  // namespace touchstone::recording

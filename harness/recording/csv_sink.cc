@@ -11,7 +11,7 @@
 #include "harness/base/atomic_file.h"
 #include "harness/base/error.h"
 
-namespace touchstone {
+namespace touchstone::recording {
 namespace {
 
 class CsvSink final : public TableSink {
@@ -79,4 +79,4 @@ std::unique_ptr<TableSink> create_csv_sink(const std::filesystem::path& path, co
   return std::make_unique<CsvSink>(path, columns, gzip);
 }
 
-}  // namespace touchstone
+}  // namespace touchstone::recording

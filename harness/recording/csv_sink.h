@@ -5,11 +5,12 @@
 #include <memory>
 #include <vector>
 
+#include "harness/base/rooms.h"
 #include "harness/recording/table_sink.h"
 
-namespace touchstone {
+namespace touchstone::recording {
 
 std::unique_ptr<TableSink> create_csv_sink(const std::filesystem::path& path, const std::vector<Column>& columns,
                                            bool gzip);
 
-}  // namespace touchstone
+}  // namespace touchstone::recording

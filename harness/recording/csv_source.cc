@@ -11,7 +11,7 @@
 
 #include "harness/base/error.h"
 
-namespace touchstone {
+namespace touchstone::recording {
 namespace {
 
 // No recording has a longer line: a file that does is not one, and memory stays bounded.
@@ -276,4 +276,4 @@ std::unique_ptr<TableSource> open_csv_source(const std::filesystem::path& path) 
   return std::make_unique<CsvSource>(path);
 }
 
-}  // namespace touchstone
+}  // namespace touchstone::recording

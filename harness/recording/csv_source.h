@@ -6,12 +6,13 @@
 #include <filesystem>
 #include <memory>
 
+#include "harness/base/rooms.h"
 #include "harness/recording/table_source.h"
 
-namespace touchstone {
+namespace touchstone::recording {
 
 // Throws BadData for an empty file, a header that is not text, and, while reading, for any line that does not hold one
 // number per column.
 std::unique_ptr<TableSource> open_csv_source(const std::filesystem::path& path);
 
-}  // namespace touchstone
+}  // namespace touchstone::recording

@@ -11,7 +11,7 @@
 #include "harness/base/json_reader.h"
 #include "harness/base/units.h"
 
-namespace touchstone {
+namespace touchstone::recording {
 namespace {
 
 constexpr const char* description = "dataset.json";
@@ -172,4 +172,4 @@ void pack_dataset(Dataset& dataset) {
   save_dataset(dataset);
 }
 
-}  // namespace touchstone
+}  // namespace touchstone::recording

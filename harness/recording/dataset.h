@@ -27,10 +27,11 @@
 #include <string_view>
 #include <vector>
 
+#include "harness/base/rooms.h"
 #include "harness/base/vec.h"
 #include "harness/recording/clock.h"
 
-namespace touchstone {
+namespace touchstone::recording {
 
 // How the path that a renderer gets is made of a recording; harness/rendering/in_trajectory.h derives when each is
 // right.
@@ -100,4 +101,4 @@ void pack_dataset(Dataset& dataset);
 // another extension.
 void archive_dataset(const Dataset& dataset, const std::filesystem::path& out);
 
-}  // namespace touchstone
+}  // namespace touchstone::recording

@@ -8,7 +8,7 @@
 #include "harness/base/error.h"
 #include "harness/recording/dataset.h"
 
-namespace touchstone {
+namespace touchstone::recording {
 namespace {
 
 struct CloseArchive {
@@ -54,4 +54,4 @@ void archive_dataset(const Dataset& dataset, const std::filesystem::path& out) {
   file.commit();
 }
 
-}  // namespace touchstone
+}  // namespace touchstone::recording

@@ -9,7 +9,7 @@
 #include "harness/recording/extent_check.h"
 #include "harness/recording/recording_stream.h"
 
-namespace touchstone {
+namespace touchstone::recording {
 namespace {
 
 // False where the file cannot be used.
@@ -85,4 +85,4 @@ DatasetReport check_dataset(const Dataset& dataset, const MeshBounds& mesh_bound
   return report;
 }
 
-}  // namespace touchstone
+}  // namespace touchstone::recording

@@ -10,7 +10,7 @@
 #include "harness/base/error.h"
 #include "harness/recording/recording_file.h"
 
-namespace touchstone {
+namespace touchstone::recording {
 namespace {
 
 using ::testing::ElementsAre;
@@ -183,4 +183,4 @@ TEST(Dataset, TheArchiveHoldsEverythingAndIsReproducible) {
 }
 
 }  // namespace
-}  // namespace touchstone
+}  // namespace touchstone::recording

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-namespace touchstone {
+namespace touchstone::recording {
 
 void EnvelopeClock::add(std::uint64_t number, double arrival_s) {
   if (samples_++ == 0) first_ = number;
@@ -53,4 +53,4 @@ double ArrivalDelays::floor_s() const noexcept {
   return floor;
 }
 
-}  // namespace touchstone
+}  // namespace touchstone::recording

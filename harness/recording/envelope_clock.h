@@ -10,7 +10,9 @@
 #include <cstdint>
 #include <vector>
 
-namespace touchstone {
+#include "harness/base/rooms.h"
+
+namespace touchstone::recording {
 
 class EnvelopeClock {
  public:
@@ -64,4 +66,4 @@ class ArrivalDelays {
   std::array<double, stretches> least_s_;
 };
 
-}  // namespace touchstone
+}  // namespace touchstone::recording

@@ -8,7 +8,7 @@
 
 #include "harness/base/random.h"
 
-namespace touchstone {
+namespace touchstone::recording {
 namespace {
 
 struct Arrival {
@@ -108,4 +108,4 @@ TEST(ArrivalDelays, SayWhereAStraightLineDoesNotFit) {
 }
 
 }  // namespace
-}  // namespace touchstone
+}  // namespace touchstone::recording

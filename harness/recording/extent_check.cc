@@ -7,7 +7,7 @@
 
 #include "harness/base/units.h"
 
-namespace touchstone {
+namespace touchstone::recording {
 namespace {
 
 // Where there is contact the boxes touch, but for the tip's radius; farther apart than this many times the larger of
@@ -64,4 +64,4 @@ std::optional<ExtentMismatch> check_extents(const Box3& recording, const Box3& m
   return ExtentMismatch{apart, std::move(message)};
 }
 
-}  // namespace touchstone
+}  // namespace touchstone::recording

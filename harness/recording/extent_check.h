@@ -4,9 +4,10 @@
 #include <optional>
 #include <string>
 
+#include "harness/base/rooms.h"
 #include "harness/base/vec.h"
 
-namespace touchstone {
+namespace touchstone::recording {
 
 struct ExtentMismatch {
   bool apart;           // they do not even come near each other: nothing can be evaluated
@@ -17,4 +18,4 @@ struct ExtentMismatch {
 // `mesh_unit` is the unit that the mesh was read in.
 std::optional<ExtentMismatch> check_extents(const Box3& recording, const Box3& mesh, const std::string& mesh_unit);
 
-}  // namespace touchstone
+}  // namespace touchstone::recording

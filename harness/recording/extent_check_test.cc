@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace touchstone {
+namespace touchstone::recording {
 namespace {
 
 using ::testing::HasSubstr;
@@ -46,4 +46,4 @@ TEST(ExtentCheck, AnotherFrameIsSaidToo) {
 }
 
 }  // namespace
-}  // namespace touchstone
+}  // namespace touchstone::recording

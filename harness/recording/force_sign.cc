@@ -7,7 +7,7 @@
 #include <stdexcept>
 #include <vector>
 
-namespace touchstone {
+namespace touchstone::recording {
 namespace {
 
 constexpr std::size_t most_blocks = 20;
@@ -82,4 +82,4 @@ std::string ForceSign::explain() const {
   return fmt::format("the sign of the forces cannot be told ({})", numbers);
 }
 
-}  // namespace touchstone
+}  // namespace touchstone::recording

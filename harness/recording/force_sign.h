@@ -7,9 +7,10 @@
 #include <span>
 #include <string>
 
+#include "harness/base/rooms.h"
 #include "harness/base/vec.h"
 
-namespace touchstone {
+namespace touchstone::recording {
 
 enum class SignVerdict : std::uint8_t {
   outward,    // as it should be
@@ -36,4 +37,4 @@ struct ForceSign {
 // p < 0.01. Throws std::invalid_argument when the sizes differ.
 ForceSign check_force_sign(std::span<const Vec3> normals, std::span<const Vec3> forces);
 
-}  // namespace touchstone
+}  // namespace touchstone::recording

@@ -9,7 +9,7 @@
 
 #include "harness/base/random.h"
 
-namespace touchstone {
+namespace touchstone::recording {
 namespace {
 
 struct Scan {
@@ -75,4 +75,4 @@ TEST(ForceSign, OneHugeOutlierDoesNotDecide) {
 }
 
 }  // namespace
-}  // namespace touchstone
+}  // namespace touchstone::recording

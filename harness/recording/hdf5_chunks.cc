@@ -10,7 +10,7 @@
 #include "harness/recording/hdf5_filters.h"
 #include "harness/recording/hdf5_handle.h"
 
-namespace touchstone {
+namespace touchstone::recording {
 namespace {
 
 // The filters in the order of writing; bit i of `skipped_filters` is the i-th.
@@ -115,4 +115,4 @@ std::optional<ChunkDamage> ChunkReader::decode() {
   return std::nullopt;
 }
 
-}  // namespace touchstone
+}  // namespace touchstone::recording

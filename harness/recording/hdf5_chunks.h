@@ -11,9 +11,11 @@
 #include <string>
 #include <vector>
 
+#include "harness/base/rooms.h"
+
 struct libdeflate_decompressor;
 
-namespace touchstone {
+namespace touchstone::recording {
 
 // How the chunks of such a dataset are stored.
 struct ChunkLayout {
@@ -63,4 +65,4 @@ class ChunkReader {
   std::vector<unsigned char> scratch_;
 };
 
-}  // namespace touchstone
+}  // namespace touchstone::recording

@@ -15,7 +15,7 @@
 #include "harness/recording/recording_file.h"
 #include "harness/recording/table_source.h"
 
-namespace touchstone {
+namespace touchstone::recording {
 namespace {
 
 class Hdf5Chunks : public testing::Test {
@@ -112,4 +112,4 @@ TEST_F(Hdf5Chunks, ManyThreadsReadAtOnce) {
 }
 
 }  // namespace
-}  // namespace touchstone
+}  // namespace touchstone::recording

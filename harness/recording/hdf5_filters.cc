@@ -5,7 +5,7 @@
 #include <bit>
 #include <cstring>
 
-namespace touchstone {
+namespace touchstone::recording {
 namespace {
 
 static_assert(std::endian::native == std::endian::little);
@@ -117,4 +117,4 @@ void unshuffle(const unsigned char* bytes, std::size_t count, std::size_t first,
   }
 }
 
-}  // namespace touchstone
+}  // namespace touchstone::recording

@@ -6,7 +6,9 @@
 #include <cstdint>
 #include <span>
 
-namespace touchstone {
+#include "harness/base/rooms.h"
+
+namespace touchstone::recording {
 
 // Fletcher's sum over big-endian 16-bit words, an odd byte at the end filled up by a zero, as HDF5 computes it.
 std::uint32_t fletcher32(std::span<const unsigned char> bytes);
@@ -15,4 +17,4 @@ std::uint32_t fletcher32(std::span<const unsigned char> bytes);
 // of them from the `first` on.
 void unshuffle(const unsigned char* bytes, std::size_t count, std::size_t first, std::span<double> to);
 
-}  // namespace touchstone
+}  // namespace touchstone::recording

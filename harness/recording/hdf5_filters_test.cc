@@ -8,7 +8,7 @@
 
 #include "harness/base/random.h"
 
-namespace touchstone {
+namespace touchstone::recording {
 namespace {
 
 // Fletcher 1982, modulo 65535 at each step, written as HDF5 writes it: of a sum that is not zero but divisible, 65535.
@@ -77,4 +77,4 @@ TEST(Unshuffle, TakesWhatIsAskedForFromAnyPlace) {
 }
 
 }  // namespace
-}  // namespace touchstone
+}  // namespace touchstone::recording

@@ -15,7 +15,7 @@ extern "C" const char* __lsan_default_suppressions();
 extern "C" const char* __lsan_default_suppressions() { return "leak:libhdf5\nleak:H5"; }
 #endif
 
-namespace touchstone {
+namespace touchstone::recording {
 namespace {
 
 // No attribute that this project writes is longer; a file that claims so is damaged.
@@ -86,4 +86,4 @@ bool hdf5_write_text_attribute(hid_t object, const char* name, const std::string
   return attribute && H5Awrite(attribute.get(), type.get(), text.c_str()) >= 0;
 }
 
-}  // namespace touchstone
+}  // namespace touchstone::recording

@@ -6,7 +6,9 @@
 #include <string>
 #include <utility>
 
-namespace touchstone {
+#include "harness/base/rooms.h"
+
+namespace touchstone::recording {
 
 template <herr_t (*Close)(hid_t)>
 class Hdf5Handle {
@@ -69,4 +71,4 @@ std::string hdf5_text_attribute(hid_t object, const char* name);
 // False when HDF5 fails.
 bool hdf5_write_text_attribute(hid_t object, const char* name, const std::string& text);
 
-}  // namespace touchstone
+}  // namespace touchstone::recording

@@ -7,7 +7,7 @@
 #include "harness/recording/hdf5_handle.h"
 #include "harness/recording/hdf5_source.h"
 
-namespace touchstone {
+namespace touchstone::recording {
 namespace {
 
 constexpr hsize_t chunk_rows = 8192;
@@ -103,4 +103,4 @@ std::unique_ptr<TableSink> create_hdf5_sink(const std::filesystem::path& path, c
   return std::make_unique<Hdf5Sink>(path, columns);
 }
 
-}  // namespace touchstone
+}  // namespace touchstone::recording

@@ -6,10 +6,11 @@
 #include <memory>
 #include <vector>
 
+#include "harness/base/rooms.h"
 #include "harness/recording/table_sink.h"
 
-namespace touchstone {
+namespace touchstone::recording {
 
 std::unique_ptr<TableSink> create_hdf5_sink(const std::filesystem::path& path, const std::vector<Column>& columns);
 
-}  // namespace touchstone
+}  // namespace touchstone::recording

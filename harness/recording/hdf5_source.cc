@@ -12,7 +12,7 @@
 #include "harness/recording/hdf5_chunks.h"
 #include "harness/recording/hdf5_handle.h"
 
-namespace touchstone {
+namespace touchstone::recording {
 namespace {
 
 constexpr std::size_t most_links = 64;
@@ -270,4 +270,4 @@ std::unique_ptr<TableSource> open_hdf5_source(const std::filesystem::path& path)
   return std::make_unique<Hdf5Source>(path, std::move(file));
 }
 
-}  // namespace touchstone
+}  // namespace touchstone::recording

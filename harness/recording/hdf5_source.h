@@ -6,9 +6,10 @@
 #include <filesystem>
 #include <memory>
 
+#include "harness/base/rooms.h"
 #include "harness/recording/table_source.h"
 
-namespace touchstone {
+namespace touchstone::recording {
 
 inline constexpr const char* recording_schema = "touchstone-recording/1";
 
@@ -16,4 +17,4 @@ inline constexpr const char* recording_schema = "touchstone-recording/1";
 // nothing, for a file that is truncated, damaged, not HDF5 or HDF5 of another layout.
 std::unique_ptr<TableSource> open_hdf5_source(const std::filesystem::path& path);
 
-}  // namespace touchstone
+}  // namespace touchstone::recording

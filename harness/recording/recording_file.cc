@@ -8,7 +8,7 @@
 #include "harness/recording/recording_stream.h"
 #include "harness/recording/recording_writer.h"
 
-namespace touchstone {
+namespace touchstone::recording {
 namespace {
 
 // Reads the whole file; `unused` are groups that the caller will not keep.
@@ -113,4 +113,4 @@ void save_rendered(const std::filesystem::path& path, const RenderedTrajectory& 
   writer.commit();
 }
 
-}  // namespace touchstone
+}  // namespace touchstone::recording

@@ -8,11 +8,12 @@
 #include <string>
 #include <vector>
 
+#include "harness/base/rooms.h"
 #include "harness/recording/clock.h"
 #include "harness/recording/column.h"
 #include "harness/recording/trajectory.h"
 
-namespace touchstone {
+namespace touchstone::recording {
 
 // Needs time, position and force. Repeated times are refused, gaps are kept (see ClockPolicy).
 Recording load_recording(const std::filesystem::path& path);
@@ -41,4 +42,4 @@ void save_trajectory(const std::filesystem::path& path, const InTrajectory& traj
 void save_rendered(const std::filesystem::path& path, const RenderedTrajectory& rendered,
                    const ColumnUnits& units = {});
 
-}  // namespace touchstone
+}  // namespace touchstone::recording

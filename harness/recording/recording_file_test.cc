@@ -17,7 +17,7 @@
 #include "harness/recording/recording_writer.h"
 #include "harness/testing/shared_data.h"
 
-namespace touchstone {
+namespace touchstone::recording {
 namespace {
 
 using ::testing::ElementsAre;
@@ -302,4 +302,4 @@ TEST(RecordingFile, RealPalpationRuns) {
 }
 
 }  // namespace
-}  // namespace touchstone
+}  // namespace touchstone::recording

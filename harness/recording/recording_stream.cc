@@ -8,7 +8,7 @@
 
 #include "harness/base/error.h"
 
-namespace touchstone {
+namespace touchstone::recording {
 namespace {
 
 // More samples than this at one time are no accident of a clock: it stood still, or the file declares samples that were
@@ -266,4 +266,4 @@ void RecordingStream::fail(std::size_t row, Quantity quantity, const std::string
   throw BadData(fmt::format("{}: {}", place(row, quantity), why));
 }
 
-}  // namespace touchstone
+}  // namespace touchstone::recording

@@ -10,12 +10,13 @@
 #include <string>
 #include <vector>
 
+#include "harness/base/rooms.h"
 #include "harness/recording/clock.h"
 #include "harness/recording/column.h"
 #include "harness/recording/sample_block.h"
 #include "harness/recording/table_source.h"
 
-namespace touchstone {
+namespace touchstone::recording {
 
 struct StreamOptions {
   // Time and position are always needed; these besides.
@@ -75,4 +76,4 @@ class RecordingStream {
   bool finished_ = false;
 };
 
-}  // namespace touchstone
+}  // namespace touchstone::recording

@@ -7,7 +7,7 @@
 
 #include "harness/base/error.h"
 
-namespace touchstone {
+namespace touchstone::recording {
 namespace {
 
 constexpr std::size_t block_rows = 8192;
@@ -155,4 +155,4 @@ void RenderedWriter::commit() {
   writer_.commit();
 }
 
-}  // namespace touchstone
+}  // namespace touchstone::recording

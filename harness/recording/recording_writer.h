@@ -7,11 +7,12 @@
 #include <string>
 #include <vector>
 
+#include "harness/base/rooms.h"
 #include "harness/recording/column.h"
 #include "harness/recording/sample_block.h"
 #include "harness/recording/table_sink.h"
 
-namespace touchstone {
+namespace touchstone::recording {
 
 class RecordingWriter {
  public:
@@ -65,4 +66,4 @@ class RenderedWriter {
   SampleBlock block_;
 };
 
-}  // namespace touchstone
+}  // namespace touchstone::recording

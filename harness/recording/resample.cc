@@ -10,7 +10,7 @@
 
 #include "harness/base/error.h"
 
-namespace touchstone {
+namespace touchstone::recording {
 namespace {
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
@@ -201,4 +201,4 @@ std::vector<double> uniform_times(double start_s, double end_s, double rate_Hz) 
   }
 }
 
-}  // namespace touchstone
+}  // namespace touchstone::recording

@@ -6,9 +6,10 @@
 #include <string>
 #include <vector>
 
+#include "harness/base/rooms.h"
 #include "harness/base/vec.h"
 
-namespace touchstone {
+namespace touchstone::recording {
 
 // For a sine of frequency f sampled steadily at rate r, x = f / r < 0.5, amplitude 1:
 enum class Interpolation : std::uint8_t {
@@ -50,4 +51,4 @@ Resampled<Quat> resample(const std::vector<double>& t_s, const std::vector<Quat>
 // rounding does not add up.
 std::vector<double> uniform_times(double start_s, double end_s, double rate_Hz);
 
-}  // namespace touchstone
+}  // namespace touchstone::recording

@@ -11,7 +11,7 @@
 #include "harness/base/error.h"
 #include "harness/base/random.h"
 
-namespace touchstone {
+namespace touchstone::recording {
 namespace {
 
 using ::testing::ElementsAre;
@@ -187,4 +187,4 @@ TEST(Resample, RefusesArgumentsThatMakeNoSense) {
 }
 
 }  // namespace
-}  // namespace touchstone
+}  // namespace touchstone::recording

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace touchstone {
+namespace touchstone::recording {
 namespace {
 
 // Applies `call` to every column of `a` with the same column of `b`.
@@ -61,4 +61,4 @@ void SampleBlock::append_mean(const SampleBlock& other, std::size_t begin, std::
   }
 }
 
-}  // namespace touchstone
+}  // namespace touchstone::recording

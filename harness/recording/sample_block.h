@@ -5,10 +5,11 @@
 #include <cstdint>
 #include <vector>
 
+#include "harness/base/rooms.h"
 #include "harness/base/vec.h"
 #include "harness/recording/trajectory.h"
 
-namespace touchstone {
+namespace touchstone::recording {
 
 // Vectors of columns that the file does not have are empty; the others have one length.
 struct SampleBlock {
@@ -30,4 +31,4 @@ struct SampleBlock {
   void append_mean(const SampleBlock& other, std::size_t begin, std::size_t end);
 };
 
-}  // namespace touchstone
+}  // namespace touchstone::recording

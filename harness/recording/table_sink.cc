@@ -4,7 +4,7 @@
 #include "harness/recording/hdf5_sink.h"
 #include "harness/recording/table_source.h"
 
-namespace touchstone {
+namespace touchstone::recording {
 
 std::unique_ptr<TableSink> create_table(const std::filesystem::path& path, const std::vector<Column>& columns) {
   const TableFormat format = table_format(path);
@@ -12,4 +12,4 @@ std::unique_ptr<TableSink> create_table(const std::filesystem::path& path, const
   return create_csv_sink(path, columns, format == TableFormat::csv_gzip);
 }
 
-}  // namespace touchstone
+}  // namespace touchstone::recording

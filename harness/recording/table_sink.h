@@ -9,9 +9,10 @@
 #include <string>
 #include <vector>
 
+#include "harness/base/rooms.h"
 #include "harness/recording/column.h"
 
-namespace touchstone {
+namespace touchstone::recording {
 
 class TableSink {
  public:
@@ -25,4 +26,4 @@ class TableSink {
 // The format by the extension (see table_format). Throws BadData when the file cannot be written.
 std::unique_ptr<TableSink> create_table(const std::filesystem::path& path, const std::vector<Column>& columns);
 
-}  // namespace touchstone
+}  // namespace touchstone::recording

@@ -12,7 +12,7 @@
 #include "harness/recording/csv_source.h"
 #include "harness/recording/hdf5_source.h"
 
-namespace touchstone {
+namespace touchstone::recording {
 namespace {
 
 bool ends_with(const std::filesystem::path& path, std::string_view extension) {
@@ -61,4 +61,4 @@ std::unique_ptr<TableSource> open_table(const std::filesystem::path& path) {
   return open_csv_source(path);
 }
 
-}  // namespace touchstone
+}  // namespace touchstone::recording

@@ -10,7 +10,9 @@
 #include <string>
 #include <vector>
 
-namespace touchstone {
+#include "harness/base/rooms.h"
+
+namespace touchstone::recording {
 
 class TableSource {
  public:
@@ -37,4 +39,4 @@ TableFormat table_format(const std::filesystem::path& path);
 // Opens the reader that the extension asks for; throws BadData naming the file.
 std::unique_ptr<TableSource> open_table(const std::filesystem::path& path);
 
-}  // namespace touchstone
+}  // namespace touchstone::recording

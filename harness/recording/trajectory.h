@@ -7,9 +7,10 @@
 #include <string>
 #include <vector>
 
+#include "harness/base/rooms.h"
 #include "harness/base/vec.h"
 
-namespace touchstone {
+namespace touchstone::recording {
 
 // Time and pose of the probe tip (the ball's centre where the tip is a ball). All filled vectors have the same length.
 struct MotionColumns {
@@ -59,4 +60,4 @@ struct RenderedTrajectory {
   [[nodiscard]] std::size_t size() const noexcept { return t_s.size(); }
 };
 
-}  // namespace touchstone
+}  // namespace touchstone::recording

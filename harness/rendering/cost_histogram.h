@@ -6,7 +6,9 @@
 #include <cmath>
 #include <cstdint>
 
-namespace touchstone {
+#include "harness/base/rooms.h"
+
+namespace touchstone::rendering {
 
 class CostHistogram {
  public:
@@ -59,4 +61,4 @@ class CostHistogram {
   double max_ns_ = 0.0;
 };
 
-}  // namespace touchstone
+}  // namespace touchstone::rendering

@@ -4,9 +4,10 @@
 
 #include <cstdint>
 
+#include "harness/base/rooms.h"
 #include "harness/base/vec.h"
 
-namespace touchstone {
+namespace touchstone::rendering {
 
 // The contact of one step as the base renderer found it, changed by the effects in the order of their phases.
 // World frame, SI units. The force on the probe is normal_force_N * n_W + tangential_W_N.
@@ -44,4 +45,4 @@ class Effect {
   virtual void apply(ContactState& contact) noexcept = 0;
 };
 
-}  // namespace touchstone
+}  // namespace touchstone::rendering

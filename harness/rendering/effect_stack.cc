@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace touchstone {
+namespace touchstone::rendering {
 
 EffectChain::EffectChain(std::vector<StackedEffect> effects, std::shared_ptr<const Surface> surface, double offset_m,
                          double nominal_stiffness_N_per_m)
@@ -99,4 +99,4 @@ StepResult EffectStack::do_step(const TipState& tip) noexcept {
   return result;
 }
 
-}  // namespace touchstone
+}  // namespace touchstone::rendering

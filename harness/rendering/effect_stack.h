@@ -8,11 +8,12 @@
 #include <utility>
 #include <vector>
 
+#include "harness/base/rooms.h"
 #include "harness/rendering/effect.h"
 #include "harness/rendering/renderer.h"
 #include "harness/surface/surface.h"
 
-namespace touchstone {
+namespace touchstone::rendering {
 
 struct StackedEffect {
   std::unique_ptr<Effect> effect;
@@ -69,4 +70,4 @@ class EffectStack final : public Renderer {
   EffectChain effects_;
 };
 
-}  // namespace touchstone
+}  // namespace touchstone::rendering

@@ -6,7 +6,7 @@
 
 #include "harness/base/error.h"
 
-namespace touchstone {
+namespace touchstone::rendering {
 namespace {
 
 void need_stiffness(double stiffness_N_per_m) {
@@ -44,4 +44,4 @@ InTrajectory whole_force_in_trajectory(const OutTrajectory& out, std::span<const
 
 InTrajectory measured_in_trajectory(const Recording& recording) { return {recording.motion}; }
 
-}  // namespace touchstone
+}  // namespace touchstone::rendering

@@ -29,10 +29,11 @@
 
 #include <span>
 
+#include "harness/base/rooms.h"
 #include "harness/recording/dataset.h"
 #include "harness/rendering/out_trajectory.h"
 
-namespace touchstone {
+namespace touchstone::rendering {
 
 // Equation 2 for one sample. `stiffness_N_per_m` > 0.
 [[nodiscard]] inline Vec3 in_position(const OutSample& out, double stiffness_N_per_m) {
@@ -57,4 +58,4 @@ InTrajectory whole_force_in_trajectory(const OutTrajectory& out, std::span<const
 // The measured positions as they stand: for a compliant object, into which the real tip does press.
 InTrajectory measured_in_trajectory(const Recording& recording);
 
-}  // namespace touchstone
+}  // namespace touchstone::rendering

@@ -7,7 +7,9 @@
 #include <string>
 #include <vector>
 
-namespace touchstone {
+#include "harness/base/rooms.h"
+
+namespace touchstone::rendering {
 
 enum class Ability : std::uint8_t {
   thin_shells,       // a tip pushed through a thin shell from outside stays outside
@@ -33,4 +35,4 @@ inline const Limitation* find_limitation(const std::vector<Limitation>& limitati
   return found == limitations.end() ? nullptr : &*found;
 }
 
-}  // namespace touchstone
+}  // namespace touchstone::rendering

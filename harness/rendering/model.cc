@@ -6,7 +6,7 @@
 #include "harness/base/input_files.h"
 #include "harness/base/json_reader.h"
 
-namespace touchstone {
+namespace touchstone::rendering {
 namespace {
 
 constexpr const char* kSchema = "touchstone-model/1";
@@ -70,4 +70,4 @@ std::string model_to_json(const Model& model) {
   return document.dump(2) + "\n";
 }
 
-}  // namespace touchstone
+}  // namespace touchstone::rendering

@@ -9,7 +9,9 @@
 #include <string_view>
 #include <vector>
 
-namespace touchstone {
+#include "harness/base/rooms.h"
+
+namespace touchstone::rendering {
 
 // An effect or instrument entry: its name and the parameters set for it.
 struct NamedParameters {
@@ -37,4 +39,4 @@ Model parse_model(std::string_view text, std::string_view source);
 // The file's text for the model; parse_model() gives the same model back.
 std::string model_to_json(const Model& model);
 
-}  // namespace touchstone
+}  // namespace touchstone::rendering

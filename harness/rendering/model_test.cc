@@ -6,7 +6,7 @@
 #include "harness/base/error.h"
 #include "harness/rendering/parameters.h"
 
-namespace touchstone {
+namespace touchstone::rendering {
 namespace {
 
 using ::testing::AllOf;
@@ -93,4 +93,4 @@ TEST(CheckEntry, FindsAnEntryAndSaysWhatAWrongNameWasMeantToBe) {
 }
 
 }  // namespace
-}  // namespace touchstone
+}  // namespace touchstone::rendering

@@ -9,7 +9,7 @@
 
 #include "harness/base/units.h"
 
-namespace touchstone {
+namespace touchstone::rendering {
 namespace {
 
 constexpr std::size_t most_samples = 1000;
@@ -63,4 +63,4 @@ std::optional<std::string> far_from_surface(const Surface& surface, std::span<co
              best_unit, best_unit, mesh_unit, length_unit_factor(best_unit) / assumed, best);
 }
 
-}  // namespace touchstone
+}  // namespace touchstone::rendering

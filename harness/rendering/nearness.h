@@ -6,9 +6,10 @@
 #include <span>
 #include <string>
 
+#include "harness/base/rooms.h"
 #include "harness/surface/surface.h"
 
-namespace touchstone {
+namespace touchstone::rendering {
 
 // A message for the user when the tip positions (best: those in contact) lie nowhere near the surface; nothing when
 // they do. It names the two boxes and, where scaling the mesh by a usual unit would fit, asks for that unit.
@@ -21,4 +22,4 @@ namespace touchstone {
 std::optional<std::string> far_from_surface(const Surface& surface, std::span<const Vec3> tips_W_m, double tip_radius_m,
                                             const std::string& recording, const std::string& mesh_unit);
 
-}  // namespace touchstone
+}  // namespace touchstone::rendering

@@ -7,7 +7,7 @@
 #include "harness/surface/embree_surface.h"
 #include "harness/testing/tiny_meshes.h"
 
-namespace touchstone {
+namespace touchstone::rendering {
 namespace {
 
 using ::testing::HasSubstr;
@@ -63,4 +63,4 @@ TEST(Nearness, AnotherFrameIsNotAUnit) {
 }
 
 }  // namespace
-}  // namespace touchstone
+}  // namespace touchstone::rendering

@@ -7,7 +7,7 @@
 
 #include "harness/base/error.h"
 
-namespace touchstone {
+namespace touchstone::rendering {
 namespace {
 
 // The value at that rank (from 0) of all steps.
@@ -65,4 +65,4 @@ std::string operations_to_json(const OperationReport& report) {
       .dump();
 }
 
-}  // namespace touchstone
+}  // namespace touchstone::rendering

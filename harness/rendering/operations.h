@@ -10,9 +10,10 @@
 #include <string_view>
 
 #include "harness/base/counted.h"
+#include "harness/base/rooms.h"
 #include "harness/rendering/replay.h"
 
-namespace touchstone {
+namespace touchstone::rendering {
 
 // What every count of a renderer on triangles is of, to be said where it is shown.
 inline constexpr std::string_view kHowSearchesAreCounted =
@@ -36,4 +37,4 @@ OperationReport count_operations(Renderer& counted, const TipSource& source);
 // "searches": kHowSearchesAreCounted}
 std::string operations_to_json(const OperationReport& report);
 
-}  // namespace touchstone
+}  // namespace touchstone::rendering

@@ -6,7 +6,7 @@
 
 #include "harness/base/error.h"
 
-namespace touchstone {
+namespace touchstone::rendering {
 namespace {
 
 // Its n-th step multiplies n times and adds once.
@@ -66,4 +66,4 @@ TEST(Operations, ARendererThatAnswersWithNoNumberIsAnError) {
 }
 
 }  // namespace
-}  // namespace touchstone
+}  // namespace touchstone::rendering

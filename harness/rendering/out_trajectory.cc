@@ -10,7 +10,7 @@
 
 #include "harness/base/error.h"
 
-namespace touchstone {
+namespace touchstone::rendering {
 namespace {
 
 constexpr double epsilon = std::numeric_limits<double>::epsilon();
@@ -173,4 +173,4 @@ OutTrajectory make_out_trajectory(const Recording& recording, const Surface& sur
   return out;
 }
 
-}  // namespace touchstone
+}  // namespace touchstone::rendering

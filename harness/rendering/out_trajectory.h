@@ -21,10 +21,11 @@
 //  6. p_out is moved outwards by the few units of rounding that make s(p_out) >= r hold in floating point as well.
 #pragma once
 
+#include "harness/base/rooms.h"
 #include "harness/recording/trajectory.h"
 #include "harness/surface/surface.h"
 
-namespace touchstone {
+namespace touchstone::rendering {
 
 // 16 steps of the coarsest axis of the force sensor of the 2006 paper (1/320 N): above its noise, below any touch.
 inline constexpr double default_contact_threshold_N = 0.05;
@@ -77,4 +78,4 @@ struct OutTrajectorySummary {
 OutTrajectory make_out_trajectory(const Recording& recording, const Surface& surface, const OutTrajectoryRule& rule,
                                   OutTrajectorySummary* summary = nullptr);
 
-}  // namespace touchstone
+}  // namespace touchstone::rendering

@@ -9,7 +9,7 @@
 #include "harness/base/known_names.h"
 #include "harness/rendering/model.h"
 
-namespace touchstone {
+namespace touchstone::rendering {
 
 Parameters::Parameters(const std::vector<ParameterDeclaration>& declared, const std::map<std::string, double>& given,
                        std::string_view owner, std::string_view source, std::string_view place) {
@@ -53,4 +53,4 @@ Parameters check_entry(const NamedParameters& entry, const std::vector<NamedDecl
   throw BadData(fmt::format("{}: {}/name: {}", source, entry.place, unknown_name(what, entry.name, names)));
 }
 
-}  // namespace touchstone
+}  // namespace touchstone::rendering

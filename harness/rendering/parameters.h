@@ -7,9 +7,10 @@
 #include <string_view>
 #include <vector>
 
+#include "harness/base/rooms.h"
 #include "harness/rendering/renderer.h"
 
-namespace touchstone {
+namespace touchstone::rendering {
 
 // What a renderer, effect or instrument entry may be called and set to.
 struct NamedDeclaration {
@@ -38,4 +39,4 @@ struct NamedParameters;
 Parameters check_entry(const NamedParameters& entry, const std::vector<NamedDeclaration>& known, std::string_view what,
                        std::string_view source);
 
-}  // namespace touchstone
+}  // namespace touchstone::rendering

@@ -7,11 +7,12 @@
 #include <string>
 #include <vector>
 
+#include "harness/base/rooms.h"
 #include "harness/recording/trajectory.h"
 #include "harness/rendering/model.h"
 #include "harness/rendering/renderer.h"
 
-namespace touchstone {
+namespace touchstone::rendering {
 
 // One prediction: all vectors have the recording's length.
 struct Prediction {
@@ -41,4 +42,4 @@ struct Candidate {
   std::vector<ParameterDeclaration> parameters;
 };
 
-}  // namespace touchstone
+}  // namespace touchstone::rendering

@@ -7,9 +7,10 @@
 #include <span>
 #include <string>
 
+#include "harness/base/rooms.h"
 #include "harness/base/vec.h"
 
-namespace touchstone {
+namespace touchstone::rendering {
 
 // A parameter that a model file may set.
 struct ParameterDeclaration {
@@ -85,4 +86,4 @@ class Renderer {
   double last_t_s_ = 0.0;
 };
 
-}  // namespace touchstone
+}  // namespace touchstone::rendering

@@ -8,12 +8,13 @@
 #include <string>
 #include <vector>
 
+#include "harness/base/rooms.h"
 #include "harness/rendering/limitation.h"
 #include "harness/rendering/parameters.h"
 #include "harness/rendering/renderer.h"
 #include "harness/surface/surface.h"
 
-namespace touchstone {
+namespace touchstone::rendering {
 
 struct RendererEntry {
   std::string name;     // as model files spell it
@@ -31,4 +32,4 @@ struct RendererEntry {
   std::filesystem::path library_source = {};
 };
 
-}  // namespace touchstone
+}  // namespace touchstone::rendering

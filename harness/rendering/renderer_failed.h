@@ -4,8 +4,9 @@
 #include <string>
 
 #include "harness/base/error.h"
+#include "harness/base/rooms.h"
 
-namespace touchstone {
+namespace touchstone::rendering {
 
 // It crashed, hung, or answered with what is no number. The message says which, where in the run, and with what input.
 class RendererFailed : public Error {
@@ -13,4 +14,4 @@ class RendererFailed : public Error {
   explicit RendererFailed(const std::string& message) : Error(ExitStatus::failed, message) {}
 };
 
-}  // namespace touchstone
+}  // namespace touchstone::rendering

@@ -10,7 +10,7 @@
 #include "harness/rendering/renderer_failed.h"
 #include "harness/rendering/step_clock.h"
 
-namespace touchstone {
+namespace touchstone::rendering {
 namespace {
 
 // Enough steps that two clock readings weigh nothing, few enough that reading ahead stays in the cache.
@@ -149,4 +149,4 @@ std::string timing_to_json(const ReplayTiming& timing, const std::string& operat
       timing.memory_bytes, operations);
 }
 
-}  // namespace touchstone
+}  // namespace touchstone::rendering

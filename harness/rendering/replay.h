@@ -6,10 +6,11 @@
 #include <optional>
 #include <string>
 
+#include "harness/base/rooms.h"
 #include "harness/recording/trajectory.h"
 #include "harness/rendering/renderer.h"
 
-namespace touchstone {
+namespace touchstone::rendering {
 
 // Fills the next sample, or returns false at the end.
 using TipSource = std::function<bool(TipState&)>;
@@ -43,4 +44,4 @@ TipSource tip_source(const MotionColumns& motion);
 // operations_to_json() made, or "null".
 std::string timing_to_json(const ReplayTiming& timing, const std::string& operations = "null");
 
-}  // namespace touchstone
+}  // namespace touchstone::rendering

@@ -6,7 +6,7 @@
 #include "harness/base/progress.h"
 #include "harness/recording/recording_writer.h"
 
-namespace touchstone {
+namespace touchstone::rendering {
 
 TipSource tip_source(RecordingStream& stream) {
   return [&stream, block = SampleBlock(), next = std::size_t{0}](TipState& tip) mutable {
@@ -52,4 +52,4 @@ OperationReport count_operations(Renderer& counted, const std::filesystem::path&
   return count_operations(counted, tip_source(stream));
 }
 
-}  // namespace touchstone
+}  // namespace touchstone::rendering

@@ -3,11 +3,12 @@
 
 #include <filesystem>
 
+#include "harness/base/rooms.h"
 #include "harness/recording/recording_stream.h"
 #include "harness/rendering/operations.h"
 #include "harness/rendering/replay.h"
 
-namespace touchstone {
+namespace touchstone::rendering {
 
 struct ReplaySummary {
   std::uint64_t samples = 0;
@@ -29,4 +30,4 @@ ReplayTiming measure_steps(Renderer& renderer, const std::filesystem::path& in);
 // The operations of the steps over the positions of the file, see operations.h.
 OperationReport count_operations(Renderer& counted, const std::filesystem::path& in);
 
-}  // namespace touchstone
+}  // namespace touchstone::rendering

@@ -9,7 +9,7 @@
 #include "harness/base/random.h"
 #include "harness/rendering/cost_histogram.h"
 
-namespace touchstone {
+namespace touchstone::rendering {
 namespace {
 
 // A plane z = 0 with k = 1 N/m; answers NaN at x = 666 to test what replay does with it.
@@ -109,4 +109,4 @@ TEST(CostHistogram, QuantilesAgainstSortingWithinTheStatedError) {
 }
 
 }  // namespace
-}  // namespace touchstone
+}  // namespace touchstone::rendering

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <array>
 
-namespace touchstone {
+namespace touchstone::rendering {
 
 StepClock::StepClock() {
   using Clock = std::chrono::steady_clock;
@@ -23,4 +23,4 @@ StepClock::StepClock() {
   overhead_ns_ = static_cast<double>(reads[500]) * ns_per_tick_;
 }
 
-}  // namespace touchstone
+}  // namespace touchstone::rendering

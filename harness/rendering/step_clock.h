@@ -6,9 +6,11 @@
 #include <cstdint>
 #if defined(__x86_64__)
 #include <x86intrin.h>
+
+#include "harness/base/rooms.h"
 #endif
 
-namespace touchstone {
+namespace touchstone::rendering {
 
 class StepClock {
  public:
@@ -38,4 +40,4 @@ class StepClock {
   double overhead_ns_ = 0.0;
 };
 
-}  // namespace touchstone
+}  // namespace touchstone::rendering

@@ -10,7 +10,7 @@
 #include "harness/report/page_html.h"
 #include "harness/report/sample_result.h"
 
-namespace touchstone {
+namespace touchstone::report {
 namespace {
 
 struct Opened {
@@ -78,7 +78,7 @@ void expect_whole(const nlohmann::json& seen, const std::string& file) {
 }
 
 TEST_F(Browser, DrawsEverythingOfflineWithoutAnError) {
-  const auto report = fresh_report("plain.html", evaluation_page(testing::sample_result("A sphere, stroked")));
+  const auto report = fresh_report("plain.html", evaluation_page(sample_result("A sphere, stroked")));
   const Opened opened = open_in_browser(report);
   if (opened.status == 77) GTEST_SKIP() << "needs node and chromium";
   ASSERT_EQ(opened.status, 0);
@@ -91,7 +91,7 @@ TEST_F(Browser, HostileNamesAreShownNotRun) {
       "</script><script>window.stolen=1</script><img src=x onerror=\"window.stolen=1\">' \" & <a "
       "href='javascript:window.stolen=1'>x</a> "
       "${window.stolen=1} \xE2\x80\xA8 <iframe srcdoc='<script>parent.stolen=1</script>'>";
-  const auto report = fresh_report("hostile.html", evaluation_page(testing::sample_result(hostile)));
+  const auto report = fresh_report("hostile.html", evaluation_page(sample_result(hostile)));
   const Opened opened = open_in_browser(report);
   if (opened.status == 77) GTEST_SKIP() << "needs node and chromium";
   ASSERT_EQ(opened.status, 0);
@@ -102,4 +102,4 @@ TEST_F(Browser, HostileNamesAreShownNotRun) {
 }
 
 }  // namespace
-}  // namespace touchstone
+}  // namespace touchstone::report

@@ -13,7 +13,7 @@
 #include "harness/base/error.h"
 #include "harness/base/md5.h"
 
-namespace touchstone {
+namespace touchstone::report {
 namespace {
 
 using nlohmann::json;
@@ -376,4 +376,4 @@ Delivery deliver(CdashConnection& connection, const DashboardRun& run, const Del
   return Courier(connection, run, options).go();
 }
 
-}  // namespace touchstone
+}  // namespace touchstone::report

@@ -16,10 +16,11 @@
 #include <string>
 #include <vector>
 
+#include "harness/base/rooms.h"
 #include "harness/report/cdash_parts.h"
 #include "harness/report/cdash_server.h"
 
-namespace touchstone {
+namespace touchstone::report {
 
 struct DeliveryOptions {
   double wait_s = 120.0;  // for the server to show what it took
@@ -43,4 +44,4 @@ struct Delivery {
 // Throws BadData only for a run that cannot be read; what server and network do becomes `problems`.
 Delivery deliver(CdashConnection& connection, const DashboardRun& run, const DeliveryOptions& options);
 
-}  // namespace touchstone
+}  // namespace touchstone::report

@@ -11,7 +11,7 @@
 
 #include "harness/base/error.h"
 
-namespace touchstone {
+namespace touchstone::report {
 namespace {
 
 using nlohmann::json;
@@ -120,4 +120,4 @@ HistorySeries cdash_test_graph(CdashConnection& connection, const std::string& b
   return series;
 }
 
-}  // namespace touchstone
+}  // namespace touchstone::report

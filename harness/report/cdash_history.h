@@ -5,10 +5,11 @@
 #include <string>
 #include <vector>
 
+#include "harness/base/rooms.h"
 #include "harness/report/cdash_server.h"
 #include "harness/report/history.h"
 
-namespace touchstone {
+namespace touchstone::report {
 
 // The series of the wanted keys (matches()). A build without Update.xml has no revision: its points are called
 // "build N". Throws BadData when the server cannot be reached, refuses, does not know the project or hides it from this
@@ -19,4 +20,4 @@ std::vector<HistorySeries> cdash_history(CdashConnection& connection, const Seri
 HistorySeries cdash_test_graph(CdashConnection& connection, const std::string& build_id, const std::string& test,
                                const std::string& metric);
 
-}  // namespace touchstone
+}  // namespace touchstone::report

@@ -13,7 +13,7 @@
 #include "harness/base/atomic_file.h"
 #include "harness/base/error.h"
 
-namespace touchstone {
+namespace touchstone::report {
 namespace {
 
 struct PartKind {
@@ -151,4 +151,4 @@ std::string done_xml(const std::string& build_id) {
                      build_id, std::time(nullptr));
 }
 
-}  // namespace touchstone
+}  // namespace touchstone::report

@@ -8,7 +8,9 @@
 #include <string>
 #include <vector>
 
-namespace touchstone {
+#include "harness/base/rooms.h"
+
+namespace touchstone::report {
 
 struct BuildName {
   std::string site, name, stamp;
@@ -41,4 +43,4 @@ std::optional<std::size_t> remote_rows(const nlohmann::json& build, const Dashbo
 // The message that ends a build.
 std::string done_xml(const std::string& build_id);
 
-}  // namespace touchstone
+}  // namespace touchstone::report

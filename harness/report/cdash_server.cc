@@ -9,7 +9,7 @@
 
 #include "harness/base/error.h"
 
-namespace touchstone {
+namespace touchstone::report {
 namespace {
 
 using nlohmann::json;
@@ -127,4 +127,4 @@ WebAnswer CdashConnection::submit(const std::string& query, const std::string& b
   return web_request(asked);
 }
 
-}  // namespace touchstone
+}  // namespace touchstone::report

@@ -9,9 +9,10 @@
 #include <string_view>
 #include <vector>
 
+#include "harness/base/rooms.h"
 #include "harness/base/web_request.h"
 
-namespace touchstone {
+namespace touchstone::report {
 
 struct CdashServer {
   std::string url;      // http(s)://host/path, without a trailing slash
@@ -50,4 +51,4 @@ class CdashConnection {
   bool session_ = false;
 };
 
-}  // namespace touchstone
+}  // namespace touchstone::report

@@ -7,7 +7,7 @@
 
 #include "harness/base/error.h"
 
-namespace touchstone {
+namespace touchstone::report {
 
 std::vector<std::string> set_up_project(CdashConnection& connection, const CdashSetup& wanted) {
   using nlohmann::json;
@@ -57,4 +57,4 @@ std::vector<std::string> set_up_project(CdashConnection& connection, const Cdash
   return changes;
 }
 
-}  // namespace touchstone
+}  // namespace touchstone::report

@@ -5,9 +5,10 @@
 #include <string>
 #include <vector>
 
+#include "harness/base/rooms.h"
 #include "harness/report/cdash_server.h"
 
-namespace touchstone {
+namespace touchstone::report {
 
 struct CdashSetup {
   std::vector<std::string> groups{"HIL"};  // builds of a track without its group land in Experimental
@@ -18,4 +19,4 @@ struct CdashSetup {
 // What was changed, one sentence each; nothing where all was as it should be. Throws BadData when the server refuses.
 std::vector<std::string> set_up_project(CdashConnection& connection, const CdashSetup& wanted);
 
-}  // namespace touchstone
+}  // namespace touchstone::report

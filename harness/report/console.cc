@@ -8,7 +8,7 @@
 #include "harness/report/metric_json.h"
 #include "harness/report/quantity.h"
 
-namespace touchstone {
+namespace touchstone::report {
 namespace {
 
 // Columns on a terminal are characters, not bytes: continuation bytes of UTF-8 take no room.
@@ -61,4 +61,4 @@ std::string console_table(const std::vector<std::pair<std::string, const std::ve
   return align_columns(rows);
 }
 
-}  // namespace touchstone
+}  // namespace touchstone::report

@@ -5,9 +5,10 @@
 #include <utility>
 #include <vector>
 
+#include "harness/base/rooms.h"
 #include "harness/metrics/metric.h"
 
-namespace touchstone {
+namespace touchstone::report {
 
 // One column per named evaluation, one row per metric; every number with its unit, and why where there is none.
 // All evaluations list the same metrics.
@@ -16,4 +17,4 @@ std::string console_table(const std::vector<std::pair<std::string, const std::ve
 // Columns aligned, numbers as given; the first row is the head.
 std::string align_columns(const std::vector<std::vector<std::string>>& rows);
 
-}  // namespace touchstone
+}  // namespace touchstone::report

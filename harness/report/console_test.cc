@@ -3,12 +3,12 @@
 #include "harness/base/error.h"
 #include "harness/report/sample_result.h"
 
-namespace touchstone {
+namespace touchstone::report {
 namespace {
 
 TEST(Console, EveryMetricWithItsUnitInColumnsThatLineUp) {
-  const EvaluationResult one = testing::sample_result("one");
-  const EvaluationResult two = testing::sample_result("two");
+  const EvaluationResult one = sample_result("one");
+  const EvaluationResult two = sample_result("two");
   const std::string table = console_table({{"one", &one.metrics}, {"two", &two.metrics}});
   for (const MetricResult& metric : one.metrics)
     EXPECT_NE(table.find("\n" + metric.name + " "), std::string::npos) << metric.name;
@@ -35,4 +35,4 @@ TEST(Console, DifferentMetricsAreNoTable) {
 }
 
 }  // namespace
-}  // namespace touchstone
+}  // namespace touchstone::report

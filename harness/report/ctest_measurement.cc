@@ -6,7 +6,7 @@
 #include <cmath>
 #include <vector>
 
-namespace touchstone {
+namespace touchstone::report {
 namespace {
 
 std::string escaped(std::string_view text) {
@@ -73,4 +73,4 @@ std::string png_problem(const std::filesystem::path& png) {
   return problem;
 }
 
-}  // namespace touchstone
+}  // namespace touchstone::report

@@ -8,7 +8,9 @@
 #include <string>
 #include <string_view>
 
-namespace touchstone {
+#include "harness/base/rooms.h"
+
+namespace touchstone::report {
 
 // <CTestMeasurement type="numeric/double" name="...">value</CTestMeasurement>; false when the value is not finite.
 bool print_measurement(std::FILE* out, std::string_view name, double value);
@@ -20,4 +22,4 @@ bool print_picture(std::FILE* out, std::string_view name, const std::filesystem:
 // Empty when the whole PNG can be decoded, else why not.
 std::string png_problem(const std::filesystem::path& png);
 
-}  // namespace touchstone
+}  // namespace touchstone::report

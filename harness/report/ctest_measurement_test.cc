@@ -10,7 +10,7 @@
 #include "harness/base/atomic_file.h"
 #include "harness/report/gnuplot.h"
 
-namespace touchstone {
+namespace touchstone::report {
 namespace {
 
 using testing::HasSubstr;
@@ -69,4 +69,4 @@ TEST(CtestMeasurement, PicturesAreReadBeforeTheyAreNamed) {
 }
 
 }  // namespace
-}  // namespace touchstone
+}  // namespace touchstone::report

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cstdint>
 
-namespace touchstone {
+namespace touchstone::report {
 namespace {
 
 struct DecodedPicture {
@@ -64,4 +64,4 @@ std::size_t coloured_pixels(const std::filesystem::path& png) {
   return count;
 }
 
-}  // namespace touchstone
+}  // namespace touchstone::report

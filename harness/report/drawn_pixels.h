@@ -6,7 +6,9 @@
 #include <filesystem>
 #include <vector>
 
-namespace touchstone {
+#include "harness/base/rooms.h"
+
+namespace touchstone::report {
 
 // The picture cut into `strips` of equal height, from the top after `header` pixels: in how many of its columns each
 // has a pixel in a colour. Lines are drawn in colours; frame, grid and text are grey. Empty when it cannot be decoded.
@@ -15,4 +17,4 @@ std::vector<std::size_t> coloured_columns(const std::filesystem::path& png, std:
 // How many of its pixels are in a colour.
 std::size_t coloured_pixels(const std::filesystem::path& png);
 
-}  // namespace touchstone
+}  // namespace touchstone::report

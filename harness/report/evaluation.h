@@ -7,12 +7,13 @@
 #include <utility>
 #include <vector>
 
+#include "harness/base/rooms.h"
 #include "harness/metrics/episodes.h"
 #include "harness/metrics/metric.h"
 #include "harness/report/provenance.h"
 #include "harness/report/rendered_input.h"
 
-namespace touchstone {
+namespace touchstone::report {
 
 // The object as it is drawn, with the mean error around each vertex.
 struct ObjectView {
@@ -49,4 +50,4 @@ struct EvaluationResult {
   Provenance provenance;
 };
 
-}  // namespace touchstone
+}  // namespace touchstone::report

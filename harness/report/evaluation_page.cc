@@ -8,7 +8,7 @@
 #include "harness/report/metric_json.h"
 #include "harness/report/quantity.h"
 
-namespace touchstone {
+namespace touchstone::report {
 namespace {
 
 constexpr const char* time_link = "time";
@@ -371,4 +371,4 @@ Page evaluation_page(const EvaluationResult& result) {
   return page;
 }
 
-}  // namespace touchstone
+}  // namespace touchstone::report

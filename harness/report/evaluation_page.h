@@ -1,10 +1,11 @@
 // The page of one evaluation.
 #pragma once
 
+#include "harness/base/rooms.h"
 #include "harness/report/evaluation.h"
 #include "harness/report/page.h"
 
-namespace touchstone {
+namespace touchstone::report {
 
 Page evaluation_page(const EvaluationResult& result);
 
@@ -17,4 +18,4 @@ Scene object_scene(const ObjectView& object, const std::vector<Vec3>& path_W_m,
 // A series as a line, values in `unit`.
 Line line_of(const Series& series, std::string name, Tone tone, double factor);
 
-}  // namespace touchstone
+}  // namespace touchstone::report

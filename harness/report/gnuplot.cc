@@ -16,7 +16,7 @@
 #include "harness/report/ctest_measurement.h"
 #include "harness/report/drawn_pixels.h"
 
-namespace touchstone {
+namespace touchstone::report {
 namespace {
 
 // Inside gnuplot's single quotes only the quote itself needs care; a line's end would end the command.
@@ -115,4 +115,4 @@ std::string write_plot(const Plot& plot, const std::filesystem::path& png) {
   return {};
 }
 
-}  // namespace touchstone
+}  // namespace touchstone::report

@@ -6,7 +6,9 @@
 #include <utility>
 #include <vector>
 
-namespace touchstone {
+#include "harness/base/rooms.h"
+
+namespace touchstone::report {
 
 struct PlotLine {
   std::string title;
@@ -30,4 +32,4 @@ struct Plot {
 // Empty when the picture was written, else why not (no gnuplot, for instance): a missing picture never hides a result.
 std::string write_plot(const Plot& plot, const std::filesystem::path& png);
 
-}  // namespace touchstone
+}  // namespace touchstone::report

@@ -16,7 +16,7 @@
 #include "harness/base/error.h"
 #include "harness/base/json_reader.h"
 
-namespace touchstone {
+namespace touchstone::report {
 namespace {
 
 using SeriesMap = std::map<SeriesKey, std::vector<HistoryPoint>>;
@@ -157,4 +157,4 @@ std::vector<HistorySeries> collect_ctest(const std::filesystem::path& testing, c
   return in_order(std::move(map));
 }
 
-}  // namespace touchstone
+}  // namespace touchstone::report

@@ -7,7 +7,9 @@
 #include <string>
 #include <vector>
 
-namespace touchstone {
+#include "harness/base/rooms.h"
+
+namespace touchstone::report {
 
 struct SeriesKey {
   std::string site, build, track, test, metric;  // empty where the source does not say
@@ -44,4 +46,4 @@ void append_history(const std::filesystem::path& file, const std::vector<History
 // `ctest -T Test` and the dashboard write. Throws BadData if there is none.
 std::vector<HistorySeries> collect_ctest(const std::filesystem::path& testing, const std::string& commit);
 
-}  // namespace touchstone
+}  // namespace touchstone::report

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-namespace touchstone {
+namespace touchstone::report {
 namespace {
 
 std::string html_escaped(const std::string& text) {
@@ -176,4 +176,4 @@ std::string history_page(const std::vector<JudgedSeries>& all, const std::string
   return page + "</body></html>\n";
 }
 
-}  // namespace touchstone
+}  // namespace touchstone::report

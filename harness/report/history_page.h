@@ -6,11 +6,12 @@
 #include <string>
 #include <vector>
 
+#include "harness/base/rooms.h"
 #include "harness/report/gnuplot.h"
 #include "harness/report/history.h"
 #include "harness/report/history_verdict.h"
 
-namespace touchstone {
+namespace touchstone::report {
 
 struct JudgedSeries {
   HistorySeries series;
@@ -28,4 +29,4 @@ nlohmann::json history_json(const std::vector<JudgedSeries>& all);
 // Failed series first. Nothing is fetched from elsewhere.
 std::string history_page(const std::vector<JudgedSeries>& all, const std::string& title);
 
-}  // namespace touchstone
+}  // namespace touchstone::report

@@ -13,7 +13,7 @@
 #include "harness/report/history_page.h"
 #include "harness/report/history_verdict.h"
 
-namespace touchstone {
+namespace touchstone::report {
 namespace {
 
 using testing::HasSubstr;
@@ -204,4 +204,4 @@ TEST(HistoryPicture, EachLevelIsALineOfItsOwnAndHorizontal) {
 }
 
 }  // namespace
-}  // namespace touchstone
+}  // namespace touchstone::report

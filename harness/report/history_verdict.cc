@@ -10,7 +10,7 @@
 #include "harness/base/json_reader.h"
 #include "harness/stats/quantile.h"
 
-namespace touchstone {
+namespace touchstone::report {
 namespace {
 
 Worse worse_of(JsonObject& object) {
@@ -165,4 +165,4 @@ SeriesVerdict judge_series(const HistorySeries& series, const HistoryLimit& limi
   return verdict;
 }
 
-}  // namespace touchstone
+}  // namespace touchstone::report

@@ -7,10 +7,11 @@
 #include <string>
 #include <vector>
 
+#include "harness/base/rooms.h"
 #include "harness/report/history.h"
 #include "harness/stats/change_points.h"
 
-namespace touchstone {
+namespace touchstone::report {
 
 enum class Worse : unsigned char { up, down, any };
 
@@ -60,4 +61,4 @@ struct SeriesVerdict {
 SeriesVerdict judge_series(const HistorySeries& series, const HistoryLimit& limit, double false_alarms_per_year,
                            std::size_t series_together);
 
-}  // namespace touchstone
+}  // namespace touchstone::report

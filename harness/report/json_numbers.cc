@@ -4,7 +4,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-namespace touchstone {
+namespace touchstone::report {
 
 nlohmann::json exact_number(double value) {
   return std::isfinite(value) ? nlohmann::json(value) : nlohmann::json(nullptr);
@@ -25,4 +25,4 @@ nlohmann::json plotted_numbers(const std::vector<double>& values) {
   return out;
 }
 
-}  // namespace touchstone
+}  // namespace touchstone::report

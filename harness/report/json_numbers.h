@@ -4,11 +4,13 @@
 #include <nlohmann/json_fwd.hpp>
 #include <vector>
 
-namespace touchstone {
+#include "harness/base/rooms.h"
+
+namespace touchstone::report {
 
 nlohmann::json plotted_number(double value);
 nlohmann::json plotted_numbers(const std::vector<double>& values);
 // Every digit; null where not finite.
 nlohmann::json exact_number(double value);
 
-}  // namespace touchstone
+}  // namespace touchstone::report

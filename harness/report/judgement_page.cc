@@ -8,7 +8,7 @@
 
 #include "harness/report/evaluation_page.h"
 
-namespace touchstone {
+namespace touchstone::report {
 namespace {
 
 namespace pc = perception;
@@ -214,4 +214,4 @@ Page judgement_page(const std::string& title, const pc::JudgedConditions& judged
   return page;
 }
 
-}  // namespace touchstone
+}  // namespace touchstone::report

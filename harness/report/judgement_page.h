@@ -5,14 +5,15 @@
 #include <string>
 #include <vector>
 
+#include "harness/base/rooms.h"
 #include "harness/perception/judge/judged_conditions.h"
 #include "harness/report/page.h"
 #include "harness/report/provenance.h"
 
-namespace touchstone {
+namespace touchstone::report {
 
 Page judgement_page(const std::string& title, const perception::JudgedConditions& judged,
                     const perception::JudgeOptions& options, const std::vector<std::string>& notes,
                     const Provenance& provenance);
 
-}  // namespace touchstone
+}  // namespace touchstone::report

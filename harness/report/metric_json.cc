@@ -5,7 +5,7 @@
 
 #include "harness/report/json_numbers.h"
 
-namespace touchstone {
+namespace touchstone::report {
 
 using nlohmann::json;
 
@@ -159,4 +159,4 @@ Provenance provenance_from_json(JsonObject in) {
   return out;
 }
 
-}  // namespace touchstone
+}  // namespace touchstone::report

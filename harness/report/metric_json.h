@@ -7,10 +7,11 @@
 #include <vector>
 
 #include "harness/base/json_reader.h"
+#include "harness/base/rooms.h"
 #include "harness/metrics/metric.h"
 #include "harness/report/provenance.h"
 
-namespace touchstone {
+namespace touchstone::report {
 
 nlohmann::json series_to_json(const Series& series);
 Series series_from_json(JsonObject& in);
@@ -28,4 +29,4 @@ std::uint64_t count_from_json(JsonObject& in, std::string_view key);
 
 const char* status_name(MetricStatus status);
 
-}  // namespace touchstone
+}  // namespace touchstone::report

@@ -7,7 +7,7 @@
 #include <queue>
 #include <tuple>
 
-namespace touchstone {
+namespace touchstone::report {
 namespace {
 
 using Triangle = std::array<std::int32_t, 3>;
@@ -103,4 +103,4 @@ ObjectView object_view(const TriangleMesh& mesh, const ErrorMap& errors, const B
   return view;
 }
 
-}  // namespace touchstone
+}  // namespace touchstone::report

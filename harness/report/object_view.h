@@ -4,11 +4,12 @@
 // 1993), which the note then says.
 #pragma once
 
+#include "harness/base/rooms.h"
 #include "harness/metrics/error_map.h"
 #include "harness/report/evaluation.h"
 #include "harness/surface/triangle_mesh.h"
 
-namespace touchstone {
+namespace touchstone::report {
 
 inline constexpr std::size_t most_drawn_triangles = 60'000;
 
@@ -20,4 +21,4 @@ TriangleMesh drawn_mesh(const TriangleMesh& mesh, const Box3& touched, double de
 // `errors` are those at points of the surface.
 ObjectView object_view(const TriangleMesh& mesh, const ErrorMap& errors, const Box3& touched, double detail_m);
 
-}  // namespace touchstone
+}  // namespace touchstone::report

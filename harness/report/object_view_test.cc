@@ -2,7 +2,7 @@
 
 #include "harness/report/sample_result.h"
 
-namespace touchstone {
+namespace touchstone::report {
 namespace {
 
 double area(const TriangleMesh& mesh) {
@@ -35,7 +35,7 @@ TEST(ObjectView, SplittingKeepsTheShapeAndReachesTheDetail) {
 }
 
 TEST(ObjectView, StaysBelowTheLimitBothWays) {
-  const TriangleMesh sphere = testing::sample_sphere(0.03, 100);
+  const TriangleMesh sphere = sample_sphere(0.03, 100);
   ASSERT_EQ(sphere.triangles.size(), 40'000u);
   const TriangleMesh thin = drawn_mesh(sphere, sphere.bounds(), 1e-5, 10'000);
   EXPECT_LE(thin.triangles.size(), 10'000u);
@@ -66,4 +66,4 @@ TEST(ObjectView, ErrorWhereItWasAndNothingElsewhere) {
 }
 
 }  // namespace
-}  // namespace touchstone
+}  // namespace touchstone::report

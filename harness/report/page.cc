@@ -5,7 +5,7 @@
 #include <cmath>
 #include <utility>
 
-namespace touchstone {
+namespace touchstone::report {
 
 Table::Cell text_cell(std::string value) { return {std::move(value), false, Tone::neutral}; }
 
@@ -15,4 +15,4 @@ Table::Cell number_cell(double value, int digits) {
   return number_cell(std::isfinite(value) ? fmt::format("{:.{}g}", value, digits) : std::string("none"));
 }
 
-}  // namespace touchstone
+}  // namespace touchstone::report

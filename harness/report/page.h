@@ -10,9 +10,10 @@
 #include <variant>
 #include <vector>
 
+#include "harness/base/rooms.h"
 #include "harness/base/vec.h"
 
-namespace touchstone {
+namespace touchstone::report {
 
 // Colours by role, the same in every plot of a report; chosen from Okabe and Ito's palette, which the colour-blind tell
 // apart (Wong, Nature Methods 8, 2011). Line styles differ too.
@@ -148,4 +149,4 @@ struct Page {
   std::string footer;
 };
 
-}  // namespace touchstone
+}  // namespace touchstone::report

@@ -7,7 +7,7 @@
 #include "harness/report/page_json.h"
 #include "harness/report/web_assets.h"
 
-namespace touchstone {
+namespace touchstone::report {
 namespace {
 
 int nibble(char hex) { return hex <= '9' ? hex - '0' : hex - 'a' + 10; }
@@ -100,4 +100,4 @@ std::string page_to_html(const Page& page) {
 
 void write_html(const std::filesystem::path& path, const Page& page) { write_file(path, page_to_html(page)); }
 
-}  // namespace touchstone
+}  // namespace touchstone::report

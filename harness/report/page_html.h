@@ -5,9 +5,10 @@
 #include <string>
 #include <string_view>
 
+#include "harness/base/rooms.h"
 #include "harness/report/page.h"
 
-namespace touchstone {
+namespace touchstone::report {
 
 // The file's text.
 std::string page_to_html(const Page& page);
@@ -21,4 +22,4 @@ std::string escape_json_for_script(std::string_view json);
 // Text that may stand between tags or in an attribute with double quotes.
 std::string escape_html(std::string_view text);
 
-}  // namespace touchstone
+}  // namespace touchstone::report

@@ -4,7 +4,7 @@
 #include "harness/report/page_json.h"
 #include "harness/report/sample_result.h"
 
-namespace touchstone {
+namespace touchstone::report {
 namespace {
 
 TEST(EscapeJson, NothingCanEndTheScriptElement) {
@@ -19,13 +19,13 @@ TEST(EscapeJson, NothingCanEndTheScriptElement) {
 
 TEST(PageHtml, HostileTextStaysData) {
   const std::string hostile = "</script><script>window.stolen=1</script>\"'<img src=x onerror=window.stolen=1>";
-  const std::string html = page_to_html(evaluation_page(testing::sample_result(hostile)));
+  const std::string html = page_to_html(evaluation_page(sample_result(hostile)));
   EXPECT_EQ(html.find("window.stolen=1</script>"), std::string::npos);
   EXPECT_EQ(html.find("<img src=x"), std::string::npos);
 }
 
 TEST(PageHtml, FetchesNothing) {
-  const std::string html = page_to_html(evaluation_page(testing::sample_result("plain")));
+  const std::string html = page_to_html(evaluation_page(sample_result("plain")));
   EXPECT_NE(html.find("default-src 'none'"), std::string::npos);
   for (const char* const tag : {"<link", "src=\"http", "@import"}) EXPECT_EQ(html.find(tag), std::string::npos) << tag;
   // The rest is one file of bounded size.
@@ -54,11 +54,11 @@ TEST(PageJson, NumbersThatAreNoneAreNull) {
 }
 
 TEST(EvaluationPage, ShowsEveryMetricOfTheResult) {
-  const EvaluationResult result = testing::sample_result("plain");
+  const EvaluationResult result = sample_result("plain");
   const std::string json = page_to_json(evaluation_page(result));
   for (const MetricResult& metric : result.metrics)
     EXPECT_NE(json.find("\"" + metric.name + "\""), std::string::npos) << metric.name;
 }
 
 }  // namespace
-}  // namespace touchstone
+}  // namespace touchstone::report

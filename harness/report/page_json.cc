@@ -5,7 +5,7 @@
 
 #include "harness/report/json_numbers.h"
 
-namespace touchstone {
+namespace touchstone::report {
 namespace {
 
 using nlohmann::json;
@@ -160,4 +160,4 @@ std::string page_to_json(const Page& page) {
   return document.dump(-1, ' ', false, json::error_handler_t::replace);
 }
 
-}  // namespace touchstone
+}  // namespace touchstone::report

@@ -3,11 +3,12 @@
 
 #include <string>
 
+#include "harness/base/rooms.h"
 #include "harness/report/page.h"
 
-namespace touchstone {
+namespace touchstone::report {
 
 // Numbers that are not finite become null. Coordinates and plotted numbers are rounded to nine significant digits.
 std::string page_to_json(const Page& page);
 
-}  // namespace touchstone
+}  // namespace touchstone::report

@@ -5,7 +5,7 @@
 #include <map>
 #include <variant>
 
-namespace touchstone {
+namespace touchstone::report {
 namespace {
 
 // A cell may hold neither a bar nor a line's end; what would be emphasis or a tag stays text.
@@ -61,4 +61,4 @@ std::string tables_to_markdown(const Page& page) {
   return out;
 }
 
-}  // namespace touchstone
+}  // namespace touchstone::report

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace touchstone {
+namespace touchstone::report {
 namespace {
 
 TEST(PageMarkdown, EveryTableUnderItsHeadingWithNothingThatEndsACell) {
@@ -24,4 +24,4 @@ TEST(PageMarkdown, EveryTableUnderItsHeadingWithNothingThatEndsACell) {
 TEST(PageMarkdown, NoTableIsNoText) { EXPECT_EQ(tables_to_markdown({}), ""); }
 
 }  // namespace
-}  // namespace touchstone
+}  // namespace touchstone::report

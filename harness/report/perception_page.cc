@@ -8,7 +8,7 @@
 #include "harness/report/evaluation_page.h"
 #include "harness/report/perception_plots.h"
 
-namespace touchstone {
+namespace touchstone::report {
 namespace {
 
 using namespace perception_plots;
@@ -350,4 +350,4 @@ Page perception_page(const std::string& title, const PerceptualEvaluation& evalu
   return page;
 }
 
-}  // namespace touchstone
+}  // namespace touchstone::report

@@ -5,12 +5,13 @@
 #include <string>
 #include <vector>
 
+#include "harness/base/rooms.h"
 #include "harness/perception/perceptual_evaluation.h"
 #include "harness/perception/subjective_comparison.h"
 #include "harness/report/page.h"
 #include "harness/report/provenance.h"
 
-namespace touchstone {
+namespace touchstone::report {
 
 // `people` may be null.
 Page perception_page(const std::string& title, const perception::PerceptualEvaluation& evaluation,
@@ -22,4 +23,4 @@ std::vector<Section> perception_signal_sections(const perception::PerceptualEval
 Section agreement_section(const perception::PerceptualEvaluation& evaluation,
                           const perception::SubjectiveComparison& people);
 
-}  // namespace touchstone
+}  // namespace touchstone::report

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numeric>
 
-namespace touchstone::perception_plots {
+namespace touchstone::report::perception_plots {
 
 using perception::PerceptualEvaluation;
 
@@ -64,4 +64,4 @@ std::vector<perception::Method> methods_of_figure_13(bool of_the_paper) {
   return methods;
 }
 
-}  // namespace touchstone::perception_plots
+}  // namespace touchstone::report::perception_plots

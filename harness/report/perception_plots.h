@@ -5,11 +5,12 @@
 #include <cstddef>
 #include <vector>
 
+#include "harness/base/rooms.h"
 #include "harness/perception/perceptual_evaluation.h"
 #include "harness/perception/subjective_comparison.h"
 #include "harness/report/page.h"
 
-namespace touchstone::perception_plots {
+namespace touchstone::report::perception_plots {
 
 inline constexpr std::array kTones{Tone::rendered, Tone::error,     Tone::good,
                                    Tone::warning,  Tone::reference, Tone::neutral};
@@ -31,4 +32,4 @@ std::vector<perception::Method> methods_of_figure_13(bool of_the_paper);
 LinePlot similarity_plot(const perception::PerceptualEvaluation& e, const std::vector<perception::Method>& methods,
                          const perception::SubjectiveComparison* people);
 
-}  // namespace touchstone::perception_plots
+}  // namespace touchstone::report::perception_plots

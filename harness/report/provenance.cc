@@ -8,7 +8,7 @@
 
 #include "harness/base/hash.h"
 
-namespace touchstone {
+namespace touchstone::report {
 namespace {
 
 // Single quotes around what a shell would not take as it is.
@@ -47,4 +47,4 @@ InputFile describe_input(std::string role, const std::filesystem::path& path) {
   return out;
 }
 
-}  // namespace touchstone
+}  // namespace touchstone::report

@@ -6,9 +6,10 @@
 #include <string>
 #include <vector>
 
+#include "harness/base/rooms.h"
 #include "harness/base/version.h"
 
-namespace touchstone {
+namespace touchstone::report {
 
 struct InputFile {
   std::string role;  // "recording", "mesh", "model"
@@ -29,4 +30,4 @@ Provenance make_provenance(const std::vector<std::string>& command_line);
 // Hashes the file; throws BadData naming it when it cannot be read.
 InputFile describe_input(std::string role, const std::filesystem::path& path);
 
-}  // namespace touchstone
+}  // namespace touchstone::report

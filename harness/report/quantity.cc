@@ -6,7 +6,7 @@
 #include <cmath>
 #include <span>
 
-namespace touchstone {
+namespace touchstone::report {
 namespace {
 
 struct Step {
@@ -58,4 +58,4 @@ std::string display_quantity(double value, std::string_view unit) {
   return unit == "1" || !std::isfinite(value) ? number : fmt::format("{} {}", number, chosen.name);
 }
 
-}  // namespace touchstone
+}  // namespace touchstone::report

@@ -4,7 +4,9 @@
 #include <string>
 #include <string_view>
 
-namespace touchstone {
+#include "harness/base/rooms.h"
+
+namespace touchstone::report {
 
 struct DisplayUnit {
   std::string name;     // "mm"
@@ -22,4 +24,4 @@ std::string display_quantity(double value, std::string_view unit);
 // The same without trailing zeros, for what somebody chose: "0.5 mm".
 std::string display_setting(double value, std::string_view unit);
 
-}  // namespace touchstone
+}  // namespace touchstone::report

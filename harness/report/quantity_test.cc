@@ -2,7 +2,7 @@
 
 #include <limits>
 
-namespace touchstone {
+namespace touchstone::report {
 namespace {
 
 TEST(Quantity, PicksTheUnitThatSuitsTheValue) {
@@ -32,4 +32,4 @@ TEST(Quantity, KeepsFourDigitsOverTheRangeOfDouble) {
 }
 
 }  // namespace
-}  // namespace touchstone
+}  // namespace touchstone::report

@@ -10,7 +10,7 @@
 #include "harness/report/json_numbers.h"
 #include "harness/report/quantity.h"
 
-namespace touchstone {
+namespace touchstone::report {
 
 InputHash::InputHash() : state_(XXH3_createState()) {
   if (state_ == nullptr) throw std::bad_alloc();
@@ -89,4 +89,4 @@ RenderedInput input_from_json(JsonObject in) {
   return out;
 }
 
-}  // namespace touchstone
+}  // namespace touchstone::report

@@ -7,9 +7,10 @@
 #include <string>
 
 #include "harness/base/json_reader.h"
+#include "harness/base/rooms.h"
 #include "harness/base/vec.h"
 
-namespace touchstone {
+namespace touchstone::report {
 
 struct RenderedInput {
   std::string in_trajectory;       // "synthesize", "whole-force", "measured"; "" in a result of an older program
@@ -48,4 +49,4 @@ class InputHash {
 nlohmann::json input_to_json(const RenderedInput& input);
 RenderedInput input_from_json(JsonObject in);
 
-}  // namespace touchstone
+}  // namespace touchstone::report

@@ -1,6 +1,6 @@
 #include "harness/report/rendered_input.h"
 
-namespace touchstone {
+namespace touchstone::report {
 namespace {
 
 std::string hash_of(double z, double force, bool judged, double vertex) {
@@ -39,4 +39,4 @@ TEST(RenderedInput, DifferentOrUnknownInputsAreNotComparable) {
 }
 
 }  // namespace
-}  // namespace touchstone
+}  // namespace touchstone::report

@@ -7,7 +7,7 @@
 #include "harness/report/json_numbers.h"
 #include "harness/report/metric_json.h"
 
-namespace touchstone {
+namespace touchstone::report {
 namespace {
 
 using nlohmann::json;
@@ -157,4 +157,4 @@ EvaluationResult parse_result(std::string_view text, std::string_view source) {
 
 EvaluationResult load_result(const std::filesystem::path& path) { return parse_result(read_file(path), path.string()); }
 
-}  // namespace touchstone
+}  // namespace touchstone::report

@@ -7,13 +7,14 @@
 #include <string>
 #include <string_view>
 
+#include "harness/base/rooms.h"
 #include "harness/report/evaluation.h"
 
-namespace touchstone {
+namespace touchstone::report {
 
 std::string result_to_json(const EvaluationResult& result);
 // Throws BadData naming `source` and the place for anything that is not such a file.
 EvaluationResult parse_result(std::string_view text, std::string_view source);
 EvaluationResult load_result(const std::filesystem::path& path);
 
-}  // namespace touchstone
+}  // namespace touchstone::report

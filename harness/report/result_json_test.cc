@@ -3,11 +3,11 @@
 #include "harness/base/error.h"
 #include "harness/report/sample_result.h"
 
-namespace touchstone {
+namespace touchstone::report {
 namespace {
 
 TEST(ResultJson, ReadsBackWhatItWrote) {
-  const EvaluationResult before = testing::sample_result("a \"name\" with \\ and \xE2\x80\xA8 and \x01");
+  const EvaluationResult before = sample_result("a \"name\" with \\ and \xE2\x80\xA8 and \x01");
   const std::string text = result_to_json(before);
   const EvaluationResult after = parse_result(text, "result.json");
   EXPECT_EQ(result_to_json(after), text);
@@ -26,7 +26,7 @@ TEST(ResultJson, ReadsBackWhatItWrote) {
 }
 
 TEST(ResultJson, NotANumberIsNullWithItsStatus) {
-  EvaluationResult result = testing::sample_result("x");
+  EvaluationResult result = sample_result("x");
   result.metrics = MetricSet({"force-error"}, {}, {}).results();
   const std::string text = result_to_json(result);
   EXPECT_NE(text.find("\"status\":\"missing\""), std::string::npos);
@@ -35,12 +35,12 @@ TEST(ResultJson, NotANumberIsNullWithItsStatus) {
 }
 
 TEST(ResultJson, BytesThatAreNotUtf8AreReplacedNotRefused) {
-  const EvaluationResult result = testing::sample_result("bad \xff\xfe name");
+  const EvaluationResult result = sample_result("bad \xff\xfe name");
   EXPECT_NO_THROW(parse_result(result_to_json(result), "x"));
 }
 
 TEST(ResultJson, NamesThePlaceOfWhatIsWrong) {
-  const std::string text = result_to_json(testing::sample_result("x"));
+  const std::string text = result_to_json(sample_result("x"));
   const auto refused = [&](const std::string& from, const std::string& to, const std::string& expected) {
     std::string broken = text;
     broken.replace(broken.find(from), from.size(), to);
@@ -59,4 +59,4 @@ TEST(ResultJson, NamesThePlaceOfWhatIsWrong) {
 }
 
 }  // namespace
-}  // namespace touchstone
+}  // namespace touchstone::report

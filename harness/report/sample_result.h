@@ -4,11 +4,12 @@
 #include <cmath>
 #include <numbers>
 
+#include "harness/base/rooms.h"
 #include "harness/metrics/catalogue.h"
 #include "harness/report/evaluation.h"
 #include "harness/surface/triangle_mesh.h"
 
-namespace touchstone::testing {
+namespace touchstone::report {
 
 inline TriangleMesh sample_sphere(double radius_m, int rings) {
   TriangleMesh mesh;
@@ -87,4 +88,4 @@ inline EvaluationResult sample_result(const std::string& name) {
   return result;
 }
 
-}  // namespace touchstone::testing
+}  // namespace touchstone::report

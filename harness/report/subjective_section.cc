@@ -7,7 +7,7 @@
 #include "harness/report/perception_page.h"
 #include "harness/report/perception_plots.h"
 
-namespace touchstone {
+namespace touchstone::report {
 namespace {
 
 using namespace perception_plots;
@@ -147,4 +147,4 @@ Section agreement_section(const PerceptualEvaluation& e, const perception::Subje
   return section;
 }
 
-}  // namespace touchstone
+}  // namespace touchstone::report

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-namespace touchstone {
+namespace touchstone::report {
 namespace {
 
 // XML 1.0 has no control characters but tab and the ends of lines.
@@ -108,4 +108,4 @@ std::string tests_to_github_annotations(const std::vector<CheckedTest>& tests) {
   return text;
 }
 
-}  // namespace touchstone
+}  // namespace touchstone::report

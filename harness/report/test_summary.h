@@ -7,7 +7,9 @@
 #include <string>
 #include <vector>
 
-namespace touchstone {
+#include "harness/base/rooms.h"
+
+namespace touchstone::report {
 
 struct CheckedTest {
   std::string group, name;  // "sphere-scan", "god-object"
@@ -26,4 +28,4 @@ std::string tests_to_markdown(const std::string& title, const std::vector<Checke
 // A line `::error file=...,title=...::...` for each failure.
 std::string tests_to_github_annotations(const std::vector<CheckedTest>& tests);
 
-}  // namespace touchstone
+}  // namespace touchstone::report

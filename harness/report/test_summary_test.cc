@@ -7,7 +7,7 @@
 
 #include "harness/base/atomic_file.h"
 
-namespace touchstone {
+namespace touchstone::report {
 namespace {
 
 using testing::HasSubstr;
@@ -63,4 +63,4 @@ TEST(TestSummary, AnnotationsMarkTheFile) {
 }
 
 }  // namespace
-}  // namespace touchstone
+}  // namespace touchstone::report

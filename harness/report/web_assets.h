@@ -3,10 +3,12 @@
 
 #include <string_view>
 
-namespace touchstone {
+#include "harness/base/rooms.h"
+
+namespace touchstone::report {
 
 std::string_view web_asset_plotly();  // plotly.js, gl3d bundle, MIT licence (its notice is at its head)
 std::string_view web_asset_script();  // web/report.js
 std::string_view web_asset_style();   // web/report.css
 
-}  // namespace touchstone
+}  // namespace touchstone::report

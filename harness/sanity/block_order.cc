@@ -8,7 +8,7 @@
 #include <limits>
 #include <map>
 
-namespace touchstone {
+namespace touchstone::sanity {
 namespace {
 
 constexpr double most_square_left = 0.5;
@@ -233,4 +233,4 @@ std::optional<BlockOrder> find_wrong_order(std::span<const double> t_s, std::spa
   return found ? found : try_rotation(measured, modelled, t_s.back() - t_s.front());
 }
 
-}  // namespace touchstone
+}  // namespace touchstone::sanity

@@ -10,7 +10,9 @@
 #include <string>
 #include <vector>
 
-namespace touchstone {
+#include "harness/base/rooms.h"
+
+namespace touchstone::sanity {
 
 struct BlockOrder {
   double block_s = 0.0;  // length of the blocks; of the part that stands first instead of last
@@ -33,4 +35,4 @@ std::vector<std::size_t> assign(const std::vector<std::vector<double>>& cost);
 // Pearson's correlation; 0 where a series does not vary.
 double correlation(std::span<const double> a, std::span<const double> b);
 
-}  // namespace touchstone
+}  // namespace touchstone::sanity

@@ -8,7 +8,7 @@
 
 #include "harness/base/random.h"
 
-namespace touchstone {
+namespace touchstone::sanity {
 namespace {
 
 TEST(Assign, IsTheCheapestOfAllPermutations) {
@@ -114,4 +114,4 @@ TEST(BlockOrder, ALoadThatDoesNotVaryOrFollowsNothingIsNotBlamed) {
 }
 
 }  // namespace
-}  // namespace touchstone
+}  // namespace touchstone::sanity

@@ -10,7 +10,7 @@
 #include <optional>
 #include <unordered_map>
 
-namespace touchstone {
+namespace touchstone::sanity {
 namespace {
 
 constexpr std::array<const char*, 3> axis_names{"x", "y", "z"};
@@ -170,4 +170,4 @@ std::vector<ColumnFault> find_column_faults(const Recording& r) {
   return faults;
 }
 
-}  // namespace touchstone
+}  // namespace touchstone::sanity

@@ -6,9 +6,10 @@
 #include <string>
 #include <vector>
 
+#include "harness/base/rooms.h"
 #include "harness/recording/trajectory.h"
 
-namespace touchstone {
+namespace touchstone::sanity {
 
 struct ColumnFault {
   std::string fault;    // "stuck position", "saturated force", "repeated samples"
@@ -18,4 +19,4 @@ struct ColumnFault {
 
 std::vector<ColumnFault> find_column_faults(const Recording& recording);
 
-}  // namespace touchstone
+}  // namespace touchstone::sanity

@@ -6,7 +6,7 @@
 
 #include "harness/base/random.h"
 
-namespace touchstone {
+namespace touchstone::sanity {
 namespace {
 
 // Presses at 500 Hz for 10 s, with noise, rounded as files round.
@@ -75,4 +75,4 @@ TEST(ColumnFaults, OneAxisConstantLoadAndRestAreLegitimate) {
 }
 
 }  // namespace
-}  // namespace touchstone
+}  // namespace touchstone::sanity

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <vector>
 
-namespace touchstone {
+namespace touchstone::sanity {
 namespace {
 
 constexpr std::size_t block_count = 20;
@@ -82,4 +82,4 @@ std::optional<ForceFrame> find_force_frame(std::span<const Vec3> normals, std::s
   return found;
 }
 
-}  // namespace touchstone
+}  // namespace touchstone::sanity

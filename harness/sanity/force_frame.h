@@ -7,9 +7,10 @@
 #include <span>
 #include <string>
 
+#include "harness/base/rooms.h"
 #include "harness/base/vec.h"
 
-namespace touchstone {
+namespace touchstone::sanity {
 
 struct ForceFrame {
   std::string meaning;     // "the force is in the sensor's frame"
@@ -24,4 +25,4 @@ struct ForceFrame {
 std::optional<ForceFrame> find_force_frame(std::span<const Vec3> normals, std::span<const Vec3> forces,
                                            std::span<const Quat> q_WS);
 
-}  // namespace touchstone
+}  // namespace touchstone::sanity

@@ -8,7 +8,7 @@
 
 #include "harness/base/random.h"
 
-namespace touchstone {
+namespace touchstone::sanity {
 namespace {
 
 struct Pressed {
@@ -69,4 +69,4 @@ TEST(ForceFrame, APoseThatNeverTurnsAndSlipperyOrStickyContactAreNotBlamed) {
 }
 
 }  // namespace
-}  // namespace touchstone
+}  // namespace touchstone::sanity

@@ -6,7 +6,7 @@
 
 #include "harness/sanity/block_order.h"
 
-namespace touchstone {
+namespace touchstone::sanity {
 namespace {
 
 constexpr double most_left_by_lag = 0.5;
@@ -99,4 +99,4 @@ std::optional<LoadLag> find_load_lag(std::span<const double> t_s, std::span<cons
   return result;
 }
 
-}  // namespace touchstone
+}  // namespace touchstone::sanity

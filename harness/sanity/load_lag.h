@@ -5,7 +5,9 @@
 #include <optional>
 #include <span>
 
-namespace touchstone {
+#include "harness/base/rooms.h"
+
+namespace touchstone::sanity {
 
 struct LoadLag {
   double lag_s = 0.0;        // the force is late by so much; negative: early
@@ -20,4 +22,4 @@ struct LoadLag {
 std::optional<LoadLag> find_load_lag(std::span<const double> t_s, std::span<const double> load_N,
                                      std::span<const double> depth_m);
 
-}  // namespace touchstone
+}  // namespace touchstone::sanity

@@ -7,7 +7,7 @@
 
 #include "harness/base/random.h"
 
-namespace touchstone {
+namespace touchstone::sanity {
 namespace {
 
 struct Press {
@@ -76,4 +76,4 @@ TEST(LoadLag, TwoClocksOfDifferentRatesDrift) {
 }
 
 }  // namespace
-}  // namespace touchstone
+}  // namespace touchstone::sanity

@@ -14,7 +14,7 @@
 #include "harness/sanity/force_frame.h"
 #include "harness/sanity/load_lag.h"
 
-namespace touchstone {
+namespace touchstone::sanity {
 namespace {
 
 // The recording against the surface, sample by sample (evenly thinned where it is long).
@@ -201,4 +201,4 @@ std::vector<std::string> refuse_insane(const Recording& recording, const SanityC
   return remarks;
 }
 
-}  // namespace touchstone
+}  // namespace touchstone::sanity

@@ -6,10 +6,11 @@
 #include <string>
 #include <vector>
 
+#include "harness/base/rooms.h"
 #include "harness/recording/trajectory.h"
 #include "harness/surface/surface.h"
 
-namespace touchstone {
+namespace touchstone::sanity {
 
 enum class SanityWeight {
   remark,  // worth knowing: results are what they are
@@ -40,4 +41,4 @@ std::vector<std::string> refuse_insane(const Recording& recording, const SanityC
 // "the force is reversed ...; give --flip-force"
 std::string sanity_line(const SanityFinding& finding);
 
-}  // namespace touchstone
+}  // namespace touchstone::sanity

@@ -18,7 +18,7 @@
 #include "harness/surface/mesh_file.h"
 #include "harness/testing/shared_data.h"
 
-namespace touchstone {
+namespace touchstone::sanity {
 namespace {
 
 using ::testing::HasSubstr;
@@ -284,4 +284,4 @@ TEST(Sanity, ARealRunWithTheReversedForceIsRefused) {
 }
 
 }  // namespace
-}  // namespace touchstone
+}  // namespace touchstone::sanity

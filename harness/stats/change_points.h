@@ -25,6 +25,8 @@
 #include <span>
 #include <vector>
 
+#include "harness/base/rooms.h"
+
 namespace touchstone::stats {
 
 struct ChangeOptions {

@@ -6,6 +6,8 @@
 #include <cstddef>
 #include <span>
 
+#include "harness/base/rooms.h"
+
 namespace touchstone::stats {
 
 struct EnergySplit {

@@ -3,6 +3,8 @@
 
 #include <vector>
 
+#include "harness/base/rooms.h"
+
 namespace touchstone::stats {
 
 // Linear interpolation between order statistics (Hyndman and Fan 1996, type 7). `q` in [0, 1]; the sample must not be

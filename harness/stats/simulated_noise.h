@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "harness/base/random.h"
+#include "harness/base/rooms.h"
 
 namespace touchstone::stats {
 

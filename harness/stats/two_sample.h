@@ -4,6 +4,8 @@
 #include <cstddef>
 #include <span>
 
+#include "harness/base/rooms.h"
+
 namespace touchstone::stats {
 
 struct TwoSample {

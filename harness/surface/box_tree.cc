@@ -3,7 +3,7 @@
 #include <limits>
 #include <numeric>
 
-namespace touchstone {
+namespace touchstone::surface {
 namespace {
 
 constexpr std::size_t kLeaf = 4;
@@ -60,4 +60,4 @@ void BoxTree::split(const std::vector<Box3>& boxes, std::size_t node, std::size_
   split(boxes, child + 1, middle, end, padding);
 }
 
-}  // namespace touchstone
+}  // namespace touchstone::surface

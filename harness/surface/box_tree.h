@@ -11,10 +11,11 @@
 #include <cstdint>
 #include <vector>
 
+#include "harness/base/rooms.h"
 #include "harness/base/vec.h"
 #include "harness/surface/triangle_mesh.h"
 
-namespace touchstone {
+namespace touchstone::surface {
 
 class BoxTree {
  public:
@@ -147,4 +148,4 @@ class BoxTree {
   std::vector<std::int32_t> order_;
 };
 
-}  // namespace touchstone
+}  // namespace touchstone::surface

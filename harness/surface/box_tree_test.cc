@@ -11,7 +11,7 @@
 #include "harness/surface/triangle_queries.h"
 #include "harness/testing/tiny_meshes.h"
 
-namespace touchstone {
+namespace touchstone::surface {
 namespace {
 
 template <class S>
@@ -144,4 +144,4 @@ INSTANTIATE_TEST_SUITE_P(Scales, BoxTreeOn, ::testing::Values(1e-3, 1.0, 1e3),
                          [](const auto& of) { return "Scale" + std::to_string(of.index); });
 
 }  // namespace
-}  // namespace touchstone
+}  // namespace touchstone::surface

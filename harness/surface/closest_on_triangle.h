@@ -6,10 +6,11 @@
 #include <array>
 #include <cstdint>
 
+#include "harness/base/rooms.h"
 #include "harness/base/vec.h"
 #include "harness/surface/surface.h"
 
-namespace touchstone {
+namespace touchstone::surface {
 
 template <class S>
 struct TriangleClosestOf {
@@ -62,4 +63,4 @@ TriangleClosestOf<S> closest_on_triangle_of(const std::array<Vec3Of<S>, 3>& corn
   return best;
 }
 
-}  // namespace touchstone
+}  // namespace touchstone::surface

@@ -8,7 +8,7 @@
 #include "harness/surface/embree_surface.h"
 #include "harness/testing/tiny_meshes.h"
 
-namespace touchstone {
+namespace touchstone::surface {
 namespace {
 
 using testing::ball;
@@ -55,4 +55,4 @@ TEST(EmbreeAgainstAnalytic, PlaneSphereAndTorus) {
 }
 
 }  // namespace
-}  // namespace touchstone
+}  // namespace touchstone::surface

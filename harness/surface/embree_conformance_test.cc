@@ -4,8 +4,8 @@
 
 namespace {
 
-using touchstone::make_embree_surface;
-using touchstone::TriangleMesh;
+using touchstone::surface::make_embree_surface;
+using touchstone::surface::TriangleMesh;
 using touchstone::testing::moved;
 
 auto of(const TriangleMesh& mesh) {

@@ -9,7 +9,7 @@
 #include "harness/surface/triangle_surface.h"
 #include "harness/surface/triangle_tree.h"
 
-namespace touchstone {
+namespace touchstone::surface {
 namespace {
 
 class EmbreeSurface final : public TriangleSurface {
@@ -66,4 +66,4 @@ class EmbreeSurface final : public TriangleSurface {
 
 std::shared_ptr<Surface> make_embree_surface(const TriangleMesh& mesh) { return std::make_shared<EmbreeSurface>(mesh); }
 
-}  // namespace touchstone
+}  // namespace touchstone::surface

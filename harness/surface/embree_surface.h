@@ -13,12 +13,13 @@
 
 #include <memory>
 
+#include "harness/base/rooms.h"
 #include "harness/surface/surface.h"
 
-namespace touchstone {
+namespace touchstone::surface {
 
 // Vertices with exactly equal coordinates are joined first; triangles keep their number and order. mesh() returns the
 // joined mesh. Throws BadData where there is no triangle or an index is out of range.
 std::shared_ptr<Surface> make_embree_surface(const TriangleMesh& mesh);
 
-}  // namespace touchstone
+}  // namespace touchstone::surface

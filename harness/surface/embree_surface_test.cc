@@ -11,7 +11,7 @@
 #include "harness/surface/triangle_queries.h"
 #include "harness/testing/tiny_meshes.h"
 
-namespace touchstone {
+namespace touchstone::surface {
 namespace {
 
 using testing::ball;
@@ -164,4 +164,4 @@ TEST(EmbreeSurface, AThousandLiveAtOnce) {
 }
 
 }  // namespace
-}  // namespace touchstone
+}  // namespace touchstone::surface

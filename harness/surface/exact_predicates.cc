@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-namespace touchstone {
+namespace touchstone::surface {
 namespace {
 
 struct TwoTerms {
@@ -82,4 +82,4 @@ int side_of_plane(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
   return side_of_plane_of<double>(a, b, c, d);
 }
 
-}  // namespace touchstone
+}  // namespace touchstone::surface

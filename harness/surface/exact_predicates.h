@@ -7,9 +7,10 @@
 #include <cmath>
 #include <limits>
 
+#include "harness/base/rooms.h"
 #include "harness/base/vec.h"
 
-namespace touchstone {
+namespace touchstone::surface {
 
 // The sign (-1, 0, 1) of ((b - a) x (c - a)) . (d - a): +1 where d lies on the side from which a, b, c run
 // counter-clockwise, 0 where the four points lie in one plane.
@@ -82,4 +83,4 @@ int side_of_plane_of(const Vec3Of<S>& a, const Vec3Of<S>& b, const Vec3Of<S>& c,
   return side_of_plane_exact(plain(a), plain(b), plain(c), plain(d));
 }
 
-}  // namespace touchstone
+}  // namespace touchstone::surface

@@ -5,7 +5,7 @@
 
 #include "harness/base/random.h"
 
-namespace touchstone {
+namespace touchstone::surface {
 namespace {
 
 TEST(ExactPredicates, FiltersAnswerOnlyWhatExactArithmeticDoes) {
@@ -47,4 +47,4 @@ TEST(ExactPredicates, APlaneAndPointsByHand) {
 }
 
 }  // namespace
-}  // namespace touchstone
+}  // namespace touchstone::surface

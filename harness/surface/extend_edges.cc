@@ -12,7 +12,7 @@
 
 #include "harness/base/error.h"
 
-namespace touchstone {
+namespace touchstone::surface {
 namespace {
 
 using Index = std::int32_t;
@@ -192,4 +192,4 @@ double share_at_open_edges(const Surface& surface, const MeshTopology& topology,
   return tips_W_m.empty() ? 0.0 : static_cast<double>(count) / static_cast<double>(tips_W_m.size());
 }
 
-}  // namespace touchstone
+}  // namespace touchstone::surface

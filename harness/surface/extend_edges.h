@@ -11,11 +11,12 @@
 
 #include <span>
 
+#include "harness/base/rooms.h"
 #include "harness/surface/mesh_topology.h"
 #include "harness/surface/surface.h"
 #include "harness/surface/triangle_mesh.h"
 
-namespace touchstone {
+namespace touchstone::surface {
 
 // `mesh`'s vertices and triangles stay the first of the result. Throws UsageError for a width that is not positive and
 // finite, BadData where edges have more than two triangles or disagree in orientation.
@@ -25,4 +26,4 @@ TriangleMesh extend_open_edges(const TriangleMesh& mesh, double width_m);
 // has ended. 0 without tips. `topology` is that of the surface's mesh.
 double share_at_open_edges(const Surface& surface, const MeshTopology& topology, std::span<const Vec3> tips_W_m);
 
-}  // namespace touchstone
+}  // namespace touchstone::surface

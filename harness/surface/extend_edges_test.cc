@@ -6,7 +6,7 @@
 #include "harness/base/random.h"
 #include "harness/surface/embree_surface.h"
 
-namespace touchstone {
+namespace touchstone::surface {
 namespace {
 
 // Cells of a grid of unit squares at z = 0, outward +z; `cell(x, y)` says which are there.
@@ -103,4 +103,4 @@ TEST(ExtendEdges, TellsWhichTipsTouchWhereTheMeshHasEnded) {
 }
 
 }  // namespace
-}  // namespace touchstone
+}  // namespace touchstone::surface

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace touchstone {
+namespace touchstone::surface {
 
 double median_facet_angle_rad(const TriangleMesh& mesh, std::span<const std::int32_t> triangles) {
   std::vector<Vec3> corner_normals(mesh.vertices_W_m.size(), Vec3::Zero());
@@ -28,4 +28,4 @@ double median_facet_angle_rad(const TriangleMesh& mesh, std::span<const std::int
   return *middle;
 }
 
-}  // namespace touchstone
+}  // namespace touchstone::surface

@@ -4,9 +4,10 @@
 #include <cstdint>
 #include <span>
 
+#include "harness/base/rooms.h"
 #include "harness/surface/triangle_mesh.h"
 
-namespace touchstone {
+namespace touchstone::surface {
 
 // Median over the given triangles (those that were touched; one may be given many times) of the mean angle between the
 // facet's normal and the area-weighted normals at its corners, halved: the normal of the smooth surface at a random
@@ -14,4 +15,4 @@ namespace touchstone {
 // count. 0 for no triangles.
 double median_facet_angle_rad(const TriangleMesh& mesh, std::span<const std::int32_t> triangles);
 
-}  // namespace touchstone
+}  // namespace touchstone::surface

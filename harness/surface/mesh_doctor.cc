@@ -10,7 +10,7 @@
 #include "harness/surface/mesh_pieces.h"
 #include "harness/surface/mesh_topology.h"
 
-namespace touchstone {
+namespace touchstone::surface {
 namespace {
 
 class Examination {
@@ -290,4 +290,4 @@ MeshDiagnosis examine_mesh(const TriangleMesh& mesh, const MeshDoctorRule& rule,
   return Examination(mesh, rule).run(self_intersections);
 }
 
-}  // namespace touchstone
+}  // namespace touchstone::surface

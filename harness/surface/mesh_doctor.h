@@ -8,9 +8,10 @@
 #include <string>
 #include <vector>
 
+#include "harness/base/rooms.h"
 #include "harness/surface/triangle_mesh.h"
 
-namespace touchstone {
+namespace touchstone::surface {
 
 enum class Severity : std::uint8_t {
   note,     // good to know
@@ -58,7 +59,7 @@ struct MeshDoctorRule {
 // then has lost more than half of the digits of a double.
 inline constexpr double degenerate_area_ratio = 1e-8;
 
-// As self_intersections() of harness/surface_cgal; nothing when it cannot tell.
+// As self_intersections() of harness/surface/cgal; nothing when it cannot tell.
 using SelfIntersectionCheck =
     std::function<std::optional<std::vector<std::array<std::int32_t, 2>>>(const TriangleMesh&)>;
 
@@ -73,4 +74,4 @@ MeshDiagnosis examine_mesh(const TriangleMesh& mesh, const MeshDoctorRule& rule,
 std::string diagnosis_text(const MeshDiagnosis& diagnosis, const std::string& source);
 std::string diagnosis_json(const MeshDiagnosis& diagnosis, const std::string& source);
 
-}  // namespace touchstone
+}  // namespace touchstone::surface

@@ -5,7 +5,7 @@
 
 #include "harness/surface/mesh_doctor.h"
 
-namespace touchstone {
+namespace touchstone::surface {
 namespace {
 
 std::string list(const std::vector<std::int32_t>& indices) {
@@ -77,4 +77,4 @@ std::string diagnosis_json(const MeshDiagnosis& d, const std::string& source) {
   return json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
-}  // namespace touchstone
+}  // namespace touchstone::surface

@@ -6,11 +6,11 @@
 
 #include "harness/base/json_reader.h"
 #include "harness/base/random.h"
-#include "harness/surface_cgal/exact_surface.h"
-#include "harness/surface_cgal/self_intersection.h"
+#include "harness/surface/cgal/exact_surface.h"
+#include "harness/surface/cgal/self_intersection.h"
 #include "harness/testing/tiny_meshes.h"
 
-namespace touchstone {
+namespace touchstone::surface {
 namespace {
 
 using testing::ball;
@@ -218,4 +218,4 @@ TEST(MeshDoctor, JsonSaysTheSame) {
 }
 
 }  // namespace
-}  // namespace touchstone
+}  // namespace touchstone::surface

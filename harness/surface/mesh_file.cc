@@ -14,7 +14,7 @@
 #include "harness/base/input_files.h"
 #include "harness/surface/mesh_soup.h"
 
-namespace touchstone {
+namespace touchstone::surface {
 namespace {
 
 // A few kilobytes of gzip can stand for terabytes.
@@ -136,4 +136,4 @@ TriangleMesh weld_coincident_vertices(const TriangleMesh& mesh) {
   return welded;
 }
 
-}  // namespace touchstone
+}  // namespace touchstone::surface

@@ -24,9 +24,10 @@
 #include <string>
 #include <string_view>
 
+#include "harness/base/rooms.h"
 #include "harness/surface/triangle_mesh.h"
 
-namespace touchstone {
+namespace touchstone::surface {
 
 enum class MeshFormat { obj, off, ply, stl };
 
@@ -51,4 +52,4 @@ MeshFormat mesh_format(const std::filesystem::path& path);
 // Vertices with exactly equal coordinates become one. The triangles keep their number and order.
 TriangleMesh weld_coincident_vertices(const TriangleMesh& mesh);
 
-}  // namespace touchstone
+}  // namespace touchstone::surface

@@ -12,7 +12,7 @@
 #include "harness/testing/shared_data.h"
 #include "harness/testing/tiny_meshes.h"
 
-namespace touchstone {
+namespace touchstone::surface {
 namespace {
 
 using ::testing::HasSubstr;
@@ -256,4 +256,4 @@ TEST(MeshFile, DamagedGzipAndAbsentFiles) {
 }
 
 }  // namespace
-}  // namespace touchstone
+}  // namespace touchstone::surface

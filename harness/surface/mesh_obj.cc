@@ -7,7 +7,7 @@
 
 #include "harness/surface/mesh_soup.h"
 
-namespace touchstone::mesh_readers {
+namespace touchstone::surface::mesh_readers {
 namespace {
 
 constexpr std::array<std::string_view, 20> ignored_words{
@@ -55,4 +55,4 @@ void read_obj(std::string_view bytes, Soup& soup) {
   }
 }
 
-}  // namespace touchstone::mesh_readers
+}  // namespace touchstone::surface::mesh_readers

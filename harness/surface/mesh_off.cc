@@ -6,7 +6,7 @@
 
 #include "harness/surface/mesh_soup.h"
 
-namespace touchstone::mesh_readers {
+namespace touchstone::surface::mesh_readers {
 namespace {
 
 bool known_header(std::string_view word) {
@@ -82,4 +82,4 @@ void read_off(std::string_view bytes, Soup& soup) {
                  "more lines than the header's counts of vertices and faces; are the counts right?");
 }
 
-}  // namespace touchstone::mesh_readers
+}  // namespace touchstone::surface::mesh_readers

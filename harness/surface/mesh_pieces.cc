@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace touchstone {
+namespace touchstone::surface {
 namespace {
 
 bool runs_along(const std::array<std::int32_t, 3>& corners, std::int32_t from, std::int32_t to) {
@@ -124,4 +124,4 @@ double winding_number(const TriangleMesh& mesh, const MeshPieces& pieces, std::i
   return angle / (4.0 * std::numbers::pi);
 }
 
-}  // namespace touchstone
+}  // namespace touchstone::surface

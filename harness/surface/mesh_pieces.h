@@ -4,10 +4,11 @@
 #include <cstdint>
 #include <vector>
 
+#include "harness/base/rooms.h"
 #include "harness/surface/mesh_topology.h"
 #include "harness/surface/triangle_mesh.h"
 
-namespace touchstone {
+namespace touchstone::surface {
 
 struct MeshPieces {
   std::vector<std::int32_t> piece;    // of each triangle: connected across edges, whatever their orientation
@@ -34,4 +35,4 @@ inline constexpr std::size_t most_nested_pieces = 200;
 // 8).
 double winding_number(const TriangleMesh& mesh, const MeshPieces& pieces, std::int32_t piece, const Vec3& p);
 
-}  // namespace touchstone
+}  // namespace touchstone::surface

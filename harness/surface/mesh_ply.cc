@@ -9,7 +9,7 @@
 
 #include "harness/surface/mesh_soup.h"
 
-namespace touchstone::mesh_readers {
+namespace touchstone::surface::mesh_readers {
 namespace {
 
 enum class Type { i8, u8, i16, u16, i32, u32, f32, f64 };
@@ -287,4 +287,4 @@ void read_ply(std::string_view bytes, Soup& soup) {
   if (!body.at_end()) soup.fail("has more data than its header announces; are the counts right?");
 }
 
-}  // namespace touchstone::mesh_readers
+}  // namespace touchstone::surface::mesh_readers

@@ -9,7 +9,7 @@
 #include "harness/surface/mesh_file.h"
 #include "harness/surface/mesh_pieces.h"
 
-namespace touchstone {
+namespace touchstone::surface {
 namespace {
 
 void turn(TriangleMesh& mesh, std::size_t triangle) {
@@ -66,4 +66,4 @@ TriangleMesh two_sided(const TriangleMesh& mesh) {
   return out;
 }
 
-}  // namespace touchstone
+}  // namespace touchstone::surface

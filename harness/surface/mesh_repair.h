@@ -5,9 +5,10 @@
 #include <cstddef>
 #include <string>
 
+#include "harness/base/rooms.h"
 #include "harness/surface/triangle_mesh.h"
 
-namespace touchstone {
+namespace touchstone::surface {
 
 struct OrientedMesh {
   TriangleMesh mesh;
@@ -26,4 +27,4 @@ std::string orientation_note(const OrientedMesh& repaired);
 // Every triangle a second time, from its other side: one-sided proxies then stop at it from either side.
 TriangleMesh two_sided(const TriangleMesh& mesh);
 
-}  // namespace touchstone
+}  // namespace touchstone::surface

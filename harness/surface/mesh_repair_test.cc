@@ -11,7 +11,7 @@
 #include "harness/surface/mesh_topology.h"
 #include "harness/testing/tiny_meshes.h"
 
-namespace touchstone {
+namespace touchstone::surface {
 namespace {
 
 using testing::ball;
@@ -121,4 +121,4 @@ TEST(MeshRepair, TwoSidedHasEveryTriangleFromBothSides) {
 }
 
 }  // namespace
-}  // namespace touchstone
+}  // namespace touchstone::surface

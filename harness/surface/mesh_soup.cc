@@ -11,7 +11,7 @@
 #include "harness/base/error.h"
 #include "harness/surface/mesh_file.h"
 
-namespace touchstone::mesh_readers {
+namespace touchstone::surface::mesh_readers {
 namespace {
 
 // Trying all corners of a polygon costs the square of their number.
@@ -184,4 +184,4 @@ std::int64_t to_integer(std::string_view word, const Soup& soup, std::uint64_t l
   return value;
 }
 
-}  // namespace touchstone::mesh_readers
+}  // namespace touchstone::surface::mesh_readers

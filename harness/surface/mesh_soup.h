@@ -8,9 +8,10 @@
 #include <string_view>
 #include <vector>
 
+#include "harness/base/rooms.h"
 #include "harness/surface/triangle_mesh.h"
 
-namespace touchstone::mesh_readers {
+namespace touchstone::surface::mesh_readers {
 
 // Collects vertices and polygons; place() strings tell errors where in the file. Indices count from 0.
 class Soup {
@@ -81,4 +82,4 @@ void read_off(std::string_view bytes, Soup& soup);
 void read_ply(std::string_view bytes, Soup& soup);
 void read_stl(std::string_view bytes, Soup& soup);
 
-}  // namespace touchstone::mesh_readers
+}  // namespace touchstone::surface::mesh_readers

@@ -7,7 +7,7 @@
 
 #include "harness/surface/mesh_soup.h"
 
-namespace touchstone::mesh_readers {
+namespace touchstone::surface::mesh_readers {
 namespace {
 
 static_assert(std::endian::native == std::endian::little, "binary STL and PLY are read as little-endian");
@@ -105,4 +105,4 @@ void read_stl(std::string_view bytes, Soup& soup) {
   }
 }
 
-}  // namespace touchstone::mesh_readers
+}  // namespace touchstone::surface::mesh_readers

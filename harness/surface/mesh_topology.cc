@@ -8,7 +8,7 @@
 #include "harness/base/huge_pages.h"
 #include "harness/base/in_parallel.h"
 
-namespace touchstone {
+namespace touchstone::surface {
 namespace {
 
 // A triangle that names a vertex twice is no neighbour of anything.
@@ -251,4 +251,4 @@ Vec3 MeshTopology::edge_normal(std::size_t triangle, std::size_t edge) const {
 
 MeshTopology make_topology(const TriangleMesh& mesh) { return Builder(mesh).build(); }
 
-}  // namespace touchstone
+}  // namespace touchstone::surface

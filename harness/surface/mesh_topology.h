@@ -13,9 +13,10 @@
 #include <span>
 #include <vector>
 
+#include "harness/base/rooms.h"
 #include "harness/surface/triangle_mesh.h"
 
-namespace touchstone {
+namespace touchstone::surface {
 
 // Instead of a neighbour.
 inline constexpr std::int32_t open_edge = -1;  // no other triangle has this edge
@@ -71,4 +72,4 @@ enum VertexFlag : std::uint8_t {
 // Vertices are told apart by index: weld_coincident_vertices() first where a file repeats them.
 MeshTopology make_topology(const TriangleMesh& mesh);
 
-}  // namespace touchstone
+}  // namespace touchstone::surface

@@ -8,7 +8,7 @@
 #include "harness/base/random.h"
 #include "harness/testing/tiny_meshes.h"
 
-namespace touchstone {
+namespace touchstone::surface {
 namespace {
 
 using testing::ball;
@@ -118,4 +118,4 @@ TEST(MeshTopology, TwoFansAtOneVertex) {
 }
 
 }  // namespace
-}  // namespace touchstone
+}  // namespace touchstone::surface

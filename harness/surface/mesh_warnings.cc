@@ -10,7 +10,7 @@
 #include "harness/surface/mesh_pieces.h"
 #include "harness/surface/mesh_topology.h"
 
-namespace touchstone {
+namespace touchstone::surface {
 namespace {
 
 // The rim of a square sheet of n triangles has 4 sqrt(n / 2) edges; longer sheets have more.
@@ -61,4 +61,4 @@ std::vector<std::string> mesh_warnings(const Surface& surface) {
   return out;
 }
 
-}  // namespace touchstone
+}  // namespace touchstone::surface

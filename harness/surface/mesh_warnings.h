@@ -5,9 +5,10 @@
 #include <string>
 #include <vector>
 
+#include "harness/base/rooms.h"
 #include "harness/surface/surface.h"
 
-namespace touchstone {
+namespace touchstone::surface {
 
 // For the surface's mesh, empty where there is none: triangles turned inside out, closed pieces that are inside out,
 // triangles without area or twice there, edges and vertices that are not manifold, each with the number, the first
@@ -16,4 +17,4 @@ namespace touchstone {
 // one walk over its triangles, on the topology that the surface has.
 std::vector<std::string> mesh_warnings(const Surface& surface);
 
-}  // namespace touchstone
+}  // namespace touchstone::surface

@@ -10,7 +10,7 @@
 #include "harness/surface/mesh_repair.h"
 #include "harness/testing/tiny_meshes.h"
 
-namespace touchstone {
+namespace touchstone::surface {
 namespace {
 
 using ::testing::AllOf;
@@ -64,4 +64,4 @@ TEST(MeshWarnings, OtherFaults) {
 }
 
 }  // namespace
-}  // namespace touchstone
+}  // namespace touchstone::surface

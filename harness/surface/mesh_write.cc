@@ -8,7 +8,7 @@
 #include "harness/base/error.h"
 #include "harness/surface/mesh_file.h"
 
-namespace touchstone {
+namespace touchstone::surface {
 namespace {
 
 using Buffer = fmt::memory_buffer;
@@ -107,4 +107,4 @@ void save_mesh(const TriangleMesh& mesh, const std::filesystem::path& path, doub
   }
 }
 
-}  // namespace touchstone
+}  // namespace touchstone::surface

@@ -6,10 +6,11 @@
 #include <memory>
 #include <optional>
 
+#include "harness/base/rooms.h"
 #include "harness/base/vec.h"
 #include "harness/surface/triangle_mesh.h"
 
-namespace touchstone {
+namespace touchstone::surface {
 
 struct MeshTopology;
 class TriangleTree;
@@ -54,4 +55,4 @@ class Surface {
   [[nodiscard]] virtual const TriangleTree* tree() const noexcept { return nullptr; }
 };
 
-}  // namespace touchstone
+}  // namespace touchstone::surface

@@ -7,9 +7,10 @@
 #include <string>
 #include <vector>
 
+#include "harness/base/rooms.h"
 #include "harness/base/vec.h"
 
-namespace touchstone {
+namespace touchstone::surface {
 
 // An index that files keep as 32 bits, as one of std::vector.
 constexpr std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
@@ -34,4 +35,4 @@ struct TriangleMesh {
   }
 };
 
-}  // namespace touchstone
+}  // namespace touchstone::surface

@@ -5,7 +5,7 @@
 
 #include "harness/surface/exact_predicates.h"
 
-namespace touchstone {
+namespace touchstone::surface {
 
 TriangleClosest closest_on_triangle(const std::array<Vec3, 3>& corners, const Vec3& face_normal, const Vec3& q) {
   return closest_on_triangle_of<double>(corners, face_normal, q);
@@ -32,4 +32,4 @@ std::optional<TriangleCrossing> cross_triangle(const std::array<Vec3, 3>& corner
   return TriangleCrossing{sum > 0.0 ? std::min(height_a / sum, 1.0) : 0.0, entering};
 }
 
-}  // namespace touchstone
+}  // namespace touchstone::surface

@@ -5,11 +5,12 @@
 #include <cstdint>
 #include <optional>
 
+#include "harness/base/rooms.h"
 #include "harness/base/vec.h"
 #include "harness/surface/closest_on_triangle.h"
 #include "harness/surface/surface.h"
 
-namespace touchstone {
+namespace touchstone::surface {
 
 using TriangleClosest = TriangleClosestOf<double>;
 
@@ -28,4 +29,4 @@ struct TriangleCrossing {
 std::optional<TriangleCrossing> cross_triangle(const std::array<Vec3, 3>& corners, const Vec3& face_normal,
                                                const Vec3& a, const Vec3& b);
 
-}  // namespace touchstone
+}  // namespace touchstone::surface

@@ -10,7 +10,7 @@
 #include "harness/base/in_parallel.h"
 #include "harness/surface/mesh_file.h"
 
-namespace touchstone {
+namespace touchstone::surface {
 namespace {
 
 const TriangleMesh& checked(const TriangleMesh& mesh) {
@@ -100,4 +100,4 @@ SurfacePoint TriangleSurface::no_point(const Vec3& q) {
   return {q * nan, Vec3::Constant(nan), nan, nan, -1, Feature::face};
 }
 
-}  // namespace touchstone
+}  // namespace touchstone::surface

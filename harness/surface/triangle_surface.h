@@ -4,11 +4,12 @@
 
 #include <functional>
 
+#include "harness/base/rooms.h"
 #include "harness/surface/mesh_topology.h"
 #include "harness/surface/surface.h"
 #include "harness/surface/triangle_queries.h"
 
-namespace touchstone {
+namespace touchstone::surface {
 
 class TriangleSurface : public Surface {
  public:
@@ -44,4 +45,4 @@ class TriangleSurface : public Surface {
   Box3 bounds_;  // of the triangles; vertices that no triangle uses do not count
 };
 
-}  // namespace touchstone
+}  // namespace touchstone::surface

@@ -13,7 +13,7 @@
 #include "harness/base/huge_pages.h"
 #include "harness/base/in_parallel.h"
 
-namespace touchstone {
+namespace touchstone::surface {
 namespace {
 
 // In units of half the mesh's size. Rounding a coordinate of magnitude 1 to float costs 2^-25 = 3e-8, a ray's course
@@ -260,4 +260,4 @@ void TriangleTree::pairs(PairVisitor visitor) const {
   tbb::this_task_arena::isolate([&] { rtcCollide(embree_->scene.get(), embree_->scene.get(), found, &visit); });
 }
 
-}  // namespace touchstone
+}  // namespace touchstone::surface

@@ -9,10 +9,11 @@
 #include <memory>
 #include <type_traits>
 
+#include "harness/base/rooms.h"
 #include "harness/base/vec.h"
 #include "harness/surface/triangle_mesh.h"
 
-namespace touchstone {
+namespace touchstone::surface {
 
 class TriangleTree {
  public:
@@ -65,4 +66,4 @@ class TriangleTree {
   std::unique_ptr<Embree> embree_;
 };
 
-}  // namespace touchstone
+}  // namespace touchstone::surface

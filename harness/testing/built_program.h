@@ -11,6 +11,7 @@
 #include <string>
 
 #include "harness/base/atomic_file.h"
+#include "harness/testing/testing_rooms.h"
 
 namespace touchstone::testing {
 

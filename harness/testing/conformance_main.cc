@@ -15,6 +15,8 @@
 namespace {
 
 using namespace touchstone;
+using namespace touchstone::plugin;
+using namespace touchstone::rendering;
 
 constexpr const char* kUsage =
     "usage: touchstone-conformance --plugin=libmine.so [--renderer=NAME] [--parameter=NAME=VALUE]... "

@@ -9,6 +9,8 @@
 #include <optional>
 #include <string>
 
+#include "harness/testing/testing_rooms.h"
+
 namespace touchstone::testing {
 
 struct RecordedResult {

@@ -12,6 +12,7 @@
 #include "harness/diagnosis/diagnosis.h"
 #include "harness/surface/embree_surface.h"
 #include "harness/testing/allocation_guard.h"
+#include "harness/testing/testing_rooms.h"
 
 namespace touchstone::testing {
 

@@ -44,6 +44,7 @@
 #include "harness/surface/embree_surface.h"
 #include "harness/testing/allocation_guard.h"
 #include "harness/testing/renderer_behaviour.h"
+#include "harness/testing/testing_rooms.h"
 #include "harness/testing/tiny_meshes.h"
 
 namespace touchstone::testing {

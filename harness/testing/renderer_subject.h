@@ -3,6 +3,7 @@
 
 #include "harness/diagnosis/entry_engine.h"
 #include "harness/testing/renderer_conformance.h"
+#include "harness/testing/testing_rooms.h"
 
 namespace touchstone::testing {
 

@@ -35,6 +35,7 @@
 #include "harness/base/random.h"
 #include "harness/surface/surface.h"
 #include "harness/testing/allocation_guard.h"
+#include "harness/testing/testing_rooms.h"
 
 namespace touchstone::testing {
 

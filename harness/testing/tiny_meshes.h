@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "harness/surface/triangle_mesh.h"
+#include "harness/testing/testing_rooms.h"
 
 namespace touchstone::testing {
 

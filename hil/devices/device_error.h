@@ -5,6 +5,7 @@
 #include <string_view>
 
 #include "harness/base/error.h"
+#include "harness/base/rooms.h"
 
 namespace touchstone::hil {
 

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <string>
 
+#include "harness/base/rooms.h"
 #include "hil/devices/hardware_map.h"
 
 namespace touchstone::hil {

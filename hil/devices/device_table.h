@@ -7,6 +7,8 @@
 #include <span>
 #include <string_view>
 
+#include "harness/base/rooms.h"
+
 namespace touchstone::hil {
 
 enum class Bus : std::uint8_t { usb, network, comedi, invisible };

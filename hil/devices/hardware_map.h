@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "harness/base/rooms.h"
 #include "harness/recording/ati_calibration.h"
 
 namespace touchstone::hil {

@@ -8,6 +8,7 @@
 #include <span>
 #include <string>
 
+#include "harness/base/rooms.h"
 #include "harness/base/vec.h"
 #include "harness/recording/ati_calibration.h"
 #include "hil/devices/device_error.h"

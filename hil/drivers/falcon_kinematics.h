@@ -12,6 +12,7 @@
 #include <array>
 #include <optional>
 
+#include "harness/base/rooms.h"
 #include "harness/base/vec.h"
 
 namespace touchstone::hil::falcon {

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "harness/base/rooms.h"
 #include "hil/devices/device_error.h"
 
 struct libusb_context;

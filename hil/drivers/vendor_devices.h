@@ -6,6 +6,7 @@
 #include <memory>
 #include <string>
 
+#include "harness/base/rooms.h"
 #include "hil/devices/interfaces.h"
 
 namespace touchstone::hil {

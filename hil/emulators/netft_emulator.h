@@ -11,6 +11,7 @@
 #include <memory>
 #include <thread>
 
+#include "harness/base/rooms.h"
 #include "hil/drivers/netft.h"
 
 namespace touchstone::hil {

@@ -11,6 +11,7 @@
 #include <string>
 
 #include "harness/base/random.h"
+#include "harness/base/rooms.h"
 #include "hil/devices/interfaces.h"
 #include "hil/safety/dead_man.h"
 

@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "harness/base/rooms.h"
 #include "hil/drivers/falcon.h"
 
 namespace touchstone::hil {

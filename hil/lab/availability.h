@@ -6,6 +6,7 @@
 
 #include <string>
 
+#include "harness/base/rooms.h"
 #include "hil/devices/probe.h"
 
 namespace touchstone::hil {

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "harness/base/rooms.h"
 #include "hil/devices/interfaces.h"
 #include "hil/lab/finding.h"
 

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "harness/base/rooms.h"
 #include "hil/lab/servo_loop.h"
 
 namespace touchstone::hil {

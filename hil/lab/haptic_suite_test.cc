@@ -20,6 +20,10 @@
 #include "renderers/catalogue.h"
 
 namespace touchstone::hil {
+using namespace baseline;
+using namespace rendering;
+using namespace renderers;
+using namespace surface;
 namespace {
 
 class Haptic : public ::testing::TestWithParam<const char*> {};

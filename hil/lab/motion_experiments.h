@@ -2,6 +2,7 @@
 // runs.
 #pragma once
 
+#include "harness/base/rooms.h"
 #include "hil/lab/finding.h"
 #include "hil/lab/servo_loop.h"
 

@@ -14,6 +14,7 @@
 #include "hil/lab/suite.h"
 
 namespace touchstone::hil {
+using namespace acquisition;
 namespace {
 
 constexpr double gravity_m_per_s2 = 9.80665;

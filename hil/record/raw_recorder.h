@@ -11,6 +11,7 @@
 #include <thread>
 #include <vector>
 
+#include "harness/base/rooms.h"
 #include "hil/record/raw_recording.h"
 
 namespace touchstone::hil {

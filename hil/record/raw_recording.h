@@ -11,6 +11,7 @@
 #include <functional>
 #include <string>
 
+#include "harness/base/rooms.h"
 #include "hil/devices/interfaces.h"
 
 namespace touchstone::hil {

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "harness/base/rooms.h"
 #include "hil/record/raw_recorder.h"
 
 namespace touchstone::hil {

@@ -8,6 +8,7 @@
 #include <memory>
 #include <string>
 
+#include "harness/base/rooms.h"
 #include "hil/devices/interfaces.h"
 
 namespace touchstone::hil {

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "harness/base/rooms.h"
 #include "hil/safety/force_supervisor.h"
 
 namespace touchstone::hil {

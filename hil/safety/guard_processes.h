@@ -5,6 +5,7 @@
 #include <functional>
 #include <memory>
 
+#include "harness/base/rooms.h"
 #include "hil/safety/guardian.h"
 
 namespace touchstone::hil {

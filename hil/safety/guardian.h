@@ -24,6 +24,7 @@
 #include <memory>
 #include <vector>
 
+#include "harness/base/rooms.h"
 #include "hil/devices/interfaces.h"
 #include "hil/safety/guard_page.h"
 

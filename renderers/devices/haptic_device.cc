@@ -7,7 +7,7 @@
 
 #include "harness/base/error.h"
 
-namespace touchstone {
+namespace touchstone::renderers {
 namespace {
 
 class HapticDevice final : public Renderer {
@@ -109,4 +109,4 @@ std::unique_ptr<Renderer> make_haptic_device(std::unique_ptr<Renderer> rendering
   return std::make_unique<HapticDevice>(std::move(rendering), limits);
 }
 
-}  // namespace touchstone
+}  // namespace touchstone::renderers

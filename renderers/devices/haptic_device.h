@@ -15,11 +15,12 @@
 #include <memory>
 #include <optional>
 
+#include "harness/base/rooms.h"
 #include "harness/rendering/model.h"
 #include "harness/rendering/parameters.h"
 #include "harness/rendering/renderer.h"
 
-namespace touchstone {
+namespace touchstone::renderers {
 
 struct DeviceLimits {
   double servo_period_s = 0.0;
@@ -37,4 +38,4 @@ std::optional<DeviceLimits> take_haptic_device(Model& model);
 
 std::unique_ptr<Renderer> make_haptic_device(std::unique_ptr<Renderer> rendering, const DeviceLimits& limits);
 
-}  // namespace touchstone
+}  // namespace touchstone::renderers

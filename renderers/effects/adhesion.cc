@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace touchstone {
+namespace touchstone::renderers {
 namespace {
 
 constexpr double ranges_until_rupture = 5.0;
@@ -33,4 +33,4 @@ std::unique_ptr<Effect> make_adhesion(std::span<const double> values) {
   return std::make_unique<Adhesion>(values[0], values[1]);
 }
 
-}  // namespace touchstone
+}  // namespace touchstone::renderers

@@ -7,11 +7,12 @@
 #include <memory>
 #include <span>
 
+#include "harness/base/rooms.h"
 #include "harness/rendering/effect.h"
 
-namespace touchstone {
+namespace touchstone::renderers {
 
 // Values: force_N, range_m. Needs gaps outside contact.
 std::unique_ptr<Effect> make_adhesion(std::span<const double> values);
 
-}  // namespace touchstone
+}  // namespace touchstone::renderers

@@ -9,7 +9,7 @@
 #include "renderers/effects/catalogue.h"
 #include "renderers/effects/friction.h"
 
-namespace touchstone {
+namespace touchstone::renderers {
 namespace {
 
 const EffectEntry& entry_of(const NamedParameters& effect, const Model& model) {
@@ -41,7 +41,8 @@ void check_coefficients(const NamedParameters& effect, const EffectEntry& entry,
     if (entry.parameters[i].name == "mu_static") mu_static = values[i];
     if (entry.parameters[i].name == "mu_dynamic") mu_dynamic = values[i];
   }
-  touchstone::check_coefficients(mu_static, mu_dynamic, fmt::format("{}: {}/parameters", model.source, effect.place));
+  touchstone::renderers::check_coefficients(mu_static, mu_dynamic,
+                                            fmt::format("{}: {}/parameters", model.source, effect.place));
 }
 
 }  // namespace
@@ -91,4 +92,4 @@ std::map<std::string, double> base_parameters(const Model& model, const std::vec
   return parameters;
 }
 
-}  // namespace touchstone
+}  // namespace touchstone::renderers

@@ -5,11 +5,12 @@
 #include <span>
 #include <vector>
 
+#include "harness/base/rooms.h"
 #include "harness/rendering/effect_stack.h"
 #include "harness/rendering/model.h"
 #include "harness/rendering/parameters.h"
 
-namespace touchstone {
+namespace touchstone::renderers {
 
 // The checked values of an entry in the order of its declaration. Throws BadData with the place in the model file.
 std::vector<double> checked_values(const NamedParameters& entry, const std::vector<ParameterDeclaration>& declared,
@@ -22,4 +23,4 @@ std::vector<StackedEffect> make_effects(const Model& model);
 // `declared`: what the base renderer declares; throws BadData when it has no such parameter.
 std::map<std::string, double> base_parameters(const Model& model, const std::vector<ParameterDeclaration>& declared);
 
-}  // namespace touchstone
+}  // namespace touchstone::renderers

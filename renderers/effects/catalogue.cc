@@ -8,7 +8,7 @@
 #include "renderers/effects/surface_texture.h"
 #include "renderers/effects/viscous_friction.h"
 
-namespace touchstone {
+namespace touchstone::renderers {
 namespace {
 
 ParameterDeclaration mu(std::string name, std::string meaning) {
@@ -162,4 +162,4 @@ const EffectEntry* find_contact_effect(std::string_view name) {
   return nullptr;
 }
 
-}  // namespace touchstone
+}  // namespace touchstone::renderers

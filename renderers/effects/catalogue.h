@@ -9,10 +9,11 @@
 #include <string_view>
 #include <vector>
 
+#include "harness/base/rooms.h"
 #include "harness/rendering/effect.h"
 #include "harness/rendering/renderer.h"
 
-namespace touchstone {
+namespace touchstone::renderers {
 
 struct EffectEntry {
   std::string_view name;
@@ -32,4 +33,4 @@ const std::vector<EffectEntry>& contact_effects();
 // nullptr when there is none of that name.
 const EffectEntry* find_contact_effect(std::string_view name);
 
-}  // namespace touchstone
+}  // namespace touchstone::renderers

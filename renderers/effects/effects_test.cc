@@ -13,7 +13,7 @@
 #include "renderers/effects/catalogue.h"
 #include "synthetic/surfaces/sphere.h"
 
-namespace touchstone {
+namespace touchstone::renderers {
 namespace {
 
 constexpr double k = 800.0;
@@ -233,4 +233,4 @@ TEST(Effects, EveryEntrySaysWhereItComesFromAndWhyItIsPassive) {
 }
 
 }  // namespace
-}  // namespace touchstone
+}  // namespace touchstone::renderers

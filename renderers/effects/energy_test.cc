@@ -11,7 +11,7 @@
 #include "renderers/catalogue.h"
 #include "renderers/effects/catalogue.h"
 
-namespace touchstone {
+namespace touchstone::renderers {
 namespace {
 
 // Parameters at which each effect is strong, for an object of one metre and forces of newtons.
@@ -152,4 +152,4 @@ INSTANTIATE_TEST_SUITE_P(Catalogue, EveryEffect, ::testing::ValuesIn(cases()), [
 });
 
 }  // namespace
-}  // namespace touchstone
+}  // namespace touchstone::renderers

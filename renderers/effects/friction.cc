@@ -7,7 +7,7 @@
 
 #include "harness/base/error.h"
 
-namespace touchstone {
+namespace touchstone::renderers {
 namespace {
 
 // The bristle: where it is deflected to, and whether the tip slides.
@@ -130,4 +130,4 @@ std::unique_ptr<Effect> make_anisotropic_friction(std::span<const double> values
   return std::make_unique<AnisotropicFriction>(values[0], values[1], values[2]);
 }
 
-}  // namespace touchstone
+}  // namespace touchstone::renderers

@@ -19,9 +19,10 @@
 #include <span>
 #include <string>
 
+#include "harness/base/rooms.h"
 #include "harness/rendering/effect.h"
 
-namespace touchstone {
+namespace touchstone::renderers {
 
 // Friction that is harder to keep going than to start is no friction: it would pull the probe along. Throws BadData
 // with `place` (the file and the parameters' place in it) where mu_static < mu_dynamic.
@@ -34,4 +35,4 @@ std::unique_ptr<Effect> make_stribeck_friction(std::span<const double> values);
 // Values: mu_x, mu_y, presliding_m.
 std::unique_ptr<Effect> make_anisotropic_friction(std::span<const double> values);
 
-}  // namespace touchstone
+}  // namespace touchstone::renderers

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-namespace touchstone {
+namespace touchstone::renderers {
 namespace {
 
 class NormalDamping final : public Effect {
@@ -108,4 +108,4 @@ std::unique_ptr<Effect> make_stress_relaxation(std::span<const double> values) {
   return std::make_unique<StressRelaxation>(values[0], values[1]);
 }
 
-}  // namespace touchstone
+}  // namespace touchstone::renderers

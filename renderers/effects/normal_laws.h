@@ -16,9 +16,10 @@
 #include <memory>
 #include <span>
 
+#include "harness/base/rooms.h"
 #include "harness/rendering/effect.h"
 
-namespace touchstone {
+namespace touchstone::renderers {
 
 // Values: coefficient_N_s_per_m.
 std::unique_ptr<Effect> make_normal_damping(std::span<const double> values);
@@ -31,4 +32,4 @@ std::unique_ptr<Effect> make_stiffness_map(std::span<const double> values);
 // Values: ratio, time_constant_s.
 std::unique_ptr<Effect> make_stress_relaxation(std::span<const double> values);
 
-}  // namespace touchstone
+}  // namespace touchstone::renderers

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace touchstone {
+namespace touchstone::renderers {
 namespace {
 
 class SurfaceTexture final : public Effect {
@@ -35,4 +35,4 @@ std::unique_ptr<Effect> make_surface_texture(std::span<const double> values) {
   return std::make_unique<SurfaceTexture>(values[0], values[1], values[2], values[3]);
 }
 
-}  // namespace touchstone
+}  // namespace touchstone::renderers

@@ -7,11 +7,12 @@
 #include <memory>
 #include <span>
 
+#include "harness/base/rooms.h"
 #include "harness/rendering/effect.h"
 
-namespace touchstone {
+namespace touchstone::renderers {
 
 // Values: amplitude_m, wavelength_m, direction_rad, phase_rad. Needs gaps outside contact.
 std::unique_ptr<Effect> make_surface_texture(std::span<const double> values);
 
-}  // namespace touchstone
+}  // namespace touchstone::renderers

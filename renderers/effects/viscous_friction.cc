@@ -1,6 +1,6 @@
 #include "renderers/effects/viscous_friction.h"
 
-namespace touchstone {
+namespace touchstone::renderers {
 namespace {
 
 class ViscousFriction final : public Effect {
@@ -25,4 +25,4 @@ std::unique_ptr<Effect> make_viscous_friction(std::span<const double> values) {
   return std::make_unique<ViscousFriction>(values[0]);
 }
 
-}  // namespace touchstone
+}  // namespace touchstone::renderers

@@ -4,11 +4,12 @@
 #include <memory>
 #include <span>
 
+#include "harness/base/rooms.h"
 #include "harness/rendering/effect.h"
 
-namespace touchstone {
+namespace touchstone::renderers {
 
 // Values: coefficient_N_s_per_m.
 std::unique_ptr<Effect> make_viscous_friction(std::span<const double> values);
 
-}  // namespace touchstone
+}  // namespace touchstone::renderers

@@ -3,7 +3,7 @@
 #include "renderers/instrument/sensor_effects.h"
 #include "renderers/instrument/tool_effects.h"
 
-namespace touchstone {
+namespace touchstone::renderers {
 namespace {
 
 ParameterDeclaration force(std::string name, std::string unit) {
@@ -92,4 +92,4 @@ const InstrumentEntry* find_instrument_effect(std::string_view name) {
   return nullptr;
 }
 
-}  // namespace touchstone
+}  // namespace touchstone::renderers

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-namespace touchstone {
+namespace touchstone::renderers {
 namespace {
 
 class Registration final : public InstrumentEffect {
@@ -69,4 +69,4 @@ std::unique_ptr<InstrumentEffect> make_surface_geometry(std::span<const double> 
   return std::make_unique<SurfaceGeometry>(values[0], values[1], values[2], values[3]);
 }
 
-}  // namespace touchstone
+}  // namespace touchstone::renderers

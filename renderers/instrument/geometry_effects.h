@@ -8,13 +8,14 @@
 #include <memory>
 #include <span>
 
+#include "harness/base/rooms.h"
 #include "renderers/instrument/instrument_effect.h"
 
-namespace touchstone {
+namespace touchstone::renderers {
 
 std::unique_ptr<InstrumentEffect> make_registration(
     std::span<const double> values);  // dx_m, dy_m, dz_m, rx_rad, ry_rad
 std::unique_ptr<InstrumentEffect> make_surface_geometry(
     std::span<const double> values);  // amplitude_m, x_m, y_m, width_m
 
-}  // namespace touchstone
+}  // namespace touchstone::renderers

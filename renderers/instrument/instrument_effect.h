@@ -10,11 +10,12 @@
 #include <string_view>
 #include <vector>
 
+#include "harness/base/rooms.h"
 #include "harness/base/vec.h"
 #include "harness/rendering/effect.h"
 #include "harness/rendering/renderer.h"
 
-namespace touchstone {
+namespace touchstone::renderers {
 
 // The order in which a measurement comes about; effects run in this order, then in the model file's.
 enum class InstrumentStage : std::uint8_t {
@@ -80,4 +81,4 @@ struct InstrumentEntry {
 const std::vector<InstrumentEntry>& instrument_catalogue();
 const InstrumentEntry* find_instrument_effect(std::string_view name);
 
-}  // namespace touchstone
+}  // namespace touchstone::renderers

@@ -7,7 +7,7 @@
 #include "renderers/instrument/instrument_effect.h"
 #include "renderers/model_predictor.h"
 
-namespace touchstone {
+namespace touchstone::renderers {
 namespace {
 
 struct Samples {
@@ -137,4 +137,4 @@ TEST(ModelPredictor, KeptTracesChangeNothing) {
 }
 
 }  // namespace
-}  // namespace touchstone
+}  // namespace touchstone::renderers

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <vector>
 
-namespace touchstone {
+namespace touchstone::renderers {
 namespace {
 
 // Applies `change` to every force in the sensor's frame.
@@ -112,4 +112,4 @@ std::unique_ptr<InstrumentEffect> make_time_lag(std::span<const double> values) 
   return std::make_unique<TimeLag>(values[0]);
 }
 
-}  // namespace touchstone
+}  // namespace touchstone::renderers

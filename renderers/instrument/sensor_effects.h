@@ -10,9 +10,10 @@
 #include <memory>
 #include <span>
 
+#include "harness/base/rooms.h"
 #include "renderers/instrument/instrument_effect.h"
 
-namespace touchstone {
+namespace touchstone::renderers {
 
 std::unique_ptr<InstrumentEffect> make_force_bias(std::span<const double> values);        // fx_N, fy_N, fz_N
 std::unique_ptr<InstrumentEffect> make_force_drift(std::span<const double> values);       // fx_N_per_s, ...
@@ -20,4 +21,4 @@ std::unique_ptr<InstrumentEffect> make_force_crosstalk(std::span<const double> v
 std::unique_ptr<InstrumentEffect> make_force_saturation(std::span<const double> values);  // limit_N
 std::unique_ptr<InstrumentEffect> make_time_lag(std::span<const double> values);          // lag_s
 
-}  // namespace touchstone
+}  // namespace touchstone::renderers

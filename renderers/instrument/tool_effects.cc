@@ -4,7 +4,7 @@
 #include <memory>
 #include <vector>
 
-namespace touchstone {
+namespace touchstone::renderers {
 namespace {
 
 constexpr double standard_gravity_m_per_s2 = 9.80665;
@@ -75,4 +75,4 @@ std::unique_ptr<InstrumentEffect> make_tool_inertia(std::span<const double> valu
   return std::make_unique<ToolInertia>(values[0], values[1]);
 }
 
-}  // namespace touchstone
+}  // namespace touchstone::renderers

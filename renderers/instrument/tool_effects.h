@@ -7,11 +7,12 @@
 #include <memory>
 #include <span>
 
+#include "harness/base/rooms.h"
 #include "renderers/instrument/instrument_effect.h"
 
-namespace touchstone {
+namespace touchstone::renderers {
 
 std::unique_ptr<InstrumentEffect> make_tool_weight(std::span<const double> values);   // mass_kg
 std::unique_ptr<InstrumentEffect> make_tool_inertia(std::span<const double> values);  // mass_kg, window_s
 
-}  // namespace touchstone
+}  // namespace touchstone::renderers

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "harness/base/rooms.h"
 #include "harness/recording/trajectory.h"
 #include "synthetic/blind/hand_script.h"
 #include "synthetic/blind/hidden_physics.h"

@@ -6,6 +6,7 @@
 
 #include <vector>
 
+#include "harness/base/rooms.h"
 #include "synthetic/blind/true_surface.h"
 
 namespace touchstone::synthetic {

@@ -6,6 +6,7 @@
 
 #include <vector>
 
+#include "harness/base/rooms.h"
 #include "harness/surface/triangle_mesh.h"
 
 namespace touchstone::synthetic {

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "harness/base/rooms.h"
 #include "synthetic/blind/blind_case.h"
 
 namespace touchstone::synthetic {

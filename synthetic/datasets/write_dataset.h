@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <filesystem>
 
+#include "harness/base/rooms.h"
 #include "synthetic/datasets/recipe.h"
 
 namespace touchstone::synthetic {

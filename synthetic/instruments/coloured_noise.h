@@ -4,6 +4,7 @@
 #pragma once
 
 #include "harness/base/random.h"
+#include "harness/base/rooms.h"
 
 namespace touchstone::synthetic {
 

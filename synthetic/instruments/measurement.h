@@ -4,6 +4,7 @@
 
 #include <vector>
 
+#include "harness/base/rooms.h"
 #include "harness/base/vec.h"
 
 namespace touchstone::synthetic {

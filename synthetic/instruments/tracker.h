@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <functional>
 
+#include "harness/base/rooms.h"
 #include "synthetic/instruments/measurement.h"
 
 namespace touchstone::synthetic {

@@ -2,6 +2,7 @@
 // evaluated, not searched, where it can be.
 #pragma once
 
+#include "harness/base/rooms.h"
 #include "synthetic/surfaces/analytic_surface.h"
 #include "synthetic/surfaces/height_field.h"
 #include "synthetic/surfaces/radial_body.h"

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "harness/base/rooms.h"
 #include "harness/recording/trajectory.h"
 #include "synthetic/instruments/force_sensor.h"
 #include "synthetic/instruments/tracker.h"

@@ -10,6 +10,7 @@
 #include <limits>
 #include <memory>
 
+#include "harness/base/rooms.h"
 #include "synthetic/scan/guide.h"
 #include "synthetic/scan/script.h"
 

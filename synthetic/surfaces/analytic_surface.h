@@ -5,6 +5,7 @@
 
 #include <cstddef>
 
+#include "harness/base/rooms.h"
 #include "harness/surface/surface.h"
 
 namespace touchstone::synthetic {

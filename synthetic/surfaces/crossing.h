@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <optional>
 
+#include "harness/base/rooms.h"
 #include "harness/surface/surface.h"
 
 namespace touchstone::synthetic {

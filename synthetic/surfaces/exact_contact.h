@@ -9,6 +9,7 @@
 // differ, rightly.
 #pragma once
 
+#include "harness/base/rooms.h"
 #include "harness/surface/surface.h"
 
 namespace touchstone::synthetic {

@@ -2,6 +2,7 @@
 // Closed form: distance of a plane region extended by a flat cap at either end, exact inside and outside.
 #pragma once
 
+#include "harness/base/rooms.h"
 #include "synthetic/surfaces/analytic_surface.h"
 #include "synthetic/surfaces/profile.h"
 

@@ -2,6 +2,7 @@
 // its second derivative, and the foot of the perpendicular from a point.
 #pragma once
 
+#include "harness/base/rooms.h"
 #include "synthetic/surfaces/analytic_surface.h"
 #include "synthetic/surfaces/profile.h"
 

@@ -1,6 +1,7 @@
 // The open patches: plane, saddle, Gaussian bump, sinusoidal texture.
 #pragma once
 
+#include "harness/base/rooms.h"
 #include "synthetic/surfaces/height_field.h"
 
 namespace touchstone::synthetic {

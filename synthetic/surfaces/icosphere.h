@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <functional>
 
+#include "harness/base/rooms.h"
 #include "harness/surface/triangle_mesh.h"
 
 namespace touchstone::synthetic {

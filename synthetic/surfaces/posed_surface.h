@@ -4,6 +4,7 @@
 
 #include <memory>
 
+#include "harness/base/rooms.h"
 #include "synthetic/surfaces/analytic_surface.h"
 
 namespace touchstone::synthetic {

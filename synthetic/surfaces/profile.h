@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <vector>
 
+#include "harness/base/rooms.h"
 #include "harness/base/vec.h"
 
 namespace touchstone::synthetic {

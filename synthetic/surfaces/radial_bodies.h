@@ -3,6 +3,7 @@
 
 #include <memory>
 
+#include "harness/base/rooms.h"
 #include "synthetic/surfaces/radial_body.h"
 
 namespace touchstone::synthetic {

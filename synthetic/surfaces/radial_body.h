@@ -6,6 +6,7 @@
 #include <memory>
 #include <vector>
 
+#include "harness/base/rooms.h"
 #include "synthetic/surfaces/analytic_surface.h"
 
 namespace touchstone::synthetic {

@@ -3,6 +3,7 @@
 // quadratics, tori quartics along a segment.
 #pragma once
 
+#include "harness/base/rooms.h"
 #include "synthetic/surfaces/analytic_surface.h"
 #include "synthetic/surfaces/profile.h"
 

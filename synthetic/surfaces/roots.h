@@ -7,6 +7,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "harness/base/rooms.h"
+
 namespace touchstone::synthetic {
 
 struct Jet1 {

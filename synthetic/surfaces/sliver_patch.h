@@ -2,6 +2,7 @@
 // The exact answers are the plane's; what a renderer makes of it shows its absolute epsilons.
 #pragma once
 
+#include "harness/base/rooms.h"
 #include "synthetic/surfaces/height_fields.h"
 
 namespace touchstone::synthetic {

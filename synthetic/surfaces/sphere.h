@@ -1,6 +1,7 @@
 // A ball about the origin: the simplest exact answer there is.
 #pragma once
 
+#include "harness/base/rooms.h"
 #include "synthetic/surfaces/analytic_surface.h"
 
 namespace touchstone::synthetic {

@@ -5,6 +5,7 @@
 #include <memory>
 #include <utility>
 
+#include "harness/base/rooms.h"
 #include "synthetic/trajectories/path.h"
 
 namespace touchstone::synthetic {

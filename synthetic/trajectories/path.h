@@ -2,6 +2,7 @@
 // with the outside above, so depths are negative z.
 #pragma once
 
+#include "harness/base/rooms.h"
 #include "harness/recording/trajectory.h"
 
 namespace touchstone::synthetic {

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 
+#include "harness/base/rooms.h"
 #include "synthetic/trajectories/path.h"
 
 namespace touchstone::synthetic {

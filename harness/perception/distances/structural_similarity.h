@@ -11,6 +11,8 @@
 #include <cstddef>
 #include <span>
 
+#include "harness/base/rooms.h"
+
 namespace touchstone::perception {
 
 struct StructuralSimilarityConstants {

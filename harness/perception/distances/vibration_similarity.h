@@ -14,6 +14,8 @@
 #include <span>
 #include <vector>
 
+#include "harness/base/rooms.h"
+
 namespace touchstone::perception {
 
 struct VibrationSettings {

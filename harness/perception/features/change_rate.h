@@ -4,6 +4,7 @@
 
 #include <vector>
 
+#include "harness/base/rooms.h"
 #include "harness/perception/filters/dead_band.h"
 
 namespace touchstone::perception {

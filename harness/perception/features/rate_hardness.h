@@ -11,6 +11,8 @@
 #include <span>
 #include <vector>
 
+#include "harness/base/rooms.h"
+
 namespace touchstone::perception {
 
 struct RateHardness {

@@ -4,6 +4,8 @@
 #include <span>
 #include <vector>
 
+#include "harness/base/rooms.h"
+
 namespace touchstone::perception {
 
 struct Spectrum {

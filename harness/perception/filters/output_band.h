@@ -8,6 +8,8 @@
 #include <span>
 #include <vector>
 
+#include "harness/base/rooms.h"
+
 namespace touchstone::perception {
 
 inline constexpr double kFingerBandLow_Hz = 2.0;

@@ -5,6 +5,8 @@
 #include <span>
 #include <vector>
 
+#include "harness/base/rooms.h"
+
 namespace touchstone::perception {
 
 inline std::vector<double> sensor_dead_zone(std::span<const double> x, double zone) {

@@ -3,6 +3,8 @@
 
 #include <cmath>
 
+#include "harness/base/rooms.h"
+
 namespace touchstone::perception {
 
 struct StevensPowerLaw {

@@ -18,6 +18,7 @@
 #include <string_view>
 #include <vector>
 
+#include "harness/base/rooms.h"
 #include "harness/perception/judge/felt_series.h"
 #include "harness/perception/judge/response.h"
 #include "harness/perception/judge/thresholds.h"

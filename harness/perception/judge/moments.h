@@ -4,6 +4,7 @@
 
 #include <vector>
 
+#include "harness/base/rooms.h"
 #include "harness/perception/judge/judge.h"
 
 namespace touchstone::perception {

@@ -15,6 +15,7 @@
 #include <optional>
 #include <vector>
 
+#include "harness/base/rooms.h"
 #include "harness/perception/filters/weber_law.h"
 #include "harness/perception/judge/felt_series.h"
 

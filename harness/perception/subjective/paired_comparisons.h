@@ -8,6 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "harness/base/rooms.h"
+
 namespace touchstone::perception {
 
 struct Answer {

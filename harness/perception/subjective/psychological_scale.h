@@ -9,6 +9,7 @@
 #include <string_view>
 #include <vector>
 
+#include "harness/base/rooms.h"
 #include "harness/perception/subjective/paired_comparisons.h"
 
 namespace touchstone::perception {

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "harness/base/rooms.h"
 #include "harness/perception/subjective/paired_comparisons.h"
 
 namespace touchstone::perception {

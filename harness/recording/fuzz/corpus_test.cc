@@ -8,7 +8,7 @@
 #include "harness/base/random.h"
 #include "harness/recording/fuzz/read_recording.h"
 
-namespace touchstone {
+namespace touchstone::recording {
 namespace {
 
 std::filesystem::path corpus(const std::string& format) {
@@ -41,4 +41,4 @@ TEST(FuzzCorpus, Csv) { run_corpus("csv", ".csv"); }
 TEST(FuzzCorpus, Hdf5) { run_corpus("hdf5", ".h5"); }
 
 }  // namespace
-}  // namespace touchstone
+}  // namespace touchstone::recording

@@ -1,6 +1,6 @@
 #include "harness/recording/fuzz/read_recording.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  touchstone::fuzz::read_recording(data, size, ".csv");
+  touchstone::recording::fuzz::read_recording(data, size, ".csv");
   return 0;
 }

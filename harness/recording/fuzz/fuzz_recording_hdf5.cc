@@ -1,6 +1,6 @@
 #include "harness/recording/fuzz/read_recording.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  touchstone::fuzz::read_recording(data, size, ".h5");
+  touchstone::recording::fuzz::read_recording(data, size, ".h5");
   return 0;
 }

@@ -11,7 +11,7 @@
 #include "harness/base/error.h"
 #include "harness/recording/recording_stream.h"
 
-namespace touchstone::fuzz {
+namespace touchstone::recording::fuzz {
 namespace {
 
 // A file of one process, in memory where the system has such a place: fuzzers write thousands a second.
@@ -64,4 +64,4 @@ void read_recording(const std::uint8_t* data, std::size_t size, const std::strin
   }
 }
 
-}  // namespace touchstone::fuzz
+}  // namespace touchstone::recording::fuzz

@@ -6,9 +6,11 @@
 #include <cstdint>
 #include <string>
 
-namespace touchstone::fuzz {
+#include "harness/base/rooms.h"
+
+namespace touchstone::recording::fuzz {
 
 // `extension` chooses the reader: ".csv", ".csv.gz", ".h5".
 void read_recording(const std::uint8_t* data, std::size_t size, const std::string& extension);
 
-}  // namespace touchstone::fuzz
+}  // namespace touchstone::recording::fuzz

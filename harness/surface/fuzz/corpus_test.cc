@@ -8,7 +8,7 @@
 #include "harness/base/random.h"
 #include "harness/surface/fuzz/read_mesh.h"
 
-namespace touchstone {
+namespace touchstone::surface {
 namespace {
 
 // Every seed as it is, cut short, and with bytes changed, always in the same way.
@@ -40,4 +40,4 @@ TEST(MeshFuzzCorpus, Ply) { run_corpus("ply", MeshFormat::ply); }
 TEST(MeshFuzzCorpus, Stl) { run_corpus("stl", MeshFormat::stl); }
 
 }  // namespace
-}  // namespace touchstone
+}  // namespace touchstone::surface

@@ -6,7 +6,7 @@
 #include "harness/base/error.h"
 #include "harness/surface/mesh_doctor.h"
 
-namespace touchstone::fuzz {
+namespace touchstone::surface::fuzz {
 
 int read_mesh(const std::uint8_t* data, std::size_t size, MeshFormat format) {
   try {
@@ -25,4 +25,4 @@ int read_mesh(const std::uint8_t* data, std::size_t size, MeshFormat format) {
   return 0;
 }
 
-}  // namespace touchstone::fuzz
+}  // namespace touchstone::surface::fuzz

@@ -5,10 +5,11 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "harness/base/rooms.h"
 #include "harness/surface/mesh_file.h"
 
-namespace touchstone::fuzz {
+namespace touchstone::surface::fuzz {
 
 int read_mesh(const std::uint8_t* data, std::size_t size, MeshFormat format);
 
-}  // namespace touchstone::fuzz
+}  // namespace touchstone::surface::fuzz

@@ -1,0 +1,171 @@
+// Bags with the bytes that the formats' own descriptions ask for: version 2.0 of ROS 1 (wiki.ros.org/Bags/Format/2.0,
+// messages as wiki.ros.org/roscpp/Overview/MessagesSerializationAndAdaptingTypes has them) and the SQLite storage of
+// ROS 2 (rosbag2_storage_default_plugins, tables topics and messages; payloads in CDR).
+#include <archive.h>
+#include <archive_entry.h>
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sqlite3.h>
+#include <unistd.h>
+
+#include <cstring>
+
+#include "harness/base/atomic_file.h"
+#include "harness/base/error.h"
+#include "harness/importing/import_table.h"
+
+namespace touchstone::importing {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+
+std::filesystem::path bag_folder() {
+  auto path = std::filesystem::path(::testing::TempDir()) / fmt::format("touchstone-import-bag-{}", ::getpid());
+  ensure_writable_folder(path);
+  return path;
+}
+
+template <class T>
+std::string raw(T value) {
+  std::string bytes(sizeof(T), '\0');
+  std::memcpy(bytes.data(), &value, sizeof(T));
+  return bytes;
+}
+std::string block(const std::string& bytes) { return raw(static_cast<std::uint32_t>(bytes.size())) + bytes; }
+std::string field(const std::string& name, const std::string& value) { return block(name + "=" + value); }
+std::string record(const std::string& header, const std::string& data) { return block(header) + block(data); }
+
+std::string wrench_ros1(std::uint32_t sec, std::uint32_t nsec, double fz) {
+  std::string m = raw(std::uint32_t{7}) + raw(sec) + raw(nsec) + block("ft_sensor");
+  for (const double v : {0.5, -0.25, fz, 0.01, 0.02, 0.03}) m += raw(v);
+  return m;
+}
+
+std::string bag_records() {
+  std::string bytes = record(field("op", "\x07") + field("conn", raw(std::uint32_t{0})) + field("topic", "/ft"),
+                             field("topic", "/ft") + field("type", "geometry_msgs/WrenchStamped") +
+                                 field("md5sum", "d78d3cb249ce23087ade7e7d0c40cfa7") + field("message_definition", ""));
+  for (std::uint32_t i = 0; i < 3; ++i) {
+    bytes += record(field("op", "\x02") + field("conn", raw(std::uint32_t{0})) +
+                        field("time", raw(std::uint32_t{100}) + raw(i * 1000000U)),
+                    wrench_ros1(99, i * 500000000U, i));
+  }
+  return bytes;
+}
+
+std::string bag_of(const std::string& compression, const std::string& chunk, std::size_t size) {
+  return "#ROSBAG V2.0\n" +
+         record(field("op", "\x03") + field("index_pos", raw(std::uint64_t{0})) +
+                    field("conn_count", raw(std::uint32_t{1})) + field("chunk_count", raw(std::uint32_t{1})),
+                std::string(64, ' ')) +
+         record(field("op", "\x05") + field("compression", compression) +
+                    field("size", raw(static_cast<std::uint32_t>(size))),
+                chunk);
+}
+
+std::string compressed_bytes(const std::string& bytes, bool bz2) {
+  std::string out(bytes.size() + 4096, '\0');
+  std::size_t used = 0;
+  archive* const a = archive_write_new();
+  archive_write_set_format_raw(a);
+  bz2 ? archive_write_add_filter_bzip2(a) : archive_write_add_filter_lz4(a);
+  archive_write_set_bytes_in_last_block(a, 1);
+  archive_write_open_memory(a, out.data(), out.size(), &used);
+  archive_entry* const entry = archive_entry_new();
+  archive_entry_set_filetype(entry, AE_IFREG);
+  archive_write_header(a, entry);
+  archive_write_data(a, bytes.data(), bytes.size());
+  archive_entry_free(entry);
+  archive_write_close(a);
+  archive_write_free(a);
+  return out.substr(0, used);
+}
+
+TEST(RosBag, WrenchesOfAllCompressions) {
+  const std::string records = bag_records();
+  for (const std::string compression : {"none", "bz2", "lz4"}) {
+    const auto path = bag_folder() / (compression + ".bag");
+    write_file(path,
+               bag_of(compression, compression == "none" ? records : compressed_bytes(records, compression == "bz2"),
+                      records.size()));
+    const auto tables = read_foreign(path, {});
+    ASSERT_EQ(tables.size(), 1U) << compression;
+    EXPECT_EQ(tables[0].name, "/ft");
+    EXPECT_THAT(tables[0].names, ElementsAre("t", "force.x", "force.y", "force.z", "torque.x", "torque.y", "torque.z"));
+    EXPECT_THAT(tables[0].columns[0], ElementsAre(99.0, 99.5, 100.0));
+    EXPECT_THAT(tables[0].columns[3], ElementsAre(0.0, 1.0, 2.0));
+    EXPECT_THAT(tables[0].columns[6], ElementsAre(0.03, 0.03, 0.03));
+  }
+}
+
+TEST(RosBag, CutAnywhereIsRefused) {
+  const std::string records = bag_records();
+  const std::string whole = bag_of("none", records, records.size());
+  const auto path = bag_folder() / "cut.bag";
+  int refused = 0;
+  for (std::size_t size = 13; size + 1 < whole.size(); size += 7) {
+    write_file(path, whole.substr(0, size));
+    try {
+      read_ros_bag(path);
+    } catch (const BadData& e) {
+      EXPECT_THAT(e.what(), HasSubstr("cut.bag"));
+      ++refused;
+    }
+  }
+  EXPECT_GT(refused, 50);
+  for (const std::string bytes : {"#ROSBAG V1.2\nold", "nothing"}) {
+    write_file(path, bytes);
+    EXPECT_THROW(read_ros_bag(path), BadData);
+  }
+}
+
+std::string pose_cdr(std::int32_t sec, std::uint32_t nsec, const std::string& frame, double x) {
+  std::string m = raw(sec) + raw(nsec) + raw(static_cast<std::uint32_t>(frame.size() + 1)) + frame + '\0';
+  while (m.size() % 8 != 0) m += '\0';
+  for (const double v : {x, 2.0, 3.0, 0.0, 0.0, 0.6, 0.8}) m += raw(v);
+  return std::string("\0\1\0\0", 4) + m;
+}
+
+TEST(Ros2Database, PosesWithNamesOfEveryLength) {
+  const auto path = bag_folder() / "poses.db3";
+  std::filesystem::remove(path);
+  sqlite3* db = nullptr;
+  ASSERT_EQ(sqlite3_open(path.c_str(), &db), SQLITE_OK);
+  const auto run = [&](const char* sql) { ASSERT_EQ(sqlite3_exec(db, sql, nullptr, nullptr, nullptr), SQLITE_OK); };
+  run("CREATE TABLE topics(id INTEGER PRIMARY KEY, name TEXT NOT NULL, type TEXT NOT NULL, serialization_format TEXT "
+      "NOT "
+      "NULL, offered_qos_profiles TEXT NOT NULL)");
+  run("CREATE TABLE messages(id INTEGER PRIMARY KEY, topic_id INTEGER NOT NULL, timestamp INTEGER NOT NULL, data BLOB "
+      "NOT "
+      "NULL)");
+  run("INSERT INTO topics VALUES(1, '/pose', 'geometry_msgs/msg/PoseStamped', 'cdr', '')");
+  sqlite3_stmt* insert = nullptr;
+  sqlite3_prepare_v2(db, "INSERT INTO messages(topic_id, timestamp, data) VALUES(1, ?, ?)", -1, &insert, nullptr);
+  for (int i = 0; i < 12; ++i) {
+    const std::string message = pose_cdr(50 + i, 250000000, std::string(static_cast<std::size_t>(i), 'f'), i);
+    sqlite3_bind_int64(insert, 1, 1000000000LL * i);
+    sqlite3_bind_blob(insert, 2, message.data(), static_cast<int>(message.size()), SQLITE_TRANSIENT);
+    ASSERT_EQ(sqlite3_step(insert), SQLITE_DONE);
+    sqlite3_reset(insert);
+  }
+  sqlite3_finalize(insert);
+  sqlite3_close(db);
+  const auto tables = read_foreign(path, {});
+  ASSERT_EQ(tables.size(), 1U);
+  ASSERT_EQ(tables[0].rows(), 12U);
+  for (std::size_t i = 0; i < 12; ++i) {
+    EXPECT_EQ(tables[0].columns[0][i], 50.25 + static_cast<double>(i));
+    EXPECT_EQ(tables[0].columns[1][i], static_cast<double>(i));
+    EXPECT_EQ(tables[0].columns[7][i], 0.8);
+  }
+  const std::string whole = read_file(path);
+  write_file(path, whole.substr(0, 5000));
+  EXPECT_THROW(read_ros2_database(path), BadData);
+  write_file(path, "SQLite format 3");
+  EXPECT_THROW(read_foreign(path, {}), BadData);
+}
+
+}  // namespace
+}  // namespace touchstone::importing

@@ -1,0 +1,194 @@
+// What a map says is done, number by number; a map that makes no sense is refused with its place.
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <numbers>
+
+#include "harness/base/atomic_file.h"
+#include "harness/base/error.h"
+#include "harness/importing/guess_map.h"
+#include "harness/importing/import_file.h"
+#include "harness/recording/recording_file.h"
+
+namespace touchstone::importing {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+
+std::filesystem::path map_folder() {
+  auto path = std::filesystem::path(::testing::TempDir()) / fmt::format("touchstone-import-map-{}", ::getpid());
+  ensure_writable_folder(path);
+  return path;
+}
+
+ImportMap map_of(const std::string& rest) {
+  return parse_import_map(nlohmann::json::parse(R"({"schema": "touchstone-import/1", )" + rest + "}"), "map.json");
+}
+
+Imported imported_by(const std::string& text, const std::string& rest, const std::string& name = "main.txt") {
+  write_file(map_folder() / name, text);
+  return import_file(map_folder() / name, map_of(rest));
+}
+
+std::string map_refusal(const std::string& text, const std::string& rest) {
+  try {
+    imported_by(text, rest);
+  } catch (const BadData& e) {
+    return e.what();
+  }
+  return "no error";
+}
+
+const std::vector<double>& column(const Imported& imported, const std::string& name) {
+  return imported.columns.at(
+      static_cast<std::size_t>(std::ranges::find(imported.names, name) - imported.names.begin()));
+}
+
+TEST(ImportMap, SumsConstantsIntegralsAndRowClocks) {
+  const auto got = imported_by("a,b\n1,10\n2,20\n3,40\n",
+                               R"("columns": {"t_s": {"row_rate_Hz": 2},
+                                  "x_mm": {"sum": [{"from": "a", "scale": 2}, {"from": 2}], "offset": 0.5},
+                                  "y_mm": {"constant": 7}, "z_mm": {"integrate": "b", "start": 1}})");
+  EXPECT_THAT(got.names, ElementsAre("t_s", "x_mm", "y_mm", "z_mm"));
+  EXPECT_THAT(got.columns[0], ElementsAre(0, 0.5, 1));
+  EXPECT_THAT(got.columns[1], ElementsAre(12.5, 24.5, 46.5));
+  EXPECT_THAT(got.columns[2], ElementsAre(7, 7, 7));
+  EXPECT_THAT(got.columns[3], ElementsAre(1, 8.5, 23.5));  // trapezoids
+}
+
+TEST(ImportMap, PartsBesideOneAnotherAreStackedAndRowsChosen) {
+  const std::string text = "1\t2\t3\t4\n5\t6\t7\t8\n";
+  const std::string stack = R"("stack": [{"z": 1, "f": 2}, {"z": 3, "f": 4, "reverse": true}], )";
+  const auto all = imported_by(text, stack + R"("columns": {"z_m": {"from": "z"}, "fz_N": {"from": "f"}})");
+  EXPECT_THAT(column(all, "z_m"), ElementsAre(1, 5, 7, 3));
+  EXPECT_THAT(column(all, "fz_N"), ElementsAre(2, 6, 8, 4));
+  const auto first =
+      imported_by(text, stack + R"("rows": {"where": {"segment": 0}}, "columns": {"z_m": {"from": "z"}})");
+  EXPECT_THAT(column(first, "z_m"), ElementsAre(1, 5));
+}
+
+TEST(ImportMap, FilesAreJoinedByTimeOnTheMainClock) {
+  write_file(map_folder() / "pose.txt", "0.5 0 0\n1.5 10 20\n2.5 30 20\n");
+  const auto got = imported_by("t,f\n0,1\n1,2\n2,3\n3,4\n",
+                               R"("files": {"pose": {"file": "pose.txt", "time": {"from": 1}}},
+                                  "columns": {"t_s": {"from": "t"}, "fz_N": {"from": "f"}, "x_m": {"from": "pose:2"},
+                                              "y_m": {"from": "pose:3"}})");
+  // At 0 and at 3 s the pose's clock has not begun or has ended.
+  EXPECT_THAT(column(got, "fz_N"), ElementsAre(2, 3));
+  EXPECT_THAT(column(got, "x_m"), ElementsAre(5, 20));
+  EXPECT_THAT(column(got, "y_m"), ElementsAre(10, 20));
+  EXPECT_THAT(column(got, "t_s"), ElementsAre(0, 1));
+  EXPECT_THAT(got.notes, ::testing::Contains(HasSubstr("2 rows left out")));
+  write_file(map_folder() / "rows.txt", "1 2\n3 4\n");
+  EXPECT_THAT(
+      map_refusal(
+          "t,f\n0,1\n1,2\n2,3\n",
+          R"("files": {"pose": {"file": "rows.txt"}}, "columns": {"x_m": {"from": "pose:2"}, "t_s": {"from": "t"}})"),
+      HasSubstr("has 2 rows where"));
+}
+
+TEST(ImportMap, OrientationsInEveryWriting) {
+  const double s = std::sqrt(0.5);
+  const std::string columns = R"("columns": {"fx_N": {"from": 1}, "fy_N": {"from": 2}, "fz_N": {"from": 3}}, )";
+  // A quarter turn about z takes the sensor's x to the object's y.
+  const std::string xyzw = fmt::format("1,0,0, 0,0,{0},{0}\n1,0,0, 0,0,0,1\n", s);
+  const auto q =
+      imported_by(xyzw, columns + R"("quaternion": {"from": [4,5,6,7], "order": "xyzw"}, "force_frame": "sensor")");
+  EXPECT_NEAR(column(q, "fy_N")[0], 1.0, 1e-12);
+  EXPECT_NEAR(column(q, "fx_N")[1], 1.0, 1e-12);
+  EXPECT_NEAR(column(q, "qw")[0], s, 1e-12);
+  const auto inverse =
+      imported_by(xyzw, columns + R"("quaternion": {"from": [4,5,6,7], "order": "xyzw"}, "force_frame": "inverse")");
+  EXPECT_NEAR(column(inverse, "fy_N")[0], -1.0, 1e-12);
+  const auto rows =
+      imported_by("1,0,0,0,-1,0,1,0,0,0,0,1\n1,0,0,1,0,0,0,1,0,0,0,1\n",
+                  columns + R"("rotation_rows": [4,5,6,7,8,9,10,11,12], "force_frame": "sensor", "force_sign": -1)");
+  EXPECT_NEAR(column(rows, "fy_N")[0], -1.0, 1e-12);
+  const auto euler =
+      imported_by("1,0,0,0,0,90\n1,0,0,0,0,0\n",
+                  columns + R"("euler": {"from": [4,5,6], "order": "xyz", "unit": "deg"}, "force_frame": "sensor")");
+  EXPECT_NEAR(column(euler, "fy_N")[0], 1.0, 1e-12);
+  EXPECT_THAT(map_refusal("1,0,0,0.5,0,0,0\n1,0,0,0,0,0,1\n",
+                          columns + R"("quaternion": {"from": [4,5,6,7], "order": "xyzw"})"),
+              HasSubstr("row 1: the orientation is off a rotation by 0.5"));
+}
+
+TEST(ImportMap, ShiftedForces) {
+  const auto got =
+      imported_by("0,0,1\n1,0,2\n2,0,4\n3,0,8\n",
+                  R"("columns": {"t_s": {"from": 1}, "fx_N": {"from": 2}, "fy_N": {"from": 2}, "fz_N": {"from": 3}},
+                                  "shift_force_s": -0.5)");
+  EXPECT_THAT(column(got, "fz_N"), ElementsAre(1.5, 3, 6));  // what the file has half a second later
+}
+
+TEST(ImportMap, WhatMakesNoSenseIsRefusedWithItsPlace) {
+  const std::string text = "1,2\n3,4\n";
+  EXPECT_THAT(map_refusal(text, R"("columns": {"x_m": {"from": 3}})"), HasSubstr("has no column '3'"));
+  EXPECT_THAT(map_refusal(text, R"("columns": {"x_m": {"from": 1, "constant": 2}})"),
+              HasSubstr("/columns/x_m: one of from"));
+  EXPECT_THAT(map_refusal(text, R"("columns": {"x_m": {"frm": 1}})"), HasSubstr("map.json: /columns/x_m"));
+  EXPECT_THAT(map_refusal(text, R"("columns": {})"), HasSubstr("at least one column"));
+  EXPECT_THAT(map_refusal(text, R"("columns": {"x_m": {"from": 1}}, "force_frame": "moon")"),
+              HasSubstr("/force_frame"));
+  EXPECT_THAT(map_refusal(text, R"("columns": {"x_m": {"integrate": 1}})"), HasSubstr("an integral needs t_s"));
+  EXPECT_THAT(map_refusal(text, R"("columns": {"x_m": {"from": 1}}, "rows": {"where": {"1": 9}})"),
+              HasSubstr("no row is left of 2"));
+  EXPECT_THAT(map_refusal(text, R"("table": {"separator": "dot"}, "columns": {"x_m": {"from": 1}})"),
+              HasSubstr("'dot' is not known"));
+}
+
+TEST(ImportMap, ARecordingIsReadBackAndAWrongOneIsNotWritten) {
+  const std::string rest =
+      R"("columns": {"t_s": {"from": 1}, "x_m": {"from": 2}, "y_m": {"constant": 0}, "z_m": {"constant": 0},
+      "fx_N": {"constant": 0}, "fy_N": {"constant": 0}, "fz_N": {"from": 2}})";
+  const auto out = map_folder() / "out.csv";
+  std::filesystem::remove(out);
+  save_imported(out, imported_by("5,0.25\n6,0.5\n7,1\n", rest));
+  const Recording r = load_recording(out);
+  EXPECT_THAT(r.motion.t_s, ElementsAre(0, 1, 2));
+  EXPECT_EQ(r.f_W_N[1].z(), 0.5);
+  EXPECT_THAT(imported_text(imported_by("5,0.25\n6,0.5\n7,1\n", rest)), HasSubstr("3 samples over 2 s, 1 Hz"));
+  EXPECT_THAT(imported_picture(imported_by("5,0.25\n6,0.5\n7,1\n", rest), "a<b"), HasSubstr("</svg>"));
+  const auto bad = map_folder() / "bad.csv";
+  EXPECT_THROW(save_imported(bad, imported_by("5,0.25\n5,0.5\n7,1\n", rest)), BadData);
+  EXPECT_FALSE(std::filesystem::exists(bad));
+}
+
+TEST(GuessMap, NamesUnitsClocksAndQuaternionsAreSeen) {
+  std::string text = "Time [ms],Fx (mN),Fy (mN),Fz (mN),x_mm,y_mm,z_mm,a,b,c,d\n";
+  for (int i = 0; i < 50; ++i) {
+    const double h = 0.01 * i;
+    text += fmt::format("{},1,2,3,4,5,6,0,0,{},{}\n", 2 * i, std::sin(h), std::cos(h));
+  }
+  write_file(map_folder() / "log.csv", text);
+  const GuessedMap guess = guess_map(map_folder() / "log.csv");
+  EXPECT_TRUE(guess.missing.empty());
+  auto json = nlohmann::json::parse(guess.json);
+  EXPECT_EQ(json["quaternion"]["order"], "xyzw");
+  const Imported got = import_file(map_folder() / "log.csv", parse_import_map(json, "guessed"));
+  EXPECT_NEAR(column(got, "t_s")[10], 0.02, 1e-12);
+  EXPECT_NEAR(column(got, "fz_N")[0], 0.003, 1e-12);
+  EXPECT_NEAR(column(got, "y_m")[0], 0.005, 1e-12);
+  EXPECT_NEAR(column(got, "qw")[0], 1.0, 1e-12);
+}
+
+TEST(GuessMap, AJointWithoutHeaderAndClock) {
+  std::string text;
+  for (int i = 0; i < 400; ++i) {
+    const double t = i / 200.0;
+    text += fmt::format("{},{},{}\n", std::sin(t), std::cos(t), 0.1 * (i % 7));
+  }
+  write_file(map_folder() / "joint.csv", text);
+  const auto json = nlohmann::json::parse(guess_map(map_folder() / "joint.csv").json);
+  EXPECT_EQ(json["columns"]["t_s"]["row_rate_Hz"], 200);
+  EXPECT_EQ(json["columns"]["q_rad"]["from"], "c1");
+  EXPECT_EQ(json["columns"]["torque_Nm"]["from"], "c3");
+}
+
+}  // namespace
+}  // namespace touchstone::importing

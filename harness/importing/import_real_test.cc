@@ -1,0 +1,94 @@
+// Files as their instruments wrote them, each by its shipped map, held against figures that other programs read from
+// them (lines counted by wc, first and last values as the files have them, tools as the data's authors give them).
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+
+#include "harness/acquisition/acquire.h"
+#include "harness/acquisition/frame_check.h"
+#include "harness/base/atomic_file.h"
+#include "harness/importing/guess_map.h"
+#include "harness/importing/import_file.h"
+#include "harness/testing/shared_data.h"
+
+namespace touchstone::importing {
+using namespace acquisition;
+namespace {
+
+Imported by_map(const std::filesystem::path& file, const std::string& map) {
+  const char* const folder = std::getenv("TOUCHSTONE_IMPORT_MAPS");
+  EXPECT_NE(folder, nullptr);
+  const Imported imported = import_file(file, load_import_map(std::filesystem::path(folder) / map));
+  fmt::print("{}\n{}", file.filename().string(), imported_text(imported));
+  return imported;
+}
+
+std::filesystem::path saved(const Imported& imported, const std::string& name) {
+  const auto path = std::filesystem::path(::testing::TempDir()) / name;
+  save_imported(path, imported);
+  return path;
+}
+
+TEST(RealImport, Axia80PosesGiveTheToolInTheWorldsFrame) {
+  TOUCHSTONE_SHARED_DATA_OR_SKIP(file, "tool-gravity-axia80/recorded_messages_wrench_100.txt");
+  const Imported got = by_map(file, "tool-gravity-axia80.json");
+  EXPECT_EQ(got.columns.front().size(), 100U);
+  const auto poses = read_static_poses(saved(got, "axia80.csv"), false);
+  const Vec3 gravity(0, 0, -9.80665);
+  const auto as_read = identify_tool(poses, gravity, "axia80");
+  const auto check = check_frames(poses, {}, as_read, gravity, "axia80");
+  ASSERT_TRUE(check.repair);
+  EXPECT_EQ(check.repair->flags(), "--wrench-frame world");
+  EXPECT_NEAR(check.repaired.load.mass_kg, 1.24, 0.005);
+  EXPECT_NEAR(check.repaired.fit.force_component_N, 0.29, 0.01);
+}
+
+TEST(RealImport, GammaStaticsAndTheRunWithThreeClocks) {
+  TOUCHSTONE_SHARED_DATA_OR_SKIP(statics, "tool-gravity/0-calibration_fts-accel.csv");
+  TOUCHSTONE_SHARED_DATA_OR_SKIP(run, "tool-gravity/1-baseline_wrench.csv");
+  const Imported poses = by_map(statics, "tool-gravity-statics.json");
+  EXPECT_EQ(poses.columns.front().size(), 24U);
+  const auto tool = identify_tool(read_static_poses(saved(poses, "gamma.csv"), false), Vec3(0, 0, -9.82085), "gamma");
+  EXPECT_NEAR(tool.load.mass_kg, 0.932, 0.01);
+  const Imported moving = by_map(run, "tool-gravity-run.json");
+  EXPECT_EQ(moving.names.front(), "t_s");
+  EXPECT_EQ(moving.names.size(), 14U);
+  EXPECT_GT(moving.columns.front().size(), 4000U);
+}
+
+TEST(RealImport, JointSweep) {
+  TOUCHSTONE_SHARED_DATA_OR_SKIP(file, "actuator/mtm_joint4_sweep.csv");
+  const Imported got = by_map(file, "actuator-joint.json");
+  ASSERT_EQ(got.columns.front().size(), 4885U);
+  EXPECT_EQ(got.columns[1].front(), -1.4687252941333431);
+  EXPECT_EQ(got.columns[3].back(), -0.15993316732704796);
+  EXPECT_NE(guess_map(file).json.find("\"row_rate_Hz\": 200"), std::string::npos);
+}
+
+TEST(RealImport, Spindle) {
+  TOUCHSTONE_SHARED_DATA_OR_SKIP(file, "spindle-friction/Tool_4_Maryland_L_2_00.txt");
+  const Imported got = by_map(file, "spindle.json");
+  EXPECT_NEAR(static_cast<double>(got.columns.front().size()), 18000.0, 20.0);
+}
+
+TEST(RealImport, AfmCurves) {
+  TOUCHSTONE_SHARED_DATA_OR_SKIP(jpk, "afm-indentation/fmt-tab-fd_version_0.13.3.tab");
+  TOUCHSTONE_SHARED_DATA_OR_SKIP(workshop, "raw-formats/fmt-afm-workshop-fd_single_2020-02-14_13.41.25.csv");
+  TOUCHSTONE_SHARED_DATA_OR_SKIP(nt_mdt,
+                                 "raw-formats/fmt-ntmdt-txt-fd_2015_01_17_gel4-0,1_mQ_adh_6B_Curve_DFL_Height_51.txt");
+  const Imported cell = by_map(jpk, "afm-jpk-tab.json");
+  saved(cell, "cell.csv");
+  const Imported curve = by_map(workshop, "afm-workshop.json");
+  saved(curve, "workshop.csv");
+  EXPECT_EQ(curve.columns[3].front(), 15072.4571 * -1e-6);
+  const Imported gel = by_map(nt_mdt, "nt-mdt-curve.json");
+  saved(gel, "gel.csv");
+  EXPECT_EQ(gel.columns.front().size(), 2000U);
+  EXPECT_EQ(gel.columns[6].front(), 1.4726);
+  EXPECT_EQ(gel.columns[6][1000], -1.0926);  // retract begins where approach ends
+}
+
+}  // namespace
+}  // namespace touchstone::importing

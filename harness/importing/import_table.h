@@ -1,0 +1,45 @@
+// What the readers of foreign files have in common: tables of named columns, before a map says what they mean. A table
+// of text has one; a bag has one for each topic, a .mat file one for each length of its arrays.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "harness/base/rooms.h"
+
+namespace touchstone::importing {
+
+struct ImportTable {
+  std::string name;                          // of the topic or group; "" where a file has one table
+  std::vector<std::string> names;            // of the columns; c1, c2, ... where the file names none
+  std::vector<std::vector<double>> columns;  // all of one length; NaN where a value is missing
+  std::vector<std::string> notes;            // what was skipped or assumed
+  std::string source;                        // the file
+  std::string format;                        // "text table: tabs, decimal commas", "MATLAB v5", ...
+  bool names_from_file = false;
+
+  [[nodiscard]] std::size_t rows() const noexcept { return columns.empty() ? 0 : columns.front().size(); }
+};
+
+// How a text table is laid out; empty fields are found from the file.
+struct TextLayout {
+  std::string separator;  // "comma", "semicolon", "tab", "space"
+  std::string decimal;    // "point", "comma"
+  std::string comment;    // lines that begin with it hold no data
+  std::vector<std::string> names;
+};
+
+// Files larger than this are no tables of one recording: they are read whole.
+inline constexpr std::uintmax_t largest_import_bytes = std::uintmax_t{2} << 30;
+
+// Every table of a file, by what the file is: MATLAB, ROS bag, HDF5, text. Throws BadData naming file, line and column.
+std::vector<ImportTable> read_foreign(const std::filesystem::path& path, const TextLayout& layout);
+
+// The readers; each throws BadData.
+ImportTable read_text_table(const std::filesystem::path& path, const TextLayout& layout);
+std::vector<ImportTable> read_mat_file(const std::filesystem::path& path);
+std::vector<ImportTable> read_ros_bag(const std::filesystem::path& path);        // version 2.0 of ROS 1
+std::vector<ImportTable> read_ros2_database(const std::filesystem::path& path);  // SQLite storage of ROS 2
+
+}  // namespace touchstone::importing

@@ -1,0 +1,131 @@
+// Text as instruments and their programs write it. The heads of the samples are captured: LabVIEW's from a public
+// recording (its decimal commas, blank X column and comment column), JPK's from a public curve of a CellHesion 200, the
+// Net F/T's from the sources of ATI's demo program (NetFTDiscoveryGUI, which prints these lines).
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <cmath>
+
+#include "harness/base/atomic_file.h"
+#include "harness/base/error.h"
+#include "harness/importing/import_table.h"
+
+namespace touchstone::importing {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+
+std::filesystem::path text_folder() {
+  auto path = std::filesystem::path(::testing::TempDir()) / fmt::format("touchstone-import-text-{}", ::getpid());
+  ensure_writable_folder(path);
+  return path;
+}
+
+ImportTable text_table(const std::string& bytes, const TextLayout& layout = {}) {
+  const auto file = text_folder() / "t.txt";
+  write_file(file, bytes);
+  return read_text_table(file, layout);
+}
+
+std::string text_refusal(const std::string& bytes, const TextLayout& layout = {}) {
+  try {
+    text_table(bytes, layout);
+  } catch (const BadData& e) {
+    return e.what();
+  }
+  return "no error";
+}
+
+TEST(TextTable, LabViewMeasurementWithDecimalCommas) {
+  const ImportTable t = text_table(
+      "LabVIEW Measurement\t\nWriter_Version\t2\nReader_Version\t2\nSeparator\tTab\nDecimal_Separator\t,\n"
+      "Multi_Headings\tNo\nX_Columns\tNo\nTime_Pref\tRelative\nDate\t2019/07/22\nTime\t17:18:18,938945770263671875\n"
+      "***End_of_Header***\t\n\t\nChannels\t2\t\t\nSamples\t100\t100\t\nDate\t2019/07/22\t2019/07/22\t\n"
+      "X_Dimension\tTime\tTime\t\nX0\t0,0000000000000000E+0\t0,0000000000000000E+0\t\nDelta_X\t1,000000\t1,000000\t\n"
+      "***End_of_Header***\t\t\t\nX_Value\tUntitled\tUntitled "
+      "1\tComment\n\t0,000000\t0,055544\t\n\t0,000001\t-0,055544\t\n"
+      "\t0,000002\t1,5\t\n");
+  EXPECT_THAT(t.names, ElementsAre("X_Value", "Untitled", "Untitled 1"));
+  ASSERT_EQ(t.rows(), 3U);
+  EXPECT_EQ(t.columns[2], (std::vector<double>{0.055544, -0.055544, 1.5}));
+  EXPECT_TRUE(std::isnan(t.columns[0][0]));
+}
+
+TEST(TextTable, JpkTextWithTwoSegments) {
+  const std::string segment =
+      "# columns: verticalTipPosition vDeflection strainGaugeHeight height smoothedStrainGaugeHeight seriesTime time\n"
+      "# fancyNames: \"Vertical Tip Position\" \"Vertical Deflection\" \"Head Height (measured)\" \"Height\" \"Head "
+      "Height "
+      "(measured & smoothed)\" \"Series Time\" \"Segment Time\"\n# sensitivity: 7.363581843930989E-8\n"
+      "# springConstant: 0.012233132341672661\n# units: m N m m m s s\n#\n"
+      "6.97844E-5 -2.1227542E-11 6.9782254E-5 6.0452272E-5 6.978614E-5 2.5E-4 2.5E-4\n"
+      "6.9781156E-5 -3.0425995E-11 6.977914E-5 6.0452272E-5 6.978364E-5 7.5E-4 7.5E-4\n";
+  const ImportTable t =
+      text_table("# segmentIndex: 0\n# segment: extend\n" + segment + "\n# segmentIndex: 1\n" + segment);
+  EXPECT_THAT(t.names, ElementsAre("verticalTipPosition", "vDeflection", "strainGaugeHeight", "height",
+                                   "smoothedStrainGaugeHeight", "seriesTime", "time", "segment"));
+  EXPECT_THAT(t.columns[1], ElementsAre(-2.1227542e-11, -3.0425995e-11, -2.1227542e-11, -3.0425995e-11));
+  EXPECT_THAT(t.columns[7], ElementsAre(0, 0, 1, 1));
+}
+
+TEST(TextTable, NetFtDemoLog) {
+  const ImportTable t = text_table(
+      "Start Time: 6/1/10 2:32 PM\nRDT Sample Rate: 7000\n\"PLEASE NOTE: The sample rate is read from the Net F/T when "
+      "the program starts.  If you have changed the sample rate since the program started, this will be "
+      "incorrect.\"\nForce Units: N\nCounts per Unit Force: 1000000.0\nTorque Units: Nm\nCounts per Unit Torque: "
+      "1000000.0\nStatus (hex), RDT Sequence, F/T Sequence, Fx, Fy, Fz, Tx, Ty, Tz, Time\n"
+      "0x0, 1, 4711, 1000, -2000, 3000000, 10, -20, 30, 0\n0x80010000, 2, 4712, 1001, -2001, 3000001, 11, -21, 31, "
+      "0\n");
+  EXPECT_EQ(t.names[0], "Status (hex)");
+  EXPECT_EQ(t.names[3], "Fx");
+  EXPECT_THAT(t.columns[0], ElementsAre(0.0, 2147549184.0));
+  EXPECT_THAT(t.columns[5], ElementsAre(3000000.0, 3000001.0));
+}
+
+TEST(TextTable, WithoutHeaderWithCommentsBlankLinesAndEverySeparator) {
+  for (const auto& [separator, decimal] : {std::pair<std::string, char>{"\t", '.'},
+                                           {"\t", ','},
+                                           {";", '.'},
+                                           {";", ','},
+                                           {",", '.'},
+                                           {", ", '.'},
+                                           {"  ", '.'},
+                                           {" ", ','}}) {
+    std::string text = "\n% a remark, with 3 numbers 1 2 3\n\n";
+    for (int i = 0; i < 5; ++i) {
+      text += fmt::format("{0}{2}25{1}-{0}{2}5e-3{1}7\r\n", i, separator, decimal);
+    }
+    const ImportTable t = text_table(text + "\r\n\r\n");
+    ASSERT_EQ(t.names.size(), 3U) << separator << decimal;
+    EXPECT_EQ(t.names[0], "c1");
+    EXPECT_EQ(t.columns[0][3], 3.25);
+    EXPECT_EQ(t.columns[1][3], -3.5e-3);
+    EXPECT_EQ(t.columns[2][4], 7.0);
+  }
+}
+
+TEST(TextTable, BadFilesAreRefusedWithTheirPlace) {
+  EXPECT_THAT(text_refusal(""), HasSubstr("is empty"));
+  EXPECT_THAT(text_refusal("nothing but words\nand more of them\n"), HasSubstr("holds no table of numbers"));
+  EXPECT_THAT(text_refusal("1,2,3\n4,5,6\n7,8\n"), HasSubstr("line 3 has 2 values where the lines before have 3"));
+  EXPECT_THAT(text_refusal("a,b\n1,2\n3,4\n5,six\n"), HasSubstr("line 4, column 2 (b): 'six' is not a number"));
+  EXPECT_THAT(text_refusal("\xff\xfe"
+                           "1"),
+              HasSubstr("UTF-16"));
+  EXPECT_THAT(text_refusal(std::string("\x7f"
+                                       "ELF\0\0\0",
+                                       7)),
+              HasSubstr("binary file"));
+  TextLayout named;
+  named.names = {"a", "b"};
+  EXPECT_THAT(text_refusal("1,2,3\n4,5,6\n", named), HasSubstr("has 3 columns where the map names 2"));
+  EXPECT_THROW(read_foreign(text_folder() / "no-such.txt", {}), BadData);
+  write_file(text_folder() / "z.csv", "\x1f\x8b...");
+  EXPECT_THROW(read_foreign(text_folder() / "z.csv", {}), BadData);
+}
+
+}  // namespace
+}  // namespace touchstone::importing

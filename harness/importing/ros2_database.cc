@@ -1,0 +1,98 @@
+// Bags of ROS 2 in SQLite storage (rosbag2_storage_default_plugins: tables topics and messages, payloads in CDR).
+#include <fmt/format.h>
+#include <sqlite3.h>
+
+#include <map>
+#include <memory>
+
+#include "harness/base/error.h"
+#include "harness/importing/import_table.h"
+#include "harness/importing/ros_message.h"
+
+namespace touchstone::importing {
+namespace {
+
+struct DatabaseClose {
+  void operator()(sqlite3* db) const { sqlite3_close(db); }
+};
+struct StatementClose {
+  void operator()(sqlite3_stmt* statement) const { sqlite3_finalize(statement); }
+};
+using RosStatement = std::unique_ptr<sqlite3_stmt, StatementClose>;
+
+std::string column_text(sqlite3_stmt* statement, int column) {
+  const unsigned char* const text = sqlite3_column_text(statement, column);
+  return text == nullptr ? std::string() : reinterpret_cast<const char*>(text);
+}
+
+}  // namespace
+
+std::vector<ImportTable> read_ros2_database(const std::filesystem::path& path) {
+  sqlite3* raw = nullptr;
+  const int opened = sqlite3_open_v2(path.c_str(), &raw, SQLITE_OPEN_READONLY, nullptr);
+  const std::unique_ptr<sqlite3, DatabaseClose> db(raw);
+  const auto fail = [&](std::string_view doing) {
+    throw BadData(fmt::format("{}: {}: {}; is it the .db3 file of a ROS 2 bag, and complete?", path.string(), doing,
+                              sqlite3_errmsg(db.get())));
+  };
+  if (opened != SQLITE_OK) fail("cannot be opened as an SQLite database");
+  const auto prepare = [&](const char* query) {
+    sqlite3_stmt* statement = nullptr;
+    if (sqlite3_prepare_v2(db.get(), query, -1, &statement, nullptr) != SQLITE_OK) fail("is no ROS 2 bag");
+    return RosStatement(statement);
+  };
+  struct Topic {
+    std::string name, type;
+    ImportTable table;
+  };
+  std::map<std::int64_t, Topic> topics;
+  std::string list;
+  const auto topic_rows = prepare("SELECT id, name, type, serialization_format FROM topics");
+  while (sqlite3_step(topic_rows.get()) == SQLITE_ROW) {
+    const std::string format = column_text(topic_rows.get(), 3), name = column_text(topic_rows.get(), 1);
+    if (format != "cdr") {
+      throw BadData(fmt::format("{}: topic {} is serialized as '{}'; cdr was expected", path.string(), name, format));
+    }
+    Topic& topic = topics[sqlite3_column_int64(topic_rows.get(), 0)];
+    topic.name = name, topic.type = column_text(topic_rows.get(), 2);
+    list += fmt::format("{}{} ({})", list.empty() ? "" : ", ", topic.name, topic.type);
+  }
+  const auto messages = prepare("SELECT topic_id, timestamp, data FROM messages ORDER BY timestamp, id");
+  int step = SQLITE_ROW;
+  while ((step = sqlite3_step(messages.get())) == SQLITE_ROW) {
+    const auto found = topics.find(sqlite3_column_int64(messages.get(), 0));
+    if (found == topics.end()) throw BadData(fmt::format("{}: a message belongs to no topic", path.string()));
+    auto& [name, type, table] = found->second;
+    const auto* const blob = static_cast<const std::byte*>(sqlite3_column_blob(messages.get(), 2));
+    const std::span bytes(blob, static_cast<std::size_t>(sqlite3_column_bytes(messages.get(), 2)));
+    if (table.names.empty()) {
+      table.names = ros_columns(type, RosEncoding::cdr, bytes);
+      table.columns.resize(table.names.size());
+      table.name = name;
+      table.source = path.string();
+      table.format = fmt::format("ROS 2 bag, {}", type);
+      table.names_from_file = true;
+    }
+    if (table.names.empty()) continue;
+    const std::string place = fmt::format("{}: topic {}, message {}", path.string(), name, table.rows() + 1);
+    const double t_s = 1e-9 * static_cast<double>(sqlite3_column_int64(messages.get(), 1));
+    const auto values = ros_values(type, RosEncoding::cdr, bytes, t_s, place);
+    if (values.size() != table.columns.size()) {
+      throw BadData(
+          fmt::format("{}: has {} values where the first had {}", place, values.size(), table.columns.size()));
+    }
+    for (std::size_t c = 0; c < values.size(); ++c) table.columns[c].push_back(values[c]);
+  }
+  if (step != SQLITE_DONE) fail("cannot be read to its end");
+  std::vector<ImportTable> all;
+  for (auto& [id, topic] : topics) {
+    if (topic.table.rows() > 0) all.push_back(std::move(topic.table));
+  }
+  if (all.empty()) {
+    throw BadData(fmt::format("{}: no topic has messages of a force or pose that can be read; its topics: {}",
+                              path.string(), list.empty() ? "none" : list));
+  }
+  return all;
+}
+
+}  // namespace touchstone::importing

@@ -1,0 +1,154 @@
+// Friction inside the proxy's step: the friction cone.
+//
+// Source: W. S. Harwin and N. Melder, "Improved haptic rendering for multi-finger manipulation using friction cone
+// based god-objects", EuroHaptics 2002; N. Melder and W. S. Harwin, "Extending the friction cone algorithm for
+// arbitrary polygon based haptic objects", Haptic Symposium 2004. A cone with its apex at the god-object opens into the
+// object about the inward normal with half angle atan(mu). While the tip is inside, the god-object stays; else it moves
+// over the surface, towards where it would rest without friction, until the tip lies on the cone. At depth h over a
+// plane the cone is a circle of radius mu h about the tip's foot point. Two cones make break-away: a god-object that
+// stays is held by mu_static; once it moves it goes on to the cone of mu_dynamic, and is held by mu_static again after
+// the first step in which it did not have to move.
+//
+// The force k (g - p) then lies in the cone: |f_t| <= mu |f_n|. Passivity: moving the tip with the god-object at rest
+// stores k/2 |g - p|^2 to the hand's work exactly; the god-object only moves where that makes |g - p| smaller.
+// Where several triangles press (a valley) the cone stands about the resultant of their normal forces; Coulomb's law at
+// each of them would allow more.
+#pragma once
+
+#include <cmath>
+
+#include "harness/base/rooms.h"
+#include "renderers/friction/contact_places.h"
+#include "renderers/friction/fixed_order.h"
+#include "renderers/friction/nearest_in_polyhedron.h"
+
+namespace touchstone::renderers {
+
+struct ConeFriction {
+  double mu_static = 0.0;   // >= mu_dynamic
+  double mu_dynamic = 0.0;  // >= 0
+
+  [[nodiscard]] bool none() const noexcept { return !(mu_static > 0.0); }
+};
+
+// The pull from a proxy towards its tip, `way`, split by the normals there.
+template <class S>
+struct ConeSplitOf {
+  Vec3Of<S> slide;   // where it would move without friction, to first order: the tangential part
+  Vec3Of<S> normal;  // way = slide - normal: the sum of non-negative multiples of the normals
+};
+
+template <class S>
+ConeSplitOf<S> split_by_normals(const ContactNormalsOf<S>& contact, const Vec3Of<S>& way, const S& rounding) noexcept;
+
+// A proxy that moves towards goals (nothing, until it is held) made to stop at the cone: it is sent to the goal that it
+// reaches without friction where the tip lies on the cone, found by iterating on the normals at the place reached; on a
+// plane once is enough.
+// Proxy: a Scalar, position(), touching(), contact_normals(), pull(goal) that moves it without friction.
+class ConeFollower {
+ public:
+  ConeFollower() = default;
+  explicit ConeFollower(const ConeFriction& friction) : friction_(friction) {}
+
+  void stick() noexcept { sliding_ = false; }
+  void resume(bool sliding) noexcept { sliding_ = sliding; }
+  [[nodiscard]] bool sliding() const noexcept { return sliding_; }
+  [[nodiscard]] const ConeFriction& friction() const noexcept { return friction_; }
+
+  template <class Proxy, class S = typename Proxy::Scalar>
+  void follow(Proxy& proxy, const Vec3Of<S>& p, const S& rounding) noexcept {
+    const bool was_sliding = sliding_;
+    sliding_ = false;
+    if (!proxy.touching()) return land(proxy, p, rounding);
+    const ConeSplitOf<S> split = split_at(proxy, p, rounding);
+    const S normal_m = norm(split.normal);
+    const S hold(was_sliding ? friction_.mu_dynamic : friction_.mu_static);
+    if (normal_m > S(0.0) && norm(split.slide) <= hold * normal_m + rounding) return;
+    slide(proxy, p, split, normal_m, rounding);
+  }
+
+ private:
+  template <class Proxy, class S = typename Proxy::Scalar>
+  static ConeSplitOf<S> split_at(const Proxy& proxy, const Vec3Of<S>& p, const S& rounding) noexcept {
+    return split_by_normals<S>(proxy.contact_normals(), p - proxy.position(), rounding);
+  }
+
+  // From the air: held where it came through the surface, if the cone allows.
+  template <class Proxy, class S = typename Proxy::Scalar>
+  void land(Proxy& proxy, const Vec3Of<S>& p, const S& rounding) noexcept {
+    const Vec3Of<S> from = proxy.position();
+    proxy.pull(p);
+    if (!proxy.touching()) return;
+    const Vec3Of<S> normal = proxy.position() - p;
+    const S depth_m = norm(normal);
+    const S sink = dot(normal, p - from);
+    if (!(depth_m > S(0.0)) || !(sink < S(0.0))) return;
+    // Where the way meets the plane through the proxy, seen from the proxy.
+    const Vec3Of<S> entry = p + (squared_norm(normal) / -sink) * (from - p) - proxy.position();
+    const S away = norm(entry);
+    // Held, or dragged to the cone.
+    const bool held = away <= S(friction_.mu_static) * depth_m;
+    const S share = held ? S(1.0) : S(S(friction_.mu_dynamic) * depth_m / away);
+    if (away > rounding) proxy.pull(p + share * entry);
+    const ConeSplitOf<S> split = split_at(proxy, p, rounding);
+    const S normal_m = norm(split.normal);
+    const S hold(held ? friction_.mu_static : friction_.mu_dynamic);
+    if (!proxy.touching() || norm(split.slide) > hold * normal_m + rounding) slide(proxy, p, split, normal_m, rounding);
+    sliding_ = sliding_ || !held;
+  }
+
+  // Goals between the tip (without friction: inside the cone) and the point below the proxy (held: outside). On a plane
+  // the first one is right; over curves the secant method finds it.
+  template <class Proxy, class S = typename Proxy::Scalar>
+  void slide(Proxy& proxy, const Vec3Of<S>& p, const ConeSplitOf<S>& split, const S& normal_m,
+             const S& rounding) noexcept {
+    using std::abs;
+    constexpr int kRounds = 16;
+    constexpr double kConverged = 1e-12;  // of the normal part
+    const S mu(friction_.mu_dynamic);
+    const S slide_m = norm(split.slide);
+    sliding_ = true;
+    if (!(normal_m > S(0.0)) || !(slide_m > S(0.0))) return proxy.pull(p);
+    S inside(0.0);
+    S outside(1.0);
+    S last(1.0);
+    S last_excess = slide_m - mu * normal_m;
+    S share = mu * normal_m / slide_m;
+    for (int round = 0; round < kRounds; ++round) {
+      proxy.pull(p - share * split.slide);
+      if (!proxy.touching()) return proxy.pull(p);
+      const ContactNormalsOf<S> contact = proxy.contact_normals();
+      const ConeSplitOf<S> now = split_by_normals<S>(contact, p - proxy.position(), rounding);
+      const S pressed_m = norm(now.normal);
+      const S limit = mu * pressed_m;
+      const S excess = norm(now.slide) - limit;
+      if (abs(excess) <= S(kConverged) * pressed_m + rounding) return;
+      // Caught in a valley, where less than sliding friction holds it.
+      if (contact.size > 1 && excess < S(-0.5) * limit) return;
+      (excess < S(0.0) ? inside : outside) = share;
+      S next = share - excess * (share - last) / (excess - last_excess);
+      if (!(next > inside && next < outside)) next = S(0.5) * (inside + outside);
+      last = share;
+      last_excess = excess;
+      share = next;
+    }
+    // A place where the proxy jumps: the side of the jump that is inside the cone.
+    proxy.pull(p - inside * split.slide);
+  }
+
+  ConeFriction friction_;
+  bool sliding_ = false;
+};
+
+// The unit normal that the cone stands about; of a proxy without friction's part of the push.
+template <class Proxy, class S = typename Proxy::Scalar>
+Vec3Of<S> cone_normal(const Proxy& proxy, const Vec3Of<S>& p, const S& rounding) noexcept {
+  if (!proxy.touching()) return Vec3Of<S>::Zero();
+  const ContactNormalsOf<S> contact = proxy.contact_normals();
+  if (contact.size == 1) return contact.n[0];
+  const Vec3Of<S> normal = split_by_normals<S>(contact, p - proxy.position(), rounding).normal;
+  const S length = norm(normal);
+  return length > S(0.0) ? Vec3Of<S>(normal / length) : contact.n[0];
+}
+
+}  // namespace touchstone::renderers

@@ -1,0 +1,196 @@
+#include "renderers/proxy/ball_constraints.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "renderers/friction/fixed_order.h"
+#include "renderers/walkable/counted_contact_mesh.h"
+
+namespace touchstone::renderers {
+namespace {
+
+constexpr int kNewtonSteps = 16;
+constexpr int kFeatureChanges = 6;
+// Of rounding: what may be left of a gap where the answer no longer moves. Of normals nearly alike (cos 0.9999) the
+// equations of the multipliers lose four digits, and with them the place.
+constexpr double kStanding = 64.0;
+
+// On one triangle: by its face, edge or corner in closed form, until the answer's own closest feature is the one used.
+// Both this and newton() answer false where the contact ends up on the triangle's other side.
+template <class Mesh, class S = typename Mesh::Scalar>
+bool rest_on_one(const Mesh& mesh, std::int32_t triangle, const S& r, const Vec3Of<S>& p, Vec3Of<S>& x) noexcept {
+  using V = Vec3Of<S>;
+  const S none(0.0);
+  const FacetOf<S>& facet = mesh.facet(triangle);
+  TouchOf<S> now = touch(mesh, triangle, x);
+  const V before = now.n;
+  for (int change = 0; change < kFeatureChanges; ++change) {
+    V next;
+    S pull(0.0);
+    if (now.feature == Feature::face) {
+      const V& n = now.n;
+      pull = r - dot(n, p - facet.origin);
+      next = p + pull * n;
+    } else {
+      V foot = mesh.vertex(facet.corner[now.index]);
+      if (now.feature == Feature::edge) {
+        const V along = mesh.vertex(facet.corner[(now.index + 1U) % 3U]) - foot;
+        foot += dot(along, p - foot) / squared_norm(along) * along;
+      }
+      const V out = p - foot;
+      const S distance = norm(out);
+      // Beyond the edge or corner the nearest place is on its other side: the ball must find its way round it first.
+      if (!(dot(out, now.n) > none)) return false;
+      pull = r - distance;
+      next = foot + (r / distance) * out;
+    }
+    if (pull < none) return false;
+    const TouchOf<S> then = touch(mesh, triangle, next);
+    x = next;
+    if (then.feature == now.feature && then.index == now.index) return dot(then.n, before) > none;
+    now = then;
+  }
+  return false;
+}
+
+template <class S>
+using Mat3Of = Eigen::Matrix<S, 3, 3>;
+
+// The second derivative of the distance from an edge or corner.
+template <class Mesh, class S = typename Mesh::Scalar>
+Mat3Of<S> curvature(const Mesh& mesh, std::int32_t triangle, const TouchOf<S>& t) noexcept {
+  Mat3Of<S> bend = Mat3Of<S>::Identity() - t.n * t.n.transpose();
+  if (t.feature == Feature::edge) {
+    const auto& corner = mesh.facet(triangle).corner;
+    const Vec3Of<S> e = unit(mesh.vertex(corner[(t.index + 1U) % 3U]) - mesh.vertex(corner[t.index]));
+    bend -= e * e.transpose();
+  }
+  return bend / t.d;
+}
+
+template <int M, class Mesh, class S = typename Mesh::Scalar>
+bool newton(const Mesh& mesh, const Holding& holding, const S& r, const Vec3Of<S>& p, const S& rounding,
+            Vec3Of<S>& x) noexcept {
+  using std::abs;
+  using Multipliers = Eigen::Matrix<S, M, 1>;
+  using Normals = Eigen::Matrix<S, 3, M>;
+  const S none(0.0);
+  Multipliers l = Multipliers::Zero();
+  Normals before;  // the normals at the start
+  for (int step = 0; step < kNewtonSteps; ++step) {
+    Normals n;
+    Multipliers gap;
+    Mat3Of<S> k = Mat3Of<S>::Identity();
+    bool bent = false;
+    for (int i = 0; i < M; ++i) {
+      const std::int32_t triangle = holding.triangle[static_cast<std::size_t>(i)];
+      const TouchOf<S> t = touch(mesh, triangle, x);
+      n.col(i) = t.n;
+      gap[i] = r - t.d;
+      if (step > 0 && t.feature != Feature::face && t.d > none) {
+        k -= l[i] * curvature(mesh, triangle, t);
+        bent = true;
+      }
+    }
+    if (step == 0) before = n;
+    // K dx - N l = p - x, N' dx = gap: eliminate dx. Of planes K is the identity.
+    Mat3Of<S> inverse;
+    if (bent && !invert<S>(k, 1e-12, inverse)) return false;
+    const Normals released_n = bent ? product(inverse, n) : n;
+    const Eigen::Matrix<S, M, M> gram = inner_products(n, released_n);
+    Eigen::Matrix<S, M, M> gram_inverse;
+    if (!invert<S>(gram, 1e-24, gram_inverse)) return false;
+    const Vec3Of<S> pull = p - x;
+    const Vec3Of<S> released_pull = bent ? product(inverse, pull) : pull;
+    const Multipliers left = gap - inner_products(n, released_pull);
+    l = product(gram_inverse, left);
+    const Vec3Of<S> pushed = pull + product(n, l);
+    const Vec3Of<S> dx = bent ? product(inverse, pushed) : pushed;
+    if (!finite(dx)) return false;
+    // Far steps leave the neighbourhood in which the closest features are what they are.
+    const S length = norm(dx);
+    const bool far = length > S(0.5) * r;
+    const Vec3Of<S> next = x + (far ? Vec3Of<S>(S(0.5) * r / length * dx) : dx);
+    const bool stands = next == x;
+    x = next;
+    // The last normals are those at x but for a step of rounding.
+    if (far || !(length <= rounding)) continue;
+    bool settled = true;
+    for (int i = 0; i < M; ++i) settled = settled && abs(gap[i]) <= (stands ? S(kStanding * rounding) : rounding);
+    if (!settled && stands) return false;  // for ever
+    if (!settled) continue;
+    for (int i = 0; i < M; ++i) {
+      if (!(l[i] >= none && dot(n.col(i), before.col(i)) > none)) return false;
+    }
+    return true;
+  }
+  return false;
+}
+
+}  // namespace
+
+template <class Mesh, class S>
+TouchOf<S> touch(const Mesh& mesh, std::int32_t triangle, const Vec3Of<S>& x) noexcept {
+  using std::abs;
+  using std::sqrt;
+  using V = Vec3Of<S>;
+  const S none(0.0);
+  const FacetOf<S>& facet = mesh.facet(triangle);
+  const S h = facet.height(x);
+  const std::array<S, 3> s{facet.inside(0, x), facet.inside(1, x), facet.inside(2, x)};
+  if (s[0] >= none && s[1] >= none && s[2] >= none)
+    return {h >= none ? facet.n : V(-facet.n), abs(h), Feature::face, 0};
+  // The closest point is on an edge that x is outside of, or at one of its ends.
+  TouchOf<S> best{facet.n, none, Feature::vertex, 0};
+  V from = V::Zero();
+  S least(std::numeric_limits<double>::infinity());
+  for (std::uint8_t e = 0; e < 3; ++e) {
+    if (s[e] >= none) continue;
+    const auto next = static_cast<std::uint8_t>(e == 2 ? 0 : e + 1);
+    const V& start = mesh.vertex(facet.corner[e]);
+    const V along = mesh.vertex(facet.corner[next]) - start;
+    const V out = x - start;
+    const S reach = dot(out, along);
+    V here;
+    Feature feature = Feature::vertex;
+    std::uint8_t index = e;
+    if (reach <= none) {
+      here = out;
+    } else if (reach >= squared_norm(along)) {
+      here = out - along;
+      index = next;
+    } else {
+      here = h * facet.n + s[e] * facet.inward[e];
+      feature = Feature::edge;
+    }
+    if (const S squared = squared_norm(here); squared < least) {
+      least = squared;
+      from = here;
+      best.feature = feature;
+      best.index = index;
+    }
+  }
+  best.d = sqrt(least);
+  if (best.d > none) best.n = from / best.d;
+  return best;
+}
+
+template <class Mesh, class S>
+bool rest_on(const Mesh& mesh, const Holding& holding, const S& r, const Vec3Of<S>& p, const S& rounding,
+             Vec3Of<S>& x) noexcept {
+  if (holding.size == 0) {
+    x = p;
+    return true;
+  }
+  if (holding.size == 1) return rest_on_one(mesh, holding.triangle[0], r, p, x);
+  return holding.size == 2 ? newton<2>(mesh, holding, r, p, rounding, x) : newton<3>(mesh, holding, r, p, rounding, x);
+}
+
+template TouchOf<double> touch(const ContactMesh&, std::int32_t, const Vec3&) noexcept;
+template TouchOf<Counted> touch(const CountedContactMesh&, std::int32_t, const Vec3Of<Counted>&) noexcept;
+template bool rest_on(const ContactMesh&, const Holding&, const double&, const Vec3&, const double&, Vec3&) noexcept;
+template bool rest_on(const CountedContactMesh&, const Holding&, const Counted&, const Vec3Of<Counted>&, const Counted&,
+                      Vec3Of<Counted>&) noexcept;
+
+}  // namespace touchstone::renderers

@@ -1,0 +1,469 @@
+#include "renderers/proxy/ball_proxy.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "renderers/walkable/counted_contact_mesh.h"
+#include "renderers/walkable/fetch.h"
+
+namespace touchstone::renderers {
+namespace {
+
+constexpr double kEps = std::numeric_limits<double>::epsilon();
+// Triangles to gather at a time: enough for several servo ticks, few enough to test quickly.
+constexpr std::size_t kFew = 16;
+constexpr std::size_t kMany = 96;
+constexpr std::size_t kMost = 4096;
+constexpr std::size_t kMostProposed = 2 * kMost;  // by the tree
+constexpr int kMoves = 256;                       // per step; a jump across the object takes some
+constexpr int kGlide = 8;                         // edges of one move over faces
+constexpr int kExchanges = 12;                    // of holding triangles per move
+constexpr double kAhead = 0.7;                    // of the margin: how far ahead of the centre to gather
+constexpr double kBeyond = 1.0 + 64.0 * kEps;     // for what is farther for sure, rounding aside
+constexpr int kCuts = 40;                         // of the search for the least distance along a way
+
+}  // namespace
+
+template <class Mesh>
+BallProxyOf<Mesh>::BallProxyOf(const Mesh& mesh, const Surface& surface, double radius_m, const ConeFriction& friction)
+    : mesh_(&mesh),
+      surface_(&surface),
+      r_(radius_m),
+      cone_(friction),
+      feeler_(mesh),
+      near_(kMost),
+      next_margin_(0.25 * radius_m) {
+  candidates_.reserve(kMostProposed);
+  half_spaces_.reserve(kMost);
+  limiting_.reserve(kMost);
+}
+
+template <class Mesh>
+void BallProxyOf<Mesh>::start(const V& p) noexcept {
+  holding_ = {};
+  cone_.stick();
+  margin_ = -1.0;
+  next_margin_ = 0.25 * r_;
+  gathers_ = moves_ = 0;
+  c_ = p;
+  const SurfacePoint nearest = surface_->closest(p.template cast<double>());
+  if (nearest.signed_distance_m >= r_) return;
+  const TouchOf<S> t = touch(*mesh_, nearest.triangle, p);
+  const bool rim = mesh_->on_rim(nearest.triangle, t.feature, t.index);
+  const bool inside = nearest.signed_distance_m < 0.0;
+  // Behind the rim of an open mesh there is no inside: the ball passes.
+  if (inside && rim) return;
+  // On the surface to rounding the direction to the tip is noise.
+  rounding_ = rounding_at(p);
+  const V out = inside || t.d <= 4.0 * rounding_ ? V(nearest.n_W.template cast<S>()) : t.n;
+  // Out along the normal until the ball is clear, then down again to where the tip pulls it.
+  S reach = r_;
+  while (reach < 1e3 * (r_ + mesh_->extent())) {
+    c_ = nearest.p_W_m.template cast<S>() + reach * out;
+    if (S(surface_->closest(c_.template cast<double>()).distance_m) >= r_ * (1.0 - 64.0 * kEps)) break;
+    reach *= 2.0;
+  }
+  pull(p);
+}
+
+template <class Mesh>
+void BallProxyOf<Mesh>::follow(const V& p) noexcept {
+  if (cone_.friction().none()) return pull(p);
+  cone_.follow(*this, p, std::max(rounding_at(p), rounding_at(c_)));
+}
+
+template <class Mesh>
+auto BallProxyOf<Mesh>::contact_normals() const noexcept -> ContactNormalsOf<S> {
+  ContactNormalsOf<S> contact;
+  for (int i = 0; i < holding_.size; ++i) {
+    const auto k = static_cast<std::size_t>(i);
+    contact.n[k] = touch(*mesh_, holding_.triangle[k], c_).n;
+  }
+  contact.size = holding_.size;
+  return contact;
+}
+
+template <class Mesh>
+auto BallProxyOf<Mesh>::normal(const V& p) const noexcept -> V {
+  if (!touching()) return V(V::Zero());
+  if (!cone_.friction().none()) return cone_normal(*this, p, rounding_);
+  const V push = c_ - p;
+  if (holding_.size > 1 && squared_norm(push) > S(0.0)) return unit(push);
+  return touch(*mesh_, holding_.triangle[0], c_).n;
+}
+
+template <class Mesh>
+auto BallProxyOf<Mesh>::rounding_at(const V& x) const noexcept -> S {
+  return 32.0 * kEps * std::max(S(mesh_->magnitude()), largest(x));
+}
+
+template <class Mesh>
+void BallProxyOf<Mesh>::pull(const V& p) noexcept {
+  rounding_ = std::max(rounding_at(p), rounding_at(c_));
+  for (int move = 0; move < kMoves; ++move) {
+    ++moves_;
+    if (!(margin_ >= 0.0) || !covered(c_)) gather(c_, next_margin_);
+    Holding holding = holding_;
+    V x = c_;
+    bool safe_way = true;
+    if (settle(p, holding, x, safe_way)) {
+      if (advance(x, safe_way, holding)) return;
+    } else if (!creep(p)) {
+      return;
+    }
+  }
+}
+
+// Whether the triangle comes as close as that: trees propose others too, each its own.
+template <class Mesh>
+bool BallProxyOf<Mesh>::reaches(const FacetOf<S>& facet, std::int32_t triangle, const V& at,
+                                const S& reach) const noexcept {
+  using std::abs;
+  const V from = at - facet.origin;
+  const S height = dot(facet.n, from);
+  if (abs(height) > reach) return false;
+  // Nearly always its first corner or its plane and borders say it.
+  if (squared_norm(from) <= reach * reach) return true;
+  const S outside = -std::min(std::min(dot(facet.inward[0], from), dot(facet.inward[1], from) - facet.inset),
+                              dot(facet.inward[2], from));
+  if (outside <= S(0.0)) return true;
+  if (height * height + outside * outside > kBeyond * reach * reach) return false;
+  return touch(*mesh_, triangle, at).d <= reach;
+}
+
+template <class Mesh>
+void BallProxyOf<Mesh>::gather(const V& at, S margin) noexcept {
+  ++gathers_;
+  while (!gather_within(at, margin) && margin > rounding_) margin *= 0.25;
+  gathered_at_ = at;
+  margin_ = margin;
+  next_margin_ = margin * (near_.size() > kMany ? 0.5 : near_.size() < kFew ? 1.5 : 1.0);
+}
+
+// False where there are too many.
+template <class Mesh>
+bool BallProxyOf<Mesh>::gather_within(const V& at, const S& margin) noexcept {
+  const S reach = r_ + margin;
+  candidates_.clear();
+  bool all = true;
+  mesh_->tree().within(at, reach, [&](std::int32_t t) {
+    if (candidates_.size() < kMostProposed) {
+      candidates_.push_back(t);
+      fetch(mesh_->facet(t));
+    } else {
+      all = false;
+    }
+    return reach;
+  });
+  // In an order that does not depend on the tree.
+  std::sort(candidates_.begin(), candidates_.end());
+  const V from_at = c_ - at;
+  near_.clear();
+  for (const std::int32_t t : candidates_) {
+    const FacetOf<S>& facet = mesh_->facet(t);
+    if (is_zero(facet.n) || !reaches(facet, t, at, reach)) continue;
+    if (near_.size() == kMost) return false;
+    // Where the surface bends away the triangle's own plane does, now and later: no need of its closest point.
+    if (facet.height(c_) >= r_) {
+      near_.add(t, facet.n, r_ - facet.height(at));
+      continue;
+    }
+    // Tangential to the triangle from the ball's centre, which is outside; the middle of the gathered may not be.
+    const TouchOf<S> here = touch(*mesh_, t, c_);
+    near_.add(t, here.n, r_ - here.d + dot(here.n, from_at));
+  }
+  return all;
+}
+
+template <class Mesh>
+bool BallProxyOf<Mesh>::ignored(std::int32_t triangle) const noexcept {
+  if (mesh_->closed()) return false;
+  return mesh_->facet(triangle).height(c_) < -rounding_ || touch(*mesh_, triangle, c_).d < r_ - 64.0 * rounding_;
+}
+
+template <class Mesh>
+auto BallProxyOf<Mesh>::check(const V& x, const Holding& held) noexcept -> Check {
+  Check result;
+  const V offset = x - gathered_at_;
+  const bool far = squared_distance<S>(x, c_) > 0.25 * r_ * r_;
+  S least = r_ - rounding_;
+  near_.each_below(offset, S(0.0), [&](std::size_t i) {
+    const std::int32_t triangle = near_.triangle(i);
+    const FacetOf<S>& facet = mesh_->facet(triangle);
+    const S height = facet.height(x);
+    const S height_now = facet.height(c_);
+    if (height >= r_ && height_now >= r_) {
+      near_.set(i, facet.n, r_ - facet.height(gathered_at_));
+      return;
+    }
+    const TouchOf<S> t = touch(*mesh_, triangle, x);
+    const bool through = far && height_now >= 0.0 && height < 0.0;
+    if (held.has(triangle) || (t.d >= r_ - rounding_ && !through)) {
+      // Now tangential at x. The centre, where it is now, must lie in the half-space too for the way to be safe.
+      const S b = r_ - t.d + dot(t.n, offset);
+      if (dot(t.n, c_ - gathered_at_) >= b - rounding_) {
+        near_.set(i, t.n, b - rounding_);
+      } else if (far) {
+        result.safe_way = result.safe_way && stays_clear(triangle, x);
+      }
+      return;
+    }
+    if (ignored(triangle)) return;
+    const S depth = through ? -t.d : t.d;
+    if (depth < least) {
+      least = depth;
+      result.worst = triangle;
+    }
+  });
+  return result;
+}
+
+// The distance from a convex set is convex along the way: between two points it lies above the tangents there, and they
+// bracket its least value.
+template <class Mesh>
+bool BallProxyOf<Mesh>::stays_clear(std::int32_t triangle, const V& x) const noexcept {
+  const V way = x - c_;
+  const S least = r_ - 2.0 * rounding_;
+  struct At {
+    S t, d, slope;
+  };
+  const auto at = [&](S t) {
+    const TouchOf<S> here = touch(*mesh_, triangle, V(c_ + t * way));
+    return At{t, here.d, dot(here.n, way)};
+  };
+  At low = at(0.0);
+  At high = at(1.0);
+  if (low.d < least || high.d < least) return false;
+  for (int i = 0; i < kCuts; ++i) {
+    if (low.slope >= 0.0 || high.slope <= 0.0) return true;
+    // Where the tangents meet.
+    const S t = (high.d - low.d + low.slope * low.t - high.slope * high.t) / (low.slope - high.slope);
+    if (low.d + low.slope * (t - low.t) >= least) return true;
+    const At between = at(std::clamp(t, low.t, high.t));
+    if (between.d < least) return false;
+    (between.slope < 0.0 ? low : high) = between;
+  }
+  return false;
+}
+
+template <class Mesh>
+bool BallProxyOf<Mesh>::glide(const V& p, Holding& holding, V& x, bool& safe_way) noexcept {
+  if (holding.size != 1) return false;
+  std::int32_t triangle = holding.triangle[0];
+  std::int32_t from = -1;
+  for (int edges = 0; edges < kGlide; ++edges) {
+    const FacetOf<S>& facet = mesh_->facet(triangle);
+    const S pull = r_ - facet.height(p);
+    if (!facet.regular || !(pull >= 0.0) || !(facet.height(c_) > 0.0)) return false;
+    const V there = p + pull * facet.n;
+    if (!(squared_distance<S>(there, c_) <= 0.25 * r_ * r_)) return false;
+    // Over the edge that it is farthest outside of.
+    std::size_t exit = 3;
+    S least = 0.0;
+    for (std::size_t e = 0; e < 3; ++e) {
+      if (const S s = facet.inside(e, there); s < least) {
+        least = s;
+        exit = e;
+      }
+    }
+    if (exit == 3) {
+      Holding face;
+      face.add(triangle);
+      // Where not all triangles near are known yet there is nothing to ask: advance() will gather them first.
+      const Check result = covered(there) ? check(there, face) : Check{};
+      if (result.worst >= 0) return false;
+      holding = face;
+      x = there;
+      safe_way = result.safe_way;
+      return true;
+    }
+    const std::int32_t next = facet.neighbour[exit];
+    if (next < 0 || next == from || ignored(next)) return false;
+    from = triangle;
+    triangle = next;
+  }
+  return false;
+}
+
+template <class Mesh>
+bool BallProxyOf<Mesh>::settle(const V& p, Holding& holding, V& x, bool& safe_way) noexcept {
+  if (glide(p, holding, x, safe_way)) return true;
+  x = c_;
+  if (!rest_on(*mesh_, holding, r_, p, rounding_, x) && !roll(p, holding, x)) {
+    // Fewer of them may do: the first that leaves the others clear.
+    const Holding before = holding;
+    bool found = false;
+    for (unsigned chosen = 0; chosen + 1 < (1U << before.size) && !found; ++chosen) {
+      holding = {};
+      for (int i = 0; i < before.size; ++i) {
+        if ((chosen >> i & 1U) != 0) holding.add(before.triangle[static_cast<std::size_t>(i)]);
+      }
+      x = c_;
+      if (!rest_on(*mesh_, holding, r_, p, rounding_, x)) continue;
+      found = true;
+      for (int i = 0; i < before.size && found; ++i) {
+        const std::int32_t t = before.triangle[static_cast<std::size_t>(i)];
+        if (holding.has(t)) continue;
+        const V n = touch(*mesh_, t, c_).n;
+        found = dot(n, x - c_) >= -rounding_;
+      }
+    }
+    if (!found) return false;
+  }
+  for (int round = 0; round < kExchanges; ++round) {
+    const Check result = check(x, holding);
+    safe_way = result.safe_way;
+    if (result.worst < 0) return true;
+    if (!exchange(p, result.worst, holding, x)) return false;
+  }
+  return false;
+}
+
+template <class Mesh>
+bool BallProxyOf<Mesh>::roll(const V& p, Holding& holding, V& x) noexcept {
+  if (holding.size == 0) return false;
+  const std::int32_t from = holding.triangle[0];
+  const TouchOf<S> t = touch(*mesh_, from, c_);
+  if (!mesh_->facet(from).regular || t.feature == Feature::face) return false;
+  feeler_.resume(c_ - t.d * t.n, from);
+  if (!feeler_.follow(p) || feeler_.on() != SurfaceWalkOf<Mesh>::On::face) return false;
+  const FacetOf<S>& facet = mesh_->facet(feeler_.triangle());
+  const V there = p + (r_ - facet.height(p)) * facet.n;
+  if (!(squared_distance<S>(there, c_) <= 0.25 * r_ * r_)) return false;
+  holding = {};
+  holding.add(feeler_.triangle());
+  x = there;
+  return true;
+}
+
+template <class Mesh>
+bool BallProxyOf<Mesh>::exchange(const V& p, std::int32_t added, Holding& holding, V& x) const noexcept {
+  const Holding before = holding;
+  const auto try_with = [&](unsigned chosen, Holding& next, V& there) {
+    next = {};
+    next.add(added);
+    for (int i = 0; i < before.size && next.size < 3; ++i) {
+      if ((chosen >> i & 1U) != 0) next.add(before.triangle[static_cast<std::size_t>(i)]);
+    }
+    there = c_;
+    if (!rest_on(*mesh_, next, r_, p, rounding_, there)) return false;
+    for (int i = 0; i < before.size; ++i) {
+      const std::int32_t t = before.triangle[static_cast<std::size_t>(i)];
+      if (!next.has(t) && touch(*mesh_, t, there).d < r_ - rounding_) return false;
+    }
+    return true;
+  };
+  // Alone it may hold the ball: on a smooth surface nearly always.
+  if (Holding next; try_with(0, next, x)) {
+    holding = next;
+    return true;
+  }
+  // Else the rest closest to the centre: the one that it would slide to first.
+  Holding best;
+  V best_x = x;
+  S least = std::numeric_limits<double>::infinity();
+  // All of three and the added one would be four, which do not hold a ball.
+  const unsigned subsets = std::min(1U << before.size, 7U);
+  for (unsigned chosen = 1; chosen < subsets; ++chosen) {
+    Holding next;
+    V there;
+    if (!try_with(chosen, next, there)) continue;
+    if (const S way = squared_distance<S>(there, c_); way < least) {
+      least = way;
+      best = next;
+      best_x = there;
+    }
+  }
+  if (best.size == 0) return false;
+  holding = best;
+  x = best_x;
+  return true;
+}
+
+template <class Mesh>
+bool BallProxyOf<Mesh>::advance(const V& x, bool safe_way, const Holding& holding) noexcept {
+  const S length = distance<S>(x, c_);
+  if (!covered(x)) {
+    // Ahead, where it will be in the next steps, if both ends fit; else only as far as the margin goes.
+    if (length <= next_margin_) {
+      gather(c_ + std::max(S(0.5), kAhead * next_margin_ / length) * (x - c_), next_margin_);
+      return false;
+    }
+    next_margin_ = std::min(length, S(2.0 * next_margin_));
+    gather(c_, next_margin_);
+    if (length > margin_) {
+      creep(c_ + (0.99 * margin_ / length) * (x - c_));
+      return false;
+    }
+    return false;
+  }
+  if (safe_way || length <= 0.5 * r_) {
+    c_ = x;
+    holding_ = holding;
+    return true;
+  }
+  const V part = c_ + (0.5 * r_ / length) * (x - c_);
+  Holding held = holding;
+  V there = c_;
+  bool safe = true;
+  if (settle(part, held, there, safe) && covered(there) && distance<S>(there, c_) <= r_ &&
+      distance<S>(there, c_) > rounding_) {
+    c_ = there;
+    holding_ = held;
+  } else {
+    creep(part);
+  }
+  return false;
+}
+
+template <class Mesh>
+bool BallProxyOf<Mesh>::creep(const V& goal) noexcept {
+  half_spaces_.clear();
+  limiting_.clear();
+  if (distance<S>(c_, gathered_at_) > 0.75 * margin_) gather(c_, next_margin_);
+  const V offset = c_ - gathered_at_;
+  // Short moves, for which few triangles matter.
+  const S reach = std::min(distance<S>(goal, c_), S(0.25 * margin_));
+  // Not those farther than the move goes.
+  near_.each_below(offset, reach, [&](std::size_t i) {
+    const std::int32_t triangle = near_.triangle(i);
+    const TouchOf<S> t = touch(*mesh_, triangle, c_);
+    if (ignored(triangle)) return;
+    near_.set(i, t.n, r_ - t.d + dot(t.n, offset));
+    half_spaces_.push_back({t.n, r_ - t.d});
+    limiting_.push_back(triangle);
+  });
+  const NearestInPolyhedronOf<S> found = nearest_in_polyhedron_of<S>(half_spaces_, goal - c_, rounding_);
+  if (!found.found) return false;
+  holding_ = {};
+  for (int i = 0; i < found.basis_size; ++i) {
+    const HalfSpaceOf<S>& held = half_spaces_[static_cast<std::size_t>(found.basis[static_cast<std::size_t>(i)])];
+    for (std::size_t k = 0; k < half_spaces_.size(); ++k) {
+      if (half_spaces_[k].n == held.n && holding_.size < 3 && !holding_.has(limiting_[k])) {
+        holding_.add(limiting_[k]);
+        break;
+      }
+    }
+  }
+  const S length = norm(found.x);
+  if (!(length > rounding_)) return false;
+  c_ += length > reach ? V(reach / length * found.x) : found.x;
+  return true;
+}
+
+template <class Mesh>
+auto BallProxyOf<Mesh>::contact_places() const noexcept -> ContactPlacesOf<S> {
+  ContactPlacesOf<S> contact;
+  contact.size = holding_.size;
+  for (std::size_t k = 0; k < static_cast<std::size_t>(holding_.size); ++k) {
+    const TouchOf<S> t = touch(*mesh_, holding_.triangle[k], c_);
+    contact.place[k] = {holding_.triangle[k], t.feature, t.index, c_ - t.d * t.n, t.n};
+  }
+  return contact;
+}
+
+template class BallProxyOf<ContactMesh>;
+template class BallProxyOf<CountedContactMesh>;
+
+}  // namespace touchstone::renderers

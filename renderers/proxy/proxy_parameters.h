@@ -1,0 +1,14 @@
+// The parameters that every god-object has, declared once.
+#pragma once
+
+#include <vector>
+
+#include "harness/base/rooms.h"
+#include "harness/rendering/parameters.h"
+
+namespace touchstone::renderers {
+
+// stiffness_N_per_m and tip_radius_m, then `more`.
+std::vector<ParameterDeclaration> proxy_parameters(std::vector<ParameterDeclaration> more = {});
+
+}  // namespace touchstone::renderers

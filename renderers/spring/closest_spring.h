@@ -1,0 +1,113 @@
+// A spring from the closest surface point to the tip, without memory: the vector-field method that Zilles and Salisbury
+// (1995, section 2) describe and argue against. The penalty renderer and the two springs of the second paper are this,
+// with different laws. Templates over the scalar, so that their operations can be counted (harness/base/counted.h).
+#pragma once
+
+#include <memory>
+#include <type_traits>
+#include <utility>
+
+#include "harness/base/rooms.h"
+#include "harness/base/vec.h"
+#include "harness/rendering/renderer.h"
+#include "harness/surface/surface.h"
+
+namespace touchstone::renderers {
+
+// What a closest-point query answers, see SurfacePoint.
+template <class S>
+struct Foot {
+  Vec3Of<S> p_W_m;
+  Vec3Of<S> n_W;
+  S signed_distance_m;
+  bool smooth;  // not on an edge or at a vertex: the normal is the way out
+};
+
+template <class S>
+struct SpringPush {
+  Vec3Of<S> f_W_N = Vec3Of<S>::Zero();
+  Vec3Of<S> contact_W_m;
+  Vec3Of<S> n_W = Vec3Of<S>::Zero();
+  S depth_m = S(0.0);
+  bool contact = false;
+};
+
+// F = k d^power along the way out, d how deep the tip (a point, or a ball of that radius) is. The way out is the
+// surface's normal where the surface is smooth; at an edge or a vertex it is from the tip to the foot where the tip is
+// inside, and from the foot to the tip where only the ball reaches in. The surface contact point is the foot; for a
+// ball, where its centre would be free.
+template <int kPower, class S>
+SpringPush<S> push_out(const Foot<S>& foot, const Vec3Of<S>& tip_W_m, const S& k, const S& radius_m) noexcept {
+  using std::sqrt;
+  SpringPush<S> push;
+  push.contact_W_m = tip_W_m;
+  if (!(foot.signed_distance_m < radius_m)) return push;
+  push.contact = true;
+  push.depth_m = radius_m - foot.signed_distance_m;
+  push.n_W = foot.n_W;
+  if (!foot.smooth) {
+    const Vec3Of<S> way =
+        foot.signed_distance_m < S(0.0) ? Vec3Of<S>(foot.p_W_m - tip_W_m) : Vec3Of<S>(tip_W_m - foot.p_W_m);
+    const S square = squared_norm(way);
+    if (square > S(0.0)) push.n_W = way / sqrt(square);
+  }
+  S force_N = k * push.depth_m;
+  if constexpr (kPower == 2) force_N *= push.depth_m;
+  push.f_W_N = force_N * push.n_W;
+  push.contact_W_m = radius_m > S(0.0) ? Vec3Of<S>(tip_W_m + push.depth_m * push.n_W) : foot.p_W_m;
+  return push;
+}
+
+// Asks a surface.
+class SurfaceFeet {
+ public:
+  using Scalar = double;
+  explicit SurfaceFeet(std::shared_ptr<const Surface> surface) : surface_(std::move(surface)) {}
+  [[nodiscard]] Foot<double> closest(const Vec3& p_W_m) const {
+    const SurfacePoint point = surface_->closest(p_W_m);
+    const bool smooth = point.feature == Feature::face || point.feature == Feature::analytic;
+    return {point.p_W_m, point.n_W, point.signed_distance_m, smooth};
+  }
+
+ private:
+  std::shared_ptr<const Surface> surface_;
+};
+
+// `Feet` answers closest(Vec3Of<Feet::Scalar>) with a Foot.
+template <int kPower, class Feet>
+class ClosestSpring final : public Renderer {
+ public:
+  ClosestSpring(Feet feet, double k, double radius_m) : feet_(std::move(feet)), k_(k), radius_m_(radius_m) {}
+
+ private:
+  using S = typename Feet::Scalar;
+
+  void do_reset() override {}
+
+  StepResult do_step(const TipState& tip) noexcept override {
+    const Vec3Of<S> p_W_m = tip.p_W_m.template cast<S>();
+    const SpringPush<S> push = push_out<kPower, S>(feet_.closest(p_W_m), p_W_m, k_, radius_m_);
+    StepResult result;
+    result.contact = push.contact;
+    result.f_W_N = push.f_W_N.template cast<double>();
+    result.contact_W_m = push.contact_W_m.template cast<double>();
+    result.n_W = push.n_W.template cast<double>();
+    result.depth_m = static_cast<double>(push.depth_m);
+    return result;
+  }
+
+  Feet feet_;
+  S k_;
+  S radius_m_;
+};
+
+template <int kPower, class Feet>
+std::unique_ptr<Renderer> make_closest_spring(std::shared_ptr<const Surface> surface, double k, double radius_m) {
+  if constexpr (std::is_constructible_v<Feet, std::shared_ptr<const Surface>>) {
+    return std::make_unique<ClosestSpring<kPower, Feet>>(Feet(std::move(surface)), k, radius_m);
+  } else {
+    return std::make_unique<ClosestSpring<kPower, Feet>>(Feet(*surface), k, radius_m);
+  }
+}
+
+}  // namespace touchstone::renderers

@@ -1,0 +1,79 @@
+#include "renderers/walkable/exposed_place.h"
+
+#include <algorithm>
+
+#include "harness/surface/triangle_queries.h"
+#include "renderers/walkable/flush.h"
+
+namespace touchstone::renderers {
+namespace {
+
+// Along no plane, edge or diagonal that a body is likely to have: a ray along one would count borders twice.
+const Vec3& awry() {
+  static const Vec3 direction = Vec3(0.5377, 0.7391, 0.4057).normalized();
+  return direction;
+}
+
+StartPlace place_on(const ContactMesh& mesh, std::int32_t triangle, const Vec3& p) {
+  const TriangleClosest where = closest_on_triangle(mesh.corners(triangle), mesh.facet(triangle).n, p);
+  return {true, triangle, where.feature, where.index, p + where.from_query};
+}
+
+// Whether there is free space in front of the triangle at that place.
+bool exposed(const ContactMesh& mesh, std::int32_t triangle, const Vec3& place) noexcept {
+  // In front of all that is flush with it.
+  const Vec3 front = place + 2.0 * flush_m(mesh.magnitude()) * mesh.facet(triangle).n;
+  return winding_about(mesh, front) <= 0;
+}
+
+// By balls that grow until one holds an exposed place: then no closer one is outside of it.
+StartPlace closest_exposed(const ContactMesh& mesh, const Vec3& p, double nearest_m) noexcept {
+  StartPlace best;
+  for (double radius = 2.0 * std::max(nearest_m, flush_m(mesh.magnitude())); best.triangle < 0; radius *= 2.0) {
+    double least = radius;
+    mesh.tree().within(p, radius, [&](std::int32_t t) {
+      if (mesh.facet(t).n.isZero(0.0)) return least;
+      const StartPlace place = place_on(mesh, t, p);
+      const double away = (place.p_W_m - p).norm();
+      const bool closer = away < least || (away == least && (best.triangle < 0 || t < best.triangle));
+      if (closer && exposed(mesh, t, place.p_W_m)) {
+        least = away;
+        best = place;
+      }
+      return least;
+    });
+    if (!(radius < 4.0 * (mesh.extent() + nearest_m))) break;
+  }
+  return best;
+}
+
+}  // namespace
+
+int winding_about(const ContactMesh& mesh, const Vec3& p) noexcept {
+  const Vec3 far = p + (2.0 * mesh.extent() + 2.0 * mesh.magnitude() + p.norm()) * awry();
+  int winding = 0;
+  mesh.tree().along_segment(p, far, [&](std::int32_t t) {
+    if (const auto crossing = cross_triangle(mesh.corners(t), mesh.facet(t).n, p, far))
+      winding += crossing->entering ? -1 : 1;
+    return 1.0;
+  });
+  return winding;
+}
+
+StartPlace start_place(const ContactMesh& mesh, const Surface& surface, const Vec3& p) noexcept {
+  const SurfacePoint nearest = surface.closest(p);
+  if (nearest.triangle < 0) return {};
+  const bool bodies = !mesh.facet(nearest.triangle).regular && !mesh.open();
+  if (bodies) {
+    // The sign of the distance is that of one body's surface, be it inside another.
+    if (winding_about(mesh, p) <= 0) return {};
+    return closest_exposed(mesh, p, nearest.distance_m);
+  }
+  if (!(nearest.signed_distance_m < 0.0)) return {};
+  const StartPlace place = place_on(mesh, nearest.triangle, p);
+  // Beyond the rim of an open mesh there is no inside.
+  if (mesh.on_rim(nearest.triangle, place.feature, place.index)) return {};
+  return {true, nearest.triangle, place.feature, place.index, nearest.p_W_m};
+}
+
+}  // namespace touchstone::renderers

@@ -1,0 +1,274 @@
+#include "renderers/walkable/plane_contact.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "harness/surface/triangle_queries.h"
+#include "renderers/friction/fixed_order.h"
+#include "renderers/walkable/flush.h"
+#include "renderers/walkable/front_crossing.h"
+
+namespace touchstone::renderers {
+namespace {
+
+constexpr int kMostMoves = 256;
+// Moves without coming closer to the tip before it rests where it is: at most four planes change places at one point.
+constexpr int kIdleMoves = 8;
+// The free point's distance: above rims that stand out as far as counts as flush, with as much to spare.
+constexpr double kLift = 2.0;
+// Outlines end wider by half of what counts as flush when they stop a way, by all of it when they are left: a way that
+// has left one does not meet it again, and finds the neighbour across any gap that counts as none.
+constexpr double kStopsWithin = 0.5;
+
+const Vec3& no_place() {
+  static const Vec3 place = Vec3::Constant(std::numeric_limits<double>::quiet_NaN());
+  return place;
+}
+
+// How far the triangle's corners reach over another one's plane.
+double reach_over(const ContactMesh& mesh, const Facet& plane, std::int32_t triangle) noexcept {
+  double most = -std::numeric_limits<double>::infinity();
+  for (const Vec3& corner : mesh.corners(triangle)) most = std::max(most, plane.height(corner));
+  return most;
+}
+
+// Whether the way lies on the far side of one of the triangle's borders all along. (A way within the triangle's plane,
+// exactly, crosses its borders nowhere, and passes for one that goes through it.)
+bool beside(const Facet& facet, const Vec3& from, const Vec3& to, double width) noexcept {
+  for (std::size_t e = 0; e < 3; ++e) {
+    if (facet.inside(e, from) < -width && facet.inside(e, to) < -width) return true;
+  }
+  return false;
+}
+
+}  // namespace
+
+bool PlaneContact::Active::has(std::int32_t t) const noexcept {
+  return std::find(triangle.begin(), triangle.begin() + size, t) != triangle.begin() + size;
+}
+
+void PlaneContact::Active::remove(int index) noexcept {
+  std::copy(triangle.begin() + index + 1, triangle.begin() + size, triangle.begin() + index);
+  --size;
+}
+
+PlaneContact::PlaneContact(const ContactMesh& mesh)
+    : mesh_(&mesh), flush_(flush_m(mesh.magnitude())), lift_(kLift * flush_), pulled_to_(no_place()) {}
+
+void PlaneContact::start_on(std::int32_t triangle, const Vec3& g) noexcept {
+  start_free(g);
+  const Facet& facet = mesh_->facet(triangle);
+  // A triangle without area has no normal of its own, and holds nothing.
+  const bool flat = !is_zero(facet.n);
+  if (flat) active_.add(triangle);
+  free_ = g + lift_ * (flat ? facet.n : mesh_->vertex_normal(facet.corner[0]));
+  lifted_ = true;
+}
+
+void PlaneContact::start_free(const Vec3& g) noexcept {
+  g_ = free_ = g;
+  active_ = {};
+  lifted_ = false;
+  pulled_to_ = no_place();
+}
+
+bool PlaneContact::nearest_in_front(const Vec3& to, double lift, Vec3& place) noexcept {
+  std::array<HalfSpace, 4> planes;  // as seen from there
+  const auto count = static_cast<std::size_t>(active_.size);
+  for (std::size_t i = 0; i < count; ++i) {
+    const Facet& facet = mesh_->facet(active_.triangle[i]);
+    planes[i] = {facet.n, lift - facet.height(to)};
+  }
+  const auto nearest = nearest_in_polyhedron(std::span(planes.data(), count), Vec3::Zero(), resting_error(*mesh_, to));
+  if (!nearest.found) return false;
+  Active pressing;
+  for (int i = 0; i < nearest.basis_size; ++i)
+    pressing.add(active_.triangle[static_cast<std::size_t>(nearest.basis[static_cast<std::size_t>(i)])]);
+  active_ = pressing;
+  place = to + nearest.x;
+  return true;
+}
+
+void PlaneContact::pull(const Vec3& p) noexcept {
+  if (p == pulled_to_) return;
+  pulled_to_ = p;
+  descend(p);
+  // What holds it from several sides must do so for a way from in front of all of them, too.
+  if (active_.size > 1) descend(p);
+}
+
+void PlaneContact::descend(const Vec3& p) noexcept {
+  // On its only triangle it is already, if the tip is still behind it.
+  if (active_.size != 1 || !(mesh_->facet(active_.triangle[0]).height(p) < 0.0)) active_.size = 0;
+  left_ = -1;
+  double least = std::numeric_limits<double>::infinity();
+  int idle = 0;
+  bool arrived = false;
+  for (int move = 0; move < kMostMoves && idle < kIdleMoves; ++move) {
+    Vec3 goal = p;
+    if (active_.size > 0 && !nearest_in_front(p, lift_, goal)) break;
+    const FrontCrossing hit = first_front_crossing(
+        *mesh_, free_, goal,
+        [&](std::int32_t t) { return active_.has(t) || beside(mesh_->facet(t), free_, goal, flush_); },
+        kStopsWithin * flush_);
+    if (!over_border(p, goal, hit.fraction)) {
+      if (hit.triangle < 0) {
+        free_ = goal;
+        arrived = true;
+        break;
+      }
+      meet(hit.triangle, goal, p);
+    }
+    const double away = squared_distance<double>(p, free_);
+    idle = away < least ? 0 : idle + 1;
+    least = std::min(least, away);
+  }
+  rest(p, arrived);
+}
+
+void PlaneContact::meet(std::int32_t triangle, const Vec3& goal, const Vec3& p) noexcept {
+  const Facet& facet = mesh_->facet(triangle);
+  const double from = facet.height(free_);
+  const double to = facet.height(goal);
+  const double fraction = std::max(0.0, (from - lift_) / (from - to));
+  const bool flying = active_.size == 0;
+  if (flying && !lifted_) {
+    const Vec3 place = free_ + std::max(0.0, from / (from - to)) * (goal - free_);
+    if (const std::int32_t floor = floor_over(triangle, place, p); floor >= 0) {
+      rise_over(floor);
+      active_.add(floor);
+      return;
+    }
+  }
+  free_ += fraction * (goal - free_);
+  if (flying && !lifted_) rise_over(triangle);
+  // A valley between the triangle that was left and this one holds it by both.
+  if (flying && left_ >= 0 && left_ != triangle && mesh_->facet(left_).height(p) < 0.0 && !behind(triangle, left_) &&
+      !behind(left_, triangle))
+    active_.add(left_);
+  active_.size = std::min(active_.size, 3);
+  active_.add(triangle);
+  left_ = -1;
+}
+
+void PlaneContact::rise_over(std::int32_t triangle) noexcept {
+  const Facet& facet = mesh_->facet(triangle);
+  const double missing = lift_ - facet.height(free_);
+  if (missing > 0.0) {
+    const Vec3 up = missing * facet.n;
+    // Walls that it lies in to rounding do not hang over it.
+    const Vec3 above = free_ + up;
+    const double rounding = resting_error(*mesh_, free_);
+    const FrontCrossing ceiling = first_front_crossing(
+        *mesh_, free_, above, [&](std::int32_t t) { return mesh_->facet(t).height(above) >= -rounding; });
+    if (ceiling.triangle < 0) free_ = above;
+  }
+  lifted_ = true;
+}
+
+// Whether the triangle lies behind the other one's plane, or in it.
+bool PlaneContact::behind(std::int32_t triangle, std::int32_t other) const noexcept {
+  return reach_over(*mesh_, mesh_->facet(other), triangle) <= flush_;
+}
+
+std::int32_t PlaneContact::floor_over(std::int32_t side, const Vec3& place, const Vec3& p) const noexcept {
+  std::int32_t found = -1;
+  mesh_->tree().within(place, flush_, [&](std::int32_t t) {
+    const Facet& facet = mesh_->facet(t);
+    const double height = facet.height(p);
+    const bool later = found >= 0 && t > found;  // the smallest index, in whichever order they come
+    if (t == side || later || is_zero(facet.n) || !(std::abs(height) <= flush_)) return flush_;
+    // Not another piece of the side itself.
+    if (std::abs(mesh_->facet(side).height(p)) <= flush_ || !behind(side, t)) return flush_;
+    if (closest_on_triangle(mesh_->corners(t), facet.n, place).squared_distance > flush_ * flush_) return flush_;
+    found = t;
+    return flush_;
+  });
+  return found;
+}
+
+bool PlaneContact::over_border(const Vec3& p, const Vec3& goal, double hit_fraction) noexcept {
+  double first = hit_fraction;
+  int which = -1;
+  std::size_t edge = 0;
+  for (int i = 0; i < active_.size; ++i) {
+    const Facet& facet = mesh_->facet(active_.triangle[static_cast<std::size_t>(i)]);
+    for (std::size_t e = 0; e < 3; ++e) {
+      const double there = facet.inside(e, goal) + flush_;
+      if (there >= 0.0) continue;
+      const double here = std::max(0.0, facet.inside(e, free_) + flush_);
+      if (const double fraction = here / (here - there); fraction < first) {
+        first = fraction;
+        which = i;
+        edge = e;
+      }
+    }
+  }
+  if (which < 0) return false;
+  free_ += first * (goal - free_);
+  const std::int32_t triangle = active_.triangle[static_cast<std::size_t>(which)];
+  const Facet& facet = mesh_->facet(triangle);
+  const std::int32_t neighbour = facet.neighbour[edge];
+  left_ = triangle;
+  if (neighbour < 0 || active_.has(neighbour) || !(mesh_->facet(neighbour).height(p) < 0.0)) {
+    active_.remove(which);
+  } else if (facet.valley[edge] && active_.size < 4 &&
+             mesh_->facet(neighbour).height(goal) < lift_ - resting_error(*mesh_, goal)) {
+    // Into a valley: the neighbour stands in the way. (One whose two sides are flat to rounding does not hold.)
+    active_.add(neighbour);
+  } else {
+    active_.triangle[static_cast<std::size_t>(which)] = neighbour;
+  }
+  return true;
+}
+
+void PlaneContact::rest(const Vec3& p, bool arrived) noexcept {
+  if (arrived) {
+    // The free point is in its place in front of the planes, the god-object on them. None presses where the tip is
+    // nearer in front of them than that.
+    if (active_.size == 0 || !nearest_in_front(p, 0.0, g_) || active_.size == 0) {
+      g_ = free_ = p;
+      active_.size = 0;
+    }
+    lifted_ = active_.size > 0;
+    return;
+  }
+  // Held up on the way: on the planes, below where the free point is.
+  if (active_.size == 0 && left_ >= 0) active_.add(left_);
+  active_.size = std::min(active_.size, 3);
+  const Active held = active_;
+  Vec3 down = Vec3::Zero();
+  for (int i = 0; i < active_.size; ++i) down -= mesh_->facet(active_.triangle[static_cast<std::size_t>(i)]).n;
+  if (nearest_in_front(free_ + 4.0 * lift_ * down, 0.0, g_) && active_.size > 0) return;
+  active_ = held;
+  g_ = free_;
+}
+
+Vec3 PlaneContact::normal(const Vec3& p) const noexcept {
+  if (!touching()) return Vec3::Zero();
+  const Vec3 push = g_ - p;
+  if (active_.size > 1 && push.squaredNorm() > 0.0) return push.normalized();
+  return mesh_->facet(active_.triangle[0]).n;
+}
+
+ContactNormals PlaneContact::contact_normals() const noexcept {
+  ContactNormals contact;
+  for (int i = 0; i < active_.size && i < 3; ++i) {
+    const auto k = static_cast<std::size_t>(i);
+    contact.n[k] = mesh_->facet(active_.triangle[k]).n;
+  }
+  contact.size = std::min(active_.size, 3);
+  return contact;
+}
+
+ContactPlaces PlaneContact::contact_places() const noexcept {
+  const ContactNormals normals = contact_normals();
+  ContactPlaces contact;
+  contact.size = normals.size;
+  for (std::size_t k = 0; k < static_cast<std::size_t>(normals.size); ++k)
+    contact.place[k] = {active_.triangle[k], Feature::face, 0, g_, normals.n[k]};
+  return contact;
+}
+
+}  // namespace touchstone::renderers
