@@ -1,0 +1,40 @@
+// A tool: a closed mesh in its own frame T (origin: the handle, see pose.h) and how its mass is distributed; and the
+// point shell that stands for it in renderers that sample.
+#pragma once
+
+#include <vector>
+
+#include "harness/surface/triangle_mesh.h"
+#include "harness/tool/pose.h"
+
+namespace touchstone::tool {
+
+struct MassFrame {
+  double mass_kg = 0.1;
+  Vec3 center_T_m = Vec3::Zero();                  // of mass
+  Mat3 inertia_T_kg_m2 = Mat3::Identity() * 1e-5;  // about the centre of mass, T's axes
+};
+
+struct Tool {
+  TriangleMesh mesh_T;
+  MassFrame mass;
+};
+
+// Of the solid inside a closed mesh with outward orientation, of constant density: sums over the tetrahedra between the
+// origin and each triangle (Mirtich 1996 gives the integrals). Throws BadData if the mesh encloses no volume.
+MassFrame solid_mass_frame(const TriangleMesh& mesh_T, double density_kg_per_m3);
+
+// Points on the tool's surface with the inward unit normal at each (McNeely, Puterbaugh and Troy 1999).
+struct PointShell {
+  std::vector<Vec3> p_T_m;
+  std::vector<Vec3> inward_T;
+  [[nodiscard]] std::size_t size() const noexcept { return p_T_m.size(); }
+};
+
+// The mesh's vertices first, then points along edges and on faces; of the points that share a cell of a grid of
+// `spacing_m` the first stays. So corners and edges are kept where the mesh is coarse, and a fine mesh is thinned. The
+// normal at a vertex is its angle-weighted pseudo-normal, elsewhere the face's. The same shell for the same mesh.
+// Throws UsageError where the spacing is not positive, or would make more than ten million points.
+PointShell make_point_shell(const TriangleMesh& mesh_T, double spacing_m);
+
+}  // namespace touchstone::tool

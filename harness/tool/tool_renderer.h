@@ -1,0 +1,83 @@
+// A renderer of a tool with a shape: poses of the handle in, wrenches out, one step per servo tick. Frames, signs and
+// the point that torques are about: pose.h.
+// reset() and step() are not virtual: they check their input and keep the contract; the do_*() functions render.
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+#include <span>
+
+#include "harness/tool/pose.h"
+
+namespace touchstone::tool {
+
+struct ToolState {
+  double t_s = 0.0;
+  Pose handle;
+};
+
+// One place where the tool's proxy touches the object.
+struct ToolContact {
+  Vec3 p_W_m = Vec3::Zero();
+  Vec3 n_W = Vec3::Zero();    // unit, out of the object
+  Vec3 f_W_N = Vec3::Zero();  // on the tool
+};
+
+enum class ToolStatus : std::uint8_t {
+  ok,
+  refused,  // not finite, not a rotation, or time did not advance: the wrench is zero and the state is as it was
+};
+
+struct ToolResult {
+  Vec3 f_W_N = Vec3::Zero();              // on the tool by the object
+  Vec3 torque_W_Nm = Vec3::Zero();        // about the handle's origin
+  Pose proxy;                             // the handle's pose itself when free
+  std::span<const ToolContact> contacts;  // of the renderer; valid until its next step. In a fixed order
+  bool contact = false;
+  ToolStatus status = ToolStatus::ok;
+};
+
+class ToolRenderer {
+ public:
+  // Orientations whose length differs from 1 by no more than this are normalised; others are refused (as in
+  // recordings).
+  static constexpr double kQuaternionTolerance = 1e-3;
+
+  virtual ~ToolRenderer() = default;
+
+  // Forgets everything: the next step is the first one of a run, and puts the proxy at the handle.
+  void reset() {
+    have_last_ = false;
+    do_reset();
+  }
+
+  // One servo tick. Allocates nothing, takes no lock, does no I/O, never throws.
+  ToolResult step(const ToolState& state) noexcept {
+    const double length = state.handle.q_WT.norm();
+    const bool valid = state.handle.finite() && std::abs(length - 1.0) <= kQuaternionTolerance &&
+                       std::isfinite(state.t_s) && (!have_last_ || state.t_s > last_t_s_);
+    if (!valid) {
+      ToolResult refused;
+      refused.status = ToolStatus::refused;
+      return refused;
+    }
+    const ToolState checked{state.t_s, {state.handle.p_W_m, Quat(state.handle.q_WT.coeffs() / length)}};
+    const ToolResult result = do_step(checked, have_last_ ? state.t_s - last_t_s_ : 0.0);
+    have_last_ = true;
+    last_t_s_ = state.t_s;
+    return result;
+  }
+
+  [[nodiscard]] virtual std::size_t memory_bytes() const noexcept { return 0; }
+
+ protected:
+  virtual void do_reset() = 0;
+  // `dt_s`: since the step before, 0 at the first.
+  virtual ToolResult do_step(const ToolState& state, double dt_s) noexcept = 0;
+
+ private:
+  bool have_last_ = false;
+  double last_t_s_ = 0.0;
+};
+
+}  // namespace touchstone::tool
