@@ -2,12 +2,12 @@
 
 // The rooms, and whose names each may use without saying where they come from.
 //
-// Every room has a namespace of its own, named like its folder: harness/recording is touchstone::recording, renderers is
-// touchstone::renderers. What lies in harness/base is touchstone itself, so that all rooms see it. A using-directive below
-// is an arrow of the house: the room may include the other's headers and use its names; what is not listed here is
-// written in full or, better, not used. ci/checks holds the namespaces against the folders and the arrows against the
-// includes. (harness/testing has its arrows in a header of its own: a `touchstone::testing` that every room sees would hide
-// GoogleTest's namespace.)
+// Every room has a namespace of its own, named like its folder: harness/recording is touchstone::recording, and
+// renderers is touchstone::renderers. What lies in harness/base is touchstone itself, so that all rooms see it. A
+// using-directive below is an arrow of the house: the room may include the other's headers and use its names. What is
+// not listed here is written in full. ci/rooms holds the namespaces against the folders, and forbidden arrows against
+// the includes. (harness/testing has its arrows in a header of its own: a `touchstone::testing` that every room sees
+// would hide GoogleTest's namespace.)
 
 namespace touchstone {
 
