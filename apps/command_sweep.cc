@@ -31,7 +31,8 @@ void add_sweep(CLI::App& program, Run& run) {
   auto* const command = program.add_subcommand(
       "sweep", "Run many cases: a grid, list or Latin hypercube of surfaces, motions and models");
   auto options = std::make_shared<SweepOptions>();
-  command->add_option("SPEC", options->specification, "touchstone-sweep/1 (JSON); see docs/scaling.md")->required();
+  command->add_option("SPEC", options->specification, "touchstone-sweep/1 (JSON); see docs/how-to/many-cases.md")
+      ->required();
   command->add_option("--out", options->cases.file, "Results (SQLite); a run that stopped goes on in it")
       ->default_str("SPEC with .sqlite");
   add_case_flags(*command, options->cases, "cases");

@@ -12,9 +12,10 @@
 namespace touchstone::apps {
 
 void PluginFlags::add_to(CLI::App& command) {
-  command.add_option("--plugin", libraries,
-                     "Shared library with renderers of your own (docs/your-own-renderer.md); model files may then name "
-                     "them. May be given several times");
+  command.add_option(
+      "--plugin", libraries,
+      "Shared library with renderers of your own (docs/how-to/your-own-renderer.md); model files may then name "
+      "them. May be given several times");
   command.add_option("--plugin-source", source,
                      "Folder of the plug-ins' sources, whose commit and state a golden names; the library's own folder "
                      "where not given");

@@ -1,4 +1,4 @@
-// The catalogues as tables: what `touchstone synth --list` prints and docs/synthetic.md holds.
+// The catalogues as tables: what `touchstone synth --list` prints and docs/reference/synthetic.md holds.
 #pragma once
 
 #include <string>

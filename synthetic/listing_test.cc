@@ -16,7 +16,7 @@ TEST(Listing, GuideHoldsTheCatalogue) {
   ASSERT_NE(source, nullptr) << "ctest sets it";
   const std::string guide = read_file(std::filesystem::path(source) / "docs" / "synthetic.md");
   EXPECT_TRUE(guide.ends_with(catalogue_markdown()))
-      << "bring docs/synthetic.md up to date with touchstone synth --list";
+      << "bring docs/reference/synthetic.md up to date with touchstone synth --list";
 }
 
 TEST(Listing, JsonNamesEveryEntry) {

@@ -1,4 +1,4 @@
-// leaderboard.json, schema "touchstone-leaderboard/1" (docs/leaderboard.md): everything that the site shows but times,
+// leaderboard.json, schema "touchstone-leaderboard/1" (docs/how-to/leaderboard.md): everything that the site shows but times,
 // which are another in each run and stand in timings.json. The same rows give the same bytes. SI units; a number that
 // is not there is null.
 #pragma once

@@ -43,7 +43,7 @@ struct FalconOptions {
   std::string serial;              // empty: any
   std::filesystem::path firmware;  // uploaded where the device does not answer without; empty: must be running
   double timeout_s = 1.0;          // of each transfer while opening
-  double counts_per_newton_metre = 10000.0;  // nominal; libnifalcon's scale, measure your own (docs/hil.md)
+  double counts_per_newton_metre = 10000.0;  // nominal; libnifalcon's scale, measure your own (docs/how-to/lab.md)
   bool emulated = false;
 };
 

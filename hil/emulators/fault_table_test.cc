@@ -1,5 +1,5 @@
 // Every fault that a device, its bus or its network can have, injected into an emulator, and what the driver makes of
-// it. The table is docs/hil/faults.md: this test makes it and holds the file against it.
+// it. The table is docs/notes/guard-faults.md: this test makes it and holds the file against it.
 // TOUCHSTONE_HIL_FAULT_TABLE names a file to write it to.
 #include <fmt/format.h>
 #include <gmock/gmock.h>

@@ -111,7 +111,8 @@ class Loop {
 
 ServoRun run_servo(Bench& bench, double seconds, const WantedForce& wanted, double rate_Hz) {
   if (bench.dead_man == nullptr)
-    throw UsageError("no force is commanded without a dead-man input: set TOUCHSTONE_HIL_DEAD_MAN (see docs/hil.md)");
+    throw UsageError(
+        "no force is commanded without a dead-man input: set TOUCHSTONE_HIL_DEAD_MAN (see docs/how-to/lab.md)");
   const ForceGuard guard(bench.device);
   Loop loop(bench, rate_Hz);
   loop.take_hold();

@@ -36,7 +36,7 @@ Availability availability_for(const std::string& device_id, Needs needs) {
   if (found.decision != Decision::run || found.emulated || needs == Needs::nothing) return found;
   if (!operator_present()) {
     return {Decision::skip, false,
-            device_id + ": needs a person at the bench (TOUCHSTONE_HIL_OPERATOR=1); see docs/hil.md"};
+            device_id + ": needs a person at the bench (TOUCHSTONE_HIL_OPERATOR=1); see docs/how-to/lab.md"};
   }
   return needs == Needs::forces ? judge_dead_man(found, mapped_device(device_id).dead_man, true) : found;
 }

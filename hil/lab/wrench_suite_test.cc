@@ -1,4 +1,4 @@
-// The lab's tests of force sensors. Procedures and pictures: docs/hil.md.
+// The lab's tests of force sensors. Procedures and pictures: docs/how-to/lab.md.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <unistd.h>

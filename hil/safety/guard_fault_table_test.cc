@@ -1,7 +1,8 @@
 // Every fault that a driver, a program or a process of the guard can have, at every state in which it can have it: how
-// long until the motors are at zero? The table is docs/hil/guard.md: this test makes it (TOUCHSTONE_HIL_GUARD_TABLE
-// names a file to write it to) and holds faults and reasons against it; times are of the machine that wrote it. On a
-// quiet machine with real-time scheduling TOUCHSTONE_HIL_QUIET=1 holds the times against 20 ms, too.
+// long until the motors are at zero? The table is docs/explanation/guard.md: this test makes it
+// (TOUCHSTONE_HIL_GUARD_TABLE names a file to write it to) and holds faults and reasons against it; times are of the
+// machine that wrote it. On a quiet machine with real-time scheduling TOUCHSTONE_HIL_QUIET=1 holds the times against 20
+// ms, too.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
