@@ -1,6 +1,6 @@
-// leaderboard.json, schema "touchstone-leaderboard/1" (docs/how-to/leaderboard.md): everything that the site shows but times,
-// which are another in each run and stand in timings.json. The same rows give the same bytes. SI units; a number that
-// is not there is null.
+// leaderboard.json, schema "touchstone-leaderboard/1" (docs/how-to/leaderboard.md): everything that the site shows but
+// times, which are another in each run and stand in timings.json. The same rows give the same bytes. SI units; a number
+// that is not there is null.
 #pragma once
 
 #include <filesystem>
