@@ -88,6 +88,9 @@ endif()
 if(revision)
   find_program(CTEST_GIT_COMMAND git REQUIRED)
 endif()
+# Each compiler call runs under ctest's launcher: the server then shows a failing call with its command, its output and the
+# labels of its target (the room), in place of what a regular expression found in the build's log.
+set(CTEST_USE_LAUNCHERS ON)
 ctest_start(${model} ${group})
 
 if(revision)
