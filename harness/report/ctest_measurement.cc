@@ -39,13 +39,13 @@ bool print_measurement(std::FILE* out, std::string_view name, double value) {
     fmt::print(out, "measurement {} is not sent: its value is {}\n", name, value);
     return false;
   }
-  fmt::print(out, "<CTestMeasurement type=\"numeric/double\" name=\"{}\">{:.17g}</CTestMeasurement>\n", escaped(name),
+  fmt::print(out, "<CTestMeasurement type=\"numeric/double\" name=\"{}\">{:.17g}</CTestMeasurement>", escaped(name),
              value);
   return true;
 }
 
 void print_measurement(std::FILE* out, std::string_view name, std::string_view text) {
-  fmt::print(out, "<CTestMeasurement type=\"text/string\" name=\"{}\">{}</CTestMeasurement>\n", escaped(name),
+  fmt::print(out, "<CTestMeasurement type=\"text/string\" name=\"{}\">{}</CTestMeasurement>", escaped(name),
              escaped(text));
 }
 
@@ -54,7 +54,7 @@ bool print_picture(std::FILE* out, std::string_view name, const std::filesystem:
     fmt::print(out, "picture {} is not sent: {}: {}\n", name, png.string(), problem);
     return false;
   }
-  fmt::print(out, "<CTestMeasurementFile type=\"image/png\" name=\"{}\">{}</CTestMeasurementFile>\n", escaped(name),
+  fmt::print(out, "<CTestMeasurementFile type=\"image/png\" name=\"{}\">{}</CTestMeasurementFile>", escaped(name),
              escaped(png.string()));
   return true;
 }

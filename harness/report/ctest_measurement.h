@@ -1,6 +1,7 @@
 // Measurements on a test's output, as ctest collects them and CDash shows them. Servers accept a NaN or a broken
 // picture without a word, so both are checked here: what is not fit to be shown is said in plain text instead. Print
-// them whether the test passes or fails; those of skipped tests are dropped by ctest.
+// them whether the test passes or fails; those of skipped tests are dropped by ctest. No line break follows an element:
+// ctest takes the element out of the output, and a break would stay behind as an empty line.
 #pragma once
 
 #include <cstdio>

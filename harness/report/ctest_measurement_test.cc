@@ -30,7 +30,7 @@ std::string printed(const std::function<void(std::FILE*)>& print) {
 TEST(CtestMeasurement, NumbersKeepEveryBit) {
   const auto text = printed([](std::FILE* out) { EXPECT_TRUE(print_measurement(out, "force_rms_N", 0.1)); });
   EXPECT_EQ(text,
-            "<CTestMeasurement type=\"numeric/double\" name=\"force_rms_N\">0.10000000000000001</CTestMeasurement>\n");
+            "<CTestMeasurement type=\"numeric/double\" name=\"force_rms_N\">0.10000000000000001</CTestMeasurement>");
 }
 
 TEST(CtestMeasurement, WhatIsNotFiniteIsSaidAndNotSent) {

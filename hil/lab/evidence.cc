@@ -61,7 +61,7 @@ void publish(const Evidence& e, const std::vector<WrenchSample>& samples) {
     if (e.device.emulated) {
       fmt::print("emulated {} {} = {:.9g}\n", e.test, m.name, m.value);
     } else {
-      fmt::print("<CTestMeasurement type=\"numeric/double\" name=\"{}\">{:.9g}</CTestMeasurement>\n", m.name, m.value);
+      fmt::print("<CTestMeasurement type=\"numeric/double\" name=\"{}\">{:.9g}</CTestMeasurement>", m.name, m.value);
     }
   }
   if (!e.device.emulated) {
@@ -73,7 +73,7 @@ void publish(const Evidence& e, const std::vector<WrenchSample>& samples) {
                                                                 {"fixture", &e.fixture}};
     for (const auto& [name, text] : texts) {
       if (!text->empty())
-        fmt::print("<CTestMeasurement type=\"text/string\" name=\"{}\">{}</CTestMeasurement>\n", name, xml_text(*text));
+        fmt::print("<CTestMeasurement type=\"text/string\" name=\"{}\">{}</CTestMeasurement>", name, xml_text(*text));
     }
   }
   const char* const folder = std::getenv("TOUCHSTONE_HIL_EVIDENCE");
