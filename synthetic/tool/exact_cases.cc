@@ -1,0 +1,198 @@
+#include "synthetic/tool/exact_cases.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <functional>
+#include <numbers>
+#include <utility>
+
+#include "harness/base/error.h"
+#include "harness/base/random.h"
+
+namespace touchstone::synthetic {
+namespace {
+
+// A body of about 20 mm that the hand holds 15 mm above and 5 mm beside its centre: every contact has a lever.
+const Vec3 kCenter_T_m(0.005, -0.002, -0.015);
+constexpr std::size_t kFineTriangles = 10000;
+constexpr std::size_t kPoses = 8;
+constexpr double kSlabHalf_m = 0.04;
+
+TriangleMesh slab() {
+  return box_mesh(Vec3(-kSlabHalf_m, -kSlabHalf_m, -0.02), Vec3(kSlabHalf_m, kSlabHalf_m, 0.0), 8);
+}
+
+// Poses about `touching`, pressed in by 0.5 to 3 mm along -z and turned by up to `tilt`. A fixed seed: the cases are
+// part of the definition of the table.
+void add_presses(ExactCase& c, const Pose& touching, double tilt_rad, double aside_m = 0.004) {
+  Random random(2007);
+  c.free = {touching.p_W_m + Vec3(0, 0, 0.006), touching.q_WT};
+  for (std::size_t i = 0; i < kPoses; ++i) {
+    const Vec3 aside(random.uniform(-aside_m, aside_m), random.uniform(-aside_m, aside_m),
+                     -random.uniform(0.0005, 0.003));
+    c.handles.push_back(moved(touching, {aside, random.uniform(0.2, 1.0) * tilt_rad * random.direction()}));
+  }
+}
+
+ExactCase sphere_on_plane() {
+  ExactCase c;
+  c.what = "a ball of 20 mm on a plane";
+  c.tool_T = ellipsoid_mesh(kCenter_T_m, Vec3::Constant(0.01), kFineTriangles);
+  c.object_W = slab();
+  c.gaps = {ball_on_plane(kCenter_T_m, 0.01, Vec3::UnitZ(), 0.0)};
+  add_presses(c, {Vec3(0, 0, 0.025), Quat::Identity()}, 0.2);
+  return c;
+}
+
+ExactCase sphere_on_sphere() {
+  ExactCase c;
+  c.what = "a ball of 20 mm on a ball of 60 mm";
+  c.tool_T = ellipsoid_mesh(kCenter_T_m, Vec3::Constant(0.01), kFineTriangles);
+  c.object_W = ellipsoid_mesh(Vec3(0, 0, -0.03), Vec3::Constant(0.03), kFineTriangles);
+  c.gaps = {ball_on_ball(kCenter_T_m, 0.01, Vec3(0, 0, -0.03), 0.03)};
+  add_presses(c, {Vec3(0, 0, 0.025), Quat::Identity()}, 0.2);
+  return c;
+}
+
+const Vec3 kSemiAxes_m(0.012, 0.008, 0.006);
+
+ExactCase ellipsoid_on_plane_case() {
+  ExactCase c;
+  c.what = "an ellipsoid of 24 x 16 x 12 mm on a plane";
+  c.tool_T = ellipsoid_mesh(kCenter_T_m, kSemiAxes_m, kFineTriangles);
+  c.object_W = slab();
+  c.gaps = {ellipsoid_on_plane(kCenter_T_m, kSemiAxes_m, Vec3::UnitZ(), 0.0)};
+  add_presses(c, {Vec3(0, 0, 0.021), Quat::Identity()}, 0.3);
+  return c;
+}
+
+ExactCase ellipsoid_on_sphere_case() {
+  ExactCase c;
+  c.what = "an ellipsoid of 24 x 16 x 12 mm on a ball of 60 mm";
+  c.tool_T = ellipsoid_mesh(kCenter_T_m, kSemiAxes_m, kFineTriangles);
+  c.object_W = ellipsoid_mesh(Vec3(0, 0, -0.03), Vec3::Constant(0.03), kFineTriangles);
+  c.gaps = {ellipsoid_on_ball(kCenter_T_m, kSemiAxes_m, Vec3(0, 0, -0.03), 0.03)};
+  add_presses(c, {Vec3(0, 0, 0.021), Quat::Identity()}, 0.2);
+  return c;
+}
+
+// A cube of 20 mm about kCenter_T_m, turned so that a face, an edge or a corner is lowest.
+ExactCase cube_on_plane(const std::string& what, const Quat& turned, double lowest_m, double tilt_rad) {
+  ExactCase c;
+  c.what = what;
+  const Vec3 half = Vec3::Constant(0.01);
+  c.tool_T = box_mesh(kCenter_T_m - half, kCenter_T_m + half);
+  c.object_W = slab();
+  for (const Vec3& corner : c.tool_T.vertices_W_m) c.gaps.push_back(ball_on_plane(corner, 0.0, Vec3::UnitZ(), 0.0));
+  const Vec3 center_W = turned * kCenter_T_m;
+  add_presses(c, {Vec3(0, 0, lowest_m - center_W.z()), turned}, tilt_rad);
+  return c;
+}
+
+ExactCase two_spheres_on_a_bar() {
+  ExactCase c;
+  c.what = "two balls of 10 mm, 40 mm apart on a bar, on a plane: the torque balances between them";
+  const Vec3 first(-0.02, 0, -0.02);
+  const Vec3 second(0.02, 0, -0.02);
+  const Vec3 bar_half(0.02, 0.001, 0.001);
+  const Vec3 middle(0, 0, -0.02);
+  c.tool_T = joined(
+      joined(ellipsoid_mesh(first, Vec3::Constant(0.005), 4000), ellipsoid_mesh(second, Vec3::Constant(0.005), 4000)),
+      box_mesh(middle - bar_half, middle + bar_half));
+  c.object_W = slab();
+  c.gaps = {ball_on_plane(first, 0.005, Vec3::UnitZ(), 0.0), ball_on_plane(second, 0.005, Vec3::UnitZ(), 0.0)};
+  add_presses(c, {Vec3(0, 0, 0.025), Quat::Identity()}, 0.05);
+  return c;
+}
+
+ExactCase cylinder_in_groove() {
+  ExactCase c;
+  c.what = "a cylinder of 16 mm, 30 mm long, in a V-groove of 90 degrees";
+  constexpr double kRadius = 0.008;
+  constexpr double kLength = 0.03;
+  constexpr double kDepth = 0.012;
+  const Vec3 center(0, 0, -0.015);
+  c.tool_T = cylinder_mesh(center, kRadius, kLength, 360);
+  c.object_W = groove_mesh(kDepth, 0.25 * std::numbers::pi, kSlabHalf_m);
+  for (const double side : {-1.0, 1.0}) {
+    // The wall that rises to +y looks to -y.
+    const Vec3 n = Vec3(0, -side, 1).normalized();
+    for (const double end : {-0.5, 0.5}) {
+      c.gaps.push_back(disc_on_plane(center + Vec3(end * kLength, 0, 0), Vec3::UnitX(), kRadius, n, n.z() * -kDepth));
+    }
+  }
+  const double axis_z = -kDepth + kRadius * std::numbers::sqrt2;
+  add_presses(c, {Vec3(0, 0, axis_z - center.z()), Quat::Identity()}, 0.05, 0.0015);
+  return c;
+}
+
+ExactCase peg_in_hole(double clearance_m) {
+  ExactCase c;
+  c.what = fmt::format("a square peg of 20 mm in a hole with {} mm of clearance on each side, 15 mm deep",
+                       clearance_m * 1e3);
+  constexpr double kHalf = 0.01;
+  constexpr double kEnd_T = -0.035;
+  constexpr double kInserted = 0.015;
+  c.tool_T = box_mesh(Vec3(-kHalf, -kHalf, kEnd_T), Vec3(kHalf, kHalf, kEnd_T + 0.04));
+  c.object_W = hole_mesh(kHalf + clearance_m, kSlabHalf_m, 0.03);
+  for (const GapOfPose& gap : square_peg_in_hole(kHalf, kEnd_T, kHalf + clearance_m)) c.gaps.push_back(gap);
+  c.free = {Vec3(0, 0, -kEnd_T - kInserted), Quat::Identity()};
+  Random random(1982);
+  for (std::size_t i = 0; i < kPoses; ++i) {
+    const Vec3 aside(random.uniform(-0.002, 0.002), 0.0, 0.0);
+    c.handles.push_back(moved(c.free, {aside, Vec3(0, random.uniform(-0.08, 0.08), 0)}));
+  }
+  return c;
+}
+
+Quat edge_down() { return Quat(Eigen::AngleAxisd(0.25 * std::numbers::pi, Vec3::UnitX())); }
+Quat corner_down() { return Quat::FromTwoVectors(Vec3(1, 1, -1), -Vec3::UnitZ()); }
+
+const std::vector<std::pair<std::string, std::function<ExactCase()>>>& catalogue() {
+  static const std::vector<std::pair<std::string, std::function<ExactCase()>>> all{
+      {"sphere-plane", sphere_on_plane},
+      {"sphere-sphere", sphere_on_sphere},
+      {"ellipsoid-plane", ellipsoid_on_plane_case},
+      {"ellipsoid-sphere", ellipsoid_on_sphere_case},
+      {"box-face", [] { return cube_on_plane("a face of a cube of 20 mm on a plane", Quat::Identity(), 0.01, 0.02); }},
+      {"box-edge",
+       [] {
+         return cube_on_plane("an edge of a cube of 20 mm on a plane", edge_down(), 0.01 * std::numbers::sqrt2, 0.02);
+       }},
+      {"box-corner",
+       [] {
+         return cube_on_plane("a corner of a cube of 20 mm on a plane", corner_down(), 0.01 * std::numbers::sqrt3, 0.1);
+       }},
+      {"two-spheres", two_spheres_on_a_bar},
+      {"cylinder-groove", cylinder_in_groove},
+      {"peg-0.5mm", [] { return peg_in_hole(0.5e-3); }},
+      {"peg-0.2mm", [] { return peg_in_hole(0.2e-3); }},
+      {"peg-0.1mm", [] { return peg_in_hole(0.1e-3); }},
+      {"peg-0.05mm", [] { return peg_in_hole(0.05e-3); }},
+  };
+  return all;
+}
+
+}  // namespace
+
+std::vector<std::string> exact_case_names() {
+  std::vector<std::string> names;
+  for (const auto& [name, make] : catalogue()) names.push_back(name);
+  return names;
+}
+
+ExactCase make_exact_case(std::string_view name) {
+  std::string known;
+  for (const auto& [known_name, make] : catalogue()) {
+    if (known_name == name) {
+      ExactCase made = make();
+      made.name = known_name;
+      return made;
+    }
+    known += (known.empty() ? "" : ", ") + known_name;
+  }
+  throw UsageError(fmt::format("case '{}' is not known; known: {}", name, known));
+}
+
+}  // namespace touchstone::synthetic
