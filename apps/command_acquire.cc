@@ -7,7 +7,11 @@
 #include "harness/acquisition/frame_check.h"
 #include "harness/acquisition/free_air_files.h"
 #include "harness/base/atomic_file.h"
+#include "harness/base/units.h"
 #include "harness/recording/recording_file.h"
+#include "harness/sanity/sanity.h"
+#include "harness/surface/embree_surface.h"
+#include "harness/surface/mesh_file.h"
 
 namespace touchstone::apps {
 namespace {
@@ -65,6 +69,25 @@ ExitStatus identify_from_poses(const ToolOptions& options) {
   return check.bad_fit ? ExitStatus::failed : ExitStatus::passed;
 }
 
+// The gate of every command, on what was made: its findings become notes. True if one of them is a fault.
+bool check_acquired(const AcquisitionDescription& description, Acquired& acquired) {
+  std::shared_ptr<const Surface> surface;
+  if (description.mesh_file) {
+    surface = make_embree_surface(load_mesh(*description.mesh_file, length_unit_factor(description.mesh_unit)));
+  }
+  sanity::SanityContext context;
+  context.surface = surface.get();
+  context.mesh_unit = description.mesh_unit;
+  context.tip_radius_m = description.tip_radius_m;
+  context.contact_force_N = description.contact_force_N;
+  bool fault = false;
+  for (const sanity::SanityFinding& finding : sanity::check_sanity(acquired.recording, context)) {
+    acquired.report.notes.push_back(fmt::format("{}: {}", finding.fault, sanity::sanity_line(finding)));
+    fault |= finding.weight == sanity::SanityWeight::fault;
+  }
+  return fault;
+}
+
 void add_run(CLI::App& acquire_command, Run& run) {
   auto* const command = acquire_command.add_subcommand(
       "run", "Raw force and motion streams to a recording, every step with its residual");
@@ -76,16 +99,20 @@ void add_run(CLI::App& acquire_command, Run& run) {
   command->add_option("--out", options->out, "The recording to write (.csv, .csv.gz or .h5)")->required();
   command->add_option("--json", options->json, "Write the report with all residuals to this file");
   command->footer(
+      "Exit status 1: the recording is written, but it is not sane (force reversed or in another frame, place), or\n"
+      "something is touched in the interval that should be free air; a note says what to do.\n\n"
       "Example:\n  touchstone acquire run session/acquisition.json --out session/recording.csv --json "
       "session/report.json");
   command->callback([options, &run] {
     run = [options] {
-      const auto result = acquire(read_description(options->description));
+      const AcquisitionDescription description = read_description(options->description);
+      Acquired result = acquire(description);
+      const bool fault = check_acquired(description, result);
       save_recording(options->out, result.recording);
       if (!options->json.empty()) write_file(options->json, report_json(result.report));
       fmt::print("{}recording    {} samples -> {}\n", report_text(result.report), result.recording.size(),
                  options->out);
-      return ExitStatus::passed;
+      return fault || result.report.contact_in_free_air ? ExitStatus::failed : ExitStatus::passed;
     };
   });
 }

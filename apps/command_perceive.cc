@@ -74,8 +74,12 @@ struct PerceiveSources {
 PerceiveSources perceive_sources(const PerceiveOptions& options, const Recording& real) {
   PerceiveSources sources;
   sources.inputs.emplace_back("real", options.real);
-  const auto from_file = [](const std::string& name, const std::string& file) {
-    return pc::RecordingSource{name, [file] { return load_recording(file); }};
+  const auto from_file = [&options, &real](const std::string& name, const std::string& file) {
+    return pc::RecordingSource{name, [&options, &real, file] {
+                                 Recording recording = read_recording(options, file);
+                                 check_condition(real, recording);
+                                 return recording;
+                               }};
   };
   for (const auto& file : options.repeats) {
     sources.inputs.emplace_back("repeat", file);
@@ -91,6 +95,7 @@ PerceiveSources perceive_sources(const PerceiveOptions& options, const Recording
     surface = rendered_object(options, real, sources.notes);
     sources.inputs.emplace_back("mesh", options.mesh);
   }
+  check_real(options, real, surface.get(), sources.notes);
   const Plugins plugins = options.plugins.load();
   for (const auto& text : options.models) {
     const auto [name, file] = name_and_file(text, "--model");
@@ -108,7 +113,7 @@ ExitStatus perceive_by_judge(const PerceiveOptions& options) {
   if (!options.answers.empty()) throw UsageError("--answers goes with --method paper");
   if (options.explained_share) throw UsageError("--explained goes with --method paper; the judge has no dimensions");
   const pc::JudgeOptions settings = judge_options(options);
-  const Recording real = load_recording(options.real);
+  const Recording real = read_recording(options, options.real);
   const Vec3 outward = press_direction_of(options.direction, real);
   const PerceiveSources sources = perceive_sources(options, real);
   Provenance provenance = make_provenance(command_line());
@@ -182,6 +187,8 @@ void add_perceive(CLI::App& program, Run& run) {
   command->add_option(
       "--repeat", options->repeats,
       "Another recording of the real process: how much they differ is the noise floor; repeat for more");
+  command->add_flag("--flip-force", options->flip_force,
+                    "The recordings have the force BY the probe: negate it, in all of them");
   command
       ->add_option("--method", options->method,
                    "judge: probability of noticing, pair by pair; paper: the distance in perception space of Shao, Wu "

@@ -9,7 +9,11 @@
 #include "harness/base/units.h"
 #include "harness/perception/filters/weber_law.h"
 #include "harness/perception/haptic_data_matrix.h"
+#include "harness/recording/recording_file.h"
 #include "harness/rendering/replay.h"
+#include "harness/sanity/pair_faults.h"
+#include "harness/sanity/recording_sample.h"
+#include "harness/sanity/sanity.h"
 #include "harness/surface/embree_surface.h"
 #include "harness/surface/extend_edges.h"
 #include "harness/surface/mesh_file.h"
@@ -44,6 +48,29 @@ Recording rendered_by(const Model& model, const std::shared_ptr<const Surface>& 
   recording.f_W_N = rendered.f_W_N;
   recording.source = model.source;
   return recording;
+}
+
+Recording read_recording(const PerceiveOptions& options, const std::string& file) {
+  Recording recording = load_recording(file);
+  if (options.flip_force) sanity::flip_force(recording);
+  return recording;
+}
+
+void check_real(const PerceiveOptions& options, const Recording& real, const Surface* surface,
+                std::vector<std::string>& notes) {
+  sanity::SanityContext context;
+  context.surface = surface;
+  context.mesh_unit = options.mesh_unit;
+  context.force_flipped = options.flip_force;
+  context.contact_force_N = perception::kFingertipForce.absolute_threshold;
+  for (std::string& remark : sanity::refuse_insane(real, context)) notes.push_back(std::move(remark));
+}
+
+void check_condition(const Recording& real, const Recording& condition) {
+  for (const sanity::SanityFinding& finding : sanity::find_pair_faults(real, condition)) {
+    if (finding.fault == "clock") continue;  // a rendering that answers late is what is to be judged
+    throw BadData(fmt::format("{}: {}: {}", condition.source, finding.fault, sanity::sanity_line(finding)));
+  }
 }
 
 // In parallel: hashing many recordings takes as long as comparing them.

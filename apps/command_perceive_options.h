@@ -32,11 +32,22 @@ struct PerceiveOptions {
   std::string extend_edges;
   std::size_t window = perception::kRateHardnessWindow;
   bool hardness_in_band = false;
+  bool flip_force = false;  // every recording that is read has the force BY the probe
 };
 
 std::pair<std::string, std::string> name_and_file(const std::string& text, const char* option);
 // The outward direction of pressing.
 Vec3 press_direction_of(const std::string& text, const Recording& real);
+
+// The recording as the options say, its force reversed where they ask for it.
+Recording read_recording(const PerceiveOptions& options, const std::string& file);
+
+// Refuses (BadData) a real process that is not sane, against the object where one is given; what is worth knowing goes
+// into `notes`.
+void check_real(const PerceiveOptions& options, const Recording& real, const Surface* surface,
+                std::vector<std::string>& notes);
+// Refuses (BadData) a condition whose file has a fault of its own, or that shows the real process with one.
+void check_condition(const Recording& real, const Recording& condition);
 
 // The object of --mesh, its open edges continued where the real process presses beyond them, as `evaluate` does it;
 // `notes` then says so.

@@ -43,11 +43,12 @@ std::vector<std::string> parts_of(const std::string& text) {
   return files;
 }
 
-std::vector<pc::PressSignal> signals_of(const std::string& text, const Vec3& outward, double contact_N) {
+std::vector<pc::PressSignal> signals_of(const PerceiveOptions& options, const std::string& text, const Vec3& outward,
+                                        double contact_N) {
   std::vector<pc::PressSignal> signals;
   const auto files = parts_of(text);
   for (const auto& file : files) {
-    signals.push_back(pc::press_signal(load_recording(file), outward, contact_N));
+    signals.push_back(pc::press_signal(read_recording(options, file), outward, contact_N));
     // Parts go by their place, so that those of two processes meet.
     if (files.size() > 1) signals.back().name = fmt::format("part {}", signals.size());
   }
@@ -69,7 +70,7 @@ ExitStatus perceive_by_paper(const PerceiveOptions& options) {
   const auto real_files = parts_of(options.real);
   if (real_files.size() > 1 && !options.models.empty())
     throw UsageError("--model renders one path; the real process has several parts");
-  const Recording real = load_recording(real_files.front());
+  const Recording real = read_recording(options, real_files.front());
   const Vec3 outward = press_direction_of(options.direction, real);
   const double contact_N = settings.image.force_law.absolute_threshold;
   std::vector<std::pair<std::string, std::string>> inputs;
@@ -81,7 +82,8 @@ ExitStatus perceive_by_paper(const PerceiveOptions& options) {
     const auto [name, file] = name_and_file(text, "--condition");
     for (const auto& part : parts_of(file)) inputs.emplace_back("condition " + name, part);
     names.push_back(name);
-    sources.push_back({name, [file = file, outward, contact_N] { return signals_of(file, outward, contact_N); }});
+    sources.push_back(
+        {name, [&options, file = file, outward, contact_N] { return signals_of(options, file, outward, contact_N); }});
   }
   std::vector<std::string> notes;
   std::shared_ptr<const Surface> surface;
@@ -89,6 +91,7 @@ ExitStatus perceive_by_paper(const PerceiveOptions& options) {
     surface = rendered_object(options, real, notes);
     inputs.emplace_back("mesh", options.mesh);
   }
+  check_real(options, real, surface.get(), notes);
   const Plugins plugins = options.plugins.load();
   for (const auto& text : options.models) {
     const auto [name, file] = name_and_file(text, "--model");
@@ -112,7 +115,7 @@ ExitStatus perceive_by_paper(const PerceiveOptions& options) {
 
   Progress progress("conditions", sources.size());
   settings.progress = [&progress](std::size_t done) { progress.update(done); };
-  auto evaluation = pc::evaluate(signals_of(options.real, outward, contact_N), sources, settings);
+  auto evaluation = pc::evaluate(signals_of(options, options.real, outward, contact_N), sources, settings);
   evaluation.remarks.insert(evaluation.remarks.begin(), notes.begin(), notes.end());
   std::optional<pc::SubjectiveComparison> people;
   if (answers) people = pc::compare_with_people(evaluation, *answers);

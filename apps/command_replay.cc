@@ -8,6 +8,8 @@
 #include "apps/plugin_flags.h"
 #include "harness/base/atomic_file.h"
 #include "harness/rendering/replay_file.h"
+#include "harness/sanity/recording_sample.h"
+#include "harness/sanity/sanity.h"
 #include "renderers/catalogue.h"
 
 namespace touchstone::apps {
@@ -15,9 +17,24 @@ namespace {
 
 struct ReplayOptions {
   std::string model, mesh, mesh_unit = "m", trajectory, out, timing, json;
+  bool flip_force = false;
   MeshFlags meshes;
   PluginFlags plugins;
 };
+
+// A recording's own forces show whether it belongs to this mesh. Positions without forces may be anywhere.
+void check_recording(const ReplayOptions& options, const Model& model, const Surface& surface) {
+  Recording sample = sanity::sample_recording(options.trajectory);
+  if (sample.f_W_N.empty()) return;
+  if (options.flip_force) sanity::flip_force(sample);
+  sanity::SanityContext context;
+  context.surface = &surface;
+  context.mesh_unit = options.mesh_unit;
+  const auto radius = model.parameters.find("tip_radius_m");
+  context.tip_radius_m = radius == model.parameters.end() ? 0.0 : radius->second;
+  context.force_flipped = options.flip_force;
+  for (const std::string& remark : sanity::refuse_insane(sample, context)) fmt::print(stderr, "warning: {}\n", remark);
+}
 
 ExitStatus replay_command(const ReplayOptions& options) {
   const Model model = load_model(options.model, options.plugins.load());
@@ -28,6 +45,7 @@ ExitStatus replay_command(const ReplayOptions& options) {
   const auto renderer = make_renderer(model, surface);
   const double build_ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - began).count();
   options.meshes.warn(mesh, *surface);
+  check_recording(options, model, *surface);
 
   const ReplaySummary summary = replay_file(*renderer, options.trajectory, options.out);
   if (!options.timing.empty()) {
@@ -73,8 +91,13 @@ void add_replay(CLI::App& program, Run& run) {
       ->capture_default_str();
   options->meshes.add_repair_to(*command);
   options->meshes.add_two_sided_to(*command);
-  command->add_option("--trajectory", options->trajectory, "Positions over time: CSV or HDF5 with t_s, x_m, y_m, z_m")
+  command
+      ->add_option("--trajectory", options->trajectory,
+                   "Positions over time: CSV or HDF5 with t_s, x_m, y_m, z_m; a recording with force is checked as "
+                   "`evaluate` checks it")
       ->required();
+  command->add_flag("--flip-force", options->flip_force,
+                    "The file has the force BY the probe: check it negated (the replay needs positions alone)");
   command->add_option("--out", options->out, "Rendered file: force, surface contact point, contact (CSV or HDF5)")
       ->required();
   command->add_option("--timing", options->timing,

@@ -171,6 +171,46 @@ TipForce force_at_tip(const AcquisitionDescription& d, const ForceStream& force,
   return result;
 }
 
+// The bias interval should be free air: there the force moves by no more than a contact is, and than the tool's weight
+// as the tool turns. Means over short blocks, so that noise counts little. Returns what to say, or nothing.
+std::optional<std::string> contact_in_bias(const AcquisitionDescription& d, const ForceStream& force, double weight_N) {
+  constexpr double block_s = 0.05;
+  constexpr std::size_t fewest = 3;  // samples of a block
+  if (!d.bias) return std::nullopt;
+  std::vector<Vec3> means;
+  std::vector<double> at;
+  std::size_t i = 0;
+  while (i < force.t_s.size() && force.t_s[i] < d.bias->from_s) ++i;
+  while (i < force.t_s.size() && force.t_s[i] <= d.bias->to_s) {
+    const double begin_s = force.t_s[i];
+    Vec3 sum = Vec3::Zero();
+    std::size_t n = 0;
+    for (; i < force.t_s.size() && force.t_s[i] <= d.bias->to_s && force.t_s[i] < begin_s + block_s; ++i, ++n)
+      sum += force.wrench[i].f_N;
+    if (n >= fewest) means.emplace_back(sum / static_cast<double>(n)), at.push_back(begin_s);
+  }
+  if (means.size() < fewest) return std::nullopt;
+  Vec3 middle;
+  for (int axis = 0; axis < 3; ++axis) {
+    std::vector<double> values;
+    values.reserve(means.size());
+    for (const Vec3& f : means) values.push_back(f[axis]);
+    std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2), values.end());
+    middle[axis] = values[values.size() / 2];
+  }
+  const double most_N = d.contact_force_N + 2.0 * weight_N;  // a tool that turns over
+  std::size_t worst = 0;
+  for (std::size_t k = 0; k < means.size(); ++k) {
+    if ((means[k] - middle).norm() > (means[worst] - middle).norm()) worst = k;
+  }
+  const double largest_N = (means[worst] - middle).norm();
+  if (!(largest_N > most_N)) return std::nullopt;
+  return fmt::format(
+      "contact: something is touched in the bias interval of {} to {} s: at {:.2f} s the force is {:.3g} N off its "
+      "middle there (free air: up to {:.3g} N); choose an interval in free air for /force/bias_from_s",
+      d.bias->from_s, d.bias->to_s, at[worst], largest_N, most_N);
+}
+
 ClockAlignment align_clocks(const AcquisitionDescription& d, const ForceStream& force, const MotionStream& motion,
                             const ToolLoad& tool, const Quat& q_WT) {
   const Vec3 normal_T = q_WT.conjugate() * d.tap_normal_W;
@@ -230,6 +270,11 @@ Acquired acquire(const AcquisitionDescription& d) {
     tool = *d.tool;
   } else {
     report.notes.emplace_back("no tool was described: its weight was taken for contact force");
+  }
+
+  if (const auto contact = contact_in_bias(d, force, tool.mass_kg * d.gravity_T_m_per_s2.norm())) {
+    report.notes.push_back(*contact);
+    report.contact_in_free_air = true;
   }
 
   RigidTransform object;  // tracker to object

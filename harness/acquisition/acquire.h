@@ -24,7 +24,8 @@ struct AcquisitionReport {
   std::optional<ClockAlignment> clocks;    // where aligned by taps
   std::optional<MarkerRegistration> markers;
   std::optional<ContactRegistration> contacts;
-  WrenchResidual free_air;  // of the compensated force while nothing was touched
+  WrenchResidual free_air;           // of the compensated force while nothing was touched
+  bool contact_in_free_air = false;  // something was touched where nothing should be; a note says where
   double force_bandwidth_Hz = 0.0;
   double motion_bandwidth_Hz = 0.0;  // half the tracker's rate where positions were not smoothed
   double noise_gain = 0.0;           // of the force's smoothing

@@ -197,6 +197,24 @@ TEST_F(AcquireTest, LeadsBackToTheTruth) {
   EXPECT_THAT(report_text(report), HasSubstr("clocks"));
 }
 
+TEST_F(AcquireTest, ContactInTheBiasIntervalIsNamed) {
+  const auto with_bias = [&](const std::string& interval) {
+    auto text = read_file(folder_ / "acquisition.json");
+    const std::string serial = "\"serial\": \"FT0042\"";
+    const auto at = text.find(serial);
+    return text.replace(at, serial.size(), serial + interval);
+  };
+  const std::string free = with_bias(R"(, "bias_from_s": 0.8, "bias_to_s": 1.6)"),
+                    touching = with_bias(R"(, "bias_from_s": 1.2, "bias_to_s": 2.2)");
+  write_file(folder_ / "acquisition.json", free);
+  EXPECT_FALSE(run().report.contact_in_free_air);
+  EXPECT_THAT(report_text(run().report), ::testing::Not(HasSubstr("contact:")));
+  write_file(folder_ / "acquisition.json", touching);
+  const auto report = run().report;
+  EXPECT_TRUE(report.contact_in_free_air);
+  EXPECT_THAT(report_text(report), HasSubstr("contact: something is touched in the bias interval of 1.2 to 2.2 s"));
+}
+
 TEST(AcquisitionGuide, ItsExampleIsADescription) {
   const char* const source = std::getenv("TOUCHSTONE_SOURCE_DIR");
   ASSERT_NE(source, nullptr);

@@ -1,0 +1,16 @@
+// Two files that should show the same and do not: is one of them the other with a fault? Force reversed, positions in
+// another unit, force in another frame, clock shifted: each is tried on `obtained`, and named with what it gains. A
+// repair must leave less than half of the difference.
+#pragma once
+
+#include <vector>
+
+#include "harness/base/rooms.h"
+#include "harness/sanity/sanity.h"
+
+namespace touchstone::sanity {
+
+// Both need time, position and force. Empty where no repair explains the difference, or where there is none.
+std::vector<SanityFinding> find_pair_faults(const Recording& expected, const Recording& obtained);
+
+}  // namespace touchstone::sanity

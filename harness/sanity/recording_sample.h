@@ -1,0 +1,20 @@
+// Samples spread evenly over a recording of any length, in bounded memory: what the gate looks at where a command
+// streams.
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+
+#include "harness/base/rooms.h"
+#include "harness/recording/trajectory.h"
+
+namespace touchstone::sanity {
+
+// At most `most` samples, every so many of the file's. `f_W_N` and `motion.q_WS` are empty where the file has none.
+// Throws BadData as RecordingStream does.
+Recording sample_recording(const std::filesystem::path& path, std::size_t most = 16384);
+
+// Reverses force and torque: a file that has the force BY the probe.
+void flip_force(Recording& recording);
+
+}  // namespace touchstone::sanity

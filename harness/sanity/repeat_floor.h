@@ -1,0 +1,32 @@
+// Two recordings of the same motion: what differs is what instrument and object do not repeat. It is the floor that
+// errors of a model are held against: a smaller error is chance, a larger one can be explained.
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "harness/base/rooms.h"
+#include "harness/recording/trajectory.h"
+
+namespace touchstone::sanity {
+
+struct RepeatFloor {
+  double force_N = 0.0;     // RMS of the difference of the forces as vectors, at equal times
+  double position_m = 0.0;  // RMS of the difference of the positions
+  double shift_s = 0.0;     // by which the second is late; taken out
+  double shared_s = 0.0;    // time that both cover
+  std::string source;       // the second recording
+
+  // "0.0761 N (again.csv; 0.178 mm in position, over 391 s)"
+  [[nodiscard]] std::string text() const;
+  // "1.7 times the floor of 0.0761 N that the repeat again.csv gives", "within the floor ..."
+  [[nodiscard]] std::string verdict(double error_N) const;
+};
+
+// Throws BadData where they do not repeat: the positions differ by more than a fifth of their own extent, or less than
+// half of the first is covered.
+RepeatFloor repeat_floor(const Recording& first, const Recording& second);
+// The same from files of any length. The sign of the force does not matter as long as it is the same in both.
+RepeatFloor repeat_floor_of_files(const std::filesystem::path& first, const std::filesystem::path& second);
+
+}  // namespace touchstone::sanity
