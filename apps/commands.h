@@ -11,6 +11,7 @@
 namespace touchstone::apps {
 
 void add_acquire(CLI::App& program, Run& run);
+void add_axis(CLI::App& program, Run& run);
 void add_atlas(CLI::App& program, Run& run);
 void add_bisect(CLI::App& program, Run& run);
 void add_blind(CLI::App& program, Run& run);
@@ -52,6 +53,7 @@ inline std::vector<AddCommand> commands() {
   return {
       add_acquire,
       add_atlas,
+      add_axis,
       add_bisect,
       add_blind,
       add_check,

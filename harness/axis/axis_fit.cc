@@ -1,0 +1,485 @@
+#include "harness/axis/axis_fit.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "harness/base/error.h"
+
+namespace touchstone::axis {
+namespace {
+
+constexpr std::size_t fewest_samples = 100;
+constexpr std::size_t block_count = 20;
+// Slower than this share of the usual speed counts as rest: the sign of the speed is noise there, and dry friction has
+// any value up to its own.
+constexpr double share_at_rest = 0.1;
+// A term is taken if the held-out blocks gain by so many standard errors, and its coefficient is so many from zero.
+// Student's t with 19 degrees of freedom exceeds 3.5 by chance in 0.12 % of the trials; about ten are made.
+constexpr double clear = 3.5;
+// And if it takes away so much of the RMS: less is no explanation of anything.
+constexpr double least_gain = 0.02;
+constexpr std::array<Eigen::Index, 3> knot_counts{6, 12, 24};
+constexpr Eigen::Index friction_knots = 5;
+
+double percentile_of(std::vector<double> values, double share) {
+  const auto at = values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
+  std::nth_element(values.begin(), at, values.end());
+  return *at;
+}
+
+// Slope of a straight line through the samples within `half` of each sample.
+std::vector<double> slopes(const std::vector<double>& t_s, const std::vector<double>& values, std::size_t half) {
+  std::vector<double> result(values.size());
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    const std::size_t from = i > half ? i - half : 0, to = std::min(values.size(), i + half + 1);
+    double mt = 0.0, mv = 0.0, tv = 0.0, tt = 0.0;
+    const auto n = static_cast<double>(to - from);
+    for (std::size_t k = from; k < to; ++k) mt += t_s[k] / n, mv += values[k] / n;
+    for (std::size_t k = from; k < to; ++k) tv += (t_s[k] - mt) * (values[k] - mv), tt += (t_s[k] - mt) * (t_s[k] - mt);
+    result[i] = tt > 0.0 ? tv / tt : 0.0;
+  }
+  return result;
+}
+
+// Which terms, beside h(q).
+struct Structure {
+  Eigen::Index knots = 12;
+  bool dry = false, viscous = false, inertia = false, friction_over_place = false;
+  double width = 0.0;  // of a reversal; 0: at once
+  double tau_s = 0.0;  // of relaxation; 0: none
+  [[nodiscard]] Eigen::Index terms() const {
+    return Eigen::Index{dry} + Eigen::Index{viscous} + Eigen::Index{inertia} + (tau_s > 0.0 ? 1 : 0);
+  }
+  [[nodiscard]] Eigen::Index columns() const { return knots + terms() + (friction_over_place ? friction_knots : 0); }
+};
+
+// Every sample of the run, with what the terms need; `used` are those that a fit sees.
+struct Samples {
+  std::vector<double> t_s, place, rate, acceleration, load;
+  std::vector<std::size_t> used;
+  double lowest = 0.0, highest = 0.0;
+  double usual_speed = 0.0;
+};
+
+Samples samples_of(const AxisRun& run) {
+  constexpr double window_s = 0.05;
+  const double interval_s = (run.t_s.back() - run.t_s.front()) / static_cast<double>(run.t_s.size() - 1);
+  const auto half = std::clamp<std::size_t>(static_cast<std::size_t>(std::ceil(window_s / interval_s)), 1,
+                                            std::max<std::size_t>(1, run.t_s.size() / 200));
+  Samples s;
+  s.t_s = run.t_s, s.place = run.place, s.load = run.load;
+  s.rate = run.rate.empty() ? slopes(run.t_s, run.place, half) : run.rate;
+  s.acceleration = slopes(run.t_s, s.rate, half);
+  std::vector<double> speeds;
+  for (const double v : s.rate) speeds.push_back(std::abs(v));
+  s.usual_speed = percentile_of(speeds, 0.9);
+  for (std::size_t i = 0; i < run.t_s.size(); ++i) {
+    if (run.keep_rest || std::abs(s.rate[i]) > share_at_rest * s.usual_speed) s.used.push_back(i);
+  }
+  if (s.used.size() < fewest_samples) {
+    throw BadData(
+        fmt::format("{}: only {} samples move; at least {} are needed", run.source, s.used.size(), fewest_samples));
+  }
+  s.lowest = s.highest = s.place[s.used.front()];
+  for (const std::size_t i : s.used)
+    s.lowest = std::min(s.lowest, s.place[i]), s.highest = std::max(s.highest, s.place[i]);
+  return s;
+}
+
+// The direction of motion at every sample, within [-1, 1]: at rest that of the last motion, after a reversal it takes
+// `width` of way to turn.
+std::vector<double> directions(const Samples& s, double width) {
+  std::vector<double> z(s.place.size());
+  const double slow = share_at_rest * s.usual_speed;
+  double now = 0.0;
+  for (std::size_t i = 0; i < s.place.size() && now == 0.0; ++i) {
+    if (std::abs(s.rate[i]) > slow) now = s.rate[i] > 0.0 ? 1.0 : -1.0;
+  }
+  for (std::size_t i = 0; i < s.place.size(); ++i) {
+    if (width > 0.0) {
+      if (i > 0) now = std::clamp(now + 2.0 * (s.place[i] - s.place[i - 1]) / width, -1.0, 1.0);
+    } else if (std::abs(s.rate[i]) > slow) {
+      now = s.rate[i] > 0.0 ? 1.0 : -1.0;
+    }
+    z[i] = now;
+  }
+  return z;
+}
+
+// place - its low pass, at every sample.
+std::vector<double> high_passed(const Samples& s, double tau_s) {
+  std::vector<double> result(s.place.size());
+  double slow = s.place.front();
+  for (std::size_t i = 1; i < s.place.size(); ++i) {
+    slow += (s.place[i] - slow) * -std::expm1(-(s.t_s[i] - s.t_s[i - 1]) / tau_s);
+    result[i] = s.place[i] - slow;
+  }
+  return result;
+}
+
+// Weights of the two hat functions beside a place.
+struct Hat {
+  Eigen::Index left = 0;
+  double share = 0.0;
+};
+
+Hat hat_at(const Samples& s, double place, Eigen::Index knots) {
+  const double at = std::clamp((place - s.lowest) / (s.highest - s.lowest), 0.0, 1.0) * static_cast<double>(knots - 1);
+  const auto left = std::min(static_cast<Eigen::Index>(at), knots - 2);
+  return {left, at - static_cast<double>(left)};
+}
+
+// Rows: the samples of `which`. Columns: hats over the place, dry, viscous, inertia, relaxation, hats of friction.
+Eigen::MatrixXd design_of(const Samples& s, const Structure& structure, const std::vector<std::size_t>& which) {
+  const std::vector<double> z = directions(s, structure.width);
+  const std::vector<double> passed = structure.tau_s > 0.0 ? high_passed(s, structure.tau_s) : std::vector<double>{};
+  Eigen::MatrixXd a = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(which.size()), structure.columns());
+  for (Eigen::Index row = 0; row < a.rows(); ++row) {
+    const std::size_t i = which[static_cast<std::size_t>(row)];
+    const Hat hat = hat_at(s, s.place[i], structure.knots);
+    a(row, hat.left) = 1.0 - hat.share;
+    a(row, hat.left + 1) = hat.share;
+    Eigen::Index column = structure.knots;
+    if (structure.dry) a(row, column++) = z[i];
+    if (structure.viscous) a(row, column++) = s.rate[i];
+    if (structure.inertia) a(row, column++) = s.acceleration[i];
+    if (structure.tau_s > 0.0) a(row, column++) = passed[i];
+    if (!structure.friction_over_place) continue;
+    const Hat friction = hat_at(s, s.place[i], friction_knots);
+    a(row, column + friction.left) = z[i] * (1.0 - friction.share);
+    a(row, column + friction.left + 1) = z[i] * friction.share;
+  }
+  return a;
+}
+
+// Held-out blocks: the normal equations of each block are added up once, and each block taken out in turn.
+struct Judged {
+  Structure structure;
+  Eigen::VectorXd x;                     // from all samples
+  std::vector<double> square_of_block;   // mean held-out square, block by block
+  std::vector<Eigen::VectorXd> without;  // coefficients without each block
+  [[nodiscard]] double rms() const {
+    double sum = 0.0;
+    for (const double square : square_of_block) sum += square / static_cast<double>(square_of_block.size());
+    return std::sqrt(sum);
+  }
+  // The first term's column is that behind the knots.
+  [[nodiscard]] double coefficient(Eigen::Index term) const { return x[structure.knots + term]; }
+  // Delete-one-group jackknife.
+  [[nodiscard]] double error(Eigen::Index term) const {
+    const auto n = static_cast<double>(without.size());
+    double mean = 0.0, square = 0.0;
+    for (const auto& one : without) mean += one[structure.knots + term] / n;
+    for (const auto& one : without) square += std::pow(one[structure.knots + term] - mean, 2);
+    return std::sqrt((n - 1.0) / n * square);
+  }
+  [[nodiscard]] bool determined(Eigen::Index term) const { return coefficient(term) > clear * error(term); }
+};
+
+Eigen::VectorXd solve(Eigen::MatrixXd normal, const Eigen::VectorXd& right, const Structure& structure) {
+  // A touch of smoothness, so that a knot without samples has its neighbours' value.
+  const double weight = 1e-6 * normal.topLeftCorner(structure.knots, structure.knots).diagonal().maxCoeff();
+  const auto smooth = [&](Eigen::Index from, Eigen::Index count) {
+    for (Eigen::Index k = from; k + 1 < from + count; ++k) {
+      normal(k, k) += weight, normal(k + 1, k + 1) += weight;
+      normal(k, k + 1) -= weight, normal(k + 1, k) -= weight;
+    }
+  };
+  smooth(0, structure.knots);
+  if (structure.friction_over_place) smooth(structure.columns() - friction_knots, friction_knots);
+  return normal.ldlt().solve(right);
+}
+
+Judged judge(const Samples& s, const Structure& structure) {
+  const Eigen::MatrixXd a = design_of(s, structure, s.used);
+  Eigen::VectorXd b(a.rows());
+  for (Eigen::Index row = 0; row < a.rows(); ++row) b[row] = s.load[s.used[static_cast<std::size_t>(row)]];
+  std::vector<Eigen::MatrixXd> normals;
+  std::vector<Eigen::VectorXd> rights;
+  Eigen::MatrixXd normal = Eigen::MatrixXd::Zero(a.cols(), a.cols());
+  Eigen::VectorXd right = Eigen::VectorXd::Zero(a.cols());
+  const auto bounds = [&](std::size_t block) {
+    const Eigen::Index from = a.rows() * static_cast<Eigen::Index>(block) / static_cast<Eigen::Index>(block_count);
+    const Eigen::Index to = a.rows() * static_cast<Eigen::Index>(block + 1) / static_cast<Eigen::Index>(block_count);
+    return std::pair{from, to - from};
+  };
+  for (std::size_t block = 0; block < block_count; ++block) {
+    const auto [from, count] = bounds(block);
+    const auto part = a.middleRows(from, count);
+    normals.emplace_back(part.transpose() * part);
+    rights.emplace_back(part.transpose() * b.segment(from, count));
+    normal += normals.back(), right += rights.back();
+  }
+  Judged judged;
+  judged.structure = structure;
+  judged.x = solve(normal, right, structure);
+  for (std::size_t block = 0; block < block_count; ++block) {
+    const auto [from, count] = bounds(block);
+    judged.without.push_back(solve(normal - normals[block], right - rights[block], structure));
+    const Eigen::VectorXd left = b.segment(from, count) - a.middleRows(from, count) * judged.without.back();
+    judged.square_of_block.push_back(left.squaredNorm() / static_cast<double>(count));
+  }
+  return judged;
+}
+
+// Whether `b` leaves less than `a` beyond chance and by enough: paired differences of the blocks.
+bool clearly_better(const Judged& a, const Judged& b) {
+  if (!(b.rms() < (1.0 - least_gain) * a.rms())) return false;
+  const auto n = static_cast<double>(a.square_of_block.size());
+  double mean = 0.0, square = 0.0;
+  for (std::size_t k = 0; k < a.square_of_block.size(); ++k) mean += (a.square_of_block[k] - b.square_of_block[k]) / n;
+  for (std::size_t k = 0; k < a.square_of_block.size(); ++k) {
+    square += std::pow(a.square_of_block[k] - b.square_of_block[k] - mean, 2);
+  }
+  return mean > 2.0 * std::sqrt(square / (n * (n - 1.0)));
+}
+
+void check_run(const AxisRun& run) {
+  const bool whole = run.place.size() == run.t_s.size() && run.load.size() == run.t_s.size() &&
+                     (run.rate.empty() || run.rate.size() == run.t_s.size());
+  if (!whole || run.t_s.size() < fewest_samples) {
+    throw BadData(fmt::format("{}: {} samples of one axis; at least {} of each column are needed", run.source,
+                              run.t_s.size(), fewest_samples));
+  }
+  for (std::size_t i = 1; i < run.t_s.size(); ++i) {
+    if (!(run.t_s[i] > run.t_s[i - 1])) {
+      throw BadData(fmt::format("{}: sample {}: time does not increase", run.source, i + 1));
+    }
+  }
+}
+
+// The fewest knots that leave hardly more than the most do.
+Structure with_knots(const Samples& s, Structure structure) {
+  constexpr double hardly_more = 1.01;
+  std::vector<double> left;
+  for (const Eigen::Index knots : knot_counts) {
+    structure.knots = knots;
+    left.push_back(judge(s, structure).rms());
+  }
+  const double least = *std::ranges::min_element(left);
+  std::size_t chosen = 0;
+  while (left[chosen] > hardly_more * least) ++chosen;
+  structure.knots = knot_counts[chosen];
+  return structure;
+}
+
+// Steps of a grid of widths and of time constants.
+constexpr double grid_step = 1.6;
+
+// Dry friction with the reversal width that leaves least, if it is clearly better than turning at once.
+Judged with_width(const Samples& s, Judged best) {
+  const double span = s.highest - s.lowest;
+  const Judged sharp = best;
+  Structure structure = sharp.structure;
+  for (double width = 0.002 * span; width < 0.3 * span; width *= grid_step) {
+    structure.width = width;
+    Judged judged = judge(s, structure);
+    if (judged.determined(0) && clearly_better(sharp, judged) && judged.rms() < best.rms()) best = std::move(judged);
+  }
+  return best;
+}
+
+// Dry or viscous friction, both, or none, and whether the motion can tell.
+Judged choose_friction(const Samples& s, const Structure& bare, AxisFit& fit) {
+  const auto with = [&](bool dry, bool viscous) {
+    Structure structure = bare;
+    structure.dry = dry, structure.viscous = viscous;
+    return judge(s, structure);
+  };
+  const Judged none = with(false, false), sharp = with(true, false), viscous = with(false, true);
+  // After a reversal presliding looks viscous: it goes first.
+  const Judged dry = with_width(s, sharp);
+  fit.dry_alone = dry.coefficient(0), fit.viscous_alone = viscous.coefficient(0);
+  fit.dry_left = dry.rms(), fit.viscous_left = viscous.rms();
+  if (!clearly_better(none, dry) && !clearly_better(none, viscous)) return none;
+  const bool dry_better = dry.rms() <= viscous.rms();
+  const Judged& best = dry_better ? dry : viscous;
+  fit.reversed = best.coefficient(0) < 0.0;
+  // Speeds that hardly vary leave the split to accidents: both coefficients must be determined.
+  constexpr double one_speed = 1.5;
+  Structure with_both = dry.structure;
+  with_both.viscous = true;
+  const Judged both = judge(s, with_both);
+  const bool split = both.determined(0) && both.determined(1);
+  const bool told = clearly_better(dry_better ? viscous : dry, best);
+  fit.friction_undecided = fit.fastest < one_speed * fit.slowest || (!told && !split);
+  return !fit.friction_undecided && split && clearly_better(best, both) ? both : best;
+}
+
+// Each further term in turn, the one that leaves least first, until none is clearly better.
+Judged add_terms(const Samples& s, Judged best) {
+  const double duration_s = s.t_s.back() - s.t_s.front();
+  const double interval_s = duration_s / static_cast<double>(s.t_s.size() - 1);
+  for (bool added = true; added;) {
+    added = false;
+    std::vector<Judged> tried;
+    const auto consider = [&](const Structure& structure, Eigen::Index term) {
+      Judged judged = judge(s, structure);
+      if (term >= 0 && !judged.determined(term)) return;
+      if (clearly_better(best, judged)) tried.push_back(std::move(judged));
+    };
+    const Structure& now = best.structure;
+    if (!now.inertia) {
+      Structure next = now;
+      next.inertia = true;
+      consider(next, Eigen::Index{next.dry} + Eigen::Index{next.viscous});
+    }
+    if (now.tau_s == 0.0) {
+      // From a few samples to a third of the run.
+      for (double tau_s = 10.0 * interval_s; tau_s < duration_s / 3.0; tau_s *= grid_step) {
+        Structure next = now;
+        next.tau_s = tau_s;
+        consider(next, next.terms() - 1);
+      }
+    }
+    if (now.dry && !now.friction_over_place) {
+      Structure next = now;
+      next.friction_over_place = true;
+      next.dry = false;
+      consider(next, -1);
+    }
+    if (tried.empty()) break;
+    best = *std::ranges::min_element(tried, {}, [](const Judged& one) { return one.rms(); });
+    added = true;
+  }
+  return best;
+}
+
+// Width and time constant between the places of their grids, and the knots for what was chosen.
+Judged refine(const Samples& s, Judged best) {
+  const auto improve = [&](double Structure::*value) {
+    for (double step = std::sqrt(grid_step); step > 1.02; step = std::sqrt(step)) {
+      for (const double factor : {step, 1.0 / step}) {
+        Structure next = best.structure;
+        next.*value *= factor;
+        Judged judged = judge(s, next);
+        if (judged.rms() < best.rms()) best = std::move(judged);
+      }
+    }
+  };
+  if (best.structure.width > 0.0) improve(&Structure::width);
+  if (best.structure.tau_s > 0.0) improve(&Structure::tau_s);
+  const Structure knotted = with_knots(s, best.structure);
+  return knotted.knots == best.structure.knots ? best : judge(s, knotted);
+}
+
+// The loop's area over a mean cycle: the integral of the load over the place, whatever h is.
+void measure_loop(const Samples& s, AxisFit& fit) {
+  const std::vector<double> z = directions(s, 0.0);
+  double work = 0.0;
+  for (std::size_t i = 1; i < s.place.size(); ++i) {
+    work += 0.5 * (s.load[i] + s.load[i - 1]) * (s.place[i] - s.place[i - 1]);
+    if (z[i] != z[i - 1]) ++fit.reversals;
+  }
+  fit.loss = fit.reversals > 0 ? 2.0 * work / static_cast<double>(fit.reversals + 1) : work;
+}
+
+double knot_place(const Samples& s, Eigen::Index k, Eigen::Index knots) {
+  return s.lowest + (s.highest - s.lowest) * static_cast<double>(k) / static_cast<double>(knots - 1);
+}
+
+void report(const Samples& s, const Judged& best, AxisFit& fit) {
+  const Structure& structure = best.structure;
+  Eigen::Index term = 0;
+  const auto add = [&](const char* name) {
+    fit.terms.push_back({name, best.coefficient(term), best.error(term)});
+    ++term;
+  };
+  if (structure.dry) fit.dry = best.coefficient(term), add("dry friction");
+  if (structure.viscous) add("viscous friction");
+  if (structure.inertia) add("inertia");
+  if (structure.tau_s > 0.0) {
+    add("relaxation");
+    fit.terms.push_back({"relaxation time", structure.tau_s, {}});
+  }
+  if (structure.width > 0.0) fit.terms.push_back({"reversal width", structure.width, {}});
+  for (Eigen::Index k = 0; k < structure.knots; ++k) {
+    fit.knots.push_back(knot_place(s, k, structure.knots));
+    fit.over_place.push_back(best.x[k]);
+  }
+  if (structure.friction_over_place) {
+    double mean = 0.0, error = 0.0;
+    for (Eigen::Index k = 0; k < friction_knots; ++k) {
+      mean += best.coefficient(term + k) / static_cast<double>(friction_knots);
+      error = std::max(error, best.error(term + k));
+    }
+    fit.dry = mean;
+    fit.terms.push_back({"friction over place", mean, error});
+    for (const double knot : fit.knots) {
+      const Hat hat = hat_at(s, knot, friction_knots);
+      fit.friction_over_place.push_back((1.0 - hat.share) * best.coefficient(term + hat.left) +
+                                        hat.share * best.coefficient(term + hat.left + 1));
+    }
+  }
+  const auto [low, high] = std::ranges::minmax(fit.over_place);
+  fit.place_range = high - low;
+}
+
+double term_of(const AxisFit& fit, std::string_view name) {
+  const auto found = std::ranges::find(fit.terms, name, &AxisTerm::name);
+  return found == fit.terms.end() ? 0.0 : found->value;
+}
+
+}  // namespace
+
+AxisFit fit_axis(const AxisRun& run) {
+  check_run(run);
+  const Samples s = samples_of(run);
+  AxisFit fit;
+  fit.samples = s.used.size();
+  std::size_t forth = 0, moving = 0;
+  std::vector<double> speeds;
+  for (const double v : s.rate) {
+    if (!(std::abs(v) > share_at_rest * s.usual_speed)) continue;
+    ++moving, forth += v > 0.0 ? 1 : 0;
+    speeds.push_back(std::abs(v));
+  }
+  if (!(s.highest > s.lowest) || forth * 20 < moving || forth * 20 > 19 * moving) {
+    throw BadData(
+        fmt::format("{}: the axis hardly moves both ways; friction and what depends on the place can then not "
+                    "be told apart: record there and back over the same places",
+                    run.source));
+  }
+  fit.slowest = percentile_of(speeds, 0.1), fit.fastest = percentile_of(speeds, 0.9);
+  Structure bare;
+  bare.dry = true;
+  bare = with_knots(s, bare);
+  bare.dry = false;
+  const Judged friction = choose_friction(s, bare, fit);
+  const Judged best = fit.reversed ? friction : refine(s, add_terms(s, friction));
+  report(s, best, fit);
+  measure_loop(s, fit);
+  double mean = 0.0, square = 0.0;
+  for (const std::size_t i : s.used) mean += s.load[i] / static_cast<double>(s.used.size());
+  for (const std::size_t i : s.used) square += std::pow(s.load[i] - mean, 2) / static_cast<double>(s.used.size());
+  fit.before = std::sqrt(square);
+  fit.after = best.rms();
+  return fit;
+}
+
+std::vector<double> fitted_load(const AxisFit& fit, const AxisRun& run) {
+  Samples s = samples_of(run);
+  s.lowest = fit.knots.front(), s.highest = fit.knots.back();
+  const auto knots = static_cast<Eigen::Index>(fit.knots.size());
+  const std::vector<double> z = directions(s, term_of(fit, "reversal width"));
+  const double tau_s = term_of(fit, "relaxation time");
+  const std::vector<double> passed = tau_s > 0.0 ? high_passed(s, tau_s) : std::vector<double>(s.place.size());
+  const auto at = [](const std::vector<double>& values, const Hat& hat) {
+    const auto left = static_cast<std::size_t>(hat.left);
+    return (1.0 - hat.share) * values[left] + hat.share * values[left + 1];
+  };
+  std::vector<double> load;
+  for (std::size_t i = 0; i < s.place.size(); ++i) {
+    const Hat hat = hat_at(s, s.place[i], knots);
+    const double friction = fit.friction_over_place.empty() ? fit.dry : at(fit.friction_over_place, hat);
+    load.push_back(at(fit.over_place, hat) + friction * z[i] + term_of(fit, "viscous friction") * s.rate[i] +
+                   term_of(fit, "inertia") * s.acceleration[i] + term_of(fit, "relaxation") * passed[i]);
+  }
+  return load;
+}
+
+}  // namespace touchstone::axis
