@@ -55,6 +55,9 @@ void add_discrepancy(CLI::App& program, Run& run) {
       ->required();
   command->add_option("--holdout", options->files.holdout,
                       "second recording to judge by; without it, alternating blocks of the first are kept back");
+  command->add_option("--repeat", options->files.repeat,
+                      "the motion of --recording recorded again (it may be the holdout): what the two differ by is the "
+                      "floor, and an error within it is not unexplained");
   command->add_option("--block", options->files.block_s, "length of those blocks [s]")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();

@@ -34,6 +34,9 @@ std::vector<PlannedEvaluation> plan(const EvaluateOptions& options) {
   std::vector<ModelOfFile> models;
   for (const std::filesystem::path file : options.models) models.emplace_back(load_model(file, plugins), file);
   std::vector<PlannedEvaluation> out;
+  if (options.flags.recording.empty() && !base.repeat.empty()) {
+    throw UsageError("--repeat belongs to --recording: it is that motion recorded again");
+  }
   if (!options.flags.recording.empty() || !options.flags.mesh.empty()) {
     if (options.flags.recording.empty() || options.flags.mesh.empty() || models.empty()) {
       throw UsageError(

@@ -63,6 +63,9 @@ void apply_threshold(std::string_view text, EvaluationRequest& request) {
 
 void add_evaluation_flags(CLI::App& command, EvaluationFlags& flags) {
   command.add_option("--recording", flags.recording, "Measured time, position and force: CSV (also .gz) or HDF5");
+  command.add_option("--repeat", flags.repeat,
+                     "A second recording of the same motion: what the two differ by is the floor that errors are held "
+                     "against");
   command.add_option("--mesh", flags.mesh, "The object: OBJ, OFF, PLY or STL, also .gz");
   command.add_option("--mesh-unit", flags.mesh_unit, "Unit of the mesh's coordinates: m, mm, cm, km, um")
       ->capture_default_str();
@@ -100,6 +103,7 @@ void add_evaluation_flags(CLI::App& command, EvaluationFlags& flags) {
 EvaluationRequest make_request(const EvaluationFlags& flags) {
   EvaluationRequest request;
   request.recording = flags.recording;
+  request.repeat = flags.repeat;
   request.mesh = flags.mesh;
   request.mesh_unit = flags.mesh_unit;
   static_cast<void>(length_unit_factor(flags.mesh_unit));

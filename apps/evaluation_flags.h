@@ -12,15 +12,16 @@
 namespace touchstone::apps {
 
 struct EvaluationFlags {
-  std::string recording, mesh, model, mesh_unit = "m", in_trajectory, tip_radius, extend_edges, contact_threshold,
-                                      on_duplicate = "refuse", on_gap = "keep";
+  std::string recording, repeat, mesh, model, mesh_unit = "m", in_trajectory, tip_radius, extend_edges,
+                                              contact_threshold, on_duplicate = "refuse", on_gap = "keep";
   std::vector<std::string> thresholds;
   double stiffness_N_per_m = 0.0;
   bool flip_force = false, closed = false, repair = false;
   PluginFlags plugins;
 };
 
-// Adds --recording, --mesh, --mesh-unit, --in-trajectory, --tip-radius, --stiffness, --contact-threshold, --threshold,
+// Adds --recording, --repeat, --mesh, --mesh-unit, --in-trajectory, --tip-radius, --stiffness, --contact-threshold,
+// --threshold,
 // --flip-force, --on-duplicate, --on-gap, --plugin.
 void add_evaluation_flags(CLI::App& command, EvaluationFlags& flags);
 

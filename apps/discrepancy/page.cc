@@ -230,6 +230,10 @@ Page discrepancy_page(const Findings& findings, const Evidence& evidence, const 
       {"expected of noise", fmt::format("{:.4g}", gap.noise_floor_N), "N",
        findings.instrument_declared ? "from the declared instrument" : "from noise estimated in the recording",
        Tone::neutral}};
+  if (gap.repeat_floor_N) {
+    page.headlines.push_back({"floor of a repeat", fmt::format("{:.4g}", *gap.repeat_floor_N), "N",
+                              "RMS of what a second recording of the same motion differs by", Tone::neutral});
+  }
   if (gap.holdout_after_again_N) {
     page.headlines.push_back({"again from the files", fmt::format("{:.4g}", *gap.holdout_after_again_N), "N",
                               findings.blocks_held_back

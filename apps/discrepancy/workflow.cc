@@ -16,6 +16,7 @@
 #include "harness/recording/recording_file.h"
 #include "harness/rendering/model.h"
 #include "harness/report/page_html.h"
+#include "harness/sanity/repeat_floor.h"
 #include "harness/surface/facet_angle.h"
 #include "renderers/catalogue.h"
 #include "renderers/model_predictor.h"
@@ -102,6 +103,8 @@ Findings run_discrepancy(const DiscrepancyFiles& files, const std::function<void
   const DiscrepancyInputs inputs = load_inputs(files);
   for (const std::string& remark : inputs.remarks) report(remark);
   refuse_to_replace_input(files.out / "model.json");  // before the long work
+  std::optional<sanity::RepeatFloor> floor;
+  if (!files.repeat.empty()) floor = sanity::repeat_floor_of_files(files.recording, files.repeat);
   const Model& model = inputs.model;
   const TriangleMesh& mesh = inputs.mesh;
   const auto& surface = inputs.surface;
@@ -132,6 +135,7 @@ Findings run_discrepancy(const DiscrepancyFiles& files, const std::function<void
   Findings findings;
   findings.search = search_effects(data, model, candidates, {}, report);
   findings.gap = measure_gap(findings.search, data);
+  if (floor) findings.gap.repeat_floor_N = floor->force_N;
   const Prediction before = data.holdout.predictor->predict(model);
   const Prediction after = data.holdout.predictor->predict(findings.search.model);
   findings.where = sort_by_regime(data.holdout, before, after, data.force_floor_N);
@@ -168,6 +172,7 @@ Findings run_discrepancy(const DiscrepancyFiles& files, const std::function<void
   provenance.inputs = {describe_input("model", files.model), describe_input("recording", files.recording)};
   if (!files.mesh.empty()) provenance.inputs.push_back(describe_input("mesh", files.mesh));
   if (second) provenance.inputs.push_back(describe_input("holdout", files.holdout));
+  if (floor) provenance.inputs.push_back(describe_input("repeat", files.repeat));
   if (instrument.declared) provenance.inputs.push_back(describe_input("instrument", files.instrument));
   write_html(files.out / "report.html", discrepancy_page(findings, data.holdout, before, after, mesh, provenance));
   if (!files.golden.empty()) write_golden_case(files.golden, mesh, holdout, findings.search.model);
@@ -183,10 +188,12 @@ std::string findings_text(const Findings& findings, const DiscrepancyFiles& file
           fmt::format("    {:28} {:>12.5g} {:8} 95 %: {:.5g} to {:.5g}\n", p.name, p.value, p.unit, p.low95, p.high95);
     }
   }
-  text +=
-      fmt::format("held-out RMS force error: before {:.4g} N, after {:.4g} N, expected of noise {:.4g} N\nreport: {}\n",
-                  findings.gap.holdout_before_N, findings.gap.holdout_after_N, findings.gap.noise_floor_N,
-                  (files.out / "report.html").string());
+  text += fmt::format(
+      "held-out RMS force error: before {:.4g} N, after {:.4g} N, expected of {} noise {:.4g} N{}\nreport: {}\n",
+      findings.gap.holdout_before_N, findings.gap.holdout_after_N,
+      findings.instrument_declared ? "the declared" : "the estimated", findings.gap.noise_floor_N,
+      findings.gap.repeat_floor_N ? fmt::format(", floor of the repeat {:.4g} N", *findings.gap.repeat_floor_N) : "",
+      (files.out / "report.html").string());
   if (!files.golden.empty()) {
     text += "a golden case of it is written; it counts once it is accepted:\n" + golden_commands(files.golden);
   } else if (findings.verdict == FindingsVerdict::explained) {

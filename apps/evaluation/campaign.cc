@@ -298,6 +298,10 @@ pipeline::Board board_of(const std::vector<Evaluated>& evaluated, const std::fil
         if (!one->input.hash.empty()) task.input = input_text(one->input);
         const auto error = std::ranges::find(one->metrics, "rms_force_error", &MetricResult::name);
         if (error != one->metrics.end() && error->reference) task.measured_rms_N = *error->reference;
+        const auto floor = std::ranges::find(one->metrics, "repeat_floor_force", &MetricResult::name);
+        if (floor != one->metrics.end()) {
+          task.floor = pipeline::Floor{floor->value, floor->value, floor->value, "a repeat of the recording"};
+        }
       }
       board.tasks.push_back(std::move(task));
     }

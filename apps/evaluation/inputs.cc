@@ -221,6 +221,10 @@ EvaluationInputs load_inputs(const EvaluationRequest& request) {
   refuse_far(request, inputs);
   refuse_faults(request, inputs);
   inputs.files.push_back(describe_input("recording", request.recording));
+  if (!request.repeat.empty()) {
+    inputs.floor = sanity::repeat_floor_of_files(request.recording, request.repeat);
+    inputs.files.push_back(describe_input("repeat", request.repeat));
+  }
   inputs.files.push_back(describe_input("mesh", request.mesh));
   if (!request.model_file.empty()) inputs.files.push_back(describe_input("model", request.model_file));
   return inputs;

@@ -11,6 +11,7 @@
 #include "harness/base/rooms.h"
 #include "harness/recording/recording_stream.h"
 #include "harness/report/provenance.h"
+#include "harness/sanity/repeat_floor.h"
 #include "harness/surface/surface.h"
 
 namespace touchstone::apps {
@@ -45,10 +46,11 @@ struct EvaluationInputs {
   std::size_t open_edges = 0;  // 0: inside and outside exist
   std::shared_ptr<const Surface> surface;
   RecordingSurvey survey;
-  Model model;                     // with the tip radius that was asked for
-  double tip_radius_m = 0.0;       // 0 where neither model nor request name one
-  double stiffness_N_per_m = 0.0;  // 0 where the renderer has none and none was given
-  std::vector<InputFile> files;    // hashed
+  Model model;                               // with the tip radius that was asked for
+  double tip_radius_m = 0.0;                 // 0 where neither model nor request name one
+  double stiffness_N_per_m = 0.0;            // 0 where the renderer has none and none was given
+  std::optional<sanity::RepeatFloor> floor;  // where the request names a repeat
+  std::vector<InputFile> files;              // hashed
   std::vector<std::string> messages;
 };
 

@@ -30,8 +30,9 @@ struct EvaluationRequest {
   // The probe was a ball, and every renderer gets the point where it touched, as a point tip (--tip-radius 0).
   double probe_radius_m = 0.0;  // of the ball; 0: the tip is what it is
   bool flip_force = false;
-  bool closed = false;  // refuse a mesh with open edges
-  bool repair = false;  // turn triangles that are inside out (harness/surface/mesh_repair.h)
+  std::filesystem::path repeat;  // the same motion recorded again; empty: none
+  bool closed = false;           // refuse a mesh with open edges
+  bool repair = false;           // turn triangles that are inside out (harness/surface/mesh_repair.h)
   // Continue the mesh's open edges by this much (harness/surface/extend_edges.h); 0: not. Where it is not given, they
   // are continued if the recording touches the object where the mesh has ended, and the report says so.
   std::optional<double> extend_edges_m;

@@ -307,6 +307,28 @@ void describe(const EvaluationRequest& request, const EvaluationInputs& inputs, 
     result.messages.emplace_back("The recording has no force: nothing is said about force errors.");
 }
 
+// What a repeat of the recording differs by, as metrics beside the error that is held against it, and in words.
+void add_floor(const sanity::RepeatFloor& floor, EvaluationResult& result) {
+  const auto error = std::ranges::find(result.metrics, "rms_force_error", &MetricResult::name);
+  if (error == result.metrics.end() || error->status != MetricStatus::ok) return;
+  const double error_N = error->value;
+  const auto add = [&](std::string name, std::string unit, double value, std::string meaning) {
+    result.metrics.push_back(
+        {std::move(name), std::move(unit), value, MetricStatus::ok, std::move(meaning), "", {}, "", {}, {}, {}});
+  };
+  add("repeat_floor_force", "N", floor.force_N,
+      fmt::format(
+          "RMS of what the forces of the recording and of its repeat {} differ by at equal times: instrument and "
+          "object do not repeat better.",
+          floor.source));
+  add("repeat_floor_position", "m", floor.position_m, "RMS of what their positions differ by.");
+  add("rms_force_error_over_floor", "1", error_N / floor.force_N,
+      "The RMS force error over repeat_floor_force: up to 1 nothing is left that could be explained.");
+  result.messages.push_back(
+      fmt::format("The RMS force error of {} is {}.", display_quantity(error_N, "N"), floor.verdict(error_N)));
+  result.settings.emplace_back("Repeat", floor.text());
+}
+
 // The same positions once more, through the renderer with counted arithmetic; segments follow one another as before.
 void add_operation_metrics(const EvaluationRequest& request, const EvaluationInputs& inputs,
                            const MeasuredRenderer& comparison, std::vector<MetricResult>& metrics) {
@@ -378,6 +400,7 @@ EvaluationResult run_evaluation(const EvaluationRequest& request, const Evaluati
   result.input = rendered_input(request, inputs, measured.hash());
   add_operation_metrics(request, inputs, comparison, result.metrics);
   describe(request, inputs, measured.summary(), lost, segments, result);
+  if (inputs.floor) add_floor(*inputs.floor, result);
   result.provenance = make_provenance(request.command_line);
   result.provenance.inputs = inputs.files;
   if (writer) writer->commit();

@@ -248,6 +248,7 @@ FitResult run_fit(const FitRequest& request) {
                              request.evaluation.recording.filename().string());
   result.provenance = make_provenance(request.evaluation.command_line);
   result.provenance.inputs = inputs.files;
+  result.floor = inputs.floor;
   return result;
 }
 

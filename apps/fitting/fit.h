@@ -48,6 +48,7 @@ struct FitResult {
   std::size_t evaluations = 0;
   std::string interval_note;                         // how the intervals were made, or why there are none
   std::vector<std::string> warnings;                 // on a bound, flat
+  std::optional<sanity::RepeatFloor> floor;          // where a repeat of the recording was given
   std::vector<MetricResult> score_metrics;           // of the fitted model
   std::vector<Series> signals;                       // measured_x ..., rendered_x ..., over the whole recording
   std::vector<std::pair<double, double>> fit_bands;  // time ranges that were fitted

@@ -86,28 +86,41 @@ std::string fit_to_json(const FitResult& result) {
   for (const MetricResult& metric : result.score_metrics) metrics.push_back(metric_to_json(metric));
   json signals = json::array();
   for (const Series& series : result.signals) signals.push_back(series_to_json(series));
-  const json document{{"schema", "touchstone-fit/1"},
-                      {"title", result.title},
-                      {"metric", {{"name", result.metric}, {"unit", result.metric_unit}}},
-                      {"parameters", std::move(parameters)},
-                      {"fit",
-                       {{"range", result.fit_range},
-                        {"samples", result.fit_samples},
-                        {"before", exact_number(result.fit_before)},
-                        {"after", exact_number(result.fit_after)}}},
-                      {"score",
-                       {{"range", result.score_range},
-                        {"samples", result.score_samples},
-                        {"before", exact_number(result.score_before)},
-                        {"after", exact_number(result.score_after)},
-                        {"metrics", std::move(metrics)}}},
-                      {"evaluations", result.evaluations},
-                      {"interval_note", result.interval_note},
-                      {"warnings", result.warnings},
-                      {"signals", std::move(signals)},
-                      {"model", json::parse(result.model_text)},
-                      {"provenance", provenance_to_json(result.provenance)}};
+  json document{{"schema", "touchstone-fit/1"},
+                {"title", result.title},
+                {"metric", {{"name", result.metric}, {"unit", result.metric_unit}}},
+                {"parameters", std::move(parameters)},
+                {"fit",
+                 {{"range", result.fit_range},
+                  {"samples", result.fit_samples},
+                  {"before", exact_number(result.fit_before)},
+                  {"after", exact_number(result.fit_after)}}},
+                {"score",
+                 {{"range", result.score_range},
+                  {"samples", result.score_samples},
+                  {"before", exact_number(result.score_before)},
+                  {"after", exact_number(result.score_after)},
+                  {"metrics", std::move(metrics)}}},
+                {"evaluations", result.evaluations},
+                {"interval_note", result.interval_note},
+                {"warnings", result.warnings},
+                {"signals", std::move(signals)},
+                {"model", json::parse(result.model_text)},
+                {"provenance", provenance_to_json(result.provenance)}};
+  if (result.floor) {
+    document["repeat_floor"] = {{"force_N", exact_number(result.floor->force_N)},
+                                {"position_m", exact_number(result.floor->position_m)},
+                                {"shift_s", exact_number(result.floor->shift_s)},
+                                {"repeat", result.floor->source}};
+  }
   return document.dump(1, ' ', false, json::error_handler_t::replace) + "\n";
+}
+
+// What the repeat says of the scored error; empty without one, and where that is no RMS of the force.
+std::string against_repeat(const FitResult& result) {
+  if (!result.floor || result.metric != "rms_force_error") return "";
+  return fmt::format("The scored error of {} is {}.", display_quantity(result.score_after, "N"),
+                     result.floor->verdict(result.score_after));
 }
 
 Page fit_page(const FitResult& result) {
@@ -129,7 +142,11 @@ Page fit_page(const FitResult& result) {
   };
   headline(fmt::format("{}, scored ({})", result.metric, result.score_range), result.score_after, result.score_before);
   headline(fmt::format("{}, fitted ({})", result.metric, result.fit_range), result.fit_after, result.fit_before);
-  Section fit{"The fit", "", {}, false};
+  if (result.floor) {
+    page.headlines.push_back({"floor of a repeat", display_number(result.floor->force_N), "N",
+                              "RMS of what the repeat differs by", Tone::reference});
+  }
+  Section fit{"The fit", against_repeat(result), {}, false};
   for (const std::string& warning : result.warnings) fit.blocks.emplace_back(TextBlock{warning, Tone::warning});
   Table table{"", {"parameter", "given", "searched", "fitted", "95 % interval"}, {}, ""};
   for (const Estimate& one : result.estimates) {
@@ -173,7 +190,8 @@ std::string fit_table(const FitResult& result) {
   scores.push_back({"score", result.score_range, fmt::format("{}", result.score_samples),
                     display_quantity(result.score_before, result.metric_unit),
                     display_quantity(result.score_after, result.metric_unit)});
-  return align_columns(rows) + "\n" + align_columns(scores);
+  const std::string floor = against_repeat(result);
+  return align_columns(rows) + "\n" + align_columns(scores) + (floor.empty() ? "" : "\n" + floor + "\n");
 }
 
 void write_fit(const FitResult& result, const std::filesystem::path& folder) {

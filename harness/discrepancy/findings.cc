@@ -73,6 +73,30 @@ void warn_of_noise(Findings& findings) {
       gap.noise_floor_N, gap.noise_floor_N / gap.holdout_after_N);
 }
 
+// What instrument and object do not repeat cannot be explained: within it nothing is missing, whatever the declared
+// noise of the sensor says.
+void hold_against_repeat(Findings& findings) {
+  const ForceGap& gap = findings.gap;
+  if (!gap.repeat_floor_N || findings.search.data_fault) return;
+  const double floor_N = *gap.repeat_floor_N;
+  if (gap.holdout_after_N > floor_N) {
+    findings.explanation +=
+        fmt::format(" The held-out error of {:.4g} N is {:.3g} times what a repeat differs by, {:.4g} N.",
+                    gap.holdout_after_N, gap.holdout_after_N / floor_N, floor_N);
+    return;
+  }
+  if (findings.verdict == FindingsVerdict::unexplained) {
+    findings.verdict = findings.search.found.empty() ? FindingsVerdict::consistent : FindingsVerdict::explained;
+    findings.explanation = fmt::format(
+        "{} The noise of the sensor alone is less.",
+        findings.search.found.empty()
+            ? "Nothing is missing that this object repeats."
+            : fmt::format("With {} nothing is missing that this object repeats.", names(findings.search.found)));
+  }
+  findings.explanation += fmt::format(" The held-out error of {:.4g} N is within what a repeat differs by, {:.4g} N.",
+                                      gap.holdout_after_N, floor_N);
+}
+
 }  // namespace
 
 std::string to_string(FindingsVerdict verdict) {
@@ -146,6 +170,7 @@ void conclude(Findings& findings, const std::vector<Candidate>& candidates) {
                     findings.gap.holdout_before_N, findings.gap.holdout_after_N);
   }
   warn_of_noise(findings);
+  hold_against_repeat(findings);
 }
 
 std::string findings_to_json(const Findings& findings, const std::string& trajectory_file) {
@@ -189,6 +214,7 @@ std::string findings_to_json(const Findings& findings, const std::string& trajec
       {"train", {{"before", number(findings.gap.train_before_N)}, {"after", number(findings.gap.train_after_N)}}},
       {"holdout", {{"before", number(findings.gap.holdout_before_N)}, {"after", number(findings.gap.holdout_after_N)}}},
       {"noise_floor", number(findings.gap.noise_floor_N)}};
+  if (findings.gap.repeat_floor_N) root["gap"]["repeat_floor"] = number(*findings.gap.repeat_floor_N);
   if (findings.gap.holdout_after_again_N) {
     root["gap"]["fresh_process_after"] = number(*findings.gap.holdout_after_again_N);
   }

@@ -23,6 +23,7 @@ struct ForceGap {
   double holdout_before_N = 0.0;
   double holdout_after_N = 0.0;
   std::optional<double> holdout_after_again_N;  // by a fresh process from the written model; over the whole recording
+  std::optional<double> repeat_floor_N;         // RMS of what a second recording of the same motion differs by
   double noise_floor_N = 0.0;                   // what the noise model expects of the final model, held out
 };
 
