@@ -51,8 +51,25 @@ double usual_step(const std::vector<Vec3>& values) {
   return *middle;
 }
 
-// `stuck` stands still number by number while `other` moves as much as in the whole recording, and where it goes on it
-// has jumped: it moved all the time and was not read. A tip that rests goes on where it stopped.
+// Whether noise moves the column at almost every sample outside of `stretch`: steps are hardly ever zero, and often
+// turn against the one before (white noise: two thirds of them), which no smooth motion does.
+bool noise_shows(const std::vector<Vec3>& values, const Stretch& stretch) {
+  constexpr double few = 0.1, often = 0.25;
+  std::size_t steps = 0, still = 0, turns = 0;
+  for (std::size_t i = 2; i < values.size(); ++i) {
+    if (i + 1 >= stretch.begin && i <= stretch.end + 1) continue;
+    const Vec3 step = values[i] - values[i - 1];
+    ++steps;
+    still += step == Vec3(Vec3::Zero()) ? 1 : 0;
+    turns += step.dot(values[i - 1] - values[i - 2]) < 0.0 ? 1 : 0;
+  }
+  const auto n = static_cast<double>(steps);
+  return steps > 100 && static_cast<double>(still)<few * n&& static_cast<double>(turns)> often * n;
+}
+
+// `stuck` stands still number by number while `other` moves as much as in the whole recording. A column that noise
+// moves everywhere else cannot; one without noise must have jumped where it goes on: it moved all the time and was not
+// read. A tip that rests goes on where it stopped.
 std::optional<Stretch> find_stuck(const std::vector<double>& t_s, const std::vector<Vec3>& stuck,
                                   const std::vector<Vec3>& other) {
   constexpr std::size_t fewest = 50;
@@ -61,6 +78,7 @@ std::optional<Stretch> find_stuck(const std::vector<double>& t_s, const std::vec
   const Stretch s = longest_stretch(stuck.size(), [&](std::size_t i) { return stuck[i] == stuck[i - 1]; });
   if (s.end - s.begin < fewest || t_s[s.end - 1] - t_s[s.begin] < shortest_s) return std::nullopt;
   if (!(mean_step(other, s.begin, s.end) > 0.5 * mean_step(other, 0, other.size()))) return std::nullopt;
+  if (stuck[s.begin] != Vec3(Vec3::Zero()) && noise_shows(stuck, s)) return s;
   // It rests all along, or to the end: another column's matter (one axis pressed in place).
   if (s.end == stuck.size() || !((stuck[s.end] - stuck[s.end - 1]).norm() > jump_of_steps * usual_step(stuck))) {
     return std::nullopt;
@@ -140,15 +158,15 @@ std::vector<ColumnFault> find_column_faults(const Recording& r) {
   };
   if (const auto s = find_stuck(t, r.motion.p_W_m, r.f_W_N)) {
     faults.push_back({"stuck position",
-                      fmt::format("the position stands still to the last digit over {} while the force goes on, and "
-                                  "then jumps: the tracker gave nothing new",
+                      fmt::format("the position stands still to the last digit over {} while the force goes on"
+                                  ": the tracker gave nothing new",
                                   stretch(*s)),
                       "leave that stretch out"});
   }
   if (const auto s = find_stuck(t, r.f_W_N, r.motion.p_W_m)) {
     faults.push_back({"stuck force",
-                      fmt::format("the force stands still to the last digit over {} while the tip moves, and then "
-                                  "jumps: the sensor gave nothing new",
+                      fmt::format("the force stands still to the last digit over {} while the tip moves"
+                                  ": the sensor gave nothing new",
                                   stretch(*s)),
                       "leave that stretch out"});
   }

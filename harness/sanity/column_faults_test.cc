@@ -41,6 +41,10 @@ TEST(ColumnFaults, PlantedFaultsAreNamed) {
     Recording frozen = good;
     for (std::size_t i = 1150; i < 1600; ++i) frozen.f_W_N[i] = Vec3(0.003, 0.0, 0.3);
     EXPECT_EQ(faults_of(frozen), "stuck force");
+    // Back where it stopped: the noise that is missing shows it.
+    Recording held = good;
+    for (std::size_t i = 1150; i < 1600; ++i) held.f_W_N[i] = held.f_W_N[1600];
+    EXPECT_EQ(faults_of(held), "stuck force");
     Recording clipped = good;
     for (Vec3& f : clipped.f_W_N) f.z() = std::min(f.z(), 0.3);
     EXPECT_EQ(faults_of(clipped), "saturated force");
