@@ -148,7 +148,7 @@ Page axis_page(const AxisInput& input, const axis::AxisFit& fit, std::optional<d
   for (const std::string& remark : axis::axis_remarks(fit, words, floor)) {
     found.blocks.emplace_back(TextBlock{remark, Tone::warning});
   }
-  found.blocks.emplace_back(Code{"", axis::axis_text(fit, words, floor)});
+  found.blocks.emplace_back(Code{"", axis::axis_values(fit, words)});
   page.sections.push_back(std::move(found));
   page.sections.push_back(plots(input, fit));
   page.sections.push_back(provenance_section(provenance));

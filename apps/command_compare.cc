@@ -92,9 +92,11 @@ ExitStatus compare_command(const CompareOptions& options) {
   }
   if (options.print.empty()) {
     fmt::print("{}", to_table(comparison));
-    if (floor && force != nullptr) {
-      fmt::print("repeat floor: {}; the force error of {:.3g} N is {}\n", floor->text(), force->rms,
-                 floor->verdict(force->rms));
+    if (floor) {
+      fmt::print("repeat floor: {}{}\n", floor->text(),
+                 force == nullptr
+                     ? ""
+                     : fmt::format("; the force error of {:.3g} N is {}", force->rms, floor->verdict(force->rms)));
     }
     if (options.where) fmt::print("{}", to_table(locate_error(expected, obtained)));
   } else {

@@ -46,6 +46,12 @@ std::vector<std::string> axis_remarks(const AxisFit& fit, const AxisWords& words
 }
 
 std::string axis_text(const AxisFit& fit, const AxisWords& words, std::optional<double> floor) {
+  std::string text = axis_values(fit, words);
+  for (const std::string& remark : axis_remarks(fit, words, floor)) text += remark + "\n";
+  return text;
+}
+
+std::string axis_values(const AxisFit& fit, const AxisWords& words) {
   std::string text;
   const auto line = [&](const std::string& name, const std::string& value) {
     text += fmt::format("{:26} {}\n", name, value);
@@ -63,7 +69,6 @@ std::string axis_text(const AxisFit& fit, const AxisWords& words, std::optional<
   line(fmt::format("held-out RMS of the {}", words.load),
        fmt::format("{:.4g} {} about its mean, {:.4g} {} after the fit; {} samples, {} reversals", fit.before,
                    words.load_unit, fit.after, words.load_unit, fit.samples, fit.reversals));
-  for (const std::string& remark : axis_remarks(fit, words, floor)) text += remark + "\n";
   return text;
 }
 

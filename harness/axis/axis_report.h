@@ -19,6 +19,8 @@ std::string unit_of_term(const std::string& term, const AxisWords& words);
 
 // `floor`: what a repeat of the recording differs by, if there is one.
 std::string axis_text(const AxisFit& fit, const AxisWords& words, std::optional<double> floor);
+// The same without what axis_remarks() says.
+std::string axis_values(const AxisFit& fit, const AxisWords& words);
 // Schema "touchstone-axis/1".
 std::string axis_json(const AxisFit& fit, const AxisWords& words, std::optional<double> floor);
 // What the motion cannot tell and which motion would, a sentence each; empty where all is told.
