@@ -222,12 +222,49 @@ TEST(FlushBodies, FreeJustAboveTheFloorAndHardlyHeldJustBelow) {
     for (const Quat& pose : poses()) {
       const Scene scene(floor.bodies, 3, pose, 1.0);
       const auto renderer = scene.renderer("god-object");
-      for (const double height : {1e-6, 1e-8, 1e-10, -1e-10, -1e-8, -1e-6}) {
-        Hand hand(*renderer);
-        for (int i = 0; i <= 200; ++i) {
-          const StepResult result = hand.to(scene.at({-0.02 + 2e-4 * i, 0.001, height}));
-          ASSERT_LE(result.f_W_N.norm(), kStiffness * std::max(0.0, -height) + kRounding_N)
-              << floor.name << ", height " << height << ", step " << i;
+      for (const double height : {1e-6, 1e-8, 1e-10, 0.0, -1e-10, -1e-8, -1e-6}) {
+        // Along a row of joints' corners too, where the way passes through corners and edges exactly.
+        for (const double y : {0.001, 0.0015, 0.0}) {
+          Hand hand(*renderer);
+          for (int i = 0; i <= 200; ++i) {
+            const StepResult result = hand.to(scene.at({-0.02 + 2e-4 * i, y, height}));
+            ASSERT_LE(result.f_W_N.norm(), kStiffness * std::max(0.0, -height) + kRounding_N)
+                << floor.name << ", pose " << &pose - poses().data() << ", height " << height << ", y " << y
+                << ", step " << i << ": " << (pose.conjugate() * result.f_W_N).transpose();
+          }
+        }
+      }
+    }
+  }
+}
+
+// Exactly at the floor's height, where rounding alone puts the tip above or below it, and along joints, where the way
+// runs through edges and corners.
+TEST(FlushBodies, ATipInTheFloorItselfTouchesNothing) {
+  for (const Floor& floor : floors()) {
+    for (const Quat& pose : poses()) {
+      for (const double scale : {1e-3, 1.0, 1e3}) {
+        for (const std::uint64_t seed : {0U, 4U, 5U}) {
+          const Scene scene(floor.bodies, seed, pose, scale);
+          const auto renderer = scene.renderer(seed == 4 ? "force-shading" : "god-object");
+          Random random(seed + 1);
+          const auto on_floor = [&] {
+            return Vec3(-0.03 + 0.06 * random.uniform(), -0.01 + 0.02 * random.uniform(), 0.0);
+          };
+          for (int line = 0; line < 8; ++line) {
+            Vec3 a = on_floor();
+            Vec3 b = on_floor();
+            if (line % 4 == 1) a.y() = b.y() = 0.0015;
+            if (line % 4 == 2) a.x() = b.x() = 0.003;
+            if (line % 4 == 3) a.x() = b.x() = 0.001;
+            Hand hand(*renderer);
+            for (int i = 0; i <= 60; ++i) {
+              const StepResult result = hand.to(scene.at(a + i / 60.0 * (b - a)));
+              ASSERT_LE(result.f_W_N.norm(), kRounding_N)
+                  << floor.name << ", pose " << &pose - poses().data() << ", scale " << scale << ", order " << seed
+                  << ", line " << line << ", step " << i << ": " << (pose.conjugate() * result.f_W_N).transpose();
+            }
+          }
         }
       }
     }

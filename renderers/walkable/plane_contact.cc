@@ -1,11 +1,14 @@
 #include "renderers/walkable/plane_contact.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstddef>
 #include <limits>
 
 #include "harness/surface/triangle_queries.h"
 #include "renderers/friction/fixed_order.h"
+#include "renderers/walkable/exposed_place.h"
 #include "renderers/walkable/flush.h"
 #include "renderers/walkable/front_crossing.h"
 
@@ -20,6 +23,10 @@ constexpr double kLift = 2.0;
 // Outlines end wider by half of what counts as flush when they stop a way, by all of it when they are left: a way that
 // has left one does not meet it again, and finds the neighbour across any gap that counts as none.
 constexpr double kStopsWithin = 0.5;
+// Directions that floors about one place may have: the faces about a corner of boxes, of both orientations.
+constexpr std::size_t kMostFloors = 6;
+// Cosine from which two floors have one direction: both hold a tip at what counts as flush, whichever is taken.
+constexpr double kSameFloor = 0.999;
 
 const Vec3& no_place() {
   static const Vec3 place = Vec3::Constant(std::numeric_limits<double>::quiet_NaN());
@@ -31,6 +38,12 @@ double reach_over(const ContactMesh& mesh, const Facet& plane, std::int32_t tria
   double most = -std::numeric_limits<double>::infinity();
   for (const Vec3& corner : mesh.corners(triangle)) most = std::max(most, plane.height(corner));
   return most;
+}
+
+// Whether the triangle's corners lie that close to another one's plane.
+bool within_plane(const ContactMesh& mesh, const Facet& plane, std::int32_t triangle, double width) noexcept {
+  const auto corners = mesh.corners(triangle);
+  return std::all_of(corners.begin(), corners.end(), [&](const Vec3& x) { return std::abs(plane.height(x)) <= width; });
 }
 
 // Whether the way lies on the far side of one of the triangle's borders all along. (A way within the triangle's plane,
@@ -173,18 +186,45 @@ bool PlaneContact::behind(std::int32_t triangle, std::int32_t other) const noexc
 }
 
 std::int32_t PlaneContact::floor_over(std::int32_t side, const Vec3& place, const Vec3& p) const noexcept {
-  std::int32_t found = -1;
+  // One triangle for each direction that a floor may have there: the smallest index, in whichever order they come.
+  struct Floor {
+    std::int32_t triangle;
+    const Vec3* n;
+  };
+  std::array<Floor, kMostFloors> floors;
+  std::size_t count = 0;
   mesh_->tree().within(place, flush_, [&](std::int32_t t) {
     const Facet& facet = mesh_->facet(t);
-    const double height = facet.height(p);
-    const bool later = found >= 0 && t > found;  // the smallest index, in whichever order they come
-    if (t == side || later || is_zero(facet.n) || !(std::abs(height) <= flush_)) return flush_;
+    if (t == side || is_zero(facet.n) || !(std::abs(facet.height(p)) <= flush_)) return flush_;
     // Not another piece of the side itself.
-    if (std::abs(mesh_->facet(side).height(p)) <= flush_ || !behind(side, t)) return flush_;
+    if (within_plane(*mesh_, mesh_->facet(side), t, flush_) || !behind(side, t)) return flush_;
     if (closest_on_triangle(mesh_->corners(t), facet.n, place).squared_distance > flush_ * flush_) return flush_;
-    found = t;
+    const auto end = floors.begin() + static_cast<std::ptrdiff_t>(count);
+    const auto same =
+        std::find_if(floors.begin(), end, [&](const Floor& f) { return dot(*f.n, facet.n) > kSameFloor; });
+    if (same != end) {
+      if (t < same->triangle) *same = {t, &facet.n};
+    } else if (count < kMostFloors) {
+      floors[count++] = {t, &facet.n};
+    }
     return flush_;
   });
+  if (count == 0) return -1;
+  // Of several directions some may be sides that another body covers, where bodies meet in a corner: the floor is the
+  // one that has free space in front of it, behind the side and the others. Looked for clear of all that counts as
+  // flush.
+  Vec3 others = mesh_->facet(side).n;
+  for (std::size_t i = 0; i < count; ++i) others += *floors[i].n;
+  std::int32_t found = -1;
+  for (std::size_t i = 0; i < count; ++i) {
+    const auto& [t, n] = floors[i];
+    const bool free = count == 1 || winding_about(*mesh_, place + lift_ * (2.0 * *n - others)) <= 0;
+    if (free && (found < 0 || t < found)) found = t;
+  }
+  // A tip in both, to what counts as flush, stays on the side unless another body covers that below the floor.
+  if (found >= 0 && std::abs(mesh_->facet(side).height(p)) <= flush_ &&
+      winding_about(*mesh_, place + lift_ * (mesh_->facet(side).n - mesh_->facet(found).n)) <= 0)
+    return -1;
   return found;
 }
 

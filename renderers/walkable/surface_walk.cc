@@ -201,10 +201,15 @@ bool SurfaceWalkOf<Mesh>::slide_on_edge(const V& p) noexcept {
   if (edge.other < 0) return edge.h1 < zero && edge.s1 > zero ? to_face(triangle_) : leave(p);
   if (edge.free()) return leave(p);
   // Into a face's strip. Of a valley the strips are disjoint; from a ridge both may lead down: the steeper one.
-  const bool first = edge.h1 < zero && edge.s1 > zero;
-  const bool second = edge.h2 < zero && edge.s2 > zero;
+  const bool under_first = edge.h1 < zero;
+  const bool first = under_first && edge.s1 > zero;
+  const bool under_second = edge.h2 < zero;
+  const bool second = under_second && edge.s2 > zero;
   if (first && (!second || edge.s1 >= edge.s2)) return to_face(triangle_);
   if (second) return to_face(edge.other);
+  // In front of a face, in its strip. In a valley that is behind the other face's plane only where the two planes are
+  // one to rounding, with the tip in them: what is in front of a face is free.
+  if ((!under_first && edge.s1 > zero) || (!under_second && edge.s2 > zero)) return leave(p);
   const FacetOf<S>& facet = mesh_->facet(triangle_);
   std::size_t start = local_;
   std::size_t end = (local_ + 1) % 3;
