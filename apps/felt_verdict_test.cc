@@ -4,14 +4,20 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <cstdlib>
+#include <filesystem>
 #include <limits>
+#include <string>
 
 #include "apps/golden_runner.h"
 #include "harness/base/error.h"
 #include "harness/baseline/column_file.h"
 #include "harness/recording/recording_file.h"
+#include "synthetic/surface_catalogue.h"
+#include "synthetic/surfaces/exact_contact.h"
 
 namespace touchstone::apps {
 namespace {
@@ -68,6 +74,62 @@ TEST_F(Felt, ADeclaredEpsilonIsALengthTimesTheStiffness) {
   // 1 N at the case's stiffness, and what the facets of the mesh add.
   const double stiffness_N_per_m = 500.0;
   EXPECT_TRUE(felt({1.0, 1.0 / stiffness_N_per_m}).passed);
+}
+
+// The golden is our own renderer's: to agree with it is no excuse where the exact answer is known.
+TEST_F(Felt, AGoldenWithTheSameFaultDoesNotExcuseIt) {
+  GoldenCase faulty = golden_;
+  faulty.folder = std::filesystem::path(::testing::TempDir()) / "felt-faulty-golden";
+  std::filesystem::create_directories(faulty.folder / "expected");
+  for (Vec3& f : run_.f_W_N) f *= 1.5;
+  write_golden(faulty.expected("god-object"), run_, {});
+  const FeltError error = felt_error(faulty, "god-object", run_, {});
+  EXPECT_EQ(error.reference, "exact");
+  EXPECT_FALSE(error.passed) << to_sentence(error, {});
+}
+
+// The mesh of the duck is up to 2.8 mm off the smooth body somewhere (1.4 N), at these tips 0.2 N at most.
+TEST_F(Felt, TheMeshIsAllowedWhatItIsOffAtTheTipAndNoMore) {
+  const GoldenCase duck = felt_case("duck-scan");
+  RenderedTrajectory run = load_rendered(duck.expected("god-object"));
+  const FeltError right = felt_error(duck, "god-object", run, {});
+  EXPECT_TRUE(right.passed) << to_sentence(right, {});
+  EXPECT_GT(right.max_N, 0.2);
+  const auto touching = std::ranges::find(run.contact, std::uint8_t{1}) - run.contact.begin();
+  run.f_W_N[static_cast<std::size_t>(touching) + 20].x() += 0.5;
+  EXPECT_FALSE(felt_error(duck, "god-object", run, {}).passed);
+}
+
+// Of every case the mesh's right answer passes, and the greater part is judged without a golden.
+TEST_F(Felt, RightAnswersPassOnEveryCase) {
+  std::size_t by_exact = 0;
+  std::size_t by_golden = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(golden_.folder.parent_path())) {
+    if (!entry.is_directory()) continue;
+    const GoldenCase one = load_case(entry.path());
+    for (const std::string model : {"god-object", "god-object-ball"}) {
+      if (!std::filesystem::exists(one.expected(model))) continue;
+      const FeltError error = felt_error(one, model, load_rendered(one.expected(model)), {0.5, 0.0});
+      EXPECT_TRUE(error.passed) << one.name << ' ' << model << ": " << to_sentence(error, {0.5, 0.0});
+      by_exact += error.by_exact;
+      by_golden += error.by_golden;
+    }
+  }
+  EXPECT_GT(by_exact, by_golden);
+  EXPECT_GT(by_golden, 0U);
+}
+
+// Past the middle of a plate the closest point is on the far side; the right answer still pushes back.
+TEST_F(Felt, PoppingThroughAPlateFailsByTheGolden) {
+  const GoldenCase plate = felt_case("shell-push");
+  RenderedTrajectory run = load_rendered(plate.expected("god-object"));
+  const FeltError right = felt_error(plate, "god-object", run, {});
+  EXPECT_EQ(right.reference, "both");
+  EXPECT_TRUE(right.passed) << to_sentence(right, {});
+  const auto analytic = synthetic::make_surface(plate.surface.generator, plate.surface.parameters);
+  for (std::size_t i = 0; i < run.size(); ++i)
+    run.f_W_N[i] = plate.scale * synthetic::exact_contact(*analytic, run.tip_W_m[i] / plate.scale, 500.0, 0.0).f_W_N;
+  EXPECT_FALSE(felt_error(plate, "god-object", run, {}).passed) << "the closest point's answer";
 }
 
 TEST_F(Felt, AnotherLengthIsBadData) {

@@ -111,5 +111,20 @@ TEST(ExactValleyContact, BallTouchesBothWallsAndIsTheNearestSuch) {
   }
 }
 
+// The closest point is the god-object's as long as it follows the tip: on one side of a body, not past its middle.
+TEST(ExactContact, LeavesTheSheetPastTheMiddleOfABody) {
+  for (const double scale : {1e-3, 1.0, 1e3}) {
+    const auto sphere = make_surface("sphere", {{"radius_m", 0.03 * scale}});
+    const auto at = [&](double x, double z) { return Vec3(x * scale, 0.0, z * scale); };
+    EXPECT_FALSE(leaves_sheet(*sphere, at(0.0, 0.031), at(0.0, 0.028), 0.0)) << "in";
+    EXPECT_FALSE(leaves_sheet(*sphere, at(0.0, 0.028), at(0.005, 0.028), 0.0)) << "along";
+    EXPECT_FALSE(leaves_sheet(*sphere, at(0.0, 0.028), at(0.0, 0.028), 0.0)) << "at rest";
+    EXPECT_FALSE(leaves_sheet(*sphere, at(0.0, 0.05), at(0.05, 0.0), 0.001 * scale)) << "outside, far";
+    EXPECT_TRUE(leaves_sheet(*sphere, at(0.0, 0.028), at(0.0, -0.028), 0.0)) << "through the middle";
+    EXPECT_TRUE(leaves_sheet(*sphere, at(0.0, 0.031), at(0.0, -0.031), 0.0)) << "through, free before and after";
+    EXPECT_TRUE(leaves_sheet(*sphere, at(-0.0005, 0.001), at(0.0005, 0.001), 0.0)) << "close by the middle";
+  }
+}
+
 }  // namespace
 }  // namespace touchstone::synthetic
