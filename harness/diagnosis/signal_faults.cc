@@ -127,7 +127,9 @@ std::optional<Finding> find_wrong_frame(const Engine& engine) {
     }
     if (find_limitation(engine.cannot, Ability::rigid_motion) != nullptr) continue;
     const Vec3 f_world = turn.conjugate() * world.to(turn * tip).f_W_N;
-    if (!((f_world - f).norm() <= 0.01 * engine.stiffness_N_per_m * kDepth_m)) {
+    // An epsilon may lie another way in each.
+    const double turned_N = engine.stiffness_N_per_m * (0.01 * kDepth_m + 2.0 * engine.epsilon_m);
+    if (!((f_world - f).norm() <= turned_N)) {
       return Finding{"wrong-frame",
                      fmt::format("with the world turned the force is not turned alike: ({:.3g}, {:.3g}, {:.3g}) N in "
                                  "the block's frame where it was ({:.3g}, {:.3g}, {:.3g}) N",
