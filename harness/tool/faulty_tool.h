@@ -1,0 +1,66 @@
+// Faults planted in a renderer of a tool, so that the checks of tool_checks.h can be seen to find them.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <string_view>
+#include <vector>
+
+#include "harness/tool/tool_renderer.h"
+
+namespace touchstone::tool {
+
+enum class ToolFault : std::uint8_t { wrong_lever_arm, torque_sign, torque_frame, rotation_order, stale_contact };
+inline constexpr std::array<std::string_view, 5> kToolFaultNames{"wrong-lever-arm", "torque-sign", "torque-frame",
+                                                                 "rotation-order", "stale-contact"};
+
+class FaultyTool : public ToolRenderer {
+ public:
+  // `center_T_m`: of mass, which the wrong lever arm takes for the origin.
+  FaultyTool(std::unique_ptr<ToolRenderer> right, ToolFault fault, const Vec3& center_T_m)
+      : right_(std::move(right)), fault_(fault), center_T_m_(center_T_m) {
+    kept_.reserve(kMostKept);
+  }
+
+ protected:
+  void do_reset() override {
+    right_->reset();
+    kept_.clear();
+  }
+  ToolResult do_step(const ToolState& state, double /*dt_s*/) noexcept override {
+    ToolState given = state;
+    if (fault_ == ToolFault::rotation_order) given.handle.q_WT = reversed_order(state.handle.q_WT);
+    ToolResult result = right_->step(given);
+    if (fault_ == ToolFault::torque_sign) result.torque_W_Nm = -result.torque_W_Nm;
+    if (fault_ == ToolFault::torque_frame) result.torque_W_Nm = state.handle.q_WT.conjugate() * result.torque_W_Nm;
+    if (fault_ == ToolFault::wrong_lever_arm) {
+      result.torque_W_Nm = wrench_about({result.f_W_N, result.torque_W_Nm}, state.handle.q_WT * center_T_m_).torque_Nm;
+    }
+    if (fault_ == ToolFault::stale_contact) {
+      if (kept_.empty())
+        kept_.assign(result.contacts.begin(), result.contacts.begin() + static_cast<std::ptrdiff_t>(std::min(
+                                                                            kMostKept, result.contacts.size())));
+      result.contacts = kept_;
+    }
+    return result;
+  }
+
+ private:
+  static constexpr std::size_t kMostKept = 512;
+
+  // The same three turns about x, y and z, in the other order.
+  static Quat reversed_order(const Quat& q) {
+    const Vec3 turns = q.toRotationMatrix().eulerAngles(2, 1, 0);
+    using Turn = Eigen::AngleAxisd;
+    return Quat(Turn(turns[2], Vec3::UnitX()) * Turn(turns[1], Vec3::UnitY()) * Turn(turns[0], Vec3::UnitZ()));
+  }
+
+  std::unique_ptr<ToolRenderer> right_;
+  ToolFault fault_;
+  Vec3 center_T_m_;
+  std::vector<ToolContact> kept_;
+};
+
+}  // namespace touchstone::tool

@@ -1,0 +1,148 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+
+#include "harness/base/error.h"
+#include "harness/recording/recording_file.h"
+#include "harness/recording/recording_writer.h"
+#include "harness/tool/tool_metrics.h"
+#include "harness/tool/tool_replay.h"
+
+namespace touchstone::tool {
+namespace {
+
+using testing::HasSubstr;
+
+class Folder {
+ public:
+  Folder() : path_(std::filesystem::path(testing::TempDir()) / ("tool-files-" + std::to_string(::getpid()))) {
+    std::filesystem::create_directories(path_);
+  }
+  ~Folder() { std::filesystem::remove_all(path_); }
+  Folder(const Folder&) = delete;
+  Folder& operator=(const Folder&) = delete;
+  [[nodiscard]] std::filesystem::path operator/(const std::string& name) const { return path_ / name; }
+
+ private:
+  std::filesystem::path path_;
+};
+
+// A wrench that a reader can work out: the force is the position in kN/m, the torque twice the rotation vector.
+class Known : public ToolRenderer {
+ protected:
+  void do_reset() override {}
+  ToolResult do_step(const ToolState& state, double) noexcept override {
+    ToolResult result;
+    result.f_W_N = 1000.0 * state.handle.p_W_m;
+    result.torque_W_Nm = 2.0 * rotation_vector(state.handle.q_WT);
+    result.proxy = {2.0 * state.handle.p_W_m, state.handle.q_WT};
+    result.contact = state.handle.p_W_m.z() < 0.0;
+    return result;
+  }
+};
+
+void write_path(const std::filesystem::path& file, int samples) {
+  TrajectoryWriter writer(file, true);
+  for (int i = 0; i < samples; ++i)
+    writer.append(1e-3 * i, Vec3(0.001, 0.002, i < 4 ? 0.003 : -0.003), rotation_by(Vec3(0.1, 0.0, 0.01 * i)));
+  writer.commit();
+}
+
+TEST(ToolReplay, WrenchAndProxyGoThroughFiles) {
+  for (const char* extension : {".csv", ".h5"}) {
+    const Folder folder;
+    const auto path = folder / (std::string("path") + extension);
+    write_path(path, 10);
+    Known renderer;
+    const ToolReplaySummary summary = replay_tool(
+        renderer, {path, folder / (std::string("out") + extension), folder / (std::string("proxy") + extension), 1});
+    EXPECT_EQ(summary.samples, 10U);
+    EXPECT_EQ(summary.in_contact, 6U);
+    const Recording out = load_recording(folder / (std::string("out") + extension));
+    ASSERT_EQ(out.size(), 10U);
+    ASSERT_EQ(out.torque_W_Nm.size(), 10U);
+    for (std::size_t i = 0; i < 10; ++i) {
+      EXPECT_EQ(out.f_W_N[i], 1000.0 * out.motion.p_W_m[i]);
+      EXPECT_LE((out.torque_W_Nm[i] - 2.0 * rotation_vector(out.motion.q_WS[i])).norm(), 1e-15);
+    }
+    const InTrajectory proxy = load_trajectory(folder / (std::string("proxy") + extension));
+    EXPECT_EQ(proxy.motion.p_W_m[5], 2.0 * out.motion.p_W_m[5]);
+    replay_tool(renderer, {path, folder / "some.csv", {}, 4});
+    EXPECT_EQ(load_recording(folder / "some.csv").size(), 3U) << "samples 0, 4 and 8";
+    EXPECT_EQ(measure_tool_steps(renderer, path).size(), 10U);
+  }
+}
+
+TEST(ToolReplay, PathWithoutOrientationSaysWhatIsMissing) {
+  const Folder folder;
+  TrajectoryWriter writer(folder / "points.csv", false);
+  writer.append(0.0, Vec3::Zero());
+  writer.append(0.1, Vec3::Zero());
+  writer.commit();
+  Known renderer;
+  try {
+    replay_tool(renderer, {folder / "points.csv", folder / "out.csv", {}, 1});
+    FAIL();
+  } catch (const BadData& error) {
+    EXPECT_THAT(error.what(), HasSubstr("points.csv"));
+    EXPECT_THAT(error.what(), HasSubstr("qw, qx, qy and qz"));
+  }
+  EXPECT_FALSE(std::filesystem::exists(folder / "out.csv"));
+}
+
+Recording recording_of(const std::vector<Vec3>& forces, const std::vector<Vec3>& torques) {
+  Recording recording;
+  recording.source = "made.csv";
+  for (std::size_t i = 0; i < forces.size(); ++i) {
+    recording.motion.t_s.push_back(1e-3 * double(i));
+    recording.motion.p_W_m.push_back(Vec3::Zero());
+  }
+  recording.f_W_N = forces;
+  recording.torque_W_Nm = torques;
+  return recording;
+}
+
+TEST(ToolMetrics, ErrorsPerAxisAndInJustNoticeableDifferences) {
+  const Recording expected = recording_of({Vec3(1, 0, 0), Vec3(0, 2, 0)}, {Vec3(0.1, 0, 0), Vec3(0, 0.01, 0)});
+  const Recording obtained =
+      recording_of({Vec3(1.3, 0, 0), Vec3(0, 2, -0.4)}, {Vec3(0.1, 0, 0), Vec3(0, 0.01, 0.00762)});
+  const ToolComparison c = compare_tools(expected, obtained);
+  EXPECT_LE((c.max_force_error_N - Vec3(0.3, 0, 0.4)).norm(), 1e-15);
+  EXPECT_NEAR(c.rms_force_error_N, std::sqrt((0.09 + 0.16) / 2.0), 1e-15);
+  EXPECT_LE((c.max_torque_error_Nm - Vec3(0, 0, 0.00762)).norm(), 1e-15);
+  EXPECT_EQ(c.worst_torque_row, 1U);
+  EXPECT_NEAR(c.max_torque_error_jnd, 1.0, 1e-12) << "12.7 % of 60 mNm";
+  EXPECT_NEAR(torque_error_in_jnd(Vec3(0.1, 0, 0), Vec3(0.1127, 0, 0)), 1.0, 1e-12) << "12.7 % of what was expected";
+}
+
+TEST(ToolMetrics, RefusesOtherTimesAndMissingTorque) {
+  const Recording a = recording_of({Vec3::Zero(), Vec3::Zero()}, {Vec3::Zero(), Vec3::Zero()});
+  Recording b = a;
+  b.motion.t_s[1] = 0.5;
+  EXPECT_THROW(static_cast<void>(compare_tools(a, b)), BadData);
+  EXPECT_THROW(static_cast<void>(compare_tools(a, recording_of({Vec3::Zero()}, {Vec3::Zero()}))), BadData);
+  EXPECT_THROW(static_cast<void>(compare_tools(a, recording_of({Vec3::Zero(), Vec3::Zero()}, {}))), BadData);
+}
+
+TEST(ToolMetrics, PoseOfTheProxy) {
+  InTrajectory a;
+  InTrajectory b;
+  for (int i = 0; i < 3; ++i) {
+    a.motion.t_s.push_back(i);
+    b.motion.t_s.push_back(i);
+    a.motion.p_W_m.emplace_back(i, 0, 0);
+    b.motion.p_W_m.emplace_back(i, 1e-3 * i, 0);
+    a.motion.q_WS.push_back(rotation_by(Vec3(0.2 * i, 0.1, 0)));
+    b.motion.q_WS.push_back(rotation_by(Vec3(0, 0, 0.05 * i)) * a.motion.q_WS.back());
+  }
+  ToolComparison c;
+  compare_proxies(a, b, c);
+  EXPECT_NEAR(c.max_proxy_translation_m.value(), 2e-3, 1e-15);
+  EXPECT_NEAR(c.max_proxy_rotation_rad.value(), 0.1, 1e-12);
+}
+
+}  // namespace
+}  // namespace touchstone::tool

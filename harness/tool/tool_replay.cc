@@ -1,0 +1,85 @@
+#include "harness/tool/tool_replay.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+
+#include "harness/base/error.h"
+#include "harness/recording/recording_stream.h"
+#include "harness/recording/recording_writer.h"
+
+namespace touchstone::tool {
+namespace {
+
+RecordingStream open_path(const std::filesystem::path& path) {
+  RecordingStream stream = RecordingStream::open(path);
+  if (!stream.has(ColumnGroup::orientation)) {
+    throw BadData(
+        fmt::format("{}: no orientation: the path of a tool needs the columns qw, qx, qy and qz beside t_s, x_m, "
+                    "y_m and z_m",
+                    path.string()));
+  }
+  return stream;
+}
+
+ToolState state_of(const MotionColumns& motion, std::size_t i) {
+  return {motion.t_s[i], {motion.p_W_m[i], motion.q_WS[i]}};
+}
+
+}  // namespace
+
+ToolReplaySummary replay_tool(ToolRenderer& renderer, const ToolReplayFiles& files) {
+  if (files.keep_every < 1) throw UsageError("every 0th sample cannot be kept; give 1 or more");
+  RecordingStream stream = open_path(files.path);
+  RecordingWriter writer(files.out, {ColumnGroup::time, ColumnGroup::position, ColumnGroup::orientation,
+                                     ColumnGroup::force, ColumnGroup::torque, ColumnGroup::contact});
+  std::optional<TrajectoryWriter> proxy;
+  if (files.proxy) proxy.emplace(*files.proxy, true);
+  ToolReplaySummary summary;
+  SampleBlock in;
+  SampleBlock out;
+  renderer.reset();
+  while (stream.next(in)) {
+    out.clear();
+    for (std::size_t i = 0; i < in.size(); ++i) {
+      const ToolState state = state_of(in.motion, i);
+      const ToolResult result = renderer.step(state);
+      summary.in_contact += result.contact ? 1U : 0U;
+      summary.largest_force_N = std::max(summary.largest_force_N, result.f_W_N.norm());
+      summary.largest_torque_Nm = std::max(summary.largest_torque_Nm, result.torque_W_Nm.norm());
+      if (summary.samples++ % files.keep_every != 0) continue;
+      out.motion.t_s.push_back(state.t_s);
+      out.motion.p_W_m.push_back(state.handle.p_W_m);
+      out.motion.q_WS.push_back(state.handle.q_WT);
+      out.f_W_N.push_back(result.f_W_N);
+      out.torque_W_Nm.push_back(result.torque_W_Nm);
+      out.contact.push_back(result.contact ? 1 : 0);
+      if (proxy) proxy->append(state.t_s, result.proxy.p_W_m, result.proxy.q_WT);
+    }
+    if (out.size() > 0) writer.append(out);
+  }
+  writer.commit();
+  if (proxy) proxy->commit();
+  return summary;
+}
+
+std::vector<double> measure_tool_steps(ToolRenderer& renderer, const std::filesystem::path& path) {
+  using Clock = std::chrono::steady_clock;
+  RecordingStream stream = open_path(path);
+  std::vector<double> times_us;
+  SampleBlock in;
+  renderer.reset();
+  while (stream.next(in)) {
+    for (std::size_t i = 0; i < in.size(); ++i) {
+      const ToolState state = state_of(in.motion, i);
+      const auto began = Clock::now();
+      static_cast<void>(renderer.step(state));
+      times_us.push_back(std::chrono::duration<double, std::micro>(Clock::now() - began).count());
+    }
+  }
+  std::ranges::sort(times_us);
+  return times_us;
+}
+
+}  // namespace touchstone::tool
