@@ -1,0 +1,66 @@
+// Where two meshes are nearly in contact: pairs of a vertex and a face, or of two edges, within a margin; and of a
+// vertex beside an edge, so that no corner cuts across a ridge in one step. Each pair is a linear constraint on the
+// tool's next displacement (dp, dw), see pose.h:
+//   n . dp + ((x - p) x n) . dw >= -gap.
+// Vertex-face and edge-edge pairs are all that two polyhedra in general position can touch with (Ortega, Redon and
+// Coquillart 2007, section 3, after Redon et al. 2002). Vertices and edges count if they stick out (an edge at a ridge;
+// a flat or reflex one never touches first). An edge pair counts if the normal lies between the face normals of both
+// edges, so that the two bodies lie on its two sides.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "harness/surface/mesh_topology.h"
+#include "harness/surface/triangle_mesh.h"
+#include "harness/tool/pose.h"
+#include "renderers/tool/sphere_tree.h"
+
+namespace touchstone::renderers {
+
+struct NearPair {
+  Vec3 at_W_m = Vec3::Zero();
+  Vec3 n_W = Vec3::Zero();  // unit, from the object to the tool
+  double gap_m = 0.0;       // along n; negative where they overlap
+};
+
+// One mesh made ready. Its vertices and edges each belong to one of their triangles, so that a pair is found once.
+class FeatureMesh {
+ public:
+  explicit FeatureMesh(TriangleMesh mesh);
+
+  struct Edge {
+    std::array<std::int32_t, 2> ends{};
+    Vec3 outward;                // sum of the face normals, not unit
+    std::array<Vec3, 2> inward;  // unit, in each of its faces, away from the edge
+  };
+  struct Face {
+    Vec3 n;
+    std::array<std::int32_t, 3> vertices{};  // that it owns and that stick out, -1 for none
+    std::array<std::int32_t, 3> edges{};     // that it owns and that are ridges, -1 for none
+  };
+  [[nodiscard]] const TriangleMesh& mesh() const { return mesh_; }
+  [[nodiscard]] const Face& face(std::int32_t i) const { return faces_[at(i)]; }
+  [[nodiscard]] const Edge& edge(std::int32_t i) const { return edges_[at(i)]; }
+  [[nodiscard]] const Vec3& vertex(std::int32_t i) const { return mesh_.vertices_W_m[at(i)]; }
+  [[nodiscard]] const SphereTree& tree() const { return tree_; }
+  // The farthest vertex from the origin of the frame.
+  [[nodiscard]] double reach_m() const { return reach_m_; }
+  [[nodiscard]] std::size_t memory_bytes() const noexcept;
+
+ private:
+  TriangleMesh mesh_;
+  std::vector<Face> faces_;
+  std::vector<Edge> edges_;
+  SphereTree tree_;
+  double reach_m_ = 0.0;
+};
+
+// Fills `pairs` with pairs of -overlap_m <= gap <= margin_m, in the order of the trees; returns their number. When
+// there is no room the pairs with the least gaps stay. Allocates nothing.
+std::size_t find_near_pairs(const FeatureMesh& tool, const FeatureMesh& object, const Pose& pose, double margin_m,
+                            double overlap_m, std::span<NearPair> pairs) noexcept;
+
+}  // namespace touchstone::renderers

@@ -1,0 +1,77 @@
+#include "renderers/tool/god_object_tool.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace touchstone::renderers {
+namespace {
+
+// Pairs are looked for within the margin; a displacement moves no point of the tool by more. A wider one costs more
+// pairs, a narrower one more rounds where the hand is fast.
+constexpr double kLeastMargin_m = 20e-6;
+constexpr double kMostMargin_m = 0.5e-3;
+// Near the object a round moves no point by more: as far as an overlap that is pushed out again.
+constexpr double kNearWay_m = 0.2e-3;
+// Overlaps that turning about a contact leaves (second order in the margin) are pushed out again; deeper ones are
+// another side of the body.
+constexpr double kOverlap_m = 0.2e-3;
+constexpr int kMostRounds = 8;
+// The proxy rests when a round moves it by less: far below what any sensor or hand resolves.
+constexpr double kRest_m = 1e-8;
+
+}  // namespace
+
+GodObjectTool::GodObjectTool(const Tool& tool, const TriangleMesh& object_W, const Coupling& coupling)
+    : tool_(tool.mesh_T), object_(object_W), coupling_(coupling) {}
+
+ToolResult GodObjectTool::do_step(const ToolState& state, double /*dt_s*/) noexcept {
+  if (!placed_) {
+    proxy_ = state.handle;
+    margin_m_ = kMostMargin_m;
+    placed_ = true;
+  }
+  // Coordinates in which the metric is the unit matrix: sqrt(k_t) dp and sqrt(k_r) dw.
+  const double root_t = std::sqrt(coupling_.stiffness_N_per_m);
+  const double root_r = std::sqrt(coupling_.rotational_stiffness_Nm_per_rad);
+  std::size_t contact_count = 0;
+  for (int round = 0; round < kMostRounds; ++round) {
+    const Displacement free = displacement(proxy_, state.handle);
+    const std::size_t count = find_near_pairs(tool_, object_, proxy_, margin_m_, kOverlap_m, pairs_);
+    for (std::size_t i = 0; i < count; ++i) {
+      const NearPair& pair = pairs_[i];
+      half_spaces_[i].a << pair.n_W / root_t, (pair.at_W_m - proxy_.p_W_m).cross(pair.n_W) / root_r;
+      half_spaces_[i].b = -pair.gap_m;
+    }
+    Vec6 u;
+    u << root_t * free.translation_m, root_r * free.rotation_rad;
+    constexpr double kRounding_m = 1e-12;
+    const LeastConstraint least = least_constraint({half_spaces_.data(), count}, u, kRounding_m);
+    Displacement by;
+    if (least.found) by = {least.y.head<3>() / root_t, least.y.tail<3>() / root_r};
+    contact_count = 0;
+    for (int k = 0; k < least.active_count; ++k) {
+      const auto i = static_cast<std::size_t>(k);
+      const NearPair& pair = pairs_[static_cast<std::size_t>(least.active[i])];
+      contacts_[contact_count++] = {pair.at_W_m, pair.n_W, least.multiplier[i] * pair.n_W};
+    }
+    // No point of the tool moves farther than the margin, within which all pairs are known.
+    const double way = by.translation_m.norm() + tool_.reach_m() * by.rotation_rad.norm();
+    const double longest = count > 0 ? std::min(margin_m_, kNearWay_m) : margin_m_;
+    const double share = way > longest ? longest / way : 1.0;
+    proxy_ = moved(proxy_, {share * by.translation_m, share * by.rotation_rad});
+    margin_m_ = std::clamp(2.0 * way, kLeastMargin_m, kMostMargin_m);
+    if (way < kRest_m) break;
+  }
+  ToolResult result;
+  const Wrench wrench = coupling_wrench(coupling_, state.handle, proxy_);
+  result.contact = contact_count > 0;
+  result.proxy = proxy_;
+  if (result.contact) {
+    result.f_W_N = wrench.f_N;
+    result.torque_W_Nm = wrench.torque_Nm;
+  }
+  result.contacts = {contacts_.data(), contact_count};
+  return result;
+}
+
+}  // namespace touchstone::renderers

@@ -1,0 +1,120 @@
+#include "renderers/tool/penalty_coupling.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+
+namespace touchstone::renderers {
+namespace {
+
+using Mat6 = Eigen::Matrix<double, 6, 6>;
+
+std::vector<Ball> point_balls(const PointShell& shell) {
+  std::vector<Ball> balls;
+  balls.reserve(shell.size());
+  for (const Vec3& p : shell.p_T_m) balls.push_back({p, 0.0});
+  return balls;
+}
+
+Mat3 cross_matrix(const Vec3& v) {
+  Mat3 m;
+  m << 0.0, -v.z(), v.y(), v.z(), 0.0, -v.x(), -v.y(), v.x(), 0.0;
+  return m;
+}
+
+// About the tool's origin, axes of W.
+Mat6 inertia(const MassFrame& mass, const Mat3& rotation) {
+  const Mat3 c = cross_matrix(rotation * mass.center_T_m);
+  Mat6 m;
+  m.topLeftCorner<3, 3>() = mass.mass_kg * Mat3::Identity();
+  m.topRightCorner<3, 3>() = -mass.mass_kg * c;
+  m.bottomLeftCorner<3, 3>() = mass.mass_kg * c;
+  m.bottomRightCorner<3, 3>() = rotation * mass.inertia_T_kg_m2 * rotation.transpose() - mass.mass_kg * c * c;
+  return m;
+}
+
+}  // namespace
+
+PenaltyCoupling::PenaltyCoupling(const Tool& tool, const PointShell& shell, std::shared_ptr<const Surface> object,
+                                 const ToolSettings& settings)
+    : mass_(tool.mass),
+      shell_(shell),
+      tree_(point_balls(shell_)),
+      object_(std::move(object)),
+      coupling_(settings.coupling),
+      stiffness_N_per_m_(settings.contact_stiffness_N_per_m) {}
+
+ToolResult PenaltyCoupling::do_step(const ToolState& state, double dt_s) noexcept {
+  if (!placed_) {
+    proxy_ = handle_ = state.handle;
+    velocity_.setZero();
+    placed_ = true;
+  }
+  ToolResult result;
+  result.proxy = proxy_;
+  if (dt_s > 0.0) {
+    const Mat3 rotation = proxy_.q_WT.toRotationMatrix();
+    Vec6 push = Vec6::Zero();
+    Mat6 give = Mat6::Zero();
+    std::size_t touching = 0;
+    std::size_t listed = 0;
+    std::array<std::int32_t, SphereTree::kDepth>
+        stack;  // NOLINT(cppcoreguidelines-pro-type-member-init): written first
+    std::size_t size = 0;
+    stack[size++] = 0;
+    while (size > 0) {
+      const SphereTree::Node& node = tree_.node(stack[--size]);
+      const Vec3 r = rotation * node.ball.center;
+      const Vec3 p = proxy_.p_W_m + r;
+      const SurfacePoint near = object_->closest(p);
+      if (near.signed_distance_m > node.ball.radius) continue;  // all of it is outside
+      if (node.child >= 0) {
+        stack[size++] = node.child + 1;
+        stack[size++] = node.child;
+        continue;
+      }
+      const double depth = -near.signed_distance_m;
+      if (!(depth > 0.0)) continue;
+      const Vec3 n = (near.p_W_m - p) / depth;
+      Vec6 w;
+      w << n, r.cross(n);
+      push += stiffness_N_per_m_ * depth * w;
+      give.noalias() += stiffness_N_per_m_ * w * w.transpose();
+      if (listed < kMostContacts) contacts_[listed++] = {p, n, stiffness_N_per_m_ * depth * n};
+      ++touching;
+    }
+    const Wrench pull = coupling_wrench(coupling_, state.handle, proxy_);
+    push.head<3>() -= pull.f_N;
+    push.tail<3>() -= pull.torque_Nm;
+    const Mat6 mass = inertia(mass_, rotation);
+    Mat6 matrix = mass / (dt_s * dt_s) + give;
+    matrix.diagonal().head<3>().array() += coupling_.stiffness_N_per_m;
+    matrix.diagonal().tail<3>().array() += coupling_.rotational_stiffness_Nm_per_rad;
+    // Critical: 2 sqrt(k m) for each direction.
+    Vec6 damping;
+    for (int k = 0; k < 6; ++k) {
+      const double stiffness = k < 3 ? coupling_.stiffness_N_per_m : coupling_.rotational_stiffness_Nm_per_rad;
+      damping[k] = 2.0 * std::sqrt(stiffness * mass(k, k));
+      matrix(k, k) += damping[k] / dt_s;
+    }
+    const Displacement hand = displacement(handle_, state.handle);
+    Vec6 hand_velocity;
+    hand_velocity << hand.translation_m / dt_s, hand.rotation_rad / dt_s;
+    const Vec6 right = push + mass * velocity_ / dt_s + damping.cwiseProduct(hand_velocity);
+    const Vec6 by = Eigen::LLT<Mat6>(matrix).solve(right);
+    velocity_ = by / dt_s;
+    proxy_ = moved(proxy_, {by.head<3>(), by.tail<3>()});
+    result.contact = touching > 0;
+    result.contacts = {contacts_.data(), listed};
+    result.proxy = proxy_;
+  }
+  handle_ = state.handle;
+  if (result.contact) {
+    const Wrench wrench = coupling_wrench(coupling_, state.handle, proxy_);
+    result.f_W_N = wrench.f_N;
+    result.torque_W_Nm = wrench.torque_Nm;
+  }
+  return result;
+}
+
+}  // namespace touchstone::renderers

@@ -1,0 +1,51 @@
+// Penalty forces on a tool with mass behind a virtual coupling: the simple one.
+// Sources: Colgate, Stanley and Brown, Issues in the Haptic Display of Tool Use, IROS 1995 (virtual coupling); Otaduy
+// and Lin, A Modular Haptic Rendering Algorithm for Stable and Transparent 6-DOF Manipulation, IEEE Transactions on
+// Robotics 22(4), 2006 (implicit integration of the tool with linearised contact).
+//
+// Each point of the shell that is inside the object by d > 0 is pushed to the nearest point of the surface: k d n. The
+// tool moves by Newton's law, integrated by one step of backward Euler that is linear in the displacement y in h:
+//   (M / h^2 + B / h + K + sum k w w^T) y = M v / h + B v_handle + f_coupling + sum k d w,     w = (n, r x n),
+// M the tool's inertia about its origin (gyroscopic terms left out: they are of second order in a tool's turning), K
+// the coupling's stiffness, B its damping, critical for the tool's mass. The hand feels the coupling's spring.
+#pragma once
+
+#include <array>
+#include <memory>
+
+#include "harness/surface/surface.h"
+#include "harness/tool/tool_renderer.h"
+#include "renderers/tool/least_constraint.h"
+#include "renderers/tool/tool_catalogue.h"
+
+namespace touchstone::renderers {
+
+class PenaltyCoupling : public ToolRenderer {
+ public:
+  PenaltyCoupling(const Tool& tool, const PointShell& shell, std::shared_ptr<const Surface> object,
+                  const ToolSettings& settings);
+  [[nodiscard]] std::size_t memory_bytes() const noexcept override {
+    return 2 * shell_.p_T_m.capacity() * sizeof(Vec3) + tree_.memory_bytes() + sizeof(*this);
+  }
+
+ protected:
+  void do_reset() override { placed_ = false; }
+  ToolResult do_step(const ToolState& state, double dt_s) noexcept override;
+
+ private:
+  static constexpr std::size_t kMostContacts = 512;  // that a result lists; all count for the force
+
+  MassFrame mass_;
+  PointShell shell_;
+  SphereTree tree_;
+  std::shared_ptr<const Surface> object_;
+  Coupling coupling_;
+  double stiffness_N_per_m_;
+  bool placed_ = false;
+  Pose handle_;
+  Pose proxy_;
+  Vec6 velocity_ = Vec6::Zero();
+  std::array<ToolContact, kMostContacts> contacts_;
+};
+
+}  // namespace touchstone::renderers

@@ -1,0 +1,230 @@
+// Renderers of tools against exact answers, a slow exact twin and invariances.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "harness/base/error.h"
+#include "harness/base/random.h"
+#include "harness/surface/embree_surface.h"
+#include "harness/testing/allocation_guard.h"
+#include "harness/tool/faulty_tool.h"
+#include "harness/tool/tool_path.h"
+#include "renderers/tool/god_object_tool.h"
+#include "renderers/tool/tool_catalogue.h"
+#include "renderers/tool/voxmap.h"
+#include "synthetic/tool/exact_cases.h"
+
+namespace touchstone::renderers {
+namespace {
+
+using synthetic::Equilibrium;
+using synthetic::ExactCase;
+using synthetic::make_exact_case;
+
+constexpr double kDensity_kg_per_m3 = 1000.0;
+
+Tool tool_of(const TriangleMesh& mesh) { return {mesh, solid_mass_frame(mesh, kDensity_kg_per_m3)}; }
+
+struct Errors {
+  double force_N = 0.0;
+  double torque_Nm = 0.0;
+};
+
+Errors largest_errors(const std::string& renderer_name, const ExactCase& c) {
+  const ToolSettings settings;
+  const auto renderer = make_tool_renderer(renderer_name, tool_of(c.tool_T), c.object_W, settings);
+  Errors errors;
+  for (const Pose& handle : c.handles) {
+    const Equilibrium truth = quasi_static_equilibrium(c.gaps, handle, settings.coupling);
+    const ToolResult result = settle(*renderer, c.free, handle);
+    errors.force_N = std::max(errors.force_N, (result.f_W_N - truth.wrench_W.f_N).norm());
+    errors.torque_Nm = std::max(errors.torque_Nm, (result.torque_W_Nm - truth.wrench_W.torque_Nm).norm());
+  }
+  return errors;
+}
+
+TEST(GodObjectTool, IsExactWhereTheMeshIs) {
+  for (const char* name : {"box-face", "box-edge", "box-corner", "peg-0.5mm", "peg-0.2mm", "peg-0.1mm", "peg-0.05mm"}) {
+    const Errors errors = largest_errors("god-object-tool", make_exact_case(name));
+    EXPECT_LE(errors.force_N, 1e-9) << name;
+    EXPECT_LE(errors.torque_Nm, 1e-9) << name;
+  }
+}
+
+TEST(GodObjectTool, ErrsByItsMeshOnCurvedBodies) {
+  // A facet of longest edge L on a curve of radius R lies below it by at most L^2 / (6 R) (the circumradius of an
+  // equilateral one is L / sqrt 3) and leans by L / (sqrt 3 R).
+  struct Curved {
+    const char* name;
+    double tool_radius_m, object_radius_m;  // the smallest radius of curvature; 0: flat
+  };
+  // The ellipsoid's smallest radius is c^2 / a = 3 mm at its tip.
+  for (const Curved& c : {Curved{"sphere-plane", 0.01, 0.0}, Curved{"sphere-sphere", 0.01, 0.03},
+                          Curved{"ellipsoid-plane", 0.003, 0.0}, Curved{"two-spheres", 0.005, 0.0}}) {
+    const ExactCase made = make_exact_case(c.name);
+    double sag = 0.0;
+    double lean = 0.0;
+    for (const auto& [mesh, radius] :
+         {std::pair{&made.tool_T, c.tool_radius_m}, std::pair{&made.object_W, c.object_radius_m}}) {
+      if (radius == 0.0) continue;
+      // Of the round parts: the bar between the balls has long edges and never touches.
+      std::vector<double> edges;
+      for (const auto& t : mesh->triangles)
+        edges.push_back((mesh->vertices_W_m[at(t[0])] - mesh->vertices_W_m[at(t[1])]).norm());
+      std::ranges::sort(edges);
+      const double edge = edges[edges.size() * 99 / 100];
+      sag += edge * edge / (6.0 * radius);
+      lean += edge / (std::sqrt(3.0) * radius);
+    }
+    const double force = 4.0;  // N: what the cases press with at most
+    const Coupling coupling;
+    const double force_limit = coupling.stiffness_N_per_m * sag + (c.object_radius_m > 0.0 ? force * lean : 0.0);
+    const Errors errors = largest_errors("god-object-tool", made);
+    EXPECT_LE(errors.force_N, force_limit) << c.name;
+    // The lever is 20 mm at most, and a contact moves over the facet that it is on.
+    EXPECT_LE(errors.torque_Nm, 0.02 * force_limit + force * 0.01 * lean) << c.name;
+  }
+}
+
+TEST(GodObjectTool, ProxyIsOutsideAtRestAndIsPushedOutOnTheWay) {
+  const ExactCase c = make_exact_case("peg-0.2mm");
+  const auto renderer = make_tool_renderer("god-object-tool", tool_of(c.tool_T), c.object_W, {});
+  const auto surface = make_embree_surface(c.object_W);
+  Random random(71);
+  double deepest = 0.0;
+  Pose from = c.free;
+  int step = 0;
+  for (int leg = 0; leg < 40; ++leg) {
+    const Pose to = moved(c.free, {4e-3 * random.direction() + Vec3(0, 0, random.uniform(0.0, 0.03)),
+                                   random.uniform(0.0, 0.3) * random.direction()});
+    for (int i = 0; i < 60; ++i) {
+      const ToolResult result = renderer->step({1e-3 * step++, between(from, to, i / 60.0)});
+      for (const Vec3& v : c.tool_T.vertices_W_m)
+        deepest = std::max(deepest, -surface->signed_distance(result.proxy.to_W(v)));
+    }
+    from = to;
+    ToolResult rest;
+    for (int i = 0; i < 100; ++i) rest = renderer->step({1e-3 * step++, to});
+    for (const Vec3& v : c.tool_T.vertices_W_m) EXPECT_LE(-surface->signed_distance(rest.proxy.to_W(v)), 1e-9);
+  }
+  // What is pushed out again: a deeper overlap would be taken for another side of the body.
+  EXPECT_LE(deepest, 0.2e-3);
+}
+
+TEST(Voxmap, LayersOfABox) {
+  const TriangleMesh box = synthetic::box_mesh(Vec3::Zero(), Vec3(0.01, 0.02, 0.03));
+  const auto surface = make_embree_surface(box);
+  const Voxmap map(*surface, 0.5e-3);
+  Random random(72);
+  for (int i = 0; i < 5000; ++i) {
+    const Vec3 p(random.uniform(-0.003, 0.013), random.uniform(-0.003, 0.023), random.uniform(-0.003, 0.033));
+    const Voxmap::Place place = map.at_point(p);
+    if (place.layer == Voxmap::kFree) {
+      EXPECT_GT(surface->signed_distance(p), -0.5e-3 * std::numbers::sqrt3) << "free points lie outside, to a voxel";
+      continue;
+    }
+    EXPECT_LE((place.center_W_m - p).cwiseAbs().maxCoeff(), 0.25e-3 + 1e-12);
+    const double depth = -surface->signed_distance(place.center_W_m);
+    const int layer =
+        std::min(static_cast<int>(std::floor(depth / 0.5e-3 + 0.5)) + 1, static_cast<int>(Voxmap::kDeepest));
+    EXPECT_EQ(static_cast<int>(place.layer), layer);
+  }
+}
+
+TEST(LeastConstraint, SolutionsSatisfyTheConditionsOfOptimality) {
+  Random random(73);
+  for (int trial = 0; trial < 3000; ++trial) {
+    std::vector<HalfSpace6> half_spaces(random.below(40));
+    for (HalfSpace6& h : half_spaces) {
+      for (int k = 0; k < 6; ++k) h.a[k] = random.normal();
+      h.b = -random.uniform(0.0, 1.0);  // 0 is feasible
+    }
+    Vec6 u;
+    for (int k = 0; k < 6; ++k) u[k] = 3.0 * random.normal();
+    const LeastConstraint found = least_constraint(half_spaces, u, 1e-12);
+    ASSERT_TRUE(found.found);
+    Vec6 y = u;
+    for (int k = 0; k < found.active_count; ++k) {
+      const HalfSpace6& h = half_spaces[std::size_t(found.active[std::size_t(k)])];
+      EXPECT_GE(found.multiplier[std::size_t(k)], 0.0);
+      EXPECT_NEAR(h.a.dot(found.y), h.b, 1e-9);
+      y += found.multiplier[std::size_t(k)] * h.a;
+    }
+    EXPECT_LE((y - found.y).norm(), 1e-8);
+    for (const HalfSpace6& h : half_spaces) EXPECT_GE(h.a.dot(found.y), h.b - 1e-9);
+  }
+}
+
+TEST(LeastConstraint, ContradictionIsSaid) {
+  std::vector<HalfSpace6> half_spaces(2);
+  half_spaces[0] = {Vec6::Unit(0), 1.0};
+  half_spaces[1] = {-Vec6::Unit(0), 0.0};
+  EXPECT_FALSE(least_constraint(half_spaces, Vec6::Zero(), 1e-12).found);
+}
+
+class EveryToolRenderer : public ::testing::TestWithParam<std::string> {};
+
+TEST_P(EveryToolRenderer, PassesTheChecks) {
+  for (const ToolFinding& finding : check_tool_renderer(tool_subject(GetParam(), {}))) {
+    if (!finding.applies) continue;
+    EXPECT_TRUE(finding.passed) << finding.check << ": " << finding.measured << " " << finding.unit << ", at most "
+                                << finding.limit << " " << finding.fault;
+  }
+}
+
+TEST_P(EveryToolRenderer, FaultsAreCaughtByName) {
+  for (std::size_t f = 0; f < kToolFaultNames.size(); ++f) {
+    ToolSubject subject = tool_subject(GetParam(), {});
+    subject.make = [make = subject.make, f](const Tool& tool, const TriangleMesh& object_W, const Coupling& coupling) {
+      return std::make_unique<FaultyTool>(make(tool, object_W, coupling), static_cast<ToolFault>(f),
+                                          tool.mass.center_T_m);
+    };
+    std::vector<std::string> named;
+    for (const ToolFinding& finding : check_tool_renderer(subject)) {
+      if (!finding.fault.empty()) named.push_back(finding.fault);
+    }
+    EXPECT_THAT(named, ::testing::ElementsAre(std::string(kToolFaultNames[f])));
+  }
+}
+
+TEST_P(EveryToolRenderer, StepAllocatesNothing) {
+  if (!touchstone::testing::allocations_are_counted()) GTEST_SKIP() << "allocations are not counted in this build";
+  const ExactCase c = make_exact_case("peg-0.2mm");
+  const auto renderer = make_tool_renderer(GetParam(), tool_of(c.tool_T), c.object_W, {});
+  settle(*renderer, c.free, c.handles[0]);
+  const touchstone::testing::AllocationGuard guard;
+  bool contact = false;
+  for (int i = 0; i < 200; ++i) {
+    contact = renderer->step({1.0 + 1e-3 * i, between(c.handles[0], c.handles[1], i / 200.0)}).contact || contact;
+  }
+  EXPECT_EQ(guard.count(), 0U);
+  EXPECT_TRUE(contact);
+}
+
+INSTANTIATE_TEST_SUITE_P(Tools, EveryToolRenderer,
+                         ::testing::Values("god-object-tool", "voxmap-pointshell", "penalty-coupling"),
+                         [](const auto& tested) {
+                           std::string name = tested.param;
+                           std::ranges::replace(name, '-', '_');
+                           return name;
+                         });
+
+TEST(ToolCatalogue, SaysWhatIsWrong) {
+  const Tool tool = tool_of(synthetic::box_mesh(Vec3::Zero(), Vec3::Constant(0.01)));
+  EXPECT_THROW(make_tool_renderer("teapot", tool, tool.mesh_T, {}), UsageError);
+  TriangleMesh open = tool.mesh_T;
+  open.triangles.pop_back();
+  EXPECT_THROW(make_tool_renderer("god-object-tool", tool, open, {}), BadData);
+  ToolSettings settings;
+  settings.voxel_m = -1.0;
+  EXPECT_THROW(make_tool_renderer("voxmap-pointshell", tool, tool.mesh_T, settings), UsageError);
+  settings = {};
+  settings.coupling.stiffness_N_per_m = 0.0;
+  EXPECT_THROW(make_tool_renderer("god-object-tool", tool, tool.mesh_T, settings), UsageError);
+}
+
+}  // namespace
+}  // namespace touchstone::renderers
