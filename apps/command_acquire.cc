@@ -117,7 +117,7 @@ void add_run(CLI::App& acquire_command, Run& run) {
   });
 }
 
-void add_tool(CLI::App& acquire_command, Run& run) {
+void add_tool_load(CLI::App& acquire_command, Run& run) {
   auto* const command =
       acquire_command.add_subcommand("tool", "Mass, centre of mass and bias from static orientations");
   auto options = std::make_shared<ToolOptions>();
@@ -197,7 +197,7 @@ void add_acquire(CLI::App& program, Run& run) {
   auto* const command = program.add_subcommand("acquire", "Raw sensor and tracker streams to a recording");
   command->require_subcommand(1);
   add_run(*command, run);
-  add_tool(*command, run);
+  add_tool_load(*command, run);
   add_free_air(*command, run);
 }
 

@@ -37,14 +37,15 @@ void add_replay(CLI::App& program, Run& run);
 void add_scorecard(CLI::App& program, Run& run);
 void add_sweep(CLI::App& program, Run& run);
 void add_synth(CLI::App& program, Run& run);
+void add_tool(CLI::App& program, Run& run);
 void add_version(CLI::App& program, Run& run);
 
 // Those that need no heavy library. The program `touchstone` has them itself and becomes touchstone-full for every
 // other one: loading the libraries of fitting, archives and devices takes longer than a comparison.
-inline constexpr std::array<std::string_view, 6> light_command_names{"check",  "compare",   "golden",
-                                                                     "replay", "scorecard", "version"};
+inline constexpr std::array<std::string_view, 7> light_command_names{"check",     "compare", "golden", "replay",
+                                                                     "scorecard", "tool",    "version"};
 inline std::vector<AddCommand> light_commands() {
-  return {add_check, add_compare, add_golden, add_replay, add_scorecard, add_version};
+  return {add_check, add_compare, add_golden, add_replay, add_scorecard, add_tool, add_version};
 }
 
 // One to a line, so that lines from several hands merge.
@@ -78,6 +79,7 @@ inline std::vector<AddCommand> commands() {
       add_scorecard,
       add_sweep,
       add_synth,
+      add_tool,
       add_version,
   };
 }
