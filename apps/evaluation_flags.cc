@@ -13,8 +13,14 @@
 namespace touchstone::apps {
 namespace {
 
+std::vector<std::string>& named_command_line() {
+  static std::vector<std::string> words;
+  return words;
+}
+
 // How the program was called, for provenance.
 std::vector<std::string> process_command_line() {
+  if (!named_command_line().empty()) return named_command_line();
   std::ifstream in("/proc/self/cmdline", std::ios::binary);
   const std::string all((std::istreambuf_iterator<char>(in)), std::istreambuf_iterator<char>());
   std::vector<std::string> words;
@@ -41,6 +47,8 @@ std::pair<double, std::string_view> number_and_unit(std::string_view text, std::
 }
 
 }  // namespace
+
+void name_command_line(std::vector<std::string> words) { named_command_line() = std::move(words); }
 
 double parse_force_N(std::string_view text, std::string_view what) {
   const auto [value, unit] = number_and_unit(text, what);

@@ -25,6 +25,10 @@ struct EvaluationFlags {
 // --flip-force, --on-duplicate, --on-gap, --plugin.
 void add_evaluation_flags(CLI::App& command, EvaluationFlags& flags);
 
+// Requests made from here on name this as the command that they came from, in place of how the process was called: for
+// a process that runs one command after another. An empty one ends it.
+void name_command_line(std::vector<std::string> words);
+
 // Everything but the model. Throws UsageError for values that make no sense.
 EvaluationRequest make_request(const EvaluationFlags& flags);
 

@@ -51,6 +51,27 @@ int lost_output() {
 
 const std::vector<std::string>& command_line() { return called_as(); }
 
+ExitStatus run_words(const std::vector<std::string>& words, const std::vector<AddCommand>& commands) {
+  CLI::App program{"", "touchstone"};
+  program.require_subcommand(1);
+  Run chosen;
+  for (const auto add : commands) add(program, chosen);
+  called_as() = words;
+  called_as().insert(called_as().begin(), "touchstone");
+  try {
+    std::vector<std::string> reversed(words.rbegin(), words.rend());  // as CLI11 takes them
+    program.parse(std::move(reversed));
+  } catch (const CLI::CallForHelp&) {
+    std::fputs(
+        program.get_subcommands().empty() ? program.help().c_str() : program.get_subcommands().front()->help().c_str(),
+        stdout);
+    return ExitStatus::passed;
+  } catch (const CLI::ParseError& error) {
+    throw UsageError(error.what());
+  }
+  return chosen();
+}
+
 int run_program(int argc, char** argv, const std::vector<AddCommand>& commands) {
   called_as().assign(argv, argv + argc);
   remove_half_files_when_interrupted();

@@ -2,12 +2,17 @@
 // and an exit status.
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include "apps/command.h"
 #include "harness/base/rooms.h"
 
 namespace touchstone::apps {
+
+// A command and its options, in a process that goes on afterwards. Errors are thrown with the message that the program
+// would print; what cannot be parsed is a UsageError. `words` begin with the command's name.
+ExitStatus run_words(const std::vector<std::string>& words, const std::vector<AddCommand>& commands);
 
 int run_program(int argc, char** argv, const std::vector<AddCommand>& commands);
 

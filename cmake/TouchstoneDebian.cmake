@@ -2,6 +2,7 @@
 #   touchstone        the program, golden cases and bundled data sets
 #   libtouchstone-dev headers, static libraries, package files for find_package, the conformance program, examples
 #   touchstone-doc    the guide
+#   python3-touchstone  the Python package (TOUCHSTONE_WITH_PYTHON)
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_NAME touchstone)
 set(CPACK_PACKAGE_VENDOR "Touchstone")
@@ -12,6 +13,9 @@ set(CPACK_PACKAGE_DIRECTORY ${PROJECT_BINARY_DIR}/packages)
 set(CPACK_STRIP_FILES ON)
 set(CPACK_DEB_COMPONENT_INSTALL ON)
 set(CPACK_COMPONENTS_ALL program development documentation)
+if(TOUCHSTONE_WITH_PYTHON)
+  list(APPEND CPACK_COMPONENTS_ALL python)
+endif()
 set(CPACK_COMPONENTS_GROUPING ONE_PER_GROUP)
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_PACKAGE_SECTION science)
@@ -35,6 +39,14 @@ set(CPACK_DEBIAN_DOCUMENTATION_PACKAGE_NAME touchstone-doc)
 set(CPACK_DEBIAN_DOCUMENTATION_PACKAGE_SECTION doc)
 set(CPACK_DEBIAN_DOCUMENTATION_PACKAGE_ARCHITECTURE all)
 set(CPACK_DEBIAN_DOCUMENTATION_PACKAGE_SHLIBDEPS OFF)
+
+set(CPACK_DEBIAN_PYTHON_PACKAGE_NAME python3-touchstone)
+set(CPACK_DEBIAN_PYTHON_PACKAGE_SECTION python)
+# The plug-in that runs renderers written in Python links libpython3.11, which dpkg-shlibdeps finds.
+set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS "touchstone (= ${PROJECT_VERSION}), python3 (>= 3.11), python3 (<< 3.12), python3-numpy, libssl3")
+set(CPACK_DEBIAN_PYTHON_PACKAGE_RECOMMENDS "python3-matplotlib")
+# The conformance program, for pytest --touchstone.
+set(CPACK_DEBIAN_PYTHON_PACKAGE_SUGGESTS "libtouchstone-dev, python3-pytest, jupyter-notebook")
 
 # Sources with the report's web parts in them, for a machine that cannot reach the npm registry.
 set(CPACK_SOURCE_GENERATOR TXZ)

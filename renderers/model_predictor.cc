@@ -12,6 +12,7 @@
 #include <string>
 
 #include "harness/base/error.h"
+#include "harness/base/progress.h"
 #include "harness/rendering/effect_stack.h"
 #include "harness/rendering/renderer_failed.h"
 #include "renderers/catalogue.h"
@@ -101,6 +102,7 @@ class ModelPredictor final : public Predictor {
       : surface_(std::move(surface)), motion_(std::move(motion)) {}
 
   Prediction predict(const Model& model) override {
+    stop_if_asked();  // the searches of minutes are thousands of these
     const Instrument instrument = make_instrument(model);
     Prediction prediction = contact_of(model, instrument)->prediction;
     const MotionView view{motion_.t_s, motion_.p_W_m, motion_.q_WS, &accelerations_};

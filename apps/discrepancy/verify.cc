@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "harness/base/bundled_files.h"
 #include "harness/base/error.h"
 #include "renderers/model_predictor.h"
 
@@ -26,9 +27,8 @@ double rms_of_files_N(const DiscrepancyFiles& files) {
 }
 
 std::optional<double> rms_in_fresh_process_N(const DiscrepancyFiles& files) {
-  std::error_code none;
-  const auto program = std::filesystem::read_symlink("/proc/self/exe", none);
-  if (none) return std::nullopt;
+  const auto program = own_program();
+  if (program.empty()) return std::nullopt;
   std::array<int, 2> ends{};
   if (pipe(ends.data()) != 0) return std::nullopt;
   std::vector<std::string> words{program.string(),

@@ -43,6 +43,14 @@ std::optional<FileIdentity> identity_of(const std::string& path) {
 
 void protect_input_files() { inputs_protected = true; }
 
+void forget_input_files() {
+  inputs_protected = false;
+  KnownFiles& files = known_files();
+  const std::lock_guard lock(files.mutex);
+  files.read.clear();
+  files.written.clear();
+}
+
 void note_input_file(const std::filesystem::path& path) {
   if (!inputs_protected) return;
   const auto identity = identity_of(path.native());

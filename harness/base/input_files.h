@@ -9,6 +9,8 @@ namespace touchstone {
 
 // From here on files that were read are protected. For programs, once, at their start.
 void protect_input_files();
+// Ends that and forgets them: for a process that does one task after another.
+void forget_input_files();
 
 // Whoever reads a file says so. Files that this program itself wrote are no inputs.
 void note_input_file(const std::filesystem::path& path);

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "harness/base/error.h"
+#include "harness/base/progress.h"
 #include "harness/rendering/cost_histogram.h"
 #include "harness/rendering/renderer_failed.h"
 #include "harness/rendering/step_clock.h"
@@ -40,6 +41,7 @@ std::uint64_t in_blocks(const Renderer& renderer, const TipSource& source, const
   std::uint64_t done = 0;
   std::size_t filled = kBlock;
   while (filled == kBlock) {
+    stop_if_asked();
     filled = 0;
     while (filled < kBlock && source(tips[filled])) ++filled;
     step(std::span<const TipState>(tips.data(), filled), std::span<StepResult>(results.data(), filled));

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <numeric>
 
+#include "harness/base/bundled_files.h"
 #include "harness/base/hash.h"
 #include "harness/baseline/golden_file.h"
 #include "harness/runs/slurm.h"
@@ -42,7 +43,7 @@ const std::vector<std::string> build_names{"version", "commit", "dirty", "progra
 std::map<std::string, std::string> provenance(const CaseOptions& options) {
   auto known = build_provenance();
   known["command"] = options.called_as;
-  if (known["dirty"] == "yes") known["program"] = sha256_file("/proc/self/exe");
+  if (known["dirty"] == "yes") known["program"] = sha256_file(own_program());
   return known;
 }
 
@@ -134,7 +135,7 @@ CaseOutcome run_slurm(const CaseCommand& command, const CaseOptions& options) {
   if (options.file.empty())
     throw UsageError(fmt::format("--engine slurm: {} is needed, in which the tasks' results are put together",
                                  command.table.file_option));
-  const std::filesystem::path self = std::filesystem::read_symlink("/proc/self/exe");
+  const std::filesystem::path self = own_program();
   const std::uint64_t cases = command.job.cases;
   SlurmRequest request;
   request.program = self.parent_path() / "touchstone";
