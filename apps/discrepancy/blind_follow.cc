@@ -15,7 +15,7 @@ namespace touchstone::apps {
 const std::map<std::string, std::size_t>& blind_full_count() {
   static const std::map<std::string, std::size_t> count{{"one", 200},        {"one-noisy", 100}, {"two", 60},
                                                         {"three", 15},       {"none", 200},      {"unknown", 60},
-                                                        {"cannot-tell", 40}, {"corrupted", 30}};
+                                                        {"cannot-tell", 40}, {"corrupted", 30},  {"full-band", 45}};
   return count;
 }
 

@@ -92,11 +92,21 @@ void measure_floor(BlindScore& score, const json& answer, const std::filesystem:
                                                            load_instrument(folder / "instrument.json")));
 }
 
-bool as_sets_ask(const BlindScore& score, const json& findings) {
+// Whether the strongest peak of the residual lies where the hidden one does.
+bool names_frequency(const json& answer, const json& findings) {
+  constexpr double tolerance = 0.01;
+  const auto& peaks = findings.at("spectrum").at("peaks");
+  if (peaks.empty()) return false;
+  const double true_Hz = answer.at("effects").at(0).at("parameters").at("frequency_Hz").get<double>();
+  return std::abs(peaks[0].at("frequency_Hz").get<double>() - true_Hz) <= tolerance * true_Hz;
+}
+
+bool as_sets_ask(const BlindScore& score, const json& answer, const json& findings) {
   const std::set<std::string> named(score.named.begin(), score.named.end());
   const std::set<std::string> expected(score.expected.begin(), score.expected.end());
   if (score.set == "corrupted") return named.empty() && score.data_blamed;
   if (score.expected_verdict == "consistent") return named.empty() && score.verdict == "consistent";
+  if (score.set == "full-band") return score.verdict == "unexplained" && names_frequency(answer, findings);
   if (score.expected_verdict == "unexplained") return score.verdict == "unexplained";
   if (score.expected_verdict == "not-identifiable") {
     if (score.verdict != "not-identifiable") return false;
@@ -156,7 +166,7 @@ std::vector<BlindScore> score_blind(const std::filesystem::path& answers, const 
       score.data_blamed = findings.contains("data_fault");
       score.after_N = findings.at("gap").at("holdout").at("after").get<double>();
       measure_floor(score, answer, cases / score.id);
-      score.right = as_sets_ask(score, findings);
+      score.right = as_sets_ask(score, answer, findings);
       compare_parameters(score, answer, findings);
       const auto second = again / score.id / "findings.json";
       if (score.set == "cannot-tell" && !again.empty() && std::filesystem::exists(second)) {

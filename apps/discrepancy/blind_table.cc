@@ -51,6 +51,7 @@ const std::vector<Bar> bars{
     {"unknown", "unknown effects: flagged", 0.90},
     {"cannot-tell", "cannot tell: said so, with the right pair", 0.90},
     {"corrupted", "corrupted: nothing named, the data blamed", 1.0},
+    {"full-band", "hum, buzz, resonance: flagged, frequency within 1 %", 0.95},
     {"sample", "samples: right", 1.0},
 };
 

@@ -113,6 +113,33 @@ Section where_section(const Findings& findings) {
   return section;
 }
 
+// Lines and bands that means over blocks cannot show.
+Section spectrum_section(const Findings& findings) {
+  const ResidualSpectrum& spectrum = findings.search.spectrum;
+  Section section{
+      "Lines and bands of the residual",
+      fmt::format("From {:.3g} to {:.4g} Hz the held-out residual of the final model is {:.3g} N RMS; where "
+                  "noise is all that is left, simulated recordings show at most {:.3g} N.",
+                  spectrum.from_Hz, spectrum.to_Hz, spectrum.raw_N, spectrum.null_N),
+      {},
+      spectrum.peaks.empty()};
+  if (spectrum.peaks.empty()) return section;
+  Table table{fmt::format("What stands out of the noise in {}",
+                          findings.blocks_held_back ? "the recording" : "both recordings"),
+              {"what", "frequency [Hz]", "width [Hz]", "RMS [N]", "acts", "false alarm, at most"},
+              {},
+              ""};
+  for (const SpectralPeak& peak : spectrum.peaks) {
+    table.rows.push_back({{text(peak.name), number(peak.frequency_Hz, "{:.4g}"), number(peak.width_Hz, "{:.2g}"),
+                           number(peak.rms_N, "{:.3g}"), text(to_string(peak.acts)),
+                           text(fmt::format("10^{:.0f}", std::floor(peak.log10_false_alarm)))},
+                          "",
+                          {}});
+  }
+  section.blocks.emplace_back(std::move(table));
+  return section;
+}
+
 Section time_section(const Evidence& evidence, const Prediction& before, const Prediction& after) {
   const Recording& recording = *evidence.recording;
   const std::size_t stride = std::max<std::size_t>(1, recording.size() / most_plotted);
@@ -243,6 +270,7 @@ Page discrepancy_page(const Findings& findings, const Evidence& evidence, const 
   }
   page.sections.push_back(what_section(findings));
   page.sections.push_back(where_section(findings));
+  page.sections.push_back(spectrum_section(findings));
   page.sections.push_back(time_section(evidence, before, after));
   page.sections.push_back(place_section(evidence, before, mesh));
   page.sections.push_back(search_section(findings));

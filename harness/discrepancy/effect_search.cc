@@ -319,6 +319,7 @@ class Search {
     const DetectorSide train{data_.train.recording, &goodness.train, data_.train.noise};
     const DetectorSide holdout{data_.holdout.recording, &goodness.holdout, data_.holdout.noise};
     result_.structure = detect_structure(train, holdout, result_.model, result_.draws);
+    result_.spectrum = residual_spectrum(train, holdout, result_.model, data_.window_s);
     if (!result_.data_fault) result_.data_fault = find_data_fault(train, holdout, result_.base, result_.model);
     if (result_.data_fault) {
       // Nothing is learnt from data that are wrong.

@@ -14,6 +14,7 @@
 
 #include "harness/base/rooms.h"
 #include "harness/discrepancy/parameter_intervals.h"
+#include "harness/discrepancy/residual_spectrum.h"
 #include "harness/discrepancy/rivals.h"
 #include "harness/discrepancy/search_settings.h"
 #include "harness/discrepancy/structure_detector.h"
@@ -44,7 +45,8 @@ struct SearchResult {
   double null_goodness = 0.0;  // the same in the worst world where `model` is the truth
   double goodness_threshold = 0.0;
   double structured_threshold = 0.0;
-  Structure structure;  // of what `model` leaves
+  Structure structure;        // of what `model` leaves
+  ResidualSpectrum spectrum;  // of the same, sample by sample
   std::optional<std::string> data_fault;
   double noise_rms_N = 0.0;  // 3-D force error that the noise model expects of `model` on the held-out samples
 };

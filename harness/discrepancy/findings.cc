@@ -129,6 +129,12 @@ void conclude(Findings& findings, const std::vector<Candidate>& candidates) {
   if (search.data_fault) {
     findings.verdict = FindingsVerdict::unexplained;
     findings.explanation = fmt::format("The data seem to be wrong: {} Nothing is named.", *search.data_fault);
+  } else if (search.spectrum.peaks_matter()) {
+    findings.verdict = FindingsVerdict::unexplained;
+    findings.explanation =
+        fmt::format("Something is missing that no known effect explains: {}. Means over {:.3g} Hz do not show it{}.",
+                    describe(search.spectrum.peaks), search.spectrum.from_Hz,
+                    search.found.empty() ? "" : fmt::format("; {} added, which helps", names(search.found)));
   } else if (noise_left && structured) {
     findings.verdict = FindingsVerdict::unexplained;
     findings.explanation = fmt::format(
@@ -143,6 +149,14 @@ void conclude(Findings& findings, const std::vector<Candidate>& candidates) {
         "Something is missing that no known effect explains: on held-out data the error is {:.1f} times as large, in "
         "square, as the {} noise allows{}. See where it sits below.",
         search.goodness, findings.instrument_declared ? "declared" : "estimated",
+        search.found.empty() ? "" : fmt::format(", with {} added, which helps", names(search.found)));
+  } else if (findings.instrument_declared && search.spectrum.far_above_noise()) {
+    findings.verdict = FindingsVerdict::unexplained;
+    findings.explanation = fmt::format(
+        "Something is missing that no known effect explains: from {:.3g} to {:.4g} Hz the residual is {:.2g} N, {:.1f} "
+        "times what the declared noise gives{}.",
+        search.spectrum.from_Hz, search.spectrum.to_Hz, search.spectrum.raw_N,
+        search.spectrum.raw_N / search.spectrum.null_N,
         search.found.empty() ? "" : fmt::format(", with {} added, which helps", names(search.found)));
   } else if (search.found.empty()) {
     findings.verdict = FindingsVerdict::consistent;
@@ -225,6 +239,18 @@ std::string findings_to_json(const Findings& findings, const std::string& trajec
                        {"share", number(findings.search.structure.share)},
                        {"bar", number(findings.search.structure.bar)},
                        {"found", findings.search.structure.found()}};
+  const ResidualSpectrum& spectrum = findings.search.spectrum;
+  root["spectrum"] = {{"from_Hz", number(spectrum.from_Hz)},  {"to_Hz", number(spectrum.to_Hz)},
+                      {"residual_N", number(spectrum.raw_N)}, {"most_of_noise_N", number(spectrum.null_N)},
+                      {"share", number(spectrum.share)},      {"peaks", json::array()}};
+  for (const SpectralPeak& peak : spectrum.peaks) {
+    root["spectrum"]["peaks"].push_back({{"name", peak.name},
+                                         {"frequency_Hz", number(peak.frequency_Hz)},
+                                         {"width_Hz", number(peak.width_Hz)},
+                                         {"rms_N", number(peak.rms_N)},
+                                         {"log10_false_alarm", number(peak.log10_false_alarm)},
+                                         {"acts", to_string(peak.acts)}});
+  }
   if (findings.search.data_fault) root["data_fault"] = *findings.search.data_fault;
   root["instrument"] = findings.instrument_declared ? "declared" : "estimated";
   root["holdout"] = findings.blocks_held_back ? "alternating blocks of the one recording" : "a recording of its own";

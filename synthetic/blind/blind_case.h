@@ -15,6 +15,23 @@
 
 namespace touchstone::synthetic {
 
+// What shakes the sensor above the band of a hand: mains hum, a mount that rings, a buzz that sliding makes. SI units,
+// sensor's frame; amplitudes of zero switch each part off.
+struct HiddenShaking {
+  double hum_N = 0.0;  // of the fundamental
+  double hum_Hz = 50.0;
+  double hum_second = 0.0;  // amplitude of the second harmonic over the fundamental's
+  double hum_phase_rad = 0.0;
+  double buzz_N = 0.0;  // at the typical load, in proportion to the load, while the tip slides
+  double buzz_Hz = 100.0;
+  double buzz_from_m_per_s = 0.0;  // slides faster than this
+  double buzz_load_N = 1.0;        // the typical load
+  double ringing_N = 0.0;          // RMS of a lightly damped oscillator that white noise drives
+  double ringing_Hz = 80.0;
+  double ringing_damping = 0.02;  // share of critical
+  Vec3 along_S = Vec3::UnitX();
+};
+
 // How the sensor's reading differs from the contact's force, beyond noise.
 struct HiddenInstrument {
   double weight_kg = 0.0;
@@ -48,7 +65,8 @@ struct HiddenEffect {
 
 struct BlindCase {
   std::string id;
-  std::string set;      // "one", "one-noisy", "two", "three", "none", "unknown", "cannot-tell", "corrupted"
+  std::string set;      // "one", "one-noisy", "two", "three", "none", "unknown", "cannot-tell", "corrupted",
+                        // "full-band"
   std::string verdict;  // expected
   std::vector<HiddenEffect> effects;
   std::vector<std::string> ambiguous;
@@ -57,6 +75,7 @@ struct BlindCase {
   std::size_t cells = 64;
   HiddenPhysics physics;
   HiddenInstrument instrument;
+  HiddenShaking shaking;
   DeclaredInstrument declared;
   Corruption corruption = Corruption::none;
   double nominal_stiffness_N_per_m = 0.0;  // of the starting model

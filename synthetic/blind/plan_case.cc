@@ -13,7 +13,8 @@
 namespace touchstone::synthetic {
 namespace {
 
-const std::vector<std::string> sets{"one", "one-noisy", "two", "three", "none", "unknown", "cannot-tell", "corrupted"};
+const std::vector<std::string> sets{"one",     "one-noisy",   "two",       "three",    "none",
+                                    "unknown", "cannot-tell", "corrupted", "full-band"};
 
 // Sizes from which every hidden effect takes its own.
 struct Sizes {
@@ -45,7 +46,7 @@ class Planner {
     physics.presliding_m = random_.uniform(1e-5, 3e-5) * std::min(1.0, sizes_.depth_m / 0.004);
     physics.reference_depth_m = sizes_.depth_m;
     // Noise: low, middle, high; finer on small objects, as one would choose the tracker.
-    const std::size_t level = set == "one-noisy" ? 2 : index % 2;
+    const std::size_t level = set == "one-noisy" ? 2 : set == "full-band" ? (index / 3) % 3 : index % 2;
     DeclaredInstrument& d = plan_.declared;
     d.force_noise_N = std::array{0.01, 0.02, 0.04}[level];
     d.position_noise_m =
@@ -297,6 +298,38 @@ class Planner {
     }
   }
 
+  // Something above the band of means over the tracker's samples; kinds and then noise levels take turns. From what a
+  // hand just notices (7 % of the force: Jones 1989) to twice that.
+  void shake(std::size_t kind) {
+    HiddenShaking& s = plan_.shaking;
+    Random& r = random_;
+    const double size_N = sizes_.force_N * r.uniform(0.07, 0.14);
+    const double azimuth = r.uniform(0.0, 2.0 * std::numbers::pi);
+    const double height = r.uniform(-1.0, 1.0);
+    const double flat = std::sqrt(1.0 - height * height);
+    s.along_S = Vec3(flat * std::cos(azimuth), flat * std::sin(azimuth), height);
+    switch (kind % 3) {
+      case 0:
+        s.hum_N = size_N;
+        s.hum_Hz = (r.uniform() < 0.5 ? 50.0 : 60.0) * r.uniform(0.999, 1.001);  // mains in ordinary hours
+        s.hum_second = r.uniform(0.0, 0.3);
+        s.hum_phase_rad = r.uniform(0.0, 2.0 * std::numbers::pi);
+        return note("hum", "unknown", {{"force_N", s.hum_N}, {"frequency_Hz", s.hum_Hz}});
+      case 1:
+        s.buzz_N = size_N;
+        s.buzz_Hz = r.uniform(30.0, 115.0);
+        s.buzz_from_m_per_s = 0.3 * sizes_.sliding_m_per_s;
+        s.buzz_load_N = sizes_.force_N;
+        return note("buzz", "unknown", {{"force_N", s.buzz_N}, {"frequency_Hz", s.buzz_Hz}});
+      default:
+        s.ringing_N = size_N / std::numbers::sqrt2;
+        s.ringing_Hz = r.uniform(30.0, 115.0);
+        s.ringing_damping = r.log_uniform(0.005, 0.03);
+        return note("resonance", "unknown",
+                    {{"force_N", s.ringing_N}, {"frequency_Hz", s.ringing_Hz}, {"damping", s.ringing_damping}});
+    }
+  }
+
   // Once everything is hidden: the mesh, which lacks a hidden bump, and what may be said of its error.
   void finish(bool mesh_error) {
     plan_.meshed = plan_.truth;
@@ -408,6 +441,10 @@ BlindCase plan_case(const std::string& set, std::size_t index, std::uint64_t see
   } else if (set == "unknown") {
     planner.shape(random.uniform() < 0.35);
     planner.hide_unknown(index);
+    plan.verdict = "unexplained";
+  } else if (set == "full-band") {
+    planner.shape(random.uniform() < 0.35);
+    planner.shake(index);
     plan.verdict = "unexplained";
   } else if (set == "cannot-tell") {
     planner.cannot_tell(index);

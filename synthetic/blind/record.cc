@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <complex>
 #include <functional>
 #include <numbers>
 
@@ -157,6 +158,39 @@ Vec3 reading_S_N(const BlindCase& plan, const Truth& truth, const Turn& turn, do
   return s + h.bias_S_N + t_s * h.drift_S_N_per_s;
 }
 
+// What shakes the sensor, sample by sample.
+class Shaking {
+ public:
+  Shaking(const HiddenShaking& shaking, Random random) : shaking_(shaking), random_(random) {
+    const double omega = 2.0 * std::numbers::pi * shaking.ringing_Hz;
+    const double ring = omega * std::sqrt(1.0 - shaking.ringing_damping * shaking.ringing_damping);
+    // A damped oscillator under white noise, exact from sample to sample (Gillespie 1996, equation 1.9, as a complex
+    // Ornstein-Uhlenbeck process).
+    pole_ = std::exp(std::complex<double>(-shaking.ringing_damping * omega, ring) / record_Hz);
+    ringing_ = shaking.ringing_N * std::complex<double>(random_.normal(), random_.normal());
+  }
+
+  Vec3 next(double t_s, double load_N, double sliding_m_per_s) {
+    const HiddenShaking& s = shaking_;
+    const double turn = 2.0 * std::numbers::pi * t_s;
+    double f_N =
+        s.hum_N * (std::sin(s.hum_Hz * turn + s.hum_phase_rad) + s.hum_second * std::sin(2.0 * s.hum_Hz * turn));
+    if (sliding_m_per_s > s.buzz_from_m_per_s) {
+      f_N += s.buzz_N * (load_N / s.buzz_load_N) * std::sin(s.buzz_Hz * turn);
+    }
+    f_N += ringing_.real();
+    const double kick_N = s.ringing_N * std::sqrt(1.0 - std::norm(pole_));
+    ringing_ = pole_ * ringing_ + kick_N * std::complex<double>(random_.normal(), random_.normal());
+    return f_N * s.along_S;
+  }
+
+ private:
+  HiddenShaking shaking_;
+  Random random_;
+  std::complex<double> pole_;
+  std::complex<double> ringing_;
+};
+
 Recording measure(const BlindCase& plan, const Truth& truth, std::vector<double> times_s, const Turn& turn,
                   const Random& root) {
   Recording recording;
@@ -169,11 +203,15 @@ Recording measure(const BlindCase& plan, const Truth& truth, std::vector<double>
   Vec3 noise = d.force_noise_N * gaussian(random);
   const bool flip = plan.corruption == Corruption::negative_friction;
   Vec2 guess = Vec2::Zero();
+  Shaking shaking(plan.shaking, root.stream(3));
   for (const double t_s : recording.motion.t_s) {
     const Vec3 p = Truth::at(truth.p_W_m, t_s);
     const auto foot = plan.truth.foot(p, t_s == 0.0 ? Vec2(p.head<2>()) : guess);
     guess = foot.q_W_m.head<2>();
     Vec3 s = reading_S_N(plan, truth, turn, t_s - plan.instrument.lag_s, flip, foot.n_W) + noise;
+    const Vec3 v = (Truth::at(truth.p_W_m, t_s + step_s) - p) / step_s;
+    const double load_N = std::max(0.0, foot.n_W.dot(Truth::at(truth.f_W_N, t_s)));
+    s += shaking.next(t_s, load_N, (v - foot.n_W.dot(v) * foot.n_W).norm());
     noise = keep * noise + d.force_noise_N * std::sqrt(1.0 - keep * keep) * gaussian(random);
     const double limit = plan.instrument.limit_N;
     for (int axis = 0; axis < 3; ++axis) {
