@@ -7,6 +7,7 @@
 #include <map>
 #include <numbers>
 
+#include "harness/base/error.h"
 #include "harness/discrepancy/bump_peaks.h"
 #include "harness/discrepancy/percentile.h"
 #include "harness/discrepancy/texture_spectrum.h"
@@ -28,9 +29,24 @@ NamedParameters entry(const Context& c, std::map<std::string, double> parameters
   return {c.candidate.name, std::move(parameters), "/found"};
 }
 
+// The catalogue's bounds: what it accepts is searched. Only lengths and times that a scan must resolve to show have
+// bounds of the recording instead.
+const ParameterDeclaration& declared(const Context& c, const std::string& name) {
+  const auto& all = c.candidate.parameters;
+  const auto found = std::find_if(all.begin(), all.end(), [&](const auto& one) { return one.name == name; });
+  if (found == all.end()) throw BadData(c.candidate.name + ": its catalogue declares no " + name);
+  return *found;
+}
+
+FreeParameter within_catalogue(const Context& c, const std::string& name, double scale) {
+  const ParameterDeclaration& bounds = declared(c, name);
+  return linear_parameter(c.candidate.name, name, scale, bounds.minimum, bounds.maximum);
+}
+
 // mu_static follows mu_dynamic: plain Coulomb friction has one coefficient.
-FreeParameter one_coefficient(const std::string& owner) {
-  FreeParameter mu = linear_parameter(owner, "mu_dynamic", 1.0, 0.0, 3.0);
+FreeParameter one_coefficient(const Context& c) {
+  const std::string owner = c.candidate.name;
+  FreeParameter mu = within_catalogue(c, "mu_dynamic", 1.0);
   mu.set = [owner](Model& model, double u) {
     auto& parameters = find_entry(model, owner)->parameters;
     parameters["mu_dynamic"] = u;
@@ -40,15 +56,16 @@ FreeParameter one_coefficient(const std::string& owner) {
 }
 
 // mu_static = mu_dynamic + excess, excess >= 0.
-std::vector<FreeParameter> two_coefficients(const std::string& owner) {
-  FreeParameter dynamic = linear_parameter(owner, "mu_dynamic", 1.0, 0.0, 3.0);
+std::vector<FreeParameter> two_coefficients(const Context& c) {
+  const std::string owner = c.candidate.name;
+  FreeParameter dynamic = within_catalogue(c, "mu_dynamic", 1.0);
   dynamic.set = [owner](Model& model, double u) {
     auto& parameters = find_entry(model, owner)->parameters;
     const double excess = parameters["mu_static"] - parameters["mu_dynamic"];
     parameters["mu_dynamic"] = u;
     parameters["mu_static"] = u + excess;
   };
-  FreeParameter excess = linear_parameter(owner, "mu_static", 1.0, 0.0, 2.0);
+  FreeParameter excess = within_catalogue(c, "mu_static", 1.0);
   excess.set = [owner](Model& model, double u) {
     auto& parameters = find_entry(model, owner)->parameters;
     parameters["mu_static"] = parameters["mu_dynamic"] + u;
@@ -75,7 +92,7 @@ std::vector<double> presliding_starts(const Context& c) {
 }
 
 CandidateFit coulomb(const Context& c) {
-  CandidateFit fit{Side::contact, {one_coefficient(c.candidate.name), presliding(c)}, {}};
+  CandidateFit fit{Side::contact, {one_coefficient(c), presliding(c)}, {}};
   for (const double s : presliding_starts(c)) {
     fit.starts.push_back(entry(c, {{"mu_static", 0.2}, {"mu_dynamic", 0.2}, {"presliding_m", s}}));
   }
@@ -84,7 +101,7 @@ CandidateFit coulomb(const Context& c) {
 
 CandidateFit stribeck(const Context& c) {
   const auto& name = c.candidate.name;
-  CandidateFit fit{Side::contact, two_coefficients(name), {}};
+  CandidateFit fit{Side::contact, two_coefficients(c), {}};
   const double v = std::max(c.scales.speed_m_per_s, 1e-4);
   fit.parameters.push_back(log_parameter(name, "stribeck_velocity_m_per_s", 0.02 * v, 20.0 * v));
   fit.parameters.push_back(presliding(c));
@@ -98,11 +115,8 @@ CandidateFit stribeck(const Context& c) {
 }
 
 CandidateFit anisotropic(const Context& c) {
-  const auto& name = c.candidate.name;
   CandidateFit fit{
-      Side::contact,
-      {linear_parameter(name, "mu_x", 1.0, 0.0, 3.0), linear_parameter(name, "mu_y", 1.0, 0.0, 3.0), presliding(c)},
-      {}};
+      Side::contact, {within_catalogue(c, "mu_x", 1.0), within_catalogue(c, "mu_y", 1.0), presliding(c)}, {}};
   for (const double s : presliding_starts(c))
     fit.starts.push_back(entry(c, {{"mu_x", 0.2}, {"mu_y", 0.2}, {"presliding_m", s}}));
   return fit;
@@ -118,7 +132,7 @@ CandidateFit one_rate(const Context& c, const std::string& parameter, double typ
 CandidateFit power_law(const Context& c) {
   const double reference = 0.5 * c.scales.depth_m;
   return {Side::contact,
-          {linear_parameter(c.candidate.name, "exponent", 1.0, 0.3, 4.0)},
+          {within_catalogue(c, "exponent", 1.0)},
           {entry(c, {{"exponent", 1.2}, {"reference_depth_m", reference}})}};
 }
 
@@ -148,7 +162,7 @@ CandidateFit bump(const Context& c, BumpOf of, double scale, double lower, doubl
 CandidateFit relaxation(const Context& c) {
   const auto& name = c.candidate.name;
   CandidateFit fit{Side::contact,
-                   {linear_parameter(name, "ratio", 1.0, 0.0, 20.0),
+                   {within_catalogue(c, "ratio", 1.0),
                     log_parameter(name, "time_constant_s", 0.02, 2.0 * std::max(c.scales.duration_s, 0.1))},
                    {}};
   for (const double tau : {0.08, 0.4, 2.0}) fit.starts.push_back(entry(c, {{"ratio", 0.3}, {"time_constant_s", tau}}));
@@ -202,17 +216,14 @@ CandidateFit texture(const Context& c) {
   return fit;
 }
 
-CandidateFit one_linear(const Context& c, const std::string& parameter, double scale, double lower, double upper,
-                        double start) {
-  return {Side::instrument,
-          {linear_parameter(c.candidate.name, parameter, scale, lower, upper)},
-          {entry(c, {{parameter, start}})}};
+CandidateFit one_linear(const Context& c, const std::string& parameter, double scale, double start) {
+  return {Side::instrument, {within_catalogue(c, parameter, scale)}, {entry(c, {{parameter, start}})}};
 }
 
 // The longer the window that acceleration is taken over, the less of a tracker's noise is in it, and the less of a
 // quick motion's: from which the mass explains more is tried.
 CandidateFit tool_inertia(const Context& c) {
-  CandidateFit fit = one_linear(c, "mass_kg", 0.1, 0.0, 5.0, 0.0);
+  CandidateFit fit = one_linear(c, "mass_kg", 0.1, 0.0);
   fit.starts.clear();
   for (const double window_s : {0.033, 0.05, 0.065, 0.08, 0.1, 0.13, 0.17, 0.22, 0.3}) {
     fit.starts.push_back(entry(c, {{"mass_kg", 0.0}, {"window_s", window_s}}));
@@ -348,12 +359,16 @@ CandidateFit candidate_fit(const Candidate& candidate, const RecordingScales& sc
          return one_rate(x, "coefficient_N_s_per_m2", scales.depth_rate_m_per_s * scales.depth_m);
        }},
       {"power-law-stiffness", power_law},
-      {"stiffness-map", [](const Context& x) { return bump(x, BumpOf::stiffness, 1.0, -0.95, 10.0); }},
+      {"stiffness-map",
+       [](const Context& x) {
+         const ParameterDeclaration& bounds = declared(x, "amplitude");
+         return bump(x, BumpOf::stiffness, 1.0, bounds.minimum, bounds.maximum);
+       }},
       {"stress-relaxation", relaxation},
       {"tip-radius", tip_radius},
       {"adhesion", adhesion},
       {"surface-texture", texture},
-      {"tool-weight", [](const Context& x) { return one_linear(x, "mass_kg", 0.1, 0.0, 5.0, 0.0); }},
+      {"tool-weight", [](const Context& x) { return one_linear(x, "mass_kg", 0.1, 0.0); }},
       {"tool-inertia", tool_inertia},
       {"force-bias",
        [&](const Context& x) {
@@ -366,10 +381,11 @@ CandidateFit candidate_fit(const Candidate& candidate, const RecordingScales& sc
        }},
       {"force-crosstalk",
        [](const Context& x) {
-         return several_linear(x, {"c_xz", "c_yz"}, {1.0, 1.0}, 0.9);
+         const double largest = std::min(declared(x, "c_xz").maximum, declared(x, "c_yz").maximum);
+         return several_linear(x, {"c_xz", "c_yz"}, {1.0, 1.0}, largest);
        }},
       {"force-saturation", saturation},
-      {"time-lag", [](const Context& x) { return one_linear(x, "lag_s", 0.01, 0.0, 0.3, 0.005); }},
+      {"time-lag", [](const Context& x) { return one_linear(x, "lag_s", 0.01, 0.005); }},
       {"registration", registration},
       {"surface-geometry", [&](const Context& x) { return bump(x, BumpOf::surface, scales.depth_m, -1.0, 1.0); }},
   };

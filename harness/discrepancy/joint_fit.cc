@@ -182,7 +182,8 @@ JointFit fit_jointly(const FitData& data, const Model& start, const std::vector<
   for (Eigen::Index i = 0; i < n; ++i) {
     const FreeParameter& parameter = parameters[static_cast<std::size_t>(i)];
     parameter.set(fit.model, fit.u[i]);
-    const double near = 1e-6 * (parameter.upper - parameter.lower);
+    // u is of order one, however far its bounds are.
+    const double near = 1e-6 * std::min(1.0, parameter.upper - parameter.lower);
     fit.at_bound[static_cast<std::size_t>(i)] =
         fit.u[i] <= parameter.lower + near || fit.u[i] >= parameter.upper - near;
   }

@@ -68,9 +68,11 @@ MotionColumns strokes(double phase, double unit) {
 }
 
 struct Strokes {
+  const std::vector<ParameterDeclaration> coefficients{{"mu_static", "1", 0.0, 5.0, 0.0, ""},
+                                                       {"mu_dynamic", "1", 0.0, 5.0, 0.0, ""}};
   std::vector<Candidate> library{
-      {"coulomb-friction", Side::contact, {}},
-      {"stribeck-friction", Side::contact, {}},
+      {"coulomb-friction", Side::contact, coefficients},
+      {"stribeck-friction", Side::contact, coefficients},
   };
   Model found;  // with plain friction
   std::optional<TwoRecordings> recordings;

@@ -1,0 +1,62 @@
+// What the catalogue accepts is searched: bounds of a fit are the catalogue's, but for what a scan must resolve.
+#include "harness/discrepancy/candidate_starts.h"
+
+#include <gtest/gtest.h>
+
+#include <string>
+#include <vector>
+
+#include "harness/discrepancy/plane_for_test.h"
+
+namespace touchstone::discrepancy {
+namespace {
+
+struct Declared {
+  std::string effect;
+  Side side;
+  std::vector<ParameterDeclaration> parameters;
+};
+
+// Bounds that no effect has by itself.
+const std::vector<Declared> all_declared{
+    {"tool-weight", Side::instrument, {{"mass_kg", "kg", 0.0, 77.0, 0.0, ""}}},
+    {"tool-inertia", Side::instrument, {{"mass_kg", "kg", 0.0, 78.0, 0.0, ""}}},
+    {"time-lag", Side::instrument, {{"lag_s", "s", -0.9, 0.8, 0.0, ""}}},
+    {"anisotropic-friction", Side::contact, {{"mu_x", "1", 0.0, 6.0, 0.0, ""}, {"mu_y", "1", 0.0, 7.0, 0.0, ""}}},
+    {"power-law-stiffness", Side::contact, {{"exponent", "1", 0.1, 8.0, 1.0, ""}}},
+};
+
+class CatalogueBounds : public ::testing::TestWithParam<double> {};
+
+TEST_P(CatalogueBounds, AreThoseOfTheFit) {
+  Recording recording;
+  recording.motion = hand(0.0, GetParam());
+  Model model;
+  model.parameters["stiffness_N_per_m"] = 900.0 / GetParam();
+  const Prediction prediction = PlanePredictor(recording.motion).predict(model);
+  recording.f_W_N = prediction.f_W_N;
+  const RecordingScales scales =
+      measure_scales(recording, prediction, 0.01, model.parameters.at("stiffness_N_per_m"), 0.0);
+  for (const Declared& declared : all_declared) {
+    const Candidate candidate{declared.effect, declared.side, declared.parameters};
+    const CandidateFit fit = candidate_fit(candidate, scales, recording, prediction);
+    for (const ParameterDeclaration& parameter : declared.parameters) {
+      for (const FreeParameter& free : fit.parameters) {
+        if (free.name != parameter.name) continue;
+        Model fitted = model;
+        (declared.side == Side::contact ? fitted.effects : fitted.instrument).push_back(fit.starts.front());
+        free.set(fitted, free.lower);
+        EXPECT_NEAR(find_entry(fitted, declared.effect)->parameters.at(free.name), parameter.minimum, 1e-12)
+            << declared.effect;
+        free.set(fitted, free.upper);
+        EXPECT_NEAR(find_entry(fitted, declared.effect)->parameters.at(free.name), parameter.maximum, 1e-12)
+            << declared.effect;
+      }
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Units, CatalogueBounds, ::testing::Values(1e-3, 1.0, 1e3));
+
+}  // namespace
+}  // namespace touchstone::discrepancy
