@@ -75,6 +75,16 @@ void add_discrepancy(CLI::App& program, Run& run) {
                     "search nothing: print the RMS force error of the model against the recording");
   command->add_option("--json", options->json, "write the findings here too");
   command->add_option("--seed", options->files.seed, "of the simulated noise")->capture_default_str();
+  // Three times what the longest search for two effects took on recordings of 40 s: a limit that ends none of these.
+  constexpr double default_time_limit_s = 600.0;
+  options->files.time_limit_s = default_time_limit_s;
+  command
+      ->add_option("--time-limit", options->files.time_limit_s,
+                   "after so long nothing new is tried, and the best answer so far is given with what was not tried; "
+                   "what was begun, the intervals and the checks of the answer come on top; inf: none, the same answer "
+                   "on every machine [s]")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
   options->plugins.add_to(*command);
   command->footer(
       "Examples:\n"

@@ -128,7 +128,7 @@ void compare_parameters(BlindScore& score, const json& answer, const json& findi
         const auto name = parameter.at("name").get<std::string>();
         // A reference depth is chosen, not measured; angles have a period.
         if (!truth.at("parameters").contains(name) || name == "reference_depth_m" || name.ends_with("direction_rad") ||
-            name == "phase_rad" || parameter.at("value").is_null()) {
+            name == "phase_rad" || parameter.at("value").is_null() || parameter.contains("undetermined")) {
           continue;
         }
         const double value = truth.at("parameters").at(name).get<double>();

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <string>
@@ -36,7 +37,8 @@ struct DiscrepancyFiles {
   std::filesystem::path out;
   std::filesystem::path golden;  // where a golden case of the result is to be made; empty: none
   std::uint64_t seed = 1;
-  const Plugins* plugins = nullptr;  // where the model's renderer may come from one
+  double time_limit_s = std::numeric_limits<double>::infinity();  // beyond it the search tries nothing new
+  const Plugins* plugins = nullptr;                               // where the model's renderer may come from one
 };
 
 struct DiscrepancyInputs {

@@ -45,10 +45,14 @@ Section what_section(const Findings& findings) {
                                text(effect.side == Side::contact ? "the contact" : "the instrument"),
                                text(p.name),
                                number(p.value, "{:.5g}"),
-                               {p.low95 == p.high95 ? "held fixed" : fmt::format("{:.4g} to {:.4g}", p.low95, p.high95),
+                               {!p.undetermined.empty() ? "not determined"
+                                : p.low95 == p.high95   ? "held fixed"
+                                                        : fmt::format("{:.4g} to {:.4g}", p.low95, p.high95),
                                 true, Tone::neutral},
                                text(p.unit)},
-                              p.at_bound ? "At the bound of what is physical or of what this recording can show." : "",
+                              !p.undetermined.empty() ? "Not determined: " + p.undetermined + "."
+                              : p.at_bound ? "At the bound of what is physical or of what this recording can show."
+                                           : "",
                               {}});
       }
     }
@@ -84,6 +88,44 @@ Section what_section(const Findings& findings) {
             fmt::join(findings.ambiguous.front(), " from "), findings.next->what, findings.next->separation),
         Tone::warning});
   }
+  return section;
+}
+
+// From the error before to what is left, part by part.
+Section gap_section(const Findings& findings) {
+  Section section{
+      "What closes the gap",
+      "The held-out mean square of the force error, shared among what was changed: for each part the mean of "
+      "what it takes away over all orders in which the parts can be added (Shapley's value). A part below "
+      "zero only makes up for another one.",
+      {},
+      false};
+  Table table{
+      "From the starting model to the final one", {"part", "share of the disagreement", "RMS left [N]"}, {}, ""};
+  table.rows.push_back({{text("starting model"), text(""), number(findings.gap.holdout_before_N)}, "", {}});
+  for (const GapShare& share : findings.shares) {
+    table.rows.push_back({{text(share.name), number(100.0 * share.share, "{:.1f} %"), number(share.left_N)}, "", {}});
+  }
+  table.rows.push_back({{text("of which noise gives"), text(""), number(findings.gap.noise_floor_N)}, "", {}});
+  LinePlot fall;
+  fall.title = "What is left, part by part";
+  fall.x_label = "";
+  fall.y_label = "held-out RMS [N]";
+  Line left{"left", {}, {}, Tone::error, false, false};
+  const auto stair = [&](const std::string& name, double rms_N) {
+    const auto place = static_cast<double>(fall.x_names.size());
+    fall.x_names.emplace_back(place, name);
+    for (const double side : {-0.5, 0.5}) {
+      left.x.push_back(place + side);
+      left.y.push_back(rms_N);
+    }
+  };
+  stair("starting model", findings.gap.holdout_before_N);
+  for (const GapShare& share : findings.shares) stair(share.name, share.left_N);
+  fall.lines = {std::move(left)};
+  fall.levels = {{"noise", findings.gap.noise_floor_N}};
+  section.blocks.emplace_back(std::move(fall));
+  section.blocks.emplace_back(std::move(table));
   return section;
 }
 
@@ -269,6 +311,7 @@ Page discrepancy_page(const Findings& findings, const Evidence& evidence, const 
                               Tone::neutral});
   }
   page.sections.push_back(what_section(findings));
+  if (!findings.search.found.empty()) page.sections.push_back(gap_section(findings));
   page.sections.push_back(where_section(findings));
   page.sections.push_back(spectrum_section(findings));
   page.sections.push_back(time_section(evidence, before, after));

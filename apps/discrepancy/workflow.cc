@@ -133,9 +133,12 @@ Findings run_discrepancy(const DiscrepancyFiles& files, const std::function<void
   const auto candidates = all_candidates();
 
   Findings findings;
-  findings.search = search_effects(data, model, candidates, {}, report);
+  SearchSettings settings;
+  settings.time_limit_s = files.time_limit_s;
+  findings.search = search_effects(data, model, candidates, settings, report);
   findings.gap = measure_gap(findings.search, data);
   if (floor) findings.gap.repeat_floor_N = floor->force_N;
+  findings.shares = share_gap(data.holdout, findings.search.start, findings.search.model);
   const Prediction before = data.holdout.predictor->predict(model);
   const Prediction after = data.holdout.predictor->predict(findings.search.model);
   findings.where = sort_by_regime(data.holdout, before, after, data.force_floor_N);
@@ -184,8 +187,9 @@ std::string findings_text(const Findings& findings, const DiscrepancyFiles& file
   for (std::size_t e = 0; e < findings.search.found.size(); ++e) {
     text += fmt::format("  {}\n", findings.search.found[e].name);
     for (const FoundParameter& p : findings.parameters[e]) {
-      text +=
-          fmt::format("    {:28} {:>12.5g} {:8} 95 %: {:.5g} to {:.5g}\n", p.name, p.value, p.unit, p.low95, p.high95);
+      text += fmt::format("    {:28} {:>12.5g} {:8} {}\n", p.name, p.value, p.unit,
+                          p.undetermined.empty() ? fmt::format("95 %: {:.5g} to {:.5g}", p.low95, p.high95)
+                                                 : "not determined: " + p.undetermined);
     }
   }
   text += fmt::format(

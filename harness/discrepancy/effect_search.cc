@@ -83,7 +83,8 @@ class Search {
       if (best == nullptr) break;
       more = keep(*best, step);
     }
-    if (!more && found < settings_.most_effects && clearly_missing()) more = add_where_noise_hides(standing, step);
+    if (!more && found < settings_.most_effects && clearly_missing() && in_time())
+      more = add_where_noise_hides(standing, step);
     result_.steps.push_back(std::move(step));
     return more;
   }
@@ -111,6 +112,8 @@ class Search {
     return more;
   }
 
+  [[nodiscard]] bool in_time() const { return state_.budget->allows("effects that noise hides, and pairs of effects"); }
+
   [[nodiscard]] bool clearly_missing() const {
     const Goodness goodness = judge_goodness(data_.train, data_.holdout, state_.current.model, data_.window_s);
     return goodness.chi_squared >= goodness.threshold;
@@ -120,6 +123,10 @@ class Search {
   void verify_best(const Standing& standing, SearchStep& step) const {
     for (Trial& trial : step.trials) {
       if (!trial.verdict.empty()) continue;
+      if (!state_.budget->allows("the checks of " + trial.title())) {
+        trial.verdict = out_of_time;
+        continue;
+      }
       trial.verdict = refusal(state_, standing, trial);
       const Trial* const mesh = explained_by_mesh(step.trials, trial);
       if (trial.verdict.empty() && mesh != nullptr) trial.verdict = mesh->name + " does as much, " + mesh->verdict;
@@ -133,8 +140,10 @@ class Search {
         std::find_if(step.trials.begin(), step.trials.end(), [](const Trial& t) { return t.verdict.empty(); });
     if (best == step.trials.end()) return nullptr;
     for (Trial& trial : step.trials) {
-      if (trial.verdict.empty() && contains(best->name, trial.name) &&
-          best->holdout_gain - trial.holdout_gain < settings_.alike_gain * 0.1 * best->holdout_gain + 10.0) {
+      const bool as_good =
+          best->holdout_gain - trial.holdout_gain < settings_.alike_gain * 0.1 * best->holdout_gain + 10.0 ||
+          trial.holdout_rms_N < best->holdout_rms_N;
+      if (trial.verdict.empty() && contains(best->name, trial.name) && as_good) {
         best->verdict = "no better than " + trial.name + ", which it contains";
         return &trial;
       }
@@ -298,7 +307,38 @@ class Search {
     };
   }
 
+  // An effect none of whose sizes is determined is not found, unless the rest cannot do without it: a bump beside a
+  // straight scan may be a small one on the line or a large one off it, but it is there.
+  void drop_what_has_no_size() {
+    const auto undetermined =
+        find_undetermined(state_.train, *data_.train.recording, state_.current.model, state_.parameters);
+    for (const std::string& name : without_size(undetermined, state_.parameters)) {
+      const auto kept = without_owner(state_.parameters, name);
+      const JointFit fit =
+          fit_jointly(state_.train, without_entry(state_.current.model, name), kept, settings_.iterations, false);
+      const double here = chi_squared(state_.holdout, state_.current.model);
+      if (!fit.ok || chi_squared(state_.holdout, fit.model) - here > settings_.minimum_gain) continue;
+      report_(fmt::format("  {}: this recording does not determine its size", name));
+      result_.dropped.push_back(name);
+      std::erase_if(result_.found, [&](const FoundEffect& effect) { return effect.name == name; });
+      state_.parameters = kept;
+      state_.current = fit;
+      state_.renew_noise(state_.current.model);
+      state_.refit();
+    }
+  }
+
+  // On the values that are written.
+  void judge_values(const FitData& blocks) {
+    result_.undetermined = find_undetermined(blocks, *data_.train.recording, result_.model, result_.parameters);
+    result_.questions = question_values(*data_.train.recording, data_.train.predictor->predict(result_.model),
+                                        result_.model, result_.parameters, result_.fit);
+  }
+
   void finish() {
+    result_.time_limit_s = state_.budget->limit_s();
+    result_.not_tried = state_.budget->not_tried();
+    drop_what_has_no_size();
     settle_texture(state_.current.model);
     settle_cone();
     result_.model = state_.current.model;
@@ -307,6 +347,7 @@ class Search {
         fit_jointly(state_.train, Model(state_.current.model), state_.parameters, 4 * settings_.iterations, true);
     if (std::isfinite(result_.fit.chi_squared)) result_.model = result_.fit.model;
     const FitData& weights = settle_values() ? state_.declared_train : state_.train;
+    judge_values(state_.train);
     result_.draws =
         bootstrap_fits(data_.train, weights, result_.fit, state_.parameters, settings_.iterations / 2, read_);
     // Whether noise is all that is left is judged by the declared noise.
@@ -325,6 +366,8 @@ class Search {
       // Nothing is learnt from data that are wrong.
       result_.model = result_.base;
       result_.found.clear();
+      result_.undetermined.clear();
+      result_.questions.clear();
     }
   }
 

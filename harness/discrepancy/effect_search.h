@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "harness/base/rooms.h"
+#include "harness/discrepancy/identifiability.h"
 #include "harness/discrepancy/parameter_intervals.h"
 #include "harness/discrepancy/residual_spectrum.h"
 #include "harness/discrepancy/rivals.h"
@@ -41,6 +42,9 @@ struct SearchResult {
   std::vector<FreeParameter> parameters;  // free in `fit`
   std::vector<SearchStep> steps;
   std::vector<FoundEffect> found;
+  std::vector<Undetermined> undetermined;  // values of them
+  std::vector<std::string> dropped;        // helped, but no size of them is determined
+  std::vector<Question> questions;         // on values of them
   double goodness = 0.0;  // held-out chi-squared per degree of freedom of `model` under its own noise; 1: only noise
   double null_goodness = 0.0;  // the same in the worst world where `model` is the truth
   double goodness_threshold = 0.0;
@@ -48,6 +52,8 @@ struct SearchResult {
   Structure structure;        // of what `model` leaves
   ResidualSpectrum spectrum;  // of the same, sample by sample
   std::optional<std::string> data_fault;
+  double time_limit_s = 0.0;           // infinite: none
+  std::vector<std::string> not_tried;  // for lack of time; empty: the search came to its end
   double noise_rms_N = 0.0;  // 3-D force error that the noise model expects of `model` on the held-out samples
 };
 

@@ -7,6 +7,7 @@
 
 #include "harness/base/rooms.h"
 #include "harness/discrepancy/effect_search.h"
+#include "harness/discrepancy/gap_shares.h"
 #include "harness/discrepancy/next_experiment.h"
 #include "harness/discrepancy/regimes.h"
 
@@ -32,8 +33,9 @@ struct FoundParameter {
   std::string unit;
   double value = 0.0;
   double low95 = 0.0;
-  double high95 = 0.0;
+  double high95 = 0.0;  // infinite: open
   bool at_bound = false;
+  std::string undetermined;  // why the recording does not determine it; empty: it does
 };
 
 struct Findings {
@@ -43,6 +45,7 @@ struct Findings {
   std::vector<std::vector<FoundParameter>> parameters;  // by effect, in the order of search.found
   std::vector<std::vector<std::string>> ambiguous;
   ForceGap gap;
+  std::vector<GapShare> shares;  // of the held-out gap; largest first
   std::vector<Regime> where;
   std::optional<NextExperiment> next;
   bool instrument_declared = true;

@@ -142,6 +142,24 @@ double chi_squared(const FitData& data, const Model& model) {
   return sum;
 }
 
+Eigen::MatrixXd information_matrix(const FitData& data, const Model& model,
+                                   const std::vector<FreeParameter>& parameters) {
+  const auto n = static_cast<Eigen::Index>(parameters.size());
+  if (n == 0) return {};
+  Eigen::VectorXd u(n);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const FreeParameter& parameter = parameters[static_cast<std::size_t>(i)];
+    u[i] = std::clamp(parameter.get(model), parameter.lower, parameter.upper);
+  }
+  const BlocksCost cost(data, model, parameters);
+  Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> jacobian(cost.num_residuals(), n);
+  Eigen::VectorXd out(cost.num_residuals());
+  const double* point = u.data();
+  double* rows = jacobian.data();
+  if (!cost.Evaluate(&point, out.data(), &rows)) return {};
+  return jacobian.transpose() * jacobian;
+}
+
 JointFit fit_jointly(const FitData& data, const Model& start, const std::vector<FreeParameter>& parameters,
                      int iterations, bool with_covariance) {
   JointFit fit;

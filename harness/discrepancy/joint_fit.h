@@ -36,6 +36,11 @@ struct JointFit {
   bool ok = false;  // finite, and the curvature could be inverted
 };
 
+// Of the free parameters' u at the model: the squares and products of the whitened residuals' derivatives. Empty if the
+// model cannot run there.
+Eigen::MatrixXd information_matrix(const FitData& data, const Model& model,
+                                   const std::vector<FreeParameter>& parameters);
+
 // Starts from the values in `start`. `iterations`: at most.
 JointFit fit_jointly(const FitData& data, const Model& start, const std::vector<FreeParameter>& parameters,
                      int iterations, bool with_covariance);

@@ -191,7 +191,10 @@ std::vector<LargerLaw> weigh_larger_laws(const SearchState& state) {
   std::vector<LargerLaw> laws;
   for (const NamedParameters& entry : state.current.model.effects) {
     for (const Candidate& candidate : *state.candidates) {
-      if (!contains(candidate.name, entry.name)) continue;
+      if (!contains(candidate.name, entry.name) ||
+          !state.budget->allows(candidate.name + " in place of " + entry.name)) {
+        continue;
+      }
       if (!standing) standing = judge(state, now, measured, rounds);
       if (!standing) return laws;
       const auto larger = with_larger(state, entry.name, candidate);
@@ -212,6 +215,8 @@ std::vector<LargerLaw> weigh_larger_laws(const SearchState& state) {
       const double gain = std::min(trial.train_gain, trial.holdout_gain);
       if (falls_with_speed(candidate.name)) {
         trial.verdict = stays_in_cone(state, entry.name);
+      } else if (trial.holdout_rms_N > state.holdout_rms_N(state.current.model)) {
+        trial.verdict = "its held-out error is larger than that of " + entry.name + ", which it contains";
       } else if (!(gain >= settings.law_gain)) {
         trial.verdict = "no more likely than " + entry.name + ", which it contains";
       } else if (!(changes(state, special.fit.model, entry.name, trial.fit.model) >= settings.law_change)) {
@@ -251,6 +256,7 @@ std::vector<Trial> weigh_by_likelihood(const SearchState& state, const std::vect
   for (const Trial& tried : trials) {
     const bool hides = follows_speed(tried.name) || has_path(*find_entry(tried.fit.model, tried.name));
     if (!hides || !(std::max(tried.train_gain, deviance_now - tried.deviance) >= settings.minimum_gain)) continue;
+    if (!state.budget->allows(tried.name + " on the smoothed trajectory")) continue;
     const auto judged = judge(state, {tried.fit.model, tried.parameters}, measured, rounds);
     if (!judged) continue;
     Trial trial = tried;

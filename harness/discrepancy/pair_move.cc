@@ -58,6 +58,7 @@ std::vector<Trial> competing_pairs(const SearchState& state, const Standing& sta
                                    const std::vector<Trial>& firsts) {
   std::vector<Trial> pairs;
   for (const Trial& first : firsts) {
+    if (!state.budget->allows(first.name + " in pairs of effects")) continue;
     const SearchState known = with_trial(state, first);
     const Standing left = standing_of(known);
     for (const Trial& second : try_candidates(known, left)) {
@@ -110,6 +111,10 @@ std::vector<Trial> try_pairs(const SearchState& state, const Standing& standing,
   for (Trial& pair : pairs) {
     if (passed) {
       pair.verdict = "not judged: a better pair passed";
+      continue;
+    }
+    if (!state.budget->allows("the checks of " + pair.title())) {
+      pair.verdict = out_of_time;
       continue;
     }
     pair.verdict = weakness(state, standing, pair);

@@ -74,6 +74,7 @@ std::optional<Rival> weigh(const SearchState& state, const Incumbent& incumbent,
   const SearchSettings& settings = *state.settings;
   const FoundEffect& found = incumbent.found;
   if (one_too_many(state, incumbent.rest, other.name)) return std::nullopt;
+  if (!state.budget->allows(other.name + " in place of " + found.name)) return std::nullopt;
   // From what is known of the rest, which `bare` had to bend to make up for what it lacks.
   CandidateFit starting = state.options(other, incumbent.bare.model);
   if (const NamedParameters* const tried = came_to(other.name, found.name)) starting.starts.push_back(*tried);

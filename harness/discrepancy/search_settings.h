@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <limits>
 
 #include "harness/base/rooms.h"
 
@@ -32,6 +33,8 @@ struct SearchSettings {
                               // friction is said to fall with speed
   double within_cone = 1.15;  // the widest ratio over a fitted static coefficient: beyond, the fit is not believed
   double read_share = 0.5;  // of what the fit gains on the start, held out, that values read in its place may give back
+  // Beyond it nothing new is tried. Infinite: no limit, and so the same answer on every machine.
+  double time_limit_s = std::numeric_limits<double>::infinity();
   std::size_t most_effects = 4;
   int iterations = 12;
 };

@@ -10,7 +10,12 @@ namespace touchstone::discrepancy {
 
 SearchState::SearchState(const SearchData& evidence, const std::vector<Candidate>& library,
                          const SearchSettings& limits, const Model& first)
-    : data(&evidence), candidates(&library), settings(&limits), start(first), parameters{base_stiffness(first)} {
+    : data(&evidence),
+      candidates(&library),
+      settings(&limits),
+      budget(std::make_shared<TimeBudget>(limits.time_limit_s)),
+      start(first),
+      parameters{base_stiffness(first)} {
   current.model = start;
   Prediction nothing;
   nothing.f_W_N.assign(data->holdout.recording->size(), Vec3::Zero());

@@ -2,6 +2,7 @@
 // under the noise that goes with that model.
 #pragma once
 
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -9,6 +10,7 @@
 #include "harness/discrepancy/candidate_starts.h"
 #include "harness/discrepancy/evidence.h"
 #include "harness/discrepancy/search_settings.h"
+#include "harness/discrepancy/time_budget.h"
 
 namespace touchstone::discrepancy {
 
@@ -21,6 +23,7 @@ struct SearchState {
   const SearchData* data;
   const std::vector<Candidate>* candidates;
   const SearchSettings* settings;
+  std::shared_ptr<TimeBudget> budget;  // of the whole search: copies share it
   Model start;
   std::vector<FreeParameter> parameters;  // free in `current`
   JointFit current;

@@ -1,5 +1,7 @@
 #include "harness/discrepancy/trial.h"
 
+#include <fmt/format.h>
+
 #include <numeric>
 #include <tuple>
 #include <utility>
@@ -53,7 +55,12 @@ std::optional<Trial> try_candidate(const SearchState& state, const Standing& sta
 
 std::vector<Trial> try_candidates(const SearchState& state, const Standing& standing) {
   std::vector<std::optional<Trial>> tried(state.candidates->size());
-  const auto one = [&](std::size_t i) { tried[i] = try_candidate(state, standing, (*state.candidates)[i]); };
+  const std::size_t number = state.current.model.effects.size() + state.current.model.instrument.size() + 1;
+  const auto one = [&](std::size_t i) {
+    const Candidate& candidate = (*state.candidates)[i];
+    if (!state.budget->allows(fmt::format("{} as effect number {}", candidate.name, number))) return;
+    tried[i] = try_candidate(state, standing, candidate);
+  };
   in_parallel(tried.size(), one, 1);
   std::vector<Trial> trials;
   for (auto& trial : tried) {

@@ -27,6 +27,8 @@ double null_bar(const SearchState& state, const RefitInWorld& refits, double gai
 // Of one candidate.
 double null_bar(const SearchState& state, const Candidate& candidate, double gain);
 
+inline constexpr const char* out_of_time = "not checked: the time limit ended the search";
+
 inline constexpr const char* within_null =
     "no more than noise and the mesh's declared error give where nothing is missing";
 

@@ -1,0 +1,44 @@
+// Which fitted values the recording determines. Information matrix of the joint fit (Bates and Watts 1988, section
+// 2.2): its inverse is the covariance that the noise leaves, and a direction of small eigenvalue is a combination of
+// parameters that may change together without the forces showing it ("practically non-identifiable": Raue et al. 2009,
+// Bioinformatics 25:1923). A value whose 95 % interval is wider than the scale on which it is sought is not determined,
+// and its interval is open. A fit along a straight line, say, moves a bump across the line for free, so that its
+// derivative is zero and a covariance without such directions would show no width at all.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "harness/base/rooms.h"
+#include "harness/discrepancy/evidence.h"
+
+namespace touchstone::discrepancy {
+
+struct Undetermined {
+  std::string effect;
+  std::string parameter;
+  std::string why;  // a clause: "the tip slides along y one way only"
+};
+
+// Of the effects' free parameters. `data`: the blocks that the fit was made on, of `recording`.
+std::vector<Undetermined> find_undetermined(const FitData& data, const Recording& recording, const Model& model,
+                                            const std::vector<FreeParameter>& parameters);
+
+// Of the way that the tip slides in contact: the share that goes along an axis (0: x, 1: y), as often one way as the
+// other. 1: all of it; 0: none, or one way only.
+double both_ways_share(const Recording& recording, const Prediction& prediction, int axis);
+
+// Effects none of whose sizes is determined. An effect without a size (a time constant alone) is never one of them.
+std::vector<std::string> without_size(const std::vector<Undetermined>& undetermined,
+                                      const std::vector<FreeParameter>& parameters);
+
+// What of the values is hard to believe, in sentences: at the end of what the catalogue or the recording allows, a law
+// that degenerates into another one, a registration along the surface that is far beyond any press.
+struct Question {
+  std::string effect;
+  std::string sentence;
+};
+std::vector<Question> question_values(const Recording& recording, const Prediction& prediction, const Model& model,
+                                      const std::vector<FreeParameter>& parameters, const JointFit& fit);
+
+}  // namespace touchstone::discrepancy

@@ -1,0 +1,187 @@
+// What a motion cannot show is said to be open: a place across a straight line, friction one way only, a mass that
+// nothing weighs.
+#include "harness/discrepancy/identifiability.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <memory>
+
+#include "harness/discrepancy/findings.h"
+#include "harness/discrepancy/plane_for_test.h"
+#include "harness/discrepancy/two_recordings_for_test.h"
+
+namespace touchstone::discrepancy {
+namespace {
+
+// A softer or stiffer place on a plane.
+class BumpPredictor final : public Predictor {
+ public:
+  explicit BumpPredictor(MotionColumns motion) : motion_(motion), plane_(std::move(motion)) {}
+  Prediction predict(const Model& model) override {
+    Prediction prediction = plane_.predict(model);
+    const NamedParameters* const map = find_entry(model, "stiffness-map");
+    for (std::size_t i = 0; map != nullptr && i < motion_.size(); ++i) {
+      const auto& p = map->parameters;
+      const Vec3 from(motion_.p_W_m[i].x() - p.at("x_m"), motion_.p_W_m[i].y() - p.at("y_m"), 0.0);
+      const double w = p.at("width_m");
+      prediction.f_W_N[i] *= 1.0 + p.at("amplitude") * std::exp(-0.5 * from.squaredNorm() / (w * w));
+    }
+    return prediction;
+  }
+
+ private:
+  MotionColumns motion_;
+  PlanePredictor plane_;
+};
+
+// To and fro along x, and along y by so much.
+MotionColumns scan(double y_m, double unit) {
+  MotionColumns motion;
+  for (int i = 0; i < 3000; ++i) {
+    const double t = 0.004 * i;
+    motion.t_s.push_back(t);
+    motion.p_W_m.emplace_back(unit * 0.02 * std::sin(1.3 * t), unit * y_m * std::sin(2.9 * t + 0.4),
+                              unit * (-0.001 - 0.0003 * std::sin(7.0 * t)));
+  }
+  return motion;
+}
+
+FitData blocks_of(const Recording& recording, Predictor& predictor, double noise_N) {
+  FitData data;
+  data.predictor = &predictor;
+  data.blocks = make_blocks(recording.motion, 1.0 / 30.0);
+  data.measured_N = block_means(data.blocks, recording.f_W_N);
+  data.noise.assign(data.blocks.size(), {Vec3::UnitZ(), noise_N, noise_N, Vec3::Zero()});
+  return data;
+}
+
+std::vector<std::string> names(const std::vector<Undetermined>& undetermined) {
+  std::vector<std::string> out;
+  for (const Undetermined& one : undetermined) out.push_back(one.parameter);
+  return out;
+}
+
+class IdentifiableAtScale : public ::testing::TestWithParam<double> {};
+
+TEST_P(IdentifiableAtScale, APlaceAcrossAStraightLineIsOpen) {
+  const double unit = GetParam();
+  Model model;
+  model.renderer = "plane";
+  model.parameters["stiffness_N_per_m"] = 900.0 / unit;
+  model.effects.push_back(
+      {"stiffness-map", {{"amplitude", 0.6}, {"x_m", 0.004 * unit}, {"y_m", 0.0}, {"width_m", 0.006 * unit}}, ""});
+  const double extent = 0.04 * unit;
+  const std::vector<FreeParameter> parameters{log_base_parameter("stiffness_N_per_m", 90.0 / unit, 9000.0 / unit),
+                                              linear_parameter("stiffness-map", "amplitude", 1.0, -0.99, 100.0),
+                                              linear_parameter("stiffness-map", "x_m", extent, -extent, extent),
+                                              linear_parameter("stiffness-map", "y_m", extent, -extent, extent),
+                                              log_parameter("stiffness-map", "width_m", 0.02 * extent, 0.35 * extent)};
+  for (const double y_m : {0.0, 0.015}) {
+    Recording recording;
+    recording.motion = scan(y_m, unit);
+    BumpPredictor predictor(recording.motion);
+    recording.f_W_N = predictor.predict(model).f_W_N;
+    const auto open = names(find_undetermined(blocks_of(recording, predictor, 0.02), recording, model, parameters));
+    if (y_m == 0.0) {
+      EXPECT_THAT(open, ::testing::ElementsAre("amplitude", "y_m"));  // small on the line, or large off it
+    } else {
+      EXPECT_THAT(open, ::testing::IsEmpty());
+    }
+  }
+}
+
+TEST_P(IdentifiableAtScale, FrictionAlongAnAxisNeedsStrokesBothWays) {
+  const double unit = GetParam();
+  Recording recording;
+  // Strokes along x, and a steady way along y.
+  for (int i = 0; i < 3000; ++i) {
+    const double t = 0.004 * i;
+    recording.motion.t_s.push_back(t);
+    recording.motion.p_W_m.emplace_back(unit * 0.02 * std::sin(1.3 * t), unit * 0.004 * t, unit * -0.001);
+  }
+  Model model;
+  model.parameters["stiffness_N_per_m"] = 900.0 / unit;
+  PlanePredictor predictor(recording.motion);
+  const Prediction prediction = predictor.predict(model);
+  EXPECT_GT(both_ways_share(recording, prediction, 0), 0.3);
+  EXPECT_EQ(both_ways_share(recording, prediction, 1), 0.0);
+}
+
+TEST_P(IdentifiableAtScale, AnEffectWithoutASizeIsNotFound) {
+  const double unit = GetParam();
+  Recording recording;
+  recording.motion = hand(0.0, unit);
+  Model model;
+  model.parameters["stiffness_N_per_m"] = 900.0 / unit;
+  model.effects.push_back({"viscous-friction", {{"coefficient_N_s_per_m", 1.0}}, ""});
+  for (Vec3& p : recording.motion.p_W_m) p = Vec3(0.0, 0.0, p.z());  // never slides
+  PlanePredictor predictor(recording.motion);
+  recording.f_W_N = predictor.predict(model).f_W_N;
+  const std::vector<FreeParameter> parameters{
+      log_base_parameter("stiffness_N_per_m", 90.0 / unit, 9000.0 / unit),
+      linear_parameter("viscous-friction", "coefficient_N_s_per_m", 1.0, 0.0, 1e4)};
+  const auto open = find_undetermined(blocks_of(recording, predictor, 0.02), recording, model, parameters);
+  EXPECT_THAT(names(open), ::testing::ElementsAre("coefficient_N_s_per_m"));
+  EXPECT_THAT(without_size(open, parameters), ::testing::ElementsAre("viscous-friction"));
+}
+
+TEST_P(IdentifiableAtScale, AShiftAlongTheSurfaceFarBeyondATrackersIsQuestioned) {
+  const double unit = GetParam();
+  Recording recording;
+  recording.motion = hand(0.0, unit);
+  Model model;
+  model.parameters["stiffness_N_per_m"] = 900.0 / unit;
+  PlanePredictor predictor(recording.motion);
+  const Prediction prediction = predictor.predict(model);
+  for (const double dx_m : {0.0005, 0.02}) {
+    model.instrument = {
+        {"registration",
+         {{"dx_m", dx_m * unit}, {"dy_m", 0.0}, {"dz_m", 1e-4 * unit}, {"rx_rad", 0.0}, {"ry_rad", 0.0}},
+         ""}};
+    EXPECT_EQ(question_values(recording, prediction, model, {}, {}).size(), dx_m > 0.01 ? 1U : 0U);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Units, IdentifiableAtScale, ::testing::Values(1e-3, 1.0, 1e3));
+
+TEST(TimeLimit, GivesTheBestAnswerSoFarAndWhatWasNotTried) {
+  const InstrumentDescription instrument = small_noise(1.0);
+  Model start;
+  start.renderer = "plane";
+  start.parameters["stiffness_N_per_m"] = 850.0;
+  Model truth = start;
+  truth.parameters["stiffness_N_per_m"] = 900.0;
+  truth.instrument.push_back({"force-bias", {{"fx_N", 0.4}, {"fy_N", 0.2}, {"fz_N", 0.3}}, ""});
+  const auto measure = [&](double phase, std::uint64_t seed) {
+    const MotionColumns path = hand(phase, 1.0);
+    return measured(path, PlanePredictor(path).predict(truth).f_W_N, instrument, seed);
+  };
+  const TwoRecordings recordings(measure(0.0, 1), measure(1.1, 2), instrument, start,
+                                 [](const MotionColumns& motion) { return std::make_unique<PlanePredictor>(motion); });
+  const ParameterDeclaration force{"", "N", -1e3, 1e3, 0.0, ""};
+  std::vector<Candidate> library{{"force-bias", Side::instrument, {force, force, force}}};
+  library[0].parameters[0].name = "fx_N";
+  library[0].parameters[1].name = "fy_N";
+  library[0].parameters[2].name = "fz_N";
+  for (const double limit_s : {0.0, 1e6}) {
+    SearchSettings settings;
+    settings.time_limit_s = limit_s;
+    Findings findings;
+    findings.search = search_effects(recordings.data, start, library, settings, [](const std::string&) {});
+    conclude(findings, library);
+    const bool ended = limit_s > 0.0;
+    EXPECT_EQ(findings.search.found.size(), ended ? 1U : 0U);
+    EXPECT_EQ(findings.search.not_tried.empty(), ended);
+    EXPECT_EQ(findings.verdict, ended ? FindingsVerdict::explained : FindingsVerdict::unexplained);
+    const bool said = findings.explanation.find("force-bias as effect number 1") != std::string::npos;
+    EXPECT_EQ(said, !ended) << findings.explanation;
+    if (ended) {
+      EXPECT_NEAR(findings.search.model.parameters.at("stiffness_N_per_m"), 900.0, 20.0);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace touchstone::discrepancy
