@@ -1,6 +1,6 @@
 // The table of bad files: each run through the real program, with the message it must get and exit status 3. No file
 // that exists may be harmed by any of them.
-#include "apps/evaluation/sample_scan.h"
+#include "harness/pipeline/evaluation/sample_scan_for_test.h"
 #include "harness/testing/built_program.h"
 
 namespace touchstone::apps {
@@ -156,7 +156,7 @@ TEST_F(BadInput, EachIsRefusedWithItsMessageAndStatusThree) {
 }
 
 TEST_F(BadInput, ATruncatedHdf5FileIsRefused) {
-  save_recording(folder_ / "rec.h5", scan(0.0));
+  save_recording(folder_ / "rec.h5", pipeline::scan(0.0));
   const std::string whole = read_file(folder_ / "rec.h5");
   write_file(folder_ / "mesh.obj", good_mesh);
   write_file(folder_ / "model.json", good_model);

@@ -4,7 +4,7 @@
 #include <CLI/CLI.hpp>
 #include <string>
 
-#include "harness/base/rooms.h"
+#include "apps/apps_rooms.h"
 #include "harness/report/provenance.h"
 #include "harness/runs/case_command.h"
 

@@ -2,12 +2,13 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <filesystem>
 #include <functional>
 #include <string>
 #include <vector>
 
+#include "apps/apps_rooms.h"
 #include "harness/base/error.h"
-#include "harness/base/rooms.h"
 
 namespace touchstone::apps {
 

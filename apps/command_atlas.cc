@@ -3,10 +3,10 @@
 #include <filesystem>
 #include <memory>
 
-#include "apps/atlas/atlas_cases.h"
-#include "apps/atlas/atlas_report.h"
 #include "apps/case_flags.h"
 #include "apps/commands.h"
+#include "apps/studies/atlas/atlas_cases.h"
+#include "apps/studies/atlas/atlas_report.h"
 #include "harness/base/atomic_file.h"
 #include "harness/report/page_html.h"
 #include "harness/report/page_markdown.h"

@@ -11,15 +11,17 @@
 #include <set>
 
 #include "apps/commands.h"
-#include "apps/discrepancy/blind_follow.h"
-#include "apps/discrepancy/blind_score.h"
-#include "apps/discrepancy/blind_table.h"
-#include "apps/discrepancy/workflow.h"
+#include "apps/studies/blind/blind_follow.h"
+#include "apps/studies/blind/blind_score.h"
+#include "apps/studies/blind/blind_table.h"
 #include "harness/base/atomic_file.h"
+#include "harness/base/bundled_files.h"
 #include "harness/base/hash.h"
 #include "harness/base/json_reader.h"
 #include "harness/base/progress.h"
+#include "harness/pipeline/discrepancy/workflow.h"
 #include "harness/runs/shard.h"
+#include "renderers/catalogue.h"
 #include "synthetic/blind/weaken.h"
 #include "synthetic/blind/write_case.h"
 
@@ -53,7 +55,7 @@ bool hides_effects_to_be_found(const std::vector<std::string>& names) {
 ExitStatus make(const BlindOptions& options) {
   if (options.share <= 0.0 || options.share > 1.0) throw UsageError("--share: above 0 and at most 1 was expected");
   for (const std::string& set : options.sets) {
-    if (!blind_full_count().contains(set)) {
+    if (!blind::blind_full_count().contains(set)) {
       throw UsageError(
           fmt::format("--set {}: unknown; one, one-noisy, two, three, none, unknown, cannot-tell, "
                       "corrupted or full-band was expected",
@@ -72,7 +74,7 @@ ExitStatus make(const BlindOptions& options) {
     if (!options.sets.empty() && std::find(options.sets.begin(), options.sets.end(), set) == options.sets.end())
       continue;
     const auto shared =
-        static_cast<std::size_t>(std::ceil(options.share * static_cast<double>(blind_full_count().at(set))));
+        static_cast<std::size_t>(std::ceil(options.share * static_cast<double>(blind::blind_full_count().at(set))));
     const std::size_t count = options.count > 0 ? options.count : shared;
     for (std::size_t i = 0; i < count; ++i) {
       plans.push_back(synthetic::plan_case(set, options.first + i, options.seed));
@@ -100,12 +102,12 @@ ExitStatus follow(const BlindOptions& options) {
     if (options.cases.empty() || options.results.empty()) {
       throw UsageError("follow: --case and --trajectory for one case, or --cases and --results for all, are needed");
     }
-    const std::size_t count = follow_proposals(options.answers, options.cases, options.results, options.out);
+    const std::size_t count = blind::follow_proposals(options.answers, options.cases, options.results, options.out);
     fmt::print("{}: {} cases along the motions asked for\n", options.out.string(), count);
     return ExitStatus::passed;
   }
   ensure_writable_folder(options.out);
-  record_along_proposal(options.answers, options.id, options.trajectory, options.out);
+  blind::record_along_proposal(options.answers, options.id, options.trajectory, options.out);
   fmt::print("{}: train.csv and holdout.csv along {}\n", options.out.string(), options.trajectory.string());
   return ExitStatus::passed;
 }
@@ -119,7 +121,9 @@ void search_case(const std::filesystem::path& folder, const std::filesystem::pat
   files.holdout = folder / "holdout.csv";
   files.instrument = folder / "instrument.json";
   files.out = out;
-  const Findings findings = run_discrepancy(files, [](const std::string&) {});
+  files.command_line = command_line();
+  files.program = own_program();
+  const Findings findings = run_discrepancy(built_in_catalogue(), files, [](const std::string&) {});
   std::string names;
   for (const FoundEffect& effect : findings.search.found) names += " " + effect.name;
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
@@ -158,9 +162,9 @@ ExitStatus run_cases(const BlindOptions& options) {
 }
 
 ExitStatus score(const BlindOptions& options) {
-  const auto scores = score_blind(options.answers, options.cases, options.results, options.again);
-  if (!options.json.empty()) write_file(options.json, blind_json(scores));
-  const BlindTable table = blind_table(scores);
+  const auto scores = blind::score_blind(options.answers, options.cases, options.results, options.again);
+  if (!options.json.empty()) write_file(options.json, blind::blind_json(scores));
+  const blind::BlindTable table = blind::blind_table(scores);
   fmt::print("{}", table.text);
   const std::size_t made = load_json(options.answers).at("cases").size();
   if (scores.size() < made)

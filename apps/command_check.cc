@@ -5,12 +5,13 @@
 #include <filesystem>
 #include <vector>
 
+#include "apps/catalogues.h"
 #include "apps/commands.h"
 #include "apps/golden_options.h"
-#include "apps/golden_runner.h"
 #include "harness/base/atomic_file.h"
 #include "harness/base/error.h"
 #include "harness/base/progress.h"
+#include "harness/pipeline/golden/case_runner.h"
 #include "harness/report/test_summary.h"
 
 namespace touchstone::apps {
@@ -56,7 +57,7 @@ void write_for_others(const CheckOptions& options, const std::vector<CheckedTest
 void check_one(const GoldenCase& golden, const std::string& model, const CheckOptions& options, const CaseCheck& how,
                CheckCounts& counts) {
   const auto began = std::chrono::steady_clock::now();
-  const CheckResult result = check_case(golden, model, how);
+  const CheckResult result = check_case(built_in_catalogues(), golden, model, how);
   if (!result.skipped.empty()) {
     counts.skipped += 1;
     fmt::print("skipped  {} {}: {}\n", golden.name, model, result.skipped);

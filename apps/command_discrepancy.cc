@@ -4,10 +4,12 @@
 #include <memory>
 
 #include "apps/commands.h"
-#include "apps/discrepancy/verify.h"
-#include "apps/discrepancy/workflow.h"
 #include "apps/plugin_flags.h"
 #include "harness/base/atomic_file.h"
+#include "harness/base/bundled_files.h"
+#include "harness/pipeline/discrepancy/verify.h"
+#include "harness/pipeline/discrepancy/workflow.h"
+#include "renderers/catalogue.h"
 
 namespace touchstone::apps {
 namespace {
@@ -23,12 +25,14 @@ ExitStatus discrepancy(DiscrepancyOptions options) {
   const Plugins plugins = options.plugins.load();
   if (!options.plugins.libraries.empty()) options.files.plugins = &plugins;
   if (options.verify) {
-    fmt::print("{:.17g} N\n", rms_of_files_N(options.files));
+    fmt::print("{:.17g} N\n", rms_of_files_N(built_in_catalogue(), options.files));
     return ExitStatus::passed;
   }
   if (options.files.out.empty()) throw UsageError("--out: a folder for the results is needed");
-  const Findings findings =
-      run_discrepancy(options.files, [](const std::string& line) { fmt::print(stderr, "{}\n", line); });
+  options.files.command_line = command_line();
+  options.files.program = own_program();
+  const Findings findings = run_discrepancy(built_in_catalogue(), options.files,
+                                            [](const std::string& line) { fmt::print(stderr, "{}\n", line); });
   if (!options.json.empty()) write_file(options.json, read_file(options.files.out / "findings.json"));
   fmt::print("{}", findings_text(findings, options.files));
   return ExitStatus::passed;

@@ -5,14 +5,15 @@
 #include <memory>
 
 #include "apps/commands.h"
-#include "apps/evaluation/campaign.h"
-#include "apps/evaluation/counted_cost.h"
-#include "apps/evaluation/perceived.h"
 #include "apps/evaluation_flags.h"
 #include "harness/base/atomic_file.h"
 #include "harness/metrics/catalogue.h"
 #include "harness/pipeline/board_site.h"
+#include "harness/pipeline/evaluation/campaign.h"
+#include "harness/pipeline/evaluation/counted_cost.h"
+#include "harness/pipeline/evaluation/perceived.h"
 #include "harness/pipeline/verdict.h"
+#include "renderers/catalogue.h"
 
 namespace touchstone::apps {
 namespace {
@@ -60,7 +61,8 @@ std::vector<PlannedEvaluation> plan(const EvaluateOptions& options) {
   std::vector<std::filesystem::path> datasets(options.datasets.begin(), options.datasets.end());
   if (datasets.empty()) datasets = bundled_datasets();
   for (const auto& dataset : datasets) {
-    for (PlannedEvaluation& one : plan_dataset(dataset, models, plugins, base, !options.flags.in_trajectory.empty()))
+    for (PlannedEvaluation& one :
+         plan_dataset(built_in_catalogue(), dataset, models, plugins, base, !options.flags.in_trajectory.empty()))
       out.push_back(std::move(one));
   }
   return out;
@@ -88,7 +90,7 @@ void print_results(const std::vector<Evaluated>& evaluated, const std::filesyste
 ExitStatus evaluate_command(const EvaluateOptions& options) {
   const auto planned = plan(options);
   ensure_writable_folder(options.out);
-  const auto evaluated = run_plan(planned, options.out);
+  const auto evaluated = run_plan(built_in_catalogue(), planned, options.out);
   print_results(evaluated, options.out);
   if (!options.json.empty()) write_file(options.json, summary_json(evaluated));
   // A number that is none must not look like a pass, nor a renderer that broke down.

@@ -5,11 +5,11 @@
 #include <filesystem>
 #include <memory>
 
-#include "apps/evaluation/campaign.h"
-#include "apps/experiments/paper_experiment.h"
+#include "apps/studies/experiments/paper_experiment.h"
 #include "harness/base/atomic_file.h"
 #include "harness/base/progress.h"
 #include "harness/base/units.h"
+#include "harness/pipeline/evaluation/campaign.h"
 #include "harness/recording/recording_file.h"
 #include "harness/surface/mesh_file.h"
 

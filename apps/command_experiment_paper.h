@@ -1,8 +1,8 @@
 // The four experiments of Ruffaldi et al. 2006 on any data.
 #pragma once
 
+#include "apps/apps_rooms.h"
 #include "apps/command.h"
-#include "harness/base/rooms.h"
 
 namespace touchstone::apps {
 

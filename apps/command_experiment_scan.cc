@@ -5,9 +5,9 @@
 #include <filesystem>
 #include <memory>
 
-#include "apps/experiments/scan_pages.h"
-#include "apps/experiments/seeded_experiments.h"
 #include "apps/seeded_command.h"
+#include "apps/studies/experiments/scan_pages.h"
+#include "apps/studies/experiments/seeded_experiments.h"
 #include "harness/base/atomic_file.h"
 #include "harness/base/progress.h"
 #include "harness/recording/recording_file.h"

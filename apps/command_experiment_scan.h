@@ -1,8 +1,8 @@
 // The experiments on simulated scans of a duck-like body: friction, density, shading.
 #pragma once
 
+#include "apps/apps_rooms.h"
 #include "apps/command.h"
-#include "harness/base/rooms.h"
 
 namespace touchstone::apps {
 

@@ -4,9 +4,10 @@
 
 #include "apps/commands.h"
 #include "apps/evaluation_flags.h"
-#include "apps/fitting/fit_report.h"
 #include "harness/base/atomic_file.h"
 #include "harness/base/input_files.h"
+#include "harness/pipeline/fitting/fit_report.h"
+#include "renderers/catalogue.h"
 
 namespace touchstone::apps {
 namespace {
@@ -28,7 +29,7 @@ ExitStatus fit_command(const FitOptions& options) {
   request.evaluation.model_file = options.model;
   ensure_writable_folder(options.out);
   refuse_to_replace_input(std::filesystem::path(options.out) / "model.json");  // before the long work
-  const FitResult result = run_fit(request);
+  const FitResult result = run_fit(built_in_catalogue(), request);
   write_fit(result, options.out);
   if (!options.json.empty()) write_file(options.json, fit_to_json(result));
   fmt::print("{}\n", fit_table(result));

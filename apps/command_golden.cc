@@ -2,14 +2,15 @@
 
 #include <charconv>
 
+#include "apps/catalogues.h"
 #include "apps/commands.h"
 #include "apps/golden_floor.h"
 #include "apps/golden_options.h"
-#include "apps/golden_runner.h"
 #include "harness/base/atomic_file.h"
 #include "harness/baseline/acceptance.h"
 #include "harness/baseline/golden_file.h"
 #include "harness/baseline/golden_summary.h"
+#include "harness/pipeline/golden/case_runner.h"
 #include "harness/recording/recording_file.h"
 #include "harness/rendering/model.h"
 #include "harness/surface/mesh_file.h"
@@ -129,8 +130,8 @@ ExitStatus export_case(const GoldenCommandOptions& options) {
   const GoldenCase& golden = cases.front();
   ensure_writable_folder(options.to);
   const std::filesystem::path to = options.to;
-  save_mesh(case_mesh(golden), to / "mesh.obj");
-  save_trajectory(to / "trajectory.csv", case_trajectory(golden));
+  save_mesh(case_mesh(synthetic::built_in_generators(), golden), to / "mesh.obj");
+  save_trajectory(to / "trajectory.csv", case_trajectory(synthetic::built_in_generators(), golden));
   for (const std::string& model : options.golden.models_of(golden)) {
     write_file(to / (model + ".json"), model_to_json(parse_model(golden.models.at(model), golden.name)));
     if (std::filesystem::exists(golden.expected(model))) copy_golden(golden.expected(model), to / (model + ".h5"), {});
@@ -143,7 +144,7 @@ ExitStatus render(const GoldenCommandOptions& options) {
   const ChangeModel change = options.golden.change_model();
   for (const GoldenCase& golden : options.golden.load()) {
     for (const std::string& model : options.golden.models_of(golden)) {
-      const CaseRun done = run_case(golden, model, false, change);
+      const CaseRun done = run_case(built_in_catalogues(), golden, model, false, change);
       write_golden(std::filesystem::path(options.to) / golden.name / (model + ".h5"), done.rendered, done.provenance);
     }
   }

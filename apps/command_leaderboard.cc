@@ -3,17 +3,18 @@
 #include <filesystem>
 #include <memory>
 
+#include "apps/board_sets.h"
 #include "apps/case_flags.h"
 #include "apps/commands.h"
 #include "apps/evaluation_flags.h"
-#include "apps/leaderboard/board_plan.h"
-#include "apps/leaderboard/board_sets.h"
-#include "apps/leaderboard/submission.h"
 #include "harness/base/atomic_file.h"
 #include "harness/pipeline/board_json.h"
 #include "harness/pipeline/board_site.h"
+#include "harness/pipeline/leaderboard/board_plan.h"
+#include "harness/pipeline/leaderboard/submission.h"
 #include "harness/pipeline/verdict.h"
 #include "harness/report/provenance.h"
+#include "renderers/catalogue.h"
 
 namespace touchstone::apps {
 namespace {
@@ -66,7 +67,7 @@ void write_board(const LeaderboardOptions& options, const pipeline::Board& board
 
 CaseCommand case_command_of(const BoardPlan& plan) {
   CaseCommand command;
-  command.job = board_job(plan);
+  command.job = board_job(built_in_catalogue(), plan);
   command.table = board_table(plan);
   command.words = command_line();
   command.words.erase(command.words.begin());
@@ -84,7 +85,7 @@ std::vector<std::filesystem::path> libraries_of(const PluginFlags& flags) {
 ExitStatus leaderboard_command(LeaderboardOptions options) {
   ensure_writable_folder(options.out);
   const Plugins plugins = options.plugins.load();
-  const BoardPlan plan = plan_board(board_request(options, plugins));
+  const BoardPlan plan = plan_board(built_in_catalogue(), board_request(options, plugins));
   const CaseCommand command = case_command_of(plan);
   if (options.cases.file.empty()) options.cases.file = (std::filesystem::path(options.out) / "rows.sqlite").string();
   const CaseOutcome outcome = run_case_command(command, options.cases);
@@ -131,7 +132,7 @@ ExitStatus leaderboard_verify(const SubmissionOptions& options) {
   request.fit = claimed.fit;
   request.fit_range = TimeRanges::parse(claimed.fit_range, options.bundle + ": /fit_range");
   request.reports = false;
-  const BoardPlan plan = plan_board(request);
+  const BoardPlan plan = plan_board(built_in_catalogue(), request);
   const CaseOutcome outcome = run_case_command(case_command_of(plan), {});
   if (!outcome.store) return outcome.status;
   const pipeline::Board board = board_of_rows(plan, *outcome.store);

@@ -8,11 +8,11 @@
 #include <vector>
 
 #include "apps/commands.h"
-#include "apps/evaluation/counted_cost.h"
-#include "apps/evaluation/perceived.h"
 #include "apps/plugin_flags.h"
 #include "harness/base/atomic_file.h"
 #include "harness/metrics/catalogue.h"
+#include "harness/pipeline/evaluation/counted_cost.h"
+#include "harness/pipeline/evaluation/perceived.h"
 #include "renderers/catalogue.h"
 #include "synthetic/surface_catalogue.h"
 #include "synthetic/trajectory_catalogue.h"

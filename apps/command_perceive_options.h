@@ -7,9 +7,9 @@
 #include <utility>
 #include <vector>
 
+#include "apps/apps_rooms.h"
 #include "apps/command.h"
 #include "apps/plugin_flags.h"
-#include "harness/base/rooms.h"
 #include "harness/perception/features/rate_hardness.h"
 #include "harness/perception/filters/output_band.h"
 #include "harness/recording/trajectory.h"

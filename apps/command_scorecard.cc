@@ -3,15 +3,16 @@
 #include <chrono>
 #include <filesystem>
 
+#include "apps/catalogues.h"
 #include "apps/commands.h"
 #include "apps/golden_options.h"
-#include "apps/golden_runner.h"
 #include "harness/base/atomic_file.h"
 #include "harness/base/error.h"
 #include "harness/base/hash.h"
 #include "harness/base/progress.h"
 #include "harness/diagnosis/entry_engine.h"
 #include "harness/diagnosis/scorecard.h"
+#include "harness/pipeline/golden/case_runner.h"
 #include "renderers/catalogue.h"
 
 namespace touchstone::apps {
@@ -88,8 +89,8 @@ diagnosis::CaseScore scorecard_case(const GoldenCase& golden, const ScorecardOpt
   diagnosis::CaseScore score;
   score.name = golden.name;
   try {
-    const CheckResult checked =
-        check_case(golden, options.model, {std::filesystem::path(options.out) / "cases", false, change, options.felt});
+    const CheckResult checked = check_case(built_in_catalogues(), golden, options.model,
+                                           {std::filesystem::path(options.out) / "cases", false, change, options.felt});
     score.problem = checked.skipped;
     if (!score.problem.empty()) return score;
     if (!checked.felt) {

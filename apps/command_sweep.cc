@@ -2,8 +2,9 @@
 #include <memory>
 
 #include "apps/case_flags.h"
+#include "apps/catalogues.h"
 #include "apps/commands.h"
-#include "apps/sweep/sweep_cases.h"
+#include "harness/pipeline/sweep/sweep_cases.h"
 
 namespace touchstone::apps {
 namespace {
@@ -15,7 +16,7 @@ struct SweepOptions {
 
 ExitStatus sweep_command(const SweepOptions& options) {
   const SweepDesign design(options.specification);
-  SweepWorld world(design);
+  SweepWorld world(built_in_catalogues(), design);
   CaseCommand command;
   command.job = sweep_job(design, world);
   command.table = sweep_table(design);

@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "apps/evaluation/request.h"
+#include "apps/apps_rooms.h"
 #include "apps/plugin_flags.h"
-#include "harness/base/rooms.h"
+#include "harness/pipeline/evaluation/request.h"
 
 namespace touchstone::apps {
 

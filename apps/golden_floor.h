@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "apps/apps_rooms.h"
 #include "harness/base/error.h"
-#include "harness/base/rooms.h"
 #include "harness/baseline/golden_case.h"
 
 namespace touchstone::apps {

@@ -6,10 +6,10 @@
 #include <string>
 #include <vector>
 
-#include "apps/golden_runner.h"
+#include "apps/apps_rooms.h"
 #include "apps/plugin_flags.h"
-#include "harness/base/rooms.h"
 #include "harness/baseline/golden_case.h"
+#include "harness/pipeline/golden/case_runner.h"
 
 namespace touchstone::apps {
 

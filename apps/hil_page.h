@@ -3,7 +3,7 @@
 
 #include <filesystem>
 
-#include "harness/base/rooms.h"
+#include "apps/apps_rooms.h"
 #include "harness/report/page.h"
 
 namespace touchstone::apps {

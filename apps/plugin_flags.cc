@@ -2,11 +2,9 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cmath>
 
 #include "harness/base/error.h"
-#include "harness/base/known_names.h"
 #include "renderers/catalogue.h"
 
 namespace touchstone::apps {
@@ -37,25 +35,14 @@ Plugins PluginFlags::load() const {
   options.in_process = in_process;
   options.source = source;
   options.limits.step = std::chrono::milliseconds(std::llround(1e3 * step_limit_s));
-  std::vector<std::string> known;
-  for (const RendererEntry& entry : renderer_catalogue()) known.push_back(entry.name);
+  const std::vector<std::string> known = renderer_names(built_in_catalogue());
   Plugins plugins;
   for (const std::string& library : libraries) plugins.load(library, options, known);
   return plugins;
 }
 
 Model load_model(const std::filesystem::path& path, const Plugins& plugins) {
-  Model model = rendering::load_model(path);
-  plugins.provide(model);
-  if (model.provided || plugins.entries().empty()) return model;
-  // Said here because only here it is known what the plug-ins have.
-  std::vector<std::string> known;
-  for (const RendererEntry& entry : renderer_catalogue()) known.push_back(entry.name);
-  for (const auto& entry : plugins.entries()) known.push_back(entry->name);
-  if (std::ranges::find(known, model.renderer) == known.end()) {
-    throw BadData(fmt::format("{}: /renderer: {}", path.string(), unknown_name("renderer", model.renderer, known)));
-  }
-  return model;
+  return plugin::load_model(path, plugins, renderer_names(built_in_catalogue()));
 }
 
 }  // namespace touchstone::apps

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "harness/base/rooms.h"
+#include "apps/apps_rooms.h"
 #include "harness/plugin/plugin.h"
 
 namespace touchstone::apps {
@@ -23,7 +23,7 @@ struct PluginFlags {
   [[nodiscard]] Plugins load() const;
 };
 
-// load_model(), with the renderer from a plug-in where one has it.
+// plugin::load_model() beside the catalogue of renderers/.
 Model load_model(const std::filesystem::path& path, const Plugins& plugins);
 
 }  // namespace touchstone::apps

@@ -9,7 +9,9 @@
 #include "renderers/effects/catalogue.h"
 #include "renderers/effects/friction.h"
 #include "renderers/field/implicit.h"
-#include "renderers/instrument/instrument_effect.h"
+#include "renderers/instrument/catalogue.h"
+#include "renderers/measured.h"
+#include "renderers/model_predictor.h"
 #include "renderers/proxy/force_shading.h"
 #include "renderers/proxy/friction_cone.h"
 #include "renderers/proxy/god_object.h"
@@ -127,6 +129,44 @@ CountedRenderer make_counted_renderer(const Model& model, std::shared_ptr<const 
   if (!contact.effects.empty()) made.not_counted = "the effects of the contact";
   if (device) made.not_counted += made.not_counted.empty() ? "the haptic device" : ", the haptic device";
   return made;
+}
+
+namespace {
+
+class BuiltInCatalogue final : public Catalogue {
+ public:
+  [[nodiscard]] const std::vector<RendererEntry>& renderers() const override { return renderer_catalogue(); }
+  [[nodiscard]] const std::vector<NamedDeclaration>& effects() const override { return effect_catalogue(); }
+  [[nodiscard]] const std::vector<NamedDeclaration>& instrument_entries() const override {
+    return instrument_declarations();
+  }
+  [[nodiscard]] const RendererEntry& find(const Model& model) const override { return find_renderer(model); }
+  [[nodiscard]] std::map<std::string, double> base_parameters(const Model& model) const override {
+    return renderers::base_parameters(model, find_renderer(model).parameters);
+  }
+  [[nodiscard]] std::unique_ptr<Renderer> make(const Model& model,
+                                               std::shared_ptr<const Surface> surface) const override {
+    return make_renderer(model, std::move(surface));
+  }
+  [[nodiscard]] CountedRenderer make_counted(const Model& model,
+                                             std::shared_ptr<const Surface> surface) const override {
+    return make_counted_renderer(model, std::move(surface));
+  }
+  [[nodiscard]] MeasuredRenderer make_measured(const Model& model,
+                                               std::shared_ptr<const Surface> surface) const override {
+    return make_measured_renderer(model, surface);
+  }
+  [[nodiscard]] std::unique_ptr<Predictor> make_predictor(std::shared_ptr<const Surface> surface,
+                                                          MotionColumns motion) const override {
+    return make_model_predictor(std::move(surface), std::move(motion));
+  }
+};
+
+}  // namespace
+
+const Catalogue& built_in_catalogue() {
+  static const BuiltInCatalogue catalogue;
+  return catalogue;
 }
 
 }  // namespace touchstone::renderers

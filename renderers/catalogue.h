@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "harness/base/rooms.h"
+#include "harness/rendering/catalogue.h"
 #include "harness/rendering/limitation.h"
 #include "harness/rendering/model.h"
 #include "harness/rendering/parameters.h"
@@ -29,12 +30,9 @@ const std::vector<NamedDeclaration>& instrument_declarations();
 // surface that the renderer cannot run on. Instrument entries are checked, not run.
 std::unique_ptr<Renderer> make_renderer(const Model& model, std::shared_ptr<const Surface> surface);
 
-// The model's renderer for harness/rendering/operations.h: the same forces to the bit, its operations counted. No
-// renderer where they are not; `not_counted` then says why, else what of the model is left out.
-struct CountedRenderer {
-  std::unique_ptr<Renderer> renderer;
-  std::string not_counted;
-};
 CountedRenderer make_counted_renderer(const Model& model, std::shared_ptr<const Surface> surface);
+
+// All of the above as the harness takes it (harness/rendering/catalogue.h).
+const Catalogue& built_in_catalogue();
 
 }  // namespace touchstone::renderers

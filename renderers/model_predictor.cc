@@ -17,7 +17,7 @@
 #include "harness/rendering/renderer_failed.h"
 #include "renderers/catalogue.h"
 #include "renderers/effects/assemble.h"
-#include "renderers/instrument/instrument_effect.h"
+#include "renderers/instrument/catalogue.h"
 
 namespace touchstone::renderers {
 namespace {

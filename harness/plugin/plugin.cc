@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "harness/base/error.h"
+#include "harness/base/known_names.h"
 #include "harness/plugin/plugin_in_process.h"
 #include "harness/plugin/plugin_renderer.h"
 
@@ -111,6 +112,19 @@ void Plugins::provide(Model& model) const {
   for (const auto& entry : entries_) {
     if (entry->name == model.renderer) model.provided = entry;
   }
+}
+
+Model load_model(const std::filesystem::path& path, const Plugins& plugins, std::span<const std::string> known) {
+  Model model = rendering::load_model(path);
+  plugins.provide(model);
+  if (model.provided || plugins.entries().empty()) return model;
+  // Said here because only here it is known what the plug-ins have.
+  std::vector<std::string> names(known.begin(), known.end());
+  for (const auto& entry : plugins.entries()) names.push_back(entry->name);
+  if (std::ranges::find(names, model.renderer) == names.end()) {
+    throw BadData(fmt::format("{}: /renderer: {}", path.string(), unknown_name("renderer", model.renderer, names)));
+  }
+  return model;
 }
 
 }  // namespace touchstone::plugin

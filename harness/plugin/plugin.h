@@ -46,4 +46,8 @@ class Plugins {
   std::vector<std::filesystem::path> from_;  // the library of each
 };
 
+// rendering::load_model(), with the renderer from a plug-in if one has it. `known`: the names of the program's own
+// renderers. Throws BadData, with the place in the file, for a renderer that neither has.
+Model load_model(const std::filesystem::path& path, const Plugins& plugins, std::span<const std::string> known);
+
 }  // namespace touchstone::plugin

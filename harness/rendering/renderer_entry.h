@@ -27,6 +27,9 @@ struct RendererEntry {
   // The same with harness/base/counted.h's scalar: the same bits, and every operation of a step counted. Empty: its
   // operations are not counted; it may answer nullptr where they are not with these parameters or on this mesh.
   Make make_counted = {};
+  // Without effects it answers like a frictionless god-object at rest, so that its error on a surface in closed form is
+  // known (generators.h). Its parameters are then stiffness_N_per_m and, for a ball, tip_radius_m.
+  bool has_exact_answer = false;
   // Of a plug-in: its shared library, and where its sources are if the library lies elsewhere.
   std::filesystem::path library = {};
   std::filesystem::path library_source = {};

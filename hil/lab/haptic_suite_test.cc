@@ -6,7 +6,7 @@
 #include <cmath>
 #include <filesystem>
 
-#include "apps/golden_runner.h"
+#include "harness/pipeline/golden/case_runner.h"
 #include "harness/recording/recording_file.h"
 #include "harness/rendering/model.h"
 #include "harness/surface/embree_surface.h"
@@ -18,6 +18,7 @@
 #include "hil/lab/wall_experiment.h"
 #include "hil/safety/guardian.h"
 #include "renderers/catalogue.h"
+#include "synthetic/generators.h"
 
 namespace touchstone::hil {
 using namespace baseline;
@@ -86,10 +87,11 @@ TEST_P(Haptic, GoldenReplay) {
   const std::string model = "god-object";
   ASSERT_EQ(golden.models.count(model), 1U);
   const auto expected = load_rendered(golden.expected(model));
-  const auto trajectory = apps::case_trajectory(golden);
+  const auto trajectory = pipeline::case_trajectory(synthetic::built_in_generators(), golden);
   ASSERT_EQ(trajectory.size(), expected.size());
   const auto renderer =
-      make_renderer(parse_model(golden.models.at(model), "case.json"), make_embree_surface(apps::case_mesh(golden)));
+      make_renderer(parse_model(golden.models.at(model), "case.json"),
+                    make_embree_surface(pipeline::case_mesh(synthetic::built_in_generators(), golden)));
   renderer->reset();
   const auto render = [&](std::size_t i) -> Vec3 {
     TipState tip;

@@ -1,5 +1,6 @@
+#include "renderers/instrument/catalogue.h"
+
 #include "renderers/instrument/geometry_effects.h"
-#include "renderers/instrument/instrument_effect.h"
 #include "renderers/instrument/sensor_effects.h"
 #include "renderers/instrument/tool_effects.h"
 

@@ -4,7 +4,7 @@
 
 #include "harness/base/random.h"
 #include "harness/surface/embree_surface.h"
-#include "renderers/instrument/instrument_effect.h"
+#include "renderers/instrument/catalogue.h"
 #include "renderers/model_predictor.h"
 
 namespace touchstone::renderers {

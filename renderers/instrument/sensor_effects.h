@@ -11,7 +11,7 @@
 #include <span>
 
 #include "harness/base/rooms.h"
-#include "renderers/instrument/instrument_effect.h"
+#include "harness/rendering/instrument_effect.h"
 
 namespace touchstone::renderers {
 

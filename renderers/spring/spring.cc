@@ -29,7 +29,8 @@ RendererEntry spring_linear_entry() {
           {{"stiffness_N_per_m", "N/m", std::numeric_limits<double>::min(), 1e9, 500.0, "k of F = k dx"}},
           limitations(),
           make<1, SurfaceFeet>,
-          make<1, CountedFeet>};
+          make<1, CountedFeet>,
+          /*has_exact_answer=*/true};
 }
 
 RendererEntry spring_quadratic_entry() {

@@ -1,0 +1,19 @@
+// The report of compare_rows(): every pair of rows, and the pictures of one.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "apps/studies/experiments/palpation_rows.h"
+#include "harness/base/rooms.h"
+#include "harness/report/page.h"
+#include "harness/report/provenance.h"
+
+namespace touchstone::experiments {
+
+Page palpation_page(const Recording& recording, const std::vector<RowComparison>& comparisons,
+                    const Provenance& provenance);
+// "touchstone-palpation/1": the distances of every pair.
+std::string palpation_to_json(const Recording& recording, const std::vector<RowComparison>& comparisons);
+
+}  // namespace touchstone::experiments

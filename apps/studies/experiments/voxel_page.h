@@ -1,0 +1,13 @@
+// The report of the proxy-against-voxel experiment.
+#pragma once
+
+#include "apps/studies/experiments/voxel_experiment.h"
+#include "harness/base/rooms.h"
+#include "harness/report/page.h"
+#include "harness/report/provenance.h"
+
+namespace touchstone::experiments {
+
+Page voxel_page(const VoxelExperiment& experiment, const Provenance& provenance);
+
+}  // namespace touchstone::experiments

@@ -1,0 +1,120 @@
+#include "harness/pipeline/discrepancy/inputs.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <utility>
+#include <vector>
+
+#include "harness/base/error.h"
+#include "harness/base/units.h"
+#include "harness/plugin/plugin.h"
+#include "harness/recording/recording_file.h"
+#include "harness/rendering/in_trajectory.h"
+#include "harness/rendering/out_trajectory.h"
+#include "harness/sanity/sanity.h"
+#include "harness/surface/embree_surface.h"
+#include "harness/surface/extend_edges.h"
+#include "harness/surface/mesh_file.h"
+#include "harness/surface/mesh_repair.h"
+#include "harness/surface/mesh_topology.h"
+#include "harness/surface/mesh_warnings.h"
+
+namespace touchstone::pipeline {
+namespace {
+
+// Two triangles in z = 0 that reach far beyond the recording.
+TriangleMesh half_space(const Recording& recording) {
+  Box3 box;
+  for (const Vec3& p : recording.motion.p_W_m) box.extend(p);
+  const double half = 10.0 * std::max(box.diagonal().norm(), 1e-9);
+  const Vec3 c(box.center().x(), box.center().y(), 0.0);
+  TriangleMesh mesh;
+  mesh.vertices_W_m = {c + Vec3(-half, -half, 0), c + Vec3(half, -half, 0), c + Vec3(half, half, 0),
+                       c + Vec3(-half, half, 0)};
+  mesh.triangles = {{0, 1, 2}, {0, 2, 3}};
+  mesh.source = "half-space below z = 0";
+  return mesh;
+}
+
+// A scan of a part of an object, pressed where it ends: without more surface there the tip would slip over an edge that
+// the object does not have, and every force after that would be lost.
+void continue_where_the_mesh_has_ended(DiscrepancyInputs& inputs) {
+  constexpr double few = 1e-3;
+  constexpr double share_of_diagonal = 0.1;
+  const MeshTopology topology = make_topology(inputs.mesh);
+  if (topology.open_edge_count == 0 || !topology.non_manifold_edges.empty() || !topology.disoriented_edges.empty()) {
+    return;
+  }
+  std::vector<Vec3> touching;
+  for (std::size_t i = 0; i < inputs.train.size(); ++i) {
+    if (inputs.train.f_W_N[i].norm() > default_contact_threshold_N) touching.push_back(inputs.train.motion.p_W_m[i]);
+  }
+  if (share_at_open_edges(*inputs.surface, topology, touching) <= few) return;
+  inputs.mesh = extend_open_edges(weld_coincident_vertices(inputs.mesh),
+                                  share_of_diagonal * inputs.mesh.bounds().diagonal().norm());
+  inputs.surface = make_embree_surface(inputs.mesh);
+}
+
+void synthesize(Recording& recording, const Surface& surface, const Model& model) {
+  const auto stiffness = model.parameters.find("stiffness_N_per_m");
+  if (stiffness == model.parameters.end()) {
+    throw BadData(
+        fmt::format("{}: /parameters: stiffness_N_per_m is needed to synthesize the in-trajectory", model.source));
+  }
+  const auto radius = model.parameters.find("tip_radius_m");
+  const OutTrajectoryRule rule{radius == model.parameters.end() ? 0.0 : radius->second};
+  recording.motion = synthesize_in_trajectory(make_out_trajectory(recording, surface, rule), stiffness->second).motion;
+}
+
+void flip_forces(Recording& recording) {
+  for (Vec3& f : recording.f_W_N) f = -f;
+  for (Vec3& torque : recording.torque_W_Nm) torque = -torque;
+}
+
+// Before anything is fitted: what a recording with a fault would be explained by has no meaning.
+void check_recordings(const DiscrepancyFiles& files, DiscrepancyInputs& inputs) {
+  SanityContext context;
+  context.surface = inputs.surface.get();
+  context.mesh_unit = files.mesh_unit;
+  const auto radius = inputs.model.parameters.find("tip_radius_m");
+  context.tip_radius_m = radius == inputs.model.parameters.end() ? 0.0 : radius->second;
+  context.force_flipped = files.flip_force;
+  context.contact_force_N = default_contact_threshold_N;
+  for (const Recording* const recording : {&inputs.train, inputs.holdout ? &*inputs.holdout : nullptr}) {
+    if (recording == nullptr) continue;
+    for (const std::string& remark : refuse_insane(*recording, context)) inputs.remarks.push_back("warning: " + remark);
+  }
+}
+
+}  // namespace
+
+DiscrepancyInputs load_inputs(const Catalogue& catalogue, const DiscrepancyFiles& files) {
+  DiscrepancyInputs inputs;
+  inputs.model = files.plugins != nullptr ? plugin::load_model(files.model, *files.plugins, renderer_names(catalogue))
+                                          : rendering::load_model(files.model);
+  inputs.train = load_recording(files.recording);
+  if (!files.holdout.empty()) inputs.holdout = load_recording(files.holdout);
+  if (files.flip_force) {
+    flip_forces(inputs.train);
+    if (inputs.holdout) flip_forces(*inputs.holdout);
+  }
+  inputs.mesh =
+      files.mesh.empty() ? half_space(inputs.train) : load_mesh(files.mesh, length_unit_factor(files.mesh_unit));
+  if (files.repair) {
+    OrientedMesh repaired = orient(inputs.mesh);
+    if (repaired.turned > 0) inputs.remarks.push_back(orientation_note(repaired));
+    inputs.mesh = std::move(repaired.mesh);
+  }
+  inputs.surface = make_embree_surface(inputs.mesh);
+  for (const std::string& warning : mesh_warnings(*inputs.surface)) inputs.remarks.push_back("warning: " + warning);
+  if (!files.mesh.empty()) continue_where_the_mesh_has_ended(inputs);
+  check_recordings(files, inputs);
+  if (files.synthesize_in_trajectory) {
+    synthesize(inputs.train, *inputs.surface, inputs.model);
+    if (inputs.holdout) synthesize(*inputs.holdout, *inputs.surface, inputs.model);
+  }
+  return inputs;
+}
+
+}  // namespace touchstone::pipeline

@@ -1,0 +1,208 @@
+#include "harness/pipeline/discrepancy/workflow.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <optional>
+
+#include "harness/base/atomic_file.h"
+#include "harness/base/input_files.h"
+#include "harness/pipeline/discrepancy/golden_offer.h"
+#include "harness/pipeline/discrepancy/page.h"
+#include "harness/pipeline/discrepancy/verify.h"
+#include "harness/recording/recording_file.h"
+#include "harness/rendering/model.h"
+#include "harness/report/page_html.h"
+#include "harness/sanity/repeat_floor.h"
+#include "harness/surface/facet_angle.h"
+
+namespace touchstone::pipeline {
+namespace {
+
+constexpr double held_back_least_blocks = 20.0;  // a short recording has shorter blocks
+
+InstrumentDescription instrument_of(const DiscrepancyFiles& files, const Recording& train, const TriangleMesh& mesh,
+                                    const Surface& surface) {
+  InstrumentDescription instrument =
+      files.instrument.empty() ? estimate_instrument(train) : load_instrument(files.instrument);
+  if (!(instrument.force_noise_N > 0.0)) {
+    throw BadData(files.instrument.empty()
+                      ? fmt::format("{}: no noise of the force can be estimated from it: give the sensor's with "
+                                    "--instrument, whose force_noise_N is above zero",
+                                    files.recording.string())
+                      : fmt::format("{}: /force_noise_N: above zero was expected: everything is judged by it",
+                                    files.instrument.string()));
+  }
+  std::vector<std::int32_t> touched;
+  const std::size_t stride = std::max<std::size_t>(1, train.size() / 1000);
+  for (std::size_t i = 0; i < train.size(); i += stride) {
+    touched.push_back(surface.closest(train.motion.p_W_m[i]).triangle);
+  }
+  instrument.normal_error_rad = median_facet_angle_rad(mesh, touched);
+  instrument.mesh_extent_m = mesh.bounds().diagonal().norm();
+  return instrument;
+}
+
+// An estimate of the noise that expects more than even the starting model leaves is too large: quantization, vibration
+// and jitter look like noise to it. It is brought down to what is left.
+void bound_by_residual(InstrumentDescription& instrument, const Recording& train, const Model& model,
+                       const MakePredictor& make, const DiscrepancyFiles& files) {
+  if (instrument.declared) return;
+  const Prediction nominal = make(train.motion)->predict(model);
+  NoiseModel noise(train.motion, nominal.n_W, instrument, make, files.seed, files.seed + 2);
+  double expected = 0.0, left = 0.0;
+  for (const double square : noise.expected_squares(model, nominal)) expected += square;
+  for (std::size_t i = 0; i < train.size(); ++i) left += (train.f_W_N[i] - nominal.f_W_N[i]).squaredNorm();
+  if (!(left > 0.0) || !(expected > left)) return;
+  const double factor = std::sqrt(left / expected);
+  instrument.force_noise_N *= factor;
+  instrument.position_noise_m *= factor;
+}
+
+ForceGap measure_gap(const SearchResult& search, const SearchData& data) {
+  ForceGap gap;
+  gap.train_before_N = rms_force_error_N(data.train, data.train.predictor->predict(search.start));
+  gap.train_after_N = rms_force_error_N(data.train, data.train.predictor->predict(search.model));
+  gap.holdout_before_N = rms_force_error_N(data.holdout, data.holdout.predictor->predict(search.start));
+  gap.holdout_after_N = rms_force_error_N(data.holdout, data.holdout.predictor->predict(search.model));
+  gap.noise_floor_N = search.noise_rms_N;
+  return gap;
+}
+
+// Only rivals alike need another recording; the first pair decides what to do.
+std::optional<NextExperiment> next_experiment(const SearchResult& search, const SearchData& data,
+                                              const MakePredictor& make, const InstrumentDescription& instrument) {
+  for (const FoundEffect& effect : search.found) {
+    for (const Rival& rival : effect.rivals) {
+      if (!rival.alike) continue;
+      return propose_experiment(*data.train.recording, data.train.predictor->predict(search.model), search.model,
+                                rival.model, make, instrument.force_noise_N, instrument.position_noise_m);
+    }
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+std::vector<Candidate> all_candidates(const Catalogue& catalogue) {
+  std::vector<Candidate> candidates;
+  for (const auto& effect : catalogue.effects()) candidates.push_back({effect.name, Side::contact, effect.parameters});
+  for (const auto& entry : catalogue.instrument_entries()) {
+    candidates.push_back({entry.name, Side::instrument, entry.parameters});
+  }
+  return candidates;
+}
+
+Findings run_discrepancy(const Catalogue& catalogue, const DiscrepancyFiles& files,
+                         const std::function<void(const std::string&)>& report) {
+  ensure_writable_folder(files.out);
+  const DiscrepancyInputs inputs = load_inputs(catalogue, files);
+  for (const std::string& remark : inputs.remarks) report(remark);
+  refuse_to_replace_input(files.out / "model.json");  // before the long work
+  std::optional<sanity::RepeatFloor> floor;
+  if (!files.repeat.empty()) floor = sanity::repeat_floor_of_files(files.recording, files.repeat);
+  const Model& model = inputs.model;
+  const TriangleMesh& mesh = inputs.mesh;
+  const auto& surface = inputs.surface;
+  const Recording& train = inputs.train;
+  const auto& second = inputs.holdout;
+  const Recording& holdout = second ? *second : train;
+  // Refuses a wrong model before the long work begins; alive, its examined mesh serves all that follow.
+  const auto alive = catalogue.make(model, surface);
+  const MakePredictor make = [&](const MotionColumns& motion) { return catalogue.make_predictor(surface, motion); };
+  InstrumentDescription instrument = instrument_of(files, train, mesh, *surface);
+  bound_by_residual(instrument, train, model, make, files);
+  const auto train_predictor = make(train.motion);
+  const auto holdout_predictor = make(holdout.motion);
+  NoiseModel train_noise(train.motion, train_predictor->predict(model).n_W, instrument, make, files.seed,
+                         files.seed + 2);
+  NoiseModel holdout_noise(holdout.motion, holdout_predictor->predict(model).n_W, instrument, make, files.seed + 1,
+                           files.seed + 2);
+  const double duration_s = train.motion.t_s.back() - train.motion.t_s.front();
+  const double held_back_s = second ? 0.0 : std::min(files.block_s, duration_s / held_back_least_blocks);
+  const SearchData data{{&train, train_predictor.get(), &train_noise, {held_back_s, false}},
+                        {&holdout, holdout_predictor.get(), &holdout_noise, {held_back_s, true}},
+                        block_window_s(instrument.position_rate_Hz, train.motion),
+                        6.0 * instrument.force_noise_N + instrument.force_step_N.maxCoeff(),
+                        instrument.position_noise_m,
+                        instrument.geometry_error_m};
+  const auto candidates = all_candidates(catalogue);
+
+  Findings findings;
+  SearchSettings settings;
+  settings.time_limit_s = files.time_limit_s;
+  findings.search = search_effects(data, model, candidates, settings, report);
+  findings.gap = measure_gap(findings.search, data);
+  if (floor) findings.gap.repeat_floor_N = floor->force_N;
+  findings.shares = share_gap(data.holdout, findings.search.start, findings.search.model);
+  const Prediction before = data.holdout.predictor->predict(model);
+  const Prediction after = data.holdout.predictor->predict(findings.search.model);
+  findings.where = sort_by_regime(data.holdout, before, after, data.force_floor_N);
+  findings.next = next_experiment(findings.search, data, make, instrument);
+  findings.instrument_declared = instrument.declared;
+  findings.blocks_held_back = !second;
+  conclude(findings, candidates);
+
+  std::string trajectory;
+  if (findings.next && !findings.ambiguous.empty()) {
+    trajectory = "next.csv";
+    save_trajectory(files.out / trajectory, InTrajectory{findings.next->motion});
+  }
+  write_file(files.out / "model.json", model_to_json(findings.search.model) + "\n");
+  // Once more from the files alone, if possible in a process that knows nothing of this one.
+  DiscrepancyFiles written = files;
+  written.model = files.out / "model.json";
+  written.recording = second ? files.holdout : files.recording;
+  const bool repeatable = !files.synthesize_in_trajectory && files.plugins == nullptr;
+  std::optional<double> again;
+  if (repeatable) again = files.program.empty() ? rms_of_files_N(catalogue, written) : rms_in_fresh_process_N(written);
+  if (again) {
+    Evidence whole = data.holdout;
+    whole.part = {};
+    const double here = rms_force_error_N(whole, after);
+    if (std::abs(*again - here) > 1e-9 * std::max(here, instrument.force_noise_N)) {
+      throw BadData(fmt::format("{}: run again from this file alone, the model leaves {} N instead of {} N",
+                                (files.out / "model.json").string(), *again, here));
+    }
+    findings.gap.holdout_after_again_N = *again;
+  }
+  const std::string json = findings_to_json(findings, trajectory);
+  write_file(files.out / "findings.json", json);
+  Provenance provenance = make_provenance(files.command_line);
+  provenance.inputs = {describe_input("model", files.model), describe_input("recording", files.recording)};
+  if (!files.mesh.empty()) provenance.inputs.push_back(describe_input("mesh", files.mesh));
+  if (second) provenance.inputs.push_back(describe_input("holdout", files.holdout));
+  if (floor) provenance.inputs.push_back(describe_input("repeat", files.repeat));
+  if (instrument.declared) provenance.inputs.push_back(describe_input("instrument", files.instrument));
+  write_html(files.out / "report.html", discrepancy_page(findings, data.holdout, before, after, mesh, provenance));
+  if (!files.golden.empty()) write_golden_case(files.golden, mesh, holdout, findings.search.model);
+  return findings;
+}
+
+std::string findings_text(const Findings& findings, const DiscrepancyFiles& files) {
+  std::string text = fmt::format("{}\n{}\n", to_string(findings.verdict), findings.explanation);
+  for (std::size_t e = 0; e < findings.search.found.size(); ++e) {
+    text += fmt::format("  {}\n", findings.search.found[e].name);
+    for (const FoundParameter& p : findings.parameters[e]) {
+      text += fmt::format("    {:28} {:>12.5g} {:8} {}\n", p.name, p.value, p.unit,
+                          p.undetermined.empty() ? fmt::format("95 %: {:.5g} to {:.5g}", p.low95, p.high95)
+                                                 : "not determined: " + p.undetermined);
+    }
+  }
+  text += fmt::format(
+      "held-out RMS force error: before {:.4g} N, after {:.4g} N, expected of {} noise {:.4g} N{}\nreport: {}\n",
+      findings.gap.holdout_before_N, findings.gap.holdout_after_N,
+      findings.instrument_declared ? "the declared" : "the estimated", findings.gap.noise_floor_N,
+      findings.gap.repeat_floor_N ? fmt::format(", floor of the repeat {:.4g} N", *findings.gap.repeat_floor_N) : "",
+      (files.out / "report.html").string());
+  if (!files.golden.empty()) {
+    text += "a golden case of it is written; it counts once it is accepted:\n" + golden_commands(files.golden);
+  } else if (findings.verdict == FindingsVerdict::explained) {
+    text += "to keep the gap closed, make it a golden case: add --golden golden/NAME\n";
+  }
+  return text;
+}
+
+}  // namespace touchstone::pipeline

@@ -1,0 +1,25 @@
+// The search for missing effects from files to files: what `touchstone discrepancy` runs.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "harness/discrepancy/findings.h"
+#include "harness/pipeline/discrepancy/inputs.h"
+#include "harness/pipeline/pipeline_rooms.h"
+
+namespace touchstone::pipeline {
+
+// Every contact effect and instrument entry of the catalogue.
+std::vector<Candidate> all_candidates(const Catalogue& catalogue);
+
+// Searches and writes report.html, findings.json, model.json and, where another recording would tell, next.csv.
+// Throws BadData and UsageError. `report` gets a line at every step.
+Findings run_discrepancy(const Catalogue& catalogue, const DiscrepancyFiles& files,
+                         const std::function<void(const std::string&)>& report);
+
+// What a user reads on the console.
+std::string findings_text(const Findings& findings, const DiscrepancyFiles& files);
+
+}  // namespace touchstone::pipeline

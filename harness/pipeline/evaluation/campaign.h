@@ -1,0 +1,79 @@
+// Several evaluations at once: data sets times renderers. Each gets its own folder with its report.
+#pragma once
+
+#include <filesystem>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "harness/metrics/metric.h"
+#include "harness/pipeline/board.h"
+#include "harness/pipeline/evaluation/request.h"
+#include "harness/pipeline/pipeline_rooms.h"
+#include "harness/plugin/plugin.h"
+#include "harness/rendering/catalogue.h"
+
+namespace touchstone::pipeline {
+
+// What stays in memory of an evaluation when its report is written.
+struct Evaluated {
+  // Why there is nothing else: the renderer crashed, hung, or answered with no number. Empty where it ran.
+  std::string failure;
+  std::string group;   // evaluations of one recording, which a table may put side by side
+  std::string column;  // what tells it from the others of the group
+  std::filesystem::path folder;
+  std::vector<MetricResult> metrics;
+  std::vector<std::string> messages;  // to the person who runs it
+  // Why the renderer was not run: it cannot have this tip. Else empty.
+  std::string does_not_enter = {};
+  std::string about = {};  // the object, and what the recording shows
+  RenderedInput input = {};
+  pipeline::BinnedErrors errors = {};
+};
+
+// The data sets that come with the program: share/touchstone/datasets beside an installed program, synthetic/bundled
+// of the source tree above one that was built there. Throws BadData when there are none.
+std::vector<std::filesystem::path> bundled_datasets();
+
+// A model and the file that it was read from.
+using ModelOfFile = std::pair<Model, std::filesystem::path>;
+
+// One request per recording of the data set and model. Without models: every renderer of the catalogue and of the
+// plug-ins at the data set's stiffness. `base` holds what the command line chose. If the probe was a ball, no tip was
+// chosen, and a renderer knows point tips only, all renderers are planned twice: with the ball, where those do not
+// enter, and as points where the ball touched.
+struct PlannedEvaluation {
+  EvaluationRequest request;
+  std::string group;
+  std::string column;
+  std::filesystem::path folder;  // below the output folder
+  std::string about;             // the object, and what the recording shows
+};
+std::vector<PlannedEvaluation> plan_dataset(const Catalogue& catalogue, const std::filesystem::path& place,
+                                            const std::vector<ModelOfFile>& given, const Plugins& plugins,
+                                            const EvaluationRequest& base, bool in_trajectory_chosen);
+
+// One evaluation with its report; `folder` "" writes none. A renderer that breaks down or does not enter is said, not
+// thrown.
+Evaluated evaluate_planned(const Catalogue& catalogue, const PlannedEvaluation& planned,
+                           const std::filesystem::path& folder);
+
+// Runs the plan; what its evaluations have to say goes to stderr when a group has ended. A renderer that breaks down
+// spoils its own evaluation only.
+std::vector<Evaluated> run_plan(const Catalogue& catalogue, const std::vector<PlannedEvaluation>& plan,
+                                const std::filesystem::path& out);
+
+// A line for each thing that evaluations of one group have to say: what several of them say is said once, with the
+// columns it is about unless it is about all.
+std::string group_messages(std::span<const Evaluated> group);
+// A task of the board for each group and input; reports are linked relative to `out`. Not ranked yet.
+pipeline::Board board_of(const std::vector<Evaluated>& evaluated, const std::filesystem::path& out);
+pipeline::Entry entry_of(const Evaluated& evaluated, const std::filesystem::path& out);
+
+// Every metric: one table per group and input, as wide as it gets.
+std::string summary_table(const std::vector<Evaluated>& evaluated);
+// Schema "touchstone-evaluations/1".
+std::string summary_json(const std::vector<Evaluated>& evaluated);
+
+}  // namespace touchstone::pipeline

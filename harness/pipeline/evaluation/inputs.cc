@@ -1,0 +1,232 @@
+#include "harness/pipeline/evaluation/inputs.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "harness/base/error.h"
+#include "harness/base/progress.h"
+#include "harness/base/units.h"
+#include "harness/metrics/quantiles.h"
+#include "harness/recording/extent_check.h"
+#include "harness/rendering/nearness.h"
+#include "harness/rendering/parameters.h"
+#include "harness/report/quantity.h"
+#include "harness/sanity/sanity.h"
+#include "harness/surface/embree_surface.h"
+#include "harness/surface/extend_edges.h"
+#include "harness/surface/mesh_file.h"
+#include "harness/surface/mesh_repair.h"
+#include "harness/surface/mesh_topology.h"
+#include "harness/surface/mesh_warnings.h"
+
+namespace touchstone::pipeline {
+namespace {
+
+constexpr std::size_t most_kept = 4096;
+
+// Thins to every second when full, so that what is kept is spread evenly over the whole recording.
+template <class T>
+void thin(std::vector<T>& values) {
+  for (std::size_t i = 0; 2 * i < values.size(); ++i) values[i] = values[2 * i];
+  values.resize((values.size() + 1) / 2);
+}
+
+RecordingSurvey survey_recording(const EvaluationRequest& request) {
+  RecordingSurvey out;
+  RecordingStream stream = open_recording(request);
+  out.has_force = stream.has(ColumnGroup::force);
+  Quantiles forces;
+  Progress progress("reading " + request.recording.string(), 0);
+  std::uint64_t stride = 1;
+  SampleBlock block;
+  while (stream.next(block)) {
+    for (std::size_t i = 0; i < block.size(); ++i) {
+      const Vec3& p = block.motion.p_W_m[i];
+      out.tips_W_m.extend(p);
+      if (out.has_force) forces.add(block.f_W_N[i].norm());
+      if ((block.first_sample + i) % stride != 0) continue;
+      out.some_times_s.push_back(block.motion.t_s[i]);
+      out.some_tips_W_m.push_back(p);
+      if (!block.motion.q_WS.empty()) out.some_orientations_WS.push_back(block.motion.q_WS[i]);
+      if (out.has_force) out.some_forces_W_N.push_back(request.flip_force ? Vec3(-block.f_W_N[i]) : block.f_W_N[i]);
+      if (out.some_tips_W_m.size() < most_kept) continue;
+      thin(out.some_times_s);
+      thin(out.some_tips_W_m);
+      thin(out.some_orientations_WS);
+      thin(out.some_forces_W_N);
+      stride *= 2;
+    }
+    progress.update(stream.samples());
+  }
+  out.samples = stream.samples();
+  out.clock = stream.clock();
+  out.notes = stream.notes();
+  if (out.has_force) out.usual_force_N = forces.quantile(0.99);
+  return out;
+}
+
+std::vector<Vec3> touching_tips(const EvaluationRequest& request, const RecordingSurvey& survey) {
+  std::vector<Vec3> touching;
+  for (std::size_t i = 0; i < survey.some_forces_W_N.size(); ++i) {
+    if (survey.some_forces_W_N[i].norm() > request.contact_threshold_N) touching.push_back(survey.some_tips_W_m[i]);
+  }
+  return touching;
+}
+
+void refuse_far(const EvaluationRequest& request, EvaluationInputs& inputs) {
+  const std::vector<Vec3> touching = touching_tips(request, inputs.survey);
+  const auto message = far_from_surface(*inputs.surface, touching.empty() ? inputs.survey.some_tips_W_m : touching,
+                                        inputs.tip_radius_m, request.recording.string(), request.mesh_unit);
+  if (message) throw BadData(*message);
+  // The recording touches the surface, but their sizes hardly fit: worth a word.
+  const auto mismatch = check_extents(inputs.survey.tips_W_m, inputs.mesh.bounds(), request.mesh_unit);
+  if (mismatch) inputs.messages.push_back(mismatch->message);
+}
+
+// The gate of every command, on samples that are spread over the whole recording.
+void refuse_faults(const EvaluationRequest& request, EvaluationInputs& inputs) {
+  const RecordingSurvey& survey = inputs.survey;
+  if (!survey.has_force) return;
+  Recording some;
+  some.source = request.recording.string();
+  some.motion = {survey.some_times_s, survey.some_tips_W_m, survey.some_orientations_WS};
+  some.f_W_N = survey.some_forces_W_N;
+  SanityContext context;
+  context.surface = inputs.surface.get();
+  context.mesh_unit = request.mesh_unit;
+  context.tip_radius_m = inputs.tip_radius_m;
+  context.force_flipped = request.flip_force;
+  context.contact_force_N = request.contact_threshold_N;
+  for (std::string& remark : refuse_insane(some, context)) inputs.messages.push_back(std::move(remark));
+}
+
+// What the renderer says of itself, as " (it renders a point)".
+std::string point_reason(const RendererEntry& entry) {
+  const Limitation* const limitation = find_limitation(entry.cannot, Ability::ball_tip);
+  return limitation == nullptr ? "" : fmt::format(" ({})", limitation->reason);
+}
+
+// The tip that the request names, where the model does not name one. A renderer that cannot represent it is refused:
+// fed the ball's centre it would answer for another place.
+void set_tip_radius(const Catalogue& catalogue, const EvaluationRequest& request, const RendererEntry& entry,
+                    EvaluationInputs& inputs) {
+  if (!request.tip_radius_m) return;
+  const auto named = catalogue.base_parameters(inputs.model);
+  const auto place = named.find("tip_radius_m");
+  const double model_m = place == named.end() ? 0.0 : place->second;
+  if (model_m > 0.0 && model_m != *request.tip_radius_m) {
+    throw UsageError(fmt::format("--tip-radius {} m and the model's tip_radius_m {} differ; give one of them",
+                                 *request.tip_radius_m, model_m));
+  }
+  if (model_m > 0.0 || *request.tip_radius_m == 0.0) return;
+  if (std::ranges::find(entry.parameters, "tip_radius_m", &ParameterDeclaration::name) != entry.parameters.end()) {
+    inputs.model.parameters["tip_radius_m"] = *request.tip_radius_m;
+  } else {
+    throw TipNotRepresentable(fmt::format(
+        "{} renders point tips only{}, and the probe was a ball of radius {}: its centre is not where it touched. Give "
+        "--tip-radius 0, and every renderer gets the point where the ball touched",
+        entry.name, point_reason(entry), display_quantity(*request.tip_radius_m, "m")));
+  }
+}
+
+// An object that must be closed, and how open it is.
+void look_at_edges(const EvaluationRequest& request, EvaluationInputs& inputs) {
+  const MeshTopology topology = make_topology(*inputs.surface->mesh());
+  inputs.open_edges = topology.open_edge_count + topology.non_manifold_edges.size() + topology.disoriented_edges.size();
+  if (request.closed && inputs.open_edges > 0) {
+    throw BadData(fmt::format(
+        "{}: a closed mesh is needed (--closed), but {} edges are open or not shared by two triangles that agree in "
+        "orientation; `touchstone doctor` says where, --extend-edges fills small holes",
+        request.mesh.string(), inputs.open_edges));
+  }
+}
+
+void repair(EvaluationInputs& inputs) {
+  OrientedMesh repaired = orient(inputs.mesh);
+  if (repaired.turned > 0) inputs.messages.push_back(orientation_note(repaired));
+  inputs.mesh = std::move(repaired.mesh);
+}
+
+void extend(double width_m, EvaluationInputs& inputs) {
+  inputs.mesh = extend_open_edges(weld_coincident_vertices(inputs.mesh), width_m);
+  inputs.extended_m = width_m;
+}
+
+// A scan of a part of an object, pressed where it ends: without more surface there the tip would slip over an edge that
+// the object does not have, and every force after that would be lost.
+void extend_where_the_mesh_has_ended(const EvaluationRequest& request, EvaluationInputs& inputs) {
+  constexpr double few = 1e-3;               // less is noise at the border
+  constexpr double share_of_diagonal = 0.1;  // several times the depth of any press that a patch of this size is for
+  if (inputs.open_edges == 0) return;
+  const MeshTopology topology = make_topology(inputs.mesh);
+  if (!topology.non_manifold_edges.empty() || !topology.disoriented_edges.empty()) return;
+  const double share = share_at_open_edges(*inputs.surface, topology, touching_tips(request, inputs.survey));
+  if (share <= few) return;
+  extend(share_of_diagonal * inputs.mesh.bounds().diagonal().norm(), inputs);
+  inputs.surface = make_embree_surface(inputs.mesh);
+  look_at_edges(request, inputs);
+  inputs.messages.push_back(
+      fmt::format("{:.1f} % of the touching samples lie where the mesh has ended; its open edges were continued by {} "
+                  "(--extend-edges sets the width, 0 leaves the mesh as it is).",
+                  100.0 * share, display_setting(inputs.extended_m, "m")));
+}
+
+}  // namespace
+
+RecordingStream open_recording(const EvaluationRequest& request) {
+  StreamOptions options;
+  // Without force there is nothing to make an in-trajectory from; measured positions can be replayed all the same.
+  options.need_force = request.in_trajectory != InTrajectoryMode::measured;
+  options.clock = request.clock;
+  return RecordingStream::open(request.recording, options);
+}
+
+bool can_have_tip(const Catalogue& catalogue, const Model& model, double tip_radius_m) {
+  const RendererEntry& entry = catalogue.find(model);
+  return tip_radius_m == 0.0 ||
+         std::ranges::find(entry.parameters, "tip_radius_m", &ParameterDeclaration::name) != entry.parameters.end();
+}
+
+EvaluationInputs load_inputs(const Catalogue& catalogue, const EvaluationRequest& request) {
+  EvaluationInputs inputs;
+  inputs.model = request.model;
+  const RendererEntry& entry = catalogue.find(inputs.model);  // a misspelt name is said before a large mesh is read
+  set_tip_radius(catalogue, request, entry, inputs);
+  const Parameters parameters(entry.parameters, catalogue.base_parameters(inputs.model), "renderer " + entry.name,
+                              inputs.model.source, "");
+  const auto value = [&](std::string_view name) {
+    const auto found = parameters.values().find(name);
+    return found == parameters.values().end() ? 0.0 : found->second;
+  };
+  inputs.tip_radius_m = request.tip_radius_m.value_or(value("tip_radius_m"));
+  inputs.stiffness_N_per_m = request.stiffness_N_per_m.value_or(value("stiffness_N_per_m"));
+  if (request.in_trajectory != InTrajectoryMode::measured && !(inputs.stiffness_N_per_m > 0.0)) {
+    throw UsageError(
+        fmt::format("the renderer {} has no stiffness to make an in-trajectory with; give --stiffness, or "
+                    "--in-trajectory measured",
+                    entry.name));
+  }
+  inputs.mesh = load_mesh(request.mesh, length_unit_factor(request.mesh_unit));
+  if (request.repair) repair(inputs);
+  if (request.extend_edges_m.value_or(0.0) > 0.0) extend(*request.extend_edges_m, inputs);
+  inputs.surface = make_embree_surface(inputs.mesh);
+  look_at_edges(request, inputs);
+  for (const std::string& warning : mesh_warnings(*inputs.surface)) inputs.messages.push_back(warning);
+  inputs.survey = survey_recording(request);
+  if (!request.extend_edges_m) extend_where_the_mesh_has_ended(request, inputs);
+  refuse_far(request, inputs);
+  refuse_faults(request, inputs);
+  inputs.files.push_back(describe_input("recording", request.recording));
+  if (!request.repeat.empty()) {
+    inputs.floor = sanity::repeat_floor_of_files(request.recording, request.repeat);
+    inputs.files.push_back(describe_input("repeat", request.repeat));
+  }
+  inputs.files.push_back(describe_input("mesh", request.mesh));
+  if (!request.model_file.empty()) inputs.files.push_back(describe_input("model", request.model_file));
+  return inputs;
+}
+
+}  // namespace touchstone::pipeline

@@ -1,0 +1,66 @@
+// The inputs of an evaluation, read and looked at before anything runs: a mistake in them is said at once, with what to
+// do about it.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "harness/base/error.h"
+#include "harness/pipeline/evaluation/request.h"
+#include "harness/pipeline/pipeline_rooms.h"
+#include "harness/recording/recording_stream.h"
+#include "harness/rendering/catalogue.h"
+#include "harness/report/provenance.h"
+#include "harness/sanity/repeat_floor.h"
+#include "harness/surface/surface.h"
+
+namespace touchstone::pipeline {
+
+// What one pass over the recording tells.
+struct RecordingSurvey {
+  std::uint64_t samples = 0;
+  ClockReport clock;
+  Box3 tips_W_m;
+  bool has_force = false;
+  double usual_force_N = 0.0;  // 99th percentile of the magnitude, within 0.1 %
+  std::vector<std::string> notes;
+  // Every so many samples, a few thousand at most.
+  std::vector<double> some_times_s;
+  std::vector<Vec3> some_tips_W_m;
+  std::vector<Vec3> some_forces_W_N;
+  std::vector<Quat> some_orientations_WS;  // empty where not recorded
+};
+
+// The renderer cannot represent the tip of the recording: it does not enter.
+class TipNotRepresentable : public UsageError {
+ public:
+  using UsageError::UsageError;
+};
+
+// Whether a model of the catalogue's or a plug-in's renderer can have a tip of this radius; see TipNotRepresentable.
+bool can_have_tip(const Catalogue& catalogue, const Model& model, double tip_radius_m);
+
+struct EvaluationInputs {
+  TriangleMesh mesh;
+  double extended_m = 0.0;     // by which open edges were continued
+  std::size_t open_edges = 0;  // 0: inside and outside exist
+  std::shared_ptr<const Surface> surface;
+  RecordingSurvey survey;
+  Model model;                               // with the tip radius that was asked for
+  double tip_radius_m = 0.0;                 // 0 where neither model nor request name one
+  double stiffness_N_per_m = 0.0;            // 0 where the renderer has none and none was given
+  std::optional<sanity::RepeatFloor> floor;  // where the request names a repeat
+  std::vector<InputFile> files;              // hashed
+  std::vector<std::string> messages;
+};
+
+// Opens the recording as the request says. Forces still have the file's sign.
+RecordingStream open_recording(const EvaluationRequest& request);
+
+// Throws BadData: unreadable files, a recording that is not sane (harness/sanity/sanity.h: nowhere near the mesh,
+// forces reversed or in another frame), a model that cannot run. Throws TipNotRepresentable for a tip that
+// the renderer cannot have.
+EvaluationInputs load_inputs(const Catalogue& catalogue, const EvaluationRequest& request);
+
+}  // namespace touchstone::pipeline

@@ -1,0 +1,270 @@
+#include "harness/pipeline/golden/case_runner.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <span>
+
+#include "harness/base/atomic_file.h"
+#include "harness/base/error.h"
+#include "harness/base/hash.h"
+#include "harness/base/units.h"
+#include "harness/base/version.h"
+#include "harness/baseline/acceptance.h"
+#include "harness/baseline/column_file.h"
+#include "harness/baseline/comparison_report.h"
+#include "harness/perception/filters/weber_law.h"
+#include "harness/pipeline/golden/pictures.h"
+#include "harness/plugin/plugin_provenance.h"
+#include "harness/recording/recording_file.h"
+#include "harness/rendering/operations.h"
+#include "harness/rendering/replay.h"
+#include "harness/report/ctest_measurement.h"
+#include "harness/surface/embree_surface.h"
+#include "harness/surface/mesh_file.h"
+#include "harness/surface/mesh_warnings.h"
+
+namespace touchstone::pipeline {
+namespace {
+
+std::string hash_of(const TriangleMesh& mesh) {
+  return sha256(sha256(std::as_bytes(std::span(mesh.vertices_W_m))) + sha256(std::as_bytes(std::span(mesh.triangles))));
+}
+
+std::string hash_of(const InTrajectory& trajectory) {
+  return sha256(sha256(std::as_bytes(std::span(trajectory.motion.t_s))) +
+                sha256(std::as_bytes(std::span(trajectory.motion.p_W_m))));
+}
+
+double p99(std::vector<double> values) {
+  if (values.empty()) return 0.0;
+  const auto at = values.begin() + static_cast<std::ptrdiff_t>(values.size() * 99 / 100);
+  std::ranges::nth_element(values, at);
+  return *at;
+}
+
+std::optional<RunOperations> count_run(const Catalogue& catalogue, const Model& model,
+                                       std::shared_ptr<const Surface> surface, const InTrajectory& trajectory) {
+  const CountedRenderer counted = catalogue.make_counted(model, std::move(surface));
+  if (!counted.renderer) return std::nullopt;
+  const OperationReport report = count_operations(*counted.renderer, tip_source(trajectory.motion));
+  return RunOperations{report.total(), report.max};
+}
+
+// How wide the tolerance gets over the golden's forces, in differences that a fingertip just notices there.
+double share_of_jnd(const TrajectoryColumns& golden, const GroupTolerance& force) {
+  const auto* const x = golden.find("fx");
+  const auto* const y = golden.find("fy");
+  const auto* const z = golden.find("fz");
+  if (x == nullptr || y == nullptr || z == nullptr) return 0.0;
+  double peak = 0.0;
+  for (std::size_t i = 0; i < x->size(); ++i) peak = std::max(peak, Vec3((*x)[i], (*y)[i], (*z)[i]).norm());
+  double share = 0.0;
+  for (std::size_t i = 0; i < x->size(); ++i) {
+    const double newton = Vec3((*x)[i], (*y)[i], (*z)[i]).norm();
+    const double bound = force.atol + force.rtol * newton + force.rpeak * peak;
+    share = std::max(share, bound / perception::kFingertipForce.just_noticeable_difference(newton));
+  }
+  return share;
+}
+
+// Judges a run that is beyond tolerance by the exact answer, where there is one: `better` when its force is nearer to
+// it by more than the tolerance, over the run and at its worst.
+void judge_by_exact_answer(const Catalogues& catalogues, const GoldenCase& golden, const std::string& model,
+                           const ChangeModel& change, const RenderedTrajectory& obtained, CheckResult& result) {
+  if (golden.surface.generator.empty()) return;
+  const auto analytic = catalogues.generators.surface(golden.surface.generator, golden.surface.parameters);
+  Model parsed = parse_model(golden.models.at(model), golden.name);
+  if (change) change(parsed);
+  result.exact = exact_error(catalogues, *analytic, golden.scale, parsed, obtained);
+  if (!result.exact || result.comparison.verdict != Verdict::worse) return;
+  const auto before = exact_error(catalogues, *analytic, golden.scale, parsed, load_rendered(golden.expected(model)));
+  if (!before) return;
+  result.comparison.problems.push_back(exact_comparison(before, result.exact));
+  const double band_N = golden.tolerance.of("force").atol;
+  if (before->force_rms_N - result.exact->force_rms_N > band_N &&
+      before->force_max_N - result.exact->force_max_N > -band_N)
+    result.comparison.verdict = Verdict::better;
+}
+
+// More, fewer, or none where there were some: each is news. With fused multiply-add a step on a tie takes another
+// branch, up to several times the operations for the same force: there they are measured and not judged.
+void judge_operations(const GoldenCase& golden, const std::string& model, const CaseRun& run, CheckResult& result) {
+  if (build_info().flags.find("-ffp-contract=off") == std::string::npos) return;
+  const auto known = load_operations(golden.summary_file());
+  const auto found = known.find(model);
+  const auto change =
+      operations_change(found == known.end() ? std::nullopt : std::optional(found->second), run.operations);
+  if (!change) return;
+  result.comparison.problems.push_back(change->message);
+  result.comparison.verdict = worst(result.comparison.verdict, change->verdict);
+}
+
+void print_measurements(const CheckResult& result, const CaseRun& run, const std::string& hash) {
+  for (const auto& [name, value] : metrics_of(result.comparison)) print_measurement(stdout, name, value);
+  print_measurement(stdout, "step_p99_us", run.p99_us);
+  if (run.operations) {
+    print_measurement(stdout, "operations", static_cast<double>(run.operations->total));
+    print_measurement(stdout, "operations_max_step", static_cast<double>(run.operations->max_per_step));
+  }
+  print_measurement(stdout, "tolerance_of_jnd", result.share_of_jnd);
+  if (result.exact) {
+    print_measurement(stdout, "exact_force_rms_N", result.exact->force_rms_N);
+    print_measurement(stdout, "exact_force_max_N", result.exact->force_max_N);
+    print_measurement(stdout, "exact_contact_rms_m", result.exact->contact_rms_m);
+  }
+  print_measurement(stdout, "golden_hash", std::string_view(hash));
+}
+
+// Without a golden, or with one that cannot be read: nothing to compare with is never a pass.
+TrajectoryColumns load_golden(const std::filesystem::path& file, CheckResult& result) {
+  if (!std::filesystem::exists(file)) {
+    result.comparison.verdict = Verdict::missing;
+    result.comparison.problems.push_back(
+        fmt::format("{}: there is no golden yet; look at the result, then: touchstone golden accept --reason '...'",
+                    file.string()));
+    return {};
+  }
+  try {
+    return load_columns(file);
+  } catch (const Error& error) {
+    result.comparison.verdict = Verdict::invalid;
+    result.comparison.problems.push_back(error.what());
+    return {};
+  }
+}
+
+// Why the case is none for this renderer: the run starts inside the body, and the renderer declares that it cannot.
+std::string declared_not_to_run(const Catalogues& catalogues, const GoldenCase& golden, const std::string& model,
+                                const ChangeModel& change) {
+  if (!change) return "";
+  Model described = parse_model(golden.models.at(model), golden.name);
+  change(described);
+  const Limitation* const limit = find_limitation(catalogues.renderers.find(described).cannot, Ability::start_inside);
+  if (limit == nullptr) return "";
+  const InTrajectory trajectory = case_trajectory(catalogues.generators, golden);
+  if (trajectory.size() == 0) return "";
+  const SurfacePoint first =
+      make_embree_surface(case_mesh(catalogues.generators, golden))->closest(trajectory.motion.p_W_m.front());
+  return first.signed_distance_m < 0.0 ? "the run starts inside the body: " + limit->reason : "";
+}
+
+}  // namespace
+
+TriangleMesh case_mesh(const Generators& generators, const CaseSurface& surface, double scale) {
+  TriangleMesh mesh = surface.generator.empty()
+                          ? load_mesh(surface.mesh, length_unit_factor(surface.unit))
+                          : generators.mesh(surface.generator, surface.parameters, surface.triangles).mesh;
+  for (Vec3& vertex : mesh.vertices_W_m) vertex *= scale;
+  return mesh;
+}
+
+InTrajectory case_trajectory(const Generators& generators, const CaseTrajectory& wanted, double scale, double speed) {
+  InTrajectory trajectory;
+  if (wanted.generator.empty()) {
+    trajectory = load_trajectory(wanted.file);
+    for (double& t : trajectory.motion.t_s) t /= speed;
+  } else {
+    trajectory = generators.motion(wanted.generator, wanted.parameters, wanted.seed, wanted.rate_Hz / speed);
+    for (std::size_t i = 0; i < trajectory.size(); ++i)
+      trajectory.motion.t_s[i] = static_cast<double>(i) / wanted.rate_Hz;
+  }
+  for (Vec3& p : trajectory.motion.p_W_m) p = scale * (p + wanted.offset_W_m);
+  return trajectory;
+}
+
+CaseRun run_case(const Catalogues& catalogues, const GoldenCase& golden, const std::string& model, bool time_steps,
+                 const ChangeModel& change) {
+  const auto text = golden.models.find(model);
+  if (text == golden.models.end()) {
+    std::string known;
+    for (const auto& [name, ignored] : golden.models) known += ' ' + name;
+    throw UsageError(fmt::format("the case {} has no model '{}'; it has:{}", golden.name, model, known));
+  }
+  const TriangleMesh mesh = case_mesh(catalogues.generators, golden);
+  const InTrajectory trajectory = case_trajectory(catalogues.generators, golden);
+  Model described =
+      parse_model(text->second, fmt::format("{}: /models/{}", (golden.folder / "case.json").string(), model));
+  const std::string own_renderer = described.renderer;
+  if (change) change(described);
+  const std::shared_ptr<const Surface> surface = make_embree_surface(mesh);
+  const auto renderer = catalogues.renderers.make(described, surface);
+  if (golden.surface.generator.empty()) {
+    for (const std::string& warning : mesh_warnings(*surface)) fmt::print(stderr, "warning: {}\n", warning);
+  }
+  CaseRun run;
+  run.rendered = replay(*renderer, trajectory, time_steps);
+  run.p99_us = p99(run.rendered.cost_us);
+  run.rendered.cost_us.clear();
+  run.provenance = build_provenance();
+  if (described.provided) run.provenance.merge(plugin_provenance(*described.provided));
+  if (described.renderer != own_renderer) run.provenance["renderer_in_place"] = described.renderer;
+  run.provenance["geometry_sha256"] = hash_of(mesh);
+  run.provenance["trajectory_sha256"] = hash_of(trajectory);
+  run.provenance["seed"] = std::to_string(golden.trajectory.seed);
+  run.operations = count_run(catalogues.renderers, described, surface, trajectory);
+  if (run.operations) {
+    run.provenance["operations"] = std::to_string(run.operations->total);
+    run.provenance["operations_max_step"] = std::to_string(run.operations->max_per_step);
+  }
+  run.provenance["command"] = fmt::format("touchstone check {} --model {}", golden.name, model);
+  return run;
+}
+
+CheckResult check_case(const Catalogues& catalogues, const GoldenCase& golden, const std::string& model,
+                       const CaseCheck& options) {
+  const auto folder = result_folder(options.out, golden.name, model);
+  CheckResult result;
+  CaseRun run;
+  TrajectoryColumns obtained;
+  if (auto reason = declared_not_to_run(catalogues, golden, model, options.change); !reason.empty()) {
+    result.skipped = std::move(reason);
+    return result;
+  }
+  const TrajectoryColumns expected = load_golden(golden.expected(model), result);
+  try {
+    run = run_case(catalogues, golden, model, options.ctest, options.change);
+    obtained = columns_of(run.rendered, fmt::format("{} {}", golden.name, model));
+  } catch (const UsageError&) {
+    throw;
+  } catch (const Error& error) {
+    result.comparison.verdict = Verdict::invalid;
+    result.comparison.problems.push_back(error.what());
+  }
+  if (result.comparison.verdict == Verdict::equal) {
+    result.comparison = compare(expected, obtained, golden.tolerance);
+    result.same_cpu = read_provenance(golden.expected(model))["cpu"] == run.provenance["cpu"];
+    result.share_of_jnd = share_of_jnd(expected, golden.tolerance.of("force"));
+    if (!(result.share_of_jnd <= golden.jnd_share)) {
+      result.comparison.verdict = Verdict::invalid;
+      result.comparison.problems.push_back(fmt::format(
+          "the force tolerance reaches {:.3g} of a just noticeable difference; the case allows itself {:.3g}",
+          result.share_of_jnd, golden.jnd_share));
+    }
+    if (options.ctest || result.comparison.verdict == Verdict::worse)
+      judge_by_exact_answer(catalogues, golden, model, options.change, run.rendered, result);
+    if (!options.change) judge_operations(golden, model, run, result);
+  }
+  if (options.felt && !obtained.columns.empty()) {
+    result.felt = felt_error(catalogues, golden, model, run.rendered, *options.felt);
+    result.comparison.problems.push_back(to_sentence(*result.felt, *options.felt));
+  }
+  result.table = fmt::format("{} {}\n{}", golden.name, model, to_table(result.comparison));
+  clear_result_folder(folder);
+  if (options.ctest) print_measurements(result, run, obtained.columns.empty() ? "" : summarise(run.rendered).sha256);
+  if (result.passed()) return result;
+
+  ensure_writable_folder(folder);
+  // Git passes over the folder, so that what a failure leaves does not make a checkout look changed.
+  if (const auto ignore = options.out / ".gitignore"; !std::filesystem::exists(ignore)) write_file(ignore, "*\n");
+  result.left_in = folder;
+  if (!obtained.columns.empty()) write_golden(folder / "obtained.h5", run.rendered, run.provenance);
+  write_file(folder / "table.txt", result.table);
+  write_file(folder / "comparison.json", to_json_text(result.comparison));
+  for (const auto& [name, picture] : draw_pictures(expected, obtained, folder)) {
+    if (options.ctest) print_picture(stdout, name, picture);
+  }
+  return result;
+}
+
+}  // namespace touchstone::pipeline

@@ -1,0 +1,76 @@
+// Runs golden cases: makes the case's world from the catalogues, replays, compares with the golden, and leaves behind
+// what a person needs to judge a failure.
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <string>
+
+#include "harness/baseline/compare.h"
+#include "harness/baseline/golden_case.h"
+#include "harness/baseline/golden_file.h"
+#include "harness/baseline/golden_summary.h"
+#include "harness/pipeline/golden/exact_error.h"
+#include "harness/pipeline/golden/felt_verdict.h"
+#include "harness/pipeline/pipeline_rooms.h"
+#include "harness/rendering/model.h"
+#include "harness/surface/triangle_mesh.h"
+
+namespace touchstone::pipeline {
+
+// The case's object and motion, from its files or made by generators; every length times `scale`, the motion `speed`
+// times as fast.
+TriangleMesh case_mesh(const Generators& generators, const CaseSurface& surface, double scale);
+InTrajectory case_trajectory(const Generators& generators, const CaseTrajectory& wanted, double scale, double speed);
+inline TriangleMesh case_mesh(const Generators& generators, const GoldenCase& golden) {
+  return case_mesh(generators, golden.surface, golden.scale);
+}
+inline InTrajectory case_trajectory(const Generators& generators, const GoldenCase& golden) {
+  return case_trajectory(generators, golden.trajectory, golden.scale, golden.speed);
+}
+
+struct CaseRun {
+  RenderedTrajectory rendered;
+  Provenance provenance;
+  double p99_us = 0.0;                      // of a step
+  std::optional<RunOperations> operations;  // where the renderer's are counted
+};
+
+// Changes a case's model before it runs.
+using ChangeModel = std::function<void(Model&)>;
+
+// Throws BadData when the case cannot run, or the renderer answers with a number that is not finite.
+CaseRun run_case(const Catalogues& catalogues, const GoldenCase& golden, const std::string& model, bool time_steps,
+                 const ChangeModel& change = {});
+
+struct CheckResult {
+  Comparison comparison;
+  std::string table;                // for people, with why it could not run where that is so
+  double share_of_jnd = 0.0;        // the widest the tolerance gets, in just noticeable differences of force
+  bool same_cpu = false;            // as the golden's
+  std::optional<ExactError> exact;  // of what was obtained, where an exact answer is known
+  std::optional<FeltError> felt;    // where the verdict `felt` was asked for and the case ran
+  std::string skipped;              // the reason that the renderer declares for what the case demands; else empty
+  std::filesystem::path left_in;    // the folder of a failure, else empty
+
+  [[nodiscard]] bool passed() const { return felt ? felt->passed : passes(comparison.verdict); }
+};
+
+struct CaseCheck {
+  std::filesystem::path out;  // for what failures leave behind
+  bool ctest = false;         // print measurements, with the time of the steps
+  ChangeModel change = {};
+  std::optional<FeltTolerance> felt = std::nullopt;  // judge by what a person would notice
+};
+
+// One model of a case against its golden. Beyond tolerance but nearer to the exact answer is `better`, which does not
+// pass either: it is news, and becomes the golden by a person's decision. So are operations that are not the golden's,
+// which are held against it as long as the model is the case's own. On anything but `equal` leaves obtained.h5,
+// table.txt, comparison.json and pictures in `out`/<case>/<model>; on `equal` removes what an earlier failure left.
+// With `ctest` prints measurements.
+// A case whose run starts inside the body is skipped for a renderer that declares that it cannot.
+CheckResult check_case(const Catalogues& catalogues, const GoldenCase& golden, const std::string& model,
+                       const CaseCheck& options);
+
+}  // namespace touchstone::pipeline

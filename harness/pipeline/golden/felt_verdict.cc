@@ -1,0 +1,143 @@
+#include "harness/pipeline/golden/felt_verdict.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <optional>
+#include <utility>
+
+#include "harness/base/error.h"
+#include "harness/perception/filters/weber_law.h"
+#include "harness/recording/recording_file.h"
+#include "harness/rendering/generators.h"
+#include "harness/rendering/model.h"
+#include "harness/surface/embree_surface.h"
+
+namespace touchstone::pipeline {
+namespace {
+
+// The model's parameter with its default filled in; nothing where the renderer is not of the catalogue or has none.
+std::optional<double> parameter_of(const Catalogue& catalogue, const Model& model, const std::string& name) {
+  for (const RendererEntry& entry : catalogue.renderers()) {
+    if (entry.name != model.renderer) continue;
+    const Parameters values(entry.parameters, model.parameters, "renderer " + model.renderer, model.source, "");
+    const auto found = values.values().find(name);
+    if (found != values.values().end()) return found->second;
+  }
+  return std::nullopt;
+}
+
+// The smooth body's answer to the tips of a run.
+class SmoothBody {
+ public:
+  // Empty where none is known: no formula, friction, effects.
+  static std::optional<SmoothBody> of(const Catalogues& catalogues, const GoldenCase& golden, const Model& model) {
+    const auto& known = catalogues.renderers.renderers();
+    const auto entry = std::ranges::find(known, model.renderer, &RendererEntry::name);
+    if (golden.surface.generator.empty() || entry == known.end() || !entry->has_exact_answer || !model.effects.empty())
+      return std::nullopt;
+    return SmoothBody(catalogues, golden, model);
+  }
+
+  struct Answer {
+    Vec3 f_W_N = Vec3::Zero();
+    bool contact = false;
+    double allowed_N = 0.0;  // for the mesh that the engine was given
+  };
+  [[nodiscard]] Answer at(const Vec3& tip_W_m) const {
+    const Vec3 p = tip_W_m / scale_;
+    const auto exact = generators_->exact_response(*analytic_, p, stiffness_, radius_m_);
+    const auto on_mesh = generators_->exact_response(*mesh_, p, stiffness_, radius_m_);
+    const double bound_N = stiffness_ * (deviation_m_ + std::sqrt(8.0 * deviation_m_ * exact.depth_m));
+    return {scale_ * exact.f_W_N, exact.contact, scale_ * std::min(bound_N, (on_mesh.f_W_N - exact.f_W_N).norm())};
+  }
+  [[nodiscard]] bool leaves_sheet(const Vec3& from_W_m, const Vec3& to_W_m) const {
+    return generators_->leaves_sheet(*analytic_, from_W_m / scale_, to_W_m / scale_, radius_m_);
+  }
+
+ private:
+  SmoothBody(const Catalogues& catalogues, const GoldenCase& golden, const Model& model)
+      : generators_(&catalogues.generators),
+        scale_(golden.scale),
+        stiffness_(parameter_of(catalogues.renderers, model, "stiffness_N_per_m").value_or(0.0)),
+        radius_m_(parameter_of(catalogues.renderers, model, "tip_radius_m").value_or(0.0) / golden.scale),
+        analytic_(generators_->surface(golden.surface.generator, golden.surface.parameters)) {
+    auto made = generators_->mesh(golden.surface.generator, golden.surface.parameters, golden.surface.triangles);
+    deviation_m_ = made.deviation_bound_m;
+    mesh_ = make_embree_surface(std::move(made.mesh));
+  }
+
+  const Generators* generators_;
+  double scale_;
+  double stiffness_;
+  double radius_m_;
+  double deviation_m_ = 0.0;
+  std::shared_ptr<const Surface> analytic_;
+  std::shared_ptr<const Surface> mesh_;
+};
+
+}  // namespace
+
+FeltError felt_error(const Catalogues& catalogues, const GoldenCase& golden, const std::string& model,
+                     const RenderedTrajectory& run, const FeltTolerance& tolerance) {
+  const Model own = parse_model(golden.models.at(model), golden.name);
+  const auto smooth = SmoothBody::of(catalogues, golden, own);
+  std::optional<RenderedTrajectory> known;
+  if (std::filesystem::exists(golden.expected(model))) known = load_rendered(golden.expected(model));
+  if (known && known->size() != run.size()) known.reset();
+  // An epsilon is a length: as force it is that times the steepest rise, which a case's model states.
+  const double epsilon_N =
+      tolerance.epsilon_m * parameter_of(catalogues.renderers, own, "stiffness_N_per_m").value_or(0.0);
+  FeltError error;
+  double square = 0.0;
+  bool on_sheet = smooth.has_value();
+  for (std::size_t i = 0; i < run.size(); ++i) {
+    SmoothBody::Answer right;
+    if (smooth) {
+      right = smooth->at(run.tip_W_m[i]);
+      if (i > 0 && smooth->leaves_sheet(run.tip_W_m[i - 1], run.tip_W_m[i])) on_sheet = false;
+      if (!right.contact && known && known->contact[i] == 0) on_sheet = true;
+    }
+    if (!on_sheet) {
+      if (!known) continue;
+      right = {known->f_W_N[i], known->contact[i] != 0, 0.0};
+    }
+    ++(on_sheet ? error.by_exact : error.by_golden);
+    const double off_N = (run.f_W_N[i] - right.f_W_N).norm();
+    // NaN counts as infinite.
+    const double felt_N = off_N - off_N == 0.0 ? std::max(0.0, off_N - epsilon_N - right.allowed_N)
+                                               : std::numeric_limits<double>::infinity();
+    const double jnd = felt_N / perception::kFingertipForce.just_noticeable_difference(right.f_W_N.norm());
+    square += off_N * off_N;
+    error.max_N = std::max(error.max_N, off_N);
+    if (jnd > error.max_jnd) {
+      error.max_jnd = jnd;
+      error.worst_t_s = run.t_s[i];
+    }
+  }
+  const std::size_t judged = error.by_exact + error.by_golden;
+  if (judged == 0) {
+    throw BadData(fmt::format("{}: neither an exact answer nor a golden of {} samples is known to judge {} by",
+                              golden.name, run.size(), model));
+  }
+  error.reference = error.by_golden == 0 ? "exact" : error.by_exact == 0 ? "golden" : "both";
+  error.rms_N = std::sqrt(square / static_cast<double>(judged));
+  error.passed = error.max_jnd <= tolerance.jnd && std::isfinite(error.rms_N);
+  return error;
+}
+
+std::string to_sentence(const FeltError& error, const FeltTolerance& tolerance) {
+  const std::string by = error.reference == "both"    ? fmt::format("exact answer ({} samples) and the golden ({})",
+                                                                    error.by_exact, error.by_golden)
+                         : error.reference == "exact" ? std::string("exact answer")
+                                                      : std::string("golden");
+  return fmt::format(
+      "felt: {} from the {}: {:.3g} N rms, {:.3g} N and {:.3g} JND at most, at {:.4g} s (within {:g} JND{})",
+      error.passed ? "passes" : "fails", by, error.rms_N, error.max_N, error.max_jnd, error.worst_t_s, tolerance.jnd,
+      tolerance.epsilon_m > 0.0 ? fmt::format(" and {:g} m", tolerance.epsilon_m) : "");
+}
+
+}  // namespace touchstone::pipeline

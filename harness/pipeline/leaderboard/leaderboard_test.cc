@@ -1,0 +1,149 @@
+#include <nlohmann/json.hpp>
+
+#include "harness/base/atomic_file.h"
+#include "harness/base/error.h"
+#include "harness/pipeline/board_json.h"
+#include "harness/pipeline/evaluation/sample_scan_for_test.h"
+#include "harness/pipeline/leaderboard/board_plan.h"
+#include "harness/pipeline/leaderboard/input_floor.h"
+#include "harness/pipeline/leaderboard/submission.h"
+#include "harness/surface/embree_surface.h"
+
+namespace touchstone::pipeline {
+namespace {
+using ::testing::HasSubstr;
+
+// Pressed all the time with 2 N while it moves over a plate.
+FloorWorld plate_world(double noise_N) {
+  FloorWorld world;
+  world.law = "friction-cone";
+  world.recording.source = "plate";
+  for (int i = 0; i < 4000; ++i) {
+    const double t = 0.001 * i;
+    world.recording.motion.t_s.push_back(t);
+    world.recording.motion.p_W_m.emplace_back(0.05 + 0.01 * std::sin(2.0 * t), 0.05, 0.0);
+    world.recording.f_W_N.emplace_back(0.0, 0.0, 2.0);
+  }
+  world.surface = make_embree_surface(plate());
+  world.stiffness_N_per_m = 500.0;
+  world.contact_threshold_N = 0.05;
+  world.instrument.force_noise_N = noise_N;
+  return world;
+}
+
+// Without friction the input carries the measured normal force, noise and all, and the renderer gives it back; nothing
+// gives back the noise of the two tangential axes.
+TEST(Floor, OnAPlateIsTheNoiseOfTheTangentialAxes) {
+  for (const double noise_N : {0.001, 0.01, 0.1}) {
+    const pipeline::Floor floor = floor_of(built_in(), plate_world(noise_N), {}, 1);
+    EXPECT_NEAR(floor.rms_N, std::sqrt(2.0) * noise_N, 0.02 * noise_N);
+    EXPECT_LT(floor.low95_N, std::sqrt(2.0) * noise_N);
+    EXPECT_GT(floor.high95_N, std::sqrt(2.0) * noise_N);
+  }
+  EXPECT_LT(floor_of(built_in(), plate_world(0.0), {}, 1).rms_N, 1e-12) << "perfect instruments leave no floor";
+}
+
+// With measured positions the input knows nothing of the force: all three axes are left.
+TEST(Floor, OfMeasuredPositionsIsTheNoiseOfAllAxes) {
+  FloorWorld world = plate_world(0.01);
+  world.in_trajectory = InTrajectoryMode::measured;
+  for (Vec3& p : world.recording.motion.p_W_m) p.z() = -2.0 / 500.0;
+  EXPECT_NEAR(floor_of(built_in(), world, {}, 1).rms_N, std::sqrt(3.0) * 0.01, 2e-4);
+}
+
+TEST(Floor, IsTheSameFromTheSameSeed) {
+  const FloorWorld world = plate_world(0.01);
+  EXPECT_EQ(floor_of(built_in(), world, {}, 5).rms_N, floor_of(built_in(), world, {}, 5).rms_N);
+  EXPECT_NE(floor_of(built_in(), world, {}, 5).rms_N, floor_of(built_in(), world, {}, 6).rms_N);
+}
+
+class Leaderboard : public ::testing::Test {
+ protected:
+  // The bundled plane with a few renderers, without reports.
+  BoardRequest request(BoardTip tip = BoardTip::point) const {
+    BoardRequest out;
+    const char* const source = std::getenv("TOUCHSTONE_SOURCE_DIR");
+    out.datasets = {std::filesystem::path(source == nullptr ? "." : source) / "synthetic/bundled/plane"};
+    for (const char* const name : {"god-object", "friction-cone", "voxel"}) {
+      Model model;
+      model.renderer = name;
+      model.source = name;
+      if (std::string(name) == "friction-cone")
+        model.parameters = {{"mu_static", 0.2}, {"mu_dynamic", 0.2}, {"stiffness_N_per_m", 500.0}};
+      out.models.emplace_back(model, std::string(name) + ".json");
+    }
+    out.plugins = &plugins_;
+    out.tip = tip;
+    out.reports = false;
+    return out;
+  }
+
+  static pipeline::Board run(const BoardPlan& plan, CaseStore& store) {
+    store.start_run({{"version", "test"}});
+    run_cases(board_job(built_in(), plan), store, {}, 1, false);
+    EXPECT_EQ(store.done().size(), plan.cells.size());
+    pipeline::Board board = board_of_rows(plan, store);
+    board.options.draws = 300;
+    pipeline::rank_board(board, false);
+    return board;
+  }
+
+  Plugins plugins_;
+};
+
+TEST_F(Leaderboard, RanksWhoEntersAndSaysWhoDoesNot) {
+  const BoardPlan plan = plan_board(built_in(), request(BoardTip::dataset));
+  CaseStore store(CaseStore::in_memory, board_table(plan));
+  const pipeline::Board board = run(plan, store);
+  ASSERT_EQ(board.tasks.size(), 1u);
+  const pipeline::Task& task = board.tasks.front();
+  ASSERT_TRUE(task.floor.has_value());
+  EXPECT_EQ(task.entries[2].state, pipeline::EntryState::does_not_enter);
+  EXPECT_THAT(task.entries[2].why, HasSubstr("renders point tips only"));
+  EXPECT_THAT(task.input, HasSubstr("whole-force")) << "the data set declares friction";
+  ASSERT_TRUE(task.ranking.has_value());
+  EXPECT_TRUE(task.ranking->told_apart(0, 1)) << "friction is what the god-object lacks";
+  // Nothing is below the floor, and the model that made the recording is near it.
+  const double own = task.entries[1].scores.rms_force_error_N;
+  EXPECT_GT(own, 0.5 * task.floor->low95_N);
+  EXPECT_LT(own, 2.0 * task.floor->high95_N);
+  EXPECT_GT(task.entries[0].scores.rms_force_error_N, 3.0 * task.floor->high95_N);
+}
+
+TEST_F(Leaderboard, ARunThatStoppedGivesTheSameBytes) {
+  const BoardPlan plan = plan_board(built_in(), request());
+  CaseStore whole(CaseStore::in_memory, board_table(plan));
+  const std::string expected = pipeline::board_to_json(run(plan, whole));
+  CaseStore parts(CaseStore::in_memory, board_table(plan));
+  CaseShard half;
+  half.index = 1;
+  half.count = 2;
+  parts.start_run({{"version", "test"}});
+  run_cases(board_job(built_in(), plan), parts, half, 1, false);
+  EXPECT_GT(parts.done().size(), 0u);
+  EXPECT_LT(parts.done().size(), plan.cells.size());
+  EXPECT_EQ(pipeline::board_to_json(run(plan, parts)), expected);
+}
+
+TEST_F(Leaderboard, ASubmissionIsCheckedByRunningItAgain) {
+  const auto folder = fresh_folder("touchstone-submission");
+  const BoardPlan plan = plan_board(built_in(), request());
+  CaseStore store(CaseStore::in_memory, board_table(plan));
+  pipeline::Board board = run(plan, store);
+  write_file(folder / "s.json", submission_to_json(plan, board, {}));
+  const Submission claimed = load_submission(folder / "s.json", plugins_);
+  CaseStore again(CaseStore::in_memory, board_table(plan));
+  EXPECT_TRUE(differences(claimed, plan, run(plan, again), {}).empty());
+  board.tasks[0].entries[1].scores.rms_force_error_N *= 1.0 + 1e-15;
+  EXPECT_THAT(differences(claimed, plan, board, {}),
+              ::testing::ElementsAre(HasSubstr("friction-cone on plane / scan")));
+  std::string text = read_file(folder / "s.json");
+  const auto at = text.find("\"rms_force_error_N\": 0.");
+  ASSERT_NE(at, std::string::npos);
+  text[at + 23] = text[at + 23] == '9' ? '8' : '9';
+  write_file(folder / "forged.json", text);
+  EXPECT_THROW(load_submission(folder / "forged.json", plugins_), BadData);
+}
+
+}  // namespace
+}  // namespace touchstone::pipeline

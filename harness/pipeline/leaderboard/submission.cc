@@ -1,0 +1,161 @@
+#include "harness/pipeline/leaderboard/submission.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <nlohmann/json.hpp>
+
+#include "harness/base/error.h"
+#include "harness/base/hash.h"
+#include "harness/base/json_reader.h"
+#include "harness/base/version.h"
+#include "harness/report/metric_json.h"
+
+namespace touchstone::pipeline {
+namespace {
+
+using nlohmann::json;
+
+constexpr const char* kSubmissionSchema = "touchstone-submission/1";
+
+json score_or_null(double value) { return std::isfinite(value) ? json(value) : json(); }
+
+json entries_json(const pipeline::Board& board) {
+  json out = json::array();
+  for (const pipeline::Task& task : board.tasks) {
+    for (const pipeline::Entry& entry : task.entries) {
+      const pipeline::Scores& s = entry.scores;
+      json one{{"task", task.name}, {"renderer", entry.renderer}, {"state", state_name(entry.state)}};
+      if (entry.state == pipeline::EntryState::ran) {
+        one["input_hash"] = entry.input.hash;
+        one["rms_force_error_N"] = score_or_null(s.rms_force_error_N);
+        one["rms_force_error_jnd"] = score_or_null(s.rms_force_error_jnd);
+        one["rms_position_error_m"] = score_or_null(s.rms_position_error_m);
+        one["mean_operations"] = score_or_null(s.mean_operations);
+        one["max_operations"] = score_or_null(s.max_operations);
+      }
+      out.push_back(std::move(one));
+    }
+  }
+  return out;
+}
+
+json plugins_json(const std::vector<std::filesystem::path>& plugins) {
+  json out = json::array();
+  for (const auto& file : plugins) out.push_back({{"name", file.filename().string()}, {"sha256", sha256_file(file)}});
+  return out;
+}
+
+// Everything but the hash itself; json sorts its keys, so that the text is canonical.
+std::string hash_of_contents(json document) {
+  document.erase("sha256");
+  return sha256(document.dump());
+}
+
+// Recordings, meshes and models that the two plans do not share, by task and renderer.
+void compare_specifications(const std::string& claimed, const std::string& here, std::vector<std::string>& lines) {
+  if (claimed == here) return;
+  const auto cells = [](const std::string& text) {
+    std::map<std::string, json> out;
+    const json document = json::parse(text);
+    for (const json& cell : document["cells"])
+      out[fmt::format("{} on {}", cell.value("name", "floor"), cell["task"].get<std::string>())] = cell;
+    return out;
+  };
+  const auto before = cells(claimed);
+  const auto now = cells(here);
+  for (const auto& [name, cell] : before) {
+    const auto found = now.find(name);
+    if (found == now.end()) {
+      lines.push_back(name + ": was not run here");
+      continue;
+    }
+    for (const auto& [key, value] : cell.items()) {
+      if (found->second.value(key, json()) != value)
+        lines.push_back(fmt::format("{}: another {} than in the submission", name, key));
+    }
+  }
+  for (const auto& [name, cell] : now) {
+    if (!before.contains(name)) lines.push_back(name + ": is not in the submission");
+  }
+}
+
+}  // namespace
+
+std::string submission_to_json(const BoardPlan& plan, const pipeline::Board& board,
+                               const std::vector<std::filesystem::path>& plugins) {
+  const BoardRequest& request = plan.request;
+  json models = json::array();
+  for (const auto& [model, file] : request.models)
+    models.push_back({{"name", file.stem().string()}, {"model", model_to_json(model)}});
+  json document{{"schema", kSubmissionSchema},
+                {"in_trajectory", request.in_trajectory_chosen ? in_trajectory_name(request.base.in_trajectory) : ""},
+                {"tip", request.tip == BoardTip::point ? "point" : "dataset"},
+                {"fit", request.fit},
+                {"fit_range", request.fit_range.text()},
+                {"score_range", request.base.time_ranges.text()},
+                {"models", std::move(models)},
+                {"specification", plan.specification},
+                {"plugins", plugins_json(plugins)},
+                {"provenance", provenance_to_json(make_provenance(request.base.command_line))},
+                {"entries", entries_json(board)}};
+  document["sha256"] = hash_of_contents(document);
+  return document.dump(1) + "\n";
+}
+
+Submission load_submission(const std::filesystem::path& file, const Plugins& plugins) {
+  const json document = load_json(file);
+  JsonObject in(document, file.string(), "");
+  in.schema(kSubmissionSchema);
+  if (in.text("sha256") != hash_of_contents(document)) {
+    in.fail_at("sha256", "is not the hash of what the file holds: it was changed after it was made");
+  }
+  Submission out;
+  const std::string mode = in.text("in_trajectory");
+  out.in_trajectory_chosen = !mode.empty();
+  out.in_trajectory = find_in_trajectory(mode).value_or(InTrajectoryMode::synthesize);
+  out.tip = in.text("tip") == "dataset" ? BoardTip::dataset : BoardTip::point;
+  for (const json& one : in.raw("fit")) out.fit.push_back(one.get<std::string>());
+  out.fit_range = in.text("fit_range");
+  out.score_range = in.text("score_range");
+  for (JsonObject& one : in.objects("models")) {
+    const std::string name = one.text("name");
+    Model model = parse_model(one.text("model"), name);
+    plugins.provide(model);
+    out.models.emplace_back(std::move(model), name + ".json");
+  }
+  out.specification = in.text("specification");
+  for (JsonObject& one : in.objects("plugins"))
+    out.plugins.push_back({"plug-in", one.text("name"), one.text("sha256"), 0});
+  out.entries = in.raw("entries").dump();
+  return out;
+}
+
+std::vector<std::string> differences(const Submission& claimed, const BoardPlan& plan, const pipeline::Board& board,
+                                     const std::vector<std::filesystem::path>& plugins) {
+  std::vector<std::string> lines;
+  for (const InputFile& plugin : claimed.plugins) {
+    const bool here =
+        std::ranges::any_of(plugins, [&](const auto& file) { return sha256_file(file) == plugin.sha256; });
+    if (!here) lines.push_back(fmt::format("the plug-in {} ({}) was not loaded here", plugin.name, plugin.sha256));
+  }
+  compare_specifications(claimed.specification, plan.specification, lines);
+  const json now = entries_json(board);
+  for (const json& one : json::parse(claimed.entries)) {
+    const auto found = std::ranges::find_if(
+        now, [&](const json& other) { return other["task"] == one["task"] && other["renderer"] == one["renderer"]; });
+    if (found == now.end()) continue;  // said above
+    for (const auto& [key, value] : one.items()) {
+      const json here = found->value(key, json());
+      if (here == value) continue;
+      lines.push_back(fmt::format("{} on {}: {} is {} in the submission and {} here",
+                                  one["renderer"].get<std::string>(), one["task"].get<std::string>(), key, value.dump(),
+                                  here.dump()));
+    }
+  }
+  return lines;
+}
+
+}  // namespace touchstone::pipeline

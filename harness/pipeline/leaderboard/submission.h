@@ -1,0 +1,40 @@
+// A submission: what somebody claims that renderers score, in a file that anyone can check by running it again.
+// Schema "touchstone-submission/1": the options and models of the leaderboard, the SHA-256 of every recording, mesh and
+// plug-in, the build, and every entry's state, input hash and scores; "sha256" is of all of that.
+#pragma once
+
+#include <filesystem>
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+#include <vector>
+
+#include "harness/pipeline/leaderboard/board_plan.h"
+#include "harness/pipeline/pipeline_rooms.h"
+#include "harness/report/provenance.h"
+
+namespace touchstone::pipeline {
+
+struct Submission {
+  std::vector<ModelOfFile> models;  // empty: every renderer
+  bool in_trajectory_chosen = false;
+  InTrajectoryMode in_trajectory = InTrajectoryMode::synthesize;
+  BoardTip tip = BoardTip::point;
+  std::vector<std::string> fit;
+  std::string fit_range, score_range;
+  std::string specification;  // of the plan: which data and models
+  std::vector<InputFile> plugins;
+  std::string entries;  // canonical JSON of what was scored
+};
+
+// `plugins`: the libraries that the plan's renderers came from.
+std::string submission_to_json(const BoardPlan& plan, const pipeline::Board& board,
+                               const std::vector<std::filesystem::path>& plugins);
+
+// Throws BadData for a file that is no submission, or whose contents are not what its "sha256" says.
+Submission load_submission(const std::filesystem::path& file, const Plugins& plugins);
+
+// What differs between a submission and the same run here, a line each; empty: the same numbers, to the last digit.
+std::vector<std::string> differences(const Submission& claimed, const BoardPlan& plan, const pipeline::Board& board,
+                                     const std::vector<std::filesystem::path>& plugins);
+
+}  // namespace touchstone::pipeline

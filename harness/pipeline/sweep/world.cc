@@ -1,0 +1,110 @@
+#include "harness/pipeline/sweep/world.h"
+
+#include <fmt/format.h>
+
+#include <mutex>
+#include <new>
+#include <nlohmann/json.hpp>
+
+#include "harness/base/error.h"
+#include "harness/base/json_reader.h"
+#include "harness/pipeline/golden/case_runner.h"
+#include "harness/rendering/model.h"
+#include "harness/rendering/replay.h"
+#include "harness/runs/shared_cache.h"
+#include "harness/surface/embree_surface.h"
+
+namespace touchstone::pipeline {
+namespace {
+
+// About 400 bytes each with all structures: 1.6 gigabytes.
+constexpr std::uint64_t most_triangles = 4'000'000;
+// What a surface takes however small, in triangles: no more than four thousand are kept.
+constexpr std::uint64_t of_a_scene = 1000;
+constexpr std::uint64_t most_samples = 20'000'000;
+
+struct SharedSurface {
+  std::shared_ptr<const Surface> surface;
+  std::uint64_t triangles = 0;
+  std::unique_ptr<const Surface> exact;  // nullptr for a mesh from a file
+
+  // The first renderer of each kind stays: with it live the structures that those after it share.
+  std::unique_ptr<Renderer> make(const Catalogue& catalogue, const Model& model) {
+    auto renderer = catalogue.make(model, surface);
+    const std::lock_guard lock(mutex);
+    if (!keepers.contains(model.renderer)) keepers.emplace(model.renderer, catalogue.make(model, surface));
+    return renderer;
+  }
+  std::mutex mutex;
+  std::map<std::string, std::unique_ptr<Renderer>> keepers;
+};
+
+}  // namespace
+
+struct SweepWorld::State {
+  State(const Catalogues& known, const SweepDesign& wanted) : catalogues(known), design(&wanted) {}
+
+  void run(SweepOutcome& outcome) {
+    const SweepCase& one = outcome.one;
+    const std::string source = fmt::format("case {}", one.number);
+    const nlohmann::json document = parse_json(one.document, source);
+    JsonObject root(document, source, "");
+    const double scale = positive(root, "scale");
+    const double speed = positive(root, "speed");
+    const auto world = surfaces.get(one.surface_key, [&] { return make_surface(root, scale); });
+    const auto trajectory = trajectories.get(one.trajectory_key, [&] {
+      return std::make_shared<InTrajectory>(case_trajectory(
+          catalogues.generators, read_case_trajectory(root.object("trajectory"), design->folder(), CaseFiles::anywhere),
+          scale, speed));
+    });
+    const Model model = parse_model(document["model"].dump(), source + ": /model");
+    const auto renderer = world->make(catalogues.renderers, model);
+    const RenderedTrajectory rendered = replay(*renderer, *trajectory);
+    outcome.summary = summarise(rendered);
+    if (design->truth())
+      outcome.exact = world->exact ? exact_error(catalogues, *world->exact, scale, model, rendered) : std::nullopt;
+  }
+
+  [[nodiscard]] std::shared_ptr<SharedSurface> make_surface(JsonObject& root, double scale) const {
+    auto made = std::make_shared<SharedSurface>();
+    const CaseSurface wanted = read_case_surface(root.object("surface"), design->folder(), CaseFiles::anywhere);
+    made->surface = make_embree_surface(case_mesh(catalogues.generators, wanted, scale));
+    made->triangles = made->surface->mesh()->triangle_count();
+    if (!wanted.generator.empty() && design->truth())
+      made->exact = catalogues.generators.surface(wanted.generator, wanted.parameters);
+    return made;
+  }
+
+  static double positive(JsonObject& root, const char* key) {
+    const double value = root.number(key);
+    if (!(value > 0.0)) root.fail_at(key, fmt::format("a number above 0 was expected, got {}", value));
+    return value;
+  }
+
+  Catalogues catalogues;
+  const SweepDesign* design;
+  SharedCache<SharedSurface> surfaces{most_triangles, [](const SharedSurface& s) { return s.triangles + of_a_scene; }};
+  SharedCache<InTrajectory> trajectories{most_samples, [](const InTrajectory& t) { return t.size() + 1; }};
+};
+
+SweepWorld::SweepWorld(const Catalogues& catalogues, const SweepDesign& design)
+    : state_(std::make_unique<State>(catalogues, design)) {}
+SweepWorld::~SweepWorld() = default;
+
+std::uint64_t SweepWorld::surfaces_made() const { return state_->surfaces.made(); }
+
+SweepOutcome SweepWorld::run(std::uint64_t number) {
+  SweepOutcome outcome;
+  outcome.one.number = number;
+  try {
+    outcome.one = state_->design->at(number);
+    state_->run(outcome);
+  } catch (const std::bad_alloc&) {
+    outcome.error = "out of memory";
+  } catch (const std::exception& error) {
+    outcome.error = error.what();
+  }
+  return outcome;
+}
+
+}  // namespace touchstone::pipeline

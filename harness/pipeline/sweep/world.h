@@ -1,0 +1,42 @@
+// Runs one case of a sweep. Surfaces with the structures that renderers build on them, and trajectories, are shared by
+// all cases and threads, never made anew for a case.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "harness/baseline/golden_summary.h"
+#include "harness/pipeline/golden/exact_error.h"
+#include "harness/pipeline/pipeline_rooms.h"
+#include "harness/pipeline/sweep/design.h"
+
+namespace touchstone::pipeline {
+
+struct SweepOutcome {
+  SweepCase one;
+  std::string error;  // empty: it ran
+  GoldenSummary summary;
+  std::optional<ExactError> exact;  // where it is asked for, on generated surfaces
+};
+
+class SweepWorld {
+ public:
+  // Both must live as long as the world.
+  SweepWorld(const Catalogues& catalogues, const SweepDesign& design);
+  ~SweepWorld();
+  SweepWorld(const SweepWorld&) = delete;
+  SweepWorld& operator=(const SweepWorld&) = delete;
+
+  // Thread-safe; the outcome depends on the case alone. Never throws for what the case is: that is its error.
+  [[nodiscard]] SweepOutcome run(std::uint64_t number);
+  // How many surfaces were made so far.
+  [[nodiscard]] std::uint64_t surfaces_made() const;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace touchstone::pipeline

@@ -1,0 +1,41 @@
+#include "renderers/measured.h"
+
+#include "harness/rendering/effect_stack.h"
+#include "harness/rendering/parameters.h"
+#include "renderers/catalogue.h"
+#include "renderers/effects/assemble.h"
+#include "renderers/instrument/catalogue.h"
+
+namespace touchstone::renderers {
+
+MeasuredRenderer make_measured_renderer(const Model& model, const std::shared_ptr<const Surface>& surface) {
+  // Checks the model and the surface; without geometry entries it is already the renderer to run.
+  auto renderer = make_renderer(model, surface);
+  const RendererEntry& entry = find_renderer(model);
+  Model base = model;
+  base.parameters = base_parameters(model, entry.parameters);
+  base.instrument.clear();
+  base.effects.clear();
+  const Parameters parameters(entry.parameters, base.parameters, "renderer " + entry.name, model.source, "");
+  const auto value = [&](std::string_view name) {
+    const auto found = parameters.values().find(name);
+    return found == parameters.values().end() ? 0.0 : found->second;
+  };
+  std::vector<StagedInstrument> instrument;
+  std::vector<StackedEffect> inside;
+  for (const NamedParameters& part : model.instrument) {
+    const InstrumentEntry* const known = find_instrument_effect(part.name);
+    auto effect = known->make(checked_values(part, known->parameters, "instrument entry", model.source));
+    if (auto contact = effect->contact_effect()) inside.push_back({std::move(contact), EffectPhase::depth, true});
+    instrument.emplace_back(known->stage, std::move(effect));
+  }
+  if (!inside.empty()) {
+    std::vector<StackedEffect> effects = make_effects(model);
+    for (StackedEffect& effect : inside) effects.push_back(std::move(effect));
+    renderer = std::make_unique<EffectStack>(make_renderer(base, surface), std::move(effects), surface,
+                                             value("tip_radius_m"), value("stiffness_N_per_m"));
+  }
+  return {std::move(renderer), std::move(instrument)};
+}
+
+}  // namespace touchstone::renderers
