@@ -93,7 +93,8 @@ TEST_F(Program, PerceiveSaysHowLikelyAPersonNoticesAndByWhat) {
       EXPECT_TRUE(channel["name"].is_string() && channel["jnd"].is_number() && channel["probability"].is_number());
     }
     // Other authors' metrics stand beside it, ST-SIM, SPQI and Stevens' law too.
-    for (const char* const name : {"perception-space", "euclidean", "pmse", "hssim", "st-sim", "spqi", "stevens"})
+    for (const char* const name :
+         {"perception-space", "euclidean", "pmse", "structural-similarity", "st-sim", "spqi", "stevens"})
       EXPECT_TRUE(c["other_metrics"].contains(name)) << name;
   }
   const auto& soft = json["conditions"][0];

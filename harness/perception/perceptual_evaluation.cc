@@ -44,7 +44,7 @@ const std::vector<StatisticalMethod>& statistical_methods() {
        [](const ComparedSeries& s) -> std::optional<double> {
          return mean_square_error(s.real_steps, noticeable_steps(s.rendered_N, s.law));
        }},
-      {{"hssim", "HSSIM with our constants (eq 10, 11)", "1", true},
+      {{"structural-similarity", "structural similarity of the forces (eq 10, 11)", "1", true},
        [](const ComparedSeries& s) -> std::optional<double> {
          StructuralSimilarityConstants constants;
          constants.window = static_cast<std::size_t>(std::max(4.0, std::round(0.1 * s.rate_Hz)));

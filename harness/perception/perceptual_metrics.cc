@@ -97,7 +97,7 @@ constexpr std::array kPress{
     Described{"rate_hardness_error", "1",
               "RMS difference of rate-hardness, rendered from measured, over the RMS measured."},
     Described{"force_structural_similarity", "1",
-              "Structural similarity of the force series (an HSSIM with own constants)."}};
+              "Structural similarity of the force series in windows of 0.1 s (Wang et al. 2004)."}};
 
 MetricResult value_of(const Described& metric, double value) {
   MetricResult result;

@@ -139,7 +139,8 @@ Section other_section(const pc::JudgedConditions& judged) {
   section.title = "Metrics of other authors, side by side";
   section.intro =
       "Each pair by itself. They compare samples of the same moment: hands that press deeper, faster or later count as "
-      "differences. The distance keeps all components. HSSIM has our constants, for want of the published ones.";
+      "differences. The distance keeps all components. Structural similarity follows the equations of HSSIM; its "
+      "published windows and constants could not be had.";
   Table table;
   table.columns = {"condition"};
   for (const auto& c : judged.conditions) {
@@ -173,7 +174,7 @@ Section threshold_section(const pc::JudgeOptions& options) {
   for (const auto& entry : pc::threshold_entries()) {
     Table::Row row;
     row.cells = {judged_text(std::string(entry.name)), judged_number(entry.place(thresholds), "{:.4g}"),
-                 judged_text(std::string(entry.unit)), judged_text(std::string(entry.source))};
+                 judged_text(std::string(entry.unit)), judged_text(pc::source_of(entry))};
     table.rows.push_back(std::move(row));
   }
   section.blocks.emplace_back(std::move(table));

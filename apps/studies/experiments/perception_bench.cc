@@ -5,7 +5,9 @@
 #include <limits>
 #include <map>
 #include <mutex>
+#include <optional>
 
+#include "apps/studies/experiments/published_cases.h"
 #include "harness/base/in_parallel.h"
 #include "harness/perception/judge/forced_choice.h"
 #include "harness/perception/judge/judged_conditions.h"
@@ -20,37 +22,63 @@ constexpr double kBelow = 0.5;
 constexpr std::size_t kTrials = 200;
 constexpr std::size_t kFewestInBin = 20;
 
-// Cases that a setup can show: a buzz above half the rate is another buzz once sampled.
-std::vector<PlantedCase> cases_of(const PlantedSetup& setup) {
-  auto cases = planted_cases();
-  std::erase_if(cases, [&](const PlantedCase& c) { return c.buzz_Hz > 0.45 * setup.rate_Hz; });
-  return cases;
+// A condition, what it is held against, and the answer.
+struct Asked {
+  std::size_t reference = 0;
+  PlantedCase real;
+  PlantedCase rendered;
+  double d_prime = 0.0;
+};
+
+std::vector<Asked> asked_of(const PlantedSetup& setup, BenchTruth truth) {
+  std::vector<Asked> asked;
+  if (truth == BenchTruth::experiments) {
+    for (const auto& own : published_cases())
+      asked.push_back({own.experiment, published_experiments()[own.experiment].real, own.rendered, own.d_prime});
+    return asked;
+  }
+  for (const auto& planted : planted_cases()) {
+    // A buzz above half the rate is another buzz once sampled.
+    if (planted.buzz_Hz > 0.45 * setup.rate_Hz) continue;
+    asked.push_back({0, {}, planted, planted_d_prime(planted, setup, pc::Thresholds{})});
+  }
+  return asked;
 }
 
-BenchedRun run_setup(const PlantedSetup& setup, std::uint64_t seed, bool other_metrics,
+constexpr std::uint64_t kStreams = 1000;        // of a seed
+constexpr std::uint64_t kFirstReference = 900;  // streams from here on are those of further real processes
+
+BenchedRun run_setup(const PlantedSetup& setup, std::uint64_t seed, const PerceptionBenchOptions& bench,
                      std::vector<std::string>& metrics) {
   const pc::JudgeOptions options;
   BenchedRun run;
   run.setup = setup;
   run.seed = seed;
-  const Recording real = record_planted({}, setup, seed * 1000);
-  const auto reference = pc::judged_process(pc::felt_series(real, Vec3::UnitZ()), options.thresholds);
+  Recording real;
+  std::optional<pc::JudgedProcess> reference;
+  std::size_t recorded = 0;
   std::uint64_t stream = 0;
   metrics = {"judge"};
-  for (const auto& planted : cases_of(setup)) {
-    const Recording recording = record_planted(planted, setup, seed * 1000 + ++stream);
-    const auto process = pc::judged_process(pc::felt_series(recording, Vec3::UnitZ()), options.thresholds, &reference);
-    const auto judgement = pc::judge(reference, process, {}, options);
+  for (const auto& asked : asked_of(setup, bench.truth)) {
+    if (!reference || recorded != asked.reference) {
+      recorded = asked.reference;
+      real = record_planted(asked.real, setup, seed * kStreams + (recorded == 0 ? 0 : kFirstReference + recorded));
+      reference = pc::judged_process(pc::felt_series(real, Vec3::UnitZ()), options.thresholds);
+    }
+    const Recording recording = record_planted(asked.rendered, setup, seed * kStreams + ++stream);
+    const auto process = pc::judged_process(pc::felt_series(recording, Vec3::UnitZ()), options.thresholds, &*reference);
+    const auto judgement = pc::judge(*reference, process, {}, options);
     BenchedCase own;
-    own.planted = planted;
-    own.literature = planted_d_prime(planted, setup, options.thresholds);
+    own.planted = asked.rendered;
+    own.reference = asked.reference;
+    own.literature = asked.d_prime;
     own.d_prime = judgement.d_prime;
     own.probability = judgement.noticed_probability;
     own.low95 = judgement.d_prime_low95;
     own.high95 = judgement.d_prime_high95;
     own.noticed = judgement.verdict == pc::Verdict::noticed;
     own.cost.push_back(judgement.d_prime);
-    if (other_metrics) {
+    if (bench.other_metrics) {
       metrics.resize(1);
       for (const auto& other : pc::other_metrics(real, recording, Vec3::UnitZ())) {
         metrics.push_back(other.name);
@@ -70,7 +98,7 @@ MetricScore score_of(const PerceptionBench& bench, std::size_t metric) {
   for (const auto& run : bench.runs) {
     for (const auto& near : run.cases) {
       for (const auto& far : run.cases) {
-        if (!(far.literature - near.literature > kClear)) continue;
+        if (near.reference != far.reference || !(far.literature - near.literature > kClear)) continue;
         ++score.pairs;
         const double a = near.cost[metric];
         const double b = far.cost[metric];
@@ -119,8 +147,18 @@ void calibrate(PerceptionBench& bench) {
 
 }  // namespace
 
-std::vector<PlantedSetup> bench_setups() {
+std::vector<PlantedSetup> bench_setups(BenchTruth truth) {
   std::vector<PlantedSetup> setups;
+  if (truth == BenchTruth::experiments) {
+    for (const double stiffness : {200.0, 500.0, 2000.0}) {
+      PlantedSetup setup;
+      setup.stiffness_N_per_m = stiffness;
+      setup.force_noise_N = 0.0005;
+      setup.peak_N = 8.0;  // in the range of the experiments on force
+      setups.push_back(setup);
+    }
+    return setups;
+  }
   for (const double stiffness : {200.0, 500.0, 2000.0}) {
     for (const double noise : {0.0005, 0.002}) {
       PlantedSetup setup;
@@ -142,20 +180,21 @@ std::vector<PlantedSetup> bench_setups() {
   return setups;
 }
 
-std::size_t bench_runs(const PerceptionBenchOptions& options) { return bench_setups().size() * options.seeds; }
+std::size_t bench_runs(const PerceptionBenchOptions& options) {
+  return bench_setups(options.truth).size() * options.seeds;
+}
 
 PerceptionBench run_perception_bench(const PerceptionBenchOptions& options,
                                      const std::function<void(std::size_t done)>& progress) {
   PerceptionBench bench;
   bench.options = options;
-  const auto setups = bench_setups();
+  const auto setups = bench_setups(options.truth);
   bench.runs.resize(bench_runs(options));
   std::mutex mutex;
   std::size_t done = 0;
   const auto run_one = [&](std::size_t i) {
     std::vector<std::string> metrics;
-    bench.runs[i] =
-        run_setup(setups[i % setups.size()], options.first_seed + i / setups.size(), options.other_metrics, metrics);
+    bench.runs[i] = run_setup(setups[i % setups.size()], options.first_seed + i / setups.size(), options, metrics);
     const std::scoped_lock lock(mutex);
     bench.metrics = metrics;
     if (progress) progress(++done);

@@ -1,6 +1,7 @@
-// The validation bench of perception: every metric on presses with planted differences (planted_cases.h), over
-// stiffnesses, rates, levels of noise and seeds. A pair of conditions is clear where the thresholds of the literature
-// set their d' more than 2 apart; a metric should order it so.
+// The validation bench of perception: every metric on presses with planted differences, over stiffnesses, rates, levels
+// of noise and seeds. A pair of conditions is clear if its two d' are more than 2 apart; a metric should order it so.
+// The d' that a difference should have comes from the judge's own thresholds (planted_cases.h: is the estimator right?)
+// or from what published experiments found (published_cases.h: are thresholds, channels and combination right?).
 #pragma once
 
 #include <cstdint>
@@ -15,7 +16,10 @@
 
 namespace touchstone::experiments {
 
+enum class BenchTruth : unsigned char { thresholds, experiments };
+
 struct PerceptionBenchOptions {
+  BenchTruth truth = BenchTruth::thresholds;
   std::uint64_t first_seed = 1;
   std::size_t seeds = 3;
   bool other_metrics = true;  // else the judge alone
@@ -24,8 +28,9 @@ struct PerceptionBenchOptions {
 // One planted case of one setup and seed.
 struct BenchedCase {
   PlantedCase planted;
-  double literature = 0.0;  // d' by the thresholds
-  double d_prime = 0.0;     // judged
+  std::size_t reference = 0;  // which real process it is held against: the published experiment, else 0
+  double literature = 0.0;    // d' by the thresholds, or by the experiment
+  double d_prime = 0.0;       // judged
   double probability = 0.5;
   double low95 = 0.0;
   double high95 = 0.0;
@@ -71,7 +76,7 @@ struct PerceptionBench {
 };
 
 // Setups that every seed goes through.
-std::vector<PlantedSetup> bench_setups();
+std::vector<PlantedSetup> bench_setups(BenchTruth truth = BenchTruth::thresholds);
 PerceptionBench run_perception_bench(const PerceptionBenchOptions& options,
                                      const std::function<void(std::size_t done)>& progress = {});
 std::size_t bench_runs(const PerceptionBenchOptions& options);

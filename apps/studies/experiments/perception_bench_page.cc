@@ -6,6 +6,8 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
+#include "apps/studies/experiments/published_cases.h"
+#include "harness/perception/statistics.h"
 #include "harness/report/console.h"
 #include "harness/report/evaluation_page.h"
 
@@ -27,11 +29,9 @@ std::vector<std::string> families_of(const PerceptionBench& bench) {
   return families;
 }
 
-Table score_table(const PerceptionBench& bench) {
+Table score_table(const PerceptionBench& bench, std::string caption) {
   Table table;
-  table.caption =
-      "Clear pairs ordered as the literature's thresholds say, and those of a repeat against each kind of "
-      "difference";
+  table.caption = std::move(caption);
   table.columns = {"metric", "clear pairs", "ordered rightly", "undefined"};
   const auto families = families_of(bench);
   for (const auto& family : families) table.columns.push_back(family);
@@ -48,10 +48,10 @@ Table score_table(const PerceptionBench& bench) {
   return table;
 }
 
-Table calibration_table(const PerceptionBench& bench) {
+Table calibration_table(const PerceptionBench& bench, std::string caption, std::string truth) {
   Table table;
-  table.caption = "Stated probabilities against simulated observers who feel the planted difference";
-  table.columns = {"stated between", "cases", "stated", "by the thresholds", "simulated observers"};
+  table.caption = std::move(caption);
+  table.columns = {"stated between", "cases", "stated", std::move(truth), "simulated observers"};
   for (const auto& bin : bench.calibration) {
     Table::Row row;
     row.cells = {{fmt::format("{:.0f} and {:.0f} %", 100.0 * bin.from, 100.0 * bin.to), false, Tone::neutral},
@@ -78,11 +78,77 @@ Table case_table(const PerceptionBench& bench) {
   return table;
 }
 
+// The judge's d' beside that of each experiment: medians over setups and seeds.
+Table experiment_table(const PerceptionBench& published) {
+  Table table;
+  table.caption = "The judge against published experiments";
+  table.columns = {"experiment", "just noticeable there", "source", "d' there", "d' judged at 1/4", "at 1", "at 3"};
+  const auto& experiments = published_experiments();
+  for (std::size_t e = 0; e < experiments.size(); ++e) {
+    Table::Row row;
+    row.cells = {{std::string(experiments[e].name), false, Tone::neutral},
+                 {std::string(experiments[e].found), false, Tone::neutral},
+                 {std::string(experiments[e].source), false, Tone::neutral},
+                 {fmt::format("{:.2f}", experiments[e].criterion_d), true, Tone::neutral}};
+    for (const double times : {0.25, 1.0, 3.0}) {
+      std::vector<double> judged;
+      for (const auto& run : published.runs) {
+        for (const auto& own : run.cases) {
+          if (own.reference == e && std::abs(own.literature - times * experiments[e].criterion_d) < 1e-9)
+            judged.push_back(own.d_prime);
+        }
+      }
+      row.cells.push_back({fmt::format("{:.2f}", perception::median(judged)), true, Tone::neutral});
+    }
+    table.rows.push_back(std::move(row));
+  }
+  return table;
+}
+
+Section published_section(const PerceptionBench& published) {
+  Section section;
+  section.title = "Against experiments on people";
+  section.intro =
+      "The planted difference is a quarter, one and three times what a published experiment found just noticeable; the "
+      "judge's thresholds do not enter the answer. Three stiffnesses, presses up to 8 N.";
+  section.blocks.emplace_back(experiment_table(published));
+  section.blocks.emplace_back(
+      score_table(published, "Clear pairs ordered as published experiments say, and those of a repeat against each"));
+  section.blocks.emplace_back(TextBlock{
+      fmt::format(
+          "Below threshold (d' < 0.5): {} of {} are called indistinguishable. Largest miscalibration over bins of "
+          "20 cases or more: {:.3f}.",
+          published.called_indistinguishable, published.below_threshold, published.largest_miscalibration),
+      Tone::neutral});
+  section.blocks.emplace_back(
+      calibration_table(published, "Probabilities against simulated observers who feel what the experiments found",
+                        "by the experiments"));
+  return section;
+}
+
+nlohmann::ordered_json bench_json(const PerceptionBench& bench);
+
 }  // namespace
 
-std::string perception_bench_to_json(const PerceptionBench& bench) {
-  nlohmann::ordered_json document{{"schema", "touchstone-perception-bench/1"},
-                                  {"first_seed", bench.options.first_seed},
+std::string perception_bench_to_json(const PerceptionBench& bench, const PerceptionBench& published) {
+  nlohmann::ordered_json document{{"schema", "touchstone-perception-bench/2"}};
+  document["thresholds"] = bench_json(bench);
+  document["experiments"] = bench_json(published);
+  nlohmann::ordered_json experiments = nlohmann::ordered_json::array();
+  for (const auto& own : published_experiments()) {
+    experiments.push_back({{"name", own.name},
+                           {"just_noticeable", own.found},
+                           {"source", own.source},
+                           {"criterion_d_prime", own.criterion_d}});
+  }
+  document["experiments"]["sources"] = experiments;
+  return document.dump(1) + "\n";
+}
+
+namespace {
+
+nlohmann::ordered_json bench_json(const PerceptionBench& bench) {
+  nlohmann::ordered_json document{{"first_seed", bench.options.first_seed},
                                   {"seeds", bench.options.seeds},
                                   {"cases", bench.cases},
                                   {"below_threshold", bench.below_threshold},
@@ -116,6 +182,7 @@ std::string perception_bench_to_json(const PerceptionBench& bench) {
       for (std::size_t m = 0; m < own.cost.size(); ++m) costs[bench.metrics[m]] = bench_number(own.cost[m]);
       cases.push_back({{"name", own.planted.name},
                        {"family", own.planted.family},
+                       {"reference", own.reference},
                        {"literature_d_prime", own.literature},
                        {"d_prime", own.d_prime},
                        {"d_prime_interval95", {own.low95, own.high95}},
@@ -128,8 +195,10 @@ std::string perception_bench_to_json(const PerceptionBench& bench) {
                                 {"force_noise_N", run.setup.force_noise_N},
                                 {"cases", cases}});
   }
-  return document.dump(1) + "\n";
+  return document;
 }
+
+}  // namespace
 
 std::string perception_bench_table(const PerceptionBench& bench) {
   std::vector<std::vector<std::string>> rows{{"metric", "clear pairs", "ordered rightly", "undefined"}};
@@ -147,7 +216,8 @@ std::string perception_bench_table(const PerceptionBench& bench) {
   return text;
 }
 
-Page perception_bench_page(const PerceptionBench& bench, const Provenance& provenance) {
+Page perception_bench_page(const PerceptionBench& bench, const PerceptionBench& published,
+                           const Provenance& provenance) {
   Page page;
   page.title = "Perception: every metric on planted differences";
   page.subtitle = fmt::format("{} setups, seeds {} to {}", bench_setups().size(), bench.options.first_seed,
@@ -156,17 +226,21 @@ Page perception_bench_page(const PerceptionBench& bench, const Provenance& prove
   section.title = "Which metric orders what people tell apart?";
   section.intro =
       "Presses on a simulated spring with one planted difference each. The d' that each should have follows "
-      "from the planted number and published thresholds. A pair is clear if the two d' are more than 2 apart.";
-  section.blocks.emplace_back(score_table(bench));
+      "from the planted number and the judge's own thresholds. A pair is clear if the two d' are more than 2 apart.";
+  section.blocks.emplace_back(score_table(
+      bench,
+      "Clear pairs ordered as the literature's thresholds say, and those of a repeat against each kind of difference"));
   section.blocks.emplace_back(TextBlock{
       fmt::format("Below threshold (d' < 0.5): {} of {} are called indistinguishable. The 95 % interval holds "
                   "the literature's d' in {:.1f} % of the {} cases.",
                   bench.called_indistinguishable, bench.below_threshold, 100.0 * share(bench.covered, bench.cases),
                   bench.cases),
       Tone::neutral});
-  section.blocks.emplace_back(calibration_table(bench));
+  section.blocks.emplace_back(calibration_table(
+      bench, "Stated probabilities against simulated observers who feel the planted difference", "by the thresholds"));
   section.blocks.emplace_back(case_table(bench));
   page.sections.push_back(std::move(section));
+  page.sections.push_back(published_section(published));
   page.sections.push_back(provenance_section(provenance));
   return page;
 }

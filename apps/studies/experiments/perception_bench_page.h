@@ -10,8 +10,10 @@
 
 namespace touchstone::experiments {
 
-std::string perception_bench_to_json(const PerceptionBench& bench);
+// `bench` by the thresholds, `published` by published experiments.
+std::string perception_bench_to_json(const PerceptionBench& bench, const PerceptionBench& published);
 std::string perception_bench_table(const PerceptionBench& bench);
-Page perception_bench_page(const PerceptionBench& bench, const Provenance& provenance);
+Page perception_bench_page(const PerceptionBench& bench, const PerceptionBench& published,
+                           const Provenance& provenance);
 
 }  // namespace touchstone::experiments

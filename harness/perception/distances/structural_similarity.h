@@ -1,11 +1,13 @@
-// HSSIM as far as eq 10 and 11 define it: structural similarity (Wang, Bovik, Sheikh and Simoncelli 2004) of two force
-// series in sliding windows, pooled over time (Minkowski). The paper, and what it says of Hassen and Steinbach (2018),
-// name neither the windows nor the constants: those below are ours, so this is "an HSSIM", not their published figure.
+// Structural similarity (Wang, Bovik, Sheikh and Simoncelli 2004) of two force series in sliding windows, pooled over
+// time (Minkowski): eq 10 and 11 of Shao, Wu and Ouyang (2019), with which they describe the HSSIM of Hassen and
+// Steinbach ("HSSIM: An objective haptic quality assessment measure for force-feedback signals", QoMEX 2018).
+// It is NOT their HSSIM: that paper could not be had, and what is said of it names neither the windows, nor the
+// constants, nor a perceptual mapping of the force. Windows and pooling below are ours.
 //
 //   l = (2 m_r m_v + C1) / (m_r^2 + m_v^2 + C1)     luminance: means
 //   c = (2 s_r s_v + C2) / (s_r^2 + s_v^2 + C2)     contrast: standard deviations
 //   s = (s_rv + C3) / (s_r s_v + C3)                structure: covariance
-//   S_p = l^alpha c^beta s^gamma,  HSSIM = 1/N sum S_p^r
+//   S_p = l^alpha c^beta s^gamma, pooled to 1/N sum S_p^r
 #pragma once
 
 #include <cstddef>

@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <filesystem>
+#include <map>
 #include <numbers>
 
 #include "harness/base/atomic_file.h"
@@ -51,6 +52,26 @@ TEST_F(ThresholdFile, ReplacesAnyConstantAndGivesBackWhatItWrites) {
     EXPECT_NEAR(again.vibration_force_N(f) / changed.vibration_force_N(f), 1.0, 1e-12) << f;
 }
 
+// The numbers that were read in a text are held against that text, typed here once more; all others must say that they
+// were not checked.
+TEST(Thresholds, EachSaysWhetherItsSourceWasReadAndThoseReadAgree) {
+  const std::map<std::string, double> read{
+      {"force_absolute_N", 0.06},     {"force_breakpoint_N", 2.5},  {"force_fraction_below", 0.20},
+      {"force_fraction_above", 0.07}, {"stiffness_fraction", 0.22}, {"direction_rad", 25.6 / 180.0 * std::numbers::pi},
+      {"friction_fraction", 0.2},     {"position_m", 1e-3},         {"vibration_fraction", 0.20},
+  };
+  Thresholds thresholds;
+  for (const auto& entry : threshold_entries()) {
+    const auto found = read.find(std::string(entry.name));
+    EXPECT_EQ(entry.read_in.empty(), found == read.end()) << entry.name;
+    EXPECT_THAT(source_of(entry), HasSubstr(entry.read_in.empty() ? "not checked" : "read in: ")) << entry.name;
+    if (found != read.end()) {
+      EXPECT_NEAR(entry.place(thresholds), found->second, 1e-4) << entry.name;
+    }
+    EXPECT_THAT(thresholds_to_json(thresholds), HasSubstr(source_of(entry)));
+  }
+}
+
 TEST_F(ThresholdFile, RefusesWhatItDoesNotUnderstandWithItsPlace) {
   EXPECT_THAT(refusal(R"({"schema": "touchstone-thresholds/1", "stifness_fraction": 0.15})"),
               HasSubstr("stifness_fraction"));
@@ -65,10 +86,13 @@ TEST_F(ThresholdFile, RefusesWhatItDoesNotUnderstandWithItsPlace) {
 }
 
 TEST(Thresholds, VibrationIsFeltBestNear250HzAsInTheSourceOfTheCurve) {
-  // 0.1 um at 250 Hz, 12 dB per octave on both sides of the best range (Bolanowski et al. 1988).
+  // 0.1 um at 250 Hz, 12 dB per octave on both sides of the best range (Bolanowski et al. 1988), flat below 40 Hz
+  // (Verrillo 1963).
   EXPECT_DOUBLE_EQ(Thresholds::vibration_displacement_m(250.0), 1e-7);
   EXPECT_NEAR(Thresholds::vibration_displacement_m(125.0) / 1e-7, std::pow(10.0, 12.0412 / 20.0), 1e-4);
   EXPECT_NEAR(Thresholds::vibration_displacement_m(600.0) / 1e-7, std::pow(10.0, 12.0412 / 20.0), 1e-4);
+  EXPECT_EQ(Thresholds::vibration_displacement_m(20.0), Thresholds::vibration_displacement_m(40.0));
+  EXPECT_NEAR(Thresholds::vibration_displacement_m(40.0) / 1e-7, std::pow(250.0 / 40.0, 2), 1e-9);
   for (double f = 20.0; f <= 1000.0; f *= 1.1) EXPECT_GE(Thresholds::vibration_displacement_m(f), 1e-7) << f;
   // With a hand that is a damper alone, force is damping times speed.
   Thresholds damper;
