@@ -128,8 +128,13 @@ ExitStatus perceive_by_judge(const PerceiveOptions& options) {
              judgement_page("What a person would notice", judged, settings, sources.notes, provenance));
   fmt::print("{}", judged_table(judged));
   for (const auto& note : sources.notes) fmt::print(stderr, "note: {}\n", note);
-  if (!judged.conditions.empty()) {
-    for (const auto& remark : judged.conditions.front().judgement.remarks) fmt::print(stderr, "note: {}\n", remark);
+  std::vector<std::string> said;
+  for (const auto& condition : judged.conditions) {
+    for (const auto& remark : condition.judgement.remarks) {
+      if (std::ranges::count(said, remark) > 0) continue;
+      fmt::print(stderr, "note: {}\n", remark);
+      said.push_back(remark);
+    }
   }
   fmt::print("{} and {}\n", (out / "report.html").string(), (out / "perception.json").string());
   return ExitStatus::passed;

@@ -22,6 +22,9 @@ struct ObjectView {
   std::vector<double> error;  // NaN where nothing touched
   std::string error_name;     // "force error" or, without force, "position error"
   std::string error_unit;
+  // Share of the samples around each vertex whose force error a person would notice (more than one just noticeable
+  // difference); NaN where nothing touched, empty without force.
+  std::vector<double> noticed_share;
   std::string note;  // how the drawn object differs from the mesh file
 };
 

@@ -155,6 +155,32 @@ Section error_section(const EvaluationResult& result) {
   return section;
 }
 
+// Would a person notice the error, where, when, and as what?
+Section noticed_section(const EvaluationResult& result) {
+  Section section{"Would a person notice?",
+                  "Force errors in just noticeable differences (JND) of the measured force. More than one is noticed. "
+                  "What else gives a rendering away (vibration, delay, direction) says touchstone perceive.",
+                  {},
+                  false};
+  const MetricResult* const share = find(result.metrics, "noticeable_share");
+  if (share == nullptr || share->status != MetricStatus::ok) return section;
+  section.blocks.emplace_back(
+      TextBlock{fmt::format("{:.0f} % of the scan: {}.", 100.0 * share->value,
+                            share->note.empty() ? "no force error can be noticed" : share->note),
+                share->value > 0.0 ? Tone::warning : Tone::good});
+  add_error_plot(section, find(result.metrics, "rms_force_error_jnd"), "Force error as it is felt", 1.0);
+  const std::vector<double>& noticed = result.object.noticed_share;
+  if (std::ranges::any_of(noticed, [](double v) { return std::isfinite(v); })) {
+    Scene scene = object_scene(result.object, result.path_W_m, {});
+    scene.title = "Where a person would notice the error";
+    scene.value_label = "share of the contact there [%]";
+    scene.values.clear();
+    for (const double value : noticed) scene.values.push_back(100.0 * value);
+    section.blocks.emplace_back(std::move(scene));
+  }
+  return section;
+}
+
 // The zoom leaves as much room on either side as the episode is long, and at least some samples.
 std::pair<double, double> zoom_of(const Episode& episode) {
   const double margin = std::max(episode.end_s - episode.start_s, 0.05);
@@ -356,6 +382,7 @@ Page evaluation_page(const EvaluationResult& result) {
                              {object_scene(result.object, result.path_W_m, result.episodes)},
                              false});
   }
+  page.sections.push_back(noticed_section(result));
   page.sections.push_back(error_section(result));
   page.sections.push_back(episode_section(result));
   page.sections.push_back({"All metrics", "", {metrics_table(result.metrics)}, false});

@@ -72,6 +72,7 @@ json to_json(const ObjectView& object) {
           {"error", plotted_numbers(object.error)},
           {"error_name", object.error_name},
           {"error_unit", object.error_unit},
+          {"noticed_share", plotted_numbers(object.noticed_share)},
           {"note", object.note}};
 }
 
@@ -92,6 +93,7 @@ ObjectView object_from_json(JsonObject in) {
   out.error = nullable_numbers(in, "error");
   out.error_name = in.text("error_name");
   out.error_unit = in.text("error_unit");
+  if (in.has("noticed_share")) out.noticed_share = nullable_numbers(in, "noticed_share");
   out.note = in.text("note");
   in.finish();
   return out;

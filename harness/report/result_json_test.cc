@@ -22,6 +22,7 @@ TEST(ResultJson, ReadsBackWhatItWrote) {
   }
   EXPECT_EQ(after.episodes.size(), before.episodes.size());
   EXPECT_EQ(after.object.triangles, before.object.triangles);
+  ASSERT_EQ(after.object.noticed_share.size(), before.object.noticed_share.size());
   EXPECT_EQ(after.provenance.inputs[0].sha256, before.provenance.inputs[0].sha256);
 }
 

@@ -46,8 +46,10 @@ inline EvaluationResult sample_result(const std::string& name) {
   EvaluationResult result;
   result.object.vertices_W_m = sphere.vertices_W_m;
   result.object.triangles = sphere.triangles;
-  for (const Vec3& v : sphere.vertices_W_m)
+  for (const Vec3& v : sphere.vertices_W_m) {
     result.object.error.push_back(v.z() > 0.0 ? 0.2 * (1.0 + std::sin(8.0 * v.x() / radius)) : std::nan(""));
+    result.object.noticed_share.push_back(v.z() > 0.0 ? 0.5 * (1.0 + std::sin(8.0 * v.x() / radius)) : std::nan(""));
+  }
   for (int i = 0; i < 5000; ++i) {
     MetricSample s;
     s.t_s = 0.002 * i;

@@ -11,6 +11,7 @@
 #include "harness/base/error.h"
 #include "harness/base/in_parallel.h"
 #include "harness/perception/statistics.h"
+#include "harness/recording/force_sign.h"
 
 namespace touchstone::perception {
 namespace {
@@ -50,6 +51,17 @@ std::optional<RateHardnessEstimate> rate_hardness_of(const FeltSeries& felt, con
   return estimated_rate_hardness(felt.force_N[0], felt.depth_m, felt.rate_Hz, force.absolute_threshold);
 }
 
+// Below it, the response over one depth says too little of the object: on the springs of the bench it is above 0.99.
+constexpr double kDepthExplains = 0.8;
+
+// Share of the variation of the force along the direction of pressing that the response explains.
+double share_by_depth(const JudgedProcess& process) {
+  const std::vector<double>& force_N = process.felt.force_N[0];
+  const double spread_N = standard_deviation(force_N);
+  const double varies_N2 = spread_N * spread_N * static_cast<double>(force_N.size());
+  return varies_N2 > 0.0 ? 1.0 - residual_squares_N2(*process.response, process.felt) / varies_N2 : 1.0;
+}
+
 void find_strongest(JudgedCondition& own, const Recording& recording) {
   const auto& moments = own.judgement.moments;
   if (moments.empty()) return;
@@ -83,6 +95,7 @@ JudgedConditions judge_conditions(const Recording& real, const std::vector<Recor
   const auto prepared = [&](const Recording& recording) {
     return judged_process(felt_series(recording, outward), options.thresholds, &reference);
   };
+  const double explained = share_by_depth(reference);
   JudgedConditions result;
   result.rate_Hz = reference.felt.rate_Hz;
   result.samples = reference.felt.size();
@@ -104,6 +117,20 @@ JudgedConditions judge_conditions(const Recording& real, const std::vector<Recor
     const Recording recording = conditions[i].load();
     const JudgedProcess process = prepared(recording);
     own.judgement = judge(reference, process, result.floor, own_options);
+    if (explained < kDepthExplains) {
+      own.judgement.remarks.push_back(
+          fmt::format("depth explains {:.0f} % of how the real force varies: the object is curved or sloping, or "
+                      "differs from place to "
+                      "place. Compare models on the real path (--model), or recordings of one path",
+                      100.0 * explained));
+    }
+    const ForceSign sign = check_force_sign(std::vector<Vec3>(recording.size(), outward), recording.f_W_N);
+    if (sign.verdict == SignVerdict::reversed) {
+      own.judgement.remarks.push_back(fmt::format(
+          "{}: its forces point into the object, against those of the real process (statistic {:.2g}): is it "
+          "the force BY the probe? Then negate the three columns",
+          own.name, sign.statistic));
+    }
     if (beside) {
       own.rate_hardness = rate_hardness_of(process.felt, options.thresholds.force);
       find_strongest(own, recording);

@@ -13,6 +13,7 @@
 #include "harness/metrics/catalogue.h"
 #include "harness/metrics/close_up.h"
 #include "harness/metrics/error_map.h"
+#include "harness/perception/filters/weber_law.h"
 #include "harness/pipeline/evaluation/counted_cost.h"
 #include "harness/pipeline/evaluation/perceived.h"
 #include "harness/pipeline/evaluation/sensor_window.h"
@@ -76,7 +77,8 @@ class Collector {
         options_(metric_options(request, inputs.survey)),
         metrics_(of_the_catalogue(request.metrics), {has_force_, true, true}, options_),
         close_ups_(options_.force_threshold_N),
-        errors_(cell_size(inputs)) {}
+        errors_(cell_size(inputs)),
+        noticed_(cell_size(inputs)) {}
 
   void add(const ComparedSample& sample) {
     const MetricSample& m = sample.metric;
@@ -92,6 +94,8 @@ class Collector {
     const double error = has_force_ ? (m.f_measured_W_N - m.f_rendered_W_N).norm() : (m.contact_W_m - m.out_W_m).norm();
     if (sample.touching) {
       errors_.add(sample.surface_W_m, error);
+      const double jnd_N = perception::kFingertipForce.just_noticeable_difference(m.f_measured_W_N.norm());
+      if (has_force_) noticed_.add(sample.surface_W_m, error > jnd_N ? 1.0 : 0.0);
       touched_.extend(sample.surface_W_m);
     }
     if (seen_++ % stride_ == 0) path_.push_back(m.out_W_m);
@@ -124,6 +128,10 @@ class Collector {
     result.object = object_view(inputs.mesh, errors_, touched_, 1.5 * cell_size(inputs));
     result.object.error_name = has_force_ ? "force error" : "position error";
     result.object.error_unit = has_force_ ? "N" : "m";
+    if (has_force_) {
+      for (const Vec3& v : result.object.vertices_W_m)
+        result.object.noticed_share.push_back(noticed_.at(v).value_or(std::nan("")));
+    }
     result.path_W_m = path_;
   }
 
@@ -139,6 +147,7 @@ class Collector {
   PerceivedQuality perceived_;
   CloseUpRecorder close_ups_;
   ErrorMap errors_;
+  ErrorMap noticed_;  // 1 where a person would notice, else 0
   std::array<SeriesRecorder, 3> measured_{SeriesRecorder{"measured_x", "N"}, SeriesRecorder{"measured_y", "N"},
                                           SeriesRecorder{"measured_z", "N"}};
   std::array<SeriesRecorder, 3> rendered_{SeriesRecorder{"rendered_x", "N"}, SeriesRecorder{"rendered_y", "N"},
