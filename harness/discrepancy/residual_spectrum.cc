@@ -379,6 +379,31 @@ std::optional<SpectralPeak> measure_peak(const Resolved& scale, std::size_t at) 
   return peak;
 }
 
+// A short segment blurs a line over its own resolution. The peak at bin `at` of `found` as the longest segment shows it
+// that still holds its power in one place: a resonance has its power spread over many bins there, each with a height
+// of its own, so that none of them holds it.
+std::optional<SpectralPeak> measure_sharpest(const std::vector<Resolved>& scales, const Resolved& found,
+                                             std::size_t at) {
+  const auto coarse = measure_peak(found, at);
+  if (!coarse) return std::nullopt;
+  // Of the power: a line loses to the background under its flanks, and keeps the rest.
+  constexpr double held = 0.8;
+  // The taper's main lobe reaches two bins to both sides.
+  const double reach_Hz = 2.0 * found.residual.bin_Hz;
+  for (const Resolved& scale : scales) {  // the longest first
+    if (&scale == &found) break;
+    std::size_t top = 0;
+    for (std::size_t k = 2; k + 2 < scale.size(); ++k) {
+      if (std::abs(scale.frequency_Hz(k) - found.frequency_Hz(at)) > reach_Hz) continue;
+      if (top == 0 || scale.power(k) > scale.power(top)) top = k;
+    }
+    if (top == 0) continue;
+    const auto fine = measure_peak(scale, top);
+    if (fine && fine->rms_N * fine->rms_N >= held * coarse->rms_N * coarse->rms_N) return fine;
+  }
+  return coarse;
+}
+
 std::vector<SpectralPeak> peaks_of(const Sight& sight, const DetectorSide& side, const Model& model, double from_Hz) {
   std::vector<Resolved> scales;
   double looked_at = 0.0;
@@ -411,8 +436,13 @@ std::vector<SpectralPeak> peaks_of(const Sight& sight, const DetectorSide& side,
     const double here_Hz = best->frequency_Hz(at);
     const double aside_Hz = std::max(sideband_share * here_Hz, 3.0 * best->residual.bin_Hz);
     taken_Hz.emplace_back(here_Hz - aside_Hz, here_Hz + aside_Hz);
-    auto peak = measure_peak(*best, at);
+    auto peak = measure_sharpest(scales, *best, at);
     if (!peak) continue;
+    // What another segment length shows of a peak that is there already.
+    const auto is_there = [&](const SpectralPeak& other) {
+      return std::abs(other.frequency_Hz - peak->frequency_Hz) <= sideband_share * other.frequency_Hz;
+    };
+    if (std::any_of(peaks.begin(), peaks.end(), is_there)) continue;
     peak->log10_false_alarm = std::min(0.0, (tail + std::log(looked_at)) / std::numbers::ln10);
     // Wide enough that a tenth of a second of sliding is not smeared over the rest.
     constexpr double least_half_band_Hz = 5.0;

@@ -101,6 +101,25 @@ TEST_P(SpectrumAtScale, NamesMainsHumThatMeansOverBlocksCancel) {
   }
 }
 
+// Its harmonic does not make the fundamental another thing, and no peak stands twice.
+TEST_P(SpectrumAtScale, NamesHumWithItsHarmonics) {
+  const Series hum = [](const MotionColumns& path, Random& random) {
+    auto force = tone(50.0, 0.5)(path, random);
+    const auto second = tone(100.0, 0.2)(path, random);
+    for (std::size_t i = 0; i < force.size(); ++i) force[i] += second[i];
+    return force;
+  };
+  for (const double noise_N : noise_levels) {
+    const ResidualSpectrum spectrum = judge(GetParam(), noise_N, 45, hum).search.spectrum;
+    ASSERT_GE(spectrum.peaks.size(), 2U);
+    EXPECT_EQ(spectrum.peaks.at(0).name, "mains hum") << describe(spectrum.peaks);
+    EXPECT_NEAR(spectrum.peaks.at(0).frequency_Hz, 50.0, 0.1);
+    EXPECT_EQ(spectrum.peaks.at(1).name, "mains hum") << describe(spectrum.peaks);
+    EXPECT_NEAR(spectrum.peaks.at(1).frequency_Hz, 100.0, 0.1);
+    EXPECT_LE(spectrum.share, 1.05) << describe(spectrum.peaks);
+  }
+}
+
 TEST_P(SpectrumAtScale, NamesAResonance) {
   for (const double noise_N : noise_levels) {
     const Findings findings = judge(GetParam(), noise_N, 42, resonance(81.0, 0.02, 0.3));
