@@ -6,6 +6,8 @@
 namespace touchstone::blind {
 namespace {
 
+using pipeline::DiscrepancySamples;
+
 class Blind : public DiscrepancySamples {
  protected:
   // Makes, searches and scores the second case of the sets, which are cheap: a tool's weight, a mesh that is off within
