@@ -14,7 +14,7 @@ namespace {
 TEST(Listing, GuideHoldsTheCatalogue) {
   const char* const source = std::getenv("TOUCHSTONE_SOURCE_DIR");
   ASSERT_NE(source, nullptr) << "ctest sets it";
-  const std::string guide = read_file(std::filesystem::path(source) / "docs" / "synthetic.md");
+  const std::string guide = read_file(std::filesystem::path(source) / "docs" / "reference" / "synthetic.md");
   EXPECT_TRUE(guide.ends_with(catalogue_markdown()))
       << "bring docs/reference/synthetic.md up to date with touchstone synth --list";
 }

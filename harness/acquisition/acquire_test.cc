@@ -218,7 +218,7 @@ TEST_F(AcquireTest, ContactInTheBiasIntervalIsNamed) {
 TEST(AcquisitionGuide, ItsExampleIsADescription) {
   const char* const source = std::getenv("TOUCHSTONE_SOURCE_DIR");
   ASSERT_NE(source, nullptr);
-  const std::string guide = read_file(fs::path(source) / "docs" / "acquire.md");
+  const std::string guide = read_file(fs::path(source) / "docs" / "how-to" / "acquire.md");
   const std::string fence = "```json\n";
   const auto from = guide.find(fence) + fence.size();
   const auto file = fs::path(::testing::TempDir()) / "acquisition-guide.json";

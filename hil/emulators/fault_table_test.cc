@@ -227,7 +227,7 @@ TEST_F(FaultTable, IsTheOneInTheDocumentation) {
       "wait had an end.\n\n| fault | emulator | what the driver says |\n|---|---|---|\n";
   for (const auto& row : rows) table += fmt::format("| {} | {} | {} |\n", row.fault, row.emulator, row.answer);
   if (const char* const file = std::getenv("TOUCHSTONE_HIL_FAULT_TABLE")) write_file(file, table);
-  std::ifstream in(std::filesystem::path(std::getenv("TOUCHSTONE_SOURCE_DIR")) / "docs" / "hil" / "faults.md");
+  std::ifstream in(std::filesystem::path(std::getenv("TOUCHSTONE_SOURCE_DIR")) / "docs" / "notes" / "guard-faults.md");
   std::stringstream documented;
   documented << in.rdbuf();
   EXPECT_EQ(documented.str(), table);

@@ -310,7 +310,7 @@ TEST(GuardFaultTable, IsTheOneInTheDocumentation) {
   }
   if (const char* const file = std::getenv("TOUCHSTONE_HIL_GUARD_TABLE")) write_file(file, table);
   const auto documented =
-      read_file(std::filesystem::path(std::getenv("TOUCHSTONE_SOURCE_DIR")) / "docs" / "hil" / "guard.md");
+      read_file(std::filesystem::path(std::getenv("TOUCHSTONE_SOURCE_DIR")) / "docs" / "explanation" / "guard.md");
   for (const auto& start : starts) EXPECT_THAT(documented, ::testing::HasSubstr(start));
 }
 
