@@ -14,6 +14,7 @@
 #include "harness/base/atomic_file.h"
 #include "harness/base/error.h"
 #include "harness/base/json_reader.h"
+#include "harness/stats/quantile.h"
 
 namespace touchstone::bench {
 namespace {
@@ -60,12 +61,8 @@ int run(const std::vector<std::string>& words) {
       continue;
     }
     const auto found = compare_paired(one.before_ns, one.after_ns, confidence);
-    const auto median = [](std::vector<double> values) {
-      std::ranges::sort(values);
-      return values[values.size() / 2];
-    };
-    const double before_ns = median(one.before_ns);
-    const double after_ns = median(one.after_ns);
+    const double before_ns = stats::upper_median(one.before_ns);
+    const double after_ns = stats::upper_median(one.after_ns);
     fmt::print("{:<60} {:>9.4g} ns {:>9.4g} ns {:>8.3f} {:>8.3f} - {:<7.3f} {:>8.2g}\n", name, before_ns, after_ns,
                found.ratio, found.low, found.high, found.p);
     // JSON has no infinity: an interval that so few pairs cannot give is absent.

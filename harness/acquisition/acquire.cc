@@ -12,6 +12,7 @@
 #include "harness/base/hash.h"
 #include "harness/base/units.h"
 #include "harness/recording/ati_calibration.h"
+#include "harness/stats/quantile.h"
 #include "harness/surface/embree_surface.h"
 #include "harness/surface/mesh_file.h"
 
@@ -195,8 +196,7 @@ std::optional<std::string> contact_in_bias(const AcquisitionDescription& d, cons
     std::vector<double> values;
     values.reserve(means.size());
     for (const Vec3& f : means) values.push_back(f[axis]);
-    std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2), values.end());
-    middle[axis] = values[values.size() / 2];
+    middle[axis] = stats::upper_median(std::move(values));
   }
   const double most_N = d.contact_force_N + 2.0 * weight_N;  // a tool that turns over
   std::size_t worst = 0;
@@ -221,8 +221,7 @@ ClockAlignment align_clocks(const AcquisitionDescription& d, const ForceStream& 
   for (int k = 0; k < 3; ++k) {
     std::vector<double> v;
     for (const Wrench& w : force.wrench) v.push_back(w.f_N[k]);
-    std::nth_element(v.begin(), v.begin() + static_cast<std::ptrdiff_t>(v.size() / 2), v.end());
-    middle[k] = v[v.size() / 2];
+    middle[k] = stats::upper_median(std::move(v));
   }
   std::vector<double> length;
   for (const Wrench& w : force.wrench) length.push_back((w.f_N - middle).norm());

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "harness/base/error.h"
+#include "harness/stats/quantile.h"
 
 namespace touchstone::acquisition {
 namespace {
@@ -22,9 +23,7 @@ double rms(const std::vector<double>& v) {
 
 double robust_sigma(std::vector<double> v) {
   for (double& x : v) x = std::abs(x);
-  const auto middle = v.begin() + static_cast<std::ptrdiff_t>(v.size() / 2);
-  std::nth_element(v.begin(), middle, v.end());
-  return 1.4826 * *middle;
+  return stats::normal_sigma_per_median * stats::upper_median(std::move(v));
 }
 
 std::vector<double> distances(const Surface& surface, const std::vector<Vec3>& centers, const RigidTransform& move,

@@ -9,6 +9,7 @@
 
 #include "harness/acquisition/smoothing.h"
 #include "harness/base/error.h"
+#include "harness/stats/quantile.h"
 
 namespace touchstone::acquisition {
 namespace {
@@ -39,12 +40,6 @@ MassFit fit_mass(const std::vector<Vec3>& force, const std::vector<Vec3>& accele
   return {fa / aa, std::sqrt(std::max(0.0, ff - fa * fa / aa) / static_cast<double>(force.size()))};
 }
 
-double median_of(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 // The middle of a set of vectors, axis by axis: a run that touches for less than half of its time does not move it.
 Vec3 median_of(const std::vector<Vec3>& vectors) {
   Vec3 middle;
@@ -52,7 +47,7 @@ Vec3 median_of(const std::vector<Vec3>& vectors) {
     std::vector<double> values;
     values.reserve(vectors.size());
     for (const Vec3& v : vectors) values.push_back(v[axis]);
-    middle[axis] = median_of(std::move(values));
+    middle[axis] = stats::upper_median(std::move(values));
   }
   return middle;
 }
@@ -72,7 +67,8 @@ void find_contacts(const std::vector<double>& at, const std::vector<Vec3>& left,
   size.reserve(left.size());
   for (const Vec3& f : left) size.push_back((f - taken).norm());
   // A normal deviation in three axes has a median length of 1.538 of one axis's deviation (chi with 3 degrees).
-  report.contact_bar_N = std::max(bar_of_motion_N, bias.norm() < bar_of_motion_N ? 6.0 * median_of(size) / 1.538 : 0.0);
+  report.contact_bar_N =
+      std::max(bar_of_motion_N, bias.norm() < bar_of_motion_N ? 6.0 * stats::upper_median(size) / 1.538 : 0.0);
   AirContact contact;
   bool touching = false;
   for (std::size_t i = 0; i <= at.size(); ++i) {

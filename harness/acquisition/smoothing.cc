@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "harness/base/error.h"
+#include "harness/stats/quantile.h"
 
 namespace touchstone::acquisition {
 namespace {
@@ -37,9 +38,7 @@ double sample_interval_s(const std::vector<double>& t_s) {
   if (t_s.size() < 2) return 0.0;
   std::vector<double> steps(t_s.size() - 1);
   for (std::size_t i = 0; i < steps.size(); ++i) steps[i] = t_s[i + 1] - t_s[i];
-  const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
-  std::nth_element(steps.begin(), middle, steps.end());
-  return *middle;
+  return stats::upper_median(std::move(steps));
 }
 
 double gaussian_sigma_s(double cutoff_Hz) {

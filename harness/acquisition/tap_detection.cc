@@ -8,16 +8,10 @@
 #include "harness/acquisition/hinge.h"
 #include "harness/acquisition/smoothing.h"
 #include "harness/acquisition/tap_alignment.h"
+#include "harness/stats/quantile.h"
 
 namespace touchstone::acquisition {
 namespace {
-
-double median(std::vector<double> v) {
-  if (v.empty()) return 0.0;
-  const auto middle = v.begin() + static_cast<std::ptrdiff_t>(v.size() / 2);
-  std::nth_element(v.begin(), middle, v.end());
-  return *middle;
-}
 
 // Baseline of the free air: the lower half of the samples belongs to it as long as the probe is off the surface for
 // half of the time; where it is not, the quietest tenth does.
@@ -48,7 +42,7 @@ Baseline baseline_of(const std::vector<double>& force) {
   for (const auto& [level, spread] : windows) {
     if (level <= low + 0.05 * (high - low)) near_levels.push_back(level), near_spreads.push_back(spread);
   }
-  return {median(near_levels), median(near_spreads)};
+  return {stats::upper_median(std::move(near_levels)), stats::upper_median(std::move(near_spreads))};
 }
 
 struct Edge {

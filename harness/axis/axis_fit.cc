@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "harness/base/error.h"
+#include "harness/stats/quantile.h"
 
 namespace touchstone::axis {
 namespace {
@@ -24,12 +25,6 @@ constexpr double clear = 3.5;
 constexpr double least_gain = 0.02;
 constexpr std::array<Eigen::Index, 3> knot_counts{6, 12, 24};
 constexpr Eigen::Index friction_knots = 5;
-
-double percentile_of(std::vector<double> values, double share) {
-  const auto at = values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
-  std::nth_element(values.begin(), at, values.end());
-  return *at;
-}
 
 // Slope of a straight line through the samples within `half` of each sample.
 std::vector<double> slopes(const std::vector<double>& t_s, const std::vector<double>& values, std::size_t half) {
@@ -76,7 +71,7 @@ Samples samples_of(const AxisRun& run) {
   s.acceleration = slopes(run.t_s, s.rate, half);
   std::vector<double> speeds;
   for (const double v : s.rate) speeds.push_back(std::abs(v));
-  s.usual_speed = percentile_of(speeds, 0.9);
+  s.usual_speed = stats::lower_quantile(speeds, 0.9);
   for (std::size_t i = 0; i < run.t_s.size(); ++i) {
     if (run.keep_rest || std::abs(s.rate[i]) > share_at_rest * s.usual_speed) s.used.push_back(i);
   }
@@ -444,7 +439,7 @@ AxisFit fit_axis(const AxisRun& run) {
                     "be told apart: record there and back over the same places",
                     run.source));
   }
-  fit.slowest = percentile_of(speeds, 0.1), fit.fastest = percentile_of(speeds, 0.9);
+  fit.slowest = stats::lower_quantile(speeds, 0.1), fit.fastest = stats::lower_quantile(speeds, 0.9);
   Structure bare;
   bare.dry = true;
   bare = with_knots(s, bare);

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "harness/stats/quantile.h"
+
 namespace touchstone::bisection {
 namespace {
 
@@ -32,12 +34,6 @@ struct Interval {
   [[nodiscard]] double excess() const { return change - drift; }
 };
 
-double upper_median(std::vector<double>& values) {
-  const std::size_t middle = values.size() / 2;
-  std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(middle), values.end());
-  return values[middle];
-}
-
 // Changes per commit, each weighed by the commits that it stands for.
 double typical_rate(const std::vector<Interval>& all, std::size_t first, std::size_t last) {
   std::vector<std::pair<double, double>> rates;
@@ -62,7 +58,8 @@ void mark_drift(std::vector<Interval>& all, std::size_t first, std::size_t last)
   // Independent commits: the variance grows with their number.
   for (std::size_t i = first; i < last; ++i)
     deviations.push_back(std::abs(all[i].change - rate * all[i].length()) / std::sqrt(all[i].length()));
-  const double scatter = 1.4826 * upper_median(deviations);  // as a standard deviation, of one commit
+  // As a standard deviation, of one commit.
+  const double scatter = stats::normal_sigma_per_median * stats::upper_median(std::move(deviations));
   for (std::size_t i = first; i < last; ++i) {
     all[i].in_drift = true;
     all[i].drift = rate * all[i].length();

@@ -15,6 +15,7 @@
 #include "harness/diagnosis/detectors.h"
 #include "harness/diagnosis/meshes.h"
 #include "harness/diagnosis/probe.h"
+#include "harness/stats/quantile.h"
 
 namespace touchstone::diagnosis {
 namespace {
@@ -130,10 +131,7 @@ std::vector<std::size_t> slow_steps(const Engine& engine, std::size_t count, dou
     rounds.step(i);
     cost_s[i] = static_cast<float>(processor_time_s() - before);
   }
-  std::vector<float> sorted = cost_s;
-  const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(count / 2);
-  std::ranges::nth_element(sorted, middle);
-  usual_s = *middle;
+  usual_s = stats::upper_median({cost_s.begin(), cost_s.end()});
   const double slow_s = std::max(20.0 * usual_s, 2e-5);
   std::vector<std::size_t> slow;
   // The first round meets everything for the first time: memory, caches, branches.

@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "harness/base/json_reader.h"
+#include "harness/stats/quantile.h"
 
 namespace touchstone::discrepancy {
 namespace {
@@ -17,15 +18,8 @@ double non_negative(JsonObject& object, std::string_view key) {
   return value;
 }
 
-double median(std::vector<double> values) {
-  if (values.empty()) return 0.0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 // The standard deviation of white noise in a series, from its third differences by their median: differences remove
-// what varies slowly, the median what varies in bursts. 1.4826 and sqrt(20) turn the median into a standard deviation.
+// what varies slowly, the median what varies in bursts. The two factors turn the median into a standard deviation.
 // An axis that never changes was not measured: force against displacement has two of them.
 double noise_of(const std::vector<Vec3>& series) {
   std::vector<double> magnitudes;
@@ -37,7 +31,8 @@ double noise_of(const std::vector<Vec3>& series) {
       magnitudes.push_back(std::abs(difference[axis]));
     }
   }
-  return 1.4826 * median(std::move(magnitudes)) / std::sqrt(20.0);
+  if (magnitudes.empty()) return 0.0;
+  return stats::normal_sigma_per_median * stats::upper_median(std::move(magnitudes)) / std::sqrt(20.0);
 }
 
 // The impulse response of a two-pole Butterworth filter run forwards and backwards, 1 / (1 + (f / cutoff)^4): the

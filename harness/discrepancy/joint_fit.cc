@@ -9,6 +9,7 @@
 #include <optional>
 
 #include "harness/base/error.h"
+#include "harness/stats/sandwich.h"
 
 namespace touchstone::discrepancy {
 namespace {
@@ -220,14 +221,14 @@ JointFit fit_jointly(const FitData& data, const Model& start, const std::vector<
       curvature.info() == Eigen::Success && curvature.vectorD().minCoeff() > 1e-12 * curvature.vectorD().maxCoeff();
   if (!fit.ok) return fit;
   const Eigen::MatrixXd inverse = curvature.solve(Eigen::MatrixXd::Identity(n, n));
-  Eigen::MatrixXd scores = Eigen::MatrixXd::Zero(n, n);
   const auto rows_of_run = static_cast<Eigen::Index>(3 * blocks_in_run);
-  for (Eigen::Index row = 0; row < jacobian.rows(); row += rows_of_run) {
+  Eigen::MatrixXd gradients((jacobian.rows() + rows_of_run - 1) / rows_of_run, n);
+  for (Eigen::Index run = 0; run < gradients.rows(); ++run) {
+    const Eigen::Index row = run * rows_of_run;
     const Eigen::Index count = std::min(rows_of_run, jacobian.rows() - row);
-    const Eigen::VectorXd score = jacobian.middleRows(row, count).transpose() * out.segment(row, count);
-    scores += score * score.transpose();
+    gradients.row(run) = out.segment(row, count).transpose() * jacobian.middleRows(row, count);
   }
-  fit.covariance = inverse * scores * inverse;
+  fit.covariance = stats::sandwich_covariance(inverse, gradients);
   const Eigen::VectorXd wider =
       inverse.diagonal().cwiseQuotient(fit.covariance.diagonal().cwiseMax(1e-300)).cwiseMax(1.0).cwiseSqrt();
   fit.covariance = Eigen::MatrixXd(wider.asDiagonal() * fit.covariance * wider.asDiagonal());

@@ -9,6 +9,8 @@
 #include <numbers>
 #include <vector>
 
+#include "harness/stats/quantile.h"
+
 namespace touchstone::discrepancy {
 namespace {
 
@@ -41,9 +43,7 @@ double sliding_speed_m_per_s(const Recording& recording, const Prediction& predi
     ++before;
   }
   if (speeds.empty()) return 0.0;
-  const auto middle = speeds.begin() + static_cast<std::ptrdiff_t>(speeds.size() / 2);
-  std::nth_element(speeds.begin(), middle, speeds.end());
-  return *middle;
+  return stats::upper_median(std::move(speeds));
 }
 
 Site find_site(const Recording& recording, const Prediction& prediction) {

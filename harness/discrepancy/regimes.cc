@@ -10,6 +10,8 @@
 #include <map>
 #include <tuple>
 
+#include "harness/stats/quantile.h"
+
 namespace touchstone::discrepancy {
 namespace {
 
@@ -42,9 +44,7 @@ std::vector<bool> pressed_by_force(const Recording& recording, const Prediction&
   }
   Vec3 constant_W_N = Vec3::Zero();
   for (std::size_t axis = 0; axis < 3 && !free_N[axis].empty(); ++axis) {
-    const auto middle = free_N[axis].begin() + static_cast<std::ptrdiff_t>(free_N[axis].size() / 2);
-    std::nth_element(free_N[axis].begin(), middle, free_N[axis].end());
-    constant_W_N[static_cast<Eigen::Index>(axis)] = *middle;
+    constant_W_N[static_cast<Eigen::Index>(axis)] = stats::upper_median(std::move(free_N[axis]));
   }
   const auto differs = [&](std::size_t i, const Vec3& free_W_N) {
     return (recording.f_W_N[i] - after.f_W_N[i] - free_W_N).norm() > force_floor_N;

@@ -8,6 +8,7 @@
 #include "harness/base/error.h"
 #include "harness/importing/import_file.h"
 #include "harness/recording/recording_stream.h"
+#include "harness/stats/quantile.h"
 
 namespace touchstone::importing {
 namespace {
@@ -15,12 +16,6 @@ namespace {
 std::string unit_of(const std::string& name) {
   const auto at = name.find('_');
   return at == std::string::npos ? "1" : name.substr(at + 1);
-}
-
-double middle_of(std::vector<double> values) {
-  const auto at = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), at, values.end());
-  return *at;
 }
 
 bool is_recording(const Imported& imported) {
@@ -40,13 +35,13 @@ std::string imported_text(const Imported& imported) {
     for (std::size_t i = 1; i < t.size(); ++i) intervals.push_back(t[i] - t[i - 1]);
     const double shortest = *std::ranges::min_element(intervals), longest = *std::ranges::max_element(intervals);
     text += fmt::format(" over {:.6g} s, {:.6g} Hz in the middle (intervals {:.4g} s to {:.4g} s)",
-                        t.back() - t.front(), 1.0 / middle_of(intervals), shortest, longest);
+                        t.back() - t.front(), 1.0 / stats::upper_median(intervals), shortest, longest);
   }
   text += fmt::format("\n  {:16} {:>8} {:>14} {:>14} {:>14}\n", "column", "unit", "lowest", "middle", "highest");
   for (std::size_t c = 0; c < imported.names.size(); ++c) {
     const auto [low, high] = std::ranges::minmax_element(imported.columns[c]);
     text += fmt::format("  {:16} {:>8} {:14.6g} {:14.6g} {:14.6g}\n", imported.names[c], unit_of(imported.names[c]),
-                        *low, middle_of(imported.columns[c]), *high);
+                        *low, stats::upper_median(imported.columns[c]), *high);
   }
   return text;
 }

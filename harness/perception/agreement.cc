@@ -8,7 +8,8 @@
 #include <vector>
 
 #include "harness/base/error.h"
-#include "harness/perception/statistics.h"
+#include "harness/stats/distributions.h"
+#include "harness/stats/summary.h"
 
 namespace touchstone::perception {
 namespace {
@@ -72,15 +73,15 @@ template <class Coefficient>
 RankCorrelation correlate(std::span<const double> x, std::span<const double> y, Coefficient coefficient,
                           double (*z_variance)(double coefficient, double n), double (*null_variance)(double n)) {
   check_ranked(x, y);
-  const auto a = ranks(x);
-  const auto b = ranks(y);
+  const auto a = stats::ranks(x);
+  const auto b = stats::ranks(y);
   const auto n = static_cast<double>(x.size());
   RankCorrelation result;
   result.coefficient = std::clamp(coefficient(a, b), -1.0, 1.0);
   if (std::isnan(result.coefficient)) return result;
   const double variance = z_variance(result.coefficient, n);
   if (variance > 0.0 && std::isfinite(variance)) {
-    const double reach = normal_quantile(0.975) * std::sqrt(variance);
+    const double reach = stats::normal_quantile(0.975) * std::sqrt(variance);
     const double z = std::atanh(result.coefficient);  // infinite at +-1: the interval is then that point
     result.low95 = std::tanh(z - reach);
     result.high95 = std::tanh(z + reach);
@@ -88,7 +89,7 @@ RankCorrelation correlate(std::span<const double> x, std::span<const double> y, 
   if (x.size() <= kExactUpTo) {
     result.p_two_sided = exact_p(a, b, result.coefficient, coefficient);
   } else {
-    result.p_two_sided = 2.0 * normal_cdf(-std::abs(result.coefficient) / std::sqrt(null_variance(n)));
+    result.p_two_sided = 2.0 * stats::normal_cdf(-std::abs(result.coefficient) / std::sqrt(null_variance(n)));
   }
   return result;
 }

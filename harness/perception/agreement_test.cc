@@ -9,21 +9,23 @@
 
 #include "harness/base/error.h"
 #include "harness/base/random.h"
-#include "harness/perception/statistics.h"
+#include "harness/stats/distributions.h"
+#include "harness/stats/quantile.h"
+#include "harness/stats/summary.h"
 
 namespace touchstone::perception {
 namespace {
 
 TEST(Statistics, KnownValues) {
-  EXPECT_NEAR(normal_cdf(1.959963984540054), 0.975, 1e-12);
-  EXPECT_NEAR(normal_quantile(0.975), 1.959963984540054, 1e-12);
-  EXPECT_NEAR(chi_squared_tail(3.841458820694124, 1.0), 0.05, 1e-12);
-  EXPECT_NEAR(chi_squared_tail(18.307038053275146, 10.0), 0.05, 1e-12);
-  EXPECT_NEAR(student_t_975(5.0), 2.5705818366147395, 1e-9);
-  EXPECT_EQ(median({3, 1, 2}), 2.0);
-  EXPECT_EQ(median({4, 1, 2, 3}), 2.5);
-  EXPECT_TRUE(std::isnan(median({})));
-  EXPECT_EQ(ranks(std::vector<double>{10, 30, 20, 20}), (std::vector<double>{1, 4, 2.5, 2.5}));
+  EXPECT_NEAR(stats::normal_cdf(1.959963984540054), 0.975, 1e-12);
+  EXPECT_NEAR(stats::normal_quantile(0.975), 1.959963984540054, 1e-12);
+  EXPECT_NEAR(stats::chi_squared_tail(3.841458820694124, 1.0), 0.05, 1e-12);
+  EXPECT_NEAR(stats::chi_squared_tail(18.307038053275146, 10.0), 0.05, 1e-12);
+  EXPECT_NEAR(stats::student_t_975(5.0), 2.5705818366147395, 1e-9);
+  EXPECT_EQ(stats::median({3, 1, 2}), 2.0);
+  EXPECT_EQ(stats::median({4, 1, 2, 3}), 2.5);
+  EXPECT_TRUE(std::isnan(stats::median({})));
+  EXPECT_EQ(stats::ranks(std::vector<double>{10, 30, 20, 20}), (std::vector<double>{1, 4, 2.5, 2.5}));
 }
 
 TEST(RankCorrelation, KnownCases) {

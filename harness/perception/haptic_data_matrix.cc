@@ -7,7 +7,7 @@
 #include <limits>
 
 #include "harness/base/error.h"
-#include "harness/perception/statistics.h"
+#include "harness/stats/quantile.h"
 
 namespace touchstone::perception {
 namespace {
@@ -57,7 +57,7 @@ void check(const PressSignal& part, double longest_gap) {
   }
   if (longest <= longest_gap * shortest) return;  // no median can make a hole of that
   const auto dt = intervals(part.t_s);
-  const double typical = median(dt);
+  const double typical = stats::median(dt);
   for (std::size_t i = 0; i < dt.size(); ++i) {
     if (dt[i] > longest_gap * typical) {
       throw BadData(
@@ -137,7 +137,7 @@ HapticDataMatrix make_haptic_data_matrix(std::span<const PressSignal> parts, con
   for (const auto& part : parts) check(part, options.longest_gap);
 
   HapticDataMatrix matrix;
-  matrix.rate_Hz = options.rate_Hz > 0.0 ? options.rate_Hz : 1.0 / median(intervals(parts.front().t_s));
+  matrix.rate_Hz = options.rate_Hz > 0.0 ? options.rate_Hz : 1.0 / stats::median(intervals(parts.front().t_s));
   double first_s = parts.front().t_s.front();
   double last_s = parts.front().t_s.back();
   for (const auto& part : parts) {

@@ -14,7 +14,7 @@
 #include "harness/base/error.h"
 #include "harness/base/in_parallel.h"
 #include "harness/perception/distances/signal_distance.h"
-#include "harness/perception/statistics.h"
+#include "harness/stats/summary.h"
 
 namespace touchstone::perception {
 
@@ -86,7 +86,7 @@ double span_s(const std::vector<PressSignal>& parts) {
 std::string sideways_remark(const std::vector<PressSignal>& parts, const std::string& who) {
   constexpr double kWorthSaying = 0.05;  // of the force along it: its direction is then known no better
   for (const auto& part : parts) {
-    const double along_N = root_mean_square(part.force_N);
+    const double along_N = stats::root_mean_square(part.force_N);
     if (part.sideways_N > kFingertipForce.absolute_threshold && part.sideways_N > kWorthSaying * along_N) {
       return fmt::format(
           "{}: {:.3g} N root mean square lie across the direction of pressing ({:.3g} N along it); this "
@@ -388,7 +388,7 @@ Disagreements disagreements(const PerceptualEvaluation& evaluation, std::string_
   };
   std::vector<Pair> pairs;
   const bool ranked = std::all_of(value.begin(), value.end(), [](double v) { return std::isfinite(v); });
-  const auto by_value = ranked ? ranks(value) : std::vector<double>(value.size(), 0.0);
+  const auto by_value = ranked ? stats::ranks(value) : std::vector<double>(value.size(), 0.0);
   const auto rank_in_space = [&](std::size_t c) {
     return static_cast<double>(evaluation.conditions[c].rank_perception);
   };

@@ -11,7 +11,8 @@
 #include "harness/perception/distances/structural_similarity.h"
 #include "harness/perception/features/rate_hardness.h"
 #include "harness/perception/haptic_data_matrix.h"
-#include "harness/perception/statistics.h"
+#include "harness/stats/quantile.h"
+#include "harness/stats/summary.h"
 
 namespace touchstone::perception {
 
@@ -183,9 +184,9 @@ std::vector<MetricResult> press_metrics(const Recording& measured, std::span<con
   if (!unfit.empty()) {
     results = {missing(kPress[0], unfit)};
   } else {
-    results = {value_of(kPress[0], median(of_rendered))};
+    results = {value_of(kPress[0], stats::median(of_rendered))};
     results[0].note = guard;
-    set_reference(results[0], median(of_real), "median rate-hardness measured");
+    set_reference(results[0], stats::median(of_real), "median rate-hardness measured");
   }
   const auto extended = [&](const MeasuringPart& part) {
     return estimated_rate_hardness(part.force_N, part.displacement_m, matrix.rate_Hz,
@@ -204,7 +205,7 @@ std::vector<MetricResult> press_metrics(const Recording& measured, std::span<con
     results.push_back(missing(kPress[1], "fewer than three contacts from free air, or contacts that do not agree"));
   }
   if (unfit.empty()) {
-    results.push_back(value_of(kPress[2], root_mean_square(difference) / root_mean_square(of_real)));
+    results.push_back(value_of(kPress[2], stats::root_mean_square(difference) / stats::root_mean_square(of_real)));
     results.back().note = guard;
   } else {
     results.push_back(missing(kPress[2], unfit));

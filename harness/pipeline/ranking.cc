@@ -10,6 +10,7 @@
 #include "harness/base/error.h"
 #include "harness/base/random.h"
 #include "harness/pipeline/block_length.h"
+#include "harness/stats/quantile.h"
 
 namespace touchstone::pipeline {
 namespace {
@@ -164,12 +165,6 @@ Estimate over_datasets(const std::vector<Blocks>& datasets, bool sampled, std::s
   return out;
 }
 
-double quantile_of(std::vector<double> values, double share) {
-  const auto at = static_cast<std::size_t>(std::ceil(share * static_cast<double>(values.size()))) - 1;
-  std::ranges::nth_element(values, values.begin() + static_cast<std::ptrdiff_t>(std::min(at, values.size() - 1)));
-  return values[std::min(at, values.size() - 1)];
-}
-
 // What the draws say: the scores of every renderer, and how far each pair is off.
 struct Draws {
   std::vector<std::vector<double>> scores;      // [renderer][draw]
@@ -263,8 +258,9 @@ void judge_pairs(const std::vector<RunningSums>& sums, const Draws& draws, const
   const Random root = Random(options.seed).stream(options.draws);
   for (std::size_t i = 0; i < ranking.pairs.size(); ++i) {
     PairOfRenderers& pair = ranking.pairs[i];
-    pair.told_apart = ranking.why_not.empty() && std::abs(pair.log_ratio) > rounding &&
-                      std::abs(pair.log_ratio) > quantile_of(draws.deviations[i], 1.0 - each) * pair.standard_error;
+    pair.told_apart =
+        ranking.why_not.empty() && std::abs(pair.log_ratio) > rounding &&
+        std::abs(pair.log_ratio) > stats::reaching_quantile(draws.deviations[i], 1.0 - each) * pair.standard_error;
     if (!pair.told_apart) continue;
     // With few blocks no pattern is rarer than all of them on one side: then it must be that one. Blocks in which the
     // two erred alike, as in free air, say nothing and have no side.
@@ -357,8 +353,8 @@ Ranking rank_renderers(const std::vector<DatasetErrors>& datasets, const Ranking
   const Draws draws = draw_all(sums, options, ranking);
   judge_pairs(sums, draws, options, ranking);
   for (RankedRenderer& one : ranking.order) {
-    one.low95 = quantile_of(draws.scores[one.renderer], 0.025);
-    one.high95 = quantile_of(draws.scores[one.renderer], 0.975);
+    one.low95 = stats::reaching_quantile(draws.scores[one.renderer], 0.025);
+    one.high95 = stats::reaching_quantile(draws.scores[one.renderer], 0.975);
     one.worst_rank = ranking.order.size();
     for (const PairOfRenderers& pair : ranking.pairs) {
       if (!pair.told_apart) continue;

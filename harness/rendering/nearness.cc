@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "harness/base/units.h"
+#include "harness/stats/quantile.h"
 
 namespace touchstone::rendering {
 namespace {
@@ -21,9 +22,7 @@ double typical_distance(const Surface& surface, std::span<const Vec3> tips, doub
   for (std::size_t i = 0; i < tips.size(); i += stride) {
     distances.push_back(std::abs(factor * surface.signed_distance(tips[i] / factor) - tip_radius_m));
   }
-  const auto middle = distances.begin() + static_cast<std::ptrdiff_t>(distances.size() / 2);
-  std::nth_element(distances.begin(), middle, distances.end());
-  return *middle;
+  return stats::upper_median(std::move(distances));
 }
 
 std::string describe(const Box3& box) {

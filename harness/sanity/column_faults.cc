@@ -10,6 +10,8 @@
 #include <optional>
 #include <unordered_map>
 
+#include "harness/stats/quantile.h"
+
 namespace touchstone::sanity {
 namespace {
 
@@ -46,9 +48,7 @@ double usual_step(const std::vector<Vec3>& values) {
     if (values[i] != values[i - 1]) steps.push_back((values[i] - values[i - 1]).norm());
   }
   if (steps.empty()) return 0.0;
-  const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
-  std::nth_element(steps.begin(), middle, steps.end());
-  return *middle;
+  return stats::upper_median(std::move(steps));
 }
 
 // Whether noise moves the column at almost every sample outside of `stretch`: steps are hardly ever zero, and often

@@ -5,8 +5,11 @@
 
 #include "harness/base/random.h"
 #include "harness/stats/change_points.h"
+#include "harness/stats/distributions.h"
 #include "harness/stats/quantile.h"
+#include "harness/stats/sandwich.h"
 #include "harness/stats/simulated_noise.h"
+#include "harness/stats/summary.h"
 #include "harness/stats/trend.h"
 #include "harness/stats/two_sample.h"
 
@@ -20,6 +23,52 @@ TEST(Quantile, TypeSeven) {
   EXPECT_EQ(median(sample), 2.5);
   EXPECT_EQ(quantile(sample, 1.0), 4.0);
   EXPECT_EQ(median({7.0}), 7.0);
+}
+
+// The mean of the two middle values is rounded once: 0.5 * (a + b), not a + 0.5 * (b - a).
+TEST(Quantile, MedianOfAnEvenNumberIsTheNearestDouble) {
+  Random random(3);
+  for (int i = 0; i < 1000; ++i) {
+    const double a = random.normal();
+    const double b = random.normal();
+    ASSERT_EQ(median({a, b}), 0.5 * (a + b));
+    ASSERT_EQ(median({a, b, -1e9, 1e9}), 0.5 * (a + b));
+  }
+}
+
+TEST(Quantile, ObservedValues) {
+  const std::vector<double> sample{4.0, 1.0, 3.0, 2.0};
+  EXPECT_EQ(upper_median(sample), 3.0);
+  EXPECT_EQ(upper_median({3.0, 1.0, 2.0}), 2.0);
+  EXPECT_EQ(lower_quantile(sample, 0.5), 2.0);
+  EXPECT_EQ(lower_quantile(sample, 1.0), 4.0);
+  EXPECT_EQ(reaching_quantile(sample, 0.5), 2.0);
+  EXPECT_EQ(reaching_quantile(sample, 0.51), 3.0);
+  EXPECT_EQ(reaching_quantile(sample, 0.0), 1.0);
+  EXPECT_EQ(reaching_quantile(sample, 1.0), 4.0);
+}
+
+TEST(Quantile, NothingHasNoQuantile) {
+  EXPECT_TRUE(std::isnan(median({})));
+  EXPECT_TRUE(std::isnan(upper_median({})));
+  EXPECT_TRUE(std::isnan(quantile({}, 0.5)));
+  EXPECT_TRUE(std::isnan(lower_quantile({}, 0.5)));
+  EXPECT_TRUE(std::isnan(reaching_quantile({}, 0.5)));
+}
+
+// A mean of values in clusters of m equal copies has the variance of n / m independent values, not of n.
+TEST(Sandwich, ClustersOfEqualValuesCountOnce) {
+  Random random(4);
+  constexpr int clusters = 50;
+  constexpr int copies = 8;
+  std::vector<double> values;
+  for (int i = 0; i < clusters; ++i) values.push_back(random.normal());
+  const double centre = mean(values);
+  Eigen::MatrixXd gradients(clusters, 1);  // of the cluster's sum of (x - mean)^2 / 2
+  for (int i = 0; i < clusters; ++i) gradients(i, 0) = copies * (centre - values[static_cast<std::size_t>(i)]);
+  const Eigen::MatrixXd inverse = Eigen::MatrixXd::Constant(1, 1, 1.0 / (clusters * copies));
+  const double spread = standard_deviation(values);
+  EXPECT_NEAR(sandwich_covariance(inverse, gradients)(0, 0), spread * spread / clusters, 1e-15);
 }
 
 TEST(Quantile, SpreadOfANormalIsOneAndOutliersDoNotChangeIt) {

@@ -1,20 +1,16 @@
 #include "harness/stats/two_sample.h"
 
 #include <algorithm>
-#include <boost/math/distributions/students_t.hpp>
 #include <cmath>
-#include <numeric>
 #include <utility>
 #include <vector>
 
+#include "harness/stats/distributions.h"
 #include "harness/stats/quantile.h"
+#include "harness/stats/summary.h"
 
 namespace touchstone::stats {
 namespace {
-
-double mean_of(std::span<const double> values) {
-  return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
-}
 
 struct Residuals {
   double squares = 0.0;
@@ -54,7 +50,7 @@ std::pair<std::vector<double>, std::vector<double>> winsorized(std::span<const d
 
 // The `count` values that pull the mean away from `other` are left out; the order of the rest stays.
 std::vector<double> without(std::span<const double> values, double other, std::size_t count) {
-  const bool above = mean_of(values) > other;
+  const bool above = mean(values) > other;
   std::vector<double> rest(values.begin(), values.end());
   for (std::size_t i = 0; i < count; ++i)
     rest.erase(above ? std::ranges::max_element(rest) : std::ranges::min_element(rest));
@@ -63,16 +59,11 @@ std::vector<double> without(std::span<const double> values, double other, std::s
 
 }  // namespace
 
-double student_p(double t, double degrees) {
-  const boost::math::students_t_distribution<double> student(degrees);
-  return 2.0 * boost::math::cdf(boost::math::complement(student, std::abs(t)));
-}
-
 TwoSample pooled_t_test(std::span<const double> raw_before, std::span<const double> raw_after, double floor) {
   const auto [before, after] = winsorized(raw_before, raw_after);
   const auto n = static_cast<double>(before.size());
   const auto m = static_cast<double>(after.size());
-  TwoSample test{mean_of(before), mean_of(after), 1.0};
+  TwoSample test{mean(before), mean(after), 1.0};
   if (!(std::abs(test.after - test.before) > floor)) return test;
   Residuals residuals;
   residuals.add(before, test.before);

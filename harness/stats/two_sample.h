@@ -14,9 +14,6 @@ struct TwoSample {
   double p = 1.0;  // two-sided
 };
 
-// Two-sided p of Student's t with `degrees` of freedom.
-double student_p(double t, double degrees);
-
 // Student's t test with pooled variance, of values winsorized at four robust standard deviations (twenty values or
 // more), so that an outlier does not hide a change. The variance of the means is multiplied by the autocorrelation time
 // of the residuals, (1 + r) / (1 - r) for a lag-1 correlation r > 0 (Bayley and Hammersley 1946), so that noise that

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "harness/stats/quantile.h"
+
 namespace touchstone::surface {
 
 double median_facet_angle_rad(const TriangleMesh& mesh, std::span<const std::int32_t> triangles) {
@@ -23,9 +25,7 @@ double median_facet_angle_rad(const TriangleMesh& mesh, std::span<const std::int
     angles.push_back(sum / 6.0);
   }
   if (angles.empty()) return 0.0;
-  const auto middle = angles.begin() + static_cast<std::ptrdiff_t>(angles.size() / 2);
-  std::nth_element(angles.begin(), middle, angles.end());
-  return *middle;
+  return stats::upper_median(std::move(angles));
 }
 
 }  // namespace touchstone::surface

@@ -11,7 +11,7 @@
 
 #include "apps/studies/experiments/golden_section.h"
 #include "harness/base/error.h"
-#include "harness/perception/statistics.h"
+#include "harness/stats/summary.h"
 
 namespace touchstone::experiments {
 namespace {
@@ -107,8 +107,8 @@ Approach read_approach(const std::filesystem::path& file) {
     throw BadData(fmt::format("{}: {} samples of approach; at least 1000 were expected", approach.source, size));
   const std::vector<double> quiet(samples.force_N.begin(),
                                   samples.force_N.begin() + static_cast<std::ptrdiff_t>(size / 5));
-  const double zero_N = pc::mean(quiet);
-  approach.noise_N = pc::standard_deviation(quiet);
+  const double zero_N = stats::mean(quiet);
+  approach.noise_N = stats::standard_deviation(quiet);
   for (const double f : samples.force_N) approach.force_N.push_back(f - zero_N);
   approach.contact = size;
   while (approach.contact > 0 && approach.force_N[approach.contact - 1] > 3.0 * approach.noise_N) --approach.contact;

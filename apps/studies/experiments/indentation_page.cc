@@ -6,8 +6,8 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/studies/experiments/nearness.h"
-#include "harness/perception/statistics.h"
 #include "harness/report/evaluation_page.h"
+#include "harness/stats/quantile.h"
 
 namespace touchstone::experiments {
 namespace {
@@ -41,7 +41,7 @@ Table distances_table(const std::vector<IndentationComparison>& comparisons) {
       nearest += comparison.evaluation.conditions[c].rank_perception == 1 ? 1 : 0;
     }
     table.rows.push_back({{{comparisons.front().evaluation.conditions[c].name, false, Tone::neutral},
-                           number_cell(perception::median(own)),
+                           number_cell(stats::median(own)),
                            number_cell(*std::min_element(own.begin(), own.end())),
                            number_cell(*std::max_element(own.begin(), own.end())),
                            {fmt::format("{} of {}", nearest, own.size()), true, Tone::neutral}},

@@ -3,8 +3,8 @@
 #include <fmt/format.h>
 
 #include "harness/base/error.h"
-#include "harness/perception/statistics.h"
 #include "harness/report/perception_page.h"
+#include "harness/stats/quantile.h"
 
 namespace touchstone::experiments {
 
@@ -32,7 +32,7 @@ std::vector<Nearness> nearness(const std::vector<const pc::PerceptualEvaluation*
           own.nearer[c] += of_one[0] < of_one[c] ? 1 : 0;
         }
       }
-      for (const auto& of_condition : distances) own.median_distance.push_back(pc::median(of_condition));
+      for (const auto& of_condition : distances) own.median_distance.push_back(stats::median(of_condition));
       result.push_back(std::move(own));
     }
   }

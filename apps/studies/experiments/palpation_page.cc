@@ -6,7 +6,6 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/studies/experiments/nearness.h"
-#include "harness/perception/statistics.h"
 #include "harness/report/evaluation_page.h"
 
 namespace touchstone::experiments {

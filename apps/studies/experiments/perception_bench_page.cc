@@ -7,9 +7,9 @@
 #include <set>
 
 #include "apps/studies/experiments/published_cases.h"
-#include "harness/perception/statistics.h"
 #include "harness/report/console.h"
 #include "harness/report/evaluation_page.h"
+#include "harness/stats/quantile.h"
 
 namespace touchstone::experiments {
 namespace {
@@ -98,7 +98,7 @@ Table experiment_table(const PerceptionBench& published) {
             judged.push_back(own.d_prime);
         }
       }
-      row.cells.push_back({fmt::format("{:.2f}", perception::median(judged)), true, Tone::neutral});
+      row.cells.push_back({fmt::format("{:.2f}", stats::median(judged)), true, Tone::neutral});
     }
     table.rows.push_back(std::move(row));
   }

@@ -8,8 +8,8 @@
 #include "apps/studies/experiments/indentation.h"
 #include "apps/studies/experiments/palpation_rows.h"
 #include "harness/base/error.h"
-#include "harness/perception/statistics.h"
 #include "harness/recording/recording_file.h"
+#include "harness/stats/quantile.h"
 #include "harness/testing/shared_data.h"
 
 namespace touchstone::experiments {
@@ -31,13 +31,13 @@ TEST(RealData, NeighbouringRowsOfARasterAreNearerThanASpringOnAPlane) {
     rendered.push_back(own.rendered());
   }
   std::cout << "rows compared " << comparisons.size() << ", the same object nearer in " << nearer
-            << "; median distance " << pc::median(same) << " against " << pc::median(rendered) << "\n";
+            << "; median distance " << stats::median(same) << " against " << stats::median(rendered) << "\n";
   RecordProperty("compared", static_cast<int>(comparisons.size()));
   RecordProperty("nearer", static_cast<int>(nearer));
   // Far beyond chance: a fair coin stays below two thirds plus three standard deviations.
   const auto n = static_cast<double>(comparisons.size());
   EXPECT_GT(static_cast<double>(nearer), 0.5 * n + 3.0 * std::sqrt(0.25 * n));
-  EXPECT_LT(pc::median(same), pc::median(rendered));
+  EXPECT_LT(stats::median(same), stats::median(rendered));
 }
 
 TEST(RealData, RecordsOfAnIndentationAreNearerThanAnyRendering) {

@@ -9,7 +9,6 @@
 #include "apps/studies/experiments/spring_seed.h"
 #include "harness/base/error.h"
 #include "harness/perception/published_tables.h"
-#include "harness/perception/statistics.h"
 
 namespace touchstone::experiments {
 namespace {

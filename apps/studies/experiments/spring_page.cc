@@ -5,9 +5,9 @@
 #include <algorithm>
 
 #include "harness/perception/published_tables.h"
-#include "harness/perception/statistics.h"
 #include "harness/report/evaluation_page.h"
 #include "harness/report/perception_page.h"
+#include "harness/stats/quantile.h"
 
 namespace touchstone::experiments {
 namespace {
@@ -147,7 +147,7 @@ Section agreement_table(const SpringExperiment& e) {
         return sorted[static_cast<std::size_t>(share * static_cast<double>(sorted.size() - 1))];
       };
       row.cells.push_back(
-          {fmt::format("{:.2f} ({:.2f} to {:.2f})", pc::median(sorted), at(0.025), at(0.975)), true, Tone::neutral});
+          {fmt::format("{:.2f} ({:.2f} to {:.2f})", stats::median(sorted), at(0.025), at(0.975)), true, Tone::neutral});
     }
     table.rows.push_back(std::move(row));
   }

@@ -7,7 +7,7 @@
 #include <limits>
 
 #include "harness/base/error.h"
-#include "harness/perception/statistics.h"
+#include "harness/stats/summary.h"
 
 namespace touchstone::perception {
 namespace {
@@ -46,8 +46,8 @@ double mean_square_error(std::span<const double> real, std::span<const double> r
 
 std::optional<double> pearson_correlation(std::span<const double> real, std::span<const double> rendered) {
   check_lengths(real, rendered);
-  const double real_mean = mean(real);
-  const double rendered_mean = mean(rendered);
+  const double real_mean = stats::mean(real);
+  const double rendered_mean = stats::mean(rendered);
   double both = 0.0;
   double squares_real = 0.0;
   double squares_rendered = 0.0;

@@ -8,7 +8,8 @@
 
 #include "harness/base/error.h"
 #include "harness/perception/fourier.h"
-#include "harness/perception/statistics.h"
+#include "harness/stats/distributions.h"
+#include "harness/stats/summary.h"
 
 namespace touchstone::perception {
 namespace {
@@ -45,8 +46,8 @@ double similarity(const std::vector<double>& real, const std::vector<double>& re
 }
 
 std::vector<double> normalised(std::span<const double> block) {
-  const double centre = mean(block);
-  const double spread = standard_deviation(block) + kEpsilon;
+  const double centre = stats::mean(block);
+  const double spread = stats::standard_deviation(block) + kEpsilon;
   std::vector<double> result;
   result.reserve(block.size());
   for (const double value : block) result.push_back((value - centre) / spread);
@@ -76,7 +77,7 @@ double spectral_temporal_similarity(std::span<const double> real, std::span<cons
   const auto threshold = vibration_threshold_dB(settings.rate_Hz, settings.block);
   const auto support = [&](std::span<const double> block) {
     auto spectrum = perceptual_spectrum(block, threshold);
-    for (double& value : spectrum) value = normal_cdf(value / settings.support_dB);
+    for (double& value : spectrum) value = stats::normal_cdf(value / settings.support_dB);
     return spectrum;
   };
   double spectral = 0.0;

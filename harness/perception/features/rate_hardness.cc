@@ -6,7 +6,8 @@
 #include <cmath>
 
 #include "harness/base/error.h"
-#include "harness/perception/statistics.h"
+#include "harness/stats/distributions.h"
+#include "harness/stats/quantile.h"
 
 namespace touchstone::perception {
 
@@ -70,9 +71,9 @@ std::vector<WindowTradeOff> window_trade_off(std::span<const double> force_N, st
       curvature.push_back(std::abs(h[n - window] - 2.0 * h[n] + h[n + window]));
     }
     // The median of |x| is 0.6745 standard deviations; the second difference of independent values has sqrt(6) of them.
-    const double noise = median(curvature) / (0.6744897501960817 * std::sqrt(6.0));
-    result.push_back(
-        {window, static_cast<double>(window) / rate_Hz, median(changes), median(h), noise, hardness.guarded_share});
+    const double noise = stats::median(curvature) / (0.6744897501960817 * std::sqrt(6.0));
+    result.push_back({window, static_cast<double>(window) / rate_Hz, stats::median(changes), stats::median(h), noise,
+                      hardness.guarded_share});
   }
   return result;
 }
@@ -133,12 +134,12 @@ std::optional<RateHardnessEstimate> estimated_rate_hardness(std::span<const doub
   const auto n = static_cast<double>(values.size());
   RateHardnessEstimate estimate;
   estimate.contacts = values.size();
-  estimate.value_N_per_m = median(values);
+  estimate.value_N_per_m = stats::median(values);
   double squares = 0.0;
   for (const double v : values) squares += std::pow(v - estimate.value_N_per_m, 2);
   // The median of normal values spreads by sqrt(pi / 2) more than their mean.
   const double error = 1.2533 * std::sqrt(squares / (n - 1.0) / n);
-  const double reach = student_t_975(n - 1.0) * error;
+  const double reach = stats::student_t_975(n - 1.0) * error;
   estimate.low95_N_per_m = std::max(0.0, estimate.value_N_per_m - reach);
   estimate.high95_N_per_m = estimate.value_N_per_m + reach;
   if (!(estimate.high95_N_per_m - estimate.low95_N_per_m < estimate.value_N_per_m)) return std::nullopt;

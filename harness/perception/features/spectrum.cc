@@ -5,14 +5,14 @@
 #include <numbers>
 
 #include "harness/perception/fourier.h"
-#include "harness/perception/statistics.h"
+#include "harness/stats/summary.h"
 
 namespace touchstone::perception {
 
 Spectrum amplitude_spectrum(std::span<const double> x, double rate_Hz, double limit_Hz) {
   Spectrum result;
   if (x.empty()) return result;
-  const double centre = mean(x);
+  const double centre = stats::mean(x);
   std::vector<double> windowed(x.size());
   // cos(2 pi n / N) by turning a unit vector: its rounding grows like n eps, far below the window's purpose.
   const double angle = 2.0 * std::numbers::pi / static_cast<double>(x.size());

@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "harness/base/error.h"
-#include "harness/perception/statistics.h"
+#include "harness/stats/quantile.h"
 
 namespace touchstone::perception {
 namespace {
@@ -90,7 +90,7 @@ FeltSeries felt_series(const Recording& recording, const Vec3& outward) {
   std::vector<double> steps_s;
   steps_s.reserve(n - 1);
   for (std::size_t i = 1; i < n; ++i) steps_s.push_back(t_s[i] - t_s[i - 1]);
-  const double typical_s = median(steps_s);
+  const double typical_s = stats::median(steps_s);
   double worst = 0.0;
   for (std::size_t i = 0; i + 1 < n; ++i) {
     if (steps_s[i] > kLongestGap * typical_s) {

@@ -11,7 +11,7 @@
 #include "harness/perception/judge/channel_words.h"
 #include "harness/perception/judge/moments.h"
 #include "harness/perception/judge/slow_channels.h"
-#include "harness/perception/statistics.h"
+#include "harness/stats/distributions.h"
 
 namespace touchstone::perception {
 
@@ -213,7 +213,7 @@ void combine(Judgement& judgement, const NoiseFloor& floor, const JudgeOptions& 
   const ChannelEvidence& force = of(judgement, Channel::force);
   const ChannelEvidence& stiffness = of(judgement, Channel::stiffness);
   // Few repeats, and few blocks, leave the spread itself uncertain.
-  const double quantile = student_t_975(static_cast<double>(floor.repeats + kBlocks - 1));
+  const double quantile = stats::student_t_975(static_cast<double>(floor.repeats + kBlocks - 1));
   double square = 0.0;
   double certain = 0.0;  // of what is above noise: the rest may be nothing
   double below = 0.0;

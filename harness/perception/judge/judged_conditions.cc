@@ -10,8 +10,9 @@
 
 #include "harness/base/error.h"
 #include "harness/base/in_parallel.h"
-#include "harness/perception/statistics.h"
 #include "harness/recording/force_sign.h"
+#include "harness/stats/distributions.h"
+#include "harness/stats/summary.h"
 
 namespace touchstone::perception {
 namespace {
@@ -38,7 +39,7 @@ void rank_conditions(std::vector<JudgedCondition>& conditions) {
   for (std::size_t r = 0; r < order.size(); ++r) {
     JudgedCondition& own = conditions[order[r]];
     own.rank = r + 1;
-    if (r > 0) own.behind_probability = normal_cdf(apart(order[r - 1], order[r]));
+    if (r > 0) own.behind_probability = stats::normal_cdf(apart(order[r - 1], order[r]));
     if (r > 0 && apart(order[first_of_group], order[r]) > 1.959964) {
       ++group;
       first_of_group = r;
@@ -57,7 +58,7 @@ constexpr double kDepthExplains = 0.8;
 // Share of the variation of the force along the direction of pressing that the response explains.
 double share_by_depth(const JudgedProcess& process) {
   const std::vector<double>& force_N = process.felt.force_N[0];
-  const double spread_N = standard_deviation(force_N);
+  const double spread_N = stats::standard_deviation(force_N);
   const double varies_N2 = spread_N * spread_N * static_cast<double>(force_N.size());
   return varies_N2 > 0.0 ? 1.0 - residual_squares_N2(*process.response, process.felt) / varies_N2 : 1.0;
 }

@@ -8,7 +8,7 @@
 #include <numbers>
 
 #include "harness/base/json_reader.h"
-#include "harness/perception/statistics.h"
+#include "harness/stats/distributions.h"
 
 namespace touchstone::perception {
 
@@ -156,6 +156,6 @@ std::string thresholds_to_json(const Thresholds& thresholds) {
   return document.dump(2) + "\n";
 }
 
-double forced_choice_probability(double d_prime) { return normal_cdf(d_prime / std::numbers::sqrt2); }
+double forced_choice_probability(double d_prime) { return stats::normal_cdf(d_prime / std::numbers::sqrt2); }
 
 }  // namespace touchstone::perception

@@ -6,7 +6,7 @@
 #include <numbers>
 
 #include "harness/perception/fourier.h"
-#include "harness/perception/statistics.h"
+#include "harness/stats/quantile.h"
 
 namespace touchstone::perception {
 namespace {
@@ -244,7 +244,7 @@ FastForce fast_force(const FeltSeries& felt, const Response& response) {
   }
   fast.onset = sum.result();
   fast.onsets = speeds.size();
-  if (!speeds.empty()) fast.onset_speed_m_per_s = median(speeds);
+  if (!speeds.empty()) fast.onset_speed_m_per_s = stats::median(speeds);
   return fast;
 }
 

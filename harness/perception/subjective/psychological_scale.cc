@@ -8,7 +8,8 @@
 #include <limits>
 
 #include "harness/base/error.h"
-#include "harness/perception/statistics.h"
+#include "harness/stats/distributions.h"
+#include "harness/stats/summary.h"
 
 namespace touchstone::perception {
 namespace {
@@ -127,7 +128,7 @@ std::vector<double> fit_thurstone(const PairedComparisons& comparisons) {
                                   comparisons.conditions[static_cast<std::size_t>(j)]));
       }
       values[static_cast<std::size_t>(i)] +=
-          normal_quantile((w(i, j) + 0.5) / (n + 1.0)) / static_cast<double>(w.rows());
+          stats::normal_quantile((w(i, j) + 0.5) / (n + 1.0)) / static_cast<double>(w.rows());
     }
   }
   return values;
@@ -152,7 +153,7 @@ std::vector<double> jackknife(const PairedComparisons& comparisons, Fit fit) {
     std::vector<double> column;
     column.reserve(estimates.size());
     for (const auto& estimate : estimates) column.push_back(estimate[v]);
-    errors.push_back(standard_deviation(column) * std::sqrt(static_cast<double>(subjects - 1)));
+    errors.push_back(stats::standard_deviation(column) * std::sqrt(static_cast<double>(subjects - 1)));
   }
   return errors;
 }
@@ -180,7 +181,7 @@ PsychologicalScale thurstone_case_v(const PairedComparisons& comparisons) {
       const double n = w(i, j) + w(j, i);
       extreme = extreme || w(i, j) == 0.0 || w(j, i) == 0.0;
       const double expected =
-          normal_cdf(scale.value[static_cast<std::size_t>(i)] - scale.value[static_cast<std::size_t>(j)]);
+          stats::normal_cdf(scale.value[static_cast<std::size_t>(i)] - scale.value[static_cast<std::size_t>(j)]);
       // Mosteller: the arcsine of the root of a proportion has the variance 1 / (4 n) whatever the proportion.
       const double difference = std::asin(std::sqrt(w(i, j) / n)) - std::asin(std::sqrt(expected));
       scale.misfit += 4.0 * n * difference * difference;
@@ -188,7 +189,7 @@ PsychologicalScale thurstone_case_v(const PairedComparisons& comparisons) {
   }
   const auto n = static_cast<double>(w.rows());
   scale.degrees_of_freedom = 0.5 * (n - 1.0) * (n - 2.0);
-  if (scale.degrees_of_freedom > 0.0) scale.misfit_p = chi_squared_tail(scale.misfit, scale.degrees_of_freedom);
+  if (scale.degrees_of_freedom > 0.0) scale.misfit_p = stats::chi_squared_tail(scale.misfit, scale.degrees_of_freedom);
   if (extreme) scale.remark = "unanimous pairs: every proportion is taken as (wins + 1/2) / (n + 1)";
   return scale;
 }
@@ -224,13 +225,13 @@ PsychologicalScale bradley_terry(const PairedComparisons& comparisons) {
     }
   }
   scale.degrees_of_freedom = std::max(0.0, cells - static_cast<double>(n));
-  if (scale.degrees_of_freedom > 0.0) scale.misfit_p = chi_squared_tail(scale.misfit, scale.degrees_of_freedom);
+  if (scale.degrees_of_freedom > 0.0) scale.misfit_p = stats::chi_squared_tail(scale.misfit, scale.degrees_of_freedom);
   if (fit.firth) scale.remark = "some conditions always won or lost: Firth's reduction of bias keeps the values finite";
   return scale;
 }
 
 double expected_preference(const PsychologicalScale& scale, double difference) {
-  if (scale.model == ScaleModel::thurstone_case_v) return normal_cdf(difference);
+  if (scale.model == ScaleModel::thurstone_case_v) return stats::normal_cdf(difference);
   return 0.5 * (logistic(difference + scale.order_effect) + logistic(difference - scale.order_effect));
 }
 

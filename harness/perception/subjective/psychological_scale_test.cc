@@ -10,8 +10,8 @@
 #include "harness/base/atomic_file.h"
 #include "harness/base/error.h"
 #include "harness/base/random.h"
-#include "harness/perception/statistics.h"
 #include "harness/perception/subjective/simulated_observer.h"
+#include "harness/stats/summary.h"
 
 namespace touchstone::perception {
 namespace {
@@ -67,7 +67,7 @@ TEST(BradleyTerry, TheScoreVanishesAtTheMaximum) {
   }
   for (std::size_t i = 0; i < 6; ++i) EXPECT_NEAR(expected[i], won[i], 1e-7);
   EXPECT_NEAR(first_expected, first_won, 1e-7);
-  EXPECT_NEAR(mean(scale.value), 0.0, 1e-12);
+  EXPECT_NEAR(stats::mean(scale.value), 0.0, 1e-12);
 }
 
 TEST(Scales, RecoverTheSimulatedDistancesAndTheOrderEffect) {
@@ -96,9 +96,9 @@ TEST(Scales, TheJackknifeTellsTheSpreadOverRepetitions) {
     values.push_back(scale.value[0]);
     errors.push_back(scale.standard_error[0]);
   }
-  const double spread = standard_deviation(values);
-  EXPECT_GT(mean(errors), 0.7 * spread);
-  EXPECT_LT(mean(errors), 1.4 * spread);
+  const double spread = stats::standard_deviation(values);
+  EXPECT_GT(stats::mean(errors), 0.7 * spread);
+  EXPECT_LT(stats::mean(errors), 1.4 * spread);
 }
 
 TEST(Scales, AMisfitIsNoticed) {

@@ -4,9 +4,12 @@
 
 #include <Eigen/Dense>
 #include <algorithm>
-#include <boost/math/distributions/students_t.hpp>
 #include <cmath>
 #include <numeric>
+
+#include "harness/stats/distributions.h"
+#include "harness/stats/quantile.h"
+#include "harness/stats/sandwich.h"
 
 namespace touchstone::pipeline {
 namespace {
@@ -14,8 +17,7 @@ namespace {
 double median_step(const std::vector<double>& t_s) {
   std::vector<double> steps;
   for (std::size_t i = 1; i < t_s.size(); ++i) steps.push_back(t_s[i] - t_s[i - 1]);
-  std::nth_element(steps.begin(), steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2), steps.end());
-  return steps[steps.size() / 2];
+  return stats::upper_median(std::move(steps));
 }
 
 double sum(const std::vector<double>& values, std::size_t begin, std::size_t end) {
@@ -111,8 +113,8 @@ Uncertainty sandwich_uncertainty(const LossFunction& loss, const std::vector<dou
   const auto blocks = static_cast<double>(out.blocks);
   const Eigen::MatrixXd centred = gradients.rowwise() - gradients.colwise().mean();
   const Eigen::MatrixXd inverse = factored.solve(Eigen::MatrixXd::Identity(n, n));
-  const Eigen::MatrixXd covariance = inverse * (centred.transpose() * centred) * inverse * (blocks / (blocks - 1.0));
-  const double t = boost::math::quantile(boost::math::students_t(blocks - static_cast<double>(n)), 0.975);
+  const Eigen::MatrixXd covariance = stats::sandwich_covariance(inverse, centred) * (blocks / (blocks - 1.0));
+  const double t = stats::student_t_975(blocks - static_cast<double>(n));
   for (Eigen::Index i = 0; i < n; ++i) {
     const double sigma = std::sqrt(covariance(i, i));
     out.sigma_u.push_back(sigma);

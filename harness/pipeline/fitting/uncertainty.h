@@ -1,8 +1,7 @@
 // How well a fit determines its parameters, from the curvature of the loss and from how much its gradient scatters over
 // parts of the recording. Neighbouring samples are not independent: gradients are summed in blocks of time much longer
 // than the residuals remember.
-// Source: the sandwich covariance of an M-estimator (Huber 1967), with clusters (Liang and Zeger 1986):
-//   C = H^-1 (sum_b g_b g_b^T) H^-1 B/(B - 1),   H: Hessian of the summed loss, g_b: gradient of block b's sum.
+// The covariance is stats::sandwich_covariance of the centred gradients of the blocks' sums, times B/(B - 1).
 // Intervals: Student's t with B - n degrees of freedom, B blocks, n parameters.
 #pragma once
 

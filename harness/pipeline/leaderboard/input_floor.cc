@@ -5,12 +5,13 @@
 #include <cmath>
 
 #include "harness/base/error.h"
-#include "harness/perception/statistics.h"
 #include "harness/pipeline/evaluation/inputs.h"
 #include "harness/recording/recording_file.h"
 #include "harness/rendering/in_trajectory.h"
 #include "harness/rendering/replay.h"
 #include "harness/report/quantity.h"
+#include "harness/stats/distributions.h"
+#include "harness/stats/summary.h"
 #include "harness/surface/facet_angle.h"
 
 namespace touchstone::pipeline {
@@ -93,10 +94,10 @@ Floor floor_of(const Catalogue& catalogue, const FloorWorld& world, const TimeRa
   }
   const auto n = static_cast<double>(draws);
   Floor floor;
-  floor.rms_N = perception::mean(scores);
+  floor.rms_N = stats::mean(scores);
   // Of one more draw, whose mean and spread are known from so many.
-  const double spread = perception::standard_deviation(scores) * std::sqrt(n / (n - 1.0)) * std::sqrt(1.0 + 1.0 / n);
-  const double half = perception::student_t_975(n - 1.0) * spread;
+  const double spread = stats::standard_deviation(scores) * std::sqrt(n / (n - 1.0)) * std::sqrt(1.0 + 1.0 / n);
+  const double half = stats::student_t_975(n - 1.0) * spread;
   floor.low95_N = std::max(0.0, floor.rms_N - half);
   floor.high95_N = floor.rms_N + half;
   floor.how = fmt::format(

@@ -20,6 +20,7 @@
 #include "harness/pipeline/evaluation/request.h"
 #include "harness/pipeline/pipeline_rooms.h"
 #include "harness/recording/trajectory.h"
+#include "harness/rendering/catalogue.h"
 #include "harness/surface/surface.h"
 
 namespace touchstone::pipeline {

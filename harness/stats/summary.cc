@@ -1,25 +1,10 @@
-#include "harness/perception/statistics.h"
+#include "harness/stats/summary.h"
 
 #include <algorithm>
-#include <boost/math/distributions/students_t.hpp>
-#include <boost/math/special_functions/erf.hpp>
-#include <boost/math/special_functions/gamma.hpp>
 #include <cmath>
-#include <limits>
-#include <numbers>
 #include <numeric>
 
-namespace touchstone::perception {
-
-double normal_cdf(double z) { return 0.5 * std::erfc(-z / std::numbers::sqrt2); }
-
-double normal_quantile(double p) { return -std::numbers::sqrt2 * boost::math::erfc_inv(2.0 * p); }
-
-double chi_squared_tail(double x, double degrees) {
-  return boost::math::gamma_q(0.5 * degrees, 0.5 * std::max(x, 0.0));
-}
-
-double student_t_975(double degrees) { return boost::math::quantile(boost::math::students_t(degrees), 0.975); }
+namespace touchstone::stats {
 
 double mean(std::span<const double> x) {
   return std::accumulate(x.begin(), x.end(), 0.0) / static_cast<double>(x.size());
@@ -38,14 +23,6 @@ double root_mean_square(std::span<const double> x) {
   return std::sqrt(sum / static_cast<double>(x.size()));
 }
 
-double median(std::vector<double> x) {
-  if (x.empty()) return std::numeric_limits<double>::quiet_NaN();
-  const auto middle = x.begin() + static_cast<std::ptrdiff_t>(x.size() / 2);
-  std::nth_element(x.begin(), middle, x.end());
-  if (x.size() % 2 == 1) return *middle;
-  return 0.5 * (*middle + *std::max_element(x.begin(), middle));
-}
-
 std::vector<double> ranks(std::span<const double> x) {
   std::vector<std::size_t> order(x.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
@@ -61,4 +38,4 @@ std::vector<double> ranks(std::span<const double> x) {
   return rank;
 }
 
-}  // namespace touchstone::perception
+}  // namespace touchstone::stats

@@ -1,0 +1,19 @@
+// Distribution functions and their inverses, by Boost.Math.
+#pragma once
+
+#include "harness/base/rooms.h"
+
+namespace touchstone::stats {
+
+// Standard normal distribution function and its inverse (0 < p < 1).
+double normal_cdf(double z);
+double normal_quantile(double p);
+// P(X >= x) for chi-squared with `degrees` > 0 degrees of freedom.
+double chi_squared_tail(double x, double degrees);
+// Two-sided p of Student's t with `degrees` > 0 degrees of freedom.
+double student_p(double t, double degrees);
+// The 97.5 % quantile of Student's t with `degrees` > 0 degrees of freedom: half the width of a two-sided 95 %
+// interval.
+double student_t_975(double degrees);
+
+}  // namespace touchstone::stats

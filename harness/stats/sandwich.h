@@ -1,0 +1,21 @@
+// How well an estimate is determined when its model is not quite right and neighbouring samples are not independent.
+//
+// An estimate that minimises a sum of losses has the covariance H^-1 (sum_c g_c g_c^T) H^-1, where H is the Hessian of
+// the sum and g_c the gradient of the part of the sum that falls into cluster c. Clusters must be so long that they are
+// independent; within a cluster, residuals may be correlated in any way.
+// Source: Huber, The behavior of maximum likelihood estimates under nonstandard conditions, 5th Berkeley Symposium
+// (1967); with clusters: Liang and Zeger, Longitudinal data analysis using generalized linear models, Biometrika 73
+// (1986).
+#pragma once
+
+#include <Eigen/Core>
+
+#include "harness/base/rooms.h"
+
+namespace touchstone::stats {
+
+// `inverse_hessian`: n x n. `gradients`: a row for each cluster, n columns, in the same units of the loss. For centred
+// gradients of B clusters multiply by B / (B - 1). The covariance is in the parameters' units, squared.
+Eigen::MatrixXd sandwich_covariance(const Eigen::MatrixXd& inverse_hessian, const Eigen::MatrixXd& gradients);
+
+}  // namespace touchstone::stats
