@@ -211,29 +211,20 @@ std::optional<std::string> contact_in_bias(const AcquisitionDescription& d, cons
       d.bias->from_s, d.bias->to_s, at[worst], largest_N, most_N);
 }
 
-ClockAlignment align_clocks(const AcquisitionDescription& d, const ForceStream& force, const MotionStream& motion,
-                            const ToolLoad& tool, const Quat& q_WT) {
-  const Vec3 normal_T = q_WT.conjugate() * d.tap_normal_W;
-  std::vector<double> height;
-  for (const Vec3& p : motion.tip_T_m) height.push_back(normal_T.dot(p));
-  // First with the length of the force, for which no orientation is needed: each sample against the median component.
-  Vec3 middle;
-  for (int k = 0; k < 3; ++k) {
-    std::vector<double> v;
-    for (const Wrench& w : force.wrench) v.push_back(w.f_N[k]);
-    middle[k] = stats::upper_median(std::move(v));
-  }
-  std::vector<double> length;
-  for (const Wrench& w : force.wrench) length.push_back((w.f_N - middle).norm());
-  const ClockAlignment first = align_by_taps(force.t_s, length, motion.t_s, height, d.taps, d.file.string());
-  // Then with the weight removed, along the surface's normal.
-  const TipForce tip = force_at_tip(d, force, motion, tool, first);
-  std::vector<double> t, normal_force;
-  for (std::size_t i = 0; i < tip.t_s.size(); ++i) {
-    t.push_back(first.to_force_clock(tip.t_s[i]));
-    normal_force.push_back(normal_T.dot(tip.f_T_N[i]));
-  }
-  return align_by_taps(t, normal_force, motion.t_s, height, d.taps, d.file.string());
+ClockAlignment align_streams(const AcquisitionDescription& d, const ForceStream& force, const MotionStream& motion,
+                             const ToolLoad& tool, const Quat& q_WT) {
+  ClockStreams streams;
+  streams.t_force_s = force.t_s;
+  streams.force_S_N.reserve(force.wrench.size());
+  for (const Wrench& w : force.wrench) streams.force_S_N.push_back(w.f_N);
+  streams.t_motion_s = motion.t_s;
+  streams.tip_T_m = motion.tip_T_m;
+  streams.q_TS = motion.q_TS;
+  streams.tool = tool;
+  streams.tip_S_m = d.tip_S_m;
+  streams.gravity_T_m_per_s2 = d.gravity_T_m_per_s2;
+  streams.normal_T = q_WT.conjugate() * d.tap_normal_W;
+  return align_clocks(streams, d.taps, d.file.string());
 }
 
 }  // namespace
@@ -288,7 +279,7 @@ Acquired acquire(const AcquisitionDescription& d) {
 
   ClockAlignment clocks;
   if (d.align_taps) {
-    report.clocks = align_clocks(d, force, motion, tool, object.q);
+    report.clocks = align_streams(d, force, motion, tool, object.q);
     clocks = *report.clocks;
     if (!clocks.skew_fitted)
       report.notes.emplace_back("the taps do not tell the clocks' skew; tap before and after scanning");

@@ -49,16 +49,22 @@ std::string report_json(const AcquisitionReport& report) {
   }
   if (report.clocks) {
     const auto& c = *report.clocks;
-    j["clocks"] = {
-        {"offset_s", c.offset_s},   {"offset_sigma_s", c.offset_sigma_s},   {"reference_s", c.reference_s},
-        {"skew_ppm", c.skew * 1e6}, {"skew_sigma_ppm", c.skew_sigma * 1e6}, {"skew_fitted", c.skew_fitted},
-        {"taps", c.taps},           {"releases_used", c.releases_used},     {"residual_rms_s", c.residual_rms_s}};
+    j["clocks"] = {{"offset_s", c.offset_s},
+                   {"offset_sigma_s", c.offset_sigma_s},
+                   {"reference_s", c.reference_s},
+                   {"skew_ppm", c.skew * 1e6},
+                   {"skew_sigma_ppm", c.skew_sigma * 1e6},
+                   {"skew_fitted", c.skew_fitted},
+                   {"taps", c.taps},
+                   {"free_motion", c.free_motion},
+                   {"residual_rms_s", c.residual_rms_s},
+                   {"interval95_s", c.interval95_at(c.reference_s)}};
     for (const auto& e : c.events) {
       j["clocks"]["events"].push_back({{"force_s", e.force_s},
                                        {"motion_s", e.motion_s},
                                        {"sigma_s", e.sigma_s},
                                        {"residual_s", e.residual_s},
-                                       {"release", e.release}});
+                                       {"kind", e.free_motion ? "free motion" : "tap"}});
     }
   }
   if (report.markers) {
@@ -93,8 +99,11 @@ std::string report_text(const AcquisitionReport& report) {
   if (report.clocks) {
     const auto& c = *report.clocks;
     text += fmt::format(
-        "clocks       offset {:.6f} +- {:.6f} s, skew {:.1f} +- {:.1f} ppm, {} taps, residual {:.3g} ms RMS\n",
-        c.offset_s, c.offset_sigma_s, c.skew * 1e6, c.skew_sigma * 1e6, c.taps, 1e3 * c.residual_rms_s);
+        "clocks       offset {:.6f} +- {:.6f} s (95 %), skew {:.1f} +- {:.1f} ppm, {} taps, {} s of free motion, "
+        "residual "
+        "{:.3g} ms RMS\n",
+        c.offset_s, c.interval95_at(c.reference_s), c.skew * 1e6, c.skew_sigma * 1e6, c.taps, c.free_motion,
+        1e3 * c.residual_rms_s);
   }
   if (report.markers)
     text += fmt::format("markers      {} markers, residual {:.3g} mm RMS\n", report.markers->markers,

@@ -1,42 +1,49 @@
-// The clocks of force sensor and motion tracker, aligned by taps (2006 paper, figure 2: "brief initial and final taps
-// were added to aid registration of force and motion data").
-//   Force: the instant where the rising edge of a tap leaves the baseline. Motion: the instant where the approach line
-// meets the level at which the surface stops the tip (a hinge h(t) = level + s max(0, t0 - t), fitted by least
-// squares), much finer than the tracker's sample interval. Offset and skew then follow from weighted least squares over
-// all taps.
+// Aligns the clocks of force sensor and motion tracker by everything that the hand does in the air and by taps on a
+// hard surface (2006 paper, figure 2: "brief initial and final taps were added to aid registration of force and motion
+// data").
+//   1. Coarse, to a fraction of a tracker frame: the cross-correlation of the force, its slow part taken off, with the
+//      acceleration of the tip along the surface's normal (Knapp and Carter, IEEE Trans. ASSP 24, 1976). It needs no
+//      threshold, and a rhythm that fits twice shows as a second peak.
+//   2. Free motion, if the tool is known: its weight and inertia m (g - a), from the tracker's motion, against the
+//      force, both smoothed by one kernel. The regression of their difference on the force's derivative is the offset,
+//      once per second of free motion.
+//   3. Taps, if free motion does not suffice. While the tip touches, its height is level - compliance * force; before
+//      and after, it flies. If the tool's mass m is known the sensor is an accelerometer: the height is the double
+//      integral of -force / m from the instant of contact. The shift that makes the tracker's heights fit best is the
+//      offset at that tap, by separable least squares (Golub and Pereyra 1973); the compliance is the same for all
+//      taps. Errors of onset and release act with opposite signs.
+//   Offset and skew follow from weighted least squares over the events of steps 2 or 3, weighted by the scatter that
+// they show; intervals come from Student's t. If free motion suffices the taps are counted but not used.
 #pragma once
 
 #include <string>
 #include <vector>
 
+#include "harness/acquisition/tool_load.h"
 #include "harness/base/rooms.h"
 #include "harness/base/vec.h"
 
 namespace touchstone::acquisition {
 
 struct TapOptions {
-  double force_threshold_N = 0.0;  // 0: eight times the baseline's noise, at least a tenth of the median peak
+  double force_threshold_N = 0.0;  // 0: eight times the noise, at least a tenth of the largest peak
   double longest_tap_s = 0.4;      // a contact that lasts longer is scanning, not a tap
   double shortest_tap_s = 0.01;
-  double approach_s = 0.16;  // of the motion before a tap that may enter the line
+  double approach_s = 0.1;  // of the motion before and after a tap that enters its fit
   double largest_skew = 500e-6;
 };
 
-// A brief contact in the force signal; times on the force sensor's clock.
+// A brief contact in the force signal, with the bounces that follow; times on the force sensor's clock.
 struct ForceTap {
+  struct Flight {
+    double from_s = 0.0, to_s = 0.0;
+  };
   double onset_s = 0.0;
   double onset_sigma_s = 0.0;
   double release_s = 0.0;
   double release_sigma_s = 0.0;
   double peak_N = 0.0;
-};
-
-// The tip stopped by the surface; time on the tracker's clock.
-struct MotionStop {
-  double stop_s = 0.0;
-  double stop_sigma_s = 0.0;
-  double approach_m_per_s = 0.0;
-  double height_rms_m = 0.0;  // of the heights about the fitted hinge; 0 where none could be fitted
+  std::vector<Flight> flights;  // between onset and release, if the tip bounced
 };
 
 // t_force = reference_s + offset_s + (1 + skew) (t_motion - reference_s).
@@ -47,14 +54,15 @@ struct ClockAlignment {
   double skew = 0.0;
   double offset_sigma_s = 0.0;
   double skew_sigma = 0.0;
-  double residual_rms_s = 0.0;  // of the taps about the fit
-  std::size_t taps = 0;
-  bool releases_used = false;
-  bool skew_fitted = false;  // false: fewer than three taps, or all at one end; then 0 +- 100 ppm was assumed
-  // What was fitted: one event per onset or release, on both clocks.
+  double residual_rms_s = 0.0;  // of the events about the fit
+  double degrees = 1.0;         // of freedom: events less fitted parameters
+  std::size_t taps = 0;         // that were fitted
+  std::size_t free_motion = 0;  // stretches of free motion that were used; 0 if the tool is unknown or hardly moves
+  bool skew_fitted = false;     // false: fewer than three events, or all at one end; then 0 +- 100 ppm was assumed
+  // What was fitted: one event per tap or stretch of free motion, on both clocks.
   struct Event {
     double force_s = 0.0, motion_s = 0.0, sigma_s = 0.0, residual_s = 0.0;
-    bool release = false;
+    bool free_motion = false;
   };
   std::vector<Event> events;
 
@@ -64,20 +72,29 @@ struct ClockAlignment {
   [[nodiscard]] double to_motion_clock(double t_force_s) const {
     return reference_s + (t_force_s - reference_s - offset_s) / (1.0 + skew);
   }
-  // Standard uncertainty of the alignment at a time of the motion's clock.
+  // Standard uncertainty of the alignment at a time of the motion's clock, and half the width of its 95 % interval.
   [[nodiscard]] double sigma_at(double t_motion_s) const;
+  [[nodiscard]] double interval95_at(double t_motion_s) const;
 };
 
-// `normal_force_N` is the force along the surface's outward normal; strictly increasing times.
-std::vector<ForceTap> find_force_taps(const std::vector<double>& t_s, const std::vector<double>& normal_force_N,
-                                      const TapOptions& options);
+// Both streams as they came. Times strictly increase.
+struct ClockStreams {
+  std::vector<double> t_force_s;
+  std::vector<Vec3> force_S_N;  // as measured in the sensor's frame: weight, bias and contact
+  std::vector<double> t_motion_s;
+  std::vector<Vec3> tip_T_m;  // tracker's frame
+  std::vector<Quat> q_TS;
+  ToolLoad tool;  // without a mass, weight stays in and free motion is not used
+  Vec3 tip_S_m = Vec3::Zero();
+  Vec3 gravity_T_m_per_s2 = Vec3(0, 0, -9.81);
+  Vec3 normal_T = Vec3::UnitZ();  // of the surface that is tapped, outward
+};
 
-// `height_m` is the tip's height along the same normal, any origin. Finds every abrupt stop of a descent; not all are
-// taps.
-std::vector<MotionStop> find_motion_stops(const std::vector<double>& t_s, const std::vector<double>& height_m,
-                                          const TapOptions& options);
+// Throws BadData, saying what to do, without taps, if the two streams do not match, if they match in more than one way,
+// and if the skew is more than clocks differ by.
+ClockAlignment align_clocks(const ClockStreams& streams, const TapOptions& options, const std::string& source);
 
-// Throws BadData without taps, when the patterns do not match, and when they match in more than one way.
+// The same by taps alone, from the force along the normal, weight already off, and the tip's height along it.
 ClockAlignment align_by_taps(const std::vector<double>& t_force_s, const std::vector<double>& normal_force_N,
                              const std::vector<double>& t_motion_s, const std::vector<double>& height_m,
                              const TapOptions& options, const std::string& source);
