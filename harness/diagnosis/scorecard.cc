@@ -7,31 +7,12 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "harness/base/markup.h"
 #include "harness/diagnosis/meshes.h"
 #include "harness/diagnosis/probe.h"
 
 namespace touchstone::diagnosis {
 namespace {
-
-std::string escaped(const std::string& text) {
-  std::string out;
-  for (const char c : text) {
-    switch (c) {
-      case '&':
-        out += "&amp;";
-        break;
-      case '<':
-        out += "&lt;";
-        break;
-      case '>':
-        out += "&gt;";
-        break;
-      default:
-        out += c;
-    }
-  }
-  return out;
-}
 
 std::size_t count_of(const Scorecard& card, bool CaseScore::*verdict) {
   return static_cast<std::size_t>(
@@ -57,21 +38,21 @@ std::string cell_of(const Scorecard& card, const std::string& detector) {
   const Diagnosis& d = card.diagnosis;
   const auto named = [&](const auto& pair) { return pair.first == detector; };
   if (const auto found = std::ranges::find(d.findings, detector, &Finding::name); found != d.findings.end()) {
-    return fmt::format("<td class=\"bad\"><b>found</b><br>{}<br><small>{}</small></td>", escaped(found->what),
-                       escaped(found->smallest_case));
+    return fmt::format("<td class=\"bad\"><b>found</b><br>{}<br><small>{}</small></td>", escape_html(found->what),
+                       escape_html(found->smallest_case));
   }
   if (std::ranges::find(d.clean, detector) != d.clean.end()) return "<td class=\"good\">clean</td>";
   if (const auto at = std::ranges::find_if(d.declared, named); at != d.declared.end())
-    return fmt::format("<td>declared: {}</td>", escaped(at->second));
+    return fmt::format("<td>declared: {}</td>", escape_html(at->second));
   if (const auto at = std::ranges::find_if(d.failed, named); at != d.failed.end())
-    return fmt::format("<td class=\"bad\">could not run: {}</td>", escaped(at->second));
+    return fmt::format("<td class=\"bad\">could not run: {}</td>", escape_html(at->second));
   return "<td>not looked for</td>";
 }
 
 std::string case_cell(const Scorecard& card, const std::string& name) {
   const auto found = std::ranges::find(card.cases, name, &CaseScore::name);
   if (found == card.cases.end()) return "<td></td>";
-  if (!found->problem.empty()) return fmt::format("<td class=\"bad\">{}</td>", escaped(found->problem));
+  if (!found->problem.empty()) return fmt::format("<td class=\"bad\">{}</td>", escape_html(found->problem));
   return fmt::format("<td class=\"{}\">{:.3g} N rms, {:.3g} N at most, {:.3g} JND ({}){}</td>",
                      found->felt ? "good" : "bad", found->rms_N, found->max_N, found->max_jnd, found->reference,
                      found->exact ? ", exact" : "");
@@ -171,9 +152,9 @@ std::string scorecard_to_html(const std::vector<Scorecard>& cards) {
     for (const Scorecard& card : cards) page += cell(card);
     page += "</tr>\n";
   };
-  const auto plain = [](const std::string& text) { return "<td>" + escaped(text) + "</td>"; };
+  const auto plain = [](const std::string& text) { return "<td>" + escape_html(text) + "</td>"; };
   page += "<table>\n";
-  row("engine", [](const Scorecard& card) { return "<th>" + escaped(card.engine) + "</th>"; });
+  row("engine", [](const Scorecard& card) { return "<th>" + escape_html(card.engine) + "</th>"; });
   row("what it is", [&](const Scorecard& card) { return plain(card.summary + "; " + card.source); });
   row("library", [&](const Scorecard& card) {
     return plain(card.library.empty() ? "of this program" : card.library + ", SHA-256 " + card.library_sha256);
@@ -194,13 +175,13 @@ std::string scorecard_to_html(const std::vector<Scorecard>& cards) {
                              card.cost->triangles));
   });
   page += "</table>\n<h2>Diagnoses</h2>\n<table>\n";
-  row("", [](const Scorecard& card) { return "<th>" + escaped(card.engine) + "</th>"; });
+  row("", [](const Scorecard& card) { return "<th>" + escape_html(card.engine) + "</th>"; });
   for (const Detector& detector : detectors()) {
-    row(fmt::format("{}<br><small>{}</small>", escaped(detector.name), escaped(detector.summary)),
+    row(fmt::format("{}<br><small>{}</small>", escape_html(detector.name), escape_html(detector.summary)),
         [&](const Scorecard& card) { return cell_of(card, detector.name); });
   }
   page += "</table>\n<h2>Golden cases</h2>\n<table>\n";
-  row("", [](const Scorecard& card) { return "<th>" + escaped(card.engine) + "</th>"; });
+  row("", [](const Scorecard& card) { return "<th>" + escape_html(card.engine) + "</th>"; });
   std::vector<std::string> names;
   for (const Scorecard& card : cards) {
     for (const CaseScore& one : card.cases) {
@@ -208,7 +189,7 @@ std::string scorecard_to_html(const std::vector<Scorecard>& cards) {
     }
   }
   for (const std::string& name : names)
-    row(escaped(name), [&](const Scorecard& card) { return case_cell(card, name); });
+    row(escape_html(name), [&](const Scorecard& card) { return case_cell(card, name); });
   page += "</table></body></html>\n";
   return page;
 }

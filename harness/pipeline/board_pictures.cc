@@ -6,6 +6,7 @@
 #include <cmath>
 #include <functional>
 
+#include "harness/base/markup.h"
 #include "harness/report/page_html.h"
 #include "harness/report/quantity.h"
 

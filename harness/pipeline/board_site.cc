@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "harness/base/markup.h"
 #include "harness/pipeline/board_pictures.h"
 #include "harness/pipeline/site_assets.h"
 #include "harness/pipeline/verdict.h"

@@ -6,30 +6,16 @@
 #include <cmath>
 #include <vector>
 
+#include "harness/base/markup.h"
+
 namespace touchstone::report {
 namespace {
 
+// On one line, and without control characters, of which XML 1.0 has hardly any.
 std::string escaped(std::string_view text) {
-  std::string safe;
-  for (const char c : text) {
-    switch (c) {
-      case '&':
-        safe += "&amp;";
-        break;
-      case '<':
-        safe += "&lt;";
-        break;
-      case '>':
-        safe += "&gt;";
-        break;
-      case '"':
-        safe += "&quot;";
-        break;
-      default:
-        safe += static_cast<unsigned char>(c) < ' ' ? ' ' : c;  // XML 1.0 has no control characters
-    }
-  }
-  return safe;
+  std::string plain(text);
+  for (char& c : plain) c = static_cast<unsigned char>(c) < ' ' ? ' ' : c;
+  return escape_xml(plain);
 }
 
 }  // namespace

@@ -6,31 +6,10 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "harness/base/markup.h"
+
 namespace touchstone::report {
 namespace {
-
-std::string html_escaped(const std::string& text) {
-  std::string safe;
-  for (const char c : text) {
-    switch (c) {
-      case '&':
-        safe += "&amp;";
-        break;
-      case '<':
-        safe += "&lt;";
-        break;
-      case '>':
-        safe += "&gt;";
-        break;
-      case '"':
-        safe += "&quot;";
-        break;
-      default:
-        safe += c;
-    }
-  }
-  return safe;
-}
 
 // Places of values and builds on a drawing of fixed size.
 class Axes {
@@ -94,8 +73,8 @@ std::string drawing(const JudgedSeries& judged) {
   for (std::size_t i = 0; i < judged.series.points.size(); ++i) {
     const auto& point = judged.series.points[i];
     svg += fmt::format("<circle cx=\"{:.2f}\" cy=\"{:.2f}\" r=\"2.5\"><title>{} {} {:.8g}</title></circle>",
-                       axes.x(static_cast<double>(i)), axes.y(point.value), html_escaped(point.commit),
-                       html_escaped(point.time), point.value);
+                       axes.x(static_cast<double>(i)), axes.y(point.value), escape_html(point.commit),
+                       escape_html(point.time), point.value);
   }
   return svg + "</svg>";
 }
@@ -166,11 +145,11 @@ std::string history_page(const std::vector<JudgedSeries>& all, const std::string
   std::string page = fmt::format(
       "<!DOCTYPE html><html lang=\"en\"><head><meta charset=\"utf-8\"><title>{0}</title><style>{1}</style></head><body>"
       "<h1>{0}</h1><p>{2} series, {3} failed.</p>",
-      html_escaped(title), style, all.size(), failed);
+      escape_html(title), style, all.size(), failed);
   for (const JudgedSeries* judged : order) {
-    page += fmt::format("<h2>{}</h2>{}<ul>", html_escaped(title_of(judged->series.key)), drawing(*judged));
+    page += fmt::format("<h2>{}</h2>{}<ul>", escape_html(title_of(judged->series.key)), drawing(*judged));
     for (const auto& finding : judged->verdict.findings)
-      page += fmt::format("<li{}>{}</li>", finding.fails ? " class=\"failed\"" : "", html_escaped(finding.sentence));
+      page += fmt::format("<li{}>{}</li>", finding.fails ? " class=\"failed\"" : "", escape_html(finding.sentence));
     page += "</ul>";
   }
   return page + "</body></html>\n";

@@ -4,6 +4,7 @@
 
 #include "harness/base/atomic_file.h"
 #include "harness/base/hash.h"
+#include "harness/base/markup.h"
 #include "harness/report/page_json.h"
 #include "harness/report/web_assets.h"
 
@@ -42,32 +43,6 @@ std::string escape_json_for_script(std::string_view json) {
       i += 2;
     } else {
       out += c;
-    }
-  }
-  return out;
-}
-
-std::string escape_html(std::string_view text) {
-  std::string out;
-  for (const char c : text) {
-    switch (c) {
-      case '<':
-        out += "&lt;";
-        break;
-      case '>':
-        out += "&gt;";
-        break;
-      case '&':
-        out += "&amp;";
-        break;
-      case '"':
-        out += "&quot;";
-        break;
-      case '\'':
-        out += "&#39;";
-        break;
-      default:
-        out += c;
     }
   }
   return out;

@@ -19,7 +19,4 @@ void write_html(const std::filesystem::path& path, const Page& page);
 // it can end the element or the line. Bytes that are not UTF-8 are replaced by U+FFFD before.
 std::string escape_json_for_script(std::string_view json);
 
-// Text that may stand between tags or in an attribute with double quotes.
-std::string escape_html(std::string_view text);
-
 }  // namespace touchstone::report

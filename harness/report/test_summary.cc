@@ -4,26 +4,15 @@
 
 #include <algorithm>
 
+#include "harness/base/markup.h"
+
 namespace touchstone::report {
 namespace {
 
 // XML 1.0 has no control characters but tab and the ends of lines.
-std::string xml_text(const std::string& text) {
-  std::string safe;
-  for (const char c : text) {
-    if (c == '&') {
-      safe += "&amp;";
-    } else if (c == '<') {
-      safe += "&lt;";
-    } else if (c == '>') {
-      safe += "&gt;";
-    } else if (c == '"') {
-      safe += "&quot;";
-    } else if (static_cast<unsigned char>(c) >= 0x20 || c == '\n' || c == '\t') {
-      safe += c;
-    }
-  }
-  return safe;
+std::string xml_text(std::string text) {
+  std::erase_if(text, [](char c) { return static_cast<unsigned char>(c) < 0x20 && c != '\n' && c != '\t'; });
+  return escape_xml(text);
 }
 
 // A cell of a Markdown table: one line, and no bar ends it.

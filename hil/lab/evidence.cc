@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "harness/base/atomic_file.h"
+#include "harness/base/markup.h"
 #include "harness/base/version.h"
 #include "hil/lab/analysis.h"
 
@@ -18,20 +19,9 @@ namespace touchstone::hil {
 namespace {
 
 // What a device says of itself may hold anything.
-std::string xml_text(const std::string& text) {
-  std::string safe;
-  for (const char c : text) {
-    if (c == '&') {
-      safe += "&amp;";
-    } else if (c == '<') {
-      safe += "&lt;";
-    } else if (c == '>') {
-      safe += "&gt;";
-    } else {
-      safe += static_cast<unsigned char>(c) < 0x20 || static_cast<unsigned char>(c) >= 0x7f ? '?' : c;
-    }
-  }
-  return safe;
+std::string xml_text(std::string text) {
+  for (char& c : text) c = static_cast<unsigned char>(c) < 0x20 || static_cast<unsigned char>(c) >= 0x7f ? '?' : c;
+  return escape_xml(text);
 }
 
 nlohmann::json pictures_json(const std::vector<Picture>& pictures) {
