@@ -23,7 +23,7 @@ ParameterDeclaration place(std::string name) {
   return {std::move(name), "m", -1e3, 1e3, 0.0, "place in the object's xy plane"};
 }
 
-std::vector<EffectEntry> make_catalogue() {
+std::vector<EffectEntry> friction_laws() {
   using Phase = EffectPhase;
   return {
       {"coulomb-friction",
@@ -66,6 +66,12 @@ std::vector<EffectEntry> make_catalogue() {
        {{"coefficient_N_s_per_m", "N s/m", 0.0, 1e4, 0.0, "b"}},
        &make_viscous_friction,
        ""},
+  };
+}
+
+std::vector<EffectEntry> normal_laws() {
+  using Phase = EffectPhase;
+  return {
       {"normal-damping",
        "N = k d + b d', never below 0",
        "Kelvin-Voigt",
@@ -115,6 +121,13 @@ std::vector<EffectEntry> make_catalogue() {
         {"time_constant_s", "s", 1e-4, 1e4, 0.5, "damper over second spring"}},
        &make_stress_relaxation,
        ""},
+  };
+}
+
+// What changes where contact begins and ends.
+std::vector<EffectEntry> shape_laws() {
+  using Phase = EffectPhase;
+  return {
       {"tip-radius",
        "the tip is a ball; positions are its centre",
        "Ruspini, Kolarov and Khatib 1997",
@@ -146,6 +159,12 @@ std::vector<EffectEntry> make_catalogue() {
        &make_surface_texture,
        ""},
   };
+}
+
+std::vector<EffectEntry> make_catalogue() {
+  std::vector<EffectEntry> entries = friction_laws();
+  for (const auto& laws : {normal_laws(), shape_laws()}) entries.insert(entries.end(), laws.begin(), laws.end());
+  return entries;
 }
 
 }  // namespace
