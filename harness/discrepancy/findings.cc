@@ -144,20 +144,6 @@ void say_what_is_open(Findings& findings) {
 
 }  // namespace
 
-std::string to_string(FindingsVerdict verdict) {
-  switch (verdict) {
-    case FindingsVerdict::consistent:
-      return "consistent";
-    case FindingsVerdict::explained:
-      return "explained";
-    case FindingsVerdict::unexplained:
-      return "unexplained";
-    case FindingsVerdict::not_identifiable:
-      return "not-identifiable";
-  }
-  return "unexplained";
-}
-
 void conclude(Findings& findings, const std::vector<Candidate>& candidates) {
   const SearchResult& search = findings.search;
   for (const FoundEffect& effect : search.found) {

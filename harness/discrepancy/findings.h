@@ -7,16 +7,12 @@
 
 #include "harness/base/rooms.h"
 #include "harness/discrepancy/effect_search.h"
+#include "harness/discrepancy/findings_verdict.h"
 #include "harness/discrepancy/gap_shares.h"
 #include "harness/discrepancy/next_experiment.h"
 #include "harness/discrepancy/regimes.h"
 
 namespace touchstone::discrepancy {
-
-enum class FindingsVerdict : std::uint8_t { consistent, explained, unexplained, not_identifiable };
-
-// As findings.json spells it.
-std::string to_string(FindingsVerdict verdict);
 
 struct ForceGap {
   double train_before_N = 0.0;

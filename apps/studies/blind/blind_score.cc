@@ -106,11 +106,13 @@ bool as_sets_ask(const BlindScore& score, const json& answer, const json& findin
   const std::set<std::string> named(score.named.begin(), score.named.end());
   const std::set<std::string> expected(score.expected.begin(), score.expected.end());
   if (score.set == "corrupted") return named.empty() && score.data_blamed;
-  if (score.expected_verdict == "consistent") return named.empty() && score.verdict == "consistent";
-  if (score.set == "full-band") return score.verdict == "unexplained" && names_frequency(answer, findings);
-  if (score.expected_verdict == "unexplained") return score.verdict == "unexplained";
-  if (score.expected_verdict == "not-identifiable") {
-    if (score.verdict != "not-identifiable") return false;
+  if (score.expected_verdict == FindingsVerdict::consistent)
+    return named.empty() && score.verdict == FindingsVerdict::consistent;
+  if (score.set == "full-band")
+    return score.verdict == FindingsVerdict::unexplained && names_frequency(answer, findings);
+  if (score.expected_verdict == FindingsVerdict::unexplained) return score.verdict == FindingsVerdict::unexplained;
+  if (score.expected_verdict == FindingsVerdict::not_identifiable) {
+    if (score.verdict != FindingsVerdict::not_identifiable) return false;
     for (const auto& group : findings.at("ambiguous")) {
       const std::set<std::string> alike(group.begin(), group.end());
       if (std::includes(alike.begin(), alike.end(), expected.begin(), expected.end())) return true;
@@ -156,11 +158,11 @@ std::vector<BlindScore> score_blind(const std::filesystem::path& answers, const 
     try {
       score.id = answer.at("id").get<std::string>();
       score.set = answer.value("set", "sample");
-      score.expected_verdict = answer.at("expected_verdict").get<std::string>();
+      score.expected_verdict = findings_verdict(answer.at("expected_verdict").get<std::string>());
       const auto file = results / score.id / "findings.json";
       if (!std::filesystem::exists(file)) continue;
       const json findings = load_json(file);
-      score.verdict = findings.at("verdict").get<std::string>();
+      score.verdict = findings_verdict(findings.at("verdict").get<std::string>());
       score.expected = names_of(answer.at("effects"));
       if (answer.contains("ambiguous")) score.expected = answer.at("ambiguous").at(0);
       score.named = names_of(findings.at("effects"));
@@ -173,8 +175,8 @@ std::vector<BlindScore> score_blind(const std::filesystem::path& answers, const 
       if (score.set == "cannot-tell" && !again.empty() && std::filesystem::exists(second)) {
         const json told = load_json(second);
         const auto named = names_of(told.at("effects"));
-        score.told_apart = told.at("verdict") == "explained" && !named.empty() &&
-                           named.front() == names_of(answer.at("effects")).front();
+        score.told_apart = findings_verdict(told.at("verdict").get<std::string>()) == FindingsVerdict::explained &&
+                           !named.empty() && named.front() == names_of(answer.at("effects")).front();
       }
     } catch (const nlohmann::json::exception& error) {
       throw BadData(fmt::format("{} or findings of case {}: {}", answers.string(), score.id, error.what()));
@@ -199,8 +201,8 @@ std::string blind_json(const std::vector<BlindScore>& scores) {
   for (const BlindScore& score : scores) {
     nlohmann::ordered_json entry{{"id", score.id},
                                  {"set", score.set},
-                                 {"expected_verdict", score.expected_verdict},
-                                 {"verdict", score.verdict},
+                                 {"expected_verdict", to_string(score.expected_verdict)},
+                                 {"verdict", to_string(score.verdict)},
                                  {"expected", score.expected},
                                  {"named", score.named},
                                  {"right", score.right},

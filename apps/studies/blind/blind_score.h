@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "apps/studies/blind/blind_rooms.h"
+#include "harness/discrepancy/findings_verdict.h"
 
 namespace touchstone::blind {
 
@@ -14,8 +15,8 @@ namespace touchstone::blind {
 struct BlindScore {
   std::string id;
   std::string set;
-  std::string expected_verdict;
-  std::string verdict;                // empty: no findings
+  FindingsVerdict expected_verdict = FindingsVerdict::unexplained;
+  FindingsVerdict verdict = FindingsVerdict::unexplained;
   std::vector<std::string> expected;  // effects
   std::vector<std::string> named;     // in the order found
   bool right = false;                 // as the set asks

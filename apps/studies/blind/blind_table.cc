@@ -11,6 +11,8 @@
 #include <set>
 #include <utility>
 
+#include "harness/stats/quantile.h"
+
 namespace touchstone::blind {
 namespace {
 
@@ -18,6 +20,8 @@ struct Share {
   std::size_t right = 0;
   std::size_t all = 0;
 };
+
+double part(const Share& share) { return static_cast<double>(share.right) / static_cast<double>(share.all); }
 
 std::string with_interval(const Share& share) {
   if (share.all == 0) return "-";
@@ -28,12 +32,6 @@ std::string with_interval(const Share& share) {
   const double half = z / (1.0 + z * z / n) * std::sqrt(p * (1.0 - p) / n + z * z / (4.0 * n * n));
   return fmt::format("{:3.0f} % ({} of {}; 95 %: {:.0f} to {:.0f} %)", 100.0 * p, share.right, share.all,
                      100.0 * std::max(0.0, centre - half), 100.0 * std::min(1.0, centre + half));
-}
-
-double quantile(std::vector<double> values, double share) {
-  if (values.empty()) return std::numeric_limits<double>::quiet_NaN();
-  std::sort(values.begin(), values.end());
-  return values[static_cast<std::size_t>(share * static_cast<double>(values.size() - 1))];
 }
 
 struct Bar {
@@ -110,9 +108,6 @@ Share least_of_an_effect(const std::vector<BlindScore>& scores) {
     ++share.all;
     share.right += score.right ? 1 : 0;
   }
-  const auto part = [](const Share& share) {
-    return static_cast<double>(share.right) / static_cast<double>(share.all);
-  };
   const auto least = std::min_element(by_effect.begin(), by_effect.end(), [&](const auto& a, const auto& b) {
     return std::pair(part(a.second), b.second.all) < std::pair(part(b.second), a.second.all);
   });
@@ -131,146 +126,202 @@ std::string said_consistent(const std::vector<BlindScore>& scores) {
   return with_interval(share);
 }
 
-}  // namespace
+bool is_named(const BlindScore& score, const std::string& name) {
+  return std::find(score.named.begin(), score.named.end(), name) != score.named.end();
+}
 
-BlindTable blind_table(const std::vector<BlindScore>& scores) {
-  std::string text;
-  bool all_met = true;
-  // A figure that could not be had (no case of the kind) has no bar.
-  const auto judged = [&](double value, bool met) {
-    if (std::isnan(value)) return "";
-    all_met = all_met && met;
-    return met ? "met" : "NOT MET";
-  };
-  for (const Bar& bar : bars) {
+// The table's text as it grows, and whether every bar was met so far.
+class TableText {
+ public:
+  explicit TableText(const std::vector<BlindScore>& scores) : scores_(scores) {}
+
+  // Right verdicts and names, set by set.
+  void add_sets() {
+    for (const Bar& bar : bars) {
+      const Share share = share_of(bar);
+      if (share.all == 0) continue;
+      add_share(bar.what, bar.least, share);
+      if (bar.set == "none")
+        text_ += fmt::format("{:56}            {}\n", "nothing missing: said so", said_consistent(scores_));
+    }
+    if (const Share worst = least_of_an_effect(scores_); worst.all > 0)
+      add_share("one effect: the effect that is found least often", 0.70, worst);
+    Share told;
+    for (const BlindScore& score : scores_) {
+      if (!score.told_apart) continue;
+      ++told.all;
+      told.right += *score.told_apart ? 1 : 0;
+    }
+    if (told.all > 0) add_share("cannot tell: right once the motion asked for is recorded", 0.90, told);
+  }
+
+  // What was claimed and is not so.
+  void add_false_claims() {
+    Share false_flags;
+    Share extra;
+    for (const BlindScore& score : scores_) {
+      if (score.weak) continue;
+      const bool known = score.expected_verdict == FindingsVerdict::explained;
+      if (known || score.expected_verdict == FindingsVerdict::consistent) {
+        ++false_flags.all;
+        false_flags.right += score.verdict == FindingsVerdict::unexplained ? 1 : 0;
+      }
+      if (!known) continue;
+      ++extra.all;
+      const bool more = std::any_of(score.named.begin(), score.named.end(), [&](const std::string& name) {
+        return std::find(score.expected.begin(), score.expected.end(), name) == score.expected.end();
+      });
+      extra.right += more ? 1 : 0;
+    }
+    text_ += fmt::format("{:56} bar at most 5 %  {}  {}\n", "flagged as unknown though nothing unknown was there",
+                         with_interval(false_flags), judged(part(false_flags), part(false_flags) <= 0.05));
+    text_ += fmt::format("{:56} bar at most 10 %  {}  {}\n", "effects named that are not there", with_interval(extra),
+                         judged(part(extra), part(extra) <= 0.10));
+  }
+
+  void add_gap_closed() {
+    std::vector<double> closed;
+    for (const BlindScore& score : scores_) {
+      if (is_known(score)) closed.push_back(score.closed);
+    }
+    if (closed.empty()) return;
+    const double median = stats::lower_quantile(closed, 0.5);
+    const double tenth = stats::lower_quantile(closed, 0.1);
+    const double least = stats::lower_quantile(closed, 0.0);
+    text_ += fmt::format(
+        "gap closed, held out: median {:.3f} (bar 0.97) {}, 10th percentile {:.3f} (bar 0.90) {}, least {:.3f} "
+        "(bar -0.02) {}\n",
+        median, judged(median, median >= 0.97), tenth, judged(tenth, tenth >= 0.90), least,
+        judged(least, least >= -0.02));
+  }
+
+  void add_parameters() {
+    Share inside;
+    for (const BlindScore& score : scores_) {
+      if (!is_known(score)) continue;
+      for (const auto& parameter : score.parameters) {
+        ++inside.all;
+        inside.right += parameter.inside ? 1 : 0;
+      }
+    }
+    text_ += fmt::format("parameters inside their 95 % interval: bar 88 %  {}  {}\n", with_interval(inside),
+                         judged(part(inside), part(inside) >= 0.88));
+    for (const ParameterBar& bar : parameter_bars) {
+      std::vector<double> of_kind;
+      for (const BlindScore& score : scores_) {
+        if (!is_known(score)) continue;
+        for (const auto& parameter : score.parameters) {
+          if (&bar_of(parameter.effect) == &bar && parameter.truth != 0.0) of_kind.push_back(relative_error(parameter));
+        }
+      }
+      if (of_kind.empty()) continue;
+      const double error = stats::lower_quantile(of_kind, 0.5);
+      text_ += fmt::format("median error of {} parameters of {}: {:.1f} % (bar {:.0f} %)  {}\n", of_kind.size(),
+                           bar.what, 100.0 * error, 100.0 * bar.most, judged(error, error <= bar.most));
+    }
+  }
+
+  // By strength and by effect.
+  void add_detection() {
+    std::size_t weak = 0;
+    std::size_t weak_named = 0;
+    for (const BlindScore& score : scores_) {
+      weak += score.weak ? 1 : 0;
+      weak_named += score.weak && score.right ? 1 : 0;
+    }
+    text_ += fmt::format("weaker than half of the noise floor: {} cases, {} of them found\n", weak, weak_named);
+    text_ += detection_curve(scores_);
+    std::map<std::string, Share> by_effect;
+    std::map<std::string, std::vector<double>> errors;
+    for (const BlindScore& score : scores_) {
+      if (!is_known(score)) continue;
+      for (const std::string& name : score.expected) {
+        Share& share = by_effect[name];
+        ++share.all;
+        share.right += is_named(score, name) ? 1 : 0;
+      }
+      for (const auto& parameter : score.parameters) {
+        if (parameter.truth != 0.0)
+          errors[parameter.effect + " " + parameter.name].push_back(relative_error(parameter));
+      }
+    }
+    text_ += "\nfound, where it was hidden (among others or alone), and median error of its parameters:\n";
+    for (const auto& [name, share] : by_effect) {
+      text_ += fmt::format("  {:24} {} of {} ", name, share.right, share.all);
+      for (const auto& [parameter, values] : errors) {
+        if (!parameter.starts_with(name + " ")) continue;
+        text_ +=
+            fmt::format("  {} {:.1f} %", parameter.substr(name.size() + 1), 100.0 * stats::lower_quantile(values, 0.5));
+      }
+      text_ += "\n";
+    }
+  }
+
+  void add_misses() {
+    text_ += "\nnot right:\n";
+    for (const BlindScore& score : scores_) {
+      if (score.right) continue;
+      text_ +=
+          fmt::format("  {} {:12} {}: expected {} {}, found {} {} (held out {:.4g} N, floor {:.4g} N){}\n", score.id,
+                      score.set, score.weak ? "weak " : "", to_string(score.expected_verdict),
+                      fmt::join(score.expected, " and "), to_string(score.verdict), fmt::join(score.named, " and "),
+                      score.after_N, score.floor_N, score.data_blamed ? ", data blamed" : "");
+    }
+  }
+
+  [[nodiscard]] BlindTable table() && { return {std::move(text_), all_met_}; }
+
+ private:
+  // Its effects are all known, and strong enough to count.
+  static bool is_known(const BlindScore& score) {
+    return !score.weak && score.expected_verdict == FindingsVerdict::explained;
+  }
+
+  [[nodiscard]] Share share_of(const Bar& bar) const {
     Share share;
-    for (const BlindScore& score : scores) {
+    for (const BlindScore& score : scores_) {
       if (score.set != bar.set || score.weak) continue;
       if (score.set == "three") {
         for (const std::string& name : score.expected) {
           ++share.all;
-          share.right += std::find(score.named.begin(), score.named.end(), name) != score.named.end() ? 1 : 0;
+          share.right += is_named(score, name) ? 1 : 0;
         }
         continue;
       }
       ++share.all;
       share.right += (score.set == "none" ? score.named.empty() : score.right) ? 1 : 0;
     }
-    if (share.all == 0) continue;
-    const double p = static_cast<double>(share.right) / static_cast<double>(share.all);
-    text += fmt::format("{:56} bar {:3.0f} %  {}  {}\n", bar.what, 100.0 * bar.least, with_interval(share),
-                        judged(p, p >= bar.least));
-    if (bar.set == "none")
-      text += fmt::format("{:56}            {}\n", "nothing missing: said so", said_consistent(scores));
+    return share;
   }
-  const Share worst = least_of_an_effect(scores);
-  if (worst.all > 0) {
-    const double p = static_cast<double>(worst.right) / static_cast<double>(worst.all);
-    text += fmt::format("{:56} bar {:3.0f} %  {}  {}\n", "one effect: the effect that is found least often", 70.0,
-                        with_interval(worst), judged(p, p >= 0.70));
+
+  void add_share(const std::string& what, double least, const Share& share) {
+    text_ += fmt::format("{:56} bar {:3.0f} %  {}  {}\n", what, 100.0 * least, with_interval(share),
+                         judged(part(share), part(share) >= least));
   }
-  Share told;
-  for (const BlindScore& score : scores) {
-    if (!score.told_apart) continue;
-    ++told.all;
-    told.right += *score.told_apart ? 1 : 0;
+
+  // A figure that could not be had (no case of the kind) has no bar.
+  std::string_view judged(double value, bool met) {
+    if (std::isnan(value)) return "";
+    all_met_ = all_met_ && met;
+    return met ? "met" : "NOT MET";
   }
-  if (told.all > 0) {
-    const double p = static_cast<double>(told.right) / static_cast<double>(told.all);
-    text += fmt::format("{:56} bar {:3.0f} %  {}  {}\n", "cannot tell: right once the motion asked for is recorded",
-                        90.0, with_interval(told), judged(p, p >= 0.90));
-  }
-  Share false_flags;
-  Share extra;
-  std::vector<double> closed;
-  std::map<std::string, Share> by_effect;
-  std::map<std::string, std::vector<double>> errors;
-  Share inside;
-  std::size_t weak = 0;
-  std::size_t weak_named = 0;
-  for (const BlindScore& score : scores) {
-    if (score.weak) {
-      ++weak;
-      weak_named += score.right ? 1 : 0;
-      continue;
-    }
-    const bool known = score.expected_verdict == "explained";
-    if (known || score.expected_verdict == "consistent") {
-      ++false_flags.all;
-      false_flags.right += score.verdict == "unexplained" ? 1 : 0;
-    }
-    if (!known) continue;
-    ++extra.all;
-    const bool more = std::any_of(score.named.begin(), score.named.end(), [&](const std::string& name) {
-      return std::find(score.expected.begin(), score.expected.end(), name) == score.expected.end();
-    });
-    extra.right += more ? 1 : 0;
-    closed.push_back(score.closed);
-    for (const std::string& name : score.expected) {
-      Share& share = by_effect[name];
-      ++share.all;
-      share.right += std::find(score.named.begin(), score.named.end(), name) != score.named.end() ? 1 : 0;
-    }
-    for (const auto& parameter : score.parameters) {
-      ++inside.all;
-      inside.right += parameter.inside ? 1 : 0;
-      if (parameter.truth != 0.0) {
-        errors[parameter.effect + " " + parameter.name].push_back(relative_error(parameter));
-      }
-    }
-  }
-  const auto part = [](const Share& share) {
-    return static_cast<double>(share.right) / static_cast<double>(share.all);
-  };
-  text += fmt::format("{:56} bar at most 5 %  {}  {}\n", "flagged as unknown though nothing unknown was there",
-                      with_interval(false_flags), judged(part(false_flags), part(false_flags) <= 0.05));
-  text += fmt::format("{:56} bar at most 10 %  {}  {}\n", "effects named that are not there", with_interval(extra),
-                      judged(part(extra), part(extra) <= 0.10));
-  if (!closed.empty()) {
-    const double median = quantile(closed, 0.5);
-    const double tenth = quantile(closed, 0.1);
-    const double least = quantile(closed, 0.0);
-    text += fmt::format(
-        "gap closed, held out: median {:.3f} (bar 0.97) {}, 10th percentile {:.3f} (bar 0.90) {}, least {:.3f} "
-        "(bar -0.02) {}\n",
-        median, judged(median, median >= 0.97), tenth, judged(tenth, tenth >= 0.90), least,
-        judged(least, least >= -0.02));
-  }
-  text += fmt::format("parameters inside their 95 % interval: bar 88 %  {}  {}\n", with_interval(inside),
-                      judged(part(inside), part(inside) >= 0.88));
-  for (const ParameterBar& bar : parameter_bars) {
-    std::vector<double> of_kind;
-    for (const BlindScore& score : scores) {
-      if (score.weak || score.expected_verdict != "explained") continue;
-      for (const auto& parameter : score.parameters) {
-        if (&bar_of(parameter.effect) == &bar && parameter.truth != 0.0) of_kind.push_back(relative_error(parameter));
-      }
-    }
-    if (of_kind.empty()) continue;
-    const double error = quantile(of_kind, 0.5);
-    text += fmt::format("median error of {} parameters of {}: {:.1f} % (bar {:.0f} %)  {}\n", of_kind.size(), bar.what,
-                        100.0 * error, 100.0 * bar.most, judged(error, error <= bar.most));
-  }
-  text += fmt::format("weaker than half of the noise floor: {} cases, {} of them found\n", weak, weak_named);
-  text += detection_curve(scores);
-  text += "\nfound, where it was hidden (among others or alone), and median error of its parameters:\n";
-  for (const auto& [name, share] : by_effect) {
-    text += fmt::format("  {:24} {} of {} ", name, share.right, share.all);
-    for (const auto& [parameter, values] : errors) {
-      if (!parameter.starts_with(name + " ")) continue;
-      text += fmt::format("  {} {:.1f} %", parameter.substr(name.size() + 1), 100.0 * quantile(values, 0.5));
-    }
-    text += "\n";
-  }
-  text += "\nnot right:\n";
-  for (const BlindScore& score : scores) {
-    if (score.right) continue;
-    text += fmt::format("  {} {:12} {}: expected {} {}, found {} {} (held out {:.4g} N, floor {:.4g} N){}\n", score.id,
-                        score.set, score.weak ? "weak " : "", score.expected_verdict,
-                        fmt::join(score.expected, " and "), score.verdict, fmt::join(score.named, " and "),
-                        score.after_N, score.floor_N, score.data_blamed ? ", data blamed" : "");
-  }
-  return {text, all_met};
+
+  const std::vector<BlindScore>& scores_;
+  std::string text_;
+  bool all_met_ = true;
+};
+
+}  // namespace
+
+BlindTable blind_table(const std::vector<BlindScore>& scores) {
+  TableText table(scores);
+  table.add_sets();
+  table.add_false_claims();
+  table.add_gap_closed();
+  table.add_parameters();
+  table.add_detection();
+  table.add_misses();
+  return std::move(table).table();
 }
 
 }  // namespace touchstone::blind
