@@ -40,7 +40,7 @@ void add_synth(CLI::App& program, Run& run);
 void add_tool(CLI::App& program, Run& run);
 void add_version(CLI::App& program, Run& run);
 
-// Those that need no heavy library. The program `touchstone` has them itself and becomes touchstone-full for every
+// Those that need no heavy library. The program `touchstone` has them itself and becomes another file for every
 // other one: loading the libraries of fitting, archives and devices takes longer than a comparison.
 inline constexpr std::array<std::string_view, 7> light_command_names{"check",     "compare", "golden", "replay",
                                                                      "scorecard", "tool",    "version"};

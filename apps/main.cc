@@ -1,5 +1,5 @@
-// The program `touchstone`: runs the light commands itself, and becomes touchstone-full, which stands beside it, for
-// all others.
+// The program `touchstone`: runs the light commands itself, and becomes another file that stands beside it for the
+// others: touchstone-evaluate for `evaluate`, touchstone-full for all.
 #include <fmt/format.h>
 #include <unistd.h>
 
@@ -19,23 +19,31 @@ bool is_light(std::string_view command) {
          touchstone::apps::light_command_names.end();
 }
 
-// Returns only when that fails.
-int become_full(char** argv) {
+// Return only when that fails.
+int become(const std::filesystem::path& program, char** argv) {
+  ::execv(program.c_str(), argv);
+  return errno;
+}
+
+int become_another(char** argv, std::string_view command) {
   std::error_code error;
-  const auto self = std::filesystem::read_symlink("/proc/self/exe", error);
-  const auto full = self.parent_path() / "touchstone-full";
-  ::execv(full.c_str(), argv);
-  fmt::print(stderr,
-             "touchstone: {}: {}; all commands but check, compare, golden, replay, scorecard and version are in that "
-             "file, which "
-             "belongs beside this one\n",
-             full.string(), std::strerror(errno));
+  const auto folder = std::filesystem::read_symlink("/proc/self/exe", error).parent_path();
+  if (command == "evaluate") become(folder / "touchstone-evaluate", argv);
+  const auto full = folder / "touchstone-full";
+  const int why = become(full, argv);
+  fmt::print(
+      stderr,
+      "touchstone: {}: {}; all commands but check, compare, evaluate, golden, replay, scorecard, tool and version "
+      "are in that file, which belongs beside this one (in a checkout: ci/build default --target "
+      "touchstone_program)\n",
+      full.string(), std::strerror(why));
   return static_cast<int>(touchstone::ExitStatus::usage);
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  if (argc < 2 || !is_light(argv[1])) return become_full(argv);
+  const std::string_view command = argc < 2 ? "" : argv[1];
+  if (!is_light(command)) return become_another(argv, command);
   return touchstone::apps::run_program(argc, argv, touchstone::apps::light_commands());
 }
