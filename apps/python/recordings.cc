@@ -76,9 +76,7 @@ constexpr const char* kSave =
     "Writes CSV (.csv, .csv.gz) or HDF5 (.h5, .hdf5). An existing file is replaced by the whole new one or left as it "
     "is.\nIn SI units what is written is read back to the bit.";
 
-}  // namespace
-
-void bind_recordings(py::module_& module) {
+void bind_recording(py::module_& module) {
   auto recording =
       bind_kind<Recording>(module, "Recording",
                            "What a probe measured: arrays of N samples in SI units, in the object's frame. "
@@ -128,7 +126,9 @@ void bind_recordings(py::module_& module) {
              py::arg("path"), py::kw_only(), py::arg("on_duplicate") = "refuse", py::arg("on_gap") = "keep",
              "Reads a recording (CSV, also .gz, or HDF5): time, position and force. Raises BadData naming the file, "
              "place, value and what was expected.");
+}
 
+void bind_trajectory(py::module_& module) {
   auto trajectory = bind_kind<InTrajectory>(module, "Trajectory", "Positions over time that a virtual probe takes.");
   trajectory
       .def(py::init([](const Doubles& time_s, const Doubles& position_m, const std::optional<Doubles>& orientation) {
@@ -158,7 +158,9 @@ void bind_recordings(py::module_& module) {
              loader<InTrajectory>([](const Path& path, const ClockPolicy& p) { return load_trajectory(path, p); }),
              py::arg("path"), py::kw_only(), py::arg("on_duplicate") = "refuse", py::arg("on_gap") = "keep",
              "Reads time and position of a file; other columns are checked and not used.");
+}
 
+void bind_rendered(py::module_& module) {
   auto rendered = bind_kind<RenderedTrajectory>(module, "Rendered", "What a renderer made of a trajectory.");
   rendered
       .def_property_readonly(
@@ -192,6 +194,14 @@ void bind_recordings(py::module_& module) {
              loader<RenderedTrajectory>([](const Path& path, const ClockPolicy& p) { return load_rendered(path, p); }),
              py::arg("path"), py::kw_only(), py::arg("on_duplicate") = "refuse", py::arg("on_gap") = "keep",
              "Reads a rendered file: time, tip, force, surface contact point and contact.");
+}
+
+}  // namespace
+
+void bind_recordings(py::module_& module) {
+  bind_recording(module);
+  bind_trajectory(module);
+  bind_rendered(module);
 }
 
 }  // namespace touchstone::apps::python

@@ -227,6 +227,102 @@ ClockAlignment align_streams(const AcquisitionDescription& d, const ForceStream&
   return align_clocks(streams, d.taps, d.file.string());
 }
 
+// The load that the sensor carries: identified from poses at rest, as described, or none.
+ToolLoad find_tool(const AcquisitionDescription& d, AcquisitionReport& report) {
+  if (d.tool_file) {
+    const auto poses = read_static_poses(*d.tool_file, false);
+    report.tool = identify_tool(poses, d.gravity_T_m_per_s2, d.tool_file->string());
+    const FrameCheck frames = check_frames(poses, {}, *report.tool, d.gravity_T_m_per_s2, d.tool_file->string());
+    if (frames.bad_fit) report.notes.push_back(frames.message(*report.tool, d.tool_file->string()));
+    return report.tool->load;
+  }
+  if (d.tool) return *d.tool;
+  report.notes.emplace_back("no tool was described: its weight was taken for contact force");
+  return {};
+}
+
+// Tracker to object.
+RigidTransform find_object(const AcquisitionDescription& d, AcquisitionReport& report) {
+  if (!d.markers_file) {
+    report.notes.emplace_back("no markers: positions are in the tracker's frame");
+    return {};
+  }
+  report.markers = read_markers(d);
+  if (report.markers->markers == 3)
+    report.notes.emplace_back("three markers fit almost anything: their residual says little about the registration");
+  return report.markers->tracker_to_object;
+}
+
+ClockAlignment find_clocks(const AcquisitionDescription& d, const ForceStream& force, const MotionStream& motion,
+                           const ToolLoad& tool, const Quat& q_WT, AcquisitionReport& report) {
+  if (!d.align_taps) {
+    ClockAlignment clocks;
+    clocks.offset_s = d.known_offset_s;
+    return clocks;
+  }
+  report.clocks = align_streams(d, force, motion, tool, q_WT);
+  if (!report.clocks->skew_fitted)
+    report.notes.emplace_back("the taps do not tell the clocks' skew; tap before and after scanning");
+  return *report.clocks;
+}
+
+// Both streams at the times of the motion's samples, in the tracker's frame T.
+struct Merged {
+  std::vector<double> t_s;
+  std::vector<std::size_t> sample;  // of the motion
+  std::vector<Vec3> p_T_m;
+  std::vector<Vec3> f_T_N;
+  std::vector<Vec3> torque_T_Nm;
+};
+
+// The motion's samples that have force around them, force (and motion, if asked for) smoothed to the bands described.
+Merged merge_streams(const AcquisitionDescription& d, const TipForce& tip, const MotionStream& motion,
+                     AcquisitionReport& report) {
+  Merged merged;
+  const double interval = sample_interval_s(tip.t_s);
+  for (std::size_t i = 0; i < motion.t_s.size(); ++i) {
+    if (motion.t_s[i] >= tip.t_s.front() - interval && motion.t_s[i] <= tip.t_s.back() + interval)
+      merged.t_s.push_back(motion.t_s[i]), merged.sample.push_back(i);
+  }
+  const auto smooth_force = smooth_at(tip.t_s, tip.f_T_N, merged.t_s, d.force_cutoff_Hz, d.force_file.string());
+  merged.f_T_N = smooth_force.values;
+  merged.torque_T_Nm = smooth_at(tip.t_s, tip.torque_T_Nm, merged.t_s, d.force_cutoff_Hz, d.force_file.string()).values;
+  report.force_bandwidth_Hz = smooth_force.bandwidth_Hz;
+  report.noise_gain = smooth_force.noise_gain;
+  report.motion_bandwidth_Hz = 0.5 / sample_interval_s(motion.t_s);
+  if (report.force_bandwidth_Hz > report.motion_bandwidth_Hz) {
+    report.notes.push_back(
+        fmt::format("the force keeps up to {:.3g} Hz, more than the motion's {:.3g} Hz samples can carry: it aliases",
+                    report.force_bandwidth_Hz, 2 * report.motion_bandwidth_Hz));
+  }
+  if (d.motion_cutoff_Hz > 0.0) {
+    const auto smooth = smooth_at(motion.t_s, motion.tip_T_m, merged.t_s, d.motion_cutoff_Hz, d.motion_file.string());
+    merged.p_T_m = smooth.values;
+    report.motion_bandwidth_Hz = smooth.bandwidth_Hz;
+  } else {
+    merged.p_T_m.reserve(merged.sample.size());
+    for (const std::size_t i : merged.sample) merged.p_T_m.push_back(motion.tip_T_m[i]);
+  }
+  return merged;
+}
+
+// The object's place, corrected so that the tip's ball touches the mesh where it presses.
+RigidTransform corrected_by_contacts(const AcquisitionDescription& d, const Merged& merged,
+                                     const RigidTransform& object, AcquisitionReport& report) {
+  const auto surface = make_embree_surface(load_mesh(*d.mesh_file, length_unit_factor(d.mesh_unit)));
+  std::vector<Vec3> centers;
+  for (std::size_t i = 0; i < merged.t_s.size(); ++i) {
+    if (merged.f_T_N[i].norm() >= d.contact_force_N) centers.push_back(object.point(merged.p_T_m[i]));
+  }
+  report.contacts = register_contacts(*surface, centers, d.tip_radius_m, {}, d.file.string());
+  if (report.contacts->determined_directions < 6) {
+    report.notes.push_back(
+        fmt::format("the contacts determine {} of 6 directions; the others are as the markers left them",
+                    report.contacts->determined_directions));
+  }
+  return report.contacts->correction * object;
+}
+
 }  // namespace
 
 std::vector<StaticPose> read_static_poses(const std::filesystem::path& path, bool bare_is_si) {
@@ -248,44 +344,13 @@ Acquired acquire(const AcquisitionDescription& d) {
   }
   const ForceStream force = read_force(d, report);
   const MotionStream motion = read_motion(d, report);
-
-  ToolLoad tool;
-  if (d.tool_file) {
-    const auto poses = read_static_poses(*d.tool_file, false);
-    report.tool = identify_tool(poses, d.gravity_T_m_per_s2, d.tool_file->string());
-    const FrameCheck frames = check_frames(poses, {}, *report.tool, d.gravity_T_m_per_s2, d.tool_file->string());
-    if (frames.bad_fit) report.notes.push_back(frames.message(*report.tool, d.tool_file->string()));
-    tool = report.tool->load;
-  } else if (d.tool) {
-    tool = *d.tool;
-  } else {
-    report.notes.emplace_back("no tool was described: its weight was taken for contact force");
-  }
-
+  const ToolLoad tool = find_tool(d, report);
   if (const auto contact = contact_in_bias(d, force, tool.mass_kg * d.gravity_T_m_per_s2.norm())) {
     report.notes.push_back(*contact);
     report.contact_in_free_air = true;
   }
-
-  RigidTransform object;  // tracker to object
-  if (d.markers_file) {
-    report.markers = read_markers(d);
-    object = report.markers->tracker_to_object;
-    if (report.markers->markers == 3)
-      report.notes.emplace_back("three markers fit almost anything: their residual says little about the registration");
-  } else {
-    report.notes.emplace_back("no markers: positions are in the tracker's frame");
-  }
-
-  ClockAlignment clocks;
-  if (d.align_taps) {
-    report.clocks = align_streams(d, force, motion, tool, object.q);
-    clocks = *report.clocks;
-    if (!clocks.skew_fitted)
-      report.notes.emplace_back("the taps do not tell the clocks' skew; tap before and after scanning");
-  } else {
-    clocks.offset_s = d.known_offset_s;
-  }
+  RigidTransform object = find_object(d, report);
+  const ClockAlignment clocks = find_clocks(d, force, motion, tool, object.q, report);
 
   const TipForce tip = force_at_tip(d, force, motion, tool, clocks);
   std::vector<Wrench> free_air;
@@ -294,56 +359,17 @@ Acquired acquire(const AcquisitionDescription& d) {
   }
   report.free_air = residual_of(free_air);
 
-  // The motion's samples that have force around them.
-  std::vector<double> at;
-  std::vector<std::size_t> index;
-  const double interval = sample_interval_s(tip.t_s);
-  for (std::size_t i = 0; i < motion.t_s.size(); ++i) {
-    if (motion.t_s[i] >= tip.t_s.front() - interval && motion.t_s[i] <= tip.t_s.back() + interval)
-      at.push_back(motion.t_s[i]), index.push_back(i);
-  }
-  const auto smooth_force = smooth_at(tip.t_s, tip.f_T_N, at, d.force_cutoff_Hz, d.force_file.string());
-  const auto smooth_torque = smooth_at(tip.t_s, tip.torque_T_Nm, at, d.force_cutoff_Hz, d.force_file.string());
-  report.force_bandwidth_Hz = smooth_force.bandwidth_Hz;
-  report.noise_gain = smooth_force.noise_gain;
-  report.motion_bandwidth_Hz = 0.5 / sample_interval_s(motion.t_s);
-  if (report.force_bandwidth_Hz > report.motion_bandwidth_Hz) {
-    report.notes.push_back(
-        fmt::format("the force keeps up to {:.3g} Hz, more than the motion's {:.3g} Hz samples can carry: it aliases",
-                    report.force_bandwidth_Hz, 2 * report.motion_bandwidth_Hz));
-  }
-  std::vector<Vec3> positions;
-  positions.reserve(index.size());
-  for (const std::size_t i : index) positions.push_back(motion.tip_T_m[i]);
-  if (d.motion_cutoff_Hz > 0.0) {
-    const auto smooth = smooth_at(motion.t_s, motion.tip_T_m, at, d.motion_cutoff_Hz, d.motion_file.string());
-    positions = smooth.values;
-    report.motion_bandwidth_Hz = smooth.bandwidth_Hz;
-  }
-
-  if (d.mesh_file) {
-    const auto surface = make_embree_surface(load_mesh(*d.mesh_file, length_unit_factor(d.mesh_unit)));
-    std::vector<Vec3> centers;
-    for (std::size_t i = 0; i < at.size(); ++i) {
-      if (smooth_force.values[i].norm() >= d.contact_force_N) centers.push_back(object.point(positions[i]));
-    }
-    report.contacts = register_contacts(*surface, centers, d.tip_radius_m, {}, d.file.string());
-    object = report.contacts->correction * object;
-    if (report.contacts->determined_directions < 6) {
-      report.notes.push_back(
-          fmt::format("the contacts determine {} of 6 directions; the others are as the markers left them",
-                      report.contacts->determined_directions));
-    }
-  }
+  const Merged merged = merge_streams(d, tip, motion, report);
+  if (d.mesh_file) object = corrected_by_contacts(d, merged, object, report);
 
   Recording& recording = result.recording;
   recording.source = d.file.string();
-  for (std::size_t i = 0; i < at.size(); ++i) {
-    recording.motion.t_s.push_back(at[i]);
-    recording.motion.p_W_m.push_back(object.point(positions[i]));
-    recording.motion.q_WS.push_back((object.q * motion.q_TS[index[i]]).normalized());
-    recording.f_W_N.push_back(object.q * smooth_force.values[i]);
-    recording.torque_W_Nm.push_back(object.q * smooth_torque.values[i]);
+  for (std::size_t i = 0; i < merged.t_s.size(); ++i) {
+    recording.motion.t_s.push_back(merged.t_s[i]);
+    recording.motion.p_W_m.push_back(object.point(merged.p_T_m[i]));
+    recording.motion.q_WS.push_back((object.q * motion.q_TS[merged.sample[i]]).normalized());
+    recording.f_W_N.push_back(object.q * merged.f_T_N[i]);
+    recording.torque_W_Nm.push_back(object.q * merged.torque_T_Nm[i]);
   }
   return result;
 }

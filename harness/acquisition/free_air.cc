@@ -80,6 +80,84 @@ void find_contacts(const std::vector<double>& at, const std::vector<Vec3>& left,
   }
 }
 
+// The run where wrench, orientation and acceleration overlap: what the wrench differs by from the tool's own.
+struct Errors {
+  std::vector<double> t_s;
+  std::vector<Vec3> f_N;  // in the sensor's frame, as all of these
+  std::vector<Wrench> all;
+  std::vector<Wrench> at_rest;  // turning slower than the limit
+};
+
+Errors errors_of(const FreeAirRun& run, const ToolLoad& load, const Vec3& gravity_W_m_per_s2, double rest_rad_per_s,
+                 const std::string& source) {
+  const double margin = sample_interval_s(run.t_orientation_s);
+  const auto covered = [&](double t) {
+    const bool turned = t > run.t_orientation_s.front() + margin && t < run.t_orientation_s.back() - margin;
+    return turned &&
+           (run.t_acceleration_s.empty() || (t > run.t_acceleration_s.front() && t < run.t_acceleration_s.back()));
+  };
+  Errors errors;
+  std::vector<double>& t = errors.t_s;
+  std::vector<Wrench> measured;
+  for (std::size_t i = 0; i < run.t_wrench_s.size(); ++i) {
+    if (covered(run.t_wrench_s[i])) t.push_back(run.t_wrench_s[i]), measured.push_back(run.wrench[i]);
+  }
+  if (t.size() < 10)
+    throw BadData(fmt::format("{}: wrench and orientation overlap in {} samples only; are they of the same run?",
+                              source, t.size()));
+  const auto q = slerp_at(run.t_orientation_s, run.q_WS, t, source);
+
+  std::vector<double> before = t, after = t;
+  constexpr double half_window_s = 0.05;
+  for (std::size_t i = 0; i < t.size(); ++i) {
+    before[i] = std::max(run.t_orientation_s.front(), t[i] - half_window_s);
+    after[i] = std::min(run.t_orientation_s.back(), t[i] + half_window_s);
+  }
+  const auto q_before = slerp_at(run.t_orientation_s, run.q_WS, before, source),
+             q_after = slerp_at(run.t_orientation_s, run.q_WS, after, source);
+  for (std::size_t i = 0; i < t.size(); ++i) {
+    const Wrench own = tool_wrench(load, q[i], gravity_W_m_per_s2);
+    const Wrench e{measured[i].f_N - own.f_N, measured[i].torque_Nm - own.torque_Nm};
+    errors.f_N.push_back(e.f_N);
+    errors.all.push_back(e);
+    if (q_before[i].angularDistance(q_after[i]) < rest_rad_per_s * (after[i] - before[i])) errors.at_rest.push_back(e);
+  }
+  return errors;
+}
+
+// The acceleration of the sensor in its own frame, at the times of the accelerometer: the reading without gravity.
+std::vector<Vec3> accelerations(const FreeAirRun& run, const AccelerometerMap& accelerometer,
+                                const Vec3& gravity_W_m_per_s2, const std::string& source) {
+  std::vector<Vec3> inertial;
+  if (run.t_acceleration_s.empty()) return inertial;
+  const Mat3 inverse = accelerometer.per_m_per_s2.inverse();
+  const auto q = slerp_at(run.t_orientation_s, run.q_WS, run.t_acceleration_s, source);
+  for (std::size_t i = 0; i < run.acceleration.size(); ++i) {
+    inertial.push_back(inverse * (run.acceleration[i] - accelerometer.offset) - q[i].conjugate() * gravity_W_m_per_s2);
+  }
+  return inertial;
+}
+
+// The mass and the offset of the accelerometer's clock, from -20 to 20 ms, that leave the least.
+void fit_mass_and_clock(const FreeAirRun& run, const std::vector<Vec3>& inertial, const std::vector<double>& at,
+                        const std::vector<Vec3>& force, const std::string& source, FreeAirBand& band) {
+  constexpr double offset_step_s = 0.002;
+  constexpr int each_way = 10;
+  double offset = -offset_step_s * each_way;
+  for (int tried = -each_way; tried <= each_way; ++tried, offset += offset_step_s) {
+    std::vector<double> shifted;
+    shifted.reserve(at.size());
+    for (const double x : at)
+      shifted.push_back(std::clamp(x - offset, run.t_acceleration_s.front(), run.t_acceleration_s.back()));
+    const auto fit = fit_mass(force, smooth_at(run.t_acceleration_s, inertial, shifted, band.cutoff_Hz, source).values);
+    if (!(fit.left_N >= band.fitted_removed_N)) {
+      band.fitted_removed_N = fit.left_N;
+      band.fitted_mass_kg = fit.mass_kg;
+      band.fitted_offset_s = offset;
+    }
+  }
+}
+
 }  // namespace
 
 std::string contact_message(const FreeAirReport& report, const std::string& source) {
@@ -122,62 +200,22 @@ AccelerometerMap identify_accelerometer(const std::vector<Vec3>& readings, const
 FreeAirReport analyse_free_air(const FreeAirRun& run, const ToolLoad& load, const AccelerometerMap& accelerometer,
                                const Vec3& gravity_W_m_per_s2, const std::vector<double>& cutoffs_Hz,
                                double rest_rad_per_s, const std::string& source) {
-  const double margin = sample_interval_s(run.t_orientation_s);
-  const auto covered = [&](double t) {
-    const bool turned = t > run.t_orientation_s.front() + margin && t < run.t_orientation_s.back() - margin;
-    return turned &&
-           (run.t_acceleration_s.empty() || (t > run.t_acceleration_s.front() && t < run.t_acceleration_s.back()));
-  };
-  std::vector<double> t;
-  std::vector<Wrench> measured;
-  for (std::size_t i = 0; i < run.t_wrench_s.size(); ++i) {
-    if (covered(run.t_wrench_s[i])) t.push_back(run.t_wrench_s[i]), measured.push_back(run.wrench[i]);
-  }
-  if (t.size() < 10)
-    throw BadData(fmt::format("{}: wrench and orientation overlap in {} samples only; are they of the same run?",
-                              source, t.size()));
-  const auto q = slerp_at(run.t_orientation_s, run.q_WS, t, source);
-
-  std::vector<double> before = t, after = t;
-  constexpr double half_window_s = 0.05;
-  for (std::size_t i = 0; i < t.size(); ++i) {
-    before[i] = std::max(run.t_orientation_s.front(), t[i] - half_window_s);
-    after[i] = std::min(run.t_orientation_s.back(), t[i] + half_window_s);
-  }
-  const auto q_before = slerp_at(run.t_orientation_s, run.q_WS, before, source),
-             q_after = slerp_at(run.t_orientation_s, run.q_WS, after, source);
-
+  const Errors errors = errors_of(run, load, gravity_W_m_per_s2, rest_rad_per_s, source);
   FreeAirReport report;
-  std::vector<Vec3> error;
-  std::vector<Wrench> all, rest;
-  std::vector<Vec3> rest_force;
-  for (std::size_t i = 0; i < t.size(); ++i) {
-    const Wrench own = tool_wrench(load, q[i], gravity_W_m_per_s2);
-    const Wrench e{measured[i].f_N - own.f_N, measured[i].torque_Nm - own.torque_Nm};
-    error.push_back(e.f_N);
-    all.push_back(e);
-    if (q_before[i].angularDistance(q_after[i]) < rest_rad_per_s * (after[i] - before[i]))
-      rest.push_back(e), rest_force.push_back(e.f_N);
+  report.raw = residual_of(errors.all);
+  report.at_rest = residual_of(errors.at_rest);
+  report.rest_fraction = static_cast<double>(errors.at_rest.size()) / static_cast<double>(errors.all.size());
+  if (!errors.at_rest.empty()) {
+    std::vector<Vec3> rest_force;
+    for (const Wrench& e : errors.at_rest) rest_force.push_back(e.f_N);
+    report.bias_shift_N = mean_of(rest_force);
   }
-  report.raw = residual_of(all);
-  report.at_rest = residual_of(rest);
-  report.rest_fraction = static_cast<double>(rest.size()) / static_cast<double>(all.size());
-  if (!rest_force.empty()) report.bias_shift_N = mean_of(rest_force);
-
-  // a + what gravity adds to the reading: the specific force in the sensor's frame, less gravity.
-  std::vector<Vec3> inertial;
-  if (!run.t_acceleration_s.empty()) {
-    const Mat3 inverse = accelerometer.per_m_per_s2.inverse();
-    const auto q_acceleration = slerp_at(run.t_orientation_s, run.q_WS, run.t_acceleration_s, source);
-    for (std::size_t i = 0; i < run.acceleration.size(); ++i) {
-      inertial.push_back(inverse * (run.acceleration[i] - accelerometer.offset) -
-                         q_acceleration[i].conjugate() * gravity_W_m_per_s2);
-    }
-  }
+  const std::vector<Vec3> inertial = accelerations(run, accelerometer, gravity_W_m_per_s2, source);
+  const double weight_N = load.mass_kg * gravity_W_m_per_s2.norm();
   for (const double cutoff : cutoffs_Hz) {
     // Away from the ends by the kernel's width; no more points than the band needs.
-    const double sigma = gaussian_sigma_s(cutoff), from = t.front() + 2 * sigma, to = t.back() - 2 * sigma,
-                 step = std::min(0.25 / cutoff, 0.02);
+    const double sigma = gaussian_sigma_s(cutoff), from = errors.t_s.front() + 2 * sigma,
+                 to = errors.t_s.back() - 2 * sigma, step = std::min(0.25 / cutoff, 0.02);
     std::vector<double> at;
     double next = from;
     while (next < to) {
@@ -185,11 +223,9 @@ FreeAirReport analyse_free_air(const FreeAirRun& run, const ToolLoad& load, cons
       next += step;
     }
     if (at.size() < 10) continue;
-    const auto force = smooth_at(t, error, at, cutoff, source).values;
+    const auto force = smooth_at(errors.t_s, errors.f_N, at, cutoff, source).values;
     const bool judged = cutoff == contact_cutoff_Hz;
-    if (judged && inertial.empty()) {
-      find_contacts(at, force, load.mass_kg * gravity_W_m_per_s2.norm(), false, report);
-    }
+    if (judged && inertial.empty()) find_contacts(at, force, weight_N, false, report);
     FreeAirBand band;
     band.cutoff_Hz = cutoff;
     band.weight_removed_N = rms_length(force, Vec3::Zero());
@@ -202,23 +238,8 @@ FreeAirReport analyse_free_air(const FreeAirRun& run, const ToolLoad& load, cons
       left.reserve(force.size());
       for (std::size_t i = 0; i < force.size(); ++i) left.push_back(force[i] - load.mass_kg * acceleration[i]);
       band.inertia_removed_N = rms_length(left, mean_of(left));
-      if (judged) find_contacts(at, left, load.mass_kg * gravity_W_m_per_s2.norm(), true, report);
-      // From -20 to 20 ms.
-      constexpr double offset_step_s = 0.002;
-      constexpr int each_way = 10;
-      double offset = -offset_step_s * each_way;
-      for (int tried = -each_way; tried <= each_way; ++tried, offset += offset_step_s) {
-        std::vector<double> shifted;
-        shifted.reserve(at.size());
-        for (const double x : at)
-          shifted.push_back(std::clamp(x - offset, run.t_acceleration_s.front(), run.t_acceleration_s.back()));
-        const auto fit = fit_mass(force, smooth_at(run.t_acceleration_s, inertial, shifted, cutoff, source).values);
-        if (!(fit.left_N >= band.fitted_removed_N)) {
-          band.fitted_removed_N = fit.left_N;
-          band.fitted_mass_kg = fit.mass_kg;
-          band.fitted_offset_s = offset;
-        }
-      }
+      if (judged) find_contacts(at, left, weight_N, true, report);
+      fit_mass_and_clock(run, inertial, at, force, source, band);
     }
     report.bands.push_back(band);
   }

@@ -227,6 +227,56 @@ void conclude(Findings& findings, const std::vector<Candidate>& candidates) {
   say_what_is_open(findings);
 }
 
+namespace {
+
+nlohmann::ordered_json gap_json(const Findings& findings) {
+  nlohmann::ordered_json gap = {
+      {"unit", "N"},
+      {"train", {{"before", number(findings.gap.train_before_N)}, {"after", number(findings.gap.train_after_N)}}},
+      {"holdout", {{"before", number(findings.gap.holdout_before_N)}, {"after", number(findings.gap.holdout_after_N)}}},
+      {"noise_floor", number(findings.gap.noise_floor_N)}};
+  if (findings.gap.repeat_floor_N) gap["repeat_floor"] = number(*findings.gap.repeat_floor_N);
+  if (findings.gap.holdout_after_again_N) {
+    gap["fresh_process_after"] = number(*findings.gap.holdout_after_again_N);
+  }
+  gap["shares"] = nlohmann::ordered_json::array();
+  for (const GapShare& share : findings.shares) {
+    gap["shares"].push_back({{"name", share.name}, {"share", number(share.share)}, {"left", number(share.left_N)}});
+  }
+  return gap;
+}
+
+nlohmann::ordered_json spectrum_json(const ResidualSpectrum& spectrum) {
+  nlohmann::ordered_json out = {{"from_Hz", number(spectrum.from_Hz)},  {"to_Hz", number(spectrum.to_Hz)},
+                                {"residual_N", number(spectrum.raw_N)}, {"most_of_noise_N", number(spectrum.null_N)},
+                                {"share", number(spectrum.share)},      {"peaks", nlohmann::ordered_json::array()}};
+  for (const SpectralPeak& peak : spectrum.peaks) {
+    out["peaks"].push_back({{"name", peak.name},
+                            {"frequency_Hz", number(peak.frequency_Hz)},
+                            {"width_Hz", number(peak.width_Hz)},
+                            {"rms_N", number(peak.rms_N)},
+                            {"log10_false_alarm", number(peak.log10_false_alarm)},
+                            {"acts", to_string(peak.acts)}});
+  }
+  return out;
+}
+
+nlohmann::ordered_json where_json(const std::vector<Regime>& where) {
+  nlohmann::ordered_json out = nlohmann::ordered_json::array();
+  for (const Regime& regime : where) {
+    out.push_back({{"regime", regime.name},
+                   {"by", regime.kind},
+                   {"before", number(regime.before_N)},
+                   {"after", number(regime.after_N)},
+                   {"share_before", number(regime.share_before)},
+                   {"error95", number(regime.error95_N)},
+                   {"samples", regime.samples}});
+  }
+  return out;
+}
+
+}  // namespace
+
 std::string findings_to_json(const Findings& findings, const std::string& trajectory_file) {
   using json = nlohmann::ordered_json;
   json root;
@@ -264,20 +314,7 @@ std::string findings_to_json(const Findings& findings, const std::string& trajec
     root["effects"].push_back(std::move(entry));
   }
   root["ambiguous"] = findings.ambiguous;
-  root["gap"] = {
-      {"unit", "N"},
-      {"train", {{"before", number(findings.gap.train_before_N)}, {"after", number(findings.gap.train_after_N)}}},
-      {"holdout", {{"before", number(findings.gap.holdout_before_N)}, {"after", number(findings.gap.holdout_after_N)}}},
-      {"noise_floor", number(findings.gap.noise_floor_N)}};
-  if (findings.gap.repeat_floor_N) root["gap"]["repeat_floor"] = number(*findings.gap.repeat_floor_N);
-  if (findings.gap.holdout_after_again_N) {
-    root["gap"]["fresh_process_after"] = number(*findings.gap.holdout_after_again_N);
-  }
-  root["gap"]["shares"] = json::array();
-  for (const GapShare& share : findings.shares) {
-    root["gap"]["shares"].push_back(
-        {{"name", share.name}, {"share", number(share.share)}, {"left", number(share.left_N)}});
-  }
+  root["gap"] = gap_json(findings);
   root["questions"] = json::array();
   for (const Question& question : findings.search.questions) {
     root["questions"].push_back({{"effect", question.effect}, {"question", question.sentence}});
@@ -293,31 +330,11 @@ std::string findings_to_json(const Findings& findings, const std::string& trajec
                        {"share", number(findings.search.structure.share)},
                        {"bar", number(findings.search.structure.bar)},
                        {"found", findings.search.structure.found()}};
-  const ResidualSpectrum& spectrum = findings.search.spectrum;
-  root["spectrum"] = {{"from_Hz", number(spectrum.from_Hz)},  {"to_Hz", number(spectrum.to_Hz)},
-                      {"residual_N", number(spectrum.raw_N)}, {"most_of_noise_N", number(spectrum.null_N)},
-                      {"share", number(spectrum.share)},      {"peaks", json::array()}};
-  for (const SpectralPeak& peak : spectrum.peaks) {
-    root["spectrum"]["peaks"].push_back({{"name", peak.name},
-                                         {"frequency_Hz", number(peak.frequency_Hz)},
-                                         {"width_Hz", number(peak.width_Hz)},
-                                         {"rms_N", number(peak.rms_N)},
-                                         {"log10_false_alarm", number(peak.log10_false_alarm)},
-                                         {"acts", to_string(peak.acts)}});
-  }
+  root["spectrum"] = spectrum_json(findings.search.spectrum);
   if (findings.search.data_fault) root["data_fault"] = *findings.search.data_fault;
   root["instrument"] = findings.instrument_declared ? "declared" : "estimated";
   root["holdout"] = findings.blocks_held_back ? "alternating blocks of the one recording" : "a recording of its own";
-  root["where"] = json::array();
-  for (const Regime& regime : findings.where) {
-    root["where"].push_back({{"regime", regime.name},
-                             {"by", regime.kind},
-                             {"before", number(regime.before_N)},
-                             {"after", number(regime.after_N)},
-                             {"share_before", number(regime.share_before)},
-                             {"error95", number(regime.error95_N)},
-                             {"samples", regime.samples}});
-  }
+  root["where"] = where_json(findings.where);
   if (findings.next && !findings.ambiguous.empty()) {
     root["next_experiment"] = {{"separates", findings.ambiguous.front()},
                                {"trajectory", trajectory_file},
