@@ -4,13 +4,13 @@
 
 #include "apps/catalogues.h"
 #include "apps/commands.h"
-#include "apps/golden_floor.h"
 #include "apps/golden_options.h"
 #include "harness/base/atomic_file.h"
 #include "harness/baseline/acceptance.h"
 #include "harness/baseline/golden_file.h"
 #include "harness/baseline/golden_summary.h"
 #include "harness/pipeline/golden/case_runner.h"
+#include "harness/pipeline/golden/noise_floor.h"
 #include "harness/recording/recording_file.h"
 #include "harness/rendering/model.h"
 #include "harness/surface/mesh_file.h"
@@ -53,8 +53,12 @@ ExitStatus review(const GoldenCommandOptions& options) {
 ExitStatus noise_floor(const GoldenCommandOptions& options) {
   if (options.programs.empty() && options.json.empty())
     throw UsageError("floor: give --program to measure, or --json to judge what was kept");
-  if (options.programs.empty()) return judge_golden_floor(options.golden.load(), options.json);
-  return measure_golden_floor(options.golden.load(), options.golden.folder().string(), options.programs, options.json);
+  const std::vector<GoldenCase> cases = options.golden.load();
+  const auto floors = options.programs.empty() ? pipeline::judge_noise_floors(cases, options.json)
+                                               : pipeline::measure_noise_floors(cases, options.golden.folder().string(),
+                                                                                options.programs, options.json);
+  fmt::print("{}", floors.text);
+  return floors.status;
 }
 
 // `changed` has other operations than the summary knows so far; the other models keep theirs.

@@ -4,7 +4,6 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/commands.h"
-#include "apps/hil_page.h"
 #include "harness/base/atomic_file.h"
 #include "harness/report/page_html.h"
 #include "hil/devices/device_lock.h"
@@ -12,6 +11,7 @@
 #include "hil/devices/probe.h"
 #include "hil/drivers/comedi_daq.h"
 #include "hil/drivers/netft.h"
+#include "hil/lab/evidence_page.h"
 #include "hil/record/record_session.h"
 #include "hil/safety/stop_signal.h"
 
@@ -173,7 +173,7 @@ void add_report(CLI::App& hil_command, Run& run) {
       "lab.html");
   command->callback([options, &run] {
     run = [options] {
-      const auto made = hil_page(options->folder);
+      const auto made = hil::evidence_page(options->folder);
       write_html(options->out, made.page);
       fmt::print("{}{} tests, {} out of their limits -> {}\n", made.emulated ? "emulated: " : "", made.tests,
                  made.failed, options->out);

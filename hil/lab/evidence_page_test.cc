@@ -1,4 +1,4 @@
-#include "apps/hil_page.h"
+#include "hil/lab/evidence_page.h"
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
@@ -12,12 +12,12 @@
 #include "harness/base/error.h"
 #include "harness/report/page_html.h"
 
-namespace touchstone::apps {
+namespace touchstone::hil {
 namespace {
 
 using ::testing::HasSubstr;
 
-class HilPageTest : public ::testing::Test {
+class EvidencePageTest : public ::testing::Test {
  protected:
   void SetUp() override { std::filesystem::create_directories(folder_); }
   void TearDown() override { std::filesystem::remove_all(folder_); }
@@ -30,7 +30,7 @@ class HilPageTest : public ::testing::Test {
   }
   std::string complaint() const {
     try {
-      hil_page(folder_);
+      evidence_page(folder_);
     } catch (const BadData& error) {
       return error.what();
     }
@@ -40,31 +40,31 @@ class HilPageTest : public ::testing::Test {
       std::filesystem::temp_directory_path() / fmt::format("touchstone-hil-page-{}", ::getpid());
 };
 
-TEST_F(HilPageTest, ShowsMeasurementsLimitsAndPictures) {
+TEST_F(EvidencePageTest, ShowsMeasurementsLimitsAndPictures) {
   keep("latency", false,
        R"(, "limits": {"latency_s": {"least": 0, "most": 0.001}}, "failures": ["latency_s is too long"],
  "pictures": [{"title": "Gain <b>", "x_label": "frequency [Hz]", "y_label": "gain [1]", "curves": [{"name": "m", "points": false, "x": [1, 2], "y": [1, 0.5]}]}])");
   keep("noise", false, "");
-  const auto made = hil_page(folder_);
+  const auto made = evidence_page(folder_);
   EXPECT_FALSE(made.emulated);
   EXPECT_EQ(made.tests, 2);
   EXPECT_EQ(made.failed, 1);
-  const auto html = page_to_html(made.page);
+  const auto html = report::page_to_html(made.page);
   EXPECT_THAT(html, HasSubstr("latency_s is too long"));
   EXPECT_THAT(html, HasSubstr("novint-falcon serial F1"));
   EXPECT_THAT(html, ::testing::Not(HasSubstr("Gain <b>")));
 }
 
-TEST_F(HilPageTest, EmulatedResultsSaySoAndNeverStandBesideHardwares) {
+TEST_F(EvidencePageTest, EmulatedResultsSaySoAndNeverStandBesideHardwares) {
   keep("a", true, "");
-  const auto made = hil_page(folder_);
+  const auto made = evidence_page(folder_);
   EXPECT_TRUE(made.emulated);
   EXPECT_THAT(made.page.title, HasSubstr("EMULATED"));
   keep("b", false, "");
   EXPECT_THAT(complaint(), HasSubstr("never stand on one page"));
 }
 
-TEST_F(HilPageTest, SaysWhatIsNoEvidence) {
+TEST_F(EvidencePageTest, SaysWhatIsNoEvidence) {
   EXPECT_THAT(complaint(), HasSubstr("no evidence there"));
   keep("a", true, "");
   write_file(folder_ / "b.json", R"({"schema": "touchstone-hil-evidence/1"})");
@@ -74,4 +74,4 @@ TEST_F(HilPageTest, SaysWhatIsNoEvidence) {
 }
 
 }  // namespace
-}  // namespace touchstone::apps
+}  // namespace touchstone::hil

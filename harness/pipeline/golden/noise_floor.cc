@@ -1,4 +1,4 @@
-#include "apps/golden_floor.h"
+#include "harness/pipeline/golden/noise_floor.h"
 
 #include <fmt/format.h>
 #include <spawn.h>
@@ -19,7 +19,7 @@
 #include "harness/baseline/golden_summary.h"
 #include "harness/recording/recording_file.h"
 
-namespace touchstone::apps {
+namespace touchstone::pipeline {
 namespace {
 
 constexpr double most_of_tolerance = 0.1;
@@ -93,28 +93,29 @@ nlohmann::json entry_of(const GoldenCase& one, const std::string& model, const F
           {"tolerance_sha256", tolerance_hash(one)}};
 }
 
-bool print_floor(const std::string& name, const std::string& model, const Floor& floor) {
+// Adds a line of the table; false where the tolerance is too tight.
+bool add_floor(std::string& table, const std::string& name, const std::string& model, const Floor& floor) {
   const bool wide_enough = floor.of_tolerance <= most_of_tolerance;
-  fmt::print("{:<28} {:<24} {:>10.3g} {:>12.3g} {:>6} of {:<6} {:>12.3g}% {:>10}\n", name, model, floor.force_max_N,
-             floor.contact_position_max_m, floor.drift_rows, floor.rows, 100.0 * floor.of_tolerance,
-             wide_enough ? "ok" : "TOO TIGHT");
+  table += fmt::format("{:<28} {:<24} {:>10.3g} {:>12.3g} {:>6} of {:<6} {:>12.3g}% {:>10}\n", name, model,
+                       floor.force_max_N, floor.contact_position_max_m, floor.drift_rows, floor.rows,
+                       100.0 * floor.of_tolerance, wide_enough ? "ok" : "TOO TIGHT");
   return wide_enough;
 }
 
-void print_heading() {
-  fmt::print("{:<28} {:<24} {:>10} {:>12} {:>16} {:>13}\n", "case", "model", "force [N]", "proxy [m]", "rows differ",
-             "of tolerance");
+std::string heading() {
+  return fmt::format("{:<28} {:<24} {:>10} {:>12} {:>16} {:>13}\n", "case", "model", "force [N]", "proxy [m]",
+                     "rows differ", "of tolerance");
 }
 
 }  // namespace
 
-ExitStatus measure_golden_floor(const std::vector<GoldenCase>& cases, const std::string& golden,
-                                const std::vector<std::string>& programs, const std::filesystem::path& json) {
+NoiseFloors measure_noise_floors(const std::vector<GoldenCase>& cases, const std::string& golden,
+                                 const std::vector<std::string>& programs, const std::filesystem::path& json) {
   const ScratchFolder scratch;
   bool good = true;
   nlohmann::json document{
       {"schema", schema}, {"programs", nlohmann::json::array()}, {"floors", nlohmann::json::array()}};
-  print_heading();
+  std::string table = heading();
   Progress progress("noise floor", cases.size());
   for (std::size_t c = 0; c < cases.size(); ++c) {
     const GoldenCase& one = cases[c];
@@ -132,19 +133,19 @@ ExitStatus measure_golden_floor(const std::vector<GoldenCase>& cases, const std:
             document["programs"][p][key] = made_by[key];
         }
       }
-      good = print_floor(one.name, model, floor) && good;
+      good = add_floor(table, one.name, model, floor) && good;
       document["floors"].push_back(entry_of(one, model, floor));
     }
     progress.update(c + 1);
   }
   if (!json.empty()) write_file(json, document.dump(1) + "\n");
-  return good ? ExitStatus::passed : ExitStatus::failed;
+  return {good ? ExitStatus::passed : ExitStatus::failed, std::move(table)};
 }
 
-ExitStatus judge_golden_floor(const std::vector<GoldenCase>& cases, const std::filesystem::path& json) {
+NoiseFloors judge_noise_floors(const std::vector<GoldenCase>& cases, const std::filesystem::path& json) {
   if (!std::filesystem::exists(json)) {
-    fmt::print("skipped: {}: no noise floor was measured yet; ci/golden-floor does\n", json.string());
-    return ExitStatus::skipped;
+    return {ExitStatus::skipped,
+            fmt::format("skipped: {}: no noise floor was measured yet; ci/golden-floor does\n", json.string())};
   }
   const nlohmann::json document = load_json(json);
   JsonObject root(document, json.string(), "");
@@ -156,7 +157,7 @@ ExitStatus judge_golden_floor(const std::vector<GoldenCase>& cases, const std::f
   root.finish();
   bool good = true;
   std::string without;
-  print_heading();
+  std::string table = heading();
   for (const GoldenCase& one : cases) {
     for (const auto& [model, text] : one.models) {
       const auto found = known.find({one.name, model});
@@ -167,17 +168,17 @@ ExitStatus judge_golden_floor(const std::vector<GoldenCase>& cases, const std::f
         continue;
       }
       JsonObject& entry = found->second;
-      good = print_floor(one.name, model,
-                         {entry.number("force_max_N"), entry.number("contact_position_max_m"),
-                          static_cast<std::size_t>(entry.number("drift_rows")),
-                          static_cast<std::size_t>(entry.number("rows")), entry.number("of_tolerance")}) &&
+      good = add_floor(table, one.name, model,
+                       {entry.number("force_max_N"), entry.number("contact_position_max_m"),
+                        static_cast<std::size_t>(entry.number("drift_rows")),
+                        static_cast<std::size_t>(entry.number("rows")), entry.number("of_tolerance")}) &&
              good;
     }
   }
-  if (!good) return ExitStatus::failed;
-  if (without.empty()) return ExitStatus::passed;
-  fmt::print("skipped, no noise floor is known for:\n{}measure them with ci/golden-floor\n", without);
-  return ExitStatus::skipped;
+  if (!good) return {ExitStatus::failed, std::move(table)};
+  if (without.empty()) return {ExitStatus::passed, std::move(table)};
+  table += fmt::format("skipped, no noise floor is known for:\n{}measure them with ci/golden-floor\n", without);
+  return {ExitStatus::skipped, std::move(table)};
 }
 
-}  // namespace touchstone::apps
+}  // namespace touchstone::pipeline

@@ -3,13 +3,13 @@
 
 #include <filesystem>
 
-#include "apps/apps_rooms.h"
+#include "harness/base/rooms.h"
 #include "harness/report/page.h"
 
-namespace touchstone::apps {
+namespace touchstone::hil {
 
-struct HilPage {
-  Page page;
+struct EvidencePage {
+  report::Page page;
   bool emulated = false;
   int tests = 0;
   int failed = 0;
@@ -17,6 +17,6 @@ struct HilPage {
 
 // From a folder of evidence files (hil/lab/evidence.h). Throws BadData where there is none, where one cannot be read,
 // and where emulated and hardware results lie in one folder: those never stand on one page.
-HilPage hil_page(const std::filesystem::path& folder);
+EvidencePage evidence_page(const std::filesystem::path& folder);
 
-}  // namespace touchstone::apps
+}  // namespace touchstone::hil

@@ -1,4 +1,4 @@
-#include "apps/hil_page.h"
+#include "hil/lab/evidence_page.h"
 
 #include <fmt/format.h>
 
@@ -8,8 +8,10 @@
 #include "harness/base/error.h"
 #include "harness/base/json_reader.h"
 
-namespace touchstone::apps {
+namespace touchstone::hil {
 namespace {
+
+using namespace report;
 
 using nlohmann::json;
 
@@ -86,7 +88,7 @@ Section section_of(const json& e, bool failed) {
 
 }  // namespace
 
-HilPage hil_page(const std::filesystem::path& folder) {
+EvidencePage evidence_page(const std::filesystem::path& folder) {
   std::vector<std::filesystem::path> files;
   std::error_code error;
   for (const auto& entry : std::filesystem::directory_iterator(folder, error)) {
@@ -97,7 +99,7 @@ HilPage hil_page(const std::filesystem::path& folder) {
     throw BadData(folder.string() +
                   ": no evidence there; run the lab's tests with TOUCHSTONE_HIL_EVIDENCE=FOLDER and give "
                   "FOLDER/hardware or FOLDER/emulated");
-  HilPage result;
+  EvidencePage result;
   std::string first, devices;
   for (const auto& file : files) {
     const json e = load_json(file);
@@ -141,4 +143,4 @@ HilPage hil_page(const std::filesystem::path& folder) {
   return result;
 }
 
-}  // namespace touchstone::apps
+}  // namespace touchstone::hil
