@@ -184,6 +184,8 @@ SeededExperiment seeded_springs(std::uint64_t first_seed, std::uint64_t seeds) {
     for (const auto& method : methods)
       own.values.push_back(
           fmt::format("{}: {}, Spearman's rho with the paper's order", variant.name, method.method.name));
+    for (const auto& method : methods_beside())
+      own.values.push_back(fmt::format("{}: {}, Spearman's rho with the paper's order", variant.name, method));
     for (const Finding& finding : spring_findings())
       own.findings.push_back(fmt::format("{}: {}", variant.name, finding.name));
   }

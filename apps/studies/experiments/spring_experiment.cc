@@ -133,13 +133,13 @@ void count(VariantResult& result, const SpringSeed::OfVariant& own, double weigh
   const auto& methods = pc::statistical_methods();
   result.mean_statistic.resize(methods.size());
   result.methods = {std::string(pc::kPerceptionSpaceMethod.name)};
-  result.agreement.resize(methods.size() + 1);
-  result.agreement[0].push_back(own.agreement[0]);
   for (std::size_t m = 0; m < methods.size(); ++m) {
     add_to(result.mean_statistic[m], own.statistics[m], weight);
     result.methods.emplace_back(methods[m].method.name);
-    result.agreement[m + 1].push_back(own.agreement[m + 1]);
   }
+  result.methods.insert(result.methods.end(), methods_beside().begin(), methods_beside().end());
+  result.agreement.resize(result.methods.size());
+  for (std::size_t m = 0; m < result.methods.size(); ++m) result.agreement[m].push_back(own.agreement.at(m));
 }
 
 }  // namespace

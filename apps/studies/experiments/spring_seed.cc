@@ -1,9 +1,13 @@
 #include "apps/studies/experiments/spring_seed.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <stdexcept>
 
+#include "harness/base/error.h"
 #include "harness/perception/agreement.h"
+#include "harness/perception/judge/judged_conditions.h"
 
 namespace touchstone::experiments {
 namespace {
@@ -25,6 +29,47 @@ pc::PerceptualEvaluation evaluate_seed(const Variant& variant, const std::vector
 
 // Larger is more like the real process, in the order of spring_conditions(): the order that the paper's subjects gave.
 const std::vector<double> kPublishedLikeness{6, 5, 4, 3, 2, 1};
+
+// The presses as a recording: the surface is z = 0, outward is +z.
+Recording recording_of(const pc::PressSignal& press) {
+  Recording recording;
+  recording.source = press.name;
+  recording.motion.t_s = press.t_s;
+  for (std::size_t i = 0; i < press.t_s.size(); ++i) {
+    recording.motion.p_W_m.emplace_back(0.0, 0.0, -press.displacement_m[i]);
+    recording.f_W_N.emplace_back(0.0, 0.0, press.force_N[i]);
+  }
+  return recording;
+}
+
+// Spearman's rho of methods_beside() with the published order.
+std::vector<double> agreement_beside(const Variant& variant, const std::vector<SpringCondition>& conditions,
+                                     std::uint64_t seed) {
+  const Recording real = recording_of(press_real_spring(variant.setup, seed));
+  const pc::JudgeOptions options;
+  const auto reference = pc::judged_process(pc::felt_series(real, Vec3::UnitZ()), options.thresholds);
+  const auto& names = methods_beside();
+  std::vector<std::vector<double>> values(names.size());
+  std::vector<bool> larger_is_better(names.size(), false);
+  for (std::size_t c = 0; c < conditions.size(); ++c) {
+    const Recording rendered = recording_of(press_condition(variant.setup, conditions[c], seed, c));
+    const auto process = pc::judged_process(pc::felt_series(rendered, Vec3::UnitZ()), options.thresholds, &reference);
+    values[0].push_back(pc::judge(reference, process, {}, options).d_prime);
+    for (const auto& other : pc::other_metrics(real, rendered, Vec3::UnitZ())) {
+      const auto found = std::find(names.begin(), names.end(), other.name);
+      if (found == names.end()) continue;
+      if (!other.value) throw BadData(fmt::format("{} of {}: {}", other.name, conditions[c].name, other.why));
+      const auto m = static_cast<std::size_t>(found - names.begin());
+      values[m].push_back(*other.value);
+      larger_is_better[m] = other.larger_is_better;
+    }
+  }
+  std::vector<double> agreement;
+  for (std::size_t m = 0; m < names.size(); ++m) {
+    agreement.push_back(pc::agree(names[m], values[m], larger_is_better[m], kPublishedLikeness).spearman.coefficient);
+  }
+  return agreement;
+}
 
 Costs costs_of(const pc::PerceptualEvaluation& evaluation) {
   Costs costs{evaluation.values(pc::kPerceptionSpaceMethod.name), evaluation.values("euclidean"),
@@ -80,6 +125,11 @@ Costs SpringSeed::OfVariant::costs(std::vector<double> space) const {
   return all;
 }
 
+const std::vector<std::string>& methods_beside() {
+  static const std::vector<std::string> names{"judge", "st-sim", "spqi", "stevens"};
+  return names;
+}
+
 std::size_t spring_parts(bool scanned) {
   return spring_variants().size() + (scanned ? spring_scan_points().size() : 0);
 }
@@ -87,7 +137,11 @@ std::size_t spring_parts(bool scanned) {
 SpringSeed run_spring_seed(std::uint64_t seed, bool scanned, const std::function<void()>& part_done) {
   SpringSeed own;
   for (const Variant& variant : spring_variants()) {
-    own.variants.push_back(numbers_of(evaluate_seed(variant, spring_conditions(variant.setup), seed)));
+    const auto conditions = spring_conditions(variant.setup);
+    own.variants.push_back(numbers_of(evaluate_seed(variant, conditions, seed)));
+    const auto beside = agreement_beside(variant, conditions, seed);
+    auto& agreement = own.variants.back().agreement;
+    agreement.insert(agreement.end(), beside.begin(), beside.end());
     if (part_done) part_done();
   }
   if (!scanned) return own;

@@ -18,7 +18,8 @@ struct SpringSeed {
     std::vector<std::string> features;
     std::vector<std::vector<double>> blocks;      // distance by feature alone, by condition
     std::vector<std::vector<double>> statistics;  // by method of statistical_methods(), by condition
-    // Spearman's rho with the order that the paper's subjects gave: the perception space, then the statistical methods.
+    // Spearman's rho with the order that the paper's subjects gave: the perception space, the statistical methods, then
+    // methods_beside().
     std::vector<double> agreement;
     double dimensions = 0.0;
     double explained_share = 0.0;
@@ -27,6 +28,9 @@ struct SpringSeed {
   std::vector<OfVariant> variants;  // of spring_variants()
   std::vector<Costs> scan;          // of spring_scan_points(); empty where the seed is not one of the scan's
 };
+
+// What the paper does not have: the judge's d' first, then ST-SIM, SPQI and Stevens' law.
+const std::vector<std::string>& methods_beside();
 
 // `part_done` is called after every evaluation, spring_parts() times.
 SpringSeed run_spring_seed(std::uint64_t seed, bool scanned, const std::function<void()>& part_done);
