@@ -24,6 +24,7 @@ namespace pc = perception;
 pc::JudgeOptions judge_options(const PerceiveOptions& options) {
   pc::JudgeOptions settings;
   if (!options.thresholds.empty()) settings.thresholds = pc::read_thresholds(options.thresholds);
+  if (options.depth_known) settings.thresholds.depth_fraction = 0.0;
   if (!options.instrument.empty()) {
     const auto instrument = load_instrument(options.instrument);
     settings.declared = {instrument.force_noise_N, instrument.force_noise_time_constant_s,
@@ -203,6 +204,9 @@ void add_perceive(CLI::App& program, Run& run) {
   command->add_option(
       "--thresholds", options->thresholds,
       "JSON that replaces just noticeable differences; perception.json holds those in use, with their sources");
+  command->add_flag("--depth-known", options->depth_known,
+                    "The hand is led to the same depth, or presses to a stop, so that forces can be compared there; "
+                    "without it, an error of the depth hides differences of the force");
   command->add_option("--instrument", options->instrument,
                       "What the makers declare (touchstone-instrument/1), for the noise floor without repeats");
   command->add_option("--without", options->without,

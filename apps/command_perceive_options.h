@@ -32,6 +32,7 @@ struct PerceiveOptions {
   std::string extend_edges;
   std::size_t window = perception::kRateHardnessWindow;
   bool hardness_in_band = false;
+  bool depth_known = false;
   bool flip_force = false;  // every recording that is read has the force BY the probe
 };
 

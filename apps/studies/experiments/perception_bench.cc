@@ -28,19 +28,22 @@ struct Asked {
   PlantedCase real;
   PlantedCase rendered;
   double d_prime = 0.0;
+  bool depth_known = false;  // forces are compared at a depth to which the hand is led
 };
 
 std::vector<Asked> asked_of(const PlantedSetup& setup, BenchTruth truth) {
   std::vector<Asked> asked;
   if (truth == BenchTruth::experiments) {
-    for (const auto& own : published_cases())
-      asked.push_back({own.experiment, published_experiments()[own.experiment].real, own.rendered, own.d_prime});
+    for (const auto& own : published_cases()) {
+      const auto& experiment = published_experiments()[own.experiment];
+      asked.push_back({own.experiment, experiment.real, own.rendered, own.d_prime, experiment.depth_known});
+    }
     return asked;
   }
   for (const auto& planted : planted_cases()) {
     // A buzz above half the rate is another buzz once sampled.
     if (planted.buzz_Hz > 0.45 * setup.rate_Hz) continue;
-    asked.push_back({0, {}, planted, planted_d_prime(planted, setup, pc::Thresholds{})});
+    asked.push_back({0, {}, planted, planted_d_prime(planted, setup, pc::Thresholds{}), false});
   }
   return asked;
 }
@@ -50,7 +53,9 @@ constexpr std::uint64_t kFirstReference = 900;  // streams from here on are thos
 
 BenchedRun run_setup(const PlantedSetup& setup, std::uint64_t seed, const PerceptionBenchOptions& bench,
                      std::vector<std::string>& metrics) {
-  const pc::JudgeOptions options;
+  const pc::JudgeOptions free_hand;
+  pc::JudgeOptions led_hand;
+  led_hand.thresholds.depth_fraction = 0.0;
   BenchedRun run;
   run.setup = setup;
   run.seed = seed;
@@ -60,6 +65,7 @@ BenchedRun run_setup(const PlantedSetup& setup, std::uint64_t seed, const Percep
   std::uint64_t stream = 0;
   metrics = {"judge"};
   for (const auto& asked : asked_of(setup, bench.truth)) {
+    const pc::JudgeOptions& options = asked.depth_known ? led_hand : free_hand;
     if (!reference || recorded != asked.reference) {
       recorded = asked.reference;
       real = record_planted(asked.real, setup, seed * kStreams + (recorded == 0 ? 0 : kFirstReference + recorded));

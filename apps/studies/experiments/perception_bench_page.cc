@@ -82,13 +82,15 @@ Table case_table(const PerceptionBench& bench) {
 Table experiment_table(const PerceptionBench& published) {
   Table table;
   table.caption = "The judge against published experiments";
-  table.columns = {"experiment", "just noticeable there", "source", "d' there", "d' judged at 1/4", "at 1", "at 3"};
+  table.columns = {"experiment", "just noticeable there", "source", "procedure",
+                   "d' there",   "d' judged at 1/4",      "at 1",   "at 3"};
   const auto& experiments = published_experiments();
   for (std::size_t e = 0; e < experiments.size(); ++e) {
     Table::Row row;
     row.cells = {{std::string(experiments[e].name), false, Tone::neutral},
                  {std::string(experiments[e].found), false, Tone::neutral},
                  {std::string(experiments[e].source), false, Tone::neutral},
+                 {std::string(experiments[e].procedure), false, Tone::neutral},
                  {fmt::format("{:.2f}", experiments[e].criterion_d), true, Tone::neutral}};
     for (const double times : {0.25, 1.0, 3.0}) {
       std::vector<double> judged;
@@ -105,6 +107,32 @@ Table experiment_table(const PerceptionBench& published) {
   return table;
 }
 
+// The bars in one look, for both kinds of truth.
+Table bar_table(const PerceptionBench& bench, const PerceptionBench& published) {
+  Table table;
+  table.caption = "The judge's bars";
+  table.columns = {"what", "bar", "by the judge's thresholds", "by published experiments"};
+  const auto row = [&](const char* what, const char* bar, const auto& text_of) {
+    Table::Row own;
+    own.cells = {{what, false, Tone::neutral},
+                 {bar, false, Tone::neutral},
+                 {text_of(bench), true, Tone::neutral},
+                 {text_of(published), true, Tone::neutral}};
+    table.rows.push_back(std::move(own));
+  };
+  const auto of = [](std::size_t part, std::size_t all) {
+    return fmt::format("{} of {} ({:.1f} %)", part, all, 100.0 * share(part, all));
+  };
+  row("clear pairs (d' more than 2 apart) ordered rightly", "99 %",
+      [&](const PerceptionBench& b) { return of(b.scores.front().right, b.scores.front().pairs); });
+  row("cases below threshold (d' < 0.5) called indistinguishable", "95 %",
+      [&](const PerceptionBench& b) { return of(b.called_indistinguishable, b.below_threshold); });
+  row("largest miscalibration of the stated probabilities", "0.05",
+      [](const PerceptionBench& b) { return fmt::format("{:.3f}", b.largest_miscalibration); });
+  row("95 % intervals that hold the d'", "-", [&](const PerceptionBench& b) { return of(b.covered, b.cases); });
+  return table;
+}
+
 Section published_section(const PerceptionBench& published) {
   Section section;
   section.title = "Against experiments on people";
@@ -116,9 +144,10 @@ Section published_section(const PerceptionBench& published) {
       score_table(published, "Clear pairs ordered as published experiments say, and those of a repeat against each"));
   section.blocks.emplace_back(TextBlock{
       fmt::format(
-          "Below threshold (d' < 0.5): {} of {} are called indistinguishable. Largest miscalibration over bins of "
-          "20 cases or more: {:.3f}.",
-          published.called_indistinguishable, published.below_threshold, published.largest_miscalibration),
+          "Below threshold (d' < 0.5): {} of {} are called indistinguishable. The 95 % interval holds the experiment's "
+          "d' in {:.1f} % of {} cases. Largest miscalibration over bins of 20 cases or more: {:.3f}.",
+          published.called_indistinguishable, published.below_threshold,
+          100.0 * share(published.covered, published.cases), published.cases, published.largest_miscalibration),
       Tone::neutral});
   section.blocks.emplace_back(
       calibration_table(published, "Probabilities against simulated observers who feel what the experiments found",
@@ -139,6 +168,7 @@ std::string perception_bench_to_json(const PerceptionBench& bench, const Percept
     experiments.push_back({{"name", own.name},
                            {"just_noticeable", own.found},
                            {"source", own.source},
+                           {"procedure", own.procedure},
                            {"criterion_d_prime", own.criterion_d}});
   }
   document["experiments"]["sources"] = experiments;
@@ -227,6 +257,7 @@ Page perception_bench_page(const PerceptionBench& bench, const PerceptionBench& 
   section.intro =
       "Presses on a simulated spring with one planted difference each. The d' that each should have follows "
       "from the planted number and the judge's own thresholds. A pair is clear if the two d' are more than 2 apart.";
+  section.blocks.emplace_back(bar_table(bench, published));
   section.blocks.emplace_back(score_table(
       bench,
       "Clear pairs ordered as the literature's thresholds say, and those of a repeat against each kind of difference"));

@@ -8,6 +8,8 @@
 
 #include "harness/base/random.h"
 #include "harness/perception/filters/weber_law.h"
+#include "harness/perception/judge/slow_channels.h"
+#include "harness/perception/judge/vibration_scale.h"
 #include "synthetic/trajectories/tremor.h"
 
 namespace touchstone::experiments {
@@ -16,6 +18,7 @@ namespace {
 constexpr double kTwoPi = 2.0 * std::numbers::pi;
 constexpr double kFree = 0.15;          // of the stroke that passes in the air
 constexpr double kStrokeSpread = 0.03;  // between presses
+constexpr double kRise = 0.3;           // of the stroke that a constant force takes to rise
 constexpr double kTremor_m = 2e-5;
 constexpr double kTapDecay_s = 0.015;
 constexpr double kTapFrequency_Hz = 300.0;
@@ -123,11 +126,15 @@ double planted_d_prime(const PlantedCase& planted, const PlantedSetup& setup,
   double force = 0.0;
   double rate = 0.0;
   double direction = 0.0;
+  double friction = 0.0;
   // Over the depths that a press spends time at.
   for (int tenth = 2; tenth <= 10; ++tenth) {
     const double f = setup.peak_N * tenth / 10.0;
     const double rendered = f * (1.0 - planted.softer);
-    force = std::max(force, apart(std::hypot(rendered, planted.sideways_N * tenth / 10.0), f));
+    const double magnitude = std::hypot(rendered, planted.sideways_N * tenth / 10.0);
+    force = std::max(force, perception::force_at_depth_jnd(apart(magnitude, f), f, magnitude, 1.0, thresholds));
+    friction =
+        std::max(friction, perception::friction_jnd(0.0, planted.friction * f, planted.friction * f, f, thresholds));
     // A delay makes the force of a moment that of an earlier depth; the speed is that of a cosine, at this depth.
     const double share = (0.1 * tenth + kFree) / (1.0 + kFree);
     const double speed = deepest_m * (1.0 + kFree) * std::numbers::pi * setup.beat_Hz *
@@ -140,27 +147,26 @@ double planted_d_prime(const PlantedCase& planted, const PlantedSetup& setup,
   const double slope = std::hypot(1.0 - planted.softer, planted.sideways_N / setup.peak_N);  // of the magnitude
   const double stiffness = std::abs(std::log(slope)) / std::log1p(thresholds.stiffness_fraction);
   const auto vibration = [&](double amplitude_N, double f_Hz) {
-    return amplitude_N / thresholds.vibration_force_N(f_Hz);
+    return std::pow(amplitude_N / thresholds.vibration_force_N(f_Hz), 2);
   };
-  double fast = 0.0;
-  if (planted.buzz_N > 0.0) fast = vibration(planted.buzz_N, planted.buzz_Hz);
+  const perception::VibrationScale scale(thresholds);
+  double power = 0.0;  // over that of the threshold
+  if (planted.buzz_N > 0.0) power = vibration(planted.buzz_N, planted.buzz_Hz);
   if (planted.texture_N > 0.0) {
-    fast = vibration(planted.texture_N, setup.sliding_m_per_s / planted.texture_wavelength_m);
+    power = vibration(planted.texture_N, setup.sliding_m_per_s / planted.texture_wavelength_m);
   }
   if (planted.quantum_N > 0.0) {
     // A saw tooth of the step's height: harmonics h of amplitude q / (pi h), at h times the rate of steps, which goes
     // with the speed over the stroke; what lies between 20 Hz and half the rate is felt.
-    double felt = 0.0;
     constexpr int kMoments = 200;
     for (int m = 0; m < kMoments; ++m) {
       const double angle = std::numbers::pi * (m + 0.5) / kMoments;
       const double steps_Hz = setup.peak_N * std::numbers::pi * setup.beat_Hz * std::sin(angle) / planted.quantum_N;
       for (int h = 1; h * steps_Hz < 0.5 * setup.rate_Hz && h < 1000; ++h) {
         if (h * steps_Hz < 20.0) continue;
-        felt += std::pow(vibration(planted.quantum_N / (std::numbers::pi * h), h * steps_Hz), 2) / kMoments;
+        power += vibration(planted.quantum_N / (std::numbers::pi * h), h * steps_Hz) / kMoments;
       }
     }
-    fast = std::sqrt(felt);
   }
   double burst = 0.0;
   if (planted.tap_N > 0.0) {
@@ -169,11 +175,11 @@ double planted_d_prime(const PlantedCase& planted, const PlantedSetup& setup,
                          std::sqrt(4.0 * kFree / (1.0 + kFree) * (1.0 - kFree / (1.0 + kFree)));
     const double amplitude = planted.tap_N * speed / kTapSpeed_m_per_s;
     const double rms = amplitude * std::sqrt(0.5 * 0.5 * kTapDecay_s / 0.064);
-    burst =
-        vibration(rms * std::numbers::sqrt2, kTapFrequency_Hz) / std::sqrt(thresholds.vibration_integration_s / 0.064);
+    burst = scale.from_nothing(vibration(rms * std::numbers::sqrt2, kTapFrequency_Hz) /
+                               (thresholds.vibration_integration_s / 0.064));
   }
-  const double friction = planted.friction / thresholds.friction_fraction;
   const double position = planted.late_m / thresholds.position_m;
+  const double fast = scale.from_nothing(power);
   const double curve = std::max(force, stiffness);
   return std::sqrt(curve * curve + rate * rate + direction * direction + fast * fast + burst * burst +
                    friction * friction + position * position);
@@ -204,6 +210,11 @@ Recording record_planted(const PlantedCase& planted, const PlantedSetup& setup, 
     Vec3 force = Vec3::Zero();
     if (felt_depth > 0.0) {
       double normal = k * felt_depth;
+      if (planted.plateau_N > 0.0) {
+        // Without a kink, which would be felt as a click.
+        const double part = std::min(1.0, felt_depth * setup.stiffness_N_per_m / (kRise * setup.peak_N));
+        normal = planted.plateau_N * (1.0 - planted.softer) * part * part * (3.0 - 2.0 * part);
+      }
       if (planted.buzz_N > 0.0) normal += planted.buzz_N * std::sin(kTwoPi * planted.buzz_Hz * t);
       if (planted.texture_N > 0.0)
         normal += planted.texture_N * std::sin(kTwoPi * hand.x_m(t) / planted.texture_wavelength_m);

@@ -28,10 +28,11 @@ struct PlantedSetup {
 };
 
 struct PlantedCase {
-  std::string name;     // "softer 10 %"
-  std::string family;   // "softer"
-  double softer = 0.0;  // share of the stiffness
-  double buzz_N = 0.0;  // amplitude in contact
+  std::string name;        // "softer 10 %"
+  std::string family;      // "softer"
+  double softer = 0.0;     // share of the stiffness
+  double plateau_N = 0.0;  // the force rises within 0.3 of the stroke, then stays; 0: a spring
+  double buzz_N = 0.0;     // amplitude in contact
   double buzz_Hz = 0.0;
   double sideways_N = 0.0;         // at the full stroke, in proportion to depth
   double tilt_rad = 0.0;           // of the whole force

@@ -15,12 +15,14 @@ namespace touchstone::experiments {
 // What an experiment on people found.
 struct PublishedExperiment {
   std::string_view name;
-  std::string_view found;    // the just noticeable difference, in the words of its abstract
-  std::string_view source;   // whose abstract was read
-  double criterion_d = 1.0;  // d' at that difference; 1 where the text does not say
-  PlantedCase real;          // what the difference was found on
+  std::string_view found;      // the just noticeable difference, in the words of its abstract
+  std::string_view source;     // whose abstract was read
+  std::string_view procedure;  // in the words of its abstract, and what it leaves open
+  double criterion_d = 1.0;    // d' at that difference, from the procedure; 1 where the text does not say
+  PlantedCase real;            // what the difference was found on
   // That process, changed by `times` just noticeable differences.
   PlantedCase (*changed)(const PlantedCase& real, double times);
+  bool depth_known = false;  // the hand was led to the same depth, so that forces could be compared
 };
 const std::vector<PublishedExperiment>& published_experiments();
 

@@ -15,7 +15,7 @@ void describe_slow(ChannelEvidence& evidence, const SlowEvidence& found, const T
       evidence.what = fmt::format("{:.3g} N instead of {:.3g} N at {:.3g} mm ({:+.3g} %)", found.rendered, found.real,
                                   depth_mm, change);
       evidence.remedy = fmt::format("bring the force at {:.3g} mm to within {:.2g} N of {:.3g} N", depth_mm,
-                                    thresholds.force.just_noticeable_difference(found.real), found.real);
+                                    std::abs(found.rendered - found.real) / std::max(1e-12, found.jnd), found.real);
       break;
     case Channel::stiffness:
       evidence.what = fmt::format("{:.4g} N/m instead of {:.4g} N/m ({:+.3g} %)", found.rendered, found.real, change);
@@ -52,9 +52,8 @@ void describe_vibration(ChannelEvidence& evidence, const VibrationDifference& fo
   const char* const which = burst ? "burst after contact" : "vibration in contact";
   evidence.what = fmt::format("{} near {:.3g} Hz: {:.2g} N instead of {:.2g} N (felt from {:.2g} N on)", which,
                               found.frequency_Hz, found.rendered_N, found.real_N, found.threshold_N);
-  evidence.remedy = fmt::format(
-      "bring the {} near {:.3g} Hz to within {:.2g} N of {:.2g} N", which, found.frequency_Hz,
-      std::abs(found.rendered_N - found.real_N) / std::max(1e-12, std::sqrt(std::max(0.0, found.jnd2))), found.real_N);
+  evidence.remedy = fmt::format("bring the {} near {:.3g} Hz to within {:.2g} N of {:.2g} N", which, found.frequency_Hz,
+                                found.allowed_N, found.real_N);
 }
 
 std::string why_unknown(Channel channel) {

@@ -45,6 +45,15 @@ Smoothed smoothed(const std::vector<double>& x, double rate_Hz, std::size_t m) {
   return result;
 }
 
+double white_noise_of(const std::vector<double>& x) {
+  double squares = 0.0;
+  for (std::size_t i = 4; i < x.size(); ++i) {
+    const double fourth = x[i] - 4.0 * x[i - 1] + 6.0 * x[i - 2] - 4.0 * x[i - 3] + x[i - 4];
+    squares += fourth * fourth;
+  }
+  return std::sqrt(squares / (70.0 * static_cast<double>(x.size() - 4)));
+}
+
 void check_felt(const Recording& r) {
   if (r.f_W_N.size() != r.size()) {
     throw BadData(fmt::format("{}: has no force; a perceptual evaluation compares forces", r.source));
@@ -125,6 +134,8 @@ FeltSeries felt_series(const Recording& recording, const Vec3& outward) {
     for (auto& column : felt.force_N) column = at_even_times(t_s, column, felt.rate_Hz, n);
   }
   const auto half = static_cast<std::size_t>(std::max(1.0, std::round(0.5 * kSmoothing_s * felt.rate_Hz)));
+  felt.smoothed_samples = 2 * half + 1;
+  felt.position_noise_m = white_noise_of(place[0]);
   auto depth = smoothed(place[0], felt.rate_Hz, half);
   felt.depth_m = std::move(depth.value);
   felt.rate_of_depth_m_per_s = std::move(depth.slope_per_s);
@@ -134,7 +145,7 @@ FeltSeries felt_series(const Recording& recording, const Vec3& outward) {
   for (std::size_t i = 0; i < n; ++i) {
     const double x = felt.slide_x[i];
     const double y = felt.slide_y[i];
-    const double speed = std::sqrt(x * x + y * y) + kRest_m_per_s;
+    const double speed = std::sqrt(x * x + y * y + kRest_m_per_s * kRest_m_per_s);
     felt.slide_x[i] = x / speed;
     felt.slide_y[i] = y / speed;
   }

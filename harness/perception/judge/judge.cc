@@ -67,7 +67,7 @@ JudgedProcess judged_process(FeltSeries felt, const Thresholds& thresholds, cons
     process.contact = contact;
     process.felt = std::move(lagged);
   }
-  process.fast = fast_force(process.felt, *process.response);
+  process.fast = fast_force(process.felt, *process.response, thresholds);
   return process;
 }
 
@@ -87,12 +87,6 @@ bool moves_alike(const FeltSeries& a, const FeltSeries& b) {
   }
   return a.slide_x == b.slide_x && a.slide_y == b.slide_y;
 }
-
-// Standard error of a root from that of its square, and back.
-double error_of_root(double square, double error) {
-  return square > error ? 0.5 * error / std::sqrt(square) : std::sqrt(error) * 0.5;
-}
-double error_of_square(double value, double error) { return 2.0 * value * error + error * error; }
 
 ChannelEvidence& of(Judgement& judgement, Channel channel) {
   return judgement.channels[static_cast<std::size_t>(channel)];
@@ -160,12 +154,9 @@ void fill_fast(Judgement& judgement, const JudgedProcess& real, const JudgedProc
       own.why = why_unknown(channel);
       return;
     }
-    // What cannot be told from noise counts less: the square shrinks by the share that signal has in it (Wiener).
-    const double square = std::max(0.0, found.jnd2);
-    const double share = square > 0.0 ? square * square / (square * square + found.jnd2_error * found.jnd2_error) : 0.0;
-    own.jnd = std::sqrt(square * share);
-    own.jnd2_error = found.jnd2_error;
-    own.standard_error = error_of_root(square, found.jnd2_error);
+    own.jnd = found.jnd;
+    own.measured_jnd = found.measured_jnd;
+    own.standard_error = found.standard_error;
     describe_vibration(own, found);
   };
   fill(Channel::vibration, vibration_difference(real.fast, rendered.fast, noise, options.thresholds));
@@ -198,14 +189,14 @@ void take_noise_off(ChannelEvidence& own, const NoiseFloor& floor) {
   if (!is_fast(own.channel) || repeats_jnd > own.standard_error) {
     own.standard_error = std::max(own.standard_error, repeats_jnd);
     own.jnd = std::sqrt(std::max(0.0, own.jnd * own.jnd - own.standard_error * own.standard_error));
-    own.jnd2_error = std::max(own.jnd2_error, error_of_square(own.jnd, own.standard_error));
   }
-  own.jnd2_error = std::hypot(own.jnd2_error, error_of_square(own.jnd, kMethodShare * own.jnd + kMethod_jnd));
+  own.standard_error = std::hypot(own.standard_error, kMethodShare * own.jnd + kMethod_jnd);
   own.probability = forced_choice_probability(own.jnd);
   if (own.jnd <= 1.0) own.remedy.clear();
 }
 
-// d' of everything and its interval, on the scale of the square, where the parts add up.
+// d' of everything and its interval, on the scale of the square, where the parts add up: how far the square of each
+// part reaches if the part itself is off by its quantile.
 void combine(Judgement& judgement, const NoiseFloor& floor, const JudgeOptions& options) {
   for (auto& own : judgement.channels) {
     if (own.known) take_noise_off(own, floor);
@@ -223,7 +214,7 @@ void combine(Judgement& judgement, const NoiseFloor& floor, const JudgeOptions& 
     const bool left_out =
         !own.known || std::find(options.without.begin(), options.without.end(), own.channel) != options.without.end();
     if (left_out) continue;
-    if (own.jnd > std::max(strongest, kWorthNaming_jnd) && own.jnd * own.jnd > quantile * own.jnd2_error) {
+    if (own.jnd > std::max(strongest, kWorthNaming_jnd) && own.measured_jnd > quantile * own.standard_error) {
       strongest = own.jnd;
       judgement.gives_away = own.channel;
     }
@@ -231,12 +222,13 @@ void combine(Judgement& judgement, const NoiseFloor& floor, const JudgeOptions& 
                             (own.channel == Channel::stiffness && force.known && force.jnd >= stiffness.jnd);
     if (weaker_cue) continue;
     square += own.jnd * own.jnd;
-    const double reach = quantile * own.jnd2_error;
-    above += reach * reach;
-    if (!(own.jnd * own.jnd > reach)) continue;
+    const double reach = quantile * own.standard_error;
+    above += std::pow(std::pow(own.measured_jnd + reach, 2) - own.jnd * own.jnd, 2);
+    const double least = own.measured_jnd - reach;
+    if (!(least > 0.0)) continue;
     judgement.above_noise = true;
     certain += own.jnd * own.jnd;
-    below += reach * reach;
+    below += std::pow(own.jnd * own.jnd - least * least, 2);
   }
   judgement.d_prime = std::sqrt(square);
   judgement.d_prime_low95 = std::sqrt(std::max(0.0, certain - std::sqrt(below)));
@@ -266,6 +258,9 @@ Judgement compare(const JudgedProcess& real, const JudgedProcess& rendered, cons
   fill_slow(judgement, real, rendered, options);
   fill_fast(judgement, real, rendered, options);
   fill_position(judgement, real, rendered, options);
+  for (auto& own : judgement.channels) {
+    if (!is_fast(own.channel)) own.measured_jnd = own.jnd;
+  }
   return judgement;
 }
 
@@ -296,7 +291,7 @@ NoiseFloor noise_floor(const JudgedProcess& real, const std::vector<JudgedProces
     const auto compared = compare(real, repeat, options);
     for (std::size_t c = 0; c < kChannels; ++c) {
       if (!compared.channels[c].known) continue;
-      floor.jnd[c] += compared.channels[c].jnd * compared.channels[c].jnd;
+      floor.jnd[c] += compared.channels[c].measured_jnd * compared.channels[c].measured_jnd;
       seen[c] += 1.0;
     }
   }

@@ -49,13 +49,13 @@ JudgedProcess judged_process(FeltSeries felt, const Thresholds& thresholds, cons
 
 struct ChannelEvidence {
   Channel channel = Channel::force;
-  bool known = false;  // false: these recordings do not show it; `why` says so
-  double jnd = 0.0;    // never below 0; what noise adds is taken off
-  double standard_error = 0.0;
-  double jnd2_error = 0.0;   // standard error of the square of jnd
-  double probability = 0.5;  // of this channel alone
-  std::string what;          // "38 % softer", "0.35 N near 200 Hz"
-  std::string remedy;        // what gets it below one JND; empty where it is below
+  bool known = false;           // false: these recordings do not show it; `why` says so
+  double jnd = 0.0;             // never below 0; what noise adds is taken off
+  double measured_jnd = 0.0;    // before that: the middle of the interval
+  double standard_error = 0.0;  // of what is measured
+  double probability = 0.5;     // of this channel alone
+  std::string what;             // "38 % softer", "0.35 N near 200 Hz"
+  std::string remedy;           // what gets it below one JND; empty where it is below
   std::string why;
   double depth_m = 0.0;  // where it is strongest, from contact; NaN: has no depth
 };

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -11,6 +12,7 @@
 #include "harness/base/random.h"
 #include "harness/perception/judge/forced_choice.h"
 #include "harness/perception/judge/judged_conditions.h"
+#include "harness/perception/judge/vibration_scale.h"
 
 namespace touchstone::perception {
 namespace {
@@ -27,6 +29,7 @@ struct JudgedPress {
   int presses = 10;
   double sideways_N = 0.0;
   double buzz_N = 0.0;
+  double buzz_Hz = 200.0;
   double delay_s = 0.0;
   double damping_N_s_per_m = 0.0;
   double record_later_s = 0.0;
@@ -54,7 +57,7 @@ Recording record_presses(const JudgedPress& press, std::uint64_t seed) {
     Vec3 f = Vec3::Zero();
     if (felt > 0.0) {
       const double part = std::min(1.0, 5.0 * felt / 0.008);
-      f = (press.k * felt + press.damping_N_s_per_m * speed + press.buzz_N * std::sin(kTwoPi * 200.0 * t)) *
+      f = (press.k * felt + press.damping_N_s_per_m * speed + press.buzz_N * std::sin(kTwoPi * press.buzz_Hz * t)) *
               press.outward +
           part * part * (3.0 - 2.0 * part) * press.sideways_N * across;
     }
@@ -92,8 +95,14 @@ TEST(Judge, ARepeatOfTheRealThingIsNotNoticed) {
   }
 }
 
-TEST(Judge, ASofterSpringIsNoticedByItsForceAsWebersLawSays) {
-  const auto judgement = judged({.k = 400});
+TEST(Judge, ASofterSpringIsToldAsComplianceUnlessTheDepthIsKnown) {
+  // A hand that may be at another depth: 22 % (Tan, Durlach, Beauregard and Srinivasan 1995), by force or stiffness.
+  const auto at_any_depth = judged({.k = 500.0 / 1.22, .noise_N = 0.0005}, {}, 2, {.noise_N = 0.0005});
+  EXPECT_NEAR(of(at_any_depth, Channel::force).jnd, 1.0, 0.05);
+  EXPECT_NEAR(at_any_depth.d_prime, 1.0, 0.1);
+  JudgeOptions led;
+  led.thresholds.depth_fraction = 0.0;
+  const auto judgement = judged({.k = 400}, led);
   EXPECT_EQ(judgement.verdict, Verdict::noticed);
   ASSERT_TRUE(judgement.gives_away.has_value());
   EXPECT_EQ(*judgement.gives_away, Channel::force);
@@ -113,10 +122,21 @@ TEST(Judge, SidewaysForceABuzzAndADelayAreSeenEachInItsChannel) {
   EXPECT_EQ(*buzz.gives_away, Channel::vibration);
   EXPECT_THAT(of(buzz, Channel::vibration).what, HasSubstr("202 Hz"));
   const double threshold_N = Thresholds{}.vibration_force_N(20.0 * std::exp2(10.0 / 3.0));
-  EXPECT_NEAR(of(buzz, Channel::vibration).jnd * threshold_N / 0.5, 1.0, 0.1);
+  const double expected = VibrationScale(Thresholds{}).from_nothing(std::pow(0.5 / threshold_N, 2));
+  EXPECT_NEAR(of(buzz, Channel::vibration).jnd / expected, 1.0, 0.1);
   const auto delayed = judged({.delay_s = 0.03});
   ASSERT_TRUE(delayed.gives_away.has_value());
   EXPECT_EQ(*delayed.gives_away, Channel::rate);
+}
+
+// Frequencies at the edges of third-octave bands too, where the threshold is another than at the centre.
+TEST(Judge, ABuzzCountsByTheThresholdOfItsOwnFrequency) {
+  const Thresholds thresholds;
+  for (const double f : {90.0, 178.0, 250.0, 359.0, 430.0}) {
+    const double amplitude_N = 3.0 * thresholds.vibration_force_N(f);
+    const auto buzz = judged({.buzz_N = amplitude_N, .buzz_Hz = f, .noise_N = 0.0002}, {}, 2, {.noise_N = 0.0002});
+    EXPECT_NEAR(of(buzz, Channel::vibration).jnd / VibrationScale(thresholds).from_nothing(9.0), 1.0, 0.05) << f;
+  }
 }
 
 TEST(Judge, TheHandIsNotJudged) {
@@ -128,6 +148,32 @@ TEST(Judge, TheHandIsNotJudged) {
     EXPECT_NE(judgement.verdict, Verdict::noticed);
     EXPECT_LT(of(judgement, Channel::force).jnd, 0.1);
     EXPECT_LT(of(judgement, Channel::rate).jnd, 0.1);
+  }
+}
+
+// Of a difference too: another depth, speed, duration, number of presses or a delay of the whole recording change d' by
+// less than its interval is wide.
+TEST(Judge, TheHandChangesTheAnswerByLessThanItsInterval) {
+  for (const double k : {200.0, 500.0, 2000.0}) {
+    const JudgedPress real{.k = k, .stroke_m = 4.0 / k, .noise_N = 0.002};
+    JudgedPress rendered = real;
+    rendered.k = 0.6 * k;
+    rendered.damping_N_s_per_m = 0.01 * k;
+    const auto usual = judged(rendered, {}, 2, real);
+    std::vector<JudgedPress> hands(5, rendered);
+    hands[0].stroke_m *= 1.5;
+    hands[1].stroke_m *= 0.7;
+    hands[2].beat_Hz = 2.0;
+    hands[3].presses = 15;
+    hands[4].record_later_s = 0.1;
+    for (std::size_t h = 0; h < hands.size(); ++h) {
+      const auto other = judged(hands[h], {}, 3 + h, real);
+      EXPECT_LT(std::abs(other.d_prime - usual.d_prime), other.d_prime_high95 - other.d_prime_low95)
+          << "k " << k << " hand " << h;
+    }
+    JudgedPress late = rendered;
+    late.delay_s = 0.05;
+    EXPECT_GT(judged(late, {}, 8, real).d_prime - usual.d_prime, 0.5) << k;
   }
 }
 
@@ -188,11 +234,11 @@ TEST(Judge, ARenderingThatGivesNoForceIsNoticed) {
 TEST(Judge, LeavesChannelsOutOfTheSumButShowsThem) {
   JudgeOptions options;
   const auto late = judged({.noise_N = 0.001, .late_m = 0.003}, options, 2, {.noise_N = 0.001});
-  EXPECT_NEAR(of(late, Channel::position).jnd, 3.0, 0.1);
+  EXPECT_NEAR(of(late, Channel::position).jnd, 3.0 / 0.4, 0.1);
   options.without = {Channel::position};
   const auto without = judged({.noise_N = 0.001, .late_m = 0.003}, options, 2, {.noise_N = 0.001});
   EXPECT_LT(without.d_prime, 1.0);
-  EXPECT_NEAR(of(without, Channel::position).jnd, 3.0, 0.1);
+  EXPECT_NEAR(of(without, Channel::position).jnd, 3.0 / 0.4, 0.1);
 }
 
 TEST(Judge, SimulatedObserversGiveTheStatedShareOfRightAnswers) {
@@ -213,7 +259,7 @@ TEST(JudgedConditions, NumbersOfAPairDoNotDependOnTheOthersToTheBit) {
     return RecordingSource{name, [=] { return record_presses(press, seed); }};
   };
   const auto real = record_presses({}, 1);
-  const auto soft = source("soft", {.k = 450}, 2);
+  const auto soft = source("soft", {.k = 380}, 2);
   const auto odd = source("odd", {.k = 100, .buzz_N = 2.0}, 3);
   const auto close = source("close", {}, 4);
   const auto alone = judge_conditions(real, {}, {soft}, Vec3::UnitZ(), {});
@@ -229,6 +275,38 @@ TEST(JudgedConditions, NumbersOfAPairDoNotDependOnTheOthersToTheBit) {
   EXPECT_EQ(among.conditions[1].rank, 1u);
   EXPECT_THROW(judge_conditions(real, {}, {soft, soft}, Vec3::UnitZ(), {}), BadData);
   EXPECT_THROW(judge_conditions(real, {}, {}, Vec3::UnitZ(), {}), BadData);
+}
+
+// On many pairs: whatever else is judged beside them, spoiled or not, in whatever order.
+TEST(JudgedConditions, NoOtherConditionChangesABitOfAnyAnswer) {
+  const auto real = record_presses({}, 1);
+  std::vector<RecordingSource> conditions;
+  for (std::uint64_t c = 0; c < 6; ++c) {
+    JudgedPress press{.k = 350.0 + 40.0 * static_cast<double>(c)};
+    if (c == 2) press.buzz_N = 5.0;
+    if (c == 3) press.noise_N = 2.0;
+    if (c == 4) press.k = 0.0;
+    conditions.push_back({std::to_string(c), [press, c] { return record_presses(press, 10 + c); }});
+  }
+  const auto forwards = judge_conditions(real, {}, conditions, Vec3::UnitZ(), {});
+  std::reverse(conditions.begin(), conditions.end());
+  const auto backwards = judge_conditions(real, {}, conditions, Vec3::UnitZ(), {});
+  for (std::size_t c = 0; c < conditions.size(); ++c) {
+    const auto alone = judge_conditions(real, {}, {conditions[c]}, Vec3::UnitZ(), {});
+    for (const auto* other : {&backwards.conditions[c], &forwards.conditions[conditions.size() - 1 - c]}) {
+      const Judgement& a = alone.conditions[0].judgement;
+      const Judgement& b = other->judgement;
+      EXPECT_EQ(alone.conditions[0].name, other->name);
+      EXPECT_EQ(a.d_prime, b.d_prime);
+      EXPECT_EQ(a.d_prime_low95, b.d_prime_low95);
+      EXPECT_EQ(a.d_prime_high95, b.d_prime_high95);
+      EXPECT_EQ(a.noticed_share, b.noticed_share);
+      for (std::size_t e = 0; e < kChannels; ++e) {
+        EXPECT_EQ(a.channels[e].jnd, b.channels[e].jnd);
+        EXPECT_EQ(a.channels[e].standard_error, b.channels[e].standard_error);
+      }
+    }
+  }
 }
 
 TEST(JudgedConditions, RateHardnessOfRepeatsAgreesOrHasNoValue) {

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "harness/base/vec.h"
+#include "harness/perception/judge/slow_channels.h"
 
 namespace touchstone::perception {
 
@@ -18,6 +19,7 @@ std::vector<FeltMoment> felt_moments(const JudgedProcess& real, const JudgedProc
     Vec3 expected = Vec3::Zero();
     Vec3 given = Vec3::Zero();
     double used = 0.0;
+    double depth_m = 0.0;
     for (std::size_t i = first; i < first + length; ++i) {
       const double d = felt.depth_m[i] - rendered.contact.depth_m;
       // Beyond the real process's deepest press nothing is known of it.
@@ -29,6 +31,7 @@ std::vector<FeltMoment> felt_moments(const JudgedProcess& real, const JudgedProc
         expected += Vec3(e[0], e[1], e[2]);
       }
       given += Vec3(felt.force_N[0][i], felt.force_N[1][i], felt.force_N[2][i]);
+      depth_m += d;
       used += 1.0;
     }
     if (used < 0.5 * static_cast<double>(length)) continue;
@@ -41,8 +44,12 @@ std::vector<FeltMoment> felt_moments(const JudgedProcess& real, const JudgedProc
     // The difference of the vectors, as a change of a force as large as the larger of the two.
     const NoticeableSteps steps(thresholds.force);
     const double larger = std::max(expected.norm(), given.norm());
-    moment.jnd = steps(larger) - steps(std::max(0.0, larger - apart.norm()));
+    const double smaller = std::max(0.0, larger - apart.norm());
     moment.sideways_share = apart.squaredNorm() > 0.0 ? 1.0 - apart.x() * apart.x() / apart.squaredNorm() : 0.0;
+    // An error of the depth looks like a force along the direction of pressing, not like one across.
+    const double exponent = std::sqrt(1.0 - moment.sideways_share) *
+                            depth_exponent(real.response->curves, depth_m / used, 0.1 * deepest, real.response->grid);
+    moment.jnd = force_at_depth_jnd(steps(larger) - steps(smaller), larger, smaller, exponent, thresholds);
     moments.push_back(moment);
   }
   return moments;

@@ -10,6 +10,7 @@ namespace {
 
 constexpr std::size_t kMostKnots = 48;
 constexpr double kFewestSeen = 10.0;  // samples' weight at a knot that counts
+constexpr double kSliding = 0.92;     // direction of sliding that counts: 2.3 mm/s along an axis
 constexpr std::size_t kBins = 400;
 
 // Normal equations of one component: two features (1 and a factor) times the two hats that a sample lies between.
@@ -192,8 +193,8 @@ std::optional<Response> fit_response(const FeltSeries& felt, const FirstContact&
     response.speed_m_per_s[j] += left * v * v;
     response.speed_m_per_s[j + 1] += right * v * v;
     in_contact += 1.0;
-    if (std::abs(x) > 0.7) response.slid_share[0] += 1.0;
-    if (std::abs(y) > 0.7) response.slid_share[1] += 1.0;
+    if (std::abs(x) > kSliding) response.slid_share[0] += 1.0;
+    if (std::abs(y) > kSliding) response.slid_share[1] += 1.0;
   }
   if (*std::max_element(response.seen.begin(), response.seen.end()) < kFewestSeen) return std::nullopt;
   for (std::size_t j = 0; j < knots; ++j) {

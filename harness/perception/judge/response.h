@@ -3,7 +3,7 @@
 // another depth, speed, duration or number of presses is no difference between objects.
 //
 //   F_0(d, d')   = a(d) + b(d) d'                    along the outward direction
-//   F_i(d, s_i)  = a_i(d) + c_i(d) s_i / (|s| + s0)   across, i = 1, 2; s the velocity of sliding, s0 = 1 mm/s
+//   F_i(d, s_i)  = a_i(d) + c_i(d) s_i / sqrt(s^2 + s0^2)   across, i = 1, 2; s the velocity of sliding, s0 = 1 mm/s
 //
 // a, b, c are straight between knots. Least squares over the samples in contact; the spread comes from leaving out one
 // of kBlocks stretches of time after the other (block jackknife, Kuensch 1989), which needs no assumption about how

@@ -45,6 +45,29 @@ void keep_larger(SlowEvidence& evidence, double jnd, double depth_m, double real
 
 }  // namespace
 
+double depth_exponent(const ResponseCurves& c, double d, double step_m, const DepthGrid& grid) {
+  const double below_m = std::max(0.0, d - step_m);
+  const double force_N = static_force(c, d, grid).norm();
+  const double rise_N = force_N - static_force(c, below_m, grid).norm();
+  return force_N > 0.0 && d > below_m ? std::max(0.0, d * rise_N / ((d - below_m) * force_N)) : 0.0;
+}
+
+double force_at_depth_jnd(double force_jnd, double real_N, double rendered_N, double exponent,
+                          const Thresholds& thresholds) {
+  const double depth_error = exponent * thresholds.depth_fraction;
+  const double jnd = std::abs(force_jnd);
+  if (!(depth_error > 0.0) || !(real_N > 0.0) || !(rendered_N > 0.0) || jnd == 0.0) return jnd;
+  const double depth_jnd = std::abs(std::log(rendered_N / real_N)) / depth_error;
+  return jnd * depth_jnd / std::hypot(jnd, depth_jnd);
+}
+
+double friction_jnd(double real_N, double rendered_N, double apart_N, double load_N, const Thresholds& thresholds) {
+  const double least_N = thresholds.force.just_noticeable_difference(load_N);
+  const NoticeableSteps steps({least_N, least_N, thresholds.friction_fraction, thresholds.friction_fraction});
+  const double larger_N = std::max(real_N, rendered_N);
+  return steps(larger_N) - steps(larger_N - apart_N);
+}
+
 std::vector<double> common_depths_m(const Response& real, const Response& rendered) {
   std::vector<double> depths;
   const double common = std::min(real.deepest_m, rendered.deepest_m);
@@ -71,7 +94,10 @@ SlowEvidences slow_evidence(const Response& real, const ResponseCurves& real_cur
   for (const double d : depths_m) {
     const Vec3 fr = static_force(real_curves, d, grid);
     const Vec3 fc = static_force(rendered_curves, d, grid);
-    keep_larger(at(SlowChannel::force), std::abs(steps(fc.norm()) - steps(fr.norm())), d, fr.norm(), fc.norm());
+    const double exponent = depth_exponent(real_curves, d, 0.1 * depths_m.back(), grid);
+    keep_larger(at(SlowChannel::force),
+                force_at_depth_jnd(steps(fc.norm()) - steps(fr.norm()), fr.norm(), fc.norm(), exponent, thresholds), d,
+                fr.norm(), fc.norm());
     if (d >= 0.6 * depths_m.back()) {
       real_sum += fr;
       rendered_sum += fc;
@@ -101,8 +127,9 @@ SlowEvidences slow_evidence(const Response& real, const ResponseCurves& real_cur
         own += cr * cr;
         other += cc * cc;
       }
-      const double jnd_N = std::max(thresholds.force.absolute_threshold, thresholds.friction_fraction * fr.norm());
-      keep_larger(at(SlowChannel::friction), std::sqrt(squared) / jnd_N, d, std::sqrt(own), std::sqrt(other));
+      keep_larger(at(SlowChannel::friction),
+                  friction_jnd(std::sqrt(own), std::sqrt(other), std::sqrt(squared), fr.norm(), thresholds), d,
+                  std::sqrt(own), std::sqrt(other));
     }
   }
   if (depths_m.size() >= 3) {

@@ -22,6 +22,25 @@ enum class SlowChannel : unsigned char { force, stiffness, rate, direction, fric
 inline constexpr std::size_t kSlowChannels = 5;
 using SlowEvidences = std::array<SlowEvidence, kSlowChannels>;
 
+// Depth times slope over the force's magnitude at `depth_m`, its slope taken over the `step_m` above it: how much of an
+// error of the depth arrives in the force. 0 where the force falls with depth, or there is none.
+double depth_exponent(const ResponseCurves& curves, double depth_m, double step_m, const DepthGrid& grid);
+
+// JND of a force over depth. People tell stiffness by the force at a depth that they reach again; how well they reach
+// it explains how stiffness JNDs differ, and at a depth that is given the JND is that of force (Fu, van Paassen and
+// Mulder 2017; read: its abstract). Who does not know the depth exactly cannot say whether the force or the depth was
+// another: the observer's error of the depth arrives in the logarithm of the force, `exponent` times as large (1 for a
+// spring, 0 for a constant force), and its variance adds to that of the force. `force_jnd`: the difference if the depth
+// is known.
+double force_at_depth_jnd(double force_jnd, double real_N, double rendered_N, double exponent,
+                          const Thresholds& thresholds);
+
+// JND of friction, which follows Weber's law unless it comes near the threshold of detection, and that threshold
+// depends on what else is felt (JNDs of friction beside mass, spring and damper, TU Delft's repository; read: the
+// abstract). `apart_N` is the difference of the vectors. In steps of the friction's own fraction from the force on that
+// is noticed as a change of the load `load_N`, in proportion below.
+double friction_jnd(double real_N, double rendered_N, double apart_N, double load_N, const Thresholds& thresholds);
+
 // At which depths both were seen: 20 to 100 % of the shallower press.
 std::vector<double> common_depths_m(const Response& real, const Response& rendered);
 

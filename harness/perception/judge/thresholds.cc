@@ -15,6 +15,9 @@ namespace touchstone::perception {
 const std::vector<ThresholdEntry>& threshold_entries() {
   constexpr std::string_view kShao = "Shao, Wu and Ouyang (2019), section 3.2";
   constexpr std::string_view kAbstract = "its abstract";
+  constexpr std::string_view kNone = "none: no difference that is noticed";
+  constexpr std::string_view kOneInterval =
+      "one interval, two alternatives, with feedback (its abstract); d' = 1 is assumed";
   static const std::vector<ThresholdEntry> entries{
       {"force_absolute_N", "N", "Jones (2000), fingertip", kShao,
        [](Thresholds& t) -> double& { return t.force.absolute_threshold; }},
@@ -27,46 +30,52 @@ const std::vector<ThresholdEntry>& threshold_entries() {
       {"force_fraction_above", "1",
        "Pang, Tan and Durlach (1991): 7 % between 2.5 and 10 N; agrees with the 8 % for compliance that Tan, Pang and "
        "Durlach (1992) found if force and work could be felt",
-       kAbstract, [](Thresholds& t) -> double& { return t.force.fraction_above; }},
+       kAbstract, [](Thresholds& t) -> double& { return t.force.fraction_above; }, kOneInterval},
       {"stiffness_fraction", "1",
        "Tan, Durlach, Beauregard and Srinivasan (1995): 22 % for compliance if the depth is varied, so that the force "
        "does not give it away",
        kAbstract, [](Thresholds& t) -> double& { return t.stiffness_fraction; }},
+      {"depth_fraction", "1",
+       "derived: what is left of the 22 % for compliance if the 7 % for force are taken out, both as above",
+       "the two abstracts", [](Thresholds& t) -> double& { return t.depth_fraction; }, "that of the two", true},
       {"direction_rad", "rad", "Barbagli, Salisbury, Ho, Spence and Tan (2006): 25.6 degrees by touch alone", kAbstract,
        [](Thresholds& t) -> double& { return t.direction_rad; }},
       {"friction_fraction", "1",
        "Fehlberg, Kim, Drewing, Hensel and Bennewitz (2022): fingertips noticed relative differences of friction of "
-       "0.2; taken of the total force, for want of a figure for tools at low friction",
-       kAbstract, [](Thresholds& t) -> double& { return t.friction_fraction; }},
+       "0.2. Of friction that is itself noticed as a force; less counts as force does",
+       kAbstract, [](Thresholds& t) -> double& { return t.friction_fraction; },
+       "forced choice (its abstract); the share of right answers is not stated there, d' = 1 is assumed"},
       {"position_m", "m",
-       "no figure for the place where a tool meets an object: between 0.4 mm (thickness of a plate between finger and "
-       "thumb, "
-       "Ho and Srinivasan 1996) and 7 % of a length of some centimetres (one hand, Bimanual and unimanual length "
-       "perception, Exp Brain Res 232, 2014)",
-       "both abstracts", [](Thresholds& t) -> double& { return t.position_m; }},
+       "Ho and Srinivasan (1996): 0.4 +- 0.1 mm of the thickness of a rigid plate between finger and thumb, by the "
+       "posture of the fingers alone. Places reached by a movement of the arm are known less well: 11 % of a distance "
+       "of 25 or 35 cm (van Beek, Bergmann Tiest and Kappers 2014)",
+       "both abstracts", [](Thresholds& t) -> double& { return t.position_m; },
+       "two intervals, two alternatives (its abstract); the share of right answers is not stated there, d' = 1 is "
+       "assumed"},
       {"vibration_fraction", "1",
        "Forta, Griffin and Morioka (2012): median difference threshold 0.20 on the thenar eminence at 125 Hz, 10 dB "
-       "above "
-       "threshold (79 % right); up to 0.58 at 10 Hz",
-       kAbstract, [](Thresholds& t) -> double& { return t.vibration_fraction; }},
+       "above threshold; up to 0.58 at 10 Hz",
+       kAbstract, [](Thresholds& t) -> double& { return t.vibration_fraction; },
+       "three down and one up (its abstract): 79 % right of two alternatives, d' = 1.16"},
       {"vibration_integration_s", "s",
        "Verrillo (1965): the threshold of the Pacinian channel falls up to some 200 ms of duration (that it does, at "
        "high "
        "frequencies only, says the abstract of Gescheider 1976; the time is not in it)",
-       "", [](Thresholds& t) -> double& { return t.vibration_integration_s; }},
+       "", [](Thresholds& t) -> double& { return t.vibration_integration_s; }, kNone},
       {"hand_mass_kg", "kg", "fingertip, middle of the range of Hajian and Howe (1997)", "",
-       [](Thresholds& t) -> double& { return t.hand_mass_kg; }},
+       [](Thresholds& t) -> double& { return t.hand_mass_kg; }, kNone},
       {"hand_damping_N_s_per_m", "N s/m", "fingertip, middle of the range of Hajian and Howe (1997)", "",
-       [](Thresholds& t) -> double& { return t.hand_damping_N_s_per_m; }},
+       [](Thresholds& t) -> double& { return t.hand_damping_N_s_per_m; }, kNone},
       {"hand_stiffness_N_per_m", "N/m", "fingertip, middle of the range of Hajian and Howe (1997)", "",
-       [](Thresholds& t) -> double& { return t.hand_stiffness_N_per_m; }},
+       [](Thresholds& t) -> double& { return t.hand_stiffness_N_per_m; }, kNone},
   };
   return entries;
 }
 
 std::string source_of(const ThresholdEntry& entry) {
-  return entry.read_in.empty() ? fmt::format("{}; not checked against its source", entry.source)
-                               : fmt::format("{}; read in: {}", entry.source, entry.read_in);
+  const std::string checked =
+      entry.read_in.empty() ? "not checked against its source" : fmt::format("read in: {}", entry.read_in);
+  return fmt::format("{}; {}; procedure: {}", entry.source, checked, entry.procedure);
 }
 
 std::string_view vibration_threshold_source() {
@@ -113,7 +122,7 @@ Thresholds read_thresholds(const std::filesystem::path& file) {
   for (const auto& entry : threshold_entries()) {
     const auto value = root.optional_number(entry.name);
     if (!value) continue;
-    if (!(*value > 0.0))
+    if (!(*value > 0.0) && !(entry.may_be_zero && *value == 0.0))
       root.fail_at(entry.name, fmt::format("{} {}: a value above 0 was expected", *value, entry.unit));
     entry.place(result) = *value;
   }

@@ -1,8 +1,8 @@
 // What people can just notice, channel by channel: constants with their sources. A file replaces any of them.
 //
 // One just noticeable difference (JND) is the difference with d' = 1: 76 % right answers in a two-alternative forced
-// choice. d' grows in proportion to the difference on the scale of JNDs. Published JNDs are taken as they stand, also
-// where the experiment's criterion was another: a staircase of three down and one up ends at 79 % (d' = 1.16).
+// choice. d' grows in proportion to the difference on the scale of JNDs; that of vibration is in vibration_scale.h. The
+// procedure of an experiment decides at which d' its JND stands (procedure.h); each constant names its own.
 //
 // File (JSON), every member optional; a name that is not one of threshold_entries() is an error:
 //   {"schema": "touchstone-thresholds/1", "stiffness_fraction": 0.15,
@@ -22,9 +22,14 @@ namespace touchstone::perception {
 struct Thresholds {
   WeberLaw force = kFingertipForce;
   double stiffness_fraction = 0.22;
+  // How well a hand knows its depth, as standard deviation of its logarithm: what stands between the 22 % of a person
+  // who cannot rely on the depth and the 7 % of one who compares forces, sqrt(ln^2 1.22 - ln^2 1.07). 0: the hand is
+  // led to the same depth, or pressed to a stop.
+  double depth_fraction = 0.18699;
   double direction_rad = 0.4468;
   double friction_fraction = 0.20;
-  double position_m = 0.001;
+  double position_m = 0.0004;
+  // Of the amplitude, 10 dB above threshold, at 79 % right answers (d' = 1.16).
   double vibration_fraction = 0.20;
   double vibration_integration_s = 0.2;
   // The hand at the tip as mass, damper and spring: turns a threshold of displacement into one of force.
@@ -48,15 +53,18 @@ struct ThresholdEntry {
   std::string_view source;
   std::string_view read_in;  // the text in which the number was read; empty: cited from memory, not checked
   double& (*place)(Thresholds&);
+  // Of the experiment: decides at which d' its figure stands.
+  std::string_view procedure = "not stated there; d' = 1 is assumed (the usual 75 % of two alternatives is 0.95)";
+  bool may_be_zero = false;
 };
 const std::vector<ThresholdEntry>& threshold_entries();
-// Source and whether it was checked, as files say it.
+// Source, procedure, and whether it was checked, as files say it.
 std::string source_of(const ThresholdEntry& entry);
 // Where the curve of vibration comes from if no file gives one.
 std::string_view vibration_threshold_source();
 
 // The defaults with what the file replaces. Throws BadData naming file and place for an unknown name, or a value that
-// is not above zero.
+// is not above zero (depth_fraction: below zero).
 Thresholds read_thresholds(const std::filesystem::path& file);
 // The same format, complete, each constant with its unit and source beside it ("sources"): read_thresholds() takes it.
 std::string thresholds_to_json(const Thresholds& thresholds);

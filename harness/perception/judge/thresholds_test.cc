@@ -56,9 +56,16 @@ TEST_F(ThresholdFile, ReplacesAnyConstantAndGivesBackWhatItWrites) {
 // were not checked.
 TEST(Thresholds, EachSaysWhetherItsSourceWasReadAndThoseReadAgree) {
   const std::map<std::string, double> read{
-      {"force_absolute_N", 0.06},     {"force_breakpoint_N", 2.5},  {"force_fraction_below", 0.20},
-      {"force_fraction_above", 0.07}, {"stiffness_fraction", 0.22}, {"direction_rad", 25.6 / 180.0 * std::numbers::pi},
-      {"friction_fraction", 0.2},     {"position_m", 1e-3},         {"vibration_fraction", 0.20},
+      {"force_absolute_N", 0.06},
+      {"force_breakpoint_N", 2.5},
+      {"force_fraction_below", 0.20},
+      {"force_fraction_above", 0.07},
+      {"stiffness_fraction", 0.22},
+      {"direction_rad", 25.6 / 180.0 * std::numbers::pi},
+      {"friction_fraction", 0.2},
+      {"position_m", 4e-4},
+      {"vibration_fraction", 0.20},
+      {"depth_fraction", std::sqrt(std::pow(std::log(1.22), 2) - std::pow(std::log(1.07), 2))},
   };
   Thresholds thresholds;
   for (const auto& entry : threshold_entries()) {
@@ -68,6 +75,7 @@ TEST(Thresholds, EachSaysWhetherItsSourceWasReadAndThoseReadAgree) {
     if (found != read.end()) {
       EXPECT_NEAR(entry.place(thresholds), found->second, 1e-4) << entry.name;
     }
+    EXPECT_THAT(source_of(entry), HasSubstr("procedure: ")) << entry.name;
     EXPECT_THAT(thresholds_to_json(thresholds), HasSubstr(source_of(entry)));
   }
 }
@@ -76,6 +84,9 @@ TEST_F(ThresholdFile, RefusesWhatItDoesNotUnderstandWithItsPlace) {
   EXPECT_THAT(refusal(R"({"schema": "touchstone-thresholds/1", "stifness_fraction": 0.15})"),
               HasSubstr("stifness_fraction"));
   EXPECT_THAT(refusal(R"({"schema": "touchstone-thresholds/1", "position_m": 0})"),
+              HasSubstr("a value above 0 was expected"));
+  EXPECT_EQ(read(R"({"schema": "touchstone-thresholds/1", "depth_fraction": 0})").depth_fraction, 0.0);
+  EXPECT_THAT(refusal(R"({"schema": "touchstone-thresholds/1", "depth_fraction": -0.1})"),
               HasSubstr("a value above 0 was expected"));
   EXPECT_THAT(refusal(R"({"schema": "touchstone-thresholds/1",
                           "vibration_threshold": {"frequency_Hz": [100, 20], "amplitude_N": [1, 1]}})"),
