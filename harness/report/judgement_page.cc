@@ -46,31 +46,36 @@ Section verdict_section(const pc::JudgedConditions& judged) {
       "one just noticeable difference (JND). Each line is a statement about one pair: other conditions do not enter. "
       "Conditions of one group are not told apart by these data.";
   Table table;
-  table.columns = {"rank", "group",   "condition",          "told apart", "95 %",
-                   "d'",   "verdict", "what gives it away", "to change"};
+  table.columns = {"condition", "rank", "group", "told apart", "95 %", "d'", "verdict", "what gives it away"};
+  // What holds for every condition is said once, below the table.
+  std::vector<std::string> common = judged.conditions.front().judgement.remarks;
+  for (const auto& c : judged.conditions)
+    std::erase_if(common, [&](const std::string& r) { return std::ranges::count(c.judgement.remarks, r) == 0; });
   for (const auto* c : by_rank(judged)) {
     const pc::Judgement& j = c->judgement;
     std::string what = j.above_noise ? "no single channel" : "nothing above the noise of the recordings";
-    std::string remedy;
+    Table::Row row;
     if (j.gives_away) {
       const auto& channel = j.channels[static_cast<std::size_t>(*j.gives_away)];
       what = fmt::format("{}: {}", pc::name_of(channel.channel), channel.what);
-      remedy = channel.remedy;
+      if (!channel.remedy.empty()) row.detail = fmt::format("To change: {}. ", channel.remedy);
     }
-    Table::Row row;
-    row.cells = {judged_number(static_cast<double>(c->rank), "{:.0f}"),
-                 judged_number(static_cast<double>(c->group), "{:.0f}"),
-                 judged_text(c->name),
-                 judged_number(100.0 * j.noticed_probability, "{:.0f} %"),
-                 judged_text(fmt::format("{:.0f} to {:.0f}", 100.0 * j.noticed_low95, 100.0 * j.noticed_high95)),
-                 judged_number(j.d_prime, "{:.2f}"),
-                 {std::string(pc::name_of(j.verdict)), false, tone_of(j.verdict)},
-                 judged_text(what),
-                 judged_text(remedy)};
-    for (const auto& remark : j.remarks) row.detail += remark + ". ";
+    row.cells = {
+        judged_text(c->name),
+        judged_number(static_cast<double>(c->rank), "{:.0f}"),
+        judged_number(static_cast<double>(c->group), "{:.0f}"),
+        judged_number(100.0 * j.noticed_probability, "{:.0f} %"),
+        {fmt::format("{:.0f} to {:.0f}", 100.0 * j.noticed_low95, 100.0 * j.noticed_high95), true, Tone::neutral},
+        judged_number(j.d_prime, "{:.2f}"),
+        {std::string(pc::name_of(j.verdict)), false, tone_of(j.verdict)},
+        judged_text(what)};
+    for (const auto& remark : j.remarks) {
+      if (std::ranges::count(common, remark) == 0) row.detail += remark + ". ";
+    }
     table.rows.push_back(std::move(row));
   }
   section.blocks.emplace_back(std::move(table));
+  for (const auto& remark : common) section.blocks.emplace_back(TextBlock{remark + ".", Tone::neutral});
   return section;
 }
 
@@ -87,8 +92,9 @@ Section channel_section(const pc::JudgedConditions& judged) {
     Table::Row row;
     row.cells.push_back(judged_text(c->name));
     for (const auto& channel : c->judgement.channels) {
-      row.cells.push_back(judged_text(
-          channel.known ? fmt::format("{:.2f} +- {:.2f}", channel.jnd, channel.standard_error) : std::string("-")));
+      row.cells.push_back(
+          {channel.known ? fmt::format("{:.2f} +- {:.2f}", channel.jnd, channel.standard_error) : std::string("-"),
+           true, Tone::neutral});
       row.detail += fmt::format("{}: {}. ", pc::name_of(channel.channel), channel.known ? channel.what : channel.why);
     }
     table.rows.push_back(std::move(row));
