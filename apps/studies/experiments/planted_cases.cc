@@ -78,7 +78,7 @@ std::vector<PlantedCase> planted_cases() {
     cases.push_back(named(std::move(family), std::move(name)));
     return cases.back();
   };
-  for (const double share : {0.01, 0.02, 0.05, 0.10, 0.20})
+  for (const double share : {0.01, 0.02, 0.05, 0.10, 0.20, 0.60})
     add("softer", fmt::format("softer by {:.0f} %", 100.0 * share)).softer = share;
   for (const double f : {50.0, 100.0, 200.0, 400.0, 800.0}) {
     for (const double times : {0.3, 1.0, 3.0, 30.0}) {
