@@ -158,7 +158,6 @@ TEST(Judge, TheHandChangesTheAnswerByLessThanItsInterval) {
     const JudgedPress real{.k = k, .stroke_m = 4.0 / k, .noise_N = 0.002};
     JudgedPress rendered = real;
     rendered.k = 0.6 * k;
-    rendered.damping_N_s_per_m = 0.01 * k;
     const auto usual = judged(rendered, {}, 2, real);
     std::vector<JudgedPress> hands(5, rendered);
     hands[0].stroke_m *= 1.5;
