@@ -19,13 +19,13 @@ struct Explanation {
 };
 
 struct LikelyLoss {
-  double lost = 0.0;     // of held-out chi-squared, by `other` against `one`
+  double lost = 0.0;     // of validation chi-squared, by `other` against `one`
   double error = 0.0;    // its standard error by runs of blocks
-  double apart_N = 0.0;  // RMS of the forces' difference, held out
+  double apart_N = 0.0;  // RMS of the forces' difference, on the validation blocks
 };
 
 // Both fitted again along the likely motion, under the blocks' noise as given. Nothing where a fit fails.
-std::optional<LikelyLoss> compare_along_likely(const SearchData& data, FitData train, FitData holdout,
+std::optional<LikelyLoss> compare_along_likely(const SearchData& data, FitData train, FitData validation,
                                                const Explanation& one, const Explanation& other, int iterations);
 
 }  // namespace touchstone::discrepancy

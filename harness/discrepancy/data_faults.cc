@@ -14,9 +14,9 @@
 namespace touchstone::discrepancy {
 namespace {
 
-// Of the held-out chi-squared that a coefficient of the wrong sign must explain.
+// Of the validation chi-squared that a coefficient of the wrong sign must explain.
 constexpr double least_share = 0.3;
-constexpr double least_gain = 100.0;
+constexpr double least_gain = 50.0;
 
 constexpr const char* pulls_words =
     "the force along the surface pulls with the motion instead of against it, as friction of coefficient {:.2f} would: "
@@ -67,12 +67,15 @@ std::optional<std::string> pulls_along_everywhere(const DetectorSide& train, con
 
 std::optional<std::string> find_order_fault(const DetectorSide& side, const Model& model) {
   const Prediction prediction = side.blocks->predictor->predict(model);
-  std::vector<double> measured, modelled;
-  for (std::size_t i = 0; i < side.recording->size(); ++i) {
-    measured.push_back(side.recording->f_W_N[i].norm());
-    modelled.push_back(prediction.f_W_N[i].norm());
+  std::vector<double> t_s, measured, modelled;
+  for (const ResidualBlock& block : side.blocks->blocks) {
+    for (std::size_t i = block.begin; i < block.end; ++i) {
+      t_s.push_back(side.recording->motion.t_s[i]);
+      measured.push_back(side.recording->f_W_N[i].norm());
+      modelled.push_back(prediction.f_W_N[i].norm());
+    }
   }
-  const auto order = find_wrong_order(side.recording->motion.t_s, measured, modelled);
+  const auto order = find_wrong_order(t_s, measured, modelled);
   if (!order) return std::nullopt;
   return fmt::format(
       "the force does not follow the position: the measured and the modelled load have a correlation of {:.2f}, but of "

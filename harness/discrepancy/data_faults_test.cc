@@ -36,6 +36,7 @@ struct Case {
     recording.motion = std::move(motion);
     recording.f_W_N = predictor.predict(model).f_W_N;
     blocks.predictor = &predictor;
+    blocks.blocks = make_blocks(recording.motion, 2.0 / 60.0);
   }
   [[nodiscard]] std::optional<std::string> fault() { return find_order_fault({&recording, &blocks, nullptr}, model); }
 

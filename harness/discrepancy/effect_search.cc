@@ -5,12 +5,15 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <limits>
 #include <set>
+#include <tuple>
 #include <utility>
 
 #include "harness/discrepancy/data_faults.h"
 #include "harness/discrepancy/friction_cone.h"
 #include "harness/discrepancy/goodness.h"
+#include "harness/discrepancy/misfit.h"
 #include "harness/discrepancy/model_edit.h"
 #include "harness/discrepancy/nested_law.h"
 #include "harness/discrepancy/pair_move.h"
@@ -34,8 +37,8 @@ class Search {
     state_.refit();
     result_.base = state_.current.model;
     // Nothing can be learnt from blocks in a wrong order: the long work would be for nothing.
-    const DetectorSide train{data_.train.recording, &state_.train, data_.train.noise};
-    result_.data_fault = find_order_fault(train, result_.base);
+    const FitData blocks = fit_data(data_.learning, result_.base, data_.window_s);
+    result_.data_fault = find_order_fault({data_.learning.recording, &blocks, data_.learning.noise}, result_.base);
     if (!result_.data_fault) search();
     finish();
     return std::move(result_);
@@ -58,8 +61,8 @@ class Search {
   [[nodiscard]] SearchStep step_from(const Standing& standing) const {
     SearchStep step;
     step.train_chi_squared = standing.train_chi_squared;
-    step.holdout_chi_squared = standing.holdout_chi_squared;
-    step.holdout_rms_N = standing.holdout_rms_N;
+    step.validation_chi_squared = standing.validation_chi_squared;
+    step.validation_rms_N = standing.validation_rms_N;
     return step;
   }
 
@@ -69,9 +72,9 @@ class Search {
     SearchStep step = step_from(standing);
     const Model& model = state_.current.model;
     const std::size_t found = model.effects.size() + model.instrument.size();
-    report_(fmt::format("step {}: held-out RMS {:.4g} N, chi-squared per degree of freedom {:.2f}", found + 1,
-                        step.holdout_rms_N,
-                        step.holdout_chi_squared / (3.0 * static_cast<double>(state_.holdout.blocks.size()))));
+    report_(fmt::format("step {}: validation RMS {:.4g} N, chi-squared per degree of freedom {:.2f}", found + 1,
+                        step.validation_rms_N,
+                        step.validation_chi_squared / (3.0 * static_cast<double>(state_.validation.blocks.size()))));
     step.trials = try_candidates(state_, standing);
     for (Trial& trial : step.trials) trial.verdict = weakness(state_, standing, trial);
     std::sort(step.trials.begin(), step.trials.end(),
@@ -115,7 +118,7 @@ class Search {
   [[nodiscard]] bool in_time() const { return state_.budget->allows("effects that noise hides, and pairs of effects"); }
 
   [[nodiscard]] bool clearly_missing() const {
-    const Goodness goodness = judge_goodness(data_.train, data_.holdout, state_.current.model, data_.window_s);
+    const Goodness goodness = judge_goodness(data_.train, data_.validation, state_.current.model, data_.window_s);
     return goodness.chi_squared >= goodness.threshold;
   }
 
@@ -141,8 +144,8 @@ class Search {
     if (best == step.trials.end()) return nullptr;
     for (Trial& trial : step.trials) {
       const bool as_good =
-          best->holdout_gain - trial.holdout_gain < settings_.alike_gain * 0.1 * best->holdout_gain + 10.0 ||
-          trial.holdout_rms_N < best->holdout_rms_N;
+          best->validation_gain - trial.validation_gain < settings_.alike_gain * 0.1 * best->validation_gain + 10.0 ||
+          trial.validation_rms_N < best->validation_rms_N;
       if (trial.verdict.empty() && contains(best->name, trial.name) && as_good) {
         best->verdict = "no better than " + trial.name + ", which it contains";
         return &trial;
@@ -151,17 +154,17 @@ class Search {
     return &*best;
   }
 
-  // Adds the trial's effects unless the model, refitted under its own noise, does worse on held-out data.
+  // Adds the trial's effects unless the model, refitted under its own noise, does worse on validation data.
   bool keep(Trial& trial, SearchStep& step) {
     SearchState next = with_trial(state_, trial);
-    const double rms_N = next.holdout_rms_N(next.current.model);
-    if (!(rms_N < step.holdout_rms_N)) {
-      trial.verdict = "does worse on held-out data once all is refitted";
+    const double rms_N = next.validation_rms_N(next.current.model);
+    if (!(rms_N < step.validation_rms_N)) {
+      trial.verdict = "does worse on validation data once all is refitted";
       return false;
     }
     trial.verdict = was_added;
     step.added = trial.title();
-    report_(fmt::format("  {}: held-out RMS {:.4g} N", step.added, rms_N));
+    report_(fmt::format("  {}: validation RMS {:.4g} N", step.added, rms_N));
     state_ = std::move(next);
     return true;
   }
@@ -202,8 +205,8 @@ class Search {
       const auto kept = without_owner(state_.parameters, name);
       const JointFit fit =
           fit_jointly(state_.train, without_entry(state_.current.model, name), kept, settings_.iterations, false);
-      const double here = chi_squared(state_.holdout, state_.current.model);
-      if (!fit.ok || chi_squared(state_.holdout, fit.model) - here >
+      const double here = chi_squared(state_.validation, state_.current.model);
+      if (!fit.ok || chi_squared(state_.validation, fit.model) - here >
                          std::max(settings_.minimum_gain, settings_.minimum_share * here)) {
         continue;
       }
@@ -251,18 +254,26 @@ class Search {
 
   // What a search counts as noise while something is missing is the same for all blocks of a group, and so takes weight
   // from the best of them: a tip that sticks shows the noise of its tracker, and in equal weight with one that slides
-  // it would draw the coefficient of friction down. Values are fitted by the declared noise where that foretells the
-  // held-out data better. Whether it did.
-  bool settle_values() {
-    JointFit sharp =
-        fit_jointly(state_.declared_train, Model(result_.model), state_.parameters, 4 * settings_.iterations, true);
-    if (!sharp.ok ||
-        chi_squared(state_.declared_holdout, sharp.model) >= chi_squared(state_.declared_holdout, result_.model)) {
-      return false;
-    }
-    result_.fit = std::move(sharp);
-    result_.model = result_.fit.model;
-    return true;
+  // it would draw the coefficient of friction down. Values are fitted by the declared noise if that predicts the
+  // validation data better.
+  [[nodiscard]] bool declared_noise_predicts_better() const {
+    const int iterations = 4 * settings_.iterations;
+    const auto validated = [&](const FitData& weights) {
+      const JointFit fit = fit_jointly(weights, Model(state_.current.model), state_.parameters, iterations, false);
+      return fit.ok ? chi_squared(state_.declared_validation, fit.model) : std::numeric_limits<double>::infinity();
+    };
+    return validated(state_.declared_train) < validated(state_.train);
+  }
+
+  // What is free in the model that was chosen, fitted to all that may be learnt from. The blocks that it was fitted to.
+  FitData fit_values() {
+    result_.model = state_.current.model;
+    result_.parameters = state_.parameters;
+    FitData weights = fit_data(data_.learning, result_.model, data_.window_s);
+    if (!declared_noise_predicts_better()) add_misfit(weights, estimate_misfit(weights, result_.model));
+    result_.fit = fit_jointly(weights, Model(result_.model), result_.parameters, 4 * settings_.iterations, true);
+    if (std::isfinite(result_.fit.chi_squared)) result_.model = result_.fit.model;
+    return weights;
   }
 
   // Where friction falls with speed, its values are read from the forces alone too, and their intervals reach to what
@@ -273,8 +284,9 @@ class Search {
     for (const NamedParameters& entry : state_.current.model.effects) {
       if (!falls_with_speed(entry.name)) continue;
       const Model others = without_entry(state_.current.model, entry.name);
-      const auto samples = cone_samples(cone_evidence(state_.train, *data_.train.noise, others, data_.force_floor_N),
-                                        data_.train.recording->f_W_N);
+      const FitData blocks = fit_data(data_.learning, state_.current.model, data_.window_s);
+      const auto samples = cone_samples(cone_evidence(blocks, *data_.learning.noise, others, data_.force_floor_N),
+                                        data_.learning.recording->f_W_N);
       const auto cone = cone_of(samples);
       const auto read = read_falling(samples);
       if (!cone || !read) return;
@@ -295,7 +307,7 @@ class Search {
     std::erase_if(held.parameters, [&](const FreeParameter& p) { return p.owner == name && is_of_falling(p.name); });
     held.renew_noise(held.current.model);
     held.refit();
-    const auto square = [&](const Model& model) { return std::pow(state_.holdout_rms_N(model), 2); };
+    const auto square = [&](const Model& model) { return std::pow(state_.validation_rms_N(model), 2); };
     const double fitted = square(state_.current.model);
     if (!(square(held.current.model) - fitted < settings_.read_share * (square(result_.base) - fitted))) return;
     report_(fmt::format("  {}: its values are read from the forces, which leave the cone of the fitted law", name));
@@ -307,17 +319,25 @@ class Search {
     };
   }
 
+  // All that may be learnt from, with the misfit that the model leaves there.
+  [[nodiscard]] FitData learning_blocks(const Model& model) const {
+    FitData blocks = fit_data(data_.learning, model, data_.window_s);
+    add_misfit(blocks, estimate_misfit(blocks, model));
+    return blocks;
+  }
+
   // An effect none of whose sizes is determined is not found, unless the rest cannot do without it: a bump beside a
   // straight scan may be a small one on the line or a large one off it, but it is there.
   void drop_what_has_no_size() {
+    const FitData blocks = learning_blocks(state_.current.model);
     const auto undetermined =
-        find_undetermined(state_.train, *data_.train.recording, state_.current.model, state_.parameters);
+        find_undetermined(blocks, *data_.learning.recording, state_.current.model, state_.parameters);
     for (const std::string& name : without_size(undetermined, state_.parameters)) {
       const auto kept = without_owner(state_.parameters, name);
       const JointFit fit =
           fit_jointly(state_.train, without_entry(state_.current.model, name), kept, settings_.iterations, false);
-      const double here = chi_squared(state_.holdout, state_.current.model);
-      if (!fit.ok || chi_squared(state_.holdout, fit.model) - here > settings_.minimum_gain) continue;
+      const double here = chi_squared(state_.validation, state_.current.model);
+      if (!fit.ok || chi_squared(state_.validation, fit.model) - here > settings_.minimum_gain) continue;
       report_(fmt::format("  {}: this recording does not determine its size", name));
       result_.dropped.push_back(name);
       std::erase_if(result_.found, [&](const FoundEffect& effect) { return effect.name == name; });
@@ -329,45 +349,58 @@ class Search {
   }
 
   // On the values that are written.
-  void judge_values(const FitData& blocks) {
-    result_.undetermined = find_undetermined(blocks, *data_.train.recording, result_.model, result_.parameters);
-    result_.questions = question_values(*data_.train.recording, data_.train.predictor->predict(result_.model),
+  void judge_values() {
+    result_.undetermined =
+        find_undetermined(learning_blocks(result_.model), *data_.learning.recording, result_.model, result_.parameters);
+    result_.questions = question_values(*data_.learning.recording, data_.learning.predictor->predict(result_.model),
                                         result_.model, result_.parameters, result_.fit);
   }
 
+  // Names, then values and intervals, then, for the first time, the held-out data.
   void finish() {
     result_.time_limit_s = state_.budget->limit_s();
     result_.not_tried = state_.budget->not_tried();
     drop_what_has_no_size();
     settle_texture(state_.current.model);
     settle_cone();
-    result_.model = state_.current.model;
-    result_.parameters = state_.parameters;
-    result_.fit =
-        fit_jointly(state_.train, Model(state_.current.model), state_.parameters, 4 * settings_.iterations, true);
-    if (std::isfinite(result_.fit.chi_squared)) result_.model = result_.fit.model;
-    const FitData& weights = settle_values() ? state_.declared_train : state_.train;
-    judge_values(state_.train);
+    const FitData weights = fit_values();
+    judge_values();
     result_.draws =
-        bootstrap_fits(data_.train, weights, result_.fit, state_.parameters, settings_.iterations / 2, read_);
-    // Whether noise is all that is left is judged by the declared noise.
-    const Goodness goodness = judge_goodness(data_.train, data_.holdout, result_.model, data_.window_s);
-    result_.goodness = goodness.chi_squared;
-    result_.null_goodness = goodness.null;
-    result_.goodness_threshold = goodness.threshold;
-    result_.structured_threshold = goodness.structured_threshold;
-    result_.noise_rms_N = goodness.noise_rms_N;
-    const DetectorSide train{data_.train.recording, &goodness.train, data_.train.noise};
-    const DetectorSide holdout{data_.holdout.recording, &goodness.holdout, data_.holdout.noise};
-    result_.structure = detect_structure(train, holdout, result_.model, result_.draws);
-    result_.spectrum = residual_spectrum(train, holdout, result_.model, data_.window_s);
-    if (!result_.data_fault) result_.data_fault = find_data_fault(train, holdout, result_.base, result_.model);
+        bootstrap_fits(data_.learning, weights, result_.fit, result_.parameters, settings_.iterations / 2, read_);
+    if (!result_.data_fault) {
+      const DetectorSide train{data_.train.recording, &state_.declared_train, data_.train.noise};
+      const DetectorSide validation{data_.validation.recording, &state_.declared_validation, data_.validation.noise};
+      result_.data_fault = find_data_fault(train, validation, result_.base, result_.model);
+    }
+    judge_on_holdout();
     if (result_.data_fault) {
       // Nothing is learnt from data that are wrong.
       result_.model = result_.base;
       result_.found.clear();
       result_.undetermined.clear();
       result_.questions.clear();
+    }
+  }
+
+  // Whether noise is all that is left is judged by the declared noise.
+  void judge_on_holdout() {
+    const Goodness goodness = judge_goodness(data_.learning, data_.holdout, result_.model, data_.window_s);
+    result_.goodness = goodness.chi_squared;
+    result_.null_goodness = goodness.null;
+    result_.goodness_threshold = goodness.threshold;
+    result_.structured_threshold = goodness.structured_threshold;
+    result_.noise_rms_N = goodness.noise_rms_N;
+    const DetectorSide learning{data_.learning.recording, &goodness.train, data_.learning.noise};
+    const DetectorSide holdout{data_.holdout.recording, &goodness.holdout, data_.holdout.noise};
+    result_.structure = detect_structure(learning, holdout, result_.model, result_.draws);
+    result_.spectrum = residual_spectrum(learning, holdout, result_.model, data_.window_s);
+    for (FoundEffect& effect : result_.found) {
+      // Everything else may make up for it, as it did when the effect was added.
+      const JointFit without = fit_jointly(learning_blocks(result_.model), without_entry(result_.model, effect.name),
+                                           without_owner(result_.parameters, effect.name), settings_.iterations, false);
+      if (!without.ok) continue;
+      std::tie(effect.holdout_gain, effect.holdout_error) = paired_difference(
+          block_chi_squared(goodness.holdout, without.model), block_chi_squared(goodness.holdout, result_.model));
     }
   }
 

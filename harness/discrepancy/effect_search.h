@@ -1,10 +1,10 @@
-// Which effects are missing: a stepwise search with joint fits, every add, swap and drop judged on held-out blocks.
+// Which effects are missing: a stepwise search with joint fits, every add, swap and drop judged on validation blocks.
 //
 // At each step every candidate is fitted jointly with the base parameters and the effects found so far, on the training
-// blocks; it is scored on the held-out ones. The best is kept when it gains more than noise can, matters in practice
+// blocks; it is scored on the validation ones. The best is kept when it gains more than noise can, matters in practice
 // and makes no regime worse; else the next is tried. Where none passes though something is clearly missing, two at once
 // are. Then effects that a better set no longer needs are dropped. Rivals
-// that explain the held-out data as well are listed; when they cannot be told apart, that is the finding.
+// that explain the validation data as well are listed; when they cannot be told apart, that is the finding.
 #pragma once
 
 #include <functional>
@@ -25,8 +25,8 @@ namespace touchstone::discrepancy {
 
 struct SearchStep {
   double train_chi_squared = 0.0;  // of the model that the step starts from
-  double holdout_chi_squared = 0.0;
-  double holdout_rms_N = 0.0;
+  double validation_chi_squared = 0.0;
+  double validation_rms_N = 0.0;
   std::vector<Trial> trials;  // best first
   std::string added;          // empty: none was strong enough; of a pair "a and b"
   std::string removed;        // what `added` took the place of; empty: nothing

@@ -1,6 +1,7 @@
 // The search on a predictor small enough to know by heart: a plane z = 0, a stiffness, a tangential damper and a bias.
 #include "harness/discrepancy/effect_search.h"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -123,6 +124,102 @@ TEST_P(SearchAtScale, NamesTwoAtOnce) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Units, SearchAtScale, ::testing::Values(1.0, 1e3));
+
+// Forces that no model of the library makes, in the samples of the part.
+void spoil(Recording& recording, const Part& part) {
+  const auto& t_s = recording.motion.t_s;
+  for (std::size_t i = 0; i < recording.size(); ++i) {
+    if (part.contains(t_s[i], t_s.front())) recording.f_W_N[i] = -1.7 * recording.f_W_N[i] + Vec3(0.4, t_s[i], 1.0);
+  }
+}
+
+// What was named, with values and intervals, and the model as it is written.
+std::string chosen(const Findings& findings) {
+  std::string text = model_to_json(findings.search.model);
+  for (std::size_t e = 0; e < findings.search.found.size(); ++e) {
+    text += findings.search.found[e].name;
+    for (const FoundParameter& p : findings.parameters[e]) {
+      text += fmt::format(" {}={} [{}, {}]", p.name, p.value, p.low95, p.high95);
+    }
+    for (const Rival& rival : findings.search.found[e].rivals) text += fmt::format(" {}{}", rival.name, rival.alike);
+  }
+  return text;
+}
+
+Model with_damper_and_bias() {
+  Model hidden = truth(1.0);
+  hidden.effects = {{"viscous-friction", {{"coefficient_N_s_per_m", 4.0}}, "/effects/0"}};
+  hidden.instrument = {{"force-bias", {{"fx_N", 0.1}, {"fy_N", -0.05}, {"fz_N", 0.08}}, "/instrument/0"}};
+  return hidden;
+}
+
+TEST(Parts, SpoiltHeldOutForcesChangeNoNameValueOrInterval) {
+  World world(with_damper_and_bias(), 1.0);
+  const Findings clean = world.find();
+  ASSERT_EQ(clean.verdict, FindingsVerdict::explained);
+  ASSERT_EQ(clean.search.found.size(), 2U);
+  spoil(world.holdout, {});
+  const Findings spoilt = world.find();
+  EXPECT_EQ(spoilt.verdict, FindingsVerdict::unexplained);  // they are looked at, once
+  EXPECT_EQ(chosen(spoilt), chosen(clean));
+}
+
+TEST(Parts, SpoiltBlocksThatAreHeldBackFromTheOneRecordingChangeNothingEither) {
+  const World world(with_damper_and_bias(), 1.0);
+  const Part held_back{{2.0, true}, {}};
+  const auto find = [&](const Recording& recording) {
+    PlanePredictor predictor(recording.motion);
+    const MakePredictor make = [](const MotionColumns& motion) { return std::make_unique<PlanePredictor>(motion); };
+    NoiseModel noise(recording.motion, predictor.predict(truth(1.0)).n_W, world.instrument, make, 1, 3);
+    SearchData data = divide({&recording, &predictor, &noise, {{2.0, false}, {}}},
+                             {&recording, &predictor, &noise, held_back}, block_window_s(60.0, recording.motion));
+    data.force_floor_N = 0.06;
+    data.position_noise_m = world.instrument.position_noise_m;
+    Findings findings;
+    findings.search = search_effects(data, world.start, candidates, {}, [](const std::string&) {});
+    conclude(findings, candidates);
+    return findings;
+  };
+  const Findings clean = find(world.train);
+  ASSERT_EQ(clean.search.found.size(), 2U);
+  Recording recording = world.train;
+  spoil(recording, held_back);
+  const Findings spoilt = find(recording);
+  EXPECT_EQ(spoilt.verdict, FindingsVerdict::unexplained);
+  EXPECT_EQ(chosen(spoilt), chosen(clean));
+}
+
+TEST(Parts, AnEffectThatTheHeldOutRecordingContradictsIsSaidToBe) {
+  World world(with_damper_and_bias(), 1.0);
+  Model without_bias = with_damper_and_bias();
+  without_bias.instrument.clear();
+  world.holdout = world.measure(without_bias, 1.1, 22);
+  const Findings findings = world.find();
+  ASSERT_EQ(findings.search.found.size(), 2U);
+  for (const FoundEffect& effect : findings.search.found) {
+    EXPECT_EQ(effect.contradicted(), effect.name == "force-bias") << effect.name;
+  }
+  EXPECT_THAT(findings.explanation, ::testing::HasSubstr("contradict force-bias"));
+}
+
+TEST(Parts, OfALearntPartEverySampleIsForTrainingOrForValidation) {
+  for (const double block_s : {0.0, 0.05, 0.7, 2.0, 6.0}) {
+    Recording recording;
+    recording.motion = hand(0.0, 1.0);
+    const SearchData data = divide({&recording, nullptr, nullptr, {{block_s, false}, {}}}, {}, 0.033);
+    double trained = 0.0;
+    double validated = 0.0;
+    for (const double t_s : recording.motion.t_s) {
+      const bool train = data.train.part.contains(t_s, 0.0);
+      const bool validation = data.validation.part.contains(t_s, 0.0);
+      EXPECT_EQ(train || validation, data.learning.part.contains(t_s, 0.0)) << block_s << " " << t_s;
+      EXPECT_FALSE(train && validation) << block_s << " " << t_s;
+      trained += train ? 1.0 : 0.0;
+      validated += validation ? 1.0 : 0.0;
+    }
+    EXPECT_NEAR(trained, validated, 0.15 * trained) << block_s;
+  }
+}
 
 TEST(Search, AForceThatNoCandidateMakesIsUnexplained) {
   const World plain(truth(1.0), 1.0);

@@ -19,7 +19,57 @@ double rms_N(const Evidence& evidence, const std::vector<Vec3>& a, const std::ve
   return std::sqrt(sum / static_cast<double>(std::max<std::size_t>(1, count)));
 }
 
+// Of a part: a second of a hand's motion goes there and back, so that both kinds of blocks see every place, and is long
+// against the noise of a force sensor and its tracker. A short recording has shorter ones.
+constexpr double longest_block_s = 1.0;
+constexpr double least_blocks = 16.0;
+
+// So that a whole even number of blocks fits into a block of what is learnt from.
+double validation_block_s(const Evidence& learning) {
+  const auto& t_s = learning.recording->motion.t_s;
+  const double within_s = learning.part.blocks.block_s;
+  const double longest_s = std::min(longest_block_s, (t_s.back() - t_s.front()) / least_blocks);
+  return within_s > 0.0 ? 0.5 * within_s / std::ceil(0.5 * within_s / longest_s) : longest_s;
+}
+
 }  // namespace
+
+SearchData divide(const Evidence& learning, const Evidence& holdout, double window_s) {
+  SearchData data;
+  data.learning = data.train = data.validation = learning;
+  data.holdout = holdout;
+  data.window_s = window_s;
+  data.train.part.within = {validation_block_s(learning), false};
+  data.validation.part.within = {validation_block_s(learning), true};
+  return data;
+}
+
+namespace {
+
+template <class Value>
+std::vector<Value> values_of(const Part& part, const MotionColumns& motion, const std::vector<Value>& values) {
+  std::vector<Value> some;
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    if (part.contains(motion.t_s[i], motion.t_s.front())) some.push_back(values[i]);
+  }
+  return some;
+}
+
+}  // namespace
+
+Recording samples_of(const Part& part, const Recording& recording) {
+  const MotionColumns& all = recording.motion;
+  Recording some;
+  some.motion = {values_of(part, all, all.t_s), values_of(part, all, all.p_W_m), values_of(part, all, all.q_WS)};
+  some.f_W_N = values_of(part, all, recording.f_W_N);
+  some.source = recording.source;
+  return some;
+}
+
+Prediction samples_of(const Part& part, const MotionColumns& motion, const Prediction& prediction) {
+  return {values_of(part, motion, prediction.f_W_N), values_of(part, motion, prediction.n_W),
+          values_of(part, motion, prediction.depth_m), values_of(part, motion, prediction.normal_N)};
+}
 
 double rms_force_error_N(const Evidence& evidence, const Prediction& prediction) {
   return rms_N(evidence, evidence.recording->f_W_N, prediction.f_W_N);
@@ -47,7 +97,11 @@ FitData fit_data(const Evidence& evidence, const Model& model, double window_s) 
   data.predictor = evidence.predictor;
   const auto& t_s = evidence.recording->motion.t_s;
   for (const ResidualBlock& block : make_blocks(evidence.recording->motion, window_s)) {
-    if (evidence.part.contains(t_s[block.begin], t_s.front())) data.blocks.push_back(block);
+    // One across the border of a part is in neither.
+    if (evidence.part.contains(t_s[block.begin], t_s.front()) &&
+        evidence.part.contains(t_s[block.end - 1], t_s.front())) {
+      data.blocks.push_back(block);
+    }
   }
   data.measured_N = block_means(data.blocks, evidence.recording->f_W_N);
   data.noise = evidence.noise->of(model, evidence.predictor->predict(model), data.blocks);

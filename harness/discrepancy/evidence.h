@@ -10,14 +10,23 @@
 
 namespace touchstone::discrepancy {
 
-// Part of a recording: everything, or alternating blocks of time.
-struct Part {
+// Alternating blocks of time, or everything.
+struct Alternating {
   double block_s = 0.0;  // 0: everything
   bool odd = false;
   [[nodiscard]] bool contains(double t_s, double first_t_s) const {
     if (block_s <= 0.0) return true;
     const auto number = static_cast<long long>((t_s - first_t_s) / block_s);
     return (number % 2 == 1) == odd;
+  }
+};
+
+// Part of a recording: alternating blocks, and within them alternating shorter ones.
+struct Part {
+  Alternating blocks;
+  Alternating within;
+  [[nodiscard]] bool contains(double t_s, double first_t_s) const {
+    return blocks.contains(t_s, first_t_s) && within.contains(t_s, first_t_s);
   }
 };
 
@@ -29,14 +38,29 @@ struct Evidence {
   Part part;
 };
 
+// Three parts: train, validation, test (Hastie, Tibshirani and Friedman 2009, section 7.2). Candidates are fitted to
+// `train` and compared on `validation`, which are alternating blocks of one recording. The values that are written, and
+// their intervals, come from both together, `learning`. `holdout` is opened after that: it judges the answer and
+// changes no name, value or interval.
 struct SearchData {
   Evidence train;
+  Evidence validation;
+  Evidence learning;
   Evidence holdout;
   double window_s = 0.0;       // of the blocks
   double force_floor_N = 0.0;  // a measured force above it is contact
   double position_noise_m = 0.0;
   double geometry_error_m = 0.0;  // declared: the mesh is off by at most this
 };
+
+// `learning` divided into blocks to train on and blocks to validate on.
+SearchData divide(const Evidence& learning, const Evidence& holdout, double window_s);
+
+// The samples of the part: positions, orientations and forces. Across the blocks that are left out neighbours are
+// further apart in time.
+Recording samples_of(const Part& part, const Recording& recording);
+// What is predicted at them. `motion`: of the whole recording.
+Prediction samples_of(const Part& part, const MotionColumns& motion, const Prediction& prediction);
 
 // Of the 3-D force error, over the samples of the part.
 double rms_force_error_N(const Evidence& evidence, const Prediction& prediction);
@@ -47,7 +71,8 @@ double rms_difference_N(const Evidence& evidence, const Prediction& a, const Pre
 // RMS of the 3-D force error that noise leaves on the part's samples where `model` is the truth.
 double expected_noise_N(const Evidence& evidence, const Model& model);
 
-// The part's blocks, with the noise that the instrument's makers declare if `model` were the truth.
+// The blocks that lie wholly in the part, with the noise that the instrument's makers declare if `model` were the
+// truth.
 FitData fit_data(const Evidence& evidence, const Model& model, double window_s);
 
 // Sum and standard error of the difference a - b of two models' chi-squared over the blocks. Neighbouring blocks share

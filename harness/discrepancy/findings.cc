@@ -125,6 +125,13 @@ std::string first_sentence(const Findings& findings) {
 
 void say_what_is_open(Findings& findings) {
   const SearchResult& search = findings.search;
+  for (const FoundEffect& effect : search.found) {
+    if (!effect.contradicted()) continue;
+    findings.explanation += fmt::format(
+        " The held-out data contradict {}: without it their chi-squared is lower by {:.0f} +- {:.0f}. It was chosen on "
+        "other data and stays in the model.",
+        effect.name, -effect.holdout_gain, effect.holdout_error);
+  }
   for (const Undetermined& one : search.undetermined) {
     findings.explanation += fmt::format(" {} of {} is not determined: {}.", one.parameter, one.effect, one.why);
   }
@@ -198,7 +205,7 @@ void conclude(Findings& findings, const std::vector<Candidate>& candidates) {
   } else if (!findings.ambiguous.empty()) {
     findings.verdict = FindingsVerdict::not_identifiable;
     findings.explanation = fmt::format(
-        "This recording cannot tell: {} fit the held-out data alike. {}", fmt::join(findings.ambiguous.front(), ", "),
+        "This recording cannot tell: {} fit the validation data alike. {}", fmt::join(findings.ambiguous.front(), ", "),
         findings.next ? fmt::format("A recording of this motion would tell: {}.", findings.next->what)
                       : "No motion of the repertoire separates them beyond the noise.");
   } else if (findings.gap.holdout_after_N > no_gain * findings.gap.holdout_before_N) {
@@ -300,15 +307,18 @@ std::string findings_to_json(const Findings& findings, const std::string& trajec
       if (!parameter.undetermined.empty()) item["undetermined"] = parameter.undetermined;
       entry["parameters"].push_back(std::move(item));
     }
-    entry["evidence"] = {{"holdout_chi_squared_gain", number(effect.holdout_gain)}};
+    entry["evidence"] = {{"validation_chi_squared_gain", number(effect.validation_gain)},
+                         {"holdout_chi_squared_gain", number(effect.holdout_gain)},
+                         {"holdout_standard_error", number(effect.holdout_error)},
+                         {"contradicted", effect.contradicted()}};
     entry["rivals"] = json::array();
     for (const Rival& rival : effect.rivals) {
-      if (rival.holdout_gain_lost > 0.9 * effect.holdout_gain) continue;  // explains next to nothing of it
+      if (rival.validation_gain_lost > 0.9 * effect.validation_gain) continue;  // explains next to nothing of it
       entry["rivals"].push_back({{"name", rival.name},
                                  {"evidence",
-                                  {{"holdout_chi_squared_lost", number(rival.holdout_gain_lost)},
+                                  {{"validation_chi_squared_lost", number(rival.validation_gain_lost)},
                                    {"standard_error", number(rival.error)},
-                                   {"holdout_rms_N", number(rival.holdout_rms_N)},
+                                   {"validation_rms_N", number(rival.validation_rms_N)},
                                    {"alike", rival.alike}}}});
     }
     root["effects"].push_back(std::move(entry));
@@ -348,17 +358,17 @@ std::string findings_to_json(const Findings& findings, const std::string& trajec
       trials.push_back({{"name", trial.title()},
                         {"train_gain", number(trial.train_gain)},
                         {"train_error", number(trial.train_error)},
-                        {"holdout_gain", number(trial.holdout_gain)},
-                        {"holdout_error", number(trial.holdout_error)},
+                        {"validation_gain", number(trial.validation_gain)},
+                        {"validation_error", number(trial.validation_error)},
                         {"bar", number(trial.null_bar)},
                         {"deviance", number(trial.deviance)},
-                        {"holdout_rms_N", number(trial.holdout_rms_N)},
+                        {"validation_rms_N", number(trial.validation_rms_N)},
                         {"verdict", trial.verdict}});
     }
     root["steps"].push_back({{"added", step.added},
                              {"removed", step.removed},
-                             {"holdout_rms_N", number(step.holdout_rms_N)},
-                             {"holdout_chi_squared", number(step.holdout_chi_squared)},
+                             {"validation_rms_N", number(step.validation_rms_N)},
+                             {"validation_chi_squared", number(step.validation_chi_squared)},
                              {"trials", std::move(trials)}});
   }
   return root.dump(2) + "\n";

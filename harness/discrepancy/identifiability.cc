@@ -4,7 +4,9 @@
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <map>
 #include <numbers>
 
 #include "harness/discrepancy/percentile.h"
@@ -17,6 +19,8 @@ constexpr double half95 = 1.96;
 constexpr double zero_share = 1e-12;
 // Of the way that the tip slides: less to and fro along an axis is the jitter of a hand, no stroke.
 constexpr double least_both_ways = 0.02;
+// Side of a cell, as a share of the diagonal of what was scanned: over it the slope of the surface is one number.
+constexpr double cell_share = 0.05;
 
 bool is_angle(const std::string& name) { return name == "direction_rad" || name == "phase_rad"; }
 bool is_place(const std::string& name) { return name == "x_m" || name == "y_m"; }
@@ -58,23 +62,39 @@ std::vector<Vec3> sliding(const MotionColumns& motion, const Prediction& predict
 double both_ways_share(const Recording& recording, const Prediction& prediction, int axis) {
   const auto v_W = sliding(recording.motion, prediction);
   std::vector<double> speeds;
-  for (const Vec3& v : v_W) {
-    if (!v.isZero()) speeds.push_back(v.norm());
+  Box3 box;
+  for (std::size_t i = 0; i < v_W.size(); ++i) {
+    if (v_W[i].isZero()) continue;
+    speeds.push_back(v_W[i].norm());
+    box.extend(recording.motion.p_W_m[i]);
   }
+  if (speeds.empty()) return 0.0;
   // Slower, or less than half along the axis, it is no stroke along it.
   const double slow = 0.3 * percentile(std::move(speeds), 0.8);
   constexpr double along = 0.5;
-  double all = 0.0;
-  double forth = 0.0;
-  double back = 0.0;
+  const double cell_m = cell_share * box.diagonal().norm();
+  const auto cell_of = [&](const Vec3& p_W_m) {
+    const Vec3 cell = (p_W_m - box.min()) / cell_m;
+    return std::array{std::lround(std::floor(cell.x())), std::lround(std::floor(cell.y())),
+                      std::lround(std::floor(cell.z()))};
+  };
+  struct Ways {
+    double forth_m = 0.0;
+    double back_m = 0.0;
+  };
+  std::map<std::array<long, 3>, Ways> cells;
+  double all_m = 0.0;
   for (std::size_t i = 1; i < v_W.size(); ++i) {
     const double dt_s = recording.motion.t_s[i] - recording.motion.t_s[i - 1];
     const double speed = v_W[i].norm();
-    all += speed * dt_s;
+    all_m += speed * dt_s;
     if (!(speed > slow) || !(std::abs(v_W[i][axis]) > along * speed)) continue;
-    (v_W[i][axis] > 0.0 ? forth : back) += std::abs(v_W[i][axis]) * dt_s;
+    Ways& ways = cells[cell_of(recording.motion.p_W_m[i])];
+    (v_W[i][axis] > 0.0 ? ways.forth_m : ways.back_m) += std::abs(v_W[i][axis]) * dt_s;
   }
-  return all > 0.0 ? 2.0 * std::min(forth, back) / all : 0.0;
+  double both_m = 0.0;
+  for (const auto& [cell, ways] : cells) both_m += 2.0 * std::min(ways.forth_m, ways.back_m);
+  return all_m > 0.0 ? both_m / all_m : 0.0;
 }
 
 std::vector<Undetermined> find_undetermined(const FitData& data, const Recording& recording, const Model& model,
@@ -100,7 +120,7 @@ std::vector<Undetermined> find_undetermined(const FitData& data, const Recording
       if (both_ways_share(recording, prediction, axis) >= least_both_ways) continue;
       // Friction one way only is a tilt of the surface: a force along it in proportion to the load.
       found.push_back({parameter.owner, parameter.name,
-                       fmt::format("the tip never slides along {} both ways, and one way a tilt of the surface does "
+                       fmt::format("no place is crossed both ways along {}, and one way a tilt of the surface does "
                                    "the same",
                                    axis == 0 ? "x" : "y")});
     }

@@ -24,8 +24,9 @@ struct Undetermined {
 std::vector<Undetermined> find_undetermined(const FitData& data, const Recording& recording, const Model& model,
                                             const std::vector<FreeParameter>& parameters);
 
-// Of the way that the tip slides in contact: the share that goes along an axis (0: x, 1: y), as often one way as the
-// other. 1: all of it; 0: none, or one way only.
+// Of the way that the tip slides in contact: the share that goes along an axis (0: x, 1: y) and is gone back at the
+// same place, within a cell of a twentieth of the scan's diagonal. 1: all of it; 0: none, or every place one way only.
+// There and back in different places does not count: the surface may be tilted one way here and the other way there.
 double both_ways_share(const Recording& recording, const Prediction& prediction, int axis);
 
 // Effects none of whose sizes is determined. An effect without a size (a time constant alone) is never one of them.

@@ -99,7 +99,7 @@ TEST_P(IdentifiableAtScale, FrictionAlongAnAxisNeedsStrokesBothWays) {
   for (int i = 0; i < 3000; ++i) {
     const double t = 0.004 * i;
     recording.motion.t_s.push_back(t);
-    recording.motion.p_W_m.emplace_back(unit * 0.02 * std::sin(1.3 * t), unit * 0.004 * t, unit * -0.001);
+    recording.motion.p_W_m.emplace_back(unit * 0.02 * std::sin(1.3 * t), unit * 0.0004 * t, unit * -0.001);
   }
   Model model;
   model.parameters["stiffness_N_per_m"] = 900.0 / unit;
@@ -107,6 +107,28 @@ TEST_P(IdentifiableAtScale, FrictionAlongAnAxisNeedsStrokesBothWays) {
   const Prediction prediction = predictor.predict(model);
   EXPECT_GT(both_ways_share(recording, prediction, 0), 0.3);
   EXPECT_EQ(both_ways_share(recording, prediction, 1), 0.0);
+}
+
+TEST_P(IdentifiableAtScale, ThereInOnePlaceAndBackInAnotherIsNotBothWays) {
+  const double unit = GetParam();
+  Model model;
+  model.parameters["stiffness_N_per_m"] = 900.0 / unit;
+  for (const bool same_place : {true, false}) {
+    Recording recording;
+    for (int i = 0; i < 8000; ++i) {  // along y for 40 mm, then back, on the same line or 15 mm beside it
+      const double t_s = 0.002 * i;
+      const double y_m = t_s < 8.0 ? 0.005 * t_s : 0.005 * (16.0 - t_s);
+      recording.motion.t_s.push_back(t_s);
+      recording.motion.p_W_m.push_back(unit * Vec3(t_s < 8.0 || same_place ? 0.0 : 0.015, y_m, -1e-3));
+    }
+    PlanePredictor predictor(recording.motion);
+    const double share = both_ways_share(recording, predictor.predict(model), 1);
+    if (same_place) {
+      EXPECT_GT(share, 0.95);
+    } else {
+      EXPECT_EQ(share, 0.0);
+    }
+  }
 }
 
 TEST_P(IdentifiableAtScale, AnEffectWithoutASizeIsNotFound) {

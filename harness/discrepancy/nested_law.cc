@@ -25,13 +25,13 @@ constexpr std::size_t fewest_worlds = 4;  // for a bar
 // What the sensor showed, of the blocks of both recordings.
 struct Shown {
   std::vector<Vec3> train_N;
-  std::vector<Vec3> holdout_N;
+  std::vector<Vec3> validation_N;
 };
 
 struct Judged {
   JointFit fit;
   double train = 0.0;  // -2 ln likelihood, less a constant
-  double holdout = 0.0;
+  double validation = 0.0;
 };
 
 struct Law {
@@ -61,12 +61,12 @@ std::optional<Judged> judge(const SearchState& state, const Law& law, const Show
   }
   const Model& model = judged.fit.model;
   FitData train = along_likely(data.train, model, data.window_s, shown.train_N);
-  FitData holdout = along_likely(data.holdout, model, data.window_s, shown.holdout_N);
+  FitData validation = along_likely(data.validation, model, data.window_s, shown.validation_N);
   const Misfit misfit = estimate_misfit(train, model);
   add_misfit(train, misfit);
-  add_misfit(holdout, misfit);
+  add_misfit(validation, misfit);
   judged.train = deviance(train, model);
-  judged.holdout = deviance(holdout, model);
+  judged.validation = deviance(validation, model);
   return judged;
 }
 
@@ -80,10 +80,10 @@ double likelihood_bar(const SearchState& state, const Law& smaller, const Law& l
   };
   std::vector<std::optional<double>> gains(NoiseModel::null_worlds);
   const auto in_world = [&](std::size_t world) {
-    const Shown shown{shown_in(data.train, state.train, world), shown_in(data.holdout, state.holdout, world)};
+    const Shown shown{shown_in(data.train, state.train, world), shown_in(data.validation, state.validation, world)};
     const auto a = judge(state, smaller, shown, 2);
     const auto b = judge(state, larger, shown, 2);
-    if (a && b) gains[world] = std::min(a->train - b->train, a->holdout - b->holdout);
+    if (a && b) gains[world] = std::min(a->train - b->train, a->validation - b->validation);
   };
   in_parallel(gains.size(), in_world, 1);
   std::vector<double> usable;
@@ -119,15 +119,15 @@ std::optional<Judged> judge_special_case(const SearchState& state, const Law& no
   return judge(state, special, shown, rounds);
 }
 
-// How far apart two models' forces are where they are most: the share of the force that 2 % of the held-out blocks in
+// How far apart two models' forces are where they are most: the share of the force that 2 % of the validation blocks in
 // contact exceed.
 double most_apart(const SearchState& state, const Model& a, const Model& b) {
-  Predictor& predictor = state.data->holdout.noise->likely_predictor();
-  const auto of_a = block_means(state.holdout.blocks, predictor.predict(a).f_W_N);
-  const auto of_b = block_means(state.holdout.blocks, predictor.predict(b).f_W_N);
+  Predictor& predictor = state.data->validation.noise->likely_predictor();
+  const auto of_a = block_means(state.validation.blocks, predictor.predict(a).f_W_N);
+  const auto of_b = block_means(state.validation.blocks, predictor.predict(b).f_W_N);
   std::vector<double> shares;
   for (std::size_t i = 0; i < of_a.size(); ++i) {
-    if (state.holdout.noise[i].n_W.isZero()) continue;
+    if (state.validation.noise[i].n_W.isZero()) continue;
     shares.push_back((of_a[i] - of_b[i]).norm() / std::max(of_a[i].norm(), state.data->force_floor_N));
   }
   return percentile(std::move(shares), 0.98);
@@ -146,7 +146,7 @@ std::string stays_in_cone(const SearchState& state, const std::string& smaller) 
   const Model& model = state.current.model;
   const Model others = without_entry(model, smaller);
   for (const auto& [side, blocks] :
-       {std::pair(&state.data->train, &state.train), std::pair(&state.data->holdout, &state.holdout)}) {
+       {std::pair(&state.data->train, &state.train), std::pair(&state.data->validation, &state.validation)}) {
     const ConeEvidence evidence = cone_evidence(*blocks, *side->noise, others, state.data->force_floor_N);
     const auto cone = cone_of(cone_samples(evidence, side->recording->f_W_N));
     const auto nulls = null_excesses(evidence, *side->noise, model, side->predictor->predict(model));
@@ -165,7 +165,7 @@ std::string stays_in_cone(const SearchState& state, const std::string& smaller) 
 // none. A path that noise has made too long lags like a sensor, so that with the lag found the two together are too
 // late.
 std::string worsened_by_every_path(const SearchState& state, const Prediction& before, const Model& model) {
-  const Evidence& evidence = state.data->holdout;
+  const Evidence& evidence = state.data->validation;
   const auto regimes_of = [&](const Model& variant) {
     return sort_by_regime(evidence, before, evidence.noise->likely_predictor().predict(variant),
                           state.data->force_floor_N);
@@ -184,7 +184,7 @@ std::string worsened_by_every_path(const SearchState& state, const Prediction& b
 
 std::vector<LargerLaw> weigh_larger_laws(const SearchState& state) {
   const SearchSettings& settings = *state.settings;
-  const Shown measured{state.train.measured_N, state.holdout.measured_N};
+  const Shown measured{state.train.measured_N, state.validation.measured_N};
   const Law now{state.current.model, state.parameters};
   constexpr int rounds = 4;
   std::optional<Judged> standing;
@@ -209,14 +209,14 @@ std::vector<LargerLaw> weigh_larger_laws(const SearchState& state) {
       trial.fit = judged->fit;
       trial.parameters = larger->parameters;
       trial.train_gain = special.train - judged->train;
-      trial.holdout_gain = special.holdout - judged->holdout;
-      trial.deviance = judged->holdout;
-      trial.holdout_rms_N = state.holdout_rms_N(trial.fit.model);
-      const double gain = std::min(trial.train_gain, trial.holdout_gain);
+      trial.validation_gain = special.validation - judged->validation;
+      trial.deviance = judged->validation;
+      trial.validation_rms_N = state.validation_rms_N(trial.fit.model);
+      const double gain = std::min(trial.train_gain, trial.validation_gain);
       if (falls_with_speed(candidate.name)) {
         trial.verdict = stays_in_cone(state, entry.name);
-      } else if (trial.holdout_rms_N > state.holdout_rms_N(state.current.model)) {
-        trial.verdict = "its held-out error is larger than that of " + entry.name + ", which it contains";
+      } else if (trial.validation_rms_N > state.validation_rms_N(state.current.model)) {
+        trial.verdict = "its validation error is larger than that of " + entry.name + ", which it contains";
       } else if (!(gain >= settings.law_gain)) {
         trial.verdict = "no more likely than " + entry.name + ", which it contains";
       } else if (!(changes(state, special.fit.model, entry.name, trial.fit.model) >= settings.law_change)) {
@@ -238,9 +238,9 @@ std::vector<LargerLaw> weigh_larger_laws(const SearchState& state) {
 
 std::vector<Trial> weigh_by_likelihood(const SearchState& state, const std::vector<Trial>& trials) {
   const SearchSettings& settings = *state.settings;
-  const Evidence& evidence = state.data->holdout;
+  const Evidence& evidence = state.data->validation;
   Predictor& likely = evidence.noise->likely_predictor();
-  const Shown measured{state.train.measured_N, state.holdout.measured_N};
+  const Shown measured{state.train.measured_N, state.validation.measured_N};
   const Law now{state.current.model, state.parameters};
   constexpr int rounds = 3;
   const auto standing = judge(state, now, measured, rounds);
@@ -248,11 +248,11 @@ std::vector<Trial> weigh_by_likelihood(const SearchState& state, const std::vect
   if (!standing) return passed;
   const Prediction before = likely.predict(standing->fit.model);
   const double before_N = rms_force_error_N(evidence, before);
-  const double noisy_N = state.holdout_rms_N(state.current.model);
+  const double noisy_N = state.validation_rms_N(state.current.model);
   const auto matters = [&](double without_N, double with_N) {
     return without_N * without_N - with_N * with_N >= settings.minimum_share * without_N * without_N;
   };
-  const double deviance_now = state.holdout_deviance(state.current.model);
+  const double deviance_now = state.validation_deviance(state.current.model);
   for (const Trial& tried : trials) {
     const bool hides = follows_speed(tried.name) || has_path(*find_entry(tried.fit.model, tried.name));
     if (!hides || !(std::max(tried.train_gain, deviance_now - tried.deviance) >= settings.minimum_gain)) continue;
@@ -262,15 +262,15 @@ std::vector<Trial> weigh_by_likelihood(const SearchState& state, const std::vect
     Trial trial = tried;
     trial.fit = judged->fit;
     trial.train_gain = standing->train - judged->train;
-    trial.holdout_gain = standing->holdout - judged->holdout;
-    trial.deviance = judged->holdout;
-    const double gain = std::min(trial.train_gain, trial.holdout_gain);
+    trial.validation_gain = standing->validation - judged->validation;
+    trial.deviance = judged->validation;
+    const double gain = std::min(trial.train_gain, trial.validation_gain);
     if (!(gain >= settings.minimum_gain)) continue;
     const Prediction after = likely.predict(trial.fit.model);
     const double after_N = rms_force_error_N(evidence, after);
     // A tip that rests leaves much that no law takes away, at noisy positions less than along the likely motion or
     // more.
-    if (!matters(before_N, after_N) && !matters(noisy_N, tried.holdout_rms_N)) continue;
+    if (!matters(before_N, after_N) && !matters(noisy_N, tried.validation_rms_N)) continue;
     if (!worsened_by_every_path(state, before, trial.fit.model).empty()) continue;
     trial.null_bar = likelihood_bar(state, {standing->fit.model, now.parameters}, {trial.fit.model, trial.parameters},
                                     settings.minimum_gain);
@@ -281,7 +281,7 @@ std::vector<Trial> weigh_by_likelihood(const SearchState& state, const std::vect
   std::copy_if(passed.begin(), passed.end(), std::back_inserter(chosen), [&](const Trial& large) {
     return std::none_of(passed.begin(), passed.end(), [&](const Trial& small) {
       return contains(large.name, small.name) &&
-             !(std::min(large.train_gain - small.train_gain, large.holdout_gain - small.holdout_gain) >=
+             !(std::min(large.train_gain - small.train_gain, large.validation_gain - small.validation_gain) >=
                settings.law_gain);
     });
   });

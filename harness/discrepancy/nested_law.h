@@ -6,9 +6,9 @@
 // cone (friction_cone.h), in both recordings by more than in any simulated world of the case in which it is steady.
 // Other laws are compared by their likelihoods, each under the noise that it makes itself (a law with the larger
 // coefficient expects the larger scatter of a tip that sticks), along the likely motion, whose speeds are not the
-// noise's. The larger law takes the smaller one's place if its likelihood is higher on the training and on the held-out
-// data by more than in any simulated world of the case in which the smaller one is the truth (likelihood ratio of
-// nested hypotheses by parametric bootstrap: Efron and Tibshirani 1993, chapter 16.4).
+// noise's. The larger law takes the smaller one's place if its likelihood is higher on the training and on the
+// validation data by more than in any simulated world of the case in which the smaller one is the truth (likelihood
+// ratio of nested hypotheses by parametric bootstrap: Efron and Tibshirani 1993, chapter 16.4).
 #pragma once
 
 #include <string>
@@ -30,7 +30,7 @@ std::vector<LargerLaw> weigh_larger_laws(const SearchState& state);
 
 // Of the trials of a step of which none passed, those whose force goes with a derivative of the motion or turns over a
 // path, weighed in the same way against the model as it stands: at noisy positions their force is mostly noise, and
-// what they gain is lost in it. Those that pass, the most likely first; they remove their share of the held-out error
+// what they gain is lost in it. Those that pass, the most likely first; they remove their share of the validation error
 // along the likely motion and make no regime worse there.
 std::vector<Trial> weigh_by_likelihood(const SearchState& state, const std::vector<Trial>& trials);
 

@@ -120,7 +120,7 @@ TEST(NestedLaw, FrictionThatFallsWithSpeedTakesThePlaceOfPlainFrictionAtEveryUni
     const Trial& trial = laws.front().trial;
     EXPECT_EQ(trial.name, "stribeck-friction");
     EXPECT_EQ(trial.verdict, "") << unit;
-    EXPECT_GT(std::min(trial.train_gain, trial.holdout_gain), SearchSettings{}.law_gain) << unit;
+    EXPECT_GT(std::min(trial.train_gain, trial.validation_gain), SearchSettings{}.law_gain) << unit;
     const auto& fitted = find_entry(trial.fit.model, "stribeck-friction")->parameters;
     EXPECT_NEAR(fitted.at("mu_dynamic"), 0.25, 0.02) << unit;
     EXPECT_GT(fitted.at("mu_static"), 0.4) << unit;
@@ -170,7 +170,7 @@ TEST(WeighedByLikelihood, ADamperThatActsPassesWithItsCoefficient) {
   const auto passed = likely_trials(4.0);
   ASSERT_EQ(passed.size(), 1U);
   EXPECT_EQ(passed.front().name, "viscous-friction");
-  EXPECT_GT(std::min(passed.front().train_gain, passed.front().holdout_gain), passed.front().null_bar);
+  EXPECT_GT(std::min(passed.front().train_gain, passed.front().validation_gain), passed.front().null_bar);
   const auto& fitted = find_entry(passed.front().fit.model, "viscous-friction")->parameters;
   EXPECT_NEAR(fitted.at("coefficient_N_s_per_m"), 4.0, 0.2);
 }

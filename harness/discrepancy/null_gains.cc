@@ -10,22 +10,22 @@ namespace touchstone::discrepancy {
 
 std::vector<double> null_gains(const NullCase& null, const RefitInWorld& refits, std::size_t first, std::size_t last) {
   const Prediction train_nominal = null.train->predictor->predict(*null.model);
-  const Prediction holdout_nominal = null.holdout->predictor->predict(*null.model);
+  const Prediction validation_nominal = null.validation->predictor->predict(*null.model);
   std::vector<std::optional<double>> gains(last - first);
   const auto in_world = [&](std::size_t i) {
     Recording recording = *null.train->recording;
     recording.f_W_N = null.train->noise->null_forces(*null.model, train_nominal, first + i);
     FitData train = *null.train_blocks;
     train.measured_N = block_means(train.blocks, recording.f_W_N);
-    FitData holdout = *null.holdout_blocks;
-    holdout.measured_N =
-        block_means(holdout.blocks, null.holdout->noise->null_forces(*null.model, holdout_nominal, first + i));
+    FitData validation = *null.validation_blocks;
+    validation.measured_N =
+        block_means(validation.blocks, null.validation->noise->null_forces(*null.model, validation_nominal, first + i));
     const JointFit base = fit_jointly(train, Model(*null.model), *null.parameters, null.iterations, false);
     if (!base.ok) return;
-    const double before = chi_squared(holdout, base.model);
+    const double before = chi_squared(validation, base.model);
     for (const JointFit& with : refits(train, recording, base.model)) {
       if (!with.ok) continue;
-      const double gain = before - chi_squared(holdout, with.model);
+      const double gain = before - chi_squared(validation, with.model);
       gains[i] = std::max(gains[i].value_or(gain), gain);
     }
   };

@@ -11,9 +11,9 @@ namespace touchstone::discrepancy {
 
 struct NullCase {
   const Evidence* train = nullptr;
-  const Evidence* holdout = nullptr;
+  const Evidence* validation = nullptr;
   const FitData* train_blocks = nullptr;
-  const FitData* holdout_blocks = nullptr;
+  const FitData* validation_blocks = nullptr;
   const Model* model = nullptr;  // the truth of the null worlds
   const std::vector<FreeParameter>* parameters = nullptr;
   int iterations = 12;
@@ -23,7 +23,7 @@ struct NullCase {
 using RefitInWorld =
     std::function<std::vector<JointFit>(const FitData& train, const Recording& recording, const Model& base)>;
 
-// The most that any of the fits gains of held-out chi-squared in each world from `first` to before `last`, where the
+// The most that any of the fits gains of validation chi-squared in each world from `first` to before `last`, where the
 // case's model is the truth, under the declared noise and error of the mesh alone (parametric bootstrap, Efron and
 // Tibshirani 1993, chapter 6.5; of several that compete the maximum, Westfall and Young 1993).
 std::vector<double> null_gains(const NullCase& null, const RefitInWorld& refits, std::size_t first, std::size_t last);

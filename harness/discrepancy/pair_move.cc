@@ -46,9 +46,9 @@ Trial paired(const SearchState& state, const Standing& standing, const Trial& fi
 
 // Two that happen to bend the right way together always gain a little: a pair must be most of what is missing.
 bool is_most_of_what_is_missing(const SearchState& state, const Standing& standing, const Trial& pair) {
-  const double noise_N = expected_noise_N(state.data->holdout, pair.fit.model);
-  const double before = standing.holdout_rms_N * standing.holdout_rms_N;
-  const double after = pair.holdout_rms_N * pair.holdout_rms_N;
+  const double noise_N = expected_noise_N(state.data->validation, pair.fit.model);
+  const double before = standing.validation_rms_N * standing.validation_rms_N;
+  const double after = pair.validation_rms_N * pair.validation_rms_N;
   return before - after >= state.settings->pair_share * (before - noise_N * noise_N);
 }
 
@@ -127,8 +127,8 @@ std::vector<Trial> try_pairs(const SearchState& state, const Standing& standing,
       if (!reason.empty()) pair.verdict = fmt::format("{} beside {}: {}", name, other, reason);
     }
     if (!pair.verdict.empty()) continue;
-    pair.null_bar = null_bar(state, refits, pair.holdout_gain);
-    passed = pair.holdout_gain > pair.null_bar;
+    pair.null_bar = null_bar(state, refits, pair.validation_gain);
+    passed = pair.validation_gain > pair.null_bar;
     if (!passed) pair.verdict = within_null;
   }
   return pairs;

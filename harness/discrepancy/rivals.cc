@@ -24,17 +24,17 @@ bool alike_without_noise(const SearchState& state, const Model& rival, const std
                          const Candidate& candidate, bool needs_close, const Report& report) {
   const SearchData& data = *state.data;
   const SearchSettings& settings = *state.settings;
-  FitData holdout = state.holdout;
-  const auto own = fit_data(data.holdout, rival, data.window_s).noise;
+  FitData validation = state.validation;
+  const auto own = fit_data(data.validation, rival, data.window_s).noise;
   for (std::size_t b = 0; b < own.size(); ++b) {
-    holdout.noise[b].along_normal_N = std::max(holdout.noise[b].along_normal_N, own[b].along_normal_N);
-    holdout.noise[b].tangential_N = std::max(holdout.noise[b].tangential_N, own[b].tangential_N);
+    validation.noise[b].along_normal_N = std::max(validation.noise[b].along_normal_N, own[b].along_normal_N);
+    validation.noise[b].tangential_N = std::max(validation.noise[b].tangential_N, own[b].tangential_N);
   }
   const auto parameters = joined(kept, state.options(candidate, state.current.model).parameters);
-  const auto loss = compare_along_likely(data, state.train, holdout, {&state.current.model, &state.parameters},
+  const auto loss = compare_along_likely(data, state.train, validation, {&state.current.model, &state.parameters},
                                          {&rival, &parameters}, settings.iterations);
   if (!loss) return false;
-  const double floor_N = expected_noise_N(data.holdout, state.current.model);
+  const double floor_N = expected_noise_N(data.validation, state.current.model);
   report(fmt::format("    {} along the likely motion: loses {:.0f} +- {:.0f}, {:.4g} N apart, noise {:.4g} N",
                      candidate.name, loss->lost, loss->error, loss->apart_N, floor_N));
   const bool close = loss->lost < std::max(settings.alike_errors * loss->error, settings.minimum_gain / 3.0);
@@ -46,7 +46,7 @@ bool does_better_without_noise(const SearchState& state, const Rival& rival, con
   const auto parameters =
       joined(without_owner(state.parameters, loser), state.options(state.candidate(rival.name), rest).parameters);
   const auto loss =
-      compare_along_likely(*state.data, state.train, state.holdout, {&state.current.model, &state.parameters},
+      compare_along_likely(*state.data, state.train, state.validation, {&state.current.model, &state.parameters},
                            {&rival.model, &parameters}, state.settings->iterations);
   return !loss || loss->lost < 0.0;
 }
@@ -64,7 +64,7 @@ struct Incumbent {
   std::vector<FreeParameter> kept;  // without the effect's
   JointFit bare;                    // the model without it
   Model rest;                       // the same without a fit
-  std::vector<double> here;         // chi-squared of the held-out blocks
+  std::vector<double> here;         // chi-squared of the validation blocks
   double here_N = 0.0;
   double floor_N = 0.0;
 };
@@ -85,19 +85,19 @@ std::optional<Rival> weigh(const SearchState& state, const Incumbent& incumbent,
   rival.name = other.name;
   rival.side = other.side;
   rival.model = fit.model;
-  std::tie(rival.holdout_gain_lost, rival.error) =
-      paired_difference(block_chi_squared(state.holdout, fit.model), incumbent.here);
-  const double lost = rival.holdout_gain_lost;
-  rival.holdout_rms_N = state.holdout_rms_N(fit.model);
+  std::tie(rival.validation_gain_lost, rival.error) =
+      paired_difference(block_chi_squared(state.validation, fit.model), incumbent.here);
+  const double lost = rival.validation_gain_lost;
+  rival.validation_rms_N = state.validation_rms_N(fit.model);
   const bool close = lost < settings.alike_errors * rival.error || lost < settings.minimum_gain / 3.0;
   const bool related = contains(other.name, found.name) || contains(found.name, other.name);
   rival.of_settled_kind = settled.contains(found.name) && of_one_kind(found.name, other.name);
   if (rival.of_settled_kind) return rival;
-  if (lost < settings.rival_gain * found.holdout_gain && !related) {
+  if (lost < settings.rival_gain * found.validation_gain && !related) {
     // Many units of chi-squared from a few runs have a large error and tell all the same.
     const double more_N =
-        std::sqrt(std::max(0.0, rival.holdout_rms_N * rival.holdout_rms_N - incumbent.here_N * incumbent.here_N));
-    const bool near = lost < settings.alike_gain * found.holdout_gain;
+        std::sqrt(std::max(0.0, rival.validation_rms_N * rival.validation_rms_N - incumbent.here_N * incumbent.here_N));
+    const bool near = lost < settings.alike_gain * found.validation_gain;
     rival.alike = (near && close && more_N < incumbent.floor_N) ||
                   alike_without_noise(state, rival.model, incumbent.kept, other, !near, report);
   }
@@ -120,14 +120,14 @@ std::vector<Rival> weigh_all(const SearchState& state, const Incumbent& incumben
     if (weighed[i]) rivals.push_back(std::move(*weighed[i]));
   }
   std::sort(rivals.begin(), rivals.end(),
-            [](const Rival& a, const Rival& b) { return a.holdout_gain_lost < b.holdout_gain_lost; });
+            [](const Rival& a, const Rival& b) { return a.validation_gain_lost < b.validation_gain_lost; });
   return rivals;
 }
 
 // Whether the rival does as well at the recorded positions and along the likely motion with less than half of the
 // parameters: then it is the likelier of the two (Jefferys and Berger 1992), though the data cannot tell.
 bool simpler_and_alike(const SearchState& state, const FoundEffect& found, const Rival& rival) {
-  if (!rival.alike || !(rival.holdout_gain_lost < state.settings->minimum_gain / 3.0)) return false;
+  if (!rival.alike || !(rival.validation_gain_lost < state.settings->minimum_gain / 3.0)) return false;
   const Model rest = without_entry(state.current.model, found.name);
   const auto count = [&](const std::string& name) {
     return state.options(state.candidate(name), rest).parameters.size();
@@ -140,9 +140,9 @@ bool simpler_and_alike(const SearchState& state, const FoundEffect& found, const
 std::vector<FoundEffect> weigh_rivals(const SearchState& state, const CameTo& came_to,
                                       const std::set<std::string>& settled, const Report& report) {
   std::vector<FoundEffect> all;
-  const auto here = block_chi_squared(state.holdout, state.current.model);
-  const double here_N = state.holdout_rms_N(state.current.model);
-  const double floor_N = expected_noise_N(state.data->holdout, state.current.model);
+  const auto here = block_chi_squared(state.validation, state.current.model);
+  const double here_N = state.validation_rms_N(state.current.model);
+  const double floor_N = expected_noise_N(state.data->validation, state.current.model);
   std::vector<std::pair<std::string, Side>> names;
   for (const NamedParameters& entry : state.current.model.effects) names.emplace_back(entry.name, Side::contact);
   for (const NamedParameters& entry : state.current.model.instrument) names.emplace_back(entry.name, Side::instrument);
@@ -155,7 +155,8 @@ std::vector<FoundEffect> weigh_rivals(const SearchState& state, const CameTo& ca
     const JointFit bare =
         fit_jointly(state.train, without_entry(state.current.model, name), kept, state.settings->iterations, false);
     if (!bare.ok) continue;
-    found.holdout_gain = chi_squared(state.holdout, bare.model) - chi_squared(state.holdout, state.current.model);
+    found.validation_gain =
+        chi_squared(state.validation, bare.model) - chi_squared(state.validation, state.current.model);
     found.rivals =
         weigh_all(state, {found, kept, bare, without_entry(state.current.model, name), here, here_N, floor_N}, came_to,
                   settled, report);
@@ -171,11 +172,11 @@ Swap best_swap(const SearchState& state, const std::vector<FoundEffect>& found, 
       const double clear = std::max(state.settings->minimum_gain, state.settings->alike_errors * rival.error);
       if (put_away.contains(rival.name) || rival.of_settled_kind) continue;
       if (simpler_and_alike(state, effect, rival)) return {&effect, &rival};
-      if (rival.holdout_gain_lost > -clear) continue;
+      if (rival.validation_gain_lost > -clear) continue;
       // A law with more parameters gains a little always: whether it acts is asked elsewhere (nested_law.h).
       if (contains(rival.name, effect.name) || within_mesh_error(state, rival.model, rival.name)) continue;
       if (!does_better_without_noise(state, rival, effect.name)) continue;
-      if (best.winner == nullptr || rival.holdout_gain_lost < best.winner->holdout_gain_lost) {
+      if (best.winner == nullptr || rival.validation_gain_lost < best.winner->validation_gain_lost) {
         best = {&effect, &rival};
       }
     }

@@ -1,5 +1,5 @@
 // What could stand in the place of an effect that was found: every other candidate is fitted there, to the end, and
-// compared with it on the held-out blocks, at the recorded positions and along the likely motion.
+// compared with it on the validation blocks, at the recorded positions and along the likely motion.
 #pragma once
 
 #include <functional>
@@ -17,9 +17,9 @@ struct Rival {
   std::string name;
   Side side = Side::contact;
   Model model;
-  double holdout_gain_lost = 0.0;  // of chi-squared, against the found one
-  double error = 0.0;              // its standard error by blocks
-  double holdout_rms_N = 0.0;
+  double validation_gain_lost = 0.0;  // of chi-squared, against the found one
+  double error = 0.0;                 // its standard error by blocks
+  double validation_rms_N = 0.0;
   bool alike = false;
   bool of_settled_kind = false;  // weighed against the found one by likelihood or by force alone: no place to take
 };
@@ -27,7 +27,11 @@ struct Rival {
 struct FoundEffect {
   std::string name;
   Side side = Side::contact;
-  double holdout_gain = 0.0;  // of chi-squared: what leaving it out costs
+  double validation_gain = 0.0;  // of chi-squared: what leaving it out costs
+  double holdout_gain = 0.0;     // the same on the held-out blocks, which have not seen the search
+  double holdout_error = 0.0;    // its standard error, by runs of blocks
+  // Whether the held-out data are clearly better off without it.
+  [[nodiscard]] bool contradicted() const { return holdout_gain < -2.0 * holdout_error; }
   std::vector<Rival> rivals;  // nearest first
 };
 

@@ -18,19 +18,19 @@ SearchState::SearchState(const SearchData& evidence, const std::vector<Candidate
       parameters{base_stiffness(first)} {
   current.model = start;
   Prediction nothing;
-  nothing.f_W_N.assign(data->holdout.recording->size(), Vec3::Zero());
-  holdout_force_N = rms_force_error_N(data->holdout, nothing);
+  nothing.f_W_N.assign(data->validation.recording->size(), Vec3::Zero());
+  validation_force_N = rms_force_error_N(data->validation, nothing);
   renew_noise(start);
 }
 
 void SearchState::renew_noise(const Model& model) {
   train = fit_data(data->train, model, data->window_s);
-  holdout = fit_data(data->holdout, model, data->window_s);
+  validation = fit_data(data->validation, model, data->window_s);
   declared_train = train;
-  declared_holdout = holdout;
+  declared_validation = validation;
   const Misfit misfit = estimate_misfit(train, model);
   add_misfit(train, misfit);
-  add_misfit(holdout, misfit);
+  add_misfit(validation, misfit);
 }
 
 void SearchState::refit() {
@@ -38,14 +38,14 @@ void SearchState::refit() {
   if (fit.ok) current = std::move(fit);
 }
 
-double SearchState::holdout_deviance(const Model& model) const {
-  FitData judged = declared_holdout;
+double SearchState::validation_deviance(const Model& model) const {
+  FitData judged = declared_validation;
   add_misfit(judged, estimate_misfit(declared_train, model));
   return deviance(judged, model);
 }
 
-double SearchState::holdout_rms_N(const Model& model) const {
-  return rms_force_error_N(data->holdout, data->holdout.predictor->predict(model));
+double SearchState::validation_rms_N(const Model& model) const {
+  return rms_force_error_N(data->validation, data->validation.predictor->predict(model));
 }
 
 const Candidate& SearchState::candidate(const std::string& name) const {
@@ -57,11 +57,14 @@ CandidateFit SearchState::options(const Candidate& candidate, const Model& model
 }
 
 CandidateFit SearchState::options(const Candidate& candidate, const Model& model, const Recording& recording) const {
-  const Prediction now = data->train.predictor->predict(model);
+  // The places where an effect may be are looked up in what is left there: not in blocks that judge it.
+  const Part& part = data->train.part;
+  const Recording seen = samples_of(part, recording);
+  const Prediction now = samples_of(part, recording.motion, data->train.predictor->predict(model));
   // The start's stiffness: that of a model which hardly touches was fitted to nothing.
-  const RecordingScales scales = measure_scales(recording, now, data->force_floor_N,
-                                                start.parameters.at("stiffness_N_per_m"), data->position_noise_m);
-  return candidate_fit(candidate, scales, recording, now);
+  const RecordingScales scales =
+      measure_scales(seen, now, data->force_floor_N, start.parameters.at("stiffness_N_per_m"), data->position_noise_m);
+  return candidate_fit(candidate, scales, seen, now);
 }
 
 std::vector<FreeParameter> SearchState::free_in(const Model& model) const {

@@ -28,10 +28,10 @@ struct SearchState {
   std::vector<FreeParameter> parameters;  // free in `current`
   JointFit current;
   FitData declared_train;  // under the declared noise alone
-  FitData declared_holdout;
+  FitData declared_validation;
   FitData train;  // with the current model's misfit
-  FitData holdout;
-  double holdout_force_N = 0.0;  // RMS of the measured force, held out
+  FitData validation;
+  double validation_force_N = 0.0;  // RMS of the measured force, on the validation blocks
 
   // Noise follows the model: friction adds its own, damping too. What the model lacks counts as noise until it is
   // found.
@@ -39,8 +39,8 @@ struct SearchState {
   void refit();
 
   // Under the noise of the current model and the misfit that the given one leaves on the training blocks.
-  [[nodiscard]] double holdout_deviance(const Model& model) const;
-  [[nodiscard]] double holdout_rms_N(const Model& model) const;
+  [[nodiscard]] double validation_deviance(const Model& model) const;
+  [[nodiscard]] double validation_rms_N(const Model& model) const;
 
   [[nodiscard]] const Candidate& candidate(const std::string& name) const;
   // How the candidate enters a fit of that model, to the training recording or to another of its motion.

@@ -20,10 +20,11 @@ std::string Trial::title() const { return partner.empty() ? name : name + " and 
 Standing standing_of(const SearchState& state) {
   Standing standing;
   standing.train_blocks = block_chi_squared(state.train, state.current.model);
-  standing.holdout_blocks = block_chi_squared(state.holdout, state.current.model);
+  standing.validation_blocks = block_chi_squared(state.validation, state.current.model);
   standing.train_chi_squared = std::accumulate(standing.train_blocks.begin(), standing.train_blocks.end(), 0.0);
-  standing.holdout_chi_squared = std::accumulate(standing.holdout_blocks.begin(), standing.holdout_blocks.end(), 0.0);
-  standing.holdout_rms_N = state.holdout_rms_N(state.current.model);
+  standing.validation_chi_squared =
+      std::accumulate(standing.validation_blocks.begin(), standing.validation_blocks.end(), 0.0);
+  standing.validation_rms_N = state.validation_rms_N(state.current.model);
   return standing;
 }
 
@@ -31,10 +32,10 @@ void score(const SearchState& state, const Standing& standing, Trial& trial) {
   const Model& model = trial.fit.model;
   std::tie(trial.train_gain, trial.train_error) =
       paired_difference(standing.train_blocks, block_chi_squared(state.train, model));
-  std::tie(trial.holdout_gain, trial.holdout_error) =
-      paired_difference(standing.holdout_blocks, block_chi_squared(state.holdout, model));
-  trial.holdout_rms_N = state.holdout_rms_N(model);
-  trial.deviance = state.holdout_deviance(model);
+  std::tie(trial.validation_gain, trial.validation_error) =
+      paired_difference(standing.validation_blocks, block_chi_squared(state.validation, model));
+  trial.validation_rms_N = state.validation_rms_N(model);
+  trial.deviance = state.validation_deviance(model);
 }
 
 std::optional<Trial> try_candidate(const SearchState& state, const Standing& standing, const Candidate& candidate) {

@@ -1,5 +1,5 @@
 // One candidate, or two together, tried at one step of a search: fitted jointly with all that was found before on the
-// training blocks, scored on the held-out ones.
+// training blocks, scored on the validation ones.
 #pragma once
 
 #include <optional>
@@ -19,12 +19,13 @@ struct Trial {
   std::vector<FreeParameter> parameters;  // free in it
   double train_gain = 0.0;                // of chi-squared against the model without it
   double train_error = 0.0;               // standard error of that gain, by runs of blocks
-  double holdout_gain = 0.0;
-  double holdout_error = 0.0;
-  double deviance = 0.0;       // held out, with what this trial leaves counted as noise: the least is the best
-  double holdout_rms_N = 0.0;  // of the 3-D force error, held-out samples
-  double null_bar = 0.0;       // of the held-out gain, from the case's own nulls; 0 where they were not needed
-  std::string verdict;         // why it was kept or not
+  double validation_gain = 0.0;
+  double validation_error = 0.0;
+  double deviance =
+      0.0;  // on the validation blocks, with what this trial leaves counted as noise: the least is the best
+  double validation_rms_N = 0.0;  // of the 3-D force error, validation samples
+  double null_bar = 0.0;          // of the validation gain, from the case's own nulls; 0 where they were not needed
+  std::string verdict;            // why it was kept or not
 
   [[nodiscard]] std::vector<std::string> effects() const;
   [[nodiscard]] std::string title() const;  // "a", or "a and b"
@@ -33,10 +34,10 @@ struct Trial {
 // How the model that a step starts from does.
 struct Standing {
   std::vector<double> train_blocks;  // chi-squared of each
-  std::vector<double> holdout_blocks;
+  std::vector<double> validation_blocks;
   double train_chi_squared = 0.0;
-  double holdout_chi_squared = 0.0;
-  double holdout_rms_N = 0.0;
+  double validation_chi_squared = 0.0;
+  double validation_rms_N = 0.0;
 };
 
 Standing standing_of(const SearchState& state);

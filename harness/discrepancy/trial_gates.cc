@@ -33,9 +33,10 @@ bool displaces_for_sure(const SearchState& state, const Trial& trial) {
 }
 
 bool helps_without_noise(const SearchState& state, const Trial& trial) {
-  const auto loss = compare_along_likely(*state.data, state.train, state.holdout, {&trial.fit.model, &trial.parameters},
-                                         {&state.current.model, &state.parameters}, state.settings->iterations);
-  return !loss || loss->lost >= state.settings->likely_share * trial.holdout_gain;
+  const auto loss =
+      compare_along_likely(*state.data, state.train, state.validation, {&trial.fit.model, &trial.parameters},
+                           {&state.current.model, &state.parameters}, state.settings->iterations);
+  return !loss || loss->lost >= state.settings->likely_share * trial.validation_gain;
 }
 
 }  // namespace
@@ -50,24 +51,24 @@ bool within_mesh_error(const SearchState& state, const Model& model, const std::
 std::string weakness(const SearchState& state, const Standing& standing, const Trial& trial) {
   const SearchSettings& settings = *state.settings;
   if (!(trial.train_gain >= settings.minimum_gain)) return "no more than noise on the training blocks";
-  if (!(trial.holdout_gain >= settings.minimum_gain)) return "no more than noise on the held-out blocks";
+  if (!(trial.validation_gain >= settings.minimum_gain)) return "no more than noise on the validation blocks";
   // What acts in a few moments alone, such as a lag, gains in a few blocks, but in those of both recordings.
-  const double both = trial.train_gain + trial.holdout_gain;
-  if (trial.holdout_gain < settings.gain_errors * trial.holdout_error &&
-      both < settings.both_gain_errors * std::hypot(trial.train_error, trial.holdout_error)) {
-    return "its gain comes from a few held-out blocks alone";
+  const double both = trial.train_gain + trial.validation_gain;
+  if (trial.validation_gain < settings.gain_errors * trial.validation_error &&
+      both < settings.both_gain_errors * std::hypot(trial.train_error, trial.validation_error)) {
+    return "its gain comes from a few validation blocks alone";
   }
-  const double before = standing.holdout_rms_N * standing.holdout_rms_N;
-  const double removed = before - trial.holdout_rms_N * trial.holdout_rms_N;
-  const double noticed_N = settings.just_noticeable_share * state.holdout_force_N;
+  const double before = standing.validation_rms_N * standing.validation_rms_N;
+  const double removed = before - trial.validation_rms_N * trial.validation_rms_N;
+  const double noticed_N = settings.just_noticeable_share * state.validation_force_N;
   if (!(removed >= noticed_N * noticed_N)) {
     // Few blocks see an effect of one place or of small depths: it has little of the chi-squared of all, in which
     // besides what is missing counts as noise. All the same what removes half of what noise leaves matters.
     const auto seen = [&] {
-      const double seen_N = settings.noise_share * expected_noise_N(state.data->holdout, trial.fit.model);
+      const double seen_N = settings.noise_share * expected_noise_N(state.data->validation, trial.fit.model);
       return removed >= seen_N * seen_N;
     };
-    const bool shares = trial.holdout_gain >= settings.minimum_share * standing.holdout_chi_squared || seen();
+    const bool shares = trial.validation_gain >= settings.minimum_share * standing.validation_chi_squared || seen();
     if (!shares || !(removed >= settings.minimum_share * before)) return "too small to matter";
   }
   for (const std::string& name : trial.effects()) {
@@ -77,8 +78,8 @@ std::string weakness(const SearchState& state, const Standing& standing, const T
 }
 
 std::string objection(const SearchState& state, const Trial& trial) {
-  Predictor& predictor = *state.data->holdout.predictor;
-  const auto regimes = sort_by_regime(state.data->holdout, predictor.predict(state.current.model),
+  Predictor& predictor = *state.data->validation.predictor;
+  const auto regimes = sort_by_regime(state.data->validation, predictor.predict(state.current.model),
                                       predictor.predict(trial.fit.model), state.data->force_floor_N);
   const std::string worse = worsened_phase(regimes, state.settings->worsening);
   if (!worse.empty()) return fmt::format("makes {} worse", worse);
@@ -93,8 +94,8 @@ double null_bar(const SearchState& state, const RefitInWorld& refits, double gai
   constexpr std::size_t few = 4;
   constexpr double near = 3.0;
   const SearchSettings& settings = *state.settings;
-  const NullCase null{&state.data->train,   &state.data->holdout, &state.train,       &state.holdout,
-                      &state.current.model, &state.parameters,    settings.iterations};
+  const NullCase null{&state.data->train,   &state.data->validation, &state.train,       &state.validation,
+                      &state.current.model, &state.parameters,       settings.iterations};
   auto gains = null_gains(null, refits, 0, few);
   const double bar = std::max(settings.minimum_gain, bar_above(gains, settings.null_deviations));
   if (gain > near * bar || near * gain < bar) return bar;
@@ -114,7 +115,7 @@ double null_bar(const SearchState& state, const Candidate& candidate, double gai
 const Trial* explained_by_mesh(const std::vector<Trial>& trials, const Trial& trial) {
   const auto does = [&](const Trial& other) {
     return (other.verdict == within_mesh || other.verdict == maybe_within_mesh) &&
-           other.train_gain >= trial.train_gain && other.holdout_gain >= trial.holdout_gain;
+           other.train_gain >= trial.train_gain && other.validation_gain >= trial.validation_gain;
   };
   const auto found = std::find_if(trials.begin(), trials.end(), does);
   return found == trials.end() ? nullptr : &*found;
@@ -124,8 +125,8 @@ std::string refusal(const SearchState& state, const Standing& standing, Trial& t
   std::string reason = weakness(state, standing, trial);
   if (reason.empty()) reason = objection(state, trial);
   if (!reason.empty()) return reason;
-  trial.null_bar = null_bar(state, state.candidate(trial.name), trial.holdout_gain);
-  return trial.holdout_gain > trial.null_bar ? "" : within_null;
+  trial.null_bar = null_bar(state, state.candidate(trial.name), trial.validation_gain);
+  return trial.validation_gain > trial.null_bar ? "" : within_null;
 }
 
 }  // namespace touchstone::discrepancy

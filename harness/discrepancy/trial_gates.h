@@ -21,8 +21,8 @@ std::string weakness(const SearchState& state, const Standing& standing, const T
 // Empty: it makes no regime worse, helps along the likely motion too, and is no error that the mesh's makers declare.
 std::string objection(const SearchState& state, const Trial& trial);
 
-// What the held-out gain must exceed: the most that any of the refits gains in the case's null worlds, and more by the
-// settings' deviations. Few worlds where they decide clearly, all of them where the gain is near the bar.
+// What the validation gain must exceed: the most that any of the refits gains in the case's null worlds, and more by
+// the settings' deviations. Few worlds where they decide clearly, all of them where the gain is near the bar.
 double null_bar(const SearchState& state, const RefitInWorld& refits, double gain);
 // Of one candidate.
 double null_bar(const SearchState& state, const Candidate& candidate, double gain);

@@ -33,16 +33,16 @@ TEST(MeshError, WhatItExplainsAsWellIsNotMissing) {
   Trial hill;
   hill.name = "surface-geometry";
   hill.train_gain = 300.0;
-  hill.holdout_gain = 200.0;
+  hill.validation_gain = 200.0;
   hill.verdict = maybe_within_mesh;
   Trial map;
   map.name = "stiffness-map";
   map.train_gain = 250.0;
-  map.holdout_gain = 150.0;
+  map.validation_gain = 150.0;
   EXPECT_EQ(explained_by_mesh({hill, map}, map)->name, "surface-geometry");
-  map.holdout_gain = 210.0;
+  map.validation_gain = 210.0;
   EXPECT_EQ(explained_by_mesh({hill, map}, map), nullptr);
-  map.holdout_gain = 150.0;
+  map.validation_gain = 150.0;
   hill.verdict = "too small to matter";
   EXPECT_EQ(explained_by_mesh({hill, map}, map), nullptr);
 }

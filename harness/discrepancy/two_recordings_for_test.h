@@ -41,12 +41,7 @@ class TwoRecordings {
                 const MakePredictor& make)
       : train_(std::move(train), instrument, model, make, 1),
         holdout_(std::move(holdout), instrument, model, make, 2),
-        data{train_.evidence(),
-             holdout_.evidence(),
-             block_window_s(60.0, train_.recording.motion),
-             0.06,
-             instrument.position_noise_m,
-             instrument.geometry_error_m} {}
+        data(divided(instrument)) {}
   TwoRecordings(const TwoRecordings&) = delete;
   TwoRecordings& operator=(const TwoRecordings&) = delete;
 
@@ -63,6 +58,15 @@ class TwoRecordings {
           noise(recording.motion, predictor->predict(model).n_W, instrument, make, seed, 3) {}
     Evidence evidence() { return {&recording, predictor.get(), &noise, {}}; }
   };
+  SearchData divided(const InstrumentDescription& instrument) {
+    const double window_s = block_window_s(60.0, train_.recording.motion);
+    SearchData all = divide(train_.evidence(), holdout_.evidence(), window_s);
+    all.force_floor_N = 0.06;
+    all.position_noise_m = instrument.position_noise_m;
+    all.geometry_error_m = instrument.geometry_error_m;
+    return all;
+  }
+
   Half train_;
   Half holdout_;
 

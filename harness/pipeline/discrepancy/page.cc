@@ -62,18 +62,19 @@ Section what_section(const Findings& findings) {
           fmt::format("In place of {} (held-out RMS {:.4g} N): what else was tried, nearest first; chi-squared "
                       "counts squared errors in units of the noise",
                       effect.name, findings.gap.holdout_after_N),
-          {"rival", "worse by, in held-out chi-squared", "+-", "held-out RMS [N]", "why it lost"},
+          {"rival", "worse by, in validation chi-squared", "+-", "validation RMS [N]", "why it lost"},
           {},
           ""};
       for (const Rival& rival : effect.rivals) {
         if (rivals.rows.size() == 6) break;
         const std::string why = rival.alike                         ? "did not lose: explains the data alike"
                                 : contains(rival.name, effect.name) ? "contains it, and does no better"
-                                : rival.holdout_gain_lost > 0.9 * effect.holdout_gain ? "explains next to nothing of it"
-                                                                                      : "explains less";
+                                : rival.validation_gain_lost > 0.9 * effect.validation_gain
+                                    ? "explains next to nothing of it"
+                                    : "explains less";
         rivals.rows.push_back(
-            {{text(rival.name), number(rival.holdout_gain_lost, "{:.0f}"), number(rival.error, "{:.0f}"),
-              number(rival.holdout_rms_N), text(why, rival.alike ? Tone::warning : Tone::neutral)},
+            {{text(rival.name), number(rival.validation_gain_lost, "{:.0f}"), number(rival.error, "{:.0f}"),
+              number(rival.validation_rms_N), text(why, rival.alike ? Tone::warning : Tone::neutral)},
              "",
              {}});
       }
@@ -259,23 +260,24 @@ Section place_section(const Evidence& evidence, const Prediction& before, const 
 Section search_section(const Findings& findings) {
   Section section{"How the search went",
                   "Gains are of chi-squared over blocks, where a law is weighed against one that it contains of -2 ln "
-                  "likelihood along the likely motion; the held-out gain decides.",
+                  "likelihood along the likely motion; the gain on the validation blocks decides.",
                   {},
                   true};
   std::size_t count = 0;
   for (const SearchStep& step : findings.search.steps) {
-    Table table{fmt::format("Step {}: from a held-out RMS of {:.4g} N{}", ++count, step.holdout_rms_N,
+    Table table{fmt::format("Step {}: from a validation RMS of {:.4g} N{}", ++count, step.validation_rms_N,
                             step.added.empty()     ? ", nothing added"
                             : step.removed.empty() ? fmt::format(", {} added", step.added)
                                                    : fmt::format(", {} in place of {}", step.added, step.removed)),
-                {"candidate", "training gain", "held-out gain", "held-out RMS [N]", "verdict"},
+                {"candidate", "training gain", "validation gain", "validation RMS [N]", "verdict"},
                 {},
                 ""};
     for (const Trial& trial : step.trials) {
-      table.rows.push_back({{text(trial.title()), number(trial.train_gain, "{:.0f}"),
-                             number(trial.holdout_gain, "{:.0f}"), number(trial.holdout_rms_N), text(trial.verdict)},
-                            "",
-                            {}});
+      table.rows.push_back(
+          {{text(trial.title()), number(trial.train_gain, "{:.0f}"), number(trial.validation_gain, "{:.0f}"),
+            number(trial.validation_rms_N), text(trial.verdict)},
+           "",
+           {}});
     }
     section.blocks.emplace_back(std::move(table));
   }

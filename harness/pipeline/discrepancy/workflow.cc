@@ -23,10 +23,17 @@ namespace {
 
 constexpr double held_back_least_blocks = 20.0;  // a short recording has shorter blocks
 
-InstrumentDescription instrument_of(const DiscrepancyFiles& files, const Recording& train, const TriangleMesh& mesh,
-                                    const Surface& surface) {
+// The noise of the force from the part that is learnt from.
+InstrumentDescription estimate_from(const Recording& train, const Part& learnt_from) {
+  InstrumentDescription instrument = estimate_instrument(train);
+  instrument.force_noise_N = estimate_instrument(samples_of(learnt_from, train)).force_noise_N;
+  return instrument;
+}
+
+InstrumentDescription instrument_of(const DiscrepancyFiles& files, const Recording& train, const Part& learnt_from,
+                                    const TriangleMesh& mesh, const Surface& surface) {
   InstrumentDescription instrument =
-      files.instrument.empty() ? estimate_instrument(train) : load_instrument(files.instrument);
+      files.instrument.empty() ? estimate_from(train, learnt_from) : load_instrument(files.instrument);
   if (!(instrument.force_noise_N > 0.0)) {
     throw BadData(files.instrument.empty()
                       ? fmt::format("{}: no noise of the force can be estimated from it: give the sensor's with "
@@ -47,14 +54,18 @@ InstrumentDescription instrument_of(const DiscrepancyFiles& files, const Recordi
 
 // An estimate of the noise that expects more than even the starting model leaves is too large: quantization, vibration
 // and jitter look like noise to it. It is brought down to what is left.
-void bound_by_residual(InstrumentDescription& instrument, const Recording& train, const Model& model,
-                       const MakePredictor& make, const DiscrepancyFiles& files) {
+void bound_by_residual(InstrumentDescription& instrument, const Recording& train, const Part& learnt_from,
+                       const Model& model, const MakePredictor& make, const DiscrepancyFiles& files) {
   if (instrument.declared) return;
   const Prediction nominal = make(train.motion)->predict(model);
   NoiseModel noise(train.motion, nominal.n_W, instrument, make, files.seed, files.seed + 2);
   double expected = 0.0, left = 0.0;
-  for (const double square : noise.expected_squares(model, nominal)) expected += square;
-  for (std::size_t i = 0; i < train.size(); ++i) left += (train.f_W_N[i] - nominal.f_W_N[i]).squaredNorm();
+  const auto squares = noise.expected_squares(model, nominal);
+  for (std::size_t i = 0; i < train.size(); ++i) {
+    if (!learnt_from.contains(train.motion.t_s[i], train.motion.t_s.front())) continue;
+    expected += squares[i];
+    left += (train.f_W_N[i] - nominal.f_W_N[i]).squaredNorm();
+  }
   if (!(left > 0.0) || !(expected > left)) return;
   const double factor = std::sqrt(left / expected);
   instrument.force_noise_N *= factor;
@@ -63,8 +74,8 @@ void bound_by_residual(InstrumentDescription& instrument, const Recording& train
 
 ForceGap measure_gap(const SearchResult& search, const SearchData& data) {
   ForceGap gap;
-  gap.train_before_N = rms_force_error_N(data.train, data.train.predictor->predict(search.start));
-  gap.train_after_N = rms_force_error_N(data.train, data.train.predictor->predict(search.model));
+  gap.train_before_N = rms_force_error_N(data.learning, data.learning.predictor->predict(search.start));
+  gap.train_after_N = rms_force_error_N(data.learning, data.learning.predictor->predict(search.model));
   gap.holdout_before_N = rms_force_error_N(data.holdout, data.holdout.predictor->predict(search.start));
   gap.holdout_after_N = rms_force_error_N(data.holdout, data.holdout.predictor->predict(search.model));
   gap.noise_floor_N = search.noise_rms_N;
@@ -77,7 +88,7 @@ std::optional<NextExperiment> next_experiment(const SearchResult& search, const 
   for (const FoundEffect& effect : search.found) {
     for (const Rival& rival : effect.rivals) {
       if (!rival.alike) continue;
-      return propose_experiment(*data.train.recording, data.train.predictor->predict(search.model), search.model,
+      return propose_experiment(*data.learning.recording, data.learning.predictor->predict(search.model), search.model,
                                 rival.model, make, instrument.force_noise_N, instrument.position_noise_m);
     }
   }
@@ -112,22 +123,23 @@ Findings run_discrepancy(const Catalogue& catalogue, const DiscrepancyFiles& fil
   // Refuses a wrong model before the long work begins; alive, its examined mesh serves all that follow.
   const auto alive = catalogue.make(model, surface);
   const MakePredictor make = [&](const MotionColumns& motion) { return catalogue.make_predictor(surface, motion); };
-  InstrumentDescription instrument = instrument_of(files, train, mesh, *surface);
-  bound_by_residual(instrument, train, model, make, files);
+  const double duration_s = train.motion.t_s.back() - train.motion.t_s.front();
+  const double held_back_s = second ? 0.0 : std::min(files.block_s, duration_s / held_back_least_blocks);
+  const Part learnt_from{{held_back_s, false}, {}};
+  InstrumentDescription instrument = instrument_of(files, train, learnt_from, mesh, *surface);
+  bound_by_residual(instrument, train, learnt_from, model, make, files);
   const auto train_predictor = make(train.motion);
   const auto holdout_predictor = make(holdout.motion);
   NoiseModel train_noise(train.motion, train_predictor->predict(model).n_W, instrument, make, files.seed,
                          files.seed + 2);
   NoiseModel holdout_noise(holdout.motion, holdout_predictor->predict(model).n_W, instrument, make, files.seed + 1,
                            files.seed + 2);
-  const double duration_s = train.motion.t_s.back() - train.motion.t_s.front();
-  const double held_back_s = second ? 0.0 : std::min(files.block_s, duration_s / held_back_least_blocks);
-  const SearchData data{{&train, train_predictor.get(), &train_noise, {held_back_s, false}},
-                        {&holdout, holdout_predictor.get(), &holdout_noise, {held_back_s, true}},
-                        block_window_s(instrument.position_rate_Hz, train.motion),
-                        6.0 * instrument.force_noise_N + instrument.force_step_N.maxCoeff(),
-                        instrument.position_noise_m,
-                        instrument.geometry_error_m};
+  SearchData data = divide({&train, train_predictor.get(), &train_noise, learnt_from},
+                           {&holdout, holdout_predictor.get(), &holdout_noise, {{held_back_s, true}, {}}},
+                           block_window_s(instrument.position_rate_Hz, train.motion));
+  data.force_floor_N = 6.0 * instrument.force_noise_N + instrument.force_step_N.maxCoeff();
+  data.position_noise_m = instrument.position_noise_m;
+  data.geometry_error_m = instrument.geometry_error_m;
   const auto candidates = all_candidates(catalogue);
 
   Findings findings;
