@@ -78,17 +78,19 @@ std::vector<FreeParameter> two_coefficients(const Context& c) {
 }
 
 // Pre-sliding is fitted along: the path over which friction turns must exceed what the tracker's noise makes of a tip
-// that stands still, and below that the recording cannot show it. Far above both the noise and the depth it would be a
-// spring of its own in the tangent plane, which is another effect (stick-slip of a compliant tool) and no friction law
-// of the list.
-double longest_presliding(const Context& c) { return 12.0 * c.scales.position_noise_m + 0.02 * c.scales.depth_m; }
+// that stands still, and below that the recording cannot show it.
+double hidden_presliding(const Context& c) { return 12.0 * c.scales.position_noise_m + 0.02 * c.scales.depth_m; }
+
+// A soft object gives way sideways before the tip slides: by 1 to 1.5 times the coefficient times the depth (Mindlin
+// 1949: the tangential stiffness of a contact is 2/3 to 1 of the normal one). The coefficient is hardly above one.
+double longest_sideways(const Context& c) { return hidden_presliding(c) + 1.5 * c.scales.depth_m; }
 
 FreeParameter presliding(const Context& c) {
-  return log_parameter(c.candidate.name, "presliding_m", 0.02 * longest_presliding(c), longest_presliding(c));
+  return log_parameter(c.candidate.name, "presliding_m", 0.02 * hidden_presliding(c), longest_sideways(c));
 }
 
 std::vector<double> presliding_starts(const Context& c) {
-  return {0.1 * longest_presliding(c), 0.4 * longest_presliding(c)};
+  return {0.1 * hidden_presliding(c), 0.4 * hidden_presliding(c), 0.1 * longest_sideways(c)};
 }
 
 CandidateFit coulomb(const Context& c) {

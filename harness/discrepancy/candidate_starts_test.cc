@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <string>
 #include <vector>
 
@@ -54,6 +55,29 @@ TEST_P(CatalogueBounds, AreThoseOfTheFit) {
       }
     }
   }
+}
+
+// On a soft object a tip sticks over as much as the object gives way sideways: 1.5 mu times the depth (Mindlin 1949).
+TEST_P(CatalogueBounds, LetATipStickAsFarAsTheObjectGivesWaySideways) {
+  Recording recording;
+  recording.motion = hand(0.0, GetParam());
+  Model model;
+  model.parameters["stiffness_N_per_m"] = 900.0 / GetParam();
+  const Prediction prediction = PlanePredictor(recording.motion).predict(model);
+  recording.f_W_N = prediction.f_W_N;
+  const RecordingScales scales =
+      measure_scales(recording, prediction, 0.01, model.parameters.at("stiffness_N_per_m"), 0.0);
+  const Candidate friction{"coulomb-friction",
+                           Side::contact,
+                           {{"mu_static", "1", 0.0, 5.0, 0.0, ""}, {"mu_dynamic", "1", 0.0, 5.0, 0.0, ""}}};
+  const CandidateFit fit = candidate_fit(friction, scales, recording, prediction);
+  double longest_m = 0.0;
+  for (const FreeParameter& free : fit.parameters) {
+    if (free.name == "presliding_m") longest_m = std::exp(free.upper);
+  }
+  EXPECT_GT(scales.depth_m, 0.0);
+  EXPECT_GE(longest_m, 1.5 * scales.depth_m);
+  EXPECT_LE(longest_m, 2.0 * scales.depth_m);
 }
 
 INSTANTIATE_TEST_SUITE_P(Units, CatalogueBounds, ::testing::Values(1e-3, 1.0, 1e3));

@@ -206,10 +206,8 @@ class Search {
       const JointFit fit =
           fit_jointly(state_.train, without_entry(state_.current.model, name), kept, settings_.iterations, false);
       const double here = chi_squared(state_.validation, state_.current.model);
-      if (!fit.ok || chi_squared(state_.validation, fit.model) - here >
-                         std::max(settings_.minimum_gain, settings_.minimum_share * here)) {
-        continue;
-      }
+      const double needed = std::max(settings_.minimum_gain, state_.least_share(state_.current.model) * here);
+      if (!fit.ok || chi_squared(state_.validation, fit.model) - here > needed) continue;
       report_(fmt::format("  {} is no longer needed", name));
       state_.parameters = kept;
       state_.current = fit;
@@ -353,7 +351,7 @@ class Search {
     result_.undetermined =
         find_undetermined(learning_blocks(result_.model), *data_.learning.recording, result_.model, result_.parameters);
     result_.questions = question_values(*data_.learning.recording, data_.learning.predictor->predict(result_.model),
-                                        result_.model, result_.parameters, result_.fit);
+                                        result_.model, result_.parameters, result_.fit, data_.position_noise_m);
   }
 
   // Names, then values and intervals, then, for the first time, the held-out data.
@@ -394,13 +392,19 @@ class Search {
     const DetectorSide holdout{data_.holdout.recording, &goodness.holdout, data_.holdout.noise};
     result_.structure = detect_structure(learning, holdout, result_.model, result_.draws);
     result_.spectrum = residual_spectrum(learning, holdout, result_.model, data_.window_s);
+    judge_effects(goodness.holdout);
+  }
+
+  // What leaving each effect out costs on held-out blocks, once everything else has made up for it as far as it can.
+  void judge_effects(const FitData& holdout) {
+    const auto with = block_chi_squared(holdout, result_.model);
+    const FitData learning = learning_blocks(result_.model);
     for (FoundEffect& effect : result_.found) {
-      // Everything else may make up for it, as it did when the effect was added.
-      const JointFit without = fit_jointly(learning_blocks(result_.model), without_entry(result_.model, effect.name),
+      const JointFit without = fit_jointly(learning, without_entry(result_.model, effect.name),
                                            without_owner(result_.parameters, effect.name), settings_.iterations, false);
       if (!without.ok) continue;
-      std::tie(effect.holdout_gain, effect.holdout_error) = paired_difference(
-          block_chi_squared(goodness.holdout, without.model), block_chi_squared(goodness.holdout, result_.model));
+      std::tie(effect.holdout_gain, effect.holdout_error) =
+          paired_difference(block_chi_squared(holdout, without.model), with);
     }
   }
 

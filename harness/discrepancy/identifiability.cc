@@ -147,8 +147,43 @@ std::vector<std::string> without_size(const std::vector<Undetermined>& undetermi
   return names;
 }
 
+namespace {
+
+// A contact that sticks gives way sideways by mu N / k_t before it slides, and its tangential stiffness k_t is at least
+// two thirds of the normal one (Mindlin 1949). A longer path is something else's.
+void question_paths(const Recording& recording, const Prediction& prediction, const Model& model,
+                    double position_noise_m, std::vector<Question>& questions) {
+  constexpr double softest_sideways = 1.5;  // k_n / k_t
+  constexpr double noise_paths = 12.0;      // a path that a tracker's noise hides
+  std::vector<double> depths;
+  for (std::size_t i = 0; i < recording.size(); ++i) {
+    if (!prediction.n_W[i].isZero()) depths.push_back(prediction.depth_m[i]);
+  }
+  const double depth_m = percentile(std::move(depths), 0.9);
+  for (const NamedParameters& entry : model.effects) {
+    const auto path = entry.parameters.find("presliding_m");
+    if (path == entry.parameters.end()) continue;
+    double mu = 0.0;
+    for (const char* const name : {"mu_static", "mu_dynamic", "mu_x", "mu_y"}) {
+      const auto coefficient = entry.parameters.find(name);
+      if (coefficient != entry.parameters.end()) mu = std::max(mu, coefficient->second);
+    }
+    const double longest_m = noise_paths * position_noise_m + (0.02 + softest_sideways * mu) * depth_m;
+    if (!(path->second > longest_m)) continue;
+    questions.push_back(
+        {entry.name, fmt::format("presliding_m of {} is {:.3g}: an object pressed in by {:.3g} m gives way "
+                                 "sideways by {:.3g} m at most before the tip slides; over so long a path "
+                                 "it is a spring along the surface, as of a compliant tool that sticks "
+                                 "and slips",
+                                 entry.name, path->second, depth_m, longest_m)});
+  }
+}
+
+}  // namespace
+
 std::vector<Question> question_values(const Recording& recording, const Prediction& prediction, const Model& model,
-                                      const std::vector<FreeParameter>& parameters, const JointFit& fit) {
+                                      const std::vector<FreeParameter>& parameters, const JointFit& fit,
+                                      double position_noise_m) {
   std::vector<Question> questions;
   for (std::size_t i = 0; i < parameters.size() && i < fit.at_bound.size(); ++i) {
     const FreeParameter& parameter = parameters[i];
@@ -157,13 +192,10 @@ std::vector<Question> question_values(const Recording& recording, const Predicti
     const bool upper = parameter.get(model) > 0.5 * (parameter.lower + parameter.upper);
     if (entry == nullptr || !fit.at_bound[i] || !upper || is_angle(parameter.name)) continue;
     questions.push_back(
-        {parameter.owner,
-         fmt::format("{} of {} is at {:.3g}, the end of what is sought{}", parameter.name, parameter.owner,
-                     entry->parameters.at(parameter.name),
-                     parameter.name == "presliding_m" ? ": over so long a path it is a spring along the surface, as "
-                                                        "of a compliant tool that sticks and slips"
-                                                      : "")});
+        {parameter.owner, fmt::format("{} of {} is at {:.3g}, the end of what is sought", parameter.name,
+                                      parameter.owner, entry->parameters.at(parameter.name))});
   }
+  question_paths(recording, prediction, model, position_noise_m, questions);
   if (const NamedParameters* const law = find_entry(model, "stribeck-friction"); law != nullptr) {
     constexpr double no_fall = 1.02;  // two coefficients that differ by 2 % are one
     if (law->parameters.at("mu_static") <= no_fall * law->parameters.at("mu_dynamic")) {

@@ -34,12 +34,14 @@ std::vector<std::string> without_size(const std::vector<Undetermined>& undetermi
                                       const std::vector<FreeParameter>& parameters);
 
 // What of the values is hard to believe, in sentences: at the end of what the catalogue or the recording allows, a law
-// that degenerates into another one, a registration along the surface that is far beyond any press.
+// that degenerates into another one, a tip that sticks over a longer path than the object gives way sideways, a
+// registration along the surface that is far beyond any press.
 struct Question {
   std::string effect;
   std::string sentence;
 };
 std::vector<Question> question_values(const Recording& recording, const Prediction& prediction, const Model& model,
-                                      const std::vector<FreeParameter>& parameters, const JointFit& fit);
+                                      const std::vector<FreeParameter>& parameters, const JointFit& fit,
+                                      double position_noise_m);
 
 }  // namespace touchstone::discrepancy

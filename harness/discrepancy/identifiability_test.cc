@@ -162,7 +162,26 @@ TEST_P(IdentifiableAtScale, AShiftAlongTheSurfaceFarBeyondATrackersIsQuestioned)
         {"registration",
          {{"dx_m", dx_m * unit}, {"dy_m", 0.0}, {"dz_m", 1e-4 * unit}, {"rx_rad", 0.0}, {"ry_rad", 0.0}},
          ""}};
-    EXPECT_EQ(question_values(recording, prediction, model, {}, {}).size(), dx_m > 0.01 ? 1U : 0U);
+    EXPECT_EQ(question_values(recording, prediction, model, {}, {}, 5e-5 * unit).size(), dx_m > 0.01 ? 1U : 0U);
+  }
+}
+
+// Pressed in by 1 mm, with a coefficient of 0.3: the object gives way by up to 0.45 mm (Mindlin 1949).
+TEST_P(IdentifiableAtScale, ALongerPathThanTheObjectGivesWayIsQuestioned) {
+  const double unit = GetParam();
+  Recording recording;
+  for (int i = 0; i < 1000; ++i) {
+    recording.motion.t_s.push_back(0.004 * i);
+    recording.motion.p_W_m.push_back(unit * Vec3(1e-5 * i, 0.0, -1e-3));
+  }
+  Model model;
+  model.parameters["stiffness_N_per_m"] = 900.0 / unit;
+  const Prediction prediction = PlanePredictor(recording.motion).predict(model);
+  for (const double path_m : {1e-4, 4e-4, 8e-4, 2e-3}) {
+    model.effects = {
+        {"coulomb-friction", {{"mu_static", 0.3}, {"mu_dynamic", 0.3}, {"presliding_m", path_m * unit}}, ""}};
+    const auto questions = question_values(recording, prediction, model, {}, {}, 1e-5 * unit);
+    EXPECT_EQ(questions.size(), path_m > 6e-4 ? 1U : 0U) << path_m;
   }
 }
 

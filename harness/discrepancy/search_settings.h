@@ -12,8 +12,12 @@ struct SearchSettings {
   // Of chi-squared, on the training and on the validation blocks: far beyond what noise gives a handful of parameters.
   double minimum_gain = 30.0;
   double minimum_share = 0.08;  // of the validation mean-square error that must go, and of the validation chi-squared
-  double noise_share = 0.5;     // or, in the place of the latter, in square of what noise leaves
-  double gain_errors = 1.64;    // the validation gain exceeds so many of its standard errors by runs of blocks
+  // The same while the model leaves more than `clear_noises` times what noise leaves: there no law is so idealized that
+  // its details are most of the error.
+  double clear_share = 0.03;
+  double clear_noises = 3.0;
+  double noise_share = 0.5;   // or, in the place of the latter, in square of what noise leaves
+  double gain_errors = 1.64;  // the validation gain exceeds so many of its standard errors by runs of blocks
   // or the gains on both kinds of blocks together so many of theirs: 3 over a whole recording
   double both_gain_errors = 2.12;
   double just_noticeable_share = 0.07;  // of the force: what removes more error than a hand can notice matters always
@@ -37,7 +41,7 @@ struct SearchSettings {
                               // place may give back
   // Beyond it nothing new is tried. Infinite: no limit, and so the same answer on every machine.
   double time_limit_s = std::numeric_limits<double>::infinity();
-  std::size_t most_effects = 4;
+  std::size_t most_effects = 6;
   int iterations = 12;
 };
 

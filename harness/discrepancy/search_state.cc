@@ -48,6 +48,11 @@ double SearchState::validation_rms_N(const Model& model) const {
   return rms_force_error_N(data->validation, data->validation.predictor->predict(model));
 }
 
+double SearchState::least_share(const Model& model) const {
+  const bool clear = validation_rms_N(model) > settings->clear_noises * expected_noise_N(data->validation, model);
+  return clear ? settings->clear_share : settings->minimum_share;
+}
+
 const Candidate& SearchState::candidate(const std::string& name) const {
   return *std::find_if(candidates->begin(), candidates->end(), [&](const Candidate& c) { return c.name == name; });
 }

@@ -42,6 +42,9 @@ struct SearchState {
   [[nodiscard]] double validation_deviance(const Model& model) const;
   [[nodiscard]] double validation_rms_N(const Model& model) const;
 
+  // Of the validation error's square, and of the validation chi-squared, that an effect of this model must explain.
+  [[nodiscard]] double least_share(const Model& model) const;
+
   [[nodiscard]] const Candidate& candidate(const std::string& name) const;
   // How the candidate enters a fit of that model, to the training recording or to another of its motion.
   [[nodiscard]] CandidateFit options(const Candidate& candidate, const Model& model) const;

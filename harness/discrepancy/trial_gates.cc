@@ -68,8 +68,9 @@ std::string weakness(const SearchState& state, const Standing& standing, const T
       const double seen_N = settings.noise_share * expected_noise_N(state.data->validation, trial.fit.model);
       return removed >= seen_N * seen_N;
     };
-    const bool shares = trial.validation_gain >= settings.minimum_share * standing.validation_chi_squared || seen();
-    if (!shares || !(removed >= settings.minimum_share * before)) return "too small to matter";
+    const double least = state.least_share(trial.fit.model);
+    const bool shares = trial.validation_gain >= least * standing.validation_chi_squared || seen();
+    if (!shares || !(removed >= least * before)) return "too small to matter";
   }
   for (const std::string& name : trial.effects()) {
     if (within_mesh_error(state, trial.fit.model, name)) return within_mesh;

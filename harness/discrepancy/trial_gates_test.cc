@@ -4,8 +4,11 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <memory>
+#include <vector>
 
 #include "harness/discrepancy/plane_for_test.h"
+#include "harness/discrepancy/two_recordings_for_test.h"
 
 namespace touchstone::discrepancy {
 namespace {
@@ -45,6 +48,27 @@ TEST(MeshError, WhatItExplainsAsWellIsNotMissing) {
   map.validation_gain = 150.0;
   hill.verdict = "too small to matter";
   EXPECT_EQ(explained_by_mesh({hill, map}, map), nullptr);
+}
+
+// A relaxation that removes 7 % of a large error is no detail; 7 % of what noise leaves may be one.
+TEST(LeastShare, IsSmallerWhileTheModelLeavesFarMoreThanNoise) {
+  Model truth;
+  truth.renderer = "plane";
+  truth.parameters["stiffness_N_per_m"] = 900.0;
+  const InstrumentDescription instrument = small_noise(1.0);
+  const MakePredictor make = [](const MotionColumns& motion) { return std::make_unique<PlanePredictor>(motion); };
+  const auto measure = [&](double phase, std::uint64_t seed) {
+    const MotionColumns path = hand(phase, 1.0);
+    return measured(path, PlanePredictor(path).predict(truth).f_W_N, instrument, seed);
+  };
+  const TwoRecordings recordings(measure(0.0, 1), measure(1.1, 2), instrument, truth, make);
+  const SearchSettings settings;
+  const std::vector<Candidate> none;
+  const SearchState state(recordings.data, none, settings, truth);
+  Model soft = truth;
+  soft.parameters["stiffness_N_per_m"] = 450.0;
+  EXPECT_EQ(state.least_share(truth), settings.minimum_share);
+  EXPECT_EQ(state.least_share(soft), settings.clear_share);
 }
 
 }  // namespace
