@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "harness/base/atomic_file.h"
+#include "harness/base/error.h"
 #include "harness/base/input_files.h"
 #include "harness/pipeline/discrepancy/golden_offer.h"
 #include "harness/pipeline/discrepancy/page.h"
