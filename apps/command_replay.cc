@@ -7,6 +7,8 @@
 #include "apps/mesh_flags.h"
 #include "apps/plugin_flags.h"
 #include "harness/base/atomic_file.h"
+#include "harness/recording/recording_file.h"
+#include "harness/rendering/moving_object.h"
 #include "harness/rendering/replay_file.h"
 #include "harness/sanity/recording_sample.h"
 #include "harness/sanity/sanity.h"
@@ -16,7 +18,7 @@ namespace touchstone::apps {
 namespace {
 
 struct ReplayOptions {
-  std::string model, mesh, mesh_unit = "m", trajectory, out, timing, json;
+  std::string model, mesh, mesh_unit = "m", object_path, trajectory, out, timing, json;
   bool flip_force = false;
   MeshFlags meshes;
   PluginFlags plugins;
@@ -25,7 +27,8 @@ struct ReplayOptions {
 // A recording's own forces show whether it belongs to this mesh. Positions without forces may be anywhere.
 void check_recording(const ReplayOptions& options, const Model& model, const Surface& surface) {
   Recording sample = sanity::sample_recording(options.trajectory);
-  if (sample.f_W_N.empty()) return;
+  // Nor is a recording on a moving object one on this mesh at rest.
+  if (sample.f_W_N.empty() || !options.object_path.empty()) return;
   if (options.flip_force) sanity::flip_force(sample);
   sanity::SanityContext context;
   context.surface = &surface;
@@ -42,7 +45,11 @@ ExitStatus replay_command(const ReplayOptions& options) {
   const TriangleMesh mesh = options.meshes.load(options.mesh, options.mesh_unit);
   const auto began = std::chrono::steady_clock::now();
   const std::shared_ptr<const Surface> surface = options.meshes.surface(mesh);
-  const auto renderer = make_renderer(model, surface);
+  std::unique_ptr<Renderer> renderer = make_renderer(model, surface);
+  if (!options.object_path.empty()) {
+    renderer = std::make_unique<MovingObject>(std::move(renderer), load_trajectory(options.object_path).motion,
+                                              options.object_path);
+  }
   const double build_ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - began).count();
   options.meshes.warn(mesh, *surface);
   check_recording(options, model, *surface);
@@ -51,7 +58,8 @@ ExitStatus replay_command(const ReplayOptions& options) {
   if (!options.timing.empty()) {
     ReplayTiming timing = measure_steps(*renderer, options.trajectory);
     timing.build_ms = build_ms;
-    const CountedRenderer counted = make_counted_renderer(model, surface);
+    CountedRenderer counted = make_counted_renderer(model, surface);
+    if (!options.object_path.empty()) counted = {nullptr, "on a moving object"};
     std::string operations = "null";
     if (counted.renderer) {
       OperationReport report = count_operations(*counted.renderer, options.trajectory);
@@ -96,6 +104,9 @@ void add_replay(CLI::App& program, Run& run) {
                    "Positions over time: CSV or HDF5 with t_s, x_m, y_m, z_m; a recording with force is checked as "
                    "`evaluate` checks it")
       ->required();
+  command->add_option("--object-path", options->object_path,
+                      "The object moves: its poses over time, from the mesh's frame to that of the trajectory (CSV or "
+                      "HDF5 with t_s, x_m, y_m, z_m, qw, qx, qy, qz; straight and at constant rate between them)");
   command->add_flag("--flip-force", options->flip_force,
                     "The file has the force BY the probe: check it negated (the replay needs positions alone)");
   command->add_option("--out", options->out, "Rendered file: force, surface contact point, contact (CSV or HDF5)")
@@ -111,6 +122,9 @@ void add_replay(CLI::App& program, Run& run) {
       "  touchstone replay --model god-object.json --mesh plane.obj --trajectory in.csv --out rendered.csv\n"
       "  touchstone replay --model god-object.json --mesh scan.stl --mesh-unit mm --trajectory in.h5 --out out.h5 "
       "--timing t.json\n"
+      "  touchstone replay --model friction.json --mesh belt.obj --object-path belt-poses.csv --trajectory in.csv "
+      "--out "
+      "out.csv\n"
       "  touchstone replay --plugin ./libmine.so --model mine.json --mesh plane.obj --trajectory in.csv --out out.csv");
   command->callback([options, &run] { run = [options] { return replay_command(*options); }; });
 }
