@@ -123,6 +123,7 @@ diagnosis::Scorecard scorecard_of(const std::shared_ptr<const RendererEntry>& en
   card.felt_tolerance_jnd = options.felt.jnd;
   const diagnosis::Engine engine = diagnosis::engine_of(*entry, options.facts);
   card.epsilon_m = engine.epsilon_m;
+  card.world_unit_m = entry->world_unit_m;
   card.diagnosis = diagnosis::diagnose(engine);
   constexpr int levels = 5;  // 8192 triangles
   if (!options.no_cost) card.cost = diagnosis::measure_cost(engine, levels);

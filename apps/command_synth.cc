@@ -1,8 +1,7 @@
 #include <fmt/format.h>
 
-#include <charconv>
-
 #include "apps/commands.h"
+#include "apps/named_values.h"
 #include "harness/base/atomic_file.h"
 #include "harness/base/units.h"
 #include "harness/recording/recording_file.h"
@@ -25,23 +24,6 @@ struct SynthOptions {
   std::string mesh_unit = "m", out, json;
 };
 
-synthetic::ParameterOverrides parse_parameters(const std::vector<std::string>& texts) {
-  synthetic::ParameterOverrides overrides;
-  for (const std::string& text : texts) {
-    const std::size_t equals = text.find('=');
-    const std::string name = text.substr(0, equals);
-    const char* const begin = text.data() + (equals == std::string::npos ? text.size() : equals + 1);
-    const char* const end = text.data() + text.size();
-    double value = 0.0;
-    const auto [stop, error] = std::from_chars(begin, end, value);
-    if (name.empty() || error != std::errc{} || stop != end) {
-      throw UsageError(fmt::format("--param '{}' is not name=number, as in radius_m=0.03", text));
-    }
-    if (!overrides.emplace(name, value).second) throw UsageError(fmt::format("--param {} is given twice", name));
-  }
-  return overrides;
-}
-
 ExitStatus synth_command(const SynthOptions& options) {
   if (options.list) {
     fmt::print("{}", synthetic::catalogue_markdown());
@@ -49,7 +31,7 @@ ExitStatus synth_command(const SynthOptions& options) {
     return ExitStatus::passed;
   }
   if (options.out.empty()) throw UsageError("--out is needed: the file or, for --dataset, the folder to write");
-  const auto overrides = parse_parameters(options.parameters);
+  const synthetic::ParameterOverrides overrides = named_values("--param", options.parameters);
   if (!options.dataset.empty()) {
     if (!overrides.empty())
       throw UsageError("--param does not go with --dataset: its recipe is fixed, only the seed is free");

@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "apps/commands.h"
+#include "apps/tool_renderer_flags.h"
 #include "harness/base/atomic_file.h"
 #include "harness/base/units.h"
 #include "harness/recording/recording_file.h"
@@ -29,32 +30,19 @@ using synthetic::ExactCase;
 
 constexpr double kToolDensity_kg_per_m3 = 1000.0;  // of water: between wood and plastic
 
-struct ToolSettingFlags {
-  ToolSettings settings;
-
-  void add_to(CLI::App& command) {
-    command
-        .add_option("--stiffness", settings.coupling.stiffness_N_per_m, "Of the coupling between hand and tool, N/m")
-        ->capture_default_str();
-    command
-        .add_option("--rotational-stiffness", settings.coupling.rotational_stiffness_Nm_per_rad,
-                    "Of the coupling, Nm/rad")
-        ->capture_default_str();
-    command
-        .add_option("--contact-stiffness", settings.contact_stiffness_N_per_m,
-                    "Of each point of the shell, N/m; not for god-object-tool")
-        ->capture_default_str();
-    command.add_option("--voxel", settings.voxel_m, "Edge of a voxel, m; for voxmap-pointshell")->capture_default_str();
-    command.add_option("--point-spacing", settings.point_spacing_m, "Of the point shell, m; not for god-object-tool")
-        ->capture_default_str();
-  }
-};
-
 Tool solid_tool(const TriangleMesh& mesh) { return {mesh, solid_mass_frame(mesh, kToolDensity_kg_per_m3)}; }
 
-ExitStatus list_tools() {
+struct ToolListOptions {
+  ToolRendererFlags flags;
+};
+
+ExitStatus list_tools(const ToolListOptions& options) {
   fmt::print("renderers\n");
-  for (const ToolRendererInfo& info : tool_renderers()) fmt::print("  {:<18} {}\n", info.name, info.what);
+  for (const ToolRendererEntry& entry : options.flags.entries()) {
+    fmt::print("  {:<18} {} ({})\n", entry.name, entry.summary, entry.source);
+    for (const ParameterDeclaration& p : entry.parameters)
+      fmt::print("    {:<26} {} {}: {}\n", p.name, p.initial, p.unit, p.meaning);
+  }
   fmt::print("exact cases\n");
   for (const std::string& name : synthetic::exact_case_names())
     fmt::print("  {:<18} {}\n", name, synthetic::make_exact_case(name).what);
@@ -93,7 +81,7 @@ ExitStatus write_tool_case(const ToolCaseOptions& options) {
 struct ToolReplayOptions {
   std::string renderer, tool_mesh, object_mesh, unit = "m", path, out, proxy, timing;
   std::uint64_t keep_every = 1;
-  ToolSettingFlags flags;
+  ToolRendererFlags flags;
 };
 
 double quantile_of_steps(const std::vector<double>& sorted, double share) {
@@ -102,8 +90,11 @@ double quantile_of_steps(const std::vector<double>& sorted, double share) {
 
 ExitStatus tool_replay_command(const ToolReplayOptions& options) {
   const double unit_m = length_unit_factor(options.unit);
-  const auto renderer = make_tool_renderer(options.renderer, solid_tool(load_mesh(options.tool_mesh, unit_m)),
-                                           load_mesh(options.object_mesh, unit_m), options.flags.settings);
+  const std::vector<ToolRendererEntry> known = options.flags.entries();
+  const ToolRendererEntry& entry = find_tool_renderer(known, options.renderer);
+  const auto renderer =
+      tool::make_tool_renderer(entry, solid_tool(load_mesh(options.tool_mesh, unit_m)),
+                               load_mesh(options.object_mesh, unit_m), options.flags.settings_of(entry, {&entry, 1}));
   ToolReplayFiles files{options.path, options.out, {}, options.keep_every};
   if (!options.proxy.empty()) files.proxy = options.proxy;
   const ToolReplaySummary summary = replay_tool(*renderer, files);
@@ -167,31 +158,32 @@ ExitStatus tool_compare_command(const ToolCompareOptions& options) {
 struct ToolTableOptions {
   std::string out;
   std::vector<std::string> cases, renderers;
-  ToolSettingFlags flags;
+  ToolRendererFlags flags;
 };
 
 ExitStatus tool_table_command(const ToolTableOptions& options) {
   std::vector<std::string> cases = options.cases.empty() ? synthetic::exact_case_names() : options.cases;
-  std::vector<std::string> names = options.renderers;
-  if (names.empty()) {
-    for (const ToolRendererInfo& info : tool_renderers()) names.push_back(info.name);
-  }
+  const std::vector<ToolRendererEntry> known = options.flags.entries();
+  std::vector<ToolRendererEntry> entries;
+  for (const std::string& name : options.renderers) entries.push_back(find_tool_renderer(known, name));
+  if (entries.empty()) entries = known;
+  const Coupling& coupling = options.flags.coupling;
   std::string table =
       "| case | renderer | force error, mean (N) | max (N) | torque error, mean (mNm) | max (mNm) | max (JND) | force "
       "(N) | torque (mNm) |\n"
       "|---|---|---|---|---|---|---|---|---|\n";
-  const ToolSettings& settings = options.flags.settings;
   for (const std::string& name : cases) {
     const ExactCase made = synthetic::make_exact_case(name);
     const Tool tool = solid_tool(made.tool_T);
     std::vector<synthetic::Equilibrium> truths;
     for (const Pose& handle : made.handles) {
-      truths.push_back(quasi_static_equilibrium(made.gaps, handle, settings.coupling));
+      truths.push_back(quasi_static_equilibrium(made.gaps, handle, coupling));
       if (!truths.back().found)
         throw BadData(fmt::format("{}: no equilibrium was found with these stiffnesses; give softer ones", name));
     }
-    for (const std::string& renderer_name : names) {
-      const auto renderer = make_tool_renderer(renderer_name, tool, made.object_W, settings);
+    for (const ToolRendererEntry& entry : entries) {
+      const auto renderer =
+          tool::make_tool_renderer(entry, tool, made.object_W, options.flags.settings_of(entry, entries));
       double force_sum = 0.0, force_max = 0.0, torque_sum = 0.0, torque_max = 0.0, jnd = 0.0, force = 0.0, torque = 0.0;
       for (std::size_t i = 0; i < made.handles.size(); ++i) {
         const ToolResult result = settle(*renderer, made.free, made.handles[i]);
@@ -207,9 +199,9 @@ ExitStatus tool_table_command(const ToolTableOptions& options) {
         torque = std::max(torque, truth.torque_Nm.norm());
       }
       const auto n = static_cast<double>(made.handles.size());
-      table += fmt::format("| {} | {} | {:.2g} | {:.2g} | {:.2g} | {:.2g} | {:.2g} | {:.3g} | {:.3g} |\n", name,
-                           renderer_name, force_sum / n, force_max, torque_sum / n * 1e3, torque_max * 1e3, jnd, force,
-                           torque * 1e3);
+      table +=
+          fmt::format("| {} | {} | {:.2g} | {:.2g} | {:.2g} | {:.2g} | {:.2g} | {:.3g} | {:.3g} |\n", name, entry.name,
+                      force_sum / n, force_max, torque_sum / n * 1e3, torque_max * 1e3, jnd, force, torque * 1e3);
     }
   }
   fmt::print("{}", table);
@@ -219,11 +211,13 @@ ExitStatus tool_table_command(const ToolTableOptions& options) {
 
 struct ToolCheckOptions {
   std::string renderer, fault;
-  ToolSettingFlags flags;
+  ToolRendererFlags flags;
 };
 
 ExitStatus tool_check_command(const ToolCheckOptions& options) {
-  ToolSubject subject = tool_subject(options.renderer, options.flags.settings);
+  const std::vector<ToolRendererEntry> known = options.flags.entries();
+  const ToolRendererEntry& entry = find_tool_renderer(known, options.renderer);
+  ToolSubject subject = subject_of(entry, options.flags.settings_of(entry, {&entry, 1}));
   if (!options.fault.empty()) {
     const auto* const found = std::ranges::find(kToolFaultNames, options.fault);
     if (found == kToolFaultNames.end())
@@ -266,8 +260,10 @@ void add_tool(CLI::App& program, Run& run) {
       "  touchstone tool table");
 
   auto* const list = command->add_subcommand("list", "Renderers of tools, exact cases and faults that can be planted");
+  auto list_options = std::make_shared<ToolListOptions>();
+  list_options->flags.plugins.add_to(*list);
   list->footer("Example:\n  touchstone tool list");
-  list->callback([&run] { run = list_tools; });
+  list->callback([list_options, &run] { run = [list_options] { return list_tools(*list_options); }; });
 
   auto* const one =
       command->add_subcommand("case", "Write the meshes of an exact case and a scripted path of the handle");

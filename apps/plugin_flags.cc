@@ -25,7 +25,7 @@ void PluginFlags::add_to(CLI::App& command) {
       ->capture_default_str();
 }
 
-Plugins PluginFlags::load() const {
+PluginOptions PluginFlags::options() const {
   constexpr double longest_s = 1e6;
   if (!(step_limit_s >= 1e-3 && step_limit_s <= longest_s)) {
     throw UsageError(fmt::format("--plugin-time-limit {}: a number of seconds from 0.001 to {} was expected",
@@ -35,9 +35,14 @@ Plugins PluginFlags::load() const {
   options.in_process = in_process;
   options.source = source;
   options.limits.step = std::chrono::milliseconds(std::llround(1e3 * step_limit_s));
+  return options;
+}
+
+Plugins PluginFlags::load() const {
+  const PluginOptions chosen = options();
   const std::vector<std::string> known = renderer_names(built_in_catalogue());
   Plugins plugins;
-  for (const std::string& library : libraries) plugins.load(library, options, known);
+  for (const std::string& library : libraries) plugins.load(library, chosen, known);
   return plugins;
 }
 

@@ -19,6 +19,8 @@ struct PluginFlags {
 
   void add_to(CLI::App& command);
 
+  // Where and how the libraries are loaded. Throws UsageError for a limit that makes no sense.
+  [[nodiscard]] PluginOptions options() const;
   // Loads the libraries. Throws as Plugins::load() does, UsageError for a limit that makes no sense.
   [[nodiscard]] Plugins load() const;
 };

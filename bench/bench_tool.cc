@@ -16,10 +16,10 @@
 namespace touchstone::bench {
 namespace {
 
-using renderers::ToolSettings;
 using surface::TriangleMesh;
 using tool::Pose;
 using tool::Tool;
+using tool::ToolSettings;
 
 constexpr int kSteps = 4000;
 constexpr double kDensity_kg_per_m3 = 1000.0;
@@ -63,11 +63,12 @@ void BM_VoxmapPointshell(benchmark::State& state) {
   // An ellipsoid of 40 mm with a point per 1.45 mm: about 2,000 points.
   const Tool tool = solid(synthetic::ellipsoid_mesh(Vec3(0, 0, -0.03), Vec3(0.02, 0.018, 0.016), 40000));
   ToolSettings settings;
-  settings.point_spacing_m = 1.45e-3;
+  constexpr double kSpacing_m = 1.45e-3;
+  settings.parameters["point_spacing_m"] = kSpacing_m;
   const auto object = synthetic::ellipsoid_mesh(Vec3(0, 0, -0.05), Vec3(0.05, 0.05, 0.05), 100000);
   const auto renderer = renderers::make_tool_renderer("voxmap-pointshell", tool, object, settings);
   run(state, *renderer, {Vec3(0, 0, 0.046), Quat::Identity()});
-  state.counters["points"] = double(tool::make_point_shell(tool.mesh_T, settings.point_spacing_m).size());
+  state.counters["points"] = double(tool::make_point_shell(tool.mesh_T, kSpacing_m).size());
 }
 BENCHMARK(BM_VoxmapPointshell)->Unit(benchmark::kMillisecond);
 

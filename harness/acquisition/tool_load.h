@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "harness/base/rooms.h"
-#include "harness/recording/wrench.h"
+#include "harness/base/wrench.h"
 
 namespace touchstone::acquisition {
 

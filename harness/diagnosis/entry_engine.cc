@@ -65,6 +65,7 @@ Engine engine_of(const RendererEntry& entry, const EngineFacts& facts) {
   if (const auto declared = checked.values().find("epsilon_m");
       engine.epsilon_m == 0.0 && declared != checked.values().end())
     engine.epsilon_m = declared->second;
+  if (engine.epsilon_m == 0.0) engine.epsilon_m = entry.epsilon_m;
   engine.cannot = entry.cannot;
   return engine;
 }

@@ -99,9 +99,9 @@ CostScore measure_cost(const Engine& engine, int levels) {
 std::string scorecard_to_json(const Scorecard& card) {
   nlohmann::ordered_json out;
   out["schema"] = "touchstone-scorecard/1";
-  out["engine"] = {{"name", card.engine},        {"summary", card.summary},       {"source", card.source},
-                   {"library", card.library},    {"sha256", card.library_sha256}, {"options", card.options},
-                   {"epsilon_m", card.epsilon_m}};
+  out["engine"] = {{"name", card.engine},         {"summary", card.summary},          {"source", card.source},
+                   {"library", card.library},     {"sha256", card.library_sha256},    {"options", card.options},
+                   {"epsilon_m", card.epsilon_m}, {"world_unit_m", card.world_unit_m}};
   out["fix_first"] = first_to_fix(card);
   out["findings"] = nlohmann::ordered_json::array();
   for (const Finding& finding : card.diagnosis.findings) {

@@ -38,6 +38,7 @@ struct Scorecard {
   std::string options;                  // parameters and facts that were given
   double felt_tolerance_jnd = 1.0;
   double epsilon_m = 0.0;
+  double world_unit_m = 1.0;  // of the engine's own world
   Diagnosis diagnosis;
   std::vector<CaseScore> cases;
   std::optional<CostScore> cost;

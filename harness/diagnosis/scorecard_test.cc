@@ -71,6 +71,10 @@ TEST(EntryEngine, AnEpsilonThatTheEntryDeclaresIsTaken) {
   EngineFacts facts;
   facts.epsilon_m = 1e-5;
   EXPECT_EQ(touchstone::diagnosis::engine_of(entry, facts).epsilon_m, 1e-5);
+  // Without such a parameter, what the entry declares.
+  entry.parameters.pop_back();
+  entry.epsilon_m = 3e-7;
+  EXPECT_EQ(touchstone::diagnosis::engine_of(entry, {}).epsilon_m, 3e-7);
 }
 
 }  // namespace

@@ -6,63 +6,36 @@
 
 #include "harness/base/error.h"
 #include "harness/base/known_names.h"
-#include "harness/plugin/plugin_in_process.h"
+#include "harness/plugin/plugin_creation.h"
 #include "harness/plugin/plugin_renderer.h"
 
 namespace touchstone::plugin {
 namespace {
 
-static_assert(sizeof(Vec3) == 3 * sizeof(double));
-static_assert(sizeof(std::array<std::int32_t, 3>) == 3 * sizeof(std::int32_t));
-
-// What a creation points to besides the mesh.
-struct CreationTexts {
-  std::string model;
-  std::vector<double> parameters;
-};
-
-CreationTexts texts_of(const PluginDescription& description, const Parameters& parameters) {
-  CreationTexts out;
-  Model model;
-  model.renderer = description.name;
-  for (const ParameterDeclaration& declaration : description.parameters) {
-    out.parameters.push_back(parameters.at(declaration.name));
-    model.parameters[declaration.name] = out.parameters.back();
-  }
-  out.model = model_to_json(model);
-  return out;
-}
-
-RendererEntry entry_of(const PluginDescription& description, std::uint32_t index, const std::filesystem::path& path,
-                       const std::shared_ptr<const PluginLibrary>& library, const PluginOptions& options) {
+RendererEntry entry_of(const std::shared_ptr<const LoadedPlugin>& loaded, std::uint32_t index) {
+  const PluginDescription& described = loaded->descriptions()[index];
   RendererEntry entry;
-  entry.name = description.name;
-  entry.summary = description.summary;
-  entry.source = description.source;
-  entry.parameters = description.parameters;
-  entry.cannot = limitations_of(description, path);
-  entry.library = path;
-  entry.library_source = options.source;
-  entry.make = [=](const Parameters& parameters, std::shared_ptr<const Surface> surface) -> std::unique_ptr<Renderer> {
+  entry.name = described.name;
+  entry.summary = described.summary;
+  entry.source = described.source;
+  entry.parameters = described.parameters;
+  entry.cannot = limitations_of(described, loaded->path());
+  entry.epsilon_m = described.epsilon_m;
+  entry.world_unit_m = described.world_unit_m;
+  entry.library = loaded->path();
+  entry.library_source = loaded->options().source;
+  entry.make = [loaded, index](const Parameters& parameters,
+                               std::shared_ptr<const Surface> surface) -> std::unique_ptr<Renderer> {
+    const PluginDescription& description = loaded->descriptions()[index];
     const TriangleMesh* const mesh = surface->mesh();
     if (mesh == nullptr) {
-      throw BadData(fmt::format("{}: the renderer {} cannot run on a surface without triangles", path.string(),
-                                description.name));
+      throw BadData(fmt::format("{}: the renderer {} cannot run on a surface without triangles",
+                                loaded->path().string(), description.name));
     }
-    const CreationTexts texts = texts_of(description, parameters);
-    const touchstone_creation creation{index,
-                                       0,
-                                       texts.model.c_str(),
-                                       texts.parameters.data(),
-                                       texts.parameters.size(),
-                                       mesh->vertices_W_m.empty() ? nullptr : mesh->vertices_W_m.front().data(),
-                                       mesh->vertices_W_m.size(),
-                                       mesh->triangles.empty() ? nullptr : mesh->triangles.front().data(),
-                                       mesh->triangles.size()};
-    auto connection = library ? make_plugin_in_process(library, creation)
-                              : make_plugin_process(path, creation, options.limits, options.host);
-    return std::make_unique<PluginRenderer>(
-        std::move(connection), fmt::format("{}: the renderer {}", path.string(), description.name), std::move(surface));
+    // The surface's own mesh, which lives as long as the surface.
+    auto creation = std::make_shared<const PluginCreation>(description, index, parameters,
+                                                           std::shared_ptr<const TriangleMesh>(surface, mesh));
+    return std::make_unique<PluginRenderer>(loaded->make(std::move(creation), 0));
   };
   return entry;
 }
@@ -71,20 +44,16 @@ RendererEntry entry_of(const PluginDescription& description, std::uint32_t index
 
 std::vector<std::shared_ptr<const RendererEntry>> load_plugin(const std::filesystem::path& library,
                                                               const PluginOptions& options) {
-  PluginOptions chosen = options;
-  std::shared_ptr<const PluginLibrary> loaded;
-  std::vector<PluginDescription> descriptions;
-  if (options.in_process) {
-    loaded = std::make_shared<const PluginLibrary>(library);
-    descriptions = loaded->descriptions();
-  } else {
-    if (chosen.host.empty()) chosen.host = find_plugin_host();
-    descriptions = describe_plugin(library, chosen.limits, chosen.host);
-  }
+  const auto loaded = std::make_shared<const LoadedPlugin>(library, options);
   std::vector<std::shared_ptr<const RendererEntry>> entries;
-  entries.reserve(descriptions.size());
-  for (std::uint32_t i = 0; i < descriptions.size(); ++i) {
-    entries.push_back(std::make_shared<const RendererEntry>(entry_of(descriptions[i], i, library, loaded, chosen)));
+  for (std::uint32_t i = 0; i < loaded->descriptions().size(); ++i) {
+    if (!loaded->descriptions()[i].renders_tools)
+      entries.push_back(std::make_shared<const RendererEntry>(entry_of(loaded, i)));
+  }
+  if (entries.empty()) {
+    throw BadData(
+        fmt::format("{}: has renderers of tools with a shape only ({} first); the command `touchstone tool` takes it",
+                    library.string(), loaded->descriptions().front().name));
   }
   return entries;
 }

@@ -10,24 +10,14 @@
 #include <vector>
 
 #include "harness/base/rooms.h"
-#include "harness/plugin/plugin_process.h"
+#include "harness/plugin/loaded_plugin.h"
 #include "harness/rendering/model.h"
 #include "harness/rendering/renderer_entry.h"
 
 namespace touchstone::plugin {
 
-struct PluginOptions {
-  // In this process a step costs a function call, and a plug-in that crashes or hangs takes the program with it. Else
-  // each renderer has a child process, and a step costs about a microsecond more (bench_plugin).
-  bool in_process = false;
-  PluginLimits limits;
-  std::filesystem::path host;  // find_plugin_host() where empty
-  // The folder of its sources, for provenance; the library's own where empty.
-  std::filesystem::path source;
-};
-
-// The renderers of one library. Throws BadData for a library that is none, lacks functions, follows or claims a wrong
-// version, or describes what makes no sense; RendererFailed when it crashes or hangs while it is loaded.
+// The renderers of points and balls of one library. Throws as LoadedPlugin does, and BadData for a library that has
+// none.
 std::vector<std::shared_ptr<const RendererEntry>> load_plugin(const std::filesystem::path& library,
                                                               const PluginOptions& options);
 

@@ -36,6 +36,21 @@ void futex_wait(std::atomic<std::uint32_t>& word, std::uint32_t seen, std::chron
 
 }  // namespace
 
+const char* name_of(PluginRequest request, unsigned version) noexcept {
+  const bool first = version == TOUCHSTONE_PLUGIN_VERSION;
+  switch (request) {
+    case PluginRequest::create:
+      return first ? "touchstone_create" : "touchstone2_create";
+    case PluginRequest::reset:
+      return first ? "touchstone_reset" : "touchstone2_reset";
+    case PluginRequest::step:
+      return first ? "touchstone_step" : "touchstone2_step";
+    case PluginRequest::destroy:
+      return first ? "touchstone_destroy" : "touchstone2_destroy";
+  }
+  return "?";
+}
+
 void Doorbell::ring() noexcept {
   // In one order with await(): either the sleeper is seen here, or the count is seen there.
   count.fetch_add(1, std::memory_order_seq_cst);

@@ -97,9 +97,11 @@ class Unpacker {
 
 }  // namespace
 
-PluginDescription read_description(const touchstone_description& description, const std::filesystem::path& library,
-                                   std::uint32_t index) {
-  Place place(library, index);
+namespace {
+
+// What both versions' descriptions have.
+template <class Description>
+PluginDescription read_common(const Description& description, Place& place) {
   PluginDescription out;
   out.name = place.text(description.name, "its name", true);
   place.name(out.name);
@@ -128,6 +130,41 @@ PluginDescription read_description(const touchstone_description& description, co
     const std::string what = fmt::format("limitation {}", i);
     out.limitations.emplace_back(place.text(description.limitations[i].ability, what + ": ability", true),
                                  place.text(description.limitations[i].reason, what + ": reason", true));
+  }
+  return out;
+}
+
+}  // namespace
+
+PluginDescription read_description(const touchstone_description& description, const std::filesystem::path& library,
+                                   std::uint32_t index) {
+  Place place(library, index);
+  return read_common(description, place);
+}
+
+PluginDescription read_description(const touchstone2_description& description, const std::filesystem::path& library,
+                                   std::uint32_t index) {
+  Place place(library, index);
+  PluginDescription out = read_common(description, place);
+  out.version = TOUCHSTONE_PLUGIN_VERSION_2;
+  switch (description.tip_kind) {
+    case TOUCHSTONE2_POINT:
+      break;
+    case TOUCHSTONE2_TOOL:
+      out.renders_tools = true;
+      break;
+    default:
+      place.refuse(fmt::format("its tip_kind is {}; {} (a point or ball) or {} (a tool) was expected",
+                               description.tip_kind, int{TOUCHSTONE2_POINT}, int{TOUCHSTONE2_TOOL}));
+  }
+  out.epsilon_m = description.epsilon_m;
+  if (description.world_unit_m != 0.0) out.world_unit_m = description.world_unit_m;
+  if (!(std::isfinite(out.epsilon_m) && out.epsilon_m >= 0.0)) {
+    place.refuse(fmt::format("its epsilon_m is {}; a length of 0 or more was expected", out.epsilon_m));
+  }
+  if (!(std::isfinite(out.world_unit_m) && out.world_unit_m > 0.0)) {
+    place.refuse(fmt::format("its world_unit_m is {}; a length above 0, or 0 for metres, was expected",
+                             description.world_unit_m));
   }
   return out;
 }
@@ -162,6 +199,9 @@ std::string pack(std::span<const PluginDescription> descriptions) {
     }
     put(out, std::uint64_t{one.limitations.size()});
     for (const auto& [ability, reason] : one.limitations) put(out, ability), put(out, reason);
+    put(out, std::uint64_t{one.version});
+    put(out, std::uint64_t{one.renders_tools});
+    for (const double length_m : {one.epsilon_m, one.world_unit_m}) put(out, length_m);
   }
   return out;
 }
@@ -181,6 +221,9 @@ std::vector<PluginDescription> unpack(std::string_view bytes, const std::filesys
       std::string ability = from.text();
       one.limitations.emplace_back(std::move(ability), from.text());
     }
+    one.version = static_cast<unsigned>(from.number());
+    one.renders_tools = from.number() != 0;
+    for (double* const length_m : {&one.epsilon_m, &one.world_unit_m}) *length_m = from.real();
   }
   if (!from.finished())
     throw BadData(fmt::format("{}: what the plug-in said about itself has bytes too many", library.string()));

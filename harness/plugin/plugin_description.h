@@ -2,7 +2,7 @@
 // the library sends them to the program.
 #pragma once
 
-#include <touchstone/plugin.h>
+#include <touchstone/plugin2.h>
 
 #include <filesystem>
 #include <span>
@@ -17,14 +17,20 @@
 namespace touchstone::plugin {
 
 struct PluginDescription {
+  unsigned version = TOUCHSTONE_PLUGIN_VERSION;  // of the interface that the library follows
   std::string name, summary, source;
   std::vector<ParameterDeclaration> parameters;
   std::vector<std::pair<std::string, std::string>> limitations;  // ability, reason
+  bool renders_tools = false;                                    // else a point or a ball
+  double epsilon_m = 0.0;     // lengths below it are nothing to the renderer; 0: none but rounding
+  double world_unit_m = 1.0;  // one unit of the engine's own world
 };
 
 // Throws BadData, naming the library and the place, for texts that are missing, names that stand twice, ranges that are
 // none.
 PluginDescription read_description(const touchstone_description& description, const std::filesystem::path& library,
+                                   std::uint32_t index);
+PluginDescription read_description(const touchstone2_description& description, const std::filesystem::path& library,
                                    std::uint32_t index);
 
 // Throws BadData for an ability that does not exist; lists those that do.

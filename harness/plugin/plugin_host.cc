@@ -13,6 +13,7 @@
 #include <new>
 #include <string_view>
 #include <thread>
+#include <vector>
 
 #include "harness/base/error.h"
 #include "harness/plugin/plugin_channel.h"
@@ -69,22 +70,78 @@ void refuse(PluginChannel& channel, const std::string& why) {
   channel.outcome = PluginOutcome::refused;
 }
 
+// What the creation's structures point to, in this process's addresses.
+struct Creation {
+  std::vector<touchstone2_body> bodies;
+  touchstone2_tool tool{};
+  touchstone2_creation creation{};
+};
+
+touchstone2_mesh mesh_of(const std::byte* memory, const SharedMesh& mesh) {
+  return {reinterpret_cast<const double*>(memory + mesh.vertices_at), mesh.vertex_count,
+          reinterpret_cast<const std::int32_t*>(memory + mesh.triangles_at), mesh.triangle_count};
+}
+
+void unfold(const std::byte* memory, const PluginChannel& channel, Creation& out) {
+  const auto* const bodies = reinterpret_cast<const SharedBody*>(memory + channel.bodies_at);
+  for (std::uint64_t i = 0; i < channel.body_count; ++i) {
+    out.bodies.push_back({sizeof(touchstone2_body), bodies[i].moves,
+                          reinterpret_cast<const char*>(memory + bodies[i].name_at), mesh_of(memory, bodies[i].mesh),
+                          bodies[i].pose});
+  }
+  out.tool = channel.tool;
+  out.tool.mesh = mesh_of(memory, channel.tool_mesh);
+  out.creation = {sizeof(touchstone2_creation),
+                  channel.index,
+                  reinterpret_cast<const char*>(memory + channel.model_text_at),
+                  reinterpret_cast<const double*>(memory + channel.parameters_at),
+                  channel.parameter_count,
+                  out.bodies.data(),
+                  out.bodies.size(),
+                  channel.has_tool != 0 ? &out.tool : nullptr};
+}
+
+// One step with the plug-in's own copies: it does not see the memory of the handshake.
+class Stepper {
+ public:
+  Stepper(std::byte* memory, PluginChannel& channel)
+      : channel_(channel),
+        shared_poses_(reinterpret_cast<const touchstone2_pose*>(memory + channel.poses_at)),
+        shared_contacts_(reinterpret_cast<touchstone2_contact*>(memory + channel.contacts_at)),
+        poses_(channel.body_count),
+        contacts_(channel.contact_capacity) {}
+
+  void step(const PluginLibrary& library, PluginHandle renderer) {
+    std::copy_n(shared_poses_, poses_.size(), poses_.begin());
+    touchstone2_input input = channel_.input;
+    input.bodies = poses_.data();
+    input.body_count = poses_.size();
+    touchstone2_result result = channel_.result;
+    result.contacts = contacts_.data();
+    result.contact_capacity = contacts_.size();
+    if (!library.step(renderer, input, result)) refuse(channel_, library.error(renderer));
+    std::copy_n(contacts_.begin(), std::min(result.contact_count, contacts_.size()), shared_contacts_);
+    channel_.result = result;
+  }
+
+ private:
+  PluginChannel& channel_;
+  const touchstone2_pose* shared_poses_;
+  touchstone2_contact* shared_contacts_;
+  std::vector<touchstone2_pose> poses_;
+  std::vector<touchstone2_contact> contacts_;
+};
+
 // Serves requests until the program is gone.
 [[noreturn]] void serve(std::byte* memory) {
   PluginChannel& channel = *std::launder(reinterpret_cast<PluginChannel*>(memory));
-  // Whoever writes to the program's mesh is found at once.
+  // Whoever writes to the program's meshes is found at once.
   ::mprotect(memory + channel.arrays_at, channel.size - channel.arrays_at, PROT_READ);
-  const touchstone_creation creation{channel.index,
-                                     0,
-                                     reinterpret_cast<const char*>(memory + channel.model_text_at),
-                                     reinterpret_cast<const double*>(memory + channel.parameters_at),
-                                     channel.parameter_count,
-                                     reinterpret_cast<const double*>(memory + channel.vertices_at),
-                                     channel.vertex_count,
-                                     reinterpret_cast<const std::int32_t*>(memory + channel.triangles_at),
-                                     channel.triangle_count};
+  Creation creation;
+  unfold(memory, channel, creation);
+  Stepper stepper(memory, channel);
   std::unique_ptr<const PluginLibrary> library;
-  touchstone_renderer* renderer = nullptr;
+  PluginHandle renderer = nullptr;
   for (std::uint32_t seen = 0;; ++seen) {
     while (!channel.asked.await(seen, std::chrono::hours(1))) {
     }
@@ -94,7 +151,7 @@ void refuse(PluginChannel& channel, const std::string& why) {
         try {
           library = std::make_unique<const PluginLibrary>(reinterpret_cast<const char*>(memory + channel.library_at));
           std::string why;
-          renderer = library->create(creation, why);
+          renderer = library->create(creation.creation, why);
           if (renderer == nullptr) refuse(channel, why);
         } catch (const std::exception& error) {
           refuse(channel, error.what());
@@ -104,14 +161,9 @@ void refuse(PluginChannel& channel, const std::string& why) {
       case PluginRequest::reset:
         if (!library->reset(renderer)) refuse(channel, library->error(renderer));
         break;
-      case PluginRequest::step: {
-        // Its own copies: the plug-in does not see the memory of the handshake.
-        const touchstone_tip tip = channel.tip;
-        touchstone_result result{};
-        if (!library->step(renderer, tip, result)) refuse(channel, library->error(renderer));
-        channel.result = result;
+      case PluginRequest::step:
+        stepper.step(*library, renderer);
         break;
-      }
       case PluginRequest::destroy:
         library->destroy(renderer);
         channel.answered.ring();

@@ -2,6 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <optional>
+
+#include "harness/plugin/plugin_channel.h"
 #include "harness/rendering/renderer_failed.h"
 
 namespace touchstone::plugin {
@@ -9,7 +12,7 @@ namespace {
 
 class InProcess final : public PluginConnection {
  public:
-  InProcess(std::shared_ptr<const PluginLibrary> library, const touchstone_creation& creation)
+  InProcess(std::shared_ptr<const PluginLibrary> library, const touchstone2_creation& creation)
       : library_(std::move(library)) {
     std::string why;
     renderer_ = library_->create(creation, why);
@@ -23,27 +26,27 @@ class InProcess final : public PluginConnection {
   InProcess& operator=(const InProcess&) = delete;
 
   bool reset() noexcept override {
-    if (failed_in_ == nullptr && !library_->reset(renderer_)) failed_in_ = "touchstone_reset";
-    return failed_in_ == nullptr;
+    if (!failed_in_ && !library_->reset(renderer_)) failed_in_ = PluginRequest::reset;
+    return !failed_in_;
   }
-  bool step(const touchstone_tip& tip, touchstone_result& result) noexcept override {
-    if (failed_in_ == nullptr && !library_->step(renderer_, tip, result)) failed_in_ = "touchstone_step";
-    return failed_in_ == nullptr;
+  bool step(const touchstone2_input& input, touchstone2_result& result) noexcept override {
+    if (!failed_in_ && !library_->step(renderer_, input, result)) failed_in_ = PluginRequest::step;
+    return !failed_in_;
   }
   [[nodiscard]] std::string failure() const override {
-    return fmt::format("{} failed: {}", failed_in_, library_->error(renderer_));
+    return fmt::format("{} failed: {}", name_of(*failed_in_, library_->version()), library_->error(renderer_));
   }
 
  private:
   std::shared_ptr<const PluginLibrary> library_;
-  touchstone_renderer* renderer_ = nullptr;
-  const char* failed_in_ = nullptr;
+  PluginHandle renderer_ = nullptr;
+  std::optional<PluginRequest> failed_in_;
 };
 
 }  // namespace
 
 std::unique_ptr<PluginConnection> make_plugin_in_process(std::shared_ptr<const PluginLibrary> library,
-                                                         const touchstone_creation& creation) {
+                                                         const touchstone2_creation& creation) {
   return std::make_unique<InProcess>(std::move(library), creation);
 }
 

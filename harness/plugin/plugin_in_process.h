@@ -11,6 +11,6 @@ namespace touchstone::plugin {
 
 // Throws RendererFailed when the plug-in makes none. The creation's arrays must outlive the connection.
 std::unique_ptr<PluginConnection> make_plugin_in_process(std::shared_ptr<const PluginLibrary> library,
-                                                         const touchstone_creation& creation);
+                                                         const touchstone2_creation& creation);
 
 }  // namespace touchstone::plugin

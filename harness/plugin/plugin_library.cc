@@ -12,15 +12,6 @@ namespace {
 
 constexpr const char* kThrew = "a C++ exception left the plug-in; catch it inside and return an error";
 
-void check_size(const std::filesystem::path& library, const char* what, std::uint32_t given, std::size_t expected) {
-  if (given == expected) return;
-  throw BadData(fmt::format(
-      "{}: it says that it follows version {} of the plug-in interface, but its {} has {} bytes where that "
-      "version has {}; build it again with the <touchstone/plugin.h> of this program, and set the sizes with "
-      "TOUCHSTONE_PLUGIN_SIZES",
-      library.string(), TOUCHSTONE_PLUGIN_VERSION, what, given, expected));
-}
-
 }  // namespace
 
 PluginLibrary::PluginLibrary(const std::filesystem::path& path) : path_(path) {
@@ -39,27 +30,7 @@ PluginLibrary::PluginLibrary(const std::filesystem::path& path) : path_(path) {
                               why == nullptr ? "no reason given" : why));
   }
   try {
-    find(version_, "touchstone_plugin_version");
-    check_version();
-    find(describe_, "touchstone_describe");
-    find(create_, "touchstone_create");
-    find(reset_, "touchstone_reset");
-    find(step_, "touchstone_step");
-    find(destroy_, "touchstone_destroy");
-    find(error_, "touchstone_error");
-    constexpr std::uint32_t most_renderers = 1000;
-    for (std::uint32_t i = 0; i < most_renderers; ++i) {
-      const touchstone_description* const one = describe_(i);
-      if (one == nullptr) break;
-      check_size(path_, "touchstone_description", one->description_size, sizeof(touchstone_description));
-      check_size(path_, "touchstone_creation", one->creation_size, sizeof(touchstone_creation));
-      check_size(path_, "touchstone_tip", one->tip_size, sizeof(touchstone_tip));
-      check_size(path_, "touchstone_result", one->result_size, sizeof(touchstone_result));
-      descriptions_.push_back(read_description(*one, path_, i));
-    }
-    if (descriptions_.empty()) {
-      throw BadData(fmt::format("{}: touchstone_describe(0) gives NULL: the plug-in has no renderer", path.string()));
-    }
+    load();
   } catch (...) {
     ::dlclose(handle_);
     throw;
@@ -68,10 +39,32 @@ PluginLibrary::PluginLibrary(const std::filesystem::path& path) : path_(path) {
 
 PluginLibrary::~PluginLibrary() { ::dlclose(handle_); }
 
+void PluginLibrary::load() {
+  version_ = reinterpret_cast<decltype(touchstone_plugin_version)*>(symbol("touchstone_plugin_version"))();
+  const FindSymbol find = [this](const char* name) { return symbol(name); };
+  switch (version_) {
+    case TOUCHSTONE_PLUGIN_VERSION:
+      functions_ = plugin_functions_1(path_, find);
+      break;
+    case TOUCHSTONE_PLUGIN_VERSION_2:
+      functions_ = plugin_functions_2(path_, find);
+      break;
+    default:
+      throw BadData(fmt::format(
+          "{}: it follows version {} of the plug-in interface, this program versions {} and {}; build it again with "
+          "the <touchstone/plugin.h> or <touchstone/plugin2.h> of this program",
+          path_.string(), version_, TOUCHSTONE_PLUGIN_VERSION, TOUCHSTONE_PLUGIN_VERSION_2));
+  }
+  descriptions_ = functions_->describe();
+  if (descriptions_.empty()) {
+    throw BadData(fmt::format("{}: it describes no renderer: its description of renderer 0 is NULL", path_.string()));
+  }
+}
+
 void* PluginLibrary::symbol(const char* name) const {
   void* const found = ::dlsym(handle_, name);
   if (found != nullptr) return found;
-  if (version_ == nullptr) {
+  if (version_ == 0) {
     throw BadData(fmt::format(
         "{}: is a shared library, but no plug-in of Touchstone: it exports no {} (see <touchstone/plugin.h>; "
         "functions of a C++ file need extern \"C\")",
@@ -79,21 +72,12 @@ void* PluginLibrary::symbol(const char* name) const {
   }
   throw BadData(fmt::format(
       "{}: it says that it follows version {} of the plug-in interface, but exports no {}, which that version has",
-      path_.string(), version_(), name));
+      path_.string(), version_, name));
 }
 
-void PluginLibrary::check_version() const {
-  const std::uint32_t version = version_();
-  if (version == TOUCHSTONE_PLUGIN_VERSION) return;
-  throw BadData(fmt::format(
-      "{}: it follows version {} of the plug-in interface, this program version {}; build it again with the "
-      "<touchstone/plugin.h> of this program",
-      path_.string(), version, TOUCHSTONE_PLUGIN_VERSION));
-}
-
-touchstone_renderer* PluginLibrary::create(const touchstone_creation& creation, std::string& why) const {
+PluginHandle PluginLibrary::create(const touchstone2_creation& creation, std::string& why) const {
   try {
-    touchstone_renderer* const made = create_(&creation);
+    const PluginHandle made = functions_->create(creation);
     if (made == nullptr) why = error(nullptr);
     return made;
   } catch (...) {
@@ -102,36 +86,36 @@ touchstone_renderer* PluginLibrary::create(const touchstone_creation& creation, 
   }
 }
 
-void PluginLibrary::destroy(touchstone_renderer* renderer) const noexcept {
+void PluginLibrary::destroy(PluginHandle renderer) const noexcept {
   try {
-    destroy_(renderer);
+    functions_->destroy(renderer);
   } catch (...) {
     // Nothing is left to be told about it.
     return;
   }
 }
 
-bool PluginLibrary::reset(touchstone_renderer* renderer) const noexcept {
+bool PluginLibrary::reset(PluginHandle renderer) const noexcept {
   try {
-    return reset_(renderer) == 0;
+    return functions_->reset(renderer) == 0;
   } catch (...) {
     return false;
   }
 }
 
-bool PluginLibrary::step(touchstone_renderer* renderer, const touchstone_tip& tip,
-                         touchstone_result& result) const noexcept {
+bool PluginLibrary::step(PluginHandle renderer, const touchstone2_input& input,
+                         touchstone2_result& result) const noexcept {
   try {
-    return step_(renderer, &tip, &result) == 0;
+    return functions_->step(renderer, input, result) == 0;
   } catch (...) {
     return false;
   }
 }
 
-std::string PluginLibrary::error(const touchstone_renderer* renderer) const {
+std::string PluginLibrary::error(PluginHandle renderer) const {
   try {
-    const char* const text = error_(renderer);
-    return text == nullptr || *text == '\0' ? "it gives no reason (a C++ exception, or no touchstone_error text)"
+    const char* const text = functions_->error(renderer);
+    return text == nullptr || *text == '\0' ? "it gives no reason (a C++ exception, or no text of its error function)"
                                             : text;
   } catch (...) {
     return kThrew;

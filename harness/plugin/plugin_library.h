@@ -1,16 +1,18 @@
-// A plug-in's shared library, loaded into this process and checked: the functions of <touchstone/plugin.h> and nothing
-// that could come of them. Loading runs the library's own start-up code: where that is not trusted, a child process
-// does it (plugin_process.h).
+// A plug-in's shared library, loaded into this process and checked: the functions of <touchstone/plugin.h> or
+// <touchstone/plugin2.h>, in the terms of the latter, and nothing that could come of them. Loading runs the library's
+// own start-up code: where that is not trusted, a child process does it (plugin_process.h).
 #pragma once
 
-#include <touchstone/plugin.h>
+#include <touchstone/plugin2.h>
 
 #include <filesystem>
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "harness/base/rooms.h"
 #include "harness/plugin/plugin_description.h"
+#include "harness/plugin/plugin_functions.h"
 
 namespace touchstone::plugin {
 
@@ -26,32 +28,26 @@ class PluginLibrary {
   [[nodiscard]] const std::filesystem::path& path() const noexcept { return path_; }
   [[nodiscard]] const std::vector<PluginDescription>& descriptions() const noexcept { return descriptions_; }
 
+  // Which version of the interface it follows: 1 or 2.
+  [[nodiscard]] unsigned version() const noexcept { return version_; }
+
   // nullptr with the reason in `why` when the plug-in refuses or throws.
-  touchstone_renderer* create(const touchstone_creation& creation, std::string& why) const;
-  void destroy(touchstone_renderer* renderer) const noexcept;
+  PluginHandle create(const touchstone2_creation& creation, std::string& why) const;
+  void destroy(PluginHandle renderer) const noexcept;
   // False when the plug-in says that it failed, or throws; error() then says why.
-  bool reset(touchstone_renderer* renderer) const noexcept;
-  bool step(touchstone_renderer* renderer, const touchstone_tip& tip, touchstone_result& result) const noexcept;
-  [[nodiscard]] std::string error(const touchstone_renderer* renderer) const;
+  bool reset(PluginHandle renderer) const noexcept;
+  bool step(PluginHandle renderer, const touchstone2_input& input, touchstone2_result& result) const noexcept;
+  [[nodiscard]] std::string error(PluginHandle renderer) const;
 
  private:
   [[nodiscard]] void* symbol(const char* name) const;
-  template <class Function>
-  void find(Function*& function, const char* name) const {
-    function = reinterpret_cast<Function*>(symbol(name));
-  }
-  void check_version() const;
+  void load();
 
   std::filesystem::path path_;
   void* handle_ = nullptr;
+  unsigned version_ = 0;
+  std::unique_ptr<PluginFunctions> functions_;
   std::vector<PluginDescription> descriptions_;
-  decltype(touchstone_plugin_version)* version_ = nullptr;
-  decltype(touchstone_describe)* describe_ = nullptr;
-  decltype(touchstone_create)* create_ = nullptr;
-  decltype(touchstone_reset)* reset_ = nullptr;
-  decltype(touchstone_step)* step_ = nullptr;
-  decltype(touchstone_destroy)* destroy_ = nullptr;
-  decltype(touchstone_error)* error_ = nullptr;
 };
 
 }  // namespace touchstone::plugin

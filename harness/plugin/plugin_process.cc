@@ -24,85 +24,88 @@ constexpr std::chrono::milliseconds kLookAfter{5};
 constexpr std::chrono::milliseconds kLastWait{1000};
 constexpr std::size_t most_described = std::size_t{1} << 20;
 
-const char* function_of(PluginRequest request) {
-  switch (request) {
-    case PluginRequest::create:
-      return "touchstone_create";
-    case PluginRequest::reset:
-      return "touchstone_reset";
-    case PluginRequest::step:
-      return "touchstone_step";
-    case PluginRequest::destroy:
-      return "touchstone_destroy";
-  }
-  return "?";
-}
-
-// Lays out the shared memory and fills it.
+// Finds places in memory that is not there yet, and fills it.
 class Layout {
  public:
-  std::uint64_t add(std::size_t bytes) {
+  std::uint64_t add(const void* data, std::size_t bytes) {
     const std::uint64_t at = (end_ + 63) / 64 * 64;
     end_ = at + bytes;
+    if (data != nullptr && bytes > 0) pieces_.push_back({at, data, bytes});
     return at;
+  }
+  std::uint64_t add(const char* text) { return add(text, std::strlen(text) + 1); }
+  SharedMesh add(const touchstone2_mesh& mesh) {
+    return {add(mesh.vertices_m, 3 * mesh.vertex_count * sizeof(double)), mesh.vertex_count,
+            add(mesh.triangles, 3 * mesh.triangle_count * sizeof(std::int32_t)), mesh.triangle_count};
   }
   std::uint64_t next_page() {
     const auto page = static_cast<std::uint64_t>(::sysconf(_SC_PAGESIZE));
     return end_ = (end_ + page - 1) / page * page;
   }
   [[nodiscard]] std::uint64_t end() const { return end_; }
+  void copy_to(std::byte* memory) const {
+    for (const Piece& piece : pieces_) std::memcpy(memory + piece.at, piece.data, piece.bytes);
+  }
 
  private:
+  struct Piece {
+    std::uint64_t at;
+    const void* data;
+    std::size_t bytes;
+  };
   std::uint64_t end_ = 0;
+  std::vector<Piece> pieces_;
 };
 
-std::unique_ptr<SharedMemory> share(const std::filesystem::path& library, const touchstone_creation& creation) {
+std::unique_ptr<SharedMemory> share(const std::filesystem::path& library, const touchstone2_creation& creation,
+                                    std::size_t contact_capacity) {
   const std::string path = std::filesystem::absolute(library).string();
-  const std::size_t text_size = std::strlen(creation.model_text) + 1;
-  PluginChannel at;
   Layout layout;
-  layout.add(sizeof(PluginChannel));
-  at.arrays_at = layout.next_page();
-  at.library_at = layout.add(path.size() + 1);
-  at.model_text_at = layout.add(text_size);
-  at.parameter_count = creation.parameter_count;
-  at.parameters_at = layout.add(creation.parameter_count * sizeof(double));
-  at.vertex_count = creation.vertex_count;
-  at.vertices_at = layout.add(3 * creation.vertex_count * sizeof(double));
-  at.triangle_count = creation.triangle_count;
-  at.triangles_at = layout.add(3 * creation.triangle_count * sizeof(std::int32_t));
-  at.size = layout.end();
+  layout.add(nullptr, sizeof(PluginChannel));
+  const std::uint64_t poses_at = layout.add(nullptr, creation.body_count * sizeof(touchstone2_pose));
+  const std::uint64_t contacts_at = layout.add(nullptr, contact_capacity * sizeof(touchstone2_contact));
+  const std::uint64_t arrays_at = layout.next_page();
+  const std::uint64_t library_at = layout.add(path.c_str());
+  const std::uint64_t model_text_at = layout.add(creation.model_text);
+  const std::uint64_t parameters_at = layout.add(creation.parameters, creation.parameter_count * sizeof(double));
+  std::vector<SharedBody> bodies;
+  for (std::size_t i = 0; i < creation.body_count; ++i) {
+    const touchstone2_body& body = creation.bodies[i];
+    bodies.push_back({layout.add(body.name), layout.add(body.mesh), body.pose, body.moves});
+  }
+  const std::uint64_t bodies_at = layout.add(bodies.data(), bodies.size() * sizeof(SharedBody));
+  const SharedMesh tool_mesh = creation.tool != nullptr ? layout.add(creation.tool->mesh) : SharedMesh{};
 
-  auto memory = std::make_unique<SharedMemory>(at.size);
+  auto memory = std::make_unique<SharedMemory>(layout.end());
+  layout.copy_to(memory->data());
   auto* const channel = new (memory->data()) PluginChannel();
-  channel->size = at.size;
-  channel->arrays_at = at.arrays_at;
-  channel->library_at = at.library_at;
-  channel->model_text_at = at.model_text_at;
-  channel->parameters_at = at.parameters_at;
-  channel->parameter_count = at.parameter_count;
-  channel->vertices_at = at.vertices_at;
-  channel->vertex_count = at.vertex_count;
-  channel->triangles_at = at.triangles_at;
-  channel->triangle_count = at.triangle_count;
+  channel->size = layout.end();
+  channel->poses_at = poses_at;
+  channel->contacts_at = contacts_at;
+  channel->contact_capacity = contact_capacity;
+  channel->arrays_at = arrays_at;
+  channel->library_at = library_at;
+  channel->model_text_at = model_text_at;
+  channel->parameters_at = parameters_at;
+  channel->parameter_count = creation.parameter_count;
+  channel->bodies_at = bodies_at;
+  channel->body_count = creation.body_count;
   channel->index = creation.index;
-  const auto fill = [&](std::uint64_t place, const void* data, std::size_t bytes) {
-    if (bytes > 0) std::memcpy(memory->data() + place, data, bytes);
-  };
-  fill(at.library_at, path.c_str(), path.size() + 1);
-  fill(at.model_text_at, creation.model_text, text_size);
-  fill(at.parameters_at, creation.parameters, creation.parameter_count * sizeof(double));
-  fill(at.vertices_at, creation.vertices_W_m, 3 * creation.vertex_count * sizeof(double));
-  fill(at.triangles_at, creation.triangles, 3 * creation.triangle_count * sizeof(std::int32_t));
+  if (creation.tool != nullptr) {
+    channel->has_tool = 1;
+    channel->tool = *creation.tool;
+    channel->tool_mesh = tool_mesh;
+  }
   return memory;
 }
 
 class InChild final : public PluginConnection {
  public:
-  InChild(const std::filesystem::path& library, const touchstone_creation& creation, const PluginLimits& limits,
-          const std::filesystem::path& host)
-      : limits_(limits),
-        memory_(share(library, creation)),
+  InChild(const std::filesystem::path& library, unsigned version, const touchstone2_creation& creation,
+          std::size_t contact_capacity, const PluginLimits& limits, const std::filesystem::path& host)
+      : version_(version),
+        limits_(limits),
+        memory_(share(library, creation, contact_capacity)),
         channel_(*std::launder(reinterpret_cast<PluginChannel*>(memory_->data()))),
         child_(host, {"run"}, memory_->fd()) {
     if (ask(PluginRequest::create, limits_.create)) return;
@@ -118,16 +121,24 @@ class InChild final : public PluginConnection {
 
   bool reset() noexcept override { return !failed_ && ask(PluginRequest::reset, limits_.step); }
 
-  bool step(const touchstone_tip& tip, touchstone_result& result) noexcept override {
+  bool step(const touchstone2_input& input, touchstone2_result& result) noexcept override {
     if (failed_) return false;
-    channel_.tip = tip;
+    std::copy_n(input.bodies, std::min<std::size_t>(input.body_count, channel_.body_count), poses());
+    channel_.input = input;
+    channel_.result = result;
     if (!ask(PluginRequest::step, limits_.step)) return false;
+    touchstone2_contact* const contacts = result.contacts;
+    const std::size_t capacity = result.contact_capacity;
     result = channel_.result;
+    result.contacts = contacts;
+    result.contact_capacity = capacity;
+    const std::size_t known = std::min<std::size_t>({result.contact_count, capacity, channel_.contact_capacity});
+    std::copy_n(shared_contacts(), known, contacts);
     return true;
   }
 
   [[nodiscard]] std::string failure() const override {
-    const char* const function = function_of(channel_.request);
+    const char* const function = name_of(channel_.request, version_);
     if (hung_) return fmt::format("did not come back from {} within {} s and was ended", function, waited_.count());
     if (died_) return fmt::format("{} in {}", child_.how_it_ended(), function);
     // The text is the child's: it may have no end.
@@ -136,6 +147,13 @@ class InChild final : public PluginConnection {
   }
 
  private:
+  [[nodiscard]] touchstone2_pose* poses() const noexcept {
+    return reinterpret_cast<touchstone2_pose*>(memory_->data() + channel_.poses_at);
+  }
+  [[nodiscard]] const touchstone2_contact* shared_contacts() const noexcept {
+    return reinterpret_cast<const touchstone2_contact*>(memory_->data() + channel_.contacts_at);
+  }
+
   bool ask(PluginRequest request, std::chrono::milliseconds limit) noexcept {
     channel_.request = request;
     const std::uint32_t before = channel_.answered.count.load(std::memory_order_acquire);
@@ -163,6 +181,7 @@ class InChild final : public PluginConnection {
     return false;
   }
 
+  unsigned version_;
   PluginLimits limits_;
   std::unique_ptr<SharedMemory> memory_;
   PluginChannel& channel_;
@@ -217,10 +236,11 @@ std::vector<PluginDescription> describe_plugin(const std::filesystem::path& libr
   return unpack(text, library);
 }
 
-std::unique_ptr<PluginConnection> make_plugin_process(const std::filesystem::path& library,
-                                                      const touchstone_creation& creation, const PluginLimits& limits,
+std::unique_ptr<PluginConnection> make_plugin_process(const std::filesystem::path& library, unsigned version,
+                                                      const touchstone2_creation& creation,
+                                                      std::size_t contact_capacity, const PluginLimits& limits,
                                                       const std::filesystem::path& host) {
-  return std::make_unique<InChild>(library, creation, limits, host);
+  return std::make_unique<InChild>(library, version, creation, contact_capacity, limits, host);
 }
 
 }  // namespace touchstone::plugin

@@ -28,9 +28,11 @@ std::filesystem::path find_plugin_host();
 std::vector<PluginDescription> describe_plugin(const std::filesystem::path& library, const PluginLimits& limits,
                                                const std::filesystem::path& host);
 
-// Copies the creation's arrays. Throws as describe_plugin() does.
-std::unique_ptr<PluginConnection> make_plugin_process(const std::filesystem::path& library,
-                                                      const touchstone_creation& creation, const PluginLimits& limits,
+// Copies all that the creation points to. `version`: of the interface that the library follows, for messages.
+// `contact_capacity`: the most contacts that a step can answer. Throws as describe_plugin() does.
+std::unique_ptr<PluginConnection> make_plugin_process(const std::filesystem::path& library, unsigned version,
+                                                      const touchstone2_creation& creation,
+                                                      std::size_t contact_capacity, const PluginLimits& limits,
                                                       const std::filesystem::path& host);
 
 }  // namespace touchstone::plugin

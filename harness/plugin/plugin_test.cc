@@ -130,7 +130,7 @@ INSTANTIATE_TEST_SUITE_P(
         Reported{"HANGS_IN_STEP", {"failed: ", "did not come back from touchstone_step within 0.4 s"}, false},
         Reported{"RETURNS_NAN", {"failed: ", "answered f_W_N[1] = nan", "no finite number", "at step 5"}},
         Reported{"CRASHES_IN_CREATE", {"failed: ", "crashed (SIGABRT", "touchstone_create"}, false},
-        Reported{"FOLLOWS_ANOTHER_VERSION", {"bad data: ", "version 99", "this program version 1"}},
+        Reported{"FOLLOWS_ANOTHER_VERSION", {"bad data: ", "version 99", "this program versions 1 and 2"}},
         Reported{"LIES_ABOUT_ITS_VERSION",
                  {"bad data: ", "says that it follows version 1", "touchstone_result has 24 bytes"}},
         Reported{"LACKS_A_FUNCTION", {"bad data: ", "exports no touchstone_step"}},

@@ -12,7 +12,7 @@
 #include <string_view>
 
 #include "harness/base/rooms.h"
-#include "harness/recording/wrench.h"
+#include "harness/base/wrench.h"
 
 namespace touchstone::recording {
 

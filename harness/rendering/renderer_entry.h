@@ -30,6 +30,10 @@ struct RendererEntry {
   // Without effects it answers like a frictionless god-object at rest, so that its error on a surface in closed form is
   // known (generators.h). Its parameters are then stiffness_N_per_m and, for a ball, tip_radius_m.
   bool has_exact_answer = false;
+  // Lengths below it are nothing to the renderer; 0: none but rounding, or a parameter named epsilon_m says it.
+  double epsilon_m = 0.0;
+  // One unit of the engine's own world, said beside its results.
+  double world_unit_m = 1.0;
   // Of a plug-in: its shared library, and where its sources are if the library lies elsewhere.
   std::filesystem::path library = {};
   std::filesystem::path library_source = {};

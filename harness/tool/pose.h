@@ -7,7 +7,7 @@
 //   p_W <- p_W + dp_W,   R_WT <- exp([dtheta_W]x) R_WT.
 // Wrench: force and torque ON the tool BY the object, components in W, the torque about the tool's origin:
 //   f = sum f_i,   tau = sum (x_i - p_W) x f_i   over the contacts at x_i.
-// About another point b, with r = b - a:   tau_b = tau_a - r x f   (wrench_about in harness/recording/wrench.h), hence
+// About another point b, with r = b - a:   tau_b = tau_a - r x f   (wrench_about in harness/base/wrench.h), hence
 // the wrench at the tip from the wrench that the sensor measures at its own origin, in its own axes:
 //   f_W = R_WS f_S,   tau_W,tip = R_WS tau_S - (p_W,tip - p_W,S) x f_W.
 // Twist: velocity v of the frame's origin and angular velocity w. From a frame B into A with X_AB = (p, R):
@@ -20,7 +20,7 @@
 #include <cmath>
 
 #include "harness/base/vec.h"
-#include "harness/recording/wrench.h"
+#include "harness/base/wrench.h"
 #include "harness/tool/tool_rooms.h"
 
 namespace touchstone::tool {

@@ -125,7 +125,7 @@ class Checks {
     renderer->reset();
     for (int i = 0; i < 700; ++i) {
       height = start - kStep_m * i;
-      if (renderer->step({1e-3 * i, {Vec3(0, 0, height), q}}).contact) break;
+      if (step_or_throw(*renderer, {1e-3 * i, {Vec3(0, 0, height), q}}).contact) break;
     }
     const auto error = [&](const Quat& rotation) { return std::abs(height + lowest_m(tool.mesh_T, rotation)); };
     // A method with mass notices a few steps late.
@@ -147,7 +147,7 @@ class Checks {
     bool any = false;
     for (int i = 1; i <= 200; ++i) {
       const Pose handle{first.p_W_m + Vec3(1e-4 * i, 0, 0), first.q_WT};
-      const ToolResult result = renderer->step({1.0 + 1e-3 * i, handle});
+      const ToolResult result = step_or_throw(*renderer, {1.0 + 1e-3 * i, handle});
       for (const ToolContact& contact : result.contacts) {
         any = true;
         const Vec3 inside = (result.proxy.to_T(contact.p_W_m) - kCenter_T_m).cwiseAbs() - Vec3::Constant(kHalf_m);
@@ -188,7 +188,8 @@ class Checks {
     const Pose handle = lowered(tool.mesh_T, oblique(), 0.002);
     settle(*renderer, lifted(handle, 0.006), handle);
     ToolResult result;
-    for (int i = 1; i <= 400; ++i) result = renderer->step({1.0 + 1e-3 * i, lifted(handle, 1e-4 * std::min(i, 100))});
+    for (int i = 1; i <= 400; ++i)
+      result = step_or_throw(*renderer, {1.0 + 1e-3 * i, lifted(handle, 1e-4 * std::min(i, 100))});
     add("free-when-away", result.contact ? result.f_W_N.norm() + 1.0 : result.f_W_N.norm() + result.torque_W_Nm.norm(),
         0.0, "N");
   }
@@ -250,7 +251,7 @@ class Checks {
     ToolResult last;
     for (int i = 1; i <= 11 * kLoop; ++i) {
       const Pose handle = at_phase(2.0 * std::numbers::pi * i / kLoop);
-      const ToolResult now = renderer->step({1.0 + 1e-3 * i, handle});
+      const ToolResult now = step_or_throw(*renderer, {1.0 + 1e-3 * i, handle});
       const Displacement way = displacement(before, handle);
       const double work = 0.5 * (dot(now.f_W_N + last.f_W_N, way.translation_m) +
                                  dot(now.torque_W_Nm + last.torque_W_Nm, way.rotation_rad));

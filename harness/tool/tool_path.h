@@ -1,6 +1,7 @@
 // A straight way of the handle between two poses, and runs of a renderer along it.
 #pragma once
 
+#include "harness/rendering/renderer_failed.h"
 #include "harness/tool/tool_renderer.h"
 
 namespace touchstone::tool {
@@ -11,8 +12,16 @@ inline Pose between(const Pose& from, const Pose& to, double share) {
   return moved(from, {share * way.translation_m, share * way.rotation_rad});
 }
 
+// One step; throws RendererFailed when the renderer breaks down.
+inline ToolResult step_or_throw(ToolRenderer& renderer, const ToolState& state) {
+  const ToolResult result = renderer.step(state);
+  if (result.status == ToolStatus::failed) throw RendererFailed(renderer.failure());
+  return result;
+}
+
 // Resets the renderer, takes the handle from `from` to `to` in 0.4 s and holds it there for 0.4 s, at 1 kHz. Returns
-// the last step's answer. A proxy without mass rests long before; one with the mass of a tool rests within its damping.
+// the last step's answer; throws as step_or_throw() does. A proxy without mass rests long before; one with the mass of
+// a tool rests within its damping.
 inline ToolResult settle(ToolRenderer& renderer, const Pose& from, const Pose& to) {
   constexpr int kMoving = 400;
   constexpr int kHolding = 400;
@@ -20,7 +29,7 @@ inline ToolResult settle(ToolRenderer& renderer, const Pose& from, const Pose& t
   ToolResult result;
   for (int i = 0; i <= kMoving + kHolding; ++i) {
     const double share = i < kMoving ? double(i) / kMoving : 1.0;
-    result = renderer.step({1e-3 * i, between(from, to, share)});
+    result = step_or_throw(renderer, {1e-3 * i, between(from, to, share)});
   }
   return result;
 }

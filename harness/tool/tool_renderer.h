@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdint>
 #include <span>
+#include <string>
 
 #include "harness/tool/pose.h"
 
@@ -26,6 +27,7 @@ struct ToolContact {
 enum class ToolStatus : std::uint8_t {
   ok,
   refused,  // not finite, not a rotation, or time did not advance: the wrench is zero and the state is as it was
+  failed,   // the renderer broke down (a plug-in that crashed or hung): the wrench is zero, failure() says how
 };
 
 struct ToolResult {
@@ -70,8 +72,12 @@ class ToolRenderer {
 
   [[nodiscard]] virtual std::size_t memory_bytes() const noexcept { return 0; }
 
+  // Why steps answer `failed`; empty where they do not. Makes a text: not for the servo loop.
+  [[nodiscard]] std::string failure() const { return do_failure(); }
+
  protected:
   virtual void do_reset() = 0;
+  [[nodiscard]] virtual std::string do_failure() const { return {}; }
   // `dt_s`: since the step before, 0 at the first.
   virtual ToolResult do_step(const ToolState& state, double dt_s) noexcept = 0;
 

@@ -8,6 +8,7 @@
 #include "harness/base/error.h"
 #include "harness/recording/recording_stream.h"
 #include "harness/recording/recording_writer.h"
+#include "harness/rendering/renderer_failed.h"
 
 namespace touchstone::tool {
 namespace {
@@ -25,6 +26,11 @@ RecordingStream open_path(const std::filesystem::path& path) {
 
 ToolState state_of(const MotionColumns& motion, std::size_t i) {
   return {motion.t_s[i], {motion.p_W_m[i], motion.q_WS[i]}};
+}
+
+void require_working(const ToolRenderer& renderer, const ToolResult& result, const std::filesystem::path& path) {
+  if (result.status == ToolStatus::failed)
+    throw RendererFailed(fmt::format("{}: {}", path.string(), renderer.failure()));
 }
 
 }  // namespace
@@ -45,6 +51,7 @@ ToolReplaySummary replay_tool(ToolRenderer& renderer, const ToolReplayFiles& fil
     for (std::size_t i = 0; i < in.size(); ++i) {
       const ToolState state = state_of(in.motion, i);
       const ToolResult result = renderer.step(state);
+      require_working(renderer, result, files.path);
       summary.in_contact += result.contact ? 1U : 0U;
       summary.largest_force_N = std::max(summary.largest_force_N, result.f_W_N.norm());
       summary.largest_torque_Nm = std::max(summary.largest_torque_Nm, result.torque_W_Nm.norm());
@@ -74,8 +81,9 @@ std::vector<double> measure_tool_steps(ToolRenderer& renderer, const std::filesy
     for (std::size_t i = 0; i < in.size(); ++i) {
       const ToolState state = state_of(in.motion, i);
       const auto began = Clock::now();
-      static_cast<void>(renderer.step(state));
+      const ToolResult result = renderer.step(state);
       times_us.push_back(std::chrono::duration<double, std::micro>(Clock::now() - began).count());
+      require_working(renderer, result, path);
     }
   }
   std::ranges::sort(times_us);

@@ -24,7 +24,8 @@ struct ToolReplayFiles {
   std::uint64_t keep_every = 1;                // of the samples, all are rendered and each keep_every-th is written
 };
 
-// One step per sample, from a reset renderer. Throws BadData for a path without orientation.
+// One step per sample, from a reset renderer. Throws BadData for a path without orientation, RendererFailed for a
+// renderer that breaks down.
 ToolReplaySummary replay_tool(ToolRenderer& renderer, const ToolReplayFiles& files);
 
 // The time of each step of one replay, ascending, in microseconds.

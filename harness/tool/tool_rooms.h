@@ -7,5 +7,6 @@
 
 namespace touchstone::tool {
 using namespace recording;
+using namespace rendering;
 using namespace surface;
 }  // namespace touchstone::tool

@@ -21,6 +21,18 @@ constexpr double kRest_m = 1e-8;
 
 }  // namespace
 
+ToolRendererEntry god_object_tool_entry() {
+  ToolRendererEntry entry;
+  entry.name = "god-object-tool";
+  entry.summary = "constraint-based god-object for rigid bodies";
+  entry.source = "Ortega, Redon and Coquillart 2007";
+  entry.make = [](const Parameters& /*parameters*/, const Tool& tool, const TriangleMesh& object_W,
+                  const Coupling& coupling) -> std::unique_ptr<ToolRenderer> {
+    return std::make_unique<GodObjectTool>(tool, object_W, coupling);
+  };
+  return entry;
+}
+
 GodObjectTool::GodObjectTool(const Tool& tool, const TriangleMesh& object_W, const Coupling& coupling)
     : tool_(tool.mesh_T), object_(object_W), coupling_(coupling) {}
 

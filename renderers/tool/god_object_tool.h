@@ -20,11 +20,14 @@
 #include <array>
 
 #include "harness/tool/tool_renderer.h"
+#include "harness/tool/tool_renderer_entry.h"
 #include "renderers/tool/feature_contacts.h"
 #include "renderers/tool/least_constraint.h"
-#include "renderers/tool/tool_catalogue.h"
+#include "renderers/tool/sphere_tree.h"
 
 namespace touchstone::renderers {
+
+ToolRendererEntry god_object_tool_entry();
 
 class GodObjectTool : public ToolRenderer {
  public:

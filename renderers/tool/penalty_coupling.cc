@@ -4,6 +4,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "harness/surface/embree_surface.h"
+#include "renderers/tool/shell_parameters.h"
+
 namespace touchstone::renderers {
 namespace {
 
@@ -35,14 +38,32 @@ Mat6 inertia(const MassFrame& mass, const Mat3& rotation) {
 
 }  // namespace
 
+ToolRendererEntry penalty_coupling_entry() {
+  ToolRendererEntry entry;
+  entry.name = "penalty-coupling";
+  entry.summary = "penalty forces on a tool with mass behind a virtual coupling";
+  entry.source = "Colgate, Stanley and Brown 1995; Otaduy and Lin 2006";
+  entry.parameters = {contact_stiffness_parameter(), point_spacing_parameter()};
+  entry.make = [](const Parameters& parameters, const Tool& tool, const TriangleMesh& object_W,
+                  const Coupling& coupling) -> std::unique_ptr<ToolRenderer> {
+    return std::make_unique<PenaltyCoupling>(tool, make_point_shell(tool.mesh_T, parameters.at("point_spacing_m")),
+                                             make_embree_surface(object_W), coupling,
+                                             parameters.at("contact_stiffness_N_per_m"));
+  };
+  entry.resolution_m = [](const Parameters& parameters, double force_N) {
+    return force_N / parameters.at("contact_stiffness_N_per_m");
+  };
+  return entry;
+}
+
 PenaltyCoupling::PenaltyCoupling(const Tool& tool, const PointShell& shell, std::shared_ptr<const Surface> object,
-                                 const ToolSettings& settings)
+                                 const Coupling& coupling, double contact_stiffness_N_per_m)
     : mass_(tool.mass),
       shell_(shell),
       tree_(point_balls(shell_)),
       object_(std::move(object)),
-      coupling_(settings.coupling),
-      stiffness_N_per_m_(settings.contact_stiffness_N_per_m) {}
+      coupling_(coupling),
+      stiffness_N_per_m_(contact_stiffness_N_per_m) {}
 
 ToolResult PenaltyCoupling::do_step(const ToolState& state, double dt_s) noexcept {
   if (!placed_) {

@@ -15,15 +15,18 @@
 
 #include "harness/surface/surface.h"
 #include "harness/tool/tool_renderer.h"
+#include "harness/tool/tool_renderer_entry.h"
 #include "renderers/tool/least_constraint.h"
-#include "renderers/tool/tool_catalogue.h"
+#include "renderers/tool/sphere_tree.h"
 
 namespace touchstone::renderers {
+
+ToolRendererEntry penalty_coupling_entry();
 
 class PenaltyCoupling : public ToolRenderer {
  public:
   PenaltyCoupling(const Tool& tool, const PointShell& shell, std::shared_ptr<const Surface> object,
-                  const ToolSettings& settings);
+                  const Coupling& coupling, double contact_stiffness_N_per_m);
   [[nodiscard]] std::size_t memory_bytes() const noexcept override {
     return 2 * shell_.p_T_m.capacity() * sizeof(Vec3) + tree_.memory_bytes() + sizeof(*this);
   }

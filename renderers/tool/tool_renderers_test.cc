@@ -168,7 +168,8 @@ TEST(LeastConstraint, ContradictionIsSaid) {
 class EveryToolRenderer : public ::testing::TestWithParam<std::string> {};
 
 TEST_P(EveryToolRenderer, PassesTheChecks) {
-  for (const ToolFinding& finding : check_tool_renderer(tool_subject(GetParam(), {}))) {
+  for (const ToolFinding& finding :
+       check_tool_renderer(subject_of(find_tool_renderer(tool_renderer_catalogue(), GetParam()), {}))) {
     if (!finding.applies) continue;
     EXPECT_TRUE(finding.passed) << finding.check << ": " << finding.measured << " " << finding.unit << ", at most "
                                 << finding.limit << " " << finding.fault;
@@ -177,7 +178,7 @@ TEST_P(EveryToolRenderer, PassesTheChecks) {
 
 TEST_P(EveryToolRenderer, FaultsAreCaughtByName) {
   for (std::size_t f = 0; f < kToolFaultNames.size(); ++f) {
-    ToolSubject subject = tool_subject(GetParam(), {});
+    ToolSubject subject = subject_of(find_tool_renderer(tool_renderer_catalogue(), GetParam()), {});
     subject.make = [make = subject.make, f](const Tool& tool, const TriangleMesh& object_W, const Coupling& coupling) {
       return std::make_unique<FaultyTool>(make(tool, object_W, coupling), static_cast<ToolFault>(f),
                                           tool.mass.center_T_m);
@@ -219,7 +220,9 @@ TEST(ToolCatalogue, SaysWhatIsWrong) {
   open.triangles.pop_back();
   EXPECT_THROW(make_tool_renderer("god-object-tool", tool, open, {}), BadData);
   ToolSettings settings;
-  settings.voxel_m = -1.0;
+  settings.parameters["voxel_m"] = -1.0;
+  EXPECT_THROW(make_tool_renderer("voxmap-pointshell", tool, tool.mesh_T, settings), UsageError);
+  settings.parameters = {{"voxels_m", 1e-3}};
   EXPECT_THROW(make_tool_renderer("voxmap-pointshell", tool, tool.mesh_T, settings), UsageError);
   settings = {};
   settings.coupling.stiffness_N_per_m = 0.0;

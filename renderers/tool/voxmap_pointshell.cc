@@ -3,15 +3,33 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 
+#include "harness/surface/embree_surface.h"
 #include "renderers/tool/least_constraint.h"
+#include "renderers/tool/shell_parameters.h"
 
 namespace touchstone::renderers {
 
-VoxmapPointshell::VoxmapPointshell(const PointShell& shell, const Surface& object, const ToolSettings& settings)
-    : shell_(shell),
-      map_(object, settings.voxel_m),
-      coupling_(settings.coupling),
-      stiffness_N_per_m_(settings.contact_stiffness_N_per_m) {
+ToolRendererEntry voxmap_pointshell_entry() {
+  ToolRendererEntry entry;
+  entry.name = "voxmap-pointshell";
+  entry.summary = "tangent-plane force of a point shell in voxels";
+  entry.source = "McNeely, Puterbaugh and Troy 1999, 2005";
+  entry.parameters = {
+      contact_stiffness_parameter(), {"voxel_m", "m", 1e-6, 1.0, 0.5e-3, "edge of a voxel"}, point_spacing_parameter()};
+  entry.make = [](const Parameters& parameters, const Tool& tool, const TriangleMesh& object_W,
+                  const Coupling& coupling) -> std::unique_ptr<ToolRenderer> {
+    return std::make_unique<VoxmapPointshell>(make_point_shell(tool.mesh_T, parameters.at("point_spacing_m")),
+                                              *make_embree_surface(object_W), parameters.at("voxel_m"), coupling,
+                                              parameters.at("contact_stiffness_N_per_m"));
+  };
+  entry.resolution_m = [](const Parameters& parameters, double /*force_N*/) { return parameters.at("voxel_m"); };
+  entry.exact_normals = false;
+  return entry;
+}
+
+VoxmapPointshell::VoxmapPointshell(const PointShell& shell, const Surface& object, double voxel_m,
+                                   const Coupling& coupling, double contact_stiffness_N_per_m)
+    : shell_(shell), map_(object, voxel_m), coupling_(coupling), stiffness_N_per_m_(contact_stiffness_N_per_m) {
   for (const Vec3& p : shell_.p_T_m) reach_m_ = std::max(reach_m_, p.norm());
 }
 

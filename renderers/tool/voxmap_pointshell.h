@@ -14,14 +14,18 @@
 #include <array>
 
 #include "harness/tool/tool_renderer.h"
-#include "renderers/tool/tool_catalogue.h"
+#include "harness/tool/tool_renderer_entry.h"
+#include "renderers/tool/sphere_tree.h"
 #include "renderers/tool/voxmap.h"
 
 namespace touchstone::renderers {
 
+ToolRendererEntry voxmap_pointshell_entry();
+
 class VoxmapPointshell : public ToolRenderer {
  public:
-  VoxmapPointshell(const PointShell& shell, const Surface& object, const ToolSettings& settings);
+  VoxmapPointshell(const PointShell& shell, const Surface& object, double voxel_m, const Coupling& coupling,
+                   double contact_stiffness_N_per_m);
   [[nodiscard]] std::size_t memory_bytes() const noexcept override {
     return map_.memory_bytes() + 2 * shell_.p_T_m.capacity() * sizeof(Vec3) + sizeof(*this);
   }

@@ -1,10 +1,9 @@
 // A force and a torque about a stated point, and how the torque moves with that point.
 #pragma once
 
-#include "harness/base/rooms.h"
 #include "harness/base/vec.h"
 
-namespace touchstone::recording {
+namespace touchstone {
 
 struct Wrench {
   Vec3 f_N = Vec3::Zero();
@@ -19,4 +18,4 @@ inline Wrench wrench_about(const Wrench& w, const Vec3& r_m) { return {w.f_N, w.
 // The same wrench with its components in another frame: q turns this frame into that one.
 inline Wrench rotated(const Quat& q, const Wrench& w) { return {q * w.f_N, q * w.torque_Nm}; }
 
-}  // namespace touchstone::recording
+}  // namespace touchstone

@@ -1,0 +1,29 @@
+// The renderers of tools that a command may run, the program's own and those of plug-ins, and what is set of them.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "apps/plugin_flags.h"
+#include "harness/tool/tool_renderer_entry.h"
+
+namespace touchstone::apps {
+
+struct ToolRendererFlags {
+  tool::Coupling coupling;
+  std::vector<std::string> parameters;  // NAME=VALUE
+  PluginFlags plugins;
+
+  void add_to(CLI::App& command);
+
+  // Throws as LoadedPlugin does, and BadData for a name that is taken.
+  [[nodiscard]] std::vector<tool::ToolRendererEntry> entries() const;
+
+  // What is set of `entry`, of the parameters that it has. Throws UsageError for a parameter that none of `run` has.
+  [[nodiscard]] tool::ToolSettings settings_of(const tool::ToolRendererEntry& entry,
+                                               std::span<const tool::ToolRendererEntry> run) const;
+};
+
+}  // namespace touchstone::apps

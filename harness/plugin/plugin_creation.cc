@@ -1,0 +1,40 @@
+#include "harness/plugin/plugin_creation.h"
+
+#include "harness/rendering/model.h"
+
+namespace touchstone::plugin {
+namespace {
+
+static_assert(sizeof(Vec3) == 3 * sizeof(double));
+static_assert(sizeof(std::array<std::int32_t, 3>) == 3 * sizeof(std::int32_t));
+
+touchstone2_mesh mesh_of(const TriangleMesh& mesh) {
+  return {mesh.vertices_W_m.empty() ? nullptr : mesh.vertices_W_m.front().data(), mesh.vertices_W_m.size(),
+          mesh.triangles.empty() ? nullptr : mesh.triangles.front().data(), mesh.triangles.size()};
+}
+
+}  // namespace
+
+PluginCreation::PluginCreation(const PluginDescription& description, std::uint32_t index, const Parameters& parameters,
+                               std::shared_ptr<const TriangleMesh> object_W)
+    : object_W_(std::move(object_W)) {
+  Model model;
+  model.renderer = description.name;
+  for (const ParameterDeclaration& declaration : description.parameters) {
+    parameters_.push_back(parameters.at(declaration.name));
+    model.parameters[declaration.name] = parameters_.back();
+  }
+  model_ = model_to_json(model);
+  body_ = {sizeof(touchstone2_body), 0, "object", mesh_of(*object_W_), kIdentityPose};
+  creation_ = {
+      sizeof(touchstone2_creation), index, model_.c_str(), parameters_.data(), parameters_.size(), &body_, 1, nullptr};
+}
+
+void PluginCreation::set_tool(const touchstone2_tool& tool, std::shared_ptr<const TriangleMesh> mesh_T) {
+  tool_mesh_T_ = std::move(mesh_T);
+  tool_ = tool;
+  tool_.mesh = mesh_of(*tool_mesh_T_);
+  creation_.tool = &tool_;
+}
+
+}  // namespace touchstone::plugin

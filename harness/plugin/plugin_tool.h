@@ -1,0 +1,17 @@
+// A plug-in's renderers of tools with a shape (<touchstone/plugin2.h>, tip_kind TOUCHSTONE2_TOOL) as entries like those
+// of renderers/tool.
+#pragma once
+
+#include <filesystem>
+#include <vector>
+
+#include "harness/plugin/loaded_plugin.h"
+#include "harness/tool/tool_renderer_entry.h"
+
+namespace touchstone::plugin {
+
+// Throws as LoadedPlugin does; a library without such renderers gives none.
+std::vector<tool::ToolRendererEntry> load_tool_plugin(const std::filesystem::path& library,
+                                                      const PluginOptions& options);
+
+}  // namespace touchstone::plugin

@@ -1,0 +1,71 @@
+#include "harness/tool/tool_renderer_entry.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "harness/base/error.h"
+#include "harness/base/known_names.h"
+#include "harness/surface/mesh_topology.h"
+
+namespace touchstone::tool {
+namespace {
+
+void require_closed(const TriangleMesh& mesh, std::string_view what) {
+  if (mesh.triangles.empty() || !make_topology(mesh).closed()) {
+    throw BadData(
+        fmt::format("{}: the {}'s mesh is not closed: inside and outside are not known; see `touchstone doctor`",
+                    mesh.source, what));
+  }
+}
+
+void require_positive(double value, std::string_view name) {
+  if (!(value > 0.0)) throw UsageError(fmt::format("{}: {}; more than 0 was expected", name, value));
+}
+
+Parameters checked(const ToolRendererEntry& entry, const ToolSettings& settings) {
+  require_positive(settings.coupling.stiffness_N_per_m, "stiffness of the coupling");
+  require_positive(settings.coupling.rotational_stiffness_Nm_per_rad, "rotational stiffness of the coupling");
+  try {
+    return {entry.parameters, settings.parameters, "renderer " + entry.name, "the options", ""};
+  } catch (const BadData& wrong) {
+    // They come from the command line, not from a file.
+    throw UsageError(wrong.what());
+  }
+}
+
+}  // namespace
+
+std::unique_ptr<ToolRenderer> make_tool_renderer(const ToolRendererEntry& entry, const Tool& tool,
+                                                 const TriangleMesh& object_W, const ToolSettings& settings) {
+  const Parameters parameters = checked(entry, settings);
+  require_closed(tool.mesh_T, "tool");
+  require_closed(object_W, "object");
+  return entry.make(parameters, tool, object_W, settings.coupling);
+}
+
+ToolSubject subject_of(const ToolRendererEntry& entry, const ToolSettings& settings) {
+  // The checks press with up to 3 N.
+  constexpr double kPress_N = 3.0;
+  const Parameters parameters = checked(entry, settings);
+  ToolSubject subject;
+  subject.name = entry.name;
+  subject.exact_normals = entry.exact_normals;
+  if (entry.resolution_m) subject.resolution_m = entry.resolution_m(parameters, kPress_N);
+  subject.make = [entry, settings](const Tool& tool, const TriangleMesh& object_W, const Coupling& coupling) {
+    ToolSettings with = settings;
+    with.coupling = coupling;
+    return make_tool_renderer(entry, tool, object_W, with);
+  };
+  return subject;
+}
+
+const ToolRendererEntry& find_tool_renderer(std::span<const ToolRendererEntry> entries, std::string_view name) {
+  const auto found = std::ranges::find(entries, name, &ToolRendererEntry::name);
+  if (found != entries.end()) return *found;
+  std::vector<std::string> known;
+  for (const ToolRendererEntry& entry : entries) known.push_back(entry.name);
+  throw UsageError(unknown_name("tool renderer", name, known));
+}
+
+}  // namespace touchstone::tool

@@ -1,0 +1,58 @@
+// What a program knows of a kind of renderer of tools before it makes one: its name, its parameters and how to make it.
+// Entries come from renderers/tool and from plug-ins (harness/plugin).
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <map>
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "harness/rendering/parameters.h"
+#include "harness/surface/triangle_mesh.h"
+#include "harness/tool/coupling.h"
+#include "harness/tool/tool.h"
+#include "harness/tool/tool_checks.h"
+#include "harness/tool/tool_renderer.h"
+
+namespace touchstone::tool {
+
+struct ToolRendererEntry {
+  std::string name;
+  std::string summary;                           // one line
+  std::string source;                            // the publication that the algorithm follows
+  std::vector<ParameterDeclaration> parameters;  // beside the coupling's
+  // Both meshes are closed, with outward orientation.
+  using Make = std::function<std::unique_ptr<ToolRenderer>(const Parameters&, const Tool&, const TriangleMesh& object_W,
+                                                           const Coupling&)>;
+  Make make;
+  // How finely the method resolves where the surface is: the voxel, how far a contact's spring gives way under the
+  // force, a plug-in's epsilon. Empty: to rounding.
+  std::function<double(const Parameters&, double force_N)> resolution_m;
+  // False for a method whose normals are the tool's own (tangent planes at sampled points): at a sharp edge its force
+  // is off by more than the resolution.
+  bool exact_normals = true;
+  std::filesystem::path library = {};  // of a plug-in
+};
+
+// What a user sets of a renderer; parameters that are not named have their initial values.
+struct ToolSettings {
+  Coupling coupling;
+  std::map<std::string, double> parameters;
+};
+
+// Throws UsageError for a coupling that is not positive, a parameter that the renderer does not have, a value out of
+// range; BadData for a mesh that is not closed.
+std::unique_ptr<ToolRenderer> make_tool_renderer(const ToolRendererEntry& entry, const Tool& tool,
+                                                 const TriangleMesh& object_W, const ToolSettings& settings);
+
+// What holds the renderer to tool_checks.h.
+ToolSubject subject_of(const ToolRendererEntry& entry, const ToolSettings& settings);
+
+// Throws UsageError that lists the known names.
+const ToolRendererEntry& find_tool_renderer(std::span<const ToolRendererEntry> entries, std::string_view name);
+
+}  // namespace touchstone::tool
