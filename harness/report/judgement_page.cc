@@ -67,7 +67,7 @@ Section verdict_section(const pc::JudgedConditions& judged) {
         judged_number(100.0 * j.noticed_probability, "{:.0f} %"),
         {fmt::format("{:.0f} to {:.0f}", 100.0 * j.noticed_low95, 100.0 * j.noticed_high95), true, Tone::neutral},
         judged_number(j.d_prime, "{:.2f}"),
-        {std::string(pc::name_of(j.verdict)), false, tone_of(j.verdict)},
+        {std::string(pc::name_of(j.verdict)), true, tone_of(j.verdict)},
         judged_text(what)};
     for (const auto& remark : j.remarks) {
       if (std::ranges::count(common, remark) == 0) row.detail += remark + ". ";
