@@ -4,9 +4,10 @@
 //   Link lengths: libnifalcon's include/falcon/core/FalconGeometry.h as of revision f7c727a. It corrected c, r and s on
 // 2009-06-23 (5ca9c0b, "Corrected values of r and s. [...] Tested.") and exchanged r and s on 2009-09-18 (935a31e). The
 // values before (c 0.014, r 0.037233758, s -0.027330909) are still found in older publications; they differ by
-// millimetres. Forces do not follow libnifalcon: its jacobian() has sin(theta2)^2 where the derivative of its own IK
-// has sin(theta2) sin(theta3). With that one factor put right its first arm agrees with ours; why the other two do not
-// is not settled. Ours is held against differences of the positions.
+// millimetres. Forces do not follow libnifalcon: as we read it, its jacobian() has sin(theta2)^2 where the derivative
+// of its own IK has sin(theta2) sin(theta3). With that factor exchanged its first arm agrees with ours and the other
+// two do not; neither was tried on a device, and its authors may mean another parametrisation. Ours is held against
+// differences of the positions.
 #pragma once
 
 #include <array>

@@ -64,8 +64,8 @@ TEST(FalconKinematics, JacobianIsTheDerivativeAndTorquesDoTheForcesWork) {
   }
 }
 
-// What libnifalcon's FalconKinematicStamper::IK (revision f7c727a) answers, in single precision. Its forces are no
-// reference: its jacobian() is not the derivative of its IK (see falcon_kinematics.h).
+// What libnifalcon's FalconKinematicStamper::IK (revision f7c727a) answers, in single precision. Its forces are not
+// compared: see falcon_kinematics.h.
 TEST(FalconKinematics, AgreesWithLibnifalcon) {
   struct Answer {
     Vec3 p_m;

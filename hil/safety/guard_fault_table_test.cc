@@ -27,6 +27,7 @@
 #include "harness/base/atomic_file.h"
 #include "hil/emulators/faulty_device.h"
 #include "hil/emulators/haptic_emulator.h"
+#include "hil/safety/guard_transitions.h"
 #include "hil/safety/guardian.h"
 
 namespace touchstone::hil {
@@ -92,12 +93,24 @@ struct Trial {
   bool no_fault = false;  // nothing is to happen: the force must stay, or the table shows nothing
 };
 
-struct Outcome {
+struct TrialOutcome {
   bool reached = false;  // the state
   double to_zero_s = -1;
   double most_N = 0.0;  // after the fault struck
   std::string reason;
+  std::string wrong_step;  // in the guard's log, that guard_transitions.h does not allow
 };
+
+std::string wrong_step(const std::vector<GuardEvent>& events) {
+  GuardPhase now = GuardPhase::opening;
+  for (const GuardEvent& event : events) {
+    if (event.phase == GuardPhase::opening) continue;  // a process says what it starts without, maybe late
+    if (!may_follow(now, event.phase))
+      return fmt::format("from {} to {}: {}", to_string(now), to_string(event.phase), event.what);
+    now = event.phase;
+  }
+  return "";
+}
 
 class GuardTrial {
  public:
@@ -111,12 +124,12 @@ class GuardTrial {
   GuardTrial(const GuardTrial&) = delete;
   GuardTrial& operator=(const GuardTrial&) = delete;
 
-  Outcome go() {
+  TrialOutcome go() {
     if (trial_.at_once) arm();
     const auto options = options_for(timely_, page_);
     const pid_t program_pid = ::fork();
     if (program_pid == 0) program(file_, *faults_, *orders_, options);
-    Outcome outcome;
+    TrialOutcome outcome;
     orders_->push = trial_.push;
     outcome.reached = wait_for(
         [&] { return trial_.at_once || (trial_.push ? plant_->applied_N().norm() > 0.9 : plant_->commands() > 20); });
@@ -146,6 +159,7 @@ class GuardTrial {
     // Zero must stay zero.
     if (outcome.to_zero_s >= 0.0 && plant_->applied_N().norm() > 0.0) outcome.to_zero_s = -1;
     end(program_pid);
+    outcome.wrong_step = wrong_step(page_->events());
     return outcome;
   }
 
@@ -266,7 +280,7 @@ void add_process_faults(std::vector<Trial>& trials) {
   trials.push_back({"none", "pushing", DeviceCall::none, DriverFault::none, 0, 1, false, true, {}, true});
 }
 
-std::string row_start(const Trial& trial, const Outcome& outcome) {
+std::string row_start(const Trial& trial, const TrialOutcome& outcome) {
   return fmt::format("| {} | {} | {} | ", trial.fault, trial.state, outcome.reason);
 }
 
@@ -282,9 +296,10 @@ TEST(GuardFaultTable, IsTheOneInTheDocumentation) {
   std::vector<std::string> starts;
   double worst_s = 0.0;
   for (const Trial& trial : trials) {
-    const Outcome outcome = GuardTrial(trial, timely).go();
+    const TrialOutcome outcome = GuardTrial(trial, timely).go();
     SCOPED_TRACE(trial.fault + ", " + trial.state);
     EXPECT_TRUE(outcome.reached);
+    EXPECT_EQ(outcome.wrong_step, "");
     EXPECT_LE(outcome.most_N, 2.0 + 1e-9) << "more than the limit reached the motors";
     if (trial.no_fault) {
       EXPECT_LT(outcome.to_zero_s, 0.0) << "the force must stay, or this table shows nothing";

@@ -201,7 +201,7 @@ class Guard {
       page_.device_zero = true;
       if (pushing()) {
         page_.pushing = false;
-        enter(GuardPhase::at_zero, Trip::none, "zero was asked for");
+        if (tripped() == Trip::none) enter(GuardPhase::at_zero, Trip::none, "zero was asked for");
       }
       return true;
     }

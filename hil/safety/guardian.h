@@ -30,8 +30,23 @@
 
 namespace touchstone::hil {
 
+// What the device may give to the hand unless the user says otherwise. The energy would bring a hand-held end of 0.2 kg
+// (a stylus with what the hand adds to it) from rest to the usual speed limit of 1 m/s; a passive rendering gives back
+// no more than was put in, and what a sampled wall of 1 kN/m makes of a 5 mm press at 0.2 m/s and 1 kHz is about 1 mJ
+// (Colgate and Schenkel 1997). The power is that energy over the 20 ms that the guard needs to come to zero at worst.
+inline constexpr double usual_energy_J = 0.5 * 0.2 * 1.0 * 1.0;
+inline constexpr double usual_power_W = usual_energy_J / 0.02;
+// Of the motors, if it is read: below what the insulation of small servo motors bears (class B, IEC 60085: 130 degrees)
+// by the difference between winding and the place where a sensor sits.
+inline constexpr double usual_temperature_C = 80.0;
+
 struct GuardOptions {
-  GuardOptions() { limits.stale_s = 0.01; }
+  GuardOptions() {
+    limits.stale_s = 0.01;
+    limits.energy_J = usual_energy_J;
+    limits.power_W = usual_power_W;
+    limits.temperature_C = usual_temperature_C;
+  }
 
   // limits.stale_s is the age of the last command and of the device's state at which the guard lets go; ramp_down_s is
   // not used: the guard goes to zero at once.
