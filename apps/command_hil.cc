@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/commands.h"
+#include "apps/hil_commands.h"
 #include "harness/base/atomic_file.h"
 #include "harness/report/page_html.h"
 #include "hil/devices/device_lock.h"
@@ -87,7 +88,8 @@ std::unique_ptr<hil::WrenchSource> open_source(const std::string& device, const 
 void add_record(CLI::App& hil_command, Run& run) {
   auto* const command = hil_command.add_subcommand("record", "Record a force sensor into a file that survives a crash");
   auto options = std::make_shared<RecordCommand>();
-  command->add_option("device", options->device, "ati-netft or ati-nano17-daq, described in the hardware map")
+  command
+      ->add_option("device", options->device, "ati-netft or ati-nano17-daq, described in the hardware map")
       ->required();
   command->add_option("--out", options->out, "Raw recording to make (.tsraw); an existing file is never overwritten")
       ->required();
@@ -185,12 +187,13 @@ void add_report(CLI::App& hil_command, Run& run) {
 }  // namespace
 
 void add_hil(CLI::App& program, Run& run) {
-  auto* const command =
-      program.add_subcommand("hil", "Hardware in the loop: find devices, record from them, recover recordings");
+  auto* const command = program.add_subcommand(
+      "hil", "Hardware in the loop: find devices, record from them, recover recordings, render live");
   command->require_subcommand(1);
   add_probe(*command, run);
   add_record(*command, run);
   add_recover(*command, run);
+  add_hil_render(*command, run);
   add_report(*command, run);
 }
 

@@ -6,9 +6,8 @@
 #include <string_view>
 
 #include "hil/drivers/comedi_daq.h"
-#include "hil/drivers/falcon.h"
 #include "hil/drivers/netft.h"
-#include "hil/drivers/vendor_devices.h"
+#include "hil/drivers/open_mapped.h"
 #include "hil/safety/guardian.h"
 
 namespace touchstone::hil {
@@ -45,19 +44,6 @@ std::unique_ptr<WrenchSource> open_mapped_sensor(const std::string& id, const Ma
   if (id == "ati-netft") return open_netft({mapped.address, mapped.http_port, mapped.udp_port}, 2.0, false);
   return open_comedi_ati({mapped.address.empty() ? "/dev/comedi0" : mapped.address, mapped.library,
                           *mapped.calibration_file, mapped.serial, 5000.0, false});
-}
-
-std::unique_ptr<HapticDevice> open_mapped_device(const std::string& id, const MappedDevice& mapped) {
-  if (id == "novint-falcon") {
-    FalconOptions options;
-    options.serial = mapped.serial;
-    options.firmware = mapped.firmware;
-    return open_falcon(options);
-  }
-  VendorDeviceOptions vendor;
-  vendor.library = mapped.library;
-  vendor.serial = mapped.serial;
-  return id == "3ds-touch" ? open_openhaptics(vendor) : open_force_dimension(vendor);
 }
 
 GuardOptions guard_options(const MappedDevice& mapped) {

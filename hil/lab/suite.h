@@ -69,6 +69,5 @@ class LabStation {
 std::unique_ptr<WrenchSource> open_mapped_sensor(const std::string& id, const MappedDevice& mapped);
 // The guard's limits for it: the map's force limit, and what the lab's tests need of the rest.
 GuardOptions guard_options(const MappedDevice& mapped);
-std::unique_ptr<HapticDevice> open_mapped_device(const std::string& id, const MappedDevice& mapped);
 
 }  // namespace touchstone::hil
