@@ -12,6 +12,7 @@
 #include "hil/devices/probe.h"
 #include "hil/drivers/comedi_daq.h"
 #include "hil/drivers/netft.h"
+#include "hil/drivers/onrobot.h"
 #include "hil/lab/evidence_page.h"
 #include "hil/record/record_session.h"
 #include "hil/safety/stop_signal.h"
@@ -72,6 +73,10 @@ std::unique_ptr<hil::WrenchSource> open_source(const std::string& device, const 
     if (mapped.address.empty()) throw UsageError("ati-netft: its address must be in the hardware map");
     return hil::open_netft({mapped.address, mapped.http_port, mapped.udp_port}, 5.0, false);
   }
+  if (device == "onrobot-hex") {
+    if (mapped.address.empty()) throw UsageError("onrobot-hex: its address must be in the hardware map");
+    return hil::open_onrobot({mapped.address, mapped.udp_port}, 5.0, false);
+  }
   if (device == "ati-nano17-daq") {
     if (!mapped.calibration_file) throw UsageError("ati-nano17-daq: its calibration file must be in the hardware map");
     hil::ComediOptions options;
@@ -82,14 +87,14 @@ std::unique_ptr<hil::WrenchSource> open_source(const std::string& device, const 
     options.rate_Hz = rate_Hz;
     return hil::open_comedi_ati(options);
   }
-  throw UsageError(fmt::format("{}: cannot be recorded from; ati-netft and ati-nano17-daq can", device));
+  throw UsageError(fmt::format("{}: cannot be recorded from; ati-netft, onrobot-hex and ati-nano17-daq can", device));
 }
 
 void add_record(CLI::App& hil_command, Run& run) {
   auto* const command = hil_command.add_subcommand("record", "Record a force sensor into a file that survives a crash");
   auto options = std::make_shared<RecordCommand>();
   command
-      ->add_option("device", options->device, "ati-netft or ati-nano17-daq, described in the hardware map")
+      ->add_option("device", options->device, "ati-netft, onrobot-hex or ati-nano17-daq, described in the hardware map")
       ->required();
   command->add_option("--out", options->out, "Raw recording to make (.tsraw); an existing file is never overwritten")
       ->required();

@@ -9,6 +9,7 @@
 #include "hil/devices/device_table.h"
 #include "hil/drivers/comedi_daq.h"
 #include "hil/drivers/netft.h"
+#include "hil/drivers/onrobot.h"
 #include "hil/drivers/usb.h"
 
 namespace touchstone::hil {
@@ -64,6 +65,12 @@ void probe_network(ProbeResult& result, const MappedDevice* mapped, const ProbeO
     return;
   }
   try {
+    if (result.id == "onrobot-hex") {
+      const auto sensor = open_onrobot({mapped->address, mapped->udp_port}, options.network_timeout_s, false);
+      result.status = DeviceStatus::present;
+      result.reason = fmt::format("{} at {}", sensor->identity().firmware, mapped->address);
+      return;
+    }
     const auto configuration =
         read_netft_configuration({mapped->address, mapped->http_port, mapped->udp_port}, options.network_timeout_s);
     result.serial = configuration.serial;

@@ -43,7 +43,9 @@ enum class RdtCommand : std::uint16_t {
   start_buffered = 3,
   start_multi_unit = 4,
   reset_latch = 0x41,
-  set_bias = 0x42
+  set_bias = 0x42,
+  onrobot_filter = 0x81,  // onrobot.h
+  onrobot_period = 0x82
 };
 
 struct RdtRecord {
@@ -74,7 +76,7 @@ class SequenceTracker {
   StreamCounters counters_;
 };
 
-// Opens the socket (connected to the sensor, so that strangers' packets are not read) and reads the configuration.
+// Reads the configuration and opens the stream's socket.
 std::unique_ptr<WrenchSource> open_netft(const NetFtAddress& address, double timeout_s, bool emulated);
 
 }  // namespace touchstone::hil

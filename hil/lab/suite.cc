@@ -7,6 +7,7 @@
 
 #include "hil/drivers/comedi_daq.h"
 #include "hil/drivers/netft.h"
+#include "hil/drivers/onrobot.h"
 #include "hil/drivers/open_mapped.h"
 #include "hil/safety/guardian.h"
 
@@ -41,6 +42,7 @@ Availability availability_for(const std::string& device_id, Needs needs) {
 }
 
 std::unique_ptr<WrenchSource> open_mapped_sensor(const std::string& id, const MappedDevice& mapped) {
+  if (id == "onrobot-hex") return open_onrobot({mapped.address, mapped.udp_port}, 2.0, false);
   if (id == "ati-netft") return open_netft({mapped.address, mapped.http_port, mapped.udp_port}, 2.0, false);
   return open_comedi_ati({mapped.address.empty() ? "/dev/comedi0" : mapped.address, mapped.library,
                           *mapped.calibration_file, mapped.serial, 5000.0, false});
@@ -78,7 +80,7 @@ LabStation::LabStation(const std::string& device_id, const Availability& found, 
   bench_->limits.workspace_W_m = Box3(Vec3::Constant(-0.2), Vec3::Constant(0.2));
   bench_->tell = [](const std::string& text) { fmt::print(stderr, "--> {}\n", text); };
   if (with_sensor) {
-    for (const std::string id : {"ati-netft", "ati-nano17-daq"}) {
+    for (const std::string id : {"ati-netft", "onrobot-hex", "ati-nano17-daq"}) {
       if (sensor_ || availability(id).decision != Decision::run) continue;
       const auto sensor = mapped_device(id);
       sensor_lock_ = std::make_unique<DeviceLock>(sensor);

@@ -1,0 +1,60 @@
+#include "hil/drivers/onrobot.h"
+
+#include <fmt/format.h>
+
+#include <array>
+
+#include "harness/base/error.h"
+#include "hil/drivers/rdt_source.h"
+
+namespace touchstone::hil {
+namespace {
+
+constexpr double counts_per_newton = 1e4, counts_per_newton_metre = 1e5;
+constexpr int longest_period_ms = 250, last_filter = 6;
+constexpr std::uint32_t bias_off = 0;
+
+}  // namespace
+
+std::unique_ptr<WrenchSource> open_onrobot(const OnRobotOptions& options, double timeout_s, bool emulated) {
+  if (options.period_ms < 1 || options.period_ms > longest_period_ms)
+    throw UsageError(
+        fmt::format("OnRobot: a period of {} ms; 1 to {} were expected", options.period_ms, longest_period_ms));
+  if (options.filter < 0 || options.filter > last_filter)
+    throw UsageError(fmt::format("OnRobot: filter {}; 0 (none) to {} were expected", options.filter, last_filter));
+  RdtSensor sensor;
+  sensor.called = "OnRobot";
+  sensor.identity = {"onrobot-hex", "", fmt::format("OnRobot HEX, filter {}", options.filter),
+                     fmt::format("by convention: {:.9g} N and {:.9g} N m per count", 1.0 / counts_per_newton,
+                                 1.0 / counts_per_newton_metre),
+                     emulated};
+  sensor.newtons_per_count = 1.0 / counts_per_newton;
+  sensor.newton_metres_per_count = 1.0 / counts_per_newton_metre;
+  sensor.rate_Hz = 1e3 / options.period_ms;
+  sensor.before_start = {{RdtCommand::onrobot_period, static_cast<std::uint32_t>(options.period_ms)},
+                         {RdtCommand::onrobot_filter, static_cast<std::uint32_t>(options.filter)},
+                         {RdtCommand::set_bias, bias_off}};
+  auto source = open_rdt(options.host, options.udp_port, std::move(sensor));
+  // UDP says nothing of who is there: one record must come. A packet may get lost, so we ask more than once.
+  constexpr int attempts = 3;
+  std::array<WrenchSample, 1> first;
+  const MonotonicClock clock;
+  for (int i = 0; i < attempts; ++i) {
+    try {
+      source->start();
+      if (source->read(first, clock.now_s() + timeout_s / attempts) > 0) {
+        source->stop();
+        return source;
+      }
+    } catch (const DeviceError&) {
+      break;  // nothing listens there
+    }
+  }
+  throw DeviceError(
+      DeviceStatus::absent,
+      fmt::format("OnRobot at {}:{}: no record came within {:.3g} s; is it the Compute Box's address, and "
+                  "does no other program read from it?",
+                  options.host, options.udp_port, timeout_s));
+}
+
+}  // namespace touchstone::hil

@@ -1,0 +1,199 @@
+#include "hil/drivers/rdt_source.h"
+
+#include <arpa/inet.h>
+#include <fmt/format.h>
+#include <netdb.h>
+#include <netinet/in.h>
+#include <poll.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cmath>
+#include <cstring>
+#include <ctime>
+
+namespace touchstone::hil {
+namespace {
+
+int connect_udp(const std::string& called, const std::string& host, int port) {
+  addrinfo hints{};
+  hints.ai_family = AF_INET;
+  hints.ai_socktype = SOCK_DGRAM;
+  addrinfo* found = nullptr;
+  if (getaddrinfo(host.c_str(), std::to_string(port).c_str(), &hints, &found) != 0 || found == nullptr) {
+    throw DeviceError(DeviceStatus::absent, fmt::format("{}: the host {} is not known", called, host));
+  }
+  const std::unique_ptr<addrinfo, void (*)(addrinfo*)> owner(found, freeaddrinfo);
+  const int fd = ::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
+  // A second of records at 7 kHz, should this process be scheduled away.
+  const int buffer = 4 << 20, on = 1;
+  ::setsockopt(fd, SOL_SOCKET, SO_RCVBUF, &buffer, sizeof buffer);
+  // When the kernel took each packet in, whenever this process comes to read it.
+  ::setsockopt(fd, SOL_SOCKET, SO_TIMESTAMPNS, &on, sizeof on);
+  if (fd < 0 || ::connect(fd, found->ai_addr, found->ai_addrlen) != 0) {
+    const int error = errno;
+    if (fd >= 0) ::close(fd);
+    throw DeviceError(DeviceStatus::absent, fmt::format("{} at {}:{}: {}", called, host, port, std::strerror(error)));
+  }
+  return fd;
+}
+
+double seconds_of(const timespec& t) { return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec); }
+
+// The kernel's stamp of a packet on the driver's clock; `now_s` where there is none. Stamps are in CLOCK_REALTIME:
+// where somebody set that clock in between, they make no sense and are not used.
+double arrival_s(msghdr& header, double now_s, double real_now_s) {
+  constexpr double longest_wait_s = 10.0;  // many times what the socket's buffer holds
+  for (cmsghdr* c = CMSG_FIRSTHDR(&header); c != nullptr; c = CMSG_NXTHDR(&header, c)) {
+    if (c->cmsg_level != SOL_SOCKET || c->cmsg_type != SO_TIMESTAMPNS) continue;
+    timespec stamp{};
+    std::memcpy(&stamp, CMSG_DATA(c), sizeof stamp);
+    const double age_s = real_now_s - seconds_of(stamp);
+    if (age_s >= 0.0 && age_s < longest_wait_s) return now_s - age_s;
+  }
+  return now_s;
+}
+
+bool on_loopback(int socket) {
+  sockaddr_in peer{};
+  socklen_t size = sizeof peer;
+  return ::getpeername(socket, reinterpret_cast<sockaddr*>(&peer), &size) == 0 &&
+         ntohl(peer.sin_addr.s_addr) >> 24U == IN_LOOPBACKNET;
+}
+
+class RdtSource final : public WrenchSource {
+ public:
+  RdtSource(const std::string& host, int port, RdtSensor sensor)
+      : sensor_(std::move(sensor)),
+        place_(fmt::format("{} at {}:{}", sensor_.called, host, port)),
+        socket_(connect_udp(sensor_.called, host, port)) {
+    // No sensor answers from this machine.
+    sensor_.identity.emulated = sensor_.identity.emulated || on_loopback(socket_);
+  }
+  ~RdtSource() override {
+    stop();
+    ::close(socket_);
+  }
+  RdtSource(const RdtSource&) = delete;
+  RdtSource& operator=(const RdtSource&) = delete;
+
+  [[nodiscard]] const DeviceIdentity& identity() const override { return sensor_.identity; }
+
+  [[nodiscard]] double nominal_rate_Hz() const override { return sensor_.rate_Hz; }
+
+  void start() override {
+    sequence_ = {};
+    for (const auto& [command, value] : sensor_.before_start) {
+      request(command, value);
+      clock_.sleep_until(clock_.now_s() + sensor_.between_commands_s);
+    }
+    // What is still there of an earlier stream would be taken for a jump of this one.
+    unsigned char old[2 * rdt_record_bytes];
+    while (::recv(socket_, old, sizeof old, MSG_DONTWAIT) > 0) {
+    }
+    request(RdtCommand::start_realtime, 0);
+  }
+
+  void stop() noexcept override {
+    const auto bytes = encode_request(RdtCommand::stop, 0);
+    [[maybe_unused]] const auto sent = ::send(socket_, bytes.data(), bytes.size(), MSG_NOSIGNAL);
+  }
+
+  std::size_t read(std::span<WrenchSample> out, double deadline_s) override {
+    std::size_t filled = receive(out);
+    while (filled == 0) {
+      const double left = deadline_s - clock_.now_s();
+      if (left <= 0.0) return 0;
+      pollfd ready{socket_, POLLIN, 0};
+      const int n = ::poll(&ready, 1, static_cast<int>(std::ceil(std::min(left, 3600.0) * 1e3)));
+      if (n < 0 && errno != EINTR)
+        throw DeviceError(DeviceStatus::failed, fmt::format("{}: poll: {}", place_, std::strerror(errno)));
+      if (n > 0) filled = receive(out);
+    }
+    return filled;
+  }
+
+  [[nodiscard]] StreamCounters counters() const override { return sequence_.counters(); }
+
+ private:
+  void request(RdtCommand command, std::uint32_t samples) {
+    const auto bytes = encode_request(command, samples);
+    if (::send(socket_, bytes.data(), bytes.size(), MSG_NOSIGNAL) != static_cast<ssize_t>(bytes.size())) {
+      throw DeviceError(DeviceStatus::failed,
+                        fmt::format("{}: the request was not sent: {}", place_, std::strerror(errno)));
+    }
+  }
+
+  std::size_t receive(std::span<WrenchSample> out) {
+    constexpr std::size_t batch = 64;
+    std::array<std::array<unsigned char, 2 * rdt_record_bytes>, batch> buffers;
+    std::array<iovec, batch> vectors{};
+    std::array<mmsghdr, batch> messages{};
+    struct alignas(cmsghdr) Stamp {
+      std::array<char, CMSG_SPACE(sizeof(timespec))> bytes;
+    };
+    std::array<Stamp, batch> stamps;
+    const std::size_t want = std::min(batch, out.size());
+    for (std::size_t i = 0; i < want; ++i) {
+      vectors[i] = {buffers[i].data(), buffers[i].size()};
+      messages[i].msg_hdr.msg_iov = &vectors[i];
+      messages[i].msg_hdr.msg_iovlen = 1;
+      messages[i].msg_hdr.msg_control = stamps[i].bytes.data();
+      messages[i].msg_hdr.msg_controllen = stamps[i].bytes.size();
+    }
+    const int n = ::recvmmsg(socket_, messages.data(), static_cast<unsigned>(want), MSG_DONTWAIT, nullptr);
+    if (n < 0) {
+      if (errno == EAGAIN || errno == EINTR) return 0;
+      if (errno == ECONNREFUSED)
+        throw DeviceError(DeviceStatus::gone, fmt::format("{}: nothing listens there any more", place_));
+      throw DeviceError(DeviceStatus::failed, fmt::format("{}: {}", place_, std::strerror(errno)));
+    }
+    const double now = clock_.now_s();
+    timespec real{};
+    ::clock_gettime(CLOCK_REALTIME, &real);
+    std::size_t filled = 0;
+    for (std::size_t i = 0; i < static_cast<std::size_t>(n); ++i) {
+      if (messages[i].msg_len != rdt_record_bytes) {
+        ++sequence_.counters().malformed;
+        continue;
+      }
+      const RdtRecord record =
+          decode_record(std::span<const unsigned char, rdt_record_bytes>(buffers[i].data(), rdt_record_bytes));
+      const auto verdict = sequence_.accept(record.rdt_sequence);
+      // A late record would make time run back in the recording: it is counted and left out.
+      if (verdict == SequenceTracker::Verdict::repeated || verdict == SequenceTracker::Verdict::reordered) continue;
+      WrenchSample& sample = out[filled++];
+      sample = {};
+      sample.t_s = arrival_s(messages[i].msg_hdr, now, seconds_of(real));
+      sample.sequence = sequence_.unwrapped();
+      sample.device_status = record.status;
+      if ((record.status & rdt_error_bit) != 0) {
+        sample.flags |= sample_device_error;
+        ++sequence_.counters().device_errors;
+      }
+      if (verdict == SequenceTracker::Verdict::after_gap) sample.flags |= sample_after_gap;
+      for (int k = 0; k < 3; ++k) {
+        sample.wrench.f_N[k] = sensor_.newtons_per_count * record.counts[static_cast<std::size_t>(k)];
+        sample.wrench.torque_Nm[k] = sensor_.newton_metres_per_count * record.counts[static_cast<std::size_t>(k + 3)];
+      }
+    }
+    return filled;
+  }
+
+  RdtSensor sensor_;
+  std::string place_;
+  MonotonicClock clock_;
+  SequenceTracker sequence_;
+  int socket_;
+};
+
+}  // namespace
+
+std::unique_ptr<WrenchSource> open_rdt(const std::string& host, int udp_port, RdtSensor sensor) {
+  return std::make_unique<RdtSource>(host, udp_port, std::move(sensor));
+}
+
+}  // namespace touchstone::hil
