@@ -29,7 +29,7 @@ struct CheckOptions {
 
 struct CheckCounts {
   std::size_t passed = 0, failed = 0, drifted = 0, skipped = 0;
-  std::vector<CheckedTest> tests;  // those that ran, for other programs
+  std::vector<CheckedTest> tests;  // for other programs
 };
 
 CheckedTest for_others(const GoldenCase& golden, const std::string& model, const CheckResult& result, bool good) {
@@ -61,6 +61,7 @@ void check_one(const GoldenCase& golden, const std::string& model, const CheckOp
   if (!result.skipped.empty()) {
     counts.skipped += 1;
     fmt::print("skipped  {} {}: {}\n", golden.name, model, result.skipped);
+    counts.tests.push_back({golden.name, model, false, 0.0, "", "", golden.folder / "case.json", {}, result.skipped});
     return;
   }
   const Comparison& comparison = result.comparison;

@@ -34,7 +34,10 @@ std::string command_text(const std::string& text, bool property) {
 }
 
 std::size_t failures(const std::vector<CheckedTest>& tests) {
-  return static_cast<std::size_t>(std::ranges::count(tests, false, &CheckedTest::passed));
+  return static_cast<std::size_t>(std::ranges::count_if(tests, &CheckedTest::failed));
+}
+std::size_t skips(const std::vector<CheckedTest>& tests) {
+  return static_cast<std::size_t>(std::ranges::count_if(tests, [](const auto& test) { return !test.skipped.empty(); }));
 }
 
 }  // namespace
@@ -44,13 +47,17 @@ std::string tests_to_junit(const std::string& suite, const std::vector<CheckedTe
   for (const CheckedTest& test : tests) seconds += test.seconds;
   std::string xml = fmt::format(
       "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuites>\n<testsuite name=\"{}\" tests=\"{}\" failures=\"{}\" "
-      "errors=\"0\" skipped=\"0\" time=\"{:.3f}\">\n",
-      xml_text(suite), tests.size(), failures(tests), seconds);
+      "errors=\"0\" skipped=\"{}\" time=\"{:.3f}\">\n",
+      xml_text(suite), tests.size(), failures(tests), skips(tests), seconds);
   for (const CheckedTest& test : tests) {
     xml += fmt::format("<testcase classname=\"{}.{}\" name=\"{}\" time=\"{:.3f}\"", xml_text(suite),
                        xml_text(test.group), xml_text(test.name), test.seconds);
     if (test.passed) {
       xml += "/>\n";
+      continue;
+    }
+    if (!test.failed()) {
+      xml += fmt::format(">\n<skipped message=\"{}\"/>\n</testcase>\n", xml_text(test.skipped));
       continue;
     }
     xml += fmt::format(">\n<failure message=\"{}\">{}</failure>\n", xml_text(test.verdict), xml_text(test.details));
@@ -66,14 +73,16 @@ std::string tests_to_junit(const std::string& suite, const std::vector<CheckedTe
 std::string tests_to_markdown(const std::string& title, const std::vector<CheckedTest>& tests,
                               const std::filesystem::path& base) {
   const std::size_t failed = failures(tests);
-  std::string text = fmt::format("## {}\n\n{} passed, {} failed\n", title, tests.size() - failed, failed);
+  const std::size_t skipped = skips(tests);
+  std::string text = fmt::format("## {}\n\n{} passed, {} failed{}\n", title, tests.size() - failed - skipped, failed,
+                                 skipped > 0 ? fmt::format(", {} skipped", skipped) : "");
   if (failed == 0) return text;
   text += "\n| case | model | verdict |\n|---|---|---|\n";
   for (const CheckedTest& test : tests) {
-    if (!test.passed) text += fmt::format("| {} | {} | {} |\n", cell(test.group), cell(test.name), cell(test.verdict));
+    if (test.failed()) text += fmt::format("| {} | {} | {} |\n", cell(test.group), cell(test.name), cell(test.verdict));
   }
   for (const CheckedTest& test : tests) {
-    if (test.passed) continue;
+    if (!test.failed()) continue;
     // Indented by four: no fence that the details could end.
     std::string block = "    ";
     for (const char c : test.details) block += c == '\n' ? std::string("\n    ") : std::string(1, c);
@@ -89,7 +98,7 @@ std::string tests_to_markdown(const std::string& title, const std::vector<Checke
 std::string tests_to_github_annotations(const std::vector<CheckedTest>& tests) {
   std::string text;
   for (const CheckedTest& test : tests) {
-    if (test.passed) continue;
+    if (!test.failed()) continue;
     text += fmt::format("::error file={},title={}::{}\n", command_text(test.file.generic_string(), true),
                         command_text(test.group + " " + test.name, true),
                         command_text(test.verdict + "\n" + test.details, false));

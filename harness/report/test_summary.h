@@ -19,6 +19,9 @@ struct CheckedTest {
   std::string details;                          // for people, several lines
   std::filesystem::path file;                   // that an annotation marks
   std::vector<std::filesystem::path> pictures;  // of a failure
+  std::string skipped = {};                     // why it did not run; empty: it ran
+
+  [[nodiscard]] bool failed() const { return !passed && skipped.empty(); }
 };
 
 std::string tests_to_junit(const std::string& suite, const std::vector<CheckedTest>& tests);

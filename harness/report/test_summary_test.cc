@@ -21,7 +21,8 @@ std::vector<CheckedTest> example() {
            "worse",
            "force <rms> 0.1 & \"more\"\x01\n100 % beyond",
            "golden/sphere-scan/case.json",
-           {"out/golden.png", "out/obtained.png"}}};
+           {"out/golden.png", "out/obtained.png"}},
+          {"bowl-push", "penalty", false, 0.0, "", "", "golden/bowl-push/case.json", {}, "starts <inside>"}};
 }
 
 // Read by another's parser (python's ElementTree), as a CI server would.
@@ -33,7 +34,9 @@ TEST(TestSummary, JUnitIsReadByAnotherProgram) {
       "import sys, xml.etree.ElementTree as e\n"
       "s = e.parse(sys.argv[1]).getroot()[0]\n"
       "c = s.findall('testcase')\n"
-      "assert (s.get('tests'), s.get('failures'), s.get('time')) == ('2', '1', '1.750'), s.attrib\n"
+      "assert (s.get('tests'), s.get('failures'), s.get('time')) == ('3', '1', '1.750'), s.attrib\n"
+      "assert s.get('skipped') == '1' and c[2].find('skipped').get('message') == 'starts <inside>'\n"
+      "assert c[2].find('failure') is None\n"
       "assert c[0].get('classname') == 'golden.plane-taps' and len(c[0]) == 0\n"
       "assert c[1].get('name') == 'god|object' and c[1].find('failure').get('message') == 'worse'\n"
       "assert c[1].find('failure').text == 'force <rms> 0.1 & \"more\"\\n100 % beyond'\n"
@@ -48,11 +51,12 @@ TEST(TestSummary, JUnitIsReadByAnotherProgram) {
 
 TEST(TestSummary, MarkdownNamesFailuresWithTheirPictures) {
   const std::string text = tests_to_markdown("Golden cases", example(), std::filesystem::current_path());
-  EXPECT_THAT(text, HasSubstr("1 passed, 1 failed"));
+  EXPECT_THAT(text, HasSubstr("1 passed, 1 failed, 1 skipped"));
   EXPECT_THAT(text, HasSubstr("| sphere, scan | god\\|object | worse |"));
   EXPECT_THAT(text, HasSubstr("\n    100 % beyond"));
   EXPECT_THAT(text, HasSubstr("![golden](out/golden.png)"));
   EXPECT_THAT(text, testing::Not(HasSubstr("plane-taps")));
+  EXPECT_THAT(text, testing::Not(HasSubstr("bowl-push")));
 }
 
 TEST(TestSummary, AnnotationsMarkTheFile) {
