@@ -93,6 +93,7 @@ TEST(AtlasCases, ACaseThatCannotBeRunIsARowWithItsErrorAndIsSeenInEveryReport) {
   }
   EXPECT_THAT(atlas_table(cases), HasSubstr("failed to run"));
   EXPECT_THAT(atlas_to_json(cases), HasSubstr("\"error\""));
+  EXPECT_THAT(atlas_to_json(cases), HasSubstr("\"faults\": \""));
   EXPECT_THAT(atlas_picture(cases, Scene::bump), HasSubstr(">?</text>"));
   EXPECT_THAT(page_to_html(atlas_page(cases, {})), HasSubstr("Cases that could not be run"));
 }

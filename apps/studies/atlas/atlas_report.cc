@@ -207,7 +207,8 @@ std::string atlas_to_json(const std::vector<AtlasCase>& cases) {
                   {"pops_through", own.found.pops_through},
                   {"loses_contact", own.found.loses_contact},
                   {"pulls_inward", own.found.pulls_inward},
-                  {"largest_lag_m", own.found.largest_lag_m}});
+                  {"largest_lag_m", own.found.largest_lag_m},
+                  {"faults", letters(own)}});
     } else {
       one["error"] = own.error;
     }
