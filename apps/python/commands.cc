@@ -95,19 +95,25 @@ py::list options_of(const CLI::App& command) {
   return out;
 }
 
-// Every command with its options, as the program's own parser knows them.
+void describe(const CLI::App& parent, const std::string& prefix, py::dict& out) {
+  for (const CLI::App* const command : parent.get_subcommands({})) {
+    const std::string name = prefix + command->get_name();
+    py::dict about;
+    about["summary"] = command->get_description();
+    about["options"] = options_of(*command);
+    about["notes"] = command->get_footer();
+    out[py::str(name)] = about;
+    describe(*command, name + " ", out);
+  }
+}
+
+// Every command with its options, as the program's own parser knows them; of a command's subcommand "golden accept".
 py::dict describe_commands() {
   CLI::App program{"", "touchstone"};
   Run unused;
   for (const auto add : commands()) add(program, unused);
   py::dict out;
-  for (const CLI::App* const command : program.get_subcommands({})) {
-    py::dict about;
-    about["summary"] = command->get_description();
-    about["options"] = options_of(*command);
-    about["notes"] = command->get_footer();
-    out[py::str(command->get_name())] = about;
-  }
+  describe(program, "", out);
   return out;
 }
 

@@ -43,6 +43,27 @@ assert(rms, result.metrics.rms_force_error_N, -1e-12);  % the same sum in anothe
 run(program, sprintf('compare %s %s --json %s', fullfile(report, 'rendered.csv'), fullfile(report, 'rendered.csv'), ...
                      fullfile(folder, 'same.json')));
 
+% The page for users, block by block as written: its shell commands, then its MATLAB.
+page = fileread(fullfile(source, 'docs', 'how-to', 'matlab.md'));
+copyfile(csv, folder);
+copyfile(fullfile(bundled, 'plane.obj'), folder);
+before = cd(folder);
+shell = blocks(page, 'sh');
+assert(numel(shell), 1);
+path_before = getenv('PATH');
+setenv('PATH', [fileparts(program) ':' path_before]);
+[status, output] = system(['set -e; ' shell{1}]);
+assert(status == 0, output);
+setenv('PATH', path_before);
+set(0, 'defaultfigurevisible', 'off');
+matlab = blocks(page, 'matlab');
+assert(numel(matlab), 1);
+% What draws needs a display; the rest must give what the result says.
+kept = regexprep(matlab{1}, '(?m)^(plot|xlabel)[^\n]*$', '');
+shown = evalc(kept);
+assert(~isempty(strfind(shown, 'rms_N = 0.3393')), shown);
+cd(before);
+
 % Mistakes are said with the file and what was expected.
 fails(@() touchstone.read_recording(fullfile(folder, 'absent.csv')), 'absent.csv: there is no such file');
 fails(@() touchstone.read_rendered(csv), 'the column px is missing');
@@ -53,6 +74,12 @@ fprintf(handle, 't_s,x_furlong,y_furlong,z_furlong\n0,1,2,3\n1,1,2,3\n');
 fclose(handle);
 fails(@() touchstone.read_recording(odd), 'the unit furlong is not known');
 printf('all tests of +touchstone passed\n');
+end
+
+function found = blocks(page, language)
+% The texts of a page's fenced blocks of one language.
+found = regexp(page, ['```' language '\n(.*?)```'], 'tokens');
+found = cellfun(@(one) one{1}, found, 'UniformOutput', false);
 end
 
 function run(program, words)

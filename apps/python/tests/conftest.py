@@ -3,6 +3,7 @@
 import json
 import os
 import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -34,3 +35,11 @@ def god_object(tmp_path):
     path.write_text(json.dumps({"schema": "touchstone-model/1", "renderer": "god-object",
                                 "parameters": {"stiffness_N_per_m": 500}}))
     return path
+
+
+def run_suite(file, *words):
+    """pytest --touchstone FILE in a process of its own; names of tests as ctest writes them."""
+    done = subprocess.run([sys.executable, "-m", "pytest", "-p", "no:cacheprovider", "-v", "-rs", "--touchstone", file, *words],
+                          text=True, capture_output=True)
+    done.stdout = done.stdout.replace("::", ".")  # pytest's way of writing the dots of a name
+    return done

@@ -1,10 +1,12 @@
 import gc
 import os
+import re
 
 import numpy as np
 import pytest
 
 import touchstone as ts
+from conftest import SOURCE
 
 
 def test_a_recording_is_arrays_without_a_copy(plane):
@@ -88,6 +90,36 @@ def test_exact_answers_of_synthetic_surfaces():
     assert abs(np.linalg.norm(rendered.force_N[1]) - np.linalg.norm(exact["force_N"][0])) <= 1000 * deviation * (1 + 1e-9)
     with pytest.raises(ts.UsageError, match="radius_mm"):
         ts.synthetic.surface("sphere", radius_mm=3)
+
+
+def test_golden_cases_are_what_renderers_must_give():
+    goldens = ts.goldens()
+    assert len(goldens) > 40
+    golden = goldens["plane-taps"]
+    model = golden.models["god-object"]
+    assert model.parameters == {"stiffness_N_per_m": 500.0}
+    expected = golden.expected("god-object")
+    assert np.array_equal(expected.position_m, golden.trajectory.position_m)
+    assert ts.compare(expected, ts.replay(model, golden.mesh, golden.trajectory)).passed
+    with pytest.raises(ts.UsageError, match="there is no model god; there are god-object, "):
+        golden.expected("god")
+
+
+def test_the_page_for_users_runs_as_written(tmp_path, monkeypatch, capsys):
+    """docs/how-to/python.md, block by block, in an empty folder."""
+    page = (SOURCE / "docs" / "how-to" / "python.md").read_text()
+    blocks = re.findall(r"```python\n(.*?)```", page, re.DOTALL)
+    assert len(blocks) > 5
+    monkeypatch.chdir(tmp_path)
+    names = {"__name__": "page"}
+    for block in blocks:
+        exec(compile(block, "python.md", "exec"), names)  # the page is ours
+    assert names["golden"].passed
+    assert "absent.csv" in capsys.readouterr().out
+    assert names["exact"]["force_N"] == pytest.approx(np.array([[0, 0, 0.5]]))
+    # Every function that its table names is there.
+    for name in re.findall(r"^\| `(\w+)`", page, re.MULTILINE):
+        assert hasattr(ts, name), name
 
 
 def resident_kB():

@@ -9,31 +9,39 @@ themselves in a notebook, and renderers written in Python.
 Units are SI, in the names; everything is in the object's frame; forces are those on the probe by the object.
 """
 
-from typing import Any
+from importlib import import_module
+from typing import Any, List
 
 from .renderer import ABILITIES, Parameter, Renderer, Step, Tip, load_renderers, register
 
 # The rest is loaded when it is first asked for: a program that runs a renderer written in Python imports
-# touchstone.renderer alone, and does not want the library a second time.
-_RENDERER = ["ABILITIES", "Parameter", "Renderer", "Step", "Tip", "load_renderers", "register"]
-_API = [
-    "BadData", "Board", "Check", "Comparison", "Error", "Evaluation", "Evaluations", "Atlas", "Findings", "Fit", "Mesh",
-    "Model", "Perception", "Recording", "Rendered", "RendererFailed", "Result", "Scorecard", "Surface", "Trajectory",
-    "UsageError", "Skipped", "atlas", "build_info", "bundled", "check", "commands", "compare", "datasets", "discrepancy",
-    "evaluate", "fit", "leaderboard", "load_mesh", "load_recording", "load_rendered", "load_result",
-    "load_trajectory", "measure_steps", "model", "perceive", "progress", "replay", "run", "scorecard", "synthetic",
-    "__version__",
-]
-__all__ = _RENDERER + _API
+# touchstone.renderer alone, and does not want the library a second time. Types: __init__.pyi.
+_PLACES = {
+    "_touchstone": ["BadData", "Error", "Mesh", "Model", "Recording", "Rendered", "RendererFailed", "Surface", "Trajectory",
+                    "UsageError", "__version__", "build_info", "load_mesh", "load_recording", "load_rendered",
+                    "load_trajectory"],
+    "_commands": ["atlas", "check", "compare", "discrepancy", "evaluate", "fit", "leaderboard", "perceive", "scorecard"],
+    "_data": ["DataSet", "Golden", "datasets", "goldens"],
+    "_models": ["measure_steps", "model", "replay"],
+    "_programs": ["bundled"],
+    "_progress": ["progress"],
+    "_results": ["Atlas", "Board", "Check", "Comparison", "Evaluation", "Evaluations", "Findings", "Fit", "JsonResult",
+                 "Perception", "Scorecard", "load_result"],
+    "_run": ["Result", "Skipped", "commands", "run"],
+}
+_MODULE_OF = {name: module for module, names in _PLACES.items() for name in names}
+__all__ = ["ABILITIES", "Parameter", "Renderer", "Step", "Tip", "load_renderers", "register", "synthetic", *_MODULE_OF]
 
 
 def __getattr__(name: str) -> Any:
-    if name in _API:
-        from . import _api
+    if name != "synthetic" and name not in _MODULE_OF:
+        raise AttributeError(f"module 'touchstone' has no attribute '{name}'")
+    for needed in ("_progress", "_shown"):
+        import_module(f".{needed}", __name__)
+    if name == "synthetic":
+        return import_module(".synthetic", __name__)
+    return getattr(import_module(f".{_MODULE_OF[name]}", __name__), name)
 
-        return getattr(_api, name)
-    raise AttributeError(f"module 'touchstone' has no attribute '{name}'")
 
-
-def __dir__() -> list:
+def __dir__() -> List[str]:
     return sorted(__all__)

@@ -6,9 +6,14 @@ import os
 import sys
 import traceback
 from pathlib import Path
-from typing import Any, ClassVar, Mapping, NamedTuple, Sequence, Union
+from typing import Any, ClassVar, List, Mapping, NamedTuple, Optional, Sequence, Tuple, Type, TypeVar, Union
 
 import numpy as np
+from numpy.typing import NDArray
+
+
+#: Three numbers.
+Vector = Union[Sequence[float], NDArray[np.float64]]
 
 
 class Parameter(NamedTuple):
@@ -26,16 +31,16 @@ class Tip(NamedTuple):
     """The tip at one servo tick, in the object's frame."""
 
     time_s: float
-    position_m: np.ndarray  #: (3,); the centre of the ball where the tip is a ball
-    orientation_wxyz: tuple  #: unit quaternion from the tip's frame to the object's
+    position_m: NDArray[np.float64]  #: (3,); the centre of the ball where the tip is a ball
+    orientation_wxyz: Tuple[float, float, float, float]  #: unit quaternion from the tip's frame to the object's
 
 
 class Step(NamedTuple):
     """The answer to a tip, in the object's frame."""
 
-    force_N: Sequence[float]  #: (3,) force on the probe by the object
-    contact_m: Sequence[float]  #: (3,) surface contact point (god-object); the tip itself when free
-    normal: Sequence[float] = (0.0, 0.0, 0.0)  #: (3,) outward unit normal of the contact; zero when free
+    force_N: Vector  #: (3,) force on the probe by the object
+    contact_m: Vector  #: (3,) surface contact point (god-object); the tip itself when free
+    normal: Vector = (0.0, 0.0, 0.0)  #: (3,) outward unit normal of the contact; zero when free
     depth_m: float = 0.0  #: penetration along the normal, >= 0
     contact: bool = True
 
@@ -60,11 +65,11 @@ class Renderer:
     #: What it cannot do, with the reason: the tests that demand it are skipped. Abilities: see `ABILITIES`.
     cannot: ClassVar[Mapping[str, str]] = {}
     #: The golden cases' model whose place it takes in the suite; None: no golden cases.
-    golden_like: ClassVar[Union[str, None]] = None
+    golden_like: ClassVar[Optional[str]] = None
     #: What the suite must know besides: stiffness, friction, tip_radius, epsilon (see `touchstone-conformance --help`).
     facts: ClassVar[Mapping[str, float]] = {}
 
-    def __init__(self, vertices_m: np.ndarray, triangles: np.ndarray, **parameters: float) -> None:
+    def __init__(self, vertices_m: NDArray[np.float64], triangles: NDArray[np.int32], **parameters: float) -> None:
         raise NotImplementedError
 
     def reset(self) -> None:
@@ -75,6 +80,8 @@ class Renderer:
         """One servo tick."""
         raise NotImplementedError
 
+
+_AnyRenderer = TypeVar("_AnyRenderer", bound=Renderer)
 
 #: What a renderer may declare that it cannot (harness/rendering/limitation.h).
 ABILITIES = (
@@ -92,11 +99,16 @@ ABILITIES = (
 #: The environment variable that names the file of renderers for a program that is no Python.
 FILE_VARIABLE = "TOUCHSTONE_PYTHON_RENDERER"
 
-_registered: list = []
+_registered: List[Type[Renderer]] = []
 _file_loaded = False
 
 
-def register(renderer: type) -> type:
+def registered() -> List[Type[Renderer]]:
+    """Every class that is known by its name."""
+    return list(_registered)
+
+
+def register(renderer: Type[_AnyRenderer]) -> Type[_AnyRenderer]:
     """Makes a class known by its name, in place of an earlier one of that name. Usable as a decorator."""
     if not getattr(renderer, "name", ""):
         raise TypeError(f"{renderer.__name__} has no name; set the class attribute `name`")
@@ -110,7 +122,7 @@ def register(renderer: type) -> type:
     return renderer
 
 
-def load_renderers(path: Union[str, os.PathLike]) -> list:
+def load_renderers(path: Union[str, "os.PathLike[str]"]) -> List[Type[Renderer]]:
     """Runs a Python file and registers every class of it that is a `Renderer` with a name. Returns them."""
     path = Path(path).resolve()
     # Two files of one name are two modules.
@@ -125,7 +137,7 @@ def load_renderers(path: Union[str, os.PathLike]) -> list:
         thing
         for thing in vars(module).values()
         if isinstance(thing, type) and issubclass(thing, Renderer) and thing.__module__ == module_name
-        and getattr(thing, "name", "")
+        and hasattr(thing, "name")
     ]
     if not found:
         raise ImportError(f"{path}: holds no class that derives from touchstone.Renderer and has a name")
@@ -137,7 +149,7 @@ def load_renderers(path: Union[str, os.PathLike]) -> list:
 # --- What renderer_plugin.cc calls. ---
 
 
-def _known() -> list:
+def _known() -> List[Type[Renderer]]:
     global _file_loaded
     path = os.environ.get(FILE_VARIABLE, "")
     if path and not _file_loaded:
@@ -179,7 +191,7 @@ class _Adapter:
     def reset(self) -> None:
         self._renderer.reset()
 
-    def step(self, t: float, x: float, y: float, z: float, qw: float, qx: float, qy: float, qz: float) -> tuple:
+    def step(self, t: float, x: float, y: float, z: float, qw: float, qx: float, qy: float, qz: float) -> Tuple[float, ...]:
         answer = self._renderer.step(Tip(t, np.array((x, y, z)), (qw, qx, qy, qz)))
         if not isinstance(answer, Step):
             raise TypeError(f"step() returned {type(answer).__name__}; a touchstone.Step was expected")
