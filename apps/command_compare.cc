@@ -83,9 +83,9 @@ ExitStatus compare_command(const CompareOptions& options) {
   if (!options.json.empty()) {
     nlohmann::json document = to_json(comparison);
     if (floor) {
-      document["repeat_floor"] = {{"force_N", floor->force_N},
-                                  {"position_m", floor->position_m},
-                                  {"shift_s", floor->shift_s},
+      document["repeat_floor"] = {{"force_N", floor->force_N},           {"position_m", floor->position_m},
+                                  {"shift_s", floor->shift_s},           {"unshifted_N", floor->unshifted_N},
+                                  {"steadiest_N", floor->steadiest_N},   {"least_steady_N", floor->least_steady_N},
                                   {"within", within(*floor, comparison)}};
     }
     write_file(options.json, document.dump(2) + "\n");

@@ -29,8 +29,7 @@ double null_bar(const SearchState& state, const Candidate& candidate, double gai
 
 inline constexpr const char* out_of_time = "not checked: the time limit ended the search";
 
-inline constexpr const char* within_null =
-    "no more than noise and the mesh's declared error give where nothing is missing";
+inline constexpr const char* within_null = "no more than simulated recordings give in which nothing is missing";
 
 inline constexpr const char* within_mesh = "within the mesh's declared error";
 inline constexpr const char* maybe_within_mesh = "may be within the mesh's declared error";

@@ -263,6 +263,25 @@ const std::map<std::string, Fault>& faults() {
           }
         },
         sliding}},
+      {"one channel of the force dead",
+       {"constant force",
+        [](Recording& r, Random&) {
+          for (Vec3& f : r.f_W_N) f.x() = 0.137;
+        },
+        sliding}},
+      {"tracker dead",
+       {"constant position",
+        [](Recording& r, Random&) {
+          const Vec3 place = r.motion.p_W_m.front();
+          for (Vec3& p : r.motion.p_W_m) p = place;
+        },
+        strokes}},
+      {"object registered half its width aside",
+       {"registration",
+        [](Recording& r, Random&) {
+          for (Vec3& p : r.motion.p_W_m) p.x() += 0.1;
+        },
+        strokes}},
       {"tip radius of 5 mm forgotten",
        {"registration",
         [](Recording& r, Random&) {
@@ -295,6 +314,7 @@ TEST(SanityCalibration, RatesOnFreshSeeds) {
              first_seed, first_seed + worlds - 1, worlds);
   std::size_t blamed_in_all = 0;
   std::map<std::string, std::map<std::string, std::size_t>> named;  // fault, kind
+  std::string missed;
   for (const auto& [kind, make] : kinds()) {
     std::size_t blamed = 0;
     std::set<std::string> what;
@@ -307,7 +327,10 @@ TEST(SanityCalibration, RatesOnFreshSeeds) {
         if (!fault.shows_in.contains(kind)) continue;
         Recording bad = good;
         fault.plant(bad, random);
-        named[name][kind] += names_of(bad).find(fault.finding) != std::string::npos ? 1 : 0;
+        const std::string found = names_of(bad);
+        const bool hit = found.find(fault.finding) != std::string::npos;
+        named[name][kind] += hit ? 1 : 0;
+        if (!hit) missed += fmt::format("{} in {}, seed {}: '{}'\n", name, kind, first_seed + world, found);
       }
     }
     blamed_in_all += blamed;
@@ -325,12 +348,14 @@ TEST(SanityCalibration, RatesOnFreshSeeds) {
     for (const auto& [kind, count] : by_kind) {
       hits += count;
       list += fmt::format("{}{}: {}", list.empty() ? "" : "; ", kind, count);
+      EXPECT_GE(count * 100, worlds * 95) << name << ", " << kind;
     }
     const std::size_t tried = by_kind.size() * worlds;
     fmt::print("| {} | {} of {} ({:.0f} %) | {} |\n", name, hits, tried,
                100.0 * static_cast<double>(hits) / static_cast<double>(tried), list);
     EXPECT_GE(hits * 100, tried * 95) << name;
   }
+  if (!missed.empty()) fmt::print("\nNot named:\n\n{}", missed);
 }
 
 }  // namespace

@@ -10,6 +10,7 @@
 #include <optional>
 #include <unordered_map>
 
+#include "harness/sanity/force_noise.h"
 #include "harness/stats/quantile.h"
 
 namespace touchstone::sanity {
@@ -84,6 +85,30 @@ std::optional<Stretch> find_stuck(const std::vector<double>& t_s, const std::vec
     return std::nullopt;
   }
   return s;
+}
+
+// Moves the recording's numbers but not this channel: a dead one. Noise elsewhere shows that the file is measured,
+// since computed forces may well be constant; a channel of zeros is not measured, which is legitimate.
+std::optional<std::string> find_dead_channel(const Recording& r, int axis) {
+  constexpr std::size_t fewest = 100;
+  const double value = r.f_W_N.front()[axis];
+  if (r.size() < fewest || value == 0.0) return std::nullopt;
+  if (!std::ranges::all_of(r.f_W_N, [&](const Vec3& f) { return f[axis] == value; })) return std::nullopt;
+  if (!noise_shows(r.f_W_N, {}) && !noise_shows(r.motion.p_W_m, {})) return std::nullopt;
+  return fmt::format("f{} stands at exactly {:.6g} N in all {} samples: that channel gave nothing",
+                     axis_names[static_cast<std::size_t>(axis)], value, r.size());
+}
+
+// The force changes by far more than its noise, and the position never.
+bool dead_position(const Recording& r) {
+  constexpr std::size_t fewest = 100;
+  constexpr double far_more = 20.0;
+  const Vec3 place = r.motion.p_W_m.front();
+  if (r.size() < fewest || !std::ranges::all_of(r.motion.p_W_m, [&](const Vec3& p) { return p == place; }))
+    return false;
+  Box3 range;
+  for (const Vec3& f : r.f_W_N) range.extend(f);
+  return noise_shows(r.f_W_N, {}) && range.diagonal().norm() > far_more * force_noise_N(r.f_W_N);
 }
 
 // Samples at the end of the range pile up, where those just below it thin out.
@@ -170,7 +195,18 @@ std::vector<ColumnFault> find_column_faults(const Recording& r) {
                                   stretch(*s)),
                       "leave that stretch out"});
   }
+  if (dead_position(r)) {
+    faults.push_back(
+        {"constant position",
+         fmt::format("the position is the same to the last digit in all {} samples while the force changes: "
+                     "the tracker gave nothing",
+                     r.size()),
+         "does the file hold the positions, and does the map name their columns?"});
+  }
   for (int axis = 0; axis < 3; ++axis) {
+    if (const auto dead = find_dead_channel(r, axis)) {
+      faults.push_back({"constant force", *dead, "does the map name the right column? Else record anew"});
+    }
     for (const double sign : {1.0, -1.0}) {
       const auto clipped = find_clipped(r.f_W_N, axis, sign);
       if (!clipped) continue;

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -13,32 +14,54 @@
 namespace touchstone::sanity {
 namespace {
 
+constexpr std::size_t stretch_count = 10;
+
 struct Difference {
   double force = 0.0, position = std::numeric_limits<double>::infinity(), shared_s = 0.0;
+  double steadiest = 0.0, least_steady = 0.0;  // force, of the stretches that hold samples
 };
 
 // Times count from the first sample of each: the second begins when its operator pressed the button.
 Difference difference_at(const Recording& a, const Recording& b, double shift_s, std::size_t stride) {
   AtTimes there(b);
   double force = 0.0, position = 0.0, first = 0.0, last = 0.0;
+  std::array<double, stretch_count> squares{};
+  std::array<std::size_t, stretch_count> counts{};
   std::size_t n = 0;
   for (std::size_t i = 0; i < a.size(); i += stride) {
     if (!there.find(a.motion.t_s[i] - a.motion.t_s.front() + b.motion.t_s.front() + shift_s)) continue;
-    force += (a.f_W_N[i] - there.force_N()).squaredNorm();
+    const double square = (a.f_W_N[i] - there.force_N()).squaredNorm();
+    const std::size_t stretch = i * stretch_count / a.size();
+    squares[stretch] += square, ++counts[stretch];
+    force += square;
     position += (a.motion.p_W_m[i] - there.position_m()).squaredNorm();
     if (n++ == 0) first = a.motion.t_s[i];
     last = a.motion.t_s[i];
   }
   if (n == 0) return {};
   const auto count = static_cast<double>(n);
-  return {std::sqrt(force / count), std::sqrt(position / count), last - first};
+  Difference d{std::sqrt(force / count), std::sqrt(position / count), last - first, 0.0, 0.0};
+  d.steadiest = std::numeric_limits<double>::infinity();
+  for (std::size_t k = 0; k < stretch_count; ++k) {
+    if (counts[k] == 0) continue;
+    const double rms = std::sqrt(squares[k] / static_cast<double>(counts[k]));
+    d.steadiest = std::min(d.steadiest, rms), d.least_steady = std::max(d.least_steady, rms);
+  }
+  return d;
 }
 
 }  // namespace
 
 std::string RepeatFloor::text() const {
-  return fmt::format("{:.3g} N ({}; {:.3g} mm in position, over {:.4g} s)", force_N, source, 1e3 * position_m,
-                     shared_s);
+  constexpr double shown_ms = 0.1;
+  std::string text =
+      fmt::format("{:.3g} N ({}; {:.3g} mm in position, over {:.4g} s; {:.2g} to {:.2g} N by tenths of that time",
+                  force_N, source, 1e3 * position_m, shared_s, steadiest_N, least_steady_N);
+  if (std::abs(1e3 * shift_s) > shown_ms) {
+    text += fmt::format("; it starts {:.3g} ms {}, {:.3g} N without taking that out", std::abs(1e3 * shift_s),
+                        shift_s > 0.0 ? "later" : "earlier", unshifted_N);
+  }
+  return text + ")";
 }
 
 std::string RepeatFloor::verdict(double error_N) const {
@@ -81,7 +104,8 @@ RepeatFloor repeat_floor(const Recording& first, const Recording& second) {
                     "{:.3g} s of {:.3g} s; a second run of the same motion was expected",
                     second.source, first.source, d.position, extent, d.shared_s, duration_s));
   }
-  return {d.force, d.position, shift_s, d.shared_s, std::filesystem::path(second.source).filename().string()};
+  return {d.force,     d.position,     shift_s,    difference_at(first, second, 0.0, 1).force,
+          d.steadiest, d.least_steady, d.shared_s, std::filesystem::path(second.source).filename().string()};
 }
 
 RepeatFloor repeat_floor_of_files(const std::filesystem::path& first, const std::filesystem::path& second) {

@@ -11,13 +11,16 @@
 namespace touchstone::sanity {
 
 struct RepeatFloor {
-  double force_N = 0.0;     // RMS of the difference of the forces as vectors, at equal times
-  double position_m = 0.0;  // RMS of the difference of the positions
-  double shift_s = 0.0;     // by which the second is late; taken out
-  double shared_s = 0.0;    // time that both cover
-  std::string source;       // the second recording
+  double force_N = 0.0;                            // RMS of the difference of the forces as vectors, at equal times
+  double position_m = 0.0;                         // RMS of the difference of the positions
+  double shift_s = 0.0;                            // by which the second is late; taken out
+  double unshifted_N = 0.0;                        // the RMS of the forces if that is not taken out
+  double steadiest_N = 0.0, least_steady_N = 0.0;  // of ten equal stretches of time, the smallest and the largest RMS
+  double shared_s = 0.0;                           // time that both cover
+  std::string source;                              // the second recording
 
-  // "0.0761 N (again.csv; 0.178 mm in position, over 391 s)"
+  // "0.0761 N (again.csv; 0.178 mm in position, over 391 s; 0.05 to 0.14 N by tenths of that time; the start is 7 ms
+  // late, 0.087 N without taking that out)"
   [[nodiscard]] std::string text() const;
   // "1.7 times the floor of 0.0761 N that the repeat again.csv gives", "within the floor ..."
   [[nodiscard]] std::string verdict(double error_N) const;

@@ -12,7 +12,10 @@
 #include "harness/sanity/block_order.h"
 #include "harness/sanity/column_faults.h"
 #include "harness/sanity/force_frame.h"
+#include "harness/sanity/force_noise.h"
 #include "harness/sanity/load_lag.h"
+#include "harness/sanity/placement.h"
+#include "harness/stats/quantile.h"
 
 namespace touchstone::sanity {
 namespace {
@@ -42,10 +45,10 @@ Contact against(const Recording& r, const SanityContext& context) {
 }
 
 // The samples that push: in free air the direction of the force is that of its noise.
-Contact touching_part(const Contact& all, double contact_force_N) {
+Contact touching_part(const Contact& all, double touching_N) {
   Contact part;
   for (std::size_t i = 0; i < all.f_W_N.size(); ++i) {
-    if (!(all.f_W_N[i].norm() > contact_force_N)) continue;
+    if (!(all.f_W_N[i].norm() > touching_N)) continue;
     part.n_W.push_back(all.n_W[i]);
     part.f_W_N.push_back(all.f_W_N[i]);
     if (!all.q_WS.empty()) part.q_WS.push_back(all.q_WS[i]);
@@ -58,8 +61,8 @@ std::vector<double> negated(std::vector<double> values) {
   return values;
 }
 
-std::optional<SanityFinding> reversed_force(const Contact& c, const SanityContext& context) {
-  const Contact touching = touching_part(c, context.contact_force_N);
+std::optional<SanityFinding> reversed_force(const Contact& c, const SanityContext& context, double touching_N) {
+  const Contact touching = touching_part(c, touching_N);
   const ForceSign sign = check_force_sign(touching.n_W, touching.f_W_N);
   if (sign.verdict != SignVerdict::reversed) return std::nullopt;
   const double follows = correlation(c.depth_m, c.load_N);
@@ -74,10 +77,10 @@ std::optional<SanityFinding> reversed_force(const Contact& c, const SanityContex
                                              : "if the file has the force BY the probe, give --flip-force"};
 }
 
-std::optional<SanityFinding> far_away(const Recording& r, const SanityContext& context) {
+std::optional<SanityFinding> far_away(const Recording& r, const SanityContext& context, double touching_N) {
   std::vector<Vec3> touching;
   for (std::size_t i = 0; i < r.size(); ++i) {
-    if (r.f_W_N[i].norm() > context.contact_force_N) touching.push_back(r.motion.p_W_m[i]);
+    if (r.f_W_N[i].norm() > touching_N) touching.push_back(r.motion.p_W_m[i]);
   }
   const auto message = far_from_surface(*context.surface, touching.empty() ? r.motion.p_W_m : touching,
                                         context.tip_radius_m, r.source, context.mesh_unit);
@@ -85,8 +88,8 @@ std::optional<SanityFinding> far_away(const Recording& r, const SanityContext& c
   return SanityFinding{SanityWeight::fault, "mesh unit or place", *message, ""};
 }
 
-std::optional<SanityFinding> wrong_frame(const Contact& c, const SanityContext& context) {
-  const Contact touching = touching_part(c, context.contact_force_N);
+std::optional<SanityFinding> wrong_frame(const Contact& c, double touching_N) {
+  const Contact touching = touching_part(c, touching_N);
   const auto frame = find_force_frame(touching.n_W, touching.f_W_N, touching.q_WS);
   if (!frame) return std::nullopt;
   return SanityFinding{SanityWeight::fault, "force frame",
@@ -119,40 +122,15 @@ std::optional<SanityFinding> wrong_clock(const Contact& c) {
       fmt::format("read the file with `touchstone import` and \"shift_force_s\": {:.4g} in the map", -lag->lag_s)};
 }
 
-// Force while the tip is well outside of the object: a tip radius or a registration that is missing.
-std::optional<SanityFinding> pushed_from_afar(const Recording& r, const SanityContext& context) {
-  std::vector<double> gaps_m;
-  double along = 0.0, size = 0.0;
-  const std::size_t stride = r.size() / most_samples + 1;
-  for (std::size_t i = 0; i < r.size(); i += stride) {
-    if (!(r.f_W_N[i].norm() > context.contact_force_N)) continue;
-    const SurfacePoint foot = context.surface->closest(r.motion.p_W_m[i]);
-    gaps_m.push_back(foot.signed_distance_m - context.tip_radius_m);
-    along += r.f_W_N[i].dot(foot.n_W), size += r.f_W_N[i].norm();
-  }
-  // Friction in air, weights and biases push nowhere along the normal.
-  if (gaps_m.size() < 20 || !(along > 0.8 * size)) return std::nullopt;
-  std::ranges::sort(gaps_m);
-  const double low = gaps_m[gaps_m.size() / 20], middle = gaps_m[gaps_m.size() / 2];
-  const double near_m = 0.005 * context.surface->bounds().diagonal().norm();
-  if (!(low > near_m)) return std::nullopt;  // 19 of 20 pushed from outside
-  return SanityFinding{
-      SanityWeight::remark, "registration",
-      fmt::format("19 of 20 samples with force have the tip outside of the object, by {:.3g} m in the middle", middle),
-      fmt::format("is the tip a ball (--tip-radius {:.3g}mm), or the object registered wrongly?",
-                  1e3 * (middle + context.tip_radius_m))};
-}
-
-std::optional<SanityFinding> touches_nothing(const Recording& r, const Contact& c, const SanityContext& context) {
-  double largest = 0.0;
-  for (const Vec3& f : r.f_W_N) largest = std::max(largest, f.norm());
-  const bool touched = std::ranges::any_of(c.depth_m, [](double d) { return d > 0.0; });
-  if (touched || largest > context.contact_force_N) return std::nullopt;
-  return SanityFinding{SanityWeight::remark, "no contact",
-                       fmt::format("nothing is touched: the tip stays outside of the object and the force below {:.2g} "
-                                   "N",
-                                   context.contact_force_N),
-                       "is it a run in free air?"};
+// The force above which a sample pushes: noise alone exceeds five of its deviations once in 60,000 samples (chi with
+// three degrees of freedom). Half of what the hardest presses reach at most, since samples taken far apart show motion
+// as noise.
+double touching_threshold_N(const Recording& r, double contact_force_N) {
+  constexpr double deviations = 5.0, hardest = 0.98, most_of_hardest = 0.5;
+  std::vector<double> sizes;
+  for (const Vec3& f : r.f_W_N) sizes.push_back(f.norm());
+  return std::max(contact_force_N, std::min(deviations * force_noise_N(r.f_W_N),
+                                            most_of_hardest * stats::lower_quantile(std::move(sizes), hardest)));
 }
 
 }  // namespace
@@ -164,14 +142,16 @@ std::vector<SanityFinding> check_sanity(const Recording& recording, const Sanity
     return !findings.empty();
   };
   if (context.surface != nullptr && recording.size() > 0 && recording.f_W_N.size() == recording.size()) {
+    const double touching_N = touching_threshold_N(recording, context.contact_force_N);
     // Far from the surface its normals and depths mean nothing; reversed forces make every later test fail.
-    if (add(far_away(recording, context))) return findings;
+    if (add(far_away(recording, context, touching_N))) return findings;
     const Contact contact = against(recording, context);
     // A lag makes blocks of its own length fit in another order: it goes first.
-    if (!add(wrong_frame(contact, context)) && !add(reversed_force(contact, context)) && !add(wrong_clock(contact))) {
+    if (!add(wrong_frame(contact, touching_N)) && !add(reversed_force(contact, context, touching_N)) &&
+        !add(wrong_clock(contact))) {
       add(wrong_order(contact));
-      add(pushed_from_afar(recording, context));
-      add(touches_nothing(recording, contact, context));
+      add(find_misplacement(recording, context, touching_N));
+      add(touches_nothing(recording, context));
     }
   }
   for (const ColumnFault& fault : find_column_faults(recording)) {

@@ -8,6 +8,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
+#include <filesystem>
 #include <functional>
 #include <map>
 
@@ -267,6 +269,35 @@ TEST(Sanity, PlantedFaultsInRealRecordingsAreNamed) {
     }
   }
   EXPECT_GT(runs, 0);
+}
+
+struct BundledScan {
+  const char* folder;
+  const char* mesh;
+  double mesh_unit_m;
+};
+
+// The tip of these bodies is rigid, so that a clock and an order of blocks leave no trace in load against depth.
+TEST(Sanity, PlantedFaultsInBundledRecordingsAreNamed) {
+  const char* const source = std::getenv("TOUCHSTONE_SOURCE_DIR");
+  for (const BundledScan& scan : {BundledScan{"plane", "plane.obj", 1e-3}, BundledScan{"duck", "duck.ply", 1.0}}) {
+    const auto folder = std::filesystem::path(source != nullptr ? source : ".") / "synthetic/bundled" / scan.folder;
+    const auto surface = make_embree_surface(load_mesh(folder / scan.mesh, scan.mesh_unit_m));
+    SanityContext context;
+    context.surface = surface.get();
+    context.tip_radius_m = 1.5e-3;
+    const Recording whole = load_recording(folder / "scan.csv");
+    EXPECT_EQ(faults_of(whole, context), "") << scan.folder;
+    Random random(6);
+    for (const auto& [what, fault] : planted()) {
+      if (fault.first == "clock" || fault.first == "order") continue;
+      Recording bad = whole;
+      fault.second(bad, random);
+      const std::string names = faults_of(bad, context);
+      fmt::print("{} {:32} {}\n", scan.folder, what, names);
+      EXPECT_THAT(names, HasSubstr(fault.first)) << scan.folder << ": " << what;
+    }
+  }
 }
 
 TEST(Sanity, ARealRunWithTheReversedForceIsRefused) {

@@ -111,6 +111,9 @@ std::string fit_to_json(const FitResult& result) {
     document["repeat_floor"] = {{"force_N", exact_number(result.floor->force_N)},
                                 {"position_m", exact_number(result.floor->position_m)},
                                 {"shift_s", exact_number(result.floor->shift_s)},
+                                {"unshifted_N", exact_number(result.floor->unshifted_N)},
+                                {"steadiest_N", exact_number(result.floor->steadiest_N)},
+                                {"least_steady_N", exact_number(result.floor->least_steady_N)},
                                 {"repeat", result.floor->source}};
   }
   return document.dump(1, ' ', false, json::error_handler_t::replace) + "\n";
