@@ -8,6 +8,7 @@
 
 #include "harness/base/atomic_file.h"
 #include "harness/base/error.h"
+#include "harness/base/input_files.h"
 
 namespace touchstone {
 namespace {
@@ -28,7 +29,10 @@ std::string line_and_column(std::string_view text, std::size_t byte) {
 
 }  // namespace
 
-nlohmann::json load_json(const std::filesystem::path& path) { return parse_json(read_file(path), path.string()); }
+nlohmann::json load_json(const std::filesystem::path& path) {
+  note_input_file(path);
+  return parse_json(read_file(path), path.string());
+}
 
 nlohmann::json parse_json(std::string_view text, std::string_view source) {
   if (text.find_first_not_of(" \t\r\n") == std::string_view::npos) {

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "harness/base/atomic_file.h"
 #include "harness/base/error.h"
 #include "harness/base/json_reader.h"
 #include "harness/report/json_numbers.h"
@@ -143,7 +144,8 @@ std::string timings_to_json(const Board& board) {
 }
 
 std::vector<EarlierEntry> load_earlier(const std::filesystem::path& file) {
-  const nlohmann::json document = load_json(file);
+  // Not load_json(): the new board may take the place of the earlier one.
+  const nlohmann::json document = parse_json(read_file(file), file.string());
   JsonObject in(document, file.string(), "");
   in.schema("touchstone-leaderboard/1");
   std::vector<EarlierEntry> out;

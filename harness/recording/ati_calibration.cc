@@ -14,6 +14,7 @@
 
 #include "harness/base/atomic_file.h"
 #include "harness/base/error.h"
+#include "harness/base/input_files.h"
 
 namespace touchstone::recording {
 namespace {
@@ -161,6 +162,7 @@ CalendarDay parse_day(std::string_view text, std::string_view what) {
 }
 
 AtiCalibration read_ati_calibration(const std::filesystem::path& path, std::string_view expected_serial) {
+  note_input_file(path);
   return parse_ati_calibration(read_file(path), path.string(), expected_serial);
 }
 

@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "harness/base/atomic_file.h"
+#include "harness/base/input_files.h"
 #include "harness/base/json_reader.h"
 #include "harness/report/json_numbers.h"
 #include "harness/report/metric_json.h"
@@ -157,6 +158,9 @@ EvaluationResult parse_result(std::string_view text, std::string_view source) {
   return out;
 }
 
-EvaluationResult load_result(const std::filesystem::path& path) { return parse_result(read_file(path), path.string()); }
+EvaluationResult load_result(const std::filesystem::path& path) {
+  note_input_file(path);
+  return parse_result(read_file(path), path.string());
+}
 
 }  // namespace touchstone::report

@@ -9,6 +9,7 @@
 
 #include "harness/base/atomic_file.h"
 #include "harness/base/error.h"
+#include "harness/base/input_files.h"
 
 namespace touchstone::perception {
 namespace {
@@ -72,6 +73,7 @@ PairedComparisons PairedComparisons::without_subject(std::size_t subject) const 
 }
 
 PairedComparisons read_answers(const std::filesystem::path& file, const std::vector<std::string>& conditions) {
+  note_input_file(file);
   std::istringstream in(read_file(file));
   PairedComparisons result;
   result.conditions = conditions;
