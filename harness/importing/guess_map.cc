@@ -10,6 +10,7 @@
 #include <optional>
 
 #include "harness/base/units.h"
+#include "harness/importing/guess_curves.h"
 #include "harness/importing/import_table.h"
 
 namespace touchstone::importing {
@@ -76,6 +77,15 @@ bool increases(const std::vector<double>& v) {
   return v.size() > 1 && std::ranges::adjacent_find(v, [](double a, double b) { return !(b > a); }) == v.end();
 }
 
+bool is_utf8(const std::string& text) {
+  try {
+    static_cast<void>(Json(text).dump());
+    return true;
+  } catch (const Json::type_error&) {
+    return false;
+  }
+}
+
 class Guesser {
  public:
   explicit Guesser(const std::filesystem::path& path) : tables_(read_foreign(path, {})) {}
@@ -83,8 +93,10 @@ class Guesser {
   GuessedMap guess() {
     json_["schema"] = "touchstone-import/1";
     json_["about"] = fmt::format("proposed for {}; read every line before use", tables_.front().source);
+    if (const auto curves = guess_curves(tables_.front())) return of_curves(*curves);
     for (const ImportTable& table : tables_) by_names(table);
     if (!columns_.contains("t_s")) time_by_numbers(tables_.front());
+    if (const auto wrench = guess_wrench(tables_.front()); wrench && columns_.empty()) use_wrench(*wrench);
     quaternion_by_numbers(tables_.front());
     rotation_by_names();
     rate_by_numbers(tables_.front());
@@ -94,23 +106,55 @@ class Guesser {
       for (std::size_t c = 0; c < table.names.size(); ++c) {
         const std::string name = reference(table, c);
         if (std::ranges::find(used_, name) == used_.end()) {
-          reasons_.push_back(fmt::format("{}: not used: nothing tells what it is", name));
+          reasons_.push_back(fmt::format("{}: not used: {}", name, why_not_used(table.names[c])));
         }
       }
     }
+    const bool one_axis = columns_.contains("q_rad") && columns_.contains("torque_Nm");
+    const bool static_poses = columns_.contains("fx_N") && !columns_.contains("t_s") &&
+                              (json_.contains("quaternion") || json_.contains("rotation_rows"));
     for (const char* const group : {"t_s", "x_", "y_", "z_", "fx_", "fy_", "fz_"}) {
+      if (one_axis || static_poses) break;
       const bool there =
           std::ranges::any_of(columns_.items(), [&](const auto& item) { return item.key().starts_with(group); });
       if (!there) out.missing.emplace_back(group);
     }
-    out.json = json_.dump(1) + "\n";
+    out.json = json_.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
     out.reasons = std::move(reasons_);
     return out;
   }
 
  private:
+  static GuessedMap of_curves(const GuessedCurves& curves) {
+    return {curves.json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n", curves.reasons, {}};
+  }
+
+  void use_wrench(const GuessedWrench& wrench) {
+    for (const auto& [name, reason] : wrench.columns) use(name, {{"from", reason.first}}, reason.first, reason.second);
+    if (wrench.pose_file.empty()) return;
+    json_["files"] = {{"pose", {{"file", wrench.pose_file}}}};
+    for (const char* const axis : {"x", "y", "z"}) {
+      columns_[fmt::format("{}_m", axis)] = {{"from", fmt::format("pose:{}", axis[0] - 'x' + 1)}};
+    }
+    json_["quaternion"] = {{"from", {"pose:4", "pose:5", "pose:6", "pose:7"}}, {"order", "xyzw"}};
+    reasons_.push_back(fmt::format(
+        "x_m, y_m, z_m, quaternion <- {}: it lies beside this file, has as many rows, and the squares of its columns 4 "
+        "to 7 "
+        "add to 1; metres and order x, y, z, w assumed: check them, and the wrench's frame, with `acquire tool`",
+        wrench.pose_file));
+  }
+
+  static std::string why_not_used(const std::string& name) {
+    const std::string unit = split_name(name).unit;
+    if (unit.starts_with("count"))
+      return fmt::format("its unit is {}; the scale to rad or N m is not in the file", unit);
+    return "nothing tells what it is";
+  }
+
   [[nodiscard]] std::string reference(const ImportTable& table, std::size_t c) const {
-    return tables_.size() > 1 ? table.name + ":" + table.names[c] : table.names[c];
+    // JSON holds UTF-8 alone; a name in another encoding goes by its number.
+    const std::string name = is_utf8(table.names[c]) ? table.names[c] : std::to_string(c + 1);
+    return tables_.size() > 1 ? table.name + ":" + name : name;
   }
 
   void use(const std::string& column, Json how, const std::string& from, const std::string& reason) {
@@ -162,7 +206,12 @@ class Guesser {
 
   void time_by_numbers(const ImportTable& table) {
     for (std::size_t c = 0; c < table.names.size(); ++c) {
-      if (!increases(table.columns[c])) continue;
+      // A clock begins at zero or later, and its unit, if its name has one, is none of a length or force.
+      const std::string unit = split_name(table.names[c]).unit;
+      const bool other_unit = si_factor(Dimension::length, unit) || si_factor(Dimension::force, unit) || unit == "nm" ||
+                              unit == "nN" || unit.starts_with("count");
+      if (!increases(table.columns[c]) || table.columns[c].front() < 0.0) continue;
+      if (table.names_from_file && other_unit) continue;
       Json how{{"from", reference(table, c)}};
       const double scale = time_scale(table.columns[c]);
       if (scale != 1.0) how["scale"] = scale;

@@ -55,14 +55,27 @@ std::string bag_records() {
   return bytes;
 }
 
-std::string bag_of(const std::string& compression, const std::string& chunk, std::size_t size) {
+// `index_at`: where the index is said to begin; 0 in a bag that was not closed.
+std::string bag_of(const std::string& compression, const std::string& chunk, std::size_t size,
+                   std::uint64_t index_at = 0, std::uint32_t chunks = 1) {
   return "#ROSBAG V2.0\n" +
-         record(field("op", "\x03") + field("index_pos", raw(std::uint64_t{0})) +
-                    field("conn_count", raw(std::uint32_t{1})) + field("chunk_count", raw(std::uint32_t{1})),
+         record(field("op", "\x03") + field("index_pos", raw(index_at)) + field("conn_count", raw(std::uint32_t{1})) +
+                    field("chunk_count", raw(chunks)),
                 std::string(64, ' ')) +
          record(field("op", "\x05") + field("compression", compression) +
                     field("size", raw(static_cast<std::uint32_t>(size))),
                 chunk);
+}
+
+std::string bag_refusal(const std::string& bytes) {
+  const auto path = bag_folder() / "bad.bag";
+  write_file(path, bytes);
+  try {
+    read_ros_bag(path);
+  } catch (const BadData& e) {
+    return e.what();
+  }
+  return "no error";
 }
 
 std::string compressed_bytes(const std::string& bytes, bool bz2) {
@@ -119,6 +132,31 @@ TEST(RosBag, CutAnywhereIsRefused) {
     write_file(path, bytes);
     EXPECT_THROW(read_ros_bag(path), BadData);
   }
+}
+
+TEST(RosBag, AClosedBagThatWasCutIsRefusedAtEveryByte) {
+  const std::string records = bag_records();
+  const std::size_t size = bag_of("none", records, records.size()).size();
+  const std::string whole = bag_of("none", records, records.size(), size);
+  EXPECT_EQ(bag_refusal(whole), "no error");
+  for (std::size_t n = 14; n < whole.size(); ++n) ASSERT_NE(bag_refusal(whole.substr(0, n)), "no error") << n;
+  EXPECT_THAT(bag_refusal(bag_of("none", records, records.size(), size, 2)),
+              HasSubstr("holds 1 chunks where its head says 2"));
+}
+
+TEST(RosBag, DamageIsNamedWithItsByte) {
+  const std::string records = bag_records();
+  const std::string whole = bag_of("none", records, records.size());
+  EXPECT_THAT(bag_refusal(whole + "\xff\xff\xff\x7f"), HasSubstr(fmt::format("the record at byte {}", whole.size())));
+  const std::string inner = records + "\xff\xff\xff\x7f";
+  EXPECT_THAT(bag_refusal(bag_of("bz2", compressed_bytes(inner, true), inner.size())),
+              HasSubstr(fmt::format("the record at byte {} of the chunk at byte ", records.size())));
+  // A size of gigabytes for a chunk of kilobytes.
+  EXPECT_THAT(bag_refusal(bag_of("lz4", compressed_bytes(records, false), 4000000000U)),
+              HasSubstr("do not unpack to 4000000000 bytes"));
+  EXPECT_THAT(bag_refusal(bag_of("lz4", compressed_bytes(records, false), records.size() - 1)),
+              HasSubstr("do not unpack"));
+  EXPECT_THAT(bag_refusal(bag_of("zip", records, records.size())), HasSubstr("compressed by 'zip'"));
 }
 
 std::string pose_cdr(std::int32_t sec, std::uint32_t nsec, const std::string& frame, double x) {

@@ -151,7 +151,12 @@ class Sources {
     for (std::size_t p = 0; p < map_.stack.size(); ++p) {
       std::size_t to = 0;
       for (const auto& [name, column] : map_.stack[p].columns) {
-        Series values = table.columns[table_of(column).second];
+        const auto [owner, number] = table_of(column);
+        if (&owner != &table) {
+          throw BadData(fmt::format("{}: /stack of the map {}: '{}' is no column of the first table but of '{}'",
+                                    table.source, map_.source, column, owner.name));
+        }
+        Series values = table.columns[number];
         if (map_.stack[p].reverse) std::ranges::reverse(values);
         stacked.columns[to].insert(stacked.columns[to].end(), values.begin(), values.end());
         ++to;

@@ -190,5 +190,14 @@ TEST(GuessMap, AJointWithoutHeaderAndClock) {
   EXPECT_EQ(json["columns"]["torque_Nm"]["from"], "c3");
 }
 
+// Loggers of Windows write "µ" and "°" in Latin-1, which JSON cannot hold.
+TEST(GuessMap, NamesThatAreNoUtf8GoByTheirNumber) {
+  write_file(map_folder() / "latin.csv", "t,fx,angle (\xb0)\n0,1,2\n0.1,1,3\n0.2,1,4\n");
+  const GuessedMap guess = guess_map(map_folder() / "latin.csv");
+  const Imported got =
+      import_file(map_folder() / "latin.csv", parse_import_map(nlohmann::json::parse(guess.json), "guessed"));
+  EXPECT_EQ(got.columns.front().size(), 3U);
+}
+
 }  // namespace
 }  // namespace touchstone::importing

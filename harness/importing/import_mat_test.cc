@@ -57,13 +57,55 @@ TEST(MatFile, EveryVersionGivesTheSameColumns) {
   }
 }
 
-TEST(MatFile, CutOrForeignFilesAreRefusedOrReadInPart) {
-  const auto path = write_mat(MAT_FT_MAT5, MAT_COMPRESSION_NONE, "whole.mat");
-  const std::string whole = read_file(path);
-  for (const std::size_t size : {std::size_t{0}, std::size_t{10}, std::size_t{127}, std::size_t{140}}) {
-    write_file(path, whole.substr(0, size));
-    EXPECT_THROW(read_mat_file(path), BadData) << size;
+std::string mat_refusal(const std::filesystem::path& path, const std::string& bytes) {
+  write_file(path, bytes);
+  try {
+    read_mat_file(path);
+  } catch (const BadData& e) {
+    return e.what();
   }
+  return "no error";
+}
+
+TEST(MatFile, CutFilesAreRefusedAtEveryByte) {
+  for (const auto& [version, compression, name] : {std::tuple{MAT_FT_MAT5, MAT_COMPRESSION_NONE, "cut5.mat"},
+                                                   std::tuple{MAT_FT_MAT5, MAT_COMPRESSION_ZLIB, "cutzip5.mat"}}) {
+    const auto path = write_mat(version, compression, name);
+    const std::string whole = read_file(path);
+    std::size_t with_byte = 0, refused = 0;
+    for (std::size_t size = 0; size < whole.size(); ++size) {
+      const std::string what = mat_refusal(path, whole.substr(0, size));
+      // Between two variables a file of level 5 may end: nothing in it counts them.
+      refused += what == "no error" ? 0 : 1;
+      with_byte += what.find("within the variable that begins at byte") != std::string::npos ? 1 : 0;
+    }
+    EXPECT_GE(refused + 5, whole.size()) << name;
+    EXPECT_GT(with_byte, whole.size() / 2) << name;
+    EXPECT_EQ(mat_refusal(path, whole), "no error");
+  }
+  const auto path = write_mat(MAT_FT_MAT73, MAT_COMPRESSION_NONE, "cut73.mat");
+  const std::string whole = read_file(path);
+  for (const std::size_t size : {whole.size() / 4, whole.size() / 2, whole.size() - 1}) {
+    EXPECT_THAT(mat_refusal(path, whole.substr(0, size)), HasSubstr("cut73.mat")) << size;
+  }
+}
+
+TEST(MatFile, ADamagedTagIsNamedWithItsByte) {
+  const auto path = write_mat(MAT_FT_MAT5, MAT_COMPRESSION_NONE, "tag.mat");
+  std::string bytes = read_file(path);
+  bytes[128] = 99;
+  EXPECT_THAT(mat_refusal(path, bytes), HasSubstr("byte 128: a variable of MATLAB was expected"));
+}
+
+// The dimensions of the first array, t, stand 8 + 16 + 8 bytes behind its tag.
+TEST(MatFile, DamagedDimensionsAreNotBelieved) {
+  const auto path = write_mat(MAT_FT_MAT5, MAT_COMPRESSION_NONE, "dims.mat");
+  std::string bytes = read_file(path);
+  ASSERT_EQ(bytes[160], 4);
+  bytes[162] = 64;  // 4 + 64 * 65536 rows
+  EXPECT_THAT(mat_refusal(path, bytes), HasSubstr("dims.mat"));
+  bytes[163] = 127;
+  EXPECT_THAT(mat_refusal(path, bytes), HasSubstr("dims.mat"));
 }
 
 }  // namespace

@@ -4,7 +4,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <cstdlib>
+#include <nlohmann/json.hpp>
 
 #include "harness/acquisition/acquire.h"
 #include "harness/acquisition/frame_check.h"
@@ -88,6 +90,38 @@ TEST(RealImport, AfmCurves) {
   EXPECT_EQ(gel.columns.front().size(), 2000U);
   EXPECT_EQ(gel.columns[6].front(), 1.4726);
   EXPECT_EQ(gel.columns[6][1000], -1.0926);  // retract begins where approach ends
+}
+
+// A map that is proposed reads what the shipped map reads, as far as the file tells.
+TEST(RealImport, ProposedMapsReadTheFilesTheyAreProposedFor) {
+  TOUCHSTONE_SHARED_DATA_OR_SKIP(workshop, "raw-formats/fmt-afm-workshop-fd_single_2020-02-14_13.41.25.csv");
+  TOUCHSTONE_SHARED_DATA_OR_SKIP(nt_mdt,
+                                 "raw-formats/fmt-ntmdt-txt-fd_2015_01_17_gel4-0,1_mQ_adh_6B_Curve_DFL_Height_51.txt");
+  TOUCHSTONE_SHARED_DATA_OR_SKIP(axia80, "tool-gravity-axia80/recorded_messages_wrench_100.txt");
+  TOUCHSTONE_SHARED_DATA_OR_SKIP(jpk, "afm-indentation/fmt-tab-fd_version_0.13.3.tab");
+  TOUCHSTONE_SHARED_DATA_OR_SKIP(joint, "actuator/mtm_joint4_sweep.csv");
+  for (const auto& [file, shipped] : {std::pair{workshop, "afm-workshop.json"},
+                                      {nt_mdt, "nt-mdt-curve.json"},
+                                      {axia80, "tool-gravity-axia80.json"},
+                                      {joint, "actuator-joint.json"}}) {
+    const GuessedMap guess = guess_map(file);
+    for (const std::string& reason : guess.reasons) fmt::print("  {}\n", reason);
+    EXPECT_TRUE(guess.missing.empty()) << file;
+    const Imported guessed = import_file(file, parse_import_map(nlohmann::json::parse(guess.json), "guessed"));
+    const Imported meant = by_map(file, shipped);
+    ASSERT_EQ(guessed.names, meant.names) << file;
+    for (std::size_t c = 0; c < meant.names.size(); ++c) {
+      ASSERT_EQ(guessed.columns[c].size(), meant.columns[c].size()) << file;
+      for (std::size_t i = 0; i < meant.columns[c].size(); i += 37) {
+        EXPECT_NEAR(guessed.columns[c][i], meant.columns[c][i], 1e-9 * std::abs(meant.columns[c][i]))
+            << file << meant.names[c] << i;
+      }
+    }
+  }
+  // Its height is the piezo's, not the tip's: the deflection has to be added by hand.
+  const std::string cell = guess_map(jpk).json;
+  EXPECT_NE(cell.find("height (measured)"), std::string::npos);
+  EXPECT_NE(cell.find("\"t_s\""), std::string::npos);
 }
 
 }  // namespace

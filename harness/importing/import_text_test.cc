@@ -54,6 +54,30 @@ TEST(TextTable, LabViewMeasurementWithDecimalCommas) {
   EXPECT_TRUE(std::isnan(t.columns[0][0]));
 }
 
+const std::string lvm_head =
+    "LabVIEW Measurement\t\nWriter_Version\t2\nSeparator\tTab\nDecimal_Separator\t.\nX_Columns\tOne\n"
+    "***End_of_Header***\t\n\t\n";
+const std::string lvm_segment =
+    "Channels\t2\t\t\nSamples\t3\t3\t\nX0\t0.0\t0.0\t\nDelta_X\t0.5\t0.5\t\n***End_of_Header***\t\t\t\n"
+    "X_Value\tForce\tHeight\tComment\n";
+
+// A comment stands in any row, and its field may be missing: rows with one are rows.
+TEST(TextTable, LabViewCommentsAndSegmentsLoseNoRow) {
+  const ImportTable t = text_table(lvm_head + lvm_segment + "0.0\t1.5\t7\tbegun at noon\n0.5\t2.5\t8\n1.0\t3.5\t9\t\n" +
+                                   "\n" + lvm_segment + "0.0\t4.5\t7\n0.5\t5.5\t8\ta stroke, 2 mm\n");
+  EXPECT_THAT(t.names, ElementsAre("X_Value", "Force", "Height", "segment"));
+  EXPECT_THAT(t.columns[1], ElementsAre(1.5, 2.5, 3.5, 4.5, 5.5));
+  EXPECT_THAT(t.columns[3], ElementsAre(0, 0, 0, 1, 1));
+}
+
+TEST(TextTable, LabViewRowsThatAreNoneAreRefused) {
+  const std::string rows = "0.0\t1.5\t7\n0.5\t2.5\t8\n";
+  EXPECT_THAT(text_refusal(lvm_head + lvm_segment + rows + "1.0\t3.x5\t9\n"), HasSubstr("line 16, column 2 (Force)"));
+  EXPECT_THAT(text_refusal(lvm_head + lvm_segment + rows + "1.0\t3.5"), HasSubstr("line 16 has 2 values"));
+  EXPECT_THAT(text_refusal(lvm_head + lvm_segment + rows + "Channels\t2\nSamples\t3\n"),
+              HasSubstr("line 16: the header of a segment begins here and does not end"));
+}
+
 TEST(TextTable, JpkTextWithTwoSegments) {
   const std::string segment =
       "# columns: verticalTipPosition vDeflection strainGaugeHeight height smoothedStrainGaugeHeight seriesTime time\n"
@@ -105,6 +129,29 @@ TEST(TextTable, WithoutHeaderWithCommentsBlankLinesAndEverySeparator) {
     EXPECT_EQ(t.columns[1][3], -3.5e-3);
     EXPECT_EQ(t.columns[2][4], 7.0);
   }
+}
+
+// The rows behind the word are more than those before it.
+TEST(TextTable, AWordAmongTheFirstRowsIsRefusedAndNotTakenForAHead) {
+  std::string text = "a,b\n0,1\n1,2\n2,word\n";
+  for (int i = 3; i < 30; ++i) text += fmt::format("{},{}\n", i, i + 1);
+  EXPECT_THAT(text_refusal(text), HasSubstr("line 4, column 2 (b): 'word' is not a number"));
+}
+
+// As afmformats 0.13.3 writes its tab-separated curves.
+TEST(TextTable, NamesThatRunIntoTheFirstRowAreRead) {
+  const ImportTable t = text_table(
+      "# force\theight (measured)\ttime-6.5e-10\t5.5e-05\t1.0\r\n-6.8e-10\t5.4e-05\t1.5\r\n"
+      "-6.9e-10\t5.3e-05\t2.0\r\n");
+  EXPECT_THAT(t.names, ElementsAre("force", "height (measured)", "time"));
+  EXPECT_THAT(t.columns[2], ElementsAre(1.5, 2.0));
+  EXPECT_THAT(t.notes, ::testing::Contains(HasSubstr("without a break")));
+}
+
+TEST(TextTable, ALastLineWithoutEndIsNoted) {
+  EXPECT_THAT(text_table("1,2\n3,4.25\n").notes, ElementsAre(HasSubstr("no line names the columns")));
+  EXPECT_THAT(text_refusal("1,2\n3,4\n5,"), HasSubstr("line 3, the last, ends before column 2 (c2)"));
+  EXPECT_THAT(text_table("1,2\n3,4.2").notes, ::testing::Contains(HasSubstr("line 2, the last, has no end")));
 }
 
 TEST(TextTable, BadFilesAreRefusedWithTheirPlace) {

@@ -6,9 +6,12 @@
 #include <algorithm>
 #include <map>
 #include <memory>
+#include <optional>
 
+#include "harness/base/atomic_file.h"
 #include "harness/base/error.h"
 #include "harness/importing/import_table.h"
+#include "harness/importing/mat_extent.h"
 
 namespace touchstone::importing {
 namespace {
@@ -70,10 +73,11 @@ bool numeric(const matvar_t& v) {
 
 class Collector {
  public:
-  explicit Collector(std::string source, std::string format) : source_(std::move(source)), format_(std::move(format)) {}
+  Collector(std::string source, std::string format, std::uintmax_t file_bytes)
+      : source_(std::move(source)), format_(std::move(format)), file_bytes_(file_bytes) {}
 
   void add(matvar_t& v, const std::string& name) {
-    if (v.class_type == MAT_C_STRUCT && v.data != nullptr && v.rank == 2 && v.dims[0] * v.dims[1] == 1) {
+    if (v.class_type == MAT_C_STRUCT && v.data != nullptr && v.rank == 2 && v.dims[0] == 1 && v.dims[1] == 1) {
       const unsigned fields = Mat_VarGetNumberOfFields(&v);
       char* const* const names = Mat_VarGetStructFieldnames(&v);
       for (unsigned f = 0; f < fields; ++f) {
@@ -82,9 +86,18 @@ class Collector {
       }
       return;
     }
-    if (!numeric(v) || v.dims[0] * v.dims[1] < 2) {
+    if (!numeric(v) || v.dims[0] == 0 || v.dims[1] == 0 || (v.dims[0] == 1 && v.dims[1] == 1)) {
       left_out_ += (left_out_.empty() ? "" : ", ") + name;
       return;
+    }
+    // Damaged dimensions must not be believed: the numbers read are fewer, and deflate packs at most 1032 bytes in one.
+    constexpr std::size_t most_packed = 1032;
+    const std::size_t most_elements = std::min<std::size_t>(
+        v.data_size > 0 ? v.nbytes / static_cast<std::size_t>(v.data_size) : 0, most_packed * file_bytes_);
+    if (v.dims[0] > most_elements / v.dims[1]) {
+      throw BadData(
+          fmt::format("{}: variable {} says that it has {} x {} numbers, more than the file holds: it is damaged",
+                      source_, name, v.dims[0], v.dims[1]));
     }
     // Samples run along the longer side; one row of numbers is one column.
     const std::size_t rows = v.dims[0], columns = v.dims[1];
@@ -120,23 +133,45 @@ class Collector {
 
  private:
   std::string source_, format_, left_out_;
+  std::uintmax_t file_bytes_;
   std::map<std::size_t, ImportTable> tables_;
 };
+
+// How many variables a file of level 5 must hold; none for the other versions.
+std::optional<std::size_t> mat5_variables(const std::filesystem::path& path) {
+  const std::string bytes = read_file(path);
+  // Version 0x0100 in the order of the bytes that follow it: level 5. Level 7.3 has 0x0200 and is HDF5.
+  constexpr std::size_t version_at = 124;
+  const bool level5 = bytes.size() < 128 ? bytes.starts_with("MATLAB 5.0")
+                                         : bytes.substr(version_at, 4) == std::string("\0\1IM", 4) ||
+                                               bytes.substr(version_at, 4) == std::string("\1\0MI", 4);
+  if (!level5) return std::nullopt;
+  return count_mat5_elements(bytes, path.string());
+}
 
 }  // namespace
 
 std::vector<ImportTable> read_mat_file(const std::filesystem::path& path) {
   Mat_LogInitFunc("touchstone", swallow);
+  const std::optional<std::size_t> variables = mat5_variables(path);
   const std::unique_ptr<mat_t, MatClose> file(Mat_Open(path.c_str(), MAT_ACC_RDONLY));
   if (!file) throw BadData(fmt::format("{}: cannot be read as a MATLAB file; is it complete?", path.string()));
   const char* const version = Mat_GetVersion(file.get()) == MAT_FT_MAT73  ? "v7.3"
                               : Mat_GetVersion(file.get()) == MAT_FT_MAT5 ? "v5"
                                                                           : "v4";
-  Collector collector(path.string(), fmt::format("MATLAB {}", version));
+  std::size_t read = 0;
+  Collector collector(path.string(), fmt::format("MATLAB {}", version), std::filesystem::file_size(path));
   for (;;) {
     const std::unique_ptr<matvar_t, VariableFree> variable(Mat_VarReadNext(file.get()));
     if (!variable) break;
+    ++read;
     collector.add(*variable, variable->name != nullptr ? variable->name : "");
+  }
+  if (variables && read < *variables) {
+    throw BadData(fmt::format(
+        "{}: variable {} of {} cannot be read: the file is damaged, or holds what is no plain array; save the "
+        "arrays anew: save('plain.mat', 't', 'force')",
+        path.string(), read + 1, *variables));
   }
   return collector.finish();
 }

@@ -5,6 +5,7 @@
 #include <string_view>
 
 #include "harness/base/error.h"
+#include "harness/base/input_files.h"
 #include "harness/importing/import_table.h"
 #include "harness/recording/table_source.h"
 
@@ -40,6 +41,7 @@ std::vector<ImportTable> read_foreign(const std::filesystem::path& path, const T
     throw BadData(fmt::format("{}: {} bytes; at most {} can be imported at once: cut it into pieces", path.string(),
                               error ? 0 : size, largest_import_bytes));
   }
+  note_input_file(path);
   std::array<char, 128> start{};
   std::ifstream in(path, std::ios::binary);
   if (!in) throw BadData(fmt::format("{}: cannot be opened for reading; may you?", path.string()));

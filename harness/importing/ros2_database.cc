@@ -36,6 +36,9 @@ std::vector<ImportTable> read_ros2_database(const std::filesystem::path& path) {
                               sqlite3_errmsg(db.get())));
   };
   if (opened != SQLITE_OK) fail("cannot be opened as an SQLite database");
+  // The file is a stranger's: its schema may call no functions, and no value is larger than a file may be.
+  sqlite3_db_config(db.get(), SQLITE_DBCONFIG_TRUSTED_SCHEMA, 0, nullptr);
+  sqlite3_db_config(db.get(), SQLITE_DBCONFIG_DEFENSIVE, 1, nullptr);
   const auto prepare = [&](const char* query) {
     sqlite3_stmt* statement = nullptr;
     if (sqlite3_prepare_v2(db.get(), query, -1, &statement, nullptr) != SQLITE_OK) fail("is no ROS 2 bag");
@@ -48,7 +51,8 @@ std::vector<ImportTable> read_ros2_database(const std::filesystem::path& path) {
   std::map<std::int64_t, Topic> topics;
   std::string list;
   const auto topic_rows = prepare("SELECT id, name, type, serialization_format FROM topics");
-  while (sqlite3_step(topic_rows.get()) == SQLITE_ROW) {
+  int step = SQLITE_ROW;
+  while ((step = sqlite3_step(topic_rows.get())) == SQLITE_ROW) {
     const std::string format = column_text(topic_rows.get(), 3), name = column_text(topic_rows.get(), 1);
     if (format != "cdr") {
       throw BadData(fmt::format("{}: topic {} is serialized as '{}'; cdr was expected", path.string(), name, format));
@@ -57,8 +61,8 @@ std::vector<ImportTable> read_ros2_database(const std::filesystem::path& path) {
     topic.name = name, topic.type = column_text(topic_rows.get(), 2);
     list += fmt::format("{}{} ({})", list.empty() ? "" : ", ", topic.name, topic.type);
   }
+  if (step != SQLITE_DONE) fail("its topics cannot be read");
   const auto messages = prepare("SELECT topic_id, timestamp, data FROM messages ORDER BY timestamp, id");
-  int step = SQLITE_ROW;
   while ((step = sqlite3_step(messages.get())) == SQLITE_ROW) {
     const auto found = topics.find(sqlite3_column_int64(messages.get(), 0));
     if (found == topics.end()) throw BadData(fmt::format("{}: a message belongs to no topic", path.string()));

@@ -4,6 +4,7 @@
 #include <archive_entry.h>
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cstring>
 #include <map>
 #include <memory>
@@ -23,28 +24,21 @@ using Fields = std::map<std::string, std::string_view, std::less<>>;
 
 class BagReader {
  public:
-  explicit BagReader(std::string source) : source_(std::move(source)) {}
+  BagReader(std::string source, std::string_view file) : source_(std::move(source)), file_(file) {}
 
-  void read_records(std::string_view bytes, bool within_chunk) {
-    while (!bytes.empty()) {
-      const std::string_view header = take_block(bytes);
-      const std::string_view data = take_block(bytes);
-      const Fields fields = fields_of(header);
-      const std::string_view op = need(fields, "op");
-      if (op == "\x05" && !within_chunk) {
-        const std::string_view how = need(fields, "compression");
-        if (how == "none") {
-          read_records(data, true);
-        } else {
-          read_records(unpacked(data, how, number<std::uint32_t>(need(fields, "size"))), true);
-        }
-      } else if (op == "\x07") {
-        const Fields connection = fields_of(data);
-        topics_[number<std::uint32_t>(need(fields, "conn"))] = {std::string(need(fields, "topic")),
-                                                                std::string(need(connection, "type"))};
-      } else if (op == "\x02") {
-        add_message(fields, data);
-      }
+  void read() {
+    read_records(file_.substr(magic.size()), false);
+    // A bag that was closed says where its index begins and how many chunks lie before it; one that was not has 0.
+    if (index_at_ > file_.size()) {
+      throw BadData(
+          fmt::format("{}: ends at byte {} where its index begins at byte {}: it was cut short; copy it again", source_,
+                      file_.size(), index_at_));
+    }
+    if (index_at_ > 0 && chunks_read_ != chunk_count_) {
+      throw BadData(
+          fmt::format("{}: holds {} chunks where its head says {}; `rosbag reindex` or `rosbag fix` may repair "
+                      "it",
+                      source_, chunks_read_, chunk_count_));
     }
   }
 
@@ -65,8 +59,46 @@ class BagReader {
     std::string name, type;
   };
 
+  void read_records(std::string_view bytes, bool within_chunk) {
+    while (!bytes.empty()) {
+      at_ = bytes.data();
+      const std::string_view header = take_block(bytes);
+      const std::string_view data = take_block(bytes);
+      const Fields fields = fields_of(header);
+      const std::string_view op = need(fields, "op");
+      if (op == "\x03" && !within_chunk) {
+        index_at_ = number<std::uint64_t>(need(fields, "index_pos"));
+        chunk_count_ = number<std::uint32_t>(need(fields, "chunk_count"));
+      } else if (op == "\x05" && !within_chunk) {
+        ++chunks_read_;
+        const std::string_view how = need(fields, "compression");
+        chunk_at_ = at_;
+        if (how == "none") {
+          read_records(data, true);
+        } else {
+          const std::string unpacked_bytes = unpacked(data, how, number<std::uint32_t>(need(fields, "size")));
+          chunk_ = unpacked_bytes;
+          read_records(unpacked_bytes, true);
+          chunk_ = {};
+        }
+      } else if (op == "\x07") {
+        const Fields connection = fields_of(data);
+        topics_[number<std::uint32_t>(need(fields, "conn"))] = {std::string(need(fields, "topic")),
+                                                                std::string(need(connection, "type"))};
+      } else if (op == "\x02") {
+        add_message(fields, data);
+      }
+    }
+  }
+
   [[noreturn]] void damaged(std::string_view why) const {
-    throw BadData(fmt::format("{}: damaged bag: {}; `rosbag reindex` or `rosbag fix` may repair it", source_, why));
+    // The record that is read lies in the file, or in an unpacked chunk of it.
+    const bool in_chunk = !chunk_.empty() && at_ >= chunk_.data() && at_ <= chunk_.data() + chunk_.size();
+    const std::string place =
+        in_chunk ? fmt::format("byte {} of the chunk at byte {}", at_ - chunk_.data(), chunk_at_ - file_.data())
+                 : fmt::format("byte {}", at_ - file_.data());
+    throw BadData(fmt::format("{}: damaged bag: the record at {}: {}; `rosbag reindex` or `rosbag fix` may repair it",
+                              source_, place, why));
   }
   template <class T>
   T number(std::string_view bytes) const {
@@ -100,7 +132,7 @@ class BagReader {
     return found->second;
   }
 
-  std::string_view unpacked(std::string_view data, std::string_view how, std::uint32_t size) {
+  std::string unpacked(std::string_view data, std::string_view how, std::uint32_t size) const {
     const std::unique_ptr<archive, int (*)(archive*)> in(archive_read_new(), archive_read_free);
     archive_read_support_format_raw(in.get());
     if (how == "bz2") {
@@ -111,19 +143,21 @@ class BagReader {
       damaged(fmt::format("a chunk is compressed by '{}'; none, bz2 and lz4 are known", how));
     }
     archive_entry* entry = nullptr;
-    std::string out(size, '\0');
-    std::size_t got = 0;
+    std::string out;
     if (archive_read_open_memory(in.get(), data.data(), data.size()) == ARCHIVE_OK &&
         archive_read_next_header(in.get(), &entry) == ARCHIVE_OK) {
-      while (got < out.size()) {
-        const auto more = archive_read_data(in.get(), out.data() + got, out.size() - got);
+      // By pieces: a damaged size is no reason to ask for gigabytes.
+      constexpr std::size_t piece = std::size_t{1} << 20;
+      while (out.size() <= size) {
+        const std::size_t got = out.size();
+        out.resize(got + piece);
+        const auto more = archive_read_data(in.get(), out.data() + got, piece);
+        out.resize(got + static_cast<std::size_t>(std::max<la_ssize_t>(more, 0)));
         if (more <= 0) break;
-        got += static_cast<std::size_t>(more);
       }
     }
-    if (got != size) damaged(fmt::format("a chunk does not unpack to its {} bytes", size));
-    chunks_.push_back(std::make_unique<std::string>(std::move(out)));
-    return *chunks_.back();
+    if (out.size() != size) damaged(fmt::format("its {} bytes of data do not unpack to {} bytes", data.size(), size));
+    return out;
   }
 
   void add_message(const Fields& fields, std::string_view data) {
@@ -156,9 +190,13 @@ class BagReader {
   }
 
   std::string source_;
+  std::string_view file_, chunk_;  // the whole file; the unpacked chunk that is read
+  const char* at_ = nullptr;       // the record that is read
+  const char* chunk_at_ = nullptr;
+  std::uint64_t index_at_ = 0;
+  std::uint32_t chunk_count_ = 0, chunks_read_ = 0;
   std::map<std::uint32_t, Topic> topics_;
   std::map<std::string, ImportTable> tables_;
-  std::vector<std::unique_ptr<std::string>> chunks_;
 };
 
 }  // namespace
@@ -171,8 +209,8 @@ std::vector<ImportTable> read_ros_bag(const std::filesystem::path& path) {
                     "bag",
                     path.string()));
   }
-  BagReader reader(path.string());
-  reader.read_records(std::string_view(bytes).substr(magic.size()), false);
+  BagReader reader(path.string(), bytes);
+  reader.read();
   return reader.finish();
 }
 

@@ -121,11 +121,31 @@ std::vector<std::string_view> lines_of(std::string_view text) {
   return lines;
 }
 
+// LabVIEW measurements (NI's specification of .lvm): a head, then segments of a header ("Channels" to
+// "***End_of_Header***"), a line of names whose last is "Comment", and rows. A row may have a comment of any text, or
+// no field for it; without them rows are numbers. Lines before the first names are left as they are.
+void drop_lvm_comments(std::vector<std::string_view>& lines) {
+  char separator = '\t';
+  std::size_t columns = 0;  // of numbers; 0 within a header
+  for (std::string_view& line : lines) {
+    const auto fields = fields_of(line, separator);
+    if (fields.front() == "Separator,Comma") separator = ',';
+    if (fields.front() == "Channels") columns = 0;
+    if (fields.front() == "X_Value" && fields.back() == "Comment") columns = fields.size() - 1;
+    if (columns == 0 || fields.size() <= columns) continue;
+    std::size_t end = line.find(separator);
+    for (std::size_t c = 1; c < columns; ++c) end = line.find(separator, end + 1);
+    line = line.substr(0, end);
+  }
+}
+
 class Reader {
  public:
   Reader(std::string source, std::string_view text, const TextLayout& layout)
       : source_(std::move(source)), lines_(lines_of(text)), layout_(layout) {
     labview_ = !lines_.empty() && stripped(lines_.front()).starts_with("LabVIEW Measurement");
+    if (labview_) drop_lvm_comments(lines_);
+    cut_ = !text.ends_with('\n');
   }
 
   ImportTable read() {
@@ -137,7 +157,10 @@ class Reader {
                                style_.separator_name, style_.decimal == ',' ? "comma" : "point");
     name_columns(table);
     read_rows(table);
-    if (labview_) drop_comment_column(table);
+    if (cut_) {
+      table.notes.push_back(fmt::format(
+          "{}: line {}, the last, has no end: if the file was cut short, its last number is", source_, lines_.size()));
+    }
     if (first_ > 0) table.notes.push_back(fmt::format("{}: {} lines before the numbers were skipped", source_, first_));
     if (skipped_ > 0) table.notes.push_back(fmt::format("{}: {} comment lines among the numbers", source_, skipped_));
     if (segments_ > 1) {
@@ -180,6 +203,25 @@ class Reader {
                       "separated by tabs, semicolons, commas or blanks",
                       source_));
     }
+    begin_at_first_rows();
+  }
+
+  // A line that is no row may cut the rows in two, of which the second is longer: the table begins with the first rows,
+  // and that line is then refused with its place.
+  void begin_at_first_rows() {
+    std::size_t rows = 0, begin = 0;
+    for (std::size_t i = 0; i < first_; ++i) {
+      if (stripped(lines_[i]).empty() || !comment_of(lines_[i], layout_.comment).empty()) continue;
+      if (columns_of(lines_[i], style_) != width_) {
+        rows = 0;
+        continue;
+      }
+      if (rows++ == 0) begin = i;
+      if (rows == 2) {
+        first_ = begin;
+        return;
+      }
+    }
   }
 
   // From the line before the numbers, a comment or not, where it has as many fields.
@@ -201,6 +243,10 @@ class Reader {
       line = stripped(line.substr(sign.size()));
       if (line.starts_with("columns:")) line = stripped(line.substr(8));  // JPK
       auto fields = fields_of(line, style_.separator);
+      if (split_from_row(fields)) {
+        table.notes.push_back(fmt::format(
+            "{}: line {} holds the names and, without a break between them, a row, which is left out", source_, i + 1));
+      }
       const bool text =
           std::ranges::all_of(fields, [&](std::string_view f) { return !f.empty() && !value_of(f, style_.decimal); });
       if (fields.size() != width_ || !text) {
@@ -216,6 +262,24 @@ class Reader {
     table.notes.push_back(fmt::format("{}: no line names the columns; they are c1 to c{}", source_, width_));
   }
 
+  // A writer that forgot the end of the line of names: "force<tab>time0.5<tab>7" has its last name and the first number
+  // in one field. Keeps the names alone.
+  bool split_from_row(std::vector<std::string_view>& fields) const {
+    if (width_ < 2 || fields.size() != 2 * width_ - 1) return false;
+    for (std::size_t c = 0; c < fields.size(); ++c) {
+      const bool number = !fields[c].empty() && value_of(fields[c], style_.decimal).has_value();
+      if (c != width_ - 1 && number != (c >= width_)) return false;
+    }
+    std::string_view& glued = fields[width_ - 1];
+    const auto number_at = glued.find_first_of("+-0123456789");
+    if (number_at == 0 || number_at == std::string_view::npos || !value_of(glued.substr(number_at), style_.decimal)) {
+      return false;
+    }
+    glued = glued.substr(0, number_at);
+    fields.resize(width_);
+    return true;
+  }
+
   void read_rows(ImportTable& table) {
     bool broken = false;  // comment lines or a header since the last row
     segments_ = 1;
@@ -227,8 +291,9 @@ class Reader {
         broken = true;
         continue;
       }
-      if (labview_ && columns_of(lines_[i], style_) != width_) {
-        broken = true;  // the header of the next segment
+      if (labview_ && fields_of(lines_[i], style_.separator).front() == "Channels") {
+        i = end_of_segment_header(i);
+        broken = true;
         continue;
       }
       if (broken) ++segments_;
@@ -238,12 +303,28 @@ class Reader {
     }
   }
 
+  // The line of names that ends the header of a LabVIEW segment, which begins at line `begin`.
+  [[nodiscard]] std::size_t end_of_segment_header(std::size_t begin) const {
+    std::size_t i = begin;
+    while (i < lines_.size() && !stripped(lines_[i]).starts_with("***End_of_Header***")) ++i;
+    for (++i; i < lines_.size(); ++i) {
+      if (!stripped(lines_[i]).empty()) return i;
+    }
+    throw BadData(
+        fmt::format("{}: line {}: the header of a segment begins here and does not end: was the file cut short?",
+                    source_, begin + 1));
+  }
+
   void add_row(ImportTable& table, std::size_t i) {
     const auto fields = fields_of(lines_[i], style_.separator);
     if (fields.size() != width_) {
       throw BadData(fmt::format("{}: line {} has {} values where the lines before have {}{}", source_, i + 1,
                                 fields.size(), width_,
                                 i + 1 == lines_.size() ? "; was the file cut short?" : "; what does it hold?"));
+    }
+    if (cut_ && i + 1 == lines_.size() && fields.back().empty()) {
+      throw BadData(fmt::format("{}: line {}, the last, ends before column {} ({}): was the file cut short?", source_,
+                                i + 1, width_, table.names.back()));
     }
     for (std::size_t c = 0; c < width_; ++c) {
       const auto value = value_of(fields[c], style_.decimal);
@@ -255,19 +336,11 @@ class Reader {
     }
   }
 
-  // LabVIEW's last column holds comments, and its rows one blank field for it.
-  void drop_comment_column(ImportTable& table) const {
-    const auto& last = table.columns.back();
-    if (table.columns.size() > 1 && std::ranges::all_of(last, [](double v) { return std::isnan(v); })) {
-      table.columns.pop_back();
-      table.names.pop_back();
-    }
-  }
-
   std::string source_;
   std::vector<std::string_view> lines_;
   const TextLayout& layout_;
   bool labview_ = false;
+  bool cut_ = false;  // the last line has no end
   Style style_{',', '.', "comma"};
   std::size_t width_ = 0, first_ = 0, skipped_ = 0, segments_ = 1;
   std::vector<double> segment_;

@@ -1,0 +1,17 @@
+// Whether a MATLAB v5 file is whole: matio reads a file that was cut short up to the cut and does not say so.
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <string_view>
+
+#include "harness/base/rooms.h"
+
+namespace touchstone::importing {
+
+// The variables of a level 5 MAT-file ("MAT-File Format", The MathWorks, chapter 1: a head of 128 bytes whose last two
+// are "IM" or "MI" for the order of bytes, then data elements, each a tag of type and size and its bytes).
+// Throws BadData with the byte at which an element begins that does not end within the file or is of no known kind.
+std::size_t count_mat5_elements(std::string_view file, const std::string& source);
+
+}  // namespace touchstone::importing
