@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <memory>
 
+#include "apps/axis_recording.h"
 #include "apps/commands.h"
 #include "apps/plugin_flags.h"
 #include "harness/base/atomic_file.h"
@@ -21,7 +22,31 @@ struct DiscrepancyOptions {
   PluginFlags plugins;
 };
 
+// What one axis has beside its place: a search of its own (harness/axis).
+ExitStatus discrepancy_of_axis(const DiscrepancyOptions& options) {
+  const DiscrepancyFiles& files = options.files;
+  const auto refuse = [&](bool given, const char* flag) {
+    if (given) {
+      throw UsageError(
+          fmt::format("{}: {} is a recording of one axis, which has no use for it: its terms are searched for "
+                      "and its blocks held out without",
+                      flag, files.recording.string()));
+    }
+  };
+  refuse(!files.mesh.empty(), "--mesh");
+  refuse(!files.model.empty(), "--model");
+  refuse(!files.holdout.empty(), "--holdout");
+  refuse(!files.instrument.empty(), "--instrument");
+  refuse(!files.golden.empty(), "--golden");
+  refuse(options.verify, "--verify");
+  if (files.out.empty()) throw UsageError("--out: a folder for the results is needed");
+  return run_axis(
+      {files.recording.string(), files.repeat.string(), files.out.string(), options.json.string(), files.flip_force});
+}
+
 ExitStatus discrepancy(DiscrepancyOptions options) {
+  if (is_axis_recording(options.files.recording.string())) return discrepancy_of_axis(options);
+  if (options.files.model.empty()) throw UsageError("--model is required");
   const Plugins plugins = options.plugins.load();
   if (!options.plugins.libraries.empty()) options.files.plugins = &plugins;
   if (options.verify) {
@@ -44,7 +69,8 @@ void add_discrepancy(CLI::App& program, Run& run) {
   auto* const command = program.add_subcommand(
       "discrepancy", "Find where simulation and measurement disagree, name the missing effect and show the gap shrink");
   const auto options = std::make_shared<DiscrepancyOptions>();
-  command->add_option("--model", options->files.model, "starting model (JSON)")->required();
+  command->add_option("--model", options->files.model,
+                      "starting model (JSON); needed, but for a recording of one axis");
   command->add_option("--mesh", options->files.mesh,
                       "object: OBJ, OFF, PLY or STL; without it the half-space below z = 0, for recordings of "
                       "force against displacement (x = y = 0, or a sliding way in x)");
@@ -96,7 +122,8 @@ void add_discrepancy(CLI::App& program, Run& run) {
       "      --instrument sensor.json --out found\n"
       "  touchstone discrepancy --model base.json --mesh object.stl --mesh-unit mm --recording scan.csv --out found\n"
       "  touchstone replay --model found/model.json --mesh object.obj --trajectory test.csv --out rendered.csv\n"
-      "  touchstone discrepancy --model base.json --recording curve.csv --out found          (force against depth)");
+      "  touchstone discrepancy --model base.json --recording curve.csv --out found          (force against depth)\n"
+      "  touchstone discrepancy --recording joint.csv --out joint                            (torque over angle)");
   command->callback([options, &run] { run = [options] { return discrepancy(*options); }; });
 }
 

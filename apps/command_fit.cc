@@ -2,6 +2,7 @@
 
 #include <memory>
 
+#include "apps/axis_recording.h"
 #include "apps/commands.h"
 #include "apps/evaluation_flags.h"
 #include "harness/base/atomic_file.h"
@@ -18,7 +19,33 @@ struct FitOptions {
   std::string model, metric = "rms_force_error", fit_range = "all", score_range = "all", out = "touchstone-fit", json;
 };
 
+// A recording of one axis has no object and no model to fit: its terms are known (harness/axis).
+ExitStatus fit_of_axis(const FitOptions& options) {
+  const auto refuse = [&](bool given, const char* flag) {
+    if (given) {
+      throw UsageError(
+          fmt::format("{}: {} is a recording of one axis, which has no use for it: its terms are fitted and "
+                      "its blocks held out without",
+                      flag, options.flags.recording));
+    }
+  };
+  refuse(!options.flags.mesh.empty(), "--mesh");
+  refuse(!options.model.empty(), "--model");
+  refuse(!options.parameters.empty(), "--parameter");
+  refuse(options.fit_range != "all", "--fit-range");
+  refuse(options.score_range != "all", "--score-range");
+  return run_axis({options.flags.recording, options.flags.repeat, options.out, options.json, options.flags.flip_force});
+}
+
+void need(bool given, const char* flag) {
+  if (!given) throw UsageError(fmt::format("{} is required", flag));
+}
+
 ExitStatus fit_command(const FitOptions& options) {
+  if (is_axis_recording(options.flags.recording)) return fit_of_axis(options);
+  need(!options.flags.mesh.empty(), "--mesh");
+  need(!options.model.empty(), "--model");
+  need(!options.parameters.empty(), "--parameter");
   FitRequest request;
   request.evaluation = make_request(options.flags);
   request.fit_range = TimeRanges::parse(options.fit_range, "--fit-range");
@@ -46,13 +73,10 @@ void add_fit(CLI::App& program, Run& run) {
   auto options = std::make_shared<FitOptions>();
   add_evaluation_flags(*command, options->flags);
   command->get_option("--recording")->required();
-  command->get_option("--mesh")->required();
-  command->add_option("--model", options->model, "Model file; its values are where the search starts")->required();
-  command
-      ->add_option(
-          "--parameter", options->parameters,
-          "What to fit: NAME or NAME=low:high, ENTRY.NAME for effects and instrument; may be given several times")
-      ->required();
+  command->add_option("--model", options->model, "Model file; its values are where the search starts");
+  command->add_option(
+      "--parameter", options->parameters,
+      "What to fit: NAME or NAME=low:high, ENTRY.NAME for effects and instrument; may be given several times");
   command->add_option("--metric", options->metric, "What to minimise: a force metric")->capture_default_str();
   command->add_option("--fit-range", options->fit_range, "Fitted time ranges: 0:6,12:18 in seconds, even:6s, odd:6s")
       ->capture_default_str();
@@ -60,12 +84,15 @@ void add_fit(CLI::App& program, Run& run) {
   command->add_option("--out", options->out, "Folder for model.json, fit.json and report.html")->capture_default_str();
   command->add_option("--json", options->json, "Write fit.json here too");
   command->footer(
+      "--mesh, --model and --parameter are needed, but for a recording of one axis (q_rad and torque_Nm, or q_m and "
+      "force_N), which is fitted as `touchstone axis` does.\n"
       "Examples:\n"
       "  touchstone fit --parameter stiffness_N_per_m=100:5000 --model k500.json --recording press.csv --mesh "
       "centres.obj --mesh-unit mm \\\n"
       "      --in-trajectory measured --fit-range even:6s --score-range odd:6s --out fit\n"
       "  touchstone fit --parameter coulomb-friction.mu_dynamic=0:1 --model friction.json --recording scan.csv --mesh "
-      "duck.obj --out fit");
+      "duck.obj --out fit\n"
+      "  touchstone fit --recording joint.csv --out joint");
   command->callback([options, &run] { run = [options] { return fit_command(*options); }; });
 }
 

@@ -29,8 +29,9 @@ class RecordingGate : public testing::BuiltProgram {
     strokes("reversed.csv", 1, -1.0);
     strokes("far.csv", 1, 1.0, 1e3);
   }
-  // 10 s at 200 Hz on a plate of 500 N/m, with 20 mN of noise.
-  void strokes(const std::string& name, std::uint64_t seed, double sign = 1.0, double unit = 1.0) const {
+  // 10 s at 200 Hz on a plate of 500 N/m.
+  void strokes(const std::string& name, std::uint64_t seed, double sign = 1.0, double unit = 1.0,
+               double noise_N = 0.02) const {
     Random random(seed);
     std::string text = "t_s,x_m,y_m,z_m,fx_N,fy_N,fz_N\n";
     for (int i = 0; i < 2000; ++i) {
@@ -38,8 +39,8 @@ class RecordingGate : public testing::BuiltProgram {
       const double z = 0.5e-3 - 1e-3 * (std::sin(2.1 * t) + std::sin(3.7 * t + 1.0));
       const double load = 500.0 * std::max(0.0, -z);
       text += fmt::format("{:.3f},{:.7f},{:.7f},{:.7f},{:.4f},{:.4f},{:.4f}\n", t, unit * 0.04 * std::sin(0.6 * t),
-                          unit * 0.03 * std::cos(0.43 * t), unit * z, 0.02 * random.normal(), 0.02 * random.normal(),
-                          sign * (load + 0.02 * random.normal()));
+                          unit * 0.03 * std::cos(0.43 * t), unit * z, noise_N * random.normal(),
+                          noise_N * random.normal(), sign * (load + noise_N * random.normal()));
     }
     write_file(folder_ / name, text);
   }
@@ -104,6 +105,86 @@ TEST_F(RecordingGate, CompareHoldsErrorsAgainstARepeat) {
   EXPECT_THAT(weaker.out, HasSubstr(" times the floor of 0.0"));
   EXPECT_FALSE(nlohmann::json::parse(read_file(folder_ / "c.json"))["repeat_floor"]["within"].get<bool>());
   EXPECT_EQ(run("compare good.csv third.csv --repeat far.csv").status, 3);
+}
+
+// Tolerances, maps, models and foreign tables are inputs as recordings are.
+TEST_F(RecordingGate, NoOutputTakesThePlaceOfAnInput) {
+  write_file(folder_ / "tolerance.json", R"({"schema": "touchstone-tolerance/1"})");
+  write_file(folder_ / "table.csv", "0,1,0.5\n0.1,1,0.6\n0.2,1,0.7\n");
+  write_file(folder_ / "map.json", R"({"schema": "touchstone-import/1", "columns": {"t_s": {"from": "1"},
+      "q_m": {"from": "2"}, "force_N": {"from": "3"}}})");
+  std::filesystem::create_hard_link(folder_ / "map.json", folder_ / "link.csv");
+  for (const auto& [command, file] :
+       {std::pair<std::string, std::string>{"import table.csv --map map.json --out", "link.csv"},
+        {"import table.csv --map map.json --out", "table.csv"},
+        {"import table.csv --map map.json --picture", "map.json"},
+        {"compare good.csv again.csv --tolerance tolerance.json --json", "tolerance.json"}}) {
+    const std::string before = read_file(folder_ / file);
+    const Outcome outcome = run(command + " " + file);
+    EXPECT_EQ(outcome.status, 2) << command << outcome.out << outcome.err;
+    EXPECT_THAT(outcome.err, HasSubstr("which this command reads")) << command;
+    EXPECT_EQ(read_file(folder_ / file), before) << command;
+  }
+  EXPECT_EQ(run("import table.csv --map map.json --out new.csv").status, 0);
+  EXPECT_EQ(run("import table.csv --map map.json --out new.csv").status, 0) << "an output may be written anew";
+}
+
+TEST_F(RecordingGate, AnErrorWithinARepeatPasses) {
+  // A third run of half the noise differs by sqrt(3 (0.02^2 + 0.01^2)) = 0.039 N, less than two of 0.049 N.
+  strokes("calm.csv", 5, 1.0, 1.0, 0.01);
+  EXPECT_EQ(run("compare good.csv calm.csv").status, 1);
+  const Outcome compared = run("compare good.csv calm.csv --repeat again.csv --json c.json");
+  EXPECT_EQ(compared.status, 0) << compared.out;
+  EXPECT_THAT(compared.out, HasSubstr("within the floor of 0.04"));
+  EXPECT_TRUE(nlohmann::json::parse(read_file(folder_ / "c.json"))["repeat_floor"]["within"].get<bool>());
+  // The true model leaves the noise of one run, 0.035 N.
+  const Outcome evaluated = run(
+      "evaluate --model model.json --mesh plate.obj --in-trajectory measured --recording good.csv --repeat again.csv "
+      "--out e");
+  EXPECT_EQ(evaluated.status, 0) << evaluated.err;
+  EXPECT_THAT(evaluated.out + evaluated.err, HasSubstr("within the floor of 0.04"));
+  const Outcome fitted =
+      run("fit --model model.json --mesh plate.obj --in-trajectory measured --recording good.csv --repeat again.csv "
+          "--parameter stiffness_N_per_m=100:2000 --out f");
+  EXPECT_EQ(fitted.status, 0) << fitted.err;
+  EXPECT_THAT(fitted.out, HasSubstr("within the floor of 0.04"));
+}
+
+TEST_F(RecordingGate, WhatARepeatCoversIsNotUnexplained) {
+  const Outcome found = run(
+      "discrepancy --model model.json --mesh plate.obj --recording good.csv --repeat again.csv --out d --json d.json");
+  EXPECT_EQ(found.status, 0) << found.err;
+  const auto json = nlohmann::json::parse(read_file(folder_ / "d.json"));
+  EXPECT_EQ(json["verdict"], "consistent") << found.out;
+  EXPECT_LT(json["gap"]["holdout"]["after"].get<double>(), json["gap"]["repeat_floor"].get<double>());
+}
+
+TEST_F(RecordingGate, AJointGoesThroughFitAndDiscrepancyWithoutObjectOrModel) {
+  Random random(7);
+  std::string text = "t_s,q_rad,torque_Nm\n";
+  for (int i = 0; i < 6000; ++i) {
+    const double t = i / 200.0;
+    const double q = std::sin(0.6 * t) + 0.3 * std::sin(2.3 * t),
+                 qd = 0.6 * std::cos(0.6 * t) + 0.69 * std::cos(2.3 * t);
+    text += fmt::format("{:.3f},{:.6f},{:.5f}\n", t, q,
+                        (qd > 0.0 ? 0.07 : -0.07) + 0.2 * std::sin(1.5 * q) + 0.005 * random.normal());
+  }
+  write_file(folder_ / "joint.csv", text);
+  for (const std::string command : {"fit", "discrepancy"}) {
+    const Outcome found = run(command + " --recording joint.csv --out " + command);
+    EXPECT_EQ(found.status, 0) << found.err;
+    EXPECT_THAT(found.out, HasSubstr("dry friction"));
+    EXPECT_THAT(found.out, HasSubstr("torque over angle"));
+    EXPECT_TRUE(std::filesystem::exists(folder_ / command / "axis.json"));
+    EXPECT_TRUE(std::filesystem::exists(folder_ / command / "report.html"));
+    const Outcome wrong = run(command + " --recording joint.csv --mesh plate.obj --out wrong");
+    EXPECT_EQ(wrong.status, 2);
+    EXPECT_THAT(wrong.err, HasSubstr("is a recording of one axis"));
+    EXPECT_EQ(run(command + " --recording good.csv --out wrong").status, 2);
+  }
+  const Outcome evaluated = run("evaluate --model model.json --mesh plate.obj --recording joint.csv --out wrong");
+  EXPECT_EQ(evaluated.status, 3);
+  EXPECT_THAT(evaluated.err, HasSubstr("touchstone axis"));
 }
 
 }  // namespace

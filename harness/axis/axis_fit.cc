@@ -7,153 +7,24 @@
 #include <array>
 #include <cmath>
 
+#include "harness/axis/axis_design.h"
 #include "harness/base/error.h"
 #include "harness/stats/quantile.h"
 
 namespace touchstone::axis {
 namespace {
 
-constexpr std::size_t fewest_samples = 100;
 constexpr std::size_t block_count = 20;
-// Slower than this share of the usual speed counts as rest: the sign of the speed is noise there, and dry friction has
-// any value up to its own.
-constexpr double share_at_rest = 0.1;
 // A term is taken if the held-out blocks gain by so many standard errors, and its coefficient is so many from zero.
 // Student's t with 19 degrees of freedom exceeds 3.5 by chance in 0.12 % of the trials; about ten are made.
 constexpr double clear = 3.5;
 // And if it takes away so much of the RMS: less is no explanation of anything.
 constexpr double least_gain = 0.02;
 constexpr std::array<Eigen::Index, 3> knot_counts{6, 12, 24};
-constexpr Eigen::Index friction_knots = 5;
-
-// Slope of a straight line through the samples within `half` of each sample.
-std::vector<double> slopes(const std::vector<double>& t_s, const std::vector<double>& values, std::size_t half) {
-  std::vector<double> result(values.size());
-  for (std::size_t i = 0; i < values.size(); ++i) {
-    const std::size_t from = i > half ? i - half : 0, to = std::min(values.size(), i + half + 1);
-    double mt = 0.0, mv = 0.0, tv = 0.0, tt = 0.0;
-    const auto n = static_cast<double>(to - from);
-    for (std::size_t k = from; k < to; ++k) mt += t_s[k] / n, mv += values[k] / n;
-    for (std::size_t k = from; k < to; ++k) tv += (t_s[k] - mt) * (values[k] - mv), tt += (t_s[k] - mt) * (t_s[k] - mt);
-    result[i] = tt > 0.0 ? tv / tt : 0.0;
-  }
-  return result;
-}
-
-// Which terms, beside h(q).
-struct Structure {
-  Eigen::Index knots = 12;
-  bool dry = false, viscous = false, inertia = false, friction_over_place = false;
-  double width = 0.0;  // of a reversal; 0: at once
-  double tau_s = 0.0;  // of relaxation; 0: none
-  [[nodiscard]] Eigen::Index terms() const {
-    return Eigen::Index{dry} + Eigen::Index{viscous} + Eigen::Index{inertia} + (tau_s > 0.0 ? 1 : 0);
-  }
-  [[nodiscard]] Eigen::Index columns() const { return knots + terms() + (friction_over_place ? friction_knots : 0); }
-};
-
-// Every sample of the run, with what the terms need; `used` are those that a fit sees.
-struct Samples {
-  std::vector<double> t_s, place, rate, acceleration, load;
-  std::vector<std::size_t> used;
-  double lowest = 0.0, highest = 0.0;
-  double usual_speed = 0.0;
-};
-
-Samples samples_of(const AxisRun& run) {
-  constexpr double window_s = 0.05;
-  const double interval_s = (run.t_s.back() - run.t_s.front()) / static_cast<double>(run.t_s.size() - 1);
-  const auto half = std::clamp<std::size_t>(static_cast<std::size_t>(std::ceil(window_s / interval_s)), 1,
-                                            std::max<std::size_t>(1, run.t_s.size() / 200));
-  Samples s;
-  s.t_s = run.t_s, s.place = run.place, s.load = run.load;
-  s.rate = run.rate.empty() ? slopes(run.t_s, run.place, half) : run.rate;
-  s.acceleration = slopes(run.t_s, s.rate, half);
-  std::vector<double> speeds;
-  for (const double v : s.rate) speeds.push_back(std::abs(v));
-  s.usual_speed = stats::lower_quantile(speeds, 0.9);
-  for (std::size_t i = 0; i < run.t_s.size(); ++i) {
-    if (run.keep_rest || std::abs(s.rate[i]) > share_at_rest * s.usual_speed) s.used.push_back(i);
-  }
-  if (s.used.size() < fewest_samples) {
-    throw BadData(
-        fmt::format("{}: only {} samples move; at least {} are needed", run.source, s.used.size(), fewest_samples));
-  }
-  s.lowest = s.highest = s.place[s.used.front()];
-  for (const std::size_t i : s.used)
-    s.lowest = std::min(s.lowest, s.place[i]), s.highest = std::max(s.highest, s.place[i]);
-  return s;
-}
-
-// The direction of motion at every sample, within [-1, 1]: at rest that of the last motion, after a reversal it takes
-// `width` of way to turn.
-std::vector<double> directions(const Samples& s, double width) {
-  std::vector<double> z(s.place.size());
-  const double slow = share_at_rest * s.usual_speed;
-  double now = 0.0;
-  for (std::size_t i = 0; i < s.place.size() && now == 0.0; ++i) {
-    if (std::abs(s.rate[i]) > slow) now = s.rate[i] > 0.0 ? 1.0 : -1.0;
-  }
-  for (std::size_t i = 0; i < s.place.size(); ++i) {
-    if (width > 0.0) {
-      if (i > 0) now = std::clamp(now + 2.0 * (s.place[i] - s.place[i - 1]) / width, -1.0, 1.0);
-    } else if (std::abs(s.rate[i]) > slow) {
-      now = s.rate[i] > 0.0 ? 1.0 : -1.0;
-    }
-    z[i] = now;
-  }
-  return z;
-}
-
-// place - its low pass, at every sample.
-std::vector<double> high_passed(const Samples& s, double tau_s) {
-  std::vector<double> result(s.place.size());
-  double slow = s.place.front();
-  for (std::size_t i = 1; i < s.place.size(); ++i) {
-    slow += (s.place[i] - slow) * -std::expm1(-(s.t_s[i] - s.t_s[i - 1]) / tau_s);
-    result[i] = s.place[i] - slow;
-  }
-  return result;
-}
-
-// Weights of the two hat functions beside a place.
-struct Hat {
-  Eigen::Index left = 0;
-  double share = 0.0;
-};
-
-Hat hat_at(const Samples& s, double place, Eigen::Index knots) {
-  const double at = std::clamp((place - s.lowest) / (s.highest - s.lowest), 0.0, 1.0) * static_cast<double>(knots - 1);
-  const auto left = std::min(static_cast<Eigen::Index>(at), knots - 2);
-  return {left, at - static_cast<double>(left)};
-}
-
-// Rows: the samples of `which`. Columns: hats over the place, dry, viscous, inertia, relaxation, hats of friction.
-Eigen::MatrixXd design_of(const Samples& s, const Structure& structure, const std::vector<std::size_t>& which) {
-  const std::vector<double> z = directions(s, structure.width);
-  const std::vector<double> passed = structure.tau_s > 0.0 ? high_passed(s, structure.tau_s) : std::vector<double>{};
-  Eigen::MatrixXd a = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(which.size()), structure.columns());
-  for (Eigen::Index row = 0; row < a.rows(); ++row) {
-    const std::size_t i = which[static_cast<std::size_t>(row)];
-    const Hat hat = hat_at(s, s.place[i], structure.knots);
-    a(row, hat.left) = 1.0 - hat.share;
-    a(row, hat.left + 1) = hat.share;
-    Eigen::Index column = structure.knots;
-    if (structure.dry) a(row, column++) = z[i];
-    if (structure.viscous) a(row, column++) = s.rate[i];
-    if (structure.inertia) a(row, column++) = s.acceleration[i];
-    if (structure.tau_s > 0.0) a(row, column++) = passed[i];
-    if (!structure.friction_over_place) continue;
-    const Hat friction = hat_at(s, s.place[i], friction_knots);
-    a(row, column + friction.left) = z[i] * (1.0 - friction.share);
-    a(row, column + friction.left + 1) = z[i] * friction.share;
-  }
-  return a;
-}
 
 // Held-out blocks: the normal equations of each block are added up once, and each block taken out in turn.
 struct Judged {
-  Structure structure;
+  AxisStructure structure;
   Eigen::VectorXd x;                     // from all samples
   std::vector<double> square_of_block;   // mean held-out square, block by block
   std::vector<Eigen::VectorXd> without;  // coefficients without each block
@@ -175,7 +46,7 @@ struct Judged {
   [[nodiscard]] bool determined(Eigen::Index term) const { return coefficient(term) > clear * error(term); }
 };
 
-Eigen::VectorXd solve(Eigen::MatrixXd normal, const Eigen::VectorXd& right, const Structure& structure) {
+Eigen::VectorXd solve(Eigen::MatrixXd normal, const Eigen::VectorXd& right, const AxisStructure& structure) {
   // A touch of smoothness, so that a knot without samples has its neighbours' value.
   const double weight = 1e-6 * normal.topLeftCorner(structure.knots, structure.knots).diagonal().maxCoeff();
   const auto smooth = [&](Eigen::Index from, Eigen::Index count) {
@@ -189,7 +60,7 @@ Eigen::VectorXd solve(Eigen::MatrixXd normal, const Eigen::VectorXd& right, cons
   return normal.ldlt().solve(right);
 }
 
-Judged judge(const Samples& s, const Structure& structure) {
+Judged judge(const AxisSamples& s, const AxisStructure& structure) {
   const Eigen::MatrixXd a = design_of(s, structure, s.used);
   Eigen::VectorXd b(a.rows());
   for (Eigen::Index row = 0; row < a.rows(); ++row) b[row] = s.load[s.used[static_cast<std::size_t>(row)]];
@@ -248,7 +119,7 @@ void check_run(const AxisRun& run) {
 }
 
 // The fewest knots that leave hardly more than the most do.
-Structure with_knots(const Samples& s, Structure structure) {
+AxisStructure with_knots(const AxisSamples& s, AxisStructure structure) {
   constexpr double hardly_more = 1.01;
   std::vector<double> left;
   for (const Eigen::Index knots : knot_counts) {
@@ -265,23 +136,41 @@ Structure with_knots(const Samples& s, Structure structure) {
 // Steps of a grid of widths and of time constants.
 constexpr double grid_step = 1.6;
 
-// Dry friction with the reversal width that leaves least, if it is clearly better than turning at once.
-Judged with_width(const Samples& s, Judged best) {
+// Dry friction with the reversal and its width that leave least, if they are clearly better than turning at once.
+Judged with_width(const AxisSamples& s, Judged best) {
   const double span = s.highest - s.lowest;
   const Judged sharp = best;
-  Structure structure = sharp.structure;
-  for (double width = 0.002 * span; width < 0.3 * span; width *= grid_step) {
-    structure.width = width;
-    Judged judged = judge(s, structure);
-    if (judged.determined(0) && clearly_better(sharp, judged) && judged.rms() < best.rms()) best = std::move(judged);
+  AxisStructure structure = sharp.structure;
+  for (const bool backlash : {false, true}) {
+    structure.backlash = backlash;
+    for (double width = 0.002 * span; width < 0.3 * span; width *= grid_step) {
+      structure.width = width;
+      Judged judged = judge(s, structure);
+      if (judged.determined(0) && clearly_better(sharp, judged) && judged.rms() < best.rms()) best = std::move(judged);
+    }
   }
   return best;
 }
 
+// What `b` has and `a` has not.
+std::string added_terms(const AxisStructure& a, const AxisStructure& b) {
+  std::string names;
+  const auto add = [&](bool had, bool has, const char* name) {
+    if (has && !had) names += (names.empty() ? "" : ", ") + std::string(name);
+  };
+  add(a.dry || a.friction_over_place, b.dry, "dry friction");
+  add(a.friction_over_place, b.friction_over_place, "friction over place");
+  add(a.viscous, b.viscous, "viscous friction");
+  add(a.inertia, b.inertia, "inertia");
+  add(a.width > 0.0, b.width > 0.0, "reversal width");
+  add(a.tau_s > 0.0, b.tau_s > 0.0, "relaxation");
+  return names;
+}
+
 // Dry or viscous friction, both, or none, and whether the motion can tell.
-Judged choose_friction(const Samples& s, const Structure& bare, AxisFit& fit) {
+Judged choose_friction(const AxisSamples& s, const AxisStructure& bare, AxisFit& fit) {
   const auto with = [&](bool dry, bool viscous) {
-    Structure structure = bare;
+    AxisStructure structure = bare;
     structure.dry = dry, structure.viscous = viscous;
     return judge(s, structure);
   };
@@ -290,81 +179,109 @@ Judged choose_friction(const Samples& s, const Structure& bare, AxisFit& fit) {
   const Judged dry = with_width(s, sharp);
   fit.dry_alone = dry.coefficient(0), fit.viscous_alone = viscous.coefficient(0);
   fit.dry_left = dry.rms(), fit.viscous_left = viscous.rms();
+  fit.steps.push_back({"place", none.rms()});
   if (!clearly_better(none, dry) && !clearly_better(none, viscous)) return none;
   const bool dry_better = dry.rms() <= viscous.rms();
   const Judged& best = dry_better ? dry : viscous;
   fit.reversed = best.coefficient(0) < 0.0;
   // Speeds that hardly vary leave the split to accidents: both coefficients must be determined.
   constexpr double one_speed = 1.5;
-  Structure with_both = dry.structure;
+  AxisStructure with_both = dry.structure;
   with_both.viscous = true;
   const Judged both = judge(s, with_both);
   const bool split = both.determined(0) && both.determined(1);
   const bool told = clearly_better(dry_better ? viscous : dry, best);
   fit.friction_undecided = fit.fastest < one_speed * fit.slowest || (!told && !split);
-  return !fit.friction_undecided && split && clearly_better(best, both) ? both : best;
+  const Judged& chosen = !fit.friction_undecided && split && clearly_better(best, both) ? both : best;
+  fit.steps.push_back({added_terms(bare, chosen.structure), chosen.rms()});
+  return chosen;
 }
 
 // Each further term in turn, the one that leaves least first, until none is clearly better.
-Judged add_terms(const Samples& s, Judged best) {
+Judged add_terms(const AxisSamples& s, Judged best, AxisFit& fit) {
   const double duration_s = s.t_s.back() - s.t_s.front();
   const double interval_s = duration_s / static_cast<double>(s.t_s.size() - 1);
   for (bool added = true; added;) {
     added = false;
     std::vector<Judged> tried;
-    const auto consider = [&](const Structure& structure, Eigen::Index term) {
+    const auto consider = [&](const AxisStructure& structure, Eigen::Index term) {
       Judged judged = judge(s, structure);
       if (term >= 0 && !judged.determined(term)) return;
       if (clearly_better(best, judged)) tried.push_back(std::move(judged));
     };
-    const Structure& now = best.structure;
+    const AxisStructure& now = best.structure;
     if (!now.inertia) {
-      Structure next = now;
+      AxisStructure next = now;
       next.inertia = true;
       consider(next, Eigen::Index{next.dry} + Eigen::Index{next.viscous});
     }
     if (now.tau_s == 0.0) {
       // From a few samples to a third of the run.
       for (double tau_s = 10.0 * interval_s; tau_s < duration_s / 3.0; tau_s *= grid_step) {
-        Structure next = now;
+        AxisStructure next = now;
         next.tau_s = tau_s;
         consider(next, next.terms() - 1);
       }
     }
     if (now.dry && !now.friction_over_place) {
-      Structure next = now;
+      AxisStructure next = now;
       next.friction_over_place = true;
       next.dry = false;
       consider(next, -1);
     }
     if (tried.empty()) break;
+    const AxisStructure before = best.structure;
     best = *std::ranges::min_element(tried, {}, [](const Judged& one) { return one.rms(); });
+    fit.steps.push_back({added_terms(before, best.structure), best.rms()});
     added = true;
   }
   return best;
 }
 
-// Width and time constant between the places of their grids, and the knots for what was chosen.
-Judged refine(const Samples& s, Judged best) {
-  const auto improve = [&](double Structure::*value) {
-    for (double step = std::sqrt(grid_step); step > 1.02; step = std::sqrt(step)) {
-      for (const double factor : {step, 1.0 / step}) {
-        Structure next = best.structure;
-        next.*value *= factor;
-        Judged judged = judge(s, next);
-        if (judged.rms() < best.rms()) best = std::move(judged);
-      }
+// A width or time constant between the places of its grid.
+Judged improved(const AxisSamples& s, Judged best, double AxisStructure::*value) {
+  for (double step = std::sqrt(grid_step); step > 1.02; step = std::sqrt(step)) {
+    for (const double factor : {step, 1.0 / step}) {
+      AxisStructure next = best.structure;
+      next.*value *= factor;
+      Judged judged = judge(s, next);
+      if (judged.rms() < best.rms()) best = std::move(judged);
     }
-  };
-  if (best.structure.width > 0.0) improve(&Structure::width);
-  if (best.structure.tau_s > 0.0) improve(&Structure::tau_s);
-  const Structure knotted = with_knots(s, best.structure);
+  }
+  return best;
+}
+
+// Presliding against backlash, each with the width that leaves least.
+Judged choose_reversal(const AxisSamples& s, Judged best, AxisFit& fit) {
+  AxisStructure flipped = best.structure;
+  flipped.backlash = !flipped.backlash;
+  Judged other = judge(s, flipped);
+  constexpr int steps_away = 3;
+  for (int k = -steps_away; k <= steps_away; ++k) {
+    AxisStructure next = flipped;
+    next.width *= std::pow(grid_step, k);
+    Judged judged = judge(s, next);
+    if (judged.rms() < other.rms()) other = std::move(judged);
+  }
+  other = improved(s, std::move(other), &AxisStructure::width);
+  if (other.rms() < best.rms()) std::swap(best, other);
+  const AxisReversal shape = best.structure.backlash ? AxisReversal::backlash : AxisReversal::presliding;
+  fit.reversal = clearly_better(other, best) ? shape : AxisReversal::undecided;
+  return best;
+}
+
+Judged refine(const AxisSamples& s, Judged best, AxisFit& fit) {
+  if (best.structure.width > 0.0) {
+    best = choose_reversal(s, improved(s, std::move(best), &AxisStructure::width), fit);
+  }
+  if (best.structure.tau_s > 0.0) best = improved(s, std::move(best), &AxisStructure::tau_s);
+  const AxisStructure knotted = with_knots(s, best.structure);
   return knotted.knots == best.structure.knots ? best : judge(s, knotted);
 }
 
 // The loop's area over a mean cycle: the integral of the load over the place, whatever h is.
-void measure_loop(const Samples& s, AxisFit& fit) {
-  const std::vector<double> z = directions(s, 0.0);
+void measure_loop(const AxisSamples& s, AxisFit& fit) {
+  const std::vector<double> z = directions(s, 0.0, false);
   double work = 0.0;
   for (std::size_t i = 1; i < s.place.size(); ++i) {
     work += 0.5 * (s.load[i] + s.load[i - 1]) * (s.place[i] - s.place[i - 1]);
@@ -373,12 +290,9 @@ void measure_loop(const Samples& s, AxisFit& fit) {
   fit.loss = fit.reversals > 0 ? 2.0 * work / static_cast<double>(fit.reversals + 1) : work;
 }
 
-double knot_place(const Samples& s, Eigen::Index k, Eigen::Index knots) {
-  return s.lowest + (s.highest - s.lowest) * static_cast<double>(k) / static_cast<double>(knots - 1);
-}
-
-void report(const Samples& s, const Judged& best, AxisFit& fit) {
-  const Structure& structure = best.structure;
+void report(const AxisSamples& s, const Judged& best, AxisFit& fit) {
+  const AxisStructure& structure = best.structure;
+  fit.backlash = structure.backlash;
   Eigen::Index term = 0;
   const auto add = [&](const char* name) {
     fit.terms.push_back({name, best.coefficient(term), best.error(term)});
@@ -405,7 +319,7 @@ void report(const Samples& s, const Judged& best, AxisFit& fit) {
     fit.dry = mean;
     fit.terms.push_back({"friction over place", mean, error});
     for (const double knot : fit.knots) {
-      const Hat hat = hat_at(s, knot, friction_knots);
+      const AxisHat hat = hat_at(s, knot, friction_knots);
       fit.friction_over_place.push_back((1.0 - hat.share) * best.coefficient(term + hat.left) +
                                         hat.share * best.coefficient(term + hat.left + 1));
     }
@@ -423,7 +337,7 @@ double term_of(const AxisFit& fit, std::string_view name) {
 
 AxisFit fit_axis(const AxisRun& run) {
   check_run(run);
-  const Samples s = samples_of(run);
+  const AxisSamples s = samples_of(run);
   AxisFit fit;
   fit.samples = s.used.size();
   std::size_t forth = 0, moving = 0;
@@ -440,12 +354,12 @@ AxisFit fit_axis(const AxisRun& run) {
                     run.source));
   }
   fit.slowest = stats::lower_quantile(speeds, 0.1), fit.fastest = stats::lower_quantile(speeds, 0.9);
-  Structure bare;
+  AxisStructure bare;
   bare.dry = true;
   bare = with_knots(s, bare);
   bare.dry = false;
   const Judged friction = choose_friction(s, bare, fit);
-  const Judged best = fit.reversed ? friction : refine(s, add_terms(s, friction));
+  const Judged best = fit.reversed ? friction : refine(s, add_terms(s, friction, fit), fit);
   report(s, best, fit);
   measure_loop(s, fit);
   double mean = 0.0, square = 0.0;
@@ -457,19 +371,19 @@ AxisFit fit_axis(const AxisRun& run) {
 }
 
 std::vector<double> fitted_load(const AxisFit& fit, const AxisRun& run) {
-  Samples s = samples_of(run);
+  AxisSamples s = samples_of(run);
   s.lowest = fit.knots.front(), s.highest = fit.knots.back();
   const auto knots = static_cast<Eigen::Index>(fit.knots.size());
-  const std::vector<double> z = directions(s, term_of(fit, "reversal width"));
+  const std::vector<double> z = directions(s, term_of(fit, "reversal width"), fit.backlash);
   const double tau_s = term_of(fit, "relaxation time");
   const std::vector<double> passed = tau_s > 0.0 ? high_passed(s, tau_s) : std::vector<double>(s.place.size());
-  const auto at = [](const std::vector<double>& values, const Hat& hat) {
+  const auto at = [](const std::vector<double>& values, const AxisHat& hat) {
     const auto left = static_cast<std::size_t>(hat.left);
     return (1.0 - hat.share) * values[left] + hat.share * values[left + 1];
   };
   std::vector<double> load;
   for (std::size_t i = 0; i < s.place.size(); ++i) {
-    const Hat hat = hat_at(s, s.place[i], knots);
+    const AxisHat hat = hat_at(s, s.place[i], knots);
     const double friction = fit.friction_over_place.empty() ? fit.dry : at(fit.friction_over_place, hat);
     load.push_back(at(fit.over_place, hat) + friction * z[i] + term_of(fit, "viscous friction") * s.rate[i] +
                    term_of(fit, "inertia") * s.acceleration[i] + term_of(fit, "relaxation") * passed[i]);

@@ -2,8 +2,9 @@
 // force) over angle (or indentation) is split into what the place alone makes and what the motion adds:
 //   load = h(q) + (dry + g(q)) z + viscous q' + inertia q'' + relaxing (q - q_tau),
 // with h a piecewise linear function of the place (cables, gravity, springs, the stiffness of an object), z the
-// direction of motion after the reversal width w (|z| <= 1, dz = dq / w: presliding or backlash; Dahl 1968), g friction
-// that depends on the place, and q_tau the place low-passed with the time constant tau: one arm of a standard linear
+// direction of motion, which takes the way w to reverse: in proportion to the way, dz = 2 dq / w, |z| <= 1 (presliding;
+// Dahl 1968), or 0 on the way (backlash: what rubs lies behind a gap that is crossed first), g friction that depends on
+// the place, and q_tau the place low-passed with the time constant tau: one arm of a standard linear
 // solid, relaxation or creep. Armstrong-Helouvry, Dupont and Canudas de Wit 1994 (sections 2 and 4) describe the terms
 // of friction.
 //
@@ -35,6 +36,15 @@ struct AxisTerm {
   std::optional<double> standard_error;  // from blocks of the recording; none for what a grid was searched for
 };
 
+// What the loads on the way of a reversal look like.
+enum class AxisReversal { at_once, presliding, backlash, undecided };
+
+// What the terms so far leave of the held-out blocks, in the order in which they were taken.
+struct AxisStep {
+  std::string added;  // "place", "dry friction, reversal width", ...
+  double left = 0.0;  // RMS
+};
+
 struct AxisFit {
   std::vector<AxisTerm> terms;              // those that the held-out blocks want
   std::vector<double> knots, over_place;    // h at its knots
@@ -45,6 +55,9 @@ struct AxisFit {
   double after = 0.0;                       // RMS that the fit leaves of the held-out blocks
   double loss = 0.0;                        // work lost over a mean cycle there and back: the area of the loop
   std::size_t reversals = 0;
+  std::vector<AxisStep> steps;
+  AxisReversal reversal = AxisReversal::at_once;
+  bool backlash = false;  // the shape that fits best, decided or not
   // Friction that the motion cannot split: dry alone and viscous alone leave the same on held-out blocks.
   bool friction_undecided = false;
   bool reversed = false;                        // the load drives the motion instead of resisting it

@@ -15,6 +15,30 @@ std::string unit_of_term(const std::string& term, const AxisWords& words) {
   return words.load_unit;
 }
 
+namespace {
+
+const char* reversal_name(AxisReversal reversal) {
+  switch (reversal) {
+    case AxisReversal::at_once:
+      return "at once";
+    case AxisReversal::presliding:
+      return "presliding";
+    case AxisReversal::backlash:
+      return "backlash";
+    case AxisReversal::undecided:
+      break;
+  }
+  return "undecided";
+}
+
+std::string reversal_words(AxisReversal reversal) {
+  if (reversal == AxisReversal::presliding) return " (presliding: friction turns in proportion to the way)";
+  if (reversal == AxisReversal::backlash) return " (backlash: no friction until the gap is crossed)";
+  return " (presliding or backlash)";
+}
+
+}  // namespace
+
 std::vector<std::string> axis_remarks(const AxisFit& fit, const AxisWords& words, std::optional<double> floor) {
   std::vector<std::string> remarks;
   if (fit.reversed) {
@@ -29,6 +53,12 @@ std::vector<std::string> axis_remarks(const AxisFit& fit, const AxisWords& words
         "leaves {:.4g} {}, viscous alone, {:.4g} {}, leaves {:.4g} {}. Record at two speeds, one three times the other",
         fit.slowest, fit.fastest, words.place_unit, fit.dry_alone, words.load_unit, fit.dry_left, words.load_unit,
         fit.viscous_alone, unit_of_term("viscous friction", words), fit.viscous_left, words.load_unit));
+  }
+  if (fit.reversal == AxisReversal::undecided) {
+    remarks.push_back(fmt::format(
+        "presliding and backlash cannot be told apart here: both fit the {} within the way that a reversal takes. "
+        "Record slow reversals of small amplitude",
+        words.load));
   }
   if (words.place == "indentation" && fit.reversals == 1) {
     remarks.push_back(fmt::format(
@@ -57,9 +87,10 @@ std::string axis_values(const AxisFit& fit, const AxisWords& words) {
     text += fmt::format("{:26} {}\n", name, value);
   };
   for (const AxisTerm& term : fit.terms) {
-    line(term.name, fmt::format("{:.4g}{} {}", term.value,
-                                term.standard_error ? fmt::format(" +- {:.2g}", *term.standard_error) : "",
-                                unit_of_term(term.name, words)));
+    line(term.name,
+         fmt::format(
+             "{:.4g}{} {}", term.value, term.standard_error ? fmt::format(" +- {:.2g}", *term.standard_error) : "",
+             unit_of_term(term.name, words) + (term.name == "reversal width" ? reversal_words(fit.reversal) : "")));
   }
   line(fmt::format("{} over {}", words.load, words.place),
        fmt::format("{:.4g} {} between its lowest and highest, from {:.4g} to {:.4g} {}", fit.place_range,
@@ -67,8 +98,13 @@ std::string axis_values(const AxisFit& fit, const AxisWords& words) {
   line("work lost in a cycle", fmt::format("{:.4g} {}{}", fit.loss, words.load_unit,
                                            words.place_unit == "rad" ? " rad" : " " + words.place_unit));
   line(fmt::format("held-out RMS of the {}", words.load),
-       fmt::format("{:.4g} {} about its mean, {:.4g} {} after the fit; {} samples, {} reversals", fit.before,
-                   words.load_unit, fit.after, words.load_unit, fit.samples, fit.reversals));
+       fmt::format("{:.4g} {} about its mean, {:.4g} {} after the fit; {} samples, {} reversal{}", fit.before,
+                   words.load_unit, fit.after, words.load_unit, fit.samples, fit.reversals,
+                   fit.reversals == 1 ? "" : "s"));
+  for (std::size_t k = 0; k < fit.steps.size(); ++k) {
+    line(fmt::format("  {} {}", k == 0 ? "with the" : "and", fit.steps[k].added),
+         fmt::format("{:.4g} {}", fit.steps[k].left, words.load_unit));
+  }
   return text;
 }
 
@@ -85,6 +121,9 @@ std::string axis_json(const AxisFit& fit, const AxisWords& words, std::optional<
   j["over_place"] = {{"place", fit.knots}, {"load", fit.over_place}, {"range", fit.place_range}};
   if (!fit.friction_over_place.empty()) j["over_place"]["friction"] = fit.friction_over_place;
   j["held_out_rms"] = {{"before", fit.before}, {"after", fit.after}};
+  j["steps"] = nlohmann::ordered_json::array();
+  for (const AxisStep& step : fit.steps) j["steps"].push_back({{"added", step.added}, {"held_out_rms", step.left}});
+  j["reversal"] = reversal_name(fit.reversal);
   j["loss_per_cycle"] = fit.loss;
   j["reversals"] = fit.reversals;
   j["speed"] = {{"percentile10", fit.slowest}, {"percentile90", fit.fastest}};

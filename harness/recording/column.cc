@@ -57,6 +57,9 @@ std::string hint(std::string_view name) {
     const std::string full = bare ? std::string(info.name) : fmt::format("{}_{}", info.name, default_unit(info));
     if (small == lower(full) || small == info.name) return fmt::format(" (did you mean {}?)", full);
   }
+  for (const char* const of_one_axis : {"q_rad", "q_m", "torque_nm", "force_n"}) {
+    if (small == of_one_axis) return " (of a recording of one axis, which `touchstone axis` takes)";
+  }
   if (small.starts_with("time")) return " (did you mean t_s?)";
   return "";
 }
