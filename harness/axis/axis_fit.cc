@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 
 #include "harness/axis/axis_design.h"
 #include "harness/base/error.h"
@@ -270,11 +271,43 @@ Judged choose_reversal(const AxisSamples& s, Judged best, AxisFit& fit) {
   return best;
 }
 
-Judged refine(const AxisSamples& s, Judged best, AxisFit& fit) {
-  if (best.structure.width > 0.0) {
-    best = choose_reversal(s, improved(s, std::move(best), &AxisStructure::width), fit);
+Judged fitted_again(const AxisSamples& s, const AxisStructure& structure) {
+  Judged best = judge(s, structure);
+  if (structure.width > 0.0) best = improved(s, std::move(best), &AxisStructure::width);
+  if (structure.tau_s > 0.0) best = improved(s, std::move(best), &AxisStructure::tau_s);
+  return best;
+}
+
+// Takes back what a later term, or a finer width or time constant, makes needless: as long as a term can go and what is
+// left is not clearly worse for it.
+Judged drop_terms(const AxisSamples& s, Judged best, AxisFit& fit) {
+  for (;;) {
+    const AxisStructure now = best.structure;
+    std::vector<AxisStructure> without;
+    const auto leave_out = [&](bool there, auto change) {
+      if (!there) return;
+      without.push_back(now);
+      change(without.back());
+    };
+    leave_out(now.dry, [](AxisStructure& a) { a.dry = false, a.width = 0.0, a.backlash = false; });
+    leave_out(now.viscous, [](AxisStructure& a) { a.viscous = false; });
+    leave_out(now.inertia, [](AxisStructure& a) { a.inertia = false; });
+    leave_out(now.width > 0.0, [](AxisStructure& a) { a.width = 0.0, a.backlash = false; });
+    leave_out(now.tau_s > 0.0, [](AxisStructure& a) { a.tau_s = 0.0; });
+    std::optional<Judged> kept;
+    for (const AxisStructure& structure : without) {
+      Judged judged = fitted_again(s, structure);
+      if (!clearly_better(judged, best) && (!kept || judged.rms() < kept->rms())) kept = std::move(judged);
+    }
+    if (!kept) return best;
+    fit.steps.push_back({"without " + added_terms(kept->structure, now), kept->rms()});
+    best = *std::move(kept);
   }
-  if (best.structure.tau_s > 0.0) best = improved(s, std::move(best), &AxisStructure::tau_s);
+}
+
+Judged refine(const AxisSamples& s, Judged best, AxisFit& fit) {
+  best = drop_terms(s, fitted_again(s, best.structure), fit);
+  if (best.structure.width > 0.0) best = choose_reversal(s, std::move(best), fit);
   const AxisStructure knotted = with_knots(s, best.structure);
   return knotted.knots == best.structure.knots ? best : judge(s, knotted);
 }

@@ -1,5 +1,5 @@
 // How often the terms of an axis are named rightly, on made axes of eight kinds and two noises. The limits of the fit
-// were chosen on seeds below 1000 and on 1 to 11; a run whose result led to another limit retires its seeds.
+// were chosen on seeds below 1000 and on 1 to 11 and 75000 to 75019; a run whose result led to another limit retires its seeds.
 // TOUCHSTONE_AXIS_SEED and TOUCHSTONE_AXIS_RUNS set the first seed and the number of runs of each kind.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -26,7 +26,7 @@ struct AxisKind {
 };
 
 TEST(AxisCalibration, TermsOnFreshSeeds) {
-  const std::size_t first = setting("TOUCHSTONE_AXIS_SEED", 75000), runs = setting("TOUCHSTONE_AXIS_RUNS", 20);
+  const std::size_t first = setting("TOUCHSTONE_AXIS_SEED", 76000), runs = setting("TOUCHSTONE_AXIS_RUNS", 20);
   const std::vector<AxisKind> kinds{
       {"place alone", {.cable = 0.2}, ""},
       {"dry", {.dry = 0.07, .cable = 0.2}, "dry friction"},
