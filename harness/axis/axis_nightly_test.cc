@@ -1,6 +1,6 @@
 // How often the terms of an axis are named rightly, on made axes of eight kinds and two noises. The limits of the fit
-// were chosen on seeds below 1000 and on 1 to 11 and 75000 to 75019; a run whose result led to another limit retires its seeds.
-// TOUCHSTONE_AXIS_SEED and TOUCHSTONE_AXIS_RUNS set the first seed and the number of runs of each kind.
+// were chosen on seeds below 1000 and on 1 to 11 and 75000 to 75019; a run whose result led to another limit retires
+// its seeds. TOUCHSTONE_AXIS_SEED and TOUCHSTONE_AXIS_RUNS set the first seed and the number of runs of each kind.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
