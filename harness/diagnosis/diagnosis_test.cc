@@ -306,5 +306,17 @@ TEST(Diagnosis, WhatIsDeclaredIsNotLookedForAndWhatThrowsIsSaid) {
   EXPECT_TRUE(diagnosis.findings.empty());
 }
 
+// Its zero force is that of free space, and would pass for a steady, passive one that pulls nobody.
+TEST(Diagnosis, ARendererThatBreaksDownIsCleanOfNothing) {
+  const auto breaks = [](StepResult& result, const TipState&, Memory&) {
+    result = {};
+    result.status = StepStatus::failed;
+  };
+  const Diagnosis diagnosis = diagnose(engine_of({"broken", "", {}, breaks, "friction-cone"}));
+  EXPECT_THAT(diagnosis.clean, ::testing::IsEmpty());
+  EXPECT_TRUE(diagnosis.findings.empty());
+  EXPECT_EQ(diagnosis.failed.size(), detectors().size());
+}
+
 }  // namespace
 }  // namespace touchstone::diagnosis

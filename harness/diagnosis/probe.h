@@ -5,6 +5,7 @@
 
 #include "harness/base/rooms.h"
 #include "harness/diagnosis/engine.h"
+#include "harness/rendering/renderer_failed.h"
 #include "harness/surface/embree_surface.h"
 #include "harness/surface/triangle_mesh.h"
 
@@ -24,8 +25,10 @@ class Probe {
     renderer_->reset();
   }
 
+  // Throws RendererFailed where the renderer broke down: its zero force says nothing.
   StepResult to(const Vec3& tip, const Quat& q = Quat::Identity()) {
     StepResult result = renderer_->step({kTick_s * static_cast<double>(++tick_), unit_ * tip, q});
+    if (result.status == StepStatus::failed) throw RendererFailed(renderer_->failure());
     result.contact_W_m /= unit_;
     result.depth_m /= unit_;
     return result;

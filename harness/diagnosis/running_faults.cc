@@ -6,6 +6,7 @@
 #include <array>
 #include <atomic>
 #include <cmath>
+#include <exception>
 #include <limits>
 #include <optional>
 #include <thread>
@@ -15,6 +16,7 @@
 #include "harness/diagnosis/detectors.h"
 #include "harness/diagnosis/meshes.h"
 #include "harness/diagnosis/probe.h"
+#include "harness/rendering/renderer_failed.h"
 #include "harness/stats/quantile.h"
 
 namespace touchstone::diagnosis {
@@ -42,7 +44,9 @@ std::vector<Vec3> strokes_about(double radius_m, std::uint64_t seed, int contact
 }
 
 StepResult step_to(Renderer& renderer, std::size_t tick, const Vec3& tip) {
-  return renderer.step({kTick_s * static_cast<double>(tick + 1), tip, Quat::Identity()});
+  const StepResult result = renderer.step({kTick_s * static_cast<double>(tick + 1), tip, Quat::Identity()});
+  if (result.status == StepStatus::failed) throw RendererFailed(renderer.failure());
+  return result;
 }
 
 std::vector<Vec3> forces(Renderer& renderer, const std::vector<Vec3>& tips) {
@@ -214,17 +218,23 @@ std::optional<Finding> find_shared_state(const Engine& engine) {
   // At the same time: what is shared within a step shows sooner or later.
   std::array<std::optional<std::size_t>, count> differs;
   std::atomic<std::size_t> ready = 0;
+  std::array<std::exception_ptr, count> broke_down;  // no exception leaves a thread
   const auto run = [&](std::size_t k) {
     ++ready;
     while (ready < count) std::this_thread::yield();
-    for (int round = 0; round < 40 && !differs[k]; ++round)
-      differs[k] = first_difference(forces(*renderers[k], tips[k]), expected[k]);
+    try {
+      for (int round = 0; round < 40 && !differs[k]; ++round)
+        differs[k] = first_difference(forces(*renderers[k], tips[k]), expected[k]);
+    } catch (...) {
+      broke_down[k] = std::current_exception();
+    }
   };
   {
     std::jthread other([&] { run(1); });
     run(0);
   }
   for (std::size_t k = 0; k < count; ++k) {
+    if (broke_down[k]) std::rethrow_exception(broke_down[k]);
     if (differs[k]) return report(k, *differs[k], "in two threads");
   }
   return std::nullopt;

@@ -41,6 +41,7 @@
 #include "harness/diagnosis/engine.h"
 #include "harness/rendering/limitation.h"
 #include "harness/rendering/renderer.h"
+#include "harness/rendering/renderer_failed.h"
 #include "harness/surface/embree_surface.h"
 #include "harness/testing/allocation_guard.h"
 #include "harness/testing/renderer_behaviour.h"
@@ -138,7 +139,10 @@ class RendererConformance : public ::testing::TestWithParam<std::tuple<RendererS
     return results;
   }
   static StepResult step(Renderer& renderer, std::size_t tick, const Vec3& p) {
-    return renderer.step({static_cast<double>(tick + 1) * 1e-3, p, Quat::Identity()});
+    const StepResult result = renderer.step({static_cast<double>(tick + 1) * 1e-3, p, Quat::Identity()});
+    // Its zero force would pass for free space.
+    if (result.status == StepStatus::failed) throw RendererFailed(renderer.failure());
+    return result;
   }
 
   void expect_same_forces(const Pose& pose) const {

@@ -137,3 +137,23 @@ del GodObject
     for name in names:
         assert f"faulty-in-python.{name} FAILED" in done.stdout, done.stdout[-6000:]
     assert " PASSED" in done.stdout, "not everything is wrong with it"
+
+
+def test_a_renderer_that_breaks_down_fails_by_name_with_the_place(tmp_path):
+    file = tmp_path / "broken.py"
+    file.write_text(EXAMPLE.read_text() + """
+
+class Broken(GodObject):
+    name = "broken-in-python"
+
+    def step(self, tip):
+        raise ValueError("out of order")
+
+del GodObject
+""")
+    done = run_suite(file, "-k", "ForceIsThatOfTheTipNow or plane-taps")
+    assert done.returncode == 1, done.stdout[-4000:]
+    for name in ("conformance.TheForceIsThatOfTheTipNow", "golden.plane-taps"):
+        assert f"broken-in-python.{name} FAILED" in done.stdout
+    assert done.stdout.count("ValueError: out of order (") >= 2 and "broken.py, line " in done.stdout
+    assert "broken-in-python: the cost of a step could not be measured" in done.stdout
