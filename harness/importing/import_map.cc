@@ -97,7 +97,7 @@ void read_orientation(JsonObject& root, ImportMap& map) {
     auto names = names_at(object, "from", 4);
     const std::string order = object.text("order");
     if (order == "xyzw") {
-      std::ranges::rotate(names, names.begin() + 3);
+      std::rotate(names.begin(), names.begin() + 3, names.end());
     } else if (order != "wxyz") {
       object.fail_at("order", "wxyz or xyzw was expected");
     }
