@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 #include <matio.h>
 
+#include <array>
+
 #include "harness/base/atomic_file.h"
 #include "harness/base/error.h"
 #include "harness/importing/import_table.h"
@@ -106,6 +108,58 @@ TEST(MatFile, DamagedDimensionsAreNotBelieved) {
   EXPECT_THAT(mat_refusal(path, bytes), HasSubstr("dims.mat"));
   bytes[163] = 127;
   EXPECT_THAT(mat_refusal(path, bytes), HasSubstr("dims.mat"));
+}
+
+// matio allocates a pointer for each structure of an array of structures, before it reads the first.
+TEST(MatFile, AnArrayOfStructuresHasNoMoreThanItsBytes) {
+  const auto path = std::filesystem::path(::testing::TempDir()) / "touchstone-import-mat" / "structures.mat";
+  ensure_writable_folder(path.parent_path());
+  for (const matio_compression compression : {MAT_COMPRESSION_NONE, MAT_COMPRESSION_ZLIB}) {
+    std::filesystem::remove(path);
+    mat_t* const file = Mat_CreateVer(path.c_str(), nullptr, MAT_FT_MAT5);
+    const char* fields[] = {"t", "force"};
+    std::size_t dims[2] = {1, 1};
+    matvar_t* const structure = Mat_VarCreateStruct("s", 2, dims, fields, 2);
+    std::size_t size[2] = {4, 1};
+    std::array<double, 4> values{1.0, 2.0, 3.0, 4.0};
+    for (const char* const field : fields) {
+      Mat_VarSetStructFieldByName(structure, field, 0,
+                                  Mat_VarCreate(field, MAT_C_DOUBLE, MAT_T_DOUBLE, 2, size, values.data(), 0));
+    }
+    Mat_VarWrite(file, structure, compression);
+    Mat_VarFree(structure);
+    Mat_Close(file);
+    std::string bytes = read_file(path);
+    EXPECT_EQ(mat_refusal(path, bytes), "no error");
+    if (compression == MAT_COMPRESSION_NONE) {
+      ASSERT_EQ(bytes[160], 1);
+      bytes[163] = 100;  // 100 * 2^24 + 1 structures
+      EXPECT_THAT(mat_refusal(path, bytes), HasSubstr("byte 128: variable 1 has 3355443202 arrays in"));
+    } else {
+      char& within = bytes[bytes.size() - 30];
+      within = static_cast<char>(within ^ 0x55);
+      EXPECT_THAT(mat_refusal(path, bytes), HasSubstr("structures.mat"));
+    }
+  }
+}
+
+// Level 4 has no mark of its own: the head of each matrix is five integers, then its name and its numbers.
+TEST(MatFile, AMatrixOfLevel4HasNoMoreThanItsBytes) {
+  const auto path = std::filesystem::path(::testing::TempDir()) / "touchstone-import-mat" / "level4.mat";
+  ensure_writable_folder(path.parent_path());
+  const auto matrix = [](std::array<std::uint32_t, 5> head) {
+    std::string bytes(reinterpret_cast<const char*>(head.data()), sizeof head);
+    bytes += std::string("t\0", 2);
+    for (const double value : {0.0, 0.5, 1.0})
+      bytes += std::string(reinterpret_cast<const char*>(&value), sizeof value);
+    return bytes;
+  };
+  EXPECT_EQ(mat_refusal(path, matrix({0, 3, 1, 0, 2})), "no error");
+  EXPECT_THAT(mat_refusal(path, matrix({0, 3, 1, 0, 0x73000002})),
+              HasSubstr("byte 0: matrix 1 of a MATLAB file of level 4 has a name of"));
+  EXPECT_THAT(mat_refusal(path, matrix({0, 3'000'000'000, 4, 0, 2})), HasSubstr("3000000000 x 4 numbers"));
+  EXPECT_THAT(mat_refusal(path, matrix({0, 3, 1, 0, 2}).substr(0, 40)), HasSubstr("level 4"));
+  EXPECT_THAT(mat_refusal(path, matrix({0, 3, 1, 7, 2})), HasSubstr("imaginary part numbered 7"));
 }
 
 }  // namespace

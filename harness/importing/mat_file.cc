@@ -137,15 +137,19 @@ class Collector {
   std::map<std::size_t, ImportTable> tables_;
 };
 
-// How many variables a file of level 5 must hold; none for the other versions.
-std::optional<std::size_t> mat5_variables(const std::filesystem::path& path) {
+// How many variables a file of level 5 or 4 must hold; none for level 7.3, which is HDF5.
+std::optional<std::size_t> declared_variables(const std::filesystem::path& path) {
   const std::string bytes = read_file(path);
   // Version 0x0100 in the order of the bytes that follow it: level 5. Level 7.3 has 0x0200 and is HDF5.
   constexpr std::size_t version_at = 124;
   const bool level5 = bytes.size() < 128 ? bytes.starts_with("MATLAB 5.0")
                                          : bytes.substr(version_at, 4) == std::string("\0\1IM", 4) ||
                                                bytes.substr(version_at, 4) == std::string("\1\0MI", 4);
-  if (!level5) return std::nullopt;
+  if (!level5) {
+    // HDF5, perhaps behind a text of MATLAB.
+    if (bytes.starts_with("MATLAB") || bytes.starts_with("\x89HDF")) return std::nullopt;
+    return count_mat4_matrices(bytes, path.string());
+  }
   return count_mat5_elements(bytes, path.string());
 }
 
@@ -153,7 +157,7 @@ std::optional<std::size_t> mat5_variables(const std::filesystem::path& path) {
 
 std::vector<ImportTable> read_mat_file(const std::filesystem::path& path) {
   Mat_LogInitFunc("touchstone", swallow);
-  const std::optional<std::size_t> variables = mat5_variables(path);
+  const std::optional<std::size_t> variables = declared_variables(path);
   const std::unique_ptr<mat_t, MatClose> file(Mat_Open(path.c_str(), MAT_ACC_RDONLY));
   if (!file) throw BadData(fmt::format("{}: cannot be read as a MATLAB file; is it complete?", path.string()));
   const char* const version = Mat_GetVersion(file.get()) == MAT_FT_MAT73  ? "v7.3"
