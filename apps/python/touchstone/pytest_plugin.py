@@ -222,7 +222,8 @@ class SuiteTest(pytest.Item):
         if outcome.verdict == "failed":
             raise Failed(outcome.text)
         if outcome.verdict == "skipped":
-            pytest.skip(outcome.text.strip() or "declared")
+            # GoogleTest puts the reason on a line of its own, below its place; pytest's summary shows one line.
+            pytest.skip(" ".join(outcome.text.split()) or "declared")
 
     def repr_failure(self, excinfo: Any, style: Any = None) -> Any:
         return str(excinfo.value) if excinfo.errisinstance(Failed) else super().repr_failure(excinfo, style)
