@@ -80,6 +80,7 @@ TEST(JsonReader, ErrorsNameFileAndPlace) {
   EXPECT_THAT(message_of([&] { a.number("b"); }), HasSubstr("m.json: /a/b: a number was expected, got \"x\""));
   EXPECT_THAT(message_of([&] { a.finish(); }), HasSubstr("nothing reads the key \"spare\""));
   EXPECT_THAT(message_of([&] { a.number("c"); }), HasSubstr("\"c\" is missing"));
+  EXPECT_THAT(message_of([&] { a.raw("c"); }), HasSubstr("m.json: /a: the key \"c\" is missing; present: b, spare"));
   EXPECT_NO_THROW(root.finish());
 }
 

@@ -66,18 +66,17 @@ JsonObject::JsonObject(const nlohmann::json& value, std::string source, std::str
 
 bool JsonObject::has(std::string_view key) const { return value_->contains(key); }
 
-const nlohmann::json& JsonObject::required(std::string_view key) {
-  if (!has(key)) fail(fmt::format("the key \"{}\" is missing; present: {}", key, fmt::join(keys(), ", ")));
-  return raw(key);
-}
-
 const nlohmann::json& JsonObject::raw(std::string_view key) {
+  const auto found = value_->find(key);
+  if (found == value_->end()) {
+    fail(fmt::format("the key \"{}\" is missing; present: {}", key, fmt::join(keys(), ", ")));
+  }
   read_.emplace(key);
-  return (*value_)[std::string(key)];
+  return *found;
 }
 
 double JsonObject::number(std::string_view key) {
-  const auto& value = required(key);
+  const auto& value = raw(key);
   if (!value.is_number()) fail_at(key, fmt::format("a number was expected, got {}", value.dump()));
   const double number = value.get<double>();
   if (!std::isfinite(number)) fail_at(key, fmt::format("a finite number was expected, got {}", value.dump()));
@@ -85,17 +84,17 @@ double JsonObject::number(std::string_view key) {
 }
 
 std::string JsonObject::text(std::string_view key) {
-  const auto& value = required(key);
+  const auto& value = raw(key);
   if (!value.is_string()) fail_at(key, fmt::format("a text was expected, got {}", value.dump()));
   return value.get<std::string>();
 }
 
 JsonObject JsonObject::object(std::string_view key) {
-  return {required(key), source_, fmt::format("{}/{}", place_, key)};
+  return {raw(key), source_, fmt::format("{}/{}", place_, key)};
 }
 
 std::vector<JsonObject> JsonObject::objects(std::string_view key) {
-  const auto& value = required(key);
+  const auto& value = raw(key);
   if (!value.is_array()) fail_at(key, fmt::format("a list [...] was expected, got {}", value.type_name()));
   std::vector<JsonObject> objects;
   objects.reserve(value.size());
@@ -105,7 +104,7 @@ std::vector<JsonObject> JsonObject::objects(std::string_view key) {
 }
 
 std::vector<double> JsonObject::numbers(std::string_view key) {
-  const auto& value = required(key);
+  const auto& value = raw(key);
   if (!value.is_array()) fail_at(key, fmt::format("a list of numbers was expected, got {}", value.type_name()));
   std::vector<double> numbers;
   for (const auto& item : value) {

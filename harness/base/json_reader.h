@@ -33,7 +33,7 @@ class JsonObject {
   std::optional<double> optional_number(std::string_view key);
   std::optional<std::string> optional_text(std::string_view key);
   std::optional<bool> optional_flag(std::string_view key);
-  // The raw value, marked as read.
+  // The raw value, marked as read; throws BadData when the key is absent.
   const nlohmann::json& raw(std::string_view key);
   // All keys in the file's order of sorting, for objects whose keys are data (parameters); does not mark them read.
   [[nodiscard]] std::vector<std::string> keys() const;
@@ -49,8 +49,6 @@ class JsonObject {
   [[noreturn]] void fail_at(std::string_view key, std::string_view message) const;
 
  private:
-  const nlohmann::json& required(std::string_view key);
-
   const nlohmann::json* value_;
   std::string source_;
   std::string place_;
