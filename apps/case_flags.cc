@@ -15,14 +15,23 @@ void add_case_flags(CLI::App& command, CaseOptions& options, const std::string& 
   command.add_option("--merge", options.merge, "Put the results of shards together, and say what is missing");
   command.add_flag("--retry-failed", options.retry_failed, fmt::format("Run {} again that failed", cases));
   command.add_option("--csv", options.csv, "Write the rows as CSV, too");
-  command.add_option("--engine", options.engine, "local, or slurm: a job array")
-      ->check(CLI::IsMember({"local", "slurm"}))
+  command
+      .add_option("--merge-tolerance", options.merge_tolerance,
+                  "Rows that two parts have may differ by this share; default to the bit")
+      ->check(CLI::NonNegativeNumber);
+  command
+      .add_option("--engine", options.engine,
+                  "local, slurm: a job array, or jobs: files for GNU parallel, HTCondor, Kubernetes")
+      ->check(CLI::IsMember({"local", "slurm", "jobs"}))
       ->capture_default_str();
-  command.add_option("--tasks", options.tasks, "slurm: tasks of the array; default one for 100 cases, or for a seed");
-  command.add_option("--attempts", options.attempts, "slurm: how often lost tasks are sent")->capture_default_str();
+  command.add_option("--tasks", options.tasks, "slurm, jobs: how many tasks; default one for 100 cases, or for a seed");
+  command.add_option("--attempts", options.attempts, "slurm, jobs: how often lost tasks are sent")
+      ->capture_default_str();
+  command.add_option("--farm", options.farm,
+                     "slurm, jobs: what a task does around the program: modules, container, store on the node (JSON)");
   command.add_option("--slurm-options", options.slurm_options, "slurm: further #SBATCH options");
   command.add_flag("--dry-run", options.dry_run,
-                   fmt::format("List the {}, or with slurm show the script; run nothing", cases));
+                   fmt::format("List the {}, or with slurm or jobs show the scripts; run nothing", cases));
 }
 
 void add_case_file_flags(CLI::App& command, CaseOptions& options, const std::string& without) {

@@ -1,4 +1,5 @@
-// The options of every command that runs many cases.
+// The options of every command that runs many cases: where their rows stand, how they are shared among machines, and
+// which of them run here.
 #pragma once
 
 #include <CLI/CLI.hpp>

@@ -2,16 +2,12 @@
 
 #include <memory>
 
+#include "apps/acquisition_run.h"
 #include "apps/commands.h"
 #include "harness/acquisition/acquire.h"
 #include "harness/acquisition/frame_check.h"
 #include "harness/acquisition/free_air_files.h"
 #include "harness/base/atomic_file.h"
-#include "harness/base/units.h"
-#include "harness/recording/recording_file.h"
-#include "harness/sanity/sanity.h"
-#include "harness/surface/embree_surface.h"
-#include "harness/surface/mesh_file.h"
 
 namespace touchstone::apps {
 namespace {
@@ -37,21 +33,6 @@ PoseReading reading_of(const ToolOptions& options) {
   return reading;
 }
 
-void print_tool(const ToolIdentification& t) {
-  fmt::print("mass             {:.6g} +- {:.2g} kg\n", t.load.mass_kg, t.mass_sigma_kg);
-  fmt::print("centre of mass   {:.6g} {:.6g} {:.6g} m (+- {:.2g} {:.2g} {:.2g})\n", t.load.center_S_m.x(),
-             t.load.center_S_m.y(), t.load.center_S_m.z(), t.center_sigma_m.x(), t.center_sigma_m.y(),
-             t.center_sigma_m.z());
-  fmt::print("bias             {:.6g} {:.6g} {:.6g} N, {:.6g} {:.6g} {:.6g} N m\n", t.load.bias.f_N.x(),
-             t.load.bias.f_N.y(), t.load.bias.f_N.z(), t.load.bias.torque_Nm.x(), t.load.bias.torque_Nm.y(),
-             t.load.bias.torque_Nm.z());
-  fmt::print("force residual   {:.4g} N RMS per component, {:.4g} N as a vector, {} orientations\n",
-             t.fit.force_component_N, t.fit.force_vector_N, t.fit.samples);
-  fmt::print("held out         {:.4g} N RMS per component, {:.4g} N as a vector\n", t.held_out.force_component_N,
-             t.held_out.force_vector_N);
-  fmt::print("torque residual  {:.4g} N m RMS per component\n", t.fit.torque_component_Nm);
-}
-
 // Passed, or failed where the best tool does not explain the poses: its mass and bias are not to be relied on.
 ExitStatus identify_from_poses(const ToolOptions& options) {
   const Vec3 gravity(0, 0, -options.gravity_m_per_s2);
@@ -59,7 +40,7 @@ ExitStatus identify_from_poses(const ToolOptions& options) {
   const auto poses = read_static_poses(options.table, options.si);
   AcquisitionReport report;
   report.tool = identify_tool(read_as(poses, reading), gravity, options.table);
-  print_tool(*report.tool);
+  fmt::print("{}", tool_text(*report.tool));
   const FrameCheck check = check_frames(poses, reading, *report.tool, gravity, options.table);
   if (check.bad_fit) {
     report.notes.push_back(check.message(*report.tool, options.table));
@@ -67,25 +48,6 @@ ExitStatus identify_from_poses(const ToolOptions& options) {
   }
   if (!options.json.empty()) write_file(options.json, report_json(report));
   return check.bad_fit ? ExitStatus::failed : ExitStatus::passed;
-}
-
-// The gate of every command, on what was made: its findings become notes. True if one of them is a fault.
-bool check_acquired(const AcquisitionDescription& description, Acquired& acquired) {
-  std::shared_ptr<const Surface> surface;
-  if (description.mesh_file) {
-    surface = make_embree_surface(load_mesh(*description.mesh_file, length_unit_factor(description.mesh_unit)));
-  }
-  sanity::SanityContext context;
-  context.surface = surface.get();
-  context.mesh_unit = description.mesh_unit;
-  context.tip_radius_m = description.tip_radius_m;
-  context.contact_force_N = description.contact_force_N;
-  bool fault = false;
-  for (const sanity::SanityFinding& finding : sanity::check_sanity(acquired.recording, context)) {
-    acquired.report.notes.push_back(fmt::format("{}: {}", finding.fault, sanity::sanity_line(finding)));
-    fault |= finding.weight == sanity::SanityWeight::fault;
-  }
-  return fault;
 }
 
 void add_run(CLI::App& acquire_command, Run& run) {
@@ -104,16 +66,7 @@ void add_run(CLI::App& acquire_command, Run& run) {
       "Example:\n  touchstone acquire run session/acquisition.json --out session/recording.csv --json "
       "session/report.json");
   command->callback([options, &run] {
-    run = [options] {
-      const AcquisitionDescription description = read_description(options->description);
-      Acquired result = acquire(description);
-      const bool fault = check_acquired(description, result);
-      save_recording(options->out, result.recording);
-      if (!options->json.empty()) write_file(options->json, report_json(result.report));
-      fmt::print("{}recording    {} samples -> {}\n", report_text(result.report), result.recording.size(),
-                 options->out);
-      return fault || result.report.contact_in_free_air ? ExitStatus::failed : ExitStatus::passed;
-    };
+    run = [options] { return run_acquisition(read_description(options->description), options->out, options->json); };
   });
 }
 

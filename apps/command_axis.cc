@@ -9,14 +9,16 @@ namespace touchstone::apps {
 void add_axis(CLI::App& program, Run& run) {
   auto* const command = program.add_subcommand(
       "axis", "Torque over angle or force over indentation: what the place makes, friction, inertia, relaxation");
-  const auto options = std::make_shared<AxisRequest>();
+  const auto options = std::make_shared<AxisOptions>();
   command
-      ->add_option("recording", options->recording,
+      ->add_option("recording", options->request.recording,
                    "t_s with q_rad, torque_Nm and, if known, qd_rad_per_s; with q_m and force_N; or a recording that "
                    "presses along z")
       ->required();
-  command->add_option("--repeat", options->repeat, "The same motion recorded again: what they differ by is the floor");
-  command->add_flag("--flip-force", options->flip_force, "The file has the reversed torque or force: negate it");
+  command->add_option("--repeat", options->request.repeat,
+                      "The same motion recorded again: what they differ by is the floor");
+  command->add_flag("--flip-force", options->request.flip_force,
+                    "The file has the reversed torque or force: negate it");
   command->add_option("--out", options->out, "Folder for axis.json and report.html");
   command->add_option("--json", options->json, "Write axis.json here too");
   command->footer(
@@ -26,7 +28,7 @@ void add_axis(CLI::App& program, Run& run) {
       "Examples:\n"
       "  touchstone axis sweep.csv --out sweep\n"
       "  touchstone axis press.csv --repeat press2.csv --json press.json");
-  command->callback([&run, options] { run = [options] { return run_axis(*options); }; });
+  command->callback([&run, options] { run = [options] { return axis_command(*options); }; });
 }
 
 }  // namespace touchstone::apps

@@ -11,6 +11,7 @@
 #include "harness/bisection/answer_report.h"
 #include "harness/bisection/child_process.h"
 #include "harness/bisection/measures.h"
+#include "harness/bisection/reference.h"
 
 namespace touchstone::apps {
 namespace {
@@ -26,46 +27,18 @@ struct BisectFlags {
   std::size_t jobs = 1;
 };
 
-// Touchstone's own build, with the light commands alone; compilers' caches serve worktrees wherever they lie.
-constexpr const char* default_build =
-    "export CCACHE_BASEDIR=\"$SRC\" CCACHE_NOHASHDIR=1 "
-    "CCACHE_SLOPPINESS=pch_defines,time_macros,include_file_mtime,include_file_ctime; "
-    "cmake -S \"$SRC\" -B \"$BUILD\" -G Ninja -DCMAKE_BUILD_TYPE=Release -DBUILD_TESTING=OFF "
-    "-DTOUCHSTONE_BUILD_BENCHMARKS=OFF -DTOUCHSTONE_LIGHT=ON && cmake --build \"$BUILD\" --target touchstone_program";
-
 std::atomic<bool> bisect_stopped = false;
 
 fs::path light_program() { return fs::read_symlink("/proc/self/exe").parent_path() / "touchstone"; }
 
-void export_reference(const BisectFlags& flags, const fs::path& to, const fs::path& log) {
-  bisection::ChildCommand command;
-  command.words = {light_program().string(), "golden", "export", flags.golden_case, "--to", to.string()};
-  if (!flags.golden_folder.empty()) command.words.insert(command.words.end(), {"--golden", flags.golden_folder});
-  command.log = log;
-  fs::remove(log);
-  if (bisection::run_child(command, bisect_stopped) != 0)
-    throw UsageError(fmt::format("--case {}: cannot be exported: {}", flags.golden_case, read_file(log)));
-}
-
-// The reference's only model, or the first that has a golden.
-std::string model_in(const fs::path& reference) {
-  std::string model;
-  for (const auto& entry : fs::directory_iterator(reference)) {
-    if (entry.path().extension() != ".json") continue;
-    const std::string name = entry.path().stem().string();
-    const bool golden = fs::exists(reference / (name + ".h5")) || fs::exists(reference / (name + ".golden.csv"));
-    const bool first_golden = model.empty() || fs::exists(reference / (model + ".h5"));
-    if (model.empty() || (golden && (!first_golden || name < model))) model = name;
-  }
-  if (model.empty()) throw UsageError(fmt::format("{}: holds no model file (MODEL.json)", reference.string()));
-  return model;
-}
-
 bisection::ReplayMeasure replay_of(const BisectFlags& flags, const fs::path& out) {
   bisection::ReplayMeasure replay;
   replay.reference = flags.reference.empty() ? out / "reference" : fs::absolute(flags.reference);
-  if (flags.reference.empty()) export_reference(flags, replay.reference, out / "export.txt");
-  replay.model = flags.model.empty() ? model_in(replay.reference) : flags.model;
+  if (flags.reference.empty()) {
+    bisection::export_reference({light_program(), flags.golden_case, flags.golden_folder}, replay.reference,
+                                out / "export.txt", bisect_stopped);
+  }
+  replay.model = flags.model.empty() ? bisection::model_in(replay.reference) : flags.model;
   replay.metric = flags.metric;
   replay.program = flags.program;
   replay.plugin = flags.plugin;
@@ -97,7 +70,7 @@ ExitStatus bisect_command(const BisectFlags& flags) {
   ensure_writable_folder(request.out);
   const StopBisection stoppable;
   request.metric = flags.measure.empty() ? flags.metric : "measure";
-  request.build_command = flags.build.empty() ? default_build : flags.build;
+  request.build_command = flags.build.empty() ? bisection::own_build : flags.build;
   std::optional<bisection::ReplayMeasure> replay;
   if (flags.measure.empty()) replay = replay_of(flags, request.out);
   request.measure = replay ? bisection::replay_measure(*replay) : bisection::command_measure(flags.measure);

@@ -1,7 +1,6 @@
 #include <fmt/format.h>
 
 #include <chrono>
-#include <cmath>
 #include <filesystem>
 #include <vector>
 
@@ -10,8 +9,8 @@
 #include "apps/golden_options.h"
 #include "harness/base/atomic_file.h"
 #include "harness/base/error.h"
-#include "harness/base/progress.h"
 #include "harness/pipeline/golden/case_runner.h"
+#include "harness/pipeline/golden/check_tally.h"
 #include "harness/report/test_summary.h"
 
 namespace touchstone::apps {
@@ -27,24 +26,6 @@ struct CheckOptions {
   std::string junit, markdown;
 };
 
-struct CheckCounts {
-  std::size_t passed = 0, failed = 0, drifted = 0, skipped = 0;
-  std::vector<CheckedTest> tests;  // for other programs
-};
-
-CheckedTest for_others(const GoldenCase& golden, const std::string& model, const CheckResult& result, bool good) {
-  CheckedTest test{golden.name,  model, good, 0.0, std::string(to_string(result.comparison.verdict)),
-                   result.table, {},    {}};
-  if (good) return test;
-  if (result.passed()) test.verdict = "drift, asked to fail";
-  test.file = std::filesystem::path(golden.folder / "case.json").lexically_proximate(std::filesystem::current_path());
-  for (const char* const name : {"golden.png", "obtained.png", "difference.png"}) {
-    if (!result.left_in.empty() && std::filesystem::exists(result.left_in / name))
-      test.pictures.push_back(result.left_in / name);
-  }
-  return test;
-}
-
 void write_for_others(const CheckOptions& options, const std::vector<CheckedTest>& tests) {
   if (!options.junit.empty()) write_file(options.junit, tests_to_junit("golden", tests));
   if (!options.markdown.empty()) {
@@ -54,33 +35,31 @@ void write_for_others(const CheckOptions& options, const std::vector<CheckedTest
   if (options.annotations) fmt::print("{}", tests_to_github_annotations(tests));
 }
 
-void check_one(const GoldenCase& golden, const std::string& model, const CheckOptions& options, const CaseCheck& how,
-               CheckCounts& counts) {
-  const auto began = std::chrono::steady_clock::now();
-  const CheckResult result = check_case(built_in_catalogues(), golden, model, how);
-  if (!result.skipped.empty()) {
-    counts.skipped += 1;
-    fmt::print("skipped  {} {}: {}\n", golden.name, model, result.skipped);
-    counts.tests.push_back({golden.name, model, false, 0.0, "", "", golden.folder / "case.json", {}, result.skipped});
-    return;
+// A case that cannot be run must not take the other cases' results with it, nor the report of them.
+void check_or_say(const GoldenCase& golden, const std::string& model, const CheckOptions& options, const CaseCheck& how,
+                  CheckTally& tally) {
+  try {
+    const auto began = std::chrono::steady_clock::now();
+    const CheckResult result = check_case(built_in_catalogues(), golden, model, how);
+    const std::chrono::duration<double> took = std::chrono::steady_clock::now() - began;
+    fmt::print("{}", tally.add(golden, model, result, took.count(), options.felt));
+  } catch (const UsageError& error) {
+    if (how.change) throw;  // of the options, which are the same for every case
+    fmt::print(stderr, "{}", tally.add_unusable(golden.name, model, golden.folder, error.what()));
+  } catch (const BadData& error) {
+    fmt::print(stderr, "{}", tally.add_unusable(golden.name, model, golden.folder, error.what()));
   }
-  const Comparison& comparison = result.comparison;
-  const bool drift = comparison.drift > 0;
-  const bool drift_fails = drift && options.fail_on_drift && result.same_cpu;
-  counts.drifted += drift ? 1 : 0;
-  const bool good = result.passed() && !drift_fails;
-  (good ? counts.passed : counts.failed) += 1;
-  counts.tests.push_back(for_others(golden, model, result, good));
-  counts.tests.back().seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
-  if (result.felt) {
-    fmt::print("{:<8} {} {}: {}\n", good ? "felt" : "noticed", golden.name, model,
-               to_sentence(*result.felt, options.felt));
-  } else {
-    fmt::print("{:<8} {} {}: uses {:.3g}% of the tolerance, bits differ in {} of {} rows{}\n",
-               to_string(comparison.verdict), golden.name, model, 100.0 * comparison.tolerance_used(), comparison.drift,
-               comparison.expected_rows, drift_fails ? " (drift, asked to fail)" : "");
+}
+
+std::vector<GoldenCase> load_or_say(const CheckOptions& options) {
+  try {
+    return options.golden.load();
+  } catch (const BadData& error) {
+    CheckTally none(false);
+    fmt::print(stderr, "{}", none.add_unusable("golden", "cases", options.golden.folder(), error.what()));
+    write_for_others(options, none.tests());
+    throw;
   }
-  if (!result.passed()) fmt::print("{}  left in {}\n", result.table, result.left_in.string());
 }
 
 ExitStatus check_command(const CheckOptions& options) {
@@ -88,19 +67,19 @@ ExitStatus check_command(const CheckOptions& options) {
     throw UsageError(fmt::format("--verdict {}: exact or felt was expected", options.verdict));
   if (!(options.felt.jnd > 0.0 && options.felt.epsilon_m >= 0.0))
     throw UsageError("--felt-tolerance must be above 0, --epsilon at least 0");
-  const auto cases = options.golden.load();
+  const auto cases = load_or_say(options);
   CaseCheck how{options.golden.out, options.ctest, options.golden.change_model(), std::nullopt};
   if (options.verdict == "felt") how.felt = options.felt;
-  CheckCounts counts;
+  CheckTally tally(options.fail_on_drift);
   for (const GoldenCase& golden : cases) {
-    for (const std::string& model : options.golden.models_of(golden)) check_one(golden, model, options, how, counts);
+    for (const std::string& model : options.golden.models_of(golden)) check_or_say(golden, model, options, how, tally);
   }
-  write_for_others(options, counts.tests);
-  fmt::print("{} passed, {} failed, {} drifted{}\n", counts.passed, counts.failed, counts.drifted,
-             counts.skipped > 0 ? fmt::format(", {} skipped", counts.skipped) : "");
-  if (counts.failed > 0) fmt::print("to look at the failures: touchstone golden review --out {}\n", options.golden.out);
-  if (counts.failed == 0 && counts.passed == 0 && counts.skipped > 0) return ExitStatus::skipped;
-  return counts.failed == 0 ? ExitStatus::passed : ExitStatus::failed;
+  write_for_others(options, tally.tests());
+  fmt::print("{}", tally.counts_text());
+  if (tally.failed()) fmt::print("to look at the failures: touchstone golden review --out {}\n", options.golden.out);
+  if (tally.unusable()) return ExitStatus::bad_data;
+  if (tally.all_skipped()) return ExitStatus::skipped;
+  return tally.failed() ? ExitStatus::failed : ExitStatus::passed;
 }
 
 }  // namespace

@@ -84,7 +84,7 @@ void add_dataset(CLI::App& program, Run& run) {
       "   \"in_trajectory\": \"synthesize\",\n"
       "   \"recordings\": [{\"file\": \"scan.csv\", \"shows\": \"a scan along y\", \"exact\": \"scan.exact.csv\"}],\n"
       "   \"source\": \"...\", \"licence\": \"...\"}\n"
-      "optional: \"instrument_file\"; \"pack\" adds \"sha256\".");
+      "optional: \"instrument_file\", and of a recording \"repeat\", the same motion again; \"pack\" adds \"sha256\".");
 }
 
 }  // namespace touchstone::apps

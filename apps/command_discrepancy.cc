@@ -40,8 +40,8 @@ ExitStatus discrepancy_of_axis(const DiscrepancyOptions& options) {
   refuse(!files.golden.empty(), "--golden");
   refuse(options.verify, "--verify");
   if (files.out.empty()) throw UsageError("--out: a folder for the results is needed");
-  return run_axis(
-      {files.recording.string(), files.repeat.string(), files.out.string(), options.json.string(), files.flip_force});
+  return axis_command(
+      {{files.recording.string(), files.repeat.string(), files.flip_force}, files.out.string(), options.json.string()});
 }
 
 ExitStatus discrepancy(DiscrepancyOptions options) {

@@ -8,11 +8,9 @@
 #include "apps/evaluation_flags.h"
 #include "harness/base/atomic_file.h"
 #include "harness/metrics/catalogue.h"
-#include "harness/pipeline/board_site.h"
 #include "harness/pipeline/evaluation/campaign.h"
 #include "harness/pipeline/evaluation/counted_cost.h"
 #include "harness/pipeline/evaluation/perceived.h"
-#include "harness/pipeline/verdict.h"
 #include "renderers/catalogue.h"
 
 namespace touchstone::apps {
@@ -44,19 +42,7 @@ std::vector<PlannedEvaluation> plan(const EvaluateOptions& options) {
           "--recording, --mesh and --model belong together; give all three, or a --dataset, or none for the bundled "
           "data sets");
     }
-    for (const auto& [model, file] : models) {
-      PlannedEvaluation one{base, base.recording.string(), file.stem().string(),
-                            models.size() == 1 ? std::filesystem::path() : file.stem(), ""};
-      one.request.model = model;
-      one.request.model_file = file;
-      const auto same = [&](const PlannedEvaluation& other) { return other.folder == one.folder; };
-      if (std::ranges::any_of(out, same)) {
-        throw UsageError(
-            fmt::format("two models are named {}; their reports would share a folder", one.folder.string()));
-      }
-      out.push_back(std::move(one));
-    }
-    return out;
+    return plan_recording(base, models);
   }
   std::vector<std::filesystem::path> datasets(options.datasets.begin(), options.datasets.end());
   if (datasets.empty()) datasets = bundled_datasets();
@@ -68,37 +54,13 @@ std::vector<PlannedEvaluation> plan(const EvaluateOptions& options) {
   return out;
 }
 
-// In words, and a table that fits the terminal; everything else goes into files beside the reports.
-void print_results(const std::vector<Evaluated>& evaluated, const std::filesystem::path& out) {
-  constexpr std::size_t few = 2;  // evaluations whose whole tables a terminal takes
-  pipeline::Board board = board_of(evaluated, out);
-  board.title = evaluated.size() == 1 ? evaluated.front().column + " on " + evaluated.front().group
-                                      : "Renderers held against recordings";
-  pipeline::rank_board(board, false);
-  const std::string tables = summary_table(evaluated);
-  write_file(out / "tables.txt", tables);
-  write_file(out / "index.html",
-             pipeline::site_html(board, {make_provenance(command_line()), {}, false, {{"tables", "tables.txt"}}}));
-  for (const pipeline::Task& task : board.tasks) {
-    fmt::print("{}\n{}\n\n", task.name, pipeline::wrapped(pipeline::verdict(task), pipeline::terminal_width()));
-    if (evaluated.size() > few) fmt::print("{}\n", pipeline::short_table(task));
-  }
-  if (evaluated.size() <= few) fmt::print("{}", tables);
-  fmt::print("every metric: {}\nall reports: {}\n", (out / "tables.txt").string(), (out / "index.html").string());
-}
-
 ExitStatus evaluate_command(const EvaluateOptions& options) {
   const auto planned = plan(options);
   ensure_writable_folder(options.out);
   const auto evaluated = run_plan(built_in_catalogue(), planned, options.out);
-  print_results(evaluated, options.out);
+  fmt::print("{}", write_overview(built_in_catalogue(), planned, evaluated, command_line(), options.out));
   if (!options.json.empty()) write_file(options.json, summary_json(evaluated));
-  // A number that is none must not look like a pass, nor a renderer that broke down.
-  const bool invalid = std::ranges::any_of(evaluated, [](const Evaluated& one) {
-    return !one.failure.empty() || std::ranges::any_of(one.metrics, [](const MetricResult& metric) {
-      return metric.status == MetricStatus::invalid;
-    });
-  });
+  const bool invalid = std::ranges::any_of(evaluated, is_invalid);
   const bool none = std::ranges::all_of(evaluated, [](const Evaluated& one) { return !one.does_not_enter.empty(); });
   if (none) throw UsageError(evaluated.front().does_not_enter);
   return invalid ? ExitStatus::failed : ExitStatus::passed;

@@ -34,7 +34,8 @@ ExitStatus fit_of_axis(const FitOptions& options) {
   refuse(!options.parameters.empty(), "--parameter");
   refuse(options.fit_range != "all", "--fit-range");
   refuse(options.score_range != "all", "--score-range");
-  return run_axis({options.flags.recording, options.flags.repeat, options.out, options.json, options.flags.flip_force});
+  return axis_command(
+      {{options.flags.recording, options.flags.repeat, options.flags.flip_force}, options.out, options.json});
 }
 
 void need(bool given, const char* flag) {

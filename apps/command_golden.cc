@@ -1,19 +1,14 @@
 #include <fmt/format.h>
 
-#include <charconv>
-
 #include "apps/catalogues.h"
 #include "apps/commands.h"
 #include "apps/golden_options.h"
-#include "harness/base/atomic_file.h"
+#include "harness/base/error.h"
 #include "harness/baseline/acceptance.h"
 #include "harness/baseline/golden_file.h"
-#include "harness/baseline/golden_summary.h"
 #include "harness/pipeline/golden/case_runner.h"
+#include "harness/pipeline/golden/golden_life.h"
 #include "harness/pipeline/golden/noise_floor.h"
-#include "harness/recording/recording_file.h"
-#include "harness/rendering/model.h"
-#include "harness/surface/mesh_file.h"
 
 namespace touchstone::apps {
 namespace {
@@ -26,27 +21,9 @@ struct GoldenCommandOptions {
   std::string json;
 };
 
-// The pending results of the chosen cases and model.
-std::vector<PendingResult> chosen_pending(const GoldenOptions& options) {
-  auto pending = pending_results(options.out);
-  std::erase_if(pending, [&](const PendingResult& p) {
-    const bool named = options.cases.empty() || std::ranges::find(options.cases, p.case_name) != options.cases.end();
-    return !named || (!options.model.empty() && p.model != options.model);
-  });
-  return pending;
-}
-
 ExitStatus review(const GoldenCommandOptions& options) {
-  const auto pending = chosen_pending(options.golden);
-  for (const auto& p : pending) {
-    fmt::print("{}", read_file(p.folder / "table.txt"));
-    for (const char* const picture : {"golden.png", "obtained.png", "difference.png"}) {
-      if (std::filesystem::exists(p.folder / picture)) fmt::print("  {}\n", (p.folder / picture).string());
-    }
-    fmt::print("  to make it the golden: touchstone golden accept {} --model {} --reason '...' --out {}\n\n",
-               p.case_name, p.model, options.golden.out);
-  }
-  fmt::print("{} results wait for a decision in {}\n", pending.size(), options.golden.out);
+  const GoldenOptions& golden = options.golden;
+  fmt::print("{}", review_text(chosen_pending(golden.out, golden.cases, golden.model), golden.out));
   return ExitStatus::passed;
 }
 
@@ -61,86 +38,27 @@ ExitStatus noise_floor(const GoldenCommandOptions& options) {
   return floors.status;
 }
 
-// `changed` has other operations than the summary knows so far; the other models keep theirs.
-void write_summary(const GoldenCase& golden, const std::string& changed, std::optional<RunOperations> operations) {
-  std::map<std::string, GoldenSummary> summaries;
-  const auto known = load_operations(golden.summary_file());
-  for (const auto& [model, text] : golden.models) {
-    if (!std::filesystem::exists(golden.expected(model))) continue;
-    GoldenSummary& summary = summaries[model] = summarise(load_rendered(golden.expected(model)));
-    const auto found = known.find(model);
-    if (model == changed) {
-      summary.operations = operations;
-    } else if (found != known.end()) {
-      summary.operations = found->second;
-    }
-  }
-  write_file(golden.summary_file(), summaries_to_json(golden.name, summaries), Replace::inputs_too);
-}
-
-std::optional<RunOperations> operations_of(const Provenance& provenance) {
-  RunOperations operations;
-  const auto read = [&](const char* name, std::uint64_t& value) {
-    const auto found = provenance.find(name);
-    if (found == provenance.end()) return false;
-    const std::string& text = found->second;
-    return std::from_chars(text.data(), text.data() + text.size(), value).ec == std::errc();
-  };
-  if (!read("operations", operations.total) || !read("operations_max_step", operations.max_per_step))
-    return std::nullopt;
-  return operations;
-}
-
-bool same_bits(const std::filesystem::path& a, const std::filesystem::path& b) {
-  return std::filesystem::exists(a) && std::filesystem::exists(b) &&
-         summarise(load_rendered(a)).sha256 == summarise(load_rendered(b)).sha256;
-}
-
 ExitStatus accept(const GoldenCommandOptions& options) {
   if (options.reason.find_first_not_of(" \t") == std::string::npos)
     throw UsageError("--reason: say why this becomes the golden");
   if (const auto refused = acceptance_refused(options.golden.folder()))
     throw UsageError(fmt::format("not accepted: {}", *refused));
-  const auto pending = chosen_pending(options.golden);
+  const auto pending = chosen_pending(options.golden.out, options.golden.cases, options.golden.model);
   if (pending.empty())
     throw UsageError(fmt::format("nothing to accept: no failed result of these cases in {}; run: touchstone check",
                                  options.golden.out));
   for (const auto& p : pending) {
-    const GoldenCase golden = load_case(options.golden.folder() / p.case_name);
-    if (!golden.models.contains(p.model))
-      throw UsageError(fmt::format("the case {} has no model {}", p.case_name, p.model));
-    Provenance run = read_provenance(p.obtained());
-    if (const auto refused = run_refused(run))
-      throw UsageError(fmt::format("{} {}: not accepted: {}", p.case_name, p.model, *refused));
-    Provenance changes{{"reason", options.reason}};
-    // Which file it was says its hash; where it lay is of this machine.
-    if (const auto library = run.find("plugin_library"); library != run.end())
-      changes["plugin_library"] = std::filesystem::path(library->second).filename().string();
-    const bool before = std::filesystem::exists(golden.expected(p.model));
-    // Where only the operations are other ones, the trajectory stays as it is, with what is known of its origin.
-    const bool same = before && same_bits(p.obtained(), golden.expected(p.model));
-    if (!same) copy_golden(p.obtained(), golden.expected(p.model), changes);
-    write_summary(golden, p.model, operations_of(run));
-    clear_result_folder(result_folder(options.golden.out, p.case_name, p.model));
-    fmt::print("{} {} {}\n", same ? "operations" : before ? "replaced" : "new", p.case_name, p.model);
+    const std::string what = accept_result(p, options.golden.folder(), options.golden.out, options.reason);
+    fmt::print("{} {} {}\n", what, p.case_name, p.model);
   }
   return ExitStatus::passed;
 }
 
-// The case as files that any version of the program can replay, by the interface that stays.
-ExitStatus export_case(const GoldenCommandOptions& options) {
+ExitStatus export_command(const GoldenCommandOptions& options) {
   const auto cases = options.golden.load();
   if (cases.size() != 1) throw UsageError("export: name one case");
-  const GoldenCase& golden = cases.front();
-  ensure_writable_folder(options.to);
-  const std::filesystem::path to = options.to;
-  save_mesh(case_mesh(synthetic::built_in_generators(), golden), to / "mesh.obj");
-  save_trajectory(to / "trajectory.csv", case_trajectory(synthetic::built_in_generators(), golden));
-  for (const std::string& model : options.golden.models_of(golden)) {
-    write_file(to / (model + ".json"), model_to_json(parse_model(golden.models.at(model), golden.name)));
-    if (std::filesystem::exists(golden.expected(model))) copy_golden(golden.expected(model), to / (model + ".h5"), {});
-  }
-  fmt::print("{}\n", to.string());
+  export_case(synthetic::built_in_generators(), cases.front(), options.golden.models_of(cases.front()), options.to);
+  fmt::print("{}\n", std::filesystem::path(options.to).string());
   return ExitStatus::passed;
 }
 
@@ -178,7 +96,7 @@ void add_golden(CLI::App& program, Run& run) {
       "and from a tree with uncommitted changes.\nExample:\n"
       "  touchstone golden accept sphere-scan --model god-object --reason 'friction acts inside the proxy step now'");
   auto* const exporting =
-      add("export", "Write a case as mesh, trajectory and models for touchstone replay", export_case);
+      add("export", "Write a case as mesh, trajectory and models for touchstone replay", export_command);
   exporting->add_option("--to", options->to, "Folder")->required();
   exporting->footer("Example:\n  touchstone golden export sphere-scan --to /tmp/case");
   auto* const rendering = add("render", "Run cases and keep the results, without comparing", render);

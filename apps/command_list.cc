@@ -1,9 +1,7 @@
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <filesystem>
 #include <memory>
-#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
@@ -13,6 +11,8 @@
 #include "harness/metrics/catalogue.h"
 #include "harness/pipeline/evaluation/counted_cost.h"
 #include "harness/pipeline/evaluation/perceived.h"
+#include "harness/rendering/smooth_field.h"
+#include "harness/report/listing.h"
 #include "renderers/catalogue.h"
 #include "synthetic/surface_catalogue.h"
 #include "synthetic/trajectory_catalogue.h"
@@ -20,44 +20,46 @@
 namespace touchstone::apps {
 namespace {
 
-struct Parameter {
-  std::string name, unit, meaning;
-  double initial = 0.0;
-};
-
-struct Item {
-  std::string name, summary;
-  std::vector<Parameter> parameters;
-};
-
-struct Kind {
-  std::string name, title;
-  std::vector<Item> items;
-};
-
-std::vector<Parameter> declared(const std::vector<ParameterDeclaration>& declarations) {
-  std::vector<Parameter> parameters;
+std::vector<ListedParameter> declared(const std::vector<ParameterDeclaration>& declarations) {
+  std::vector<ListedParameter> parameters;
   parameters.reserve(declarations.size());
-  for (const auto& p : declarations) parameters.push_back({p.name, p.unit, p.meaning, p.initial});
+  for (const auto& p : declarations) {
+    // The coefficients of a field are hundreds of one kind.
+    if (is_field_coefficient(p.name)) {
+      if (p.name != field_coefficient(0, 0)) continue;
+      const std::size_t last = SmoothField::most_side - 1;
+      parameters.push_back({p.name + " to " + field_coefficient(last, last), p.unit, p.meaning, p.initial});
+      continue;
+    }
+    parameters.push_back({p.name, p.unit, p.meaning, p.initial});
+  }
   return parameters;
 }
 
 template <class Entries>
-std::vector<Item> synthetic_items(const Entries& entries) {
-  std::vector<Item> items;
+std::vector<ListedItem> synthetic_items(const Entries& entries) {
+  std::vector<ListedItem> items;
   items.reserve(entries.size());
   for (const auto& entry : entries) items.push_back({entry.name, entry.summary, {}});
   return items;
 }
 
-std::vector<Kind> everything(const CLI::App& program, const Plugins& plugins) {
-  std::vector<Kind> kinds;
-  Kind commands{"commands", "Commands (each has --help with examples)", {}};
+std::string joined_but(const std::vector<std::string>& names, std::string_view left_out) {
+  std::string text;
+  for (const std::string& name : names) {
+    if (name != left_out) text += (text.empty() ? "" : ", ") + name;
+  }
+  return text;
+}
+
+std::vector<ListedKind> everything(const CLI::App& program, const Plugins& plugins) {
+  std::vector<ListedKind> kinds;
+  ListedKind commands{"commands", "Commands (each has --help with examples)", {}};
   for (const auto* command : program.get_subcommands([](const CLI::App*) { return true; })) {
     commands.items.push_back({command->get_name(), command->get_description(), {}});
   }
   kinds.push_back(std::move(commands));
-  Kind renderers{"renderers", "Renderers", {}};
+  ListedKind renderers{"renderers", "Renderers", {}};
   for (const auto& entry : renderer_catalogue()) {
     renderers.items.push_back(
         {entry.name, fmt::format("{} ({})", entry.summary, entry.source), declared(entry.parameters)});
@@ -67,69 +69,27 @@ std::vector<Kind> everything(const CLI::App& program, const Plugins& plugins) {
         {entry->name, fmt::format("{} ({}; a plug-in's)", entry->summary, entry->source), declared(entry->parameters)});
   }
   kinds.push_back(std::move(renderers));
-  Kind effects{"effects", "Effects of the contact (\"effects\" in a model file)", {}};
+  ListedKind effects{"effects", "Effects of the contact (\"effects\" in a model file)", {}};
   for (const auto& entry : effect_catalogue())
     effects.items.push_back({entry.name, entry.summary, declared(entry.parameters)});
   kinds.push_back(std::move(effects));
-  Kind instrument{"instrument", "Effects of the measurement (\"instrument\" in a model file)", {}};
+  ListedKind instrument{"instrument", "Effects of the measurement (\"instrument\" in a model file)", {}};
   for (const auto& entry : instrument_declarations()) {
     instrument.items.push_back({entry.name, entry.summary, declared(entry.parameters)});
   }
   kinds.push_back(std::move(instrument));
-  Kind metrics{"metrics", "Metrics", {}};
+  ListedKind metrics{"metrics", "Metrics", {}};
   for (const auto& entry : metric_catalogue()) {
-    std::string results;
-    for (const auto& result : entry.results) results += (results.empty() ? "" : ", ") + result;
-    metrics.items.push_back({entry.name, results, {}});
+    metrics.items.push_back({entry.name, joined_but(entry.results, ""), {}});
   }
-  {
-    std::string results;
-    for (const auto& name : perceived_metrics()) {
-      if (name != "perception") results += (results.empty() ? "" : ", ") + name;
-    }
-    metrics.items.push_back({"perception", results, {}});
-    results.clear();
-    for (const auto& name : operation_metrics()) {
-      if (name != "operations") results += (results.empty() ? "" : ", ") + name;
-    }
-    metrics.items.push_back({"operations", results, {}});
-  }
+  metrics.items.push_back({"perception", joined_but(perceived_metrics(), "perception"), {}});
+  metrics.items.push_back({"operations", joined_but(operation_metrics(), "operations"), {}});
   kinds.push_back(std::move(metrics));
   kinds.push_back({"surfaces", "Synthetic surfaces (parameters: touchstone synth --list)",
                    synthetic_items(synthetic::surface_catalogue())});
   kinds.push_back({"trajectories", "Synthetic trajectories (parameters: touchstone synth --list)",
                    synthetic_items(synthetic::trajectory_catalogue())});
   return kinds;
-}
-
-void print(const Kind& kind) {
-  fmt::print("{}\n", kind.title);
-  std::size_t width = 0;
-  for (const Item& item : kind.items) width = std::max(width, item.name.size());
-  for (const Item& item : kind.items) {
-    fmt::print("  {:{}}  {}\n", item.name, width, item.summary);
-    for (const Parameter& p : item.parameters) {
-      fmt::print("  {:{}}    {} [{}], {:g} where not set: {}\n", "", width, p.name, p.unit, p.initial, p.meaning);
-    }
-  }
-  fmt::print("\n");
-}
-
-std::string to_json(const std::vector<Kind>& kinds) {
-  nlohmann::ordered_json root;
-  root["schema"] = "touchstone-list/1";
-  for (const Kind& kind : kinds) {
-    auto& items = root[kind.name] = nlohmann::ordered_json::array();
-    for (const Item& item : kind.items) {
-      nlohmann::ordered_json entry{{"name", item.name}, {"summary", item.summary}};
-      for (const Parameter& p : item.parameters) {
-        entry["parameters"].push_back(
-            {{"name", p.name}, {"unit", p.unit}, {"default", p.initial}, {"meaning", p.meaning}});
-      }
-      items.push_back(std::move(entry));
-    }
-  }
-  return root.dump(2) + "\n";
 }
 
 }  // namespace
@@ -153,9 +113,9 @@ void add_list(CLI::App& program, Run& run) {
   command->callback([options, &program, &run] {
     run = [options, &program] {
       const auto kinds = everything(program, options->plugins.load());
-      if (!options->json.empty()) write_file(options->json, to_json(kinds));
-      for (const Kind& kind : kinds) {
-        if (options->kind.empty() || options->kind == kind.name) print(kind);
+      if (!options->json.empty()) write_file(options->json, listing_json(kinds));
+      for (const ListedKind& kind : kinds) {
+        if (options->kind.empty() || options->kind == kind.name) fmt::print("{}", listing_text(kind));
       }
       return ExitStatus::passed;
     };

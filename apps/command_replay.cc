@@ -10,6 +10,7 @@
 #include "harness/recording/recording_file.h"
 #include "harness/rendering/moving_object.h"
 #include "harness/rendering/replay_file.h"
+#include "harness/rendering/scene_file.h"
 #include "harness/sanity/recording_sample.h"
 #include "harness/sanity/sanity.h"
 #include "renderers/catalogue.h"
@@ -18,7 +19,7 @@ namespace touchstone::apps {
 namespace {
 
 struct ReplayOptions {
-  std::string model, mesh, mesh_unit = "m", object_path, trajectory, out, timing, json;
+  std::string model, mesh, mesh_unit = "m", object_path, scene, trajectory, out, timing, json;
   bool flip_force = false;
   MeshFlags meshes;
   PluginFlags plugins;
@@ -39,52 +40,80 @@ void check_recording(const ReplayOptions& options, const Model& model, const Sur
   for (const std::string& remark : sanity::refuse_insane(sample, context)) fmt::print(stderr, "warning: {}\n", remark);
 }
 
-ExitStatus replay_command(const ReplayOptions& options) {
-  const Model model = load_model(options.model, options.plugins.load());
-  find_renderer(model);  // a misspelt name is said before a large mesh is read
+// What is replayed over, and how long it took to make.
+struct Built {
+  std::unique_ptr<Renderer> renderer;
+  std::shared_ptr<const Surface> surface;  // of one object; empty for a scene
+  double build_ms = 0.0;
+};
+
+double ms_since(std::chrono::steady_clock::time_point began) {
+  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - began).count();
+}
+
+Built build_over_mesh(const ReplayOptions& options, const Model& model) {
   const TriangleMesh mesh = options.meshes.load(options.mesh, options.mesh_unit);
   const auto began = std::chrono::steady_clock::now();
-  const std::shared_ptr<const Surface> surface = options.meshes.surface(mesh);
-  std::unique_ptr<Renderer> renderer = make_renderer(model, surface);
+  Built built;
+  built.surface = options.meshes.surface(mesh);
+  built.renderer = make_renderer(model, built.surface);
   if (!options.object_path.empty()) {
-    renderer = std::make_unique<MovingObject>(std::move(renderer), load_trajectory(options.object_path).motion,
-                                              options.object_path);
+    built.renderer = std::make_unique<MovingObject>(std::move(built.renderer),
+                                                    load_trajectory(options.object_path).motion, options.object_path);
   }
-  const double build_ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - began).count();
-  options.meshes.warn(mesh, *surface);
-  check_recording(options, model, *surface);
+  built.build_ms = ms_since(began);
+  options.meshes.warn(mesh, *built.surface);
+  check_recording(options, model, *built.surface);
+  return built;
+}
+
+Built build_over_scene(const ReplayOptions& options, const Model& model) {
+  SceneFile file = load_scene(options.scene);
+  for (SceneFileBody& body : file.bodies) options.meshes.repair_if_wanted(body.mesh_B);
+  const auto began = std::chrono::steady_clock::now();
+  const auto scene = std::make_shared<const BodyScene>(file.scene(options.meshes.two_sided));
+  Built built;
+  built.renderer = make_scene_renderer(model, scene);
+  built.build_ms = ms_since(began);
+  for (std::size_t i = 0; i < file.bodies.size(); ++i)
+    options.meshes.warn(file.bodies[i].mesh_B, *scene->bodies[i].surface_B);
+  return built;
+}
+
+void check_options(const ReplayOptions& options) {
+  if (options.mesh.empty() == options.scene.empty())
+    throw UsageError("replay: either --mesh (one object) or --scene (several bodies) is needed, and not both");
+  if (!options.scene.empty() && !options.object_path.empty())
+    throw UsageError("replay: --object-path moves the object of --mesh; in a scene file each body has its poses");
+}
+
+ExitStatus replay_command(const ReplayOptions& options) {
+  check_options(options);
+  const Model model = load_model(options.model, options.plugins.load());
+  find_renderer(model);  // a misspelt name is said before a large mesh is read
+  const Built built = options.scene.empty() ? build_over_mesh(options, model) : build_over_scene(options, model);
+  Renderer* const renderer = built.renderer.get();
 
   const ReplaySummary summary = replay_file(*renderer, options.trajectory, options.out);
   if (!options.timing.empty()) {
     ReplayTiming timing = measure_steps(*renderer, options.trajectory);
-    timing.build_ms = build_ms;
-    CountedRenderer counted = make_counted_renderer(model, surface);
-    if (!options.object_path.empty()) counted = {nullptr, "on a moving object"};
+    timing.build_ms = built.build_ms;
+    CountedRenderer counted{nullptr, options.scene.empty() ? "on a moving object" : "in a scene"};
+    if (built.surface && options.object_path.empty()) counted = make_counted_renderer(model, built.surface);
     std::string operations = "null";
     if (counted.renderer) {
       OperationReport report = count_operations(*counted.renderer, options.trajectory);
       report.not_counted = counted.not_counted;
       operations = operations_to_json(report);
-      fmt::print("operations of a step: mean {:.1f}, median {:g}, max {}; all {}{} ({})\n", report.mean, report.median,
-                 report.max, report.total(), report.not_counted.empty() ? "" : "; not counted: " + report.not_counted,
-                 kHowSearchesAreCounted);
+      fmt::print("{}", operations_text(report));
     } else {
       fmt::print("operations of a step: not counted: {}\n", counted.not_counted);
     }
     write_file(options.timing, timing_to_json(timing, operations));
-    fmt::print(
-        "step: mean {:.3f} us, median {:.3f} us, p99 {:.3f} us, p99.9 {:.3f} us, max {:.3f} us; build {:.1f} ms, {} "
-        "bytes\n",
-        timing.mean_us, timing.median_us, timing.p99_us, timing.p999_us, timing.max_us, timing.build_ms,
-        timing.memory_bytes);
+    fmt::print("{}", timing_text(timing));
   }
-  if (!options.json.empty()) {
-    write_file(options.json,
-               fmt::format("{{\"samples\": {}, \"in_contact\": {}, \"largest_force_N\": {}, \"deepest_m\": {}}}\n",
-                           summary.samples, summary.in_contact, summary.largest_force_N, summary.deepest_m));
-  }
-  fmt::print("{}: {} samples, {} in contact, largest force {:.6g} N, deepest {:.6g} mm\n", options.out, summary.samples,
-             summary.in_contact, summary.largest_force_N, summary.deepest_m * 1e3);
+  if (!options.json.empty()) write_file(options.json, summary_to_json(summary));
+  fmt::print("{}", summary_text(summary, options.out));
   return ExitStatus::passed;
 }
 
@@ -94,7 +123,7 @@ void add_replay(CLI::App& program, Run& run) {
   auto* const command = program.add_subcommand("replay", "Run one renderer over positions as they are");
   auto options = std::make_shared<ReplayOptions>();
   command->add_option("--model", options->model, "Model file (touchstone-model/1)")->required();
-  command->add_option("--mesh", options->mesh, "OBJ, OFF, PLY or STL, also .gz")->required();
+  command->add_option("--mesh", options->mesh, "One object: OBJ, OFF, PLY or STL, also .gz");
   command->add_option("--mesh-unit", options->mesh_unit, "Unit of the mesh's coordinates: m, mm, cm, km, um")
       ->capture_default_str();
   options->meshes.add_repair_to(*command);
@@ -107,6 +136,9 @@ void add_replay(CLI::App& program, Run& run) {
   command->add_option("--object-path", options->object_path,
                       "The object moves: its poses over time, from the mesh's frame to that of the trajectory (CSV or "
                       "HDF5 with t_s, x_m, y_m, z_m, qw, qx, qy, qz; straight and at constant rate between them)");
+  command->add_option("--scene", options->scene,
+                      "In place of --mesh: several bodies, each at rest or with poses over time (touchstone-scene/1, "
+                      "JSON; docs/how-to/scenes.md)");
   command->add_flag("--flip-force", options->flip_force,
                     "The file has the force BY the probe: check it negated (the replay needs positions alone)");
   command->add_option("--out", options->out, "Rendered file: force, surface contact point, contact (CSV or HDF5)")
@@ -125,6 +157,7 @@ void add_replay(CLI::App& program, Run& run) {
       "  touchstone replay --model friction.json --mesh belt.obj --object-path belt-poses.csv --trajectory in.csv "
       "--out "
       "out.csv\n"
+      "  touchstone replay --model god-object.json --scene floor-and-wall.json --trajectory in.csv --out out.csv\n"
       "  touchstone replay --plugin ./libmine.so --model mine.json --mesh plane.obj --trajectory in.csv --out out.csv");
   command->callback([options, &run] { run = [options] { return replay_command(*options); }; });
 }

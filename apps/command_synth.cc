@@ -1,8 +1,8 @@
 #include <fmt/format.h>
 
 #include "apps/commands.h"
-#include "apps/named_values.h"
 #include "harness/base/atomic_file.h"
+#include "harness/base/named_values.h"
 #include "harness/base/units.h"
 #include "harness/recording/recording_file.h"
 #include "harness/surface/mesh_file.h"

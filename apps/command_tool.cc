@@ -1,36 +1,30 @@
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <filesystem>
 #include <memory>
-#include <nlohmann/json.hpp>
-#include <numbers>
+#include <utility>
 
+#include "apps/command_tool_fit.h"
 #include "apps/commands.h"
 #include "apps/tool_renderer_flags.h"
 #include "harness/base/atomic_file.h"
 #include "harness/base/units.h"
 #include "harness/recording/recording_file.h"
-#include "harness/recording/recording_writer.h"
 #include "harness/surface/mesh_file.h"
 #include "harness/tool/faulty_tool.h"
 #include "harness/tool/tool_checks.h"
+#include "harness/tool/tool_errors.h"
 #include "harness/tool/tool_metrics.h"
-#include "harness/tool/tool_path.h"
 #include "harness/tool/tool_replay.h"
 #include "renderers/tool/tool_catalogue.h"
 #include "synthetic/tool/exact_cases.h"
-#include "synthetic/tool/scripted_path.h"
+#include "synthetic/tool/known_contacts.h"
 
 namespace touchstone::apps {
 namespace {
 
 using namespace tool;
 using synthetic::ExactCase;
-
-constexpr double kToolDensity_kg_per_m3 = 1000.0;  // of water: between wood and plastic
-
-Tool solid_tool(const TriangleMesh& mesh) { return {mesh, solid_mass_frame(mesh, kToolDensity_kg_per_m3)}; }
 
 struct ToolListOptions {
   ToolRendererFlags flags;
@@ -61,20 +55,9 @@ ExitStatus write_tool_case(const ToolCaseOptions& options) {
     throw UsageError(fmt::format("--seconds {}: more than 0 was expected", options.seconds));
   const ExactCase made = synthetic::make_exact_case(options.name);
   const std::filesystem::path folder = options.out;
-  ensure_writable_folder(folder);
-  save_mesh(made.tool_T, folder / "tool.obj");
-  save_mesh(made.object_W, folder / "object.obj");
-  constexpr double kRate_Hz = 1000.0;
-  TrajectoryWriter writer(folder / "path.csv", true);
-  const auto samples = static_cast<std::size_t>(options.seconds * kRate_Hz);
-  for (std::size_t i = 0; i <= samples; ++i) {
-    const double t_s = double(i) / kRate_Hz;
-    const Pose pose = synthetic::scripted_pose(made, t_s, options.seconds);
-    writer.append(t_s, pose.p_W_m, pose.q_WT);
-  }
-  writer.commit();
+  const std::size_t samples = synthetic::write_exact_case(made, options.seconds, folder);
   fmt::print("{}: tool.obj ({} triangles), object.obj ({} triangles), path.csv ({} samples)\n", folder.string(),
-             made.tool_T.triangle_count(), made.object_W.triangle_count(), samples + 1);
+             made.tool_T.triangle_count(), made.object_W.triangle_count(), samples);
   return ExitStatus::passed;
 }
 
@@ -83,10 +66,6 @@ struct ToolReplayOptions {
   std::uint64_t keep_every = 1;
   ToolRendererFlags flags;
 };
-
-double quantile_of_steps(const std::vector<double>& sorted, double share) {
-  return sorted[std::min(sorted.size() - 1, static_cast<std::size_t>(share * double(sorted.size())))];
-}
 
 ExitStatus tool_replay_command(const ToolReplayOptions& options) {
   const double unit_m = length_unit_factor(options.unit);
@@ -102,15 +81,8 @@ ExitStatus tool_replay_command(const ToolReplayOptions& options) {
              summary.samples, summary.in_contact, summary.largest_force_N, summary.largest_torque_Nm * 1e3);
   if (!options.timing.empty()) {
     const std::vector<double> times = measure_tool_steps(*renderer, options.path);
-    const nlohmann::ordered_json json{{"steps", times.size()},
-                                      {"median_us", quantile_of_steps(times, 0.5)},
-                                      {"p99_us", quantile_of_steps(times, 0.99)},
-                                      {"p999_us", quantile_of_steps(times, 0.999)},
-                                      {"max_us", times.back()},
-                                      {"memory_bytes", renderer->memory_bytes()}};
-    write_file(options.timing, json.dump(2) + "\n");
-    fmt::print("step: median {:.3f} us, p99 {:.3f} us, p99.9 {:.3f} us, max {:.3f} us\n", quantile_of_steps(times, 0.5),
-               quantile_of_steps(times, 0.99), quantile_of_steps(times, 0.999), times.back());
+    write_file(options.timing, step_times_to_json(times, renderer->memory_bytes()));
+    fmt::print("{}", step_times_to_text(times));
   }
   return ExitStatus::passed;
 }
@@ -139,17 +111,8 @@ ExitStatus tool_compare_command(const ToolCompareOptions& options) {
   if (!options.expected_proxy.empty())
     compare_proxies(load_trajectory(options.expected_proxy), load_trajectory(options.obtained_proxy), c);
   if (!options.json.empty()) write_file(options.json, comparison_to_json(c));
-  fmt::print("force error: rms {:.3g} N, largest ({:.3g}, {:.3g}, {:.3g}) N\n", c.rms_force_error_N,
-             c.max_force_error_N.x(), c.max_force_error_N.y(), c.max_force_error_N.z());
-  fmt::print("torque error: rms {:.3g} mNm, largest ({:.3g}, {:.3g}, {:.3g}) mNm, {:.3g} JND, at row {}\n",
-             c.rms_torque_error_Nm * 1e3, c.max_torque_error_Nm.x() * 1e3, c.max_torque_error_Nm.y() * 1e3,
-             c.max_torque_error_Nm.z() * 1e3, c.max_torque_error_jnd, c.worst_torque_row + 1);
-  if (c.max_proxy_translation_m) {
-    fmt::print("pose of the proxy: at most {:.3g} mm and {:.3g} degrees apart\n", *c.max_proxy_translation_m * 1e3,
-               *c.max_proxy_rotation_rad * 180.0 / std::numbers::pi);
-  }
-  const bool passed = (c.max_force_error_N.array() <= force_N.array()).all() &&
-                      (c.max_torque_error_Nm.array() <= torque_Nm.array()).all();
+  fmt::print("{}", comparison_to_text(c));
+  const bool passed = within(c, force_N, torque_Nm);
   fmt::print("{}: {} samples within ({:g}, {:g}, {:g}) N and ({:g}, {:g}, {:g}) Nm\n", passed ? "passed" : "failed",
              c.samples, force_N.x(), force_N.y(), force_N.z(), torque_Nm.x(), torque_Nm.y(), torque_Nm.z());
   return passed ? ExitStatus::passed : ExitStatus::failed;
@@ -167,43 +130,16 @@ ExitStatus tool_table_command(const ToolTableOptions& options) {
   std::vector<ToolRendererEntry> entries;
   for (const std::string& name : options.renderers) entries.push_back(find_tool_renderer(known, name));
   if (entries.empty()) entries = known;
-  const Coupling& coupling = options.flags.coupling;
-  std::string table =
-      "| case | renderer | force error, mean (N) | max (N) | torque error, mean (mNm) | max (mNm) | max (JND) | force "
-      "(N) | torque (mNm) |\n"
-      "|---|---|---|---|---|---|---|---|---|\n";
+  std::vector<ToolErrors> rows;
   for (const std::string& name : cases) {
-    const ExactCase made = synthetic::make_exact_case(name);
-    const Tool tool = solid_tool(made.tool_T);
-    std::vector<synthetic::Equilibrium> truths;
-    for (const Pose& handle : made.handles) {
-      truths.push_back(quasi_static_equilibrium(made.gaps, handle, coupling));
-      if (!truths.back().found)
-        throw BadData(fmt::format("{}: no equilibrium was found with these stiffnesses; give softer ones", name));
-    }
+    const KnownContacts known_answer = synthetic::known_contacts(name, options.flags.coupling);
     for (const ToolRendererEntry& entry : entries) {
-      const auto renderer =
-          tool::make_tool_renderer(entry, tool, made.object_W, options.flags.settings_of(entry, entries));
-      double force_sum = 0.0, force_max = 0.0, torque_sum = 0.0, torque_max = 0.0, jnd = 0.0, force = 0.0, torque = 0.0;
-      for (std::size_t i = 0; i < made.handles.size(); ++i) {
-        const ToolResult result = settle(*renderer, made.free, made.handles[i]);
-        const Wrench& truth = truths[i].wrench_W;
-        const double force_error = (result.f_W_N - truth.f_N).norm();
-        const double torque_error = (result.torque_W_Nm - truth.torque_Nm).norm();
-        force_sum += force_error;
-        torque_sum += torque_error;
-        force_max = std::max(force_max, force_error);
-        torque_max = std::max(torque_max, torque_error);
-        jnd = std::max(jnd, torque_error_in_jnd(truth.torque_Nm, result.torque_W_Nm));
-        force = std::max(force, truth.f_N.norm());
-        torque = std::max(torque, truth.torque_Nm.norm());
-      }
-      const auto n = static_cast<double>(made.handles.size());
-      table +=
-          fmt::format("| {} | {} | {:.2g} | {:.2g} | {:.2g} | {:.2g} | {:.2g} | {:.3g} | {:.3g} |\n", name, entry.name,
-                      force_sum / n, force_max, torque_sum / n * 1e3, torque_max * 1e3, jnd, force, torque * 1e3);
+      const auto renderer = tool::make_tool_renderer(entry, known_answer.tool, known_answer.object_W,
+                                                     options.flags.settings_of(entry, entries));
+      rows.push_back(errors_of(*renderer, entry.name, known_answer));
     }
   }
+  const std::string table = tool_error_table(rows);
   fmt::print("{}", table);
   if (!options.out.empty()) write_file(options.out, table);
   return ExitStatus::passed;
@@ -218,30 +154,10 @@ ExitStatus tool_check_command(const ToolCheckOptions& options) {
   const std::vector<ToolRendererEntry> known = options.flags.entries();
   const ToolRendererEntry& entry = find_tool_renderer(known, options.renderer);
   ToolSubject subject = subject_of(entry, options.flags.settings_of(entry, {&entry, 1}));
-  if (!options.fault.empty()) {
-    const auto* const found = std::ranges::find(kToolFaultNames, options.fault);
-    if (found == kToolFaultNames.end())
-      throw UsageError(fmt::format("--fault {}: not known; `touchstone tool list` shows what is", options.fault));
-    const auto fault = static_cast<ToolFault>(found - kToolFaultNames.begin());
-    subject.make = [make = subject.make, fault](const Tool& tool, const TriangleMesh& object_W,
-                                                const Coupling& coupling) {
-      return std::make_unique<FaultyTool>(make(tool, object_W, coupling), fault, tool.mass.center_T_m);
-    };
-  }
-  std::size_t failed = 0;
-  std::size_t count = 0;
-  for (const ToolFinding& finding : check_tool_renderer(subject)) {
-    if (!finding.applies) {
-      fmt::print("  n/a   {:<30} its normals are the tool's own\n", finding.check);
-      continue;
-    }
-    ++count;
-    failed += finding.passed ? 0U : 1U;
-    fmt::print("  {:<5} {:<30} {:.3g} of at most {:.3g} {}{}\n", finding.passed ? "ok" : "WRONG", finding.check,
-               finding.measured, finding.limit, finding.unit, finding.fault.empty() ? "" : ": " + finding.fault);
-  }
-  fmt::print("{}: {} of {} checks passed\n", options.renderer, count - failed, count);
-  return failed == 0 ? ExitStatus::passed : ExitStatus::failed;
+  if (!options.fault.empty()) subject = with_fault(std::move(subject), options.fault);
+  const std::vector<ToolFinding> findings = check_tool_renderer(subject);
+  fmt::print("{}", findings_to_text(options.renderer, findings));
+  return passed(findings) ? ExitStatus::passed : ExitStatus::failed;
 }
 
 }  // namespace
@@ -344,6 +260,7 @@ void add_tool(CLI::App& program, Run& run) {
       "Exit status: 0 all passed, 1 not.\nExample:\n  touchstone tool check --renderer god-object-tool --fault "
       "torque-sign");
   check->callback([check_options, &run] { run = [check_options] { return tool_check_command(*check_options); }; });
+  add_tool_fit(*command, run);
 }
 
 }  // namespace touchstone::apps

@@ -42,10 +42,10 @@ void add_version(CLI::App& program, Run& run);
 
 // Those that need no heavy library. The program `touchstone` has them itself and becomes another file for every
 // other one: loading the libraries of fitting, archives and devices takes longer than a comparison.
-inline constexpr std::array<std::string_view, 7> light_command_names{"check",     "compare", "golden", "replay",
-                                                                     "scorecard", "tool",    "version"};
+inline constexpr std::array<std::string_view, 6> light_command_names{"check",  "compare",   "golden",
+                                                                     "replay", "scorecard", "version"};
 inline std::vector<AddCommand> light_commands() {
-  return {add_check, add_compare, add_golden, add_replay, add_scorecard, add_tool, add_version};
+  return {add_check, add_compare, add_golden, add_replay, add_scorecard, add_version};
 }
 
 // One to a line, so that lines from several hands merge.

@@ -2,73 +2,11 @@
 
 #include <fmt/format.h>
 
-#include <charconv>
-#include <cmath>
-#include <fstream>
-#include <iterator>
-
+#include "apps/command.h"
 #include "harness/base/error.h"
 #include "harness/base/units.h"
 
 namespace touchstone::apps {
-namespace {
-
-std::vector<std::string>& named_command_line() {
-  static std::vector<std::string> words;
-  return words;
-}
-
-// How the program was called, for provenance.
-std::vector<std::string> process_command_line() {
-  if (!named_command_line().empty()) return named_command_line();
-  std::ifstream in("/proc/self/cmdline", std::ios::binary);
-  const std::string all((std::istreambuf_iterator<char>(in)), std::istreambuf_iterator<char>());
-  std::vector<std::string> words;
-  for (std::size_t begin = 0; begin < all.size();) {
-    const std::size_t end = std::min(all.find('\0', begin), all.size());
-    words.push_back(all.substr(begin, end - begin));
-    begin = end + 1;
-  }
-  // The program by its name: where it was installed says nothing about the result.
-  if (!words.empty()) words.front() = "touchstone";
-  return words;
-}
-
-// "0.2 N" to 0.2 and "N".
-std::pair<double, std::string_view> number_and_unit(std::string_view text, std::string_view what) {
-  double value = 0.0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  std::string_view unit(end, static_cast<std::size_t>(text.data() + text.size() - end));
-  while (unit.starts_with(' ')) unit.remove_prefix(1);
-  if (error != std::errc{} || !std::isfinite(value) || value < 0.0 || unit.empty()) {
-    throw UsageError(fmt::format("{}: \"{}\" is not a number >= 0 with a unit, such as 0.05N", what, text));
-  }
-  return {value, unit};
-}
-
-}  // namespace
-
-void name_command_line(std::vector<std::string> words) { named_command_line() = std::move(words); }
-
-double parse_force_N(std::string_view text, std::string_view what) {
-  const auto [value, unit] = number_and_unit(text, what);
-  const auto factor = si_factor(Dimension::force, unit);
-  if (!factor) {
-    throw UsageError(
-        fmt::format("{}: \"{}\" is not a unit of force; known are {}", what, unit, known_units(Dimension::force)));
-  }
-  return value * *factor;
-}
-
-void apply_threshold(std::string_view text, EvaluationRequest& request) {
-  const std::string_view unit = number_and_unit(text, "--threshold").second;
-  if (si_factor(Dimension::force, unit)) {
-    request.force_threshold_N = parse_force_N(text, "--threshold");
-  } else {
-    request.position_threshold_m = parse_length_m(text, "--threshold");
-  }
-}
-
 void add_evaluation_flags(CLI::App& command, EvaluationFlags& flags) {
   command.add_option("--recording", flags.recording, "Measured time, position and force: CSV (also .gz) or HDF5");
   command.add_option("--repeat", flags.repeat,
@@ -133,7 +71,9 @@ EvaluationRequest make_request(const EvaluationFlags& flags) {
   }
   request.clock.on_duplicate = parse_on_duplicate(flags.on_duplicate);
   request.clock.on_gap = parse_on_gap(flags.on_gap);
-  request.command_line = process_command_line();
+  request.command_line = command_line();
+  // The program by its name: where it was installed says nothing about the result.
+  if (!request.command_line.empty()) request.command_line.front() = "touchstone";
   return request;
 }
 

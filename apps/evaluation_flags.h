@@ -1,4 +1,4 @@
-// The options that commands which evaluate a recording share.
+// The options that commands which evaluate a recording share, and the request that they make of them.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -25,15 +25,7 @@ struct EvaluationFlags {
 // --flip-force, --on-duplicate, --on-gap, --plugin.
 void add_evaluation_flags(CLI::App& command, EvaluationFlags& flags);
 
-// Requests made from here on name this as the command that they came from, in place of how the process was called: for
-// a process that runs one command after another. An empty one ends it.
-void name_command_line(std::vector<std::string> words);
-
 // Everything but the model. Throws UsageError for values that make no sense.
 EvaluationRequest make_request(const EvaluationFlags& flags);
-
-// "0.2 N" and "0.5mm" to SI; which of the two is told by the unit. Throws UsageError naming `what`.
-double parse_force_N(std::string_view text, std::string_view what);
-void apply_threshold(std::string_view text, EvaluationRequest& request);
 
 }  // namespace touchstone::apps

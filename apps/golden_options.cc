@@ -1,11 +1,6 @@
 #include "apps/golden_options.h"
 
-#include <fmt/format.h>
-
-#include <algorithm>
-
-#include "harness/base/bundled_files.h"
-#include "harness/base/error.h"
+#include "harness/pipeline/golden/golden_life.h"
 
 namespace touchstone::apps {
 
@@ -23,43 +18,11 @@ void GoldenOptions::add_to(CLI::App& command) {
       ->capture_default_str();
 }
 
-namespace {
-
-// A folder named "golden" may be something else's, such as CMake's for the build of the cases.
-bool holds_cases(const std::filesystem::path& folder) {
-  std::error_code error;
-  for (const auto& entry : std::filesystem::directory_iterator(folder, error)) {
-    if (std::filesystem::exists(entry.path() / "case.json", error)) return true;
-  }
-  return false;
-}
-
-}  // namespace
-
 std::filesystem::path GoldenOptions::folder() const {
-  if (golden == GoldenOptions{}.golden && !holds_cases(golden)) {
-    if (const auto bundled = find_bundled("golden")) return *bundled;
-  }
-  return golden;
+  return golden == GoldenOptions{}.golden ? usual_golden_folder(golden) : std::filesystem::path(golden);
 }
 
-std::vector<GoldenCase> GoldenOptions::load() const {
-  const std::filesystem::path own = folder();
-  if (cases.empty()) return load_cases(own);
-  std::vector<GoldenCase> chosen;
-  for (const std::string& name : cases) {
-    const bool is_folder = name.find('/') != std::string::npos;
-    std::filesystem::path path = is_folder ? std::filesystem::path(name) : own / name;
-    if (!path.has_filename()) path = path.parent_path();
-    if (!std::filesystem::is_directory(path)) {
-      std::string known;
-      for (const GoldenCase& one : load_cases(own)) known += ' ' + one.name;
-      throw UsageError(fmt::format("there is no golden case '{}' in {}; there are:{}", name, own.string(), known));
-    }
-    chosen.push_back(load_case(path));
-  }
-  return chosen;
-}
+std::vector<GoldenCase> GoldenOptions::load() const { return choose_cases(folder(), cases); }
 
 std::vector<std::string> GoldenOptions::models_of(const GoldenCase& one) const {
   if (!model.empty()) return {model};

@@ -31,12 +31,11 @@ int become_another(char** argv, std::string_view command) {
   if (command == "evaluate") become(folder / "touchstone-evaluate", argv);
   const auto full = folder / "touchstone-full";
   const int why = become(full, argv);
-  fmt::print(
-      stderr,
-      "touchstone: {}: {}; all commands but check, compare, evaluate, golden, replay, scorecard, tool and version "
-      "are in that file, which belongs beside this one (in a checkout: ci/build default --target "
-      "touchstone_program)\n",
-      full.string(), std::strerror(why));
+  fmt::print(stderr,
+             "touchstone: {}: {}; all commands but check, compare, evaluate, golden, replay, scorecard and version "
+             "are in that file, which belongs beside this one (in a checkout: ci/build default --target "
+             "touchstone_program)\n",
+             full.string(), std::strerror(why));
   return static_cast<int>(touchstone::ExitStatus::usage);
 }
 

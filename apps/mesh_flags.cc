@@ -26,10 +26,15 @@ void MeshFlags::add_two_sided_to(CLI::App& command) {
 
 TriangleMesh MeshFlags::load(const std::string& path, const std::string& unit) const {
   TriangleMesh mesh = load_mesh(path, length_unit_factor(unit));
-  if (!repair) return mesh;
+  repair_if_wanted(mesh);
+  return mesh;
+}
+
+void MeshFlags::repair_if_wanted(TriangleMesh& mesh) const {
+  if (!repair) return;
   OrientedMesh repaired = orient(mesh);
   if (repaired.turned > 0) fmt::print(stderr, "{}\n", orientation_note(repaired));
-  return std::move(repaired.mesh);
+  mesh = std::move(repaired.mesh);
 }
 
 std::shared_ptr<const Surface> MeshFlags::surface(const TriangleMesh& mesh) const {

@@ -22,6 +22,8 @@ struct MeshFlags {
   // The file's mesh, repaired where that is asked for; says on stderr what was turned. Throws as load_mesh() and
   // orient() do.
   [[nodiscard]] TriangleMesh load(const std::string& path, const std::string& unit) const;
+  // The same for a mesh that was read already.
+  void repair_if_wanted(TriangleMesh& mesh) const;
   // The surface to render.
   [[nodiscard]] std::shared_ptr<const Surface> surface(const TriangleMesh& mesh) const;
   // Says on stderr what is wrong with the mesh, a line each (harness/surface/mesh_warnings.h). `surface` is the answer

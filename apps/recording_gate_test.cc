@@ -30,14 +30,14 @@ class RecordingGate : public testing::BuiltProgram {
     strokes("far.csv", 1, 1.0, 1e3);
   }
   // 10 s at 200 Hz on a plate of 500 N/m.
-  void strokes(const std::string& name, std::uint64_t seed, double sign = 1.0, double unit = 1.0,
-               double noise_N = 0.02) const {
+  void strokes(const std::string& name, std::uint64_t seed, double sign = 1.0, double unit = 1.0, double noise_N = 0.02,
+               double hardening_N_per_m2 = 0.0) const {
     Random random(seed);
     std::string text = "t_s,x_m,y_m,z_m,fx_N,fy_N,fz_N\n";
     for (int i = 0; i < 2000; ++i) {
       const double t = i / 200.0;
       const double z = 0.5e-3 - 1e-3 * (std::sin(2.1 * t) + std::sin(3.7 * t + 1.0));
-      const double load = 500.0 * std::max(0.0, -z);
+      const double depth = std::max(0.0, -z), load = (500.0 + hardening_N_per_m2 * depth) * depth;
       text += fmt::format("{:.3f},{:.7f},{:.7f},{:.7f},{:.4f},{:.4f},{:.4f}\n", t, unit * 0.04 * std::sin(0.6 * t),
                           unit * 0.03 * std::cos(0.43 * t), unit * z, noise_N * random.normal(),
                           noise_N * random.normal(), sign * (load + noise_N * random.normal()));
@@ -157,6 +157,29 @@ TEST_F(RecordingGate, WhatARepeatCoversIsNotUnexplained) {
   const auto json = nlohmann::json::parse(read_file(folder_ / "d.json"));
   EXPECT_EQ(json["verdict"], "consistent") << found.out;
   EXPECT_LT(json["gap"]["holdout"]["after"].get<double>(), json["gap"]["repeat_floor"].get<double>());
+}
+
+// Which run is the repeat of which does not matter.
+TEST_F(RecordingGate, TheOrderOfTheTwoRunsDoesNotMatterAndAnErrorAboveTheFloorIsCounted) {
+  const auto searched = [&](const std::string& files) {
+    const Outcome found = run("discrepancy --model model.json --mesh plate.obj --out d --json d.json " + files);
+    EXPECT_EQ(found.status, 0) << found.err;
+    return nlohmann::json::parse(read_file(folder_ / "d.json"));
+  };
+  const auto one = searched("--recording good.csv --repeat again.csv");
+  const auto turned = searched("--recording again.csv --repeat good.csv");
+  EXPECT_EQ(turned["verdict"], "consistent");
+  EXPECT_NEAR(turned["gap"]["repeat_floor"].get<double>(), one["gap"]["repeat_floor"].get<double>(), 0.002);
+  const auto held = searched("--recording good.csv --holdout again.csv --repeat again.csv");
+  EXPECT_EQ(held["verdict"], "consistent");
+  // A plate that stiffens, which the model's spring does not: more than the runs differ by.
+  strokes("hard.csv", 10, 1.0, 1.0, 0.02, 5e5), strokes("hard-again.csv", 11, 1.0, 1.0, 0.02, 5e5);
+  const auto hard = searched("--recording hard.csv --repeat hard-again.csv");
+  EXPECT_NE(hard["verdict"], "consistent") << hard["explanation"];
+  EXPECT_LT(hard["gap"]["repeat_floor"].get<double>(), hard["gap"]["holdout"]["before"].get<double>());
+  // The repeat of another motion is none.
+  EXPECT_EQ(run("discrepancy --model model.json --mesh plate.obj --recording good.csv --repeat far.csv --out d").status,
+            3);
 }
 
 TEST_F(RecordingGate, AJointGoesThroughFitAndDiscrepancyWithoutObjectOrModel) {

@@ -1,7 +1,7 @@
 # touchstone_add_renderer_tests(TARGET <target> RENDERER <name>
 #   [ENTRY <function> HEADER <header>]
 #   [PARAMETERS name=value...] [STIFFNESS N/m] [FRICTION coefficient] [TIP_RADIUS m] [EPSILON m]
-#   [GOLDEN_LIKE <model> [GOLDEN_CASES case...]] [GOLDEN_DIR folder]
+#   [GOLDEN_LIKE <model> [GOLDEN_CASES case...] [VERDICT exact|felt]] [GOLDEN_DIR folder]
 #   [PREFIX prefix] [LABELS label...])
 #
 # Gives a renderer outside Touchstone's tree the conformance and golden suite, as tests of your own ctest. The target is
@@ -18,12 +18,14 @@
 #                                         EPSILON a length below which the renderer tells nothing apart.
 #                                         What the renderer declares it cannot do is skipped and shown as such.
 #   <prefix>.golden.<case>                GOLDEN_LIKE: the bundled golden cases that have this model (all, or GOLDEN_CASES), with
-#                                         the renderer in place of the model's own: it must give the same within tolerance.
+#                                         the renderer in place of the model's own: it must give the same within tolerance, or
+#                                         with VERDICT felt be off the right answer by less than a person notices, EPSILON
+#                                         allowed. What the renderer declares it cannot do is skipped here too.
 #   <prefix>.golden.<case>.<model>        GOLDEN_DIR: golden cases of your own. A first result is looked at and accepted with
 #                                         touchstone golden accept.
 # PREFIX is the renderer's name where it is not given.
 function(touchstone_add_renderer_tests)
-  cmake_parse_arguments(ARG "" "TARGET;RENDERER;ENTRY;HEADER;STIFFNESS;FRICTION;TIP_RADIUS;EPSILON;GOLDEN_LIKE;GOLDEN_DIR;PREFIX"
+  cmake_parse_arguments(ARG "" "TARGET;RENDERER;ENTRY;HEADER;STIFFNESS;FRICTION;TIP_RADIUS;EPSILON;GOLDEN_LIKE;VERDICT;GOLDEN_DIR;PREFIX"
     "PARAMETERS;GOLDEN_CASES;LABELS" ${ARGN})
   if(ARG_UNPARSED_ARGUMENTS)
     message(FATAL_ERROR "touchstone_add_renderer_tests: ${ARG_UNPARSED_ARGUMENTS} are no arguments of it")
@@ -80,6 +82,17 @@ function(touchstone_add_renderer_tests)
   endforeach()
   _touchstone_add_conformance_tests("${ARG_PREFIX}" "${ARG_LABELS}" "${arguments}")
 
+  if(DEFINED ARG_VERDICT AND NOT ARG_VERDICT MATCHES "^(exact|felt)$")
+    message(FATAL_ERROR "touchstone_add_renderer_tests: VERDICT ${ARG_VERDICT} is none; it is exact or felt")
+  endif()
+  set(verdict "")
+  if(ARG_VERDICT STREQUAL felt)
+    set(verdict --verdict felt)
+    if(DEFINED ARG_EPSILON)
+      list(APPEND verdict --epsilon ${ARG_EPSILON})
+    endif()
+  endif()
+
   if(ARG_GOLDEN_LIKE)
     set(bundled ${touchstone_DATA_DIR}/golden)
     _touchstone_golden_cases(${bundled} cases)
@@ -88,7 +101,7 @@ function(touchstone_add_renderer_tests)
       _touchstone_models_of(${bundled}/${case}/case.json models)
       if(ARG_GOLDEN_LIKE IN_LIST models AND (NOT ARG_GOLDEN_CASES OR case IN_LIST ARG_GOLDEN_CASES))
         _touchstone_add_golden_test(${ARG_PREFIX} ${ARG_PREFIX}.golden.${case} ${bundled} ${case} ${ARG_GOLDEN_LIKE} ${plugin} "${ARG_LABELS}"
-          --renderer ${ARG_RENDERER})
+          --renderer ${ARG_RENDERER} ${verdict})
         list(APPEND added ${case})
       endif()
     endforeach()
@@ -181,5 +194,5 @@ function(_touchstone_add_golden_test prefix name folder case model plugin labels
   add_test(NAME ${name} COMMAND touchstone::program check ${case} --model ${model} --golden ${folder}
     --out ${CMAKE_CURRENT_BINARY_DIR}/golden-failures/${prefix} --plugin $<TARGET_FILE:${plugin}>
     --plugin-source ${CMAKE_CURRENT_SOURCE_DIR} ${ARGN} --ctest)
-  set_tests_properties(${name} PROPERTIES TIMEOUT 300 LABELS "${labels}")
+  set_tests_properties(${name} PROPERTIES TIMEOUT 300 LABELS "${labels}" SKIP_RETURN_CODE 77)
 endfunction()

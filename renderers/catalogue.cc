@@ -4,6 +4,9 @@
 
 #include "harness/base/error.h"
 #include "harness/base/known_names.h"
+#include "harness/rendering/moving_object.h"
+#include "harness/rendering/scene.h"
+#include "harness/surface/embree_surface.h"
 #include "renderers/devices/haptic_device.h"
 #include "renderers/effects/assemble.h"
 #include "renderers/effects/catalogue.h"
@@ -62,7 +65,7 @@ const std::vector<NamedDeclaration>& effect_catalogue() {
   static const std::vector<NamedDeclaration> catalogue = [] {
     std::vector<NamedDeclaration> declarations;
     for (const EffectEntry& entry : contact_effects()) {
-      declarations.push_back({std::string(entry.name), std::string(entry.summary), entry.parameters});
+      declarations.push_back({std::string(entry.name), std::string(entry.summary), entry.parameters, entry.hypothesis});
     }
     declarations.push_back(haptic_device_declaration());
     return declarations;
@@ -117,6 +120,52 @@ std::unique_ptr<Renderer> make_renderer(const Model& model, std::shared_ptr<cons
   return device ? make_haptic_device(std::move(renderer), *device) : std::move(renderer);
 }
 
+namespace {
+
+// What renders several bodies that move against each other, for a message.
+std::string renderers_of_scenes() {
+  std::string names;
+  for (const RendererEntry& entry : renderer_catalogue()) {
+    if (entry.make_scene) names += (names.empty() ? "" : ", ") + entry.name;
+  }
+  return names;
+}
+
+}  // namespace
+
+std::unique_ptr<Renderer> make_scene_renderer(const Model& model, std::shared_ptr<const BodyScene> scene) {
+  const RendererEntry& entry = find_renderer(model);
+  // A plug-in that takes bodies gets them as they are.
+  const bool native = entry.make_scene && !entry.library.empty() && model.effects.empty();
+  if (!native && scene->bodies.size() == 1) {
+    const SceneBody& body = scene->bodies.front();
+    auto renderer = make_renderer(model, body.surface_B);
+    const BodyPose pose = body.pose.first();
+    if (!body.pose.moves() && pose.p_W_m.isZero(0.0) && pose.q_WB.coeffs() == Quat::Identity().coeffs())
+      return renderer;
+    return std::make_unique<MovingObject>(std::move(renderer), body.pose);
+  }
+  if (!native && !scene->moves()) return make_renderer(model, make_embree_surface(joined_mesh(*scene)));
+  if (!entry.make_scene) {
+    throw BadData(fmt::format(
+        "{}: the renderer {} takes one object; {} has {} bodies that move against each other, which {} and plug-ins of "
+        "version 2 of the interface render",
+        model.source, entry.name, scene->source, scene->bodies.size(), renderers_of_scenes()));
+  }
+  if (!model.effects.empty()) {
+    throw BadData(fmt::format(
+        "{}: /effects: {} acts on the contact with one object; {} has {} bodies that move against each other: there "
+        "friction is the renderer friction-cone's",
+        model.source, model.effects.front().name, scene->source, scene->bodies.size()));
+  }
+  for (const auto& part : model.instrument)
+    check_entry(part, instrument_declarations(), "instrument entry", model.source);
+  const Parameters parameters(entry.parameters, model.parameters, "renderer " + entry.name, model.source, "");
+  check_coefficients(value_or(parameters, "mu_static", 0.0), value_or(parameters, "mu_dynamic", 0.0),
+                     model.source + ": /parameters");
+  return entry.make_scene(parameters, std::move(scene));
+}
+
 CountedRenderer make_counted_renderer(const Model& model, std::shared_ptr<const Surface> surface) {
   const RendererEntry& entry = find_renderer(model);
   if (entry.make_counted == nullptr) return {nullptr, "the operations of the renderer " + entry.name};
@@ -147,6 +196,10 @@ class BuiltInCatalogue final : public Catalogue {
   [[nodiscard]] std::unique_ptr<Renderer> make(const Model& model,
                                                std::shared_ptr<const Surface> surface) const override {
     return make_renderer(model, std::move(surface));
+  }
+  [[nodiscard]] std::unique_ptr<Renderer> make_scene(const Model& model,
+                                                     std::shared_ptr<const BodyScene> scene) const override {
+    return make_scene_renderer(model, std::move(scene));
   }
   [[nodiscard]] CountedRenderer make_counted(const Model& model,
                                              std::shared_ptr<const Surface> surface) const override {

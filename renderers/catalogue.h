@@ -30,6 +30,10 @@ const std::vector<NamedDeclaration>& instrument_declarations();
 // surface that the renderer cannot run on. Instrument entries are checked, not run.
 std::unique_ptr<Renderer> make_renderer(const Model& model, std::shared_ptr<const Surface> surface);
 
+// The same over a scene (harness/rendering/catalogue.h). A plug-in that renders bodies with poses gets them as they
+// are.
+std::unique_ptr<Renderer> make_scene_renderer(const Model& model, std::shared_ptr<const BodyScene> scene);
+
 CountedRenderer make_counted_renderer(const Model& model, std::shared_ptr<const Surface> surface);
 
 // All of the above as the harness takes it (harness/rendering/catalogue.h).

@@ -158,5 +158,33 @@ TEST(IrregularMesh, NoPressThroughAnyOfThemAndNoAnswerThatIsNotFinite) {
   }
 }
 
+// A sheet that stops the tip from either side, also a tip that was in the sheet itself. CHAI3D's dynamic proxy (3.3.0,
+// world in millimetres, setHapticTriangleSides(true, true)) stands off by its epsilon of 0.1 um: 0.40008,
+// 0.80008, 1.20008 and 1.60008 N at 0.5 to 2 mm, up or down, and nothing sideways.
+TEST(IrregularMesh, ASheetOfTwoSidesStopsTheTipAsChai3dDoes) {
+  constexpr double kStiff = 800.0;
+  for (const char* const name : {"god-object", "friction-cone", "force-shading"}) {
+    const auto renderer = make_renderer(model_of(name, {{"stiffness_N_per_m", kStiff}}),
+                                        make_embree_surface(two_sided(touchstone::testing::grid(1.0, 2))));
+    // Over a face, along the diagonal of a square, through the middle vertex.
+    for (const Vec3& along : {Vec3(0.3, -0.2, 0.0), Vec3(0.3, 0.3, 0.0), Vec3(-0.3, 0.2, 0.0)}) {
+      for (const double side : {1.0, -1.0}) {
+        Hand hand(*renderer);
+        const Vec3 touches = along.x() < 0.0          ? Vec3(0.0, 0.0, 0.0)
+                             : along.x() == along.y() ? Vec3(0.01, 0.01, 0.0)
+                                                      : Vec3(0.002, 0.001, 0.0);
+        for (int i = 0; i <= 8; ++i) {
+          const Vec3 tip = touches + 1e-3 * (i - 4) * along + Vec3(0.0, 0.0, side * (2.0 - 0.5 * i) * 1e-3);
+          const StepResult result = hand.to(tip);
+          if (i == 4) continue;  // in the sheet CHAI3D's epsilon is all there is
+          const double chai3d_N = i < 4 ? 0.0 : side * (0.4 * (i - 4) + 0.00008);
+          EXPECT_NEAR((result.f_W_N - Vec3(0.0, 0.0, chai3d_N)).norm(), 0.0, kStiff * 1.01e-7)
+              << name << " " << along.transpose() << " " << side << " " << i;
+        }
+      }
+    }
+  }
+}
+
 }  // namespace
 }  // namespace touchstone::renderers

@@ -48,8 +48,9 @@ Made stroke(const ParameterValues& v, std::uint64_t) {
                     v);
 }
 Made edge_crossing(const ParameterValues& v, std::uint64_t) {
-  return std::make_unique<EdgeCrossingPath>(v["length_m"], v["speed_m_per_s"], v["depth_m"],
-                                            static_cast<double>(v.count("strokes")));
+  return approached(std::make_unique<EdgeCrossingPath>(v["length_m"], v["speed_m_per_s"], v["depth_m"],
+                                                       static_cast<double>(v.count("strokes"))),
+                    v);
 }
 Made raster(const ParameterValues& v, std::uint64_t) {
   return approached(std::make_unique<RasterPath>(v["side_m"], static_cast<double>(v.count("lines")), v["speed_m_per_s"],
@@ -67,7 +68,7 @@ Made jumps(const ParameterValues& v, std::uint64_t seed) {
                                     static_cast<double>(v.count("jumps")));
 }
 Made spiral(const ParameterValues& v, std::uint64_t) {
-  return std::make_unique<SpiralPath>(v["radius_m"], v["turns"], v["speed_m_per_s"], v["depth_m"]);
+  return approached(std::make_unique<SpiralPath>(v["radius_m"], v["turns"], v["speed_m_per_s"], v["depth_m"]), v);
 }
 Made hand_scan(const ParameterValues& v, std::uint64_t seed) {
   return std::make_unique<HandScanPath>(seed, v["side_m"], v["depth_m"], v["reaches"], v["reach_s"], v["tremor_m"]);
@@ -89,7 +90,8 @@ std::span<const TrajectoryEntry> trajectory_catalogue() {
        stroke},
       {"edge-crossing",
        "strokes through the origin, each from another angle: an edge along y is crossed under all angles",
-       {length("length_m", 0.02, "of a stroke"), speed(), depth(), number("strokes", 1, 12, "through the origin")},
+       {length("length_m", 0.02, "of a stroke"), speed(), depth(), number("strokes", 1, 12, "through the origin"),
+        approach()},
        edge_crossing},
       {"raster",
        "lines along y side by side over a square about the origin",
@@ -115,7 +117,8 @@ std::span<const TrajectoryEntry> trajectory_catalogue() {
        jumps},
       {"spiral",
        "from the origin outwards at constant speed",
-       {length("radius_m", 0.02, "at the end"), number("turns", 0.1, 6, "about the origin"), speed(), depth()},
+       {length("radius_m", 0.02, "at the end"), number("turns", 0.1, 6, "about the origin"), speed(), depth(),
+        approach()},
        spiral},
       {"hand-scan",
        "minimum-jerk reaches between seeded places with 8 to 12 Hz tremor, as of a hand",

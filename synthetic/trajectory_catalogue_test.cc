@@ -77,7 +77,7 @@ TEST_P(EveryTrajectory, TakesAnyUnitScale) {
 }
 
 TEST(Trajectories, AnApproachComesStraightDownAndLeavesTheRestAsItIs) {
-  for (const char* const name : {"stroke", "raster"}) {
+  for (const char* const name : {"stroke", "raster", "edge-crossing", "spiral"}) {
     const auto plain = make_path(name);
     const auto approached = make_path(name, {{"approach_m", 0.002}});
     const Vec3 first = plain->position_W_m(0.0);

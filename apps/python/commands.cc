@@ -69,9 +69,6 @@ std::pair<int, std::string> run_command(const std::vector<std::string>& words) {
     const std::lock_guard lock(one_at_a_time);
     const ProtectedInputs inputs;
     const PrintedText printed;
-    std::vector<std::string> called{"touchstone"};
-    called.insert(called.end(), words.begin(), words.end());
-    name_command_line(std::move(called));
     const ExitStatus status = run_words(words, commands());
     return std::pair(static_cast<int>(status), printed.text());
   });

@@ -1,5 +1,5 @@
 // CHAI3D's proxy, cAlgorithmFingerProxy, as a plug-in of Touchstone. Nothing of CHAI3D is in this file or its folder:
-// it is compiled against a checkout or an installation of your own (see CMakeLists.txt). Tried with CHAI3D 3.3.0,
+// it is linked with a CHAI3D of your own (see CMakeLists.txt). Tried with CHAI3D 3.3.0,
 // commit 7c76b1f of github.com/chai3d/chai3d.
 //
 // What a user of CHAI3D chooses is chosen here by the renderer's name:
@@ -7,14 +7,12 @@
 //   chai3d-dynamic   up to three constraints per step (m_useDynamicProxy = true)
 //   ...-mm           the same with the world in millimetres: CHAI3D's lengths are absolute (its epsilon is 1e-4 units,
 //                    cAlgorithmFingerProxy::setEpsilonBaseValue), so that its answer depends on the unit of its world
-#include <touchstone/plugin.h>
+#include <touchstone/engine_plugin.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstddef>
-#include <cstring>
-#include <exception>
 #include <memory>
 #include <string>
 #include <vector>
@@ -66,11 +64,6 @@ const std::array<touchstone_description, 4>& descriptions() {
   return all;
 }
 
-std::string& creation_error() {
-  thread_local std::string error;
-  return error;
-}
-
 }  // namespace
 
 struct touchstone_renderer {
@@ -100,12 +93,13 @@ struct touchstone_renderer {
     proxy.m_useDynamicProxy = creation.index % 2 == 1;
   }
 
+  void restart() { first = true; }
+
   void step(const touchstone_tip& tip, touchstone_result& result) {
     const chai3d::cVector3d p(tip.p_W_m[0] / unit_m, tip.p_W_m[1] / unit_m, tip.p_W_m[2] / unit_m);
     if (first) proxy.initialize(&world, p);
     first = false;
     const chai3d::cVector3d force = proxy.computeForces(p, chai3d::cVector3d(0.0, 0.0, 0.0));
-    std::memset(&result, 0, sizeof result);
     std::copy_n(tip.p_W_m, 3, result.contact_W_m);
     if (proxy.getNumCollisionEvents() == 0) return;
     const chai3d::cVector3d at = proxy.getProxyGlobalPosition();
@@ -127,51 +121,4 @@ struct touchstone_renderer {
   std::string error;
 };
 
-namespace {
-
-// What may be thrown below becomes an error of the renderer.
-template <class Body>
-int guarded(touchstone_renderer* renderer, const Body& body) {
-  try {
-    body();
-    return 0;
-  } catch (const std::exception& thrown) {
-    renderer->error = thrown.what();
-    return 1;
-  }
-}
-
-}  // namespace
-
-extern "C" {
-
-uint32_t touchstone_plugin_version(void) { return TOUCHSTONE_PLUGIN_VERSION; }
-
-const touchstone_description* touchstone_describe(uint32_t index) {
-  return index < descriptions().size() ? &descriptions()[index] : nullptr;
-}
-
-touchstone_renderer* touchstone_create(const touchstone_creation* creation) {
-  try {
-    return new touchstone_renderer(*creation);
-  } catch (const std::exception& thrown) {
-    creation_error() = thrown.what();
-    return nullptr;
-  }
-}
-
-int touchstone_reset(touchstone_renderer* renderer) {
-  renderer->first = true;
-  return 0;
-}
-
-int touchstone_step(touchstone_renderer* renderer, const touchstone_tip* tip, touchstone_result* result) {
-  return guarded(renderer, [&] { renderer->step(*tip, *result); });
-}
-
-void touchstone_destroy(touchstone_renderer* renderer) { delete renderer; }
-
-const char* touchstone_error(const touchstone_renderer* renderer) {
-  return renderer == nullptr ? creation_error().c_str() : renderer->error.c_str();
-}
-}
+TOUCHSTONE_EXPORT_ENGINE(descriptions());

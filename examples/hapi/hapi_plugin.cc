@@ -1,5 +1,5 @@
-// HAPI's renderers as a plug-in of Touchstone. Nothing of HAPI is in this file or its folder: it is compiled against
-// checkouts of your own (see CMakeLists.txt). Tried with HAPI 1.3.1, commit 533299c of
+// HAPI's renderers as a plug-in of Touchstone. Nothing of HAPI is in this file or its folder: it is linked with
+// libraries of your own (see CMakeLists.txt). Tried with HAPI 1.3.1, commit 533299c of
 // github.com/ChristianFrisson/HAPI, and H3DUtil, commit 4d13ea0 of github.com/ChristianFrisson/H3DUtil.
 //
 //   hapi-god-object   GodObjectRenderer, a point
@@ -11,13 +11,11 @@
 #include <HAPI/HAPIHapticsDevice.h>
 #include <HAPI/HapticTriangleTree.h>
 #include <HAPI/RuspiniRenderer.h>
-#include <touchstone/plugin.h>
+#include <touchstone/engine_plugin.h>
 
 #include <algorithm>
 #include <array>
 #include <cstddef>
-#include <cstring>
-#include <exception>
 #include <memory>
 #include <string>
 #include <vector>
@@ -76,11 +74,6 @@ class Tip final : public HAPI::HAPIHapticsDevice {
   bool releaseHapticsDevice() override { return true; }
 };
 
-std::string& creation_error() {
-  thread_local std::string error;
-  return error;
-}
-
 HAPI::Vec3 vec(const double* v) { return {v[0], v[1], v[2]}; }
 
 }  // namespace
@@ -119,7 +112,6 @@ struct touchstone_renderer {
     before_s = tip.t_s;
     first = false;
     const HAPI::Vec3 force = proxy->renderHapticsOneStep(&device, shapes, dt_s).force;
-    std::memset(&result, 0, sizeof result);
     std::copy_n(tip.p_W_m, 3, result.contact_W_m);
     const auto contacts = proxy->getContacts();
     if (contacts.empty()) return;
@@ -144,50 +136,4 @@ struct touchstone_renderer {
   std::string error;
 };
 
-namespace {
-
-// What may be thrown below becomes an error of the renderer.
-template <class Body>
-int guarded(touchstone_renderer* renderer, const Body& body) {
-  try {
-    body();
-    return 0;
-  } catch (const std::exception& thrown) {
-    renderer->error = thrown.what();
-    return 1;
-  }
-}
-
-}  // namespace
-
-extern "C" {
-
-uint32_t touchstone_plugin_version(void) { return TOUCHSTONE_PLUGIN_VERSION; }
-
-const touchstone_description* touchstone_describe(uint32_t index) {
-  return index < descriptions().size() ? &descriptions()[index] : nullptr;
-}
-
-touchstone_renderer* touchstone_create(const touchstone_creation* creation) {
-  try {
-    return new touchstone_renderer(*creation);
-  } catch (const std::exception& thrown) {
-    creation_error() = thrown.what();
-    return nullptr;
-  }
-}
-
-int touchstone_reset(touchstone_renderer* renderer) {
-  return guarded(renderer, [&] { renderer->restart(); });
-}
-
-int touchstone_step(touchstone_renderer* renderer, const touchstone_tip* tip, touchstone_result* result) {
-  return guarded(renderer, [&] { renderer->step(*tip, *result); });
-}
-
-void touchstone_destroy(touchstone_renderer* renderer) { delete renderer; }
-
-const char* touchstone_error(const touchstone_renderer* renderer) {
-  return renderer == nullptr ? creation_error().c_str() : renderer->error.c_str();
-}
-}
+TOUCHSTONE_EXPORT_ENGINE(descriptions());

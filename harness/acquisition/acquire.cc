@@ -52,6 +52,23 @@ GaugeVoltages mean_volts(const RawTable& table, const std::vector<double>& t,
   return mean;
 }
 
+// What the sensor itself said of its samples, as `touchstone hil record` and `touchstone import` write it.
+void count_flags(const std::vector<double>& flags, AcquisitionReport& report) {
+  std::size_t faulty = 0;
+  for (const double value : flags) {
+    const auto bits = value >= 0.0 && value <= 255.0 ? static_cast<unsigned>(value) : 0U;
+    report.force_samples.saturated += (bits & sample_saturated) != 0;
+    report.force_samples.out_of_range += (bits & sample_out_of_range) != 0;
+    faulty += (bits & sample_device_error) != 0;
+  }
+  if (faulty > 0) {
+    report.notes.push_back(
+        fmt::format("of {} of {} force samples the sensor reported an error: their forces may mean "
+                    "nothing",
+                    faulty, flags.size()));
+  }
+}
+
 ForceStream read_force(const AcquisitionDescription& d, AcquisitionReport& report) {
   const RawTable table(d.force_file);
   ForceStream stream;
@@ -75,9 +92,11 @@ ForceStream read_force(const AcquisitionDescription& d, AcquisitionReport& repor
   } else {
     const auto f = table.vectors("f", force_units, false), torque = table.vectors("t", torque_units, false);
     for (std::size_t i = 0; i < f.size(); ++i) stream.wrench.push_back({f[i], torque[i]});
+    if (table.has("flags")) count_flags(table.column("flags"), report);
   }
   if (report.force_samples.not_finite > 0)
-    throw BadData(fmt::format("{}: {} samples are not finite", d.force_file.string(), report.force_samples.not_finite));
+    throw BadData(fmt::format("{}: {} of {} samples are not finite; take those lines out, or record again",
+                              d.force_file.string(), report.force_samples.not_finite, table.rows()));
   if (report.force_samples.saturated > 0) {
     report.notes.push_back(fmt::format("{} of {} force samples have a saturated gauge: forces there are too small",
                                        report.force_samples.saturated, table.rows()));
@@ -107,7 +126,10 @@ MotionStream read_motion(const AcquisitionDescription& d, AcquisitionReport& rep
     stream.q_TS.push_back((q[i] * d.q_PS).normalized());
   }
   if (stream.t_s.size() < 2)
-    throw BadData(fmt::format("{}: the tracker saw the probe in fewer than two samples", d.motion_file.string()));
+    throw BadData(
+        fmt::format("{}: the tracker saw the probe in {} of {} samples, and 2 are needed: is the body in the file the "
+                    "probe's, and were its markers in view?",
+                    d.motion_file.string(), stream.t_s.size(), t.size()));
   if (!stream.gaps.empty() && !d.keep_around_gaps) {
     throw BadData(
         fmt::format("{}: the tracker lost the probe {} times for longer than {} s, first from {:.3f} to {:.3f} s; set "
@@ -159,8 +181,11 @@ TipForce force_at_tip(const AcquisitionDescription& d, const ForceStream& force,
     if (has_motion(motion, t)) result.t_s.push_back(t), index.push_back(i);
   }
   if (index.size() < 2) {
-    throw BadData(
-        fmt::format("{}: force and motion do not overlap in time once their clocks are aligned", d.file.string()));
+    throw BadData(fmt::format(
+        "{}: force ({:.3f} to {:.3f} s of the motion's clock) and motion ({:.3f} to {:.3f} s) do not overlap: are both "
+        "files of the same run, and is /clocks/offset_s, if given, the force's time less the motion's?",
+        d.file.string(), clocks.to_motion_clock(force.t_s.front()), clocks.to_motion_clock(force.t_s.back()),
+        motion.t_s.front(), motion.t_s.back()));
   }
   const auto q = slerp_at(motion.t_s, motion.q_TS, result.t_s, d.motion_file.string());
   for (std::size_t i = 0; i < index.size(); ++i) {

@@ -45,6 +45,8 @@ Acquired acquire(const AcquisitionDescription& description);
 // The report as JSON, schema "touchstone-acquisition-report/1", and as lines for people.
 std::string report_json(const AcquisitionReport& report);
 std::string report_text(const AcquisitionReport& report);
+// A tool that was identified, for people: its values with their deviations, and what it leaves.
+std::string tool_text(const ToolIdentification& tool);
 
 // Static orientations of a tool from a table: fx_N .. tz_Nm (or without units where they are SI) and qw.. or r11..r33.
 std::vector<StaticPose> read_static_poses(const std::filesystem::path& path, bool bare_is_si);

@@ -1,4 +1,4 @@
-// The steps of tap_alignment.h, each by itself.
+// The steps by which tap_alignment.h aligns the clocks of sensor and tracker, each by itself so that it can be tested.
 #pragma once
 
 #include <string>
@@ -6,6 +6,7 @@
 
 #include "harness/acquisition/tap_alignment.h"
 #include "harness/base/rooms.h"
+#include "harness/stats/clustered_fit.h"
 
 namespace touchstone::acquisition {
 
@@ -27,9 +28,35 @@ std::vector<ForceTap> find_force_taps(const std::vector<double>& t_s, const std:
 // A hand that dwells on the surface shifts the coarse offset by part of a tap.
 inline constexpr double coarse_error_s = 0.12;
 
-// The offset within that reach at which the tool's weight and inertia explain the force of free motion best; the coarse
-// offset itself if the tool's mass is unknown or there is too little motion.
-double free_motion_offset(const ClockStreams& streams, double coarse_offset_s);
+// What says something of the clocks and is independent of everything else that does: a tap, or a quarter of a second of
+// free motion. The first two parameters of its equations are the correction of the offset at the reference time of a
+// nearby line, and of the skew times clock_time_unit_s; others are of this kind of observation alone.
+struct ClockCluster {
+  stats::NormalEquations equations;
+  ClockAlignment::Event event;
+  double duration_s = 0.0;
+};
+inline constexpr Eigen::Index own_clock_terms = 2;
+inline constexpr double clock_time_unit_s = 10.0;  // so that both terms are of one size over a session
+
+// The tool as an accelerometer. Keeps a reference to the streams.
+class FreeMotion {
+ public:
+  explicit FreeMotion(const ClockStreams& streams);
+  // The offset within that reach at which the tool's weight and inertia explain the force of free motion best; the
+  // coarse offset itself if the tool's mass is unknown or there is too little motion.
+  [[nodiscard]] double offset_near(double coarse_offset_s) const;
+  // Corrections of a line that is a few milliseconds off at most, since they are linear; empty if there is too little
+  // free motion. Parameters: two of the clocks; bias and its drift, three each; the scale of the force. The events'
+  // residuals are about the line that free motion alone gives, their sigmas right up to a common factor.
+  [[nodiscard]] std::vector<ClockCluster> clusters(const ClockAlignment& near) const;
+
+ private:
+  const ClockStreams& streams_;
+  // Of the tool, in the sensor's frame, bias not in it: at each frame that could be used.
+  std::vector<double> t_motion_s_;
+  std::vector<Vec3> inertia_N_, force_N_;
+};
 
 // One event per tap that the motion shows too, at an offset within `error_s` of a guess; `tool_mass_kg` 0 if unknown.
 std::vector<ClockAlignment::Event> tap_events(const std::vector<double>& t_force_s,
@@ -39,11 +66,14 @@ std::vector<ClockAlignment::Event> tap_events(const std::vector<double>& t_force
                                               double guess_s, double error_s, double tool_mass_kg,
                                               const TapOptions& options);
 
-// One event per second of free motion, by the tool's weight and inertia; empty if there is too little of it. The sigmas
-// are right up to a common factor.
-std::vector<ClockAlignment::Event> free_motion_events(const ClockStreams& streams, const ClockAlignment& near);
+// The line through events of one kind, without those that are far off it.
+ClockAlignment line_through(std::vector<ClockAlignment::Event> events, double interval_s);
 
-// Weighted least squares of offset and skew; drops events that are far off and fills the residuals.
-ClockAlignment fit_clock_line(std::vector<ClockAlignment::Event> events, double interval_s);
+// A cluster for each tap, without those that are far off the line through the others.
+std::vector<ClockCluster> tap_clusters(std::vector<ClockAlignment::Event> events, const ClockAlignment& near,
+                                       double interval_s);
+
+// The line that fits clusters of one kind, which are about `near`, and how well it is known.
+ClockAlignment fit_clock_line(const std::vector<ClockCluster>& clusters, const ClockAlignment& near);
 
 }  // namespace touchstone::acquisition

@@ -45,23 +45,33 @@ ContactRegistration register_contacts(const Surface& surface, const std::vector<
                                       const ContactRegistrationOptions& options, const std::string& source) {
   if (centers_W_m.size() < 6)
     throw BadData(
-        fmt::format("{}: {} contacts; at least 6 are needed to refine a registration", source, centers_W_m.size()));
+        fmt::format("{}: {} contacts; at least 6 are needed to refine a registration: touch more places, lower "
+                    "/registration/contact_force_N, or leave /registration/mesh out",
+                    source, centers_W_m.size()));
   Vec3 centroid = Vec3::Zero();
   for (const Vec3& p : centers_W_m) {
-    if (!p.allFinite()) throw BadData(fmt::format("{}: a contact's position is not a finite number", source));
+    if (!p.allFinite())
+      throw BadData(fmt::format(
+          "{}: a contact's position is not a finite number; take that sample out of the motion's file", source));
     centroid += p / static_cast<double>(centers_W_m.size());
   }
   // Turns are measured in arc length at the contacts' spread, so that all six directions compare.
   double spread = 0.0;
   for (const Vec3& p : centers_W_m) spread += (p - centroid).squaredNorm() / static_cast<double>(centers_W_m.size());
   spread = std::sqrt(spread);
-  if (!(spread > 0.0)) throw BadData(fmt::format("{}: all contacts lie in one point", source));
+  if (!(spread > 0.0))
+    throw BadData(
+        fmt::format("{}: all {} contacts lie in one point, which says nothing of the object's attitude; touch it in "
+                    "places far apart",
+                    source, centers_W_m.size()));
 
   ContactRegistration result;
   result.residual_before_m = distances(surface, centers_W_m, result.correction, tip_radius_m);
   result.rms_before_m = rms(result.residual_before_m);
   RigidTransform best = result.correction;
   double damping = 0.0;
+  // Huber's loss (1964): squares up to the limit, beyond it straight lines with the same slope, so that a contact of
+  // something else pulls no harder than one at the limit.
   const auto robust_cost = [&](const std::vector<double>& r, double limit) {
     double sum = 0.0;
     for (const double x : r) sum += std::abs(x) <= limit ? 0.5 * x * x : limit * (std::abs(x) - 0.5 * limit);
@@ -70,6 +80,8 @@ ContactRegistration register_contacts(const Surface& surface, const std::vector<
   std::vector<double> now = result.residual_before_m;
   for (result.iterations = 0; result.iterations < options.most_iterations; ++result.iterations) {
     const double limit = std::max(options.huber_sigmas * robust_sigma(now), 1e-12 * spread);
+    // Gauss and Newton's step for distances d_i(move) = 0, each weighted as the loss' slope over the distance (iterated
+    // reweighting): sum w row row' step = -sum w row d.
     Matrix6 normal = Matrix6::Zero();
     Vector6 gradient = Vector6::Zero();
     const Vec3 about = best.point(centroid);
@@ -81,6 +93,8 @@ ContactRegistration register_contacts(const Surface& surface, const std::vector<
       const Vec3 n = closest.distance_m > 1e-9 * spread
                          ? Vec3(away / (closest.signed_distance_m < 0 ? -away.norm() : away.norm()))
                          : closest.n_W;
+      // A shift s changes the distance by n . s, a turn w about `about` by n . (w x (p - about)) = w . ((p - about) x
+      // n).
       Vector6 row;
       row << n, (p - about).cross(n) / spread;
       const double weight = std::abs(now[i]) <= limit ? 1.0 : limit / std::abs(now[i]);
@@ -88,6 +102,8 @@ ContactRegistration register_contacts(const Surface& surface, const std::vector<
       gradient += weight * row * now[i];
     }
     const Eigen::SelfAdjointEigenSolver<Matrix6> eigen(normal);
+    // A direction in which the object can slide without a distance changing (a plane has three, a sphere too) has an
+    // eigenvalue of nought: no step goes there. Levenberg's damping shortens the others after a step that failed.
     const double strongest = eigen.eigenvalues()[5];
     Vector6 step = Vector6::Zero();
     result.determined_directions = 0;

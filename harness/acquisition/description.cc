@@ -28,7 +28,7 @@ double positive(JsonObject& object, std::string_view key, double otherwise) {
 
 }  // namespace
 
-AcquisitionDescription read_description(const std::filesystem::path& path) {
+AcquisitionDescription read_description(const std::filesystem::path& path, const std::optional<RawStreams>& streams) {
   const auto json = load_json(path);
   AcquisitionDescription d;
   d.file = path;
@@ -36,7 +36,8 @@ AcquisitionDescription read_description(const std::filesystem::path& path) {
   JsonObject root(json, path.string(), "");
   root.schema("touchstone-acquisition/1");
   auto force = root.object("force");
-  d.force_file = beside(force.text("file"));
+  // A file that is named beside recorded streams is left over from another session: it is refused as unknown.
+  d.force_file = streams ? streams->force : beside(force.text("file"));
   if (const auto file = force.optional_text("calibration")) d.calibration_file = beside(*file);
   d.serial = force.optional_text("serial").value_or("");
   if (force.has("bias_from_s"))
@@ -46,7 +47,7 @@ AcquisitionDescription read_description(const std::filesystem::path& path) {
   force.finish();
 
   auto motion = root.object("motion");
-  d.motion_file = beside(motion.text("file"));
+  d.motion_file = streams ? streams->motion : beside(motion.text("file"));
   d.largest_gap_s = positive(motion, "largest_gap_s", d.largest_gap_s);
   d.keep_around_gaps = motion.optional_flag("keep_around_gaps").value_or(false);
   if (motion.has("cutoff_Hz")) d.motion_cutoff_Hz = positive(motion, "cutoff_Hz", 1.0);

@@ -52,7 +52,13 @@ struct AcquisitionDescription {
   double motion_cutoff_Hz = 0.0;  // 0: positions as measured
 };
 
-// Throws BadData naming the file and the place in it.
-AcquisitionDescription read_description(const std::filesystem::path& path);
+// The raw streams where the description does not name them, as when they were recorded a moment ago.
+struct RawStreams {
+  std::filesystem::path force, motion;
+};
+
+// Throws BadData naming the file and the place in it. With `streams`, the description's force and motion name no file.
+AcquisitionDescription read_description(const std::filesystem::path& path,
+                                        const std::optional<RawStreams>& streams = std::nullopt);
 
 }  // namespace touchstone::acquisition

@@ -103,8 +103,10 @@ Errors errors_of(const FreeAirRun& run, const ToolLoad& load, const Vec3& gravit
     if (covered(run.t_wrench_s[i])) t.push_back(run.t_wrench_s[i]), measured.push_back(run.wrench[i]);
   }
   if (t.size() < 10)
-    throw BadData(fmt::format("{}: wrench and orientation overlap in {} samples only; are they of the same run?",
-                              source, t.size()));
+    throw BadData(
+        fmt::format("{}: wrench and orientation overlap in {} samples, and 10 are needed; are the files of the same "
+                    "run, and is the unit of their times right (--time-unit)?",
+                    source, t.size()));
   const auto q = slerp_at(run.t_orientation_s, run.q_WS, t, source);
 
   std::vector<double> before = t, after = t;
@@ -187,7 +189,9 @@ AccelerometerMap identify_accelerometer(const std::vector<Vec3>& readings, const
   const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(a);
   if (n < 4 || qr.rank() < 4)
     throw BadData(
-        fmt::format("{}: the orientations do not determine the accelerometer's axes; at least 4 are needed", source));
+        fmt::format("{}: {} orientations do not determine the accelerometer's axes; at least 4 are needed whose upward "
+                    "directions do not lie in one plane: hold the tool still in more",
+                    source, n));
   const Eigen::MatrixXd x = qr.solve(b);
   AccelerometerMap map;
   map.per_m_per_s2 = x.topRows<3>().transpose();

@@ -17,6 +17,8 @@ struct AccelerometerMap {
   Vec3 offset = Vec3::Zero();
   double residual_m_per_s2 = 0.0;  // root mean square per component
 };
+// Least squares; needs at least four orientations that differ. Throws BadData naming `source` if they do not determine
+// the accelerometer's axes.
 AccelerometerMap identify_accelerometer(const std::vector<Vec3>& readings, const std::vector<Quat>& q_WS,
                                         const Vec3& gravity_W_m_per_s2, const std::string& source);
 
@@ -65,7 +67,8 @@ struct FreeAirReport {
 // Empty, or that the run touches something, where, and how hard.
 std::string contact_message(const FreeAirReport& report, const std::string& source);
 
-// A turn slower than `rest_rad_per_s` counts as rest.
+// A turn slower than `rest_rad_per_s` counts as rest. Throws BadData naming `source` if wrench and orientation hardly
+// overlap in time.
 FreeAirReport analyse_free_air(const FreeAirRun& run, const ToolLoad& load, const AccelerometerMap& accelerometer,
                                const Vec3& gravity_W_m_per_s2, const std::vector<double>& cutoffs_Hz,
                                double rest_rad_per_s, const std::string& source);

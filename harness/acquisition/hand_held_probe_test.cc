@@ -26,6 +26,25 @@ TEST(HandHeldProbe, NeedsNoTapsInTheMotionIfTheToolIsKnown) {
   EXPECT_LT(std::abs(a.to_force_clock(a.reference_s) - s.true_force_time(a.reference_s)), 3e-3);
 }
 
+// A bias that drifts pulls the start one way and the end the other, as a skew of the clocks would.
+TEST(HandHeldProbe, ABiasThatDriftsMovesNeitherEnd) {
+  HandHeldProbe probe(2102, {});
+  ProbeSession s = probe.run();
+  const ClockAlignment steady = align_clocks(s.streams, {}, "session");
+  ASSERT_GT(steady.free_motion, 5U);
+  const double first = s.streams.t_force_s.front(), length = s.streams.t_force_s.back() - first;
+  for (std::size_t i = 0; i < s.streams.t_force_s.size(); ++i)
+    s.streams.force_S_N[i] += Vec3(0.05, -0.05, 0.1) * ((s.streams.t_force_s[i] - first) / length - 0.5);
+  const ClockAlignment a = align_clocks(s.streams, {}, "session");
+  for (const double t : {0.0, s.length_s}) {
+    EXPECT_NEAR(a.to_force_clock(t), steady.to_force_clock(t), 0.1e-3) << t;
+    EXPECT_LT(std::abs(a.to_force_clock(t) - s.true_force_time(t)), 1e-3) << t;
+  }
+  // Near the ends two or three taps carry what is known.
+  EXPECT_LT(a.error_at(0.0).degrees, a.degrees);
+  EXPECT_LT(a.error_at(s.length_s).degrees, a.degrees);
+}
+
 TEST(HandHeldProbe, RefusalsSayWhatToDoNext) {
   const auto complaint = [](const ProbeSession& s) {
     try {

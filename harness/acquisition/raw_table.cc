@@ -18,7 +18,9 @@ RawTable::RawTable(const std::filesystem::path& path) : source_(path.string()) {
   while (table->read(65536, columns_) > 0) {
   }
   rows_ = columns_.empty() ? 0 : columns_.front().size();
-  if (rows_ == 0) throw BadData(fmt::format("{}: has no samples", source_));
+  if (rows_ == 0)
+    throw BadData(fmt::format(
+        "{}: has a header and no samples; was the recording ended before it began, or is it another file?", source_));
 }
 
 std::string RawTable::names() const {
@@ -49,8 +51,10 @@ std::vector<double> RawTable::times_s(const std::string& unit_of_bare_t) const {
   if (t.empty()) throw BadData(fmt::format("{}: has no time column (t_s, t_ms or t_us); it has {}", source_, names()));
   for (std::size_t i = 1; i < t.size(); ++i) {
     if (!(t[i] > t[i - 1])) {
-      throw BadData(fmt::format("{}: sample {}: time runs back or stands still: {:.9g} s after {:.9g} s", source_,
-                                i + 1, t[i], t[i - 1]));
+      throw BadData(
+          fmt::format("{}: sample {}: time runs back or stands still: {:.9g} s after {:.9g} s; take the line out, or "
+                      "sort the file if its lines are mixed up",
+                      source_, i + 1, t[i], t[i - 1]));
     }
   }
   return t;
@@ -81,7 +85,8 @@ std::vector<Quat> RawTable::rotations() const {
   std::vector<Quat> result;
   const auto refuse = [&](std::size_t row, double off) {
     throw BadData(
-        fmt::format("{}: sample {}: the orientation is off a rotation by {:.3g}; its columns are damaged or mixed up",
+        fmt::format("{}: sample {}: the orientation is off a rotation by {:.3g}; its columns are damaged or mixed up: "
+                    "qw, qx, qy, qz must have length 1, and r11 ... r33 be a rotation row by row",
                     source_, row + 1, off));
   };
   if (has("qw")) {

@@ -122,4 +122,21 @@ std::string report_text(const AcquisitionReport& report) {
   return text;
 }
 
+std::string tool_text(const ToolIdentification& t) {
+  std::string text;
+  text += fmt::format("mass             {:.6g} +- {:.2g} kg\n", t.load.mass_kg, t.mass_sigma_kg);
+  text += fmt::format("centre of mass   {:.6g} {:.6g} {:.6g} m (+- {:.2g} {:.2g} {:.2g})\n", t.load.center_S_m.x(),
+                      t.load.center_S_m.y(), t.load.center_S_m.z(), t.center_sigma_m.x(), t.center_sigma_m.y(),
+                      t.center_sigma_m.z());
+  text += fmt::format("bias             {:.6g} {:.6g} {:.6g} N, {:.6g} {:.6g} {:.6g} N m\n", t.load.bias.f_N.x(),
+                      t.load.bias.f_N.y(), t.load.bias.f_N.z(), t.load.bias.torque_Nm.x(), t.load.bias.torque_Nm.y(),
+                      t.load.bias.torque_Nm.z());
+  text += fmt::format("force residual   {:.4g} N RMS per component, {:.4g} N as a vector, {} orientations\n",
+                      t.fit.force_component_N, t.fit.force_vector_N, t.fit.samples);
+  text += fmt::format("held out         {:.4g} N RMS per component, {:.4g} N as a vector\n",
+                      t.held_out.force_component_N, t.held_out.force_vector_N);
+  text += fmt::format("torque residual  {:.4g} N m RMS per component\n", t.fit.torque_component_Nm);
+  return text;
+}
+
 }  // namespace touchstone::acquisition

@@ -14,11 +14,13 @@ MarkerRegistration register_markers(const std::vector<Vec3>& tracker_m, const st
                                     const std::string& source) {
   if (tracker_m.size() != object_m.size()) {
     throw BadData(
-        fmt::format("{}: {} markers of the tracker and {} of the object; they must be the same ones in the same order",
+        fmt::format("{}: {} markers of the tracker and {} of the object; they must be the same ones in the same order: "
+                    "one line each, with both places",
                     source, tracker_m.size(), object_m.size()));
   }
   if (tracker_m.size() < 3)
-    throw BadData(fmt::format("{}: has {} markers; at least 3 are needed, better 4", source, tracker_m.size()));
+    throw BadData(fmt::format("{}: has {} markers; at least 3 are needed, better 4: add more of the object's", source,
+                              tracker_m.size()));
   const auto n = static_cast<Eigen::Index>(tracker_m.size());
   Eigen::Matrix3Xd from(3, n), to(3, n);
   for (Eigen::Index i = 0; i < n; ++i) {
@@ -26,11 +28,14 @@ MarkerRegistration register_markers(const std::vector<Vec3>& tracker_m, const st
     to.col(i) = object_m[static_cast<std::size_t>(i)];
   }
   if (!from.allFinite() || !to.allFinite())
-    throw BadData(fmt::format("{}: a marker's position is not a finite number", source));
+    throw BadData(fmt::format(
+        "{}: a marker's position is not a finite number; leave out a marker that the tracker did not see", source));
 
   MarkerRegistration result;
   result.markers = tracker_m.size();
   result.centroid_m = to.rowwise().mean();
+  // The principal axes of the markers, least variance first. The mean square distance from an axis is the sum of the
+  // variances along the two others.
   const Eigen::Matrix3Xd centred = to.colwise() - result.centroid_m;
   const Eigen::SelfAdjointEigenSolver<Mat3> principal(centred * centred.transpose() / static_cast<double>(n));
   result.axes = principal.eigenvectors();
@@ -46,6 +51,8 @@ MarkerRegistration register_markers(const std::vector<Vec3>& tracker_m, const st
     throw BadData(fmt::format(
         "{}: the markers lie on one line, so the turn about it cannot be known; add a marker beside it", source));
   }
+  // R = U diag(1, 1, det U det V) V' from the singular values of the covariance of both sets about their means, and
+  // t = mean(to) - R mean(from) (Umeyama 1991, equations 40 to 42).
   const Eigen::Matrix4d transform = Eigen::umeyama(from, to, false);
   result.tracker_to_object.q = Quat(Mat3(transform.topLeftCorner<3, 3>())).normalized();
   result.tracker_to_object.t_m = transform.topRightCorner<3, 1>();
@@ -61,9 +68,13 @@ MarkerRegistration register_markers(const std::vector<Vec3>& tracker_m, const st
 double MarkerRegistration::expected_error_m(const Vec3& p_object_m) const {
   if (markers < 4) return std::numeric_limits<double>::quiet_NaN();
   const auto n = static_cast<double>(markers);
+  // Fitzpatrick, West and Maurer 1998: the residual of n markers is FRE^2 = (1 - 2 / n) FLE^2 (Sibson 1979), for six of
+  // their 3 n numbers are fitted, and at a place with distance d_k from the k-th principal axis
+  //   TRE^2 = FLE^2 / n (1 + 1/3 sum over k of d_k^2 / f_k^2)   (equation 46), f_k the markers' own such distance.
   const double localisation = residual_rms_m * residual_rms_m / (1.0 - 2.0 / n);
   const Vec3 d = axes.transpose() * (p_object_m - centroid_m);
   double sum = 0.0;
+  // d_k^2 = |d|^2 - (d along the axis)^2.
   for (int k = 0; k < 3; ++k) sum += (d.squaredNorm() - d[k] * d[k]) / (spread_m[k] * spread_m[k]);
   return std::sqrt(localisation / n * (1.0 + sum / 3.0));
 }

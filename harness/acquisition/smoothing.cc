@@ -21,7 +21,9 @@ std::size_t segment_at(const std::vector<double>& t_s, double t, const std::stri
   const double slack = sample_interval_s(t_s);
   if (!(t >= t_s.front() - slack && t <= t_s.back() + slack)) {
     throw BadData(
-        fmt::format("{}: is asked for at {:.6f} s but covers {:.6f} to {:.6f} s", what, t, t_s.front(), t_s.back()));
+        fmt::format("{}: is asked for at {:.6f} s but covers {:.6f} to {:.6f} s; are the files of one run, and their "
+                    "times of one clock?",
+                    what, t, t_s.front(), t_s.back()));
   }
   const auto after = std::upper_bound(t_s.begin(), t_s.end(), t);
   const auto index = static_cast<std::size_t>(std::distance(t_s.begin(), after));
@@ -64,8 +66,10 @@ Smoothed smooth_at(const std::vector<double>& t_s, const std::vector<Vec3>& valu
     auto high =
         static_cast<std::size_t>(std::distance(t_s.begin(), std::upper_bound(t_s.begin(), t_s.end(), t + half)));
     if (high - low < 2) {
-      throw BadData(fmt::format("{}: has no samples within {:.4g} s of {:.6f} s: a gap of {:.4g} s", what, half, t,
-                                t_s[nearest + 1] - t_s[nearest]));
+      throw BadData(
+          fmt::format("{}: has no samples within {:.4g} s of {:.6f} s: a gap of {:.4g} s, over which nothing is "
+                      "invented; leave that time out, or record again",
+                      what, half, t, t_s[nearest + 1] - t_s[nearest]));
     }
     // Weighted moments of u = (t_i - t) / sigma; the local line's value at u = 0 is sum w (s2 - s1 u) y / (s0 s2 -
     // s1^2).
@@ -75,6 +79,8 @@ Smoothed smooth_at(const std::vector<double>& t_s, const std::vector<Vec3>& valu
       const double u = (t_s[i] - t) / width, w = std::exp(-0.5 * u * u);
       s0 += w, s1 += w * u, s2 += w * u * u;
     }
+    // Each sample's weight in that value; a second pass, so that nothing is kept. Their squares add up to what becomes
+    // of the variance of white noise.
     const double determinant = s0 * s2 - s1 * s1;
     Vec3 value = Vec3::Zero();
     double squares = 0.0;

@@ -13,60 +13,8 @@
 namespace touchstone::acquisition {
 namespace {
 
-using Event = ClockAlignment::Event;
-
-constexpr double ordinary_skew = 100e-6;  // what quartz clocks differ by
-
 // Fewer give no scatter to judge them by.
-constexpr std::size_t fewest_taps = 3, fewest_stretches = 5;
-
-ClockAlignment fit_once(std::vector<Event> events) {
-  ClockAlignment line;
-  const auto n = static_cast<double>(events.size());
-  double sum = 0.0;
-  for (const Event& e : events) {
-    const double weight = 1.0 / (e.sigma_s * e.sigma_s);
-    sum += weight;
-    line.reference_s += weight * e.motion_s;
-  }
-  line.reference_s /= sum;
-  double s_tt = 0.0, s_td = 0.0;
-  for (const Event& e : events) {
-    const double weight = 1.0 / (e.sigma_s * e.sigma_s), t = e.motion_s - line.reference_s, d = e.force_s - e.motion_s;
-    line.offset_s += weight * d / sum;
-    s_tt += weight * t * t;
-    s_td += weight * t * d;
-  }
-  line.offset_sigma_s = 1.0 / std::sqrt(sum);
-  line.skew_sigma = s_tt > 0.0 ? 1.0 / std::sqrt(s_tt) : ordinary_skew;
-  // A skew that is known no better than clocks keep time anyway would only add error.
-  line.skew_fitted = events.size() >= 3 && line.skew_sigma < ordinary_skew;
-  if (line.skew_fitted) line.skew = s_td / s_tt;
-  for (Event& e : events) {
-    e.residual_s = e.force_s - line.to_force_clock(e.motion_s);
-    line.residual_rms_s += e.residual_s * e.residual_s / n;
-  }
-  line.residual_rms_s = std::sqrt(line.residual_rms_s);
-  line.degrees = std::max(1.0, n - (line.skew_fitted ? 2.0 : 1.0));
-  line.events = std::move(events);
-  return line;
-}
-
-// What the events scatter about the line, in units of their sigmas.
-double scatter_of(const ClockAlignment& line) {
-  double chi = 0.0;
-  for (const Event& e : line.events) chi += std::pow(e.residual_s / e.sigma_s, 2);
-  return std::sqrt(chi / line.degrees);
-}
-
-// A line over events of one kind, their sigmas scaled to the scatter that they show.
-ClockAlignment weighed(std::vector<Event> events, double interval_s) {
-  ClockAlignment line = fit_clock_line(std::move(events), interval_s);
-  const double scale = line.events.size() > 2 ? scatter_of(line) : 1.0;
-  if (!(scale > 0.0)) return line;
-  for (Event& e : line.events) e.sigma_s *= scale;
-  return fit_once(std::move(line.events));
-}
+constexpr std::size_t fewest_taps = 3, fewest_clusters = 8;
 
 void check_skew(const ClockAlignment& line, const TapOptions& options, const std::string& source) {
   if (std::abs(line.skew) <= options.largest_skew + 2.0 * line.skew_sigma) return;
@@ -92,33 +40,15 @@ void check_skew(const ClockAlignment& line, const TapOptions& options, const std
       source, contacts, taps, fewest_taps));
 }
 
-}  // namespace
-
-ClockAlignment fit_clock_line(std::vector<Event> events, double interval_s) {
-  // The worst event goes while it lies beyond four of its sigmas, of the others' scatter, and 0.15 samples.
-  constexpr double far = 4.0, small_part = 0.15;
-  ClockAlignment line = fit_once(std::move(events));
-  while (line.events.size() > 4) {
-    const auto ratio = [](const Event& e) { return std::abs(e.residual_s) / e.sigma_s; };
-    const auto worst = std::max_element(line.events.begin(), line.events.end(),
-                                        [&](const Event& a, const Event& b) { return ratio(a) < ratio(b); });
-    std::vector<Event> others = line.events;
-    others.erase(others.begin() + std::distance(line.events.begin(), worst));
-    ClockAlignment without = fit_once(std::move(others));
-    const double miss = std::abs(worst->force_s - without.to_force_clock(worst->motion_s));
-    if (miss < far * worst->sigma_s * std::max(1.0, scatter_of(without)) || miss < small_part * interval_s) break;
-    line = std::move(without);
-  }
+// A line of no skew, about the middle of the motion.
+ClockAlignment near_to(double offset_s, const std::vector<double>& t_motion_s) {
+  ClockAlignment line;
+  line.reference_s = 0.5 * (t_motion_s.front() + t_motion_s.back());
+  line.offset_s = offset_s;
   return line;
 }
 
-double ClockAlignment::sigma_at(double t_motion_s) const {
-  return std::hypot(offset_sigma_s, (skew_fitted ? skew_sigma : ordinary_skew) * (t_motion_s - reference_s));
-}
-
-double ClockAlignment::interval95_at(double t_motion_s) const {
-  return stats::student_t_975(degrees) * sigma_at(t_motion_s);
-}
+}  // namespace
 
 ClockAlignment align_by_taps(const std::vector<double>& t_force_s, const std::vector<double>& normal_force_N,
                              const std::vector<double>& t_motion_s, const std::vector<double>& height_m,
@@ -133,8 +63,8 @@ ClockAlignment align_by_taps(const std::vector<double>& t_force_s, const std::ve
   const auto events =
       tap_events(t_force_s, normal_force_N, t_motion_s, height_m, contacts, coarse, coarse_error_s, 0.0, options);
   if (events.size() < fewest_taps) too_few_taps(contacts.size(), events.size(), options, source);
-  ClockAlignment line = weighed(events, sample_interval_s(t_motion_s));
-  line.taps = line.events.size();
+  const ClockAlignment guess = near_to(coarse, t_motion_s);
+  const ClockAlignment line = fit_clock_line(tap_clusters(events, guess, sample_interval_s(t_motion_s)), guess);
   check_skew(line, options, source);
   return line;
 }
@@ -147,17 +77,15 @@ ClockAlignment align_clocks(const ClockStreams& s, const TapOptions& options, co
   const double coarse =
       coarse_offset(s.t_force_s, without_slow_part(s.t_force_s, s.force_S_N), s.t_motion_s, height, source);
   // Free motion first, if the tool is known: it needs neither contacts nor a direction.
-  ClockAlignment line;
-  line.offset_s = free_motion_offset(s, coarse);
-  std::vector<Event> stretches;
-  for (int pass = 0; pass < 2; ++pass) {  // the shift is linearised: once more at the line that came out
-    auto events = free_motion_events(s, line);
-    if (events.size() < fewest_stretches) break;
-    line = weighed(std::move(events), interval);
-    stretches = line.events;
+  const FreeMotion motion(s);
+  ClockAlignment line = near_to(motion.offset_near(coarse), s.t_motion_s);
+  bool moves = true;
+  for (int pass = 0; moves && pass < 3; ++pass) {  // the shift is linearised: again at the line that came out
+    const auto clusters = motion.clusters(line);
+    moves = clusters.size() >= fewest_clusters;
+    if (moves) line = fit_clock_line(clusters, line);
   }
-  const bool moves = !stretches.empty();
-  if (!moves) line.offset_s = coarse;
+  if (!moves) line = near_to(coarse, s.t_motion_s);
   // The normal's component of what the surface does, by the orientation at that offset.
   std::vector<double> t, at_motion, normal_force;
   std::vector<std::size_t> index;
@@ -177,12 +105,12 @@ ClockAlignment align_clocks(const ClockStreams& s, const TapOptions& options, co
   auto events = tap_events(t, normal_force, s.t_motion_s, height, contacts, line.offset_s,
                            moves ? interval : coarse_error_s, s.tool.mass_kg, options);
   const std::size_t taps = events.size();
-  if (!moves) {
+  if (moves) {
+    line.taps = taps;
+  } else {
     if (taps < fewest_taps) too_few_taps(contacts.size(), taps, options, source);
-    line = weighed(std::move(events), interval);
+    line = fit_clock_line(tap_clusters(std::move(events), line, interval), line);
   }
-  line.taps = moves ? taps : line.events.size();
-  line.free_motion = stretches.size();
   check_skew(line, options, source);
   return line;
 }

@@ -309,7 +309,7 @@ std::vector<ClockAlignment::Event> tap_events(const std::vector<double>& t_force
       events.push_back({t, t - at, sigma, 0.0, false});
     }
     if (events.size() < 2) break;
-    line = fit_clock_line(events, interval);
+    line = line_through(events, interval);
   }
   return events;
 }

@@ -23,6 +23,8 @@ struct Solution {
   double condition = std::numeric_limits<double>::infinity();
 };
 
+// At rest the sensor shows F = m g_S + b_F and T = c x (m g_S) + b_T = -[g_S]x (m c) + b_T, g_S gravity in its own
+// axes: linear in m, m c, b_F and b_T, the ten unknowns in this order.
 void fill(const StaticPose& pose, const Vec3& gravity_W, Eigen::Ref<Eigen::MatrixXd> a, Eigen::Ref<Eigen::VectorXd> b) {
   const Vec3 g = pose.q_WS.conjugate() * gravity_W;
   a.setZero();
@@ -43,6 +45,8 @@ Solution solve(const std::vector<StaticPose>& poses, const Vec3& gravity_W, std:
     fill(poses[i], gravity_W, a.middleRows(row, 6), b.segment(row, 6));
     row += 6;
   }
+  // Columns of one length: kilograms, metres and newtons do not compare. Then A D^-1 = U S V', x = D^-1 V S^-1 U' b and
+  // (A' A)^-1 = H H' with H = D^-1 V S^-1, D the lengths.
   const Eigen::VectorXd scale = a.colwise().norm().transpose();
   Eigen::VectorXd inverse_scale = scale;
   for (Eigen::Index i = 0; i < unknowns; ++i) inverse_scale[i] = scale[i] > 0.0 ? 1.0 / scale[i] : 0.0;
@@ -106,15 +110,21 @@ Wrench contact_wrench_at_tip(const Wrench& measured, const ToolLoad& load, const
 ToolIdentification identify_tool(const std::vector<StaticPose>& poses, const Vec3& gravity_W_m_per_s2,
                                  const std::string& source) {
   if (!(gravity_W_m_per_s2.norm() > 0.0) || !gravity_W_m_per_s2.allFinite()) {
-    throw BadData(fmt::format("{}: gravity is zero or not finite; a weight cannot be found without it", source));
+    throw BadData(
+        fmt::format("{}: gravity is zero or not finite; a weight cannot be found without it: give "
+                    "/tool/gravity_T_m_per_s2 (or --gravity), [0, 0, -9.81] if z is up",
+                    source));
   }
   for (std::size_t i = 0; i < poses.size(); ++i) {
     if (!poses[i].measured.finite() || !(std::abs(poses[i].q_WS.norm() - 1.0) < 1e-6)) {
-      throw BadData(fmt::format("{}: static orientation {} is not finite or not a rotation", source, i + 1));
+      throw BadData(fmt::format(
+          "{}: static orientation {} is not finite or not a rotation; take that line out, or mend its qw, qx, qy, qz",
+          source, i + 1));
     }
   }
   if (poses.empty())
-    throw BadData(fmt::format("{}: has no static orientations; at least 3 are needed, better 6", source));
+    throw BadData(fmt::format(
+        "{}: has no static orientations; at least 3 are needed, better 6: hold the probe still in each", source));
   const Solution all = solve(poses, gravity_W_m_per_s2, std::nullopt);
   if (all.rank < unknowns) {
     throw BadData(fmt::format(
@@ -134,11 +144,14 @@ ToolIdentification identify_tool(const std::vector<StaticPose>& poses, const Vec
   // Force and torque rows share no unknown: mass and b_F (4) come from forces, m c and b_T (6) from torques.
   const auto rows = static_cast<double>(3 * poses.size());
   const auto n = static_cast<double>(poses.size());
+  // Residual squares over the degrees of freedom that are left, and (A' A)^-1 times it: the covariance of least
+  // squares.
   const double force_variance = rows > 4 ? 3 * n * std::pow(result.fit.force_component_N, 2) / (rows - 4) : 0.0;
   const double torque_variance = rows > 6 ? 3 * n * std::pow(result.fit.torque_component_Nm, 2) / (rows - 6) : 0.0;
   result.mass_sigma_kg = std::sqrt(force_variance * all.inverse_normal(0, 0));
   for (int i = 0; i < 3; ++i) {
     result.bias_force_sigma_N[i] = std::sqrt(force_variance * all.inverse_normal(4 + i, 4 + i));
+    // c = (m c) / m, so that to first order var(c) = (var(m c) + c^2 var(m)) / m^2.
     result.center_sigma_m[i] = std::hypot(std::sqrt(torque_variance * all.inverse_normal(1 + i, 1 + i)),
                                           result.load.center_S_m[i] * result.mass_sigma_kg) /
                                std::abs(result.load.mass_kg);

@@ -19,6 +19,7 @@ std::vector<double> slopes(const std::vector<double>& t_s, const std::vector<dou
     double mt = 0.0, mv = 0.0, tv = 0.0, tt = 0.0;
     const auto n = static_cast<double>(to - from);
     for (std::size_t k = from; k < to; ++k) mt += t_s[k] / n, mv += values[k] / n;
+    // Least squares: the covariance of time and value over the variance of time.
     for (std::size_t k = from; k < to; ++k) tv += (t_s[k] - mt) * (values[k] - mv), tt += (t_s[k] - mt) * (t_s[k] - mt);
     result[i] = tt > 0.0 ? tv / tt : 0.0;
   }
@@ -60,6 +61,7 @@ std::vector<double> directions(const AxisSamples& s, double width, bool backlash
     if (std::abs(s.rate[i]) > slow) now = s.rate[i] > 0.0 ? 1.0 : -1.0;
   }
   for (std::size_t i = 0; i < s.place.size(); ++i) {
+    // Over the way w of a reversal the sign goes from -1 to 1 in proportion to the way: dz = 2 dq / w (axis_fit.h).
     if (width > 0.0) {
       if (i > 0) now = std::clamp(now + 2.0 * (s.place[i] - s.place[i - 1]) / width, -1.0, 1.0);
     } else if (std::abs(s.rate[i]) > slow) {
@@ -74,6 +76,7 @@ std::vector<double> high_passed(const AxisSamples& s, double tau_s) {
   std::vector<double> result(s.place.size());
   double slow = s.place.front();
   for (std::size_t i = 1; i < s.place.size(); ++i) {
+    // The exact step of q_tau' = (q - q_tau) / tau towards a place that stands still within a sample.
     slow += (s.place[i] - slow) * -std::expm1(-(s.t_s[i] - s.t_s[i - 1]) / tau_s);
     result[i] = s.place[i] - slow;
   }
@@ -81,6 +84,7 @@ std::vector<double> high_passed(const AxisSamples& s, double tau_s) {
 }
 
 AxisHat hat_at(const AxisSamples& s, double place, Eigen::Index knots) {
+  // A piecewise linear function is the sum of hats: at a place the two about it weigh 1 - share and share.
   const double at = std::clamp((place - s.lowest) / (s.highest - s.lowest), 0.0, 1.0) * static_cast<double>(knots - 1);
   const auto left = std::min(static_cast<Eigen::Index>(at), knots - 2);
   return {left, at - static_cast<double>(left)};
@@ -95,6 +99,8 @@ Eigen::MatrixXd design_of(const AxisSamples& s, const AxisStructure& structure, 
     const AxisHat hat = hat_at(s, s.place[i], structure.knots);
     a(row, hat.left) = 1.0 - hat.share;
     a(row, hat.left + 1) = hat.share;
+    // After h at its knots a column for each term that the structure has: dry z, viscous q', inertia q'', relaxing
+    // (q - q_tau), and the hats of friction over place times z.
     Eigen::Index column = structure.knots;
     if (structure.dry) a(row, column++) = z[i];
     if (structure.viscous) a(row, column++) = s.rate[i];

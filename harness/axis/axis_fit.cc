@@ -156,15 +156,15 @@ Judged with_width(const AxisSamples& s, Judged best) {
 // What `b` has and `a` has not.
 std::string added_terms(const AxisStructure& a, const AxisStructure& b) {
   std::string names;
-  const auto add = [&](bool had, bool has, const char* name) {
-    if (has && !had) names += (names.empty() ? "" : ", ") + std::string(name);
+  const auto add = [&](bool had, bool has, AxisTermKind kind) {
+    if (has && !had) names += (names.empty() ? "" : ", ") + std::string(to_string(kind));
   };
-  add(a.dry || a.friction_over_place, b.dry, "dry friction");
-  add(a.friction_over_place, b.friction_over_place, "friction over place");
-  add(a.viscous, b.viscous, "viscous friction");
-  add(a.inertia, b.inertia, "inertia");
-  add(a.width > 0.0, b.width > 0.0, "reversal width");
-  add(a.tau_s > 0.0, b.tau_s > 0.0, "relaxation");
+  add(a.dry || a.friction_over_place, b.dry, AxisTermKind::dry_friction);
+  add(a.friction_over_place, b.friction_over_place, AxisTermKind::friction_over_place);
+  add(a.viscous, b.viscous, AxisTermKind::viscous_friction);
+  add(a.inertia, b.inertia, AxisTermKind::inertia);
+  add(a.width > 0.0, b.width > 0.0, AxisTermKind::reversal_width);
+  add(a.tau_s > 0.0, b.tau_s > 0.0, AxisTermKind::relaxation);
   return names;
 }
 
@@ -312,6 +312,15 @@ Judged refine(const AxisSamples& s, Judged best, AxisFit& fit) {
   return knotted.knots == best.structure.knots ? best : judge(s, knotted);
 }
 
+// The standard deviation of a column's noise: that of second differences is sqrt(6) times as large. What the column
+// bends within three samples counts as noise, too.
+double noise_of(const std::vector<double>& column) {
+  double square = 0.0;
+  for (std::size_t i = 2; i < column.size(); ++i)
+    square += std::pow(column[i] - 2.0 * column[i - 1] + column[i - 2], 2);
+  return std::sqrt(square / 6.0 / static_cast<double>(column.size() - 2));
+}
+
 // The loop's area over a mean cycle: the integral of the load over the place, whatever h is.
 void measure_loop(const AxisSamples& s, AxisFit& fit) {
   const std::vector<double> z = directions(s, 0.0, false);
@@ -321,24 +330,34 @@ void measure_loop(const AxisSamples& s, AxisFit& fit) {
     if (z[i] != z[i - 1]) ++fit.reversals;
   }
   fit.loss = fit.reversals > 0 ? 2.0 * work / static_cast<double>(fit.reversals + 1) : work;
+  // Work from place to place may be stored; only around a closed loop must it be lost.
+  constexpr double closed = 0.02, clear_deviations = 5.0;
+  if (std::abs(s.place.back() - s.place.front()) > closed * (s.highest - s.lowest)) return;
+  double of_places = 0.0, of_loads = 0.0;
+  for (std::size_t i = 1; i < s.place.size(); ++i) {
+    of_places += std::pow(s.place[i] - s.place[i - 1], 2);
+    of_loads += std::pow(s.load[i] - s.load[i - 1], 2);
+  }
+  const double error = std::hypot(noise_of(s.load) * std::sqrt(of_places), noise_of(s.place) * std::sqrt(of_loads));
+  fit.gives_work = work < -clear_deviations * error;
 }
 
 void report(const AxisSamples& s, const Judged& best, AxisFit& fit) {
   const AxisStructure& structure = best.structure;
   fit.backlash = structure.backlash;
   Eigen::Index term = 0;
-  const auto add = [&](const char* name) {
-    fit.terms.push_back({name, best.coefficient(term), best.error(term)});
+  const auto add = [&](AxisTermKind kind) {
+    fit.terms.push_back({kind, best.coefficient(term), best.error(term)});
     ++term;
   };
-  if (structure.dry) fit.dry = best.coefficient(term), add("dry friction");
-  if (structure.viscous) add("viscous friction");
-  if (structure.inertia) add("inertia");
+  if (structure.dry) fit.dry = best.coefficient(term), add(AxisTermKind::dry_friction);
+  if (structure.viscous) add(AxisTermKind::viscous_friction);
+  if (structure.inertia) add(AxisTermKind::inertia);
   if (structure.tau_s > 0.0) {
-    add("relaxation");
-    fit.terms.push_back({"relaxation time", structure.tau_s, {}});
+    add(AxisTermKind::relaxation);
+    fit.terms.push_back({AxisTermKind::relaxation_time, structure.tau_s, {}});
   }
-  if (structure.width > 0.0) fit.terms.push_back({"reversal width", structure.width, {}});
+  if (structure.width > 0.0) fit.terms.push_back({AxisTermKind::reversal_width, structure.width, {}});
   for (Eigen::Index k = 0; k < structure.knots; ++k) {
     fit.knots.push_back(knot_place(s, k, structure.knots));
     fit.over_place.push_back(best.x[k]);
@@ -350,7 +369,7 @@ void report(const AxisSamples& s, const Judged& best, AxisFit& fit) {
       error = std::max(error, best.error(term + k));
     }
     fit.dry = mean;
-    fit.terms.push_back({"friction over place", mean, error});
+    fit.terms.push_back({AxisTermKind::friction_over_place, mean, error});
     for (const double knot : fit.knots) {
       const AxisHat hat = hat_at(s, knot, friction_knots);
       fit.friction_over_place.push_back((1.0 - hat.share) * best.coefficient(term + hat.left) +
@@ -361,12 +380,32 @@ void report(const AxisSamples& s, const Judged& best, AxisFit& fit) {
   fit.place_range = high - low;
 }
 
-double term_of(const AxisFit& fit, std::string_view name) {
-  const auto found = std::ranges::find(fit.terms, name, &AxisTerm::name);
+double term_of(const AxisFit& fit, AxisTermKind kind) {
+  const auto found = std::ranges::find(fit.terms, kind, &AxisTerm::kind);
   return found == fit.terms.end() ? 0.0 : found->value;
 }
 
 }  // namespace
+
+const char* to_string(AxisTermKind kind) {
+  switch (kind) {
+    case AxisTermKind::dry_friction:
+      return "dry friction";
+    case AxisTermKind::viscous_friction:
+      return "viscous friction";
+    case AxisTermKind::inertia:
+      return "inertia";
+    case AxisTermKind::friction_over_place:
+      return "friction over place";
+    case AxisTermKind::reversal_width:
+      return "reversal width";
+    case AxisTermKind::relaxation:
+      return "relaxation";
+    case AxisTermKind::relaxation_time:
+      return "relaxation time";
+  }
+  return "";
+}
 
 AxisFit fit_axis(const AxisRun& run) {
   check_run(run);
@@ -407,8 +446,8 @@ std::vector<double> fitted_load(const AxisFit& fit, const AxisRun& run) {
   AxisSamples s = samples_of(run);
   s.lowest = fit.knots.front(), s.highest = fit.knots.back();
   const auto knots = static_cast<Eigen::Index>(fit.knots.size());
-  const std::vector<double> z = directions(s, term_of(fit, "reversal width"), fit.backlash);
-  const double tau_s = term_of(fit, "relaxation time");
+  const std::vector<double> z = directions(s, term_of(fit, AxisTermKind::reversal_width), fit.backlash);
+  const double tau_s = term_of(fit, AxisTermKind::relaxation_time);
   const std::vector<double> passed = tau_s > 0.0 ? high_passed(s, tau_s) : std::vector<double>(s.place.size());
   const auto at = [](const std::vector<double>& values, const AxisHat& hat) {
     const auto left = static_cast<std::size_t>(hat.left);
@@ -418,8 +457,9 @@ std::vector<double> fitted_load(const AxisFit& fit, const AxisRun& run) {
   for (std::size_t i = 0; i < s.place.size(); ++i) {
     const AxisHat hat = hat_at(s, s.place[i], knots);
     const double friction = fit.friction_over_place.empty() ? fit.dry : at(fit.friction_over_place, hat);
-    load.push_back(at(fit.over_place, hat) + friction * z[i] + term_of(fit, "viscous friction") * s.rate[i] +
-                   term_of(fit, "inertia") * s.acceleration[i] + term_of(fit, "relaxation") * passed[i]);
+    load.push_back(
+        at(fit.over_place, hat) + friction * z[i] + term_of(fit, AxisTermKind::viscous_friction) * s.rate[i] +
+        term_of(fit, AxisTermKind::inertia) * s.acceleration[i] + term_of(fit, AxisTermKind::relaxation) * passed[i]);
   }
   return load;
 }

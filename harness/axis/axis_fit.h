@@ -29,9 +29,20 @@ struct AxisRun {
   bool keep_rest = false;  // samples at rest count too (an indentation that is held relaxes); a joint's friction rests
 };
 
+enum class AxisTermKind {
+  dry_friction,
+  viscous_friction,
+  inertia,
+  friction_over_place,
+  reversal_width,
+  relaxation,
+  relaxation_time
+};
+// "dry friction", "viscous friction", ...: as results have it.
+const char* to_string(AxisTermKind kind);
+
 struct AxisTerm {
-  std::string name;  // "dry friction", "viscous friction", "inertia", "friction over place", "reversal width",
-                     // "relaxation", "relaxation time"
+  AxisTermKind kind = AxisTermKind::dry_friction;
   double value = 0.0;
   std::optional<double> standard_error;  // from blocks of the recording; none for what a grid was searched for
 };
@@ -54,6 +65,9 @@ struct AxisFit {
   double before = 0.0;                      // RMS of the held-out load about its mean
   double after = 0.0;                       // RMS that the fit leaves of the held-out blocks
   double loss = 0.0;                        // work lost over a mean cycle there and back: the area of the loop
+  // A run that ends where it began gives more work than it takes, by more than five deviations of what noise of load
+  // and place makes of that sum: no passive object does.
+  bool gives_work = false;
   std::size_t reversals = 0;
   std::vector<AxisStep> steps;
   AxisReversal reversal = AxisReversal::at_once;

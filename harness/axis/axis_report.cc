@@ -6,12 +6,22 @@
 
 namespace touchstone::axis {
 
-std::string unit_of_term(const std::string& term, const AxisWords& words) {
-  if (term == "viscous friction") return fmt::format("{} s/{}", words.load_unit, words.place_unit);
-  if (term == "inertia") return fmt::format("{} s^2/{}", words.load_unit, words.place_unit);
-  if (term == "relaxation") return fmt::format("{}/{}", words.load_unit, words.place_unit);
-  if (term == "relaxation time") return "s";
-  if (term == "reversal width") return words.place_unit;
+std::string unit_of_term(AxisTermKind term, const AxisWords& words) {
+  switch (term) {
+    case AxisTermKind::viscous_friction:
+      return fmt::format("{} s/{}", words.load_unit, words.place_unit);
+    case AxisTermKind::inertia:
+      return fmt::format("{} s^2/{}", words.load_unit, words.place_unit);
+    case AxisTermKind::relaxation:
+      return fmt::format("{}/{}", words.load_unit, words.place_unit);
+    case AxisTermKind::relaxation_time:
+      return "s";
+    case AxisTermKind::reversal_width:
+      return words.place_unit;
+    case AxisTermKind::dry_friction:
+    case AxisTermKind::friction_over_place:
+      break;
+  }
   return words.load_unit;
 }
 
@@ -47,12 +57,18 @@ std::vector<std::string> axis_remarks(const AxisFit& fit, const AxisWords& words
                     "its sign reversed? give --flip-force",
                     words.load, fit.dry_alone, words.load_unit));
   }
+  if (fit.gives_work && !fit.reversed) {
+    remarks.push_back(
+        fmt::format("the loop gives more work than it takes, which no passive object does: there and back are in the "
+                    "wrong order in the file or its map, the {} is late, or it drifts",
+                    words.load));
+  }
   if (fit.friction_undecided) {
     remarks.push_back(fmt::format(
         "dry and viscous friction cannot be told apart here: the speed is {:.3g} to {:.3g} {}/s; dry alone, {:.4g} {}, "
         "leaves {:.4g} {}, viscous alone, {:.4g} {}, leaves {:.4g} {}. Record at two speeds, one three times the other",
         fit.slowest, fit.fastest, words.place_unit, fit.dry_alone, words.load_unit, fit.dry_left, words.load_unit,
-        fit.viscous_alone, unit_of_term("viscous friction", words), fit.viscous_left, words.load_unit));
+        fit.viscous_alone, unit_of_term(AxisTermKind::viscous_friction, words), fit.viscous_left, words.load_unit));
   }
   if (fit.reversal == AxisReversal::undecided) {
     remarks.push_back(fmt::format(
@@ -60,7 +76,7 @@ std::vector<std::string> axis_remarks(const AxisFit& fit, const AxisWords& words
         "Record slow reversals of small amplitude",
         words.load));
   }
-  if (words.place == "indentation" && fit.reversals == 1) {
+  if (words.indentation && fit.reversals == 1) {
     remarks.push_back(fmt::format(
         "one way there and one back: relaxation, friction, adhesion and damage all open the loop alike, and "
         "what is named above may be any of them. Record two speeds and a hold"));
@@ -87,10 +103,11 @@ std::string axis_values(const AxisFit& fit, const AxisWords& words) {
     text += fmt::format("{:26} {}\n", name, value);
   };
   for (const AxisTerm& term : fit.terms) {
-    line(term.name,
-         fmt::format(
-             "{:.4g}{} {}", term.value, term.standard_error ? fmt::format(" +- {:.2g}", *term.standard_error) : "",
-             unit_of_term(term.name, words) + (term.name == "reversal width" ? reversal_words(fit.reversal) : "")));
+    line(to_string(term.kind),
+         fmt::format("{:.4g}{} {}", term.value,
+                     term.standard_error ? fmt::format(" +- {:.2g}", *term.standard_error) : "",
+                     unit_of_term(term.kind, words) +
+                         (term.kind == AxisTermKind::reversal_width ? reversal_words(fit.reversal) : "")));
   }
   line(fmt::format("{} over {}", words.load, words.place),
        fmt::format("{:.4g} {} between its lowest and highest, from {:.4g} to {:.4g} {}", fit.place_range,
@@ -114,7 +131,8 @@ std::string axis_json(const AxisFit& fit, const AxisWords& words, std::optional<
                            {"load", {{"name", words.load}, {"unit", words.load_unit}}}};
   j["terms"] = nlohmann::ordered_json::array();
   for (const AxisTerm& term : fit.terms) {
-    nlohmann::ordered_json one{{"name", term.name}, {"value", term.value}, {"unit", unit_of_term(term.name, words)}};
+    nlohmann::ordered_json one{
+        {"name", to_string(term.kind)}, {"value", term.value}, {"unit", unit_of_term(term.kind, words)}};
     if (term.standard_error) one["standard_error"] = *term.standard_error;
     j["terms"].push_back(std::move(one));
   }

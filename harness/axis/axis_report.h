@@ -12,10 +12,11 @@ namespace touchstone::axis {
 // The words of a joint ("torque over angle") or of an indentation ("force over indentation").
 struct AxisWords {
   std::string place = "angle", place_unit = "rad", load = "torque", load_unit = "N m";
+  bool indentation = false;
 };
 
 // The unit of a term, from those of place and load.
-std::string unit_of_term(const std::string& term, const AxisWords& words);
+std::string unit_of_term(AxisTermKind term, const AxisWords& words);
 
 // `floor`: what a repeat of the recording differs by, if there is one.
 std::string axis_text(const AxisFit& fit, const AxisWords& words, std::optional<double> floor);

@@ -53,13 +53,13 @@ inline AxisRun made_axis(const AxisTruth& truth, double unit, double noise, Rand
 
 inline std::map<std::string, double> terms_of(const AxisFit& fit) {
   std::map<std::string, double> terms;
-  for (const AxisTerm& term : fit.terms) terms[term.name] = term.value;
+  for (const AxisTerm& term : fit.terms) terms[to_string(term.kind)] = term.value;
   return terms;
 }
 
 inline std::string names_of(const AxisFit& fit) {
   std::string names;
-  for (const AxisTerm& term : fit.terms) names += (names.empty() ? "" : ", ") + term.name;
+  for (const AxisTerm& term : fit.terms) names += (names.empty() ? "" : ", ") + std::string(to_string(term.kind));
   return names;
 }
 

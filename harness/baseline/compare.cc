@@ -146,6 +146,7 @@ void add_gates(const GroupTolerance& limits, GroupResult& result) {
 GroupResult compare_group(const ComparedQuantity& group, const Pair& pair, const GroupTolerance& limits,
                           const TimeTube& tube, std::vector<unsigned char>& drifted) {
   GroupResult result;
+  result.quantity = group.id;
   result.group = group.name;
   result.unit = group.unit;
   const std::size_t rows = pair.expected[0].size();
@@ -167,7 +168,7 @@ GroupResult compare_group(const ComparedQuantity& group, const Pair& pair, const
     ++result.drift;
     drifted[row] = 1;
     RowError error = row_error(pair, row, limits, result.peak, tube, axis_square);
-    if (group.name == "orientation") {
+    if (group.id == Quantity::orientation) {
       error.length = rotation_angle(pair, row);
       error.share = used(error.length, limits.atol);
     }
@@ -289,8 +290,8 @@ ContactEvents pair_events(Series t_s, Series expected, Series obtained) {
 GroupResult compare_contact(Pair pair, Series t_s, const Tolerance& tolerance, Comparison& comparison,
                             std::vector<unsigned char>& drifted) {
   const TimeTube no_tube({}, {}, 0.0);
-  const ComparedQuantity& group = *quantity_of_column("contact");
-  GroupResult result = compare_group(group, pair, tolerance.of("contact"), no_tube, drifted);
+  const ComparedQuantity& group = compared_quantity(Quantity::contact);
+  GroupResult result = compare_group(group, pair, tolerance.of(group.name), no_tube, drifted);
   comparison.events = pair_events(t_s, pair.expected[0], pair.obtained[0]);
   if (tolerance.tube_s > 0.0) {
     result.tolerance_used = used(comparison.events.max_shift_s, tolerance.tube_s);
@@ -341,15 +342,16 @@ Comparison compare(const TrajectoryColumns& expected, const TrajectoryColumns& o
       ++pair.axes;
     }
     if (pair.axes == 0) continue;
-    if (group.name == "orientation" && pair.axes != 4) {
+    if (group.id == Quantity::orientation && pair.axes != 4) {
       result.problems.push_back(fmt::format("{}: an orientation needs qw, qx, qy and qz", expected.source));
       result.verdict = Verdict::invalid;
       return result;
     }
-    const bool rendered = group.name == "force" || group.name == "contact_position" || group.name == "torque";
-    result.groups.push_back(group.name == "contact" ? compare_contact(pair, *t_s, tolerance, result, drifted)
-                                                    : compare_group(group, pair, tolerance.of(group.name),
-                                                                    rendered ? tube : no_tube, drifted));
+    const bool rendered =
+        group.id == Quantity::force || group.id == Quantity::contact_position || group.id == Quantity::torque;
+    result.groups.push_back(group.id == Quantity::contact ? compare_contact(pair, *t_s, tolerance, result, drifted)
+                                                          : compare_group(group, pair, tolerance.of(group.name),
+                                                                          rendered ? tube : no_tube, drifted));
     result.verdict = worst(result.verdict, result.groups.back().verdict);
   }
   result.drift = static_cast<std::size_t>(std::ranges::count(drifted, 1));

@@ -26,7 +26,8 @@ struct Gate {
 // The error of one quantity, in its SI unit; the error of a sample is the Euclidean length of the difference, for an
 // orientation the angle between the two.
 struct GroupResult {
-  std::string group;
+  Quantity quantity = Quantity::time;
+  std::string group;  // its name
   std::string unit;
   Verdict verdict = Verdict::equal;
   double rms = 0.0;

@@ -87,13 +87,13 @@ std::vector<std::pair<std::string, double>> metrics_of(const Comparison& compari
     if (std::isfinite(value)) metrics.emplace_back(std::move(name), value);
   };
   for (const GroupResult& g : comparison.groups) {
-    if (g.group == "contact") continue;
+    if (g.quantity == Quantity::contact) continue;
     add(fmt::format("{}_rms_{}", g.group, g.unit), g.rms);
     add(fmt::format("{}_p99_{}", g.group, g.unit), g.p99);
     add(fmt::format("{}_max_{}", g.group, g.unit), g.max);
-    if (g.group != "force") continue;
+    if (g.quantity != Quantity::force) continue;
     for (std::size_t a = 0; a < 3; ++a)
-      add(fmt::format("force_{}_rms_N", quantity_of_column("fx")->columns[a]), g.axis_rms[a]);
+      add(fmt::format("force_{}_rms_N", compared_quantity(Quantity::force).columns[a]), g.axis_rms[a]);
   }
   if (comparison.groups.empty()) return metrics;
   if (comparison.find("contact") != nullptr) {

@@ -81,6 +81,17 @@ TEST(TimeTube, ForceOutsideTheGoldensBandFailsNearAnEventToo) {
   EXPECT_EQ(compare(tap(30, 60), obtained, with_tube(0.005)).verdict, Verdict::worse);
 }
 
+// The error is what is missing to the band, on either side.
+TEST(TimeTube, ForceWithinToleranceOfTheGoldensBandPasses) {
+  for (const double force : {-5e-7, 1.0 + 5e-7}) {
+    auto obtained = tap(30, 60);
+    obtained.columns[1].values[30] = force;
+    EXPECT_EQ(compare(tap(30, 60), obtained, with_tube(0.005)).verdict, Verdict::equal) << force;
+    obtained.columns[1].values[30] = force < 0.5 ? -1e-5 : 1.0 + 1e-5;
+    EXPECT_EQ(compare(tap(30, 60), obtained, with_tube(0.005)).verdict, Verdict::worse) << force;
+  }
+}
+
 TEST(TimeTube, NeedsTheContactColumn) {
   auto golden = tap(30, 60);
   golden.columns.pop_back();

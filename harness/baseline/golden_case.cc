@@ -100,7 +100,11 @@ GoldenCase load_case(const std::filesystem::path& folder) {
             golden.name, folder.filename().string()));
   }
   golden.summary = object.text("summary");
-  golden.surface = read_case_surface(object.object("surface"), folder, CaseFiles::own_folder);
+  if (object.has("scene") && !object.has("surface")) {
+    golden.scene = object.raw("scene").dump();
+  } else {
+    golden.surface = read_case_surface(object.object("surface"), folder, CaseFiles::own_folder);
+  }
   golden.trajectory = read_case_trajectory(object.object("trajectory"), folder, CaseFiles::own_folder);
   golden.scale = positive(object, "scale", 1.0);
   golden.speed = positive(object, "speed", 1.0);

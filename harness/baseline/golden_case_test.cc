@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <cstdlib>
 #include <filesystem>
 
@@ -137,6 +138,8 @@ TEST(GoldenSummary, SaysWhatIsInTheRun) {
   EXPECT_EQ(summary.contact_samples, 49U);
   EXPECT_EQ(summary.contact_events, 1U);
   EXPECT_NEAR(summary.peak_force_N, 0.05 * 49 / 3.0, 1e-12);
+  EXPECT_NEAR(summary.rms_force_N, 0.05 / 3.0 * std::sqrt(49.0 * 99.0 / 6.0), 1e-12);  // of 0, 1, ..., 49
+  EXPECT_EQ(summarise({}).rms_force_N, 0.0);
   EXPECT_NEAR(summary.contact_path_m, 0.049, 1e-12);
   auto other = rendered();
   other.f_W_N[7].z() = std::nextafter(other.f_W_N[7].z(), 1.0);

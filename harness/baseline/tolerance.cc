@@ -32,7 +32,7 @@ void read_group(JsonObject object, const ComparedQuantity& group, Tolerance& tol
       object.fail_at("beyond", "a whole number of samples was expected");
     limits.beyond = static_cast<std::size_t>(*beyond);
   }
-  if (group.name == "contact") {
+  if (group.id == Quantity::contact) {
     read_limit(object, "tube_s", tolerance.tube_s);
   } else {
     const auto with_unit = [&](std::string_view name) { return fmt::format("{}_{}", name, group.unit); };
@@ -91,7 +91,7 @@ nlohmann::json to_json(const Tolerance& tolerance) {
     const GroupTolerance& limits = tolerance.of(group.name);
     auto& object = document[std::string(group.name)];
     object["beyond"] = limits.beyond;
-    if (group.name == "contact") {
+    if (group.id == Quantity::contact) {
       object["tube_s"] = tolerance.tube_s;
       continue;
     }

@@ -6,13 +6,13 @@ namespace touchstone::baseline {
 namespace {
 
 constexpr std::array<ComparedQuantity, 7> groups{{
-    {"time", "s", {"t"}},
-    {"position", "m", {"x", "y", "z"}},
-    {"contact_position", "m", {"px", "py", "pz"}},
-    {"force", "N", {"fx", "fy", "fz"}},
-    {"torque", "Nm", {"tx", "ty", "tz"}},
-    {"orientation", "rad", {"qw", "qx", "qy", "qz"}},
-    {"contact", "1", {"contact"}},
+    {Quantity::time, "time", "s", {"t"}},
+    {Quantity::position, "position", "m", {"x", "y", "z"}},
+    {Quantity::contact_position, "contact_position", "m", {"px", "py", "pz"}},
+    {Quantity::force, "force", "N", {"fx", "fy", "fz"}},
+    {Quantity::torque, "torque", "Nm", {"tx", "ty", "tz"}},
+    {Quantity::orientation, "orientation", "rad", {"qw", "qx", "qy", "qz"}},
+    {Quantity::contact, "contact", "1", {"contact"}},
 }};
 
 void add_vectors(TrajectoryColumns& set, const std::array<std::string_view, 3>& names,
@@ -43,6 +43,8 @@ std::size_t ComparedQuantity::size() const noexcept {
 }
 
 const std::array<ComparedQuantity, 7>& compared_quantities() noexcept { return groups; }
+
+const ComparedQuantity& compared_quantity(Quantity id) noexcept { return groups[static_cast<std::size_t>(id)]; }
 
 const ComparedQuantity* quantity_of_column(std::string_view column) noexcept {
   for (const ComparedQuantity& group : groups) {

@@ -29,16 +29,20 @@ struct TrajectoryColumns {
   [[nodiscard]] std::size_t rows() const noexcept;
 };
 
+enum class Quantity { time, position, contact_position, force, torque, orientation, contact };
+
 // Columns that belong together and are compared as one quantity.
 struct ComparedQuantity {
+  Quantity id;
   std::string_view name;                    // as in tolerance files: "force"
   std::string_view unit;                    // SI: "N"
   std::array<std::string_view, 4> columns;  // empty names behind the last
   [[nodiscard]] std::size_t size() const noexcept;
 };
 
-// time, position, contact_position, force, torque, orientation, contact.
+// In the order of Quantity.
 const std::array<ComparedQuantity, 7>& compared_quantities() noexcept;
+const ComparedQuantity& compared_quantity(Quantity id) noexcept;
 // The group a column belongs to; nullptr when the name is not known.
 const ComparedQuantity* quantity_of_column(std::string_view column) noexcept;
 

@@ -20,9 +20,17 @@ namespace {
 
 namespace fs = std::filesystem;
 
+// What is measured of a replay, by the word that --metric gives.
+enum class MetricKind { operations, time, comparison };
+
+MetricKind kind_of(const std::string& metric) {
+  if (metric == "operations") return MetricKind::operations;
+  return metric == "time" ? MetricKind::time : MetricKind::comparison;
+}
+
 class Replayer {
  public:
-  explicit Replayer(const ReplayMeasure& request) : request_(request) {
+  explicit Replayer(const ReplayMeasure& request) : request_(request), kind_(kind_of(request.metric)) {
     for (const fs::path& needed : {file("mesh.obj"), file("trajectory.csv"), file(request_.model + ".json")}) {
       if (!fs::exists(needed))
         throw UsageError(
@@ -38,8 +46,8 @@ class Replayer {
     if (!fs::exists(program)) return std::nullopt;
     // One measures at a time: two would slow one another, and the HDF5 library is not for several threads.
     const std::lock_guard lock(mutex_);
-    if (request_.metric == "time") return relative_time(built, program, stop);
-    if (request_.metric == "operations") return operations(built, program, stop);
+    if (kind_ == MetricKind::time) return relative_time(built, program, stop);
+    if (kind_ == MetricKind::operations) return operations(built, program, stop);
     const fs::path rendered = built.work / "rendered.csv";
     if (!replay(built, program, rendered, {}, stop)) return std::nullopt;
     if (golden_.empty()) {
@@ -116,6 +124,7 @@ class Replayer {
   }
 
   ReplayMeasure request_;
+  MetricKind kind_;
   fs::path golden_;
   std::mutex mutex_;
 };
@@ -123,7 +132,7 @@ class Replayer {
 }  // namespace
 
 std::string where_it_differs(const ReplayMeasure& request, const std::string& commit) {
-  if (request.metric == "operations" || request.metric == "time") return "";
+  if (kind_of(request.metric) != MetricKind::comparison) return "";
   const fs::path rendered = request.out / "commits" / commit.substr(0, 10) / "rendered.csv";
   for (const fs::path& golden :
        {request.reference / (request.model + ".h5"), request.reference / (request.model + ".golden.csv"),
@@ -136,7 +145,7 @@ std::string where_it_differs(const ReplayMeasure& request, const std::string& co
 }
 
 Measure replay_measure(const ReplayMeasure& request) {
-  if (request.metric == "time" && !request.plugin.empty())
+  if (kind_of(request.metric) == MetricKind::time && !request.plugin.empty())
     throw UsageError("--metric time: of a plug-in, measure it by a command of its own (--measure)");
   const auto replayer = std::make_shared<Replayer>(request);
   return [replayer](const BuiltCommit& built, const std::atomic<bool>& stop) { return replayer->measure(built, stop); };

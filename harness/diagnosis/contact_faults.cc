@@ -27,7 +27,7 @@ std::optional<Finding> find_standoff(const Engine& engine) {
   Probe probe(engine, level_block());
   const StepResult now = probe.approach(kFoot, Vec3::UnitZ(), kDepth_m);
   const double above_m = now.contact_W_m.z() - engine.tip_radius_m;
-  const double allowed_m = std::max(kPlaceRounding_m, engine.epsilon_m);
+  const double allowed_m = kPlaceRounding_m + engine.epsilon_m;
   if (now.contact && std::abs(above_m) <= allowed_m) return std::nullopt;
   if (!now.contact) {
     return Finding{"standoff", "a tip pressed on the level top of a block touches nothing",

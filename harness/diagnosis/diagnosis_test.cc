@@ -13,6 +13,7 @@
 #include <thread>
 
 #include "harness/base/error.h"
+#include "harness/base/random.h"
 #include "harness/testing/allocation_guard.h"
 #include "renderers/catalogue.h"
 
@@ -285,6 +286,34 @@ TEST_P(Healthy, IsClean) {
 INSTANTIATE_TEST_SUITE_P(Diagnosis, Healthy, ::testing::Values("god-object", "friction-cone"), [](const auto& tested) {
   return tested.param == "god-object" ? "GodObject" : "FrictionCone";
 });
+
+// Interrupts at 2 % of the steps, others in every run: three runs have ten of a million in common.
+TEST(Diagnosis, ABusyMachineIsNoLateSpike) {
+  Random random(11);
+  const Engine engine = engine_of({"interrupted", "", {}, [&](auto&, auto&, auto&) {
+                                     if (random.uniform() < 0.02) burn(3e-5);
+                                   }});
+  const auto finding = find_detector("late-spike").find(engine);
+  EXPECT_FALSE(finding.has_value()) << finding->what;
+}
+
+// A ball that stands off by its engine's epsilon, which rounding lengthens.
+TEST(Diagnosis, AnEpsilonThatIsDeclaredIsNoStandoff) {
+  Engine engine = engine_of({"lifted",
+                             "",
+                             {},
+                             [](StepResult& result, auto&, auto&) {
+                               if (result.contact) result.contact_W_m.z() += 1e-7 + 1e-17;
+                             },
+                             "god-object",
+                             R"(, "tip_radius_m": 0.001)"});
+  engine.tip_radius_m = 0.001;
+  engine.epsilon_m = 1e-7;
+  const auto finding = find_detector("standoff").find(engine);
+  EXPECT_FALSE(finding.has_value()) << finding->what;
+  engine.epsilon_m = 0.9e-7;
+  EXPECT_TRUE(find_detector("standoff").find(engine).has_value());
+}
 
 TEST(Diagnosis, EveryDetectorHasAPlantedFaultAndItsOwnName) {
   const auto planted = faults();

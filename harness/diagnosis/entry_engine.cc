@@ -1,5 +1,6 @@
 #include "harness/diagnosis/entry_engine.h"
 
+#include <algorithm>
 #include <cctype>
 #include <cmath>
 #include <utility>
@@ -52,19 +53,23 @@ Engine engine_of(const RendererEntry& entry, const EngineFacts& facts) {
   };
   engine.stiffness_N_per_m = facts.stiffness_N_per_m;
   if (engine.stiffness_N_per_m == 0.0) {
-    const auto declared = checked.values().find("stiffness_N_per_m");
-    if (declared == checked.values().end()) {
+    const auto stiffness = checked.values().find("stiffness_N_per_m");
+    if (stiffness == checked.values().end()) {
       throw UsageError("the renderer " + entry.name +
                        " has no parameter stiffness_N_per_m: say how steeply its force rises with depth, in N/m");
     }
-    engine.stiffness_N_per_m = declared->second;
+    engine.stiffness_N_per_m = stiffness->second;
   }
+  const auto declared = [&](const char* name) {
+    const auto found = checked.values().find(name);
+    return found == checked.values().end() ? 0.0 : found->second;
+  };
   engine.friction = facts.friction;
+  if (engine.friction == 0.0) engine.friction = std::max(declared("mu_static"), declared("mu_dynamic"));
   engine.tip_radius_m = facts.tip_radius_m;
+  if (engine.tip_radius_m == 0.0) engine.tip_radius_m = declared("tip_radius_m");
   engine.epsilon_m = facts.epsilon_m;
-  if (const auto declared = checked.values().find("epsilon_m");
-      engine.epsilon_m == 0.0 && declared != checked.values().end())
-    engine.epsilon_m = declared->second;
+  if (engine.epsilon_m == 0.0) engine.epsilon_m = declared("epsilon_m");
   if (engine.epsilon_m == 0.0) engine.epsilon_m = entry.epsilon_m;
   engine.cannot = entry.cannot;
   return engine;

@@ -23,9 +23,9 @@ std::map<std::string, double> in_unit(const std::vector<ParameterDeclaration>& d
 struct EngineFacts {
   std::map<std::string, double> parameters;  // others have their defaults
   double stiffness_N_per_m = 0.0;            // the steepest rise of force with depth; 0: the value of stiffness_N_per_m
-  double friction = 0.0;                     // largest |f_t| / f_n
-  double tip_radius_m = 0.0;
-  double epsilon_m = 0.0;  // lengths below it are nothing to the renderer; 0: the value of epsilon_m, if it has that
+  double friction = 0.0;      // largest |f_t| / f_n; 0: the larger value of mu_static and mu_dynamic, if it has them
+  double tip_radius_m = 0.0;  // 0: the value of tip_radius_m, if it has that
+  double epsilon_m = 0.0;     // lengths below it are nothing to the renderer; 0: the value of epsilon_m, if it has that
 };
 
 // Characters of the entry's name that are no letters, digits or underscores become underscores. Throws BadData for

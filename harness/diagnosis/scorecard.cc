@@ -19,12 +19,25 @@ std::size_t count_of(const Scorecard& card, bool CaseScore::*verdict) {
       std::ranges::count_if(card.cases, [&](const CaseScore& one) { return one.problem.empty() && one.*verdict; }));
 }
 
+std::size_t skipped_of(const Scorecard& card) {
+  return static_cast<std::size_t>(std::ranges::count_if(card.cases, &CaseScore::skipped));
+}
+
+std::string cases_sentence(const Scorecard& card) {
+  const std::size_t skipped = skipped_of(card);
+  return fmt::format("{} of {} exact, {} felt (within {:g} JND){}", count_of(card, &CaseScore::exact),
+                     card.cases.size() - skipped, count_of(card, &CaseScore::felt), card.felt_tolerance_jnd,
+                     skipped > 0 ? fmt::format(", {} skipped", skipped) : "");
+}
+
 // Detectors stand in the order in which faults are worth fixing.
 std::string first_to_fix(const Scorecard& card) {
   if (!card.diagnosis.findings.empty()) return card.diagnosis.findings.front().name;
-  const auto worst = std::ranges::max_element(card.cases, {}, &CaseScore::max_jnd);
-  if (worst != card.cases.end() && !worst->felt) return "case " + worst->name;
-  return "";
+  const CaseScore* worst = nullptr;
+  for (const CaseScore& one : card.cases) {
+    if (!one.felt && !one.skipped && (worst == nullptr || one.max_jnd > worst->max_jnd)) worst = &one;
+  }
+  return worst == nullptr ? "" : "case " + worst->name;
 }
 
 nlohmann::ordered_json pairs_to_json(const std::vector<std::pair<std::string, std::string>>& pairs) {
@@ -52,6 +65,7 @@ std::string cell_of(const Scorecard& card, const std::string& detector) {
 std::string case_cell(const Scorecard& card, const std::string& name) {
   const auto found = std::ranges::find(card.cases, name, &CaseScore::name);
   if (found == card.cases.end()) return "<td></td>";
+  if (found->skipped) return fmt::format("<td>skipped: {}</td>", escape_html(found->problem));
   if (!found->problem.empty()) return fmt::format("<td class=\"bad\">{}</td>", escape_html(found->problem));
   return fmt::format("<td class=\"{}\">{:.3g} N rms, {:.3g} N at most, {:.3g} JND ({}){}</td>",
                      found->felt ? "good" : "bad", found->rms_N, found->max_N, found->max_jnd, found->reference,
@@ -118,7 +132,7 @@ std::string scorecard_to_json(const Scorecard& card) {
   out["cases"] = nlohmann::ordered_json::array();
   for (const CaseScore& one : card.cases) {
     if (!one.problem.empty()) {
-      out["cases"].push_back({{"name", one.name}, {"problem", one.problem}});
+      out["cases"].push_back({{"name", one.name}, {"problem", one.problem}, {"skipped", one.skipped}});
       continue;
     }
     out["cases"].push_back({{"name", one.name},
@@ -130,6 +144,7 @@ std::string scorecard_to_json(const Scorecard& card) {
                             {"felt", one.felt}});
   }
   out["passed"] = {{"cases", card.cases.size()},
+                   {"skipped", skipped_of(card)},
                    {"exact", count_of(card, &CaseScore::exact)},
                    {"felt", count_of(card, &CaseScore::felt)}};
   out["cost"] = nullptr;
@@ -164,10 +179,7 @@ std::string scorecard_to_html(const std::vector<Scorecard>& cards) {
     const std::string first = first_to_fix(card);
     return plain(first.empty() ? "nothing was found" : first);
   });
-  row("golden cases", [&](const Scorecard& card) {
-    return plain(fmt::format("{} of {} exact, {} felt (within {:g} JND)", count_of(card, &CaseScore::exact),
-                             card.cases.size(), count_of(card, &CaseScore::felt), card.felt_tolerance_jnd));
-  });
+  row("golden cases", [&](const Scorecard& card) { return plain(cases_sentence(card)); });
   row("cost of a step", [&](const Scorecard& card) {
     if (!card.cost) return plain("not measured");
     return plain(fmt::format("median {:.3g} us, p99 {:.3g} us, p99.9 {:.3g} us; made in {:.3g} ms; {} triangles",
@@ -200,8 +212,7 @@ std::string scorecard_to_text(const Scorecard& card) {
                                  card.diagnosis.clean.size(), card.diagnosis.declared.size());
   for (const Finding& finding : card.diagnosis.findings) text += fmt::format("  {}: {}\n", finding.name, finding.what);
   for (const auto& [name, why] : card.diagnosis.failed) text += fmt::format("  {}: could not run: {}\n", name, why);
-  text += fmt::format("  golden cases: {} of {} exact, {} felt (within {:g} JND)\n", count_of(card, &CaseScore::exact),
-                      card.cases.size(), count_of(card, &CaseScore::felt), card.felt_tolerance_jnd);
+  text += fmt::format("  golden cases: {}\n", cases_sentence(card));
   if (card.cost) {
     text += fmt::format("  step: median {:.3g} us, p99 {:.3g} us, p99.9 {:.3g} us over {} triangles\n",
                         card.cost->median_us, card.cost->p99_us, card.cost->p999_us, card.cost->triangles);

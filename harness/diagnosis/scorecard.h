@@ -20,6 +20,7 @@ struct CaseScore {
   bool exact = false;    // within the case's own tolerance
   bool felt = false;     // within the felt tolerance
   std::string problem;   // why it could not run; then nothing above counts
+  bool skipped = false;  // the problem is that the case is none for this engine
 };
 
 // Of a step over a ball of `triangles` triangles.

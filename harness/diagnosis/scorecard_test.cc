@@ -25,6 +25,7 @@ Scorecard a_card() {
   card.diagnosis.failed = {{"allocation", "no memory"}};
   card.cases.push_back({"sphere-scan", "exact", 0.1, 0.2, 0.5, false, true, ""});
   card.cases.push_back({"torus-spiral", "", 0.0, 0.0, 0.0, true, true, "it crashed"});
+  card.cases.push_back({"plane-stroke", "", 0.0, 0.0, 0.0, false, false, "it starts inside", true});
   return card;
 }
 
@@ -35,7 +36,8 @@ TEST(Scorecard, TheJsonHasEveryVerdictAndWhatToFixFirst) {
   EXPECT_EQ(json["findings"][0]["unit"], "samples");
   EXPECT_EQ(json["declared"][0]["reason"], "it rounds");
   EXPECT_EQ(json["could_not_run"][0]["name"], "allocation");
-  EXPECT_EQ(json["passed"]["cases"], 2);
+  EXPECT_EQ(json["passed"]["cases"], 3);
+  EXPECT_EQ(json["passed"]["skipped"], 1);
   EXPECT_EQ(json["passed"]["felt"], 1) << "a case that could not run passes nothing";
   EXPECT_EQ(json["passed"]["exact"], 0);
   EXPECT_EQ(json["cases"][1]["problem"], "it crashed");
@@ -49,6 +51,7 @@ TEST(Scorecard, ThePageShowsEveryDetectorForEveryEngine) {
   EXPECT_THAT(page, HasSubstr("it crashed"));
   EXPECT_THAT(page, Not(HasSubstr("<script")));
   EXPECT_THAT(scorecard_to_text(a_card()), HasSubstr("fix first: delay"));
+  EXPECT_THAT(scorecard_to_text(a_card()), HasSubstr("golden cases: 0 of 2 exact, 1 felt (within 1 JND), 1 skipped"));
 }
 
 TEST(Scorecard, CostIsMeasuredOverABallOfTheSizeAskedFor) {

@@ -178,9 +178,9 @@ std::optional<Finding> find_jump_between_triangles(const Engine& engine) {
       if (jump_N <= right_N) continue;
       return Finding{
           "jump-between-triangles",
-          fmt::format("from one triangle to its neighbour, {:.2g} rad apart, the force jumps by {:.3g} N, "
-                      "{:.2g} % of it ({:.2g} N are right)",
-                      edge.bend_rad, jump_N, 100.0 * jump_N / load_N, right_N),
+          fmt::format("from one triangle to its neighbour, {:.2g} rad apart, the force of {:.3g} N jumps by {:.3g} N "
+                      "({:.2g} N are right)",
+                      edge.bend_rad, load_N, jump_N, right_N),
           fmt::format("{}, the tip {:g} mm deep moving {:g} um across the edge at ({:.4g}, {:.4g}, {:.4g}) m", one.name,
                       1e3 * depth_m, 1e6 * step_m, edge.middle.x(), edge.middle.y(), edge.middle.z()),
           jump_N, "N"};

@@ -6,11 +6,13 @@
 #include <limits>
 #include <map>
 #include <numbers>
+#include <set>
 
 #include "harness/base/error.h"
 #include "harness/discrepancy/bump_peaks.h"
-#include "harness/discrepancy/percentile.h"
 #include "harness/discrepancy/texture_spectrum.h"
+#include "harness/rendering/smooth_field.h"
+#include "harness/stats/quantile.h"
 
 namespace touchstone::discrepancy {
 namespace {
@@ -271,6 +273,50 @@ CandidateFit saturation(const Context& c) {
   return fit;
 }
 
+// A field over the part of the surface that was touched, with knots at equal distances, no more coefficients than the
+// blocks determine several times over; one start for each smoothness.
+CandidateFit field(const Context& c) {
+  constexpr double most_coefficients = 130.0;
+  constexpr double seconds_each = 0.25;  // in contact
+  const auto& name = c.candidate.name;
+  const double most = std::clamp(c.scales.duration_s / seconds_each, 25.0, most_coefficients);
+  const Vec3 size = (c.scales.high_W_m - c.scales.low_W_m).cwiseMax(1e-6 * c.scales.extent_m());
+  const auto side = [](double length_m, double knot_m) {
+    return std::clamp(std::ceil(length_m / knot_m) + 3.0, static_cast<double>(SmoothField::least_side),
+                      static_cast<double>(SmoothField::most_side));
+  };
+  double knot_m = 0.02 * c.scales.extent_m();
+  while (side(size.x(), knot_m) * side(size.y(), knot_m) > most) knot_m *= 1.02;
+  const double columns = side(size.x(), knot_m);
+  const double rows = side(size.y(), knot_m);
+  // The range is a whole number of knots around the middle of what was touched.
+  const Vec3 middle = 0.5 * (c.scales.high_W_m + c.scales.low_W_m);
+  const double half_x = 0.5 * std::max(size.x(), knot_m * (columns - 3.0));
+  const double half_y = 0.5 * std::max(size.y(), knot_m * (rows - 3.0));
+  const ParameterDeclaration& bounds = declared(c, field_coefficient(0, 0));
+  const double scale = bounds.unit == "m" ? c.scales.depth_m : 1.0;
+  CandidateFit fit;
+  for (std::size_t row = 0; row < static_cast<std::size_t>(rows); ++row) {
+    for (std::size_t column = 0; column < static_cast<std::size_t>(columns); ++column) {
+      fit.parameters.push_back(
+          linear_parameter(name, field_coefficient(column, row), scale, bounds.minimum, bounds.maximum));
+      fit.parameters.back().coefficient = true;
+    }
+  }
+  for (const double share : {0.03, 0.1, 0.3}) {
+    std::map<std::string, double> values{{"x_low_m", middle.x() - half_x},
+                                         {"x_high_m", middle.x() + half_x},
+                                         {"y_low_m", middle.y() - half_y},
+                                         {"y_high_m", middle.y() + half_y},
+                                         {"columns", columns},
+                                         {"rows", rows},
+                                         {"bend", share * scale}};
+    for (const FreeParameter& coefficient : fit.parameters) values[coefficient.name] = 0.0;
+    fit.starts.push_back(entry(c, std::move(values)));
+  }
+  return fit;
+}
+
 CandidateFit generic(const Context& c) {
   CandidateFit fit;
   fit.side = c.candidate.side;
@@ -327,14 +373,16 @@ RecordingScales measure_scales(const Recording& recording, const Prediction& pre
     rates.push_back(std::abs(prediction.depth_m[i] - prediction.depth_m[i - 1]) / dt_s);
   }
   scales.touching_apart = forces.empty() ? 0.0 : apart / static_cast<double>(forces.size());
-  scales.force_N = percentile(forces, 0.9);
+  if (!forces.empty()) scales.force_N = stats::lower_quantile(std::move(forces), 0.9);
   // A model that hardly touches where the sensor is pressed does not know the depth; the force tells it.
   const double by_force_m = scales.force_N / stiffness_N_per_m;
-  scales.depth_m = percentile(depths, 0.9);
+  if (!depths.empty()) scales.depth_m = stats::lower_quantile(depths, 0.9);
   if (depths.empty() || scales.touching_apart > much_apart) scales.depth_m = std::max(scales.depth_m, by_force_m);
   scales.facet_m = turns > 0.0 ? std::min(way_m / turns, scales.depth_m) : scales.depth_m;
-  scales.speed_m_per_s = percentile(speeds, 0.5);
-  scales.depth_rate_m_per_s = percentile(rates, 0.9);
+  if (!speeds.empty()) {
+    scales.speed_m_per_s = stats::lower_quantile(std::move(speeds), 0.5);
+    scales.depth_rate_m_per_s = stats::lower_quantile(std::move(rates), 0.9);
+  }
   if (recording.size() > 1) scales.duration_s = recording.motion.t_s.back() - recording.motion.t_s.front();
   if (!box.isEmpty()) {
     scales.low_W_m = box.min();
@@ -391,8 +439,13 @@ CandidateFit candidate_fit(const Candidate& candidate, const RecordingScales& sc
       {"registration", registration},
       {"surface-geometry", [&](const Context& x) { return bump(x, BumpOf::surface, scales.depth_m, -1.0, 1.0); }},
   };
+  // These are lengths along the surface, in terms of the way over it.
+  static const std::set<std::string> along_surface{"stiffness-map", "surface-geometry", "surface-texture",
+                                                   "tip-radius"};
+  const bool needs_way = is_field(candidate.parameters) || along_surface.count(candidate.name) > 0;
+  if (needs_way && !scales.over_surface()) return {candidate.side, {}, {}};
   const auto known = makers.find(candidate.name);
-  CandidateFit fit = known == makers.end() ? generic(c) : known->second(c);
+  CandidateFit fit = is_field(candidate.parameters) ? field(c) : known == makers.end() ? generic(c) : known->second(c);
   fit.side = candidate.side;
   return fit;
 }
@@ -400,6 +453,17 @@ CandidateFit candidate_fit(const Candidate& candidate, const RecordingScales& sc
 double surface_displacement_m(const NamedParameters& entry, const MotionColumns& motion, const std::vector<Vec3>& n_W) {
   const auto& p = entry.parameters;
   if (entry.name == "surface-geometry" || entry.name == "surface-texture") return std::abs(p.at("amplitude_m"));
+  if (entry.name == "height-field") {
+    const SmoothField height = field_of(entry.parameters, entry.place);
+    double squares = 0.0;
+    double count = 0.0;
+    for (std::size_t i = 0; i < motion.size(); ++i) {
+      if (n_W[i].isZero()) continue;
+      squares += std::pow(height.at(motion.p_W_m[i].x(), motion.p_W_m[i].y()), 2);
+      count += 1.0;
+    }
+    return count > 0.0 ? std::sqrt(squares / count) : 0.0;
+  }
   if (entry.name != "registration") return std::numeric_limits<double>::infinity();
   const Vec3 shift(p.at("dx_m"), p.at("dy_m"), p.at("dz_m"));
   const Vec3 turn(p.at("rx_rad"), p.at("ry_rad"), 0.0);

@@ -26,6 +26,12 @@ struct RecordingScales {
   Vec3 low_W_m = Vec3::Zero();    // of the positions in contact
   Vec3 high_W_m = Vec3::Zero();
   [[nodiscard]] double extent_m() const { return (high_W_m - low_W_m).head<2>().norm(); }
+  // Whether the contact went over the surface at all. An indentation at one place tells nothing of other places; there
+  // the extent is at most what noise makes: peak to peak 2 * 3.9 deviations of 10,000 normal samples, on two axes.
+  [[nodiscard]] bool over_surface() const {
+    constexpr double peak_to_peak = 11.0;
+    return extent_m() > peak_to_peak * position_noise_m && extent_m() > 1e-6 * depth_m;
+  }
 };
 
 // `force_floor_N`: a measured force above it is contact, whatever the model says.
@@ -39,7 +45,9 @@ struct CandidateFit {
 };
 
 // `residual_W_N` and `normal_N` per sample of the current model, for effects whose start must be searched for
-// (texture).
+// (texture). Without starts and parameters where the recording cannot tell anything of the effect: one along the
+// surface, of an indentation at one place. Throws BadData if the catalogue does not declare a parameter that this file
+// knows of the effect.
 CandidateFit candidate_fit(const Candidate& candidate, const RecordingScales& scales, const Recording& recording,
                            const Prediction& current);
 

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "harness/discrepancy/plane_for_test.h"
+#include "harness/rendering/smooth_field.h"
 
 namespace touchstone::discrepancy {
 namespace {
@@ -27,17 +28,23 @@ const std::vector<Declared> all_declared{
     {"power-law-stiffness", Side::contact, {{"exponent", "1", 0.1, 8.0, 1.0, ""}}},
 };
 
-class CatalogueBounds : public ::testing::TestWithParam<double> {};
+// A plane pressed by hand, in a world of the unit GetParam().
+class CatalogueBounds : public ::testing::TestWithParam<double> {
+ protected:
+  void SetUp() override {
+    recording.motion = hand(0.0, GetParam());
+    model.parameters["stiffness_N_per_m"] = 900.0 / GetParam();
+    prediction = PlanePredictor(recording.motion).predict(model);
+    recording.f_W_N = prediction.f_W_N;
+    scales = measure_scales(recording, prediction, 0.01, model.parameters.at("stiffness_N_per_m"), 0.0);
+  }
+  Recording recording;
+  Model model;
+  Prediction prediction;
+  RecordingScales scales;
+};
 
 TEST_P(CatalogueBounds, AreThoseOfTheFit) {
-  Recording recording;
-  recording.motion = hand(0.0, GetParam());
-  Model model;
-  model.parameters["stiffness_N_per_m"] = 900.0 / GetParam();
-  const Prediction prediction = PlanePredictor(recording.motion).predict(model);
-  recording.f_W_N = prediction.f_W_N;
-  const RecordingScales scales =
-      measure_scales(recording, prediction, 0.01, model.parameters.at("stiffness_N_per_m"), 0.0);
   for (const Declared& declared : all_declared) {
     const Candidate candidate{declared.effect, declared.side, declared.parameters};
     const CandidateFit fit = candidate_fit(candidate, scales, recording, prediction);
@@ -59,14 +66,6 @@ TEST_P(CatalogueBounds, AreThoseOfTheFit) {
 
 // On a soft object a tip sticks over as much as the object gives way sideways: 1.5 mu times the depth (Mindlin 1949).
 TEST_P(CatalogueBounds, LetATipStickAsFarAsTheObjectGivesWaySideways) {
-  Recording recording;
-  recording.motion = hand(0.0, GetParam());
-  Model model;
-  model.parameters["stiffness_N_per_m"] = 900.0 / GetParam();
-  const Prediction prediction = PlanePredictor(recording.motion).predict(model);
-  recording.f_W_N = prediction.f_W_N;
-  const RecordingScales scales =
-      measure_scales(recording, prediction, 0.01, model.parameters.at("stiffness_N_per_m"), 0.0);
   const Candidate friction{"coulomb-friction",
                            Side::contact,
                            {{"mu_static", "1", 0.0, 5.0, 0.0, ""}, {"mu_dynamic", "1", 0.0, 5.0, 0.0, ""}}};
@@ -78,6 +77,31 @@ TEST_P(CatalogueBounds, LetATipStickAsFarAsTheObjectGivesWaySideways) {
   EXPECT_GT(scales.depth_m, 0.0);
   EXPECT_GE(longest_m, 1.5 * scales.depth_m);
   EXPECT_LE(longest_m, 2.0 * scales.depth_m);
+}
+
+// An indentation at one place (a cell under an AFM): its extent of zero once made a field of endlessly many columns.
+TEST_P(CatalogueBounds, OfAnIndentationAtOnePlaceNothingAlongTheSurfaceIsTried) {
+  std::vector<Declared> along_surface{
+      {"stiffness-map", Side::contact, {{"amplitude", "1", -1.0, 5.0, 0.0, ""}}},
+      {"tip-radius", Side::contact, {{"radius_m", "m", 0.0, 1.0, 0.0, ""}}},
+      {"stiffness-field", Side::contact, rendering::field_parameters("1", 0.9, "")},
+      {"height-field", Side::instrument, rendering::field_parameters("m", 1.0, "")},
+  };
+  for (const double noise_m : {0.0, 1e-5 * GetParam()}) {
+    Recording indentation = recording;
+    for (std::size_t i = 0; i < indentation.motion.size(); ++i)
+      indentation.motion.p_W_m[i].head<2>() = Eigen::Vector2d::Constant((i % 2 == 0 ? 2.0 : -2.0) * noise_m);
+    const Prediction there = PlanePredictor(indentation.motion).predict(model);
+    const RecordingScales known =
+        measure_scales(indentation, there, 0.01, model.parameters.at("stiffness_N_per_m"), noise_m);
+    EXPECT_FALSE(known.over_surface());
+    for (const Declared& declared : along_surface) {
+      const Candidate candidate{declared.effect, declared.side, declared.parameters};
+      EXPECT_TRUE(candidate_fit(candidate, known, indentation, there).starts.empty()) << declared.effect;
+      EXPECT_TRUE(candidate_fit(candidate, known, indentation, there).parameters.empty()) << declared.effect;
+      EXPECT_FALSE(candidate_fit(candidate, scales, recording, prediction).parameters.empty()) << declared.effect;
+    }
+  }
 }
 
 INSTANTIATE_TEST_SUITE_P(Units, CatalogueBounds, ::testing::Values(1e-3, 1.0, 1e3));

@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "harness/discrepancy/data_faults.h"
+#include "harness/discrepancy/field_move.h"
 #include "harness/discrepancy/friction_cone.h"
 #include "harness/discrepancy/goodness.h"
 #include "harness/discrepancy/misfit.h"
@@ -21,8 +22,6 @@
 
 namespace touchstone::discrepancy {
 namespace {
-
-constexpr const char* was_added = "added";
 
 class Search {
  public:
@@ -50,7 +49,7 @@ class Search {
       do {
         while (add()) {
         }
-      } while (extend_law());
+      } while (extend_law() || add_field());
       drop_needless();
       result_.found = weigh_rivals(
           state_, [this](const std::string& rival, const std::string& added) { return came_to(rival, added); },
@@ -79,15 +78,22 @@ class Search {
     for (Trial& trial : step.trials) trial.verdict = weakness(state_, standing, trial);
     std::sort(step.trials.begin(), step.trials.end(),
               [](const Trial& a, const Trial& b) { return a.deviance < b.deviance; });
-    bool more = false;
-    while (found < settings_.most_effects && !more) {
+    const bool room = found < settings_.most_effects;
+    // Where one bump was not all that differs over the surface, fields compete with the effects of a few parameters.
+    std::vector<Trial> fields;
+    if (room && differs_over_surface(model) && clearly_missing()) fields = try_fields(state_, standing);
+    bool more = field_is_better(fields, step.trials) && keep_field(fields, step);
+    while (room && !more) {
       verify_best(standing, step);
       Trial* const best = preferred(step);
       if (best == nullptr) break;
       more = keep(*best, step);
     }
-    if (!more && found < settings_.most_effects && clearly_missing() && in_time())
-      more = add_where_noise_hides(standing, step);
+    if (!more) more = keep_field(fields, step);
+    // What is left of an object that differs everywhere is seldom two effects of a few parameters.
+    const bool pairs = room && !has_field(model) && clearly_missing() && in_time();
+    if (!more && pairs) more = add_where_noise_hides(standing, step);
+    std::move(fields.begin(), fields.end(), std::back_inserter(step.trials));
     result_.steps.push_back(std::move(step));
     return more;
   }
@@ -101,18 +107,48 @@ class Search {
     for (Trial& likely : more_trials) {
       if (!more && keep(likely, step)) {
         more = true;
-        likely.verdict = "added: more likely with it along the likely motion";
+        likely.verdict = {TrialVerdict::Kind::added_apart, "added: more likely with it along the likely motion"};
       }
     }
     if (!more && room >= 2) {
       report_("  no single effect passes, though something is missing: pairs");
       for (Trial& pair : try_pairs(state_, standing, step.trials)) {
-        if (!more && pair.verdict.empty()) more = keep(pair, step);
+        if (!more && pair.verdict.passed()) more = keep(pair, step);
         more_trials.push_back(std::move(pair));
       }
     }
     std::move(more_trials.begin(), more_trials.end(), std::back_inserter(step.trials));
     return more;
+  }
+
+  // Where no effect with a few parameters passes though something is missing: a property that differs over the surface.
+  bool add_field() {
+    const Model& model = state_.current.model;
+    const bool full = model.effects.size() + model.instrument.size() >= settings_.most_effects;
+    if (full || differs_over_surface(model) || !clearly_missing()) return false;
+    const Standing standing = standing_of(state_);
+    SearchStep step = step_from(standing);
+    step.trials = try_fields(state_, standing);
+    const bool more = keep_field(step.trials, step);
+    if (!step.trials.empty()) result_.steps.push_back(std::move(step));
+    return more;
+  }
+
+  bool keep_field(std::vector<Trial>& fields, SearchStep& step) {
+    const auto passed = std::find_if(fields.begin(), fields.end(), [](const Trial& t) { return t.verdict.passed(); });
+    return passed != fields.end() && keep(*passed, step);
+  }
+
+  // Than every effect with a few parameters that may yet pass.
+  static bool field_is_better(const std::vector<Trial>& fields, const std::vector<Trial>& trials) {
+    const auto least = [](const std::vector<Trial>& of) {
+      double deviance = std::numeric_limits<double>::infinity();
+      for (const Trial& trial : of) {
+        if (trial.verdict.passed()) deviance = std::min(deviance, trial.deviance);
+      }
+      return deviance;
+    };
+    return least(fields) < least(trials);
   }
 
   [[nodiscard]] bool in_time() const { return state_.budget->allows("effects that noise hides, and pairs of effects"); }
@@ -125,28 +161,29 @@ class Search {
   // The dear gates, of the best trial only; the next one's turn comes when it fails.
   void verify_best(const Standing& standing, SearchStep& step) const {
     for (Trial& trial : step.trials) {
-      if (!trial.verdict.empty()) continue;
+      if (!trial.verdict.passed()) continue;
       if (!state_.budget->allows("the checks of " + trial.title())) {
         trial.verdict = out_of_time;
         continue;
       }
       trial.verdict = refusal(state_, standing, trial);
       const Trial* const mesh = explained_by_mesh(step.trials, trial);
-      if (trial.verdict.empty() && mesh != nullptr) trial.verdict = mesh->name + " does as much, " + mesh->verdict;
-      if (trial.verdict.empty()) return;
+      if (trial.verdict.passed() && mesh != nullptr)
+        trial.verdict = mesh->name + " does as much, " + mesh->verdict.words;
+      if (trial.verdict.passed()) return;
     }
   }
 
   // The best of what passed; a special case that does as well is preferred to what contains it. nullptr: none passed.
   Trial* preferred(SearchStep& step) const {
     const auto best =
-        std::find_if(step.trials.begin(), step.trials.end(), [](const Trial& t) { return t.verdict.empty(); });
+        std::find_if(step.trials.begin(), step.trials.end(), [](const Trial& t) { return t.verdict.passed(); });
     if (best == step.trials.end()) return nullptr;
     for (Trial& trial : step.trials) {
       const bool as_good =
           best->validation_gain - trial.validation_gain < settings_.alike_gain * 0.1 * best->validation_gain + 10.0 ||
           trial.validation_rms_N < best->validation_rms_N;
-      if (trial.verdict.empty() && contains(best->name, trial.name) && as_good) {
+      if (trial.verdict.passed() && contains(best->name, trial.name) && as_good) {
         best->verdict = "no better than " + trial.name + ", which it contains";
         return &trial;
       }
@@ -162,7 +199,7 @@ class Search {
       trial.verdict = "does worse on validation data once all is refitted";
       return false;
     }
-    trial.verdict = was_added;
+    trial.verdict = {TrialVerdict::Kind::added, "added"};
     step.added = trial.title();
     report_(fmt::format("  {}: validation RMS {:.4g} N", step.added, rms_N));
     state_ = std::move(next);
@@ -173,7 +210,7 @@ class Search {
   bool extend_law() {
     auto laws = weigh_larger_laws(state_);
     if (laws.empty()) return false;
-    if (!laws.front().trial.verdict.empty()) {
+    if (!laws.front().trial.verdict.passed()) {
       for (LargerLaw& law : laws) result_.steps.back().trials.push_back(std::move(law.trial));
       return false;
     }
@@ -184,8 +221,9 @@ class Search {
     state_ = with_trial(state_, best.trial);
     put_away_.insert(best.in_place_of);
     settled_.insert(best.trial.name);
-    best.trial.verdict = (cone ? "added: forces leave the cone of " : "added: more likely than ") + best.in_place_of +
-                         ", which it contains";
+    best.trial.verdict = {TrialVerdict::Kind::added_apart,
+                          (cone ? "added: forces leave the cone of " : "added: more likely than ") + best.in_place_of +
+                              ", which it contains"};
     SearchStep step = step_from(standing_of(state_));
     step.added = best.trial.name;
     step.removed = best.in_place_of;
@@ -203,8 +241,8 @@ class Search {
     if (names.size() < 2) return;
     for (const std::string& name : names) {
       const auto kept = without_owner(state_.parameters, name);
-      const JointFit fit =
-          fit_jointly(state_.train, without_entry(state_.current.model, name), kept, settings_.iterations, false);
+      const JointFit fit = fit_jointly(state_.train, without_entry(state_.current.model, name),
+                                       without_coefficients(kept), settings_.iterations, false);
       const double here = chi_squared(state_.validation, state_.current.model);
       const double needed = std::max(settings_.minimum_gain, state_.least_share(state_.current.model) * here);
       if (!fit.ok || chi_squared(state_.validation, fit.model) - here > needed) continue;
@@ -219,7 +257,7 @@ class Search {
   // What the rival came to when it competed with the effect that was added instead: a start that is near.
   const NamedParameters* came_to(const std::string& rival, const std::string& added) const {
     const auto adds = [&](const Trial& trial) {
-      return trial.verdict == was_added && (trial.name == added || trial.partner == added);
+      return trial.verdict.kind == TrialVerdict::Kind::added && (trial.name == added || trial.partner == added);
     };
     for (const SearchStep& step : result_.steps) {
       if (std::none_of(step.trials.begin(), step.trials.end(), adds)) continue;
@@ -253,11 +291,15 @@ class Search {
   // What a search counts as noise while something is missing is the same for all blocks of a group, and so takes weight
   // from the best of them: a tip that sticks shows the noise of its tracker, and in equal weight with one that slides
   // it would draw the coefficient of friction down. Values are fitted by the declared noise if that predicts the
-  // validation data better.
+  // validation data better, unless the model leaves far more than that noise: then it is not what the error is made of,
+  // and its weights would give the blocks of light contact the say and every value an interval that is far too narrow.
   [[nodiscard]] bool declared_noise_predicts_better() const {
+    const double left_N = state_.validation_rms_N(state_.current.model);
+    if (left_N > settings_.clear_noises * expected_noise_N(data_.validation, state_.current.model)) return false;
     const int iterations = 4 * settings_.iterations;
+    const auto compared = state_.compared();
     const auto validated = [&](const FitData& weights) {
-      const JointFit fit = fit_jointly(weights, Model(state_.current.model), state_.parameters, iterations, false);
+      const JointFit fit = fit_jointly(weights, Model(state_.current.model), compared, iterations, false);
       return fit.ok ? chi_squared(state_.declared_validation, fit.model) : std::numeric_limits<double>::infinity();
     };
     return validated(state_.declared_train) < validated(state_.train);
@@ -269,7 +311,9 @@ class Search {
     result_.parameters = state_.parameters;
     FitData weights = fit_data(data_.learning, result_.model, data_.window_s);
     if (!declared_noise_predicts_better()) add_misfit(weights, estimate_misfit(weights, result_.model));
-    result_.fit = fit_jointly(weights, Model(result_.model), result_.parameters, 4 * settings_.iterations, true);
+    const bool fields = state_.compared().size() < result_.parameters.size();
+    const int iterations = fields ? 2 * settings_.field_iterations : 4 * settings_.iterations;
+    result_.fit = fit_jointly(weights, Model(result_.model), result_.parameters, iterations, true);
     if (std::isfinite(result_.fit.chi_squared)) result_.model = result_.fit.model;
     return weights;
   }
@@ -332,8 +376,8 @@ class Search {
         find_undetermined(blocks, *data_.learning.recording, state_.current.model, state_.parameters);
     for (const std::string& name : without_size(undetermined, state_.parameters)) {
       const auto kept = without_owner(state_.parameters, name);
-      const JointFit fit =
-          fit_jointly(state_.train, without_entry(state_.current.model, name), kept, settings_.iterations, false);
+      const JointFit fit = fit_jointly(state_.train, without_entry(state_.current.model, name),
+                                       without_coefficients(kept), settings_.iterations, false);
       const double here = chi_squared(state_.validation, state_.current.model);
       if (!fit.ok || chi_squared(state_.validation, fit.model) - here > settings_.minimum_gain) continue;
       report_(fmt::format("  {}: this recording does not determine its size", name));
@@ -363,8 +407,10 @@ class Search {
     settle_cone();
     const FitData weights = fit_values();
     judge_values();
-    result_.draws =
-        bootstrap_fits(data_.learning, weights, result_.fit, result_.parameters, settings_.iterations / 2, read_);
+    // Coefficients of fields are held in simulated recordings; their part of the uncertainty is in the fit's
+    // covariance.
+    result_.draws = bootstrap_fits(data_.learning, weights, result_.fit, without_coefficients(result_.parameters),
+                                   settings_.iterations / 2, read_);
     if (!result_.data_fault) {
       const DetectorSide train{data_.train.recording, &state_.declared_train, data_.train.noise};
       const DetectorSide validation{data_.validation.recording, &state_.declared_validation, data_.validation.noise};
@@ -401,7 +447,8 @@ class Search {
     const FitData learning = learning_blocks(result_.model);
     for (FoundEffect& effect : result_.found) {
       const JointFit without = fit_jointly(learning, without_entry(result_.model, effect.name),
-                                           without_owner(result_.parameters, effect.name), settings_.iterations, false);
+                                           without_coefficients(without_owner(result_.parameters, effect.name)),
+                                           settings_.iterations, false);
       if (!without.ok) continue;
       std::tie(effect.holdout_gain, effect.holdout_error) =
           paired_difference(block_chi_squared(holdout, without.model), with);

@@ -10,6 +10,7 @@
 
 #include "harness/discrepancy/friction_cone.h"
 #include "harness/discrepancy/parameter_intervals.h"
+#include "harness/rendering/smooth_field.h"
 
 namespace touchstone::discrepancy {
 namespace {
@@ -20,7 +21,28 @@ const Candidate* find_candidate(const std::vector<Candidate>& candidates, const 
   return found == candidates.end() ? nullptr : &*found;
 }
 
+// Of a field the values that a tenth of its coefficients are below and above; the model file has them all.
+std::vector<FoundParameter> field_summary(const SearchResult& search, const Candidate& candidate) {
+  std::vector<std::pair<double, std::string>> values;
+  const NamedParameters* const entry = find_entry(search.model, candidate.name);
+  for (const auto& [name, value] : entry->parameters) {
+    if (is_field_coefficient(name)) values.emplace_back(value, name);
+  }
+  std::vector<FoundParameter> found;
+  if (values.empty()) return found;
+  std::sort(values.begin(), values.end());
+  const std::string unit = candidate.parameters.back().unit;
+  for (const auto& [title, share] : {std::pair("low", 0.1), std::pair("high", 0.9)}) {
+    const auto& [value, name] = values[static_cast<std::size_t>(share * static_cast<double>(values.size() - 1))];
+    const Interval interval = interval95(search.fit, search.parameters, {}, candidate.name, name);
+    found.push_back({fmt::format("{} ({} %: {})", title, 100.0 * share, name), unit, value, interval.low, interval.high,
+                     false, ""});
+  }
+  return found;
+}
+
 std::vector<FoundParameter> parameters_of(const SearchResult& search, const Candidate& candidate) {
+  if (is_field(candidate.parameters)) return field_summary(search, candidate);
   std::vector<FoundParameter> found;
   const NamedParameters* const entry = find_entry(search.model, candidate.name);
   for (const ParameterDeclaration& declared : candidate.parameters) {
@@ -114,8 +136,11 @@ std::string first_sentence(const Findings& findings) {
   std::vector<std::string> parts;
   for (const GapShare& share : findings.shares) {
     if (!(std::abs(share.share) >= least_said)) continue;
-    parts.push_back(fmt::format("{}{} {:.0f} %{}", share.name, parts.empty() ? " explains" : "", 100.0 * share.share,
-                                parts.empty() ? " of the disagreement" : ""));
+    parts.push_back(fmt::format("{}{} {:.0f} %{}", share.name,
+                                !parts.empty()                      ? ""
+                                : share.name.ends_with(" together") ? " explain"
+                                                                    : " explains",
+                                100.0 * share.share, parts.empty() ? " of the disagreement" : ""));
     if (share.share < 0.0) parts.back() += " (it had made up for another part)";
   }
   if (parts.empty()) return "";
@@ -272,7 +297,7 @@ nlohmann::ordered_json where_json(const std::vector<Regime>& where) {
   nlohmann::ordered_json out = nlohmann::ordered_json::array();
   for (const Regime& regime : where) {
     out.push_back({{"regime", regime.name},
-                   {"by", regime.kind},
+                   {"by", to_string(regime.kind)},
                    {"before", number(regime.before_N)},
                    {"after", number(regime.after_N)},
                    {"share_before", number(regime.share_before)},
@@ -363,7 +388,7 @@ std::string findings_to_json(const Findings& findings, const std::string& trajec
                         {"bar", number(trial.null_bar)},
                         {"deviance", number(trial.deviance)},
                         {"validation_rms_N", number(trial.validation_rms_N)},
-                        {"verdict", trial.verdict}});
+                        {"verdict", trial.verdict.words}});
     }
     root["steps"].push_back({{"added", step.added},
                              {"removed", step.removed},

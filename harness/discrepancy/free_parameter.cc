@@ -17,6 +17,11 @@ NamedParameters* find_entry(Model& model, const std::string& name) {
   return const_cast<NamedParameters*>(find_entry(static_cast<const Model&>(model), name));
 }
 
+std::vector<FreeParameter> without_coefficients(std::vector<FreeParameter> parameters) {
+  std::erase_if(parameters, [](const FreeParameter& parameter) { return parameter.coefficient; });
+  return parameters;
+}
+
 FreeParameter linear_parameter(const std::string& owner, const std::string& name, double scale, double lower,
                                double upper) {
   return {owner,

@@ -23,7 +23,12 @@ struct FreeParameter {
   // contact and friction make. What moves the tip along a mesh needs a facet's length: within one facet the normal
   // never turns, and samples that change their facet jump.
   double step = 0.0;
+  // One of the hundreds of a field over the surface (harness/rendering/smooth_field.h): free where a model is refitted
+  // as a whole, held where effects are compared.
+  bool coefficient = false;
 };
+
+std::vector<FreeParameter> without_coefficients(std::vector<FreeParameter> parameters);
 
 // The entry of that name among contact effects and instrument entries; nullptr when the model has none.
 NamedParameters* find_entry(Model& model, const std::string& name);

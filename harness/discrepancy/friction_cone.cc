@@ -9,7 +9,7 @@
 
 #include "harness/base/random.h"
 #include "harness/discrepancy/model_edit.h"
-#include "harness/discrepancy/percentile.h"
+#include "harness/stats/quantile.h"
 
 namespace touchstone::discrepancy {
 namespace {
@@ -23,7 +23,7 @@ std::vector<ConeSample> fastest(const std::vector<ConeSample>& samples) {
   std::vector<double> speeds;
   speeds.reserve(samples.size());
   for (const ConeSample& sample : samples) speeds.push_back(sample.speed_m_per_s);
-  const double fast = percentile(std::move(speeds), fast_share);
+  const double fast = stats::lower_quantile(std::move(speeds), fast_share);
   std::vector<ConeSample> chosen;
   std::copy_if(samples.begin(), samples.end(), std::back_inserter(chosen),
                [&](const ConeSample& sample) { return sample.speed_m_per_s >= fast; });
@@ -83,7 +83,7 @@ std::vector<ConeSample> cone_samples(const ConeEvidence& evidence, const std::ve
     const std::size_t end = std::min(block.end, likely.size() - 1);
     for (std::size_t i = std::max<std::size_t>(block.begin, 1); i < end; ++i) read(i);
   }
-  const double least_N = least_load * percentile(std::move(loads_N), 0.9);
+  const double least_N = least_load * stats::lower_quantile(std::move(loads_N), 0.9);
   std::vector<ConeSample> cone;
   for (const auto& [sample, load_N] : loaded) {
     if (load_N >= least_N) cone.push_back(sample);
@@ -98,7 +98,8 @@ std::optional<Cone> cone_of(const std::vector<ConeSample>& samples) {
   for (const ConeSample& sample : samples) ratios.push_back(sample.ratio);
   std::vector<double> of_fast;
   for (const ConeSample& sample : fastest(samples)) of_fast.push_back(sample.ratio);
-  const Cone cone{percentile(std::move(of_fast), 0.5), percentile(std::move(ratios), widest_share)};
+  const Cone cone{stats::lower_quantile(std::move(of_fast), 0.5),
+                  stats::lower_quantile(std::move(ratios), widest_share)};
   if (!(cone.sliding > 0.0)) return std::nullopt;
   return cone;
 }
@@ -118,7 +119,7 @@ std::optional<double> pulls_along(const std::vector<ConeSample>& samples) {
     mean += sample.direction_W / n;
     along.push_back(sample.along);
   }
-  const double coefficient = percentile(std::move(along), 0.5);
+  const double coefficient = stats::lower_quantile(std::move(along), 0.5);
   if (!(pulled >= share_along) || !(coefficient >= least) || !(mean.norm() < one_way)) return std::nullopt;
   return coefficient;
 }

@@ -66,4 +66,16 @@ std::vector<GapShare> share_gap(const Evidence& evidence, const Model& start, co
   return shares;
 }
 
+std::vector<GapShare> told_apart(std::vector<GapShare> shares) {
+  constexpr double most = 2.0, least = -1.0;
+  if (std::ranges::all_of(shares, [](const GapShare& s) { return s.share >= least && s.share <= most; })) return shares;
+  GapShare all{"", 0.0, shares.back().left_N};
+  for (std::size_t i = 0; i < shares.size(); ++i) {
+    all.name += (i == 0 ? "" : i + 1 == shares.size() ? " and " : ", ") + shares[i].name;
+    all.share += shares[i].share;
+  }
+  all.name += " together";
+  return {all};
+}
+
 }  // namespace touchstone::discrepancy

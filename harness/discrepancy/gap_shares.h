@@ -23,4 +23,9 @@ struct GapShare {
 // refitted here. Parts: the parameters together, and every effect that `start` has not.
 std::vector<GapShare> share_gap(const Evidence& evidence, const Model& start, const Model& end);
 
+// As they are, or all as one ("a, b and c together") where a share is more than twice the whole gap, or takes more than
+// the whole of it back: such parts only have a meaning together (a field of stiffness and the stiffness that it
+// multiplies), and a share of one of them alone would mislead.
+std::vector<GapShare> told_apart(std::vector<GapShare> shares);
+
 }  // namespace touchstone::discrepancy

@@ -9,7 +9,7 @@
 #include <map>
 #include <numbers>
 
-#include "harness/discrepancy/percentile.h"
+#include "harness/stats/quantile.h"
 
 namespace touchstone::discrepancy {
 namespace {
@@ -25,7 +25,7 @@ constexpr double cell_share = 0.05;
 bool is_angle(const std::string& name) { return name == "direction_rad" || name == "phase_rad"; }
 bool is_place(const std::string& name) { return name == "x_m" || name == "y_m"; }
 bool is_size(const FreeParameter& parameter) {
-  return !parameter.logarithmic && !is_angle(parameter.name) && !is_place(parameter.name) &&
+  return !parameter.logarithmic && !parameter.coefficient && !is_angle(parameter.name) && !is_place(parameter.name) &&
          parameter.name != "exponent";
 }
 
@@ -70,7 +70,7 @@ double both_ways_share(const Recording& recording, const Prediction& prediction,
   }
   if (speeds.empty()) return 0.0;
   // Slower, or less than half along the axis, it is no stroke along it.
-  const double slow = 0.3 * percentile(std::move(speeds), 0.8);
+  const double slow = 0.3 * stats::lower_quantile(std::move(speeds), 0.8);
   constexpr double along = 0.5;
   const double cell_m = cell_share * box.diagonal().norm();
   const auto cell_of = [&](const Vec3& p_W_m) {
@@ -108,6 +108,7 @@ std::vector<Undetermined> find_undetermined(const FitData& data, const Recording
   for (std::size_t i = 0; i < parameters.size(); ++i) {
     const FreeParameter& parameter = parameters[i];
     if (find_entry(model, parameter.owner) == nullptr) continue;  // the base renderer's own
+    if (parameter.coefficient) continue;                          // where nothing touches, its neighbours give it
     double variance = 0.0;
     for (Eigen::Index k = 0; k < information.rows(); ++k) {
       const double part = eigen.eigenvectors()(static_cast<Eigen::Index>(i), k);
@@ -159,7 +160,7 @@ void question_paths(const Recording& recording, const Prediction& prediction, co
   for (std::size_t i = 0; i < recording.size(); ++i) {
     if (!prediction.n_W[i].isZero()) depths.push_back(prediction.depth_m[i]);
   }
-  const double depth_m = percentile(std::move(depths), 0.9);
+  const double depth_m = depths.empty() ? 0.0 : stats::lower_quantile(std::move(depths), 0.9);
   for (const NamedParameters& entry : model.effects) {
     const auto path = entry.parameters.find("presliding_m");
     if (path == entry.parameters.end()) continue;
@@ -190,7 +191,7 @@ std::vector<Question> question_values(const Recording& recording, const Predicti
     const NamedParameters* const entry = find_entry(model, parameter.owner);
     // At zero an effect or a part of it is not there; the shortest path is that of plain dry friction.
     const bool upper = parameter.get(model) > 0.5 * (parameter.lower + parameter.upper);
-    if (entry == nullptr || !fit.at_bound[i] || !upper || is_angle(parameter.name)) continue;
+    if (entry == nullptr || parameter.coefficient || !fit.at_bound[i] || !upper || is_angle(parameter.name)) continue;
     questions.push_back(
         {parameter.owner, fmt::format("{} of {} is at {:.3g}, the end of what is sought", parameter.name,
                                       parameter.owner, entry->parameters.at(parameter.name))});

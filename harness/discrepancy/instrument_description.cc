@@ -57,6 +57,12 @@ InstrumentDescription load_instrument(const std::filesystem::path& path) {
     instrument.force_step_N = Vec3(steps[0], steps[1], steps[2]);
   }
   instrument.position_noise_m = non_negative(root, "position_noise_m");
+  if (root.has("position_wander_m")) instrument.position_wander_m = non_negative(root, "position_wander_m");
+  if (instrument.position_wander_m > instrument.position_noise_m)
+    root.fail_at("position_wander_m", "is a part of position_noise_m and must not be larger");
+  instrument.position_wander_time_constant_s = root.optional_number("position_wander_time_constant_s").value_or(4.0);
+  if (!(instrument.position_wander_time_constant_s > 0.0))
+    root.fail_at("position_wander_time_constant_s", "must be above zero");
   instrument.position_rate_Hz = root.optional_number("position_rate_Hz").value_or(60.0);
   if (instrument.position_rate_Hz <= 0.0) root.fail_at("position_rate_Hz", "must be above zero");
   instrument.geometry_error_m = root.optional_number("geometry_error_m").value_or(0.0);
@@ -109,9 +115,9 @@ namespace {
 
 // A random function of the place: a sum of waves of random direction and phase, of lengths from facets to the whole
 // scan. Standard deviation 1.
-class SmoothField {
+class WavyField {
  public:
-  SmoothField(double extent_m, Random& random) {
+  WavyField(double extent_m, Random& random) {
     for (Wave& wave : waves_) {
       const double length_m = random.log_uniform(0.02 * extent_m, extent_m);
       wave.k_per_m = 2.0 * std::numbers::pi / length_m * random.direction();
@@ -138,7 +144,7 @@ MotionColumns with_geometry_error(const MotionColumns& motion, const std::vector
                                   const InstrumentDescription& instrument, Random& random) {
   MotionColumns moved = motion;
   if (instrument.mesh_extent_m == 0.0 || instrument.geometry_error_m == 0.0) return moved;
-  const SmoothField height(instrument.mesh_extent_m, random);
+  const WavyField height(instrument.mesh_extent_m, random);
   for (std::size_t i = 0; i < motion.size(); ++i) {
     moved.p_W_m[i] += geometry_deviation_m(instrument) * height.at(motion.p_W_m[i]) * n_W[i];
   }
@@ -152,8 +158,7 @@ std::vector<Vec3> normal_tilts(const MotionColumns& motion, const std::vector<Ve
   if (extent == 0.0 || instrument.normal_error_rad == 0.0) return tilts;
   // Two of the three components lie in the tangent plane, each with half of the square.
   const double share = instrument.normal_error_rad / std::sqrt(2.0);
-  const std::array<SmoothField, 3> field{SmoothField(extent, random), SmoothField(extent, random),
-                                         SmoothField(extent, random)};
+  const std::array<WavyField, 3> field{WavyField(extent, random), WavyField(extent, random), WavyField(extent, random)};
   for (std::size_t i = 0; i < tilts.size(); ++i) {
     const Vec3& p = motion.p_W_m[i];
     const Vec3 any = share * Vec3(field[0].at(p), field[1].at(p), field[2].at(p));

@@ -15,11 +15,13 @@ struct InstrumentDescription {
   double force_noise_time_constant_s = 0.0;  // first-order colouring; 0: white
   Vec3 force_step_N = Vec3::Zero();          // quantisation in the sensor's frame
   double position_noise_m = 0.0;             // standard deviation per axis of one tracker sample
-  double position_rate_Hz = 60.0;            // of the tracker
-  double geometry_error_m = 0.0;             // the mesh is off by at most this
-  double normal_error_rad = 0.0;             // angle between facets and the smooth surface; from the mesh, not the file
-  double mesh_extent_m = 0.0;                // diagonal of its box; from the mesh, not the file
-  bool declared = true;                      // false: estimated from the recording
+  double position_wander_m = 0.0;            // the part of it that changes slowly, as calibration residuals do
+  double position_wander_time_constant_s = 4.0;
+  double position_rate_Hz = 60.0;  // of the tracker
+  double geometry_error_m = 0.0;   // the mesh is off by at most this
+  double normal_error_rad = 0.0;   // angle between facets and the smooth surface; from the mesh, not the file
+  double mesh_extent_m = 0.0;      // diagonal of its box; from the mesh, not the file
+  bool declared = true;            // false: estimated from the recording
 };
 
 // Throws BadData with the place in the file.

@@ -17,9 +17,9 @@ constexpr const char* window_name = "window_s";
 
 // Smaller, larger.
 const std::vector<std::pair<std::string, std::string>> contained_in{
-    {"coulomb-friction", "stribeck-friction"},
-    {"coulomb-friction", "anisotropic-friction"},
+    {"coulomb-friction", "stribeck-friction"}, {"coulomb-friction", "anisotropic-friction"},
     {"normal-damping", "stress-relaxation"},  // a time constant far below the tracker's
+    {"stiffness-map", "stiffness-field"},      {"surface-geometry", "height-field"},
 };
 
 }  // namespace

@@ -13,9 +13,10 @@
 #include "harness/discrepancy/misfit.h"
 #include "harness/discrepancy/model_edit.h"
 #include "harness/discrepancy/null_gains.h"
-#include "harness/discrepancy/percentile.h"
 #include "harness/discrepancy/regimes.h"
 #include "harness/discrepancy/trial_gates.h"
+#include "harness/rendering/smooth_field.h"
+#include "harness/stats/quantile.h"
 
 namespace touchstone::discrepancy {
 namespace {
@@ -98,7 +99,7 @@ double likelihood_bar(const SearchState& state, const Law& smaller, const Law& l
 std::optional<Law> with_larger(const SearchState& state, const std::string& smaller, const Candidate& candidate) {
   const Model rest = without_entry(state.current.model, smaller);
   const CandidateFit options = state.options(candidate, rest);
-  const auto kept = without_owner(state.parameters, smaller);
+  const auto kept = without_owner(state.compared(), smaller);
   JointFit fit = best_fit(state.train, rest, options, kept, state.settings->iterations);
   if (!fit.ok) return std::nullopt;
   return Law{std::move(fit.model), joined(kept, options.parameters)};
@@ -130,7 +131,7 @@ double most_apart(const SearchState& state, const Model& a, const Model& b) {
     if (state.validation.noise[i].n_W.isZero()) continue;
     shares.push_back((of_a[i] - of_b[i]).norm() / std::max(of_a[i].norm(), state.data->force_floor_N));
   }
-  return percentile(std::move(shares), 0.98);
+  return shares.empty() ? 0.0 : stats::lower_quantile(std::move(shares), 0.98);
 }
 
 // What the larger law changes, as a share of what the smaller one does.
@@ -185,13 +186,13 @@ std::string worsened_by_every_path(const SearchState& state, const Prediction& b
 std::vector<LargerLaw> weigh_larger_laws(const SearchState& state) {
   const SearchSettings& settings = *state.settings;
   const Shown measured{state.train.measured_N, state.validation.measured_N};
-  const Law now{state.current.model, state.parameters};
+  const Law now{state.current.model, state.compared()};
   constexpr int rounds = 4;
   std::optional<Judged> standing;
   std::vector<LargerLaw> laws;
   for (const NamedParameters& entry : state.current.model.effects) {
     for (const Candidate& candidate : *state.candidates) {
-      if (!contains(candidate.name, entry.name) ||
+      if (!contains(candidate.name, entry.name) || is_field(candidate.parameters) ||
           !state.budget->allows(candidate.name + " in place of " + entry.name)) {
         continue;
       }
@@ -230,8 +231,8 @@ std::vector<LargerLaw> weigh_larger_laws(const SearchState& state) {
     }
   }
   std::sort(laws.begin(), laws.end(), [](const LargerLaw& a, const LargerLaw& b) {
-    return std::pair(!a.trial.verdict.empty(), a.trial.deviance) <
-           std::pair(!b.trial.verdict.empty(), b.trial.deviance);
+    return std::pair(!a.trial.verdict.passed(), a.trial.deviance) <
+           std::pair(!b.trial.verdict.passed(), b.trial.deviance);
   });
   return laws;
 }
@@ -241,7 +242,7 @@ std::vector<Trial> weigh_by_likelihood(const SearchState& state, const std::vect
   const Evidence& evidence = state.data->validation;
   Predictor& likely = evidence.noise->likely_predictor();
   const Shown measured{state.train.measured_N, state.validation.measured_N};
-  const Law now{state.current.model, state.parameters};
+  const Law now{state.current.model, state.compared()};
   constexpr int rounds = 3;
   const auto standing = judge(state, now, measured, rounds);
   std::vector<Trial> passed;

@@ -119,7 +119,7 @@ TEST(NestedLaw, FrictionThatFallsWithSpeedTakesThePlaceOfPlainFrictionAtEveryUni
     EXPECT_EQ(laws.front().in_place_of, "coulomb-friction");
     const Trial& trial = laws.front().trial;
     EXPECT_EQ(trial.name, "stribeck-friction");
-    EXPECT_EQ(trial.verdict, "") << unit;
+    EXPECT_EQ(trial.verdict.words, "") << unit;
     EXPECT_GT(std::min(trial.train_gain, trial.validation_gain), SearchSettings{}.law_gain) << unit;
     const auto& fitted = find_entry(trial.fit.model, "stribeck-friction")->parameters;
     EXPECT_NEAR(fitted.at("mu_dynamic"), 0.25, 0.02) << unit;
@@ -131,7 +131,7 @@ TEST(NestedLaw, FrictionThatFallsWithSpeedTakesThePlaceOfPlainFrictionAtEveryUni
 TEST(NestedLaw, PlainFrictionStays) {
   const auto laws = Strokes(0.4, 0.4, 1.0).weigh();
   ASSERT_EQ(laws.size(), 1U);
-  EXPECT_THAT(laws.front().trial.verdict, ::testing::HasSubstr("leave the cone of fast sliding by"));
+  EXPECT_THAT(laws.front().trial.verdict.words, ::testing::HasSubstr("leave the cone of fast sliding by"));
 }
 
 TEST(NestedLaw, ALawWithoutALargerOneIsNotAskedFor) {

@@ -109,6 +109,7 @@ std::vector<Gesture> repertoire(const Site& site) {
        [=](double t) { return Vec3(0.0, 0.0, -d * 0.5 * (1.0 - std::cos(tau * t / 1.5))); }, tilt},
       {"presses of growing depth at growing speed", 14.0,
        [=](double t) {
+         // The phase of a chirp: 0.3 + 0.24 t cycles a second.
          const double cycles = 0.3 * t + 0.12 * t * t;
          return Vec3(0.0, 0.0, 0.3 * d - d * (0.5 + 0.8 * t / 14.0) * 0.5 * (1.0 - std::cos(tau * cycles)));
        },
@@ -121,6 +122,7 @@ std::vector<Gesture> repertoire(const Site& site) {
        no_turn},
       {fmt::format("circles at constant load, from {:.2g} to {:.2g} mm/s", 1e3 * slowest, 1e3 * growth * slowest), 16.0,
        [=](double t) {
+         // The speed grows as v0 g^(t / T); the angle is its integral over the radius, v0 / r T / ln g (g^(t / T) - 1).
          const double turned = slowest / r * 16.0 / std::log(growth) * (std::pow(growth, t / 16.0) - 1.0);
          return Vec3(r * std::cos(turned), r * std::sin(turned), -0.7 * d);
        },
@@ -168,6 +170,7 @@ std::optional<NextExperiment> propose_experiment(const Recording& recording, con
                                                  double force_noise_N, double position_noise_m) {
   const Site site = find_site(recording, prediction);
   if (site.depth_m <= 0.0 || site.reach_m <= 0.0) return std::nullopt;
+  // A tracker's error moves the predicted force by the stiffness times it, where the tip touches.
   const double by_position_N = one.parameters.at("stiffness_N_per_m") * position_noise_m;
   force_noise_N = std::max(force_noise_N, 1e-12);
   std::optional<NextExperiment> best;
@@ -186,6 +189,7 @@ std::optional<NextExperiment> propose_experiment(const Recording& recording, con
       const double noise_N = std::hypot(force_noise_N, touches ? by_position_N : 0.0);
       sum += (a.f_W_N[i] - b.f_W_N[i] - mean).squaredNorm() / (noise_N * noise_N);
     }
+    // Root mean square over samples and three axes of the difference over its noise.
     proposal.separation = std::sqrt(sum / (3.0 * static_cast<double>(a.f_W_N.size())));
     if (!best || proposal.separation > best->separation) best = std::move(proposal);
   }

@@ -36,7 +36,7 @@ Trial paired(const SearchState& state, const Standing& standing, const Trial& fi
   pair.name = first.name;
   pair.partner = second.name;
   pair.side = first.side;
-  pair.verdict.clear();
+  pair.verdict = {};
   JointFit fit = fit_jointly(state.train, Model(second.fit.model), pair.parameters, state.settings->iterations, false);
   if (fit.ok) pair.fit = std::move(fit);
   pair.fit.chi_squared = chi_squared(state.train, pair.fit.model);
@@ -63,7 +63,7 @@ std::vector<Trial> competing_pairs(const SearchState& state, const Standing& sta
     const Standing left = standing_of(known);
     for (const Trial& second : try_candidates(known, left)) {
       // Two laws of dry friction at once are one law that the library does not have.
-      if (of_one_kind(second.name, first.name) || !weakness(known, left, second).empty()) continue;
+      if (of_one_kind(second.name, first.name) || !weakness(known, left, second).passed()) continue;
       Trial pair = paired(state, standing, first, second);
       if (is_most_of_what_is_missing(state, standing, pair)) pairs.push_back(std::move(pair));
     }
@@ -77,7 +77,7 @@ std::vector<Trial> competing_pairs(const SearchState& state, const Standing& sta
 }
 
 // Whether `name` earns its place beside `other`, which is taken for known.
-std::string refusal_of_member(const SearchState& state, const Trial& other, const std::string& name) {
+TrialVerdict refusal_of_member(const SearchState& state, const Trial& other, const std::string& name) {
   const SearchState known = with_trial(state, other);
   const Standing left = standing_of(known);
   auto trial = try_candidate(known, left, state.candidate(name));
@@ -91,6 +91,7 @@ std::vector<Trial> try_pairs(const SearchState& state, const Standing& standing,
   const auto alone = [&](const std::string& name) {
     return std::find_if(singles.begin(), singles.end(), [&](const Trial& t) { return t.name == name; });
   };
+  const auto compared = state.compared();
   // The maximum over all that compete, in worlds where neither effect is.
   const auto refits = [&](const FitData& train, const Recording& recording, const Model& base) {
     std::vector<JointFit> fits;
@@ -99,11 +100,11 @@ std::vector<Trial> try_pairs(const SearchState& state, const Standing& standing,
       const int iterations = state.settings->iterations;
       const CandidateFit first = state.options(state.candidate(pair.name), base, recording);
       const auto [one, unknown] = alone_here.try_emplace(pair.name);
-      if (unknown) one->second = best_fit(train, base, first, state.parameters, iterations);
+      if (unknown) one->second = best_fit(train, base, first, compared, iterations);
       if (!one->second.ok) continue;
       const Model& with_first = one->second.model;
       const CandidateFit second = state.options(state.candidate(pair.partner), with_first, recording);
-      fits.push_back(best_fit(train, with_first, second, joined(state.parameters, first.parameters), iterations));
+      fits.push_back(best_fit(train, with_first, second, joined(compared, first.parameters), iterations));
     }
     return fits;
   };
@@ -118,15 +119,15 @@ std::vector<Trial> try_pairs(const SearchState& state, const Standing& standing,
       continue;
     }
     pair.verdict = weakness(state, standing, pair);
-    if (pair.verdict.empty()) pair.verdict = objection(state, pair);
+    if (pair.verdict.passed()) pair.verdict = objection(state, pair);
     for (const auto& [name, other] : {std::pair(pair.name, pair.partner), std::pair(pair.partner, pair.name)}) {
-      if (!pair.verdict.empty()) break;
+      if (!pair.verdict.passed()) break;
       const auto known = alone(other);
-      const std::string reason =
+      const TrialVerdict beside =
           known == singles.end() ? "it could not be fitted alone" : refusal_of_member(state, *known, name);
-      if (!reason.empty()) pair.verdict = fmt::format("{} beside {}: {}", name, other, reason);
+      if (!beside.passed()) pair.verdict = fmt::format("{} beside {}: {}", name, other, beside.words);
     }
-    if (!pair.verdict.empty()) continue;
+    if (!pair.verdict.passed()) continue;
     pair.null_bar = null_bar(state, refits, pair.validation_gain);
     passed = pair.validation_gain > pair.null_bar;
     if (!passed) pair.verdict = within_null;

@@ -77,7 +77,8 @@ TEST(PairMove, FindsTwoEffectsOfWhichNeitherPassesAlone) {
   const SearchResult result = TwoWaves(0.2, 0.0).search();
   ASSERT_FALSE(result.steps.empty());
   for (const Trial& trial : result.steps.front().trials) {
-    EXPECT_TRUE(!trial.partner.empty() || trial.verdict != "added") << trial.name << " alone was thought enough";
+    EXPECT_TRUE(!trial.partner.empty() || trial.verdict.kind != TrialVerdict::Kind::added)
+        << trial.name << " alone was thought enough";
   }
   std::vector<std::string> names;
   for (const FoundEffect& effect : result.found) names.push_back(effect.name);
@@ -109,7 +110,7 @@ TEST(PairMove, APairOfWhichOneIsIdleIsRefusedForThatOne) {
   EXPECT_FALSE(pairs.empty());
   for (const Trial& pair : pairs) {
     const bool idle = pair.name == "idle" || pair.partner == "idle";
-    EXPECT_EQ(pair.verdict.empty(), !idle) << pair.title() << ": " << pair.verdict;
+    EXPECT_EQ(pair.verdict.passed(), !idle) << pair.title() << ": " << pair.verdict.words;
   }
 }
 

@@ -106,7 +106,7 @@ struct Sum {
 
 class Sorter {
  public:
-  void add(const std::string& kind, const std::string& name, double t_s, double before, double after) {
+  void add(RegimeKind kind, const std::string& name, double t_s, double before, double after) {
     const auto key = std::pair(kind, name);
     if (!sums_.contains(key)) order_.push_back(key);
     Sum& sum = sums_[key];
@@ -119,7 +119,7 @@ class Sorter {
   }
 
   [[nodiscard]] std::vector<Regime> regimes() const {
-    std::map<std::string, double> totals;
+    std::map<RegimeKind, double> totals;
     for (const auto& key : order_) totals[key.first] += sums_.at(key).before;
     std::vector<Regime> all;
     for (const auto& key : order_) {
@@ -143,15 +143,13 @@ class Sorter {
     }
     // For a reader: kind by kind, and within each as they follow one another.
     std::stable_sort(all.begin(), all.end(), [](const Regime& a, const Regime& b) {
-      const auto key = [](const Regime& r) { return std::tuple(place_in(kinds, r.kind), rank(r.name), r.name); };
+      const auto key = [](const Regime& r) { return std::tuple(r.kind, rank(r.name), r.name); };
       return key(a) < key(b);
     });
     return all;
   }
 
  private:
-  static constexpr std::array kinds{"phase", "direction",   "sliding speed", "load",
-                                    "place", "sensor axis", "time",          "frequency"};
   static constexpr std::array phases{"free air",  "first contact", "loading", "hold",
                                      "unloading", "sliding",       "reversal"};
 
@@ -170,8 +168,8 @@ class Sorter {
     return digit == std::string::npos ? 0.0 : std::strtod(name.c_str() + digit, nullptr);
   }
 
-  std::map<std::pair<std::string, std::string>, Sum> sums_;
-  std::vector<std::pair<std::string, std::string>> order_;
+  std::map<std::pair<RegimeKind, std::string>, Sum> sums_;
+  std::vector<std::pair<RegimeKind, std::string>> order_;
 };
 
 std::string speed_name(double speed_m_per_s) {
@@ -216,15 +214,38 @@ void add_frequencies(Sorter& sorter, const std::vector<double>& t_s, const std::
   const auto middle_before = smooth(before, 0.04);
   const auto middle_after = smooth(after, 0.04);
   for (std::size_t i = 0; i < t_s.size(); ++i) {
-    sorter.add("frequency", "below about 1 Hz", t_s[i], slow_before[i].squaredNorm(), slow_after[i].squaredNorm());
-    sorter.add("frequency", "about 1 to 6 Hz", t_s[i], (middle_before[i] - slow_before[i]).squaredNorm(),
+    sorter.add(RegimeKind::frequency, "below about 1 Hz", t_s[i], slow_before[i].squaredNorm(),
+               slow_after[i].squaredNorm());
+    sorter.add(RegimeKind::frequency, "about 1 to 6 Hz", t_s[i], (middle_before[i] - slow_before[i]).squaredNorm(),
                (middle_after[i] - slow_after[i]).squaredNorm());
-    sorter.add("frequency", "above about 6 Hz", t_s[i], (before[i] - middle_before[i]).squaredNorm(),
+    sorter.add(RegimeKind::frequency, "above about 6 Hz", t_s[i], (before[i] - middle_before[i]).squaredNorm(),
                (after[i] - middle_after[i]).squaredNorm());
   }
 }
 
 }  // namespace
+
+const char* to_string(RegimeKind kind) {
+  switch (kind) {
+    case RegimeKind::phase:
+      return "phase";
+    case RegimeKind::direction:
+      return "direction";
+    case RegimeKind::sliding_speed:
+      return "sliding speed";
+    case RegimeKind::load:
+      return "load";
+    case RegimeKind::place:
+      return "place";
+    case RegimeKind::sensor_axis:
+      return "sensor axis";
+    case RegimeKind::time:
+      return "time";
+    case RegimeKind::frequency:
+      return "frequency";
+  }
+  return "";
+}
 
 std::vector<Regime> sort_by_regime(const Evidence& evidence, const Prediction& before, const Prediction& after,
                                    double force_floor_N) {
@@ -258,25 +279,25 @@ std::vector<Regime> sort_by_regime(const Evidence& evidence, const Prediction& b
     used_after.push_back(new_error);
     const double b = old_error.squaredNorm();
     const double a = new_error.squaredNorm();
-    sorter.add("phase", phase_name(motion, i), t_s[i], b, a);
+    sorter.add(RegimeKind::phase, phase_name(motion, i), t_s[i], b, a);
     if (motion.contact[i]) {
-      sorter.add("sliding speed", speed_name(motion.tangential_m_per_s[i]), t_s[i], b, a);
+      sorter.add(RegimeKind::sliding_speed, speed_name(motion.tangential_m_per_s[i]), t_s[i], b, a);
       const double load = motion.load_N[i];
-      sorter.add("load",
+      sorter.add(RegimeKind::load,
                  load < light   ? fmt::format("load below {:.2g} N", light)
                  : load < heavy ? fmt::format("load {:.2g}-{:.2g} N", light, heavy)
                                 : fmt::format("load above {:.2g} N", heavy),
                  t_s[i], b, a);
       const Vec3 centre = box.center();
       const Vec3& p = recording.motion.p_W_m[i];
-      sorter.add("place",
+      sorter.add(RegimeKind::place,
                  fmt::format("object's {}x, {}y", p.x() < centre.x() ? "-" : "+", p.y() < centre.y() ? "-" : "+"),
                  t_s[i], b, a);
       const Vec3& n = after.n_W[i];
       if (!n.isZero()) {
-        sorter.add("direction", "along the normal", t_s[i], std::pow(n.dot(old_error), 2),
+        sorter.add(RegimeKind::direction, "along the normal", t_s[i], std::pow(n.dot(old_error), 2),
                    std::pow(n.dot(new_error), 2));
-        sorter.add("direction", "in the tangent plane", t_s[i], b - std::pow(n.dot(old_error), 2),
+        sorter.add(RegimeKind::direction, "in the tangent plane", t_s[i], b - std::pow(n.dot(old_error), 2),
                    a - std::pow(n.dot(new_error), 2));
       }
     }
@@ -285,12 +306,12 @@ std::vector<Regime> sort_by_regime(const Evidence& evidence, const Prediction& b
     const Vec3 old_S = R_SW * old_error;
     const Vec3 new_S = R_SW * new_error;
     for (int axis = 0; axis < 3; ++axis) {
-      sorter.add("sensor axis", fmt::format("sensor's {}", "xyz"[axis]), t_s[i], old_S[axis] * old_S[axis],
+      sorter.add(RegimeKind::sensor_axis, fmt::format("sensor's {}", "xyz"[axis]), t_s[i], old_S[axis] * old_S[axis],
                  new_S[axis] * new_S[axis]);
     }
     const double into = (t_s[i] - t_s.front()) / std::max(t_s.back() - t_s.front(), 1e-300);
-    sorter.add("time", fmt::format("quarter {} of the time", std::min(4, 1 + static_cast<int>(4.0 * into))), t_s[i], b,
-               a);
+    sorter.add(RegimeKind::time, fmt::format("quarter {} of the time", std::min(4, 1 + static_cast<int>(4.0 * into))),
+               t_s[i], b, a);
   }
   add_frequencies(sorter, used_t_s, used_before, used_after);
   return sorter.regimes();
@@ -301,9 +322,9 @@ std::string worsened_phase(const std::vector<Regime>& regimes, double share) {
     return static_cast<double>(regime.samples) * (regime.after_N * regime.after_N - regime.before_N * regime.before_N);
   };
   double gained = 0.0;
-  for (const Regime& regime : regimes) gained -= regime.kind == "phase" ? std::min(0.0, grown(regime)) : 0.0;
+  for (const Regime& regime : regimes) gained -= regime.kind == RegimeKind::phase ? std::min(0.0, grown(regime)) : 0.0;
   for (const Regime& regime : regimes) {
-    if (regime.kind != "phase") continue;
+    if (regime.kind != RegimeKind::phase) continue;
     const bool clear = regime.after_N > regime.before_N + regime.error95_N;
     if (clear && grown(regime) > share * gained) return regime.name;
   }

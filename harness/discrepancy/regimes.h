@@ -9,9 +9,14 @@
 
 namespace touchstone::discrepancy {
 
+// What a regime splits the samples by, in the order in which they are shown.
+enum class RegimeKind { phase, direction, sliding_speed, load, place, sensor_axis, time, frequency };
+// "phase", "sliding speed", ...: as findings.json and the report have it.
+const char* to_string(RegimeKind kind);
+
 struct Regime {
   std::string name;  // "free air", "sliding, 20-50 mm/s", ...
-  std::string kind;  // what it splits by: "phase", "sliding speed", "load", "place", "axis", "frequency", "time"
+  RegimeKind kind = RegimeKind::phase;
   std::size_t samples = 0;
   double before_N = 0.0;  // RMS of the 3-D force error (of one axis, or of a band of frequencies, where it says so)
   double after_N = 0.0;

@@ -15,8 +15,8 @@
 #include <unsupported/Eigen/FFT>
 #include <utility>
 
-#include "harness/discrepancy/percentile.h"
 #include "harness/discrepancy/welch.h"
+#include "harness/stats/quantile.h"
 
 namespace touchstone::discrepancy {
 namespace {
@@ -48,7 +48,8 @@ std::vector<double> median_background(const std::vector<double>& power, std::siz
   for (std::size_t i = 0; i < power.size(); ++i) {
     const auto low = static_cast<std::ptrdiff_t>(i > reach ? i - reach : 1);
     const auto high = static_cast<std::ptrdiff_t>(std::min(power.size(), i + reach + 1));
-    background[i] = percentile({power.begin() + std::min(low, high - 1), power.begin() + high}, 0.5) / median_of_noise;
+    background[i] =
+        stats::lower_quantile({power.begin() + std::min(low, high - 1), power.begin() + high}, 0.5) / median_of_noise;
   }
   return background;
 }
@@ -209,7 +210,7 @@ std::vector<Doing> doing(const DetectorSide& side, const Model& model, double st
   }
   constexpr double fast_share = 0.3;
   constexpr double slow_share = 0.1;
-  const double typical = percentile(std::move(touching), 0.8);
+  const double typical = touching.empty() ? 0.0 : stats::lower_quantile(std::move(touching), 0.8);
   std::vector<Doing> out(n, Doing::free);
   std::size_t j = 0;
   for (std::size_t i = 0; i < n; ++i) {

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <span>
 
-#include "harness/discrepancy/percentile.h"
+#include "harness/stats/quantile.h"
 
 namespace touchstone::discrepancy {
 namespace {
@@ -14,6 +14,7 @@ constexpr double velocity_half_window_s = 0.02;
 // A speed below this share of the typical one has no sure direction.
 constexpr double slow_share = 0.1;
 
+// The way between the samples about a window of 40 ms over the time between them: a tracker's noise divides by it.
 std::vector<Vec3> velocities(const MotionColumns& motion) {
   const std::size_t n = motion.size();
   std::vector<Vec3> v_W(n, Vec3::Zero());
@@ -51,6 +52,8 @@ class Views {
     rate_.resize(n);
     slid_W_.resize(n);
     way_W_.resize(n);
+    // The velocity in parts: n . v along the normal, v - (n . v) n along the surface. The direction of sliding is
+    // v / (|v| + a share of the usual speed), which goes to nought with the speed instead of jumping.
     for (std::size_t i = 0; i < n; ++i) {
       rate_[i] = normal(i).dot(v_W_[i]);
       slid_W_[i] = touches(i) ? Vec3(v_W_[i] - rate_[i] * normal(i)) : Vec3(Vec3::Zero());
@@ -90,11 +93,13 @@ class Views {
   }
 
   void along_the_normal() {
+    // Any law N(d) of the depth alone is close to a sum of bumps over it.
     view("depth");
     const auto depths = scaled(std::array{0.0, 0.15, 0.35, 0.55, 0.75, 1.0}, scales_.depth_m);
     for (std::size_t j = 0; j < depths.size(); ++j)
       add_normal([&](std::size_t i) { return bump(depth(i), depths, j); });
 
+    // b(d') as in Kelvin and Voigt's damping, and d b(d') as in Hunt and Crossley's.
     view("rate of the depth");
     const auto rates = scaled(std::array{-2.0, -1.0, -0.3, 0.0, 0.3, 1.0, 2.0}, scales_.depth_rate_m_per_s);
     for (std::size_t j = 0; j < rates.size(); ++j) {
@@ -109,6 +114,8 @@ class Views {
       add_normal([&](std::size_t i) { return past[i] * depth(i); });
     };
     for (const double time_s : {0.03, 0.1, 0.3, 1.0, 3.0}) {
+      // A first-order lag m' = (d - m) / T, exact for a depth that stands still within a sample: what a spring behind a
+      // damper (Maxwell's element) has forgotten.
       double mean = 0.0;
       for (std::size_t i = 0; i < past.size(); ++i) {
         const double keep = std::exp(-step_s(i) / time_s);
@@ -116,12 +123,14 @@ class Views {
       }
       add_past();
     }
+    // The largest depth of this contact so far: damage, and curves that differ between loading and unloading.
     double deepest = 0.0;
     for (std::size_t i = 0; i < past.size(); ++i) past[i] = deepest = touches(i) ? std::max(deepest, depth(i)) : 0.0;
     add_past();
   }
 
   void along_the_surface() {
+    // Friction mu(|v|) N against the way, and what sliding does to the normal force.
     view("sliding speed");
     const auto speeds = scaled(std::array{0.0, 0.1, 0.3, 0.6, 1.0, 2.0}, scales_.speed_m_per_s);
     for (std::size_t j = 0; j < speeds.size(); ++j) {
@@ -129,6 +138,7 @@ class Views {
       add_normal([&](std::size_t i) { return bump(slid_W_[i].norm(), speeds, j) * depth(i); });
     }
 
+    // Dry and viscous friction whose coefficient depends on the load.
     view("load");
     const auto loads = scaled(std::array{0.0, 0.15, 0.35, 0.55, 0.75, 1.0}, scales_.load_N);
     for (std::size_t j = 0; j < loads.size(); ++j) {
@@ -136,6 +146,8 @@ class Views {
       add([&](std::size_t i) { return Vec3(bump(load(i), loads, j) * slid_W_[i]); });
     }
 
+    // N M w for each element of a matrix M on the direction w, less its part along the normal: friction that differs by
+    // direction.
     view("direction of sliding");
     for (int from = 0; from < 3; ++from) {
       for (int to = 0; to < 3; ++to) {
@@ -157,6 +169,7 @@ class Views {
           z_W_m.setZero();
           continue;
         }
+        // The spring's stretch follows the tip, stays in the tangent plane, and slips beyond its length (Dahl 1968).
         z_W_m += motion_.p_W_m[i] - motion_.p_W_m[i - 1];
         z_W_m -= normal(i).dot(z_W_m) * normal(i);
         if (z_W_m.norm() > length_m) z_W_m *= length_m / z_W_m.norm();
@@ -169,6 +182,7 @@ class Views {
 
   void where_and_when() {
     view("place");
+    // Stiffness over the place: polynomials up to the third degree in the three coordinates, each from -1 to 1.
     constexpr int degree = 3;
     const double half_m = std::max(0.5 * scales_.extent_m, 1e-300);
     const auto place = [&](std::size_t i) { return Vec3((motion_.p_W_m[i] - scales_.middle_W_m) / half_m); };
@@ -183,6 +197,7 @@ class Views {
       }
     }
 
+    // A stiffness that changes over the recording, and a drift along the sensor's axes.
     view("time");
     const auto times = scaled(std::array{0.0, 0.15, 0.3, 0.45, 0.6, 0.8, 1.0}, scales_.duration_s);
     for (std::size_t j = 0; j < times.size(); ++j) {
@@ -193,6 +208,8 @@ class Views {
   }
 
   void outside_the_contact() {
+    // Drag, linear and squared, in contact and in free air alone; inertia; a constant in the world's and in the
+    // sensor's frame; and a gradient over the place, as of a cable.
     view("motion");
     add([&](std::size_t i) { return v_W_[i]; });
     add([&](std::size_t i) { return Vec3(v_W_[i].norm() * v_W_[i]); });
@@ -250,10 +267,13 @@ ViewScales measure_view_scales(const MotionColumns& motion, const Prediction& pr
     speeds.push_back((v_W[i] - n.dot(v_W[i]) * n).norm());
     box.extend(motion.p_W_m[i]);
   }
-  scales.depth_m = percentile(std::move(depths), 0.95);
-  scales.depth_rate_m_per_s = percentile(std::move(rates), 0.9);
-  scales.speed_m_per_s = percentile(std::move(speeds), 0.8);
-  scales.load_N = percentile(std::move(loads), 0.95);
+  // Without a sample in contact these stay 0.
+  if (!depths.empty()) {
+    scales.depth_m = stats::lower_quantile(std::move(depths), 0.95);
+    scales.depth_rate_m_per_s = stats::lower_quantile(std::move(rates), 0.9);
+    scales.speed_m_per_s = stats::lower_quantile(std::move(speeds), 0.8);
+    scales.load_N = stats::lower_quantile(std::move(loads), 0.95);
+  }
   scales.extent_m = box.isEmpty() ? 0.0 : box.diagonal().norm();
   scales.duration_s = motion.size() > 0 ? motion.t_s.back() - motion.t_s.front() : 0.0;
   return scales;

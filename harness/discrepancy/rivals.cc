@@ -12,6 +12,7 @@
 #include "harness/discrepancy/along_likely.h"
 #include "harness/discrepancy/model_edit.h"
 #include "harness/discrepancy/trial_gates.h"
+#include "harness/rendering/smooth_field.h"
 
 namespace touchstone::discrepancy {
 namespace {
@@ -31,7 +32,8 @@ bool alike_without_noise(const SearchState& state, const Model& rival, const std
     validation.noise[b].tangential_N = std::max(validation.noise[b].tangential_N, own[b].tangential_N);
   }
   const auto parameters = joined(kept, state.options(candidate, state.current.model).parameters);
-  const auto loss = compare_along_likely(data, state.train, validation, {&state.current.model, &state.parameters},
+  const auto compared = state.compared();
+  const auto loss = compare_along_likely(data, state.train, validation, {&state.current.model, &compared},
                                          {&rival, &parameters}, settings.iterations);
   if (!loss) return false;
   const double floor_N = expected_noise_N(data.validation, state.current.model);
@@ -44,10 +46,10 @@ bool alike_without_noise(const SearchState& state, const Model& rival, const std
 bool does_better_without_noise(const SearchState& state, const Rival& rival, const std::string& loser) {
   const Model rest = without_entry(state.current.model, loser);
   const auto parameters =
-      joined(without_owner(state.parameters, loser), state.options(state.candidate(rival.name), rest).parameters);
-  const auto loss =
-      compare_along_likely(*state.data, state.train, state.validation, {&state.current.model, &state.parameters},
-                           {&rival.model, &parameters}, state.settings->iterations);
+      joined(without_owner(state.compared(), loser), state.options(state.candidate(rival.name), rest).parameters);
+  const auto compared = state.compared();
+  const auto loss = compare_along_likely(*state.data, state.train, state.validation, {&state.current.model, &compared},
+                                         {&rival.model, &parameters}, state.settings->iterations);
   return !loss || loss->lost < 0.0;
 }
 
@@ -73,7 +75,7 @@ std::optional<Rival> weigh(const SearchState& state, const Incumbent& incumbent,
                            const CameTo& came_to, const std::set<std::string>& settled, const Report& report) {
   const SearchSettings& settings = *state.settings;
   const FoundEffect& found = incumbent.found;
-  if (one_too_many(state, incumbent.rest, other.name)) return std::nullopt;
+  if (is_field(other.parameters) || one_too_many(state, incumbent.rest, other.name)) return std::nullopt;
   if (!state.budget->allows(other.name + " in place of " + found.name)) return std::nullopt;
   // From what is known of the rest, which `bare` had to bend to make up for what it lacks.
   CandidateFit starting = state.options(other, incumbent.bare.model);
@@ -151,7 +153,7 @@ std::vector<FoundEffect> weigh_rivals(const SearchState& state, const CameTo& ca
     FoundEffect found;
     found.name = name;
     found.side = side;
-    const auto kept = without_owner(state.parameters, name);
+    const auto kept = without_owner(state.compared(), name);
     const JointFit bare =
         fit_jointly(state.train, without_entry(state.current.model, name), kept, state.settings->iterations, false);
     if (!bare.ok) continue;

@@ -43,6 +43,7 @@ struct SearchSettings {
   double time_limit_s = std::numeric_limits<double>::infinity();
   std::size_t most_effects = 6;
   int iterations = 12;
+  int field_iterations = 4;
 };
 
 }  // namespace touchstone::discrepancy

@@ -34,7 +34,10 @@ void SearchState::renew_noise(const Model& model) {
 }
 
 void SearchState::refit() {
-  JointFit fit = fit_jointly(train, Model(current.model), parameters, settings->iterations, false);
+  const bool fields = std::any_of(parameters.begin(), parameters.end(), [](const auto& p) { return p.coefficient; });
+  // Nearly linear in a field's coefficients: a few steps do.
+  const int iterations = fields ? settings->field_iterations : settings->iterations;
+  JointFit fit = fit_jointly(train, Model(current.model), parameters, iterations, false);
   if (fit.ok) current = std::move(fit);
 }
 

@@ -51,6 +51,8 @@ struct SearchState {
   [[nodiscard]] CandidateFit options(const Candidate& candidate, const Model& model, const Recording& recording) const;
   // What is free now without that of entries which `model` has no more.
   [[nodiscard]] std::vector<FreeParameter> free_in(const Model& model) const;
+  // What is free while effects are compared: all but the coefficients of fields.
+  [[nodiscard]] std::vector<FreeParameter> compared() const { return without_coefficients(parameters); }
 };
 
 std::vector<FreeParameter> joined(std::vector<FreeParameter> parameters, const std::vector<FreeParameter>& more);

@@ -8,6 +8,7 @@
 
 #include "harness/base/in_parallel.h"
 #include "harness/discrepancy/model_edit.h"
+#include "harness/rendering/smooth_field.h"
 
 namespace touchstone::discrepancy {
 
@@ -46,7 +47,7 @@ std::optional<Trial> try_candidate(const SearchState& state, const Standing& sta
   Trial trial;
   trial.name = candidate.name;
   trial.side = candidate.side;
-  trial.parameters = state.free_in(rest);
+  trial.parameters = without_coefficients(state.free_in(rest));
   trial.fit = best_fit(state.train, rest, options, trial.parameters, state.settings->iterations);
   if (!trial.fit.ok) return std::nullopt;
   trial.parameters = joined(std::move(trial.parameters), options.parameters);
@@ -59,6 +60,7 @@ std::vector<Trial> try_candidates(const SearchState& state, const Standing& stan
   const std::size_t number = state.current.model.effects.size() + state.current.model.instrument.size() + 1;
   const auto one = [&](std::size_t i) {
     const Candidate& candidate = (*state.candidates)[i];
+    if (is_field(candidate.parameters)) return;  // field_move.h
     if (!state.budget->allows(fmt::format("{} as effect number {}", candidate.name, number))) return;
     tried[i] = try_candidate(state, standing, candidate);
   };
@@ -73,6 +75,10 @@ std::vector<Trial> try_candidates(const SearchState& state, const Standing& stan
 SearchState with_trial(const SearchState& state, const Trial& trial) {
   SearchState next = state;
   next.parameters = trial.parameters;
+  for (const FreeParameter& parameter : state.parameters) {
+    const bool held = parameter.coefficient && find_entry(trial.fit.model, parameter.owner) != nullptr;
+    if (held) next.parameters.push_back(parameter);
+  }
   next.current = trial.fit;
   next.renew_noise(next.current.model);
   next.refit();

@@ -4,12 +4,34 @@
 
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "harness/base/rooms.h"
 #include "harness/discrepancy/search_state.h"
 
 namespace touchstone::discrepancy {
+
+// Why a trial was kept or not: what the search goes by, and the words for a reader.
+struct TrialVerdict {
+  enum class Kind {
+    passed,       // nothing speaks against it (yet)
+    refused,      // as the words say; also what was not judged
+    of_mesh,      // refused, since all it does may be the error that the mesh's makers declare
+    added,        // it won against the other trials of its step
+    added_apart,  // added in another way: the other trials of its step were not its rivals
+  };
+  Kind kind = Kind::passed;
+  std::string words;
+
+  TrialVerdict() = default;
+  // Refused for this reason; passed if it is empty.
+  TrialVerdict(std::string reason) : kind(reason.empty() ? Kind::passed : Kind::refused), words(std::move(reason)) {}
+  TrialVerdict(const char* reason) : TrialVerdict(std::string(reason)) {}
+  TrialVerdict(Kind kind_of, std::string words_of) : kind(kind_of), words(std::move(words_of)) {}
+
+  [[nodiscard]] bool passed() const { return kind == Kind::passed; }
+};
 
 struct Trial {
   std::string name;
@@ -25,7 +47,7 @@ struct Trial {
       0.0;  // on the validation blocks, with what this trial leaves counted as noise: the least is the best
   double validation_rms_N = 0.0;  // of the 3-D force error, validation samples
   double null_bar = 0.0;          // of the validation gain, from the case's own nulls; 0 where they were not needed
-  std::string verdict;            // why it was kept or not
+  TrialVerdict verdict;
 
   [[nodiscard]] std::vector<std::string> effects() const;
   [[nodiscard]] std::string title() const;  // "a", or "a and b"

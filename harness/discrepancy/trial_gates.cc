@@ -33,9 +33,10 @@ bool displaces_for_sure(const SearchState& state, const Trial& trial) {
 }
 
 bool helps_without_noise(const SearchState& state, const Trial& trial) {
+  const auto compared = state.compared();
   const auto loss =
       compare_along_likely(*state.data, state.train, state.validation, {&trial.fit.model, &trial.parameters},
-                           {&state.current.model, &state.parameters}, state.settings->iterations);
+                           {&state.current.model, &compared}, state.settings->iterations);
   return !loss || loss->lost >= state.settings->likely_share * trial.validation_gain;
 }
 
@@ -48,7 +49,7 @@ bool within_mesh_error(const SearchState& state, const Model& model, const std::
   return moved_m <= state.settings->mesh_margin * state.data->geometry_error_m;
 }
 
-std::string weakness(const SearchState& state, const Standing& standing, const Trial& trial) {
+TrialVerdict weakness(const SearchState& state, const Standing& standing, const Trial& trial) {
   const SearchSettings& settings = *state.settings;
   if (!(trial.train_gain >= settings.minimum_gain)) return "no more than noise on the training blocks";
   if (!(trial.validation_gain >= settings.minimum_gain)) return "no more than noise on the validation blocks";
@@ -73,12 +74,12 @@ std::string weakness(const SearchState& state, const Standing& standing, const T
     if (!shares || !(removed >= least * before)) return "too small to matter";
   }
   for (const std::string& name : trial.effects()) {
-    if (within_mesh_error(state, trial.fit.model, name)) return within_mesh;
+    if (within_mesh_error(state, trial.fit.model, name)) return within_mesh();
   }
   return "";
 }
 
-std::string objection(const SearchState& state, const Trial& trial) {
+TrialVerdict objection(const SearchState& state, const Trial& trial) {
   Predictor& predictor = *state.data->validation.predictor;
   const auto regimes = sort_by_regime(state.data->validation, predictor.predict(state.current.model),
                                       predictor.predict(trial.fit.model), state.data->force_floor_N);
@@ -87,7 +88,7 @@ std::string objection(const SearchState& state, const Trial& trial) {
   if (!helps_without_noise(state, trial)) {
     return "helps at the noisy positions alone: it passes less of their noise on";
   }
-  if (!displaces_for_sure(state, trial)) return maybe_within_mesh;
+  if (!displaces_for_sure(state, trial)) return maybe_within_mesh();
   return "";
 }
 
@@ -95,8 +96,10 @@ double null_bar(const SearchState& state, const RefitInWorld& refits, double gai
   constexpr std::size_t few = 4;
   constexpr double near = 3.0;
   const SearchSettings& settings = *state.settings;
-  const NullCase null{&state.data->train,   &state.data->validation, &state.train,       &state.validation,
-                      &state.current.model, &state.parameters,       settings.iterations};
+  const auto compared = state.compared();
+  const NullCase null{&state.data->train, &state.data->validation, &state.train,
+                      &state.validation,  &state.current.model,    &compared,
+                      settings.iterations};
   auto gains = null_gains(null, refits, 0, few);
   const double bar = std::max(settings.minimum_gain, bar_above(gains, settings.null_deviations));
   if (gain > near * bar || near * gain < bar) return bar;
@@ -108,24 +111,24 @@ double null_bar(const SearchState& state, const RefitInWorld& refits, double gai
 double null_bar(const SearchState& state, const Candidate& candidate, double gain) {
   const auto refit = [&](const FitData& train, const Recording& recording, const Model& base) {
     const CandidateFit options = state.options(candidate, base, recording);
-    return std::vector<JointFit>{best_fit(train, base, options, state.parameters, state.settings->iterations)};
+    return std::vector<JointFit>{best_fit(train, base, options, state.compared(), state.settings->iterations)};
   };
   return null_bar(state, refit, gain);
 }
 
 const Trial* explained_by_mesh(const std::vector<Trial>& trials, const Trial& trial) {
   const auto does = [&](const Trial& other) {
-    return (other.verdict == within_mesh || other.verdict == maybe_within_mesh) &&
-           other.train_gain >= trial.train_gain && other.validation_gain >= trial.validation_gain;
+    return other.verdict.kind == TrialVerdict::Kind::of_mesh && other.train_gain >= trial.train_gain &&
+           other.validation_gain >= trial.validation_gain;
   };
   const auto found = std::find_if(trials.begin(), trials.end(), does);
   return found == trials.end() ? nullptr : &*found;
 }
 
-std::string refusal(const SearchState& state, const Standing& standing, Trial& trial) {
-  std::string reason = weakness(state, standing, trial);
-  if (reason.empty()) reason = objection(state, trial);
-  if (!reason.empty()) return reason;
+TrialVerdict refusal(const SearchState& state, const Standing& standing, Trial& trial) {
+  TrialVerdict verdict = weakness(state, standing, trial);
+  if (verdict.passed()) verdict = objection(state, trial);
+  if (!verdict.passed()) return verdict;
   trial.null_bar = null_bar(state, state.candidate(trial.name), trial.validation_gain);
   return trial.validation_gain > trial.null_bar ? "" : within_null;
 }

@@ -15,11 +15,11 @@ namespace touchstone::discrepancy {
 // Whether all that an effect does is to move the surface, by no more than the mesh's makers declare as its error.
 bool within_mesh_error(const SearchState& state, const Model& model, const std::string& effect);
 
-// Empty: it gains more than noise, and matters.
-std::string weakness(const SearchState& state, const Standing& standing, const Trial& trial);
+// Passed: it gains more than noise, and matters.
+TrialVerdict weakness(const SearchState& state, const Standing& standing, const Trial& trial);
 
-// Empty: it makes no regime worse, helps along the likely motion too, and is no error that the mesh's makers declare.
-std::string objection(const SearchState& state, const Trial& trial);
+// Passed: it makes no regime worse, helps along the likely motion too, and is no error that the mesh's makers declare.
+TrialVerdict objection(const SearchState& state, const Trial& trial);
 
 // What the validation gain must exceed: the most that any of the refits gains in the case's null worlds, and more by
 // the settings' deviations. Few worlds where they decide clearly, all of them where the gain is near the bar.
@@ -31,13 +31,16 @@ inline constexpr const char* out_of_time = "not checked: the time limit ended th
 
 inline constexpr const char* within_null = "no more than simulated recordings give in which nothing is missing";
 
-inline constexpr const char* within_mesh = "within the mesh's declared error";
-inline constexpr const char* maybe_within_mesh = "may be within the mesh's declared error";
+// The verdict on what may be, or is, the mesh's declared error.
+inline TrialVerdict within_mesh() { return {TrialVerdict::Kind::of_mesh, "within the mesh's declared error"}; }
+inline TrialVerdict maybe_within_mesh() {
+  return {TrialVerdict::Kind::of_mesh, "may be within the mesh's declared error"};
+}
 // The other trial that gains at least as much, though all it does may be the mesh's declared error: what that may
 // explain is not missing. nullptr: none.
 const Trial* explained_by_mesh(const std::vector<Trial>& trials, const Trial& trial);
 
 // All gates in their order. Sets the trial's bar where it came to that.
-std::string refusal(const SearchState& state, const Standing& standing, Trial& trial);
+TrialVerdict refusal(const SearchState& state, const Standing& standing, Trial& trial);
 
 }  // namespace touchstone::discrepancy

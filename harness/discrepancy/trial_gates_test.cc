@@ -37,7 +37,7 @@ TEST(MeshError, WhatItExplainsAsWellIsNotMissing) {
   hill.name = "surface-geometry";
   hill.train_gain = 300.0;
   hill.validation_gain = 200.0;
-  hill.verdict = maybe_within_mesh;
+  hill.verdict = maybe_within_mesh();
   Trial map;
   map.name = "stiffness-map";
   map.train_gain = 250.0;

@@ -7,6 +7,7 @@
 #include <filesystem>
 
 #include "harness/base/error.h"
+#include "harness/stats/quantile.h"
 
 namespace touchstone::importing {
 namespace {
@@ -79,17 +80,26 @@ std::optional<GuessedCurves> unnamed_side_by_side(const ImportTable& table) {
   }
   const auto [low, high] = std::ranges::minmax(table.columns[1]);
   const auto apart = [&](std::size_t i) { return std::abs(table.columns[1][i] - table.columns[2][i]); };
-  // They meet where the tip turns back.
+  // They meet where the tip turns back, which is the pressed end: there the load is far from what it mostly is.
   constexpr double near = 0.02;
-  const bool at_end = apart(ramp.size() - 1) < near * (high - low);
-  if (!(high > low) || !at_end) return std::nullopt;
+  const double mostly = stats::median(table.columns[1]);
+  const bool pressed_first = std::abs(table.columns[1].front() - mostly) > std::abs(table.columns[1].back() - mostly);
+  const std::size_t turn = pressed_first ? 0 : ramp.size() - 1;
+  if (!(high > low) || !(apart(turn) < near * (high - low))) return std::nullopt;
   const double up = -slope_sign(ramp, table.columns[1]);
   GuessedCurves out;
-  out.json = map_of(table, Json::array({Json{{"z", 1}, {"load", 2}}, Json{{"z", 1}, {"load", 3}, {"reverse", true}}}),
-                    up * 1e-6, 1.0);
+  // The file of which the format's description is known begins pressed, and pads there (afmformats,
+  // fmt_ntmdt_txt: approach[::-1], then retract, both without their constant beginning).
+  Json approach{{"z", 1}, {"load", 2}};
+  Json retract{{"z", 1}, {"load", 3}};
+  (pressed_first ? approach : retract)["reverse"] = true;
+  if (pressed_first) approach["padded"] = "load", retract["padded"] = "load";
+  out.json = map_of(table, Json::array({approach, retract}), up * 1e-6, 1.0);
   out.reasons = {
-      "stack <- c1 with c2, below it c1 with c3 in reverse: c1 is an even ramp, and c2 and c3 meet at its end, as "
-      "approach beside retract do",
+      fmt::format(
+          "stack <- c1 with c2{}, below it c1 with c3{}: c1 is an even ramp, and c2 and c3 meet at its {}, where "
+          "the load is far from its usual value: approach beside retract, which turn there",
+          pressed_first ? " in reverse" : "", pressed_first ? "" : " in reverse", pressed_first ? "beginning" : "end"),
       fmt::format("z_mm <- c1: nm assumed, the file names no unit{}: check it",
                   up < 0.0 ? "; turned round, since c2 grows with it" : ""),
       "fz_mN <- c2 and c3: the file names no unit: put the cantilever's N for one of them in place of the scale",

@@ -20,7 +20,7 @@ struct GuessedCurves {
 };
 
 // Two columns named "Extend ..." and two named "Retract ..." (AFM Workshop), or three without names of which the first
-// is a ramp and the others meet at its end (NT-MDT: the retract stands in reverse). Nothing for other tables.
+// is a ramp and the others meet where they are pressed (NT-MDT). Nothing for other tables.
 std::optional<GuessedCurves> guess_curves(const ImportTable& table);
 
 struct GuessedWrench {

@@ -166,6 +166,15 @@ std::string pose_cdr(std::int32_t sec, std::uint32_t nsec, const std::string& fr
   return std::string("\0\1\0\0", 4) + m;
 }
 
+std::string database_refusal(const std::filesystem::path& path) {
+  try {
+    read_foreign(path, {});
+  } catch (const BadData& e) {
+    return e.what();
+  }
+  return "no error";
+}
+
 TEST(Ros2Database, PosesWithNamesOfEveryLength) {
   const auto path = bag_folder() / "poses.db3";
   std::filesystem::remove(path);
@@ -200,9 +209,16 @@ TEST(Ros2Database, PosesWithNamesOfEveryLength) {
   }
   const std::string whole = read_file(path);
   write_file(path, whole.substr(0, 5000));
-  EXPECT_THROW(read_ros2_database(path), BadData);
+  EXPECT_THAT(database_refusal(path),
+              HasSubstr(fmt::format("ends at byte 5000, within page 2 of the {} that its header "
+                                    "declares (4096 bytes each, {} in all)",
+                                    whole.size() / 4096, whole.size())));
+  for (std::size_t size = 16; size < whole.size(); size += 1000) {
+    write_file(path, whole.substr(0, size));
+    EXPECT_THAT(database_refusal(path), HasSubstr(fmt::format("ends at byte {}", size)));
+  }
   write_file(path, "SQLite format 3");
-  EXPECT_THROW(read_foreign(path, {}), BadData);
+  EXPECT_THAT(database_refusal(path), HasSubstr("within the header of 100 bytes"));
 }
 
 }  // namespace

@@ -7,10 +7,12 @@
 #include <charconv>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <optional>
 
 #include "harness/base/error.h"
 #include "harness/base/vec.h"
+#include "harness/recording/ati_calibration.h"
 
 namespace touchstone::importing {
 namespace {
@@ -149,19 +151,32 @@ class Sources {
     stacked.names.emplace_back("segment");
     stacked.columns.resize(stacked.names.size());
     for (std::size_t p = 0; p < map_.stack.size(); ++p) {
+      const ImportMap::Part& part = map_.stack[p];
+      std::size_t padding = 0;
+      if (!part.padded.empty()) {
+        const Series& values = table.columns[table_of(part.columns.at(part.padded)).second];
+        while (padding + 1 < values.size() && values[padding + 1] == values.front()) ++padding;
+      }
       std::size_t to = 0;
-      for (const auto& [name, column] : map_.stack[p].columns) {
+      for (const auto& [name, column] : part.columns) {
         const auto [owner, number] = table_of(column);
         if (&owner != &table) {
           throw BadData(fmt::format("{}: /stack of the map {}: '{}' is no column of the first table but of '{}'",
                                     table.source, map_.source, column, owner.name));
         }
         Series values = table.columns[number];
-        if (map_.stack[p].reverse) std::ranges::reverse(values);
+        values.erase(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(padding));
+        if (part.reverse) std::ranges::reverse(values);
         stacked.columns[to].insert(stacked.columns[to].end(), values.begin(), values.end());
         ++to;
       }
-      stacked.columns[to].insert(stacked.columns[to].end(), table.rows(), static_cast<double>(p));
+      stacked.columns[to].insert(stacked.columns[to].end(), table.rows() - padding, static_cast<double>(p));
+      if (padding > 0) {
+        stacked.notes.push_back(
+            fmt::format("{}: {} rows at the beginning of part {} of the stack repeat one value of "
+                        "'{}' and are left out as padding",
+                        table.source, padding, p + 1, part.padded));
+      }
     }
     table = std::move(stacked);
   }
@@ -290,9 +305,67 @@ void shift_forces(Imported& imported, double shift_s) {
   }
 }
 
+// What the sensor said of its samples: rows whose forces are none as flags of `SampleFlags`, by row; empty where all
+// are sound. Refuses, or notes, as the map wants it.
+std::vector<unsigned> sensor_flags(Imported& imported, const ImportMap& map, const Sources& sources) {
+  if (!map.status) return {};
+  const Series words = sources.values({map.status->column, 1.0});
+  const auto* const t = column_of(imported, "t_s");
+  std::vector<unsigned> flags(words.size(), 0);
+  struct Said {
+    std::size_t samples = 0, first = 0, last = 0;
+    bool bad = false;
+  };
+  std::map<std::string, Said> all;
+  std::size_t bad_samples = 0;
+  for (std::size_t i = 0; i < words.size(); ++i) {
+    constexpr double most = 4294967295.0;
+    if (!(words[i] >= 0.0) || !(words[i] <= most) || words[i] != std::floor(words[i])) {
+      throw BadData(
+          fmt::format("{}: row {}: the status '{}' is {:g}: a whole number of 32 bits was expected; is this its "
+                      "column in the map {}?",
+                      sources.source(), i + 1, map.status->column, words[i], map.source));
+    }
+    const SensorStatus status = read_sensor_status(map.status->device, static_cast<std::uint32_t>(words[i]));
+    if (status.beyond_range) flags[i] |= sample_saturated;
+    if (status.faulty) flags[i] |= sample_device_error;
+    bad_samples += flags[i] != 0 ? 1 : 0;
+    if (status.text.empty()) continue;
+    Said& said = all[status.text];
+    if (said.samples++ == 0) said.first = i;
+    said.last = i, said.bad = flags[i] != 0;
+  }
+  const auto place = [&](std::size_t i) {
+    return t != nullptr ? fmt::format("row {} ({:.6g} s)", i + 1, (*t)[i]) : fmt::format("row {}", i + 1);
+  };
+  std::string bad_text;
+  for (const auto& [text, said] : all) {
+    const std::string line = fmt::format("the sensor says '{}' of {} of {} samples, the first in {}, the last in {}",
+                                         text, said.samples, words.size(), place(said.first), place(said.last));
+    if (!said.bad || map.status->bad_samples != BadSamples::refuse) {
+      imported.notes.push_back(fmt::format("{}: {}", sources.source(), line));
+    } else {
+      bad_text += (bad_text.empty() ? "" : "; ") + line;
+    }
+  }
+  if (!bad_text.empty()) {
+    throw BadData(
+        fmt::format("{}: {}: forces there are too small or none; \"bad_samples\": \"leave out\" in /status of "
+                    "the map {} leaves them out, \"keep\" keeps them",
+                    sources.source(), bad_text, map.source));
+  }
+  if (bad_samples == 0) flags.clear();
+  return flags;
+}
+
 // Rows outside of the wanted ones, and rows in which something is missing.
-void select_rows(Imported& imported, const ImportMap& map, const Sources& sources) {
+void select_rows(Imported& imported, const ImportMap& map, const Sources& sources, const std::vector<unsigned>& flags) {
   std::vector<char> keep(sources.rows(), 1);
+  if (map.status && map.status->bad_samples == BadSamples::leave_out && !flags.empty()) {
+    for (std::size_t i = 0; i < keep.size(); ++i) keep[i] = flags[i] == 0 ? 1 : 0;
+    imported.notes.push_back(fmt::format("{}: {} rows left out: the sensor was saturated or faulty there",
+                                         sources.source(), std::ranges::count(keep, 0)));
+  }
   for (const auto& [name, wanted] : map.where) {
     const Series values = sources.values({name, 1.0});
     for (std::size_t i = 0; i < keep.size(); ++i) keep[i] = keep[i] != 0 && values[i] == wanted ? 1 : 0;
@@ -366,7 +439,13 @@ Imported import_file(const std::filesystem::path& path, const ImportMap& map) {
   }
   imported.notes = sources.notes();
   shift_forces(imported, map.shift_force_s);
-  select_rows(imported, map, sources);
+  const auto flags = sensor_flags(imported, map, sources);
+  // A recording has no place for them; a table of wrenches alone, which `touchstone acquire` takes, has.
+  if (!flags.empty() && map.status->bad_samples == BadSamples::keep && column_of(imported, "x_") == nullptr) {
+    imported.names.emplace_back("flags");
+    imported.columns.emplace_back(flags.begin(), flags.end());
+  }
+  select_rows(imported, map, sources, flags);
   // Clocks of the day lose digits: a recording begins at zero.
   if (auto* const t = column_of(imported, "t_s"); t != nullptr && t->front() != 0.0) {
     imported.notes.push_back(fmt::format("{}: time counts from {:.9g} s of the file", sources.source(), t->front()));

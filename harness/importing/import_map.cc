@@ -121,15 +121,38 @@ void read_orientation(JsonObject& root, ImportMap& map) {
   if (ways > 1) root.fail("rotation_rows, quaternion and euler say the same; give one of them");
 }
 
+ImportStatus read_status(JsonObject object) {
+  ImportStatus status;
+  status.column = column_name(object, "from", object.raw("from"));
+  const auto device = find_status_device(object.text("device"));
+  if (!device) object.fail_at("device", "net-ft or ethernet-axia was expected");
+  status.device = *device;
+  const std::string bad = object.optional_text("bad_samples").value_or("refuse");
+  if (bad == "leave out") {
+    status.bad_samples = BadSamples::leave_out;
+  } else if (bad == "keep") {
+    status.bad_samples = BadSamples::keep;
+  } else if (bad != "refuse") {
+    object.fail_at("bad_samples", "refuse, leave out or keep was expected");
+  }
+  object.finish();
+  return status;
+}
+
 void read_parts(JsonObject& root, ImportMap& map) {
   for (JsonObject& part : root.objects("stack")) {
     ImportMap::Part columns;
     for (const std::string& key : part.keys()) {
       if (key == "reverse") {
         columns.reverse = part.optional_flag("reverse").value_or(false);
+      } else if (key == "padded") {
+        columns.padded = part.optional_text("padded").value_or("");
       } else {
         columns.columns[key] = column_name(part, key, part.raw(key));
       }
+    }
+    if (!columns.padded.empty() && !columns.columns.contains(columns.padded)) {
+      part.fail_at("padded", "a column that the part names was expected");
     }
     part.finish();
     const auto same = [&](const auto& a) { return a.second.empty() || !map.stack.front().columns.contains(a.first); };
@@ -194,6 +217,7 @@ ImportMap parse_import_map(const nlohmann::json& json, const std::string& source
   } else if (frame != "object") {
     root.fail_at("force_frame", "object, sensor, inverse or transposed was expected");
   }
+  if (root.has("status")) map.status = read_status(root.object("status"));
   root.finish();
   return map;
 }

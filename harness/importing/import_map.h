@@ -4,7 +4,7 @@
 //    "about": "what instrument, which file",
 //    "table": {"separator": "comma", "decimal": "point", "comment": "%", "names": ["q", "qd", "effort"]},
 //    "files": {"pose": {"file": "pose.txt", "table": {}, "time": {"from": "t", "scale": 1e-6}}},
-//    "stack": [{"z": 1, "force": 2}, {"z": 3, "force": 4, "reverse": true}],
+//    "stack": [{"z": 1, "force": 2}, {"z": 3, "force": 4, "reverse": true, "padded": "force"}],
 //    "rows": {"from_s": 2, "to_s": 20, "where": {"segment": 0}},
 //    "columns": {"t_s":  {"row_rate_Hz": 200},
 //                "x_mm": {"from": "pose:x", "scale": 1000},
@@ -14,13 +14,16 @@
 //    "rotation_rows": ["r11", "r12", "r13", "r21", "r22", "r23", "r31", "r32", "r33"],
 //    "quaternion": {"from": ["qx", "qy", "qz", "qw"], "order": "xyzw"},
 //    "euler": {"from": ["roll", "pitch", "yaw"], "order": "xyz", "unit": "deg"},
-//    "force_sign": -1, "force_frame": "sensor", "shift_force_s": 0.01}
+//    "force_sign": -1, "force_frame": "sensor", "shift_force_s": 0.01,
+//    "status": {"from": "Status (hex)", "device": "net-ft", "bad_samples": "leave out"}}
 //
 // A column is named by its name, by its number from 1, or as "table:column" where the table is a key of `files`, a
 // topic of a bag or the length of a .mat file's arrays; without a table it is the first that has it. `files` are
 // relative to the main file. Another file (or topic) with a clock is interpolated linearly at the main one's times,
 // orientations along the shorter way; without a clock it must have as many rows. `force_frame`: "sensor" turns the
 // force by the orientation, "inverse" by its inverse, "transposed" by its square (it had been turned by the transpose).
+// `status`: the status word of a network sensor ("net-ft", "ethernet-axia"). A file with samples that it calls
+// saturated or faulty is refused; "bad_samples" may be "leave out" or "keep".
 #pragma once
 
 #include <filesystem>
@@ -32,6 +35,7 @@
 
 #include "harness/base/rooms.h"
 #include "harness/importing/import_table.h"
+#include "harness/importing/sensor_status.h"
 
 namespace touchstone::importing {
 
@@ -55,6 +59,14 @@ struct ImportFile {
   std::optional<ImportTerm> time;
 };
 
+enum class BadSamples { refuse, leave_out, keep };
+
+struct ImportStatus {
+  std::string column;
+  StatusDevice device = StatusDevice::net_ft;
+  BadSamples bad_samples = BadSamples::refuse;
+};
+
 enum class ForceFrameReading { object, sensor, inverse, transposed };
 
 struct ImportMap {
@@ -65,6 +77,9 @@ struct ImportMap {
   struct Part {
     std::map<std::string, std::string> columns;  // name -> column of the file
     bool reverse = false;
+    // Rows at the part's beginning are left out while this column, one of `columns`, keeps its first value, but for the
+    // last of them: exports pad curves so. Empty: none are.
+    std::string padded;
   };
   std::vector<Part> stack;
   std::optional<double> from_s, to_s;
@@ -78,6 +93,7 @@ struct ImportMap {
   double force_sign = 1.0;
   double shift_force_s = 0.0;
   ForceFrameReading force_frame = ForceFrameReading::object;
+  std::optional<ImportStatus> status;
 };
 
 // Throws BadData naming the file and the place in it.

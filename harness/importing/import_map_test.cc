@@ -61,6 +61,48 @@ TEST(ImportMap, SumsConstantsIntegralsAndRowClocks) {
   EXPECT_THAT(got.columns[3], ElementsAre(1, 8.5, 23.5));  // trapezoids
 }
 
+// Words as ATI's demo logs them: healthy, a threshold crossed (no fault), saturated.
+const std::string status_log =
+    "Status (hex), RDT Sequence, Fx, Fy, Fz\n0x0, 1, 1, 2, 3\n0x80010000, 2, 1, 2, 4\n0x80020000, 3, 1, 2, 9\n"
+    "0x80020000, 4, 1, 2, 9\n0x0, 5, 1, 2, 4\n";
+
+std::string status_map(const std::string& bad_samples, const std::string& more = "") {
+  return R"x("columns": {"t_s": {"from": "RDT Sequence", "scale": 0.5}, "fx_N": {"from": "Fx"}, "fy_N": {"from": "Fy"},
+            "fz_N": {"from": "Fz"})x" +
+         more + R"x(}, "status": {"from": "Status (hex)", "device": "net-ft")x" + bad_samples + "}";
+}
+
+TEST(ImportMap, ASensorThatSaysItIsSaturatedIsRefusedWithItsPlace) {
+  const std::string refused = map_refusal(status_log, status_map(""));
+  EXPECT_THAT(refused, HasSubstr("the sensor says 'transducer saturation or A/D error' of 2 of 5 samples, the first in "
+                                 "row 3 (1.5 s), the last in row 4 (2 s)"));
+  EXPECT_THAT(refused, HasSubstr("\"leave out\""));
+  EXPECT_THAT(refused, ::testing::Not(HasSubstr("monitor condition")));
+}
+
+TEST(ImportMap, SamplesThatTheSensorCallsBadAreLeftOutOrKeptWithFlags) {
+  const auto left = imported_by(status_log, status_map(R"(, "bad_samples": "leave out")"));
+  EXPECT_THAT(column(left, "fz_N"), ElementsAre(3, 4, 4));
+  EXPECT_THAT(left.notes, ::testing::Contains(HasSubstr("2 rows left out: the sensor was saturated")));
+  EXPECT_THAT(left.notes, ::testing::Contains(HasSubstr("'monitor condition latched' of 1 of 5 samples")));
+  const auto kept = imported_by(status_log, status_map(R"(, "bad_samples": "keep")"));
+  EXPECT_THAT(column(kept, "flags"), ElementsAre(0, 0, 1, 1, 0));
+  const auto recording = imported_by(
+      status_log, status_map(R"(, "bad_samples": "keep")",
+                             R"(, "x_m": {"constant": 0}, "y_m": {"constant": 0}, "z_m": {"constant": 0})"));
+  EXPECT_THAT(recording.names, ::testing::Not(::testing::Contains("flags")));
+  EXPECT_THAT(recording.notes, ::testing::Contains(HasSubstr("transducer saturation")));
+}
+
+TEST(ImportMap, AStatusThatIsNoneIsRefused) {
+  EXPECT_THAT(
+      map_refusal(status_log, R"("columns": {"fx_N": {"from": "Fx"}}, "status": {"from": "Fx", "device": "gamma"})"),
+      HasSubstr("net-ft or ethernet-axia"));
+  EXPECT_THAT(map_refusal("a,b\n1.5,2\n2,3\n", R"("columns": {"fx_N": {"from": "b"}},
+                          "status": {"from": "a", "device": "net-ft"})"),
+              HasSubstr("row 1: the status 'a' is 1.5: a whole number of 32 bits"));
+}
+
 TEST(ImportMap, PartsBesideOneAnotherAreStackedAndRowsChosen) {
   const std::string text = "1\t2\t3\t4\n5\t6\t7\t8\n";
   const std::string stack = R"("stack": [{"z": 1, "f": 2}, {"z": 3, "f": 4, "reverse": true}], )";
@@ -70,6 +112,18 @@ TEST(ImportMap, PartsBesideOneAnotherAreStackedAndRowsChosen) {
   const auto first =
       imported_by(text, stack + R"("rows": {"where": {"segment": 0}}, "columns": {"z_m": {"from": "z"}})");
   EXPECT_THAT(column(first, "z_m"), ElementsAre(1, 5));
+}
+
+TEST(ImportMap, APaddedPartIsReadFromWhereItsColumnChanges) {
+  const std::string text = "9\t4\t7\n8\t4\t7\n7\t4\t5\n6\t3\t5\n5\t3\t1\n";
+  const std::string columns = R"("columns": {"z_m": {"from": "z"}, "fz_N": {"from": "f"}})";
+  const auto got = imported_by(
+      text,
+      R"("stack": [{"z": 1, "f": 2, "reverse": true, "padded": "f"}, {"z": 1, "f": 3, "padded": "f"}], )" + columns);
+  EXPECT_THAT(column(got, "z_m"), ElementsAre(5, 6, 7, 8, 7, 6, 5));
+  EXPECT_THAT(column(got, "fz_N"), ElementsAre(3, 3, 4, 7, 5, 5, 1));
+  EXPECT_THAT(map_refusal(text, R"("stack": [{"z": 1, "f": 2, "padded": "load"}], )" + columns),
+              HasSubstr("padded: a column that the part names was expected"));
 }
 
 TEST(ImportMap, FilesAreJoinedByTimeOnTheMainClock) {

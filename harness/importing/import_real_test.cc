@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <nlohmann/json.hpp>
@@ -87,9 +88,14 @@ TEST(RealImport, AfmCurves) {
   EXPECT_EQ(curve.columns[3].front(), 15072.4571 * -1e-6);
   const Imported gel = by_map(nt_mdt, "nt-mdt-curve.json");
   saved(gel, "gel.csv");
-  EXPECT_EQ(gel.columns.front().size(), 2000U);
-  EXPECT_EQ(gel.columns[6].front(), 1.4726);
-  EXPECT_EQ(gel.columns[6][1000], -1.0926);  // retract begins where approach ends
+  // As afmformats reads it: the approach listed backwards, both without the constant they begin with.
+  EXPECT_EQ(gel.columns[6].front(), -1.1033);
+  EXPECT_EQ(gel.columns[6].back(), -1.0926);
+  const auto turn = std::ranges::find(gel.columns[6], 1.4726) - gel.columns[6].begin();
+  ASSERT_LT(turn + 1, std::ssize(gel.columns[6]));
+  EXPECT_EQ(gel.columns[6][static_cast<std::size_t>(turn) + 1], 1.4711);
+  EXPECT_EQ(std::ranges::count(gel.columns[6], 1.4726), 1);
+  EXPECT_EQ(std::ranges::count(gel.columns[6], 1.4711), 1);
 }
 
 // A map that is proposed reads what the shipped map reads, as far as the file tells.

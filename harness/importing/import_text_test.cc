@@ -109,6 +109,17 @@ TEST(TextTable, NetFtDemoLog) {
   EXPECT_THAT(t.columns[5], ElementsAre(3000000.0, 3000001.0));
 }
 
+const std::string net_ft_head =
+    "Start Time: 6/1/10 2:32 PM\nRDT Sample Rate: 7000\nForce Units: N\nCounts per Unit Force: 1000000.0\n"
+    "Status (hex), RDT Sequence, F/T Sequence, Fx, Fy, Fz, Tx, Ty, Tz, Time\n"
+    "0x0, 1, 4711, 1000, -2000, 3000000, 10, -20, 30, 0\n";
+
+TEST(TextTable, AShortNetFtDemoLogIsRefusedWithItsPlace) {
+  EXPECT_THAT(text_refusal(net_ft_head), HasSubstr("line 6 has 10 (separator comma), and is the last"));
+  EXPECT_THAT(text_refusal(net_ft_head + "0x80010000, 2, 4712, 1001, -2001, 3000001, 11, -21, 31"),
+              HasSubstr("line 6 has 10 (separator comma), line 7 has 9 values: was the file cut short?"));
+}
+
 TEST(TextTable, WithoutHeaderWithCommentsBlankLinesAndEverySeparator) {
   for (const auto& [separator, decimal] : {std::pair<std::string, char>{"\t", '.'},
                                            {"\t", ','},

@@ -2,6 +2,8 @@
 #include <fmt/format.h>
 #include <sqlite3.h>
 
+#include <array>
+#include <fstream>
 #include <map>
 #include <memory>
 
@@ -20,6 +22,33 @@ struct StatementClose {
 };
 using RosStatement = std::unique_ptr<sqlite3_stmt, StatementClose>;
 
+// SQLite's own words for a file that was cut name no place; its header does (sqlite.org/fileformat2.html, 1.3): the
+// size of a page at byte 16 (1: 65536), the pages of the file at byte 28, which counts if the change counter at byte 24
+// is that at byte 92. All big-endian.
+void refuse_cut_database(const std::filesystem::path& path) {
+  constexpr std::size_t header_bytes = 100;
+  std::array<unsigned char, header_bytes> header{};
+  std::ifstream in(path, std::ios::binary);
+  in.read(reinterpret_cast<char*>(header.data()), header.size());
+  const std::uintmax_t bytes = std::filesystem::file_size(path);
+  if (!in) {
+    throw BadData(fmt::format("{}: ends at byte {}, within the header of {} bytes: was the file cut short?",
+                              path.string(), bytes, header_bytes));
+  }
+  const auto number = [&](std::size_t at) {
+    return std::uint32_t{header[at]} << 24U | std::uint32_t{header[at + 1]} << 16U |
+           std::uint32_t{header[at + 2]} << 8U | std::uint32_t{header[at + 3]};
+  };
+  const std::uint32_t declared = std::uint32_t{header[16]} << 8U | header[17];
+  const std::uintmax_t page_bytes = declared == 1 ? 65536 : declared, pages = number(28);
+  const bool counts = pages > 0 && number(24) == number(92);
+  if (!counts || bytes >= pages * page_bytes) return;
+  throw BadData(
+      fmt::format("{}: ends at byte {}, within page {} of the {} that its header declares ({} bytes each, {} in "
+                  "all): was the file cut short?",
+                  path.string(), bytes, bytes / page_bytes + 1, pages, page_bytes, pages * page_bytes));
+}
+
 std::string column_text(sqlite3_stmt* statement, int column) {
   const unsigned char* const text = sqlite3_column_text(statement, column);
   return text == nullptr ? std::string() : reinterpret_cast<const char*>(text);
@@ -28,6 +57,7 @@ std::string column_text(sqlite3_stmt* statement, int column) {
 }  // namespace
 
 std::vector<ImportTable> read_ros2_database(const std::filesystem::path& path) {
+  refuse_cut_database(path);
   sqlite3* raw = nullptr;
   const int opened = sqlite3_open_v2(path.c_str(), &raw, SQLITE_OPEN_READONLY, nullptr);
   const std::unique_ptr<sqlite3, DatabaseClose> db(raw);

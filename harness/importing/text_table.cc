@@ -197,13 +197,38 @@ class Reader {
         }
       }
     }
-    if (best == 0) {
-      throw BadData(
-          fmt::format("{}: holds no table of numbers: no two lines of text have the same count of numbers, "
-                      "separated by tabs, semicolons, commas or blanks",
-                      source_));
-    }
+    if (best == 0) refuse_without_table();
     begin_at_first_rows();
+  }
+
+  // No two lines go together. Where one line is a row all the same (of several numbers, in the style that gives the
+  // most), its place is said, and that of the line behind it.
+  [[noreturn]] void refuse_without_table() const {
+    std::size_t most = 1, at = 0;
+    const Style* found = nullptr;
+    for (const Style& style : styles) {
+      for (std::size_t i = 0; fits(style) && i < lines_.size(); ++i) {
+        if (!comment_of(stripped(lines_[i]), layout_.comment).empty()) continue;
+        const std::size_t columns = columns_of(lines_[i], style);
+        if (columns > most) most = columns, at = i, found = &style;
+      }
+    }
+    std::string message = fmt::format(
+        "{}: holds no table of numbers: no two lines of text have the same count of numbers, separated by tabs, "
+        "semicolons, commas or blanks",
+        source_);
+    if (found != nullptr) {
+      message += fmt::format("; line {} has {} (separator {})", at + 1, most, found->separator_name);
+      std::size_t next = at + 1;
+      while (next < lines_.size() && stripped(lines_[next]).empty()) ++next;
+      if (next < lines_.size()) {
+        message += fmt::format(", line {} has {} values", next + 1, fields_of(lines_[next], found->separator).size());
+      } else {
+        message += ", and is the last";
+      }
+      message += ": was the file cut short?";
+    }
+    throw BadData(message);
   }
 
   // A line that is no row may cut the rows in two, of which the second is longer: the table begins with the first rows,

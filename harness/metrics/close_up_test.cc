@@ -32,6 +32,17 @@ TEST(CloseUp, EverySampleAroundTheWorstEpisodesWorstFirst) {
   }
 }
 
+// A lower peak later in an episode does not begin it anew.
+TEST(CloseUp, AnEpisodeKeepsAWorstThatCameFirst) {
+  CloseUpRecorder recorder(0.5);
+  for (int i = 0; i < 400; ++i) recorder.add(forces(i, i == 100 ? 4.0 : i == 150 || i == 200 ? 2.0 : 1.0));
+  const auto worst = recorder.worst();
+  ASSERT_EQ(worst.size(), 1u);
+  EXPECT_EQ(worst[0].worst, 3.0);
+  EXPECT_EQ(worst[0].worst_t_s, 100.0);
+  EXPECT_EQ(worst[0].signals[2].t_s.size(), 2 * CloseUpRecorder::margin + 101);
+}
+
 TEST(CloseUp, AnEpisodeAtTheEndIsClosedThere) {
   CloseUpRecorder recorder(0.5);
   for (int i = 0; i < 10; ++i) recorder.add(forces(i, i >= 8 ? 3.0 : 1.0));

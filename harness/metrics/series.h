@@ -26,7 +26,7 @@ class SeriesRecorder {
  public:
   static constexpr std::size_t default_points = 8192;
 
-  // Keeps at most `most_points` points (a power of two, at least 4).
+  // Keeps at most `most_points` points (a power of two, at least 4; throws UsageError for another number).
   SeriesRecorder(std::string name, std::string unit, std::size_t most_points = default_points);
 
   void add(double t_s, double value);

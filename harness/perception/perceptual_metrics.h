@@ -46,7 +46,7 @@ class NoticeableForceError final : public Metric {
 // The presses of a recording as measured and as rendered on its path, along the measured force's direction.
 // Results: rate_hardness [N/m], extended_rate_hardness [N/m] (both rendered, with the measured one as reference),
 // rate_hardness_error [1] (RMS of the difference over the RMS measured), force_structural_similarity [1].
-// Each is `missing` with the reason where the recording has no presses to judge by.
+// Each is `missing` with the reason if the recording has no presses to judge by; nothing is thrown for that.
 std::vector<MetricResult> press_metrics(const Recording& measured, std::span<const Vec3> f_rendered_W_N);
 
 }  // namespace touchstone::perception

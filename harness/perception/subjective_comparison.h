@@ -43,7 +43,8 @@ struct SubjectiveComparison {
   std::vector<Agreement> agreement;  // perception space first, then every statistic; with the Bradley-Terry scale
 };
 
-// The answers' conditions must be those of the evaluation, in its order (read_answers with its names).
+// The answers' conditions must be those of the evaluation, in its order (read_answers with its names); throws BadData
+// if they are not.
 SubjectiveComparison compare_with_people(const PerceptualEvaluation& evaluation, const PairedComparisons& answers);
 
 }  // namespace touchstone::perception

@@ -60,9 +60,4 @@ std::size_t automatic_block_length(std::span<const double> series) {
   return std::clamp<std::size_t>(static_cast<std::size_t>(std::ceil(length)), 1, std::max<std::size_t>(1, n / 4));
 }
 
-double long_run_variance(std::span<const double> series) {
-  const Spectrum s = spectrum_at_zero(series);
-  return std::max(s.spread, s.variance);
-}
-
 }  // namespace touchstone::pipeline

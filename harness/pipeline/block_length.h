@@ -13,8 +13,4 @@ namespace touchstone::pipeline {
 // In elements of the series, at least 1 and at most a quarter of it. 1 for a series that does not vary.
 std::size_t automatic_block_length(std::span<const double> series);
 
-// The variance of the series' sum over the number of its elements, correlation included: flat-top window of the same
-// width. At least the variance of an element.
-double long_run_variance(std::span<const double> series);
-
 }  // namespace touchstone::pipeline

@@ -34,10 +34,26 @@ const Entry* entry_of(const Task& task, const std::string& renderer) {
   return found == task.entries.end() ? nullptr : &*found;
 }
 
-// Over tasks: errors relative to nothing, so as geometric means of what each task scored; operations and times as
-// means.
-Scores overall_scores(const Board& board, const std::string& renderer) {
+bool counted(const Task& task, const std::string& renderer) {
+  return std::isfinite(entry_of(task, renderer)->scores.mean_operations);
+}
+
+// The tasks over which operations are comparable: all those on which every renderer is counted that is counted
+// anywhere. (Renderers that walk are not counted on meshes that cannot be walked on, plug-ins nowhere.)
+std::vector<bool> counted_tasks(const Board& board, const std::vector<std::string>& renderers) {
+  std::vector<bool> out(board.tasks.size(), true);
+  for (const std::string& renderer : renderers) {
+    if (!std::ranges::any_of(board.tasks, [&](const Task& task) { return counted(task, renderer); })) continue;
+    for (std::size_t t = 0; t < out.size(); ++t) out[t] = out[t] && counted(board.tasks[t], renderer);
+  }
+  return out;
+}
+
+// Over tasks: errors relative to nothing, so as geometric means of what each task scored; operations (over the
+// `counted` tasks) and times as means.
+Scores overall_scores(const Board& board, const std::string& renderer, const std::vector<bool>& counted) {
   Scores sum;
+  double counts = 0.0;
   double log_error = 0.0;
   double log_felt = 0.0;
   double squared_position = 0.0;
@@ -46,9 +62,12 @@ Scores overall_scores(const Board& board, const std::string& renderer) {
     log_error += std::log(own.rms_force_error_N);
     log_felt += std::log(own.rms_force_error_jnd);
     squared_position += own.rms_position_error_m * own.rms_position_error_m;
-    sum.mean_operations += own.mean_operations;
-    sum.max_operations =
-        std::isnan(own.max_operations) ? own.max_operations : std::max(sum.max_operations, own.max_operations);
+    if (counted[static_cast<std::size_t>(&task - board.tasks.data())]) {
+      counts += 1.0;
+      sum.mean_operations += own.mean_operations;
+      sum.max_operations =
+          std::isnan(own.max_operations) ? own.max_operations : std::max(sum.max_operations, own.max_operations);
+    }
     sum.median_us += own.median_us;
     sum.p99_us += own.p99_us;
   }
@@ -56,7 +75,8 @@ Scores overall_scores(const Board& board, const std::string& renderer) {
   sum.rms_force_error_N = std::exp(log_error / n);
   sum.rms_force_error_jnd = std::exp(log_felt / n);
   sum.rms_position_error_m = std::sqrt(squared_position / n);
-  sum.mean_operations /= n;
+  sum.mean_operations /= counts;  // not a number where nothing is counted
+  if (counts == 0.0) sum.max_operations = sum.mean_operations;
   sum.median_us /= n;
   sum.p99_us /= n;
   return sum;
@@ -99,12 +119,20 @@ std::optional<Overall> rank_overall(const Board& board) {
   out.ranking = rank_renderers(errors, board.options);
   std::vector<std::vector<double>> costs;
   std::vector<std::vector<double>> timed;
+  const std::vector<bool> counted = counted_tasks(board, out.renderers);
   for (const std::string& renderer : out.renderers) {
-    out.scores.push_back(overall_scores(board, renderer));
+    out.scores.push_back(overall_scores(board, renderer, counted));
     const Scores& own = out.scores.back();
     costs.push_back({own.rms_force_error_N, own.rms_force_error_jnd, own.mean_operations});
     timed.push_back({own.rms_force_error_N, own.rms_force_error_jnd, own.mean_operations, own.median_us});
   }
+  double log_floor = 0.0;
+  bool floors = true;
+  for (const Task& task : board.tasks) {
+    floors = floors && task.floor && task.floor->rms_N > 0.0;
+    if (floors) log_floor += std::log(task.floor->rms_N) / static_cast<double>(board.tasks.size());
+  }
+  if (floors) out.floor_N = std::exp(log_floor);
   out.pareto = pareto_front(costs);
   out.pareto_timed = pareto_front(timed);
   return out;

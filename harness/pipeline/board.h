@@ -51,6 +51,12 @@ struct Floor {
   std::string how;  // what was simulated
 };
 
+// What two recordings of one motion leave between them (sanity/repeat_floor.h).
+struct RepeatOfTask {
+  double rms_N = 0.0;
+  std::string how;  // which recording it is, and how well the two fit
+};
+
 // One recording with one input: its entries may be held against each other.
 struct Task {
   std::string name;   // "duck / scan"
@@ -60,6 +66,7 @@ struct Task {
   std::string measured;  // how
   double measured_rms_N = 0.0;
   std::optional<Floor> floor;
+  std::optional<RepeatOfTask> repeat;
   std::vector<Entry> entries;
   // Of the entries that ran; Ranking's numbers are places in `ranked`, whose numbers are places in `entries`.
   std::vector<std::size_t> ranked;
@@ -73,6 +80,7 @@ struct Overall {
   std::vector<bool> pareto;            // in error, felt error and operations
   std::vector<bool> pareto_timed;      // and microseconds
   std::vector<std::string> left_out;   // "voxel: does not enter duck / scan"
+  double floor_N = 0.0;                // geometric mean of the tasks' floors; 0 where one of them has none
 };
 
 struct Board {

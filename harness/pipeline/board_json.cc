@@ -48,16 +48,16 @@ ordered_json ranking_json(const Ranking& ranking, const NameOf& name_of) {
     pairs.push_back({{"better", name_of(pair.better)},
                      {"other", name_of(pair.other)},
                      {"error_ratio", number(std::exp(pair.log_ratio))},
-                     {"log_standard_error", number(pair.standard_error)},
+                     {"interval95", {number(std::exp(pair.low95)), number(std::exp(pair.high95))}},
+                     {"t", number(pair.t)},
+                     {"degrees", number(pair.degrees)},
+                     {"p", number(pair.p)},
+                     {"level", number(pair.level)},
                      {"told_apart", pair.told_apart}});
   }
-  return {{"order", std::move(order)},
-          {"groups", std::move(groups)},
-          {"pairs", std::move(pairs)},
-          {"pair_level", number(ranking.pair_level)},
-          {"datasets_resampled", ranking.datasets_resampled},
-          {"block_bins", ranking.block_bins},
-          {"why_not", ranking.why_not}};
+  return {{"order", std::move(order)},        {"groups", std::move(groups)},
+          {"pairs", std::move(pairs)},        {"datasets_resampled", ranking.datasets_resampled},
+          {"block_bins", ranking.block_bins}, {"why_not", ranking.why_not}};
 }
 
 ordered_json entry_json(const Entry& entry) {
@@ -82,6 +82,7 @@ ordered_json task_json(const Task& task) {
                     {"interval95_N", {number(task.floor->low95_N), number(task.floor->high95_N)}},
                     {"how", task.floor->how}};
   }
+  if (task.repeat) out["repeat"] = {{"rms_N", number(task.repeat->rms_N)}, {"how", task.repeat->how}};
   out["entries"] = std::move(entries);
   if (task.ranking) {
     out["ranking"] =
@@ -116,7 +117,8 @@ std::string board_to_json(const Board& board) {
     out["overall"] = {
         {"renderers", std::move(renderers)},
         {"ranking", ranking_json(overall.ranking, [&](std::size_t place) { return overall.renderers[place]; })},
-        {"left_out", overall.left_out}};
+        {"left_out", overall.left_out},
+        {"floor_N", overall.floor_N > 0.0 ? number(overall.floor_N) : ordered_json()}};
   }
   return out.dump(1, ' ', false, ordered_json::error_handler_t::replace) + "\n";
 }

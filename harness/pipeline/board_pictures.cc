@@ -15,10 +15,19 @@ namespace {
 
 // Sizes in units of the picture, which is as wide as the column that it stands in.
 constexpr double kWidth = 640.0;
-constexpr double kNames = 130.0;  // column of the names
-constexpr double kValues = 90.0;  // column of the values
+constexpr double kValues = 112.0;     // column of the values
+constexpr double kCharacter = 11.6;   // of a letter at the size that a phone gets (site_assets.h), 19
+constexpr std::size_t kLongest = 20;  // letters of a name; longer ones are shortened
 constexpr double kRow = 26.0;
 constexpr double kTop = 30.0;
+
+// Letters of UTF-8 are not cut apart.
+std::string short_name(const std::string& name) {
+  if (name.size() <= kLongest) return name;
+  std::size_t end = kLongest - 1;
+  while (end > 0 && (static_cast<unsigned char>(name[end]) & 0xC0U) == 0x80U) --end;
+  return name.substr(0, end) + "\u2026";
+}
 
 struct Bar {
   std::string name;
@@ -70,17 +79,20 @@ std::string bars_picture(const std::string& label, const std::vector<Bar>& bars,
   }
   if (!(low > 0.0) || !std::isfinite(high)) return "";
   const double room = 9.0 * static_cast<double>(groups.size());
-  const LogAxis axis{low / 1.1, high * 1.1, kNames, kWidth - kValues - room};
+  std::size_t longest = 0;
+  for (const Bar& bar : bars) longest = std::max(longest, short_name(bar.name).size());
+  const double names = 14.0 + kCharacter * static_cast<double>(std::max<std::size_t>(longest, 10));
+  const LogAxis axis{low / 1.1, high * 1.1, names, kWidth - kValues - room};
   const double bottom = kTop + kRow * static_cast<double>(bars.size());
   std::string body;
   for (const Mark& mark : marks) {
     const double x = axis.at(mark.value);
     body += line_at(x, kTop - 6.0, x, bottom, mark.style);
-    body += text_at(std::clamp(x, kNames + 40.0, kWidth - kValues), kTop - 12.0, "middle", mark.name);
+    body += text_at(std::clamp(x, names + 40.0, kWidth - kValues), kTop - 12.0, "middle", mark.name);
   }
   for (std::size_t i = 0; i < bars.size(); ++i) {
     const double y = kTop + kRow * (static_cast<double>(i) + 0.5);
-    body += text_at(kNames - 10.0, y + 4.0, "end", bars[i].name);
+    body += text_at(names - 10.0, y + 4.0, "end", short_name(bars[i].name));
     body += line_at(axis.from, y, axis.to, y, "grid");
     if (bars[i].low > 0.0 && bars[i].high > bars[i].low)
       body += line_at(axis.at(bars[i].low), y, axis.at(bars[i].high), y, "interval");
@@ -142,7 +154,7 @@ std::string pareto_picture(const Overall& overall) {
   const auto [few, many] = std::ranges::minmax(shown, {}, operations);
   const auto [small, large] = std::ranges::minmax(shown, {}, error);
   constexpr double height = 320.0;
-  const LogAxis x{operations(few) / 1.3, operations(many) * 1.3, 70.0, kWidth - 90.0};
+  const LogAxis x{operations(few) / 1.3, operations(many) * 1.3, kValues, kWidth - 90.0};
   const LogAxis y{error(small) / 1.15, error(large) * 1.15, height - 50.0, 20.0};
   std::string body = line_at(x.from, y.from, x.to, y.from, "axis") + line_at(x.from, y.from, x.from, y.to, "axis");
   body += text_at(0.5 * (x.from + x.to), height - 8.0, "middle", "operations of a step");
@@ -166,10 +178,11 @@ std::string pareto_picture(const Overall& overall) {
   std::ranges::sort(shown, {}, [&](std::size_t i) { return y.at(error(i)); });
   double last_y = -100.0;
   for (const std::size_t i : shown) {
-    const double place = std::max(y.at(error(i)) + 4.0, last_y + 13.0);
+    const double place = std::max(y.at(error(i)) + 4.0, last_y + 18.0);
     last_y = place;
     const bool right = x.at(operations(i)) < 0.5 * (x.from + x.to);
-    body += text_at(x.at(operations(i)) + (right ? 9.0 : -9.0), place, right ? "start" : "end", overall.renderers[i]);
+    body += text_at(x.at(operations(i)) + (right ? 9.0 : -9.0), place, right ? "start" : "end",
+                    short_name(overall.renderers[i]));
   }
   return picture_of(height, "RMS force error against operations of a step", body);
 }

@@ -31,8 +31,13 @@ std::string head_of(const std::vector<std::string>& columns) {
   return out + "</tr></thead>";
 }
 
-std::string score_cells(const Scores& s) {
+// `floor_N` 0: there is none.
+std::string score_cells(const Scores& s, double floor_N) {
+  const std::string floor = floor_N > 0.0 ? "<span>" + quantity_or_dash(floor_N, "N") + "<small>" +
+                                                times_floor(s.rms_force_error_N, floor_N) + " x</small></span>"
+                                          : "&ndash;";
   return cell("error", quantity_or_dash(s.rms_force_error_N, "N"), s.rms_force_error_N) +
+         cell("floor", floor, floor_N > 0.0 ? s.rms_force_error_N / floor_N : std::nan("")) +
          cell("felt",
               std::isfinite(s.rms_force_error_jnd) ? fmt::format("{:.3g} JND", s.rms_force_error_jnd) : "&ndash;",
               s.rms_force_error_jnd) +
@@ -48,7 +53,7 @@ std::string entry_row(const Task& task, std::size_t i) {
   if (!entry.fitted.empty()) name += fmt::format("<small>fitted: {}</small>", escape_html(entry.fitted));
   const double last = std::nan("");
   if (entry.state != EntryState::ran) {
-    return fmt::format("<tr class=\"out\">{}{}<td data-label=\"why\" colspan=\"4\" class=\"why\">{}: {}</td></tr>\n",
+    return fmt::format("<tr class=\"out\">{}{}<td data-label=\"why\" colspan=\"5\" class=\"why\">{}: {}</td></tr>\n",
                        cell("rank", "&ndash;", last), cell("renderer", name, last),
                        entry.state == EntryState::failed ? "failed" : "does not enter", escape_html(entry.why));
   }
@@ -59,14 +64,14 @@ std::string entry_row(const Task& task, std::size_t i) {
     }
   }
   return "<tr>" + cell("rank", escape_html(rank_text(task, i)), rank) + cell("renderer", name, last) +
-         score_cells(entry.scores) + "</tr>\n";
+         score_cells(entry.scores, task.floor ? task.floor->rms_N : 0.0) + "</tr>\n";
 }
 
 std::string task_section(const Task& task, std::size_t number) {
   std::string out = fmt::format("<section id=\"task-{}\"><h2>{}</h2>\n<p class=\"about\">{}</p>\n<p>{}</p>\n", number,
                                 escape_html(task.name), escape_html(task.about), escape_html(verdict(task)));
   out += error_picture(task);
-  out += "<table>" + head_of({"rank", "renderer", "error", "felt", "operations", "time"}) + "<tbody>\n";
+  out += "<table>" + head_of({"rank", "renderer", "error", "floor", "felt", "operations", "time"}) + "<tbody>\n";
   for (const std::size_t i : in_order(task)) out += entry_row(task, i);
   out += "</tbody></table>\n";
   std::string facts = fmt::format("Input: {}.", task.input);
@@ -77,6 +82,7 @@ std::string task_section(const Task& task, std::size_t number) {
                          display_quantity(task.floor->low95_N, "N"), display_quantity(task.floor->high95_N, "N"),
                          task.floor->how);
   }
+  if (task.repeat) facts += fmt::format(" Two recordings of this motion differ by {}.", task.repeat->how);
   if (!task.measured.empty()) facts += fmt::format(" Measured: {}.", task.measured);
   if (!task.licence.empty()) facts += fmt::format(" Licence: {}.", task.licence);
   return out + fmt::format("<p class=\"facts\">{}</p>\n</section>\n", escape_html(facts));
@@ -87,12 +93,12 @@ std::string overall_section(const Board& board) {
   std::string out = fmt::format("<section id=\"overall\"><h2>All recordings</h2>\n<p>{}</p>\n",
                                 escape_html(verdict(overall, board.tasks.size())));
   out += error_picture(overall);
-  out += "<table>" + head_of({"rank", "renderer", "error", "felt", "operations", "time"}) + "<tbody>\n";
+  out += "<table>" + head_of({"rank", "renderer", "error", "floor", "felt", "operations", "time"}) + "<tbody>\n";
   for (const RankedRenderer& one : overall.ranking.order) {
     const std::string mark = overall.pareto[one.renderer] ? " <small>Pareto front</small>" : "";
     out += "<tr>" + cell("rank", rank_text(one), 0.5 * static_cast<double>(one.best_rank + one.worst_rank)) +
            cell("renderer", escape_html(overall.renderers[one.renderer]) + mark, std::nan("")) +
-           score_cells(overall.scores[one.renderer]) + "</tr>\n";
+           score_cells(overall.scores[one.renderer], overall.floor_N) + "</tr>\n";
   }
   out += "</tbody></table>\n";
   if (!overall.left_out.empty()) {
@@ -118,11 +124,13 @@ std::string foot(const Board& board, const SiteNotes& notes) {
   std::string out =
       "<footer><p>Error: root mean square of the difference between rendered and measured force "
       "(Ruffaldi et al. 2006). Over several recordings it is the geometric mean. Felt: the same in just "
-      "noticeable differences. Operations: floating-point operations of a step, on average. Time: median "
+      "noticeable differences. Floor: what the right law scores on this input by simulation, and how many times that "
+      "the error is. Operations: floating-point operations of a step, on average. Time: median "
       "of a step on this machine.";
   out += fmt::format(
       " Ranks are intervals: two renderers share a rank if the data cannot tell them apart; on each "
-      "board the chance of one false difference is at most {:.0f} % (paired block bootstrap, {} draws).",
+      "board the chance of one false difference is at most {:.0f} % (paired t tests of errors that are correlated in "
+      "time, Shaffer's procedure). Intervals: paired block bootstrap, {} draws.",
       100.0 * board.options.level, board.options.draws);
   out += "</p>\n";
   if (!notes.links.empty()) {

@@ -1,11 +1,14 @@
 #include "harness/pipeline/board.h"
 
+#include <cmath>
+#include <cstdlib>
 #include <nlohmann/json.hpp>
 
 #include "harness/base/atomic_file.h"
 #include "harness/base/random.h"
 #include "harness/pipeline/board_json.h"
 #include "harness/pipeline/board_pictures.h"
+#include "harness/pipeline/board_site.h"
 #include "harness/pipeline/sample_board.h"
 #include "harness/pipeline/verdict.h"
 
@@ -27,11 +30,18 @@ TEST(Board, SaysInWordsWhoIsBest) {
 }
 
 TEST(Board, TheTableFitsATerminal) {
-  const Board board = sample_board({0.1, 0.2, 0.3});
-  const std::string table = short_table(board.tasks.front());
+  Board board = sample_board({0.05971, 0.3393, 1.089});
+  Task& task = board.tasks.front();
+  // As long as names and numbers get.
+  task.entries[1].renderer = "spring-quadratic";
+  task.entries[1].scores.mean_operations = 138838.0;
+  task.entries[1].scores.median_us = 14.63;
+  task.floor->rms_N = 0.04704;
+  const std::string table = short_table(task);
   std::istringstream lines(table);
   for (std::string line; std::getline(lines, line);) EXPECT_LE(line.size(), 80u) << line;
-  EXPECT_LT(table.find("renderer-0"), table.find("renderer-1"));
+  EXPECT_LT(table.find("renderer-0"), table.find("spring-quadratic"));
+  EXPECT_THAT(table, HasSubstr("0.04704 N"));
   EXPECT_THAT(table, HasSubstr("FAILED"));
   EXPECT_EQ(wrapped("one two three", 8, 2), "one two\n  three");
 }
@@ -45,6 +55,20 @@ TEST(Board, OverAllRecordingsRanksOnlyWhoRanOnAll) {
   EXPECT_THAT(board.overall->left_out, ::testing::Contains(HasSubstr("renderer-1: failed on task 3")));
   EXPECT_TRUE(board.overall->ranking.told_apart(0, 1));
   EXPECT_EQ(board.overall->pareto, (std::vector<bool>{true, false})) << "the better one takes fewer operations as well";
+}
+
+// A renderer that is not counted on one recording keeps its place on the front: operations are compared over the
+// others.
+TEST(Board, OperationsAreComparedWhereAllAreCounted) {
+  Board board = sample_board({0.1, 0.2, 0.3}, 6);
+  board.tasks[2].entries[0].scores.mean_operations = std::nan("");
+  board.tasks[2].entries[1].scores.mean_operations = 1e6;
+  for (Task& task : board.tasks) task.entries[2].scores.mean_operations = std::nan("");  // counted nowhere
+  rank_board(board, true);
+  EXPECT_EQ(board.overall->pareto, (std::vector<bool>{true, false, false}));
+  EXPECT_EQ(board.overall->scores[0].mean_operations, 100.0);
+  EXPECT_EQ(board.overall->scores[1].mean_operations, 110.0);
+  EXPECT_TRUE(std::isnan(board.overall->scores[2].mean_operations));
 }
 
 TEST(Board, TheJsonIsTheSameForTheSameRowsAndHasNoTimes) {
@@ -76,6 +100,35 @@ TEST(Board, ChangesAreSaidAndOtherInputsAreNotCompared) {
       changes_since(before, board),
       ::testing::ElementsAre(HasSubstr("renderer-0 on task 0: RMS force error"), HasSubstr("another input than before"),
                              HasSubstr("newcomer on task 1: new"), HasSubstr("1 entries of the last run")));
+}
+
+TEST(Board, WhatARepeatLeavesIsSaid) {
+  Board board = sample_board({0.1, 0.2});
+  board.tasks[0].repeat = RepeatOfTask{0.05, "0.05 N (again.csv)"};
+  EXPECT_THAT(verdict(board.tasks[0]), HasSubstr("Two recordings of this motion differ by 0.05000 N"));
+  EXPECT_THAT(verdict(board.tasks[0]), HasSubstr("2.0 times that"));
+  EXPECT_THAT(site_html(board, {}), HasSubstr("differ by 0.05 N (again.csv)"));
+  EXPECT_EQ(nlohmann::json::parse(board_to_json(board))["tasks"][0]["repeat"]["rms_N"], 0.05);
+}
+
+// Whoever reads leaderboard.json finds every key of it in the how-to.
+TEST(Board, EveryKeyOfTheJsonIsInTheHowTo) {
+  Board board = sample_board({0.1, 0.1, 0.4}, 6);
+  board.tasks[0].repeat = RepeatOfTask{0.05, "again.csv"};
+  board.tasks[0].entries[0].fitted = "mu_dynamic 0.2";
+  const char* const source = std::getenv("TOUCHSTONE_SOURCE_DIR");
+  const std::string page =
+      read_file(std::filesystem::path(source == nullptr ? "." : source) / "docs/how-to/leaderboard.md");
+  std::vector<nlohmann::json> left{nlohmann::json::parse(board_to_json(board))};
+  while (!left.empty()) {
+    const nlohmann::json one = left.back();
+    left.pop_back();
+    for (const auto& [key, value] : one.items()) {
+      if (value.is_structured()) left.push_back(value);
+      if (!one.is_object()) continue;
+      EXPECT_TRUE(page.find(key) != std::string::npos) << key << " is not in docs/how-to/leaderboard.md";
+    }
+  }
 }
 
 TEST(Board, ErrorsComeBackFromTheirText) {

@@ -26,6 +26,16 @@ try {
   seen.title = await evaluate(page, 'document.querySelector("h1").textContent');
   seen.widest = await evaluate(page, 'document.documentElement.scrollWidth');
   seen.injected = await evaluate(page, 'document.querySelectorAll("main img, main script, main iframe, td b").length + (window.stolen ? 1 : 0)');
+  // Text of a picture that is cut off at its border, and heads that cannot be clicked.
+  seen.cut = await evaluate(page, `[...document.querySelectorAll('svg.picture')].flatMap((svg) => {
+    const box = svg.getBoundingClientRect();
+    return [...svg.querySelectorAll('text')].filter((text) => {
+      const own = text.getBoundingClientRect();
+      return own.left < box.left - 1 || own.right > box.right + 1;
+    }).map((text) => text.textContent);
+  })`);
+  seen.smallestText = await evaluate(page, `Math.min(...[...document.querySelectorAll('svg.picture text')].map((text) => text.getBoundingClientRect().height))`);
+  seen.hiddenHeads = await evaluate(page, `[...document.querySelectorAll('th button')].filter((one) => one.getBoundingClientRect().height < 8).length`);
   seen.pictures = [];
   const boxes = await evaluate(page, `[...document.querySelectorAll('svg.picture')].map((svg) => {
     const box = svg.getBoundingClientRect();

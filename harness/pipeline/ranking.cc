@@ -10,17 +10,19 @@
 #include "harness/base/error.h"
 #include "harness/base/random.h"
 #include "harness/pipeline/block_length.h"
+#include "harness/stats/all_pairs.h"
+#include "harness/stats/distributions.h"
 #include "harness/stats/quantile.h"
+#include "harness/stats/series_mean.h"
 
 namespace touchstone::pipeline {
 namespace {
 
-// At most so many blocks are made of a recording: long ones are nearly independent also where errors are correlated
-// over longer than the automatic length sees (batch means with a fixed number of batches: Alexopoulos and Goldsman, ACM
-// TOMACS 14, 2004). How uncertain a spread from so few is, the studentised draws know.
-constexpr std::size_t kMostBlocks = 8;
+constexpr double kRounding = 1e-12;  // of a log ratio or share: errors equal but for the order of summation
 
-constexpr double kNever = 1e300;  // a deviation that no pair exceeds
+// Of the level; see ranking.h.
+constexpr double kShareWithinRecordings = 1.0 / 3.0;
+constexpr double kShareOverDatasets = 0.8;
 
 // Running sums of the bins of one data set, twice around, so that a circular block is a difference of two.
 struct RunningSums {
@@ -66,14 +68,14 @@ double half_log(double squares, double samples) {
   return 0.5 * std::log(std::max(squares / samples, std::numeric_limits<double>::min()));
 }
 
-// As long as the difference of any renderer from the mean of all needs, and not shorter than a `kMostBlocks`-th.
+// As long as the difference of any renderer from the mean of all needs.
 std::size_t bins_of_a_block(const DatasetErrors& errors) {
   const std::size_t n = errors.front().size();
   std::vector<double> mean(n, 0.0);
   for (const BinnedErrors& one : errors) {
     for (std::size_t i = 0; i < n; ++i) mean[i] += one.squares_N2[i] / static_cast<double>(errors.size());
   }
-  std::size_t longest = std::max<std::size_t>(1, n / kMostBlocks);
+  std::size_t longest = 1;
   std::vector<double> difference(n);
   for (const BinnedErrors& one : errors) {
     for (std::size_t i = 0; i < n; ++i) difference[i] = one.squares_N2[i] - mean[i];
@@ -82,193 +84,145 @@ std::size_t bins_of_a_block(const DatasetErrors& errors) {
   return longest;
 }
 
-// The errors of every renderer on one data set as blocks: what a draw is made of.
-struct Blocks {
-  std::vector<double> samples;               // [block]
-  std::vector<std::vector<double>> squares;  // [renderer][block]
-};
-
-void add_block(const RunningSums& sums, std::size_t from, std::size_t length, Blocks& out) {
-  out.samples.push_back(sums.samples[from + length] - sums.samples[from]);
-  for (std::size_t r = 0; r < sums.squares.size(); ++r)
-    out.squares[r].push_back(sums.squares[r][from + length] - sums.squares[r][from]);
-}
-
-// The recording itself, cut into blocks that lie side by side; a last one that is shorter than half joins its
-// neighbour.
-Blocks cut(const RunningSums& sums, std::size_t block) {
-  Blocks out{{}, std::vector<std::vector<double>>(sums.squares.size())};
+// The scores of every renderer on as much of a recording as there is, made of blocks from anywhere on the circle.
+std::vector<double> draw(const RunningSums& sums, std::size_t block, Random& random) {
+  std::vector<double> squares(sums.squares.size(), 0.0);
+  double samples = 0.0;
   const std::size_t count = std::max<std::size_t>(1, (sums.bins + block / 2) / block);
   for (std::size_t k = 0; k < count; ++k) {
-    const std::size_t from = k * block;
-    add_block(sums, from, (k + 1 == count ? sums.bins : from + block) - from, out);
+    const std::size_t from = random.below(sums.bins);
+    samples += sums.samples[from + block] - sums.samples[from];
+    for (std::size_t r = 0; r < squares.size(); ++r)
+      squares[r] += sums.squares[r][from + block] - sums.squares[r][from];
   }
-  return out;
+  for (double& one : squares) one = half_log(one, samples);
+  return squares;
 }
 
-// As many blocks drawn with replacement, from anywhere on the circle.
-Blocks draw(const RunningSums& sums, std::size_t block, Random& random) {
-  Blocks out{{}, std::vector<std::vector<double>>(sums.squares.size())};
-  const std::size_t count = std::max<std::size_t>(1, (sums.bins + block / 2) / block);
-  for (std::size_t k = 0; k < count; ++k) add_block(sums, random.below(sums.bins), block, out);
-  return out;
-}
-
-double sum_of(const std::vector<double>& values) { return std::accumulate(values.begin(), values.end(), 0.0); }
-
-// A log ratio and the square of its standard error.
-struct Estimate {
-  double value = 0.0;
-  double variance = 0.0;
-};
-
-// Of two renderers on one data set, by the delta method: log(RMS_a / RMS_b) moves by (A_k / A - B_k / B) / 2 with the
-// sums of block k.
-Estimate log_ratio(const Blocks& blocks, std::size_t a, std::size_t b) {
-  const double all_a = sum_of(blocks.squares[a]);
-  const double all_b = sum_of(blocks.squares[b]);
-  const double samples = sum_of(blocks.samples);
-  const auto n = static_cast<double>(blocks.samples.size());
-  Estimate out{half_log(all_a, samples) - half_log(all_b, samples), 0.0};
-  if (n < 2.0 || !(all_a > 0.0) || !(all_b > 0.0)) return out;
-  for (std::size_t k = 0; k < blocks.samples.size(); ++k) {
-    const double influence = 0.5 * (blocks.squares[a][k] / all_a - blocks.squares[b][k] / all_b);
-    out.variance += influence * influence * n / (n - 1.0);
-  }
-  return out;
-}
-
-// The variance of the same from the correlation of the bins: what neighbouring blocks share is in it, too.
-double variance_by_bins(const DatasetErrors& errors, std::size_t a, std::size_t b) {
-  const double all_a = sum_of(errors[a].squares_N2);
-  const double all_b = sum_of(errors[b].squares_N2);
-  if (!(all_a > 0.0) || !(all_b > 0.0)) return 0.0;
-  std::vector<double> influence;
-  for (std::size_t i = 0; i < errors[a].size(); ++i)
-    influence.push_back(0.5 * (errors[a].squares_N2[i] / all_a - errors[b].squares_N2[i] / all_b));
-  return long_run_variance(influence) * static_cast<double>(influence.size());
-}
-
-// Over data sets: as a sample of objects the spread between them is the standard error, else what is left within each.
-Estimate over_datasets(const std::vector<Blocks>& datasets, bool sampled, std::size_t a, std::size_t b) {
-  const auto m = static_cast<double>(datasets.size());
-  std::vector<Estimate> own;
-  Estimate out;
-  for (const Blocks& blocks : datasets) {
-    own.push_back(log_ratio(blocks, a, b));
-    out.value += own.back().value / m;
-  }
-  for (const Estimate& one : own) {
-    out.variance +=
-        sampled ? (one.value - out.value) * (one.value - out.value) / (m * (m - 1.0)) : one.variance / (m * m);
-  }
-  return out;
-}
-
-// What the draws say: the scores of every renderer, and how far each pair is off.
-struct Draws {
-  std::vector<std::vector<double>> scores;      // [renderer][draw]
-  std::vector<std::vector<double>> deviations;  // studentised, [pair][draw]
-};
-
-Draws draw_all(const std::vector<RunningSums>& sums, const RankingOptions& options, const Ranking& ranking) {
-  Draws out;
-  const std::size_t renderers = sums.front().squares.size();
-  out.scores.resize(renderers);
-  out.deviations.resize(ranking.pairs.size());
+// [renderer][draw]
+std::vector<std::vector<double>> draw_scores(const std::vector<RunningSums>& sums, const RankingOptions& options,
+                                             const Ranking& ranking) {
+  std::vector<std::vector<double>> scores(sums.front().squares.size());
   const Random root(options.seed);
   for (std::size_t i = 0; i < options.draws; ++i) {
     Random random = root.stream(i);
-    std::vector<Blocks> drawn;
+    std::vector<double> mean(scores.size(), 0.0);
     for (std::size_t d = 0; d < sums.size(); ++d) {
       const std::size_t chosen = ranking.datasets_resampled ? random.below(sums.size()) : d;
-      drawn.push_back(draw(sums[chosen], ranking.block_bins[chosen], random));
+      const std::vector<double> own = draw(sums[chosen], ranking.block_bins[chosen], random);
+      for (std::size_t r = 0; r < own.size(); ++r) mean[r] += own[r] / static_cast<double>(sums.size());
     }
-    for (std::size_t r = 0; r < renderers; ++r) {
-      double score = 0.0;
-      for (const Blocks& blocks : drawn) score += half_log(sum_of(blocks.squares[r]), sum_of(blocks.samples));
-      out.scores[r].push_back(score / static_cast<double>(drawn.size()));
-    }
-    for (std::size_t p = 0; p < ranking.pairs.size(); ++p) {
-      const PairOfRenderers& pair = ranking.pairs[p];
-      const Estimate own = over_datasets(drawn, ranking.datasets_resampled, pair.better, pair.other);
-      const double off = std::abs(own.value - pair.log_ratio);
-      out.deviations[p].push_back(own.variance > 0.0 ? off / std::sqrt(own.variance) : (off > 0.0 ? kNever : 0.0));
-    }
+    for (std::size_t r = 0; r < mean.size(); ++r) scores[r].push_back(mean[r]);
   }
+  return scores;
+}
+
+void set_intervals(const std::vector<std::vector<double>>& scores, Ranking& ranking) {
+  for (RankedRenderer& one : ranking.order) {
+    one.low95 = stats::reaching_quantile(scores[one.renderer], 0.025);
+    one.high95 = stats::reaching_quantile(scores[one.renderer], 0.975);
+  }
+  std::vector<double> ratios;
+  for (PairOfRenderers& pair : ranking.pairs) {
+    ratios.clear();
+    for (std::size_t i = 0; i < scores[pair.better].size(); ++i)
+      ratios.push_back(scores[pair.better][i] - scores[pair.other][i]);
+    pair.low95 = stats::reaching_quantile(ratios, 0.025);
+    pair.high95 = stats::reaching_quantile(ratios, 0.975);
+  }
+}
+
+double score_on(const RunningSums& sums, std::size_t renderer) {
+  return half_log(sums.squares[renderer][sums.bins], sums.samples[sums.bins]);
+}
+
+// Student's t of the log ratios, one for each data set.
+void test_over_datasets(const std::vector<RunningSums>& sums, PairOfRenderers& pair) {
+  std::vector<double> ratios;
+  for (const RunningSums& one : sums) ratios.push_back(score_on(one, pair.better) - score_on(one, pair.other));
+  const auto n = static_cast<double>(ratios.size());
+  const double mean = std::accumulate(ratios.begin(), ratios.end(), 0.0) / n;
+  double squares = 0.0;
+  for (const double one : ratios) squares += (one - mean) * (one - mean);
+  const double standard_error = std::sqrt(squares / (n * (n - 1.0)));
+  pair.degrees = n - 1.0;
+  if (!(std::abs(mean) > kRounding)) return;
+  // Equal to rounding on every data set: nothing is more certain than p = 0.
+  pair.t = mean / std::max(standard_error, 1e-12 * std::abs(mean));
+  pair.p = stats::student_p(pair.t, pair.degrees);
+}
+
+// See ranking.h; bins in which both err alike are left out.
+std::vector<double> paired_differences(const BinnedErrors& one, const BinnedErrors& other) {
+  constexpr double alike = 1e-9;
+  std::vector<std::pair<double, double>> squares;
+  double both = 0.0;
+  for (std::size_t i = 0; i < one.size(); ++i) {
+    const auto n = static_cast<double>(one.samples[i]);
+    const double a = one.squares_N2[i] / n;
+    const double b = other.squares_N2[i] / n;
+    if (!(std::abs(a - b) > alike * (a + b))) continue;
+    squares.emplace_back(a, b);
+    both += a + b;
+  }
+  const double share_of_all = 0.3 * std::sqrt(both / static_cast<double>(squares.size()));
+  std::vector<double> out;
+  for (const auto& [a, b] : squares) out.push_back((std::sqrt(a) - std::sqrt(b)) / (std::sqrt(a + b) + share_of_all));
   return out;
 }
 
-// How often a log ratio as large as this appears if it is by chance alone which of two renderers was better in a block
-// (Fisher's randomisation test: the two are swapped block by block; data sets that are a sample are swapped whole).
-// Exact for equal renderers also if few episodes hold most of the error, where draws of blocks do not show how far off
-// the ratio could have been. Every pattern of swaps is tried if `draws` are enough for that, else as many are drawn.
-double chance_by_swaps(const std::vector<Blocks>& datasets, bool sampled, const PairOfRenderers& pair,
-                       std::size_t draws, Random random) {
-  std::size_t pieces = 0;
-  for (const Blocks& blocks : datasets) pieces += sampled ? 1 : blocks.samples.size();
-  const bool all = pieces < 63 && (std::uint64_t{1} << pieces) <= draws;
-  const std::uint64_t patterns = all ? std::uint64_t{1} << pieces : draws;
-  std::size_t as_large = all ? 0 : 1;
-  const double found = std::abs(pair.log_ratio) * (1.0 - 1e-9);  // the pattern without swaps is as large as itself
-  for (std::uint64_t pattern = 0; pattern < patterns; ++pattern) {
-    double ratio = 0.0;
-    std::size_t piece = 0;
-    for (const Blocks& blocks : datasets) {
-      double a = 0.0;
-      double b = 0.0;
-      bool swapped = false;
-      for (std::size_t k = 0; k < blocks.samples.size(); ++k) {
-        if (k == 0 || !sampled) swapped = all ? ((pattern >> piece++) & 1U) == 1U : random.below(2) == 1;
-        a += blocks.squares[swapped ? pair.other : pair.better][k];
-        b += blocks.squares[swapped ? pair.better : pair.other][k];
-      }
-      ratio += (half_log(a, 1.0) - half_log(b, 1.0)) / static_cast<double>(datasets.size());
+// The mean over recordings, with Welch and Satterthwaite's degrees of freedom. Recordings on which two err alike
+// throughout count as 0.
+void test_within_recordings(const std::vector<DatasetErrors>& datasets, PairOfRenderers& pair) {
+  double mean = 0.0;
+  double variance = 0.0;
+  double by_degrees = 0.0;
+  double degrees = 0.0;
+  const auto m = static_cast<double>(datasets.size());
+  for (const DatasetErrors& errors : datasets) {
+    const std::vector<double> differences = paired_differences(errors[pair.better], errors[pair.other]);
+    if (differences.empty()) {
+      degrees += stats::kFewestDegrees;
+      continue;
     }
-    as_large += std::abs(ratio) >= found ? 1 : 0;
+    const stats::SeriesMean own = stats::series_mean(differences);
+    if (own.degrees == 0.0) return;
+    mean += own.mean / m;
+    const double share = own.standard_error * own.standard_error / (m * m);
+    variance += share;
+    by_degrees += share * share / own.degrees;
+    degrees += own.degrees;
   }
-  return static_cast<double>(as_large) / static_cast<double>(all ? patterns : draws + 1);
+  pair.degrees = variance > 0.0 ? variance * variance / by_degrees : degrees;
+  // Smaller in most stretches of time, but not in all together, or the other way round.
+  if (!(std::abs(mean) > kRounding) || (mean > 0.0) != (pair.log_ratio > 0.0)) return;
+  pair.t = mean / std::max(std::sqrt(variance), 1e-9 * std::abs(mean));
+  pair.p = stats::student_p(pair.t, pair.degrees);
 }
 
-// In how many blocks, or data sets that are a sample, the two did not err alike.
-std::size_t pieces_that_differ(const std::vector<Blocks>& datasets, bool sampled, const PairOfRenderers& pair) {
-  std::size_t pieces = 0;
-  for (const Blocks& blocks : datasets) {
-    std::size_t own = 0;
-    for (std::size_t k = 0; k < blocks.samples.size(); ++k) {
-      const double a = blocks.squares[pair.better][k];
-      const double b = blocks.squares[pair.other][k];
-      own += std::abs(a - b) > 1e-9 * std::max(a, b) ? 1 : 0;
-    }
-    pieces += sampled ? std::min<std::size_t>(own, 1) : own;
-  }
-  return pieces;
-}
-
-void judge_pairs(const std::vector<RunningSums>& sums, const Draws& draws, const RankingOptions& options,
+void judge_pairs(const std::vector<DatasetErrors>& datasets, const std::vector<RunningSums>& sums, double level,
                  Ranking& ranking) {
-  // Sidak's share of the level for each pair, and enough swaps to resolve it.
-  const double each =
-      1.0 - std::pow(1.0 - options.level, 1.0 / static_cast<double>(std::max<std::size_t>(1, ranking.pairs.size())));
-  ranking.pair_level = each;
-  const std::size_t swaps = std::max(options.draws, static_cast<std::size_t>(std::ceil(4.0 / each)));
-  std::vector<Blocks> whole;
-  for (std::size_t d = 0; d < sums.size(); ++d) whole.push_back(cut(sums[d], ranking.block_bins[d]));
-  constexpr double rounding = 1e-12;  // of a log ratio: errors that are equal but for the order of summation
-  const Random root = Random(options.seed).stream(options.draws);
-  for (std::size_t i = 0; i < ranking.pairs.size(); ++i) {
-    PairOfRenderers& pair = ranking.pairs[i];
-    pair.told_apart =
-        ranking.why_not.empty() && std::abs(pair.log_ratio) > rounding &&
-        std::abs(pair.log_ratio) > stats::reaching_quantile(draws.deviations[i], 1.0 - each) * pair.standard_error;
-    if (!pair.told_apart) continue;
-    // With few blocks no pattern is rarer than all of them on one side: then it must be that one. Blocks in which the
-    // two erred alike, as in free air, say nothing and have no side.
-    const double rarest =
-        2.0 * std::pow(0.5, static_cast<double>(pieces_that_differ(whole, ranking.datasets_resampled, pair)));
-    pair.told_apart =
-        chance_by_swaps(whole, ranking.datasets_resampled, pair, swaps, root.stream(i)) <= std::max(each, rarest);
+  std::vector<double> p;
+  bool tested = false;
+  for (PairOfRenderers& pair : ranking.pairs) {
+    if (ranking.datasets_resampled) {
+      test_over_datasets(sums, pair);
+    } else {
+      test_within_recordings(datasets, pair);
+    }
+    tested = tested || pair.degrees > 0.0;
+    p.push_back(pair.p);
   }
+  const double share = ranking.datasets_resampled ? kShareOverDatasets : kShareWithinRecordings;
+  const auto verdicts = stats::judge_all_pairs(p, ranking.order.size(), share * level);
+  for (std::size_t i = 0; i < p.size(); ++i) {
+    ranking.pairs[i].level = verdicts[i].level;
+    ranking.pairs[i].told_apart = verdicts[i].differ;
+  }
+  if (tested || p.empty()) return;
+  ranking.why_not =
+      fmt::format("the recording is too short, or its errors are correlated over too long ({} stretches of {} s)",
+                  sums.front().bins, kErrorBin_s);
 }
 
 void make_groups(Ranking& ranking) {
@@ -291,34 +245,20 @@ void make_groups(Ranking& ranking) {
   }
 }
 
-// Of two renderers on the recordings themselves. Within recordings the larger of two consistent estimates counts: from
-// blocks, and from the bins' correlation.
-PairOfRenderers estimate_pair(const std::vector<DatasetErrors>& datasets, const std::vector<Blocks>& whole,
-                              bool sampled, std::size_t better, std::size_t other) {
-  Estimate estimate = over_datasets(whole, sampled, better, other);
-  if (!sampled) {
-    const auto m = static_cast<double>(datasets.size());
-    double by_bins = 0.0;
-    for (const DatasetErrors& errors : datasets) by_bins += variance_by_bins(errors, better, other) / (m * m);
-    estimate.variance = std::max(estimate.variance, by_bins);
-  }
-  return {better, other, estimate.value, std::sqrt(estimate.variance), false};
-}
-
-void make_order(const std::vector<DatasetErrors>& datasets, const std::vector<RunningSums>& sums, Ranking& ranking) {
-  std::vector<Blocks> whole;
-  for (std::size_t d = 0; d < sums.size(); ++d) whole.push_back(cut(sums[d], ranking.block_bins[d]));
+void make_order(const std::vector<RunningSums>& sums, Ranking& ranking) {
   for (std::size_t r = 0; r < sums.front().squares.size(); ++r) {
     double score = 0.0;
-    for (const Blocks& blocks : whole) score += half_log(sum_of(blocks.squares[r]), sum_of(blocks.samples));
-    ranking.order.push_back({r, score / static_cast<double>(whole.size()), 0.0, 0.0, 1, 1});
+    for (const RunningSums& one : sums) score += score_on(one, r);
+    ranking.order.push_back({r, score / static_cast<double>(sums.size()), 0.0, 0.0, 1, 1});
   }
   std::ranges::stable_sort(ranking.order, {}, &RankedRenderer::log_score);
   for (std::size_t i = 0; i < ranking.order.size(); ++i) {
     for (std::size_t j = i + 1; j < ranking.order.size(); ++j) {
-      const std::size_t better = ranking.order[i].renderer;
-      const std::size_t other = ranking.order[j].renderer;
-      ranking.pairs.push_back(estimate_pair(datasets, whole, ranking.datasets_resampled, better, other));
+      PairOfRenderers pair;
+      pair.better = ranking.order[i].renderer;
+      pair.other = ranking.order[j].renderer;
+      pair.log_ratio = ranking.order[i].log_score - ranking.order[j].log_score;
+      ranking.pairs.push_back(pair);
     }
   }
 }
@@ -337,24 +277,14 @@ Ranking rank_renderers(const std::vector<DatasetErrors>& datasets, const Ranking
   Ranking ranking;
   ranking.datasets_resampled = datasets.size() >= kFewestSampled;
   std::vector<RunningSums> sums;
-  std::size_t blocks = 0;
   for (const DatasetErrors& errors : datasets) {
     ranking.block_bins.push_back(bins_of_a_block(errors));
     sums.push_back(running_sums(errors));
-    blocks += errors.front().size() / ranking.block_bins.back();
   }
-  if (!ranking.datasets_resampled && blocks < kFewestBlocks) {
-    ranking.why_not = fmt::format(
-        "the errors are correlated over so long that only {} independent blocks of time are "
-        "there; {} are needed",
-        blocks, kFewestBlocks);
-  }
-  make_order(datasets, sums, ranking);
-  const Draws draws = draw_all(sums, options, ranking);
-  judge_pairs(sums, draws, options, ranking);
+  make_order(sums, ranking);
+  judge_pairs(datasets, sums, options.level, ranking);
+  set_intervals(draw_scores(sums, options, ranking), ranking);
   for (RankedRenderer& one : ranking.order) {
-    one.low95 = stats::reaching_quantile(draws.scores[one.renderer], 0.025);
-    one.high95 = stats::reaching_quantile(draws.scores[one.renderer], 0.975);
     one.worst_rank = ranking.order.size();
     for (const PairOfRenderers& pair : ranking.pairs) {
       if (!pair.told_apart) continue;

@@ -1,4 +1,4 @@
-// Style and script of the site (board_site.h).
+// Style and script of the leaderboard's site (board_site.h), as they stand inside each of its pages.
 #pragma once
 
 #include <string_view>
@@ -29,8 +29,12 @@ svg text{font:12px system-ui,sans-serif;fill:var(--ink)}
 .beaten{fill:var(--soft)}.floor{stroke:var(--green);stroke-width:2;stroke-dasharray:5 3}
 .measured{stroke:var(--orange);stroke-width:2;stroke-dasharray:2 3}.group{stroke:var(--ink);stroke-width:4}
 .front{fill:none;stroke:var(--blue);stroke-dasharray:4 3}
-@media (max-width:600px){thead{display:none}tr{display:block;padding:.4rem 0;border-bottom:1px solid var(--line)}
-td{display:flex;justify-content:space-between;gap:1rem;border:0;padding:.1rem 0;text-align:right}
+@media (max-width:600px){svg text{font-size:19px}
+thead{display:block}thead tr{display:flex;flex-wrap:wrap;gap:.2rem 1rem;border-bottom:1px solid var(--line);padding:.3rem 0}
+th{display:block;border:0;padding:.2rem 0}tbody{display:block}
+tbody tr{display:grid;grid-template-columns:1fr 1fr;gap:0 1.4rem;padding:.4rem 0;border-bottom:1px solid var(--line)}
+td:nth-child(2){grid-column:1/-1;order:-1}td:nth-child(2)::before{display:none}td.why{grid-column:1/-1}
+td{display:flex;justify-content:space-between;gap:.6rem;border:0;padding:.1rem 0;text-align:right}
 td::before{content:attr(data-label);color:var(--soft);text-align:left}td:nth-child(2){font-weight:600}td.why{display:block}}
 )css";
 

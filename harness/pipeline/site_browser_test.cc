@@ -45,6 +45,7 @@ TEST_P(Site, DrawsItsPicturesAndFitsTheScreen) {
   const std::string hostile = "<img src=x onerror=\"window.stolen=1\"></script><script>window.stolen=1</script>";
   board.tasks[0].about = hostile;
   board.tasks[1].entries[0].renderer = hostile;
+  board.tasks[2].entries[0].renderer = "chai3d-dynamic-mm";
   const Seen seen = open_site(site_html(board, {{}, {hostile}, true, {}}), GetParam());
   if (seen.status == 77) GTEST_SKIP() << "needs node and chromium";
   ASSERT_EQ(seen.status, 0);
@@ -56,6 +57,9 @@ TEST_P(Site, DrawsItsPicturesAndFitsTheScreen) {
     const std::string url = request;
     EXPECT_TRUE(url.ends_with(".html") || url.starts_with("data:")) << url;
   }
+  EXPECT_TRUE(page["cut"].empty()) << page["cut"];
+  EXPECT_GE(page["smallestText"].get<double>(), 10.0) << "too small to read";
+  EXPECT_EQ(page["hiddenHeads"], 0) << "cannot be sorted";
   // One per recording, all recordings, and error against operations.
   ASSERT_EQ(page["pictures"].size(), 8u);
   for (const auto& picture : page["pictures"]) {

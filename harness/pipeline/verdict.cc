@@ -63,6 +63,13 @@ std::string number_or_dash(double value, const char* format) {
   return std::isfinite(value) ? fmt::format(fmt::runtime(format), value) : std::string("-");
 }
 
+std::string against_repeat(const Task& task, const Entry& best) {
+  if (!task.repeat) return "";
+  return fmt::format(" Two recordings of this motion differ by {}: the best error is {} times that.",
+                     display_quantity(task.repeat->rms_N, "N"),
+                     times_floor(best.scores.rms_force_error_N, task.repeat->rms_N));
+}
+
 std::string against_floor(const Task& task, const Entry& best) {
   if (!task.floor) return "";
   const bool at_floor = best.scores.rms_force_error_N <= task.floor->high95_N;
@@ -102,7 +109,7 @@ std::string verdict(const Task& task) {
   if (best.size() < ranking.order.size() && ranking.order.size() > 2) {
     text += fmt::format(" Last is {} with {}.", last.renderer, display_quantity(last.scores.rms_force_error_N, "N"));
   }
-  return text + against_floor(task, first) + who_did_not_run(task);
+  return text + against_floor(task, first) + against_repeat(task, first) + who_did_not_run(task);
 }
 
 std::string verdict(const Overall& overall, std::size_t tasks) {
@@ -126,22 +133,28 @@ std::string verdict(const Overall& overall, std::size_t tasks) {
 }
 
 std::string short_table(const Task& task) {
-  std::vector<std::vector<std::string>> rows{{"rank", "renderer", "error", "of force", "felt", "operations", "us"}};
+  std::vector<std::vector<std::string>> rows{{"rank", "renderer", "error", "floor", "times", "felt", "flops", "us"}};
   for (const std::size_t i : in_order(task)) {
     const Entry& entry = task.entries[i];
     if (entry.state != EntryState::ran) {
-      rows.push_back({"-", entry.renderer, entry.state == EntryState::failed ? "FAILED" : "does not enter"});
+      rows.push_back({"-", entry.renderer, entry.state == EntryState::failed ? "FAILED" : "no entry"});
       continue;
     }
     const Scores& s = entry.scores;
     rows.push_back({rank_text(task, i), entry.renderer,
                     std::isfinite(s.rms_force_error_N) ? display_quantity(s.rms_force_error_N, "N") : "-",
-                    task.measured_rms_N > 0.0 ? percent(s.rms_force_error_N / task.measured_rms_N) : "-",
+                    task.floor ? display_quantity(task.floor->rms_N, "N") : "-",
+                    task.floor ? times_floor(s.rms_force_error_N, task.floor->rms_N) : "-",
                     number_or_dash(s.rms_force_error_jnd, "{:.3g} JND"), number_or_dash(s.mean_operations, "{:.0f}"),
                     number_or_dash(s.median_us, "{:.2f}")});
   }
-  for (auto& row : rows) row.resize(7);
+  for (auto& row : rows) row.resize(rows.front().size());
   return align_columns(rows);
+}
+
+std::string times_floor(double error_N, double floor_N) {
+  const double times = error_N / floor_N;
+  return std::isfinite(times) ? fmt::format("{:.{}f}", times, times < 9.95 ? 1 : 0) : std::string("-");
 }
 
 std::string wrapped(std::string_view text, std::size_t width, std::size_t indent) {

@@ -1,5 +1,8 @@
 #include "harness/plugin/plugin_creation.h"
 
+#include <fmt/format.h>
+
+#include "harness/base/error.h"
 #include "harness/rendering/model.h"
 
 namespace touchstone::plugin {
@@ -18,6 +21,27 @@ touchstone2_mesh mesh_of(const TriangleMesh& mesh) {
 PluginCreation::PluginCreation(const PluginDescription& description, std::uint32_t index, const Parameters& parameters,
                                std::shared_ptr<const TriangleMesh> object_W)
     : object_W_(std::move(object_W)) {
+  bodies_ = {{sizeof(touchstone2_body), 0, "object", mesh_of(*object_W_), kIdentityPose}};
+  set_model(description, index, parameters);
+}
+
+PluginCreation::PluginCreation(const PluginDescription& description, std::uint32_t index, const Parameters& parameters,
+                               std::shared_ptr<const BodyScene> scene)
+    : scene_(std::move(scene)) {
+  for (const SceneBody& body : scene_->bodies) {
+    if (body.surface_B->mesh() == nullptr) {
+      throw BadData(fmt::format("{}: the body {} has no triangles; the renderer {} cannot run on it", scene_->source,
+                                body.name, description.name));
+    }
+    const BodyPose pose = body.pose.first();
+    bodies_.push_back({sizeof(touchstone2_body), body.pose.moves() ? 1U : 0U, body.name.c_str(),
+                       mesh_of(*body.surface_B->mesh()), pose_of(pose.p_W_m, pose.q_WB)});
+  }
+  set_model(description, index, parameters);
+}
+
+void PluginCreation::set_model(const PluginDescription& description, std::uint32_t index,
+                               const Parameters& parameters) {
   Model model;
   model.renderer = description.name;
   for (const ParameterDeclaration& declaration : description.parameters) {
@@ -25,9 +49,8 @@ PluginCreation::PluginCreation(const PluginDescription& description, std::uint32
     model.parameters[declaration.name] = parameters_.back();
   }
   model_ = model_to_json(model);
-  body_ = {sizeof(touchstone2_body), 0, "object", mesh_of(*object_W_), kIdentityPose};
-  creation_ = {
-      sizeof(touchstone2_creation), index, model_.c_str(), parameters_.data(), parameters_.size(), &body_, 1, nullptr};
+  creation_ = {sizeof(touchstone2_creation), index,          model_.c_str(), parameters_.data(),
+               parameters_.size(),           bodies_.data(), bodies_.size(), nullptr};
 }
 
 void PluginCreation::set_tool(const touchstone2_tool& tool, std::shared_ptr<const TriangleMesh> mesh_T) {

@@ -1,9 +1,14 @@
-// A plug-in's renderer of points as a Renderer: numbers go over unchanged.
+// A plug-in's renderer of points as a Renderer, over one object or over the bodies of a scene: numbers go over
+// unchanged.
 #pragma once
+
+#include <memory>
+#include <vector>
 
 #include "harness/base/rooms.h"
 #include "harness/plugin/plugin_run.h"
 #include "harness/rendering/renderer.h"
+#include "harness/rendering/scene.h"
 
 namespace touchstone::plugin {
 
@@ -17,6 +22,25 @@ class PluginRenderer final : public Renderer {
   [[nodiscard]] std::string do_failure() const override { return run_.failure(); }
 
   PluginRun run_;
+};
+
+// Over a scene: the plug-in gets each body's pose at each step.
+class PluginSceneRenderer final : public Renderer {
+ public:
+  PluginSceneRenderer(PluginRun run, std::shared_ptr<const BodyScene> scene);
+
+ private:
+  void do_reset() override;
+  // Failed where the poses do not reach.
+  StepResult do_step(const TipState& tip) noexcept override;
+  [[nodiscard]] std::string do_failure() const override;
+
+  PluginRun run_;
+  std::shared_ptr<const BodyScene> scene_;
+  std::vector<touchstone2_pose> poses_;
+  std::vector<std::size_t> segments_;  // of each body's track
+  const SceneBody* out_of_reach_ = nullptr;
+  double out_of_reach_s_ = 0.0;
 };
 
 }  // namespace touchstone::plugin

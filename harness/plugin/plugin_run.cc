@@ -68,10 +68,11 @@ void PluginRun::reset() {
   throw RendererFailed(failure());
 }
 
-const touchstone2_result* PluginRun::step(double t_s, const touchstone2_pose& tip) noexcept {
+const touchstone2_result* PluginRun::step(double t_s, const touchstone2_pose& tip,
+                                          std::span<const touchstone2_pose> bodies) noexcept {
   if (state_ != State::good) return nullptr;
   ++step_;
-  last_input_ = {sizeof(touchstone2_input), 0, t_s, tip, &kIdentityPose, 1};
+  last_input_ = {sizeof(touchstone2_input), 0, t_s, tip, bodies.data(), bodies.size()};
   last_result_ = {};
   last_result_.size = sizeof(touchstone2_result);
   last_result_.proxy = tip;

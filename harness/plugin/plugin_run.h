@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -21,8 +22,13 @@ class PluginRun {
 
   // Throws RendererFailed.
   void reset();
-  // nullptr when it failed; else valid until the next step.
-  const touchstone2_result* step(double t_s, const touchstone2_pose& tip) noexcept;
+  // nullptr when it failed; else valid until the next step. `bodies`: where each body of the creation is now.
+  const touchstone2_result* step(double t_s, const touchstone2_pose& tip,
+                                 std::span<const touchstone2_pose> bodies) noexcept;
+  // One body, whose frame is that of the world.
+  const touchstone2_result* step(double t_s, const touchstone2_pose& tip) noexcept {
+    return step(t_s, tip, {&kIdentityPose, 1});
+  }
   [[nodiscard]] std::string failure() const;
 
  private:

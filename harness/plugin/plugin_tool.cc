@@ -1,5 +1,10 @@
 #include "harness/plugin/plugin_tool.h"
 
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "harness/base/error.h"
 #include "harness/plugin/plugin_run.h"
 #include "harness/rendering/limitation.h"
 
@@ -86,6 +91,17 @@ std::vector<tool::ToolRendererEntry> load_tool_plugin(const std::filesystem::pat
     if (loaded->descriptions()[i].renders_tools) entries.push_back(entry_of(loaded, i));
   }
   return entries;
+}
+
+void add_tool_plugin(const std::filesystem::path& library, const PluginOptions& options,
+                     std::vector<tool::ToolRendererEntry>& entries) {
+  for (tool::ToolRendererEntry& entry : load_tool_plugin(library, options)) {
+    if (std::ranges::find(entries, entry.name, &tool::ToolRendererEntry::name) != entries.end()) {
+      throw BadData(fmt::format("{}: there is a renderer named {} already; give the plug-in's a name of its own",
+                                library.string(), entry.name));
+    }
+    entries.push_back(std::move(entry));
+  }
 }
 
 }  // namespace touchstone::plugin

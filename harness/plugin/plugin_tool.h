@@ -14,4 +14,8 @@ namespace touchstone::plugin {
 std::vector<tool::ToolRendererEntry> load_tool_plugin(const std::filesystem::path& library,
                                                       const PluginOptions& options);
 
+// Adds the library's to `entries`. Throws as above, and BadData for a name that is taken.
+void add_tool_plugin(const std::filesystem::path& library, const PluginOptions& options,
+                     std::vector<tool::ToolRendererEntry>& entries);
+
 }  // namespace touchstone::plugin

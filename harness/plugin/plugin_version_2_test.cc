@@ -9,6 +9,7 @@
 #include "harness/plugin/plugin.h"
 #include "harness/plugin/plugin_tool.h"
 #include "harness/rendering/renderer_failed.h"
+#include "harness/surface/box_mesh.h"
 #include "harness/surface/embree_surface.h"
 #include "harness/testing/tiny_meshes.h"
 
@@ -69,26 +70,11 @@ TEST(PluginVersion2, RendersAPointToTheBitAsVersion1) {
   }
 }
 
-TriangleMesh box(const Vec3& low, const Vec3& high) {
-  TriangleMesh mesh;
-  for (int i = 0; i < 8; ++i) {
-    mesh.vertices_W_m.emplace_back((i & 1) != 0 ? high.x() : low.x(), (i & 2) != 0 ? high.y() : low.y(),
-                                   (i & 4) != 0 ? high.z() : low.z());
-  }
-  mesh.triangles = {{0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6}, {0, 1, 4}, {1, 5, 4},
-                    {2, 6, 3}, {3, 6, 7}, {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}};
-  mesh.source = "box";
-  return mesh;
-}
-
-tool::Tool cube() {
-  const TriangleMesh mesh = box({-0.01, -0.01, -0.01}, {0.01, 0.01, 0.01});
-  return {mesh, tool::solid_mass_frame(mesh, 1000.0)};
-}
+tool::Tool cube() { return tool::solid_tool(box_mesh({-0.01, -0.01, -0.01}, {0.01, 0.01, 0.01})); }
 
 std::unique_ptr<tool::ToolRenderer> make_tool(const std::string& name, bool in_process) {
   const auto entries = load_tool_plugin(library(name), how(in_process));
-  return tool::make_tool_renderer(entries.at(0), cube(), box({-1, -1, -1}, {1, 1, 0}), {});
+  return tool::make_tool_renderer(entries.at(0), cube(), box_mesh({-1, -1, -1}, {1, 1, 0}), {});
 }
 
 // Four springs of 500 N/m at the corners below a cube of 20 mm whose centre is held 9 mm high: 4 x 0.5 N. Turned by a

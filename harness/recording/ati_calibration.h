@@ -56,6 +56,7 @@ enum SampleFlag : std::uint32_t {
   sample_not_finite = 1U << 2U,
   sample_device_error = 1U << 3U,  // the device reported an error with the sample
   sample_after_gap = 1U << 4U,     // samples before this one were lost
+  sample_not_tracked = 1U << 5U,   // the tracker did not see the body: its pose means nothing
 };
 
 struct CalibratedSample {

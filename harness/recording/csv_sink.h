@@ -1,4 +1,5 @@
-// The CSV half of TableSink: see table_sink.h.
+// The CSV half of TableSink: see table_sink.h for what a table is and when a file appears. Throws BadData naming the
+// file if it cannot be written.
 #pragma once
 
 #include <filesystem>

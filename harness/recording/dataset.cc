@@ -43,6 +43,7 @@ std::vector<std::string> Dataset::files() const {
   for (const DatasetRecording& recording : recordings) {
     add(recording.file);
     add(recording.exact);
+    add(recording.repeat);
   }
   return files;
 }
@@ -103,6 +104,9 @@ Dataset load_dataset(const std::filesystem::path& place) {
     recording.file = file_name(entry, "file", entry.text("file"));
     recording.shows = required_text(entry, "shows");
     if (const auto name = entry.optional_text("exact")) recording.exact = file_name(entry, "exact", *name);
+    if (const auto name = entry.optional_text("repeat")) recording.repeat = file_name(entry, "repeat", *name);
+    if (recording.repeat == recording.file)
+      entry.fail_at("repeat", "is the recording itself; name another one of the same motion");
     entry.finish();
     if (std::ranges::find(dataset.recordings, recording.file, &DatasetRecording::file) != dataset.recordings.end()) {
       entry.fail_at("file", fmt::format("'{}' is listed twice", recording.file));
@@ -157,6 +161,7 @@ void save_dataset(const Dataset& dataset) {
     entry["file"] = recording.file;
     entry["shows"] = recording.shows;
     if (!recording.exact.empty()) entry["exact"] = recording.exact;
+    if (!recording.repeat.empty()) entry["repeat"] = recording.repeat;
     json["recordings"].push_back(std::move(entry));
   }
   json["source"] = dataset.source;

@@ -12,7 +12,8 @@
 //    "friction_coefficient": 0.2,                                 (optional; of tip and object, where it is known)
 //    "in_trajectory": "synthesize",                               (or "whole-force"; "measured" for compliant objects)
 //    "recordings": [{"file": "scan.csv", "shows": "a scan along y with taps at both ends",
-//                    "exact": "scan.exact.csv"}],                 (optional: the exact answer)
+//                    "exact": "scan.exact.csv",                   (optional: the exact answer)
+//                    "repeat": "again.csv"}],                     (optional: the same motion again)
 //    "source": "who measured or made it, and how",
 //    "licence": "CC0-1.0",
 //    "sha256": {"plate.obj": "...", "instrument.json": "...", "scan.csv": "...", "scan.exact.csv": "..."}}
@@ -49,7 +50,8 @@ std::optional<InTrajectoryMode> find_in_trajectory(std::string_view name);
 struct DatasetRecording {
   std::string file;
   std::string shows;
-  std::string exact;  // "" where there is none
+  std::string exact;   // "" where there is none
+  std::string repeat;  // the same motion recorded again: what differs no renderer can be blamed for; or ""
 };
 
 struct Dataset {
@@ -72,7 +74,7 @@ struct Dataset {
   // The same for what is handed on: throws BadData where a symbolic link leads out of the data set's folder, to a file
   // that nobody meant to give away.
   [[nodiscard]] std::filesystem::path own_path_of(const std::string& file) const;
-  // Every file that the description names, each once: mesh, instrument, recordings, exact answers.
+  // Every file that the description names, each once: mesh, instrument, recordings, exact answers, repeats.
   [[nodiscard]] std::vector<std::string> files() const;
 };
 

@@ -21,7 +21,8 @@ using ::testing::SizeIs;
 constexpr const char* example = R"({"schema": "touchstone-dataset/1",
   "object": "plate", "mesh": {"file": "meshes/plate.obj", "unit": "mm"}, "tip_radius_m": 0.001,
   "instrument": "Nano17", "stiffness_N_per_m": 500, "in_trajectory": "synthesize",
-  "recordings": [{"file": "scan.csv", "shows": "a scan", "exact": "exact.csv"}, {"file": "taps.h5", "shows": "taps"}],
+  "recordings": [{"file": "scan.csv", "shows": "a scan", "exact": "exact.csv",
+                  "repeat": "taps.h5"}, {"file": "taps.h5", "shows": "taps"}],
   "source": "made for a test", "licence": "CC0-1.0"})";
 
 Recording arc(double force_N) {
@@ -81,6 +82,7 @@ TEST(Dataset, PackThenCheckPasses) {
   EXPECT_EQ(again.folder, folder);
   EXPECT_EQ(again.sha256, dataset.sha256);
   EXPECT_EQ(again.recordings[0].exact, "exact.csv");
+  EXPECT_EQ(again.recordings[0].repeat, "taps.h5");
   const DatasetReport report = check_dataset(again, plate);
   EXPECT_THAT(report.errors, IsEmpty());
   EXPECT_THAT(report.warnings, IsEmpty());
@@ -156,7 +158,9 @@ TEST(Dataset, DescriptionsThatCannotBeUsedNameThePlace) {
   EXPECT_THAT(message_of(changed("\"unit\": \"mm\"", "\"unit\": \"inch\"")), HasSubstr("/mesh/unit"));
   EXPECT_THAT(message_of(changed("scan.csv", "../scan.csv")), HasSubstr("/recordings/0/file"));
   EXPECT_THAT(message_of(changed("exact.csv", "/etc/passwd")), HasSubstr("no file within the data set's folder"));
-  EXPECT_THAT(message_of(changed("taps.h5", "scan.csv")), HasSubstr("listed twice"));
+  EXPECT_THAT(message_of(changed("\"file\": \"taps.h5", "\"file\": \"scan.csv")), HasSubstr("listed twice"));
+  EXPECT_THAT(message_of(changed("\"repeat\": \"taps.h5", "\"repeat\": \"scan.csv")),
+              HasSubstr("/recordings/0/repeat"));
   EXPECT_THAT(message_of(changed("0.001", "-1")), HasSubstr("tip_radius_m"));
   EXPECT_THAT(message_of(changed("500", "0")), HasSubstr("stiffness_N_per_m"));
   EXPECT_THAT(message_of(changed("\"synthesize\"", "\"guess\"")), HasSubstr("use synthesize, whole-force or measured"));

@@ -1,5 +1,6 @@
 // The HDF5 half of TableSink: datasets that grow, shuffled, deflated and with a Fletcher-32 checksum on every chunk;
-// the file's own structures are checksummed too (see hdf5_source.h for the layout).
+// the file's own structures are checksummed too (see hdf5_source.h for the layout). Throws BadData naming the file if
+// it cannot be written.
 #pragma once
 
 #include <filesystem>

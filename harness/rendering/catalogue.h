@@ -20,6 +20,7 @@
 #include "harness/rendering/predictor.h"
 #include "harness/rendering/renderer.h"
 #include "harness/rendering/renderer_entry.h"
+#include "harness/rendering/scene.h"
 #include "harness/surface/surface.h"
 
 namespace touchstone::rendering {
@@ -52,6 +53,11 @@ class Catalogue {
   // The model's renderer with its effects over the surface. Instrument entries are checked, not run.
   [[nodiscard]] virtual std::unique_ptr<Renderer> make(const Model& model,
                                                        std::shared_ptr<const Surface> surface) const = 0;
+  // The same over a scene. Any renderer with any effects where the bodies do not move against each other: over one
+  // body, or over several at rest, which are one object then. Else the renderer must be able to
+  // (RendererEntry::make_scene), without effects.
+  [[nodiscard]] virtual std::unique_ptr<Renderer> make_scene(const Model& model,
+                                                             std::shared_ptr<const BodyScene> scene) const = 0;
   [[nodiscard]] virtual CountedRenderer make_counted(const Model& model,
                                                      std::shared_ptr<const Surface> surface) const = 0;
   // With the instrument entries, for a comparison with a recording.

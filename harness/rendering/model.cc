@@ -27,6 +27,7 @@ std::vector<NamedParameters> read_entries(JsonObject& root, const char* key) {
     entry.name = object.text("name");
     entry.parameters = read_parameters(object);
     entry.place = object.place();
+    entry.image = object.optional_text("image").value_or("");
     object.finish();
     entries.push_back(std::move(entry));
   }
@@ -35,7 +36,11 @@ std::vector<NamedParameters> read_entries(JsonObject& root, const char* key) {
 
 nlohmann::ordered_json to_json(const std::vector<NamedParameters>& entries) {
   auto list = nlohmann::ordered_json::array();
-  for (const auto& entry : entries) list.push_back({{"name", entry.name}, {"parameters", entry.parameters}});
+  for (const auto& entry : entries) {
+    nlohmann::ordered_json object{{"name", entry.name}, {"parameters", entry.parameters}};
+    if (!entry.image.empty()) object["image"] = entry.image;
+    list.push_back(std::move(object));
+  }
   return list;
 }
 

@@ -17,7 +17,8 @@ namespace touchstone::rendering {
 struct NamedParameters {
   std::string name;
   std::map<std::string, double> parameters;
-  std::string place;  // JSON pointer in the file, e.g. /effects/0, for messages
+  std::string place;       // JSON pointer in the file, e.g. /effects/0, for messages
+  std::string image = {};  // a picture's file, relative to the model file, where the effect takes one ("image")
 };
 
 struct RendererEntry;

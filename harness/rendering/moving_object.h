@@ -13,16 +13,17 @@
 
 #include "harness/base/rooms.h"
 #include "harness/recording/trajectory.h"
+#include "harness/rendering/pose_track.h"
 #include "harness/rendering/renderer.h"
 
 namespace touchstone::rendering {
 
 class MovingObject final : public Renderer {
  public:
-  // `poses`: X_WB over time: positions of B's origin in W and rotations from B to W. Between them the origin moves on a
-  // straight line at constant speed and the rotation about one axis (spherical linear interpolation, Shoemake 1985).
-  // `source` names them in messages. Throws BadData for fewer than two poses and for poses without orientation.
-  MovingObject(std::unique_ptr<Renderer> over_object, MotionColumns poses, std::string source);
+  MovingObject(std::unique_ptr<Renderer> over_object, PoseTrack poses);
+  // `poses`: X_WB over time (pose_track.h); `source` names them in messages. Throws as PoseTrack does.
+  MovingObject(std::unique_ptr<Renderer> over_object, MotionColumns poses, std::string source)
+      : MovingObject(std::move(over_object), PoseTrack(std::move(poses), std::move(source))) {}
 
   [[nodiscard]] std::size_t memory_bytes() const noexcept override { return over_object_->memory_bytes(); }
 
@@ -33,9 +34,8 @@ class MovingObject final : public Renderer {
   [[nodiscard]] std::string do_failure() const override;
 
   std::unique_ptr<Renderer> over_object_;
-  MotionColumns poses_;
-  std::string source_;
-  std::size_t segment_ = 0;  // between poses segment_ and segment_ + 1
+  PoseTrack poses_;
+  std::size_t segment_ = 0;
   bool out_of_reach_ = false;
   double out_of_reach_s_ = 0.0;
 };

@@ -17,6 +17,7 @@ struct NamedDeclaration {
   std::string name;
   std::string summary;
   std::vector<ParameterDeclaration> parameters;
+  bool hypothesis = true;  // what may be missing from a model of a measurement: the search tries it
 };
 
 class Parameters {

@@ -1,5 +1,7 @@
 #include "harness/rendering/replay_file.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <memory>
 
@@ -50,6 +52,30 @@ ReplayTiming measure_steps(Renderer& renderer, const std::filesystem::path& in) 
 OperationReport count_operations(Renderer& counted, const std::filesystem::path& in) {
   auto stream = RecordingStream::open(in);
   return count_operations(counted, tip_source(stream));
+}
+
+std::string summary_to_json(const ReplaySummary& summary) {
+  return fmt::format("{{\"samples\": {}, \"in_contact\": {}, \"largest_force_N\": {}, \"deepest_m\": {}}}\n",
+                     summary.samples, summary.in_contact, summary.largest_force_N, summary.deepest_m);
+}
+
+std::string summary_text(const ReplaySummary& summary, const std::filesystem::path& out) {
+  return fmt::format("{}: {} samples, {} in contact, largest force {:.6g} N, deepest {:.6g} mm\n", out.string(),
+                     summary.samples, summary.in_contact, summary.largest_force_N, summary.deepest_m * 1e3);
+}
+
+std::string timing_text(const ReplayTiming& timing) {
+  return fmt::format(
+      "step: mean {:.3f} us, median {:.3f} us, p99 {:.3f} us, p99.9 {:.3f} us, max {:.3f} us; build {:.1f} ms, {} "
+      "bytes\n",
+      timing.mean_us, timing.median_us, timing.p99_us, timing.p999_us, timing.max_us, timing.build_ms,
+      timing.memory_bytes);
+}
+
+std::string operations_text(const OperationReport& report) {
+  return fmt::format("operations of a step: mean {:.1f}, median {:g}, max {}; all {}{} ({})\n", report.mean,
+                     report.median, report.max, report.total(),
+                     report.not_counted.empty() ? "" : "; not counted: " + report.not_counted, kHowSearchesAreCounted);
 }
 
 }  // namespace touchstone::rendering

@@ -1,7 +1,8 @@
-// Replay from file to file in bounded memory.
+// A renderer over a recorded path from file to file, in memory that does not grow with the length of the recording.
 #pragma once
 
 #include <filesystem>
+#include <string>
 
 #include "harness/base/rooms.h"
 #include "harness/recording/recording_stream.h"
@@ -17,6 +18,11 @@ struct ReplaySummary {
   double deepest_m = 0.0;
 };
 
+// {"samples", "in_contact", "largest_force_N", "deepest_m"}
+std::string summary_to_json(const ReplaySummary& summary);
+// The same for people, and where the rendered file is.
+std::string summary_text(const ReplaySummary& summary, const std::filesystem::path& out);
+
 // A source over a file of positions. The stream must outlive it.
 TipSource tip_source(RecordingStream& stream);
 
@@ -29,5 +35,9 @@ ReplayTiming measure_steps(Renderer& renderer, const std::filesystem::path& in);
 
 // The operations of the steps over the positions of the file, see operations.h.
 OperationReport count_operations(Renderer& counted, const std::filesystem::path& in);
+
+// For people, a line each: what a step takes, and of how many operations it is.
+std::string timing_text(const ReplayTiming& timing);
+std::string operations_text(const OperationReport& report);
 
 }  // namespace touchstone::rendering

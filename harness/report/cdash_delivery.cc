@@ -188,7 +188,7 @@ class Courier {
     }
     refused_.insert_or_assign(
         part.name, fmt::format("the server said OK, and {} of {} rows arrived{}", rows, part.rows,
-                               part.name == "Upload"
+                               part.kind == PartKind::upload
                                    ? ": is the project's upload quota too small (touchstone dashboard init), or has a "
                                      "file no extension?"
                                    : ""));

@@ -68,23 +68,28 @@ void add_build(const json& build, const SeriesKey& wanted, SeriesMap& map) {
 
 }  // namespace
 
+std::optional<std::string> read_history_page(const json& answer, const std::string& url, const SeriesKey& wanted,
+                                             SeriesMap& map) {
+  try {
+    const json& builds = answer.at("project").at("builds");
+    for (const auto& edge : builds.at("edges")) add_build(edge.at("node"), wanted, map);
+    const json& page = builds.at("pageInfo");
+    if (!page.at("hasNextPage").get<bool>()) return std::nullopt;
+    return page.at("endCursor").get<std::string>();
+  } catch (const json::exception& error) {
+    throw BadData(fmt::format("{}: the answer is not what CDash's GraphQL gives: {}", url, error.what()));
+  }
+}
+
 std::vector<HistorySeries> cdash_history(CdashConnection& connection, const SeriesKey& wanted) {
   const CdashServer& server = connection.server();
   SeriesMap map;
-  std::string after;
-  try {
-    for (bool more = true; more;) {
-      const json answer = connection.graphql(query_of(server.project, wanted, after));
-      const json& found = answer.at("project");
-      if (found.is_null())
-        throw BadData(fmt::format("{}: there is no project '{}' that this token may see", server.url, server.project));
-      for (const auto& edge : found.at("builds").at("edges")) add_build(edge.at("node"), wanted, map);
-      const json& page = found.at("builds").at("pageInfo");
-      more = page.at("hasNextPage").get<bool>();
-      if (more) after = page.at("endCursor").get<std::string>();
-    }
-  } catch (const json::exception& error) {
-    throw BadData(fmt::format("{}: the answer is not what CDash's GraphQL gives: {}", server.url, error.what()));
+  std::optional<std::string> after = "";
+  while (after) {
+    const json answer = connection.graphql(query_of(server.project, wanted, *after));
+    if (answer.contains("project") && answer["project"].is_null())
+      throw BadData(fmt::format("{}: there is no project '{}' that this token may see", server.url, server.project));
+    after = read_history_page(answer, server.url, wanted, map);
   }
   std::vector<HistorySeries> all;
   for (auto& [key, points] : map) {
@@ -99,7 +104,10 @@ HistorySeries cdash_test_graph(CdashConnection& connection, const std::string& b
   const std::string path =
       fmt::format("/api/v1/testGraph.php?buildid={}&testname={}&type=measurement&measurementname={}",
                   percent_encoded(build_id), percent_encoded(test), percent_encoded(metric));
-  const json answer = connection.get(path);
+  return {{"", "", "", test, metric}, read_test_graph(connection.get(path), connection.server().url)};
+}
+
+std::vector<HistoryPoint> read_test_graph(const json& answer, const std::string& url) {
   std::vector<std::pair<double, HistoryPoint>> points;
   try {
     for (const auto& point : answer.at(0).at("data")) {
@@ -111,13 +119,12 @@ HistorySeries cdash_test_graph(CdashConnection& connection, const std::string& b
              {"test run " + point.at("buildtestid").dump(), fmt::format("{:.0f}", milliseconds / 1e3), *value}});
     }
   } catch (const json::exception& error) {
-    throw BadData(
-        fmt::format("{}: the answer is not what CDash's test graph gives: {}", connection.server().url, error.what()));
+    throw BadData(fmt::format("{}: the answer is not what CDash's test graph gives: {}", url, error.what()));
   }
   std::ranges::stable_sort(points, {}, [](const auto& p) { return p.first; });
-  HistorySeries series{{"", "", "", test, metric}, {}};
-  for (auto& [time, point] : points) series.points.push_back(std::move(point));
-  return series;
+  std::vector<HistoryPoint> in_order;
+  for (auto& [time, point] : points) in_order.push_back(std::move(point));
+  return in_order;
 }
 
 }  // namespace touchstone::report

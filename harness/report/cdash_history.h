@@ -2,6 +2,9 @@
 // behind its test graphs (one test of one build, and its earlier runs under the same site, name and track).
 #pragma once
 
+#include <map>
+#include <nlohmann/json_fwd.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -19,5 +22,14 @@ std::vector<HistorySeries> cdash_history(CdashConnection& connection, const Seri
 // Through api/v1/testGraph.php, which takes the name of the test, not its number. Its points carry no revision.
 HistorySeries cdash_test_graph(CdashConnection& connection, const std::string& build_id, const std::string& test,
                                const std::string& metric);
+
+// One page of GraphQL's answer, added to `map`; returns where the next page begins, nothing after the last. `url`, the
+// server's, is for messages. Throws BadData for an answer that CDash does not give.
+std::optional<std::string> read_history_page(const nlohmann::json& answer, const std::string& url,
+                                             const SeriesKey& wanted,
+                                             std::map<SeriesKey, std::vector<HistoryPoint>>& map);
+
+// The answer of testGraph.php, oldest first. Throws BadData likewise.
+std::vector<HistoryPoint> read_test_graph(const nlohmann::json& answer, const std::string& url);
 
 }  // namespace touchstone::report

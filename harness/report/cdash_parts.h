@@ -16,7 +16,11 @@ struct BuildName {
   std::string site, name, stamp;
 };
 
+// What ctest calls a part, and CDash processes as one.
+enum class PartKind { update, configure, build, test, coverage, memory_check, notes, upload };
+
 struct DashboardPart {
+  PartKind kind = PartKind::update;
   std::string name;       // Update, Configure, Build, Test, Coverage, CoverageLog-0, MemCheck, Notes, Upload
   std::string file_name;  // as ctest calls the file
   std::string xml;
@@ -37,7 +41,8 @@ DashboardRun load_dashboard_run(const std::filesystem::path& folder);
 std::string remote_fields();
 
 // How many rows of the part a build shows: nothing where the server does not have the part (yet). Parts that leave no
-// countable trace (CoverageLog) show as sent once their coverage is there.
+// countable trace (CoverageLog) show as sent once their coverage is there. Throws BadData for an answer that CDash does
+// not give.
 std::optional<std::size_t> remote_rows(const nlohmann::json& build, const DashboardPart& part);
 
 // The message that ends a build.

@@ -1,4 +1,4 @@
-// The metrics as a table for a terminal.
+// The metrics of one or several evaluations as a table for a terminal.
 #pragma once
 
 #include <string>
@@ -11,7 +11,7 @@
 namespace touchstone::report {
 
 // One column per named evaluation, one row per metric; every number with its unit, and why where there is none.
-// All evaluations list the same metrics.
+// All evaluations list the same metrics; throws UsageError naming one that does not.
 std::string console_table(const std::vector<std::pair<std::string, const std::vector<MetricResult>*>>& evaluations);
 
 // Columns aligned, numbers as given; the first row is the head.

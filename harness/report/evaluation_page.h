@@ -1,4 +1,5 @@
-// The page of one evaluation.
+// The report page of one evaluation: what was found, the metrics, errors over time and on the object, and where it came
+// from.
 #pragma once
 
 #include "harness/base/rooms.h"

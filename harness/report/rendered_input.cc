@@ -7,6 +7,7 @@
 #include <new>
 #include <nlohmann/json.hpp>
 
+#include "harness/recording/dataset.h"
 #include "harness/report/json_numbers.h"
 #include "harness/report/quantity.h"
 
@@ -42,16 +43,20 @@ std::string InputHash::text() const {
 
 std::string input_text(const RenderedInput& input) {
   std::string text;
-  if (input.in_trajectory == "measured") {
-    text = "the measured positions as they are";
-  } else if (input.in_trajectory == "whole-force") {
-    text = fmt::format("whole-force: p_out - F / k, the whole measured force, at {}",
-                       display_setting(input.stiffness_N_per_m, "N/m"));
-  } else if (input.in_trajectory == "synthesize") {
-    text = fmt::format("synthesize: p_out - F_n / k, the normal force (equation 2), at {}",
-                       display_setting(input.stiffness_N_per_m, "N/m"));
-  } else {
-    return "not known";
+  const auto mode = find_in_trajectory(input.in_trajectory);
+  if (!mode) return "not known";
+  switch (*mode) {
+    case InTrajectoryMode::measured:
+      text = "the measured positions as they are";
+      break;
+    case InTrajectoryMode::whole_force:
+      text = fmt::format("whole-force: p_out - F / k, the whole measured force, at {}",
+                         display_setting(input.stiffness_N_per_m, "N/m"));
+      break;
+    case InTrajectoryMode::synthesize:
+      text = fmt::format("synthesize: p_out - F_n / k, the normal force (equation 2), at {}",
+                         display_setting(input.stiffness_N_per_m, "N/m"));
+      break;
   }
   return text + (input.tip_radius_m > 0.0 ? fmt::format("; ball of {}", display_setting(input.tip_radius_m, "m"))
                                           : std::string("; point tip"));

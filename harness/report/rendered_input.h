@@ -46,6 +46,7 @@ class InputHash {
   void* state_;
 };
 
+// The inputs as a result file has them. Reading throws BadData with the place for what is missing or of another type.
 nlohmann::json input_to_json(const RenderedInput& input);
 RenderedInput input_from_json(JsonObject in);
 

@@ -6,9 +6,11 @@
 #include <algorithm>
 #include <numeric>
 
+#include "harness/base/atomic_file.h"
 #include "harness/base/bundled_files.h"
 #include "harness/base/hash.h"
 #include "harness/baseline/golden_file.h"
+#include "harness/runs/farm.h"
 #include "harness/runs/slurm.h"
 
 namespace touchstone::runs {
@@ -124,17 +126,17 @@ CaseOutcome run_here(const CaseCommand& command, const CaseOptions& options) {
 CaseOutcome merge_parts(const CaseCommand& command, const CaseOptions& options) {
   auto store = open_store(command, options);
   for (const std::string& part : options.merge) {
-    const CaseMerge merged = store->merge(part);
+    const CaseMerge merged = store->merge(part, options.merge_tolerance);
     fmt::print(stderr, "{}: {} cases added, {} there already\n", part, merged.added, merged.repeated);
   }
   check_builds(command, options, *store);
   return conclude(command, options, std::move(store), {});
 }
 
-CaseOutcome run_slurm(const CaseCommand& command, const CaseOptions& options) {
+SlurmRequest shards_of(const CaseCommand& command, const CaseOptions& options) {
   if (options.file.empty())
-    throw UsageError(fmt::format("--engine slurm: {} is needed, in which the tasks' results are put together",
-                                 command.table.file_option));
+    throw UsageError(fmt::format("--engine {}: {} is needed, in which the tasks' results are put together",
+                                 options.engine, command.table.file_option));
   const std::filesystem::path self = own_program();
   const std::uint64_t cases = command.job.cases;
   SlurmRequest request;
@@ -145,6 +147,54 @@ CaseOutcome run_slurm(const CaseCommand& command, const CaseOptions& options) {
   request.shards = std::min(cases, options.tasks == 0 ? cases / command.cases_of_a_task + 1 : options.tasks);
   request.cores_per_task = std::max(1U, options.threads);
   request.options = options.slurm_options;
+  if (!options.farm.empty()) request.task = task_file(request).string();
+  return request;
+}
+
+// Takes what the parts hold; the shards that are not whole stay in `open`.
+void collect(CaseStore& store, const SlurmRequest& request, std::uint64_t cases, double tolerance,
+             std::vector<std::uint64_t>& open) {
+  for (const std::uint64_t index : open) {
+    const auto part = shard_file(request, index);
+    if (std::filesystem::exists(part)) store.merge(part, tolerance);
+  }
+  const auto done = store.done();
+  std::erase_if(open, [&](std::uint64_t index) {
+    const CaseShard shard{index, request.shards};
+    return cases_left(done, shard.first(cases), shard.last(cases)).empty();
+  });
+}
+
+// The files with which a farm runs what is open; called again, takes what it has done.
+CaseOutcome plan_jobs(const CaseCommand& command, const CaseOptions& options) {
+  SlurmRequest request = shards_of(command, options);
+  const FarmDescription farm = options.farm.empty() ? FarmDescription{} : load_farm(options.farm);
+  std::vector<std::uint64_t> open(request.shards);
+  std::iota(open.begin(), open.end(), 1);
+  const auto folder = task_file(request).parent_path();
+  if (options.dry_run) {
+    for (const FarmFile& file : farm_files(request, farm, open, options.attempts))
+      fmt::print("== {}\n{}", file.name, file.text);
+    return {};
+  }
+  auto store = open_store(command, options);
+  check_builds(command, options, *store);
+  collect(*store, request, command.job.cases, options.merge_tolerance, open);
+  check_builds(command, options, *store);
+  if (open.empty()) return conclude(command, options, std::move(store), {});
+  ensure_writable_folder(folder);
+  for (const FarmFile& file : farm_files(request, farm, open, options.attempts))
+    write_file(folder / file.name, file.text);
+  fmt::print("{} of {} shards are open: {}/shards.txt. Run them, then this command again:\n{}", open.size(),
+             request.shards, folder.string(), farm_commands(request, farm));
+  CaseOutcome outcome;
+  outcome.status = ExitStatus::failed;
+  return outcome;
+}
+
+CaseOutcome run_slurm(const CaseCommand& command, const CaseOptions& options) {
+  const SlurmRequest request = shards_of(command, options);
+  const std::uint64_t cases = command.job.cases;
   std::vector<std::uint64_t> open(request.shards);
   std::iota(open.begin(), open.end(), 1);
   const std::uint64_t max_array_size = slurm_max_array_size();
@@ -152,18 +202,17 @@ CaseOutcome run_slurm(const CaseCommand& command, const CaseOptions& options) {
     for (const SlurmArray& array : slurm_arrays(open, max_array_size)) fmt::print("{}", slurm_script(request, array));
     return {};
   }
+  if (!options.farm.empty()) {
+    ensure_writable_folder(task_file(request).parent_path());
+    write_file(task_file(request), task_script(request, load_farm(options.farm)));
+  }
   auto store = open_store(command, options);
   check_builds(command, options, *store);
   for (unsigned attempt = 1; attempt <= options.attempts && !open.empty(); ++attempt) {
     fmt::print(stderr, "attempt {}: {} tasks of {} cores\n", attempt, open.size(), request.cores_per_task);
     const SlurmEnd end = run_on_slurm(request, slurm_arrays(open, max_array_size));
     if (end == SlurmEnd::some_failed) fmt::print(stderr, "some tasks failed; their logs are beside their results\n");
-    std::erase_if(open, [&](std::uint64_t index) {
-      const auto part = shard_file(request, index);
-      if (std::filesystem::exists(part)) store->merge(part);
-      const CaseShard shard{index, request.shards};
-      return cases_left(store->done(), shard.first(cases), shard.last(cases)).empty();
-    });
+    collect(*store, request, cases, options.merge_tolerance, open);
     if (end == SlurmEnd::refused) {
       fmt::print(stderr, "sbatch refused the job for the reason above; sending it again would not help\n");
       break;
@@ -177,6 +226,7 @@ CaseOutcome run_slurm(const CaseCommand& command, const CaseOptions& options) {
 
 CaseOutcome run_case_command(const CaseCommand& command, const CaseOptions& options) {
   if (options.engine == "slurm") return run_slurm(command, options);
+  if (options.engine == "jobs") return plan_jobs(command, options);
   if (!options.merge.empty()) return merge_parts(command, options);
   if (options.dry_run) {
     const CaseShard shard = read_shard(options.shard);

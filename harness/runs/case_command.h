@@ -16,6 +16,8 @@ struct CaseOptions {
   std::string file;  // empty: the rows end with the program
   std::string shard, csv, engine = "local", slurm_options;
   std::vector<std::string> merge;
+  double merge_tolerance = 0.0;  // relative
+  std::string farm;              // a description of the farm (farm.h)
   unsigned threads = 0;
   std::uint64_t tasks = 0;
   unsigned attempts = 3;

@@ -271,7 +271,7 @@ std::vector<CaseRow> CaseStore::rows(std::uint64_t first, std::uint64_t last) co
 
 void CaseStore::forget_failed() { state_->database.run("DELETE FROM cases WHERE status = 'failed'"); }
 
-CaseMerge CaseStore::merge(const std::filesystem::path& part) {
+CaseMerge CaseStore::merge(const std::filesystem::path& part, double relative) {
   const Database& database = state_->database;
   if (!std::filesystem::exists(part)) throw BadData(fmt::format("{}: does not exist", part.string()));
   Statement(database.handle(), "ATTACH DATABASE ? AS part").bind(part.string()).run();
@@ -287,15 +287,35 @@ CaseMerge CaseStore::merge(const std::filesystem::path& part) {
   if (const std::string changed = state_->changed_row("part.cases"); !changed.empty())
     throw BadData(changed_row_message(part.string(), changed));
   // `IS` and not `=`: absent equals absent.
-  std::string differs;
-  for (const std::string& column : state_->columns(false))
-    differs += fmt::format("{}a.{} IS NOT b.{}", differs.empty() ? "" : " OR ", column, column);
+  std::string differs = "a.status IS NOT b.status OR a.error IS NOT b.error";
+  for (const CaseColumn& column : state_->table.columns) {
+    if (column.varies || (column.of_bits && relative > 0.0)) continue;
+    const std::string name = quoted_name(column.name);
+    if (column.type == CaseColumn::Type::real && relative > 0.0) {
+      differs += fmt::format(
+          " OR (a.{0} IS NULL) IS NOT (b.{0} IS NULL) OR (abs(a.{0}) > 1.7e308) IS NOT (abs(b.{0}) > 1.7e308) OR "
+          "abs(a.{0} - b.{0}) > {1:.17g} * max(abs(a.{0}), abs(b.{0}))",
+          name, relative);
+    } else {
+      differs += fmt::format(" OR a.{0} IS NOT b.{0}", name);
+    }
+  }
   const std::string both = "main.cases a JOIN part.cases b ON a.case_number = b.case_number";
   const std::string clash = database.one_text(fmt::format(
       "SELECT a.case_number FROM {} WHERE a.status = 'ran' AND b.status = 'ran' AND ({}) LIMIT 1", both, differs));
-  if (!clash.empty())
-    throw BadData(fmt::format("{}: case {} has another result than in {}; were they made by different builds?",
-                              part.string(), clash, database.file().string()));
+  if (!clash.empty()) {
+    const auto processor = [&](const std::string& file) {
+      const std::string cpu = database.one_text(
+          fmt::format("SELECT coalesce((SELECT r.value FROM {0}.cases c JOIN {0}.runs r ON r.run = c.run "
+                      "WHERE c.case_number = {1} AND r.name = 'cpu'), 'an unknown processor')",
+                      file, clash));
+      return cpu;
+    };
+    throw BadData(fmt::format(
+        "{}: case {} has another result than in {}; were they made by different builds? Made on {} and on {}; "
+        "--merge-tolerance R takes numbers that differ by less than R of the larger",
+        part.string(), clash, database.file().string(), processor("part"), processor("main")));
+  }
   CaseMerge merged;
   merged.repeated = database.one_number("SELECT count(*) FROM " + both);
   const std::string offset = database.one_text("SELECT coalesce(max(run), 0) FROM main.runs");

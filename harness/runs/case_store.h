@@ -24,6 +24,8 @@ struct CaseColumn {
   Type type = Type::real;
   // A time or the like, which is another in each run: no part of what a merge compares and the hash covers.
   bool varies = false;
+  // A hash of numbers to the bit: another wherever one of them is; no part of a comparison within a tolerance.
+  bool of_bits = false;
 };
 
 // What a file is about.
@@ -83,7 +85,9 @@ class CaseStore {
   void forget_failed();
   // Takes the rows of another file of the same specification. A case that both have must have the same result; where
   // one of the two failed, the other counts. Throws BadData, for a row of the part that was changed, too.
-  CaseMerge merge(const std::filesystem::path& part);
+  // `relative`: numbers may differ by so much of the larger one, as those of another processor or compiler do; 0: to
+  // the bit.
+  CaseMerge merge(const std::filesystem::path& part, double relative = 0.0);
 
   // SHA-256 over all rows in the order of their numbers, without who made them: equal where the results are, to the
   // bit.

@@ -142,6 +142,35 @@ TEST_F(Store, PartsOfAnotherGridAreNotMerged) {
   EXPECT_THROW(store.merge(file("absent")), BadData);
 }
 
+// Two processors round the last bit in other ways: the numbers are one result, their hash is not.
+TEST_F(Store, PartsOfAnotherProcessorMergeWithinATolerance) {
+  using enum CaseColumn::Type;
+  CaseTable own{"{}", 4, {{"force_N", real}, {"count", integer}, {"sha256", text, false, true}}, "grid", "--cases"};
+  const auto keep = [&](const char* name, const char* cpu, double force_N, std::uint64_t count) {
+    CaseStore store(file(name), own);
+    store.start_run({{"cpu", cpu}});
+    store.add(std::vector<CaseRow>{{1, "", {force_N, count, std::string(cpu)}}});
+  };
+  keep("a", "Alder", 1.0, 7);
+  keep("b", "Zen", 1.0 + 1e-12, 7);
+  keep("far", "Zen", 1.0 + 1e-6, 7);
+  keep("other-count", "Zen", 1.0, 8);
+  keep("infinite", "Zen", std::numeric_limits<double>::infinity(), 7);
+  keep("absent", "Zen", std::numeric_limits<double>::quiet_NaN(), 7);
+  CaseStore store(file("a"), own);
+  try {
+    store.merge(file("b"));
+    ADD_FAILURE() << "to the bit they differ";
+  } catch (const BadData& e) {
+    EXPECT_THAT(e.what(), HasSubstr("case 1 has another result"));
+    EXPECT_THAT(e.what(), HasSubstr("Made on Zen and on Alder; --merge-tolerance"));
+  }
+  EXPECT_EQ(store.merge(file("b"), 1e-9).repeated, 1U);
+  for (const char* const name : {"far", "other-count", "infinite", "absent"}) {
+    EXPECT_THROW(store.merge(file(name), 1e-9), BadData) << name;
+  }
+}
+
 // Whatever column was edited, and a row that came from another file: refused with its number, to open and to merge.
 TEST_F(Store, ARowThatWasChangedAfterwardsIsRefused) {
   for (const char* const edit :

@@ -24,19 +24,6 @@ std::filesystem::path parts_folder(const SlurmRequest& request) {
   return std::filesystem::absolute(request.out.string() + ".parts");
 }
 
-// For a POSIX shell.
-std::string quoted(const std::string& text) {
-  std::string result = "'";
-  for (const char c : text) result += c == '\'' ? std::string("'\\''") : std::string(1, c);
-  return result + "'";
-}
-
-// Only where a shell would take it apart.
-std::string word_of(const std::string& text) {
-  constexpr const char* plain = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_./=,:+-";
-  return text.empty() || text.find_first_not_of(plain) != std::string::npos ? quoted(text) : text;
-}
-
 // As --array takes them: 1-4,7
 std::string ranges(const std::vector<std::uint64_t>& shards) {
   std::string text;
@@ -51,6 +38,17 @@ std::string ranges(const std::vector<std::uint64_t>& shards) {
 }
 
 }  // namespace
+
+std::string shell_quoted(const std::string& text) {
+  std::string result = "'";
+  for (const char c : text) result += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  return result + "'";
+}
+
+std::string shell_word(const std::string& text) {
+  constexpr const char* plain = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_./=,:+-";
+  return text.empty() || text.find_first_not_of(plain) != std::string::npos ? shell_quoted(text) : text;
+}
 
 std::filesystem::path shard_file(const SlurmRequest& request, std::uint64_t shard) {
   return parts_folder(request) / fmt::format("{}.sqlite", shard);
@@ -97,15 +95,16 @@ std::string slurm_script(const SlurmRequest& request, const SlurmArray& array) {
       request.words.front(), ranges(indices), request.cores_per_task, folder, log);
   if (!request.options.empty()) script += fmt::format("#SBATCH {}\n", request.options);
   std::string words;
-  for (const std::string& word : request.words) words += ' ' + word_of(word);
+  for (const std::string& word : request.words) words += ' ' + shell_word(word);
   std::string shard = "$SLURM_ARRAY_TASK_ID";
   if (array.offset > 0) {
     script += fmt::format("shard=$(({} + SLURM_ARRAY_TASK_ID))\n", array.offset);
     shard = "$shard";
   }
+  if (!request.task.empty()) return script + fmt::format("exec /bin/sh {} \"{}\"\n", shell_quoted(request.task), shard);
   script += fmt::format("exec {}{} --shard \"{}/{}\" --threads {} {} {}/\"{}\".sqlite\n",
-                        quoted(std::filesystem::absolute(request.program).string()), words, shard, request.shards,
-                        request.cores_per_task, request.file_option, quoted(folder), shard);
+                        shell_quoted(std::filesystem::absolute(request.program).string()), words, shard, request.shards,
+                        request.cores_per_task, request.file_option, shell_quoted(folder), shard);
   return script;
 }
 

@@ -20,7 +20,12 @@ struct SlurmRequest {
   std::uint64_t shards = 1;
   unsigned cores_per_task = 1;
   std::string options;  // further #SBATCH options, for instance "--partition=short --time=01:00:00"
+  std::string task;     // a script that runs the shard of its argument (farm.h); empty: the program itself
 };
+
+// For a POSIX shell: in quotes; only where it would take the text apart.
+std::string shell_quoted(const std::string& text);
+std::string shell_word(const std::string& text);
 
 std::filesystem::path shard_file(const SlurmRequest& request, std::uint64_t shard);
 

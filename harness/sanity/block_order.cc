@@ -11,7 +11,6 @@
 namespace touchstone::sanity {
 namespace {
 
-constexpr double most_square_left = 0.5;
 constexpr std::size_t fewest_blocks = 6;
 constexpr std::size_t most_blocks = 512;
 constexpr std::size_t fewest_samples = 8;  // of a block
@@ -92,7 +91,7 @@ bool is_small_shift(const std::vector<std::size_t>& place, double block_s) {
 }
 
 std::optional<BlockOrder> try_length(std::span<const double> measured, std::span<const double> modelled,
-                                     std::size_t length, double block_s) {
+                                     std::size_t length, double block_s, double most_left) {
   const std::size_t blocks = measured.size() / length;
   if (blocks < fewest_blocks || blocks > most_blocks || length < fewest_samples) return std::nullopt;
   const Moments a = moments_of(measured), b = moments_of(modelled);
@@ -112,7 +111,7 @@ std::optional<BlockOrder> try_length(std::span<const double> measured, std::span
   const auto place = assign(cost);
   const double best = total(cost, place);
   const double by_chance = total(backwards, assign(backwards));
-  if (!(best < most_square_left * total(cost, same)) || !(best < most_square_left * by_chance)) return std::nullopt;
+  if (!(best < most_left * total(cost, same)) || !(best < most_left * by_chance)) return std::nullopt;
   if (is_small_shift(place, block_s)) return std::nullopt;
   BlockOrder order{block_s, blocks, 0, 0.0, 0.0};
   for (std::size_t k = 0; k < blocks; ++k) order.moved += place[k] != k ? 1 : 0;
@@ -135,7 +134,7 @@ std::pair<std::size_t, double> best_shift(const std::vector<double>& measured, c
 }
 
 std::optional<BlockOrder> try_rotation(std::span<const double> measured, std::span<const double> modelled,
-                                       double duration_s) {
+                                       double duration_s, double most_left) {
   const std::size_t points = std::min(most_shifts, measured.size());
   const auto thinned = [&](std::span<const double> values) {
     std::vector<double> few;
@@ -147,8 +146,7 @@ std::optional<BlockOrder> try_rotation(std::span<const double> measured, std::sp
   const double as_is = correlation(own, model);
   const auto [shift, shifted] = best_shift(own, model);
   const auto backwards = best_shift({own.rbegin(), own.rend()}, model);
-  if (!(left(shifted) < most_square_left * left(as_is)) ||
-      !(left(shifted) < most_square_left * left(backwards.second))) {
+  if (!(left(shifted) < most_left * left(as_is)) || !(left(shifted) < most_left * left(backwards.second))) {
     return std::nullopt;
   }
   // A small shift is a lag of the clock: another fault (load_lag.h), or an effect that a model may have.
@@ -214,7 +212,7 @@ std::vector<std::size_t> assign(const std::vector<std::vector<double>>& cost) {
 }
 
 std::optional<BlockOrder> find_wrong_order(std::span<const double> t_s, std::span<const double> measured,
-                                           std::span<const double> modelled) {
+                                           std::span<const double> modelled, double most_left) {
   if (t_s.size() < fewest_blocks * fewest_samples) return std::nullopt;
   for (std::size_t i = 0; i < t_s.size(); ++i) {
     if (!std::isfinite(measured[i]) || !std::isfinite(modelled[i])) return std::nullopt;
@@ -227,10 +225,10 @@ std::optional<BlockOrder> find_wrong_order(std::span<const double> t_s, std::spa
   // Round numbers of seconds: loggers and people cut files so.
   for (const double block_s : {0.1, 0.2, 0.25, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 30.0, 60.0}) {
     const auto length = static_cast<std::size_t>(std::lround(block_s / interval_s));
-    const auto order = try_length(measured, modelled, length, block_s);
+    const auto order = try_length(measured, modelled, length, block_s, most_left);
     if (order && (!found || order->reordered > found->reordered)) found = order;
   }
-  return found ? found : try_rotation(measured, modelled, t_s.back() - t_s.front());
+  return found ? found : try_rotation(measured, modelled, t_s.back() - t_s.front(), most_left);
 }
 
 }  // namespace touchstone::sanity

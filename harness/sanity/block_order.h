@@ -27,7 +27,7 @@ struct BlockOrder {
 
 // Loads at times that increase. Nothing where the order is right or cannot be judged.
 std::optional<BlockOrder> find_wrong_order(std::span<const double> t_s, std::span<const double> measured,
-                                           std::span<const double> modelled);
+                                           std::span<const double> modelled, double most_left = 0.5);
 
 // The cheapest assignment of rows to columns of a square matrix: result[row] = column.
 std::vector<std::size_t> assign(const std::vector<std::vector<double>>& cost);

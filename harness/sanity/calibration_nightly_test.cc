@@ -13,11 +13,14 @@
 #include <set>
 
 #include "harness/base/random.h"
+#include "harness/sanity/planted_faults_for_test.h"
 #include "harness/sanity/sanity.h"
-#include "harness/surface/embree_surface.h"
 
 namespace touchstone::sanity {
 namespace {
+
+using planted_faults::plate;
+using planted_faults::repeat_a_stretch;
 
 struct World {
   Recording recording;
@@ -253,16 +256,7 @@ const std::map<std::string, Fault>& faults() {
           for (std::size_t i = 1; i < n; ++i) r.f_W_N[from + i] = r.f_W_N[from];
         },
         strokes}},
-      {"a stretch twice",
-       {"repeated samples",
-        [](Recording& r, Random& random) {
-          const std::size_t from = random.below(r.size() / 4), to = r.size() / 2 + random.below(r.size() / 4);
-          for (std::size_t i = 0; i < 150; ++i) {
-            r.motion.p_W_m[to + i] = r.motion.p_W_m[from + i];
-            r.f_W_N[to + i] = r.f_W_N[from + i];
-          }
-        },
-        sliding}},
+      {"a stretch twice", {"repeated samples", repeat_a_stretch, sliding}},
       {"one channel of the force dead",
        {"constant force",
         [](Recording& r, Random&) {
@@ -295,18 +289,13 @@ const std::map<std::string, Fault>& faults() {
 TEST(SanityCalibration, RatesOnFreshSeeds) {
   const std::size_t first_seed = setting("TOUCHSTONE_SANITY_SEED", 30000);
   const std::size_t worlds = setting("TOUCHSTONE_SANITY_WORLDS", 60);
-  TriangleMesh mesh;
-  constexpr double h = 0.1;
-  mesh.vertices_W_m = {Vec3(-h, -h, 0), Vec3(h, -h, 0), Vec3(h, h, 0), Vec3(-h, h, 0)};
-  mesh.triangles = {{0, 1, 2}, {0, 2, 3}};
-  mesh.source = "plate";
-  const auto surface = make_embree_surface(mesh);
+  const auto surface = plate();
   SanityContext context;
   context.surface = surface.get();
   const auto names_of = [&](const Recording& recording) {
     std::string names;
     for (const SanityFinding& f : check_sanity(recording, context)) {
-      if (f.fault != "no contact") names += (names.empty() ? "" : ", ") + f.fault;
+      if (f.fault != SanityFault::no_contact) names += (names.empty() ? "" : ", ") + std::string(to_string(f.fault));
     }
     return names;
   };
@@ -356,6 +345,62 @@ TEST(SanityCalibration, RatesOnFreshSeeds) {
     EXPECT_GE(hits * 100, tried * 95) << name;
   }
   if (!missed.empty()) fmt::print("\nNot named:\n\n{}", missed);
+}
+
+// How far the two limits may move before a stated rate breaks: the rates at other limits.
+TEST(SanityCalibration, LimitsHaveRoom) {
+  const std::size_t first_seed = setting("TOUCHSTONE_SANITY_SEED", 30000);
+  const std::size_t worlds = setting("TOUCHSTONE_SANITY_WORLDS", 60) / 5 + 1;
+  const auto surface = plate();
+  const std::set<std::string> by_repair{"clock", "order", "force frame"}, by_share{"registration"};
+  const auto row = [&](const SanityContext& context, const std::set<std::string>& concerned) {
+    std::size_t blamed = 0, untouched = 0, named = 0, planted = 0;
+    std::map<std::string, std::pair<std::size_t, std::size_t>> by_fault;
+    const auto says = [&](const Recording& recording) {
+      return std::ranges::any_of(check_sanity(recording, context), [&](const SanityFinding& f) {
+        return concerned.contains(std::string(to_string(f.fault)));
+      });
+    };
+    for (const auto& [kind, make] : kinds()) {
+      for (std::size_t world = 0; world < worlds; ++world) {
+        Random random(first_seed + world);
+        const Recording good = make(random).recording;
+        ++untouched, blamed += says(good) ? 1 : 0;
+        for (const auto& [name, fault] : faults()) {
+          if (!fault.shows_in.contains(kind)) continue;
+          Recording bad = good;
+          fault.plant(bad, random);  // all of them, so that each limit sees the same worlds
+          if (!concerned.contains(fault.finding)) continue;
+          const bool hit = says(bad);
+          ++planted, named += hit ? 1 : 0;
+          ++by_fault[name].second, by_fault[name].first += hit ? 1 : 0;
+        }
+      }
+    }
+    std::string least;
+    double share = 2.0;
+    for (const auto& [name, count] : by_fault) {
+      const double one = static_cast<double>(count.first) / static_cast<double>(count.second);
+      if (one < share) share = one, least = fmt::format("{}: {} of {}", name, count.first, count.second);
+    }
+    fmt::print("{} of {} | {} of {} | {} |\n", blamed, untouched, named, planted, least);
+  };
+  fmt::print("\nseeds {} to {}\n\n| limit | untouched blamed | planted named | least often |\n|---|---|---|---|\n",
+             first_seed, first_seed + worlds - 1);
+  for (const double left : {0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9}) {
+    SanityContext context;
+    context.surface = surface.get();
+    context.most_left_with_repair = left;
+    fmt::print("| repair leaves {:.1f} | ", left);
+    row(context, by_repair);
+  }
+  for (const double share : {0.02, 0.05, 0.1, 0.2, 0.4}) {
+    SanityContext context;
+    context.surface = surface.get();
+    context.noticed_share_of_load = share;
+    fmt::print("| load where no object is {:.2f} | ", share);
+    row(context, by_share);
+  }
 }
 
 }  // namespace

@@ -1,5 +1,6 @@
-// Faults that single columns show by themselves: stuck (the same number while the rest moves on), clipped at an end of
-// the range, and stretches that repeat an earlier stretch number by number, as when a buffer was written twice.
+// Faults that single columns show by themselves: stuck (the same number while the rest moves on; the whole force or one
+// of its channels), clipped at an end of the range, and stretches that repeat an earlier stretch number by number, as
+// when a buffer was written twice. What stands still is a fault only where the rest shows the noise of a measurement.
 // A force whose axis is zero throughout was not measured: legitimate in recordings of one axis.
 #pragma once
 
@@ -8,11 +9,12 @@
 
 #include "harness/base/rooms.h"
 #include "harness/recording/trajectory.h"
+#include "harness/sanity/sanity_fault.h"
 
 namespace touchstone::sanity {
 
 struct ColumnFault {
-  std::string fault;    // "stuck position", "saturated force", "repeated samples"
+  SanityFault fault = SanityFault::stuck_position;
   std::string message;  // what was found and where
   std::string repair;   // what to do
 };

@@ -26,7 +26,8 @@ Recording presses(Random& random) {
 
 std::string faults_of(const Recording& r) {
   std::string names;
-  for (const ColumnFault& fault : find_column_faults(r)) names += (names.empty() ? "" : ", ") + fault.fault;
+  for (const ColumnFault& fault : find_column_faults(r))
+    names += (names.empty() ? "" : ", ") + std::string(to_string(fault.fault));
   return names;
 }
 
@@ -54,6 +55,60 @@ TEST(ColumnFaults, PlantedFaultsAreNamed) {
       twice.f_W_N[3017 + i] = twice.f_W_N[2001 + i];
     }
     EXPECT_EQ(faults_of(twice), "repeated samples");
+  }
+}
+
+// Presses of 2 Hz at 66 Hz with a sensor quiet to a thousandth of the load: no step turns, the noise shows in the
+// fourth differences alone. As the palpation runs are.
+Recording quiet_presses(Random& random) {
+  Recording r;
+  for (int i = 0; i < 2000; ++i) {
+    const double t = i / 66.0, load = 1.0 + 0.8 * std::sin(12.6 * t);
+    const auto noisy = [&](double value) { return 1e-5 * std::round(1e5 * (value + 0.002 * random.normal())); };
+    r.motion.t_s.push_back(t);
+    r.motion.p_W_m.emplace_back(1e-7 * std::round(1e5 * t), 0.0, 1e-7 * std::round(-2e4 * load));
+    r.f_W_N.emplace_back(noisy(0.14 * load), noisy(0.3 * std::sin(0.5 * t)), noisy(load));
+  }
+  return r;
+}
+
+TEST(ColumnFaults, NoiseBelowTheStepsOfTheMotionShowsWhatStandsStill) {
+  Random random(3);
+  for (int world = 0; world < 20; ++world) {
+    const Recording good = quiet_presses(random);
+    EXPECT_EQ(faults_of(good), "");
+    Recording stuck = good;
+    for (std::size_t i = 901; i < 1033; ++i) stuck.f_W_N[i] = stuck.f_W_N[900];
+    ASSERT_EQ(faults_of(stuck), "stuck force");
+    EXPECT_NE(find_column_faults(stuck).front().message.find("133 samples, 13.64 s to 15.64 s"), std::string::npos)
+        << find_column_faults(stuck).front().message;
+    Recording dead = good;
+    for (Vec3& f : dead.f_W_N) f.x() = 0.137;
+    EXPECT_EQ(faults_of(dead), "constant force");
+    Recording broken = good;  // a cable, in the middle of the run
+    for (std::size_t i = 1200; i < broken.size(); ++i) broken.f_W_N[i].y() = 0.0371;
+    ASSERT_EQ(faults_of(broken), "constant force");
+    EXPECT_NE(find_column_faults(broken).front().message.find("fy stands at exactly 0.0371 N in 800 samples, 18.18 s"),
+              std::string::npos)
+        << find_column_faults(broken).front().message;
+  }
+}
+
+// What was computed has no noise but that of rounding, and may stand still.
+TEST(ColumnFaults, ComputedForcesMayStandStill) {
+  for (const double quantum : {1e-3, 1e-5, 1e-12}) {
+    Recording r;
+    for (int i = 0; i < 3000; ++i) {
+      const double t = 0.002 * i;
+      const double load = i < 1000 || i >= 1400 ? 1.0 + 0.5 * std::sin(2.0 * t) : 1.0 + 0.5 * std::sin(2.0 * 2.0);
+      const auto rounded = [&](double value) { return quantum * std::round(value / quantum); };
+      r.motion.t_s.push_back(t);
+      r.motion.p_W_m.emplace_back(1e-7 * std::round(1e5 * t), 0.0, 1e-7 * std::round(-2e4 * load));
+      r.f_W_N.emplace_back(rounded(0.2 * std::sin(t)), rounded(0.1 * std::cos(t)), rounded(load));
+    }
+    EXPECT_EQ(faults_of(r), "") << quantum;
+    for (Vec3& f : r.f_W_N) f.x() = 0.137;
+    EXPECT_EQ(faults_of(r), "") << quantum;
   }
 }
 

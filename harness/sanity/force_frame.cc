@@ -55,7 +55,7 @@ Alignment align(std::span<const Vec3> normals, std::span<const Vec3> forces, con
 }  // namespace
 
 std::optional<ForceFrame> find_force_frame(std::span<const Vec3> normals, std::span<const Vec3> forces,
-                                           std::span<const Quat> q_WS) {
+                                           std::span<const Quat> q_WS, double most_left) {
   if (forces.size() < block_count || q_WS.size() != forces.size()) return std::nullopt;
   const Alignment recorded = align(normals, forces, [&](std::size_t i) { return forces[i]; });
   // A force that is merely reversed is in the right frame: that is another fault.
@@ -70,7 +70,7 @@ std::optional<ForceFrame> find_force_frame(std::span<const Vec3> normals, std::s
       std::size_t better = 0;
       for (std::size_t b = 0; b < block_count; ++b) better += other.block(b) > own.block(b) ? 1 : 0;
       const double whole = other.whole();
-      if (whole < least_alignment || !(1.0 - whole < 0.5 * misaligned) || better < agreeing) continue;
+      if (whole < least_alignment || !(1.0 - whole < most_left * misaligned) || better < agreeing) continue;
       if (found && !(1.0 - whole < 0.9 * (1.0 - found->repaired))) continue;
       found = ForceFrame{reading.meaning, reading.map_key, recorded.whole(), whole};
       if (sign < 0.0) {

@@ -23,6 +23,6 @@ struct ForceFrame {
 // any. A reading must take away more than half of the misalignment, in the great majority of 20 blocks of the recording
 // (sign test, p < 0.01), and leave the force within the friction cone of a coefficient of 0.75.
 std::optional<ForceFrame> find_force_frame(std::span<const Vec3> normals, std::span<const Vec3> forces,
-                                           std::span<const Quat> q_WS);
+                                           std::span<const Quat> q_WS, double most_left = 0.5);
 
 }  // namespace touchstone::sanity

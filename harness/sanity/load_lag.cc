@@ -9,7 +9,6 @@
 namespace touchstone::sanity {
 namespace {
 
-constexpr double most_left_by_lag = 0.5;
 constexpr double widest_search_s = 1.0;
 constexpr std::size_t most_grid_points = 20000;
 
@@ -78,7 +77,7 @@ double left_by_damping(const Grid& grid) {
 }  // namespace
 
 std::optional<LoadLag> find_load_lag(std::span<const double> t_s, std::span<const double> load_N,
-                                     std::span<const double> depth_m) {
+                                     std::span<const double> depth_m, double most_left) {
   if (t_s.size() < 64) return std::nullopt;
   const Grid grid = resample(t_s, load_N, depth_m);
   const std::size_t n = grid.load.size();
@@ -87,8 +86,8 @@ std::optional<LoadLag> find_load_lag(std::span<const double> t_s, std::span<cons
   const std::ptrdiff_t lag = best_lag(grid, reach, 0, n);
   if (std::abs(lag) <= 2 || std::abs(lag) == reach) return std::nullopt;
   const double as_recorded = correlation_at(grid, 0, 0, n), shifted = correlation_at(grid, lag, 0, n);
-  if (!(shifted > 0.0) || !(left(shifted) < most_left_by_lag * left(as_recorded))) return std::nullopt;
-  if (lag < 0 && !(left(shifted) < most_left_by_lag * left_by_damping(grid))) return std::nullopt;
+  if (!(shifted > 0.0) || !(left(shifted) < most_left * left(as_recorded))) return std::nullopt;
+  if (lag < 0 && !(left(shifted) < most_left * left_by_damping(grid))) return std::nullopt;
   const std::ptrdiff_t first = best_lag(grid, reach, 0, n / 2), second = best_lag(grid, reach, n / 2, n);
   for (const auto& [from, to] : {std::pair<std::size_t, std::size_t>{0, n / 2}, {n / 2, n}}) {
     const bool holds = left(correlation_at(grid, lag, from, to)) < left(correlation_at(grid, 0, from, to));

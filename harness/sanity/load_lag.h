@@ -20,6 +20,6 @@ struct LoadLag {
 // line through load and depth leaves, in both halves of the recording, exceed two samples, and for a force that is
 // early do clearly better than damping of a positive coefficient does.
 std::optional<LoadLag> find_load_lag(std::span<const double> t_s, std::span<const double> load_N,
-                                     std::span<const double> depth_m);
+                                     std::span<const double> depth_m, double most_left = 0.5);
 
 }  // namespace touchstone::sanity

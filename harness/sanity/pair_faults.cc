@@ -38,7 +38,7 @@ double force_difference_N(const Recording& expected, const Recording& obtained, 
 Vec3 as_recorded(const AtTimes& at) { return at.force_N(); }
 
 struct PairReading {
-  const char* fault;
+  SanityFault fault;
   const char* meaning;
   const char* repair;
   bool needs_orientation;
@@ -46,13 +46,14 @@ struct PairReading {
 };
 
 constexpr std::array pair_readings{
-    PairReading{"reversed force", "its force is the other's reversed",
+    PairReading{SanityFault::reversed_force, "its force is the other's reversed",
                 R"(give --flip-force, or read it with `touchstone import` and "force_sign": -1 in the map)", false,
                 [](const AtTimes& at) -> Vec3 { return -at.force_N(); }},
-    PairReading{"force frame", "its force is in the sensor's frame",
+    PairReading{SanityFault::force_frame, "its force is in the sensor's frame",
                 R"(read it with `touchstone import` and "force_frame": "sensor" in the map)", true,
                 [](const AtTimes& at) -> Vec3 { return at.orientation() * at.force_N(); }},
-    PairReading{"force frame", "its force was turned by the orientation although it was in the object's frame",
+    PairReading{SanityFault::force_frame,
+                "its force was turned by the orientation although it was in the object's frame",
                 R"(read it with `touchstone import` and "force_frame": "inverse" in the map)", true,
                 [](const AtTimes& at) -> Vec3 { return at.orientation().conjugate() * at.force_N(); }},
 };
@@ -95,7 +96,7 @@ std::optional<SanityFinding> shifted(const Recording& expected, const Recording&
     if (!(difference(shift_s, part) < difference(0.0, part))) return std::nullopt;
   }
   return SanityFinding{
-      SanityWeight::fault, "clock",
+      SanityWeight::fault, SanityFault::clock,
       fmt::format("its force comes {:.3g} s {}: shifted by it, the forces differ by {:.3g} N instead of {:.3g} N (RMS)",
                   std::abs(shift_s), shift_s > 0.0 ? "later" : "earlier", least, before_N),
       fmt::format("read it with `touchstone import` and \"shift_force_s\": {:.4g} in the map", -shift_s)};
@@ -118,7 +119,7 @@ std::optional<SanityFinding> other_unit(const Recording& expected, const Recordi
     const double after_m = difference_m(factor);
     if (!(after_m < most_left_of_pair * most_left_of_pair * before_m)) continue;
     return SanityFinding{
-        SanityWeight::fault, "unit of positions",
+        SanityWeight::fault, SanityFault::position_unit,
         fmt::format("its positions are {:g} times too large: divided by it, they differ by {:.3g} m instead of {:.3g} "
                     "m (RMS)",
                     1.0 / factor, after_m, before_m),

@@ -18,7 +18,6 @@ constexpr std::size_t fewest_pushing = 20;
 constexpr double near_share = 0.005, mesh_share = 0.02;
 // Friction in air, weights and biases push nowhere along the normal.
 constexpr double pushes_along_normal = 0.8;
-constexpr double noticed_share_of_load = 0.1;
 
 // Where the samples that push have their tips.
 struct Placement {
@@ -81,7 +80,8 @@ Placement place(const Recording& r, const SanityContext& context, double touchin
 
 }  // namespace
 
-std::optional<SanityFinding> find_misplacement(const Recording& r, const SanityContext& context, double touching_N) {
+std::optional<SanityFinding> find_misplacement(const Recording& r, const SanityContext& context, double touching_N,
+                                               double noticed_share_of_load) {
   const double near_m = near_share * context.surface->bounds().diagonal().norm();
   const Placement p = place(r, context, touching_N, mesh_share / near_share * near_m);
   if (p.gaps_m.size() < fewest_pushing || !(p.along_N > 0.0)) return std::nullopt;
@@ -89,7 +89,7 @@ std::optional<SanityFinding> find_misplacement(const Recording& r, const SanityC
   const bool pushes = p.along_N > pushes_along_normal * p.size_N;
   if (pushes && p.beyond_N == 0.0 && low_m > near_m) {
     return SanityFinding{
-        SanityWeight::remark, "registration",
+        SanityWeight::remark, SanityFault::registration,
         fmt::format("19 of 20 samples with force have the tip outside of the object, by {:.3g} m in the middle",
                     middle_m),
         fmt::format("is the tip a ball (--tip-radius {:.3g}mm), or the object registered wrongly?",
@@ -111,7 +111,7 @@ std::optional<SanityFinding> find_misplacement(const Recording& r, const SanityC
                            message.empty() ? "" : " and ", 100.0 * outside,
                            message.empty() ? "of the load is measured " : "", p.above_m);
   }
-  return SanityFinding{SanityWeight::remark, "registration", std::move(message),
+  return SanityFinding{SanityWeight::remark, SanityFault::registration, std::move(message),
                        "is this the surface that was touched, and are both in one frame? Register the object anew, or "
                        "cut the recording to the part that the mesh covers"};
 }
@@ -124,7 +124,7 @@ std::optional<SanityFinding> touches_nothing(const Recording& r, const SanityCon
   for (std::size_t i = 0; i < r.size(); i += stride) {
     if (context.surface->signed_distance(r.motion.p_W_m[i]) < context.tip_radius_m) return std::nullopt;
   }
-  return SanityFinding{SanityWeight::remark, "no contact",
+  return SanityFinding{SanityWeight::remark, SanityFault::no_contact,
                        fmt::format("nothing is touched: the tip stays outside of the object and the force below {:.2g} "
                                    "N",
                                    context.contact_force_N),

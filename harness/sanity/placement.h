@@ -14,7 +14,7 @@ namespace touchstone::sanity {
 // For the first, lengths below half a per cent of the object's diagonal count as contact, for the second below 2 %.
 // `touching_N`: smaller forces are noise.
 std::optional<SanityFinding> find_misplacement(const Recording& recording, const SanityContext& context,
-                                               double touching_N);
+                                               double touching_N, double noticed_share_of_load = 0.1);
 
 // "no contact": the tip never reaches the object and no force is above the context's threshold of contact.
 std::optional<SanityFinding> touches_nothing(const Recording& recording, const SanityContext& context);

@@ -63,7 +63,7 @@ TEST(Placement, LoadBeyondTheEdgeOfAnOpenMeshIsNamedAtEveryScale) {
     for (const Vec3& aside : {Vec3(0.08, 0, 0), Vec3(0, -0.08, 0), Vec3(0.09, 0.09, 0)}) {
       const auto found = find_misplacement(circle(unit, aside), context, touching_N);
       ASSERT_TRUE(found) << unit;
-      EXPECT_EQ(found->fault, "registration");
+      EXPECT_EQ(found->fault, SanityFault::registration);
       EXPECT_THAT(found->message, HasSubstr("beyond the edge of the mesh"));
     }
   }

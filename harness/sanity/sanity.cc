@@ -72,7 +72,7 @@ std::optional<SanityFinding> reversed_force(const Contact& c, const SanityContex
     message += fmt::format("; with the force reversed the load follows the position (correlation {:.3f} -> {:.3f})",
                            follows, correlation(c.depth_m, negated(c.load_N)));
   }
-  return SanityFinding{SanityWeight::fault, "reversed force", std::move(message),
+  return SanityFinding{SanityWeight::fault, SanityFault::reversed_force, std::move(message),
                        context.force_flipped ? "leave --flip-force out, or turn the mesh inside out"
                                              : "if the file has the force BY the probe, give --flip-force"};
 }
@@ -85,30 +85,30 @@ std::optional<SanityFinding> far_away(const Recording& r, const SanityContext& c
   const auto message = far_from_surface(*context.surface, touching.empty() ? r.motion.p_W_m : touching,
                                         context.tip_radius_m, r.source, context.mesh_unit);
   if (!message) return std::nullopt;
-  return SanityFinding{SanityWeight::fault, "mesh unit or place", *message, ""};
+  return SanityFinding{SanityWeight::fault, SanityFault::mesh_unit_or_place, *message, ""};
 }
 
-std::optional<SanityFinding> wrong_frame(const Contact& c, double touching_N) {
+std::optional<SanityFinding> wrong_frame(const Contact& c, const SanityContext& context, double touching_N) {
   const Contact touching = touching_part(c, touching_N);
-  const auto frame = find_force_frame(touching.n_W, touching.f_W_N, touching.q_WS);
+  const auto frame = find_force_frame(touching.n_W, touching.f_W_N, touching.q_WS, context.most_left_with_repair);
   if (!frame) return std::nullopt;
-  return SanityFinding{SanityWeight::fault, "force frame",
+  return SanityFinding{SanityWeight::fault, SanityFault::force_frame,
                        fmt::format("{}: read so, forces lie along the outward normal (alignment {:.3f} -> {:.3f})",
                                    frame->meaning, frame->alignment, frame->repaired),
                        fmt::format("read the file with `touchstone import` and {} in the map", frame->map_key)};
 }
 
-std::optional<SanityFinding> wrong_order(const Contact& c) {
-  const auto order = find_wrong_order(c.t_s, c.load_N, c.depth_m);
+std::optional<SanityFinding> wrong_order(const Contact& c, const SanityContext& context) {
+  const auto order = find_wrong_order(c.t_s, c.load_N, c.depth_m, context.most_left_with_repair);
   if (!order) return std::nullopt;
-  return SanityFinding{SanityWeight::remark, "order",
+  return SanityFinding{SanityWeight::remark, SanityFault::order,
                        fmt::format("the force does not follow the position (correlation {:.2f}), but would {} ({:.2f})",
                                    order->correlation, order->remedy(), order->reordered),
                        "join the pieces of the log in the order of their time"};
 }
 
-std::optional<SanityFinding> wrong_clock(const Contact& c) {
-  const auto lag = find_load_lag(c.t_s, c.load_N, c.depth_m);
+std::optional<SanityFinding> wrong_clock(const Contact& c, const SanityContext& context) {
+  const auto lag = find_load_lag(c.t_s, c.load_N, c.depth_m, context.most_left_with_repair);
   if (!lag) return std::nullopt;
   std::string message = fmt::format(
       "the force comes {:.3g} s {} than the position: shifted by it the load follows the depth (correlation {:.3f} -> "
@@ -118,7 +118,7 @@ std::optional<SanityFinding> wrong_clock(const Contact& c) {
     message += fmt::format("; it is {:.3g} s more in the second half: the two clocks drift", lag->drift_s);
   }
   return SanityFinding{
-      SanityWeight::remark, "clock", std::move(message),
+      SanityWeight::remark, SanityFault::clock, std::move(message),
       fmt::format("read the file with `touchstone import` and \"shift_force_s\": {:.4g} in the map", -lag->lag_s)};
 }
 
@@ -135,6 +135,40 @@ double touching_threshold_N(const Recording& r, double contact_force_N) {
 
 }  // namespace
 
+std::string_view to_string(SanityFault fault) {
+  switch (fault) {
+    case SanityFault::reversed_force:
+      return "reversed force";
+    case SanityFault::mesh_unit_or_place:
+      return "mesh unit or place";
+    case SanityFault::force_frame:
+      return "force frame";
+    case SanityFault::order:
+      return "order";
+    case SanityFault::clock:
+      return "clock";
+    case SanityFault::registration:
+      return "registration";
+    case SanityFault::no_contact:
+      return "no contact";
+    case SanityFault::position_unit:
+      return "unit of positions";
+    case SanityFault::stuck_position:
+      return "stuck position";
+    case SanityFault::stuck_force:
+      return "stuck force";
+    case SanityFault::constant_position:
+      return "constant position";
+    case SanityFault::constant_force:
+      return "constant force";
+    case SanityFault::saturated_force:
+      return "saturated force";
+    case SanityFault::repeated_samples:
+      return "repeated samples";
+  }
+  return "";
+}
+
 std::vector<SanityFinding> check_sanity(const Recording& recording, const SanityContext& context) {
   std::vector<SanityFinding> findings;
   const auto add = [&](std::optional<SanityFinding> finding) {
@@ -147,10 +181,10 @@ std::vector<SanityFinding> check_sanity(const Recording& recording, const Sanity
     if (add(far_away(recording, context, touching_N))) return findings;
     const Contact contact = against(recording, context);
     // A lag makes blocks of its own length fit in another order: it goes first.
-    if (!add(wrong_frame(contact, touching_N)) && !add(reversed_force(contact, context, touching_N)) &&
-        !add(wrong_clock(contact))) {
-      add(wrong_order(contact));
-      add(find_misplacement(recording, context, touching_N));
+    if (!add(wrong_frame(contact, context, touching_N)) && !add(reversed_force(contact, context, touching_N)) &&
+        !add(wrong_clock(contact, context))) {
+      add(wrong_order(contact, context));
+      add(find_misplacement(recording, context, touching_N, context.noticed_share_of_load));
       add(touches_nothing(recording, context));
     }
   }
@@ -176,7 +210,7 @@ std::vector<std::string> refuse_insane(const Recording& recording, const SanityC
       throw BadData(line.find(recording.source) != std::string::npos ? line
                                                                      : fmt::format("{}: {}", recording.source, line));
     }
-    remarks.push_back(fmt::format("{}: {}: {}", recording.source, finding.fault, sanity_line(finding)));
+    remarks.push_back(fmt::format("{}: {}: {}", recording.source, to_string(finding.fault), sanity_line(finding)));
   }
   return remarks;
 }

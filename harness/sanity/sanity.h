@@ -8,6 +8,7 @@
 
 #include "harness/base/rooms.h"
 #include "harness/recording/trajectory.h"
+#include "harness/sanity/sanity_fault.h"
 #include "harness/surface/surface.h"
 
 namespace touchstone::sanity {
@@ -19,7 +20,7 @@ enum class SanityWeight {
 
 struct SanityFinding {
   SanityWeight weight = SanityWeight::fault;
-  std::string fault;    // "reversed force", "mesh unit", "force frame", "clock", "order", "saturated force", ...
+  SanityFault fault = SanityFault::reversed_force;
   std::string message;  // what was found, with numbers before and after the repair
   std::string repair;   // the flag or the key of an import map that does it; what to do where there is none
 };
@@ -30,6 +31,10 @@ struct SanityContext {
   double tip_radius_m = 0.0;
   bool force_flipped = false;  // the user gave --flip-force: `recording` is flipped already
   double contact_force_N = 0.05;
+  // A repair (clock, order, frame) is named if less than this share of the square of what does not fit is left with it.
+  // Half: the fault matters more than all else that acts, friction and damping too. And the share of the load that must
+  // be measured where there is no object. docs/notes/sanity-rates.md shows how far both may move.
+  double most_left_with_repair = 0.5, noticed_share_of_load = 0.1;
 };
 
 // What is wrong with `recording`, gravest first. `recording.source` names it in messages of refuse_insane().

@@ -16,6 +16,7 @@
 #include "harness/base/error.h"
 #include "harness/base/random.h"
 #include "harness/recording/recording_file.h"
+#include "harness/sanity/planted_faults_for_test.h"
 #include "harness/surface/embree_surface.h"
 #include "harness/surface/mesh_file.h"
 #include "harness/testing/shared_data.h"
@@ -23,22 +24,16 @@
 namespace touchstone::sanity {
 namespace {
 
+using planted_faults::plate;
+using planted_faults::repeat_a_stretch;
+
 using ::testing::HasSubstr;
 
 std::string faults_of(const Recording& recording, const SanityContext& context) {
   std::string names;
-  for (const SanityFinding& f : check_sanity(recording, context)) names += (names.empty() ? "" : ", ") + f.fault;
+  for (const SanityFinding& f : check_sanity(recording, context))
+    names += (names.empty() ? "" : ", ") + std::string(to_string(f.fault));
   return names;
-}
-
-// A plate 0.2 m wide at z = 0.
-std::shared_ptr<const Surface> plate(double unit = 1.0) {
-  TriangleMesh mesh;
-  const double h = 0.1 * unit;
-  mesh.vertices_W_m = {Vec3(-h, -h, 0), Vec3(h, -h, 0), Vec3(h, h, 0), Vec3(-h, h, 0)};
-  mesh.triangles = {{0, 1, 2}, {0, 2, 3}};
-  mesh.source = "plate";
-  return make_embree_surface(mesh);
 }
 
 // Strokes and presses of 20 s at `rate_Hz` over the plate, the probe turning, with friction 0.2, noise of force and
@@ -113,15 +108,22 @@ const std::map<std::string, std::pair<std::string, Plant>>& planted() {
           for (const Vec3& f : r.f_W_N) largest = std::max(largest, f.z());
           for (Vec3& f : r.f_W_N) f.z() = std::min(f.z(), 0.6 * largest);
         }}},
-      {"a stretch twice",
-       {"repeated samples",
+      {"force stuck for 2 s",
+       {"stuck force",
         [](Recording& r, Random& random) {
-          const std::size_t from = random.below(r.size() / 4), to = r.size() / 2 + random.below(r.size() / 4);
-          for (std::size_t i = 0; i < 150; ++i) {
-            r.motion.p_W_m[to + i] = r.motion.p_W_m[from + i];
-            r.f_W_N[to + i] = r.f_W_N[from + i];
-          }
+          const double interval_s = (r.motion.t_s.back() - r.motion.t_s.front()) / static_cast<double>(r.size() - 1);
+          const auto n = static_cast<std::size_t>(2.0 / interval_s);
+          std::size_t from = random.below(r.size() - n);
+          // In free air a stuck force changes nothing.
+          while (!(r.f_W_N[from].norm() > 0.3)) from = random.below(r.size() - n);
+          for (std::size_t i = 1; i < n; ++i) r.f_W_N[from + i] = r.f_W_N[from];
         }}},
+      {"one channel dead",
+       {"constant force",
+        [](Recording& r, Random&) {
+          for (Vec3& f : r.f_W_N) f.x() = 0.137;
+        }}},
+      {"a stretch twice", {"repeated samples", repeat_a_stretch}},
   };
   return all;
 }

@@ -1,6 +1,7 @@
 #include "harness/stats/distributions.h"
 
 #include <algorithm>
+#include <boost/math/distributions/fisher_f.hpp>
 #include <boost/math/distributions/students_t.hpp>
 #include <boost/math/special_functions/erf.hpp>
 #include <boost/math/special_functions/gamma.hpp>
@@ -23,5 +24,10 @@ double student_p(double t, double degrees) {
 }
 
 double student_t_975(double degrees) { return boost::math::quantile(boost::math::students_t(degrees), 0.975); }
+
+double f_tail(double x, double numerator, double denominator) {
+  const boost::math::fisher_f_distribution<double> fisher(numerator, denominator);
+  return boost::math::cdf(boost::math::complement(fisher, std::max(x, 0.0)));
+}
 
 }  // namespace touchstone::stats

@@ -1,4 +1,4 @@
-// Distribution functions and their inverses, by Boost.Math.
+// Distribution functions of statistics and their inverses, computed by Boost.Math.
 #pragma once
 
 #include "harness/base/rooms.h"
@@ -15,5 +15,8 @@ double student_p(double t, double degrees);
 // The 97.5 % quantile of Student's t with `degrees` > 0 degrees of freedom: half the width of a two-sided 95 %
 // interval.
 double student_t_975(double degrees);
+
+// P(X >= x) for Fisher's F with `numerator` and `denominator` > 0 degrees of freedom.
+double f_tail(double x, double numerator, double denominator);
 
 }  // namespace touchstone::stats

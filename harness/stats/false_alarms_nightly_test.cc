@@ -1,7 +1,9 @@
 // The stated false-alarm rate and the delay of detection, over simulated years of daily builds.
+// TOUCHSTONE_HISTORY_SEED sets the first seed, TOUCHSTONE_HISTORY_YEARS the years of each noise.
 #include <gtest/gtest.h>
 
 #include <cstdio>
+#include <cstdlib>
 
 #include "harness/stats/change_points.h"
 #include "harness/stats/simulated_noise.h"
@@ -9,14 +11,20 @@
 namespace touchstone::stats {
 namespace {
 
+std::uint64_t from_environment(const char* name, std::uint64_t otherwise) {
+  const char* const text = std::getenv(name);
+  return text == nullptr ? otherwise : std::strtoull(text, nullptr, 10);
+}
+
 class FalseAlarms : public testing::TestWithParam<std::string_view> {};
 
 // 300 years each, looked at every fourth day: at 1 % a year, more than 9 alarms have probability 1e-3.
 TEST_P(FalseAlarms, AtMostOnePercentAYear) {
-  constexpr int years = 300;
+  const auto years = static_cast<int>(from_environment("TOUCHSTONE_HISTORY_YEARS", 300));
+  const std::uint64_t first_seed = from_environment("TOUCHSTONE_HISTORY_SEED", 1000);
   int alarms = 0;
   for (int year = 0; year < years; ++year) {
-    Random random(1000 + static_cast<std::uint64_t>(year));
+    Random random(first_seed + static_cast<std::uint64_t>(year));
     const auto values = series_of(GetParam(), 365, random);
     bool alarm = false;
     for (std::size_t day = 8; day <= values.size() && !alarm; day += 4) {
@@ -27,7 +35,10 @@ TEST_P(FalseAlarms, AtMostOnePercentAYear) {
     alarms += alarm ? 1 : 0;
   }
   std::printf("| %s | %d of %d |\n", std::string(GetParam()).c_str(), alarms, years);
-  EXPECT_LE(alarms, 9);
+  std::fflush(stdout);
+  if (years == 300) {
+    EXPECT_LE(alarms, 9);
+  }
 }
 INSTANTIATE_TEST_SUITE_P(Noise, FalseAlarms, testing::ValuesIn(noises));
 
@@ -37,7 +48,7 @@ TEST(Detection, DelayBySize) {
     for (const double size : {2.0, 3.0, 5.0, 10.0}) {
       std::vector<std::size_t> delays;
       for (std::uint64_t seed = 0; seed < 200; ++seed) {
-        Random random(seed);
+        Random random(from_environment("TOUCHSTONE_HISTORY_SEED", 0) + seed);
         auto values = series_of(noise, 120, random);
         for (std::size_t i = 60; i < values.size(); ++i) values[i] += size;
         std::size_t day = 61;

@@ -4,10 +4,12 @@
 #include <vector>
 
 #include "harness/base/random.h"
+#include "harness/stats/all_pairs.h"
 #include "harness/stats/change_points.h"
 #include "harness/stats/distributions.h"
 #include "harness/stats/quantile.h"
 #include "harness/stats/sandwich.h"
+#include "harness/stats/series_mean.h"
 #include "harness/stats/simulated_noise.h"
 #include "harness/stats/summary.h"
 #include "harness/stats/trend.h"
@@ -54,6 +56,55 @@ TEST(Quantile, NothingHasNoQuantile) {
   EXPECT_TRUE(std::isnan(quantile({}, 0.5)));
   EXPECT_TRUE(std::isnan(lower_quantile({}, 0.5)));
   EXPECT_TRUE(std::isnan(reaching_quantile({}, 0.5)));
+}
+
+// Shaffer 1986, table 1: of 3, 4 and 5 things.
+TEST(AllPairs, AsManyCanBeEqualAsShafferSays) {
+  EXPECT_EQ(possible_equal_pairs(3), (std::vector<std::size_t>{0, 1, 3}));
+  EXPECT_EQ(possible_equal_pairs(4), (std::vector<std::size_t>{0, 1, 2, 3, 6}));
+  EXPECT_EQ(possible_equal_pairs(5), (std::vector<std::size_t>{0, 1, 2, 3, 4, 6, 10}));
+}
+
+// Of four things: level / 6 for the smallest p, / 3 for the next three, then / 2 and / 1.
+TEST(AllPairs, StopsAtTheFirstThatIsTooLarge) {
+  const std::vector<double> p{0.02, 0.001, 0.9, 0.012, 0.016, 0.04};
+  const auto verdicts = judge_all_pairs(p, 4, 0.06);
+  const std::vector<double> levels{0.02, 0.01, 0.06, 0.02, 0.02, 0.03};
+  const std::vector<bool> differ{true, true, false, true, true, false};
+  for (std::size_t i = 0; i < p.size(); ++i) {
+    EXPECT_NEAR(verdicts[i].level, levels[i], 1e-15) << i;
+    EXPECT_EQ(verdicts[i].differ, differ[i]) << i;
+  }
+}
+
+// White noise, and noise that is correlated over five and twenty values: at most about 5 % of the means are "not zero"
+// at p = 0.05. What is correlated over a fifth of the series and more is not judged.
+TEST(SeriesMean, HoldsItsLevelForCorrelatedSeries) {
+  for (const double stay : {0.0, 0.8, 0.95}) {
+    std::size_t found = 0;
+    const Random root(1);
+    for (std::uint64_t i = 0; i < 1000; ++i) {
+      Random random = root.stream(i);
+      std::vector<double> series;
+      double now = random.normal();
+      for (int k = 0; k < 400; ++k) {
+        now = stay * now + std::sqrt(1.0 - stay * stay) * random.normal();
+        series.push_back(now);
+      }
+      found += series_mean(series).p <= 0.05 ? 1 : 0;
+    }
+    EXPECT_LE(found, 65u) << stay;
+  }
+  std::vector<double> slow;
+  for (int k = 0; k < 400; ++k) slow.push_back(1.0 + std::sin(0.02 * k));
+  EXPECT_EQ(series_mean(slow).degrees, 0.0);
+}
+
+TEST(SeriesMean, OfAConstantIsCertainAndOfAFewValuesUnknown) {
+  EXPECT_EQ(series_mean(std::vector<double>(100, 0.1)).p, 0.0);
+  EXPECT_GE(series_mean(std::vector<double>(100, 0.1)).degrees, kFewestDegrees);
+  EXPECT_EQ(series_mean(std::vector<double>(100, 0.0)).p, 1.0);
+  EXPECT_EQ(series_mean(std::vector<double>(19, 0.1)).degrees, 0.0);
 }
 
 // A mean of values in clusters of m equal copies has the variance of n / m independent values, not of n.

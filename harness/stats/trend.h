@@ -1,4 +1,4 @@
-// Does a series rise or fall steadily?
+// Does a series rise or fall steadily? A test of trend that assumes no distribution.
 #pragma once
 
 #include <span>

@@ -1,8 +1,10 @@
 // How far the normals of a triangulation's facets lie from those of the smooth surface that they stand for.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <span>
+#include <vector>
 
 #include "harness/base/rooms.h"
 #include "harness/surface/triangle_mesh.h"
@@ -14,5 +16,21 @@ namespace touchstone::surface {
 // place of the facet is off by about half of that at the corners. The median, so that sharp edges of a body do not
 // count. 0 for no triangles.
 double median_facet_angle_rad(const TriangleMesh& mesh, std::span<const std::int32_t> triangles);
+
+// The normals of the smooth surface that a triangulation stands for: of each corner the area-weighted mean of the
+// facets about it that lie within 15 degrees of the facet at hand (a sharper edge is one of the body), linear in
+// between (Phong, Illumination for computer generated pictures, CACM 18, 1975).
+class SmoothNormals {
+ public:
+  // The mesh must outlive it.
+  explicit SmoothNormals(const TriangleMesh& mesh);
+
+  // Unit length; at a point of the triangle's plane.
+  [[nodiscard]] Vec3 at(std::int32_t triangle, const Vec3& p_W_m) const;
+
+ private:
+  const TriangleMesh& mesh_;
+  std::vector<std::array<Vec3, 3>> corners_;
+};
 
 }  // namespace touchstone::surface

@@ -17,7 +17,8 @@ namespace touchstone::surface {
 
 class TriangleTree {
  public:
-  // Keeps a reference: the mesh must outlive the tree. Needs at least one triangle and finite, valid corners.
+  // Keeps a reference: the mesh must outlive the tree. Needs at least one triangle and finite, valid corners. Throws
+  // Error naming the mesh if Embree cannot build its hierarchy.
   explicit TriangleTree(const TriangleMesh& mesh);
   ~TriangleTree();
   TriangleTree(const TriangleTree&) = delete;

@@ -1,4 +1,4 @@
-// Evenly spaced places to test at.
+// Evenly spaced numbers at which a test tries something, both ends included.
 #pragma once
 
 #include <vector>

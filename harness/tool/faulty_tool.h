@@ -1,13 +1,18 @@
 // Faults planted in a renderer of a tool, so that the checks of tool_checks.h can be seen to find them.
 #pragma once
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cstdint>
 #include <memory>
 #include <string_view>
+#include <utility>
 #include <vector>
 
+#include "harness/base/error.h"
+#include "harness/tool/tool_checks.h"
 #include "harness/tool/tool_renderer.h"
 
 namespace touchstone::tool {
@@ -62,5 +67,19 @@ class FaultyTool : public ToolRenderer {
   Vec3 center_T_m_;
   std::vector<ToolContact> kept_;
 };
+
+// The subject with the fault of this name planted in each renderer that it makes. Throws UsageError for a name that is
+// not known.
+inline ToolSubject with_fault(ToolSubject subject, std::string_view name) {
+  const auto* const found = std::ranges::find(kToolFaultNames, name);
+  if (found == kToolFaultNames.end())
+    throw UsageError(fmt::format("--fault {}: not known; `touchstone tool list` shows what is", name));
+  const auto fault = static_cast<ToolFault>(found - kToolFaultNames.begin());
+  subject.make = [make = std::move(subject.make), fault](const Tool& tool, const TriangleMesh& object_W,
+                                                         const Coupling& coupling) {
+    return std::make_unique<FaultyTool>(make(tool, object_W, coupling), fault, tool.mass.center_T_m);
+  };
+  return subject;
+}
 
 }  // namespace touchstone::tool

@@ -22,6 +22,8 @@ MassFrame solid_mass_frame(const TriangleMesh& mesh_T, double density_kg_per_m3)
     const Vec3 a = mesh_T.vertices_W_m[at(ia)] - origin;
     const Vec3 b = mesh_T.vertices_W_m[at(ib)] - origin;
     const Vec3 c = mesh_T.vertices_W_m[at(ic)] - origin;
+    // The signed tetrahedra from the origin to each triangle add up to the body, whatever the origin (the divergence
+    // theorem): volume V = a . (b x c) / 6, integral of x over it V / 4 (a + b + c).
     const double v = a.dot(b.cross(c)) / 6.0;
     const Vec3 s = a + b + c;
     volume += v;
@@ -40,15 +42,21 @@ MassFrame solid_mass_frame(const TriangleMesh& mesh_T, double density_kg_per_m3)
   frame.mass_kg = density_kg_per_m3 * volume;
   const Vec3 center = first / volume;
   frame.center_T_m = origin + center;
+  // C = integral of x x^T about the centre (Steiner's shift takes V c c^T off); the inertia is tr(C) 1 - C.
   const Mat3 about_center = density_kg_per_m3 * (second - volume * center * center.transpose());
   frame.inertia_T_kg_m2 = about_center.trace() * Mat3::Identity() - about_center;
   return frame;
+}
+
+Tool solid_tool(const TriangleMesh& mesh_T, double density_kg_per_m3) {
+  return {mesh_T, solid_mass_frame(mesh_T, density_kg_per_m3)};
 }
 
 PointShell make_point_shell(const TriangleMesh& mesh_T, double spacing_m) {
   constexpr double kMostPoints = 1e7;
   if (!(spacing_m > 0.0))
     throw UsageError(fmt::format("spacing of the point shell: {} m; more than 0 was expected", spacing_m));
+  // A shell has about a point for each spacing squared.
   double area = 0.0;
   for (std::size_t t = 0; t < mesh_T.triangle_count(); ++t) area += 0.5 * mesh_T.scaled_normal(t).norm();
   if (area / (spacing_m * spacing_m) > kMostPoints) {

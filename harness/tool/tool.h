@@ -24,6 +24,11 @@ struct Tool {
 // origin and each triangle (Mirtich 1996 gives the integrals). Throws BadData if the mesh encloses no volume.
 MassFrame solid_mass_frame(const TriangleMesh& mesh_T, double density_kg_per_m3);
 
+// Of water: between wood and plastic. For tools of which nothing is known but the shape.
+inline constexpr double kUsualToolDensity_kg_per_m3 = 1000.0;
+// The tool that fills the mesh. Throws as solid_mass_frame() does.
+Tool solid_tool(const TriangleMesh& mesh_T, double density_kg_per_m3 = kUsualToolDensity_kg_per_m3);
+
 // Points on the tool's surface with the inward unit normal at each (McNeely, Puterbaugh and Troy 1999).
 struct PointShell {
   std::vector<Vec3> p_T_m;

@@ -1,11 +1,14 @@
 #include "harness/tool/tool_checks.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
 
 #include "harness/base/random.h"
+#include "harness/surface/box_mesh.h"
 #include "harness/tool/tool_path.h"
 
 namespace touchstone::tool {
@@ -18,22 +21,11 @@ constexpr double kReach_m = 0.04;               // no point of the tool is farth
 // Rounding and what a settled run leaves, for methods that resolve the surface exactly.
 constexpr double kFloor_m = 1e-6;
 
-TriangleMesh box(const Vec3& low, const Vec3& high) {
-  TriangleMesh mesh;
-  for (int i = 0; i < 8; ++i) {
-    mesh.vertices_W_m.emplace_back((i & 1) != 0 ? high.x() : low.x(), (i & 2) != 0 ? high.y() : low.y(),
-                                   (i & 4) != 0 ? high.z() : low.z());
-  }
-  mesh.triangles = {{0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6}, {0, 1, 4}, {1, 5, 4},
-                    {2, 6, 3}, {3, 6, 7}, {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}};
-  mesh.source = "box";
-  return mesh;
-}
 TriangleMesh cube(const Vec3& center) {
-  return box(center - Vec3::Constant(kHalf_m), center + Vec3::Constant(kHalf_m));
+  return box_mesh(center - Vec3::Constant(kHalf_m), center + Vec3::Constant(kHalf_m));
 }
-TriangleMesh slab() { return box(Vec3(-0.05, -0.05, -0.02), Vec3(0.05, 0.05, 0.0)); }
-Tool tool_of(const TriangleMesh& mesh) { return {mesh, solid_mass_frame(mesh, kDensity_kg_per_m3)}; }
+TriangleMesh slab() { return box_mesh(Vec3(-0.05, -0.05, -0.02), Vec3(0.05, 0.05, 0.0)); }
+Tool tool_of(const TriangleMesh& mesh) { return solid_tool(mesh, kDensity_kg_per_m3); }
 
 TriangleMesh moved_mesh(TriangleMesh mesh, const Pose& by) {
   for (Vec3& v : mesh.vertices_W_m) v = by.to_W(v);
@@ -289,5 +281,26 @@ class Checks {
 }  // namespace
 
 std::vector<ToolFinding> check_tool_renderer(const ToolSubject& subject) { return Checks(subject).run(); }
+
+bool passed(const std::vector<ToolFinding>& findings) {
+  return std::ranges::all_of(findings, [](const ToolFinding& finding) { return finding.passed || !finding.applies; });
+}
+
+std::string findings_to_text(const std::string& renderer, const std::vector<ToolFinding>& findings) {
+  std::string text;
+  std::size_t failed = 0, count = 0;
+  for (const ToolFinding& finding : findings) {
+    if (!finding.applies) {
+      text += fmt::format("  n/a   {:<30} its normals are the tool's own\n", finding.check);
+      continue;
+    }
+    ++count;
+    failed += finding.passed ? 0U : 1U;
+    text +=
+        fmt::format("  {:<5} {:<30} {:.3g} of at most {:.3g} {}{}\n", finding.passed ? "ok" : "WRONG", finding.check,
+                    finding.measured, finding.limit, finding.unit, finding.fault.empty() ? "" : ": " + finding.fault);
+  }
+  return text + fmt::format("{}: {} of {} checks passed\n", renderer, count - failed, count);
+}
 
 }  // namespace touchstone::tool

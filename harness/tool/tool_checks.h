@@ -39,4 +39,9 @@ struct ToolFinding {
 // In a fixed order; takes some seconds.
 std::vector<ToolFinding> check_tool_renderer(const ToolSubject& subject);
 
+// Every check that applies passed.
+bool passed(const std::vector<ToolFinding>& findings);
+// For people: a line a check, and how many of those that apply passed.
+std::string findings_to_text(const std::string& renderer, const std::vector<ToolFinding>& findings);
+
 }  // namespace touchstone::tool

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <numbers>
 
 #include "harness/base/error.h"
 
@@ -92,6 +93,24 @@ std::string comparison_to_json(const ToolComparison& c) {
   if (c.max_proxy_translation_m) json["max_proxy_translation_m"] = *c.max_proxy_translation_m;
   if (c.max_proxy_rotation_rad) json["max_proxy_rotation_rad"] = *c.max_proxy_rotation_rad;
   return json.dump(2) + "\n";
+}
+
+std::string comparison_to_text(const ToolComparison& c) {
+  std::string text = fmt::format("force error: rms {:.3g} N, largest ({:.3g}, {:.3g}, {:.3g}) N\n", c.rms_force_error_N,
+                                 c.max_force_error_N.x(), c.max_force_error_N.y(), c.max_force_error_N.z());
+  text += fmt::format("torque error: rms {:.3g} mNm, largest ({:.3g}, {:.3g}, {:.3g}) mNm, {:.3g} JND, at row {}\n",
+                      c.rms_torque_error_Nm * 1e3, c.max_torque_error_Nm.x() * 1e3, c.max_torque_error_Nm.y() * 1e3,
+                      c.max_torque_error_Nm.z() * 1e3, c.max_torque_error_jnd, c.worst_torque_row + 1);
+  if (c.max_proxy_translation_m) {
+    text += fmt::format("pose of the proxy: at most {:.3g} mm and {:.3g} degrees apart\n",
+                        *c.max_proxy_translation_m * 1e3, *c.max_proxy_rotation_rad * 180.0 / std::numbers::pi);
+  }
+  return text;
+}
+
+bool within(const ToolComparison& c, const Vec3& force_N, const Vec3& torque_Nm) {
+  return (c.max_force_error_N.array() <= force_N.array()).all() &&
+         (c.max_torque_error_Nm.array() <= torque_Nm.array()).all();
 }
 
 }  // namespace touchstone::tool

@@ -38,5 +38,10 @@ ToolComparison compare_tools(const Recording& expected, const Recording& obtaine
 void compare_proxies(const InTrajectory& expected, const InTrajectory& obtained, ToolComparison& comparison);
 
 std::string comparison_to_json(const ToolComparison& comparison);
+// The errors for people, a line each.
+std::string comparison_to_text(const ToolComparison& comparison);
+
+// No component of an error is above the tolerance of its axis; an error that is not a number is.
+bool within(const ToolComparison& comparison, const Vec3& force_N, const Vec3& torque_Nm);
 
 }  // namespace touchstone::tool

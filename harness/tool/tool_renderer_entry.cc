@@ -36,6 +36,22 @@ Parameters checked(const ToolRendererEntry& entry, const ToolSettings& settings)
 
 }  // namespace
 
+std::map<std::string, double> own_values(const std::map<std::string, double, std::less<>>& given,
+                                         const ToolRendererEntry& entry, std::span<const ToolRendererEntry> run) {
+  std::vector<std::string> known;
+  for (const ToolRendererEntry& one : run) {
+    for (const ParameterDeclaration& declared : one.parameters) known.push_back(declared.name);
+  }
+  std::map<std::string, double> own;
+  for (const auto& [name, value] : given) {
+    if (std::ranges::find(known, name) == known.end())
+      throw UsageError("--parameter: " + unknown_name("parameter", name, known));
+    if (std::ranges::find(entry.parameters, name, &ParameterDeclaration::name) != entry.parameters.end())
+      own[name] = value;
+  }
+  return own;
+}
+
 std::unique_ptr<ToolRenderer> make_tool_renderer(const ToolRendererEntry& entry, const Tool& tool,
                                                  const TriangleMesh& object_W, const ToolSettings& settings) {
   const Parameters parameters = checked(entry, settings);

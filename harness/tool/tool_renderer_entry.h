@@ -44,6 +44,11 @@ struct ToolSettings {
   std::map<std::string, double> parameters;
 };
 
+// Of the values that a user gives for several renderers, those that `entry` has. Throws UsageError for one that none of
+// `run` has.
+std::map<std::string, double> own_values(const std::map<std::string, double, std::less<>>& given,
+                                         const ToolRendererEntry& entry, std::span<const ToolRendererEntry> run);
+
 // Throws UsageError for a coupling that is not positive, a parameter that the renderer does not have, a value out of
 // range; BadData for a mesh that is not closed.
 std::unique_ptr<ToolRenderer> make_tool_renderer(const ToolRendererEntry& entry, const Tool& tool,

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <nlohmann/json.hpp>
 
 #include "harness/base/error.h"
 #include "harness/recording/recording_stream.h"
@@ -88,6 +89,31 @@ std::vector<double> measure_tool_steps(ToolRenderer& renderer, const std::filesy
   }
   std::ranges::sort(times_us);
   return times_us;
+}
+
+namespace {
+
+// The value that a share of the steps does not reach.
+double reached_by(const std::vector<double>& ascending, double share) {
+  return ascending[std::min(ascending.size() - 1, static_cast<std::size_t>(share * double(ascending.size())))];
+}
+
+}  // namespace
+
+std::string step_times_to_json(const std::vector<double>& ascending_us, std::size_t memory_bytes) {
+  const nlohmann::ordered_json json{{"steps", ascending_us.size()},
+                                    {"median_us", reached_by(ascending_us, 0.5)},
+                                    {"p99_us", reached_by(ascending_us, 0.99)},
+                                    {"p999_us", reached_by(ascending_us, 0.999)},
+                                    {"max_us", ascending_us.back()},
+                                    {"memory_bytes", memory_bytes}};
+  return json.dump(2) + "\n";
+}
+
+std::string step_times_to_text(const std::vector<double>& ascending_us) {
+  return fmt::format("step: median {:.3f} us, p99 {:.3f} us, p99.9 {:.3f} us, max {:.3f} us\n",
+                     reached_by(ascending_us, 0.5), reached_by(ascending_us, 0.99), reached_by(ascending_us, 0.999),
+                     ascending_us.back());
 }
 
 }  // namespace touchstone::tool

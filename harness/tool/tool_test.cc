@@ -5,28 +5,17 @@
 #include <limits>
 
 #include "harness/base/error.h"
+#include "harness/surface/box_mesh.h"
 #include "harness/tool/tool_renderer.h"
 
 namespace touchstone::tool {
 namespace {
 
-TriangleMesh box(const Vec3& low, const Vec3& high) {
-  TriangleMesh mesh;
-  for (int i = 0; i < 8; ++i) {
-    mesh.vertices_W_m.emplace_back((i & 1) != 0 ? high.x() : low.x(), (i & 2) != 0 ? high.y() : low.y(),
-                                   (i & 4) != 0 ? high.z() : low.z());
-  }
-  mesh.triangles = {{0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6}, {0, 1, 4}, {1, 5, 4},
-                    {2, 6, 3}, {3, 6, 7}, {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}};
-  mesh.source = "box";
-  return mesh;
-}
-
 TEST(MassFrame, OfABoxIsTheTextbooks) {
   const Vec3 low(0.01, -0.02, 0.03);
   const Vec3 size(0.02, 0.05, 0.08);
   constexpr double kDensity = 7800.0;
-  const MassFrame frame = solid_mass_frame(box(low, low + size), kDensity);
+  const MassFrame frame = solid_mass_frame(box_mesh(low, low + size), kDensity);
   const double mass = kDensity * size.prod();
   EXPECT_NEAR(frame.mass_kg, mass, 1e-12 * mass);
   EXPECT_LE((frame.center_T_m - (low + 0.5 * size)).norm(), 1e-15);
@@ -38,13 +27,13 @@ TEST(MassFrame, OfABoxIsTheTextbooks) {
 }
 
 TEST(MassFrame, RefusesAMeshThatIsInsideOut) {
-  TriangleMesh mesh = box(Vec3::Zero(), Vec3::Ones());
+  TriangleMesh mesh = box_mesh(Vec3::Zero(), Vec3::Ones());
   for (auto& t : mesh.triangles) std::swap(t[0], t[1]);
   EXPECT_THROW(static_cast<void>(solid_mass_frame(mesh, 1000.0)), BadData);
 }
 
 TEST(PointShell, KeepsCornersAndCoversTheSurface) {
-  const TriangleMesh mesh = box(Vec3::Zero(), Vec3(0.02, 0.02, 0.02));
+  const TriangleMesh mesh = box_mesh(Vec3::Zero(), Vec3(0.02, 0.02, 0.02));
   const PointShell shell = make_point_shell(mesh, 0.002);
   for (std::size_t i = 0; i < 8; ++i) EXPECT_EQ(shell.p_T_m[i], mesh.vertices_W_m[i]);
   // 2400 mm^2 in cells of 4 mm^2: about 600.

@@ -24,10 +24,14 @@ enum class DeviceStatus {
 };
 std::string_view to_string(DeviceStatus status);
 
+// The message, with what the person at the device can do about the status. A message that says so itself, after a
+// semicolon or as a question, stays as it is.
+std::string with_next_step(DeviceStatus status, const std::string& message);
+
 class DeviceError : public Error {
  public:
   DeviceError(DeviceStatus device_status, const std::string& message)
-      : Error(ExitStatus::bad_data, message), device_status_(device_status) {}
+      : Error(ExitStatus::bad_data, with_next_step(device_status, message)), device_status_(device_status) {}
   [[nodiscard]] DeviceStatus device_status() const noexcept { return device_status_; }
 
  private:

@@ -10,6 +10,7 @@ namespace {
 constexpr auto wrench = DeviceRole::wrench_source;
 constexpr auto haptic = DeviceRole::haptic_device;
 constexpr auto volts = DeviceRole::voltage_source;
+constexpr auto tracker = DeviceRole::tracker;
 
 constexpr std::array devices{
     KnownDevice{"ati-netft", "ATI Net F/T", wrench, Bus::network, 0, 0, "",
@@ -21,8 +22,23 @@ constexpr std::array devices{
     KnownDevice{"ati-nano17-daq", "ATI Nano17 through a data acquisition card", wrench, Bus::comedi, 0, 0, "",
                 "ATI DAQ F/T manual: six gauge voltages and a calibration file", Confidence::confirmed,
                 "the card is seen, the sensor behind it is not: its serial comes from the calibration file"},
+    KnownDevice{"bota-serial", "Bota Systems force sensor with a serial line", wrench, Bus::serial, 0, 0, "",
+                "Bota's Python interface and MATLAB example", Confidence::reported, "its node is in the hardware map"},
+    KnownDevice{"hx711-serial", "Load cell behind an HX711 and a microcontroller that prints numbers", wrench,
+                Bus::serial, 0, 0, "", "example sketches of the Arduino libraries HX711 and HX711_ADC",
+                Confidence::reported, "one axis; says neither its unit nor its rate: the hardware map must"},
+    KnownDevice{"optitrack", "OptiTrack cameras, by Motive's NatNet stream", tracker, Bus::network, 0, 0, "",
+                "python_natnet and its captured packets; OptiTrack's SDK", Confidence::confirmed,
+                "looked for at the address in the hardware map only"},
+    KnownDevice{"vrpn", "A tracker behind a VRPN server (Vicon, Polhemus and others)", tracker, Bus::network, 0, 0, "",
+                "VRPN's sources", Confidence::confirmed, "looked for at the address in the hardware map only"},
+    KnownDevice{"ndi-polaris", "NDI Polaris or Aurora", tracker, Bus::network, 0, 0, "", "PlusToolkit's ndicapi",
+                Confidence::reported, "serial node or network address in the hardware map"},
     KnownDevice{"novint-falcon", "Novint Falcon", haptic, Bus::usb, 0x0403, 0xcb48, "", "libnifalcon; linux-usb.org",
                 Confidence::confirmed, "has no watchdog of its own: only run behind the guardian process"},
+    KnownDevice{"haply-inverse3", "Haply Inverse3", haptic, Bus::network, 0, 0, "",
+                "docs.haply.co: WebSocket protocol of the Inverse service", Confidence::confirmed,
+                "through Haply's service, which must run"},
     KnownDevice{"force-dimension-omega", "Force Dimension omega", haptic, Bus::usb, 0x1451, 0x0402, "",
                 "usb.ids; vendor's udev rules", Confidence::reported,
                 "through the vendor's library, tried against a stub only"},
@@ -46,8 +62,6 @@ constexpr std::array devices{
                 "comedi.org (ni_pcimio and others)", Confidence::confirmed, "/dev/comedi0 to /dev/comedi15"},
     KnownDevice{"phantom-omni", "SensAble PHANTOM Omni", haptic, Bus::invisible, 0, 0, "", "vendor's manual",
                 Confidence::confirmed, "is on FireWire, which libusb does not see"},
-    KnownDevice{"haply-inverse", "Haply Inverse3", haptic, Bus::invisible, 0, 0, "", "vendor's manual",
-                Confidence::confirmed, "is reached through a local service, not over USB by this program"},
     KnownDevice{"ni-pci-daq", "National Instruments PCI card without comedi", volts, Bus::invisible, 0, 0, "",
                 "comedi.org", Confidence::confirmed, "a PCI card is only seen through its comedi node"},
 };
@@ -80,7 +94,7 @@ const KnownDevice* match_usb(std::uint16_t vendor, std::uint16_t product, std::s
 }
 
 std::string_view to_string(Bus bus) {
-  constexpr std::array names{"usb", "network", "comedi", "invisible"};
+  constexpr std::array names{"usb", "network", "comedi", "serial", "invisible"};
   return names[static_cast<std::size_t>(bus)];
 }
 

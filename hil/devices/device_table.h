@@ -11,8 +11,8 @@
 
 namespace touchstone::hil {
 
-enum class Bus : std::uint8_t { usb, network, comedi, invisible };
-enum class DeviceRole : std::uint8_t { wrench_source, haptic_device, voltage_source };
+enum class Bus : std::uint8_t { usb, network, comedi, serial, invisible };
+enum class DeviceRole : std::uint8_t { wrench_source, haptic_device, voltage_source, tracker };
 // `confirmed`: vendor's documents or several independent sources; `reported`: one public source; `conflicting`: public
 // lists disagree, so the product string decides.
 enum class Confidence : std::uint8_t { confirmed, reported, conflicting };

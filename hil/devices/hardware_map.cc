@@ -23,6 +23,28 @@ int port_of(JsonObject& object, std::string_view key, int otherwise) {
   return static_cast<int>(value);
 }
 
+double not_negative(JsonObject& object, std::string_view key) {
+  const double value = object.optional_number(key).value_or(0.0);
+  if (!(value >= 0.0)) object.fail_at(key, "must not be negative");
+  return value;
+}
+
+// Of trackers, load cells and serial lines.
+void read_stream_settings(JsonObject& object, MappedDevice& device, const std::filesystem::path& folder) {
+  device.baud = static_cast<int>(not_negative(object, "baud"));
+  device.rate_Hz = not_negative(object, "rate_Hz");
+  device.body = object.optional_text("body").value_or("");
+  if (const auto file = object.optional_text("tool_file")) device.tool_file = (folder / *file).string();
+  device.newtons_per_unit = object.optional_number("newtons_per_unit").value_or(0.0);
+  const double value = object.optional_number("value").value_or(1.0);
+  if (!(value >= 1.0 && value <= 100.0))
+    object.fail_at("value", "the place of a number in a line, from 1, was expected");
+  device.value = static_cast<int>(value);
+  const auto axis = object.optional_text("axis").value_or("z");
+  if (axis != "x" && axis != "y" && axis != "z") object.fail_at("axis", "x, y or z was expected");
+  device.axis = axis.front();
+}
+
 MappedDevice read_device(JsonObject& object, const std::filesystem::path& folder) {
   MappedDevice device;
   device.id = object.text("id");
@@ -41,6 +63,8 @@ MappedDevice read_device(JsonObject& object, const std::filesystem::path& folder
   device.address = object.optional_text("address").value_or("");
   device.http_port = port_of(object, "http_port", device.http_port);
   device.udp_port = port_of(object, "udp_port", device.udp_port);
+  if (object.has("port")) device.port = port_of(object, "port", 0);
+  read_stream_settings(object, device, folder);
   device.library = object.optional_text("library").value_or("");
   device.firmware = object.optional_text("firmware").value_or("");
   device.dead_man = object.optional_text("dead_man").value_or("");

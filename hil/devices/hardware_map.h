@@ -26,6 +26,14 @@ struct MappedDevice {
   std::string address;         // network: host of the sensor; comedi: /dev/comediN
   int http_port = 80;
   int udp_port = 49152;
+  int port = 0;                          // of a tracker's or a service's server; 0: the usual one
+  int baud = 0;                          // serial line; 0: the device's usual
+  double rate_Hz = 0.0;                  // of a device that does not state its own; 0: unknown
+  std::string body;                      // tracker: name (or number) of the rigid body; VRPN: name or name:sensor
+  std::string tool_file;                 // NDI: the passive tool's definition (.rom)
+  double newtons_per_unit = 0.0;         // load cell: of what its firmware prints
+  int value = 1;                         // load cell: which number of a line is the load
+  char axis = 'z';                       // load cell: along which it measures, in its own frame
   std::string library;                   // vendor's library, where it is not on the loader's path
   std::string firmware;                  // Falcon: the vendor's firmware file
   std::string dead_man;                  // what must be held while a test commands forces, as open_dead_man() takes it

@@ -57,11 +57,40 @@ class WrenchSource {
   [[nodiscard]] virtual const DeviceIdentity& identity() const = 0;
   // Records per second as the device states them; 0: it does not say.
   [[nodiscard]] virtual double nominal_rate_Hz() const { return 0.0; }
+  // Whether the device numbers its records, so that a loss shows as a gap.
+  [[nodiscard]] virtual bool numbers_records() const { return true; }
   virtual void start() = 0;
   virtual void stop() noexcept = 0;
   // The samples that have come, at least one unless the deadline (Clock's seconds) passes first: then 0. A deadline
   // that has passed already asks for what is there, without waiting. Throws DeviceError when the device is gone.
   virtual std::size_t read(std::span<WrenchSample> out, double deadline_s) = 0;
+  [[nodiscard]] virtual StreamCounters counters() const = 0;
+};
+
+// Where a tracker saw a body, or a haptic device its handle.
+struct PoseSample {
+  double t_s = 0.0;              // as of WrenchSample
+  std::uint64_t sequence = 0;    // of the device where it numbers its frames, else of arrival
+  std::uint64_t ticks = 0;       // of the device's own clock, PoseSource::ticks_per_s(); 0 where it has none
+  Vec3 p_W_m = Vec3::Zero();     // the body's origin in the device's world
+  Quat q_WB = Quat::Identity();  // turns the body's frame into the device's world
+  std::uint32_t flags = sample_ok;
+  std::uint32_t device_status = 0;
+};
+
+class PoseSource {
+ public:
+  virtual ~PoseSource() = default;
+  [[nodiscard]] virtual const DeviceIdentity& identity() const = 0;
+  [[nodiscard]] virtual double nominal_rate_Hz() const { return 0.0; }
+  // Of the clock that stamps each sample where it was measured; 0: the device has none.
+  [[nodiscard]] virtual double ticks_per_s() const { return 0.0; }
+  // Whether the device numbers its frames, so that a loss shows as a gap.
+  [[nodiscard]] virtual bool numbers_frames() const { return true; }
+  virtual void start() = 0;
+  virtual void stop() noexcept = 0;
+  // As WrenchSource::read().
+  virtual std::size_t read(std::span<PoseSample> out, double deadline_s) = 0;
   [[nodiscard]] virtual StreamCounters counters() const = 0;
 };
 

@@ -1,16 +1,23 @@
 #include "hil/devices/probe.h"
 
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <algorithm>
+#include <cerrno>
+#include <cstring>
 #include <filesystem>
 #include <optional>
 
 #include "hil/devices/device_table.h"
 #include "hil/drivers/comedi_daq.h"
+#include "hil/drivers/haply.h"
+#include "hil/drivers/natnet.h"
+#include "hil/drivers/ndi.h"
 #include "hil/drivers/netft.h"
 #include "hil/drivers/onrobot.h"
 #include "hil/drivers/usb.h"
+#include "hil/drivers/vrpn.h"
 
 namespace touchstone::hil {
 namespace {
@@ -59,12 +66,69 @@ void probe_usb(ProbeResult& result, const MappedDevice* mapped, const std::vecto
   }
 }
 
+void probe_tracker(ProbeResult& result, const MappedDevice& mapped, const ProbeOptions& options) {
+  std::unique_ptr<PoseSource> source;
+  if (result.id == "optitrack") {
+    source = open_natnet({mapped.address, mapped.port != 0 ? mapped.port : natnet::command_port, mapped.body,
+                          options.network_timeout_s, 0.0});
+  } else if (result.id == "ndi-polaris") {
+    NdiOptions ndi;
+    ndi.address = mapped.address;
+    if (mapped.port != 0) ndi.port = mapped.port;
+    ndi.tool_file = mapped.tool_file;
+    ndi.timeout_s = options.network_timeout_s;
+    source = open_ndi(ndi);
+  } else {
+    VrpnOptions vrpn = vrpn_options(mapped.address, mapped.body);
+    if (mapped.port != 0) vrpn.port = mapped.port;
+    vrpn.timeout_s = options.network_timeout_s;
+    source = open_vrpn(vrpn);
+  }
+  result.status = DeviceStatus::present;
+  result.serial = source->identity().serial;
+  result.reason = fmt::format("{} at {}", source->identity().firmware, mapped.address);
+}
+
+void probe_haply(ProbeResult& result, const MappedDevice& mapped, const ProbeOptions& options) {
+  const auto device = open_haply(
+      {mapped.address, mapped.port != 0 ? mapped.port : haply::usual_port, mapped.serial, options.network_timeout_s});
+  result.status = DeviceStatus::present;
+  result.serial = device->identity().serial;
+  result.reason = fmt::format("through Haply's service at {}{}", mapped.address,
+                              device->calibrated() ? "" : "; not calibrated yet: no force is commanded");
+}
+
+// A line says nothing of what is at its end: that it is there and may be opened is what can be known without starting
+// the device.
+void probe_serial(ProbeResult& result, const MappedDevice* mapped) {
+  if (mapped == nullptr || mapped->address.empty()) {
+    result.reason = "a serial device is looked for only where the hardware map gives its node";
+    return;
+  }
+  if (::access(mapped->address.c_str(), R_OK | W_OK) == 0) {
+    result.status = DeviceStatus::present;
+    result.reason = fmt::format("the line {} is there; what is at its end shows when it is recorded", mapped->address);
+    return;
+  }
+  result.status = errno == EACCES ? DeviceStatus::no_permission : DeviceStatus::absent;
+  result.reason = fmt::format("{}: {}{}", mapped->address, std::strerror(errno),
+                              errno == EACCES ? "; your user must be in the node's group (dialout)" : "");
+}
+
 void probe_network(ProbeResult& result, const MappedDevice* mapped, const ProbeOptions& options) {
   if (mapped == nullptr || mapped->address.empty()) {
     result.reason = "a network sensor is looked for only where the hardware map gives its address";
     return;
   }
   try {
+    if (result.id == "haply-inverse3") {
+      probe_haply(result, *mapped, options);
+      return;
+    }
+    if (const KnownDevice* const known = find_known_device(result.id); known->role == DeviceRole::tracker) {
+      probe_tracker(result, *mapped, options);
+      return;
+    }
     if (result.id == "onrobot-hex") {
       const auto sensor = open_onrobot({mapped->address, mapped->udp_port}, options.network_timeout_s, false);
       result.status = DeviceStatus::present;
@@ -130,6 +194,9 @@ ProbeResult probe_device(const KnownDevice& known, const HardwareMap& map, const
     case Bus::network:
       probe_network(result, mapped, options);
       break;
+    case Bus::serial:
+      probe_serial(result, mapped);
+      break;
     case Bus::comedi:
       probe_comedi(result, mapped, options);
       break;
@@ -173,7 +240,8 @@ std::vector<ProbeResult> probe(const HardwareMap& map, const ProbeOptions& optio
 
 ProbeResult probe_one(const std::string& id, const HardwareMap& map, const ProbeOptions& options) {
   const KnownDevice* const known = find_known_device(id);
-  if (known == nullptr) throw UsageError(fmt::format("{}: not a known device", id));
+  if (known == nullptr)
+    throw UsageError(fmt::format("{}: not a known device; touchstone hil probe without a name lists them", id));
   return probe_device(*known, map, options, known->bus == Bus::usb ? usb_devices() : std::vector<UsbDeviceInfo>{});
 }
 

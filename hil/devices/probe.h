@@ -26,6 +26,7 @@ struct ProbeOptions {
 
 // One result per known device (by id), in the table's order. Opens devices to read their strings; commands nothing.
 std::vector<ProbeResult> probe(const HardwareMap& map, const ProbeOptions& options = {});
+// The one device; throws UsageError for an id that the table does not have.
 ProbeResult probe_one(const std::string& id, const HardwareMap& map, const ProbeOptions& options = {});
 
 }  // namespace touchstone::hil

@@ -15,6 +15,7 @@
 #include "harness/base/random.h"
 #include "hil/drivers/falcon_kinematics.h"
 #include "hil/drivers/usb.h"
+#include "hil/emulators/scheduling_lateness.h"
 #include "hil/emulators/usb_emulator.h"
 
 namespace touchstone::hil {
@@ -190,7 +191,24 @@ TEST_F(FalconUsb, StaysHomed) {
     ASSERT_TRUE(device->calibrated()) << i;
   }
   EXPECT_EQ(with_force, 100);
-  EXPECT_TRUE(device->zero_force());
+  // As the guard does: again until it is confirmed. How long that takes is the driver's on a quiet machine only; on a
+  // busy one it is the scheduler's, of this thread, libusb's and the emulated device's in turn, and is only said.
+  {
+    const SchedulingLateness machine;
+    MonotonicClock clock;
+    const double began = clock.now_s();
+    bool confirmed = device->zero_force();
+    while (!confirmed && clock.now_s() < began + 30.0) confirmed = device->zero_force();
+    const double took_s = clock.now_s() - began;
+    ASSERT_TRUE(confirmed);
+    EXPECT_EQ(model_.motors(), (std::array<int, 3>{}));
+    fmt::print("zero confirmed after {:.1f} ms; threads woke up to {:.1f} ms late\n", 1e3 * took_s,
+               1e3 * machine.worst_s());
+    constexpr double quiet_s = 0.5e-3, confirm_s = 0.01;
+    if (machine.worst_s() < quiet_s) {
+      EXPECT_LT(took_s, confirm_s);
+    }
+  }
   device->exchange(Vec3::Zero(), soon());
   EXPECT_TRUE(device->calibrated()) << "letting go must not lose the reference";
 }

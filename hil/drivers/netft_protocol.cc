@@ -36,7 +36,9 @@ constexpr double pound_N = 4.4482216152605, inch_m = 0.0254, kilogram_force_N = 
 NetFtConfiguration parse_netft_configuration(std::string_view xml, const std::string& source) {
   pugi::xml_document document;
   const auto parsed = document.load_buffer(xml.data(), xml.size());
-  if (!parsed) throw BadData(fmt::format("{}: is not XML: {} at byte {}", source, parsed.description(), parsed.offset));
+  if (!parsed)
+    throw BadData(fmt::format("{}: is not XML: {} at byte {}; is this a Net F/T's address?", source,
+                              parsed.description(), parsed.offset));
   const auto root = document.document_element();
   const auto text = [&](const char* name) -> std::string {
     const auto node = root.child(name);
@@ -52,7 +54,8 @@ NetFtConfiguration parse_netft_configuration(std::string_view xml, const std::st
     const auto result = std::from_chars(word.data(), word.data() + word.size(), value);
     if (result.ec != std::errc() || result.ptr != word.data() + word.size() || !(value > 0.0) ||
         !std::isfinite(value)) {
-      throw BadData(fmt::format("{}: <{}> is \"{}\"; a positive number was expected", source, name, word));
+      throw BadData(fmt::format("{}: <{}> is \"{}\"; a positive number was expected; set it on the sensor's own page",
+                                source, name, word));
     }
     return value;
   };
@@ -60,7 +63,10 @@ NetFtConfiguration parse_netft_configuration(std::string_view xml, const std::st
     const auto word = text(name);
     const auto found = known.find(word);
     if (found == known.end())
-      throw BadData(fmt::format("{}: <{}> is the unit \"{}\", which is not known here", source, name, word));
+      throw BadData(
+          fmt::format("{}: <{}> is the unit \"{}\", which is not known here; choose N or N-m, or the like, on the "
+                      "sensor's own page",
+                      source, name, word));
     return found->second;
   };
   NetFtConfiguration c;

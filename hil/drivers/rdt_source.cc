@@ -13,7 +13,8 @@
 #include <cerrno>
 #include <cmath>
 #include <cstring>
-#include <ctime>
+
+#include "hil/drivers/stamped_udp.h"
 
 namespace touchstone::hil {
 namespace {
@@ -28,33 +29,13 @@ int connect_udp(const std::string& called, const std::string& host, int port) {
   }
   const std::unique_ptr<addrinfo, void (*)(addrinfo*)> owner(found, freeaddrinfo);
   const int fd = ::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
-  // A second of records at 7 kHz, should this process be scheduled away.
-  const int buffer = 4 << 20, on = 1;
-  ::setsockopt(fd, SOL_SOCKET, SO_RCVBUF, &buffer, sizeof buffer);
-  // When the kernel took each packet in, whenever this process comes to read it.
-  ::setsockopt(fd, SOL_SOCKET, SO_TIMESTAMPNS, &on, sizeof on);
+  if (fd >= 0) ask_for_stamps(fd);
   if (fd < 0 || ::connect(fd, found->ai_addr, found->ai_addrlen) != 0) {
     const int error = errno;
     if (fd >= 0) ::close(fd);
     throw DeviceError(DeviceStatus::absent, fmt::format("{} at {}:{}: {}", called, host, port, std::strerror(error)));
   }
   return fd;
-}
-
-double seconds_of(const timespec& t) { return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec); }
-
-// The kernel's stamp of a packet on the driver's clock; `now_s` where there is none. Stamps are in CLOCK_REALTIME:
-// where somebody set that clock in between, they make no sense and are not used.
-double arrival_s(msghdr& header, double now_s, double real_now_s) {
-  constexpr double longest_wait_s = 10.0;  // many times what the socket's buffer holds
-  for (cmsghdr* c = CMSG_FIRSTHDR(&header); c != nullptr; c = CMSG_NXTHDR(&header, c)) {
-    if (c->cmsg_level != SOL_SOCKET || c->cmsg_type != SO_TIMESTAMPNS) continue;
-    timespec stamp{};
-    std::memcpy(&stamp, CMSG_DATA(c), sizeof stamp);
-    const double age_s = real_now_s - seconds_of(stamp);
-    if (age_s >= 0.0 && age_s < longest_wait_s) return now_s - age_s;
-  }
-  return now_s;
 }
 
 bool on_loopback(int socket) {
@@ -132,17 +113,14 @@ class RdtSource final : public WrenchSource {
     std::array<std::array<unsigned char, 2 * rdt_record_bytes>, batch> buffers;
     std::array<iovec, batch> vectors{};
     std::array<mmsghdr, batch> messages{};
-    struct alignas(cmsghdr) Stamp {
-      std::array<char, CMSG_SPACE(sizeof(timespec))> bytes;
-    };
-    std::array<Stamp, batch> stamps;
+    std::array<StampBuffer, batch> stamps;
     const std::size_t want = std::min(batch, out.size());
     for (std::size_t i = 0; i < want; ++i) {
       vectors[i] = {buffers[i].data(), buffers[i].size()};
       messages[i].msg_hdr.msg_iov = &vectors[i];
       messages[i].msg_hdr.msg_iovlen = 1;
-      messages[i].msg_hdr.msg_control = stamps[i].bytes.data();
-      messages[i].msg_hdr.msg_controllen = stamps[i].bytes.size();
+      messages[i].msg_hdr.msg_control = stamps[i].bytes;
+      messages[i].msg_hdr.msg_controllen = sizeof stamps[i].bytes;
     }
     const int n = ::recvmmsg(socket_, messages.data(), static_cast<unsigned>(want), MSG_DONTWAIT, nullptr);
     if (n < 0) {
@@ -152,8 +130,7 @@ class RdtSource final : public WrenchSource {
       throw DeviceError(DeviceStatus::failed, fmt::format("{}: {}", place_, std::strerror(errno)));
     }
     const double now = clock_.now_s();
-    timespec real{};
-    ::clock_gettime(CLOCK_REALTIME, &real);
+    const double real = real_now_s();
     std::size_t filled = 0;
     for (std::size_t i = 0; i < static_cast<std::size_t>(n); ++i) {
       if (messages[i].msg_len != rdt_record_bytes) {
@@ -167,7 +144,7 @@ class RdtSource final : public WrenchSource {
       if (verdict == SequenceTracker::Verdict::repeated || verdict == SequenceTracker::Verdict::reordered) continue;
       WrenchSample& sample = out[filled++];
       sample = {};
-      sample.t_s = arrival_s(messages[i].msg_hdr, now, seconds_of(real));
+      sample.t_s = arrival_s(messages[i].msg_hdr, now, real);
       sample.sequence = sequence_.unwrapped();
       sample.device_status = record.status;
       if ((record.status & rdt_error_bit) != 0) {

@@ -37,7 +37,8 @@ class EmulatedHapticPlant {
   EmulatedHapticState* state_;
 };
 
-// The driver's side; opens the file that a plant made. The handle swings slowly through a centimetre.
+// The driver's side; opens the file that a plant made, and throws DeviceError if there is none. The handle swings
+// slowly through a centimetre.
 std::unique_ptr<HapticDevice> open_emulated_haptic(const std::filesystem::path& file);
 
 }  // namespace touchstone::hil

@@ -1,6 +1,5 @@
 #include "hil/emulators/netft_emulator.h"
 
-#include <arpa/inet.h>
 #include <fmt/format.h>
 #include <netinet/in.h>
 #include <poll.h>
@@ -12,9 +11,9 @@
 #include <cstring>
 #include <map>
 #include <optional>
-#include <stdexcept>
 #include <vector>
 
+#include "hil/emulators/loopback_socket.h"
 #include "hil/emulators/netft_answers.h"
 
 namespace touchstone::hil {
@@ -34,27 +33,13 @@ std::string with_element(std::string xml, const std::string& name, const std::st
   return xml.replace(begin, end - begin, text);
 }
 
-int bind_loopback(int type, int& port) {
-  const int fd = ::socket(AF_INET, type | SOCK_CLOEXEC, 0);
-  sockaddr_in address{};
-  address.sin_family = AF_INET;
-  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-  socklen_t size = sizeof address;
-  if (fd < 0 || ::bind(fd, reinterpret_cast<sockaddr*>(&address), size) != 0 ||
-      ::getsockname(fd, reinterpret_cast<sockaddr*>(&address), &size) != 0) {
-    throw std::runtime_error("the emulator found no free port on loopback");
-  }
-  port = ntohs(address.sin_port);
-  return fd;
-}
-
 }  // namespace
 
 NetFtEmulator::NetFtEmulator(double rate_Hz, NetFtFaults faults, std::function<Wrench(double)> wrench)
     : rate_Hz_(rate_Hz), faults_(faults), wrench_(std::move(wrench)) {
-  http_socket_ = bind_loopback(SOCK_STREAM, http_port_);
-  udp_socket_ = bind_loopback(SOCK_DGRAM, udp_port_);
-  ::listen(http_socket_, 8);
+  const LoopbackSocket http = listen_on_loopback(), udp = datagrams_on_loopback();
+  http_socket_ = http.fd, http_port_ = http.port;
+  udp_socket_ = udp.fd, udp_port_ = udp.port;
   http_thread_ = std::thread([this] { serve_http(); });
   rdt_thread_ = std::thread([this] { serve_rdt(); });
 }
@@ -126,7 +111,7 @@ void NetFtEmulator::serve_rdt() {
       const std::pair key(from.sin_addr.s_addr, from.sin_port);
       if (command == 0) clients.erase(key);
       if (command == 2) {
-        if (clients.empty()) start = clock.now_s(), count = 0, sequence = faults_.first_sequence;
+        if (clients.empty()) start = clock.now_s(), started_s_ = start, count = 0, sequence = faults_.first_sequence;
         if (faults_.newest_client_wins) clients.clear();
         clients[key] = from;
       }
@@ -137,7 +122,8 @@ void NetFtEmulator::serve_rdt() {
       continue;
     }
     // What is due by now, so that a late wake-up loses nothing.
-    while (!stop_ && static_cast<double>(count) < (clock.now_s() - start) * rate_Hz_ &&
+    while (!stop_ &&
+           static_cast<double>(count) < (clock.now_s() - start) * rate_Hz_ * (1.0 + 1e-6 * faults_.clock_ppm) &&
            !(faults_.silent_after != 0 && count >= faults_.silent_after)) {
       ++count;
       const Wrench w = wrench_(static_cast<double>(count) / rate_Hz_);

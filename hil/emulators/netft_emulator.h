@@ -28,6 +28,7 @@ struct NetFtFaults {
   bool http_garbage = false;           // answers with something that is not a configuration
   bool newest_client_wins = false;     // a second client takes the stream from the first
   bool names_itself_a_sensor = false;  // its name does not say that it is emulated
+  double clock_ppm = 0.0;              // the sensor's clock against this machine's
 };
 
 class NetFtEmulator {
@@ -40,6 +41,9 @@ class NetFtEmulator {
 
   [[nodiscard]] NetFtAddress address() const;
   [[nodiscard]] std::uint64_t sent() const noexcept { return sent_.load(); }
+  // This machine's time at which the stream was asked for: record n (from 1) is due (n - 1) / rate later, by the
+  // sensor's own clock.
+  [[nodiscard]] double started_s() const noexcept { return started_s_; }
   // The network cable is pulled: both ports close.
   void unplug();
 
@@ -54,6 +58,7 @@ class NetFtEmulator {
   int http_port_ = 0, udp_port_ = 0;
   std::atomic<bool> stop_{false};
   std::atomic<std::uint64_t> sent_{0};
+  std::atomic<double> started_s_{0.0};
   std::thread http_thread_, rdt_thread_;
 };
 

@@ -7,7 +7,8 @@
 
 #include <array>
 #include <cmath>
-#include <stdexcept>
+
+#include "hil/emulators/loopback_socket.h"
 
 namespace touchstone::hil {
 namespace {
@@ -25,15 +26,9 @@ std::uint32_t big_endian(const unsigned char* bytes, int count) {
 }  // namespace
 
 OnRobotEmulator::OnRobotEmulator(std::function<Wrench(double)> wrench) : wrench_(std::move(wrench)) {
-  socket_ = ::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
-  sockaddr_in address{};
-  address.sin_family = AF_INET;
-  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-  socklen_t size = sizeof address;
-  if (socket_ < 0 || ::bind(socket_, reinterpret_cast<sockaddr*>(&address), size) != 0 ||
-      ::getsockname(socket_, reinterpret_cast<sockaddr*>(&address), &size) != 0)
-    throw std::runtime_error("the emulator found no free port on loopback");
-  port_ = ntohs(address.sin_port);
+  const LoopbackSocket opened = datagrams_on_loopback();
+  socket_ = opened.fd;
+  port_ = opened.port;
   thread_ = std::thread([this] { serve(); });
 }
 

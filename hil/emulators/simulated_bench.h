@@ -1,6 +1,6 @@
 // A haptic device, a force sensor and a person's hand in simulation, on a clock of their own: the lab's experiments run
 // against it in no time, whatever else the machine does, and with faults whose effect is known. All results are
-// emulated.
+// emulated. An unplugged device throws DeviceError, as a driver does.
 //   The device: m x'' = F_motor + F_hand - b x' - f_c sign(x') along x; the motor follows its command through a delay
 // and a first-order lag, the encoder counts. Stiff contact with a sampled wall then behaves as Colgate and Schenkel
 // (1997) say: passive for K T / 2 + |B| < b.

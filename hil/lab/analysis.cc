@@ -28,7 +28,7 @@ double allan(const std::vector<double>& x, std::size_t m) {
 NoiseFloor noise_floor(const std::vector<WrenchSample>& samples, double rate_Hz) {
   NoiseFloor result;
   const std::size_t n = samples.size();
-  if (n < 4) throw BadData(fmt::format("noise floor: {} samples; at least 4 are needed", n));
+  if (n < 4) throw BadData(fmt::format("noise floor: {} samples; at least 4 are needed: record longer", n));
   std::array<std::vector<double>, 3> axis;
   for (int k = 0; k < 3; ++k) {
     auto& x = axis[static_cast<std::size_t>(k)];

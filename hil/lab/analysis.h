@@ -16,6 +16,7 @@ struct NoiseFloor {
   Vec3 drift_N_per_s = Vec3::Zero();   // least-squares line
   std::vector<double> tau_s, allan_N;  // Allan deviation of the largest axis
 };
+// Throws BadData for fewer than four samples.
 NoiseFloor noise_floor(const std::vector<WrenchSample>& samples, double rate_Hz);
 
 // A force step: delay to 50 %, rise between 10 and 90 %, overshoot, and the bandwidth of a first-order system with that

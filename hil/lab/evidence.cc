@@ -47,7 +47,10 @@ void Evidence::take(const Finding& finding) {
 
 void publish(const Evidence& e, const std::vector<WrenchSample>& samples) {
   for (const auto& m : e.measurements) {
-    if (!std::isfinite(m.value)) throw BadData(fmt::format("{}: {} is not finite: no result", e.test, m.name));
+    if (!std::isfinite(m.value))
+      throw BadData(
+          fmt::format("{}: {} is not finite: no result; look at the samples in the evidence, and run the test again",
+                      e.test, m.name));
     if (e.device.emulated) {
       fmt::print("emulated {} {} = {:.9g}\n", e.test, m.name, m.value);
     } else {

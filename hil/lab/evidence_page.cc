@@ -105,14 +105,17 @@ EvidencePage evidence_page(const std::filesystem::path& folder) {
     const json e = load_json(file);
     try {
       if (e.at("schema") != "touchstone-hil-evidence/1")
-        throw BadData(file.string() + ": /schema: touchstone-hil-evidence/1 was expected");
+        throw BadData(
+            file.string() +
+            ": /schema: touchstone-hil-evidence/1 was expected; give the folder that TOUCHSTONE_HIL_EVIDENCE named");
       const bool emulated = e.at("emulated").get<bool>();
       if (first.empty()) {
         first = file.string();
         result.emulated = emulated;
       } else if (emulated != result.emulated) {
-        throw BadData(fmt::format("{} is {}, {} is not: emulated and hardware results never stand on one page",
-                                  emulated ? file.string() : first, "emulated", emulated ? first : file.string()));
+        throw BadData(fmt::format(
+            "{} is {}, {} is not: emulated and hardware results never stand on one page; give one folder of them",
+            emulated ? file.string() : first, "emulated", emulated ? first : file.string()));
       }
       const bool failed = !e.value("failures", json::array()).empty();
       ++result.tests;
@@ -121,7 +124,8 @@ EvidencePage evidence_page(const std::filesystem::path& folder) {
       if (devices.find(device) == std::string::npos) devices += (devices.empty() ? "" : ", ") + device;
       result.page.sections.push_back(section_of(e, failed));
     } catch (const json::exception& problem) {
-      throw BadData(fmt::format("{}: not evidence of a lab's test: {}", file.string(), problem.what()));
+      throw BadData(fmt::format("{}: not evidence of a lab's test: {}; take the file out of the folder", file.string(),
+                                problem.what()));
     }
   }
   Page& page = result.page;

@@ -15,10 +15,12 @@ namespace {
 constexpr double rate_Hz = 1000.0;
 
 ServoRun whole_run(Bench& bench, double seconds, const WantedForce& wanted, const char* test) {
-  if (bench.sensor == nullptr) throw UsageError(fmt::format("{}: needs a force sensor that holds the handle", test));
+  if (bench.sensor == nullptr)
+    throw UsageError(
+        fmt::format("{}: needs a force sensor that holds the handle; connect one in the hardware map", test));
   auto run = run_servo(bench, seconds, wanted, rate_Hz);
   if (!run.whole()) {
-    throw DeviceError(DeviceStatus::failed, fmt::format("{}: the run was cut short at {:.3g} s: {}", test,
+    throw DeviceError(DeviceStatus::failed, fmt::format("{}: the run was cut short at {:.3g} s: {}; run it again", test,
                                                         run.ticks.empty() ? 0.0 : run.ticks.back().t_s,
                                                         run.stopped ? "stopped by the user" : to_string(run.trip)));
   }
@@ -29,7 +31,7 @@ ServoRun whole_run(Bench& bench, double seconds, const WantedForce& wanted, cons
     throw DeviceError(
         DeviceStatus::failed,
         fmt::format("{}: the sensor gave {} samples in {:.3g} s, with a gap of {:.3g} s; at least one per "
-                    "two ticks without a gap is needed",
+                    "two ticks without a gap is needed: quiet the machine, or raise the sensor's rate",
                     test, run.wrenches.size(), seconds, gap));
   }
   return run;
@@ -110,7 +112,10 @@ Finding force_step(Bench& bench, const LabLimits& limits, double force_N, const 
   std::sort(folded.begin(), folded.end());
   std::vector<double> t, f;
   for (const auto& [time, force] : folded) t.push_back(time), f.push_back(force);
-  if (t.size() < 100) throw DeviceError(DeviceStatus::failed, "force-step: no step was recorded");
+  if (t.size() < 100)
+    throw DeviceError(DeviceStatus::failed, fmt::format("force-step: {} samples about the steps, and 100 are needed; "
+                                                        "is the sensor clamped to the handle, and does it send?",
+                                                        t.size()));
   const auto r = step_response(t, f, 0.0);
   Finding finding;
   finding.test = "force-step";
@@ -154,7 +159,10 @@ Finding force_latency(Bench& bench, const LabLimits& limits, double force_N, con
     t.push_back(s.t_s), f.push_back(s.wrench.f_N.dot(along));
     mean += f.back();
   }
-  if (t.size() < bits.size()) throw DeviceError(DeviceStatus::failed, "force-latency: too few samples");
+  if (t.size() < bits.size())
+    throw DeviceError(
+        DeviceStatus::failed,
+        fmt::format("force-latency: {} samples, and {} are needed; raise the sensor's rate", t.size(), bits.size()));
   for (double& v : f) v -= mean / static_cast<double>(t.size());
   const double command_mean = 0.5 * force_N * (1.0 + 1.0 / static_cast<double>(bits.size()));
   const auto command = [&](double at) { return held_command(run.ticks, along, at) - command_mean; };
@@ -207,7 +215,9 @@ Finding golden_replay(Bench& bench, const LabLimits& limits, const GoldenForce& 
   for (const Vec3& f : golden.f_W_N) peak = std::max(peak, f.norm()), square += f.squaredNorm();
   const double golden_rms = std::sqrt(square / static_cast<double>(std::max<std::size_t>(1, golden.f_W_N.size())));
   if (golden.t_s.size() < 10 || golden.t_s.size() != golden.f_W_N.size() || !(peak > 0.0))
-    throw BadData(fmt::format("{}: a golden trajectory with forces was expected", golden.name));
+    throw BadData(fmt::format(
+        "{}: a golden trajectory with at least 10 samples and forces was expected; choose another golden case",
+        golden.name));
   const double scale = std::min(1.0, force_limit_N / peak), first = golden.t_s.front(),
                last = golden.t_s.back() - first;
   const LiftedSlew lifted(bench);
@@ -231,7 +241,9 @@ Finding golden_replay(Bench& bench, const LabLimits& limits, const GoldenForce& 
   for (const auto& s : run.wrenches) {
     if (s.t_s < quiet_s) bias += s.wrench.f_N, quiet += 1.0;
   }
-  if (quiet < 10) throw DeviceError(DeviceStatus::failed, "golden-replay: no samples before the trajectory");
+  if (quiet < 10)
+    throw DeviceError(DeviceStatus::failed,
+                      "golden-replay: fewer than 10 samples before the trajectory; does the sensor send?");
   bias /= quiet;
   const auto golden_at = [&](double t) -> Vec3 {
     const double at = t - quiet_s + first;

@@ -39,14 +39,15 @@ Motion motion_at(const std::vector<ServoTick>& ticks, double t_s) {
 }  // namespace
 
 Finding friction_by_hand(Bench& bench, const LabLimits& limits, double seconds, double slowest_m_per_s) {
-  if (bench.sensor == nullptr) throw UsageError("friction: needs a force sensor between hand and handle");
+  if (bench.sensor == nullptr)
+    throw UsageError("friction: needs a force sensor between hand and handle; connect one in the hardware map");
   bench.tell(
       fmt::format("move the handle slowly to and fro along x by 2 to 4 cm, about once in two seconds, holding it "
                   "by the force sensor only, for {:.0f} s",
                   seconds));
   const auto run = run_servo_at_zero(bench, seconds);
   if (run.trip != Trip::none)
-    throw DeviceError(DeviceStatus::failed, fmt::format("friction: cut short: {}", to_string(run.trip)));
+    throw DeviceError(DeviceStatus::failed, fmt::format("friction: cut short: {}; run it again", to_string(run.trip)));
   std::vector<double> v, a, f;
   // A sample every 5 ms is plenty, and spares time.
   double next = 0.0;
@@ -120,7 +121,10 @@ Finding servo_regularity(Bench& bench, const LabLimits& limits, double seconds, 
   const auto run = run_servo_at_zero(bench, seconds, 1.0 / period_s);
   std::vector<double> t;
   for (const auto& tick : run.ticks) t.push_back(tick.t_s);
-  if (t.size() < 3) throw DeviceError(DeviceStatus::failed, "servo-jitter: the loop did not run");
+  if (t.size() < 3)
+    throw DeviceError(
+        DeviceStatus::failed,
+        fmt::format("servo-jitter: the loop gave {} ticks, and 3 are needed; is the device still there?", t.size()));
   const auto j = servo_jitter(t, period_s, bin_s, 40);
   const auto counted = std::accumulate(j.histogram.begin(), j.histogram.end(), std::uint64_t{0});
   Finding finding;

@@ -335,5 +335,19 @@ TEST(Evidence, RefusesNumbersThatAreNone) {
   EXPECT_THROW(publish(e), BadData);
 }
 
+// Whatever cannot be used, its message ends with what to do about it.
+TEST(DeviceErrors, SayWhatToDoNext) {
+  for (int status = static_cast<int>(DeviceStatus::absent); status < static_cast<int>(DeviceStatus::invisible);
+       ++status) {
+    const auto kind = static_cast<DeviceStatus>(status);
+    const std::string bare = DeviceError(kind, "/dev/ttyUSB0: Input/output error").what();
+    EXPECT_THAT(bare, ::testing::StartsWith("/dev/ttyUSB0: Input/output error; ")) << to_string(kind);
+    EXPECT_GT(bare.size(), 50U) << to_string(kind);
+  }
+  // What says so itself is not told twice.
+  EXPECT_STREQ(DeviceError(DeviceStatus::failed, "it hums; let it cool").what(), "it hums; let it cool");
+  EXPECT_STREQ(DeviceError(DeviceStatus::absent, "is it switched on?").what(), "is it switched on?");
+}
+
 }  // namespace
 }  // namespace touchstone::hil

@@ -95,7 +95,9 @@ LabStation::LabStation(const std::string& device_id, const Availability& found, 
   }
   if (commands_forces) {
     if (!(mapped_.force_limit_N > 0.0))
-      throw UsageError(device_id + ": the hardware map gives no force_limit_N: nothing may be commanded");
+      throw UsageError(device_id +
+                       ": the hardware map gives no force_limit_N: nothing may be commanded; state the largest force "
+                       "that a test may command");
     dead_man_ = open_dead_man(mapped_.dead_man);
     bench_->dead_man = dead_man_.get();
   }

@@ -28,7 +28,8 @@ struct WallSweep {
 //     speed at the touch, for each K without damping;
 //   stiffness rendered: mean commanded force over mean depth at rest (below the one asked for where the force limit
 //     cuts).
-// Commands forces: the bench needs a dead-man input.
+// Commands forces: the bench needs a dead-man input. Throws DeviceError if the person stops it, or if the handle does
+// not come to the wall.
 Finding wall_sweep(Bench& bench, const LabLimits& limits, const WallSweep& sweep);
 
 }  // namespace touchstone::hil

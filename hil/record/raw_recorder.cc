@@ -42,7 +42,7 @@ RawRecorder::RawRecorder(std::filesystem::path path, const RawHeader& header, co
     throw BadData(fmt::format("{}: cannot be written: {}", path_.string(), std::strerror(error)));
   }
   good_bytes_ = start.size();
-  pending_.reserve(raw_format::block_header_bytes + options_.block_samples * raw_format::sample_bytes(true));
+  pending_.reserve(raw_format::block_header_bytes + options_.block_samples * raw_format::largest_sample_bytes);
   thread_ = std::thread([this] { work(); });
 }
 
@@ -73,7 +73,7 @@ std::size_t RawRecorder::take(std::string& samples, std::uint32_t most) {
   const std::uint64_t tail = tail_.load(std::memory_order_relaxed);
   const std::uint64_t n = std::min<std::uint64_t>(head_.load(std::memory_order_acquire) - tail, most);
   samples.clear();
-  for (std::uint64_t i = 0; i < n; ++i) raw_format::encode(ring_[(tail + i) % ring_.size()], header_.position, samples);
+  for (std::uint64_t i = 0; i < n; ++i) raw_format::encode(ring_[(tail + i) % ring_.size()], header_, samples);
   tail_.store(tail + n, std::memory_order_release);
   return static_cast<std::size_t>(n);
 }
@@ -93,12 +93,16 @@ void RawRecorder::work() {
   MonotonicClock clock;
   std::string samples;
   std::uint64_t number = 0;
-  double synced = clock.now_s();
+  double synced = clock.now_s(), taken = synced;
   for (;;) {
     const bool last = stop_;
     if (pending_samples_ == 0) {
-      const bool enough = head_.load() - tail_.load() >= options_.block_samples;
-      if (enough || last) {
+      const std::uint64_t waiting = head_.load() - tail_.load();
+      const double now = clock.now_s();
+      // A slow stream fills no block in time: what waits is written after block_s, however little it is.
+      if (waiting == 0) taken = now;
+      if (last || waiting >= options_.block_samples || (waiting > 0 && now - taken >= options_.block_s)) {
+        taken = now;
         const auto n = static_cast<std::uint32_t>(take(samples, options_.block_samples));
         if (n > 0) {
           pending_ = raw_format::block(samples, n, number);

@@ -17,7 +17,8 @@
 namespace touchstone::hil {
 
 struct RawRecorderOptions {
-  std::uint32_t block_samples = 500;  // a tenth of a second at 5 kHz is what a crash can cost
+  std::uint32_t block_samples = 500;  // a tenth of a second at 5 kHz is what a crash can cost,
+  double block_s = 0.05;              // and less for slower streams: samples wait no longer than this for their block
   // 105 s at 5 kHz: with 13 s a busy machine lost samples in an hour; whether disk or scheduling kept the writer is not
   // known.
   std::size_t ring_samples = 1U << 19U;

@@ -2,14 +2,16 @@
 // stays readable whatever happens to the program, the disk or the last block.
 //   file:   "TSRAW1\n", header length u32, header JSON, xxh64 of both
 //   block:  magic u32, samples u32, first sample's number u64, xxh64 u64 over the fields before and the samples
-//   sample: t_s, device sequence u64, force 3, torque 3, flags u32, device status u32 and, where the header says
-//           "position": true, the tip's position 3. Doubles and integers in the machine's little-endian order.
+//   sample: t_s, device sequence u64, force 3, torque 3, flags u32, device status u32; where the header says
+//           "position": true, the tip's position 3; where it says "pose": true, position 3, orientation w x y z, and
+//           the device's own clock u64. Doubles and integers in the machine's little-endian order.
 #pragma once
 
 #include <cstdint>
 #include <filesystem>
 #include <functional>
 #include <string>
+#include <string_view>
 
 #include "harness/base/rooms.h"
 #include "hil/devices/interfaces.h"
@@ -19,7 +21,17 @@ namespace touchstone::hil {
 struct RawSample {
   WrenchSample wrench;
   Vec3 p_W_m = Vec3::Zero();
+  Quat q_WB = Quat::Identity();
+  std::uint64_t ticks = 0;  // of the device's own clock, RawHeader::ticks_per_s
 };
+
+// How the samples of a file got their time.
+enum class StreamClock : std::uint8_t {
+  sequence,  // the device numbers its samples, which it takes at a constant rate
+  ticks,     // the device stamps each sample by a clock of its own
+  host,      // by their arrival alone: nothing else is known
+};
+std::string_view to_string(StreamClock clock);
 
 struct RawHeader {
   DeviceIdentity device;
@@ -27,6 +39,11 @@ struct RawHeader {
   std::string started;     // UTC
   double nominal_rate_Hz = 0.0;
   bool position = false;
+  bool pose = false;
+  StreamClock clock = StreamClock::sequence;
+  double ticks_per_s = 0.0;
+
+  [[nodiscard]] std::size_t sample_bytes() const { return pose ? 136 : position ? 96 : 72; }
 };
 std::string header_json(const RawHeader& header);
 RawHeader parse_header(const std::string& text, const std::string& source);
@@ -39,6 +56,9 @@ struct RecoveryReport {
   std::uint64_t missing_samples = 0;  // by the numbers of the blocks around damage
 };
 
+// The header alone; throws as read_raw().
+RawHeader read_raw_header(const std::filesystem::path& path);
+
 // Reads every sound block in order; damaged ones are skipped up to the next sound one and counted. Throws BadData when
 // the file is not a raw recording or its header is damaged.
 RecoveryReport read_raw(const std::filesystem::path& path, const std::function<void(const RawSample&)>& visit);
@@ -48,8 +68,8 @@ inline constexpr char file_magic[8] = {'T', 'S', 'R', 'A', 'W', '1', '\n', '\0'}
 inline constexpr std::uint32_t block_magic = 0x4b425354;  // "TSBK"
 inline constexpr std::size_t file_magic_bytes = 7, block_header_bytes = 24;
 inline constexpr std::uint32_t most_samples = 1U << 20U;
-[[nodiscard]] constexpr std::size_t sample_bytes(bool position) { return position ? 96 : 72; }
-void encode(const RawSample& sample, bool position, std::string& to);
+inline constexpr std::size_t largest_sample_bytes = 136;
+void encode(const RawSample& sample, const RawHeader& header, std::string& to);
 // Header and samples as one block.
 std::string block(const std::string& samples, std::uint32_t count, std::uint64_t first);
 std::string file_start(const RawHeader& header);

@@ -7,6 +7,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cmath>
 #include <csignal>
 #include <filesystem>
@@ -42,6 +43,13 @@ RawHeader header_of(bool position) {
   return h;
 }
 
+// However slowly this machine fills them.
+RawRecorderOptions whole_blocks() {
+  RawRecorderOptions options;
+  options.block_s = 1e9;
+  return options;
+}
+
 class RawRecordingTest : public ::testing::Test {
  protected:
   void SetUp() override {
@@ -65,7 +73,7 @@ class RawRecordingTest : public ::testing::Test {
   void free_disk() const { ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &room_), 0); }
 
   void record(std::uint64_t n, bool position = false) const {
-    RawRecorder recorder(path(), header_of(position), {});
+    RawRecorder recorder(path(), header_of(position), whole_blocks());
     for (std::uint64_t i = 0; i < n; ++i) {
       while (!recorder.push(sample_of(i))) ::usleep(100);
     }
@@ -78,7 +86,7 @@ class RawRecordingTest : public ::testing::Test {
 
 // Where the blocks of a recording without positions lie.
 const std::size_t start_bytes = raw_format::file_start(header_of(false)).size();
-constexpr std::size_t block_bytes = raw_format::block_header_bytes + 500 * raw_format::sample_bytes(false);
+const std::size_t block_bytes = raw_format::block_header_bytes + 500 * header_of(false).sample_bytes();
 
 TEST_F(RawRecordingTest, ComesBackToTheBit) {
   for (const bool position : {false, true}) {
@@ -100,6 +108,50 @@ TEST_F(RawRecordingTest, ComesBackToTheBit) {
     EXPECT_EQ(report.header.device.serial, "EMU1");
     EXPECT_TRUE(report.header.device.emulated);
   }
+}
+
+TEST_F(RawRecordingTest, PosesComeBackToTheBit) {
+  auto header = header_of(false);
+  header.pose = true;
+  header.clock = StreamClock::ticks;
+  header.ticks_per_s = 3312787;
+  const auto pose_of = [](std::uint64_t i) {
+    RawSample s = sample_of(i);
+    s.q_WB = Quat(Eigen::AngleAxisd(0.01 * static_cast<double>(i), Vec3(1, 2, 3).normalized()));
+    s.ticks = 1416497730518U + i;
+    return s;
+  };
+  {
+    RawRecorder recorder(path(), header, {});
+    for (std::uint64_t i = 0; i < 700; ++i) EXPECT_TRUE(recorder.push(pose_of(i)));
+    recorder.finish();
+  }
+  std::uint64_t i = 0;
+  const auto report = read_raw(path(), [&](const RawSample& s) {
+    const RawSample expected = pose_of(i++);
+    EXPECT_EQ(s.wrench.t_s, expected.wrench.t_s);
+    EXPECT_EQ(s.p_W_m, expected.p_W_m);
+    EXPECT_EQ(s.q_WB.coeffs(), expected.q_WB.coeffs());
+    EXPECT_EQ(s.ticks, expected.ticks);
+  });
+  EXPECT_EQ(report.samples, 700U);
+  EXPECT_EQ(report.header.clock, StreamClock::ticks);
+  EXPECT_EQ(report.header.ticks_per_s, 3312787);
+}
+
+// A tracker at 60 Hz would fill a block in 8 s; a crash may cost a tenth of a second.
+TEST_F(RawRecordingTest, ASlowStreamIsOnDiskWithinATenthOfASecond) {
+  RawRecorder recorder(path(), header_of(false), {});
+  MonotonicClock clock;
+  double worst_s = 0.0;
+  for (std::uint64_t i = 0; i < 6; ++i) {
+    const double pushed = clock.now_s();
+    EXPECT_TRUE(recorder.push(sample_of(i)));
+    while (recorder.written() < i + 1 && clock.now_s() < pushed + 5.0) ::usleep(1000);
+    worst_s = std::max(worst_s, clock.now_s() - pushed);
+  }
+  fmt::print("a lone sample was in the file after {:.0f} ms at most\n", 1e3 * worst_s);
+  EXPECT_LT(worst_s, 0.1 + 0.4) << "0.1 s, and what a busy machine may hold the writer up";
 }
 
 TEST_F(RawRecordingTest, CutAnywhereKeepsEveryWholeBlock) {
@@ -152,7 +204,7 @@ TEST_F(RawRecordingTest, RefusesWhatIsNotOneAndNeverOverwrites) {
 TEST_F(RawRecordingTest, SurvivesTheProgramsDeath) {
   const pid_t child = ::fork();
   if (child == 0) {
-    RawRecorder recorder(path(), header_of(false), {});
+    RawRecorder recorder(path(), header_of(false), whole_blocks());
     for (std::uint64_t i = 0;; ++i) {
       while (!recorder.push(sample_of(i))) ::usleep(50);
     }
@@ -169,7 +221,7 @@ TEST_F(RawRecordingTest, SurvivesTheProgramsDeath) {
 }
 
 TEST_F(RawRecordingTest, ADiskThatIsFullForAWhileLosesNothing) {
-  RawRecorder recorder(path(), header_of(false), {});
+  RawRecorder recorder(path(), header_of(false), whole_blocks());
   fill_disk_at(100000);  // in the middle of the third block
   for (std::uint64_t i = 0; i < 5000; ++i) EXPECT_TRUE(recorder.push(sample_of(i)));
   for (int wait = 0; wait < 400 && !recorder.stalled(); ++wait) ::usleep(5000);
@@ -185,7 +237,7 @@ TEST_F(RawRecordingTest, ADiskThatIsFullForAWhileLosesNothing) {
 }
 
 TEST_F(RawRecordingTest, ADiskThatStaysFullSpillsElsewhereAndSaysSo) {
-  RawRecorderOptions options;
+  RawRecorderOptions options = whole_blocks();
   options.spill_folder = folder_ / "elsewhere";
   RawRecorder recorder(path(), header_of(false), options);
   // Four blocks: two fit here, and under the same limit two fit the spill file.
@@ -207,7 +259,7 @@ TEST_F(RawRecordingTest, ADiskThatStaysFullSpillsElsewhereAndSaysSo) {
 }
 
 TEST_F(RawRecordingTest, AFullRingCountsWhatItLoses) {
-  RawRecorderOptions options;
+  RawRecorderOptions options = whole_blocks();
   options.ring_samples = 100;
   options.block_samples = 1000;  // never enough for a block: nothing is taken out
   RawRecorder recorder(path(), header_of(false), options);
@@ -221,7 +273,7 @@ TEST_F(RawRecordingTest, AFullRingCountsWhatItLoses) {
 
 // An hour at 5 kHz is 18 million samples; here a minute's, as fast as they go, with memory that does not grow.
 TEST_F(RawRecordingTest, AMinuteAtFiveKilohertzCompressed) {
-  RawRecorder recorder(path(), header_of(false), {});
+  RawRecorder recorder(path(), header_of(false), whole_blocks());
   const auto memory = recorder.memory_bytes();
   constexpr std::uint64_t n = 300000;
   for (std::uint64_t i = 0; i < n; ++i) {

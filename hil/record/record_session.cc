@@ -8,8 +8,6 @@
 #include <chrono>
 #include <cstdio>
 
-#include "harness/base/atomic_file.h"
-#include "harness/recording/envelope_clock.h"
 #include "hil/lab/analysis.h"
 
 namespace touchstone::hil {
@@ -131,56 +129,6 @@ std::vector<std::string> RecordReport::problems() const {
         arrival_rate_Hz, device_rate_Hz));
   }
   return said;
-}
-
-ExportReport export_raw(const std::vector<std::filesystem::path>& files, const std::filesystem::path& csv) {
-  ExportReport report;
-  EnvelopeClock clock;
-  std::uint64_t first_sequence = 0, last_sequence = 0;
-  for (const auto& file : files) {
-    const auto part = read_raw(file, [&](const RawSample& s) {
-      if (clock.samples() == 0) first_sequence = s.wrench.sequence;
-      if (clock.samples() > 0 && s.wrench.sequence <= last_sequence) {
-        throw BadData(fmt::format("{}: sample {} comes after sample {}: are the files in the order of their recording?",
-                                  file.string(), s.wrench.sequence, last_sequence));
-      }
-      clock.add(s.wrench.sequence, s.wrench.t_s);
-      last_sequence = s.wrench.sequence;
-    });
-    report.samples += part.samples;
-    report.damaged_bytes += part.damaged_bytes;
-    report.emulated = report.emulated || part.header.device.emulated;
-  }
-  if (report.samples < 2)
-    throw BadData(fmt::format("{}: holds {} sound samples; nothing to export", files.front().string(), report.samples));
-  const EnvelopeClock::Line line = clock.line();
-  if (!(line.seconds_per_sample > 0.0))
-    throw BadData(fmt::format("{}: time does not advance with the samples", files.front().string()));
-  const std::uint64_t sent = last_sequence - first_sequence + 1;
-  report.missing_samples = sent > report.samples ? sent - report.samples : 0;
-  report.rate_Hz = 1.0 / line.seconds_per_sample;
-  ArrivalDelays delays(line, first_sequence, last_sequence);
-  AtomicFile target(csv);
-  std::FILE* const out = std::fopen(target.path().c_str(), "we");
-  if (out == nullptr) throw BadData(fmt::format("{}: cannot be written", csv.string()));
-  std::fputs("t_s,fx_N,fy_N,fz_N,tx_Nm,ty_Nm,tz_Nm,flags\n", out);
-  const double origin = line.at(first_sequence);
-  for (const auto& file : files) {
-    read_raw(file, [&](const RawSample& s) {
-      delays.add(s.wrench.sequence, s.wrench.t_s);
-      const auto &f = s.wrench.wrench.f_N, &t = s.wrench.wrench.torque_Nm;
-      fmt::print(out, "{:.9f},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{}\n", line.at(s.wrench.sequence) - origin,
-                 f.x(), f.y(), f.z(), t.x(), t.y(), t.z(), s.wrench.flags);
-    });
-  }
-  report.mean_delay_s = delays.mean_s();
-  report.worst_delay_s = delays.worst_s();
-  report.axis_uncertainty_s = delays.floor_s();
-  const bool good = std::ferror(out) == 0;
-  if (std::fclose(out) != 0 || !good)
-    throw BadData(fmt::format("{}: cannot be written: is the disk full?", csv.string()));
-  target.commit();
-  return report;
 }
 
 }  // namespace touchstone::hil

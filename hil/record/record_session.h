@@ -38,17 +38,4 @@ struct RecordReport {
 RecordReport record_session(WrenchSource& source, const std::filesystem::path& path, const RecordOptions& options,
                             const std::function<bool()>& stop);
 
-// A raw recording as CSV that `touchstone acquire` reads: t_s, fx_N .. tz_Nm, flags. Times come from the line below all
-// arrivals over the sequence numbers (EnvelopeClock), because arrivals are late, never early. Several files are joined
-// in order (a spilled rest).
-struct ExportReport {
-  std::uint64_t samples = 0, damaged_bytes = 0;
-  std::uint64_t missing_samples = 0;  // by the device's sequence numbers: lost on the way, in memory or in the file
-  double rate_Hz = 0.0;
-  double mean_delay_s = 0.0, worst_delay_s = 0.0;  // of the arrivals against the time axis
-  double axis_uncertainty_s = 0.0;                 // ArrivalDelays::floor_s: a drifting clock shows here
-  bool emulated = false;
-};
-ExportReport export_raw(const std::vector<std::filesystem::path>& files, const std::filesystem::path& csv);
-
 }  // namespace touchstone::hil

@@ -10,6 +10,7 @@
 
 #include "harness/base/error.h"
 #include "hil/emulators/netft_emulator.h"
+#include "hil/record/stream_export.h"
 
 namespace touchstone::hil {
 namespace {

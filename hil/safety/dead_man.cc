@@ -38,8 +38,11 @@ constexpr double repeat_stale_s = 0.15;
 class TerminalDeadMan final : public DeadMan {
  public:
   explicit TerminalDeadMan(int fd, bool owned) : owned_(owned ? fd : -1), fd_(fd) {
-    if (::tcgetattr(fd_, &before_) != 0) throw UsageError("the dead-man input \"terminal\" needs a terminal");
-    if (!foreground()) throw UsageError("the dead-man input \"terminal\" needs this program in the foreground");
+    if (::tcgetattr(fd_, &before_) != 0)
+      throw UsageError(
+          "the dead-man input \"terminal\" needs a terminal; start from one, or use a pedal (input:/dev/input/eventN)");
+    if (!foreground())
+      throw UsageError("the dead-man input \"terminal\" needs this program in the foreground; start it without &");
     termios raw = before_;
     raw.c_lflag &= ~static_cast<tcflag_t>(ICANON | ECHO);  // signals stay: Ctrl-C still ends the run
     raw.c_cc[VMIN] = 0;
@@ -230,7 +233,10 @@ std::unique_ptr<DeadMan> open_dead_man(const std::string& specification) {
   const auto rest = colon == std::string::npos ? std::string() : specification.substr(colon + 1);
   if (kind == "terminal" && colon == std::string::npos) {
     const int fd = ::open("/dev/tty", O_RDWR | O_CLOEXEC);
-    if (fd < 0) throw UsageError("the dead-man input \"terminal\" needs a terminal; there is none");
+    if (fd < 0)
+      throw UsageError(
+          "the dead-man input \"terminal\" needs a terminal, and there is none; start from one, or use a pedal "
+          "(input:/dev/input/eventN)");
     return std::make_unique<TerminalDeadMan>(fd, true);
   }
   if (kind == "button") {

@@ -12,7 +12,7 @@
 namespace touchstone::hil {
 namespace {
 
-SafetyLimits limits() {
+SafetyLimits supervised_limits() {
   SafetyLimits l;
   l.force_N = 3.0;
   l.slew_N_per_s = 300.0;
@@ -32,7 +32,7 @@ ForceSupervisor::Input calm(double t, const Vec3& wanted = Vec3(0, 0, 1)) {
 
 // A supervisor that has come to 1 N at t = 0.1 s.
 ForceSupervisor running() {
-  ForceSupervisor s(limits());
+  ForceSupervisor s(supervised_limits());
   for (int i = 0; i <= 100; ++i) s.allow(calm(i * 1e-3));
   return s;
 }
@@ -44,7 +44,7 @@ TEST(ForceSupervisor, PassesWhatIsWithinTheLimits) {
 }
 
 TEST(ForceSupervisor, CommandsNothingBeforeCalibrationAndWithoutTheDeadMan) {
-  ForceSupervisor s(limits());
+  ForceSupervisor s(supervised_limits());
   for (int i = 0; i < 50; ++i) {
     auto in = calm(i * 1e-3);
     in.calibrated = false;
@@ -59,7 +59,7 @@ TEST(ForceSupervisor, CommandsNothingBeforeCalibrationAndWithoutTheDeadMan) {
 TEST(ForceSupervisor, LimitsForceAndSlewWhateverIsWanted) {
   Random random(9);
   for (int run = 0; run < 200; ++run) {
-    ForceSupervisor s(limits());
+    ForceSupervisor s(supervised_limits());
     Vec3 last = Vec3::Zero();
     double t = 0.0;
     for (int i = 0; i < 100; ++i) {
@@ -125,7 +125,7 @@ TEST(ForceSupervisor, TripsOnEachCauseRampsDownAndStaysDown) {
 // is stiffer on the way out gives more, and trips.
 TEST(ForceSupervisor, EnergyLetsThePassivePassAndStopsTheActive) {
   const auto press = [](double stiffness_out_N_per_m) {
-    auto l = limits();
+    auto l = supervised_limits();
     l.force_N = 20.0;
     l.slew_N_per_s = 1e6;
     l.energy_J = 0.005;
@@ -145,7 +145,7 @@ TEST(ForceSupervisor, EnergyLetsThePassivePassAndStopsTheActive) {
 }
 
 TEST(ForceSupervisor, PowerIsLimited) {
-  auto l = limits();
+  auto l = supervised_limits();
   l.power_W = 0.2;
   ForceSupervisor s(l);
   for (int i = 0; i <= 100; ++i) s.allow(calm(i * 1e-3));
@@ -160,7 +160,7 @@ TEST(ForceSupervisor, PowerIsLimited) {
 }
 
 TEST(ForceSupervisor, HotMotorsTripWhereTheirTemperatureIsRead) {
-  auto l = limits();
+  auto l = supervised_limits();
   l.temperature_C = 70.0;
   ForceSupervisor s(l);
   s.allow(calm(0.0));  // not read

@@ -95,11 +95,19 @@ struct Trial {
 
 struct TrialOutcome {
   bool reached = false;  // the state
+  // The machine left one of the guard's processes without processor for longer than the others' patience, before any
+  // fault struck: the guard lets go, as it must, and the trial shows nothing about its fault.
+  bool machine_was_late = false;
   double to_zero_s = -1;
   double most_N = 0.0;  // after the fault struck
   std::string reason;
   std::string wrong_step;  // in the guard's log, that guard_transitions.h does not allow
 };
+
+// What the guard's processes say of each other when one was not scheduled for a while.
+bool of_lateness(Trip trip) {
+  return trip == Trip::stale || trip == Trip::driver_silent || trip == Trip::watchdog_gone || trip == Trip::guard_gone;
+}
 
 std::string wrong_step(const std::vector<GuardEvent>& events) {
   GuardPhase now = GuardPhase::opening;
@@ -131,8 +139,16 @@ class GuardTrial {
     if (program_pid == 0) program(file_, *faults_, *orders_, options);
     TrialOutcome outcome;
     orders_->push = trial_.push;
-    outcome.reached = wait_for(
-        [&] { return trial_.at_once || (trial_.push ? plant_->applied_N().norm() > 0.9 : plant_->commands() > 20); });
+    const auto in_state = [&] {
+      return trial_.at_once || (trial_.push ? plant_->applied_N().norm() > 0.9 : plant_->commands() > 20);
+    };
+    wait_for([&] { return in_state() || page_->trip != Trip::none; });
+    outcome.reached = in_state();
+    if (!outcome.reached && of_lateness(page_->trip)) {
+      outcome.machine_was_late = true;
+      end(program_pid);
+      return outcome;
+    }
     double from = clock_.now_s();
     if (!trial_.at_once && trial_.call != DeviceCall::none) arm();
     if (trial_.act) trial_.act(program_pid, *page_, *orders_);
@@ -158,6 +174,7 @@ class GuardTrial {
         page_->trip == Trip::none ? (orders_->refused ? "refused" : "-") : std::string(to_string(page_->trip));
     // Zero must stay zero.
     if (outcome.to_zero_s >= 0.0 && plant_->applied_N().norm() > 0.0) outcome.to_zero_s = -1;
+    outcome.machine_was_late = trial_.no_fault && of_lateness(page_->trip);
     end(program_pid);
     outcome.wrong_step = wrong_step(page_->events());
     return outcome;
@@ -280,6 +297,17 @@ void add_process_faults(std::vector<Trial>& trials) {
   trials.push_back({"none", "pushing", DeviceCall::none, DriverFault::none, 0, 1, false, true, {}, true});
 }
 
+// Done again where the machine was late: a loaded machine may be, a few times, and then says so. A guard that trips by
+// itself fails at the last attempt.
+TrialOutcome go(const Trial& trial, bool timely, int& late) {
+  constexpr int most_attempts = 4;
+  for (int attempt = 1;; ++attempt) {
+    TrialOutcome outcome = GuardTrial(trial, timely).go();
+    if (!outcome.machine_was_late || attempt == most_attempts) return outcome;
+    ++late;
+  }
+}
+
 std::string row_start(const Trial& trial, const TrialOutcome& outcome) {
   return fmt::format("| {} | {} | {} | ", trial.fault, trial.state, outcome.reason);
 }
@@ -295,8 +323,9 @@ TEST(GuardFaultTable, IsTheOneInTheDocumentation) {
   std::string table = "| fault | while | what the guard states | zero after |\n|---|---|---|---|\n";
   std::vector<std::string> starts;
   double worst_s = 0.0;
+  int late = 0;
   for (const Trial& trial : trials) {
-    const TrialOutcome outcome = GuardTrial(trial, timely).go();
+    const TrialOutcome outcome = go(trial, timely, late);
     SCOPED_TRACE(trial.fault + ", " + trial.state);
     EXPECT_TRUE(outcome.reached);
     EXPECT_EQ(outcome.wrong_step, "");
@@ -317,11 +346,14 @@ TEST(GuardFaultTable, IsTheOneInTheDocumentation) {
              " |\n";
   }
   ::sched_setscheduler(0, policy, &before);
-  fmt::print("{}emulated: {} faults, worst time to zero {:.1f} ms, {} real-time scheduling\n", table, trials.size() - 1,
-             1e3 * worst_s, timely ? "with" : "without");
+  fmt::print(
+      "{}emulated: {} faults, worst time to zero {:.1f} ms, {} real-time scheduling, {} trials done again since "
+      "the machine was late before the fault\n",
+      table, trials.size() - 1, 1e3 * worst_s, timely ? "with" : "without", late);
   const char* const quiet = std::getenv("TOUCHSTONE_HIL_QUIET");
   if (quiet != nullptr && std::string(quiet) == "1") {
     EXPECT_LE(worst_s, longest_to_zero_s);
+    EXPECT_EQ(late, 0);
   }
   if (const char* const file = std::getenv("TOUCHSTONE_HIL_GUARD_TABLE")) write_file(file, table);
   const auto documented =

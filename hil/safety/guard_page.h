@@ -60,7 +60,8 @@ class GuardPage {
   Slot log_[slots];
 };
 
-// Memory that processes forked from here share; unmapped here when the last owner goes.
+// Memory that processes forked from here share; unmapped here when the last owner goes. Throws DeviceError if the
+// system has none.
 std::shared_ptr<GuardPage> make_guard_page();
 
 }  // namespace touchstone::hil

@@ -142,7 +142,9 @@ std::unique_ptr<GuardedDevice> open_guarded(const OpenDevice& open, const GuardO
     if (heard == Received::nothing) ::kill(guard, SIGKILL);
     ::waitpid(guard, nullptr, 0);
     throw DeviceError(heard == Received::message ? static_cast<DeviceStatus>(hello.status) : DeviceStatus::failed,
-                      heard == Received::message ? hello.message : "the guard process did not open the device");
+                      heard == Received::message ? hello.message
+                                                 : "the guard process did not open the device in time; is it switched "
+                                                   "on, and does no other program have it?");
   }
   return std::make_unique<Guarded>(ends[0], guard, hello, options, std::move(page));
 }

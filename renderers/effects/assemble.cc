@@ -3,11 +3,14 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <filesystem>
 
 #include "harness/base/error.h"
 #include "harness/base/known_names.h"
+#include "harness/rendering/smooth_field.h"
 #include "renderers/effects/catalogue.h"
 #include "renderers/effects/friction.h"
+#include "renderers/effects/height_image.h"
 
 namespace touchstone::renderers {
 namespace {
@@ -50,6 +53,7 @@ void check_coefficients(const NamedParameters& effect, const EffectEntry& entry,
 std::vector<double> checked_values(const NamedParameters& entry, const std::vector<ParameterDeclaration>& declared,
                                    std::string_view what, std::string_view source) {
   const Parameters parameters(declared, entry.parameters, fmt::format("{} {}", what, entry.name), source, entry.place);
+  if (is_field(declared)) check_field(entry.parameters, fmt::format("{}: {}/parameters", source, entry.place));
   std::vector<double> values;
   values.reserve(declared.size());
   for (const ParameterDeclaration& declaration : declared) values.push_back(parameters.at(declaration.name));
@@ -63,6 +67,15 @@ std::vector<StackedEffect> make_effects(const Model& model) {
     auto values = checked_values(effect, entry.parameters, "contact effect", model.source);
     complete_coefficients(effect, entry, values);
     check_coefficients(effect, entry, values, model);
+    if (entry.takes_image != !effect.image.empty()) {
+      throw BadData(fmt::format("{}: {}: {}", model.source, effect.place,
+                                entry.takes_image ? "\"image\" is missing: the name of a greyscale picture (PGM)"
+                                                  : fmt::format("{} takes no \"image\"", entry.name)));
+    }
+    if (entry.takes_image) {
+      const auto file = std::filesystem::path(model.source).parent_path() / effect.image;
+      effects.push_back({make_height_image(values, load_height_image(file)), entry.phase, entry.needs_gap});
+    }
     if (entry.make != nullptr) effects.push_back({entry.make(values), entry.phase, entry.needs_gap});
   }
   return effects;

@@ -2,7 +2,10 @@
 
 #include <numbers>
 
+#include "harness/rendering/smooth_field.h"
 #include "renderers/effects/adhesion.h"
+#include "renderers/effects/engine_effects.h"
+#include "renderers/effects/field_effects.h"
 #include "renderers/effects/friction.h"
 #include "renderers/effects/normal_laws.h"
 #include "renderers/effects/surface_texture.h"
@@ -161,9 +164,82 @@ std::vector<EffectEntry> shape_laws() {
   };
 }
 
+// What differs over the surface in more than one place.
+std::vector<EffectEntry> field_laws() {
+  using Phase = EffectPhase;
+  return {
+      {"stiffness-field", "stiffness that differs smoothly over the surface: k exp(f(x, y))",
+       "tensor-product B-splines: de Boor 1978; Eilers and Marx 1996",
+       "a spring at each place; NOT passive sideways: deep from soft to stiff gains, by the law's lack of a side force",
+       Phase::stiffness, false, field_parameters("1", 3.0, "of f, the logarithm of the stiffness over the renderer's"),
+       &make_stiffness_field, ""},
+      {"friction-field",
+       "friction that differs smoothly over the surface: exp(f(x, y)) times that of the effects before it",
+       "tensor-product B-splines: de Boor 1978; Eilers and Marx 1996",
+       "a positive multiple of a force that opposes motion", Phase::friction, false,
+       field_parameters("1", 3.0, "of f, the logarithm of friction over that of the effects before it"),
+       &make_friction_field, ""},
+  };
+}
+
+// As engines have them: how a scene is to feel, no hypotheses about a measurement.
+std::vector<EffectEntry> engine_laws() {
+  using Phase = EffectPhase;
+  return {
+      {"magnet",
+       "off the surface pulls with k gap up to F, then down to zero at a distance",
+       "CHAI3D 3.3.0, cEffectMagnet",
+       "a potential in the gap",
+       Phase::adhesion,
+       true,
+       {{"force_N", "N", 0.0, 1e3, 0.0, "F, the largest pull"},
+        {"distance_m", "m", 1e-9, 1e3, 5e-3, "gap from which nothing pulls"},
+        {"inside", "1", 0.0, 1.0, 0.0, "1: pushes out by the same law of the depth, too"}},
+       &make_magnet,
+       "",
+       false},
+      {"stick-slip",
+       "a spring to the place where the tip stuck last, which slips beyond a force",
+       "CHAI3D 3.3.0, cEffectStickSlip",
+       "a slip loses what the spring held",
+       Phase::adhesion,
+       false,
+       {{"stiffness_N_per_m", "N/m", 0.0, 1e6, 100.0, "of the spring"},
+        {"force_N", "N", 0.0, 1e3, 0.0, "beyond which it slips"}},
+       &make_stick_slip,
+       "",
+       false},
+      {"viscosity",
+       "-b v while in contact, along the normal too",
+       "CHAI3D 3.3.0, cEffectViscosity",
+       "dissipates b v^2",
+       Phase::adhesion,
+       false,
+       {{"coefficient_N_s_per_m", "N s/m", 0.0, 1e4, 0.0, "b"}},
+       &make_viscosity,
+       "",
+       false},
+      {"height-image",
+       "a picture's grey values as heights over the object's xy plane (\"image\": a PGM file)",
+       "Minsky 1995; Ho, Basdogan and Srinivasan 1999, section 5",
+       "conservative to first order",
+       Phase::depth,
+       true,
+       {{"amplitude_m", "m", 0.0, 1e3, 0.0, "height of white over black"},
+        {"pixel_m", "m", 1e-9, 1e3, 1e-3, "side of a pixel"},
+        place("x_m"),
+        place("y_m")},
+       nullptr,
+       "",
+       false,
+       true},
+  };
+}
+
 std::vector<EffectEntry> make_catalogue() {
   std::vector<EffectEntry> entries = friction_laws();
-  for (const auto& laws : {normal_laws(), shape_laws()}) entries.insert(entries.end(), laws.begin(), laws.end());
+  for (const auto& laws : {normal_laws(), shape_laws(), field_laws(), engine_laws()})
+    entries.insert(entries.end(), laws.begin(), laws.end());
   return entries;
 }
 

@@ -27,6 +27,8 @@ struct EffectEntry {
   // of its own parameters (tip-radius).
   std::unique_ptr<Effect> (*make)(std::span<const double> values);
   std::string_view base_parameter;  // that parameter; empty otherwise
+  bool hypothesis = true;           // NamedDeclaration::hypothesis
+  bool takes_image = false;         // a picture (NamedParameters::image) and values: made by height_image.h
 };
 
 const std::vector<EffectEntry>& contact_effects();

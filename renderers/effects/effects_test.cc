@@ -228,7 +228,7 @@ TEST(Effects, EveryEntrySaysWhereItComesFromAndWhyItIsPassive) {
     EXPECT_FALSE(entry.source.empty()) << entry.name;
     EXPECT_FALSE(entry.passivity.empty()) << entry.name;
     EXPECT_FALSE(entry.parameters.empty()) << entry.name;
-    EXPECT_TRUE(entry.make != nullptr || !entry.base_parameter.empty()) << entry.name;
+    EXPECT_TRUE(entry.make != nullptr || !entry.base_parameter.empty() || entry.takes_image) << entry.name;
   }
 }
 

@@ -16,6 +16,8 @@ class AnalyticField final : public SignedField {
 
   [[nodiscard]] double value_m(const Vec3& p_W_m) const override { return surface_->signed_distance(p_W_m); }
   [[nodiscard]] Vec3 gradient(const Vec3& p_W_m) const override {
+    // Central differences of fourth order, (8 (f(d) - f(-d)) - (f(2d) - f(-2d))) / 12 d: the error of the fifth
+    // derivative is d^4 / 30 of it, and rounding adds about 1e-16 / 1e-4 to the slope.
     const double d = 1e-4 * size_m_;
     Vec3 slope;
     for (Eigen::Index i = 0; i < 3; ++i) {
@@ -53,6 +55,7 @@ class SampledField final : public SignedFieldOf<S> {
  public:
   SampledField(const Surface& surface, int resolution) : box_(surface.bounds()) {
     size_m_ = box_.sizes().maxCoeff();
+    // `resolution` nodes along the longest side, margins included; the shorter sides have as many as cover them.
     step_m_ = size_m_ / (resolution - 1 - 2 * kMargin);
     std::size_t nodes = 1;
     for (std::size_t i = 0; i < 3; ++i) {
@@ -77,6 +80,7 @@ class SampledField final : public SignedFieldOf<S> {
     using std::sqrt;
     Place place{};
     if (!find(p_W_m, place)) return sqrt(squared_norm(beyond_box(p_W_m)));
+    // The tensor product of the weights along the three axes over 4 x 4 x 4 nodes.
     S sum = 0.0;
     each(place, [&](std::size_t i, std::size_t j, std::size_t k, const S& value) {
       sum += place.along[0].w[i] * place.along[1].w[j] * place.along[2].w[k] * value;
@@ -86,6 +90,7 @@ class SampledField final : public SignedFieldOf<S> {
   [[nodiscard]] V gradient(const V& p_W_m) const override {
     Place place{};
     if (!find(p_W_m, place)) return unit(beyond_box(p_W_m));
+    // The product rule: the slope along one axis times the weights along the others, per metre at the end.
     V sum = V::Zero();
     const auto& [x, y, z] = place.along;
     each(place, [&, &x = x, &y = y, &z = z](std::size_t i, std::size_t j, std::size_t k, const S& value) {

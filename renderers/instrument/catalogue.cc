@@ -1,5 +1,6 @@
 #include "renderers/instrument/catalogue.h"
 
+#include "harness/rendering/smooth_field.h"
 #include "renderers/instrument/geometry_effects.h"
 #include "renderers/instrument/sensor_effects.h"
 #include "renderers/instrument/tool_effects.h"
@@ -11,7 +12,7 @@ ParameterDeclaration force(std::string name, std::string unit) {
   return {std::move(name), std::move(unit), -1e3, 1e3, 0.0, "in the sensor's frame"};
 }
 
-std::vector<InstrumentEntry> make_catalogue() {
+std::vector<InstrumentEntry> make_instrument_catalogue() {
   using Stage = InstrumentStage;
   return {
       {"tool-weight",
@@ -76,13 +77,16 @@ std::vector<InstrumentEntry> make_catalogue() {
         {"y_m", "m", -1e3, 1e3, 0.0, "place in the object's xy plane"},
         {"width_m", "m", 1e-9, 1e3, 1e-2, "standard deviation"}},
        &make_surface_geometry},
+      {"height-field", "a surface that is smoothly higher or lower than the mesh: h(x, y) along its normals",
+       "tensor-product B-splines: de Boor 1978; Eilers and Marx 1996", Stage::geometry,
+       field_parameters("m", 1.0, "of the height, outward"), &make_height_field},
   };
 }
 
 }  // namespace
 
 const std::vector<InstrumentEntry>& instrument_catalogue() {
-  static const std::vector<InstrumentEntry> entries = make_catalogue();
+  static const std::vector<InstrumentEntry> entries = make_instrument_catalogue();
   return entries;
 }
 

@@ -1,6 +1,9 @@
 #include "renderers/instrument/geometry_effects.h"
 
 #include <cmath>
+#include <vector>
+
+#include "renderers/effects/field_effects.h"
 
 namespace touchstone::renderers {
 namespace {
@@ -60,8 +63,20 @@ class SurfaceGeometry final : public InstrumentEffect {
   double width_;
 };
 
+class HeightField final : public InstrumentEffect {
+ public:
+  explicit HeightField(std::span<const double> values) : values_(values.begin(), values.end()) {}
+  [[nodiscard]] std::unique_ptr<Effect> contact_effect() const override { return make_height_field_contact(values_); }
+
+ private:
+  std::vector<double> values_;
+};
+
 }  // namespace
 
+std::unique_ptr<InstrumentEffect> make_height_field(std::span<const double> values) {
+  return std::make_unique<HeightField>(values);
+}
 std::unique_ptr<InstrumentEffect> make_registration(std::span<const double> values) {
   return std::make_unique<Registration>(Vec3(values[0], values[1], values[2]), values[3], values[4]);
 }

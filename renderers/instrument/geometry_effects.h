@@ -17,5 +17,7 @@ std::unique_ptr<InstrumentEffect> make_registration(
     std::span<const double> values);  // dx_m, dy_m, dz_m, rx_rad, ry_rad
 std::unique_ptr<InstrumentEffect> make_surface_geometry(
     std::span<const double> values);  // amplitude_m, x_m, y_m, width_m
+// Values in the order of field_parameters() (harness/rendering/smooth_field.h).
+std::unique_ptr<InstrumentEffect> make_height_field(std::span<const double> values);
 
 }  // namespace touchstone::renderers

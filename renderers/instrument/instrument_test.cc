@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "harness/base/random.h"
+#include "harness/rendering/smooth_field.h"
 #include "harness/surface/embree_surface.h"
 #include "renderers/instrument/catalogue.h"
 #include "renderers/model_predictor.h"
@@ -134,6 +135,35 @@ TEST(ModelPredictor, KeptTracesChangeNothing) {
     largest = std::max(largest, warm.f_W_N[i].norm());
   }
   EXPECT_GT(largest, 1.0);
+}
+
+// A ramp h = 0.01 x on the plane z = 0, touched from 1 mm below: deeper by the ramp, and the force leans against it.
+TEST(HeightField, IsDepthAndSlopeOfTheContact) {
+  const std::vector<Vec3> vertices{{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}};
+  TriangleMesh mesh;
+  mesh.vertices_W_m = vertices;
+  mesh.triangles = {{0, 1, 2}, {0, 2, 3}};
+  mesh.source = "square";
+  std::map<std::string, double> ramp{{"x_low_m", -0.3}, {"x_high_m", 0.3}, {"y_low_m", -0.3},
+                                     {"y_high_m", 0.3}, {"columns", 5.0},  {"rows", 4.0}};
+  for (std::size_t column = 0; column < 5; ++column) {
+    for (std::size_t row = 0; row < 4; ++row)
+      ramp[field_coefficient(column, row)] = 0.01 * (-0.3 + 0.3 * (static_cast<double>(column) - 1.0));
+  }
+  Model model;
+  model.renderer = "god-object";
+  model.parameters["stiffness_N_per_m"] = 500.0;
+  model.instrument = {{"height-field", ramp, "/instrument/0"}};
+  MotionColumns motion;
+  motion.t_s = {0.0, 0.01};
+  motion.p_W_m = {{0.1, 0.0, -1e-3}, {0.2, 0.05, -1e-3}};
+  const Prediction prediction = make_model_predictor(make_embree_surface(mesh), motion)->predict(model);
+  for (std::size_t i = 0; i < 2; ++i) {
+    const double depth_m = 1e-3 + 0.01 * motion.p_W_m[i].x();
+    EXPECT_NEAR(prediction.depth_m[i], depth_m, 1e-12);
+    EXPECT_NEAR(prediction.f_W_N[i].norm(), 500.0 * depth_m, 1e-9);
+    EXPECT_NEAR(prediction.f_W_N[i].x() / prediction.f_W_N[i].z(), -0.01, 1e-6);
+  }
 }
 
 }  // namespace

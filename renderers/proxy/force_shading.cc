@@ -4,43 +4,56 @@
 #include <cmath>
 #include <numbers>
 
-#include "renderers/friction/fixed_order.h"
+#include "renderers/friction/shares.h"
 #include "renderers/proxy/ball_proxy.h"
 #include "renderers/proxy/counted_god_object.h"
 #include "renderers/proxy/friction_cone.h"
 #include "renderers/proxy/point_proxy.h"
 #include "renderers/proxy/proxy_parameters.h"
 #include "renderers/proxy/proxy_renderer.h"
+#include "renderers/proxy/scene_renderer.h"
 #include "renderers/proxy/shaded_normals.h"
 
 namespace touchstone::renderers {
 namespace {
 
-// How much each contact presses: n = sum w_i n_i, least squares; zeros where the normals cannot be told apart.
-template <class S>
-Vec3Of<S> shares(const ContactPlacesOf<S>& contact, const Vec3Of<S>& n) noexcept {
-  const S none(0.0);
-  const S one(1.0);
-  Vec3Of<S> share = Vec3Of<S>::Zero();
-  if (contact.size == 2) {
-    const S c = dot(contact.place[0].n, contact.place[1].n);
-    const S a = dot(contact.place[0].n, n);
-    const S b = dot(contact.place[1].n, n);
-    const S apart = one - c * c;
-    if (apart > none) share = {(a - c * b) / apart, (b - c * a) / apart, none};
-  } else {
-    Eigen::Matrix<S, 3, 3> normals;
-    for (int i = 0; i < 3; ++i) normals.col(i) = contact.place[static_cast<std::size_t>(i)].n;
-    Eigen::Matrix<S, 3, 3> inverse;
-    if (invert<S>(normals, 1e-12, inverse)) share = product(inverse, n);
-  }
-  for (S& part : share) part = std::max(none, part);
-  return share;
-}
-
-class Shading {
+// The interpolated normals of a scene's bodies: each body's own, turned by its pose.
+class PosedNormals {
  public:
-  Shading(const ContactMesh& mesh, double crease_angle_rad) : normals_(mesh, crease_angle_rad) {}
+  PosedNormals(const PosedBodies& bodies, double crease_angle_rad) : bodies_(&bodies) {
+    for (const PosedBody& body : bodies.bodies()) normals_.emplace_back(body.mesh(), crease_angle_rad);
+  }
+
+  template <class S, class Place>
+  [[nodiscard]] double direction(const Facet& /*facet*/, const Place& place, const Vec3& n, Vec3& m) const noexcept {
+    const std::size_t which = bodies_->body_of(place.triangle);
+    const PosedBody& body = bodies_->bodies()[which];
+    Place local = place;
+    local.triangle -= body.first_triangle();
+    local.p = body.to_B(place.p);
+    const double along =
+        normals_[which].direction<double>(body.mesh().facet(local.triangle), local, body.direction_to_B(n), m);
+    m = body.direction_to_W(m);
+    return along;
+  }
+  template <class S>
+  [[nodiscard]] Vec3 at(const Facet& facet, const ContactPlaces::Place& place) const noexcept {
+    Vec3 m;
+    return direction<S>(facet, place, place.n, m) > 0.0 ? unit(m) : place.n;
+  }
+  void fetch_about(const std::array<std::int32_t, 3>& /*neighbours*/) const noexcept {}
+
+ private:
+  const PosedBodies* bodies_;
+  std::vector<ShadedNormals> normals_;
+};
+
+// `Normals`: ShadedNormals or PosedNormals.
+template <class Normals>
+class ShadingBy {
+ public:
+  template <class Mesh>
+  ShadingBy(const Mesh& mesh, double crease_angle_rad) : normals_(mesh, crease_angle_rad) {}
 
   template <class Mesh, class Proxy>
   void turn(const Mesh& mesh, const Proxy& proxy, StepResult& result) noexcept {
@@ -53,7 +66,7 @@ class Shading {
         normals_.fetch_about(facet.neighbour);
       }
       const Vec3Of<S> n = result.n_W.cast<S>();
-      const S along = normals_.direction(facet, place, n, m);
+      const S along = normals_.template direction<S>(facet, place, n, m);
       if (!(along > S(0.0))) return;
       if (!proxy.frictionless()) return turn_to(n, m, along, result);
       // All of the force is along n.
@@ -68,7 +81,7 @@ class Shading {
       m.setZero();
       for (int i = 0; i < contact.size; ++i) {
         const auto& at = contact.place[static_cast<std::size_t>(i)];
-        m += share[i] * normals_.at(mesh.facet(at.triangle), at);
+        m += share[i] * normals_.template at<S>(mesh.facet(at.triangle), at);
       }
       if (const S along = dot(n, m); along > S(0.0)) turn_to(n, m, along, result);
     }
@@ -89,9 +102,10 @@ class Shading {
     result.n_W = b.template cast<double>();
   }
 
-  ShadedNormals normals_;
+  Normals normals_;
   std::int32_t fetched_about_ = -1;  // that triangle
 };
+using Shading = ShadingBy<ShadedNormals>;
 
 std::vector<ParameterDeclaration> parameters_of_force_shading() {
   std::vector<ParameterDeclaration> own{
@@ -103,7 +117,7 @@ std::vector<ParameterDeclaration> parameters_of_force_shading() {
 }  // namespace
 
 RendererEntry force_shading_entry() {
-  return {
+  RendererEntry entry{
       "force-shading",
       "god-object whose force points along normals interpolated between the vertices', with or without friction",
       "Morgenbesser and Srinivasan 1996",
@@ -130,6 +144,13 @@ RendererEntry force_shading_entry() {
         return make_counted_proxy(std::move(surface), parameters.at("stiffness_N_per_m"), parameters.at("tip_radius_m"),
                                   {parameters.at("mu_static"), parameters.at("mu_dynamic")}, std::move(shading));
       }};
+  entry.make_scene = [](const Parameters& parameters, std::shared_ptr<const BodyScene> scene) {
+    const double crease_angle_rad = parameters.at("crease_angle_rad");
+    return make_scene_proxy(
+        parameters, std::move(scene), {parameters.at("mu_static"), parameters.at("mu_dynamic")},
+        [=](const PosedBodies& bodies) { return ShadingBy<PosedNormals>(bodies, crease_angle_rad); });
+  };
+  return entry;
 }
 
 }  // namespace touchstone::renderers

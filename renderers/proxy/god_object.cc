@@ -5,6 +5,7 @@
 #include "renderers/proxy/point_proxy.h"
 #include "renderers/proxy/proxy_parameters.h"
 #include "renderers/proxy/proxy_renderer.h"
+#include "renderers/proxy/scene_renderer.h"
 
 namespace touchstone::renderers {
 
@@ -26,6 +27,9 @@ RendererEntry god_object_entry() {
         return make_counted_god_object(std::move(surface), parameters.at("stiffness_N_per_m"),
                                        parameters.at("tip_radius_m"), {});
       }};
+  entry.make_scene = [](const Parameters& parameters, std::shared_ptr<const BodyScene> scene) {
+    return make_scene_proxy(parameters, std::move(scene), {});
+  };
   entry.has_exact_answer = true;
   return entry;
 }

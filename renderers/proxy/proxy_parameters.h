@@ -1,4 +1,4 @@
-// The parameters that every god-object has, declared once.
+// The parameters that every renderer with a proxy (god-object) has, declared once.
 #pragma once
 
 #include <vector>

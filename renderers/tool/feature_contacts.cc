@@ -28,14 +28,30 @@ std::vector<Ball> triangle_balls(const TriangleMesh& mesh) {
   return balls;
 }
 
+// What a triangle owns that can touch (tags of the tree).
+constexpr std::uint8_t kHasVertex = 1;
+constexpr std::uint8_t kHasEdge = 2;
+
+// Nothing can touch where both sides are only faces, or a face and edges.
+bool can_touch(std::uint8_t tool_tags, std::uint8_t object_tags) {
+  return ((tool_tags | object_tags) & kHasVertex) != 0 || (tool_tags & object_tags & kHasEdge) != 0;
+}
+
 // Rounding of directions, and of places relative to the size of a triangle.
 constexpr double kSlack = 1e-9;
 // Edges that are closer to parallel than this have no normal of their own; their ends touch faces.
 constexpr double kParallel = 1e-6;
 
 struct Corners {
-  Vec3 a, b, c;
+  const Vec3 &a, &b, &c;
 };
+
+// All three corners more than `reach` above the plane n . x = d, or all more than that below it: no point of the
+// triangle is within `reach` of any point of the plane.
+bool far_from_plane(const Corners& t, const Vec3& n, double d, double reach) {
+  const double a = dot(n, t.a) - d, b = dot(n, t.b) - d, c = dot(n, t.c) - d;
+  return (a > reach && b > reach && c > reach) || (a < -reach && b < -reach && c < -reach);
+}
 
 bool above_triangle(const Corners& t, const Vec3& n, const Vec3& p) {
   const auto beside = [&](const Vec3& from, const Vec3& to) {
@@ -105,6 +121,15 @@ FeatureMesh::FeatureMesh(TriangleMesh mesh) : mesh_(std::move(mesh)), tree_(tria
       edges_.push_back(edge);
     }
   }
+  std::vector<std::uint8_t> tags(faces_.size(), 0);
+  for (std::size_t t = 0; t < faces_.size(); ++t) {
+    const auto any = [](const std::array<std::int32_t, 3>& owned_features) {
+      return std::ranges::any_of(owned_features, [](std::int32_t i) { return i >= 0; });
+    };
+    tags[t] =
+        static_cast<std::uint8_t>((any(faces_[t].vertices) ? kHasVertex : 0) | (any(faces_[t].edges) ? kHasEdge : 0));
+  }
+  tree_.tag(tags);
   for (const Vec3& v : mesh_.vertices_W_m) reach_m_ = std::max(reach_m_, v.norm());
 }
 
@@ -157,11 +182,27 @@ std::optional<Vec3> beside_edge(const Vec3& v, const Vec3& a, const Vec3& b, con
   return away;
 }
 
+// No point of one triangle is within `reach` of the other's plane: every pair spans from a point of one triangle to a
+// point of the other's plane. The object's plane in T, and the tool's in W.
+bool apart(const FeatureMesh& tool, std::int32_t s, const FeatureMesh& object, std::int32_t t, const Pose& pose,
+           const Mat3& rotation, double reach) {
+  const Corners tool_corners = corners_of(tool, s);
+  const Corners object_corners = corners_of(object, t);
+  const Vec3& n_W = object.face(t).n;
+  if (far_from_plane(tool_corners, rotation.transpose() * n_W, dot(n_W, object_corners.a - pose.p_W_m), reach))
+    return true;
+  const Vec3& n_T = tool.face(s).n;
+  const Vec3 tool_n_W = rotation * n_T;
+  return far_from_plane(object_corners, tool_n_W, dot(n_T, tool_corners.a) + dot(tool_n_W, pose.p_W_m), reach);
+}
+
 void triangle_pair(const FeatureMesh& tool, std::int32_t s, const FeatureMesh& object, std::int32_t t, const Pose& pose,
                    const Mat3& rotation, Collector& collector) {
   const FeatureMesh::Face& on_tool = tool.face(s);
   const FeatureMesh::Face& on_object = object.face(t);
   const Corners object_corners = corners_of(object, t);
+  const Corners tool_corners = corners_of(tool, s);
+  const Vec3 tool_n_W = rotation * on_tool.n;
   for (const std::int32_t v : on_tool.vertices) {
     if (v < 0) continue;
     const Vec3 p = pose.p_W_m + rotation * tool.vertex(v);
@@ -174,23 +215,19 @@ void triangle_pair(const FeatureMesh& tool, std::int32_t s, const FeatureMesh& o
       if (away && collector.wants(away->norm())) collector.add({p, away->normalized(), away->norm()});
     }
   }
-  const bool any_vertex = on_object.vertices[0] >= 0 || on_object.vertices[1] >= 0 || on_object.vertices[2] >= 0;
-  if (any_vertex) {
-    // In the tool's frame: one point turns instead of three.
-    const Corners tool_corners = corners_of(tool, s);
-    for (const std::int32_t v : on_object.vertices) {
-      if (v < 0) continue;
-      const Vec3 p_T = rotation.transpose() * (object.vertex(v) - pose.p_W_m);
-      const double gap = on_tool.n.dot(p_T - tool_corners.a);
-      if (collector.wants(gap) && above_triangle(tool_corners, on_tool.n, p_T))
-        collector.add({object.vertex(v), -(rotation * on_tool.n), gap});
-      for (const std::int32_t e : on_tool.edges) {
-        if (e < 0) continue;
-        const FeatureMesh::Edge& edge = tool.edge(e);
-        const auto away = beside_edge(p_T, tool.vertex(edge.ends[0]), tool.vertex(edge.ends[1]), edge);
-        if (away && collector.wants(away->norm()))
-          collector.add({pose.p_W_m + rotation * (p_T - *away), -(rotation * away->normalized()), away->norm()});
-      }
+  // In the tool's frame: one point turns instead of three.
+  for (const std::int32_t v : on_object.vertices) {
+    if (v < 0) continue;
+    const Vec3 p_T = rotation.transpose() * (object.vertex(v) - pose.p_W_m);
+    const double gap = on_tool.n.dot(p_T - tool_corners.a);
+    if (collector.wants(gap) && above_triangle(tool_corners, on_tool.n, p_T))
+      collector.add({object.vertex(v), -tool_n_W, gap});
+    for (const std::int32_t e : on_tool.edges) {
+      if (e < 0) continue;
+      const FeatureMesh::Edge& edge = tool.edge(e);
+      const auto away = beside_edge(p_T, tool.vertex(edge.ends[0]), tool.vertex(edge.ends[1]), edge);
+      if (away && collector.wants(away->norm()))
+        collector.add({pose.p_W_m + rotation * (p_T - *away), -(rotation * away->normalized()), away->norm()});
     }
   }
   for (const std::int32_t f : on_object.edges) {
@@ -203,14 +240,15 @@ void triangle_pair(const FeatureMesh& tool, std::int32_t s, const FeatureMesh& o
 
 }  // namespace
 
-std::size_t find_near_pairs(const FeatureMesh& tool, const FeatureMesh& object, const Pose& pose, double margin_m,
-                            double overlap_m, std::span<NearPair> pairs) noexcept {
-  Collector collector(margin_m, overlap_m, pairs);
-  const Mat3 rotation = pose.q_WT.toRotationMatrix();
+namespace {
+
+// The pairs of triangles of which one comes within `reach` of the other's plane, in the order of the trees.
+template <typename Found>
+void visit_near(const FeatureMesh& tool, const FeatureMesh& object, const Pose& pose, const Mat3& rotation,
+                double reach, Found&& found) {
   struct Open {  // NOLINT(cppcoreguidelines-pro-type-member-init): written before it is read
     std::int32_t a, b;
   };
-  const double reach = std::max(margin_m, overlap_m);
   std::array<Open, 2 * SphereTree::kDepth> stack;  // NOLINT(cppcoreguidelines-pro-type-member-init)
   std::size_t size = 0;
   stack[size++] = {0, 0};
@@ -218,10 +256,11 @@ std::size_t find_near_pairs(const FeatureMesh& tool, const FeatureMesh& object, 
     const Open open = stack[--size];
     const SphereTree::Node& a = tool.tree().node(open.a);
     const SphereTree::Node& b = object.tree().node(open.b);
+    if (!can_touch(a.tags, b.tags)) continue;
     const double touch = a.ball.radius + b.ball.radius + reach;
     if ((pose.p_W_m + rotation * a.ball.center - b.ball.center).squaredNorm() > touch * touch) continue;
     if (a.child < 0 && b.child < 0) {
-      triangle_pair(tool, a.item, object, b.item, pose, rotation, collector);
+      if (!apart(tool, a.item, object, b.item, pose, rotation, reach)) found(a.item, b.item);
     } else if (b.child < 0 || (a.child >= 0 && a.ball.radius >= b.ball.radius)) {
       stack[size++] = {a.child + 1, open.b};
       stack[size++] = {a.child, open.b};
@@ -229,6 +268,50 @@ std::size_t find_near_pairs(const FeatureMesh& tool, const FeatureMesh& object, 
       stack[size++] = {open.a, b.child + 1};
       stack[size++] = {open.a, b.child};
     }
+  }
+}
+
+}  // namespace
+
+NearPairFinder::NearPairFinder(const FeatureMesh& tool, const FeatureMesh& object) : tool_(tool), object_(object) {
+  // More are not kept: the trees are then visited for each question.
+  constexpr std::size_t kMostCandidates = 16384;
+  candidates_.reserve(kMostCandidates);
+}
+
+void NearPairFinder::list(const Pose& pose, const Mat3& rotation, double reach_m) noexcept {
+  candidates_.clear();
+  bool whole = true;
+  visit_near(tool_, object_, pose, rotation, reach_m, [&](std::int32_t s, std::int32_t t) {
+    if (candidates_.size() < candidates_.capacity()) {
+      candidates_.push_back({s, t});
+    } else {
+      whole = false;
+    }
+  });
+  listed_at_ = pose;
+  listed_reach_m_ = whole ? reach_m : -1.0;
+}
+
+std::size_t NearPairFinder::find(const Pose& pose, double margin_m, double overlap_m,
+                                 std::span<NearPair> pairs) noexcept {
+  // How far the tool may move before the trees are visited again. More of it lengthens the list.
+  constexpr double kSpare_m = 0.3e-3;
+  Collector collector(margin_m, overlap_m, pairs);
+  const Mat3 rotation = pose.q_WT.toRotationMatrix();
+  const double reach = std::max(margin_m, overlap_m);
+  // No point of the tool has moved farther: a turn moves a point by no more than its angle times the point's distance.
+  const Displacement since = displacement(listed_at_, pose);
+  const double moved_m = since.translation_m.norm() + tool_.reach_m() * since.rotation_rad.norm();
+  if (!(reach + moved_m <= listed_reach_m_)) list(pose, rotation, reach + kSpare_m);
+  if (listed_reach_m_ < 0.0) {
+    visit_near(tool_, object_, pose, rotation, reach,
+               [&](std::int32_t s, std::int32_t t) { triangle_pair(tool_, s, object_, t, pose, rotation, collector); });
+    return collector.count();
+  }
+  for (const TrianglePair& near : candidates_) {
+    if (!apart(tool_, near.on_tool, object_, near.on_object, pose, rotation, reach))
+      triangle_pair(tool_, near.on_tool, object_, near.on_object, pose, rotation, collector);
   }
   return collector.count();
 }

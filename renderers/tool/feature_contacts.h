@@ -58,9 +58,30 @@ class FeatureMesh {
   double reach_m_ = 0.0;
 };
 
-// Fills `pairs` with pairs of -overlap_m <= gap <= margin_m, in the order of the trees; returns their number. When
-// there is no room the pairs with the least gaps stay. Allocates nothing.
-std::size_t find_near_pairs(const FeatureMesh& tool, const FeatureMesh& object, const Pose& pose, double margin_m,
-                            double overlap_m, std::span<NearPair> pairs) noexcept;
+// Finds the near pairs of a tool that moves little from one question to the next. The pairs of triangles that could
+// have any are kept with some way to spare (a Verlet list: Verlet 1967, of molecules), and the trees are visited again
+// only when the tool has moved that way: no answer depends on what was asked before.
+class NearPairFinder {
+ public:
+  // Holds on to both.
+  NearPairFinder(const FeatureMesh& tool, const FeatureMesh& object);
+
+  // Fills `pairs` with pairs of -overlap_m <= gap <= margin_m, in the order of the trees; returns their number. When
+  // there is no room the pairs with the least gaps stay. Allocates nothing.
+  std::size_t find(const Pose& pose, double margin_m, double overlap_m, std::span<NearPair> pairs) noexcept;
+  [[nodiscard]] std::size_t memory_bytes() const noexcept { return candidates_.capacity() * sizeof(TrianglePair); }
+
+ private:
+  struct TrianglePair {
+    std::int32_t on_tool, on_object;
+  };
+  void list(const Pose& pose, const Mat3& rotation, double reach_m) noexcept;
+
+  const FeatureMesh& tool_;
+  const FeatureMesh& object_;
+  std::vector<TrianglePair> candidates_;
+  Pose listed_at_;
+  double listed_reach_m_ = -1.0;  // less than 0: no list
+};
 
 }  // namespace touchstone::renderers

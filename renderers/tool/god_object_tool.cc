@@ -34,7 +34,7 @@ ToolRendererEntry god_object_tool_entry() {
 }
 
 GodObjectTool::GodObjectTool(const Tool& tool, const TriangleMesh& object_W, const Coupling& coupling)
-    : tool_(tool.mesh_T), object_(object_W), coupling_(coupling) {}
+    : tool_(tool.mesh_T), object_(object_W), near_(tool_, object_), coupling_(coupling) {}
 
 ToolResult GodObjectTool::do_step(const ToolState& state, double /*dt_s*/) noexcept {
   if (!placed_) {
@@ -48,7 +48,7 @@ ToolResult GodObjectTool::do_step(const ToolState& state, double /*dt_s*/) noexc
   std::size_t contact_count = 0;
   for (int round = 0; round < kMostRounds; ++round) {
     const Displacement free = displacement(proxy_, state.handle);
-    const std::size_t count = find_near_pairs(tool_, object_, proxy_, margin_m_, kOverlap_m, pairs_);
+    const std::size_t count = near_.find(proxy_, margin_m_, kOverlap_m, pairs_);
     for (std::size_t i = 0; i < count; ++i) {
       const NearPair& pair = pairs_[i];
       half_spaces_[i].a << pair.n_W / root_t, (pair.at_W_m - proxy_.p_W_m).cross(pair.n_W) / root_r;

@@ -33,7 +33,7 @@ class GodObjectTool : public ToolRenderer {
  public:
   GodObjectTool(const Tool& tool, const TriangleMesh& object_W, const Coupling& coupling);
   [[nodiscard]] std::size_t memory_bytes() const noexcept override {
-    return tool_.memory_bytes() + object_.memory_bytes() + sizeof(*this);
+    return tool_.memory_bytes() + object_.memory_bytes() + near_.memory_bytes() + sizeof(*this);
   }
 
  protected:
@@ -45,6 +45,7 @@ class GodObjectTool : public ToolRenderer {
 
   FeatureMesh tool_;
   FeatureMesh object_;
+  NearPairFinder near_;
   Coupling coupling_;
   bool placed_ = false;
   Pose proxy_;

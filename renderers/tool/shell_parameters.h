@@ -1,4 +1,4 @@
-// Parameters that renderers of a point shell share.
+// Parameters that renderers share which stand a tool for the points of its surface (a point shell, tool.h).
 #pragma once
 
 #include "harness/rendering/renderer.h"

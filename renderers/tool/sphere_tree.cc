@@ -42,4 +42,14 @@ void SphereTree::split(std::size_t node, std::span<const Ball> items, std::span<
   split(child + 1, items, indices.subspan(indices.size() / 2));
 }
 
+void SphereTree::tag(std::span<const std::uint8_t> item_tags) noexcept {
+  // Children stand behind their parent.
+  for (std::size_t i = nodes_.size(); i-- > 0;) {
+    Node& node = nodes_[i];
+    node.tags = node.child < 0 ? item_tags[static_cast<std::size_t>(node.item)]
+                               : static_cast<std::uint8_t>(nodes_[static_cast<std::size_t>(node.child)].tags |
+                                                           nodes_[static_cast<std::size_t>(node.child) + 1].tags);
+  }
+}
+
 }  // namespace touchstone::renderers

@@ -29,12 +29,16 @@ class SphereTree {
     Ball ball;
     std::int32_t child = -1;  // of an inner node: the first of two; else -1
     std::int32_t item = -1;   // of a leaf
+    std::uint8_t tags = 0;    // of all items below, see tag()
   };
   static constexpr std::size_t kDepth = 128;  // of the stack of a visit: medians halve
 
   // At least one item; each ball holds all of its item.
   explicit SphereTree(std::span<const Ball> items);
 
+  // One byte of marks per item; a node carries those of all items below it, so that a visit can pass over what has
+  // none.
+  void tag(std::span<const std::uint8_t> item_tags) noexcept;
   [[nodiscard]] const Node& node(std::int32_t i) const { return nodes_[static_cast<std::size_t>(i)]; }
   [[nodiscard]] std::size_t memory_bytes() const noexcept { return nodes_.capacity() * sizeof(Node); }
 

@@ -114,6 +114,32 @@ TEST(GodObjectTool, ProxyIsOutsideAtRestAndIsPushedOutOnTheWay) {
   EXPECT_LE(deepest, 0.2e-3);
 }
 
+// What is kept from one question to the next changes no answer: small steps, leaps, and margins that grow.
+TEST(NearPairFinder, AnswersAsOneThatWasAskedNothingBefore) {
+  const FeatureMesh tool(synthetic::ellipsoid_mesh(Vec3(0, 0, -0.03), Vec3(0.02, 0.018, 0.016), 2000));
+  const FeatureMesh object(synthetic::box_mesh(Vec3(-0.04, -0.04, -0.02), Vec3(0.04, 0.04, 0.0), 9));
+  NearPairFinder kept(tool, object);
+  Random random(74);
+  std::array<NearPair, 64> found, fresh;
+  Pose pose{Vec3(0, 0, 0.046), Quat::Identity()};
+  std::size_t pairs = 0;
+  for (int i = 0; i < 400; ++i) {
+    const double way_m = i % 40 == 0 ? 2e-3 : 0.03e-3;
+    pose = moved(pose, {way_m * random.direction(), way_m / 0.05 * random.direction()});
+    pose.p_W_m.z() = std::clamp(pose.p_W_m.z(), 0.0455, 0.0465);
+    const double margin_m = random.uniform(0.02e-3, 0.5e-3);
+    const std::size_t count = kept.find(pose, margin_m, 0.2e-3, found);
+    ASSERT_EQ(NearPairFinder(tool, object).find(pose, margin_m, 0.2e-3, fresh), count);
+    for (std::size_t k = 0; k < count; ++k) {
+      EXPECT_EQ(found[k].gap_m, fresh[k].gap_m);
+      EXPECT_EQ(found[k].n_W, fresh[k].n_W);
+      EXPECT_EQ(found[k].at_W_m, fresh[k].at_W_m);
+    }
+    pairs += count;
+  }
+  EXPECT_GT(pairs, 1000U);
+}
+
 TEST(Voxmap, LayersOfABox) {
   const TriangleMesh box = synthetic::box_mesh(Vec3::Zero(), Vec3(0.01, 0.02, 0.03));
   const auto surface = make_embree_surface(box);

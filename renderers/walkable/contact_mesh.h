@@ -12,6 +12,7 @@
 #include "harness/surface/mesh_topology.h"
 #include "harness/surface/surface.h"
 #include "harness/surface/triangle_tree.h"
+#include "renderers/walkable/flush.h"
 
 namespace touchstone::renderers {
 
@@ -88,6 +89,8 @@ class ContactMesh {
   [[nodiscard]] double extent() const noexcept { return extent_; }
   // The largest magnitude of a coordinate: what rounding of positions on the surface is relative to.
   [[nodiscard]] double magnitude() const noexcept { return magnitude_; }
+  // Steps and gaps up to it count as none where bodies meet.
+  [[nodiscard]] double flush() const noexcept { return flush_m(magnitude_); }
 
  private:
   void make_facets();

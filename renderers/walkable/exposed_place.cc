@@ -1,6 +1,7 @@
 #include "renderers/walkable/exposed_place.h"
 
 #include <algorithm>
+#include <limits>
 
 #include "harness/surface/triangle_queries.h"
 #include "renderers/walkable/flush.h"
@@ -14,22 +15,25 @@ const Vec3& awry() {
   return direction;
 }
 
-StartPlace place_on(const ContactMesh& mesh, std::int32_t triangle, const Vec3& p) {
+template <class Mesh>
+StartPlace place_on(const Mesh& mesh, std::int32_t triangle, const Vec3& p) {
   const TriangleClosest where = closest_on_triangle(mesh.corners(triangle), mesh.facet(triangle).n, p);
   return {true, triangle, where.feature, where.index, p + where.from_query};
 }
 
 // Whether there is free space in front of the triangle at that place.
-bool exposed(const ContactMesh& mesh, std::int32_t triangle, const Vec3& place) noexcept {
+template <class Mesh>
+bool exposed(const Mesh& mesh, std::int32_t triangle, const Vec3& place) noexcept {
   // In front of all that is flush with it.
-  const Vec3 front = place + 2.0 * flush_m(mesh.magnitude()) * mesh.facet(triangle).n;
+  const Vec3 front = place + 2.0 * mesh.flush() * mesh.facet(triangle).n;
   return winding_about(mesh, front) <= 0;
 }
 
 // By balls that grow until one holds an exposed place: then no closer one is outside of it.
-StartPlace closest_exposed(const ContactMesh& mesh, const Vec3& p, double nearest_m) noexcept {
+template <class Mesh>
+StartPlace closest_exposed(const Mesh& mesh, const Vec3& p, double nearest_m) noexcept {
   StartPlace best;
-  for (double radius = 2.0 * std::max(nearest_m, flush_m(mesh.magnitude())); best.triangle < 0; radius *= 2.0) {
+  for (double radius = 2.0 * std::max(nearest_m, mesh.flush()); best.triangle < 0; radius *= 2.0) {
     double least = radius;
     mesh.tree().within(p, radius, [&](std::int32_t t) {
       if (mesh.facet(t).n.isZero(0.0)) return least;
@@ -49,7 +53,8 @@ StartPlace closest_exposed(const ContactMesh& mesh, const Vec3& p, double neares
 
 }  // namespace
 
-int winding_about(const ContactMesh& mesh, const Vec3& p) noexcept {
+template <class Mesh>
+int winding_about(const Mesh& mesh, const Vec3& p) noexcept {
   const Vec3 far = p + (2.0 * mesh.extent() + 2.0 * mesh.magnitude() + p.norm()) * awry();
   int winding = 0;
   mesh.tree().along_segment(p, far, [&](std::int32_t t) {
@@ -59,6 +64,8 @@ int winding_about(const ContactMesh& mesh, const Vec3& p) noexcept {
   });
   return winding;
 }
+template int winding_about(const ContactMesh&, const Vec3&) noexcept;
+template int winding_about(const PosedBodies&, const Vec3&) noexcept;
 
 StartPlace start_place(const ContactMesh& mesh, const Surface& surface, const Vec3& p) noexcept {
   const SurfacePoint nearest = surface.closest(p);
@@ -74,6 +81,29 @@ StartPlace start_place(const ContactMesh& mesh, const Surface& surface, const Ve
   // Beyond the rim of an open mesh there is no inside.
   if (mesh.on_rim(nearest.triangle, place.feature, place.index)) return {};
   return {true, nearest.triangle, place.feature, place.index, nearest.p_W_m};
+}
+
+StartPlace start_place(const PosedBodies& bodies, const Vec3& p) noexcept {
+  // Of all bodies' closest points the closest.
+  const PosedBody* nearest_body = nullptr;
+  SurfacePoint nearest;
+  nearest.distance_m = std::numeric_limits<double>::infinity();
+  for (const PosedBody& body : bodies.bodies()) {
+    const SurfacePoint here = body.surface().closest(body.to_B(p));
+    if (here.triangle < 0 || !(here.distance_m < nearest.distance_m)) continue;
+    nearest = here;
+    nearest_body = &body;
+  }
+  if (nearest_body == nullptr) return {};
+  const std::int32_t triangle = nearest.triangle + nearest_body->first_triangle();
+  if (!bodies.open()) {
+    if (winding_about(bodies, p) <= 0) return {};
+    return closest_exposed(bodies, p, nearest.distance_m);
+  }
+  if (!(nearest.signed_distance_m < 0.0)) return {};
+  const StartPlace place = place_on(bodies, triangle, p);
+  if (nearest_body->mesh().on_rim(nearest.triangle, place.feature, place.index)) return {};
+  return place;
 }
 
 }  // namespace touchstone::renderers

@@ -10,6 +10,7 @@
 #include "harness/base/rooms.h"
 #include "harness/surface/surface.h"
 #include "renderers/walkable/contact_mesh.h"
+#include "renderers/walkable/posed_bodies.h"
 
 namespace touchstone::renderers {
 
@@ -22,8 +23,12 @@ struct StartPlace {
   Vec3 p_W_m = Vec3::Zero();
 };
 StartPlace start_place(const ContactMesh& mesh, const Surface& surface, const Vec3& p) noexcept;
+// Among the bodies of a scene.
+StartPlace start_place(const PosedBodies& bodies, const Vec3& p) noexcept;
 
 // How often closed bodies wind around p: 1 inside one, 2 where two overlap, 0 outside, -1 in one that is inside out.
-int winding_about(const ContactMesh& mesh, const Vec3& p) noexcept;
+// `Mesh`: ContactMesh or PosedBodies.
+template <class Mesh>
+int winding_about(const Mesh& mesh, const Vec3& p) noexcept;
 
 }  // namespace touchstone::renderers

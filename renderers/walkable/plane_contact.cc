@@ -11,6 +11,7 @@
 #include "renderers/walkable/exposed_place.h"
 #include "renderers/walkable/flush.h"
 #include "renderers/walkable/front_crossing.h"
+#include "renderers/walkable/posed_bodies.h"
 
 namespace touchstone::renderers {
 namespace {
@@ -34,14 +35,16 @@ const Vec3& no_place() {
 }
 
 // How far the triangle's corners reach over another one's plane.
-double reach_over(const ContactMesh& mesh, const Facet& plane, std::int32_t triangle) noexcept {
+template <class Mesh>
+double reach_over(const Mesh& mesh, const Facet& plane, std::int32_t triangle) noexcept {
   double most = -std::numeric_limits<double>::infinity();
   for (const Vec3& corner : mesh.corners(triangle)) most = std::max(most, plane.height(corner));
   return most;
 }
 
 // Whether the triangle's corners lie that close to another one's plane.
-bool within_plane(const ContactMesh& mesh, const Facet& plane, std::int32_t triangle, double width) noexcept {
+template <class Mesh>
+bool within_plane(const Mesh& mesh, const Facet& plane, std::int32_t triangle, double width) noexcept {
   const auto corners = mesh.corners(triangle);
   return std::all_of(corners.begin(), corners.end(), [&](const Vec3& x) { return std::abs(plane.height(x)) <= width; });
 }
@@ -57,19 +60,23 @@ bool beside(const Facet& facet, const Vec3& from, const Vec3& to, double width) 
 
 }  // namespace
 
-bool PlaneContact::Active::has(std::int32_t t) const noexcept {
+template <class Mesh>
+bool PlaneContactOf<Mesh>::Active::has(std::int32_t t) const noexcept {
   return std::find(triangle.begin(), triangle.begin() + size, t) != triangle.begin() + size;
 }
 
-void PlaneContact::Active::remove(int index) noexcept {
+template <class Mesh>
+void PlaneContactOf<Mesh>::Active::remove(int index) noexcept {
   std::copy(triangle.begin() + index + 1, triangle.begin() + size, triangle.begin() + index);
   --size;
 }
 
-PlaneContact::PlaneContact(const ContactMesh& mesh)
-    : mesh_(&mesh), flush_(flush_m(mesh.magnitude())), lift_(kLift * flush_), pulled_to_(no_place()) {}
+template <class Mesh>
+PlaneContactOf<Mesh>::PlaneContactOf(const Mesh& mesh)
+    : mesh_(&mesh), flush_(mesh.flush()), lift_(kLift * flush_), pulled_to_(no_place()) {}
 
-void PlaneContact::start_on(std::int32_t triangle, const Vec3& g) noexcept {
+template <class Mesh>
+void PlaneContactOf<Mesh>::start_on(std::int32_t triangle, const Vec3& g) noexcept {
   start_free(g);
   const Facet& facet = mesh_->facet(triangle);
   // A triangle without area has no normal of its own, and holds nothing.
@@ -79,14 +86,29 @@ void PlaneContact::start_on(std::int32_t triangle, const Vec3& g) noexcept {
   lifted_ = true;
 }
 
-void PlaneContact::start_free(const Vec3& g) noexcept {
+template <class Mesh>
+void PlaneContactOf<Mesh>::start_free(const Vec3& g) noexcept {
   g_ = free_ = g;
   active_ = {};
   lifted_ = false;
   pulled_to_ = no_place();
 }
 
-bool PlaneContact::nearest_in_front(const Vec3& to, double lift, Vec3& place) noexcept {
+template <class Mesh>
+void PlaneContactOf<Mesh>::start_lifted(const Vec3& free) noexcept {
+  start_free(free);
+  lifted_ = true;
+}
+
+template <class Mesh>
+void PlaneContactOf<Mesh>::carry(const Vec3& g, const Vec3& free) noexcept {
+  g_ = g;
+  free_ = free;
+  pulled_to_ = no_place();
+}
+
+template <class Mesh>
+bool PlaneContactOf<Mesh>::nearest_in_front(const Vec3& to, double lift, Vec3& place) noexcept {
   std::array<HalfSpace, 4> planes;  // as seen from there
   const auto count = static_cast<std::size_t>(active_.size);
   for (std::size_t i = 0; i < count; ++i) {
@@ -103,7 +125,8 @@ bool PlaneContact::nearest_in_front(const Vec3& to, double lift, Vec3& place) no
   return true;
 }
 
-void PlaneContact::pull(const Vec3& p) noexcept {
+template <class Mesh>
+void PlaneContactOf<Mesh>::pull(const Vec3& p) noexcept {
   if (p == pulled_to_) return;
   pulled_to_ = p;
   descend(p);
@@ -111,7 +134,8 @@ void PlaneContact::pull(const Vec3& p) noexcept {
   if (active_.size > 1) descend(p);
 }
 
-void PlaneContact::descend(const Vec3& p) noexcept {
+template <class Mesh>
+void PlaneContactOf<Mesh>::descend(const Vec3& p) noexcept {
   // On its only triangle it is already, if the tip is still behind it.
   if (active_.size != 1 || !(mesh_->facet(active_.triangle[0]).height(p) < 0.0)) active_.size = 0;
   left_ = -1;
@@ -140,7 +164,8 @@ void PlaneContact::descend(const Vec3& p) noexcept {
   rest(p, arrived);
 }
 
-void PlaneContact::meet(std::int32_t triangle, const Vec3& goal, const Vec3& p) noexcept {
+template <class Mesh>
+void PlaneContactOf<Mesh>::meet(std::int32_t triangle, const Vec3& goal, const Vec3& p) noexcept {
   const Facet& facet = mesh_->facet(triangle);
   const double from = facet.height(free_);
   const double to = facet.height(goal);
@@ -165,31 +190,36 @@ void PlaneContact::meet(std::int32_t triangle, const Vec3& goal, const Vec3& p) 
   left_ = -1;
 }
 
-void PlaneContact::rise_over(std::int32_t triangle) noexcept {
+template <class Mesh>
+void PlaneContactOf<Mesh>::rise_over(std::int32_t triangle) noexcept {
   const Facet& facet = mesh_->facet(triangle);
   const double missing = lift_ - facet.height(free_);
   if (missing > 0.0) {
     const Vec3 up = missing * facet.n;
-    // Walls that it lies in to rounding do not hang over it.
     const Vec3 above = free_ + up;
     const double rounding = resting_error(*mesh_, free_);
-    const FrontCrossing ceiling = first_front_crossing(
-        *mesh_, free_, above, [&](std::int32_t t) { return mesh_->facet(t).height(above) >= -rounding; });
+    const FrontCrossing ceiling = first_front_crossing(*mesh_, free_, above, [&](std::int32_t t) {
+      // Walls that it lies in to rounding do not hang over it, and neither does the other side of a sheet.
+      return mesh_->facet(t).height(above) >= -rounding ||
+             (within_plane(*mesh_, facet, t, flush_) && winding_about(*mesh_, above) <= 0);
+    });
     if (ceiling.triangle < 0) free_ = above;
   }
   lifted_ = true;
 }
 
 // Whether the triangle lies behind the other one's plane, or in it.
-bool PlaneContact::behind(std::int32_t triangle, std::int32_t other) const noexcept {
+template <class Mesh>
+bool PlaneContactOf<Mesh>::behind(std::int32_t triangle, std::int32_t other) const noexcept {
   return reach_over(*mesh_, mesh_->facet(other), triangle) <= flush_;
 }
 
-std::int32_t PlaneContact::floor_over(std::int32_t side, const Vec3& place, const Vec3& p) const noexcept {
+template <class Mesh>
+std::int32_t PlaneContactOf<Mesh>::floor_over(std::int32_t side, const Vec3& place, const Vec3& p) const noexcept {
   // One triangle for each direction that a floor may have there: the smallest index, in whichever order they come.
   struct Floor {
     std::int32_t triangle;
-    const Vec3* n;
+    Vec3 n;
   };
   std::array<Floor, kMostFloors> floors;
   std::size_t count = 0;
@@ -200,12 +230,11 @@ std::int32_t PlaneContact::floor_over(std::int32_t side, const Vec3& place, cons
     if (within_plane(*mesh_, mesh_->facet(side), t, flush_) || !behind(side, t)) return flush_;
     if (closest_on_triangle(mesh_->corners(t), facet.n, place).squared_distance > flush_ * flush_) return flush_;
     const auto end = floors.begin() + static_cast<std::ptrdiff_t>(count);
-    const auto same =
-        std::find_if(floors.begin(), end, [&](const Floor& f) { return dot(*f.n, facet.n) > kSameFloor; });
+    const auto same = std::find_if(floors.begin(), end, [&](const Floor& f) { return dot(f.n, facet.n) > kSameFloor; });
     if (same != end) {
-      if (t < same->triangle) *same = {t, &facet.n};
+      if (t < same->triangle) *same = {t, facet.n};
     } else if (count < kMostFloors) {
-      floors[count++] = {t, &facet.n};
+      floors[count++] = {t, facet.n};
     }
     return flush_;
   });
@@ -214,11 +243,11 @@ std::int32_t PlaneContact::floor_over(std::int32_t side, const Vec3& place, cons
   // one that has free space in front of it, behind the side and the others. Looked for clear of all that counts as
   // flush.
   Vec3 others = mesh_->facet(side).n;
-  for (std::size_t i = 0; i < count; ++i) others += *floors[i].n;
+  for (std::size_t i = 0; i < count; ++i) others += floors[i].n;
   std::int32_t found = -1;
   for (std::size_t i = 0; i < count; ++i) {
     const auto& [t, n] = floors[i];
-    const bool free = count == 1 || winding_about(*mesh_, place + lift_ * (2.0 * *n - others)) <= 0;
+    const bool free = count == 1 || winding_about(*mesh_, place + lift_ * (2.0 * n - others)) <= 0;
     if (free && (found < 0 || t < found)) found = t;
   }
   // A tip in both, to what counts as flush, stays on the side unless another body covers that below the floor.
@@ -228,7 +257,8 @@ std::int32_t PlaneContact::floor_over(std::int32_t side, const Vec3& place, cons
   return found;
 }
 
-bool PlaneContact::over_border(const Vec3& p, const Vec3& goal, double hit_fraction) noexcept {
+template <class Mesh>
+bool PlaneContactOf<Mesh>::over_border(const Vec3& p, const Vec3& goal, double hit_fraction) noexcept {
   double first = hit_fraction;
   int which = -1;
   std::size_t edge = 0;
@@ -263,7 +293,8 @@ bool PlaneContact::over_border(const Vec3& p, const Vec3& goal, double hit_fract
   return true;
 }
 
-void PlaneContact::rest(const Vec3& p, bool arrived) noexcept {
+template <class Mesh>
+void PlaneContactOf<Mesh>::rest(const Vec3& p, bool arrived) noexcept {
   if (arrived) {
     // The free point is in its place in front of the planes, the god-object on them. None presses where the tip is
     // nearer in front of them than that.
@@ -285,14 +316,16 @@ void PlaneContact::rest(const Vec3& p, bool arrived) noexcept {
   g_ = free_;
 }
 
-Vec3 PlaneContact::normal(const Vec3& p) const noexcept {
+template <class Mesh>
+Vec3 PlaneContactOf<Mesh>::normal(const Vec3& p) const noexcept {
   if (!touching()) return Vec3::Zero();
   const Vec3 push = g_ - p;
   if (active_.size > 1 && push.squaredNorm() > 0.0) return push.normalized();
   return mesh_->facet(active_.triangle[0]).n;
 }
 
-ContactNormals PlaneContact::contact_normals() const noexcept {
+template <class Mesh>
+ContactNormals PlaneContactOf<Mesh>::contact_normals() const noexcept {
   ContactNormals contact;
   for (int i = 0; i < active_.size && i < 3; ++i) {
     const auto k = static_cast<std::size_t>(i);
@@ -302,7 +335,8 @@ ContactNormals PlaneContact::contact_normals() const noexcept {
   return contact;
 }
 
-ContactPlaces PlaneContact::contact_places() const noexcept {
+template <class Mesh>
+ContactPlaces PlaneContactOf<Mesh>::contact_places() const noexcept {
   const ContactNormals normals = contact_normals();
   ContactPlaces contact;
   contact.size = normals.size;
@@ -310,5 +344,8 @@ ContactPlaces PlaneContact::contact_places() const noexcept {
     contact.place[k] = {active_.triangle[k], Feature::face, 0, g_, normals.n[k]};
   return contact;
 }
+
+template class PlaneContactOf<ContactMesh>;
+template class PlaneContactOf<PosedBodies>;
 
 }  // namespace touchstone::renderers

@@ -19,6 +19,9 @@
 // larger than what counts as flush (flush.h).
 //
 // At non-manifold edges it may rest where a walk would slide on.
+//
+// Over any mesh with the members of ContactMesh that it uses: ContactMesh itself, and the bodies of a scene
+// (posed_bodies.h), which may stand elsewhere at each step: carry() then says where the two points are.
 #pragma once
 
 #include <array>
@@ -31,19 +34,27 @@
 
 namespace touchstone::renderers {
 
-class PlaneContact {
+template <class Mesh>
+class PlaneContactOf {
  public:
   using Scalar = double;
-  explicit PlaneContact(const ContactMesh& mesh);
+  explicit PlaneContactOf(const Mesh& mesh);
 
   // The god-object is at g on the triangle; or in free space.
   void start_on(std::int32_t triangle, const Vec3& g) noexcept;
   void start_free(const Vec3& g) noexcept;
+  // In free space at the free point's distance from whatever is behind it.
+  void start_lifted(const Vec3& free) noexcept;
+  // The bodies have moved, and the two points with what they touch.
+  void carry(const Vec3& g, const Vec3& free) noexcept;
   // Towards p, without friction.
   void pull(const Vec3& p) noexcept;
 
   [[nodiscard]] bool touching() const noexcept { return active_.size > 0; }
   [[nodiscard]] const Vec3& position() const noexcept { return g_; }
+  [[nodiscard]] const Vec3& free_point() const noexcept { return free_; }
+  // How far the free point is in front of the planes.
+  [[nodiscard]] double lift() const noexcept { return lift_; }
   [[nodiscard]] Vec3 push(const Vec3& p) const noexcept { return touching() ? Vec3(g_ - p) : Vec3::Zero(); }
   [[nodiscard]] Vec3 normal(const Vec3& p) const noexcept;
   [[nodiscard]] ContactNormals contact_normals() const noexcept;
@@ -76,7 +87,7 @@ class PlaneContact {
   [[nodiscard]] bool behind(std::int32_t triangle, std::int32_t other) const noexcept;
   void rest(const Vec3& p, bool arrived) noexcept;
 
-  const ContactMesh* mesh_;
+  const Mesh* mesh_;
   double flush_;
   double lift_;
   Vec3 g_ = Vec3::Zero();
@@ -86,5 +97,7 @@ class PlaneContact {
   bool lifted_ = false;     // the free point is off the surface, not just wherever the tip is
   std::int32_t left_ = -1;  // the triangle whose outline the way left last
 };
+
+using PlaneContact = PlaneContactOf<ContactMesh>;
 
 }  // namespace touchstone::renderers

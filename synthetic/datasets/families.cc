@@ -1,6 +1,8 @@
+#include <cmath>
 #include <numbers>
 
 #include "synthetic/datasets/recipe.h"
+#include "synthetic/surface_catalogue.h"
 
 namespace touchstone::synthetic {
 namespace {
@@ -16,6 +18,25 @@ std::unique_ptr<const Guide> body_guide(const AnalyticSurface& surface) {
 }
 std::unique_ptr<const Guide> closest_guide(const AnalyticSurface& surface) {
   return std::make_unique<ClosestPointGuide>(surface);
+}
+
+// Two blocks side by side, each closed, whose tops are one plane: a wall of each stands inside of the body.
+Tessellation flush_blocks() {
+  Tessellation both;
+  both.mesh.source = "two blocks of 40 mm x 40 mm x 10 mm, flush at x = 0";
+  for (const double middle_m : {-0.5 * kHalfSide_m, 0.5 * kHalfSide_m}) {
+    const Tessellation one = make_mesh("thin-shell", {{"thickness_m", 0.01}, {"half_side_m", 0.5 * kHalfSide_m}}, 6000);
+    const auto first = static_cast<std::int32_t>(both.mesh.vertices_W_m.size());
+    for (const Vec3& v : one.mesh.vertices_W_m) both.mesh.vertices_W_m.push_back(v + Vec3(middle_m, 0.0, 0.0));
+    for (const auto& t : one.mesh.triangles) both.mesh.triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
+  }
+  return both;
+}
+
+// A table that goes to and fro by 20 mm and turns by 0.2 rad, slower than the hand.
+Tracker::Pose swaying_table(double t_s) {
+  return {Vec3(0.02 * std::sin(0.8 * t_s), 0.01 * std::sin(0.5 * t_s), 0.0),
+          Quat(Eigen::AngleAxisd(0.2 * std::sin(0.6 * t_s), Vec3::UnitZ()))};
 }
 
 // A tap, five lines to and fro along x that step along y, a tap: over the middle of a patch and whatever stands there.
@@ -72,6 +93,29 @@ Recipe family(std::string name, std::string object, std::string surface, Paramet
 
 }  // namespace
 
+namespace {
+
+Recipe flush() {
+  Recipe out = family("flush", "two rigid blocks, flush with one another", "thin-shell",
+                      {{"thickness_m", 0.01}, {"half_side_m", kHalfSide_m}}, closest_guide, raster_script);
+  out.mesh = flush_blocks;
+  return out;
+}
+
+Recipe moving() {
+  Recipe out =
+      family("moving", "a rigid plate with a smooth bump of 3 mm, which moves while it is scanned", "gauss",
+             {{"amplitude_m", 0.003}, {"width_m", 0.008}, {"half_side_m", kHalfSide_m}}, field_guide, raster_script);
+  out.object_pose = swaying_table;
+  out.motion =
+      "x = 20 mm sin(0.8 t), y = 10 mm sin(0.5 t), turned about z by 0.2 rad sin(0.6 t); the tracker measured probe "
+      "and "
+      "object, and the recording is in the object's frame";
+  return out;
+}
+
+}  // namespace
+
 std::span<const Recipe> families() {
   static const std::vector<Recipe> all{
       family("bump-smooth", "a rigid plate with a smooth bump of 3 mm", "gauss",
@@ -87,6 +131,8 @@ std::span<const Recipe> families() {
              {{"bend_rad", 0.5}, {"half_side_m", kHalfSide_m}}, closest_guide, raster_script),
       family("thin-shell", "a rigid sheet 1 mm thick", "thin-shell",
              {{"thickness_m", 0.001}, {"half_side_m", kHalfSide_m}}, closest_guide, raster_script),
+      flush(),
+      moving(),
   };
   return all;
 }

@@ -29,11 +29,15 @@ struct Recipe {
   Tracker tracker;
   std::unique_ptr<const Guide> (*guide)(const AnalyticSurface& surface);
   ScanScript (*script)(std::uint64_t seed);
+  Tessellation (*mesh)() = nullptr;                    // instead of the surface's own, of the same shape outside
+  Tracker::Pose (*object_pose)(double t_s) = nullptr;  // of an object that moves: X_WB; the recording is made in B
+  std::string motion = {};                             // the same in words
 };
 
 std::span<const Recipe> recipes();
 // Families of shapes with exact answers, which are made when they are wanted instead of being bundled (families.cc):
-// bumps, a saddle, a closed bumpy body, a convex crease, a thin shell.
+// bumps, a saddle, a closed bumpy body, a convex crease, a thin shell, two blocks flush with one another, a plate that
+// moves.
 std::span<const Recipe> families();
 // Of both. Throws UsageError listing what is known.
 const Recipe& recipe(std::string_view name);

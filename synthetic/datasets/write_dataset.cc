@@ -39,9 +39,11 @@ std::string instrument_text(const Recipe& recipe, double geometry_error_m) {
   return fmt::format(
       "{{\"schema\": \"touchstone-instrument/1\",\n"
       " \"force_noise_N\": {}, \"force_noise_time_constant_s\": {}, \"force_step_N\": [{}, {}, {}],\n"
-      " \"position_noise_m\": {}, \"position_rate_Hz\": {}, \"geometry_error_m\": {}}}\n",
+      " \"position_noise_m\": {}, \"position_wander_m\": {}, \"position_wander_time_constant_s\": {},\n"
+      " \"position_rate_Hz\": {}, \"geometry_error_m\": {}}}\n",
       whole(std::hypot(f.coloured_noise_N, f.white_noise_N), 1e-6), f.noise_time_constant_s, f.step_N.x(), f.step_N.y(),
-      f.step_N.z(), whole(std::hypot(p.noise_m, p.wander_m), 1e-8), p.rate_Hz, geometry_error_m);
+      f.step_N.z(), whole(std::hypot(p.noise_m, p.wander_m), 1e-8), p.wander_m, p.wander_time_constant_s, p.rate_Hz,
+      geometry_error_m);
 }
 
 std::string provenance_text(const Recipe& r, std::uint64_t seed, const Tessellation& mesh, const MeasuredScan& scan) {
@@ -55,7 +57,7 @@ std::string provenance_text(const Recipe& r, std::uint64_t seed, const Tessellat
       "    touchstone synth --dataset {} --seed {} --out FOLDER\n\n"
       "| what | value |\n|---|---|\n"
       "| surface | `{}`{} |\n| mesh | {} triangles, no further than {:.3g} m from the surface, in {} |\n"
-      "| tip | ball, radius {} m |\n| object | rigid |\n| friction | Coulomb, mu = {} |\n"
+      "| tip | ball, radius {} m |\n| object | rigid, {} |\n| friction | Coulomb, mu = {} |\n"
       "| force sensor | {} Hz, steps {:.6g} / {:.6g} / {:.6g} N along its x, y, z, noise {} N coloured ({} s) and {} N "
       "white, "
       "random-walk drift {} N per square root of a second |\n"
@@ -68,10 +70,11 @@ std::string provenance_text(const Recipe& r, std::uint64_t seed, const Tessellat
       "surface (the exact out-trajectory), fx, fy, fz the exact force.\n\n"
       "How force and position were brought to common times:\n\n{}",
       r.object, r.name, seed, r.surface, parameters, mesh.mesh.triangle_count(), mesh.deviation_bound_m, r.mesh_unit,
-      r.contact.tip_radius_m, r.contact.mu, r.sensor.rate_Hz, r.sensor.step_N.x(), r.sensor.step_N.y(),
-      r.sensor.step_N.z(), r.sensor.coloured_noise_N, r.sensor.noise_time_constant_s, r.sensor.white_noise_N,
-      r.sensor.drift_N_per_sqrt_s, r.tracker.rate_Hz, r.tracker.noise_m, r.tracker.wander_m,
-      r.tracker.orientation_noise_rad, seed, scan.recording.size(), r.stiffness_N_per_m, notes);
+      r.contact.tip_radius_m, r.motion.empty() ? "at rest" : r.motion, r.contact.mu, r.sensor.rate_Hz,
+      r.sensor.step_N.x(), r.sensor.step_N.y(), r.sensor.step_N.z(), r.sensor.coloured_noise_N,
+      r.sensor.noise_time_constant_s, r.sensor.white_noise_N, r.sensor.drift_N_per_sqrt_s, r.tracker.rate_Hz,
+      r.tracker.noise_m, r.tracker.wander_m, r.tracker.orientation_noise_rad, seed, scan.recording.size(),
+      r.stiffness_N_per_m, notes);
 }
 
 }  // namespace
@@ -90,8 +93,9 @@ void write_dataset(const Recipe& recipe, std::uint64_t seed, const std::filesyst
   refuse_foreign_files(
       folder, {"dataset.json", "instrument.json", "scan.csv", "scan.exact.csv", "PROVENANCE.md", recipe.mesh_file});
   ensure_writable_folder(folder);
-  const Tessellation made = make_mesh(recipe.surface, recipe.parameters, recipe.triangles);
-  const MeasuredScan scan = measure(make_scan(recipe, seed), recipe.sensor, recipe.tracker, seed);
+  const Tessellation made =
+      recipe.mesh != nullptr ? recipe.mesh() : make_mesh(recipe.surface, recipe.parameters, recipe.triangles);
+  const MeasuredScan scan = measure(make_scan(recipe, seed), recipe.sensor, recipe.tracker, seed, recipe.object_pose);
   save_mesh(made.mesh, folder / recipe.mesh_file, length_unit_factor(recipe.mesh_unit));
   save_recording(folder / "scan.csv", in_whole_units(scan.recording));
   save_rendered(folder / "scan.exact.csv", scan.exact_answer(recipe.contact.tip_radius_m, recipe.stiffness_N_per_m));
@@ -109,7 +113,7 @@ void write_dataset(const Recipe& recipe, std::uint64_t seed, const std::filesyst
   dataset.instrument_file = "instrument.json";
   dataset.stiffness_N_per_m = recipe.stiffness_N_per_m;
   dataset.friction_coefficient = recipe.contact.mu;
-  dataset.recordings = {{"scan.csv", recipe.shows, "scan.exact.csv"}};
+  dataset.recordings = {{"scan.csv", recipe.shows, "scan.exact.csv", ""}};
   dataset.source =
       fmt::format("computed by touchstone synth --dataset {} --seed {}; see PROVENANCE.md", recipe.name, seed);
   dataset.licence = "Apache-2.0";

@@ -40,8 +40,8 @@ class RadialGuide final : public Guide {
   const RadialBody* surface_;
 };
 
-// The surface's closest point to a target outside of it, in metres. A ball kept on that line touches there also at an
-// edge: it rolls over it.
+// The surface's closest point to a target outside of it, in metres; throws UsageError for a target inside. A ball kept
+// on that line touches there also at an edge: it rolls over it.
 class ClosestPointGuide final : public Guide {
  public:
   explicit ClosestPointGuide(const Surface& surface) : surface_(&surface) {}

@@ -1,5 +1,7 @@
 #include "synthetic/scan/measured_scan.h"
 
+#include <functional>
+
 #include "harness/base/random.h"
 #include "harness/recording/combine.h"
 
@@ -29,7 +31,32 @@ RenderedTrajectory MeasuredScan::exact_answer(double tip_radius_m, double stiffn
   return answer;
 }
 
-MeasuredScan measure(const RigidScan& scan, const ForceSensor& sensor, const Tracker& tracker, std::uint64_t seed) {
+namespace {
+
+// Probe and object as the tracker sees them in the world, the probe brought into the object's frame by what was
+// measured.
+PoseMeasurement measure_on_moving(const Tracker& tracker, const std::function<Tracker::Pose(double)>& probe_B,
+                                  Tracker::Pose (*object_pose)(double t_s), double duration_s, const Random& root) {
+  PoseMeasurement probe = tracker.measure(
+      [&](double t) {
+        const Tracker::Pose object = object_pose(t);
+        const Tracker::Pose in_object = probe_B(t);
+        return Tracker::Pose{object.p_W_m + object.q_WS * in_object.p_W_m, object.q_WS * in_object.q_WS};
+      },
+      duration_s, root.stream(1).next_u64());
+  const PoseMeasurement object = tracker.measure(object_pose, duration_s, root.stream(2).next_u64());
+  for (std::size_t i = 0; i < probe.t_s.size(); ++i) {
+    const Quat back = object.measured_WS[i].conjugate();
+    probe.measured_W_m[i] = back * (probe.measured_W_m[i] - object.measured_W_m[i]);
+    probe.measured_WS[i] = back * probe.measured_WS[i];
+  }
+  return probe;
+}
+
+}  // namespace
+
+MeasuredScan measure(const RigidScan& scan, const ForceSensor& sensor, const Tracker& tracker, std::uint64_t seed,
+                     Tracker::Pose (*object_pose)(double t_s)) {
   const Random root(seed);
   MeasuredScan measured;
   measured.force = sensor.measure(
@@ -38,12 +65,12 @@ MeasuredScan measure(const RigidScan& scan, const ForceSensor& sensor, const Tra
         return Vec3(at.q_WS.conjugate() * at.f_W_N);
       },
       scan.duration_s(), root.stream(0).next_u64());
-  measured.pose = tracker.measure(
-      [&](double t) {
-        const ScanTruth at = scan.at(t);
-        return Tracker::Pose{at.p_W_m, at.q_WS};
-      },
-      scan.duration_s(), root.stream(1).next_u64());
+  const auto probe = [&](double t) {
+    const ScanTruth at = scan.at(t);
+    return Tracker::Pose{at.p_W_m, at.q_WS};
+  };
+  measured.pose = object_pose != nullptr ? measure_on_moving(tracker, probe, object_pose, scan.duration_s(), root)
+                                         : tracker.measure(probe, scan.duration_s(), root.stream(1).next_u64());
 
   // The force is turned into the object's frame with the orientation that was measured: the only one an experimenter
   // has.

@@ -29,7 +29,11 @@ struct MeasuredScan {
 };
 
 // The tracker's lag is part of the stamps: the truth is taken at the stamps without it. Sensor and tracker draw from
-// independent streams of the seed.
-MeasuredScan measure(const RigidScan& scan, const ForceSensor& sensor, const Tracker& tracker, std::uint64_t seed);
+// independent streams of the seed. `object_pose`: X_WB of an object that moves, in whose frame B the scan is; the
+// tracker then measures probe and object in the world, each with its noise, and everything is brought into B as an
+// experimenter would. An object that a motor moves feels nothing of its motion but through the probe: the contact is
+// the same.
+MeasuredScan measure(const RigidScan& scan, const ForceSensor& sensor, const Tracker& tracker, std::uint64_t seed,
+                     Tracker::Pose (*object_pose)(double t_s) = nullptr);
 
 }  // namespace touchstone::synthetic

@@ -1,4 +1,4 @@
-// The open patches: plane, saddle, Gaussian bump, sinusoidal texture.
+// The open patches, heights z over (x, y) in metres: plane, saddle, Gaussian bump, sinusoidal texture.
 #pragma once
 
 #include "harness/base/rooms.h"

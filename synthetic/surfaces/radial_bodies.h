@@ -1,4 +1,4 @@
-// The star-shaped bodies: bumpy and duck.
+// The closed bodies whose radius is a function of direction (star-shaped): bumpy and duck.
 #pragma once
 
 #include <memory>

@@ -82,7 +82,8 @@ double of_a_rigid_probe(double soft_mu, double stiff_mu);
 FrictionEstimate friction_estimate(double rigid_mu, const std::vector<double>& again_mu);
 
 FrictionFit fit_friction(std::uint64_t seed, double true_mu);
-// `surface`: the surface of zero force of the recorded point, in metres.
+// `surface`: the surface of zero force of the recorded point, in metres. Throws BadData if the recording never touches
+// it.
 RealFrictionFit fit_real_friction(const Recording& recording, const std::shared_ptr<const Surface>& surface,
                                   double block_s);
 

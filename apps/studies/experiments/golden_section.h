@@ -1,4 +1,4 @@
-// Where a function of one number is least.
+// The place where a function of one number is least, by golden-section search (Kiefer 1953).
 #pragma once
 
 #include <cmath>

@@ -26,6 +26,12 @@ namespace {
 constexpr double kMostMu = 1.0;
 constexpr int kMuSteps = 10;  // of the curve whose best place is refined
 
+std::vector<Vec3> normal_part_of(const OutTrajectory& out) {
+  std::vector<Vec3> normal_W_N;
+  for (std::size_t i = 0; i < out.size(); ++i) normal_W_N.push_back(out.normal_force_N[i] * out.n_W[i]);
+  return normal_W_N;
+}
+
 // One scan with its input, and the error that all four experiments share.
 class PaperBench {
  public:
@@ -43,7 +49,7 @@ class PaperBench {
         in_ = measured_in_trajectory(scan.recording);
         break;
     }
-    for (std::size_t i = 0; i < out_.size(); ++i) normal_W_N_.push_back(out_.normal_force_N[i] * out_.n_W[i]);
+    normal_W_N_ = normal_part_of(out_);
   }
 
   [[nodiscard]] Model model(const std::string& renderer) const {
@@ -165,6 +171,34 @@ void run_density_part(const PaperBench& bench, PaperResult& result) {
   }
 }
 
+// By the definition of the error that all four share.
+PaperFloors paper_floors(const PaperBench& bench, const PaperOptions& options, double fitted_mu) {
+  const PaperScan& scan = bench.scan();
+  pipeline::FloorWorld world;
+  world.law = "friction-cone";
+  world.recording = scan.recording;
+  world.surface = bench.surface();
+  world.in_trajectory = options.in_trajectory;
+  world.stiffness_N_per_m = scan.stiffness_N_per_m;
+  world.mu = scan.friction.value_or(fitted_mu);
+  world.contact_threshold_N = options.contact_threshold_N;
+  world.instrument = scan.instrument.empty() ? estimate_instrument(scan.recording) : load_instrument(scan.instrument);
+  world.instrument.mesh_extent_m = scan.mesh.bounds().diagonal().norm();
+  const std::size_t n = scan.recording.size();
+  const auto from = [&](std::size_t first) {
+    return [&bench, first, n](const std::vector<Vec3>& rendered, const Recording& recording, const OutTrajectory&) {
+      return bench.error(rendered, recording.f_W_N, first, n);
+    };
+  };
+  const auto normal = [&](const std::vector<Vec3>& rendered, const Recording&, const OutTrajectory& out) {
+    return bench.error(rendered, normal_part_of(out), 0, n);
+  };
+  constexpr std::uint64_t seed = 1;
+  const auto whole = pipeline::floors_of(built_in_catalogue(), world, {from(0), from(n / 2)}, seed);
+  world.mu = 0.0;
+  return {whole[0], whole[1], pipeline::floors_of(built_in_catalogue(), world, {normal}, seed).front()};
+}
+
 double operations_of(const PaperRow& row) {
   return row.operations ? static_cast<double>(row.operations->total()) : std::nan("");
 }
@@ -231,6 +265,7 @@ PaperResult run_paper_experiments(const PaperScan& scan, const PaperOptions& opt
   run_voxel_part(bench, options, result);
   run_friction_part(bench, result);
   run_density_part(bench, result);
+  result.floors = paper_floors(bench, options, result.fitted_mu);
   result.findings = paper_findings(result);
   return result;
 }
@@ -239,23 +274,27 @@ std::string paper_text(const std::vector<PaperResult>& results) {
   std::string text;
   for (const PaperResult& r : results) {
     text += fmt::format("{}\n\n", r.scan);
-    std::vector<std::vector<std::string>> rows{{"1: renderer", "error N", "operations", "init ms", "memory MB"}};
+    const std::string floor = fmt::format("{:.4f}", r.floors.all.rms_N);
+    const std::string half = fmt::format("{:.4f}", r.floors.second_half.rms_N);
+    const std::string normal = fmt::format("{:.4f}", r.floors.normal_part.rms_N);
+    std::vector<std::vector<std::string>> rows{
+        {"1: renderer", "error N", "floor N", "operations", "init ms", "memory MB"}};
     for (const PaperRow& row : r.voxel) {
-      rows.push_back({row.renderer, fmt::format("{:.4f}", row.error_N),
+      rows.push_back({row.renderer, fmt::format("{:.4f}", row.error_N), floor,
                       row.operations ? fmt::format("{:.0f}K", 1e-3 * operations_of(row)) : "not counted",
                       fmt::format("{:.1f}", row.build_ms),
                       fmt::format("{:.2f}", 1e-6 * static_cast<double>(row.memory_bytes))});
     }
     text += align_columns(rows) + "\n";
-    text += align_columns({{"2: friction", "error N"},
-                           {"none", fmt::format("{:.4f}", r.without_N)},
-                           {fmt::format("mu {:.3f}", r.fitted_mu), fmt::format("{:.4f}", r.with_N)}}) +
+    text += align_columns({{"2: friction", "error N", "floor N"},
+                           {"none", fmt::format("{:.4f}", r.without_N), half},
+                           {fmt::format("mu {:.3f}", r.fitted_mu), fmt::format("{:.4f}", r.with_N), half}}) +
             "\n";
-    rows = {{"3, 4: triangles", "error N", "shaded", "normal part", "shaded"}};
+    rows = {{"3, 4: triangles", "error N", "shaded", "floor", "normal part", "shaded", "floor"}};
     for (const PaperDensity& one : r.density) {
       rows.push_back({fmt::format("{}", one.triangles), fmt::format("{:.4f}", one.plain_N),
-                      fmt::format("{:.4f}", one.shaded_N), fmt::format("{:.4f}", one.plain_normal_N),
-                      fmt::format("{:.4f}", one.shaded_normal_N)});
+                      fmt::format("{:.4f}", one.shaded_N), floor, fmt::format("{:.4f}", one.plain_normal_N),
+                      fmt::format("{:.4f}", one.shaded_normal_N), normal});
     }
     text += align_columns(rows) + "\n";
   }
@@ -271,6 +310,14 @@ std::string paper_text(const std::vector<PaperResult>& results) {
   }
   return text;
 }
+
+namespace {
+
+nlohmann::ordered_json floor_json(const pipeline::Floor& floor) {
+  return {{"error_N", floor.rms_N}, {"interval95_N", {floor.low95_N, floor.high95_N}}, {"how", floor.how}};
+}
+
+}  // namespace
 
 std::string paper_to_json(const std::vector<PaperResult>& results, const PaperOptions& options) {
   using nlohmann::ordered_json;
@@ -298,6 +345,10 @@ std::string paper_to_json(const std::vector<PaperResult>& results, const PaperOp
                           {"here", one.here}});
     scans.push_back({{"scan", r.scan},
                      {"measured_N", r.measured_N},
+                     {"floors",
+                      {{"all", floor_json(r.floors.all)},
+                       {"second_half", floor_json(r.floors.second_half)},
+                       {"normal_part", floor_json(r.floors.normal_part)}}},
                      {"voxel", std::move(voxel)},
                      {"friction", {{"mu", r.fitted_mu}, {"without_N", r.without_N}, {"with_N", r.with_N}}},
                      {"density", std::move(density)},

@@ -7,8 +7,11 @@
 //  - Experiments 3 and 4 also show the error against the normal part of the recorded force, from which equation 2 makes
 //    the input: the paper's 0.009 N at its finest mesh are far below what friction alone leaves (0.132 N in its table
 //    2).
+//  - Floors: what the law that is right (a proxy with the data set's friction, or the fitted one) scores on this input
+//    by the same definition, with the instruments' noise and this mesh (input_floor.h).
 #pragma once
 
+#include <filesystem>
 #include <memory>
 #include <optional>
 #include <string>
@@ -16,6 +19,7 @@
 
 #include "apps/studies/experiments/friction_experiment.h"
 #include "harness/base/rooms.h"
+#include "harness/pipeline/evaluation/input_floor.h"
 #include "harness/recording/dataset.h"
 #include "harness/recording/trajectory.h"
 #include "harness/rendering/operations.h"
@@ -39,6 +43,16 @@ struct PaperScan {
   Recording recording;  // force ON the probe
   TriangleMesh mesh;
   double stiffness_N_per_m = 0.0;
+  // For the floors: "" estimates the noise from the recording; without a coefficient the fitted one is taken.
+  std::filesystem::path instrument = {};
+  std::optional<double> friction = {};
+};
+
+// What the right law scores: see input_floor.h.
+struct PaperFloors {
+  pipeline::Floor all;          // of experiments 1, 3 and 4
+  pipeline::Floor second_half;  // of experiment 2
+  pipeline::Floor normal_part;  // of the right law without friction, against the normal part
 };
 
 struct PaperRow {
@@ -68,7 +82,8 @@ struct PaperResult {
   double fitted_mu = 0.0;                // on the first half
   double without_N = 0.0, with_N = 0.0;  // on the second half
   std::vector<PaperDensity> density;     // from coarse to fine; of an open mesh itself alone
-  std::vector<JudgedFinding> findings;   // the same statements for every scan, in the same order
+  PaperFloors floors;
+  std::vector<JudgedFinding> findings;  // the same statements for every scan, in the same order
 };
 
 // An open mesh is not decimated: its border would move, and the probe slip off. Throws BadData where the mesh cannot be

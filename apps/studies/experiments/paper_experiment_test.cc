@@ -1,5 +1,9 @@
 #include "apps/studies/experiments/paper_experiment.h"
 
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+
 #include "harness/base/error.h"
 #include "harness/recording/recording_file.h"
 #include "harness/surface/mesh_file.h"
@@ -32,6 +36,19 @@ TEST(PaperExperiment, OnAPlaneShadingAndVoxelsChangeNothing) {
   ASSERT_EQ(result.findings.size(), 6u);
   EXPECT_TRUE(result.findings[2].holds.value_or(false)) << "friction";
   for (std::size_t f = 3; f < 6; ++f) EXPECT_FALSE(result.findings[f].holds.has_value());
+}
+
+// The right law leaves the instruments' noise; on a plane the input carries the normal force, so that its part of it is
+// given back; and no experiment is below what the right law scores.
+TEST(PaperExperiment, EveryTableHasItsFloor) {
+  const PaperResult result = run_paper_experiments(bundled_plane(), {});
+  EXPECT_LT(result.floors.normal_part.rms_N, 0.3 * result.floors.all.rms_N);
+  EXPECT_GT(result.with_N, result.floors.second_half.low95_N);
+  EXPECT_GT(result.voxel.front().error_N, result.floors.all.high95_N) << "friction is what the proxy lacks";
+  const std::string text = paper_text({result});
+  EXPECT_THAT(text, ::testing::HasSubstr(fmt::format("{:.4f}", result.floors.all.rms_N)));
+  const auto json = nlohmann::json::parse(paper_to_json({result}, {}));
+  EXPECT_EQ(json["scans"][0]["floors"]["second_half"]["error_N"], result.floors.second_half.rms_N);
 }
 
 // One definition for all four, any other by option; the proxy of experiment 1 is the finest mesh of experiment 3.

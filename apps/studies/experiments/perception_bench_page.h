@@ -1,4 +1,4 @@
-// Report and data of the bench of perception.
+// Report page and JSON of the bench that holds the judge of perception against published experiments.
 #pragma once
 
 #include <string>

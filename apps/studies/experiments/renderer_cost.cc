@@ -42,7 +42,7 @@ std::vector<Kind> kinds() {
       if (radius_m > 0.0 && !has(entry, "tip_radius_m")) continue;
       const bool friction = has(entry, "mu_dynamic");
       // The friction cone without friction is the god-object.
-      if (entry.name != "friction-cone") result.push_back({&entry, radius_m, 0.0});
+      if (!entry.needs_friction) result.push_back({&entry, radius_m, 0.0});
       if (friction) result.push_back({&entry, radius_m, kMu});
     }
   }

@@ -39,6 +39,7 @@ struct SeededExperiment {
 };
 
 apps::CaseTable seed_table(const SeededExperiment& experiment);
+// Throws logic_error if a seed has other values or findings than the experiment declares.
 apps::CaseJob seed_job(const SeededExperiment& experiment);
 apps::CaseCommand seed_command(const SeededExperiment& experiment);
 

@@ -24,6 +24,13 @@ Table::Cell share_cell(const Share& own) {
   return cell;
 }
 
+// The first cell of a row: what the paper says.
+Table::Row finding_row(std::size_t finding) {
+  Table::Row row;
+  row.cells.push_back(text_cell(spring_findings()[finding].statement));
+  return row;
+}
+
 Section findings_section(const SpringExperiment& e) {
   Section section{
       "Which findings hold here",
@@ -40,8 +47,7 @@ Section findings_section(const SpringExperiment& e) {
     table.columns = {"finding of the paper"};
     for (const auto scaling : pc::kFeatureScalings) table.columns.emplace_back(pc::name_of(scaling));
     for (std::size_t f = 0; f < findings.size(); ++f) {
-      Table::Row row;
-      row.cells.push_back(text_cell(findings[f].statement));
+      Table::Row row = finding_row(f);
       for (const auto& share : own.findings[f]) row.cells.push_back(share_cell(share));
       while (row.cells.size() < table.columns.size()) row.cells.push_back(text_cell(""));
       table.rows.push_back(std::move(row));
@@ -70,8 +76,7 @@ Section why_section(const SpringExperiment& e) {
     for (const auto& feature : own.features) table.columns.push_back(feature);
     for (std::size_t f = 0; f < findings.size(); ++f) {
       if (!findings[f].uses_space) continue;
-      Table::Row row;
-      row.cells.push_back(text_cell(findings[f].statement));
+      Table::Row row = finding_row(f);
       for (std::size_t b = 0; b < own.features.size(); ++b) row.cells.push_back(share_cell(own.by_feature[b][f]));
       table.rows.push_back(std::move(row));
     }
@@ -112,8 +117,7 @@ Section scan_section(const SpringExperiment& e) {
       if (point.rule == rule) table.columns.push_back(fmt::format("{:g} N", point.full_stroke_force_N));
     }
     for (std::size_t f = 0; f < spring_findings().size(); ++f) {
-      Table::Row row;
-      row.cells.push_back(text_cell(spring_findings()[f].statement));
+      Table::Row row = finding_row(f);
       for (const auto& point : e.scan) {
         // No tones: so few seeds make nothing sure.
         if (point.rule == rule) row.cells.push_back(percent(point.findings[f]));

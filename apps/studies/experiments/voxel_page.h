@@ -1,4 +1,4 @@
-// The report of the proxy-against-voxel experiment.
+// The report of the experiment that compares a proxy with a voxel renderer: error and cost over resolution.
 #pragma once
 
 #include "apps/studies/experiments/voxel_experiment.h"

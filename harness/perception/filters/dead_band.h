@@ -29,6 +29,7 @@ SparseSeries dead_band(std::span<const double> stimulus, const WeberLaw& law);
 
 // Displacement "likewise" (section 3.2): relative to the held displacement, with the K that the force of the moment
 // has. The paper gives displacement no absolute threshold; `absolute_threshold_m` is the caller's choice, 0 for none.
+// Throws BadData unless there is one displacement for each force.
 SparseSeries displacement_dead_band(std::span<const double> displacement_m, std::span<const double> force_N,
                                     const WeberLaw& force_law, double absolute_threshold_m);
 

@@ -37,6 +37,8 @@ Smoothed smoothed(const std::vector<double>& x, double rate_Hz, std::size_t m) {
     const auto count = static_cast<double>(last - first + 1);
     const double total = sum[last + 1] - sum[first];
     const double middle = 0.5 * static_cast<double>(first + last);
+    // Least squares over `count` even places about their middle m: slope = sum (i - m) x_i / sum (i - m)^2, and the
+    // squares add up to count (count^2 - 1) / 12.
     const double slope = (moment[last + 1] - moment[first] - middle * total) * 12.0 / (count * (count * count - 1.0));
     // The straight line's value at i: the mean where the window is symmetric.
     result.value[i] = x[0] + total / count + slope * (static_cast<double>(i) - middle);
@@ -45,6 +47,8 @@ Smoothed smoothed(const std::vector<double>& x, double rate_Hz, std::size_t m) {
   return result;
 }
 
+// Fourth differences weigh a sample with 1, -4, 6, -4, 1: of white noise their variance is 1 + 16 + 36 + 16 + 1 = 70
+// times its own, and a motion that is a cubic over five samples leaves nothing.
 double white_noise_of(const std::vector<double>& x) {
   double squares = 0.0;
   for (std::size_t i = 4; i < x.size(); ++i) {
@@ -141,6 +145,7 @@ FeltSeries felt_series(const Recording& recording, const Vec3& outward) {
   felt.rate_of_depth_m_per_s = std::move(depth.slope_per_s);
   felt.slide_x = smoothed(place[1], felt.rate_Hz, half).slope_per_s;
   felt.slide_y = smoothed(place[2], felt.rate_Hz, half).slope_per_s;
+  // The direction of sliding, v / sqrt(v^2 + v_rest^2): at rest it goes to nought instead of jumping.
   constexpr double kRest_m_per_s = 0.001;
   for (std::size_t i = 0; i < n; ++i) {
     const double x = felt.slide_x[i];

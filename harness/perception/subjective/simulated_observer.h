@@ -22,6 +22,7 @@ struct SimulatedObserver {
 };
 
 // Every subject compares all pairs in one order and then in the reverse order, as in the paper: n (n - 1) answers each.
+// Deterministic in `seed`. Throws UsageError unless there is one distance for each condition.
 PairedComparisons simulate_answers(const std::vector<std::string>& conditions, std::span<const double> distance_to_real,
                                    std::size_t subjects, const SimulatedObserver& observer, std::uint64_t seed);
 

@@ -6,9 +6,11 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 #include "harness/discrepancy/model_edit.h"
 #include "harness/rendering/model.h"
+#include "harness/rendering/smooth_field.h"
 
 namespace touchstone::pipeline {
 namespace {
@@ -22,6 +24,27 @@ Table::Cell number(double value, const char* format = "{:.4g}") {
 
 Tone tone_of(FindingsVerdict verdict) {
   return verdict == FindingsVerdict::consistent || verdict == FindingsVerdict::explained ? Tone::good : Tone::warning;
+}
+
+// Whether data that chose nothing agree with what was chosen.
+Table held_out_table(const Findings& findings) {
+  Table table{
+      "What the held-out data say of each effect: the chi-squared that leaving it out costs there, the rest refitted",
+      {"effect", "cost", "+-", "verdict"},
+      {},
+      ""};
+  constexpr double clear = 2.0;  // standard errors, as in `contradicted`
+  for (const FoundEffect& effect : findings.search.found) {
+    const bool confirmed = effect.holdout_gain > clear * effect.holdout_error;
+    table.rows.push_back(
+        {{text(effect.name), number(effect.holdout_gain, "{:.0f}"), number(effect.holdout_error, "{:.0f}"),
+          effect.contradicted() ? text("contradicted: better without it", Tone::warning)
+          : confirmed           ? text("confirmed", Tone::good)
+                                : text("cannot tell")},
+         "",
+         {}});
+  }
+  return table;
 }
 
 Section what_section(const Findings& findings) {
@@ -57,6 +80,7 @@ Section what_section(const Findings& findings) {
       }
     }
     section.blocks.emplace_back(std::move(table));
+    section.blocks.emplace_back(held_out_table(findings));
     for (const FoundEffect& effect : findings.search.found) {
       Table rivals{
           fmt::format("In place of {} (held-out RMS {:.4g} N): what else was tried, nearest first; chi-squared "
@@ -142,7 +166,7 @@ Section where_section(const Findings& findings) {
               {},
               ""};
   for (const Regime& regime : findings.where) {
-    table.rows.push_back({{text(regime.kind),
+    table.rows.push_back({{text(to_string(regime.kind)),
                            text(regime.name),
                            {fmt::format("{}", regime.samples), true, Tone::neutral},
                            number(regime.before_N),
@@ -257,6 +281,41 @@ Section place_section(const Evidence& evidence, const Prediction& before, const 
   return {"On the object", "", {std::move(scene)}, false};
 }
 
+// The found fields at the vertices near the path.
+std::optional<Section> field_section(const Findings& findings, const Evidence& evidence, const TriangleMesh& mesh) {
+  Section section{"Fields over the surface",
+                  "What differs over the surface, where the tip has been. Elsewhere the field is a continuation of its "
+                  "neighbourhood.",
+                  {},
+                  false};
+  const auto& path = evidence.recording->motion.p_W_m;
+  const std::size_t stride = std::max<std::size_t>(1, path.size() / 3000);
+  const double reach_m = 0.03 * mesh.bounds().diagonal().norm();
+  for (const FoundEffect& effect : findings.search.found) {
+    const NamedParameters& entry = *find_entry(findings.search.model, effect.name);
+    if (!is_field(entry.parameters)) continue;
+    const SmoothField field = field_of(entry.parameters, entry.place);
+    const bool height = effect.side == Side::instrument;
+    Scene scene;
+    scene.title = height ? "Height of the surface above the mesh [mm]"
+                         : fmt::format("{}: factor on the {}", effect.name,
+                                       effect.name == "friction-field" ? "friction" : "renderer's stiffness");
+    scene.unit = "m";
+    scene.vertices = mesh.vertices_W_m;
+    scene.triangles = mesh.triangles;
+    scene.value_label = height ? "height [mm]" : "factor";
+    for (const Vec3& vertex : mesh.vertices_W_m) {
+      bool near = false;
+      for (std::size_t i = 0; i < path.size() && !near; i += stride) near = (path[i] - vertex).norm() < reach_m;
+      const double value = field.at(vertex.x(), vertex.y());
+      scene.values.push_back(!near ? std::numeric_limits<double>::quiet_NaN() : height ? 1e3 * value : std::exp(value));
+    }
+    section.blocks.emplace_back(std::move(scene));
+  }
+  if (section.blocks.empty()) return std::nullopt;
+  return section;
+}
+
 Section search_section(const Findings& findings) {
   Section section{"How the search went",
                   "Gains are of chi-squared over blocks, where a law is weighed against one that it contains of -2 ln "
@@ -275,7 +334,7 @@ Section search_section(const Findings& findings) {
     for (const Trial& trial : step.trials) {
       table.rows.push_back(
           {{text(trial.title()), number(trial.train_gain, "{:.0f}"), number(trial.validation_gain, "{:.0f}"),
-            number(trial.validation_rms_N), text(trial.verdict)},
+            number(trial.validation_rms_N), text(trial.verdict.words)},
            "",
            {}});
     }
@@ -318,6 +377,7 @@ Page discrepancy_page(const Findings& findings, const Evidence& evidence, const 
   page.sections.push_back(spectrum_section(findings));
   page.sections.push_back(time_section(evidence, before, after));
   page.sections.push_back(place_section(evidence, before, mesh));
+  if (auto fields = field_section(findings, evidence, mesh)) page.sections.push_back(std::move(*fields));
   page.sections.push_back(search_section(findings));
   Facts facts;
   facts.rows = {

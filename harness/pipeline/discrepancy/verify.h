@@ -1,4 +1,4 @@
-// The gap again, from the written files alone.
+// The gap of a search for missing effects, computed again from the files alone that it wrote.
 #pragma once
 
 #include <optional>

@@ -12,6 +12,7 @@
 #include "harness/base/input_files.h"
 #include "harness/pipeline/discrepancy/golden_offer.h"
 #include "harness/pipeline/discrepancy/page.h"
+#include "harness/pipeline/discrepancy/thinning.h"
 #include "harness/pipeline/discrepancy/verify.h"
 #include "harness/recording/recording_file.h"
 #include "harness/rendering/model.h"
@@ -73,12 +74,22 @@ void bound_by_residual(InstrumentDescription& instrument, const Recording& train
   instrument.position_noise_m *= factor;
 }
 
-ForceGap measure_gap(const SearchResult& search, const SearchData& data) {
+// Of how many samples the search takes the mean. A short recording whose tracker nobody described stays as it is; of a
+// long one the tracker is assumed to be no faster than a hand needs.
+std::size_t mean_over(const Recording& train, const InstrumentDescription& instrument) {
+  constexpr double tracker_Hz = 60.0;
+  constexpr std::size_t long_recording = 40000;  // samples: a sensor's minute
+  if (!instrument.declared && train.size() < long_recording) return 1;
+  const double rate_Hz = instrument.declared ? instrument.position_rate_Hz : tracker_Hz;
+  return samples_per_mean(train.motion, block_window_s(rate_Hz, train.motion));
+}
+
+ForceGap measure_gap(const SearchResult& search, const SearchData& data, const Evidence& samples) {
   ForceGap gap;
   gap.train_before_N = rms_force_error_N(data.learning, data.learning.predictor->predict(search.start));
   gap.train_after_N = rms_force_error_N(data.learning, data.learning.predictor->predict(search.model));
-  gap.holdout_before_N = rms_force_error_N(data.holdout, data.holdout.predictor->predict(search.start));
-  gap.holdout_after_N = rms_force_error_N(data.holdout, data.holdout.predictor->predict(search.model));
+  gap.holdout_before_N = rms_force_error_N(samples, samples.predictor->predict(search.start));
+  gap.holdout_after_N = rms_force_error_N(samples, samples.predictor->predict(search.model));
   gap.noise_floor_N = search.noise_rms_N;
   return gap;
 }
@@ -96,11 +107,34 @@ std::optional<NextExperiment> next_experiment(const SearchResult& search, const 
   return std::nullopt;
 }
 
+// Once more from the files alone, if possible in a process that knows nothing of this one. Nothing if it cannot be
+// repeated; throws if it leaves another error.
+std::optional<double> run_again(const Catalogue& catalogue, const DiscrepancyFiles& files, const Evidence& samples,
+                                const Prediction& after, double force_noise_N) {
+  if (files.synthesize_in_trajectory || files.plugins != nullptr) return std::nullopt;
+  DiscrepancyFiles written = files;
+  written.model = files.out / "model.json";
+  if (!files.holdout.empty()) written.recording = files.holdout;
+  const std::optional<double> again_N =
+      files.program.empty() ? rms_of_files_N(catalogue, written) : rms_in_fresh_process_N(written);
+  if (!again_N) return std::nullopt;
+  Evidence whole = samples;
+  whole.part = {};
+  const double here_N = rms_force_error_N(whole, after);
+  if (std::abs(*again_N - here_N) > 1e-9 * std::max(here_N, force_noise_N)) {
+    throw BadData(fmt::format("{}: run again from this file alone, the model leaves {} N instead of {} N",
+                              written.model.string(), *again_N, here_N));
+  }
+  return again_N;
+}
+
 }  // namespace
 
 std::vector<Candidate> all_candidates(const Catalogue& catalogue) {
   std::vector<Candidate> candidates;
-  for (const auto& effect : catalogue.effects()) candidates.push_back({effect.name, Side::contact, effect.parameters});
+  for (const auto& effect : catalogue.effects()) {
+    if (effect.hypothesis) candidates.push_back({effect.name, Side::contact, effect.parameters});
+  }
   for (const auto& entry : catalogue.instrument_entries()) {
     candidates.push_back({entry.name, Side::instrument, entry.parameters});
   }
@@ -128,17 +162,26 @@ Findings run_discrepancy(const Catalogue& catalogue, const DiscrepancyFiles& fil
   const double held_back_s = second ? 0.0 : std::min(files.block_s, duration_s / held_back_least_blocks);
   const Part learnt_from{{held_back_s, false}, {}};
   InstrumentDescription instrument = instrument_of(files, train, learnt_from, mesh, *surface);
-  bound_by_residual(instrument, train, learnt_from, model, make, files);
-  const auto train_predictor = make(train.motion);
-  const auto holdout_predictor = make(holdout.motion);
-  NoiseModel train_noise(train.motion, train_predictor->predict(model).n_W, instrument, make, files.seed,
+  const InstrumentDescription sensor = instrument;
+  const std::size_t count = mean_over(train, instrument);
+  const Part held_back{{held_back_s, true}, {}};
+  const Recording train_means = thinned(train, count, learnt_from);
+  const Recording holdout_means = thinned(holdout, count, held_back);
+  if (count > 1) {
+    instrument = instrument.declared ? instrument_of_means(instrument, train.motion, count)
+                                     : instrument_of(files, train_means, learnt_from, mesh, *surface);
+  }
+  bound_by_residual(instrument, train_means, learnt_from, model, make, files);
+  const auto train_predictor = make(train_means.motion);
+  const auto holdout_predictor = make(holdout_means.motion);
+  NoiseModel train_noise(train_means.motion, train_predictor->predict(model).n_W, instrument, make, files.seed,
                          files.seed + 2);
-  NoiseModel holdout_noise(holdout.motion, holdout_predictor->predict(model).n_W, instrument, make, files.seed + 1,
-                           files.seed + 2);
-  SearchData data = divide({&train, train_predictor.get(), &train_noise, learnt_from},
-                           {&holdout, holdout_predictor.get(), &holdout_noise, {{held_back_s, true}, {}}},
-                           block_window_s(instrument.position_rate_Hz, train.motion));
-  data.force_floor_N = 6.0 * instrument.force_noise_N + instrument.force_step_N.maxCoeff();
+  NoiseModel holdout_noise(holdout_means.motion, holdout_predictor->predict(model).n_W, instrument, make,
+                           files.seed + 1, files.seed + 2);
+  SearchData data = divide({&train_means, train_predictor.get(), &train_noise, learnt_from},
+                           {&holdout_means, holdout_predictor.get(), &holdout_noise, held_back},
+                           block_window_s(instrument.position_rate_Hz, train_means.motion));
+  data.force_floor_N = 6.0 * sensor.force_noise_N + sensor.force_step_N.maxCoeff();
   data.position_noise_m = instrument.position_noise_m;
   data.geometry_error_m = instrument.geometry_error_m;
   const auto candidates = all_candidates(catalogue);
@@ -147,12 +190,22 @@ Findings run_discrepancy(const Catalogue& catalogue, const DiscrepancyFiles& fil
   SearchSettings settings;
   settings.time_limit_s = files.time_limit_s;
   findings.search = search_effects(data, model, candidates, settings, report);
-  findings.gap = measure_gap(findings.search, data);
+  const auto samples_predictor = count > 1 ? make(holdout.motion) : nullptr;
+  Evidence samples = data.holdout;
+  if (count > 1) {
+    samples.recording = &holdout;
+    samples.predictor = samples_predictor.get();
+    findings.search.noise_rms_N =
+        std::hypot(findings.search.noise_rms_N, std::sqrt(square_beyond_means_N2(sensor, instrument)));
+    findings.search.spectrum = spectrum_of_samples({&train, second ? &holdout : nullptr, files.seed, sensor, make},
+                                                   findings.search.model, data.window_s);
+  }
+  findings.gap = measure_gap(findings.search, data, samples);
   if (floor) findings.gap.repeat_floor_N = floor->force_N;
-  findings.shares = share_gap(data.holdout, findings.search.start, findings.search.model);
-  const Prediction before = data.holdout.predictor->predict(model);
-  const Prediction after = data.holdout.predictor->predict(findings.search.model);
-  findings.where = sort_by_regime(data.holdout, before, after, data.force_floor_N);
+  findings.shares = told_apart(share_gap(samples, findings.search.start, findings.search.model));
+  const Prediction before = samples.predictor->predict(model);
+  const Prediction after = samples.predictor->predict(findings.search.model);
+  findings.where = sort_by_regime(samples, before, after, data.force_floor_N);
   findings.next = next_experiment(findings.search, data, make, instrument);
   findings.instrument_declared = instrument.declared;
   findings.blocks_held_back = !second;
@@ -164,23 +217,7 @@ Findings run_discrepancy(const Catalogue& catalogue, const DiscrepancyFiles& fil
     save_trajectory(files.out / trajectory, InTrajectory{findings.next->motion});
   }
   write_file(files.out / "model.json", model_to_json(findings.search.model) + "\n");
-  // Once more from the files alone, if possible in a process that knows nothing of this one.
-  DiscrepancyFiles written = files;
-  written.model = files.out / "model.json";
-  written.recording = second ? files.holdout : files.recording;
-  const bool repeatable = !files.synthesize_in_trajectory && files.plugins == nullptr;
-  std::optional<double> again;
-  if (repeatable) again = files.program.empty() ? rms_of_files_N(catalogue, written) : rms_in_fresh_process_N(written);
-  if (again) {
-    Evidence whole = data.holdout;
-    whole.part = {};
-    const double here = rms_force_error_N(whole, after);
-    if (std::abs(*again - here) > 1e-9 * std::max(here, instrument.force_noise_N)) {
-      throw BadData(fmt::format("{}: run again from this file alone, the model leaves {} N instead of {} N",
-                                (files.out / "model.json").string(), *again, here));
-    }
-    findings.gap.holdout_after_again_N = *again;
-  }
+  findings.gap.holdout_after_again_N = run_again(catalogue, files, samples, after, instrument.force_noise_N);
   const std::string json = findings_to_json(findings, trajectory);
   write_file(files.out / "findings.json", json);
   Provenance provenance = make_provenance(files.command_line);
@@ -189,7 +226,7 @@ Findings run_discrepancy(const Catalogue& catalogue, const DiscrepancyFiles& fil
   if (second) provenance.inputs.push_back(describe_input("holdout", files.holdout));
   if (floor) provenance.inputs.push_back(describe_input("repeat", files.repeat));
   if (instrument.declared) provenance.inputs.push_back(describe_input("instrument", files.instrument));
-  write_html(files.out / "report.html", discrepancy_page(findings, data.holdout, before, after, mesh, provenance));
+  write_html(files.out / "report.html", discrepancy_page(findings, samples, before, after, mesh, provenance));
   if (!files.golden.empty()) write_golden_case(files.golden, mesh, holdout, findings.search.model);
   return findings;
 }

@@ -7,12 +7,17 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "harness/base/atomic_file.h"
 #include "harness/base/bundled_files.h"
 #include "harness/base/error.h"
+#include "harness/pipeline/board_site.h"
+#include "harness/pipeline/evaluation/input_floor.h"
 #include "harness/pipeline/evaluation/run.h"
+#include "harness/pipeline/verdict.h"
 #include "harness/rendering/renderer_failed.h"
 #include "harness/report/console.h"
 #include "harness/report/metric_json.h"
+#include "harness/report/provenance.h"
 #include "harness/report/quantity.h"
 
 namespace touchstone::pipeline {
@@ -22,10 +27,6 @@ bool has_parameter(const RendererEntry& entry, std::string_view name) {
   return std::ranges::any_of(entry.parameters, [name](const auto& parameter) { return parameter.name == name; });
 }
 
-// A renderer that is nothing but its friction: at its default coefficient of 0 it is the god-object once more. With the
-// others friction is what their model says.
-bool needs_friction(const RendererEntry& entry) { return entry.name == "friction-cone"; }
-
 // The renderer with the data set's stiffness and friction where it has such parameters.
 Model default_model(const RendererEntry& entry, const Dataset& dataset, const std::string& origin) {
   Model model;
@@ -33,7 +34,7 @@ Model default_model(const RendererEntry& entry, const Dataset& dataset, const st
   model.source = origin + entry.name;
   if (has_parameter(entry, "stiffness_N_per_m") && dataset.stiffness_N_per_m > 0.0)
     model.parameters["stiffness_N_per_m"] = dataset.stiffness_N_per_m;
-  if (needs_friction(entry) && dataset.friction_coefficient)
+  if (entry.needs_friction && dataset.friction_coefficient)
     model.parameters["mu_static"] = model.parameters["mu_dynamic"] = *dataset.friction_coefficient;
   return model;
 }
@@ -41,7 +42,7 @@ Model default_model(const RendererEntry& entry, const Dataset& dataset, const st
 std::vector<Model> default_models(const Catalogue& catalogue, const Dataset& dataset, const Plugins& plugins) {
   std::vector<Model> models;
   for (const RendererEntry& entry : catalogue.renderers()) {
-    if (needs_friction(entry) && !(dataset.friction_coefficient.value_or(0.0) > 0.0)) {
+    if (entry.needs_friction && !(dataset.friction_coefficient.value_or(0.0) > 0.0)) {
       fmt::print(stderr,
                  "{}: {} is left out: without friction it is the god-object, and the data set declares no "
                  "friction_coefficient\n",
@@ -125,8 +126,9 @@ std::vector<PlannedEvaluation> plan_dataset(const Catalogue& catalogue, const st
   std::vector<PlannedEvaluation> plan;
   const auto add = [&](const DatasetRecording& recording, const TipOfPlan& tip, const ModelOfFile& given_model) {
     const auto& [model, file] = given_model;
-    PlannedEvaluation one{base, {}, {}, {}, {}};
+    PlannedEvaluation one{base, {}, {}, {}, {}, {}};
     one.request.recording = dataset.path_of(recording.file);
+    if (!recording.repeat.empty()) one.request.repeat = dataset.path_of(recording.repeat);
     one.request.mesh = dataset.path_of(dataset.mesh_file);
     one.request.mesh_unit = dataset.mesh_unit;
     one.request.model = model;
@@ -141,6 +143,9 @@ std::vector<PlannedEvaluation> plan_dataset(const Catalogue& catalogue, const st
     one.column = file.empty() ? model.renderer : file.stem().string();
     one.group = fmt::format("{} / {}{}", name, stem, tip.words);
     one.about = fmt::format("{}; {}", dataset.object, recording.shows);
+    one.floor =
+        FloorBasis{dataset.instrument_file.empty() ? std::filesystem::path() : dataset.path_of(dataset.instrument_file),
+                   dataset.friction_coefficient};
     one.request.title = fmt::format("{} on {} ({})", one.column, dataset.object, recording.shows);
     one.folder = std::filesystem::path(folder_name(name)) / (folder_name(stem) + tip.folder) / folder_name(one.column);
     plan.push_back(std::move(one));
@@ -151,6 +156,22 @@ std::vector<PlannedEvaluation> plan_dataset(const Catalogue& catalogue, const st
     }
   }
   return plan;
+}
+
+std::vector<PlannedEvaluation> plan_recording(const EvaluationRequest& base, const std::vector<ModelOfFile>& models) {
+  std::vector<PlannedEvaluation> out;
+  for (const auto& [model, file] : models) {
+    PlannedEvaluation one{base, base.recording.string(), file.stem().string(),
+                          models.size() == 1 ? std::filesystem::path() : file.stem(), ""};
+    one.request.model = model;
+    one.request.model_file = file;
+    const auto same = [&](const PlannedEvaluation& other) { return other.folder == one.folder; };
+    if (std::ranges::any_of(out, same)) {
+      throw UsageError(fmt::format("two models are named {}; their reports would share a folder", one.folder.string()));
+    }
+    out.push_back(std::move(one));
+  }
+  return out;
 }
 
 Evaluated evaluate_planned(const Catalogue& catalogue, const PlannedEvaluation& planned,
@@ -311,6 +332,28 @@ pipeline::Board board_of(const std::vector<Evaluated>& evaluated, const std::fil
   return board;
 }
 
+pipeline::Floor floor_of_plan(const Catalogue& catalogue, const std::string& law, EvaluationRequest request,
+                              const FloorBasis& basis) {
+  constexpr std::uint64_t seed = 1;
+  request.model = Model{};
+  request.model.renderer = law;  // only the tip and the stiffness are read of it
+  request.model.parameters = {{"stiffness_N_per_m", request.stiffness_N_per_m.value_or(1.0)}};
+  return floor_of(catalogue, floor_world(catalogue, request, basis.instrument, basis.friction), request.time_ranges,
+                  seed);
+}
+
+void add_floors(const Catalogue& catalogue, const std::string& law, const std::vector<PlannedEvaluation>& plan,
+                pipeline::Board& board) {
+  for (pipeline::Task& task : board.tasks) {
+    const auto own = std::ranges::find(plan, task.name, &PlannedEvaluation::group);
+    if (task.floor || own == plan.end() || !own->floor) continue;
+    try {
+      task.floor = floor_of_plan(catalogue, law, own->request, *own->floor);
+    } catch (const BadData&) {  // no forces, or no sample in the range: there is nothing to have a floor
+    }
+  }
+}
+
 std::string summary_table(const std::vector<Evaluated>& evaluated) {
   std::string out;
   for (const auto& group : groups_of(evaluated)) {
@@ -336,6 +379,35 @@ std::string summary_table(const std::vector<Evaluated>& evaluated) {
     if (inputs.size() > 1) out += "Different inputs are not compared: each has a table of its own.\n\n";
   }
   return out;
+}
+
+std::string write_overview(const Catalogue& catalogue, const std::vector<PlannedEvaluation>& plan,
+                           const std::vector<Evaluated>& evaluated, const std::vector<std::string>& command_line,
+                           const std::filesystem::path& out) {
+  constexpr std::size_t few = 2;  // evaluations whose whole tables a terminal takes
+  Board board = board_of(evaluated, out);
+  board.title = evaluated.size() == 1 ? evaluated.front().column + " on " + evaluated.front().group
+                                      : "Renderers held against recordings";
+  add_floors(catalogue, "friction-cone", plan, board);
+  rank_board(board, false);
+  const std::string tables = summary_table(evaluated);
+  write_file(out / "tables.txt", tables);
+  write_file(out / "index.html",
+             site_html(board, {make_provenance(command_line), {}, false, {{"tables", "tables.txt"}}}));
+  std::string said;
+  for (const Task& task : board.tasks) {
+    said += fmt::format("{}\n{}\n\n", task.name, wrapped(verdict(task), terminal_width()));
+    if (evaluated.size() > few) said += short_table(task) + "\n";
+  }
+  if (evaluated.size() <= few) said += tables;
+  return said + fmt::format("every metric: {}\nall reports: {}\n", (out / "tables.txt").string(),
+                            (out / "index.html").string());
+}
+
+bool is_invalid(const Evaluated& evaluated) {
+  return !evaluated.failure.empty() || std::ranges::any_of(evaluated.metrics, [](const MetricResult& metric) {
+    return metric.status == MetricStatus::invalid;
+  });
 }
 
 std::string summary_json(const std::vector<Evaluated>& evaluated) {

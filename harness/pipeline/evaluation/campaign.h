@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <span>
 #include <string>
 #include <utility>
@@ -39,6 +40,11 @@ std::vector<std::filesystem::path> bundled_datasets();
 // A model and the file that it was read from.
 using ModelOfFile = std::pair<Model, std::filesystem::path>;
 
+struct FloorBasis {
+  std::filesystem::path instrument;  // "" where none is declared
+  std::optional<double> friction;
+};
+
 // One request per recording of the data set and model. Without models: every renderer of the catalogue and of the
 // plug-ins at the data set's stiffness. `base` holds what the command line chose. If the probe was a ball, no tip was
 // chosen, and a renderer knows point tips only, all renderers are planned twice: with the ball, where those do not
@@ -49,10 +55,16 @@ struct PlannedEvaluation {
   std::string column;
   std::filesystem::path folder;  // below the output folder
   std::string about;             // the object, and what the recording shows
+  // Of the data set, for the floor of its recordings (input_floor.h); without one there is no floor.
+  std::optional<FloorBasis> floor = {};
 };
 std::vector<PlannedEvaluation> plan_dataset(const Catalogue& catalogue, const std::filesystem::path& place,
                                             const std::vector<ModelOfFile>& given, const Plugins& plugins,
                                             const EvaluationRequest& base, bool in_trajectory_chosen);
+
+// One request for each model, on the recording and the mesh of `base`. Throws UsageError if two models would share a
+// folder.
+std::vector<PlannedEvaluation> plan_recording(const EvaluationRequest& base, const std::vector<ModelOfFile>& models);
 
 // One evaluation with its report; `folder` "" writes none. A renderer that breaks down or does not enter is said, not
 // thrown.
@@ -69,10 +81,26 @@ std::vector<Evaluated> run_plan(const Catalogue& catalogue, const std::vector<Pl
 std::string group_messages(std::span<const Evaluated> group);
 // A task of the board for each group and input; reports are linked relative to `out`. Not ranked yet.
 pipeline::Board board_of(const std::vector<Evaluated>& evaluated, const std::filesystem::path& out);
+// Simulates the floor of every task that has none and whose plan has a basis for one. `law`: see FloorWorld. A floor
+// that cannot be simulated is left out.
+void add_floors(const Catalogue& catalogue, const std::string& law, const std::vector<PlannedEvaluation>& plan,
+                pipeline::Board& board);
+pipeline::Floor floor_of_plan(const Catalogue& catalogue, const std::string& law, EvaluationRequest request,
+                              const FloorBasis& basis);
 pipeline::Entry entry_of(const Evaluated& evaluated, const std::filesystem::path& out);
 
 // Every metric: one table per group and input, as wide as it gets.
 std::string summary_table(const std::vector<Evaluated>& evaluated);
+// Writes FOLDER/tables.txt (summary_table()) and FOLDER/index.html, the overview of all reports. Returns what a person
+// reads first: the verdict on each group in words, and tables that fit a terminal.
+// `plan`: what was evaluated, for the floors.
+std::string write_overview(const Catalogue& catalogue, const std::vector<PlannedEvaluation>& plan,
+                           const std::vector<Evaluated>& evaluated, const std::vector<std::string>& command_line,
+                           const std::filesystem::path& folder);
+
+// It broke down, or one of its numbers is none: neither may look like a pass.
+bool is_invalid(const Evaluated& evaluated);
+
 // Schema "touchstone-evaluations/1".
 std::string summary_json(const std::vector<Evaluated>& evaluated);
 

@@ -118,6 +118,21 @@ TEST(FairInput, EveryResultSaysItsInput) {
   EXPECT_NE(setting->second.find("whole measured force"), std::string::npos) << setting->second;
 }
 
+// A renderer of balls, as plug-ins have them, is not fed points that it takes for balls of its own default.
+TEST(FairInput, ARendererOfBallsDoesNotEnterAsAPoint) {
+  EvaluationRequest request = write_scan(fresh_folder("touchstone-ball-only"), scan(0.0), 500.0);
+  request.model.renderer = "god-object";
+  RendererEntry balls = built_in().find(request.model);
+  const auto radius = std::ranges::find(balls.parameters, "tip_radius_m", &ParameterDeclaration::name);
+  radius->minimum = 1e-9;
+  radius->initial = 0.0025;
+  request.model.provided = std::make_shared<const RendererEntry>(balls);
+  request.tip_radius_m = 0.0;
+  EXPECT_FALSE(can_have_tip(built_in(), request.model, 0.0));
+  EXPECT_TRUE(can_have_tip(built_in(), request.model, 0.0025));
+  EXPECT_THROW(run_evaluation(built_in(), request, ""), TipNotRepresentable);
+}
+
 // A renderer of points gets no ball's centre: it does not enter, and all enter with the point of contact.
 TEST(FairInput, ATipThatARendererCannotHaveKeepsItOut) {
   EvaluationRequest request = write_scan(fresh_folder("touchstone-tip"), scan(0.0), 500.0);

@@ -121,8 +121,17 @@ void set_tip_radius(const Catalogue& catalogue, const EvaluationRequest& request
     throw UsageError(fmt::format("--tip-radius {} m and the model's tip_radius_m {} differ; give one of them",
                                  *request.tip_radius_m, model_m));
   }
-  if (model_m > 0.0 || *request.tip_radius_m == 0.0) return;
-  if (std::ranges::find(entry.parameters, "tip_radius_m", &ParameterDeclaration::name) != entry.parameters.end()) {
+  if (model_m > 0.0) return;
+  const auto declared = std::ranges::find(entry.parameters, "tip_radius_m", &ParameterDeclaration::name);
+  const bool has_balls = declared != entry.parameters.end();
+  if (*request.tip_radius_m == 0.0) {
+    if (has_balls && declared->minimum > 0.0)
+      throw TipNotRepresentable(fmt::format(
+          "{} renders balls only, of {} by default, and every renderer gets the point where the probe touched here. "
+          "Give --tip-radius, or a model with tip_radius_m",
+          entry.name, display_quantity(declared->initial, "m")));
+    if (has_balls && declared->initial != 0.0) inputs.model.parameters["tip_radius_m"] = 0.0;
+  } else if (has_balls) {
     inputs.model.parameters["tip_radius_m"] = *request.tip_radius_m;
   } else {
     throw TipNotRepresentable(fmt::format(
@@ -186,8 +195,9 @@ RecordingStream open_recording(const EvaluationRequest& request) {
 
 bool can_have_tip(const Catalogue& catalogue, const Model& model, double tip_radius_m) {
   const RendererEntry& entry = catalogue.find(model);
-  return tip_radius_m == 0.0 ||
-         std::ranges::find(entry.parameters, "tip_radius_m", &ParameterDeclaration::name) != entry.parameters.end();
+  const auto declared = std::ranges::find(entry.parameters, "tip_radius_m", &ParameterDeclaration::name);
+  if (declared == entry.parameters.end()) return tip_radius_m == 0.0;
+  return tip_radius_m > 0.0 || declared->minimum == 0.0 || model.parameters.contains("tip_radius_m");
 }
 
 EvaluationInputs load_inputs(const Catalogue& catalogue, const EvaluationRequest& request) {

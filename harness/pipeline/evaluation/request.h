@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "harness/metrics/time_ranges.h"
@@ -41,5 +42,10 @@ struct EvaluationRequest {
   std::vector<std::string> metrics;  // empty: all
   std::vector<std::string> command_line;
 };
+
+// "0.2 N" to newtons. Throws UsageError naming `what` for anything but a number >= 0 with a unit of force.
+double parse_force_N(std::string_view text, std::string_view what);
+// "0.2 N" or "0.5mm": the threshold of force or of position, as its unit says. Throws UsageError.
+void apply_threshold(std::string_view text, EvaluationRequest& request);
 
 }  // namespace touchstone::pipeline

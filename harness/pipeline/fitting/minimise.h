@@ -19,7 +19,7 @@ struct Minimum {
   int evaluations = 0;
 };
 
-// `first`: a point to look at too, e.g. where the model stands.
+// `first`: a point to look at too, e.g. where the model stands. Throws UsageError for more than six parameters or none.
 Minimum minimise(const UnitFunction& function, const std::vector<double>& first);
 // The local search alone, from `start`, with a first step of `step`.
 Minimum minimise_near(const UnitFunction& function, const std::vector<double>& start, double step);

@@ -35,6 +35,14 @@ void check_fit_metric(const std::string& metric) {
 Objective::Objective(const Recording& recording, Predictor& predictor, std::string metric, const MetricOptions& options)
     : recording_(recording), predictor_(predictor), metric_(std::move(metric)), options_(options) {
   check_fit_metric(metric_);
+  loss_ = loss_of(metric_);
+  if (loss_ == Loss::square_of_axis) axis_ = metric_.back() - 'x';
+}
+
+Objective::Loss Objective::loss_of(const std::string& metric) {
+  if (metric == "mean_force_error") return Loss::distance;
+  if (metric == "rms_force_error") return Loss::square;
+  return metric.starts_with("rms_force_error_") ? Loss::square_of_axis : Loss::none;
 }
 
 std::vector<MetricResult> Objective::metrics(const Model& model, const std::vector<std::size_t>& part) const {
@@ -58,7 +66,7 @@ double Objective::value(const Model& model, const std::vector<std::size_t>& part
     const double mean = sum.value() / static_cast<double>(part.size());
     if (!std::isfinite(mean))
       throw BadData(fmt::format("{}: {} has no value on these samples", recording_.source, metric_));
-    return metric_ == "mean_force_error" ? mean : std::sqrt(mean);
+    return loss_ == Loss::distance ? mean : std::sqrt(mean);
   }
   const std::vector<MetricResult> results = metrics(model, part);
   const MetricResult& result = find_result(results, metric_);
@@ -69,17 +77,15 @@ double Objective::value(const Model& model, const std::vector<std::size_t>& part
 }
 
 std::vector<double> Objective::losses(const Model& model, const std::vector<std::size_t>& part) const {
-  const bool mean = metric_ == "mean_force_error";
-  const bool all = metric_ == "rms_force_error";
-  const bool axis = metric_.starts_with("rms_force_error_");
-  if (!mean && !all && !axis) return {};
-  const Eigen::Index which = axis ? metric_.back() - 'x' : 0;
+  if (loss_ == Loss::none) return {};
   const std::vector<Vec3> forces = predict(model);
   std::vector<double> out;
   out.reserve(part.size());
   for (const std::size_t i : part) {
     const Vec3 error = recording_.f_W_N[i] - forces[i];
-    out.push_back(mean ? error.norm() : all ? error.squaredNorm() : error[which] * error[which]);
+    out.push_back(loss_ == Loss::distance ? error.norm()
+                  : loss_ == Loss::square ? error.squaredNorm()
+                                          : error[axis_] * error[axis_]);
   }
   return out;
 }

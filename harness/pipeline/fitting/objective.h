@@ -40,7 +40,13 @@ class Objective {
  private:
   const Recording& recording_;
   Predictor& predictor_;
+  // What one sample costs, of the metrics that are (the square of) a mean over samples.
+  enum class Loss { none, distance, square, square_of_axis };
+  [[nodiscard]] static Loss loss_of(const std::string& metric);
+
   std::string metric_;
+  Loss loss_ = Loss::none;
+  Eigen::Index axis_ = 0;  // of square_of_axis
   MetricOptions options_;
 };
 

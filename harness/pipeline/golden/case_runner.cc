@@ -19,6 +19,7 @@
 #include "harness/recording/recording_file.h"
 #include "harness/rendering/operations.h"
 #include "harness/rendering/replay.h"
+#include "harness/rendering/scene_file.h"
 #include "harness/report/ctest_measurement.h"
 #include "harness/surface/embree_surface.h"
 #include "harness/surface/mesh_file.h"
@@ -34,6 +35,54 @@ std::string hash_of(const TriangleMesh& mesh) {
 std::string hash_of(const InTrajectory& trajectory) {
   return sha256(sha256(std::as_bytes(std::span(trajectory.motion.t_s))) +
                 sha256(std::as_bytes(std::span(trajectory.motion.p_W_m))));
+}
+
+// The bodies, and where each is at every sample.
+std::string hash_of(const SceneFile& scene, const InTrajectory& trajectory) {
+  std::string all;
+  for (const SceneFileBody& body : scene.bodies) {
+    std::vector<double> poses;
+    std::size_t segment = 0;
+    for (const double t_s : trajectory.motion.t_s) {
+      const BodyPose pose = body.pose.covers(t_s) ? body.pose.at(t_s, segment) : body.pose.first();
+      poses.insert(poses.end(), {pose.p_W_m.x(), pose.p_W_m.y(), pose.p_W_m.z(), pose.q_WB.w(), pose.q_WB.x(),
+                                 pose.q_WB.y(), pose.q_WB.z()});
+    }
+    all += hash_of(body.mesh_B) + sha256(std::as_bytes(std::span(poses)));
+  }
+  return sha256(all);
+}
+
+// What a case runs over, and what is said of it.
+struct CaseWorld {
+  std::unique_ptr<Renderer> renderer;
+  std::shared_ptr<const Surface> surface;  // of one object; empty for a scene
+  std::string geometry_sha256;
+};
+
+CaseWorld make_world(const Catalogues& catalogues, const GoldenCase& golden, const Model& model,
+                     const InTrajectory& trajectory) {
+  CaseWorld world;
+  if (golden.scene.empty()) {
+    const TriangleMesh mesh = case_mesh(catalogues.generators, golden);
+    world.surface = make_embree_surface(mesh);
+    world.renderer = catalogues.renderers.make(model, world.surface);
+    world.geometry_sha256 = hash_of(mesh);
+    if (golden.surface.generator.empty()) {
+      for (const std::string& warning : mesh_warnings(*world.surface)) fmt::print(stderr, "warning: {}\n", warning);
+    }
+    return world;
+  }
+  SceneFile file = parse_scene(golden.scene, (golden.folder / "case.json").string() + ": /scene", golden.folder,
+                               SceneFiles::own_folder);
+  file.rescale(golden.scale, golden.speed);
+  auto scene = std::make_shared<const BodyScene>(file.scene());
+  for (const SceneBody& body : scene->bodies) {
+    for (const std::string& warning : mesh_warnings(*body.surface_B)) fmt::print(stderr, "warning: {}\n", warning);
+  }
+  world.renderer = catalogues.renderers.make_scene(model, std::move(scene));
+  world.geometry_sha256 = hash_of(file, trajectory);
+  return world;
 }
 
 double p99(std::vector<double> values) {
@@ -134,13 +183,24 @@ TrajectoryColumns load_golden(const std::filesystem::path& file, CheckResult& re
   }
 }
 
+// Why a scene is none for this renderer: its bodies move against each other, and it takes one object.
+std::string declared_not_to_move(const RendererEntry& entry, const GoldenCase& golden) {
+  if (entry.make_scene) return "";
+  const BodyScene scene = parse_scene(golden.scene, golden.name, golden.folder, SceneFiles::own_folder).scene();
+  if (scene.bodies.size() < 2 || !scene.moves()) return "";
+  return fmt::format("the renderer {} takes one object, and the case has {} that move against each other", entry.name,
+                     scene.bodies.size());
+}
+
 // Why the case is none for this renderer: the run starts inside the body, and the renderer declares that it cannot.
 std::string declared_not_to_run(const Catalogues& catalogues, const GoldenCase& golden, const std::string& model,
                                 const ChangeModel& change) {
   if (!change) return "";
   Model described = parse_model(golden.models.at(model), golden.name);
   change(described);
-  const Limitation* const limit = find_limitation(catalogues.renderers.find(described).cannot, Ability::start_inside);
+  const RendererEntry& entry = catalogues.renderers.find(described);
+  if (!golden.scene.empty()) return declared_not_to_move(entry, golden);
+  const Limitation* const limit = find_limitation(entry.cannot, Ability::start_inside);
   if (limit == nullptr) return "";
   const InTrajectory trajectory = case_trajectory(catalogues.generators, golden);
   if (trajectory.size() == 0) return "";
@@ -181,28 +241,23 @@ CaseRun run_case(const Catalogues& catalogues, const GoldenCase& golden, const s
     for (const auto& [name, ignored] : golden.models) known += ' ' + name;
     throw UsageError(fmt::format("the case {} has no model '{}'; it has:{}", golden.name, model, known));
   }
-  const TriangleMesh mesh = case_mesh(catalogues.generators, golden);
   const InTrajectory trajectory = case_trajectory(catalogues.generators, golden);
   Model described =
       parse_model(text->second, fmt::format("{}: /models/{}", (golden.folder / "case.json").string(), model));
   const std::string own_renderer = described.renderer;
   if (change) change(described);
-  const std::shared_ptr<const Surface> surface = make_embree_surface(mesh);
-  const auto renderer = catalogues.renderers.make(described, surface);
-  if (golden.surface.generator.empty()) {
-    for (const std::string& warning : mesh_warnings(*surface)) fmt::print(stderr, "warning: {}\n", warning);
-  }
+  const CaseWorld world = make_world(catalogues, golden, described, trajectory);
   CaseRun run;
-  run.rendered = replay(*renderer, trajectory, time_steps);
+  run.rendered = replay(*world.renderer, trajectory, time_steps);
   run.p99_us = p99(run.rendered.cost_us);
   run.rendered.cost_us.clear();
   run.provenance = build_provenance();
   if (described.provided) run.provenance.merge(plugin_provenance(*described.provided));
   if (described.renderer != own_renderer) run.provenance["renderer_in_place"] = described.renderer;
-  run.provenance["geometry_sha256"] = hash_of(mesh);
+  run.provenance["geometry_sha256"] = world.geometry_sha256;
   run.provenance["trajectory_sha256"] = hash_of(trajectory);
   run.provenance["seed"] = std::to_string(golden.trajectory.seed);
-  run.operations = count_run(catalogues.renderers, described, surface, trajectory);
+  if (world.surface) run.operations = count_run(catalogues.renderers, described, world.surface, trajectory);
   if (run.operations) {
     run.provenance["operations"] = std::to_string(run.operations->total);
     run.provenance["operations_max_step"] = std::to_string(run.operations->max_per_step);

@@ -36,6 +36,9 @@ struct FeltError {
 //                  given the mesh. At most k (b + sqrt(8 b depth)) with b the tessellation's deviation bound: points of
 //                  a mesh within b of the body that are no farther from the tip than depth + b lie that close to q, if
 //                  the depth is at most half of the radius of curvature.
+// Where the right force jumps from one sample to the next by more than the tolerance (the foot passes a sharp edge),
+// the run may have either: engines that move their proxy by one constraint per step show the jump a sample later, and
+// nobody feels which of the two samples had it.
 // The exact answer knows no path. From where the tip leaves the sheet on which it touched (Generators::leaves_sheet)
 // until it is free, and where no exact answer is known, the golden is the right answer, with k epsilon taken off alone.
 // Throws BadData where no sample can be judged.

@@ -83,6 +83,29 @@ TEST_F(Felt, ADeclaredEpsilonIsALengthTimesTheStiffness) {
   EXPECT_TRUE(felt({1.0, 1.0 / stiffness_N_per_m}).passed);
 }
 
+// Past a sharp edge the right force jumps by 2 N from one sample to the next. Which of the two shows it is not felt;
+// later is.
+TEST_F(Felt, AJumpOfTheRightForceMayComeASampleLate) {
+  const GoldenCase keen = felt_case("wedge-keen");
+  const RenderedTrajectory right = load_rendered(keen.expected("god-object"));
+  std::size_t jump = 1;
+  for (std::size_t i = 1; i < right.size(); ++i) {
+    const auto step_N = [&](std::size_t at) { return (right.f_W_N[at] - right.f_W_N[at - 1]).norm(); };
+    if (step_N(i) > step_N(jump)) jump = i;
+  }
+  RenderedTrajectory run = right;
+  run.f_W_N[jump] = right.f_W_N[jump - 1];
+  const FeltError late = judged(keen, "god-object", run, {});
+  EXPECT_GT(late.max_N, 1.5);
+  EXPECT_TRUE(late.passed) << to_sentence(late, {});
+  run.f_W_N[jump + 1] = right.f_W_N[jump - 1];
+  EXPECT_FALSE(judged(keen, "god-object", run, {}).passed);
+  // Nor does a jump excuse what is neither its beginning nor its end.
+  run = right;
+  run.f_W_N[jump] = 0.5 * (right.f_W_N[jump] + right.f_W_N[jump - 1]);
+  EXPECT_FALSE(judged(keen, "god-object", run, {}).passed);
+}
+
 // The golden is our own renderer's: to agree with it is no excuse where the exact answer is known.
 TEST_F(Felt, AGoldenWithTheSameFaultDoesNotExcuseIt) {
   GoldenCase faulty = golden_;

@@ -10,19 +10,18 @@
 #include "harness/base/hash.h"
 #include "harness/pipeline/board_json.h"
 #include "harness/pipeline/fitting/fit.h"
-#include "harness/pipeline/leaderboard/input_floor.h"
 #include "harness/rendering/renderer_failed.h"
+#include "harness/sanity/repeat_floor.h"
 
 namespace touchstone::pipeline {
 namespace {
-
-constexpr std::uint64_t kFloorSeed = 1;
 
 // Columns of a row, in the order of the table.
 enum Column : std::size_t { kTask, kRenderer, kState, kWhy, kInput, kFitted, kErrors, kReport, kMeasured, kFirstScore };
 constexpr std::size_t kScores = 5;  // error, felt, position, mean and largest operations
 constexpr std::size_t kFloor = kFirstScore + kScores;
-constexpr std::size_t kTimes = kFloor + 3;
+constexpr std::size_t kRepeat = kFloor + 3;  // RMS, and in words
+constexpr std::size_t kTimes = kRepeat + 2;
 constexpr const char* kFloorState = "floor";
 
 InTrajectoryMode mode_of(const BoardRequest& request, const Dataset& dataset) {
@@ -72,6 +71,7 @@ std::string specification_of(const BoardPlan& plan) {
                                {"mesh", hash(task.request.mesh)},
                                {"in_trajectory", in_trajectory_name(task.request.in_trajectory)},
                                {"tip_radius_m", task.request.tip_radius_m.value_or(0.0)}};
+    if (!task.request.repeat.empty()) one["repeat"] = hash(task.request.repeat);
     if (cell.evaluation) {
       one["name"] = cell.evaluation->column;
       one["model"] = model_to_json(cell.evaluation->request.model);
@@ -122,15 +122,15 @@ CaseValue number_of(double value) { return std::isfinite(value) ? CaseValue(valu
 
 void run_floor(const Catalogue& catalogue, const std::string& law, const BoardTask& task, CaseRow& row) {
   row.values[kState] = std::string(kFloorState);
-  EvaluationRequest request = task.request;
-  request.model.renderer = law;  // only the tip and the stiffness are read of it
-  request.model.parameters = {{"stiffness_N_per_m", request.stiffness_N_per_m.value_or(1.0)}};
-  const FloorWorld world = floor_world(catalogue, request, task.instrument, task.friction);
-  const pipeline::Floor floor = floor_of(catalogue, world, request.time_ranges, kFloorSeed);
+  const pipeline::Floor floor = floor_of_plan(catalogue, law, task.request, {task.instrument, task.friction});
   row.values[kWhy] = floor.how;
   row.values[kFloor] = floor.rms_N;
   row.values[kFloor + 1] = floor.low95_N;
   row.values[kFloor + 2] = floor.high95_N;
+  if (task.request.repeat.empty()) return;
+  const sanity::RepeatFloor repeat = sanity::repeat_floor_of_files(task.request.recording, task.request.repeat);
+  row.values[kRepeat] = repeat.force_N;
+  row.values[kRepeat + 1] = repeat.text();
 }
 
 void run_cell(const Catalogue& catalogue, const BoardPlan& plan, const BoardCell& cell, CaseRow& row) {
@@ -218,9 +218,11 @@ CaseTable board_table(const BoardPlan& plan) {
   CaseTable table{plan.specification, plan.cells.size(), {}, "leaderboard", "--cases"};
   for (const char* const name : {"task", "renderer", "state", "why", "input", "fitted", "errors", "report"})
     table.columns.push_back({name, text});
-  for (const char* const name : {"measured_rms_N", "rms_force_error_N", "rms_force_error_jnd", "rms_position_error_m",
-                                 "mean_operations", "max_operations", "floor_N", "floor_low95_N", "floor_high95_N"})
+  for (const char* const name :
+       {"measured_rms_N", "rms_force_error_N", "rms_force_error_jnd", "rms_position_error_m", "mean_operations",
+        "max_operations", "floor_N", "floor_low95_N", "floor_high95_N", "repeat_N"})
     table.columns.push_back({name, real});
+  table.columns.push_back({"repeat", text});
   for (const char* const name : {"median_us", "p99_us"}) table.columns.push_back({name, real, true});
   return table;
 }
@@ -253,6 +255,8 @@ pipeline::Board board_of_rows(const BoardPlan& plan, const CaseStore& store) {
       if (row.error.empty()) {
         task.floor = pipeline::Floor{as_number(row.values[kFloor]), as_number(row.values[kFloor + 1]),
                                      as_number(row.values[kFloor + 2]), as_text(row.values[kWhy])};
+        if (!std::holds_alternative<std::monostate>(row.values[kRepeat]))
+          task.repeat = pipeline::RepeatOfTask{as_number(row.values[kRepeat]), as_text(row.values[kRepeat + 1])};
       }
       continue;
     }

@@ -1,13 +1,20 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdlib>
 #include <nlohmann/json.hpp>
 
 #include "harness/base/atomic_file.h"
 #include "harness/base/error.h"
 #include "harness/pipeline/board_json.h"
+#include "harness/pipeline/evaluation/input_floor.h"
 #include "harness/pipeline/evaluation/sample_scan_for_test.h"
 #include "harness/pipeline/leaderboard/board_plan.h"
-#include "harness/pipeline/leaderboard/input_floor.h"
+#include "harness/pipeline/leaderboard/signature.h"
 #include "harness/pipeline/leaderboard/submission.h"
+#include "harness/recording/recording_file.h"
 #include "harness/surface/embree_surface.h"
+#include "synthetic/datasets/write_dataset.h"
 
 namespace touchstone::pipeline {
 namespace {
@@ -110,6 +117,59 @@ TEST_F(Leaderboard, RanksWhoEntersAndSaysWhoDoesNot) {
   EXPECT_GT(task.entries[0].scores.rms_force_error_N, 3.0 * task.floor->high95_N);
 }
 
+// Recordings that the synthetic families make by the very law that the floor simulates, but independently of it: what
+// that law scores on them lies within the floor's interval or above it (the floor's world is smoothed), never below.
+TEST_F(Leaderboard, TheRightLawIsNotBelowTheFloor) {
+  for (const char* const family : {"bumpy", "flush"}) {
+    for (const std::uint64_t seed : {1, 2, 3}) {
+      const auto folder = fresh_folder("touchstone-floor") / fmt::format("{}-{}", family, seed);
+      synthetic::write_dataset(synthetic::recipe(family), seed, folder);
+      BoardRequest request = this->request();
+      request.models = {};
+      request.datasets = {folder};
+      BoardPlan plan = plan_board(built_in(), request);
+      std::erase_if(plan.cells, [](const BoardCell& cell) {
+        return cell.evaluation && cell.evaluation->column != "friction-cone";
+      });
+      CaseStore store(CaseStore::in_memory, board_table(plan));
+      const pipeline::Task task = run(plan, store).tasks.front();
+      ASSERT_TRUE(task.floor.has_value());
+      const double score_N = task.entries.front().scores.rms_force_error_N;
+      EXPECT_GE(score_N, task.floor->low95_N) << family << ' ' << seed;
+      EXPECT_LE(score_N, 1.3 * task.floor->high95_N) << family << ' ' << seed;
+      EXPECT_GT(task.floor->low95_N, 0.0);
+    }
+  }
+}
+
+// Two recordings of one motion in a data set: what they leave between them stands on the board. And every entry's link
+// leads to its report.
+TEST_F(Leaderboard, ShowsWhatARepeatLeavesAndLinksItsReports) {
+  const auto folder = fresh_folder("touchstone-repeat");
+  BoardRequest request = this->request();
+  const Dataset plane = load_dataset(request.datasets.front());
+  std::filesystem::copy(plane.folder, folder / "twice");
+  Recording again = load_recording(plane.path_of(plane.recordings[0].file));
+  for (Vec3& f : again.f_W_N) f.z() += 0.05;
+  save_recording(folder / "twice/again.csv", again);
+  Dataset twice = load_dataset(folder / "twice");
+  twice.recordings[0].repeat = "again.csv";
+  pack_dataset(twice);
+  request.datasets = {folder / "twice"};
+  request.out = folder / "out";
+  request.reports = true;
+  const BoardPlan plan = plan_board(built_in(), request);
+  CaseStore store(CaseStore::in_memory, board_table(plan));
+  const pipeline::Board board = run(plan, store);
+  ASSERT_TRUE(board.tasks.front().repeat.has_value());
+  EXPECT_NEAR(board.tasks.front().repeat->rms_N, 0.05, 1e-4);
+  EXPECT_THAT(board.tasks.front().repeat->how, HasSubstr("again.csv"));
+  for (const pipeline::Entry& entry : board.tasks.front().entries) {
+    ASSERT_FALSE(entry.report.empty()) << entry.renderer;
+    EXPECT_TRUE(std::filesystem::exists(request.out / entry.report)) << entry.report;
+  }
+}
+
 TEST_F(Leaderboard, ARunThatStoppedGivesTheSameBytes) {
   const BoardPlan plan = plan_board(built_in(), request());
   CaseStore whole(CaseStore::in_memory, board_table(plan));
@@ -130,19 +190,63 @@ TEST_F(Leaderboard, ASubmissionIsCheckedByRunningItAgain) {
   const BoardPlan plan = plan_board(built_in(), request());
   CaseStore store(CaseStore::in_memory, board_table(plan));
   pipeline::Board board = run(plan, store);
-  write_file(folder / "s.json", submission_to_json(plan, board, {}));
+  write_file(folder / "s.json", submission_to_json(plan, board, {}, {}));
   const Submission claimed = load_submission(folder / "s.json", plugins_);
   CaseStore again(CaseStore::in_memory, board_table(plan));
-  EXPECT_TRUE(differences(claimed, plan, run(plan, again), {}).empty());
+  EXPECT_TRUE(differences(claimed, plan, run(plan, again)).empty());
   board.tasks[0].entries[1].scores.rms_force_error_N *= 1.0 + 1e-15;
-  EXPECT_THAT(differences(claimed, plan, board, {}),
-              ::testing::ElementsAre(HasSubstr("friction-cone on plane / scan")));
+  EXPECT_THAT(differences(claimed, plan, board), ::testing::ElementsAre(HasSubstr("friction-cone on plane / scan")));
   std::string text = read_file(folder / "s.json");
   const auto at = text.find("\"rms_force_error_N\": 0.");
   ASSERT_NE(at, std::string::npos);
   text[at + 23] = text[at + 23] == '9' ? '8' : '9';
   write_file(folder / "forged.json", text);
   EXPECT_THROW(load_submission(folder / "forged.json", plugins_), BadData);
+}
+
+TEST_F(Leaderboard, APluginThatWasBuiltAnewIsSaidAndIsNoDifferenceOfNumbers) {
+  const auto folder = fresh_folder("touchstone-submission-files");
+  write_file(folder / "libmine.so", "one build");
+  write_file(folder / "mine.c", "int main;");
+  const BoardPlan plan = plan_board(built_in(), request());
+  CaseStore store(CaseStore::in_memory, board_table(plan));
+  write_file(folder / "s.json",
+             submission_to_json(plan, run(plan, store), {folder / "libmine.so"}, {folder / "mine.c"}));
+  const Submission claimed = load_submission(folder / "s.json", plugins_);
+  EXPECT_TRUE(files_not_as_claimed(claimed, {folder / "libmine.so"}, {folder / "mine.c"}).empty());
+  write_file(folder / "libmine.so", "another build");
+  EXPECT_THAT(files_not_as_claimed(claimed, {folder / "libmine.so"}, {folder / "mine.c"}),
+              ::testing::ElementsAre(HasSubstr("libmine.so")));
+}
+
+// Keys are made here by ssh-keygen itself; so are signatures, which it must find good or not by its own means.
+TEST(Signature, IsOfTheFileAndOfAnAllowedKey) {
+  const auto folder = fresh_folder("touchstone-signature");
+  const auto shell = [&](const std::string& words) { return std::system(words.c_str()); };
+  if (shell("command -v ssh-keygen >/dev/null") != 0) GTEST_SKIP() << "needs ssh-keygen";
+  for (const char* const name : {"ours", "theirs"}) {
+    ASSERT_EQ(shell(fmt::format("ssh-keygen -q -t ed25519 -N '' -C {0} -f '{1}/{0}'", name, folder.string())), 0);
+  }
+  const auto list = [&](const std::string& name) {
+    const std::string file = (folder / (name + ".signers")).string();
+    write_file(file, "lab@example.org " + read_file(folder / (name + ".pub")));
+    return file;
+  };
+  write_file(folder / "s.json", "{\"a\": 1}");
+  EXPECT_THROW(check_signature(folder / "s.json", signature_of(folder / "s.json"), ""), BadData) << "not signed yet";
+  sign_submission(folder / "s.json", folder / "ours");
+  EXPECT_THAT(check_signature(folder / "s.json", signature_of(folder / "s.json"), "").key, HasSubstr("SHA256:"));
+  EXPECT_EQ(check_signature(folder / "s.json", signature_of(folder / "s.json"), list("ours")).signer,
+            "lab@example.org");
+  EXPECT_THROW(check_signature(folder / "s.json", signature_of(folder / "s.json"), list("theirs")), BadData);
+  // What ssh-keygen's own verification says of the same files.
+  EXPECT_EQ(shell(fmt::format("ssh-keygen -Y verify -f '{0}/ours.signers' -I lab@example.org -n touchstone-submission "
+                              "-s '{0}/s.json.sig' < '{0}/s.json' >/dev/null",
+                              folder.string())),
+            0);
+  write_file(folder / "s.json", "{\"a\": 2}");
+  EXPECT_THROW(check_signature(folder / "s.json", signature_of(folder / "s.json"), list("ours")), BadData);
+  EXPECT_THROW(sign_submission(folder / "s.json", folder / "s.json"), BadData) << "no key";
 }
 
 }  // namespace

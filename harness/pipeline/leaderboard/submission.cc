@@ -42,9 +42,9 @@ json entries_json(const pipeline::Board& board) {
   return out;
 }
 
-json plugins_json(const std::vector<std::filesystem::path>& plugins) {
+json files_json(const std::vector<std::filesystem::path>& files) {
   json out = json::array();
-  for (const auto& file : plugins) out.push_back({{"name", file.filename().string()}, {"sha256", sha256_file(file)}});
+  for (const auto& file : files) out.push_back({{"name", file.filename().string()}, {"sha256", sha256_file(file)}});
   return out;
 }
 
@@ -85,7 +85,8 @@ void compare_specifications(const std::string& claimed, const std::string& here,
 }  // namespace
 
 std::string submission_to_json(const BoardPlan& plan, const pipeline::Board& board,
-                               const std::vector<std::filesystem::path>& plugins) {
+                               const std::vector<std::filesystem::path>& plugins,
+                               const std::vector<std::filesystem::path>& sources) {
   const BoardRequest& request = plan.request;
   json models = json::array();
   for (const auto& [model, file] : request.models)
@@ -98,7 +99,8 @@ std::string submission_to_json(const BoardPlan& plan, const pipeline::Board& boa
                 {"score_range", request.base.time_ranges.text()},
                 {"models", std::move(models)},
                 {"specification", plan.specification},
-                {"plugins", plugins_json(plugins)},
+                {"plugins", files_json(plugins)},
+                {"sources", files_json(sources)},
                 {"provenance", provenance_to_json(make_provenance(request.base.command_line))},
                 {"entries", entries_json(board)}};
   document["sha256"] = hash_of_contents(document);
@@ -129,18 +131,30 @@ Submission load_submission(const std::filesystem::path& file, const Plugins& plu
   out.specification = in.text("specification");
   for (JsonObject& one : in.objects("plugins"))
     out.plugins.push_back({"plug-in", one.text("name"), one.text("sha256"), 0});
+  for (JsonObject& one : in.objects("sources"))
+    out.sources.push_back({"source", one.text("name"), one.text("sha256"), 0});
   out.entries = in.raw("entries").dump();
   return out;
 }
 
-std::vector<std::string> differences(const Submission& claimed, const BoardPlan& plan, const pipeline::Board& board,
-                                     const std::vector<std::filesystem::path>& plugins) {
+std::vector<std::string> files_not_as_claimed(const Submission& claimed,
+                                              const std::vector<std::filesystem::path>& plugins,
+                                              const std::vector<std::filesystem::path>& sources) {
   std::vector<std::string> lines;
-  for (const InputFile& plugin : claimed.plugins) {
-    const bool here =
-        std::ranges::any_of(plugins, [&](const auto& file) { return sha256_file(file) == plugin.sha256; });
-    if (!here) lines.push_back(fmt::format("the plug-in {} ({}) was not loaded here", plugin.name, plugin.sha256));
-  }
+  const auto compare = [&](const std::vector<InputFile>& wanted, const std::vector<std::filesystem::path>& here,
+                           const char* what) {
+    for (const InputFile& one : wanted) {
+      if (std::ranges::none_of(here, [&](const auto& file) { return sha256_file(file) == one.sha256; }))
+        lines.push_back(fmt::format("{} {} ({}) is not among the files here", what, one.name, one.sha256));
+    }
+  };
+  compare(claimed.plugins, plugins, "the plug-in");
+  compare(claimed.sources, sources, "the source");
+  return lines;
+}
+
+std::vector<std::string> differences(const Submission& claimed, const BoardPlan& plan, const pipeline::Board& board) {
+  std::vector<std::string> lines;
   compare_specifications(claimed.specification, plan.specification, lines);
   const json now = entries_json(board);
   for (const json& one : json::parse(claimed.entries)) {

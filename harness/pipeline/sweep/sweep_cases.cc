@@ -15,6 +15,7 @@ CaseTable sweep_table(const SweepDesign& design) {
   add(real, {"peak_force_N", "rms_force_N", "mean_fx_N", "mean_fy_N", "mean_fz_N", "contact_path_m",
              "exact_force_rms_N", "exact_force_max_N", "exact_contact_rms_m"});
   add(text, {"result_sha256", "document"});
+  table.columns[table.columns.size() - 2].of_bits = true;
   return table;
 }
 

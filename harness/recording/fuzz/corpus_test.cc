@@ -7,6 +7,7 @@
 #include "harness/base/atomic_file.h"
 #include "harness/base/random.h"
 #include "harness/recording/fuzz/read_recording.h"
+#include "harness/recording/fuzz/read_structured_recording.h"
 
 namespace touchstone::recording {
 namespace {
@@ -39,6 +40,20 @@ void run_corpus(const std::string& format, const std::string& extension) {
 
 TEST(FuzzCorpus, Csv) { run_corpus("csv", ".csv"); }
 TEST(FuzzCorpus, Hdf5) { run_corpus("hdf5", ".h5"); }
+
+TEST(FuzzCorpus, StructuresAreReadUndamagedAndSometimesDamaged) {
+  EXPECT_EQ(fuzz::read_structured_recording(nullptr, 0), 10U);
+  Random random(1);
+  int read = 0;
+  for (int trial = 0; trial < 300; ++trial) {
+    std::string bytes(2 + random.below(120), ' ');
+    for (char& byte : bytes) byte = static_cast<char>(random.below(256));
+    read +=
+        fuzz::read_structured_recording(reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size()) > 0 ? 1 : 0;
+  }
+  EXPECT_GT(read, 3) << "the damage hides what lies behind the first checks";
+  EXPECT_LT(read, 290) << "nothing is damaged";
+}
 
 }  // namespace
 }  // namespace touchstone::recording

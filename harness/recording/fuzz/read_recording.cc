@@ -39,7 +39,7 @@ void check_block(const SampleBlock& block, const RecordingStream& stream, double
 
 }  // namespace
 
-void read_recording(const std::uint8_t* data, std::size_t size, const std::string& extension) {
+std::size_t read_recording(const std::uint8_t* data, std::size_t size, const std::string& extension) {
   const auto file = scratch(extension);
   struct Remove {
     const std::filesystem::path& path;
@@ -50,6 +50,7 @@ void read_recording(const std::uint8_t* data, std::size_t size, const std::strin
   } const remove{file};
   std::FILE* const out = std::fopen(file.c_str(), "wb");
   check(out != nullptr && std::fwrite(data, 1, size, out) == size && std::fclose(out) == 0);
+  std::size_t samples = 0;
   for (const auto on_duplicate : {OnDuplicate::refuse, OnDuplicate::mean}) {
     try {
       auto stream = RecordingStream::open(file, {.clock = {.on_duplicate = on_duplicate, .on_gap = OnGap::split}});
@@ -57,11 +58,13 @@ void read_recording(const std::uint8_t* data, std::size_t size, const std::strin
       double last_time_s = -INFINITY;
       // Enough to see what a damaged file holds; one that declares 10^18 samples would never end.
       for (int blocks = 0; blocks < 64 && stream.next(block, 100); ++blocks) check_block(block, stream, last_time_s);
+      samples = stream.samples();
       check(stream.samples() <= 6400);
       (void)stream.notes();
     } catch (const BadData&) {
     }
   }
+  return samples;
 }
 
 }  // namespace touchstone::recording::fuzz

@@ -10,7 +10,7 @@
 
 namespace touchstone::recording::fuzz {
 
-// `extension` chooses the reader: ".csv", ".csv.gz", ".h5".
-void read_recording(const std::uint8_t* data, std::size_t size, const std::string& extension);
+// `extension` chooses the reader: ".csv", ".csv.gz", ".h5". Returns how many samples were read (of the first 6,400).
+std::size_t read_recording(const std::uint8_t* data, std::size_t size, const std::string& extension);
 
 }  // namespace touchstone::recording::fuzz

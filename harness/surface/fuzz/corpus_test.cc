@@ -7,6 +7,7 @@
 #include "harness/base/atomic_file.h"
 #include "harness/base/random.h"
 #include "harness/surface/fuzz/read_mesh.h"
+#include "harness/surface/fuzz/read_structured_mesh.h"
 
 namespace touchstone::surface {
 namespace {
@@ -20,7 +21,7 @@ void run_corpus(const std::string& name, MeshFormat format) {
     ++files;
     const std::string seed = read_file(entry.path());
     const auto run = [&](const std::string& bytes) {
-      EXPECT_EQ(fuzz::read_mesh(reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size(), format), 0);
+      return fuzz::read_mesh(reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size(), format);
     };
     run(seed);
     Random random(1);
@@ -38,6 +39,19 @@ TEST(MeshFuzzCorpus, Obj) { run_corpus("obj", MeshFormat::obj); }
 TEST(MeshFuzzCorpus, Off) { run_corpus("off", MeshFormat::off); }
 TEST(MeshFuzzCorpus, Ply) { run_corpus("ply", MeshFormat::ply); }
 TEST(MeshFuzzCorpus, Stl) { run_corpus("stl", MeshFormat::stl); }
+
+TEST(MeshFuzzCorpus, StructuresAreReadUndamagedAndSometimesDamaged) {
+  EXPECT_EQ(fuzz::read_structured_mesh(nullptr, 0), 6U);
+  Random random(1);
+  std::size_t read = 0;
+  for (int trial = 0; trial < 3000; ++trial) {
+    std::string bytes(2 + random.below(120), ' ');
+    for (char& byte : bytes) byte = static_cast<char>(random.below(256));
+    read += fuzz::read_structured_mesh(reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size());
+  }
+  EXPECT_GT(read, 30U) << "the damage hides what lies behind the first checks";
+  EXPECT_LT(read, 2900U) << "nothing is damaged";
+}
 
 }  // namespace
 }  // namespace touchstone::surface

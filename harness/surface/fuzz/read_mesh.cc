@@ -8,7 +8,7 @@
 
 namespace touchstone::surface::fuzz {
 
-int read_mesh(const std::uint8_t* data, std::size_t size, MeshFormat format) {
+bool read_mesh(const std::uint8_t* data, std::size_t size, MeshFormat format) {
   try {
     const TriangleMesh mesh = parse_mesh({reinterpret_cast<const char*>(data), size}, format, 1e-3, "fuzz");
     for (const auto& triangle : mesh.triangles) {
@@ -19,10 +19,11 @@ int read_mesh(const std::uint8_t* data, std::size_t size, MeshFormat format) {
     }
     const MeshDiagnosis diagnosis = examine_mesh(mesh, {}, nullptr);
     if (diagnosis.triangles != mesh.triangles.size() || diagnosis_json(diagnosis, "fuzz").empty()) std::abort();
+    return true;
   } catch (const BadData&) {
     // What bad input is meant to get.
   }
-  return 0;
+  return false;
 }
 
 }  // namespace touchstone::surface::fuzz

@@ -1,0 +1,77 @@
+#include "apps/command_tool_fit.h"
+
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <memory>
+
+#include "apps/tool_renderer_flags.h"
+#include "harness/base/atomic_file.h"
+#include "harness/base/units.h"
+#include "harness/pipeline/tool_fitting/tool_fit.h"
+#include "harness/pipeline/tool_fitting/tool_fit_page.h"
+#include "harness/recording/recording_file.h"
+#include "harness/report/page_html.h"
+#include "harness/report/rendered_input.h"
+#include "harness/surface/mesh_file.h"
+
+namespace touchstone::apps {
+namespace {
+
+struct ToolFitOptions {
+  std::string renderer, recording, tool_mesh, object_mesh, unit = "m", out;
+  ToolRendererFlags flags;
+};
+
+ExitStatus tool_fit_command(const ToolFitOptions& options) {
+  const double unit_m = length_unit_factor(options.unit);
+  const std::vector<tool::ToolRendererEntry> known = options.flags.entries();
+  const tool::ToolRendererEntry& entry = tool::find_tool_renderer(known, options.renderer);
+  const tool::ToolSettings declared = options.flags.settings_of(entry, {&entry, 1});
+  const tool::Tool solid = tool::solid_tool(load_mesh(options.tool_mesh, unit_m));
+  const TriangleMesh object = load_mesh(options.object_mesh, unit_m);
+  const Recording recording = load_recording(options.recording);
+  const std::filesystem::path out = options.out;
+  ensure_writable_folder(out);
+  const pipeline::ToolFit fit = pipeline::fit_tool(
+      recording,
+      [&](const tool::Coupling& coupling) {
+        tool::ToolSettings settings = declared;
+        settings.coupling = coupling;
+        return tool::make_tool_renderer(entry, solid, object, settings);
+      },
+      declared.coupling);
+  Provenance provenance = make_provenance(command_line());
+  provenance.inputs = {describe_input("recording", options.recording), describe_input("tool", options.tool_mesh),
+                       describe_input("object", options.object_mesh)};
+  write_file(out / "tool-fit.json", pipeline::tool_fit_json(fit));
+  write_html(out / "report.html", pipeline::tool_fit_page(recording, fit, provenance));
+  fmt::print("{}report: {}\n", pipeline::tool_fit_text(fit), (out / "report.html").string());
+  return ExitStatus::passed;
+}
+
+}  // namespace
+
+void add_tool_fit(CLI::App& tool_command, Run& run) {
+  auto* const fit = tool_command.add_subcommand(
+      "fit", "What the instrument adds to a measured force and torque: biases, lever arm, how far the tool gives way");
+  auto options = std::make_shared<ToolFitOptions>();
+  fit->add_option("recording", options->recording,
+                  "Measured: t_s, the handle's pose (x_m, y_m, z_m, qw, qx, qy, qz), fx_N.., tx_Nm.. (on the tool, "
+                  "about the handle, axes of the object)")
+      ->required();
+  fit->add_option("--renderer", options->renderer, "See `touchstone tool list`")->required();
+  fit->add_option("--tool", options->tool_mesh, "Closed mesh in the tool's frame, origin at the handle")->required();
+  fit->add_option("--object", options->object_mesh, "Closed mesh of the object")->required();
+  fit->add_option("--mesh-unit", options->unit, "Unit of both meshes' coordinates: m, mm, cm, km, um")
+      ->capture_default_str();
+  fit->add_option("--out", options->out, "Folder: tool-fit.json and report.html")->required();
+  options->flags.add_to(*fit);
+  fit->footer(
+      "Half of the time is fitted, the other half judges. The stiffnesses that are given are the declared ones.\n"
+      "Example:\n  touchstone tool fit measured.csv --renderer god-object-tool --tool tool.obj --object object.obj "
+      "--out fitted");
+  fit->callback([options, &run] { run = [options] { return tool_fit_command(*options); }; });
+}
+
+}  // namespace touchstone::apps

@@ -1,0 +1,12 @@
+// The four experiments of Ruffaldi et al. 2006 on any data, as subcommands of `touchstone experiment`. What runs throws
+// UsageError for options that do not go together.
+#pragma once
+
+#include "apps/apps_rooms.h"
+#include "apps/command.h"
+
+namespace touchstone::apps {
+
+void add_paper_experiment(CLI::App& experiment, Run& run);
+
+}  // namespace touchstone::apps

@@ -1,0 +1,12 @@
+// The experiments on simulated scans of a duck-like body, as subcommands of `touchstone experiment`: friction, density,
+// shading. What runs throws UsageError for options that do not go together.
+#pragma once
+
+#include "apps/apps_rooms.h"
+#include "apps/command.h"
+
+namespace touchstone::apps {
+
+void add_scan_experiments(CLI::App& experiment, Run& run);
+
+}  // namespace touchstone::apps

@@ -1,0 +1,123 @@
+// What a repeat of the recording changes in the verdict: every branch, on findings made by hand.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "harness/discrepancy/findings.h"
+
+namespace touchstone::discrepancy {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+// A search that left 0.10 N of 0.40 N held out, where noise gives `goodness` in square.
+Findings left_over(double repeat_floor_N, double goodness = 9.0) {
+  Findings f;
+  f.gap.holdout_before_N = 0.40;
+  f.gap.holdout_after_N = 0.10;
+  f.gap.noise_floor_N = 0.03;
+  f.gap.repeat_floor_N = repeat_floor_N;
+  f.search.goodness = goodness;
+  f.search.goodness_threshold = 1.5;
+  f.search.structured_threshold = 1.5;
+  return f;
+}
+
+FoundEffect effect(const std::string& name) {
+  FoundEffect found;
+  found.name = name;
+  return found;
+}
+
+TEST(FindingsRepeat, AboveTheFloorItIsSaidHowManyTimes) {
+  Findings f = left_over(0.05);
+  conclude(f, {});
+  EXPECT_EQ(f.verdict, FindingsVerdict::unexplained);
+  EXPECT_THAT(f.explanation, HasSubstr("0.1 N is 2 times what a repeat differs by, 0.05 N"));
+}
+
+TEST(FindingsRepeat, WithinTheFloorNothingIsMissing) {
+  Findings f = left_over(0.12);
+  conclude(f, {});
+  EXPECT_EQ(f.verdict, FindingsVerdict::consistent);
+  EXPECT_THAT(f.explanation,
+              HasSubstr("Nothing is missing that this object repeats. The noise of the sensor alone is "
+                        "less. The held-out error of 0.1 N is within what a repeat differs by, 0.12 N."));
+  Findings exactly = left_over(0.10);
+  conclude(exactly, {});
+  EXPECT_EQ(exactly.verdict, FindingsVerdict::consistent);
+}
+
+TEST(FindingsRepeat, WithinTheFloorWhatWasFoundExplains) {
+  Findings f = left_over(0.12);
+  f.search.found = {effect("coulomb-friction")};
+  conclude(f, {});
+  EXPECT_EQ(f.verdict, FindingsVerdict::explained);
+  EXPECT_THAT(f.explanation, HasSubstr("With coulomb-friction nothing is missing that this object repeats."));
+}
+
+// A verdict that was none of "unexplained" stays as it was.
+TEST(FindingsRepeat, WithinTheFloorOtherVerdictsStay) {
+  Findings consistent = left_over(0.12, 1.0);
+  conclude(consistent, {});
+  EXPECT_EQ(consistent.verdict, FindingsVerdict::consistent);
+  EXPECT_THAT(consistent.explanation, HasSubstr("as the noise does"));
+  EXPECT_THAT(consistent.explanation, HasSubstr("within what a repeat differs by"));
+  Findings explained = left_over(0.12, 1.0);
+  explained.search.found = {effect("coulomb-friction")};
+  conclude(explained, {});
+  EXPECT_EQ(explained.verdict, FindingsVerdict::explained);
+  EXPECT_THAT(explained.explanation, HasSubstr("was missing"));
+  Findings alike = left_over(0.12, 1.0);
+  alike.search.found = {effect("coulomb-friction")};
+  Rival rival;
+  rival.name = "viscous-friction";
+  rival.alike = true;
+  alike.search.found.front().rivals = {rival};
+  conclude(alike, {});
+  EXPECT_EQ(alike.verdict, FindingsVerdict::not_identifiable);
+  EXPECT_THAT(alike.explanation, HasSubstr("within what a repeat differs by"));
+}
+
+TEST(FindingsRepeat, ALineAndAValueHardToBelieveStayOpenWithinTheFloor) {
+  Findings line = left_over(0.12, 1.0);
+  SpectralPeak peak;
+  peak.frequency_Hz = 60.0;
+  peak.rms_N = 0.05;
+  peak.name = "mains hum";
+  line.search.spectrum.peaks = {peak};
+  line.search.spectrum.share = 0.5;
+  ASSERT_TRUE(line.search.spectrum.peaks_matter());
+  conclude(line, {});
+  EXPECT_EQ(line.verdict, FindingsVerdict::unexplained);
+  EXPECT_THAT(line.explanation, HasSubstr("mains hum of 60"));
+  EXPECT_THAT(line.explanation, HasSubstr("within what a repeat differs by"));
+  Findings question = left_over(0.12, 1.0);
+  question.search.found = {effect("pre-sliding")};
+  question.search.questions = {{"pre-sliding", "it is longer than the tip"}};
+  conclude(question, {});
+  EXPECT_EQ(question.verdict, FindingsVerdict::unexplained);
+  EXPECT_THAT(question.explanation, HasSubstr("A value to question"));
+}
+
+TEST(FindingsRepeat, DataThatSeemWrongAreHeldAgainstNothing) {
+  for (const double floor_N : {0.05, 0.12}) {
+    Findings f = left_over(floor_N);
+    f.search.data_fault = "the force pulls.";
+    conclude(f, {});
+    EXPECT_EQ(f.verdict, FindingsVerdict::unexplained);
+    EXPECT_THAT(f.explanation, Not(HasSubstr("repeat")));
+  }
+}
+
+TEST(FindingsRepeat, WithoutARepeatNothingIsSaidOfOne) {
+  Findings f = left_over(0.0);
+  f.gap.repeat_floor_N.reset();
+  conclude(f, {});
+  EXPECT_EQ(f.verdict, FindingsVerdict::unexplained);
+  EXPECT_THAT(f.explanation, Not(HasSubstr("repeat")));
+  EXPECT_THAT(findings_to_json(f, ""), Not(HasSubstr("repeat_floor")));
+}
+
+}  // namespace
+}  // namespace touchstone::discrepancy

@@ -1,0 +1,17 @@
+// The report page of one axis: what was found, the load over the place and over time, and where it came from.
+#pragma once
+
+#include <optional>
+
+#include "harness/axis/axis_fit.h"
+#include "harness/pipeline/axis/axis_input.h"
+#include "harness/report/page.h"
+#include "harness/report/provenance.h"
+
+namespace touchstone::pipeline {
+
+// `floor`: the RMS by which a repeat differs, in the unit of the load, if there is one.
+Page axis_page(const AxisInput& input, const axis::AxisFit& fit, std::optional<double> floor,
+               const Provenance& provenance);
+
+}  // namespace touchstone::pipeline

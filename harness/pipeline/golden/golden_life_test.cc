@@ -1,0 +1,92 @@
+// The life of a golden: a result that failed is reviewed and accepted, and the case then passes with it.
+#include "harness/pipeline/golden/golden_life.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+
+#include "harness/base/atomic_file.h"
+#include "harness/base/error.h"
+#include "harness/pipeline/golden/case_runner.h"
+#include "harness/recording/recording_file.h"
+#include "harness/surface/mesh_file.h"
+#include "harness/testing/temporary_folder.h"
+#include "renderers/catalogue.h"
+#include "synthetic/generators.h"
+
+namespace touchstone::pipeline {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::SizeIs;
+using ::testing::ThrowsMessage;
+
+class GoldenLife : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    const auto source = std::filesystem::path(std::getenv("TOUCHSTONE_SOURCE_DIR")) / "golden" / "plane-taps";
+    std::filesystem::copy(source, golden() / "plane-taps", std::filesystem::copy_options::recursive);
+  }
+  std::filesystem::path golden() {
+    std::filesystem::create_directories(folder_.path() / "golden");
+    return folder_.path() / "golden";
+  }
+  std::filesystem::path out() { return folder_.path() / "out"; }
+  bool passes(const ChangeModel& change = {}) {
+    const Catalogues catalogues{renderers::built_in_catalogue(), synthetic::built_in_generators()};
+    return check_case(catalogues, load_case(golden() / "plane-taps"), "god-object", {out(), false, change, {}})
+        .passed();
+  }
+  testing::TemporaryFolder folder_;
+};
+
+void stiffer(Model& model) { model.parameters["stiffness_N_per_m"] *= 1.5; }
+
+TEST_F(GoldenLife, WhatFailedIsReviewedAcceptedAndPassesFromThenOn) {
+  ASSERT_TRUE(passes());
+  EXPECT_THAT(chosen_pending(out(), {}, ""), IsEmpty());
+  ASSERT_FALSE(passes(stiffer));
+  const auto pending = chosen_pending(out(), {"plane-taps"}, "god-object");
+  ASSERT_THAT(pending, SizeIs(1));
+  EXPECT_THAT(chosen_pending(out(), {"another"}, ""), IsEmpty());
+  EXPECT_THAT(chosen_pending(out(), {}, "penalty"), IsEmpty());
+  EXPECT_THAT(review_text(pending, "out"), HasSubstr("touchstone golden accept plane-taps --model god-object"));
+  EXPECT_EQ(accept_result(pending[0], golden(), out(), "a stiffer wall"), "replaced");
+  EXPECT_EQ(read_provenance(golden() / "plane-taps" / "expected" / "god-object.h5").at("reason"), "a stiffer wall");
+  EXPECT_THAT(chosen_pending(out(), {}, ""), IsEmpty()) << "what was accepted does not wait any more";
+  EXPECT_TRUE(passes(stiffer));
+  EXPECT_FALSE(passes()) << "the old answer is not the golden any more";
+}
+
+TEST_F(GoldenLife, AModelThatTheCaseDoesNotHaveIsNotAccepted) {
+  ASSERT_FALSE(passes(stiffer));
+  auto pending = chosen_pending(out(), {}, "");
+  pending[0].model = "nobody";
+  EXPECT_THAT([&] { accept_result(pending[0], golden(), out(), "why"); },
+              ThrowsMessage<UsageError>(HasSubstr("has no model nobody")));
+}
+
+TEST_F(GoldenLife, CasesAreChosenByNameOrFolder) {
+  EXPECT_THAT(choose_cases(golden(), {}), SizeIs(1));
+  EXPECT_EQ(choose_cases("nowhere", {(golden() / "plane-taps" / "").string()})[0].name, "plane-taps");
+  EXPECT_THAT([&] { choose_cases(golden(), {"plane-tap"}); },
+              ThrowsMessage<UsageError>(HasSubstr("there are: plane-taps")));
+  EXPECT_EQ(usual_golden_folder(golden()), golden());
+}
+
+TEST_F(GoldenLife, AnExportedCaseIsTheCase) {
+  const GoldenCase taps = load_case(golden() / "plane-taps");
+  const auto to = folder_.path() / "exported";
+  export_case(synthetic::built_in_generators(), taps, {"god-object"}, to);
+  EXPECT_EQ(load_mesh(to / "mesh.obj", 1.0).triangle_count(),
+            case_mesh(synthetic::built_in_generators(), taps).triangle_count());
+  EXPECT_EQ(load_trajectory(to / "trajectory.csv").motion.t_s.size(),
+            case_trajectory(synthetic::built_in_generators(), taps).motion.t_s.size());
+  EXPECT_EQ(parse_model(read_file(to / "god-object.json"), "").renderer, "god-object");
+  EXPECT_TRUE(std::filesystem::exists(to / "god-object.h5"));
+}
+
+}  // namespace
+}  // namespace touchstone::pipeline

@@ -1,0 +1,47 @@
+// One renderer, judged as a scorecard shows it (harness/diagnosis/scorecard.h): its faults by name, what its steps
+// cost, and its errors on the golden cases, where it takes the place of a case's own renderer.
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "harness/baseline/golden_case.h"
+#include "harness/diagnosis/entry_engine.h"
+#include "harness/diagnosis/scorecard.h"
+#include "harness/pipeline/golden/catalogues.h"
+#include "harness/pipeline/golden/felt_verdict.h"
+#include "harness/pipeline/pipeline_rooms.h"
+#include "harness/plugin/plugin.h"
+#include "harness/rendering/renderer_entry.h"
+
+namespace touchstone::pipeline {
+
+struct ScoreRequest {
+  diagnosis::EngineFacts facts;
+  FeltTolerance felt;   // its epsilon_m is the renderer's own
+  std::string options;  // what was given, as the card shows it
+  // Of the cases, whose place the renderer takes: what the case sets (stiffness, tip, friction) stays, if the renderer
+  // has such a parameter. Cases without the model do not count; where the tip is another one it is a problem.
+  std::string model = "god-object";
+  bool cost = true;           // time the steps
+  std::filesystem::path out;  // cases that fail leave what there is to see in `out`/cases
+};
+
+// The renderers of these names, the plug-ins' before the program's `own`; without names all of the plug-ins'. Throws
+// UsageError for a name that there is not, and if there is neither.
+std::vector<std::shared_ptr<const RendererEntry>> entries_to_score(std::span<const RendererEntry> own,
+                                                                   const Plugins& plugins,
+                                                                   const std::vector<std::string>& names);
+
+// A case that cannot run is a problem in the card, not an error. Throws UsageError if the renderer's stiffness is
+// neither given nor declared, BadData for parameters that it does not declare.
+diagnosis::Scorecard score_renderer(const Catalogues& catalogues, const std::shared_ptr<const RendererEntry>& entry,
+                                    const ScoreRequest& request, const std::vector<GoldenCase>& cases);
+
+// No fault was found, and every detector could run.
+bool clean(const diagnosis::Scorecard& card);
+
+}  // namespace touchstone::pipeline

@@ -1,0 +1,114 @@
+#include "harness/pipeline/perceiving/processes.h"
+
+#include <fmt/format.h>
+
+#include <map>
+
+#include "harness/base/error.h"
+#include "harness/base/in_parallel.h"
+#include "harness/base/units.h"
+#include "harness/perception/filters/weber_law.h"
+#include "harness/perception/haptic_data_matrix.h"
+#include "harness/recording/recording_file.h"
+#include "harness/rendering/replay.h"
+#include "harness/sanity/pair_faults.h"
+#include "harness/sanity/recording_sample.h"
+#include "harness/sanity/sanity.h"
+#include "harness/surface/embree_surface.h"
+#include "harness/surface/extend_edges.h"
+#include "harness/surface/mesh_file.h"
+#include "harness/surface/mesh_topology.h"
+
+namespace touchstone::pipeline {
+
+Vec3 press_direction_of(const std::string& text, const Recording& real) {
+  static const std::map<std::string, Vec3> axes{{"+x", Vec3::UnitX()},  {"-x", -Vec3::UnitX()}, {"+y", Vec3::UnitY()},
+                                                {"-y", -Vec3::UnitY()}, {"+z", Vec3::UnitZ()},  {"-z", -Vec3::UnitZ()}};
+  if (text == "force") return perception::press_direction(real);
+  const auto found = axes.find(text);
+  if (found == axes.end())
+    throw UsageError(fmt::format("--direction {}: force, +x, -x, +y, -y, +z or -z was expected", text));
+  return found->second;
+}
+
+Recording rendered_by(const Catalogue& catalogue, const Model& model, const std::shared_ptr<const Surface>& surface,
+                      const Recording& real) {
+  const auto renderer = catalogue.make(model, surface);
+  const RenderedTrajectory rendered = replay(*renderer, InTrajectory{real.motion});
+  Recording recording;
+  recording.motion = real.motion;
+  recording.f_W_N = rendered.f_W_N;
+  recording.source = model.source;
+  return recording;
+}
+
+Recording read_recording(const PerceiveRequest& request, const std::string& file) {
+  Recording recording = load_recording(file);
+  if (request.flip_force) sanity::flip_force(recording);
+  return recording;
+}
+
+void check_real(const PerceiveRequest& request, const Recording& real, const Surface* surface,
+                std::vector<std::string>& notes) {
+  sanity::SanityContext context;
+  context.surface = surface;
+  context.mesh_unit = request.mesh_unit;
+  context.force_flipped = request.flip_force;
+  context.contact_force_N = perception::kFingertipForce.absolute_threshold;
+  for (std::string& remark : sanity::refuse_insane(real, context)) notes.push_back(std::move(remark));
+}
+
+void check_condition(const Recording& real, const Recording& condition) {
+  for (const sanity::SanityFinding& finding : sanity::find_pair_faults(real, condition)) {
+    if (finding.fault == sanity::SanityFault::clock) continue;  // a rendering that answers late is what is to be judged
+    throw BadData(fmt::format("{}: {}: {}", condition.source, to_string(finding.fault), sanity::sanity_line(finding)));
+  }
+}
+
+// In parallel: hashing many recordings takes as long as comparing them.
+std::vector<InputFile> described(const RolesAndFiles& role_and_file) {
+  std::vector<InputFile> result(role_and_file.size());
+  const auto describe = [&](std::size_t i) {
+    result[i] = describe_input(role_and_file[i].first, role_and_file[i].second);
+  };
+  in_parallel(result.size(), describe, 1);
+  return result;
+}
+
+std::shared_ptr<const Surface> rendered_object(const PerceiveRequest& request, const Recording& real,
+                                               std::vector<std::string>& notes) {
+  constexpr double kFew = 1e-3;             // less is noise at the border
+  constexpr double kShareOfDiagonal = 0.1;  // as `evaluate` has it
+  constexpr std::size_t kLookedAt = 4000;
+  TriangleMesh mesh = load_mesh(request.mesh, length_unit_factor(request.mesh_unit));
+  std::shared_ptr<const Surface> surface = make_embree_surface(mesh);
+  const bool asked = !request.extend_edges.empty();
+  const double asked_m =
+      asked && request.extend_edges != "0" ? parse_length_m(request.extend_edges, "--extend-edges") : 0.0;
+  if (asked && asked_m == 0.0) return surface;
+  const MeshTopology topology = make_topology(mesh);
+  double share = 0.0;
+  if (!asked) {
+    if (topology.open_edge_count == 0 || !topology.non_manifold_edges.empty() || !topology.disoriented_edges.empty())
+      return surface;
+    std::vector<Vec3> touching;
+    const std::size_t stride = 1 + real.f_W_N.size() / kLookedAt;
+    for (std::size_t i = 0; i < real.f_W_N.size(); i += stride) {
+      if (real.f_W_N[i].norm() > perception::kFingertipForce.absolute_threshold)
+        touching.push_back(real.motion.p_W_m[i]);
+    }
+    share = share_at_open_edges(*surface, topology, touching);
+    if (share <= kFew) return surface;
+  }
+  const double width_m = asked_m > 0.0 ? asked_m : kShareOfDiagonal * mesh.bounds().diagonal().norm();
+  mesh = extend_open_edges(weld_coincident_vertices(mesh), width_m);
+  if (!asked) {
+    notes.push_back(
+        fmt::format("{:.1f} % of the touching samples lie where the mesh has ended; its open edges were "
+                    "continued by {:.4g} mm (--extend-edges sets the width, 0 leaves the mesh as it is)",
+                    100.0 * share, 1e3 * width_m));
+  }
+  return make_embree_surface(mesh);
+}
+
+}  // namespace touchstone::pipeline

@@ -1,0 +1,48 @@
+// Bota Systems' force-torque sensors with a serial line (SensONE, Rokubi: BFT-SENS-SER-M8).
+//   text commands, answered `r,0,<command>,0`: C to configuration, c,<temperature compensation>,<calibration>,<0
+//   binary>, <baud 4: 460800>, f,<sinc length>,<chop>,<fast>,<no FIR>, R to measuring frame, 37 bytes: 0xaa, status
+//   u16, force 3 f32 [N], torque 3 f32 [N m], time u32, temperature f32, CRC u16 over the 34 bytes between;
+//   little-endian
+// Sources: Bota's Python interface as published with public loggers of it, and Bota's MATLAB example (BOTAsys/matlab,
+// commit 74bbe419). The CRC is X.25's (polynomial 0x1021 reflected, begun and ended with 0xffff). A frame comes each
+// sinc length x 19.53125 us. The sensor numbers no frames: a loss shows in its time, in steps of the shortest one seen.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+
+#include "harness/base/rooms.h"
+#include "hil/devices/interfaces.h"
+
+namespace touchstone::hil {
+
+namespace bota {
+inline constexpr std::size_t frame_bytes = 37;
+inline constexpr unsigned char header = 0xaa;
+// As ITU-T X.25 has it; of "123456789" 0x906e.
+std::uint16_t crc_x25(std::span<const unsigned char> bytes);
+struct Frame {
+  std::uint16_t status = 0;
+  Wrench wrench;
+  std::uint32_t time = 0;
+  float temperature_C = 0.0F;
+};
+// Nothing where the header or the checksum is wrong.
+std::optional<Frame> decode(std::span<const unsigned char, frame_bytes> bytes);
+}  // namespace bota
+
+struct BotaOptions {
+  std::string node;
+  int baud = 460800;
+  int sinc_length = 128;   // 400 Hz; 51 to 512
+  double timeout_s = 3.0;  // for the answers to its commands
+};
+
+// Throws DeviceError: absent, no_permission, timed_out (it does not answer), failed (it refuses a setting).
+std::unique_ptr<WrenchSource> open_bota(const BotaOptions& options);
+
+}  // namespace touchstone::hil

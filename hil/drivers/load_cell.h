@@ -1,0 +1,35 @@
+// A load cell behind an HX711 converter and a microcontroller that prints its readings as lines, as the example
+// sketches of the Arduino libraries do:
+//   HX711 (bogde/HX711, commit be5e3d25):            "one reading:\t12.3\t| average:\t12.4"
+//   HX711_ADC (olkal/HX711_ADC, commit 7762bc42):    "Load_cell output val: 12.34"
+// Of each line the n-th number is the load, by default the first; lines without so many numbers (greetings, questions)
+// are counted as malformed and left out. A line says neither its unit nor its time, and none is numbered: the user
+// states newtons per unit (as 0.00980665 for grams, negative where the cell is the other way round), times are
+// arrivals, and a line that is lost cannot be seen.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "harness/base/rooms.h"
+#include "hil/devices/interfaces.h"
+
+namespace touchstone::hil {
+
+struct LoadCellOptions {
+  std::string node;
+  int baud = 57600;  // HX711_ADC's examples; 38400 in HX711's
+  double newtons_per_unit = 0.0;
+  int value = 1;         // which number of a line
+  char axis = 'z';       // the force is along it; the other components are zero
+  double rate_Hz = 0.0;  // where the user states it: 10 or 80 by the converter's pin, less if readings are averaged
+};
+
+// The n-th number of a line; nothing where it has fewer.
+std::optional<double> number_in_line(std::string_view line, int n);
+// Throws UsageError without newtons_per_unit, DeviceError: absent, no_permission.
+std::unique_ptr<WrenchSource> open_load_cell(const LoadCellOptions& options);
+
+}  // namespace touchstone::hil

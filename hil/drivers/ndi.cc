@@ -1,0 +1,352 @@
+#include "hil/drivers/ndi.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <boost/asio/connect.hpp>
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/write.hpp>
+#include <charconv>
+#include <chrono>
+#include <cmath>
+#include <functional>
+
+#include "harness/base/atomic_file.h"
+#include "hil/drivers/record_count.h"
+#include "hil/drivers/serial_port.h"
+
+namespace touchstone::hil {
+
+namespace ndi {
+
+std::uint16_t crc16(std::string_view text) {
+  constexpr std::uint16_t reflected_polynomial = 0xa001;
+  std::uint16_t crc = 0;
+  for (const char c : text) {
+    crc = static_cast<std::uint16_t>(crc ^ static_cast<unsigned char>(c));
+    for (int bit = 0; bit < 8; ++bit)
+      crc = static_cast<std::uint16_t>((crc & 1U) != 0 ? (crc >> 1U) ^ reflected_polynomial : crc >> 1U);
+  }
+  return crc;
+}
+
+std::string command(const std::string& text) { return fmt::format("{}{:04X}\r", text, crc16(text)); }
+
+std::optional<std::string> checked(std::string_view answer) {
+  while (!answer.empty() && answer.back() == '\r') answer.remove_suffix(1);
+  if (answer.size() < 4) return std::nullopt;
+  const auto text = answer.substr(0, answer.size() - 4);
+  if (answer.substr(answer.size() - 4) != fmt::format("{:04X}", crc16(text))) return std::nullopt;
+  return std::string(text);
+}
+
+namespace {
+
+// Characters of fixed width, never beyond the end.
+class Columns {
+ public:
+  explicit Columns(std::string_view text) : text_(text) {}
+  [[nodiscard]] bool good() const noexcept { return good_; }
+  [[nodiscard]] bool next_is(std::string_view word) {
+    if (text_.substr(0, word.size()) != word) return false;
+    text_.remove_prefix(word.size());
+    return true;
+  }
+  std::uint32_t hex(std::size_t width) { return number<std::uint32_t>(width, 16); }
+  double decimal(std::size_t width, double unit) {
+    // from_chars knows no plus sign.
+    if (!text_.empty() && text_.front() == '+') text_.remove_prefix(1), --width;
+    return unit * number<int>(width, 10);
+  }
+
+ private:
+  template <class T>
+  T number(std::size_t width, int base) {
+    T value = 0;
+    const auto field = text_.substr(0, width);
+    const auto [end, error] = std::from_chars(field.data(), field.data() + field.size(), value, base);
+    good_ = good_ && field.size() == width && error == std::errc() && end == field.data() + field.size();
+    text_.remove_prefix(field.size());
+    return value;
+  }
+  std::string_view text_;
+  bool good_ = true;
+};
+
+}  // namespace
+
+std::optional<std::vector<Tool>> parse_tx(std::string_view answer) {
+  Columns columns(answer);
+  std::vector<Tool> tools;
+  const auto count = columns.hex(2);
+  for (std::uint32_t i = 0; i < count && columns.good(); ++i) {
+    Tool tool;
+    tool.handle = static_cast<int>(columns.hex(2));
+    if (columns.next_is("UNOCCUPIED")) {
+      if (!columns.next_is("\n")) return std::nullopt;
+      continue;
+    }
+    tool.missing = columns.next_is("MISSING") || columns.next_is("DISABLED");
+    if (!tool.missing) {
+      double q[4];
+      for (double& v : q) v = columns.decimal(6, 1e-4);
+      tool.q_WB = Quat(q[0], q[1], q[2], q[3]);
+      for (int k = 0; k < 3; ++k) tool.p_W_m[k] = columns.decimal(7, 1e-2 * 1e-3);
+      columns.decimal(6, 1e-4);  // error of the fit [mm]
+    }
+    tool.status = columns.hex(8);
+    tool.frame = columns.hex(8);
+    if (!columns.next_is("\n")) return std::nullopt;
+    tools.push_back(tool);
+  }
+  if (!columns.good()) return std::nullopt;
+  return tools;
+}
+
+}  // namespace ndi
+
+namespace {
+
+namespace asio = boost::asio;
+
+// Bytes to and from the device, by either way.
+class Line {
+ public:
+  virtual ~Line() = default;
+  virtual void write(const std::string& bytes) = 0;
+  // What has come, or nothing by the deadline.
+  virtual std::string read(double deadline_s) = 0;
+  [[nodiscard]] virtual bool emulated() const = 0;
+};
+
+class SerialLine final : public Line {
+ public:
+  SerialLine(const std::string& node, int baud) : port_("NDI tracker", node, baud) {}
+  void write(const std::string& bytes) override { port_.write(bytes); }
+  std::string read(double deadline_s) override {
+    unsigned char bytes[2048];
+    double t_s = 0.0;
+    const auto n = port_.read(bytes, deadline_s, t_s);
+    return {reinterpret_cast<const char*>(bytes), n};
+  }
+  [[nodiscard]] bool emulated() const override { return port_.emulated(); }
+
+ private:
+  SerialPort port_;
+};
+
+class NetworkLine final : public Line {
+ public:
+  NetworkLine(const std::string& place, const std::string& host, int port, double timeout_s)
+      : place_(place), socket_(io_) {
+    boost::system::error_code error;
+    asio::ip::tcp::resolver resolver(io_);
+    const auto found = resolver.resolve(host, std::to_string(port), error);
+    if (error) throw DeviceError(DeviceStatus::absent, fmt::format("{}: {}", place_, error.message()));
+    bool done = false;
+    asio::async_connect(socket_, found, [&](boost::system::error_code e, const auto&) { error = e, done = true; });
+    io_.run_for(std::chrono::microseconds(static_cast<long>(timeout_s * 1e6)));
+    if (!done || error) {
+      socket_.close();
+      io_.restart();
+      io_.run();
+      throw DeviceError(DeviceStatus::absent,
+                        fmt::format("{}: {}", place_, done ? error.message() : "no answer in time"));
+    }
+    boost::system::error_code ignored;
+    socket_.set_option(asio::ip::tcp::no_delay(true), ignored);
+    loopback_ = socket_.remote_endpoint(ignored).address().is_loopback();
+  }
+  void write(const std::string& bytes) override {
+    boost::system::error_code error;
+    asio::write(socket_, asio::buffer(bytes), error);
+    if (error) throw DeviceError(DeviceStatus::gone, fmt::format("{}: {}", place_, error.message()));
+  }
+  std::string read(double deadline_s) override {
+    bool done = false;
+    boost::system::error_code error;
+    std::size_t size = 0;
+    socket_.async_read_some(asio::buffer(bytes_),
+                            [&](boost::system::error_code e, std::size_t n) { error = e, size = n, done = true; });
+    io_.restart();
+    io_.run_for(std::chrono::microseconds(static_cast<long>(std::max(0.0, deadline_s - clock_.now_s()) * 1e6) + 1));
+    if (!done) {
+      socket_.cancel();
+      io_.restart();
+      io_.run();
+      if (error == asio::error::operation_aborted) return {};
+    }
+    if (error) throw DeviceError(DeviceStatus::gone, fmt::format("{}: {}", place_, error.message()));
+    return {bytes_, size};
+  }
+  [[nodiscard]] bool emulated() const override { return loopback_; }
+
+ private:
+  std::string place_;
+  asio::io_context io_;
+  asio::ip::tcp::socket socket_;
+  MonotonicClock clock_;
+  char bytes_[4096];
+  bool loopback_ = false;
+};
+
+constexpr std::size_t rom_piece_bytes = 64;
+constexpr int first_baud = 9600;
+
+class NdiSource final : public PoseSource {
+ public:
+  explicit NdiSource(const NdiOptions& options)
+      : options_(options), place_(fmt::format("NDI tracker at {}", options.address)) {
+    const bool serial = options.address.rfind('/', 0) == 0;
+    if (serial) {
+      line_ = std::make_unique<SerialLine>(options.address, first_baud);
+      ask("INIT:");
+      switch_speed();
+    } else {
+      line_ = std::make_unique<NetworkLine>(place_, options.address, options.port, options.timeout_s);
+      ask("INIT:");
+    }
+    const std::string handle = options.tool_file.empty() ? wired_tool() : passive_tool();
+    ask("PINIT:" + handle);
+    ask("PENA:" + handle + "D");
+    handle_ = static_cast<int>(std::strtol(handle.c_str(), nullptr, 16));
+    identity_ = {"ndi-polaris", "port handle " + handle, "ndicapi's commands, TX", "", line_->emulated()};
+    ask("TSTART:");
+  }
+  ~NdiSource() override {
+    try {
+      line_->write(ndi::command("TSTOP:"));
+    } catch (const DeviceError&) {
+      // It is gone: it tracks for nobody.
+    }
+  }
+  NdiSource(const NdiSource&) = delete;
+  NdiSource& operator=(const NdiSource&) = delete;
+
+  [[nodiscard]] const DeviceIdentity& identity() const override { return identity_; }
+  [[nodiscard]] double nominal_rate_Hz() const override { return options_.rate_Hz; }
+  void start() override { counters_ = {}, count_ = {}, next_s_ = clock_.now_s(); }
+  void stop() noexcept override {}
+
+  // It answers when asked: it is asked twice a frame, and frames that were seen are left out.
+  std::size_t read(std::span<PoseSample> out, double deadline_s) override {
+    while (!out.empty()) {
+      const double now = clock_.now_s();
+      if (next_s_ > deadline_s) {
+        clock_.sleep_until(deadline_s);
+        return 0;
+      }
+      clock_.sleep_until(next_s_);
+      next_s_ = std::max(next_s_ + 0.5 / options_.rate_Hz, now);
+      const auto tools = ndi::parse_tx(ask("TX:0001"));
+      if (!tools) {
+        ++counters_.malformed;
+        continue;
+      }
+      for (const auto& tool : *tools) {
+        if (tool.handle == handle_ && take(tool, out.front())) return 1;
+      }
+    }
+    return 0;
+  }
+
+  [[nodiscard]] StreamCounters counters() const override { return counters_; }
+
+ private:
+  // The answer's text; throws for an error, a wrong CRC, or none in time.
+  std::string ask(const std::string& text) {
+    line_->write(ndi::command(text));
+    std::string came;
+    const double until = clock_.now_s() + options_.timeout_s;
+    while (came.find('\r') == std::string::npos) {
+      const auto more = line_->read(until);
+      if (more.empty() && clock_.now_s() >= until)
+        throw DeviceError(DeviceStatus::timed_out,
+                          fmt::format("{}: no answer to {} in {} s", place_, text, options_.timeout_s));
+      came += more;
+    }
+    arrived_s_ = clock_.now_s();
+    const auto answer = ndi::checked(std::string_view(came).substr(0, came.find('\r')));
+    if (!answer)
+      throw DeviceError(DeviceStatus::failed, fmt::format("{}: the answer to {} has a wrong CRC", place_, text));
+    if (answer->rfind("ERROR", 0) == 0)
+      throw DeviceError(DeviceStatus::failed,
+                        fmt::format("{}: {} to {} (the codes are in NDI's API guide)", place_, *answer, text));
+    return *answer;
+  }
+
+  void switch_speed() {
+    constexpr std::pair<int, char> codes[] = {{9600, '0'},  {19200, '2'},  {38400, '3'},
+                                              {57600, '4'}, {115200, '5'}, {921600, '6'}};
+    const auto* const code =
+        std::find_if(std::begin(codes), std::end(codes), [&](const auto& c) { return c.first == options_.baud; });
+    if (code == std::end(codes))
+      throw DeviceError(DeviceStatus::failed,
+                        fmt::format("{}: {} baud is no speed of the device", place_, options_.baud));
+    if (options_.baud == first_baud) return;
+    ask(fmt::format("COMM:{}0000", code->second));
+    line_.reset();
+    clock_.sleep_until(clock_.now_s() + 0.1);  // as ndicapi waits for the device to change over
+    line_ = std::make_unique<SerialLine>(options_.address, options_.baud);
+  }
+
+  std::string wired_tool() {
+    const auto list = ask("PHSR:02");
+    if (list.size() < 2 + 2 || list.substr(0, 2) == "00")
+      throw DeviceError(DeviceStatus::failed,
+                        fmt::format("{}: no tool is plugged in; a passive tool needs its definition: "
+                                    "\"tool_file\" in the hardware map",
+                                    place_));
+    return list.substr(2, 2);
+  }
+
+  std::string passive_tool() {
+    auto rom = read_file(options_.tool_file);
+    rom.resize((rom.size() + rom_piece_bytes - 1) / rom_piece_bytes * rom_piece_bytes, '\0');
+    const auto handle = ask("PHRQ:*********1****").substr(0, 2);
+    for (std::size_t at = 0; at < rom.size(); at += rom_piece_bytes) {
+      std::string hex;
+      for (std::size_t i = 0; i < rom_piece_bytes; ++i)
+        hex += fmt::format("{:02X}", static_cast<unsigned char>(rom[at + i]));
+      ask(fmt::format("PVWR:{}{:04X}{}", handle, at, hex));
+    }
+    return handle;
+  }
+
+  // False for a frame that was seen.
+  bool take(const ndi::Tool& tool, PoseSample& sample) {
+    if (count_.started() && tool.frame == last_frame_) return false;
+    sample = {};
+    const std::uint32_t ahead = tool.frame - last_frame_;  // modulo 2^32
+    sample.flags |= count_.take(ahead, counters_);
+    last_frame_ = tool.frame;
+    sample.t_s = arrived_s_;
+    sample.sequence = count_.sequence();
+    sample.device_status = tool.status;
+    if (tool.missing) {
+      sample.flags |= sample_not_tracked;
+    } else {
+      sample.p_W_m = tool.p_W_m;
+      sample.q_WB = tool.q_WB;
+    }
+    return true;
+  }
+
+  NdiOptions options_;
+  std::string place_;
+  std::unique_ptr<Line> line_;
+  MonotonicClock clock_;
+  DeviceIdentity identity_;
+  StreamCounters counters_;
+  int handle_ = 0;
+  RecordCount count_;
+  std::uint32_t last_frame_ = 0;
+  double next_s_ = 0.0, arrived_s_ = 0.0;
+};
+
+}  // namespace
+
+std::unique_ptr<PoseSource> open_ndi(const NdiOptions& options) { return std::make_unique<NdiSource>(options); }
+
+}  // namespace touchstone::hil

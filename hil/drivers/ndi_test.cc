@@ -1,0 +1,134 @@
+// The NDI driver against an emulator that answers as ndicapi's parser expects. Emulated: it shows that the driver keeps
+// to the commands that ndicapi sends and reads, not that a Polaris does.
+#include "hil/drivers/ndi.h"
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <filesystem>
+
+#include "harness/base/atomic_file.h"
+#include "harness/base/random.h"
+#include "hil/emulators/ndi_emulator.h"
+
+namespace touchstone::hil {
+namespace {
+
+using ::testing::HasSubstr;
+
+EmulatedPose nod(double t) {
+  return {Vec3(0.05 * std::cos(t), -0.1, -1.5 + 0.01 * t), Quat(Eigen::AngleAxisd(0.2 * t, Vec3::UnitZ())), true};
+}
+
+// Greetings and answers that ndicapi names: "RESETBE6F" and "OKAYA896".
+TEST(Ndi, ChecksAsTheDeviceDoes) {
+  EXPECT_EQ(ndi::crc16("RESET"), 0xbe6f);
+  EXPECT_EQ(ndi::crc16("OKAY"), 0xa896);
+  EXPECT_EQ(ndi::command("INIT:"), "INIT:E3A5\r");
+  EXPECT_EQ(ndi::checked("OKAYA896\r"), "OKAY");
+  EXPECT_FALSE(ndi::checked("OKAYA897\r"));
+  EXPECT_FALSE(ndi::checked(""));
+}
+
+TEST(Ndi, ReadsAnAnswerToTX) {
+  const auto tools = ndi::parse_tx(
+      "0201+09659+00000+02588+00000-012345+000100-150000+00750000000310000ABCD\n"
+      "02MISSING000000310000ABCD\n0000");
+  ASSERT_TRUE(tools);
+  ASSERT_EQ(tools->size(), 2U);
+  const auto& tool = (*tools)[0];
+  EXPECT_EQ(tool.handle, 1);
+  EXPECT_NEAR(tool.q_WB.w(), 0.9659, 1e-12);
+  EXPECT_NEAR(tool.q_WB.y(), 0.2588, 1e-12);
+  EXPECT_LT((tool.p_W_m - Vec3(-0.12345, 0.001, -1.5)).norm(), 1e-12);
+  EXPECT_EQ(tool.frame, 0xabcdU);
+  EXPECT_TRUE((*tools)[1].missing);
+}
+
+std::vector<PoseSample> watch(PoseSource& source, double seconds) {
+  MonotonicClock clock;
+  std::vector<PoseSample> all, some(16);
+  const double until = clock.now_s() + seconds;
+  while (clock.now_s() < until) {
+    const auto n = source.read(some, until);
+    all.insert(all.end(), some.begin(), some.begin() + static_cast<std::ptrdiff_t>(n));
+  }
+  return all;
+}
+
+TEST(Ndi, PosesComeFrameByFrame) {
+  NdiFaults faults;
+  faults.missing_every = 10;
+  NdiEmulator polaris(60.0, faults, nod);
+  const auto source = open_ndi({"127.0.0.1", polaris.port(), 115200, "", 60.0, 3.0});
+  EXPECT_TRUE(source->identity().emulated);
+  source->start();
+  const auto samples = watch(*source, 1.5);
+  ASSERT_GT(samples.size(), 30U);
+  std::size_t hidden = 0;
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    if (i > 0) {
+      EXPECT_GT(samples[i].sequence, samples[i - 1].sequence);
+    }
+    if ((samples[i].flags & sample_not_tracked) != 0) {
+      ++hidden;
+      continue;
+    }
+    const double t = (samples[i].p_W_m.z() + 1.5) / 0.01;
+    EXPECT_LT((samples[i].p_W_m - nod(t).p_W_m).norm(), 1e-4);
+    EXPECT_LT(samples[i].q_WB.normalized().angularDistance(nod(t).q_WB), 1e-2);
+  }
+  EXPECT_GT(hidden, 0U);
+}
+
+TEST(Ndi, APassiveToolIsDefinedFirst) {
+  const auto rom = std::filesystem::temp_directory_path() / fmt::format("touchstone-tool-{}.rom", ::getpid());
+  write_file(rom, std::string(752, 'x'));
+  NdiEmulator polaris(60.0, {}, nod);
+  const auto source = open_ndi({"127.0.0.1", polaris.port(), 115200, rom.string(), 60.0, 3.0});
+  EXPECT_EQ(polaris.definition_bytes(), 768U) << "752 bytes in pieces of 64";
+  source->start();
+  EXPECT_FALSE(watch(*source, 0.5).empty());
+  std::filesystem::remove(rom);
+}
+
+TEST(Ndi, WhatGoesWrongIsSaid) {
+  const auto complaint = [](NdiFaults faults) -> std::string {
+    NdiEmulator polaris(60.0, faults, nod);
+    try {
+      const auto source = open_ndi({"127.0.0.1", polaris.port(), 115200, "", 60.0, 2.0});
+      source->start();
+      watch(*source, 2.0);
+    } catch (const DeviceError& error) {
+      return error.what();
+    }
+    return "nothing";
+  };
+  NdiFaults faults;
+  faults.no_tool = true;
+  EXPECT_THAT(complaint(faults), HasSubstr("no tool is plugged in"));
+  faults = {};
+  faults.wrong_crc_every = 5;
+  EXPECT_THAT(complaint(faults), HasSubstr("wrong CRC"));
+  int port = 0;
+  { port = NdiEmulator(60.0, {}, nod).port(); }
+  EXPECT_THROW(open_ndi({"127.0.0.1", port, 115200, "", 60.0, 0.5}), DeviceError);
+}
+
+TEST(Ndi, DamagedAnswersAreReadOrRefused) {
+  const std::string whole = "0101+09659+00000+02588+00000-012345+000100-150000+00750000000310000ABCD\n0000";
+  Random random(79);
+  for (int trial = 0; trial < 20000; ++trial) {
+    std::string damaged = whole.substr(0, random.below(whole.size() + 1));
+    for (int k = 0; k < 2 && !damaged.empty(); ++k)
+      damaged[random.below(damaged.size())] = static_cast<char>(random.below(256));
+    ndi::parse_tx(damaged);
+    ndi::checked(damaged);
+  }
+}
+
+}  // namespace
+}  // namespace touchstone::hil

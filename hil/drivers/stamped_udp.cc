@@ -1,0 +1,65 @@
+#include "hil/drivers/stamped_udp.h"
+
+#include <arpa/inet.h>
+#include <netinet/in.h>
+
+#include <cstring>
+#include <ctime>
+
+namespace touchstone::hil {
+namespace {
+
+double seconds_of(const timespec& t) { return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec); }
+
+constexpr std::uint32_t loopback_network = 127;
+
+}  // namespace
+
+void ask_for_stamps(int socket) noexcept {
+  // A second of records at 7 kHz, should this process be scheduled away.
+  const int buffer = 4 << 20, on = 1;
+  ::setsockopt(socket, SOL_SOCKET, SO_RCVBUF, &buffer, sizeof buffer);
+  ::setsockopt(socket, SOL_SOCKET, SO_TIMESTAMPNS, &on, sizeof on);
+}
+
+double real_now_s() noexcept {
+  timespec real{};
+  ::clock_gettime(CLOCK_REALTIME, &real);
+  return seconds_of(real);
+}
+
+double arrival_s(msghdr& header, double now_s, double real_s) {
+  constexpr double longest_wait_s = 10.0;  // many times what the socket's buffer holds
+  for (cmsghdr* c = CMSG_FIRSTHDR(&header); c != nullptr; c = CMSG_NXTHDR(&header, c)) {
+    if (c->cmsg_level != SOL_SOCKET || c->cmsg_type != SO_TIMESTAMPNS) continue;
+    timespec stamp{};
+    std::memcpy(&stamp, CMSG_DATA(c), sizeof stamp);
+    const double age_s = real_s - seconds_of(stamp);
+    if (age_s >= 0.0 && age_s < longest_wait_s) return now_s - age_s;
+  }
+  return now_s;
+}
+
+bool is_loopback(const sockaddr_storage& address) noexcept {
+  if (address.ss_family != AF_INET) return false;
+  sockaddr_in v4{};
+  std::memcpy(&v4, &address, sizeof v4);
+  return ntohl(v4.sin_addr.s_addr) >> 24U == loopback_network;
+}
+
+long receive_stamped(int socket, std::span<unsigned char> into, double& t_s, sockaddr_storage* from) {
+  iovec vector{into.data(), into.size()};
+  StampBuffer stamp;
+  msghdr header{};
+  header.msg_iov = &vector;
+  header.msg_iovlen = 1;
+  header.msg_control = stamp.bytes;
+  header.msg_controllen = sizeof stamp.bytes;
+  header.msg_name = from;
+  header.msg_namelen = from != nullptr ? sizeof *from : 0;
+  const auto n = ::recvmsg(socket, &header, MSG_DONTWAIT);
+  if (n >= 0) t_s = arrival_s(header, MonotonicClock().now_s(), real_now_s());
+  return n;
+}
+
+}  // namespace touchstone::hil

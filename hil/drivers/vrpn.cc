@@ -1,0 +1,308 @@
+#include "hil/drivers/vrpn.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <netdb.h>
+#include <netinet/in.h>
+#include <netinet/tcp.h>
+#include <poll.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cmath>
+#include <cstring>
+#include <map>
+
+#include "hil/drivers/byte_reader.h"
+#include "hil/drivers/stamped_udp.h"
+
+namespace touchstone::hil {
+
+namespace vrpn {
+
+namespace {
+constexpr std::size_t align = 8;
+// vrpn_CONNECTION_TCP_BUFLEN is 64000; nothing longer is sent.
+constexpr std::uint32_t longest = 1U << 17U;
+constexpr std::size_t padded(std::size_t bytes) { return (bytes + align - 1) / align * align; }
+constexpr char magic[] = "vrpn: ver. 07.38";
+// Up to the minor version.
+constexpr std::size_t magic_major = 14;
+}  // namespace
+
+std::string cookie() {
+  std::string text = std::string(magic) + "  0";
+  text.resize(cookie_bytes, '\0');
+  return text;
+}
+
+bool cookie_agrees(std::span<const unsigned char> bytes) {
+  return bytes.size() >= magic_major && std::equal(magic, magic + magic_major, bytes.begin());
+}
+
+std::optional<Message> parse(std::span<const unsigned char> bytes, const std::string& place) {
+  if (bytes.size() < header_bytes) return std::nullopt;
+  ByteReader reader(bytes);
+  const auto length = reader.big<std::uint32_t>();
+  if (length < header_bytes || length > longest)
+    throw DeviceError(DeviceStatus::failed,
+                      fmt::format("{}: a message of {} bytes; this is no VRPN stream", place, length));
+  Message m;
+  m.seconds = reader.big<std::uint32_t>();
+  m.microseconds = reader.big<std::uint32_t>();
+  m.time_s = static_cast<double>(m.seconds) + 1e-6 * static_cast<double>(m.microseconds);
+  m.sender = reader.big<std::int32_t>();
+  m.type = reader.big<std::int32_t>();
+  m.bytes = header_bytes + padded(length - header_bytes);
+  if (bytes.size() < m.bytes) return std::nullopt;
+  m.payload = bytes.subspan(header_bytes, length - header_bytes);
+  return m;
+}
+
+}  // namespace vrpn
+
+namespace {
+
+constexpr std::int32_t describes_sender = -1, describes_type = -2;
+constexpr char position_type[] = "vrpn_Tracker Pos_Quat";
+constexpr char control_sender[] = "VRPN Control";
+constexpr double vrpn_ticks_per_s = 1e6;
+// For all trackers of a server to have reported, where the user named none.
+constexpr double look_round_s = 0.5;
+
+int connect_tcp(const std::string& place, const std::string& host, int port, double timeout_s) {
+  addrinfo hints{};
+  hints.ai_family = AF_INET;
+  hints.ai_socktype = SOCK_STREAM;
+  addrinfo* found = nullptr;
+  if (::getaddrinfo(host.c_str(), std::to_string(port).c_str(), &hints, &found) != 0 || found == nullptr)
+    throw DeviceError(DeviceStatus::absent, fmt::format("{}: the host is not known", place));
+  const std::unique_ptr<addrinfo, void (*)(addrinfo*)> owner(found, freeaddrinfo);
+  const int fd = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
+  int error = 0;
+  if (fd < 0 || (::connect(fd, found->ai_addr, found->ai_addrlen) != 0 && errno != EINPROGRESS)) error = errno;
+  if (error == 0) {
+    pollfd ready{fd, POLLOUT, 0};
+    socklen_t size = sizeof error;
+    if (::poll(&ready, 1, static_cast<int>(timeout_s * 1e3)) <= 0)
+      error = ETIMEDOUT;
+    else
+      ::getsockopt(fd, SOL_SOCKET, SO_ERROR, &error, &size);
+  }
+  if (error != 0) {
+    if (fd >= 0) ::close(fd);
+    throw DeviceError(DeviceStatus::absent, fmt::format("{}: {}", place, std::strerror(error)));
+  }
+  const int on = 1;
+  ::setsockopt(fd, IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
+  return fd;
+}
+
+class VrpnSource final : public PoseSource {
+ public:
+  explicit VrpnSource(const VrpnOptions& options)
+      : options_(options),
+        place_(fmt::format("VRPN at {}:{}", options.host, options.port)),
+        fd_(connect_tcp(place_, options.host, options.port, options.timeout_s)) {
+    try {
+      greet();
+      find_tracker();
+    } catch (...) {
+      ::close(fd_);
+      throw;
+    }
+    sockaddr_storage peer{};
+    socklen_t size = sizeof peer;
+    ::getpeername(fd_, reinterpret_cast<sockaddr*>(&peer), &size);
+    identity_ = {"vrpn", fmt::format("{}:{}", tracker_, options_.sensor), "VRPN " + version_, "", is_loopback(peer)};
+  }
+  ~VrpnSource() override { ::close(fd_); }
+  VrpnSource(const VrpnSource&) = delete;
+  VrpnSource& operator=(const VrpnSource&) = delete;
+
+  [[nodiscard]] const DeviceIdentity& identity() const override { return identity_; }
+  [[nodiscard]] double nominal_rate_Hz() const override { return options_.rate_Hz; }
+  [[nodiscard]] double ticks_per_s() const override { return vrpn_ticks_per_s; }
+  [[nodiscard]] bool numbers_frames() const override { return false; }
+
+  void start() override {
+    counters_ = {};
+    sequence_ = 0;
+    last_ticks_ = 0;
+    // What waits is of before.
+    while (fill(0.0)) each([](const vrpn::Message&) {});
+  }
+  void stop() noexcept override {}
+
+  std::size_t read(std::span<PoseSample> out, double deadline_s) override {
+    for (;;) {
+      std::size_t filled = 0;
+      std::size_t at = 0;
+      while (filled < out.size()) {
+        const auto message = vrpn::parse(std::span<const unsigned char>(held_).subspan(at), place_);
+        if (!message) break;
+        at += message->bytes;
+        learn(*message);
+        if (const auto sample = sample_of(*message)) out[filled++] = *sample;
+      }
+      held_.erase(held_.begin(), held_.begin() + static_cast<std::ptrdiff_t>(at));
+      if (filled > 0 || !fill(deadline_s)) return filled;
+    }
+  }
+
+  [[nodiscard]] StreamCounters counters() const override { return counters_; }
+
+ private:
+  void greet() {
+    const auto cookie = vrpn::cookie();
+    if (::send(fd_, cookie.data(), cookie.size(), MSG_NOSIGNAL) != static_cast<ssize_t>(cookie.size()))
+      throw DeviceError(DeviceStatus::failed, fmt::format("{}: takes no greeting: {}", place_, std::strerror(errno)));
+    const double until = clock_.now_s() + options_.timeout_s;
+    while (held_.size() < vrpn::cookie_bytes && fill(until)) {
+    }
+    if (held_.size() < vrpn::cookie_bytes || !vrpn::cookie_agrees(held_)) {
+      throw DeviceError(DeviceStatus::failed,
+                        fmt::format("{}: {}", place_,
+                                    held_.size() < vrpn::cookie_bytes
+                                        ? "it accepts the connection and does not greet as a VRPN server does"
+                                        : "it is no VRPN server of version 07"));
+    }
+    version_.assign(held_.begin() + 11, held_.begin() + 16);
+    held_.erase(held_.begin(), held_.begin() + vrpn::cookie_bytes);
+  }
+
+  void learn(const vrpn::Message& m) {
+    if (m.type != describes_sender && m.type != describes_type) return;
+    ByteReader reader(m.payload);
+    reader.skip(4);
+    // In these messages the field of the sender holds what is described.
+    (m.type == describes_sender ? senders_ : types_)[m.sender] = reader.text();
+  }
+
+  [[nodiscard]] bool is_position(const vrpn::Message& m) const {
+    const auto type = types_.find(m.type);
+    return type != types_.end() && type->second == position_type;
+  }
+
+  void find_tracker() {
+    const double until = clock_.now_s() + options_.timeout_s;
+    std::vector<std::string> reporting;
+    double first_s = 0.0;
+    while (clock_.now_s() < until) {
+      if (!fill(std::min(until, clock_.now_s() + 0.05)) && reporting.empty()) continue;
+      each([&](const vrpn::Message& m) {
+        learn(m);
+        if (!is_position(m)) return;
+        const std::string& name = senders_[m.sender];
+        if (std::find(reporting.begin(), reporting.end(), name) == reporting.end()) reporting.push_back(name);
+        if (first_s == 0.0) first_s = clock_.now_s();
+      });
+      const bool named = std::find(reporting.begin(), reporting.end(), options_.tracker) != reporting.end();
+      if (named || (options_.tracker.empty() && first_s > 0.0 && clock_.now_s() > first_s + look_round_s)) break;
+      // A named tracker that the server has is taken also where it does not report yet.
+      if (!options_.tracker.empty() && first_s > 0.0 && clock_.now_s() > first_s + look_round_s &&
+          has(options_.tracker))
+        break;
+    }
+    tracker_ = options_.tracker.empty() && reporting.size() == 1 ? reporting.front() : options_.tracker;
+    if (!tracker_.empty() && has(tracker_)) return;
+    std::string names;
+    for (const auto& [id, name] : senders_) {
+      if (name != control_sender) names += (names.empty() ? "" : ", ") + name;
+    }
+    throw DeviceError(DeviceStatus::failed,
+                      fmt::format("{}: {}; it has {}", place_,
+                                  options_.tracker.empty() ? "which tracker is to be recorded? Name it as \"body\""
+                                                           : "it has no tracker \"" + options_.tracker + "\"",
+                                  names.empty() ? "none" : names));
+  }
+
+  [[nodiscard]] bool has(const std::string& tracker) const {
+    return std::any_of(senders_.begin(), senders_.end(), [&](const auto& s) { return s.second == tracker; });
+  }
+
+  std::optional<PoseSample> sample_of(const vrpn::Message& m) {
+    if (!is_position(m) || senders_[m.sender] != tracker_) return std::nullopt;
+    ByteReader reader(m.payload);
+    const auto sensor = reader.big<std::int32_t>();
+    reader.skip(4);
+    if (sensor != options_.sensor) return std::nullopt;
+    PoseSample sample;
+    for (int k = 0; k < 3; ++k) sample.p_W_m[k] = reader.big<double>();
+    double q[4];
+    for (double& v : q) v = reader.big<double>();  // x y z w
+    sample.q_WB = Quat(q[3], q[0], q[1], q[2]);
+    if (!reader.good() || !sample.p_W_m.allFinite() || !sample.q_WB.coeffs().allFinite()) {
+      ++counters_.malformed;
+      return std::nullopt;
+    }
+    sample.ticks = std::uint64_t{m.seconds} * 1000000U + m.microseconds;
+    if (sample.ticks <= last_ticks_) {
+      ++counters_.repeated;
+      return std::nullopt;
+    }
+    last_ticks_ = sample.ticks;
+    sample.sequence = sequence_++;
+    sample.t_s = arrived_s_;
+    ++counters_.received;
+    return sample;
+  }
+
+  template <class Visit>
+  void each(Visit visit) {
+    std::size_t at = 0;
+    while (const auto message = vrpn::parse(std::span<const unsigned char>(held_).subspan(at), place_)) {
+      at += message->bytes;
+      visit(*message);
+    }
+    held_.erase(held_.begin(), held_.begin() + static_cast<std::ptrdiff_t>(at));
+  }
+
+  // What comes until the deadline; false where nothing did. Throws where the server closed.
+  bool fill(double deadline_s) {
+    for (;;) {
+      unsigned char bytes[65536];
+      const auto n = ::recv(fd_, bytes, sizeof bytes, MSG_DONTWAIT);
+      if (n > 0) {
+        arrived_s_ = clock_.now_s();
+        held_.insert(held_.end(), bytes, bytes + n);
+        return true;
+      }
+      if (n == 0 || (errno != EAGAIN && errno != EINTR))
+        throw DeviceError(DeviceStatus::gone, fmt::format("{}: the server closed the connection", place_));
+      const double left = deadline_s - clock_.now_s();
+      if (left <= 0.0) return false;
+      pollfd ready{fd_, POLLIN, 0};
+      ::poll(&ready, 1, static_cast<int>(std::ceil(std::min(left, 3600.0) * 1e3)));
+    }
+  }
+
+  VrpnOptions options_;
+  std::string place_;
+  int fd_;
+  MonotonicClock clock_;
+  std::string version_, tracker_;
+  std::map<std::int32_t, std::string> senders_, types_;
+  std::vector<unsigned char> held_;
+  DeviceIdentity identity_;
+  StreamCounters counters_;
+  std::uint64_t sequence_ = 0, last_ticks_ = 0;
+  double arrived_s_ = 0.0;
+};
+
+}  // namespace
+
+VrpnOptions vrpn_options(const std::string& host, const std::string& body) {
+  VrpnOptions options;
+  options.host = host;
+  const auto colon = body.rfind(':');
+  options.tracker = body.substr(0, colon);
+  if (colon != std::string::npos) options.sensor = std::atoi(body.c_str() + colon + 1);
+  return options;
+}
+
+std::unique_ptr<PoseSource> open_vrpn(const VrpnOptions& options) { return std::make_unique<VrpnSource>(options); }
+
+}  // namespace touchstone::hil

@@ -1,0 +1,153 @@
+#include "hil/emulators/serial_emulator.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <poll.h>
+#include <termios.h>
+#include <unistd.h>
+
+#include <cstdlib>
+#include <cstring>
+#include <memory>
+#include <stdexcept>
+#include <vector>
+
+namespace touchstone::hil {
+namespace {
+
+template <class T>
+void put_field(std::string& to, T value) {
+  char bytes[sizeof value];
+  std::memcpy(bytes, &value, sizeof value);
+  to.append(bytes, sizeof value);
+}
+
+// X.25: bits in the order of transmission (least significant first) into a register that the polynomial
+// x^16 + x^12 + x^5 + 1 divides, begun with ones, complemented, and sent least significant bit first.
+std::uint16_t checksum(const std::string& bytes) {
+  std::vector<int> shift(16, 1);
+  for (const char c : bytes) {
+    for (int bit = 0; bit < 8; ++bit) {
+      const int feedback = shift[15] ^ ((static_cast<unsigned char>(c) >> bit) & 1);
+      for (int i = 15; i > 0; --i) shift[static_cast<std::size_t>(i)] = shift[static_cast<std::size_t>(i - 1)];
+      shift[0] = feedback;
+      shift[5] ^= feedback;
+      shift[12] ^= feedback;
+    }
+  }
+  unsigned crc = 0;
+  for (int i = 0; i < 16; ++i) crc |= static_cast<unsigned>(shift[static_cast<std::size_t>(15 - i)] ^ 1) << i;
+  return static_cast<std::uint16_t>(crc);
+}
+
+class Bota {
+ public:
+  Bota(BotaFaults faults, std::function<Wrench(double)> wrench) : faults_(faults), wrench_(std::move(wrench)) {}
+
+  std::string operator()(const std::string& came, double t_s) {
+    std::string said;
+    if (!greeted_) said += "App Init\r\n", greeted_ = true;
+    heard_ += came;
+    if (!came.empty()) said += obey(t_s);
+    while (running_ && static_cast<double>(count_ + 1) * period_s_ <= t_s - began_s_) said += frame();
+    return said;
+  }
+
+ private:
+  std::string obey(double t_s) {
+    std::string said;
+    if (heard_ == "C") running_ = false, said = "r,0,C,0\r\n";
+    if (heard_ == "R") running_ = true, began_s_ = t_s, count_ = 0, said = "r,0,R,0\r\n";
+    if (heard_.rfind("c,", 0) == 0) said = "r,0,c,0\r\n";
+    if (int sinc = 0; heard_.rfind("f,", 0) == 0 && std::sscanf(heard_.c_str(), "f,%d", &sinc) == 1) {
+      period_s_ = 0.00001953125 * sinc;
+      said = faults_.refuses_filter ? "r,0,f,1\r\n" : "r,0,f,0\r\n";
+    }
+    if (!said.empty()) heard_.clear();
+    return said;
+  }
+
+  std::string frame() {
+    ++count_;
+    const auto due = [&](std::uint32_t every) { return every != 0 && count_ % every == 0; };
+    if (due(faults_.drop_every)) return {};
+    const double t = static_cast<double>(count_) * period_s_;
+    const Wrench w = wrench_(t);
+    std::string data;
+    put_field(data, static_cast<std::uint16_t>(due(faults_.status_every) ? 4 : 0));
+    for (int k = 0; k < 3; ++k) put_field(data, static_cast<float>(w.f_N[k]));
+    for (int k = 0; k < 3; ++k) put_field(data, static_cast<float>(w.torque_Nm[k]));
+    put_field(data, static_cast<std::uint32_t>(t * 1e6));
+    put_field(data, 31.5F);
+    const std::uint16_t sum = checksum(data);
+    if (due(faults_.damage_every)) data[7] = static_cast<char>(data[7] ^ 0x21);
+    std::string bytes("\xaa");
+    bytes += data;
+    put_field(bytes, sum);
+    return bytes;
+  }
+
+  BotaFaults faults_;
+  std::function<Wrench(double)> wrench_;
+  std::string heard_;
+  bool greeted_ = false, running_ = true;
+  double period_s_ = 0.01, began_s_ = 0.0;
+  std::uint64_t count_ = 0;
+};
+
+}  // namespace
+
+SerialEmulator::SerialEmulator(Device device) : device_(std::move(device)) {
+  fd_ = ::posix_openpt(O_RDWR | O_NOCTTY | O_CLOEXEC | O_NONBLOCK);
+  if (fd_ < 0 || ::grantpt(fd_) != 0 || ::unlockpt(fd_) != 0) throw std::runtime_error("no pseudo-terminal");
+  char name[128];
+  if (::ptsname_r(fd_, name, sizeof name) != 0) throw std::runtime_error("a pseudo-terminal without a name");
+  node_ = name;
+  termios line{};
+  ::tcgetattr(fd_, &line);
+  ::cfmakeraw(&line);
+  ::tcsetattr(fd_, TCSANOW, &line);
+  thread_ = std::thread([this] {
+    MonotonicClock clock;
+    const double began = clock.now_s();
+    std::string waiting;
+    while (!stop_) {
+      char bytes[512];
+      const auto n = ::read(fd_, bytes, sizeof bytes);
+      waiting += device_(std::string(bytes, n > 0 ? static_cast<std::size_t>(n) : 0), clock.now_s() - began);
+      const auto sent = waiting.empty() ? 0 : ::write(fd_, waiting.data(), waiting.size());
+      if (sent > 0) waiting.erase(0, static_cast<std::size_t>(sent));
+      clock.sleep_until(clock.now_s() + 5e-4);
+    }
+  });
+}
+
+SerialEmulator::~SerialEmulator() { unplug(); }
+
+void SerialEmulator::unplug() {
+  stop_ = true;
+  if (thread_.joinable()) thread_.join();
+  if (fd_ >= 0) ::close(fd_);
+  fd_ = -1;
+}
+
+SerialEmulator::Device bota_sensor(BotaFaults faults, std::function<Wrench(double)> wrench) {
+  const auto sensor = std::make_shared<Bota>(faults, std::move(wrench));
+  return [sensor](const std::string& came, double t_s) { return (*sensor)(came, t_s); };
+}
+
+SerialEmulator::Device load_cell_sketch(bool adc_library, double rate_Hz, std::function<double(double)> units) {
+  const auto count = std::make_shared<std::uint64_t>(0);
+  return [=](const std::string&, double t_s) {
+    std::string said;
+    if (*count == 0) said += adc_library ? "\r\nStarting...\r\nStartup is complete\r\n" : "HX711 Demo\r\nReadings:\r\n";
+    while (static_cast<double>(*count) / rate_Hz <= t_s) {
+      const double value = units(static_cast<double>((*count)++) / rate_Hz);
+      said += adc_library ? fmt::format("Load_cell output val: {:.2f}\r\n", value)
+                          : fmt::format("one reading:\t{:.1f}\t| average:\t{:.1f}\r\n", value, 0.99 * value);
+    }
+    return said;
+  };
+}
+
+}  // namespace touchstone::hil

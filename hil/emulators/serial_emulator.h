@@ -1,0 +1,49 @@
+// The other end of a serial line: a pseudo-terminal whose node a driver opens. What it says is the device's, from third
+// parties' sources (see each device); nothing is taken from the drivers that it tests. All results say `emulated`.
+#pragma once
+
+#include <atomic>
+#include <functional>
+#include <string>
+#include <thread>
+
+#include "harness/base/rooms.h"
+#include "hil/devices/interfaces.h"
+
+namespace touchstone::hil {
+
+class SerialEmulator {
+ public:
+  // What there is to send, given what came and the seconds since it began; called about every half millisecond.
+  using Device = std::function<std::string(const std::string& came, double t_s)>;
+  explicit SerialEmulator(Device device);
+  ~SerialEmulator();
+  SerialEmulator(const SerialEmulator&) = delete;
+  SerialEmulator& operator=(const SerialEmulator&) = delete;
+
+  [[nodiscard]] const std::string& node() const noexcept { return node_; }
+  void unplug();
+
+ private:
+  Device device_;
+  std::string node_;
+  int fd_ = -1;
+  std::atomic<bool> stop_{false};
+  std::thread thread_;
+};
+
+struct BotaFaults {
+  std::uint32_t drop_every = 0;    // every n-th frame is not sent
+  std::uint32_t damage_every = 0;  // every n-th has a wrong byte
+  std::uint32_t status_every = 0;  // every n-th has a status bit
+  bool refuses_filter = false;
+};
+// Bota's sensor as its own Python interface expects it (see drivers/bota.h for the source): greets with "App Init",
+// answers commands as "r,0,<command>,0", then frames at 1 / (sinc length x 19.53125 us). Its checksum is counted bit by
+// bit from the polynomial as X.25 writes it, not as the driver does.
+SerialEmulator::Device bota_sensor(BotaFaults faults, std::function<Wrench(double)> wrench);
+
+// A microcontroller that prints the load [units] as the example sketch of HX711 or of HX711_ADC does.
+SerialEmulator::Device load_cell_sketch(bool adc_library, double rate_Hz, std::function<double(double)> units);
+
+}  // namespace touchstone::hil

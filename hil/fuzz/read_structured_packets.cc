@@ -1,0 +1,133 @@
+#include "hil/fuzz/read_structured_packets.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <functional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "harness/base/error.h"
+#include "harness/testing/choices.h"
+#include "hil/devices/interfaces.h"
+#include "hil/drivers/bota.h"
+#include "hil/drivers/natnet.h"
+#include "hil/drivers/ndi.h"
+#include "hil/drivers/netft.h"
+#include "hil/drivers/vrpn.h"
+#include "hil/emulators/natnet_emulator.h"
+#include "hil/emulators/netft_answers.h"
+#include "hil/emulators/vrpn_answers.h"
+
+namespace touchstone::hil::fuzz {
+namespace {
+
+std::span<const unsigned char> bytes_of(const std::string& packet) {
+  return {reinterpret_cast<const unsigned char*>(packet.data()), packet.size()};
+}
+
+std::string frame_packet(bool sized) {
+  EmulatedFrame frame;
+  frame.number = 7;
+  frame.p[2] = 1.5F;
+  frame.markers.resize(3);
+  return natnet_frame_packet(frame, sized);
+}
+
+bool reads_natnet(const std::string& packet, bool sized) {
+  natnet::Frame frame;
+  const natnet::Version version = sized ? natnet::Version{4, 1} : natnet::Version{3, 0};
+  (void)natnet::parse_server_info(bytes_of(packet));
+  (void)natnet::parse_descriptions(bytes_of(packet), version);
+  return natnet::parse_frame(bytes_of(packet), version, frame);
+}
+
+// Message by message, as the driver reads a stream.
+bool reads_vrpn(const std::string& stream) {
+  std::span<const unsigned char> rest = bytes_of(stream);
+  std::size_t messages = 0;
+  while (const auto message = vrpn::parse(rest, "fuzz")) {
+    if (message->bytes == 0 || message->bytes > rest.size()) std::abort();
+    const auto* const end = message->payload.data() + message->payload.size();
+    if (!message->payload.empty() && (message->payload.data() < rest.data() || end > rest.data() + rest.size()))
+      std::abort();
+    rest = rest.subspan(message->bytes);
+    ++messages;
+  }
+  return messages > 0;
+}
+
+bool reads_ndi(const std::string& answer) {
+  const auto tools = ndi::parse_tx(answer);
+  if (!tools) return false;
+  for (const ndi::Tool& tool : *tools) {
+    if (!tool.p_W_m.allFinite() || !tool.q_WB.coeffs().allFinite()) std::abort();
+  }
+  return !tools->empty();
+}
+
+bool reads_bota(std::string frame) {
+  frame.resize(bota::frame_bytes);
+  const auto bytes = bytes_of(frame);
+  return bota::decode(std::span<const unsigned char, bota::frame_bytes>(bytes.data(), bota::frame_bytes)).has_value();
+}
+
+bool reads_netft(const std::string& xml) {
+  const NetFtConfiguration configuration = parse_netft_configuration(xml, "fuzz");
+  if (!(configuration.newtons_per_count > 0.0) || !std::isfinite(configuration.newtons_per_count)) std::abort();
+  if (!(configuration.newton_metres_per_count > 0.0) || !std::isfinite(configuration.newton_metres_per_count))
+    std::abort();
+  return true;
+}
+
+// A frame of zeros with its header and its checksum, the only one that passes (bota.h has the layout's source).
+std::string bota_frame() {
+  std::string frame(bota::frame_bytes, '\0');
+  frame[0] = static_cast<char>(bota::header);
+  const std::uint16_t sum = bota::crc_x25(bytes_of(frame).subspan(1, bota::frame_bytes - 3));
+  frame[bota::frame_bytes - 2] = static_cast<char>(sum & 0xff);
+  frame[bota::frame_bytes - 1] = static_cast<char>(sum >> 8);
+  return frame;
+}
+
+struct Reader {
+  std::string valid;
+  std::function<bool(const std::string&)> reads;
+};
+
+const std::vector<Reader>& readers() {
+  static const std::vector<Reader> all{
+      {frame_packet(false), [](const std::string& p) { return reads_natnet(p, false); }},
+      {frame_packet(true), [](const std::string& p) { return reads_natnet(p, true); }},
+      {std::string(reinterpret_cast<const char*>(vrpn_report), sizeof vrpn_report), reads_vrpn},
+      {"0201+09659+00000+02588+00000-012345+000100-150000+00750000000310000ABCD\n02MISSING000000310000ABCD\n0000",
+       reads_ndi},
+      {bota_frame(), reads_bota},
+      {std::string(netft_gamma_answer), reads_netft},
+      {std::string(netft_axia_answer), reads_netft},
+  };
+  return all;
+}
+
+bool read(const Reader& reader, const std::string& packet) {
+  try {
+    return reader.reads(packet);
+  } catch (const BadData&) {
+    return false;
+  } catch (const DeviceError&) {
+    return false;
+  }
+}
+
+}  // namespace
+
+std::size_t read_structured_packets(const std::uint8_t* data, std::size_t size) {
+  if (size == 0)
+    return static_cast<std::size_t>(std::ranges::count_if(readers(), [](const Reader& r) { return read(r, r.valid); }));
+  testing::Choices choices({data, size});
+  const Reader& reader = readers()[choices.below(readers().size())];
+  return read(reader, choices.damaged(reader.valid)) ? 1 : 0;
+}
+
+}  // namespace touchstone::hil::fuzz

@@ -1,0 +1,264 @@
+// Several emulated devices in one run: what they send is what the files hold, whatever happens to one of them, to the
+// program or to the disk.
+#include "hil/record/multi_session.h"
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cmath>
+#include <csignal>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <sstream>
+#include <thread>
+
+#include "harness/base/atomic_file.h"
+#include "harness/base/error.h"
+#include "hil/drivers/natnet.h"
+#include "hil/emulators/haptic_emulator.h"
+#include "hil/emulators/natnet_emulator.h"
+#include "hil/emulators/netft_emulator.h"
+#include "hil/emulators/scheduling_lateness.h"
+#include "hil/record/stream_export.h"
+
+namespace touchstone::hil {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::AllOf;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+Wrench ramp(double t) { return {Vec3(t, 1, 2), Vec3::Zero()}; }
+EmulatedPose walk(double t) { return {Vec3(0.01 * t, std::sin(t), 0), Quat::Identity(), true}; }
+
+class MultiSession : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = fs::temp_directory_path() / fmt::format("touchstone-multi-{}-{}", ::getpid(),
+                                                      ::testing::UnitTest::GetInstance()->current_test_info()->name());
+    fs::remove_all(folder_);
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+
+  static NamedStream force_of(const NetFtEmulator& emulator) {
+    return {"force", stream_of(open_netft(emulator.address(), 3.0, true))};
+  }
+  static NamedStream tracker_of(const NatNetEmulator& emulator, double rate_Hz) {
+    return {"tracker", stream_of(open_natnet({"127.0.0.1", emulator.command_port(), "probe", 3.0, rate_Hz}))};
+  }
+  fs::path folder_;
+};
+
+TEST_F(MultiSession, ForceTrackerAndHandleTogether) {
+  NetFtEmulator sensor(5000, {}, ramp);
+  NatNetEmulator motive(60, {}, walk);
+  std::vector<NamedStream> streams;
+  streams.push_back(force_of(sensor));
+  streams.push_back(tracker_of(motive, 60));
+  const fs::path plant_file = folder_.string() + "-plant";
+  const EmulatedHapticPlant plant(plant_file, 0.0);
+  streams.push_back({"handle", stream_of(open_emulated_haptic(plant_file), 500.0)});
+  MultiOptions options;
+  options.seconds = 2.0;
+  int shown = 0;
+  std::string screen;
+  options.show = [&](const std::vector<StreamStatus>& status, double seconds) {
+    ++shown;
+    screen = status_table(status, seconds);
+  };
+  const auto report = record_streams(std::move(streams), folder_, options, [] { return false; });
+  EXPECT_GE(shown, 2);
+  EXPECT_THAT(screen, AllOf(HasSubstr("force"), HasSubstr("tracker"), HasSubstr("handle"), HasSubstr("silent s")));
+  ASSERT_EQ(report.streams.size(), 3U);
+  for (const auto& s : report.streams) {
+    EXPECT_EQ(s.failure, "");
+    EXPECT_EQ(s.last.written, s.last.counters.received) << s.name;
+    EXPECT_EQ(s.last.lost_in_memory, 0U);
+  }
+  EXPECT_GT(report.streams[0].last.written, 8000U);
+  EXPECT_GT(report.streams[1].last.written, 100U);
+  EXPECT_GT(report.streams[2].last.written, 200U);
+
+  const auto session = export_session(folder_);
+  ASSERT_EQ(session.tables.size(), 3U);  // in the order of their names
+  const auto &force = session.tables[0], &handle = session.tables[1], &tracker = session.tables[2];
+  EXPECT_EQ(force.name, "force");
+  EXPECT_EQ(handle.report.header.clock, StreamClock::host);
+  EXPECT_EQ(tracker.report.header.clock, StreamClock::ticks);
+  EXPECT_NEAR(force.report.rate_Hz, 5000, 5);
+  EXPECT_NEAR(tracker.report.rate_Hz, 60, 0.2);
+  EXPECT_NEAR(tracker.report.clock_ppm, 0.0, 1000.0);
+  EXPECT_TRUE(force.report.emulated && tracker.report.emulated);
+  const auto json = nlohmann::json::parse(read_file(folder_ / "session.json"));
+  EXPECT_EQ(json["schema"], "touchstone-session/1");
+  EXPECT_EQ(json["streams"].size(), 3U);
+  EXPECT_EQ(read_file(tracker.csv).substr(0, 50), "t_s,x_m,y_m,z_m,qw,qx,qy,qz,tracked,device_status\n");
+}
+
+// What the tracker's frames say of its time, and this machine's clock, agree to the least delay of a frame.
+TEST_F(MultiSession, TheAxisIsTheDevicesOwnTime) {
+  NatNetFaults faults;
+  faults.clock_ppm = 400.0;
+  NatNetEmulator motive(200, faults, walk);
+  std::vector<NamedStream> streams;
+  streams.push_back(tracker_of(motive, 200));
+  MultiOptions options;
+  options.seconds = 6.0;
+  record_streams(std::move(streams), folder_, options, [] { return false; });
+  const auto session = export_session(folder_);
+  const auto& report = session.tables[0].report;
+  EXPECT_NEAR(report.clock_ppm, 400.0, 100.0);  // in six seconds on a machine that does other things
+  // x is 10 mm for each second of Motive's own time.
+  std::istringstream table(read_file(session.tables[0].csv));
+  std::string line;
+  std::getline(table, line);
+  double t0 = 0.0, x0 = 0.0, t = 0.0, x = 0.0;
+  for (int row = 0; std::getline(table, line); ++row) {
+    ASSERT_EQ(std::sscanf(line.c_str(), "%lf,%lf", &t, &x), 2);
+    if (row == 0) t0 = t, x0 = x;
+  }
+  EXPECT_NEAR((x - x0) / 0.01 / (t - t0), 1.0 + 400e-6, 100e-6);
+}
+
+TEST_F(MultiSession, AStreamThatStopsEndsTheRunOfAll) {
+  NetFtEmulator sensor(1000, {}, ramp);
+  NatNetFaults faults;
+  faults.silent_after = 240;  // some are sent while it is opened
+  NatNetEmulator motive(120, faults, walk);
+  std::vector<NamedStream> streams;
+  streams.push_back(force_of(sensor));
+  streams.push_back(tracker_of(motive, 120));
+  MultiOptions options;
+  options.seconds = 30.0;
+  options.silence_s = 0.5;
+  const auto report = record_streams(std::move(streams), folder_, options, [] { return false; });
+  EXPECT_LT(report.seconds, 15.0);
+  EXPECT_FALSE(report.streams[0].silent);
+  EXPECT_TRUE(report.streams[1].silent);
+  EXPECT_GT(report.streams[1].last.written, 0U);
+  EXPECT_LE(report.streams[1].last.written, 240U);
+  EXPECT_THAT(report.problems(), ElementsAre(HasSubstr("tracker: its stream stopped")));
+}
+
+TEST_F(MultiSession, ADeviceThatIsUnpluggedCostsNothingThatCame) {
+  NetFtEmulator sensor(1000, {}, ramp);
+  NatNetEmulator motive(120, {}, walk);
+  std::vector<NamedStream> streams;
+  streams.push_back(force_of(sensor));
+  streams.push_back(tracker_of(motive, 120));
+  MultiOptions options;
+  options.seconds = 30.0;
+  options.silence_s = 0.5;
+  double unplugged_s = 0.0;
+  std::thread cable([&] {
+    MonotonicClock clock;
+    clock.sleep_until(clock.now_s() + 1.0);
+    unplugged_s = clock.now_s();
+    sensor.unplug();
+  });
+  const auto report = record_streams(std::move(streams), folder_, options, [] { return false; });
+  cable.join();
+  EXPECT_LT(report.seconds, 15.0);
+  EXPECT_THAT(report.problems(), ElementsAre(HasSubstr("force:")));
+  double last_s = 0.0;
+  std::uint64_t n = 0;
+  read_raw(folder_ / "force.tsraw", [&](const RawSample& s) { last_s = s.wrench.t_s, ++n; });
+  EXPECT_EQ(n, report.streams[0].last.counters.received);
+  fmt::print("unplugged: the last sample in the file is {:.1f} ms older than the cable's pull\n",
+             1e3 * (unplugged_s - last_s));
+  EXPECT_LT(unplugged_s - last_s, 0.1);
+}
+
+// The whole program dies; what is missing is what came in the last tenth of a second.
+TEST_F(MultiSession, AKilledProgramLosesATenthOfASecond) {
+  const SchedulingLateness machine;
+  double worst_s = 0.0;
+  for (int run = 0; run < 3; ++run) {
+    const fs::path folder = folder_.string() + fmt::format("-{}", run);
+    fs::remove_all(folder);
+    int port[2];
+    ASSERT_EQ(::pipe(port), 0);
+    const pid_t child = ::fork();
+    if (child == 0) {
+      NetFtEmulator sensor(5000, {}, ramp);
+      NatNetEmulator motive(60, {}, walk);
+      std::vector<NamedStream> streams;
+      streams.push_back(force_of(sensor));
+      streams.push_back(tracker_of(motive, 60));
+      [[maybe_unused]] const auto n = ::write(port[1], "r", 1);
+      record_streams(std::move(streams), folder, {}, [] { return false; });
+      ::_exit(0);
+    }
+    char ready = 0;
+    ASSERT_EQ(::read(port[0], &ready, 1), 1);
+    MonotonicClock clock;
+    clock.sleep_until(clock.now_s() + 1.5 + 0.13 * run);
+    const double killed_s = clock.now_s();
+    ::kill(child, SIGKILL);
+    ::waitpid(child, nullptr, 0);
+    ::close(port[0]);
+    ::close(port[1]);
+    for (const char* const name : {"force.tsraw", "tracker.tsraw"}) {
+      double last_s = 0.0;
+      read_raw(folder / name, [&](const RawSample& s) { last_s = std::max(last_s, s.wrench.t_s); });
+      worst_s = std::max(worst_s, killed_s - last_s);
+    }
+    EXPECT_EQ(export_session(folder).tables.size(), 2U);
+    fs::remove_all(folder);
+  }
+  fmt::print("killed: at worst {:.1f} ms are missing; threads woke up to {:.1f} ms late\n", 1e3 * worst_s,
+             1e3 * machine.worst_s());
+  // Reader and writer may each be held up by a busy machine.
+  EXPECT_LT(worst_s, 0.1 + 2 * machine.worst_s());
+}
+
+TEST_F(MultiSession, AFullDiskEndsTheRunAndSavesWhatWaits) {
+  std::signal(SIGXFSZ, SIG_IGN);
+  rlimit room{};
+  ::getrlimit(RLIMIT_FSIZE, &room);
+  NetFtEmulator sensor(5000, {}, ramp);
+  std::vector<NamedStream> streams;
+  streams.push_back(force_of(sensor));
+  MultiOptions options;
+  options.seconds = 30.0;
+  options.disk_patience_s = 0.5;
+  const fs::path elsewhere = folder_.string() + "-elsewhere";
+  fs::create_directories(elsewhere);
+  options.recorder.spill_folder = elsewhere;
+  rlimit full = room;
+  full.rlim_cur = 400000;
+  ::setrlimit(RLIMIT_FSIZE, &full);
+  const auto report = record_streams(std::move(streams), folder_, options, [] { return false; });
+  ::setrlimit(RLIMIT_FSIZE, &room);
+  EXPECT_LT(report.seconds, 15.0);
+  EXPECT_THAT(report.problems(), ElementsAre(HasSubstr("the disk would not take more")));
+  std::uint64_t n = 0;
+  read_raw(folder_ / "force.tsraw", [&](const RawSample&) { ++n; });
+  read_raw(elsewhere / "force.tsraw.rest", [&](const RawSample&) { ++n; });
+  EXPECT_EQ(n, report.streams[0].last.counters.received);
+  // Beside its beginning the rest is found.
+  fs::rename(elsewhere / "force.tsraw.rest", folder_ / "force.tsraw.rest");
+  EXPECT_EQ(export_session(folder_).tables[0].report.samples, n);
+  fs::remove_all(elsewhere);
+}
+
+TEST_F(MultiSession, NothingIsOverwritten) {
+  fs::create_directories(folder_);
+  try {
+    record_streams({}, folder_, {}, [] { return true; });
+    FAIL();
+  } catch (const BadData& error) {
+    EXPECT_THAT(error.what(), HasSubstr("is there already"));
+  }
+  EXPECT_THROW(export_session(folder_), BadData);
+}
+
+}  // namespace
+}  // namespace touchstone::hil

@@ -1,0 +1,204 @@
+#include "hil/record/stream_export.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <nlohmann/json.hpp>
+
+#include "harness/base/atomic_file.h"
+#include "harness/base/error.h"
+
+namespace touchstone::hil {
+namespace {
+
+using Files = std::vector<std::filesystem::path>;
+
+std::uint64_t number_of(const RawSample& sample, const RawHeader& header) {
+  return header.clock == StreamClock::ticks ? sample.ticks : sample.wrench.sequence;
+}
+
+// What the first pass over the files finds.
+struct Read {
+  DriftingClock::Axis axis;
+  ExportReport report;
+
+  [[nodiscard]] double time_of(const RawSample& sample) const {
+    return report.header.clock == StreamClock::host ? sample.wrench.t_s : axis.at(number_of(sample, report.header));
+  }
+};
+
+Read read_stream(const Files& files) {
+  Read read;
+  ExportReport& report = read.report;
+  DriftingClock clock;
+  std::uint64_t first_sequence = 0, last_sequence = 0, last_number = 0;
+  for (const auto& file : files) {
+    const RawHeader header = read_raw_header(file);
+    if (report.samples == 0) report.header = header;
+    const auto part = read_raw(file, [&](const RawSample& s) {
+      if (report.samples == 0) {
+        first_sequence = s.wrench.sequence;
+        report.first_s = s.wrench.t_s;
+      }
+      if (report.samples > 0 && s.wrench.sequence <= last_sequence) {
+        throw BadData(fmt::format("{}: sample {} comes after sample {}: are the files in the order of their recording?",
+                                  file.string(), s.wrench.sequence, last_sequence));
+      }
+      last_sequence = s.wrench.sequence;
+      report.last_s = s.wrench.t_s;
+      ++report.samples;
+      // A tracker may send one frame twice; its clock stands still then.
+      const std::uint64_t number = number_of(s, header);
+      if (header.clock != StreamClock::host && (clock.samples() == 0 || number > last_number)) {
+        clock.add(number, s.wrench.t_s);
+        last_number = number;
+      }
+    });
+    report.damaged_bytes += part.damaged_bytes;
+    report.emulated = report.emulated || header.device.emulated;
+  }
+  if (report.samples < 2)
+    throw BadData(fmt::format("{}: holds {} sound samples, and 2 are needed for a time axis; nothing to export",
+                              files.front().string(), report.samples));
+  report.kind = report.header.pose ? StreamKind::motion : StreamKind::force;
+  const std::uint64_t sent = last_sequence - first_sequence + 1;
+  report.missing_samples = sent > report.samples ? sent - report.samples : 0;
+  if (report.header.clock == StreamClock::host) {
+    report.rate_Hz = static_cast<double>(sent - 1) / (report.last_s - report.first_s);
+    return read;
+  }
+  if (clock.samples() < 2)
+    throw BadData(fmt::format(
+        "{}: the device's clock stands still over all samples; check the device's settings and record again",
+        files.front().string()));
+  read.axis = clock.axis();
+  const double numbers_per_s = read.axis.rate_Hz();
+  if (!(numbers_per_s > 0.0))
+    throw BadData(
+        fmt::format("{}: time does not advance with the samples; check the device's settings and record again",
+                    files.front().string()));
+  report.first_s = read.axis.at(read.axis.first);
+  report.last_s = read.axis.at(read.axis.last);
+  report.rate_Hz = static_cast<double>(sent - 1) / (report.last_s - report.first_s);
+  const double stated =
+      report.header.clock == StreamClock::ticks ? report.header.ticks_per_s : report.header.nominal_rate_Hz;
+  if (stated > 0.0) report.clock_ppm = 1e6 * (numbers_per_s / stated - 1.0);
+  report.rate_change_ppm = 1e6 * read.axis.rate_change();
+  report.axis_uncertainty_s = read.axis.floor_s;
+  return read;
+}
+
+void write_row(std::FILE* out, double t_s, const RawSample& s, StreamKind kind) {
+  if (kind == StreamKind::force) {
+    const auto &f = s.wrench.wrench.f_N, &t = s.wrench.wrench.torque_Nm;
+    fmt::print(out, "{:.9f},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{}\n", t_s, f.x(), f.y(), f.z(), t.x(), t.y(),
+               t.z(), s.wrench.flags);
+    return;
+  }
+  fmt::print(out, "{:.9f},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{},{}\n", t_s, s.p_W_m.x(), s.p_W_m.y(),
+             s.p_W_m.z(), s.q_WB.w(), s.q_WB.x(), s.q_WB.y(), s.q_WB.z(),
+             (s.wrench.flags & sample_not_tracked) != 0 ? 0 : 1, s.wrench.device_status);
+}
+
+void write_table(const Files& files, const std::filesystem::path& csv, double origin_s, Read& read) {
+  AtomicFile target(csv);
+  std::FILE* const out = std::fopen(target.path().c_str(), "we");
+  if (out == nullptr) throw BadData(fmt::format("{}: cannot be written: {}", csv.string(), std::strerror(errno)));
+  const StreamKind kind = read.report.kind;
+  std::fputs(kind == StreamKind::force ? "t_s,fx_N,fy_N,fz_N,tx_Nm,ty_Nm,tz_Nm,flags\n"
+                                       : "t_s,x_m,y_m,z_m,qw,qx,qy,qz,tracked,device_status\n",
+             out);
+  double sum = 0.0, worst = 0.0, last = -1e300;
+  std::uint64_t rows = 0;
+  for (const auto& file : files) {
+    read_raw(file, [&](const RawSample& s) {
+      const double t = read.time_of(s);
+      if (!(t > last)) return;  // a frame sent twice
+      last = t;
+      ++rows;
+      sum += s.wrench.t_s - t;
+      worst = std::max(worst, s.wrench.t_s - t);
+      write_row(out, t - origin_s, s, kind);
+    });
+  }
+  read.report.mean_delay_s = sum / static_cast<double>(std::max<std::uint64_t>(1, rows));
+  read.report.worst_delay_s = worst;
+  const bool good = std::ferror(out) == 0;
+  if (std::fclose(out) != 0 || !good)
+    throw BadData(fmt::format("{}: cannot be written: is the disk full?", csv.string()));
+  target.commit();
+}
+
+nlohmann::json as_json(const SessionExport::Table& table) {
+  const ExportReport& r = table.report;
+  return {{"name", table.name},
+          {"kind", r.kind == StreamKind::force ? "force" : "motion"},
+          {"table", table.csv.filename().string()},
+          {"device", r.header.device.id},
+          {"serial", r.header.device.serial},
+          {"firmware", r.header.device.firmware},
+          {"calibration", r.header.device.calibration},
+          {"emulated", r.emulated},
+          {"started", r.header.started},
+          {"scheduling", r.header.scheduling},
+          {"clock", to_string(r.header.clock)},
+          {"samples", r.samples},
+          {"missing_samples", r.missing_samples},
+          {"damaged_bytes", r.damaged_bytes},
+          {"rate_Hz", r.rate_Hz},
+          {"clock_ppm", r.clock_ppm},
+          {"rate_change_ppm", r.rate_change_ppm},
+          {"mean_delay_s", r.mean_delay_s},
+          {"worst_delay_s", r.worst_delay_s},
+          {"axis_uncertainty_s", r.axis_uncertainty_s}};
+}
+
+}  // namespace
+
+ExportReport export_raw(const std::vector<std::filesystem::path>& files, const std::filesystem::path& csv) {
+  Read read = read_stream(files);
+  write_table(files, csv, read.report.first_s, read);
+  return read.report;
+}
+
+SessionExport export_session(const std::filesystem::path& folder) {
+  SessionExport session;
+  std::vector<std::filesystem::path> raw;
+  std::error_code error;
+  for (const auto& entry : std::filesystem::directory_iterator(folder, error)) {
+    if (entry.path().extension() == ".tsraw") raw.push_back(entry.path());
+  }
+  if (error)
+    throw BadData(fmt::format("{}: cannot be read: {}; give the folder of a run of touchstone hil record",
+                              folder.string(), error.message()));
+  if (raw.empty())
+    throw BadData(
+        fmt::format("{}: holds no raw recording (.tsraw); is it a folder of touchstone hil record?", folder.string()));
+  std::sort(raw.begin(), raw.end());
+  std::vector<Files> files;
+  std::vector<Read> reads;
+  double origin = 1e300;
+  for (const auto& path : raw) {
+    files.push_back({path});
+    const auto rest = path.string() + ".rest";
+    if (std::filesystem::exists(rest)) files.back().emplace_back(rest);
+    reads.push_back(read_stream(files.back()));
+    origin = std::min(origin, reads.back().report.first_s);
+  }
+  nlohmann::json json{{"schema", "touchstone-session/1"}};
+  for (std::size_t i = 0; i < raw.size(); ++i) {
+    SessionExport::Table table{raw[i].stem().string(), raw[i], {}};
+    table.csv.replace_extension(".csv");
+    write_table(files[i], table.csv, origin, reads[i]);
+    table.report = reads[i].report;
+    json["streams"].push_back(as_json(table));
+    session.tables.push_back(std::move(table));
+  }
+  write_file(folder / "session.json", json.dump(1) + "\n");
+  return session;
+}
+
+}  // namespace touchstone::hil

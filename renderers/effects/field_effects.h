@@ -1,0 +1,21 @@
+// Properties that differ smoothly over the object's surface (harness/rendering/smooth_field.h), for objects that no
+// single bump describes.
+#pragma once
+
+#include <memory>
+#include <span>
+
+#include "harness/base/rooms.h"
+#include "harness/rendering/effect.h"
+
+namespace touchstone::renderers {
+
+// Values in the order of field_parameters().
+// The stiffness at the contact point is exp(field) times the renderer's.
+std::unique_ptr<Effect> make_stiffness_field(std::span<const double> values);
+// The force along the surface is exp(field) times what the friction before it in the model makes.
+std::unique_ptr<Effect> make_friction_field(std::span<const double> values);
+// The surface is higher than the mesh by the field [m], along its normal; the normal leans against the field's slope.
+std::unique_ptr<Effect> make_height_field_contact(std::span<const double> values);
+
+}  // namespace touchstone::renderers

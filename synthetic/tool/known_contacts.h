@@ -1,0 +1,21 @@
+// Exact cases as files and as what renderers of tools are held against.
+#pragma once
+
+#include <filesystem>
+#include <string_view>
+
+#include "harness/tool/coupling.h"
+#include "harness/tool/tool_errors.h"
+#include "synthetic/tool/exact_cases.h"
+
+namespace touchstone::synthetic {
+
+// The case with the wrench of its equilibrium at each handle (quasi_static.h), as a solid tool of usual density. Throws
+// UsageError for a name that is not known, BadData for stiffnesses at which no equilibrium was found.
+tool::KnownContacts known_contacts(std::string_view name, const Coupling& coupling);
+
+// tool.obj, object.obj (in m) and path.csv (scripted_path.h, at 1 kHz) in a folder. Throws BadData if they cannot be
+// written. Returns the samples of the path.
+std::size_t write_exact_case(const ExactCase& exact_case, double duration_s, const std::filesystem::path& folder);
+
+}  // namespace touchstone::synthetic
