@@ -41,7 +41,7 @@ std::vector<experiments::PaperScan> scans_of(const PaperCommandOptions& options)
                        std::filesystem::path(recording.file).stem().string()),
            load_recording(dataset.path_of(recording.file)), mesh, dataset.stiffness_N_per_m,
            dataset.instrument_file.empty() ? std::filesystem::path() : dataset.path_of(dataset.instrument_file),
-           dataset.friction_coefficient});
+           dataset.friction_coefficient, dataset.tip_radius_m});
     }
   }
   return out;

@@ -91,6 +91,27 @@ ordered_json task_json(const Task& task) {
   return out;
 }
 
+std::optional<double> floor_N_of(JsonObject& task) {
+  if (!task.has("floor")) return std::nullopt;
+  JsonObject floor = task.object("floor");
+  return floor.raw("rms_N").is_null() ? std::nullopt : std::optional(floor.number("rms_N"));
+}
+
+std::string floor_text(const std::optional<double>& floor_N) {
+  return floor_N ? display_quantity(*floor_N, "N") : "none";
+}
+
+// Of a recording of both runs. Floors are simulated from one seed: any difference is one of recording, input or
+// program.
+void add_floor_change(const EarlierBoard& before, const Task& task, std::vector<std::string>& lines) {
+  const auto old = before.floors_N.find(task.name);
+  if (old == before.floors_N.end()) return;
+  std::optional<double> now;
+  if (task.floor && std::isfinite(task.floor->rms_N)) now = task.floor->rms_N;
+  if (old->second == now) return;
+  lines.push_back(fmt::format("floor of {}: {} before, {} now", task.name, floor_text(old->second), floor_text(now)));
+}
+
 EntryState state_of(JsonObject& in) {
   const std::string name = in.text("state");
   for (const EntryState state : {EntryState::ran, EntryState::does_not_enter, EntryState::failed}) {
@@ -145,14 +166,15 @@ std::string timings_to_json(const Board& board) {
   return out.dump(1, ' ', false, ordered_json::error_handler_t::replace) + "\n";
 }
 
-std::vector<EarlierEntry> load_earlier(const std::filesystem::path& file) {
+EarlierBoard load_earlier(const std::filesystem::path& file) {
   // Not load_json(): the new board may take the place of the earlier one.
   const nlohmann::json document = parse_json(read_file(file), file.string());
   JsonObject in(document, file.string(), "");
   in.schema("touchstone-leaderboard/1");
-  std::vector<EarlierEntry> out;
+  EarlierBoard out;
   for (JsonObject& task : in.objects("tasks")) {
     const std::string name = task.text("name");
+    out.floors_N[name] = floor_N_of(task);
     for (JsonObject& entry : task.objects("entries")) {
       EarlierEntry one{name, entry.text("renderer"), state_of(entry), std::nan(""), ""};
       if (one.state == EntryState::ran) {
@@ -160,24 +182,25 @@ std::vector<EarlierEntry> load_earlier(const std::filesystem::path& file) {
         JsonObject scores = entry.object("scores");
         if (!scores.raw("rms_force_error_N").is_null()) one.rms_force_error_N = scores.number("rms_force_error_N");
       }
-      out.push_back(std::move(one));
+      out.entries.push_back(std::move(one));
     }
   }
   return out;
 }
 
-std::vector<std::string> changes_since(const std::vector<EarlierEntry>& before, const Board& now) {
+std::vector<std::string> changes_since(const EarlierBoard& before, const Board& now) {
   std::vector<std::string> lines;
   const auto find = [&](const std::string& task, const std::string& renderer) {
-    return std::ranges::find_if(before,
+    return std::ranges::find_if(before.entries,
                                 [&](const EarlierEntry& one) { return one.task == task && one.renderer == renderer; });
   };
   std::size_t met = 0;
   for (const Task& task : now.tasks) {
+    add_floor_change(before, task, lines);
     for (const Entry& entry : task.entries) {
       const std::string name = fmt::format("{} on {}", entry.renderer, task.name);
       const auto old = find(task.name, entry.renderer);
-      if (old == before.end()) {
+      if (old == before.entries.end()) {
         lines.push_back(name + ": new");
         continue;
       }
@@ -194,8 +217,8 @@ std::vector<std::string> changes_since(const std::vector<EarlierEntry>& before, 
       }
     }
   }
-  if (met < before.size())
-    lines.push_back(fmt::format("{} entries of the last run are not in this one", before.size() - met));
+  if (met < before.entries.size())
+    lines.push_back(fmt::format("{} entries of the last run are not in this one", before.entries.size() - met));
   return lines;
 }
 

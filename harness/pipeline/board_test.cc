@@ -102,6 +102,22 @@ TEST(Board, ChangesAreSaidAndOtherInputsAreNotCompared) {
                              HasSubstr("newcomer on task 1: new"), HasSubstr("1 entries of the last run")));
 }
 
+TEST(Board, ChangesOfFloorsAreSaid) {
+  Board board = sample_board({0.1, 0.2}, 4);
+  board.tasks[2].floor.reset();
+  const auto file = std::filesystem::temp_directory_path() / ("touchstone-floors-" + std::to_string(::getpid()));
+  write_file(file, board_to_json(board));
+  const auto before = load_earlier(file);
+  std::filesystem::remove(file);
+  EXPECT_TRUE(changes_since(before, board).empty());
+  board.tasks[0].floor->rms_N = 0.02;
+  board.tasks[1].floor.reset();
+  board.tasks[2].floor = Floor{0.03, 0.02, 0.04, "simulated"};
+  EXPECT_THAT(changes_since(before, board), ::testing::ElementsAre("floor of task 0: 0.05000 N before, 0.02000 N now",
+                                                                   "floor of task 1: 0.05000 N before, none now",
+                                                                   "floor of task 2: none before, 0.03000 N now"));
+}
+
 TEST(Board, WhatARepeatLeavesIsSaid) {
   Board board = sample_board({0.1, 0.2});
   board.tasks[0].repeat = RepeatOfTask{0.05, "0.05 N (again.csv)"};

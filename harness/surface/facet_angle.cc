@@ -29,8 +29,7 @@ double median_facet_angle_rad(const TriangleMesh& mesh, std::span<const std::int
 }
 
 SmoothNormals::SmoothNormals(const TriangleMesh& mesh) : mesh_(mesh), corners_(mesh.triangle_count()) {
-  constexpr double within_rad = 0.2617993877991494;  // 15 degrees
-  const double least_cosine = std::cos(within_rad);
+  const double least_cosine = std::cos(kSharp_rad);
   std::vector<std::vector<std::size_t>> about(mesh.vertices_W_m.size());
   for (std::size_t t = 0; t < mesh.triangle_count(); ++t) {
     for (const std::int32_t v : mesh.triangles[t]) about[static_cast<std::size_t>(v)].push_back(t);

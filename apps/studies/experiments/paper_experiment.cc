@@ -179,6 +179,7 @@ PaperFloors paper_floors(const PaperBench& bench, const PaperOptions& options, d
   world.recording = scan.recording;
   world.surface = bench.surface();
   world.in_trajectory = options.in_trajectory;
+  world.probe_radius_m = scan.probe_radius_m;
   world.stiffness_N_per_m = scan.stiffness_N_per_m;
   world.mu = scan.friction.value_or(fitted_mu);
   world.contact_threshold_N = options.contact_threshold_N;

@@ -46,6 +46,7 @@ struct PaperScan {
   // For the floors: "" estimates the noise from the recording; without a coefficient the fitted one is taken.
   std::filesystem::path instrument = {};
   std::optional<double> friction = {};
+  double probe_radius_m = 0.0;  // of the ball that made the recording; for the floors
 };
 
 // What the right law scores: see input_floor.h.

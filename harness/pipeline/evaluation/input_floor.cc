@@ -18,8 +18,10 @@
 namespace touchstone::pipeline {
 namespace {
 
-InTrajectory in_trajectory_of(const FloorWorld& world, const Recording& recording, OutTrajectory& out) {
-  out = make_out_trajectory(recording, *world.surface, {world.tip_radius_m, world.contact_threshold_N});
+// For a tip of `radius_m`.
+InTrajectory in_trajectory_of(const FloorWorld& world, double radius_m, const Recording& recording,
+                              OutTrajectory& out) {
+  out = make_out_trajectory(recording, *world.surface, {radius_m, world.contact_threshold_N});
   switch (world.in_trajectory) {
     case InTrajectoryMode::whole_force:
       return whole_force_in_trajectory(out, recording.f_W_N, world.stiffness_N_per_m);
@@ -31,12 +33,12 @@ InTrajectory in_trajectory_of(const FloorWorld& world, const Recording& recordin
   return synthesize_in_trajectory(out, world.stiffness_N_per_m);
 }
 
-std::unique_ptr<Renderer> law_of(const Catalogue& catalogue, const FloorWorld& world) {
+std::unique_ptr<Renderer> law_of(const Catalogue& catalogue, const FloorWorld& world, double radius_m) {
   Model model;
   model.renderer = world.law;
   model.source = "the floor's law";
   model.parameters = {{"stiffness_N_per_m", world.stiffness_N_per_m},
-                      {"tip_radius_m", world.tip_radius_m},
+                      {"tip_radius_m", radius_m},
                       {"mu_static", world.mu},
                       {"mu_dynamic", world.mu}};
   return catalogue.make(model, world.surface);
@@ -76,18 +78,42 @@ struct TrueWorld {
   std::vector<Vec3> f_W_N;
 };
 
-// The law's answer, turned from the facets to the smooth surface.
-TrueWorld true_world(const FloorWorld& world, const RenderedTrajectory& truth, const InTrajectory& in) {
+// How the smooth surface at a contact lies to the mesh there: turns the mesh's normal to that of the smooth surface.
+struct ContactNormal {
+  Vec3 n_W;  // the direction in which the mesh pushes the tip
+  Quat to_smooth;
+};
+
+// `at`: the surface point closest to `tip_W_m`, the centre of a ball of `radius_m`.
+ContactNormal contact_normal(const TriangleMesh& mesh, const SmoothNormals& smooth, const SurfacePoint& at,
+                             const Vec3& tip_W_m, double radius_m) {
+  const Vec3 facet = mesh.scaled_normal(static_cast<std::size_t>(at.triangle)).normalized();
+  const Vec3 body = smooth.at(at.triangle, at.p_W_m);
+  const bool edge = at.feature == Feature::edge || at.feature == Feature::vertex;
+  // A ball in contact with an edge is pushed along the line from there to its centre (out_trajectory.h, rule 4).
+  if (radius_m == 0.0 || !edge || !(at.signed_distance_m > 0.0)) return {at.n_W, Quat::FromTwoVectors(facet, body)};
+  const Vec3 n = (tip_W_m - at.p_W_m) / at.distance_m;
+  // An edge of the body is no error of the mesh: the ball rolls about it, in the world as on the mesh. At an edge of
+  // the tessellation the smooth normal lies between the facets as the pseudo-normal does; at one of the body it is that
+  // of the one side, half of the edge's angle away, and an edge is of the body from SmoothNormals' angle on.
+  const bool of_the_body = at.n_W.dot(body) < std::cos(0.5 * SmoothNormals::kSharp_rad);
+  return {n, of_the_body ? Quat::Identity() : Quat::FromTwoVectors(n, body)};
+}
+
+// The law's answer for a probe of `radius_m`, turned from the facets to the smooth surface.
+TrueWorld true_world(const FloorWorld& world, double radius_m, const RenderedTrajectory& truth,
+                     const InTrajectory& in) {
   TrueWorld out;
   // A rigid probe is where its contact point is; one in a compliant object where it was measured.
   out.where = in.motion;
-  const SmoothNormals smooth(*world.surface->mesh());
+  const TriangleMesh& mesh = *world.surface->mesh();
+  const SmoothNormals smooth(mesh);
   for (std::size_t i = 0; i < truth.size(); ++i) {
     if (world.in_trajectory != InTrajectoryMode::measured) out.where.p_W_m[i] = truth.contact_W_m[i];
-    const SurfacePoint at = world.surface->closest(truth.contact_W_m[i]);
-    out.n_W.push_back(at.n_W);
-    const Vec3 facet = world.surface->mesh()->scaled_normal(static_cast<std::size_t>(at.triangle)).normalized();
-    out.f_W_N.push_back(Quat::FromTwoVectors(facet, smooth.at(at.triangle, at.p_W_m)) * truth.f_W_N[i]);
+    const Vec3& tip = truth.contact_W_m[i];
+    const ContactNormal normal = contact_normal(mesh, smooth, world.surface->closest(tip), tip, radius_m);
+    out.n_W.push_back(normal.n_W);
+    out.f_W_N.push_back(normal.to_smooth * truth.f_W_N[i]);
   }
   return out;
 }
@@ -121,22 +147,24 @@ double rms_of(const std::vector<Vec3>& rendered, const Recording& recording, con
 
 std::vector<Floor> floors_of(const Catalogue& catalogue, const FloorWorld& world, const std::vector<FloorScore>& scores,
                              std::uint64_t seed, std::size_t draws) {
-  const auto law = law_of(catalogue, world);
+  const double probe_m = world.tip_radius_m > 0.0 ? world.tip_radius_m : world.probe_radius_m;
+  const auto law = law_of(catalogue, world, world.tip_radius_m);
   Recording smoothed = world.recording;
   InstrumentDescription fast = world.instrument;
   fast.position_noise_m = std::sqrt(
       std::max(0.0, std::pow(world.instrument.position_noise_m, 2) - std::pow(world.instrument.position_wander_m, 2)));
   smoothed.motion = smoothed_motion(smoothed.motion, fast);
   OutTrajectory out;
-  const InTrajectory in = in_trajectory_of(world, smoothed, out);
-  const TrueWorld truth = true_world(world, replay(*law, in), in);
+  const InTrajectory in = in_trajectory_of(world, probe_m, smoothed, out);
+  const TrueWorld truth = true_world(world, probe_m, replay(*law_of(catalogue, world, probe_m), in), in);
   std::vector<std::vector<double>> drawn(scores.size());
   const Random root(seed);
   for (std::size_t d = 0; d < draws; ++d) {
     Random random = root.stream(d);
     const Recording recording = measured_once(world, truth, random);
     OutTrajectory again;
-    const std::vector<Vec3> rendered = replay(*law, in_trajectory_of(world, recording, again)).f_W_N;
+    const std::vector<Vec3> rendered =
+        replay(*law, in_trajectory_of(world, world.tip_radius_m, recording, again)).f_W_N;
     for (std::size_t s = 0; s < scores.size(); ++s) drawn[s].push_back(scores[s](rendered, recording, again));
   }
   std::vector<Floor> floors;
@@ -177,6 +205,7 @@ FloorWorld floor_world(const Catalogue& catalogue, const EvaluationRequest& requ
   world.surface = inputs.surface;
   world.in_trajectory = request.in_trajectory;
   world.tip_radius_m = inputs.tip_radius_m;
+  world.probe_radius_m = request.probe_radius_m;
   world.stiffness_N_per_m = inputs.stiffness_N_per_m;
   world.mu = mu.value_or(0.0);
   world.contact_threshold_N = request.contact_threshold_N;

@@ -2,16 +2,19 @@
 // through instruments and a mesh. No renderer can be told to be better than that.
 //
 // Source: parametric bootstrap (Efron and Tibshirani 1993, section 6.5), the world being made of the recording itself:
-//  1. The law (a proxy with Coulomb friction at the data set's stiffness and coefficient) is run on the in-trajectory
-//  of
-//     the recording, whose positions are smoothed by as much as the tracker's noise (discrepancy/smooth_motion.h). Its
-//     contact points and forces are the truth of the simulated world.
+//  1. The law (a proxy with Coulomb friction at the data set's stiffness and coefficient, of the probe's own radius) is
+//     run on the in-trajectory of the recording, whose positions are smoothed by as much as the tracker's noise
+//     (discrepancy/smooth_motion.h). Its contact points and forces are the truth of the simulated world. The tracker
+//     measures the centre of a ball, a radius off the surface: a point there, moved below the surface by the tracker's
+//     noise, would be nearer to a wall inside of the body, or to the other face of an edge, than any real recording is.
 //  2. The world's surface is smooth, the mesh has facets: every force is turned from the facet's normal to that of the
-//     smooth surface at the same place (SmoothNormals: the harness knows how its own facets lie to one another).
+//     smooth surface at the same place (SmoothNormals: the harness knows how its own facets lie to one another). At
+//     edges of the body itself, which the mesh has as they are, a ball's force is not turned.
 //  3. Of it a recording is made as the instruments would: the tracker's noise on the positions, its fast and its slow
 //     part, the mesh's error along the normals, the sensor's noise and steps on the forces (instrument_description.h).
 //     A draw has all of them.
-//  4. The harness makes its in-trajectory of that, the law renders it, and the error is scored as everybody's.
+//  4. The harness makes its in-trajectory of that, for the tip that every renderer gets, the law renders it with that
+//     tip, and the error is scored as everybody's.
 // The floor is the median of the draws, its interval their smallest and largest: one more score lies within them in
 // (n - 1) / (n + 1) of cases whatever its law (Hahn and Meeker 1991, section 5.3.1), which is 95 % of 39. Where the
 // surface has edges a few draws are large (the tip is taken for one on the other face), and Student's interval
@@ -41,7 +44,8 @@ struct FloorWorld {
   Recording recording;  // forces ON the probe
   std::shared_ptr<const Surface> surface;
   InTrajectoryMode in_trajectory = InTrajectoryMode::synthesize;
-  double tip_radius_m = 0.0;
+  double tip_radius_m = 0.0;    // that every renderer gets
+  double probe_radius_m = 0.0;  // of the ball that made the recording, where renderers get a point; else 0
   double stiffness_N_per_m = 0.0;
   double mu = 0.0;
   double contact_threshold_N = 0.0;
