@@ -89,9 +89,7 @@ std::string JsonObject::text(std::string_view key) {
   return value.get<std::string>();
 }
 
-JsonObject JsonObject::object(std::string_view key) {
-  return {raw(key), source_, fmt::format("{}/{}", place_, key)};
-}
+JsonObject JsonObject::object(std::string_view key) { return {raw(key), source_, fmt::format("{}/{}", place_, key)}; }
 
 std::vector<JsonObject> JsonObject::objects(std::string_view key) {
   const auto& value = raw(key);
