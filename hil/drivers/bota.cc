@@ -38,6 +38,8 @@ std::optional<Frame> decode(std::span<const unsigned char, frame_bytes> bytes) {
   frame.time = reader.little<std::uint32_t>();
   frame.temperature_C = reader.little<float>();
   if (reader.little<std::uint16_t>() != crc_x25(data)) return std::nullopt;
+  // In a table such a number would spoil all others.
+  if (!frame.wrench.f_N.allFinite() || !frame.wrench.torque_Nm.allFinite()) return std::nullopt;
   return frame;
 }
 
@@ -49,6 +51,17 @@ constexpr double seconds_per_sinc = 19.53125e-6;
 // Bits of the status that make a measurement useless: any, as Bota's own drivers take it.
 constexpr std::uint16_t no_error = 0;
 
+// How the sensor calls a speed.
+std::optional<std::size_t> speed_code(int baud) {
+  constexpr std::array speeds{9600, 57600, 115200, 230400, 460800};
+  const auto* const found = std::find(speeds.begin(), speeds.end(), baud);
+  if (found == speeds.end()) return std::nullopt;
+  return static_cast<std::size_t>(found - speeds.begin());
+}
+
+// 8 bits, a start and a stop bit.
+constexpr double bits_per_byte = 10.0;
+
 class BotaSource final : public WrenchSource {
  public:
   explicit BotaSource(const BotaOptions& options)
@@ -57,8 +70,18 @@ class BotaSource final : public WrenchSource {
       throw DeviceError(DeviceStatus::failed, fmt::format("{}: a sinc length of {}; 51 to 512 are possible",
                                                           line_.place(), options.sinc_length));
     identity_ = {"bota-serial", "", "serial frames, calibrated by the sensor", "in the sensor", line_.emulated()};
+    const auto speed = speed_code(options.baud);
+    if (!speed)
+      throw DeviceError(DeviceStatus::failed,
+                        fmt::format("{}: {} baud is no speed of the sensor; 9600, 57600, 115200, 230400 and 460800 are",
+                                    line_.place(), options.baud));
+    if (bota::frame_bytes * bits_per_byte / options.baud > seconds_per_sinc * options.sinc_length)
+      throw DeviceError(DeviceStatus::failed,
+                        fmt::format("{}: {} baud carry fewer than the {:.0f} frames a second of a sinc length of {}; "
+                                    "set the sensor to a higher speed",
+                                    line_.place(), options.baud, nominal_rate_Hz(), options.sinc_length));
     command("C", "C");
-    command("c,0,1,0,4", "c");
+    command(fmt::format("c,0,1,0,{}", *speed), "c");
     command(fmt::format("f,{},0,0,1", options.sinc_length), "f");
     command("R", "R");
   }

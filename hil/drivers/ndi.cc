@@ -10,7 +10,7 @@
 #include <charconv>
 #include <chrono>
 #include <cmath>
-#include <functional>
+#include <optional>
 
 #include "harness/base/atomic_file.h"
 #include "hil/drivers/record_count.h"
@@ -131,6 +131,7 @@ class SerialLine final : public Line {
     return {reinterpret_cast<const char*>(bytes), n};
   }
   [[nodiscard]] bool emulated() const override { return port_.emulated(); }
+  void send_break() { port_.send_break(); }
 
  private:
   SerialPort port_;
@@ -147,12 +148,13 @@ class NetworkLine final : public Line {
     bool done = false;
     asio::async_connect(socket_, found, [&](boost::system::error_code e, const auto&) { error = e, done = true; });
     io_.run_for(std::chrono::microseconds(static_cast<long>(timeout_s * 1e6)));
-    if (!done || error) {
+    const bool answered = done;  // what is cancelled below is done, too
+    if (!answered || error) {
       socket_.close();
       io_.restart();
       io_.run();
       throw DeviceError(DeviceStatus::absent,
-                        fmt::format("{}: {}", place_, done ? error.message() : "no answer in time"));
+                        fmt::format("{}: {}", place_, answered ? error.message() : "no answer in time"));
     }
     boost::system::error_code ignored;
     socket_.set_option(asio::ip::tcp::no_delay(true), ignored);
@@ -193,54 +195,64 @@ class NetworkLine final : public Line {
 
 constexpr std::size_t rom_piece_bytes = 64;
 constexpr int first_baud = 9600;
+// For the answer to the first command: a device at another speed says nothing, or garbage.
+constexpr double first_answer_s = 0.5;
+// As ndicapi gives it for its reset.
+constexpr double reset_s = 7.0;
+// For the answers while closing.
+constexpr double closing_answer_s = 0.5;
+// As ndicapi waits for the device to change its speed, or to go on after its greeting.
+constexpr double change_over_s = 0.1;
+
+std::string place_of(const NdiOptions& options) { return fmt::format("NDI tracker at {}", options.address); }
 
 class NdiSource final : public PoseSource {
  public:
   explicit NdiSource(const NdiOptions& options)
-      : options_(options), place_(fmt::format("NDI tracker at {}", options.address)) {
-    const bool serial = options.address.rfind('/', 0) == 0;
-    if (serial) {
-      line_ = std::make_unique<SerialLine>(options.address, first_baud);
-      ask("INIT:");
-      switch_speed();
-    } else {
-      line_ = std::make_unique<NetworkLine>(place_, options.address, options.port, options.timeout_s);
-      ask("INIT:");
-    }
-    const std::string handle = options.tool_file.empty() ? wired_tool() : passive_tool();
-    ask("PINIT:" + handle);
-    ask("PENA:" + handle + "D");
-    handle_ = static_cast<int>(std::strtol(handle.c_str(), nullptr, 16));
-    identity_ = {"ndi-polaris", "port handle " + handle, "ndicapi's commands, TX", "", line_->emulated()};
-    ask("TSTART:");
-  }
-  ~NdiSource() override {
+      : options_(options), place_(place_of(options)), serial_(options.address.rfind('/', 0) == 0) {
     try {
-      line_->write(ndi::command("TSTOP:"));
-    } catch (const DeviceError&) {
-      // It is gone: it tracks for nobody.
+      open();
+    } catch (...) {
+      leave();
+      throw;
     }
   }
+  ~NdiSource() override { leave(); }
   NdiSource(const NdiSource&) = delete;
   NdiSource& operator=(const NdiSource&) = delete;
 
   [[nodiscard]] const DeviceIdentity& identity() const override { return identity_; }
   [[nodiscard]] double nominal_rate_Hz() const override { return options_.rate_Hz; }
-  void start() override { counters_ = {}, count_ = {}, next_s_ = clock_.now_s(); }
+  void start() override {
+    counters_ = {};
+    count_ = {};
+    asked_s_.reset();
+    next_s_ = clock_.now_s();
+  }
   void stop() noexcept override {}
 
-  // It answers when asked: it is asked twice a frame, and frames that were seen are left out.
+  // It answers when asked: it is asked twice a frame, and frames that were seen are left out. A question that is not
+  // answered by the deadline stays open for the next call.
   std::size_t read(std::span<PoseSample> out, double deadline_s) override {
     while (!out.empty()) {
-      const double now = clock_.now_s();
-      if (next_s_ > deadline_s) {
-        clock_.sleep_until(deadline_s);
-        return 0;
+      if (!asked_s_) {
+        if (next_s_ > deadline_s) {
+          clock_.sleep_until(deadline_s);
+          return 0;
+        }
+        clock_.sleep_until(next_s_);
+        ask_for_frame();
       }
-      clock_.sleep_until(next_s_);
-      next_s_ = std::max(next_s_ + 0.5 / options_.rate_Hz, now);
-      const auto tools = ndi::parse_tx(ask("TX:0001"));
-      if (!tools) {
+      const auto answer = next_answer(std::min(deadline_s, *asked_s_ + options_.timeout_s));
+      if (!answer) {
+        if (clock_.now_s() < *asked_s_ + options_.timeout_s) return 0;
+        if (came_.empty()) throw no_answer("TX:0001", options_.timeout_s);
+      }
+      asked_s_.reset();
+      const auto text = answer ? ndi::checked(*answer) : std::nullopt;
+      if (text && text->rfind("ERROR", 0) == 0) throw says_error(*text, "TX:0001");
+      const auto tools = text ? ndi::parse_tx(*text) : std::nullopt;
+      if (!tools) {  // damaged on the way: the next frame is whole again
         ++counters_.malformed;
         continue;
       }
@@ -254,25 +266,111 @@ class NdiSource final : public PoseSource {
   [[nodiscard]] StreamCounters counters() const override { return counters_; }
 
  private:
-  // The answer's text; throws for an error, a wrong CRC, or none in time.
-  std::string ask(const std::string& text) {
-    line_->write(ndi::command(text));
-    std::string came;
-    const double until = clock_.now_s() + options_.timeout_s;
-    while (came.find('\r') == std::string::npos) {
-      const auto more = line_->read(until);
-      if (more.empty() && clock_.now_s() >= until)
-        throw DeviceError(DeviceStatus::timed_out,
-                          fmt::format("{}: no answer to {} in {} s", place_, text, options_.timeout_s));
-      came += more;
+  void open() {
+    if (serial_) {
+      auto line = std::make_unique<SerialLine>(options_.address, first_baud);
+      SerialLine& port = *line;
+      line_ = std::move(line);
+      begin_at_first_speed(port);
+      switch_speed();
+    } else {
+      line_ = std::make_unique<NetworkLine>(place_, options_.address, options_.port, options_.timeout_s);
+      ask("INIT:");
     }
-    arrived_s_ = clock_.now_s();
-    const auto answer = ndi::checked(std::string_view(came).substr(0, came.find('\r')));
+    const std::string handle = options_.tool_file.empty() ? wired_tool() : passive_tool();
+    ask("PINIT:" + handle);
+    ask("PENA:" + handle + "D");
+    handle_ = static_cast<int>(std::strtol(handle.c_str(), nullptr, 16));
+    identity_ = {"ndi-polaris", "port handle " + handle, "ndicapi's commands, TX", "", line_->emulated()};
+    ask("TSTART:");
+  }
+
+  // Tracking ends, and a serial line is as it was found: whoever opens it next begins at the device's first speed.
+  void leave() noexcept {
+    if (!line_) return;
+    try {
+      if (asked_s_) next_answer(clock_.now_s() + closing_answer_s);
+      if (!identity_.id.empty()) ask("TSTOP:", closing_answer_s);  // else it never came to track
+    } catch (const std::exception&) {
+      // It is gone, or does not answer: what follows is worth a try.
+    }
+    try {
+      if (switched_) ask("COMM:00000", closing_answer_s);
+    } catch (const std::exception&) {
+      // Nothing more can be done: the next one to open it sends a break.
+    }
+  }
+
+  // A device that another program left at another speed hears a break: it resets and greets at its first speed.
+  void begin_at_first_speed(SerialLine& port) {
+    try {
+      ask("INIT:", first_answer_s);
+      return;
+    } catch (const DeviceError& error) {
+      if (error.device_status() == DeviceStatus::gone) throw;
+    }
+    port.send_break();
+    came_.clear();
+    const double until = clock_.now_s() + reset_s;
+    for (;;) {
+      const auto greeting = next_answer(until);
+      if (!greeting) {
+        throw DeviceError(
+            DeviceStatus::timed_out,
+            fmt::format("{}: answers neither at {} baud nor, within {} s, to a break; is it this line, and is it on?",
+                        place_, first_baud, reset_s));
+      }
+      // What the line makes of the break may stand before.
+      if (greeting->ends_with("RESETBE6F")) break;
+    }
+    clock_.sleep_until(clock_.now_s() + change_over_s);
+    ask("INIT:");
+  }
+
+  void ask_for_frame() {
+    came_.clear();
+    // The rest of a damaged answer.
+    while (!line_->read(clock_.now_s()).empty()) {
+    }
+    const double now = clock_.now_s();
+    line_->write(ndi::command("TX:0001"));
+    next_s_ = std::max(next_s_ + 0.5 / options_.rate_Hz, now);
+    asked_s_ = now;
+  }
+
+  // What came up to the next CR, without it; nothing by then.
+  std::optional<std::string> next_answer(double until_s) {
+    for (;;) {
+      if (const auto end = came_.find('\r'); end != std::string::npos) {
+        arrived_s_ = clock_.now_s();
+        auto answer = came_.substr(0, end);
+        came_.erase(0, end + 1);
+        return answer;
+      }
+      const auto more = line_->read(until_s);
+      if (more.empty() && clock_.now_s() >= until_s) return std::nullopt;
+      came_ += more;
+    }
+  }
+
+  [[nodiscard]] DeviceError no_answer(const std::string& text, double patience_s) const {
+    return {DeviceStatus::timed_out, fmt::format("{}: no answer to {} in {} s", place_, text, patience_s)};
+  }
+  [[nodiscard]] DeviceError says_error(const std::string& answer, const std::string& text) const {
+    return {DeviceStatus::failed, fmt::format("{}: {} to {}; the codes are in NDI's API guide", place_, answer, text)};
+  }
+
+  std::string ask(const std::string& text) { return ask(text, options_.timeout_s); }
+  // The answer's text; throws for an error, a wrong CRC, or none in time.
+  std::string ask(const std::string& text, double patience_s) {
+    came_.clear();
+    line_->write(ndi::command(text));
+    const auto came = next_answer(clock_.now_s() + patience_s);
+    if (!came) throw no_answer(text, patience_s);
+    const auto answer = ndi::checked(*came);
     if (!answer)
       throw DeviceError(DeviceStatus::failed, fmt::format("{}: the answer to {} has a wrong CRC", place_, text));
-    if (answer->rfind("ERROR", 0) == 0)
-      throw DeviceError(DeviceStatus::failed,
-                        fmt::format("{}: {} to {} (the codes are in NDI's API guide)", place_, *answer, text));
+    if (answer->rfind("ERROR", 0) == 0) throw says_error(*answer, text);
     return *answer;
   }
 
@@ -283,12 +381,15 @@ class NdiSource final : public PoseSource {
         std::find_if(std::begin(codes), std::end(codes), [&](const auto& c) { return c.first == options_.baud; });
     if (code == std::end(codes))
       throw DeviceError(DeviceStatus::failed,
-                        fmt::format("{}: {} baud is no speed of the device", place_, options_.baud));
+                        fmt::format("{}: {} baud is no speed of the device; 9600, 19200, 38400, 57600, 115200 and "
+                                    "921600 are",
+                                    place_, options_.baud));
     if (options_.baud == first_baud) return;
     ask(fmt::format("COMM:{}0000", code->second));
     line_.reset();
-    clock_.sleep_until(clock_.now_s() + 0.1);  // as ndicapi waits for the device to change over
+    clock_.sleep_until(clock_.now_s() + change_over_s);
     line_ = std::make_unique<SerialLine>(options_.address, options_.baud);
+    switched_ = true;
   }
 
   std::string wired_tool() {
@@ -335,7 +436,10 @@ class NdiSource final : public PoseSource {
 
   NdiOptions options_;
   std::string place_;
+  bool serial_ = false, switched_ = false;  // the device is at options_.baud
   std::unique_ptr<Line> line_;
+  std::string came_;
+  std::optional<double> asked_s_;  // when the question went out that is open
   MonotonicClock clock_;
   DeviceIdentity identity_;
   StreamCounters counters_;
@@ -346,6 +450,10 @@ class NdiSource final : public PoseSource {
 };
 
 }  // namespace
+
+void reach_ndi(const NdiOptions& options) {
+  const NetworkLine line(place_of(options), options.address, options.port, options.timeout_s);
+}
 
 std::unique_ptr<PoseSource> open_ndi(const NdiOptions& options) { return std::make_unique<NdiSource>(options); }
 

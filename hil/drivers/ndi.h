@@ -1,12 +1,19 @@
 // NDI's trackers (Polaris and what speaks the same commands) over the network (port 8765) or a serial line.
+//
 //   command: NAME:arguments, CRC as four hex digits, CR; answer: text, CRC, CR; ERRORnn for what went wrong
+//
 //   a wired tool: PHSR:02 lists port handles to be initialised; a passive one: PHRQ gives a handle, PVWR writes its
-//   definition (.rom) in pieces of 64 bytes; then PINIT, PENA, TSTART
+//     definition (.rom) in pieces of 64 bytes; then PINIT, PENA, TSTART
+//
 //   TX:0001 -> count, and per handle: handle, quaternion 4 x 6 characters [1e-4], position 3 x 7 [1e-2 mm], error 6, or
-//   MISSING or DISABLED; status 8 hex, frame 8 hex, LF; at the end the system's status, 4 hex
+//     MISSING or DISABLED; status 8 hex, frame 8 hex, LF; at the end the system's status, 4 hex
+//
+//   on a serial line: the device begins at 9600 baud; COMM changes the speed and the device keeps it, so that it is
+//     sent back to 9600 in the end; a break resets the device to 9600, where it greets with RESET
+//
 // Source: PlusToolkit/ndicapi, commit 652d9ead (ndicapi.cxx: commands, CRC-16 of polynomial 0x8005 reflected, parsing
-// of TX; ndicapi.h: the commands' forms). Orientations w x y z. The frame number is the device's own; its rate is not
-// said (60 frames a second with Polaris), so that the user states it.
+// of TX, ndiSerialProbe; ndicapi.h: the commands' forms, what COMM leaves behind). Orientations w x y z. The frame
+// number is the device's own; its rate is not said (60 frames a second with Polaris), so that the user states it.
 #pragma once
 
 #include <cstdint>
@@ -48,6 +55,8 @@ struct NdiOptions {
   double timeout_s = 5.0;
 };
 
+// Connects over the network and asks nothing: a tracker that another program uses goes on. Throws DeviceError(absent).
+void reach_ndi(const NdiOptions& options);
 // Throws DeviceError: absent, failed (no tool, or the device says an error).
 std::unique_ptr<PoseSource> open_ndi(const NdiOptions& options);
 

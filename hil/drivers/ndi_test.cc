@@ -5,13 +5,17 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
 #include <unistd.h>
 
 #include <cmath>
 #include <filesystem>
+#include <memory>
 
 #include "harness/base/atomic_file.h"
 #include "harness/base/random.h"
+#include "hil/emulators/loopback_socket.h"
 #include "hil/emulators/ndi_emulator.h"
 
 namespace touchstone::hil {
@@ -110,12 +114,94 @@ TEST(Ndi, WhatGoesWrongIsSaid) {
   NdiFaults faults;
   faults.no_tool = true;
   EXPECT_THAT(complaint(faults), HasSubstr("no tool is plugged in"));
-  faults = {};
-  faults.wrong_crc_every = 5;
-  EXPECT_THAT(complaint(faults), HasSubstr("wrong CRC"));
   int port = 0;
   { port = NdiEmulator(60.0, {}, nod).port(); }
   EXPECT_THROW(open_ndi({"127.0.0.1", port, 115200, "", 60.0, 0.5}), DeviceError);
+}
+
+// One flipped bit in an hour is no reason to end a run.
+TEST(Ndi, ADamagedAnswerIsCountedAndTheNextOneRead) {
+  NdiFaults faults;
+  faults.wrong_crc_every = 5;
+  NdiEmulator polaris(60.0, faults, nod);
+  const auto source = open_ndi({"127.0.0.1", polaris.port(), 115200, "", 60.0, 3.0});
+  source->start();
+  EXPECT_GT(watch(*source, 1.0).size(), 20U);
+  EXPECT_GT(source->counters().malformed, 5U);
+}
+
+// The deadline is the caller's; the answer that comes after it belongs to the next call.
+TEST(Ndi, ReadKeepsItsDeadline) {
+  NdiFaults faults;
+  faults.late_s = 0.5;
+  NdiEmulator polaris(60.0, faults, nod);
+  const auto source = open_ndi({"127.0.0.1", polaris.port(), 115200, "", 60.0, 3.0});
+  source->start();
+  MonotonicClock clock;
+  std::vector<PoseSample> some(16);
+  std::size_t came = 0;
+  double longest = 0.0;
+  for (const double until = clock.now_s() + 1.5; clock.now_s() < until;) {
+    const double began = clock.now_s();
+    came += source->read(some, began + 0.05);
+    longest = std::max(longest, clock.now_s() - began);
+  }
+  EXPECT_LT(longest, 0.4) << "well before the answer";
+  EXPECT_GE(came, 1U);
+}
+
+// The device keeps the speed that it was told: who opens it again begins at its first one.
+TEST(Ndi, ALineIsLeftAsItWasFound) {
+  const SerialEmulator line(ndi_on_a_line({}, nod));
+  for (int run = 0; run < 2; ++run) {
+    const auto source = open_ndi({line.node(), 0, 115200, "", 60.0, 3.0});
+    source->start();
+    EXPECT_FALSE(watch(*source, 0.3).empty()) << run;
+  }
+  NdiFaults faults;
+  faults.no_tool = true;
+  const SerialEmulator without(ndi_on_a_line(faults, nod));
+  for (int run = 0; run < 2; ++run) {
+    try {
+      open_ndi({without.node(), 0, 115200, "", 60.0, 3.0});
+      ADD_FAILURE() << "opened";
+    } catch (const DeviceError& error) {
+      EXPECT_THAT(error.what(), HasSubstr("no tool is plugged in")) << run;
+    }
+  }
+}
+
+// A pseudo-terminal carries no break: the time stands for it, at which the device greets.
+TEST(Ndi, ADeviceAtAnotherSpeedIsResetByABreak) {
+  NdiFaults faults;
+  faults.deaf_s = 0.9;
+  const SerialEmulator line(ndi_on_a_line(faults, nod));
+  const auto source = open_ndi({line.node(), 0, 57600, "", 60.0, 3.0});
+  source->start();
+  EXPECT_FALSE(watch(*source, 0.3).empty());
+}
+
+// A listener whose queue is full answers no one: the kernel drops what would connect.
+TEST(Ndi, ANetworkThatDoesNotAnswerIsSaidToBeSilent) {
+  const LoopbackSocket full = listen_on_loopback();
+  ::listen(full.fd, 0);
+  std::vector<int> waiting;
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  address.sin_port = htons(static_cast<std::uint16_t>(full.port));
+  for (int i = 0; i < 4; ++i) {
+    waiting.push_back(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
+    ::connect(waiting.back(), reinterpret_cast<const sockaddr*>(&address), sizeof address);
+  }
+  try {
+    open_ndi({"127.0.0.1", full.port, 115200, "", 60.0, 0.3});
+    ADD_FAILURE() << "opened";
+  } catch (const DeviceError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("no answer in time"));
+  }
+  for (const int fd : waiting) ::close(fd);
+  ::close(full.fd);
 }
 
 TEST(Ndi, DamagedAnswersAreReadOrRefused) {

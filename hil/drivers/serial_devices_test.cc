@@ -1,9 +1,13 @@
 // Drivers on serial lines against emulators at the other end of a pseudo-terminal. Emulated: they show that the drivers
 // keep to the published protocols, not that a sensor does.
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstring>
+#include <limits>
+#include <numeric>
 #include <vector>
 
 #include "harness/base/error.h"
@@ -14,7 +18,9 @@
 namespace touchstone::hil {
 namespace {
 
+using ::testing::AllOf;
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 Wrench swaying(double t) { return {Vec3(std::sin(t), 5.0, -t), Vec3(0.1, 0.01 * t, -0.2)}; }
 
@@ -33,6 +39,37 @@ std::vector<WrenchSample> collect(WrenchSource& source, double seconds) {
 TEST(Bota, ChecksAsX25Does) {
   const std::string text = "123456789";
   EXPECT_EQ(bota::crc_x25({reinterpret_cast<const unsigned char*>(text.data()), text.size()}), 0x906e);
+}
+
+// A frame whose checksum is right and whose force is none: a sensor says so, the line did not damage it.
+TEST(Bota, AForceThatIsNoNumberIsNone) {
+  std::vector<unsigned char> frame(bota::frame_bytes, 0);
+  frame[0] = bota::header;
+  const auto read = [&] {
+    const std::span<const unsigned char> all(frame);
+    const std::uint16_t sum = bota::crc_x25(all.subspan(1, bota::frame_bytes - 3));
+    frame[bota::frame_bytes - 2] = static_cast<unsigned char>(sum & 0xff);
+    frame[bota::frame_bytes - 1] = static_cast<unsigned char>(sum >> 8);
+    return bota::decode(all.first<bota::frame_bytes>()).has_value();
+  };
+  EXPECT_TRUE(read());
+  const float none = std::numeric_limits<float>::quiet_NaN();
+  for (const std::size_t at : {std::size_t{3}, std::size_t{3 + 5 * 4}}) {  // of the forces and of the torques
+    std::memcpy(frame.data() + at, &none, sizeof none);
+    EXPECT_FALSE(read());
+    std::memset(frame.data() + at, 0, sizeof none);
+  }
+}
+
+// The speed's codes are those of Bota's example (bota.h): the sensor is told the speed that its line has.
+TEST(Bota, StaysAtTheSpeedOfItsLine) {
+  std::string told;
+  BotaFaults faults;
+  faults.configured = [&](const std::string& command) { told = command; };
+  SerialEmulator sensor(bota_sensor(faults, swaying));
+  open_bota({sensor.node(), 115200, 256, 3.0});
+  sensor.unplug();
+  EXPECT_EQ(told, "c,0,1,0,2");
 }
 
 TEST(Bota, ReadsNewtonsAtTheRateThatWasAskedFor) {
@@ -82,14 +119,19 @@ TEST(Bota, SaysWhatToDoWhenItIsSilentRefusesOrIsNotThere) {
     }
     return "opened";
   };
-  SerialEmulator silent([](const std::string&, double) { return std::string(); });
+  SerialEmulator silent([](const std::string&, double, int) { return std::string(); });
   EXPECT_THAT(complaint({silent.node(), 460800, 128, 0.3}), HasSubstr("off and on"));
   BotaFaults faults;
   faults.refuses_filter = true;
   SerialEmulator refuses(bota_sensor(faults, swaying));
   EXPECT_THAT(complaint({refuses.node(), 460800, 128, 2.0}), HasSubstr("it refuses \"f,128"));
   EXPECT_THAT(complaint({"/dev/no-such-line", 460800, 128, 0.3}), HasSubstr("/dev/no-such-line"));
-  EXPECT_THAT(complaint({silent.node(), 12345, 128, 0.3}), HasSubstr("12345 baud"));
+  // What is wrong is the hardware map: a sensor that is switched off and on is no better.
+  EXPECT_THAT(complaint({silent.node(), 12345, 128, 0.3}),
+              AllOf(HasSubstr("12345 baud"), HasSubstr("115200"), Not(HasSubstr("off and on"))));
+  EXPECT_THAT(complaint({silent.node(), 921600, 128, 0.3}), AllOf(HasSubstr("921600 baud"), HasSubstr("460800 are")));
+  EXPECT_THAT(complaint({silent.node(), 9600, 128, 0.3}), HasSubstr("400 frames a second"));
+  EXPECT_THAT(complaint({"/dev/null", 460800, 128, 0.3}), AllOf(HasSubstr("right node"), Not(HasSubstr("off and on"))));
 }
 
 TEST(Bota, AnUnpluggedLineIsGone) {
@@ -112,6 +154,75 @@ TEST(LoadCell, FindsTheNumberInALine) {
   EXPECT_FALSE(number_in_line("12.3", 2));
   EXPECT_FALSE(number_in_line("", 1));
   EXPECT_FALSE(number_in_line("-", 1));
+  EXPECT_FALSE(number_in_line("+", 1));
+  EXPECT_EQ(number_in_line("load: -.25", 1), -0.25);
+  EXPECT_EQ(number_in_line(".5", 1), 0.5);
+  EXPECT_EQ(number_in_line("done. 7", 1), 7.0);
+  // What Arduino prints for a number that is none stands in a number's place.
+  EXPECT_FALSE(number_in_line("one reading:\tnan\t| average:\t12.4", 1));
+  EXPECT_EQ(number_in_line("one reading:\tnan\t| average:\t12.4", 2), 12.4);
+  EXPECT_FALSE(number_in_line("val: ovf 3", 1));
+  EXPECT_FALSE(number_in_line("val: -inf 3", 1));
+  EXPECT_EQ(number_in_line("info 3", 1), 3.0);
+}
+
+std::unique_ptr<WrenchSource> open_cell(const SerialEmulator& sketch, int baud = 57600) {
+  return open_load_cell({sketch.node(), baud, 1.0, 1, 'z', 0.0});
+}
+
+// A sketch that says these lines at these times [s].
+SerialEmulator::Device says(std::vector<std::pair<double, std::string>> lines) {
+  return [lines = std::move(lines), next = std::size_t{0}](const std::string&, double t_s, int) mutable {
+    std::string said;
+    while (next < lines.size() && lines[next].first <= t_s) said += lines[next++].second;
+    return said;
+  };
+}
+
+// An adapter hands on at once what came in 16 ms: each line was on the wire before the next.
+TEST(LoadCell, LinesThatComeTogetherHaveTimesOfTheirOwn) {
+  const SerialEmulator sketch(says({{0.0, "a 1\na 2\na 3\n"}, {0.4, "a 4\na 5\na 6\na 7\n"}}));
+  const auto source = open_cell(sketch);
+  source->start();
+  const auto samples = collect(*source, 0.7);
+  ASSERT_EQ(samples.size(), 3U) << "the first after start() may be the end of one";
+  for (std::size_t i = 1; i < samples.size(); ++i) {
+    EXPECT_NEAR(samples[i].t_s - samples[i - 1].t_s, 10.0 * 4 / 57600, 2e-6);
+    EXPECT_EQ(samples[i].wrench.f_N.z(), samples[i - 1].wrench.f_N.z() + 1.0);
+  }
+}
+
+TEST(LoadCell, WholeLinesAreKeptForALateReader) {
+  std::string all;
+  for (int i = 100; i < 400; ++i) all += fmt::format("{}\n", i);
+  const SerialEmulator sketch(says({{0.0, "1\n2\n3\n"}, {0.4, all}, {0.6, std::string(2000, 'x') + "7\n8\n9\n"}}));
+  const auto source = open_cell(sketch);
+  source->start();
+  std::vector<double> read;
+  std::array<WrenchSample, 4> some;
+  MonotonicClock clock;
+  for (const double until = clock.now_s() + 1.0; clock.now_s() < until;) {
+    const auto n = source->read(some, until);
+    for (std::size_t i = 0; i < n; ++i) read.push_back(some[i].wrench.f_N.z());
+  }
+  std::vector<double> expected(299);  // less the first
+  std::iota(expected.begin(), expected.end(), 101.0);
+  expected.insert(expected.end(), {8.0, 9.0});
+  EXPECT_EQ(read, expected);
+  EXPECT_EQ(source->counters().malformed, 1U) << "what is too long for a line";
+}
+
+// A start-up between readings, as of a microcontroller that resets itself, is none.
+TEST(LoadCell, OnlyLinesWithTheWordsOfReadingsAreReadings) {
+  const SerialEmulator sketch(says({{0.0, "load: 1.0 g\nload: 1.0 g\nload: 1.0 g\n"},
+                                    {0.4, "load: 1.0 g\nload: 2.0 g\nraw: -153217\nmean: -153216\nload: 3.0 g\n"}}));
+  const auto source = open_cell(sketch);
+  source->start();
+  const auto samples = collect(*source, 0.7);
+  ASSERT_EQ(samples.size(), 2U);
+  EXPECT_EQ(samples[0].wrench.f_N.z(), 2.0);
+  EXPECT_EQ(samples[1].wrench.f_N.z(), 3.0);
+  EXPECT_EQ(source->counters().malformed, 2U);
 }
 
 TEST(LoadCell, ReadsWhatTheLibrariesSketchesPrint) {
@@ -122,6 +233,7 @@ TEST(LoadCell, ReadsWhatTheLibrariesSketchesPrint) {
     source->start();
     const auto samples = collect(*source, 1.0);
     ASSERT_GT(samples.size(), 40U);
+    EXPECT_GT(samples[0].wrench.f_N.x(), 99.0 * 0.00980665) << "what it prints before its readings is no force";
     for (std::size_t i = 1; i < samples.size(); ++i) {
       EXPECT_GE(samples[i].wrench.f_N.x(), samples[i - 1].wrench.f_N.x());
       EXPECT_GT(samples[i].wrench.f_N.x(), 99.0 * 0.00980665);

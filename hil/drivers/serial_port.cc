@@ -25,7 +25,10 @@ speed_t speed_of(const std::string& place, int baud) {
   for (const auto& [known, speed] : speeds) {
     if (known == baud) return speed;
   }
-  throw DeviceError(DeviceStatus::failed, fmt::format("{}: {} baud is no usual speed of a serial line", place, baud));
+  throw DeviceError(DeviceStatus::failed,
+                    fmt::format("{}: {} baud is no usual speed of a serial line; 9600, 19200, 38400, 57600, 115200, "
+                                "230400, 460800, 921600 and 1000000 are",
+                                place, baud));
 }
 
 // Unix98 pseudo-terminals (Documentation/admin-guide/devices.txt): their other end is a program.
@@ -50,7 +53,7 @@ SerialPort::SerialPort(const std::string& called, const std::string& node, int b
   };
   if (::flock(fd_, LOCK_EX | LOCK_NB) != 0) fail(DeviceStatus::busy, "another program has it");
   termios line{};
-  if (::tcgetattr(fd_, &line) != 0) fail(DeviceStatus::failed, "is no serial line");
+  if (::tcgetattr(fd_, &line) != 0) fail(DeviceStatus::failed, "is no serial line; is it the right node?");
   ::cfmakeraw(&line);
   line.c_cflag |= CLOCAL | CREAD;
   line.c_cflag &= ~static_cast<tcflag_t>(CRTSCTS | CSTOPB);
@@ -64,6 +67,12 @@ SerialPort::SerialPort(const std::string& called, const std::string& node, int b
 
 SerialPort::~SerialPort() {
   if (fd_ >= 0) ::close(fd_);
+}
+
+void SerialPort::send_break() {
+  ::tcflush(fd_, TCIOFLUSH);
+  if (::tcsendbreak(fd_, 0) != 0)
+    throw DeviceError(DeviceStatus::failed, fmt::format("{}: takes no break: {}", place_, std::strerror(errno)));
 }
 
 void SerialPort::flush() noexcept { ::tcflush(fd_, TCIFLUSH); }

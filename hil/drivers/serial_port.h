@@ -22,6 +22,8 @@ class SerialPort {
   void write(const std::string& bytes);
   // What has come, at least a byte unless the deadline passes first: then 0. Throws DeviceError(gone).
   std::size_t read(std::span<unsigned char> out, double deadline_s, double& t_s);
+  // Holds the line low for a quarter of a second or more, on which some devices reset. What has come is forgotten.
+  void send_break();
   // Forgets what has come.
   void flush() noexcept;
   [[nodiscard]] const std::string& place() const noexcept { return place_; }

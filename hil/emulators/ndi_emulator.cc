@@ -7,6 +7,8 @@
 #include <unistd.h>
 
 #include <cmath>
+#include <memory>
+#include <utility>
 
 #include "hil/emulators/loopback_socket.h"
 
@@ -32,7 +34,7 @@ std::string with_sum(const std::string& text) {
 }  // namespace
 
 NdiEmulator::NdiEmulator(double rate_Hz, NdiFaults faults, std::function<EmulatedPose(double)> pose)
-    : rate_Hz_(rate_Hz), faults_(faults), pose_(std::move(pose)) {
+    : device_(rate_Hz, faults, std::move(pose)) {
   const LoopbackSocket opened = listen_on_loopback();
   listener_ = opened.fd;
   port_ = opened.port;
@@ -45,7 +47,8 @@ NdiEmulator::~NdiEmulator() {
   ::close(listener_);
 }
 
-std::string NdiEmulator::answer(const std::string& text, double t_s) {
+std::string NdiDevice::answer(const std::string& text, double t_s) {
+  ++commands_;
   if (text.size() < 4 || with_sum(text.substr(0, text.size() - 4)) != text + "\r") return with_sum("ERROR04");
   const auto command = text.substr(0, text.size() - 4);
   const auto name = command.substr(0, command.find(':'));
@@ -59,9 +62,20 @@ std::string NdiEmulator::answer(const std::string& text, double t_s) {
     definition_bytes_ += 64;
     return with_sum("OKAY");
   }
+  if (name == "COMM") {
+    // The speed's code, then 8 bits, no parity, one stop bit, no handshake (ndicapi.h, ndiCOMM).
+    constexpr int speeds[] = {9600, 14400, 19200, 38400, 57600, 115200, 921600};
+    if (command.size() != 10 || command[5] < '0' || command[5] > '6' || command.substr(6) != "0000")
+      return with_sum("ERROR03");
+    baud_ = speeds[command[5] - '0'];
+  }
   if (name == "TSTART") tracking_ = true;
   if (name != "TX") return with_sum("OKAY");
   if (!tracking_) return with_sum("ERROR0C");
+  return frame(t_s);
+}
+
+std::string NdiDevice::frame(double t_s) {
   ++asked_;
   const auto frame = static_cast<std::uint32_t>(t_s * rate_Hz_);
   const EmulatedPose pose = pose_(static_cast<double>(frame) / rate_Hz_);
@@ -75,10 +89,30 @@ std::string NdiEmulator::answer(const std::string& text, double t_s) {
     for (int k = 0; k < 3; ++k) reply += fmt::format("{:+07.0f}", pose.p_W_m[k] * 1e5);
     reply += "+00750";
   }
-  reply += fmt::format("{:08X}{:08X}\n0000", hidden ? 0x00000031U : 0x00000031U, frame);
+  reply += fmt::format("{:08X}{:08X}\n0000", 0x00000031U, frame);
   auto bytes = with_sum(reply);
   if (faults_.wrong_crc_every != 0 && asked_ % faults_.wrong_crc_every == 0) bytes[5] = bytes[5] == '1' ? '2' : '1';
   return bytes;
+}
+
+std::string NdiDevice::on_line(const std::string& came, double t_s, int baud) {
+  if (faults_.deaf_s > 0.0) {
+    if (t_s < faults_.deaf_s) return {};
+    if (!std::exchange(greeted_, true)) return with_sum("RESET");
+  }
+  if (baud != baud_) return {};  // noise
+  heard_ += came;
+  std::string said;
+  for (auto end = heard_.find('\r'); end != std::string::npos && baud == baud_; end = heard_.find('\r')) {
+    said += answer(heard_.substr(0, end), t_s);
+    heard_.erase(0, end + 1);
+  }
+  return said;
+}
+
+SerialEmulator::Device ndi_on_a_line(NdiFaults faults, std::function<EmulatedPose(double)> pose) {
+  const auto device = std::make_shared<NdiDevice>(60.0, faults, std::move(pose));
+  return [device](const std::string& came, double t_s, int baud) { return device->on_line(came, t_s, baud); };
 }
 
 void NdiEmulator::serve() {
@@ -97,7 +131,8 @@ void NdiEmulator::serve() {
       if (n <= 0) break;
       came.append(bytes, static_cast<std::size_t>(n));
       for (auto end = came.find('\r'); end != std::string::npos; end = came.find('\r')) {
-        const auto reply = answer(came.substr(0, end), clock.now_s() - began);
+        const auto reply = device_.answer(came.substr(0, end), clock.now_s() - began);
+        if (came.rfind("TX", 0) == 0) clock.sleep_until(clock.now_s() + device_.faults().late_s);
         came.erase(0, end + 1);
         [[maybe_unused]] const auto sent = ::send(client, reply.data(), reply.size(), MSG_NOSIGNAL);
       }

@@ -40,6 +40,19 @@ std::uint16_t checksum(const std::string& bytes) {
   return static_cast<std::uint16_t>(crc);
 }
 
+int baud_of(int line) {
+  termios now{};
+  if (::tcgetattr(line, &now) != 0) return 0;
+  // Both ends of a pseudo-terminal share their settings.
+  constexpr std::pair<speed_t, int> speeds[] = {{B9600, 9600},     {B19200, 19200},   {B38400, 38400},
+                                                {B57600, 57600},   {B115200, 115200}, {B230400, 230400},
+                                                {B460800, 460800}, {B921600, 921600}};
+  for (const auto& [speed, baud] : speeds) {
+    if (speed == ::cfgetispeed(&now)) return baud;
+  }
+  return 0;
+}
+
 class Bota {
  public:
   Bota(BotaFaults faults, std::function<Wrench(double)> wrench) : faults_(faults), wrench_(std::move(wrench)) {}
@@ -58,7 +71,10 @@ class Bota {
     std::string said;
     if (heard_ == "C") running_ = false, said = "r,0,C,0\r\n";
     if (heard_ == "R") running_ = true, began_s_ = t_s, count_ = 0, said = "r,0,R,0\r\n";
-    if (heard_.rfind("c,", 0) == 0) said = "r,0,c,0\r\n";
+    if (heard_.rfind("c,", 0) == 0) {
+      if (faults_.configured) faults_.configured(heard_);
+      said = "r,0,c,0\r\n";
+    }
     if (int sinc = 0; heard_.rfind("f,", 0) == 0 && std::sscanf(heard_.c_str(), "f,%d", &sinc) == 1) {
       period_s_ = 0.00001953125 * sinc;
       said = faults_.refuses_filter ? "r,0,f,1\r\n" : "r,0,f,0\r\n";
@@ -95,6 +111,15 @@ class Bota {
   std::uint64_t count_ = 0;
 };
 
+// What setup() of bogde/HX711's HX711_full_example.ino (commit be5e3d25) prints, with raw counts before the scale is
+// set.
+constexpr char hx711_setup[] =
+    "HX711 Demo\r\nInitializing the scale\r\nBefore setting up the scale:\r\n"
+    "read: \t\t-153217\r\nread average: \t\t-153198\r\nget value: \t\t-153204.00\r\nget units: \t\t-153201.0\r\n"
+    "After setting up the scale:\r\n"
+    "read: \t\t-153221\r\nread average: \t\t-153207\r\nget value: \t\t-4.00\r\nget units: \t\t0.0\r\n"
+    "Readings:\r\n";
+
 }  // namespace
 
 SerialEmulator::SerialEmulator(Device device) : device_(std::move(device)) {
@@ -114,7 +139,8 @@ SerialEmulator::SerialEmulator(Device device) : device_(std::move(device)) {
     while (!stop_) {
       char bytes[512];
       const auto n = ::read(fd_, bytes, sizeof bytes);
-      waiting += device_(std::string(bytes, n > 0 ? static_cast<std::size_t>(n) : 0), clock.now_s() - began);
+      waiting +=
+          device_(std::string(bytes, n > 0 ? static_cast<std::size_t>(n) : 0), clock.now_s() - began, baud_of(fd_));
       const auto sent = waiting.empty() ? 0 : ::write(fd_, waiting.data(), waiting.size());
       if (sent > 0) waiting.erase(0, static_cast<std::size_t>(sent));
       clock.sleep_until(clock.now_s() + 5e-4);
@@ -133,15 +159,17 @@ void SerialEmulator::unplug() {
 
 SerialEmulator::Device bota_sensor(BotaFaults faults, std::function<Wrench(double)> wrench) {
   const auto sensor = std::make_shared<Bota>(faults, std::move(wrench));
-  return [sensor](const std::string& came, double t_s) { return (*sensor)(came, t_s); };
+  return [sensor](const std::string& came, double t_s, int) { return (*sensor)(came, t_s); };
 }
 
 SerialEmulator::Device load_cell_sketch(bool adc_library, double rate_Hz, std::function<double(double)> units) {
   const auto count = std::make_shared<std::uint64_t>(0);
-  return [=](const std::string&, double t_s) {
+  return [=](const std::string&, double t_s, int) {
+    constexpr double starts_s = 0.5;
     std::string said;
-    if (*count == 0) said += adc_library ? "\r\nStarting...\r\nStartup is complete\r\n" : "HX711 Demo\r\nReadings:\r\n";
-    while (static_cast<double>(*count) / rate_Hz <= t_s) {
+    if (t_s < starts_s) return said;
+    if (*count == 0) said += adc_library ? "\r\nStarting...\r\nStartup is complete\r\n" : hx711_setup;
+    while (static_cast<double>(*count) / rate_Hz <= t_s - starts_s) {
       const double value = units(static_cast<double>((*count)++) / rate_Hz);
       said += adc_library ? fmt::format("Load_cell output val: {:.2f}\r\n", value)
                           : fmt::format("one reading:\t{:.1f}\t| average:\t{:.1f}\r\n", value, 0.99 * value);

@@ -14,8 +14,9 @@ namespace touchstone::hil {
 
 class SerialEmulator {
  public:
-  // What there is to send, given what came and the seconds since it began; called about every half millisecond.
-  using Device = std::function<std::string(const std::string& came, double t_s)>;
+  // What there is to send, given what came, the seconds since it began and the speed that the driver set [baud]; called
+  // about every half millisecond.
+  using Device = std::function<std::string(const std::string& came, double t_s, int baud)>;
   explicit SerialEmulator(Device device);
   ~SerialEmulator();
   SerialEmulator(const SerialEmulator&) = delete;
@@ -37,13 +38,16 @@ struct BotaFaults {
   std::uint32_t damage_every = 0;  // every n-th has a wrong byte
   std::uint32_t status_every = 0;  // every n-th has a status bit
   bool refuses_filter = false;
+  std::function<void(const std::string&)> configured;  // is told each command "c,..."
 };
 // Bota's sensor as its own Python interface expects it (see drivers/bota.h for the source): greets with "App Init",
 // answers commands as "r,0,<command>,0", then frames at 1 / (sinc length x 19.53125 us). Its checksum is counted bit by
 // bit from the polynomial as X.25 writes it, not as the driver does.
 SerialEmulator::Device bota_sensor(BotaFaults faults, std::function<Wrench(double)> wrench);
 
-// A microcontroller that prints the load [units] as the example sketch of HX711 or of HX711_ADC does.
+// A microcontroller that prints the load [units] as the example sketch of HX711 (HX711_full_example.ino, from its
+// setup() on, without the pause of 5 s between readings) or of HX711_ADC does. It begins half a second after its line
+// was opened, as one that the opening resets.
 SerialEmulator::Device load_cell_sketch(bool adc_library, double rate_Hz, std::function<double(double)> units);
 
 }  // namespace touchstone::hil
