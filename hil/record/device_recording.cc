@@ -28,7 +28,9 @@ RecordReport record_device(const std::string& id, const HardwareMap& map, const 
   const MappedDevice& mapped = usable_device(id, map);
   const DeviceLock lock(mapped);
   const auto source = open_force(mapped, {.card_rate_Hz = options.nominal_rate_Hz});
-  return record_session(*source, file, options, stop);
+  RecordOptions own = options;
+  own.nominal_rate_Hz = mapped.rate_Hz;  // the other one is a card's
+  return record_session(*source, file, own, stop);
 }
 
 MultiReport record_devices(const std::vector<std::string>& ids, const HardwareMap& map,
@@ -74,13 +76,23 @@ std::string record_text(const MultiReport& report) {
   return text;
 }
 
+namespace {
+
+// Samples that are no rows of the table, where there are any.
+std::string left_out_text(const ExportReport& report) {
+  return report.left_out_samples > 0 ? fmt::format(", {} left out (not after the one before)", report.left_out_samples)
+                                     : "";
+}
+
+}  // namespace
+
 std::string session_text(const SessionExport& session) {
   std::string text;
   for (const auto& table : session.tables) {
     const ExportReport& r = table.report;
-    text +=
-        fmt::format("{:<20} {} samples at {:.3f} Hz, {} missing, {} damaged bytes{} -> {}\n", table.name, r.samples,
-                    r.rate_Hz, r.missing_samples, r.damaged_bytes, r.emulated ? " (emulated)" : "", table.csv.string());
+    text += fmt::format("{:<20} {} samples at {:.3f} Hz, {} missing, {} damaged bytes{}{} -> {}\n", table.name,
+                        r.samples, r.rate_Hz, r.missing_samples, r.damaged_bytes, left_out_text(r),
+                        r.emulated ? " (emulated)" : "", table.csv.string());
     if (r.header.clock == StreamClock::host) {
       text += fmt::format("{:<20} times are arrivals\n", "");
       continue;
@@ -94,12 +106,17 @@ std::string session_text(const SessionExport& session) {
 }
 
 std::string recovery_text(const ExportReport& report, const std::filesystem::path& csv) {
+  const std::string times =
+      report.header.clock == StreamClock::host
+          ? std::string("times are arrivals")
+          : fmt::format(
+                "arrivals were {:.3g} ms late on average, {:.3g} ms at worst; the time axis is good to {:.2g} ms",
+                1e3 * report.mean_delay_s, 1e3 * report.worst_delay_s, 1e3 * report.axis_uncertainty_s);
   return fmt::format(
-      "{} samples at {:.3f} Hz -> {}{}\narrivals were {:.3g} ms late on average, {:.3g} ms at worst; the time axis is "
-      "good to {:.2g} ms\n{} damaged bytes skipped, {} samples missing by the device's count (flag 16: the first one "
-      "after a gap)\n",
-      report.samples, report.rate_Hz, csv.string(), report.emulated ? " (emulated)" : "", 1e3 * report.mean_delay_s,
-      1e3 * report.worst_delay_s, 1e3 * report.axis_uncertainty_s, report.damaged_bytes, report.missing_samples);
+      "{} samples at {:.3f} Hz -> {}{}\n{}\n{} damaged bytes skipped, {} samples missing by the device's count{} (flag "
+      "16: the first one after a gap)\n",
+      report.samples, report.rate_Hz, csv.string(), report.emulated ? " (emulated)" : "", times, report.damaged_bytes,
+      report.missing_samples, left_out_text(report));
 }
 
 std::filesystem::path table_of(const SessionExport& session, StreamKind kind, const std::string& name,

@@ -9,6 +9,7 @@
 #include <cstdio>
 
 #include "hil/lab/analysis.h"
+#include "hil/record/stream.h"
 
 namespace touchstone::hil {
 namespace {
@@ -58,12 +59,10 @@ constexpr double least_share = 0.97;
 
 RecordReport record_session(WrenchSource& source, const std::filesystem::path& path, const RecordOptions& options,
                             const std::function<bool()>& stop) {
-  RawHeader header;
-  header.device = source.identity();
+  RawHeader header = header_of(source, options.nominal_rate_Hz);
   header.scheduling = scheduling();
   header.started =
       fmt::format("{:%FT%TZ}", fmt::gmtime(std::chrono::system_clock::to_time_t(std::chrono::system_clock::now())));
-  header.nominal_rate_Hz = source.nominal_rate_Hz() > 0.0 ? source.nominal_rate_Hz() : options.nominal_rate_Hz;
   RawRecorder recorder(path, header, options.recorder);
   LivePlot plot(options.plot);
   MonotonicClock clock;

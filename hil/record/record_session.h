@@ -13,10 +13,10 @@
 namespace touchstone::hil {
 
 struct RecordOptions {
-  double seconds = 0.0;  // 0: until stopped
-  double nominal_rate_Hz = 0.0;
-  double silence_s = 2.0;  // a stream that sends nothing for so long has stopped: the run ends
-  bool plot = true;        // on stderr, only where that is a terminal
+  double seconds = 0.0;          // 0: until stopped
+  double nominal_rate_Hz = 0.0;  // of a sensor that states none; 0: unknown
+  double silence_s = 2.0;        // a stream that sends nothing for so long has stopped: the run ends
+  bool plot = true;              // on stderr, only where that is a terminal
   RawRecorderOptions recorder;
 };
 

@@ -10,11 +10,13 @@
 
 #include "harness/base/error.h"
 #include "hil/emulators/netft_emulator.h"
+#include "hil/record/device_recording.h"
 #include "hil/record/stream_export.h"
 
 namespace touchstone::hil {
 namespace {
 
+using ::testing::AllOf;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
@@ -93,6 +95,56 @@ TEST(RecordSession, RecordsAnEmulatedSensorAndExportsWhatAcquireReads) {
     EXPECT_GT(t, last);
     last = t;
   }
+  std::filesystem::remove_all(folder);
+}
+
+// Ten samples a second by an adapter that hands on two at a time, then a pause: as a load cell's sketch that tares.
+class TwoAtATime final : public WrenchSource {
+ public:
+  [[nodiscard]] const DeviceIdentity& identity() const override { return identity_; }
+  [[nodiscard]] bool numbers_records() const override { return false; }
+  void start() override {}
+  void stop() noexcept override {}
+  std::size_t read(std::span<WrenchSample> out, double deadline_s) override {
+    if (sent_ == 10) {
+      MonotonicClock().sleep_until(deadline_s);
+      return 0;
+    }
+    for (std::size_t i = 0; i < 2; ++i, ++sent_) {
+      out[i] = {};
+      out[i].sequence = sent_;
+      out[i].t_s = 100.0 + 0.1 * static_cast<double>(sent_) + (sent_ >= 6 ? 1.0 : 0.0);
+      if (sent_ == 9) out[i].t_s = out[i - 1].t_s;
+    }
+    return 2;
+  }
+  [[nodiscard]] StreamCounters counters() const override { return {}; }
+
+ private:
+  DeviceIdentity identity_{"hx711-serial", "", "", "", true};
+  std::uint64_t sent_ = 0;
+};
+
+TEST(RecordSession, ASensorThatNumbersNothingKeepsItsArrivals) {
+  const auto folder = std::filesystem::temp_directory_path() / fmt::format("touchstone-arrivals-{}", ::getpid());
+  std::filesystem::create_directories(folder);
+  RecordOptions options;
+  options.plot = false;
+  options.silence_s = 0.2;
+  TwoAtATime source;
+  record_session(source, folder / "a.tsraw", options, [] { return false; });
+  EXPECT_EQ(read_raw_header(folder / "a.tsraw").clock, StreamClock::host);
+  const auto exported = export_raw({folder / "a.tsraw"}, folder / "a.csv");
+  EXPECT_EQ(exported.samples, 10U);
+  EXPECT_EQ(exported.left_out_samples, 1U);
+  EXPECT_THAT(recovery_text(exported, "a.csv"), AllOf(HasSubstr("times are arrivals"), HasSubstr("1 left out")));
+  std::ifstream in(folder / "a.csv");
+  std::string line;
+  std::getline(in, line);
+  std::vector<double> times;
+  while (std::getline(in, line)) times.push_back(std::atof(line.c_str()));
+  ASSERT_EQ(times.size(), 9U);
+  for (std::size_t i = 1; i < times.size(); ++i) EXPECT_NEAR(times[i] - times[i - 1], i == 6 ? 1.1 : 0.1, 1e-6) << i;
   std::filesystem::remove_all(folder);
 }
 

@@ -16,13 +16,7 @@ class WrenchStream final : public Stream {
       : source_(std::move(source)), assumed_rate_Hz_(assumed_rate_Hz), samples_(1024) {}
 
   [[nodiscard]] StreamKind kind() const override { return StreamKind::force; }
-  [[nodiscard]] RawHeader header() const override {
-    RawHeader header;
-    header.device = source_->identity();
-    header.nominal_rate_Hz = source_->nominal_rate_Hz() > 0.0 ? source_->nominal_rate_Hz() : assumed_rate_Hz_;
-    header.clock = source_->numbers_records() ? StreamClock::sequence : StreamClock::host;
-    return header;
-  }
+  [[nodiscard]] RawHeader header() const override { return header_of(*source_, assumed_rate_Hz_); }
   void start() override { source_->start(); }
   void stop() noexcept override { source_->stop(); }
   std::size_t read(std::span<RawSample> out, double deadline_s) override {
@@ -134,6 +128,14 @@ class HapticStream final : public Stream {
 };
 
 }  // namespace
+
+RawHeader header_of(const WrenchSource& source, double assumed_rate_Hz) {
+  RawHeader header;
+  header.device = source.identity();
+  header.nominal_rate_Hz = source.nominal_rate_Hz() > 0.0 ? source.nominal_rate_Hz() : assumed_rate_Hz;
+  header.clock = source.numbers_records() ? StreamClock::sequence : StreamClock::host;
+  return header;
+}
 
 std::unique_ptr<Stream> stream_of(std::unique_ptr<WrenchSource> source, double assumed_rate_Hz) {
   return std::make_unique<WrenchStream>(std::move(source), assumed_rate_Hz);

@@ -26,7 +26,9 @@ class Stream {
   [[nodiscard]] virtual StreamCounters counters() const = 0;
 };
 
-// `assumed_rate_Hz` is for sensors that do not state theirs; 0: unknown.
+// What a force sensor's file says of it; as Stream::header(). `assumed_rate_Hz` is for sensors that do not state
+// theirs; 0: unknown.
+RawHeader header_of(const WrenchSource& source, double assumed_rate_Hz = 0.0);
 std::unique_ptr<Stream> stream_of(std::unique_ptr<WrenchSource> source, double assumed_rate_Hz = 0.0);
 std::unique_ptr<Stream> stream_of(std::unique_ptr<PoseSource> source);
 // The handle of a haptic device: zero force is commanded at that rate, and its position and buttons (device status) are

@@ -6,6 +6,7 @@
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
+#include <memory>
 #include <nlohmann/json.hpp>
 
 #include "harness/base/atomic_file.h"
@@ -67,7 +68,8 @@ Read read_stream(const Files& files) {
   const std::uint64_t sent = last_sequence - first_sequence + 1;
   report.missing_samples = sent > report.samples ? sent - report.samples : 0;
   if (report.header.clock == StreamClock::host) {
-    report.rate_Hz = static_cast<double>(sent - 1) / (report.last_s - report.first_s);
+    const double seconds = report.last_s - report.first_s;
+    if (seconds > 0.0) report.rate_Hz = static_cast<double>(sent - 1) / seconds;
     return read;
   }
   if (clock.samples() < 2)
@@ -105,7 +107,8 @@ void write_row(std::FILE* out, double t_s, const RawSample& s, StreamKind kind) 
 
 void write_table(const Files& files, const std::filesystem::path& csv, double origin_s, Read& read) {
   AtomicFile target(csv);
-  std::FILE* const out = std::fopen(target.path().c_str(), "we");
+  std::unique_ptr<std::FILE, int (*)(std::FILE*)> owner(std::fopen(target.path().c_str(), "we"), std::fclose);
+  std::FILE* const out = owner.get();
   if (out == nullptr) throw BadData(fmt::format("{}: cannot be written: {}", csv.string(), std::strerror(errno)));
   const StreamKind kind = read.report.kind;
   std::fputs(kind == StreamKind::force ? "t_s,fx_N,fy_N,fz_N,tx_Nm,ty_Nm,tz_Nm,flags\n"
@@ -116,7 +119,10 @@ void write_table(const Files& files, const std::filesystem::path& csv, double or
   for (const auto& file : files) {
     read_raw(file, [&](const RawSample& s) {
       const double t = read.time_of(s);
-      if (!(t > last)) return;  // a frame sent twice
+      if (!(t > last)) {  // a frame sent twice, or a clock that stands still
+        ++read.report.left_out_samples;
+        return;
+      }
       last = t;
       ++rows;
       sum += s.wrench.t_s - t;
@@ -127,7 +133,7 @@ void write_table(const Files& files, const std::filesystem::path& csv, double or
   read.report.mean_delay_s = sum / static_cast<double>(std::max<std::uint64_t>(1, rows));
   read.report.worst_delay_s = worst;
   const bool good = std::ferror(out) == 0;
-  if (std::fclose(out) != 0 || !good)
+  if (std::fclose(owner.release()) != 0 || !good)
     throw BadData(fmt::format("{}: cannot be written: is the disk full?", csv.string()));
   target.commit();
 }
@@ -147,6 +153,7 @@ nlohmann::json as_json(const SessionExport::Table& table) {
           {"clock", to_string(r.header.clock)},
           {"samples", r.samples},
           {"missing_samples", r.missing_samples},
+          {"left_out_samples", r.left_out_samples},
           {"damaged_bytes", r.damaged_bytes},
           {"rate_Hz", r.rate_Hz},
           {"clock_ppm", r.clock_ppm},

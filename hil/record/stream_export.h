@@ -18,7 +18,8 @@ struct ExportReport {
   RawHeader header;
   StreamKind kind = StreamKind::force;
   std::uint64_t samples = 0, damaged_bytes = 0;
-  std::uint64_t missing_samples = 0;  // by the device's sequence numbers: lost on the way, in memory or in the file
+  std::uint64_t missing_samples = 0;   // by the device's sequence numbers: lost on the way, in memory or in the file
+  std::uint64_t left_out_samples = 0;  // no rows of the table: not after the one before (a frame sent twice)
   double rate_Hz = 0.0;
   double first_s = 0.0, last_s = 0.0;              // by this machine's clock
   double mean_delay_s = 0.0, worst_delay_s = 0.0;  // of the arrivals against the time axis; 0 where it is the arrivals
