@@ -11,6 +11,7 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <charconv>
 #include <cmath>
 #include <cstring>
 
@@ -137,7 +138,8 @@ class NatNetSource final : public PoseSource {
       const double again = std::min(until, clock_.now_s() + repeat_s);
       while (clock_.now_s() < again) {
         pollfd ready{command_.fd(), POLLIN, 0};
-        if (::poll(&ready, 1, static_cast<int>(std::ceil((again - clock_.now_s()) * 1e3))) <= 0) continue;
+        const double left = std::max(0.0, again - clock_.now_s());  // below 0 poll() would wait for ever
+        if (::poll(&ready, 1, static_cast<int>(std::ceil(left * 1e3))) <= 0) continue;
         const auto n = ::recv(command_.fd(), packet_.data(), packet_.size(), MSG_DONTWAIT);
         if (n <= 0) break;  // nothing listens there, as the network says
         if (auto answer = parse(std::span<const unsigned char>(packet_.data(), static_cast<std::size_t>(n))))
@@ -152,7 +154,11 @@ class NatNetSource final : public PoseSource {
     const bool by_number = !options_.body.empty() && std::all_of(options_.body.begin(), options_.body.end(),
                                                                  [](char c) { return c >= '0' && c <= '9'; });
     if (by_number) {
-      body_ = std::atoi(options_.body.c_str());
+      const char* const end = options_.body.data() + options_.body.size();
+      if (std::from_chars(options_.body.data(), end, body_).ec != std::errc())
+        throw DeviceError(
+            DeviceStatus::failed,
+            fmt::format("{}: there is no rigid body {}; name one of Motive's as \"body\"", place_, options_.body));
       body_name_ = options_.body;
       return;
     }

@@ -1,8 +1,14 @@
 // OptiTrack's Motive over NatNet: commands by UDP to port 1510, frames by UDP to a multicast group or to this client.
+//
 //   message: id u16, payload bytes u16, payload; little-endian
-//   0 connect ("Ping" in 256 bytes, two versions) -> 1 server information: name 256 bytes, its version, NatNet's
-//   version, ticks per second u64, data port u16, multicast u8, group 4 bytes 4 request of descriptions -> 5
-//   descriptions; 7 frame; 10 keep-alive
+//
+//   0 connect ("Ping" in 256 bytes, two versions) -> 1 server information
+//
+//   1 server information: name 256 bytes, its version, NatNet's version, ticks per second u64, data port u16,
+//     multicast u8, group 4 bytes
+//
+//   4 request of descriptions -> 5 descriptions; 7 frame; 10 keep-alive
+//
 // Sources: the layouts in mje-nz/python_natnet (commit dcb6fd0a), which were verified against packets of Motive 2.1 and
 // OptiTrack's SampleClient; from NatNet 4.1 on, OptiTrack's Python client in its SDK (each section states its bytes).
 // Lengths in metres, in Motive's world (y or z up, as Motive is set); orientations x y z w.
@@ -50,6 +56,7 @@ struct ServerInfo {
   std::array<unsigned char, 4> group{};
 };
 
+// A body whose pose holds a number that is none, or no rotation, is not tracked and at the origin.
 struct Body {
   int id = 0;
   Vec3 p_W_m = Vec3::Zero();
@@ -81,7 +88,7 @@ struct NatNetOptions {
   int command_port = natnet::command_port;
   std::string body;        // name in Motive, or its streaming number; empty: the only one
   double timeout_s = 3.0;  // for the server's answers
-  double rate_Hz = 0.0;    // of the cameras, where the user states it (NatNet does not say)
+  double rate_Hz = 0.0;    // frames per second of the cameras, where the user states it (NatNet does not say)
 };
 
 // Throws DeviceError: absent, failed (the body is not there: the message lists those that are).

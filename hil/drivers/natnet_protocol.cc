@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cmath>
 
 #include "hil/drivers/byte_reader.h"
 #include "hil/drivers/natnet.h"
@@ -13,6 +14,8 @@ constexpr std::uint32_t most = 10000;
 // What ends a frame up to NatNet 4.0: timecode 2 x 4, timestamp 8, three stamps 8 each, parameters 2, an end mark 4.
 constexpr std::size_t suffix_bytes = 46;
 constexpr std::int16_t tracking_valid = 1;
+// Of a rotation's length; that of four 32-bit numbers is off by some 1e-7.
+constexpr double most_off_unit = 1e-3;
 constexpr std::uint32_t kind_rigid_body = 1, kind_marker_set = 0;
 
 // The payload, where the packet is the message.
@@ -54,6 +57,12 @@ Body read_body(ByteReader& reader) {
   body.q_WB = Quat(q[3], q[0], q[1], q[2]);
   body.mean_error_m = reader.little<float>();
   body.tracked = (reader.little<std::int16_t>() & tracking_valid) != 0;
+  // What is no pose is none: in a table it would spoil all others.
+  if (!body.p_W_m.allFinite() || !(std::abs(body.q_WB.norm() - 1.0) < most_off_unit)) {
+    body.p_W_m.setZero();
+    body.q_WB.setIdentity();
+    body.tracked = false;
+  }
   return body;
 }
 

@@ -1,6 +1,5 @@
-// The NatNet driver against packets captured from Motive 2.1, where they are (TOUCHSTONE_DATA_DIR/natnet: test_data of
-// mje-nz/python_natnet, commit dcb6fd0a; its tests state what OptiTrack's SampleClient said of them), and against an
-// emulator that is itself held against these packets.
+// The NatNet driver against packets captured from Motive 2.1 (natnet_answers.h), and against an emulator that is itself
+// held against these packets.
 #include "hil/drivers/natnet.h"
 
 #include <fmt/format.h>
@@ -8,12 +7,10 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <cstdlib>
-#include <filesystem>
-#include <fstream>
+#include <limits>
 
-#include "harness/base/atomic_file.h"
 #include "harness/base/random.h"
+#include "hil/emulators/natnet_answers.h"
 #include "hil/emulators/natnet_emulator.h"
 
 namespace touchstone::hil {
@@ -27,24 +24,19 @@ std::span<const unsigned char> bytes_of(const std::string& text) {
   return {reinterpret_cast<const unsigned char*>(text.data()), text.size()};
 }
 
-class NatNetCaptured : public ::testing::Test {
- protected:
-  void SetUp() override {
-    const char* const data = std::getenv("TOUCHSTONE_DATA_DIR");
-    folder_ = std::filesystem::path(data != nullptr ? data : "") / "natnet";
-    if (data == nullptr || !std::filesystem::exists(folder_ / "mocapframe_packet_v3.bin"))
-      GTEST_SKIP() << "no captured packets: put test_data/ of the repository mje-nz/python_natnet (commit dcb6fd0a) as "
-                      "natnet/ into the folder that TOUCHSTONE_DATA_DIR names";
-  }
-  [[nodiscard]] std::string packet(const std::string& name) const { return read_file(folder_ / name); }
-  std::filesystem::path folder_;
-};
+template <std::size_t n>
+std::span<const unsigned char> bytes_of(const unsigned char (&captured)[n]) {
+  return {captured, n};
+}
+template <std::size_t n>
+std::string text_of(const unsigned char (&captured)[n]) {
+  return {reinterpret_cast<const char*>(captured), n};
+}
 
 const natnet::Version three{3, 0};
 
-TEST_F(NatNetCaptured, TheServerSaysWhoItIs) {
-  const auto captured = packet("serverinfo_packet_v3.bin");
-  const auto info = natnet::parse_server_info(bytes_of(captured));
+TEST(NatNetCaptured, TheServerSaysWhoItIs) {
+  const auto info = natnet::parse_server_info(bytes_of(natnet_server_info));
   ASSERT_TRUE(info);
   EXPECT_EQ(info->application, "Motive");
   EXPECT_EQ(info->application_version.major, 2);
@@ -56,9 +48,9 @@ TEST_F(NatNetCaptured, TheServerSaysWhoItIs) {
   EXPECT_THAT(info->group, ElementsAre(239, 255, 42, 99));
 }
 
-TEST_F(NatNetCaptured, ABodyIsWhereTheSampleClientSawIt) {
+TEST(NatNetCaptured, ABodyIsWhereTheSampleClientSawIt) {
   natnet::Frame frame;
-  ASSERT_TRUE(natnet::parse_frame(bytes_of(packet("mocapframe_packet_v3.bin")), three, frame));
+  ASSERT_TRUE(natnet::parse_frame(bytes_of(natnet_frame), three, frame));
   EXPECT_EQ(frame.number, 162734U);
   ASSERT_EQ(frame.bodies.size(), 1U);
   const natnet::Body& body = frame.bodies[0];
@@ -69,29 +61,57 @@ TEST_F(NatNetCaptured, ABodyIsWhereTheSampleClientSawIt) {
   EXPECT_NEAR(body.mean_error_m, 0.0005152203, 1e-9);
   EXPECT_EQ(frame.exposure_ticks, 1416497730518U);
   EXPECT_EQ(frame.sent_ticks, 1416497748722U);
-  // One that is hidden: more markers, and the body lost.
-  ASSERT_TRUE(natnet::parse_frame(bytes_of(packet("mocapframe_packet_occluded_v3.bin")), three, frame));
+  // A marker is hidden, the body is not lost.
+  ASSERT_TRUE(natnet::parse_frame(bytes_of(natnet_occluded_frame), three, frame));
   ASSERT_EQ(frame.bodies.size(), 1U);
+  EXPECT_EQ(frame.number, 269007U);
+  EXPECT_EQ(frame.bodies[0].id, 7);
+  EXPECT_TRUE(frame.bodies[0].tracked);
+  EXPECT_LT((frame.bodies[0].p_W_m - Vec3(-0.15413156, 0.28294480, 0.47066432)).norm(), 1e-6);
   EXPECT_GT(frame.exposure_ticks, 0U);
 }
 
-TEST_F(NatNetCaptured, BodiesHaveNames) {
-  const auto bodies = natnet::parse_descriptions(bytes_of(packet("modeldef_packet_v3.bin")), three);
+// In a table one number that is none would make all others unreadable.
+TEST(NatNet, APoseThatIsNoneIsNotTracked) {
+  EmulatedFrame whole;
+  whole.p[1] = 0.5F;
+  const auto body_of = [](const EmulatedFrame& f) {
+    natnet::Frame frame;
+    EXPECT_TRUE(natnet::parse_frame(bytes_of(natnet_frame_packet(f, false)), three, frame));
+    return frame.bodies.at(0);
+  };
+  EXPECT_TRUE(body_of(whole).tracked);
+  auto nowhere = whole;
+  nowhere.p[2] = std::numeric_limits<float>::quiet_NaN();
+  auto no_rotation = whole;
+  no_rotation.q_xyzw[3] = 0.0F;
+  auto endless = whole;
+  endless.q_xyzw[0] = std::numeric_limits<float>::infinity();
+  for (const auto& f : {nowhere, no_rotation, endless}) {
+    const natnet::Body body = body_of(f);
+    EXPECT_FALSE(body.tracked);
+    EXPECT_EQ(body.p_W_m, Vec3::Zero());
+    EXPECT_EQ(body.q_WB.coeffs(), Quat::Identity().coeffs());
+  }
+}
+
+TEST(NatNetCaptured, BodiesHaveNames) {
+  const auto bodies = natnet::parse_descriptions(bytes_of(natnet_descriptions), three);
   ASSERT_TRUE(bodies);
   EXPECT_THAT(*bodies, ElementsAre(Pair("RaceQuad", 2)));
 }
 
-TEST_F(NatNetCaptured, RequestsAreThoseOfOptiTracksClient) {
-  auto connect = packet("connect_packet_v3.bin");
+TEST(NatNetCaptured, RequestsAreThoseOfOptiTracksClient) {
+  const auto connect = text_of(natnet_connect);
   const auto ours = natnet::connect_request();
   ASSERT_EQ(ours.size(), connect.size());
   EXPECT_EQ(ours.substr(0, 4), connect.substr(0, 4));
   EXPECT_EQ(ours.substr(260), connect.substr(260)) << "the versions";
-  EXPECT_EQ(natnet::empty_message(natnet::Message::request_descriptions), packet("requestmodeldef_packet_v3.bin"));
+  EXPECT_EQ(natnet::empty_message(natnet::Message::request_descriptions), text_of(natnet_request_descriptions));
 }
 
 // The emulator, made from the values of the captured frame, sends the captured frame.
-TEST_F(NatNetCaptured, TheEmulatorsFrameIsMotives) {
+TEST(NatNetCaptured, TheEmulatorsFrameIsMotives) {
   EmulatedFrame f;
   f.number = 162734;
   f.body = 2;
@@ -140,7 +160,7 @@ TEST_F(NatNetCaptured, TheEmulatorsFrameIsMotives) {
   f.exposure = 1416497730518;
   f.received = 1416497745808;
   f.sent = 1416497748722;
-  EXPECT_EQ(natnet_frame_packet(f, false), packet("mocapframe_packet_v3.bin"));
+  EXPECT_EQ(natnet_frame_packet(f, false), text_of(natnet_frame));
 }
 
 EmulatedPose circle(double t) {
@@ -230,6 +250,7 @@ TEST(NatNet, SaysWhichBodiesThereAreAndWhenNobodyAnswers) {
     NatNetEmulator motive(60.0, {}, circle);
     port = motive.command_port();
     EXPECT_THAT(complaint({"127.0.0.1", port, "stylus", 1.0, 0.0}), HasSubstr("no rigid body \"stylus\"; it has"));
+    EXPECT_THAT(complaint({"127.0.0.1", port, "99999999999", 1.0, 0.0}), HasSubstr("no rigid body 99999999999;"));
   }
   EXPECT_THAT(complaint({"127.0.0.1", port, "probe", 0.3, 0.0}), HasSubstr("is Motive streaming"));
 }

@@ -11,10 +11,12 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <charconv>
 #include <cmath>
 #include <cstring>
 #include <map>
 
+#include "harness/base/error.h"
 #include "hil/drivers/byte_reader.h"
 #include "hil/drivers/stamped_udp.h"
 
@@ -131,8 +133,8 @@ class VrpnSource final : public PoseSource {
     counters_ = {};
     sequence_ = 0;
     last_ticks_ = 0;
-    // What waits is of before.
-    while (fill(0.0)) each([](const vrpn::Message&) {});
+    // Poses that wait are of before; what is described among them is not said again.
+    while (fill(0.0)) each([this](const vrpn::Message& m) { learn(m); });
   }
   void stop() noexcept override {}
 
@@ -299,7 +301,16 @@ VrpnOptions vrpn_options(const std::string& host, const std::string& body) {
   options.host = host;
   const auto colon = body.rfind(':');
   options.tracker = body.substr(0, colon);
-  if (colon != std::string::npos) options.sensor = std::atoi(body.c_str() + colon + 1);
+  if (colon != std::string::npos) {
+    const char* const end = body.data() + body.size();
+    const auto [stop, error] = std::from_chars(body.data() + colon + 1, end, options.sensor);
+    if (error != std::errc() || stop != end || options.sensor < 0) {
+      throw UsageError(
+          fmt::format("vrpn: \"body\" is \"{}\" in the hardware map; a tracker, or tracker:sensor with a whole number, "
+                      "was expected",
+                      body));
+    }
+  }
   return options;
 }
 

@@ -1,11 +1,16 @@
 // Trackers behind a VRPN server (Vicon, Polhemus, OptiTrack and others serve it), over TCP alone: this client announces
 // no UDP port, so that the server sends everything over the one connection, nothing is lost and nothing is out of
 // order.
+//
 //   both sides first send a cookie of 24 bytes, "vrpn: ver. 07.38  0" and zeroes; the major version must agree
-//   message: length u32 (of header and payload without padding), time of the server u32 s, u32 us, sender i32, type
-//   i32, a sequence u32; padded to 24; the payload, padded to 8; all big-endian type -1: the sender is described, -2: a
-//   type is; each payload is a length u32 and the name with its zero "vrpn_Tracker Pos_Quat": sensor i32, i32, position
-//   3 f64 [m], orientation x y z w 4 f64
+//
+//   message, all big-endian: length u32 (of header and payload without padding), time of the server u32 s, u32 us,
+//     sender i32, type i32, a sequence u32; padded to 24; the payload, padded to 8
+//
+//   type -1: the sender is described, -2: a type is; each payload is a length u32 and the name with its zero
+//
+//   type "vrpn_Tracker Pos_Quat": sensor i32, i32, position 3 f64 [m], orientation x y z w 4 f64
+//
 // Source: vrpn/vrpn, commit 893c7496 (vrpn_Connection.C, vrpn_Tracker.C), and what a server built from it sends
 // (emulators/vrpn_answers.h).
 //   Samples have the server's time of the report. A sensor that is hidden sends nothing: a gap in time, no flag. The

@@ -93,6 +93,13 @@ TEST(Vrpn, TheOnlyTrackerNeedsNoNameAndAnotherSensorIsAnotherBody) {
   EXPECT_GT(samples[0].p_W_m.z(), 0.9);
 }
 
+TEST(Vrpn, ASensorIsAWholeNumber) {
+  EXPECT_EQ(vrpn_options("host", "Tracker0:12").sensor, 12);
+  EXPECT_EQ(vrpn_options("host", "Tracker0:12").tracker, "Tracker0");
+  for (const char* const body : {"Tracker0:left", "Tracker0:", "Tracker0:1x", "Tracker0:-1", "Tracker0:9999999999"})
+    EXPECT_THROW(vrpn_options("host", body), UsageError) << body;
+}
+
 TEST(Vrpn, SaysWhatIsThereAndWhenTheServerGoes) {
   VrpnEmulator server(100.0, orbit);
   auto options = vrpn_options("127.0.0.1", "Wand");

@@ -40,7 +40,11 @@ bool reads_natnet(const std::string& packet, bool sized) {
   const natnet::Version version = sized ? natnet::Version{4, 1} : natnet::Version{3, 0};
   (void)natnet::parse_server_info(bytes_of(packet));
   (void)natnet::parse_descriptions(bytes_of(packet), version);
-  return natnet::parse_frame(bytes_of(packet), version, frame);
+  if (!natnet::parse_frame(bytes_of(packet), version, frame)) return false;
+  for (const natnet::Body& body : frame.bodies) {
+    if (!body.p_W_m.allFinite() || !body.q_WB.coeffs().allFinite()) std::abort();
+  }
+  return true;
 }
 
 // Message by message, as the driver reads a stream.
@@ -70,7 +74,10 @@ bool reads_ndi(const std::string& answer) {
 bool reads_bota(std::string frame) {
   frame.resize(bota::frame_bytes);
   const auto bytes = bytes_of(frame);
-  return bota::decode(std::span<const unsigned char, bota::frame_bytes>(bytes.data(), bota::frame_bytes)).has_value();
+  const auto read = bota::decode(std::span<const unsigned char, bota::frame_bytes>(bytes.data(), bota::frame_bytes));
+  if (!read) return false;
+  if (!read->wrench.f_N.allFinite() || !read->wrench.torque_Nm.allFinite()) std::abort();
+  return true;
 }
 
 bool reads_netft(const std::string& xml) {
