@@ -38,7 +38,7 @@ constexpr std::array devices{
                 Confidence::confirmed, "has no watchdog of its own: only run behind the guardian process"},
     KnownDevice{"haply-inverse3", "Haply Inverse3", haptic, Bus::network, 0, 0, "",
                 "docs.haply.co: WebSocket protocol of the Inverse service", Confidence::confirmed,
-                "through Haply's service, which must run"},
+                "through Haply's service, which must run; tried against an emulator only"},
     KnownDevice{"force-dimension-omega", "Force Dimension omega", haptic, Bus::usb, 0x1451, 0x0402, "",
                 "usb.ids; vendor's udev rules", Confidence::reported,
                 "through the vendor's library, tried against a stub only"},

@@ -2,9 +2,11 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "hil/drivers/web_socket.h"
 
@@ -12,11 +14,12 @@ namespace touchstone::hil {
 
 namespace haply {
 
-std::string force_command(const std::string& device_id, const Vec3& f_W_N) {
+std::string force_command(const std::string& device_id, const Vec3& f_W_N, ForceKey key) {
+  const char* const name = key == ForceKey::vector ? "vector" : "values";
   return nlohmann::json{
       {"inverse3",
        {{{"device_id", device_id},
-         {"commands", {{"set_cursor_force", {{"values", {{"x", f_W_N.x()}, {"y", f_W_N.y()}, {"z", f_W_N.z()}}}}}}}}}}}
+         {"commands", {{"set_cursor_force", {{name, {{"x", f_W_N.x()}, {"y", f_W_N.y()}, {"z", f_W_N.z()}}}}}}}}}}}
       .dump();
 }
 
@@ -26,6 +29,9 @@ namespace {
 
 // Of an answer to a zero command, from any state.
 constexpr double zero_patience_s = 0.05;
+// Less than a device can apply.
+constexpr double no_force_N = 1e-6;
+constexpr std::array device_types{"inverse3", "inverse3x", "minverse"};
 
 class HaplyDevice final : public HapticDevice {
  public:
@@ -37,14 +43,19 @@ class HaplyDevice final : public HapticDevice {
       const auto& device = find(inventory);
       identity_ = {"haply-inverse3", id_,
                    device.value("/config/extended_firmware_version"_json_pointer, std::string("Inverse service")), "",
-                   device.value("/config/type"_json_pointer, std::string()) == "emulated"};
+                   !is_a_device(device.value("/config/type"_json_pointer, std::string()))};
+      if (device.contains("/config/basis"_json_pointer)) key_ = haply::ForceKey::vector;
+      refuse_other_axes(device);
     } catch (const nlohmann::json::exception& error) {
       throw DeviceError(DeviceStatus::failed,
                         fmt::format("Haply's Inverse service: its inventory is not as documented: {}", error.what()));
     }
     take(inventory);
   }
-  ~HaplyDevice() override { zero_force(); }
+  // Another program's session is none of a probe's business.
+  ~HaplyDevice() override {
+    if (commanded_) zero_force();
+  }
   HaplyDevice(const HaplyDevice&) = delete;
   HaplyDevice& operator=(const HaplyDevice&) = delete;
 
@@ -53,22 +64,51 @@ class HaplyDevice final : public HapticDevice {
   [[nodiscard]] bool calibrated() const override { return calibrated_; }
 
   DeviceState exchange(const Vec3& f_W_N, double deadline_s) override {
-    socket_.send(haply::force_command(id_, f_W_N), deadline_s);
+    commanded_ = true;
+    socket_.send(haply::force_command(id_, f_W_N, key_), deadline_s);
     take(parse(socket_.receive(deadline_s)));
     return state_;
   }
 
-  // One answer comes for each message: the answer to this one says that the service has it.
+  // Confirmed by the force that the service says it applies, where it says one; the state may be older than the
+  // command.
   bool zero_force() noexcept override {
     try {
-      exchange(Vec3::Zero(), clock_.now_s() + zero_patience_s);
-      return true;
+      const double until = clock_.now_s() + zero_patience_s;
+      do {
+        exchange(Vec3::Zero(), until);
+        if (!applied_N_ || applied_N_->norm() <= no_force_N) return true;
+      } while (clock_.now_s() < until);
     } catch (...) {
-      return false;
+      // No answer in time.
     }
+    return false;
   }
 
  private:
+  [[nodiscard]] static bool is_a_device(const std::string& type) {
+    return std::find(device_types.begin(), device_types.end(), type) != device_types.end();
+  }
+
+  // In other axes, or with lengths scaled, a position is none of the device's and a newton is no newton.
+  void refuse_other_axes(const nlohmann::json& device) const {
+    const auto axes = device.value("/config/basis/permutation"_json_pointer, std::string("XYZ"));
+    if (axes != "XYZ")
+      throw DeviceError(
+          DeviceStatus::failed,
+          fmt::format("Inverse3 {}: its axes are permuted, {}; set the basis to XYZ in Haply Hub", id_, axes));
+    for (const char* const at : {"/config/mount/scale", "/state/transform/scale"}) {
+      const auto scale = device.value(nlohmann::json::json_pointer(at), nlohmann::json::object());
+      for (const char* const axis : {"x", "y", "z"}) {
+        if (scale.value(axis, 1.0) != 1.0)
+          throw DeviceError(DeviceStatus::failed,
+                            fmt::format("Inverse3 {}: {} is {}; lengths are metres at a scale of 1 alone: set it in "
+                                        "Haply Hub",
+                                        id_, at, scale.dump()));
+      }
+    }
+  }
+
   [[nodiscard]] static nlohmann::json parse(const std::string& text) {
     auto json = nlohmann::json::parse(text, nullptr, false);
     if (!json.is_object())
@@ -129,6 +169,8 @@ class HaplyDevice final : public HapticDevice {
       state_.t_s = clock_.now_s();
       state_.p_W_m = vector_of(*state, "cursor_position");
       state_.v_W_m_per_s = vector_of(*state, "cursor_velocity");
+      applied_N_.reset();
+      if (state->contains("current_cursor_force")) applied_N_ = vector_of(*state, "current_cursor_force");
       if (const auto status = device.find("status"); status != device.end())
         calibrated_ = status->value("calibrated", false) && status->value("ready", false);
       state_.buttons = 0;
@@ -148,7 +190,9 @@ class HaplyDevice final : public HapticDevice {
   std::string id_;
   DeviceIdentity identity_;
   DeviceState state_;
-  bool calibrated_ = false;
+  haply::ForceKey key_ = haply::ForceKey::values;
+  std::optional<Vec3> applied_N_;  // as the service's last state has it, where it says so
+  bool calibrated_ = false, commanded_ = false;
 };
 
 }  // namespace

@@ -14,14 +14,66 @@
 namespace touchstone::hil {
 namespace {
 
+using ::testing::AllOf;
 using ::testing::HasSubstr;
 
 Vec3 ring(double t) { return {0.05 * std::cos(t), 0.05 * std::sin(t), 0.15}; }
 
+// By Haply's page "Control Commands" (3.5), and as published clients of earlier services send.
 TEST(Haply, CommandsAreAsDocumented) {
-  EXPECT_EQ(nlohmann::json::parse(haply::force_command("049D", {1, -2, 0.5})),
-            nlohmann::json::parse(R"({"inverse3": [{"device_id": "049D", "commands": {"set_cursor_force": {"values":
-                                      {"x": 1.0, "y": -2.0, "z": 0.5}}}}]})"));
+  for (const auto& [key, name] : {std::pair(haply::ForceKey::vector, "vector"), {haply::ForceKey::values, "values"}}) {
+    nlohmann::json expected =
+        nlohmann::json::parse(R"({"inverse3": [{"device_id": "049D", "commands": {"set_cursor_force": {}}}]})");
+    expected["inverse3"][0]["commands"]["set_cursor_force"][name] = {{"x", 1.0}, {"y", -2.0}, {"z", 0.5}};
+    EXPECT_EQ(nlohmann::json::parse(haply::force_command("049D", {1, -2, 0.5}, key)), expected);
+  }
+}
+
+TEST(Haply, AnOlderServiceGetsTheForceUnderItsOwnName) {
+  HaplyFaults old;
+  old.before_3_5 = true;
+  HaplyEmulator service(old, ring);
+  const auto device = open_haply({"127.0.0.1", service.port(), "", 3.0});
+  device->exchange({1.5, -0.5, 0.25}, MonotonicClock().now_s() + 2.0);
+  EXPECT_EQ(service.applied_N(), Vec3(1.5, -0.5, 0.25));
+  EXPECT_TRUE(device->zero_force());
+  EXPECT_EQ(service.applied_N(), Vec3::Zero());
+}
+
+// The service answers also what it does not obey.
+TEST(Haply, AnAnswerAloneDoesNotConfirmZero) {
+  HaplyFaults faults;
+  faults.ignores_commands = true;
+  faults.force_before_N = 2.0;
+  HaplyEmulator service(faults, ring);
+  const auto device = open_haply({"127.0.0.1", service.port(), "", 3.0});
+  EXPECT_NO_THROW(device->exchange(Vec3::Zero(), MonotonicClock().now_s() + 2.0));
+  EXPECT_FALSE(device->zero_force());
+}
+
+TEST(Haply, OtherAxesAndScalesAreRefused) {
+  const auto complaint = [](const HaplyFaults& faults) -> std::string {
+    HaplyEmulator service(faults, ring);
+    try {
+      open_haply({"127.0.0.1", service.port(), "", 3.0});
+    } catch (const DeviceError& error) {
+      return error.what();
+    }
+    return "opened";
+  };
+  HaplyFaults faults;
+  faults.mount_scale = 2.0;
+  EXPECT_THAT(complaint(faults), AllOf(HasSubstr("/config/mount/scale"), HasSubstr("Haply Hub")));
+  faults = {};
+  faults.axes = "XZY";
+  EXPECT_THAT(complaint(faults), AllOf(HasSubstr("XZY"), HasSubstr("Haply Hub")));
+}
+
+// Who only looks whether it is there sends nothing into another program's session.
+TEST(Haply, OpeningAndClosingCommandsNothing) {
+  HaplyEmulator service({}, ring);
+  open_haply({"127.0.0.1", service.port(), "", 3.0});
+  EXPECT_EQ(service.messages(), 0U);
 }
 
 TEST(Haply, ForcesGoOutAndStatesComeBackOneForOne) {

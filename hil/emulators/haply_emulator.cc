@@ -19,10 +19,17 @@ namespace {
 
 nlohmann::json as_xyz(const Vec3& v) { return {{"x", v.x()}, {"y", v.y()}, {"z", v.z()}}; }
 
+nlohmann::json as_transform(double scale) {
+  return {{"position", as_xyz(Vec3::Zero())},
+          {"rotation", {{"w", 1.0}, {"x", 0.0}, {"y", 0.0}, {"z", 0.0}}},
+          {"scale", as_xyz(Vec3::Constant(scale))}};
+}
+
 }  // namespace
 
 HaplyEmulator::HaplyEmulator(HaplyFaults faults, std::function<Vec3(double)> cursor)
     : faults_(faults), cursor_(std::move(cursor)) {
+  force_[0] = faults.force_before_N;
   const LoopbackSocket opened = listen_on_loopback();
   listener_ = opened.fd;
   port_ = opened.port;
@@ -46,9 +53,12 @@ void HaplyEmulator::serve() {
                        {"state",
                         {{"cursor_position", as_xyz(cursor_(t))},
                          {"cursor_velocity", as_xyz((cursor_(t + step) - cursor_(t)) / step)},
-                         {"current_cursor_force", as_xyz(applied_N())},
                          {"control_domain", "cartesian"},
                          {"control_mode", "idle"}}}};
+    if (!faults_.before_3_5) {
+      one["state"]["current_cursor_force"] = as_xyz(applied_N());
+      one["state"]["transform"] = as_transform(1.0);
+    }
     if (!faults_.no_status)
       one["status"] = {{"calibrated", !faults_.not_calibrated},
                        {"ready", true},
@@ -57,6 +67,11 @@ void HaplyEmulator::serve() {
                        {"power_supply", true}};
     if (first)
       one["config"] = {{"type", "emulated"}, {"handedness", "right"}, {"extended_firmware_version", "emulated"}};
+    if (first && !faults_.before_3_5) {
+      one["config"]["basis"] = {{"permutation", faults_.axes}};
+      one["config"]["mount"] = as_transform(faults_.mount_scale);
+      one["config"]["filters"] = {{"force_gate", {{"gain", 0.3}}}, {"damping", {{"scalar", 0.0}}}};
+    }
     return one;
   };
   const auto message = [&](bool first, bool listed) {
@@ -93,10 +108,12 @@ void HaplyEmulator::serve() {
       if (error) break;
       const std::uint64_t n = ++messages_;
       const auto json = nlohmann::json::parse(beast::buffers_to_string(buffer.data()), nullptr, false);
-      const auto values =
-          json.is_object() ? json.value("/inverse3/0/commands/set_cursor_force/values"_json_pointer, nlohmann::json())
-                           : nlohmann::json();
-      if (values.is_object()) {
+      const auto values = json.is_object()
+                              ? json.value(nlohmann::json::json_pointer("/inverse3/0/commands/set_cursor_force") /
+                                               (faults_.before_3_5 ? "values" : "vector"),
+                                           nlohmann::json())
+                              : nlohmann::json();
+      if (values.is_object() && !faults_.ignores_commands) {
         force_[0] = values.value("x", 0.0), force_[1] = values.value("y", 0.0), force_[2] = values.value("z", 0.0);
       }
       if (faults_.silent_after != 0 && n >= faults_.silent_after) continue;
