@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <cstdlib>
 #include <nlohmann/json.hpp>
 
@@ -16,11 +17,15 @@
 namespace touchstone::hil {
 namespace {
 
-int port_of(JsonObject& object, std::string_view key, int otherwise) {
+int whole_from(JsonObject& object, std::string_view key, int otherwise, double least, double most,
+               std::string_view expected) {
   const double value = object.optional_number(key).value_or(otherwise);
-  if (!(value >= 1 && value <= 65535) || value != static_cast<int>(value))
-    object.fail_at(key, "a port from 1 to 65535 was expected");
+  if (!(value >= least && value <= most) || value != std::floor(value)) object.fail_at(key, expected);
   return static_cast<int>(value);
+}
+
+int port_of(JsonObject& object, std::string_view key, int otherwise) {
+  return whole_from(object, key, otherwise, 1, 65535, "a port from 1 to 65535 was expected");
 }
 
 double not_negative(JsonObject& object, std::string_view key) {
@@ -31,15 +36,12 @@ double not_negative(JsonObject& object, std::string_view key) {
 
 // Of trackers, load cells and serial lines.
 void read_stream_settings(JsonObject& object, MappedDevice& device, const std::filesystem::path& folder) {
-  device.baud = static_cast<int>(not_negative(object, "baud"));
+  device.baud = whole_from(object, "baud", 0, 0, 1e7, "a speed in baud, a whole number, was expected");
   device.rate_Hz = not_negative(object, "rate_Hz");
   device.body = object.optional_text("body").value_or("");
   if (const auto file = object.optional_text("tool_file")) device.tool_file = (folder / *file).string();
   device.newtons_per_unit = object.optional_number("newtons_per_unit").value_or(0.0);
-  const double value = object.optional_number("value").value_or(1.0);
-  if (!(value >= 1.0 && value <= 100.0))
-    object.fail_at("value", "the place of a number in a line, from 1, was expected");
-  device.value = static_cast<int>(value);
+  device.value = whole_from(object, "value", 1, 1, 100, "the place of a number in a line, from 1, was expected");
   const auto axis = object.optional_text("axis").value_or("z");
   if (axis != "x" && axis != "y" && axis != "z") object.fail_at("axis", "x, y or z was expected");
   device.axis = axis.front();

@@ -71,13 +71,6 @@ void probe_tracker(ProbeResult& result, const MappedDevice& mapped, const ProbeO
   if (result.id == "optitrack") {
     source = open_natnet({mapped.address, mapped.port != 0 ? mapped.port : natnet::command_port, mapped.body,
                           options.network_timeout_s, 0.0});
-  } else if (result.id == "ndi-polaris") {
-    NdiOptions ndi;
-    ndi.address = mapped.address;
-    if (mapped.port != 0) ndi.port = mapped.port;
-    ndi.tool_file = mapped.tool_file;
-    ndi.timeout_s = options.network_timeout_s;
-    source = open_ndi(ndi);
   } else {
     VrpnOptions vrpn = vrpn_options(mapped.address, mapped.body);
     if (mapped.port != 0) vrpn.port = mapped.port;
@@ -89,12 +82,29 @@ void probe_tracker(ProbeResult& result, const MappedDevice& mapped, const ProbeO
   result.reason = fmt::format("{} at {}", source->identity().firmware, mapped.address);
 }
 
-void probe_haply(ProbeResult& result, const MappedDevice& mapped, const ProbeOptions& options) {
-  const auto device = open_haply(
-      {mapped.address, mapped.port != 0 ? mapped.port : haply::usual_port, mapped.serial, options.network_timeout_s});
+// To say more than that it is there it would have to be reset, and with it the program that tracks with it.
+void probe_ndi(ProbeResult& result, const MappedDevice& mapped, const ProbeOptions& options) {
+  NdiOptions ndi;
+  ndi.address = mapped.address;
+  if (mapped.port != 0) ndi.port = mapped.port;
+  ndi.timeout_s = options.network_timeout_s;
+  reach_ndi(ndi);
+  result.status = DeviceStatus::present;
+  result.reason =
+      fmt::format("{} takes the connection at port {}; its tools show when it is recorded", mapped.address, ndi.port);
+}
+
+// The service runs on this machine unless the map says where.
+void probe_haply(ProbeResult& result, const MappedDevice* mapped, const ProbeOptions& options) {
+  HaplyOptions haply;
+  if (mapped != nullptr && !mapped->address.empty()) haply.host = mapped->address;
+  if (mapped != nullptr && mapped->port != 0) haply.port = mapped->port;
+  if (mapped != nullptr) haply.serial = mapped->serial;
+  haply.timeout_s = options.network_timeout_s;
+  const auto device = open_haply(haply);
   result.status = DeviceStatus::present;
   result.serial = device->identity().serial;
-  result.reason = fmt::format("through Haply's service at {}{}", mapped.address,
+  result.reason = fmt::format("through Haply's service at {}{}", haply.host,
                               device->calibrated() ? "" : "; not calibrated yet: no force is commanded");
 }
 
@@ -116,13 +126,22 @@ void probe_serial(ProbeResult& result, const MappedDevice* mapped) {
 }
 
 void probe_network(ProbeResult& result, const MappedDevice* mapped, const ProbeOptions& options) {
-  if (mapped == nullptr || mapped->address.empty()) {
+  const bool by_service = result.id == "haply-inverse3";
+  if (!by_service && (mapped == nullptr || mapped->address.empty())) {
     result.reason = "a network sensor is looked for only where the hardware map gives its address";
     return;
   }
   try {
-    if (result.id == "haply-inverse3") {
-      probe_haply(result, *mapped, options);
+    if (by_service) {
+      probe_haply(result, mapped, options);
+      return;
+    }
+    if (result.id == "ndi-polaris") {
+      if (mapped->address.front() == '/') {
+        probe_serial(result, mapped);
+      } else {
+        probe_ndi(result, *mapped, options);
+      }
       return;
     }
     if (const KnownDevice* const known = find_known_device(result.id); known->role == DeviceRole::tracker) {

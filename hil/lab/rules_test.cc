@@ -23,6 +23,9 @@
 #include "harness/testing/steps.h"
 #include "hil/devices/device_lock.h"
 #include "hil/devices/device_table.h"
+#include "hil/devices/probe.h"
+#include "hil/emulators/haply_emulator.h"
+#include "hil/emulators/ndi_emulator.h"
 #include "hil/emulators/netft_emulator.h"
 #include "hil/lab/analysis.h"
 #include "hil/lab/availability.h"
@@ -168,6 +171,26 @@ TEST(DeviceTable, ProductStringsDecideWhereIdsConflict) {
   EXPECT_EQ(match_usb(0x3923, 0x7272, "USB-6218")->id, "ni-daq");
 }
 
+// Another program may be using what is looked for.
+TEST(Probe, ResetsAndCommandsNothing) {
+  HardwareMap map;
+  map.devices.resize(2);
+  MappedDevice &tracker = map.devices[0], &handle = map.devices[1];
+  NdiEmulator polaris(60.0, {}, [](double) { return EmulatedPose{}; });
+  tracker.id = "ndi-polaris";
+  tracker.address = "127.0.0.1";
+  tracker.port = polaris.port();
+  EXPECT_EQ(probe_one("ndi-polaris", map).status, DeviceStatus::present);
+  EXPECT_EQ(polaris.commands(), 0U);
+  tracker.address = "/dev/no-such-line";
+  EXPECT_EQ(probe_one("ndi-polaris", map).status, DeviceStatus::absent);
+  HaplyEmulator service({}, [](double) -> Vec3 { return Vec3::Zero(); });
+  handle.id = "haply-inverse3";
+  handle.port = service.port();  // no address: on this machine, as it is opened
+  EXPECT_EQ(probe_one("haply-inverse3", map).status, DeviceStatus::present);
+  EXPECT_EQ(service.messages(), 0U);
+}
+
 TEST(HardwareMapFile, SaysWhatIsWrong) {
   const auto path = std::filesystem::temp_directory_path() / fmt::format("touchstone-hw-{}.json", ::getpid());
   const auto complaint = [&](const std::string& device) {
@@ -188,6 +211,11 @@ TEST(HardwareMapFile, SaysWhatIsWrong) {
   EXPECT_THAT(complaint(R"({"id": "novint-flacon"})"), HasSubstr("known: ati-netft"));
   EXPECT_THAT(complaint(R"({"id": "novint-falcon", "force_limit": 3})"), HasSubstr("force_limit"));
   EXPECT_THAT(complaint(R"({"id": "novint-falcon", "force_limit_N": -1})"), HasSubstr("negative"));
+  for (const char* const baud : {"1e300", "57600.7", "-1"})
+    EXPECT_THAT(complaint(fmt::format(R"({{"id": "hx711-serial", "baud": {}}})", baud)),
+                ::testing::AllOf(HasSubstr("/devices/0/baud"), HasSubstr("whole number")));
+  EXPECT_THAT(complaint(R"({"id": "hx711-serial", "value": 1.5})"), HasSubstr("/devices/0/value"));
+  EXPECT_THAT(complaint(R"({"id": "ati-netft", "udp_port": 49152.5})"), HasSubstr("a port from 1"));
   EXPECT_THAT(complaint(R"({"id": "ati-netft", "udp_port": 70000})"), HasSubstr("port"));
   std::filesystem::remove(path);
 }

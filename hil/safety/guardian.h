@@ -5,17 +5,15 @@
 //                         +---- rescuer --------+   (watches both, ends them, brings the device to zero itself)
 //
 //   guard    a process of its own, real-time, memory locked, protected from the out-of-memory killer where the user
-//   may.
-//            Every command passes its ForceSupervisor: force, force rate, speed, workspace, power, energy, temperature,
-//            NaN, age. It calls no device code, so that no driver can stop it. On a trip, or when the program falls
-//            silent or ends in any way, it has zero repeated until the device confirms it, then the motors switched
-//            off. A trip is final: to push again, open the device again.
+//            may. Every command passes its ForceSupervisor: force, force rate, speed, workspace, power, energy,
+//            temperature, NaN, age. It calls no device code, so that no driver can stop it. On a trip, or when the
+//            program falls silent or ends in any way, it has zero repeated until the device confirms it, then the
+//            motors switched off. A trip is final: to push again, open the device again.
 //   driver   calls the device. An exception of any kind, or silence from the guard, brings the device to zero. When it
 //            blocks or dies, the guard has it ended and calls the rescuer.
 //   rescuer  the second watchdog. It opens the device in a fresh process and repeats zero until it is confirmed, when
-//   the
-//            guard asks for it, when the guard dies, and when the guard's sign of life is older than `watchdog_s` while
-//            a force is on. Where the rescuer is gone, the guard lets go: nothing is pushed without it.
+//            the guard asks for it, when the guard dies, and when the guard's sign of life is older than `watchdog_s`
+//            while a force is on. Where the rescuer is gone, the guard lets go: nothing is pushed without it.
 //
 // What is left when the device itself does not obey: its own watchdog, and the physical switch.
 #pragma once
