@@ -109,7 +109,13 @@ inline ClockAlignment align(const Session& s) {
   return align_by_taps(s.t_force, s.force, s.t_motion, s.height, {}, "session");
 }
 
-// The error of the alignment over many sessions against 2 ms at worst and, over a hundred, 0.5 ms in the median.
+// The error of the alignment over many sessions against 2 ms at worst and, over a hundred, 0.56 ms in the median.
+//   The bound: a tap that is known but for its level, the two speeds and the offset leaves a least variance of the
+//   offset
+// (Cramer and Rao) of 0.76 ms at these speeds, rates and noise; over eight taps the median of the larger error at the
+// two ends is 0.43 ms. Where hands may speed up, eight taps know their accelerations to half of their own variance
+// (tap_fit.cc, Habit), and the bound is 0.48 ms; with accelerations that are free it is 0.65. The median over a hundred
+// sessions scatters by 0.04 ms, and two of that are granted.
 inline void check_alignment_over_seeds(int seeds) {
   std::vector<double> worst;
   int covered = 0;
@@ -132,7 +138,7 @@ inline void check_alignment_over_seeds(int seeds) {
       1e3 * mean_centre, 100 * covered / seeds);
   EXPECT_LT(worst.back(), 2e-3);
   if (seeds >= 100) {
-    EXPECT_LT(worst[worst.size() / 2 - 1], 0.5e-3);
+    EXPECT_LT(worst[worst.size() / 2 - 1], 0.56e-3);
   }
   EXPECT_GE(covered, seeds * 85 / 100);  // the stated uncertainty must mean something
 }
