@@ -4,6 +4,7 @@
 #include "harness/pipeline/evaluation/sample_scan_for_test.h"
 #include "harness/pipeline/fitting/fit_report.h"
 #include "harness/pipeline/fitting/minimise.h"
+#include "harness/surface/embree_surface.h"
 #include "harness/testing/shared_data.h"
 
 namespace touchstone::pipeline {
@@ -194,6 +195,18 @@ TEST(Fit, FrictionIsSearchedByItsShortNameAndWithoutABreakAwayOfItsOwn) {
   EXPECT_EQ(with_values(model, {friction}, {0.1}).effects[0].parameters.at("mu_static"), 0.3);
   model.effects.push_back({"stribeck-friction", {{"mu_dynamic", 0.2}}, "/effects/1"});
   EXPECT_THROW(parse_fit_parameter(built_in(), "mu_dynamic=0:1", model), UsageError) << "two entries have one";
+}
+
+TEST(Fit, ARenderersOwnFrictionIsSearchedBeyondItsBreakAway) {
+  Model model;
+  model.renderer = "friction-cone";
+  model.source = "here";
+  model.parameters = {{"stiffness_N_per_m", 400.0}, {"mu_static", 0.15}, {"mu_dynamic", 0.15}};
+  const FitParameter friction = parse_fit_parameter(built_in(), "mu_dynamic=0:1", model);
+  const Model more = with_values(model, {friction}, {0.7});
+  EXPECT_EQ(more.parameters.at("mu_static"), 0.7);
+  EXPECT_NO_THROW(built_in().make(more, make_embree_surface(plate())));
+  EXPECT_EQ(with_values(model, {friction}, {0.1}).parameters.at("mu_static"), 0.15);
 }
 
 // Dry friction explains what the spring alone cannot, on blocks that the fit did not see.

@@ -55,13 +55,11 @@ std::string full_name(const Catalogue& catalogue, std::string_view name, const M
   return candidates.size() == 1 ? candidates.front() : std::string(name);
 }
 
-void keep_friction_dry(std::vector<NamedParameters>& effects) {
-  for (NamedParameters& effect : effects) {
-    const auto at_rest = effect.parameters.find("mu_static");
-    const auto sliding = effect.parameters.find("mu_dynamic");
-    if (at_rest == effect.parameters.end() || sliding == effect.parameters.end()) continue;
-    at_rest->second = std::max(at_rest->second, sliding->second);
-  }
+void keep_friction_dry(std::map<std::string, double>& parameters) {
+  const auto at_rest = parameters.find("mu_static");
+  const auto sliding = parameters.find("mu_dynamic");
+  if (at_rest == parameters.end() || sliding == parameters.end()) return;
+  at_rest->second = std::max(at_rest->second, sliding->second);
 }
 
 void set_parameter(Model& model, const FitParameter& parameter, double value) {
@@ -157,7 +155,8 @@ FitParameter parse_fit_parameter(const Catalogue& catalogue, std::string_view te
 Model with_values(const Model& model, const std::vector<FitParameter>& parameters, const std::vector<double>& values) {
   Model out = model;
   for (std::size_t i = 0; i < parameters.size(); ++i) set_parameter(out, parameters[i], values[i]);
-  keep_friction_dry(out.effects);
+  keep_friction_dry(out.parameters);
+  for (NamedParameters& effect : out.effects) keep_friction_dry(effect.parameters);
   return out;
 }
 
