@@ -70,6 +70,28 @@ TEST(EmbreeSurface, SameAsVisitingEveryTriangle) {
   }
 }
 
+// Above some number of triangles the hierarchy is made in another way. Beside small triangles a few that are a thousand
+// times as large, which that way likes least.
+TEST(EmbreeSurface, SameAsVisitingEveryTriangleOfAQuarterOfAMillion) {
+  TriangleMesh mesh = torus(1.0, 0.4, 512, 256);
+  const TriangleMesh sheet = moved(grid(4.0, 4), Quat::Identity(), {0.0, 0.0, -0.3});
+  const auto first = static_cast<std::int32_t>(mesh.vertices_W_m.size());
+  mesh.vertices_W_m.insert(mesh.vertices_W_m.end(), sheet.vertices_W_m.begin(), sheet.vertices_W_m.end());
+  for (const auto& [a, b, c] : sheet.triangles) mesh.triangles.push_back({first + a, first + b, first + c});
+  ASSERT_GE(mesh.triangle_count(), 250'000U);
+  const auto surface = make_embree_surface(mesh);
+  const MeshTopology topology = make_topology(mesh);
+  Random random(12);
+  for (int i = 0; i < 12; ++i) {
+    const Vec3 q = random.log_uniform(0.5, 3.0) * random.direction();
+    ASSERT_EQ(surface->closest(q).distance_m, every_triangle_distance(mesh, topology, q)) << q.transpose();
+    const Vec3 end = -random.uniform() * q;
+    const auto crossing = surface->first_crossing(q, end);
+    const auto expected = every_triangle_crossing(mesh, topology, q, end);
+    ASSERT_EQ(crossing ? crossing->fraction : -1.0, expected.value_or(-1.0)) << q.transpose();
+  }
+}
+
 TEST(EmbreeSurface, QueriesFarBeyondFloat) {
   const TriangleMesh mesh = cube(0.01);
   const auto surface = make_embree_surface(mesh);
