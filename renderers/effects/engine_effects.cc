@@ -23,13 +23,10 @@ class Magnet final : public Effect {
     if (contact.n_W.isZero() || (contact.contact && !inside_)) return;
     const double away = std::abs(contact.depth_m);
     if (!(away < distance_) || !(contact.stiffness_N_per_m > 0.0)) return;
+    // Beyond the turn `distance_` is larger than it: it is larger than `away`.
     const double turn = force_ / contact.stiffness_N_per_m;
-    double pull = 0.0;
-    if (away < turn) {
-      pull = contact.stiffness_N_per_m * away;
-    } else if (distance_ > turn) {
-      pull = force_ * (distance_ - away) / (distance_ - turn);
-    }
+    const double pull =
+        away < turn ? contact.stiffness_N_per_m * away : force_ * (distance_ - away) / (distance_ - turn);
     contact.adhesion_N += contact.contact ? -pull : pull;
   }
 

@@ -79,6 +79,22 @@ TEST(EngineEffects, AMagnetPullsByTheGap) {
   EXPECT_NEAR(second.to({0.1, 0.05, -1e-3}).f_W_N.z(), 0.8 + 0.4 * 3.0 / 3.5, 1e-12);
 }
 
+// F = 0.8 N, k = 800 N/m: the pull would turn at 1 mm, and ends at 2^-11 m = 0.49 mm, where it is k times that.
+TEST(EngineEffects, AMagnetEndsAtItsDistanceAlsoBeforeItTurns) {
+  const double distance_m = 0x1p-11;
+  const auto renderer = with("magnet", {{"force_N", 0.8}, {"distance_m", distance_m}});
+  Hand hand(*renderer);
+  for (const double gap_m : {2e-3, 1.5e-3, 0.9e-3, distance_m})
+    EXPECT_EQ(hand.to({0.1, 0.05, gap_m}).f_W_N, Vec3::Zero()) << gap_m;
+  EXPECT_NEAR(hand.to({0.1, 0.05, std::nextafter(distance_m, 0.0)}).f_W_N.z(), -kStiff * distance_m, 1e-12);
+  // Inside it is the same from the other side: 0.4 mm deep the contact's force twice, 0.49 mm deep the contact's alone.
+  const auto both = with("magnet", {{"force_N", 0.8}, {"distance_m", distance_m}, {"inside", 1.0}});
+  Hand second(*both);
+  second.to({0.1, 0.05, 1e-3});
+  EXPECT_NEAR(second.to({0.1, 0.05, -4e-4}).f_W_N.z(), 2.0 * kStiff * 4e-4, 1e-12);
+  EXPECT_NEAR(second.to({0.1, 0.05, -distance_m}).f_W_N.z(), kStiff * distance_m, 1e-12);
+}
+
 // A spring of 100 N/m that slips at 0.05 N: the tip sticks for 0.5 mm, and again from where it slipped.
 TEST(EngineEffects, StickSlipIsASawtooth) {
   const auto renderer = with("stick-slip", {{"stiffness_N_per_m", 100.0}, {"force_N", 0.05}});
