@@ -20,16 +20,16 @@ using testing::Outcome;
 std::string plugin(const std::string& fault) { return environment("TOUCHSTONE_FAULTY_PLUGINS") + "/" + fault + ".so"; }
 
 // The tests that failed, without their shapes: "StepAllocatesNothing", "golden plane-taps".
-std::set<std::string> failing_tests(const std::string& fault) {
+std::set<std::string> failing_tests(const std::string& fault, const std::string& caught_by = {},
+                                    const std::string& options = {}) {
   std::set<std::string> failed;
-  const auto folder = std::filesystem::path(::testing::TempDir()) / ("touchstone-plugin-fault-" + fault);
+  const auto folder = std::filesystem::path(::testing::TempDir()) / ("touchstone-plugin-fault-" + fault + caught_by);
   std::filesystem::create_directories(folder);
   const auto run = [&](const std::string& command) { return testing::run_command(command, folder); };
   // A fault shows on the small shapes, where the example's search through all triangles is quick, or by its own name.
-  const char* const shapes =
-      fault == "NO_FAULT" ? "*" : "*_cube:*_plate:*_sheet:*TheForceIs*:*TheForceTurns*:*SmallTri*";
-  const Outcome suite = run(
-      fmt::format("{} --plugin={} --gtest_filter='{}'", environment("TOUCHSTONE_CONFORMANCE"), plugin(fault), shapes));
+  const std::string tests = caught_by.empty() ? "*" : "*_cube:*_plate:*_sheet:*TheForceIs*:*" + caught_by + "*";
+  const Outcome suite = run(fmt::format("{} --plugin={} {} --gtest_filter='{}'", environment("TOUCHSTONE_CONFORMANCE"),
+                                        plugin(fault), options, tests));
   for (const std::string mark :
        {"[  FAILED  ] Plugin/RendererConformance.", "[  FAILED  ] Plugin/RendererBehaviour."}) {
     for (std::size_t at = suite.out.find(mark); at != std::string::npos; at = suite.out.find(mark, at + 1)) {
@@ -63,7 +63,7 @@ TEST_P(PluginFault, IsCaughtByTheTestThatIsNamed) {
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
   if (GetParam().name == "ALLOCATES_IN_STEP") GTEST_SKIP() << "the sanitizer has its own malloc, which is not counted";
 #endif
-  const auto failed = failing_tests(GetParam().name);
+  const auto failed = failing_tests(GetParam().name, GetParam().caught_by);
   fmt::print("| {} | {} |\n", GetParam().name, fmt::join(failed, ", "));
   EXPECT_THAT(failed, ::testing::Contains(GetParam().caught_by));
 }
@@ -76,8 +76,17 @@ INSTANTIATE_TEST_SUITE_P(Planted, PluginFault,
                                            Fault{"ALLOCATES_IN_STEP", "StepAllocatesNothing"},
                                            Fault{"TURNS_WITH_THE_TIP", "TheForceTurnsWithTheWorldAndNotWithTheTip"},
                                            Fault{"LOSES_SMALL_TRIANGLES", "SmallTrianglesAreFeltAsLargeOnes"},
-                                           Fault{"DEPENDS_ON_UNIT", "TheUnitOfLengthChangesNothing"}),
+                                           Fault{"DEPENDS_ON_UNIT", "TheUnitOfLengthChangesNothing"},
+                                           Fault{"SHARES_ITS_MEMORY", "TwoOnOneSurfaceDoNotDisturbOneAnother"},
+                                           Fault{"COSTS_MORE_EVERY_STEP", "TheCostDoesNotGrowWithTheSteps"},
+                                           Fault{"SPIKES_LATE", "NoStepOfAMillionIsASpike"}),
                          [](const auto& tested) { return tested.param.name; });
+
+// The example has no friction; who says of it that it has finds that it is lost.
+TEST(PluginFaults, FrictionThatIsDeclaredAndLostIsCaught) {
+  EXPECT_THAT(failing_tests("NO_FAULT", "DeclaredFrictionIsFelt", "--friction=0.4"),
+              ::testing::ElementsAre("DeclaredFrictionIsFelt"));
+}
 
 TEST(PluginFaults, WithoutOneEveryTestPasses) { EXPECT_THAT(failing_tests("NO_FAULT"), ::testing::IsEmpty()); }
 

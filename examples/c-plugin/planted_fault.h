@@ -15,6 +15,9 @@
 #define DEPENDS_ON_UNIT 6       /* an absolute epsilon: contact begins at 10 micrometres, whatever the unit */
 #define TURNS_WITH_THE_TIP 7    /* the force is given in the tip's frame */
 #define LOSES_SMALL_TRIANGLES 8 /* no contact with triangles below 10 micrometres */
+#define SHARES_ITS_MEMORY 9     /* the last depth is kept for all renderers of the process, not for each */
+#define COSTS_MORE_EVERY_STEP 10
+#define SPIKES_LATE 11 /* step 1,000,000 takes a millisecond */
 #ifndef PLANTED_FAULT
 #define PLANTED_FAULT NO_FAULT
 #endif
@@ -23,6 +26,12 @@ struct planted_memory {
   touchstone_result last;
   int steps;
 };
+
+/* Work that the compiler cannot leave out. */
+static void planted_work(int additions) {
+  volatile double sum = 0.0;
+  for (int i = 0; i < additions; ++i) sum = sum + 1.0;
+}
 
 /* `size_m` is that of the triangle touched. */
 static void plant_fault(struct planted_memory* memory, const touchstone_tip* tip, double size_m,
@@ -61,6 +70,14 @@ static void plant_fault(struct planted_memory* memory, const touchstone_tip* tip
     f[1] += 2.0 * (q[0] * c[1] + q[3] * c[0] - q[1] * c[2]);
     f[2] += 2.0 * (q[0] * c[2] + q[1] * c[1] - q[2] * c[0]);
   }
+  if (PLANTED_FAULT == SHARES_ITS_MEMORY) {
+    static double last_depth_m = 0.0;
+    /* A damper, between the depths of two renderers. */
+    for (int i = 0; i < 3; ++i) f[i] += 10.0 * (result->depth_m - last_depth_m) * n[i];
+    last_depth_m = result->depth_m;
+  }
+  if (PLANTED_FAULT == COSTS_MORE_EVERY_STEP) planted_work(memory->steps / 50);
+  if (PLANTED_FAULT == SPIKES_LATE && memory->steps == 1000000) planted_work(2000000);
   const int lost = (PLANTED_FAULT == DEPENDS_ON_UNIT && result->depth_m < 1e-5) ||
                    (PLANTED_FAULT == LOSES_SMALL_TRIANGLES && size_m < 1e-5);
   if (lost && result->contact) {
