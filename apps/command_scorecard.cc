@@ -50,6 +50,7 @@ ExitStatus scorecard_command(const ScorecardOptions& options) {
     all_clean = all_clean && clean(card);
   }
   write_file(out / "index.html", diagnosis::scorecard_to_html(cards));
+  write_file(out / "shapes.md", diagnosis::scorecard_to_markdown(cards));
   fmt::print("scorecard: {}\n", (out / "index.html").string());
   return all_clean ? ExitStatus::passed : ExitStatus::failed;
 }
@@ -83,7 +84,9 @@ void add_scorecard(CLI::App& program, Run& run) {
       ->capture_default_str();
   command->add_flag("--no-cases", options->no_cases, "Diagnoses and cost alone");
   command->add_flag("--no-cost", options->no_cost, "No timing");
-  command->add_option("--out", options->request.out, "Folder: index.html, and a JSON per renderer")
+  command
+      ->add_option("--out", options->request.out,
+                   "Folder: index.html, a JSON per renderer, and shapes.md (errors of each shape by renderer)")
       ->capture_default_str();
   command->footer(
       "Exit status: 0 nothing found, 1 a fault was found.\nExamples:\n"

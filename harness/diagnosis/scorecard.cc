@@ -136,9 +136,14 @@ std::string scorecard_to_json(const Scorecard& card) {
       continue;
     }
     out["cases"].push_back({{"name", one.name},
+                            {"shape", one.shape},
                             {"reference", one.reference},
+                            {"samples", one.samples},
+                            {"force_mean_N", one.mean_N},
                             {"force_rms_N", one.rms_N},
                             {"force_max_N", one.max_N},
+                            {"force_jump_N", one.jump_N},
+                            {"right_max_N", one.right_N},
                             {"force_max_jnd", one.max_jnd},
                             {"exact", one.exact},
                             {"felt", one.felt}});

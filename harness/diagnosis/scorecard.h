@@ -13,9 +13,14 @@ namespace touchstone::diagnosis {
 // An engine on one golden case, against the right answer of that case.
 struct CaseScore {
   std::string name;       // "sphere-scan"
+  std::string shape;      // "sphere": what generates the body, or the file of its mesh; "scene" for several bodies
   std::string reference;  // "exact": of the smooth body; "golden": of its mesh
+  std::size_t samples = 0;
+  double mean_N = 0.0;  // of the magnitude of the error, as are the next two
   double rms_N = 0.0;
   double max_N = 0.0;
+  double jump_N = 0.0;   // the largest change of the error from one sample to the next
+  double right_N = 0.0;  // the largest right force, which the three are compared with
   double max_jnd = 0.0;  // the largest error in just noticeable differences of the right force
   bool exact = false;    // within the case's own tolerance
   bool felt = false;     // within the felt tolerance
@@ -52,6 +57,8 @@ CostScore measure_cost(const Engine& engine, int levels);
 std::string scorecard_to_json(const Scorecard& card);
 // One page without scripts or outside files. Several engines: side by side.
 std::string scorecard_to_html(const std::vector<Scorecard>& cards);
+// One table in Markdown, shapes by engines: error in per cent of the largest right force, and the faults by name.
+std::string scorecard_to_markdown(const std::vector<Scorecard>& cards);
 // A few lines for the terminal.
 std::string scorecard_to_text(const Scorecard& card);
 

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <limits>
 #include <nlohmann/json.hpp>
 
 #include "harness/diagnosis/entry_engine.h"
@@ -23,9 +24,28 @@ Scorecard a_card() {
   card.diagnosis.clean = {"noise"};
   card.diagnosis.declared = {{"standoff", "it rounds"}};
   card.diagnosis.failed = {{"allocation", "no memory"}};
-  card.cases.push_back({"sphere-scan", "exact", 0.1, 0.2, 0.5, false, true, ""});
-  card.cases.push_back({"torus-spiral", "", 0.0, 0.0, 0.0, true, true, "it crashed"});
-  card.cases.push_back({"plane-stroke", "", 0.0, 0.0, 0.0, false, false, "it starts inside", true});
+  const auto add = [&](const std::string& name, const std::string& shape) -> CaseScore& {
+    card.cases.emplace_back();
+    card.cases.back().name = name;
+    card.cases.back().shape = shape;
+    return card.cases.back();
+  };
+  CaseScore& scan = add("sphere-scan", "sphere");
+  scan.reference = "exact";
+  scan.samples = 1000;
+  scan.mean_N = 0.01;
+  scan.rms_N = 0.1;
+  scan.max_N = 0.2;
+  scan.jump_N = 0.05;
+  scan.right_N = 2.0;
+  scan.max_jnd = 0.5;
+  scan.felt = true;
+  CaseScore& crashed = add("torus-spiral", "torus");
+  crashed.problem = "it crashed";
+  crashed.exact = crashed.felt = true;
+  CaseScore& inside = add("plane-stroke", "plane");
+  inside.problem = "it starts inside";
+  inside.skipped = true;
   return card;
 }
 
@@ -40,8 +60,37 @@ TEST(Scorecard, TheJsonHasEveryVerdictAndWhatToFixFirst) {
   EXPECT_EQ(json["passed"]["skipped"], 1);
   EXPECT_EQ(json["passed"]["felt"], 1) << "a case that could not run passes nothing";
   EXPECT_EQ(json["passed"]["exact"], 0);
+  EXPECT_EQ(json["cases"][0]["force_jump_N"], 0.05);
   EXPECT_EQ(json["cases"][1]["problem"], "it crashed");
   EXPECT_TRUE(json["cost"].is_null());
+}
+
+// A second case of the shape, a hundred times as large and long: the mean is of all samples, the rest of the worst
+// case.
+TEST(Scorecard, TheTableOfShapesHasErrorsAsSharesOfTheRightForce) {
+  Scorecard card = a_card();
+  CaseScore large = card.cases.front();
+  large.samples = 3000;
+  large.mean_N = 0.2;
+  large.max_N = 4.0;
+  large.jump_N = 8.0;
+  large.right_N = 200.0;
+  card.cases.push_back(large);
+  Scorecard without;
+  without.engine = "other";
+  const std::string table = scorecard_to_markdown({card, without});
+  EXPECT_THAT(table, HasSubstr("| shape | mine | other |\n|---|---|---|\n"));
+  EXPECT_THAT(table, HasSubstr("| sphere | 0.2 / 10 / 4 | |\n")) << table;
+  EXPECT_THAT(table, HasSubstr("| torus | could not run | |\n"));
+  EXPECT_THAT(table, HasSubstr("| plane | skipped | |\n"));
+  EXPECT_THAT(table, HasSubstr("| faults | delay | none |\n"));
+}
+
+TEST(Scorecard, AnErrorThatIsNoNumberIsNotZeroInTheTable) {
+  Scorecard card = a_card();
+  card.cases.front().mean_N = std::numeric_limits<double>::quiet_NaN();
+  card.cases.front().jump_N = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_THAT(scorecard_to_markdown({card}), HasSubstr("| sphere | nan / 10 / nan |"));
 }
 
 TEST(Scorecard, ThePageShowsEveryDetectorForEveryEngine) {

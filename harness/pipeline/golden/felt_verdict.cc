@@ -136,16 +136,22 @@ FeltError felt_error(const Catalogues& catalogues, const GoldenCase& golden, con
       tolerance.epsilon_m * parameter_of(catalogues.renderers, own, "stiffness_N_per_m").value_or(0.0);
   const std::vector<RightAnswer> right = right_answers(catalogues, golden, model, own, run);
   FeltError error;
+  double sum_N = 0.0;
   double square = 0.0;
   for (std::size_t i = 0; i < run.size(); ++i) {
     if (right[i].by == RightAnswer::By::nothing) continue;
     ++(right[i].by == RightAnswer::By::body ? error.by_exact : error.by_golden);
-    const double off_N = (run.f_W_N[i] - right[i].f_W_N).norm();
+    const Vec3 off = run.f_W_N[i] - right[i].f_W_N;
+    const double off_N = off.norm();
+    if (i > 0 && right[i - 1].by != RightAnswer::By::nothing)
+      error.jump_N = std::max(error.jump_N, (off - (run.f_W_N[i - 1] - right[i - 1].f_W_N)).norm());
+    error.right_N = std::max(error.right_N, right[i].f_W_N.norm());
     double jnd = felt_jnd(run.f_W_N[i], right[i], epsilon_N);
     for (const std::size_t j : {i - 1, i + 1}) {
       if (j < run.size() && jumps(right[i], right[j], tolerance.jnd))
         jnd = std::min(jnd, felt_jnd(run.f_W_N[i], right[j], epsilon_N));
     }
+    sum_N += off_N;
     square += off_N * off_N;
     error.max_N = std::max(error.max_N, off_N);
     if (jnd > error.max_jnd) {
@@ -159,6 +165,7 @@ FeltError felt_error(const Catalogues& catalogues, const GoldenCase& golden, con
                               golden.name, run.size(), model));
   }
   error.reference = error.by_golden == 0 ? "exact" : error.by_exact == 0 ? "golden" : "both";
+  error.mean_N = sum_N / static_cast<double>(judged);
   error.rms_N = std::sqrt(square / static_cast<double>(judged));
   error.passed = error.max_jnd <= tolerance.jnd && std::isfinite(error.rms_N);
   return error;

@@ -21,8 +21,11 @@ struct FeltError {
   std::string reference;      // "exact", "golden", or "both": what the samples were judged by
   std::size_t by_exact = 0;   // samples
   std::size_t by_golden = 0;  // samples; what is in neither has no right answer that is known
+  double mean_N = 0.0;        // of the magnitude of the error, as are the next two
   double rms_N = 0.0;
   double max_N = 0.0;
+  double jump_N = 0.0;   // the largest change of the error from one judged sample to the next
+  double right_N = 0.0;  // the largest right force
   double max_jnd = 0.0;
   double worst_t_s = 0.0;
   bool passed = false;

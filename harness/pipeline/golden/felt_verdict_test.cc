@@ -66,6 +66,27 @@ TEST_F(Felt, SevenNewtonSidewaysDoNot) {
   EXPECT_THAT(to_sentence(error, {}), ::testing::HasSubstr("fails from the exact answer"));
 }
 
+// Sample by sample 0.5 N to one side and to the other: a mean error of 0.5 N, and jumps of 1 N. A constant error has
+// none.
+TEST_F(Felt, MeanAndJumpOfTheErrorAreThoseThatWerePlanted) {
+  const FeltError before = felt();
+  const auto planted = [&](double even_N, double odd_N) {
+    auto right = run_;
+    for (std::size_t i = 0; i < run_.size(); ++i) run_.f_W_N[i].x() += i % 2 == 0 ? even_N : odd_N;
+    const FeltError error = felt();
+    run_ = right;
+    return error;
+  };
+  const FeltError saw = planted(0.5, -0.5);
+  EXPECT_NEAR(saw.mean_N, 0.5, before.mean_N);
+  EXPECT_NEAR(saw.jump_N, 1.0, before.jump_N);
+  const FeltError constant = planted(0.5, 0.5);
+  EXPECT_NEAR(constant.mean_N, 0.5, before.mean_N);
+  EXPECT_NEAR(constant.jump_N, before.jump_N, 1e-12);
+  EXPECT_LT(before.jump_N, 0.1);
+  EXPECT_GT(before.right_N, 1.0);
+}
+
 TEST_F(Felt, ForceThatIsLostDoesNotAndNeitherDoesNaN) {
   auto lost = run_;
   for (Vec3& f : run_.f_W_N) f.setZero();

@@ -47,10 +47,19 @@ std::string another_tip(const Catalogues& catalogues, const GoldenCase& golden, 
       rendered_m, wanted_m);
 }
 
+// What the table of shapes has a row for.
+std::string shape_of(const GoldenCase& golden) {
+  if (!golden.scene.empty()) return "scene";
+  if (!golden.surface.generator.empty()) return golden.surface.generator;
+  const std::string file = golden.surface.mesh.filename().string();
+  return file.substr(0, file.find('.'));
+}
+
 diagnosis::CaseScore score_case(const Catalogues& catalogues, const GoldenCase& golden, const ScoreRequest& request,
                                 const ChangeModel& change) {
   diagnosis::CaseScore score;
   score.name = golden.name;
+  score.shape = shape_of(golden);
   try {
     score.problem = another_tip(catalogues, golden, request, change);
     score.skipped = !score.problem.empty();
@@ -65,6 +74,10 @@ diagnosis::CaseScore score_case(const Catalogues& catalogues, const GoldenCase& 
       return score;
     }
     score.reference = checked.felt->reference;
+    score.samples = checked.felt->by_exact + checked.felt->by_golden;
+    score.mean_N = checked.felt->mean_N;
+    score.jump_N = checked.felt->jump_N;
+    score.right_N = checked.felt->right_N;
     score.rms_N = checked.felt->rms_N;
     score.max_N = checked.felt->max_N;
     score.max_jnd = checked.felt->max_jnd;
