@@ -440,5 +440,28 @@ TEST(Scene, StartsInsideAtTheClosestPlaceOutside) {
   EXPECT_NEAR((result.f_W_N - Vec3(0.25, 0, 0)).norm(), 0.0, 1e-9);
 }
 
+// A press that comes down into the floor, over a tip that is pressed into it, leaves no space: the god-object stays on
+// the floor, whose force is F = k dx as before and after.
+TEST(Scene, APressThatLeavesNoSpaceDoesNotTakeTheFloorAway) {
+  constexpr double kDepth = 1e-3;
+  const auto press = [](double t_s) {  // down to -0.2 mm, twice
+    return at_rest({0, 0, 0.0004 + 0.0006 * std::cos(4.0 * std::numbers::pi * t_s)});
+  };
+  for (const double mu : {0.0, 0.4}) {
+    const auto renderer = make_scene_renderer(model(mu > 0.0 ? "friction-cone" : "god-object", mu),
+                                              scene_of({{floor_box(), [](double) { return at_rest(); }},
+                                                        {box({-0.02, -0.02, 0.0}, {0.02, 0.02, 0.02}), press}},
+                                                       1000));
+    renderer->reset();
+    for (int i = 0; i <= 1000; ++i) {
+      const Vec3 tip(0.001, 0.002, i < 5 ? 5e-4 - 3e-4 * i : -kDepth);
+      const StepResult result = renderer->step({kTick_s * i, tip, Quat::Identity()});
+      if (i >= 5) {
+        ASSERT_NEAR(result.f_W_N.z(), kStiffness * kDepth, 1e-9) << mu << " " << i;
+      }
+    }
+  }
+}
+
 }  // namespace
 }  // namespace touchstone::renderers

@@ -168,6 +168,7 @@ void SceneProxy::push_out(const Carried& way) noexcept {
   std::array<HalfSpace, 4> pushing;
   std::size_t count = 0;
   Vec3 x = way.free_now;
+  bool has_space = false;
   for (int round = 0; round < kPushes; ++round) {
     std::int32_t met = -1;
     for (const PosedBody& body : bodies_->bodies()) {
@@ -177,7 +178,10 @@ void SceneProxy::push_out(const Carried& way) noexcept {
       met = hit.triangle + body.first_triangle();
       break;
     }
-    if (met < 0) break;
+    if (met < 0) {
+      has_space = true;
+      break;
+    }
     const Facet facet = bodies_->facet(met);
     pushing[count++] = {facet.n, planes_.lift() - facet.height(way.free_now)};
     const auto nearest =
@@ -191,7 +195,9 @@ void SceneProxy::push_out(const Carried& way) noexcept {
       kept[count++] = pushing[static_cast<std::size_t>(nearest.basis[static_cast<std::size_t>(i)])];
     pushing = kept;
   }
-  if (x == way.free_now) {
+  // Between bodies that leave none it stays at its place on the body that it goes with, and keeps what holds it there:
+  // a place in front of one of them would be inside another, which would let go of it.
+  if (!has_space || x == way.free_now) {
     planes_.carry(way.g, way.free_now);
   } else {
     planes_.start_lifted(x);
