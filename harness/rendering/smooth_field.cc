@@ -158,6 +158,15 @@ void check_field(const std::map<std::string, double>& parameters, std::string_vi
       throw BadData(fmt::format("{}: {} {} is not a whole number of coefficients", place, name, given));
     }
   }
+  const double columns = number("columns", static_cast<double>(SmoothField::least_side));
+  const double rows = number("rows", static_cast<double>(SmoothField::least_side));
+  for (const auto& [name, value] : parameters) {
+    if (!is_field_coefficient(name) || value == 0.0) continue;
+    if (std::stoi(name.substr(2, 2)) >= columns || std::stoi(name.substr(5, 2)) >= rows) {
+      throw BadData(fmt::format("{}: {}: nothing reads it: the field has {} columns and {} rows, counted from 00",
+                                place, name, columns, rows));
+    }
+  }
 }
 
 SmoothField field_of(const std::map<std::string, double>& parameters, std::string_view place) {

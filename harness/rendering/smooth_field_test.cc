@@ -68,6 +68,14 @@ TEST(SmoothField, RefusesAnEmptyRangeAndHalfACoefficientWithTheirPlace) {
   EXPECT_THAT(message(empty), ::testing::AllOf(::testing::HasSubstr("/effects/0"), ::testing::HasSubstr("x_high_m")));
   EXPECT_THAT(message(range(4.5, 5.0)), ::testing::HasSubstr("columns 4.5 is not a whole number"));
   EXPECT_EQ(message(range(5.0, 5.0)), "accepted");
+  for (const auto& outside : {field_coefficient(5, 0), field_coefficient(0, 5)}) {
+    auto transposed = range(5.0, 5.0);
+    transposed[outside] = 0.5;
+    EXPECT_THAT(message(transposed),
+                ::testing::AllOf(::testing::HasSubstr(outside), ::testing::HasSubstr("nothing reads it")));
+    transposed[outside] = 0.0;
+    EXPECT_EQ(message(transposed), "accepted");
+  }
 }
 
 TEST(SmoothField, KnowsItsCoefficientsByName) {
