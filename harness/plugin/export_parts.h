@@ -114,6 +114,8 @@ inline std::string& creation_error() {
   return text;
 }
 
+constexpr const char* unknown_exception = "it threw something that is no std::exception";
+
 // A new Handle of what the entry that is asked for makes; nullptr, with creation_error(), where it throws.
 template <class Handle, class Exported, class Creation>
 Handle* create(const ExportedList<Exported>& list, const Creation& creation) noexcept {
@@ -121,6 +123,9 @@ Handle* create(const ExportedList<Exported>& list, const Creation& creation) noe
     return new Handle{list.at(creation.index)->make(creation), {}};
   } catch (const std::exception& error) {
     creation_error() = error.what();
+    return nullptr;
+  } catch (...) {
+    creation_error() = unknown_exception;
     return nullptr;
   }
 }
@@ -133,6 +138,9 @@ int reset(Handle& handle) noexcept {
     return 0;
   } catch (const std::exception& error) {
     handle.error = error.what();
+    return 1;
+  } catch (...) {
+    handle.error = unknown_exception;
     return 1;
   }
 }

@@ -136,6 +136,8 @@ INSTANTIATE_TEST_SUITE_P(
         Reported{"LACKS_A_FUNCTION", {"bad data: ", "exports no touchstone_step"}},
         Reported{"CRASHES_WHEN_LOADED", {"failed: ", "crashed (SIGABRT", "while it was loaded"}, false},
         Reported{"FAILS_WITH_A_REASON", {"failed: ", "touchstone_step failed: the solver did not converge"}},
+        Reported{"THROWS_WHAT_IT_LIKES",
+                 {"failed: sample 2", "touchstone_step failed: the engine threw something that is no std::exception"}},
         Reported{"WRITES_TO_THE_MESH", {"failed: ", "crashed (SIGSEGV", "touchstone_step"}, false},
         Reported{"EXITS", {"failed: ", "ended its process with exit status 7", "touchstone_step"}, false},
         Reported{"REFUSES_TO_BE_MADE", {"failed: ", "it does not want to be made"}},
@@ -143,6 +145,20 @@ INSTANTIATE_TEST_SUITE_P(
         Reported{"IS_NO_PLUGIN", {"bad data: ", "no plug-in of Touchstone", "touchstone_plugin_version"}},
         Reported{"IS_NOT_THERE", {"bad data: ", "there is no such plug-in"}}),
     [](const auto& tested) { return tested.param.plugin; });
+
+TEST(Plugin, AnEnginesOwnExceptionWhileItIsMadeIsAnError) {
+  for (const bool in_process : {false, true}) {
+    const auto entries = load_plugin(plugin("THROWS_WHAT_IT_LIKES"), options(in_process));
+    ASSERT_EQ(entries.size(), 2U);
+    const RendererEntry& entry = *entries[1];
+    try {
+      entry.make(Parameters(entry.parameters, {}, "", "", ""), make_embree_surface(testing::grid(0.02, 4)));
+      ADD_FAILURE() << "made";
+    } catch (const RendererFailed& error) {
+      EXPECT_THAT(error.what(), HasSubstr("no std::exception"));
+    }
+  }
+}
 
 TEST(Plugin, HangsWhenDescribed) {
   PluginOptions short_patience = options();

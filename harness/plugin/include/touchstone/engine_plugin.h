@@ -8,7 +8,7 @@
 //     void step(const touchstone_tip& tip, touchstone_result& result);               // may throw; the result is zero
 //     std::string error;
 //   };
-//   TOUCHSTONE_EXPORT_ENGINE(descriptions())   // an array of touchstone_description, that lives as long as the library
+//   TOUCHSTONE_EXPORT_ENGINE(descriptions());  // an array of touchstone_description, that lives as long as the library
 #ifndef TOUCHSTONE_ENGINE_PLUGIN_H
 #define TOUCHSTONE_ENGINE_PLUGIN_H
 
@@ -25,6 +25,9 @@ inline std::string& creation_error() {
   return error;
 }
 
+// Engines have exceptions of their own, which say nothing here.
+constexpr const char* unknown_exception = "the engine threw something that is no std::exception";
+
 // What is thrown below becomes an error of the renderer.
 template <class Renderer, class Body>
 int guarded(Renderer* renderer, const Body& body) noexcept {
@@ -33,6 +36,9 @@ int guarded(Renderer* renderer, const Body& body) noexcept {
     return 0;
   } catch (const std::exception& thrown) {
     renderer->error = thrown.what();
+    return 1;
+  } catch (...) {
+    renderer->error = unknown_exception;
     return 1;
   }
 }
@@ -43,6 +49,9 @@ Renderer* create(const touchstone_creation& creation) noexcept {
     return new Renderer(creation);
   } catch (const std::exception& thrown) {
     creation_error() = thrown.what();
+    return nullptr;
+  } catch (...) {
+    creation_error() = unknown_exception;
     return nullptr;
   }
 }
