@@ -94,9 +94,38 @@ TEST(ScenePluginTwin, APoseOutOfReachAndARendererOfOneObjectAreSaid) {
     try {
       make_scene_renderer(model_for("spring-linear-scene-twin", plugins, {}), scene);
       ADD_FAILURE() << "it was made";
-    } catch (const RendererFailed& error) {
-      EXPECT_THAT(error.what(), ::testing::HasSubstr("takes one object that stands still"));
+    } catch (const BadData& error) {
+      EXPECT_THAT(error.what(), ::testing::HasSubstr("spring-linear-scene-twin takes one object"));
     }
+  }
+}
+
+// Bodies at rest are one object, and one that moves is one in its own frame, for a plug-in that takes one as for the
+// program's own renderers.
+TEST(ScenePluginTwin, ARendererOfOneObjectTakesBodiesAtRestAndOneThatMoves) {
+  const auto all = scene_with_a_ram();
+  const auto some = [&](std::initializer_list<std::size_t> which) {
+    auto scene = std::make_shared<BodyScene>();
+    scene->source = "test scene";
+    for (const std::size_t i : which) scene->bodies.push_back(all->bodies[i]);
+    return scene;
+  };
+  const Plugins plugins = loaded(true);
+  for (const auto& scene : {some({0, 1}), some({2})}) {
+    const auto own = make_scene_renderer(model_of("spring-linear", {}), scene);
+    const auto plugged = make_scene_renderer(model_for("spring-linear-scene-twin", plugins, {}), scene);
+    own->reset();
+    plugged->reset();
+    int touched = 0;
+    for (int i = 0; i < 500; ++i) {
+      const double t_s = 1e-3 * (i + 1);
+      const TipState tip{
+          t_s, {-0.02 + 0.013 * std::sin(9.0 * t_s), 0.001, 0.004 * std::cos(20.0 * t_s)}, Quat::Identity()};
+      const StepResult expected = own->step(tip);
+      ASSERT_EQ(plugged->step(tip).f_W_N, expected.f_W_N) << i;
+      touched += expected.contact ? 1 : 0;
+    }
+    EXPECT_GT(touched, 20);
   }
 }
 

@@ -37,8 +37,7 @@ RendererEntry entry_of(const std::shared_ptr<const LoadedPlugin>& loaded, std::u
                                                            std::shared_ptr<const TriangleMesh>(surface, mesh));
     return std::make_unique<PluginRenderer>(loaded->make(std::move(creation), 0));
   };
-  // Version 1 has one object, at rest.
-  if (described.version == TOUCHSTONE_PLUGIN_VERSION_2) {
+  if (takes_several_bodies(described)) {
     entry.make_scene = [loaded, index](const Parameters& parameters,
                                        std::shared_ptr<const BodyScene> scene) -> std::unique_ptr<Renderer> {
       auto creation = std::make_shared<const PluginCreation>(loaded->descriptions()[index], index, parameters, scene);

@@ -169,9 +169,16 @@ PluginDescription read_description(const touchstone2_description& description, c
   return out;
 }
 
+bool takes_several_bodies(const PluginDescription& description) {
+  return description.version == TOUCHSTONE_PLUGIN_VERSION_2 &&
+         std::ranges::find(description.limitations, several_bodies, &std::pair<std::string, std::string>::first) ==
+             description.limitations.end();
+}
+
 std::vector<Limitation> limitations_of(const PluginDescription& description, const std::filesystem::path& library) {
   std::vector<Limitation> out;
   for (const auto& [ability, reason] : description.limitations) {
+    if (description.version == TOUCHSTONE_PLUGIN_VERSION_2 && ability == several_bodies) continue;
     const auto* const found = std::ranges::find(kAbilities, ability, &std::pair<std::string_view, Ability>::first);
     if (found == kAbilities.end()) {
       std::string known;

@@ -33,7 +33,11 @@ PluginDescription read_description(const touchstone_description& description, co
 PluginDescription read_description(const touchstone2_description& description, const std::filesystem::path& library,
                                    std::uint32_t index);
 
-// Throws BadData for an ability that does not exist; lists those that do.
+// Version 2 alone: one that lacks it is given one object at rest, as the program's own renderers of one object are.
+inline constexpr std::string_view several_bodies = "several_bodies";
+bool takes_several_bodies(const PluginDescription& description);
+
+// Without several_bodies. Throws BadData for an ability that does not exist; lists those that do.
 std::vector<Limitation> limitations_of(const PluginDescription& description, const std::filesystem::path& library);
 
 std::string pack(std::span<const PluginDescription> descriptions);

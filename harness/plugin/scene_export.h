@@ -54,6 +54,7 @@ class Exported {
       : entry_(std::move(entry)),
         parameters_(export_parts::parameters_of(entry_)),
         limitations_(export_parts::limitations_of(entry_.cannot)) {
+    if (!entry_.make_scene) limitations_.push_back({"several_bodies", "it takes one object that stands still"});
     description_ = export_parts::description_of(entry_, TOUCHSTONE2_POINT, parameters_, limitations_);
     description_.epsilon_m = entry_.epsilon_m;
     description_.world_unit_m = entry_.world_unit_m;

@@ -78,7 +78,8 @@ typedef struct touchstone2_description {
   const char* source;  /* the publication that the algorithm follows */
   const touchstone_parameter* parameters;
   size_t parameter_count;
-  const touchstone_limitation* limitations; /* abilities: <touchstone/plugin.h> */
+  const touchstone_limitation*
+      limitations; /* abilities: <touchstone/plugin.h>, several_bodies (without it: one object, at rest) */
   size_t limitation_count;
   /* Lengths below it are nothing to the renderer: contact points may be off by it, forces by it times the stiffness.
    * 0: none but rounding. */
