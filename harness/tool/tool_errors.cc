@@ -3,11 +3,19 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "harness/tool/tool_metrics.h"
 #include "harness/tool/tool_path.h"
 
 namespace touchstone::tool {
+
+namespace {
+
+// The larger; a number that is none stays.
+double worse(double a, double b) { return std::isnan(a) || a > b ? a : b; }
+
+}  // namespace
 
 ToolErrors errors_of(ToolRenderer& renderer, const std::string& name, const KnownContacts& known) {
   ToolErrors errors;
@@ -21,9 +29,9 @@ ToolErrors errors_of(ToolRenderer& renderer, const std::string& name, const Know
     const double torque_error = (result.torque_W_Nm - right.torque_Nm).norm();
     force_sum += force_error;
     torque_sum += torque_error;
-    errors.max_force_N = std::max(errors.max_force_N, force_error);
-    errors.max_torque_Nm = std::max(errors.max_torque_Nm, torque_error);
-    errors.max_torque_jnd = std::max(errors.max_torque_jnd, torque_error_in_jnd(right.torque_Nm, result.torque_W_Nm));
+    errors.max_force_N = worse(errors.max_force_N, force_error);
+    errors.max_torque_Nm = worse(errors.max_torque_Nm, torque_error);
+    errors.max_torque_jnd = worse(errors.max_torque_jnd, torque_error_in_jnd(right.torque_Nm, result.torque_W_Nm));
     errors.largest_right_force_N = std::max(errors.largest_right_force_N, right.f_N.norm());
     errors.largest_right_torque_Nm = std::max(errors.largest_right_torque_Nm, right.torque_Nm.norm());
   }

@@ -52,6 +52,15 @@ KnownContacts two_depths() {
   return known;
 }
 
+// What is no number has no error of 0.
+TEST(ToolErrors, AnAnswerThatIsNoNumberIsNotTheBest) {
+  Pusher none(Vec3(std::numeric_limits<double>::quiet_NaN(), 0, 0));
+  const ToolErrors errors = errors_of(none, "none", two_depths());
+  EXPECT_TRUE(std::isnan(errors.max_force_N));
+  EXPECT_TRUE(std::isnan(errors.mean_force_N));
+  EXPECT_LE(errors.max_torque_Nm, 1e-12);
+}
+
 TEST(ToolErrors, TheRightAnswerHasNone) {
   Pusher right;
   const ToolErrors errors = errors_of(right, "right", two_depths());

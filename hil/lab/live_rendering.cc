@@ -30,7 +30,9 @@ LiveFigures figures_of(const LiveRun& run, const RenderedTrajectory& replayed) {
     const LiveTick& tick = run.ticks[i];
     figures.late_ms.push_back(1e3 * tick.late_s);
     figures.step_us.push_back(tick.step_us);
-    figures.largest_N = std::max(figures.largest_N, tick.wanted_W_N.norm());
+    const double wanted_N = tick.wanted_W_N.norm();
+    figures.largest_N =
+        std::max(figures.largest_N, std::isfinite(wanted_N) ? wanted_N : std::numeric_limits<double>::infinity());
     const double difference = (replayed.f_W_N[i] - tick.wanted_W_N).norm();
     figures.difference_N = std::max(figures.difference_N,
                                     std::isfinite(difference) ? difference : std::numeric_limits<double>::infinity());
