@@ -144,6 +144,13 @@ class HeightImageFile : public ::testing::Test {
       std::filesystem::path(::testing::TempDir()) / ("image-" + std::to_string(::getpid()) + ".pgm");
 };
 
+TEST_F(HeightImageFile, SaysHowManyBytesAreMissing) {
+  write("P2\n2 2\n9\n1");
+  EXPECT_THAT(refusal(), ::testing::HasSubstr("4 pixels need 4 bytes at least, 2 are there"));
+  write(std::string("P5\n2 2\n999\n") + "1234567");
+  EXPECT_THAT(refusal(), ::testing::HasSubstr("4 pixels need 8 bytes at least, 7 are there"));
+}
+
 // Four pixels of 2 mm: 0 and 100 above, 40 and 20 below, white is 100.
 TEST_F(HeightImageFile, GivesHeightsBetweenThePixels) {
   write("P2 # heights\n2 2\n# white\n100\n0 100\n40 20\n");

@@ -2,8 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cctype>
 #include <charconv>
-#include <cmath>
 #include <string>
 #include <string_view>
 
@@ -34,10 +35,10 @@ class PgmReader {
     if (image.width == 0 || image.height == 0 || white == 0 || image.height > kMostPixels / image.width)
       fail(fmt::format("{} x {} pixels with white {} are no picture", image.width, image.height, white));
     const std::size_t count = image.width * image.height;
-    const std::size_t bytes = binary ? count * (white > 255 ? 2 : 1) : 0;
-    if (binary && !rest_.empty()) rest_.remove_prefix(1);  // one white space ends the header
-    if (rest_.size() < (binary ? bytes : count))
-      fail(fmt::format("it ends early: {} pixels need {} bytes, {} are there", count, bytes, rest_.size()));
+    const std::size_t least = count * (binary && white > 255 ? 2 : 1);  // as text a digit at least
+    if (binary && !rest_.empty()) rest_.remove_prefix(1);               // one white space ends the header
+    if (rest_.size() < least)
+      fail(fmt::format("it ends early: {} pixels need {} bytes at least, {} are there", count, least, rest_.size()));
     image.grey.reserve(count);
     for (std::size_t i = 0; i < count; ++i) {
       const std::size_t value = !binary       ? number("a pixel", white)
