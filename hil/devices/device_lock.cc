@@ -66,7 +66,7 @@ std::string numeric_address(const std::string& host) {
 std::string lock_name(const MappedDevice& device) {
   const KnownDevice* const known = find_known_device(device.id);
   if (known != nullptr && known->bus == Bus::network && !device.address.empty())
-    return fmt::format("{}-{}", numeric_address(device.address), device.udp_port);
+    return fmt::format("{}-{}", numeric_address(device.address), device.port != 0 ? device.port : device.udp_port);
   return device.address.empty() ? device.serial : device.address;
 }
 

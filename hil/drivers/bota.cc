@@ -51,6 +51,9 @@ constexpr double seconds_per_sinc = 19.53125e-6;
 // Bits of the status that make a measurement useless: any, as Bota's own drivers take it.
 constexpr std::uint16_t no_error = 0;
 
+// A stream that is silent for so long has stopped long before.
+constexpr double longest_gap_s = 10.0;
+
 // How the sensor calls a speed.
 std::optional<std::size_t> speed_code(int baud) {
   constexpr std::array speeds{9600, 57600, 115200, 230400, 460800};
@@ -163,6 +166,11 @@ class BotaSource final : public WrenchSource {
       const double steps =
           shortest_ < std::numeric_limits<std::uint32_t>::max() ? static_cast<double>(step) / shortest_ : 1.0;
       ahead = static_cast<std::uint64_t>(std::max(1.0, std::round(steps)));
+      // The clock of a sensor that was reset begins again, which says nothing of what is missing.
+      if (steps > longest_gap_s * nominal_rate_Hz()) {
+        ahead = 1;
+        sample.flags |= sample_after_gap;
+      }
     }
     sample.flags |= count_.take(ahead, counters_);
     time_ = frame.time;

@@ -26,6 +26,8 @@ using natnet::Message;
 constexpr std::size_t largest_packet = 65536;
 // Motive stops sending to a unicast client that it has not heard of for some seconds.
 constexpr double keep_alive_s = 1.0;
+// No network holds a frame back for so many: seconds at 240 Hz.
+constexpr std::uint32_t most_reordered = 1000;
 
 class Socket {
  public:
@@ -220,6 +222,13 @@ class NatNetSource final : public PoseSource {
       // Answers to the keep-alive and to connecting come on the same socket.
       if (n >= 2 && packet[0] == static_cast<unsigned char>(Message::frame) && packet[1] == 0) ++counters_.malformed;
       return true;
+    }
+    if (started_ && frame_.number + most_reordered < last_number_) {
+      throw DeviceError(
+          DeviceStatus::failed,
+          fmt::format("{}: its frame numbers began again, {} after {}: was Motive restarted, or does it play a take in "
+                      "a loop? Record each run by itself",
+                      place_, frame_.number, last_number_));
     }
     if (started_ && frame_.number <= last_number_) {
       const bool again = frame_.number == last_number_;

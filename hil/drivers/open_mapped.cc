@@ -30,8 +30,8 @@ std::unique_ptr<HapticDevice> open_mapped_device(const std::string& id, const Ma
   if (id.rfind("force-dimension-", 0) == 0) return open_force_dimension(vendor);
   throw UsageError(
       fmt::format("{}: no driver here renders forces on it; novint-falcon, haply-inverse3, 3ds-touch and "
-                  "force-dimension-omega, -sigma, -delta "
-                  "have one, and any other device takes a plug-in (touchstone/device.h)",
+                  "force-dimension-omega, -sigma, -delta have one, and any other device takes a plug-in "
+                  "(touchstone/device.h)",
                   id));
 }
 

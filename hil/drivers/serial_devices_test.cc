@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <limits>
@@ -108,6 +109,21 @@ TEST(Bota, CountsLostDamagedAndFlaggedFrames) {
   EXPECT_NEAR(static_cast<double>(c.lost), static_cast<double>(samples.size()) * (1.0 / 20 + 1.0 / 33), 8.0);
   EXPECT_GT(c.malformed, 3U);
   EXPECT_GT(c.device_errors, 3U);
+}
+
+// Its time falls then, which is a step of nearly 2^32, and no 1.7 million lost frames.
+TEST(Bota, ASensorThatWasResetHasLostNothingThatCouldBeCounted) {
+  BotaFaults faults;
+  faults.resets_at = 200;
+  SerialEmulator sensor(bota_sensor(faults, swaying));
+  const auto source = open_bota({sensor.node(), 460800, 128, 3.0});
+  source->start();
+  const auto samples = collect(*source, 1.0);
+  ASSERT_GT(samples.size(), 250U);
+  EXPECT_EQ(source->counters().lost, 0U);
+  EXPECT_EQ(std::count_if(samples.begin(), samples.end(),
+                          [](const WrenchSample& s) { return (s.flags & sample_after_gap) != 0; }),
+            1);
 }
 
 TEST(Bota, SaysWhatToDoWhenItIsSilentRefusesOrIsNotThere) {

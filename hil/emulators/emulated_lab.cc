@@ -3,9 +3,11 @@
 // along x. The hardware map MAP says where they are.
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <cstdio>
-#include <cstdlib>
+#include <cstring>
 
 #include "harness/base/atomic_file.h"
 #include "hil/emulators/natnet_emulator.h"
@@ -14,8 +16,10 @@
 int main(int argc, char** argv) {
   using namespace touchstone;
   using namespace touchstone::hil;
-  if (argc != 3) {
-    fmt::print(stderr, "usage: touchstone-emulated-lab MAP SECONDS\n");
+  double seconds = 0.0;
+  const char* const end = argc == 3 ? argv[2] + std::strlen(argv[2]) : nullptr;
+  if (argc != 3 || std::from_chars(argv[2], end, seconds).ptr != end || !(seconds > 0.0)) {
+    fmt::print(stderr, "usage: touchstone-emulated-lab MAP SECONDS, a number above 0\n");
     return 2;
   }
   constexpr double force_rate_Hz = 5000.0, tracker_rate_Hz = 60.0, stiffness_N_per_m = 800.0, radius_m = 1e-3;
@@ -39,6 +43,6 @@ int main(int argc, char** argv) {
   {{"id": "optitrack", "connected": true, "address": "127.0.0.1", "port": {}, "body": "probe", "rate_Hz": {}}}]}}
 )",
                  sensor.address().http_port, sensor.address().udp_port, motive.command_port(), tracker_rate_Hz));
-  clock.sleep_until(began + std::atof(argv[2]));
+  clock.sleep_until(began + seconds);
   return 0;
 }

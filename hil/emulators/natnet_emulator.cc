@@ -170,7 +170,8 @@ void NatNetEmulator::serve() {
       const double t = static_cast<double>(count) / rate_Hz_;
       const EmulatedPose pose = pose_(t);
       EmulatedFrame frame;
-      frame.number = count;
+      const bool again = faults_.begins_again != 0 && count > faults_.begins_again;
+      frame.number = again ? count - faults_.begins_again : count + faults_.begins_at - 1;
       for (int k = 0; k < 3; ++k) frame.p[k] = static_cast<float>(pose.p_W_m[k]);
       for (int k = 0; k < 3; ++k) frame.q_xyzw[k] = static_cast<float>(pose.q_WB.vec()[k]);
       frame.q_xyzw[3] = static_cast<float>(pose.q_WB.w());

@@ -49,6 +49,8 @@ struct NatNetFaults {
   std::uint32_t repeat_every = 0;  // every n-th is sent twice
   std::uint32_t short_every = 0;   // every n-th is cut in half
   std::uint32_t silent_after = 0;
+  std::uint32_t begins_at = 1;     // the first frame's number
+  std::uint32_t begins_again = 0;  // after so many frames the numbers begin at 1
 };
 
 class NatNetEmulator {

@@ -93,7 +93,8 @@ class Bota {
     put_field(data, static_cast<std::uint16_t>(due(faults_.status_every) ? 4 : 0));
     for (int k = 0; k < 3; ++k) put_field(data, static_cast<float>(w.f_N[k]));
     for (int k = 0; k < 3; ++k) put_field(data, static_cast<float>(w.torque_Nm[k]));
-    put_field(data, static_cast<std::uint32_t>(t * 1e6));
+    const bool reset = faults_.resets_at != 0 && count_ >= faults_.resets_at;
+    put_field(data, static_cast<std::uint32_t>((reset ? t - faults_.resets_at * period_s_ : t) * 1e6));
     put_field(data, 31.5F);
     const std::uint16_t sum = checksum(data);
     if (due(faults_.damage_every)) data[7] = static_cast<char>(data[7] ^ 0x21);

@@ -239,6 +239,11 @@ TEST(DeviceLock, TheSameSensorHasOneLockWhateverTheMapSaysOfIt) {
   named.address = "localhost";
   bare.address = "127.0.0.1";
   EXPECT_EQ(lock_name(named), lock_name(bare));
+  // Two trackers' servers behind one address are two.
+  MappedDevice first_server = named, second_server = named;
+  first_server.port = 1510;
+  second_server.port = 1512;
+  EXPECT_NE(lock_name(first_server), lock_name(second_server));
   named.udp_port = bare.udp_port = 1000 + ::getpid() % 60000;
   const DeviceLock first(named);
   EXPECT_THROW(DeviceLock{bare}, DeviceError);

@@ -153,6 +153,30 @@ class Lane {
   double window_began_s_ = 0.0, before_s_ = 0.0;
 };
 
+// The lanes' threads end with it, whatever happens meanwhile.
+class RunningLanes {
+ public:
+  RunningLanes(std::vector<std::unique_ptr<Lane>>& lanes, double until_s) : lanes_(&lanes) {
+    try {
+      for (auto& lane : lanes) lane->run(end_, until_s);
+    } catch (...) {
+      end();
+      throw;
+    }
+  }
+  ~RunningLanes() { end(); }
+  RunningLanes(const RunningLanes&) = delete;
+  RunningLanes& operator=(const RunningLanes&) = delete;
+  void end() noexcept {
+    end_ = true;
+    for (auto& lane : *lanes_) lane->join();
+  }
+
+ private:
+  std::vector<std::unique_ptr<Lane>>* lanes_;
+  std::atomic<bool> end_{false};
+};
+
 std::vector<StreamStatus> status_of(std::vector<std::unique_ptr<Lane>>& lanes) {
   std::vector<StreamStatus> all;
   for (auto& lane : lanes) all.push_back(lane->status());
@@ -211,8 +235,7 @@ MultiReport record_streams(std::vector<NamedStream> streams, const std::filesyst
   report.start_s = clock.now_s();
   const double until =
       options.seconds > 0.0 ? report.start_s + options.seconds : std::numeric_limits<double>::infinity();
-  std::atomic<bool> end{false};
-  for (auto& lane : lanes) lane->run(end, until);
+  RunningLanes running(lanes, until);
   std::vector<bool> silent(lanes.size(), false);
   double shown = report.start_s, stalled_since = std::numeric_limits<double>::infinity();
   for (bool over = false; !over;) {
@@ -234,8 +257,7 @@ MultiReport record_streams(std::vector<NamedStream> streams, const std::filesyst
       shown = now;
     }
   }
-  end = true;
-  for (auto& lane : lanes) lane->join();
+  running.end();
   report.seconds = clock.now_s() - report.start_s;
   for (std::size_t i = 0; i < lanes.size(); ++i) {
     report.streams.push_back(lanes[i]->end());

@@ -102,6 +102,18 @@ TEST_F(MultiSession, ForceTrackerAndHandleTogether) {
   EXPECT_EQ(read_file(tracker.csv).substr(0, 50), "t_s,x_m,y_m,z_m,qw,qx,qy,qz,tracked,device_status\n");
 }
 
+// What a screen throws ends the run, not the program: the threads are joined, and what came is on disk.
+TEST_F(MultiSession, AScreenThatFailsEndsTheRunInOrder) {
+  NetFtEmulator sensor(1000, {}, ramp);
+  std::vector<NamedStream> streams;
+  streams.push_back(force_of(sensor));
+  MultiOptions options;
+  options.seconds = 5.0;
+  options.show = [](const std::vector<StreamStatus>&, double) { throw std::runtime_error("no screen"); };
+  EXPECT_THROW(record_streams(std::move(streams), folder_, options, [] { return false; }), std::runtime_error);
+  EXPECT_GT(export_session(folder_).tables.at(0).report.samples, 100U);
+}
+
 // What the tracker's frames say of its time, and this machine's clock, agree to the least delay of a frame.
 TEST_F(MultiSession, TheAxisIsTheDevicesOwnTime) {
   NatNetFaults faults;
