@@ -86,6 +86,14 @@ TEST(Scorecard, TheTableOfShapesHasErrorsAsSharesOfTheRightForce) {
   EXPECT_THAT(table, HasSubstr("| faults | delay | none |\n"));
 }
 
+TEST(Scorecard, TheTableOfShapesHasNoExponents) {
+  Scorecard card = a_card();
+  card.cases.front().mean_N = 1e-17;
+  card.cases.front().max_N = 2.468;
+  card.cases.front().jump_N = 0.0;
+  EXPECT_THAT(scorecard_to_markdown({card}), HasSubstr("| sphere | <0.001 / 123 / 0 |"));
+}
+
 TEST(Scorecard, AnErrorThatIsNoNumberIsNotZeroInTheTable) {
   Scorecard card = a_card();
   card.cases.front().mean_N = std::numeric_limits<double>::quiet_NaN();

@@ -14,6 +14,13 @@ namespace {
 // Not std::max: it drops a NaN, and what is no number must show.
 double larger(double a, double b) { return std::isnan(a) || a > b ? a : b; }
 
+// Two digits, and no exponent where people count in per cent.
+std::string in_percent(double share) {
+  return share >= 99.5                 ? fmt::format("{:.0f}", share)
+         : share < 1e-3 && share > 0.0 ? "<0.001"
+                                       : fmt::format("{:.2g}", share);
+}
+
 // Cases of one shape differ in size, and their forces with it: each error is a share of its case's largest right force.
 // The mean is over all samples of the shape, the largest error and the largest jump are those of the worst case.
 std::string shape_cell(const Scorecard& card, const std::string& shape) {
@@ -37,7 +44,8 @@ std::string shape_cell(const Scorecard& card, const std::string& shape) {
     most = larger(most, share * one.max_N);
     jump = larger(jump, share * one.jump_N);
   }
-  return samples > 0.0 ? fmt::format("{:.2g} / {:.2g} / {:.2g} ", mean / samples, most, jump) : problem;
+  if (samples == 0.0) return problem;
+  return fmt::format("{} / {} / {} ", in_percent(mean / samples), in_percent(most), in_percent(jump));
 }
 
 std::string faults_cell(const Scorecard& card) {
