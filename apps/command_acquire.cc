@@ -2,12 +2,12 @@
 
 #include <memory>
 
-#include "apps/acquisition_run.h"
 #include "apps/commands.h"
 #include "harness/acquisition/acquire.h"
 #include "harness/acquisition/frame_check.h"
 #include "harness/acquisition/free_air_files.h"
 #include "harness/base/atomic_file.h"
+#include "harness/pipeline/acquiring/acquired_file.h"
 
 namespace touchstone::apps {
 namespace {
@@ -66,7 +66,11 @@ void add_run(CLI::App& acquire_command, Run& run) {
       "Example:\n  touchstone acquire run session/acquisition.json --out session/recording.csv --json "
       "session/report.json");
   command->callback([options, &run] {
-    run = [options] { return run_acquisition(read_description(options->description), options->out, options->json); };
+    run = [options] {
+      const auto result = acquire_into(read_description(options->description), options->out, options->json);
+      fmt::print("{}", result.text());
+      return result.passed() ? ExitStatus::passed : ExitStatus::failed;
+    };
   });
 }
 

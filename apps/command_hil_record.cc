@@ -3,8 +3,8 @@
 #include <filesystem>
 #include <memory>
 
-#include "apps/acquisition_run.h"
 #include "apps/hil_commands.h"
+#include "harness/pipeline/acquiring/acquired_file.h"
 #include "hil/record/device_recording.h"
 #include "hil/safety/stop_signal.h"
 
@@ -51,9 +51,9 @@ ExitStatus record_many(const RecordOptions& options, const std::function<bool()>
       options.acquire,
       acquisition::RawStreams{hil::table_of(session, hil::StreamKind::force, options.force, "--force"),
                               hil::table_of(session, hil::StreamKind::motion, options.motion, "--motion")});
-  const auto acquired =
-      run_acquisition(description, (folder / "recording.csv").string(), (folder / "acquisition-report.json").string());
-  return acquired != ExitStatus::passed ? acquired : status;
+  const auto acquired = acquire_into(description, folder / "recording.csv", folder / "acquisition-report.json");
+  fmt::print("{}", acquired.text());
+  return acquired.passed() ? status : ExitStatus::failed;
 }
 
 }  // namespace

@@ -1,0 +1,50 @@
+#include "harness/pipeline/acquiring/acquired_file.h"
+
+#include <fmt/format.h>
+
+#include <memory>
+
+#include "harness/base/atomic_file.h"
+#include "harness/base/units.h"
+#include "harness/recording/recording_file.h"
+#include "harness/sanity/sanity.h"
+#include "harness/surface/embree_surface.h"
+#include "harness/surface/mesh_file.h"
+
+namespace touchstone::pipeline {
+
+CheckedAcquisition acquire_and_check(const acquisition::AcquisitionDescription& description) {
+  CheckedAcquisition result;
+  result.acquired = acquisition::acquire(description);
+  std::shared_ptr<const Surface> surface;
+  if (description.mesh_file) {
+    surface = make_embree_surface(load_mesh(*description.mesh_file, length_unit_factor(description.mesh_unit)));
+  }
+  SanityContext context;
+  context.surface = surface.get();
+  context.mesh_unit = description.mesh_unit;
+  context.tip_radius_m = description.tip_radius_m;
+  context.contact_force_N = description.contact_force_N;
+  for (const SanityFinding& finding : check_sanity(result.acquired.recording, context)) {
+    result.acquired.report.notes.push_back(fmt::format("{}: {}", to_string(finding.fault), sanity_line(finding)));
+    result.insane |= finding.weight == SanityWeight::fault;
+  }
+  return result;
+}
+
+CheckedAcquisition acquire_into(const acquisition::AcquisitionDescription& description,
+                                const std::filesystem::path& out, const std::filesystem::path& json) {
+  CheckedAcquisition result = acquire_and_check(description);
+  save_recording(out, result.acquired.recording);
+  result.file = out;
+  if (!json.empty()) write_file(json, acquisition::report_json(result.acquired.report));
+  return result;
+}
+
+std::string CheckedAcquisition::text() const {
+  std::string text = acquisition::report_text(acquired.report);
+  if (!file.empty()) text += fmt::format("recording    {} samples -> {}\n", acquired.recording.size(), file.string());
+  return text;
+}
+
+}  // namespace touchstone::pipeline
