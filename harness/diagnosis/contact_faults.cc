@@ -8,6 +8,7 @@
 #include "harness/diagnosis/detectors.h"
 #include "harness/diagnosis/meshes.h"
 #include "harness/diagnosis/probe.h"
+#include "harness/surface/box_mesh.h"
 
 namespace touchstone::diagnosis {
 namespace {
@@ -19,7 +20,7 @@ constexpr double kPlaceRounding_m = 1e3 * kEps * kHalf_m;
 // Beside edges and corners of the meshes below.
 const Vec3 kFoot(0.0031, 0.0017, 0.0);
 
-TriangleMesh level_block() { return block({-kHalf_m, -kHalf_m, -kHalf_m}, {kHalf_m, kHalf_m, 0.0}); }
+TriangleMesh level_block() { return box_mesh({-kHalf_m, -kHalf_m, -kHalf_m}, {kHalf_m, kHalf_m, 0.0}); }
 
 }  // namespace
 
@@ -107,7 +108,7 @@ std::optional<Finding> find_pops_through_shell(const Engine& engine) {
   constexpr double below_m = 5e-3;
   constexpr double step_m = 2e-5;
   for (const double thickness_m : {8e-3, 4e-3, 2e-3, 1e-3, 5e-4, 2e-4, 1e-4, 1e-5}) {
-    Probe probe(engine, block({-kHalf_m, -kHalf_m, -thickness_m}, {kHalf_m, kHalf_m, 0.0}));
+    Probe probe(engine, box_mesh({-kHalf_m, -kHalf_m, -thickness_m}, {kHalf_m, kHalf_m, 0.0}));
     probe.approach(kFoot, Vec3::UnitZ(), -step_m);
     const int steps = static_cast<int>(below_m / step_m);
     for (int i = 0; i <= steps; ++i) {

@@ -1,29 +1,9 @@
 #include "harness/diagnosis/meshes.h"
 
 #include <cmath>
-#include <map>
 #include <utility>
 
 namespace touchstone::diagnosis {
-namespace {
-
-// Corners 0..3 below, 4..7 above, x fastest.
-const std::vector<std::array<std::int32_t, 3>> kBoxTriangles{{0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6},
-                                                             {0, 1, 4}, {1, 5, 4}, {2, 6, 3}, {3, 6, 7},
-                                                             {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}};
-
-}  // namespace
-
-TriangleMesh block(const Vec3& low, const Vec3& high) {
-  TriangleMesh mesh;
-  for (int i = 0; i < 8; ++i) {
-    mesh.vertices_W_m.emplace_back((i & 1) != 0 ? high.x() : low.x(), (i & 2) != 0 ? high.y() : low.y(),
-                                   (i & 4) != 0 ? high.z() : low.z());
-  }
-  mesh.triangles = kBoxTriangles;
-  mesh.source = "block";
-  return mesh;
-}
 
 TriangleMesh together(const TriangleMesh& a, const TriangleMesh& b) {
   TriangleMesh mesh = a;
@@ -90,39 +70,6 @@ TriangleMesh roof(double h, double angle_rad) {
     mesh.triangles.push_back({a, b, c});
     mesh.triangles.push_back({6 + a, 6 + c, 6 + b});
   }
-  return mesh;
-}
-
-TriangleMesh sphere(double radius_m, int levels) {
-  TriangleMesh mesh;
-  mesh.source = "sphere";
-  mesh.vertices_W_m = {{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}};
-  mesh.triangles = {{0, 2, 4}, {2, 1, 4}, {1, 3, 4}, {3, 0, 4}, {2, 0, 5}, {1, 2, 5}, {3, 1, 5}, {0, 3, 5}};
-  for (int level = 0; level < levels; ++level) {
-    std::map<std::pair<int, int>, int> middles;
-    const auto middle = [&](int a, int b) {
-      const auto [it, added] = middles.try_emplace(std::minmax(a, b), static_cast<int>(mesh.vertices_W_m.size()));
-      if (added) {
-        const Vec3 p = mesh.vertices_W_m[static_cast<std::size_t>(a)] + mesh.vertices_W_m[static_cast<std::size_t>(b)];
-        mesh.vertices_W_m.push_back(p.normalized());
-      }
-      return it->second;
-    };
-    std::vector<std::array<std::int32_t, 3>> finer;
-    for (const auto& [a, b, c] : mesh.triangles) {
-      const int ab = middle(a, b);
-      const int bc = middle(b, c);
-      const int ca = middle(c, a);
-      finer.insert(finer.end(), {{a, ab, ca}, {ab, b, bc}, {ca, bc, c}, {ab, bc, ca}});
-    }
-    mesh.triangles = std::move(finer);
-  }
-  for (Vec3& v : mesh.vertices_W_m) v *= radius_m;
-  return mesh;
-}
-
-TriangleMesh moved(TriangleMesh mesh, const Quat& turn, const Vec3& shift, double unit) {
-  for (Vec3& v : mesh.vertices_W_m) v = turn * (unit * v) + shift;
   return mesh;
 }
 

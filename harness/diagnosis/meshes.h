@@ -1,5 +1,5 @@
-// Meshes whose right answer is known exactly: blocks, sheets and roofs with their top at z = 0. Closed and outward
-// unless said otherwise.
+// Meshes whose right answer is known exactly: bodies side by side, sheets and roofs with their top at z = 0. Closed and
+// outward unless said otherwise.
 #pragma once
 
 #include "harness/base/rooms.h"
@@ -7,8 +7,6 @@
 
 namespace touchstone::diagnosis {
 
-// low to high along the axes, twelve triangles.
-TriangleMesh block(const Vec3& low, const Vec3& high);
 // Both as one mesh, side by side in the arrays and not joined.
 TriangleMesh together(const TriangleMesh& a, const TriangleMesh& b);
 // [-h, h]^2 at z = 0, normal +z, open: squares about the origin whose size halves from ring to ring until the innermost
@@ -17,8 +15,5 @@ TriangleMesh nested_sheet(double h, double smallest_m);
 // A block 2h wide and h deep whose top is two planes that meet at x = 0: level for x < 0, falling at `angle_rad`
 // (rising if negative) for x > 0.
 TriangleMesh roof(double h, double angle_rad);
-// An octahedron refined towards the sphere: 8 * 4^levels triangles, corners on the sphere.
-TriangleMesh sphere(double radius_m, int levels);
-TriangleMesh moved(TriangleMesh mesh, const Quat& turn, const Vec3& shift, double unit);
 
 }  // namespace touchstone::diagnosis

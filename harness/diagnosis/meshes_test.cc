@@ -5,6 +5,10 @@
 #include <cmath>
 #include <map>
 
+#include "harness/surface/box_mesh.h"
+#include "harness/surface/moved_mesh.h"
+#include "harness/surface/sphere_mesh.h"
+
 namespace touchstone::diagnosis {
 namespace {
 
@@ -33,7 +37,7 @@ bool closed(const TriangleMesh& mesh) {
 }
 
 TEST(DiagnosisMeshes, BodiesAreClosedAndOutward) {
-  const auto box = block({-1, -2, -3}, {1, 2, 0});
+  const auto box = box_mesh({-1, -2, -3}, {1, 2, 0});
   EXPECT_TRUE(closed(box));
   EXPECT_NEAR(volume(box), 24.0, 1e-12);
   EXPECT_TRUE(closed(together(box, box)));
@@ -43,11 +47,11 @@ TEST(DiagnosisMeshes, BodiesAreClosedAndOutward) {
     EXPECT_TRUE(closed(two)) << angle;
     EXPECT_NEAR(volume(two), 4.0 - std::tan(angle), 1e-12) << angle;
   }
-  EXPECT_TRUE(closed(sphere(1.0, 3)));
+  EXPECT_TRUE(closed(sphere_mesh(1.0, 3)));
   // Corners on the sphere: a little less than it, and a quarter of that with the next refinement.
   const double ball = 4.0 / 3.0 * M_PI;
-  EXPECT_NEAR((ball - volume(sphere(1.0, 3))) / (ball - volume(sphere(1.0, 4))), 4.0, 0.05);
-  EXPECT_LT(volume(sphere(1.0, 4)), ball);
+  EXPECT_NEAR((ball - volume(sphere_mesh(1.0, 3))) / (ball - volume(sphere_mesh(1.0, 4))), 4.0, 0.05);
+  EXPECT_LT(volume(sphere_mesh(1.0, 4)), ball);
   EXPECT_NEAR(volume(moved(box, Quat(0.8, 0.6, 0, 0), {5, 6, 7}, 0.5)), 3.0, 1e-12);
 }
 

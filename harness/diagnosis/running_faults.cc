@@ -14,16 +14,17 @@
 
 #include "harness/base/random.h"
 #include "harness/diagnosis/detectors.h"
-#include "harness/diagnosis/meshes.h"
 #include "harness/diagnosis/probe.h"
 #include "harness/rendering/renderer_failed.h"
 #include "harness/stats/quantile.h"
+#include "harness/surface/box_mesh.h"
+#include "harness/surface/sphere_mesh.h"
 
 namespace touchstone::diagnosis {
 namespace {
 
-TriangleMesh round_body() { return sphere(kHalf_m, 3); }
-TriangleMesh small_block() { return block({-kHalf_m, -kHalf_m, -kHalf_m}, {kHalf_m, kHalf_m, 0.0}); }
+TriangleMesh round_body() { return sphere_mesh(kHalf_m, 3); }
+TriangleMesh small_block() { return box_mesh({-kHalf_m, -kHalf_m, -kHalf_m}, {kHalf_m, kHalf_m, 0.0}); }
 
 // Taps and strokes about a ball, from outside and back; the next seed goes elsewhere.
 std::vector<Vec3> strokes_about(double radius_m, std::uint64_t seed, int contacts) {

@@ -8,8 +8,8 @@
 #include <nlohmann/json.hpp>
 
 #include "harness/base/markup.h"
-#include "harness/diagnosis/meshes.h"
 #include "harness/diagnosis/probe.h"
+#include "harness/surface/sphere_mesh.h"
 
 namespace touchstone::diagnosis {
 namespace {
@@ -77,7 +77,7 @@ std::string case_cell(const Scorecard& card, const std::string& name) {
 CostScore measure_cost(const Engine& engine, int levels) {
   using Clock = std::chrono::steady_clock;
   const auto us = [](Clock::duration d) { return std::chrono::duration<double, std::micro>(d).count(); };
-  const TriangleMesh ball = sphere(kHalf_m, levels);
+  const TriangleMesh ball = sphere_mesh(kHalf_m, levels);
   CostScore cost;
   cost.triangles = ball.triangle_count();
   const auto began = Clock::now();

@@ -8,15 +8,17 @@
 
 #include "harness/base/random.h"
 #include "harness/diagnosis/detectors.h"
-#include "harness/diagnosis/meshes.h"
 #include "harness/diagnosis/probe.h"
+#include "harness/surface/box_mesh.h"
+#include "harness/surface/moved_mesh.h"
+#include "harness/surface/sphere_mesh.h"
 
 namespace touchstone::diagnosis {
 namespace {
 
 const Vec3 kPlace(0.0031, 0.0017, 0.0);
 
-TriangleMesh plain_block() { return block({-kHalf_m, -kHalf_m, -kHalf_m}, {kHalf_m, kHalf_m, 0.0}); }
+TriangleMesh plain_block() { return box_mesh({-kHalf_m, -kHalf_m, -kHalf_m}, {kHalf_m, kHalf_m, 0.0}); }
 
 // What of the force's variance is left when the depth so many steps ago is known. Few depths, each often.
 double variance_left(const std::vector<std::size_t>& levels, const std::vector<double>& force_N, std::size_t lag,
@@ -149,7 +151,7 @@ std::optional<Finding> find_energy_gained(const Engine& engine) {
     Vec3 top;
   };
   for (const Case& one : {Case{plain_block(), "a block 40 mm wide", {0.0, 0.0, 0.0}},
-                          Case{sphere(kHalf_m, 4), "a ball 20 mm in radius", {0.0, 0.0, kHalf_m}}}) {
+                          Case{sphere_mesh(kHalf_m, 4), "a ball 20 mm in radius", {0.0, 0.0, kHalf_m}}}) {
     Probe probe(engine, one.mesh);
     // Slowly: what sampling alone explains falls with the size of the steps.
     constexpr int down = 2000;

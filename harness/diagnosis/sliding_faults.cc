@@ -8,6 +8,8 @@
 #include "harness/diagnosis/detectors.h"
 #include "harness/diagnosis/meshes.h"
 #include "harness/diagnosis/probe.h"
+#include "harness/surface/box_mesh.h"
+#include "harness/surface/sphere_mesh.h"
 
 namespace touchstone::diagnosis {
 namespace {
@@ -92,7 +94,7 @@ std::vector<Crossing> crossings(const TriangleMesh& mesh) {
 
 // Largest tangential over normal force in a slow drag over a level block, its first steps included.
 double friction_felt(const Engine& engine, double unit) {
-  Probe probe(engine, block({-kHalf_m, -kHalf_m, -kHalf_m}, {kHalf_m, kHalf_m, 0.0}), unit);
+  Probe probe(engine, box_mesh({-kHalf_m, -kHalf_m, -kHalf_m}, {kHalf_m, kHalf_m, 0.0}), unit);
   const Vec3 from(-5e-3, 1.7e-3, 0.0);
   probe.approach(from, Vec3::UnitZ(), kDepth_m);
   double most = 0.0;
@@ -131,8 +133,8 @@ std::optional<Finding> find_sticks_at_joints(const Engine& engine) {
   for (const double overlap_m : {0.0, 1e-3}) {
     // Each order of the two bodies, and the joint off the origin's own coordinates.
     for (const bool left_first : {true, false}) {
-      const TriangleMesh left = block({-h, -h, -h}, {0.5 * overlap_m, h, 0.0});
-      const TriangleMesh right = block({-0.5 * overlap_m, -h, -h}, {h, h, 0.0});
+      const TriangleMesh left = box_mesh({-h, -h, -h}, {0.5 * overlap_m, h, 0.0});
+      const TriangleMesh right = box_mesh({-0.5 * overlap_m, -h, -h}, {h, h, 0.0});
       const TriangleMesh both = left_first ? together(left, right) : together(right, left);
       const SlideResult result = slide_over(engine, both, slide);
       if (result.worst_N <= allowed_N(engine, slide)) continue;
@@ -156,7 +158,7 @@ std::optional<Finding> find_jump_between_triangles(const Engine& engine) {
     TriangleMesh mesh;
     const char* name;
   };
-  for (const Case& one : {Case{sphere(kHalf_m, 4), "a ball of 2048 triangles, 20 mm in radius"},
+  for (const Case& one : {Case{sphere_mesh(kHalf_m, 4), "a ball of 2048 triangles, 20 mm in radius"},
                           Case{nested_sheet(kHalf_m, 1e-3), "a plane sheet 40 mm wide"}}) {
     Probe probe(engine, one.mesh);
     for (const Crossing& edge : crossings(one.mesh)) {
