@@ -154,12 +154,31 @@ class Search {
     return found;
   }
 
-  // Two levels have one parameter more than a line: Schwarz's criterion weighs it.
-  [[nodiscard]] bool line_is_better(std::size_t first, std::size_t index, std::size_t end) const {
-    const auto n = static_cast<double>(end - first);
-    const double line = squares_about_line(part(first, end));
-    const double levels = squares_about_mean(part(first, index)) + squares_about_mean(part(index, end));
-    return n * std::log(std::max(line, 1e-300)) < n * std::log(std::max(levels, 1e-300)) + std::log(n);
+  // Schwarz's criterion, without what all models of n values share: each parameter beyond those of one level costs log
+  // n.
+  static double criterion(double squares, std::size_t n, std::size_t more_parameters) {
+    const auto values = static_cast<double>(n);
+    return values * std::log(std::max(squares, 1e-300)) + static_cast<double>(more_parameters) * std::log(values);
+  }
+
+  // A line has a slope more than one level, a step its place and a second level. What no line but one step explains
+  // worse than a line may still be a staircase: its steps are all searched before it is called a drift.
+  [[nodiscard]] bool line_is_better(std::size_t first, std::size_t step, std::size_t end) const {
+    const double line = criterion(squares_about_line(part(first, end)), end - first, 1);
+    const double two_levels = squares_about_mean(part(first, step)) + squares_about_mean(part(step, end));
+    if (criterion(two_levels, end - first, 2) <= line) return false;
+    std::vector<std::size_t> bounds{first, step, end};
+    for (std::size_t i = 0; i + 1 < bounds.size();) {
+      const std::size_t inner = find_step(bounds[i], bounds[i + 1]);
+      if (inner == 0) {
+        ++i;
+      } else {
+        bounds.insert(bounds.begin() + static_cast<std::ptrdiff_t>(i) + 1, inner);
+      }
+    }
+    double stairs = 0.0;
+    for (std::size_t i = 0; i + 1 < bounds.size(); ++i) stairs += squares_about_mean(part(bounds[i], bounds[i + 1]));
+    return line < criterion(stairs, end - first, 2 * (bounds.size() - 2));
   }
 
   void stretch(std::size_t first, std::size_t end, ChangeReport& report) {

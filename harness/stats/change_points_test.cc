@@ -89,6 +89,21 @@ TEST(Changes, ADriftIsNoStaircase) {
   EXPECT_THAT(steps_of(find_changes(values)), ElementsAre(50U));
 }
 
+// Three rises of two deviations each: a line explains them better than any one step, and three steps better than a
+// line. (multiple_changes() of github.com/jdrumgoole/otava-test-data, revision 32d2971, is of this form.)
+TEST(Changes, AStaircaseIsNoDrift) {
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    auto values = noisy(500, 0.05, seed);
+    for (std::size_t i = 0; i < values.size(); ++i) values[i] += 0.1 * static_cast<double>(i / 125);
+    const ChangeReport report = find_changes(values);
+    ASSERT_EQ(report.changes.size(), 3U) << seed;
+    for (std::size_t i = 0; i < 3; ++i) {
+      EXPECT_EQ(report.changes[i].kind, ChangeKind::step) << seed;
+      EXPECT_NEAR(static_cast<double>(report.changes[i].index), 125.0 * static_cast<double>(i + 1), 10.0) << seed;
+    }
+  }
+}
+
 TEST(Changes, AnExactSeriesChangesAtOnce) {
   std::vector<double> values(20, 0.25);
   values.push_back(0.2501);
