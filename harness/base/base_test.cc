@@ -14,6 +14,7 @@
 #include "harness/base/half_files.h"
 #include "harness/base/hash.h"
 #include "harness/base/json_reader.h"
+#include "harness/base/json_values.h"
 #include "harness/base/random.h"
 #include "harness/base/units.h"
 
@@ -82,6 +83,20 @@ TEST(JsonReader, ErrorsNameFileAndPlace) {
   EXPECT_THAT(message_of([&] { a.number("c"); }), HasSubstr("\"c\" is missing"));
   EXPECT_THAT(message_of([&] { a.raw("c"); }), HasSubstr("m.json: /a: the key \"c\" is missing; present: b, spare"));
   EXPECT_NO_THROW(root.finish());
+}
+
+TEST(JsonValues, ListsOfTextsAndWholeNumbersAndNothingElse) {
+  const auto json = parse_json(R"({"names": ["a", "b"], "name": "a", "mixed": ["a", 1], "two": 2.0, "half": 0.5,
+    "less": -1, "vast": 1e300})",
+                               "m.json");
+  JsonObject root(json, "m.json", "");
+  EXPECT_THAT(texts_of(root, "names"), ::testing::ElementsAre("a", "b"));
+  EXPECT_THAT(message_of([&] { texts_of(root, "name"); }), HasSubstr("/name: a list of texts was expected, got \"a\""));
+  EXPECT_THAT(message_of([&] { texts_of(root, "mixed"); }), HasSubstr("got 1 in it"));
+  EXPECT_EQ(count_of(root, "two", 2), 2U);
+  EXPECT_THAT(message_of([&] { count_of(root, "two", 1); }),
+              HasSubstr("/two: a whole number from 0 to 1 was expected"));
+  for (const char* const key : {"half", "less", "vast"}) EXPECT_THROW(count_of(root, key, 100), BadData) << key;
 }
 
 TEST(AtomicFile, AnExistingFileSurvivesAnAbandonedWrite) {

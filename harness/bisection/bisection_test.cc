@@ -15,6 +15,7 @@
 #include "harness/base/error.h"
 #include "harness/bisection/answer_report.h"
 #include "harness/bisection/child_process.h"
+#include "harness/bisection/measured_table.h"
 
 namespace touchstone::bisection {
 namespace {
@@ -175,6 +176,26 @@ TEST_F(Bisection, GoesOnWhereItWasStopped) {
   EXPECT_EQ(answer.steps[0].commits.front(), fault);
   EXPECT_LE(static_cast<std::size_t>(measured_.load()), answer.builds + 2 + 1) << first_part;
   EXPECT_THROW(bisect(GitHistory(repository()), request(fault, bad), never), UsageError);  // another search
+}
+
+// The last line of a run that was killed may be cut; a whole line of another shape was written by somebody.
+TEST_F(Bisection, ACutMeasurementIsDroppedAndOneOfAnotherShapeIsSaid) {
+  const auto file = folder_ / "measured.jsonl";
+  MeasuredTable(file, "search").add("abc", 2.0);
+  const std::string sound = read_file(file);
+  write_file(file, sound + R"({"commit": "de)");
+  EXPECT_EQ(MeasuredTable(file, "search").find("abc").values, std::vector<double>{2.0});
+  EXPECT_EQ(read_file(file), sound);
+  for (const char* const line :
+       {R"({"commit": 3, "value": 1})", R"({"commit": "d", "value": "1"})", R"({"commit": "d", "broken": 1})"}) {
+    write_file(file, sound + line + "\n");
+    try {
+      const MeasuredTable table(file, "search");
+      FAIL() << line;
+    } catch (const BadData& error) {
+      EXPECT_THAT(error.what(), testing::AllOf(HasSubstr("measured.jsonl"), HasSubstr(line)));
+    }
+  }
 }
 
 TEST_F(Bisection, AnInterruptEndsTheBuildAndAllThatItStarted) {

@@ -31,9 +31,14 @@ MeasuredTable::MeasuredTable(std::filesystem::path file, const std::string& abou
     // The last line of a run that was killed may be cut.
     const auto entry = nlohmann::json::parse(line, nullptr, false);
     if (!entry.is_object() || !entry.contains("commit")) continue;
-    MeasuredCommit& commit = commits_[entry["commit"].get<std::string>()];
-    if (entry.contains("value")) commit.values.push_back(entry["value"].get<double>());
-    if (entry.contains("broken")) commit.broken = entry["broken"].get<std::string>();
+    try {
+      MeasuredCommit& commit = commits_[entry.at("commit").get<std::string>()];
+      if (entry.contains("value")) commit.values.push_back(entry.at("value").get<double>());
+      if (entry.contains("broken")) commit.broken = entry.at("broken").get<std::string>();
+    } catch (const nlohmann::json::exception& error) {
+      throw BadData(fmt::format("{}: {}: not a measurement of a commit: {}; remove the line, or give another --out",
+                                file_.string(), line, error.what()));
+    }
     sound += line + "\n";
   }
   write_file(file_, sound, Replace::inputs_too);

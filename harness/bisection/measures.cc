@@ -100,13 +100,19 @@ class Replayer {
     return json;
   }
 
+  // Another commit's program wrote it: its fields may have been other ones.
+  static std::optional<double> number_at(const nlohmann::json& object, const char* key) {
+    const auto found = object.find(key);
+    return found != object.end() && found->is_number() ? std::optional(found->get<double>()) : std::nullopt;
+  }
+
   std::optional<double> operations(const BuiltCommit& built, const fs::path& program,
                                    const std::atomic<bool>& stop) const {
     const auto json = timing_of(built, program, stop);
     if (!json || !json->contains("operations")) return std::nullopt;
     const auto& counted = (*json)["operations"];
     if (counted.is_number()) return counted.get<double>();
-    if (counted.is_object() && counted.contains("mean")) return counted["mean"].get<double>();
+    if (counted.is_object()) return number_at(counted, "mean");
     return std::nullopt;
   }
 
@@ -120,7 +126,10 @@ class Replayer {
     const auto own = timing_of(built, program, stop);
     const auto good = timing_of(built, request_.plugin.empty() ? kept / program.filename() : program, stop);
     if (!own || !good) return std::nullopt;
-    return own->value("mean_us", 0.0) / good->value("mean_us", 0.0);
+    const auto own_us = number_at(*own, "mean_us");
+    const auto good_us = number_at(*good, "mean_us");
+    if (!own_us || !good_us || !(*good_us > 0.0)) return std::nullopt;
+    return *own_us / *good_us;
   }
 
   ReplayMeasure request_;

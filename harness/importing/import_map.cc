@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "harness/base/json_reader.h"
+#include "harness/base/json_values.h"
 
 namespace touchstone::importing {
 namespace {
@@ -14,7 +15,8 @@ namespace {
 // A column's name or number, as text.
 std::string column_name(JsonObject& object, std::string_view key, const nlohmann::json& value) {
   if (value.is_string() && !value.get<std::string>().empty()) return value.get<std::string>();
-  if (value.is_number_integer() && value.get<int>() >= 1) return std::to_string(value.get<int>());
+  // Not read as an int: a number beyond its range would come out as another column's.
+  if (value.is_number_unsigned() && value != 0) return value.dump();
   object.fail_at(key, "the name of a column or its number, counted from 1, was expected");
 }
 
@@ -69,12 +71,7 @@ TextLayout read_layout(JsonObject& parent) {
   };
   one_of("separator", layout.separator, {"comma", "semicolon", "tab", "space"});
   one_of("decimal", layout.decimal, {"point", "comma"});
-  if (object.has("names")) {
-    for (const auto& name : object.raw("names")) {
-      if (!name.is_string()) object.fail_at("names", "names of columns were expected");
-      layout.names.push_back(name.get<std::string>());
-    }
-  }
+  if (object.has("names")) layout.names = texts_of(object, "names");
   object.finish();
   return layout;
 }

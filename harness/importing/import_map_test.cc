@@ -194,6 +194,10 @@ TEST(ImportMap, WhatMakesNoSenseIsRefusedWithItsPlace) {
               HasSubstr("no row is left of 2"));
   EXPECT_THAT(map_refusal(text, R"("table": {"separator": "dot"}, "columns": {"x_m": {"from": 1}})"),
               HasSubstr("'dot' is not known"));
+  // Beyond the numbers of an int; 2^32 + 1 was once read as column 1.
+  EXPECT_THAT(map_refusal(text, R"("columns": {"x_m": {"from": 4294967297}})"), HasSubstr("no column '4294967297'"));
+  EXPECT_THAT(map_refusal(text, R"("table": {"names": "a"}, "columns": {"x_m": {"from": 1}})"),
+              HasSubstr("/table/names: a list of texts was expected"));
 }
 
 TEST(ImportMap, ARecordingIsReadBackAndAWrongOneIsNotWritten) {

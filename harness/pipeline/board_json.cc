@@ -15,6 +15,8 @@
 namespace touchstone::pipeline {
 namespace {
 
+constexpr double most_samples = 9007199254740992.0;  // 2^53: what a JSON number counts exactly
+
 using nlohmann::ordered_json;
 
 ordered_json number(double value) { return std::isfinite(value) ? ordered_json(value) : ordered_json(); }
@@ -231,7 +233,11 @@ BinnedErrors errors_from_text(std::string_view text, std::string_view source) {
   JsonObject in(document, std::string(source), "");
   BinnedErrors out;
   out.squares_N2 = in.numbers("squares_N2");
-  for (const double count : in.numbers("samples")) out.samples.push_back(static_cast<std::uint64_t>(count));
+  for (const double count : in.numbers("samples")) {
+    if (!(count >= 0.0 && count <= most_samples))
+      in.fail_at("samples", fmt::format("a count was expected, got {}", count));
+    out.samples.push_back(static_cast<std::uint64_t>(count));
+  }
   if (out.samples.size() != out.squares_N2.size()) in.fail_at("samples", "is not as long as squares_N2");
   in.finish();
   return out;

@@ -104,7 +104,7 @@ class Courier {
       for (const auto& group : answer["buildgroups"]) {
         for (const auto& build : group.value("builds", json::array())) {
           if (build.value("id", json()).dump() != result_.build_id) continue;
-          const auto& done = build["done"];
+          const json done = build.value("done", json(false));
           return done.is_boolean() ? done.get<bool>() : done.dump().find('1') != std::string::npos;
         }
       }

@@ -5,21 +5,16 @@
 #include <nlohmann/json.hpp>
 
 #include "harness/base/json_reader.h"
+#include "harness/base/json_values.h"
 
 namespace touchstone::runs {
 namespace {
 
 std::vector<std::string> texts(JsonObject& object, std::string_view key) {
-  std::vector<std::string> list;
-  if (!object.has(key)) return list;
-  const auto& values = object.raw(key);
-  if (!values.is_array()) object.fail_at(key, "a list of texts was expected");
-  for (const auto& value : values) {
-    if (!value.is_string() || value.get<std::string>().find('\n') != std::string::npos) {
-      object.fail_at(key, "texts of one line were expected");
-    }
-    list.push_back(value.get<std::string>());
-  }
+  if (!object.has(key)) return {};
+  std::vector<std::string> list = texts_of(object, key);
+  if (std::ranges::any_of(list, [](const std::string& text) { return text.find('\n') != std::string::npos; }))
+    object.fail_at(key, "texts of one line were expected");
   return list;
 }
 

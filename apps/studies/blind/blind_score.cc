@@ -138,7 +138,7 @@ void compare_parameters(BlindScore& score, const json& answer, const json& findi
         const auto& interval = parameter.at("interval95");
         score.parameters.push_back({truth.at("name").get<std::string>(), name, value,
                                     parameter.at("value").get<double>(),
-                                    interval[0].get<double>() <= value && value <= interval[1].get<double>()});
+                                    interval.at(0).get<double>() <= value && value <= interval.at(1).get<double>()});
       }
     }
   }

@@ -12,6 +12,7 @@
 #include "harness/base/atomic_file.h"
 #include "harness/base/hash.h"
 #include "harness/base/json_reader.h"
+#include "harness/base/json_values.h"
 #include "harness/base/progress.h"
 #include "harness/baseline/column_file.h"
 #include "harness/baseline/compare.h"
@@ -23,6 +24,7 @@ namespace touchstone::pipeline {
 namespace {
 
 constexpr double most_of_tolerance = 0.1;
+constexpr std::uint64_t most_rows = 1ULL << 53;  // what a JSON number counts exactly
 constexpr const char* schema = "touchstone-golden-floor/1";
 
 class ScratchFolder {
@@ -170,8 +172,8 @@ NoiseFloors judge_noise_floors(const std::vector<GoldenCase>& cases, const std::
       JsonObject& entry = found->second;
       good = add_floor(table, one.name, model,
                        {entry.number("force_max_N"), entry.number("contact_position_max_m"),
-                        static_cast<std::size_t>(entry.number("drift_rows")),
-                        static_cast<std::size_t>(entry.number("rows")), entry.number("of_tolerance")}) &&
+                        count_of(entry, "drift_rows", most_rows), count_of(entry, "rows", most_rows),
+                        entry.number("of_tolerance")}) &&
              good;
     }
   }

@@ -7,6 +7,7 @@
 
 #include "harness/base/atomic_file.h"
 #include "harness/base/error.h"
+#include "harness/base/hash.h"
 #include "harness/pipeline/board_json.h"
 #include "harness/pipeline/evaluation/input_floor.h"
 #include "harness/pipeline/evaluation/sample_scan_for_test.h"
@@ -252,6 +253,35 @@ TEST_F(Leaderboard, ASubmissionIsCheckedByRunningItAgain) {
   text[at + 23] = text[at + 23] == '9' ? '8' : '9';
   write_file(folder / "forged.json", text);
   EXPECT_THROW(load_submission(folder / "forged.json", plugins_), BadData);
+}
+
+// Whoever writes such a file can hash it too: what it lacks is said with its place.
+TEST_F(Leaderboard, ASubmissionThatLacksAPartIsRefusedWithItsPlace) {
+  const auto folder = fresh_folder("touchstone-submission-parts");
+  const BoardPlan plan = plan_board(built_in(), request());
+  CaseStore store(CaseStore::in_memory, board_table(plan));
+  const auto sound = nlohmann::json::parse(submission_to_json(plan, run(plan, store), {}, {}));
+  const auto refusal = [&](const char* pointer, const nlohmann::json& value) {
+    nlohmann::json bad = sound;
+    bad[nlohmann::json::json_pointer(pointer)] = value;
+    bad.erase("sha256");
+    bad["sha256"] = sha256(bad.dump());
+    write_file(folder / "bad.json", bad.dump());
+    try {
+      static_cast<void>(load_submission(folder / "bad.json", plugins_));
+    } catch (const BadData& error) {
+      return std::string(error.what());
+    }
+    return std::string("was taken");
+  };
+  EXPECT_EQ(refusal("/fit_range", sound["fit_range"]), "was taken") << "as it is, hashed anew";
+  EXPECT_THAT(refusal("/fit", "stiffness"), HasSubstr("/fit: a list of texts was expected"));
+  EXPECT_THAT(refusal("/entries/0/task", nullptr), HasSubstr("/entries/0/task: a text was expected"));
+  EXPECT_THAT(refusal("/entries", 3), HasSubstr("/entries: a list"));
+  EXPECT_THAT(refusal("/specification", "{}"), HasSubstr("\"cells\" is missing"));
+  EXPECT_THAT(refusal("/specification", "no JSON"), HasSubstr("/specification: line 1"));
+  EXPECT_THAT(refusal("/tip", "ball"), HasSubstr("dataset or point was expected, got ball"));
+  EXPECT_THAT(refusal("/in_trajectory", "guess"), HasSubstr("'guess' is unknown"));
 }
 
 TEST_F(Leaderboard, APluginThatWasBuiltAnewIsSaidAndIsNoDifferenceOfNumbers) {

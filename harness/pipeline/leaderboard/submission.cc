@@ -10,6 +10,7 @@
 #include "harness/base/error.h"
 #include "harness/base/hash.h"
 #include "harness/base/json_reader.h"
+#include "harness/base/json_values.h"
 #include "harness/base/version.h"
 #include "harness/report/metric_json.h"
 
@@ -48,6 +49,13 @@ json files_json(const std::vector<std::filesystem::path>& files) {
   return out;
 }
 
+// Throws BadData unless each of the objects of `key` has the texts by which it is found again.
+void expect_named(JsonObject& in, const char* key, const std::vector<const char*>& names) {
+  for (JsonObject& one : in.objects(key)) {
+    for (const char* const name : names) static_cast<void>(one.text(name));
+  }
+}
+
 // Everything but the hash itself; json sorts its keys, so that the text is canonical.
 std::string hash_of_contents(json document) {
   document.erase("sha256");
@@ -60,8 +68,8 @@ void compare_specifications(const std::string& claimed, const std::string& here,
   const auto cells = [](const std::string& text) {
     std::map<std::string, json> out;
     const json document = json::parse(text);
-    for (const json& cell : document["cells"])
-      out[fmt::format("{} on {}", cell.value("name", "floor"), cell["task"].get<std::string>())] = cell;
+    for (const json& cell : document.at("cells"))
+      out[fmt::format("{} on {}", cell.value("name", "floor"), cell.at("task").get<std::string>())] = cell;
     return out;
   };
   const auto before = cells(claimed);
@@ -117,9 +125,13 @@ Submission load_submission(const std::filesystem::path& file, const Plugins& plu
   Submission out;
   const std::string mode = in.text("in_trajectory");
   out.in_trajectory_chosen = !mode.empty();
-  out.in_trajectory = find_in_trajectory(mode).value_or(InTrajectoryMode::synthesize);
-  out.tip = in.text("tip") == "dataset" ? BoardTip::dataset : BoardTip::point;
-  for (const json& one : in.raw("fit")) out.fit.push_back(one.get<std::string>());
+  const auto chosen = find_in_trajectory(mode);
+  if (out.in_trajectory_chosen && !chosen) in.fail_at("in_trajectory", fmt::format("'{}' is unknown", mode));
+  out.in_trajectory = chosen.value_or(InTrajectoryMode::synthesize);
+  const std::string tip = in.text("tip");
+  if (tip != "dataset" && tip != "point") in.fail_at("tip", fmt::format("dataset or point was expected, got {}", tip));
+  out.tip = tip == "dataset" ? BoardTip::dataset : BoardTip::point;
+  out.fit = texts_of(in, "fit");
   out.fit_range = in.text("fit_range");
   out.score_range = in.text("score_range");
   for (JsonObject& one : in.objects("models")) {
@@ -129,10 +141,15 @@ Submission load_submission(const std::filesystem::path& file, const Plugins& plu
     out.models.emplace_back(std::move(model), name + ".json");
   }
   out.specification = in.text("specification");
+  const std::string place = file.string() + ": /specification";
+  const json specification = parse_json(out.specification, place);
+  JsonObject specified(specification, place, "");
+  expect_named(specified, "cells", {"task"});
   for (JsonObject& one : in.objects("plugins"))
     out.plugins.push_back({"plug-in", one.text("name"), one.text("sha256"), 0});
   for (JsonObject& one : in.objects("sources"))
     out.sources.push_back({"source", one.text("name"), one.text("sha256"), 0});
+  expect_named(in, "entries", {"task", "renderer"});
   out.entries = in.raw("entries").dump();
   return out;
 }
@@ -158,15 +175,16 @@ std::vector<std::string> differences(const Submission& claimed, const BoardPlan&
   compare_specifications(claimed.specification, plan.specification, lines);
   const json now = entries_json(board);
   for (const json& one : json::parse(claimed.entries)) {
-    const auto found = std::ranges::find_if(
-        now, [&](const json& other) { return other["task"] == one["task"] && other["renderer"] == one["renderer"]; });
+    const auto found = std::ranges::find_if(now, [&](const json& other) {
+      return other.at("task") == one.at("task") && other.at("renderer") == one.at("renderer");
+    });
     if (found == now.end()) continue;  // said above
     for (const auto& [key, value] : one.items()) {
       const json here = found->value(key, json());
       if (here == value) continue;
       lines.push_back(fmt::format("{} on {}: {} is {} in the submission and {} here",
-                                  one["renderer"].get<std::string>(), one["task"].get<std::string>(), key, value.dump(),
-                                  here.dump()));
+                                  one.at("renderer").get<std::string>(), one.at("task").get<std::string>(), key,
+                                  value.dump(), here.dump()));
     }
   }
   return lines;

@@ -50,6 +50,7 @@ Choice read_choice(JsonObject& root, const char* key) {
   Choice choice;
   for (const std::string& name : object.keys()) {
     choice.names.push_back(name);
+    static_cast<void>(object.object(name));  // a seed or a varied parameter is set inside it
     choice.values.push_back(object.raw(name));
   }
   object.finish();

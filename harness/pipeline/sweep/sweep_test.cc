@@ -286,6 +286,7 @@ INSTANTIATE_TEST_SUITE_P(
     Specifications, Refused,
     testing::Values(BadSpecification{"NoSurface", "/surfaces", nullptr, "surfaces"},
                     BadSpecification{"NoModel", "/models", json::object(), "at least one"},
+                    BadSpecification{"NoTrajectoryButItsName", "/trajectories/tap", "taps", "object {...}"},
                     BadSpecification{"Misspelt", "/modles", 1, "modles"},
                     BadSpecification{"UnknownDesign", "/design", "random", "latin-hypercube"},
                     BadSpecification{"PointsNowhere", "/vary/0/set", "/renderer", "no part of a case"},
