@@ -1,5 +1,6 @@
 // The task's script is run by /bin/sh with a program that keeps rows as a stand-in; the files of HTCondor and
-// Kubernetes are held against the keys that their manuals name.
+// Kubernetes are held against the keys that their manuals name, and the latter read by its own client where that is
+// installed.
 #include "harness/runs/farm.h"
 
 #include <fmt/format.h>
@@ -10,7 +11,11 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <array>
+#include <cstdio>
 #include <cstdlib>
+#include <map>
+#include <nlohmann/json.hpp>
 #include <thread>
 
 #include "harness/base/atomic_file.h"
@@ -121,6 +126,48 @@ TEST_F(Farm, FilesOfTheFarmsNameTheOpenShards) {
   EXPECT_THAT(files["job.yaml"], HasSubstr("claimName: \"data\""));
   EXPECT_THAT(farm_commands(request_, description), HasSubstr("kubectl create -f"));
   EXPECT_EQ(farm_files(request_, {}, {1}, 3).size(), 3U) << "without an image no job of Kubernetes";
+}
+
+// What a command prints; nothing if it fails.
+std::string printed(const std::string& command) {
+  std::string text;
+  FILE* const pipe = ::popen((command + " 2>/dev/null").c_str(), "r");
+  std::array<char, 4096> part{};
+  while (const std::size_t n = std::fread(part.data(), 1, part.size(), pipe)) text.append(part.data(), n);
+  return ::pclose(pipe) == 0 ? text : "";
+}
+
+// Kubernetes' own client reads the job into its types without a server (set env --local): a field that they do not have
+// is lost, a value of another type refused.
+TEST_F(Farm, KubernetesOwnClientReadsTheJob) {
+  const auto version = nlohmann::json::parse(printed("kubectl version --client -o json"), nullptr, false);
+  if (!version.is_object()) GTEST_SKIP() << "needs kubectl";
+  if (std::stoi(version.at("clientVersion").at("minor").get<std::string>()) < 21)
+    GTEST_SKIP() << "needs kubectl 1.21, which knows indexed jobs";
+  const auto description = farm(R"("kubernetes": {"image": "touchstone:0.1", "claim": "data", "mount": "/data"})");
+  for (const FarmFile& file : farm_files(request_, description, {2, 5, 8}, 3))
+    write_file(folder_ / file.name, file.text);
+  const auto read = nlohmann::json::parse(
+      printed("kubectl set env --local -f '" + (folder_ / "job.yaml").string() + "' SEEN=yes -o json"), nullptr, false);
+  ASSERT_TRUE(read.is_object()) << "it cannot be read";
+  EXPECT_EQ(read.at("kind"), "Job");
+  const auto& spec = read.at("spec");
+  EXPECT_EQ(spec.at("completionMode"), "Indexed");
+  EXPECT_EQ(spec.at("completions"), 3);
+  EXPECT_EQ(spec.at("parallelism"), 3);
+  EXPECT_GT(spec.at("backoffLimit"), 0);
+  const auto& pod = spec.at("template").at("spec");
+  EXPECT_EQ(pod.at("restartPolicy"), "Never");
+  EXPECT_EQ(pod.at("volumes").at(0).at("persistentVolumeClaim").at("claimName"), "data");
+  const auto& container = pod.at("containers").at(0);
+  EXPECT_EQ(container.at("image"), "touchstone:0.1");
+  EXPECT_EQ(container.at("resources").at("requests").at("cpu"), std::to_string(request_.cores_per_task));
+  EXPECT_EQ(container.at("volumeMounts").at(0).at("mountPath"), "/data");
+  EXPECT_EQ(container.at("volumeMounts").at(0).at("name"), pod.at("volumes").at(0).at("name"));
+  // The command line, as it comes out of YAML, is one that a shell reads.
+  ASSERT_EQ(container.at("command").size(), 3U);
+  write_file(folder_ / "command.sh", container.at("command").at(2).get<std::string>());
+  EXPECT_EQ(std::system(("sh -n '" + (folder_ / "command.sh").string() + "'").c_str()), 0);
 }
 
 TEST_F(Farm, ADescriptionThatMakesNoSenseIsRefusedWithItsPlace) {
