@@ -15,6 +15,12 @@ constexpr std::size_t kBins = 400;
 
 // Normal equations of one component: two features (1 and a factor) times the two hats that a sample lies between.
 // Neighbouring knots alone share samples, so that the matrix is kept as diagonal and first off-diagonal blocks.
+//
+// A sample at depth d between knots j and j + 1 has the hats h_j = left and h_{j+1} = right = 1 - left there, and with
+// its factor q (rate of depth, or direction of sliding) the model
+//   f = sum over k in {j, j + 1} of h_k (a_k + q b_k).
+// Setting the derivatives of the summed squares by a_k and b_k to zero gives, for each pair of knots k, l that share
+// samples, the 2 x 2 block  sum h_k h_l [1 q; q q^2]  and on the right-hand side  sum h_k f [1; q].
 struct Sums {
   struct Knot {
     // Products of this knot's features (1, q) with its own and with the next knot's, and with the force.
@@ -135,6 +141,8 @@ FirstContact first_contact(const FeltSeries& felt, const WeberLaw& force) {
     f.push_back(sum[b] / count[b]);
     d.push_back(depth[b] / count[b]);
   }
+  // Near contact the force is k (d - d_0). It passes the level L at d_0 + L / k and 3 L at d_0 + 3 L / k; half of the
+  // difference, L / k, taken from the first gives d_0 without knowing k.
   // The depth at which the mean force passes a level for good: the deepest place below it is beneath.
   const auto passes = [&](double level) -> std::optional<double> {
     std::size_t b = 0;
@@ -228,6 +236,10 @@ double residual_squares_N2(const Response& response, const FeltSeries& felt) {
 }
 
 double apparent_lag_s(const Response& response) {
+  // A force that is late by the lag is a(d(t - lag)) = a(d) - lag a'(d) d' to first order, so that the part of the rate
+  // is b = -lag a'. Least squares over the stretches between knots: lag = -sum w a' b / sum w a'^2. The weight is the
+  // information that the samples have on b: its normal equation holds the sum of their d'^2, `seen` times the mean
+  // square.
   const auto& a = response.curves.normal_N;
   const auto& b = response.curves.normal_N_s_per_m;
   double product = 0.0;

@@ -54,6 +54,10 @@ double depth_exponent(const ResponseCurves& c, double d, double step_m, const De
 
 double force_at_depth_jnd(double force_jnd, double real_N, double rendered_N, double exponent,
                           const Thresholds& thresholds) {
+  // One JND of depth is the fraction w of it. A force that goes as d^n changes by n w in its logarithm then, so that
+  // the two forces are D = |ln(rendered / real)| / (n w) JND of depth apart. Both errors of the observer are
+  // independent and add as variances: a difference of `jnd` in the force and D in the depth comes to
+  // 1 / sqrt(1 / jnd^2 + 1 / D^2) of both.
   const double depth_error = exponent * thresholds.depth_fraction;
   const double jnd = std::abs(force_jnd);
   if (!(depth_error > 0.0) || !(real_N > 0.0) || !(rendered_N > 0.0) || jnd == 0.0) return jnd;
@@ -105,6 +109,7 @@ SlowEvidences slow_evidence(const Response& real, const ResponseCurves& real_cur
     }
     const double v = std::min(at_depth(real.speed_m_per_s, d, grid), at_depth(rendered.speed_m_per_s, d, grid));
     // The same object with the delay and the damping of either: force on the way in (+) and out (-).
+    // While the depth changes at the rate +v or -v, a delayed force is that of the depth v lag earlier on the way.
     const auto in_motion = [&](const ResponseCurves& c, double lag_s, double sign) {
       const double delayed = std::max(0.0, at_depth(real_curves.normal_N, d - sign * v * lag_s, grid));
       return delayed + sign * v * at_depth(c.normal_N_s_per_m, d, grid);
@@ -133,6 +138,7 @@ SlowEvidences slow_evidence(const Response& real, const ResponseCurves& real_cur
     }
   }
   if (depths_m.size() >= 3) {
+    // Steps of a fraction w each: ratio = (1 + w)^steps.
     const double kr = slope_of(real_curves, depths_m, grid);
     const double kc = slope_of(rendered_curves, depths_m, grid);
     if (kr > 0.0 && kc > 0.0) {
@@ -142,6 +148,7 @@ SlowEvidences slow_evidence(const Response& real, const ResponseCurves& real_cur
   }
   const double least = kDirectionForce * thresholds.force.absolute_threshold;
   if (deep > 0.0 && real_sum.norm() / deep > least && rendered_sum.norm() / deep > least) {
+    // tan = |a x b| / (a . b): exact also where the angle is small, unlike the inverse cosine.
     const double angle = std::atan2(real_sum.cross(rendered_sum).norm(), real_sum.dot(rendered_sum));
     at(SlowChannel::direction) = {true, angle / thresholds.direction_rad, depths_m.back(), 0.0, angle};
   }
@@ -150,6 +157,10 @@ SlowEvidences slow_evidence(const Response& real, const ResponseCurves& real_cur
 
 std::array<double, kSlowChannels> slow_errors(const Response& real, const Response& rendered, bool same_motion,
                                               const std::vector<double>& depths_m, const Thresholds& thresholds) {
+  // Jackknife over n blocks, with x_b the evidence without block b: the variance is
+  //   (n - 1) / n sum (x_b - mean)^2 = (n - 1) / n (sum x_b^2 - (sum x_b)^2 / n).
+  // With one motion a block holds the same stretch of both recordings and is left out of both at once, which keeps what
+  // they have in common; else the recordings are independent and their variances add.
   std::array<double, kSlowChannels> variance{};
   const auto gather = [&](auto&& curves_without) {
     std::array<double, kSlowChannels> sum{};
