@@ -31,7 +31,8 @@ double HiddenContact::normal_force(double depth_m, double rate_m_per_s, const Ve
   }
   N += h.damping_N_s_per_m * rate_m_per_s + h.hunt_crossley_N_s_per_m2 * depth_m * rate_m_per_s;
   if (h.relaxation_ratio > 0.0) {
-    // Maxwell arm: s' = K d' - s / tau, by the trapezium rule.
+    // Maxwell arm: s' = K d' - s / tau. Over a step, with the mean of both ends for s (trapezium rule) and
+    // half = dt / (2 tau):  s_1 - s_0 = K (d_1 - d_0) - half (s_0 + s_1), solved for s_1.
     const double spring = h.relaxation_ratio * h.stiffness_N_per_m * depth_m;
     const double half = 0.5 * dt_s / h.relaxation_time_s;
     arm_N_ = ((1.0 - half) * arm_N_ + spring - last_arm_spring_N_) / (1.0 + half);
@@ -54,7 +55,8 @@ Vec3 HiddenContact::friction(double normal_N, const Vec3& n, const Vec3& v_t, do
     return f - h.tool_spring_N_per_m * spring_m_;
   }
   if (h.mu_dynamic.isZero() && h.mu_static.isZero()) return f;
-  // Dahl: s z' = v - |v| z, by the implicit Euler rule, since a fast tip crosses s in less than a step.
+  // Dahl: s z' = v - |v| z, by the implicit Euler rule, since a fast tip crosses s in less than a step:
+  // z_1 = z_0 + (v - |v| z_1) dt / s, solved for z_1. Its steady value is v / |v| at any step.
   bristle_ = (bristle_ + v_t * dt_s / h.presliding_m) / (1.0 + speed * dt_s / h.presliding_m);
   bristle_ -= n.dot(bristle_) * n;
   Vec2 mu = h.mu_dynamic;

@@ -22,6 +22,7 @@ void CrossingCandidates::offer_quartic(const std::array<double, 5>& c) noexcept 
     return Jet1{(((c[4] * t + c[3]) * t + c[2]) * t + c[1]) * t + c[0],
                 ((4.0 * c[4] * t + 3.0 * c[3]) * t + 2.0 * c[2]) * t + c[1]};
   };
+  // Of f'' = 12 c4 t^2 + 6 c3 t + 2 c2 on 0 <= t <= 1.
   const double second = 12.0 * std::abs(c[4]) + 6.0 * std::abs(c[3]) + 2.0 * std::abs(c[2]);
   double size = 0.0;
   for (const double coefficient : c) size += std::abs(coefficient);
@@ -43,6 +44,8 @@ std::optional<Crossing> CrossingCandidates::first(const Surface& solid, const Ve
     if (next == t && i + 1 < count_) continue;
     const bool inside_after = next > t ? inside(0.5 * (t + next)) : solid.signed_distance(b_W_m) < 0.0;
     if (inside_after == starts_inside) continue;
+    // The root of a polynomial is off by its rounding. The signed distance grows by n . along with t: Newton's steps on
+    // it take the point onto the surface, as long as they come closer and stay between the neighbouring candidates.
     SurfacePoint at = solid.closest(a_W_m + t * along);
     for (int newton = 0; newton < 3; ++newton) {
       const double slope = at.n_W.dot(along);

@@ -22,6 +22,10 @@ SurfacePoint HeightField::closest(const Vec3& p) const {
 std::optional<Crossing> HeightField::first_crossing(const Vec3& a, const Vec3& b) const {
   const Vec3 d = b - a;
   const Vec2 d_xy(d.x(), d.y());
+  // How far the segment's point at t is above the field: f(t) = z_a + t d_z - h(xy_a + t d_xy), with
+  // f' = d_z - grad h . d_xy and f'' = -d_xy' H d_xy, H the matrix of h's second derivatives, which the field bounds.
+  // The search needs that bound to know where no root can be, and the rounding of f, whose terms are of the size of
+  // the coordinates, to know when a value is zero.
   const auto above = [&](double t) {
     const Height at = height(a.x() + t * d.x(), a.y() + t * d.y());
     return Jet1{a.z() + t * d.z() - at.z, d.z() - at.slope.dot(d_xy)};
