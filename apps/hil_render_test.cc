@@ -4,13 +4,18 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <nlohmann/json.hpp>
+#include <numbers>
+#include <utility>
 
 #include "harness/testing/built_program.h"
+#include "hil/emulators/haply_emulator.h"
 
 namespace touchstone::apps {
 namespace {
 
+using hil::HaplyEmulator;
 using ::testing::HasSubstr;
 
 class HilRender : public testing::BuiltProgram {
@@ -28,22 +33,35 @@ class HilRender : public testing::BuiltProgram {
     }
   }
   // Long patience: a busy machine is not what is tried here.
-  testing::Outcome render(const std::string& renderer, const std::string& device, const std::string& more) {
+  testing::Outcome render_on(const std::string& device, const std::string& renderer, const std::string& more) {
     return run(
-        fmt::format("hil render --device-plugin {} --settings {} --model {}.json --mesh plate.obj --seconds 1.5 "
-                    "--command-age 2000 --out live {}",
-                    TOUCHSTONE_EXAMPLE_DEVICE, device, renderer, more));
+        fmt::format("hil render {} --model {}.json --mesh plate.obj --seconds 1.5 --command-age 2000 --out live {}",
+                    device, renderer, more));
+  }
+  testing::Outcome render(const std::string& renderer, const std::string& settings, const std::string& more) {
+    return render_on(handle(settings), renderer, more);
+  }
+  static std::string handle(const std::string& settings) {
+    return fmt::format("--device-plugin {} --settings {}", TOUCHSTONE_EXAMPLE_DEVICE, settings);
   }
   nlohmann::json result() { return nlohmann::json::parse(read_file(folder_ / "live" / "result.json")); }
 };
 
 TEST_F(HilRender, ThreeRenderersOnTwoDevicesDoWhatTheirReplaysSay) {
+  // A handle by a plug-in, which the force moves, and Haply's service, whose cursor is moved through the plate.
+  const HaplyEmulator service(
+      {}, [](double t) { return Vec3(0.003 * std::sin(2.0 * t), 0.0, 0.002 * std::cos(2.0 * std::numbers::pi * t)); });
+  write_file(folder_ / "map.json", fmt::format(R"({{"schema": "touchstone-hardware/1", "devices": [
+ {{"id": "haply-inverse3", "connected": true, "address": "127.0.0.1", "port": {}, "force_limit_N": 10}}]}})",
+                                               service.port()));
   for (const char* const renderer : {"god-object", "friction-cone", "penalty"}) {
-    for (const char* const device : {"press", "slide"}) {
+    for (const auto& [device, name] : {std::pair(handle("press"), "emulated-handle"),
+                                       {handle("slide"), "emulated-handle"},
+                                       {std::string("--device haply-inverse3 --map map.json"), "haply-inverse3"}}) {
       SCOPED_TRACE(std::string(renderer) + " on " + device);
-      const auto outcome = render(renderer, device, "--force-limit 10");
+      const auto outcome = render_on(device, renderer, "--force-limit 10");
       ASSERT_EQ(outcome.status, 0) << outcome.out << outcome.err;
-      EXPECT_THAT(outcome.out, HasSubstr("emulated: emulated-handle"));
+      EXPECT_THAT(outcome.out, HasSubstr(std::string("emulated: ") + name));
       const auto live = result();
       EXPECT_EQ(live["difference_from_replay_N"], 0.0);
       EXPECT_GT(live["largest_force_N"], 0.2) << "it never touched, and this test shows nothing";
