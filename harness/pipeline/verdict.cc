@@ -22,12 +22,12 @@ std::string and_list(const std::vector<std::string>& names) {
   return fmt::format("{} and {}", fmt::join(names.begin(), names.end() - 1, ", "), names.back());
 }
 
-// Those that the data cannot tell from the best, best first.
-std::vector<std::size_t> beside_the_best(const Ranking& ranking) {
+// Those that nobody was told to be better than, best first. One that the data cannot tell from the first, but is told
+// to be worse than another, is none of the best.
+std::vector<std::size_t> the_best(const Ranking& ranking) {
   std::vector<std::size_t> out;
-  const std::size_t best = ranking.order.front().renderer;
   for (const RankedRenderer& one : ranking.order) {
-    if (one.renderer == best || !ranking.told_apart(best, one.renderer)) out.push_back(one.renderer);
+    if (one.best_rank == 1) out.push_back(one.renderer);
   }
   return out;
 }
@@ -83,7 +83,7 @@ std::string verdict(const Task& task) {
   if (!task.ranking) return "No renderer ran with a force to judge." + who_did_not_run(task);
   const Ranking& ranking = *task.ranking;
   const auto entry = [&](std::size_t place) -> const Entry& { return task.entries[task.ranked[place]]; };
-  const std::vector<std::size_t> best = beside_the_best(ranking);
+  const std::vector<std::size_t> best = the_best(ranking);
   std::vector<std::string> names;
   for (const std::size_t place : best) names.push_back(entry(place).renderer);
   const Entry& first = entry(best.front());
@@ -113,7 +113,7 @@ std::string verdict(const Task& task) {
 }
 
 std::string verdict(const Overall& overall, std::size_t tasks) {
-  const std::vector<std::size_t> best = beside_the_best(overall.ranking);
+  const std::vector<std::size_t> best = the_best(overall.ranking);
   std::vector<std::string> names;
   for (const std::size_t place : best) names.push_back(overall.renderers[place]);
   std::vector<std::string> front;
