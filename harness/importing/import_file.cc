@@ -283,25 +283,43 @@ void turn_forces(Imported& imported, const ImportMap& map, const std::vector<Qua
   }
 }
 
-// Force at time t is what the file has at t - shift.
-void shift_forces(Imported& imported, double shift_s) {
+// Between which rows of the file a row's shifted force lies: `row` and the next, `share` of the way.
+struct Between {
+  std::size_t row = 0;
+  double share = 0.0;
+  bool there = false;  // false: the file has nothing at that time
+};
+
+std::vector<Between> shifted_rows(const Series& t, double shift_s) {
+  std::vector<Between> rows(t.size());
+  std::size_t k = 0;
+  for (std::size_t i = 0; i < t.size(); ++i) {
+    const double at = t[i] - shift_s;
+    if (t.size() < 2 || at < t.front() || at > t.back()) continue;
+    while (k + 2 < t.size() && t[k + 1] < at) ++k;
+    rows[i] = {k, (at - t[k]) / (t[k + 1] - t[k]), true};
+  }
+  return rows;
+}
+
+// Force at time t is what the file has at t - shift, and so is what the sensor said of it.
+void shift_forces(Imported& imported, double shift_s, std::vector<unsigned>& flags) {
   const auto* const clock = column_of(imported, "t_s");
   if (clock == nullptr || shift_s == 0.0) return;
-  const Series t = *clock;
+  const std::vector<Between> from = shifted_rows(*clock, shift_s);
   for (const char* const name : {"fx_", "fy_", "fz_", "tx_", "ty_", "tz_"}) {
     auto* const column = column_of(imported, name);
     if (column == nullptr) continue;
     const Series old = *column;
-    std::size_t k = 0;
-    for (std::size_t i = 0; i < t.size(); ++i) {
-      const double at = t[i] - shift_s;
-      if (at < t.front() || at > t.back()) {
-        (*column)[i] = std::numeric_limits<double>::quiet_NaN();
-        continue;
-      }
-      while (k + 2 < t.size() && t[k + 1] < at) ++k;
-      (*column)[i] = old[k] + (at - t[k]) / (t[k + 1] - t[k]) * (old[k + 1] - old[k]);
+    for (std::size_t i = 0; i < from.size(); ++i) {
+      const auto& [row, share, there] = from[i];
+      (*column)[i] = there ? old[row] + share * (old[row + 1] - old[row]) : std::numeric_limits<double>::quiet_NaN();
     }
+  }
+  const std::vector<unsigned> old = flags;
+  for (std::size_t i = 0; i < flags.size(); ++i) {
+    const auto& [row, share, there] = from[i];
+    flags[i] = there ? (share < 1.0 ? old[row] : 0U) | (share > 0.0 ? old[row + 1] : 0U) : 0U;
   }
 }
 
@@ -438,8 +456,8 @@ Imported import_file(const std::filesystem::path& path, const ImportMap& map) {
     }
   }
   imported.notes = sources.notes();
-  shift_forces(imported, map.shift_force_s);
-  const auto flags = sensor_flags(imported, map, sources);
+  auto flags = sensor_flags(imported, map, sources);
+  shift_forces(imported, map.shift_force_s, flags);
   // A recording has no place for them; a table of wrenches alone, which `touchstone acquire` takes, has.
   if (!flags.empty() && map.status->bad_samples == BadSamples::keep && column_of(imported, "x_") == nullptr) {
     imported.names.emplace_back("flags");

@@ -94,6 +94,16 @@ TEST(ImportMap, SamplesThatTheSensorCallsBadAreLeftOutOrKeptWithFlags) {
   EXPECT_THAT(recording.notes, ::testing::Contains(HasSubstr("transducer saturation")));
 }
 
+// The status goes with its force: shifted by a row, the saturated forces of rows 3 and 4 stand in rows 4 and 5.
+TEST(ImportMap, AShiftTakesTheSensorsWordWithTheForce) {
+  const std::string shift = R"(, "shift_force_s": 0.5)";
+  const auto left = imported_by(status_log, status_map(R"(, "bad_samples": "leave out")") + shift);
+  EXPECT_THAT(column(left, "fz_N"), ElementsAre(3, 4));
+  const auto kept = imported_by(status_log, status_map(R"(, "bad_samples": "keep")") + shift);
+  EXPECT_THAT(column(kept, "fz_N"), ElementsAre(3, 4, 9, 9));
+  EXPECT_THAT(column(kept, "flags"), ElementsAre(0, 0, 1, 1));
+}
+
 TEST(ImportMap, AStatusThatIsNoneIsRefused) {
   EXPECT_THAT(
       map_refusal(status_log, R"("columns": {"fx_N": {"from": "Fx"}}, "status": {"from": "Fx", "device": "gamma"})"),
