@@ -186,7 +186,7 @@ CaseOutcome plan_jobs(const CaseCommand& command, const CaseOptions& options) {
   for (const FarmFile& file : farm_files(request, farm, open, options.attempts))
     write_file(folder / file.name, file.text);
   fmt::print("{} of {} shards are open: {}/shards.txt. Run them, then this command again:\n{}", open.size(),
-             request.shards, folder.string(), farm_commands(request, farm));
+             request.shards, folder.string(), farm_commands(request, farm, options.attempts));
   CaseOutcome outcome;
   outcome.status = ExitStatus::failed;
   return outcome;

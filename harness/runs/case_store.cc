@@ -293,7 +293,8 @@ CaseMerge CaseStore::merge(const std::filesystem::path& part, double relative) {
     const std::string name = quoted_name(column.name);
     if (column.type == CaseColumn::Type::real && relative > 0.0) {
       differs += fmt::format(
-          " OR (a.{0} IS NULL) IS NOT (b.{0} IS NULL) OR (abs(a.{0}) > 1.7e308) IS NOT (abs(b.{0}) > 1.7e308) OR "
+          " OR (a.{0} IS NULL) IS NOT (b.{0} IS NULL) OR (a.{0} > 1.7e308) IS NOT (b.{0} > 1.7e308) OR "
+          "(a.{0} < -1.7e308) IS NOT (b.{0} < -1.7e308) OR "
           "abs(a.{0} - b.{0}) > {1:.17g} * max(abs(a.{0}), abs(b.{0}))",
           name, relative);
     } else {

@@ -157,6 +157,8 @@ TEST_F(Store, PartsOfAnotherProcessorMergeWithinATolerance) {
   keep("other-count", "Zen", 1.0, 8);
   keep("infinite", "Zen", std::numeric_limits<double>::infinity(), 7);
   keep("absent", "Zen", std::numeric_limits<double>::quiet_NaN(), 7);
+  keep("below", "Zen", -std::numeric_limits<double>::infinity(), 7);
+  EXPECT_THROW(CaseStore(file("infinite"), own).merge(file("below"), 1e-9), BadData);
   CaseStore store(file("a"), own);
   try {
     store.merge(file("b"));

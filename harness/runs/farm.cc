@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "harness/base/json_reader.h"
@@ -49,7 +50,7 @@ std::string kubernetes_job(const SlurmRequest& request, const FarmDescription& f
       "apiVersion: batch/v1\n"
       "kind: Job\n"
       "metadata:\n"
-      "  name: {}\n"
+      "  generateName: {}-\n"
       "spec:\n"
       "  completionMode: Indexed\n"
       "  completions: {}\n"
@@ -140,19 +141,19 @@ std::vector<FarmFile> farm_files(const SlurmRequest& request, const FarmDescript
                                            "request_cpus = {1}\n"
                                            "max_retries = {2}\n"
                                            "should_transfer_files = NO\n"
-                                           "queue shard from shards.txt\n",
-                                           folder, request.cores_per_task, attempts)});
+                                           "queue shard from {0}/shards.txt\n",
+                                           folder, request.cores_per_task, std::max(1U, attempts) - 1)});
   if (!farm.image.empty()) files.push_back({"job.yaml", kubernetes_job(request, farm, shards, attempts)});
   return files;
 }
 
-std::string farm_commands(const SlurmRequest& request, const FarmDescription& farm) {
+std::string farm_commands(const SlurmRequest& request, const FarmDescription& farm, unsigned attempts) {
   const auto folder = folder_of(request).string();
   std::string text = fmt::format(
-      "GNU parallel  parallel --joblog {0}/parallel.log --retries 3 -a {0}/shards.txt /bin/sh "
+      "GNU parallel  parallel --joblog {0}/parallel.log --retries {1} -a {0}/shards.txt /bin/sh "
       "{0}/task.sh\n"
       "HTCondor      condor_submit {0}/jobs.sub\n",
-      shell_word(folder));
+      shell_word(folder), std::max(1U, attempts));
   if (!farm.image.empty()) text += fmt::format("Kubernetes    kubectl create -f {}/job.yaml\n", shell_word(folder));
   return text;
 }

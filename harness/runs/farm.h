@@ -41,10 +41,10 @@ struct FarmFile {
   std::string name;
   std::string text;
 };
-// shards.txt, jobs.sub (HTCondor) and, where an image is named, job.yaml (Kubernetes).
+// task.sh, shards.txt, jobs.sub (HTCondor) and, where an image is named, job.yaml (Kubernetes).
 std::vector<FarmFile> farm_files(const SlurmRequest& request, const FarmDescription& farm,
                                  const std::vector<std::uint64_t>& shards, unsigned attempts);
-// What to type to run them.
-std::string farm_commands(const SlurmRequest& request, const FarmDescription& farm);
+// What to type to run them, from any folder.
+std::string farm_commands(const SlurmRequest& request, const FarmDescription& farm, unsigned attempts);
 
 }  // namespace touchstone::runs

@@ -119,12 +119,15 @@ TEST_F(Farm, FilesOfTheFarmsNameTheOpenShards) {
   std::map<std::string, std::string> files;
   for (const FarmFile& file : farm_files(request_, description, {2, 5, 8}, 3)) files[file.name] = file.text;
   EXPECT_EQ(files["shards.txt"], "2\n5\n8\n");
-  EXPECT_THAT(files["jobs.sub"], HasSubstr("queue shard from shards.txt\n"));
-  EXPECT_THAT(files["jobs.sub"], HasSubstr("max_retries = 3\n"));
+  EXPECT_THAT(files["jobs.sub"],
+              HasSubstr("queue shard from " + (folder_ / "all.sqlite.parts/shards.txt").string() + "\n"));
+  EXPECT_THAT(files["jobs.sub"], HasSubstr("max_retries = 2\n"));
   EXPECT_THAT(files["job.yaml"], HasSubstr("completionMode: Indexed\n  completions: 3\n  parallelism: 3\n"));
   EXPECT_THAT(files["job.yaml"], HasSubstr("JOB_COMPLETION_INDEX + 1"));
   EXPECT_THAT(files["job.yaml"], HasSubstr("claimName: \"data\""));
-  EXPECT_THAT(farm_commands(request_, description), HasSubstr("kubectl create -f"));
+  EXPECT_THAT(farm_commands(request_, description, 3), HasSubstr("kubectl create -f"));
+  EXPECT_THAT(farm_commands(request_, description, 5), HasSubstr("--retries 5 "));
+  EXPECT_THAT(files["job.yaml"], HasSubstr("generateName: touchstone-sweep-\n")) << "a second round is another job";
   EXPECT_EQ(farm_files(request_, {}, {1}, 3).size(), 3U) << "without an image no job of Kubernetes";
 }
 
