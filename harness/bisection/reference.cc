@@ -2,6 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <set>
+
 #include "harness/base/atomic_file.h"
 #include "harness/base/error.h"
 #include "harness/bisection/child_process.h"
@@ -23,16 +26,16 @@ void export_reference(const GoldenReference& reference, const fs::path& to, cons
 }
 
 std::string model_in(const fs::path& reference) {
-  std::string model;
+  std::set<std::string> models;
   for (const auto& entry : fs::directory_iterator(reference)) {
-    if (entry.path().extension() != ".json") continue;
-    const std::string name = entry.path().stem().string();
-    const bool golden = fs::exists(reference / (name + ".h5")) || fs::exists(reference / (name + ".golden.csv"));
-    const bool first_golden = model.empty() || fs::exists(reference / (model + ".h5"));
-    if (model.empty() || (golden && (!first_golden || name < model))) model = name;
+    if (entry.path().extension() == ".json") models.insert(entry.path().stem().string());
   }
-  if (model.empty()) throw UsageError(fmt::format("{}: holds no model file (MODEL.json)", reference.string()));
-  return model;
+  if (models.empty()) throw UsageError(fmt::format("{}: holds no model file (MODEL.json)", reference.string()));
+  const auto has_golden = [&](const std::string& name) {
+    return fs::exists(reference / (name + ".h5")) || fs::exists(reference / (name + ".golden.csv"));
+  };
+  const auto golden = std::ranges::find_if(models, has_golden);
+  return golden == models.end() ? *models.begin() : *golden;
 }
 
 }  // namespace touchstone::bisection

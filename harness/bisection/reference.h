@@ -26,7 +26,8 @@ struct GoldenReference {
 void export_reference(const GoldenReference& reference, const std::filesystem::path& to,
                       const std::filesystem::path& log, const std::atomic<bool>& stopped);
 
-// The reference's only model, or the first by name that has a golden. Throws UsageError for a folder without one.
+// The first model by name that has a golden, or the first by name if none has. Throws UsageError for a folder without
+// a model.
 std::string model_in(const std::filesystem::path& reference);
 
 }  // namespace touchstone::bisection

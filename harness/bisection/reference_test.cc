@@ -20,7 +20,7 @@ TEST(Reference, TheModelIsTheOnlyOneOrTheFirstWithAGolden) {
   EXPECT_EQ(model_in(folder.path()), "b");
   for (const char* const name : {"a.json", "c.json", "d.json", "c.golden.csv", "d.h5"})
     write_file(folder.path() / name, "");
-  EXPECT_THAT(model_in(folder.path()), ::testing::AnyOf("c", "d"));
+  EXPECT_EQ(model_in(folder.path()), "c");
 }
 
 TEST(Reference, ACaseThatCannotBeExportedIsSaidWithTheOutput) {
