@@ -385,6 +385,11 @@ void require_wrench_and_pose(const recording::Recording& measured) {
     throw BadData(fmt::format("{}: {} samples; at least {} are needed to fit and to judge on other parts",
                               measured.source, measured.size(), kFewestSamples));
   }
+  const auto zero = [](const Eigen::Vector3d& v) { return v.isZero(0.0); };
+  if (std::ranges::all_of(measured.f_W_N, zero))
+    throw BadData(fmt::format("{}: every force is zero: was it measured?", measured.source));
+  if (std::ranges::all_of(measured.torque_W_Nm, zero))
+    throw BadData(fmt::format("{}: every torque is zero: was it measured?", measured.source));
 }
 
 std::string joined(const std::vector<std::string>& parts) {

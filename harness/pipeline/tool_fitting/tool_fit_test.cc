@@ -5,6 +5,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
@@ -177,6 +178,10 @@ TEST(ToolFit, RefusesWhatCannotBeFitted) {
   EXPECT_THROW(fitted(bad), BadData);
   bad = good;
   for (Vec3& p : bad.motion.p_W_m) p.z() += 0.1;
+  EXPECT_THROW(fitted(bad), BadData);
+  // A sensor of forces whose file has columns of zeros for the torque.
+  bad = good;
+  std::ranges::fill(bad.torque_W_Nm, Vec3::Zero());
   EXPECT_THROW(fitted(bad), BadData);
 }
 
