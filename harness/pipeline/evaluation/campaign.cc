@@ -349,7 +349,8 @@ void add_floors(const Catalogue& catalogue, const std::string& law, const std::v
     if (task.floor || own == plan.end() || !own->floor) continue;
     try {
       task.floor = floor_of_plan(catalogue, law, own->request, *own->floor);
-    } catch (const BadData&) {  // no forces, or no sample in the range: there is nothing to have a floor
+    } catch (const BadData& error) {  // no forces, no sample in the range, an instrument that cannot be read
+      fmt::print(stderr, "note: {}: no floor: {}\n", task.name, error.what());
     }
   }
 }

@@ -128,9 +128,13 @@ void run_floor(const Catalogue& catalogue, const std::string& law, const BoardTa
   row.values[kFloor + 1] = floor.low95_N;
   row.values[kFloor + 2] = floor.high95_N;
   if (task.request.repeat.empty()) return;
-  const sanity::RepeatFloor repeat = sanity::repeat_floor_of_files(task.request.recording, task.request.repeat);
-  row.values[kRepeat] = repeat.force_N;
-  row.values[kRepeat + 1] = repeat.text();
+  try {
+    const sanity::RepeatFloor repeat = sanity::repeat_floor_of_files(task.request.recording, task.request.repeat);
+    row.values[kRepeat] = repeat.force_N;
+    row.values[kRepeat + 1] = repeat.text();
+  } catch (const BadData& error) {  // the instrument's floor holds without it
+    row.values[kWhy] = fmt::format("{}; no repeat: {}", floor.how, error.what());
+  }
 }
 
 void run_cell(const Catalogue& catalogue, const BoardPlan& plan, const BoardCell& cell, CaseRow& row) {
