@@ -53,10 +53,13 @@ GaugeVoltages mean_volts(const RawTable& table, const std::vector<double>& t,
 }
 
 // What the sensor itself said of its samples, as `touchstone hil record` and `touchstone import` write it.
-void count_flags(const std::vector<double>& flags, AcquisitionReport& report) {
+void count_flags(const std::vector<double>& flags, const std::string& source, AcquisitionReport& report) {
+  constexpr double most = std::numeric_limits<std::uint32_t>::max();
   std::size_t faulty = 0;
-  for (const double value : flags) {
-    const auto bits = value >= 0.0 && value <= 255.0 ? static_cast<unsigned>(value) : 0U;
+  for (std::size_t i = 0; i < flags.size(); ++i) {
+    if (!(flags[i] >= 0.0 && flags[i] <= most && flags[i] == std::floor(flags[i])))
+      throw BadData(fmt::format("{}: sample {}: flags {} is not a whole number from 0 on", source, i + 1, flags[i]));
+    const auto bits = static_cast<std::uint32_t>(flags[i]);
     report.force_samples.saturated += (bits & sample_saturated) != 0;
     report.force_samples.out_of_range += (bits & sample_out_of_range) != 0;
     faulty += (bits & sample_device_error) != 0;
@@ -92,7 +95,9 @@ ForceStream read_force(const AcquisitionDescription& d, AcquisitionReport& repor
   } else {
     const auto f = table.vectors("f", force_units, false), torque = table.vectors("t", torque_units, false);
     for (std::size_t i = 0; i < f.size(); ++i) stream.wrench.push_back({f[i], torque[i]});
-    if (table.has("flags")) count_flags(table.column("flags"), report);
+    report.force_samples.not_finite =
+        static_cast<std::size_t>(std::ranges::count_if(stream.wrench, [](const Wrench& w) { return !w.finite(); }));
+    if (table.has("flags")) count_flags(table.column("flags"), table.source(), report);
   }
   if (report.force_samples.not_finite > 0)
     throw BadData(fmt::format("{}: {} of {} samples are not finite; take those lines out, or record again",
