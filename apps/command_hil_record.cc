@@ -35,6 +35,11 @@ ExitStatus record_one(const RecordOptions& options, const std::function<bool()>&
 
 ExitStatus record_many(const RecordOptions& options, const std::function<bool()>& stop) {
   const std::filesystem::path folder = options.out;
+  // What is wrong in it is said before anything is recorded.
+  if (!options.acquire.empty()) {
+    static_cast<void>(acquisition::read_description(
+        options.acquire, acquisition::RawStreams{folder / "force.csv", folder / "motion.csv"}));
+  }
   hil::MultiOptions record;
   record.seconds = options.seconds;
   record.silence_s = options.silence_s;

@@ -135,6 +135,9 @@ std::string accept_result(const PendingResult& pending, const std::filesystem::p
 
 void export_case(const Generators& generators, const GoldenCase& golden, const std::vector<std::string>& models,
                  const std::filesystem::path& to) {
+  if (!golden.scene.empty())
+    throw UsageError(
+        fmt::format("{}: a scene has no one mesh to write; its file goes to touchstone replay --scene", golden.name));
   ensure_writable_folder(to);
   save_mesh(case_mesh(generators, golden), to / "mesh.obj");
   save_trajectory(to / "trajectory.csv", case_trajectory(generators, golden));

@@ -86,6 +86,10 @@ TEST_F(GoldenLife, AnExportedCaseIsTheCase) {
             case_trajectory(synthetic::built_in_generators(), taps).motion.t_s.size());
   EXPECT_EQ(parse_model(read_file(to / "god-object.json"), "").renderer, "god-object");
   EXPECT_TRUE(std::filesystem::exists(to / "god-object.h5"));
+  GoldenCase of_scene = taps;
+  of_scene.scene = "{}";
+  EXPECT_THAT([&] { export_case(synthetic::built_in_generators(), of_scene, {}, to); },
+              ThrowsMessage<UsageError>(HasSubstr("a scene has no one mesh")));
 }
 
 }  // namespace
