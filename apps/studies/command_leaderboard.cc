@@ -89,6 +89,8 @@ std::vector<std::filesystem::path> paths_of(const std::vector<std::string>& name
 }
 
 ExitStatus leaderboard_command(LeaderboardOptions options) {
+  if (options.bundle.empty() && (!options.sign_key.empty() || !options.sources.empty()))
+    throw UsageError("--sign-key and --source are about a submission: name its file with --bundle");
   ensure_writable_folder(options.out);
   const Plugins plugins = options.plugins.load();
   const BoardPlan plan = plan_board(built_in_catalogue(), board_request(options, plugins));

@@ -34,7 +34,7 @@ std::string all_of(int fd) {
   return text;
 }
 
-// ssh-keygen with these words, reading `input`; without a terminal, so that it never asks.
+// ssh-keygen with these words, reading `input`; in a session of its own, without a terminal, so that it never asks.
 Answer ssh_keygen(std::vector<std::string> words, const std::filesystem::path& input) {
   std::array<int, 2> out{};
   std::array<int, 2> err{};
@@ -49,8 +49,12 @@ Answer ssh_keygen(std::vector<std::string> words, const std::filesystem::path& i
   std::vector<char*> arguments;
   for (std::string& word : words) arguments.push_back(word.data());
   arguments.push_back(nullptr);
+  posix_spawnattr_t attributes;
+  posix_spawnattr_init(&attributes);
+  posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSID);
   pid_t child = 0;
-  const int failed = ::posix_spawnp(&child, "ssh-keygen", &actions, nullptr, arguments.data(), environ);
+  const int failed = ::posix_spawnp(&child, "ssh-keygen", &actions, &attributes, arguments.data(), environ);
+  posix_spawnattr_destroy(&attributes);
   posix_spawn_file_actions_destroy(&actions);
   ::close(out[1]);
   ::close(err[1]);

@@ -147,8 +147,10 @@ Submission load_submission(const std::filesystem::path& file, const Plugins& plu
   expect_named(specified, "cells", {"task"});
   for (JsonObject& one : in.objects("plugins"))
     out.plugins.push_back({"plug-in", one.text("name"), one.text("sha256"), 0});
-  for (JsonObject& one : in.objects("sources"))
-    out.sources.push_back({"source", one.text("name"), one.text("sha256"), 0});
+  if (in.has("sources")) {  // a submission of before has none
+    for (JsonObject& one : in.objects("sources"))
+      out.sources.push_back({"source", one.text("name"), one.text("sha256"), 0});
+  }
   expect_named(in, "entries", {"task", "renderer"});
   out.entries = in.raw("entries").dump();
   return out;
