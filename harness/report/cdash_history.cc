@@ -89,7 +89,9 @@ std::vector<HistorySeries> cdash_history(CdashConnection& connection, const Seri
     const json answer = connection.graphql(query_of(server.project, wanted, *after));
     if (answer.contains("project") && answer["project"].is_null())
       throw BadData(fmt::format("{}: there is no project '{}' that this token may see", server.url, server.project));
+    const std::string before = *after;
     after = read_history_page(answer, server.url, wanted, map);
+    if (after == before) throw BadData(fmt::format("{}: the server gives the same page again and again", server.url));
   }
   std::vector<HistorySeries> all;
   for (auto& [key, points] : map) {

@@ -43,6 +43,7 @@ SeriesMean series_mean(std::span<const double> series) {
   if (series.empty()) return out;
   const auto n = static_cast<double>(series.size());
   out.mean = mean_of(series);
+  if (!std::isfinite(out.mean)) return out;
   const auto longest = static_cast<double>(std::max<std::size_t>(1, last_correlated_lag(series, out.mean)));
   constexpr double short_series = 150.0;
   constexpr double lengths_of_a_degree = 5.0;

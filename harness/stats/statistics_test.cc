@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 #include <vector>
 
 #include "harness/base/random.h"
@@ -105,6 +106,9 @@ TEST(SeriesMean, OfAConstantIsCertainAndOfAFewValuesUnknown) {
   EXPECT_GE(series_mean(std::vector<double>(100, 0.1)).degrees, kFewestDegrees);
   EXPECT_EQ(series_mean(std::vector<double>(100, 0.0)).p, 1.0);
   EXPECT_EQ(series_mean(std::vector<double>(19, 0.1)).degrees, 0.0);
+  std::vector<double> holed(100, 0.1);
+  holed[50] = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_EQ(series_mean(holed).p, 1.0);
 }
 
 // A mean of values in clusters of m equal copies has the variance of n / m independent values, not of n.

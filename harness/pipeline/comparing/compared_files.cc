@@ -51,7 +51,10 @@ Recording recording_of(const TrajectoryColumns& columns) {
   }
   std::vector<const std::vector<double>*> q;
   for (const char* const name : {"qw", "qx", "qy", "qz"}) q.push_back(columns.find(name));
-  if (std::ranges::count(q, nullptr) > 0) return recording;
+  const auto usable = [&](const std::vector<double>* column) {
+    return column != nullptr && column->size() == columns.rows();
+  };
+  if (!std::ranges::all_of(q, usable)) return recording;
   for (std::size_t i = 0; i < columns.rows(); ++i) {
     recording.motion.q_WS.emplace_back((*q[0])[i], (*q[1])[i], (*q[2])[i], (*q[3])[i]);
   }

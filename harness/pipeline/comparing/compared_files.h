@@ -41,8 +41,8 @@ struct ComparedFiles {
 // Throws BadData for a file that cannot be read, and for a repeat that does not repeat.
 ComparedFiles compare_files(const CompareRequest& request);
 
-// Place, force and orientation of the columns. Empty if one of them is missing or has other rows than the others;
-// without orientation if that is not there.
+// Place, force and orientation of the columns. Empty if place or force is missing or has other rows than the others;
+// without orientation if that is not there or has other rows.
 Recording recording_of(const TrajectoryColumns& columns);
 
 }  // namespace touchstone::pipeline

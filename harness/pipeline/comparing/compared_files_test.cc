@@ -79,5 +79,15 @@ TEST_F(Compared, ColumnsWithoutForceAreNoRecording) {
   EXPECT_EQ(recording_of(columns).size(), 0U);
 }
 
+TEST_F(Compared, AnOrientationThatIsShorterIsNone) {
+  TrajectoryColumns columns;
+  columns.source = "short";
+  for (const char* const name : {"t", "x", "y", "z", "fx", "fy", "fz"}) columns.columns.push_back({name, {0.0, 1.0}});
+  for (const char* const name : {"qw", "qx", "qy", "qz"}) columns.columns.push_back({name, {1.0}});
+  const Recording recording = recording_of(columns);
+  EXPECT_EQ(recording.size(), 2U);
+  EXPECT_TRUE(recording.motion.q_WS.empty());
+}
+
 }  // namespace
 }  // namespace touchstone::pipeline
