@@ -384,6 +384,13 @@ TEST(SanityCalibration, LimitsHaveRoom) {
       if (one < share) share = one, least = fmt::format("{}: {} of {}", name, count.first, count.second);
     }
     fmt::print("{} of {} | {} of {} | {} |\n", blamed, untouched, named, planted, least);
+    return std::pair{static_cast<double>(blamed) / static_cast<double>(untouched),
+                     static_cast<double>(named) / static_cast<double>(planted)};
+  };
+  const SanityContext shipped;
+  const auto expect_stated_rates = [](const std::pair<double, double>& shares) {
+    EXPECT_LE(shares.first, 0.01) << "blamed";
+    EXPECT_GE(shares.second, 0.95) << "named";
   };
   fmt::print("\nseeds {} to {}\n\n| limit | untouched blamed | planted named | least often |\n|---|---|---|---|\n",
              first_seed, first_seed + worlds - 1);
@@ -392,14 +399,16 @@ TEST(SanityCalibration, LimitsHaveRoom) {
     context.surface = surface.get();
     context.most_left_with_repair = left;
     fmt::print("| repair leaves {:.1f} | ", left);
-    row(context, by_repair);
+    const auto shares = row(context, by_repair);
+    if (left == shipped.most_left_with_repair) expect_stated_rates(shares);
   }
   for (const double share : {0.02, 0.05, 0.1, 0.2, 0.4}) {
     SanityContext context;
     context.surface = surface.get();
     context.noticed_share_of_load = share;
     fmt::print("| load where no object is {:.2f} | ", share);
-    row(context, by_share);
+    const auto shares = row(context, by_share);
+    if (share == shipped.noticed_share_of_load) expect_stated_rates(shares);
   }
 }
 
