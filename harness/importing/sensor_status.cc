@@ -75,17 +75,20 @@ SensorStatus read_sensor_status(StatusDevice device, std::uint32_t word) {
   const auto set = [&](int bit) { return (word >> static_cast<unsigned>(bit) & 1U) != 0; };
   const std::span<const StatusBit> bits =
       device == StatusDevice::net_ft ? std::span<const StatusBit>(net_ft_bits) : std::span<const StatusBit>(axia_bits);
-  bool named = false;
+  bool error = false;
+  std::uint32_t listed = std::uint32_t{1} << static_cast<unsigned>(summary_bit);
   for (const StatusBit& one : bits) {
     if (!set(one.bit)) continue;
-    named = true;
+    listed |= std::uint32_t{1} << static_cast<unsigned>(one.bit);
+    error = error || one.says != Says::remark;
     status.beyond_range = status.beyond_range || one.says == Says::beyond_range;
     status.faulty = status.faulty || one.says == Says::faulty;
     status.text += (status.text.empty() ? "" : ", ") + std::string(one.text);
   }
-  if (set(summary_bit) && !named) {
+  // The summary bit is set by a remark, too; it may stand for a bit without a name.
+  if (set(summary_bit) && !error && (status.text.empty() || (word & ~listed) != 0)) {
     status.faulty = true;
-    status.text = "an error that the manual does not list";
+    status.text += (status.text.empty() ? "" : ", ") + std::string("an error that the manual does not list");
   }
   return status;
 }

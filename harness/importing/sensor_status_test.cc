@@ -30,6 +30,7 @@ TEST(SensorStatus, TheNetFtsBitsAreOthers) {
   EXPECT_TRUE(net(0xC0000000U).faulty);
   EXPECT_FALSE(net(0xC0000000U).beyond_range);
   EXPECT_TRUE(net(0x80000000U).faulty);
+  EXPECT_TRUE(net(0x80018000U).faulty) << "a bit without a name beside a remark";
 }
 
 }  // namespace
