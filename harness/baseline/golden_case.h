@@ -5,13 +5,11 @@
 //    "surface": {"mesh": "body.obj.gz", "unit": "mm"},                                          a file of the folder)
 //    "trajectory": {"name": "hand-scan", "parameters": {}, "seed": 7, "rate_Hz": 1000, "offset_m": [0, 0, 0.03]},  (or
 //    "trajectory": {"file": "in.h5"},)
-//    "scale": 1, "speed": 1,                                         ("scene": {touchstone-scene/1} in place of
-//    surface:
-//                                                                     several bodies, files of the folder)
+//    "scale": 1, "speed": 1,
 //    "models": {"god-object": {touchstone-model/1}, ...},
 //    "tolerance": {as in a tolerance file, "reason" required}, "jnd_share": 0.05}
 // `scale` multiplies every length of the world (mesh and trajectory), `speed` runs the trajectory that many times
-// faster.
+// faster. In place of "surface", "scene": {touchstone-scene/1} has several bodies, which are files of the folder.
 #pragma once
 
 #include <cstdint>
@@ -50,8 +48,8 @@ struct GoldenCase {
   std::string summary;
   std::filesystem::path folder;
   CaseSurface surface;
-  std::string
-      scene;  // the text of a scene of several bodies, which takes the place of `surface`; empty where there is none
+  // The text of a scene of several bodies, which takes the place of `surface`; empty where there is none.
+  std::string scene;
   CaseTrajectory trajectory;
   double scale = 1.0;
   double speed = 1.0;

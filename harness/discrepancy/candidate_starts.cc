@@ -277,7 +277,7 @@ CandidateFit saturation(const Context& c) {
 // blocks determine several times over; one start for each smoothness.
 CandidateFit field(const Context& c) {
   constexpr double most_coefficients = 130.0;
-  constexpr double seconds_each = 0.25;  // in contact
+  constexpr double seconds_each = 0.25;  // of the whole recording
   const auto& name = c.candidate.name;
   const double most = std::clamp(c.scales.duration_s / seconds_each, 25.0, most_coefficients);
   const Vec3 size = (c.scales.high_W_m - c.scales.low_W_m).cwiseMax(1e-6 * c.scales.extent_m());

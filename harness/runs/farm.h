@@ -19,8 +19,8 @@ namespace touchstone::runs {
 //    "prologue": ["module load touchstone"],                 lines of shell before the program
 //    "inside": ["apptainer", "exec", "/images/ts.sif"],      words before it
 //    "program": "/usr/bin/touchstone",                       where the tasks find it; this program otherwise
-//    "node_store": "${TMPDIR:-/tmp}",                        a folder of the node: results go there, and back at the
-//    end "kubernetes": {"image": "touchstone:0.1", "claim": "data", "mount": "/data"}}
+//    "node_store": "${TMPDIR:-/tmp}",                        a folder of the node: results go there first
+//    "kubernetes": {"image": "touchstone:0.1", "claim": "data", "mount": "/data"}}
 struct FarmDescription {
   std::vector<std::string> prologue, inside;
   std::string program;

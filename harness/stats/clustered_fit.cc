@@ -24,7 +24,7 @@ ClusteredFit::ClusteredFit(std::vector<NormalEquations> clusters) {
   MatrixXd normal = MatrixXd::Zero(size, size);
   VectorXd right = VectorXd::Zero(size);
   for (const NormalEquations& c : clusters) normal += c.normal, right += c.right;
-  if (!(normal.diagonal().minCoeff() > 0.0) || !normal.allFinite()) return;
+  if (!(normal.diagonal().minCoeff() > 0.0) || !normal.allFinite() || !right.allFinite()) return;
   // Columns of unit length first: their units differ.
   const VectorXd unit = normal.diagonal().cwiseSqrt().cwiseInverse();
   const Eigen::SelfAdjointEigenSolver<MatrixXd> all(unit.asDiagonal() * normal * unit.asDiagonal());

@@ -1,6 +1,5 @@
 // A recording of one axis (a joint, an actuator, a spindle, an indentation along z) from a file.
-//   Place and load have the file's signs: a load that pushes towards a larger place is positive. A recording that
-//   presses
+// Place and load have the file's signs: a load that pushes towards a larger place is positive. A recording that presses
 // along z becomes an indentation, which grows downwards, and the force that pushes up against it.
 #pragma once
 

@@ -76,6 +76,7 @@ TEST_F(Perceiving, EachRemarkIsSaidOnce) {
   request.conditions = {{"a", press("a.csv", 400)}, {"b", press("b.csv", 300)}};
   const JudgedFiles files = judge_files(renderers::built_in_catalogue(), request);
   const std::vector<std::string> remarks = files.remarks();
+  ASSERT_FALSE(remarks.empty());
   for (const std::string& remark : remarks) EXPECT_EQ(std::ranges::count(remarks, remark), 1) << remark;
 }
 
