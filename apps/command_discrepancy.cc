@@ -37,6 +37,7 @@ ExitStatus discrepancy_of_axis(const DiscrepancyOptions& options) {
   refuse(!files.model.empty(), "--model");
   refuse(!files.holdout.empty(), "--holdout");
   refuse(!files.instrument.empty(), "--instrument");
+  refuse(!files.effects.empty(), "--effect");
   refuse(!files.golden.empty(), "--golden");
   refuse(options.verify, "--verify");
   if (files.out.empty()) throw UsageError("--out: a folder for the results is needed");
@@ -93,6 +94,9 @@ void add_discrepancy(CLI::App& program, Run& run) {
       ->capture_default_str();
   command->add_option("--instrument", options->files.instrument,
                       "what the makers of sensor and tracker declare (JSON); without it the noise is estimated");
+  command->add_option("--effect", options->files.effects,
+                      "an effect of your own (JSON, docs/how-to/declare-an-effect.md), searched for beside those of "
+                      "`touchstone list effects`; may be given several times");
   command
       ->add_option_function<std::string>(
           "--in-trajectory",

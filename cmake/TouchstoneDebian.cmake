@@ -24,7 +24,7 @@ set(CPACK_DEBIAN_ENABLE_COMPONENT_DEPENDS OFF)
 
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_NAME touchstone)
 # Loaded when a command needs them (ARCHITECTURE.md), so that no linker knows of them. Nothing is checked without checksums.
-set(CPACK_DEBIAN_PROGRAM_PACKAGE_DEPENDS "libssl3")
+set(CPACK_DEBIAN_PROGRAM_PACKAGE_DEPENDS "libssl3, libmuparser2v5")
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_RECOMMENDS "libcurl4, libusb-1.0-0, libcomedi0, gnuplot-nox | gnuplot, git")
 
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_NAME libtouchstone-dev)

@@ -65,7 +65,8 @@ const std::vector<NamedDeclaration>& effect_catalogue() {
   static const std::vector<NamedDeclaration> catalogue = [] {
     std::vector<NamedDeclaration> declarations;
     for (const EffectEntry& entry : contact_effects()) {
-      declarations.push_back({std::string(entry.name), std::string(entry.summary), entry.parameters, entry.hypothesis});
+      declarations.push_back(
+          {std::string(entry.name), std::string(entry.summary), entry.parameters, entry.hypothesis, entry.traits});
     }
     declarations.push_back(haptic_device_declaration());
     return declarations;
@@ -77,7 +78,8 @@ const std::vector<NamedDeclaration>& instrument_declarations() {
   static const std::vector<NamedDeclaration> catalogue = [] {
     std::vector<NamedDeclaration> declarations;
     for (const InstrumentEntry& entry : instrument_catalogue()) {
-      declarations.push_back({std::string(entry.name), std::string(entry.summary), entry.parameters});
+      declarations.push_back(
+          {std::string(entry.name), std::string(entry.summary), entry.parameters, true, entry.traits});
     }
     return declarations;
   }();

@@ -4,7 +4,7 @@
 #include "harness/rendering/parameters.h"
 #include "renderers/catalogue.h"
 #include "renderers/effects/assemble.h"
-#include "renderers/instrument/catalogue.h"
+#include "renderers/instrument/assemble.h"
 
 namespace touchstone::renderers {
 
@@ -21,13 +21,10 @@ MeasuredRenderer make_measured_renderer(const Model& model, const std::shared_pt
     const auto found = parameters.values().find(name);
     return found == parameters.values().end() ? 0.0 : found->second;
   };
-  std::vector<StagedInstrument> instrument;
+  std::vector<StagedInstrument> instrument = make_instrument(model);
   std::vector<StackedEffect> inside;
-  for (const NamedParameters& part : model.instrument) {
-    const InstrumentEntry* const known = find_instrument_effect(part.name);
-    auto effect = known->make(checked_values(part, known->parameters, "instrument entry", model.source));
+  for (const auto& [stage, effect] : instrument) {
     if (auto contact = effect->contact_effect()) inside.push_back({std::move(contact), EffectPhase::depth, true});
-    instrument.emplace_back(known->stage, std::move(effect));
   }
   if (!inside.empty()) {
     std::vector<StackedEffect> effects = make_effects(model);

@@ -17,7 +17,7 @@
 #include "harness/rendering/renderer_failed.h"
 #include "renderers/catalogue.h"
 #include "renderers/effects/assemble.h"
-#include "renderers/instrument/catalogue.h"
+#include "renderers/instrument/assemble.h"
 
 namespace touchstone::renderers {
 namespace {
@@ -39,7 +39,7 @@ struct ContactKey {
 
   [[nodiscard]] bool operator==(const ContactKey& other) const {
     const auto same = [](const NamedParameters& a, const NamedParameters& b) {
-      return a.name == b.name && a.parameters == b.parameters;
+      return a.name == b.name && a.law == b.law && a.parameters == b.parameters;
     };
     return renderer == other.renderer && provided == other.provided && parameters == other.parameters &&
            std::equal(entries.begin(), entries.end(), other.entries.begin(), other.entries.end(), same);
@@ -80,19 +80,12 @@ class Kept {
 };
 
 struct Instrument {
-  std::vector<std::pair<InstrumentStage, std::unique_ptr<InstrumentEffect>>> effects;
+  std::vector<StagedInstrument> effects;
 };
 
-Instrument make_instrument(const Model& model) {
-  Instrument instrument;
-  for (const NamedParameters& entry : model.instrument) {
-    const InstrumentEntry* const known = find_instrument_effect(entry.name);
-    check_entry(entry, instrument_declarations(), "instrument entry", model.source);
-    instrument.effects.emplace_back(
-        known->stage, known->make(checked_values(entry, known->parameters, "instrument entry", model.source)));
-  }
-  std::stable_sort(instrument.effects.begin(), instrument.effects.end(),
-                   [](const auto& a, const auto& b) { return a.first < b.first; });
+Instrument instrument_in_order(const Model& model) {
+  Instrument instrument{make_instrument(model)};
+  std::ranges::stable_sort(instrument.effects, {}, [](const auto& one) { return one.first; });
   return instrument;
 }
 
@@ -103,7 +96,7 @@ class ModelPredictor final : public Predictor {
 
   Prediction predict(const Model& model) override {
     stop_if_asked();  // the searches of minutes are thousands of these
-    const Instrument instrument = make_instrument(model);
+    const Instrument instrument = instrument_in_order(model);
     Prediction prediction = contact_of(model, instrument)->prediction;
     const MotionView view{motion_.t_s, motion_.p_W_m, motion_.q_WS, &accelerations_};
     for (const auto& [stage, effect] : instrument.effects) effect->apply(view, prediction.f_W_N);
@@ -115,7 +108,7 @@ class ModelPredictor final : public Predictor {
   std::shared_ptr<const Contact> contact_of(const Model& model, const Instrument& instrument) {
     ContactKey key{model.renderer, model.provided.get(), model.parameters, model.effects};
     for (const NamedParameters& entry : model.instrument) {
-      const InstrumentStage stage = find_instrument_effect(entry.name)->stage;
+      const InstrumentStage stage = stage_of(entry);
       if (stage == InstrumentStage::pose || stage == InstrumentStage::geometry) key.entries.push_back(entry);
     }
     if (auto known = contacts_.find([&](const Contact& contact) { return contact.key == key; })) return known;
@@ -178,7 +171,7 @@ class ModelPredictor final : public Predictor {
       if (name != "stiffness_N_per_m" || !scaling.scales) key += fmt::format(" {}={}", name, value);
     }
     for (const NamedParameters& entry : model.instrument) {
-      if (find_instrument_effect(entry.name)->stage != InstrumentStage::pose) continue;
+      if (stage_of(entry) != InstrumentStage::pose) continue;
       for (const auto& [name, value] : entry.parameters) key += fmt::format(" {}.{}={}", entry.name, name, value);
     }
     if (auto known = traces_.find([&](const Trace& trace) { return trace.key == key; })) return known;

@@ -3,11 +3,15 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <memory>
 #include <string>
 #include <vector>
 
+#include "harness/discrepancy/catalogue_for_test.h"
 #include "harness/discrepancy/plane_for_test.h"
+#include "harness/rendering/declared_effect.h"
 #include "harness/rendering/smooth_field.h"
 
 namespace touchstone::discrepancy {
@@ -46,7 +50,7 @@ class CatalogueBounds : public ::testing::TestWithParam<double> {
 
 TEST_P(CatalogueBounds, AreThoseOfTheFit) {
   for (const Declared& declared : all_declared) {
-    const Candidate candidate{declared.effect, declared.side, declared.parameters};
+    const Candidate candidate{declared.effect, declared.side, declared.parameters, traits_of(declared.effect)};
     const CandidateFit fit = candidate_fit(candidate, scales, recording, prediction);
     for (const ParameterDeclaration& parameter : declared.parameters) {
       for (const FreeParameter& free : fit.parameters) {
@@ -68,7 +72,8 @@ TEST_P(CatalogueBounds, AreThoseOfTheFit) {
 TEST_P(CatalogueBounds, LetATipStickAsFarAsTheObjectGivesWaySideways) {
   const Candidate friction{"coulomb-friction",
                            Side::contact,
-                           {{"mu_static", "1", 0.0, 5.0, 0.0, ""}, {"mu_dynamic", "1", 0.0, 5.0, 0.0, ""}}};
+                           {{"mu_static", "1", 0.0, 5.0, 0.0, ""}, {"mu_dynamic", "1", 0.0, 5.0, 0.0, ""}},
+                           traits_of("coulomb-friction")};
   const CandidateFit fit = candidate_fit(friction, scales, recording, prediction);
   double longest_m = 0.0;
   for (const FreeParameter& free : fit.parameters) {
@@ -96,12 +101,57 @@ TEST_P(CatalogueBounds, OfAnIndentationAtOnePlaceNothingAlongTheSurfaceIsTried) 
         measure_scales(indentation, there, 0.01, model.parameters.at("stiffness_N_per_m"), noise_m);
     EXPECT_FALSE(known.over_surface());
     for (const Declared& declared : along_surface) {
-      const Candidate candidate{declared.effect, declared.side, declared.parameters};
+      const Candidate candidate{declared.effect, declared.side, declared.parameters, traits_of(declared.effect)};
       EXPECT_TRUE(candidate_fit(candidate, known, indentation, there).starts.empty()) << declared.effect;
       EXPECT_TRUE(candidate_fit(candidate, known, indentation, there).parameters.empty()) << declared.effect;
       EXPECT_FALSE(candidate_fit(candidate, scales, recording, prediction).parameters.empty()) << declared.effect;
     }
   }
+}
+
+// Every effect that is a hypothesis begins where its own plan and bounds allow.
+TEST_P(CatalogueBounds, OfThePlansAreKept) {
+  for (const Candidate& candidate : whole_catalogue()) {
+    const CandidateFit fit = candidate_fit(candidate, scales, recording, prediction);
+    for (const NamedParameters& start : fit.starts) {
+      for (const auto& [name, value] : start.parameters) {
+        const auto found = std::ranges::find(candidate.parameters, name, &ParameterDeclaration::name);
+        ASSERT_NE(found, candidate.parameters.end()) << candidate.name << " declares no " << name;
+      }
+      Model fitted = model;
+      (candidate.side == Side::contact ? fitted.effects : fitted.instrument).push_back(start);
+      for (const FreeParameter& free : fit.parameters) {
+        EXPECT_EQ(free.moves_contact, candidate.traits.moves_contact);
+        EXPECT_LT(free.lower, free.upper) << candidate.name << "." << free.name;
+        EXPECT_GE(free.get(fitted), free.lower - 1e-9) << candidate.name << "." << free.name;
+        EXPECT_LE(free.get(fitted), free.upper + 1e-9) << candidate.name << "." << free.name;
+        const double u = 0.5 * (std::max(free.lower, -10.0) + std::min(free.upper, 10.0));
+        Model other = fitted;
+        free.set(other, u);
+        EXPECT_NEAR(free.get(other), u, 1e-9 * std::abs(u) + 1e-12) << candidate.name << "." << free.name;
+      }
+    }
+  }
+}
+
+// What a user declares is sought from each of its starts, within its bounds.
+TEST_P(CatalogueBounds, OfADeclaredEffectAreItsOwn) {
+  const auto law = std::make_shared<const rendering::DeclaredEffect>(rendering::parse_effect(
+      R"J({"schema": "touchstone-effect/1", "name": "mine", "summary": "s", "source": "s", "acts_on": "friction",
+          "parameters": {"a": {"unit": "N", "minimum": -2, "maximum": 3, "start": [0, 1]},
+                         "v": {"unit": "m/s", "minimum": 1e-6, "maximum": 10, "start": [0.01, 0.1]}},
+          "formula": {"along_N": "-a * tanh(speed_m_per_s / v)"}})J",
+      "mine.json"));
+  const CandidateFit fit =
+      candidate_fit({law->name, Side::contact, law->parameters, law->traits, law}, scales, recording, prediction);
+  ASSERT_EQ(fit.starts.size(), 4U);
+  for (const NamedParameters& start : fit.starts) EXPECT_EQ(start.law, law);
+  EXPECT_EQ(fit.starts[1].parameters.at("v"), 0.1);
+  EXPECT_EQ(fit.starts[2].parameters.at("a"), 1.0);
+  ASSERT_EQ(fit.parameters.size(), 2U);
+  EXPECT_EQ(fit.parameters[0].lower, -2.0);  // steps of its largest start
+  EXPECT_EQ(fit.parameters[0].upper, 3.0);
+  EXPECT_TRUE(fit.parameters[1].logarithmic);  // its bounds are seven decades apart
 }
 
 INSTANTIATE_TEST_SUITE_P(Units, CatalogueBounds, ::testing::Values(1e-3, 1.0, 1e3));

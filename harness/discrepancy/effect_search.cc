@@ -81,7 +81,8 @@ class Search {
     const bool room = found < settings_.most_effects;
     // Where one bump was not all that differs over the surface, fields compete with the effects of a few parameters.
     std::vector<Trial> fields;
-    if (room && differs_over_surface(model) && clearly_missing()) fields = try_fields(state_, standing);
+    if (room && differs_over_surface(model, state_.library()) && clearly_missing())
+      fields = try_fields(state_, standing);
     bool more = field_is_better(fields, step.trials) && keep_field(fields, step);
     while (room && !more) {
       verify_best(standing, step);
@@ -125,7 +126,7 @@ class Search {
   bool add_field() {
     const Model& model = state_.current.model;
     const bool full = model.effects.size() + model.instrument.size() >= settings_.most_effects;
-    if (full || differs_over_surface(model) || !clearly_missing()) return false;
+    if (full || differs_over_surface(model, state_.library()) || !clearly_missing()) return false;
     const Standing standing = standing_of(state_);
     SearchStep step = step_from(standing);
     step.trials = try_fields(state_, standing);
@@ -183,7 +184,7 @@ class Search {
       const bool as_good =
           best->validation_gain - trial.validation_gain < settings_.alike_gain * 0.1 * best->validation_gain + 10.0 ||
           trial.validation_rms_N < best->validation_rms_N;
-      if (trial.verdict.passed() && contains(best->name, trial.name) && as_good) {
+      if (trial.verdict.passed() && state_.library().contains(best->name, trial.name) && as_good) {
         best->verdict = "no better than " + trial.name + ", which it contains";
         return &trial;
       }
@@ -215,7 +216,7 @@ class Search {
       return false;
     }
     LargerLaw& best = laws.front();
-    const bool cone = falls_with_speed(best.trial.name);
+    const bool cone = state_.library().traits(best.trial.name).falls_with_speed;
     report_(fmt::format("  {} in place of {}, {}", best.trial.name, best.in_place_of,
                         cone ? "whose cone the forces leave" : "being more likely"));
     state_ = with_trial(state_, best.trial);
@@ -324,7 +325,7 @@ class Search {
   // positions.
   void settle_cone() {
     for (const NamedParameters& entry : state_.current.model.effects) {
-      if (!falls_with_speed(entry.name)) continue;
+      if (!state_.library().traits(entry.name).falls_with_speed) continue;
       const Model others = without_entry(state_.current.model, entry.name);
       const FitData blocks = fit_data(data_.learning, state_.current.model, data_.window_s);
       const auto samples = cone_samples(cone_evidence(blocks, *data_.learning.noise, others, data_.force_floor_N),
@@ -373,7 +374,7 @@ class Search {
   void drop_what_has_no_size() {
     const FitData blocks = learning_blocks(state_.current.model);
     const auto undetermined =
-        find_undetermined(blocks, *data_.learning.recording, state_.current.model, state_.parameters);
+        find_undetermined(blocks, *data_.learning.recording, state_.current.model, state_.parameters, state_.library());
     for (const std::string& name : without_size(undetermined, state_.parameters)) {
       const auto kept = without_owner(state_.parameters, name);
       const JointFit fit = fit_jointly(state_.train, without_entry(state_.current.model, name),
@@ -392,10 +393,11 @@ class Search {
 
   // On the values that are written.
   void judge_values() {
-    result_.undetermined =
-        find_undetermined(learning_blocks(result_.model), *data_.learning.recording, result_.model, result_.parameters);
-    result_.questions = question_values(*data_.learning.recording, data_.learning.predictor->predict(result_.model),
-                                        result_.model, result_.parameters, result_.fit, data_.position_noise_m);
+    result_.undetermined = find_undetermined(learning_blocks(result_.model), *data_.learning.recording, result_.model,
+                                             result_.parameters, state_.library());
+    result_.questions =
+        question_values(*data_.learning.recording, data_.learning.predictor->predict(result_.model), result_.model,
+                        result_.parameters, result_.fit, data_.position_noise_m, state_.library());
   }
 
   // Names, then values and intervals, then, for the first time, the held-out data.
@@ -403,7 +405,7 @@ class Search {
     result_.time_limit_s = state_.budget->limit_s();
     result_.not_tried = state_.budget->not_tried();
     drop_what_has_no_size();
-    settle_texture(state_.current.model);
+    settle_waves(state_.current.model, state_.library());
     settle_cone();
     const FitData weights = fit_values();
     judge_values();

@@ -9,6 +9,7 @@
 #include <cmath>
 
 #include "harness/base/error.h"
+#include "harness/discrepancy/catalogue_for_test.h"
 #include "harness/discrepancy/findings.h"
 #include "harness/discrepancy/plane_for_test.h"
 #include "harness/discrepancy/two_recordings_for_test.h"
@@ -17,10 +18,14 @@ namespace touchstone::discrepancy {
 namespace {
 
 const std::vector<Candidate> candidates{
-    {"viscous-friction", Side::contact, {{"coefficient_N_s_per_m", "N s/m", 0.0, 1e4, 0.0, "b"}}},
+    {"viscous-friction",
+     Side::contact,
+     {{"coefficient_N_s_per_m", "N s/m", 0.0, 1e4, 0.0, "b"}},
+     traits_of("viscous-friction")},
     {"force-bias",
      Side::instrument,
-     {{"fx_N", "N", -1e3, 1e3, 0.0, ""}, {"fy_N", "N", -1e3, 1e3, 0.0, ""}, {"fz_N", "N", -1e3, 1e3, 0.0, ""}}},
+     {{"fx_N", "N", -1e3, 1e3, 0.0, ""}, {"fy_N", "N", -1e3, 1e3, 0.0, ""}, {"fz_N", "N", -1e3, 1e3, 0.0, ""}},
+     traits_of("force-bias")},
 };
 
 Model truth(double scale);

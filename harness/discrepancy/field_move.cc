@@ -22,7 +22,7 @@ struct FieldTrial {
 
 // From the smoothest on, each from where the one before ended; the one that the validation blocks prefer.
 std::optional<FieldTrial> try_field(const SearchState& state, const Standing& standing, const Candidate& candidate) {
-  const Model rest = without_special_cases(state.current.model, candidate.name);
+  const Model rest = state.library().without_special_cases(state.current.model, candidate.name);
   const CandidateFit options = state.options(candidate, rest);
   std::optional<FieldTrial> best;
   std::optional<NamedParameters> reached;
@@ -57,7 +57,7 @@ double bar_of_field(const SearchState& state, const FieldTrial& tried) {
                       &state.validation,  &state.current.model,    &compared,
                       settings.iterations};
   const auto refit = [&](const FitData& train, const Recording&, const Model& base) {
-    const Model rest = without_special_cases(base, tried.trial.name);
+    const Model rest = state.library().without_special_cases(base, tried.trial.name);
     return std::vector<JointFit>{fit_jointly(train, with_entry(rest, tried.options.side, tried.options.starts.front()),
                                              tried.trial.parameters, settings.field_iterations / 2, false)};
   };
@@ -84,10 +84,11 @@ bool has_field(const Model& model) {
          std::any_of(model.instrument.begin(), model.instrument.end(), is);
 }
 
-bool differs_over_surface(const Model& model) {
-  const auto does = [](const NamedParameters& entry) {
-    return is_field(entry.parameters) || contains("stiffness-field", entry.name) ||
-           contains("height-field", entry.name);
+bool differs_over_surface(const Model& model, const EffectLibrary& library) {
+  using Peaks = EffectTraits::Peaks;
+  const auto does = [&](const NamedParameters& entry) {
+    const Peaks peaks = library.traits(entry.name).peaks;
+    return is_field(entry.parameters) || peaks == Peaks::stiffness || peaks == Peaks::height;
   };
   return std::any_of(model.effects.begin(), model.effects.end(), does) ||
          std::any_of(model.instrument.begin(), model.instrument.end(), does);

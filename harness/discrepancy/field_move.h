@@ -12,7 +12,7 @@ namespace touchstone::discrepancy {
 
 bool has_field(const Model& model);
 // Whether the model has a field, or a bump that a field contains.
-bool differs_over_surface(const Model& model);
+bool differs_over_surface(const Model& model, const EffectLibrary& library);
 
 // Every field that the model does not have yet, judged; the least deviance first, an empty verdict for the first that
 // passes. Empty if the candidates have no field.

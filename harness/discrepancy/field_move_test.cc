@@ -5,6 +5,7 @@
 
 #include <cmath>
 
+#include "harness/discrepancy/catalogue_for_test.h"
 #include "harness/discrepancy/field_prior.h"
 #include "harness/discrepancy/findings.h"
 #include "harness/discrepancy/model_edit.h"
@@ -15,8 +16,11 @@ namespace touchstone::discrepancy {
 namespace {
 
 const std::vector<Candidate> library{
-    {"viscous-friction", Side::contact, {{"coefficient_N_s_per_m", "N s/m", 0.0, 1e4, 0.0, "b"}}},
-    {"stiffness-field", Side::contact, field_parameters("1", 3.0, "")},
+    {"viscous-friction",
+     Side::contact,
+     {{"coefficient_N_s_per_m", "N s/m", 0.0, 1e4, 0.0, "b"}},
+     traits_of("viscous-friction")},
+    {"stiffness-field", Side::contact, field_parameters("1", 3.0, ""), traits_of("stiffness-field")},
 };
 
 // Stiff ridges and soft valleys, by a formula that no spline repeats.

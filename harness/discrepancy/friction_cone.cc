@@ -53,8 +53,6 @@ double quantile_loss(double residual, double quantile) {
 
 }  // namespace
 
-bool falls_with_speed(const std::string& effect) { return effect == "stribeck-friction"; }
-
 ConeEvidence cone_evidence(const FitData& blocks, const NoiseModel& noise, const Model& others, double force_floor_N) {
   return {blocks.predictor->predict(others), &blocks.blocks, &noise.likely_motion(), force_floor_N};
 }

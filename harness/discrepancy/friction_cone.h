@@ -14,9 +14,6 @@
 
 namespace touchstone::discrepancy {
 
-// Whether the effect is dry friction whose coefficient falls with speed.
-bool falls_with_speed(const std::string& effect);
-
 struct ConeSample {
   double ratio = 0.0;               // to the load of the force along the surface that friction must make
   double speed_m_per_s = 0.0;       // along the surface, of the likely motion

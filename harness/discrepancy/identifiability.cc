@@ -98,7 +98,8 @@ double both_ways_share(const Recording& recording, const Prediction& prediction,
 }
 
 std::vector<Undetermined> find_undetermined(const FitData& data, const Recording& recording, const Model& model,
-                                            const std::vector<FreeParameter>& parameters) {
+                                            const std::vector<FreeParameter>& parameters,
+                                            const EffectLibrary& library) {
   std::vector<Undetermined> found;
   const Eigen::MatrixXd information = information_matrix(data, model, parameters);
   if (information.size() == 0) return found;
@@ -116,8 +117,11 @@ std::vector<Undetermined> find_undetermined(const FitData& data, const Recording
     }
     if (half95 * std::sqrt(variance) > widest_half(parameter, parameter.get(model))) {
       found.push_back({parameter.owner, parameter.name, "this motion shows no difference when it changes"});
-    } else if (parameter.name == "mu_x" || parameter.name == "mu_y") {
-      const int axis = parameter.name == "mu_x" ? 0 : 1;
+      continue;
+    }
+    const auto& along_axes = library.traits(parameter.owner).along_axes;
+    for (const int axis : {0, 1}) {
+      if (parameter.name != along_axes.at(static_cast<std::size_t>(axis))) continue;
       if (both_ways_share(recording, prediction, axis) >= least_both_ways) continue;
       // Friction one way only is a tilt of the surface: a force along it in proportion to the load.
       found.push_back({parameter.owner, parameter.name,
@@ -180,11 +184,40 @@ void question_paths(const Recording& recording, const Prediction& prediction, co
   }
 }
 
+// A coefficient that does not fall with speed is not that of a law whose coefficient falls.
+void question_falling(const NamedParameters& law, std::vector<Question>& questions) {
+  constexpr double no_fall = 1.02;  // two coefficients that differ by 2 % are one
+  if (law.parameters.at("mu_static") <= no_fall * law.parameters.at("mu_dynamic"))
+    questions.push_back({law.name, "its coefficient does not fall with speed: mu_static is mu_dynamic"});
+}
+
+void question_place(const Recording& recording, const Prediction& prediction, const NamedParameters& moved,
+                    std::vector<Question>& questions) {
+  Vec3 normal = Vec3::Zero();
+  Box3 box;
+  for (std::size_t i = 0; i < prediction.n_W.size(); ++i) {
+    if (prediction.n_W[i].isZero()) continue;
+    normal += prediction.n_W[i];
+    box.extend(recording.motion.p_W_m[i]);
+  }
+  const Vec3 shift(moved.parameters.at("dx_m"), moved.parameters.at("dy_m"), moved.parameters.at("dz_m"));
+  const Vec3 n = normal.norm() > 0.0 ? Vec3(normal.normalized()) : Vec3(Vec3::UnitZ());
+  const double along_m = (shift - n.dot(shift) * n).norm();
+  // A tracker and a mesh that are registered at all agree to far better than this share of what was scanned.
+  constexpr double far_off = 0.1;
+  if (!box.isEmpty() && along_m > far_off * box.diagonal().norm()) {
+    questions.push_back({moved.name, fmt::format("it moves the object along its surface by {:.3g} m, {:.0f} % of what "
+                                                 "was scanned: a stiffness or a shape that differs over the surface "
+                                                 "can do the same",
+                                                 along_m, 100.0 * along_m / box.diagonal().norm())});
+  }
+}
+
 }  // namespace
 
 std::vector<Question> question_values(const Recording& recording, const Prediction& prediction, const Model& model,
                                       const std::vector<FreeParameter>& parameters, const JointFit& fit,
-                                      double position_noise_m) {
+                                      double position_noise_m, const EffectLibrary& library) {
   std::vector<Question> questions;
   for (std::size_t i = 0; i < parameters.size() && i < fit.at_bound.size(); ++i) {
     const FreeParameter& parameter = parameters[i];
@@ -197,31 +230,11 @@ std::vector<Question> question_values(const Recording& recording, const Predicti
                                       parameter.owner, entry->parameters.at(parameter.name))});
   }
   question_paths(recording, prediction, model, position_noise_m, questions);
-  if (const NamedParameters* const law = find_entry(model, "stribeck-friction"); law != nullptr) {
-    constexpr double no_fall = 1.02;  // two coefficients that differ by 2 % are one
-    if (law->parameters.at("mu_static") <= no_fall * law->parameters.at("mu_dynamic")) {
-      questions.push_back({law->name, "its coefficient does not fall with speed: mu_static is mu_dynamic"});
-    }
-  }
-  if (const NamedParameters* const moved = find_entry(model, "registration"); moved != nullptr) {
-    Vec3 normal = Vec3::Zero();
-    Box3 box;
-    for (std::size_t i = 0; i < prediction.n_W.size(); ++i) {
-      if (prediction.n_W[i].isZero()) continue;
-      normal += prediction.n_W[i];
-      box.extend(recording.motion.p_W_m[i]);
-    }
-    const Vec3 shift(moved->parameters.at("dx_m"), moved->parameters.at("dy_m"), moved->parameters.at("dz_m"));
-    const Vec3 n = normal.norm() > 0.0 ? Vec3(normal.normalized()) : Vec3(Vec3::UnitZ());
-    const double along_m = (shift - n.dot(shift) * n).norm();
-    // A tracker and a mesh that are registered at all agree to far better than this share of what was scanned.
-    constexpr double far_off = 0.1;
-    if (!box.isEmpty() && along_m > far_off * box.diagonal().norm()) {
-      questions.push_back(
-          {moved->name, fmt::format("it moves the object along its surface by {:.3g} m, {:.0f} % of what "
-                                    "was scanned: a stiffness or a shape that differs over the surface "
-                                    "can do the same",
-                                    along_m, 100.0 * along_m / box.diagonal().norm())});
+  for (const auto* const entries : {&model.effects, &model.instrument}) {
+    for (const NamedParameters& entry : *entries) {
+      const EffectTraits& traits = library.traits(entry.name);
+      if (traits.falls_with_speed) question_falling(entry, questions);
+      if (traits.surface == EffectTraits::Surface::moved) question_place(recording, prediction, entry, questions);
     }
   }
   return questions;

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "harness/base/rooms.h"
+#include "harness/discrepancy/effect_library.h"
 #include "harness/discrepancy/evidence.h"
 
 namespace touchstone::discrepancy {
@@ -22,7 +23,7 @@ struct Undetermined {
 
 // Of the effects' free parameters. `data`: the blocks that the fit was made on, of `recording`.
 std::vector<Undetermined> find_undetermined(const FitData& data, const Recording& recording, const Model& model,
-                                            const std::vector<FreeParameter>& parameters);
+                                            const std::vector<FreeParameter>& parameters, const EffectLibrary& library);
 
 // Of the way that the tip slides in contact: the share that goes along an axis (0: x, 1: y) and is gone back at the
 // same place, within a cell of a twentieth of the scan's diagonal. 1: all of it; 0: none, or every place one way only.
@@ -42,6 +43,6 @@ struct Question {
 };
 std::vector<Question> question_values(const Recording& recording, const Prediction& prediction, const Model& model,
                                       const std::vector<FreeParameter>& parameters, const JointFit& fit,
-                                      double position_noise_m);
+                                      double position_noise_m, const EffectLibrary& library);
 
 }  // namespace touchstone::discrepancy

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <memory>
 
+#include "harness/discrepancy/catalogue_for_test.h"
 #include "harness/discrepancy/findings.h"
 #include "harness/discrepancy/plane_for_test.h"
 #include "harness/discrepancy/two_recordings_for_test.h"
@@ -57,6 +58,8 @@ FitData blocks_of(const Recording& recording, Predictor& predictor, double noise
   return data;
 }
 
+const std::vector<Candidate> known = whole_catalogue();
+
 std::vector<std::string> names(const std::vector<Undetermined>& undetermined) {
   std::vector<std::string> out;
   for (const Undetermined& one : undetermined) out.push_back(one.parameter);
@@ -83,7 +86,8 @@ TEST_P(IdentifiableAtScale, APlaceAcrossAStraightLineIsOpen) {
     recording.motion = scan(y_m, unit);
     BumpPredictor predictor(recording.motion);
     recording.f_W_N = predictor.predict(model).f_W_N;
-    const auto open = names(find_undetermined(blocks_of(recording, predictor, 0.02), recording, model, parameters));
+    const auto open = names(
+        find_undetermined(blocks_of(recording, predictor, 0.02), recording, model, parameters, EffectLibrary(known)));
     if (y_m == 0.0) {
       EXPECT_THAT(open, ::testing::ElementsAre("amplitude", "y_m"));  // small on the line, or large off it
     } else {
@@ -144,7 +148,8 @@ TEST_P(IdentifiableAtScale, AnEffectWithoutASizeIsNotFound) {
   const std::vector<FreeParameter> parameters{
       log_base_parameter("stiffness_N_per_m", 90.0 / unit, 9000.0 / unit),
       linear_parameter("viscous-friction", "coefficient_N_s_per_m", 1.0, 0.0, 1e4)};
-  const auto open = find_undetermined(blocks_of(recording, predictor, 0.02), recording, model, parameters);
+  const auto open =
+      find_undetermined(blocks_of(recording, predictor, 0.02), recording, model, parameters, EffectLibrary(known));
   EXPECT_THAT(names(open), ::testing::ElementsAre("coefficient_N_s_per_m"));
   EXPECT_THAT(without_size(open, parameters), ::testing::ElementsAre("viscous-friction"));
 }
@@ -162,7 +167,8 @@ TEST_P(IdentifiableAtScale, AShiftAlongTheSurfaceFarBeyondATrackersIsQuestioned)
         {"registration",
          {{"dx_m", dx_m * unit}, {"dy_m", 0.0}, {"dz_m", 1e-4 * unit}, {"rx_rad", 0.0}, {"ry_rad", 0.0}},
          ""}};
-    EXPECT_EQ(question_values(recording, prediction, model, {}, {}, 5e-5 * unit).size(), dx_m > 0.01 ? 1U : 0U);
+    EXPECT_EQ(question_values(recording, prediction, model, {}, {}, 5e-5 * unit, EffectLibrary(known)).size(),
+              dx_m > 0.01 ? 1U : 0U);
   }
 }
 
@@ -180,7 +186,7 @@ TEST_P(IdentifiableAtScale, ALongerPathThanTheObjectGivesWayIsQuestioned) {
   for (const double path_m : {1e-4, 4e-4, 8e-4, 2e-3}) {
     model.effects = {
         {"coulomb-friction", {{"mu_static", 0.3}, {"mu_dynamic", 0.3}, {"presliding_m", path_m * unit}}, ""}};
-    const auto questions = question_values(recording, prediction, model, {}, {}, 1e-5 * unit);
+    const auto questions = question_values(recording, prediction, model, {}, {}, 1e-5 * unit, EffectLibrary(known));
     EXPECT_EQ(questions.size(), path_m > 6e-4 ? 1U : 0U) << path_m;
   }
 }
@@ -202,7 +208,7 @@ TEST(TimeLimit, GivesTheBestAnswerSoFarAndWhatWasNotTried) {
   const TwoRecordings recordings(measure(0.0, 1), measure(1.1, 2), instrument, start,
                                  [](const MotionColumns& motion) { return std::make_unique<PlanePredictor>(motion); });
   const ParameterDeclaration force{"", "N", -1e3, 1e3, 0.0, ""};
-  std::vector<Candidate> library{{"force-bias", Side::instrument, {force, force, force}}};
+  std::vector<Candidate> library{{"force-bias", Side::instrument, {force, force, force}, traits_of("force-bias")}};
   library[0].parameters[0].name = "fx_N";
   library[0].parameters[1].name = "fy_N";
   library[0].parameters[2].name = "fz_N";

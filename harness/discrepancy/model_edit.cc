@@ -15,45 +15,7 @@ namespace {
 constexpr const char* path_name = "presliding_m";
 constexpr const char* window_name = "window_s";
 
-// Smaller, larger.
-const std::vector<std::pair<std::string, std::string>> contained_in{
-    {"coulomb-friction", "stribeck-friction"}, {"coulomb-friction", "anisotropic-friction"},
-    {"normal-damping", "stress-relaxation"},  // a time constant far below the tracker's
-    {"stiffness-map", "stiffness-field"},      {"surface-geometry", "height-field"},
-};
-
 }  // namespace
-
-bool moves_contact(const std::string& effect) { return effect == "registration" || effect == "tip-radius"; }
-
-bool follows_speed(const std::string& effect) {
-  return effect == "normal-damping" || effect == "hunt-crossley" || effect == "viscous-friction" ||
-         effect == "tool-inertia" || effect == "time-lag";
-}
-
-bool contains(const std::string& larger, const std::string& smaller) {
-  return std::find(contained_in.begin(), contained_in.end(), std::pair(smaller, larger)) != contained_in.end();
-}
-
-bool of_one_kind(const std::string& a, const std::string& b) {
-  return contains(a, b) || contains(b, a) ||
-         std::any_of(contained_in.begin(), contained_in.end(),
-                     [&](const auto& pair) { return contains(a, pair.first) && contains(b, pair.first); });
-}
-
-bool has_what_contains(const Model& model, const std::string& smaller) {
-  return std::any_of(contained_in.begin(), contained_in.end(), [&](const auto& pair) {
-    return pair.first == smaller && find_entry(model, pair.second) != nullptr;
-  });
-}
-
-Model without_special_cases(const Model& model, const std::string& larger) {
-  Model rest = model;
-  for (const auto& pair : contained_in) {
-    if (pair.second == larger) rest = without_entry(rest, pair.first);
-  }
-  return rest;
-}
 
 FreeParameter base_stiffness(const Model& start) {
   const auto given = start.parameters.find("stiffness_N_per_m");
@@ -117,24 +79,27 @@ std::vector<Model> with_shorter_paths(const Model& model) {
   return shorter;
 }
 
-void settle_texture(Model& model) {
-  NamedParameters* const texture = find_entry(model, "surface-texture");
-  if (texture == nullptr) return;
+void settle_waves(Model& model, const EffectLibrary& library) {
   constexpr double pi = std::numbers::pi;
-  double& direction = texture->parameters.at("direction_rad");
-  double& phase = texture->parameters.at("phase_rad");
-  direction -= 2.0 * pi * std::floor(direction / (2.0 * pi));
-  if (direction >= pi) {
-    direction -= pi;
-    phase = pi - phase;
+  for (auto* const entries : {&model.effects, &model.instrument}) {
+    for (NamedParameters& wave : *entries) {
+      if (!library.traits(wave.name).is_wave) continue;
+      double& direction = wave.parameters.at("direction_rad");
+      double& phase = wave.parameters.at("phase_rad");
+      direction -= 2.0 * pi * std::floor(direction / (2.0 * pi));
+      if (direction >= pi) {
+        direction -= pi;
+        phase = pi - phase;
+      }
+      phase -= 2.0 * pi * std::floor(phase / (2.0 * pi));
+    }
   }
-  phase -= 2.0 * pi * std::floor(phase / (2.0 * pi));
 }
 
 JointFit best_fit(const FitData& data, const Model& current, const CandidateFit& candidate,
                   std::vector<FreeParameter> parameters, int iterations) {
   std::vector<FreeParameter> quick = parameters;
-  std::erase_if(quick, [](const FreeParameter& p) { return moves_contact(p.owner); });
+  std::erase_if(quick, [](const FreeParameter& p) { return p.moves_contact; });
   for (auto* list : {&quick, &parameters}) {
     list->insert(list->end(), candidate.parameters.begin(), candidate.parameters.end());
   }

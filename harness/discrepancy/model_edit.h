@@ -6,6 +6,7 @@
 
 #include "harness/base/rooms.h"
 #include "harness/discrepancy/candidate_starts.h"
+#include "harness/discrepancy/effect_library.h"
 #include "harness/discrepancy/joint_fit.h"
 
 namespace touchstone::discrepancy {
@@ -17,22 +18,6 @@ Model with_entry(const Model& model, Side side, const NamedParameters& entry);
 Model without_entry(const Model& model, const std::string& name);
 std::vector<FreeParameter> without_owner(const std::vector<FreeParameter>& parameters, const std::string& name);
 
-// Whether `larger` has `smaller` as a special case: alike, the smaller is the finding, not a riddle; and one model has
-// not both.
-bool contains(const std::string& larger, const std::string& smaller);
-// One contains the other, or both contain the same.
-bool of_one_kind(const std::string& a, const std::string& b);
-bool has_what_contains(const Model& model, const std::string& smaller);
-Model without_special_cases(const Model& model, const std::string& larger);
-
-// Whether the effect's parameters change where the tip meets the mesh, so that each value needs a search for contact of
-// its own: dear in a fit.
-bool moves_contact(const std::string& effect);
-
-// Whether the effect's force goes with a derivative of the motion, of which a tracker's noise is large: it damps, lags
-// behind or resists acceleration.
-bool follows_speed(const std::string& effect);
-
 // Whether friction turns over a path that is fitted.
 bool has_path(const NamedParameters& entry);
 bool has_path(const Model& model);
@@ -42,7 +27,7 @@ bool has_path(const Model& model);
 std::vector<Model> with_shorter_paths(const Model& model);
 
 // The same wave has many names: its direction is taken in [0, pi), its phase in [0, 2 pi).
-void settle_texture(Model& model);
+void settle_waves(Model& model, const EffectLibrary& library);
 
 // The best fit of `current` with the candidate over all the candidate's starts: a few steps from each, with what moves
 // the contact kept, the best one finished with all free. `parameters`: what is free in `current`; those of the

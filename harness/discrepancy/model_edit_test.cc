@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include "harness/discrepancy/catalogue_for_test.h"
+
 namespace touchstone::discrepancy {
 namespace {
 
@@ -40,8 +42,10 @@ TEST(ShorterPaths, SoAreWindowsOfAccelerations) {
 }
 
 TEST(Kinds, DampingIsALimitOfRelaxationAndNotTheOtherWay) {
-  EXPECT_TRUE(contains("stress-relaxation", "normal-damping"));
-  EXPECT_FALSE(contains("normal-damping", "stress-relaxation"));
+  const auto catalogue = whole_catalogue();
+  const EffectLibrary library(catalogue);
+  EXPECT_TRUE(library.contains("stress-relaxation", "normal-damping"));
+  EXPECT_FALSE(library.contains("normal-damping", "stress-relaxation"));
 }
 
 }  // namespace

@@ -192,7 +192,7 @@ std::vector<LargerLaw> weigh_larger_laws(const SearchState& state) {
   std::vector<LargerLaw> laws;
   for (const NamedParameters& entry : state.current.model.effects) {
     for (const Candidate& candidate : *state.candidates) {
-      if (!contains(candidate.name, entry.name) || is_field(candidate.parameters) ||
+      if (!state.library().contains(candidate.name, entry.name) || is_field(candidate.parameters) ||
           !state.budget->allows(candidate.name + " in place of " + entry.name)) {
         continue;
       }
@@ -214,7 +214,7 @@ std::vector<LargerLaw> weigh_larger_laws(const SearchState& state) {
       trial.deviance = judged->validation;
       trial.validation_rms_N = state.validation_rms_N(trial.fit.model);
       const double gain = std::min(trial.train_gain, trial.validation_gain);
-      if (falls_with_speed(candidate.name)) {
+      if (candidate.traits.falls_with_speed) {
         trial.verdict = stays_in_cone(state, entry.name);
       } else if (trial.validation_rms_N > state.validation_rms_N(state.current.model)) {
         trial.verdict = "its validation error is larger than that of " + entry.name + ", which it contains";
@@ -255,7 +255,8 @@ std::vector<Trial> weigh_by_likelihood(const SearchState& state, const std::vect
   };
   const double deviance_now = state.validation_deviance(state.current.model);
   for (const Trial& tried : trials) {
-    const bool hides = follows_speed(tried.name) || has_path(*find_entry(tried.fit.model, tried.name));
+    const bool hides =
+        state.library().traits(tried.name).follows_speed || has_path(*find_entry(tried.fit.model, tried.name));
     if (!hides || !(std::max(tried.train_gain, deviance_now - tried.deviance) >= settings.minimum_gain)) continue;
     if (!state.budget->allows(tried.name + " on the smoothed trajectory")) continue;
     const auto judged = judge(state, {tried.fit.model, tried.parameters}, measured, rounds);
@@ -281,7 +282,7 @@ std::vector<Trial> weigh_by_likelihood(const SearchState& state, const std::vect
   std::vector<Trial> chosen;
   std::copy_if(passed.begin(), passed.end(), std::back_inserter(chosen), [&](const Trial& large) {
     return std::none_of(passed.begin(), passed.end(), [&](const Trial& small) {
-      return contains(large.name, small.name) &&
+      return state.library().contains(large.name, small.name) &&
              !(std::min(large.train_gain - small.train_gain, large.validation_gain - small.validation_gain) >=
                settings.law_gain);
     });

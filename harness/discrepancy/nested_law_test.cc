@@ -8,6 +8,7 @@
 #include <cmath>
 #include <optional>
 
+#include "harness/discrepancy/catalogue_for_test.h"
 #include "harness/discrepancy/model_edit.h"
 #include "harness/discrepancy/plane_for_test.h"
 #include "harness/discrepancy/two_recordings_for_test.h"
@@ -71,8 +72,8 @@ struct Strokes {
   const std::vector<ParameterDeclaration> coefficients{{"mu_static", "1", 0.0, 5.0, 0.0, ""},
                                                        {"mu_dynamic", "1", 0.0, 5.0, 0.0, ""}};
   std::vector<Candidate> library{
-      {"coulomb-friction", Side::contact, coefficients},
-      {"stribeck-friction", Side::contact, coefficients},
+      {"coulomb-friction", Side::contact, coefficients, traits_of("coulomb-friction")},
+      {"stribeck-friction", Side::contact, coefficients, traits_of("stribeck-friction")},
   };
   Model found;  // with plain friction
   std::optional<TwoRecordings> recordings;
@@ -142,8 +143,10 @@ TEST(NestedLaw, ALawWithoutALargerOneIsNotAskedFor) {
 
 // A plane with a damper along it that the model lacks, or has not got.
 std::vector<Trial> likely_trials(double damper_N_s_per_m) {
-  const std::vector<Candidate> library{
-      {"viscous-friction", Side::contact, {{"coefficient_N_s_per_m", "N s/m", 0.0, 1e4, 0.0, ""}}}};
+  const std::vector<Candidate> library{{"viscous-friction",
+                                        Side::contact,
+                                        {{"coefficient_N_s_per_m", "N s/m", 0.0, 1e4, 0.0, ""}},
+                                        traits_of("viscous-friction")}};
   Model start;
   start.renderer = "plane";
   start.parameters["stiffness_N_per_m"] = 900.0;

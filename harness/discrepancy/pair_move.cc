@@ -18,13 +18,13 @@ constexpr std::size_t most_firsts = 3;
 constexpr std::size_t most_pairs = 4;  // that compete to the end
 
 // By training gain; of laws that contain each other the better alone.
-std::vector<Trial> best_by_training(std::vector<Trial> singles) {
+std::vector<Trial> best_by_training(std::vector<Trial> singles, const EffectLibrary& library) {
   std::sort(singles.begin(), singles.end(), [](const Trial& a, const Trial& b) { return a.train_gain > b.train_gain; });
   std::vector<Trial> firsts;
   for (const Trial& trial : singles) {
     if (!(trial.train_gain > 0.0) || firsts.size() == most_firsts) break;
     const bool related = std::any_of(firsts.begin(), firsts.end(),
-                                     [&](const Trial& first) { return of_one_kind(first.name, trial.name); });
+                                     [&](const Trial& first) { return library.of_one_kind(first.name, trial.name); });
     if (!related) firsts.push_back(trial);
   }
   return firsts;
@@ -63,7 +63,7 @@ std::vector<Trial> competing_pairs(const SearchState& state, const Standing& sta
     const Standing left = standing_of(known);
     for (const Trial& second : try_candidates(known, left)) {
       // Two laws of dry friction at once are one law that the library does not have.
-      if (of_one_kind(second.name, first.name) || !weakness(known, left, second).passed()) continue;
+      if (state.library().of_one_kind(second.name, first.name) || !weakness(known, left, second).passed()) continue;
       Trial pair = paired(state, standing, first, second);
       if (is_most_of_what_is_missing(state, standing, pair)) pairs.push_back(std::move(pair));
     }
@@ -87,7 +87,7 @@ TrialVerdict refusal_of_member(const SearchState& state, const Trial& other, con
 }  // namespace
 
 std::vector<Trial> try_pairs(const SearchState& state, const Standing& standing, const std::vector<Trial>& singles) {
-  std::vector<Trial> pairs = competing_pairs(state, standing, best_by_training(singles));
+  std::vector<Trial> pairs = competing_pairs(state, standing, best_by_training(singles, state.library()));
   const auto alone = [&](const std::string& name) {
     return std::find_if(singles.begin(), singles.end(), [&](const Trial& t) { return t.name == name; });
   };

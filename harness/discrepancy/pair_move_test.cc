@@ -8,6 +8,7 @@
 #include <cmath>
 #include <optional>
 
+#include "harness/discrepancy/catalogue_for_test.h"
 #include "harness/discrepancy/model_edit.h"
 #include "harness/discrepancy/plane_for_test.h"
 #include "harness/discrepancy/two_recordings_for_test.h"
@@ -115,9 +116,11 @@ TEST(PairMove, APairOfWhichOneIsIdleIsRefusedForThatOne) {
 }
 
 TEST(PairMove, LawsOfDryFrictionAreOfOneKind) {
-  EXPECT_TRUE(of_one_kind("stribeck-friction", "anisotropic-friction"));
-  EXPECT_TRUE(of_one_kind("coulomb-friction", "stribeck-friction"));
-  EXPECT_FALSE(of_one_kind("stribeck-friction", "viscous-friction"));
+  const auto catalogue = whole_catalogue();
+  const EffectLibrary library(catalogue);
+  EXPECT_TRUE(library.of_one_kind("stribeck-friction", "anisotropic-friction"));
+  EXPECT_TRUE(library.of_one_kind("coulomb-friction", "stribeck-friction"));
+  EXPECT_FALSE(library.of_one_kind("stribeck-friction", "viscous-friction"));
 }
 
 }  // namespace

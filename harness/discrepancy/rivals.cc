@@ -56,8 +56,8 @@ bool does_better_without_noise(const SearchState& state, const Rival& rival, con
 // Whether the model without one of its effects has no place for the candidate: it is there, or what contains it is, or
 // what it contains.
 bool one_too_many(const SearchState& state, const Model& rest, const std::string& name) {
-  return find_entry(state.current.model, name) != nullptr || has_what_contains(rest, name) ||
-         without_special_cases(rest, name).effects.size() < rest.effects.size();
+  return find_entry(state.current.model, name) != nullptr || state.library().has_what_contains(rest, name) ||
+         state.library().without_special_cases(rest, name).effects.size() < rest.effects.size();
 }
 
 // What rivals of one effect are compared with.
@@ -92,8 +92,10 @@ std::optional<Rival> weigh(const SearchState& state, const Incumbent& incumbent,
   const double lost = rival.validation_gain_lost;
   rival.validation_rms_N = state.validation_rms_N(fit.model);
   const bool close = lost < settings.alike_errors * rival.error || lost < settings.minimum_gain / 3.0;
-  const bool related = contains(other.name, found.name) || contains(found.name, other.name);
-  rival.of_settled_kind = settled.contains(found.name) && of_one_kind(found.name, other.name);
+  const EffectLibrary library = state.library();
+  rival.contains_found = library.contains(other.name, found.name);
+  const bool related = rival.contains_found || library.contains(found.name, other.name);
+  rival.of_settled_kind = settled.contains(found.name) && library.of_one_kind(found.name, other.name);
   if (rival.of_settled_kind) return rival;
   if (lost < settings.rival_gain * found.validation_gain && !related) {
     // Many units of chi-squared from a few runs have a large error and tell all the same.
@@ -176,7 +178,7 @@ Swap best_swap(const SearchState& state, const std::vector<FoundEffect>& found, 
       if (simpler_and_alike(state, effect, rival)) return {&effect, &rival};
       if (rival.validation_gain_lost > -clear) continue;
       // A law with more parameters gains a little always: whether it acts is asked elsewhere (nested_law.h).
-      if (contains(rival.name, effect.name) || within_mesh_error(state, rival.model, rival.name)) continue;
+      if (rival.contains_found || within_mesh_error(state, rival.model, rival.name)) continue;
       if (!does_better_without_noise(state, rival, effect.name)) continue;
       if (best.winner == nullptr || rival.validation_gain_lost < best.winner->validation_gain_lost) {
         best = {&effect, &rival};

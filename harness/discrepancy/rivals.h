@@ -21,6 +21,7 @@ struct Rival {
   double error = 0.0;                 // its standard error by blocks
   double validation_rms_N = 0.0;
   bool alike = false;
+  bool contains_found = false;   // the found one is a special case of it
   bool of_settled_kind = false;  // weighed against the found one by likelihood or by force alone: no place to take
 };
 

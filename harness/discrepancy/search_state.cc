@@ -69,10 +69,13 @@ CandidateFit SearchState::options(const Candidate& candidate, const Model& model
   const Part& part = data->train.part;
   const Recording seen = samples_of(part, recording);
   const Prediction now = samples_of(part, recording.motion, data->train.predictor->predict(model));
+  return candidate_fit(candidate, scales(seen, now), seen, now);
+}
+
+RecordingScales SearchState::scales(const Recording& seen, const Prediction& now) const {
   // The start's stiffness: that of a model which hardly touches was fitted to nothing.
-  const RecordingScales scales =
-      measure_scales(seen, now, data->force_floor_N, start.parameters.at("stiffness_N_per_m"), data->position_noise_m);
-  return candidate_fit(candidate, scales, seen, now);
+  return measure_scales(seen, now, data->force_floor_N, start.parameters.at("stiffness_N_per_m"),
+                        data->position_noise_m);
 }
 
 std::vector<FreeParameter> SearchState::free_in(const Model& model) const {

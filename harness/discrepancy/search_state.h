@@ -8,6 +8,7 @@
 
 #include "harness/base/rooms.h"
 #include "harness/discrepancy/candidate_starts.h"
+#include "harness/discrepancy/effect_library.h"
 #include "harness/discrepancy/evidence.h"
 #include "harness/discrepancy/search_settings.h"
 #include "harness/discrepancy/time_budget.h"
@@ -45,10 +46,13 @@ struct SearchState {
   // Of the validation error's square, and of the validation chi-squared, that an effect of this model must explain.
   [[nodiscard]] double least_share(const Model& model) const;
 
+  [[nodiscard]] EffectLibrary library() const { return EffectLibrary(*candidates); }
   [[nodiscard]] const Candidate& candidate(const std::string& name) const;
   // How the candidate enters a fit of that model, to the training recording or to another of its motion.
   [[nodiscard]] CandidateFit options(const Candidate& candidate, const Model& model) const;
   [[nodiscard]] CandidateFit options(const Candidate& candidate, const Model& model, const Recording& recording) const;
+  // Of samples of the training recording and what is predicted there.
+  [[nodiscard]] RecordingScales scales(const Recording& seen, const Prediction& now) const;
   // What is free now without that of entries which `model` has no more.
   [[nodiscard]] std::vector<FreeParameter> free_in(const Model& model) const;
   // What is free while effects are compared: all but the coefficients of fields.

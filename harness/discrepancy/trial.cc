@@ -41,8 +41,9 @@ void score(const SearchState& state, const Standing& standing, Trial& trial) {
 
 std::optional<Trial> try_candidate(const SearchState& state, const Standing& standing, const Candidate& candidate) {
   const Model& model = state.current.model;
-  if (find_entry(model, candidate.name) != nullptr || has_what_contains(model, candidate.name)) return std::nullopt;
-  const Model rest = without_special_cases(model, candidate.name);
+  if (find_entry(model, candidate.name) != nullptr || state.library().has_what_contains(model, candidate.name))
+    return std::nullopt;
+  const Model rest = state.library().without_special_cases(model, candidate.name);
   const CandidateFit options = state.options(candidate, rest);
   Trial trial;
   trial.name = candidate.name;

@@ -44,8 +44,8 @@ bool helps_without_noise(const SearchState& state, const Trial& trial) {
 
 bool within_mesh_error(const SearchState& state, const Model& model, const std::string& effect) {
   const Evidence& train = state.data->train;
-  const double moved_m =
-      surface_displacement_m(*find_entry(model, effect), train.recording->motion, train.predictor->predict(model).n_W);
+  const double moved_m = surface_displacement_m(state.library().traits(effect), *find_entry(model, effect),
+                                                train.recording->motion, train.predictor->predict(model).n_W);
   return moved_m <= state.settings->mesh_margin * state.data->geometry_error_m;
 }
 

@@ -7,6 +7,7 @@
 #include <memory>
 #include <vector>
 
+#include "harness/discrepancy/catalogue_for_test.h"
 #include "harness/discrepancy/plane_for_test.h"
 #include "harness/discrepancy/two_recordings_for_test.h"
 
@@ -20,16 +21,20 @@ NamedParameters registration(double dx_m, double dz_m, double ry_rad) {
 TEST(MeshError, OfARegistrationIsWhatItMovesAlongTheNormals) {
   const MotionColumns motion = hand(0.0, 1.0);
   const std::vector<Vec3> up(motion.size(), Vec3::UnitZ());
-  EXPECT_NEAR(surface_displacement_m(registration(5e-3, 0.0, 0.0), motion, up), 0.0, 1e-15);  // along a plane
-  EXPECT_NEAR(surface_displacement_m(registration(5e-3, 2e-4, 0.0), motion, up), 2e-4, 1e-15);
+  EXPECT_NEAR(surface_displacement_m(traits_of("registration"), registration(5e-3, 0.0, 0.0), motion, up), 0.0,
+              1e-15);  // along a plane
+  EXPECT_NEAR(surface_displacement_m(traits_of("registration"), registration(5e-3, 2e-4, 0.0), motion, up), 2e-4,
+              1e-15);
   double squares = 0.0;
   for (const Vec3& p : motion.p_W_m) squares += p.x() * p.x();
   const double spread_m = std::sqrt(squares / static_cast<double>(motion.size()));
-  EXPECT_NEAR(surface_displacement_m(registration(0.0, 0.0, 0.01), motion, up), 0.01 * spread_m, 1e-12);
+  EXPECT_NEAR(surface_displacement_m(traits_of("registration"), registration(0.0, 0.0, 0.01), motion, up),
+              0.01 * spread_m, 1e-12);
   // A slope makes the shift along it felt, and free samples say nothing.
   std::vector<Vec3> slope(motion.size(), Vec3(0.6, 0.0, 0.8));
   slope.front().setZero();
-  EXPECT_NEAR(surface_displacement_m(registration(1e-3, 0.0, 0.0), motion, slope), 6e-4, 1e-15);
+  EXPECT_NEAR(surface_displacement_m(traits_of("registration"), registration(1e-3, 0.0, 0.0), motion, slope), 6e-4,
+              1e-15);
 }
 
 TEST(MeshError, WhatItExplainsAsWellIsNotMissing) {

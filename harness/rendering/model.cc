@@ -5,6 +5,7 @@
 #include "harness/base/atomic_file.h"
 #include "harness/base/input_files.h"
 #include "harness/base/json_reader.h"
+#include "harness/rendering/declared_effect.h"
 
 namespace touchstone::rendering {
 namespace {
@@ -19,6 +20,21 @@ std::map<std::string, double> read_parameters(JsonObject& owner) {
   return parameters;
 }
 
+std::shared_ptr<const DeclaredEffect> read_law(JsonObject& entry, const std::string& name, bool instrument) {
+  if (!entry.has("law")) return nullptr;
+  const nlohmann::json& value = entry.raw("law");
+  const auto beside = std::filesystem::path(entry.source()).parent_path();
+  auto law = value.is_string() ? load_effect(beside / value.get<std::string>())
+                               : read_effect(value, entry.source(), entry.place() + "/law");
+  if (law.name != name)
+    entry.fail_at("law", "it declares \"" + law.name + "\", the entry's name is \"" + name + "\"; give both one name");
+  if (law.is_instrument() != instrument) {
+    entry.fail_at("law", "it acts on the " + std::string(law.is_instrument() ? "measurement" : "contact") +
+                             ": the entry belongs under \"" + (instrument ? "effects" : "instrument") + "\"");
+  }
+  return std::make_shared<const DeclaredEffect>(std::move(law));
+}
+
 std::vector<NamedParameters> read_entries(JsonObject& root, const char* key) {
   std::vector<NamedParameters> entries;
   if (!root.has(key)) return entries;
@@ -28,6 +44,7 @@ std::vector<NamedParameters> read_entries(JsonObject& root, const char* key) {
     entry.parameters = read_parameters(object);
     entry.place = object.place();
     entry.image = object.optional_text("image").value_or("");
+    entry.law = read_law(object, entry.name, std::string_view(key) == "instrument");
     object.finish();
     entries.push_back(std::move(entry));
   }
@@ -39,6 +56,7 @@ nlohmann::ordered_json to_json(const std::vector<NamedParameters>& entries) {
   for (const auto& entry : entries) {
     nlohmann::ordered_json object{{"name", entry.name}, {"parameters", entry.parameters}};
     if (!entry.image.empty()) object["image"] = entry.image;
+    if (entry.law != nullptr) object["law"] = effect_document(*entry.law);
     list.push_back(std::move(object));
   }
   return list;

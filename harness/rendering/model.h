@@ -13,12 +13,17 @@
 
 namespace touchstone::rendering {
 
+struct DeclaredEffect;
+
 // An effect or instrument entry: its name and the parameters set for it.
 struct NamedParameters {
   std::string name;
   std::map<std::string, double> parameters;
   std::string place;       // JSON pointer in the file, e.g. /effects/0, for messages
   std::string image = {};  // a picture's file, relative to the model file, where the effect takes one ("image")
+  // What a user declares in place of the catalogue ("law": the text of an effect file, or its name, relative to the
+  // model file); empty: the catalogue knows the name.
+  std::shared_ptr<const DeclaredEffect> law = {};
 };
 
 struct RendererEntry;

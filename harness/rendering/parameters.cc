@@ -7,6 +7,7 @@
 
 #include "harness/base/error.h"
 #include "harness/base/known_names.h"
+#include "harness/rendering/declared_effect.h"
 #include "harness/rendering/model.h"
 
 namespace touchstone::rendering {
@@ -45,10 +46,17 @@ Parameters check_entry(const NamedParameters& entry, const std::vector<NamedDecl
                        std::string_view source) {
   std::vector<std::string> names;
   for (const auto& declaration : known) {
+    if (declaration.name == entry.name && entry.law != nullptr) {
+      throw BadData(fmt::format("{}: {}/law: there is {} {} of this name; give the law a name of its own", source,
+                                entry.place, what, entry.name));
+    }
     if (declaration.name == entry.name) {
       return {declaration.parameters, entry.parameters, fmt::format("{} {}", what, entry.name), source, entry.place};
     }
     names.push_back(declaration.name);
+  }
+  if (entry.law != nullptr) {
+    return {entry.law->parameters, entry.parameters, fmt::format("{} {}", what, entry.name), source, entry.place};
   }
   throw BadData(fmt::format("{}: {}/name: {}", source, entry.place, unknown_name(what, entry.name, names)));
 }

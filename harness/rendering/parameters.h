@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "harness/base/rooms.h"
+#include "harness/rendering/effect_traits.h"
 #include "harness/rendering/renderer.h"
 
 namespace touchstone::rendering {
@@ -18,6 +19,7 @@ struct NamedDeclaration {
   std::string summary;
   std::vector<ParameterDeclaration> parameters;
   bool hypothesis = true;  // what may be missing from a model of a measurement: the search tries it
+  EffectTraits traits = {};
 };
 
 class Parameters {
@@ -36,7 +38,8 @@ class Parameters {
 };
 
 struct NamedParameters;
-// Finds the entry's name among the declared and checks its parameters; throws BadData with its place and what is known.
+// Finds the entry's name among the declared, or takes its own law, and checks its parameters; throws BadData with its
+// place and what is known.
 Parameters check_entry(const NamedParameters& entry, const std::vector<NamedDeclaration>& known, std::string_view what,
                        std::string_view source);
 

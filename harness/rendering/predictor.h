@@ -9,6 +9,7 @@
 
 #include "harness/base/rooms.h"
 #include "harness/recording/trajectory.h"
+#include "harness/rendering/effect_traits.h"
 #include "harness/rendering/model.h"
 #include "harness/rendering/renderer.h"
 
@@ -40,6 +41,8 @@ struct Candidate {
   std::string name;
   Side side;
   std::vector<ParameterDeclaration> parameters;
+  EffectTraits traits = {};
+  std::shared_ptr<const DeclaredEffect> law = {};  // of an effect that a user declared
 };
 
 }  // namespace touchstone::rendering

@@ -33,4 +33,19 @@ std::unique_ptr<Effect> make_adhesion(std::span<const double> values) {
   return std::make_unique<Adhesion>(values[0], values[1]);
 }
 
+EffectTraits adhesion_traits() {
+  EffectTraits traits;
+  traits.plan = [](const RecordingScales& scales) {
+    SearchedParameter range{"range_m"};
+    range.lower = 0.005 * scales.depth_m;
+    range.upper = 5.0 * scales.depth_m;
+    range.logarithmic = true;
+    SearchPlan plan{{{"force_N", scales.force_N, 0.0, 2.0 * scales.force_N}, range}, {}};
+    for (const double share : {0.05, 0.3})
+      plan.starts.push_back({{"force_N", 0.1 * scales.force_N}, {"range_m", share * scales.depth_m}});
+    return plan;
+  };
+  return traits;
+}
+
 }  // namespace touchstone::renderers

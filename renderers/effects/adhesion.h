@@ -9,10 +9,14 @@
 
 #include "harness/base/rooms.h"
 #include "harness/rendering/effect.h"
+#include "harness/rendering/effect_traits.h"
 
 namespace touchstone::renderers {
 
 // Values: force_N, range_m. Needs gaps outside contact.
 std::unique_ptr<Effect> make_adhesion(std::span<const double> values);
+
+// What the search for missing effects is to know of them.
+EffectTraits adhesion_traits();
 
 }  // namespace touchstone::renderers

@@ -7,8 +7,10 @@
 
 #include "harness/base/error.h"
 #include "harness/base/known_names.h"
+#include "harness/rendering/declared_effect.h"
 #include "harness/rendering/smooth_field.h"
 #include "renderers/effects/catalogue.h"
+#include "renderers/effects/formula_law.h"
 #include "renderers/effects/friction.h"
 #include "renderers/effects/height_image.h"
 
@@ -21,6 +23,17 @@ const EffectEntry& entry_of(const NamedParameters& effect, const Model& model) {
   for (const EffectEntry& entry : contact_effects()) known.emplace_back(entry.name);
   throw BadData(
       fmt::format("{}: {}/name: {}", model.source, effect.place, unknown_name("contact effect", effect.name, known)));
+}
+
+StackedEffect make_declared(const NamedParameters& effect, const Model& model) {
+  if (find_contact_effect(effect.name) != nullptr) {
+    throw BadData(fmt::format("{}: {}/law: there is a contact effect {} of this name; give the law a name of its own",
+                              model.source, effect.place, effect.name));
+  }
+  if (!effect.image.empty())
+    throw BadData(fmt::format("{}: {}: a declared effect takes no \"image\"", model.source, effect.place));
+  return make_formula_effect(*effect.law,
+                             checked_values(effect, effect.law->parameters, "contact effect", model.source));
 }
 
 // A model without a break-away coefficient of its own breaks away where it slides.
@@ -63,6 +76,10 @@ std::vector<double> checked_values(const NamedParameters& entry, const std::vect
 std::vector<StackedEffect> make_effects(const Model& model) {
   std::vector<StackedEffect> effects;
   for (const NamedParameters& effect : model.effects) {
+    if (effect.law != nullptr) {
+      effects.push_back(make_declared(effect, model));
+      continue;
+    }
     const EffectEntry& entry = entry_of(effect, model);
     auto values = checked_values(effect, entry.parameters, "contact effect", model.source);
     complete_coefficients(effect, entry, values);
@@ -89,6 +106,7 @@ std::map<std::string, double> base_parameters(const Model& model, const std::vec
   if (const auto sliding = parameters.find("mu_dynamic"); has_break_away && sliding != parameters.end())
     parameters.try_emplace("mu_static", sliding->second);
   for (const NamedParameters& effect : model.effects) {
+    if (effect.law != nullptr) continue;
     const EffectEntry& entry = entry_of(effect, model);
     if (entry.base_parameter.empty()) continue;
     const auto values = checked_values(effect, entry.parameters, "contact effect", model.source);

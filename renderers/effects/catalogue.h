@@ -11,6 +11,7 @@
 
 #include "harness/base/rooms.h"
 #include "harness/rendering/effect.h"
+#include "harness/rendering/effect_traits.h"
 #include "harness/rendering/renderer.h"
 
 namespace touchstone::renderers {
@@ -29,6 +30,7 @@ struct EffectEntry {
   std::string_view base_parameter;  // that parameter; empty otherwise
   bool hypothesis = true;           // NamedDeclaration::hypothesis
   bool takes_image = false;         // a picture (NamedParameters::image) and values: made by height_image.h
+  EffectTraits traits = {};
 };
 
 const std::vector<EffectEntry>& contact_effects();

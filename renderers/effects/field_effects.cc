@@ -62,4 +62,10 @@ std::unique_ptr<Effect> make_height_field_contact(std::span<const double> values
   return std::make_unique<HeightField>(values);
 }
 
+EffectTraits stiffness_field_traits() {
+  EffectTraits traits;
+  traits.contains = {"stiffness-map"};
+  return traits;
+}
+
 }  // namespace touchstone::renderers

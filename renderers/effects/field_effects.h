@@ -7,6 +7,7 @@
 
 #include "harness/base/rooms.h"
 #include "harness/rendering/effect.h"
+#include "harness/rendering/effect_traits.h"
 
 namespace touchstone::renderers {
 
@@ -17,5 +18,8 @@ std::unique_ptr<Effect> make_stiffness_field(std::span<const double> values);
 std::unique_ptr<Effect> make_friction_field(std::span<const double> values);
 // The surface is higher than the mesh by the field [m], along its normal; the normal leans against the field's slope.
 std::unique_ptr<Effect> make_height_field_contact(std::span<const double> values);
+
+// What the search for missing effects is to know of them.
+EffectTraits stiffness_field_traits();
 
 }  // namespace touchstone::renderers

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "harness/base/error.h"
@@ -128,6 +129,93 @@ std::unique_ptr<Effect> make_stribeck_friction(std::span<const double> values) {
 
 std::unique_ptr<Effect> make_anisotropic_friction(std::span<const double> values) {
   return std::make_unique<AnisotropicFriction>(values[0], values[1], values[2]);
+}
+
+namespace {
+
+// Pre-sliding is fitted along: the path over which friction turns must exceed what the tracker's noise makes of a tip
+// that stands still, and below that the recording cannot show it.
+double hidden_presliding_m(const RecordingScales& scales) {
+  return 12.0 * scales.position_noise_m + 0.02 * scales.depth_m;
+}
+
+// A soft object gives way sideways before the tip slides: by 1 to 1.5 times the coefficient times the depth (Mindlin
+// 1949: the tangential stiffness of a contact is 2/3 to 1 of the normal one). The coefficient is hardly above one.
+double longest_sideways_m(const RecordingScales& scales) { return hidden_presliding_m(scales) + 1.5 * scales.depth_m; }
+
+SearchedParameter presliding(const RecordingScales& scales) {
+  SearchedParameter path{"presliding_m"};
+  path.lower = 0.02 * hidden_presliding_m(scales);
+  path.upper = longest_sideways_m(scales);
+  path.logarithmic = true;
+  return path;
+}
+
+std::array<double, 3> presliding_starts_m(const RecordingScales& scales) {
+  return {0.1 * hidden_presliding_m(scales), 0.4 * hidden_presliding_m(scales), 0.1 * longest_sideways_m(scales)};
+}
+
+// mu_static = mu_dynamic + excess, excess >= 0; plain Coulomb friction has one coefficient.
+SearchedParameter sliding_coefficient() {
+  SearchedParameter mu{"mu_dynamic"};
+  mu.carries = "mu_static";
+  return mu;
+}
+
+SearchPlan plan_coulomb(const RecordingScales& scales) {
+  SearchPlan plan{{sliding_coefficient(), presliding(scales)}, {}};
+  for (const double s : presliding_starts_m(scales))
+    plan.starts.push_back({{"mu_static", 0.2}, {"mu_dynamic", 0.2}, {"presliding_m", s}});
+  return plan;
+}
+
+SearchPlan plan_stribeck(const RecordingScales& scales) {
+  SearchedParameter excess{"mu_static"};
+  excess.above = "mu_dynamic";
+  SearchedParameter velocity{"stribeck_velocity_m_per_s"};
+  const double v = std::max(scales.speed_m_per_s, 1e-4);
+  velocity.lower = 0.02 * v;
+  velocity.upper = 20.0 * v;
+  velocity.logarithmic = true;
+  SearchPlan plan{{sliding_coefficient(), excess, velocity, presliding(scales)}, {}};
+  for (const double share : {0.3, 1.0}) {
+    for (const double s : presliding_starts_m(scales)) {
+      plan.starts.push_back(
+          {{"mu_static", 0.4}, {"mu_dynamic", 0.2}, {"stribeck_velocity_m_per_s", share * v}, {"presliding_m", s}});
+    }
+  }
+  return plan;
+}
+
+SearchPlan plan_anisotropic(const RecordingScales& scales) {
+  SearchPlan plan{{{"mu_x"}, {"mu_y"}, presliding(scales)}, {}};
+  for (const double s : presliding_starts_m(scales))
+    plan.starts.push_back({{"mu_x", 0.2}, {"mu_y", 0.2}, {"presliding_m", s}});
+  return plan;
+}
+
+}  // namespace
+
+EffectTraits coulomb_friction_traits() {
+  EffectTraits traits;
+  traits.plan = &plan_coulomb;
+  return traits;
+}
+
+EffectTraits stribeck_friction_traits() {
+  EffectTraits traits;
+  traits.contains = {"coulomb-friction"};
+  traits.falls_with_speed = true;
+  traits.plan = &plan_stribeck;
+  return traits;
+}
+
+EffectTraits anisotropic_friction_traits() {
+  EffectTraits traits;
+  traits.contains = {"coulomb-friction"};
+  traits.along_axes = {"mu_x", "mu_y"};
+  traits.plan = &plan_anisotropic;
+  return traits;
 }
 
 }  // namespace touchstone::renderers

@@ -21,6 +21,7 @@
 
 #include "harness/base/rooms.h"
 #include "harness/rendering/effect.h"
+#include "harness/rendering/effect_traits.h"
 
 namespace touchstone::renderers {
 
@@ -34,5 +35,10 @@ std::unique_ptr<Effect> make_coulomb_friction(std::span<const double> values);
 std::unique_ptr<Effect> make_stribeck_friction(std::span<const double> values);
 // Values: mu_x, mu_y, presliding_m.
 std::unique_ptr<Effect> make_anisotropic_friction(std::span<const double> values);
+
+// What the search for missing effects is to know of them.
+EffectTraits coulomb_friction_traits();
+EffectTraits stribeck_friction_traits();
+EffectTraits anisotropic_friction_traits();
 
 }  // namespace touchstone::renderers

@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "renderers/effects/rate_plan.h"
+
 namespace touchstone::renderers {
 namespace {
 
@@ -106,6 +108,54 @@ std::unique_ptr<Effect> make_stiffness_map(std::span<const double> values) {
 }
 std::unique_ptr<Effect> make_stress_relaxation(std::span<const double> values) {
   return std::make_unique<StressRelaxation>(values[0], values[1]);
+}
+
+EffectTraits normal_damping_traits() {
+  EffectTraits traits;
+  traits.follows_speed = true;
+  traits.plan = [](const RecordingScales& scales) {
+    return plan_of_rate("coefficient_N_s_per_m", scales.force_N, scales.depth_rate_m_per_s);
+  };
+  return traits;
+}
+
+EffectTraits hunt_crossley_traits() {
+  EffectTraits traits;
+  traits.follows_speed = true;
+  traits.plan = [](const RecordingScales& scales) {
+    return plan_of_rate("coefficient_N_s_per_m2", scales.force_N, scales.depth_rate_m_per_s * scales.depth_m);
+  };
+  return traits;
+}
+
+EffectTraits power_law_stiffness_traits() {
+  EffectTraits traits;
+  traits.plan = [](const RecordingScales& scales) {
+    return SearchPlan{{{"exponent"}}, {{{"exponent", 1.2}, {"reference_depth_m", 0.5 * scales.depth_m}}}};
+  };
+  return traits;
+}
+
+EffectTraits stiffness_map_traits() {
+  EffectTraits traits;
+  traits.along_surface = true;
+  traits.peaks = EffectTraits::Peaks::stiffness;
+  return traits;
+}
+
+EffectTraits stress_relaxation_traits() {
+  EffectTraits traits;
+  traits.contains = {"normal-damping"};  // a time constant far below the tracker's
+  traits.plan = [](const RecordingScales& scales) {
+    SearchedParameter time{"time_constant_s"};
+    time.lower = 0.02;
+    time.upper = 2.0 * std::max(scales.duration_s, 0.1);
+    time.logarithmic = true;
+    SearchPlan plan{{{"ratio"}, time}, {}};
+    for (const double tau : {0.08, 0.4, 2.0}) plan.starts.push_back({{"ratio", 0.3}, {"time_constant_s", tau}});
+    return plan;
+  };
+  return traits;
 }
 
 }  // namespace touchstone::renderers

@@ -18,6 +18,7 @@
 
 #include "harness/base/rooms.h"
 #include "harness/rendering/effect.h"
+#include "harness/rendering/effect_traits.h"
 
 namespace touchstone::renderers {
 
@@ -31,5 +32,12 @@ std::unique_ptr<Effect> make_power_law_stiffness(std::span<const double> values)
 std::unique_ptr<Effect> make_stiffness_map(std::span<const double> values);
 // Values: ratio, time_constant_s.
 std::unique_ptr<Effect> make_stress_relaxation(std::span<const double> values);
+
+// What the search for missing effects is to know of them.
+EffectTraits normal_damping_traits();
+EffectTraits hunt_crossley_traits();
+EffectTraits power_law_stiffness_traits();
+EffectTraits stiffness_map_traits();
+EffectTraits stress_relaxation_traits();
 
 }  // namespace touchstone::renderers

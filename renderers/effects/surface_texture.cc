@@ -35,4 +35,13 @@ std::unique_ptr<Effect> make_surface_texture(std::span<const double> values) {
   return std::make_unique<SurfaceTexture>(values[0], values[1], values[2], values[3]);
 }
 
+EffectTraits surface_texture_traits() {
+  EffectTraits traits;
+  traits.along_surface = true;
+  traits.is_wave = true;
+  traits.surface = EffectTraits::Surface::higher_by_amplitude;
+  traits.peaks = EffectTraits::Peaks::waves;
+  return traits;
+}
+
 }  // namespace touchstone::renderers

@@ -1,5 +1,7 @@
 #include "renderers/effects/viscous_friction.h"
 
+#include "renderers/effects/rate_plan.h"
+
 namespace touchstone::renderers {
 namespace {
 
@@ -23,6 +25,15 @@ class ViscousFriction final : public Effect {
 
 std::unique_ptr<Effect> make_viscous_friction(std::span<const double> values) {
   return std::make_unique<ViscousFriction>(values[0]);
+}
+
+EffectTraits viscous_friction_traits() {
+  EffectTraits traits;
+  traits.follows_speed = true;
+  traits.plan = [](const RecordingScales& scales) {
+    return plan_of_rate("coefficient_N_s_per_m", scales.force_N, scales.speed_m_per_s);
+  };
+  return traits;
 }
 
 }  // namespace touchstone::renderers

@@ -6,10 +6,14 @@
 
 #include "harness/base/rooms.h"
 #include "harness/rendering/effect.h"
+#include "harness/rendering/effect_traits.h"
 
 namespace touchstone::renderers {
 
 // Values: coefficient_N_s_per_m.
 std::unique_ptr<Effect> make_viscous_friction(std::span<const double> values);
+
+// What the search for missing effects is to know of them.
+EffectTraits viscous_friction_traits();
 
 }  // namespace touchstone::renderers

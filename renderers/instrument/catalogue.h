@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "harness/base/rooms.h"
+#include "harness/rendering/effect_traits.h"
 #include "harness/rendering/instrument_effect.h"
 #include "harness/rendering/parameters.h"
 
@@ -20,6 +21,7 @@ struct InstrumentEntry {
   InstrumentStage stage;
   std::vector<ParameterDeclaration> parameters;
   std::unique_ptr<InstrumentEffect> (*make)(std::span<const double> values);
+  EffectTraits traits = {};
 };
 
 const std::vector<InstrumentEntry>& instrument_catalogue();

@@ -84,4 +84,50 @@ std::unique_ptr<InstrumentEffect> make_surface_geometry(std::span<const double> 
   return std::make_unique<SurfaceGeometry>(values[0], values[1], values[2], values[3]);
 }
 
+// Where the mesh lies so far off that model and measurement do not touch at the same time, no small shift changes
+// anything: the fit starts from larger ones too.
+EffectTraits registration_traits() {
+  EffectTraits traits;
+  traits.moves_contact = true;
+  traits.surface = EffectTraits::Surface::moved;
+  traits.plan = [](const RecordingScales& scales) {
+    constexpr double farthest = 3.0;  // depths: beyond, nothing that was pressed is pressed any more
+    const double d = scales.depth_m;
+    const double turn = d / scales.extent_m();
+    SearchPlan plan;
+    const auto free = [&](const char* name, double scale, double step) {
+      plan.parameters.push_back({name, scale, -farthest * scale, farthest * scale, false, {}, {}, step});
+    };
+    free("dx_m", d, scales.facet_m / d);
+    free("dy_m", d, scales.facet_m / d);
+    free("dz_m", d, 0.0);
+    free("rx_rad", turn, 0.0);
+    free("ry_rad", turn, 0.0);
+    plan.starts = {{{"dx_m", 0.0}, {"dy_m", 0.0}, {"dz_m", 0.0}, {"rx_rad", 0.0}, {"ry_rad", 0.0}}};
+    if (scales.surface_is_elsewhere()) {
+      for (const double share : {1.0, -1.0}) {
+        plan.starts.push_back(plan.starts.front());
+        plan.starts.back()["dz_m"] = share * d;
+      }
+    }
+    return plan;
+  };
+  return traits;
+}
+
+EffectTraits surface_geometry_traits() {
+  EffectTraits traits;
+  traits.along_surface = true;
+  traits.surface = EffectTraits::Surface::higher_by_amplitude;
+  traits.peaks = EffectTraits::Peaks::height;
+  return traits;
+}
+
+EffectTraits height_field_traits() {
+  EffectTraits traits;
+  traits.contains = {"surface-geometry"};
+  traits.surface = EffectTraits::Surface::higher_by_field;
+  return traits;
+}
+
 }  // namespace touchstone::renderers

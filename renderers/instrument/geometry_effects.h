@@ -9,6 +9,7 @@
 #include <span>
 
 #include "harness/base/rooms.h"
+#include "harness/rendering/effect_traits.h"
 #include "harness/rendering/instrument_effect.h"
 
 namespace touchstone::renderers {
@@ -19,5 +20,10 @@ std::unique_ptr<InstrumentEffect> make_surface_geometry(
     std::span<const double> values);  // amplitude_m, x_m, y_m, width_m
 // Values in the order of field_parameters() (harness/rendering/smooth_field.h).
 std::unique_ptr<InstrumentEffect> make_height_field(std::span<const double> values);
+
+// What the search for missing effects is to know of them.
+EffectTraits registration_traits();
+EffectTraits surface_geometry_traits();
+EffectTraits height_field_traits();
 
 }  // namespace touchstone::renderers

@@ -1,6 +1,7 @@
 #include "renderers/instrument/sensor_effects.h"
 
 #include <algorithm>
+#include <initializer_list>
 #include <vector>
 
 namespace touchstone::renderers {
@@ -110,6 +111,65 @@ std::unique_ptr<InstrumentEffect> make_force_saturation(std::span<const double> 
 }
 std::unique_ptr<InstrumentEffect> make_time_lag(std::span<const double> values) {
   return std::make_unique<TimeLag>(values[0]);
+}
+
+namespace {
+
+// Several parameters from zero, each sought up to `range` times a typical size to both sides.
+SearchPlan plan_around_zero(std::initializer_list<const char*> names, double scale, double range) {
+  SearchPlan plan;
+  plan.starts.emplace_back();
+  for (const char* const name : names) {
+    plan.parameters.push_back({name, scale, -range * scale, range * scale});
+    plan.starts.front()[name] = 0.0;
+  }
+  return plan;
+}
+
+}  // namespace
+
+EffectTraits force_bias_traits() {
+  EffectTraits traits;
+  traits.plan = [](const RecordingScales& scales) {
+    return plan_around_zero({"fx_N", "fy_N", "fz_N"}, scales.force_N, 2.0);
+  };
+  return traits;
+}
+
+EffectTraits force_drift_traits() {
+  EffectTraits traits;
+  traits.plan = [](const RecordingScales& scales) {
+    const double rate = scales.force_N / std::max(scales.duration_s, 1e-9);
+    return plan_around_zero({"fx_N_per_s", "fy_N_per_s", "fz_N_per_s"}, rate, 4.0);
+  };
+  return traits;
+}
+
+EffectTraits force_crosstalk_traits() {
+  EffectTraits traits;
+  traits.plan = [](const RecordingScales&) {
+    return SearchPlan{{{"c_xz"}, {"c_yz"}}, {{{"c_xz", 0.0}, {"c_yz", 0.0}}}};
+  };
+  return traits;
+}
+
+// A sensor that clips shows nothing beyond its limit but noise.
+EffectTraits force_saturation_traits() {
+  EffectTraits traits;
+  traits.plan = [](const RecordingScales& scales) {
+    const double largest = scales.largest_axis_N;
+    SearchPlan plan{{{"limit_N", 1.0, 0.85 * largest, 1.2 * largest, true}}, {}};
+    for (const double share : {0.88, 0.97}) plan.starts.push_back({{"limit_N", share * largest}});
+    return plan;
+  };
+  return traits;
+}
+
+EffectTraits time_lag_traits() {
+  EffectTraits traits;
+  traits.follows_speed = true;
+  traits.plan = [](const RecordingScales&) { return SearchPlan{{{"lag_s", 0.01}}, {{{"lag_s", 0.005}}}}; };
+  return traits;
 }
 
 }  // namespace touchstone::renderers

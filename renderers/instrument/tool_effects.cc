@@ -75,4 +75,24 @@ std::unique_ptr<InstrumentEffect> make_tool_inertia(std::span<const double> valu
   return std::make_unique<ToolInertia>(values[0], values[1]);
 }
 
+EffectTraits tool_weight_traits() {
+  EffectTraits traits;
+  traits.plan = [](const RecordingScales&) { return SearchPlan{{{"mass_kg", 0.1}}, {{{"mass_kg", 0.0}}}}; };
+  return traits;
+}
+
+// The longer the window that acceleration is taken over, the less of a tracker's noise is in it, and the less of a
+// quick motion's: from which the mass explains more is tried.
+EffectTraits tool_inertia_traits() {
+  EffectTraits traits;
+  traits.follows_speed = true;
+  traits.plan = [](const RecordingScales&) {
+    SearchPlan plan{{{"mass_kg", 0.1}}, {}};
+    for (const double window_s : {0.033, 0.05, 0.065, 0.08, 0.1, 0.13, 0.17, 0.22, 0.3})
+      plan.starts.push_back({{"mass_kg", 0.0}, {"window_s", window_s}});
+    return plan;
+  };
+  return traits;
+}
+
 }  // namespace touchstone::renderers

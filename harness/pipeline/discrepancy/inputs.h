@@ -28,10 +28,11 @@ struct DiscrepancyFiles {
   bool repair = false;      // turn triangles that are inside out (harness/surface/mesh_repair.h)
   bool flip_force = false;  // the files have the force BY the probe
   std::filesystem::path recording;
-  std::filesystem::path holdout;     // empty: alternating blocks of `recording` are kept back
-  double block_s = 2.0;              // of the blocks kept back; a short recording has shorter ones
-  std::filesystem::path repeat;      // the motion of `recording` recorded again; empty: none
-  std::filesystem::path instrument;  // empty: the noise is estimated
+  std::filesystem::path holdout;               // empty: alternating blocks of `recording` are kept back
+  double block_s = 2.0;                        // of the blocks kept back; a short recording has shorter ones
+  std::filesystem::path repeat;                // the motion of `recording` recorded again; empty: none
+  std::filesystem::path instrument;            // empty: the noise is estimated
+  std::vector<std::filesystem::path> effects;  // files of effects that are searched beside the catalogue's
   // Measured positions enter a compliant object as they stand; on a rigid one the in-trajectory is made from the
   // out-trajectory and the force (Ruffaldi et al. 2006, equation 2).
   bool synthesize_in_trajectory = false;

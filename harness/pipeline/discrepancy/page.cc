@@ -91,8 +91,8 @@ Section what_section(const Findings& findings) {
           ""};
       for (const Rival& rival : effect.rivals) {
         if (rivals.rows.size() == 6) break;
-        const std::string why = rival.alike                         ? "did not lose: explains the data alike"
-                                : contains(rival.name, effect.name) ? "contains it, and does no better"
+        const std::string why = rival.alike            ? "did not lose: explains the data alike"
+                                : rival.contains_found ? "contains it, and does no better"
                                 : rival.validation_gain_lost > 0.9 * effect.validation_gain
                                     ? "explains next to nothing of it"
                                     : "explains less";

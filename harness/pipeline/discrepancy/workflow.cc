@@ -15,6 +15,7 @@
 #include "harness/pipeline/discrepancy/thinning.h"
 #include "harness/pipeline/discrepancy/verify.h"
 #include "harness/recording/recording_file.h"
+#include "harness/rendering/declared_effect.h"
 #include "harness/rendering/model.h"
 #include "harness/report/page_html.h"
 #include "harness/sanity/repeat_floor.h"
@@ -133,10 +134,27 @@ std::optional<double> run_again(const Catalogue& catalogue, const DiscrepancyFil
 std::vector<Candidate> all_candidates(const Catalogue& catalogue) {
   std::vector<Candidate> candidates;
   for (const auto& effect : catalogue.effects()) {
-    if (effect.hypothesis) candidates.push_back({effect.name, Side::contact, effect.parameters});
+    if (effect.hypothesis) candidates.push_back({effect.name, Side::contact, effect.parameters, effect.traits});
   }
   for (const auto& entry : catalogue.instrument_entries()) {
-    candidates.push_back({entry.name, Side::instrument, entry.parameters});
+    candidates.push_back({entry.name, Side::instrument, entry.parameters, entry.traits});
+  }
+  return candidates;
+}
+
+std::vector<Candidate> all_candidates(const Catalogue& catalogue, const std::vector<std::filesystem::path>& effects) {
+  std::vector<Candidate> candidates = all_candidates(catalogue);
+  for (const std::filesystem::path& file : effects) {
+    auto law = std::make_shared<const DeclaredEffect>(load_effect(file));
+    const bool known =
+        std::ranges::find(candidates, law->name, &Candidate::name) != candidates.end() ||
+        std::ranges::find(catalogue.effects(), law->name, &NamedDeclaration::name) != catalogue.effects().end();
+    if (known) {
+      throw BadData(fmt::format("{}: /name: there is an effect {} already; give this one a name of its own",
+                                file.string(), law->name));
+    }
+    candidates.push_back(
+        {law->name, law->is_instrument() ? Side::instrument : Side::contact, law->parameters, law->traits, law});
   }
   return candidates;
 }
@@ -150,6 +168,7 @@ Findings run_discrepancy(const Catalogue& catalogue, const DiscrepancyFiles& fil
   std::optional<sanity::RepeatFloor> floor;
   if (!files.repeat.empty()) floor = sanity::repeat_floor_of_files(files.recording, files.repeat);
   const Model& model = inputs.model;
+  const auto candidates = all_candidates(catalogue, files.effects);
   const TriangleMesh& mesh = inputs.mesh;
   const auto& surface = inputs.surface;
   const Recording& train = inputs.train;
@@ -184,7 +203,6 @@ Findings run_discrepancy(const Catalogue& catalogue, const DiscrepancyFiles& fil
   data.force_floor_N = 6.0 * sensor.force_noise_N + sensor.force_step_N.maxCoeff();
   data.position_noise_m = instrument.position_noise_m;
   data.geometry_error_m = instrument.geometry_error_m;
-  const auto candidates = all_candidates(catalogue);
 
   Findings findings;
   SearchSettings settings;
@@ -225,6 +243,7 @@ Findings run_discrepancy(const Catalogue& catalogue, const DiscrepancyFiles& fil
   if (!files.mesh.empty()) provenance.inputs.push_back(describe_input("mesh", files.mesh));
   if (second) provenance.inputs.push_back(describe_input("holdout", files.holdout));
   if (floor) provenance.inputs.push_back(describe_input("repeat", files.repeat));
+  for (const auto& file : files.effects) provenance.inputs.push_back(describe_input("effect", file));
   if (instrument.declared) provenance.inputs.push_back(describe_input("instrument", files.instrument));
   write_html(files.out / "report.html", discrepancy_page(findings, samples, before, after, mesh, provenance));
   if (!files.golden.empty()) write_golden_case(files.golden, mesh, holdout, findings.search.model);

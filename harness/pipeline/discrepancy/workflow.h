@@ -1,6 +1,7 @@
 // The search for missing effects from files to files: what `touchstone discrepancy` runs.
 #pragma once
 
+#include <filesystem>
 #include <functional>
 #include <string>
 #include <vector>
@@ -13,6 +14,8 @@ namespace touchstone::pipeline {
 
 // Every contact effect and instrument entry of the catalogue.
 std::vector<Candidate> all_candidates(const Catalogue& catalogue);
+// The same and the effects that these files declare. Throws BadData for a file that is wrong or has a name twice.
+std::vector<Candidate> all_candidates(const Catalogue& catalogue, const std::vector<std::filesystem::path>& effects);
 
 // Searches and writes report.html, findings.json, model.json and, where another recording would tell, next.csv.
 // Throws BadData and UsageError. `report` gets a line at every step.

@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "harness/base/error.h"
+#include "harness/rendering/declared_effect.h"
 
 namespace touchstone::pipeline {
 namespace {
@@ -25,8 +26,8 @@ void add_entries(const std::vector<NamedParameters>& entries, const std::vector<
                  std::vector<Declared>& out) {
   for (const NamedParameters& entry : entries) {
     const auto found = std::ranges::find(known, entry.name, &NamedDeclaration::name);
-    if (found == known.end()) continue;
-    for (const ParameterDeclaration& declaration : found->parameters) {
+    if (found == known.end() && entry.law == nullptr) continue;
+    for (const ParameterDeclaration& declaration : entry.law ? entry.law->parameters : found->parameters) {
       const auto set = entry.parameters.find(declaration.name);
       out.push_back({entry.name, declaration, set == entry.parameters.end() ? declaration.initial : set->second});
     }

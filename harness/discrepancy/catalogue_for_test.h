@@ -1,0 +1,35 @@
+// For tests of the search: what the effects of the project's catalogue say of themselves, with declarations of the
+// test.
+#pragma once
+
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "harness/base/rooms.h"
+#include "harness/rendering/predictor.h"
+#include "renderers/catalogue.h"
+
+namespace touchstone::discrepancy {
+
+inline EffectTraits traits_of(const std::string& name) {
+  for (const auto* const list : {&renderers::effect_catalogue(), &renderers::instrument_declarations()}) {
+    for (const auto& entry : *list) {
+      if (entry.name == name) return entry.traits;
+    }
+  }
+  throw std::logic_error("no effect " + name);
+}
+
+// Every hypothesis of the catalogue.
+inline std::vector<Candidate> whole_catalogue() {
+  std::vector<Candidate> all;
+  for (const auto& entry : renderers::effect_catalogue()) {
+    if (entry.hypothesis) all.push_back({entry.name, Side::contact, entry.parameters, entry.traits});
+  }
+  for (const auto& entry : renderers::instrument_declarations())
+    all.push_back({entry.name, Side::instrument, entry.parameters, entry.traits});
+  return all;
+}
+
+}  // namespace touchstone::discrepancy

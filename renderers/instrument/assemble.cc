@@ -1,0 +1,32 @@
+#include "renderers/instrument/assemble.h"
+
+#include "renderers/catalogue.h"
+#include "renderers/effects/assemble.h"
+#include "renderers/instrument/catalogue.h"
+#include "renderers/instrument/formula_instrument.h"
+
+namespace touchstone::renderers {
+
+std::vector<StagedInstrument> make_instrument(const Model& model) {
+  std::vector<StagedInstrument> instrument;
+  for (const NamedParameters& entry : model.instrument) {
+    check_entry(entry, instrument_declarations(), "instrument entry", model.source);
+    if (entry.law != nullptr) {
+      instrument.push_back(make_formula_instrument(
+          *entry.law, checked_values(entry, entry.law->parameters, "instrument entry", model.source)));
+      continue;
+    }
+    const InstrumentEntry& known = *find_instrument_effect(entry.name);
+    instrument.emplace_back(known.stage,
+                            known.make(checked_values(entry, known.parameters, "instrument entry", model.source)));
+  }
+  return instrument;
+}
+
+InstrumentStage stage_of(const NamedParameters& entry) {
+  if (entry.law != nullptr)
+    return entry.law->acts_on == ActsOn::tool ? InstrumentStage::object_frame : InstrumentStage::sensor_offset;
+  return find_instrument_effect(entry.name)->stage;
+}
+
+}  // namespace touchstone::renderers
