@@ -362,5 +362,23 @@ TEST(FlushBodies, BodiesApartAreWalkedOnTouchingOnesAreNot) {
   EXPECT_GT(irregular(-1e-3), 0);
 }
 
+// Two ridges across one another: neither has a corner near the other, their edges alone come close, off the middle of
+// both.
+TEST(FlushBodies, EdgesThatCrossCloselyAreFound) {
+  const auto irregular = [](double gap_m) {
+    // A tetrahedron with its ridge along x, and one turned over with its ridge along y above it.
+    TriangleMesh mesh;
+    mesh.vertices_W_m = {{-0.03, 0, 0},        {0.05, 0, 0},        {0.01, -0.02, -0.03}, {0.01, 0.02, -0.03},
+                         {0.02, -0.01, gap_m}, {0.02, 0.04, gap_m}, {0.0, 0.01, 0.03},    {0.04, 0.01, 0.03}};
+    mesh.triangles = {{0, 1, 3}, {1, 0, 2}, {0, 3, 2}, {1, 2, 3}, {4, 5, 6}, {5, 4, 7}, {4, 6, 7}, {5, 7, 6}};
+    const TriangleTree tree(mesh);
+    const auto regular = regular_triangles(mesh, make_topology(mesh), tree);
+    return std::count(regular.begin(), regular.end(), false);
+  };
+  const double flush = flush_m(0.05);
+  EXPECT_EQ(irregular(4.0 * flush), 0);
+  EXPECT_EQ(irregular(0.5 * flush), 4) << "the two faces at each ridge";
+}
+
 }  // namespace
 }  // namespace touchstone::renderers

@@ -38,10 +38,12 @@ struct World {
     Vec3 center;  // in the shape's frame and unit
     Vec3 force;
     bool contact;
+    Vec3 normal;
   };
   Answer to(const Vec3& p) {
     const StepResult result = hand.to(turn * (scale * p) + shift);
-    return {turn.conjugate() * (result.contact_W_m - shift) / scale, turn.conjugate() * result.f_W_N, result.contact};
+    return {turn.conjugate() * (result.contact_W_m - shift) / scale, turn.conjugate() * result.f_W_N, result.contact,
+            turn.conjugate() * result.n_W};
   }
   Answer stroke(const Vec3& from, const Vec3& p, int steps) {
     Answer answer{};
@@ -96,6 +98,8 @@ TEST(BallProxy, RollsOverARidgeAndRestsInAGroove) {
       const auto answer = groove.to({0.0001 * radius, 0.0041, hang - 0.4 * radius});
       ASSERT_LE((answer.center - Vec3(0, 0.0041, hang)).norm(), kRounding) << "radius " << radius << " scale " << scale;
       ASSERT_LE((answer.force - kStiffness * Vec3(-0.0001 * radius, 0, 0.4 * radius)).norm(), kStiffness * kRounding);
+      // Of two walls the normal is neither's, but the direction in which both push.
+      ASSERT_LE((answer.normal - answer.force.normalized()).norm(), 4.0 * kEps) << answer.normal.transpose();
     }
   }
 }
@@ -111,6 +115,7 @@ TEST(BallProxy, RestsInACornerUnderThreePlanes) {
       const auto corner = room.to({0.023, 0.0216, -0.0204});
       ASSERT_LE((corner.center - Vec3(inner, inner, -inner)).norm(), kRounding)
           << "radius " << radius << " scale " << scale;
+      ASSERT_LE((corner.normal - corner.force.normalized()).norm(), 4.0 * kEps) << corner.normal.transpose();
       const auto edge = room.to({0.023, 0.0216, -0.5 * inner});
       ASSERT_LE((edge.center - Vec3(inner, inner, -0.5 * inner)).norm(), kRounding);
       const auto face = room.to({0.023, 0.1 * inner, -0.5 * inner});
