@@ -15,6 +15,10 @@ constexpr double rounding = 1e-12;
 // So many intervals in a row that all go the same way are drift: k steps make it with k intervals only, and more than
 // six culprits between two releases are drift by any name. No commit then holds more than a seventh of it on average.
 constexpr std::size_t least_drift_intervals = 7;
+// An interval goes a way if its change is so many standard errors of its own. Of noise alone one goes a given way with
+// a probability of 0.31, and seven in a row go one of both with less than 2 * 0.31^7 = 0.05 %; an interval of a drift
+// that noise hides seldom breaks the row then, and the drift is known before its intervals have all been divided.
+constexpr double directed_errors = 0.5;
 // Standard errors by which a change that matters stands clear of none (the decision is at half of them).
 constexpr double clear_errors = 6.0;
 // Ends differ, and excesses within drift are none of it, beyond so many standard errors.
@@ -78,7 +82,7 @@ std::vector<Interval> intervals_of(const CommitCurve& curve) {
   }
   const double tiny = rounding * std::max(std::abs(curve.level(0)), std::abs(curve.level(curve.size() - 1)));
   const auto direction = [&](const Interval& one) {
-    if (std::abs(one.change) <= std::max(1.5 * one.error, tiny)) return 0;
+    if (std::abs(one.change) <= std::max(directed_errors * one.error, tiny)) return 0;
     return one.change > 0.0 ? 1 : -1;
   };
   for (std::size_t first = 0; first < all.size();) {

@@ -225,6 +225,8 @@ TEST(BisectSearch, OnTwoHundredHistoriesNamesTheCulpritsAndNoInnocent) {
   EXPECT_GE(static_cast<double>(named), 0.95 * static_cast<double>(culprits));
   EXPECT_LE(static_cast<double>(innocents), 0.01 * static_cast<double>(sure));
   EXPECT_LE(static_cast<double>(builds), 1.5 * static_cast<double>(best));
+  for (const auto& [kind, row] : table)
+    EXPECT_LE(static_cast<double>(row[4]), 1.5 * static_cast<double>(row[5])) << kind;
   EXPECT_GE(static_cast<double>(drifts_found), 0.95 * static_cast<double>(drifts));
 }
 
