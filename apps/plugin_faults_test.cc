@@ -40,7 +40,7 @@ std::set<std::string> failing_tests(const std::string& fault, const std::string&
   EXPECT_EQ(suite.status, failed.empty() ? 0 : 1) << suite.out;
   for (const char* const golden : {"plane-taps", "sphere-scan"}) {
     const Outcome check =
-        run(fmt::format("{} check {} --model spring-linear --renderer penalty-in-c --plugin {} --golden {} --out {}",
+        run(fmt::format("{} check {} --model spring-linear --renderer penalty-in-c --plugin {} --golden {} --out '{}'",
                         environment("TOUCHSTONE_PROGRAM"), golden, plugin(fault),
                         environment("TOUCHSTONE_SOURCE_DIR") + "/golden", (folder / "pending").string()));
     EXPECT_TRUE(check.status == 0 || check.status == 1) << check.err;

@@ -259,7 +259,8 @@ TEST_F(AcquireTest, SaysWhatIsWrongWithItsInputs) {
   for (const double t : kept.recording.motion.t_s) EXPECT_FALSE(t > 12.01 && t < 12.49);
   write_file(folder_ / "motion.csv", motion);
   // Flags and forces that are none, of a sensor that gives wrenches.
-  const auto volts = read_file(folder_ / "force.csv");
+  const std::string voltages = R"("file": "volts.csv", "calibration": "sensor.cal", "serial": "FT0042")";
+  replace_in("acquisition.json", voltages, R"("file": "force.csv")");
   for (const auto& [first, said] : {std::pair{"0.0,1,0,0,0,0,0,nan", "is not a whole number"},
                                     {"0.0,1,0,0,0,0,0,-1", "is not a whole number"},
                                     {"0.0,1,0,0,0,0,0,0.5", "is not a whole number"},
@@ -268,7 +269,7 @@ TEST_F(AcquireTest, SaysWhatIsWrongWithItsInputs) {
                std::string("t_s,fx_N,fy_N,fz_N,tx_Nm,ty_Nm,tz_Nm,flags\n") + first + "\n0.1,1,0,0,0,0,0,0\n");
     EXPECT_THAT(complaint(), HasSubstr(said)) << first;
   }
-  write_file(folder_ / "force.csv", volts);
+  replace_in("acquisition.json", R"("file": "force.csv")", voltages);
   // Markers mixed up.
   const auto markers = read_file(folder_ / "markers.csv");
   replace_in("markers.csv", ",0.08,0,0\n", ",0.08,0.01,0\n");
