@@ -6,7 +6,12 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <chrono>
+#include <condition_variable>
 #include <cstring>
+#include <mutex>
+#include <stop_token>
+#include <thread>
 
 #include "harness/base/error.h"
 
@@ -93,7 +98,17 @@ void RawRecorder::work() {
   MonotonicClock clock;
   std::string samples;
   std::uint64_t number = 0;
-  double synced = clock.now_s(), taken = synced;
+  double taken = clock.now_s();
+  // A busy disk takes its time to sync; what comes meanwhile is written, so that a crash of the program costs no more.
+  const std::jthread syncing([this](const std::stop_token& stop) {
+    std::mutex mutex;
+    std::unique_lock lock(mutex);
+    std::condition_variable_any ended;
+    while (!ended.wait_for(lock, stop, std::chrono::duration<double>(options_.sync_s), [] { return false; }) &&
+           !stop.stop_requested()) {
+      if (!stalled_) ::fdatasync(fd_);
+    }
+  });
   for (;;) {
     const bool last = stop_;
     if (pending_samples_ == 0) {
@@ -122,10 +137,6 @@ void RawRecorder::work() {
       stalled_ = true;
       if (last) return;  // finish() takes it from here
       clock.sleep_until(clock.now_s() + 0.05);
-    }
-    if (clock.now_s() - synced > options_.sync_s && !stalled_) {
-      ::fdatasync(fd_);
-      synced = clock.now_s();
     }
   }
 }
