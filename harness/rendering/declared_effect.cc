@@ -95,34 +95,46 @@ double in_other_units(double value, const UnitDimension& dimension, std::size_t 
   return value * std::pow(other_units.at(base), dimension.powers.at(base));
 }
 
-// The base unit in which the formula is not the quantity that it is said to be; nothing if it is in all.
-std::optional<std::size_t> wrong_base(const Formula& formula, Names& names, const UnitDimension& result) {
-  constexpr int places = 12;
+// How a formula stands in other units.
+struct UnitCheck {
+  std::optional<std::size_t> wrong_base;  // in which it is not the quantity that it is said to be; nothing: in none
+  int places = 0;                         // at which it was a number in the units of the file, and so was looked at
+};
+
+UnitCheck check_units(const Formula& formula, Names& names, const UnitDimension& result) {
+  constexpr int places = 12, most_tries = 1000;
   constexpr double rounding = 1e-9;
   Random random(0xd1e5);
   const std::size_t n = names.values.size();
   std::vector<double> at(n);
-  for (int place = 0; place < places; ++place) {
+  UnitCheck check;
+  for (int tries = 0; tries < most_tries && check.places < places; ++tries) {
     for (double& value : at) value = (random.uniform() < 0.3 ? -1.0 : 1.0) * (0.2 + 1.6 * random.uniform());
     std::copy(at.begin(), at.end(), names.values.begin());
     const double here = formula.value();
     if (!std::isfinite(here)) continue;
+    ++check.places;
     for (std::size_t base = 0; base < UnitDimension::count; ++base) {
       for (std::size_t i = 0; i < n; ++i) names.values[i] = in_other_units(at[i], names.dimensions[i], base);
       const double there = formula.value();
       const double expected = in_other_units(here, result, base);
       if (std::isfinite(there) && std::abs(there - expected) > rounding * (std::abs(there) + std::abs(expected)))
-        return base;
+        return {base, check.places};
     }
   }
-  return std::nullopt;
+  return check;
 }
 
 // Compiles the formula and holds it against its unit. The names that it uses.
 std::vector<std::string> check_formula(const std::string& text, Names& names, const UnitDimension& result,
                                        std::string_view unit, const std::string& place) {
   const Formula formula(text, names.variables(), place);
-  if (const auto base = wrong_base(formula, names, result)) {
+  const UnitCheck check = check_units(formula, names, result);
+  if (check.places == 0) {
+    throw BadData(fmt::format(
+        "{}: \"{}\" is a number nowhere (the root of a negative one?); its unit cannot be checked", place, text));
+  }
+  if (const auto base = check.wrong_base) {
     constexpr std::array<std::string_view, UnitDimension::count> of{"length", "time", "force"};
     throw BadData(
         fmt::format("{}: \"{}\" is not a quantity in {}: in another unit of {} it gives something else; "

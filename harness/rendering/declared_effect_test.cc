@@ -135,6 +135,9 @@ TEST(DeclaredEffect, RefusesFormulasThatHideAUnit) {
               HasSubstr("unit of length"));
   EXPECT_THAT(refusal("-c * speed_m_per_s^2", "-c * speed_m_per_s^2 * sin(t_s)"), HasSubstr("unit of time"));
   EXPECT_THAT(refusal("-c * speed_m_per_s^2", "-c * speed_m_per_s^2 - 1"), HasSubstr("unit of"));
+  // Nowhere a number: what its unit is cannot be seen.
+  EXPECT_THAT(refusal("-c * speed_m_per_s^2", "-c * speed_m_per_s^2 + sqrt(-1 - depth_m^2)"),
+              HasSubstr("is a number nowhere"));
   EXPECT_EQ(refusal("-c * speed_m_per_s^2", "-c * speed_m_per_s * abs(speed_m_per_s) * (depth_m > 0 ? 1 : 0)"),
             "no error");
 }
