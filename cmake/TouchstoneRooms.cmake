@@ -17,13 +17,30 @@ if(TOUCHSTONE_UNITY GREATER 1)
   set(CMAKE_UNITY_BUILD ON)
   set(CMAKE_UNITY_BUILD_BATCH_SIZE ${TOUCHSTONE_UNITY})
 endif()
+# nlohmann's header has a literal, operator "" _json, that nothing here uses. It is an inline function and no template, so that
+# the compiler instantiates what it calls, the whole parser, in every unit: 0.6 s each. The precompiled headers take a
+# copy of the header that only declares it; where its text is another, the header as it is.
+function(touchstone_make_json_header folder)
+  get_target_property(json_folder nlohmann_json::nlohmann_json INTERFACE_INCLUDE_DIRECTORIES)
+  find_file(touchstone_json_header nlohmann/json.hpp PATHS ${json_folder} REQUIRED)
+  mark_as_advanced(touchstone_json_header)
+  file(READ ${touchstone_json_header} json_text)
+  string(REPLACE "\n{\n    return nlohmann::json::parse(s, s + n);\n}" ";" json_text "${json_text}")
+  file(WRITE ${folder}/json.hpp.new "${json_text}")
+  file(MAKE_DIRECTORY ${folder}/nlohmann)
+  file(COPY_FILE ${folder}/json.hpp.new ${folder}/nlohmann/json.hpp ONLY_IF_DIFFERENT)
+endfunction()
+
+set(touchstone_pch_folder ${PROJECT_BINARY_DIR}/pch)
 file(CONFIGURE OUTPUT ${PROJECT_BINARY_DIR}/room_pch.cc CONTENT "namespace touchstone {}\n")
 add_library(touchstone_room_pch STATIC ${PROJECT_BINARY_DIR}/room_pch.cc)
 function(touchstone_use_room_pch)
+  touchstone_make_json_header(${touchstone_pch_folder})
   target_link_libraries(touchstone_room_pch PRIVATE touchstone_options Eigen3::Eigen fmt::fmt nlohmann_json::nlohmann_json)
+  target_include_directories(touchstone_room_pch PRIVATE ${touchstone_pch_folder} ${PROJECT_SOURCE_DIR})
   target_precompile_headers(touchstone_room_pch PRIVATE <Eigen/Core> <Eigen/Geometry> <fmt/format.h> <nlohmann/json.hpp>
-    <algorithm> <array> <cmath> <cstdint> <filesystem> <fstream> <functional> <map> <memory> <optional> <span> <sstream>
-    <string> <string_view> <utility> <vector>)
+    <harness/base/compiled_once.h> <algorithm> <array> <cmath> <cstdint> <filesystem> <fstream> <functional> <map> <memory>
+    <optional> <span> <sstream> <string> <string_view> <utility> <vector>)
 endfunction()
 
 # touchstone_precompiled(<library>...) compiles static libraries with the rooms' precompiled header.
@@ -41,8 +58,10 @@ endif()
 function(touchstone_use_test_pch)
   target_link_libraries(touchstone_test_pch PRIVATE touchstone_options Eigen3::Eigen fmt::fmt nlohmann_json::nlohmann_json GTest::gmock GTest::gtest)
   target_compile_options(touchstone_test_pch PRIVATE -O1)
+  target_include_directories(touchstone_test_pch PRIVATE ${touchstone_pch_folder} ${PROJECT_SOURCE_DIR})
   target_precompile_headers(touchstone_test_pch PRIVATE <gmock/gmock.h> <gtest/gtest.h> <Eigen/Core> <Eigen/Geometry>
-    <fmt/format.h> <nlohmann/json.hpp> <filesystem> <fstream> <functional> <optional> <string> <vector>)
+    <fmt/format.h> <nlohmann/json.hpp> <harness/base/compiled_once.h> <filesystem> <fstream> <functional> <optional> <string>
+    <vector>)
 endfunction()
 
 # touchstone_room_label(<variable>): the label of the room whose CMakeLists.txt calls, room/recording or room/renderers.
