@@ -1,6 +1,7 @@
 // The line between the clocks through taps or free motion, and how well it is known.
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "harness/acquisition/clock_parts.h"
 #include "harness/acquisition/tap_alignment.h"
@@ -47,15 +48,16 @@ double scatter_of(const ClockAlignment& line) {
   return std::sqrt(chi / line.degrees);
 }
 
-stats::NormalEquations without_skew(const stats::NormalEquations& whole) {
+// The same rows with the skew's correction held at a value, and no longer a parameter.
+stats::NormalEquations with_skew_at(const stats::NormalEquations& whole, double correction) {
   const Eigen::Index rest = whole.right.size() - 2;
   stats::NormalEquations part{Eigen::MatrixXd(rest + 1, rest + 1), Eigen::VectorXd(rest + 1)};
   part.normal(0, 0) = whole.normal(0, 0);
   part.normal.row(0).tail(rest) = whole.normal.row(0).tail(rest);
   part.normal.col(0).tail(rest) = whole.normal.col(0).tail(rest);
   part.normal.bottomRightCorner(rest, rest) = whole.normal.bottomRightCorner(rest, rest);
-  part.right[0] = whole.right[0];
-  part.right.tail(rest) = whole.right.tail(rest);
+  part.right[0] = whole.right[0] - whole.normal(0, 1) * correction;
+  part.right.tail(rest) = whole.right.tail(rest) - whole.normal.col(1).tail(rest) * correction;
   return part;
 }
 
@@ -123,15 +125,20 @@ ClockAlignment fit_clock_line(const std::vector<ClockCluster>& clusters, const C
     line.reference_s = near.reference_s - clock_time_unit_s * covariance(0, 1) / covariance(1, 1);
     line.skew = near.skew + line.fit.estimate()[1] / clock_time_unit_s;
   } else {
-    for (auto& e : equations) e = without_skew(e);
+    // No skew is assumed: what the nearby line had of it, from an earlier pass, goes too.
+    for (auto& e : equations) e = with_skew_at(e, -near.skew * clock_time_unit_s);
     line.fit = stats::ClusteredFit(std::move(equations));
     line.skew_sigma = ordinary_skew;
     line.reference_s = middle_of(line.events);
-    line.skew = near.skew;
+    line.skew = 0.0;
   }
   const double moved_s = line.reference_s - near.reference_s;
   line.offset_s = near.offset_s + line.skew * moved_s;
-  if (line.fit.determined()) line.offset_s += line.fit.estimate()[0];
+  if (line.fit.determined()) {
+    line.offset_s += line.fit.estimate()[0];
+  } else {
+    line.offset_sigma_s = std::numeric_limits<double>::infinity();
+  }
   const auto error = line.error_at(line.reference_s);
   line.offset_sigma_s = error.sigma;
   line.degrees = error.degrees;

@@ -73,7 +73,8 @@ ClockAlignment line_through(std::vector<ClockAlignment::Event> events, double in
 std::vector<ClockCluster> tap_clusters(std::vector<ClockAlignment::Event> events, const ClockAlignment& near,
                                        double interval_s);
 
-// The line that fits clusters of one kind, which are about `near`, and how well it is known.
+// The line that fits clusters of one kind, which are about `near`, and how well it is known. Its skew is 0 where the
+// clusters do not tell it, whatever `near` has; its uncertainty is infinite where they do not determine an offset.
 ClockAlignment fit_clock_line(const std::vector<ClockCluster>& clusters, const ClockAlignment& near);
 
 }  // namespace touchstone::acquisition

@@ -16,7 +16,12 @@ namespace {
 // Fewer give no scatter to judge them by.
 constexpr std::size_t fewest_taps = 3, fewest_clusters = 8;
 
-void check_skew(const ClockAlignment& line, const TapOptions& options, const std::string& source) {
+void check_line(const ClockAlignment& line, const TapOptions& options, const std::string& source) {
+  if (!line.fit.determined())
+    throw BadData(
+        fmt::format("{}: the taps that were found do not determine the offset of the clocks; tap four times before and "
+                    "four times after scanning, or give the offset (/clocks/offset_s)",
+                    source));
   if (std::abs(line.skew) <= options.largest_skew + 2.0 * line.skew_sigma) return;
   throw BadData(
       fmt::format("{}: the clocks differ by {:.0f} ppm, more than the {:.0f} ppm of working clocks; one of the streams "
@@ -65,7 +70,7 @@ ClockAlignment align_by_taps(const std::vector<double>& t_force_s, const std::ve
   if (events.size() < fewest_taps) too_few_taps(contacts.size(), events.size(), options, source);
   const ClockAlignment guess = near_to(coarse, t_motion_s);
   const ClockAlignment line = fit_clock_line(tap_clusters(events, guess, sample_interval_s(t_motion_s)), guess);
-  check_skew(line, options, source);
+  check_line(line, options, source);
   return line;
 }
 
@@ -84,6 +89,7 @@ ClockAlignment align_clocks(const ClockStreams& s, const TapOptions& options, co
     const auto clusters = motion.clusters(line);
     moves = clusters.size() >= fewest_clusters;
     if (moves) line = fit_clock_line(clusters, line);
+    moves = moves && line.fit.determined();
   }
   if (!moves) line = near_to(coarse, s.t_motion_s);
   // The normal's component of what the surface does, by the orientation at that offset.
@@ -111,7 +117,7 @@ ClockAlignment align_clocks(const ClockStreams& s, const TapOptions& options, co
     if (taps < fewest_taps) too_few_taps(contacts.size(), taps, options, source);
     line = fit_clock_line(tap_clusters(std::move(events), line, interval), line);
   }
-  check_skew(line, options, source);
+  check_line(line, options, source);
   return line;
 }
 

@@ -62,7 +62,7 @@ struct ClockAlignment {
       0.0;  // on the motion's clock, near the middle of the taps: there offset and skew are uncorrelated
   double offset_s = 0.0;
   double skew = 0.0;
-  double offset_sigma_s = 0.0;
+  double offset_sigma_s = 0.0;  // infinite: the fit did not determine the offset
   double skew_sigma = 0.0;
   double residual_rms_s = 0.0;  // of the events about the fit, weighted as they are there
   double degrees = 1.0;         // of freedom, at the reference time
