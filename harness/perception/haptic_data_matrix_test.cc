@@ -8,20 +8,13 @@
 
 #include "harness/base/error.h"
 #include "harness/base/random.h"
+#include "harness/testing/error_message.h"
 
 namespace touchstone::perception {
 namespace {
 
 using ::testing::HasSubstr;
-
-std::string message_of(const std::function<void()>& call) {
-  try {
-    call();
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return "no error";
-}
+using touchstone::testing::message_of;
 
 // Force 2 t, displacement t^2 / 2, on a clock with jitter.
 PressSignal parabola(double jitter, std::uint64_t seed) {
@@ -85,7 +78,7 @@ TEST(HapticDataMatrix, SaysWhatIsWrongAndWhere) {
   const auto refused = [](const std::function<void(PressSignal&)>& spoil) {
     PressSignal signal = parabola(0.0, 1);
     spoil(signal);
-    return message_of([&] { make_haptic_data_matrix(std::span(&signal, 1)); });
+    return message_of<Error>([&] { make_haptic_data_matrix(std::span(&signal, 1)); });
   };
   EXPECT_THAT(refused([](PressSignal& s) { s.force_N[7] = std::numeric_limits<double>::quiet_NaN(); }),
               HasSubstr("parabola: force of sample 8"));
@@ -103,7 +96,7 @@ TEST(HapticDataMatrix, SaysWhatIsWrongAndWhere) {
                 s.angle_rad.resize(3);
               }),
               HasSubstr("3 samples are too few"));
-  EXPECT_THAT(message_of([] { make_haptic_data_matrix({}); }), HasSubstr("at least one measuring part"));
+  EXPECT_THAT(message_of<Error>([] { make_haptic_data_matrix({}); }), HasSubstr("at least one measuring part"));
 }
 
 TEST(PressSignal, ProjectsOnTheDirectionOfTheForce) {
@@ -131,11 +124,12 @@ TEST(PressSignal, ProjectsOnTheDirectionOfTheForce) {
   Recording undirected;
   undirected.source = "noise.csv";
   undirected.f_W_N = {Vec3::UnitX(), -Vec3::UnitX()};
-  EXPECT_THAT(message_of([&] { press_direction(undirected); }), HasSubstr("noise.csv: the force has no direction"));
+  EXPECT_THAT(message_of<Error>([&] { press_direction(undirected); }),
+              HasSubstr("noise.csv: the force has no direction"));
   undirected.f_W_N.clear();
   undirected.motion.t_s = {0.0, 1.0};
   undirected.motion.p_W_m = {Vec3::Zero(), Vec3::Zero()};
-  EXPECT_THAT(message_of([&] { press_signal(undirected, Vec3::UnitZ(), 0.06); }), HasSubstr("has no force"));
+  EXPECT_THAT(message_of<Error>([&] { press_signal(undirected, Vec3::UnitZ(), 0.06); }), HasSubstr("has no force"));
 }
 
 }  // namespace

@@ -11,6 +11,7 @@
 #include "harness/rendering/formula.h"
 #include "harness/rendering/model.h"
 #include "harness/rendering/unit_dimension.h"
+#include "harness/testing/error_message.h"
 
 namespace touchstone::rendering {
 namespace {
@@ -18,6 +19,7 @@ namespace {
 using ::testing::AllOf;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
+using touchstone::testing::message_of;
 
 constexpr const char* kDrag = R"({"schema": "touchstone-effect/1", "name": "quadratic-drag",
  "summary": "drag that grows with the square of the speed", "source": "Newton 1687", "acts_on": "friction",
@@ -31,15 +33,6 @@ constexpr const char* kHysteresis = R"({"schema": "touchstone-effect/1", "name":
                 "s": {"unit": "m", "minimum": 1e-6, "maximum": 1, "start": 1e-3}},
  "states": {"z": {"unit": "m", "start": 0, "rate": "vx_m_per_s - abs(vx_m_per_s) * z / s"}},
  "formula": {"x_N": "-mu * normal_N * z / s"}})";
-
-std::string message_of(const std::function<void()>& act) {
-  try {
-    act();
-  } catch (const BadData& error) {
-    return error.what();
-  }
-  return "no error";
-}
 
 // The drag's file with one piece of text in the place of another one.
 std::string with(const std::string& old_text, const std::string& new_text) {

@@ -5,27 +5,20 @@
 
 #include "harness/base/error.h"
 #include "harness/rendering/parameters.h"
+#include "harness/testing/error_message.h"
 
 namespace touchstone::rendering {
 namespace {
 
 using ::testing::AllOf;
 using ::testing::HasSubstr;
+using touchstone::testing::message_of;
 
 constexpr const char* kText = R"({"schema": "touchstone-model/1",
  "renderer": "god-object",
  "parameters": {"stiffness_N_per_m": 600},
  "effects":    [{"name": "coulomb-friction", "parameters": {"mu_static": 0.3, "mu_dynamic": 0.25}}],
  "instrument": [{"name": "force-bias", "parameters": {"fx_N": 0.1, "fy_N": 0.0, "fz_N": -0.05}}]})";
-
-std::string message_of(const std::function<void()>& act) {
-  try {
-    act();
-  } catch (const BadData& error) {
-    return error.what();
-  }
-  return "no error";
-}
 
 TEST(Model, ReadsWhatTheFileSays) {
   const Model model = parse_model(kText, "m.json");
