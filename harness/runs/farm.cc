@@ -103,11 +103,12 @@ std::string task_script(const SlurmRequest& request, const FarmDescription& farm
   std::string script = fmt::format(
       "#!/bin/sh\n"
       "# Shard $1 of {}: may be run again, elsewhere and twice; it goes on where it stopped.\n"
-      "set -eu\n"
-      "shard=$1\n"
+      "set -e\n"
+      "shard=${{1:?the number of a shard}}\n"
       "part={}/\"$shard\".sqlite\n",
       request.shards, shell_quoted(folder_of(request).string()));
   for (const std::string& line : farm.prologue) script += line + "\n";
+  script += "set -u\n";  // what sites run before, Lmod's module among it, reads variables that are not set
   if (farm.node_store.empty()) {
     script += "file=$part\n";
   } else {

@@ -79,6 +79,16 @@ TEST_F(Farm, ATaskRunsItsShardAfterThePrologueAndWithinWhatItIsTold) {
   EXPECT_THAT(task_script(request_, description), HasSubstr("env 'A=it'\\''s' '"));
 }
 
+// As Lmod's module does; what comes after the prologue is ours, and a misspelt name there ends the task.
+TEST_F(Farm, APrologueMayReadWhatIsNotSet) {
+  const auto description = farm(
+      R"("prologue": ["MODULE=loaded${NOT_SET_ANYWHERE}", "[ -z \"$NOT_SET_EITHER\" ] || exit 9", "export MODULE"])");
+  EXPECT_EQ(status_of(start(description, "6")), 0);
+  EXPECT_THAT(part(6), HasSubstr("loaded sweep"));
+  const auto after = farm(R"("inside": ["env", "A=x"], "node_store": "/tmp${NOT_SET_ANYWHERE}")");
+  EXPECT_NE(status_of(start(after, "7")), 0);
+}
+
 TEST_F(Farm, AStoreOnTheNodeIsFetchedAndTakenBack) {
   const auto description = farm(on_node());
   EXPECT_EQ(status_of(start(description, "1")), 0);
