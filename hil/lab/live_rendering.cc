@@ -6,6 +6,8 @@
 #include <cmath>
 #include <limits>
 #include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
 
 #include "harness/rendering/replay.h"
 #include "harness/stats/quantile.h"
@@ -114,6 +116,12 @@ std::string live_to_json(const LiveRendering& live, const GuardedDevice& device,
                       {"ended", live.run.ended},
                       {"whole", live.run.whole},
                       {"guard", nlohmann::json::array()}};
+  // JSON has no infinity and writes null: which figures were no finite number is said.
+  std::vector<std::string> not_finite;
+  for (const auto& [key, value] : json.items()) {
+    if (value.is_number_float() && !std::isfinite(value.get<double>())) not_finite.push_back(key);
+  }
+  json["not_finite"] = not_finite;
   for (const auto& event : device.events()) {
     json["guard"].push_back({{"t_s", event.t_s - provenance.start_s},
                              {"state", to_string(event.phase)},

@@ -112,7 +112,11 @@ TEST(LiveRendering, NoNumberIsNoAgreement) {
     run.ticks.push_back(tick);
   }
   Spring twin(500.0);
-  EXPECT_FALSE(compare_with_replay(run, twin, Trip::none).agrees(1e300));
+  const LiveRendering live = compare_with_replay(run, twin, Trip::none);
+  EXPECT_FALSE(live.agrees(1e300));
+  const auto json = nlohmann::json::parse(live_to_json(live, handle, {"model", "mesh", 1000.0, 3.0}));
+  EXPECT_TRUE(json["largest_force_N"].is_null());
+  EXPECT_EQ(json["not_finite"], nlohmann::json({"difference_from_replay_N", "largest_force_N"})) << "in file's order";
 }
 
 TEST(LiveRendering, TheGuardIsToldInTheResult) {
@@ -125,6 +129,7 @@ TEST(LiveRendering, TheGuardIsToldInTheResult) {
   EXPECT_EQ(json["trip"], "workspace");
   EXPECT_EQ(json["guard"][0]["t_s"], 2.0);
   EXPECT_EQ(json["largest_force_N"], live.figures.largest_N);
+  EXPECT_TRUE(json["not_finite"].empty());
 }
 
 TEST(LiveRendering, PatienceWithTheLoopIsPatienceWithDriverAndGuard) {
