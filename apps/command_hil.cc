@@ -7,7 +7,6 @@
 #include "apps/hil_commands.h"
 #include "harness/base/atomic_file.h"
 #include "harness/report/page_html.h"
-#include "hil/devices/device_table.h"
 #include "hil/devices/probe.h"
 #include "hil/lab/evidence_page.h"
 
@@ -16,27 +15,42 @@ namespace {
 
 struct ProbeOptions {
   std::string map, json;
+  std::vector<std::string> devices;
 };
+
+// Those that are named, or all.
+std::vector<hil::ProbeResult> probed(const ProbeOptions& options) {
+  const auto map = hardware_map_from(options.map);
+  if (options.devices.empty()) return hil::probe(map);
+  std::vector<hil::ProbeResult> results;
+  for (const auto& id : options.devices) results.push_back(hil::probe_one(id, map));
+  return results;
+}
 
 void add_probe(CLI::App& hil_command, Run& run) {
   auto* const command =
       hil_command.add_subcommand("probe", "Which of the known devices are here, and why the others cannot be used");
   auto options = std::make_shared<ProbeOptions>();
+  command->add_option("devices", options->devices,
+                      "Only these, by their ids. Trackers behind a server (optitrack, vrpn) are connected to only if "
+                      "they are named: their servers serve few clients");
   command->add_option("--map", options->map,
                       "Hardware map (JSON); default: the file that TOUCHSTONE_HARDWARE_MAP names");
   command->add_option("--json", options->json, "Write the results to this file");
   command->footer(
-      "Exit status: 0 a device is usable, 1 one that the map calls connected is not, 77 none is here.\n"
-      "Example:\n  touchstone hil probe --map lab/hardware.json --json probe.json");
+      "Exit status: 0 a device is usable, 1 one that the map calls connected is not, 77 none is here. A tracker that "
+      "was not asked counts for none of them.\n"
+      "Examples:\n  touchstone hil probe --map lab/hardware.json --json probe.json\n  touchstone hil probe optitrack "
+      "--map lab/hardware.json");
   command->callback([options, &run] {
     run = [options] {
-      const auto results = hil::probe(hardware_map_from(options->map));
+      const auto results = probed(*options);
       nlohmann::json json{{"schema", "touchstone-probe/1"}};
       bool any = false, broken = false;
       for (const auto& r : results) {
         const bool present = r.status == hil::DeviceStatus::present;
         any = any || present;
-        broken = broken || (r.required && !present);
+        broken = broken || (r.required && !present && r.status != hil::DeviceStatus::not_asked);
         fmt::print("{:<22} {:<20} {}{}\n", r.id, hil::to_string(r.status), r.reason,
                    r.required ? " [connected by the map]" : "");
         json["devices"].push_back({{"id", r.id},

@@ -74,8 +74,7 @@ OpenedDevice open_device(const LiveRenderOptions& options) {
   }
   if (opened.dead_man.empty()) opened.dead_man = mapped.dead_man;
   opened.lock = std::make_unique<hil::DeviceLock>(mapped);
-  opened.device =
-      hil::open_guarded([&] { return hil::open_mapped_device(options.device, mapped); }, guard_options_of(options));
+  opened.device = hil::open_guarded([&] { return hil::open_handle(mapped); }, guard_options_of(options));
   return opened;
 }
 

@@ -80,6 +80,37 @@ TEST_F(HilRecord, AStreamThatStopsIsNoSuccess) {
   EXPECT_THAT(outcome.err, HasSubstr("optitrack: its stream stopped"));
 }
 
+TEST_F(HilRecord, FramesFromAnotherAddressAreSaid) {
+  hil::NatNetFaults faults;
+  faults.second_card = true;
+  hil::NatNetEmulator motive(120, faults, [](double) { return hil::EmulatedPose{}; });
+  map(optitrack(motive));
+  const auto outcome = run("hil record optitrack --map map.json --silence 0.7 --seconds 60 --out session");
+  EXPECT_EQ(outcome.status, 3) << outcome.out << outcome.err;
+  EXPECT_THAT(outcome.err, HasSubstr("packets came from another one"));
+  EXPECT_THAT(outcome.err, HasSubstr("two network cards"));
+}
+
+// A list leaves a tracker's server alone; by its name it is asked.
+TEST_F(HilRecord, ProbeConnectsToATrackerOnlyIfItIsNamed) {
+  hil::NatNetEmulator motive(120, {}, [](double) { return hil::EmulatedPose{}; });
+  map(optitrack(motive));
+  const auto list = run("hil probe --map map.json --json list.json");
+  EXPECT_THAT(list.out, HasSubstr("touchstone hil probe optitrack"));
+  EXPECT_EQ(motive.sent(), 0U) << "a client was there";
+  for (const auto& device : nlohmann::json::parse(read_file(folder_ / "list.json"))["devices"]) {
+    if (device["id"] == "optitrack") {
+      EXPECT_EQ(device["status"], "not asked");
+    }
+  }
+  const auto named = run("hil probe optitrack --map map.json --json named.json");
+  EXPECT_EQ(named.status, 0) << named.out << named.err;
+  const auto devices = nlohmann::json::parse(read_file(folder_ / "named.json"))["devices"];
+  ASSERT_EQ(devices.size(), 1U);
+  EXPECT_EQ(devices[0]["status"], "present");
+  EXPECT_NE(run("hil probe optitrak --map map.json").status, 0);
+}
+
 TEST_F(HilRecord, EachDeviceOfTheTableIsRecordedByItsName) {
   hil::SerialEmulator bota(hil::bota_sensor({}, [](double t) { return Wrench{Vec3(0, 0, t), Vec3::Zero()}; }));
   hil::SerialEmulator cell(hil::load_cell_sketch(true, 80.0, [](double) { return 500.0; }));

@@ -21,20 +21,27 @@ enum class DeviceStatus {
   gone,                 // it was there and went away
   timed_out,            // it did not answer before the deadline
   invisible,            // it cannot be seen by this program at all
+  not_asked,            // the hardware map has it; nobody connected to it, since it was not named
 };
 std::string_view to_string(DeviceStatus status);
 
-// The message, with what the person at the device can do about the status. A message that says so itself, after a
-// semicolon or as a question, stays as it is.
-std::string with_next_step(DeviceStatus status, const std::string& message);
+// What the person at the device can usually do about it; empty: nothing.
+std::string_view usual_advice(DeviceStatus status);
 
+// Says what is wrong, then what to do about it: advice of its own, or what is usual for its status.
 class DeviceError : public Error {
  public:
-  DeviceError(DeviceStatus device_status, const std::string& message)
-      : Error(ExitStatus::bad_data, with_next_step(device_status, message)), device_status_(device_status) {}
+  DeviceError(DeviceStatus device_status, const std::string& problem, const std::string& advice = "");
+  // A whole message, advice and all, that another process said of its device.
+  static DeviceError passed_on(DeviceStatus device_status, const std::string& message);
+
   [[nodiscard]] DeviceStatus device_status() const noexcept { return device_status_; }
 
  private:
+  struct Whole {};
+  DeviceError(Whole, DeviceStatus device_status, const std::string& message)
+      : Error(ExitStatus::bad_data, message), device_status_(device_status) {}
+
   DeviceStatus device_status_;
 };
 

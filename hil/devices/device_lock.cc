@@ -15,7 +15,7 @@
 #include <cstring>
 
 #include "hil/devices/device_error.h"
-#include "hil/devices/device_table.h"
+#include "hil/drivers/device_table.h"
 
 namespace touchstone::hil {
 namespace {
@@ -83,10 +83,9 @@ DeviceLock::DeviceLock(const std::string& device_id, const std::string& name) {
   path_ = folder / (file + ".lock");
   descriptor_ = open_lock_file(path_);
   if (descriptor_ < 0) {
-    throw DeviceError(
-        DeviceStatus::failed,
-        fmt::format("{}: the lock file cannot be opened: {}; set TOUCHSTONE_LOCK_DIR to a folder you may write",
-                    path_.string(), std::strerror(errno)));
+    throw DeviceError(DeviceStatus::failed,
+                      fmt::format("{}: the lock file cannot be opened: {}", path_.string(), std::strerror(errno)),
+                      "set TOUCHSTONE_LOCK_DIR to a folder you may write");
   }
   if (::flock(descriptor_, LOCK_EX | LOCK_NB) != 0) {
     char holder[32] = {};

@@ -11,7 +11,7 @@
 #include "harness/base/error.h"
 #include "harness/base/hash.h"
 #include "harness/base/json_reader.h"
-#include "hil/devices/device_table.h"
+#include "hil/drivers/device_table.h"
 #include "hil/lab/finding.h"
 
 namespace touchstone::hil {
@@ -51,11 +51,8 @@ MappedDevice read_device(JsonObject& object, const std::filesystem::path& folder
   MappedDevice device;
   device.id = object.text("id");
   if (find_known_device(device.id) == nullptr) {
-    std::string known;
-    for (const auto& d : known_devices()) {
-      if (known.find(d.id) == std::string::npos) known += (known.empty() ? "" : ", ") + std::string(d.id);
-    }
-    object.fail_at("id", fmt::format("\"{}\" is not a device known here; known: {}", device.id, known));
+    object.fail_at("id", fmt::format("\"{}\" is not a device known here; known: {}", device.id,
+                                     ids_of_devices([](const KnownDevice&) { return true; })));
   }
   device.serial = object.optional_text("serial").value_or("");
   device.connected = object.optional_flag("connected").value_or(false);

@@ -3,24 +3,19 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
-#include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
 #include <optional>
 
-#include "hil/devices/device_table.h"
 #include "hil/drivers/comedi_daq.h"
-#include "hil/drivers/haply.h"
-#include "hil/drivers/natnet.h"
-#include "hil/drivers/ndi.h"
-#include "hil/drivers/netft.h"
-#include "hil/drivers/onrobot.h"
+#include "hil/drivers/device_table.h"
 #include "hil/drivers/usb.h"
-#include "hil/drivers/vrpn.h"
 
 namespace touchstone::hil {
 namespace {
+
+enum class Asked { for_all, by_name };
 
 // A problem of the calibration, where the map names one.
 std::optional<std::string> calibration_problem(const MappedDevice& device) {
@@ -66,48 +61,6 @@ void probe_usb(ProbeResult& result, const MappedDevice* mapped, const std::vecto
   }
 }
 
-void probe_tracker(ProbeResult& result, const MappedDevice& mapped, const ProbeOptions& options) {
-  std::unique_ptr<PoseSource> source;
-  if (result.id == "optitrack") {
-    source = open_natnet({mapped.address, mapped.port != 0 ? mapped.port : natnet::command_port, mapped.body,
-                          options.network_timeout_s, 0.0});
-  } else {
-    VrpnOptions vrpn = vrpn_options(mapped.address, mapped.body);
-    if (mapped.port != 0) vrpn.port = mapped.port;
-    vrpn.timeout_s = options.network_timeout_s;
-    source = open_vrpn(vrpn);
-  }
-  result.status = DeviceStatus::present;
-  result.serial = source->identity().serial;
-  result.reason = fmt::format("{} at {}", source->identity().firmware, mapped.address);
-}
-
-// To say more than that it is there it would have to be reset, and with it the program that tracks with it.
-void probe_ndi(ProbeResult& result, const MappedDevice& mapped, const ProbeOptions& options) {
-  NdiOptions ndi;
-  ndi.address = mapped.address;
-  if (mapped.port != 0) ndi.port = mapped.port;
-  ndi.timeout_s = options.network_timeout_s;
-  reach_ndi(ndi);
-  result.status = DeviceStatus::present;
-  result.reason =
-      fmt::format("{} takes the connection at port {}; its tools show when it is recorded", mapped.address, ndi.port);
-}
-
-// The service runs on this machine unless the map says where.
-void probe_haply(ProbeResult& result, const MappedDevice* mapped, const ProbeOptions& options) {
-  HaplyOptions haply;
-  if (mapped != nullptr && !mapped->address.empty()) haply.host = mapped->address;
-  if (mapped != nullptr && mapped->port != 0) haply.port = mapped->port;
-  if (mapped != nullptr) haply.serial = mapped->serial;
-  haply.timeout_s = options.network_timeout_s;
-  const auto device = open_haply(haply);
-  result.status = DeviceStatus::present;
-  result.serial = device->identity().serial;
-  result.reason = fmt::format("through Haply's service at {}{}", haply.host,
-                              device->calibrated() ? "" : "; not calibrated yet: no force is commanded");
-}
-
 // A line says nothing of what is at its end: that it is there and may be opened is what can be known without starting
 // the device.
 void probe_serial(ProbeResult& result, const MappedDevice* mapped) {
@@ -125,43 +78,31 @@ void probe_serial(ProbeResult& result, const MappedDevice* mapped) {
                               errno == EACCES ? "; your user must be in the node's group (dialout)" : "");
 }
 
-void probe_network(ProbeResult& result, const MappedDevice* mapped, const ProbeOptions& options) {
-  const bool by_service = result.id == "haply-inverse3";
-  if (!by_service && (mapped == nullptr || mapped->address.empty())) {
-    result.reason = "a network sensor is looked for only where the hardware map gives its address";
+void probe_network(ProbeResult& result, const KnownDevice& known, const MappedDevice* mapped, Asked asked,
+                   const ProbeOptions& options) {
+  if (!known.address_example.empty() && (mapped == nullptr || mapped->address.empty())) {
+    result.reason = "a network device is looked for only where the hardware map gives its address";
+    return;
+  }
+  const MappedDevice& device = mapped != nullptr ? *mapped : MappedDevice{};
+  if (!device.address.empty() && device.address.front() == '/') {  // one that has a serial line, too
+    probe_serial(result, mapped);
+    return;
+  }
+  if (asked == Asked::for_all && known.connected_when_named) {
+    result.status = DeviceStatus::not_asked;
+    result.reason =
+        fmt::format("at {} by the hardware map; touchstone hil probe {} connects to it", device.address, result.id);
     return;
   }
   try {
-    if (by_service) {
-      probe_haply(result, mapped, options);
-      return;
-    }
-    if (result.id == "ndi-polaris") {
-      if (mapped->address.front() == '/') {
-        probe_serial(result, mapped);
-      } else {
-        probe_ndi(result, *mapped, options);
-      }
-      return;
-    }
-    if (const KnownDevice* const known = find_known_device(result.id); known->role == DeviceRole::tracker) {
-      probe_tracker(result, *mapped, options);
-      return;
-    }
-    if (result.id == "onrobot-hex") {
-      const auto sensor = open_onrobot({mapped->address, mapped->udp_port}, options.network_timeout_s, false);
-      result.status = DeviceStatus::present;
-      result.reason = fmt::format("{} at {}", sensor->identity().firmware, mapped->address);
-      return;
-    }
-    const auto configuration =
-        read_netft_configuration({mapped->address, mapped->http_port, mapped->udp_port}, options.network_timeout_s);
-    result.serial = configuration.serial;
+    const DeviceSeen seen = known.look(device, options.network_timeout_s);
+    result.serial = seen.serial;
     result.status = DeviceStatus::present;
-    result.reason = fmt::format("{} at {}", configuration.product, mapped->address);
-    if (!mapped->serial.empty() && mapped->serial != configuration.serial) {
+    result.reason = seen.where;
+    if (seen.serial_by_map && !device.serial.empty() && device.serial != seen.serial) {
       result.status = DeviceStatus::wrong_serial;
-      result.reason += fmt::format(": serial {}, the hardware map wants {}", configuration.serial, mapped->serial);
+      result.reason += fmt::format(": serial {}, the hardware map wants {}", seen.serial, device.serial);
     }
   } catch (const DeviceError& error) {
     result.status = error.device_status() == DeviceStatus::timed_out ? DeviceStatus::absent : error.device_status();
@@ -172,7 +113,8 @@ void probe_network(ProbeResult& result, const MappedDevice* mapped, const ProbeO
   }
 }
 
-void probe_comedi(ProbeResult& result, const MappedDevice* mapped, const ProbeOptions& options) {
+void probe_comedi(ProbeResult& result, const KnownDevice& known, const MappedDevice* mapped,
+                  const ProbeOptions& options) {
   std::vector<std::string> nodes;
   if (mapped != nullptr && !mapped->address.empty()) nodes.push_back(mapped->address);
   for (int i = 0; nodes.empty() && i < 16; ++i) {
@@ -187,7 +129,7 @@ void probe_comedi(ProbeResult& result, const MappedDevice* mapped, const ProbeOp
       const auto board = comedi_board(node, library);
       result.status = DeviceStatus::present;
       result.reason = fmt::format("{} at {}", board, node);
-      if (result.id == "ati-nano17-daq" && (mapped == nullptr || !mapped->calibration_file)) {
+      if (known.needs_calibration && (mapped == nullptr || !mapped->calibration_file)) {
         result.status = DeviceStatus::calibration_expired;
         result.reason += ": the sensor behind it needs a calibration file in the hardware map";
       }
@@ -199,7 +141,7 @@ void probe_comedi(ProbeResult& result, const MappedDevice* mapped, const ProbeOp
   }
 }
 
-ProbeResult probe_device(const KnownDevice& known, const HardwareMap& map, const ProbeOptions& options,
+ProbeResult probe_device(const KnownDevice& known, const HardwareMap& map, Asked asked, const ProbeOptions& options,
                          const std::vector<UsbDeviceInfo>& usb) {
   ProbeResult result;
   result.id = known.id;
@@ -211,13 +153,13 @@ ProbeResult probe_device(const KnownDevice& known, const HardwareMap& map, const
       probe_usb(result, mapped, usb);
       break;
     case Bus::network:
-      probe_network(result, mapped, options);
+      probe_network(result, known, mapped, asked, options);
       break;
     case Bus::serial:
       probe_serial(result, mapped);
       break;
     case Bus::comedi:
-      probe_comedi(result, mapped, options);
+      probe_comedi(result, known, mapped, options);
       break;
     case Bus::invisible:
       result.status = DeviceStatus::invisible;
@@ -235,8 +177,10 @@ ProbeResult probe_device(const KnownDevice& known, const HardwareMap& map, const
 
 std::vector<UsbDeviceInfo> usb_devices() {
   std::vector<std::uint16_t> vendors;
-  for (const KnownDevice& d : known_devices()) {
-    if (d.bus == Bus::usb) vendors.push_back(d.vendor);
+  for (const KnownDevice* const d : known_devices()) {
+    for (const UsbName& name : d->usb) {
+      if (name.vendor != 0) vendors.push_back(name.vendor);
+    }
   }
   try {
     return UsbContext().devices(vendors);
@@ -250,10 +194,8 @@ std::vector<UsbDeviceInfo> usb_devices() {
 std::vector<ProbeResult> probe(const HardwareMap& map, const ProbeOptions& options) {
   const auto usb = usb_devices();
   std::vector<ProbeResult> results;
-  for (const KnownDevice& known : known_devices()) {
-    if (std::any_of(results.begin(), results.end(), [&](const ProbeResult& r) { return r.id == known.id; })) continue;
-    results.push_back(probe_device(known, map, options, usb));
-  }
+  for (const KnownDevice* const known : known_devices())
+    results.push_back(probe_device(*known, map, Asked::for_all, options, usb));
   return results;
 }
 
@@ -261,7 +203,8 @@ ProbeResult probe_one(const std::string& id, const HardwareMap& map, const Probe
   const KnownDevice* const known = find_known_device(id);
   if (known == nullptr)
     throw UsageError(fmt::format("{}: not a known device; touchstone hil probe without a name lists them", id));
-  return probe_device(*known, map, options, known->bus == Bus::usb ? usb_devices() : std::vector<UsbDeviceInfo>{});
+  return probe_device(*known, map, Asked::by_name, options,
+                      known->bus == Bus::usb ? usb_devices() : std::vector<UsbDeviceInfo>{});
 }
 
 }  // namespace touchstone::hil

@@ -64,25 +64,31 @@ std::optional<std::size_t> speed_code(int baud) {
 
 // 8 bits, a start and a stop bit.
 constexpr double bits_per_byte = 10.0;
+constexpr std::uint32_t no_step = std::numeric_limits<std::uint32_t>::max();
+// Steps from the start that are judged again when a shorter one comes: 10 s at 400 Hz. A line that loses frames for
+// longer without one undisturbed pair is reported by its rate.
+constexpr std::size_t most_early = 4000;
 
 class BotaSource final : public WrenchSource {
  public:
   explicit BotaSource(const BotaOptions& options)
       : options_(options), line_("Bota sensor", options.node, options.baud) {
     if (options.sinc_length < 51 || options.sinc_length > 512)
-      throw DeviceError(DeviceStatus::failed, fmt::format("{}: a sinc length of {}; 51 to 512 are possible",
-                                                          line_.place(), options.sinc_length));
-    identity_ = {"bota-serial", "", "serial frames, calibrated by the sensor", "in the sensor", line_.emulated()};
+      throw DeviceError(DeviceStatus::failed,
+                        fmt::format("{}: a sinc length of {}", line_.place(), options.sinc_length),
+                        "51 to 512 are possible");
+    identity_ = {std::string(bota_device.id), "", "serial frames, calibrated by the sensor", "in the sensor",
+                 line_.emulated()};
     const auto speed = speed_code(options.baud);
     if (!speed)
       throw DeviceError(DeviceStatus::failed,
-                        fmt::format("{}: {} baud is no speed of the sensor; 9600, 57600, 115200, 230400 and 460800 are",
-                                    line_.place(), options.baud));
+                        fmt::format("{}: {} baud is no speed of the sensor", line_.place(), options.baud),
+                        "9600, 57600, 115200, 230400 and 460800 are");
     if (bota::frame_bytes * bits_per_byte / options.baud > seconds_per_sinc * options.sinc_length)
       throw DeviceError(DeviceStatus::failed,
-                        fmt::format("{}: {} baud carry fewer than the {:.0f} frames a second of a sinc length of {}; "
-                                    "set the sensor to a higher speed",
-                                    line_.place(), options.baud, nominal_rate_Hz(), options.sinc_length));
+                        fmt::format("{}: {} baud carry fewer than the {:.0f} frames a second of a sinc length of {}",
+                                    line_.place(), options.baud, nominal_rate_Hz(), options.sinc_length),
+                        "set the sensor to a higher speed");
     command("C", "C");
     command(fmt::format("c,0,1,0,{}", *speed), "c");
     command(fmt::format("f,{},0,0,1", options.sinc_length), "f");
@@ -95,7 +101,9 @@ class BotaSource final : public WrenchSource {
   void start() override {
     counters_ = {};
     count_ = {};
-    shortest_ = std::numeric_limits<std::uint32_t>::max();
+    shortest_ = no_step;
+    early_.clear();
+    early_.reserve(most_early);
     held_.clear();
     line_.flush();
   }
@@ -131,10 +139,10 @@ class BotaSource final : public WrenchSource {
       if (const auto at = came.find(bad); at != std::string::npos && came.size() > at + bad.size())
         throw DeviceError(DeviceStatus::failed, fmt::format("{}: it refuses \"{}\"", line_.place(), text));
     }
-    throw DeviceError(DeviceStatus::timed_out,
-                      fmt::format("{}: no answer to \"{}\" within {} s: is it this line, at {} baud? Switch the sensor "
-                                  "off and on and try again",
-                                  line_.place(), text, options_.timeout_s, options_.baud));
+    throw DeviceError(
+        DeviceStatus::timed_out,
+        fmt::format("{}: no answer to \"{}\" within {} s", line_.place(), text, options_.timeout_s),
+        fmt::format("is it this line, at {} baud? Switch the sensor off and on and try again", options_.baud));
   }
 
   std::size_t take(std::span<WrenchSample> out, double t_s) {
@@ -162,14 +170,15 @@ class BotaSource final : public WrenchSource {
     std::uint64_t ahead = 1;
     if (count_.started()) {
       const std::uint32_t step = frame.time - time_;  // modulo 2^32
-      if (step > 0) shortest_ = std::min(shortest_, step);
-      const double steps =
-          shortest_ < std::numeric_limits<std::uint32_t>::max() ? static_cast<double>(step) / shortest_ : 1.0;
-      ahead = static_cast<std::uint64_t>(std::max(1.0, std::round(steps)));
+      const std::uint64_t missed = step > 0 && step < shortest_ ? missed_until_now(step) : 0;
+      const double steps = shortest_ < no_step ? static_cast<double>(step) / shortest_ : 1.0;
+      ahead = frames_in(step) + missed;
       // The clock of a sensor that was reset begins again, which says nothing of what is missing.
       if (steps > longest_gap_s * nominal_rate_Hz()) {
         ahead = 1;
         sample.flags |= sample_after_gap;
+      } else if (early_.size() < most_early) {
+        early_.push_back(step);
       }
     }
     sample.flags |= count_.take(ahead, counters_);
@@ -185,6 +194,21 @@ class BotaSource final : public WrenchSource {
     return sample;
   }
 
+  [[nodiscard]] std::uint64_t frames_in(std::uint32_t step) const {
+    if (shortest_ == no_step) return 1;
+    return static_cast<std::uint64_t>(std::max(1.0, std::round(static_cast<double>(step) / shortest_)));
+  }
+
+  // A step came that is shorter than all before. Frames that were lost before the first undisturbed step show only now,
+  // by earlier steps that are several of it; the next sample is the one after that gap.
+  std::uint64_t missed_until_now(std::uint32_t shorter) {
+    std::uint64_t before = 0, after = 0;
+    for (const std::uint32_t step : early_) before += frames_in(step);
+    shortest_ = shorter;
+    for (const std::uint32_t step : early_) after += frames_in(step);
+    return after - before;
+  }
+
   BotaOptions options_;
   SerialPort line_;
   DeviceIdentity identity_;
@@ -192,11 +216,28 @@ class BotaSource final : public WrenchSource {
   std::vector<unsigned char> held_;
   bool in_step_ = true;
   RecordCount count_;
-  std::uint32_t time_ = 0, shortest_ = 0;
+  std::uint32_t time_ = 0, shortest_ = no_step;
+  std::vector<std::uint32_t> early_;
 };
 
 }  // namespace
 
 std::unique_ptr<WrenchSource> open_bota(const BotaOptions& options) { return std::make_unique<BotaSource>(options); }
+
+constexpr KnownDevice bota_device{
+    .id = "bota-serial",
+    .name = "Bota Systems force sensor with a serial line",
+    .role = DeviceRole::wrench_source,
+    .bus = Bus::serial,
+    .source = "Bota's Python interface and MATLAB example",
+    .confidence = Confidence::reported,
+    .note = "its node is in the hardware map",
+    .address_example = "/dev/ttyUSB0",
+    .open_force = [](const MappedDevice& device, double) -> std::unique_ptr<WrenchSource> {
+      BotaOptions options;
+      options.node = device.address;
+      if (device.baud != 0) options.baud = device.baud;
+      return open_bota(options);
+    }};
 
 }  // namespace touchstone::hil

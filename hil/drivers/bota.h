@@ -14,6 +14,7 @@
 // Sources: Bota's Python interface as published with public loggers of it, and Bota's MATLAB example (BOTAsys/matlab,
 // commit 74bbe419). The CRC is X.25's (polynomial 0x1021 reflected, begun and ended with 0xffff). A frame comes each
 // sinc length x 19.53125 us. The sensor numbers no frames: a loss shows in its time, in steps of the shortest one seen.
+// What was lost before the first undisturbed step is counted when that comes.
 #pragma once
 
 #include <array>
@@ -25,6 +26,7 @@
 
 #include "harness/base/rooms.h"
 #include "hil/devices/interfaces.h"
+#include "hil/devices/known_device.h"
 
 namespace touchstone::hil {
 
@@ -52,5 +54,7 @@ struct BotaOptions {
 
 // Throws DeviceError: absent, no_permission, timed_out (it does not answer), failed (it refuses a setting).
 std::unique_ptr<WrenchSource> open_bota(const BotaOptions& options);
+
+extern const KnownDevice bota_device;
 
 }  // namespace touchstone::hil

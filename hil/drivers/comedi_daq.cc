@@ -121,7 +121,7 @@ class ComediAti final : public WrenchSource {
     range_ = c.range(board_.device(), subdevice_, 0, range_index_);
     wide_ = (c.flags(board_.device(), subdevice_) & SDF_LSAMPL) != 0;
     identity_ = {
-        "ati-nano17-daq", calibration_.serial, board_.name(),
+        std::string(nano17_device.id), calibration_.serial, board_.name(),
         fmt::format("{} {}", options.calibration_file.filename().string(), sha256_file(options.calibration_file)),
         options.emulated};
   }
@@ -255,5 +255,26 @@ std::string comedi_board(const std::string& node, const std::string& library) { 
 std::unique_ptr<WrenchSource> open_comedi_ati(const ComediOptions& options) {
   return std::make_unique<ComediAti>(options);
 }
+
+constexpr KnownDevice nano17_device{
+    .id = "ati-nano17-daq",
+    .name = "ATI Nano17 through a data acquisition card",
+    .role = DeviceRole::wrench_source,
+    .bus = Bus::comedi,
+    .source = "ATI DAQ F/T manual: six gauge voltages and a calibration file",
+    .confidence = Confidence::confirmed,
+    .note = "the card is seen, the sensor behind it is not: its serial comes from the calibration file",
+    .needs_calibration = true,
+    .open_force = [](const MappedDevice& device, double card_rate_Hz) -> std::unique_ptr<WrenchSource> {
+      if (!device.calibration_file)
+        throw UsageError("ati-nano17-daq: its calibration file must be in the hardware map");
+      ComediOptions options;
+      if (!device.address.empty()) options.node = device.address;
+      options.library = device.library;
+      options.calibration_file = *device.calibration_file;
+      options.sensor_serial = device.serial;
+      options.rate_Hz = card_rate_Hz;
+      return open_comedi_ati(options);
+    }};
 
 }  // namespace touchstone::hil

@@ -8,6 +8,7 @@
 
 #include "harness/base/rooms.h"
 #include "hil/devices/interfaces.h"
+#include "hil/devices/known_device.h"
 
 namespace touchstone::hil {
 
@@ -26,5 +27,7 @@ std::string comedi_board(const std::string& node, const std::string& library);
 // Streams by a comedi command (hardware-timed scans of six differential channels). start() takes the bias: nothing may
 // touch the probe then.
 std::unique_ptr<WrenchSource> open_comedi_ati(const ComediOptions& options);
+
+extern const KnownDevice nano17_device;
 
 }  // namespace touchstone::hil

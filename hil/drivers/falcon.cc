@@ -87,9 +87,8 @@ class Falcon final : public HapticDevice {
     normal_mode();
     if (!answers()) {
       if (options_.firmware.empty()) {
-        throw DeviceError(DeviceStatus::failed,
-                          "Novint Falcon: no firmware is running and the hardware map names none; set \"firmware\" to "
-                          "the vendor's file");
+        throw DeviceError(DeviceStatus::failed, "Novint Falcon: no firmware is running and the hardware map names none",
+                          "set \"firmware\" to the vendor's file");
       }
       upload(read_file(options_.firmware));
       normal_mode();
@@ -97,7 +96,7 @@ class Falcon final : public HapticDevice {
         throw DeviceError(DeviceStatus::failed, fmt::format("Novint Falcon: does not answer after {} was uploaded",
                                                             options_.firmware.string()));
     }
-    identity_ = {"novint-falcon", usb_.serial(), options_.firmware.filename().string(),
+    identity_ = {std::string(falcon_device.id), usb_.serial(), options_.firmware.filename().string(),
                  fmt::format("nominal scale {} counts per N m", options_.counts_per_newton_metre), options_.emulated};
   }
   ~Falcon() override { zero_force(); }
@@ -219,8 +218,8 @@ class Falcon final : public HapticDevice {
     const auto greeting = reply(4);
     const std::array<unsigned char, 4> expected{0x0a, 0x44, 0x2c, 0x0d};
     if (std::search(greeting.begin(), greeting.end(), expected.begin(), expected.end()) == greeting.end()) {
-      throw DeviceError(DeviceStatus::failed,
-                        "Novint Falcon: the boot loader did not answer as expected; switch the device off and on");
+      throw DeviceError(DeviceStatus::failed, "Novint Falcon: the boot loader did not answer as expected",
+                        "switch the device off and on");
     }
     usb_.control(request_modem, 0x0100, 0, options_.timeout_s);
     usb_.control(request_baud, 0x15, 0, options_.timeout_s);  // 140 kbaud
@@ -259,5 +258,20 @@ class Falcon final : public HapticDevice {
 }  // namespace
 
 std::unique_ptr<HapticDevice> open_falcon(const FalconOptions& options) { return std::make_unique<Falcon>(options); }
+
+constexpr KnownDevice falcon_device{.id = "novint-falcon",
+                                    .name = "Novint Falcon",
+                                    .role = DeviceRole::haptic_device,
+                                    .bus = Bus::usb,
+                                    .usb = {UsbName{falcon::vendor, falcon::product, ""}},
+                                    .source = "libnifalcon; linux-usb.org",
+                                    .confidence = Confidence::confirmed,
+                                    .note = "has no watchdog of its own: only run behind the guardian process",
+                                    .open_handle = [](const MappedDevice& device) -> std::unique_ptr<HapticDevice> {
+                                      FalconOptions options;
+                                      options.serial = device.serial;
+                                      options.firmware = device.firmware;
+                                      return open_falcon(options);
+                                    }};
 
 }  // namespace touchstone::hil

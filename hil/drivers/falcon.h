@@ -13,6 +13,7 @@
 
 #include "harness/base/rooms.h"
 #include "hil/devices/interfaces.h"
+#include "hil/devices/known_device.h"
 
 namespace touchstone::hil {
 
@@ -49,5 +50,7 @@ struct FalconOptions {
 
 // Throws DeviceError: absent, wrong_serial, no_permission, busy, failed (firmware refused), timed_out, gone.
 std::unique_ptr<HapticDevice> open_falcon(const FalconOptions& options);
+
+extern const KnownDevice falcon_device;
 
 }  // namespace touchstone::hil

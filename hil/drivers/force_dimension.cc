@@ -101,7 +101,7 @@ class ForceDimension final : public HapticDevice {
     check(dhd_.set_force(0.0, 0.0, 0.0, id_));
     check(dhd_.enable_force(1, id_));
     read_status();
-    identity_ = {"force-dimension-omega", serial, library_.name(), "vendor's", options.emulated};
+    identity_ = {options.id, serial, library_.name(), "vendor's", options.emulated};
   }
   void read_status() {
     std::array<int, most_status> flags{};
@@ -126,5 +126,47 @@ class ForceDimension final : public HapticDevice {
 std::unique_ptr<HapticDevice> open_force_dimension(const VendorDeviceOptions& options) {
   return std::make_unique<ForceDimension>(options);
 }
+
+namespace {
+
+std::unique_ptr<HapticDevice> mapped_force_dimension(const MappedDevice& device) {
+  VendorDeviceOptions options;
+  options.id = device.id;
+  options.library = device.library;
+  options.serial = device.serial;
+  return open_force_dimension(options);
+}
+
+constexpr std::string_view force_dimension_note = "through the vendor's library, tried against a stub only";
+
+}  // namespace
+
+constexpr KnownDevice force_dimension_omega{.id = "force-dimension-omega",
+                                            .name = "Force Dimension omega",
+                                            .role = DeviceRole::haptic_device,
+                                            .bus = Bus::usb,
+                                            .usb = {UsbName{0x1451, 0x0402, ""}},
+                                            .source = "usb.ids; vendor's udev rules",
+                                            .confidence = Confidence::reported,
+                                            .note = force_dimension_note,
+                                            .open_handle = &mapped_force_dimension};
+constexpr KnownDevice force_dimension_sigma{.id = "force-dimension-sigma",
+                                            .name = "Force Dimension sigma",
+                                            .role = DeviceRole::haptic_device,
+                                            .bus = Bus::usb,
+                                            .usb = {UsbName{0x1451, 0, "sigma"}},
+                                            .source = "public logs: also seen as 1451:0401",
+                                            .confidence = Confidence::conflicting,
+                                            .note = force_dimension_note,
+                                            .open_handle = &mapped_force_dimension};
+constexpr KnownDevice force_dimension_delta{.id = "force-dimension-delta",
+                                            .name = "Force Dimension delta",
+                                            .role = DeviceRole::haptic_device,
+                                            .bus = Bus::usb,
+                                            .usb = {UsbName{0x1451, 0x0401, ""}},
+                                            .source = "usb.ids; vendor's udev rules",
+                                            .confidence = Confidence::reported,
+                                            .note = force_dimension_note,
+                                            .open_handle = &mapped_force_dimension};
 
 }  // namespace touchstone::hil

@@ -41,7 +41,7 @@ class HaplyDevice final : public HapticDevice {
     try {
       id_ = choose(inventory, options.serial);
       const auto& device = find(inventory);
-      identity_ = {"haply-inverse3", id_,
+      identity_ = {std::string(haply_device.id), id_,
                    device.value("/config/extended_firmware_version"_json_pointer, std::string("Inverse service")), "",
                    !is_a_device(device.value("/config/type"_json_pointer, std::string()))};
       if (device.contains("/config/basis"_json_pointer)) key_ = haply::ForceKey::vector;
@@ -94,17 +94,14 @@ class HaplyDevice final : public HapticDevice {
   void refuse_other_axes(const nlohmann::json& device) const {
     const auto axes = device.value("/config/basis/permutation"_json_pointer, std::string("XYZ"));
     if (axes != "XYZ")
-      throw DeviceError(
-          DeviceStatus::failed,
-          fmt::format("Inverse3 {}: its axes are permuted, {}; set the basis to XYZ in Haply Hub", id_, axes));
+      throw DeviceError(DeviceStatus::failed, fmt::format("Inverse3 {}: its axes are permuted, {}", id_, axes),
+                        "set the basis to XYZ in Haply Hub");
     for (const char* const at : {"/config/mount/scale", "/state/transform/scale"}) {
       const auto scale = device.value(nlohmann::json::json_pointer(at), nlohmann::json::object());
       for (const char* const axis : {"x", "y", "z"}) {
         if (scale.value(axis, 1.0) != 1.0)
-          throw DeviceError(DeviceStatus::failed,
-                            fmt::format("Inverse3 {}: {} is {}; lengths are metres at a scale of 1 alone: set it in "
-                                        "Haply Hub",
-                                        id_, at, scale.dump()));
+          throw DeviceError(DeviceStatus::failed, fmt::format("Inverse3 {}: {} is {}", id_, at, scale.dump()),
+                            "lengths are metres at a scale of 1 alone: set it in Haply Hub");
       }
     }
   }
@@ -128,9 +125,8 @@ class HaplyDevice final : public HapticDevice {
       }
     }
     if (count == 0)
-      throw DeviceError(DeviceStatus::absent,
-                        "Haply's Inverse service runs, but sees no Inverse3: is it switched on and "
-                        "connected by USB?");
+      throw DeviceError(DeviceStatus::absent, "Haply's Inverse service runs, but sees no Inverse3",
+                        "is it switched on and connected by USB?");
     if (!serial.empty())
       throw DeviceError(DeviceStatus::wrong_serial,
                         fmt::format("Haply's Inverse service has {}; the hardware map wants {}", there, serial));
@@ -198,5 +194,38 @@ class HaplyDevice final : public HapticDevice {
 }  // namespace
 
 std::unique_ptr<HapticDevice> open_haply(const HaplyOptions& options) { return std::make_unique<HaplyDevice>(options); }
+
+namespace {
+
+// The service runs on this machine unless the map says where.
+HaplyOptions mapped_haply(const MappedDevice& device) {
+  HaplyOptions options;
+  if (!device.address.empty()) options.host = device.address;
+  if (device.port != 0) options.port = device.port;
+  options.serial = device.serial;
+  return options;
+}
+
+}  // namespace
+
+constexpr KnownDevice haply_device{
+    .id = "haply-inverse3",
+    .name = "Haply Inverse3",
+    .role = DeviceRole::haptic_device,
+    .bus = Bus::network,
+    .source = "docs.haply.co: WebSocket protocol of the Inverse service",
+    .confidence = Confidence::confirmed,
+    .note = "through Haply's service, which must run; tried against an emulator only",
+    .open_handle = [](const MappedDevice& device) -> std::unique_ptr<HapticDevice> {
+      return open_haply(mapped_haply(device));
+    },
+    .look = [](const MappedDevice& device, double timeout_s) -> DeviceSeen {
+      HaplyOptions options = mapped_haply(device);
+      options.timeout_s = timeout_s;
+      const auto found = open_haply(options);
+      return {found->identity().serial,
+              fmt::format("through Haply's service at {}{}", options.host,
+                          found->calibrated() ? "" : "; not calibrated yet: no force is commanded")};
+    }};
 
 }  // namespace touchstone::hil

@@ -37,6 +37,7 @@
 
 #include "harness/base/rooms.h"
 #include "hil/devices/interfaces.h"
+#include "hil/devices/known_device.h"
 
 namespace touchstone::hil {
 
@@ -58,5 +59,7 @@ struct HaplyOptions {
 // where the service has other axes or scales). Commands nothing before the first exchange(), also not when it is
 // closed.
 std::unique_ptr<HapticDevice> open_haply(const HaplyOptions& options);
+
+extern const KnownDevice haply_device;
 
 }  // namespace touchstone::hil

@@ -38,16 +38,15 @@ class LoadCellSource final : public WrenchSource {
  public:
   explicit LoadCellSource(const LoadCellOptions& options)
       : options_(options), line_("load cell", options.node, options.baud) {
-    identity_ = {"hx711-serial", "", "lines of numbers", fmt::format("{:.9g} N per unit", options.newtons_per_unit),
-                 line_.emulated()};
+    identity_ = {std::string(load_cell_device.id), "", "lines of numbers",
+                 fmt::format("{:.9g} N per unit", options.newtons_per_unit), line_.emulated()};
     std::array<WrenchSample, 1> first;
     if (read(first, MonotonicClock().now_s() + ready_s) > 0) return;
     throw DeviceError(
-        DeviceStatus::timed_out,
-        fmt::format("{}: no readings within {} s: does its sketch print at {} baud, at least twice in that "
-                    "time, lines that differ in their numbers alone? (HX711's full example waits 5 s "
-                    "between readings: take its delay out.)",
-                    line_.place(), ready_s, options.baud));
+        DeviceStatus::timed_out, fmt::format("{}: no readings within {} s", line_.place(), ready_s),
+        fmt::format("does its sketch print at {} baud, at least twice in that time, lines that differ in their numbers "
+                    "alone? (HX711's full example waits 5 s between readings: take its delay out.)",
+                    options.baud));
   }
 
   [[nodiscard]] const DeviceIdentity& identity() const override { return identity_; }
@@ -173,5 +172,26 @@ std::unique_ptr<WrenchSource> open_load_cell(const LoadCellOptions& options) {
         "grams)");
   return std::make_unique<LoadCellSource>(options);
 }
+
+constexpr KnownDevice load_cell_device{
+    .id = "hx711-serial",
+    .name = "Load cell behind an HX711 and a microcontroller that prints numbers",
+    .role = DeviceRole::wrench_source,
+    .bus = Bus::serial,
+    .source = "example sketches of the Arduino libraries HX711 and HX711_ADC",
+    .confidence = Confidence::reported,
+    .note = "one axis; says neither its unit nor its rate: the hardware map must",
+    .address_example = "/dev/ttyUSB0",
+    .one_axis = true,
+    .open_force = [](const MappedDevice& device, double) -> std::unique_ptr<WrenchSource> {
+      LoadCellOptions options;
+      options.node = device.address;
+      if (device.baud != 0) options.baud = device.baud;
+      options.newtons_per_unit = device.newtons_per_unit;
+      options.value = device.value;
+      options.axis = device.axis;
+      options.rate_Hz = device.rate_Hz;
+      return open_load_cell(options);
+    }};
 
 }  // namespace touchstone::hil

@@ -18,6 +18,7 @@
 
 #include "harness/base/rooms.h"
 #include "hil/devices/interfaces.h"
+#include "hil/devices/known_device.h"
 
 namespace touchstone::hil {
 
@@ -35,5 +36,7 @@ struct LoadCellOptions {
 std::optional<double> number_in_line(std::string_view line, int n);
 // Throws UsageError without newtons_per_unit, DeviceError: absent, no_permission, timed_out (no readings).
 std::unique_ptr<WrenchSource> open_load_cell(const LoadCellOptions& options);
+
+extern const KnownDevice load_cell_device;
 
 }  // namespace touchstone::hil

@@ -67,22 +67,21 @@ class NatNetSource final : public PoseSource {
         packet_(largest_packet) {
     const auto info = ask(natnet::connect_request(), &natnet::parse_server_info);
     if (!info) {
-      throw DeviceError(DeviceStatus::absent,
-                        fmt::format("{}: no answer within {} s: is Motive streaming, and is this its address?", place_,
-                                    options_.timeout_s));
+      throw DeviceError(DeviceStatus::absent, fmt::format("{}: no answer within {} s", place_, options_.timeout_s),
+                        "is Motive streaming, and is this its address?");
     }
     info_ = *info;
     if (info_.natnet_version.major < 3 || !(info_.ticks_per_s > 0.0)) {
       throw DeviceError(DeviceStatus::failed,
-                        fmt::format("{}: it speaks NatNet {}.{}, which does not say when its frames were taken; "
-                                    "Motive 2.0 and later do",
-                                    place_, info_.natnet_version.major, info_.natnet_version.minor));
+                        fmt::format("{}: it speaks NatNet {}.{}, which does not say when its frames were taken", place_,
+                                    info_.natnet_version.major, info_.natnet_version.minor),
+                        "Motive 2.0 and later do");
     }
     choose_body();
     if (info_.multicast) join();
     sockaddr_storage address{};
     std::memcpy(&address, &server_, sizeof server_);
-    identity_ = {"optitrack", body_name_,
+    identity_ = {std::string(natnet_device.id), body_name_,
                  fmt::format("{} {}.{}, NatNet {}.{}", info_.application, info_.application_version.major,
                              info_.application_version.minor, info_.natnet_version.major, info_.natnet_version.minor),
                  "", is_loopback(address)};
@@ -158,9 +157,8 @@ class NatNetSource final : public PoseSource {
     if (by_number) {
       const char* const end = options_.body.data() + options_.body.size();
       if (std::from_chars(options_.body.data(), end, body_).ec != std::errc())
-        throw DeviceError(
-            DeviceStatus::failed,
-            fmt::format("{}: there is no rigid body {}; name one of Motive's as \"body\"", place_, options_.body));
+        throw DeviceError(DeviceStatus::failed, fmt::format("{}: there is no rigid body {}", place_, options_.body),
+                          "name one of Motive's as \"body\"");
       body_name_ = options_.body;
       return;
     }
@@ -176,12 +174,13 @@ class NatNetSource final : public PoseSource {
         return;
       }
     }
-    throw DeviceError(
-        DeviceStatus::failed,
-        fmt::format("{}: {}; it has {}", place_,
-                    options_.body.empty() ? std::string("which rigid body is to be recorded? Name it as \"body\"")
-                                          : fmt::format("there is no rigid body \"{}\"", options_.body),
-                    names.empty() ? "none" : names));
+    throw DeviceError(DeviceStatus::failed,
+                      fmt::format("{}: {}; it has {}", place_,
+                                  options_.body.empty() ? std::string("which rigid body is to be recorded is not said")
+                                                        : fmt::format("there is no rigid body \"{}\"", options_.body),
+                                  names.empty() ? "none" : names),
+                      names.empty() ? "make a rigid body of the markers in Motive"
+                                    : "name one of them as \"body\" in the hardware map");
   }
 
   void join() {
@@ -216,7 +215,11 @@ class NatNetSource final : public PoseSource {
     if (n < 0) return errno == EINTR || errno == ECONNREFUSED;
     sockaddr_in sender{};
     std::memcpy(&sender, &from, sizeof sender);
-    if (sender.sin_addr.s_addr != server_.sin_addr.s_addr) return true;  // another Motive in the same group
+    // Another Motive in the same group, or this one by a second network card.
+    if (sender.sin_addr.s_addr != server_.sin_addr.s_addr) {
+      ++counters_.strangers;
+      return true;
+    }
     const std::span<const unsigned char> packet(packet_.data(), static_cast<std::size_t>(n));
     if (!natnet::parse_frame(packet, info_.natnet_version, frame_)) {
       // Answers to the keep-alive and to connecting come on the same socket.
@@ -226,9 +229,8 @@ class NatNetSource final : public PoseSource {
     if (started_ && frame_.number + most_reordered < last_number_) {
       throw DeviceError(
           DeviceStatus::failed,
-          fmt::format("{}: its frame numbers began again, {} after {}: was Motive restarted, or does it play a take in "
-                      "a loop? Record each run by itself",
-                      place_, frame_.number, last_number_));
+          fmt::format("{}: its frame numbers began again, {} after {}", place_, frame_.number, last_number_),
+          "was Motive restarted, or does it play a take in a loop? Record each run by itself");
     }
     if (started_ && frame_.number <= last_number_) {
       const bool again = frame_.number == last_number_;
@@ -281,5 +283,38 @@ class NatNetSource final : public PoseSource {
 std::unique_ptr<PoseSource> open_natnet(const NatNetOptions& options) {
   return std::make_unique<NatNetSource>(options);
 }
+
+namespace {
+
+NatNetOptions mapped_natnet(const MappedDevice& device) {
+  NatNetOptions options;
+  options.host = device.address;
+  if (device.port != 0) options.command_port = device.port;
+  options.body = device.body;
+  options.rate_Hz = device.rate_Hz;
+  return options;
+}
+
+}  // namespace
+
+constexpr KnownDevice natnet_device{
+    .id = "optitrack",
+    .name = "OptiTrack cameras, by Motive's NatNet stream",
+    .role = DeviceRole::tracker,
+    .bus = Bus::network,
+    .source = "python_natnet and its captured packets; OptiTrack's SDK",
+    .confidence = Confidence::confirmed,
+    .note = "looked for at the address in the hardware map only",
+    .address_example = "192.168.1.10",
+    .connected_when_named = true,
+    .open_poses = [](const MappedDevice& device) -> std::unique_ptr<PoseSource> {
+      return open_natnet(mapped_natnet(device));
+    },
+    .look = [](const MappedDevice& device, double timeout_s) -> DeviceSeen {
+      NatNetOptions options = mapped_natnet(device);
+      options.timeout_s = timeout_s;
+      const auto tracker = open_natnet(options);
+      return {tracker->identity().serial, fmt::format("{} at {}", tracker->identity().firmware, device.address)};
+    }};
 
 }  // namespace touchstone::hil

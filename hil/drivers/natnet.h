@@ -26,6 +26,7 @@
 
 #include "harness/base/rooms.h"
 #include "hil/devices/interfaces.h"
+#include "hil/devices/known_device.h"
 
 namespace touchstone::hil {
 
@@ -93,5 +94,7 @@ struct NatNetOptions {
 
 // Throws DeviceError: absent, failed (the body is not there: the message lists those that are).
 std::unique_ptr<PoseSource> open_natnet(const NatNetOptions& options);
+
+extern const KnownDevice natnet_device;
 
 }  // namespace touchstone::hil

@@ -224,6 +224,18 @@ TEST(NatNet, CountsWhatTheNetworkDoes) {
   EXPECT_GT(c.malformed, 0U);
 }
 
+// As from a computer with two network cards: nothing of it is taken, and nothing of it goes unsaid.
+TEST(NatNet, CountsFramesFromAnotherAddress) {
+  NatNetFaults faults;
+  faults.second_card = true;
+  NatNetEmulator motive(240.0, faults, circle);
+  const auto source = open_natnet({"127.0.0.1", motive.command_port(), "probe", 3.0, 240.0});
+  source->start();
+  EXPECT_TRUE(read_for(*source, 0.5).empty());
+  EXPECT_EQ(source->counters().received, 0U);
+  EXPECT_GT(source->counters().strangers, 50U);
+}
+
 // All that comes then would count as late, and the run would end as one whose stream stopped.
 TEST(NatNet, NumbersThatBeginAgainAreSaid) {
   NatNetFaults faults;

@@ -281,7 +281,7 @@ class NdiSource final : public PoseSource {
     ask("PINIT:" + handle);
     ask("PENA:" + handle + "D");
     handle_ = static_cast<int>(std::strtol(handle.c_str(), nullptr, 16));
-    identity_ = {"ndi-polaris", "port handle " + handle, "ndicapi's commands, TX", "", line_->emulated()};
+    identity_ = {std::string(ndi_device.id), "port handle " + handle, "ndicapi's commands, TX", "", line_->emulated()};
     ask("TSTART:");
   }
 
@@ -317,8 +317,8 @@ class NdiSource final : public PoseSource {
       if (!greeting) {
         throw DeviceError(
             DeviceStatus::timed_out,
-            fmt::format("{}: answers neither at {} baud nor, within {} s, to a break; is it this line, and is it on?",
-                        place_, first_baud, reset_s));
+            fmt::format("{}: answers neither at {} baud nor, within {} s, to a break", place_, first_baud, reset_s),
+            "is it this line, and is it on?");
       }
       // What the line makes of the break may stand before.
       if (greeting->ends_with("RESETBE6F")) break;
@@ -357,7 +357,8 @@ class NdiSource final : public PoseSource {
     return {DeviceStatus::timed_out, fmt::format("{}: no answer to {} in {} s", place_, text, patience_s)};
   }
   [[nodiscard]] DeviceError says_error(const std::string& answer, const std::string& text) const {
-    return {DeviceStatus::failed, fmt::format("{}: {} to {}; the codes are in NDI's API guide", place_, answer, text)};
+    return {DeviceStatus::failed, fmt::format("{}: {} to {}", place_, answer, text),
+            "the codes are in NDI's API guide"};
   }
 
   std::string ask(const std::string& text) { return ask(text, options_.timeout_s); }
@@ -381,9 +382,8 @@ class NdiSource final : public PoseSource {
         std::find_if(std::begin(codes), std::end(codes), [&](const auto& c) { return c.first == options_.baud; });
     if (code == std::end(codes))
       throw DeviceError(DeviceStatus::failed,
-                        fmt::format("{}: {} baud is no speed of the device; 9600, 19200, 38400, 57600, 115200 and "
-                                    "921600 are",
-                                    place_, options_.baud));
+                        fmt::format("{}: {} baud is no speed of the device", place_, options_.baud),
+                        "9600, 19200, 38400, 57600, 115200 and 921600 are");
     if (options_.baud == first_baud) return;
     ask(fmt::format("COMM:{}0000", code->second));
     line_.reset();
@@ -395,10 +395,8 @@ class NdiSource final : public PoseSource {
   std::string wired_tool() {
     const auto list = ask("PHSR:02");
     if (list.size() < 2 + 2 || list.substr(0, 2) == "00")
-      throw DeviceError(DeviceStatus::failed,
-                        fmt::format("{}: no tool is plugged in; a passive tool needs its definition: "
-                                    "\"tool_file\" in the hardware map",
-                                    place_));
+      throw DeviceError(DeviceStatus::failed, fmt::format("{}: no tool is plugged in", place_),
+                        "a passive tool needs its definition: \"tool_file\" in the hardware map");
     return list.substr(2, 2);
   }
 
@@ -456,5 +454,40 @@ void reach_ndi(const NdiOptions& options) {
 }
 
 std::unique_ptr<PoseSource> open_ndi(const NdiOptions& options) { return std::make_unique<NdiSource>(options); }
+
+namespace {
+
+NdiOptions mapped_ndi(const MappedDevice& device) {
+  NdiOptions options;
+  options.address = device.address;
+  if (device.port != 0) options.port = device.port;
+  if (device.baud != 0) options.baud = device.baud;
+  if (device.rate_Hz > 0.0) options.rate_Hz = device.rate_Hz;
+  options.tool_file = device.tool_file;
+  return options;
+}
+
+}  // namespace
+
+constexpr KnownDevice ndi_device{
+    .id = "ndi-polaris",
+    .name = "NDI Polaris or Aurora",
+    .role = DeviceRole::tracker,
+    .bus = Bus::network,
+    .source = "PlusToolkit's ndicapi",
+    .confidence = Confidence::reported,
+    .note = "serial node or network address in the hardware map",
+    .address_example = "192.168.1.10 or /dev/ttyUSB0",
+    .open_poses = [](const MappedDevice& device) -> std::unique_ptr<PoseSource> {
+      return open_ndi(mapped_ndi(device));
+    },
+    // To say more than that it is there it would have to be reset, and with it the program that tracks with it.
+    .look = [](const MappedDevice& device, double timeout_s) -> DeviceSeen {
+      NdiOptions options = mapped_ndi(device);
+      options.timeout_s = timeout_s;
+      reach_ndi(options);
+      return {"", fmt::format("{} takes the connection at port {}; its tools show when it is recorded", device.address,
+                              options.port)};
+    }};
 
 }  // namespace touchstone::hil

@@ -25,6 +25,7 @@
 
 #include "harness/base/rooms.h"
 #include "hil/devices/interfaces.h"
+#include "hil/devices/known_device.h"
 
 namespace touchstone::hil {
 
@@ -59,5 +60,7 @@ struct NdiOptions {
 void reach_ndi(const NdiOptions& options);
 // Throws DeviceError: absent, failed (no tool, or the device says an error).
 std::unique_ptr<PoseSource> open_ndi(const NdiOptions& options);
+
+extern const KnownDevice ndi_device;
 
 }  // namespace touchstone::hil

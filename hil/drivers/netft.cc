@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "harness/base/web_request.h"
+#include "hil/drivers/open_mapped.h"
 #include "hil/drivers/rdt_source.h"
 
 namespace touchstone::hil {
@@ -45,7 +46,7 @@ std::unique_ptr<WrenchSource> open_netft(const NetFtAddress& address, double tim
   RdtSensor sensor;
   sensor.called = "Net F/T";
   sensor.identity = {
-      "ati-netft", c.serial, c.product,
+      std::string(netft_device.id), c.serial, c.product,
       fmt::format("netftapi2.xml: {:.9g} N and {:.9g} N m per count", c.newtons_per_count, c.newton_metres_per_count),
       // An emulator says so itself, also where somebody's hardware map gives its address.
       emulated || c.product.find("emulated") != std::string::npos};
@@ -54,5 +55,22 @@ std::unique_ptr<WrenchSource> open_netft(const NetFtAddress& address, double tim
   sensor.rate_Hz = c.rate_Hz;
   return open_rdt(address.host, address.udp_port, std::move(sensor));
 }
+
+constexpr KnownDevice netft_device{
+    .id = "ati-netft",
+    .name = "ATI Net F/T",
+    .role = DeviceRole::wrench_source,
+    .bus = Bus::network,
+    .source = "ATI Net F/T manual: RDT on UDP 49152, HTTP configuration",
+    .confidence = Confidence::confirmed,
+    .note = "looked for at the addresses in the hardware map only",
+    .address_example = "192.168.1.1",
+    .open_force = [](const MappedDevice& device, double) -> std::unique_ptr<WrenchSource> {
+      return open_netft({device.address, device.http_port, device.udp_port}, open_timeout_s, false);
+    },
+    .look = [](const MappedDevice& device, double timeout_s) -> DeviceSeen {
+      const auto found = read_netft_configuration({device.address, device.http_port, device.udp_port}, timeout_s);
+      return {found.serial, fmt::format("{} at {}", found.product, device.address), true};
+    }};
 
 }  // namespace touchstone::hil

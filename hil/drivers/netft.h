@@ -13,6 +13,7 @@
 
 #include "harness/base/rooms.h"
 #include "hil/devices/interfaces.h"
+#include "hil/devices/known_device.h"
 
 namespace touchstone::hil {
 
@@ -78,5 +79,7 @@ class SequenceTracker {
 
 // Reads the configuration and opens the stream's socket.
 std::unique_ptr<WrenchSource> open_netft(const NetFtAddress& address, double timeout_s, bool emulated);
+
+extern const KnownDevice netft_device;
 
 }  // namespace touchstone::hil

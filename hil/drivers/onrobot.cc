@@ -5,6 +5,7 @@
 #include <array>
 
 #include "harness/base/error.h"
+#include "hil/drivers/open_mapped.h"
 #include "hil/drivers/rdt_source.h"
 
 namespace touchstone::hil {
@@ -24,7 +25,7 @@ std::unique_ptr<WrenchSource> open_onrobot(const OnRobotOptions& options, double
     throw UsageError(fmt::format("OnRobot: filter {}; 0 (none) to {} were expected", options.filter, last_filter));
   RdtSensor sensor;
   sensor.called = "OnRobot";
-  sensor.identity = {"onrobot-hex", "", fmt::format("OnRobot HEX, filter {}", options.filter),
+  sensor.identity = {std::string(onrobot_device.id), "", fmt::format("OnRobot HEX, filter {}", options.filter),
                      fmt::format("by convention: {:.9g} N and {:.9g} N m per count", 1.0 / counts_per_newton,
                                  1.0 / counts_per_newton_metre),
                      emulated};
@@ -52,9 +53,25 @@ std::unique_ptr<WrenchSource> open_onrobot(const OnRobotOptions& options, double
   }
   throw DeviceError(
       DeviceStatus::absent,
-      fmt::format("OnRobot at {}:{}: no record came within {:.3g} s; is it the Compute Box's address, and "
-                  "does no other program read from it?",
-                  options.host, options.udp_port, timeout_s));
+      fmt::format("OnRobot at {}:{}: no record came within {:.3g} s", options.host, options.udp_port, timeout_s),
+      "is it the Compute Box's address, and does no other program read from it?");
 }
+
+constexpr KnownDevice onrobot_device{
+    .id = "onrobot-hex",
+    .name = "OnRobot HEX-E or HEX-H behind its Compute Box",
+    .role = DeviceRole::wrench_source,
+    .bus = Bus::network,
+    .source = "OnRobot's example highspeed_udp.c; OptoForce's ROS driver",
+    .confidence = Confidence::reported,
+    .note = "looked for at the addresses in the hardware map only; says no serial",
+    .address_example = "192.168.1.1",
+    .open_force = [](const MappedDevice& device, double) -> std::unique_ptr<WrenchSource> {
+      return open_onrobot({device.address, device.udp_port}, open_timeout_s, false);
+    },
+    .look = [](const MappedDevice& device, double timeout_s) -> DeviceSeen {
+      const auto sensor = open_onrobot({device.address, device.udp_port}, timeout_s, false);
+      return {"", fmt::format("{} at {}", sensor->identity().firmware, device.address)};
+    }};
 
 }  // namespace touchstone::hil

@@ -12,6 +12,7 @@
 
 #include "harness/base/rooms.h"
 #include "hil/devices/interfaces.h"
+#include "hil/devices/known_device.h"
 
 namespace touchstone::hil {
 
@@ -24,5 +25,7 @@ struct OnRobotOptions {
 
 // Throws UsageError for options out of range, DeviceError(absent) if no record comes within the time.
 std::unique_ptr<WrenchSource> open_onrobot(const OnRobotOptions& options, double timeout_s, bool emulated);
+
+extern const KnownDevice onrobot_device;
 
 }  // namespace touchstone::hil

@@ -2,37 +2,60 @@
 
 #include <fmt/format.h>
 
+#include <string>
+
 #include "harness/base/error.h"
-#include "hil/drivers/falcon.h"
-#include "hil/drivers/haply.h"
-#include "hil/drivers/vendor_devices.h"
+#include "hil/drivers/device_table.h"
 
 namespace touchstone::hil {
+namespace {
 
-std::unique_ptr<HapticDevice> open_mapped_device(const std::string& id, const MappedDevice& mapped) {
-  if (id == "novint-falcon") {
-    FalconOptions options;
-    options.serial = mapped.serial;
-    options.firmware = mapped.firmware;
-    return open_falcon(options);
-  }
-  if (id == "haply-inverse3") {
-    HaplyOptions options;
-    if (!mapped.address.empty()) options.host = mapped.address;
-    if (mapped.port != 0) options.port = mapped.port;
-    options.serial = mapped.serial;
-    return open_haply(options);
-  }
-  VendorDeviceOptions vendor;
-  vendor.library = mapped.library;
-  vendor.serial = mapped.serial;
-  if (id == "3ds-touch") return open_openhaptics(vendor);
-  if (id.rfind("force-dimension-", 0) == 0) return open_force_dimension(vendor);
-  throw UsageError(
-      fmt::format("{}: no driver here renders forces on it; novint-falcon, haply-inverse3, 3ds-touch and "
-                  "force-dimension-omega, -sigma, -delta have one, and any other device takes a plug-in "
-                  "(touchstone/device.h)",
-                  id));
+// Its entry; the address that it needs is there.
+const KnownDevice& entry_of(const MappedDevice& device) {
+  const KnownDevice* const known = find_known_device(device.id);
+  if (known == nullptr)
+    throw UsageError(fmt::format("{}: not a known device; touchstone hil probe lists them", device.id));
+  return *known;
+}
+
+void check_address(const KnownDevice& known, const MappedDevice& device) {
+  if (!known.address_example.empty() && device.address.empty())
+    throw UsageError(
+        fmt::format("{}: its \"address\" must be in the hardware map, as \"{}\"", known.id, known.address_example));
+}
+
+[[noreturn]] void none_of_that_kind(const MappedDevice& device, const char* what, const std::string& those) {
+  throw UsageError(fmt::format("{}: no driver here {} it; these have one: {}", device.id, what, those));
+}
+
+}  // namespace
+
+std::unique_ptr<WrenchSource> open_force(const MappedDevice& device, double card_rate_Hz) {
+  const KnownDevice& known = entry_of(device);
+  if (known.open_force == nullptr)
+    none_of_that_kind(device, "reads forces from",
+                      ids_of_devices([](const KnownDevice& d) { return d.open_force != nullptr; }));
+  check_address(known, device);
+  return known.open_force(device, card_rate_Hz);
+}
+
+std::unique_ptr<PoseSource> open_poses(const MappedDevice& device) {
+  const KnownDevice& known = entry_of(device);
+  if (known.open_poses == nullptr)
+    none_of_that_kind(device, "reads poses from",
+                      ids_of_devices([](const KnownDevice& d) { return d.open_poses != nullptr; }));
+  check_address(known, device);
+  return known.open_poses(device);
+}
+
+std::unique_ptr<HapticDevice> open_handle(const MappedDevice& device) {
+  const KnownDevice& known = entry_of(device);
+  if (known.open_handle == nullptr)
+    none_of_that_kind(device, "renders forces on", ids_of_devices([](const KnownDevice& d) {
+                                                     return d.open_handle != nullptr;
+                                                   }) + "; any other device takes a plug-in (touchstone/device.h)");
+  check_address(known, device);
+  return known.open_handle(device);
 }
 
 }  // namespace touchstone::hil

@@ -1,8 +1,7 @@
-// The devices of the hardware map, opened: which driver serves which id.
+// The devices of the hardware map, opened as what they are asked for.
 #pragma once
 
 #include <memory>
-#include <string>
 
 #include "harness/base/rooms.h"
 #include "hil/devices/hardware_map.h"
@@ -10,7 +9,13 @@
 
 namespace touchstone::hil {
 
-// Throws UsageError if there is no driver that renders forces on it, DeviceError as the drivers do.
-std::unique_ptr<HapticDevice> open_mapped_device(const std::string& id, const MappedDevice& mapped);
+inline constexpr double usual_card_rate_Hz = 5000.0;  // scans of a data acquisition card
+inline constexpr double open_timeout_s = 5.0;         // for the answer of a sensor on the network
+
+// Each throws UsageError where the device is none of that kind or the map lacks what it needs (the message says what),
+// DeviceError where it cannot be opened.
+std::unique_ptr<WrenchSource> open_force(const MappedDevice& device, double card_rate_Hz = usual_card_rate_Hz);
+std::unique_ptr<PoseSource> open_poses(const MappedDevice& device);
+std::unique_ptr<HapticDevice> open_handle(const MappedDevice& device);
 
 }  // namespace touchstone::hil

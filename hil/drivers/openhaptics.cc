@@ -76,7 +76,7 @@ class OpenHaptics final : public HapticDevice {
       throw DeviceError(DeviceStatus::wrong_serial,
                         fmt::format("3D Systems: serial {} was asked for, {} is there", options.serial, serial));
     }
-    identity_ = {"3ds-touch", serial, library_.name(), "vendor's", options.emulated};
+    identity_ = {std::string(openhaptics_device.id), serial, library_.name(), "vendor's", options.emulated};
     hd_.enable(force_output);
     job_ = hd_.schedule_asynchronous(&OpenHaptics::servo, this, priority);
     hd_.start_scheduler();
@@ -161,5 +161,22 @@ class OpenHaptics final : public HapticDevice {
 std::unique_ptr<HapticDevice> open_openhaptics(const VendorDeviceOptions& options) {
   return std::make_unique<OpenHaptics>(options);
 }
+
+constexpr KnownDevice openhaptics_device{
+    .id = "3ds-touch",
+    .name = "3D Systems Touch",
+    .role = DeviceRole::haptic_device,
+    .bus = Bus::usb,
+    .usb = {UsbName{0x2988, 0x0302, ""}, UsbName{0x2988, 0x0304, ""},
+            UsbName{0x8829, 0x0203, ""}},  // the last from one public source, its bytes swapped
+    .source = "public driver logs (cdc_acm)",
+    .confidence = Confidence::reported,
+    .note = "through the vendor's library, tried against a stub only",
+    .open_handle = [](const MappedDevice& device) -> std::unique_ptr<HapticDevice> {
+      VendorDeviceOptions options;
+      options.library = device.library;
+      options.serial = device.serial;
+      return open_openhaptics(options);
+    }};
 
 }  // namespace touchstone::hil

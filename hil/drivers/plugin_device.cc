@@ -21,11 +21,11 @@ const touchstone_device_functions& functions_of(const VendorLibrary& library) {
   library.find(ask, "touchstone_device");
   const touchstone_device_functions* const f = ask(TOUCHSTONE_DEVICE_VERSION);
   if (f == nullptr || f->version != TOUCHSTONE_DEVICE_VERSION) {
-    throw DeviceError(DeviceStatus::no_driver,
-                      fmt::format("{}: does not have version {} of the device interface (it has {}); compile it "
-                                  "against this program's touchstone/device.h",
-                                  library.name(), TOUCHSTONE_DEVICE_VERSION,
-                                  f == nullptr ? std::string("not this one") : std::to_string(f->version)));
+    throw DeviceError(
+        DeviceStatus::no_driver,
+        fmt::format("{}: does not have version {} of the device interface (it has {})", library.name(),
+                    TOUCHSTONE_DEVICE_VERSION, f == nullptr ? std::string("not this one") : std::to_string(f->version)),
+        "compile it against this program's touchstone/device.h");
   }
   const std::pair<bool, const char*> needed[] = {{f->name != nullptr, "name"},
                                                  {f->open != nullptr, "open"},
@@ -37,9 +37,8 @@ const touchstone_device_functions& functions_of(const VendorLibrary& library) {
                                                  {f->watchdog_s != nullptr, "watchdog_s"}};
   for (const auto& [there, name] : needed) {
     if (!there)
-      throw DeviceError(DeviceStatus::no_driver,
-                        fmt::format("{}: {} is NULL; of the table in touchstone/device.h only motors_off may be",
-                                    library.name(), name));
+      throw DeviceError(DeviceStatus::no_driver, fmt::format("{}: {} is NULL", library.name(), name),
+                        "of the table in touchstone/device.h only motors_off may be");
   }
   return *f;
 }

@@ -92,6 +92,33 @@ TEST(Bota, ReadsNewtonsAtTheRateThatWasAskedFor) {
   }
 }
 
+// Two steps are the shortest for the first second: what was lost then shows when one step comes.
+TEST(Bota, CountsWhatWasLostBeforeTheFirstUndisturbedStep) {
+  BotaFaults faults;
+  faults.halved_until = 400;
+  SerialEmulator sensor(bota_sensor(faults, swaying));
+  const auto source = open_bota({sensor.node(), 460800, 128, 3.0});
+  source->start();
+  const auto time_of = [](const WrenchSample& s) { return -s.wrench.f_N.z(); };
+  std::vector<WrenchSample> samples;
+  for (int i = 0; i < 100 && (samples.empty() || time_of(samples.back()) < 1.2); ++i) {
+    const auto more = collect(*source, 0.1);
+    samples.insert(samples.end(), more.begin(), more.end());
+  }
+  ASSERT_FALSE(samples.empty());
+  ASSERT_LT(time_of(samples.front()), 0.8) << "too little of the disturbed part came";
+  ASSERT_GT(time_of(samples.back()), 1.1);
+  const auto frames =
+      static_cast<std::uint64_t>(std::lround((time_of(samples.back()) - time_of(samples.front())) / 2.5e-3)) + 1;
+  const auto c = source->counters();
+  EXPECT_GT(c.lost, 50U);
+  EXPECT_EQ(c.received + c.lost, frames);
+  EXPECT_EQ(samples.back().sequence - samples.front().sequence + 1, frames);
+  EXPECT_EQ(std::count_if(samples.begin(), samples.end(), [](const WrenchSample& s) { return s.flags != sample_ok; }),
+            1)
+      << "the sample at which it shows is the one after the gap";
+}
+
 TEST(Bota, CountsLostDamagedAndFlaggedFrames) {
   BotaFaults faults;
   faults.drop_every = 20;

@@ -25,10 +25,8 @@ speed_t speed_of(const std::string& place, int baud) {
   for (const auto& [known, speed] : speeds) {
     if (known == baud) return speed;
   }
-  throw DeviceError(DeviceStatus::failed,
-                    fmt::format("{}: {} baud is no usual speed of a serial line; 9600, 19200, 38400, 57600, 115200, "
-                                "230400, 460800, 921600 and 1000000 are",
-                                place, baud));
+  throw DeviceError(DeviceStatus::failed, fmt::format("{}: {} baud is no usual speed of a serial line", place, baud),
+                    "9600, 19200, 38400, 57600, 115200, 230400, 460800, 921600 and 1000000 are");
 }
 
 // Unix98 pseudo-terminals (Documentation/admin-guide/devices.txt): their other end is a program.
@@ -44,16 +42,16 @@ SerialPort::SerialPort(const std::string& called, const std::string& node, int b
     const auto status = errno == EACCES  ? DeviceStatus::no_permission
                         : errno == EBUSY ? DeviceStatus::busy
                                          : DeviceStatus::absent;
-    throw DeviceError(status, fmt::format("{}: {}{}", place_, std::strerror(errno),
-                                          errno == EACCES ? "; your user must be in the node's group (dialout)" : ""));
+    throw DeviceError(status, fmt::format("{}: {}", place_, std::strerror(errno)),
+                      errno == EACCES ? "your user must be in the node's group (dialout)" : "");
   }
-  const auto fail = [&](DeviceStatus status, const std::string& why) {
+  const auto fail = [&](DeviceStatus status, const std::string& why, const std::string& advice = "") {
     ::close(std::exchange(fd_, -1));
-    throw DeviceError(status, fmt::format("{}: {}", place_, why));
+    throw DeviceError(status, fmt::format("{}: {}", place_, why), advice);
   };
   if (::flock(fd_, LOCK_EX | LOCK_NB) != 0) fail(DeviceStatus::busy, "another program has it");
   termios line{};
-  if (::tcgetattr(fd_, &line) != 0) fail(DeviceStatus::failed, "is no serial line; is it the right node?");
+  if (::tcgetattr(fd_, &line) != 0) fail(DeviceStatus::failed, "is no serial line", "is it the right node?");
   ::cfmakeraw(&line);
   line.c_cflag |= CLOCAL | CREAD;
   line.c_cflag &= ~static_cast<tcflag_t>(CRTSCTS | CSTOPB);

@@ -125,10 +125,8 @@ UsbHandle::UsbHandle(const UsbContext& context, std::uint16_t vendor, std::uint1
     return;
   }
   if (refused == LIBUSB_ERROR_ACCESS) {
-    throw DeviceError(
-        DeviceStatus::no_permission,
-        fmt::format("{}: you may not open it; install hil/udev/70-touchstone-haptics.rules and plug it in again",
-                    name_));
+    throw DeviceError(DeviceStatus::no_permission, fmt::format("{}: you may not open it", name_),
+                      "install hil/udev/70-touchstone-haptics.rules and plug it in again");
   }
   if (refused != 0)
     throw DeviceError(status_of(refused), fmt::format("{}: {}", name_,

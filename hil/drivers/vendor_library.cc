@@ -15,7 +15,7 @@ VendorLibrary::VendorLibrary(const std::vector<std::string>& names, const std::s
     }
     tried += (tried.empty() ? "" : ", ") + name;
   }
-  throw DeviceError(DeviceStatus::no_driver, fmt::format("none of {} could be opened; {}", tried, advice));
+  throw DeviceError(DeviceStatus::no_driver, fmt::format("none of {} could be opened", tried), advice);
 }
 
 VendorLibrary::~VendorLibrary() {

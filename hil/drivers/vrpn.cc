@@ -50,7 +50,8 @@ std::optional<Message> parse(std::span<const unsigned char> bytes, const std::st
   const auto length = reader.big<std::uint32_t>();
   if (length < header_bytes || length > longest)
     throw DeviceError(DeviceStatus::failed,
-                      fmt::format("{}: a message of {} bytes; this is no VRPN stream", place, length));
+                      fmt::format("{}: a message of {} bytes: this is no VRPN stream", place, length),
+                      "give the address and the port of a VRPN server");
   Message m;
   m.seconds = reader.big<std::uint32_t>();
   m.microseconds = reader.big<std::uint32_t>();
@@ -118,7 +119,8 @@ class VrpnSource final : public PoseSource {
     sockaddr_storage peer{};
     socklen_t size = sizeof peer;
     ::getpeername(fd_, reinterpret_cast<sockaddr*>(&peer), &size);
-    identity_ = {"vrpn", fmt::format("{}:{}", tracker_, options_.sensor), "VRPN " + version_, "", is_loopback(peer)};
+    identity_ = {std::string(vrpn_device.id), fmt::format("{}:{}", tracker_, options_.sensor), "VRPN " + version_, "",
+                 is_loopback(peer)};
   }
   ~VrpnSource() override { ::close(fd_); }
   VrpnSource(const VrpnSource&) = delete;
@@ -214,11 +216,13 @@ class VrpnSource final : public PoseSource {
     for (const auto& [id, name] : senders_) {
       if (name != control_sender) names += (names.empty() ? "" : ", ") + name;
     }
-    throw DeviceError(DeviceStatus::failed,
-                      fmt::format("{}: {}; it has {}", place_,
-                                  options_.tracker.empty() ? "which tracker is to be recorded? Name it as \"body\""
-                                                           : "it has no tracker \"" + options_.tracker + "\"",
-                                  names.empty() ? "none" : names));
+    throw DeviceError(
+        DeviceStatus::failed,
+        fmt::format("{}: {}; it has {}", place_,
+                    options_.tracker.empty() ? "which tracker is to be recorded is not said"
+                                             : "it has no tracker \"" + options_.tracker + "\"",
+                    names.empty() ? "none" : names),
+        names.empty() ? "start a tracker in the server" : "name one of them as \"body\" in the hardware map");
   }
 
   [[nodiscard]] bool has(const std::string& tracker) const {
@@ -315,5 +319,36 @@ VrpnOptions vrpn_options(const std::string& host, const std::string& body) {
 }
 
 std::unique_ptr<PoseSource> open_vrpn(const VrpnOptions& options) { return std::make_unique<VrpnSource>(options); }
+
+namespace {
+
+VrpnOptions mapped_vrpn(const MappedDevice& device) {
+  VrpnOptions options = vrpn_options(device.address, device.body);
+  if (device.port != 0) options.port = device.port;
+  options.rate_Hz = device.rate_Hz;
+  return options;
+}
+
+}  // namespace
+
+constexpr KnownDevice vrpn_device{
+    .id = "vrpn",
+    .name = "A tracker behind a VRPN server (Vicon, Polhemus and others)",
+    .role = DeviceRole::tracker,
+    .bus = Bus::network,
+    .source = "VRPN's sources",
+    .confidence = Confidence::confirmed,
+    .note = "looked for at the address in the hardware map only",
+    .address_example = "192.168.1.10",
+    .connected_when_named = true,
+    .open_poses = [](const MappedDevice& device) -> std::unique_ptr<PoseSource> {
+      return open_vrpn(mapped_vrpn(device));
+    },
+    .look = [](const MappedDevice& device, double timeout_s) -> DeviceSeen {
+      VrpnOptions options = mapped_vrpn(device);
+      options.timeout_s = timeout_s;
+      const auto tracker = open_vrpn(options);
+      return {tracker->identity().serial, fmt::format("{} at {}", tracker->identity().firmware, device.address)};
+    }};
 
 }  // namespace touchstone::hil

@@ -25,6 +25,7 @@
 
 #include "harness/base/rooms.h"
 #include "hil/devices/interfaces.h"
+#include "hil/devices/known_device.h"
 
 namespace touchstone::hil {
 
@@ -59,5 +60,7 @@ VrpnOptions vrpn_options(const std::string& host, const std::string& body);
 
 // Throws DeviceError: absent, failed (another version, no such tracker: the message lists those that there are).
 std::unique_ptr<PoseSource> open_vrpn(const VrpnOptions& options);
+
+extern const KnownDevice vrpn_device;
 
 }  // namespace touchstone::hil

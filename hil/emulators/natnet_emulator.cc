@@ -6,6 +6,7 @@
 
 #include <cmath>
 #include <cstring>
+#include <stdexcept>
 
 #include "hil/emulators/loopback_socket.h"
 
@@ -122,6 +123,14 @@ NatNetEmulator::NatNetEmulator(double rate_Hz, NatNetFaults faults, std::functio
   const LoopbackSocket opened = datagrams_on_loopback();
   socket_ = opened.fd;
   port_ = opened.port;
+  if (faults_.second_card) {
+    second_socket_ = ::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+    sockaddr_in second{};
+    second.sin_family = AF_INET;
+    second.sin_addr.s_addr = htonl(INADDR_LOOPBACK + 1);
+    if (::bind(second_socket_, reinterpret_cast<const sockaddr*>(&second), sizeof second) != 0)
+      throw std::runtime_error("127.0.0.2 cannot be bound");
+  }
   began_s_ = MonotonicClock().now_s();
   thread_ = std::thread([this] { serve(); });
 }
@@ -130,20 +139,21 @@ NatNetEmulator::~NatNetEmulator() {
   stop_ = true;
   thread_.join();
   ::close(socket_);
+  if (second_socket_ >= 0) ::close(second_socket_);
 }
 
-void NatNetEmulator::send(const std::string& packet) {
+void NatNetEmulator::send(int socket, const std::string& packet) {
   if (client_.size() != sizeof(sockaddr_in)) return;
   sockaddr_in to{};
   std::memcpy(&to, client_.data(), sizeof to);
-  ::sendto(socket_, packet.data(), packet.size(), MSG_NOSIGNAL, reinterpret_cast<const sockaddr*>(&to), sizeof to);
+  ::sendto(socket, packet.data(), packet.size(), MSG_NOSIGNAL, reinterpret_cast<const sockaddr*>(&to), sizeof to);
 }
 
 void NatNetEmulator::answer(const unsigned char* request, long size) {
   if (size < 4) return;
   const int id = request[0] | request[1] << 8;
-  if (id == 0) send(server_info(sized_));
-  if (id == 4) send(descriptions(sized_));
+  if (id == 0) send(socket_, server_info(sized_));
+  if (id == 4) send(socket_, descriptions(sized_));
 }
 
 void NatNetEmulator::serve() {
@@ -184,8 +194,9 @@ void NatNetEmulator::serve() {
       if (due(faults_.drop_every)) continue;
       std::string packet = natnet_frame_packet(frame, sized_);
       if (due(faults_.short_every)) packet.resize(packet.size() / 2);
-      send(packet);
-      if (due(faults_.repeat_every)) send(packet);
+      const int by = faults_.second_card ? second_socket_ : socket_;
+      send(by, packet);
+      if (due(faults_.repeat_every)) send(by, packet);
       ++sent_;
     }
     clock.sleep_until(clock.now_s() + 5e-4);

@@ -51,6 +51,7 @@ struct NatNetFaults {
   std::uint32_t silent_after = 0;
   std::uint32_t begins_at = 1;     // the first frame's number
   std::uint32_t begins_again = 0;  // after so many frames the numbers begin at 1
+  bool second_card = false;        // frames come from 127.0.0.2, answers from 127.0.0.1
 };
 
 class NatNetEmulator {
@@ -73,13 +74,13 @@ class NatNetEmulator {
  private:
   void serve();
   void answer(const unsigned char* request, long size);
-  void send(const std::string& packet);
+  void send(int socket, const std::string& packet);
 
   double rate_Hz_;
   NatNetFaults faults_;
   std::function<EmulatedPose(double)> pose_;
   bool sized_;
-  int socket_ = -1, port_ = 0;
+  int socket_ = -1, second_socket_ = -1, port_ = 0;
   std::string client_;  // its address, as bytes
   std::atomic<bool> stop_{false};
   std::atomic<std::uint64_t> sent_{0};

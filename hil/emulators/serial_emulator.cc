@@ -86,7 +86,7 @@ class Bota {
   std::string frame() {
     ++count_;
     const auto due = [&](std::uint32_t every) { return every != 0 && count_ % every == 0; };
-    if (due(faults_.drop_every)) return {};
+    if (due(faults_.drop_every) || (count_ < faults_.halved_until && count_ % 2 == 0)) return {};
     const double t = static_cast<double>(count_) * period_s_;
     const Wrench w = wrench_(t);
     std::string data;

@@ -35,6 +35,7 @@ class SerialEmulator {
 
 struct BotaFaults {
   std::uint32_t drop_every = 0;    // every n-th frame is not sent
+  std::uint32_t halved_until = 0;  // until this frame every second one is not sent
   std::uint32_t damage_every = 0;  // every n-th has a wrong byte
   std::uint32_t status_every = 0;  // every n-th has a status bit
   std::uint32_t resets_at = 0;     // at this frame its clock begins again

@@ -20,9 +20,11 @@ ServoRun whole_run(Bench& bench, double seconds, const WantedForce& wanted, cons
         fmt::format("{}: needs a force sensor that holds the handle; connect one in the hardware map", test));
   auto run = run_servo(bench, seconds, wanted, rate_Hz);
   if (!run.whole()) {
-    throw DeviceError(DeviceStatus::failed, fmt::format("{}: the run was cut short at {:.3g} s: {}; run it again", test,
-                                                        run.ticks.empty() ? 0.0 : run.ticks.back().t_s,
-                                                        run.stopped ? "stopped by the user" : to_string(run.trip)));
+    throw DeviceError(
+        DeviceStatus::failed,
+        fmt::format("{}: the run was cut short at {:.3g} s: {}", test, run.ticks.empty() ? 0.0 : run.ticks.back().t_s,
+                    run.stopped ? "stopped by the user" : to_string(run.trip)),
+        "run it again");
   }
   double last = 0.0, gap = 0.0;
   for (const auto& sample : run.wrenches) gap = std::max(gap, sample.t_s - last), last = sample.t_s;
@@ -30,9 +32,9 @@ ServoRun whole_run(Bench& bench, double seconds, const WantedForce& wanted, cons
   if (gap > 0.02 || static_cast<double>(run.wrenches.size()) < 0.5 * rate_Hz * seconds) {
     throw DeviceError(
         DeviceStatus::failed,
-        fmt::format("{}: the sensor gave {} samples in {:.3g} s, with a gap of {:.3g} s; at least one per "
-                    "two ticks without a gap is needed: quiet the machine, or raise the sensor's rate",
-                    test, run.wrenches.size(), seconds, gap));
+        fmt::format("{}: the sensor gave {} samples in {:.3g} s, with a gap of {:.3g} s", test, run.wrenches.size(),
+                    seconds, gap),
+        "at least one per two ticks without a gap is needed: quiet the machine, or raise the sensor's rate");
   }
   return run;
 }
@@ -113,9 +115,9 @@ Finding force_step(Bench& bench, const LabLimits& limits, double force_N, const 
   std::vector<double> t, f;
   for (const auto& [time, force] : folded) t.push_back(time), f.push_back(force);
   if (t.size() < 100)
-    throw DeviceError(DeviceStatus::failed, fmt::format("force-step: {} samples about the steps, and 100 are needed; "
-                                                        "is the sensor clamped to the handle, and does it send?",
-                                                        t.size()));
+    throw DeviceError(DeviceStatus::failed,
+                      fmt::format("force-step: {} samples about the steps, and 100 are needed", t.size()),
+                      "is the sensor clamped to the handle, and does it send?");
   const auto r = step_response(t, f, 0.0);
   Finding finding;
   finding.test = "force-step";
@@ -160,9 +162,9 @@ Finding force_latency(Bench& bench, const LabLimits& limits, double force_N, con
     mean += f.back();
   }
   if (t.size() < bits.size())
-    throw DeviceError(
-        DeviceStatus::failed,
-        fmt::format("force-latency: {} samples, and {} are needed; raise the sensor's rate", t.size(), bits.size()));
+    throw DeviceError(DeviceStatus::failed,
+                      fmt::format("force-latency: {} samples, and {} are needed", t.size(), bits.size()),
+                      "raise the sensor's rate");
   for (double& v : f) v -= mean / static_cast<double>(t.size());
   const double command_mean = 0.5 * force_N * (1.0 + 1.0 / static_cast<double>(bits.size()));
   const auto command = [&](double at) { return held_command(run.ticks, along, at) - command_mean; };
@@ -242,8 +244,8 @@ Finding golden_replay(Bench& bench, const LabLimits& limits, const GoldenForce& 
     if (s.t_s < quiet_s) bias += s.wrench.f_N, quiet += 1.0;
   }
   if (quiet < 10)
-    throw DeviceError(DeviceStatus::failed,
-                      "golden-replay: fewer than 10 samples before the trajectory; does the sensor send?");
+    throw DeviceError(DeviceStatus::failed, "golden-replay: fewer than 10 samples before the trajectory",
+                      "does the sensor send?");
   bias /= quiet;
   const auto golden_at = [&](double t) -> Vec3 {
     const double at = t - quiet_s + first;

@@ -47,7 +47,8 @@ Finding friction_by_hand(Bench& bench, const LabLimits& limits, double seconds, 
                   seconds));
   const auto run = run_servo_at_zero(bench, seconds);
   if (run.trip != Trip::none)
-    throw DeviceError(DeviceStatus::failed, fmt::format("friction: cut short: {}; run it again", to_string(run.trip)));
+    throw DeviceError(DeviceStatus::failed, fmt::format("friction: cut short: {}", to_string(run.trip)),
+                      "run it again");
   std::vector<double> v, a, f;
   // A sample every 5 ms is plenty, and spares time.
   double next = 0.0;
@@ -67,12 +68,10 @@ Finding friction_by_hand(Bench& bench, const LabLimits& limits, double seconds, 
     low = std::min(low, tick.p_W_m.x() - run.ticks[0].p_W_m.x()),
     high = std::max(high, tick.p_W_m.x() - run.ticks[0].p_W_m.x());
   if (v.size() < 200 || reversals < 4 || high - low < 0.01) {
-    throw DeviceError(
-        DeviceStatus::failed,
-        fmt::format(
-            "friction: the handle moved {:.3g} mm with {} reversals while {} samples came; move it to and fro by "
-            "at least 10 mm, with at least 4 reversals",
-            1e3 * (high - low), reversals, v.size()));
+    throw DeviceError(DeviceStatus::failed,
+                      fmt::format("friction: the handle moved {:.3g} mm with {} reversals while {} samples came",
+                                  1e3 * (high - low), reversals, v.size()),
+                      "move it to and fro by at least 10 mm, with at least 4 reversals");
   }
   const auto n = static_cast<Eigen::Index>(v.size());
   const double v_scale = *std::max_element(v.begin(), v.end()),
@@ -86,8 +85,8 @@ Finding friction_by_hand(Bench& bench, const LabLimits& limits, double seconds, 
   }
   const Eigen::ColPivHouseholderQR<Eigen::MatrixX4d> qr(basis);
   if (qr.rank() < 4)
-    throw DeviceError(DeviceStatus::failed,
-                      "friction: the motion was too even to tell its parts apart; vary the speed");
+    throw DeviceError(DeviceStatus::failed, "friction: the motion was too even to tell its parts apart",
+                      "vary the speed");
   const Eigen::Vector4d c = qr.solve(force);
   const double residual = (basis * c - force).norm() / std::sqrt(static_cast<double>(n));
   Finding finding;
@@ -122,9 +121,9 @@ Finding servo_regularity(Bench& bench, const LabLimits& limits, double seconds, 
   std::vector<double> t;
   for (const auto& tick : run.ticks) t.push_back(tick.t_s);
   if (t.size() < 3)
-    throw DeviceError(
-        DeviceStatus::failed,
-        fmt::format("servo-jitter: the loop gave {} ticks, and 3 are needed; is the device still there?", t.size()));
+    throw DeviceError(DeviceStatus::failed,
+                      fmt::format("servo-jitter: the loop gave {} ticks, and 3 are needed", t.size()),
+                      "is the device still there?");
   const auto j = servo_jitter(t, period_s, bin_s, 40);
   const auto counted = std::accumulate(j.histogram.begin(), j.histogram.end(), std::uint64_t{0});
   Finding finding;

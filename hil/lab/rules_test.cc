@@ -22,7 +22,6 @@
 #include "harness/base/random.h"
 #include "harness/testing/steps.h"
 #include "hil/devices/device_lock.h"
-#include "hil/devices/device_table.h"
 #include "hil/devices/probe.h"
 #include "hil/emulators/haply_emulator.h"
 #include "hil/emulators/ndi_emulator.h"
@@ -68,7 +67,7 @@ TEST(SkipRules, WithoutHardwareEveryLabTestIsSkippedWithItsDevicesReason) {
   EXPECT_THAT(output.text, Not(HasSubstr("[       OK ]")));
   EXPECT_THAT(output.text, HasSubstr("[  SKIPPED ]"));
   EXPECT_THAT(output.text, HasSubstr("Novint Falcon (novint-falcon): absent: no such device on USB"));
-  EXPECT_THAT(output.text, HasSubstr("ATI Net F/T (ati-netft): absent: a network sensor is looked for only where the "
+  EXPECT_THAT(output.text, HasSubstr("ATI Net F/T (ati-netft): absent: a network device is looked for only where the "
                                      "hardware map gives its address"));
 }
 
@@ -161,14 +160,6 @@ TEST(Probe, NetworkSensorPresentWrongSerialAndExpired) {
   d.calibration_file.reset();
   emulator.unplug();
   EXPECT_EQ(status(), DeviceStatus::absent);
-}
-
-TEST(DeviceTable, ProductStringsDecideWhereIdsConflict) {
-  EXPECT_EQ(match_usb(0x1451, 0x0401, "delta.3")->id, "force-dimension-delta");
-  EXPECT_EQ(match_usb(0x1451, 0x0401, "sigma.7 haptic")->id, "force-dimension-sigma");
-  EXPECT_EQ(match_usb(0x0403, 0xcb48, "")->id, "novint-falcon");
-  EXPECT_EQ(match_usb(0x0403, 0x6001, "FT232"), nullptr);
-  EXPECT_EQ(match_usb(0x3923, 0x7272, "USB-6218")->id, "ni-daq");
 }
 
 // Another program may be using what is looked for.
@@ -378,8 +369,17 @@ TEST(DeviceErrors, SayWhatToDoNext) {
     EXPECT_GT(bare.size(), 50U) << to_string(kind);
   }
   // What says so itself is not told twice.
-  EXPECT_STREQ(DeviceError(DeviceStatus::failed, "it hums; let it cool").what(), "it hums; let it cool");
-  EXPECT_STREQ(DeviceError(DeviceStatus::absent, "is it switched on?").what(), "is it switched on?");
+  EXPECT_STREQ(DeviceError(DeviceStatus::failed, "it hums", "let it cool").what(), "it hums; let it cool");
+  EXPECT_STREQ(DeviceError::passed_on(DeviceStatus::failed, "it hums; let it cool").what(), "it hums; let it cool");
+}
+
+// A semicolon or a question mark in what a device or the system says is no advice.
+TEST(DeviceErrors, AProblemWithASemicolonIsNoAdvice) {
+  for (const char* const problem : {"status 3; code 7", "/dev/input/who?: Input/output error"}) {
+    const std::string said = DeviceError(DeviceStatus::gone, problem).what();
+    EXPECT_THAT(said, ::testing::StartsWith(problem));
+    EXPECT_THAT(said, ::testing::EndsWith(std::string(usual_advice(DeviceStatus::gone))));
+  }
 }
 
 }  // namespace

@@ -5,9 +5,7 @@
 #include <cstdlib>
 #include <string_view>
 
-#include "hil/drivers/comedi_daq.h"
-#include "hil/drivers/netft.h"
-#include "hil/drivers/onrobot.h"
+#include "hil/drivers/device_table.h"
 #include "hil/drivers/open_mapped.h"
 #include "hil/safety/guardian.h"
 
@@ -23,6 +21,7 @@ MappedDevice mapped_device(const std::string& id) {
   const auto map = hardware_map_from_environment();
   const auto* const mapped = map.find(id);
   MappedDevice device = mapped != nullptr ? *mapped : MappedDevice{};
+  device.id = id;
   if (const auto chosen = environment("TOUCHSTONE_HIL_DEAD_MAN"); !chosen.empty()) device.dead_man = chosen;
   return device;
 }
@@ -39,13 +38,6 @@ Availability availability_for(const std::string& device_id, Needs needs) {
             device_id + ": needs a person at the bench (TOUCHSTONE_HIL_OPERATOR=1); see docs/how-to/lab.md"};
   }
   return needs == Needs::forces ? judge_dead_man(found, mapped_device(device_id).dead_man, true) : found;
-}
-
-std::unique_ptr<WrenchSource> open_mapped_sensor(const std::string& id, const MappedDevice& mapped) {
-  if (id == "onrobot-hex") return open_onrobot({mapped.address, mapped.udp_port}, 2.0, false);
-  if (id == "ati-netft") return open_netft({mapped.address, mapped.http_port, mapped.udp_port}, 2.0, false);
-  return open_comedi_ati({mapped.address.empty() ? "/dev/comedi0" : mapped.address, mapped.library,
-                          *mapped.calibration_file, mapped.serial, 5000.0, false});
 }
 
 GuardOptions guard_options(const MappedDevice& mapped) {
@@ -74,17 +66,19 @@ LabStation::LabStation(const std::string& device_id, const Availability& found, 
   mapped_ = mapped_device(device_id);
   limits_ = lab_limits(mapped_.limits);
   lock_ = std::make_unique<DeviceLock>(mapped_);
-  device_ = open_guarded([this] { return open_mapped_device(id_, mapped_); }, guard_options(mapped_));
+  device_ = open_guarded([this] { return open_handle(mapped_); }, guard_options(mapped_));
   bench_ = std::make_unique<Bench>(Bench{clock_, *device_});
   bench_->limits.force_N = mapped_.force_limit_N;
   bench_->limits.workspace_W_m = Box3(Vec3::Constant(-0.2), Vec3::Constant(0.2));
   bench_->tell = [](const std::string& text) { fmt::print(stderr, "--> {}\n", text); };
   if (with_sensor) {
-    for (const std::string id : {"ati-netft", "onrobot-hex", "ati-nano17-daq"}) {
-      if (sensor_ || availability(id).decision != Decision::run) continue;
+    for (const KnownDevice* const known : known_devices()) {
+      const std::string id(known->id);
+      if (sensor_ || known->open_force == nullptr || known->one_axis || availability(id).decision != Decision::run)
+        continue;
       const auto sensor = mapped_device(id);
       sensor_lock_ = std::make_unique<DeviceLock>(sensor);
-      sensor_ = open_mapped_sensor(id, sensor);
+      sensor_ = open_force(sensor);
     }
     if (!sensor_)
       throw DeviceError(

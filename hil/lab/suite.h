@@ -65,8 +65,6 @@ class LabStation {
   std::unique_ptr<Bench> bench_;
 };
 
-// The force sensor that the map calls `id`. Throws DeviceError.
-std::unique_ptr<WrenchSource> open_mapped_sensor(const std::string& id, const MappedDevice& mapped);
 // The guard's limits for it: the map's force limit, and what the lab's tests need of the rest.
 GuardOptions guard_options(const MappedDevice& mapped);
 

@@ -71,9 +71,8 @@ Finding wall_sweep(Bench& bench, const LabLimits& limits, const WallSweep& sweep
       if (!touch.touched && run.trip == Trip::none) {
         throw DeviceError(
             DeviceStatus::failed,
-            fmt::format("wall-sweep: at {:.0f} N/m the handle did not come from x > 0 to rest against the "
-                        "wall; lift it off before each trial, then press",
-                        k));
+            fmt::format("wall-sweep: at {:.0f} N/m the handle did not come from x > 0 to rest against the wall", k),
+            "lift it off before each trial, then press");
       }
       finding.runs.push_back(run);
       stiffness.push_back(k);

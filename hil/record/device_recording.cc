@@ -27,7 +27,7 @@ RecordReport record_device(const std::string& id, const HardwareMap& map, const 
                            const RecordOptions& options, const std::function<bool()>& stop) {
   const MappedDevice& mapped = usable_device(id, map);
   const DeviceLock lock(mapped);
-  const auto source = open_force(mapped, {.card_rate_Hz = options.nominal_rate_Hz});
+  const auto source = open_force(mapped, options.nominal_rate_Hz);
   RecordOptions own = options;
   own.nominal_rate_Hz = mapped.rate_Hz;  // the other one is a card's
   return record_session(*source, file, own, stop);
@@ -69,9 +69,10 @@ std::string record_text(const MultiReport& report) {
     const StreamCounters& counters = s.last.counters;
     text += fmt::format(
         "{:<20} recorded {} samples in {:.1f} s; lost on the way {}, in memory {}, repeated {}, late {}, malformed "
-        "{}\n",
+        "{}{}\n",
         s.name, s.last.written, report.seconds, counters.lost, s.last.lost_in_memory, counters.repeated,
-        counters.reordered, counters.malformed);
+        counters.reordered, counters.malformed,
+        counters.strangers > 0 ? fmt::format(", from another address {}", counters.strangers) : "");
   }
   return text;
 }

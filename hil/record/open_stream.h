@@ -2,23 +2,21 @@
 #pragma once
 
 #include <memory>
-#include <string>
 
 #include "harness/base/rooms.h"
 #include "hil/devices/hardware_map.h"
+#include "hil/drivers/open_mapped.h"
 #include "hil/record/stream.h"
 
 namespace touchstone::hil {
 
 struct StreamSettings {
-  double card_rate_Hz = 5000.0;    // scans of a data acquisition card
-  double handle_rate_Hz = 1000.0;  // exchanges with a haptic device, at zero force
+  double card_rate_Hz = usual_card_rate_Hz;  // scans of a data acquisition card
+  double handle_rate_Hz = 1000.0;            // exchanges with a haptic device, at zero force
 };
 
-// The driver of a force sensor. Throws UsageError where the device is none or the map lacks what it needs (the message
-// says what), DeviceError where it cannot be opened.
-std::unique_ptr<WrenchSource> open_force(const MappedDevice& device, const StreamSettings& settings = {});
-// Any device that can be recorded: force sensors, trackers, haptic devices.
+// Any device that can be recorded: force sensors, trackers, haptic devices. Throws UsageError where the device is none
+// or the map lacks what it needs (the message says what), DeviceError where it cannot be opened.
 std::unique_ptr<Stream> open_stream(const MappedDevice& device, const StreamSettings& settings = {});
 
 }  // namespace touchstone::hil

@@ -181,10 +181,9 @@ int open_or_throw(const std::string& path, int flags) {
   const auto status = errno == EACCES                      ? DeviceStatus::no_permission
                       : errno == ENOENT || errno == ENODEV ? DeviceStatus::absent
                                                            : DeviceStatus::failed;
-  throw DeviceError(status, fmt::format("dead-man input {}: {}{}", path, std::strerror(errno),
-                                        status == DeviceStatus::no_permission
-                                            ? "; the group \"input\" may read it, or a udev rule with uaccess"
-                                            : ""));
+  throw DeviceError(
+      status, fmt::format("dead-man input {}: {}", path, std::strerror(errno)),
+      status == DeviceStatus::no_permission ? "the group \"input\" may read it, or a udev rule with uaccess" : "");
 }
 
 std::unique_ptr<DeadMan> open_input(const std::string& path, unsigned key) {
@@ -196,8 +195,9 @@ std::unique_ptr<DeadMan> open_input(const std::string& path, unsigned key) {
     ::close(fd);
     throw DeviceError(DeviceStatus::failed,
                       fmt::format("dead-man input {}: its keys do not repeat ({}), so that a broken cable could not be "
-                                  "told from a held pedal; use one that acts as a keyboard",
-                                  path, std::strerror(error)));
+                                  "told from a held pedal",
+                                  path, std::strerror(error)),
+                      "use one that acts as a keyboard");
   }
   ::ioctl(fd, EVIOCGRAB, 1);  // its keys are for us, not for the terminal; without the grab it works as well
   return std::make_unique<InputEventDeadMan>(fd, key);

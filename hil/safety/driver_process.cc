@@ -31,6 +31,7 @@ class Driver {
       hello.watchdog_s = device_->watchdog_s();
     } catch (const DeviceError& error) {
       hello.status = static_cast<int>(error.device_status());
+      hello.advised = 1;
       copy_text(hello.message, error.what());
     } catch (const std::exception& error) {
       hello.status = static_cast<int>(DeviceStatus::failed);
@@ -101,6 +102,7 @@ class Driver {
       return reply;
     } catch (const DeviceError& error) {
       reply.status = static_cast<int>(error.device_status());
+      reply.advised = 1;
       copy_text(reply.message, error.what());
     } catch (const std::exception& error) {
       reply.status = static_cast<int>(DeviceStatus::failed);

@@ -15,6 +15,7 @@ struct GuardHello {
   int status = 0;  // DeviceStatus
   int calibrated = 0;
   int emulated = 0;
+  int advised = 0;  // the message ends with what to do
   double watchdog_s = 0.0;
   char message[256] = {};
   char id[64] = {}, serial[64] = {}, firmware[96] = {}, calibration[160] = {};
@@ -33,6 +34,7 @@ struct GuardReply {
   unsigned number = 0;
   int calibrated = 0;
   int confirmed = 0;  // zero, or motors off
+  int advised = 0;    // as in GuardHello
   Trip trip = Trip::none;
   double t_s = 0.0, p_m[3] = {}, v_m_per_s[3] = {}, temperature_C = 0.0, allowed_N[3] = {};
   unsigned buttons = 0;
@@ -44,6 +46,14 @@ void copy_text(char (&to)[n], std::string_view from) {
   const std::size_t size = std::min(n - 1, from.size());
   std::copy_n(from.data(), size, to);
   to[size] = '\0';
+}
+
+// What a hello or a reply says is wrong.
+template <class Message>
+DeviceError problem_of(const Message& message) {
+  const auto status = static_cast<DeviceStatus>(message.status);
+  if (message.advised != 0) return DeviceError::passed_on(status, message.message);
+  return DeviceError(status, message.message);
 }
 
 enum class Received { message, nothing, gone };

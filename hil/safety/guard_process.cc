@@ -94,6 +94,7 @@ class Guard {
     GuardReply reply;
     if (tripped() != Trip::none) {
       reply.status = static_cast<int>(DeviceStatus::failed);
+      reply.advised = 1;
       copy_text(reply.message, "the guard let go: " + std::string(to_string(tripped())) + "; open the device again");
       reply.confirmed = page_.device_zero ? 1 : 0;
       return reply;

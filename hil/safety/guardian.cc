@@ -81,24 +81,25 @@ class Guarded final : public GuardedDevice {
  private:
   GuardReply ask(GuardRequest request, double deadline_s) {
     request.number = ++number_;
-    if (!send_message(fd_, request)) throw DeviceError(DeviceStatus::gone, gone());
+    if (!send_message(fd_, request)) throw gone();
     GuardReply reply;
     do {
       switch (receive_message(fd_, reply, deadline_s)) {
         case Received::nothing:
           throw DeviceError(DeviceStatus::timed_out, fmt::format("{}: no answer before the deadline", identity_.id));
         case Received::gone:
-          throw DeviceError(DeviceStatus::gone, gone());
+          throw gone();
         case Received::message:
           break;
       }
     } while (reply.number != request.number);  // an answer that came after its deadline is not this one's
-    if (reply.status != 0) throw DeviceError(static_cast<DeviceStatus>(reply.status), reply.message);
+    if (reply.status != 0) throw problem_of(reply);
     return reply;
   }
-  [[nodiscard]] std::string gone() const {
-    return fmt::format("{}: the guard process is gone; its rescuer brings the device to zero ({})", identity_.id,
-                       to_string(page_->phase));
+  [[nodiscard]] DeviceError gone() const {
+    return {DeviceStatus::gone,
+            fmt::format("{}: the guard process is gone ({})", identity_.id, to_string(page_->phase)),
+            "its rescuer brings the device to zero: start again when it is at rest"};
   }
 
   int fd_;
@@ -141,10 +142,9 @@ std::unique_ptr<GuardedDevice> open_guarded(const OpenDevice& open, const GuardO
     ::close(ends[0]);
     if (heard == Received::nothing) ::kill(guard, SIGKILL);
     ::waitpid(guard, nullptr, 0);
-    throw DeviceError(heard == Received::message ? static_cast<DeviceStatus>(hello.status) : DeviceStatus::failed,
-                      heard == Received::message ? hello.message
-                                                 : "the guard process did not open the device in time; is it switched "
-                                                   "on, and does no other program have it?");
+    if (heard == Received::message) throw problem_of(hello);
+    throw DeviceError(DeviceStatus::failed, "the guard process did not open the device in time",
+                      "is it switched on, and does no other program have it?");
   }
   return std::make_unique<Guarded>(ends[0], guard, hello, options, std::move(page));
 }
