@@ -35,6 +35,13 @@ namespace touchstone::hil {
 namespace {
 
 constexpr double longest_to_zero_s = 0.02;
+// A sanitizer makes processes several times slower, and one that crashes writes its report before it ends: what it does
+// in its time is held there, not the time.
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+constexpr bool holds_times = false;
+#else
+constexpr bool holds_times = true;
+#endif
 
 bool real_time(int priority) {
   sched_param parameters{};
@@ -359,7 +366,7 @@ TEST(GuardFaultTable, IsTheOneInTheDocumentation) {
     } else {
       EXPECT_GE(outcome.to_zero_s, 0.0) << "a force stays on";
       worst_s = std::max(worst_s, outcome.to_zero_s);
-      if (timely) {
+      if (timely && holds_times) {
         EXPECT_LE(outcome.to_zero_s, longest_to_zero_s + outcome.waited_s);
       }
     }
