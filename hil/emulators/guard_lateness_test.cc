@@ -1,13 +1,16 @@
 #include "hil/emulators/guard_lateness.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <sched.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <csignal>
+#include <fstream>
 #include <functional>
 #include <limits>
+#include <string>
 
 namespace touchstone::hil {
 namespace {
@@ -76,6 +79,15 @@ void compute_for_ever() {
   for (volatile double x = 0.0;;) x = x + 1.0;
 }
 
+// R, S, T ...: the third field of /proc/PID/stat (proc_pid_stat(5)), after the name in brackets.
+char state_of(int pid) {
+  std::ifstream file(fmt::format("/proc/{}/stat", pid));
+  std::string text;
+  std::getline(file, text);
+  const auto end = text.rfind(')');
+  return end == std::string::npos || end + 2 >= text.size() ? '?' : text[end + 2];
+}
+
 // What the kernel counts: two that compute on one processor wait for each other; who sleeps or is stopped waits for
 // none.
 TEST(GuardLateness, CountsWhoIsReadyAndHasNoProcessor) {
@@ -98,7 +110,13 @@ TEST(GuardLateness, CountsWhoIsReadyAndHasNoProcessor) {
   GuardLateness lateness(rival, *page);
   MonotonicClock clock;
   ::kill(stopped, SIGSTOP);
-  clock.sleep_until(clock.now_s() + 0.05);  // asleep and stopped by now
+  // A process that is to sleep or to stop waits once more for a processor to do so.
+  for (const double until = clock.now_s() + 20.0; clock.now_s() < until;) {
+    if (state_of(stopped) == 'T' && state_of(asleep) == 'S') break;
+    clock.sleep_until(clock.now_s() + 0.005);
+  }
+  ASSERT_EQ(state_of(stopped), 'T');
+  ASSERT_EQ(state_of(asleep), 'S');
   lateness.look(clock.now_s());
   const double from = clock.now_s();
   clock.sleep_until(from + 0.3);

@@ -85,7 +85,7 @@ void publish(const Evidence& e, const std::vector<WrenchSample>& samples) {
       {"calibration", e.device.calibration},
       {"fixture", e.fixture},
       {"scheduling", scheduling()},
-      {"clock", "CLOCK_MONOTONIC"},
+      {"clock", "CLOCK_BOOTTIME"},  // of MonotonicClock
       {"commit", build_info().commit},
       {"dirty", build_info().dirty},
       {"when",

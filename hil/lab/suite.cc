@@ -107,7 +107,7 @@ void LabStation::conclude(const Finding& finding) {
   e.fixture = mapped_.fixture;
   if (bench_->sensor != nullptr) {
     const auto& s = bench_->sensor->identity();
-    e.sensor = fmt::format("{} serial {}, {}", s.id, s.serial, s.calibration);
+    e.sensor = fmt::format("{} serial {}{}", s.id, s.serial, s.calibration.empty() ? "" : ", " + s.calibration);
     e.counters = bench_->sensor->counters();
   }
   if (bench_->dead_man != nullptr) e.dead_man = bench_->dead_man->instruction();

@@ -36,7 +36,7 @@ namespace {
 
 constexpr double longest_to_zero_s = 0.02;
 // A sanitizer makes processes several times slower, and one that crashes writes its report before it ends: what it does
-// in its time is held there, not the time.
+// in its time is held there, not the time, nor which comes first: a program's end or the silence while it ends.
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
 constexpr bool holds_times = false;
 #else
@@ -113,7 +113,8 @@ struct TrialOutcome {
   double waited_s = 0.0;  // for a processor, the guard's processes together, from the fault to zero
   double most_N = 0.0;    // after the fault struck
   std::string reason;
-  std::string wrong_step;  // in the guard's log, that guard_transitions.h does not allow
+  bool silence_first = false;  // the program was ended, and the guard let go of its silence before it saw that
+  std::string wrong_step;      // in the guard's log, that guard_transitions.h does not allow
 };
 
 std::string wrong_step(const std::vector<GuardEvent>& events) {
@@ -178,9 +179,11 @@ class GuardTrial {
       if (!trial_.push) outcome.to_zero_s = 0.0;
     }
     // The log's last word may come after the zero.
-    wait_for([&] { return page_->phase == GuardPhase::off || trial_.no_fault || !trial_.push || trial_.at_once; }, 0.5);
+    const bool stays_on = trial_.no_fault && outcome.to_zero_s < 0.0;
+    wait_for([&] { return page_->phase == GuardPhase::off || stays_on || !trial_.push || trial_.at_once; }, 0.5);
     outcome.reason =
         page_->trip == Trip::none ? (orders_->refused ? "refused" : "-") : std::string(to_string(page_->trip));
+    if (page_->trip == Trip::stale) outcome.silence_first = wait_for([&] { return was_killed(program_pid); }, 0.1);
     // Zero must stay zero.
     if (outcome.to_zero_s >= 0.0 && plant_->applied_N().norm() > 0.0) outcome.to_zero_s = -1;
     if (trial_.no_fault && page_->trip != Trip::none) judge_early(outcome, options);
@@ -203,6 +206,12 @@ class GuardTrial {
       rest();
     }
     return false;
+  }
+  // Ended by a signal; it stays to be waited for.
+  static bool was_killed(pid_t pid) {
+    siginfo_t info{};
+    return ::waitid(P_PID, static_cast<id_t>(pid), &info, WEXITED | WNOHANG | WNOWAIT) == 0 && info.si_pid == pid &&
+           info.si_code == CLD_KILLED;
   }
   void rest() {
     const double due = clock_.now_s() + 2e-4;
@@ -371,8 +380,9 @@ TEST(GuardFaultTable, IsTheOneInTheDocumentation) {
       }
     }
     const bool never_on = !trial.push || trial.at_once;
-    starts.push_back(row_start(trial, outcome));
-    table += starts.back() +
+    const std::string start = row_start(trial, outcome);
+    if (holds_times || !outcome.silence_first) starts.push_back(start);
+    table += start +
              (trial.no_fault ? "stays on | -"
               : never_on     ? "never on | -"
                              : fmt::format("{:.1f} ms | {:.1f} ms", 1e3 * outcome.to_zero_s, 1e3 * outcome.waited_s)) +
