@@ -15,6 +15,7 @@ namespace {
 
 constexpr int rescuer_priority = 82;        // above those that it watches
 constexpr double look_s = 0.001;            // while a force is on
+constexpr double look_idle_s = 0.005;       // a force that comes on meanwhile is seen before watchdog_s has passed
 constexpr double driver_lets_go_s = 0.004;  // what a living driver needs to see that its guard is gone
 constexpr double first_attempt_s = 0.05;    // a device that opens at once; longer each time
 constexpr double longest_attempt_s = 5.0, gives_up_s = 60.0;
@@ -49,7 +50,7 @@ class Rescuer {
   int watch() {
     for (;;) {
       const bool pushing = page_.pushing;
-      const timespec wait{0, static_cast<long>((pushing ? look_s : 20.0 * look_s) * 1e9)};
+      const timespec wait{0, static_cast<long>((pushing ? look_s : look_idle_s) * 1e9)};
       pollfd ready{pipe_, POLLIN, 0};
       const int n = ::ppoll(&ready, 1, &wait, nullptr);
       if (n > 0) {
