@@ -116,6 +116,14 @@ NearestInPolyhedronOf<S> nearest_in_polyhedron_of(std::span<const HalfSpaceOf<S>
   return now;
 }
 
+template <class S>
+bool nearest_on_planes(std::span<const HalfSpaceOf<S>> planes, const Vec3Of<S>& p, Vec3Of<S>& x) noexcept {
+  return on_planes<S>(planes, Basis{0, 1, 2}, static_cast<int>(planes.size()), p, x);
+}
+
+template bool nearest_on_planes(std::span<const HalfSpace>, const Vec3&, Vec3&) noexcept;
+template bool nearest_on_planes(std::span<const HalfSpaceOf<Counted>>, const Vec3Of<Counted>&,
+                                Vec3Of<Counted>&) noexcept;
 template NearestInPolyhedron nearest_in_polyhedron_of<double>(std::span<const HalfSpace>, const Vec3&,
                                                               const double&) noexcept;
 template NearestInPolyhedronOf<Counted> nearest_in_polyhedron_of<Counted>(std::span<const HalfSpaceOf<Counted>>,

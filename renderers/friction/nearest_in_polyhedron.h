@@ -41,4 +41,9 @@ inline NearestInPolyhedron nearest_in_polyhedron(std::span<const HalfSpace> half
   return nearest_in_polyhedron_of<double>(half_spaces, p, rounding);
 }
 
+// The point nearest to p on all of up to three planes n_i . x = b_i. False where they have no common point that double
+// precision could tell, or where one of them pulls (l_i < 0).
+template <class S>
+bool nearest_on_planes(std::span<const HalfSpaceOf<S>> planes, const Vec3Of<S>& p, Vec3Of<S>& x) noexcept;
+
 }  // namespace touchstone::renderers

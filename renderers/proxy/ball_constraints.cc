@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "renderers/friction/fixed_order.h"
+#include "renderers/friction/nearest_in_polyhedron.h"
 #include "renderers/walkable/counted_contact_mesh.h"
 
 namespace touchstone::renderers {
@@ -15,6 +16,15 @@ constexpr int kFeatureChanges = 6;
 // Of rounding: what may be left of a gap where the answer no longer moves. Of normals nearly alike (cos 0.9999) the
 // equations of the multipliers lose four digits, and with them the place.
 constexpr double kStanding = 64.0;
+// Of the last move: one that is no shorter than this gains nothing, or too little for the steps that are left.
+constexpr double kGaining = 0.4;
+// Of rounding: moves between planes that stay longer than that do not become shorter.
+constexpr double kNoise = 16.0;
+// Of two unit normals: planes that differ by less meet in a crease that costs the multipliers' equations six digits.
+constexpr double kNearlyFlat = 1e-3;
+// For what is farther for sure, rounding aside.
+constexpr double kBeyond = 1.0 + 64.0 * std::numeric_limits<double>::epsilon();
+constexpr int kCuts = 40;  // of the search for the least distance along a way
 
 // On one triangle: by its face, edge or corner in closed form, until the answer's own closest feature is the one used.
 // Both this and newton() answer false where the contact ends up on the triangle's other side.
@@ -69,25 +79,41 @@ Mat3Of<S> curvature(const Mesh& mesh, std::int32_t triangle, const TouchOf<S>& t
   return bend / t.d;
 }
 
+// Whether two triangles, and no third, hold the ball in such a crease.
+template <class Mesh, class S = typename Mesh::Scalar>
+bool nearly_flat(const Mesh& mesh, const Holding& holding) noexcept {
+  if (holding.size != 2) return false;
+  const Vec3Of<S>& a = mesh.facet(holding.triangle[0]).n;
+  const Vec3Of<S>& b = mesh.facet(holding.triangle[1]).n;
+  return squared_distance<S>(a, b) < kNearlyFlat * kNearlyFlat;
+}
+
+enum class Found : std::uint8_t { rest, nothing, unsettled };
+
 template <int M, class Mesh, class S = typename Mesh::Scalar>
-bool newton(const Mesh& mesh, const Holding& holding, const S& r, const Vec3Of<S>& p, const S& rounding,
-            Vec3Of<S>& x) noexcept {
+Found newton(const Mesh& mesh, const Holding& holding, const S& r, const Vec3Of<S>& p, const S& rounding,
+             Vec3Of<S>& x) noexcept {
   using std::abs;
   using Multipliers = Eigen::Matrix<S, M, 1>;
   using Normals = Eigen::Matrix<S, 3, M>;
   const S none(0.0);
   Multipliers l = Multipliers::Zero();
   Normals before;  // the normals at the start
+  S last_length(std::numeric_limits<double>::infinity());
+  bool was_slow = false;
+  bool were_planes = false;
   for (int step = 0; step < kNewtonSteps; ++step) {
     Normals n;
     Multipliers gap;
     Mat3Of<S> k = Mat3Of<S>::Identity();
     bool bent = false;
+    bool edges = false;
     for (int i = 0; i < M; ++i) {
       const std::int32_t triangle = holding.triangle[static_cast<std::size_t>(i)];
       const TouchOf<S> t = touch(mesh, triangle, x);
       n.col(i) = t.n;
       gap[i] = r - t.d;
+      edges = edges || t.feature != Feature::face;
       if (step > 0 && t.feature != Feature::face && t.d > none) {
         k -= l[i] * curvature(mesh, triangle, t);
         bent = true;
@@ -96,36 +122,86 @@ bool newton(const Mesh& mesh, const Holding& holding, const S& r, const Vec3Of<S
     if (step == 0) before = n;
     // K dx - N l = p - x, N' dx = gap: eliminate dx. Of planes K is the identity.
     Mat3Of<S> inverse;
-    if (bent && !invert<S>(k, 1e-12, inverse)) return false;
+    if (bent && !invert<S>(k, 1e-12, inverse)) return Found::nothing;
     const Normals released_n = bent ? product(inverse, n) : n;
     const Eigen::Matrix<S, M, M> gram = inner_products(n, released_n);
     Eigen::Matrix<S, M, M> gram_inverse;
-    if (!invert<S>(gram, 1e-24, gram_inverse)) return false;
+    if (!invert<S>(gram, 1e-24, gram_inverse)) return Found::nothing;
     const Vec3Of<S> pull = p - x;
     const Vec3Of<S> released_pull = bent ? product(inverse, pull) : pull;
     const Multipliers left = gap - inner_products(n, released_pull);
     l = product(gram_inverse, left);
     const Vec3Of<S> pushed = pull + product(n, l);
     const Vec3Of<S> dx = bent ? product(inverse, pushed) : pushed;
-    if (!finite(dx)) return false;
+    if (!finite(dx)) return Found::nothing;
     // Far steps leave the neighbourhood in which the closest features are what they are.
     const S length = norm(dx);
     const bool far = length > S(0.5) * r;
+    const auto holds = [&] {
+      for (int i = 0; i < M; ++i) {
+        if (!(l[i] >= none && dot(n.col(i), before.col(i)) > none)) return false;
+      }
+      return true;
+    };
+    const auto closed = [&](const S& open) {
+      bool all = true;
+      for (int i = 0; i < M; ++i) all = all && abs(gap[i]) <= open;
+      return all;
+    };
+    // What will not settle in the steps that are left, in a nearly flat crease. Planes meet after one step, but for
+    // rounding, which the angle between them magnifies. Where an edge lies in the plane of the other triangle the two
+    // are tangential to each other: each move is half of the last.
+    const bool slow = !far && length >= S(kGaining) * last_length;
+    const bool noise = !edges && were_planes && length > S(kNoise) * rounding;
+    const bool late = slow && was_slow && length > S(std::ldexp(1.0, kNewtonSteps - step)) * rounding;
+    if ((noise || late) && nearly_flat(mesh, holding)) return Found::unsettled;
+    were_planes = !edges && !far;
+    was_slow = slow;
+    last_length = length;
     const Vec3Of<S> next = x + (far ? Vec3Of<S>(S(0.5) * r / length * dx) : dx);
     const bool stands = next == x;
     x = next;
     // The last normals are those at x but for a step of rounding.
     if (far || !(length <= rounding)) continue;
-    bool settled = true;
-    for (int i = 0; i < M; ++i) settled = settled && abs(gap[i]) <= (stands ? S(kStanding * rounding) : rounding);
-    if (!settled && stands) return false;  // for ever
-    if (!settled) continue;
-    for (int i = 0; i < M; ++i) {
-      if (!(l[i] >= none && dot(n.col(i), before.col(i)) > none)) return false;
-    }
-    return true;
+    if (closed(stands ? S(kStanding * rounding) : rounding)) return holds() ? Found::rest : Found::nothing;
+    if (stands) return Found::unsettled;  // for ever
   }
-  return false;
+  return Found::unsettled;
+}
+
+// In a nearly flat crease, on the planes of its two triangles: in closed form and by orthonormal directions
+// (nearest_in_polyhedron.h), which lose half of the digits that the multipliers' equations lose. It is the answer where
+// the ball is as far from each triangle itself.
+template <class Mesh, class S = typename Mesh::Scalar>
+bool rest_in_crease(const Mesh& mesh, const Holding& holding, const S& r, const Vec3Of<S>& p, const S& rounding,
+                    Vec3Of<S>& x) noexcept {
+  using std::abs;
+  std::array<HalfSpaceOf<S>, 2> planes;
+  for (std::size_t i = 0; i < 2; ++i) {
+    const FacetOf<S>& facet = mesh.facet(holding.triangle[i]);
+    const S height = facet.height(x);
+    const bool front = height >= S(0.0);
+    planes[i] = {front ? facet.n : Vec3Of<S>(-facet.n), r - abs(height)};
+  }
+  Vec3Of<S> way;
+  if (!nearest_on_planes<S>(planes, p - x, way)) return false;
+  const Vec3Of<S> there = x + way;
+  for (std::size_t i = 0; i < 2; ++i) {
+    const TouchOf<S> t = touch(mesh, holding.triangle[i], there);
+    if (!(abs(t.d - r) <= rounding && dot(t.n, planes[i].n) > S(0.0))) return false;
+  }
+  x = there;
+  return true;
+}
+
+template <int M, class Mesh, class S = typename Mesh::Scalar>
+bool rest_on_several(const Mesh& mesh, const Holding& holding, const S& r, const Vec3Of<S>& p, const S& rounding,
+                     Vec3Of<S>& x) noexcept {
+  const Vec3Of<S> start = x;
+  const Found found = newton<M>(mesh, holding, r, p, rounding, x);
+  if (found != Found::unsettled || !nearly_flat(mesh, holding)) return found == Found::rest;
+  x = start;
+  return rest_in_crease(mesh, holding, r, p, rounding, x);
 }
 
 }  // namespace
@@ -177,6 +253,50 @@ TouchOf<S> touch(const Mesh& mesh, std::int32_t triangle, const Vec3Of<S>& x) no
 }
 
 template <class Mesh, class S>
+bool comes_within(const Mesh& mesh, std::int32_t triangle, const Vec3Of<S>& x, const S& reach) noexcept {
+  using std::abs;
+  const FacetOf<S>& facet = mesh.facet(triangle);
+  const Vec3Of<S> from = x - facet.origin;
+  const S height = dot(facet.n, from);
+  if (abs(height) > reach) return false;
+  // Nearly always its first corner or its plane and borders say it.
+  if (squared_norm(from) <= reach * reach) return true;
+  const S outside = -std::min(std::min(dot(facet.inward[0], from), dot(facet.inward[1], from) - facet.inset),
+                              dot(facet.inward[2], from));
+  if (outside <= S(0.0)) return true;
+  if (height * height + outside * outside > kBeyond * reach * reach) return false;
+  return touch(mesh, triangle, x).d <= reach;
+}
+
+// The distance from a convex set is convex along the way: between two points it lies above the tangents there, and they
+// bracket its least value.
+template <class Mesh, class S>
+bool stays_clear(const Mesh& mesh, std::int32_t triangle, const Vec3Of<S>& a, const Vec3Of<S>& b,
+                 const S& distance) noexcept {
+  const Vec3Of<S> way = b - a;
+  struct At {
+    S t, d, slope;
+  };
+  const auto place = [&](S t) {
+    const TouchOf<S> here = touch(mesh, triangle, Vec3Of<S>(a + t * way));
+    return At{t, here.d, dot(here.n, way)};
+  };
+  At low = place(0.0);
+  At high = place(1.0);
+  if (low.d < distance || high.d < distance) return false;
+  for (int i = 0; i < kCuts; ++i) {
+    if (low.slope >= S(0.0) || high.slope <= S(0.0)) return true;
+    // Where the tangents meet.
+    const S t = (high.d - low.d + low.slope * low.t - high.slope * high.t) / (low.slope - high.slope);
+    if (low.d + low.slope * (t - low.t) >= distance) return true;
+    const At between = place(std::clamp(t, low.t, high.t));
+    if (between.d < distance) return false;
+    (between.slope < S(0.0) ? low : high) = between;
+  }
+  return false;
+}
+
+template <class Mesh, class S>
 bool rest_on(const Mesh& mesh, const Holding& holding, const S& r, const Vec3Of<S>& p, const S& rounding,
              Vec3Of<S>& x) noexcept {
   if (holding.size == 0) {
@@ -184,11 +304,17 @@ bool rest_on(const Mesh& mesh, const Holding& holding, const S& r, const Vec3Of<
     return true;
   }
   if (holding.size == 1) return rest_on_one(mesh, holding.triangle[0], r, p, x);
-  return holding.size == 2 ? newton<2>(mesh, holding, r, p, rounding, x) : newton<3>(mesh, holding, r, p, rounding, x);
+  return holding.size == 2 ? rest_on_several<2>(mesh, holding, r, p, rounding, x)
+                           : rest_on_several<3>(mesh, holding, r, p, rounding, x);
 }
 
 template TouchOf<double> touch(const ContactMesh&, std::int32_t, const Vec3&) noexcept;
 template TouchOf<Counted> touch(const CountedContactMesh&, std::int32_t, const Vec3Of<Counted>&) noexcept;
+template bool comes_within(const ContactMesh&, std::int32_t, const Vec3&, const double&) noexcept;
+template bool comes_within(const CountedContactMesh&, std::int32_t, const Vec3Of<Counted>&, const Counted&) noexcept;
+template bool stays_clear(const ContactMesh&, std::int32_t, const Vec3&, const Vec3&, const double&) noexcept;
+template bool stays_clear(const CountedContactMesh&, std::int32_t, const Vec3Of<Counted>&, const Vec3Of<Counted>&,
+                          const Counted&) noexcept;
 template bool rest_on(const ContactMesh&, const Holding&, const double&, const Vec3&, const double&, Vec3&) noexcept;
 template bool rest_on(const CountedContactMesh&, const Holding&, const Counted&, const Vec3Of<Counted>&, const Counted&,
                       Vec3Of<Counted>&) noexcept;

@@ -25,6 +25,15 @@ struct TouchOf {
 template <class Mesh, class S = typename Mesh::Scalar>
 TouchOf<S> touch(const Mesh& mesh, std::int32_t triangle, const Vec3Of<S>& x) noexcept;
 
+// Whether the triangle, of nonzero area, comes as close to x as that: the same answer whatever tree proposed it.
+template <class Mesh, class S = typename Mesh::Scalar>
+bool comes_within(const Mesh& mesh, std::int32_t triangle, const Vec3Of<S>& x, const S& reach) noexcept;
+
+// Whether the way from a to b keeps the distance from the triangle.
+template <class Mesh, class S = typename Mesh::Scalar>
+bool stays_clear(const Mesh& mesh, std::int32_t triangle, const Vec3Of<S>& a, const Vec3Of<S>& b,
+                 const S& distance) noexcept;
+
 // The triangles that hold a ball.
 struct Holding {
   std::array<std::int32_t, 3> triangle{-1, -1, -1};
@@ -42,8 +51,8 @@ struct Holding {
 // The point at distance r from every triangle of `holding` at which |x - p| is least, near x (which is where the search
 // starts and gets the answer): closed forms for a single triangle, Newton's method on the multipliers' equations
 //   x - p = sum l_i n_i(x),  d_i(x) = r
-// for several. False where it does not converge, leaves the side of the triangle on which it started, or a triangle
-// would pull (l_i < 0).
+// for several, and in a nearly flat crease, where that does not settle, two planes in closed form. False where it does
+// not converge, leaves the side of the triangle on which it started, or a triangle would pull (l_i < 0).
 template <class Mesh, class S = typename Mesh::Scalar>
 bool rest_on(const Mesh& mesh, const Holding& holding, const S& r, const Vec3Of<S>& p, const S& rounding,
              Vec3Of<S>& x) noexcept;

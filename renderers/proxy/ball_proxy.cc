@@ -20,8 +20,9 @@ constexpr int kMoves = 256;                       // per step; a jump across the
 constexpr int kGlide = 8;                         // edges of one move over faces
 constexpr int kExchanges = 12;                    // of holding triangles per move
 constexpr double kAhead = 0.7;                    // of the margin: how far ahead of the centre to gather
-constexpr double kBeyond = 1.0 + 64.0 * kEps;     // for what is farther for sure, rounding aside
-constexpr int kCuts = 40;                         // of the search for the least distance along a way
+
+const ContactMesh& plain_mesh(const ContactMesh& mesh) { return mesh; }
+const ContactMesh& plain_mesh(const CountedContactMesh& mesh) { return mesh.plain(); }
 
 }  // namespace
 
@@ -32,6 +33,7 @@ BallProxyOf<Mesh>::BallProxyOf(const Mesh& mesh, const Surface& surface, double 
       r_(radius_m),
       cone_(friction),
       feeler_(mesh),
+      vicinity_(std::in_place, plain_mesh(mesh), radius_m),
       near_(kMost),
       next_margin_(0.25 * radius_m) {
   candidates_.reserve(kMostProposed);
@@ -103,33 +105,15 @@ void BallProxyOf<Mesh>::pull(const V& p) noexcept {
   rounding_ = std::max(rounding_at(p), rounding_at(c_));
   for (int move = 0; move < kMoves; ++move) {
     ++moves_;
-    if (!(margin_ >= 0.0) || !covered(c_)) gather(c_, next_margin_);
     Holding holding = holding_;
     V x = c_;
-    bool safe_way = true;
-    if (settle(p, holding, x, safe_way)) {
-      if (advance(x, safe_way, holding)) return;
+    Check checked;
+    if (settle(p, holding, x, checked)) {
+      if (advance(x, checked, holding)) return;
     } else if (!creep(p)) {
       return;
     }
   }
-}
-
-// Whether the triangle comes as close as that: trees propose others too, each its own.
-template <class Mesh>
-bool BallProxyOf<Mesh>::reaches(const FacetOf<S>& facet, std::int32_t triangle, const V& at,
-                                const S& reach) const noexcept {
-  using std::abs;
-  const V from = at - facet.origin;
-  const S height = dot(facet.n, from);
-  if (abs(height) > reach) return false;
-  // Nearly always its first corner or its plane and borders say it.
-  if (squared_norm(from) <= reach * reach) return true;
-  const S outside = -std::min(std::min(dot(facet.inward[0], from), dot(facet.inward[1], from) - facet.inset),
-                              dot(facet.inward[2], from));
-  if (outside <= S(0.0)) return true;
-  if (height * height + outside * outside > kBeyond * reach * reach) return false;
-  return touch(*mesh_, triangle, at).d <= reach;
 }
 
 template <class Mesh>
@@ -162,7 +146,7 @@ bool BallProxyOf<Mesh>::gather_within(const V& at, const S& margin) noexcept {
   near_.clear();
   for (const std::int32_t t : candidates_) {
     const FacetOf<S>& facet = mesh_->facet(t);
-    if (is_zero(facet.n) || !reaches(facet, t, at, reach)) continue;
+    if (is_zero(facet.n) || !comes_within(*mesh_, t, at, reach)) continue;
     if (near_.size() == kMost) return false;
     // Where the surface bends away the triangle's own plane does, now and later: no need of its closest point.
     if (facet.height(c_) >= r_) {
@@ -184,6 +168,7 @@ bool BallProxyOf<Mesh>::ignored(std::int32_t triangle) const noexcept {
 
 template <class Mesh>
 auto BallProxyOf<Mesh>::check(const V& x, const Holding& held) noexcept -> Check {
+  know_near();
   Check result;
   const V offset = x - gathered_at_;
   const bool far = squared_distance<S>(x, c_) > 0.25 * r_ * r_;
@@ -205,7 +190,7 @@ auto BallProxyOf<Mesh>::check(const V& x, const Holding& held) noexcept -> Check
       if (dot(t.n, c_ - gathered_at_) >= b - rounding_) {
         near_.set(i, t.n, b - rounding_);
       } else if (far) {
-        result.safe_way = result.safe_way && stays_clear(triangle, x);
+        result.safe_way = result.safe_way && stays_clear(*mesh_, triangle, c_, x, S(r_ - 2.0 * rounding_));
       }
       return;
     }
@@ -219,36 +204,55 @@ auto BallProxyOf<Mesh>::check(const V& x, const Holding& held) noexcept -> Check
   return result;
 }
 
-// The distance from a convex set is convex along the way: between two points it lies above the tangents there, and they
-// bracket its least value.
 template <class Mesh>
-bool BallProxyOf<Mesh>::stays_clear(std::int32_t triangle, const V& x) const noexcept {
-  const V way = x - c_;
-  const S least = r_ - 2.0 * rounding_;
-  struct At {
-    S t, d, slope;
-  };
-  const auto at = [&](S t) {
-    const TouchOf<S> here = touch(*mesh_, triangle, V(c_ + t * way));
-    return At{t, here.d, dot(here.n, way)};
-  };
-  At low = at(0.0);
-  At high = at(1.0);
-  if (low.d < least || high.d < least) return false;
-  for (int i = 0; i < kCuts; ++i) {
-    if (low.slope >= 0.0 || high.slope <= 0.0) return true;
-    // Where the tangents meet.
-    const S t = (high.d - low.d + low.slope * low.t - high.slope * high.t) / (low.slope - high.slope);
-    if (low.d + low.slope * (t - low.t) >= least) return true;
-    const At between = at(std::clamp(t, low.t, high.t));
-    if (between.d < least) return false;
-    (between.slope < 0.0 ? low : high) = between;
+void BallProxyOf<Mesh>::ask_listed(std::span<const std::int32_t> triangles, const V& x, const Holding& held, S& least,
+                                   Check& result) const noexcept {
+  for (const std::int32_t triangle : triangles) {
+    if (held.has(triangle) || mesh_->facet(triangle).height(x) >= r_) continue;
+    const S depth = touch(*mesh_, triangle, x).d;
+    // Of several that are overlapped as much, the first by index, as check() has them.
+    if (!(depth < least || (depth == least && triangle < result.worst)) || ignored(triangle)) continue;
+    least = depth;
+    result.worst = triangle;
   }
-  return false;
 }
 
 template <class Mesh>
-bool BallProxyOf<Mesh>::glide(const V& p, Holding& holding, V& x, bool& safe_way) noexcept {
+auto BallProxyOf<Mesh>::check_face(const V& x, std::int32_t triangle) const noexcept -> std::optional<Check> {
+  if (!vicinity_) return std::nullopt;
+  const BallVicinity::Of known = vicinity_->of(triangle);
+  if (known.spread_m < 0.0) return std::nullopt;
+  Check result;
+  result.complete = true;
+  Holding face;
+  face.add(triangle);
+  S least = r_ - rounding_;
+  ask_listed(known.on_face, x, face, least, result);
+  return result;
+}
+
+template <class Mesh>
+auto BallProxyOf<Mesh>::check_listed(const V& x, const Holding& held) const noexcept -> std::optional<Check> {
+  using std::abs;
+  if (!vicinity_ || held.size == 0 || squared_distance<S>(x, c_) > 0.25 * r_ * r_) return std::nullopt;
+  for (int i = 0; i < held.size; ++i) {
+    const std::int32_t triangle = held.triangle[static_cast<std::size_t>(i)];
+    const BallVicinity::Of known = vicinity_->of(triangle);
+    if (known.spread_m < 0.0) continue;
+    const TouchOf<S> t = touch(*mesh_, triangle, x);
+    if (abs(t.d - r_) + r_ * distance<S>(t.n, mesh_->facet(triangle).n) > known.spread_m) continue;
+    Check result;
+    result.complete = true;
+    S least = r_ - rounding_;
+    ask_listed(known.on_face, x, held, least, result);
+    ask_listed(known.beside, x, held, least, result);
+    return result;
+  }
+  return std::nullopt;
+}
+
+template <class Mesh>
+bool BallProxyOf<Mesh>::glide(const V& p, Holding& holding, V& x, Check& result) noexcept {
   if (holding.size != 1) return false;
   std::int32_t triangle = holding.triangle[0];
   std::int32_t from = -1;
@@ -270,12 +274,16 @@ bool BallProxyOf<Mesh>::glide(const V& p, Holding& holding, V& x, bool& safe_way
     if (exit == 3) {
       Holding face;
       face.add(triangle);
-      // Where not all triangles near are known yet there is nothing to ask: advance() will gather them first.
-      const Check result = covered(there) ? check(there, face) : Check{};
+      if (const auto listed = check_face(there, triangle)) {
+        result = *listed;
+      } else {
+        know_near();
+        // Where not all triangles near are known yet there is nothing to ask: advance() will gather them first.
+        result = covered(there) ? check(there, face) : Check{};
+      }
       if (result.worst >= 0) return false;
       holding = face;
       x = there;
-      safe_way = result.safe_way;
       return true;
     }
     const std::int32_t next = facet.neighbour[exit];
@@ -287,8 +295,8 @@ bool BallProxyOf<Mesh>::glide(const V& p, Holding& holding, V& x, bool& safe_way
 }
 
 template <class Mesh>
-bool BallProxyOf<Mesh>::settle(const V& p, Holding& holding, V& x, bool& safe_way) noexcept {
-  if (glide(p, holding, x, safe_way)) return true;
+bool BallProxyOf<Mesh>::settle(const V& p, Holding& holding, V& x, Check& result) noexcept {
+  if (glide(p, holding, x, result)) return true;
   x = c_;
   if (!rest_on(*mesh_, holding, r_, p, rounding_, x) && !roll(p, holding, x)) {
     // Fewer of them may do: the first that leaves the others clear.
@@ -312,8 +320,8 @@ bool BallProxyOf<Mesh>::settle(const V& p, Holding& holding, V& x, bool& safe_wa
     if (!found) return false;
   }
   for (int round = 0; round < kExchanges; ++round) {
-    const Check result = check(x, holding);
-    safe_way = result.safe_way;
+    const auto listed = check_listed(x, holding);
+    result = listed ? *listed : check(x, holding);
     if (result.worst < 0) return true;
     if (!exchange(p, result.worst, holding, x)) return false;
   }
@@ -382,7 +390,12 @@ bool BallProxyOf<Mesh>::exchange(const V& p, std::int32_t added, Holding& holdin
 }
 
 template <class Mesh>
-bool BallProxyOf<Mesh>::advance(const V& x, bool safe_way, const Holding& holding) noexcept {
+bool BallProxyOf<Mesh>::advance(const V& x, const Check& checked, const Holding& holding) noexcept {
+  if (checked.complete) {
+    c_ = x;
+    holding_ = holding;
+    return true;
+  }
   const S length = distance<S>(x, c_);
   if (!covered(x)) {
     // Ahead, where it will be in the next steps, if both ends fit; else only as far as the margin goes.
@@ -398,7 +411,7 @@ bool BallProxyOf<Mesh>::advance(const V& x, bool safe_way, const Holding& holdin
     }
     return false;
   }
-  if (safe_way || length <= 0.5 * r_) {
+  if (checked.safe_way || length <= 0.5 * r_) {
     c_ = x;
     holding_ = holding;
     return true;
@@ -406,8 +419,8 @@ bool BallProxyOf<Mesh>::advance(const V& x, bool safe_way, const Holding& holdin
   const V part = c_ + (0.5 * r_ / length) * (x - c_);
   Holding held = holding;
   V there = c_;
-  bool safe = true;
-  if (settle(part, held, there, safe) && covered(there) && distance<S>(there, c_) <= r_ &&
+  Check way;
+  if (settle(part, held, there, way) && (way.complete || covered(there)) && distance<S>(there, c_) <= r_ &&
       distance<S>(there, c_) > rounding_) {
     c_ = there;
     holding_ = held;

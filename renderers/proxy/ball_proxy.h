@@ -12,8 +12,10 @@
 // the way, which is a convex function, is r too; or (c) the move is no longer than r, then every point of the way keeps
 // 0.86 r: two balls of radius r whose centres are u apart cover the ball of radius sqrt(r^2 - u^2/4) about the middle.
 //
-// Triangles that can matter are gathered from the tree once and used while the centre stays within a margin of where
-// that was, with the half-spaces of (a) as the quick test that one does not matter now.
+// Which triangles can matter for a ball that touches one of them is known before (ball_vicinity.h). Elsewhere, in the
+// air and at sharp edges, they are gathered from the tree once and used while the centre stays within a margin of where
+// that was, with the half-spaces of (a) as the quick test that one does not matter now. Both give the same places to
+// the bit.
 //
 // Closed meshes stop the ball from both sides (it is never inside). Open ones from the front: a triangle does not count
 // while the centre is behind its plane or already closer than r, which is how a ball that came from behind passes.
@@ -22,6 +24,7 @@
 #include <Eigen/Core>
 #include <algorithm>
 #include <cstdint>
+#include <optional>
 #include <type_traits>
 #include <vector>
 
@@ -30,6 +33,7 @@
 #include "renderers/friction/fixed_order.h"
 #include "renderers/friction/nearest_in_polyhedron.h"
 #include "renderers/proxy/ball_constraints.h"
+#include "renderers/proxy/ball_vicinity.h"
 #include "renderers/walkable/surface_walk.h"
 
 namespace touchstone::renderers {
@@ -63,8 +67,14 @@ class BallProxyOf {
   static RestingPlaceOf<S> resting_place() noexcept { return {}; }
   [[nodiscard]] ContactPlacesOf<S> contact_places() const noexcept;
 
-  // For statistics and tests.
-  void forget_near() noexcept { margin_ = S(-1.0); }  // the next step asks the tree
+  // Beside the mesh's own.
+  [[nodiscard]] std::size_t memory_bytes() const noexcept { return vicinity_ ? vicinity_->memory_bytes() : 0; }
+
+  // For statistics and tests. forget_near(): the next step asks the tree.
+  void forget_near() noexcept {
+    margin_ = S(-1.0);
+    vicinity_.reset();
+  }
   [[nodiscard]] std::uint64_t gathers() const noexcept { return gathers_; }
   [[nodiscard]] std::uint64_t moves() const noexcept { return moves_; }
 
@@ -120,29 +130,36 @@ class BallProxyOf {
   struct Check {
     std::int32_t worst = -1;  // the triangle that the ball would overlap most
     bool safe_way = true;     // every half-space holds at both ends
+    bool complete = false;    // no triangle that was not asked can matter on a way of up to half a radius
   };
 
   [[nodiscard]] S rounding_at(const V& x) const noexcept;
-  [[nodiscard]] bool reaches(const FacetOf<S>& facet, std::int32_t triangle, const V& at,
-                             const S& reach) const noexcept;
   void gather(const V& at, S margin) noexcept;
   bool gather_within(const V& at, const S& margin) noexcept;
   [[nodiscard]] bool covered(const V& x) const noexcept { return distance<S>(x, gathered_at_) <= margin_; }
+  // Gathers what is near the centre if that is not known.
+  void know_near() noexcept {
+    if (!(margin_ >= S(0.0)) || !covered(c_)) gather(c_, next_margin_);
+  }
   Check check(const V& x, const Holding& held) noexcept;
-  // Whether the way from the centre to x keeps the distance r from the triangle.
-  [[nodiscard]] bool stays_clear(std::int32_t triangle, const V& x) const noexcept;
+  // By the lists of a triangle that the ball touches at x; none where they do not reach as far. check_face(): for the
+  // ball on the triangle's face.
+  std::optional<Check> check_listed(const V& x, const Holding& held) const noexcept;
+  std::optional<Check> check_face(const V& x, std::int32_t triangle) const noexcept;
+  void ask_listed(std::span<const std::int32_t> triangles, const V& x, const Holding& held, S& least,
+                  Check& result) const noexcept;
   [[nodiscard]] bool ignored(std::int32_t triangle) const noexcept;
   // Onto the face under the ball where that is the held triangle's own or a few edges farther on and nothing else is
   // touched there: nearly every step over a smooth surface. Else false, with nothing changed.
-  bool glide(const V& p, Holding& holding, V& x, bool& safe_way) noexcept;
+  bool glide(const V& p, Holding& holding, V& x, Check& result) noexcept;
   // The rest position for p near the centre; false where the search does not settle.
-  bool settle(const V& p, Holding& holding, V& x, bool& safe_way) noexcept;
+  bool settle(const V& p, Holding& holding, V& x, Check& result) noexcept;
   // Off an edge or corner below which the tip is deeper than the ball's radius, onto the face that the tip pulls to:
   // the face on which the god-object of a point comes to rest. False where there is none near.
   bool roll(const V& p, Holding& holding, V& x) noexcept;
   bool exchange(const V& p, std::int32_t added, Holding& holding, V& x) const noexcept;
   // One safe move: to x if the way is safe, else as far towards it as is. True when x was reached.
-  bool advance(const V& x, bool safe_way, const Holding& holding) noexcept;
+  bool advance(const V& x, const Check& checked, const Holding& holding) noexcept;
   // One move within the half-spaces at the centre; false when that leads nowhere.
   bool creep(const V& goal) noexcept;
 
@@ -153,6 +170,7 @@ class BallProxyOf {
   V c_ = V::Zero();
   Holding holding_;
   SurfaceWalkOf<Mesh> feeler_;  // of roll()
+  std::optional<BallVicinity> vicinity_;
   Near near_;
   std::vector<std::int32_t> candidates_;
   std::vector<HalfSpaceOf<S>> half_spaces_;  // scratch of creep(), and whose they are

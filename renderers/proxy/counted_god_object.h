@@ -74,15 +74,7 @@ class CountedGodObject final : public Renderer {
 
   StepResult do_step(const TipState& tip) noexcept override {
     const Vec3Of<Counted> p = tip.p_W_m.cast<Counted>();
-    if (started_) {
-      proxy_.follow(p);
-    } else {
-      started_ = true;
-      proxy_.start(p);
-    }
-    StepResult result = spring_to<Counted>(proxy_, p, stiffness_N_per_m_);
-    if (result.contact) shading_.turn(mesh_, proxy_, result);
-    return result;
+    return proxy_step<Counted>(proxy_, started_, p, stiffness_N_per_m_, mesh_, shading_);
   }
 
   std::shared_ptr<const Surface> surface_;

@@ -43,6 +43,8 @@ class PointProxy {
   [[nodiscard]] ContactPlaces contact_places() const noexcept {
     return by_planes_ ? planes_.contact_places() : ContactPlaces{};
   }
+  // Beside the mesh's own.
+  static std::size_t memory_bytes() noexcept { return 0; }
 
  private:
   void go_by_planes(const Vec3& p) noexcept;

@@ -33,6 +33,21 @@ StepResult spring_to(const Proxy& proxy, const Vec3Of<S>& p, const S& stiffness_
   return result;
 }
 
+// A servo step: the proxy starts at p or follows it there, and `shading` may turn the spring's force.
+template <class S, class Proxy, class Mesh, class Shading>
+StepResult proxy_step(Proxy& proxy, bool& started, const Vec3Of<S>& p, const S& stiffness_N_per_m, const Mesh& mesh,
+                      Shading& shading) noexcept {
+  if (started) {
+    proxy.follow(p);
+  } else {
+    started = true;
+    proxy.start(p);
+  }
+  StepResult result = spring_to<S>(proxy, p, stiffness_N_per_m);
+  if (result.contact) shading.turn(mesh, proxy, result);
+  return result;
+}
+
 // `Proxy`: PointProxy or BallProxy. `Shading` may turn the force once the proxy is found.
 template <class Proxy, class Shading = NoShading>
 class ProxyRenderer final : public Renderer {
@@ -46,22 +61,15 @@ class ProxyRenderer final : public Renderer {
         shading_(std::move(shading)),
         proxy_(*mesh_, *surface_, tip...) {}
 
-  [[nodiscard]] std::size_t memory_bytes() const noexcept override { return mesh_->memory_bytes(); }
+  [[nodiscard]] std::size_t memory_bytes() const noexcept override {
+    return mesh_->memory_bytes() + proxy_.memory_bytes();
+  }
 
  private:
   void do_reset() override { started_ = false; }
 
   StepResult do_step(const TipState& tip) noexcept override {
-    const Vec3& p = tip.p_W_m;
-    if (started_) {
-      proxy_.follow(p);
-    } else {
-      started_ = true;
-      proxy_.start(p);
-    }
-    StepResult result = spring_to<double>(proxy_, p, stiffness_N_per_m_);
-    if (result.contact) shading_.turn(*mesh_, proxy_, result);
-    return result;
+    return proxy_step<double>(proxy_, started_, tip.p_W_m, stiffness_N_per_m_, *mesh_, shading_);
   }
 
   double stiffness_N_per_m_;

@@ -46,16 +46,7 @@ class SceneRenderer final : public Renderer {
       failed.status = StepStatus::failed;
       return failed;
     }
-    const Vec3& p = tip.p_W_m;
-    if (started_) {
-      proxy_.follow(p);
-    } else {
-      started_ = true;
-      proxy_.start(p);
-    }
-    StepResult result = spring_to<double>(proxy_, p, stiffness_N_per_m_);
-    if (result.contact) shading_.turn(bodies_, proxy_, result);
-    return result;
+    return proxy_step<double>(proxy_, started_, tip.p_W_m, stiffness_N_per_m_, bodies_, shading_);
   }
 
   [[nodiscard]] std::string do_failure() const override {
