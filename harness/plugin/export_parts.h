@@ -98,6 +98,23 @@ Parameters given_parameters(const Entry& entry, const double* values, std::size_
   return Parameters(entry.parameters, given, "renderer " + entry.name, "the program's model", "");
 }
 
+// A renderer's entry and the parts of its description in C, which point into it: it stays where it was made.
+template <class Entry>
+class EntryInC {
+ public:
+  EntryInC(const EntryInC&) = delete;
+  EntryInC& operator=(const EntryInC&) = delete;
+
+ protected:
+  explicit EntryInC(Entry entry)
+      : entry_(std::move(entry)), parameters_(parameters_of(entry_)), limitations_(limitations_of(entry_.cannot)) {}
+  ~EntryInC() = default;
+
+  Entry entry_;
+  std::vector<touchstone_parameter> parameters_;
+  std::vector<touchstone_limitation> limitations_;
+};
+
 // `Exported`: an entry with its description in C.
 template <class Exported>
 using ExportedList = std::vector<std::unique_ptr<const Exported>>;

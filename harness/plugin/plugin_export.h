@@ -26,18 +26,12 @@ struct touchstone_renderer {
 
 namespace touchstone::plugin::plugin_export {
 
-// An entry and its description in C, which points into it.
-class Exported {
+class Exported : private export_parts::EntryInC<RendererEntry> {
  public:
-  explicit Exported(RendererEntry entry)
-      : entry_(std::move(entry)),
-        parameters_(export_parts::parameters_of(entry_)),
-        limitations_(export_parts::limitations_of(entry_.cannot)) {
+  explicit Exported(RendererEntry entry) : EntryInC(std::move(entry)) {
     description_ = {TOUCHSTONE_PLUGIN_SIZES, entry_.name.c_str(), entry_.summary.c_str(), entry_.source.c_str(),
                     parameters_.data(),      parameters_.size(),  limitations_.data(),    limitations_.size()};
   }
-  Exported(const Exported&) = delete;
-  Exported& operator=(const Exported&) = delete;
 
   [[nodiscard]] const touchstone_description* description() const { return &description_; }
 
@@ -49,9 +43,6 @@ class Exported {
   }
 
  private:
-  RendererEntry entry_;
-  std::vector<touchstone_parameter> parameters_;
-  std::vector<touchstone_limitation> limitations_;
   touchstone_description description_{};
 };
 

@@ -47,20 +47,14 @@ inline BodyPose body_pose(const touchstone2_pose& pose) noexcept {
   return {vector_of(pose.p_W_m), quaternion_of(pose.q_WB)};
 }
 
-// An entry and its description in C, which points into it.
-class Exported {
+class Exported : private export_parts::EntryInC<RendererEntry> {
  public:
-  explicit Exported(RendererEntry entry)
-      : entry_(std::move(entry)),
-        parameters_(export_parts::parameters_of(entry_)),
-        limitations_(export_parts::limitations_of(entry_.cannot)) {
+  explicit Exported(RendererEntry entry) : EntryInC(std::move(entry)) {
     if (!entry_.make_scene) limitations_.push_back({"several_bodies", "it takes one object that stands still"});
     description_ = export_parts::description_of(entry_, TOUCHSTONE2_POINT, parameters_, limitations_);
     description_.epsilon_m = entry_.epsilon_m;
     description_.world_unit_m = entry_.world_unit_m;
   }
-  Exported(const Exported&) = delete;
-  Exported& operator=(const Exported&) = delete;
 
   [[nodiscard]] const touchstone2_description* description() const { return &description_; }
 
@@ -90,9 +84,6 @@ class Exported {
     return std::ranges::equal(pose.p_W_m, kIdentityPose.p_W_m) && std::ranges::equal(pose.q_WB, kIdentityPose.q_WB);
   }
 
-  RendererEntry entry_;
-  std::vector<touchstone_parameter> parameters_;
-  std::vector<touchstone_limitation> limitations_;
   touchstone2_description description_{};
 };
 

@@ -6,7 +6,9 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "harness/base/atomic_file.h"
 #include "harness/base/error.h"
+#include "harness/base/input_files.h"
 #include "harness/base/json_reader.h"
 #include "harness/base/units.h"
 #include "harness/recording/recording_file.h"
@@ -126,8 +128,8 @@ SceneFile parse_scene(std::string_view text, std::string_view source, const std:
 }
 
 SceneFile load_scene(const std::filesystem::path& path) {
-  const nlohmann::json document = load_json(path);
-  return parse_scene(document.dump(), path.string(), path.parent_path());
+  note_input_file(path);
+  return parse_scene(read_file(path), path.string(), path.parent_path());
 }
 
 }  // namespace touchstone::rendering

@@ -53,12 +53,12 @@ Vec3 SmoothNormals::at(std::int32_t triangle, const Vec3& p_W_m) const {
     return mesh_.vertices_W_m[static_cast<std::size_t>(mesh_.triangles[t][k])];
   };
   const Vec3 normal = mesh_.scaled_normal(t);
-  const double area = normal.squaredNorm();
-  if (!(area > 0.0)) return corners_[t][0];
+  const double size = normal.squaredNorm();  // the square of twice the area
+  if (!(size > 0.0)) return corners_[t][0];
   Vec3 sum = Vec3::Zero();
   for (std::size_t k = 0; k < 3; ++k) {
     const Vec3& next = corner((k + 1) % 3);
-    const double share = (corner((k + 2) % 3) - next).cross(p_W_m - next).dot(normal) / area;
+    const double share = (corner((k + 2) % 3) - next).cross(p_W_m - next).dot(normal) / size;
     sum += std::clamp(share, 0.0, 1.0) * corners_[t][k];
   }
   return sum.normalized();

@@ -227,7 +227,7 @@ std::vector<EffectEntry> engine_laws() {
        true,
        {{"force_N", "N", 0.0, 1e3, 0.0, "F, the largest pull"},
         {"distance_m", "m", 1e-9, 1e3, 5e-3, "gap from which nothing pulls"},
-        {"inside", "1", 0.0, 1.0, 0.0, "1: pushes out by the same law of the depth, too"}},
+        {"inside", "1", 0.0, 1.0, 0.0, "1 (from 0.5 on): pushes out by the same law of the depth, too"}},
        &make_magnet,
        "",
        false},

@@ -79,6 +79,16 @@ TEST(EngineEffects, AMagnetPullsByTheGap) {
   EXPECT_NEAR(second.to({0.1, 0.05, -1e-3}).f_W_N.z(), 0.8 + 0.4 * 3.0 / 3.5, 1e-12);
 }
 
+// A switch that a fit or a sweep puts between its ends: rounded.
+TEST(EngineEffects, AMagnetPushesOutOfTheInsideFromAHalfOn) {
+  for (const auto& [inside, force_N] : {std::pair{0.499, 0.08}, {0.5, 0.16}, {0.505, 0.16}}) {
+    const auto renderer = with("magnet", {{"force_N", 0.4}, {"distance_m", 4e-3}, {"inside", inside}});
+    Hand hand(*renderer);
+    hand.to({0.1, 0.05, 1e-3});
+    EXPECT_NEAR(hand.to({0.1, 0.05, -1e-4}).f_W_N.z(), force_N, 1e-12) << inside;
+  }
+}
+
 // F = 0.8 N, k = 800 N/m: the pull would turn at 1 mm, and ends at 2^-11 m = 0.49 mm, where it is k times that.
 TEST(EngineEffects, AMagnetEndsAtItsDistanceAlsoBeforeItTurns) {
   const double distance_m = 0x1p-11;
@@ -126,6 +136,14 @@ TEST(EngineEffects, ViscosityHoldsBackInEveryDirection) {
   // Faster out than the spring pushes: it is held.
   EXPECT_NEAR(hand.to({2e-5, -1e-5, -1e-4}).f_W_N.z(), kStiff * 1e-4 - 3.0 * 0.8, 1e-9);
   EXPECT_EQ(hand.to({2e-5, -1e-5, 1e-4}).f_W_N, Vec3::Zero());
+}
+
+// A run that begins in contact: no step yet, and no velocity.
+TEST(EngineEffects, ViscosityIsNothingBeforeTheFirstMotion) {
+  const auto renderer = with("viscosity", {{"coefficient_N_s_per_m", 3.0}});
+  Hand hand(*renderer);
+  EXPECT_EQ(hand.to({0.0, 0.0, -1e-3}).f_W_N, Vec3(0.0, 0.0, kStiff * 1e-3));
+  EXPECT_EQ(hand.to({0.0, 0.0, -1e-3}).f_W_N, Vec3(0.0, 0.0, kStiff * 1e-3));
 }
 
 class HeightImageFile : public ::testing::Test {

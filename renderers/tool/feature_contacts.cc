@@ -279,20 +279,6 @@ NearPairFinder::NearPairFinder(const FeatureMesh& tool, const FeatureMesh& objec
   candidates_.reserve(kMostCandidates);
 }
 
-void NearPairFinder::list(const Pose& pose, const Mat3& rotation, double reach_m) noexcept {
-  candidates_.clear();
-  bool whole = true;
-  visit_near(tool_, object_, pose, rotation, reach_m, [&](std::int32_t s, std::int32_t t) {
-    if (candidates_.size() < candidates_.capacity()) {
-      candidates_.push_back({s, t});
-    } else {
-      whole = false;
-    }
-  });
-  listed_at_ = pose;
-  listed_reach_m_ = whole ? reach_m : -1.0;
-}
-
 std::size_t NearPairFinder::find(const Pose& pose, double margin_m, double overlap_m,
                                  std::span<NearPair> pairs) noexcept {
   // How far the tool may move before the trees are visited again. More of it lengthens the list.
@@ -303,16 +289,27 @@ std::size_t NearPairFinder::find(const Pose& pose, double margin_m, double overl
   // No point of the tool has moved farther: a turn moves a point by no more than its angle times the point's distance.
   const Displacement since = displacement(listed_at_, pose);
   const double moved_m = since.translation_m.norm() + tool_.reach_m() * since.rotation_rad.norm();
-  if (!(reach + moved_m <= listed_reach_m_)) list(pose, rotation, reach + kSpare_m);
-  if (listed_reach_m_ < 0.0) {
-    visit_near(tool_, object_, pose, rotation, reach,
-               [&](std::int32_t s, std::int32_t t) { triangle_pair(tool_, s, object_, t, pose, rotation, collector); });
+  const auto ask = [&](std::int32_t s, std::int32_t t) {
+    if (!apart(tool_, s, object_, t, pose, rotation, reach))
+      triangle_pair(tool_, s, object_, t, pose, rotation, collector);
+  };
+  if (reach + moved_m <= listed_reach_m_) {
+    for (const TrianglePair& near : candidates_) ask(near.on_tool, near.on_object);
     return collector.count();
   }
-  for (const TrianglePair& near : candidates_) {
-    if (!apart(tool_, near.on_tool, object_, near.on_object, pose, rotation, reach))
-      triangle_pair(tool_, near.on_tool, object_, near.on_object, pose, rotation, collector);
-  }
+  // Asked and listed in one visit; a list that does not hold all is none.
+  candidates_.clear();
+  bool whole = true;
+  visit_near(tool_, object_, pose, rotation, reach + kSpare_m, [&](std::int32_t s, std::int32_t t) {
+    ask(s, t);
+    if (candidates_.size() < candidates_.capacity()) {
+      candidates_.push_back({s, t});
+    } else {
+      whole = false;
+    }
+  });
+  listed_at_ = pose;
+  listed_reach_m_ = whole ? reach + kSpare_m : -1.0;
   return collector.count();
 }
 

@@ -75,7 +75,6 @@ class NearPairFinder {
   struct TrianglePair {
     std::int32_t on_tool, on_object;
   };
-  void list(const Pose& pose, const Mat3& rotation, double reach_m) noexcept;
 
   const FeatureMesh& tool_;
   const FeatureMesh& object_;

@@ -127,8 +127,13 @@ bool PosedBodies::open() const noexcept {
 }
 
 std::size_t PosedBodies::memory_bytes() const noexcept {
-  std::size_t bytes = 0;
-  for (const PosedBody& body : bodies_) bytes += body.mesh().memory_bytes();
+  std::size_t bytes = bodies_.capacity() * sizeof(PosedBody);
+  for (auto body = bodies_.begin(); body != bodies_.end(); ++body) {
+    // Bodies of one shape share its mesh.
+    const bool first =
+        std::none_of(bodies_.begin(), body, [&](const PosedBody& other) { return &other.mesh() == &body->mesh(); });
+    if (first) bytes += body->mesh().memory_bytes();
+  }
   return bytes;
 }
 
