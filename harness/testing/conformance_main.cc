@@ -9,7 +9,7 @@
 
 #include "harness/base/error.h"
 #include "harness/plugin/plugin.h"
-#include "harness/testing/conformance_results.h"
+#include "harness/testing/conformance_recorder.h"
 #include "harness/testing/renderer_subject.h"
 
 namespace {
@@ -22,7 +22,7 @@ constexpr const char* kUsage =
     "usage: touchstone-conformance --plugin=libmine.so [--renderer=NAME] [--parameter=NAME=VALUE]... "
     "[--stiffness=N/M]\n"
     "                              [--friction=MU] [--tip-radius=M] [--epsilon=M] [--in-child]\n"
-    "                              [--results=FOLDER [--record]] [--gtest_...]\n"
+    "                              [--results=FOLDER] [--gtest_...]\n"
     "  --renderer    only this one of the plug-in's\n"
     "  --parameter   another value than the default\n"
     "  --stiffness   the steepest rise of force with depth [N/m]; the parameter stiffness_N_per_m where not given\n"
@@ -30,17 +30,15 @@ constexpr const char* kUsage =
     "                not given\n"
     "  --tip-radius  where the tip is a ball [m]; the parameter tip_radius_m where not given\n"
     "  --epsilon     lengths below it are nothing to the renderer [m]; what it declares where not given\n"
-    "  --results     with --record: write each test's outcome there; else: tell an outcome that this ctest run "
-    "recorded\n"
-    "                there in place of running the test\n"
+    "  --results     write each test's outcome there, for touchstone-conformance-result; exit status 0 then, as each\n"
+    "                test fails by its own name\n"
     "  --in-child    run the plug-in in a child process, as the program does; allocations are not seen there\n"
     "Exit status: 0 passed, 1 a test failed, 2 usage, 3 the plug-in cannot be used.\n";
 
 struct Options {
-  std::string plugin, renderer, results, filter;
+  std::string plugin, renderer, results;
   touchstone::testing::SubjectFacts facts;
   bool in_child = false;
-  bool record = false;
 };
 
 std::vector<touchstone::testing::RendererSubject>& subjects() {
@@ -81,12 +79,8 @@ void take(std::string_view word, Options& options) {
     options.facts.epsilon_m = number(epsilon, word);
   } else if (const char* const results = value_of("--results")) {
     options.results = results;
-  } else if (word == "--record") {
-    options.record = true;
   } else if (word == "--in-child") {
     options.in_child = true;
-  } else if (const char* const filter = value_of("--gtest_filter")) {
-    options.filter = filter;
   } else if (!word.starts_with("--gtest_")) {
     throw UsageError(std::string(word) + " is no option of this program");
   }
@@ -109,13 +103,6 @@ void choose_subjects(const Options& options) {
   }
 }
 
-// As GoogleTest would say it: ctest looks for the mark of a skipped test.
-int tell(const std::string& test, const touchstone::testing::RecordedResult& result) {
-  const char* const mark = result.status == 0 ? "[       OK ]" : result.status == 1 ? "[  FAILED  ]" : "[  SKIPPED ]";
-  std::printf("%s%s %s (from one run of the whole suite)\n", result.text.c_str(), mark, test.c_str());
-  return result.status == 1 ? 1 : 0;
-}
-
 }  // namespace
 
 TOUCHSTONE_RENDERER_CONFORMANCE(Plugin, subjects());
@@ -130,11 +117,6 @@ int main(int argc, char** argv) {
       }
       take(argv[i], options);
     }
-    if (options.record && options.results.empty()) throw UsageError("--record needs --results=FOLDER");
-    if (!options.results.empty() && !options.record) {
-      if (const auto known = touchstone::testing::recorded_result(options.results, options.filter))
-        return tell(options.filter, *known);
-    }
     choose_subjects(options);
   } catch (const UsageError& error) {
     std::fprintf(stderr, "touchstone-conformance: %s\n%s", error.what(), kUsage);
@@ -144,8 +126,8 @@ int main(int argc, char** argv) {
     return static_cast<int>(error.status());
   }
   ::testing::InitGoogleTest(&argc, argv);
-  if (!options.record) return RUN_ALL_TESTS();
-  ::testing::UnitTest::GetInstance()->listeners().Append(new touchstone::testing::ResultRecorder(options.results));
+  if (options.results.empty()) return RUN_ALL_TESTS();
+  ::testing::UnitTest::GetInstance()->listeners().Append(new touchstone::testing::ConformanceRecorder(options.results));
   // Each test fails by its own name: a record of failures is a good record.
   const int failed = RUN_ALL_TESTS();
   return ::testing::UnitTest::GetInstance()->test_to_run_count() > 0 ? 0 : failed;

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "harness/base/atomic_file.h"
+#include "harness/testing/conformance_recorder.h"
 
 namespace touchstone::testing {
 namespace {
@@ -16,7 +17,7 @@ TEST(ConformanceResults, OnlyThoseOfThisCtestRunCount) {
   // What an earlier run left is removed, what somebody else put there is not.
   std::filesystem::create_directories(folder / "12-345");
   std::filesystem::create_directories(folder / "notes");
-  const ResultRecorder recorder(folder);
+  const ConformanceRecorder recorder(folder);
   EXPECT_FALSE(std::filesystem::exists(folder / "12-345"));
   EXPECT_TRUE(std::filesystem::exists(folder / "notes"));
 
@@ -27,6 +28,12 @@ TEST(ConformanceResults, OnlyThoseOfThisCtestRunCount) {
   EXPECT_EQ(found->status, 1);
   EXPECT_EQ(found->text, "a.h:7: two\nlines\n");
   EXPECT_FALSE(recorded_result(folder, test + "s").has_value());
+
+  // What is no whole outcome passes for none.
+  for (const char* const cut : {"", "0", "2\n", "passed\n", "-0 \n"}) {
+    write_file(result_file(folder, test), cut);
+    EXPECT_FALSE(recorded_result(folder, test).has_value()) << cut;
+  }
   std::filesystem::remove_all(folder);
 }
 
