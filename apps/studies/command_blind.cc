@@ -58,7 +58,7 @@ ExitStatus make(const BlindOptions& options) {
     if (!blind::blind_full_count().contains(set)) {
       throw UsageError(
           fmt::format("--set {}: unknown; one, one-noisy, two, three, none, unknown, cannot-tell, "
-                      "corrupted or full-band was expected",
+                      "corrupted, full-band or outside was expected",
                       set));
     }
   }
@@ -183,9 +183,10 @@ void add_blind(CLI::App& program, Run& run) {
 
   auto* const maker = command->add_subcommand("make", "Write cases with opaque names and their answers apart");
   maker->add_option("--seed", options->seed, "of everything")->capture_default_str();
-  maker->add_option("--share", options->share, "of the full test's 750 cases")->capture_default_str();
+  maker->add_option("--share", options->share, "of the full test's 820 cases")->capture_default_str();
   maker->add_option("--set", options->sets,
-                    "only these: one, one-noisy, two, three, none, unknown, cannot-tell, corrupted, full-band");
+                    "only these: one, one-noisy, two, three, none, unknown, cannot-tell, corrupted, full-band, "
+                    "outside");
   maker->add_option("--count", options->count, "of each set, instead of the share");
   maker
       ->add_option("--strength", options->strength,

@@ -3,11 +3,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include "harness/base/error.h"
+#include "harness/discrepancy/effect_library.h"
 #include "harness/discrepancy/friction_cone.h"
+#include "harness/discrepancy/model_edit.h"
 #include "harness/discrepancy/whitened_regression.h"
 #include "harness/sanity/block_order.h"
 
@@ -18,25 +19,12 @@ namespace {
 constexpr double least_share = 0.3;
 constexpr double least_gain = 50.0;
 
-constexpr const char* pulls_words =
-    "the force along the surface pulls with the motion instead of against it, as friction of coefficient {:.2f} would: "
-    "is the sign of the force, or an axis, turned round?";
-
-// A coefficient that is never negative, by the force that a unit of it makes.
-struct OneSided {
-  const char* effect;
-  Side side;
-  std::map<std::string, double> unit;  // parameters at a small size
-  double size;
-  const char* words;
-};
-
-std::vector<Vec3> response(Predictor& predictor, const Model& base, const OneSided& coefficient,
+// Of the force to a unit of the candidate's one-sided coefficient.
+std::vector<Vec3> response(Predictor& predictor, const Model& base, const Candidate& candidate,
                            const Prediction& nominal) {
-  Model with = base;
-  (coefficient.side == Side::contact ? with.effects : with.instrument)
-      .push_back({coefficient.effect, coefficient.unit, "/test"});
-  const Prediction moved = predictor.predict(with);
+  const EffectTraits::OneSided& coefficient = *candidate.traits.one_sided;
+  const Prediction moved =
+      predictor.predict(with_entry(base, candidate.side, {candidate.name, coefficient.small, "/test"}));
   std::vector<Vec3> series(nominal.f_W_N.size());
   for (std::size_t i = 0; i < series.size(); ++i) {
     series[i] = (moved.f_W_N[i] - nominal.f_W_N[i]) / coefficient.size;
@@ -54,13 +42,21 @@ double left_by_model(const DetectorSide& side, const Model& model) {
 
 // A pull of little weight in the error, which rests leave: told by its direction while the tip slides fast.
 std::optional<std::string> pulls_along_everywhere(const DetectorSide& train, const DetectorSide& holdout,
-                                                  const Model& base) {
+                                                  const Model& base, const std::vector<Candidate>& candidates) {
+  // Friction of one coefficient: what a law that falls with speed contains.
+  const EffectLibrary library(candidates);
+  const auto dry = std::ranges::find_if(candidates, [&](const Candidate& one) {
+    return one.traits.one_sided && std::ranges::any_of(candidates, [&](const Candidate& other) {
+             return other.traits.falls_with_speed && library.contains(other.name, one.name);
+           });
+  });
+  if (dry == candidates.end()) return std::nullopt;
   const auto pull = [&](const DetectorSide& side) {
     return pulls_along(cone_samples(cone_evidence(*side.blocks, *side.noise, base, 0.0), side.recording->f_W_N));
   };
   const auto learnt = pull(train);
   if (!learnt || !pull(holdout)) return std::nullopt;
-  return fmt::format(fmt::runtime(pulls_words), -*learnt);
+  return fmt::format(fmt::runtime(dry->traits.one_sided->fault), -*learnt);
 }
 
 }  // namespace
@@ -84,7 +80,7 @@ std::optional<std::string> find_order_fault(const DetectorSide& side, const Mode
 }
 
 std::optional<std::string> find_data_fault(const DetectorSide& train, const DetectorSide& holdout, const Model& base,
-                                           const Model& best) {
+                                           const Model& best, const std::vector<Candidate>& candidates) {
   // A heavy tool, which only the search's model knows, hides the load from the other.
   for (const Model* const model : {&base, &best}) {
     if (auto fault = find_order_fault(train, *model)) return fault;
@@ -94,32 +90,8 @@ std::optional<std::string> find_data_fault(const DetectorSide& train, const Dete
   const Prediction train_likely = train.noise->likely_predictor().predict(base);
   const Prediction holdout_likely = holdout.noise->likely_predictor().predict(base);
   const double held = left_by_model(holdout, best);
-  const std::array tests{
-      OneSided{"coulomb-friction", Side::contact, {{"mu_static", 0.05}, {"mu_dynamic", 0.05}}, 0.05, pulls_words},
-      OneSided{
-          "viscous-friction",
-          Side::contact,
-          {{"coefficient_N_s_per_m", 0.1}},
-          0.1,
-          "the force along the surface drives the motion, as a viscosity of {:.3g} N s/m would: is the sign of the "
-          "force, or the clock, wrong?"},
-      OneSided{
-          "normal-damping",
-          Side::contact,
-          {{"coefficient_N_s_per_m", 0.1}},
-          0.1,
-          "the contact gives energy, as a damping of {:.3g} N s/m would: does the force come before the position?"},
-      OneSided{"tool-weight",
-               Side::instrument,
-               {{"mass_kg", 0.01}},
-               0.01,
-               "the tool pulls upwards, as a mass of {:.3g} kg would: is the sign of the force, or of z, wrong?"},
-      OneSided{"tool-inertia",
-               Side::instrument,
-               {{"mass_kg", 0.01}},
-               0.01,
-               "the force helps every acceleration, as a mass of {:.3g} kg would: is its sign wrong?"}};
-  for (const OneSided& test : tests) {
+  for (const Candidate& test : candidates) {
+    if (!test.traits.one_sided) continue;
     try {
       // The stiffness may take up a part of it, and a bias of the sensor a part of a weight.
       const auto series = [&](const DetectorSide& side, const Prediction& nominal) {
@@ -151,12 +123,12 @@ std::optional<std::string> find_data_fault(const DetectorSide& train, const Dete
       // What the search found explains it better, or it explains little: no fault of the data.
       const bool clear = train_gain >= least_gain && gain >= std::max(least_gain, least_share * bare);
       if (!clear || !(bare - gain <= held)) continue;
-      return fmt::format(fmt::runtime(test.words), with[0]);
+      return fmt::format(fmt::runtime(test.traits.one_sided->fault), with[0]);
     } catch (const BadData&) {
       continue;  // a base renderer that cannot run the effect
     }
   }
-  return pulls_along_everywhere(train, holdout, base);
+  return pulls_along_everywhere(train, holdout, base, candidates);
 }
 
 }  // namespace touchstone::discrepancy

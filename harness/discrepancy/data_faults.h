@@ -16,8 +16,9 @@ namespace touchstone::discrepancy {
 // is `model`'s. Needs no search, and so may be asked before one.
 std::optional<std::string> find_order_fault(const DetectorSide& side, const Model& model);
 
-// `base`: the starting model refitted; `best`: what the search found. Nothing when the data may be right.
+// `base`: the starting model refitted; `best`: what the search found. Coefficients of the candidates that are never
+// negative (EffectTraits::OneSided) are sought, in their order. Nothing when the data may be right.
 std::optional<std::string> find_data_fault(const DetectorSide& train, const DetectorSide& holdout, const Model& base,
-                                           const Model& best);
+                                           const Model& best, const std::vector<Candidate>& candidates);
 
 }  // namespace touchstone::discrepancy

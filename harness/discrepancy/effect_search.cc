@@ -403,8 +403,9 @@ class Search {
   // Names, then values and intervals, then, for the first time, the held-out data.
   void finish() {
     result_.time_limit_s = state_.budget->limit_s();
-    result_.not_tried = state_.budget->not_tried();
     drop_what_has_no_size();
+    std::erase_if(result_.found,
+                  [&](const FoundEffect& effect) { return find_entry(result_.start, effect.name) != nullptr; });
     settle_waves(state_.current.model, state_.library());
     settle_cone();
     const FitData weights = fit_values();
@@ -416,8 +417,10 @@ class Search {
     if (!result_.data_fault) {
       const DetectorSide train{data_.train.recording, &state_.declared_train, data_.train.noise};
       const DetectorSide validation{data_.validation.recording, &state_.declared_validation, data_.validation.noise};
-      result_.data_fault = find_data_fault(train, validation, result_.base, result_.model);
+      result_.data_fault = find_data_fault(train, validation, result_.base, result_.model, *state_.candidates);
     }
+    if (!result_.data_fault && something_missing()) result_.law = search_law(state_, result_.base, report_);
+    result_.not_tried = state_.budget->not_tried();
     judge_on_holdout();
     if (result_.data_fault) {
       // Nothing is learnt from data that are wrong.
@@ -426,6 +429,17 @@ class Search {
       result_.undetermined.clear();
       result_.questions.clear();
     }
+  }
+
+  // By the validation blocks, since a law is chosen by it.
+  [[nodiscard]] bool something_missing() const {
+    const Model& model = state_.current.model;
+    const Goodness goodness = judge_goodness(data_.train, data_.validation, model, data_.window_s);
+    if (goodness.chi_squared >= goodness.threshold) return true;
+    if (!(goodness.chi_squared > goodness.structured_threshold)) return false;
+    const DetectorSide train{data_.train.recording, &goodness.train, data_.train.noise};
+    const DetectorSide validation{data_.validation.recording, &goodness.holdout, data_.validation.noise};
+    return detect_structure(train, validation, model, {}).found();
   }
 
   // Whether noise is all that is left is judged by the declared noise.

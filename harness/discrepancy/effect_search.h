@@ -14,6 +14,7 @@
 
 #include "harness/base/rooms.h"
 #include "harness/discrepancy/identifiability.h"
+#include "harness/discrepancy/law_search.h"
 #include "harness/discrepancy/parameter_intervals.h"
 #include "harness/discrepancy/residual_spectrum.h"
 #include "harness/discrepancy/rivals.h"
@@ -41,7 +42,7 @@ struct SearchResult {
   std::vector<NullFit> readings;          // with what the forces alone tell of friction, read again from drawn samples
   std::vector<FreeParameter> parameters;  // free in `fit`
   std::vector<SearchStep> steps;
-  std::vector<FoundEffect> found;
+  std::vector<FoundEffect> found;          // in the order of the model; what the start had is not among them
   std::vector<Undetermined> undetermined;  // values of them
   std::vector<std::string> dropped;        // helped, but no size of them is determined
   std::vector<Question> questions;         // on values of them
@@ -51,6 +52,7 @@ struct SearchResult {
   double structured_threshold = 0.0;
   Structure structure;        // of what `model` leaves
   ResidualSpectrum spectrum;  // of the same, sample by sample
+  UnknownLaw law;             // for what `model` leaves, where that is clearly more than noise
   std::optional<std::string> data_fault;
   double time_limit_s = 0.0;           // infinite: none
   std::vector<std::string> not_tried;  // for lack of time; empty: the search came to its end

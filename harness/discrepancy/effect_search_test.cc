@@ -239,6 +239,18 @@ TEST(Search, AForceThatNoCandidateMakesIsUnexplained) {
   EXPECT_TRUE(findings.search.found.empty());
 }
 
+TEST(Search, WhatTheStartingModelHasIsNotFound) {
+  Model hidden = truth(1.0);
+  hidden.effects = {{"viscous-friction", {{"coefficient_N_s_per_m", 4.0}}, "/effects/0"}};
+  World world(hidden, 1.0);
+  world.start.effects = hidden.effects;
+  const Findings findings = world.find();
+  EXPECT_EQ(findings.verdict, FindingsVerdict::consistent);
+  EXPECT_TRUE(findings.search.found.empty());
+  ASSERT_EQ(findings.search.model.effects.size(), 1U);
+  EXPECT_EQ(findings.search.model.effects[0].parameters.at("coefficient_N_s_per_m"), 4.0);
+}
+
 TEST(Search, ForcesInAWrongOrderAreBlamedAndNothingIsNamed) {
   Model hidden = truth(1.0);
   hidden.effects = {{"viscous-friction", {{"coefficient_N_s_per_m", 4.0}}, "/effects/0"}};

@@ -148,6 +148,24 @@ std::string first_sentence(const Findings& findings) {
                      findings.gap.holdout_after_N, findings.gap.holdout_before_N, findings.gap.noise_floor_N);
 }
 
+// Of what nothing in the library explains.
+void say_law(Findings& findings) {
+  if (findings.verdict != FindingsVerdict::unexplained || findings.search.data_fault) findings.law.reset();
+  if (!findings.law) return;
+  const UnknownLaw& law = findings.search.law;
+  std::vector<std::string> summaries;
+  for (const LawPiece& piece : law.pieces) summaries.push_back(piece.effect->summary);
+  findings.explanation += fmt::format(
+      " An empirical law describes what is missing: {}; it follows {}. With it the held-out error falls from {:.4g} N "
+      "to "
+      "{:.4g} N{}: {:.0f} % of what noise does not explain. It is no physics, and holds within what was recorded.",
+      fmt::join(summaries, ", and "), law_follows(law), findings.law->without_N, findings.law->with_N,
+      law.needless.empty() ? ""
+                           : fmt::format(", and {} {} not needed beside it", fmt::join(law.needless, " and "),
+                                         law.needless.size() == 1 ? "is" : "are"),
+      100.0 * findings.law->closed);
+}
+
 void say_what_is_open(Findings& findings) {
   const SearchResult& search = findings.search;
   for (const FoundEffect& effect : search.found) {
@@ -159,6 +177,12 @@ void say_what_is_open(Findings& findings) {
   }
   for (const Undetermined& one : search.undetermined) {
     findings.explanation += fmt::format(" {} of {} is not determined: {}.", one.parameter, one.effect, one.why);
+  }
+  for (const auto* entries : {&search.start.effects, &search.start.instrument}) {
+    for (const NamedParameters& entry : *entries) {
+      if (!search.data_fault && find_entry(search.model, entry.name) == nullptr)
+        findings.explanation += fmt::format(" {} of the starting model is not needed.", entry.name);
+    }
   }
   for (const std::string& name : search.dropped) {
     findings.explanation +=
@@ -256,6 +280,7 @@ void conclude(Findings& findings, const std::vector<Candidate>& candidates) {
   warn_of_noise(findings);
   hold_against_repeat(findings);
   if (!search.data_fault) findings.explanation = first_sentence(findings) + findings.explanation;
+  say_law(findings);
   say_what_is_open(findings);
 }
 
@@ -366,6 +391,7 @@ std::string findings_to_json(const Findings& findings, const std::string& trajec
                        {"bar", number(findings.search.structure.bar)},
                        {"found", findings.search.structure.found()}};
   root["spectrum"] = spectrum_json(findings.search.spectrum);
+  if (findings.law) root["empirical_law"] = law_json(findings.search.law, *findings.law);
   if (findings.search.data_fault) root["data_fault"] = *findings.search.data_fault;
   root["instrument"] = findings.instrument_declared ? "declared" : "estimated";
   root["holdout"] = findings.blocks_held_back ? "alternating blocks of the one recording" : "a recording of its own";

@@ -9,6 +9,7 @@
 #include "harness/discrepancy/effect_search.h"
 #include "harness/discrepancy/findings_verdict.h"
 #include "harness/discrepancy/gap_shares.h"
+#include "harness/discrepancy/law_report.h"
 #include "harness/discrepancy/next_experiment.h"
 #include "harness/discrepancy/regimes.h"
 
@@ -42,6 +43,7 @@ struct Findings {
   std::vector<std::vector<std::string>> ambiguous;
   ForceGap gap;
   std::vector<GapShare> shares;  // of the held-out gap; largest first
+  std::optional<LawGap> law;     // of search.law, where it helps on the held-out data; empty: none is given
   std::vector<Regime> where;
   std::optional<NextExperiment> next;
   bool instrument_declared = true;

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <limits>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -77,6 +78,16 @@ struct EffectTraits {
   bool is_wave = false;
   // Coefficients of friction along the object's x and y, by their parameters; empty: it has none.
   std::array<std::string, 2> along_axes;
+  // A coefficient that is never negative, if it has one: the parameters at a small size of it, and what is wrong with
+  // data in which it would be negative ("{}" stands for it).
+  struct OneSided {
+    std::map<std::string, double> small;
+    double size = 0.0;
+    std::string fault;
+  };
+  std::optional<OneSided> one_sided;
+  // Of a field over the surface: what it is a map of, as a report's title says it.
+  std::string map_title;
   // What it does to the surface, if that is all that it does.
   enum class Surface : std::uint8_t {
     stays,

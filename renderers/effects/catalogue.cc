@@ -206,12 +206,13 @@ std::vector<EffectEntry> field_laws() {
             Phase::stiffness, false,
             field_parameters("1", 3.0, "of f, the logarithm of the stiffness over the renderer's"),
             &make_stiffness_field, ""}),
-      {"friction-field",
-       "friction that differs smoothly over the surface: exp(f(x, y)) times that of the effects before it",
-       "tensor-product B-splines: de Boor 1978; Eilers and Marx 1996",
-       "a positive multiple of a force that opposes motion", Phase::friction, false,
-       field_parameters("1", 3.0, "of f, the logarithm of friction over that of the effects before it"),
-       &make_friction_field, ""},
+      with(friction_field_traits(),
+           {"friction-field",
+            "friction that differs smoothly over the surface: exp(f(x, y)) times that of the effects before it",
+            "tensor-product B-splines: de Boor 1978; Eilers and Marx 1996",
+            "a positive multiple of a force that opposes motion", Phase::friction, false,
+            field_parameters("1", 3.0, "of f, the logarithm of friction over that of the effects before it"),
+            &make_friction_field, ""}),
   };
 }
 

@@ -65,6 +65,13 @@ std::unique_ptr<Effect> make_height_field_contact(std::span<const double> values
 EffectTraits stiffness_field_traits() {
   EffectTraits traits;
   traits.contains = {"stiffness-map"};
+  traits.map_title = "Stiffness over the renderer's";
+  return traits;
+}
+
+EffectTraits friction_field_traits() {
+  EffectTraits traits;
+  traits.map_title = "Friction over that of the effects before it";
   return traits;
 }
 

@@ -21,5 +21,6 @@ std::unique_ptr<Effect> make_height_field_contact(std::span<const double> values
 
 // What the search for missing effects is to know of them.
 EffectTraits stiffness_field_traits();
+EffectTraits friction_field_traits();
 
 }  // namespace touchstone::renderers

@@ -199,6 +199,10 @@ SearchPlan plan_anisotropic(const RecordingScales& scales) {
 EffectTraits coulomb_friction_traits() {
   EffectTraits traits;
   traits.plan = &plan_coulomb;
+  traits.one_sided = {{{"mu_static", 0.05}, {"mu_dynamic", 0.05}},
+                      0.05,
+                      "the force along the surface pulls with the motion instead of against it, as friction of "
+                      "coefficient {:.2f} would: is the sign of the force, or an axis, turned round?"};
   return traits;
 }
 

@@ -113,6 +113,10 @@ std::unique_ptr<Effect> make_stress_relaxation(std::span<const double> values) {
 EffectTraits normal_damping_traits() {
   EffectTraits traits;
   traits.follows_speed = true;
+  traits.one_sided = {
+      {{"coefficient_N_s_per_m", 0.1}},
+      0.1,
+      "the contact gives energy, as a damping of {:.3g} N s/m would: does the force come before the position?"};
   traits.plan = [](const RecordingScales& scales) {
     return plan_of_rate("coefficient_N_s_per_m", scales.force_N, scales.depth_rate_m_per_s);
   };

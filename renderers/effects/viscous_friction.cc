@@ -30,6 +30,11 @@ std::unique_ptr<Effect> make_viscous_friction(std::span<const double> values) {
 EffectTraits viscous_friction_traits() {
   EffectTraits traits;
   traits.follows_speed = true;
+  traits.one_sided = {
+      {{"coefficient_N_s_per_m", 0.1}},
+      0.1,
+      "the force along the surface drives the motion, as a viscosity of {:.3g} N s/m would: is the sign "
+      "of the force, or the clock, wrong?"};
   traits.plan = [](const RecordingScales& scales) {
     return plan_of_rate("coefficient_N_s_per_m", scales.force_N, scales.speed_m_per_s);
   };

@@ -127,6 +127,7 @@ EffectTraits height_field_traits() {
   EffectTraits traits;
   traits.contains = {"surface-geometry"};
   traits.surface = EffectTraits::Surface::higher_by_field;
+  traits.map_title = "Height of the surface above the mesh [mm]";
   return traits;
 }
 

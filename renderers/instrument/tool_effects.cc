@@ -78,6 +78,10 @@ std::unique_ptr<InstrumentEffect> make_tool_inertia(std::span<const double> valu
 EffectTraits tool_weight_traits() {
   EffectTraits traits;
   traits.plan = [](const RecordingScales&) { return SearchPlan{{{"mass_kg", 0.1}}, {{{"mass_kg", 0.0}}}}; };
+  traits.one_sided = {
+      {{"mass_kg", 0.01}},
+      0.01,
+      "the tool pulls upwards, as a mass of {:.3g} kg would: is the sign of the force, or of z, wrong?"};
   return traits;
 }
 
@@ -86,6 +90,9 @@ EffectTraits tool_weight_traits() {
 EffectTraits tool_inertia_traits() {
   EffectTraits traits;
   traits.follows_speed = true;
+  traits.one_sided = {{{"mass_kg", 0.01}},
+                      0.01,
+                      "the force helps every acceleration, as a mass of {:.3g} kg would: is its sign wrong?"};
   traits.plan = [](const RecordingScales&) {
     SearchPlan plan{{{"mass_kg", 0.1}}, {}};
     for (const double window_s : {0.033, 0.05, 0.065, 0.08, 0.1, 0.13, 0.17, 0.22, 0.3})

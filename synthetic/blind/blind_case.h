@@ -66,10 +66,11 @@ struct HiddenEffect {
 struct BlindCase {
   std::string id;
   std::string set;      // "one", "one-noisy", "two", "three", "none", "unknown", "cannot-tell", "corrupted",
-                        // "full-band"
+                        // "full-band", "outside"
   std::string verdict;  // expected
   std::vector<HiddenEffect> effects;
   std::vector<std::string> ambiguous;
+  std::vector<std::string> follows;  // what a law for the hidden effect may say that it follows: one of these
   TrueSurface truth;
   TrueSurface meshed;  // what the mesh is made from: lacks a hidden bump and carries the mesh's own error
   std::size_t cells = 64;

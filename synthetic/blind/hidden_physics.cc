@@ -6,6 +6,11 @@
 
 namespace touchstone::synthetic {
 
+Vec3 OutsidePhysics::zero_N(double t_s) const {
+  const double warm = std::max(0.0, t_s) / warming_s;
+  return (1.0 - 0.6 * std::exp(-warm) - 0.4 * std::exp(-0.25 * warm)) * warming_N;
+}
+
 HiddenContact::HiddenContact(const TrueSurface& surface, const HiddenPhysics& physics)
     : surface_(surface), physics_(physics), dents_m_(std::size_t{dent_cells} * dent_cells, 0.0) {}
 
@@ -28,6 +33,9 @@ double HiddenContact::normal_force(double depth_m, double rate_m_per_s, const Ve
       h.exponent == 1.0 ? k * depth_m : k * h.reference_depth_m * std::pow(depth_m / h.reference_depth_m, h.exponent);
   if (h.bottom_stiffness_N_per_m > 0.0) {
     N += h.bottom_stiffness_N_per_m * std::max(0.0, depth_m - h.bottom_depth_m);
+  }
+  if (h.outside.tissue_N > 0.0) {
+    N += h.outside.tissue_N * std::pow(std::max(0.0, depth_m / h.outside.tissue_from_m - 1.0), 1.5);
   }
   N += h.damping_N_s_per_m * rate_m_per_s + h.hunt_crossley_N_s_per_m2 * depth_m * rate_m_per_s;
   if (h.relaxation_ratio > 0.0) {
@@ -69,8 +77,53 @@ Vec3 HiddenContact::friction(double normal_N, const Vec3& n, const Vec3& v_t, do
   return f - normal_N * dry;
 }
 
-HiddenContact::Forces HiddenContact::step(double t_s, double dt_s, const Vec3& p, const Vec3& v) {
+Vec3 HiddenContact::tip_of(const Vec3& tool_W_m, double dt_s) {
+  const OutsidePhysics& h = physics_.outside;
+  if (h.play_m > 0.0) {
+    if (has_tool_) behind_m_ -= tool_W_m - last_tool_W_m_;
+    behind_m_ = behind_m_.cwiseMin(h.play_m).cwiseMax(-h.play_m);
+    last_tool_W_m_ = tool_W_m;
+  }
+  if (h.bending_N_per_m > 0.0) {
+    // The beam follows the force of the last step within a millisecond, which is quick for a hand and stable.
+    constexpr double follows_s = 1e-3;
+    const Vec3 to(last_f_W_N_.x() / h.bending_N_per_m, last_f_W_N_.y() / h.bending_N_per_m, 0.0);
+    bent_m_ += (to - bent_m_) * (dt_s / (dt_s + follows_s));
+  }
+  return tool_W_m + behind_m_ + bent_m_;
+}
+
+Vec3 HiddenContact::hysteresis(const Vec3& n, const Vec3& v_t, double dt_s) {
+  const OutsidePhysics& h = physics_.outside;
+  const Vec3 along = v_t.cwiseProduct(yield_m_);
+  const double pull = (along.cwiseAbs() + along).sum() / (2.0 * h.hysteresis_m * h.hysteresis_m);
+  yield_m_ += dt_s * (v_t - pull * yield_m_);
+  yield_m_ -= n.dot(yield_m_) * n;
+  return -h.hysteresis_N / h.hysteresis_m * yield_m_;
+}
+
+Vec3 HiddenContact::on_the_tool(const Vec3& p) const {
+  const OutsidePhysics& h = physics_.outside;
+  Vec3 f = Vec3::Zero();
+  if (h.cogging_N != 0.0) {
+    const double turn = 2.0 * std::numbers::pi * h.cogging_along_W.dot(p) / h.cogging_length_m + h.cogging_phase_rad;
+    f += h.cogging_N * (std::sin(turn) + 0.2 * std::sin(2.0 * turn)) * h.cogging_along_W;
+  }
+  if (h.leash_N_per_m > 0.0) {
+    const Vec3 from = p - h.leash_end_W_m;
+    const double length = from.norm();
+    if (length > h.leash_m) f -= h.leash_N_per_m * (length - h.leash_m) / length * from;
+  }
+  return f;
+}
+
+HiddenContact::Forces HiddenContact::step(double t_s, double dt_s, const Vec3& tool, const Vec3& tool_m_per_s) {
   const HiddenPhysics& h = physics_;
+  const Vec3 p = tip_of(tool, dt_s);
+  const bool apart = h.outside.play_m > 0.0 || h.outside.bending_N_per_m > 0.0;
+  const Vec3 v = apart && has_tool_ && dt_s > 0.0 ? Vec3((p - last_tip_W_m_) / dt_s) : tool_m_per_s;
+  last_tip_W_m_ = p;
+  has_tool_ = true;
   const TrueSurface::Foot foot = surface_.foot(p, guess_m_);
   guess_m_ = foot.q_W_m.head<2>();
   const Vec3& n = foot.n_W;
@@ -102,11 +155,15 @@ HiddenContact::Forces HiddenContact::step(double t_s, double dt_s, const Vec3& p
     const double N = normal_force(depth, rate, foot.q_W_m.head<2>(), t_s, dt_s);
     const Vec3 v_t = v - n.dot(v) * n;
     forces.f_W_N = N * n + friction(N, n, v_t, dt_s);
+    if (h.outside.hysteresis_N > 0.0) forces.f_W_N += hysteresis(n, v_t, dt_s);
+    last_f_W_N_ = forces.f_W_N;
   } else {
     bristle_.setZero();
     spring_m_.setZero();
     arm_N_ = 0.0;
     last_arm_spring_N_ = 0.0;
+    yield_m_.setZero();
+    last_f_W_N_.setZero();
   }
   const double gap = std::max(0.0, -depth);
   if (gap > 5.0 * h.adhesion_range_m) bonded_ = false;
@@ -114,6 +171,7 @@ HiddenContact::Forces HiddenContact::step(double t_s, double dt_s, const Vec3& p
   if (h.magnet_N > 0.0) forces.f_W_N -= h.magnet_N * std::exp(-gap / h.magnet_range_m) * n;
   forces.f_W_N -= h.drag_N_s_per_m * v;
   if (h.cable_N_per_m > 0.0) forces.f_W_N -= h.cable_N_per_m * (p - h.cable_end_W_m);
+  forces.f_W_N += on_the_tool(tool);
   forces.f_W_N.x() += h.vibration_N * std::sin(2.0 * std::numbers::pi * h.vibration_Hz * t_s);
   return forces;
 }

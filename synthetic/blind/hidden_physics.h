@@ -11,6 +11,37 @@
 
 namespace touchstone::synthetic {
 
+// Effects for which a law is to be found: neither the effects of a library nor the terms of a law's have these forms.
+// Zero switches each part off.
+struct OutsidePhysics {
+  // A motor's poles along an axis: a sine of the place with its second harmonic (Jahns and Soong 1996, IEEE Trans. Ind.
+  // Electron. 43:321).
+  double cogging_N = 0.0;
+  double cogging_length_m = 1.0;
+  double cogging_phase_rad = 0.0;
+  Vec3 cogging_along_W = Vec3::UnitX();
+  // Hysteresis along the surface, touching: the biaxial model of Park, Wen and Ang 1986 (Earthq. Eng. Struct. Dyn.
+  // 14:543) with A = 1, beta = gamma = 1 / (2 z^2), so that each part of the state ends at z.
+  double hysteresis_N = 0.0;
+  double hysteresis_m = 1.0;
+  // The tip hangs on the tracked tool by a beam (3 E I / l^3) across the object's z.
+  double bending_N_per_m = 0.0;
+  // The sensor's zero after it is switched on: six tenths at once and four tenths four times more slowly. Sensor's
+  // frame.
+  Vec3 warming_N = Vec3::Zero();
+  double warming_s = 1.0;
+  [[nodiscard]] Vec3 zero_N(double t_s) const;
+  // A cable from a place, slack within its length.
+  double leash_N_per_m = 0.0;
+  double leash_m = 0.0;
+  Vec3 leash_end_W_m = Vec3::Zero();
+  // Tissue under a skin: beyond a depth a Hertzian contact, force with the power 3/2 of what is beyond.
+  double tissue_N = 0.0;  // at tissue_from_m beyond tissue_from_m
+  double tissue_from_m = 1.0;
+  // Half of the play between the tracked tool and the tip, along each axis (Krasnosel'skii and Pokrovskii 1989).
+  double play_m = 0.0;
+};
+
 // Zero (or one, for the exponent) switches each part off.
 struct HiddenPhysics {
   double stiffness_N_per_m = 500.0;
@@ -51,6 +82,7 @@ struct HiddenPhysics {
   double softening_time_s = 8.0;
   double magnet_N = 0.0;  // attracts without having touched
   double magnet_range_m = 1e-3;
+  OutsidePhysics outside;
 };
 
 class HiddenContact {
@@ -68,6 +100,10 @@ class HiddenContact {
   double normal_force(double depth_m, double rate_m_per_s, const Vec2& xy, double t_s, double dt_s);
   Vec3 friction(double normal_N, const Vec3& n, const Vec3& v_t, double dt_s);
   double& dent(const Vec2& xy);
+  // Where the tip is when the tool is tracked at a place.
+  Vec3 tip_of(const Vec3& tool_W_m, double dt_s);
+  Vec3 hysteresis(const Vec3& n, const Vec3& v_t, double dt_s);
+  [[nodiscard]] Vec3 on_the_tool(const Vec3& p_W_m) const;
 
   const TrueSurface& surface_;
   HiddenPhysics physics_;
@@ -79,6 +115,13 @@ class HiddenContact {
   bool bonded_ = false;
   double texture_height_m_ = 0.0;  // at the last step
   bool has_texture_height_ = false;
+  Vec3 bent_m_ = Vec3::Zero();
+  Vec3 last_f_W_N_ = Vec3::Zero();
+  Vec3 behind_m_ = Vec3::Zero();  // of the tip by play
+  Vec3 last_tool_W_m_ = Vec3::Zero();
+  Vec3 last_tip_W_m_ = Vec3::Zero();
+  bool has_tool_ = false;
+  Vec3 yield_m_ = Vec3::Zero();  // state of the hysteresis
   static constexpr int dent_cells = 40;
   std::vector<double> dents_m_;
 };

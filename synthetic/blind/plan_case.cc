@@ -13,8 +13,8 @@
 namespace touchstone::synthetic {
 namespace {
 
-const std::vector<std::string> sets{"one",     "one-noisy",   "two",       "three",    "none",
-                                    "unknown", "cannot-tell", "corrupted", "full-band"};
+const std::vector<std::string> sets{"one",     "one-noisy",   "two",       "three",     "none",
+                                    "unknown", "cannot-tell", "corrupted", "full-band", "outside"};
 
 class Planner {
  public:
@@ -129,6 +129,56 @@ class Planner {
         h.magnet_N = 0.25 * F;
         h.magnet_range_m = 0.8 * D;
         return note("magnet", "unknown", {{"force_N", h.magnet_N}, {"range_m", h.magnet_range_m}});
+    }
+  }
+
+  // Something for which a law is to be found; families take turns. As strong as an unknown effect is.
+  void hide_outside(std::size_t kind) {
+    OutsidePhysics& h = plan_.physics.outside;
+    const double F = sizes_.force_N;
+    const double D = sizes_.depth_m;
+    const double L = sizes_.half_side_m;
+    Random& r = random_;
+    const auto tell = [&](const char* name, std::vector<std::string> follows, std::map<std::string, double> values) {
+      plan_.follows = std::move(follows);
+      note(name, "unknown", std::move(values));
+    };
+    switch (kind % 7) {
+      case 0: {
+        h.cogging_N = F * r.uniform(0.1, 0.2);
+        h.cogging_length_m = L * r.uniform(0.25, 0.7);
+        h.cogging_phase_rad = r.uniform(0.0, 2.0 * std::numbers::pi);
+        const double azimuth = r.uniform(0.0, 2.0 * std::numbers::pi);
+        const double rise = r.uniform(0.1, 0.6);
+        h.cogging_along_W =
+            Vec3(std::cos(rise) * std::cos(azimuth), std::cos(rise) * std::sin(azimuth), std::sin(rise));
+        return tell("cogging", {"place"}, {{"force_N", h.cogging_N}, {"length_m", h.cogging_length_m}});
+      }
+      case 1:
+        h.hysteresis_N = F * r.uniform(0.15, 0.3);
+        h.hysteresis_m = L * r.uniform(0.08, 0.25);
+        return tell("hysteresis", {"past of the motion"}, {{"force_N", h.hysteresis_N}, {"path_m", h.hysteresis_m}});
+      case 2:
+        h.bending_N_per_m = plan_.physics.stiffness_N_per_m * r.uniform(0.15, 0.4);
+        return tell("bending", {"slope of the surface", "load", "place"}, {{"stiffness_N_per_m", h.bending_N_per_m}});
+      case 3:
+        h.warming_N = F * 0.3 * Vec3(r.uniform(-1.0, 1.0), r.uniform(-1.0, 1.0), r.uniform(0.5, 1.0));
+        h.warming_s = r.uniform(1.5, 4.0);
+        return tell("warming", {"time"}, {{"force_N", h.warming_N.norm()}, {"time_constant_s", h.warming_s}});
+      case 4: {
+        const double azimuth = r.uniform(0.0, 2.0 * std::numbers::pi);
+        h.leash_end_W_m = L * Vec3(std::cos(azimuth), std::sin(azimuth), 0.8);
+        h.leash_m = L * r.uniform(1.0, 1.3);
+        h.leash_N_per_m = F * r.uniform(0.4, 0.8) / L;
+        return tell("leash", {"place"}, {{"stiffness_N_per_m", h.leash_N_per_m}, {"slack_m", h.leash_m}});
+      }
+      case 5:
+        h.tissue_from_m = D * r.uniform(0.35, 0.6);
+        h.tissue_N = F * r.uniform(1.0, 2.0);
+        return tell("tissue", {"depth"}, {{"from_m", h.tissue_from_m}, {"force_N", h.tissue_N}});
+      default:
+        h.play_m = D * r.uniform(0.05, 0.12);
+        return tell("backlash", {"past of the motion"}, {{"play_m", h.play_m}});
     }
   }
 
@@ -275,6 +325,11 @@ BlindCase plan_case(const std::string& set, std::size_t index, std::uint64_t see
   } else if (set == "unknown") {
     planner.shape(random.uniform() < 0.35);
     planner.hide_unknown(index);
+    plan.verdict = "unexplained";
+  } else if (set == "outside") {
+    // What leans needs a slope to show.
+    planner.shape(index % 7 != 2 && random.uniform() < 0.35);
+    planner.hide_outside(index);
     plan.verdict = "unexplained";
   } else if (set == "full-band") {
     planner.shape(random.uniform() < 0.35);

@@ -155,7 +155,7 @@ Vec3 reading_S_N(const BlindCase& plan, const Truth& truth, const Turn& turn, do
   f -= h.inertia_kg * Truth::at(truth.a_W_m_per_s2, t_s);
   Vec3 s = turn(t_s).conjugate() * f;
   s += Vec3(h.c_xz * s.z(), h.c_yz * s.z(), 0.0);
-  return s + h.bias_S_N + t_s * h.drift_S_N_per_s;
+  return s + h.bias_S_N + t_s * h.drift_S_N_per_s + plan.physics.outside.zero_N(t_s);
 }
 
 // What shakes the sensor, sample by sample.

@@ -62,6 +62,7 @@ std::string answers_to_json(const std::vector<BlindCase>& plans, std::uint64_t s
       entry["effects"].push_back({{"name", effect.name}, {"side", effect.side}, {"parameters", effect.parameters}});
     }
     if (!plan.ambiguous.empty()) entry["ambiguous"] = json::array({json(plan.ambiguous)});
+    if (!plan.follows.empty()) entry["follows"] = plan.follows;
     if (plan.corruption != Corruption::none) entry["corruption"] = corruption_name(plan.corruption);
     entry["true_stiffness_N_per_m"] = plan.physics.stiffness_N_per_m;
     entry["presliding_m"] = plan.physics.presliding_m;

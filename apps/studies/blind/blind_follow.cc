@@ -13,9 +13,9 @@
 namespace touchstone::blind {
 
 const std::map<std::string, std::size_t>& blind_full_count() {
-  static const std::map<std::string, std::size_t> count{{"one", 200},        {"one-noisy", 100}, {"two", 60},
-                                                        {"three", 15},       {"none", 200},      {"unknown", 60},
-                                                        {"cannot-tell", 40}, {"corrupted", 30},  {"full-band", 45}};
+  static const std::map<std::string, std::size_t> count{
+      {"one", 200},    {"one-noisy", 100},  {"two", 60},       {"three", 15},     {"none", 200},
+      {"unknown", 60}, {"cannot-tell", 40}, {"corrupted", 30}, {"full-band", 45}, {"outside", 70}};
   return count;
 }
 

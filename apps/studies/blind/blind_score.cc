@@ -123,6 +123,18 @@ bool as_sets_ask(const BlindScore& score, const json& answer, const json& findin
   return std::includes(named.begin(), named.end(), expected.begin(), expected.end());
 }
 
+void judge_law(BlindScore& score, const json& answer, const json& findings) {
+  if (!answer.contains("follows") || !findings.contains("empirical_law")) return;
+  const json& law = findings.at("empirical_law");
+  score.law_closed = law.at("holdout").at("closed").get<double>();
+  for (const auto& piece : law.at("pieces"))
+    score.law += (score.law.empty() ? "" : " and ") + piece.at("name").get<std::string>();
+  for (const auto& follows : law.at("follows")) {
+    const json& right = answer.at("follows");
+    score.law_follows = score.law_follows || std::find(right.begin(), right.end(), follows) != right.end();
+  }
+}
+
 void compare_parameters(BlindScore& score, const json& answer, const json& findings) {
   for (const auto& truth : answer.at("effects")) {
     for (const auto& found : findings.at("effects")) {
@@ -171,6 +183,7 @@ std::vector<BlindScore> score_blind(const std::filesystem::path& answers, const 
       measure_floor(score, answer, cases / score.id);
       score.right = as_sets_ask(score, answer, findings);
       compare_parameters(score, answer, findings);
+      judge_law(score, answer, findings);
       const auto second = again / score.id / "findings.json";
       if (score.set == "cannot-tell" && !again.empty() && std::filesystem::exists(second)) {
         const json told = load_json(second);
@@ -212,6 +225,8 @@ std::string blind_json(const std::vector<BlindScore>& scores) {
                                  {"after_N", number(score.after_N)},
                                  {"closed", number(score.closed)},
                                  {"parameters", nlohmann::ordered_json::array()}};
+    if (score.set == "outside")
+      entry["law"] = {{"name", score.law}, {"closed", number(score.law_closed)}, {"follows", score.law_follows}};
     if (score.told_apart) entry["told_apart"] = *score.told_apart;
     for (const auto& p : score.parameters) {
       entry["parameters"].push_back(

@@ -34,6 +34,10 @@ struct BlindScore {
     bool inside;  // its 95 % interval
   };
   std::vector<Parameter> parameters;
+  // Of a set for whose effects a law is to be found.
+  double law_closed = 0.0;         // of the held-out gap, by the law; 0: none was found
+  bool law_follows = false;        // what the hidden effect follows is among what the law says
+  std::string law;                 // its formulas' names
   std::optional<bool> told_apart;  // by the motion that the search asked for; none: nothing asked for, or not run
 };
 

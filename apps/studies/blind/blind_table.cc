@@ -50,6 +50,7 @@ const std::vector<Bar> bars{
     {"cannot-tell", "cannot tell: said so, with the right pair", 0.90},
     {"corrupted", "corrupted: nothing named, the data blamed", 1.0},
     {"full-band", "hum, buzz, resonance: flagged, frequency within 1 %", 0.95},
+    {"outside", "unknown effects for a law: flagged", 0.95},
     {"sample", "samples: right", 1.0},
 };
 
@@ -195,6 +196,30 @@ class TableText {
         judged(least, least >= -0.02));
   }
 
+  // Of effects that no library has: the gap that the law closes, and whether it says what the effect follows.
+  void add_laws() {
+    std::vector<double> closed;
+    Share follows;
+    std::string lines;
+    for (const BlindScore& score : scores_) {
+      if (score.set != "outside") continue;
+      closed.push_back(score.law_closed);
+      ++follows.all;
+      follows.right += score.law_follows ? 1 : 0;
+      lines += fmt::format("  {:12} {} {}, named {}: {}, closed {:.3f}{}\n", fmt::join(score.expected, ""), score.id,
+                           to_string(score.verdict),
+                           score.named.empty() ? "nothing" : fmt::format("{}", fmt::join(score.named, " and ")),
+                           score.law.empty() ? "no law" : score.law, score.law_closed,
+                           score.law_follows ? "" : ", elsewhere");
+    }
+    if (closed.empty()) return;
+    const double median = stats::lower_quantile(closed, 0.5);
+    text_ += fmt::format("unknown effects for a law: gap closed by it, held out, median {:.3f} (bar 0.70)  {}\n",
+                         median, judged(median, median >= 0.70));
+    add_share("unknown effects for a law: what they follow is said", 0.90, follows);
+    text_ += lines;
+  }
+
   void add_parameters() {
     Share inside;
     for (const BlindScore& score : scores_) {
@@ -318,6 +343,7 @@ BlindTable blind_table(const std::vector<BlindScore>& scores) {
   table.add_sets();
   table.add_false_claims();
   table.add_gap_closed();
+  table.add_laws();
   table.add_parameters();
   table.add_detection();
   table.add_misses();

@@ -8,6 +8,7 @@
 #include <limits>
 #include <optional>
 
+#include "harness/discrepancy/effect_library.h"
 #include "harness/discrepancy/model_edit.h"
 #include "harness/rendering/model.h"
 #include "harness/rendering/smooth_field.h"
@@ -282,7 +283,9 @@ Section place_section(const Evidence& evidence, const Prediction& before, const 
 }
 
 // The found fields at the vertices near the path.
-std::optional<Section> field_section(const Findings& findings, const Evidence& evidence, const TriangleMesh& mesh) {
+std::optional<Section> field_section(const Findings& findings, const std::vector<Candidate>& candidates,
+                                     const Evidence& evidence, const TriangleMesh& mesh) {
+  const EffectLibrary library(candidates);
   Section section{"Fields over the surface",
                   "What differs over the surface, where the tip has been. Elsewhere the field is a continuation of its "
                   "neighbourhood.",
@@ -295,11 +298,10 @@ std::optional<Section> field_section(const Findings& findings, const Evidence& e
     const NamedParameters& entry = *find_entry(findings.search.model, effect.name);
     if (!is_field(entry.parameters)) continue;
     const SmoothField field = field_of(entry.parameters, entry.place);
-    const bool height = effect.side == Side::instrument;
+    const EffectTraits& traits = library.traits(effect.name);
+    const bool height = traits.surface == EffectTraits::Surface::higher_by_field;
     Scene scene;
-    scene.title = height ? "Height of the surface above the mesh [mm]"
-                         : fmt::format("{}: factor on the {}", effect.name,
-                                       effect.name == "friction-field" ? "friction" : "renderer's stiffness");
+    scene.title = traits.map_title;
     scene.unit = "m";
     scene.vertices = mesh.vertices_W_m;
     scene.triangles = mesh.triangles;
@@ -313,6 +315,42 @@ std::optional<Section> field_section(const Findings& findings, const Evidence& e
     section.blocks.emplace_back(std::move(scene));
   }
   if (section.blocks.empty()) return std::nullopt;
+  return section;
+}
+
+// What the residual follows, where nothing in the library explains it.
+std::optional<Section> law_section(const Findings& findings) {
+  if (!findings.law) return std::nullopt;
+  const UnknownLaw& law = findings.search.law;
+  Section section{
+      "An empirical law for what is missing",
+      fmt::format(
+          "Found in the recording: it says what the force follows ({}), not why. It is no physics, and holds within "
+          "the ranges below alone. Held out, the error falls from {:.4g} N with the effects above to {:.4g} N with "
+          "the law; of the start's error beyond noise {:.0f} % of the square is gone.",
+          law_follows(law), findings.law->without_N, findings.law->with_N, 100.0 * findings.law->closed),
+      {},
+      false};
+  std::string formulas;
+  for (const std::string& line : law_formulas(law)) formulas += line + "\n";
+  section.blocks.emplace_back(Code{"formulas (units: SI)", formulas});
+  Table values{"Its values", {"piece", "parameter", "value", "unit", "what it is"}, {}, ""};
+  for (const LawPiece& piece : law.pieces) {
+    for (const ParameterDeclaration& p : piece.effect->parameters) {
+      values.rows.push_back(
+          {{text(piece.effect->summary), text(p.name), number(p.initial), text(p.unit), text(p.meaning)}, "", {}});
+    }
+  }
+  section.blocks.emplace_back(std::move(values));
+  Table ranges{"Seen in the recording: beyond, the law is a guess", {"variable", "from", "to", "unit"}, {}, ""};
+  for (const SeenRange& range : law.seen)
+    ranges.rows.push_back({{text(range.variable), number(range.low), number(range.high), text(range.unit)}, "", {}});
+  section.blocks.emplace_back(std::move(ranges));
+  if (!law.needless.empty()) {
+    section.blocks.emplace_back(TextBlock{
+        fmt::format("Beside the law these are not needed: {}.", fmt::join(law.needless, ", ")), Tone::warning});
+  }
+  section.blocks.emplace_back(Code{"empirical.json", model_to_json(law.model)});
   return section;
 }
 
@@ -345,8 +383,9 @@ Section search_section(const Findings& findings) {
 
 }  // namespace
 
-Page discrepancy_page(const Findings& findings, const Evidence& evidence, const Prediction& before,
-                      const Prediction& after, const TriangleMesh& mesh, const Provenance& provenance) {
+Page discrepancy_page(const Findings& findings, const std::vector<Candidate>& candidates, const Evidence& evidence,
+                      const Prediction& before, const Prediction& after, const TriangleMesh& mesh,
+                      const Provenance& provenance) {
   Page page;
   page.title = "Where simulation and measurement disagree";
   page.subtitle = fmt::format("{} against {}", findings.search.start.source, evidence.recording->source);
@@ -373,11 +412,12 @@ Page discrepancy_page(const Findings& findings, const Evidence& evidence, const 
   }
   page.sections.push_back(what_section(findings));
   if (!findings.search.found.empty()) page.sections.push_back(gap_section(findings));
+  if (auto law = law_section(findings)) page.sections.push_back(std::move(*law));
   page.sections.push_back(where_section(findings));
   page.sections.push_back(spectrum_section(findings));
   page.sections.push_back(time_section(evidence, before, after));
   page.sections.push_back(place_section(evidence, before, mesh));
-  if (auto fields = field_section(findings, evidence, mesh)) page.sections.push_back(std::move(*fields));
+  if (auto fields = field_section(findings, candidates, evidence, mesh)) page.sections.push_back(std::move(*fields));
   page.sections.push_back(search_section(findings));
   Facts facts;
   facts.rows = {

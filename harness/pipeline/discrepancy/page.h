@@ -10,7 +10,8 @@
 namespace touchstone::pipeline {
 
 // `evidence`: what the gap is shown on (held out); predictions over its whole recording.
-Page discrepancy_page(const Findings& findings, const Evidence& evidence, const Prediction& before,
-                      const Prediction& after, const TriangleMesh& mesh, const Provenance& provenance);
+Page discrepancy_page(const Findings& findings, const std::vector<Candidate>& candidates, const Evidence& evidence,
+                      const Prediction& before, const Prediction& after, const TriangleMesh& mesh,
+                      const Provenance& provenance);
 
 }  // namespace touchstone::pipeline

@@ -95,6 +95,25 @@ ForceGap measure_gap(const SearchResult& search, const SearchData& data, const E
   return gap;
 }
 
+// Nothing where no law was found, or where it does not help on the held-out samples.
+std::optional<LawGap> measure_law(const SearchResult& search, const Evidence& samples, double noise_N) {
+  if (!search.law.found()) return std::nullopt;
+  const auto rms_N = [&](const Model& model) { return rms_force_error_N(samples, samples.predictor->predict(model)); };
+  LawGap gap{rms_N(search.base), rms_N(search.model), rms_N(search.law.model), 0.0};
+  if (!(gap.with_N < gap.without_N)) return std::nullopt;
+  const double beyond = gap.start_N * gap.start_N - noise_N * noise_N;
+  if (beyond > 0.0) gap.closed = (gap.start_N * gap.start_N - gap.with_N * gap.with_N) / beyond;
+  return gap;
+}
+
+// One file for each piece, and the model with the law.
+void write_law(const Findings& findings, const std::filesystem::path& out) {
+  std::size_t count = 0;
+  for (const LawPiece& piece : findings.search.law.pieces)
+    write_file(out / fmt::format("law-{}.json", ++count), effect_to_json(*piece.effect));
+  write_file(out / "empirical.json", model_to_json(findings.search.law.model) + "\n");
+}
+
 // Only rivals alike need another recording; the first pair decides what to do.
 std::optional<NextExperiment> next_experiment(const SearchResult& search, const SearchData& data,
                                               const MakePredictor& make, const InstrumentDescription& instrument) {
@@ -164,7 +183,8 @@ Findings run_discrepancy(const Catalogue& catalogue, const DiscrepancyFiles& fil
   ensure_writable_folder(files.out);
   const DiscrepancyInputs inputs = load_inputs(catalogue, files);
   for (const std::string& remark : inputs.remarks) report(remark);
-  refuse_to_replace_input(files.out / "model.json");  // before the long work
+  for (const char* const name : {"model.json", "empirical.json"})
+    refuse_to_replace_input(files.out / name);  // before the long work
   std::optional<sanity::RepeatFloor> floor;
   if (!files.repeat.empty()) floor = sanity::repeat_floor_of_files(files.recording, files.repeat);
   const Model& model = inputs.model;
@@ -227,6 +247,7 @@ Findings run_discrepancy(const Catalogue& catalogue, const DiscrepancyFiles& fil
   findings.next = next_experiment(findings.search, data, make, instrument);
   findings.instrument_declared = instrument.declared;
   findings.blocks_held_back = !second;
+  findings.law = measure_law(findings.search, samples, findings.search.noise_rms_N);
   conclude(findings, candidates);
 
   std::string trajectory;
@@ -235,6 +256,7 @@ Findings run_discrepancy(const Catalogue& catalogue, const DiscrepancyFiles& fil
     save_trajectory(files.out / trajectory, InTrajectory{findings.next->motion});
   }
   write_file(files.out / "model.json", model_to_json(findings.search.model) + "\n");
+  if (findings.law) write_law(findings, files.out);
   findings.gap.holdout_after_again_N = run_again(catalogue, files, samples, after, instrument.force_noise_N);
   const std::string json = findings_to_json(findings, trajectory);
   write_file(files.out / "findings.json", json);
@@ -245,7 +267,8 @@ Findings run_discrepancy(const Catalogue& catalogue, const DiscrepancyFiles& fil
   if (floor) provenance.inputs.push_back(describe_input("repeat", files.repeat));
   for (const auto& file : files.effects) provenance.inputs.push_back(describe_input("effect", file));
   if (instrument.declared) provenance.inputs.push_back(describe_input("instrument", files.instrument));
-  write_html(files.out / "report.html", discrepancy_page(findings, samples, before, after, mesh, provenance));
+  write_html(files.out / "report.html",
+             discrepancy_page(findings, candidates, samples, before, after, mesh, provenance));
   if (!files.golden.empty()) write_golden_case(files.golden, mesh, holdout, findings.search.model);
   return findings;
 }
@@ -259,6 +282,19 @@ std::string findings_text(const Findings& findings, const DiscrepancyFiles& file
                           p.undetermined.empty() ? fmt::format("95 %: {:.5g} to {:.5g}", p.low95, p.high95)
                                                  : "not determined: " + p.undetermined);
     }
+  }
+  if (findings.law) {
+    text += "  an empirical law, no physics:\n";
+    for (const std::string& line : law_formulas(findings.search.law)) text += fmt::format("    {}\n", line);
+    for (const LawPiece& piece : findings.search.law.pieces) {
+      for (const ParameterDeclaration& p : piece.effect->parameters)
+        text += fmt::format("    {:28} {:>12.5g} {}\n", p.name, p.initial, p.unit);
+    }
+    text += "    seen:";
+    for (const SeenRange& range : findings.search.law.seen)
+      text += fmt::format(" {} {:.3g} to {:.3g} {};", range.variable, range.low, range.high, range.unit);
+    text += fmt::format("\n    the model with it: {}; each piece for --effect: law-1.json and so on\n",
+                        (files.out / "empirical.json").string());
   }
   text += fmt::format(
       "held-out RMS force error: before {:.4g} N, after {:.4g} N, expected of {} noise {:.4g} N{}\nreport: {}\n",

@@ -1,0 +1,151 @@
+// Forces that no effect of the catalogue makes, written here: the law that is found must foretell a second recording,
+// say what the force follows, and run from its text.
+#include "harness/discrepancy/law_search.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <numbers>
+
+#include "harness/discrepancy/catalogue_for_test.h"
+#include "harness/discrepancy/findings.h"
+#include "harness/discrepancy/two_recordings_for_test.h"
+#include "harness/rendering/model.h"
+#include "harness/surface/embree_surface.h"
+#include "renderers/model_predictor.h"
+
+namespace touchstone::discrepancy {
+namespace {
+
+constexpr double stiffness_N_per_m = 900.0;
+
+std::shared_ptr<const Surface> plate() {
+  TriangleMesh mesh;
+  mesh.vertices_W_m = {Vec3(-0.1, -0.1, 0), Vec3(0.1, -0.1, 0), Vec3(0.1, 0.1, 0), Vec3(-0.1, 0.1, 0)};
+  mesh.triangles = {{0, 1, 2}, {0, 2, 3}};
+  mesh.source = "plate";
+  return make_embree_surface(mesh);
+}
+
+// What might be taken for the forces below.
+std::vector<Candidate> likely_mistaken() {
+  const std::vector<std::string> names{"coulomb-friction", "viscous-friction", "power-law-stiffness", "force-bias",
+                                       "force-drift"};
+  std::vector<Candidate> all = whole_catalogue();
+  std::erase_if(all, [&](const Candidate& c) { return std::ranges::find(names, c.name) == names.end(); });
+  return all;
+}
+
+// Presses while it slides, off the surface now and then; 20 s at 250 Hz.
+MotionColumns strokes(double phase) {
+  MotionColumns motion;
+  for (int i = 0; i < 5000; ++i) {
+    const double t = 0.004 * i;
+    motion.t_s.push_back(t);
+    motion.p_W_m.emplace_back(0.03 * std::sin(1.1 * t + phase), 0.025 * std::cos(1.7 * t + 2.0 * phase),
+                              -0.0015 + 0.0028 * std::sin(2.3 * t + phase));
+  }
+  return motion;
+}
+
+// What acts beside the spring of the plate, at a sample of the true path.
+using Force = std::function<Vec3(const MotionColumns& path, std::size_t i)>;
+
+Recording record(const Force& hidden, double phase, std::uint64_t seed) {
+  const MotionColumns path = strokes(phase);
+  std::vector<Vec3> f_W_N;
+  for (std::size_t i = 0; i < path.size(); ++i) {
+    const double depth = std::max(0.0, -path.p_W_m[i].z());
+    f_W_N.push_back(Vec3(0.0, 0.0, stiffness_N_per_m * depth) + hidden(path, i));
+  }
+  return measured(path, std::move(f_W_N), small_noise(1.0), seed);
+}
+
+struct Answer {
+  Findings findings;
+  double without_N = 0.0;
+  double with_N = 0.0;
+  double read_back_N = 0.0;  // by the model's text
+  [[nodiscard]] double closed() const {
+    const double noise = findings.search.noise_rms_N;
+    return 1.0 - (with_N * with_N - noise * noise) / (without_N * without_N - noise * noise);
+  }
+  [[nodiscard]] std::string follows() const { return law_follows(findings.search.law); }
+};
+
+Answer search(const Force& hidden) {
+  const auto surface = plate();
+  Model start;
+  start.renderer = "god-object";
+  start.parameters["stiffness_N_per_m"] = 1.05 * stiffness_N_per_m;
+  const MakePredictor make = [&](const MotionColumns& motion) {
+    return renderers::make_model_predictor(surface, motion);
+  };
+  const TwoRecordings two(record(hidden, 0.0, 31), record(hidden, 1.3, 32), small_noise(1.0), start, make);
+  Answer answer;
+  answer.findings.search = search_effects(two.data, start, likely_mistaken(), {}, [](const std::string&) {});
+  conclude(answer.findings, likely_mistaken());
+  const auto rms_N = [&](const Model& model) {
+    return rms_force_error_N(two.data.holdout, two.data.holdout.predictor->predict(model));
+  };
+  const SearchResult& found = answer.findings.search;
+  answer.without_N = rms_N(found.base);
+  if (!found.law.found()) return answer;
+  answer.with_N = rms_N(found.law.model);
+  answer.read_back_N = rms_N(rendering::parse_model(rendering::model_to_json(found.law.model), "again"));
+  return answer;
+}
+
+void expect_law(const Answer& answer, const std::string& follows) {
+  ASSERT_TRUE(answer.findings.search.law.found());
+  EXPECT_EQ(answer.findings.verdict, FindingsVerdict::unexplained);
+  EXPECT_THAT(answer.follows(), ::testing::HasSubstr(follows));
+  EXPECT_GT(answer.closed(), 0.7);
+  EXPECT_DOUBLE_EQ(answer.read_back_N, answer.with_N);
+}
+
+TEST(LawSearch, FindsTheLayerUnderASkin) {
+  // Hertz: the power 3/2 of what is beyond.
+  const Answer answer = search([](const MotionColumns& path, std::size_t i) {
+    const double beyond = std::max(0.0, -path.p_W_m[i].z() - 0.0022);
+    return Vec3(0.0, 0.0, 2.0e4 * std::pow(beyond, 1.5));
+  });
+  expect_law(answer, "depth");
+}
+
+TEST(LawSearch, FindsForcesThatRepeatAlongASlantedAxis) {
+  const Vec3 axis = Vec3(0.8, 0.5, 0.33).normalized();
+  const Answer answer = search([&](const MotionColumns& path, std::size_t i) {
+    const double turn = 2.0 * std::numbers::pi * axis.dot(path.p_W_m[i]) / 0.017;
+    return Vec3(0.3 * (std::sin(turn + 0.4) + 0.15 * std::sin(2.0 * turn)) * axis);
+  });
+  expect_law(answer, "place");
+}
+
+TEST(LawSearch, FindsAZeroThatWarmsUp) {
+  const Answer answer = search([](const MotionColumns& path, std::size_t i) {
+    return Vec3((1.0 - 0.6 * std::exp(-path.t_s[i] / 2.0) - 0.4 * std::exp(-path.t_s[i] / 8.0)) * Vec3(0.5, -0.3, 0.9));
+  });
+  expect_law(answer, "time");
+}
+
+TEST(LawSearch, AddsNothingWhereTheCatalogueSuffices) {
+  // Nothing, and plain friction as the sign of the velocity (Coulomb 1785).
+  for (const double mu : {0.0, 0.3}) {
+    const Answer answer = search([=](const MotionColumns& path, std::size_t i) {
+      const double depth = std::max(0.0, -path.p_W_m[i].z());
+      const std::size_t j = std::max<std::size_t>(1, i);
+      Vec3 way = path.p_W_m[j] - path.p_W_m[j - 1];
+      way.z() = 0.0;
+      return Vec3(-mu * stiffness_N_per_m * depth * way.normalized());
+    });
+    EXPECT_FALSE(answer.findings.search.law.found()) << mu;
+    EXPECT_NE(answer.findings.verdict, FindingsVerdict::unexplained) << mu;
+  }
+}
+
+}  // namespace
+}  // namespace touchstone::discrepancy

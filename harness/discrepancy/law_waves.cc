@@ -1,0 +1,137 @@
+#include "harness/discrepancy/law_waves.h"
+
+#include <Eigen/Core>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <complex>
+#include <numbers>
+
+#include "harness/base/in_parallel.h"
+
+namespace touchstone::discrepancy {
+namespace {
+
+constexpr std::size_t fewest_blocks = 30;
+constexpr std::size_t most_blocks = 1500;
+constexpr std::size_t most_peaks = 3;
+constexpr double most_waves = 16.0;  // over the extent: finer ones a tracker hardly resolves
+constexpr double least_waves = 1.0;
+
+struct Peak {
+  Vec3 at = Vec3::Zero();
+  double power = 0.0;
+};
+
+// Power of the residual at a phase per block, of all axes.
+double power_at(const std::vector<Vec3>& f_W_N, const std::vector<double>& turns) {
+  Eigen::Matrix<std::complex<double>, 3, 1> sum = Eigen::Matrix<std::complex<double>, 3, 1>::Zero();
+  for (std::size_t i = 0; i < f_W_N.size(); ++i) {
+    const double phase = 2.0 * std::numbers::pi * turns[i];
+    sum += std::complex<double>(std::cos(phase), std::sin(phase)) * f_W_N[i].cast<std::complex<double>>();
+  }
+  return sum.squaredNorm() / static_cast<double>(f_W_N.size());
+}
+
+// The strongest ones that are further than `apart` from each other (in steps of the grid).
+std::vector<Peak> strongest(std::vector<Peak> all, const Vec3& step, double apart) {
+  std::sort(all.begin(), all.end(), [](const Peak& a, const Peak& b) { return a.power > b.power; });
+  std::vector<Peak> kept;
+  for (const Peak& one : all) {
+    if (kept.size() >= most_peaks) break;
+    const auto near = [&](const Peak& other) {
+      return (one.at - other.at).cwiseQuotient(step).norm() < apart ||
+             (one.at + other.at).cwiseQuotient(step).norm() < apart;
+    };
+    if (std::none_of(kept.begin(), kept.end(), near)) kept.push_back(one);
+  }
+  return kept;
+}
+
+LeftOver thinned_and_centred(const LeftOver& left) {
+  const std::size_t stride = left.t_s.size() / most_blocks + 1;
+  LeftOver some;
+  Vec3 mean = Vec3::Zero();
+  for (std::size_t i = 0; i < left.t_s.size(); i += stride) {
+    some.t_s.push_back(left.t_s[i]);
+    some.p_W_m.push_back(left.p_W_m[i]);
+    some.f_W_N.push_back(left.f_W_N[i]);
+    mean += left.f_W_N[i];
+  }
+  mean /= static_cast<double>(some.t_s.size());
+  for (Vec3& f : some.f_W_N) f -= mean;
+  return some;
+}
+
+std::vector<double> lines(const LeftOver& left) {
+  const double duration_s = left.t_s.back() - left.t_s.front();
+  const double step_Hz = 0.3 / duration_s;
+  std::vector<double> gaps;
+  for (std::size_t i = 1; i < left.t_s.size(); ++i) gaps.push_back(left.t_s[i] - left.t_s[i - 1]);
+  std::nth_element(gaps.begin(), gaps.begin() + static_cast<std::ptrdiff_t>(gaps.size() / 2), gaps.end());
+  const double highest_Hz = 0.5 / gaps[gaps.size() / 2];
+  const auto count = static_cast<std::size_t>(highest_Hz / step_Hz);
+  std::vector<Peak> all(count);
+  in_parallel(
+      count,
+      [&](std::size_t i) {
+        const double frequency_Hz = 2.0 / duration_s + static_cast<double>(i) * step_Hz;
+        std::vector<double> turns;
+        for (const double t_s : left.t_s) turns.push_back(frequency_Hz * t_s);
+        all[i] = {Vec3(frequency_Hz, 0.0, 0.0), power_at(left.f_W_N, turns)};
+      },
+      64);
+  std::vector<double> found;
+  for (const Peak& peak : strongest(std::move(all), Vec3(step_Hz, 1.0, 1.0), 8.0)) found.push_back(peak.at.x());
+  return found;
+}
+
+std::vector<Vec3> waves(const LeftOver& left) {
+  Box3 box;
+  for (const Vec3& p : left.p_W_m) box.extend(p);
+  const Vec3 size = box.diagonal();
+  const double extent = size.maxCoeff();
+  if (!(extent > 0.0)) return {};
+  const double most = most_waves / extent;
+  // Half a turn over the extent from one wave to the next; none across where the tip has not been.
+  constexpr double turns_between = 0.4;
+  Vec3 step;
+  std::array<int, 3> half{};
+  for (int axis = 0; axis < 3; ++axis) {
+    const auto k = static_cast<std::size_t>(axis);
+    step[axis] = turns_between / std::max(size[axis], turns_between / most);
+    half.at(k) = static_cast<int>(most / step[axis]);
+  }
+  std::vector<Vec3> grid;
+  for (int x = 0; x <= half[0]; ++x) {
+    for (int y = -half[1]; y <= half[1]; ++y) {
+      for (int z = -half[2]; z <= half[2]; ++z) {
+        const Vec3 wave = Vec3(x, y, z).cwiseProduct(step);
+        if (wave.norm() <= most && wave.norm() * extent >= least_waves) grid.push_back(wave);
+      }
+    }
+  }
+  std::vector<Peak> all(grid.size());
+  in_parallel(
+      grid.size(),
+      [&](std::size_t i) {
+        std::vector<double> turns;
+        turns.reserve(left.p_W_m.size());
+        for (const Vec3& p : left.p_W_m) turns.push_back(grid[i].dot(p));
+        all[i] = {grid[i], power_at(left.f_W_N, turns)};
+      },
+      64);
+  std::vector<Vec3> found;
+  for (const Peak& peak : strongest(std::move(all), step, 3.0)) found.push_back(peak.at);
+  return found;
+}
+
+}  // namespace
+
+WavePeaks wave_peaks(const LeftOver& left) {
+  if (left.t_s.size() < fewest_blocks) return {};
+  const LeftOver some = thinned_and_centred(left);
+  return {lines(some), waves(some)};
+}
+
+}  // namespace touchstone::discrepancy
