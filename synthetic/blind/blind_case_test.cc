@@ -101,6 +101,35 @@ TEST_F(Steady, LawsAgreeWithTheirFormulas) {
   EXPECT_NEAR(run(hertz, 2e-3, Vec3::Zero(), 0.01).f_W_N.z(), 0.6 * std::pow(2.0, 1.5), 1e-9);
 }
 
+TEST_F(Steady, EffectsThatNoLibraryHasAgreeWithTheirFormulas) {
+  HiddenPhysics h;
+  h.stiffness_N_per_m = 600.0;
+  HiddenPhysics hysteresis = h;
+  hysteresis.outside.hysteresis_N = 0.4;
+  hysteresis.outside.hysteresis_m = 1e-3;
+  // Over 20 mm the state comes to its end: f = -F v / |v|.
+  EXPECT_NEAR(run(hysteresis, 2e-3, Vec3(0.1, 0.0, 0.0), 0.2).f_W_N.x(), -0.4, 1e-6);
+  HiddenPhysics tissue = h;
+  tissue.outside.tissue_N = 0.7;
+  tissue.outside.tissue_from_m = 1e-3;
+  EXPECT_NEAR(run(tissue, 2e-3, Vec3::Zero(), 0.01).f_W_N.z(), 1.2 + 0.7, 1e-9);
+  HiddenPhysics play = h;
+  play.outside.play_m = 1e-4;
+  // The tip stays behind the tool that presses: k (d - b).
+  EXPECT_NEAR(run(play, 1e-3, Vec3(0.0, 0.0, -0.01), 0.1).f_W_N.z(), 600.0 * (2e-3 - 1e-4), 2e-3);
+  HiddenPhysics leash = h;
+  leash.outside.leash_N_per_m = 50.0;
+  leash.outside.leash_m = 0.01;
+  leash.outside.leash_end_W_m = Vec3(0.03, 0.0, -2e-3);
+  EXPECT_NEAR(run(leash, 2e-3, Vec3::Zero(), 0.01).f_W_N.x(), 50.0 * 0.02, 1e-9);
+  HiddenPhysics cogging = h;
+  cogging.outside.cogging_N = 0.3;
+  cogging.outside.cogging_length_m = 8e-3;
+  cogging.outside.cogging_along_W = Vec3::UnitZ();
+  // A quarter of a length: sin(-pi / 2) + 0.2 sin(-pi).
+  EXPECT_NEAR(run(cogging, 2e-3, Vec3::Zero(), 0.01).f_W_N.z(), 1.2 - 0.3, 1e-9);
+}
+
 TEST(BlindCase, ASeedMakesACaseAndOpaqueNamesDiffer) {
   std::set<std::string> names;
   for (const std::string& set : blind_sets()) {
