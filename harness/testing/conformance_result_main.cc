@@ -1,6 +1,6 @@
 // touchstone-conformance-result: tells the outcome of one test of the conformance suite, if a run of the whole suite
-// has recorded it in this ctest run; else becomes the program that runs the test. It starts in 1 ms, where the suite with
-// its libraries takes 3.
+// has recorded it in this ctest run; else becomes the program that runs the test. It starts in 1 ms, where the suite
+// with its libraries takes 3.
 #include <unistd.h>
 
 #include <cerrno>
