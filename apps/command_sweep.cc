@@ -5,6 +5,9 @@
 #include "apps/catalogues.h"
 #include "apps/commands.h"
 #include "harness/pipeline/sweep/sweep_cases.h"
+#include "harness/pipeline/sweep/tool_sweep.h"
+#include "renderers/tool/tool_catalogue.h"
+#include "synthetic/tool/known_contacts.h"
 
 namespace touchstone::apps {
 namespace {
@@ -17,9 +20,10 @@ struct SweepOptions {
 ExitStatus sweep_command(const SweepOptions& options) {
   const SweepDesign design(options.specification);
   SweepWorld world(built_in_catalogues(), design);
+  const ToolSweep tools{renderers::tool_renderer_catalogue(), synthetic::known_contacts};
   CaseCommand command;
-  command.job = sweep_job(design, world);
-  command.table = sweep_table(design);
+  command.job = design.of_tools() ? tool_sweep_job(design, tools) : sweep_job(design, world);
+  command.table = design.of_tools() ? tool_sweep_table(design) : sweep_table(design);
   command.words = {"sweep", std::filesystem::absolute(options.specification).string()};
   command.describe = [&](std::uint64_t number) { return design.at(number).document; };
   command.one_build = false;
@@ -32,7 +36,10 @@ void add_sweep(CLI::App& program, Run& run) {
   auto* const command = program.add_subcommand(
       "sweep", "Run many cases: a grid, list or Latin hypercube of surfaces, motions and models");
   auto options = std::make_shared<SweepOptions>();
-  command->add_option("SPEC", options->specification, "touchstone-sweep/1 (JSON); see docs/how-to/many-cases.md")
+  command
+      ->add_option("SPEC", options->specification,
+                   "touchstone-sweep/1 or, of tools with a shape, touchstone-tool-sweep/1 (JSON); see "
+                   "docs/how-to/many-cases.md")
       ->required();
   command->add_option("--out", options->cases.file, "Results (SQLite); a run that stopped goes on in it")
       ->default_str("SPEC with .sqlite");

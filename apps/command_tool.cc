@@ -5,11 +5,15 @@
 #include <utility>
 
 #include "apps/command_tool_fit.h"
+#include "apps/command_tool_golden.h"
+#include "apps/command_tool_scorecard.h"
 #include "apps/commands.h"
 #include "apps/tool_renderer_flags.h"
 #include "harness/base/atomic_file.h"
 #include "harness/base/units.h"
+#include "harness/pipeline/tool_reports/tool_comparison_page.h"
 #include "harness/recording/recording_file.h"
+#include "harness/report/page_html.h"
 #include "harness/surface/mesh_file.h"
 #include "harness/tool/faulty_tool.h"
 #include "harness/tool/tool_checks.h"
@@ -88,8 +92,9 @@ ExitStatus tool_replay_command(const ToolReplayOptions& options) {
 }
 
 struct ToolCompareOptions {
-  std::string expected, obtained, expected_proxy, obtained_proxy, json;
+  std::string expected, obtained, expected_proxy, obtained_proxy, json, report;
   std::vector<double> force_N{1e-6}, torque_Nm{1e-7};
+  Coupling coupling;
 };
 
 Vec3 tolerance_per_axis(const std::vector<double>& values, std::string_view name) {
@@ -107,10 +112,19 @@ ExitStatus tool_compare_command(const ToolCompareOptions& options) {
   if (options.expected_proxy.empty() != options.obtained_proxy.empty()) {
     throw UsageError("--expected-proxy and --obtained-proxy belong together: give both or none");
   }
-  ToolComparison c = compare_tools(load_recording(options.expected), load_recording(options.obtained));
-  if (!options.expected_proxy.empty())
-    compare_proxies(load_trajectory(options.expected_proxy), load_trajectory(options.obtained_proxy), c);
+  pipeline::ComparedTools compared{
+      load_recording(options.expected), load_recording(options.obtained), {}, {}, options.coupling, force_N, torque_Nm};
+  report::Provenance provenance = make_provenance(command_line());
+  provenance.inputs = {describe_input("expected", options.expected), describe_input("obtained", options.obtained)};
+  if (!options.expected_proxy.empty()) {
+    compared.expected_proxy = load_trajectory(options.expected_proxy);
+    compared.obtained_proxy = load_trajectory(options.obtained_proxy);
+    provenance.inputs.push_back(describe_input("expected proxy", options.expected_proxy));
+    provenance.inputs.push_back(describe_input("obtained proxy", options.obtained_proxy));
+  }
+  const ToolComparison c = pipeline::compared_errors(compared);
   if (!options.json.empty()) write_file(options.json, comparison_to_json(c));
+  if (!options.report.empty()) write_html(options.report, pipeline::tool_comparison_page(compared, c, provenance));
   fmt::print("{}", comparison_to_text(c));
   const bool passed = within(c, force_N, torque_Nm);
   fmt::print("{}: {} samples within ({:g}, {:g}, {:g}) N and ({:g}, {:g}, {:g}) Nm\n", passed ? "passed" : "failed",
@@ -119,12 +133,16 @@ ExitStatus tool_compare_command(const ToolCompareOptions& options) {
 }
 
 struct ToolTableOptions {
-  std::string out;
+  std::string out, largest;
   std::vector<std::string> cases, renderers;
   ToolRendererFlags flags;
 };
 
 ExitStatus tool_table_command(const ToolTableOptions& options) {
+  if (!options.out.empty()) {  // before the long work
+    const std::filesystem::path folder = std::filesystem::path(options.out).parent_path();
+    ensure_writable_folder(folder.empty() ? "." : folder);
+  }
   std::vector<std::string> cases = options.cases.empty() ? synthetic::exact_case_names() : options.cases;
   const std::vector<ToolRendererEntry> known = options.flags.entries();
   std::vector<ToolRendererEntry> entries;
@@ -139,9 +157,16 @@ ExitStatus tool_table_command(const ToolTableOptions& options) {
       rows.push_back(errors_of(*renderer, entry.name, known_answer));
     }
   }
+  if (!options.largest.empty()) {
+    double largest = 0.0;
+    for (const ToolErrors& row : rows)
+      largest = worse(largest, options.largest == "force" ? row.max_force_N : row.max_torque_Nm);
+    fmt::print("{:.17g}\n", largest);
+    return ExitStatus::passed;
+  }
   const std::string table = tool_error_table(rows);
   fmt::print("{}", table);
-  if (!options.out.empty()) write_file(options.out, table);
+  if (!options.out.empty()) write_file(options.out, "### force and torque error\n\n" + table);
   return ExitStatus::passed;
 }
 
@@ -158,6 +183,40 @@ ExitStatus tool_check_command(const ToolCheckOptions& options) {
   const std::vector<ToolFinding> findings = check_tool_renderer(subject);
   fmt::print("{}", findings_to_text(options.renderer, findings));
   return passed(findings) ? ExitStatus::passed : ExitStatus::failed;
+}
+
+void add_tool_compare(CLI::App& tool_command, Run& run) {
+  auto* const compare = tool_command.add_subcommand(
+      "compare", "Compare two rendered files of one path: force, torque, pose of the proxy");
+  auto compare_options = std::make_shared<ToolCompareOptions>();
+  compare->add_option("EXPECTED", compare_options->expected, "Rendered file that is right")->required();
+  compare->add_option("OBTAINED", compare_options->obtained, "Rendered file to judge")->required();
+  compare->add_option("--force-tolerance", compare_options->force_N, "N; one value, or one per axis")
+      ->expected(1, 3)
+      ->capture_default_str();
+  compare->add_option("--torque-tolerance", compare_options->torque_Nm, "Nm; one value, or one per axis")
+      ->expected(1, 3)
+      ->capture_default_str();
+  compare->add_option("--expected-proxy", compare_options->expected_proxy, "Poses of the proxy that are right");
+  compare->add_option("--obtained-proxy", compare_options->obtained_proxy, "Poses of the proxy to judge");
+  compare
+      ->add_option("--stiffness", compare_options->coupling.stiffness_N_per_m,
+                   "N/m: what the hand feels of the proxy's place")
+      ->capture_default_str();
+  compare
+      ->add_option("--rotational-stiffness", compare_options->coupling.rotational_stiffness_Nm_per_rad,
+                   "Nm/rad: what the hand feels of the proxy's orientation")
+      ->capture_default_str();
+  compare->add_option("--json", compare_options->json, "Write the errors as JSON");
+  compare->add_option("--report", compare_options->report,
+                      "Write a page (HTML): errors per axis, in just noticeable differences and over time");
+  compare->footer(
+      "Exit status: 0 within the tolerances, 1 not.\n"
+      "A just noticeable difference (JND) of torque is 12.7 %, and 7.6 mNm below 60 mNm (Jandura and Srinivasan "
+      "1994).\n"
+      "Example:\n  touchstone tool compare golden.csv obtained.csv --torque-tolerance 1e-6 1e-6 2e-6");
+  compare->callback(
+      [compare_options, &run] { run = [compare_options] { return tool_compare_command(*compare_options); }; });
 }
 
 }  // namespace
@@ -217,27 +276,7 @@ void add_tool(CLI::App& program, Run& run) {
       "path.csv --out out.csv");
   replay->callback([replay_options, &run] { run = [replay_options] { return tool_replay_command(*replay_options); }; });
 
-  auto* const compare =
-      command->add_subcommand("compare", "Compare two rendered files of one path: force, torque, pose of the proxy");
-  auto compare_options = std::make_shared<ToolCompareOptions>();
-  compare->add_option("EXPECTED", compare_options->expected, "Rendered file that is right")->required();
-  compare->add_option("OBTAINED", compare_options->obtained, "Rendered file to judge")->required();
-  compare->add_option("--force-tolerance", compare_options->force_N, "N; one value, or one per axis")
-      ->expected(1, 3)
-      ->capture_default_str();
-  compare->add_option("--torque-tolerance", compare_options->torque_Nm, "Nm; one value, or one per axis")
-      ->expected(1, 3)
-      ->capture_default_str();
-  compare->add_option("--expected-proxy", compare_options->expected_proxy, "Poses of the proxy that are right");
-  compare->add_option("--obtained-proxy", compare_options->obtained_proxy, "Poses of the proxy to judge");
-  compare->add_option("--json", compare_options->json, "Write the errors as JSON");
-  compare->footer(
-      "Exit status: 0 within the tolerances, 1 not.\n"
-      "A just noticeable difference (JND) of torque is 12.7 %, and 7.6 mNm below 60 mNm (Jandura and Srinivasan "
-      "1994).\n"
-      "Example:\n  touchstone tool compare golden.csv obtained.csv --torque-tolerance 1e-6 1e-6 2e-6");
-  compare->callback(
-      [compare_options, &run] { run = [compare_options] { return tool_compare_command(*compare_options); }; });
+  add_tool_compare(*command, run);
 
   auto* const table =
       command->add_subcommand("table", "Force and torque error of renderers on cases whose answer is known");
@@ -245,8 +284,17 @@ void add_tool(CLI::App& program, Run& run) {
   table->add_option("--case", table_options->cases, "Only these; see `touchstone tool list`");
   table->add_option("--renderer", table_options->renderers, "Only these");
   table->add_option("--out", table_options->out, "Write the table as Markdown");
+  table
+      ->add_option("--largest", table_options->largest,
+                   "Print one number instead, the largest error of all rows: force [N] or torque [Nm]; for `touchstone "
+                   "bisect --measure`")
+      ->check(CLI::IsMember({"force", "torque"}));
   table_options->flags.add_to(*table);
-  table->footer("Example:\n  touchstone tool table --case box-corner --renderer god-object-tool");
+  table->footer(
+      "Examples:\n  touchstone tool table --case box-corner --renderer god-object-tool\n"
+      "  touchstone bisect --build 'make -C $SRC O=$BUILD' --good v1 --bad main --measure 'touchstone tool table "
+      "--case "
+      "box-corner --plugin $BUILD/libmine.so --renderer mine --largest torque'");
   table->callback([table_options, &run] { run = [table_options] { return tool_table_command(*table_options); }; });
 
   auto* const check =
@@ -261,6 +309,8 @@ void add_tool(CLI::App& program, Run& run) {
       "torque-sign");
   check->callback([check_options, &run] { run = [check_options] { return tool_check_command(*check_options); }; });
   add_tool_fit(*command, run);
+  add_tool_golden(*command, run);
+  add_tool_scorecard(*command, run);
 }
 
 }  // namespace touchstone::apps

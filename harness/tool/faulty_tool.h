@@ -79,6 +79,10 @@ inline ToolSubject with_fault(ToolSubject subject, std::string_view name) {
                                                          const Coupling& coupling) {
     return std::make_unique<FaultyTool>(make(tool, object_W, coupling), fault, tool.mass.center_T_m);
   };
+  subject.make_in_unit = [make = std::move(subject.make_in_unit), fault](const Tool& tool, const TriangleMesh& object_W,
+                                                                         const Coupling& coupling, double unit_m) {
+    return std::make_unique<FaultyTool>(make(tool, object_W, coupling, unit_m), fault, tool.mass.center_T_m);
+  };
   return subject;
 }
 

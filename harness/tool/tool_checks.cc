@@ -58,6 +58,7 @@ class Checks {
     never_pulls();
     free_when_away();
     moved_scene();
+    other_unit();
     swapped_bodies();
     closed_path_gives_no_energy();
     same_answer_again();
@@ -201,6 +202,31 @@ class Checks {
       worst = std::max(worst, (there.torque_W_Nm - by.q_WT * here.torque_W_Nm).norm() / torque_limit());
     }
     add("moved-scene", worst, 2.0, "limits of force and torque").applies = subject_.exact_normals;
+  }
+
+  // Lengths counted in millimetres, or in units of ten metres: the same force, and the same torque in that unit.
+  // Kilograms go with the unit too, so that newtons are kilograms times that unit over seconds squared.
+  void other_unit() {
+    const Tool tool = tool_of(cube(kCenter_T_m));
+    const Pose handle = lowered(tool.mesh_T, oblique(), 0.002);
+    const ToolResult here = settle(*subject_.make(tool, slab(), coupling_), lifted(handle, 0.006), handle);
+    double worst = here.contact ? 0.0 : std::numeric_limits<double>::infinity();
+    for (const double unit_m : {1e-3, 10.0}) {
+      const auto in_unit = [&](const Pose& pose) { return Pose{pose.p_W_m / unit_m, pose.q_WT}; };
+      const auto mesh_in_unit = [&](TriangleMesh mesh) {
+        for (Vec3& v : mesh.vertices_W_m) v /= unit_m;
+        return mesh;
+      };
+      const Tool same{mesh_in_unit(tool.mesh_T),
+                      {tool.mass.mass_kg * unit_m, tool.mass.center_T_m / unit_m, tool.mass.inertia_T_kg_m2 / unit_m}};
+      const Coupling coupling{coupling_.stiffness_N_per_m * unit_m, coupling_.rotational_stiffness_Nm_per_rad / unit_m};
+      const auto renderer = subject_.make_in_unit(same, mesh_in_unit(slab()), coupling, unit_m);
+      const ToolResult there = settle(*renderer, in_unit(lifted(handle, 0.006)), in_unit(handle));
+      worst = std::max(worst, (there.f_W_N - here.f_W_N).norm() / force_limit());
+      worst = std::max(worst, (there.torque_W_Nm * unit_m - here.torque_W_Nm).norm() / torque_limit());
+    }
+    ToolFinding& finding = add("other-unit", worst, 1.0, "limits of force and torque");
+    if (!finding.passed && here.contact) finding.fault = "length-of-its-own";
   }
 
   // Tool and object change their parts: the opposite wrench. A coupling that hardly turns, so that it is the same in

@@ -17,6 +17,10 @@ namespace touchstone::tool {
 struct ToolSubject {
   std::string name;
   std::function<std::unique_ptr<ToolRenderer>(const Tool&, const TriangleMesh& object_W, const Coupling&)> make;
+  // The same with bodies and coupling in another unit of length, of `unit_m`; the method's parameters follow.
+  std::function<std::unique_ptr<ToolRenderer>(const Tool&, const TriangleMesh& object_W, const Coupling&,
+                                              double unit_m)>
+      make_in_unit;
   // How finely the method resolves where the surface is: the voxel, or how far a contact's spring gives way under a
   // newton. Limits follow from it: force within k_t times it, torque within that times the size of the tool.
   double resolution_m = 0.0;

@@ -10,13 +10,6 @@
 
 namespace touchstone::tool {
 
-namespace {
-
-// The larger; a number that is none stays.
-double worse(double a, double b) { return std::isnan(a) || a > b ? a : b; }
-
-}  // namespace
-
 ToolErrors errors_of(ToolRenderer& renderer, const std::string& name, const KnownContacts& known) {
   ToolErrors errors;
   errors.contacts = known.name;

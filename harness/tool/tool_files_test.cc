@@ -139,9 +139,16 @@ TEST(ToolMetrics, PoseOfTheProxy) {
     b.motion.q_WS.push_back(rotation_by(Vec3(0, 0, 0.05 * i)) * a.motion.q_WS.back());
   }
   ToolComparison c;
-  compare_proxies(a, b, c);
+  const Coupling coupling{1000.0, 0.25};
+  Recording wrenches =
+      recording_of({Vec3::Zero(), Vec3(0, 0, 1), Vec3(0, 0, 4)}, {Vec3::Zero(), Vec3(0.1, 0, 0), Vec3(0.1, 0, 0)});
+  wrenches.motion.t_s = a.motion.t_s;
+  compare_proxies(a, b, wrenches, coupling, c);
   EXPECT_NEAR(c.max_proxy_translation_m.value(), 2e-3, 1e-15);
   EXPECT_NEAR(c.max_proxy_rotation_rad.value(), 0.1, 1e-12);
+  // Of 2 N against 7 % of 4 N (1 N against 20 % of 1 N is less); of 25 mNm against 12.7 % of 100 mNm.
+  EXPECT_NEAR(c.max_proxy_translation_jnd.value(), 2.0 / (0.07 * 4.0), 1e-9);
+  EXPECT_NEAR(c.max_proxy_rotation_jnd.value(), 0.025 / 0.0127, 1e-9);
 }
 
 }  // namespace

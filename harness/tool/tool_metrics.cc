@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "harness/base/error.h"
+#include "harness/perception/filters/weber_law.h"
 
 namespace touchstone::tool {
 namespace {
@@ -38,6 +39,11 @@ double torque_error_in_jnd(const Vec3& expected_Nm, const Vec3& obtained_Nm) {
          (kTorqueWeberFraction * std::max(expected_Nm.norm(), kTorqueReference_Nm));
 }
 
+double force_error_in_jnd(const Vec3& expected_N, const Vec3& obtained_N) {
+  const double felt = perception::kFingertipForce.just_noticeable_difference(expected_N.norm());
+  return (obtained_N - expected_N).norm() / felt;
+}
+
 ToolComparison compare_tools(const Recording& expected, const Recording& obtained) {
   require_torque(expected);
   require_torque(obtained);
@@ -50,10 +56,14 @@ ToolComparison compare_tools(const Recording& expected, const Recording& obtaine
     const Vec3 torque = obtained.torque_W_Nm[i] - expected.torque_W_Nm[i];
     result.rms_force_error_N += force.squaredNorm();
     result.rms_torque_error_Nm += torque.squaredNorm();
-    result.max_force_error_N = result.max_force_error_N.cwiseMax(force.cwiseAbs());
-    result.max_torque_error_Nm = result.max_torque_error_Nm.cwiseMax(torque.cwiseAbs());
+    for (int k = 0; k < 3; ++k) {
+      result.max_force_error_N[k] = worse(result.max_force_error_N[k], std::abs(force[k]));
+      result.max_torque_error_Nm[k] = worse(result.max_torque_error_Nm[k], std::abs(torque[k]));
+    }
+    result.max_force_error_jnd =
+        worse(result.max_force_error_jnd, force_error_in_jnd(expected.f_W_N[i], obtained.f_W_N[i]));
     result.max_torque_error_jnd =
-        std::max(result.max_torque_error_jnd, torque_error_in_jnd(expected.torque_W_Nm[i], obtained.torque_W_Nm[i]));
+        worse(result.max_torque_error_jnd, torque_error_in_jnd(expected.torque_W_Nm[i], obtained.torque_W_Nm[i]));
     if (torque.norm() > worst) {
       worst = torque.norm();
       result.worst_torque_row = i;
@@ -65,21 +75,31 @@ ToolComparison compare_tools(const Recording& expected, const Recording& obtaine
   return result;
 }
 
-void compare_proxies(const InTrajectory& expected, const InTrajectory& obtained, ToolComparison& comparison) {
+void compare_proxies(const InTrajectory& expected, const InTrajectory& obtained, const Recording& wrenches,
+                     const Coupling& coupling, ToolComparison& comparison) {
   require_same_times(expected.motion, obtained.motion, "the obtained proxy");
+  require_same_times(wrenches.motion, expected.motion, "the expected proxy");
   if (expected.motion.q_WS.empty() || obtained.motion.q_WS.empty()) {
     throw BadData("a file of the proxy has no orientation: the columns qw, qx, qy and qz were expected");
   }
-  double translation = 0.0;
-  double rotation = 0.0;
+  double translation = 0.0, translation_jnd = 0.0;
+  double rotation = 0.0, rotation_jnd = 0.0;
   for (std::size_t i = 0; i < expected.size(); ++i) {
     const Displacement apart = displacement({expected.motion.p_W_m[i], expected.motion.q_WS[i]},
                                             {obtained.motion.p_W_m[i], obtained.motion.q_WS[i]});
-    translation = std::max(translation, apart.translation_m.norm());
-    rotation = std::max(rotation, apart.rotation_rad.norm());
+    translation = worse(translation, apart.translation_m.norm());
+    rotation = worse(rotation, apart.rotation_rad.norm());
+    const Vec3& force = wrenches.f_W_N[i];
+    const Vec3& torque = wrenches.torque_W_Nm[i];
+    const Vec3 more_force = force + coupling.stiffness_N_per_m * apart.translation_m;
+    const Vec3 more_torque = torque + coupling.rotational_stiffness_Nm_per_rad * apart.rotation_rad;
+    translation_jnd = worse(translation_jnd, force_error_in_jnd(force, more_force));
+    rotation_jnd = worse(rotation_jnd, torque_error_in_jnd(torque, more_torque));
   }
   comparison.max_proxy_translation_m = translation;
   comparison.max_proxy_rotation_rad = rotation;
+  comparison.max_proxy_translation_jnd = translation_jnd;
+  comparison.max_proxy_rotation_jnd = rotation_jnd;
 }
 
 std::string comparison_to_json(const ToolComparison& c) {
@@ -89,21 +109,30 @@ std::string comparison_to_json(const ToolComparison& c) {
                               {"rms_torque_error_Nm", c.rms_torque_error_Nm},
                               {"max_force_error_N", vector(c.max_force_error_N)},
                               {"max_torque_error_Nm", vector(c.max_torque_error_Nm)},
+                              {"max_force_error_jnd", c.max_force_error_jnd},
                               {"max_torque_error_jnd", c.max_torque_error_jnd}};
-  if (c.max_proxy_translation_m) json["max_proxy_translation_m"] = *c.max_proxy_translation_m;
-  if (c.max_proxy_rotation_rad) json["max_proxy_rotation_rad"] = *c.max_proxy_rotation_rad;
+  const auto add = [&](const char* name, const std::optional<double>& value) {
+    if (value) json[name] = *value;
+  };
+  add("max_proxy_translation_m", c.max_proxy_translation_m);
+  add("max_proxy_rotation_rad", c.max_proxy_rotation_rad);
+  add("max_proxy_translation_jnd", c.max_proxy_translation_jnd);
+  add("max_proxy_rotation_jnd", c.max_proxy_rotation_jnd);
   return json.dump(2) + "\n";
 }
 
 std::string comparison_to_text(const ToolComparison& c) {
-  std::string text = fmt::format("force error: rms {:.3g} N, largest ({:.3g}, {:.3g}, {:.3g}) N\n", c.rms_force_error_N,
-                                 c.max_force_error_N.x(), c.max_force_error_N.y(), c.max_force_error_N.z());
+  std::string text =
+      fmt::format("force error: rms {:.3g} N, largest ({:.3g}, {:.3g}, {:.3g}) N, {:.3g} JND\n", c.rms_force_error_N,
+                  c.max_force_error_N.x(), c.max_force_error_N.y(), c.max_force_error_N.z(), c.max_force_error_jnd);
   text += fmt::format("torque error: rms {:.3g} mNm, largest ({:.3g}, {:.3g}, {:.3g}) mNm, {:.3g} JND, at row {}\n",
                       c.rms_torque_error_Nm * 1e3, c.max_torque_error_Nm.x() * 1e3, c.max_torque_error_Nm.y() * 1e3,
                       c.max_torque_error_Nm.z() * 1e3, c.max_torque_error_jnd, c.worst_torque_row + 1);
   if (c.max_proxy_translation_m) {
-    text += fmt::format("pose of the proxy: at most {:.3g} mm and {:.3g} degrees apart\n",
-                        *c.max_proxy_translation_m * 1e3, *c.max_proxy_rotation_rad * 180.0 / std::numbers::pi);
+    text += fmt::format(
+        "pose of the proxy: at most {:.3g} mm apart, {:.3g} JND of force; {:.3g} degrees, {:.3g} JND of torque\n",
+        *c.max_proxy_translation_m * 1e3, *c.max_proxy_translation_jnd,
+        *c.max_proxy_rotation_rad * 180.0 / std::numbers::pi, *c.max_proxy_rotation_jnd);
   }
   return text;
 }

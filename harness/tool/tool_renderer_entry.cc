@@ -73,6 +73,18 @@ ToolSubject subject_of(const ToolRendererEntry& entry, const ToolSettings& setti
     with.coupling = coupling;
     return make_tool_renderer(entry, tool, object_W, with);
   };
+  subject.make_in_unit = [entry, parameters](const Tool& tool, const TriangleMesh& object_W, const Coupling& coupling,
+                                             double unit_m) {
+    ToolSettings with{coupling, {}};
+    for (const ParameterDeclaration& declared : entry.parameters) {
+      const double value = parameters.at(declared.name);
+      with.parameters[declared.name] = declared.name == kUnitParameter ? value * unit_m
+                                       : declared.unit == "m"          ? value / unit_m
+                                       : declared.unit == "N/m"        ? value * unit_m
+                                                                       : value;
+    }
+    return make_tool_renderer(entry, tool, object_W, with);
+  };
   return subject;
 }
 

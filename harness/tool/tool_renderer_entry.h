@@ -38,6 +38,13 @@ struct ToolRendererEntry {
   std::filesystem::path library = {};  // of a plug-in
 };
 
+// Renderers whose method has lengths of its own (margins, overlaps) declare this parameter, and meshes and poses may
+// then be in any unit of length, if the coupling and the answer are taken in newtons, that unit and radians.
+inline constexpr std::string_view kUnitParameter = "unit_m";
+inline ParameterDeclaration unit_parameter() {
+  return {std::string(kUnitParameter), "m", 1e-6, 1e6, 1.0, "how long one unit of meshes, poses and coupling is"};
+}
+
 // What a user sets of a renderer; parameters that are not named have their initial values.
 struct ToolSettings {
   Coupling coupling;

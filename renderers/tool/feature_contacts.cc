@@ -46,11 +46,23 @@ struct Corners {
   const Vec3 &a, &b, &c;
 };
 
-// All three corners more than `reach` above the plane n . x = d, or all more than that below it: no point of the
-// triangle is within `reach` of any point of the plane.
-bool far_from_plane(const Corners& t, const Vec3& n, double d, double reach) {
+// How far pairs may be apart that are asked for.
+struct Range {
+  double reach;  // the larger of margin and overlap
+  // Above a face that is blunt: there, what is farther than the margin can only touch by an overlap, and that lies
+  // below. A little more, for rounding.
+  double above_blunt;
+};
+
+Range range_of(double margin_m, double overlap_m) {
+  constexpr double kRounding = 1e-6;
+  return {std::max(margin_m, overlap_m), margin_m + kRounding * (margin_m + overlap_m)};
+}
+
+// All three corners more than `above` above the plane n . x = d, or all more than `below` below it.
+bool far_from_plane(const Corners& t, const Vec3& n, double d, double above, double below) {
   const double a = dot(n, t.a) - d, b = dot(n, t.b) - d, c = dot(n, t.c) - d;
-  return (a > reach && b > reach && c > reach) || (a < -reach && b < -reach && c < -reach);
+  return (a > above && b > above && c > above) || (a < -below && b < -below && c < -below);
 }
 
 bool above_triangle(const Corners& t, const Vec3& n, const Vec3& p) {
@@ -63,8 +75,11 @@ bool above_triangle(const Corners& t, const Vec3& n, const Vec3& p) {
 
 class Collector {
  public:
-  Collector(double margin_m, double overlap_m, std::span<NearPair> pairs)
-      : margin_m_(margin_m), overlap_m_(overlap_m), pairs_(pairs) {}
+  Collector(double margin_m, double overlap_m, double unit_m, std::span<NearPair> pairs)
+      : margin_m_(margin_m), overlap_m_(overlap_m), nearest_(kNearest_m / unit_m), pairs_(pairs) {}
+
+  // A vertex that is nearer to an edge has no direction from it.
+  [[nodiscard]] double nearest() const { return nearest_; }
 
   [[nodiscard]] bool wants(double gap) const { return gap <= margin_m_ && gap >= -overlap_m_; }
   void add(const NearPair& pair) {
@@ -79,8 +94,11 @@ class Collector {
   [[nodiscard]] std::size_t count() const { return count_; }
 
  private:
+  static constexpr double kNearest_m = 1e-7;
+
   double margin_m_;
   double overlap_m_;
+  double nearest_;
   std::span<NearPair> pairs_;
   std::size_t count_ = 0;
 };
@@ -117,12 +135,15 @@ FeatureMesh::FeatureMesh(TriangleMesh mesh) : mesh_(std::move(mesh)), tree_(tria
       const Vec3& other = topology.face_normals[at(beside)];
       edge.outward = face.n + other;
       edge.inward = {face.n.cross(along), along.cross(other)};
+      face.blunt = face.blunt && face.n.dot(other) >= 0.0;
       face.edges[e] = static_cast<std::int32_t>(edges_.size());
       edges_.push_back(edge);
     }
   }
+  const std::vector<Ball> balls = triangle_balls(mesh_);
   std::vector<std::uint8_t> tags(faces_.size(), 0);
   for (std::size_t t = 0; t < faces_.size(); ++t) {
+    faces_[t].ball = balls[t];
     const auto any = [](const std::array<std::int32_t, 3>& owned_features) {
       return std::ranges::any_of(owned_features, [](std::int32_t i) { return i >= 0; });
     };
@@ -172,28 +193,38 @@ void edge_pair(const FeatureMesh& tool, const FeatureMesh::Edge& on_tool, const 
 
 // A vertex at v beside the ridge edge from a to b, in the wedge outside of both of its faces: from the nearest point of
 // the edge to v. Not where they meet: the direction is lost there, and edge pairs or faces hold.
-std::optional<Vec3> beside_edge(const Vec3& v, const Vec3& a, const Vec3& b, const FeatureMesh::Edge& edge) {
-  constexpr double kNearest_m = 1e-7;
+std::optional<Vec3> beside_edge(const Vec3& v, const Vec3& a, const Vec3& b, const FeatureMesh::Edge& edge,
+                                double nearest) {
   const Vec3 along = b - a;
   const double share = (v - a).dot(along) / along.squaredNorm();
   if (!(share >= 0.0 && share <= 1.0)) return {};
   const Vec3 away = v - (a + share * along);
-  if (away.dot(edge.inward[0]) > 0.0 || away.dot(edge.inward[1]) > 0.0 || !(away.norm() > kNearest_m)) return {};
+  if (away.dot(edge.inward[0]) > 0.0 || away.dot(edge.inward[1]) > 0.0 || !(away.norm() > nearest)) return {};
   return away;
 }
 
-// No point of one triangle is within `reach` of the other's plane: every pair spans from a point of one triangle to a
-// point of the other's plane. The object's plane in T, and the tool's in W.
+// No pair of these two triangles is in the range: every pair spans from a point of one triangle to a point of the
+// other, so that neither is farther from the other's plane. The object's plane in T, and the tool's in W.
 bool apart(const FeatureMesh& tool, std::int32_t s, const FeatureMesh& object, std::int32_t t, const Pose& pose,
-           const Mat3& rotation, double reach) {
+           const Mat3& rotation, const Range& range) {
   const Corners tool_corners = corners_of(tool, s);
   const Corners object_corners = corners_of(object, t);
-  const Vec3& n_W = object.face(t).n;
-  if (far_from_plane(tool_corners, rotation.transpose() * n_W, dot(n_W, object_corners.a - pose.p_W_m), reach))
+  const FeatureMesh::Face& on_object = object.face(t);
+  const auto above = [&](const FeatureMesh::Face& face) { return face.blunt ? range.above_blunt : range.reach; };
+  if (far_from_plane(tool_corners, rotation.transpose() * on_object.n, dot(on_object.n, object_corners.a - pose.p_W_m),
+                     above(on_object), range.reach))
     return true;
-  const Vec3& n_T = tool.face(s).n;
-  const Vec3 tool_n_W = rotation * n_T;
-  return far_from_plane(object_corners, tool_n_W, dot(n_T, tool_corners.a) + dot(tool_n_W, pose.p_W_m), reach);
+  const FeatureMesh::Face& on_tool = tool.face(s);
+  const Vec3 tool_n_W = rotation * on_tool.n;
+  return far_from_plane(object_corners, tool_n_W, dot(on_tool.n, tool_corners.a) + dot(tool_n_W, pose.p_W_m),
+                        above(on_tool), range.reach);
+}
+
+double between_balls(const FeatureMesh& tool, std::int32_t s, const FeatureMesh& object, std::int32_t t,
+                     const Pose& pose, const Mat3& rotation) {
+  const Ball& a = tool.face(s).ball;
+  const Ball& b = object.face(t).ball;
+  return (pose.p_W_m + rotation * a.center - b.center).norm() - a.radius - b.radius;
 }
 
 void triangle_pair(const FeatureMesh& tool, std::int32_t s, const FeatureMesh& object, std::int32_t t, const Pose& pose,
@@ -211,7 +242,8 @@ void triangle_pair(const FeatureMesh& tool, std::int32_t s, const FeatureMesh& o
     for (const std::int32_t f : on_object.edges) {
       if (f < 0) continue;
       const FeatureMesh::Edge& edge = object.edge(f);
-      const auto away = beside_edge(p, object.vertex(edge.ends[0]), object.vertex(edge.ends[1]), edge);
+      const auto away =
+          beside_edge(p, object.vertex(edge.ends[0]), object.vertex(edge.ends[1]), edge, collector.nearest());
       if (away && collector.wants(away->norm())) collector.add({p, away->normalized(), away->norm()});
     }
   }
@@ -225,7 +257,8 @@ void triangle_pair(const FeatureMesh& tool, std::int32_t s, const FeatureMesh& o
     for (const std::int32_t e : on_tool.edges) {
       if (e < 0) continue;
       const FeatureMesh::Edge& edge = tool.edge(e);
-      const auto away = beside_edge(p_T, tool.vertex(edge.ends[0]), tool.vertex(edge.ends[1]), edge);
+      const auto away =
+          beside_edge(p_T, tool.vertex(edge.ends[0]), tool.vertex(edge.ends[1]), edge, collector.nearest());
       if (away && collector.wants(away->norm()))
         collector.add({pose.p_W_m + rotation * (p_T - *away), -(rotation * away->normalized()), away->norm()});
     }
@@ -260,7 +293,7 @@ void visit_near(const FeatureMesh& tool, const FeatureMesh& object, const Pose& 
     const double touch = a.ball.radius + b.ball.radius + reach;
     if ((pose.p_W_m + rotation * a.ball.center - b.ball.center).squaredNorm() > touch * touch) continue;
     if (a.child < 0 && b.child < 0) {
-      if (!apart(tool, a.item, object, b.item, pose, rotation, reach)) found(a.item, b.item);
+      if (!apart(tool, a.item, object, b.item, pose, rotation, {reach, reach})) found(a.item, b.item);
     } else if (b.child < 0 || (a.child >= 0 && a.ball.radius >= b.ball.radius)) {
       stack[size++] = {a.child + 1, open.b};
       stack[size++] = {a.child, open.b};
@@ -273,7 +306,29 @@ void visit_near(const FeatureMesh& tool, const FeatureMesh& object, const Pose& 
 
 }  // namespace
 
-NearPairFinder::NearPairFinder(const FeatureMesh& tool, const FeatureMesh& object) : tool_(tool), object_(object) {
+namespace {
+
+// Of all of the tool's triangle above the object's plane, where the object's face is blunt.
+double above_face(const FeatureMesh& tool, std::int32_t s, const FeatureMesh& object, std::int32_t t, const Pose& pose,
+                  const Mat3& rotation) {
+  const FeatureMesh::Face& face = object.face(t);
+  if (!face.blunt) return -1.0;
+  const Corners corners = corners_of(tool, s);
+  const Vec3 n_T = rotation.transpose() * face.n;
+  return std::min({dot(n_T, corners.a), dot(n_T, corners.b), dot(n_T, corners.c)}) -
+         dot(face.n, corners_of(object, t).a - pose.p_W_m);
+}
+
+// A number of single precision that is not above the value.
+float rounded_down(double value) {
+  constexpr double kShare = 1e-6;
+  return static_cast<float>(value - kShare * std::abs(value));
+}
+
+}  // namespace
+
+NearPairFinder::NearPairFinder(const FeatureMesh& tool, const FeatureMesh& object, double unit_m)
+    : tool_(tool), object_(object), unit_m_(unit_m) {
   // More are not kept: the trees are then visited for each question.
   constexpr std::size_t kMostCandidates = 16384;
   candidates_.reserve(kMostCandidates);
@@ -283,33 +338,52 @@ std::size_t NearPairFinder::find(const Pose& pose, double margin_m, double overl
                                  std::span<NearPair> pairs) noexcept {
   // How far the tool may move before the trees are visited again. More of it lengthens the list.
   constexpr double kSpare_m = 0.3e-3;
-  Collector collector(margin_m, overlap_m, pairs);
+  Collector collector(margin_m, overlap_m, unit_m_, pairs);
   const Mat3 rotation = pose.q_WT.toRotationMatrix();
   const double reach = std::max(margin_m, overlap_m);
   // No point of the tool has moved farther: a turn moves a point by no more than its angle times the point's distance.
   const Displacement since = displacement(listed_at_, pose);
   const double moved_m = since.translation_m.norm() + tool_.reach_m() * since.rotation_rad.norm();
+  const Range range = range_of(margin_m, overlap_m);
   const auto ask = [&](std::int32_t s, std::int32_t t) {
-    if (!apart(tool_, s, object_, t, pose, rotation, reach))
+    if (!apart(tool_, s, object_, t, pose, rotation, range))
       triangle_pair(tool_, s, object_, t, pose, rotation, collector);
   };
-  if (reach + moved_m <= listed_reach_m_) {
-    for (const TrianglePair& near : candidates_) ask(near.on_tool, near.on_object);
+  if (!(reach + moved_m <= listed_reach_m_)) {
+    // Asked and listed in one visit; a list that does not hold all is none.
+    const double listed_reach_m = reach + kSpare_m / unit_m_;
+    candidates_.clear();
+    bool whole = true;
+    visit_near(tool_, object_, pose, rotation, listed_reach_m, [&](std::int32_t s, std::int32_t t) {
+      ask(s, t);
+      if (candidates_.size() < candidates_.capacity()) {
+        candidates_.push_back({s, t, rounded_down(between_balls(tool_, s, object_, t, pose, rotation)),
+                               rounded_down(above_face(tool_, s, object_, t, pose, rotation))});
+      } else {
+        whole = false;
+      }
+    });
+    listed_at_ = pose;
+    listed_reach_m_ = whole ? listed_reach_m : -1.0;
     return collector.count();
   }
-  // Asked and listed in one visit; a list that does not hold all is none.
-  candidates_.clear();
-  bool whole = true;
-  visit_near(tool_, object_, pose, rotation, reach + kSpare_m, [&](std::int32_t s, std::int32_t t) {
-    ask(s, t);
-    if (candidates_.size() < candidates_.capacity()) {
-      candidates_.push_back({s, t});
-    } else {
-      whole = false;
+  // The tool's points have come nearer by no more than they moved: most of the list is passed over by these alone.
+  const double still_apart = reach + moved_m;
+  const double still_above = range.above_blunt + moved_m;
+  std::int32_t turned = -1;  // the tool's triangle whose ball is turned into W already
+  Vec3 center_W = Vec3::Zero();
+  for (const TrianglePair& near : candidates_) {
+    if (double(near.apart_m) > still_apart || double(near.above_m) > still_above) continue;
+    const Ball& a = tool_.face(near.on_tool).ball;
+    const Ball& b = object_.face(near.on_object).ball;
+    if (near.on_tool != turned) {
+      turned = near.on_tool;
+      center_W = pose.p_W_m + rotation * a.center;
     }
-  });
-  listed_at_ = pose;
-  listed_reach_m_ = whole ? reach + kSpare_m : -1.0;
+    const double touch = a.radius + b.radius + reach;
+    if ((center_W - b.center).squaredNorm() > touch * touch) continue;
+    ask(near.on_tool, near.on_object);
+  }
   return collector.count();
 }
 

@@ -40,6 +40,9 @@ class FeatureMesh {
     Vec3 n;
     std::array<std::int32_t, 3> vertices{};  // that it owns and that stick out, -1 for none
     std::array<std::int32_t, 3> edges{};     // that it owns and that are ridges, -1 for none
+    Ball ball;                               // about it
+    // At none of these edges the surface turns by more than a right angle: what overlaps there lies below the face.
+    bool blunt = true;
   };
   [[nodiscard]] const TriangleMesh& mesh() const { return mesh_; }
   [[nodiscard]] const Face& face(std::int32_t i) const { return faces_[at(i)]; }
@@ -63,8 +66,8 @@ class FeatureMesh {
 // only when the tool has moved that way: no answer depends on what was asked before.
 class NearPairFinder {
  public:
-  // Holds on to both.
-  NearPairFinder(const FeatureMesh& tool, const FeatureMesh& object);
+  // Holds on to both. `unit_m`: how long one unit of their coordinates is, which lengths of the finder's own follow.
+  NearPairFinder(const FeatureMesh& tool, const FeatureMesh& object, double unit_m = 1.0);
 
   // Fills `pairs` with pairs of -overlap_m <= gap <= margin_m, in the order of the trees; returns their number. When
   // there is no room the pairs with the least gaps stay. Allocates nothing.
@@ -74,10 +77,14 @@ class NearPairFinder {
  private:
   struct TrianglePair {
     std::int32_t on_tool, on_object;
+    // When it was listed: how far the two are apart at least, and how far all of the tool's triangle was above the
+    // object's plane (less than nothing where that tells nothing).
+    float apart_m, above_m;
   };
 
   const FeatureMesh& tool_;
   const FeatureMesh& object_;
+  double unit_m_;
   std::vector<TrianglePair> candidates_;
   Pose listed_at_;
   double listed_reach_m_ = -1.0;  // less than 0: no list

@@ -26,20 +26,25 @@ ToolRendererEntry god_object_tool_entry() {
   entry.name = "god-object-tool";
   entry.summary = "constraint-based god-object for rigid bodies";
   entry.source = "Ortega, Redon and Coquillart 2007";
-  entry.make = [](const Parameters& /*parameters*/, const Tool& tool, const TriangleMesh& object_W,
+  entry.parameters = {unit_parameter()};
+  entry.make = [](const Parameters& parameters, const Tool& tool, const TriangleMesh& object_W,
                   const Coupling& coupling) -> std::unique_ptr<ToolRenderer> {
-    return std::make_unique<GodObjectTool>(tool, object_W, coupling);
+    return std::make_unique<GodObjectTool>(tool, object_W, coupling, parameters.at(kUnitParameter));
   };
   return entry;
 }
 
-GodObjectTool::GodObjectTool(const Tool& tool, const TriangleMesh& object_W, const Coupling& coupling)
-    : tool_(tool.mesh_T), object_(object_W), near_(tool_, object_), coupling_(coupling) {}
+GodObjectTool::GodObjectTool(const Tool& tool, const TriangleMesh& object_W, const Coupling& coupling, double unit_m)
+    : tool_(tool.mesh_T), object_(object_W), near_(tool_, object_, unit_m), coupling_(coupling), unit_m_(unit_m) {}
 
 ToolResult GodObjectTool::do_step(const ToolState& state, double /*dt_s*/) noexcept {
+  // In the unit of the meshes.
+  const double least_margin = kLeastMargin_m / unit_m_;
+  const double most_margin = kMostMargin_m / unit_m_;
+  const double overlap = kOverlap_m / unit_m_;
   if (!placed_) {
     proxy_ = state.handle;
-    margin_m_ = kMostMargin_m;
+    margin_m_ = most_margin;
     placed_ = true;
   }
   // Coordinates in which the metric is the unit matrix: sqrt(k_t) dp and sqrt(k_r) dw.
@@ -48,7 +53,7 @@ ToolResult GodObjectTool::do_step(const ToolState& state, double /*dt_s*/) noexc
   std::size_t contact_count = 0;
   for (int round = 0; round < kMostRounds; ++round) {
     const Displacement free = displacement(proxy_, state.handle);
-    const std::size_t count = near_.find(proxy_, margin_m_, kOverlap_m, pairs_);
+    const std::size_t count = near_.find(proxy_, margin_m_, overlap, pairs_);
     for (std::size_t i = 0; i < count; ++i) {
       const NearPair& pair = pairs_[i];
       half_spaces_[i].a << pair.n_W / root_t, (pair.at_W_m - proxy_.p_W_m).cross(pair.n_W) / root_r;
@@ -57,7 +62,7 @@ ToolResult GodObjectTool::do_step(const ToolState& state, double /*dt_s*/) noexc
     Vec6 u;
     u << root_t * free.translation_m, root_r * free.rotation_rad;
     constexpr double kRounding_m = 1e-12;
-    const LeastConstraint least = least_constraint({half_spaces_.data(), count}, u, kRounding_m);
+    const LeastConstraint least = least_constraint({half_spaces_.data(), count}, u, kRounding_m / unit_m_);
     Displacement by;
     if (least.found) by = {least.y.head<3>() / root_t, least.y.tail<3>() / root_r};
     contact_count = 0;
@@ -68,11 +73,11 @@ ToolResult GodObjectTool::do_step(const ToolState& state, double /*dt_s*/) noexc
     }
     // No point of the tool moves farther than the margin, within which all pairs are known.
     const double way = by.translation_m.norm() + tool_.reach_m() * by.rotation_rad.norm();
-    const double longest = count > 0 ? std::min(margin_m_, kNearWay_m) : margin_m_;
+    const double longest = count > 0 ? std::min(margin_m_, kNearWay_m / unit_m_) : margin_m_;
     const double share = way > longest ? longest / way : 1.0;
     proxy_ = moved(proxy_, {share * by.translation_m, share * by.rotation_rad});
-    margin_m_ = std::clamp(2.0 * way, kLeastMargin_m, kMostMargin_m);
-    if (way < kRest_m) break;
+    margin_m_ = std::clamp(2.0 * way, least_margin, most_margin);
+    if (way < kRest_m / unit_m_) break;
   }
   ToolResult result;
   const Wrench wrench = coupling_wrench(coupling_, state.handle, proxy_);

@@ -31,7 +31,9 @@ ToolRendererEntry god_object_tool_entry();
 
 class GodObjectTool : public ToolRenderer {
  public:
-  GodObjectTool(const Tool& tool, const TriangleMesh& object_W, const Coupling& coupling);
+  // `unit_m`: how long one unit of meshes and poses is. The coupling and the answer are then in newtons, that unit and
+  // radians.
+  GodObjectTool(const Tool& tool, const TriangleMesh& object_W, const Coupling& coupling, double unit_m = 1.0);
   [[nodiscard]] std::size_t memory_bytes() const noexcept override {
     return tool_.memory_bytes() + object_.memory_bytes() + near_.memory_bytes() + sizeof(*this);
   }
@@ -47,6 +49,7 @@ class GodObjectTool : public ToolRenderer {
   FeatureMesh object_;
   NearPairFinder near_;
   Coupling coupling_;
+  double unit_m_;
   bool placed_ = false;
   Pose proxy_;
   double margin_m_ = 0.0;

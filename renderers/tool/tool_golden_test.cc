@@ -1,55 +1,40 @@
-// Sixty seconds of a peg in a hole, against forces and torques that were accepted: golden/ beside this file. They are
-// made by, and only on purpose:
-//   touchstone tool case peg-0.2mm --out peg
-//   touchstone tool replay --renderer NAME --tool peg/tool.obj --object peg/object.obj --path peg/path.csv
-//     --keep-every 200 --out renderers/tool/golden/peg-0.2mm.NAME.csv
+// Sixty seconds of a peg in a hole, against forces and torques that were accepted: golden/ beside this file, which
+// `touchstone tool golden --accept NAME --reason WHY` changes, and only on purpose.
+#include "synthetic/tool/tool_golden.h"
+
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cstdlib>
 #include <filesystem>
+#include <optional>
 
 #include "harness/recording/recording_file.h"
 #include "harness/tool/tool_metrics.h"
 #include "renderers/tool/tool_catalogue.h"
-#include "synthetic/tool/scripted_path.h"
 
 namespace touchstone::renderers {
 namespace {
 
 class ToolGolden : public ::testing::TestWithParam<std::string> {};
 
-TEST_P(ToolGolden, SixtySecondsOfAPegInAHole) {
+std::optional<synthetic::ToolGolden> golden_of_the_peg() {
   const char* const source = std::getenv("TOUCHSTONE_SOURCE_DIR");
-  if (source == nullptr) GTEST_SKIP() << "TOUCHSTONE_SOURCE_DIR does not say where the golden files are";
-  const auto file = std::filesystem::path(source) / "renderers/tool/golden" / ("peg-0.2mm." + GetParam() + ".csv");
-  const Recording golden = load_recording(file);
-  const synthetic::ExactCase c = synthetic::make_exact_case("peg-0.2mm");
-  constexpr double kDuration_s = 60.0;
-  constexpr std::size_t kSteps = 60001;
-  constexpr std::size_t kEvery = 200;
-  ASSERT_EQ(golden.size(), kSteps / kEvery + 1);
-  const auto renderer = make_tool_renderer(GetParam(), {c.tool_T, solid_mass_frame(c.tool_T, 1000.0)}, c.object_W, {});
-  Recording obtained;
-  obtained.source = GetParam();
-  for (std::size_t i = 0; i < kSteps; ++i) {
-    const double t_s = double(i) / 1000.0;
-    const Pose handle = synthetic::scripted_pose(c, t_s, kDuration_s);
-    const ToolResult result = renderer->step({t_s, handle});
-    if (i % kEvery != 0) continue;
-    obtained.motion.t_s.push_back(t_s);
-    obtained.motion.p_W_m.push_back(handle.p_W_m);
-    obtained.f_W_N.push_back(result.f_W_N);
-    obtained.torque_W_Nm.push_back(result.torque_W_Nm);
-  }
-  const ToolComparison comparison = compare_tools(golden, obtained);
-  // As for points: far below what a sensor resolves, far above rounding on one architecture. Per axis.
-  for (int k = 0; k < 3; ++k) {
-    EXPECT_LE(comparison.max_force_error_N[k], 1e-6);
-    EXPECT_LE(comparison.max_torque_error_Nm[k], 1e-7);
-  }
+  if (source == nullptr) return {};
+  return synthetic::read_tool_golden(std::filesystem::path(source) / "renderers/tool/golden/peg-0.2mm.json");
+}
+
+TEST_P(ToolGolden, SixtySecondsOfAPegInAHole) {
+  const auto golden = golden_of_the_peg();
+  if (!golden) GTEST_SKIP() << "TOUCHSTONE_SOURCE_DIR does not say where the golden files are";
+  const Recording expected = load_recording(golden->answer(GetParam()));
+  ASSERT_EQ(expected.size(), 301U) << "every 200th of 60 s at 1 kHz";
+  const Recording obtained = synthetic::answer_now(*golden, find_tool_renderer(tool_renderer_catalogue(), GetParam()));
+  const ToolComparison comparison = compare_tools(expected, obtained);
+  EXPECT_TRUE(tool::within(comparison, golden->force_tolerance_N, golden->torque_tolerance_Nm))
+      << comparison_to_text(comparison);
   double largest = 0.0;
-  for (const Vec3& torque : golden.torque_W_Nm) largest = std::max(largest, torque.norm());
+  for (const Vec3& torque : expected.torque_W_Nm) largest = std::max(largest, torque.norm());
   EXPECT_GT(largest, 0.02) << "the golden has torques worth comparing";
 }
 

@@ -4,11 +4,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <numbers>
 
 #include "harness/base/error.h"
 #include "harness/base/random.h"
+#include "harness/base/units.h"
 #include "harness/surface/embree_surface.h"
+#include "harness/surface/mesh_file.h"
 #include "harness/testing/allocation_guard.h"
 #include "harness/tool/faulty_tool.h"
 #include "harness/tool/tool_path.h"
@@ -191,6 +194,14 @@ TEST(LeastConstraint, ContradictionIsSaid) {
   EXPECT_FALSE(least_constraint(half_spaces, Vec6::Zero(), 1e-12).found);
 }
 
+std::vector<std::string> faults_named(const ToolSubject& subject) {
+  std::vector<std::string> named;
+  for (const ToolFinding& finding : check_tool_renderer(subject)) {
+    if (!finding.fault.empty()) named.push_back(finding.fault);
+  }
+  return named;
+}
+
 class EveryToolRenderer : public ::testing::TestWithParam<std::string> {};
 
 TEST_P(EveryToolRenderer, PassesTheChecks) {
@@ -204,17 +215,40 @@ TEST_P(EveryToolRenderer, PassesTheChecks) {
 
 TEST_P(EveryToolRenderer, FaultsAreCaughtByName) {
   for (std::size_t f = 0; f < kToolFaultNames.size(); ++f) {
-    ToolSubject subject = subject_of(find_tool_renderer(tool_renderer_catalogue(), GetParam()), {});
-    subject.make = [make = subject.make, f](const Tool& tool, const TriangleMesh& object_W, const Coupling& coupling) {
-      return std::make_unique<FaultyTool>(make(tool, object_W, coupling), static_cast<ToolFault>(f),
-                                          tool.mass.center_T_m);
-    };
-    std::vector<std::string> named;
-    for (const ToolFinding& finding : check_tool_renderer(subject)) {
-      if (!finding.fault.empty()) named.push_back(finding.fault);
-    }
-    EXPECT_THAT(named, ::testing::ElementsAre(std::string(kToolFaultNames[f])));
+    const ToolSubject subject =
+        with_fault(subject_of(find_tool_renderer(tool_renderer_catalogue(), GetParam()), {}), kToolFaultNames[f]);
+    EXPECT_THAT(faults_named(subject), ::testing::ElementsAre(std::string(kToolFaultNames[f])));
   }
+}
+
+// A margin of half a millimetre where millimetres are counted.
+TEST(GodObjectTool, ALengthOfItsOwnIsCaughtByName) {
+  ToolSubject subject = subject_of(find_tool_renderer(tool_renderer_catalogue(), "god-object-tool"), {});
+  subject.make_in_unit = [make = subject.make](const Tool& tool, const TriangleMesh& object_W, const Coupling& coupling,
+                                               double /*unit_m*/) { return make(tool, object_W, coupling); };
+  EXPECT_THAT(faults_named(subject), ::testing::ElementsAre("length-of-its-own"));
+}
+
+// Meshes in millimetres, said to be so where they are read: the same answer but for rounding.
+TEST_P(EveryToolRenderer, MeshesInMillimetresGiveTheSame) {
+  const ExactCase c = make_exact_case("peg-0.2mm");
+  const auto folder = std::filesystem::path(::testing::TempDir()) / ("tool-unit-" + GetParam());
+  std::filesystem::create_directories(folder);
+  const auto through_millimetres = [&](TriangleMesh mesh, const char* name) {
+    for (Vec3& v : mesh.vertices_W_m) v *= 1000.0;
+    save_mesh(mesh, folder / name);
+    return load_mesh(folder / name, length_unit_factor("mm"));
+  };
+  const auto metres = make_tool_renderer(GetParam(), tool_of(c.tool_T), c.object_W, {});
+  const auto millimetres = make_tool_renderer(GetParam(), tool_of(through_millimetres(c.tool_T, "tool.obj")),
+                                              through_millimetres(c.object_W, "object.obj"), {});
+  for (const Pose& handle : c.handles) {
+    const ToolResult expected = settle(*metres, c.free, handle);
+    const ToolResult obtained = settle(*millimetres, c.free, handle);
+    EXPECT_LE((obtained.f_W_N - expected.f_W_N).norm(), 1e-6);
+    EXPECT_LE((obtained.torque_W_Nm - expected.torque_W_Nm).norm(), 1e-7);
+  }
+  std::filesystem::remove_all(folder);
 }
 
 TEST_P(EveryToolRenderer, StepAllocatesNothing) {

@@ -58,8 +58,13 @@ Choice read_choice(JsonObject& root, const char* key) {
   return choice;
 }
 
-std::string read_pointer(JsonObject& object) {
+std::string read_pointer(JsonObject& object, bool of_tools) {
   std::string pointer = object.text("set");
+  if (of_tools) {
+    if (!pointer.starts_with("/renderer/"))
+      object.fail_at("set", fmt::format("'{}' is no part of a case; /renderer/... was expected", pointer));
+    return pointer;
+  }
   const bool known = pointer == "/scale" || pointer == "/speed" || pointer.starts_with("/surface/") ||
                      pointer.starts_with("/trajectory/") || pointer.starts_with("/model/");
   if (!known) {
@@ -70,9 +75,9 @@ std::string read_pointer(JsonObject& object) {
   return pointer;
 }
 
-Axis read_axis(JsonObject object, Design design) {
+Axis read_axis(JsonObject object, Design design, bool of_tools) {
   Axis axis;
-  axis.pointer = read_pointer(object);
+  axis.pointer = read_pointer(object, of_tools);
   if (object.has("values")) {
     axis.values = object.numbers("values");
     if (axis.values.empty()) object.fail_at("values", "at least one number was expected");
@@ -120,6 +125,7 @@ struct SweepDesign::State {
   std::string source;
   std::string text;
   Design design = Design::grid;
+  bool of_tools = false;
   Choice surfaces, trajectories, models;
   std::vector<std::uint64_t> seeds;
   std::vector<Axis> axes;
@@ -155,9 +161,9 @@ struct SweepDesign::State {
   void read_list(JsonObject& root) {
     for (JsonObject& object : root.objects("cases")) {
       Picks picks;
-      picks.surface = named(object, "surface", surfaces);
+      picks.surface = named(object, of_tools ? "contacts" : "surface", surfaces);
       picks.trajectory = named(object, "trajectory", trajectories);
-      picks.model = named(object, "model", models);
+      picks.model = named(object, of_tools ? "renderer" : "model", models);
       if (const auto seed = object.optional_number("seed")) picks.seed = whole(object, "seed", *seed, 9e15);
       picks.varied.assign(pointers.size(), std::nan(""));
       if (object.has("set")) {
@@ -226,28 +232,29 @@ SweepDesign::SweepDesign(const std::filesystem::path& file) : state_(std::make_u
   s.folder = file.parent_path();
   s.text = document.dump();
   JsonObject root(document, s.source, "");
-  root.schema("touchstone-sweep/1");
+  s.of_tools = document.is_object() && document.value("schema", json()) == "touchstone-tool-sweep/1";
+  root.schema(s.of_tools ? "touchstone-tool-sweep/1" : "touchstone-sweep/1");
   s.design = read_design(root);
-  s.surfaces = read_choice(root, "surfaces");
-  s.trajectories = read_choice(root, "trajectories");
-  s.models = read_choice(root, "models");
-  if (root.has("seeds")) {
+  s.surfaces = read_choice(root, s.of_tools ? "contacts" : "surfaces");
+  s.trajectories = s.of_tools ? Choice{{""}, {json::object()}} : read_choice(root, "trajectories");
+  s.models = read_choice(root, s.of_tools ? "renderers" : "models");
+  if (root.has("seeds") && !s.of_tools) {
     for (const double seed : root.numbers("seeds")) s.seeds.push_back(whole(root, "seeds", seed, 9e15));
   }
   if (root.has("vary")) {
     for (JsonObject& object : root.objects("vary")) {
       if (s.design == Design::list) {
-        s.axes.push_back({.pointer = read_pointer(object), .values = {}});
+        s.axes.push_back({.pointer = read_pointer(object, s.of_tools), .values = {}});
         object.finish();
       } else {
-        s.axes.push_back(read_axis(std::move(object), s.design));
+        s.axes.push_back(read_axis(std::move(object), s.design, s.of_tools));
       }
       s.pointers.push_back(s.axes.back().pointer);
       if (std::ranges::count(s.pointers, s.pointers.back()) > 1)
         root.fail_at("vary", fmt::format("{} is set twice", s.pointers.back()));
     }
   }
-  s.truth = root.optional_flag("truth").value_or(false);
+  s.truth = !s.of_tools && root.optional_flag("truth").value_or(false);
   if (s.design == Design::list) {
     s.read_list(root);
   } else if (s.design == Design::grid) {
@@ -265,6 +272,7 @@ SweepDesign::~SweepDesign() = default;
 
 std::uint64_t SweepDesign::size() const noexcept { return state_->count; }
 const std::vector<std::string>& SweepDesign::varied() const noexcept { return state_->pointers; }
+bool SweepDesign::of_tools() const noexcept { return state_->of_tools; }
 bool SweepDesign::truth() const noexcept { return state_->truth; }
 const std::string& SweepDesign::text() const noexcept { return state_->text; }
 const std::filesystem::path& SweepDesign::folder() const noexcept { return state_->folder; }
@@ -279,6 +287,8 @@ SweepCase SweepDesign::at(std::uint64_t number) const {
                 {"model", s.models.values[picks.model]},
                 {"scale", 1.0},
                 {"speed", 1.0}};
+  if (s.of_tools)
+    document = {{"contacts", s.surfaces.values[picks.surface]}, {"renderer", s.models.values[picks.model]}};
   if (picks.seed) document["trajectory"]["seed"] = *picks.seed;
   for (std::size_t a = 0; a < picks.varied.size(); ++a) {
     if (std::isnan(picks.varied[a])) continue;
@@ -297,6 +307,7 @@ SweepCase SweepDesign::at(std::uint64_t number) const {
                 document.dump(),
                 {},
                 {}};
+  if (s.of_tools) return one;
   one.surface_key = json{document["surface"], document["scale"]}.dump();
   one.trajectory_key = json{document["trajectory"], document["scale"], document["speed"]}.dump();
   return one;

@@ -9,6 +9,12 @@
 //    "seeds": [1, 2, 3], "truth": true}
 // Surfaces and trajectories are those of golden cases (harness/baseline/golden_case.h); files are relative to the
 // specification. "set" is a JSON pointer into a case: /surface/..., /trajectory/..., /model/..., /scale, /speed.
+// Of tools with a shape (harness/tool) a case is a contact whose answer is known, and a renderer of tools:
+//   {"schema": "touchstone-tool-sweep/1", "design": "grid",
+//    "contacts": {"corner": {"case": "box-corner"}},
+//    "renderers": {"voxels": {"renderer": "voxmap-pointshell", "parameters": {"voxel_m": 5e-4},
+//                             "stiffness_N_per_m": 1000, "rotational_stiffness_Nm_per_rad": 2}},
+//    "vary": [{"set": "/renderer/parameters/voxel_m", "values": [2.5e-4, 5e-4]}]}
 // Designs:
 //   grid             every combination; the last of surfaces, trajectories, models, vary..., seeds runs fastest
 //   latin-hypercube  "cases": how many, "design_seed"; "vary" by "from" and "to" (McKay, Beckman and Conover 1979: each
@@ -30,12 +36,13 @@ namespace touchstone::pipeline {
 
 struct SweepCase {
   std::uint64_t number = 0;
-  std::string surface;  // the names in the specification
+  std::string surface;  // the names in the specification; of tools: the contact's
   std::string trajectory;
-  std::string model;
+  std::string model;                  // of tools: the renderer's
   std::optional<std::uint64_t> seed;  // of the trajectory
   std::vector<double> varied;         // as SweepDesign::varied()
-  // {"surface", "trajectory", "model", "scale", "speed"} with everything set: the case can be run from this alone.
+  // {"surface", "trajectory", "model", "scale", "speed"}, of tools {"contacts", "renderer"}, with everything set: the
+  // case can be run from this alone.
   std::string document;
   // The parts that cases may share, as text: equal text, equal structure.
   std::string surface_key;
@@ -55,6 +62,8 @@ class SweepDesign {
   [[nodiscard]] SweepCase at(std::uint64_t number) const;
   // The JSON pointers that vary, in order.
   [[nodiscard]] const std::vector<std::string>& varied() const noexcept;
+  // "touchstone-tool-sweep/1".
+  [[nodiscard]] bool of_tools() const noexcept;
   // Whether the exact answer is asked for beside the rendered one.
   [[nodiscard]] bool truth() const noexcept;
   // Canonical, for provenance; its SHA-256 names the sweep.

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "harness/base/error.h"
+#include "harness/pipeline/tool_fitting/tool_effects.h"
 #include "harness/stats/distributions.h"
 #include "harness/stats/sandwich.h"
 #include "harness/tool/tool_path.h"
@@ -17,40 +18,59 @@ namespace {
 
 using tool::Coupling;
 
-// Parameters: force bias (0 to 2), torque bias (3 to 5), lever arm (6 to 8), logarithms of both stiffnesses over the
-// declared ones (9, 10).
-constexpr int kParameters = 11;
-constexpr int kLinear = 9;  // of these, the first: what is shown is linear in them
-using Values = Eigen::Matrix<double, kParameters, 1>;
-using Square = Eigen::Matrix<double, kParameters, kParameters>;
+// Of all effects together.
+constexpr int kMostParameters = 16;
+using Values = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMostParameters, 1>;
+using Square = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMostParameters, kMostParameters>;
 using Vec6 = Eigen::Matrix<double, 6, 1>;
-using Jacobian = Eigen::Matrix<double, 6, kParameters>;
-using LinearColumns = Eigen::Matrix<double, 6, kLinear>;
+using Jacobian = Eigen::Matrix<double, 6, Eigen::Dynamic, 0, 6, kMostParameters>;
 
-struct EffectOfFit {
-  const char* name;
-  const char* what;
-  const char* unit;
-  int first;
-  int count;
-  double plausible;  // width of the prior: what an instrument could have
+// Where the parameters of each effect stand among all: those that what is shown is linear in, then those of the
+// coupling.
+struct Layout {
+  struct Placed {
+    const ToolEffectTraits* effect;
+    int first;
+  };
+  std::vector<Placed> effects;
+  int linear = 0;
+  int all = 0;
+
+  Layout() {
+    for (const ToolEffectTraits& effect : tool_effects()) {
+      effects.push_back({&effect, all});
+      all += effect.count;
+      if (effect.columns != nullptr) linear = all;
+    }
+  }
+
+  [[nodiscard]] Coupling scaled(const Coupling& declared, const Values& v) const {
+    Coupling coupling = declared;
+    for (const auto& [effect, first] : effects) {
+      if (effect->change != nullptr) effect->change(v[first], coupling);
+    }
+    return coupling;
+  }
+  // What is shown for one unit more of each parameter that it is linear in.
+  [[nodiscard]] Jacobian linear_columns(const Wrench& w_T) const {
+    Jacobian j = Jacobian::Zero(6, linear);
+    for (const auto& [effect, first] : effects) {
+      if (effect->columns != nullptr) j.middleCols(first, effect->count) = effect->columns(w_T);
+    }
+    return j;
+  }
+  // In the sensor's axes: what it shows of this wrench with these values.
+  [[nodiscard]] Vec6 shown(const Wrench& wrench_W, const Quat& q_WT, const Values& v) const {
+    const Wrench w_T = rotated(q_WT.conjugate(), wrench_W);
+    Vec6 out;
+    out << w_T.f_N, w_T.torque_Nm;
+    return out + linear_columns(w_T) * v.head(linear);
+  }
 };
-// The biases' width is relative to the largest load; a lever arm is of the size of a hand, and a stiffness that is off
-// by more than a factor e was not declared for this tool.
-constexpr std::array<EffectOfFit, 5> kEffects{{
-    {"force-bias", "force that the sensor shows at no load", "N", 0, 3, 1.0},
-    {"torque-bias", "torque that the sensor shows at no load", "Nm", 3, 3, 1.0},
-    {"lever-arm", "way from the declared handle to the point that the torque is about", "m", 6, 3, 0.1},
-    {"stiffness", "stiffness between handle and contact", "N/m", 9, 1, 1.0},
-    {"rotational-stiffness", "rotational stiffness between handle and contact", "Nm/rad", 10, 1, 1.0},
-}};
+
 constexpr std::size_t kFewestSamples = 400;
 constexpr int kBlocks = 40;
 constexpr double kDetermined = 0.3;  // of the prior's width
-
-Coupling scaled(const Coupling& declared, const Values& v) {
-  return {declared.stiffness_N_per_m * std::exp(v[9]), declared.rotational_stiffness_Nm_per_rad * std::exp(v[10])};
-}
 
 std::vector<Wrench> rendered(const recording::Recording& measured, const MakeTool& make, const Coupling& coupling) {
   const auto renderer = make(coupling);
@@ -65,26 +85,11 @@ std::vector<Wrench> rendered(const recording::Recording& measured, const MakeToo
   return wrenches;
 }
 
-// In the sensor's axes: what it shows of this wrench with these biases and lever arm.
-Vec6 shown(const Wrench& wrench_W, const Quat& q_WT, const Values& v) {
-  const Quat to_T = q_WT.conjugate();
-  const Vec3 f = to_T * wrench_W.f_N;
-  Vec6 out;
-  out << f + v.segment<3>(0), to_T * wrench_W.torque_Nm - v.segment<3>(6).cross(f) + v.segment<3>(3);
-  return out;
-}
-
 Vec6 measured_T(const recording::Recording& measured, std::size_t i) {
   const Quat to_T = measured.motion.q_WS[i].conjugate();
   Vec6 out;
   out << to_T * measured.f_W_N[i], to_T * measured.torque_W_Nm[i];
   return out;
-}
-
-Mat3 cross_matrix(const Vec3& a) {
-  Mat3 m;
-  m << 0.0, -a.z(), a.y(), a.z(), 0.0, -a.x(), -a.y(), a.x(), 0.0;
-  return m;
 }
 
 struct Blocks {
@@ -96,9 +101,14 @@ struct Blocks {
 
 // One linearisation: the sums of the normal equations, and the gradient of each block.
 struct Step {
-  Square hessian = Square::Zero();
-  Values gradient = Values::Zero();
-  Eigen::MatrixXd of_blocks = Eigen::MatrixXd::Zero(kBlocks / 2, kParameters);
+  explicit Step(int parameters)
+      : hessian(Square::Zero(parameters, parameters)),
+        gradient(Values::Zero(parameters)),
+        of_blocks(Eigen::MatrixXd::Zero(kBlocks / 2, parameters)) {}
+
+  Square hessian;
+  Values gradient;
+  Eigen::MatrixXd of_blocks;
   ToolErrors spread;  // RMS of what is left, an axis
 };
 
@@ -119,16 +129,13 @@ class Fitter {
       : measured_(measured), make_(make), declared_(declared) {
     const auto& t_s = measured.motion.t_s;
     blocks_ = {t_s.front(), (t_s.back() - t_s.front()) / kBlocks};
-    double force = 0.0;
-    double torque = 0.0;
+    ToolRecordingScales scales;
     for (std::size_t i = 0; i < measured.size(); ++i) {
-      force = std::max(force, measured.f_W_N[i].norm());
-      torque = std::max(torque, measured.torque_W_Nm[i].norm());
+      scales.force_N = std::max(scales.force_N, measured.f_W_N[i].norm());
+      scales.torque_Nm = std::max(scales.torque_Nm, measured.torque_W_Nm[i].norm());
     }
-    for (const EffectOfFit& effect : kEffects) {
-      const double scale = effect.first == 0 ? force : effect.first == 3 ? torque : 1.0;
-      width_.segment(effect.first, effect.count).setConstant(effect.plausible * scale);
-    }
+    for (const auto& [effect, first] : layout_.effects)
+      width_.segment(first, effect->count).setConstant(effect->plausible(scales));
   }
 
   ToolFit run() {
@@ -144,17 +151,17 @@ class Fitter {
     const Square all = solve();
     judge(all, fit);
     // What is not named stays as declared; the others are fitted again without it.
-    free_.fill(false);
-    for (std::size_t e = 0; e < kEffects.size(); ++e) {
-      for (int k = 0; k < kEffects[e].count; ++k) free_[at(kEffects[e].first + k)] = fit.effects[e].named;
+    for (std::size_t e = 0; e < layout_.effects.size(); ++e) {
+      const auto& [effect, first] = layout_.effects[e];
+      for (int k = 0; k < effect->count; ++k) free_[at(first + k)] = fit.effects[e].named;
     }
     solve();
-    fit.coupling = scaled(declared_, values_);
+    fit.coupling = layout_.scaled(declared_, values_);
     const std::vector<Wrench> fitted = rendered(measured_, make_, fit.coupling);
-    fit.before = errors(fit.declared_W, Values::Zero());
+    fit.before = errors(fit.declared_W, Values::Zero(layout_.all));
     fit.after = errors(fitted, values_);
     for (std::size_t i = 0; i < fitted.size(); ++i) {
-      const Vec6 s = shown(fitted[i], measured_.motion.q_WS[i], values_);
+      const Vec6 s = layout_.shown(fitted[i], measured_.motion.q_WS[i], values_);
       fit.fitted_W.push_back({measured_.motion.q_WS[i] * s.head<3>(), measured_.motion.q_WS[i] * s.tail<3>()});
     }
     return fit;
@@ -165,18 +172,18 @@ class Fitter {
 
   // The values at which the sum of squares is least, and the covariance there.
   Square solve() {
-    values_.setZero();
+    values_.setZero(layout_.all);
     Noise noise{1.0, 1.0};
     constexpr int kMostRounds = 15;
     constexpr double kLongest = 0.5;  // of a stiffness' logarithm in one round
     constexpr double kStill = 1e-5;   // of the priors' widths
-    Step step;
+    Step step(layout_.all);
     for (int round = 0; round < kMostRounds; ++round) {
       step = linearised(noise);
       noise = {std::max(step.spread.force_N, 1e-9), std::max(step.spread.torque_Nm, 1e-12)};
       if (round == 0) continue;  // the first tells the weights
       const Values by = solved(step);
-      const double longest = by.tail<2>().cwiseAbs().maxCoeff();
+      const double longest = by.tail(layout_.all - layout_.linear).cwiseAbs().maxCoeff();
       // A contact that jumps makes the slope wrong: a shorter step then.
       const double here = loss(values_, noise);
       double share = std::min(1.0, kLongest / std::max(longest, kLongest));
@@ -190,14 +197,14 @@ class Fitter {
   }
 
   // Where a tool jams or a contact changes, slopes mislead and Gauss and Newton's method stops early: the two
-  // stiffnesses are searched once more by steps along each that halve (Hooke and Jeeves 1961), the linear values solved
-  // exactly for each pair (variable projection: Golub and Pereyra 1973).
+  // stiffnesses are searched once more by steps along each that halve (Hooke and Jeeves 1961), the linear values
+  // solved exactly for each pair (variable projection: Golub and Pereyra 1973).
   void polish(const Noise& noise) {
     constexpr double kFirst = 0.08, kLast = 1e-4;  // of a logarithm
     values_ = with_linear(values_, noise);
     double best = loss(values_, noise);
     for (double width = kFirst; width > kLast; width *= 0.5) {
-      for (int k = kLinear; k < kParameters; ++k) {
+      for (int k = layout_.linear; k < layout_.all; ++k) {
         if (!free_[at(k)]) continue;
         for (const double by : {width, -width}) {
           Values tried = values_;
@@ -213,45 +220,42 @@ class Fitter {
     }
   }
 
-  // What is shown for one unit more of each bias and of the lever arm r: the torque is that about r, so that it changes
-  // by -r x f = f x r. A column that is not free is nought.
-  LinearColumns linear_columns(const Wrench& wrench_W, const Quat& q_WT) const {
-    LinearColumns j = LinearColumns::Zero();
-    j.block<3, 3>(0, 0).setIdentity();
-    j.block<3, 3>(3, 3).setIdentity();
-    j.block<3, 3>(3, 6) = cross_matrix(q_WT.conjugate() * wrench_W.f_N);
-    for (int k = 0; k < kLinear; ++k) {
+  // Of the parameters that are free; the column of one that is not is nought.
+  Jacobian free_columns(const Wrench& wrench_W, const Quat& q_WT) const {
+    Jacobian j = layout_.linear_columns(rotated(q_WT.conjugate(), wrench_W));
+    for (int k = 0; k < layout_.linear; ++k) {
       if (!free_[at(k)]) j.col(k).setZero();
     }
     return j;
   }
 
-  // With the biases and the lever arm that fit best at these stiffnesses.
+  // With the linear values that fit best at these stiffnesses.
   Values with_linear(Values values, const Noise& noise) const {
-    const std::vector<Wrench> wrenches = rendered(measured_, make_, scaled(declared_, values));
-    Eigen::Matrix<double, kLinear, kLinear> hessian = Eigen::Matrix<double, kLinear, kLinear>::Zero();
-    Eigen::Matrix<double, kLinear, 1> gradient = Eigen::Matrix<double, kLinear, 1>::Zero();
+    const std::vector<Wrench> wrenches = rendered(measured_, make_, layout_.scaled(declared_, values));
+    const int linear = layout_.linear;
+    Square hessian = Square::Zero(linear, linear);
+    Values gradient = Values::Zero(linear);
     const Vec6 weight = noise.weight();
     for (std::size_t i = 0; i < wrenches.size(); ++i) {
       if (!Blocks::fitted(blocks_.of(measured_.motion.t_s[i]))) continue;
       const Quat& q = measured_.motion.q_WS[i];
-      const LinearColumns j = weight.asDiagonal() * linear_columns(wrenches[i], q);
-      const Vec6 left = measured_T(measured_, i) - shown(wrenches[i], q, Values::Zero());
+      const Jacobian j = weight.asDiagonal() * free_columns(wrenches[i], q);
+      const Vec6 left = measured_T(measured_, i) - layout_.shown(wrenches[i], q, Values::Zero(layout_.all));
       hessian.noalias() += j.transpose() * j;
       gradient.noalias() += j.transpose() * weight.cwiseProduct(left);
     }
-    for (int k = 0; k < kLinear; ++k) hessian(k, k) += free_[at(k)] ? 1.0 / (width_[k] * width_[k]) : 1.0;
-    values.head<kLinear>() = hessian.ldlt().solve(gradient);
+    for (int k = 0; k < linear; ++k) hessian(k, k) += free_[at(k)] ? 1.0 / (width_[k] * width_[k]) : 1.0;
+    values.head(linear) = hessian.ldlt().solve(gradient);
     return values;
   }
 
   // What is minimised, at these weights.
   double loss(const Values& values, const Noise& noise) const {
-    const std::vector<Wrench> wrenches = rendered(measured_, make_, scaled(declared_, values));
+    const std::vector<Wrench> wrenches = rendered(measured_, make_, layout_.scaled(declared_, values));
     double sum = 0.0;
     for (std::size_t i = 0; i < wrenches.size(); ++i) {
       if (!Blocks::fitted(blocks_.of(measured_.motion.t_s[i]))) continue;
-      const Vec6 left = measured_T(measured_, i) - shown(wrenches[i], measured_.motion.q_WS[i], values);
+      const Vec6 left = measured_T(measured_, i) - layout_.shown(wrenches[i], measured_.motion.q_WS[i], values);
       sum += left.head<3>().squaredNorm() / (noise.force_N * noise.force_N) +
              left.tail<3>().squaredNorm() / (noise.torque_Nm * noise.torque_Nm);
     }
@@ -260,37 +264,38 @@ class Fitter {
 
   Values solved(const Step& step) const { return step.hessian.ldlt().solve(step.gradient); }
 
-  // The normal equations of Gauss and Newton's method about values_: residual r = measured - shown(v), J = d shown /
-  // dv,
+  // The normal equations of Gauss and Newton's method about values_: residual r = measured - layout_.shown(v), J = d
+  // shown / dv,
   //   (sum J' W J + P) dv = sum J' W r - P v,
   // W the weights squared, P the prior's precision. The stiffnesses' columns are differences
   // forward, of 1 % of the stiffness.
   Step linearised(const Noise& noise) {
     constexpr double kDifference = 0.01;
-    const std::vector<Wrench> here = rendered(measured_, make_, scaled(declared_, values_));
-    std::array<std::vector<Wrench>, 2> beside;
-    for (int k = 0; k < 2; ++k) {
-      if (!free_[at(kLinear + k)]) continue;
+    const std::vector<Wrench> here = rendered(measured_, make_, layout_.scaled(declared_, values_));
+    const int linear = layout_.linear;
+    std::vector<std::vector<Wrench>> beside(at(layout_.all));
+    for (int k = linear; k < layout_.all; ++k) {
+      if (!free_[at(k)]) continue;
       Values v = values_;
-      v[kLinear + k] += kDifference;
-      beside[at(k)] = rendered(measured_, make_, scaled(declared_, v));
+      v[k] += kDifference;
+      beside[at(k)] = rendered(measured_, make_, layout_.scaled(declared_, v));
     }
-    Step step;
+    Step step(layout_.all);
     const Vec6 weight = noise.weight();
     std::size_t count = 0;
     for (std::size_t i = 0; i < here.size(); ++i) {
       const int block = blocks_.of(measured_.motion.t_s[i]);
       if (!Blocks::fitted(block)) continue;
       const Quat& q = measured_.motion.q_WS[i];
-      const Vec6 now = shown(here[i], q, values_);
+      const Vec6 now = layout_.shown(here[i], q, values_);
       const Vec6 left = measured_T(measured_, i) - now;
       step.spread.force_N += left.head<3>().squaredNorm();
       step.spread.torque_Nm += left.tail<3>().squaredNorm();
       ++count;
-      Jacobian j = Jacobian::Zero();
-      j.leftCols<kLinear>() = linear_columns(here[i], q);
-      for (int k = 0; k < 2; ++k) {
-        if (free_[at(kLinear + k)]) j.col(kLinear + k) = (shown(beside[at(k)][i], q, values_) - now) / kDifference;
+      Jacobian j = Jacobian::Zero(6, layout_.all);
+      j.leftCols(linear) = free_columns(here[i], q);
+      for (int k = linear; k < layout_.all; ++k) {
+        if (free_[at(k)]) j.col(k) = (layout_.shown(beside[at(k)][i], q, values_) - now) / kDifference;
       }
       j = weight.asDiagonal() * j;
       const Values g = j.transpose() * weight.cwiseProduct(left);
@@ -301,7 +306,7 @@ class Fitter {
     step.spread.force_N = std::sqrt(step.spread.force_N / (3.0 * double(count)));
     step.spread.torque_Nm = std::sqrt(step.spread.torque_Nm / (3.0 * double(count)));
     // The prior; a value that is not free is held at nought by it alone.
-    for (int k = 0; k < kParameters; ++k) {
+    for (int k = 0; k < layout_.all; ++k) {
       const double tight = free_[at(k)] ? 1.0 / (width_[k] * width_[k]) : 1.0;
       step.hessian(k, k) += tight;
       step.gradient[k] -= tight * values_[k];
@@ -316,34 +321,33 @@ class Fitter {
     const Eigen::RowVectorXd middle = step.of_blocks.colwise().mean();
     const Square robust =
         stats::sandwich_covariance(inverse, step.of_blocks.rowwise() - middle) * (blocks / (blocks - 1.0));
-    Values grow;
-    for (int k = 0; k < kParameters; ++k) grow[k] = std::sqrt(std::max(1.0, inverse(k, k) / robust(k, k)));
+    Values grow(layout_.all);
+    for (int k = 0; k < layout_.all; ++k) grow[k] = std::sqrt(std::max(1.0, inverse(k, k) / robust(k, k)));
     return grow.asDiagonal() * robust * grow.asDiagonal();
   }
 
   void judge(const Square& covariance, ToolFit& fit) const {
     constexpr double kAlpha = 0.05;
     const double blocks = kBlocks / 2.0;
-    const Coupling at_fit = scaled(declared_, values_);
-    for (const EffectOfFit& known : kEffects) {
-      ToolEffect effect{known.name, known.what, known.unit, {}, {}, {}, 1.0, false};
-      const Eigen::VectorXd values = values_.segment(known.first, known.count);
-      const Eigen::MatrixXd own = covariance.block(known.first, known.first, known.count, known.count);
+    const Coupling at_fit = layout_.scaled(declared_, values_);
+    for (const auto& [known, first] : layout_.effects) {
+      ToolEffect effect{known->name, known->what, known->unit, {}, {}, {}, 1.0, false};
+      const int count = known->count;
+      const Eigen::VectorXd values = values_.segment(first, count);
+      const Eigen::MatrixXd own = covariance.block(first, first, count, count);
       const double squared = values.dot(own.ldlt().solve(values));
-      const double f = squared * (blocks - known.count) / (known.count * (blocks - 1.0));
-      effect.p = std::isfinite(f) ? stats::f_tail(f, known.count, blocks - known.count) : 1.0;
+      const double f = squared * (blocks - count) / (count * (blocks - 1.0));
+      effect.p = std::isfinite(f) ? stats::f_tail(f, count, blocks - count) : 1.0;
       bool any = false;
-      for (int k = 0; k < known.count; ++k) {
+      for (int k = 0; k < count; ++k) {
         const double error = std::sqrt(own(k, k));
-        const double of_stiffness = known.first == 9    ? at_fit.stiffness_N_per_m
-                                    : known.first == 10 ? at_fit.rotational_stiffness_Nm_per_rad
-                                                        : 0.0;
-        effect.values.push_back(known.first >= 9 ? of_stiffness : values[k]);
-        effect.standard_errors.push_back(known.first >= 9 ? of_stiffness * error : error);
-        effect.determined.push_back(error < kDetermined * width_[known.first + k]);
+        const double of_coupling = known->value != nullptr ? known->value(at_fit) : 0.0;
+        effect.values.push_back(known->value != nullptr ? of_coupling : values[k]);
+        effect.standard_errors.push_back(known->value != nullptr ? of_coupling * error : error);
+        effect.determined.push_back(error < kDetermined * width_[first + k]);
         any = any || effect.determined.back();
       }
-      effect.named = any && effect.p < kAlpha / double(kEffects.size());
+      effect.named = any && effect.p < kAlpha / double(layout_.effects.size());
       fit.effects.push_back(std::move(effect));
     }
   }
@@ -353,7 +357,7 @@ class Fitter {
     std::size_t count = 0;
     for (std::size_t i = 0; i < wrenches.size(); ++i) {
       if (Blocks::fitted(blocks_.of(measured_.motion.t_s[i]))) continue;
-      const Vec6 left = measured_T(measured_, i) - shown(wrenches[i], measured_.motion.q_WS[i], values);
+      const Vec6 left = measured_T(measured_, i) - layout_.shown(wrenches[i], measured_.motion.q_WS[i], values);
       sum.force_N += left.head<3>().squaredNorm();
       sum.torque_Nm += left.tail<3>().squaredNorm();
       ++count;
@@ -365,13 +369,10 @@ class Fitter {
   const MakeTool& make_;
   Coupling declared_;
   Blocks blocks_{};
-  Values width_ = Values::Ones();
-  Values values_ = Values::Zero();
-  std::array<bool, kParameters> free_ = [] {
-    std::array<bool, kParameters> all{};
-    all.fill(true);
-    return all;
-  }();
+  Layout layout_;
+  Values width_ = Values::Ones(layout_.all);
+  Values values_ = Values::Zero(layout_.all);
+  std::vector<bool> free_ = std::vector<bool>(at(layout_.all), true);
 };
 
 void require_wrench_and_pose(const recording::Recording& measured) {

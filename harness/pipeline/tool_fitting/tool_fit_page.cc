@@ -2,60 +2,25 @@
 
 #include <fmt/format.h>
 
+#include <array>
 #include <filesystem>
-#include <functional>
 #include <sstream>
 
+#include "harness/pipeline/tool_reports/tool_plots.h"
 #include "harness/report/evaluation_page.h"
 
 namespace touchstone::pipeline {
 namespace {
 
-// More points than this cannot be told apart on a screen.
-constexpr std::size_t kMostPlotted = 4000;
-
-Line line_over_time(const recording::Recording& measured, const char* name, Tone tone, bool dashed,
-                    const std::function<double(std::size_t)>& value) {
-  Line line{name, {}, {}, tone, dashed, false};
-  const std::size_t stride = measured.size() / kMostPlotted + 1;
-  for (std::size_t i = 0; i < measured.size(); i += stride) {
-    line.x.push_back(measured.motion.t_s[i]);
-    line.y.push_back(value(i));
-  }
-  return line;
-}
-
 Section plots(const recording::Recording& measured, const ToolFit& fit) {
-  Section section{"Measured and rendered", "", {}, false};
-  for (int k = 0; k < 3; ++k) {
-    LinePlot plot;
-    plot.title = fmt::format("force along {}", "xyz"[k]);
-    plot.x_label = "time [s]";
-    plot.y_label = "force [N]";
-    plot.link = "time";
-    plot.lines = {line_over_time(measured, "measured", Tone::measured, false,
-                                 [&, k](std::size_t i) { return measured.f_W_N[i][k]; }),
-                  line_over_time(measured, "as declared", Tone::error, true,
-                                 [&, k](std::size_t i) { return fit.declared_W[i].f_N[k]; }),
-                  line_over_time(measured, "fitted", Tone::rendered, true,
-                                 [&, k](std::size_t i) { return fit.fitted_W[i].f_N[k]; })};
-    section.blocks.emplace_back(std::move(plot));
-  }
-  for (int k = 0; k < 3; ++k) {
-    LinePlot plot;
-    plot.title = fmt::format("torque about {}", "xyz"[k]);
-    plot.x_label = "time [s]";
-    plot.y_label = "torque [mNm]";
-    plot.link = "time";
-    plot.lines = {line_over_time(measured, "measured", Tone::measured, false,
-                                 [&, k](std::size_t i) { return 1e3 * measured.torque_W_Nm[i][k]; }),
-                  line_over_time(measured, "as declared", Tone::error, true,
-                                 [&, k](std::size_t i) { return 1e3 * fit.declared_W[i].torque_Nm[k]; }),
-                  line_over_time(measured, "fitted", Tone::rendered, true,
-                                 [&, k](std::size_t i) { return 1e3 * fit.fitted_W[i].torque_Nm[k]; })};
-    section.blocks.emplace_back(std::move(plot));
-  }
-  return section;
+  const std::array<WrenchLine, 3> lines{
+      {{"measured", Tone::measured, false,
+        [&](std::size_t i) {
+          return Wrench{measured.f_W_N[i], measured.torque_W_Nm[i]};
+        }},
+       {"as declared", Tone::error, true, [&](std::size_t i) { return fit.declared_W[i]; }},
+       {"fitted", Tone::rendered, true, [&](std::size_t i) { return fit.fitted_W[i]; }}}};
+  return wrench_section("Measured and rendered", measured.motion.t_s, lines);
 }
 
 Table effects_table(const ToolFit& fit) {

@@ -1,0 +1,68 @@
+#include "harness/pipeline/sweep/tool_sweep.h"
+
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+
+#include "harness/base/json_reader.h"
+
+namespace touchstone::pipeline {
+namespace {
+
+tool::ToolErrors run(const SweepCase& one, const ToolSweep& sweep) {
+  const std::string source = fmt::format("case {}", one.number);
+  const nlohmann::json document = parse_json(one.document, source);
+  JsonObject root(document, source, "");
+  JsonObject contacts = root.object("contacts");
+  const std::string name = contacts.text("case");
+  contacts.finish();
+  JsonObject chosen = root.object("renderer");
+  const tool::ToolRendererEntry& entry = tool::find_tool_renderer(sweep.renderers, chosen.text("renderer"));
+  tool::ToolSettings settings;
+  if (const auto k = chosen.optional_number("stiffness_N_per_m")) settings.coupling.stiffness_N_per_m = *k;
+  if (const auto k = chosen.optional_number("rotational_stiffness_Nm_per_rad"))
+    settings.coupling.rotational_stiffness_Nm_per_rad = *k;
+  if (chosen.has("parameters")) {
+    JsonObject parameters = chosen.object("parameters");
+    for (const std::string& parameter : parameters.keys())
+      settings.parameters[parameter] = parameters.number(parameter);
+    parameters.finish();
+  }
+  chosen.finish();
+  root.finish();
+  const tool::KnownContacts known = sweep.contacts(name, settings.coupling);
+  const auto renderer = tool::make_tool_renderer(entry, known.tool, known.object_W, settings);
+  return tool::errors_of(*renderer, one.model, known);
+}
+
+}  // namespace
+
+CaseTable tool_sweep_table(const SweepDesign& design) {
+  using enum CaseColumn::Type;
+  CaseTable table{design.text(), design.size(), {}, "specification", "--out"};
+  for (const char* const name : {"contacts", "renderer", "document"}) table.columns.push_back({name, text});
+  for (const std::string& pointer : design.varied()) table.columns.push_back({pointer, real});
+  for (const char* const name :
+       {"mean_force_error_N", "max_force_error_N", "mean_torque_error_Nm", "max_torque_error_Nm",
+        "max_torque_error_jnd", "largest_right_force_N", "largest_right_torque_Nm"})
+    table.columns.push_back({name, real});
+  return table;
+}
+
+CaseJob tool_sweep_job(const SweepDesign& design, const ToolSweep& sweep) {
+  CaseJob job;
+  job.what = "sweep";
+  job.cases = design.size();
+  job.run = [&design, &sweep](CaseRow& row, const PartDone&) {
+    const SweepCase one = design.at(row.number);
+    for (const std::string& value : {one.surface, one.model, one.document}) row.values.emplace_back(value);
+    for (const double value : one.varied) row.values.emplace_back(value);
+    const tool::ToolErrors errors = run(one, sweep);
+    for (const double value : {errors.mean_force_N, errors.max_force_N, errors.mean_torque_Nm, errors.max_torque_Nm,
+                               errors.max_torque_jnd, errors.largest_right_force_N, errors.largest_right_torque_Nm})
+      row.values.emplace_back(value);
+  };
+  return job;
+}
+
+}  // namespace touchstone::pipeline

@@ -1,0 +1,27 @@
+// A sweep of renderers of tools with a shape: each case is one contact whose answer is known, rendered by one renderer,
+// and its row holds how far off the renderer is (harness/tool/tool_errors.h).
+#pragma once
+
+#include <functional>
+#include <string_view>
+#include <vector>
+
+#include "harness/pipeline/pipeline_rooms.h"
+#include "harness/pipeline/sweep/design.h"
+#include "harness/runs/case_engine.h"
+#include "harness/tool/tool_errors.h"
+#include "harness/tool/tool_renderer_entry.h"
+
+namespace touchstone::pipeline {
+
+struct ToolSweep {
+  std::vector<tool::ToolRendererEntry> renderers;
+  // The contact of that name with its answers behind this coupling; thread-safe.
+  std::function<tool::KnownContacts(std::string_view name, const tool::Coupling&)> contacts;
+};
+
+CaseTable tool_sweep_table(const SweepDesign& design);
+// Both must live as long as the job. A case that cannot be run is a row with its error.
+CaseJob tool_sweep_job(const SweepDesign& design, const ToolSweep& sweep);
+
+}  // namespace touchstone::pipeline
