@@ -19,6 +19,7 @@
 
 #include "harness/base/atomic_file.h"
 #include "harness/base/error.h"
+#include "harness/base/thread_sanitizer.h"
 #include "hil/drivers/natnet.h"
 #include "hil/emulators/haptic_emulator.h"
 #include "hil/emulators/natnet_emulator.h"
@@ -190,6 +191,9 @@ TEST_F(MultiSession, ADeviceThatIsUnpluggedCostsNothingThatCame) {
 
 // The whole program dies; what is missing is what came in the last tenth of a second.
 TEST_F(MultiSession, AKilledProgramLosesATenthOfASecond) {
+#ifdef TOUCHSTONE_THREAD_SANITIZER
+  GTEST_SKIP() << "the thread sanitizer ends a process that starts threads after a fork beside threads";
+#endif
   const SchedulingLateness machine;
   double worst_s = 0.0;
   for (int run = 0; run < 3; ++run) {
@@ -208,15 +212,15 @@ TEST_F(MultiSession, AKilledProgramLosesATenthOfASecond) {
       record_streams(std::move(streams), folder, {}, [] { return false; });
       ::_exit(0);
     }
+    ::close(port[1]);  // else a child that dies is waited for without end
     char ready = 0;
-    ASSERT_EQ(::read(port[0], &ready, 1), 1);
+    ASSERT_EQ(::read(port[0], &ready, 1), 1) << "the recording program died at its start";
     MonotonicClock clock;
     clock.sleep_until(clock.now_s() + 1.5 + 0.13 * run);
     const double killed_s = clock.now_s();
     ::kill(child, SIGKILL);
     ::waitpid(child, nullptr, 0);
     ::close(port[0]);
-    ::close(port[1]);
     for (const char* const name : {"force.tsraw", "tracker.tsraw"}) {
       double last_s = 0.0;
       read_raw(folder / name, [&](const RawSample& s) { last_s = std::max(last_s, s.wrench.t_s); });
