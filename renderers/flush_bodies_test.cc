@@ -324,12 +324,37 @@ TEST(FlushBodies, ARunThatStartsInsideStartsOnTheOutside) {
     for (const Floor& floor : floors()) {
       const Scene scene(floor.bodies, 2, awkward_rotation(), scale);
       const auto renderer = scene.renderer("god-object");
-      for (const double x : {-0.013, 0.0005, 0.0021, 0.0025, 0.0029, 0.0031}) {
+      for (const double x : {-0.013, 0.0005, 0.0021, 0.0025, 0.0029, 0.003, 0.0031}) {
         Hand hand(*renderer);
         const StepResult result = hand.to(scene.at({x, 0.0007, -kDepth}));
         const Vec3 f = awkward_rotation().conjugate() * result.f_W_N;
         EXPECT_LE((f - Vec3(0, 0, kStiffness * kDepth)).norm(), kRounding_N)
             << floor.name << ", x " << x << ", scale " << scale << ": " << f.transpose();
+      }
+    }
+  }
+}
+
+// A ball whose centre begins inside, beside inner walls nearer than the floor and on them: its centre comes to rest a
+// radius above the floor, and stays there when the tip slides on.
+TEST(FlushBodies, ABallThatStartsInsideStartsOnTheOutside) {
+  for (const double scale : {1e-3, 1.0, 1e3}) {
+    for (const Floor& floor : floors()) {
+      const Scene scene(floor.bodies, 2, awkward_rotation(), scale);
+      for (const double radius : {1e-4, 1e-3, 3e-3}) {
+        const auto renderer = scene.renderer("god-object", {{"tip_radius_m", radius * scale}});
+        for (const double x : {-0.013, 0.0005, 0.00099, 0.0021, 0.0025, 0.0029, 0.003, 0.0031}) {
+          for (const double depth : {kDepth, 3.0 * kDepth}) {
+            Hand hand(*renderer);
+            for (int i = 0; i < 5; ++i) {
+              const StepResult result = hand.to(scene.at({x + 1e-4 * i, 0.0007, -depth}));
+              const Vec3 f = awkward_rotation().conjugate() * result.f_W_N;
+              ASSERT_LE((f - Vec3(0, 0, kStiffness * (radius + depth))).norm(), kRounding_N)
+                  << floor.name << ", x " << x << ", depth " << depth << ", radius " << radius << ", scale " << scale
+                  << ", step " << i << ": " << f.transpose();
+            }
+          }
+        }
       }
     }
   }

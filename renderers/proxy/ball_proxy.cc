@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "renderers/walkable/counted_contact_mesh.h"
+#include "renderers/walkable/exposed_place.h"
 #include "renderers/walkable/fetch.h"
 
 namespace touchstone::renderers {
@@ -49,21 +50,35 @@ void BallProxyOf<Mesh>::start(const V& p) noexcept {
   next_margin_ = 0.25 * r_;
   gathers_ = moves_ = 0;
   c_ = p;
-  const SurfacePoint nearest = surface_->closest(p.template cast<double>());
-  if (nearest.signed_distance_m >= r_) return;
-  const TouchOf<S> t = touch(*mesh_, nearest.triangle, p);
-  const bool rim = mesh_->on_rim(nearest.triangle, t.feature, t.index);
-  const bool inside = nearest.signed_distance_m < 0.0;
+  const ContactMesh& plain = plain_mesh(*mesh_);
+  const Vec3 tip = p.template cast<double>();
+  const SurfacePoint nearest = surface_->closest(tip);
+  const StartPlace exposed = start_place(plain, *surface_, tip);
   // Behind the rim of an open mesh there is no inside: the ball passes.
-  if (inside && rim) return;
+  const bool passes = nearest.signed_distance_m < 0.0 && plain.open();
+  const bool clear = nearest.distance_m >= r_;
+  if (!exposed.inside && (clear || passes)) return;
+  const bool within_bodies = exposed.inside && exposed.triangle != nearest.triangle;
+  const std::int32_t triangle = within_bodies ? exposed.triangle : nearest.triangle;
+  const Vec3& foot = within_bodies ? exposed.p_W_m : nearest.p_W_m;
+  const TouchOf<S> t = touch(*mesh_, triangle, p);
   // On the surface to rounding the direction to the tip is noise.
   rounding_ = rounding_at(p);
-  const V out = inside || t.d <= 4.0 * rounding_ ? V(nearest.n_W.template cast<S>()) : t.n;
-  // Out along the normal until the ball is clear, then down again to where the tip pulls it.
+  V out = t.n;
+  if (within_bodies) {
+    out = t.d <= 4.0 * rounding_ ? mesh_->facet(triangle).n : V(-t.n);
+  } else if (exposed.inside || t.d <= 4.0 * rounding_) {
+    out = nearest.n_W.template cast<S>();
+  }
+  // Where bodies touch or overlap, the distance alone does not tell free space from another body's inside.
+  const bool bodies = !plain.open() && !plain.facet(nearest.triangle).regular;
+  // Out until the ball is clear, then down again to where the tip pulls it.
   S reach = r_;
   while (reach < 1e3 * (r_ + mesh_->extent())) {
-    c_ = nearest.p_W_m.template cast<S>() + reach * out;
-    if (S(surface_->closest(c_.template cast<double>()).distance_m) >= r_ * (1.0 - 64.0 * kEps)) break;
+    c_ = foot.template cast<S>() + reach * out;
+    const Vec3 at = c_.template cast<double>();
+    if (S(surface_->closest(at).distance_m) >= r_ * (1.0 - 64.0 * kEps) && !(bodies && winding_about(plain, at) > 0))
+      break;
     reach *= 2.0;
   }
   pull(p);

@@ -49,7 +49,8 @@ class BallProxyOf {
 
   BallProxyOf(const Mesh& mesh, const Surface& surface, double radius_m, const ConeFriction& friction = {});
 
-  // The first position of a run: where the ball overlaps the object it starts at the place outside that is closest.
+  // The first position of a run: where the ball overlaps the object it starts at the place outside that is closest, of
+  // bodies that touch or overlap outside of all of them.
   void start(const V& p) noexcept;
   void follow(const V& p) noexcept;
   // Towards p, without friction.

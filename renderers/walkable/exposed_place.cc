@@ -67,13 +67,27 @@ int winding_about(const Mesh& mesh, const Vec3& p) noexcept {
 template int winding_about(const ContactMesh&, const Vec3&) noexcept;
 template int winding_about(const PosedBodies&, const Vec3&) noexcept;
 
+namespace {
+
+// Whether p is inside of the bodies, of which `triangle`, `away_m` off, is the closest. In a wall between two of them
+// a ray's count is noise: there both sides of the wall decide.
+template <class Mesh>
+bool inside_bodies(const Mesh& mesh, std::int32_t triangle, double away_m, const Vec3& p) noexcept {
+  if (winding_about(mesh, p) > 0) return true;
+  if (away_m > mesh.flush()) return false;
+  const Vec3 aside = 2.0 * mesh.flush() * mesh.facet(triangle).n;
+  return winding_about(mesh, p + aside) > 0 && winding_about(mesh, p - aside) > 0;
+}
+
+}  // namespace
+
 StartPlace start_place(const ContactMesh& mesh, const Surface& surface, const Vec3& p) noexcept {
   const SurfacePoint nearest = surface.closest(p);
   if (nearest.triangle < 0) return {};
   const bool bodies = !mesh.facet(nearest.triangle).regular && !mesh.open();
   if (bodies) {
     // The sign of the distance is that of one body's surface, be it inside another.
-    if (winding_about(mesh, p) <= 0) return {};
+    if (!inside_bodies(mesh, nearest.triangle, nearest.distance_m, p)) return {};
     return closest_exposed(mesh, p, nearest.distance_m);
   }
   if (!(nearest.signed_distance_m < 0.0)) return {};
@@ -97,7 +111,7 @@ StartPlace start_place(const PosedBodies& bodies, const Vec3& p) noexcept {
   if (nearest_body == nullptr) return {};
   const std::int32_t triangle = nearest.triangle + nearest_body->first_triangle();
   if (!bodies.open()) {
-    if (winding_about(bodies, p) <= 0) return {};
+    if (!inside_bodies(bodies, triangle, nearest.distance_m, p)) return {};
     return closest_exposed(bodies, p, nearest.distance_m);
   }
   if (!(nearest.signed_distance_m < 0.0)) return {};
