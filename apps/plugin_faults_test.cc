@@ -79,7 +79,8 @@ INSTANTIATE_TEST_SUITE_P(Planted, PluginFault,
                                            Fault{"DEPENDS_ON_UNIT", "TheUnitOfLengthChangesNothing"},
                                            Fault{"SHARES_ITS_MEMORY", "TwoOnOneSurfaceDoNotDisturbOneAnother"},
                                            Fault{"COSTS_MORE_EVERY_STEP", "TheCostDoesNotGrowWithTheSteps"},
-                                           Fault{"SPIKES_LATE", "NoStepOfAMillionIsASpike"}),
+                                           Fault{"SPIKES_LATE", "NoStepOfAMillionIsASpike"},
+                                           Fault{"STIFFER_TRIANGLE", "TheForceDoesNotJumpFromTriangleToTriangle"}),
                          [](const auto& tested) { return tested.param.name; });
 
 // The example has no friction; who says of it that it has finds that it is lost.

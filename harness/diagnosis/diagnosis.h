@@ -14,7 +14,8 @@
 //   state-after-reset       a run after reset() is not the run of a new renderer
 //   wrong-frame             the force turns with the tip, or does not turn with the world
 //   energy-gained           a closed path gives energy to the hand
-//   jump-between-triangles  the force jumps from one triangle to its neighbour
+//   jump-between-triangles  the force jumps from one triangle to its neighbour; where `continuous_force` is declared,
+//                           between triangles of one plane
 //   shared-state            two renderers on one surface disturb one another
 //   growing-cost            a step costs more the longer the run
 //   late-spike              a step after many costs a multiple of the others

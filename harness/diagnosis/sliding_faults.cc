@@ -158,8 +158,12 @@ std::optional<Finding> find_jump_between_triangles(const Engine& engine) {
     TriangleMesh mesh;
     const char* name;
   };
-  for (const Case& one : {Case{sphere_mesh(kHalf_m, 4), "a ball of 2048 triangles, 20 mm in radius"},
-                          Case{nested_sheet(kHalf_m, 1e-3), "a plane sheet 40 mm wide"}}) {
+  std::vector<Case> cases{{nested_sheet(kHalf_m, 1e-3), "a plane sheet 40 mm wide"}};
+  // Where the surface bends, a renderer may declare that it jumps. Between triangles of one plane there is nothing that
+  // could.
+  if (find_limitation(engine.cannot, Ability::continuous_force) == nullptr)
+    cases.insert(cases.begin(), {sphere_mesh(kHalf_m, 4), "a ball of 2048 triangles, 20 mm in radius"});
+  for (const Case& one : cases) {
     Probe probe(engine, one.mesh);
     for (const Crossing& edge : crossings(one.mesh)) {
       // A proxy keeps its face until its own foot passes the edge.

@@ -45,7 +45,7 @@ typedef struct touchstone_parameter {
  *   "thin_shells"       a tip pushed through a thin shell from outside stays outside
  *   "large_jumps"       a tip that jumps through a body in one step stays on the side it came from
  *   "start_inside"      a run that starts inside is pushed out
- *   "continuous_force"  no jump of the force at first contact, on leaving, and across edges
+ *   "continuous_force"  no jump of the force at first contact, on leaving, and across bends
  *   "rigid_motion"      moving and turning the whole world changes nothing
  *   "unit_scale"        nor does the unit of length
  *   "passive"           closed loops give no energy back beyond rounding
