@@ -32,13 +32,13 @@ void add_probe(CLI::App& hil_command, Run& run) {
       hil_command.add_subcommand("probe", "Which of the known devices are here, and why the others cannot be used");
   auto options = std::make_shared<ProbeOptions>();
   command->add_option("devices", options->devices,
-                      "Only these, by their ids. Trackers behind a server (optitrack, vrpn) are connected to only if "
-                      "they are named: their servers serve few clients");
+                      "Only these, by their ids. Devices that serve few clients (onrobot-hex, optitrack, vrpn) are "
+                      "connected to only if they are named");
   command->add_option("--map", options->map,
                       "Hardware map (JSON); default: the file that TOUCHSTONE_HARDWARE_MAP names");
   command->add_option("--json", options->json, "Write the results to this file");
   command->footer(
-      "Exit status: 0 a device is usable, 1 one that the map calls connected is not, 77 none is here. A tracker that "
+      "Exit status: 0 a device is usable, 1 one that the map calls connected is not, 77 none is here. A device that "
       "was not asked counts for none of them.\n"
       "Examples:\n  touchstone hil probe --map lab/hardware.json --json probe.json\n  touchstone hil probe optitrack "
       "--map lab/hardware.json");

@@ -35,6 +35,8 @@ struct DeviceSeen {
   bool serial_by_map = false;  // must be the one in the hardware map, if that names one
 };
 
+inline constexpr double open_timeout_s = 5.0;  // for the answer of a sensor on the network
+
 struct KnownDevice {
   std::string_view id{};  // as in the hardware map
   std::string_view name{};
@@ -47,12 +49,13 @@ struct KnownDevice {
   // The form of the hardware map's "address", as an example; empty: it needs none.
   std::string_view address_example{};
   bool one_axis = false;           // a force sensor that measures along one axis only
-  bool needs_calibration = false;  // file, in the hardware map
-  // A list of all devices does not connect to it: its server may serve one client, or wait long.
+  bool needs_calibration = false;  // a file, which the hardware map names
+  // A list of all devices does not connect to it: it may serve one client, or keep one waiting.
   bool connected_when_named = false;
 
   // What it can be opened as; null: not that. All throw DeviceError where it cannot be opened, UsageError where the
-  // hardware map lacks what it needs. The address is there if an example is.
+  // hardware map lacks what it needs. The address is there if an example is,
+  // and the calibration file if one is needed.
   std::unique_ptr<WrenchSource> (*open_force)(const MappedDevice& device, double card_rate_Hz) = nullptr;
   std::unique_ptr<PoseSource> (*open_poses)(const MappedDevice& device) = nullptr;
   std::unique_ptr<HapticDevice> (*open_handle)(const MappedDevice& device) = nullptr;

@@ -107,7 +107,7 @@ void probe_network(ProbeResult& result, const KnownDevice& known, const MappedDe
   } catch (const DeviceError& error) {
     result.status = error.device_status() == DeviceStatus::timed_out ? DeviceStatus::absent : error.device_status();
     result.reason = error.what();
-  } catch (const BadData& error) {
+  } catch (const Error& error) {  // what it said, or its entry in the map, is not as it must be
     result.status = DeviceStatus::failed;
     result.reason = error.what();
   }

@@ -24,8 +24,8 @@ struct ProbeOptions {
   std::string comedi_library;  // for tests
 };
 
-// One result per known device, in the table's order. Opens devices to read their strings; commands nothing. A tracker
-// behind a server (KnownDevice::connected_when_named) is left alone: not_asked.
+// One result per known device, in the table's order. Opens devices to read their strings; commands nothing. One
+// that serves one client (KnownDevice::connected_when_named) is left alone: not_asked.
 std::vector<ProbeResult> probe(const HardwareMap& map, const ProbeOptions& options = {});
 // The one device, connected to if need be; throws UsageError for an id that the table does not have.
 ProbeResult probe_one(const std::string& id, const HardwareMap& map, const ProbeOptions& options = {});

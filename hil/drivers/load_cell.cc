@@ -167,9 +167,9 @@ std::optional<double> number_in_line(std::string_view line, int n) {
 std::unique_ptr<WrenchSource> open_load_cell(const LoadCellOptions& options) {
   if (options.newtons_per_unit == 0.0 || !std::isfinite(options.newtons_per_unit))
     throw UsageError(
-        "hx711-serial: its \"newtons_per_unit\" must be in the hardware map: what it prints has no unit (0.00980665 "
-        "for "
-        "grams)");
+        fmt::format("{}: its \"newtons_per_unit\" must be in the hardware map: what it prints has no unit (0.00980665 "
+                    "for grams)",
+                    load_cell_device.id));
   return std::make_unique<LoadCellSource>(options);
 }
 

@@ -5,7 +5,6 @@
 #include <utility>
 
 #include "harness/base/web_request.h"
-#include "hil/drivers/open_mapped.h"
 #include "hil/drivers/rdt_source.h"
 
 namespace touchstone::hil {

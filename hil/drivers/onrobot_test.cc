@@ -42,6 +42,19 @@ TEST(OnRobot, ReadsNewtonsAtTheRateThatWasAskedFor) {
   }
 }
 
+// Its bias is somebody's zero, its filter and period somebody's recording.
+TEST(OnRobot, LookingForItChangesNothingOfIt) {
+  OnRobotEmulator box(pull_over_time);
+  MappedDevice device;
+  device.id = onrobot_device.id;
+  device.address = "127.0.0.1";
+  device.udp_port = box.port();
+  EXPECT_THAT(onrobot_device.look(device, 3.0).where, HasSubstr("127.0.0.1"));
+  EXPECT_EQ(box.settings(), 0);
+  open_onrobot({"127.0.0.1", box.port(), 4, 0}, 3.0, false);
+  EXPECT_GE(box.settings(), 3) << "the emulator counts them";
+}
+
 TEST(OnRobot, AStreamThatBeganAnewHasNothingOfTheOldOne) {
   OnRobotEmulator box(pull_over_time);
   const auto source = open_onrobot({"127.0.0.1", box.port(), 1, 0}, 3.0, false);

@@ -10,7 +10,6 @@
 namespace touchstone::hil {
 namespace {
 
-// Its entry; the address that it needs is there.
 const KnownDevice& entry_of(const MappedDevice& device) {
   const KnownDevice* const known = find_known_device(device.id);
   if (known == nullptr)
@@ -18,10 +17,13 @@ const KnownDevice& entry_of(const MappedDevice& device) {
   return *known;
 }
 
-void check_address(const KnownDevice& known, const MappedDevice& device) {
+// What its driver counts on.
+void check_entry(const KnownDevice& known, const MappedDevice& device) {
   if (!known.address_example.empty() && device.address.empty())
     throw UsageError(
         fmt::format("{}: its \"address\" must be in the hardware map, as \"{}\"", known.id, known.address_example));
+  if (known.needs_calibration && !device.calibration_file)
+    throw UsageError(fmt::format("{}: its calibration file must be in the hardware map", known.id));
 }
 
 [[noreturn]] void none_of_that_kind(const MappedDevice& device, const char* what, const std::string& those) {
@@ -35,7 +37,7 @@ std::unique_ptr<WrenchSource> open_force(const MappedDevice& device, double card
   if (known.open_force == nullptr)
     none_of_that_kind(device, "reads forces from",
                       ids_of_devices([](const KnownDevice& d) { return d.open_force != nullptr; }));
-  check_address(known, device);
+  check_entry(known, device);
   return known.open_force(device, card_rate_Hz);
 }
 
@@ -44,7 +46,7 @@ std::unique_ptr<PoseSource> open_poses(const MappedDevice& device) {
   if (known.open_poses == nullptr)
     none_of_that_kind(device, "reads poses from",
                       ids_of_devices([](const KnownDevice& d) { return d.open_poses != nullptr; }));
-  check_address(known, device);
+  check_entry(known, device);
   return known.open_poses(device);
 }
 
@@ -54,7 +56,7 @@ std::unique_ptr<HapticDevice> open_handle(const MappedDevice& device) {
     none_of_that_kind(device, "renders forces on", ids_of_devices([](const KnownDevice& d) {
                                                      return d.open_handle != nullptr;
                                                    }) + "; any other device takes a plug-in (touchstone/device.h)");
-  check_address(known, device);
+  check_entry(known, device);
   return known.open_handle(device);
 }
 

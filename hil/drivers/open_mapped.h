@@ -10,7 +10,6 @@
 namespace touchstone::hil {
 
 inline constexpr double usual_card_rate_Hz = 5000.0;  // scans of a data acquisition card
-inline constexpr double open_timeout_s = 5.0;         // for the answer of a sensor on the network
 
 // Each throws UsageError where the device is none of that kind or the map lacks what it needs (the message says what),
 // DeviceError where it cannot be opened.

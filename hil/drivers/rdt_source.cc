@@ -75,10 +75,11 @@ class RdtSource final : public WrenchSource {
     unsigned char old[2 * rdt_record_bytes];
     while (::recv(socket_, old, sizeof old, MSG_DONTWAIT) > 0) {
     }
-    request(RdtCommand::start_realtime, 0);
+    request(RdtCommand::start_realtime, sensor_.records);
   }
 
   void stop() noexcept override {
+    if (sensor_.records > 0) return;  // it ends by itself, and another program's stream may run
     const auto bytes = encode_request(RdtCommand::stop, 0);
     [[maybe_unused]] const auto sent = ::send(socket_, bytes.data(), bytes.size(), MSG_NOSIGNAL);
   }

@@ -2,6 +2,7 @@
 // kernel, lost, late and repeated ones counted.
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <string>
 #include <utility>
@@ -20,6 +21,7 @@ struct RdtSensor {
   // Sent before the stream is asked for, with a pause after each.
   std::vector<std::pair<RdtCommand, std::uint32_t>> before_start;
   double between_commands_s = 0.005;
+  std::uint32_t records = 0;  // that the stream has; 0: until it is stopped
 };
 
 // The socket is connected to the sensor, so that strangers' packets are not read. Throws DeviceError(absent).

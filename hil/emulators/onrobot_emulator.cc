@@ -52,6 +52,7 @@ void OnRobotEmulator::serve() {
       if (big_endian(request, 2) != 0x1234) continue;
       const auto command = static_cast<int>(big_endian(request + 2, 2));
       const std::uint32_t data = big_endian(request + 4, 4);
+      settings_ += command == command_speed || command == command_filter || command == command_bias ? 1 : 0;
       if (command == command_speed && data > 0) period_s = 1e-3 * data;
       if (command == command_filter) filter_ = static_cast<int>(data);
       if (command == command_bias) bias = data == 0 ? Wrench{} : wrench_(clock.now_s() - start_s);

@@ -24,6 +24,8 @@ class OnRobotEmulator {
 
   [[nodiscard]] int port() const noexcept { return port_; }
   [[nodiscard]] int filter() const noexcept { return filter_; }
+  // Commands that set the period, the filter or the bias.
+  [[nodiscard]] int settings() const noexcept { return settings_; }
   [[nodiscard]] bool streams() const noexcept { return streams_; }
 
  private:
@@ -31,7 +33,7 @@ class OnRobotEmulator {
 
   std::function<Wrench(double)> wrench_;
   int socket_ = -1, port_ = 0;
-  std::atomic<int> filter_{-1};
+  std::atomic<int> filter_{-1}, settings_{0};
   std::atomic<bool> streams_{false}, stop_{false};
   std::thread thread_;
 };

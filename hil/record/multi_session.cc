@@ -189,8 +189,7 @@ std::string problem_of(const MultiReport::OneStream& s, double seconds) {
   if (c.received == 0 && c.strangers > 0) {
     return fmt::format(
         "it sent nothing from its \"address\" in the hardware map, but {} packets came from another one: if its "
-        "computer "
-        "has two network cards, give the address of the one that it sends by",
+        "computer has two network cards, give the address of the one that it sends by",
         c.strangers);
   }
   if (c.received == 0) {
