@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include <functional>
+#include <cmath>
 
 namespace touchstone::metrics {
 namespace {
@@ -110,6 +110,31 @@ TEST(Anomalies, PullsInwardWhereTheForcePointsIntoTheObjectOrHoldsATipThatIsOuts
   run[22].tip_outside_m = 1e-3;
   run[22].f_W_N.setZero();
   EXPECT_EQ(find_anomalies(run).pulls_inward, 1U);
+}
+
+// How far from tangential a force is does not depend on how strong it is.
+TEST(Anomalies, AForceIsTakenForTangentialByItsDirectionAlone) {
+  const AnomalyLimits limits;
+  for (const double force_N : {1e-3, 1.0, 1e3}) {
+    for (const double share : {0.5, 2.0}) {
+      auto run = stroke(10);
+      run[5].f_W_N = force_N * Vec3(1.0, 0.0, -share * limits.sine).normalized();
+      const Anomalies found = find_anomalies(run, limits);
+      EXPECT_EQ(found.pulls_inward, share > 1.0 ? 1U : 0U) << force_N << " N, " << share;
+      EXPECT_EQ(found.pops_through, share > 1.0 ? 1U : 0U) << force_N << " N, " << share;
+    }
+  }
+}
+
+TEST(Anomalies, APathOfExactlyTheLimitIsLongEnough) {
+  auto run = stroke(100);
+  for (std::size_t i = 0; i < run.size(); ++i) run[i].exact_W_m.x() = run[i].contact_W_m.x() = std::ldexp(i, -13);
+  for (std::size_t i = 40; i < 48; ++i) run[i].contact_W_m.x() = 0.0;
+  AnomalyLimits limits;
+  limits.stick_path_m = std::ldexp(8, -13);
+  EXPECT_EQ(find_anomalies(run, limits).sticks, 8U);
+  limits.stick_path_m = std::nextafter(limits.stick_path_m, 1.0);
+  EXPECT_EQ(find_anomalies(run, limits).sticks, 0U);
 }
 
 }  // namespace

@@ -43,6 +43,15 @@ TEST(RankCorrelation, KnownCases) {
   EXPECT_GT(spearman(x, std::vector<double>{2, 1, 4, 3, 6, 5}).p_two_sided, 0.05);
 }
 
+// Of x three of ten pairs are tied, of y one: tau-b is 6 concordant less none over the root of 7 times 9 (M. G.
+// Kendall, Biometrika 33(3), 1945).
+TEST(RankCorrelation, PairsThatAreTiedInEitherSeriesCountInNeither) {
+  const std::vector<double> x{1, 1, 1, 2, 3};
+  const std::vector<double> y{1, 2, 3, 4, 4};
+  EXPECT_NEAR(kendall(x, y).coefficient, 6.0 / std::sqrt(7.0 * 9.0), 1e-12);
+  EXPECT_NEAR(kendall(y, x).coefficient, 6.0 / std::sqrt(7.0 * 9.0), 1e-12);
+}
+
 // Beyond eight values the p of Kendall's tau is that of a normal with the variance of tau over all orders. That
 // variance is counted here: the number of orders with k inversions, place by place (Knuth, The Art of Computer
 // Programming 3, section 5.1.1).

@@ -150,6 +150,37 @@ TEST(Spectrum, AmplitudesOfSinesAtAnyScale) {
   EXPECT_EQ(harmonic_share(amplitude_spectrum(std::vector<double>(100, 3.0), 100.0, 25.0)), 0.0);
 }
 
+// A peak that leaks to one side only: its energy is that of three values, of a harmonic, too.
+TEST(Spectrum, TheEnergyOfAPeakIsThatOfBothNeighbours) {
+  EXPECT_NEAR(harmonic_share({1.0, {0, 0, 0.6, 1.0, 0, 0.3, 0.4, 0}}), 0.5 / std::sqrt(1.36), 1e-12);
+  EXPECT_NEAR(harmonic_share({1.0, {0, 0, 0, 1.0, 0.6, 0, 0.4, 0.3}}), 0.5 / std::sqrt(1.36), 1e-12);
+}
+
+// Taps on springs: median 600 N/m, and by hand a spread of 100 N/m about it, of 2 degrees of freedom (4.3027).
+TEST(ExtendedRateHardness, TheIntervalIsStudentsForTheSpreadAboutTheMedian) {
+  std::vector<double> force;
+  std::vector<double> displacement;
+  for (const double k : {500.0, 700.0, 600.0}) {
+    for (int i = -50; i < 50; ++i) {
+      displacement.push_back(1e-4 * i);
+      force.push_back(i > 0 ? k * displacement.back() : 0.0);
+    }
+  }
+  const auto h = estimated_rate_hardness(force, displacement, 1000.0, 1e-3);
+  EXPECT_EQ(h, std::nullopt) << "wider than the value";
+  // The same taps twice over: 5 degrees of freedom (2.5706), a variance of 4e4 / 5.
+  std::vector<double> forces = force;
+  std::vector<double> displacements = displacement;
+  forces.insert(forces.end(), force.begin(), force.end());
+  displacements.insert(displacements.end(), displacement.begin(), displacement.end());
+  const auto twice = estimated_rate_hardness(forces, displacements, 1000.0, 1e-3).value();
+  EXPECT_EQ(twice.contacts, 6U);
+  EXPECT_NEAR(twice.value_N_per_m, 600.0, 1e-6);
+  const double reach = 2.570582 * 1.2533 * std::sqrt(4e4 / 5.0 / 6.0);
+  EXPECT_NEAR(twice.low95_N_per_m, 600.0 - reach, 1e-3);
+  EXPECT_NEAR(twice.high95_N_per_m, 600.0 + reach, 1e-3);
+}
+
 TEST(Averaged, MeansOfEqualPartsAndInterpolation) {
   EXPECT_THAT(averaged(std::vector<double>{1, 3, 5, 7}, 2), ::testing::ElementsAre(2, 6));
   EXPECT_THAT(averaged(std::vector<double>{1, 3}, 3), ::testing::ElementsAre(1, 2, 3));

@@ -334,5 +334,37 @@ TEST(Judge, RefusesWhatItCannotCompare) {
   EXPECT_THROW(felt_series(broken, Vec3::UnitZ()), BadData);
 }
 
+// A clock that hurries and dawdles: what is linear in time is linear on the even clock.
+TEST(FeltSeries, SamplesOfAnUnevenClockAreInterpolatedToAnEvenOne) {
+  Recording recording;
+  recording.source = "uneven";
+  for (int i = 0; i <= 200; ++i) {
+    const double t = 1e-3 * (i + (i % 2 == 0 ? 0.0 : 0.3));
+    recording.motion.t_s.push_back(t);
+    recording.motion.p_W_m.emplace_back(0.0, 0.0, -0.02 * t);
+    recording.f_W_N.emplace_back(0.0, 0.0, 3.0 + 5.0 * t);
+  }
+  const FeltSeries felt = felt_series(recording, Vec3::UnitZ());
+  EXPECT_FALSE(felt.same_clock);
+  EXPECT_NEAR(felt.rate_Hz, 1000.0, 1e-9);
+  ASSERT_EQ(felt.size(), 201U);
+  for (std::size_t i = 0; i < felt.size(); ++i) {
+    EXPECT_NEAR(felt.force_N[0][i], 3.0 + 5.0 * felt.t_s(i), 1e-12) << i;
+    EXPECT_NEAR(felt.rate_of_depth_m_per_s[i], 0.02, 1e-12) << i;
+  }
+}
+
+// Nothing is left of the force that the response itself gives; of one that is off by a constant, its square a sample.
+TEST(Response, ResidualSquaresAreTheSumOverAllSamples) {
+  const auto process = judged_process(felt_series(record_presses({}, 5), Vec3::UnitZ()), {});
+  FeltSeries felt = process.felt;
+  for (const double off_N : {0.0, 0.25, -3.0}) {
+    for (std::size_t i = 0; i < felt.size(); ++i)
+      felt.force_N[0][i] = expected_force_N(*process.response, felt, process.response->contact_m, i)[0] + off_N;
+    const double expected_N2 = off_N * off_N * static_cast<double>(felt.size());
+    EXPECT_NEAR(residual_squares_N2(*process.response, felt), expected_N2, 1e-9 * (1.0 + expected_N2)) << off_N;
+  }
+}
+
 }  // namespace
 }  // namespace touchstone::perception

@@ -108,6 +108,14 @@ TEST(Scales, AMisfitIsNoticed) {
   EXPECT_LT(thurstone_case_v(circle).misfit_p, 1e-6);
 }
 
+// Whichever of the two always wins; and one win of twenty is none of it.
+TEST(Scales, OnlyUnanimousPairsAreCalledSo) {
+  EXPECT_THAT(thurstone_case_v(proportions({{0, 20}, {0, 0}}, 20)).remark, ::testing::HasSubstr("unanimous"));
+  EXPECT_THAT(thurstone_case_v(proportions({{0, 0}, {20, 0}}, 20)).remark, ::testing::HasSubstr("unanimous"));
+  EXPECT_THAT(thurstone_case_v(proportions({{0, 1}, {20, 0}}, 20)).remark, "");
+  EXPECT_THAT(thurstone_case_v(proportions({{0, 19}, {0, 0}}, 20)).remark, "");
+}
+
 TEST(Scales, UnanimousAnswersStayFiniteAndSaySo) {
   const auto sure =
       simulate_answers({"x", "y", "z"}, std::vector<double>{0.0, 50.0, 100.0}, 5, {1.0, 0.0, 0.0, 0.0}, 1);
