@@ -135,25 +135,46 @@ ExitStatus tool_compare_command(const ToolCompareOptions& options) {
 struct ToolTableOptions {
   std::string out, largest;
   std::vector<std::string> cases, renderers;
+  bool slide = false;
   ToolRendererFlags flags;
 };
+
+// That all of the renderers have.
+double friction_of(const ToolTableOptions& options, std::span<const ToolRendererEntry> entries) {
+  double mu = 0.0;
+  for (const ToolRendererEntry& entry : entries) {
+    const ToolSettings settings = options.flags.settings_of(entry, entries);
+    const auto given = settings.parameters.find(std::string(kFrictionParameter));
+    if (given == settings.parameters.end() || !(given->second > 0.0)) {
+      throw UsageError(
+          fmt::format("--slide: {} has no friction; give --parameter mu=0.3, and with --renderer those that "
+                      "have mu (`touchstone tool list`)",
+                      entry.name));
+    }
+    mu = given->second;
+  }
+  return mu;
+}
 
 ExitStatus tool_table_command(const ToolTableOptions& options) {
   if (!options.out.empty()) {  // before the long work
     const std::filesystem::path folder = std::filesystem::path(options.out).parent_path();
     ensure_writable_folder(folder.empty() ? "." : folder);
   }
-  std::vector<std::string> cases = options.cases.empty() ? synthetic::exact_case_names() : options.cases;
+  std::vector<std::string> cases = options.cases;
+  if (cases.empty()) cases = options.slide ? synthetic::sliding_case_names() : synthetic::exact_case_names();
   const std::vector<ToolRendererEntry> known = options.flags.entries();
   std::vector<ToolRendererEntry> entries;
   for (const std::string& name : options.renderers) entries.push_back(find_tool_renderer(known, name));
   if (entries.empty()) entries = known;
+  const double mu = options.slide ? friction_of(options, entries) : 0.0;
   std::vector<ToolErrors> rows;
   for (const std::string& name : cases) {
-    const KnownContacts known_answer = synthetic::known_contacts(name, options.flags.coupling);
+    const KnownContacts known_answer = options.slide ? synthetic::known_slides(name, options.flags.coupling, mu)
+                                                     : synthetic::known_contacts(name, options.flags.coupling);
     for (const ToolRendererEntry& entry : entries) {
-      const auto renderer = tool::make_tool_renderer(entry, known_answer.tool, known_answer.object_W,
-                                                     options.flags.settings_of(entry, entries));
+      const ToolSettings settings = options.flags.settings_of(entry, entries);
+      const auto renderer = tool::make_tool_renderer(entry, known_answer.tool, known_answer.object_W, settings);
       rows.push_back(errors_of(*renderer, entry.name, known_answer));
     }
   }
@@ -289,9 +310,12 @@ void add_tool(CLI::App& program, Run& run) {
                    "Print one number instead, the largest error of all rows: force [N] or torque [Nm]; for `touchstone "
                    "bisect --measure`")
       ->check(CLI::IsMember({"force", "torque"}));
+  table->add_flag("--slide", table_options->slide,
+                  "Slid along the object with friction instead of pressed: of renderers with the parameter mu");
   table_options->flags.add_to(*table);
   table->footer(
       "Examples:\n  touchstone tool table --case box-corner --renderer god-object-tool\n"
+      "  touchstone tool table --slide --renderer penalty-coupling --parameter mu=0.3\n"
       "  touchstone bisect --build 'make -C $SRC O=$BUILD' --good v1 --bad main --measure 'touchstone tool table "
       "--case "
       "box-corner --plugin $BUILD/libmine.so --renderer mine --largest torque'");

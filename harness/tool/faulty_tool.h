@@ -17,9 +17,18 @@
 
 namespace touchstone::tool {
 
-enum class ToolFault : std::uint8_t { wrong_lever_arm, torque_sign, torque_frame, rotation_order, stale_contact };
-inline constexpr std::array<std::string_view, 5> kToolFaultNames{"wrong-lever-arm", "torque-sign", "torque-frame",
-                                                                 "rotation-order", "stale-contact"};
+enum class ToolFault : std::uint8_t {
+  wrong_lever_arm,
+  torque_sign,
+  torque_frame,
+  rotation_order,
+  stale_contact,
+  friction_lost,  // of renderers that have it, as the next
+  friction_doubled,
+};
+inline constexpr std::array<std::string_view, 7> kToolFaultNames{"wrong-lever-arm", "torque-sign",   "torque-frame",
+                                                                 "rotation-order",  "stale-contact", "friction-lost",
+                                                                 "friction-doubled"};
 
 class FaultyTool : public ToolRenderer {
  public:
@@ -49,11 +58,26 @@ class FaultyTool : public ToolRenderer {
                                                                             kMostKept, result.contacts.size())));
       result.contacts = kept_;
     }
+    if (fault_ == ToolFault::friction_lost) add_friction(result, -1.0);
+    if (fault_ == ToolFault::friction_doubled) add_friction(result, 1.0);
     return result;
   }
 
  private:
   static constexpr std::size_t kMostKept = 512;
+
+  // So many times the friction of the contacts that are listed.
+  void add_friction(ToolResult& result, double times) noexcept {
+    kept_.clear();
+    for (ToolContact contact : result.contacts.first(std::min(kMostKept, result.contacts.size()))) {
+      const Vec3 more = times * (contact.f_W_N - contact.f_W_N.dot(contact.n_W) * contact.n_W);
+      contact.f_W_N += more;
+      result.f_W_N += more;
+      result.torque_W_Nm += (contact.p_W_m - result.proxy.p_W_m).cross(more);
+      kept_.push_back(contact);
+    }
+    result.contacts = kept_;
+  }
 
   // The same three turns about x, y and z, in the other order.
   static Quat reversed_order(const Quat& q) {
@@ -69,12 +93,16 @@ class FaultyTool : public ToolRenderer {
 };
 
 // The subject with the fault of this name planted in each renderer that it makes. Throws UsageError for a name that is
-// not known.
+// not known, and for a fault of friction where there is none.
 inline ToolSubject with_fault(ToolSubject subject, std::string_view name) {
   const auto* const found = std::ranges::find(kToolFaultNames, name);
   if (found == kToolFaultNames.end())
     throw UsageError(fmt::format("--fault {}: not known; `touchstone tool list` shows what is", name));
   const auto fault = static_cast<ToolFault>(found - kToolFaultNames.begin());
+  if ((fault == ToolFault::friction_lost || fault == ToolFault::friction_doubled) && !(subject.mu > 0.0)) {
+    throw UsageError(fmt::format("--fault {}: {} has no friction; give --parameter mu=0.3 of a renderer that has mu",
+                                 name, subject.name));
+  }
   subject.make = [make = std::move(subject.make), fault](const Tool& tool, const TriangleMesh& object_W,
                                                          const Coupling& coupling) {
     return std::make_unique<FaultyTool>(make(tool, object_W, coupling), fault, tool.mass.center_T_m);

@@ -10,6 +10,7 @@
 #include "harness/base/random.h"
 #include "harness/surface/box_mesh.h"
 #include "harness/tool/tool_path.h"
+#include "harness/tool/worse.h"
 
 namespace touchstone::tool {
 namespace {
@@ -62,6 +63,8 @@ class Checks {
     swapped_bodies();
     closed_path_gives_no_energy();
     same_answer_again();
+    friction_when_sliding();
+    sticks_below_the_cone();
     return findings_;
   }
 
@@ -72,9 +75,14 @@ class Checks {
     return force_limit() * kReach_m + coupling_.rotational_stiffness_Nm_per_rad * resolution_m_ / kHalf_m;
   }
   ToolFinding& add(const std::string& check, double measured, double limit, const std::string& unit) {
-    findings_.push_back({check, measured <= limit, true, measured, limit, unit, ""});
+    findings_.push_back({check, measured <= limit, true, measured, limit, unit, "", ""});
     return findings_.back();
   }
+  static void needs(ToolFinding& finding, bool has, const char* why_not) {
+    finding.applies = has;
+    if (!has) finding.why_not = why_not;
+  }
+  static constexpr const char* kOwnNormals = "its normals are the tool's own";
 
   // A corner carries all of the force, so that the torque about the handle is r x f with r the way to that corner.
   void torque_about_handle() {
@@ -144,7 +152,8 @@ class Checks {
       for (const ToolContact& contact : result.contacts) {
         any = true;
         const Vec3 inside = (result.proxy.to_T(contact.p_W_m) - kCenter_T_m).cwiseAbs() - Vec3::Constant(kHalf_m);
-        farthest = std::max(farthest, std::abs(inside.maxCoeff()));
+        for (int k = 0; k < 3; ++k) farthest = worse(farthest, inside[k]);
+        farthest = worse(farthest, -inside.maxCoeff());
       }
     }
     // A method may list the contacts that moved the proxy in this step: two steps of the hand.
@@ -170,7 +179,7 @@ class Checks {
     double pull = 0.0;
     for (int i = 0; i < 10; ++i) {
       const Pose handle = lowered(tool.mesh_T, random.rotation(), random.uniform(0.0005, 0.003));
-      pull = std::max(pull, -settle(*renderer, lifted(handle, 0.006), handle).f_W_N.z());
+      pull = worse(pull, -settle(*renderer, lifted(handle, 0.006), handle).f_W_N.z());
     }
     add("never-pulls", pull, force_limit(), "N");
   }
@@ -198,10 +207,10 @@ class Checks {
       const Pose by{0.2 * random.direction(), random.rotation()};
       const auto renderer = subject_.make(tool, moved_mesh(slab(), by), coupling_);
       const ToolResult there = settle(*renderer, by * lifted(handle, 0.006), by * handle);
-      worst = std::max(worst, (there.f_W_N - by.q_WT * here.f_W_N).norm() / force_limit());
-      worst = std::max(worst, (there.torque_W_Nm - by.q_WT * here.torque_W_Nm).norm() / torque_limit());
+      worst = worse(worst, (there.f_W_N - by.q_WT * here.f_W_N).norm() / force_limit());
+      worst = worse(worst, (there.torque_W_Nm - by.q_WT * here.torque_W_Nm).norm() / torque_limit());
     }
-    add("moved-scene", worst, 2.0, "limits of force and torque").applies = subject_.exact_normals;
+    needs(add("moved-scene", worst, 2.0, "limits of force and torque"), subject_.exact_normals, kOwnNormals);
   }
 
   // Lengths counted in millimetres, or in units of ten metres: the same force, and the same torque in that unit.
@@ -222,8 +231,8 @@ class Checks {
       const Coupling coupling{coupling_.stiffness_N_per_m * unit_m, coupling_.rotational_stiffness_Nm_per_rad / unit_m};
       const auto renderer = subject_.make_in_unit(same, mesh_in_unit(slab()), coupling, unit_m);
       const ToolResult there = settle(*renderer, in_unit(lifted(handle, 0.006)), in_unit(handle));
-      worst = std::max(worst, (there.f_W_N - here.f_W_N).norm() / force_limit());
-      worst = std::max(worst, (there.torque_W_Nm * unit_m - here.torque_W_Nm).norm() / torque_limit());
+      worst = worse(worst, (there.f_W_N - here.f_W_N).norm() / force_limit());
+      worst = worse(worst, (there.torque_W_Nm * unit_m - here.torque_W_Nm).norm() / torque_limit());
     }
     ToolFinding& finding = add("other-unit", worst, 1.0, "limits of force and torque");
     if (!finding.passed && here.contact) finding.fault = "length-of-its-own";
@@ -243,11 +252,11 @@ class Checks {
     const Wrench expected =
         rotated(handle.q_WT.conjugate(), wrench_about({-tool.f_W_N, -tool.torque_W_Nm}, -handle.p_W_m));
     const double turn = stiff.rotational_stiffness_Nm_per_rad * resolution_m_ / kHalf_m;
-    const double worst = std::max((object.f_W_N - expected.f_N).norm() / force_limit(),
-                                  (object.torque_W_Nm - expected.torque_Nm).norm() / (force_limit() * kReach_m + turn));
-    add("swapped-bodies", tool.contact && object.contact ? worst : std::numeric_limits<double>::infinity(), 2.0,
-        "limits of force and torque")
-        .applies = subject_.exact_normals;
+    const double worst = worse((object.f_W_N - expected.f_N).norm() / force_limit(),
+                               (object.torque_W_Nm - expected.torque_Nm).norm() / (force_limit() * kReach_m + turn));
+    needs(add("swapped-bodies", tool.contact && object.contact ? worst : std::numeric_limits<double>::infinity(), 2.0,
+              "limits of force and torque"),
+          subject_.exact_normals, kOwnNormals);
   }
 
   // Around a loop of positions and orientations in contact, ten times: a renderer without a motor gives back no more
@@ -298,6 +307,56 @@ class Checks {
         0.0, "N and Nm");
   }
 
+  // A cube that is dragged flat over the slab: mu times the normal force against the motion, nothing aside; and no
+  // contact leaves its cone on the way.
+  void friction_when_sliding() {
+    const Tool tool = tool_of(cube(Vec3::Zero()));
+    const auto renderer = subject_.make(tool, slab(), coupling_);
+    const Pose first = lowered(tool.mesh_T, Quat::Identity(), 0.002);
+    settle(*renderer, lifted(first, 0.006), first);
+    ToolResult result;
+    double outside = 0.0;
+    for (int i = 1; i <= 300; ++i) {
+      result = step_or_throw(*renderer, {1.0 + 1e-3 * i, {first.p_W_m + Vec3(1e-4 * i, 0, 0), first.q_WT}});
+      for (const ToolContact& contact : result.contacts) {
+        const double f_n = contact.f_W_N.dot(contact.n_W);
+        const double f_t = (contact.f_W_N - f_n * contact.n_W).norm();
+        outside = worse(outside, worse(-f_n, f_t - subject_.mu * f_n));
+      }
+    }
+    const double f_n = result.f_W_N.z();
+    const Vec3 f_t(result.f_W_N.x(), result.f_W_N.y(), 0.0);
+    const auto error = [&](double mu) { return (f_t + Vec3(mu * f_n, 0, 0)).norm(); };
+    ToolFinding& finding =
+        add("friction-when-sliding", result.contact ? error(subject_.mu) : std::numeric_limits<double>::infinity(),
+            force_limit(), "N");
+    if (!finding.passed && result.contact) {
+      if (error(0.0) <= force_limit()) finding.fault = "friction-lost";
+      if (error(2.0 * subject_.mu) <= force_limit()) finding.fault = "friction-doubled";
+    }
+    needs(finding, subject_.exact_normals, kOwnNormals);
+    // Rounding of forces of some newtons.
+    add("inside-friction-cones", outside, 1e-9, "N");
+  }
+
+  // Pulled aside by less than friction holds, and left there for half a second: it stays where it is.
+  void sticks_below_the_cone() {
+    const Tool tool = tool_of(cube(Vec3::Zero()));
+    const auto renderer = subject_.make(tool, slab(), coupling_);
+    const Pose first = lowered(tool.mesh_T, Quat::Identity(), 0.003);
+    const double f_n = settle(*renderer, lifted(first, 0.006), first).f_W_N.z();
+    // Half of what holds, and less than what turns the cube over.
+    const double pull = 0.5 * std::min(subject_.mu, 0.5) * f_n;
+    const double way = pull / coupling_.stiffness_N_per_m;
+    ToolResult result;
+    for (int i = 1; i <= 600; ++i) {
+      const Vec3 aside(way * std::min(1.0, 0.01 * i), 0, 0);
+      result = step_or_throw(*renderer, {1.0 + 1e-3 * i, {first.p_W_m + aside, first.q_WT}});
+    }
+    needs(add("sticks-below-the-cone", (result.f_W_N - Vec3(-pull, 0, f_n)).norm(), force_limit(), "N"),
+          subject_.mu > 0.0, "it has no friction");
+  }
+
   const ToolSubject& subject_;
   double resolution_m_;
   Coupling coupling_;
@@ -317,7 +376,7 @@ std::string findings_to_text(const std::string& renderer, const std::vector<Tool
   std::size_t failed = 0, count = 0;
   for (const ToolFinding& finding : findings) {
     if (!finding.applies) {
-      text += fmt::format("  n/a   {:<30} its normals are the tool's own\n", finding.check);
+      text += fmt::format("  n/a   {:<30} {}\n", finding.check, finding.why_not);
       continue;
     }
     ++count;

@@ -1,6 +1,6 @@
 // What every renderer of a tool must do, whatever its method: checks on small flat bodies whose answer follows from
 // statics alone. A failed check names the fault: wrong lever arm, sign or frame of the torque, order of rotations,
-// stale contacts.
+// stale contacts, friction lost or doubled.
 #pragma once
 
 #include <functional>
@@ -28,6 +28,8 @@ struct ToolSubject {
   // is off by more than the resolution, so that the two checks of exact equality (moved-scene, swapped-bodies) do not
   // apply.
   bool exact_normals = true;
+  // Coulomb friction of each contact; 0 without.
+  double mu = 0.0;
 };
 
 struct ToolFinding {
@@ -37,7 +39,8 @@ struct ToolFinding {
   double measured = 0.0;  // of what `unit` says
   double limit = 0.0;
   std::string unit;
-  std::string fault;  // the fault's name where one explains the answer: "torque-sign"
+  std::string fault;    // the fault's name where one explains the answer: "torque-sign"
+  std::string why_not;  // where it does not apply: the reason
 };
 
 // In a fixed order; takes some seconds.

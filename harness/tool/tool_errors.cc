@@ -16,7 +16,9 @@ ToolErrors errors_of(ToolRenderer& renderer, const std::string& name, const Know
   errors.renderer = name;
   double force_sum = 0.0, torque_sum = 0.0;
   for (std::size_t i = 0; i < known.handles.size(); ++i) {
-    const ToolResult result = settle(renderer, known.free, known.handles[i]);
+    const ToolResult result = known.slid_from.empty()
+                                  ? settle(renderer, known.free, known.handles[i])
+                                  : slide(renderer, known.free, known.slid_from[i], known.handles[i]);
     const Wrench& right = known.wrenches_W[i];
     const double force_error = (result.f_W_N - right.f_N).norm();
     const double torque_error = (result.torque_W_Nm - right.torque_Nm).norm();

@@ -20,6 +20,7 @@ struct KnownContacts {
   TriangleMesh object_W;
   Pose free;                       // without contact: where a renderer starts
   std::vector<Pose> handles;       // that it goes to, each from `free`
+  std::vector<Pose> slid_from;     // one per handle: where it is pressed in first, to slide on to it. Empty: straight
   std::vector<Wrench> wrenches_W;  // one per handle
 };
 

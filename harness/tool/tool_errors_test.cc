@@ -108,9 +108,10 @@ TEST(ToolErrors, StepTimesAreQuantilesOfTheSteps) {
 }
 
 TEST(ToolErrors, FindingsCountThoseThatApply) {
-  std::vector<ToolFinding> findings{{"a", true, true, 0.5, 1.0, "N", ""}, {"b", false, false, 9.0, 1.0, "N", ""}};
+  std::vector<ToolFinding> findings{{"a", true, true, 0.5, 1.0, "N", "", ""},
+                                    {"b", false, false, 9.0, 1.0, "N", "", "its normals are the tool's own"}};
   EXPECT_TRUE(passed(findings));
-  findings.push_back({"c", false, true, 2.0, 1.0, "N", "torque-sign"});
+  findings.push_back({"c", false, true, 2.0, 1.0, "N", "torque-sign", ""});
   EXPECT_FALSE(passed(findings));
   const std::string text = findings_to_text("mine", findings);
   EXPECT_THAT(text, HasSubstr("its normals are the tool's own"));

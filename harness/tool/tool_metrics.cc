@@ -48,6 +48,7 @@ ToolComparison compare_tools(const Recording& expected, const Recording& obtaine
   require_torque(expected);
   require_torque(obtained);
   require_same_times(expected.motion, obtained.motion, obtained.source);
+  if (expected.size() == 0) throw BadData(fmt::format("{}: no samples to compare", expected.source));
   ToolComparison result;
   result.samples = expected.size();
   double worst = -1.0;
@@ -64,7 +65,7 @@ ToolComparison compare_tools(const Recording& expected, const Recording& obtaine
         worse(result.max_force_error_jnd, force_error_in_jnd(expected.f_W_N[i], obtained.f_W_N[i]));
     result.max_torque_error_jnd =
         worse(result.max_torque_error_jnd, torque_error_in_jnd(expected.torque_W_Nm[i], obtained.torque_W_Nm[i]));
-    if (torque.norm() > worst) {
+    if (!std::isnan(worst) && !(torque.norm() <= worst)) {
       worst = torque.norm();
       result.worst_torque_row = i;
     }

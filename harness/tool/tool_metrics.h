@@ -18,6 +18,7 @@
 #include "harness/recording/trajectory.h"
 #include "harness/tool/coupling.h"
 #include "harness/tool/pose.h"
+#include "harness/tool/worse.h"
 
 namespace touchstone::tool {
 
@@ -25,9 +26,6 @@ inline constexpr double kTorqueWeberFraction = 0.127;
 inline constexpr double kTorqueReference_Nm = 0.060;
 double torque_error_in_jnd(const Vec3& expected_Nm, const Vec3& obtained_Nm);
 double force_error_in_jnd(const Vec3& expected_N, const Vec3& obtained_N);
-
-// The larger; what is not a number stays.
-inline double worse(double a, double b) { return std::isnan(a) || a > b ? a : b; }
 
 struct ToolComparison {
   std::size_t samples = 0;

@@ -34,4 +34,14 @@ inline ToolResult settle(ToolRenderer& renderer, const Pose& from, const Pose& t
   return result;
 }
 
+// Settles at `pressed` and goes on to `to` in 0.8 s. Returns the answer to the last step, on the way still.
+inline ToolResult slide(ToolRenderer& renderer, const Pose& from, const Pose& pressed, const Pose& to) {
+  constexpr int kSliding = 800;
+  settle(renderer, from, pressed);
+  ToolResult result;
+  for (int i = 1; i <= kSliding; ++i)
+    result = step_or_throw(renderer, {1.0 + 1e-3 * i, between(pressed, to, double(i) / kSliding)});
+  return result;
+}
+
 }  // namespace touchstone::tool

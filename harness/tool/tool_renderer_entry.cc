@@ -67,6 +67,8 @@ ToolSubject subject_of(const ToolRendererEntry& entry, const ToolSettings& setti
   ToolSubject subject;
   subject.name = entry.name;
   subject.exact_normals = entry.exact_normals;
+  const auto mu = parameters.values().find(kFrictionParameter);
+  if (mu != parameters.values().end()) subject.mu = mu->second;
   if (entry.resolution_m) subject.resolution_m = entry.resolution_m(parameters, kPress_N);
   subject.make = [entry, settings](const Tool& tool, const TriangleMesh& object_W, const Coupling& coupling) {
     ToolSettings with = settings;

@@ -45,6 +45,12 @@ inline ParameterDeclaration unit_parameter() {
   return {std::string(kUnitParameter), "m", 1e-6, 1e6, 1.0, "how long one unit of meshes, poses and coupling is"};
 }
 
+// Renderers with Coulomb friction at each contact declare this parameter; the checks of tool_checks.h hold them to it.
+inline constexpr std::string_view kFrictionParameter = "mu";
+inline ParameterDeclaration friction_parameter() {
+  return {std::string(kFrictionParameter), "1", 0.0, 5.0, 0.0, "Coulomb friction of each contact; 0 without"};
+}
+
 // What a user sets of a renderer; parameters that are not named have their initial values.
 struct ToolSettings {
   Coupling coupling;

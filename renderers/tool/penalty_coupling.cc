@@ -10,8 +10,6 @@
 namespace touchstone::renderers {
 namespace {
 
-using Mat6 = Eigen::Matrix<double, 6, 6>;
-
 std::vector<Ball> point_balls(const PointShell& shell) {
   std::vector<Ball> balls;
   balls.reserve(shell.size());
@@ -43,12 +41,12 @@ ToolRendererEntry penalty_coupling_entry() {
   entry.name = "penalty-coupling";
   entry.summary = "penalty forces on a tool with mass behind a virtual coupling";
   entry.source = "Colgate, Stanley and Brown 1995; Otaduy and Lin 2006";
-  entry.parameters = {contact_stiffness_parameter(), point_spacing_parameter()};
+  entry.parameters = {contact_stiffness_parameter(), point_spacing_parameter(), friction_parameter()};
   entry.make = [](const Parameters& parameters, const Tool& tool, const TriangleMesh& object_W,
                   const Coupling& coupling) -> std::unique_ptr<ToolRenderer> {
-    return std::make_unique<PenaltyCoupling>(tool, make_point_shell(tool.mesh_T, parameters.at("point_spacing_m")),
-                                             make_embree_surface(object_W), coupling,
-                                             parameters.at("contact_stiffness_N_per_m"));
+    return std::make_unique<PenaltyCoupling>(
+        tool, make_point_shell(tool.mesh_T, parameters.at("point_spacing_m")), make_embree_surface(object_W), coupling,
+        parameters.at("contact_stiffness_N_per_m"), parameters.at(kFrictionParameter));
   };
   entry.resolution_m = [](const Parameters& parameters, double force_N) {
     return force_N / parameters.at("contact_stiffness_N_per_m");
@@ -57,13 +55,15 @@ ToolRendererEntry penalty_coupling_entry() {
 }
 
 PenaltyCoupling::PenaltyCoupling(const Tool& tool, const PointShell& shell, std::shared_ptr<const Surface> object,
-                                 const Coupling& coupling, double contact_stiffness_N_per_m)
+                                 const Coupling& coupling, double contact_stiffness_N_per_m, double mu)
     : mass_(tool.mass),
       shell_(shell),
       tree_(point_balls(shell_)),
       object_(std::move(object)),
       coupling_(coupling),
-      stiffness_N_per_m_(contact_stiffness_N_per_m) {}
+      stiffness_N_per_m_(contact_stiffness_N_per_m) {
+  if (mu > 0.0) friction_.emplace(shell_.size(), mu, contact_stiffness_N_per_m);
+}
 
 ToolResult PenaltyCoupling::do_step(const ToolState& state, double dt_s) noexcept {
   if (!placed_) {
@@ -79,6 +79,7 @@ ToolResult PenaltyCoupling::do_step(const ToolState& state, double dt_s) noexcep
     Mat6 give = Mat6::Zero();
     std::size_t touching = 0;
     std::size_t listed = 0;
+    if (friction_) friction_->begin_step();
     std::array<std::int32_t, SphereTree::kDepth>
         stack;  // NOLINT(cppcoreguidelines-pro-type-member-init): written first
     std::size_t size = 0;
@@ -97,11 +98,17 @@ ToolResult PenaltyCoupling::do_step(const ToolState& state, double dt_s) noexcep
       const double depth = -near.signed_distance_m;
       if (!(depth > 0.0)) continue;
       const Vec3 n = (near.p_W_m - p) / depth;
-      Vec6 w;
-      w << n, r.cross(n);
-      push += stiffness_N_per_m_ * depth * w;
-      give.noalias() += stiffness_N_per_m_ * w * w.transpose();
-      if (listed < kMostContacts) contacts_[listed++] = {p, n, stiffness_N_per_m_ * depth * n};
+      Vec3 force;
+      if (friction_) {
+        force = friction_->touch(node.item, p, r, n, depth);
+      } else {
+        Vec6 w;
+        w << n, r.cross(n);
+        push += stiffness_N_per_m_ * depth * w;
+        give.noalias() += stiffness_N_per_m_ * w * w.transpose();
+        force = stiffness_N_per_m_ * depth * n;
+      }
+      if (listed < kMostContacts) contacts_[listed++] = {p, n, force};
       ++touching;
     }
     const Wrench pull = coupling_wrench(coupling_, state.handle, proxy_);
@@ -122,7 +129,7 @@ ToolResult PenaltyCoupling::do_step(const ToolState& state, double dt_s) noexcep
     Vec6 hand_velocity;
     hand_velocity << hand.translation_m / dt_s, hand.rotation_rad / dt_s;
     const Vec6 right = push + mass * velocity_ / dt_s + damping.cwiseProduct(hand_velocity);
-    const Vec6 by = Eigen::LLT<Mat6>(matrix).solve(right);
+    const Vec6 by = friction_ ? friction_->displacement(matrix, right) : Vec6(Eigen::LLT<Mat6>(matrix).solve(right));
     velocity_ = by / dt_s;
     proxy_ = moved(proxy_, {by.head<3>(), by.tail<3>()});
     result.contact = touching > 0;

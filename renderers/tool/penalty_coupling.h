@@ -8,14 +8,17 @@
 //   (M / h^2 + B / h + K + sum k w w^T) y = M v / h + B v_handle + f_coupling + sum k d w,     w = (n, r x n),
 // M the tool's inertia about its origin (gyroscopic terms left out: they are of second order in a tool's turning), K
 // the coupling's stiffness, B its damping, critical for the tool's mass. The hand feels the coupling's spring.
+// Friction at the points (parameter mu, 0 without): the two sources have none; contact_friction.h.
 #pragma once
 
 #include <array>
 #include <memory>
+#include <optional>
 
 #include "harness/surface/surface.h"
 #include "harness/tool/tool_renderer.h"
 #include "harness/tool/tool_renderer_entry.h"
+#include "renderers/tool/contact_friction.h"
 #include "renderers/tool/least_constraint.h"
 #include "renderers/tool/sphere_tree.h"
 
@@ -26,13 +29,17 @@ ToolRendererEntry penalty_coupling_entry();
 class PenaltyCoupling : public ToolRenderer {
  public:
   PenaltyCoupling(const Tool& tool, const PointShell& shell, std::shared_ptr<const Surface> object,
-                  const Coupling& coupling, double contact_stiffness_N_per_m);
+                  const Coupling& coupling, double contact_stiffness_N_per_m, double mu = 0.0);
   [[nodiscard]] std::size_t memory_bytes() const noexcept override {
-    return 2 * shell_.p_T_m.capacity() * sizeof(Vec3) + tree_.memory_bytes() + sizeof(*this);
+    return 2 * shell_.p_T_m.capacity() * sizeof(Vec3) + tree_.memory_bytes() +
+           (friction_ ? friction_->memory_bytes() : 0) + sizeof(*this);
   }
 
  protected:
-  void do_reset() override { placed_ = false; }
+  void do_reset() override {
+    placed_ = false;
+    if (friction_) friction_->reset();
+  }
   ToolResult do_step(const ToolState& state, double dt_s) noexcept override;
 
  private:
@@ -44,6 +51,7 @@ class PenaltyCoupling : public ToolRenderer {
   std::shared_ptr<const Surface> object_;
   Coupling coupling_;
   double stiffness_N_per_m_;
+  std::optional<ContactFriction> friction_;
   bool placed_ = false;
   Pose handle_;
   Pose proxy_;

@@ -41,6 +41,7 @@ ExactCase sphere_on_plane() {
   c.tool_T = ellipsoid_mesh(kCenter_T_m, Vec3::Constant(0.01), kFineTriangles);
   c.object_W = slab();
   c.gaps = {ball_on_plane(kCenter_T_m, 0.01, Vec3::UnitZ(), 0.0)};
+  c.goes_on_along_x = true;
   add_presses(c, {Vec3(0, 0, 0.025), Quat::Identity()}, 0.2);
   return c;
 }
@@ -63,6 +64,7 @@ ExactCase ellipsoid_on_plane_case() {
   c.tool_T = ellipsoid_mesh(kCenter_T_m, kSemiAxes_m, kFineTriangles);
   c.object_W = slab();
   c.gaps = {ellipsoid_on_plane(kCenter_T_m, kSemiAxes_m, Vec3::UnitZ(), 0.0)};
+  c.goes_on_along_x = true;
   add_presses(c, {Vec3(0, 0, 0.021), Quat::Identity()}, 0.3);
   return c;
 }
@@ -85,6 +87,7 @@ ExactCase cube_on_plane(const std::string& what, const Quat& turned, double lowe
   c.tool_T = box_mesh(kCenter_T_m - half, kCenter_T_m + half);
   c.object_W = slab();
   for (const Vec3& corner : c.tool_T.vertices_W_m) c.gaps.push_back(ball_on_plane(corner, 0.0, Vec3::UnitZ(), 0.0));
+  c.goes_on_along_x = true;
   const Vec3 center_W = turned * kCenter_T_m;
   add_presses(c, {Vec3(0, 0, lowest_m - center_W.z()), turned}, tilt_rad);
   return c;
@@ -102,6 +105,7 @@ ExactCase two_spheres_on_a_bar() {
       box_mesh(middle - bar_half, middle + bar_half));
   c.object_W = slab();
   c.gaps = {ball_on_plane(first, 0.005, Vec3::UnitZ(), 0.0), ball_on_plane(second, 0.005, Vec3::UnitZ(), 0.0)};
+  c.goes_on_along_x = true;
   add_presses(c, {Vec3(0, 0, 0.025), Quat::Identity()}, 0.05);
   return c;
 }
@@ -113,6 +117,7 @@ ExactCase cylinder_in_groove() {
   constexpr double kLength = 0.03;
   constexpr double kDepth = 0.012;
   const Vec3 center(0, 0, -0.015);
+  c.goes_on_along_x = true;
   c.tool_T = cylinder_mesh(center, kRadius, kLength, 360);
   c.object_W = groove_mesh(kDepth, 0.25 * std::numbers::pi, kSlabHalf_m);
   for (const double side : {-1.0, 1.0}) {

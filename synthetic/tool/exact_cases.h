@@ -18,8 +18,9 @@ struct ExactCase {
   TriangleMesh tool_T;
   TriangleMesh object_W;
   std::vector<GapOfPose> gaps;
-  Pose free;                  // without contact: where a renderer starts
-  std::vector<Pose> handles;  // that it goes to, each from `free` along a straight way
+  Pose free;                     // without contact: where a renderer starts
+  std::vector<Pose> handles;     // that it goes to, each from `free` along a straight way
+  bool goes_on_along_x = false;  // the object is the same all along x, as far as the tool slides
 };
 
 std::vector<std::string> exact_case_names();

@@ -1,6 +1,9 @@
 #include "synthetic/tool/known_contacts.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <functional>
 
 #include "harness/base/atomic_file.h"
 #include "harness/base/error.h"
@@ -10,16 +13,43 @@
 
 namespace touchstone::synthetic {
 
-tool::KnownContacts known_contacts(std::string_view name, const Coupling& coupling) {
-  ExactCase made = make_exact_case(name);
-  tool::KnownContacts known{made.name, solid_tool(made.tool_T), std::move(made.object_W), made.free, made.handles, {}};
+namespace {
+
+tool::KnownContacts known(ExactCase made, const std::function<Equilibrium(const Pose&)>& at_handle) {
+  tool::KnownContacts known{
+      made.name, solid_tool(made.tool_T), std::move(made.object_W), made.free, std::move(made.handles), {}, {}};
   for (const Pose& handle : known.handles) {
-    const Equilibrium equilibrium = quasi_static_equilibrium(made.gaps, handle, coupling);
+    const Equilibrium equilibrium = at_handle(handle);
     if (!equilibrium.found)
-      throw BadData(fmt::format("{}: no equilibrium was found with these stiffnesses; give softer ones", name));
+      throw BadData(fmt::format("{}: no equilibrium was found with these stiffnesses; give softer ones", made.name));
     known.wrenches_W.push_back(equilibrium.wrench_W);
   }
   return known;
+}
+
+}  // namespace
+
+tool::KnownContacts known_contacts(std::string_view name, const Coupling& coupling) {
+  const ExactCase made = make_exact_case(name);
+  return known(made, [&](const Pose& handle) { return quasi_static_equilibrium(made.gaps, handle, coupling); });
+}
+
+std::vector<std::string> sliding_case_names() {
+  std::vector<std::string> names = exact_case_names();
+  std::erase_if(names, [](const std::string& name) { return !make_exact_case(name).goes_on_along_x; });
+  return names;
+}
+
+tool::KnownContacts known_slides(std::string_view name, const Coupling& coupling, double mu) {
+  const ExactCase made = make_exact_case(name);
+  if (!made.goes_on_along_x)
+    throw UsageError(
+        fmt::format("case '{}' cannot be slid; these can: {}", name, fmt::join(sliding_case_names(), ", ")));
+  tool::KnownContacts slides = known(
+      made, [&](const Pose& handle) { return sliding_equilibrium(made.gaps, handle, coupling, mu, Vec3::UnitX()); });
+  for (const Pose& handle : slides.handles)
+    slides.slid_from.push_back({handle.p_W_m - Vec3(kSlide_m, 0, 0), handle.q_WT});
+  return slides;
 }
 
 std::size_t write_exact_case(const ExactCase& exact_case, double duration_s, const std::filesystem::path& folder) {

@@ -14,6 +14,12 @@ namespace touchstone::synthetic {
 // UsageError for a name that is not known, BadData for stiffnesses at which no equilibrium was found.
 tool::KnownContacts known_contacts(std::string_view name, const Coupling& coupling);
 
+// The cases that can be slid along x, and one of them slid so far to each handle with this friction in every contact
+// (sliding_equilibrium()). known_slides() throws as known_contacts(), and UsageError for a case that cannot.
+inline constexpr double kSlide_m = 0.015;
+std::vector<std::string> sliding_case_names();
+tool::KnownContacts known_slides(std::string_view name, const Coupling& coupling, double mu);
+
 // tool.obj, object.obj (in m) and path.csv (scripted_path.h, at 1 kHz) in a folder. Throws BadData if they cannot be
 // written. Returns the samples of the path.
 std::size_t write_exact_case(const ExactCase& exact_case, double duration_s, const std::filesystem::path& folder);

@@ -19,8 +19,20 @@ struct Candidate {
   Eigen::VectorXd l;
 };
 
+// How each contact pushes: along its normal, and by friction against the way that it slides.
+struct Slide {
+  double mu = 0.0;
+  Vec3 velocity_W = Vec3::Zero();
+
+  [[nodiscard]] Vec3 push(const Gap& gap) const {
+    if (mu == 0.0) return gap.n_W;
+    return gap.n_W - mu * unit(velocity_W - gap.n_W.dot(velocity_W) * gap.n_W);
+  }
+};
+
 Eigen::VectorXd residual(const std::vector<GapOfPose>& gaps, const std::vector<std::size_t>& touching,
-                         const Pose& handle, const Coupling& coupling, const Pose& pose, const Eigen::VectorXd& l) {
+                         const Pose& handle, const Coupling& coupling, const Slide& slide, const Pose& pose,
+                         const Eigen::VectorXd& l) {
   Eigen::VectorXd r(6 + static_cast<Eigen::Index>(touching.size()));
   const Wrench pull = coupling_wrench(coupling, handle, pose);
   r.head<3>() = pull.f_N;
@@ -28,8 +40,9 @@ Eigen::VectorXd residual(const std::vector<GapOfPose>& gaps, const std::vector<s
   for (std::size_t k = 0; k < touching.size(); ++k) {
     const auto i = static_cast<Eigen::Index>(k);
     const Gap gap = gaps[touching[k]](pose);
-    r.head<3>() -= l[i] * gap.n_W;
-    r.segment<3>(3) -= l[i] * (gap.contact_W_m - pose.p_W_m).cross(gap.n_W);
+    const Vec3 push = slide.push(gap);
+    r.head<3>() -= l[i] * push;
+    r.segment<3>(3) -= l[i] * (gap.contact_W_m - pose.p_W_m).cross(push);
     // As a force, so that all rows have one scale.
     r[6 + i] = coupling.stiffness_N_per_m * gap.gap_m;
   }
@@ -37,10 +50,10 @@ Eigen::VectorXd residual(const std::vector<GapOfPose>& gaps, const std::vector<s
 }
 
 bool newton(const std::vector<GapOfPose>& gaps, const std::vector<std::size_t>& touching, const Pose& handle,
-            const Coupling& coupling, Candidate& at) {
+            const Coupling& coupling, const Slide& slide, Candidate& at) {
   const auto size = 6 + static_cast<Eigen::Index>(touching.size());
   for (int round = 0; round < kRounds; ++round) {
-    const Eigen::VectorXd r = residual(gaps, touching, handle, coupling, at.pose, at.l);
+    const Eigen::VectorXd r = residual(gaps, touching, handle, coupling, slide, at.pose, at.l);
     if (!r.allFinite()) return false;
     if (r.norm() < kResidual) return true;
     Eigen::MatrixXd slope(size, size);
@@ -54,31 +67,36 @@ bool newton(const std::vector<GapOfPose>& gaps, const std::vector<std::size_t>& 
       else
         dl[c - 6] = kDerivativeStep;
       const Displacement back{-step.translation_m, -step.rotation_rad};
-      slope.col(c) = (residual(gaps, touching, handle, coupling, moved(at.pose, step), at.l + dl) -
-                      residual(gaps, touching, handle, coupling, moved(at.pose, back), at.l - dl)) /
+      slope.col(c) = (residual(gaps, touching, handle, coupling, slide, moved(at.pose, step), at.l + dl) -
+                      residual(gaps, touching, handle, coupling, slide, moved(at.pose, back), at.l - dl)) /
                      (2.0 * kDerivativeStep);
     }
     const Eigen::VectorXd d = slope.completeOrthogonalDecomposition().solve(-r);
     at.pose = moved(at.pose, {d.head<3>(), d.segment<3>(3)});
     at.l += d.tail(size - 6);
   }
-  return residual(gaps, touching, handle, coupling, at.pose, at.l).norm() < kResidual;
+  return residual(gaps, touching, handle, coupling, slide, at.pose, at.l).norm() < kResidual;
 }
 
-}  // namespace
-
-Equilibrium quasi_static_equilibrium(const std::vector<GapOfPose>& gaps, const Pose& handle, const Coupling& coupling) {
+Equilibrium solved(const std::vector<GapOfPose>& gaps, const Pose& handle, const Coupling& coupling,
+                   const Slide& slide) {
   constexpr std::size_t kMostTouching = 4;
   Equilibrium best;
   double least = std::numeric_limits<double>::infinity();
+  bool ambiguous = false;
   std::vector<std::size_t> touching;
   const auto try_set = [&] {
     Candidate at{handle, Eigen::VectorXd::Zero(static_cast<Eigen::Index>(touching.size()))};
-    if (!newton(gaps, touching, handle, coupling, at) || (at.l.array() < -kSlack).any()) return;
+    if (!newton(gaps, touching, handle, coupling, slide, at) || (at.l.array() < -kSlack).any()) return;
     for (const GapOfPose& gap : gaps) {
       if (!(gap(at.pose).gap_m >= -kSlack)) return;
     }
     const double energy = coupling_energy_J(coupling, handle, at.pose);
+    if (slide.mu > 0.0 && best.found) {
+      constexpr double kSame = 1e-9;  // m and rad
+      const Displacement apart = displacement(best.proxy, at.pose);
+      ambiguous = ambiguous || !(apart.translation_m.norm() + apart.rotation_rad.norm() < kSame);
+    }
     if (!(energy < least)) return;
     least = energy;
     best.found = true;
@@ -87,7 +105,7 @@ Equilibrium quasi_static_equilibrium(const std::vector<GapOfPose>& gaps, const P
     best.contact_forces_N.assign(gaps.size(), 0.0);
     for (std::size_t k = 0; k < touching.size(); ++k)
       best.contact_forces_N[touching[k]] = at.l[static_cast<Eigen::Index>(k)];
-    best.residual_N = residual(gaps, touching, handle, coupling, at.pose, at.l).norm();
+    best.residual_N = residual(gaps, touching, handle, coupling, slide, at.pose, at.l).norm();
   };
   const std::function<void(std::size_t)> extend = [&](std::size_t from) {
     try_set();
@@ -99,7 +117,19 @@ Equilibrium quasi_static_equilibrium(const std::vector<GapOfPose>& gaps, const P
     }
   };
   extend(0);
+  best.found = best.found && !ambiguous;
   return best;
+}
+
+}  // namespace
+
+Equilibrium quasi_static_equilibrium(const std::vector<GapOfPose>& gaps, const Pose& handle, const Coupling& coupling) {
+  return solved(gaps, handle, coupling, {});
+}
+
+Equilibrium sliding_equilibrium(const std::vector<GapOfPose>& gaps, const Pose& handle, const Coupling& coupling,
+                                double mu, const Vec3& velocity_W) {
+  return solved(gaps, handle, coupling, {mu, velocity_W});
 }
 
 GapOfPose ball_on_plane(const Vec3& center_T_m, double radius_m, const Vec3& n_W, double d_m) {

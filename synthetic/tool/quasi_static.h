@@ -1,4 +1,4 @@
-// Where a rigid tool that hangs on a static coupling comes to rest against a rigid object without friction, and the
+// Where a rigid tool that hangs on a static coupling comes to rest against a rigid object, or slides over it, and the
 // wrench there: the exact answer that renderers of tools are held against.
 //
 // The contact is a finite set of smooth gaps g_j(X) >= 0 of the tool's pose X = (p, R), each with the contact's place
@@ -36,6 +36,13 @@ struct Equilibrium {
 };
 
 Equilibrium quasi_static_equilibrium(const std::vector<GapOfPose>& gaps, const Pose& handle, const Coupling& coupling);
+
+// The same with Coulomb friction while hand and tool move on and on at one velocity, without turning: each contact
+// slides against the object at that velocity v, so that its force has the known direction n - mu t, t the unit of v in
+// the contact's plane, and n above is replaced by it in the balance. Holds where gaps do not change along v. What
+// slides so has no energy that is least; two different answers are none (found is false).
+Equilibrium sliding_equilibrium(const std::vector<GapOfPose>& gaps, const Pose& handle, const Coupling& coupling,
+                                double mu, const Vec3& velocity_W);
 
 // Gaps of convex parts of a tool (coordinates in T) against a plane n . x = d or a ball.
 GapOfPose ball_on_plane(const Vec3& center_T_m, double radius_m, const Vec3& n_W, double d_m);  // radius 0: a corner

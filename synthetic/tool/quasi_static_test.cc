@@ -41,6 +41,52 @@ TEST(QuasiStatic, FreeToolFeelsNothing) {
   EXPECT_EQ(e.wrench_W.torque_Nm.norm(), 0.0);
 }
 
+// A ball held at its centre, pressed in by D: N = k_t D, mu N against the way, and the torque R mu N of the contact.
+TEST(SlidingEquilibrium, OfABallInClosedForm) {
+  constexpr double kRadius = 0.01, kDeep = 0.002, kMu = 0.4;
+  const Vec3 along = Vec3(3, 4, 0).normalized();
+  const Equilibrium e = sliding_equilibrium({ball_on_plane(Vec3::Zero(), kRadius, Vec3::UnitZ(), 0.0)},
+                                            handle_at(0, kRadius - kDeep, 0.2), kCoupling, kMu, 0.05 * along);
+  ASSERT_TRUE(e.found);
+  const double f_n = kCoupling.stiffness_N_per_m * kDeep;
+  const Vec3 f = f_n * Vec3::UnitZ() - kMu * f_n * along;
+  EXPECT_LE((e.wrench_W.f_N - f).norm(), kExact);
+  EXPECT_LE((e.wrench_W.torque_Nm - Vec3(0, 0, -kRadius).cross(f)).norm(), kExact);
+}
+
+// A corner that is dragged and turns the tool about y: one unknown, the angle, in long double.
+TEST(SlidingEquilibrium, OfACornerInOneUnknown) {
+  constexpr double kMu = 0.3, kDeep = 0.0015;
+  const Vec3 corner(0.008, 0.0, -0.02);
+  const Pose handle = handle_at(0, 0.02 - kDeep, 0.0);
+  const auto arm_x = [&](Real a) { return std::cos(a) * Real(corner.x()) + std::sin(a) * Real(corner.z()); };
+  const auto arm_z = [&](Real a) { return -std::sin(a) * Real(corner.x()) + std::cos(a) * Real(corner.z()); };
+  const auto load = [&](Real a) { return Real(kCoupling.stiffness_N_per_m) * (-arm_z(a) - Real(handle.p_W_m.z())); };
+  const Real angle = root(
+      [&](Real a) {
+        const Real torque = arm_z(a) * (-Real(kMu) * load(a)) - arm_x(a) * load(a);
+        return Real(kCoupling.rotational_stiffness_Nm_per_rad) * a - torque;
+      },
+      -0.05L, 0.05L);
+  const Equilibrium e =
+      sliding_equilibrium({ball_on_plane(corner, 0.0, Vec3::UnitZ(), 0.0)}, handle, kCoupling, kMu, Vec3::UnitX());
+  ASSERT_TRUE(e.found);
+  EXPECT_NEAR(e.wrench_W.f_N.z(), double(load(angle)), kExact);
+  EXPECT_NEAR(e.wrench_W.f_N.x(), -kMu * double(load(angle)), kExact);
+  EXPECT_NEAR(e.wrench_W.torque_Nm.y(), kCoupling.rotational_stiffness_Nm_per_rad * double(angle), kExact);
+}
+
+// A flat face: many sets of corners hold it, all at one place.
+TEST(SlidingEquilibrium, OfAFaceLiesFlat) {
+  std::vector<GapOfPose> gaps;
+  for (const double x : {-0.01, 0.01})
+    for (const double y : {-0.01, 0.01}) gaps.push_back(ball_on_plane(Vec3(x, y, -0.01), 0.0, Vec3::UnitZ(), 0.0));
+  const Equilibrium e = sliding_equilibrium(gaps, handle_at(0, 0.008, 0.0), kCoupling, 0.3, Vec3::UnitX());
+  ASSERT_TRUE(e.found);
+  EXPECT_LE((e.wrench_W.f_N - Vec3(-0.6, 0, 2.0)).norm(), kExact);
+  EXPECT_LE(e.wrench_W.torque_Nm.norm(), kExact);
+}
+
 TEST(QuasiStatic, BallHeldAtItsCentreHasNoTorque) {
   const Equilibrium e = quasi_static_equilibrium({ball_on_plane(Vec3::Zero(), 0.01, Vec3::UnitZ(), 0.0)},
                                                  handle_at(0.1, 0.007, 0.3), kCoupling);

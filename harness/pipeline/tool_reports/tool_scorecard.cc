@@ -12,6 +12,7 @@
 #include "harness/rendering/renderer_failed.h"
 #include "harness/surface/sphere_mesh.h"
 #include "harness/tool/tool_path.h"
+#include "harness/tool/worse.h"
 
 namespace touchstone::pipeline {
 namespace {
@@ -64,7 +65,7 @@ ToolCost measure(const tool::ToolRendererEntry& entry, const tool::ToolSettings&
   cost.memory_bytes = renderer->memory_bytes();
   cost.steps = times_us.size();
   if (times_us.empty())
-    throw rendering::RendererFailed("a ball pressed 2 mm into a ball was not in contact within 30 s");
+    throw rendering::RendererFailed("a ball pressed 2 mm into a ball was in contact in none of the steps timed");
   std::ranges::sort(times_us);
   const auto reached_by = [&](double share) {
     return times_us[static_cast<std::size_t>(share * double(times_us.size() - 1))];
@@ -77,7 +78,9 @@ ToolCost measure(const tool::ToolRendererEntry& entry, const tool::ToolSettings&
 }
 
 std::string worst_case(const ToolScorecard& card) {
-  const auto worst = std::ranges::max_element(card.errors, {}, &tool::ToolErrors::max_torque_jnd);
+  const auto worst = std::ranges::max_element(card.errors, [](const tool::ToolErrors& a, const tool::ToolErrors& b) {
+    return !std::isnan(a.max_torque_jnd) && !(b.max_torque_jnd <= a.max_torque_jnd);
+  });
   return worst == card.errors.end() ? "" : worst->contacts;
 }
 
@@ -112,7 +115,12 @@ ToolScorecard score_tool(const tool::ToolRendererEntry& entry, const tool::ToolS
   return card;
 }
 
-bool clean(const ToolScorecard& card) { return card.problems.empty() && tool::passed(card.findings); }
+bool clean(const ToolScorecard& card) {
+  return card.problems.empty() && tool::passed(card.findings) &&
+         std::ranges::all_of(card.errors, [](const tool::ToolErrors& row) {
+           return std::isfinite(row.max_force_N) && std::isfinite(row.max_torque_Nm);
+         });
+}
 
 std::string tool_scorecard_to_json(const ToolScorecard& card) {
   using Json = nlohmann::ordered_json;
@@ -168,7 +176,7 @@ std::string tool_scorecard_to_text(const ToolScorecard& card) {
     text += fmt::format("  {}: {}\n", problem.contacts.empty() ? "did not run" : problem.contacts, problem.what);
   if (const std::string worst = worst_case(card); !worst.empty()) {
     double most_jnd = 0.0;
-    for (const tool::ToolErrors& row : card.errors) most_jnd = std::max(most_jnd, row.max_torque_jnd);
+    for (const tool::ToolErrors& row : card.errors) most_jnd = tool::worse(most_jnd, row.max_torque_jnd);
     text +=
         fmt::format("  exact cases: {}; largest torque error {:.2g} JND, in {}\n", card.errors.size(), most_jnd, worst);
   }

@@ -48,7 +48,7 @@ struct ToolScorecard {
 ToolScorecard score_tool(const tool::ToolRendererEntry& entry, const tool::ToolSettings& settings,
                          std::span<const tool::KnownContacts> cases, bool cost);
 
-// Every check that applies passed, and nothing broke down.
+// Every check that applies passed, nothing broke down, and every error is a number.
 bool clean(const ToolScorecard& card);
 
 // {"schema": "touchstone-tool-scorecard/1", ...}

@@ -16,7 +16,7 @@ using report::text_cell;
 using report::Tone;
 
 Table::Cell finding_cell(const tool::ToolFinding& finding) {
-  if (!finding.applies) return text_cell("not applicable: its normals are the tool's own");
+  if (!finding.applies) return text_cell("not applicable: " + finding.why_not);
   Table::Cell cell = text_cell(fmt::format("{}{}: {:.3g} of {:.3g} {}", finding.passed ? "ok" : "WRONG",
                                            finding.fault.empty() ? "" : ", " + finding.fault, finding.measured,
                                            finding.limit, finding.unit));

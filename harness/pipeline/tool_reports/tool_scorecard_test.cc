@@ -20,6 +20,19 @@ const tool::ToolRendererEntry& god_object() {
 
 std::vector<tool::KnownContacts> corner() { return {synthetic::known_contacts("box-corner", {})}; }
 
+TEST(ToolScorecard, WhatIsNoNumberIsNotClean) {
+  ToolScorecard card;
+  EXPECT_TRUE(clean(card));
+  card.errors.resize(3);
+  card.errors[0].contacts = "small";
+  card.errors[1].contacts = "none";
+  card.errors[1].max_torque_Nm = card.errors[1].max_torque_jnd = std::nan("");
+  card.errors[2].contacts = "large";
+  card.errors[2].max_torque_jnd = 5.0;
+  EXPECT_FALSE(clean(card));
+  EXPECT_THAT(tool_scorecard_to_text(card), ::testing::HasSubstr("nan JND, in none"));
+}
+
 // Another renderer's answer with something done to it.
 class Changed : public tool::ToolRenderer {
  public:
