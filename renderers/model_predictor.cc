@@ -8,7 +8,6 @@
 #include <memory>
 #include <mutex>
 #include <optional>
-#include <span>
 #include <string>
 
 #include "harness/base/error.h"
@@ -26,8 +25,10 @@ namespace {
 struct Trace {
   std::string key;
   double stiffness_N_per_m = 0.0;
-  std::vector<TipState> tips;
   std::vector<StepResult> steps;
+
+  static constexpr std::size_t most_bytes = 16'000'000;
+  [[nodiscard]] std::size_t bytes() const { return steps.size() * sizeof(StepResult); }
 };
 
 // What a contact depends on in a model; the rest of the instrument acts on its force afterwards.
@@ -49,34 +50,74 @@ struct ContactKey {
 struct Contact {
   ContactKey key;
   Prediction prediction;  // before the instrument
+
+  static constexpr std::size_t most_bytes = 8'000'000;
+  [[nodiscard]] std::size_t bytes() const { return prediction.f_W_N.size() * (2 * sizeof(Vec3) + 2 * sizeof(double)); }
 };
 
-// The last ones that were asked for; for many threads.
+// What predictors were asked for last; for many threads. Each predictor keeps its last item, whatever that needs; all
+// others of all predictors share a number of bytes, and the one that was not asked for the longest goes first. A search
+// holds some forty predictors (noise_model.h), so that a number of items for each would need as much more.
 template <class Item>
 class Kept {
  public:
-  explicit Kept(std::size_t most) : most_(most) {}
+  Kept() = default;
+  ~Kept() {
+    const std::lock_guard lock(shelf().mutex);
+    for (const auto& place : mine_) {
+      shelf().bytes -= place->bytes;
+      shelf().places.erase(place);
+    }
+  }
+  Kept(const Kept&) = delete;
+  Kept& operator=(const Kept&) = delete;
 
   template <class Is>
   std::shared_ptr<const Item> find(const Is& is) {
-    const std::lock_guard lock(mutex_);
-    const auto found = std::find_if(items_.begin(), items_.end(), [&](const auto& item) { return is(*item); });
-    if (found == items_.end()) return nullptr;
-    items_.splice(items_.begin(), items_, found);
-    return items_.front();
+    const std::lock_guard lock(shelf().mutex);
+    const auto found = std::find_if(mine_.begin(), mine_.end(), [&](const auto& place) { return is(*place->item); });
+    if (found == mine_.end()) return nullptr;
+    shelf().places.splice(shelf().places.begin(), shelf().places, *found);
+    return (*found)->item;
   }
 
   std::shared_ptr<const Item> keep(std::shared_ptr<const Item> item) {
-    const std::lock_guard lock(mutex_);
-    items_.push_front(item);
-    if (items_.size() > most_) items_.pop_back();
+    Places gone;  // freed without the lock
+    const std::lock_guard lock(shelf().mutex);
+    shelf().places.push_front({this, item, item->bytes()});
+    mine_.push_back(shelf().places.begin());
+    shelf().bytes += item->bytes();
+    for (auto place = shelf().places.end(); place != shelf().places.begin() && shelf().bytes > Item::most_bytes;) {
+      --place;
+      auto& owned = place->owner->mine_;
+      if (owned.size() == 1) continue;
+      std::erase(owned, place);
+      shelf().bytes -= place->bytes;
+      const auto next = std::next(place);
+      gone.splice(gone.begin(), shelf().places, place);
+      place = next;
+    }
     return item;
   }
 
  private:
-  std::size_t most_;
-  std::mutex mutex_;
-  std::list<std::shared_ptr<const Item>> items_;
+  struct Place {
+    Kept* owner;
+    std::shared_ptr<const Item> item;
+    std::size_t bytes;
+  };
+  using Places = std::list<Place>;
+  struct Shelf {
+    std::mutex mutex;
+    Places places;  // what was asked for last comes first
+    std::size_t bytes = 0;
+  };
+  static Shelf& shelf() {
+    static Shelf all;
+    return all;
+  }
+
+  std::vector<typename Places::iterator> mine_;
 };
 
 struct Instrument {
@@ -133,7 +174,7 @@ class ModelPredictor final : public Predictor {
 
     std::optional<EffectChain> chain;
     if (!effects.empty()) chain.emplace(std::move(effects), surface_, offset, stiffness);
-    return play(*trace, scale, chain);
+    return play(*trace, scale, chain, instrument);
   }
 
   static double value_or(const Parameters& parameters, std::string_view name) {
@@ -142,7 +183,8 @@ class ModelPredictor final : public Predictor {
   }
 
   // The trace with its forces scaled to another stiffness, then the effects.
-  static Prediction play(const Trace& trace, double scale, std::optional<EffectChain>& effects) {
+  [[nodiscard]] Prediction play(const Trace& trace, double scale, std::optional<EffectChain>& effects,
+                                const Instrument& instrument) const {
     Prediction prediction;
     const std::size_t n = trace.steps.size();
     prediction.f_W_N.resize(n);
@@ -153,7 +195,7 @@ class ModelPredictor final : public Predictor {
     for (std::size_t i = 0; i < n; ++i) {
       StepResult step = trace.steps[i];
       step.f_W_N *= scale;
-      if (effects) effects->act(trace.tips[i], step);
+      if (effects) effects->act(true_tip(instrument, i), step);
       prediction.f_W_N[i] = step.f_W_N;
       // A free step of the trace may carry the normal of the nearest surface: only contact has one here.
       prediction.n_W[i] = step.contact ? step.n_W : Vec3(Vec3::Zero());
@@ -179,28 +221,25 @@ class ModelPredictor final : public Predictor {
     auto trace = std::make_shared<Trace>();
     trace->key = key;
     trace->stiffness_N_per_m = scaling.scales ? scaling.stiffness_N_per_m : value_or(parameters, "stiffness_N_per_m");
-    trace->tips = true_tips(instrument);
-    trace->steps = run(base, trace->tips);
-    add_gaps(*trace, offset);
+    trace->steps = run(base, instrument, motion_.size());
+    add_gaps(*trace, offset, instrument);
     return traces_.keep(std::move(trace));
   }
 
-  [[nodiscard]] std::vector<TipState> true_tips(const Instrument& instrument) const {
-    std::vector<TipState> tips(motion_.size());
-    for (std::size_t i = 0; i < tips.size(); ++i) {
-      Vec3 p_W_m = motion_.p_W_m[i];
-      for (const auto& [stage, effect] : instrument.effects) p_W_m = effect->true_position(p_W_m);
-      tips[i] = {motion_.t_s[i], p_W_m, motion_.q_WS.empty() ? Quat::Identity() : motion_.q_WS[i]};
-    }
-    return tips;
+  [[nodiscard]] TipState true_tip(const Instrument& instrument, std::size_t i) const {
+    Vec3 p_W_m = motion_.p_W_m[i];
+    for (const auto& [stage, effect] : instrument.effects) p_W_m = effect->true_position(p_W_m);
+    return {motion_.t_s[i], p_W_m, motion_.q_WS.empty() ? Quat::Identity() : motion_.q_WS[i]};
   }
 
-  [[nodiscard]] std::vector<StepResult> run(const Model& base, std::span<const TipState> tips) {
+  // Of the first `count` samples.
+  [[nodiscard]] std::vector<StepResult> run(const Model& base, const Instrument& instrument, std::size_t count) {
     auto renderer = make_renderer(base, surface_);
     renderer->reset();
     std::vector<StepResult> steps;
-    steps.reserve(tips.size());
-    for (const TipState& tip : tips) {
+    steps.reserve(count);
+    for (std::size_t i = 0; i < count; ++i) {
+      const TipState tip = true_tip(instrument, i);
       steps.push_back(renderer->step(tip));
       if (steps.back().status == StepStatus::failed) {
         throw RendererFailed(fmt::format("t = {} s: {}", tip.t_s, renderer->failure()));
@@ -215,11 +254,11 @@ class ModelPredictor final : public Predictor {
   }
 
   // Near the surface a free step carries gap and normal, so that effects that reach beyond contact need no query.
-  void add_gaps(Trace& trace, double offset) const {
+  void add_gaps(Trace& trace, double offset, const Instrument& instrument) const {
     for (std::size_t i = 0; i < trace.steps.size(); ++i) {
       StepResult& step = trace.steps[i];
       if (step.contact) continue;
-      const SurfacePoint closest = surface_->closest(trace.tips[i].p_W_m);
+      const SurfacePoint closest = surface_->closest(true_tip(instrument, i).p_W_m);
       step.n_W = closest.n_W;
       step.depth_m = offset - closest.distance_m;
     }
@@ -239,14 +278,13 @@ class ModelPredictor final : public Predictor {
     const auto given = base.parameters.find("stiffness_N_per_m");
     if (given != base.parameters.end()) {
       scaling.stiffness_N_per_m = given->second;
-      const std::vector<TipState> tips = true_tips({});
-      const auto some = std::span(tips).first(std::min<std::size_t>(tips.size(), tried_samples));
+      const std::size_t some = std::min<std::size_t>(motion_.size(), tried_samples);
       Model doubled = base;
       doubled.parameters["stiffness_N_per_m"] = 2.0 * given->second;
-      const auto once = run(base, some);
-      const auto twice = run(doubled, some);
+      const auto once = run(base, {}, some);
+      const auto twice = run(doubled, {}, some);
       scaling.scales = true;
-      for (std::size_t i = 0; i < some.size(); ++i) {
+      for (std::size_t i = 0; i < some; ++i) {
         const double bound = 1e-12 * once[i].f_W_N.norm();
         scaling.scales = scaling.scales && (twice[i].f_W_N - 2.0 * once[i].f_W_N).norm() <= bound;
       }
@@ -255,15 +293,13 @@ class ModelPredictor final : public Predictor {
     return scaling;
   }
 
-  static constexpr std::size_t kept_traces = 48;
-  static constexpr std::size_t kept_contacts = 4;
   static constexpr std::size_t tried_samples = 2000;
 
   std::shared_ptr<const Surface> surface_;
   MotionColumns motion_;
   AccelerationMemo accelerations_;
-  Kept<Trace> traces_{kept_traces};
-  Kept<Contact> contacts_{kept_contacts};
+  Kept<Trace> traces_;
+  Kept<Contact> contacts_;
   std::mutex scaling_mutex_;
   std::map<std::string, Scaling> scaling_;
   // Alive, so that what renderers share of a surface (its examined mesh) is not made anew for every geometry.
