@@ -183,6 +183,7 @@ class Regression {
       const Eigen::VectorXd before = solve(plain_[0], world);
       const Eigen::VectorXd after = solve(with[0], world);
       const double gain = plain_[1].left(before, world) - with[1].left(after, world);
+      if (!std::isfinite(gain)) return std::nullopt;
       if (world > 0) {
         regressed.null_gains.push_back(gain);
         continue;
@@ -275,8 +276,7 @@ class LawSearch {
     if (best == nullptr) return false;
     pieces_.push_back({best->law, side_of(*best->term), best->term->carriers, best->gain, bar});
     report_(fmt::format("  a law: {}, validation RMS {:.4g} N", best->term->effect.summary, best->rms_N));
-    const SearchState next = best->state;
-    state_ = next;
+    state_ = best->state;
     return true;
   }
 
@@ -297,7 +297,6 @@ class LawSearch {
       without.refit();
       const double here = state_.validation_deviance(state_.current.model);
       if (!(without.validation_deviance(without.current.model) - here < state_.settings->minimum_gain)) continue;
-      needless_.push_back(name);
       state_ = without;
     }
   }
@@ -311,7 +310,6 @@ class LawSearch {
   [[nodiscard]] double deviance() const { return state_.validation_deviance(state_.current.model); }
   [[nodiscard]] const SearchState& state() const { return state_; }
   [[nodiscard]] const std::vector<LawPiece>& pieces() const { return pieces_; }
-  [[nodiscard]] const std::vector<std::string>& needless() const { return needless_; }
 
  private:
   [[nodiscard]] WavePeaks peaks() const {
@@ -382,20 +380,19 @@ class LawSearch {
   const Report& report_;
   ViewScales scales_;
   std::vector<LawPiece> pieces_;
-  std::vector<std::string> needless_;
 };
 
+// Along the likely motion: between neighbouring samples a tracker's noise is faster than a hand.
 std::vector<SeenRange> ranges(const Evidence& learning, const Model& model) {
-  const Recording& recording = *learning.recording;
-  const Prediction now = learning.predictor->predict(model);
+  const MotionColumns& motion = learning.noise->likely_motion();
+  const Prediction now = learning.noise->likely_predictor().predict(model);
   std::vector<SeenRange> all{{"time", "s"},  {"x", "m"},    {"y", "m"},      {"z", "m"},
                              {"depth", "m"}, {"load", "N"}, {"speed", "m/s"}};
   for (SeenRange& range : all) {
     range.low = std::numeric_limits<double>::infinity();
     range.high = -range.low;
   }
-  for (std::size_t i = 0; i < recording.size(); ++i) {
-    const auto& motion = recording.motion;
+  for (std::size_t i = 0; i < motion.size(); ++i) {
     if (!learning.part.contains(motion.t_s[i], motion.t_s.front())) continue;
     const Vec3 step = i > 0 ? Vec3(motion.p_W_m[i] - motion.p_W_m[i - 1]) : Vec3(Vec3::Zero());
     const double dt_s = i > 0 ? motion.t_s[i] - motion.t_s[i - 1] : 1.0;
@@ -448,8 +445,6 @@ UnknownLaw search_law(const SearchState& found, const Model& base, const Report&
   if (best == nullptr) return law;
   law.pieces = best->pieces();
   law.model = best->state().current.model;
-  law.validation_rms_before_N = found.validation_rms_N(found.current.model);
-  law.validation_rms_after_N = found.validation_rms_N(law.model);
   // The values from all that may be learnt from.
   FitData weights = fit_data(found.data->learning, law.model, found.data->window_s);
   add_misfit(weights, estimate_misfit(weights, law.model));

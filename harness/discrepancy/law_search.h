@@ -42,8 +42,6 @@ struct UnknownLaw {
   Model model;                        // the effects that are needed beside it, and the law
   std::vector<std::string> needless;  // effects that were found and are not needed beside the law
   std::vector<SeenRange> seen;
-  double validation_rms_before_N = 0.0;
-  double validation_rms_after_N = 0.0;
   [[nodiscard]] bool found() const { return !pieces.empty(); }
 };
 

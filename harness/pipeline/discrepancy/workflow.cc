@@ -10,6 +10,7 @@
 #include "harness/base/atomic_file.h"
 #include "harness/base/error.h"
 #include "harness/base/input_files.h"
+#include "harness/pipeline/discrepancy/earlier_run.h"
 #include "harness/pipeline/discrepancy/golden_offer.h"
 #include "harness/pipeline/discrepancy/page.h"
 #include "harness/pipeline/discrepancy/thinning.h"
@@ -95,14 +96,15 @@ ForceGap measure_gap(const SearchResult& search, const SearchData& data, const E
   return gap;
 }
 
-// Nothing where no law was found, or where it does not help on the held-out samples.
+// Nothing where no law was found, where it does not help on the held-out samples, or where noise alone leaves as much
+// as the start does.
 std::optional<LawGap> measure_law(const SearchResult& search, const Evidence& samples, double noise_N) {
   if (!search.law.found()) return std::nullopt;
   const auto rms_N = [&](const Model& model) { return rms_force_error_N(samples, samples.predictor->predict(model)); };
   LawGap gap{rms_N(search.base), rms_N(search.model), rms_N(search.law.model), 0.0};
-  if (!(gap.with_N < gap.without_N)) return std::nullopt;
   const double beyond = gap.start_N * gap.start_N - noise_N * noise_N;
-  if (beyond > 0.0) gap.closed = (gap.start_N * gap.start_N - gap.with_N * gap.with_N) / beyond;
+  if (!(gap.with_N < gap.without_N) || !(beyond > 0.0)) return std::nullopt;
+  gap.closed = (gap.start_N * gap.start_N - gap.with_N * gap.with_N) / beyond;
   return gap;
 }
 
@@ -183,7 +185,8 @@ Findings run_discrepancy(const Catalogue& catalogue, const DiscrepancyFiles& fil
   ensure_writable_folder(files.out);
   const DiscrepancyInputs inputs = load_inputs(catalogue, files);
   for (const std::string& remark : inputs.remarks) report(remark);
-  for (const char* const name : {"model.json", "empirical.json"})
+  const EarlierRun earlier(files.out);
+  for (const char* const name : {"model.json", "empirical.json", "law-1.json"})
     refuse_to_replace_input(files.out / name);  // before the long work
   std::optional<sanity::RepeatFloor> floor;
   if (!files.repeat.empty()) floor = sanity::repeat_floor_of_files(files.recording, files.repeat);
@@ -250,6 +253,7 @@ Findings run_discrepancy(const Catalogue& catalogue, const DiscrepancyFiles& fil
   findings.law = measure_law(findings.search, samples, findings.search.noise_rms_N);
   conclude(findings, candidates);
 
+  earlier.remove();
   std::string trajectory;
   if (findings.next && !findings.ambiguous.empty()) {
     trajectory = "next.csv";
