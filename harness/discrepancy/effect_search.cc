@@ -221,7 +221,7 @@ class Search {
                         cone ? "whose cone the forces leave" : "being more likely"));
     state_ = with_trial(state_, best.trial);
     put_away_.insert(best.in_place_of);
-    settled_.insert(best.trial.name);
+    settled_.laws.insert(best.trial.name);
     best.trial.verdict = {TrialVerdict::Kind::added_apart,
                           (cone ? "added: forces leave the cone of " : "added: more likely than ") + best.in_place_of +
                               ", which it contains"};
@@ -272,14 +272,16 @@ class Search {
   // What stands in the place of a found effect and does better, now that the others are known, takes it. What was put
   // away does not come back, so that this ends.
   bool swap_one() {
-    const auto [loser, best] = best_swap(state_, result_.found, put_away_);
+    const auto [loser, best, by_likelihood] = best_swap(state_, result_.found, put_away_);
     if (best == nullptr) return false;
-    report_(fmt::format("  {} in place of {}", best->name, loser->name));
+    report_(fmt::format("  {} in place of {}{}", best->name, loser->name,
+                        by_likelihood ? ", being more likely along the likely motion" : ""));
     SearchStep step = step_from(standing_of(state_));
     step.added = best->name;
     step.removed = loser->name;
     result_.steps.push_back(std::move(step));
     put_away_.insert(loser->name);
+    if (by_likelihood) settled_.places.insert({best->name, loser->name});
     const Model rest = without_entry(state_.current.model, loser->name);
     state_.parameters = joined(without_owner(state_.parameters, loser->name),
                                state_.options(state_.candidate(best->name), rest).parameters);
@@ -476,7 +478,7 @@ class Search {
   const Report& report_;
   SearchState state_;
   std::set<std::string> put_away_;
-  std::set<std::string> settled_;
+  Settled settled_;
   ReadValues read_;
   SearchResult result_;
 };

@@ -369,6 +369,8 @@ std::string findings_to_json(const Findings& findings, const std::string& trajec
                                   {{"validation_chi_squared_lost", number(rival.validation_gain_lost)},
                                    {"standard_error", number(rival.error)},
                                    {"validation_rms_N", number(rival.validation_rms_N)},
+                                   {"likelier_by", number(rival.likelier_by)},
+                                   {"likelier_error", number(rival.likelier_error)},
                                    {"alike", rival.alike}}}});
     }
     root["effects"].push_back(std::move(entry));
@@ -412,6 +414,8 @@ std::string findings_to_json(const Findings& findings, const std::string& trajec
                         {"validation_gain", number(trial.validation_gain)},
                         {"validation_error", number(trial.validation_error)},
                         {"bar", number(trial.null_bar)},
+                        {"likelier", number(trial.likelier)},
+                        {"likelier_both", number(trial.likelier_both)},
                         {"deviance", number(trial.deviance)},
                         {"validation_rms_N", number(trial.validation_rms_N)},
                         {"verdict", trial.verdict.words}});

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <vector>
 
 namespace touchstone::discrepancy {
@@ -61,12 +62,18 @@ Misfit estimate_misfit(const FitData& declared, const Model& model) {
   return {of(free), of(normal), of(tangential)};
 }
 
-double deviance(const FitData& data, const Model& model) {
-  double sum = chi_squared(data, model);
-  for (const BlockNoise& noise : data.noise) {
-    sum += 2.0 * (2.0 * std::log(noise.tangential_N) + std::log(noise.along_normal_N));
+std::vector<double> block_deviance(const FitData& data, const Model& model) {
+  std::vector<double> out = block_chi_squared(data, model);
+  for (std::size_t b = 0; b < out.size(); ++b) {
+    const BlockNoise& noise = data.noise[b];
+    out[b] += 2.0 * (2.0 * std::log(noise.tangential_N) + std::log(noise.along_normal_N));
   }
-  return sum;
+  return out;
+}
+
+double deviance(const FitData& data, const Model& model) {
+  const auto blocks = block_deviance(data, model);
+  return std::accumulate(blocks.begin(), blocks.end(), 0.0);
 }
 
 void add_misfit(FitData& data, const Misfit& misfit) {

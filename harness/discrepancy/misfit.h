@@ -6,6 +6,8 @@
 // no more than the noise.
 #pragma once
 
+#include <vector>
+
 #include "harness/base/rooms.h"
 #include "harness/discrepancy/joint_fit.h"
 
@@ -22,6 +24,8 @@ Misfit estimate_misfit(const FitData& declared, const Model& model);
 // -2 ln likelihood of the blocks, less a constant, under noise and misfit. Unlike chi-squared it may be compared
 // between models that leave different misfit.
 double deviance(const FitData& data, const Model& model);
+// The same block by block.
+std::vector<double> block_deviance(const FitData& data, const Model& model);
 void add_misfit(FitData& data, const Misfit& misfit);
 
 }  // namespace touchstone::discrepancy

@@ -237,6 +237,20 @@ std::vector<LargerLaw> weigh_larger_laws(const SearchState& state) {
   return laws;
 }
 
+bool likelier_in_place(const SearchState& state, const Model& with_other,
+                       const std::vector<FreeParameter>& parameters) {
+  const Shown measured{state.train.measured_N, state.validation.measured_N};
+  const Law now{state.current.model, state.compared()};
+  constexpr int rounds = 3;
+  const auto standing = judge(state, now, measured, rounds);
+  const auto other = judge(state, {with_other, parameters}, measured, rounds);
+  if (!standing || !other) return false;
+  const double gain = std::min(standing->train - other->train, standing->validation - other->validation);
+  const double least = state.settings->law_gain;
+  return gain >= least &&
+         gain > likelihood_bar(state, {standing->fit.model, now.parameters}, {other->fit.model, parameters}, least);
+}
+
 std::vector<Trial> weigh_by_likelihood(const SearchState& state, const std::vector<Trial>& trials) {
   const SearchSettings& settings = *state.settings;
   const Evidence& evidence = state.data->validation;

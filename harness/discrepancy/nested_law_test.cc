@@ -180,5 +180,85 @@ TEST(WeighedByLikelihood, ADamperThatActsPassesWithItsCoefficient) {
 
 TEST(WeighedByLikelihood, NothingPassesWhereNothingIsMissing) { EXPECT_TRUE(likely_trials(0.0).empty()); }
 
+// A plane under damping that grows with the depth (Hunt and Crossley 1975, equation 2), or a Maxwell arm.
+class YieldingPlane final : public Predictor {
+ public:
+  explicit YieldingPlane(const MotionColumns& motion) : plane_(motion), motion_(motion) {}
+  Prediction predict(const Model& model) override {
+    Prediction prediction = plane_.predict(model);
+    const NamedParameters* const damper = find_entry(model, "hunt-crossley");
+    const NamedParameters* const arm = find_entry(model, "stress-relaxation");
+    double arm_N = 0.0;
+    for (std::size_t i = 1; i < motion_.size(); ++i) {
+      if (prediction.n_W[i].isZero()) {
+        arm_N = 0.0;
+        continue;
+      }
+      const double dt_s = motion_.t_s[i] - motion_.t_s[i - 1];
+      const double pressed_m = prediction.depth_m[i] - prediction.depth_m[i - 1];
+      double more_N = 0.0;
+      if (damper != nullptr)
+        more_N = damper->parameters.at("coefficient_N_s_per_m2") * prediction.depth_m[i] * pressed_m / dt_s;
+      if (arm != nullptr) {
+        arm_N = (arm_N + arm->parameters.at("ratio") * model.parameters.at("stiffness_N_per_m") * pressed_m) *
+                std::exp(-dt_s / arm->parameters.at("time_constant_s"));
+        more_N = arm_N;
+      }
+      prediction.f_W_N[i].z() += more_N;
+      prediction.normal_N[i] += more_N;
+    }
+    return prediction;
+  }
+
+ private:
+  PlanePredictor plane_;
+  MotionColumns motion_;
+};
+
+NamedParameters damper() { return {"hunt-crossley", {{"coefficient_N_s_per_m2", 9e4}}, ""}; }
+NamedParameters arm(double time_constant_s) {
+  return {"stress-relaxation", {{"ratio", 0.8}, {"time_constant_s", time_constant_s}}, ""};
+}
+
+std::vector<FreeParameter> free_of(const NamedParameters& entry) {
+  std::vector<FreeParameter> free{log_base_parameter("stiffness_N_per_m", 90.0, 9000.0)};
+  for (const auto& [name, value] : entry.parameters)
+    free.push_back(log_parameter(entry.name, name, 0.02 * value, 50.0 * value));
+  return free;
+}
+
+// Whether `other` is the likelier in the place of `found` where `truth` acts.
+bool takes_the_place(const NamedParameters& truth, const NamedParameters& found, const NamedParameters& other) {
+  const auto with = [](const NamedParameters& entry) {
+    Model model;
+    model.renderer = "plane";
+    model.parameters["stiffness_N_per_m"] = 900.0;
+    model.effects = {entry};
+    return model;
+  };
+  const InstrumentDescription instrument = small_noise(1.0);
+  const auto measure = [&](double phase, std::uint64_t seed) {
+    const MotionColumns path = hand(phase, 1.0);
+    return measured(path, YieldingPlane(path).predict(with(truth)).f_W_N, instrument, seed);
+  };
+  const TwoRecordings recordings(measure(0.0, 51), measure(1.1, 52), instrument, with(found),
+                                 [](const MotionColumns& motion) { return std::make_unique<YieldingPlane>(motion); });
+  const std::vector<Candidate> library;
+  const SearchSettings settings;
+  SearchState state(recordings.data, library, settings, with(found));
+  state.parameters = free_of(found);
+  state.refit();
+  state.renew_noise(state.current.model);
+  state.refit();
+  return likelier_in_place(state, with(other), free_of(other));
+}
+
+TEST(LikelierInPlace, DampingAndRelaxationTakeTheirOwnPlaceAndNoOther) {
+  EXPECT_TRUE(takes_the_place(damper(), arm(0.03), damper()));
+  EXPECT_FALSE(takes_the_place(damper(), damper(), arm(0.03)));
+  EXPECT_TRUE(takes_the_place(arm(0.3), damper(), arm(0.3)));
+  EXPECT_FALSE(takes_the_place(arm(0.3), arm(0.3), damper()));
+}
+
 }  // namespace
 }  // namespace touchstone::discrepancy

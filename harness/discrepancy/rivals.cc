@@ -11,6 +11,7 @@
 #include "harness/base/in_parallel.h"
 #include "harness/discrepancy/along_likely.h"
 #include "harness/discrepancy/model_edit.h"
+#include "harness/discrepancy/nested_law.h"
 #include "harness/discrepancy/trial_gates.h"
 #include "harness/rendering/smooth_field.h"
 
@@ -43,14 +44,23 @@ bool alike_without_noise(const SearchState& state, const Model& rival, const std
   return loss->apart_N < (close ? 1.0 : needs_close ? 0.0 : settings.apart_share) * floor_N;
 }
 
-bool does_better_without_noise(const SearchState& state, const Rival& rival, const std::string& loser) {
+// What is free with the rival in the place of the loser.
+std::vector<FreeParameter> with_rival(const SearchState& state, const Rival& rival, const std::string& loser) {
   const Model rest = without_entry(state.current.model, loser);
-  const auto parameters =
-      joined(without_owner(state.compared(), loser), state.options(state.candidate(rival.name), rest).parameters);
+  return joined(without_owner(state.compared(), loser), state.options(state.candidate(rival.name), rest).parameters);
+}
+
+bool does_better_without_noise(const SearchState& state, const Rival& rival, const std::string& loser) {
+  const auto parameters = with_rival(state, rival, loser);
   const auto compared = state.compared();
   const auto loss = compare_along_likely(*state.data, state.train, state.validation, {&state.current.model, &compared},
                                          {&rival.model, &parameters}, state.settings->iterations);
   return !loss || loss->lost < 0.0;
+}
+
+bool is_likelier(const SearchState& state, const Rival& rival, const std::string& loser) {
+  return state.budget->allows(rival.name + " in place of " + loser + ", by likelihood") &&
+         likelier_in_place(state, rival.model, with_rival(state, rival, loser));
 }
 
 // Whether the model without one of its effects has no place for the candidate: it is there, or what contains it is, or
@@ -67,12 +77,13 @@ struct Incumbent {
   JointFit bare;                    // the model without it
   Model rest;                       // the same without a fit
   std::vector<double> here;         // chi-squared of the validation blocks
+  std::vector<double> deviances;    // of the same
   double here_N = 0.0;
   double floor_N = 0.0;
 };
 
 std::optional<Rival> weigh(const SearchState& state, const Incumbent& incumbent, const Candidate& other,
-                           const CameTo& came_to, const std::set<std::string>& settled, const Report& report) {
+                           const CameTo& came_to, const Settled& settled, const Report& report) {
   const SearchSettings& settings = *state.settings;
   const FoundEffect& found = incumbent.found;
   if (is_field(other.parameters) || one_too_many(state, incumbent.rest, other.name)) return std::nullopt;
@@ -89,13 +100,16 @@ std::optional<Rival> weigh(const SearchState& state, const Incumbent& incumbent,
   rival.model = fit.model;
   std::tie(rival.validation_gain_lost, rival.error) =
       paired_difference(block_chi_squared(state.validation, fit.model), incumbent.here);
+  std::tie(rival.likelier_by, rival.likelier_error) =
+      paired_difference(incumbent.deviances, state.block_deviances(fit.model).validation);
   const double lost = rival.validation_gain_lost;
   rival.validation_rms_N = state.validation_rms_N(fit.model);
   const bool close = lost < settings.alike_errors * rival.error || lost < settings.minimum_gain / 3.0;
   const EffectLibrary library = state.library();
   rival.contains_found = library.contains(other.name, found.name);
   const bool related = rival.contains_found || library.contains(found.name, other.name);
-  rival.of_settled_kind = settled.contains(found.name) && library.of_one_kind(found.name, other.name);
+  rival.of_settled_kind = (settled.laws.contains(found.name) && library.of_one_kind(found.name, other.name)) ||
+                          settled.places.contains({found.name, other.name});
   if (rival.of_settled_kind) return rival;
   if (lost < settings.rival_gain * found.validation_gain && !related) {
     // Many units of chi-squared from a few runs have a large error and tell all the same.
@@ -109,7 +123,7 @@ std::optional<Rival> weigh(const SearchState& state, const Incumbent& incumbent,
 }
 
 std::vector<Rival> weigh_all(const SearchState& state, const Incumbent& incumbent, const CameTo& came_to,
-                             const std::set<std::string>& settled, const Report& report) {
+                             const Settled& settled, const Report& report) {
   const std::size_t count = state.candidates->size();
   std::vector<std::optional<Rival>> weighed(count);
   std::vector<std::string> said(count);
@@ -139,12 +153,22 @@ bool simpler_and_alike(const SearchState& state, const FoundEffect& found, const
   return 2 * count(rival.name) < count(found.name);
 }
 
+// By the found model's weights, or by the likelihood: those weights count what the found model lacks as noise, so that
+// what is left of a few blocks hides all others, where the rival leaves little.
+bool clearly_better(const SearchSettings& settings, const Rival& rival) {
+  const auto clear = [&](double gain, double error) {
+    return gain >= std::max(settings.minimum_gain, settings.alike_errors * error);
+  };
+  return clear(-rival.validation_gain_lost, rival.error) || clear(rival.likelier_by, rival.likelier_error);
+}
+
 }  // namespace
 
-std::vector<FoundEffect> weigh_rivals(const SearchState& state, const CameTo& came_to,
-                                      const std::set<std::string>& settled, const Report& report) {
+std::vector<FoundEffect> weigh_rivals(const SearchState& state, const CameTo& came_to, const Settled& settled,
+                                      const Report& report) {
   std::vector<FoundEffect> all;
   const auto here = block_chi_squared(state.validation, state.current.model);
+  const auto deviances = state.block_deviances(state.current.model).validation;
   const double here_N = state.validation_rms_N(state.current.model);
   const double floor_N = expected_noise_N(state.data->validation, state.current.model);
   std::vector<std::pair<std::string, Side>> names;
@@ -161,9 +185,9 @@ std::vector<FoundEffect> weigh_rivals(const SearchState& state, const CameTo& ca
     if (!bare.ok) continue;
     found.validation_gain =
         chi_squared(state.validation, bare.model) - chi_squared(state.validation, state.current.model);
-    found.rivals =
-        weigh_all(state, {found, kept, bare, without_entry(state.current.model, name), here, here_N, floor_N}, came_to,
-                  settled, report);
+    found.rivals = weigh_all(
+        state, {found, kept, bare, without_entry(state.current.model, name), here, deviances, here_N, floor_N}, came_to,
+        settled, report);
     all.push_back(std::move(found));
   }
   return all;
@@ -171,21 +195,23 @@ std::vector<FoundEffect> weigh_rivals(const SearchState& state, const CameTo& ca
 
 Swap best_swap(const SearchState& state, const std::vector<FoundEffect>& found, const std::set<std::string>& put_away) {
   Swap best;
+  Swap likelier;
   for (const FoundEffect& effect : found) {
     for (const Rival& rival : effect.rivals) {
-      const double clear = std::max(state.settings->minimum_gain, state.settings->alike_errors * rival.error);
       if (put_away.contains(rival.name) || rival.of_settled_kind) continue;
       if (simpler_and_alike(state, effect, rival)) return {&effect, &rival};
-      if (rival.validation_gain_lost > -clear) continue;
       // A law with more parameters gains a little always: whether it acts is asked elsewhere (nested_law.h).
       if (rival.contains_found || within_mesh_error(state, rival.model, rival.name)) continue;
-      if (!does_better_without_noise(state, rival, effect.name)) continue;
-      if (best.winner == nullptr || rival.validation_gain_lost < best.winner->validation_gain_lost) {
-        best = {&effect, &rival};
+      if (!clearly_better(*state.settings, rival)) {
+        if (likelier.winner == nullptr && rival.alike && is_likelier(state, rival, effect.name))
+          likelier = {&effect, &rival, true};
+        continue;
       }
+      if (!does_better_without_noise(state, rival, effect.name)) continue;
+      if (best.winner == nullptr || rival.likelier_by > best.winner->likelier_by) best = {&effect, &rival};
     }
   }
-  return best;
+  return best.winner == nullptr ? likelier : best;
 }
 
 }  // namespace touchstone::discrepancy

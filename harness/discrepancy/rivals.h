@@ -5,6 +5,7 @@
 #include <functional>
 #include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "harness/base/rooms.h"
@@ -20,6 +21,10 @@ struct Rival {
   double validation_gain_lost = 0.0;  // of chi-squared, against the found one
   double error = 0.0;                 // its standard error by blocks
   double validation_rms_N = 0.0;
+  // What it gains of -2 ln likelihood on the validation blocks, each model with what it leaves counted as noise, and
+  // the standard error of that by runs of blocks (Vuong 1989, theorem 5.1).
+  double likelier_by = 0.0;
+  double likelier_error = 0.0;
   bool alike = false;
   bool contains_found = false;   // the found one is a special case of it
   bool of_settled_kind = false;  // weighed against the found one by likelihood or by force alone: no place to take
@@ -40,18 +45,23 @@ struct FoundEffect {
 // rival's.
 using CameTo = std::function<const NamedParameters*(const std::string& rival, const std::string& added)>;
 
-// Of every effect of the state's model, each with its rivals. `settled`: laws that took the place of a special
-// case by their likelihood or by force alone: none of their kind is alike.
-std::vector<FoundEffect> weigh_rivals(const SearchState& state, const CameTo& came_to,
-                                      const std::set<std::string>& settled,
+// What was weighed by likelihood or by force alone, so that what fits alike at noisy positions is not alike.
+struct Settled {
+  std::set<std::string> laws;  // that took the place of a special case: none of their kind is alike
+  std::set<std::pair<std::string, std::string>> places;  // the effect that took the place, and what it took it from
+};
+
+// Of every effect of the state's model, each with its rivals.
+std::vector<FoundEffect> weigh_rivals(const SearchState& state, const CameTo& came_to, const Settled& settled,
                                       const std::function<void(const std::string&)>& report);
 
 // The rival that does best of those that clearly do better in the place of a found effect, also along the likely
-// motion, and the effect that it beats; or one that does as well with far fewer parameters. nullptr: none. `put_away`:
-// those that do not come back.
+// motion, and the effect that it beats; or one that does as well with far fewer parameters, or does as well at the
+// noisy positions and is the likelier along the likely motion. nullptr: none. `put_away`: those that do not come back.
 struct Swap {
   const FoundEffect* loser = nullptr;
   const Rival* winner = nullptr;
+  bool by_likelihood = false;
 };
 Swap best_swap(const SearchState& state, const std::vector<FoundEffect>& found, const std::set<std::string>& put_away);
 

@@ -41,6 +41,15 @@ void SearchState::refit() {
   if (fit.ok) current = std::move(fit);
 }
 
+SearchState::BlockDeviance SearchState::block_deviances(const Model& model) const {
+  FitData fitted = declared_train;
+  FitData judged = declared_validation;
+  const Misfit misfit = estimate_misfit(declared_train, model);
+  add_misfit(fitted, misfit);
+  add_misfit(judged, misfit);
+  return {block_deviance(fitted, model), block_deviance(judged, model)};
+}
+
 double SearchState::validation_deviance(const Model& model) const {
   FitData judged = declared_validation;
   add_misfit(judged, estimate_misfit(declared_train, model));

@@ -40,6 +40,11 @@ struct SearchState {
   void refit();
 
   // Under the noise of the current model and the misfit that the given one leaves on the training blocks.
+  struct BlockDeviance {
+    std::vector<double> train;
+    std::vector<double> validation;
+  };
+  [[nodiscard]] BlockDeviance block_deviances(const Model& model) const;
   [[nodiscard]] double validation_deviance(const Model& model) const;
   [[nodiscard]] double validation_rms_N(const Model& model) const;
 

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
 #include <numeric>
 #include <tuple>
 #include <utility>
@@ -11,6 +12,12 @@
 #include "harness/rendering/smooth_field.h"
 
 namespace touchstone::discrepancy {
+
+namespace {
+
+double in_errors(double gain, double error) { return error > 0.0 ? gain / error : 0.0; }
+
+}  // namespace
 
 std::vector<std::string> Trial::effects() const {
   return partner.empty() ? std::vector<std::string>{name} : std::vector<std::string>{name, partner};
@@ -22,6 +29,7 @@ Standing standing_of(const SearchState& state) {
   Standing standing;
   standing.train_blocks = block_chi_squared(state.train, state.current.model);
   standing.validation_blocks = block_chi_squared(state.validation, state.current.model);
+  standing.deviances = state.block_deviances(state.current.model);
   standing.train_chi_squared = std::accumulate(standing.train_blocks.begin(), standing.train_blocks.end(), 0.0);
   standing.validation_chi_squared =
       std::accumulate(standing.validation_blocks.begin(), standing.validation_blocks.end(), 0.0);
@@ -36,7 +44,12 @@ void score(const SearchState& state, const Standing& standing, Trial& trial) {
   std::tie(trial.validation_gain, trial.validation_error) =
       paired_difference(standing.validation_blocks, block_chi_squared(state.validation, model));
   trial.validation_rms_N = state.validation_rms_N(model);
-  trial.deviance = state.validation_deviance(model);
+  const auto deviances = state.block_deviances(model);
+  trial.deviance = std::accumulate(deviances.validation.begin(), deviances.validation.end(), 0.0);
+  const auto [learnt, learnt_error] = paired_difference(standing.deviances.train, deviances.train);
+  const auto [judged, judged_error] = paired_difference(standing.deviances.validation, deviances.validation);
+  trial.likelier = in_errors(judged, judged_error);
+  trial.likelier_both = in_errors(learnt + judged, std::hypot(learnt_error, judged_error));
 }
 
 std::optional<Trial> try_candidate(const SearchState& state, const Standing& standing, const Candidate& candidate) {

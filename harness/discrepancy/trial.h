@@ -43,6 +43,10 @@ struct Trial {
   double train_error = 0.0;               // standard error of that gain, by runs of blocks
   double validation_gain = 0.0;
   double validation_error = 0.0;
+  // What it gains of -2 ln likelihood, each model with what it leaves counted as noise, over the standard error of that
+  // by runs of blocks (Vuong 1989, theorem 5.1): how surely it is the likelier.
+  double likelier = 0.0;       // on the validation blocks
+  double likelier_both = 0.0;  // on both kinds
   double deviance =
       0.0;  // on the validation blocks, with what this trial leaves counted as noise: the least is the best
   double validation_rms_N = 0.0;  // of the 3-D force error, validation samples
@@ -57,6 +61,7 @@ struct Trial {
 struct Standing {
   std::vector<double> train_blocks;  // chi-squared of each
   std::vector<double> validation_blocks;
+  SearchState::BlockDeviance deviances;
   double train_chi_squared = 0.0;
   double validation_chi_squared = 0.0;
   double validation_rms_N = 0.0;

@@ -54,9 +54,7 @@ TrialVerdict weakness(const SearchState& state, const Standing& standing, const 
   if (!(trial.train_gain >= settings.minimum_gain)) return "no more than noise on the training blocks";
   if (!(trial.validation_gain >= settings.minimum_gain)) return "no more than noise on the validation blocks";
   // What acts in a few moments alone, such as a lag, gains in a few blocks, but in those of both recordings.
-  const double both = trial.train_gain + trial.validation_gain;
-  if (trial.validation_gain < settings.gain_errors * trial.validation_error &&
-      both < settings.both_gain_errors * std::hypot(trial.train_error, trial.validation_error)) {
+  if (trial.likelier < settings.gain_errors && trial.likelier_both < settings.both_gain_errors) {
     return "its gain comes from a few validation blocks alone";
   }
   const double before = standing.validation_rms_N * standing.validation_rms_N;

@@ -76,5 +76,44 @@ TEST(LeastShare, IsSmallerWhileTheModelLeavesFarMoreThanNoise) {
   EXPECT_EQ(state.least_share(soft), settings.clear_share);
 }
 
+// Circles with one dart to the side in each kind of blocks, under a damper: the darts have nearly all of the error and,
+// since what they leave counts as noise of all blocks, of the gain. Two blocks are no evidence, but the others, which
+// it explains to the last as well, are.
+TEST(FewBlocks, HideNoEffectThatMakesAllOthersLikelier) {
+  const std::vector<Candidate> library{{"viscous-friction",
+                                        Side::contact,
+                                        {{"coefficient_N_s_per_m", "N s/m", 0.0, 1e4, 0.0, ""}},
+                                        traits_of("viscous-friction")}};
+  Model start;
+  start.renderer = "plane";
+  start.parameters["stiffness_N_per_m"] = 900.0;
+  Model truth = start;
+  truth.effects.push_back({"viscous-friction", {{"coefficient_N_s_per_m", 4.0}}, ""});
+  const InstrumentDescription instrument = small_noise(1.0);
+  const MakePredictor make = [](const MotionColumns& motion) { return std::make_unique<PlanePredictor>(motion); };
+  const auto measure = [&](double phase, std::uint64_t seed) {
+    MotionColumns path = hand(phase, 1.0);
+    for (std::size_t i = 0; i < path.size(); ++i) {
+      // In contact in the first recording; the second one is not asked.
+      for (const double dart_s : {4.5, 9.1}) path.p_W_m[i].x() += 0.03 * std::tanh((path.t_s[i] - dart_s) / 0.04);
+    }
+    return measured(path, PlanePredictor(path).predict(truth).f_W_N, instrument, seed);
+  };
+  const TwoRecordings recordings(measure(0.0, 41), measure(1.1, 42), instrument, start, make);
+  const SearchSettings settings;
+  SearchState state(recordings.data, library, settings, start);
+  state.refit();
+  state.renew_noise(state.current.model);
+  state.refit();
+  const Standing standing = standing_of(state);
+  const auto trial = try_candidate(state, standing, library.front());
+  ASSERT_TRUE(trial.has_value());
+  // By chi-squared under the misfit of the smaller model it comes from a few blocks alone.
+  EXPECT_LT(trial->validation_gain, settings.gain_errors * trial->validation_error);
+  EXPECT_LT(trial->train_gain + trial->validation_gain,
+            settings.both_gain_errors * std::hypot(trial->train_error, trial->validation_error));
+  EXPECT_EQ(weakness(state, standing, *trial).words, "");
+}
+
 }  // namespace
 }  // namespace touchstone::discrepancy
