@@ -143,6 +143,20 @@ TEST(MatFile, AnArrayOfStructuresHasNoMoreThanItsBytes) {
   }
 }
 
+// matio takes the eight bytes behind the first element's tag for the tag of a name, and makes room for that many
+// letters.
+TEST(MatFile, AnObjectsNameIsNotLongerThanItsBytes) {
+  const auto path = write_mat(MAT_FT_MAT5, MAT_COMPRESSION_NONE, "object.mat");
+  const std::string arrays = read_file(path);
+  const auto with_object = [&](std::uint32_t letters) {
+    // A tag, the array flags of class 17, an element of eight bytes, and a name of four in the small format.
+    const std::array<std::uint32_t, 12> words{14, 40, 6, 8, 17, 0, 0x4005, 8, 1, letters, 0x4000a, 0x656d616e};
+    return arrays + std::string(reinterpret_cast<const char*>(words.data()), sizeof words);
+  };
+  EXPECT_THAT(mat_refusal(path, with_object(0xff000003)), HasSubstr("a name that does not end within it"));
+  EXPECT_THAT(mat_refusal(path, with_object(9)), HasSubstr("a name that does not end within it"));
+}
+
 // Level 4 has no mark of its own: the head of each matrix is five integers, then its name and its numbers.
 TEST(MatFile, AMatrixOfLevel4HasNoMoreThanItsBytes) {
   const auto path = std::filesystem::path(::testing::TempDir()) / "touchstone-import-mat" / "level4.mat";

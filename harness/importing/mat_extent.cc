@@ -17,7 +17,7 @@ namespace {
 constexpr std::size_t kHead = 128;
 constexpr std::size_t kTag = 8;
 // Types of data elements and classes of arrays: MAT-File Format, tables 1-1 and 1-3.
-constexpr std::uint32_t kInt32 = 5, kUint32 = 6, kMatrix = 14, kCompressed = 15;
+constexpr std::uint32_t kInt8 = 1, kInt32 = 5, kUint32 = 6, kMatrix = 14, kCompressed = 15;
 constexpr std::uint32_t kCell = 1, kStruct = 2, kObject = 3, kSparse = 5, kFunction = 16, kOpaque = 17;
 constexpr int kDeepest = 32;
 
@@ -42,7 +42,7 @@ class VariableCheck {
     if (!flags || flags->type != kUint32 || flags->data.size() != 8) return "no array flags";
     const std::uint32_t kind = number(flags->data, 0, little_) & 0xffU;
     if (kind == 0 || kind > kOpaque) return fmt::format("the class {}", kind);
-    if (kind == kOpaque) return elements(body);  // it has no dimensions, and no numbers are taken from it
+    if (kind == kOpaque) return opaque(body);
     const auto dimensions = take(body);
     if (!dimensions || dimensions->type != kInt32 || dimensions->data.size() % 4 != 0 || dimensions->data.size() < 8) {
       return "no dimensions";
@@ -98,6 +98,19 @@ class VariableCheck {
       if (!take(body)) return "numbers that do not end within it";
     }
     return std::nullopt;
+  }
+
+  // An object of a MATLAB class has no dimensions, and no numbers are taken from it. matio looks for dimensions and a
+  // name all the same: whatever its first element is called, the eight bytes behind that tag are the tag of a name to
+  // it (Mat_VarReadNextInfo5 of mat5.c, matio 1.5.23), and it makes room for as many letters as they say.
+  [[nodiscard]] std::optional<std::string> opaque(std::string_view body) const {
+    const bool dimensions = body.size() >= kTag && number(body, 0, little_) == kInt32;
+    const std::size_t behind_tag = dimensions ? kTag + (std::size_t{number(body, 4, little_)} + 7) / 8 * 8 : kTag;
+    if (body.size() >= behind_tag + kTag && number(body, behind_tag, little_) == kInt8 &&
+        number(body, behind_tag + 4, little_) > body.size() - behind_tag - kTag) {
+      return "a name that does not end within it";
+    }
+    return elements(body);
   }
 
   std::optional<std::string> structure(std::string_view body, std::uint32_t kind, std::uint64_t count,
