@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <optional>
 
 namespace touchstone::renderers {
@@ -45,25 +46,6 @@ constexpr double kParallel = 1e-6;
 struct Corners {
   const Vec3 &a, &b, &c;
 };
-
-// How far pairs may be apart that are asked for.
-struct Range {
-  double reach;  // the larger of margin and overlap
-  // Above a face that is blunt: there, what is farther than the margin can only touch by an overlap, and that lies
-  // below. A little more, for rounding.
-  double above_blunt;
-};
-
-Range range_of(double margin_m, double overlap_m) {
-  constexpr double kRounding = 1e-6;
-  return {std::max(margin_m, overlap_m), margin_m + kRounding * (margin_m + overlap_m)};
-}
-
-// All three corners more than `above` above the plane n . x = d, or all more than `below` below it.
-bool far_from_plane(const Corners& t, const Vec3& n, double d, double above, double below) {
-  const double a = dot(n, t.a) - d, b = dot(n, t.b) - d, c = dot(n, t.c) - d;
-  return (a > above && b > above && c > above) || (a < -below && b < -below && c < -below);
-}
 
 bool above_triangle(const Corners& t, const Vec3& n, const Vec3& p) {
   const auto beside = [&](const Vec3& from, const Vec3& to) {
@@ -135,6 +117,8 @@ FeatureMesh::FeatureMesh(TriangleMesh mesh) : mesh_(std::move(mesh)), tree_(tria
       const Vec3& other = topology.face_normals[at(beside)];
       edge.outward = face.n + other;
       edge.inward = {face.n.cross(along), along.cross(other)};
+      edge.ball = {0.5 * (vertex(edge.ends[0]) + vertex(edge.ends[1])),
+                   0.5 * (vertex(edge.ends[1]) - vertex(edge.ends[0])).norm()};
       face.blunt = face.blunt && face.n.dot(other) >= 0.0;
       face.edges[e] = static_cast<std::int32_t>(edges_.size());
       edges_.push_back(edge);
@@ -166,29 +150,15 @@ Corners corners_of(const FeatureMesh& mesh, std::int32_t t) {
   return {mesh.vertex(a), mesh.vertex(b), mesh.vertex(c)};
 }
 
-void edge_pair(const FeatureMesh& tool, const FeatureMesh::Edge& on_tool, const FeatureMesh& object,
-               const FeatureMesh::Edge& on_object, const Pose& pose, const Mat3& rotation, Collector& collector) {
-  const Vec3 a = pose.p_W_m + rotation * tool.vertex(on_tool.ends[0]);
-  const Vec3 u = pose.p_W_m + rotation * tool.vertex(on_tool.ends[1]) - a;
-  const Vec3& b = object.vertex(on_object.ends[0]);
-  const Vec3 v = object.vertex(on_object.ends[1]) - b;
-  Vec3 n = u.cross(v);
-  const double square = n.squaredNorm();
-  if (square <= kParallel * kParallel * u.squaredNorm() * v.squaredNorm()) return;
-  // The lines' common perpendicular: its feet at a + s u and b + t v.
-  const Vec3 between = b - a;
-  const double s = between.cross(v).dot(n) / square;
-  const double t = between.cross(u).dot(n) / square;
-  if (s < -kSlack || s > 1.0 + kSlack || t < -kSlack || t > 1.0 + kSlack) return;
-  n /= std::sqrt(square);
-  if (n.dot(on_object.outward) < 0.0) n = -n;
-  const double gap = -n.dot(between);
-  if (!collector.wants(gap)) return;
-  for (int k = 0; k < 2; ++k) {
-    const auto i = static_cast<std::size_t>(k);
-    if (n.dot(on_object.inward[i]) > kSlack || n.dot(rotation * on_tool.inward[i]) < -kSlack) return;
-  }
-  collector.add({a + s * u, n, gap});
+// In line: Eigen calls a function for this product.
+inline Vec3 turned(const Mat3& r, const Vec3& v) {
+  return {r(0, 0) * v.x() + r(0, 1) * v.y() + r(0, 2) * v.z(), r(1, 0) * v.x() + r(1, 1) * v.y() + r(1, 2) * v.z(),
+          r(2, 0) * v.x() + r(2, 1) * v.y() + r(2, 2) * v.z()};
+}
+
+bool apart(const Vec3& a, double radius_a, const Vec3& b, double radius_b, double reach) {
+  const double touch = radius_a + radius_b + reach;
+  return (a - b).squaredNorm() > touch * touch;
 }
 
 // A vertex at v beside the ridge edge from a to b, in the wedge outside of both of its faces: from the nearest point of
@@ -203,186 +173,296 @@ std::optional<Vec3> beside_edge(const Vec3& v, const Vec3& a, const Vec3& b, con
   return away;
 }
 
-// No pair of these two triangles is in the range: every pair spans from a point of one triangle to a point of the
-// other, so that neither is farther from the other's plane. The object's plane in T, and the tool's in W.
-bool apart(const FeatureMesh& tool, std::int32_t s, const FeatureMesh& object, std::int32_t t, const Pose& pose,
-           const Mat3& rotation, const Range& range) {
-  const Corners tool_corners = corners_of(tool, s);
-  const Corners object_corners = corners_of(object, t);
-  const FeatureMesh::Face& on_object = object.face(t);
-  const auto above = [&](const FeatureMesh::Face& face) { return face.blunt ? range.above_blunt : range.reach; };
-  if (far_from_plane(tool_corners, rotation.transpose() * on_object.n, dot(on_object.n, object_corners.a - pose.p_W_m),
-                     above(on_object), range.reach))
-    return true;
-  const FeatureMesh::Face& on_tool = tool.face(s);
-  const Vec3 tool_n_W = rotation * on_tool.n;
-  return far_from_plane(object_corners, tool_n_W, dot(on_tool.n, tool_corners.a) + dot(tool_n_W, pose.p_W_m),
-                        above(on_tool), range.reach);
-}
+// A number of single precision that is not above, or not below, the value.
+constexpr double kSingle = 1e-6;
+float rounded_down(double value) { return static_cast<float>(value - kSingle * std::abs(value)); }
+float rounded_up(double value) { return static_cast<float>(value + kSingle * std::abs(value)); }
 
-double between_balls(const FeatureMesh& tool, std::int32_t s, const FeatureMesh& object, std::int32_t t,
-                     const Pose& pose, const Mat3& rotation) {
-  const Ball& a = tool.face(s).ball;
-  const Ball& b = object.face(t).ball;
-  return (pose.p_W_m + rotation * a.center - b.center).norm() - a.radius - b.radius;
-}
+}  // namespace
 
-void triangle_pair(const FeatureMesh& tool, std::int32_t s, const FeatureMesh& object, std::int32_t t, const Pose& pose,
-                   const Mat3& rotation, Collector& collector) {
-  const FeatureMesh::Face& on_tool = tool.face(s);
-  const FeatureMesh::Face& on_object = object.face(t);
-  const Corners object_corners = corners_of(object, t);
-  const Corners tool_corners = corners_of(tool, s);
-  const Vec3 tool_n_W = rotation * on_tool.n;
-  for (const std::int32_t v : on_tool.vertices) {
-    if (v < 0) continue;
-    const Vec3 p = pose.p_W_m + rotation * tool.vertex(v);
-    const double gap = on_object.n.dot(p - object_corners.a);
-    if (collector.wants(gap) && above_triangle(object_corners, on_object.n, p)) collector.add({p, on_object.n, gap});
+// One question: where the tool is, and its triangles and the object's there.
+class NearPairFinder::Asked {
+ public:
+  Asked(NearPairFinder& finder, const Pose& pose, const Mat3& rotation)
+      : tool_(finder.tool_),
+        object_(finder.object_),
+        tool_W_(finder.tool_W_),
+        object_T_(finder.object_T_),
+        pose_(pose),
+        rotation_(rotation),
+        question_(++finder.question_) {}
+
+  Bounds bounds(std::int32_t s, std::int32_t t) {
+    turn(s);
+    const FeatureMesh::Face& on_tool = tool_.face(s);
+    const FeatureMesh::Face& on_object = object_.face(t);
+    const auto& corners = object_.mesh().triangles[at(t)];
+    const Vec3& origin = object_.vertex(corners[0]);
+    const Vec3 tool_origin = corners_W_[0];
+    double low = 0.0, high = 0.0, low_T = 0.0, high_T = 0.0;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const double h = dot(on_object.n, corners_W_[k] - origin);
+      const double g = dot(n_W_, object_.vertex(corners[k]) - tool_origin);
+      low = k == 0 ? h : std::min(low, h);
+      high = k == 0 ? h : std::max(high, h);
+      low_T = k == 0 ? g : std::min(low_T, g);
+      high_T = k == 0 ? g : std::max(high_T, g);
+    }
+    const double balls = (center_W_ - on_object.ball.center).norm() - on_tool.ball.radius - on_object.ball.radius;
+    return {std::max({balls, low, -high, low_T, -high_T}), on_object.blunt ? low : -1.0, on_tool.blunt ? low_T : -1.0};
+  }
+
+  void pairs(std::int32_t s, std::int32_t t, double reach, Collector& collector) {
+    turn(s);
+    const FeatureMesh::Face& on_tool = tool_.face(s);
+    const FeatureMesh::Face& on_object = object_.face(t);
+    const Corners object_corners = corners_of(object_, t);
+    const Corners tool_corners = corners_of(tool_, s);
+    for (const std::int32_t v : on_tool.vertices) {
+      if (v < 0) continue;
+      const Vec3& p = tool_W(v);
+      const double gap = on_object.n.dot(p - object_corners.a);
+      if (collector.wants(gap) && above_triangle(object_corners, on_object.n, p)) collector.add({p, on_object.n, gap});
+      for (const std::int32_t f : on_object.edges) {
+        if (f < 0) continue;
+        const FeatureMesh::Edge& edge = object_.edge(f);
+        if (apart(p, 0.0, edge.ball.center, edge.ball.radius, reach)) continue;
+        const auto away =
+            beside_edge(p, object_.vertex(edge.ends[0]), object_.vertex(edge.ends[1]), edge, collector.nearest());
+        if (away && collector.wants(away->norm())) collector.add({p, away->normalized(), away->norm()});
+      }
+    }
+    // In the tool's frame: one point turns instead of three.
+    for (const std::int32_t v : on_object.vertices) {
+      if (v < 0) continue;
+      const Vec3& p_T = object_T(v);
+      const double gap = on_tool.n.dot(p_T - tool_corners.a);
+      if (collector.wants(gap) && above_triangle(tool_corners, on_tool.n, p_T))
+        collector.add({object_.vertex(v), -n_W_, gap});
+      for (const std::int32_t e : on_tool.edges) {
+        if (e < 0) continue;
+        const FeatureMesh::Edge& edge = tool_.edge(e);
+        if (apart(p_T, 0.0, edge.ball.center, edge.ball.radius, reach)) continue;
+        const auto away =
+            beside_edge(p_T, tool_.vertex(edge.ends[0]), tool_.vertex(edge.ends[1]), edge, collector.nearest());
+        if (away && collector.wants(away->norm()))
+          collector.add({pose_.p_W_m + rotation_ * (p_T - *away), -(rotation_ * away->normalized()), away->norm()});
+      }
+    }
     for (const std::int32_t f : on_object.edges) {
       if (f < 0) continue;
-      const FeatureMesh::Edge& edge = object.edge(f);
-      const auto away =
-          beside_edge(p, object.vertex(edge.ends[0]), object.vertex(edge.ends[1]), edge, collector.nearest());
-      if (away && collector.wants(away->norm())) collector.add({p, away->normalized(), away->norm()});
+      for (const std::int32_t e : on_tool.edges) {
+        if (e >= 0) edge_pair(tool_.edge(e), object_.edge(f), reach, collector);
+      }
     }
   }
-  // In the tool's frame: one point turns instead of three.
-  for (const std::int32_t v : on_object.vertices) {
-    if (v < 0) continue;
-    const Vec3 p_T = rotation.transpose() * (object.vertex(v) - pose.p_W_m);
-    const double gap = on_tool.n.dot(p_T - tool_corners.a);
-    if (collector.wants(gap) && above_triangle(tool_corners, on_tool.n, p_T))
-      collector.add({object.vertex(v), -tool_n_W, gap});
-    for (const std::int32_t e : on_tool.edges) {
-      if (e < 0) continue;
-      const FeatureMesh::Edge& edge = tool.edge(e);
-      const auto away =
-          beside_edge(p_T, tool.vertex(edge.ends[0]), tool.vertex(edge.ends[1]), edge, collector.nearest());
-      if (away && collector.wants(away->norm()))
-        collector.add({pose.p_W_m + rotation * (p_T - *away), -(rotation * away->normalized()), away->norm()});
+
+ private:
+  void edge_pair(const FeatureMesh::Edge& on_tool, const FeatureMesh::Edge& on_object, double reach,
+                 Collector& collector) {
+    const Vec3& a = tool_W(on_tool.ends[0]);
+    const Vec3& end = tool_W(on_tool.ends[1]);
+    if (apart(0.5 * (a + end), on_tool.ball.radius, on_object.ball.center, on_object.ball.radius, reach)) return;
+    const Vec3 u = end - a;
+    const Vec3& b = object_.vertex(on_object.ends[0]);
+    const Vec3 v = object_.vertex(on_object.ends[1]) - b;
+    Vec3 n = u.cross(v);
+    const double square = n.squaredNorm();
+    if (square <= kParallel * kParallel * u.squaredNorm() * v.squaredNorm()) return;
+    // The lines' common perpendicular: its feet at a + s u and b + t v.
+    const Vec3 between = b - a;
+    const double s = between.cross(v).dot(n) / square;
+    const double t = between.cross(u).dot(n) / square;
+    if (s < -kSlack || s > 1.0 + kSlack || t < -kSlack || t > 1.0 + kSlack) return;
+    n /= std::sqrt(square);
+    if (n.dot(on_object.outward) < 0.0) n = -n;
+    const double gap = -n.dot(between);
+    if (!collector.wants(gap)) return;
+    for (int k = 0; k < 2; ++k) {
+      const auto i = static_cast<std::size_t>(k);
+      if (n.dot(on_object.inward[i]) > kSlack || n.dot(rotation_ * on_tool.inward[i]) < -kSlack) return;
     }
+    collector.add({a + s * u, n, gap});
   }
-  for (const std::int32_t f : on_object.edges) {
-    if (f < 0) continue;
-    for (const std::int32_t e : on_tool.edges) {
-      if (e >= 0) edge_pair(tool, tool.edge(e), object, object.edge(f), pose, rotation, collector);
+
+  const Vec3& tool_W(std::int32_t v) {
+    Vec3& p = tool_W_.points[at(v)];
+    if (tool_W_.question[at(v)] != question_) {
+      tool_W_.question[at(v)] = question_;
+      p = pose_.p_W_m + rotation_ * tool_.vertex(v);
     }
+    return p;
   }
-}
-
-}  // namespace
-
-namespace {
-
-// The pairs of triangles of which one comes within `reach` of the other's plane, in the order of the trees.
-template <typename Found>
-void visit_near(const FeatureMesh& tool, const FeatureMesh& object, const Pose& pose, const Mat3& rotation,
-                double reach, Found&& found) {
-  struct Open {  // NOLINT(cppcoreguidelines-pro-type-member-init): written before it is read
-    std::int32_t a, b;
-  };
-  std::array<Open, 2 * SphereTree::kDepth> stack;  // NOLINT(cppcoreguidelines-pro-type-member-init)
-  std::size_t size = 0;
-  stack[size++] = {0, 0};
-  while (size > 0) {
-    const Open open = stack[--size];
-    const SphereTree::Node& a = tool.tree().node(open.a);
-    const SphereTree::Node& b = object.tree().node(open.b);
-    if (!can_touch(a.tags, b.tags)) continue;
-    const double touch = a.ball.radius + b.ball.radius + reach;
-    if ((pose.p_W_m + rotation * a.ball.center - b.ball.center).squaredNorm() > touch * touch) continue;
-    if (a.child < 0 && b.child < 0) {
-      if (!apart(tool, a.item, object, b.item, pose, rotation, {reach, reach})) found(a.item, b.item);
-    } else if (b.child < 0 || (a.child >= 0 && a.ball.radius >= b.ball.radius)) {
-      stack[size++] = {a.child + 1, open.b};
-      stack[size++] = {a.child, open.b};
-    } else {
-      stack[size++] = {open.a, b.child + 1};
-      stack[size++] = {open.a, b.child};
+  const Vec3& object_T(std::int32_t v) {
+    Vec3& p = object_T_.points[at(v)];
+    if (object_T_.question[at(v)] != question_) {
+      object_T_.question[at(v)] = question_;
+      p = rotation_.transpose() * (object_.vertex(v) - pose_.p_W_m);
     }
+    return p;
   }
-}
+  // The tool's triangle s, which comes many times in a row.
+  void turn(std::int32_t s) {
+    if (s == turned_) return;
+    turned_ = s;
+    const FeatureMesh::Face& face = tool_.face(s);
+    n_W_ = rotation_ * face.n;
+    center_W_ = pose_.p_W_m + turned(rotation_, face.ball.center);
+    const auto& corners = tool_.mesh().triangles[at(s)];
+    for (std::size_t k = 0; k < 3; ++k) corners_W_[k] = tool_W(corners[k]);
+  }
 
-}  // namespace
-
-namespace {
-
-// Of all of the tool's triangle above the object's plane, where the object's face is blunt.
-double above_face(const FeatureMesh& tool, std::int32_t s, const FeatureMesh& object, std::int32_t t, const Pose& pose,
-                  const Mat3& rotation) {
-  const FeatureMesh::Face& face = object.face(t);
-  if (!face.blunt) return -1.0;
-  const Corners corners = corners_of(tool, s);
-  const Vec3 n_T = rotation.transpose() * face.n;
-  return std::min({dot(n_T, corners.a), dot(n_T, corners.b), dot(n_T, corners.c)}) -
-         dot(face.n, corners_of(object, t).a - pose.p_W_m);
-}
-
-// A number of single precision that is not above the value.
-float rounded_down(double value) {
-  constexpr double kShare = 1e-6;
-  return static_cast<float>(value - kShare * std::abs(value));
-}
-
-}  // namespace
+  const FeatureMesh& tool_;
+  const FeatureMesh& object_;
+  Turned& tool_W_;
+  Turned& object_T_;
+  const Pose& pose_;
+  const Mat3& rotation_;
+  std::uint64_t question_;
+  std::int32_t turned_ = -1;
+  Vec3 n_W_ = Vec3::Zero(), center_W_ = Vec3::Zero();
+  std::array<Vec3, 3> corners_W_;
+};
 
 NearPairFinder::NearPairFinder(const FeatureMesh& tool, const FeatureMesh& object, double unit_m)
     : tool_(tool), object_(object), unit_m_(unit_m) {
   // More are not kept: the trees are then visited for each question.
-  constexpr std::size_t kMostCandidates = 16384;
-  candidates_.reserve(kMostCandidates);
+  constexpr std::size_t kMostPairs = 16384;
+  now_.pairs.reserve(kMostPairs);
+  next_.pairs.reserve(kMostPairs);
+  const auto make_room = [](Turned& turned, const FeatureMesh& mesh) {
+    turned.points.resize(mesh.mesh().vertices_W_m.size());
+    turned.question.assign(turned.points.size(), 0);
+  };
+  make_room(tool_W_, tool);
+  make_room(object_T_, object);
+}
+
+bool NearPairFinder::small(std::int32_t on_object) const {
+  return object_.face(on_object).ball.radius <= tool_.reach_m();
+}
+
+double NearPairFinder::above_of(const Bounds& bounds, std::int32_t on_object) const {
+  return small(on_object) ? std::max(bounds.above_object, bounds.above_tool) : bounds.above_object;
+}
+
+std::size_t NearPairFinder::memory_bytes() const noexcept {
+  return (now_.pairs.capacity() + next_.pairs.capacity()) * sizeof(TrianglePair) +
+         (tool_W_.points.capacity() + object_T_.points.capacity()) * (sizeof(Vec3) + sizeof(std::uint64_t));
+}
+
+void NearPairFinder::begin(List& list, const Pose& pose, double reach_m) noexcept {
+  list.pairs.clear();
+  list.at = pose;
+  list.rotation = pose.q_WT.toRotationMatrix();
+  list.reach_m = reach_m;
+  list.lever_m = tool_.reach_m();
+  list.translated_m = list.turned_rad = 0.0;
+  stack_[0] = {0, 0};
+  open_ = 1;
+  visited_ = 0;
+}
+
+void NearPairFinder::visit(List& list, std::size_t most_nodes) noexcept {
+  Asked there(*this, list.at, list.rotation);
+  for (std::size_t n = 0; n < most_nodes && open_ > 0 && list.pairs.size() < list.pairs.capacity(); ++n) {
+    ++visited_;
+    const Open open = stack_[--open_];
+    const SphereTree::Node& a = tool_.tree().node(open.a);
+    const SphereTree::Node& b = object_.tree().node(open.b);
+    if (!can_touch(a.tags, b.tags)) continue;
+    if (apart(list.at.p_W_m + turned(list.rotation, a.ball.center), a.ball.radius, b.ball.center, b.ball.radius,
+              list.reach_m))
+      continue;
+    if (a.child < 0 && b.child < 0) {
+      const Bounds bounds = there.bounds(a.item, b.item);
+      if (bounds.apart > list.reach_m) continue;
+      const Ball& ball = object_.face(b.item).ball;
+      if (small(b.item))
+        list.lever_m = std::max(list.lever_m, (ball.center - list.at.p_W_m).norm() + ball.radius + list.reach_m);
+      list.pairs.push_back({a.item, b.item, rounded_down(bounds.apart), rounded_down(above_of(bounds, b.item))});
+    } else if (b.child < 0 || (a.child >= 0 && a.ball.radius >= b.ball.radius)) {
+      stack_[open_++] = {a.child + 1, open.b};
+      stack_[open_++] = {a.child, open.b};
+    } else {
+      stack_[open_++] = {open.a, b.child + 1};
+      stack_[open_++] = {open.a, b.child};
+    }
+  }
 }
 
 std::size_t NearPairFinder::find(const Pose& pose, double margin_m, double overlap_m,
                                  std::span<NearPair> pairs) noexcept {
   // How far the tool may move before the trees are visited again. More of it lengthens the list.
   constexpr double kSpare_m = 0.3e-3;
+  const double spare = kSpare_m / unit_m_;
   Collector collector(margin_m, overlap_m, unit_m_, pairs);
   const Mat3 rotation = pose.q_WT.toRotationMatrix();
   const double reach = std::max(margin_m, overlap_m);
+  // Gaps above blunt faces; a little more, for rounding.
+  constexpr double kRounding = 1e-6;
+  const double above_blunt = margin_m + kRounding * (margin_m + overlap_m);
+  const Displacement step = displacement(asked_at_, pose);
+  asked_at_ = pose;
+  for (List* const list : {&now_, &next_}) {
+    list->translated_m += step.translation_m.norm();
+    list->turned_rad += step.rotation_rad.norm();
+  }
   // No point of the tool has moved farther: a turn moves a point by no more than its angle times the point's distance.
-  const Displacement since = displacement(listed_at_, pose);
-  const double moved_m = since.translation_m.norm() + tool_.reach_m() * since.rotation_rad.norm();
-  const Range range = range_of(margin_m, overlap_m);
-  const auto ask = [&](std::int32_t s, std::int32_t t) {
-    if (!apart(tool_, s, object_, t, pose, rotation, range))
-      triangle_pair(tool_, s, object_, t, pose, rotation, collector);
+  const auto moved_since = [&](const List& list) {
+    const Displacement since = displacement(list.at, pose);
+    return since.translation_m.norm() + tool_.reach_m() * since.rotation_rad.norm();
   };
-  if (!(reach + moved_m <= listed_reach_m_)) {
-    // Asked and listed in one visit; a list that does not hold all is none.
-    const double listed_reach_m = reach + kSpare_m / unit_m_;
-    candidates_.clear();
-    bool whole = true;
-    visit_near(tool_, object_, pose, rotation, listed_reach_m, [&](std::int32_t s, std::int32_t t) {
-      ask(s, t);
-      if (candidates_.size() < candidates_.capacity()) {
-        candidates_.push_back({s, t, rounded_down(between_balls(tool_, s, object_, t, pose, rotation)),
-                               rounded_down(above_face(tool_, s, object_, t, pose, rotation))});
-      } else {
-        whole = false;
+  const auto holds = [&](const List& list) { return reach + moved_since(list) <= list.reach_m; };
+  constexpr std::size_t kAll = std::numeric_limits<std::size_t>::max();
+  // The next list becomes the present one, if it holds all.
+  const auto finish = [&] {
+    visit(next_, kAll);
+    too_many_ = open_ > 0;
+    visited_last_ = visited_;
+    if (!too_many_) std::swap(now_, next_);
+  };
+  if (!holds(now_) && open_ > 0) finish();
+  if (!holds(now_)) {
+    begin(next_, pose, too_many_ ? reach : reach + spare);
+    finish();
+  } else {
+    if (open_ == 0 && moved_since(now_) > 0.75 * spare) begin(next_, pose, reach + spare);
+    if (open_ > 0) {
+      // In time for what is left of the spare way, at the speed of this step.
+      const double step_m = step.translation_m.norm() + tool_.reach_m() * step.rotation_rad.norm();
+      constexpr std::size_t kFewest = 64;
+      visit(next_, kFewest + static_cast<std::size_t>(double(visited_last_) * std::min(1.0, step_m / (0.2 * spare))));
+      if (open_ == 0) {
+        visited_last_ = visited_;
+        std::swap(now_, next_);
       }
-    });
-    listed_at_ = pose;
-    listed_reach_m_ = whole ? listed_reach_m : -1.0;
+    }
+  }
+
+  Asked asked(*this, pose, rotation);
+  const auto ask = [&](std::int32_t s, std::int32_t t, const Bounds& bounds) {
+    if (bounds.apart <= reach && std::max(bounds.above_object, bounds.above_tool) <= above_blunt)
+      asked.pairs(s, t, reach, collector);
+  };
+  if (too_many_) {  // asked part by part
+    while (!next_.pairs.empty()) {
+      for (const TrianglePair& pair : next_.pairs)
+        ask(pair.on_tool, pair.on_object, asked.bounds(pair.on_tool, pair.on_object));
+      next_.pairs.clear();
+      visit(next_, kAll);
+    }
     return collector.count();
   }
-  // The tool's points have come nearer by no more than they moved: most of the list is passed over by these alone.
-  const double still_apart = reach + moved_m;
-  const double still_above = range.above_blunt + moved_m;
-  std::int32_t turned = -1;  // the tool's triangle whose ball is turned into W already
-  Vec3 center_W = Vec3::Zero();
-  for (const TrianglePair& near : candidates_) {
-    if (double(near.apart_m) > still_apart || double(near.above_m) > still_above) continue;
-    const Ball& a = tool_.face(near.on_tool).ball;
-    const Ball& b = object_.face(near.on_object).ball;
-    if (near.on_tool != turned) {
-      turned = near.on_tool;
-      center_W = pose.p_W_m + rotation * a.center;
-    }
-    const double touch = a.radius + b.radius + reach;
-    if ((center_W - b.center).squaredNorm() > touch * touch) continue;
-    ask(near.on_tool, near.on_object);
+  const double travelled_m = now_.travelled_m();
+  const float apart_now_m = rounded_up(travelled_m + reach);
+  const float above_now_m = rounded_up(travelled_m + above_blunt);
+  for (TrianglePair& pair : now_.pairs) {
+    if (pair.apart_until_m > apart_now_m || pair.above_until_m > above_now_m) continue;
+    const Bounds bounds = asked.bounds(pair.on_tool, pair.on_object);
+    pair.apart_until_m = rounded_down(travelled_m + bounds.apart);
+    pair.above_until_m = rounded_down(travelled_m + above_of(bounds, pair.on_object));
+    ask(pair.on_tool, pair.on_object, bounds);
   }
   return collector.count();
 }

@@ -35,6 +35,7 @@ class FeatureMesh {
     std::array<std::int32_t, 2> ends{};
     Vec3 outward;                // sum of the face normals, not unit
     std::array<Vec3, 2> inward;  // unit, in each of its faces, away from the edge
+    Ball ball;                   // about it
   };
   struct Face {
     Vec3 n;
@@ -63,7 +64,9 @@ class FeatureMesh {
 
 // Finds the near pairs of a tool that moves little from one question to the next. The pairs of triangles that could
 // have any are kept with some way to spare (a Verlet list: Verlet 1967, of molecules), and the trees are visited again
-// only when the tool has moved that way: no answer depends on what was asked before.
+// only when the tool has moved that way; the next list is made bit by bit before, so that no single step pays for it.
+// A pair of the list that is apart sleeps until the tool's points have travelled what it is apart by. No answer depends
+// on what was asked before.
 class NearPairFinder {
  public:
   // Holds on to both. `unit_m`: how long one unit of their coordinates is, which lengths of the finder's own follow.
@@ -72,22 +75,63 @@ class NearPairFinder {
   // Fills `pairs` with pairs of -overlap_m <= gap <= margin_m, in the order of the trees; returns their number. When
   // there is no room the pairs with the least gaps stay. Allocates nothing.
   std::size_t find(const Pose& pose, double margin_m, double overlap_m, std::span<NearPair> pairs) noexcept;
-  [[nodiscard]] std::size_t memory_bytes() const noexcept { return candidates_.capacity() * sizeof(TrianglePair); }
+  [[nodiscard]] std::size_t memory_bytes() const noexcept;
 
  private:
   struct TrianglePair {
     std::int32_t on_tool, on_object;
-    // When it was listed: how far the two are apart at least, and how far all of the tool's triangle was above the
-    // object's plane (less than nothing where that tells nothing).
-    float apart_m, above_m;
+    // It is not asked while these are more than what was travelled and the range that is asked for; see Bounds.
+    float apart_until_m, above_until_m;
   };
+  // The pairs near one pose, and how far the tool has gone since.
+  struct List {
+    std::vector<TrianglePair> pairs;
+    Pose at;
+    Mat3 rotation = Mat3::Identity();
+    double reach_m = -1.0;  // less than 0: no list
+    double lever_m = 0.0;   // no point of the tool or of a small triangle of the list is farther from the tool's origin
+    double translated_m = 0.0, turned_rad = 0.0;  // sums over all steps
+    [[nodiscard]] double travelled_m() const { return translated_m + lever_m * turned_rad; }
+  };
+  struct Open {
+    std::int32_t a, b;  // nodes of the tool's and of the object's tree
+  };
+  // A tool's or object's vertices in the other frame, each turned once for a question.
+  struct Turned {
+    std::vector<Vec3> points;
+    std::vector<std::uint64_t> question;
+  };
+  // How far two triangles are from having a pair. Every pair spans from a point of one triangle to a point of the
+  // other, so that neither is farther apart than the balls about them or than either is from the other's plane.
+  struct Bounds {
+    double apart;  // no pair has a gap, or an overlap, of less than this
+    // The same of gaps alone: above a face that is blunt what is farther than the margin can only touch by an overlap,
+    // and that lies below. The least height of all of the tool's triangle above the object's plane, and of the object's
+    // above the tool's; less than nothing where it tells nothing.
+    double above_object, above_tool;
+  };
+  class Asked;
+
+  // How high a large triangle lies above the tool's plane changes by more than the tool's points move: not told by what
+  // they travelled.
+  [[nodiscard]] bool small(std::int32_t on_object) const;
+  [[nodiscard]] double above_of(const Bounds& bounds, std::int32_t on_object) const;
+
+  void begin(List& list, const Pose& pose, double reach_m) noexcept;
+  // Goes on with the list that is being made, until it is full, or there is no more to visit (open_ is 0).
+  void visit(List& list, std::size_t most_nodes) noexcept;
 
   const FeatureMesh& tool_;
   const FeatureMesh& object_;
   double unit_m_;
-  std::vector<TrianglePair> candidates_;
-  Pose listed_at_;
-  double listed_reach_m_ = -1.0;  // less than 0: no list
+  List now_, next_;
+  std::array<Open, 2 * SphereTree::kDepth> stack_;  // of the next list
+  std::size_t open_ = 0;                            // 0: none is being made
+  std::size_t visited_ = 0, visited_last_ = 0;      // nodes, of the next list and of the one before
+  bool too_many_ = false;                           // the last list did not hold all
+  Pose asked_at_;
+  Turned tool_W_, object_T_;
+  std::uint64_t question_ = 0;
 };
 
 }  // namespace touchstone::renderers

@@ -143,6 +143,27 @@ TEST(NearPairFinder, AnswersAsOneThatWasAskedNothingBefore) {
   EXPECT_GT(pairs, 1000U);
 }
 
+// Units so small that the spare way holds every pair of triangles: more than are kept.
+TEST(NearPairFinder, MorePairsThanAreKeptAreAskedPartByPart) {
+  const FeatureMesh tool(synthetic::ellipsoid_mesh(Vec3(0, 0, -0.03), Vec3(0.02, 0.018, 0.016), 2000));
+  const FeatureMesh object(synthetic::box_mesh(Vec3(-0.04, -0.04, -0.02), Vec3(0.04, 0.04, 0.0), 9));
+  constexpr double kUnit_m = 1e-3;
+  NearPairFinder kept(tool, object, kUnit_m);
+  Random random(75);
+  std::array<NearPair, 64> found, fresh;
+  Pose pose{Vec3(0, 0, 0.046), Quat::Identity()};
+  std::size_t pairs = 0;
+  for (int i = 0; i < 4; ++i) {
+    pose = moved(pose, {0.03e-3 * random.direction(), 1e-3 * random.direction()});
+    pose.p_W_m.z() = std::clamp(pose.p_W_m.z(), 0.0455, 0.0465);
+    const std::size_t count = kept.find(pose, 0.3e-3, 0.2e-3, found);
+    ASSERT_EQ(NearPairFinder(tool, object, kUnit_m).find(pose, 0.3e-3, 0.2e-3, fresh), count);
+    for (std::size_t k = 0; k < count; ++k) EXPECT_EQ(found[k].gap_m, fresh[k].gap_m);
+    pairs += count;
+  }
+  EXPECT_GT(pairs, 4U);
+}
+
 TEST(Voxmap, LayersOfABox) {
   const TriangleMesh box = synthetic::box_mesh(Vec3::Zero(), Vec3(0.01, 0.02, 0.03));
   const auto surface = make_embree_surface(box);
