@@ -158,7 +158,9 @@ void say_law(Findings& findings) {
   findings.explanation += fmt::format(
       " An empirical law describes what is missing: {}; it follows {}. With it the held-out error falls from {:.4g} N "
       "to "
-      "{:.4g} N{}: {:.0f} % of what noise does not explain. It is no physics, and holds within what was recorded.",
+      "{:.4g} N{}; of the square that the starting model leaves beyond noise, its stiffness refitted, {:.0f} % is "
+      "gone. "
+      "It is no physics, and holds within what was recorded.",
       fmt::join(summaries, ", and "), law_follows(law), findings.law->without_N, findings.law->with_N,
       law.needless.empty() ? ""
                            : fmt::format(", and {} {} not needed beside it", fmt::join(law.needless, " and "),

@@ -96,7 +96,8 @@ Section what_section(const Findings& findings) {
                                 : rival.contains_found ? "contains it, and does no better"
                                 : rival.validation_gain_lost > 0.9 * effect.validation_gain
                                     ? "explains next to nothing of it"
-                                    : "explains less";
+                                : rival.validation_gain_lost < 0.0 ? "not clearly better"
+                                                                   : "explains less";
         rivals.rows.push_back(
             {{text(rival.name), number(rival.validation_gain_lost, "{:.0f}"), number(rival.error, "{:.0f}"),
               number(rival.validation_rms_N), text(why, rival.alike ? Tone::warning : Tone::neutral)},
@@ -327,7 +328,8 @@ std::optional<Section> law_section(const Findings& findings) {
       fmt::format(
           "Found in the recording: it says what the force follows ({}), not why. It is no physics, and holds within "
           "the ranges below alone. Held out, the error falls from {:.4g} N with the effects above to {:.4g} N with "
-          "the law; of the start's error beyond noise {:.0f} % of the square is gone.",
+          "the law; of the square that the starting model leaves beyond noise, its stiffness refitted, {:.0f} % is "
+          "gone.",
           law_follows(law), findings.law->without_N, findings.law->with_N, 100.0 * findings.law->closed),
       {},
       false};
