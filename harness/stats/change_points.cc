@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <numeric>
 
 #include "harness/stats/energy.h"
+#include "harness/stats/quantile.h"
 #include "harness/stats/trend.h"
 #include "harness/stats/two_sample.h"
 
@@ -13,9 +15,13 @@ namespace touchstone::stats {
 namespace {
 
 constexpr double builds_per_year = 365.0;
-// A stretch without a change is looked at over at most two years, so that a pair's end has at most so many partners.
+// A stretch without a change is looked at over at most two years.
 constexpr std::size_t longest_stretch = 730;
 constexpr std::size_t kept_of_longest = 365;
+// How many values after a change are compared with those before it: what lies between two of these adds little, and
+// each costs its share of the rate. Three to the factor two, rounded.
+constexpr std::array<std::size_t, 26> widths{1,  2,  3,  4,  5,   6,   8,   10,  13,  16,  20,  25,  32,
+                                             40, 51, 64, 81, 102, 128, 161, 203, 256, 323, 406, 512, 645};
 // Beside all values since the last change, so many before the index are compared with those after it: earlier changes
 // that are not found yet would hide a later one. Half of the level goes to all values, the rest to these in equal
 // parts.
@@ -32,6 +38,13 @@ double squares_about_mean(Values values) {
   return std::accumulate(values.begin(), values.end(), 0.0,
                          [&](double sum, double v) { return sum + (v - mean) * (v - mean); });
 }
+
+std::size_t widths_from(std::size_t smallest) {
+  return static_cast<std::size_t>(std::ranges::count_if(widths, [&](std::size_t w) { return w >= smallest; }));
+}
+
+// The largest of the widths that is not above this one, which is at least 1.
+std::size_t width_below(std::size_t width) { return *(std::ranges::upper_bound(widths, width) - 1); }
 
 struct Candidate {
   std::size_t start = 0;
@@ -56,8 +69,10 @@ Candidate smallest_p_split(Values values, std::size_t smallest, std::size_t reac
     const std::size_t start = index > reach ? index - reach : 0;
     const auto n = static_cast<double>(index - start);
     const double left = (sums[index] - sums[start]) / n;
-    for (std::size_t end = index + smallest; end <= values.size(); ++end) {
-      const auto m = static_cast<double>(end - index);
+    for (const std::size_t width : widths) {
+      const std::size_t end = index + width;
+      if (width < smallest || end > values.size()) continue;
+      const auto m = static_cast<double>(width);
       const double right = (sums[end] - sums[index]) / m;
       const double within = squares[end] - squares[start] - n * left * left - m * right * right;
       const double between = (right - left) * (right - left) * n * m / (n + m);
@@ -72,12 +87,45 @@ Candidate smallest_p_split(Values values, std::size_t smallest, std::size_t reac
   return best;
 }
 
+// Where a step from the level before `index` to that after it fits best: least squares. What lies farther than three
+// robust standard deviations from its level counts as if it lay there, so that an outlier beside a step does not move
+// it.
+std::size_t best_place(Values values, std::size_t index, std::size_t smallest) {
+  constexpr double deviations = 3.0;
+  const auto before = values.first(index);
+  const auto after = values.subspan(index);
+  double left = median({before.begin(), before.end()});
+  double right = median({after.begin(), after.end()});
+  std::vector<double> residuals;
+  for (std::size_t i = 0; i < values.size(); ++i) residuals.push_back(values[i] - (i < index ? left : right));
+  double most = deviations * median_absolute_deviation(residuals);
+  if (most == 0.0) most = std::numeric_limits<double>::infinity();
+  const auto level = [&](Values side, double middle) {
+    double sum = 0.0;
+    for (const double value : side) sum += std::clamp(value - middle, -most, most);
+    return middle + sum / static_cast<double>(side.size());
+  };
+  left = level(before, left);
+  right = level(after, right);
+  const auto squares = [&](double residual) { return std::min(residual * residual, most * most); };
+  // What it saves to count the values before a place to the left.
+  double saved = 0.0;
+  double largest = -std::numeric_limits<double>::infinity();
+  std::size_t best = index;
+  for (std::size_t i = 0; i + smallest <= values.size(); ++i) {
+    if (i >= smallest && saved > largest) largest = saved, best = i;
+    saved += squares(values[i] - right) - squares(values[i] - left);
+  }
+  return best;
+}
+
 class Search {
  public:
   Search(Values values, const ChangeOptions& options)
       : values_(values.begin(), values.end()),
         options_(options),
-        level_(options.false_alarms_per_year / 2.0 / (builds_per_year * static_cast<double>(longest_stretch))),
+        level_(options.false_alarms_per_year / 2.0 /
+               (builds_per_year * static_cast<double>(widths_from(options.outliers + 1)))),
         trend_level_(options.false_alarms_per_year / 2.0 / builds_per_year) {
     double largest = 0.0;
     for (const double value : values) largest = std::max(largest, std::abs(value));
@@ -129,29 +177,33 @@ class Search {
     return pooled_t_test_without(part(first, index), part(index, end), options_.outliers, rounding_);
   }
 
-  // The best of the candidates in [first, end), if it passes.
+  // The best of the candidates in [first, end), if it passes; 0 if none does.
   [[nodiscard]] std::size_t find_step(std::size_t first, std::size_t end) const {
     const std::size_t smallest = options_.outliers + 1;
     if (end - first < 2 * smallest) return 0;
     const Values values = part(first, end);
     double best = 1.0;
-    std::size_t found = 0;
+    Candidate found;
     const auto consider = [&](const Candidate& candidate, double level) {
       if (candidate.index == 0) return;
       const double p = test(first + candidate.start, first + candidate.index, first + candidate.end).p / level;
       if (p <= best) {
         best = p;
-        found = first + candidate.index;
+        found = candidate;
       }
     };
     const EnergySplit energy = largest_energy_split(values, smallest);
-    consider({0, energy.index, energy.end}, 0.5 * level_);
+    if (energy.index != 0)
+      consider({0, energy.index, energy.index + width_below(energy.end - energy.index)}, 0.5 * level_);
     consider(smallest_p_split(values, smallest, values.size()), 0.5 * level_);
     for (const std::size_t reach : reaches) {
       if (reach < values.size())
         consider(smallest_p_split(values, smallest, reach), 0.5 * level_ / static_cast<double>(reaches.size()));
     }
-    return found;
+    if (found.index == 0) return 0;
+    // The widths decide that there is a step; all places within the pair are asked where.
+    const Values pair = values.subspan(found.start, found.end - found.start);
+    return first + found.start + best_place(pair, found.index - found.start, smallest);
   }
 
   // Schwarz's criterion, without what all models of n values share: each parameter beyond those of one level costs log

@@ -3,16 +3,18 @@
 //
 // A change of level is a pair (index, end): the mean of the values since the last change, up to `index`, differs from
 // that of [index, end). Candidates are the pair of largest energy (E-divisive, energy.h, as in Apache Otava) and the
-// pair of smallest p. A candidate counts if Student's t test (two_sample.h), with any `outliers` values of either side
-// left out, falls below a level that is fixed beforehand:
+// pair of smallest p; [index, end) holds one of 24 numbers of values from 3 to 645, three to the factor two. A
+// candidate counts if Student's t test (two_sample.h) falls below a level that is fixed beforehand, and below ten times
+// of it with any `outliers` values of either side left out:
 //
-//   level = rate / 2 / (365 * 730)
+//   level = rate / 2 / (365 * 24)
 //
-// 365 * 730 bounds the number of pairs whose end lies within one year of daily builds. A pair's test does not depend on
+// 365 * 24 is the number of pairs whose end lies within one year of daily builds. A pair's test does not depend on
 // the day on which it is looked at, so the sum over all pairs of the year bounds the probability of a false alarm
 // (union bound): for independent normal noise at most `rate` a year, for the two kinds of change together. The other
 // half of the rate is for drift: Mann and Kendall's test (trend.h) once a day, at rate / 2 / 365. Other noise (heavy
-// tails, outliers, correlation) is in the simulation of change_points_test.cc.
+// tails, outliers, correlation) is in the simulation of false_alarms_nightly_test.cc. The step stands where two levels
+// fit the values of its pair best.
 //
 // A series in which at least seven of eight neighbours agree to the last bits is exact (a deterministic metric): there
 // every difference beyond the smallest that matters is a change, from the first build on. The rate is about the others.

@@ -51,6 +51,26 @@ TEST(Changes, AStepIsFoundThreeBuildsAfterIt) {
   EXPECT_TRUE(find_changes(values).changes.empty()) << "two values may be outliers";
 }
 
+// At the rate of 1 % a year: in histories of fifty builds, a step as large as two deviations of the noise.
+TEST(Changes, ASmallStepInAShortHistoryIsMostlyFound) {
+  int found = 0;
+  for (std::uint64_t seed = 1; seed <= 100; ++seed) {
+    auto values = noisy(50, 0.05, seed);
+    for (std::size_t i = 25; i < values.size(); ++i) values[i] += 0.1;
+    const auto steps = steps_of(find_changes(values, {.smallest_relative = 0.0}));
+    found += steps.size() == 1 && steps[0] >= 23 && steps[0] <= 27 ? 1 : 0;
+  }
+  EXPECT_GE(found, 70);
+}
+
+TEST(Changes, AnOutlierBesideAStepDoesNotMoveIt) {
+  auto values = noisy(60, 0.02, 17);
+  for (std::size_t i = 30; i < values.size(); ++i) values[i] += 0.08;
+  ASSERT_THAT(steps_of(find_changes(values)), ElementsAre(30U));
+  values[27] += 0.2;
+  EXPECT_THAT(steps_of(find_changes(values)), ElementsAre(30U));
+}
+
 TEST(Changes, OutliersAreNoSteps) {
   auto values = noisy(100, 0.02, 3);
   values[30] = values[31] = 5.0;
