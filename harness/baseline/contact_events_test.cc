@@ -81,6 +81,17 @@ TEST(TimeTube, ForceOutsideTheGoldensBandFailsNearAnEventToo) {
   EXPECT_EQ(compare(tap(30, 60), obtained, with_tube(0.005)).verdict, Verdict::worse);
 }
 
+// What the golden does farther from the event than the tube is no excuse.
+TEST(TimeTube, TheBandHasTheRowsOfTheTubeAlone) {
+  for (const std::size_t spike : {20U, 40U, 50U, 70U}) {
+    auto golden = tap(30, 95);
+    golden.columns[1].values[spike] = 2.0;
+    auto obtained = golden;
+    obtained.columns[1].values[30] = 1.5;
+    EXPECT_EQ(compare(golden, obtained, with_tube(0.005)).verdict, Verdict::worse) << spike;
+  }
+}
+
 // The error is what is missing to the band, on either side.
 TEST(TimeTube, ForceWithinToleranceOfTheGoldensBandPasses) {
   for (const double force : {-5e-7, 1.0 + 5e-7}) {
