@@ -268,6 +268,15 @@ bool comes_within(const Mesh& mesh, std::int32_t triangle, const Vec3Of<S>& x, c
   return touch(mesh, triangle, x).d <= reach;
 }
 
+template <class Mesh, class S>
+bool surely_beyond(const Mesh& mesh, std::int32_t triangle, const Vec3Of<S>& x, const S& reach) noexcept {
+  const FacetOf<S>& facet = mesh.facet(triangle);
+  const S height = facet.height(x);
+  if (height >= reach) return true;
+  const S outside = -std::min(std::min(facet.inside(0, x), facet.inside(1, x)), facet.inside(2, x));
+  return outside > S(0.0) && height * height + outside * outside > kBeyond * reach * reach;
+}
+
 // The distance from a convex set is convex along the way: between two points it lies above the tangents there, and they
 // bracket its least value.
 template <class Mesh, class S>
@@ -312,6 +321,8 @@ template TouchOf<double> touch(const ContactMesh&, std::int32_t, const Vec3&) no
 template TouchOf<Counted> touch(const CountedContactMesh&, std::int32_t, const Vec3Of<Counted>&) noexcept;
 template bool comes_within(const ContactMesh&, std::int32_t, const Vec3&, const double&) noexcept;
 template bool comes_within(const CountedContactMesh&, std::int32_t, const Vec3Of<Counted>&, const Counted&) noexcept;
+template bool surely_beyond(const ContactMesh&, std::int32_t, const Vec3&, const double&) noexcept;
+template bool surely_beyond(const CountedContactMesh&, std::int32_t, const Vec3Of<Counted>&, const Counted&) noexcept;
 template bool stays_clear(const ContactMesh&, std::int32_t, const Vec3&, const Vec3&, const double&) noexcept;
 template bool stays_clear(const CountedContactMesh&, std::int32_t, const Vec3Of<Counted>&, const Vec3Of<Counted>&,
                           const Counted&) noexcept;

@@ -29,6 +29,11 @@ TouchOf<S> touch(const Mesh& mesh, std::int32_t triangle, const Vec3Of<S>& x) no
 template <class Mesh, class S = typename Mesh::Scalar>
 bool comes_within(const Mesh& mesh, std::int32_t triangle, const Vec3Of<S>& x, const S& reach) noexcept;
 
+// Whether the triangle, of nonzero area, is farther from x than that by its plane and borders alone: without its
+// corners, which lie elsewhere in memory. False does not say that it comes as close.
+template <class Mesh, class S = typename Mesh::Scalar>
+bool surely_beyond(const Mesh& mesh, std::int32_t triangle, const Vec3Of<S>& x, const S& reach) noexcept;
+
 // Whether the way from a to b keeps the distance from the triangle.
 template <class Mesh, class S = typename Mesh::Scalar>
 bool stays_clear(const Mesh& mesh, std::int32_t triangle, const Vec3Of<S>& a, const Vec3Of<S>& b,

@@ -223,7 +223,7 @@ template <class Mesh>
 void BallProxyOf<Mesh>::ask_listed(std::span<const std::int32_t> triangles, const V& x, const Holding& held, S& least,
                                    Check& result) const noexcept {
   for (const std::int32_t triangle : triangles) {
-    if (held.has(triangle) || mesh_->facet(triangle).height(x) >= r_) continue;
+    if (held.has(triangle) || surely_beyond(*mesh_, triangle, x, r_)) continue;
     const S depth = touch(*mesh_, triangle, x).d;
     // Of several that are overlapped as much, the first by index, as check() has them.
     if (!(depth < least || (depth == least && triangle < result.worst)) || ignored(triangle)) continue;
