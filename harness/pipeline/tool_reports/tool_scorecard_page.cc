@@ -64,7 +64,8 @@ Section checks(std::span<const ToolScorecard> cards) {
 Section cases(std::span<const ToolScorecard> cards) {
   Section section{
       "Cases whose answer is known",
-      "Force and torque at rest against the exact equilibrium; a just noticeable difference (JND) of torque "
+      "Force and torque at rest against the exact equilibrium without friction (with it: `touchstone tool table "
+      "--slide`); a just noticeable difference (JND) of torque "
       "is 12.7 %, and 7.6 mNm below 60 mNm.",
       {},
       false};
