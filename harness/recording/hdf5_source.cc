@@ -15,6 +15,13 @@
 namespace touchstone::recording {
 namespace {
 
+// What H5Oget_info_by_name2 fills; from 1.12 on H5O_info_t is another.
+#if H5_VERSION_GE(1, 12, 0)
+using ObjectInfo = H5O_info1_t;
+#else
+using ObjectInfo = H5O_info_t;
+#endif
+
 constexpr std::size_t most_links = 64;
 // No input makes deflate shrink more than 1032 to 1 (zlib's technical notes, "maximum compression factor").
 constexpr hsize_t largest_deflate_ratio = 1032;
@@ -143,7 +150,7 @@ class Hdf5Source final : public TableSource {
     const auto refuse = [&](const std::string& why) {
       throw BadData(fmt::format("{}: dataset '{}' {}", name_, name, why));
     };
-    H5O_info_t info{};
+    ObjectInfo info{};
     if (H5Oget_info_by_name2(file_.get(), name.c_str(), &info, H5O_INFO_BASIC, H5P_DEFAULT) < 0) {
       refuse("cannot be opened: " + hdf5_reason() + "; the file is damaged");
     }
@@ -217,7 +224,7 @@ bool structures_are_checksummed(const std::filesystem::path& path) {
 
 // A header with a checksum, and nothing of it kept in a heap, which has none.
 bool checksummed_object(hid_t file, const char* name) {
-  H5O_info_t info{};
+  ObjectInfo info{};
   return H5Oget_info_by_name2(file, name, &info, H5O_INFO_HDR | H5O_INFO_META_SIZE, H5P_DEFAULT) >= 0 &&
          info.hdr.version >= 2 && info.meta_size.obj.heap_size == 0 && info.meta_size.attr.heap_size == 0;
 }

@@ -1,6 +1,10 @@
 #include "harness/surface/triangle_tree.h"
 
+#if __has_include(<embree4/rtcore.h>)
+#include <embree4/rtcore.h>
+#else
 #include <embree3/rtcore.h>
+#endif
 #include <fmt/format.h>
 #include <tbb/task_arena.h>
 
@@ -26,6 +30,24 @@ constexpr double kPadding = 2e-6;
 constexpr std::size_t kManyTriangles = 250'000;
 // Beyond this distance (in the same units) float cannot tell the triangles apart at all.
 constexpr double kFarAway = 1e6;
+
+// What differs between Embree 3 and 4: how a ray's context is named and handed over.
+#if RTC_VERSION_MAJOR >= 4
+using RayContext = RTCRayQueryContext;
+void intersect(RTCScene scene, RayContext& context, RTCRayHit& hit) {
+  rtcInitRayQueryContext(&context);
+  RTCIntersectArguments arguments;
+  rtcInitIntersectArguments(&arguments);
+  arguments.context = &context;
+  rtcIntersect1(scene, &hit, &arguments);
+}
+#else
+using RayContext = RTCIntersectContext;
+void intersect(RTCScene scene, RayContext& context, RTCRayHit& hit) {
+  rtcInitIntersectContext(&context);
+  rtcIntersect1(scene, &context, &hit);
+}
+#endif
 
 struct DeviceRelease {
   void operator()(RTCDevice device) const {
@@ -95,7 +117,7 @@ struct TriangleTree::Embree {
 
   // Embree hands its context to the callback: it must come first.
   struct SegmentVisit {
-    RTCIntersectContext context;
+    RayContext context;
     Visitor visitor;
     double length;  // of the segment, scaled
     double begin;   // where the ray starts along it
@@ -210,7 +232,6 @@ void TriangleTree::segment(const Vec3& a_W_m, const Vec3& b_W_m, Visitor visitor
   const double length = (b - a).norm();
   if (!(from <= to) || !(length > 0.0)) return;
   Embree::SegmentVisit visit{};
-  rtcInitIntersectContext(&visit.context);
   visit.visitor = visitor;
   visit.length = length;
   visit.begin = from * length - kPadding;
@@ -228,7 +249,7 @@ void TriangleTree::segment(const Vec3& a_W_m, const Vec3& b_W_m, Visitor visitor
   hit.ray.mask = ~0U;
   hit.hit.geomID = RTC_INVALID_GEOMETRY_ID;
   hit.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
-  rtcIntersect1(self.scene.get(), &visit.context, &hit);
+  intersect(self.scene.get(), visit.context, hit);
 }
 
 void TriangleTree::ball(const Vec3& center_W_m, double radius_m, Visitor visitor) const {
