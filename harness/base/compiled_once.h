@@ -15,22 +15,23 @@
 #define TOUCHSTONE_COMPILED_ONCE extern
 #endif
 
-TOUCHSTONE_COMPILED_ONCE template union nlohmann::json::json_value;
-TOUCHSTONE_COMPILED_ONCE template nlohmann::json::basic_json(const nlohmann::json&);
-TOUCHSTONE_COMPILED_ONCE template nlohmann::json::basic_json(nlohmann::json::initializer_list_t, bool,
-                                                             nlohmann::json::value_t);
-TOUCHSTONE_COMPILED_ONCE template nlohmann::json::string_t nlohmann::json::dump(int, char, bool,
-                                                                                nlohmann::json::error_handler_t) const;
+TOUCHSTONE_COMPILED_ONCE template union nlohmann::basic_json<>::json_value;
+TOUCHSTONE_COMPILED_ONCE template nlohmann::basic_json<>::basic_json(const nlohmann::json&);
+TOUCHSTONE_COMPILED_ONCE template nlohmann::basic_json<>::basic_json(nlohmann::json::initializer_list_t, bool,
+                                                                     nlohmann::json::value_t);
+TOUCHSTONE_COMPILED_ONCE template nlohmann::json::string_t nlohmann::basic_json<>::dump(
+    int, char, bool, nlohmann::json::error_handler_t) const;
 TOUCHSTONE_COMPILED_ONCE template class nlohmann::detail::serializer<nlohmann::json>;
 TOUCHSTONE_COMPILED_ONCE template class nlohmann::detail::lexer<
     nlohmann::json, nlohmann::detail::iterator_input_adapter<std::string::const_iterator>>;
 TOUCHSTONE_COMPILED_ONCE template class nlohmann::detail::parser<
     nlohmann::json, nlohmann::detail::iterator_input_adapter<std::string::const_iterator>>;
 TOUCHSTONE_COMPILED_ONCE template class nlohmann::detail::serializer<nlohmann::ordered_json>;
-TOUCHSTONE_COMPILED_ONCE template union nlohmann::ordered_json::json_value;
-TOUCHSTONE_COMPILED_ONCE template nlohmann::ordered_json::basic_json(const nlohmann::ordered_json&);
-TOUCHSTONE_COMPILED_ONCE template nlohmann::ordered_json::basic_json(nlohmann::ordered_json::initializer_list_t, bool,
-                                                                     nlohmann::ordered_json::value_t);
+TOUCHSTONE_COMPILED_ONCE template union nlohmann::basic_json<nlohmann::ordered_map>::json_value;
+TOUCHSTONE_COMPILED_ONCE template nlohmann::basic_json<nlohmann::ordered_map>::basic_json(
+    const nlohmann::ordered_json&);
+TOUCHSTONE_COMPILED_ONCE template nlohmann::basic_json<nlohmann::ordered_map>::basic_json(
+    nlohmann::ordered_json::initializer_list_t, bool, nlohmann::ordered_json::value_t);
 
 TOUCHSTONE_COMPILED_ONCE template class Eigen::LDLT<Eigen::MatrixXd>;
 TOUCHSTONE_COMPILED_ONCE template class Eigen::LLT<Eigen::MatrixXd>;
