@@ -25,6 +25,8 @@ function(touchstone_make_json_header folder)
   find_file(touchstone_json_header nlohmann/json.hpp PATHS ${json_folder} REQUIRED)
   mark_as_advanced(touchstone_json_header)
   file(READ ${touchstone_json_header} json_text)
+  # Behind a directive (3.11.3, in Debian 13) the semicolon needs a line of its own.
+  string(REPLACE "#endif\n{\n    return nlohmann::json::parse(s, s + n);\n}" "#endif\n;" json_text "${json_text}")
   string(REPLACE "\n{\n    return nlohmann::json::parse(s, s + n);\n}" ";" json_text "${json_text}")
   file(WRITE ${folder}/json.hpp.new "${json_text}")
   file(MAKE_DIRECTORY ${folder}/nlohmann)
