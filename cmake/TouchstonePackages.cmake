@@ -12,6 +12,10 @@ find_package(pugixml REQUIRED)
 set(HDF5_USE_STATIC_LIBRARIES ON)
 find_package(HDF5 REQUIRED COMPONENTS C)
 target_link_libraries(hdf5::hdf5 INTERFACE sz z m ${CMAKE_DL_LIBS})
+# From 1.14 on (Debian 13) the library's start refers to its driver for files of S3, and the archive does not say what that needs.
+if(HDF5_VERSION VERSION_GREATER_EQUAL 1.14)
+  target_link_libraries(hdf5::hdf5 INTERFACE curl crypto)
+endif()
 pkg_check_modules(libdeflate REQUIRED IMPORTED_TARGET libdeflate)
 # The static library, over the same HDF5: Debian's shared one would bring a second, shared HDF5 into the program.
 find_path(MATIO_INCLUDE_DIR matio.h REQUIRED)
