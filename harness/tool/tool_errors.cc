@@ -26,6 +26,7 @@ ToolErrors errors_of(ToolRenderer& renderer, const std::string& name, const Know
     torque_sum += torque_error;
     errors.max_force_N = worse(errors.max_force_N, force_error);
     errors.max_torque_Nm = worse(errors.max_torque_Nm, torque_error);
+    errors.max_force_jnd = worse(errors.max_force_jnd, force_error_in_jnd(right.f_N, result.f_W_N));
     errors.max_torque_jnd = worse(errors.max_torque_jnd, torque_error_in_jnd(right.torque_Nm, result.torque_W_Nm));
     errors.largest_right_force_N = std::max(errors.largest_right_force_N, right.f_N.norm());
     errors.largest_right_torque_Nm = std::max(errors.largest_right_torque_Nm, right.torque_Nm.norm());
@@ -38,14 +39,15 @@ ToolErrors errors_of(ToolRenderer& renderer, const std::string& name, const Know
 
 std::string tool_error_table(std::span<const ToolErrors> rows) {
   std::string table =
-      "| case | renderer | force error, mean (N) | max (N) | torque error, mean (mNm) | max (mNm) | max (JND) | force "
+      "| case | renderer | force error, mean (N) | max (N) | max (JND) | torque error, mean (mNm) | max (mNm) | max "
+      "(JND) | force "
       "(N) | torque (mNm) |\n"
-      "|---|---|---|---|---|---|---|---|---|\n";
+      "|---|---|---|---|---|---|---|---|---|---|\n";
   for (const ToolErrors& row : rows) {
-    table +=
-        fmt::format("| {} | {} | {:.2g} | {:.2g} | {:.2g} | {:.2g} | {:.2g} | {:.3g} | {:.3g} |\n", row.contacts,
-                    row.renderer, row.mean_force_N, row.max_force_N, row.mean_torque_Nm * 1e3, row.max_torque_Nm * 1e3,
-                    row.max_torque_jnd, row.largest_right_force_N, row.largest_right_torque_Nm * 1e3);
+    table += fmt::format("| {} | {} | {:.2g} | {:.2g} | {:.2g} | {:.2g} | {:.2g} | {:.2g} | {:.3g} | {:.3g} |\n",
+                         row.contacts, row.renderer, row.mean_force_N, row.max_force_N, row.max_force_jnd,
+                         row.mean_torque_Nm * 1e3, row.max_torque_Nm * 1e3, row.max_torque_jnd,
+                         row.largest_right_force_N, row.largest_right_torque_Nm * 1e3);
   }
   return table;
 }

@@ -1,6 +1,7 @@
 // Renderers of a tool against contacts whose wrench at rest is known: how far off each is.
 #pragma once
 
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -24,10 +25,17 @@ struct KnownContacts {
   std::vector<Wrench> wrenches_W;  // one per handle
 };
 
+// What of a contact is not as usual.
+struct ContactShape {
+  double scale = 1.0;                 // of the tool and the object, above 0; how far the hand presses stays
+  std::optional<double> clearance_m;  // on each side of a peg in a hole, which does not scale
+};
+
 struct ToolErrors {
   std::string contacts, renderer;                                     // names
   double mean_force_N = 0.0, max_force_N = 0.0;                       // lengths of the difference
   double mean_torque_Nm = 0.0, max_torque_Nm = 0.0;                   // the same
+  double max_force_jnd = 0.0;                                         // force_error_in_jnd()
   double max_torque_jnd = 0.0;                                        // torque_error_in_jnd()
   double largest_right_force_N = 0.0, largest_right_torque_Nm = 0.0;  // for comparison
 };

@@ -7,6 +7,7 @@
 #include <string_view>
 #include <vector>
 
+#include "harness/tool/tool_errors.h"
 #include "synthetic/tool/quasi_static.h"
 #include "synthetic/tool/tool_meshes.h"
 
@@ -24,7 +25,9 @@ struct ExactCase {
 };
 
 std::vector<std::string> exact_case_names();
-// Throws UsageError for a name that is not known.
-ExactCase make_exact_case(std::string_view name);
+// Of `shape`; kPeg, which is none of the names, is the peg in a hole with the clearance that `shape` says. Throws
+// UsageError for a name that is not known, a scale or clearance that is not above 0, a clearance of what is no peg.
+inline constexpr std::string_view kPeg = "peg";
+ExactCase make_exact_case(std::string_view name, const tool::ContactShape& shape = {});
 
 }  // namespace touchstone::synthetic

@@ -29,8 +29,8 @@ tool::KnownContacts known(ExactCase made, const std::function<Equilibrium(const 
 
 }  // namespace
 
-tool::KnownContacts known_contacts(std::string_view name, const Coupling& coupling) {
-  const ExactCase made = make_exact_case(name);
+tool::KnownContacts known_contacts(std::string_view name, const Coupling& coupling, const tool::ContactShape& shape) {
+  const ExactCase made = make_exact_case(name, shape);
   return known(made, [&](const Pose& handle) { return quasi_static_equilibrium(made.gaps, handle, coupling); });
 }
 

@@ -11,8 +11,10 @@
 namespace touchstone::synthetic {
 
 // The case with the wrench of its equilibrium at each handle (quasi_static.h), as a solid tool of usual density. Throws
-// UsageError for a name that is not known, BadData for stiffnesses at which no equilibrium was found.
-tool::KnownContacts known_contacts(std::string_view name, const Coupling& coupling);
+// UsageError for a name that is not known or a shape that there is not, BadData for stiffnesses at which no equilibrium
+// was found.
+tool::KnownContacts known_contacts(std::string_view name, const Coupling& coupling,
+                                   const tool::ContactShape& shape = {});
 
 // The cases that can be slid along x, and one of them slid so far to each handle with this friction in every contact
 // (sliding_equilibrium()). known_slides() throws as known_contacts(), and UsageError for a case that cannot.

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "apps/studies/atlas/map_picture.h"
 #include "harness/report/console.h"
 #include "harness/report/evaluation_page.h"
 
@@ -73,6 +74,21 @@ void each_map(const std::vector<AtlasCase>& cases, Scene scene, Visit&& visit) {
     for (const double mu : values_of(cases, scene, &AtlasCase::mu))
       visit(renderer, mu, Map(cases, scene, renderer, mu));
   }
+}
+
+CellMap drawn(const Map& map, Scene scene) {
+  CellMap out;
+  for (const double s : map.sharpness) out.across.push_back(sharpness_label(scene, s));
+  for (const double k : map.stiffness) {
+    out.up.push_back(fmt::format("{:g}", k));
+    out.cells.emplace_back();
+    for (const double s : map.sharpness) {
+      const AtlasCase* const own = map.at(s, k);
+      const std::string shown = own == nullptr ? "?" : letters(*own);
+      out.cells.back().push_back({shown, colour(shown)});
+    }
+  }
+  return out;
 }
 
 Table map_table(const Map& map, Scene scene, const std::string& renderer, double mu) {
@@ -218,56 +234,18 @@ std::string atlas_to_json(const std::vector<AtlasCase>& cases) {
 }
 
 std::string atlas_picture(const std::vector<AtlasCase>& cases, Scene scene) {
-  constexpr int kCell = 22;
-  constexpr int kLeft = 130;
-  constexpr int kTop = 44;
-  const auto renderers = values_of(cases, scene, &AtlasCase::renderer);
+  MapPicture picture;
+  picture.title = scene == Scene::bump ? "Bump: stiffness [N/m] over the angle of its sides [rad]"
+                                       : "Thin shell: stiffness [N/m] over its thickness [mm]";
+  picture.rows = values_of(cases, scene, &AtlasCase::renderer);
+  picture.legend = legend(cases);
   const auto mus = values_of(cases, scene, &AtlasCase::mu);
-  const auto across = values_of(cases, scene, &AtlasCase::sharpness);
-  const auto up = values_of(cases, scene, &AtlasCase::stiffness_N_per_m);
-  const int map_width = static_cast<int>(across.size()) * kCell + 46;
-  const int map_height = static_cast<int>(up.size()) * kCell + 34;
-  const int width = kLeft + map_width * static_cast<int>(mus.size());
-  const int height = kTop + map_height * static_cast<int>(renderers.size()) + 34;
-  std::string svg = fmt::format(
-      "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{0}\" height=\"{1}\" viewBox=\"0 0 {0} {1}\" "
-      "font-family=\"sans-serif\" font-size=\"10\"><rect width=\"{0}\" height=\"{1}\" fill=\"white\"/>\n",
-      width, height);
-  const auto text = [&](int x, int y, const std::string& what, const char* extra = "") {
-    svg += fmt::format("<text x=\"{}\" y=\"{}\" {}>{}</text>\n", x, y, extra, what);
-  };
-  text(8, 18,
-       scene == Scene::bump ? "Bump: stiffness [N/m] over the angle of its sides [rad]"
-                            : "Thin shell: stiffness [N/m] over its thickness [mm]",
-       "font-size=\"14\"");
-  for (std::size_t m = 0; m < mus.size(); ++m)
-    text(kLeft + static_cast<int>(m) * map_width, 36, fmt::format("mu = {:g}", mus[m]), "font-weight=\"bold\"");
-  for (std::size_t r = 0; r < renderers.size(); ++r) {
-    const int y = kTop + static_cast<int>(r) * map_height;
-    text(8, y + map_height / 2, renderers[r], "font-weight=\"bold\" font-size=\"12\"");
-    for (std::size_t m = 0; m < mus.size(); ++m) {
-      const Map map(cases, scene, renderers[r], mus[m]);
-      const int x = kLeft + static_cast<int>(m) * map_width;
-      for (std::size_t k = 0; k < up.size(); ++k) {
-        const int cell_y = y + static_cast<int>(up.size() - 1 - k) * kCell;
-        text(x - 4, cell_y + 15, fmt::format("{:g}", up[k]), "text-anchor=\"end\" font-size=\"8\"");
-        for (std::size_t s = 0; s < across.size(); ++s) {
-          const AtlasCase* const own = map.at(across[s], up[k]);
-          const std::string shown = own == nullptr ? "?" : letters(*own);
-          const int cell_x = x + static_cast<int>(s) * kCell;
-          svg += fmt::format("<rect x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\" fill=\"{}\" stroke=\"white\"/>\n",
-                             cell_x, cell_y, kCell, kCell, colour(shown));
-          if (!shown.empty()) text(cell_x + kCell / 2, cell_y + 15, shown, "text-anchor=\"middle\"");
-        }
-      }
-      for (std::size_t s = 0; s < across.size(); ++s) {
-        text(x + static_cast<int>(s) * kCell + kCell / 2, y + static_cast<int>(up.size()) * kCell + 11,
-             sharpness_label(scene, across[s]), "text-anchor=\"middle\" font-size=\"8\"");
-      }
-    }
+  for (const double mu : mus) picture.columns.push_back(fmt::format("mu = {:g}", mu));
+  for (const std::string& renderer : picture.rows) {
+    picture.maps.emplace_back();
+    for (const double mu : mus) picture.maps.back().push_back(drawn(Map(cases, scene, renderer, mu), scene));
   }
-  text(8, height - 12, legend(cases));
-  return svg + "</svg>\n";
+  return map_picture_svg(picture);
 }
 
 }  // namespace touchstone::atlas

@@ -61,8 +61,9 @@ Choice read_choice(JsonObject& root, const char* key) {
 std::string read_pointer(JsonObject& object, bool of_tools) {
   std::string pointer = object.text("set");
   if (of_tools) {
-    if (!pointer.starts_with("/renderer/"))
-      object.fail_at("set", fmt::format("'{}' is no part of a case; /renderer/... was expected", pointer));
+    if (!pointer.starts_with("/renderer/") && !pointer.starts_with("/contacts/"))
+      object.fail_at("set",
+                     fmt::format("'{}' is no part of a case; /renderer/... or /contacts/... was expected", pointer));
     return pointer;
   }
   const bool known = pointer == "/scale" || pointer == "/speed" || pointer.starts_with("/surface/") ||

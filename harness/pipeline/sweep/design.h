@@ -14,7 +14,9 @@
 //    "contacts": {"corner": {"case": "box-corner"}},
 //    "renderers": {"voxels": {"renderer": "voxmap-pointshell", "parameters": {"voxel_m": 5e-4},
 //                             "stiffness_N_per_m": 1000, "rotational_stiffness_Nm_per_rad": 2}},
-//    "vary": [{"set": "/renderer/parameters/voxel_m", "values": [2.5e-4, 5e-4]}]}
+//    "vary": [{"set": "/renderer/parameters/voxel_m", "values": [2.5e-4, 5e-4]},
+//             {"set": "/contacts/scale", "values": [0.5, 1, 2]}]}
+// "set" begins with /renderer/ or /contacts/; a contact has a "scale" (1) and, if it is a "peg", a "clearance_m".
 // Designs:
 //   grid             every combination; the last of surfaces, trajectories, models, vary..., seeds runs fastest
 //   latin-hypercube  "cases": how many, "design_seed"; "vary" by "from" and "to" (McKay, Beckman and Conover 1979: each

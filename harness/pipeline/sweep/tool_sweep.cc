@@ -15,6 +15,9 @@ tool::ToolErrors run(const SweepCase& one, const ToolSweep& sweep) {
   JsonObject root(document, source, "");
   JsonObject contacts = root.object("contacts");
   const std::string name = contacts.text("case");
+  tool::ContactShape shape;
+  shape.scale = contacts.optional_number("scale").value_or(1.0);
+  shape.clearance_m = contacts.optional_number("clearance_m");
   contacts.finish();
   JsonObject chosen = root.object("renderer");
   const tool::ToolRendererEntry& entry = tool::find_tool_renderer(sweep.renderers, chosen.text("renderer"));
@@ -30,7 +33,7 @@ tool::ToolErrors run(const SweepCase& one, const ToolSweep& sweep) {
   }
   chosen.finish();
   root.finish();
-  const tool::KnownContacts known = sweep.contacts(name, settings.coupling);
+  const tool::KnownContacts known = sweep.contacts(name, settings.coupling, shape);
   const auto renderer = tool::make_tool_renderer(entry, known.tool, known.object_W, settings);
   return tool::errors_of(*renderer, one.model, known);
 }
@@ -43,7 +46,7 @@ CaseTable tool_sweep_table(const SweepDesign& design) {
   for (const char* const name : {"contacts", "renderer", "document"}) table.columns.push_back({name, text});
   for (const std::string& pointer : design.varied()) table.columns.push_back({pointer, real});
   for (const char* const name :
-       {"mean_force_error_N", "max_force_error_N", "mean_torque_error_Nm", "max_torque_error_Nm",
+       {"mean_force_error_N", "max_force_error_N", "mean_torque_error_Nm", "max_torque_error_Nm", "max_force_error_jnd",
         "max_torque_error_jnd", "largest_right_force_N", "largest_right_torque_Nm"})
     table.columns.push_back({name, real});
   return table;
@@ -58,8 +61,9 @@ CaseJob tool_sweep_job(const SweepDesign& design, const ToolSweep& sweep) {
     for (const std::string& value : {one.surface, one.model, one.document}) row.values.emplace_back(value);
     for (const double value : one.varied) row.values.emplace_back(value);
     const tool::ToolErrors errors = run(one, sweep);
-    for (const double value : {errors.mean_force_N, errors.max_force_N, errors.mean_torque_Nm, errors.max_torque_Nm,
-                               errors.max_torque_jnd, errors.largest_right_force_N, errors.largest_right_torque_Nm})
+    for (const double value :
+         {errors.mean_force_N, errors.max_force_N, errors.mean_torque_Nm, errors.max_torque_Nm, errors.max_force_jnd,
+          errors.max_torque_jnd, errors.largest_right_force_N, errors.largest_right_torque_Nm})
       row.values.emplace_back(value);
   };
   return job;

@@ -17,7 +17,7 @@ namespace touchstone::pipeline {
 struct ToolSweep {
   std::vector<tool::ToolRendererEntry> renderers;
   // The contact of that name with its answers behind this coupling; thread-safe.
-  std::function<tool::KnownContacts(std::string_view name, const tool::Coupling&)> contacts;
+  std::function<tool::KnownContacts(std::string_view name, const tool::Coupling&, const tool::ContactShape&)> contacts;
 };
 
 CaseTable tool_sweep_table(const SweepDesign& design);

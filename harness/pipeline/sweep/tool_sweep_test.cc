@@ -8,6 +8,7 @@
 #include <atomic>
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <set>
 
 #include "harness/base/atomic_file.h"
 #include "harness/base/error.h"
@@ -65,11 +66,28 @@ TEST_F(SweepOfTools, RowsHoldTheErrorsOfEachCase) {
       EXPECT_LT(as_number(row.values.at(5)), 0.3);
     }
     // The largest right force follows the coupling: the hand presses by up to 3 mm.
-    EXPECT_LE(as_number(row.values.at(9)), 3.01e-3 * as_number(row.values.at(3)));
+    EXPECT_LE(as_number(row.values.at(10)), 3.01e-3 * as_number(row.values.at(3)));
   }
   EXPECT_EQ(exact, 4U);
   const std::vector<CaseRow> again = rows(design, 2);
   for (std::size_t i = 0; i < 8; ++i) EXPECT_EQ(again[i].values, all[i].values);
+}
+
+TEST_F(SweepOfTools, SizeAndClearanceOfAContactCanVary) {
+  json spec = grid();
+  spec["contacts"] = json::parse(R"({"peg": {"case": "peg", "clearance_m": 1e-4}})");
+  spec["renderers"].erase("springs");
+  spec["vary"] = json::parse(R"([{"set": "/contacts/scale", "values": [1, 2]},
+                                 {"set": "/contacts/clearance_m", "values": [1e-4, 5e-4]}])");
+  const std::vector<CaseRow> all = rows(SweepDesign(write(spec)), 2);
+  ASSERT_EQ(all.size(), 4U);
+  std::set<double> forces;
+  for (const CaseRow& row : all) {
+    EXPECT_EQ(row.error, "");
+    EXPECT_LE(as_number(row.values.at(6)), 1e-9);
+    forces.insert(as_number(row.values.at(11)));
+  }
+  EXPECT_EQ(forces.size(), 4U) << "each is another contact";
 }
 
 TEST_F(SweepOfTools, ACaseThatCannotBeRunIsARowWithItsError) {

@@ -1,0 +1,30 @@
+// Maps of coloured cells in rows and columns, as an SVG picture: what the atlases draw.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "harness/base/rooms.h"
+
+namespace touchstone::atlas {
+
+struct MapCell {
+  std::string text;    // in the cell; may be empty
+  std::string colour;  // "#RRGGBB"
+};
+
+struct CellMap {
+  std::vector<std::string> across, up;      // names of the columns of cells, and of their rows from below
+  std::vector<std::vector<MapCell>> cells;  // [up][across]
+};
+
+struct MapPicture {
+  std::string title;
+  std::vector<std::string> columns, rows;  // names of the maps
+  std::vector<std::vector<CellMap>> maps;  // [row][column]
+  std::string legend;
+};
+
+std::string map_picture_svg(const MapPicture& picture);
+
+}  // namespace touchstone::atlas
