@@ -79,12 +79,9 @@ std::optional<std::string> find_order_fault(const DetectorSide& side, const Mode
       order->correlation, order->reordered, order->remedy());
 }
 
-std::optional<std::string> find_data_fault(const DetectorSide& train, const DetectorSide& holdout, const Model& base,
-                                           const Model& best, const std::vector<Candidate>& candidates) {
-  // A heavy tool, which only the search's model knows, hides the load from the other.
-  for (const Model* const model : {&base, &best}) {
-    if (auto fault = find_order_fault(train, *model)) return fault;
-  }
+std::optional<std::string> find_coefficient_fault(const DetectorSide& train, const DetectorSide& holdout,
+                                                  const Model& base, const Model& best,
+                                                  const std::vector<Candidate>& candidates) {
   // Coefficients are sought along the likely motion: where the tip rests, friction at noisy positions turns with the
   // noise, and a rate is mostly noise.
   const Prediction train_likely = train.noise->likely_predictor().predict(base);

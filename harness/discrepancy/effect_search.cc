@@ -36,8 +36,7 @@ class Search {
     state_.refit();
     result_.base = state_.current.model;
     // Nothing can be learnt from blocks in a wrong order: the long work would be for nothing.
-    const FitData blocks = fit_data(data_.learning, result_.base, data_.window_s);
-    result_.data_fault = find_order_fault({data_.learning.recording, &blocks, data_.learning.noise}, result_.base);
+    result_.data_fault = order_fault(result_.base);
     if (!result_.data_fault) search();
     finish();
     return std::move(result_);
@@ -416,10 +415,13 @@ class Search {
     // covariance.
     result_.draws = bootstrap_fits(data_.learning, weights, result_.fit, without_coefficients(result_.parameters),
                                    settings_.iterations / 2, read_);
+    // A heavy tool, which only the search's model knows, hides the load from the start's. What that model explains in
+    // the file's own order needs no other.
+    if (!result_.data_fault) result_.data_fault = order_fault(result_.model);
     if (!result_.data_fault) {
       const DetectorSide train{data_.train.recording, &state_.declared_train, data_.train.noise};
       const DetectorSide validation{data_.validation.recording, &state_.declared_validation, data_.validation.noise};
-      result_.data_fault = find_data_fault(train, validation, result_.base, result_.model, *state_.candidates);
+      result_.data_fault = find_coefficient_fault(train, validation, result_.base, result_.model, *state_.candidates);
     }
     if (!result_.data_fault && something_missing()) result_.law = search_law(state_, result_.base, report_);
     result_.not_tried = state_.budget->not_tried();
@@ -431,6 +433,11 @@ class Search {
       result_.undetermined.clear();
       result_.questions.clear();
     }
+  }
+
+  [[nodiscard]] std::optional<std::string> order_fault(const Model& model) const {
+    const FitData blocks = fit_data(data_.learning, model, data_.window_s);
+    return find_order_fault({data_.learning.recording, &blocks, data_.learning.noise}, model);
   }
 
   // By the validation blocks, since a law is chosen by it.

@@ -8,6 +8,8 @@
 #include <limits>
 #include <map>
 
+#include "harness/stats/quantile.h"
+
 namespace touchstone::sanity {
 namespace {
 
@@ -17,6 +19,9 @@ constexpr std::size_t fewest_samples = 8;  // of a block
 constexpr std::size_t most_points = 16;    // of a block: enough to know it by
 constexpr std::size_t most_shifts = 1500;
 constexpr double longest_lag_s = 1.0;
+constexpr double longest_step = 4.0;   // of the typical step: a longer one is a gap
+constexpr double longest_gap = 0.125;  // of a block: it may have such a gap in it
+constexpr double most_missing = 0.05;  // of the time, where a part may be looked for at the other end
 
 struct Moments {
   double mean = 0.0, deviation = 0.0;
@@ -40,6 +45,12 @@ std::vector<double> shape_of(std::span<const double> values) {
     const std::size_t from = values.size() * p / points, to = values.size() * (p + 1) / points;
     for (std::size_t i = from; i < to; ++i) shape[p] += values[i] / static_cast<double>(to - from);
   }
+  return shape;
+}
+
+std::vector<double> standard_shape(std::span<const double> values, const Moments& all) {
+  auto shape = shape_of(values);
+  for (double& v : shape) v = (v - all.mean) / all.deviation;
   return shape;
 }
 
@@ -90,28 +101,67 @@ bool is_small_shift(const std::vector<std::size_t>& place, double block_s) {
   return false;
 }
 
-std::optional<BlockOrder> try_length(std::span<const double> measured, std::span<const double> modelled,
-                                     std::size_t length, double block_s, double most_left) {
-  const std::size_t blocks = measured.size() / length;
-  if (blocks < fewest_blocks || blocks > most_blocks || length < fewest_samples) return std::nullopt;
+// Between samples, without the gaps of parts that are left out.
+double interval_without_gaps(std::span<const double> t_s) {
+  std::vector<double> steps;
+  for (std::size_t i = 1; i < t_s.size(); ++i) steps.push_back(t_s[i] - t_s[i - 1]);
+  const double typical = stats::median(steps);
+  double sum = 0.0;
+  std::size_t count = 0;
+  for (const double step : steps) {
+    if (step > longest_step * typical) continue;
+    sum += step;
+    ++count;
+  }
+  return sum / static_cast<double>(count);
+}
+
+// Where blocks of `length` samples begin. None goes over a gap: its parts would be of two times, and partners of
+// neither.
+std::vector<std::size_t> block_starts(std::span<const double> t_s, std::size_t length, double block_s) {
+  std::vector<std::size_t> starts;
+  std::size_t begin = 0;
+  while (begin + length <= t_s.size()) {
+    std::size_t gap = 0;
+    for (std::size_t i = begin + 1; i < begin + length; ++i) {
+      if (t_s[i] - t_s[i - 1] > longest_gap * block_s) gap = i;
+    }
+    if (gap == 0) starts.push_back(begin);
+    begin = gap == 0 ? begin + length : gap;
+  }
+  return starts;
+}
+
+std::optional<BlockOrder> try_length(std::span<const double> t_s, std::span<const double> measured,
+                                     std::span<const double> modelled, std::size_t length, double block_s,
+                                     double most_left) {
+  if (length < fewest_samples || measured.size() / length > most_blocks) return std::nullopt;
+  const auto starts = block_starts(t_s, length, block_s);
+  const std::size_t blocks = starts.size();
+  if (blocks < fewest_blocks) return std::nullopt;
   const Moments a = moments_of(measured), b = moments_of(modelled);
   if (!(a.deviation > 0.0) || !(b.deviation > 0.0)) return std::nullopt;
   // Both in deviations from their means: no fit that a wrong order would spoil.
-  Shapes shapes;
-  for (std::size_t k = 0; k < blocks; ++k) {
-    auto own = shape_of(measured.subspan(k * length, length)), model = shape_of(modelled.subspan(k * length, length));
-    for (double& v : own) v = (v - a.mean) / a.deviation;
-    for (double& v : model) v = (v - b.mean) / b.deviation;
-    shapes.measured.push_back(std::move(own));
-    shapes.modelled.push_back(std::move(model));
+  Shapes shapes, between;
+  for (const std::size_t start : starts) {
+    shapes.measured.push_back(standard_shape(measured.subspan(start, length), a));
+    shapes.modelled.push_back(standard_shape(modelled.subspan(start, length), b));
+    // Half a block on: no such piece was ever cut.
+    const std::size_t half = std::min(start + length / 2, t_s.size() - length);
+    between.modelled.push_back(standard_shape(modelled.subspan(half, length), b));
   }
-  const auto cost = costs(shapes, false), backwards = costs(shapes, true);
+  between.measured = shapes.measured;
+  const auto cost = costs(shapes, false);
   std::vector<std::size_t> same(blocks);
   for (std::size_t k = 0; k < blocks; ++k) same[k] = k;
   const auto place = assign(cost);
   const double best = total(cost, place);
-  const double by_chance = total(backwards, assign(backwards));
-  if (!(best < most_left * total(cost, same)) || !(best < most_left * by_chance)) return std::nullopt;
+  if (!(best < most_left * total(cost, same))) return std::nullopt;
+  // What chance finds in pieces that were never cut.
+  for (const auto& [never, reversed] : {std::pair{&shapes, true}, {&between, false}, {&between, true}}) {
+    const auto by_chance = costs(*never, reversed);
+    if (!(best < most_left * total(by_chance, assign(by_chance)))) return std::nullopt;
+  }
   if (is_small_shift(place, block_s)) return std::nullopt;
   BlockOrder order{block_s, blocks, 0, 0.0, 0.0};
   for (std::size_t k = 0; k < blocks; ++k) order.moved += place[k] != k ? 1 : 0;
@@ -220,15 +270,20 @@ std::optional<BlockOrder> find_wrong_order(std::span<const double> t_s, std::spa
   // A load that follows its model needs no other order.
   constexpr double follows = 0.9;
   if (correlation(measured, modelled) > follows) return std::nullopt;
-  const double interval_s = (t_s.back() - t_s.front()) / static_cast<double>(t_s.size() - 1);
+  const double duration_s = t_s.back() - t_s.front();
+  const double interval_s = interval_without_gaps(t_s);
   std::optional<BlockOrder> found;
   // Round numbers of seconds: loggers and people cut files so.
   for (const double block_s : {0.1, 0.2, 0.25, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 30.0, 60.0}) {
     const auto length = static_cast<std::size_t>(std::lround(block_s / interval_s));
-    const auto order = try_length(measured, modelled, length, block_s, most_left);
+    const auto order = try_length(t_s, measured, modelled, length, block_s, most_left);
     if (order && (!found || order->reordered > found->reordered)) found = order;
   }
-  return found ? found : try_rotation(measured, modelled, t_s.back() - t_s.front(), most_left);
+  if (found) return found;
+  // Samples of every other block cannot be moved along as a whole.
+  const double covered_s = interval_s * static_cast<double>(t_s.size() - 1);
+  if (covered_s < (1.0 - most_missing) * duration_s) return std::nullopt;
+  return try_rotation(measured, modelled, duration_s, most_left);
 }
 
 }  // namespace touchstone::sanity

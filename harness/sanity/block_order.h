@@ -1,8 +1,9 @@
 // Are blocks of the file in a wrong order, as when pieces of a log are joined wrongly, or does its last part stand
 // first? Blocks of the measured load are assigned to the blocks of the modelled load that they fit best (optimal
 // assignment, Kuhn 1955). The order is wrong if another one leaves less than half of the square that the file's own
-// order leaves, and less than half of what an assignment leaves when every block runs backwards in time: so much chance
-// alone would find. A load that hardly varies fits every order alike and is never blamed.
+// order leaves, and less than half of what an assignment leaves to pieces that nobody cut: to blocks that run backwards
+// in time, and to modelled ones half a block further on. So much chance alone would find. A load that hardly varies
+// fits every order alike and is never blamed.
 #pragma once
 
 #include <optional>
@@ -25,7 +26,8 @@ struct BlockOrder {
   [[nodiscard]] std::string remedy() const;
 };
 
-// Loads at times that increase. Nothing where the order is right or cannot be judged.
+// Loads at times that increase. Where parts of the recording are left out, blocks are of what stands between them.
+// Nothing where the order is right or cannot be judged.
 std::optional<BlockOrder> find_wrong_order(std::span<const double> t_s, std::span<const double> measured,
                                            std::span<const double> modelled, double most_left = 0.5);
 

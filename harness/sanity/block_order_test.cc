@@ -98,6 +98,49 @@ TEST(BlockOrder, GoodRecordingsAreNotBlamed) {
   }
 }
 
+// What a search trains on: a piece of every `period` s.
+Loads every_other(const Loads& all, double piece_s, double period_s) {
+  Loads part;
+  for (std::size_t i = 0; i < all.t_s.size(); ++i) {
+    if (!(std::fmod(all.t_s[i] + 1e-9, period_s) < piece_s)) continue;
+    part.t_s.push_back(all.t_s[i]);
+    part.measured.push_back(all.measured[i]);
+    part.modelled.push_back(all.modelled[i]);
+  }
+  return part;
+}
+
+TEST(BlockOrder, BlocksDoNotGoOverWhatIsLeftOut) {
+  Random random(6);
+  for (int world = 0; world < 20; ++world) {
+    Loads loads = every_other(presses(random, 0.1), 2.0, 4.0);
+    EXPECT_FALSE(find_wrong_order(loads.t_s, loads.measured, loads.modelled)) << world;
+    shuffle_seconds(loads.measured, random);
+    const auto order = find_wrong_order(loads.t_s, loads.measured, loads.modelled);
+    ASSERT_TRUE(order) << world;
+    EXPECT_LE(order->block_s, 1.0);
+    EXPECT_GT(order->reordered, 0.9);
+  }
+}
+
+// A tool weighs 1.2 N, which the model does not know: what pushes takes away from the size of the force, and a bump in
+// one place adds to it.
+TEST(BlockOrder, AWeightAndABumpInPiecesOfARecordingAreHardlyEverBlamed) {
+  Random random(7);
+  int blamed = 0;
+  for (int world = 0; world < 300; ++world) {
+    Loads loads = presses(random, 0.0);
+    for (std::size_t i = 0; i < loads.t_s.size(); ++i) {
+      const double bump = 0.8 * std::exp(-std::pow((std::fmod(loads.t_s[i], 9.0) - 4.0) / 1.5, 2));
+      const double push = loads.modelled[i] > 0.1 ? loads.modelled[i] + bump : 0.0;
+      loads.measured[i] = std::abs(1.2 - 1.3 * push) + 0.02 * random.normal();
+    }
+    const Loads part = every_other(loads, 0.99, 2.04);
+    blamed += find_wrong_order(part.t_s, part.measured, part.modelled) ? 1 : 0;
+  }
+  EXPECT_LE(blamed, 3);  // the stated rate of the gate, 1 % (docs/notes/sanity-rates.md)
+}
+
 TEST(BlockOrder, ALoadThatDoesNotVaryOrFollowsNothingIsNotBlamed) {
   Random random(4);
   for (int world = 0; world < 20; ++world) {
