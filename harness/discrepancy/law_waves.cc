@@ -70,12 +70,14 @@ std::vector<double> lines(const LeftOver& left) {
   for (std::size_t i = 1; i < left.t_s.size(); ++i) gaps.push_back(left.t_s[i] - left.t_s[i - 1]);
   std::nth_element(gaps.begin(), gaps.begin() + static_cast<std::ptrdiff_t>(gaps.size() / 2), gaps.end());
   const double highest_Hz = 0.5 / gaps[gaps.size() / 2];
-  const auto count = static_cast<std::size_t>(highest_Hz / step_Hz);
+  const double lowest_Hz = 2.0 / duration_s;
+  if (highest_Hz < lowest_Hz) return {};
+  const auto count = static_cast<std::size_t>((highest_Hz - lowest_Hz) / step_Hz) + 1;
   std::vector<Peak> all(count);
   in_parallel(
       count,
       [&](std::size_t i) {
-        const double frequency_Hz = 2.0 / duration_s + static_cast<double>(i) * step_Hz;
+        const double frequency_Hz = lowest_Hz + static_cast<double>(i) * step_Hz;
         std::vector<double> turns;
         for (const double t_s : left.t_s) turns.push_back(frequency_Hz * t_s);
         all[i] = {Vec3(frequency_Hz, 0.0, 0.0), power_at(left.f_W_N, turns)};

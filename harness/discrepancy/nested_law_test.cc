@@ -9,6 +9,7 @@
 #include <optional>
 
 #include "harness/discrepancy/catalogue_for_test.h"
+#include "harness/discrepancy/damped_plane_for_test.h"
 #include "harness/discrepancy/model_edit.h"
 #include "harness/discrepancy/plane_for_test.h"
 #include "harness/discrepancy/two_recordings_for_test.h"
@@ -141,28 +142,16 @@ TEST(NestedLaw, ALawWithoutALargerOneIsNotAskedFor) {
   EXPECT_TRUE(world.weigh().empty());
 }
 
-// A plane with a damper along it that the model lacks, or has not got.
 std::vector<Trial> likely_trials(double damper_N_s_per_m) {
-  const std::vector<Candidate> library{{"viscous-friction",
-                                        Side::contact,
-                                        {{"coefficient_N_s_per_m", "N s/m", 0.0, 1e4, 0.0, ""}},
-                                        traits_of("viscous-friction")}};
-  Model start;
-  start.renderer = "plane";
-  start.parameters["stiffness_N_per_m"] = 900.0;
-  Model truth = start;
-  if (damper_N_s_per_m > 0.0) {
-    truth.effects.push_back({"viscous-friction", {{"coefficient_N_s_per_m", damper_N_s_per_m}}, ""});
-  }
-  const InstrumentDescription instrument = small_noise(1.0);
+  const DampedPlane world(damper_N_s_per_m);
   const auto measure = [&](double phase, std::uint64_t seed) {
     const MotionColumns path = hand(phase, 1.0);
-    return measured(path, PlanePredictor(path).predict(truth).f_W_N, instrument, seed);
+    return measured(path, PlanePredictor(path).predict(world.truth).f_W_N, world.instrument, seed);
   };
-  const TwoRecordings recordings(measure(0.0, 41), measure(1.1, 42), instrument, start,
+  const TwoRecordings recordings(measure(0.0, 41), measure(1.1, 42), world.instrument, world.start,
                                  [](const MotionColumns& motion) { return std::make_unique<PlanePredictor>(motion); });
   const SearchSettings settings;
-  SearchState state(recordings.data, library, settings, start);
+  SearchState state(recordings.data, world.library, settings, world.start);
   state.refit();
   state.renew_noise(state.current.model);
   state.refit();

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "harness/discrepancy/catalogue_for_test.h"
+#include "harness/discrepancy/damped_plane_for_test.h"
 #include "harness/discrepancy/plane_for_test.h"
 #include "harness/discrepancy/two_recordings_for_test.h"
 
@@ -80,16 +81,7 @@ TEST(LeastShare, IsSmallerWhileTheModelLeavesFarMoreThanNoise) {
 // since what they leave counts as noise of all blocks, of the gain. Two blocks are no evidence, but the others, which
 // it explains to the last as well, are.
 TEST(FewBlocks, HideNoEffectThatMakesAllOthersLikelier) {
-  const std::vector<Candidate> library{{"viscous-friction",
-                                        Side::contact,
-                                        {{"coefficient_N_s_per_m", "N s/m", 0.0, 1e4, 0.0, ""}},
-                                        traits_of("viscous-friction")}};
-  Model start;
-  start.renderer = "plane";
-  start.parameters["stiffness_N_per_m"] = 900.0;
-  Model truth = start;
-  truth.effects.push_back({"viscous-friction", {{"coefficient_N_s_per_m", 4.0}}, ""});
-  const InstrumentDescription instrument = small_noise(1.0);
+  const DampedPlane world(4.0);
   const MakePredictor make = [](const MotionColumns& motion) { return std::make_unique<PlanePredictor>(motion); };
   const auto measure = [&](double phase, std::uint64_t seed) {
     MotionColumns path = hand(phase, 1.0);
@@ -97,16 +89,16 @@ TEST(FewBlocks, HideNoEffectThatMakesAllOthersLikelier) {
       // In contact in the first recording; the second one is not asked.
       for (const double dart_s : {4.5, 9.1}) path.p_W_m[i].x() += 0.03 * std::tanh((path.t_s[i] - dart_s) / 0.04);
     }
-    return measured(path, PlanePredictor(path).predict(truth).f_W_N, instrument, seed);
+    return measured(path, PlanePredictor(path).predict(world.truth).f_W_N, world.instrument, seed);
   };
-  const TwoRecordings recordings(measure(0.0, 41), measure(1.1, 42), instrument, start, make);
+  const TwoRecordings recordings(measure(0.0, 41), measure(1.1, 42), world.instrument, world.start, make);
   const SearchSettings settings;
-  SearchState state(recordings.data, library, settings, start);
+  SearchState state(recordings.data, world.library, settings, world.start);
   state.refit();
   state.renew_noise(state.current.model);
   state.refit();
   const Standing standing = standing_of(state);
-  const auto trial = try_candidate(state, standing, library.front());
+  const auto trial = try_candidate(state, standing, world.library.front());
   ASSERT_TRUE(trial.has_value());
   // By chi-squared under the misfit of the smaller model it comes from a few blocks alone.
   EXPECT_LT(trial->validation_gain, settings.gain_errors * trial->validation_error);
