@@ -8,6 +8,7 @@
 
 #include "harness/stats/energy.h"
 #include "harness/stats/quantile.h"
+#include "harness/stats/staircase.h"
 #include "harness/stats/trend.h"
 #include "harness/stats/two_sample.h"
 
@@ -15,6 +16,8 @@ namespace touchstone::stats {
 namespace {
 
 constexpr double builds_per_year = 365.0;
+// A drift of a size that matters has a small p after a few months in any case; a step in a short history has not.
+constexpr double share_of_drifts = 0.1;
 // A stretch without a change is looked at over at most two years.
 constexpr std::size_t longest_stretch = 730;
 constexpr std::size_t kept_of_longest = 365;
@@ -124,9 +127,9 @@ class Search {
   Search(Values values, const ChangeOptions& options)
       : values_(values.begin(), values.end()),
         options_(options),
-        level_(options.false_alarms_per_year / 2.0 /
+        level_((1.0 - share_of_drifts) * options.false_alarms_per_year /
                (builds_per_year * static_cast<double>(widths_from(options.outliers + 1)))),
-        trend_level_(options.false_alarms_per_year / 2.0 / builds_per_year) {
+        trend_level_(share_of_drifts * options.false_alarms_per_year / builds_per_year) {
     double largest = 0.0;
     for (const double value : values) largest = std::max(largest, std::abs(value));
     constexpr double last_bits = 1e-13;
@@ -213,12 +216,15 @@ class Search {
     return values * std::log(std::max(squares, 1e-300)) + static_cast<double>(more_parameters) * std::log(values);
   }
 
-  // A line has a slope more than one level, a step its place and a second level. What no line but one step explains
-  // worse than a line may still be a staircase: its steps are all searched before it is called a drift.
+  // One step is held against a line by likelihood, at a limit that one simulated line in twenty passes which rises by
+  // four deviations of its noise within fifty builds (steeper ones: fewer). What one step explains worse than a line
+  // may still be a staircase: its steps are all searched before it is called a drift, and held against the line by
+  // Schwarz's criterion: a line has a slope more than one level, each step its place and a level.
   [[nodiscard]] bool line_is_better(std::size_t first, std::size_t step, std::size_t end) const {
-    const double line = criterion(squares_about_line(part(first, end)), end - first, 1);
     const double two_levels = squares_about_mean(part(first, step)) + squares_about_mean(part(step, end));
-    if (criterion(two_levels, end - first, 2) <= line) return false;
+    const double squares_of_line = squares_about_line(part(first, end));
+    if (criterion(squares_of_line, end - first, 0) - criterion(two_levels, end - first, 0) > needed_for_one_step)
+      return false;
     std::vector<std::size_t> bounds{first, step, end};
     for (std::size_t i = 0; i + 1 < bounds.size();) {
       const std::size_t inner = find_step(bounds[i], bounds[i + 1]);
@@ -230,7 +236,7 @@ class Search {
     }
     double stairs = 0.0;
     for (std::size_t i = 0; i + 1 < bounds.size(); ++i) stairs += squares_about_mean(part(bounds[i], bounds[i + 1]));
-    return line < criterion(stairs, end - first, 2 * (bounds.size() - 2));
+    return criterion(squares_of_line, end - first, 1) < criterion(stairs, end - first, 2 * (bounds.size() - 2));
   }
 
   void stretch(std::size_t first, std::size_t end, ChangeReport& report) {
@@ -248,11 +254,26 @@ class Search {
       const double to = trend.intercept + trend.slope * static_cast<double>(end - first - 1);
       if (trend.p <= trend_level_ && matters(trend.intercept, to)) {
         step = find_step_beside_line(first, end, trend.slope);
-        if (step == 0)
-          report.changes.push_back({ChangeKind::drift, first, first, end - 1, trend.intercept, to, trend.p});
+        if (step == 0) {
+          explain(trend, first, end, report);
+          return;
+        }
       }
     }
     if (step != 0) split(first, step, end, report);
+  }
+
+  // A stretch that rises or falls: by steps, each of which may be too small to be found alone, or straight.
+  void explain(const Trend& trend, std::size_t first, std::size_t end, ChangeReport& report) {
+    const std::vector<std::size_t> steps = find_staircase(part(first, end), trend);
+    for (const std::size_t step : steps) {
+      const std::size_t index = first + step;
+      report.changes.push_back({.kind = ChangeKind::step, .index = index, .first = index, .last = index, .p = trend.p});
+      of_staircases_.push_back(index);
+    }
+    if (!steps.empty()) return;
+    const double to = trend.intercept + trend.slope * static_cast<double>(end - first - 1);
+    report.changes.push_back({ChangeKind::drift, first, first, end - 1, trend.intercept, to, trend.p});
   }
 
   void split(std::size_t first, std::size_t step, std::size_t end, ChangeReport& report) {
@@ -282,6 +303,8 @@ class Search {
         const TwoSample tested = test(first, changes[i].index, end);
         changes[i].before = tested.before;
         changes[i].after = tested.after;
+        // The test of the trend found them together: what each would be alone says nothing.
+        if (std::ranges::find(of_staircases_, changes[i].index) != of_staircases_.end()) continue;
         changes[i].p = tested.p;
         if (ends_of_drift(changes, changes[i])) continue;
         if (tested.p > largest) {
@@ -354,8 +377,10 @@ class Search {
   }
 
   static constexpr std::size_t smallest_drift = 12;
+  static constexpr double needed_for_one_step = 2.0;
 
   std::vector<double> values_;
+  std::vector<std::size_t> of_staircases_;
   ChangeOptions options_;
   double level_;
   double trend_level_;

@@ -7,20 +7,21 @@
 // candidate counts if Student's t test (two_sample.h) falls below a level that is fixed beforehand, and below ten times
 // of it with any `outliers` values of either side left out:
 //
-//   level = rate / 2 / (365 * 24)
+//   level = 0.9 rate / (365 * 24)
 //
 // 365 * 24 is the number of pairs whose end lies within one year of daily builds. A pair's test does not depend on
 // the day on which it is looked at, so the sum over all pairs of the year bounds the probability of a false alarm
 // (union bound): for independent normal noise at most `rate` a year, for the two kinds of change together. The other
-// half of the rate is for drift: Mann and Kendall's test (trend.h) once a day, at rate / 2 / 365. Other noise (heavy
+// tenth of the rate is for drift: Mann and Kendall's test (trend.h) once a day, at 0.1 rate / 365. Other noise (heavy
 // tails, outliers, correlation) is in the simulation of false_alarms_nightly_test.cc. The step stands where two levels
 // fit the values of its pair best.
 //
 // A series in which at least seven of eight neighbours agree to the last bits is exact (a deterministic metric): there
 // every difference beyond the smallest that matters is a change, from the first build on. The rate is about the others.
 //
-// Where a straight line describes a stretch better than two levels, the stretch is a drift; steps are then searched for
-// in what the line leaves.
+// Where a straight line describes a stretch better than levels, the stretch is a drift; steps are then searched for in
+// what the line leaves, and as a staircase whose steps may be too small to be found one by one (staircase.h): the test
+// of the trend has found that something changes, and only its form is chosen.
 #pragma once
 
 #include <cstddef>
@@ -47,7 +48,7 @@ struct Change {
   std::size_t last = 0;   // well as `index` (95 %), for a drift the whole stretch
   double before = 0.0;    // step: mean of the neighbouring levels; drift: the line at both ends of the stretch
   double after = 0.0;
-  double p = 1.0;
+  double p = 1.0;  // of a staircase that was found by its trend: the trend's, for every step of it
 };
 
 struct Level {

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <vector>
 
@@ -122,6 +123,28 @@ TEST(Changes, AStaircaseIsNoDrift) {
       EXPECT_NEAR(static_cast<double>(report.changes[i].index), 125.0 * static_cast<double>(i + 1), 10.0) << seed;
     }
   }
+}
+
+// In fifty builds no step of it would pass alone, and a line is within a deviation of all of them.
+TEST(Changes, AShortStaircaseIsOftenNoDriftAndASlopeIsMostlyNoStaircase) {
+  int stairs = 0;
+  int staircases_of_lines = 0;
+  int steps_of_lines = 0;
+  for (std::uint64_t seed = 1; seed <= 100; ++seed) {
+    const auto noise = noisy(50, 0.05, seed);
+    auto values = noise;
+    for (std::size_t i = 0; i < values.size(); ++i)
+      values[i] += 0.1 * static_cast<double>(std::min<std::size_t>(i / 12, 3));
+    for (const std::size_t step : steps_of(find_changes(values))) stairs += (step + 2) % 12 <= 4 ? 1 : 0;
+    values = noise;
+    for (std::size_t i = 0; i < values.size(); ++i) values[i] += 0.3 * static_cast<double>(i) / 49.0;
+    const std::size_t steps = steps_of(find_changes(values)).size();
+    staircases_of_lines += steps > 1 ? 1 : 0;
+    steps_of_lines += steps == 1 ? 1 : 0;
+  }
+  EXPECT_GE(stairs, 120) << "of 300";
+  EXPECT_LE(staircases_of_lines, 10);
+  EXPECT_LE(steps_of_lines, 3);
 }
 
 TEST(Changes, AnExactSeriesChangesAtOnce) {

@@ -96,10 +96,10 @@ TEST(Otava, ItsLongSeriesWithALimitOnSize) {
 }
 
 // Without a limit on size they answer 5 changes at 0.00001, 11 at 0.001, 14 at 0.01 and 70 at 0.2: the rise after 95 as
-// a staircase. Its steep parts are all that is left here.
+// a staircase. Its steep parts are all that is left here; the one at 260 is theirs at 0.01 too.
 TEST(Otava, ItsLongSeries) {
   EXPECT_THAT(steps(tigerbeetle, {}), ElementsAre(15U, 61U, 71U, 95U, 131U, 192U));
-  EXPECT_THAT(steps(tigerbeetle, {.false_alarms_per_year = 0.1}), ElementsAre(15U, 61U, 71U, 95U, 131U, 192U));
+  EXPECT_THAT(steps(tigerbeetle, {.false_alarms_per_year = 0.1}), ElementsAre(15U, 61U, 71U, 95U, 131U, 192U, 260U));
 }
 
 }  // namespace
