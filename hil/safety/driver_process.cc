@@ -32,13 +32,13 @@ class Driver {
     } catch (const DeviceError& error) {
       hello.status = static_cast<int>(error.device_status());
       hello.advised = 1;
-      copy_text(hello.message, error.what());
+      copy_message(hello.message, error.what());
     } catch (const std::exception& error) {
       hello.status = static_cast<int>(DeviceStatus::failed);
-      copy_text(hello.message, error.what());
+      copy_message(hello.message, error.what());
     } catch (...) {
       hello.status = static_cast<int>(DeviceStatus::failed);
-      copy_text(hello.message, "the driver threw something that is no exception");
+      copy_message(hello.message, "the driver threw something that is no exception");
     }
     return send_message(guard_, hello) && hello.status == 0;
   }
@@ -103,13 +103,13 @@ class Driver {
     } catch (const DeviceError& error) {
       reply.status = static_cast<int>(error.device_status());
       reply.advised = 1;
-      copy_text(reply.message, error.what());
+      copy_message(reply.message, error.what());
     } catch (const std::exception& error) {
       reply.status = static_cast<int>(DeviceStatus::failed);
-      copy_text(reply.message, error.what());
+      copy_message(reply.message, error.what());
     } catch (...) {
       reply.status = static_cast<int>(DeviceStatus::failed);
-      copy_text(reply.message, "the driver threw something that is no exception");
+      copy_message(reply.message, "the driver threw something that is no exception");
     }
     reply.confirmed = zero() ? 1 : 0;
     return reply;

@@ -9,6 +9,16 @@
 
 namespace touchstone::hil {
 
+void copy_message(char (&to)[longest_message], std::string_view from) {
+  if (from.size() < longest_message) return copy_text(to, from);
+  constexpr std::string_view gap = " [...] ";
+  constexpr std::size_t kept = (longest_message - 1 - gap.size()) / 2;
+  char* at = std::copy_n(from.data(), kept, to);
+  at = std::copy_n(gap.data(), gap.size(), at);
+  at = std::copy_n(from.data() + from.size() - kept, kept, at);
+  *at = '\0';
+}
+
 bool send_bytes(int fd, const void* bytes, std::size_t size) {
   return ::send(fd, bytes, size, MSG_NOSIGNAL | MSG_DONTWAIT) == static_cast<ssize_t>(size);
 }

@@ -11,13 +11,16 @@
 
 namespace touchstone::hil {
 
+// With its closing zero. Paths and what a vendor's library says make messages long.
+inline constexpr std::size_t longest_message = 1024;
+
 struct GuardHello {
   int status = 0;  // DeviceStatus
   int calibrated = 0;
   int emulated = 0;
   int advised = 0;  // the message ends with what to do
   double watchdog_s = 0.0;
-  char message[256] = {};
+  char message[longest_message] = {};
   char id[64] = {}, serial[64] = {}, firmware[96] = {}, calibration[160] = {};
 };
 
@@ -38,7 +41,7 @@ struct GuardReply {
   Trip trip = Trip::none;
   double t_s = 0.0, p_m[3] = {}, v_m_per_s[3] = {}, temperature_C = 0.0, allowed_N[3] = {};
   unsigned buttons = 0;
-  char message[256] = {};
+  char message[longest_message] = {};
 };
 
 template <std::size_t n>
@@ -47,6 +50,9 @@ void copy_text(char (&to)[n], std::string_view from) {
   std::copy_n(from.data(), size, to);
   to[size] = '\0';
 }
+
+// Of a message that is too long still, the middle goes: its end says what to do.
+void copy_message(char (&to)[longest_message], std::string_view from);
 
 // What a hello or a reply says is wrong.
 template <class Message>

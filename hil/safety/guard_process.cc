@@ -81,8 +81,8 @@ class Guard {
     }
     if (got != Received::message) {
       hello.status = static_cast<int>(got == Received::gone ? DeviceStatus::failed : DeviceStatus::timed_out);
-      copy_text(hello.message, got == Received::gone ? "the driver's process died while it opened the device"
-                                                     : "the driver did not open the device in time");
+      copy_message(hello.message, got == Received::gone ? "the driver's process died while it opened the device"
+                                                        : "the driver did not open the device in time");
     }
     calibrated_ = hello.calibrated != 0;
     if (!send_message(client_, hello) || hello.status != 0) return false;
@@ -95,7 +95,7 @@ class Guard {
     if (tripped() != Trip::none) {
       reply.status = static_cast<int>(DeviceStatus::failed);
       reply.advised = 1;
-      copy_text(reply.message, "the guard let go: " + std::string(to_string(tripped())) + "; open the device again");
+      copy_message(reply.message, "the guard let go: " + std::string(to_string(tripped())) + "; open the device again");
       reply.confirmed = page_.device_zero ? 1 : 0;
       return reply;
     }
