@@ -24,6 +24,8 @@ constexpr double kNoise = 16.0;
 constexpr double kNearlyFlat = 1e-3;
 // For what is farther for sure, rounding aside.
 constexpr double kBeyond = 1.0 + 64.0 * std::numeric_limits<double>::epsilon();
+// Noise goes round among that many places at most, nearly always: 223 of 235 runs that did not settle.
+constexpr int kCircle = 4;
 constexpr int kCuts = 40;  // of the search for the least distance along a way
 
 // On one triangle: by its face, edge or corner in closed form, until the answer's own closest feature is the one used.
@@ -102,6 +104,8 @@ Found newton(const Mesh& mesh, const Holding& holding, const S& r, const Vec3Of<
   S last_length(std::numeric_limits<double>::infinity());
   bool was_slow = false;
   bool were_planes = false;
+  std::array<Vec3Of<S>, kCircle> places;  // after the last steps, and the multipliers of each
+  std::array<Multipliers, kCircle> pressed;
   for (int step = 0; step < kNewtonSteps; ++step) {
     Normals n;
     Multipliers gap;
@@ -162,9 +166,19 @@ Found newton(const Mesh& mesh, const Holding& holding, const S& r, const Vec3Of<
     const bool stands = next == x;
     x = next;
     // The last normals are those at x but for a step of rounding.
-    if (far || !(length <= rounding)) continue;
-    if (closed(stands ? S(kStanding * rounding) : rounding)) return holds() ? Found::rest : Found::nothing;
-    if (stands) return Found::unsettled;  // for ever
+    if (!far && length <= rounding) {
+      if (closed(stands ? S(kStanding * rounding) : rounding)) return holds() ? Found::rest : Found::nothing;
+      if (stands) return Found::unsettled;  // for ever
+    }
+    // A place and its multipliers are all that the next step depends on: what comes back to them goes round for ever.
+    if (slow) {
+      for (int i = std::max(0, step - kCircle); i < step; ++i) {
+        const auto at = static_cast<std::size_t>(i % kCircle);
+        if (places[at] == x && pressed[at] == l) return Found::unsettled;
+      }
+    }
+    places[static_cast<std::size_t>(step % kCircle)] = x;
+    pressed[static_cast<std::size_t>(step % kCircle)] = l;
   }
   return Found::unsettled;
 }
