@@ -158,6 +158,15 @@ std::vector<Fault> faults() {
        [](auto& r, auto& tip, auto& m) {
          if (r.contact && size_at(m, r.contact_W_m) < 1e-5) nothing_there(r, tip);
        }},
+      // Small triangles are right, and those that come after them are lost.
+      {"LosesTheLargeBesideTheSmall",
+       "untouchable-triangles",
+       {},
+       [](auto& r, auto& tip, auto& m) {
+         const double sheet_m = m.surface->bounds().sizes().x();
+         const double size_m = size_at(m, r.contact_W_m);
+         if (r.contact && size_m > 0.05 * sheet_m && size_m < 0.2 * sheet_m) nothing_there(r, tip);
+       }},
       {"JumpsByTwoPercentOnOneTriangle",
        "jump-between-triangles",
        {},
@@ -313,6 +322,19 @@ TEST(Diagnosis, AnEpsilonThatIsDeclaredIsNoStandoff) {
   EXPECT_FALSE(finding.has_value()) << finding->what;
   engine.epsilon_m = 0.9e-7;
   EXPECT_TRUE(find_detector("standoff").find(engine).has_value());
+}
+
+// Triangles of ten epsilons are looked at and smaller ones are not, in the lengths of the renderer's own world.
+TEST(Diagnosis, TrianglesBelowTheDeclaredEpsilonMayBeLost) {
+  Engine engine = engine_of({"coarse", "", {}, [](StepResult& result, const TipState& tip, Memory& memory) {
+                               if (result.contact && size_at(memory, result.contact_W_m) < 4e-6)
+                                 nothing_there(result, tip);
+                             }});
+  engine.epsilon_m = 1e-6;
+  const auto finding = find_detector("untouchable-triangles").find(engine);
+  EXPECT_FALSE(finding.has_value()) << finding->what;
+  engine.epsilon_m = 1e-7;
+  EXPECT_TRUE(find_detector("untouchable-triangles").find(engine).has_value());
 }
 
 TEST(Diagnosis, EveryDetectorHasAPlantedFaultAndItsOwnName) {
