@@ -24,15 +24,24 @@ struct HistoryOptions {
   bool ctest = false;
 };
 
-void record_first(const HistoryOptions& options) {
-  if (!options.record && options.collect.empty()) return;
+// False if a measurement of the run that is collected is no number: then the newest value is missing, and what is
+// judged in its place is an older one.
+bool record_first(const HistoryOptions& options) {
+  bool all_numbers = true;
+  if (!options.record && options.collect.empty()) return all_numbers;
   if (options.source.local.size() != 1 || options.commit.empty())
     throw UsageError("--record and --collect need one --local FILE to write to, and --commit");
-  if (!options.collect.empty()) append_history(options.source.local[0], collect_ctest(options.collect, options.commit));
+  if (!options.collect.empty()) {
+    const CollectedRun run = collect_ctest(options.collect, options.commit);
+    append_history(options.source.local[0], run.series);
+    for (const std::string& text : run.not_numbers) fmt::print("not recorded: {}\n", text);
+    all_numbers = run.not_numbers.empty();
+  }
   if (options.record) {
     if (options.source.wanted.metric.empty()) throw UsageError("--record needs --metric");
     append_history(options.source.local[0], {{options.source.wanted, {{options.commit, "", options.value}}}});
   }
+  return all_numbers;
 }
 
 void write_history_outputs(const HistoryOptions& options, const JudgedHistory& history) {
@@ -72,7 +81,7 @@ ExitStatus history_command(HistoryOptions options) {
   if (options.worse == "up") options.limit.worse = Worse::up;
   if (options.worse == "down") options.limit.worse = Worse::down;
   for (const auto& commit : options.accepted) options.limit.accepted.push_back({commit, "by --accept"});
-  record_first(options);
+  const bool all_numbers = record_first(options);
   auto series = load_series(options.source);
   HistoryLimits limits;
   if (!options.limits.empty()) limits = load_history_limits(options.limits);
@@ -82,13 +91,13 @@ ExitStatus history_command(HistoryOptions options) {
   if (series.empty() && (gated || !options.limits.empty())) series.push_back({options.source.wanted, {}});
   if (series.empty()) {
     fmt::print("{}: no values\n", options.source.wanted.metric.empty() ? "history" : options.source.wanted.metric);
-    return options.collect.empty() ? ExitStatus::bad_data : ExitStatus::passed;
+    return options.collect.empty() ? ExitStatus::bad_data : all_numbers ? ExitStatus::passed : ExitStatus::failed;
   }
   const JudgedHistory history = judge_history(std::move(series), limits);
   fmt::print("{}", history.text());
   if (options.ctest) print_for_ctest(options, history);
   write_history_outputs(options, history);
-  return history.failed() ? ExitStatus::failed : ExitStatus::passed;
+  return history.failed() || !all_numbers ? ExitStatus::failed : ExitStatus::passed;
 }
 
 void add_series_selection(CLI::App& command, HistoryOptions& options) {
@@ -159,10 +168,9 @@ void add_history(CLI::App& program, Run& run) {
                     "As a standing test: measurements and a picture for CTest; sources from TOUCHSTONE_HISTORY or "
                     "TOUCHSTONE_CDASH_URL, skipped (77) without them");
   command->footer(
-      "HistorySeries of different machines, build names, tracks, tests and metrics are judged each for itself. Exit "
-      "status 1: "
+      "Series of different machines, build names, tracks, tests and metrics are judged each for itself. Exit status 1: "
       "a\n"
-      "limit is broken, or a change for the worse is neither accepted nor over.\n"
+      "limit is broken, a change for the worse is neither accepted nor over, or a collected measurement is no number.\n"
       "Examples:\n"
       "  touchstone history --cdash https://cdash.example.org --test golden.sphere-scan.god-object --metric "
       "force_rms_N --track Nightly --max 0.01\n"

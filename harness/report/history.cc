@@ -127,34 +127,41 @@ void append_history(const std::filesystem::path& file, const std::vector<History
   write_file(file, text, Replace::inputs_too);
 }
 
-std::vector<HistorySeries> collect_ctest(const std::filesystem::path& testing, const std::string& commit) {
+CollectedRun collect_ctest(const std::filesystem::path& testing, const std::string& commit) {
   std::ifstream tag(testing / "TAG");
   std::string stamp;
   std::getline(tag, stamp);
   const auto file = testing / stamp / "Test.xml";
   pugi::xml_document document;
   if (stamp.empty() || !document.load_file(file.c_str()))
-    throw BadData(fmt::format("{}: no readable Test.xml of a run: run the tests by ctest -T Test", testing.string()));
+    throw BadData(fmt::format("{0}: no readable Test.xml of a run: run the tests by ctest --test-dir {1} -T Test",
+                              testing.string(), testing.parent_path().empty() ? "." : testing.parent_path().string()));
   const auto site = document.child("Site");
   const std::string build_stamp = site.attribute("BuildStamp").value();
   const auto dash = build_stamp.find('-', build_stamp.find('-') + 1);
   const std::string time = utc_time(site.child("Testing").child("StartTestTime").text().as_llong());
   SeriesMap map;
+  CollectedRun run;
   for (const auto& test : site.child("Testing").children("Test")) {
     for (const auto& measured : test.child("Results").children("NamedMeasurement")) {
       const std::string_view name = measured.attribute("name").value();
       const std::string_view value = measured.child_value("Value");
-      if (std::string_view(measured.attribute("type").value()) != "numeric/double" || name == "Execution Time")
+      if (std::string_view(measured.attribute("type").value()) != "numeric/double" || name == "Execution Time" ||
+          name == "Processors")
         continue;
       double number = 0.0;
       const auto [end, error] = std::from_chars(value.data(), value.data() + value.size(), number);
-      if (error != std::errc{} || end != value.data() + value.size() || !std::isfinite(number)) continue;
+      if (error != std::errc{} || end != value.data() + value.size() || !std::isfinite(number)) {
+        run.not_numbers.push_back(fmt::format("{}: {} = {}", test.child_value("Name"), name, value));
+        continue;
+      }
       map[{site.attribute("Name").value(), site.attribute("BuildName").value(),
            dash == std::string::npos ? "" : build_stamp.substr(dash + 1), test.child_value("Name"), std::string(name)}]
           .push_back({commit, time, number});
     }
   }
-  return in_order(std::move(map));
+  run.series = in_order(std::move(map));
+  return run;
 }
 
 }  // namespace touchstone::report

@@ -42,8 +42,16 @@ std::vector<HistorySeries> load_history(const std::vector<std::filesystem::path>
 // Adds one line for each series' points; throws BadData for a value that is not finite.
 void append_history(const std::filesystem::path& file, const std::vector<HistorySeries>& series);
 
+struct CollectedRun {
+  // One series of one value for each measurement.
+  std::vector<HistorySeries> series;
+  // Measurements whose value is no finite number, as "test: metric = value": they are in no series.
+  std::vector<std::string> not_numbers;
+};
+
 // Every numeric measurement of the newest run in `testing`, the folder Testing of a build: ctest's Test.xml, which
-// `ctest -T Test` and the dashboard write. Throws BadData if there is none.
-std::vector<HistorySeries> collect_ctest(const std::filesystem::path& testing, const std::string& commit);
+// `ctest -T Test` and the dashboard write. What ctest adds of its own (Execution Time, Processors) is no measurement.
+// Throws BadData if there is no such file.
+CollectedRun collect_ctest(const std::filesystem::path& testing, const std::string& commit);
 
 }  // namespace touchstone::report

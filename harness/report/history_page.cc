@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <nlohmann/json.hpp>
 
 #include "harness/base/markup.h"
@@ -146,12 +147,20 @@ std::string history_page(const std::vector<JudgedSeries>& all, const std::string
       "<!DOCTYPE html><html lang=\"en\"><head><meta charset=\"utf-8\"><title>{0}</title><style>{1}</style></head><body>"
       "<h1>{0}</h1><p>{2} series, {3} failed.</p>",
       escape_html(title), style, all.size(), failed);
-  for (const JudgedSeries* judged : order) {
+  const auto quiet = [](const JudgedSeries* judged) { return judged->verdict.findings.empty(); };
+  std::ranges::stable_partition(order, std::not_fn(quiet));
+  const auto quiet_begin = std::ranges::find_if(order, quiet);
+  for (auto at = order.begin(); at != order.end(); ++at) {
+    const JudgedSeries* const judged = *at;
+    if (at == quiet_begin)
+      page += fmt::format("<details{}><summary>Series without a finding: {}</summary>", failed == 0 ? " open" : "",
+                          std::distance(quiet_begin, order.end()));
     page += fmt::format("<h2>{}</h2>{}<ul>", escape_html(title_of(judged->series.key)), drawing(*judged));
     for (const auto& finding : judged->verdict.findings)
       page += fmt::format("<li{}>{}</li>", finding.fails ? " class=\"failed\"" : "", escape_html(finding.sentence));
     page += "</ul>";
   }
+  if (quiet_begin != order.end()) page += "</details>";
   return page + "</body></html>\n";
 }
 

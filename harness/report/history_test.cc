@@ -16,6 +16,7 @@
 namespace touchstone::report {
 namespace {
 
+using testing::ElementsAre;
 using testing::HasSubstr;
 
 class HistoryFile : public testing::Test {
@@ -114,14 +115,24 @@ TEST_F(HistoryFile, MeasurementsOfARunAreCollected) {
 <Test Status="passed"><Name>golden.x</Name><Results>
 <NamedMeasurement type="numeric/double" name="force_rms_N"><Value>0.125</Value></NamedMeasurement>
 <NamedMeasurement type="numeric/double" name="Execution Time"><Value>0.01</Value></NamedMeasurement>
+<NamedMeasurement type="numeric/double" name="Processors"><Value>1</Value></NamedMeasurement>
+<NamedMeasurement type="numeric/double" name="force_p99_N"><Value>nan</Value></NamedMeasurement>
+<NamedMeasurement type="numeric/double" name="force_max_N"><Value></Value></NamedMeasurement>
 <NamedMeasurement type="text/string" name="golden_hash"><Value>1</Value></NamedMeasurement>
 </Results></Test></Testing></Site>)");
-  const auto collected = collect_ctest(folder, "abc");
+  const CollectedRun run = collect_ctest(folder, "abc");
+  const auto& collected = run.series;
   ASSERT_EQ(collected.size(), 1U);
   EXPECT_EQ(collected[0].key, (SeriesKey{"lab", "Linux-gcc", "Nightly", "golden.x", "force_rms_N"}));
   EXPECT_EQ(collected[0].points[0].value, 0.125);
   EXPECT_EQ(collected[0].points[0].time, "2026-01-02T03:04:00Z");
-  EXPECT_THROW(collect_ctest(folder / "nowhere", "abc"), BadData);
+  EXPECT_THAT(run.not_numbers, ElementsAre("golden.x: force_p99_N = nan", "golden.x: force_max_N = "));
+  try {
+    collect_ctest("build/nowhere/Testing", "abc");
+    FAIL() << "there is no run";
+  } catch (const BadData& error) {
+    EXPECT_THAT(error.what(), HasSubstr("ctest --test-dir build/nowhere -T Test"));
+  }
 }
 
 TEST(Gates, HoldTheNewestValueInBothDirections) {

@@ -24,7 +24,9 @@ const JudgedSeries* JudgedHistory::worst() const {
 }
 
 std::string JudgedHistory::text() const {
-  std::string text;
+  std::string text = failed()
+                         ? fmt::format("{} of {} series failed.\n", failures(), all.size())
+                         : fmt::format("No limit is broken and nothing has become worse in {} series.\n", all.size());
   for (const auto& judged : all) {
     if (all.size() == 1 || !judged.verdict.findings.empty()) text += series_text(judged, all.size() == 1);
   }
@@ -56,7 +58,7 @@ std::string series_text(const JudgedSeries& judged, bool values) {
     text += fmt::format("  {}: {}\n", finding.fails ? finding.change ? "change" : "gate" : "note", finding.sentence);
   std::size_t steps = 0;
   for (const auto& change : judged.verdict.report.changes) steps += change.kind == stats::ChangeKind::step ? 1 : 0;
-  text += fmt::format("  {} values, {} steps, {} drifts: {}\n", judged.series.points.size(), steps,
+  text += fmt::format("  values: {}; steps: {}; drifts: {}: {}\n", judged.series.points.size(), steps,
                       judged.verdict.report.changes.size() - steps, judged.verdict.failed() ? "FAILED" : "passed");
   return text;
 }

@@ -8,6 +8,7 @@ namespace {
 
 using ::testing::HasSubstr;
 using ::testing::Not;
+using ::testing::StartsWith;
 
 HistorySeries series_of(const std::string& metric, const std::vector<double>& values) {
   HistorySeries series{{"site", "build", "Nightly", "test", metric}, {}};
@@ -30,6 +31,7 @@ TEST(JudgedHistory, TheSeriesThatFailedIsTheWorstThoughAnotherIsLonger) {
   EXPECT_EQ(history.worst()->series.key.metric, "broken");
   EXPECT_TRUE(history.failed());
   EXPECT_EQ(history.failures(), 1U);
+  EXPECT_THAT(history.text(), StartsWith("1 of 2 series failed."));
   EXPECT_THAT(history.text(), HasSubstr("broken of test, site/build, Nightly"));
   EXPECT_THAT(history.text(), Not(HasSubstr("long of test"))) << "it has nothing to say";
 }
@@ -37,9 +39,10 @@ TEST(JudgedHistory, TheSeriesThatFailedIsTheWorstThoughAnotherIsLonger) {
 TEST(JudgedHistory, OneSeriesIsPrintedWithItsValues) {
   const JudgedHistory history = judge_history({series_of("one", {1.25, 1.25})}, at_most(5.0));
   EXPECT_FALSE(history.failed());
+  EXPECT_THAT(history.text(), StartsWith("No limit is broken and nothing has become worse in 1 series."));
   EXPECT_THAT(history.text(), HasSubstr("c1"));
   EXPECT_THAT(history.text(), HasSubstr("1.25"));
-  EXPECT_THAT(history.text(), HasSubstr("2 values, 0 steps, 0 drifts: passed"));
+  EXPECT_THAT(history.text(), HasSubstr("values: 2; steps: 0; drifts: 0: passed"));
   EXPECT_THAT(history.text(), HasSubstr("1 series; false alarms"));
 }
 
