@@ -1,10 +1,14 @@
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <memory>
 
 #include "apps/commands.h"
 #include "harness/base/atomic_file.h"
+#include "harness/base/bundled_files.h"
+#include "harness/base/error.h"
 #include "harness/importing/guess_map.h"
 #include "harness/importing/import_file.h"
 
@@ -36,13 +40,32 @@ void propose_map(const ImportOptions& options) {
              options.map, options.file);
 }
 
+std::string bundled_maps() {
+  std::vector<std::string> names;
+  if (const auto folder = find_bundled("import"))
+    for (const auto& entry : std::filesystem::directory_iterator(*folder)) names.push_back(entry.path().filename());
+  std::ranges::sort(names);
+  return fmt::format("{}", fmt::join(names, ", "));
+}
+
+// The user's file; else the map of that name that comes with the program.
+std::filesystem::path map_file(const std::string& map) {
+  if (std::filesystem::exists(map)) return map;
+  if (const auto folder = find_bundled("import");
+      folder && !std::filesystem::path(map).has_parent_path() && std::filesystem::exists(*folder / map))
+    return *folder / map;
+  throw BadData(
+      fmt::format("--map {}: there is no such file, and no map of that name comes with the program; these do: {}", map,
+                  bundled_maps()));
+}
+
 ExitStatus import_command(const ImportOptions& options) {
   if (options.guess) {
     propose_map(options);
     return ExitStatus::passed;
   }
   if (options.map.empty()) throw UsageError("--map: a map is needed; --guess proposes one");
-  const Imported imported = import_file(options.file, load_import_map(options.map));
+  const Imported imported = import_file(options.file, load_import_map(map_file(options.map)));
   for (const std::string& note : imported.notes) fmt::print(stderr, "note: {}\n", note);
   if (!options.out.empty()) save_imported(options.out, imported);
   if (!options.picture.empty()) write_file(options.picture, imported_picture(imported, options.file));
@@ -61,8 +84,10 @@ void add_import(CLI::App& program, Run& run) {
       ->add_option("file", options->file,
                    "What the instrument wrote: a table of text, .lvm, an AFM curve, .mat, a ROS bag (.bag, .db3), HDF5")
       ->required();
-  command->add_option("--map", options->map,
-                      "What its columns mean (JSON, schema touchstone-import/1); with --guess: the file to write");
+  command->add_option(
+      "--map", options->map,
+      "What its columns mean (JSON, schema touchstone-import/1): a file, or the name of a map that comes with the "
+      "program; with --guess: the file to write");
   command->add_flag("--guess", options->guess, "Propose a map, each line of it with its reason, and import nothing");
   command->add_option("--out", options->out, "The recording to write (.csv); without it what was read is only shown");
   command->add_option("--picture", options->picture, "Draw what was read into this file (.svg)");
@@ -71,7 +96,10 @@ void add_import(CLI::App& program, Run& run) {
       "Examples:\n"
       "  touchstone import log.txt --guess --map log.map.json\n"
       "  touchstone import log.txt --map log.map.json --picture log.svg\n"
-      "  touchstone import log.txt --map log.map.json --out log.csv");
+      "  touchstone import log.txt --map log.map.json --out log.csv\n"
+      "  touchstone import netft.csv --map net-ft-demo.json --out wrench.csv\n\n"
+      "Maps that come with the program: " +
+      bundled_maps());
   command->callback([&run, options] { run = [options] { return import_command(*options); }; });
 }
 

@@ -44,6 +44,7 @@ file(GENERATE OUTPUT ${TOUCHSTONE_INSTALLED_FILES} CONTENT "${artefacts}")
 file(MAKE_DIRECTORY ${PROJECT_BINARY_DIR}/share/touchstone)
 file(CREATE_LINK ${PROJECT_SOURCE_DIR}/golden ${PROJECT_BINARY_DIR}/share/touchstone/golden SYMBOLIC)
 file(CREATE_LINK ${PROJECT_SOURCE_DIR}/synthetic/bundled ${PROJECT_BINARY_DIR}/share/touchstone/datasets SYMBOLIC)
+file(CREATE_LINK ${PROJECT_SOURCE_DIR}/harness/importing/maps ${PROJECT_BINARY_DIR}/share/touchstone/import SYMBOLIC)
 
 # Found at run time from where the program stands (harness/base/bundled_files.h). What the reports need of scripts and
 # styles is inside the program.

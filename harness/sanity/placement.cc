@@ -92,8 +92,10 @@ std::optional<SanityFinding> find_misplacement(const Recording& r, const SanityC
         SanityWeight::remark, SanityFault::registration,
         fmt::format("19 of 20 samples with force have the tip outside of the object, by {:.3g} m in the middle",
                     middle_m),
-        fmt::format("is the tip a ball (--tip-radius {:.3g}mm), or the object registered wrongly?",
-                    1e3 * (middle_m + context.tip_radius_m))};
+        fmt::format(
+            "is the tip a ball (--tip-radius {0:.3g}mm, or {1:.3g} as tip_radius_m of the model), or the object "
+            "registered wrongly?",
+            1e3 * (middle_m + context.tip_radius_m), middle_m + context.tip_radius_m)};
   }
   const double beyond = p.beyond_N / p.size_N, outside = p.outside_N / p.size_N;
   // A bias that shows in air is small against the loads of contact.
