@@ -61,6 +61,7 @@ ExitStatus fit_command(const FitOptions& options) {
   write_fit(result, options.out);
   if (!options.json.empty()) write_file(options.json, fit_to_json(result));
   fmt::print("{}\n", fit_table(result));
+  for (const std::string& note : result.notes) fmt::print(stderr, "{}\n", note);
   for (const std::string& warning : result.warnings) fmt::print(stderr, "warning: {}\n", warning);
   fmt::print("{}\nreport: {}/report.html\n", result.interval_note, options.out);
   return ExitStatus::passed;

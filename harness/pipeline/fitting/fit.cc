@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <map>
 
 #include "harness/base/error.h"
@@ -170,7 +171,10 @@ FitResult run_fit(const Catalogue& catalogue, const FitRequest& request) {
   result.metric = request.metric;
   check_fit_metric(request.metric);
   const EvaluationInputs inputs = load_inputs(catalogue, request.evaluation);
-  for (const std::string& warning : mesh_warnings(*inputs.surface)) result.warnings.push_back(warning);
+  result.warnings = mesh_warnings(*inputs.surface);
+  std::ranges::copy_if(inputs.messages, std::back_inserter(result.notes), [&](const std::string& said) {
+    return std::ranges::find(result.warnings, said) == result.warnings.end();
+  });
   std::vector<FitParameter> parameters;
   for (const std::string& text : request.parameters) {
     parameters.push_back(parse_fit_parameter(catalogue, text, inputs.model));

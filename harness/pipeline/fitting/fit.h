@@ -48,7 +48,8 @@ struct FitResult {
   std::size_t fit_samples = 0, score_samples = 0;
   std::size_t evaluations = 0;
   std::string interval_note;                         // how the intervals were made, or why there are none
-  std::vector<std::string> warnings;                 // on a bound, flat
+  std::vector<std::string> warnings;                 // on a bound, flat, faults of the mesh
+  std::vector<std::string> notes;                    // what else is to be said of mesh and recordings
   std::optional<sanity::RepeatFloor> floor;          // where a repeat of the recording was given
   std::vector<MetricResult> score_metrics;           // of the fitted model
   std::vector<Series> signals;                       // measured_x ..., rendered_x ..., over the whole recording
