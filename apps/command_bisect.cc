@@ -90,9 +90,10 @@ ExitStatus bisect_command(const BisectFlags& flags) {
       const std::string where = replay ? bisection::where_it_differs(*replay, named.commits.back()) : "";
       if (!where.empty()) fmt::print("error of {}:\n{}", named.commits.back().substr(0, 10), where);
     }
-    if (const auto problem = write_plot(bisection::answer_to_plot(answer), request.out / "curve.png"); !problem.empty())
-      fmt::print(stderr, "bisect: no picture: {}\n", problem);
-    fmt::print("kept: {} (answer.json, curve.png, measured.jsonl, logs)\n", request.out.string());
+    const auto problem = write_plot(bisection::answer_to_plot(answer), request.out / "curve.png");
+    if (!problem.empty()) fmt::print(stderr, "bisect: no picture: {}\n", problem);
+    fmt::print("kept: {} (answer.json, {}measured.jsonl, logs)\n", request.out.string(),
+               problem.empty() ? "curve.png, " : "");
     return answer.steps.empty() && answer.drifts.empty() ? ExitStatus::failed : ExitStatus::passed;
   } catch (const bisection::Interrupted&) {
     throw BadData(fmt::format("interrupted; the checkout is as it was. The same command goes on from {}",
@@ -150,7 +151,7 @@ void add_bisect(CLI::App& program, Run& run) {
       "end\n"
       "cannot be measured.\n"
       "Examples:\n"
-      "  touchstone bisect --case sphere-scan --model god-object --good v0.1 --bad HEAD\n"
+      "  touchstone bisect --case sphere-scan --model god-object --good HEAD~20 --bad HEAD\n"
       "  touchstone bisect --repository ~/mine --build 'cmake -S $SRC -B $BUILD && cmake --build $BUILD' "
       "--plugin libmine.so --reference ref --good v1 --bad main\n"
       "  touchstone bisect --measure '$BUILD/bench --print-rms' --build 'make -C $SRC O=$BUILD' --good v1 --bad main");

@@ -46,6 +46,17 @@ TEST(CtestMeasurement, TextIsEscaped) {
               HasSubstr("name=\"a&lt;b\">x &amp; &quot;y&quot; </CTestMeasurement>"));
 }
 
+// Two levels, of which one is the lowest and the other the highest value: no line may hide under the frame.
+TEST(CtestMeasurement, LevelsAtTheEdgesOfAPanelAreDrawn) {
+  const auto folder = std::filesystem::path(testing::TempDir()) / "touchstone_pictures";
+  std::filesystem::create_directories(folder);
+  const Plot plot{
+      "a step", "commit", {{"error", "N", {{"", {{0, 0.04}, {6, 0.04}, {7, 0.044}, {11, 0.044}}, false}}, {0.0, 0.0}}}};
+  const auto problem = write_plot(plot, folder / "levels.png");
+  if (problem.find("not installed") != std::string::npos) GTEST_SKIP() << problem;
+  EXPECT_EQ(problem, "");
+}
+
 TEST(CtestMeasurement, PicturesAreReadBeforeTheyAreNamed) {
   const auto folder = std::filesystem::path(testing::TempDir()) / "touchstone_pictures";
   std::filesystem::create_directories(folder);

@@ -34,10 +34,12 @@ std::string script_of(const Plot& plot, const std::filesystem::path& png) {
   const auto height = panel_height * plot.panels.size() + title_height;
   std::string script = fmt::format(
       "set terminal pngcairo noenhanced size {},{} font 'sans,9'\nset output {}\nset datafile separator ' '\n"
-      "set multiplot layout {},1 title {}\nset grid\nset xlabel {}\n",
+      "set multiplot layout {},1 title {}\nset grid\nset key outside\nset xlabel {}\n",
       picture_width, height, quoted(png.string()), plot.panels.size(), quoted(plot.title), quoted(plot.x_label));
   for (const PlotPanel& panel : plot.panels) {
-    script += fmt::format("set title {}\nset ylabel {}\nset autoscale y\n", quoted(panel.title), quoted(panel.y_label));
+    // The offsets keep a line at the lowest or highest value off the frame, which would hide it.
+    script += fmt::format("set title {}\nset ylabel {}\nset autoscale y\nset offsets 0,0,graph 0.05,graph 0.05\n",
+                          quoted(panel.title), quoted(panel.y_label));
     if (panel.y_range.first < panel.y_range.second) {
       script += fmt::format("set yrange [{}:{}]\n", panel.y_range.first, panel.y_range.second);
     }
