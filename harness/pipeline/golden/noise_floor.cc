@@ -5,6 +5,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <map>
 #include <nlohmann/json.hpp>
@@ -95,6 +96,43 @@ nlohmann::json entry_of(const GoldenCase& one, const std::string& model, const F
           {"tolerance_sha256", tolerance_hash(one)}};
 }
 
+// What `json` has of cases that still are in the folder `golden`, but were not measured now, with the commit that each
+// was measured at. Floors of other compilers, flags or processors do not go into one file with these.
+nlohmann::json kept_floors(const std::filesystem::path& json, const std::string& golden,
+                           const nlohmann::json& measured) {
+  nlohmann::json kept = nlohmann::json::array();
+  if (!std::filesystem::exists(json)) return kept;
+  // An earlier result of this command, which it adds to: no input that must stay as it is.
+  const nlohmann::json before = nlohmann::json::parse(read_file(json), nullptr, false);
+  if (before.is_discarded() || !before.contains("floors"))
+    throw BadData(
+        fmt::format("{}: is no file of this command ({} was expected); name another one", json.string(), schema));
+  const auto built = [](const nlohmann::json& programs) {
+    std::vector<std::array<std::string, 4>> all;
+    for (const auto& program : programs)
+      all.push_back({program.at("compiler"), program.at("flags"), program.at("cpu"), program.at("version")});
+    return all;
+  };
+  const auto now = [&](const nlohmann::json& old) {
+    return std::any_of(measured["floors"].begin(), measured["floors"].end(), [&](const auto& floor) {
+      return floor["case"] == old["case"] && floor["model"] == old["model"];
+    });
+  };
+  for (nlohmann::json floor : before.at("floors")) {
+    if (now(floor) || !std::filesystem::exists(std::filesystem::path(golden) / floor.at("case") / "case.json"))
+      continue;
+    if (!floor.contains("commit")) floor["commit"] = before.at("programs").at(0).at("commit");
+    kept.push_back(std::move(floor));
+  }
+  if (!kept.empty() && built(before.at("programs")) != built(measured["programs"])) {
+    throw UsageError(
+        fmt::format("--json {}: was measured with programs of other compilers, flags, processors or versions; "
+                    "measure every case, or name another file",
+                    json.string()));
+  }
+  return kept;
+}
+
 // Adds a line of the table; false where the tolerance is too tight.
 bool add_floor(std::string& table, const std::string& name, const std::string& model, const Floor& floor) {
   const bool wide_enough = floor.of_tolerance <= most_of_tolerance;
@@ -137,10 +175,17 @@ NoiseFloors measure_noise_floors(const std::vector<GoldenCase>& cases, const std
       }
       good = add_floor(table, one.name, model, floor) && good;
       document["floors"].push_back(entry_of(one, model, floor));
+      document["floors"].back()["commit"] = document["programs"][0]["commit"];
     }
     progress.update(c + 1);
   }
-  if (!json.empty()) write_file(json, document.dump(1) + "\n");
+  if (!json.empty()) {
+    for (nlohmann::json& floor : kept_floors(json, golden, document)) document["floors"].push_back(std::move(floor));
+    std::sort(document["floors"].begin(), document["floors"].end(), [](const auto& a, const auto& b) {
+      return std::pair(a["case"], a["model"]) < std::pair(b["case"], b["model"]);
+    });
+    write_file(json, document.dump(1) + "\n");
+  }
   return {good ? ExitStatus::passed : ExitStatus::failed, std::move(table)};
 }
 

@@ -21,8 +21,9 @@ struct NoiseFloors {
 // `failed` where a tolerance is less than ten times its floor. With `json` keeps what was found, and by which builds:
 //   {"schema": "touchstone-golden-floor/1", "programs": [{"compiler", "flags", "cpu", "version", "commit"}],
 //    "floors": [{"case", "model", "force_max_N", "contact_position_max_m", "drift_rows", "rows", "of_tolerance",
-//                "golden_sha256", "tolerance_sha256"}]}
-// Throws UsageError for a program that cannot be run, BadData for one that fails.
+//                "golden_sha256", "tolerance_sha256", "commit"}]}
+// and keeps the floors of other cases that are there already, if these programs differ from theirs by the commit alone.
+// Throws UsageError for a program that cannot be run and for a file of other programs, BadData for one that fails.
 NoiseFloors measure_noise_floors(const std::vector<GoldenCase>& cases, const std::string& golden,
                                  const std::vector<std::string>& programs, const std::filesystem::path& json);
 
