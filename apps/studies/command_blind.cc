@@ -10,7 +10,9 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
+#include "apps/case_flags.h"
 #include "apps/commands.h"
+#include "apps/studies/blind/blind_cases.h"
 #include "apps/studies/blind/blind_follow.h"
 #include "apps/studies/blind/blind_score.h"
 #include "apps/studies/blind/blind_table.h"
@@ -20,7 +22,6 @@
 #include "harness/base/json_reader.h"
 #include "harness/base/progress.h"
 #include "harness/pipeline/discrepancy/workflow.h"
-#include "harness/runs/shard.h"
 #include "renderers/catalogue.h"
 #include "synthetic/blind/weaken.h"
 #include "synthetic/blind/write_case.h"
@@ -41,7 +42,7 @@ struct BlindOptions {
   std::filesystem::path results;
   std::filesystem::path json;
   std::string id;
-  std::string shard;
+  CaseOptions rows;
   std::filesystem::path trajectory;
   std::filesystem::path again;
 };
@@ -130,35 +131,26 @@ void search_case(const std::filesystem::path& folder, const std::filesystem::pat
   fmt::print("{} {}{} ({:.0f} s)\n", folder.filename().string(), to_string(findings.verdict), names, seconds);
 }
 
-ExitStatus run_cases(const BlindOptions& options) {
-  if (!std::filesystem::is_directory(options.cases)) {
-    throw BadData(fmt::format("{}: no such folder; make cases with: touchstone blind make", options.cases.string()));
+ExitStatus run_cases(BlindOptions options) {
+  const auto folders = blind::blind_case_folders(options.cases);
+  if (options.rows.file.empty()) {
+    // Shards that run side by side have a file each.
+    std::string name = options.rows.shard.empty() ? "rows" : "rows-" + options.rows.shard;
+    std::ranges::replace(name, '/', '-');
+    options.rows.file = (options.out / (name + ".sqlite")).string();
   }
-  std::vector<std::filesystem::path> folders;
-  for (const auto& entry : std::filesystem::directory_iterator(options.cases)) {
-    if (std::filesystem::exists(entry.path() / "model.json")) folders.push_back(entry.path());
-  }
-  std::sort(folders.begin(), folders.end());
-  const CaseShard shard = read_shard(options.shard);
-  const std::uint64_t first = shard.first(folders.size());
-  const std::uint64_t last = shard.last(folders.size());
-  Progress progress("cases searched", last - first);
-  bool failed = false;
-  for (std::uint64_t i = first; i < last; ++i) {
-    const std::string name = folders[i].filename().string();
-    progress.update(i - first);
-    // What is there is kept, so that an interrupted run goes on.
-    if (std::filesystem::exists(options.out / name / "findings.json")) continue;
-    try {
-      search_case(folders[i], options.out / name);
-    } catch (const Error& error) {
-      // The others are searched all the same; for the score this one has no findings.
-      fmt::print("{} FAILED: {}\n", name, error.what());
-      failed = true;
-    }
-    std::fflush(stdout);
-  }
-  return failed ? ExitStatus::failed : ExitStatus::passed;
+  if (!options.rows.dry_run) ensure_writable_folder(options.out);
+  CaseCommand command;
+  command.job = blind::blind_job(folders, options.out, search_case);
+  command.table = blind::blind_case_table(folders);
+  command.words = {"blind",   "run",
+                   "--cases", std::filesystem::absolute(options.cases).string(),
+                   "--out",   std::filesystem::absolute(options.out).string()};
+  command.cases_of_a_task = 10;
+  command.describe = [&](std::uint64_t number) { return folders[number].filename().string(); };
+  const CaseOutcome outcome = run_case_command(command, options.rows);
+  if (outcome.store) blind::write_findings(folders, *outcome.store, options.out);
+  return outcome.status;
 }
 
 ExitStatus score(const BlindOptions& options) {
@@ -199,7 +191,19 @@ void add_blind(CLI::App& program, Run& run) {
   auto* const runner = command->add_subcommand("run", "Search every case; cases that have findings are passed over");
   runner->add_option("--cases", options->cases, "folder of cases")->required();
   runner->add_option("--out", options->out, "folder for one folder of findings per case")->required();
-  runner->add_option("--shard", options->shard, "K/N: the K-th of N parts, for several processes or machines");
+  runner->add_option("--rows", options->rows.file, "Results (SQLite); a run that stopped goes on in it")
+      ->default_str("rows.sqlite in --out, with a shard's name in it");
+  runner->add_flag("--any-build", options->rows.any_build, "Go on with rows that another build of touchstone made");
+  add_case_flags(*runner, options->rows, "cases");
+  runner->footer(
+      "A row holds findings.json and next.csv, so that parts from other machines are put together by --merge.\n"
+      "Exit status 1: cases are missing, or could not be searched.\n"
+      "Examples:\n"
+      "  touchstone blind run --cases blind/cases --out blind/found\n"
+      "  touchstone blind run --cases blind/cases --out blind/found --shard 1/2   (and 2/2 beside it)\n"
+      "  touchstone blind run --cases blind/cases --out blind/found --merge blind/found/rows-1-2.sqlite "
+      "blind/found/rows-2-2.sqlite\n"
+      "  touchstone blind run --cases blind/cases --out blind/found --engine jobs --tasks 80 --farm farm.json");
   runner->callback([options, &run] { run = [options] { return run_cases(*options); }; });
 
   auto* const follower =

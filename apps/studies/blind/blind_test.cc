@@ -41,6 +41,33 @@ TEST_F(Blind, ASmallPartIsRight) {
   }
 }
 
+// The tasks of a farm, each a shard with rows of its own; the same command afterwards takes them, and writes from the
+// rows the findings that lie on other machines.
+TEST_F(Blind, TheTasksOfAJobListAreScoredFromTheirRows) {
+  const std::string place = folder_.string();
+  ASSERT_EQ(run(fmt::format("blind make --seed 2026 --set one --set corrupted --first 1 --count 1 --out '{}'", place)),
+            0);
+  const std::string ask = fmt::format("blind run --cases '{0}/cases' --out '{0}/found' --engine jobs --tasks 2", place);
+  EXPECT_EQ(run(ask), 1) << "nothing is searched yet";
+  const auto tasks = folder_ / "found" / "rows.sqlite.parts";
+  ASSERT_TRUE(std::filesystem::exists(tasks / "task.sh")) << table();
+  EXPECT_EQ(std::system(fmt::format("sh '{}' 1 >/dev/null 2>&1", (tasks / "task.sh").string()).c_str()), 0);
+  EXPECT_EQ(run(ask), 1) << "a shard is open";
+  EXPECT_THAT(table(), ::testing::HasSubstr("1 of 2 shards are open"));
+  EXPECT_EQ(std::system(fmt::format("sh '{}' 2 >/dev/null 2>&1", (tasks / "task.sh").string()).c_str()), 0);
+  std::vector<std::string> findings;
+  for (const auto& one : std::filesystem::directory_iterator(folder_ / "cases")) {
+    const auto folder = folder_ / "found" / one.path().filename();
+    findings.push_back(read_file(folder / "findings.json"));
+    std::filesystem::remove_all(folder);
+  }
+  EXPECT_EQ(run(ask), 0) << table();
+  std::size_t i = 0;
+  for (const auto& one : std::filesystem::directory_iterator(folder_ / "cases"))
+    EXPECT_EQ(read_file(folder_ / "found" / one.path().filename() / "findings.json"), findings.at(i++));
+  EXPECT_EQ(score(), 0) << table();
+}
+
 TEST_F(Blind, AWeightThatIsOffMissesItsBar) {
   using ::testing::ContainsRegex;
   const auto scored = blind("--set one", 2026);
