@@ -14,6 +14,9 @@ namespace touchstone::rendering {
 namespace {
 
 constexpr std::size_t most_samples = 1000;
+// Of the object's size: farther away than the first, positions that move less than they are away belong elsewhere; a
+// tip that moves by less than the second is held.
+constexpr double far_share = 0.05, held_share = 0.01;
 
 // For the surface scaled about the origin by `factor`.
 double typical_distance(const Surface& surface, std::span<const Vec3> tips, double tip_radius_m, double factor) {
@@ -30,18 +33,31 @@ std::string describe(const Box3& box) {
                      box.min().y(), box.max().y(), box.min().z(), box.max().z());
 }
 
+Box3 box_of(std::span<const Vec3> tips) {
+  Box3 box;
+  for (const Vec3& tip : tips) box.extend(tip);
+  return box;
+}
+
 }  // namespace
+
+bool held_in_the_air(const Surface& surface, std::span<const Vec3> tips_W_m, double tip_radius_m) {
+  if (tips_W_m.empty()) return false;
+  const double object_size = surface.bounds().diagonal().norm();
+  if (!(box_of(tips_W_m).diagonal().norm() < held_share * object_size)) return false;
+  const double distance = typical_distance(surface, tips_W_m, tip_radius_m, 1.0);
+  return distance > far_share * object_size && distance <= object_size;
+}
 
 std::optional<std::string> far_from_surface(const Surface& surface, std::span<const Vec3> tips_W_m, double tip_radius_m,
                                             const std::string& recording, const std::string& mesh_unit) {
   if (tips_W_m.empty()) return std::nullopt;
-  Box3 path;
-  for (const Vec3& tip : tips_W_m) path.extend(tip);
+  const Box3 path = box_of(tips_W_m);
   const Box3 object = surface.bounds();
   const double path_size = path.diagonal().norm();
   const double object_size = object.diagonal().norm();
   const double distance = typical_distance(surface, tips_W_m, tip_radius_m, 1.0);
-  if (!(distance > object_size || (distance > path_size && distance > object_size / 20.0))) return std::nullopt;
+  if (!(distance > object_size || (distance > path_size && distance > far_share * object_size))) return std::nullopt;
   const std::string mesh = surface.mesh() != nullptr ? surface.mesh()->source : "the surface";
   std::string message = fmt::format("{} is nowhere near {}: typically {:.3g} m away. Recording: {}; surface: {}.",
                                     recording, mesh, distance, describe(path), describe(object));
@@ -55,6 +71,7 @@ std::optional<std::string> far_from_surface(const Surface& surface, std::span<co
       best_unit = unit;
     }
   }
+  if (best_unit.empty() && held_in_the_air(surface, tips_W_m, tip_radius_m)) return std::nullopt;
   if (best_unit.empty()) return message + " No usual unit would make it fit: are both in the same frame?";
   return message +
          fmt::format(

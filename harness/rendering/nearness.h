@@ -16,10 +16,15 @@ namespace touchstone::rendering {
 //
 // Rule: d is the median distance (less the tip radius) of at most 1000 of the positions, evenly taken. They are nowhere
 // near when d exceeds the diagonal of the surface's box, or the diagonal of the positions' box and 1/20 of the
-// surface's. A unit fits when d for the mesh in that unit is less than a tenth of what it was; the one with the
-// smallest d is named. `recording` and the surface's mesh source name the two in the message; `mesh_unit` is the unit
-// that was assumed ("m").
+// surface's, unless the tool is held in the air and no unit fits. A unit fits when d for the mesh in that unit is less
+// than a tenth of what it was; the one with the smallest d is named. `recording` and the surface's mesh source name the
+// two in the message; `mesh_unit` is the unit that was assumed ("m").
 std::optional<std::string> far_from_surface(const Surface& surface, std::span<const Vec3> tips_W_m, double tip_radius_m,
                                             const std::string& recording, const std::string& mesh_unit);
+
+// Whether the tip is held beside the object, as when a tool is turned to be weighed: it moves by less than a hundredth
+// of the object's size, between a twentieth and the whole of that size away from its surface. What such a recording
+// says of contact is nothing.
+bool held_in_the_air(const Surface& surface, std::span<const Vec3> tips_W_m, double tip_radius_m);
 
 }  // namespace touchstone::rendering

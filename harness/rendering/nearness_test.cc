@@ -53,6 +53,19 @@ TEST(Nearness, AsksForTheUnitThatFits) {
   }
 }
 
+// A tool that is turned in the air above the object moves its tip by a tracker's noise.
+TEST(Nearness, AToolThatIsHeldInTheAirIsNoFault) {
+  const auto surface = make_embree_surface(body(1.0));
+  Random random(5);
+  std::vector<Vec3> tips;
+  for (int i = 0; i < 500; ++i) tips.emplace_back(Vec3(0.1, 0.02, 0.0) + 1e-4 * random.direction());
+  EXPECT_EQ(far_from_surface(*surface, tips, 0.0, "r.csv", "m"), std::nullopt);
+  EXPECT_TRUE(held_in_the_air(*surface, tips, 0.0));
+  EXPECT_FALSE(held_in_the_air(*surface, path(0.0), 0.0));
+  for (Vec3& tip : tips) tip.z() += 0.5;
+  EXPECT_TRUE(far_from_surface(*surface, tips, 0.0, "r.csv", "m")) << "farther than the object is large";
+}
+
 TEST(Nearness, AnotherFrameIsNotAUnit) {
   const auto surface = make_embree_surface(body(1.0));
   std::vector<Vec3> tips = path(0.0);

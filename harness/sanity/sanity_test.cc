@@ -221,6 +221,21 @@ TEST(Sanity, LegitimateRecordingsAreNotBlamed) {
   fmt::print("legitimate recordings blamed: {} of {}\n", blamed, looked);
 }
 
+// A heavy tool that is turned in the air above the plate, to be weighed: its weight points at the plate.
+TEST(Sanity, AToolThatIsTurnedInTheAirIsNotBlamed) {
+  const auto surface = plate();
+  SanityContext context;
+  context.surface = surface.get();
+  const double size_m = surface->bounds().diagonal().norm();
+  Random random(77);
+  Recording tool = strokes(random);
+  for (std::size_t i = 0; i < tool.size(); ++i) {
+    tool.motion.p_W_m[i] = Vec3(0, 0, 0.3 * size_m) + 1e-4 * size_m * random.direction();
+    tool.f_W_N[i] = Vec3(0.1 * std::sin(0.01 * static_cast<double>(i)), 0.0, -0.8) + 0.02 * random.direction();
+  }
+  EXPECT_THAT(faults_of(tool, context), ::testing::AnyOf("", "no contact"));
+}
+
 TEST(Sanity, AReversedForceIsRefusedWithTheFlagThatRepairsIt) {
   const auto surface = plate();
   SanityContext context;
