@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 
@@ -40,6 +41,24 @@ double left_by_model(const DetectorSide& side, const Model& model) {
   return whiten_for_regression(*side.blocks, left, {}).residual.squaredNorm();
 }
 
+// Along which the modelled force varies most. Along it, unlike in size, a weight that the model does not know adds a
+// constant and turns no sign.
+Vec3 widest_axis(const FitData& data, const std::vector<Vec3>& f_W_N) {
+  Vec3 sum = Vec3::Zero();
+  Eigen::Matrix3d products = Eigen::Matrix3d::Zero();
+  double count = 0.0;
+  for (const ResidualBlock& block : data.blocks) {
+    for (std::size_t i = block.begin; i < block.end; ++i) {
+      sum += f_W_N[i];
+      products += f_W_N[i] * f_W_N[i].transpose();
+      count += 1.0;
+    }
+  }
+  const Vec3 mean = sum / std::max(1.0, count);
+  const Eigen::Matrix3d covariance = products / std::max(1.0, count) - mean * mean.transpose();
+  return Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(covariance).eigenvectors().col(2);
+}
+
 // A pull of little weight in the error, which rests leave: told by its direction while the tip slides fast.
 std::optional<std::string> pulls_along_everywhere(const DetectorSide& train, const DetectorSide& holdout,
                                                   const Model& base, const std::vector<Candidate>& candidates) {
@@ -63,16 +82,20 @@ std::optional<std::string> pulls_along_everywhere(const DetectorSide& train, con
 
 std::optional<std::string> find_order_fault(const DetectorSide& side, const Model& model) {
   const Prediction prediction = side.blocks->predictor->predict(model);
+  const Vec3 axis_W = widest_axis(*side.blocks, prediction.f_W_N);
   std::vector<double> t_s, measured, modelled;
   for (const ResidualBlock& block : side.blocks->blocks) {
     for (std::size_t i = block.begin; i < block.end; ++i) {
       t_s.push_back(side.recording->motion.t_s[i]);
-      measured.push_back(side.recording->f_W_N[i].norm());
-      modelled.push_back(prediction.f_W_N[i].norm());
+      measured.push_back(axis_W.dot(side.recording->f_W_N[i]));
+      modelled.push_back(axis_W.dot(prediction.f_W_N[i]));
     }
   }
   const auto order = find_wrong_order(t_s, measured, modelled);
   if (!order) return std::nullopt;
+  // A force that runs the other way in the file's own order is another fault.
+  const auto left = [](double correlation) { return 1.0 - correlation * correlation; };
+  if (!(left(order->reordered) < 0.5 * left(order->correlation))) return std::nullopt;
   return fmt::format(
       "the force does not follow the position: the measured and the modelled load have a correlation of {:.2f}, but of "
       "{:.2f} {}. Were pieces of the log joined in a wrong order?",

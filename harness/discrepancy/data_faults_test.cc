@@ -91,5 +91,47 @@ TEST(DataFaults, SecondsInAWrongOrderAreOne) {
   }
 }
 
+// A tool of 1 to 2 N, which the model does not know: where it weighs more than the press pushes, the size of the force
+// falls as the load rises.
+TEST(DataFaults, AHeavyToolIsNoWrongOrder) {
+  Random random(4);
+  for (int world = 0; world < 40; ++world) {
+    Case heavy(presses(random));
+    const double weight_N = random.uniform(1.0, 2.0);
+    for (std::size_t i = 0; i < heavy.recording.size(); ++i) {
+      Vec3& f = heavy.recording.f_W_N[i];
+      const double bump = 0.5 * std::exp(-std::pow((std::fmod(heavy.recording.motion.t_s[i], 9.0) - 4.0) / 1.5, 2));
+      if (f.z() > 0.05) f.z() += bump;
+      f += Vec3(0.02 * random.normal(), 0.02 * random.normal(), 0.02 * random.normal() - weight_N);
+    }
+    EXPECT_FALSE(heavy.fault()) << world;
+  }
+}
+
+TEST(DataFaults, SecondsInAWrongOrderAreOneUnderAHeavyToolToo) {
+  Random random(5);
+  int found = 0;
+  for (int world = 0; world < 10; ++world) {
+    Case shuffled(presses(random));
+    auto& f = shuffled.recording.f_W_N;
+    for (Vec3& force : f) force.z() -= 1.5;
+    for (std::size_t b = 19; b > 0; --b) {
+      const std::size_t other = random.below(b + 1);
+      for (std::size_t i = 0; i < 250; ++i) std::swap(f[b * 250 + i], f[other * 250 + i]);
+    }
+    found += shuffled.fault() ? 1 : 0;
+  }
+  EXPECT_EQ(found, 10);
+}
+
+TEST(DataFaults, AReversedForceIsNoWrongOrder) {
+  Random random(6);
+  for (int world = 0; world < 10; ++world) {
+    Case reversed(presses(random));
+    for (Vec3& f : reversed.recording.f_W_N) f = -f;
+    EXPECT_FALSE(reversed.fault()) << world;
+  }
+}
+
 }  // namespace
 }  // namespace touchstone::discrepancy
