@@ -41,6 +41,8 @@ struct ToolAtlasCase {
   [[nodiscard]] bool ran() const { return error.empty(); }
   // The larger of the force's and the torque's.
   [[nodiscard]] double jnd() const;
+  // More than a person notices; what is no number is noticed.
+  [[nodiscard]] bool noticed() const { return !(jnd() <= 1.0); }
   // The size, or the clearance in metres.
   [[nodiscard]] double place() const { return shape.clearance_m.value_or(shape.scale); }
 };

@@ -56,8 +56,8 @@ Counts counted(const Chosen& cases) {
       ++counts.failed;
       continue;
     }
-    counts.noticed += own->jnd() > 1.0 ? 1U : 0U;
-    if (counts.worst == nullptr || own->jnd() > counts.worst->jnd()) counts.worst = own;
+    counts.noticed += own->noticed() ? 1U : 0U;
+    if (counts.worst == nullptr || std::isnan(own->jnd()) || own->jnd() > counts.worst->jnd()) counts.worst = own;
   }
   return counts;
 }
@@ -70,7 +70,7 @@ std::string place_text(const ToolAtlasCase& own) {
 // Okabe and Ito's palette, as the other atlas.
 std::string colour(const ToolAtlasCase& own) {
   if (!own.ran()) return "#BBBBBB";
-  return own.jnd() > 2.0 ? "#D55E00" : own.jnd() > 1.0 ? "#E69F00" : "#DDEEE7";
+  return !(own.jnd() <= 2.0) ? "#D55E00" : own.noticed() ? "#E69F00" : "#DDEEE7";
 }
 std::string cell_text(const ToolAtlasCase& own) {
   if (!own.ran()) return "?";
@@ -137,9 +137,9 @@ Table map_table(const std::vector<ToolAtlasCase>& cases, const std::string& rend
     for (const double place : map.across) {
       const ToolAtlasCase& own = map.at(place, *k);
       row.cells.push_back({own.ran() ? fmt::format("{:.2g}", own.jnd()) : "?", true,
-                           !own.ran()        ? Tone::error
-                           : own.jnd() > 1.0 ? Tone::warning
-                                             : Tone::good});
+                           !own.ran()      ? Tone::error
+                           : own.noticed() ? Tone::warning
+                                           : Tone::good});
     }
     table.rows.push_back(std::move(row));
   }

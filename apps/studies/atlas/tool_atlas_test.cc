@@ -110,6 +110,16 @@ TEST(ToolAtlas, ACaseThatCannotBeRunIsARowWithItsError) {
   EXPECT_THROW(case_at(grid, 8), std::out_of_range);
 }
 
+TEST(ToolAtlas, AnAnswerThatIsNoNumberIsNoticedAndTheWorst) {
+  ToolAtlasGrid grid = small_tools();
+  grid.renderers = {"god-object-tool"};
+  auto cases = ran(grid, 1);
+  cases[2].errors.max_force_jnd = std::nan("");
+  EXPECT_THAT(tool_atlas_sentence(cases), HasSubstr("(1 JND) in 1 of 10 cases"));
+  EXPECT_THAT(tool_atlas_sentence(cases), HasSubstr(": nan JND"));
+  EXPECT_EQ(occurrences(tool_atlas_picture(cases), "#D55E00"), 1U);
+}
+
 TEST(ToolAtlas, AShapeThatThereIsNotIsRefused) {
   EXPECT_THROW(static_cast<void>(synthetic::make_exact_case("box-corner", {1.0, 1e-4})), UsageError);
   EXPECT_THROW(static_cast<void>(synthetic::make_exact_case("peg")), UsageError);
