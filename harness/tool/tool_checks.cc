@@ -78,7 +78,7 @@ class Checks {
     findings_.push_back({check, measured <= limit, true, measured, limit, unit, "", ""});
     return findings_.back();
   }
-  static void needs(ToolFinding& finding, bool has, const char* why_not) {
+  static void needs(ToolFinding& finding, bool has, const std::string& why_not) {
     finding.applies = has;
     if (!has) finding.why_not = why_not;
   }
@@ -216,11 +216,15 @@ class Checks {
   // Lengths counted in millimetres, or in units of ten metres: the same force, and the same torque in that unit.
   // Kilograms go with the unit too, so that newtons are kilograms times that unit over seconds squared.
   void other_unit() {
+    if (!subject_.only_in_metres.empty()) {
+      needs(add("other-unit", 0.0, 1.0, "limits of force and torque"), false, subject_.only_in_metres);
+      return;
+    }
     const Tool tool = tool_of(cube(kCenter_T_m));
     const Pose handle = lowered(tool.mesh_T, oblique(), 0.002);
     const ToolResult here = settle(*subject_.make(tool, slab(), coupling_), lifted(handle, 0.006), handle);
     double worst = here.contact ? 0.0 : std::numeric_limits<double>::infinity();
-    for (const double unit_m : {1e-3, 10.0}) {
+    for (const double unit_m : kOtherUnits_m) {
       const auto in_unit = [&](const Pose& pose) { return Pose{pose.p_W_m / unit_m, pose.q_WT}; };
       const auto mesh_in_unit = [&](TriangleMesh mesh) {
         for (Vec3& v : mesh.vertices_W_m) v /= unit_m;

@@ -3,6 +3,7 @@
 // stale contacts, friction lost or doubled.
 #pragma once
 
+#include <array>
 #include <functional>
 #include <memory>
 #include <string>
@@ -13,6 +14,9 @@
 #include "harness/tool/tool_renderer.h"
 
 namespace touchstone::tool {
+
+// Units of length [m] in which a scene is tried beside metres.
+inline constexpr std::array kOtherUnits_m{1e-3, 10.0};
 
 struct ToolSubject {
   std::string name;
@@ -30,6 +34,8 @@ struct ToolSubject {
   bool exact_normals = true;
   // Coulomb friction of each contact; 0 without.
   double mu = 0.0;
+  // Why no other unit can be tried; empty where it can.
+  std::string only_in_metres;
 };
 
 struct ToolFinding {

@@ -3,9 +3,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
+#include <optional>
 
 #include "harness/base/error.h"
 #include "harness/base/known_names.h"
+#include "harness/rendering/unit_dimension.h"
 #include "harness/surface/mesh_topology.h"
 
 namespace touchstone::tool {
@@ -32,6 +35,31 @@ Parameters checked(const ToolRendererEntry& entry, const ToolSettings& settings)
     // They come from the command line, not from a file.
     throw UsageError(wrong.what());
   }
+}
+
+// What a parameter's number becomes where lengths are counted in `unit_m`, and newtons and seconds stay: by the power
+// of the metre in its own unit. Nothing for a unit that is not known.
+std::optional<double> in_unit(const ParameterDeclaration& declared, double value, double unit_m) {
+  if (declared.name == kUnitParameter) return value * unit_m;
+  const auto dimension = rendering::dimension_of(declared.unit);
+  if (!dimension) return std::nullopt;
+  return value * std::pow(unit_m, -dimension->powers[rendering::UnitDimension::metre]);
+}
+
+std::string why_only_in_metres(const ToolRendererEntry& entry, const Parameters& parameters) {
+  for (const ParameterDeclaration& declared : entry.parameters) {
+    for (const double unit_m : kOtherUnits_m) {
+      const auto value = in_unit(declared, parameters.at(declared.name), unit_m);
+      if (!value)
+        return fmt::format("what its parameter {} [{}] is in another unit of length is not known; known are {}",
+                           declared.name, declared.unit, rendering::known_base_units());
+      if (*value < declared.minimum || *value > declared.maximum)
+        return fmt::format(
+            "its parameter {} would be {:g} where lengths are in units of {:g} m; {:g} to {:g} are taken",
+            declared.name, *value, unit_m, declared.minimum, declared.maximum);
+    }
+  }
+  return {};
 }
 
 }  // namespace
@@ -69,6 +97,7 @@ ToolSubject subject_of(const ToolRendererEntry& entry, const ToolSettings& setti
   subject.exact_normals = entry.exact_normals;
   const auto mu = parameters.values().find(kFrictionParameter);
   if (mu != parameters.values().end()) subject.mu = mu->second;
+  subject.only_in_metres = why_only_in_metres(entry, parameters);
   if (entry.resolution_m) subject.resolution_m = entry.resolution_m(parameters, kPress_N);
   subject.make = [entry, settings](const Tool& tool, const TriangleMesh& object_W, const Coupling& coupling) {
     ToolSettings with = settings;
@@ -79,11 +108,8 @@ ToolSubject subject_of(const ToolRendererEntry& entry, const ToolSettings& setti
                                              double unit_m) {
     ToolSettings with{coupling, {}};
     for (const ParameterDeclaration& declared : entry.parameters) {
-      const double value = parameters.at(declared.name);
-      with.parameters[declared.name] = declared.name == kUnitParameter ? value * unit_m
-                                       : declared.unit == "m"          ? value / unit_m
-                                       : declared.unit == "N/m"        ? value * unit_m
-                                                                       : value;
+      const auto value = in_unit(declared, parameters.at(declared.name), unit_m);
+      if (value) with.parameters[declared.name] = *value;
     }
     return make_tool_renderer(entry, tool, object_W, with);
   };

@@ -254,6 +254,45 @@ TEST(GodObjectTool, ALengthOfItsOwnIsCaughtByName) {
   EXPECT_THAT(faults_named(subject), ::testing::ElementsAre("length-of-its-own"));
 }
 
+// The margin in another unit than metres, as a plug-in may declare it: its number follows the power of the metre, and
+// where that is not known, nothing is blamed.
+TEST(GodObjectTool, AParameterOfAnyUnitFollowsTheUnitOfLength) {
+  const ToolRendererEntry& known = find_tool_renderer(tool_renderer_catalogue(), "god-object-tool");
+  const auto with_parameter = [&](const char* unit, double of_length, double largest) {
+    ToolRendererEntry entry = known;
+    const std::size_t own = entry.parameters.size();
+    entry.parameters.push_back({"own", unit, 0.0, largest, 4.0, "told apart below"});
+    entry.make = [make = known.make, own, of_length, declared = known.parameters](
+                     const Parameters& parameters, const Tool& tool, const TriangleMesh& object_W,
+                     const Coupling& coupling) {
+      // 4 in metres; anything but what follows the unit makes the coupling another one.
+      const double unit_m = parameters.at(kUnitParameter);
+      const double right = 4.0 * std::pow(unit_m, -of_length);
+      std::map<std::string, double> rest(parameters.values().begin(), parameters.values().end());
+      rest.erase("own");
+      return make(
+          Parameters(declared, rest, "renderer", "a test", ""), tool, object_W,
+          {coupling.stiffness_N_per_m * parameters.at("own") / right, coupling.rotational_stiffness_Nm_per_rad});
+    };
+    return entry;
+  };
+  const auto finding = [](const ToolRendererEntry& entry) {
+    const auto findings = check_tool_renderer(subject_of(entry, {}));
+    return *std::ranges::find(findings, "other-unit", &ToolFinding::check);
+  };
+  for (const auto& [unit, of_length] :
+       {std::pair{"N s/m", -1.0}, {"1/m^2", -2.0}, {"kg", -1.0}, {"m/s", 1.0}, {"s", 0.0}}) {
+    const ToolFinding found = finding(with_parameter(unit, of_length, 1e9));
+    EXPECT_TRUE(found.applies && found.passed) << unit << ' ' << found.measured;
+  }
+  const ToolFinding unknown = finding(with_parameter("furlong", 1.0, 1e9));
+  EXPECT_FALSE(unknown.applies);
+  EXPECT_THAT(unknown.why_not, ::testing::HasSubstr("own [furlong]"));
+  const ToolFinding beyond = finding(with_parameter("m", 1.0, 100.0));
+  EXPECT_FALSE(beyond.applies);
+  EXPECT_THAT(beyond.why_not, ::testing::HasSubstr("would be 4000"));
+}
+
 // Meshes in millimetres, said to be so where they are read: the same answer but for rounding.
 TEST_P(EveryToolRenderer, MeshesInMillimetresGiveTheSame) {
   const ExactCase c = make_exact_case("peg-0.2mm");
