@@ -3,9 +3,13 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <filesystem>
+
+#include "harness/base/atomic_file.h"
 #include "harness/base/error.h"
 #include "harness/rendering/parameters.h"
 #include "harness/testing/error_message.h"
+#include "harness/testing/temporary_folder.h"
 
 namespace touchstone::rendering {
 namespace {
@@ -39,6 +43,50 @@ TEST(Model, WritesWhatItReadsBackToTheBit) {
   EXPECT_EQ(again.parameters, model.parameters);
   EXPECT_EQ(again.effects[0].parameters, model.effects[0].parameters);
   EXPECT_EQ(model_to_json(again), model_to_json(model));
+}
+
+constexpr const char* kWithPicture = R"({"schema": "touchstone-model/1", "renderer": "god-object",
+ "effects": [{"name": "height-image", "image": "pictures/hills.pgm"}]})";
+
+// Wherever a model is written to, what it names is the same file.
+TEST(Model, APictureIsNamedAsTheFolderOfTheModelSeesIt) {
+  const testing::TemporaryFolder home;
+  const auto at = home.path() / "models";
+  std::filesystem::create_directories(at / "pictures");
+  std::filesystem::create_directories(home.path() / "runs" / "first");
+  write_file(at / "pictures" / "hills.pgm", "P2 1 1 1 1");
+  write_file(at / "m.json", kWithPicture);
+  const Model model = load_model(at / "m.json");
+  EXPECT_EQ(read_file(model.effects[0].image), "P2 1 1 1 1");
+  const auto other = home.path() / "runs" / "first" / "model.json";
+  write_file(other, model_to_json(model, other.parent_path()));
+  EXPECT_THAT(read_file(other), HasSubstr("\"../../models/pictures/hills.pgm\""));
+  EXPECT_TRUE(std::filesystem::equivalent(load_model(other).effects[0].image, at / "pictures" / "hills.pgm"));
+  // From inside of another document the folder is said, not guessed from what messages name.
+  EXPECT_EQ(parse_model(kWithPicture, "case.json: /models/soft", at).effects[0].image, model.effects[0].image);
+  // Through a link, ".." leads out of the folder that the link names.
+  std::filesystem::create_directory_symlink(home.path() / "runs" / "first", home.path() / "latest");
+  write_file(home.path() / "latest" / "again.json", model_to_json(model, home.path() / "latest"));
+  EXPECT_EQ(read_file(load_model(home.path() / "latest" / "again.json").effects[0].image), "P2 1 1 1 1");
+}
+
+TEST(Model, TakesItsPicturesAlongAndOverwritesNone) {
+  const testing::TemporaryFolder home;
+  std::filesystem::create_directories(home.path() / "pictures");
+  std::filesystem::create_directories(home.path() / "to");
+  write_file(home.path() / "pictures" / "hills.pgm", "P2 1 1 1 1");
+  Model model = parse_model(kWithPicture, "m.json", home.path());
+  take_pictures_along(model, home.path() / "to");
+  EXPECT_EQ(model.effects[0].image, home.path() / "to" / "hills.pgm");
+  EXPECT_EQ(read_file(home.path() / "to" / "hills.pgm"), "P2 1 1 1 1");
+  EXPECT_THAT(model_to_json(model, home.path() / "to"), HasSubstr("\"image\": \"hills.pgm\""));
+  Model twice = parse_model(kWithPicture, "m.json", home.path());
+  take_pictures_along(twice, home.path() / "to");  // the same picture: nothing to do
+  write_file(home.path() / "to" / "hills.pgm", "P2 1 1 1 0");
+  Model third = parse_model(kWithPicture, "m.json", home.path());
+  EXPECT_THAT([&] { take_pictures_along(third, home.path() / "to"); },
+              ::testing::ThrowsMessage<UsageError>(HasSubstr("another file")));
+  EXPECT_EQ(read_file(home.path() / "to" / "hills.pgm"), "P2 1 1 1 0");
 }
 
 TEST(Model, RefusesWithThePlace) {

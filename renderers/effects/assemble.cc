@@ -90,8 +90,7 @@ std::vector<StackedEffect> make_effects(const Model& model) {
                                                   : fmt::format("{} takes no \"image\"", entry.name)));
     }
     if (entry.takes_image) {
-      const auto file = std::filesystem::path(model.source).parent_path() / effect.image;
-      effects.push_back({make_height_image(values, load_height_image(file)), entry.phase, entry.needs_gap});
+      effects.push_back({make_height_image(values, load_height_image(effect.image)), entry.phase, entry.needs_gap});
     }
     if (entry.make != nullptr) effects.push_back({entry.make(values), entry.phase, entry.needs_gap});
   }

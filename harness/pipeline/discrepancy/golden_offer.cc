@@ -22,6 +22,7 @@ void write_golden_case(const std::filesystem::path& folder, const TriangleMesh& 
   save_trajectory(folder / "in.h5", InTrajectory{recording.motion});
   Model contact = found;
   contact.instrument.clear();  // how a sensor reads is nothing that a renderer renders
+  take_pictures_along(contact, folder);
   nlohmann::ordered_json root;
   root["schema"] = "touchstone-golden-case/1";
   root["name"] = folder.filename().string();
@@ -42,7 +43,7 @@ void write_golden_case(const std::filesystem::path& folder, const TriangleMesh& 
                        {"force", {{"atol_N", relative * force_N}, {"rtol", relative}}},
                        {"contact_position", {{"atol_m", relative * box.diagonal().norm()}, {"rtol", relative}}}};
   root["jnd_share"] = 0.05;
-  root["models"]["found"] = nlohmann::ordered_json::parse(model_to_json(contact));
+  root["models"]["found"] = nlohmann::ordered_json::parse(model_to_json(contact, folder));
   write_file(folder / "case.json", root.dump(1) + "\n");
 }
 

@@ -113,7 +113,7 @@ void write_law(const Findings& findings, const std::filesystem::path& out) {
   std::size_t count = 0;
   for (const LawPiece& piece : findings.search.law.pieces)
     write_file(out / fmt::format("law-{}.json", ++count), effect_to_json(*piece.effect));
-  write_file(out / "empirical.json", model_to_json(findings.search.law.model) + "\n");
+  write_file(out / "empirical.json", model_to_json(findings.search.law.model, out) + "\n");
 }
 
 // Only rivals alike need another recording; the first pair decides what to do.
@@ -259,7 +259,7 @@ Findings run_discrepancy(const Catalogue& catalogue, const DiscrepancyFiles& fil
     trajectory = "next.csv";
     save_trajectory(files.out / trajectory, InTrajectory{findings.next->motion});
   }
-  write_file(files.out / "model.json", model_to_json(findings.search.model) + "\n");
+  write_file(files.out / "model.json", model_to_json(findings.search.model, files.out) + "\n");
   if (findings.law) write_law(findings, files.out);
   findings.gap.holdout_after_again_N = run_again(catalogue, files, samples, after, instrument.force_noise_N);
   const std::string json = findings_to_json(findings, trajectory);

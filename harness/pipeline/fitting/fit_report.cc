@@ -198,7 +198,7 @@ std::string fit_table(const FitResult& result) {
 }
 
 void write_fit(const FitResult& result, const std::filesystem::path& folder) {
-  write_file(folder / "model.json", result.model_text);
+  write_file(folder / "model.json", model_to_json(result.model, folder));
   write_file(folder / "fit.json", fit_to_json(result));
   write_html(folder / "report.html", fit_page(result));
 }

@@ -123,7 +123,7 @@ void judge_by_exact_answer(const Catalogues& catalogues, const GoldenCase& golde
                            const ChangeModel& change, const RenderedTrajectory& obtained, CheckResult& result) {
   if (golden.surface.generator.empty()) return;
   const auto analytic = catalogues.generators.surface(golden.surface.generator, golden.surface.parameters);
-  Model parsed = parse_model(golden.models.at(model), golden.name);
+  Model parsed = case_model(golden, model);
   if (change) change(parsed);
   result.exact = exact_error(catalogues, *analytic, golden.scale, parsed, obtained);
   if (!result.exact || result.comparison.verdict != Verdict::worse) return;
@@ -196,7 +196,7 @@ std::string declared_not_to_move(const RendererEntry& entry, const GoldenCase& g
 std::string declared_not_to_run(const Catalogues& catalogues, const GoldenCase& golden, const std::string& model,
                                 const ChangeModel& change) {
   if (!change) return "";
-  Model described = parse_model(golden.models.at(model), golden.name);
+  Model described = case_model(golden, model);
   change(described);
   const RendererEntry& entry = catalogues.renderers.find(described);
   if (!golden.scene.empty()) return declared_not_to_move(entry, golden);
@@ -233,17 +233,28 @@ InTrajectory case_trajectory(const Generators& generators, const CaseTrajectory&
   return trajectory;
 }
 
-CaseRun run_case(const Catalogues& catalogues, const GoldenCase& golden, const std::string& model, bool time_steps,
-                 const ChangeModel& change) {
-  const auto text = golden.models.find(model);
+Model case_model(const GoldenCase& golden, const std::string& name) {
+  const auto text = golden.models.find(name);
   if (text == golden.models.end()) {
     std::string known;
-    for (const auto& [name, ignored] : golden.models) known += ' ' + name;
-    throw UsageError(fmt::format("the case {} has no model '{}'; it has:{}", golden.name, model, known));
+    for (const auto& [other, ignored] : golden.models) known += ' ' + other;
+    throw UsageError(fmt::format("the case {} has no model '{}'; it has:{}", golden.name, name, known));
   }
+  Model model = parse_model(text->second, fmt::format("{}: /models/{}", (golden.folder / "case.json").string(), name),
+                            golden.folder);
+  for (const NamedParameters& effect : model.effects) {
+    if (!effect.image.empty() && effect.image != golden.folder / effect.image.filename()) {
+      throw BadData(fmt::format("{}{}/image: a file in the case's own folder was expected, without a path; it is {}",
+                                model.source, effect.place, effect.image.string()));
+    }
+  }
+  return model;
+}
+
+CaseRun run_case(const Catalogues& catalogues, const GoldenCase& golden, const std::string& model, bool time_steps,
+                 const ChangeModel& change) {
+  Model described = case_model(golden, model);
   const InTrajectory trajectory = case_trajectory(catalogues.generators, golden);
-  Model described =
-      parse_model(text->second, fmt::format("{}: /models/{}", (golden.folder / "case.json").string(), model));
   const std::string own_renderer = described.renderer;
   if (change) change(described);
   const CaseWorld world = make_world(catalogues, golden, described, trajectory);

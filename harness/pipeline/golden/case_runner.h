@@ -30,6 +30,10 @@ inline InTrajectory case_trajectory(const Generators& generators, const GoldenCa
   return case_trajectory(generators, golden.trajectory, golden.scale, golden.speed);
 }
 
+// A model of the case. What it names lies in the case's own folder: a picture elsewhere throws BadData with its place.
+// Throws UsageError with the names that there are for another one.
+Model case_model(const GoldenCase& golden, const std::string& name);
+
 struct CaseRun {
   RenderedTrajectory rendered;
   Provenance provenance;

@@ -13,6 +13,7 @@
 
 #include "harness/base/error.h"
 #include "harness/perception/filters/weber_law.h"
+#include "harness/pipeline/golden/case_runner.h"
 #include "harness/recording/recording_file.h"
 #include "harness/rendering/generators.h"
 #include "harness/rendering/model.h"
@@ -130,7 +131,7 @@ bool jumps(const RightAnswer& here, const RightAnswer& beside, double jnd) {
 
 FeltError felt_error(const Catalogues& catalogues, const GoldenCase& golden, const std::string& model,
                      const RenderedTrajectory& run, const FeltTolerance& tolerance) {
-  const Model own = parse_model(golden.models.at(model), golden.name);
+  const Model own = case_model(golden, model);
   // An epsilon is a length: as force it is that times the steepest rise, which a case's model states.
   const double epsilon_N =
       tolerance.epsilon_m * parameter_of(catalogues.renderers, own, "stiffness_N_per_m").value_or(0.0);

@@ -142,7 +142,9 @@ void export_case(const Generators& generators, const GoldenCase& golden, const s
   save_mesh(case_mesh(generators, golden), to / "mesh.obj");
   save_trajectory(to / "trajectory.csv", case_trajectory(generators, golden));
   for (const std::string& model : models) {
-    write_file(to / (model + ".json"), model_to_json(parse_model(golden.models.at(model), golden.name)));
+    Model exported = case_model(golden, model);
+    take_pictures_along(exported, to);
+    write_file(to / (model + ".json"), model_to_json(exported, to));
     if (std::filesystem::exists(golden.expected(model))) copy_golden(golden.expected(model), to / (model + ".h5"), {});
   }
 }

@@ -36,7 +36,7 @@ double tip_radius_m(const Model& model, const std::vector<ParameterDeclaration>&
 // Why the case says nothing about the renderer: its tip is another one. Empty where it is the same.
 std::string another_tip(const Catalogues& catalogues, const GoldenCase& golden, const ScoreRequest& request,
                         const ChangeModel& change) {
-  Model model = parse_model(golden.models.at(request.model), golden.name);
+  Model model = case_model(golden, request.model);
   const double wanted_m = tip_radius_m(model, catalogues.renderers.find(model).parameters);
   change(model);
   const double rendered_m = tip_radius_m(model, model.provided->parameters);

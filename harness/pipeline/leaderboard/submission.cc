@@ -90,6 +90,17 @@ void compare_specifications(const std::string& claimed, const std::string& here,
   }
 }
 
+// A submission is one file: what a model names outside of it would not come along.
+std::string text_of(const Model& model, const std::filesystem::path& file) {
+  for (const NamedParameters& effect : model.effects) {
+    if (!effect.image.empty()) {
+      throw UsageError(fmt::format("{}: {}: a submission holds no pictures, and {} needs {}; leave this model out",
+                                   file.string(), effect.place, effect.name, effect.image.string()));
+    }
+  }
+  return model_to_json(model);
+}
+
 }  // namespace
 
 std::string submission_to_json(const BoardPlan& plan, const pipeline::Board& board,
@@ -98,7 +109,7 @@ std::string submission_to_json(const BoardPlan& plan, const pipeline::Board& boa
   const BoardRequest& request = plan.request;
   json models = json::array();
   for (const auto& [model, file] : request.models)
-    models.push_back({{"name", file.stem().string()}, {"model", model_to_json(model)}});
+    models.push_back({{"name", file.stem().string()}, {"model", text_of(model, file)}});
   json document{{"schema", kSubmissionSchema},
                 {"in_trajectory", request.in_trajectory_chosen ? in_trajectory_name(request.base.in_trajectory) : ""},
                 {"tip", request.tip == BoardTip::point ? "point" : "dataset"},

@@ -57,7 +57,7 @@ struct SweepWorld::State {
           catalogues.generators, read_case_trajectory(root.object("trajectory"), design->folder(), CaseFiles::anywhere),
           scale, speed));
     });
-    const Model model = parse_model(document["model"].dump(), source + ": /model");
+    const Model model = parse_model(document["model"].dump(), source + ": /model", design->folder());
     const auto renderer = world->make(catalogues.renderers, model);
     const RenderedTrajectory rendered = replay(*renderer, *trajectory);
     outcome.summary = summarise(rendered);
