@@ -18,6 +18,7 @@
 namespace touchstone::pipeline {
 namespace {
 
+using ::testing::AllOf;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::SizeIs;
@@ -90,6 +91,64 @@ TEST_F(GoldenLife, AnExportedCaseIsTheCase) {
   of_scene.scene = "{}";
   EXPECT_THAT([&] { export_case(synthetic::built_in_generators(), of_scene, {}, to); },
               ThrowsMessage<UsageError>(HasSubstr("a scene has no one mesh")));
+}
+
+// The picture lies in the case's folder, whichever folder the program runs in, and goes with what is exported.
+TEST_F(GoldenLife, APictureOfAModelBelongsToTheCase) {
+  const auto source = std::filesystem::path(std::getenv("TOUCHSTONE_SOURCE_DIR")) / "golden" / "plane-stroke";
+  std::filesystem::copy(source, golden() / "plane-stroke", std::filesystem::copy_options::recursive);
+  const Catalogues catalogues{renderers::built_in_catalogue(), synthetic::built_in_generators()};
+  GoldenCase stroke = load_case(golden() / "plane-stroke");
+  EXPECT_TRUE(check_case(catalogues, stroke, "god-object-height-image", {out(), false, {}, {}}).passed());
+  const auto to = folder_.path() / "exported";
+  export_case(synthetic::built_in_generators(), stroke, {"god-object-height-image"}, to);
+  const Model exported = load_model(to / "god-object-height-image.json");
+  EXPECT_EQ(exported.effects[0].image, to / "hills.pgm");
+  EXPECT_EQ(read_file(to / "hills.pgm"), read_file(source / "hills.pgm"));
+  std::string& text = stroke.models.at("god-object-height-image");
+  text.replace(text.find("hills.pgm"), 9, "../hills.pgm");
+  EXPECT_THAT([&] { (void)case_model(stroke, "god-object-height-image"); },
+              ThrowsMessage<BadData>(AllOf(HasSubstr("/models/god-object-height-image/effects/0/image"),
+                                           HasSubstr("in the case's own folder"))));
+}
+
+// What a renderer declares that it cannot is no failure of it, and nothing else is skipped.
+class DeclaredLimitations : public ::testing::Test {
+ protected:
+  static RendererEntry engine() {
+    Model model;
+    model.renderer = "god-object";
+    return renderers::find_renderer(model);
+  }
+  CheckResult check(const std::string& name, const RendererEntry& entry) {
+    const Catalogues catalogues{renderers::built_in_catalogue(), synthetic::built_in_generators()};
+    const auto golden = std::filesystem::path(std::getenv("TOUCHSTONE_SOURCE_DIR")) / "golden";
+    const auto provided = std::make_shared<const RendererEntry>(entry);
+    const ChangeModel change = [&](Model& model) { model.provided = provided; };
+    return check_case(catalogues, load_case(golden / name), "god-object", {folder_.path(), false, change, {}});
+  }
+  testing::TemporaryFolder folder_;
+};
+
+TEST_F(DeclaredLimitations, ARunThatStartsInsideIsSkippedWithTheReason) {
+  RendererEntry outside = engine();
+  outside.cannot.push_back({Ability::start_inside, "the proxy starts where the tip is"});
+  EXPECT_EQ(check("crease-concave", outside).skipped,
+            "the run starts inside the body: the proxy starts where the tip is");
+  const CheckResult approach = check("crease-concave-approach", outside);
+  EXPECT_EQ(approach.skipped, "");
+  EXPECT_TRUE(approach.passed()) << approach.table;
+  EXPECT_EQ(check("crease-concave", engine()).skipped, "") << "nothing is declared";
+  RendererEntry another = engine();
+  another.cannot.push_back({Ability::ball_tip, "a point only"});
+  EXPECT_EQ(check("crease-concave", another).skipped, "") << "it starts inside, and the tip is a point";
+}
+
+TEST_F(DeclaredLimitations, BodiesThatMoveAreSkippedForARendererOfOneObject) {
+  RendererEntry of_one = engine();
+  of_one.make_scene = nullptr;
+  EXPECT_THAT(check("scene-ring", of_one).skipped, HasSubstr("takes one object, and the case has 2 that move"));
+  EXPECT_EQ(check("scene-ring", engine()).skipped, "");
 }
 
 }  // namespace
