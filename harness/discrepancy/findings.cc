@@ -89,9 +89,6 @@ nlohmann::json number(double value) { return std::isfinite(value) ? nlohmann::js
 // An estimate of the noise that is so many times what is left hides what is missing.
 constexpr double noise_too_large = 2.0;
 
-// Weighed by noise an explanation may gain where the plain error of force stays as it was, but not where that grows.
-constexpr double no_gain = 1.01;
-
 void warn_of_noise(Findings& findings) {
   const ForceGap& gap = findings.gap;
   if (findings.instrument_declared || !(gap.noise_floor_N > noise_too_large * gap.holdout_after_N)) return;
@@ -166,6 +163,18 @@ void say_law(Findings& findings) {
                            : fmt::format(", and {} {} not needed beside it", fmt::join(law.needless, " and "),
                                          law.needless.size() == 1 ? "is" : "are"),
       100.0 * findings.law->closed);
+}
+
+// A model that follows the rate passes the tracker's noise on.
+void say_what_noise_raises(Findings& findings) {
+  if (!findings.gap.means || findings.search.data_fault) return;
+  const SingleSamples& single = *findings.gap.means;
+  const ResidualSpectrum& spectrum = findings.search.spectrum;
+  findings.explanation += fmt::format(
+      " These errors are of means over {} samples, as the search saw them. At single samples the error rises from "
+      "{:.4g} N to {:.4g} N, since the model passes the noise of the positions on: above {:.3g} Hz it leaves {:.2g} N "
+      "there, simulated noise {:.2g} N.",
+      single.count, single.before_N, single.after_N, spectrum.from_Hz, spectrum.raw_N, spectrum.null_N);
 }
 
 void say_what_is_open(Findings& findings) {
@@ -259,7 +268,7 @@ void conclude(Findings& findings, const std::vector<Candidate>& candidates) {
         "This recording cannot tell: {} fit the validation data alike. {}", fmt::join(findings.ambiguous.front(), ", "),
         findings.next ? fmt::format("A recording of this motion would tell: {}.", findings.next->what)
                       : "No motion of the repertoire separates them beyond the noise.");
-  } else if (findings.gap.holdout_after_N > no_gain * findings.gap.holdout_before_N) {
+  } else if (findings.gap.rises()) {
     findings.verdict = FindingsVerdict::unexplained;
     findings.explanation = fmt::format(
         "Something is missing that no known effect explains: {} fits, but on held-out data the error rises from {:.4g} "
@@ -283,6 +292,7 @@ void conclude(Findings& findings, const std::vector<Candidate>& candidates) {
   hold_against_repeat(findings);
   if (!search.data_fault) findings.explanation = first_sentence(findings) + findings.explanation;
   say_law(findings);
+  say_what_noise_raises(findings);
   say_what_is_open(findings);
 }
 
@@ -294,6 +304,11 @@ nlohmann::ordered_json gap_json(const Findings& findings) {
       {"train", {{"before", number(findings.gap.train_before_N)}, {"after", number(findings.gap.train_after_N)}}},
       {"holdout", {{"before", number(findings.gap.holdout_before_N)}, {"after", number(findings.gap.holdout_after_N)}}},
       {"noise_floor", number(findings.gap.noise_floor_N)}};
+  if (findings.gap.means) {
+    gap["holdout"]["means_over"] = findings.gap.means->count;
+    gap["holdout"]["single_samples"] = {{"before", number(findings.gap.means->before_N)},
+                                        {"after", number(findings.gap.means->after_N)}};
+  }
   if (findings.gap.repeat_floor_N) gap["repeat_floor"] = number(*findings.gap.repeat_floor_N);
   if (findings.gap.holdout_after_again_N) {
     gap["fresh_process_after"] = number(*findings.gap.holdout_after_again_N);

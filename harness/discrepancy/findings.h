@@ -15,6 +15,13 @@
 
 namespace touchstone::discrepancy {
 
+// What single samples leave where means over `count` of them are told of.
+struct SingleSamples {
+  std::size_t count = 1;
+  double before_N = 0.0;
+  double after_N = 0.0;
+};
+
 struct ForceGap {
   double train_before_N = 0.0;
   double train_after_N = 0.0;
@@ -23,6 +30,9 @@ struct ForceGap {
   std::optional<double> holdout_after_again_N;  // by a fresh process from the written model; over the whole recording
   std::optional<double> repeat_floor_N;         // RMS of what a second recording of the same motion differs by
   double noise_floor_N = 0.0;                   // what the noise model expects of the final model, held out
+  std::optional<SingleSamples> means;           // empty: the held-out errors are those of single samples
+  // Weighed by noise an explanation may gain where the plain error of force stays as it was, but not where that grows.
+  [[nodiscard]] bool rises() const { return holdout_after_N > 1.01 * holdout_before_N; }
 };
 
 struct FoundParameter {

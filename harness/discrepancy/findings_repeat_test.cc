@@ -56,6 +56,29 @@ TEST(FindingsRepeat, WithinTheFloorWhatWasFoundExplains) {
   EXPECT_THAT(f.explanation, HasSubstr("With coulomb-friction nothing is missing that this object repeats."));
 }
 
+// Where a damper passes the tracker's noise on, single samples have their own sentence; without it the error rises.
+TEST(FindingsOfMeans, WhatSingleSamplesLeaveIsSaidBeside) {
+  Findings f = left_over(0.05, 1.0);
+  f.gap.repeat_floor_N.reset();
+  f.search.found = {effect("normal-damping")};
+  f.gap.means = SingleSamples{8, 0.42, 0.61};
+  conclude(f, {});
+  EXPECT_EQ(f.verdict, FindingsVerdict::explained);
+  EXPECT_THAT(f.explanation, HasSubstr("With it the held-out error falls from 0.4 N to 0.1 N. These errors are of "
+                                       "means over 8 samples, as the search saw them. At single samples the error "
+                                       "rises from 0.42 N to 0.61 N"));
+  const std::string json = findings_to_json(f, "");
+  EXPECT_THAT(json, HasSubstr("\"means_over\": 8"));
+  EXPECT_THAT(json, HasSubstr("\"single_samples\": {"));
+  Findings raised = left_over(0.05, 1.0);
+  raised.gap.repeat_floor_N.reset();
+  raised.search.found = {effect("normal-damping")};
+  raised.gap.holdout_after_N = 0.41;
+  conclude(raised, {});
+  EXPECT_EQ(raised.verdict, FindingsVerdict::unexplained);
+  EXPECT_THAT(raised.explanation, HasSubstr("the error rises from 0.4 N to 0.41 N"));
+}
+
 // A verdict that was none of "unexplained" stays as it was.
 TEST(FindingsRepeat, WithinTheFloorOtherVerdictsStay) {
   Findings consistent = left_over(0.12, 1.0);

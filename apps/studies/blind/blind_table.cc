@@ -287,10 +287,11 @@ class TableText {
     for (const BlindScore& score : scores_) {
       if (score.right) continue;
       text_ +=
-          fmt::format("  {} {:12} {}: expected {} {}, found {} {} (held out {:.4g} N, floor {:.4g} N){}\n", score.id,
-                      score.set, score.weak ? "weak " : "", to_string(score.expected_verdict),
-                      fmt::join(score.expected, " and "), to_string(score.verdict), fmt::join(score.named, " and "),
-                      score.after_N, score.floor_N, score.data_blamed ? ", data blamed" : "");
+          fmt::format("  {} {:12} {}: expected {} {}, found {} {} (held out {:.4g} N, {}){}\n", score.id, score.set,
+                      score.weak ? "weak " : "", to_string(score.expected_verdict), fmt::join(score.expected, " and "),
+                      to_string(score.verdict), fmt::join(score.named, " and "), score.after_N,
+                      std::isnan(score.floor_N) ? "no true model" : fmt::format("floor {:.4g} N", score.floor_N),
+                      score.data_blamed ? ", data blamed" : "");
     }
   }
 

@@ -392,11 +392,13 @@ Page discrepancy_page(const Findings& findings, const std::vector<Candidate>& ca
   page.title = "Where simulation and measurement disagree";
   page.subtitle = fmt::format("{} against {}", findings.search.start.source, evidence.recording->source);
   const ForceGap& gap = findings.gap;
+  const std::string of =
+      gap.means ? fmt::format("RMS, 3-D, of means over {} samples, ", gap.means->count) : "RMS, 3-D, ";
   page.headlines = {
       {"verdict", to_string(findings.verdict), "", "", tone_of(findings.verdict)},
-      {"held-out error before", fmt::format("{:.4g}", gap.holdout_before_N), "N", "RMS, 3-D, the model as given",
+      {"held-out error before", fmt::format("{:.4g}", gap.holdout_before_N), "N", of + "the model as given",
        Tone::neutral},
-      {"held-out error after", fmt::format("{:.4g}", gap.holdout_after_N), "N", "RMS, 3-D, the model written",
+      {"held-out error after", fmt::format("{:.4g}", gap.holdout_after_N), "N", of + "the model written",
        Tone::neutral},
       {"expected of noise", fmt::format("{:.4g}", gap.noise_floor_N), "N",
        findings.instrument_declared ? "from the declared instrument" : "from noise estimated in the recording",

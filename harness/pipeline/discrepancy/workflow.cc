@@ -11,6 +11,7 @@
 #include "harness/base/error.h"
 #include "harness/base/input_files.h"
 #include "harness/pipeline/discrepancy/earlier_run.h"
+#include "harness/pipeline/discrepancy/force_gap.h"
 #include "harness/pipeline/discrepancy/golden_offer.h"
 #include "harness/pipeline/discrepancy/page.h"
 #include "harness/pipeline/discrepancy/thinning.h"
@@ -86,16 +87,6 @@ std::size_t mean_over(const Recording& train, const InstrumentDescription& instr
   return samples_per_mean(train.motion, block_window_s(rate_Hz, train.motion));
 }
 
-ForceGap measure_gap(const SearchResult& search, const SearchData& data, const Evidence& samples) {
-  ForceGap gap;
-  gap.train_before_N = rms_force_error_N(data.learning, data.learning.predictor->predict(search.start));
-  gap.train_after_N = rms_force_error_N(data.learning, data.learning.predictor->predict(search.model));
-  gap.holdout_before_N = rms_force_error_N(samples, samples.predictor->predict(search.start));
-  gap.holdout_after_N = rms_force_error_N(samples, samples.predictor->predict(search.model));
-  gap.noise_floor_N = search.noise_rms_N;
-  return gap;
-}
-
 // Nothing where no law was found, where it does not help on the held-out samples, or where noise alone leaves as much
 // as the start does.
 std::optional<LawGap> measure_law(const SearchResult& search, const Evidence& samples, double noise_N) {
@@ -132,7 +123,7 @@ std::optional<NextExperiment> next_experiment(const SearchResult& search, const 
 // Once more from the files alone, if possible in a process that knows nothing of this one. Nothing if it cannot be
 // repeated; throws if it leaves another error.
 std::optional<double> run_again(const Catalogue& catalogue, const DiscrepancyFiles& files, const Evidence& samples,
-                                const Prediction& after, double force_noise_N) {
+                                const Model& after, double force_noise_N) {
   if (files.synthesize_in_trajectory || files.plugins != nullptr) return std::nullopt;
   DiscrepancyFiles written = files;
   written.model = files.out / "model.json";
@@ -142,7 +133,7 @@ std::optional<double> run_again(const Catalogue& catalogue, const DiscrepancyFil
   if (!again_N) return std::nullopt;
   Evidence whole = samples;
   whole.part = {};
-  const double here_N = rms_force_error_N(whole, after);
+  const double here_N = rms_force_error_N(whole, whole.predictor->predict(after));
   if (std::abs(*again_N - here_N) > 1e-9 * std::max(here_N, force_noise_N)) {
     throw BadData(fmt::format("{}: run again from this file alone, the model leaves {} N instead of {} N",
                               written.model.string(), *again_N, here_N));
@@ -236,21 +227,21 @@ Findings run_discrepancy(const Catalogue& catalogue, const DiscrepancyFiles& fil
   if (count > 1) {
     samples.recording = &holdout;
     samples.predictor = samples_predictor.get();
-    findings.search.noise_rms_N =
-        std::hypot(findings.search.noise_rms_N, std::sqrt(square_beyond_means_N2(sensor, instrument)));
     findings.search.spectrum = spectrum_of_samples({&train, second ? &holdout : nullptr, files.seed, sensor, make},
                                                    findings.search.model, data.window_s);
   }
-  findings.gap = measure_gap(findings.search, data, samples);
+  const double beyond_means_N2 = count > 1 ? square_beyond_means_N2(sensor, instrument) : 0.0;
+  const MeasuredGap measured = measure_gap(findings.search, data, {samples, count, beyond_means_N2});
+  findings.gap = measured.gap;
   if (floor) findings.gap.repeat_floor_N = floor->force_N;
-  findings.shares = told_apart(share_gap(samples, findings.search.start, findings.search.model));
-  const Prediction before = samples.predictor->predict(model);
-  const Prediction after = samples.predictor->predict(findings.search.model);
-  findings.where = sort_by_regime(samples, before, after, data.force_floor_N);
+  findings.shares = told_apart(share_gap(measured.on, findings.search.start, findings.search.model));
+  const Prediction before = measured.on.predictor->predict(model);
+  const Prediction after = measured.on.predictor->predict(findings.search.model);
+  findings.where = sort_by_regime(measured.on, before, after, data.force_floor_N);
   findings.next = next_experiment(findings.search, data, make, instrument);
   findings.instrument_declared = instrument.declared;
   findings.blocks_held_back = !second;
-  findings.law = measure_law(findings.search, samples, findings.search.noise_rms_N);
+  findings.law = measure_law(findings.search, measured.on, findings.gap.noise_floor_N);
   conclude(findings, candidates);
 
   earlier.remove();
@@ -261,7 +252,8 @@ Findings run_discrepancy(const Catalogue& catalogue, const DiscrepancyFiles& fil
   }
   write_file(files.out / "model.json", model_to_json(findings.search.model, files.out) + "\n");
   if (findings.law) write_law(findings, files.out);
-  findings.gap.holdout_after_again_N = run_again(catalogue, files, samples, after, instrument.force_noise_N);
+  findings.gap.holdout_after_again_N =
+      run_again(catalogue, files, samples, findings.search.model, instrument.force_noise_N);
   const std::string json = findings_to_json(findings, trajectory);
   write_file(files.out / "findings.json", json);
   Provenance provenance = make_provenance(files.command_line);
@@ -272,7 +264,7 @@ Findings run_discrepancy(const Catalogue& catalogue, const DiscrepancyFiles& fil
   for (const auto& file : files.effects) provenance.inputs.push_back(describe_input("effect", file));
   if (instrument.declared) provenance.inputs.push_back(describe_input("instrument", files.instrument));
   write_html(files.out / "report.html",
-             discrepancy_page(findings, candidates, samples, before, after, mesh, provenance));
+             discrepancy_page(findings, candidates, measured.on, before, after, mesh, provenance));
   if (!files.golden.empty()) write_golden_case(files.golden, mesh, holdout, findings.search.model);
   return findings;
 }
@@ -301,7 +293,8 @@ std::string findings_text(const Findings& findings, const DiscrepancyFiles& file
                         (files.out / "empirical.json").string());
   }
   text += fmt::format(
-      "held-out RMS force error: before {:.4g} N, after {:.4g} N, expected of {} noise {:.4g} N{}\nreport: {}\n",
+      "held-out RMS force error{}: before {:.4g} N, after {:.4g} N, expected of {} noise {:.4g} N{}\nreport: {}\n",
+      findings.gap.means ? fmt::format(" of means over {} samples", findings.gap.means->count) : "",
       findings.gap.holdout_before_N, findings.gap.holdout_after_N,
       findings.instrument_declared ? "the declared" : "the estimated", findings.gap.noise_floor_N,
       findings.gap.repeat_floor_N ? fmt::format(", floor of the repeat {:.4g} N", *findings.gap.repeat_floor_N) : "",
