@@ -55,7 +55,7 @@ std::vector<GoldenCase> load_or_say(const CheckOptions& options) {
   try {
     return options.golden.load();
   } catch (const BadData& error) {
-    CheckTally none(false);
+    CheckTally none;
     fmt::print(stderr, "{}", none.add_unusable("golden", "cases", options.golden.folder(), error.what()));
     write_for_others(options, none.tests());
     throw;
@@ -70,7 +70,8 @@ ExitStatus check_command(const CheckOptions& options) {
   const auto cases = load_or_say(options);
   CaseCheck how{options.golden.out, options.ctest, options.golden.change_model(), std::nullopt};
   if (options.verdict == "felt") how.felt = options.felt;
-  CheckTally tally(options.fail_on_drift);
+  how.fail_on_drift = options.fail_on_drift;
+  CheckTally tally;
   for (const GoldenCase& golden : cases) {
     for (const std::string& model : options.golden.models_of(golden)) check_or_say(golden, model, options, how, tally);
   }

@@ -300,6 +300,7 @@ CheckResult check_case(const Catalogues& catalogues, const GoldenCase& golden, c
   if (result.comparison.verdict == Verdict::equal) {
     result.comparison = compare(expected, obtained, golden.tolerance);
     result.same_cpu = read_provenance(golden.expected(model))["cpu"] == run.provenance["cpu"];
+    result.drift_fails = options.fail_on_drift && result.comparison.drift > 0 && result.same_cpu;
     result.share_of_jnd = share_of_jnd(expected, golden.tolerance.of("force"));
     if (!(result.share_of_jnd <= golden.jnd_share)) {
       result.comparison.verdict = Verdict::invalid;

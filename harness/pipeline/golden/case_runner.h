@@ -53,12 +53,13 @@ struct CheckResult {
   std::string table;                // for people, with why it could not run where that is so
   double share_of_jnd = 0.0;        // the widest the tolerance gets, in just noticeable differences of force
   bool same_cpu = false;            // as the golden's
+  bool drift_fails = false;         // bits differ, and that was asked to fail
   std::optional<ExactError> exact;  // of what was obtained, where an exact answer is known
   std::optional<FeltError> felt;    // where the verdict `felt` was asked for and the case ran
   std::string skipped;              // the reason that the renderer declares for what the case demands; else empty
   std::filesystem::path left_in;    // the folder of a failure, else empty
 
-  [[nodiscard]] bool passed() const { return felt ? felt->passed : passes(comparison.verdict); }
+  [[nodiscard]] bool passed() const { return !drift_fails && (felt ? felt->passed : passes(comparison.verdict)); }
 };
 
 struct CaseCheck {
@@ -66,12 +67,13 @@ struct CaseCheck {
   bool ctest = false;         // print measurements, with the time of the steps
   ChangeModel change = {};
   std::optional<FeltTolerance> felt = std::nullopt;  // judge by what a person would notice
+  bool fail_on_drift = false;  // bits that differ fail where the golden was made on a processor like this one
 };
 
 // One model of a case against its golden. Beyond tolerance but nearer to the exact answer is `better`, which does not
 // pass either: it is news, and becomes the golden by a person's decision. So are operations that are not the golden's,
-// which are held against it as long as the model is the case's own. On anything but `equal` leaves obtained.h5,
-// table.txt, comparison.json and pictures in `out`/<case>/<model>; on `equal` removes what an earlier failure left.
+// which are held against it as long as the model is the case's own. What does not pass leaves obtained.h5, table.txt,
+// comparison.json and pictures in `out`/<case>/<model>; what passes removes what an earlier failure left.
 // With `ctest` prints measurements.
 // A case whose run starts inside the body is skipped for a renderer that declares that it cannot.
 CheckResult check_case(const Catalogues& catalogues, const GoldenCase& golden, const std::string& model,

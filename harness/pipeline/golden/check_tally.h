@@ -14,9 +14,6 @@ namespace touchstone::pipeline {
 
 class CheckTally {
  public:
-  // `fail_on_drift`: bits that differ fail a check whose golden was made on a processor like this one.
-  explicit CheckTally(bool fail_on_drift) : fail_on_drift_(fail_on_drift) {}
-
   // Counts a result, and returns what a person reads of it; `felt` is the tolerance if the verdict was `felt`.
   std::string add(const GoldenCase& golden, const std::string& model, const CheckResult& result, double seconds,
                   const FeltTolerance& felt);
@@ -35,7 +32,6 @@ class CheckTally {
   [[nodiscard]] const std::vector<report::CheckedTest>& tests() const { return tests_; }
 
  private:
-  bool fail_on_drift_;
   std::size_t passed_ = 0, failed_ = 0, drifted_ = 0, skipped_ = 0, unusable_ = 0;
   std::vector<report::CheckedTest> tests_;
 };

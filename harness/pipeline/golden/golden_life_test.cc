@@ -9,6 +9,7 @@
 #include "harness/base/atomic_file.h"
 #include "harness/base/error.h"
 #include "harness/pipeline/golden/case_runner.h"
+#include "harness/pipeline/golden/check_tally.h"
 #include "harness/recording/recording_file.h"
 #include "harness/surface/mesh_file.h"
 #include "harness/testing/temporary_folder.h"
@@ -59,6 +60,40 @@ TEST_F(GoldenLife, WhatFailedIsReviewedAcceptedAndPassesFromThenOn) {
   EXPECT_THAT(chosen_pending(out(), {}, ""), IsEmpty()) << "what was accepted does not wait any more";
   EXPECT_TRUE(passes(stiffer));
   EXPECT_FALSE(passes()) << "the old answer is not the golden any more";
+}
+
+// Far inside the tolerance: nothing to say, unless bits were asked to be the same. Then it can be looked at and
+// accepted.
+TEST_F(GoldenLife, DriftThatWasAskedToFailIsReviewedAndAccepted) {
+  const Catalogues catalogues{renderers::built_in_catalogue(), synthetic::built_in_generators()};
+  const auto file = golden() / "plane-taps" / "expected" / "god-object.h5";
+  const auto check = [&](const ChangeModel& change) {
+    const GoldenCase taps = load_case(golden() / "plane-taps");
+    return check_case(catalogues, taps, "god-object", {out(), false, change, {}, true});
+  };
+  // The golden of this very processor.
+  ASSERT_FALSE(passes(stiffer));
+  accept_result(chosen_pending(out(), {}, "")[0], golden(), out(), "of this processor");
+  ASSERT_TRUE(check(stiffer).passed());
+  const auto a_little = [](Model& model) {
+    stiffer(model);
+    model.parameters["stiffness_N_per_m"] *= 1.0 + 1e-12;
+  };
+  EXPECT_TRUE(passes(a_little));
+  EXPECT_THAT(chosen_pending(out(), {}, ""), IsEmpty());
+  const CheckResult drifted = check(a_little);
+  EXPECT_FALSE(drifted.passed());
+  EXPECT_TRUE(drifted.drift_fails);
+  EXPECT_EQ(drifted.comparison.verdict, Verdict::equal);
+  CheckTally tally;
+  EXPECT_THAT(tally.add(load_case(golden() / "plane-taps"), "god-object", drifted, 0.1, {}),
+              AllOf(HasSubstr("(drift, asked to fail)"), HasSubstr("left in")));
+  EXPECT_EQ(tally.tests().at(0).verdict, "drift, asked to fail");
+  const auto pending = chosen_pending(out(), {}, "");
+  ASSERT_THAT(pending, SizeIs(1));
+  EXPECT_EQ(accept_result(pending[0], golden(), out(), "another order of sums"), "replaced");
+  EXPECT_EQ(read_provenance(file).at("reason"), "another order of sums");
+  EXPECT_TRUE(check(a_little).passed());
 }
 
 TEST_F(GoldenLife, AModelThatTheCaseDoesNotHaveIsNotAccepted) {
