@@ -34,11 +34,23 @@ std::vector<Vec3> response(Predictor& predictor, const Model& base, const Candid
 }
 
 // The whitened squares that a model leaves along the likely motion.
-double left_by_model(const DetectorSide& side, const Model& model) {
+double left_by_model(const DetectorSide& side, const FitData& blocks, const Model& model) {
   const Prediction prediction = side.noise->likely_predictor().predict(model);
   std::vector<Vec3> left(prediction.f_W_N.size());
   for (std::size_t i = 0; i < left.size(); ++i) left[i] = side.recording->f_W_N[i] - prediction.f_W_N[i];
-  return whiten_for_regression(*side.blocks, left, {}).residual.squaredNorm();
+  return whiten_for_regression(blocks, left, {}).residual.squaredNorm();
+}
+
+// The blocks with the noise that there is if the coefficient acts with this size, whatever its sign: where a tip rests,
+// friction points to where the tracker's noise has it, and no coefficient can explain what it does there.
+FitData blocks_under(const DetectorSide& side, const Model& base, const Candidate& candidate, double coefficient) {
+  const EffectTraits::OneSided& one_sided = *candidate.traits.one_sided;
+  std::map<std::string, double> sized = one_sided.small;
+  for (auto& [name, value] : sized) value *= std::abs(coefficient) / one_sided.size;
+  const Model acting = with_entry(base, candidate.side, {candidate.name, sized, "/test"});
+  FitData blocks = *side.blocks;
+  blocks.noise = side.noise->of(acting, blocks.predictor->predict(acting), blocks.blocks);
+  return blocks;
 }
 
 // Along which the modelled force varies most. Along it, unlike in size, a weight that the model does not know adds a
@@ -109,7 +121,6 @@ std::optional<std::string> find_coefficient_fault(const DetectorSide& train, con
   // noise, and a rate is mostly noise.
   const Prediction train_likely = train.noise->likely_predictor().predict(base);
   const Prediction holdout_likely = holdout.noise->likely_predictor().predict(base);
-  const double held = left_by_model(holdout, best);
   for (const Candidate& test : candidates) {
     if (!test.traits.one_sided) continue;
     try {
@@ -125,13 +136,16 @@ std::optional<std::string> find_coefficient_fault(const DetectorSide& train, con
         }
         return columns;
       };
-      const auto regression = [&](const DetectorSide& side, const Prediction& nominal) {
+      const auto regression = [&](const DetectorSide& side, const FitData& blocks, const Prediction& nominal) {
         std::vector<Vec3> left(nominal.f_W_N.size());
         for (std::size_t i = 0; i < left.size(); ++i) left[i] = side.recording->f_W_N[i] - nominal.f_W_N[i];
-        return whiten_for_regression(*side.blocks, left, series(side, nominal));
+        return whiten_for_regression(blocks, left, series(side, nominal));
       };
-      const RegressionData learn = regression(train, train_likely);
-      const RegressionData judge = regression(holdout, holdout_likely);
+      const Eigen::VectorXd first = ridge_coefficients(regression(train, *train.blocks, train_likely), 1e-9);
+      if (!(first[0] < 0.0)) continue;
+      const FitData judged = blocks_under(holdout, base, test, first[0]);
+      const RegressionData learn = regression(train, blocks_under(train, base, test, first[0]), train_likely);
+      const RegressionData judge = regression(holdout, judged, holdout_likely);
       const Eigen::VectorXd with = ridge_coefficients(learn, 1e-9);
       if (!(with[0] < 0.0)) continue;
       RegressionData learn_without = learn;
@@ -142,7 +156,7 @@ std::optional<std::string> find_coefficient_fault(const DetectorSide& train, con
       const double gain = bare - left_by(judge, with);
       // What the search found explains it better, or it explains little: no fault of the data.
       const bool clear = train_gain >= least_gain && gain >= std::max(least_gain, least_share * bare);
-      if (!clear || !(bare - gain <= held)) continue;
+      if (!clear || !(bare - gain <= left_by_model(holdout, judged, best))) continue;
       return fmt::format(fmt::runtime(test.traits.one_sided->fault), with[0]);
     } catch (const BadData&) {
       continue;  // a base renderer that cannot run the effect

@@ -6,9 +6,12 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <memory>
+#include <utility>
 
 #include "harness/base/random.h"
 #include "harness/discrepancy/plane_for_test.h"
+#include "harness/discrepancy/two_recordings_for_test.h"
 
 namespace touchstone::discrepancy {
 namespace {
@@ -131,6 +134,78 @@ TEST(DataFaults, AReversedForceIsNoWrongOrder) {
     for (Vec3& f : reversed.recording.f_W_N) f = -f;
     EXPECT_FALSE(reversed.fault()) << world;
   }
+}
+
+// A plane with dry friction: a bristle that slips beyond 10 um (Dahl 1968).
+class RoughPlane final : public Predictor {
+ public:
+  explicit RoughPlane(MotionColumns motion) : motion_(std::move(motion)) {}
+  Prediction predict(const Model& model) override {
+    Prediction prediction = PlanePredictor(motion_).predict(model);
+    const NamedParameters* const friction = find_entry(model, "coulomb-friction");
+    if (friction == nullptr) return prediction;
+    constexpr double most_m = 1e-5;
+    Vec3 bristle = Vec3::Zero();
+    for (std::size_t i = 1; i < motion_.size(); ++i) {
+      bristle += motion_.p_W_m[i] - motion_.p_W_m[i - 1];
+      bristle.z() = 0.0;
+      if (bristle.norm() > most_m) bristle *= most_m / bristle.norm();
+      prediction.f_W_N[i] -= friction->parameters.at("mu") * prediction.normal_N[i] / most_m * bristle;
+    }
+    return prediction;
+  }
+
+ private:
+  MotionColumns motion_;
+};
+
+// Strokes of 0.3 s to all sides with rests of 0.7 s, at 250 Hz for 20 s, always pressed.
+MotionColumns strokes(double first_rad) {
+  MotionColumns motion;
+  Vec3 p_W_m(0.0, 0.0, 0.0);
+  for (int i = 0; i < 5000; ++i) {
+    const double t = 0.004 * i;
+    const double way_rad = first_rad + 2.4 * std::floor(t);
+    if (std::fmod(t, 1.0) < 0.3) p_W_m += 0.004 * 0.05 * Vec3(std::cos(way_rad), std::sin(way_rad), 0.0);
+    p_W_m.z() = -1e-3 - 3e-4 * std::sin(5.0 * t);
+    motion.t_s.push_back(t);
+    motion.p_W_m.push_back(p_W_m);
+  }
+  return motion;
+}
+
+std::optional<std::string> fault_of_friction(double mu) {
+  const MakePredictor make = [](const MotionColumns& motion) { return std::make_unique<RoughPlane>(motion); };
+  Model base;
+  base.parameters["stiffness_N_per_m"] = 900.0;
+  Model truth = base;
+  truth.effects.push_back({"coulomb-friction", {{"mu", mu}}, ""});
+  InstrumentDescription instrument = small_noise(1.0);
+  instrument.position_noise_m = 7e-5;
+  const auto record = [&](double first_rad, std::uint64_t seed) {
+    const MotionColumns path = strokes(first_rad);
+    return measured(path, RoughPlane(path).predict(truth).f_W_N, instrument, seed);
+  };
+  const TwoRecordings two(record(0.0, 1), record(1.0, 2), instrument, base, make);
+  Candidate dry{"coulomb-friction", Side::contact, {{"mu", "1", 0.0, 2.0, 0.3, ""}}};
+  dry.traits.one_sided = {{{"mu", 0.05}}, 0.05, "friction of {:.2f}"};
+  const FitData train = fit_data(two.data.train, base, two.data.window_s);
+  const FitData validation = fit_data(two.data.validation, base, two.data.window_s);
+  return find_coefficient_fault({two.data.train.recording, &train, two.data.train.noise},
+                                {two.data.validation.recording, &validation, two.data.validation.noise}, base, base,
+                                {dry});
+}
+
+// Most of the error is where the tip rests, to a side that the tracker's noise hides.
+TEST(DataFaults, FrictionThatPullsAlongIsOneThoughTheTipRestsMostOfTheTime) {
+  const auto fault = fault_of_friction(-0.5);
+  ASSERT_TRUE(fault);
+  EXPECT_THAT(*fault, ::testing::StartsWith("friction of -0."));
+}
+
+TEST(DataFaults, FrictionThatResistsAndNoneAreNoFault) {
+  EXPECT_FALSE(fault_of_friction(0.5));
+  EXPECT_FALSE(fault_of_friction(0.0));
 }
 
 }  // namespace

@@ -46,8 +46,14 @@ std::array<double, n> scaled(std::array<double, n> knots, double scale) {
 
 class Views {
  public:
-  Views(const MotionColumns& motion, const Prediction& prediction, const ViewScales& scales)
-      : motion_(motion), prediction_(prediction), scales_(scales), v_W_(velocities(motion)) {
+  Views(const MotionColumns& motion, const Prediction& prediction, const ViewScales& scales,
+        const std::vector<ResidualBlock>& blocks)
+      : motion_(motion),
+        prediction_(prediction),
+        scales_(scales),
+        blocks_(blocks),
+        v_W_(velocities(motion)),
+        series_(motion.size()) {
     const std::size_t n = motion.size();
     rate_.resize(n);
     slid_W_.resize(n);
@@ -83,9 +89,8 @@ class Views {
   void view(const char* name) { views_.push_back({name, {}}); }
   template <class Force>
   void add(const Force& force) {
-    std::vector<Vec3> series(motion_.size());
-    for (std::size_t i = 0; i < series.size(); ++i) series[i] = force(i);
-    views_.back().series.push_back(std::move(series));
+    for (std::size_t i = 0; i < series_.size(); ++i) series_[i] = force(i);
+    views_.back().means.push_back(block_means(blocks_, series_));
   }
   template <class Scalar>
   void add_normal(const Scalar& scalar) {
@@ -240,10 +245,12 @@ class Views {
   const MotionColumns& motion_;
   const Prediction& prediction_;
   const ViewScales& scales_;
+  const std::vector<ResidualBlock>& blocks_;
   std::vector<Vec3> v_W_;
   std::vector<double> rate_;  // of the tip along the normal, positive: leaving
   std::vector<Vec3> slid_W_;  // velocity along the surface
   std::vector<Vec3> way_W_;   // its direction, shorter where it is slow
+  std::vector<Vec3> series_;  // one force of every sample
   std::vector<ResidualView> views_;
 };
 
@@ -280,8 +287,8 @@ ViewScales measure_view_scales(const MotionColumns& motion, const Prediction& pr
 }
 
 std::vector<ResidualView> residual_views(const MotionColumns& motion, const Prediction& prediction,
-                                         const ViewScales& scales) {
-  return Views(motion, prediction, scales).all();
+                                         const ViewScales& scales, const std::vector<ResidualBlock>& blocks) {
+  return Views(motion, prediction, scales, blocks).all();
 }
 
 }  // namespace touchstone::discrepancy

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "harness/base/rooms.h"
+#include "harness/discrepancy/residual_blocks.h"
 #include "harness/recording/trajectory.h"
 #include "harness/rendering/predictor.h"
 
@@ -27,11 +28,13 @@ struct ViewScales {
 ViewScales measure_view_scales(const MotionColumns& motion, const Prediction& prediction);
 
 struct ResidualView {
-  std::string name;                       // for a reader: "depth", "time", ...
-  std::vector<std::vector<Vec3>> series;  // forces per sample, of any size
+  std::string name;                      // for a reader: "depth", "time", ...
+  std::vector<std::vector<Vec3>> means;  // over each block, of forces of any size
 };
 
+// A hundred forces of every sample would need more memory than all the rest of a search: only one of them is there at a
+// time. `blocks` are of `motion`.
 std::vector<ResidualView> residual_views(const MotionColumns& motion, const Prediction& prediction,
-                                         const ViewScales& scales);
+                                         const ViewScales& scales, const std::vector<ResidualBlock>& blocks);
 
 }  // namespace touchstone::discrepancy

@@ -4,6 +4,8 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <string>
+#include <utility>
 
 #include "harness/discrepancy/model_edit.h"
 #include "harness/discrepancy/residual_views.h"
@@ -29,24 +31,28 @@ Eigen::VectorXd whitened_residual(const DetectorSide& side, const std::vector<Ve
   return whiten_for_regression(*side.blocks, difference(measured, predicted), {}).residual;
 }
 
+struct ViewResponses {
+  std::string name;
+  Eigen::MatrixXd whitened;
+};
+
 // The views' responses on both sides, at the recorded positions or along the likely motion.
 struct Responses {
-  std::vector<Eigen::MatrixXd> learn;
-  std::vector<Eigen::MatrixXd> judge;
+  std::vector<ViewResponses> learn;
+  std::vector<ViewResponses> judge;
 
   // Of chi-squared on the held-out side, by what the view learns on the other.
   [[nodiscard]] double gain(std::size_t view, const Eigen::VectorXd& left, const Eigen::VectorXd& held_out) const {
-    const Eigen::VectorXd coefficients = ridge_coefficients({left, learn[view]}, ridge);
-    return held_out.squaredNorm() - left_by({held_out, judge[view]}, coefficients);
+    const Eigen::VectorXd coefficients = ridge_coefficients({left, learn[view].whitened}, ridge);
+    return held_out.squaredNorm() - left_by({held_out, judge[view].whitened}, coefficients);
   }
 };
 
-std::vector<Eigen::MatrixXd> responses_of(const DetectorSide& side, const std::vector<ResidualView>& views) {
-  std::vector<Eigen::MatrixXd> responses;
-  responses.reserve(views.size());
-  const std::vector<Vec3> nothing(side.recording->size(), Vec3::Zero());
-  for (const ResidualView& view : views) {
-    responses.push_back(whiten_for_regression(*side.blocks, nothing, view.series).responses);
+std::vector<ViewResponses> responses_of(const DetectorSide& side, const MotionColumns& motion,
+                                        const Prediction& prediction, const ViewScales& scales) {
+  std::vector<ViewResponses> responses;
+  for (ResidualView& view : residual_views(motion, prediction, scales, side.blocks->blocks)) {
+    responses.push_back({std::move(view.name), whiten_responses(*side.blocks, view.means)});
   }
   return responses;
 }
@@ -88,15 +94,14 @@ Structure detect_structure(const DetectorSide& train, const DetectorSide& holdou
   const Prediction train_nominal = train_predictor.predict(model);
   const Prediction holdout_nominal = holdout_predictor.predict(model);
   const ViewScales scales = measure_view_scales(train.recording->motion, train_nominal);
-  const auto train_views = residual_views(train.recording->motion, train_nominal, scales);
-  const Responses recorded{responses_of(train, train_views),
-                           responses_of(holdout, residual_views(holdout.recording->motion, holdout_nominal, scales))};
+  const Responses recorded{responses_of(train, train.recording->motion, train_nominal, scales),
+                           responses_of(holdout, holdout.recording->motion, holdout_nominal, scales)};
 
   // What foretells the residual at noisy positions alone foretells the noise.
   const Prediction train_likely = train.noise->likely_predictor().predict(model);
   const Prediction holdout_likely = holdout.noise->likely_predictor().predict(model);
-  const Responses likely{responses_of(train, residual_views(train.noise->likely_motion(), train_likely, scales)),
-                         responses_of(holdout, residual_views(holdout.noise->likely_motion(), holdout_likely, scales))};
+  const Responses likely{responses_of(train, train.noise->likely_motion(), train_likely, scales),
+                         responses_of(holdout, holdout.noise->likely_motion(), holdout_likely, scales)};
 
   const Eigen::VectorXd left = whitened_residual(train, train.recording->f_W_N, train_nominal.f_W_N);
   const Eigen::VectorXd held_out = whitened_residual(holdout, holdout.recording->f_W_N, holdout_nominal.f_W_N);
@@ -113,7 +118,7 @@ Structure detect_structure(const DetectorSide& train, const DetectorSide& holdou
   std::array<const Model*, worlds> fitted{};
   fitted.fill(&model);
   for (const NullFit& refit : refits) fitted.at(refit.world) = &refit.model;
-  std::vector<std::array<double, worlds>> null_shares(train_views.size());
+  std::vector<std::array<double, worlds>> null_shares(recorded.learn.size());
   for (std::size_t world = 0; world < worlds; ++world) {
     const Eigen::VectorXd null_left = whitened_residual(train, train.noise->null_forces(model, train_nominal, world),
                                                         train_predictor.predict(*fitted.at(world)).f_W_N);
@@ -138,9 +143,9 @@ Structure detect_structure(const DetectorSide& train, const DetectorSide& holdou
   Structure most;
   double exceeds = -std::numeric_limits<double>::infinity();
   const double before = held_out.squaredNorm();
-  for (std::size_t v = 0; v < train_views.size() && before > 0.0; ++v) {
+  for (std::size_t v = 0; v < recorded.learn.size() && before > 0.0; ++v) {
     Structure structure;
-    structure.view = train_views[v].name;
+    structure.view = recorded.learn[v].name;
     structure.gain = recorded.gain(v, left, held_out);
     for (const Left& here : along_likely) {
       structure.gain = std::min(structure.gain, likely.gain(v, here.train, here.holdout));

@@ -1,27 +1,34 @@
 #include "harness/discrepancy/whitened_regression.h"
 
 #include <Eigen/Cholesky>
+#include <utility>
 
 namespace touchstone::discrepancy {
 
-RegressionData whiten_for_regression(const FitData& data, const std::vector<Vec3>& measured_minus_predicted_N,
-                                     const std::vector<std::vector<Vec3>>& series) {
-  const auto rows = static_cast<Eigen::Index>(3 * data.blocks.size());
-  RegressionData out{Eigen::VectorXd(rows), Eigen::MatrixXd(rows, static_cast<Eigen::Index>(series.size()))};
-  const auto residual = block_means(data.blocks, measured_minus_predicted_N);
-  for (std::size_t b = 0; b < data.blocks.size(); ++b) {
-    out.residual.segment<3>(static_cast<Eigen::Index>(3 * b)) = whitened(residual[b], data.noise[b]);
-  }
-  for (std::size_t c = 0; c < series.size(); ++c) {
-    const auto means = block_means(data.blocks, series[c]);
+Eigen::MatrixXd whiten_responses(const FitData& data, const std::vector<std::vector<Vec3>>& means) {
+  Eigen::MatrixXd responses(static_cast<Eigen::Index>(3 * data.blocks.size()), static_cast<Eigen::Index>(means.size()));
+  for (std::size_t c = 0; c < means.size(); ++c) {
     for (std::size_t b = 0; b < data.blocks.size(); ++b) {
       BlockNoise linear = data.noise[b];
       linear.bias_W_N.setZero();
-      out.responses.block<3, 1>(static_cast<Eigen::Index>(3 * b), static_cast<Eigen::Index>(c)) =
-          whitened(means[b], linear);
+      responses.block<3, 1>(static_cast<Eigen::Index>(3 * b), static_cast<Eigen::Index>(c)) =
+          whitened(means[c][b], linear);
     }
   }
-  return out;
+  return responses;
+}
+
+RegressionData whiten_for_regression(const FitData& data, const std::vector<Vec3>& measured_minus_predicted_N,
+                                     const std::vector<std::vector<Vec3>>& series) {
+  Eigen::VectorXd left(static_cast<Eigen::Index>(3 * data.blocks.size()));
+  const auto residual = block_means(data.blocks, measured_minus_predicted_N);
+  for (std::size_t b = 0; b < data.blocks.size(); ++b) {
+    left.segment<3>(static_cast<Eigen::Index>(3 * b)) = whitened(residual[b], data.noise[b]);
+  }
+  std::vector<std::vector<Vec3>> means;
+  means.reserve(series.size());
+  for (const auto& one : series) means.push_back(block_means(data.blocks, one));
+  return {std::move(left), whiten_responses(data, means)};
 }
 
 Eigen::VectorXd ridge_coefficients(const RegressionData& data, double ridge) {

@@ -20,6 +20,9 @@ struct RegressionData {
 RegressionData whiten_for_regression(const FitData& data, const std::vector<Vec3>& measured_minus_predicted_N,
                                      const std::vector<std::vector<Vec3>>& series);
 
+// The responses alone, of means over the blocks.
+Eigen::MatrixXd whiten_responses(const FitData& data, const std::vector<std::vector<Vec3>>& means);
+
 // Ridge regression (Hoerl and Kennard 1970) with columns scaled to equal size; `ridge` relative to their squares.
 Eigen::VectorXd ridge_coefficients(const RegressionData& data, double ridge);
 
