@@ -17,6 +17,7 @@
 #include "renderers/catalogue.h"
 #include "renderers/effects/assemble.h"
 #include "renderers/instrument/assemble.h"
+#include "renderers/proxy/ball_vicinity.h"
 
 namespace touchstone::renderers {
 namespace {
@@ -255,6 +256,7 @@ class ModelPredictor final : public Predictor {
 
   // Of the first `count` samples.
   [[nodiscard]] std::vector<StepResult> run(const Model& base, const Instrument& instrument, std::size_t count) {
+    const BallVicinity::OnDemand once;  // each geometry is run once, over this motion
     auto renderer = make_renderer(base, surface_);
     renderer->reset();
     std::vector<StepResult> steps;
