@@ -65,6 +65,9 @@ std::optional<SanityFinding> reversed_force(const Contact& c, const SanityContex
   const Contact touching = touching_part(c, touching_N);
   const ForceSign sign = check_force_sign(touching.n_W, touching.f_W_N);
   if (sign.verdict != SignVerdict::reversed) return std::nullopt;
+  // The weight of a tool, or a bias, points into the object all the time; what the object adds grows with the depth. So
+  // a load that grows with it is no reversed one, whatever its mean.
+  if (check_load_change(c.depth_m, c.load_N).verdict == SignVerdict::outward) return std::nullopt;
   const double follows = correlation(c.depth_m, c.load_N);
   std::string message = sign.explain();
   // A constant load follows nothing, reversed or not.
