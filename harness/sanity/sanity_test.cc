@@ -248,6 +248,9 @@ TEST(Sanity, AToolThatOutweighsItsLoadsIsNotBlamed) {
       Recording r = strokes(random);
       for (Vec3& f : r.f_W_N) f.z() -= weight_N;
       EXPECT_EQ(faults_of(r, context), "") << seed << " " << weight_N;
+      // Reversed, most of its forces point outward.
+      for (Vec3& f : r.f_W_N) f = -f;
+      EXPECT_THAT(faults_of(r, context), HasSubstr("reversed force")) << seed << " " << weight_N;
     }
   }
 }
