@@ -114,7 +114,7 @@ struct FreeAirOptions {
 
 void add_free_air(CLI::App& acquire_command, Run& run) {
   auto* const command = acquire_command.add_subcommand(
-      "free-air", "What is left of the force when a moving tool touches nothing, and what it is made of");
+      "free-air", "The residual force when a moving tool touches nothing, and its causes");
   auto options = std::make_shared<FreeAirOptions>();
   auto& files = options->files;
   command

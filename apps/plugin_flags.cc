@@ -21,7 +21,7 @@ void PluginFlags::add_to(CLI::App& command) {
                    "Run plug-ins in this process: nothing added to the cost of a step, but a crash ends the run");
   command
       .add_option("--plugin-time-limit", step_limit_s,
-                  "A plug-in that does not come back from a step within so many seconds hangs, and is ended")
+                  "A plug-in that does not return from a step within this many seconds hangs, and is ended")
       ->capture_default_str();
 }
 

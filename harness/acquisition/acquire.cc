@@ -267,7 +267,7 @@ ToolLoad find_tool(const AcquisitionDescription& d, AcquisitionReport& report) {
     return report.tool->load;
   }
   if (d.tool) return *d.tool;
-  report.notes.emplace_back("no tool was described: its weight was taken for contact force");
+  report.notes.emplace_back("no tool was described: its weight counts as contact force");
   return {};
 }
 
