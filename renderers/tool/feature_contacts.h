@@ -65,8 +65,10 @@ class FeatureMesh {
 // Finds the near pairs of a tool that moves little from one question to the next. The pairs of triangles that could
 // have any are kept with some way to spare (a Verlet list: Verlet 1967, of molecules), and the trees are visited again
 // only when the tool has moved that way; the next list is made bit by bit before, so that no single step pays for it.
-// A pair of the list that is apart sleeps until the tool's points have travelled what it is apart by. No answer depends
-// on what was asked before.
+// A pair of the list that is apart sleeps until the tool's points have travelled what it is apart by. While the tool
+// moves by micrometres, as it does from round to round of a step and between steps of a hand in contact, only those
+// features of the pairs are asked that could have become near since (Awake). No answer depends on what was asked
+// before.
 class NearPairFinder {
  public:
   // Holds on to both. `unit_m`: how long one unit of their coordinates is, which lengths of the finder's own follow.
@@ -92,6 +94,30 @@ class NearPairFinder {
     double lever_m = 0.0;   // no point of the tool or of a small triangle of the list is farther from the tool's origin
     double translated_m = 0.0, turned_rad = 0.0;  // sums over all steps
     [[nodiscard]] double travelled_m() const { return translated_m + lever_m * turned_rad; }
+  };
+  // Vertices, edges and faces of a pair of triangles that may be near, one bit for two of them: kVertexFace and so on.
+  using Features = std::uint64_t;
+  struct AwakePair {
+    std::int32_t on_tool, on_object;
+    Features features;
+  };
+  // All features that can be near while the tool travels no farther than kAwake_m and no larger margin or overlap is
+  // asked for, in the order of the trees. Gathered from a list bit by bit, at the poses of several questions, so that
+  // what was travelled counts from the first of them.
+  struct Awake {
+    std::vector<AwakePair> pairs;
+    bool whole = false;
+    std::size_t looked_at = 0;  // of the list's pairs
+    std::size_t asked = 0;      // of these, those that were not asleep
+    double margin_m = 0.0, overlap_m = 0.0;
+    double lever_m = 0.0, translated_m = 0.0, turned_rad = 0.0;  // as in List
+    [[nodiscard]] double travelled_m() const { return translated_m + lever_m * turned_rad; }
+  };
+  // How much more than what is asked for counts as near, see Awake.
+  struct Loose {
+    double way_m;  // that the tool's points may move, and the object's points against it as far as `lever_m`
+    double lever_m;
+    double margin_m, overlap_m;  // of gaps, without the way
   };
   struct Open {
     std::int32_t a, b;  // nodes of the tool's and of the object's tree
@@ -120,11 +146,25 @@ class NearPairFinder {
   void begin(List& list, const Pose& pose, double reach_m) noexcept;
   // Goes on with the list that is being made, until it is full, or there is no more to visit (open_ is 0).
   void visit(List& list, std::size_t most_nodes) noexcept;
+  // Makes the next list the present one.
+  void take_over() noexcept;
+  // No point of the tool has moved farther since: a turn moves a point by no more than its angle times the point's
+  // distance.
+  [[nodiscard]] double moved_since(const List& list, const Pose& pose) const noexcept;
+  // Whether awake_ holds all that can be near; gathers the next in time where that is worth it.
+  bool keep_awake(Asked& asked, const Displacement& step, double margin_m, double overlap_m) noexcept;
+  // Goes on gathering the next features that stay awake, from the present list for a tool at the pose that is asked
+  // for, or begins to.
+  void wake(Asked& asked, double step_m, double margin_m, double overlap_m) noexcept;
 
   const FeatureMesh& tool_;
   const FeatureMesh& object_;
   double unit_m_;
   List now_, next_;
+  Awake awake_, next_awake_;
+  bool gathering_ = false;                          // next_awake_, from now_
+  std::size_t asked_last_ = 0;                      // pairs, for awake_
+  double mean_step_m_ = 0.0;                        // from question to question
   std::array<Open, 2 * SphereTree::kDepth> stack_;  // of the next list
   std::size_t open_ = 0;                            // 0: none is being made
   std::size_t visited_ = 0, visited_last_ = 0;      // nodes, of the next list and of the one before

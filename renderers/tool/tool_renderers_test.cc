@@ -143,6 +143,60 @@ TEST(NearPairFinder, AnswersAsOneThatWasAskedNothingBefore) {
   EXPECT_GT(pairs, 1000U);
 }
 
+// Steps of micrometres, as of a hand in contact: the same pairs to the bit as without what stays awake. Fine facets on
+// fine ones, a cube over large triangles (whose corners move against the tool by more than its own points do), and the
+// same in millimetres.
+TEST(NearPairFinder, AnswersTheSameWhileFeaturesStayAwake) {
+  const TriangleMesh ball = synthetic::ellipsoid_mesh(Vec3(0, 0, -0.03), Vec3(0.02, 0.018, 0.016), 6000);
+  const TriangleMesh cube = synthetic::box_mesh(Vec3(-0.01, -0.01, -0.03), Vec3(0.01, 0.01, -0.01), 3);
+  const TriangleMesh slab = synthetic::box_mesh(Vec3(-0.5, -0.5, -0.02), Vec3(0.5, 0.5, 0.0));
+  const TriangleMesh dome = synthetic::ellipsoid_mesh(Vec3(0, 0, -0.05), Vec3::Constant(0.05), 6000);
+  const TriangleMesh groove = synthetic::groove_mesh(0.012, 0.25 * std::numbers::pi, 0.04);
+  const TriangleMesh cylinder = synthetic::cylinder_mesh(Vec3(0, 0, -0.015), 0.008, 0.03, 90);
+  struct Scene {
+    const TriangleMesh& tool;
+    const TriangleMesh& object;
+    double height_m;
+    double unit_m;
+  };
+  Random random(76);
+  std::array<NearPair, 256> found, fresh;
+  std::size_t pairs = 0;
+  for (const Scene& scene : {Scene{ball, dome, 0.046, 1.0},
+                             {ball, slab, 0.046, 1.0},
+                             {cube, slab, 0.03, 1.0},
+                             {cube, dome, 0.03, 1.0},
+                             {cylinder, groove, 0.0143, 1.0},
+                             {ball, dome, 0.046, 1e-3}}) {
+    const auto in_unit = [&](TriangleMesh mesh) {
+      for (Vec3& v : mesh.vertices_W_m) v /= scene.unit_m;
+      return mesh;
+    };
+    const FeatureMesh tool(in_unit(scene.tool));
+    const FeatureMesh object(in_unit(scene.object));
+    NearPairFinder kept(tool, object, scene.unit_m);
+    Pose pose{Vec3(0, 0, scene.height_m), rotation_by(0.3 * Vec3(0, 0, random.normal()))};
+    for (int i = 0; i < 300; ++i) {
+      // Now and then as far as features may stay awake, or far beyond.
+      const double way_m = i % 50 == 49 ? 60e-6 : random.uniform(0.2e-6, i % 3 == 0 ? 9e-6 : 3e-6);
+      pose = moved(pose, {way_m * random.direction(), way_m / 0.05 * random.direction()});
+      pose.p_W_m.z() = std::clamp(pose.p_W_m.z(), scene.height_m - 0.15e-3, scene.height_m + 0.05e-3);
+      const double margin_m = i % 7 == 0 ? random.uniform(20e-6, 90e-6) : 20e-6;
+      const double unit_m = scene.unit_m;
+      const Pose there{pose.p_W_m / unit_m, pose.q_WT};
+      const std::size_t count = kept.find(there, margin_m / unit_m, 0.2e-3 / unit_m, found);
+      ASSERT_EQ(NearPairFinder(tool, object, unit_m).find(there, margin_m / unit_m, 0.2e-3 / unit_m, fresh), count);
+      for (std::size_t k = 0; k < count; ++k) {
+        EXPECT_EQ(found[k].gap_m, fresh[k].gap_m);
+        EXPECT_EQ(found[k].n_W, fresh[k].n_W);
+        EXPECT_EQ(found[k].at_W_m, fresh[k].at_W_m);
+      }
+      pairs += count;
+    }
+  }
+  EXPECT_GT(pairs, 5000U);
+}
+
 // Units so small that the spare way holds every pair of triangles: more than are kept.
 TEST(NearPairFinder, MorePairsThanAreKeptAreAskedPartByPart) {
   const FeatureMesh tool(synthetic::ellipsoid_mesh(Vec3(0, 0, -0.03), Vec3(0.02, 0.018, 0.016), 2000));
