@@ -14,7 +14,7 @@ struct NullCase {
   const Evidence* validation = nullptr;
   const FitData* train_blocks = nullptr;
   const FitData* validation_blocks = nullptr;
-  const Model* model = nullptr;  // the truth of the null worlds
+  const Model* model = nullptr;  // the truth of the null recordings
   const std::vector<FreeParameter>* parameters = nullptr;
   int iterations = 12;
 };
@@ -28,7 +28,7 @@ using RefitInWorld =
 // Tibshirani 1993, chapter 6.5; of several that compete the maximum, Westfall and Young 1993).
 std::vector<double> null_gains(const NullCase& null, const RefitInWorld& refits, std::size_t first, std::size_t last);
 
-// Mean and so many standard deviations: worlds are too few for a far quantile. 0 for fewer than two.
+// Mean plus N standard deviations: the recordings are too few for a far quantile. 0 for fewer than two.
 double bar_above(const std::vector<double>& gains, double deviations);
 
 }  // namespace touchstone::discrepancy

@@ -16,7 +16,7 @@
 // blocks that the fit has not seen. Intervals are by the sandwich over the blocks (harness/stats/sandwich.h), never
 // narrower than those of independent samples. An effect is named if a Wald test by an F distribution over the blocks
 // (Hotelling 1931) rejects that it is nought at 5 %, divided among the effects (Bonferroni). Each value has a weak
-// prior of the width of what an instrument could have; a value whose standard error stays near that width is said to be
+// prior of the width of what an instrument could have; a value whose standard error stays near that width is called
 // undetermined: the motion does not tell it.
 #pragma once
 
