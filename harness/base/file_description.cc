@@ -53,6 +53,8 @@ bool is_text(const json& value) { return value.is_string(); }
 
 bool is_object(const json& value) { return value.is_object(); }
 
+bool is_flag(const json& value) { return value.is_boolean(); }
+
 bool is_list_of_texts(const json& value) { return all_of_elements(value, is_text); }
 
 // The name of the format whose document stands here; "" if none does.
@@ -74,6 +76,7 @@ bool has_type(const json& value, std::string_view type) {
   if (type == "flag") return value.is_boolean();
   if (type == "object" || type.starts_with("touchstone-")) return value.is_object();
   if (type == "list of texts") return is_list_of_texts(value);
+  if (type == "list of flags") return all_of_elements(value, is_flag);
   if (type == "list of numbers") return is_list_of_numbers(value);
   if (type == "list of lists of numbers") return all_of_elements(value, is_list_of_numbers);
   if (type == "list of lists of texts") return all_of_elements(value, is_list_of_texts);

@@ -20,9 +20,9 @@ struct FormatField {
   // From the root: "gap.train.before"; "metrics[].name" is of every element of a list, "models.*" of every key whose
   // name is data. "?" at the end: the key may be absent.
   std::string_view path;
-  // "text", "number", "whole number", "flag", "object", "list of texts", "list of numbers", "list of lists of numbers",
-  // "list of objects", "any", or the name of another format whose document stands here; " or null" may follow. Elements
-  // of lists of numbers may be null. "column" of a table.
+  // "text", "number", "whole number", "flag", "object", "list of texts", "list of flags", "list of numbers", "list of
+  // lists of numbers", "list of objects", "any", or the name of another format whose document stands here; " or null"
+  // may follow. Elements of lists of numbers may be null. "column" of a table.
   std::string_view type;
   std::string_view unit;             // SI, or "" where there is none
   std::string_view meaning;          // a phrase

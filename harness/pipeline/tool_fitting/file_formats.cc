@@ -19,7 +19,7 @@ constexpr auto tool_fit_fields = std::to_array<FormatField>({
     {"effects[].unit", "text", "", "of its values"},
     {"effects[].values", "list of numbers", "its \"unit\"", "fitted values"},
     {"effects[].standard_errors", "list of numbers", "its \"unit\"", "of the values"},
-    {"effects[].determined", "flag", "", "the recording determines it"},
+    {"effects[].determined", "list of flags", "", "whether the recording determines each value"},
     {"effects[].p", "number or null", "1", "probability of so large an effect by chance"},
     {"effects[].named", "flag", "", "it is named as missing"},
     {"remarks", "list of texts", "", "what the reader must know"},
