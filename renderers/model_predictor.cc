@@ -17,6 +17,7 @@
 #include "renderers/catalogue.h"
 #include "renderers/effects/assemble.h"
 #include "renderers/instrument/assemble.h"
+#include "renderers/proxy/ball_vicinity.h"
 
 namespace touchstone::renderers {
 namespace {
@@ -130,6 +131,27 @@ Instrument instrument_in_order(const Model& model) {
   return instrument;
 }
 
+struct Scaling {
+  bool scales = false;
+  double stiffness_N_per_m = 0.0;  // at which every trace is made, whichever model asks for it first
+};
+
+// What was tried of the catalogue's renderers on surfaces that are alive.
+struct KnownScalings {
+  struct One {
+    std::weak_ptr<const Surface> surface;
+    std::string renderer;
+    Scaling scaling;
+  };
+  std::mutex mutex;
+  std::vector<One> of;
+};
+
+KnownScalings& known_scalings() {
+  static KnownScalings known;
+  return known;
+}
+
 class ModelPredictor final : public Predictor {
  public:
   ModelPredictor(std::shared_ptr<const Surface> surface, MotionColumns motion)
@@ -234,6 +256,7 @@ class ModelPredictor final : public Predictor {
 
   // Of the first `count` samples.
   [[nodiscard]] std::vector<StepResult> run(const Model& base, const Instrument& instrument, std::size_t count) {
+    const BallVicinity::OnDemand once;  // each geometry is run once, over this motion
     auto renderer = make_renderer(base, surface_);
     renderer->reset();
     std::vector<StepResult> steps;
@@ -264,17 +287,22 @@ class ModelPredictor final : public Predictor {
     }
   }
 
-  struct Scaling {
-    bool scales = false;
-    double stiffness_N_per_m = 0.0;  // at which every trace is made, whichever model asks for it first
-  };
-
   // Whether doubling the stiffness doubles the force and leaves the proxy where it is, tried on a part of the motion.
+  // It is the renderer's nature: where the tip touched, other predictors of the surface, of which a search has some
+  // forty, need not try it again.
   Scaling scaling_of(const Model& base) {
-    const std::lock_guard lock(scaling_mutex_);
-    const auto known = scaling_.find(base.renderer);
-    if (known != scaling_.end()) return known->second;
+    const std::lock_guard own_lock(scaling_mutex_);
+    const auto own = scaling_.find(base.renderer);
+    if (own != scaling_.end()) return own->second;
+    KnownScalings& known = known_scalings();
+    const std::lock_guard lock(known.mutex);
+    std::erase_if(known.of, [](const auto& one) { return one.surface.expired(); });
+    for (const auto& one : known.of) {
+      if (base.provided == nullptr && one.surface.lock() == surface_ && one.renderer == base.renderer)
+        return scaling_[base.renderer] = one.scaling;
+    }
     Scaling scaling;
+    bool touched = false;
     const auto given = base.parameters.find("stiffness_N_per_m");
     if (given != base.parameters.end()) {
       scaling.stiffness_N_per_m = given->second;
@@ -285,12 +313,13 @@ class ModelPredictor final : public Predictor {
       const auto twice = run(doubled, {}, some);
       scaling.scales = true;
       for (std::size_t i = 0; i < some; ++i) {
+        touched = touched || once[i].contact;
         const double bound = 1e-12 * once[i].f_W_N.norm();
         scaling.scales = scaling.scales && (twice[i].f_W_N - 2.0 * once[i].f_W_N).norm() <= bound;
       }
     }
-    scaling_[base.renderer] = scaling;
-    return scaling;
+    if (base.provided == nullptr && touched) known.of.push_back({surface_, base.renderer, scaling});
+    return scaling_[base.renderer] = scaling;
   }
 
   static constexpr std::size_t tried_samples = 2000;

@@ -31,9 +31,9 @@ class Search {
 
   SearchResult run() {
     result_.start = state_.start;
-    state_.refit();
+    state_.refit(true);
     state_.renew_noise(state_.current.model);
-    state_.refit();
+    state_.refit(true);
     result_.base = state_.current.model;
     // Nothing can be learnt from blocks in a wrong order: the long work would be for nothing.
     result_.data_fault = order_fault(result_.base);

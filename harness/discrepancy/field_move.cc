@@ -73,6 +73,7 @@ TrialVerdict refusal_of_field(const SearchState& state, const Standing& standing
   const std::string worse = worsened_phase(regimes, state.settings->worsening);
   if (!worse.empty()) return fmt::format("makes {} worse", worse);
   tried.trial.null_bar = bar_of_field(state, tried);
+  if (!state.budget->allows("the checks of " + tried.trial.title())) return out_of_time;
   return tried.trial.validation_gain > tried.trial.null_bar ? "" : within_null;
 }
 

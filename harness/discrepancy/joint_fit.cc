@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <limits>
 #include <optional>
 
 #include "harness/base/error.h"
@@ -52,49 +53,67 @@ class BlocksCost final : public ceres::CostFunction {
     const auto columns = static_cast<Eigen::Index>(parameters_.size());
     const Eigen::VectorXd x = Eigen::Map<const Eigen::VectorXd>(u[0], columns);
     if (!last_ || last_->u != x) {
-      Point point{x, Eigen::VectorXd(rows), {}};
+      Point point{x, Eigen::VectorXd(rows)};
       if (!evaluate(x, point.residuals.data())) return false;
       last_ = std::move(point);
     }
     Eigen::Map<Eigen::VectorXd>(out, rows) = last_->residuals;
     if (jacobians == nullptr || jacobians[0] == nullptr) return true;
-    if (last_->jacobian.size() == 0 && !differentiate(*last_)) return false;
-    Eigen::Map<Jacobian>(jacobians[0], rows, columns) = last_->jacobian;
-    return true;
+    return differentiate(*last_, Eigen::Map<Jacobian>(jacobians[0], rows, columns));
   }
 
  private:
   using Jacobian = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
   // Where it was asked last: Ceres asks of a point for its line search, once it has gone there, and for the
-  // derivatives.
+  // derivatives. Those it asks for once, and keeps.
   struct Point {
     Eigen::VectorXd u;
     Eigen::VectorXd residuals;
-    Jacobian jacobian;  // empty until it is asked for
   };
 
   static constexpr double difference = 2e-3;
 
-  bool differentiate(Point& point) const {
-    Jacobian jacobian(num_residuals(), point.u.size());
+  // Derivatives by what moves the contact, each of which costs a search for contact or two, and where they were taken.
+  struct Moving {
+    Eigen::VectorXd u;
+    std::vector<std::optional<Eigen::VectorXd>> columns;  // by parameter
+  };
+
+  // Whether none of what moves the contact has gone further since than the way over which its derivative was taken.
+  [[nodiscard]] bool still_holds(const Moving& moving, const Eigen::VectorXd& u) const {
+    constexpr double way = 0.02;  // of one that has no step of its own
+    for (std::size_t i = 0; i < parameters_.size(); ++i) {
+      if (!parameters_[i].moves_contact) continue;
+      const auto c = static_cast<Eigen::Index>(i);
+      if (std::abs(u[c] - moving.u[c]) > (parameters_[i].step > 0.0 ? parameters_[i].step : way)) return false;
+    }
+    return true;
+  }
+
+  bool differentiate(const Point& point, Eigen::Map<Jacobian> jacobian) const {
     std::atomic<bool> usable = true;
+    if (!moving_ || !still_holds(*moving_, point.u))
+      moving_ = Moving{point.u, std::vector<std::optional<Eigen::VectorXd>>(parameters_.size())};
     // A field has a hundred columns: these on all cores.
     const auto one = [&](std::size_t index) {
       const FreeParameter& parameter = parameters_[index];
       const auto c = static_cast<Eigen::Index>(index);
+      if (moving_->columns[index]) {
+        jacobian.col(c) = *moving_->columns[index];
+        return;
+      }
       const auto column = parameter.step > 0.0 ? across(point.u, c, parameter)
                                                : to_one_side(point.u, c, parameter, point.residuals.data());
       if (column) {
         jacobian.col(c) = *column;
+        if (parameter.moves_contact) moving_->columns[index] = *column;
       } else {
         usable = false;
       }
     };
     in_parallel(parameters_.size(), one, has_field_ ? 1 : parameters_.size());
-    if (!usable) return false;
-    point.jacobian = std::move(jacobian);
-    return true;
+    return usable;
   }
 
   // Friction and contact make small kinks: a step well above them, inward at a bound.
@@ -139,7 +158,9 @@ class BlocksCost final : public ceres::CostFunction {
   const Model& start_;
   const std::vector<FreeParameter>& parameters_;
   const bool has_field_;
-  mutable std::optional<Point> last_;  // of one fit, which is one thread's
+  // Of one fit, which is one thread's.
+  mutable std::optional<Point> last_;
+  mutable std::optional<Moving> moving_;
 };
 
 }  // namespace
@@ -177,14 +198,47 @@ Eigen::MatrixXd information_matrix(const FitData& data, const Model& model,
   return jacobian.transpose() * jacobian;
 }
 
-JointFit fit_jointly(const FitData& data, const Model& start, const std::vector<FreeParameter>& parameters,
-                     int iterations, bool with_covariance) {
+namespace {
+
+bool out_of_time(const FitData& data) {
+  return data.budget != nullptr && !data.budget->allows("the last steps of a fit");
+}
+
+// Ends a fit when time is up, or when the rest of its iterations will not bring it below a bar.
+class EndsEarly final : public ceres::IterationCallback {
+ public:
+  EndsEarly(const FitData& data, double hopeless, int iterations)
+      : data_(data), hopeless_cost_(0.5 * hopeless), iterations_(iterations) {}
+
+  ceres::CallbackReturnType operator()(const ceres::IterationSummary& now) override {
+    // A step that was refused says nothing of the next one.
+    if (now.iteration == 0 || now.step_is_successful) costs_.push_back(now.cost);
+    return out_of_time(data_) || is_hopeless(now) ? ceres::SOLVER_TERMINATE_SUCCESSFULLY : ceres::SOLVER_CONTINUE;
+  }
+
+ private:
+  [[nodiscard]] bool is_hopeless(const ceres::IterationSummary& now) const {
+    constexpr std::size_t looked_back = 4;
+    if (costs_.size() <= looked_back) return false;
+    double largest = 0.0;
+    for (std::size_t i = costs_.size() - looked_back; i < costs_.size(); ++i)
+      largest = std::max(largest, costs_[i - 1] - costs_[i]);
+    return costs_.back() - largest * std::max(0, iterations_ - now.iteration) > hopeless_cost_;
+  }
+
+  const FitData& data_;
+  double hopeless_cost_;
+  int iterations_;
+  std::vector<double> costs_;
+};
+
+JointFit fit_below(double hopeless, const FitData& data, BlocksCost& cost, const Model& start,
+                   const std::vector<FreeParameter>& parameters, int iterations) {
   JointFit fit;
   const auto n = static_cast<Eigen::Index>(parameters.size());
   fit.u.resize(n);
   ceres::Problem::Options problem_options;
   problem_options.cost_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
-  BlocksCost cost(data, start, parameters);
   ceres::Problem problem(problem_options);
   problem.AddResidualBlock(&cost, nullptr, fit.u.data());
   for (Eigen::Index i = 0; i < n; ++i) {
@@ -212,6 +266,8 @@ JointFit fit_jointly(const FitData& data, const Model& start, const std::vector<
     return true;
   }();
   static_cast<void>(quiet);
+  EndsEarly ends_early(data, hopeless, iterations);
+  options.callbacks.push_back(&ends_early);
   ceres::Solver::Summary summary;
   ceres::Solve(options, &problem, &summary);
 
@@ -227,6 +283,23 @@ JointFit fit_jointly(const FitData& data, const Model& start, const std::vector<
   }
   fit.chi_squared = 2.0 * summary.final_cost;
   fit.ok = summary.IsSolutionUsable() && std::isfinite(fit.chi_squared);
+  return fit;
+}
+
+}  // namespace
+
+JointFit fit_jointly_below(double hopeless, const FitData& data, const Model& start,
+                           const std::vector<FreeParameter>& parameters, int iterations) {
+  BlocksCost cost(data, start, parameters);
+  return fit_below(hopeless, data, cost, start, parameters, iterations);
+}
+
+JointFit fit_jointly(const FitData& data, const Model& start, const std::vector<FreeParameter>& parameters,
+                     int iterations, bool with_covariance) {
+  const auto n = static_cast<Eigen::Index>(parameters.size());
+  BlocksCost cost(data, start, parameters);
+  constexpr double any = std::numeric_limits<double>::infinity();
+  JointFit fit = fit_below(any, data, cost, start, parameters, iterations);
   if (!with_covariance || !fit.ok) return fit;
 
   Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> jacobian(cost.num_residuals(), n);
@@ -251,6 +324,138 @@ JointFit fit_jointly(const FitData& data, const Model& start, const std::vector<
   const Eigen::VectorXd wider =
       inverse.diagonal().cwiseQuotient(fit.covariance.diagonal().cwiseMax(1e-300)).cwiseMax(1.0).cwiseSqrt();
   fit.covariance = Eigen::MatrixXd(wider.asDiagonal() * fit.covariance * wider.asDiagonal());
+  return fit;
+}
+
+namespace {
+
+// Whitened residuals of what was measured, without Huber's loss; nothing if the model cannot run.
+std::optional<Eigen::VectorXd> plain_residuals(const FitData& data, const std::vector<Vec3>& measured_N,
+                                               const Model& model) {
+  try {
+    const auto means = block_means(data.blocks, data.predictor->predict(model).f_W_N);
+    Eigen::VectorXd left(static_cast<Eigen::Index>(3 * means.size()));
+    for (std::size_t b = 0; b < means.size(); ++b)
+      left.segment<3>(static_cast<Eigen::Index>(3 * b)) = whitened(measured_N[b] - means[b], data.noise[b]);
+    if (left.allFinite()) return left;
+  } catch (const BadData&) {
+    // Outside of what the model accepts.
+  }
+  return std::nullopt;
+}
+
+double robust_sum(const Eigen::VectorXd& left) {
+  double sum = 0.0;
+  for (Eigen::Index row = 0; row < left.size(); row += 3) sum += robust(left.segment<3>(row).squaredNorm());
+  return sum;
+}
+
+// Of the least squares of the step from u within the bounds: what would cross one stays there, the others make up for
+// it.
+Eigen::VectorXd bounded_step(const Eigen::MatrixXd& curvature, const Eigen::VectorXd& slope, const Eigen::VectorXd& u,
+                             const std::vector<FreeParameter>& parameters) {
+  const Eigen::Index n = u.size();
+  Eigen::VectorXd step = Eigen::VectorXd::Zero(n);
+  std::vector<Eigen::Index> inside(static_cast<std::size_t>(n));
+  for (Eigen::Index i = 0; i < n; ++i) inside[static_cast<std::size_t>(i)] = i;
+  while (!inside.empty()) {
+    const Eigen::VectorXd wanted = -slope - curvature * step;
+    Eigen::VectorXd changes = Eigen::VectorXd::Zero(n);
+    const Eigen::MatrixXd own = curvature(inside, inside);
+    const Eigen::VectorXd solved = own.ldlt().solve(Eigen::VectorXd(wanted(inside)));
+    changes(inside) = solved;
+    const auto held = std::erase_if(inside, [&](Eigen::Index i) {
+      const FreeParameter& parameter = parameters[static_cast<std::size_t>(i)];
+      const double bounded = std::clamp(u[i] + step[i] + changes[i], parameter.lower, parameter.upper) - u[i];
+      const bool crosses = bounded != step[i] + changes[i] && std::abs(bounded - step[i] - changes[i]) > 1e-12;
+      if (crosses) step[i] = bounded;
+      return crosses;
+    });
+    if (held > 0) continue;
+    return step + changes;
+  }
+  return step;
+}
+
+}  // namespace
+
+NearbyFits::NearbyFits(const FitData& data, const Model& model, const std::vector<FreeParameter>& parameters)
+    : data_(&data), parameters_(&parameters) {
+  const bool field = std::any_of(parameters.begin(), parameters.end(), [](const auto& p) { return p.coefficient; });
+  if (field || out_of_time(data)) return;
+  constexpr double difference = 2e-3;  // as in a fit
+  const auto n = static_cast<Eigen::Index>(parameters.size());
+  derivatives_.resize(static_cast<Eigen::Index>(3 * data.blocks.size()), n);
+  const auto here = plain_residuals(data, data.measured_N, model);
+  if (!here) return;
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const FreeParameter& parameter = parameters[static_cast<std::size_t>(i)];
+    const double u = std::clamp(parameter.get(model), parameter.lower, parameter.upper);
+    const double high = std::min(parameter.upper, u + (parameter.step > 0.0 ? parameter.step : difference));
+    const double low =
+        parameter.step > 0.0 || high <= u ? std::max(parameter.lower, u - std::max(parameter.step, difference)) : u;
+    Model moved = model;
+    parameter.set(moved, high);
+    const auto above = high > u ? plain_residuals(data, data.measured_N, moved) : here;
+    parameter.set(moved, low);
+    const auto below = low < u ? plain_residuals(data, data.measured_N, moved) : here;
+    if (!above || !below || !(high > low)) return;
+    derivatives_.col(i) = (*above - *below) / (high - low);
+  }
+  usable_ = true;
+}
+
+JointFit NearbyFits::fit(const std::vector<Vec3>& measured_N, const Model& start, int steps) const {
+  const std::vector<FreeParameter>& parameters = *parameters_;
+  const auto n = static_cast<Eigen::Index>(parameters.size());
+  JointFit fit;
+  fit.model = start;
+  fit.u.resize(n);
+  const auto at = [&](const Eigen::VectorXd& u) {
+    Model model = start;
+    for (Eigen::Index i = 0; i < n; ++i) parameters[static_cast<std::size_t>(i)].set(model, u[i]);
+    return model;
+  };
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const FreeParameter& parameter = parameters[static_cast<std::size_t>(i)];
+    fit.u[i] = std::clamp(parameter.get(start), parameter.lower, parameter.upper);
+  }
+  auto left = plain_residuals(*data_, measured_N, at(fit.u));
+  if (!left || !usable_) return fit;
+  double sum = robust_sum(*left);
+  for (int taken = 0; taken < steps && !out_of_time(*data_); ++taken) {
+    Eigen::VectorXd weights(left->size());
+    for (Eigen::Index row = 0; row < left->size(); row += 3) {
+      const double square = left->segment<3>(row).squaredNorm();
+      weights.segment<3>(row).setConstant(square > huber * huber ? huber / std::sqrt(square) : 1.0);
+    }
+    Eigen::MatrixXd curvature = derivatives_.transpose() * weights.asDiagonal() * derivatives_;
+    // What the recording does not determine stays where it is.
+    constexpr double damping = 1e-8;
+    curvature.diagonal() *= 1.0 + damping;
+    curvature.diagonal().array() += 1e-300 + damping * damping * curvature.diagonal().maxCoeff();
+    const Eigen::VectorXd slope = derivatives_.transpose() * weights.cwiseProduct(*left);
+    Eigen::VectorXd step = bounded_step(curvature, slope, fit.u, parameters);
+    bool better = false;
+    double decrease = 0.0;
+    constexpr int shortenings = 3;
+    for (int shorter = 0; shorter <= shortenings && !better; ++shorter, step *= 0.5) {
+      const Eigen::VectorXd there = fit.u + step;
+      const auto then = plain_residuals(*data_, measured_N, at(there));
+      if (!then) continue;
+      decrease = sum - robust_sum(*then);
+      if (!(decrease > 0.0)) continue;
+      better = true;
+      fit.u = there;
+      left = then;
+      sum -= decrease;
+    }
+    constexpr double tolerance = 1e-5;  // as in a fit
+    if (!better || decrease < tolerance * sum) break;
+  }
+  fit.model = at(fit.u);
+  fit.chi_squared = sum;
+  fit.ok = std::isfinite(sum);
   return fit;
 }
 

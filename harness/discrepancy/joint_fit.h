@@ -8,13 +8,15 @@
 #include "harness/base/rooms.h"
 #include "harness/discrepancy/free_parameter.h"
 #include "harness/discrepancy/residual_blocks.h"
+#include "harness/discrepancy/time_budget.h"
 #include "harness/rendering/predictor.h"
 
 namespace touchstone::discrepancy {
 
-// A recording as the fit sees it. The referenced predictor must outlive it.
+// A recording as the fit sees it. What is pointed to must outlive it.
 struct FitData {
   Predictor* predictor = nullptr;
+  TimeBudget* budget = nullptr;  // with which a fit ends where it is; nullptr: fits go on to their end
   std::vector<ResidualBlock> blocks;
   std::vector<Vec3> measured_N;  // block means
   std::vector<BlockNoise> noise;
@@ -44,5 +46,33 @@ Eigen::MatrixXd information_matrix(const FitData& data, const Model& model,
 // Starts from the values in `start`. `iterations`: at most.
 JointFit fit_jointly(const FitData& data, const Model& start, const std::vector<FreeParameter>& parameters,
                      int iterations, bool with_covariance);
+
+// The same, given up where it will not come to `hopeless`: if the iterations that are left, each with the largest
+// decrease of the last four steps, would end above it.
+JointFit fit_jointly_below(double hopeless, const FitData& data, const Model& start,
+                           const std::vector<FreeParameter>& parameters, int iterations);
+
+// Fits of recordings that differ by noise alone end near each other, and so they share the derivatives at one of them:
+// Newton's chord method (Kelley 1995, Iterative Methods for Linear and Nonlinear Equations, chapter 5) with the
+// Gauss-Newton matrix, reweighted for Huber's loss at each step. A fit costs a prediction for each of a few steps
+// instead of one for each parameter and step.
+class NearbyFits {
+ public:
+  // `data`: their blocks and noise; what was measured there does not matter. `model`: where they begin. The referenced
+  // must outlive it.
+  NearbyFits(const FitData& data, const Model& model, const std::vector<FreeParameter>& parameters);
+
+  // Whether the model can run and no coefficient of a field is free, whose prior is not in the shared derivatives.
+  [[nodiscard]] bool usable() const { return usable_; }
+  // `measured_N`: means of the blocks. `start`: the model, or one that differs in what is not free. Without covariance.
+  // For many threads.
+  [[nodiscard]] JointFit fit(const std::vector<Vec3>& measured_N, const Model& start, int steps) const;
+
+ private:
+  const FitData* data_;
+  const std::vector<FreeParameter>* parameters_;
+  Eigen::MatrixXd derivatives_;  // of the whitened residuals
+  bool usable_ = false;
+};
 
 }  // namespace touchstone::discrepancy

@@ -3,8 +3,11 @@
 
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <cmath>
 #include <numbers>
+
+#include "harness/base/random.h"
 
 namespace touchstone::discrepancy {
 namespace {
@@ -87,6 +90,142 @@ TEST(JointFit, FindsAShiftAlongFacetsByStepsOfAFacet) {
 TEST(JointFit, AStepAcrossABoundEndsThere) {
   const double at_bound_m = 0.0299;
   EXPECT_TRUE(std::isfinite(fitted_shift_m(at_bound_m, 0.001)));
+}
+
+// A spring, and beside it a force that fades with the depth.
+class FadingPredictor final : public Predictor {
+ public:
+  explicit FadingPredictor(MotionColumns motion) : motion_(std::move(motion)) {}
+  Prediction predict(const Model& model) override {
+    ++calls;
+    const double stiffness = model.parameters.at("stiffness_N_per_m");
+    const auto& fading = find_entry(model, "fading")->parameters;
+    Prediction prediction;
+    for (const Vec3& p : motion_.p_W_m) {
+      const double depth_m = -p.z();
+      const double force_N = stiffness * depth_m + fading.at("size_N") * std::exp(-depth_m / fading.at("over_m"));
+      prediction.f_W_N.emplace_back(0.0, 0.0, force_N);
+      prediction.n_W.push_back(Vec3::UnitZ());
+      prediction.depth_m.push_back(depth_m);
+      prediction.normal_N.push_back(force_N);
+    }
+    return prediction;
+  }
+  std::atomic<int> calls = 0;
+
+ private:
+  MotionColumns motion_;
+};
+
+struct Fading {
+  FadingPredictor predictor{presses()};
+  Model model;
+  std::vector<FreeParameter> parameters{log_base_parameter("stiffness_N_per_m", 10.0, 1e5),
+                                        linear_parameter("fading", "size_N", 1.0, -10.0, 10.0),
+                                        log_parameter("fading", "over_m", 1e-4, 1e-1)};
+  FitData data;
+
+  Fading() {
+    model.renderer = "plane";
+    model.parameters["stiffness_N_per_m"] = 500.0;
+    model.effects.push_back({"fading", {{"size_N", 1.5}, {"over_m", 0.004}}, ""});
+    data.predictor = &predictor;
+    data.blocks = make_blocks(presses(), 1.0 / 30.0);
+    data.measured_N = block_means(data.blocks, predictor.predict(model).f_W_N);
+    BlockNoise noise;
+    noise.n_W = Vec3::UnitZ();
+    noise.along_normal_N = noise.tangential_N = noise_N;
+    data.noise.assign(data.blocks.size(), noise);
+  }
+
+  // The same presses, measured with other noise; every fiftieth block is off by what no noise explains.
+  [[nodiscard]] std::vector<Vec3> measured_again(std::uint64_t seed) const {
+    Random random(seed);
+    std::vector<Vec3> again = data.measured_N;
+    for (std::size_t b = 0; b < again.size(); ++b)
+      again[b].z() += noise_N * random.normal() + (b % 50 == 0 ? 0.5 : 0.0);
+    return again;
+  }
+
+  static constexpr double noise_N = 0.02;
+  static MotionColumns presses() {
+    MotionColumns motion;
+    for (int i = 0; i < 4000; ++i) {
+      motion.t_s.push_back(0.004 * i);
+      motion.p_W_m.emplace_back(0.0, 0.0, -0.005 * (1.0 - std::cos(1.3 * 0.004 * i)));
+    }
+    return motion;
+  }
+};
+
+TEST(NearbyFits, EndWhereAFitOfEachRecordingEnds) {
+  const Fading at;
+  const NearbyFits nearby(at.data, at.model, at.parameters);
+  ASSERT_TRUE(nearby.usable());
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    FitData again = at.data;
+    again.measured_N = at.measured_again(seed);
+    const JointFit one = fit_jointly(again, at.model, at.parameters, 50, true);
+    const int before = at.predictor.calls;
+    const JointFit other = nearby.fit(again.measured_N, at.model, 10);
+    EXPECT_LE(at.predictor.calls - before, 6) << seed;
+    ASSERT_TRUE(one.ok && other.ok) << seed;
+    EXPECT_NEAR(other.chi_squared, one.chi_squared, 1e-3 * one.chi_squared) << seed;
+    for (Eigen::Index i = 0; i < other.u.size(); ++i)
+      EXPECT_NEAR(other.u[i], one.u[i], 0.05 * std::sqrt(one.covariance(i, i))) << seed << " " << i;
+  }
+}
+
+TEST(NearbyFits, StayWithinBounds) {
+  Fading at;
+  at.parameters[1] = linear_parameter("fading", "size_N", 1.0, -10.0, 1.5);  // the truth lies on the bound
+  const NearbyFits nearby(at.data, at.model, at.parameters);
+  ASSERT_TRUE(nearby.usable());
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    FitData again = at.data;
+    again.measured_N = at.measured_again(seed);
+    const JointFit one = fit_jointly(again, at.model, at.parameters, 50, false);
+    const JointFit other = nearby.fit(again.measured_N, at.model, 10);
+    EXPECT_LE(other.u[1], 1.5) << seed;
+    EXPECT_LT(other.chi_squared, one.chi_squared * 1.001) << seed;
+  }
+}
+
+TEST(JointFit, EndsWithTheTime) {
+  Fading at;
+  at.model.parameters["stiffness_N_per_m"] = 100.0;
+  at.model.effects.front().parameters = {{"size_N", -5.0}, {"over_m", 0.05}};
+  const auto calls_within = [&](double limit_s) {
+    TimeBudget budget(limit_s);
+    FitData limited = at.data;
+    limited.budget = &budget;
+    const int before = at.predictor.calls;
+    const JointFit fit = fit_jointly(limited, at.model, at.parameters, 100, false);
+    EXPECT_TRUE(fit.ok);
+    EXPECT_EQ(budget.not_tried().empty(), limit_s > 0.0);
+    return at.predictor.calls - before;
+  };
+  EXPECT_LE(calls_within(0.0), 5);  // where it begins, and the derivatives there
+  EXPECT_GT(calls_within(1e6), 15);
+}
+
+TEST(JointFit, IsGivenUpWhereItIsHopeless) {
+  Fading at;
+  // Without the force that fades nothing comes near.
+  const std::vector<FreeParameter> stiffness{at.parameters.front()};
+  at.model.parameters["stiffness_N_per_m"] = 20.0;
+  at.model.effects.front().parameters["size_N"] = 0.0;
+  const JointFit whole = fit_jointly(at.data, at.model, stiffness, 100, false);
+  const JointFit reached = fit_jointly_below(2.0 * whole.chi_squared, at.data, at.model, stiffness, 100);
+  EXPECT_EQ(reached.chi_squared, whole.chi_squared);
+  at.model.parameters["stiffness_N_per_m"] = whole.model.parameters.at("stiffness_N_per_m");
+  at.model.effects.front().parameters = {{"size_N", 0.1}, {"over_m", 0.09}};
+  int before = at.predictor.calls;
+  fit_jointly_below(0.0, at.data, at.model, at.parameters, 100);
+  const int given_up = at.predictor.calls - before;
+  before = at.predictor.calls;
+  fit_jointly(at.data, at.model, at.parameters, 100, false);
+  EXPECT_LE(given_up, at.predictor.calls - before);
 }
 
 }  // namespace

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -11,14 +10,12 @@
 #include <optional>
 #include <utility>
 
-#include "harness/base/error.h"
 #include "harness/base/in_parallel.h"
 #include "harness/discrepancy/goodness.h"
+#include "harness/discrepancy/law_regression.h"
 #include "harness/discrepancy/law_waves.h"
 #include "harness/discrepancy/misfit.h"
 #include "harness/discrepancy/model_edit.h"
-#include "harness/discrepancy/null_gains.h"
-#include "harness/discrepancy/whitened_regression.h"
 
 namespace touchstone::discrepancy {
 namespace {
@@ -29,187 +26,8 @@ constexpr std::size_t most_refined = 5;
 constexpr double least_share = 0.25;
 // Of the best one's gain in deviance by which a term with fewer parameters may fall behind.
 constexpr double alike = 0.05;
-constexpr double ridge = 1e-8;
 
 using Report = std::function<void(const std::string&)>;
-
-// A term with its constants at one start.
-struct Start {
-  const LawTerm* term = nullptr;
-  NamedParameters entry;  // sizes zero
-};
-
-Side side_of(const LawTerm& term) { return term.effect.is_instrument() ? Side::instrument : Side::contact; }
-
-Start start_of(const LawTerm& term, const std::shared_ptr<const DeclaredEffect>& law,
-               const std::map<std::string, double>& constants) {
-  Start start{&term, {law->name, constants, "/found", {}, law}};
-  for (const std::string& name : term.linear) start.entry.parameters[name] = 0.0;
-  return start;
-}
-
-std::vector<Vec3> difference(const std::vector<Vec3>& a, const std::vector<Vec3>& b, double over) {
-  std::vector<Vec3> out(a.size());
-  for (std::size_t i = 0; i < a.size(); ++i) out[i] = (a[i] - b[i]) / over;
-  return out;
-}
-
-const ParameterDeclaration& declaration(const DeclaredEffect& effect, const std::string& name) {
-  return *std::ranges::find(effect.parameters, name, &ParameterDeclaration::name);
-}
-
-// Least squares on one side, seen by its squares and products alone.
-struct Squares {
-  Eigen::MatrixXd responses;  // X' X
-  Eigen::MatrixXd products;   // X' r, a column for the recording and one for every null world
-  Eigen::VectorXd residual;   // r' r of each
-
-  [[nodiscard]] double left(const Eigen::VectorXd& beta, Eigen::Index world) const {
-    return residual[world] - 2.0 * beta.dot(products.col(world)) + beta.dot(responses * beta);
-  }
-};
-
-Squares squares_of(const Eigen::MatrixXd& responses, const Eigen::MatrixXd& residuals) {
-  return {responses.transpose() * responses, responses.transpose() * residuals,
-          residuals.colwise().squaredNorm().transpose()};
-}
-
-Eigen::VectorXd solve(const Squares& train, Eigen::Index world) {
-  const Eigen::VectorXd size = train.responses.diagonal().cwiseSqrt().cwiseMax(1e-300);
-  Eigen::MatrixXd normal = size.cwiseInverse().asDiagonal() * train.responses * size.cwiseInverse().asDiagonal();
-  normal.diagonal().array() += ridge;
-  return size.cwiseInverse().cwiseProduct(
-      normal.ldlt().solve(size.cwiseInverse().cwiseProduct(train.products.col(world))));
-}
-
-// What a start's regression says of the recording and of the null worlds.
-struct Regressed {
-  std::size_t start = 0;
-  double train_gain = 0.0;
-  double gain = 0.0;               // validation
-  std::vector<double> null_gains;  // in each world
-  std::vector<double> sizes;       // of the linear parameters
-};
-
-// One side's blocks, whitened: residuals and how they answer to what is free in the model.
-struct SideOf {
-  const Evidence* evidence;
-  const FitData* blocks;
-  Prediction nominal;
-  Eigen::MatrixXd residuals;  // the recording's, then each null world's
-  Eigen::MatrixXd nuisances;
-
-  [[nodiscard]] Eigen::MatrixXd answer(const std::vector<std::vector<Vec3>>& series) const {
-    const std::vector<Vec3> nothing(evidence->recording->size(), Vec3::Zero());
-    return whiten_for_regression(*blocks, nothing, series).responses;
-  }
-};
-
-class Regression {
- public:
-  Regression(const SearchState& state) : state_(state) {
-    sides_ = {side(state.data->train, state.train), side(state.data->validation, state.validation)};
-    for (std::size_t s = 0; s < 2; ++s) {
-      plain_[s] = squares_of(sides_[s].nuisances, sides_[s].residuals);
-    }
-  }
-
-  std::vector<Regressed> all(const std::vector<Start>& starts) const {
-    std::vector<std::optional<Regressed>> tried(starts.size());
-    const auto try_one = [&](std::size_t i) {
-      try {
-        tried[i] = one(starts[i], i);
-      } catch (const BadData&) {
-        // A renderer that cannot run such an effect.
-      }
-    };
-    in_parallel(starts.size(), try_one, 1);
-    std::vector<Regressed> usable;
-    for (auto& each : tried) {
-      if (each) usable.push_back(std::move(*each));
-    }
-    return usable;
-  }
-
- private:
-  [[nodiscard]] SideOf side(const Evidence& evidence, const FitData& blocks) const {
-    const Model& model = state_.current.model;
-    SideOf of{&evidence, &blocks, evidence.predictor->predict(model), {}, {}};
-    const auto whitened = [&](const std::vector<Vec3>& forces) {
-      return whiten_for_regression(blocks, difference(forces, of.nominal.f_W_N, 1.0), {}).residual;
-    };
-    of.residuals.resize(static_cast<Eigen::Index>(3 * blocks.blocks.size()), 1 + NoiseModel::null_worlds);
-    of.residuals.col(0) = whitened(evidence.recording->f_W_N);
-    for (std::size_t world = 0; world < NoiseModel::null_worlds; ++world) {
-      of.residuals.col(static_cast<Eigen::Index>(world + 1)) =
-          whitened(evidence.noise->null_forces(model, of.nominal, world));
-    }
-    std::vector<std::vector<Vec3>> series;
-    constexpr double step = 1e-3;
-    for (const FreeParameter& parameter : state_.compared()) {
-      Model moved = model;
-      const double u = parameter.get(model);
-      parameter.set(moved, u + (u + step > parameter.upper ? -step : step));
-      series.push_back(
-          difference(evidence.predictor->predict(moved).f_W_N, of.nominal.f_W_N, parameter.get(moved) - u));
-    }
-    of.nuisances = of.answer(series);
-    return of;
-  }
-
-  [[nodiscard]] std::optional<Regressed> one(const Start& start, std::size_t number) const {
-    std::array<Squares, 2> with;
-    for (std::size_t s = 0; s < 2; ++s) {
-      std::vector<std::vector<Vec3>> series;
-      for (const std::string& name : start.term->linear) {
-        // Small against the force, so that what cannot pull does not let go.
-        constexpr double share = 1e-3;
-        const double size = share * declaration(start.term->effect, name).initial;
-        NamedParameters entry = start.entry;
-        entry.parameters[name] = size;
-        const Model model = with_entry(state_.current.model, side_of(*start.term), entry);
-        series.push_back(
-            difference(sides_[s].evidence->predictor->predict(model).f_W_N, sides_[s].nominal.f_W_N, size));
-      }
-      const Eigen::MatrixXd answers = sides_[s].answer(series);
-      Eigen::MatrixXd responses(answers.rows(), sides_[s].nuisances.cols() + answers.cols());
-      responses << sides_[s].nuisances, answers;
-      if (!responses.allFinite()) return std::nullopt;
-      with[s] = squares_of(responses, sides_[s].residuals);
-    }
-    Regressed regressed;
-    regressed.start = number;
-    for (Eigen::Index world = 0; world < plain_[0].residual.size(); ++world) {
-      const Eigen::VectorXd before = solve(plain_[0], world);
-      const Eigen::VectorXd after = solve(with[0], world);
-      const double gain = plain_[1].left(before, world) - with[1].left(after, world);
-      if (!std::isfinite(gain)) return std::nullopt;
-      if (world > 0) {
-        regressed.null_gains.push_back(gain);
-        continue;
-      }
-      regressed.gain = gain;
-      regressed.train_gain = plain_[0].left(before, world) - with[0].left(after, world);
-      const auto sizes = after.tail(static_cast<Eigen::Index>(start.term->linear.size()));
-      regressed.sizes.assign(sizes.begin(), sizes.end());
-    }
-    return regressed;
-  }
-
-  const SearchState& state_;
-  std::array<SideOf, 2> sides_;
-  std::array<Squares, 2> plain_;
-};
-
-// The most that any start gains in each world.
-double bar_of(const std::vector<Regressed>& all, const SearchSettings& settings) {
-  std::vector<double> most(NoiseModel::null_worlds, 0.0);
-  for (const Regressed& one : all) {
-    for (std::size_t world = 0; world < most.size(); ++world)
-      most[world] = std::max(most[world], one.null_gains[world]);
-  }
-  return std::max(settings.minimum_gain, bar_above(most, settings.null_deviations));
-}
 
 // How the parameters of a term enter a fit from an entry: sizes in steps of what they are.
 std::vector<FreeParameter> free_of(const LawTerm& term, const NamedParameters& entry) {
@@ -254,24 +72,26 @@ class LawSearch {
   // Whether a piece was added.
   bool add() {
     const std::vector<LawTerm> terms = law_terms(scales_, peaks());
-    std::vector<Start> starts;
+    std::vector<LawStart> starts;
     std::vector<std::shared_ptr<const DeclaredEffect>> laws;
     for (const LawTerm& term : terms) {
       laws.push_back(std::make_shared<const DeclaredEffect>(term.effect));
       if (find_entry(state_.current.model, term.effect.name) != nullptr) continue;
-      for (const auto& constants : term.constants) starts.push_back(start_of(term, laws.back(), constants));
+      for (const auto& constants : term.constants) starts.push_back(law_start(term, laws.back(), constants));
     }
-    std::vector<Regressed> all = Regression(state_).all(starts);
-    const double bar = bar_of(all, *state_.settings);
-    std::sort(all.begin(), all.end(), [](const Regressed& a, const Regressed& b) { return a.gain > b.gain; });
-    std::vector<Refined> refined;
-    for (const Regressed& one : all) {
-      if (!(one.gain > bar) || refined.size() >= most_refined) break;
-      const Start& start = starts[one.start];
-      const bool known = std::ranges::any_of(refined, [&](const Refined& other) { return other.term == start.term; });
-      if (known || !state_.budget->allows(start.entry.name)) continue;
-      if (auto better = refine(start, one)) refined.push_back(std::move(*better));
+    std::vector<RegressedLaw> all = regress_laws(state_, starts);
+    const double bar = law_bar(all, *state_.settings);
+    std::sort(all.begin(), all.end(), [](const RegressedLaw& a, const RegressedLaw& b) { return a.gain > b.gain; });
+    std::vector<const RegressedLaw*> best_of_terms;
+    for (const RegressedLaw& one : all) {
+      if (!(one.gain > bar) || best_of_terms.size() >= most_refined) break;
+      const LawStart& start = starts[one.start];
+      const bool known = std::ranges::any_of(
+          best_of_terms, [&](const RegressedLaw* other) { return starts[other->start].term == start.term; });
+      if (!known && state_.budget->allows(start.entry.name)) best_of_terms.push_back(&one);
     }
+    std::vector<Refined> refined = begin(starts, best_of_terms);
+    finish(refined);
     const Refined* const best = preferred(refined);
     if (best == nullptr) return false;
     pieces_.push_back({best->law, side_of(*best->term), best->term->carriers, best->gain, bar});
@@ -328,7 +148,23 @@ class LawSearch {
     return wave_peaks(left);
   }
 
-  [[nodiscard]] std::optional<Refined> refine(const Start& start, const Regressed& regressed) const {
+  [[nodiscard]] std::vector<Refined> begin(const std::vector<LawStart>& starts,
+                                           const std::vector<const RegressedLaw*>& regressed) const {
+    std::vector<std::optional<Refined>> tried(regressed.size());
+    const auto one = [&](std::size_t i) { tried[i] = begin(starts[regressed[i]->start], *regressed[i]); };
+    in_parallel(tried.size(), one, 1);
+    return those_that_are(tried);
+  }
+
+  [[nodiscard]] static std::vector<Refined> those_that_are(std::vector<std::optional<Refined>>& tried) {
+    std::vector<Refined> usable;
+    for (auto& one : tried) {
+      if (one) usable.push_back(std::move(*one));
+    }
+    return usable;
+  }
+
+  [[nodiscard]] std::optional<Refined> begin(const LawStart& start, const RegressedLaw& regressed) const {
     NamedParameters entry = start.entry;
     for (std::size_t i = 0; i < regressed.sizes.size(); ++i) {
       const std::string& name = start.term->linear[i];
@@ -340,17 +176,35 @@ class LawSearch {
     next.parameters = joined(state_.parameters, free_of(*start.term, entry));
     next.current.model = with_entry(state_.current.model, side_of(*start.term), entry);
     next.renew_noise(next.current.model);
-    // Weights by what the law leaves, and again.
-    for (int pass = 0; pass < 2; ++pass) {
-      JointFit fit =
-          fit_jointly(next.train, Model(next.current.model), next.compared(), next.settings->iterations, false);
-      if (!fit.ok) return std::nullopt;
-      next.current = std::move(fit);
-      next.renew_noise(next.current.model);
-    }
+    if (!refit(refined)) return std::nullopt;
+    return refined;
+  }
+
+  static bool refit(Refined& refined) {
+    SearchState& next = refined.state;
+    JointFit fit =
+        fit_jointly(next.train, Model(next.current.model), next.compared(), next.settings->iterations, false);
+    if (!fit.ok) return false;
+    next.current = std::move(fit);
+    next.renew_noise(next.current.model);
     refined.deviance = next.validation_deviance(next.current.model);
     refined.rms_N = next.validation_rms_N(next.current.model);
-    return refined;
+    return true;
+  }
+
+  // Again, weighed by what the law leaves: of those that have come to half of what the best has gained.
+  void finish(std::vector<Refined>& refined) const {
+    constexpr double half = 0.5;
+    const double before = state_.validation_deviance(state_.current.model);
+    double most = 0.0;
+    for (const Refined& one : refined) most = std::max(most, before - one.deviance);
+    std::erase_if(refined, [&](const Refined& one) { return before - one.deviance < half * most; });
+    std::vector<std::optional<Refined>> finished(refined.size());
+    const auto again = [&](std::size_t i) {
+      if (refit(refined[i])) finished[i] = std::move(refined[i]);
+    };
+    in_parallel(finished.size(), again, 1);
+    refined = those_that_are(finished);
   }
 
   // The best that matters; one of fewer parameters that does nearly as well is preferred.

@@ -104,25 +104,43 @@ std::vector<Vec3> waves(const LeftOver& left) {
     step[axis] = turns_between / std::max(size[axis], turns_between / most);
     half.at(k) = static_cast<int>(most / step[axis]);
   }
-  std::vector<Vec3> grid;
-  for (int x = 0; x <= half[0]; ++x) {
-    for (int y = -half[1]; y <= half[1]; ++y) {
-      for (int z = -half[2]; z <= half[2]; ++z) {
-        const Vec3 wave = Vec3(x, y, z).cwiseProduct(step);
-        if (wave.norm() <= most && wave.norm() * extent >= least_waves) grid.push_back(wave);
-      }
-    }
-  }
-  std::vector<Peak> all(grid.size());
+  const auto blocks = static_cast<Eigen::Index>(left.p_W_m.size());
+  const Eigen::Map<const Eigen::Matrix3Xd> places(left.p_W_m.front().data(), 3, blocks);
+  const Eigen::MatrixX3d forces_N =
+      Eigen::Map<const Eigen::Matrix3Xd>(left.f_W_N.front().data(), 3, blocks).transpose();
+  // A row has all waves of one number along x and along y: from each to the next every block's phase turns by the same
+  // angle, so that none of them needs a sine.
+  const int columns = 2 * half[1] + 1;
+  std::vector<std::vector<Peak>> rows(static_cast<std::size_t>((half[0] + 1) * columns));
+  const Eigen::ArrayXd turn = (2.0 * std::numbers::pi * step.z()) * places.row(2).transpose().array();
+  const Eigen::ArrayXd turn_cosine = turn.cos();
+  const Eigen::ArrayXd turn_sine = turn.sin();
   in_parallel(
-      grid.size(),
+      rows.size(),
       [&](std::size_t i) {
-        std::vector<double> turns;
-        turns.reserve(left.p_W_m.size());
-        for (const Vec3& p : left.p_W_m) turns.push_back(grid[i].dot(p));
-        all[i] = {grid[i], power_at(left.f_W_N, turns)};
+        const int x = static_cast<int>(i) / columns;
+        const int y = static_cast<int>(i) % columns - half[1];
+        const Vec3 first = Vec3(x, y, -half[2]).cwiseProduct(step);
+        if (Vec3(first.x(), first.y(), 0.0).norm() > most) return;
+        const Eigen::ArrayXd phase = 2.0 * std::numbers::pi * (first.transpose() * places).transpose().array();
+        Eigen::ArrayXd cosine = phase.cos();
+        Eigen::ArrayXd sine = phase.sin();
+        Eigen::ArrayXd next(blocks);
+        for (int z = -half[2]; z <= half[2]; ++z) {
+          const Vec3 at = Vec3(x, y, z).cwiseProduct(step);
+          if (at.norm() <= most && at.norm() * extent >= least_waves) {
+            const double square = (forces_N.transpose() * cosine.matrix()).squaredNorm() +
+                                  (forces_N.transpose() * sine.matrix()).squaredNorm();
+            rows[i].push_back({at, square / static_cast<double>(blocks)});
+          }
+          next = cosine * turn_cosine - sine * turn_sine;
+          sine = sine * turn_cosine + cosine * turn_sine;
+          cosine.swap(next);
+        }
       },
-      64);
+      16);
+  std::vector<Peak> all;
+  for (const auto& row : rows) all.insert(all.end(), row.begin(), row.end());
   std::vector<Vec3> found;
   for (const Peak& peak : strongest(std::move(all), step, 3.0)) found.push_back(peak.at);
   return found;

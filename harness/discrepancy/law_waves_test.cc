@@ -36,5 +36,21 @@ TEST(WavePeaks, AreNotBeyondNyquist) {
   }
 }
 
+TEST(WavePeaks, NameAWaveOverPlaceByItsVector) {
+  const Vec3 wave_per_m(31.0, -17.0, 24.0);
+  LeftOver left;
+  for (int i = 0; i < 900; ++i) {
+    const double t = static_cast<double>(i) / 30.0;
+    left.t_s.push_back(t);
+    left.p_W_m.emplace_back(0.05 * std::sin(1.1 * t), 0.04 * std::cos(1.7 * t + 0.4), 0.03 * std::sin(2.9 * t + 1.0));
+    left.f_W_N.emplace_back(0.0, 0.2, std::sin(2.0 * std::numbers::pi * wave_per_m.dot(left.p_W_m.back()) + 0.3));
+  }
+  const WavePeaks peaks = wave_peaks(left);
+  ASSERT_FALSE(peaks.wave_per_m.empty());
+  const Vec3 found = peaks.wave_per_m.front();
+  // A quarter of a turn over the extent.
+  EXPECT_LT(std::min((found - wave_per_m).norm(), (found + wave_per_m).norm()), 0.25 / 0.06) << found.transpose();
+}
+
 }  // namespace
 }  // namespace touchstone::discrepancy

@@ -97,25 +97,30 @@ void settle_waves(Model& model, const EffectLibrary& library) {
 }
 
 JointFit best_fit(const FitData& data, const Model& current, const CandidateFit& candidate,
-                  std::vector<FreeParameter> parameters, int iterations) {
+                  std::vector<FreeParameter> parameters, const FitEffort& effort) {
   std::vector<FreeParameter> quick = parameters;
   std::erase_if(quick, [](const FreeParameter& p) { return p.moves_contact; });
   for (auto* list : {&quick, &parameters}) {
     list->insert(list->end(), candidate.parameters.begin(), candidate.parameters.end());
   }
   if (candidate.starts.size() == 1) {
-    return fit_jointly(data, with_entry(current, candidate.side, candidate.starts.front()), parameters, iterations,
-                       false);
+    return fit_jointly_below(effort.hopeless, data, with_entry(current, candidate.side, candidate.starts.front()),
+                             parameters, effort.iterations);
   }
   JointFit best;
   for (const NamedParameters& entry : candidate.starts) {
-    JointFit fit = fit_jointly(data, with_entry(current, candidate.side, entry), quick, iterations / 3, false);
+    JointFit fit = fit_jointly(data, with_entry(current, candidate.side, entry), quick, effort.each_start, false);
     if (fit.ok && (!best.ok || fit.chi_squared < best.chi_squared)) best = std::move(fit);
   }
   if (!best.ok) return best;
-  JointFit finished = fit_jointly(data, Model(best.model), parameters, iterations, false);
+  JointFit finished = fit_jointly_below(effort.hopeless, data, Model(best.model), parameters, effort.iterations);
   // A fit of fewer parameters is none of these, however good.
   return finished.ok || quick.size() < parameters.size() ? finished : best;
+}
+
+JointFit best_fit(const FitData& data, const Model& current, const CandidateFit& candidate,
+                  std::vector<FreeParameter> parameters, int iterations) {
+  return best_fit(data, current, candidate, std::move(parameters), FitEffort{iterations, iterations / 3});
 }
 
 }  // namespace touchstone::discrepancy

@@ -1,6 +1,7 @@
 // Models with an effect more or less, and the free parameters that go with them.
 #pragma once
 
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -29,9 +30,20 @@ std::vector<Model> with_shorter_paths(const Model& model);
 // The same wave has many names: its direction is taken in [0, pi), its phase in [0, 2 pi).
 void settle_waves(Model& model, const EffectLibrary& library);
 
+// How long a fit is pursued.
+struct FitEffort {
+  int iterations;
+  int each_start;  // iterations from each of several starts, before the best one is finished
+  // Of chi-squared: a fit that will not come below it is not finished (see fit_jointly_below).
+  double hopeless = std::numeric_limits<double>::infinity();
+};
+
 // The best fit of `current` with the candidate over all the candidate's starts: a few steps from each, with what moves
 // the contact kept, the best one finished with all free. `parameters`: what is free in `current`; those of the
 // candidate are added.
+JointFit best_fit(const FitData& data, const Model& current, const CandidateFit& candidate,
+                  std::vector<FreeParameter> parameters, const FitEffort& effort);
+// A third of the iterations from each start.
 JointFit best_fit(const FitData& data, const Model& current, const CandidateFit& candidate,
                   std::vector<FreeParameter> parameters, int iterations);
 

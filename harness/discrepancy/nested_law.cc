@@ -57,6 +57,7 @@ std::optional<Judged> judge(const SearchState& state, const Law& law, const Show
     const Model from = judged.fit.model;
     FitData train = along_likely(data.train, from, data.window_s, shown.train_N);
     add_misfit(train, estimate_misfit(train, from));
+    train.budget = state.budget.get();
     judged.fit = fit_jointly(train, from, law.parameters, 2 * state.settings->iterations, false);
     if (!judged.fit.ok) return std::nullopt;
   }
@@ -72,27 +73,36 @@ std::optional<Judged> judge(const SearchState& state, const Law& law, const Show
 }
 
 // What the larger law must gain: more than in the worlds in which the smaller one is the truth, and at least `least`.
-// Infinite where too few worlds could be judged: a bar that is missing is not passed.
-double likelihood_bar(const SearchState& state, const Law& smaller, const Law& larger, double least) {
+// Infinite where too few worlds could be judged: a bar that is missing is not passed. Where a few worlds leave no doubt
+// about `gain`, no more are asked.
+double likelihood_bar(const SearchState& state, const Law& smaller, const Law& larger, double least, double gain) {
   const SearchData& data = *state.data;
   const auto shown_in = [&](const Evidence& evidence, const FitData& blocks, std::size_t world) {
     const Prediction nominal = evidence.predictor->predict(smaller.model);
     return block_means(blocks.blocks, evidence.noise->null_forces(smaller.model, nominal, world));
   };
-  std::vector<std::optional<double>> gains(NoiseModel::null_worlds);
-  const auto in_world = [&](std::size_t world) {
-    const Shown shown{shown_in(data.train, state.train, world), shown_in(data.validation, state.validation, world)};
-    const auto a = judge(state, smaller, shown, 2);
-    const auto b = judge(state, larger, shown, 2);
-    if (a && b) gains[world] = std::min(a->train - b->train, a->validation - b->validation);
-  };
-  in_parallel(gains.size(), in_world, 1);
   std::vector<double> usable;
-  for (const auto& gain : gains) {
-    if (gain) usable.push_back(*gain);
-  }
-  if (usable.size() < fewest_worlds) return std::numeric_limits<double>::infinity();
-  return std::max(least, bar_above(usable, state.settings->null_deviations));
+  const auto ask = [&](std::size_t first, std::size_t last) {
+    std::vector<std::optional<double>> gains(last - first);
+    const auto in_world = [&](std::size_t i) {
+      const std::size_t world = first + i;
+      const Shown shown{shown_in(data.train, state.train, world), shown_in(data.validation, state.validation, world)};
+      const auto a = judge(state, smaller, shown, 2);
+      const auto b = judge(state, larger, shown, 2);
+      if (a && b) gains[i] = std::min(a->train - b->train, a->validation - b->validation);
+    };
+    in_parallel(gains.size(), in_world, 1);
+    for (const auto& one : gains) {
+      if (one) usable.push_back(*one);
+    }
+  };
+  const auto bar = [&] { return std::max(least, bar_above(usable, state.settings->null_deviations)); };
+  ask(0, few_worlds);
+  const bool enough = usable.size() >= fewest_worlds;
+  if (!enough || !is_clear(gain, bar())) ask(few_worlds, NoiseModel::null_worlds);
+  // Fits that ended with the time are no bar.
+  const bool judged_all = usable.size() >= fewest_worlds && state.budget->allows("a bar for likelihoods");
+  return judged_all ? bar() : std::numeric_limits<double>::infinity();
 }
 
 // The model with the candidate in the place of one of its effects.
@@ -224,7 +234,7 @@ std::vector<LargerLaw> weigh_larger_laws(const SearchState& state) {
         trial.verdict = "changes " + entry.name + ", which it contains, by less than laws are idealized";
       } else {
         trial.null_bar = likelihood_bar(state, {special.fit.model, now.parameters}, {trial.fit.model, trial.parameters},
-                                        settings.law_gain);
+                                        settings.law_gain, gain);
         if (!(gain > trial.null_bar)) trial.verdict = within_null;
       }
       laws.push_back({entry.name, std::move(trial)});
@@ -247,8 +257,8 @@ bool likelier_in_place(const SearchState& state, const Model& with_other,
   if (!standing || !other) return false;
   const double gain = std::min(standing->train - other->train, standing->validation - other->validation);
   const double least = state.settings->law_gain;
-  return gain >= least &&
-         gain > likelihood_bar(state, {standing->fit.model, now.parameters}, {other->fit.model, parameters}, least);
+  return gain >= least && gain > likelihood_bar(state, {standing->fit.model, now.parameters},
+                                                {other->fit.model, parameters}, least, gain);
 }
 
 std::vector<Trial> weigh_by_likelihood(const SearchState& state, const std::vector<Trial>& trials) {
@@ -289,7 +299,7 @@ std::vector<Trial> weigh_by_likelihood(const SearchState& state, const std::vect
     if (!matters(before_N, after_N) && !matters(noisy_N, tried.validation_rms_N)) continue;
     if (!worsened_by_every_path(state, before, trial.fit.model).empty()) continue;
     trial.null_bar = likelihood_bar(state, {standing->fit.model, now.parameters}, {trial.fit.model, trial.parameters},
-                                    settings.minimum_gain);
+                                    settings.minimum_gain, gain);
     if (gain > trial.null_bar) passed.push_back(std::move(trial));
   }
   // A law that contains another one that passed must be more likely than that.

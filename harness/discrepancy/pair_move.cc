@@ -129,6 +129,10 @@ std::vector<Trial> try_pairs(const SearchState& state, const Standing& standing,
     }
     if (!pair.verdict.passed()) continue;
     pair.null_bar = null_bar(state, refits, pair.validation_gain);
+    if (!state.budget->allows("the checks of " + pair.title())) {
+      pair.verdict = out_of_time;
+      continue;
+    }
     passed = pair.validation_gain > pair.null_bar;
     if (!passed) pair.verdict = within_null;
   }

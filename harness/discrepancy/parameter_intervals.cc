@@ -63,13 +63,15 @@ std::vector<NullFit> bootstrap_fits(const Evidence& train, const FitData& data, 
                                     const std::vector<FreeParameter>& parameters, int iterations,
                                     const ReadValues& read) {
   const Prediction nominal = train.predictor->predict(fit.model);
+  const NearbyFits nearby(data, fit.model, parameters);
   std::vector<std::optional<NullFit>> fits(NoiseModel::null_worlds);
   const auto in_world = [&](std::size_t world) {
     FitData again = data;
     again.measured_N = block_means(data.blocks, train.noise->null_forces(fit.model, nominal, world));
     Model from = fit.model;
     if (read) read(from, world);
-    JointFit refitted = fit_jointly(again, from, parameters, iterations, false);
+    JointFit refitted = nearby.usable() ? nearby.fit(again.measured_N, from, iterations)
+                                        : fit_jointly(again, from, parameters, iterations, false);
     if (refitted.ok) fits[world] = NullFit{world, std::move(refitted.model)};
   };
   in_parallel(fits.size(), in_world, 1);

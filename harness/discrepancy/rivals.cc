@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <optional>
 #include <tuple>
 #include <utility>
@@ -80,7 +81,19 @@ struct Incumbent {
   std::vector<double> deviances;    // of the same
   double here_N = 0.0;
   double floor_N = 0.0;
+  double hopeless =
+      0.0;  // chi-squared of the training blocks: a rival that stays above it makes up for next to nothing
 };
+
+// A tenth of what the effect explains there.
+double explains_next_to_nothing(const SearchState& state, const JointFit& bare) {
+  constexpr double share = 0.1;
+  const double without = chi_squared(state.train, bare.model);
+  const double prior = bare.chi_squared - without;  // of fields; the fits of rivals have it too
+  const double explained = without - chi_squared(state.train, state.current.model);
+  if (!(explained > state.settings->minimum_gain)) return std::numeric_limits<double>::infinity();
+  return prior + without - share * explained;
+}
 
 std::optional<Rival> weigh(const SearchState& state, const Incumbent& incumbent, const Candidate& other,
                            const CameTo& came_to, const Settled& settled, const Report& report) {
@@ -91,8 +104,10 @@ std::optional<Rival> weigh(const SearchState& state, const Incumbent& incumbent,
   // From what is known of the rest, which `bare` had to bend to make up for what it lacks.
   CandidateFit starting = state.options(other, incumbent.bare.model);
   if (const NamedParameters* const tried = came_to(other.name, found.name)) starting.starts.push_back(*tried);
-  // To the end: a rival must lose by its evidence, not by a fit that was broken off.
-  const JointFit fit = best_fit(state.train, incumbent.rest, starting, incumbent.kept, 3 * settings.iterations);
+  // To the end, unless it is clear that it makes up for next to nothing: a rival must lose by its evidence, not by a
+  // fit that was broken off.
+  const JointFit fit = best_fit(state.train, incumbent.rest, starting, incumbent.kept,
+                                FitEffort{3 * settings.iterations, settings.iterations / 3, incumbent.hopeless});
   if (!fit.ok) return std::nullopt;
   Rival rival;
   rival.name = other.name;
@@ -185,9 +200,10 @@ std::vector<FoundEffect> weigh_rivals(const SearchState& state, const CameTo& ca
     if (!bare.ok) continue;
     found.validation_gain =
         chi_squared(state.validation, bare.model) - chi_squared(state.validation, state.current.model);
-    found.rivals = weigh_all(
-        state, {found, kept, bare, without_entry(state.current.model, name), here, deviances, here_N, floor_N}, came_to,
-        settled, report);
+    found.rivals = weigh_all(state,
+                             {found, kept, bare, without_entry(state.current.model, name), here, deviances, here_N,
+                              floor_N, explains_next_to_nothing(state, bare)},
+                             came_to, settled, report);
     all.push_back(std::move(found));
   }
   return all;

@@ -26,6 +26,7 @@ SearchState::SearchState(const SearchData& evidence, const std::vector<Candidate
 void SearchState::renew_noise(const Model& model) {
   train = fit_data(data->train, model, data->window_s);
   validation = fit_data(data->validation, model, data->window_s);
+  train.budget = validation.budget = budget.get();
   declared_train = train;
   declared_validation = validation;
   const Misfit misfit = estimate_misfit(train, model);
@@ -33,11 +34,13 @@ void SearchState::renew_noise(const Model& model) {
   add_misfit(validation, misfit);
 }
 
-void SearchState::refit() {
+void SearchState::refit(bool to_the_end) {
   const bool fields = std::any_of(parameters.begin(), parameters.end(), [](const auto& p) { return p.coefficient; });
   // Nearly linear in a field's coefficients: a few steps do.
   const int iterations = fields ? settings->field_iterations : settings->iterations;
+  train.budget = to_the_end ? nullptr : budget.get();
   JointFit fit = fit_jointly(train, Model(current.model), parameters, iterations, false);
+  train.budget = budget.get();
   if (fit.ok) current = std::move(fit);
 }
 

@@ -37,7 +37,8 @@ struct SearchState {
   // Noise follows the model: friction adds its own, damping too. What the model lacks counts as noise until it is
   // found.
   void renew_noise(const Model& model);
-  void refit();
+  // Within the time; `to_the_end`: however long it takes.
+  void refit(bool to_the_end = false);
 
   // Under the noise of the current model and the misfit that the given one leaves on the training blocks.
   struct BlockDeviance {

@@ -40,11 +40,19 @@ struct ViewResponses {
 struct Responses {
   std::vector<ViewResponses> learn;
   std::vector<ViewResponses> judge;
+  std::vector<RidgeRegression> regressions;  // of `learn`
+
+  Responses(std::vector<ViewResponses> learnt, std::vector<ViewResponses> judged)
+      : learn(std::move(learnt)), judge(std::move(judged)) {
+    for (const ViewResponses& view : learn) regressions.emplace_back(view.whitened, ridge);
+  }
+  Responses(const Responses&) = delete;
+  Responses& operator=(const Responses&) = delete;
 
   // Of chi-squared on the held-out side, by what the view learns on the other.
   [[nodiscard]] double gain(std::size_t view, const Eigen::VectorXd& left, const Eigen::VectorXd& held_out) const {
-    const Eigen::VectorXd coefficients = ridge_coefficients({left, learn[view].whitened}, ridge);
-    return held_out.squaredNorm() - left_by({held_out, judge[view].whitened}, coefficients);
+    const Eigen::VectorXd predicted = judge[view].whitened * regressions[view].coefficients(left);
+    return held_out.squaredNorm() - (held_out - predicted).squaredNorm();
   }
 };
 
@@ -94,14 +102,14 @@ Structure detect_structure(const DetectorSide& train, const DetectorSide& holdou
   const Prediction train_nominal = train_predictor.predict(model);
   const Prediction holdout_nominal = holdout_predictor.predict(model);
   const ViewScales scales = measure_view_scales(train.recording->motion, train_nominal);
-  const Responses recorded{responses_of(train, train.recording->motion, train_nominal, scales),
-                           responses_of(holdout, holdout.recording->motion, holdout_nominal, scales)};
+  const Responses recorded(responses_of(train, train.recording->motion, train_nominal, scales),
+                           responses_of(holdout, holdout.recording->motion, holdout_nominal, scales));
 
   // What foretells the residual at noisy positions alone foretells the noise.
   const Prediction train_likely = train.noise->likely_predictor().predict(model);
   const Prediction holdout_likely = holdout.noise->likely_predictor().predict(model);
-  const Responses likely{responses_of(train, train.noise->likely_motion(), train_likely, scales),
-                         responses_of(holdout, holdout.noise->likely_motion(), holdout_likely, scales)};
+  const Responses likely(responses_of(train, train.noise->likely_motion(), train_likely, scales),
+                         responses_of(holdout, holdout.noise->likely_motion(), holdout_likely, scales));
 
   const Eigen::VectorXd left = whitened_residual(train, train.recording->f_W_N, train_nominal.f_W_N);
   const Eigen::VectorXd held_out = whitened_residual(holdout, holdout.recording->f_W_N, holdout_nominal.f_W_N);

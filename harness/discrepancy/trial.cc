@@ -3,11 +3,13 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <limits>
 #include <numeric>
 #include <tuple>
 #include <utility>
 
 #include "harness/base/in_parallel.h"
+#include "harness/discrepancy/field_prior.h"
 #include "harness/discrepancy/model_edit.h"
 #include "harness/rendering/smooth_field.h"
 
@@ -62,7 +64,11 @@ std::optional<Trial> try_candidate(const SearchState& state, const Standing& sta
   trial.name = candidate.name;
   trial.side = candidate.side;
   trial.parameters = without_coefficients(state.free_in(rest));
-  trial.fit = best_fit(state.train, rest, options, trial.parameters, state.settings->iterations);
+  const int iterations = state.settings->iterations;
+  // What gains less than the least that counts is not fitted to the end. Fields have a prior beside chi-squared.
+  const double hopeless = prior_rows(rest) > 0 ? std::numeric_limits<double>::infinity()
+                                               : standing.train_chi_squared - state.settings->minimum_gain;
+  trial.fit = best_fit(state.train, rest, options, trial.parameters, FitEffort{iterations, iterations / 3, hopeless});
   if (!trial.fit.ok) return std::nullopt;
   trial.parameters = joined(std::move(trial.parameters), options.parameters);
   score(state, standing, trial);

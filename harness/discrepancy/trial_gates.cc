@@ -91,17 +91,15 @@ TrialVerdict objection(const SearchState& state, const Trial& trial) {
 }
 
 double null_bar(const SearchState& state, const RefitInWorld& refits, double gain) {
-  constexpr std::size_t few = 4;
-  constexpr double near = 3.0;
   const SearchSettings& settings = *state.settings;
   const auto compared = state.compared();
   const NullCase null{&state.data->train, &state.data->validation, &state.train,
                       &state.validation,  &state.current.model,    &compared,
                       settings.iterations};
-  auto gains = null_gains(null, refits, 0, few);
+  auto gains = null_gains(null, refits, 0, few_worlds);
   const double bar = std::max(settings.minimum_gain, bar_above(gains, settings.null_deviations));
-  if (gain > near * bar || near * gain < bar) return bar;
-  const auto more = null_gains(null, refits, few, NoiseModel::null_worlds);
+  if (is_clear(gain, bar)) return bar;
+  const auto more = null_gains(null, refits, few_worlds, NoiseModel::null_worlds);
   gains.insert(gains.end(), more.begin(), more.end());
   return std::max(settings.minimum_gain, bar_above(gains, settings.null_deviations));
 }
@@ -128,6 +126,8 @@ TrialVerdict refusal(const SearchState& state, const Standing& standing, Trial& 
   if (verdict.passed()) verdict = objection(state, trial);
   if (!verdict.passed()) return verdict;
   trial.null_bar = null_bar(state, state.candidate(trial.name), trial.validation_gain);
+  // Fits that ended with the time are no bar.
+  if (!state.budget->allows("the checks of " + trial.title())) return out_of_time;
   return trial.validation_gain > trial.null_bar ? "" : within_null;
 }
 

@@ -1,6 +1,5 @@
 #include "harness/discrepancy/whitened_regression.h"
 
-#include <Eigen/Cholesky>
 #include <utility>
 
 namespace touchstone::discrepancy {
@@ -31,12 +30,21 @@ RegressionData whiten_for_regression(const FitData& data, const std::vector<Vec3
   return {std::move(left), whiten_responses(data, means)};
 }
 
-Eigen::VectorXd ridge_coefficients(const RegressionData& data, double ridge) {
-  const Eigen::VectorXd size = data.responses.colwise().norm().cwiseMax(1e-300);
-  const Eigen::MatrixXd scaled = data.responses * size.cwiseInverse().asDiagonal();
+RidgeRegression::RidgeRegression(const Eigen::MatrixXd& responses, double ridge)
+    : responses_(&responses), size_(responses.colwise().norm().transpose().cwiseMax(1e-300)) {
+  const Eigen::MatrixXd scaled = responses * size_.cwiseInverse().asDiagonal();
   Eigen::MatrixXd normal = scaled.transpose() * scaled;
   normal.diagonal().array() += ridge;
-  return size.cwiseInverse().cwiseProduct(normal.ldlt().solve(scaled.transpose() * data.residual));
+  normal_.compute(normal);
+}
+
+Eigen::VectorXd RidgeRegression::coefficients(const Eigen::VectorXd& residual) const {
+  const Eigen::VectorXd products = size_.cwiseInverse().cwiseProduct(responses_->transpose() * residual);
+  return size_.cwiseInverse().cwiseProduct(normal_.solve(products));
+}
+
+Eigen::VectorXd ridge_coefficients(const RegressionData& data, double ridge) {
+  return RidgeRegression(data.responses, ridge).coefficients(data.residual);
 }
 
 double left_by(const RegressionData& data, const Eigen::VectorXd& coefficients) {

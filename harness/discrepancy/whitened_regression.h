@@ -2,6 +2,7 @@
 // of tests that may detect but never join a model.
 #pragma once
 
+#include <Eigen/Cholesky>
 #include <Eigen/Core>
 #include <vector>
 
@@ -24,6 +25,18 @@ RegressionData whiten_for_regression(const FitData& data, const std::vector<Vec3
 Eigen::MatrixXd whiten_responses(const FitData& data, const std::vector<std::vector<Vec3>>& means);
 
 // Ridge regression (Hoerl and Kennard 1970) with columns scaled to equal size; `ridge` relative to their squares.
+// Factorized once for any number of residuals.
+class RidgeRegression {
+ public:
+  // `responses` must outlive it.
+  RidgeRegression(const Eigen::MatrixXd& responses, double ridge);
+  [[nodiscard]] Eigen::VectorXd coefficients(const Eigen::VectorXd& residual) const;
+
+ private:
+  const Eigen::MatrixXd* responses_;
+  Eigen::VectorXd size_;
+  Eigen::LDLT<Eigen::MatrixXd> normal_;
+};
 Eigen::VectorXd ridge_coefficients(const RegressionData& data, double ridge);
 
 // Chi-squared left by the coefficients.

@@ -27,31 +27,22 @@ double sign_test(std::size_t k, std::size_t n) {
   return std::min(1.0, 2.0 * sum);
 }
 
-}  // namespace
-
-ForceSign check_force_sign(std::span<const Vec3> normals, std::span<const Vec3> forces) {
-  if (normals.size() != forces.size()) {
-    throw std::invalid_argument(fmt::format("{} normals for {} forces", normals.size(), forces.size()));
-  }
-  std::vector<double> outward;
-  for (std::size_t i = 0; i < forces.size(); ++i) {
-    const double value = forces[i].dot(normals[i]);
-    if (std::isfinite(value) && value != 0.0) outward.push_back(value);
-  }
+// Does one sign prevail in `values`, in all and block by block? None of them is zero.
+ForceSign judge(std::span<const double> values) {
   ForceSign sign;
-  sign.samples = outward.size();
-  if (outward.empty()) return sign;
+  sign.samples = values.size();
+  if (values.empty()) return sign;
   // Scaled by the largest, so that sums neither overflow nor vanish.
-  const double largest = std::abs(*std::ranges::max_element(outward, {}, [](double v) { return std::abs(v); }));
+  const double largest = std::abs(*std::ranges::max_element(values, {}, [](double v) { return std::abs(v); }));
   double sum = 0.0;
   double size = 0.0;
-  sign.blocks = std::min(most_blocks, outward.size());
+  sign.blocks = std::min(most_blocks, values.size());
   std::size_t positive = 0;
   for (std::size_t block = 0; block < sign.blocks; ++block) {
     double block_sum = 0.0;
-    for (std::size_t i = outward.size() * block / sign.blocks; i < outward.size() * (block + 1) / sign.blocks; ++i) {
-      block_sum += outward[i] / largest;
-      size += std::abs(outward[i] / largest);
+    for (std::size_t i = values.size() * block / sign.blocks; i < values.size() * (block + 1) / sign.blocks; ++i) {
+      block_sum += values[i] / largest;
+      size += std::abs(values[i] / largest);
     }
     sum += block_sum;
     if (block_sum > 0.0) ++positive;
@@ -63,6 +54,44 @@ ForceSign check_force_sign(std::span<const Vec3> normals, std::span<const Vec3> 
     sign.verdict = sign.statistic > 0.0 ? SignVerdict::outward : SignVerdict::reversed;
   }
   return sign;
+}
+
+}  // namespace
+
+ForceSign check_force_sign(std::span<const Vec3> normals, std::span<const Vec3> forces) {
+  if (normals.size() != forces.size()) {
+    throw std::invalid_argument(fmt::format("{} normals for {} forces", normals.size(), forces.size()));
+  }
+  std::vector<double> outward;
+  for (std::size_t i = 0; i < forces.size(); ++i) {
+    const double value = forces[i].dot(normals[i]);
+    if (std::isfinite(value) && value != 0.0) outward.push_back(value);
+  }
+  return judge(outward);
+}
+
+ForceSign check_load_change(std::span<const double> depths_m, std::span<const double> loads_N) {
+  if (depths_m.size() != loads_N.size()) {
+    throw std::invalid_argument(fmt::format("{} depths for {} loads", depths_m.size(), loads_N.size()));
+  }
+  std::vector<std::size_t> finite;
+  for (std::size_t i = 0; i < loads_N.size(); ++i) {
+    if (std::isfinite(depths_m[i]) && std::isfinite(loads_N[i])) finite.push_back(i);
+  }
+  // Centred in each block, so that neither a slow drift of the sensor nor its zero takes part.
+  std::vector<double> together;
+  const std::size_t blocks = std::min(most_blocks, finite.size());
+  for (std::size_t block = 0; block < blocks; ++block) {
+    const std::size_t begin = finite.size() * block / blocks, end = finite.size() * (block + 1) / blocks;
+    double depth_m = 0.0, load_N = 0.0;
+    for (std::size_t k = begin; k < end; ++k) depth_m += depths_m[finite[k]], load_N += loads_N[finite[k]];
+    depth_m /= static_cast<double>(end - begin), load_N /= static_cast<double>(end - begin);
+    for (std::size_t k = begin; k < end; ++k) {
+      const double value = (depths_m[finite[k]] - depth_m) * (loads_N[finite[k]] - load_N);
+      if (value != 0.0) together.push_back(value);
+    }
+  }
+  return judge(together);
 }
 
 std::string ForceSign::explain() const {

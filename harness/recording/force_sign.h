@@ -37,4 +37,10 @@ struct ForceSign {
 // p < 0.01. Throws std::invalid_argument when the sizes differ.
 ForceSign check_force_sign(std::span<const Vec3> normals, std::span<const Vec3> forces);
 
+// The sign by how the load changes: `loads_N` (force along the outward normal) against `depths_m` (zero outside), one
+// per sample. The statistic is that of the products of both deviations from their means over a block; blocks in which
+// either is constant do not count. A weight or a bias, however large, changes nothing; a constant load leaves it
+// undecided. The same limits decide. Throws std::invalid_argument when the sizes differ.
+ForceSign check_load_change(std::span<const double> depths_m, std::span<const double> loads_N);
+
 }  // namespace touchstone::recording

@@ -68,6 +68,46 @@ TEST(ForceSign, DoesNotDecideWithoutEvidence) {
   EXPECT_THROW(check_force_sign(n, {}), std::invalid_argument);
 }
 
+// Presses of a few newtons under a tool of any weight: the load's mean may point inward, its change with the depth does
+// not.
+TEST(ForceSign, TheChangeOfTheLoadDecidesUnderAnyWeight) {
+  for (const double scale : {1e-6, 1.0, 1e6}) {
+    for (const double weight_N : {-100.0, -1.0, 0.0, 1.0, 100.0}) {
+      for (const double sign : {1.0, -1.0}) {
+        Random random(5);
+        std::vector<double> depths_m, loads_N;
+        for (int i = 0; i < 4000; ++i) {
+          const double depth_m = scale * 1e-3 * std::max(0.0, std::sin(i * 0.05));
+          depths_m.push_back(depth_m);
+          loads_N.push_back(sign * (1000.0 * depth_m / scale + weight_N + 0.05 * random.normal()));
+        }
+        const ForceSign change = check_load_change(depths_m, loads_N);
+        EXPECT_EQ(change.verdict, sign > 0.0 ? SignVerdict::outward : SignVerdict::reversed)
+            << scale << " " << weight_N << " " << change.explain();
+      }
+    }
+  }
+}
+
+TEST(ForceSign, AConstantLoadHasNoChangeThatDecides) {
+  Random random(6);
+  int decided = 0;
+  for (int trial = 0; trial < 200; ++trial) {
+    std::vector<double> depths_m, loads_N;
+    for (int i = 0; i < 400; ++i) {
+      depths_m.push_back(1e-3 * std::max(0.0, std::sin(i * 0.05)));
+      loads_N.push_back(1.0 + 0.02 * random.normal());
+    }
+    if (check_load_change(depths_m, loads_N).verdict != SignVerdict::undecided) ++decided;
+  }
+  EXPECT_EQ(decided, 0);
+  const std::vector<double> flat(100, 1e-3), bad(100, std::numeric_limits<double>::quiet_NaN());
+  EXPECT_EQ(check_load_change(flat, flat).verdict, SignVerdict::undecided);
+  EXPECT_EQ(check_load_change(flat, bad).samples, 0U);
+  EXPECT_EQ(check_load_change({}, {}).verdict, SignVerdict::undecided);
+  EXPECT_THROW(check_load_change(flat, {}), std::invalid_argument);
+}
+
 TEST(ForceSign, OneHugeOutlierDoesNotDecide) {
   Scan scan = taps(1.0, 1.0, 0.2, 0.05, 4);
   scan.forces[10] = -1e9 * scan.normals[10];

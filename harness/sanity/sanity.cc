@@ -61,12 +61,30 @@ std::vector<double> negated(std::vector<double> values) {
   return values;
 }
 
+// What the object adds to the load grows with the depth; the weight of a tool, or a bias, points into the object or out
+// of it all the time. So the change of the load decides, and its mean only where the load does not change. A load that
+// falls with the depth may also come late by half of a period: then the clock is named.
 std::optional<SanityFinding> reversed_force(const Contact& c, const SanityContext& context, double touching_N) {
-  const Contact touching = touching_part(c, touching_N);
-  const ForceSign sign = check_force_sign(touching.n_W, touching.f_W_N);
-  if (sign.verdict != SignVerdict::reversed) return std::nullopt;
+  const ForceSign change = check_load_change(c.depth_m, c.load_N);
+  if (change.verdict == SignVerdict::outward) return std::nullopt;
   const double follows = correlation(c.depth_m, c.load_N);
-  std::string message = sign.explain();
+  const bool falls = change.verdict == SignVerdict::reversed &&
+                     1.0 - follows * follows < context.most_left_with_repair &&
+                     !find_load_lag(c.t_s, c.load_N, c.depth_m, context.most_left_with_repair);
+  const Contact touching = touching_part(c, touching_N);
+  const ForceSign mean = check_force_sign(touching.n_W, touching.f_W_N);
+  std::string message;
+  if (mean.verdict == SignVerdict::reversed) {
+    message = mean.explain();
+  } else if (falls) {
+    message = fmt::format(
+        "the deeper the tip, the less the force pushes outward (statistic {:.3f}, p = {:.2g} over {} blocks of {} "
+        "samples): it looks like the force BY the probe, with a weight or a bias; Touchstone takes forces ON the probe "
+        "BY the object",
+        change.statistic, change.p_value, change.blocks, change.samples);
+  } else {
+    return std::nullopt;
+  }
   // A constant load follows nothing, reversed or not.
   if (std::abs(follows) > 0.1) {
     message += fmt::format("; with the force reversed the load follows the position (correlation {:.3f} -> {:.3f})",

@@ -236,6 +236,25 @@ TEST(Sanity, AToolThatIsTurnedInTheAirIsNotBlamed) {
   EXPECT_THAT(faults_of(tool, context), ::testing::AnyOf("", "no contact"));
 }
 
+// A tool that outweighs what it presses with: most forces point into the plate, and the file is right. Reversed, it is
+// not.
+TEST(Sanity, AToolThatOutweighsItsLoadsIsNotBlamed) {
+  const auto surface = plate();
+  SanityContext context;
+  context.surface = surface.get();
+  for (const std::uint64_t seed : {1, 2, 3}) {
+    for (const double weight_N : {1.0, 5.0, 20.0}) {
+      Random random(seed);
+      Recording r = strokes(random);
+      for (Vec3& f : r.f_W_N) f.z() -= weight_N;
+      EXPECT_EQ(faults_of(r, context), "") << seed << " " << weight_N;
+      // Reversed, most of its forces point outward.
+      for (Vec3& f : r.f_W_N) f = -f;
+      EXPECT_THAT(faults_of(r, context), HasSubstr("reversed force")) << seed << " " << weight_N;
+    }
+  }
+}
+
 TEST(Sanity, AReversedForceIsRefusedWithTheFlagThatRepairsIt) {
   const auto surface = plate();
   SanityContext context;
@@ -315,6 +334,23 @@ TEST(Sanity, PlantedFaultsInBundledRecordingsAreNamed) {
       EXPECT_THAT(names, HasSubstr(fault.first)) << scan.folder << ": " << what;
     }
   }
+}
+
+// Recordings made elsewhere with a known effect that the model lacks, a tool of 0.1 kg pressed with 2 N among them.
+TEST(Sanity, RecordingsThatLackAnEffectAreNotRefused) {
+  TOUCHSTONE_SHARED_DATA_OR_SKIP(folder, "discrepancy-sample");
+  int looked = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+    if (!entry.is_directory()) continue;
+    const auto surface = make_embree_surface(load_mesh(entry.path() / "mesh.obj", 1.0));
+    SanityContext context;
+    context.surface = surface.get();
+    for (const char* name : {"train.csv", "holdout.csv"}) {
+      EXPECT_NO_THROW(refuse_insane(load_recording(entry.path() / name), context)) << entry.path() / name;
+      ++looked;
+    }
+  }
+  EXPECT_EQ(looked, 20);
 }
 
 TEST(Sanity, ARealRunWithTheReversedForceIsRefused) {

@@ -95,7 +95,34 @@ double list_vicinity(const ContactMesh& mesh, std::int32_t triangle, double radi
 
 }  // namespace
 
-BallVicinity::BallVicinity(const ContactMesh& mesh, double radius_m) : entries_(mesh.triangle_count()) {
+thread_local bool BallVicinity::OnDemand::wanted_ = false;
+
+BallVicinity::BallVicinity(const ContactMesh& mesh, double radius_m)
+    : entries_(mesh.triangle_count()), radius_m_(radius_m) {
+  if (OnDemand::wanted_) {
+    on_demand_ = &mesh;
+    listed_already_.assign(entries_.size(), 0);
+  } else {
+    list_all(mesh, radius_m);
+  }
+}
+
+void BallVicinity::list_now(std::int32_t triangle) const noexcept {
+  std::vector<std::int32_t> proposed;
+  Lists lists;
+  listed_already_[static_cast<std::size_t>(triangle)] = 1;
+  const double spread = list_vicinity(*on_demand_, triangle, radius_m_, proposed, lists);
+  if (!(spread >= 0.0)) return;
+  Entry& entry = entries_[static_cast<std::size_t>(triangle)];
+  entry.spread_m = std::nextafter(static_cast<float>(spread), 0.0F);  // never rounded up
+  entry.first = static_cast<std::uint32_t>(listed_.size());
+  entry.on_face = static_cast<std::uint16_t>(lists.on_face.size());
+  entry.all = static_cast<std::uint16_t>(lists.on_face.size() + lists.beside.size());
+  listed_.insert(listed_.end(), lists.on_face.begin(), lists.on_face.end());
+  listed_.insert(listed_.end(), lists.beside.begin(), lists.beside.end());
+}
+
+void BallVicinity::list_all(const ContactMesh& mesh, double radius_m) {
   const std::size_t pieces = (entries_.size() + kAtATime - 1) / kAtATime;
   std::vector<std::vector<std::int32_t>> listed(pieces);
   in_parallel(

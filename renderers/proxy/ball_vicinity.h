@@ -31,11 +31,29 @@ class BallVicinity {
     double spread_m = -1.0;                 // < 0: neither is complete
   };
 
+  // While it lives, vicinities made on its thread list each triangle when it is asked about first, and not all of them
+  // when they are made: for a renderer that goes over one recording and is gone, of which a search for missing effects
+  // makes thousands, each of another radius or place. The lists are the same. Asking then takes memory from the heap:
+  // not for a servo loop. `mesh` must outlive such a vicinity, which is one thread's.
+  class OnDemand {
+   public:
+    OnDemand() noexcept : before_(wanted_) { wanted_ = true; }
+    ~OnDemand() { wanted_ = before_; }
+    OnDemand(const OnDemand&) = delete;
+    OnDemand& operator=(const OnDemand&) = delete;
+
+   private:
+    friend class BallVicinity;
+    bool before_;
+    static thread_local bool wanted_;
+  };
+
   // The tree of `mesh` is asked once for each triangle, on all cores.
   BallVicinity(const ContactMesh& mesh, double radius_m);
 
   // Either list in the order of its indices, without the triangle itself.
   [[nodiscard]] Of of(std::int32_t triangle) const noexcept {
+    if (on_demand_ != nullptr && listed_already_[static_cast<std::size_t>(triangle)] == 0) list_now(triangle);
     const Entry& entry = entries_[static_cast<std::size_t>(triangle)];
     const std::span all(listed_.data() + entry.first, static_cast<std::size_t>(entry.all));
     return {all.first(entry.on_face), all.subspan(entry.on_face), static_cast<double>(entry.spread_m)};
@@ -51,8 +69,14 @@ class BallVicinity {
     std::uint16_t on_face = 0;
     std::uint16_t all = 0;
   };
-  std::vector<Entry> entries_;
-  std::vector<std::int32_t> listed_;
+  void list_all(const ContactMesh& mesh, double radius_m);
+  void list_now(std::int32_t triangle) const noexcept;
+
+  mutable std::vector<Entry> entries_;
+  mutable std::vector<std::int32_t> listed_;
+  const ContactMesh* on_demand_ = nullptr;
+  double radius_m_ = 0.0;
+  mutable std::vector<std::uint8_t> listed_already_;  // by triangle, on demand alone
 };
 
 }  // namespace touchstone::renderers

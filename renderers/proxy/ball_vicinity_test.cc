@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "harness/base/random.h"
 #include "harness/surface/embree_surface.h"
@@ -64,6 +65,29 @@ TEST(BallVicinity, MissesNothingThatABallOnATriangleCanMeet) {
   }
   EXPECT_GT(listed, 2000U);
   EXPECT_GT(met, 80U);
+}
+
+TEST(BallVicinity, OnDemandListsTheSame) {
+  for (const char* name : {"bumpy", "v-groove", "duck", "gap"}) {
+    const auto surface = make_embree_surface(synthetic::make_mesh(name, {}, 1500).mesh);
+    const ContactMesh mesh(*surface);
+    const BallVicinity all(mesh, 1e-3);
+    std::optional<BallVicinity> asked;
+    {
+      const BallVicinity::OnDemand once;
+      asked.emplace(mesh, 1e-3);
+    }
+    EXPECT_LT(asked->memory_bytes(), all.memory_bytes());
+    Random random(19);
+    for (int i = 0; i < 3000; ++i) {
+      const auto t = static_cast<std::int32_t>(random.below(mesh.triangle_count()));
+      const BallVicinity::Of one = all.of(t);
+      const BallVicinity::Of other = asked->of(t);
+      ASSERT_EQ(one.spread_m, other.spread_m) << name << " " << t;
+      ASSERT_TRUE(std::ranges::equal(one.on_face, other.on_face)) << name << " " << t;
+      ASSERT_TRUE(std::ranges::equal(one.beside, other.beside)) << name << " " << t;
+    }
+  }
 }
 
 TEST(BallVicinity, ListsAreShortHoweverFineTheMeshIs) {
