@@ -67,23 +67,25 @@ ExitStatus write_tool_case(const ToolCaseOptions& options) {
 }
 
 struct ToolReplayOptions {
-  std::string renderer, tool_mesh, object_mesh, unit = "m", path, out, proxy, timing;
+  std::string renderer, object_mesh, path, out, proxy, contacts, timing;
   std::uint64_t keep_every = 1;
+  ToolShapeFlags tool;
   ToolRendererFlags flags;
 };
 
 ExitStatus tool_replay_command(const ToolReplayOptions& options) {
-  const double unit_m = length_unit_factor(options.unit);
   const std::vector<ToolRendererEntry> known = options.flags.entries();
   const ToolRendererEntry& entry = find_tool_renderer(known, options.renderer);
-  const auto renderer =
-      tool::make_tool_renderer(entry, solid_tool(load_mesh(options.tool_mesh, unit_m)),
-                               load_mesh(options.object_mesh, unit_m), options.flags.settings_of(entry, {&entry, 1}));
+  const auto renderer = tool::make_tool_renderer(entry, options.tool.load(),
+                                                 load_mesh(options.object_mesh, length_unit_factor(options.tool.unit)),
+                                                 options.flags.settings_of(entry, {&entry, 1}));
   ToolReplayFiles files{options.path, options.out, {}, options.keep_every};
   if (!options.proxy.empty()) files.proxy = options.proxy;
+  if (!options.contacts.empty()) files.contacts = options.contacts;
   const ToolReplaySummary summary = replay_tool(*renderer, files);
   fmt::print("{}: {} samples, {} in contact, largest force {:.6g} N, largest torque {:.6g} mNm\n", options.out,
              summary.samples, summary.in_contact, summary.largest_force_N, summary.largest_torque_Nm * 1e3);
+  if (files.contacts) fmt::print("{}: {} contacts\n", options.contacts, summary.contacts);
   if (!options.timing.empty()) {
     const std::vector<double> times = measure_tool_steps(*renderer, options.path);
     write_file(options.timing, step_times_to_json(times, renderer->memory_bytes()));
@@ -274,12 +276,9 @@ void add_tool(CLI::App& program, Run& run) {
   auto* const replay = command->add_subcommand("replay", "Run one renderer over poses of the handle as they are");
   auto replay_options = std::make_shared<ToolReplayOptions>();
   replay->add_option("--renderer", replay_options->renderer, "See `touchstone tool list`")->required();
-  replay
-      ->add_option("--tool", replay_options->tool_mesh,
-                   "Closed mesh in the tool's frame, origin at the handle: OBJ, OFF, PLY or STL")
-      ->required();
+  replay_options->tool.add_to(*replay);
   replay->add_option("--object", replay_options->object_mesh, "Closed mesh of the object")->required();
-  replay->add_option("--mesh-unit", replay_options->unit, "Unit of both meshes' coordinates: m, mm, cm, km, um")
+  replay->add_option("--mesh-unit", replay_options->tool.unit, "Unit of both meshes' coordinates: m, mm, cm, km, um")
       ->capture_default_str();
   replay
       ->add_option("--path", replay_options->path,
@@ -288,6 +287,9 @@ void add_tool(CLI::App& program, Run& run) {
   replay->add_option("--out", replay_options->out, "Rendered file: handle, force, torque, contact (CSV or HDF5)")
       ->required();
   replay->add_option("--proxy", replay_options->proxy, "Write the poses of the proxy, columns as in the path");
+  replay->add_option(
+      "--contacts", replay_options->contacts,
+      "Write the contacts, a row each: t_s, px_m.. (where), nx.. (out of the object), fx_N.. (on the tool)");
   replay->add_option("--keep-every", replay_options->keep_every, "Write each Nth sample; all are rendered")
       ->capture_default_str();
   replay->add_option("--timing", replay_options->timing,

@@ -19,17 +19,17 @@ namespace touchstone::apps {
 namespace {
 
 struct ToolFitOptions {
-  std::string renderer, recording, tool_mesh, object_mesh, unit = "m", out;
+  std::string renderer, recording, object_mesh, out;
+  ToolShapeFlags tool;
   ToolRendererFlags flags;
 };
 
 ExitStatus tool_fit_command(const ToolFitOptions& options) {
-  const double unit_m = length_unit_factor(options.unit);
   const std::vector<tool::ToolRendererEntry> known = options.flags.entries();
   const tool::ToolRendererEntry& entry = tool::find_tool_renderer(known, options.renderer);
   const tool::ToolSettings declared = options.flags.settings_of(entry, {&entry, 1});
-  const tool::Tool solid = tool::solid_tool(load_mesh(options.tool_mesh, unit_m));
-  const TriangleMesh object = load_mesh(options.object_mesh, unit_m);
+  const tool::Tool shape = options.tool.load();
+  const TriangleMesh object = load_mesh(options.object_mesh, length_unit_factor(options.tool.unit));
   const Recording recording = load_recording(options.recording);
   const std::filesystem::path out = options.out;
   ensure_writable_folder(out);
@@ -38,11 +38,11 @@ ExitStatus tool_fit_command(const ToolFitOptions& options) {
       [&](const tool::Coupling& coupling) {
         tool::ToolSettings settings = declared;
         settings.coupling = coupling;
-        return tool::make_tool_renderer(entry, solid, object, settings);
+        return tool::make_tool_renderer(entry, shape, object, settings);
       },
       declared.coupling);
   Provenance provenance = make_provenance(command_line());
-  provenance.inputs = {describe_input("recording", options.recording), describe_input("tool", options.tool_mesh),
+  provenance.inputs = {describe_input("recording", options.recording), describe_input("tool", options.tool.file),
                        describe_input("object", options.object_mesh)};
   write_file(out / "tool-fit.json", pipeline::tool_fit_json(fit));
   write_html(out / "report.html", pipeline::tool_fit_page(recording, fit, provenance));
@@ -53,22 +53,26 @@ ExitStatus tool_fit_command(const ToolFitOptions& options) {
 }  // namespace
 
 void add_tool_fit(CLI::App& tool_command, Run& run) {
-  auto* const fit = tool_command.add_subcommand(
-      "fit", "What the instrument adds to a measured force and torque: biases, lever arm, how far the tool gives way");
+  auto* const fit = tool_command.add_subcommand("fit",
+                                                "Which effect of the instrument is missing in a measured force and "
+                                                "torque: biases, weight, lever arm, how far the "
+                                                "tool gives way");
   auto options = std::make_shared<ToolFitOptions>();
   fit->add_option("recording", options->recording,
                   "Measured: t_s, the handle's pose (x_m, y_m, z_m, qw, qx, qy, qz), fx_N.., tx_Nm.. (on the tool, "
                   "about the handle, axes of the object)")
       ->required();
   fit->add_option("--renderer", options->renderer, "See `touchstone tool list`")->required();
-  fit->add_option("--tool", options->tool_mesh, "Closed mesh in the tool's frame, origin at the handle")->required();
+  options->tool.add_to(*fit);
   fit->add_option("--object", options->object_mesh, "Closed mesh of the object")->required();
-  fit->add_option("--mesh-unit", options->unit, "Unit of both meshes' coordinates: m, mm, cm, km, um")
+  fit->add_option("--mesh-unit", options->tool.unit, "Unit of both meshes' coordinates: m, mm, cm, km, um")
       ->capture_default_str();
   fit->add_option("--out", options->out, "Folder: tool-fit.json and report.html")->required();
   options->flags.add_to(*fit);
   fit->footer(
-      "Half of the time is fitted, the other half judges. The stiffnesses that are given are the declared ones.\n"
+      "Half of the time is fitted; by a quarter effects are chosen, each against the same without it; a quarter is "
+      "kept "
+      "for the errors that are reported. The stiffnesses that are given are the declared ones.\n"
       "Example:\n  touchstone tool fit measured.csv --renderer god-object-tool --tool tool.obj --object object.obj "
       "--out fitted");
   fit->callback([options, &run] { run = [options] { return tool_fit_command(*options); }; });

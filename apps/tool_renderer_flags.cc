@@ -1,7 +1,12 @@
 #include "apps/tool_renderer_flags.h"
 
+#include <filesystem>
+
 #include "harness/base/named_values.h"
+#include "harness/base/units.h"
 #include "harness/plugin/plugin_tool.h"
+#include "harness/surface/mesh_file.h"
+#include "harness/tool/tool_points.h"
 #include "renderers/tool/tool_catalogue.h"
 
 namespace touchstone::apps {
@@ -28,6 +33,28 @@ std::vector<ToolRendererEntry> ToolRendererFlags::entries() const {
 ToolSettings ToolRendererFlags::settings_of(const ToolRendererEntry& entry,
                                             std::span<const ToolRendererEntry> run) const {
   return {coupling, tool::own_values(named_values("--parameter", parameters), entry, run)};
+}
+
+void ToolShapeFlags::add_to(CLI::App& command) {
+  command
+      .add_option("--tool", file,
+                  "The tool in its own frame, origin at the handle: a closed mesh (OBJ, OFF, PLY or STL), or points "
+                  "(CSV: x_m, y_m, z_m and the outward normal nx, ny, nz) for renderers that sample")
+      ->required();
+  command.add_option("--tool-mass", mass_kg, "kg; default: of a mesh filled with water, of points 0.1")
+      ->check(CLI::PositiveNumber);
+}
+
+tool::Tool ToolShapeFlags::load() const {
+  const std::string extension = std::filesystem::path(file).extension().string();
+  if (extension == ".csv" || extension == ".gz" || extension == ".h5" || extension == ".hdf5") {
+    constexpr double kUsual_kg = 0.1;
+    return tool::point_tool(tool::load_point_shell(file), mass_kg > 0.0 ? mass_kg : kUsual_kg);
+  }
+  const TriangleMesh mesh = load_mesh(file, length_unit_factor(unit));
+  const tool::Tool filled = tool::solid_tool(mesh);
+  if (!(mass_kg > 0.0)) return filled;
+  return tool::solid_tool(mesh, tool::kUsualToolDensity_kg_per_m3 * mass_kg / filled.mass.mass_kg);
 }
 
 }  // namespace touchstone::apps

@@ -26,4 +26,17 @@ struct ToolRendererFlags {
                                                std::span<const tool::ToolRendererEntry> run) const;
 };
 
+// The tool of a command that takes its shape from a file.
+struct ToolShapeFlags {
+  std::string file, unit = "m";
+  double mass_kg = 0.0;  // 0: as told by the shape
+
+  // --tool and --tool-mass; `unit` is set by the command's own flag, which also is the object's.
+  void add_to(CLI::App& command);
+
+  // A mesh filled with water, or with what makes the mass that is given; or a table of points (tool_points.h). Throws
+  // BadData for a file that is neither.
+  [[nodiscard]] tool::Tool load() const;
+};
+
 }  // namespace touchstone::apps

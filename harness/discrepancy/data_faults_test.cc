@@ -208,5 +208,43 @@ TEST(DataFaults, FrictionThatResistsAndNoneAreNoFault) {
   EXPECT_FALSE(fault_of_friction(0.0));
 }
 
+// Strokes to one half of all sides: a constant force to that side is along nearly all of them.
+TEST(DataFaults, ABiasThatTheSearchFoundPullsNoTipAlong) {
+  const MakePredictor make = [](const MotionColumns& motion) { return std::make_unique<PlanePredictor>(motion); };
+  Model base;
+  base.parameters["stiffness_N_per_m"] = 900.0;
+  Model truth = base;
+  truth.instrument.push_back({"force-bias", {{"fx_N", 0.3}, {"fy_N", 0.0}, {"fz_N", 0.0}}, ""});
+  const InstrumentDescription instrument = small_noise(1.0);
+  const auto record = [&](double first, std::uint64_t seed) {
+    MotionColumns path;
+    Vec3 p_W_m(0.0, 0.0, 0.0);
+    for (int i = 0; i < 5000; ++i) {
+      const double t = 0.004 * i;
+      const double way_rad = 1.45 * std::sin(first + 2.4 * std::floor(t));
+      p_W_m += 0.004 * (0.02 + 0.03 * std::fmod(t, 1.0)) * Vec3(std::cos(way_rad), std::sin(way_rad), 0.0);
+      p_W_m.z() = -1e-3 - 3e-4 * std::sin(5.0 * t);
+      path.t_s.push_back(t);
+      path.p_W_m.push_back(p_W_m);
+    }
+    return measured(path, PlanePredictor(path).predict(truth).f_W_N, instrument, seed);
+  };
+  const TwoRecordings two(record(0.0, 1), record(1.0, 2), instrument, base, make);
+  Candidate dry{"coulomb-friction", Side::contact, {{"mu", "1", 0.0, 2.0, 0.3, ""}}};
+  dry.traits.one_sided = {{{"mu", 0.05}}, 0.05, "friction of {:.2f}"};
+  Candidate falling{"stribeck-friction", Side::contact, {}};
+  falling.traits.falls_with_speed = true;
+  falling.traits.contains = {"coulomb-friction"};
+  const auto fault_beside = [&](const Model& best) {
+    const FitData train = fit_data(two.data.train, base, two.data.window_s);
+    const FitData validation = fit_data(two.data.validation, base, two.data.window_s);
+    return find_coefficient_fault({two.data.train.recording, &train, two.data.train.noise},
+                                  {two.data.validation.recording, &validation, two.data.validation.noise}, base, best,
+                                  {dry, falling});
+  };
+  EXPECT_TRUE(fault_beside(base));
+  EXPECT_FALSE(fault_beside(truth));
+}
+
 }  // namespace
 }  // namespace touchstone::discrepancy

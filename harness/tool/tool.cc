@@ -2,10 +2,12 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <set>
+#include <utility>
 
 #include "harness/base/error.h"
 #include "harness/surface/mesh_topology.h"
@@ -50,6 +52,33 @@ MassFrame solid_mass_frame(const TriangleMesh& mesh_T, double density_kg_per_m3)
 
 Tool solid_tool(const TriangleMesh& mesh_T, double density_kg_per_m3) {
   return {mesh_T, solid_mass_frame(mesh_T, density_kg_per_m3)};
+}
+
+Tool point_tool(PointShell shell, double mass_kg) {
+  if (!(mass_kg > 0.0)) throw UsageError(fmt::format("mass of the tool: {} kg; more than 0 was expected", mass_kg));
+  const double each = mass_kg / double(shell.size());
+  Tool tool;
+  tool.mass.mass_kg = mass_kg;
+  tool.mass.center_T_m = Vec3::Zero();
+  for (const Vec3& p : shell.p_T_m) tool.mass.center_T_m += p / double(shell.size());
+  Mat3 second = Mat3::Zero();
+  for (const Vec3& p : shell.p_T_m) {
+    const Vec3 r = p - tool.mass.center_T_m;
+    second += each * r * r.transpose();
+  }
+  tool.mass.inertia_T_kg_m2 = second.trace() * Mat3::Identity() - second;
+  const Vec3 principal = Eigen::SelfAdjointEigenSolver<Mat3>(tool.mass.inertia_T_kg_m2).eigenvalues();
+  constexpr double kSmall = 1e-9;
+  if (shell.size() < 3 || !(principal[0] > kSmall * principal[2])) {
+    throw BadData(
+        fmt::format("a tool of {} points: at least three that do not lie on a line were expected", shell.size()));
+  }
+  tool.shell = std::move(shell);
+  return tool;
+}
+
+PointShell shell_of(const Tool& tool, double spacing_m) {
+  return tool.shell ? *tool.shell : make_point_shell(tool.mesh_T, spacing_m);
 }
 
 PointShell make_point_shell(const TriangleMesh& mesh_T, double spacing_m) {

@@ -2,13 +2,18 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <array>
 #include <filesystem>
 #include <fstream>
+#include <string>
+#include <vector>
 
 #include "harness/base/error.h"
 #include "harness/recording/recording_file.h"
 #include "harness/recording/recording_writer.h"
+#include "harness/recording/table_source.h"
 #include "harness/tool/tool_metrics.h"
+#include "harness/tool/tool_points.h"
 #include "harness/tool/tool_replay.h"
 
 namespace touchstone::tool {
@@ -74,6 +79,74 @@ TEST(ToolReplay, WrenchAndProxyGoThroughFiles) {
     EXPECT_EQ(load_recording(folder / "some.csv").size(), 3U) << "samples 0, 4 and 8";
     EXPECT_EQ(measure_tool_steps(renderer, path).size(), 10U);
   }
+}
+
+// Two contacts where it touches, that a reader can work out from the time.
+class WithContacts : public Known {
+ protected:
+  ToolResult do_step(const ToolState& state, double dt_s) noexcept override {
+    ToolResult result = Known::do_step(state, dt_s);
+    contacts_[0] = {state.handle.p_W_m, Vec3::UnitZ(), Vec3(0, 0, state.t_s)};
+    contacts_[1] = {-state.handle.p_W_m, Vec3::UnitX(), Vec3(state.t_s, 0, 0)};
+    if (result.contact) result.contacts = contacts_;
+    return result;
+  }
+
+ private:
+  std::array<ToolContact, 2> contacts_;
+};
+
+TEST(ToolReplay, ContactsGoIntoATable) {
+  const Folder folder;
+  write_path(folder / "path.csv", 10);
+  WithContacts renderer;
+  const ToolReplaySummary summary =
+      replay_tool(renderer, {folder / "path.csv", folder / "out.csv", {}, 2, folder / "contacts.csv"});
+  EXPECT_EQ(summary.contacts, 6U) << "two at each of samples 4, 6 and 8";
+  const auto table = open_table(folder / "contacts.csv");
+  EXPECT_THAT(table->names(),
+              testing::ElementsAre("t_s", "px_m", "py_m", "pz_m", "nx", "ny", "nz", "fx_N", "fy_N", "fz_N"));
+  std::vector<std::vector<double>> values(10);
+  EXPECT_EQ(table->read(100, values), 6U);
+  EXPECT_THAT(values[0], testing::ElementsAre(0.004, 0.004, 0.006, 0.006, 0.008, 0.008));
+  EXPECT_THAT(values[3], testing::ElementsAre(-0.003, 0.003, -0.003, 0.003, -0.003, 0.003));
+  EXPECT_THAT(values[4], testing::ElementsAre(0, 1, 0, 1, 0, 1));
+  EXPECT_THAT(values[9], testing::ElementsAre(0.004, 0, 0.006, 0, 0.008, 0));
+}
+
+TEST(PointTool, ThroughAFile) {
+  const Folder folder;
+  PointShell shell;
+  shell.p_T_m = {Vec3(0.1, 0.2, 0.3), Vec3(-0.1, 1.0 / 3.0, 0.0)};
+  shell.inward_T = {Vec3(0, 0, -1), Vec3(0.6, 0.8, 0.0)};
+  save_point_shell(shell, folder / "points.csv");
+  const PointShell back = load_point_shell(folder / "points.csv");
+  EXPECT_EQ(back.p_T_m, shell.p_T_m);
+  for (std::size_t i = 0; i < 2; ++i) EXPECT_LE((back.inward_T[i] - shell.inward_T[i]).norm(), 1e-15);
+  std::ofstream(folder / "mm.csv") << "nz,x_mm,y_mm,z_mm,ny,nx\n2,100,200,300,0,0\n";
+  const PointShell mm = load_point_shell(folder / "mm.csv");
+  EXPECT_LE((mm.p_T_m[0] - shell.p_T_m[0]).norm(), 1e-15);
+  EXPECT_EQ(mm.inward_T[0], Vec3(0, 0, -1));
+}
+
+TEST(PointTool, SaysWhatIsWrongWithAFile) {
+  const Folder folder;
+  const auto message = [&](const std::string& text) {
+    std::ofstream(folder / "bad.csv") << text;
+    try {
+      static_cast<void>(load_point_shell(folder / "bad.csv"));
+    } catch (const BadData& wrong) {
+      return std::string(wrong.what());
+    }
+    return std::string("taken");
+  };
+  EXPECT_THAT(message("x_m,y_m,z_m,nx,ny\n0,0,0,0,1\n"), HasSubstr("no column nz"));
+  EXPECT_THAT(message("x_m,y_m,z_m,nx,ny,w\n0,0,0,0,1,0\n"), HasSubstr("column w is not known"));
+  EXPECT_THAT(message("x_m,y_m,z_ft,nx,ny,nz\n0,0,0,0,1,0\n"), HasSubstr("unit 'ft'"));
+  EXPECT_THAT(message("x_m,y_m,z,nx,ny,nz\n0,0,0,0,1,0\n"), HasSubstr("column z is not known"));
+  EXPECT_THAT(message("x_m,y_m,z_m,nx,ny,nz\n0,0,0,0,0,1\n0,0,0,0,0,0\n"),
+              testing::AllOf(HasSubstr("line 3"), HasSubstr("has no direction")));
+  EXPECT_THAT(message("x_m,y_m,z_m,nx,ny,nz\n0,nan,0,0,0,1\n"), HasSubstr("line 2"));
 }
 
 TEST(ToolReplay, PathWithoutOrientationSaysWhatIsMissing) {

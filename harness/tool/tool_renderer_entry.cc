@@ -83,7 +83,13 @@ std::map<std::string, double> own_values(const std::map<std::string, double, std
 std::unique_ptr<ToolRenderer> make_tool_renderer(const ToolRendererEntry& entry, const Tool& tool,
                                                  const TriangleMesh& object_W, const ToolSettings& settings) {
   const Parameters parameters = checked(entry, settings);
-  require_closed(tool.mesh_T, "tool");
+  if (!tool.shell) require_closed(tool.mesh_T, "tool");
+  if (tool.shell && !entry.takes_points) {
+    throw UsageError(
+        fmt::format("renderer {}: needs the tool's mesh, and the tool is given by {} points; take voxmap-pointshell or "
+                    "penalty-coupling",
+                    entry.name, tool.shell->size()));
+  }
   require_closed(object_W, "object");
   return entry.make(parameters, tool, object_W, settings.coupling);
 }

@@ -35,6 +35,7 @@ struct ToolRendererEntry {
   // False for a method whose normals are the tool's own (tangent planes at sampled points): at a sharp edge its force
   // is off by more than the resolution.
   bool exact_normals = true;
+  bool takes_points = false;           // renders a tool of points alone (Tool::shell)
   std::filesystem::path library = {};  // of a plug-in
 };
 
@@ -63,7 +64,8 @@ std::map<std::string, double> own_values(const std::map<std::string, double, std
                                          const ToolRendererEntry& entry, std::span<const ToolRendererEntry> run);
 
 // Throws UsageError for a coupling that is not positive, a parameter that the renderer does not have, a value out of
-// range; BadData for a mesh that is not closed.
+// range; of a tool
+// of points if the renderer needs its mesh; BadData for a mesh that is not closed.
 std::unique_ptr<ToolRenderer> make_tool_renderer(const ToolRendererEntry& entry, const Tool& tool,
                                                  const TriangleMesh& object_W, const ToolSettings& settings);
 

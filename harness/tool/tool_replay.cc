@@ -3,12 +3,17 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <chrono>
+#include <memory>
 #include <nlohmann/json.hpp>
+#include <span>
+#include <utility>
 
 #include "harness/base/error.h"
 #include "harness/recording/recording_stream.h"
 #include "harness/recording/recording_writer.h"
+#include "harness/recording/table_sink.h"
 #include "harness/rendering/renderer_failed.h"
 
 namespace touchstone::tool {
@@ -34,6 +39,53 @@ void require_working(const ToolRenderer& renderer, const ToolResult& result, con
     throw RendererFailed(fmt::format("{}: {}", path.string(), renderer.failure()));
 }
 
+class ContactTable {
+ public:
+  explicit ContactTable(const std::filesystem::path& path) {
+    std::vector<recording::Column> columns;
+    for (const auto& [name, unit] : kColumns)
+      columns.push_back({recording::Quantity::x, name, unit, recording::UnitScale()});
+    sink_ = recording::create_table(path, columns);
+  }
+
+  void append(double t_s, std::span<const ToolContact> contacts) {
+    for (const ToolContact& contact : contacts) {
+      values_[0].push_back(t_s);
+      for (std::size_t k = 0; k < 3; ++k) {
+        const auto axis = static_cast<Eigen::Index>(k);
+        values_[1 + k].push_back(contact.p_W_m[axis]);
+        values_[4 + k].push_back(contact.n_W[axis]);
+        values_[7 + k].push_back(contact.f_W_N[axis]);
+      }
+    }
+    constexpr std::size_t kRows = 8192;
+    if (values_[0].size() > kRows) write();
+  }
+  void commit() {
+    write();
+    sink_->commit();
+  }
+
+ private:
+  static constexpr std::array<std::pair<const char*, const char*>, 10> kColumns{{{"t_s", "s"},
+                                                                                 {"px_m", "m"},
+                                                                                 {"py_m", "m"},
+                                                                                 {"pz_m", "m"},
+                                                                                 {"nx", "1"},
+                                                                                 {"ny", "1"},
+                                                                                 {"nz", "1"},
+                                                                                 {"fx_N", "N"},
+                                                                                 {"fy_N", "N"},
+                                                                                 {"fz_N", "N"}}};
+  void write() {
+    sink_->write(values_);
+    for (std::vector<double>& column : values_) column.clear();
+  }
+
+  std::unique_ptr<recording::TableSink> sink_;
+  std::vector<std::vector<double>> values_ = std::vector<std::vector<double>>(kColumns.size());
+};
+
 }  // namespace
 
 ToolReplaySummary replay_tool(ToolRenderer& renderer, const ToolReplayFiles& files) {
@@ -43,6 +95,8 @@ ToolReplaySummary replay_tool(ToolRenderer& renderer, const ToolReplayFiles& fil
                                      ColumnGroup::force, ColumnGroup::torque, ColumnGroup::contact});
   std::optional<TrajectoryWriter> proxy;
   if (files.proxy) proxy.emplace(*files.proxy, true);
+  std::optional<ContactTable> contacts;
+  if (files.contacts) contacts.emplace(*files.contacts);
   ToolReplaySummary summary;
   SampleBlock in;
   SampleBlock out;
@@ -64,11 +118,15 @@ ToolReplaySummary replay_tool(ToolRenderer& renderer, const ToolReplayFiles& fil
       out.torque_W_Nm.push_back(result.torque_W_Nm);
       out.contact.push_back(result.contact ? 1 : 0);
       if (proxy) proxy->append(state.t_s, result.proxy.p_W_m, result.proxy.q_WT);
+      if (!contacts) continue;
+      contacts->append(state.t_s, result.contacts);
+      summary.contacts += result.contacts.size();
     }
     if (out.size() > 0) writer.append(out);
   }
   writer.commit();
   if (proxy) proxy->commit();
+  if (contacts) contacts->commit();
   return summary;
 }
 

@@ -14,6 +14,7 @@ namespace touchstone::tool {
 struct ToolReplaySummary {
   std::uint64_t samples = 0;
   std::uint64_t in_contact = 0;
+  std::uint64_t contacts = 0;  // written
   double largest_force_N = 0.0;
   double largest_torque_Nm = 0.0;
 };
@@ -23,6 +24,9 @@ struct ToolReplayFiles {
   std::filesystem::path out;   // those columns and fx_N.., tx_Nm.. (about the handle, axes of W), contact
   std::optional<std::filesystem::path> proxy;  // out: the proxy's poses, columns as in `path`
   std::uint64_t keep_every = 1;                // of the samples, all are rendered and each keep_every-th is written
+  // Out: the contacts of the written samples, a row each: t_s, px_m.. (where), nx.. (unit, out of the object) and
+  // fx_N.. (on the tool), axes of W.
+  std::optional<std::filesystem::path> contacts = {};
 };
 
 // One step per sample, from a reset renderer. Throws BadData for a path without orientation, RendererFailed for a

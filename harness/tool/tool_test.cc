@@ -47,6 +47,27 @@ TEST(PointShell, KeepsCornersAndCoversTheSurface) {
   EXPECT_THROW(static_cast<void>(make_point_shell(mesh, 0.0)), UsageError);
 }
 
+// The eight corners of a box, an eighth of its mass each: the textbook's formula for points.
+TEST(PointTool, MassFrameOfPoints) {
+  PointShell shell;
+  const TriangleMesh box = box_mesh(Vec3(0.01, 0.0, 0.0), Vec3(0.03, 0.04, 0.06));
+  for (const Vec3& v : box.vertices_W_m) {
+    shell.p_T_m.push_back(v);
+    shell.inward_T.push_back(Vec3::UnitZ());
+  }
+  const Tool tool = point_tool(shell, 0.4);
+  EXPECT_EQ(tool.mass.mass_kg, 0.4);
+  EXPECT_LE((tool.mass.center_T_m - Vec3(0.02, 0.02, 0.03)).norm(), 1e-15);
+  const Vec3 half2(1e-4, 4e-4, 9e-4);
+  const Mat3 expected =
+      0.4 * Mat3(Vec3(half2.y() + half2.z(), half2.x() + half2.z(), half2.x() + half2.y()).asDiagonal());
+  EXPECT_LE((tool.mass.inertia_T_kg_m2 - expected).norm(), 1e-15);
+  EXPECT_EQ(shell_of(tool, 1.0).size(), 8U) << "its own, whatever the spacing";
+  EXPECT_THROW(static_cast<void>(point_tool(shell, 0.0)), UsageError);
+  for (std::size_t i = 0; i < 8; ++i) shell.p_T_m[i] = 0.001 * double(i) * Vec3(1, 2, 3);
+  EXPECT_THROW(static_cast<void>(point_tool(shell, 0.4)), BadData) << "on a line";
+}
+
 class Echo : public ToolRenderer {
  protected:
   void do_reset() override {}

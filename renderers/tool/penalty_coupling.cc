@@ -42,10 +42,11 @@ ToolRendererEntry penalty_coupling_entry() {
   entry.summary = "penalty forces on a tool with mass behind a virtual coupling";
   entry.source = "Colgate, Stanley and Brown 1995; Otaduy and Lin 2006";
   entry.parameters = {contact_stiffness_parameter(), point_spacing_parameter(), friction_parameter()};
+  entry.takes_points = true;
   entry.make = [](const Parameters& parameters, const Tool& tool, const TriangleMesh& object_W,
                   const Coupling& coupling) -> std::unique_ptr<ToolRenderer> {
     return std::make_unique<PenaltyCoupling>(
-        tool, make_point_shell(tool.mesh_T, parameters.at("point_spacing_m")), make_embree_surface(object_W), coupling,
+        tool, shell_of(tool, parameters.at("point_spacing_m")), make_embree_surface(object_W), coupling,
         parameters.at("contact_stiffness_N_per_m"), parameters.at(kFrictionParameter));
   };
   entry.resolution_m = [](const Parameters& parameters, double force_N) {

@@ -337,6 +337,30 @@ INSTANTIATE_TEST_SUITE_P(Tools, EveryToolRenderer,
                            return name;
                          });
 
+// The shell that a mesh would give, as a tool of its own.
+TEST(ToolOfPoints, IsRenderedAsTheMeshThatItWasMadeFrom) {
+  const ExactCase c = make_exact_case("box-corner");
+  const Tool mesh = tool_of(c.tool_T);
+  constexpr double kSpacing_m = 1e-3;
+  Tool points;
+  points.mass = mesh.mass;
+  points.shell = make_point_shell(c.tool_T, kSpacing_m);
+  for (const char* name : {"voxmap-pointshell", "penalty-coupling"}) {
+    ToolSettings settings;
+    settings.parameters["point_spacing_m"] = kSpacing_m;
+    const auto of_mesh = make_tool_renderer(name, mesh, c.object_W, settings);
+    const auto of_points = make_tool_renderer(name, points, c.object_W, {});
+    for (const Pose& handle : c.handles) {
+      const ToolResult expected = settle(*of_mesh, c.free, handle);
+      const ToolResult obtained = settle(*of_points, c.free, handle);
+      EXPECT_TRUE(obtained.contact);
+      EXPECT_EQ(obtained.f_W_N, expected.f_W_N) << name;
+      EXPECT_EQ(obtained.torque_W_Nm, expected.torque_W_Nm) << name;
+    }
+  }
+  EXPECT_THROW(make_tool_renderer("god-object-tool", points, c.object_W, {}), UsageError) << "it needs the mesh";
+}
+
 TEST(ToolCatalogue, SaysWhatIsWrong) {
   const Tool tool = tool_of(synthetic::box_mesh(Vec3::Zero(), Vec3::Constant(0.01)));
   EXPECT_THROW(make_tool_renderer("teapot", tool, tool.mesh_T, {}), UsageError);

@@ -16,9 +16,10 @@ ToolRendererEntry voxmap_pointshell_entry() {
   entry.source = "McNeely, Puterbaugh and Troy 1999, 2005";
   entry.parameters = {
       contact_stiffness_parameter(), {"voxel_m", "m", 1e-6, 1.0, 0.5e-3, "edge of a voxel"}, point_spacing_parameter()};
+  entry.takes_points = true;
   entry.make = [](const Parameters& parameters, const Tool& tool, const TriangleMesh& object_W,
                   const Coupling& coupling) -> std::unique_ptr<ToolRenderer> {
-    return std::make_unique<VoxmapPointshell>(make_point_shell(tool.mesh_T, parameters.at("point_spacing_m")),
+    return std::make_unique<VoxmapPointshell>(shell_of(tool, parameters.at("point_spacing_m")),
                                               *make_embree_surface(object_W), parameters.at("voxel_m"), coupling,
                                               parameters.at("contact_stiffness_N_per_m"));
   };

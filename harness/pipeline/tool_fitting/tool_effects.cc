@@ -7,6 +7,9 @@ namespace {
 
 using Columns = ToolEffectTraits::Columns;
 
+constexpr double kStandardGravity_m_per_s2 = 9.80665;
+constexpr double kHand_m = 0.1;  // the size of a hand: no lever of a tool that one holds is off by more
+
 Mat3 cross_matrix(const Vec3& a) {
   Mat3 m;
   m << 0.0, -a.z(), a.y(), a.z(), 0.0, -a.x(), -a.y(), a.x(), 0.0;
@@ -16,12 +19,13 @@ Mat3 cross_matrix(const Vec3& a) {
 ToolEffectTraits force_bias() {
   ToolEffectTraits effect;
   effect.name = "force-bias";
+  effect.of_every_sensor = true;
   effect.what = "force that the sensor shows at no load";
   effect.unit = "N";
   effect.source = "additive offset of each channel";
-  effect.plausible = [](const ToolRecordingScales& scales) { return scales.force_N; };
-  effect.columns = [](const Wrench& /*w_T*/) {
-    Columns columns = Columns::Zero();
+  effect.plausible = [](const ToolRecordingScales& scales, int /*k*/) { return scales.force_N; };
+  effect.columns = [](const Wrench& /*w_T*/, const Vec3& /*gravity_T*/) {
+    Columns columns = Columns::Zero(6, 3);
     columns.topRows<3>().setIdentity();
     return columns;
   };
@@ -31,12 +35,13 @@ ToolEffectTraits force_bias() {
 ToolEffectTraits torque_bias() {
   ToolEffectTraits effect;
   effect.name = "torque-bias";
+  effect.of_every_sensor = true;
   effect.what = "torque that the sensor shows at no load";
   effect.unit = "Nm";
   effect.source = "additive offset of each channel";
-  effect.plausible = [](const ToolRecordingScales& scales) { return scales.torque_Nm; };
-  effect.columns = [](const Wrench& /*w_T*/) {
-    Columns columns = Columns::Zero();
+  effect.plausible = [](const ToolRecordingScales& scales, int /*k*/) { return scales.torque_Nm; };
+  effect.columns = [](const Wrench& /*w_T*/, const Vec3& /*gravity_T*/) {
+    Columns columns = Columns::Zero(6, 3);
     columns.bottomRows<3>().setIdentity();
     return columns;
   };
@@ -50,11 +55,31 @@ ToolEffectTraits lever_arm() {
   effect.what = "way from the declared handle to the point that the torque is about";
   effect.unit = "m";
   effect.source = "Murray, Li and Sastry 1994, section 2.5: the wrench about another point";
-  // The size of a hand.
-  effect.plausible = [](const ToolRecordingScales& /*scales*/) { return 0.1; };
-  effect.columns = [](const Wrench& w_T) {
-    Columns columns = Columns::Zero();
+  effect.plausible = [](const ToolRecordingScales& /*scales*/, int /*k*/) { return kHand_m; };
+  effect.columns = [](const Wrench& w_T, const Vec3& /*gravity_T*/) {
+    Columns columns = Columns::Zero(6, 3);
     columns.bottomRows<3>() = cross_matrix(w_T.f_N);
+    return columns;
+  };
+  return effect;
+}
+
+// What the sensor carries beyond itself pulls down, and turns about the handle: f + m g and tau + (m c) x g.
+ToolEffectTraits tool_weight() {
+  ToolEffectTraits effect;
+  effect.name = "tool-weight";
+  effect.of_every_sensor = true;
+  effect.what = "mass of the tool beyond the sensor, and that mass times the way from the handle to its centre";
+  effect.unit = "kg, kg m";
+  effect.source = "statics of a rigid body: weight at the centre of mass";
+  effect.count = 4;
+  effect.plausible = [](const ToolRecordingScales& scales, int k) {
+    return scales.force_N / kStandardGravity_m_per_s2 * (k == 0 ? 1.0 : kHand_m);
+  };
+  effect.columns = [](const Wrench& /*w_T*/, const Vec3& gravity_T) {
+    Columns columns = Columns::Zero(6, 4);
+    columns.topLeftCorner<3, 1>() = gravity_T;
+    columns.bottomRightCorner<3, 3>() = -cross_matrix(gravity_T);
     return columns;
   };
   return effect;
@@ -62,7 +87,7 @@ ToolEffectTraits lever_arm() {
 
 // A tool that gives way is a spring in series with the declared coupling: 1 / k = 1 / k_declared + compliance. Searched
 // as a logarithm: a stiffness that is off by more than a factor e was not declared for this tool.
-constexpr double plausible_logarithm(const ToolRecordingScales& /*scales*/) { return 1.0; }
+constexpr double plausible_logarithm(const ToolRecordingScales& /*scales*/, int /*k*/) { return 1.0; }
 
 ToolEffectTraits stiffness() {
   ToolEffectTraits effect;
@@ -93,9 +118,11 @@ ToolEffectTraits rotational_stiffness() {
 }  // namespace
 
 const std::vector<ToolEffectTraits>& tool_effects() {
-  static const std::vector<ToolEffectTraits> all{force_bias(), torque_bias(), lever_arm(), stiffness(),
-                                                 rotational_stiffness()};
+  static const std::vector<ToolEffectTraits> all{force_bias(),  torque_bias(), lever_arm(),
+                                                 tool_weight(), stiffness(),   rotational_stiffness()};
   return all;
 }
+
+Vec3 gravity_in_tool(const Quat& q_WT) { return q_WT.conjugate() * Vec3(0.0, 0.0, -kStandardGravity_m_per_s2); }
 
 }  // namespace touchstone::pipeline

@@ -21,18 +21,23 @@ struct ToolRecordingScales {
   double torque_Nm = 0.0;
 };
 
+inline constexpr int kMostOfAnEffect = 4;  // parameters
+
 struct ToolEffectTraits {
   std::string name;    // "lever-arm"
   std::string what;    // one line
   std::string unit;    // of the values that are reported
   std::string source;  // where the law is from
-  int count = 3;       // parameters: along x, y and z of the tool, or one
-  // Width of the prior: what an instrument could have.
-  double (*plausible)(const ToolRecordingScales& scales) = nullptr;
+  int count = 3;       // parameters: along x, y and z of the tool; one; or as `what` says
+  // Width of the prior of parameter k: what an instrument could have.
+  double (*plausible)(const ToolRecordingScales& scales, int k) = nullptr;
   // One of the following two kinds.
-  // Added to what is shown, in proportion to its three parameters: force in the first three rows, torque below.
-  using Columns = Eigen::Matrix<double, 6, 3>;
-  Columns (*columns)(const Wrench& w_T) = nullptr;
+  // Added to what is shown, in proportion to its parameters, a column each: force in the first three rows, torque
+  // below. `gravity_T` is the acceleration of gravity in the tool's axes, m/s^2.
+  using Columns = Eigen::Matrix<double, 6, Eigen::Dynamic, 0, 6, kMostOfAnEffect>;
+  Columns (*columns)(const Wrench& w_T, const Vec3& gravity_T) = nullptr;
+  // Such a one that is there whatever is measured: a bias, a weight.
+  bool of_every_sensor = false;
   // Between handle and contact: changes the coupling by its one parameter v, nought as declared; and the value of the
   // coupling that is reported, whose standard error is that value times that of v.
   void (*change)(double v, tool::Coupling& coupling) = nullptr;
@@ -41,5 +46,8 @@ struct ToolEffectTraits {
 
 // Those that change what is shown first.
 const std::vector<ToolEffectTraits>& tool_effects();
+
+// Standard gravity along -z of the object's frame, in the tool's axes.
+Vec3 gravity_in_tool(const Quat& q_WT);
 
 }  // namespace touchstone::pipeline

@@ -9,56 +9,62 @@
 // b_tau are what the sensor shows at no load. Between the handle and the contact the tool and its mount give way like
 // springs in series with the declared coupling, so that the stiffnesses that fit are
 //   1 / k_fit = 1 / k_declared + compliance.
+// What the sensor carries beyond itself, of mass m with its centre at c in T, adds m g and (m c) x g, g gravity in T.
 // The stiffnesses enter through the renderer (Gauss and Newton's method on their logarithms, with forward differences);
 // the rest is linear in every step.
 //
-// The time is cut into blocks, which are given in turn to the fit and to the judgement: errors before and after are of
-// blocks that the fit has not seen. Intervals are by the sandwich over the blocks (harness/stats/sandwich.h), never
-// narrower than those of independent samples. An effect is named if a Wald test by an F distribution over the blocks
-// (Hotelling 1931) rejects that it is nought at 5 %, divided among the effects (Bonferroni). Each value has a weak
-// prior of the width of what an instrument could have; a value whose standard error stays near that width is called
-// undetermined: the motion does not tell it.
+// Which of these effects the recording needs is found by nested comparisons on blocks of time that were not fitted
+// (tool_search.h); errors before and after are of blocks that neither the fit nor that choice has seen. Intervals are
+// by the sandwich over the fitted blocks (harness/stats/sandwich.h), never narrower than those of independent samples.
+// Each value has a weak prior of the width of what an instrument could have; a value whose standard error stays near
+// that width is said to be undetermined: the motion does not tell it.
 #pragma once
 
-#include <array>
-#include <functional>
-#include <memory>
+#include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "harness/pipeline/pipeline_rooms.h"
+#include "harness/pipeline/tool_fitting/tool_fitter.h"
+#include "harness/pipeline/tool_fitting/tool_search.h"
 #include "harness/recording/trajectory.h"
 #include "harness/tool/coupling.h"
-#include "harness/tool/tool_renderer.h"
 
 namespace touchstone::pipeline {
 
-// A renderer with this coupling, from its beginning.
-using MakeTool = std::function<std::unique_ptr<tool::ToolRenderer>(const tool::Coupling&)>;
-
 struct ToolEffect {
-  std::string name;  // force-bias, torque-bias, lever-arm, stiffness, rotational-stiffness
+  std::string name;  // as tool_effects() has it: force-bias, lever-arm, ...
   std::string what;
   std::string unit;
-  std::vector<double> values;           // x, y, z in the tool's axes, or one
+  std::vector<double> values;           // x, y, z in the tool's axes, or one; of what is not named: as if it were
   std::vector<double> standard_errors;  // of each
   std::vector<bool> determined;         // whether the motion tells it
   double p = 1.0;                       // of its being nought (stiffness: the declared one)
+  // On blocks that were not fitted, with it over without it.
+  ToolGain gain;
   bool named = false;
+  std::vector<std::string> rivals;  // that explain the recording about as well in its place
 };
 
-// Root mean squares over the blocks that the fit has not seen, of all three axes together.
-struct ToolErrors {
-  double force_N = 0.0;
-  double torque_Nm = 0.0;
+// As findings of points have it (harness/discrepancy/findings.h).
+enum class ToolVerdict : std::uint8_t {
+  consistent,        // nothing of the instrument stands out, and nothing more is there
+  explained,         // by the effects that are named
+  unexplained,       // something is there that no known effect explains, or the recording is misread
+  not_identifiable,  // this motion cannot tell an effect that is named from a rival
 };
+std::string to_string(ToolVerdict verdict);
 
 struct ToolFit {
+  ToolVerdict verdict = ToolVerdict::consistent;
   std::vector<ToolEffect> effects;
   tool::Coupling declared;
   tool::Coupling coupling;  // that fits; the declared one where the effect is not named
   ToolErrors before;        // the renderer as declared
   ToolErrors after;         // with the effects that are named
+  ToolErrors noise;         // of the recording from sample to sample, of all three axes together
+  std::optional<ToolMisreading> misreading;
   std::vector<std::string> remarks;
   // What the declared renderer and what the fitted one with the named effects say that the sensor measures, a sample
   // each, about the handle in W.

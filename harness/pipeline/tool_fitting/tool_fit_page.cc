@@ -25,7 +25,7 @@ Section plots(const recording::Recording& measured, const ToolFit& fit) {
 
 Table effects_table(const ToolFit& fit) {
   Table table;
-  table.columns = {"effect", "value", "standard error", "unit", "p", "named"};
+  table.columns = {"effect", "value", "standard error", "unit", "p", "gain", "p of the gain", "rivals", "named"};
   for (const ToolEffect& effect : fit.effects) {
     std::string values, errors;
     for (std::size_t k = 0; k < effect.values.size(); ++k) {
@@ -33,12 +33,17 @@ Table effects_table(const ToolFit& fit) {
       values += gap + (effect.determined[k] ? fmt::format("{:.4g}", effect.values[k]) : std::string("undetermined"));
       errors += gap + fmt::format("{:.2g}", effect.standard_errors[k]);
     }
+    std::string rivals;
+    for (const std::string& rival : effect.rivals) rivals += (rivals.empty() ? "" : ", ") + rival;
     Table::Row row;
     row.cells = {text_cell(effect.name),
                  number_cell(values),
                  number_cell(errors),
                  text_cell(effect.unit),
                  number_cell(fmt::format("{:.2g}", effect.p)),
+                 number_cell(fmt::format("{:.2g}", effect.gain.per_sample)),
+                 number_cell(fmt::format("{:.2g}", effect.gain.p)),
+                 text_cell(rivals),
                  text_cell(effect.named ? "yes" : "no")};
     row.detail = effect.what;
     table.rows.push_back(std::move(row));
@@ -58,8 +63,16 @@ Page tool_fit_page(const recording::Recording& measured, const ToolFit& fit, con
        fmt::format("RMS of what the fit has not seen; {:.3g} as declared", fit.before.force_N), Tone::error},
       {"torque error", fmt::format("{:.3g}", 1e3 * fit.after.torque_Nm), "mNm",
        fmt::format("RMS of what the fit has not seen; {:.3g} as declared", 1e3 * fit.before.torque_Nm), Tone::error}};
-  Section found{"What was found", "Vectors are in the tool's axes.", {}, false};
+  Section found{
+      "What was found",
+      "Vectors are in the tool's axes. p: of the value being nought, on the fitted blocks. Gain: how much more "
+      "likely (nats a sample) the model with the effect makes blocks that were not fitted than the one without "
+      "it. Rivals explain the recording about as well in its place.",
+      {},
+      false};
   found.blocks.emplace_back(effects_table(fit));
+  if (fit.misreading)
+    found.blocks.emplace_back(TextBlock{"The recording is suspect: " + fit.misreading->what, Tone::warning});
   for (const std::string& remark : fit.remarks) found.blocks.emplace_back(TextBlock{remark, Tone::warning});
   page.sections.push_back(std::move(found));
   page.sections.push_back(plots(measured, fit));
