@@ -24,6 +24,7 @@ void add_dataset(CLI::App& program, Run& run);
 void add_doctor(CLI::App& program, Run& run);
 void add_discrepancy(CLI::App& program, Run& run);
 void add_fit(CLI::App& program, Run& run);
+void add_formats(CLI::App& program, Run& run);
 void add_golden(CLI::App& program, Run& run);
 void add_history(CLI::App& program, Run& run);
 void add_hil(CLI::App& program, Run& run);
@@ -66,6 +67,7 @@ inline std::vector<AddCommand> commands() {
       add_doctor,
       add_discrepancy,
       add_fit,
+      add_formats,
       add_golden,
       add_history,
       add_hil,

@@ -11,7 +11,7 @@
 namespace touchstone::acquisition {
 
 // The force less its running median over 1.5 s, component by component. The tool's weight turns with the hand within
-// half a second and more and the bias drifts slower still, while a tap lasts less than 0.4 s: what is left is taps, and
+// half a second and more and the bias drifts slower still, while a tap lasts less than 0.4 s: the residual is taps, and
 // what changes as fast. Neither orientation nor offset is needed.
 std::vector<Vec3> without_slow_part(const std::vector<double>& t_s, const std::vector<Vec3>& force_N);
 

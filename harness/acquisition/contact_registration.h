@@ -34,7 +34,7 @@ struct ContactRegistration {
 ContactRegistration register_contacts(const Surface& surface, const std::vector<Vec3>& centers_W_m, double tip_radius_m,
                                       const ContactRegistrationOptions& options, const std::string& source);
 
-// The surface point that a ball touches: from its centre along the surface's normal. `gap_m` is what is left between
+// The surface point that a ball touches: from its centre along the surface's normal. `gap_m` is the distance between
 // ball and surface, negative where they overlap.
 struct BallContact {
   Vec3 contact_W_m;

@@ -1,4 +1,4 @@
-// Are static poses written in the frames that they are taken for? Fits the tool anew under each mistake that files of
+// Are static poses written in the frames that the caller assumes? Fits the tool anew under each mistake that files of
 // this kind hold (force by the tool's holder, orientation inverted, quaternion in another order, wrench already turned
 // into the world) and compares what the best tool of each leaves. Nothing is applied: the caller names the repair.
 #pragma once
@@ -33,7 +33,7 @@ std::vector<StaticPose> read_as(const std::vector<StaticPose>& poses, const Pose
 // The share of the tool's own weight that its best fit leaves, as a length: 0 fits exactly.
 double share_of_weight_left(const ToolIdentification& found, const Vec3& gravity_W_m_per_s2);
 
-// More of the weight than this left means a bad fit: so much is an error of 0.1 rad (6 degrees) in every orientation,
+// More of the weight than this left means a bad fit: that is an error of 0.1 rad (6 degrees) in every orientation,
 // which no arm and no tracker that can be used makes.
 inline constexpr double most_weight_left = 0.1;
 

@@ -1,4 +1,4 @@
-// What is left of the force in a run that touches nothing, and why: the bias that moved since the calibration, the
+// The residual force of a run that touches nothing, and its causes: the bias that moved since the calibration, the
 // inertia of the tool (F = m (g - a), as an accelerometer on the tool senses it), and vibration. Told apart by
 // smoothing both signals to the same bandwidth: slow motion is the same everywhere on the tool, vibration is not.
 #pragma once

@@ -13,7 +13,7 @@
 //      offset at that tap, by separable least squares (Golub and Pereyra 1973); the compliance is the same for all
 //      taps. Errors of onset and release act with opposite signs.
 //   Offset and skew follow from least squares over the clusters of step 2 or 3. Not over both: a tool that turns about
-// the hand while it is stopped shifts all taps of a session alike, by a few milliseconds. Over simulated sessions the
+// the hand while it is stopped shifts all taps of a session by the same few milliseconds. Over simulated sessions the
 // taps' mean is off by 1.9 ms RMS and free motion by 0.15; together they were worse at a session's ends than free
 // motion alone, even with a delay of the taps' own beside them.
 // Intervals: a few quarters of a second, in which the hand stops or is thrown back, hold most of what a session says,

@@ -118,7 +118,7 @@ ToolIdentification identify_tool(const std::vector<StaticPose>& poses, const Vec
   for (std::size_t i = 0; i < poses.size(); ++i) {
     if (!poses[i].measured.finite() || !(std::abs(poses[i].q_WS.norm() - 1.0) < 1e-6)) {
       throw BadData(fmt::format(
-          "{}: static orientation {} is not finite or not a rotation; take that line out, or mend its qw, qx, qy, qz",
+          "{}: static orientation {} is not finite or not a rotation; take that line out, or fix its qw, qx, qy, qz",
           source, i + 1));
     }
   }

@@ -9,7 +9,7 @@
 // of friction.
 //
 // Linear least squares for each width and time constant of a grid. Terms are chosen by blocks of the recording that the
-// fit did not see; what the motion cannot tell apart is said to be so: at one speed dry and viscous friction are one
+// fit did not see; what the motion cannot separate is reported as such: at one speed dry and viscous friction are one
 // number, and after a single loading and unloading every loss is.
 #pragma once
 

@@ -78,7 +78,7 @@ std::vector<std::string> axis_remarks(const AxisFit& fit, const AxisWords& words
   }
   if (words.indentation && fit.reversals == 1) {
     remarks.push_back(fmt::format(
-        "one way there and one back: relaxation, friction, adhesion and damage all open the loop alike, and "
+        "one way there and one back: relaxation, friction, adhesion and damage all open the loop in the same way, and "
         "what is named above may be any of them. Record two speeds and a hold"));
   }
   if (floor) {

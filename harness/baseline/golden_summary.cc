@@ -94,11 +94,12 @@ std::optional<OperationsChange> operations_change(const std::optional<RunOperati
     return OperationsChange{Verdict::missing, "operations: the golden has them, this run cannot be counted"};
   const double total = share(golden->total, obtained->total);
   const double most = share(golden->max_per_step, obtained->max_per_step);
-  return OperationsChange{total <= 0.0 && most <= 0.0 ? Verdict::better : Verdict::worse,
-                          fmt::format("operations: {} ({:+.3g}%) where the golden takes {}, in the dearest step {} "
-                                      "({:+.3g}%) for {}",
-                                      obtained->total, 100.0 * total, golden->total, obtained->max_per_step,
-                                      100.0 * most, golden->max_per_step)};
+  return OperationsChange{
+      total <= 0.0 && most <= 0.0 ? Verdict::better : Verdict::worse,
+      fmt::format("operations: {} ({:+.3g}%) where the golden takes {}, in the most expensive step {} "
+                  "({:+.3g}%) for {}",
+                  obtained->total, 100.0 * total, golden->total, obtained->max_per_step, 100.0 * most,
+                  golden->max_per_step)};
 }
 
 }  // namespace touchstone::baseline

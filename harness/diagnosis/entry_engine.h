@@ -1,4 +1,4 @@
-// A renderer's entry as an engine: the detectors run it in worlds of other units of length, for which its parameters
+// A renderer's entry as an engine: the detectors run it in other units of length, for which its parameters
 // must change as their units say.
 #pragma once
 

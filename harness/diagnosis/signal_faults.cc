@@ -132,11 +132,13 @@ std::optional<Finding> find_wrong_frame(const Engine& engine) {
     // An epsilon may lie another way in each.
     const double turned_N = engine.stiffness_N_per_m * (0.01 * kDepth_m + 2.0 * engine.epsilon_m);
     if (!((f_world - f).norm() <= turned_N)) {
-      return Finding{"wrong-frame",
-                     fmt::format("with the world turned the force is not turned alike: ({:.3g}, {:.3g}, {:.3g}) N in "
-                                 "the block's frame where it was ({:.3g}, {:.3g}, {:.3g}) N",
-                                 f_world.x(), f_world.y(), f_world.z(), f.x(), f.y(), f.z()),
-                     "a block 40 mm wide pressed on its top, upright and turned", (f_world - f).norm(), "N"};
+      return Finding{
+          "wrong-frame",
+          fmt::format(
+              "with the world turned the force is not turned by the same rotation: ({:.3g}, {:.3g}, {:.3g}) N in "
+              "the block's frame where it was ({:.3g}, {:.3g}, {:.3g}) N",
+              f_world.x(), f_world.y(), f_world.z(), f.x(), f.y(), f.z()),
+          "a block 40 mm wide pressed on its top, upright and turned", (f_world - f).norm(), "N"};
     }
   }
   return std::nullopt;

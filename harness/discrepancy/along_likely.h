@@ -1,8 +1,8 @@
-// Two explanations compared along the likely motion, without the tracker's noise.
+// Two explanations compared on the smoothed trajectory, without the tracker's noise.
 //
 // At noisy positions a law may do well only because it passes less of the noise on: a soft law where depth hardly
 // varies, a mass whose noisy acceleration cancels a spring's noisy depth, friction that turns slowly against viscosity.
-// An effect acts along the true path. So what is named must help there, and what does as well there is alike.
+// An effect acts along the true path. So what is named must help there; equal fits there are indistinguishable.
 #pragma once
 
 #include <optional>
@@ -24,7 +24,7 @@ struct LikelyLoss {
   double apart_N = 0.0;  // RMS of the forces' difference, on the validation blocks
 };
 
-// Both fitted again along the likely motion, under the blocks' noise as given. Nothing where a fit fails.
+// Both fitted again on the smoothed trajectory, under the blocks' noise as given. Nothing where a fit fails.
 std::optional<LikelyLoss> compare_along_likely(const SearchData& data, FitData train, FitData validation,
                                                const Explanation& one, const Explanation& other, int iterations);
 

@@ -1,5 +1,5 @@
 // Where to start looking for a place where the object is stiffer, softer, higher or lower than the model: a Gaussian
-// bump on a grid of places and widths, each regressed on what is left along the normal (linear least squares, with the
+// bump on a grid of places and widths, each regressed on the residual along the normal (linear least squares, with the
 // general stiffness and an offset along the normal as nuisances), the strongest kept.
 #pragma once
 

@@ -38,7 +38,7 @@ struct SearchResult {
   Model base;                             // the start with its base parameters refitted
   Model model;                            // with the effects found
   JointFit fit;                           // of `model`, with covariance
-  std::vector<NullFit> draws;             // `model` fitted again in the case's null worlds
+  std::vector<NullFit> draws;             // `model` fitted again to simulated null recordings
   std::vector<NullFit> readings;          // with what the forces alone tell of friction, read again from drawn samples
   std::vector<FreeParameter> parameters;  // free in `fit`
   std::vector<SearchStep> steps;

@@ -19,7 +19,7 @@ struct FreeParameter {
   std::function<void(Model&, double u)> set;
   std::function<double(const Model&)> get;
   bool logarithmic = false;  // u is the logarithm of the value
-  // Derivatives are taken over so much of u, to both sides. 0: over a small step to one side, well above the kinks that
+  // Derivatives span this much of u, to both sides. 0: over a small step to one side, well above the kinks that
   // contact and friction make. What moves the tip along a mesh needs a facet's length: within one facet the normal
   // never turns, and samples that change their facet jump.
   double step = 0.0;

@@ -16,13 +16,13 @@ namespace touchstone::discrepancy {
 
 struct ConeSample {
   double ratio = 0.0;               // to the load of the force along the surface that friction must make
-  double speed_m_per_s = 0.0;       // along the surface, of the likely motion
+  double speed_m_per_s = 0.0;       // along the surface, on the smoothed trajectory
   Vec3 direction_W = Vec3::Zero();  // of that motion; zero at rest
   double along = 0.0;               // of the ratio, the part along the direction: negative where friction resists
 };
 
 // What friction is read from: the forces of all but friction at the recorded positions, the blocks of the part that
-// counts, and the likely motion. What is pointed to must outlive it.
+// counts, and the smoothed trajectory. A verdict must hold for all.
 struct ConeEvidence {
   Prediction others;
   const std::vector<ResidualBlock>* blocks = nullptr;
@@ -69,7 +69,7 @@ inline constexpr double read_quantile = 0.6;
 std::optional<FallingCoefficient> read_falling(const std::vector<ConeSample>& samples, double quantile = read_quantile);
 
 // Read from runs of neighbouring samples drawn with replacement (Kuensch 1989), by a quantile that differs from draw to
-// draw: how far the values depend on the samples and on what is taken for sliding. The same for the same `draw`.
+// draw: how far the values depend on the samples and on what counts as sliding. The same for the same `draw`.
 std::optional<FallingCoefficient> read_again(const std::vector<ConeSample>& samples, std::size_t draw);
 
 void set_falling(Model& model, const std::string& friction, const FallingCoefficient& read);

@@ -14,11 +14,11 @@ namespace touchstone::discrepancy {
 struct Goodness {
   double chi_squared = 0.0;  // held out, per degree of freedom, of the model under its noise; 1: only noise
   double null = 0.0;         // the same in the worst null world
-  // From here on noise cannot be what is left: a share more than the most that the case's own null worlds make, in
+  // From here on the residual is not noise: a share above the largest of the case's simulated null recordings, in
   // which the model is the truth. They are few, and idealize: under dry friction a tip that sticks and slips with the
   // tracker's noise leaves up to twice of what they make, and it takes more there.
   double threshold = 0.0;
-  // What a flexible regression foretells (see structure_detector.h) counts where more than this is left.
+  // What a flexible regression predicts (see structure_detector.h) counts where more than this is left.
   double structured_threshold = 0.0;
   double noise_rms_N = 0.0;  // 3-D force error that noise leaves on the held-out samples
   FitData train;             // blocks under the noise that it was judged by

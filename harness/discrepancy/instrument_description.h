@@ -28,7 +28,7 @@ struct InstrumentDescription {
 InstrumentDescription load_instrument(const std::filesystem::path& path);
 
 // Without a description: force noise from second differences of the force where nothing moves it, position noise from
-// what is left of the position after a local quadratic fit. Both are lower bounds in motion; reports say "estimated".
+// the residual of the position after a local quadratic fit. Both are lower bounds in motion; reports say "estimated".
 InstrumentDescription estimate_instrument(const Recording& recording);
 
 // The motion with one draw of tracker noise added: white at the tracker's rate, low-passed at a quarter of that rate

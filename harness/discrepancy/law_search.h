@@ -2,8 +2,8 @@
 // chosen one after the other as in forward regression (Chen, Billings and Luo 1989, Int. J. Control 50:1873).
 //
 // Every term at every start is regressed on what the model leaves of the training blocks, beside all that is free in
-// the model, and scored on the validation blocks. The bar is the most that any of them gains in the case's null worlds,
-// where nothing is missing (max statistic: Westfall and Young 1993): so many terms find something by chance, and the
+// the model, and scored on the validation blocks. The bar is the largest gain of any of them in simulated recordings
+// where nothing is missing (max statistic: Westfall and Young 1993): this many terms find something by chance, and the
 // bar knows it. The best few are fitted with all that is free; blocks are weighed by the noise and by what each leaves
 // itself, so that the weights sharpen as the law takes shape, and compared by likelihood on the validation blocks. The
 // same is done from the model before anything was found: effects of the library that only came near are then no part of
@@ -34,7 +34,7 @@ struct LawPiece {
   Side side = Side::contact;
   std::vector<Carrier> carriers;
   double validation_gain = 0.0;  // of chi-squared, by the regression
-  double null_bar = 0.0;         // the most that null worlds give, and more
+  double null_bar = 0.0;         // the largest gain in null recordings, and more
 };
 
 struct UnknownLaw {

@@ -11,7 +11,7 @@
 
 namespace touchstone::discrepancy {
 
-// Means over blocks: when, where and what is left there [N].
+// Means over blocks: time, place and residual there [N].
 struct LeftOver {
   std::vector<double> t_s;
   std::vector<Vec3> p_W_m;

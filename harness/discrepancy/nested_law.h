@@ -2,10 +2,10 @@
 // passes.
 //
 // Laws of friction differ where the tip moves slowly, and there a tracker's noise hides where to it moves: at noisy
-// positions both leave the same large error. Whether a coefficient falls with speed is told by forces outside of its
+// positions both leave the same large error. Whether a coefficient falls with speed shows in forces outside of its
 // cone (friction_cone.h), in both recordings by more than in any simulated world of the case in which it is steady.
 // Other laws are compared by their likelihoods, each under the noise that it makes itself (a law with the larger
-// coefficient expects the larger scatter of a tip that sticks), along the likely motion, whose speeds are not the
+// coefficient expects the larger scatter of a tip that sticks), on the smoothed trajectory, whose speeds are not the
 // noise's. The larger law takes the smaller one's place if its likelihood is higher on the training and on the
 // validation data by more than in any simulated world of the case in which the smaller one is the truth (likelihood
 // ratio of nested hypotheses by parametric bootstrap: Efron and Tibshirani 1993, chapter 16.4).
@@ -21,7 +21,7 @@ namespace touchstone::discrepancy {
 
 struct LargerLaw {
   std::string in_place_of;
-  // Fitted along the likely motion; its gains are of -2 ln likelihood, its bar what simulated worlds gain.
+  // Fitted on the smoothed trajectory; its gains are of -2 ln likelihood, its bar that of simulated recordings.
   Trial trial;
 };
 
@@ -31,10 +31,10 @@ std::vector<LargerLaw> weigh_larger_laws(const SearchState& state);
 // Of the trials of a step of which none passed, those whose force goes with a derivative of the motion or turns over a
 // path, weighed in the same way against the model as it stands: at noisy positions their force is mostly noise, and
 // what they gain is lost in it. Those that pass, the most likely first; they remove their share of the validation error
-// along the likely motion and make no regime worse there.
+// on the smoothed trajectory and make no regime worse there.
 std::vector<Trial> weigh_by_likelihood(const SearchState& state, const std::vector<Trial>& trials);
 
-// Whether another effect in the place of one of the model's is the likelier of the two: along the likely motion, each
+// Whether another effect in the place of one of the model's is the more likely one: on the smoothed trajectory, each
 // under the noise that it makes itself, on both kinds of blocks by more than in any simulated world in which the model
 // is the truth (separate families of hypotheses: Cox 1961; by parametric bootstrap as above). At noisy positions a
 // relaxation that ends within hundredths of a second does as well as damping: it passes less of the noise on.

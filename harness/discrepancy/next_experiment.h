@@ -1,4 +1,4 @@
-// The trajectory that would tell alike explanations apart: the motions a hand can make at the place already scanned,
+// The trajectory that would separate equal explanations: the motions a hand can make at the place already scanned,
 // and the one on which the explanations' predicted forces differ most beyond the noise: the sensor's, and where they
 // touch the tracker's, which the stiffness turns into force.
 #pragma once
@@ -18,7 +18,7 @@ struct NextExperiment {
 };
 
 // Nothing when no motion of the repertoire separates the two models by one and a half times the noise: less than the
-// noise counts as alike, and refitting takes some of the difference.
+// noise counts as indistinguishable, and refitting takes some of the difference.
 std::optional<NextExperiment> propose_experiment(const Recording& recording, const Prediction& prediction,
                                                  const Model& one, const Model& other, const MakePredictor& make,
                                                  double force_noise_N, double position_noise_m);

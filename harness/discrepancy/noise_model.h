@@ -4,7 +4,7 @@
 // are kept. Given the recorded positions the true ones scatter about them (Berkson 1950; the prior is flat over the
 // range of the noise), so that what the model makes of the replicas is what the sensor would have shown.
 // How large the noise is needs no more than that. What it does to a fit needs the true path itself, which the
-// neighbours of a sample tell better than the sample (see smooth_motion.h): in the null worlds the tip goes along the
+// neighbours of a sample tell better than the sample (see smooth_motion.h): in the null recordings the tip follows the
 // smoothed motion, off by what smoothing leaves of the noise, while the models are fitted at the recorded positions. So
 // a null world weakens coefficients and rewards laws that only pass less noise on just as the recording does (errors in
 // the variables; Carroll, Ruppert, Stefanski and Crainiceanu 2006, chapter 2). The mesh's declared error is smooth
@@ -49,7 +49,7 @@ class NoiseModel {
   struct World {
     std::unique_ptr<Predictor> predictor;
     std::vector<Vec3> force_noise;
-    std::vector<Vec3> tilt_W;  // of the true normal against the facet's; null worlds only
+    std::vector<Vec3> tilt_W;  // of the true normal against the facet's; null recordings only
   };
 
   InstrumentDescription instrument_;

@@ -14,7 +14,7 @@ struct NullCase {
   const Evidence* validation = nullptr;
   const FitData* train_blocks = nullptr;
   const FitData* validation_blocks = nullptr;
-  const Model* model = nullptr;  // the truth of the null worlds
+  const Model* model = nullptr;  // the truth of the null recordings
   const std::vector<FreeParameter>* parameters = nullptr;
   int iterations = 12;
 };
@@ -36,7 +36,7 @@ inline bool is_clear(double gain, double bar) {
   return gain > near * bar || near * gain < bar;
 }
 
-// Mean and so many standard deviations: worlds are too few for a far quantile. 0 for fewer than two.
+// Mean plus N standard deviations: the recordings are too few for a far quantile. 0 for fewer than two.
 double bar_above(const std::vector<double>& gains, double deviations);
 
 }  // namespace touchstone::discrepancy

@@ -2,11 +2,11 @@
 // In every null world, where the found model is the truth under the declared noise and error of the mesh, the fit is
 // made again; how far it lands from the truth, on average and in spread, is what the stated value may be off. So the
 // error of the mesh, one and the same in all blocks, and the bias that noise in the positions brings about are in the
-// interval. The bias is not taken off, since its sign stands and falls with the path that the worlds take for the true
-// one, and since the model with it taken off foretells less from noisy positions: its size widens the interval to both
+// interval. The bias is not taken off, since its sign depends on the path that the simulation assumes to be the true
+// one, and since the model with it taken off predicts worse from noisy positions: its size widens the interval to both
 // sides (JCGM 100:2008, Guide to the expression of uncertainty in measurement, F.2.4.5), and further to the side that
 // the truth is on where noise weakens a value by a share of itself (attenuation: Fuller 1987, equation 1.1.7). Where
-// the model leaves more than the worlds do, the fit's own covariance, by runs of blocks, is wider and counts instead.
+// the model leaves more than simulations do, the fit's own covariance, by runs of blocks, is wider and counts instead.
 #pragma once
 
 #include <functional>

@@ -25,7 +25,7 @@ struct Regime {
 };
 
 // `evidence`: the samples to sort; predictions of the starting model and of the final one over the whole recording.
-// Contact is told by the final model, or by a measured force that differs by more than the floor from what the sensor
+// Contact is by the final model, or by a measured force that differs by more than the floor from what the sensor
 // shows in free air: a tool's weight that no model has yet is no contact.
 std::vector<Regime> sort_by_regime(const Evidence& evidence, const Prediction& before, const Prediction& after,
                                    double force_floor_N);

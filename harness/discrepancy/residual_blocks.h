@@ -23,7 +23,7 @@ struct ResidualBlock {
 std::vector<ResidualBlock> make_blocks(const MotionColumns& motion, double window_s);
 double block_window_s(double position_rate_Hz, const MotionColumns& motion);
 
-// Neighbouring blocks share what a model lacks: where their spread is taken, runs of so many count as one.
+// Neighbouring blocks share what a model lacks: where their spread is taken, runs of this many count as one.
 inline constexpr std::size_t blocks_in_run = 8;
 
 // Mean of a series over each block.

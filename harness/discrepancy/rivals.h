@@ -1,5 +1,5 @@
 // What could stand in the place of an effect that was found: every other candidate is fitted there, to the end, and
-// compared with it on the validation blocks, at the recorded positions and along the likely motion.
+// compared with it on the validation blocks, at the recorded positions and on the smoothed trajectory.
 #pragma once
 
 #include <functional>
@@ -45,9 +45,9 @@ struct FoundEffect {
 // rival's.
 using CameTo = std::function<const NamedParameters*(const std::string& rival, const std::string& added)>;
 
-// What was weighed by likelihood or by force alone, so that what fits alike at noisy positions is not alike.
+// What was weighed by likelihood or by force alone, so that equal fits at noisy positions do not count as equal.
 struct Settled {
-  std::set<std::string> laws;  // that took the place of a special case: none of their kind is alike
+  std::set<std::string> laws;  // that took the place of a special case: none of their kind is indistinguishable
   std::set<std::pair<std::string, std::string>> places;  // the effect that took the place, and what it took it from
 };
 
@@ -57,7 +57,7 @@ std::vector<FoundEffect> weigh_rivals(const SearchState& state, const CameTo& ca
 
 // The rival that does best of those that clearly do better in the place of a found effect, also along the likely
 // motion, and the effect that it beats; or one that does as well with far fewer parameters, or does as well at the
-// noisy positions and is the likelier along the likely motion. nullptr: none. `put_away`: those that do not come back.
+// noisy positions and is more likely on the smoothed trajectory, or nullptr. `put_away`: those that do not return.
 struct Swap {
   const FoundEffect* loser = nullptr;
   const Rival* winner = nullptr;

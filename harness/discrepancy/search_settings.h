@@ -17,19 +17,19 @@ struct SearchSettings {
   double clear_share = 0.03;
   double clear_noises = 3.0;
   double noise_share = 0.5;   // or, in the place of the latter, in square of what noise leaves
-  double gain_errors = 1.64;  // the validation gain exceeds so many of its standard errors by runs of blocks
-  // or the gains on both kinds of blocks together so many of theirs: 3 over a whole recording
+  double gain_errors = 1.64;  // the validation gain exceeds this many of its standard errors by runs of blocks
+  // or the gains on both kinds of blocks together this many of theirs: 3 over a whole recording
   double both_gain_errors = 2.12;
   double just_noticeable_share = 0.07;  // of the force: what removes more error than a hand can notice matters always
                                         // (Weber fraction of force, Jones 1989)
-  double mesh_margin = 1.25;            // a displaced surface must exceed the mesh's declared error by so much
+  double mesh_margin = 1.25;            // a displaced surface must exceed the mesh's declared error by this factor
   double null_deviations = 5.0;         // above what the case's own nulls gain, in their standard deviations
   double worsening = 0.15;              // of the squared error that goes, no regime's may grow by more than this share
   double alike_gain = 0.1;    // two explanations whose validation gains differ by less than this share of the gain, or
-  double rival_gain = 0.5;    // what makes up for half of the gain may be alike once noise is out of the motion
-  double alike_errors = 2.5;  // by less than so many standard errors, are alike
+  double rival_gain = 0.5;    // a rival with half of the gain may fit equally well once noise is out of the motion
+  double alike_errors = 2.5;  // by less than this many standard errors: indistinguishable
   double apart_share = 0.5;   // and so are two whose forces differ by less than this share of what noise leaves
-  double likely_share = 0.5;  // of its gain that an effect must have along the likely motion too
+  double likely_share = 0.5;  // of its gain that an effect must have on the smoothed trajectory
   double pair_share = 0.5;    // of the validation squared error beyond noise that two effects tried at once must remove
   double law_gain = 15.0;     // of -2 ln likelihood that a law with more parameters must gain over its special case
   double law_change = 0.14;   // and must change of the latter's force: laws are idealized (the blind test's friction

@@ -3,7 +3,7 @@
 // A hand moves more slowly than a tracker's noise, so that the noise of one sample shows against its neighbours. Where
 // the true tip went is therefore better known than the tracker's noise says, and a model at the recorded positions is
 // off in a way that can be foreseen. Laws that differentiate the motion (viscosity) or follow its path (friction) pass
-// tracker noise on in very different measure: whether two of them are alike is judged on the smoothed motion too.
+// tracker noise on in very different measure: whether two of them are indistinguishable is also judged on it.
 #pragma once
 
 #include <vector>

@@ -2,9 +2,9 @@
 // (see residual_views.h), learnt on the training blocks and judged on the held-out ones. They may detect, and are never
 // added to a model.
 //
-// Many views find something by chance. So each is judged by what it foretells in the case's own null worlds, where the
+// Many views find something by chance. So each is judged by what it predicts in simulated recordings, in which the
 // model is the truth and was fitted again, and the bar of all is the largest standardized share that any view reaches
-// in any of those worlds (the max statistic of joint tests: Westfall and Young 1993, chapter 2). Beyond chance the
+// in any of those (the max statistic of joint tests: Westfall and Young 1993, chapter 2). Beyond chance the
 // share must matter: laws of a library are idealized, and what they leave of a true effect's details is no missing
 // effect.
 #pragma once
@@ -22,7 +22,7 @@ namespace touchstone::discrepancy {
 struct Structure {
   std::string view;    // the one that exceeds its bar most, or comes nearest
   double gain = 0.0;   // of held-out chi-squared
-  double share = 0.0;  // of the held-out chi-squared, at the recorded positions and along the likely motion: the lesser
+  double share = 0.0;  // of the held-out chi-squared, at the recorded and on the smoothed positions: the lesser
   double bar = 0.0;    // of the share
   [[nodiscard]] bool found() const { return share > bar; }
 };
@@ -33,7 +33,7 @@ struct DetectorSide {
   NoiseModel* noise = nullptr;
 };
 
-// `refits`: `model` fitted again in null worlds; in those without one it stands for itself.
+// `refits`: `model` fitted again to null recordings; without one it stands for itself.
 Structure detect_structure(const DetectorSide& train, const DetectorSide& holdout, const Model& model,
                            const std::vector<NullFit>& refits);
 

@@ -1,4 +1,4 @@
-// What an effect must pass to be added. The cheap gates come first and judge every trial; the dear ones only the best,
+// What an effect must pass to be added. The cheap gates come first and judge every trial, the costly ones the best,
 // and the next one's turn comes when it fails.
 #pragma once
 
@@ -18,11 +18,11 @@ bool within_mesh_error(const SearchState& state, const Model& model, const std::
 // Passed: it gains more than noise, and matters.
 TrialVerdict weakness(const SearchState& state, const Standing& standing, const Trial& trial);
 
-// Passed: it makes no regime worse, helps along the likely motion too, and is no error that the mesh's makers declare.
+// Passed: it makes no regime worse, helps on the smoothed trajectory too, and is no declared error of the mesh.
 TrialVerdict objection(const SearchState& state, const Trial& trial);
 
-// What the validation gain must exceed: the most that any of the refits gains in the case's null worlds, and more by
-// the settings' deviations. Few worlds where they decide clearly, all of them where the gain is near the bar.
+// What the validation gain must exceed: the largest gain of any refit in the simulated null recordings, and more by
+// the settings' deviations. Few recordings if they decide clearly, all of them if the gain is near the bar.
 double null_bar(const SearchState& state, const RefitInWorld& refits, double gain);
 // Of one candidate.
 double null_bar(const SearchState& state, const Candidate& candidate, double gain);

@@ -19,7 +19,7 @@ struct Series {
   std::vector<double> value;           // NaN where the samples were not finite: a gap in the plot
   std::uint64_t samples = 0;           // how many samples it stands for
   std::uint64_t samples_per_pair = 1;  // 1: every sample is a point; else each pair of points is the minimum and
-                                       // maximum of so many samples
+                                       // maximum of this many samples
 };
 
 class SeriesRecorder {

@@ -44,7 +44,7 @@ struct PerceptionSpace {
   Eigen::MatrixXd basis;         // T of eq 19: k x d, orthonormal columns; the largest loading of each is positive
   Eigen::MatrixXd coordinates;   // eq 20, Im T without centring, as the paper's table 2: N x d
   Eigen::VectorXd eigenvalues;   // of the covariance (eq 18, over N), descending; of many conditions the leading ones
-  Eigen::Index available = 0;    // min(N - 1, k): so many there are
+  Eigen::Index available = 0;    // min(N - 1, k): how many there are
   Eigen::Index dimensions = 0;   // d; 0 when all conditions are the same
   double explained_share = 0.0;  // of the d dimensions
 };

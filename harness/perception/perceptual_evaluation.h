@@ -118,7 +118,7 @@ struct Disagreement {
   std::string why;
 };
 struct Disagreements {
-  std::size_t pairs = 0;  // so many are ordered differently
+  std::size_t pairs = 0;  // how many are ordered differently
   std::size_t of = 0;
   std::vector<Disagreement> most;  // those whose ranks differ most, that first
 };

@@ -1,4 +1,4 @@
-// The renderers that no other one beats: what is left to choose among when error, felt error, operations and time count
+// The renderers that no other one beats: what remains to choose from if error, felt error, operations and time count
 // at once.
 #pragma once
 

@@ -6,7 +6,7 @@
 //
 //  - Of one recording, and of fewer than `kFewestSampled`: the mean over bins of time of
 //      (|e_a| - |e_b|) / (sqrt(e_a^2 + e_b^2) + 0.3 e),
-//    with the RMS errors e_a, e_b in the bin and e of both in all bins. Bins in which the two err alike to rounding, as
+//    with the RMS errors e_a, e_b in the bin and e of both in all bins. Bins in which both errors are equal, as
 //    in free air, say nothing and are left out. Differences in shares of the error at hand, so that hard presses and
 //    single large errors do not drown the rest: where one renderer errs five times as much all the time, it is so
 //    after a few seconds. Its correlation in time harness/stats/series_mean.h takes into account. Both this and the RMS
@@ -18,7 +18,7 @@
 //    (`datasets_resampled`). Rank tests, which need no normal law, cannot tell any pair apart here: of eight data sets
 //    the smallest p of Wilcoxon's is 0.008, and 36 pairs of nine renderers need 0.0014.
 //  - Many pairs: Shaffer's procedure (harness/stats/all_pairs.h): the chance of one false difference or more on a
-//    board is at most `level`. The tests get a third of it on one recording, four fifths over data sets: what is left
+//    board is at most `level`. The tests get a third of it on one recording, four fifths over data sets: the rest
 //    is for the correlation, which is estimated from the same few seconds, and for laws that are not normal.
 //  - Ranks: [1 + how many are certainly better, N - how many are certainly worse] (Mogstad, Romano, Shaikh and Wilhelm
 //    2024), of the same pairs and so at the same level.

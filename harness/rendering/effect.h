@@ -1,5 +1,5 @@
 // An effect changes what a renderer makes of a contact: friction, damping, a stiffness that varies, ... Effects act on
-// the contact inside the step, live and in replay alike; EffectStack runs them over any renderer.
+// the contact inside the step, live and in replay; EffectStack runs them over any renderer.
 #pragma once
 
 #include <cstdint>

@@ -36,7 +36,7 @@ struct RecordingScales {
     constexpr double peak_to_peak = 11.0;
     return extent_m() > peak_to_peak * position_noise_m && extent_m() > 1e-6 * depth_m;
   }
-  // So many are in contact by the sensor or by the model alone only where the surface is elsewhere.
+  // How many are in contact by the sensor or by the model alone only where the surface is elsewhere.
   [[nodiscard]] bool surface_is_elsewhere() const { return touching_apart > much_apart; }
   static constexpr double much_apart = 0.2;
 };

@@ -20,7 +20,7 @@ namespace touchstone::rendering {
 class SmoothField {
  public:
   static constexpr std::size_t least_side = 4;  // coefficients: a cubic needs four
-  static constexpr std::size_t most_side = 20;  // so many are declared along a side
+  static constexpr std::size_t most_side = 20;  // declared along a side
 
   // Values in the order of field_parameters().
   explicit SmoothField(std::span<const double> values);

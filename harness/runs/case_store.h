@@ -85,7 +85,7 @@ class CaseStore {
   void forget_failed();
   // Takes the rows of another file of the same specification. A case that both have must have the same result; where
   // one of the two failed, the other counts. Throws BadData, for a row of the part that was changed, too.
-  // `relative`: numbers may differ by so much of the larger one, as those of another processor or compiler do; 0: to
+  // `relative`: numbers may differ by this share of the larger one, as those of another processor or compiler do; 0: to
   // the bit.
   CaseMerge merge(const std::filesystem::path& part, double relative = 0.0);
 

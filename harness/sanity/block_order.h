@@ -2,8 +2,8 @@
 // first? Blocks of the measured load are assigned to the blocks of the modelled load that they fit best (optimal
 // assignment, Kuhn 1955). The order is wrong if another one leaves less than half of the square that the file's own
 // order leaves, and less than half of what an assignment leaves to pieces that nobody cut: to blocks that run backwards
-// in time, and to modelled ones half a block further on. So much chance alone would find. A load that hardly varies
-// fits every order alike and is never blamed.
+// in time, and to modelled ones half a block further on. Chance alone finds as much. A load that hardly varies
+// fits every order equally and is never blamed.
 #pragma once
 
 #include <optional>

@@ -10,7 +10,7 @@
 namespace touchstone::sanity {
 
 struct LoadLag {
-  double lag_s = 0.0;        // the force is late by so much; negative: early
+  double lag_s = 0.0;        // how late the force is; negative: early
   double correlation = 0.0;  // of load and depth as recorded
   double shifted = 0.0;      // and with the force shifted back
   double drift_s = 0.0;      // how much later the force is in the second half than in the first

@@ -10,7 +10,7 @@
 
 namespace touchstone::sanity {
 
-// At most `most` samples, every so many of the file's. `f_W_N` and `motion.q_WS` are empty where the file has none.
+// At most `most` samples, every n-th of the file's. `f_W_N` and `motion.q_WS` are empty where the file has none.
 // Throws BadData as RecordingStream does.
 Recording sample_recording(const std::filesystem::path& path, std::size_t most = 16384);
 

@@ -3,8 +3,8 @@
 // bends the estimate towards those, so that their residuals are smaller than their errors. Here each cluster's score is
 // enlarged by what its leverage took off, and Student's t has the degrees of freedom that the spread of the information
 // over the clusters leaves, separately for each linear combination of the parameters: a few near the ends of a line,
-// where a few clusters carry it, many in its middle. Both are exact in expectation if the errors are alike and
-// independent.
+// where a few clusters carry it, many in its middle. Both are exact in expectation if the errors have one variance
+// and are independent.
 // Source: Bell and McCaffrey, Bias reduction in standard errors for linear regression with multi-stage samples, Survey
 // Methodology 28 (2002), 169-181: "CR2", and Satterthwaite's degrees of freedom (Biometrics Bulletin 2, 1946); in the
 // form for any working model by Pustejovsky and Tipton, J. Business & Economic Statistics 36 (2018), 672-683.

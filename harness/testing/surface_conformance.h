@@ -174,7 +174,7 @@ TEST_P(SurfaceConformance, CrossingsLieOnSegmentAndSurface) {
       ASSERT_LE(crossing->fraction, 1.0);
       ASSERT_LE((a + crossing->fraction * (b - a) - crossing->p_W_m).norm(), tolerance);
       ASSERT_LE(std::abs(crossing->n_W.norm() - 1.0), 1e-12);
-      // Where the segment grazes, rounding moves the crossing along it by so much more.
+      // Where the segment grazes, rounding moves the crossing along it further by that factor.
       const double length = (b - a).norm();
       const double steepness = std::max(std::abs(crossing->n_W.dot(b - a)) / length, 1e-3);
       ASSERT_LE(pose.surface->closest(crossing->p_W_m).distance_m, tolerance / steepness);

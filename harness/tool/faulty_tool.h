@@ -66,7 +66,7 @@ class FaultyTool : public ToolRenderer {
  private:
   static constexpr std::size_t kMostKept = 512;
 
-  // So many times the friction of the contacts that are listed.
+  // A multiple of the friction of the contacts that are listed.
   void add_friction(ToolResult& result, double times) noexcept {
     kept_.clear();
     for (ToolContact contact : result.contacts.first(std::min(kMostKept, result.contacts.size()))) {

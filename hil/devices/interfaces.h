@@ -111,7 +111,7 @@ class HapticDevice {
   virtual DeviceState exchange(const Vec3& f_W_N, double deadline_s) = 0;
   // Best effort, from any state, never throws; returns whether the device confirmed.
   virtual bool zero_force() noexcept = 0;
-  // The amplifiers off, where the device can: what is left when zero was confirmed, or could not be. As zero_force().
+  // The amplifiers off, where the device can: what remains when zero was confirmed, or could not be. As zero_force().
   virtual bool motors_off() noexcept { return zero_force(); }
   // After this long without an exchange the device itself lets go; 0: it has no watchdog.
   [[nodiscard]] virtual double watchdog_s() const = 0;

@@ -4,7 +4,7 @@
 //   HX711_ADC (olkal/HX711_ADC, commit 7762bc42):    "Load_cell output val: 12.34"
 // Of each line the n-th number is the load, by default the first. Readings have the same words around their numbers:
 // once two lines in a row agree in them, lines with others (what a sketch prints while it starts: HX711's example
-// prints raw counts) are counted as malformed and left out, as are lines without so many numbers (greetings,
+// prints raw counts) are counted as malformed and left out, as are lines with fewer numbers (greetings,
 // questions). Opening the line of most boards resets them: opening waits for the first readings, up to 10 s. A line
 // says neither its unit nor its time, and none is numbered: the user states newtons per unit (as 0.00980665 for grams,
 // negative where the cell is the other way round), times are arrivals, less what the bytes that came with them took on

@@ -1,5 +1,5 @@
 // A WebSocket client (RFC 6455, Boost.Beast) whose calls keep their deadlines. After a call that did not, or an error,
-// the connection is of no more use: an answer that comes late would be taken for the next one's.
+// the connection is of no more use: an answer that comes late would look like the next one's.
 #pragma once
 
 #include <memory>

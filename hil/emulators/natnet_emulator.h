@@ -50,7 +50,7 @@ struct NatNetFaults {
   std::uint32_t short_every = 0;   // every n-th is cut in half
   std::uint32_t silent_after = 0;
   std::uint32_t begins_at = 1;     // the first frame's number
-  std::uint32_t begins_again = 0;  // after so many frames the numbers begin at 1
+  std::uint32_t begins_again = 0;  // after this many frames the numbers begin at 1
   bool second_card = false;        // frames come from 127.0.0.2, answers from 127.0.0.1
 };
 

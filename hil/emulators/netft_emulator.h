@@ -23,7 +23,7 @@ struct NetFtFaults {
   std::uint32_t short_every = 0;       // every n-th is cut to 20 bytes
   std::uint32_t error_bit_every = 0;   // every n-th has the status bit of an error
   std::uint32_t first_sequence = 1;    // near 2^32: rolls over
-  std::uint32_t silent_after = 0;      // stops sending after so many; 0: never
+  std::uint32_t silent_after = 0;      // stops sending after this many; 0: never
   bool http_silent = false;            // accepts the connection and never answers
   bool http_garbage = false;           // answers with something that is not a configuration
   bool newest_client_wins = false;     // a second client takes the stream from the first

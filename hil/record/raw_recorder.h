@@ -1,7 +1,7 @@
 // Writes a raw recording while it is measured. push() is for the thread that reads the device: it allocates nothing,
 // takes no lock and does no I/O; a second thread writes blocks and tells the disk to keep them. Memory is bounded by
 // the ring. On a full disk nothing written is harmed: the writer cuts back to the last whole block, tries again while
-// the ring holds, and at the end saves what is left to the spill folder.
+// the ring holds, and at the end saves the rest to the spill folder.
 #pragma once
 
 #include <atomic>
@@ -37,7 +37,7 @@ class RawRecorder {
 
   // False when the ring is full: the sample is lost, and counted.
   bool push(const RawSample& sample) noexcept;
-  // Writes what is left and closes. Throws BadData when it had to go elsewhere, naming the spill file, or nowhere.
+  // Writes the rest and closes. Throws BadData when it had to go elsewhere, naming the spill file, or nowhere.
   void finish();
 
   [[nodiscard]] std::uint64_t written() const noexcept { return written_; }

@@ -1,4 +1,4 @@
-// What the recorder of many devices reads: a force sensor, a tracker or a haptic device, all alike.
+// What the recorder of many devices reads: a force sensor, a tracker or a haptic device.
 #pragma once
 
 #include <memory>

@@ -28,7 +28,7 @@ enum class GuardAsk : int { exchange, zero, motors_off, end };
 
 struct GuardRequest {
   GuardAsk ask = GuardAsk::exchange;
-  unsigned number = 0;  // of the request; its reply carries it, so that a late reply is not taken for another's
+  unsigned number = 0;  // of the request; its reply carries it, so that a late reply is not confused with another's
   double f_N[3] = {};
 };
 

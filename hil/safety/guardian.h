@@ -15,7 +15,7 @@
 //            the guard asks for it, when the guard dies, and when the guard's sign of life is older than `watchdog_s`
 //            while a force is on. Where the rescuer is gone, the guard lets go: nothing is pushed without it.
 //
-// What is left when the device itself does not obey: its own watchdog, and the physical switch.
+// The last resort if the device itself does not obey: its own watchdog, and the physical switch.
 #pragma once
 
 #include <functional>

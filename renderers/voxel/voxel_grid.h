@@ -12,7 +12,7 @@
 // does not depend on which of the triangles came first.
 //
 // The band: voxels whose centre is at most half a voxel's diagonal above the surface (the surface may pass through
-// them) and at most `reach` voxels below it hold a plane, others are free space: dense and sparse storage alike.
+// them) and at most `reach` voxels below it hold a plane, others are free space: dense and sparse storage both.
 // The grid lies along the axes. It is shifted against the middle of the body's box by unequal parts of a voxel: centres
 // on a plane of symmetry would be equally near to two triangles, and rounding would choose.
 #pragma once

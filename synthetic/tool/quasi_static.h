@@ -32,7 +32,7 @@ struct Equilibrium {
   Pose proxy;
   Wrench wrench_W;                       // on the tool by the object, about the tool's origin
   std::vector<double> contact_forces_N;  // one per gap, 0 where it does not touch. Not unique for a flat contact
-  double residual_N = 0.0;               // what is left of the balance, torques divided by 1 m
+  double residual_N = 0.0;               // residual of the balance, torques divided by 1 m
 };
 
 Equilibrium quasi_static_equilibrium(const std::vector<GapOfPose>& gaps, const Pose& handle, const Coupling& coupling);

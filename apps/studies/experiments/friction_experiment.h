@@ -33,7 +33,7 @@ struct FrictionAtStiffness {
 //    is off twice as far, and the line through both is followed back to no errors: simulation extrapolation (Cook and
 //    Stefanski 1994).
 //  - The spread of those is that of the estimate as far as the instruments make it (parametric bootstrap: Efron and
-//    Tibshirani 1993, section 6.5); the mean of so many adds its own.
+//    Tibshirani 1993, section 6.5); the mean of that many scans adds its own.
 struct FrictionEstimate {
   double rigid_mu = 0.0;     // extrapolated to a rigid probe
   double again_mu = 0.0;     // the same, on average over the scans measured again

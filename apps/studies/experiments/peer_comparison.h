@@ -8,7 +8,7 @@
 //
 // The exact answer is k (q - p), q the closest surface point to p where p is inside: depths stay at 1 mm, well below
 // every radius of curvature, where the god-object of a smooth surface is its closest point. It is solved to rounding
-// (synthetic/surfaces), and its deviation from the mesh's own answer is part of everyone's error alike.
+// (synthetic/surfaces), and its deviation from the mesh's own answer is part of the error of each.
 //
 // What of an error is the mesh's and what the renderer's own: off_mesh_N. Both libraries keep their proxy 1e-7 m above
 // the triangles (all of their error on plane20k: 5e-5 N) and take one crossing per step; where the triangles lie inside

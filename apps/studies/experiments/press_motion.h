@@ -9,7 +9,7 @@
 
 namespace touchstone::experiments {
 
-// The paper gives neither stroke nor beat nor how alike the presses are: all of this is ours.
+// The paper gives neither stroke nor beat nor how the presses differ: all of this is ours.
 struct PressMotion {
   double stroke_m = 0.010;
   double beat_Hz = 1.0;

@@ -1,4 +1,4 @@
-// A table as rows of text, the first of them the columns' names: for console and page alike.
+// A table as rows of text, the first of them the columns' names: for console and page.
 #pragma once
 
 #include <cstddef>

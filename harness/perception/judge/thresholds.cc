@@ -35,8 +35,7 @@ const std::vector<ThresholdEntry>& threshold_entries() {
        "Tan, Durlach, Beauregard and Srinivasan (1995): 22 % for compliance if the depth is varied, so that the force "
        "does not give it away",
        kAbstract, [](Thresholds& t) -> double& { return t.stiffness_fraction; }},
-      {"depth_fraction", "1",
-       "derived: what is left of the 22 % for compliance if the 7 % for force are taken out, both as above",
+      {"depth_fraction", "1", "derived: the 22 % for compliance without the 7 % for force, both as above",
        "the two abstracts", [](Thresholds& t) -> double& { return t.depth_fraction; }, "that of the two", true},
       {"direction_rad", "rad", "Barbagli, Salisbury, Ho, Spence and Tan (2006): 25.6 degrees by touch alone", kAbstract,
        [](Thresholds& t) -> double& { return t.direction_rad; }},

@@ -2,7 +2,7 @@
 // while in contact, in the air, and within 64 ms after contact begins. Within a band each frequency counts as its
 // threshold says: the power is that of an equally noticeable vibration at the band's centre.
 //
-// Power of the three axes is summed: vibration is felt alike in every direction (Landin, Romano, McMahan and
+// Power of the three axes is summed: vibration is felt equally in every direction (Landin, Romano, McMahan and
 // Kuchenbecker 2010).
 #pragma once
 
@@ -51,7 +51,7 @@ struct VibrationDifference {
   double real_N = 0.0;          // root mean square in that band
   double rendered_N = 0.0;
   double threshold_N = 0.0;  // of that band, root mean square
-  double allowed_N = 0.0;    // so much more than real_N in that band is noticed with d' = 1
+  double allowed_N = 0.0;    // this much more than real_N in that band is noticed with d' = 1
 };
 // Steady vibration in contact. Noise of the sensor is taken out of both, for nobody feels it: what is seen in the air,
 // of the other recording where one has no air, else what is declared (`noise_N2_per_Hz`, density of power of all axes).

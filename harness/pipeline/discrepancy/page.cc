@@ -92,7 +92,7 @@ Section what_section(const Findings& findings) {
           ""};
       for (const Rival& rival : effect.rivals) {
         if (rivals.rows.size() == 6) break;
-        const std::string why = rival.alike            ? "did not lose: explains the data alike"
+        const std::string why = rival.alike            ? "did not lose: explains the data equally well"
                                 : rival.contains_found ? "contains it, and does no better"
                                 : rival.validation_gain_lost > 0.9 * effect.validation_gain
                                     ? "explains next to nothing of it"
@@ -359,7 +359,7 @@ std::optional<Section> law_section(const Findings& findings) {
 Section search_section(const Findings& findings) {
   Section section{"How the search went",
                   "Gains are of chi-squared over blocks, where a law is weighed against one that it contains of -2 ln "
-                  "likelihood along the likely motion; the gain on the validation blocks decides.",
+                  "likelihood on the smoothed trajectory; the gain on the validation blocks decides.",
                   {},
                   true};
   std::size_t count = 0;

@@ -17,9 +17,9 @@
 //     tip, and the error is scored as everybody's.
 // The floor is the median of the draws, its interval their smallest and largest: one more score lies within them in
 // (n - 1) / (n + 1) of cases whatever its law (Hahn and Meeker 1991, section 5.3.1), which is 95 % of 39. Where the
-// surface has edges a few draws are large (the tip is taken for one on the other face), and Student's interval
+// surface has edges a few draws are large (the tip is assumed on the other face), and Student's interval
 // reached below zero.
-// What is left is due to instruments, mesh and the construction of the input. leaderboard_test.cc holds it against
+// The residual is due to instruments, mesh and the construction of the input. leaderboard_test.cc holds it against
 // recordings whose law is known.
 #pragma once
 

@@ -25,7 +25,7 @@ struct RecordingSurvey {
   bool has_force = false;
   double usual_force_N = 0.0;  // 99th percentile of the magnitude, within 0.1 %
   std::vector<std::string> notes;
-  // Every so many samples, a few thousand at most.
+  // Every n-th sample, a few thousand at most.
   std::vector<double> some_times_s;
   std::vector<Vec3> some_tips_W_m;
   std::vector<Vec3> some_forces_W_N;

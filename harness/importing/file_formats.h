@@ -1,0 +1,14 @@
+// The format of import maps.
+// One table of keys for each, from which `touchstone formats` and docs/reference/formats.md are made.
+#pragma once
+
+#include <span>
+
+#include "harness/base/file_format.h"
+#include "harness/base/rooms.h"
+
+namespace touchstone::importing {
+
+std::span<const FileFormat> file_formats();
+
+}  // namespace touchstone::importing

@@ -1,0 +1,14 @@
+// The formats of perceptual evaluations and of the thresholds that they use.
+// One table of keys for each, from which `touchstone formats` and docs/reference/formats.md are made.
+#pragma once
+
+#include <span>
+
+#include "harness/base/file_format.h"
+#include "harness/base/rooms.h"
+
+namespace touchstone::perception {
+
+std::span<const FileFormat> file_formats();
+
+}  // namespace touchstone::perception

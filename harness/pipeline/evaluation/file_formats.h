@@ -1,0 +1,14 @@
+// The format of the summary of many evaluations.
+// One table of keys for each, from which `touchstone formats` and docs/reference/formats.md are made.
+#pragma once
+
+#include <span>
+
+#include "harness/base/file_format.h"
+#include "harness/base/rooms.h"
+
+namespace touchstone::pipeline {
+
+std::span<const FileFormat> evaluation_file_formats();
+
+}  // namespace touchstone::pipeline

@@ -1,0 +1,32 @@
+#include "harness/recording/file_formats.h"
+
+#include <gtest/gtest.h>
+
+#include "harness/recording/column.h"
+
+namespace touchstone::recording {
+namespace {
+
+// "s, ms, us" as the page says it: "s, ms or us".
+std::string in_words(std::string units) {
+  const std::size_t last = units.rfind(", ");
+  if (last != std::string::npos) units.replace(last, 2, " or ");
+  return units;
+}
+
+// The columns that are described are those that are read, with their units.
+TEST(FileFormats, EveryColumnOfARecordingIsDescribed) {
+  const FileFormat& recording = file_formats().front();
+  ASSERT_EQ(recording.schema, "touchstone-recording/1");
+  ASSERT_EQ(recording.fields.size(), quantity_count);
+  for (std::size_t i = 0; i < quantity_count; ++i) {
+    const FormatField& field = recording.fields[i];
+    const QuantityInfo& info = quantities()[i];
+    EXPECT_EQ(field.path.substr(0, field.path.find('?')), info.name);
+    if (info.dimension == Dimension::none) continue;
+    EXPECT_EQ(field.unit, in_words(known_units(info.dimension))) << field.path;
+  }
+}
+
+}  // namespace
+}  // namespace touchstone::recording
