@@ -50,15 +50,15 @@ ExitStatus discrepancy(DiscrepancyOptions options) {
   if (options.files.model.empty()) throw UsageError("--model is required");
   const Plugins plugins = options.plugins.load();
   if (!options.plugins.libraries.empty()) options.files.plugins = &plugins;
+  const auto say = [](const std::string& line) { fmt::print(stderr, "{}\n", line); };
   if (options.verify) {
-    fmt::print("{:.17g} N\n", rms_of_files_N(built_in_catalogue(), options.files));
+    fmt::print("{:.17g} N\n", rms_of_files_N(built_in_catalogue(), options.files, say));
     return ExitStatus::passed;
   }
   if (options.files.out.empty()) throw UsageError("--out: a folder for the results is needed");
   options.files.command_line = command_line();
   options.files.program = own_program();
-  const Findings findings = run_discrepancy(built_in_catalogue(), options.files,
-                                            [](const std::string& line) { fmt::print(stderr, "{}\n", line); });
+  const Findings findings = run_discrepancy(built_in_catalogue(), options.files, say);
   if (!options.json.empty()) write_file(options.json, read_file(options.files.out / "findings.json"));
   fmt::print("{}", findings_text(findings, options.files));
   return ExitStatus::passed;

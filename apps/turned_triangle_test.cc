@@ -78,10 +78,18 @@ TEST_F(TurnedTriangle, IsSaidByEveryCommand) {
         std::string("fit --parameter stiffness_N_per_m=100:5000 --model model.json --recording over.csv --mesh "
                     "turned.obj --in-trajectory measured --out fitted"),
         std::string("discrepancy --time-limit 1 --model model.json --recording over.csv --mesh turned.obj --out "
-                    "searched")}) {
+                    "searched"),
+        std::string("discrepancy --verify --model model.json --recording over.csv --mesh turned.obj")}) {
     EXPECT_THAT(said(command), AllOf(HasSubstr(kSaid), Not(HasSubstr(kTurned)))) << command;
     EXPECT_THAT(said(command + " --repair"), AllOf(Not(HasSubstr(kSaid)), HasSubstr(kTurned))) << command;
   }
+}
+
+// The run that makes sure of the written model reads the files once more, and does not say it again.
+TEST_F(TurnedTriangle, IsSaidOnceByASearch) {
+  const std::string text =
+      said("discrepancy --time-limit 1 --model model.json --recording over.csv --mesh turned.obj --out searched");
+  EXPECT_EQ(text.find(kSaid), text.rfind(kSaid)) << text;
 }
 
 TEST_F(TurnedTriangle, OfAGoldenCasesOwnFileIsSaidByCheck) {

@@ -7,7 +7,9 @@
 
 #include <array>
 #include <cmath>
+#include <cstdio>
 #include <cstdlib>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -15,8 +17,12 @@
 
 namespace touchstone::pipeline {
 
-double rms_of_files_N(const Catalogue& catalogue, const DiscrepancyFiles& files) {
+double rms_of_files_N(const Catalogue& catalogue, const DiscrepancyFiles& files,
+                      const std::function<void(const std::string&)>& report) {
   const DiscrepancyInputs inputs = load_inputs(catalogue, files);
+  if (report) {
+    for (const std::string& remark : inputs.remarks) report(remark);
+  }
   const Recording& measured = inputs.train;
   const Prediction prediction = catalogue.make_predictor(inputs.surface, measured.motion)->predict(inputs.model);
   double sum = 0.0;
@@ -25,8 +31,10 @@ double rms_of_files_N(const Catalogue& catalogue, const DiscrepancyFiles& files)
 }
 
 std::optional<double> rms_in_fresh_process_N(const DiscrepancyFiles& files) {
+  // Kept until the run has ended: what is wrong with mesh and recording was said before the search.
+  const std::unique_ptr<std::FILE, decltype(&std::fclose)> said(std::tmpfile(), &std::fclose);
   std::array<int, 2> ends{};
-  if (pipe(ends.data()) != 0) return std::nullopt;
+  if (!said || pipe(ends.data()) != 0) return std::nullopt;
   std::vector<std::string> words{files.program.string(),
                                  "discrepancy",
                                  "--verify",
@@ -43,6 +51,7 @@ std::optional<double> rms_in_fresh_process_N(const DiscrepancyFiles& files) {
   posix_spawn_file_actions_t actions;
   posix_spawn_file_actions_init(&actions);
   posix_spawn_file_actions_adddup2(&actions, ends[1], STDOUT_FILENO);
+  posix_spawn_file_actions_adddup2(&actions, fileno(said.get()), STDERR_FILENO);
   posix_spawn_file_actions_addclose(&actions, ends[0]);
   pid_t child = 0;
   const int failed = posix_spawn(&child, words[0].c_str(), &actions, nullptr, arguments.data(), environ);
@@ -62,7 +71,12 @@ std::optional<double> rms_in_fresh_process_N(const DiscrepancyFiles& files) {
   char* end = nullptr;
   const double rms = std::strtod(text.c_str(), &end);
   if (!WIFEXITED(status) || WEXITSTATUS(status) != 0 || end == text.c_str()) {
-    throw BadData(fmt::format("{}: a fresh process could not run the written model", files.model.string()));
+    std::rewind(said.get());
+    std::string words_of_the_run;
+    while (const std::size_t got = std::fread(buffer.data(), 1, buffer.size(), said.get()))
+      words_of_the_run.append(buffer.data(), got);
+    throw BadData(fmt::format("{}: a fresh process could not run the written model:\n{}", files.model.string(),
+                              words_of_the_run));
   }
   return rms;
 }
