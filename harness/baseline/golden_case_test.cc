@@ -177,7 +177,7 @@ TEST(GoldenOperations, AreExact) {
   EXPECT_EQ(verdict(RunOperations{99999, 201}), Verdict::worse);
   EXPECT_EQ(verdict(std::nullopt), Verdict::missing);
   EXPECT_THAT(operations_change(golden, RunOperations{100500, 190})->message,
-              HasSubstr("100500 (+0.5%) where the golden takes 100000, in the dearest step 190 (-5%) for 200"));
+              HasSubstr("100500 (+0.5%) where the golden takes 100000, in the most expensive step 190 (-5%) for 200"));
   EXPECT_EQ(operations_change(std::nullopt, golden)->verdict, Verdict::missing);
   EXPECT_EQ(operations_change(std::nullopt, std::nullopt), std::nullopt);
   EXPECT_EQ(operations_change(RunOperations{}, RunOperations{1, 1})->verdict, Verdict::worse);
