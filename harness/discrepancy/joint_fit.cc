@@ -13,17 +13,11 @@
 #include "harness/base/error.h"
 #include "harness/base/in_parallel.h"
 #include "harness/discrepancy/field_prior.h"
+#include "harness/discrepancy/huber_loss.h"
 #include "harness/stats/sandwich.h"
 
 namespace touchstone::discrepancy {
 namespace {
-
-// Whitened blocks beyond this many standard deviations count linearly.
-constexpr double huber = 5.0;
-
-double robust(double square) {
-  return square <= huber * huber ? square : 2.0 * huber * std::sqrt(square) - huber * huber;
-}
 
 // The whitened, robustified residuals of all blocks.
 void residuals(const FitData& data, const Model& model, double* out) {
@@ -32,7 +26,7 @@ void residuals(const FitData& data, const Model& model, double* out) {
   for (std::size_t b = 0; b < means.size(); ++b) {
     const Vec3 e = whitened(data.measured_N[b] - means[b], data.noise[b]);
     const double square = e.squaredNorm();
-    const double factor = square > huber * huber ? std::sqrt(robust(square) / square) : 1.0;
+    const double factor = huber_weight(square) < 1.0 ? std::sqrt(huber_loss(square) / square) : 1.0;
     Eigen::Map<Vec3>(out + 3 * b) = factor * e;
   }
 }
@@ -71,8 +65,6 @@ class BlocksCost final : public ceres::CostFunction {
     Eigen::VectorXd u;
     Eigen::VectorXd residuals;
   };
-
-  static constexpr double difference = 2e-3;
 
   // Derivatives by what moves the contact, each of which costs a search for contact or two, and where they were taken.
   struct Moving {
@@ -119,7 +111,7 @@ class BlocksCost final : public ceres::CostFunction {
   // Friction and contact make small kinks: a step well above them, inward at a bound.
   std::optional<Eigen::VectorXd> to_one_side(Eigen::VectorXd u, Eigen::Index c, const FreeParameter& parameter,
                                              const double* here) const {
-    const double h = u[c] + difference > parameter.upper ? -difference : difference;
+    const double h = u[c] + derivative_step > parameter.upper ? -derivative_step : derivative_step;
     Eigen::VectorXd there(num_residuals());
     u[c] += h;
     if (!evaluate(u, there.data())) return std::nullopt;
@@ -198,11 +190,11 @@ Eigen::MatrixXd information_matrix(const FitData& data, const Model& model,
   return jacobian.transpose() * jacobian;
 }
 
-namespace {
-
-bool out_of_time(const FitData& data) {
+bool time_is_up(const FitData& data) {
   return data.budget != nullptr && !data.budget->allows("the last steps of a fit");
 }
+
+namespace {
 
 // Ends a fit when time is up, or when the rest of its iterations will not bring it below a bar.
 class EndsEarly final : public ceres::IterationCallback {
@@ -213,7 +205,7 @@ class EndsEarly final : public ceres::IterationCallback {
   ceres::CallbackReturnType operator()(const ceres::IterationSummary& now) override {
     // A step that was refused says nothing of the next one.
     if (now.iteration == 0 || now.step_is_successful) costs_.push_back(now.cost);
-    return out_of_time(data_) || is_hopeless(now) ? ceres::SOLVER_TERMINATE_SUCCESSFULLY : ceres::SOLVER_CONTINUE;
+    return time_is_up(data_) || is_hopeless(now) ? ceres::SOLVER_TERMINATE_SUCCESSFULLY : ceres::SOLVER_CONTINUE;
   }
 
  private:
@@ -253,7 +245,7 @@ JointFit fit_below(double hopeless, const FitData& data, BlocksCost& cost, const
   // well conditioned.
   constexpr Eigen::Index many = 40;
   options.linear_solver_type = n > many ? ceres::DENSE_NORMAL_CHOLESKY : ceres::DENSE_QR;
-  options.function_tolerance = 1e-5;
+  options.function_tolerance = least_decrease;
   options.parameter_tolerance = 1e-6;
   options.logging_type = ceres::SILENT;
   // Within bounds every step ends with a line search. A cubic one asks for derivatives at each of its points, which
@@ -324,138 +316,6 @@ JointFit fit_jointly(const FitData& data, const Model& start, const std::vector<
   const Eigen::VectorXd wider =
       inverse.diagonal().cwiseQuotient(fit.covariance.diagonal().cwiseMax(1e-300)).cwiseMax(1.0).cwiseSqrt();
   fit.covariance = Eigen::MatrixXd(wider.asDiagonal() * fit.covariance * wider.asDiagonal());
-  return fit;
-}
-
-namespace {
-
-// Whitened residuals of what was measured, without Huber's loss; nothing if the model cannot run.
-std::optional<Eigen::VectorXd> plain_residuals(const FitData& data, const std::vector<Vec3>& measured_N,
-                                               const Model& model) {
-  try {
-    const auto means = block_means(data.blocks, data.predictor->predict(model).f_W_N);
-    Eigen::VectorXd left(static_cast<Eigen::Index>(3 * means.size()));
-    for (std::size_t b = 0; b < means.size(); ++b)
-      left.segment<3>(static_cast<Eigen::Index>(3 * b)) = whitened(measured_N[b] - means[b], data.noise[b]);
-    if (left.allFinite()) return left;
-  } catch (const BadData&) {
-    // Outside of what the model accepts.
-  }
-  return std::nullopt;
-}
-
-double robust_sum(const Eigen::VectorXd& left) {
-  double sum = 0.0;
-  for (Eigen::Index row = 0; row < left.size(); row += 3) sum += robust(left.segment<3>(row).squaredNorm());
-  return sum;
-}
-
-// Of the least squares of the step from u within the bounds: what would cross one stays there, the others make up for
-// it.
-Eigen::VectorXd bounded_step(const Eigen::MatrixXd& curvature, const Eigen::VectorXd& slope, const Eigen::VectorXd& u,
-                             const std::vector<FreeParameter>& parameters) {
-  const Eigen::Index n = u.size();
-  Eigen::VectorXd step = Eigen::VectorXd::Zero(n);
-  std::vector<Eigen::Index> inside(static_cast<std::size_t>(n));
-  for (Eigen::Index i = 0; i < n; ++i) inside[static_cast<std::size_t>(i)] = i;
-  while (!inside.empty()) {
-    const Eigen::VectorXd wanted = -slope - curvature * step;
-    Eigen::VectorXd changes = Eigen::VectorXd::Zero(n);
-    const Eigen::MatrixXd own = curvature(inside, inside);
-    const Eigen::VectorXd solved = own.ldlt().solve(Eigen::VectorXd(wanted(inside)));
-    changes(inside) = solved;
-    const auto held = std::erase_if(inside, [&](Eigen::Index i) {
-      const FreeParameter& parameter = parameters[static_cast<std::size_t>(i)];
-      const double bounded = std::clamp(u[i] + step[i] + changes[i], parameter.lower, parameter.upper) - u[i];
-      const bool crosses = bounded != step[i] + changes[i] && std::abs(bounded - step[i] - changes[i]) > 1e-12;
-      if (crosses) step[i] = bounded;
-      return crosses;
-    });
-    if (held > 0) continue;
-    return step + changes;
-  }
-  return step;
-}
-
-}  // namespace
-
-NearbyFits::NearbyFits(const FitData& data, const Model& model, const std::vector<FreeParameter>& parameters)
-    : data_(&data), parameters_(&parameters) {
-  const bool field = std::any_of(parameters.begin(), parameters.end(), [](const auto& p) { return p.coefficient; });
-  if (field || out_of_time(data)) return;
-  constexpr double difference = 2e-3;  // as in a fit
-  const auto n = static_cast<Eigen::Index>(parameters.size());
-  derivatives_.resize(static_cast<Eigen::Index>(3 * data.blocks.size()), n);
-  const auto here = plain_residuals(data, data.measured_N, model);
-  if (!here) return;
-  for (Eigen::Index i = 0; i < n; ++i) {
-    const FreeParameter& parameter = parameters[static_cast<std::size_t>(i)];
-    const double u = std::clamp(parameter.get(model), parameter.lower, parameter.upper);
-    const double high = std::min(parameter.upper, u + (parameter.step > 0.0 ? parameter.step : difference));
-    const double low =
-        parameter.step > 0.0 || high <= u ? std::max(parameter.lower, u - std::max(parameter.step, difference)) : u;
-    Model moved = model;
-    parameter.set(moved, high);
-    const auto above = high > u ? plain_residuals(data, data.measured_N, moved) : here;
-    parameter.set(moved, low);
-    const auto below = low < u ? plain_residuals(data, data.measured_N, moved) : here;
-    if (!above || !below || !(high > low)) return;
-    derivatives_.col(i) = (*above - *below) / (high - low);
-  }
-  usable_ = true;
-}
-
-JointFit NearbyFits::fit(const std::vector<Vec3>& measured_N, const Model& start, int steps) const {
-  const std::vector<FreeParameter>& parameters = *parameters_;
-  const auto n = static_cast<Eigen::Index>(parameters.size());
-  JointFit fit;
-  fit.model = start;
-  fit.u.resize(n);
-  const auto at = [&](const Eigen::VectorXd& u) {
-    Model model = start;
-    for (Eigen::Index i = 0; i < n; ++i) parameters[static_cast<std::size_t>(i)].set(model, u[i]);
-    return model;
-  };
-  for (Eigen::Index i = 0; i < n; ++i) {
-    const FreeParameter& parameter = parameters[static_cast<std::size_t>(i)];
-    fit.u[i] = std::clamp(parameter.get(start), parameter.lower, parameter.upper);
-  }
-  auto left = plain_residuals(*data_, measured_N, at(fit.u));
-  if (!left || !usable_) return fit;
-  double sum = robust_sum(*left);
-  for (int taken = 0; taken < steps && !out_of_time(*data_); ++taken) {
-    Eigen::VectorXd weights(left->size());
-    for (Eigen::Index row = 0; row < left->size(); row += 3) {
-      const double square = left->segment<3>(row).squaredNorm();
-      weights.segment<3>(row).setConstant(square > huber * huber ? huber / std::sqrt(square) : 1.0);
-    }
-    Eigen::MatrixXd curvature = derivatives_.transpose() * weights.asDiagonal() * derivatives_;
-    // What the recording does not determine stays where it is.
-    constexpr double damping = 1e-8;
-    curvature.diagonal() *= 1.0 + damping;
-    curvature.diagonal().array() += 1e-300 + damping * damping * curvature.diagonal().maxCoeff();
-    const Eigen::VectorXd slope = derivatives_.transpose() * weights.cwiseProduct(*left);
-    Eigen::VectorXd step = bounded_step(curvature, slope, fit.u, parameters);
-    bool better = false;
-    double decrease = 0.0;
-    constexpr int shortenings = 3;
-    for (int shorter = 0; shorter <= shortenings && !better; ++shorter, step *= 0.5) {
-      const Eigen::VectorXd there = fit.u + step;
-      const auto then = plain_residuals(*data_, measured_N, at(there));
-      if (!then) continue;
-      decrease = sum - robust_sum(*then);
-      if (!(decrease > 0.0)) continue;
-      better = true;
-      fit.u = there;
-      left = then;
-      sum -= decrease;
-    }
-    constexpr double tolerance = 1e-5;  // as in a fit
-    if (!better || decrease < tolerance * sum) break;
-  }
-  fit.model = at(fit.u);
-  fit.chi_squared = sum;
-  fit.ok = std::isfinite(sum);
   return fit;
 }
 

@@ -22,6 +22,13 @@ struct FitData {
   std::vector<BlockNoise> noise;
 };
 
+// Of derivatives, in u: friction and contact make small kinks, and this is well above them.
+inline constexpr double derivative_step = 2e-3;
+// A fit ends when a step takes less than this share off chi-squared.
+inline constexpr double least_decrease = 1e-5;
+// Whether the search has run out of time; it is noted there.
+bool time_is_up(const FitData& data);
+
 // Sum over blocks of Huber's rho of the whitened residual, in units of chi-squared.
 double chi_squared(const FitData& data, const Model& model);
 // The same by block.
@@ -51,28 +58,5 @@ JointFit fit_jointly(const FitData& data, const Model& start, const std::vector<
 // decrease of the last four steps, would end above it.
 JointFit fit_jointly_below(double hopeless, const FitData& data, const Model& start,
                            const std::vector<FreeParameter>& parameters, int iterations);
-
-// Fits of recordings that differ by noise alone end near each other, and so they share the derivatives at one of them:
-// Newton's chord method (Kelley 1995, Iterative Methods for Linear and Nonlinear Equations, chapter 5) with the
-// Gauss-Newton matrix, reweighted for Huber's loss at each step. A fit costs a prediction for each of a few steps
-// instead of one for each parameter and step.
-class NearbyFits {
- public:
-  // `data`: their blocks and noise; what was measured there does not matter. `model`: where they begin. The referenced
-  // must outlive it.
-  NearbyFits(const FitData& data, const Model& model, const std::vector<FreeParameter>& parameters);
-
-  // Whether the model can run and no coefficient of a field is free, whose prior is not in the shared derivatives.
-  [[nodiscard]] bool usable() const { return usable_; }
-  // `measured_N`: means of the blocks. `start`: the model, or one that differs in what is not free. Without covariance.
-  // For many threads.
-  [[nodiscard]] JointFit fit(const std::vector<Vec3>& measured_N, const Model& start, int steps) const;
-
- private:
-  const FitData* data_;
-  const std::vector<FreeParameter>* parameters_;
-  Eigen::MatrixXd derivatives_;  // of the whitened residuals
-  bool usable_ = false;
-};
 
 }  // namespace touchstone::discrepancy

@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "harness/base/random.h"
+#include "harness/discrepancy/nearby_fits.h"
 
 namespace touchstone::discrepancy {
 namespace {

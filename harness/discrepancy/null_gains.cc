@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "harness/base/in_parallel.h"
+#include "harness/discrepancy/nearby_fits.h"
 
 namespace touchstone::discrepancy {
 

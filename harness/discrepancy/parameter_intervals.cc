@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "harness/base/in_parallel.h"
+#include "harness/discrepancy/nearby_fits.h"
 
 namespace touchstone::discrepancy {
 namespace {
