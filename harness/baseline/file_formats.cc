@@ -72,7 +72,7 @@ constexpr auto contact_limits_fields = std::to_array<FormatField>({
 });
 constexpr FormatPart contact_limits{contact_limits_fields};
 
-constexpr auto tolerance_part_fields = std::to_array<FormatField>({
+constexpr auto tolerance_fields = std::to_array<FormatField>({
     {"reason?", "text", "", "why these limits; a golden case must say it"},
     {"time?", "object", "", "limits of the times", &time_limits},
     {"position?", "object", "", "limits of the tip's position", &position_limits},
@@ -82,18 +82,7 @@ constexpr auto tolerance_part_fields = std::to_array<FormatField>({
     {"orientation?", "object", "", "limits of the orientation", &orientation_limits},
     {"contact?", "object", "", "limits of the contact state", &contact_limits},
 });
-constexpr FormatPart tolerance_part{tolerance_part_fields};
-
-constexpr auto tolerance_fields = std::to_array<FormatField>({
-    {"reason?", "text", "", "why these limits"},
-    {"time?", "object", "", "limits of the times", &time_limits},
-    {"position?", "object", "", "limits of the tip's position", &position_limits},
-    {"contact_position?", "object", "", "limits of the surface contact point", &position_limits},
-    {"force?", "object", "", "limits of the force", &force_limits},
-    {"torque?", "object", "", "limits of the torque", &torque_limits},
-    {"orientation?", "object", "", "limits of the orientation", &orientation_limits},
-    {"contact?", "object", "", "limits of the contact state", &contact_limits},
-});
+constexpr FormatPart tolerance_part{tolerance_fields};
 
 constexpr auto golden_case_fields = std::to_array<FormatField>({
     {"name", "text", "", "that of its folder: small letters, digits and -"},
