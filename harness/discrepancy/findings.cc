@@ -203,9 +203,15 @@ void say_what_is_open(Findings& findings) {
     findings.explanation += fmt::format(" A value to question: {}: {}.", question.effect, question.sentence);
   }
   if (!search.not_tried.empty()) {
-    findings.explanation +=
-        fmt::format(" The time limit of {:.4g} s ended the search: this is the best answer until then; not tried: {}.",
-                    search.time_limit_s, fmt::join(search.not_tried, ", "));
+    // A search over many effects leaves a hundred trials: a reader needs to know that, and the file has them all.
+    constexpr std::size_t most_named = 4;
+    const std::size_t named = std::min(most_named, search.not_tried.size());
+    const std::size_t more = search.not_tried.size() - named;
+    findings.explanation += fmt::format(
+        " The time limit of {:.4g} s ended the search: this is the best answer until then; not tried: {}{}.",
+        search.time_limit_s,
+        fmt::join(search.not_tried.begin(), std::next(search.not_tried.begin(), std::ptrdiff_t(named)), ", "),
+        more > 0 ? fmt::format(" and {} more (time_limit.not_tried in findings.json)", more) : "");
   }
 }
 

@@ -56,6 +56,22 @@ TEST(FindingsRepeat, WithinTheFloorWhatWasFoundExplains) {
   EXPECT_THAT(f.explanation, HasSubstr("With coulomb-friction nothing is missing that this object repeats."));
 }
 
+// A search over many effects that ran out of time says how much it did not try, and names little of it.
+TEST(FindingsOfLimitedTime, NameFewOfManyTrials) {
+  Findings f = left_over(0.05);
+  f.search.time_limit_s = 60.0;
+  f.search.not_tried = {"a", "b", "c", "d"};
+  Findings many = f;
+  for (int i = 0; i < 90; ++i) many.search.not_tried.push_back("trial " + std::to_string(i));
+  conclude(f, {});
+  EXPECT_THAT(f.explanation, HasSubstr("The time limit of 60 s ended the search: this is the best answer until then; "
+                                       "not tried: a, b, c, d."));
+  conclude(many, {});
+  EXPECT_THAT(many.explanation,
+              HasSubstr("not tried: a, b, c, d and 90 more (time_limit.not_tried in findings.json)."));
+  EXPECT_THAT(many.explanation, Not(HasSubstr("trial")));
+}
+
 // Where a damper passes the tracker's noise on, single samples have their own sentence; without it the error rises.
 TEST(FindingsOfMeans, WhatSingleSamplesLeaveIsSaidBeside) {
   Findings f = left_over(0.05, 1.0);
