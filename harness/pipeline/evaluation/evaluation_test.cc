@@ -141,6 +141,18 @@ TEST(Evaluation, SizesThatHardlyFitAreSaid) {
       std::ranges::any_of(messages, [](const std::string& one) { return one.find("mm") != std::string::npos; }));
 }
 
+TEST(Evaluation, TorqueIsSaidNotToBeJudged) {
+  const auto folder = fresh_folder("touchstone-torque");
+  Recording recording = scan(0.0);
+  const EvaluationRequest without = write_scan(folder, recording, 500.0);
+  EXPECT_TRUE(run_evaluation(built_in(), without, "").messages.empty());
+  recording.torque_W_Nm.assign(recording.size(), Vec3(0.0, 0.01, 0.0));
+  const EvaluationRequest request = write_scan(folder, recording, 500.0);
+  const auto messages = run_evaluation(built_in(), request, "").messages;
+  ASSERT_EQ(messages.size(), 1U);
+  EXPECT_NE(messages[0].find("touchstone tool compare"), std::string::npos) << messages[0];
+}
+
 TEST(Evaluation, ReversedForcesAreNoticedAndTheFlipIsOffered) {
   const auto folder = fresh_folder("touchstone-sign");
   Recording recording = scan(0.0);

@@ -64,6 +64,12 @@ RecordingSurvey survey_recording(const EvaluationRequest& request) {
   out.samples = stream.samples();
   out.clock = stream.clock();
   out.notes = stream.notes();
+  if (stream.has(ColumnGroup::torque)) {
+    out.notes.push_back(fmt::format(
+        "{}: its torque is not judged, a renderer of a tip has none; of a tool with a shape `touchstone tool "
+        "compare` and `touchstone tool fit` judge it",
+        request.recording.string()));
+  }
   if (out.has_force) out.usual_force_N = forces.quantile(0.99);
   return out;
 }
