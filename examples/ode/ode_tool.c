@@ -4,8 +4,8 @@
  * ODE has rigid bodies, collision of triangle meshes and contact constraints, but no haptics. It becomes a haptic
  * renderer as CHAI3D's ODE module makes one: the tool is a body of ODE that a virtual coupling pulls to the handle, and
  * the hand feels that coupling (Colgate, Stanley and Brown 1995). Here the coupling is the one that the program gives,
- * with critical damping; the body's inertia is the coupling's stiffness divided by the square of kRate_per_s, in each of
- * its six directions about the handle, so that it follows within milliseconds and a step of a millisecond is stable
+ * with critical damping; the body's inertia is the coupling's stiffness divided by the square of kRate_per_s, in each
+ * of its six directions about the handle, so that it follows within milliseconds and a step of a millisecond is stable
  * whatever the stiffness. Where it rests does not depend on it. */
 #include <math.h>
 #include <ode/ode.h>
@@ -13,8 +13,13 @@
 #include <stdlib.h>
 #include <touchstone/plugin2.h>
 
-enum { kMostContacts = 64 };
+enum { kMostContacts = 64, kMostMoments = 250 };
 static const double kRate_per_s = 200.0;
+static const double kMoment_s = 1e-3; /* a fifth of 1 / kRate_per_s */
+/* Meshes that meet face on face have contacts that stand twice, for which the hard equations of ODE are singular ("LCP
+ * internal error"). With this much constraint force mixing a contact gives way by softness * force * kMoment_s / ERP:
+ * 0.05 um a newton with ODE's ERP of 0.2. */
+static const double kSoftness_m_per_Ns = 1e-5;
 
 struct shape {
   double* vertices;
@@ -140,6 +145,38 @@ static void pull(touchstone2_renderer* renderer, const touchstone2_pose* handle)
   dBodyAddTorque(renderer->body, k_r * (turn[0] - b * w[0]), k_r * (turn[1] - b * w[1]), k_r * (turn[2] - b * w[2]));
 }
 
+/* What touched while the body moved last. */
+struct touch {
+  dContactGeom found[kMostContacts];
+  dJointFeedback feedback[kMostContacts];
+  int count;
+};
+
+/* How many moments of at most kMoment_s a step is divided into: the coupling is integrated explicitly, and over a gap
+ * in the samples the body would be thrown (0.16 m, for 0.2 s and 0.1 mm). After kMostMoments it rests, by exp(-50): a
+ * longer gap takes no more of them. */
+static int moments_between(double from_s, double to_s) {
+  const double moments = ceil((to_s - from_s) / kMoment_s - 1e-6);
+  return moments < 1.0 ? 1 : moments > kMostMoments ? kMostMoments : (int)moments;
+}
+
+static void move(touchstone2_renderer* renderer, const touchstone2_pose* handle, double moment_s, struct touch* touch) {
+  touch->count =
+      dCollide(renderer->tool.geom, renderer->object.geom, kMostContacts, touch->found, sizeof touch->found[0]);
+  for (int i = 0; i < touch->count; ++i) {
+    dContact contact = {0};
+    contact.surface.mode = dContactApprox0 | dContactSoftCFM;
+    contact.surface.soft_cfm = kSoftness_m_per_Ns;
+    contact.geom = touch->found[i];
+    const dJointID joint = dJointCreateContact(renderer->world, renderer->joints, &contact);
+    dJointAttach(joint, renderer->body, NULL);
+    dJointSetFeedback(joint, &touch->feedback[i]);
+  }
+  pull(renderer, handle);
+  dWorldStep(renderer->world, moment_s);
+  dJointGroupEmpty(renderer->joints);
+}
+
 int touchstone2_step(touchstone2_renderer* renderer, const touchstone2_input* input, touchstone2_result* result) {
   const touchstone2_pose* const object = &input->bodies[0];
   dGeomSetPosition(renderer->object.geom, object->p_W_m[0], object->p_W_m[1], object->p_W_m[2]);
@@ -151,26 +188,16 @@ int touchstone2_step(touchstone2_renderer* renderer, const touchstone2_input* in
     renderer->last_t_s = input->t_s;
     return 0;
   }
-  dContactGeom found[kMostContacts];
-  dJointFeedback feedback[kMostContacts];
-  const int count = dCollide(renderer->tool.geom, renderer->object.geom, kMostContacts, found, sizeof found[0]);
-  for (int i = 0; i < count; ++i) {
-    dContact contact = {0};
-    contact.surface.mode = dContactApprox0;
-    contact.geom = found[i];
-    const dJointID joint = dJointCreateContact(renderer->world, renderer->joints, &contact);
-    dJointAttach(joint, renderer->body, NULL);
-    dJointSetFeedback(joint, &feedback[i]);
-  }
-  pull(renderer, &input->tip);
-  dWorldStep(renderer->world, input->t_s - renderer->last_t_s);
+  struct touch touch;
+  const int moments = moments_between(renderer->last_t_s, input->t_s);
+  const double moment_s = fmin((input->t_s - renderer->last_t_s) / moments, kMoment_s);
+  for (int i = 0; i < moments; ++i) move(renderer, &input->tip, moment_s, &touch);
   renderer->last_t_s = input->t_s;
-  dJointGroupEmpty(renderer->joints);
   const dReal* const p = dBodyGetPosition(renderer->body);
   const dReal* const q = dBodyGetQuaternion(renderer->body);
   for (int k = 0; k < 3; ++k) result->proxy.p_W_m[k] = p[k];
   for (int k = 0; k < 4; ++k) result->proxy.q_WB[k] = q[k];
-  if (count == 0) return 0;
+  if (touch.count == 0) return 0;
   result->contact = 1;
   double way[3], turn[3];
   apart(renderer->body, &input->tip, way, turn);
@@ -178,13 +205,13 @@ int touchstone2_step(touchstone2_renderer* renderer, const touchstone2_input* in
     result->f_W_N[k] = -renderer->stiffness_N_per_m * way[k];
     result->torque_W_Nm[k] = -renderer->rotational_stiffness_Nm_per_rad * turn[k];
   }
-  for (int i = 0; i < count && result->contact_count < result->contact_capacity; ++i) {
+  for (int i = 0; i < touch.count && result->contact_count < result->contact_capacity; ++i) {
     touchstone2_contact* const contact = &result->contacts[result->contact_count++];
     *contact = (touchstone2_contact){.body = 0};
     for (int k = 0; k < 3; ++k) {
-      contact->p_W_m[k] = found[i].pos[k];
-      contact->n_W[k] = found[i].normal[k]; /* into the first geometry: the tool */
-      contact->f_W_N[k] = feedback[i].f1[k];
+      contact->p_W_m[k] = touch.found[i].pos[k];
+      contact->n_W[k] = touch.found[i].normal[k]; /* into the first geometry: the tool */
+      contact->f_W_N[k] = touch.feedback[i].f1[k];
     }
   }
   return 0;
