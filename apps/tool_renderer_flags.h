@@ -29,7 +29,7 @@ struct ToolRendererFlags {
 // The tool of a command that takes its shape from a file.
 struct ToolShapeFlags {
   std::string file, unit = "m";
-  double mass_kg = 0.0;  // 0: as told by the shape
+  double mass_kg = 0.0;  // 0: that of the shape
 
   // --tool and --tool-mass; `unit` is set by the command's own flag, which also is the object's.
   void add_to(CLI::App& command);

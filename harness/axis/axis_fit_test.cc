@@ -1,5 +1,5 @@
 // Axes made with known terms: each is found at several scales, what is not there is not named, and what the motion
-// cannot tell apart is said to be so.
+// cannot tell apart is reported as such.
 #include "harness/axis/axis_fit.h"
 
 #include <fmt/format.h>

@@ -80,7 +80,7 @@ TEST_F(Bisection, TwoFaultsAmongCommitsThatDoNotBuildOrRun) {
   for (int i = 0; i < 5; ++i) commit("1.5", fmt::format("later {}", i));
   commit("broken", "does not build");
   commit("crash", "does not run");
-  for (int i = 0; i < 5; ++i) commit("1.5", fmt::format("mended {}", i));
+  for (int i = 0; i < 5; ++i) commit("1.5", fmt::format("fixed {}", i));
   const std::string second = commit("1.6", "the second fault");
   const std::string bad = commit("1.6", "end");
   const std::string before = state();

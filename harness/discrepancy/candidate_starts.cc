@@ -78,7 +78,7 @@ CandidateFit planned(const Context& c, SearchPlan plan) {
   return fit;
 }
 
-// A bump somewhere: from the places and widths that explain most of what is left along the normal.
+// A bump somewhere: from the places and widths that explain most of the residual along the normal.
 CandidateFit bump(const Context& c, BumpOf of, double scale, double lower, double upper) {
   const auto& name = c.candidate.name;
   const std::string amplitude = of == BumpOf::surface ? "amplitude_m" : "amplitude";

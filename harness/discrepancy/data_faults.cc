@@ -33,7 +33,7 @@ std::vector<Vec3> response(Predictor& predictor, const Model& base, const Candid
   return series;
 }
 
-// The whitened squares that a model leaves along the likely motion.
+// The whitened squares that a model leaves on the smoothed trajectory.
 double left_by_model(const DetectorSide& side, const FitData& blocks, const Model& model) {
   const Prediction prediction = side.noise->likely_predictor().predict(model);
   std::vector<Vec3> left(prediction.f_W_N.size());
@@ -71,9 +71,9 @@ Vec3 widest_axis(const FitData& data, const std::vector<Vec3>& f_W_N) {
   return Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(covariance).eigenvectors().col(2);
 }
 
-// A pull of little weight in the error, which rests leave: told by its direction while the tip slides fast. It must be
-// there beside what the search found, too: a bias of the sensor, which the base does not know, pulls along most of the
-// strokes that go to its side.
+// A pull of little weight in the error, which rests leave: detected from its direction while the tip slides fast. It
+// must be there beside what the search found, too: a bias of the sensor, which the base does not know, pulls along most
+// of the strokes that go to its side.
 std::optional<std::string> pulls_along_everywhere(const DetectorSide& train, const DetectorSide& holdout,
                                                   const Model& base, const Model& best,
                                                   const std::vector<Candidate>& candidates) {
@@ -120,7 +120,7 @@ std::optional<std::string> find_order_fault(const DetectorSide& side, const Mode
 std::optional<std::string> find_coefficient_fault(const DetectorSide& train, const DetectorSide& holdout,
                                                   const Model& base, const Model& best,
                                                   const std::vector<Candidate>& candidates) {
-  // Coefficients are sought along the likely motion: where the tip rests, friction at noisy positions turns with the
+  // Coefficients are sought on the smoothed trajectory: where the tip rests, friction at noisy positions turns with the
   // noise, and a rate is mostly noise.
   const Prediction train_likely = train.noise->likely_predictor().predict(base);
   const Prediction holdout_likely = holdout.noise->likely_predictor().predict(base);

@@ -107,7 +107,7 @@ class Search {
     for (Trial& likely : more_trials) {
       if (!more && keep(likely, step)) {
         more = true;
-        likely.verdict = {TrialVerdict::Kind::added_apart, "added: more likely with it along the likely motion"};
+        likely.verdict = {TrialVerdict::Kind::added_apart, "added: more likely with it on the smoothed trajectory"};
       }
     }
     if (!more && room >= 2) {
@@ -158,7 +158,7 @@ class Search {
     return goodness.chi_squared >= goodness.threshold;
   }
 
-  // The dear gates, of the best trial only; the next one's turn comes when it fails.
+  // The expensive gates, of the best trial only; the next one's turn comes when it fails.
   void verify_best(const Standing& standing, SearchStep& step) const {
     for (Trial& trial : step.trials) {
       if (!trial.verdict.passed()) continue;
@@ -274,7 +274,7 @@ class Search {
     const auto [loser, best, by_likelihood] = best_swap(state_, result_.found, put_away_);
     if (best == nullptr) return false;
     report_(fmt::format("  {} in place of {}{}", best->name, loser->name,
-                        by_likelihood ? ", being more likely along the likely motion" : ""));
+                        by_likelihood ? ", more likely on the smoothed trajectory" : ""));
     SearchStep step = step_from(standing_of(state_));
     step.added = best->name;
     step.removed = loser->name;
@@ -451,7 +451,7 @@ class Search {
     return detect_structure(train, validation, model, {}).found();
   }
 
-  // Whether noise is all that is left is judged by the declared noise.
+  // Whether the residual is noise alone is judged by the declared noise.
   void judge_on_holdout() {
     const Goodness goodness = judge_goodness(data_.learning, data_.holdout, result_.model, data_.window_s);
     result_.goodness = goodness.chi_squared;

@@ -78,22 +78,23 @@ std::string names(const std::vector<FoundEffect>& found) {
     for (const Rival& rival : effect.rivals) {
       if (rival.alike) alike.push_back(rival.name);
     }
-    list.push_back(alike.empty() ? effect.name
-                                 : fmt::format("{} (or {}, alike here)", effect.name, fmt::join(alike, " or ")));
+    list.push_back(alike.empty()
+                       ? effect.name
+                       : fmt::format("{} (or {}, indistinguishable here)", effect.name, fmt::join(alike, " or ")));
   }
   return fmt::format("{}", fmt::join(list, " and "));
 }
 
 nlohmann::json number(double value) { return std::isfinite(value) ? nlohmann::json(value) : nlohmann::json(nullptr); }
 
-// An estimate of the noise that is so many times what is left hides what is missing.
+// An estimate of the noise that is several times the residual hides what is missing.
 constexpr double noise_too_large = 2.0;
 
 void warn_of_noise(Findings& findings) {
   const ForceGap& gap = findings.gap;
   if (findings.instrument_declared || !(gap.noise_floor_N > noise_too_large * gap.holdout_after_N)) return;
   findings.explanation += fmt::format(
-      " The noise was estimated from the recording and expects {:.4g} N, {:.1f} times what is left: it is too large, "
+      " The noise was estimated from the recording and expects {:.4g} N, {:.1f} times the residual: it is too large, "
       "and "
       "smaller effects are hidden by it; give the sensor's with --instrument.",
       gap.noise_floor_N, gap.noise_floor_N / gap.holdout_after_N);
@@ -243,7 +244,7 @@ void conclude(Findings& findings, const std::vector<Candidate>& candidates) {
     findings.verdict = FindingsVerdict::unexplained;
     findings.explanation = fmt::format(
         "Something is missing that no known effect explains: a flexible regression on {}, learnt on the training data, "
-        "foretells {:.0f} % of the square of what is left on held-out data (noise and details that do not matter: at "
+        "predicts {:.0f} % of the squared residual on held-out data (noise and details that do not matter: at "
         "most {:.0f} %){}. See where it sits below.",
         search.structure.view, 100.0 * search.structure.share, 100.0 * search.structure.bar,
         search.found.empty() ? "" : fmt::format(", with {} added, which helps", names(search.found)));
@@ -270,10 +271,11 @@ void conclude(Findings& findings, const std::vector<Candidate>& candidates) {
         findings.gap.holdout_after_N);
   } else if (!findings.ambiguous.empty()) {
     findings.verdict = FindingsVerdict::not_identifiable;
-    findings.explanation = fmt::format(
-        "This recording cannot tell: {} fit the validation data alike. {}", fmt::join(findings.ambiguous.front(), ", "),
-        findings.next ? fmt::format("A recording of this motion would tell: {}.", findings.next->what)
-                      : "No motion of the repertoire separates them beyond the noise.");
+    findings.explanation =
+        fmt::format("This recording cannot tell: {} fit the validation data equally well. {}",
+                    fmt::join(findings.ambiguous.front(), ", "),
+                    findings.next ? fmt::format("A recording of this motion would tell: {}.", findings.next->what)
+                                  : "No motion of the repertoire separates them beyond the noise.");
   } else if (findings.gap.rises()) {
     findings.verdict = FindingsVerdict::unexplained;
     findings.explanation = fmt::format(

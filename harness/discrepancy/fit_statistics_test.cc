@@ -124,7 +124,8 @@ TEST(Intervals, HoldTheTruthInNineOfTenRecordings) {
   EXPECT_LT(width, 0.25);  // and is worth stating
 }
 
-// A mass that noise weakens to a fifth: in the worlds whose truth is the weakened one it is weakened to a fifth again.
+// A mass that noise weakens to a fifth: in the simulated recordings whose truth is the weakened one it is weakened to a
+// fifth again.
 TEST(Intervals, ReachTheTruthBeyondAWeakenedValueOfEitherSign) {
   for (const double truth : {0.25, -0.25}) {
     const double share = 0.2;

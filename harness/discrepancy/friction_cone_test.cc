@@ -145,7 +145,7 @@ TEST(FrictionCone, DrawsSurroundTheTruthAndAreTheSameAgain) {
             std::max(high.velocity_m_per_s, read->velocity_m_per_s)};
     EXPECT_EQ(read->mu_static, read_again(samples, draw)->mu_static);
   }
-  constexpr double off = 0.05;  // of what is taken for sliding, beyond what the draws show
+  constexpr double off = 0.05;  // of what is assumed to be sliding, beyond what the draws show
   const auto surround = [](double from, double to, double value) {
     EXPECT_LT(from, to);
     EXPECT_LT(from, (1.0 + off) * value);

@@ -8,7 +8,7 @@ namespace touchstone::discrepancy {
 namespace {
 
 struct Excess {
-  double least;      // of chi-squared per degree of freedom, whatever the null worlds make
+  double least;      // of chi-squared per degree of freedom, whatever the simulated recordings show
   double over_null;  // times the most that they make
   double structured_over_null;
 };
@@ -63,7 +63,7 @@ Goodness judge_goodness(const Evidence& train, const Evidence& holdout, const Mo
   if (fitted.chi_squared < fitted.threshold) return fitted;
   for (const Model& noisy : with_shorter_paths(model)) {
     Goodness shorter = judge_under(train, holdout, model, noisy, window_s);
-    // The null worlds are another model's here: what they leave is no excuse for more.
+    // The simulated recordings are another model's here: what they leave is no excuse for more.
     shorter.null = fitted.null;
     set_thresholds(model, shorter);
     if (shorter.chi_squared < shorter.threshold) return shorter;

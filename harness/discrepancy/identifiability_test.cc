@@ -1,4 +1,4 @@
-// What a motion cannot show is said to be open: a place across a straight line, friction one way only, a mass that
+// What a motion cannot show is reported as open: a place across a straight line, friction one way only, a mass that
 // nothing weighs.
 #include "harness/discrepancy/identifiability.h"
 

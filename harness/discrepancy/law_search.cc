@@ -236,7 +236,7 @@ class LawSearch {
   std::vector<LawPiece> pieces_;
 };
 
-// Along the likely motion: between neighbouring samples a tracker's noise is faster than a hand.
+// On the smoothed trajectory: between neighbouring samples a tracker's noise is faster than a hand.
 std::vector<SeenRange> ranges(const Evidence& learning, const Model& model) {
   const MotionColumns& motion = learning.noise->likely_motion();
   const Prediction now = learning.noise->likely_predictor().predict(model);
@@ -263,7 +263,7 @@ std::vector<SeenRange> ranges(const Evidence& learning, const Model& model) {
 }  // namespace
 
 UnknownLaw search_law(const SearchState& found, const Model& base, const Report& report) {
-  constexpr const char* what = "a law for what is left";
+  constexpr const char* what = "a law for the residual";
   if (!found.budget->allows(what)) return {};
   report(what);
   std::vector<LawSearch> tried;

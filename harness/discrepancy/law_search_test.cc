@@ -1,4 +1,4 @@
-// Forces that no effect of the catalogue makes, written here: the law that is found must foretell a second recording,
+// Forces that no effect of the catalogue makes, written here: the law that is found must predict a second recording,
 // say what the force follows, and run from its text.
 #include "harness/discrepancy/law_search.h"
 
@@ -30,7 +30,7 @@ std::shared_ptr<const Surface> plate() {
   return make_embree_surface(mesh);
 }
 
-// What might be taken for the forces below.
+// What the forces below might be mistaken for.
 std::vector<Candidate> likely_mistaken() {
   const std::vector<std::string> names{"coulomb-friction", "viscous-friction", "power-law-stiffness", "force-bias",
                                        "force-drift"};

@@ -40,7 +40,7 @@ struct Law {
   std::vector<FreeParameter> parameters;
 };
 
-// The blocks along the likely motion, under the noise of the model if it were the truth.
+// The blocks on the smoothed trajectory, under the noise of the model if it were the truth.
 FitData along_likely(const Evidence& evidence, const Model& model, double window_s, const std::vector<Vec3>& shown_N) {
   FitData blocks = fit_data(evidence, model, window_s);
   blocks.predictor = &evidence.noise->likely_predictor();
@@ -72,9 +72,9 @@ std::optional<Judged> judge(const SearchState& state, const Law& law, const Show
   return judged;
 }
 
-// What the larger law must gain: more than in the worlds in which the smaller one is the truth, and at least `least`.
-// Infinite where too few worlds could be judged: a bar that is missing is not passed. Where a few worlds leave no doubt
-// about `gain`, no more are asked.
+// What the larger law must gain: more than in the simulated recordings in which the smaller one is the truth, and at
+// least `least`. Infinite where too few of them could be judged: a bar that is missing is not passed. Where a few of
+// them leave no doubt about `gain`, no more are asked.
 double likelihood_bar(const SearchState& state, const Law& smaller, const Law& larger, double least, double gain) {
   const SearchData& data = *state.data;
   const auto shown_in = [&](const Evidence& evidence, const FitData& blocks, std::size_t world) {
@@ -115,7 +115,7 @@ std::optional<Law> with_larger(const SearchState& state, const std::string& smal
   return Law{std::move(fit.model), joined(kept, options.parameters)};
 }
 
-// The smaller law from where the larger one's fit ended, as far as they have parameters of one name: what is left of
+// The smaller law from where the larger one's fit ended, as far as they have parameters of one name: the residual of
 // the difference is the laws' and not that of two fits.
 std::optional<Judged> judge_special_case(const SearchState& state, const Law& now, const std::string& smaller,
                                          const Model& larger_model, const std::string& larger, const Shown& shown,
@@ -172,8 +172,8 @@ std::string stays_in_cone(const SearchState& state, const std::string& smaller) 
   return "";
 }
 
-// The phase that the model makes worse along the likely motion, by the path of its friction and by shorter ones; "" for
-// none. A path that noise has made too long lags like a sensor, so that with the lag found the two together are too
+// The phase that the model makes worse on the smoothed trajectory, by the path of its friction and by shorter ones; ""
+// for none. A path that noise has made too long lags like a sensor, so that with the lag found the two together are too
 // late.
 std::string worsened_by_every_path(const SearchState& state, const Prediction& before, const Model& model) {
   const Evidence& evidence = state.data->validation;
@@ -294,7 +294,7 @@ std::vector<Trial> weigh_by_likelihood(const SearchState& state, const std::vect
     if (!(gain >= settings.minimum_gain)) continue;
     const Prediction after = likely.predict(trial.fit.model);
     const double after_N = rms_force_error_N(evidence, after);
-    // A tip that rests leaves much that no law takes away, at noisy positions less than along the likely motion or
+    // A tip that rests leaves much that no law takes away, at noisy positions less than on the smoothed trajectory or
     // more.
     if (!matters(before_N, after_N) && !matters(noisy_N, tried.validation_rms_N)) continue;
     if (!worsened_by_every_path(state, before, trial.fit.model).empty()) continue;

@@ -28,8 +28,8 @@ using RefitInWorld =
 // Tibshirani 1993, chapter 6.5; of several that compete the maximum, Westfall and Young 1993).
 std::vector<double> null_gains(const NullCase& null, const RefitInWorld& refits, std::size_t first, std::size_t last);
 
-// The first few worlds, which settle a gain that is three times the bar that they make, or a third of it (a test that
-// stops as soon as it is clear: Besag and Clifford 1991); all are asked about any other.
+// The first few simulated recordings, which settle a gain that is three times the bar that they make, or a third of it
+// (a test that stops as soon as it is clear: Besag and Clifford 1991); all are asked about any other.
 constexpr std::size_t few_worlds = 4;
 inline bool is_clear(double gain, double bar) {
   constexpr double near = 3.0;

@@ -76,7 +76,7 @@ std::vector<Trial> competing_pairs(const SearchState& state, const Standing& sta
   return pairs;
 }
 
-// Whether `name` earns its place beside `other`, which is taken for known.
+// Whether `name` earns its place beside `other`, which is assumed known.
 TrialVerdict refusal_of_member(const SearchState& state, const Trial& other, const std::string& name) {
   const SearchState known = with_trial(state, other);
   const Standing left = standing_of(known);
@@ -92,7 +92,7 @@ std::vector<Trial> try_pairs(const SearchState& state, const Standing& standing,
     return std::find_if(singles.begin(), singles.end(), [&](const Trial& t) { return t.name == name; });
   };
   const auto compared = state.compared();
-  // The maximum over all that compete, in worlds where neither effect is.
+  // The maximum over all that compete, in simulated recordings without either effect.
   const auto refits = [&](const FitData& train, const Recording& recording, const Model& base) {
     std::vector<JointFit> fits;
     std::map<std::string, JointFit> alone_here;

@@ -48,7 +48,8 @@ double fitted_variance(const JointFit& fit, const std::vector<FreeParameter>& pa
 
 // How far the truth may lie from a fitted value on the side from which fits are drawn away. Noise in the positions
 // weakens a coefficient by a share of itself, so that the truth is beyond by more than a world shows whose truth is the
-// weakened value: a mass whose acceleration drowns in noise comes out at a fifth, and in its worlds at a twenty-fifth.
+// weakened value: a mass whose acceleration drowns in noise comes out at a fifth, and in its simulated recordings at a
+// twenty-fifth.
 double bias_of_truth(double here, double bias, const Scale& scale) {
   constexpr double weakest = 0.05;  // share left: beyond, nothing is known of the size
   const double size = std::abs(bias);
@@ -107,7 +108,7 @@ Interval interval95(const JointFit& fit, const std::vector<FreeParameter>& param
       squares += off * off;
     }
     quantile = student_quantile(draws.size() - 1);
-    // The mean of a few worlds is itself uncertain.
+    // The mean of a few simulated recordings is itself uncertain.
     variance = std::max(variance, squares / (n - 1.0)) * (1.0 + 1.0 / n);
   }
   const double half = quantile * std::sqrt(variance);

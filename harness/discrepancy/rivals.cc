@@ -21,7 +21,7 @@ namespace {
 
 using Report = std::function<void(const std::string&)>;
 
-// Whether the rival does as well as the found model along the likely motion, each fitted to it; or, where that is
+// Whether the rival does as well as the found model on the smoothed trajectory, each fitted to it; or, where that is
 // enough, differs there from it by less than an effect must be to be claimed.
 bool alike_without_noise(const SearchState& state, const Model& rival, const std::vector<FreeParameter>& kept,
                          const Candidate& candidate, bool needs_close, const Report& report) {
@@ -39,7 +39,7 @@ bool alike_without_noise(const SearchState& state, const Model& rival, const std
                                          {&rival, &parameters}, settings.iterations);
   if (!loss) return false;
   const double floor_N = expected_noise_N(data.validation, state.current.model);
-  report(fmt::format("    {} along the likely motion: loses {:.0f} +- {:.0f}, {:.4g} N apart, noise {:.4g} N",
+  report(fmt::format("    {} on the smoothed trajectory: loses {:.0f} +- {:.0f}, {:.4g} N apart, noise {:.4g} N",
                      candidate.name, loss->lost, loss->error, loss->apart_N, floor_N));
   const bool close = loss->lost < std::max(settings.alike_errors * loss->error, settings.minimum_gain / 3.0);
   return loss->apart_N < (close ? 1.0 : needs_close ? 0.0 : settings.apart_share) * floor_N;
@@ -157,7 +157,7 @@ std::vector<Rival> weigh_all(const SearchState& state, const Incumbent& incumben
   return rivals;
 }
 
-// Whether the rival does as well at the recorded positions and along the likely motion with less than half of the
+// Whether the rival does as well at the recorded positions and on the smoothed trajectory with less than half of the
 // parameters: then it is the likelier of the two (Jefferys and Berger 1992), though the data cannot tell.
 bool simpler_and_alike(const SearchState& state, const FoundEffect& found, const Rival& rival) {
   if (!rival.alike || !(rival.validation_gain_lost < state.settings->minimum_gain / 3.0)) return false;
@@ -169,7 +169,7 @@ bool simpler_and_alike(const SearchState& state, const FoundEffect& found, const
 }
 
 // By the found model's weights, or by the likelihood: those weights count what the found model lacks as noise, so that
-// what is left of a few blocks hides all others, where the rival leaves little.
+// the residual of a few blocks hides all others, where the rival leaves little.
 bool clearly_better(const SearchSettings& settings, const Rival& rival) {
   const auto clear = [&](double gain, double error) {
     return gain >= std::max(settings.minimum_gain, settings.alike_errors * error);

@@ -36,7 +36,7 @@ struct ViewResponses {
   Eigen::MatrixXd whitened;
 };
 
-// The views' responses on both sides, at the recorded positions or along the likely motion.
+// The views' responses on both sides, at the recorded positions or on the smoothed trajectory.
 struct Responses {
   std::vector<ViewResponses> learn;
   std::vector<ViewResponses> judge;
@@ -105,7 +105,7 @@ Structure detect_structure(const DetectorSide& train, const DetectorSide& holdou
   const Responses recorded(responses_of(train, train.recording->motion, train_nominal, scales),
                            responses_of(holdout, holdout.recording->motion, holdout_nominal, scales));
 
-  // What foretells the residual at noisy positions alone foretells the noise.
+  // What predicts the residual at noisy positions alone predicts the noise.
   const Prediction train_likely = train.noise->likely_predictor().predict(model);
   const Prediction holdout_likely = holdout.noise->likely_predictor().predict(model);
   const Responses likely(responses_of(train, train.noise->likely_motion(), train_likely, scales),

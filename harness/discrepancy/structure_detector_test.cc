@@ -1,4 +1,4 @@
-// Forces that no library has, small enough that the sum of what is left does not tell: each is seen.
+// Forces that no library has, small enough that the sum of the residual does not show them: each is seen.
 #include "harness/discrepancy/structure_detector.h"
 
 #include <gtest/gtest.h>

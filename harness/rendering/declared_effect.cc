@@ -97,7 +97,7 @@ double in_other_units(double value, const UnitDimension& dimension, std::size_t 
 
 // How a formula stands in other units.
 struct UnitCheck {
-  std::optional<std::size_t> wrong_base;  // in which it is not the quantity that it is said to be; nothing: in none
+  std::optional<std::size_t> wrong_base;  // in which it is not the quantity that it is declared as; nothing: in none
   int places = 0;                         // at which it was a number in the units of the file, and so was looked at
 };
 

@@ -19,7 +19,7 @@
 namespace touchstone::rendering {
 namespace {
 
-constexpr double kUnitQuaternion = 1e-6;  // how far its length may be off before it is taken for a mistake
+constexpr double kUnitQuaternion = 1e-6;  // how far its length may be off before it is reported as a mistake
 
 Vec3 read_place(JsonObject& object) {
   if (!object.has("p_m")) return Vec3::Zero();

@@ -22,7 +22,7 @@ std::vector<std::string> texts(JsonObject& object, std::string_view key) {
 std::filesystem::path folder_of(const SlurmRequest& request) { return shard_file(request, 1).parent_path(); }
 
 // A store on the node: fetch, run, take back. An unfinished transaction lies in a journal beside the file and goes with
-// it, before it, since a file without its journal would be taken for whole.
+// it, before it, since a file without its journal would be assumed whole.
 constexpr const char* with_store = R"(file={}/touchstone-$(id -u)-$$-"$shard".sqlite
 for end in -journal ''; do [ ! -e "$part$end" ] || cp "$part$end" "$file$end"; done
 keep() {{

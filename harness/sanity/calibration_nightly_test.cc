@@ -1,7 +1,7 @@
 // The gate's rates on simulated recordings of several kinds: how often a good one is blamed, how often a planted fault
 // is named. Limits in the sources were chosen on other seeds; these are fresh, and a run whose result led to another
 // limit retires them (take the next thousand). TOUCHSTONE_SANITY_SEED and TOUCHSTONE_SANITY_WORLDS set the first seed
-// and the worlds of each kind.
+// and the simulated recordings of each kind.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -299,8 +299,10 @@ TEST(SanityCalibration, RatesOnFreshSeeds) {
     }
     return names;
   };
-  fmt::print("seeds {} to {}, {} worlds of each kind\n\n| untouched recordings | blamed | for |\n|---|---|---|\n",
-             first_seed, first_seed + worlds - 1, worlds);
+  fmt::print(
+      "seeds {} to {}, {} simulated recordings of each kind\n\n| untouched recordings | blamed | for "
+      "|\n|---|---|---|\n",
+      first_seed, first_seed + worlds - 1, worlds);
   std::size_t blamed_in_all = 0;
   std::map<std::string, std::map<std::string, std::size_t>> named;  // fault, kind
   std::string missed;
@@ -369,7 +371,7 @@ TEST(SanityCalibration, LimitsHaveRoom) {
         for (const auto& [name, fault] : faults()) {
           if (!fault.shows_in.contains(kind)) continue;
           Recording bad = good;
-          fault.plant(bad, random);  // all of them, so that each limit sees the same worlds
+          fault.plant(bad, random);  // all of them, so that each limit sees the same recordings
           if (!concerned.contains(fault.finding)) continue;
           const bool hit = says(bad);
           ++planted, named += hit ? 1 : 0;

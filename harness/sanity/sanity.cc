@@ -198,8 +198,8 @@ std::vector<SanityFinding> check_sanity(const Recording& recording, const Sanity
     // Far from the surface its normals and depths mean nothing; reversed forces make every later test fail.
     if (add(far_away(recording, context, touching_N))) return findings;
     const Contact contact = against(recording, context);
-    // The weight of a tool that is turned in the air would be taken for a force into the object below it. A lag makes
-    // blocks of its own length fit in another order: it goes before their order.
+    // The weight of a tool that is turned in the air would be mistaken for a force into the object below it. A lag
+    // makes blocks of its own length fit in another order: it goes before their order.
     if (held_in_the_air(*context.surface, recording.motion.p_W_m, context.tip_radius_m)) {
       add(touches_nothing(recording, context));
     } else if (!add(wrong_frame(contact, context, touching_N)) && !add(reversed_force(contact, context, touching_N)) &&

@@ -71,7 +71,7 @@ class RdtSource final : public WrenchSource {
       request(command, value);
       clock_.sleep_until(clock_.now_s() + sensor_.between_commands_s);
     }
-    // What is still there of an earlier stream would be taken for a jump of this one.
+    // What is still there of an earlier stream would be mistaken for a jump of this one.
     unsigned char old[2 * rdt_record_bytes];
     while (::recv(socket_, old, sizeof old, MSG_DONTWAIT) > 0) {
     }

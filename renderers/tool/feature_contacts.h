@@ -138,8 +138,8 @@ class NearPairFinder {
   };
   class Asked;
 
-  // How high a large triangle lies above the tool's plane changes by more than the tool's points move: not told by what
-  // they travelled.
+  // How high a large triangle lies above the tool's plane changes by more than the tool's points move: not shown by
+  // what they travelled.
   [[nodiscard]] bool small(std::int32_t on_object) const;
   [[nodiscard]] double above_of(const Bounds& bounds, std::int32_t on_object) const;
 

@@ -113,7 +113,7 @@ TEST(GodObjectTool, ProxyIsOutsideAtRestAndIsPushedOutOnTheWay) {
     for (int i = 0; i < 100; ++i) rest = renderer->step({1e-3 * step++, to});
     for (const Vec3& v : c.tool_T.vertices_W_m) EXPECT_LE(-surface->signed_distance(rest.proxy.to_W(v)), 1e-9);
   }
-  // What is pushed out again: a deeper overlap would be taken for another side of the body.
+  // What is pushed out again: a deeper overlap would be mistaken for another side of the body.
   EXPECT_LE(deepest, 0.2e-3);
 }
 
@@ -347,7 +347,7 @@ TEST(GodObjectTool, AParameterOfAnyUnitFollowsTheUnitOfLength) {
   EXPECT_THAT(beyond.why_not, ::testing::HasSubstr("would be 4000"));
 }
 
-// Meshes in millimetres, said to be so where they are read: the same answer but for rounding.
+// Meshes in millimetres, declared so where they are read: the same answer but for rounding.
 TEST_P(EveryToolRenderer, MeshesInMillimetresGiveTheSame) {
   const ExactCase c = make_exact_case("peg-0.2mm");
   const auto folder = std::filesystem::path(::testing::TempDir()) / ("tool-unit-" + GetParam());

@@ -52,7 +52,7 @@ Section what_section(const Findings& findings) {
   Section section{"What is missing", findings.explanation, {}, false};
   if (findings.search.data_fault) {
     section.blocks.emplace_back(TextBlock{
-        fmt::format("A fault of the data: {}. Mend the recording and search again; what the tables below say of the "
+        fmt::format("A fault of the data: {}. Correct the recording and search again; what the tables below say of the "
                     "error stands, but nothing is learnt from it.",
                     *findings.search.data_fault),
         Tone::error});
@@ -118,7 +118,7 @@ Section what_section(const Findings& findings) {
   return section;
 }
 
-// From the error before to what is left, part by part.
+// From the error before to the residual, part by part.
 Section gap_section(const Findings& findings) {
   Section section{
       "What closes the gap",
@@ -188,7 +188,7 @@ Section spectrum_section(const Findings& findings) {
   Section section{
       "Lines and bands of the residual",
       fmt::format("From {:.3g} to {:.4g} Hz the held-out residual of the final model is {:.3g} N RMS; where "
-                  "noise is all that is left, simulated recordings show at most {:.3g} N.",
+                  "only noise remains, simulated recordings show at most {:.3g} N.",
                   spectrum.from_Hz, spectrum.to_Hz, spectrum.raw_N, spectrum.null_N),
       {},
       spectrum.peaks.empty()};

@@ -58,7 +58,7 @@ InstrumentDescription instrument_of(const DiscrepancyFiles& files, const Recordi
 }
 
 // An estimate of the noise that expects more than even the starting model leaves is too large: quantization, vibration
-// and jitter look like noise to it. It is brought down to what is left.
+// and jitter look like noise to it. It is brought down to the residual.
 void bound_by_residual(InstrumentDescription& instrument, const Recording& train, const Part& learnt_from,
                        const Model& model, const MakePredictor& make, const DiscrepancyFiles& files) {
   if (instrument.declared) return;
@@ -107,7 +107,7 @@ void write_law(const Findings& findings, const std::filesystem::path& out) {
   write_file(out / "empirical.json", model_to_json(findings.search.law.model, out) + "\n");
 }
 
-// Only rivals alike need another recording; the first pair decides what to do.
+// Only indistinguishable rivals need another recording; the first pair decides what to do.
 std::optional<NextExperiment> next_experiment(const SearchResult& search, const SearchData& data,
                                               const MakePredictor& make, const InstrumentDescription& instrument) {
   for (const FoundEffect& effect : search.found) {

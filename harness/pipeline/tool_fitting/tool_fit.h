@@ -17,7 +17,7 @@
 // (tool_search.h); errors before and after are of blocks that neither the fit nor that choice has seen. Intervals are
 // by the sandwich over the fitted blocks (harness/stats/sandwich.h), never narrower than those of independent samples.
 // Each value has a weak prior of the width of what an instrument could have; a value whose standard error stays near
-// that width is said to be undetermined: the motion does not tell it.
+// that width is reported as undetermined: the motion does not show it.
 #pragma once
 
 #include <cstdint>
