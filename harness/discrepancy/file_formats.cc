@@ -135,6 +135,7 @@ constexpr auto findings_fields = std::to_array<FormatField>({
      &law_part},
     {"data_fault?", "text", "", "what seems to be wrong with the recording itself"},
     {"instrument", "text", "", "declared or estimated: where the noise is from"},
+    {"suggested_instrument?", "text", "", "file in the same folder: the instrument that the spectrum suggests"},
     {"holdout", "text", "", "what was held out"},
     {"where", "list of objects", "", "where in the motion the error lies"},
     {"where[].regime", "text", "", "in words: \"sliding, 20-50 mm/s\""},
@@ -174,7 +175,8 @@ std::span<const FileFormat> file_formats() {
       {"touchstone-findings/1", "findings.json", "what the search for missing effects found", "`discrepancy`",
        "`discrepancy` (an earlier run), `blind score`", findings_fields},
       {"touchstone-instrument/1", "instrument.json", "what the makers of sensor and tracker declare",
-       "`synth --dataset`, `blind make`", "`discrepancy`, `evaluate`, `fit` (through a data set)", instrument_fields},
+       "`synth --dataset`, `blind make`, `discrepancy` (suggested-instrument.json)",
+       "`discrepancy`, `evaluate`, `fit` (through a data set)", instrument_fields},
   });
   return formats;
 }

@@ -100,6 +100,17 @@ void warn_of_noise(Findings& findings) {
       gap.noise_floor_N, gap.noise_floor_N / gap.holdout_after_N);
 }
 
+// Positions that were low-passed and interpolated differ from sample to sample by far less than their noise.
+void suggest_instrument(Findings& findings) {
+  if (!findings.suggested_instrument) return;
+  const InstrumentDescription& tracker = *findings.suggested_instrument;
+  findings.explanation += fmt::format(
+      " The tracker's noise was estimated from differences of the positions; their spectrum looks like a tracker of "
+      "about {:.0f} Hz with {:.2g} um of noise, low-passed and interpolated, or like a tip that trembled. If that is "
+      "your tracker, search again with --instrument {} and another --out.",
+      tracker.position_rate_Hz, 1e6 * tracker.position_noise_m, suggested_instrument_file);
+}
+
 // What instrument and object do not repeat cannot be explained: within it nothing is missing, whatever the declared
 // noise of the sensor says.
 void hold_against_repeat(Findings& findings) {
@@ -297,6 +308,7 @@ void conclude(Findings& findings, const std::vector<Candidate>& candidates) {
                     findings.gap.holdout_before_N, findings.gap.holdout_after_N);
   }
   warn_of_noise(findings);
+  suggest_instrument(findings);
   hold_against_repeat(findings);
   if (!search.data_fault) findings.explanation = first_sentence(findings) + findings.explanation;
   say_law(findings);
@@ -421,6 +433,7 @@ std::string findings_to_json(const Findings& findings, const std::string& trajec
   if (findings.law) root["empirical_law"] = law_json(findings.search.law, *findings.law);
   if (findings.search.data_fault) root["data_fault"] = *findings.search.data_fault;
   root["instrument"] = findings.instrument_declared ? "declared" : "estimated";
+  if (findings.suggested_instrument) root["suggested_instrument"] = suggested_instrument_file;
   root["holdout"] = findings.blocks_held_back ? "alternating blocks of the one recording" : "a recording of its own";
   root["where"] = where_json(findings.where);
   if (findings.next && !findings.ambiguous.empty()) {

@@ -9,6 +9,7 @@
 #include "harness/discrepancy/effect_search.h"
 #include "harness/discrepancy/findings_verdict.h"
 #include "harness/discrepancy/gap_shares.h"
+#include "harness/discrepancy/instrument_description.h"
 #include "harness/discrepancy/law_report.h"
 #include "harness/discrepancy/next_experiment.h"
 #include "harness/discrepancy/regimes.h"
@@ -57,8 +58,14 @@ struct Findings {
   std::vector<Regime> where;
   std::optional<NextExperiment> next;
   bool instrument_declared = true;
+  // What the spectrum of the positions suggests, where none is declared and the estimate sees less
+  // (tracker_spectrum.h); empty: nothing.
+  std::optional<InstrumentDescription> suggested_instrument;
   bool blocks_held_back = false;  // no second recording: blocks of the one were held out
 };
+
+// The file beside findings.json that holds the suggested instrument.
+inline constexpr const char* suggested_instrument_file = "suggested-instrument.json";
 
 // Fills verdict, explanation, parameters and ambiguous from `search` and the declared candidates.
 void conclude(Findings& findings, const std::vector<Candidate>& candidates);

@@ -70,6 +70,20 @@ InstrumentDescription load_instrument(const std::filesystem::path& path) {
   return instrument;
 }
 
+std::string instrument_to_json(const InstrumentDescription& instrument) {
+  const Vec3& step = instrument.force_step_N;
+  const nlohmann::ordered_json json{{"schema", "touchstone-instrument/1"},
+                                    {"force_noise_N", instrument.force_noise_N},
+                                    {"force_noise_time_constant_s", instrument.force_noise_time_constant_s},
+                                    {"force_step_N", {step.x(), step.y(), step.z()}},
+                                    {"position_noise_m", instrument.position_noise_m},
+                                    {"position_wander_m", instrument.position_wander_m},
+                                    {"position_wander_time_constant_s", instrument.position_wander_time_constant_s},
+                                    {"position_rate_Hz", instrument.position_rate_Hz},
+                                    {"geometry_error_m", instrument.geometry_error_m}};
+  return json.dump(1) + "\n";
+}
+
 InstrumentDescription estimate_instrument(const Recording& recording) {
   InstrumentDescription instrument;
   instrument.declared = false;

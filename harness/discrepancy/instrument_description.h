@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
 #include <vector>
 
 #include "harness/base/random.h"
@@ -26,6 +27,9 @@ struct InstrumentDescription {
 
 // Throws BadData with the place in the file.
 InstrumentDescription load_instrument(const std::filesystem::path& path);
+
+// The same as a file: what load_instrument() reads.
+std::string instrument_to_json(const InstrumentDescription& instrument);
 
 // Without a description: force noise from second differences of the force where nothing moves it, position noise from
 // the residual of the position after a local quadratic fit. Both are lower bounds in motion; reports say "estimated".

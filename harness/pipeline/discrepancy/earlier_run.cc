@@ -30,7 +30,8 @@ EarlierRun::EarlierRun(const std::filesystem::path& folder) {
   const auto root = nlohmann::json::parse(text, nullptr, false);
   if (!root.is_object() || !root.contains("schema") || root.at("schema") != "touchstone-findings/1") return;
   using Pointer = nlohmann::json::json_pointer;
-  std::vector<std::string> names{name_at(root, Pointer("/next_experiment/trajectory"))};
+  std::vector<std::string> names{name_at(root, Pointer("/next_experiment/trajectory")),
+                                 name_at(root, Pointer("/suggested_instrument"))};
   const Pointer pieces("/empirical_law/pieces");
   if (root.contains(pieces) && root.at(pieces).is_array()) {
     names.emplace_back("empirical.json");

@@ -1,5 +1,5 @@
 // What an earlier search wrote into the same folder and this one may not write again: pieces of a law, the model with
-// it, a motion to record next. Left there, they would look like this run's.
+// it, a motion to record next, a suggested instrument. Left there, they would look like this run's.
 #pragma once
 
 #include <filesystem>

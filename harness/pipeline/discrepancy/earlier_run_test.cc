@@ -14,20 +14,21 @@ namespace {
 
 constexpr const char* two_pieces = R"({"schema": "touchstone-findings/1",
   "empirical_law": {"pieces": [{"file": "law-1.json"}, {"file": "law-2.json"}, {"file": "../apart.json"}, {}]},
-  "next_experiment": {"trajectory": "next.csv"}})";
+  "next_experiment": {"trajectory": "next.csv"}, "suggested_instrument": "suggested-instrument.json"})";
 
 TEST(EarlierRun, WhatItsFindingsNameGoesAndNothingElse) {
   const testing::TemporaryFolder folder;
   const auto found = folder.path() / "found";
   ensure_writable_folder(found);
-  for (const char* name : {"law-1.json", "law-2.json", "law-3.json", "empirical.json", "next.csv", "notes.txt"})
+  for (const char* name : {"law-1.json", "law-2.json", "law-3.json", "empirical.json", "next.csv",
+                           "suggested-instrument.json", "notes.txt"})
     write_file(found / name, "{}");
   write_file(folder.path() / "apart.json", "{}");
   EarlierRun(found).remove();
   EXPECT_TRUE(std::filesystem::exists(found / "law-1.json"));  // no findings: nobody's
   write_file(found / "findings.json", two_pieces);
   EarlierRun(found).remove();
-  for (const char* name : {"law-1.json", "law-2.json", "empirical.json", "next.csv"})
+  for (const char* name : {"law-1.json", "law-2.json", "empirical.json", "next.csv", "suggested-instrument.json"})
     EXPECT_FALSE(std::filesystem::exists(found / name)) << name;
   for (const char* name : {"law-3.json", "notes.txt", "findings.json"})
     EXPECT_TRUE(std::filesystem::exists(found / name)) << name;

@@ -10,6 +10,7 @@
 #include "harness/base/atomic_file.h"
 #include "harness/base/error.h"
 #include "harness/base/input_files.h"
+#include "harness/discrepancy/tracker_spectrum.h"
 #include "harness/pipeline/discrepancy/earlier_run.h"
 #include "harness/pipeline/discrepancy/force_gap.h"
 #include "harness/pipeline/discrepancy/golden_offer.h"
@@ -55,6 +56,18 @@ InstrumentDescription instrument_of(const DiscrepancyFiles& files, const Recordi
   instrument.normal_error_rad = median_facet_angle_rad(mesh, touched);
   instrument.mesh_extent_m = mesh.bounds().diagonal().norm();
   return instrument;
+}
+
+// The estimate with the tracker that the spectrum shows, if it shows one with more noise.
+std::optional<InstrumentDescription> suggest_instrument(const InstrumentDescription& estimated,
+                                                        const MotionColumns& motion) {
+  if (estimated.declared) return std::nullopt;
+  const std::optional<TrackerNoise> tracker = tracker_noise(motion);
+  if (!tracker || !(tracker->position_noise_m > estimated.position_noise_m)) return std::nullopt;
+  InstrumentDescription suggested = estimated;
+  suggested.position_noise_m = tracker->position_noise_m;
+  suggested.position_rate_Hz = tracker->position_rate_Hz;
+  return suggested;
 }
 
 // An estimate of the noise that expects more than even the starting model leaves is too large: quantization, vibration
@@ -240,6 +253,7 @@ Findings run_discrepancy(const Catalogue& catalogue, const DiscrepancyFiles& fil
   findings.where = sort_by_regime(measured.on, before, after, data.force_floor_N);
   findings.next = next_experiment(findings.search, data, make, instrument);
   findings.instrument_declared = instrument.declared;
+  findings.suggested_instrument = suggest_instrument(sensor, train.motion);
   findings.blocks_held_back = !second;
   findings.law = measure_law(findings.search, measured.on, findings.gap.noise_floor_N);
   conclude(findings, candidates);
@@ -252,6 +266,8 @@ Findings run_discrepancy(const Catalogue& catalogue, const DiscrepancyFiles& fil
   }
   write_file(files.out / "model.json", model_to_json(findings.search.model, files.out) + "\n");
   if (findings.law) write_law(findings, files.out);
+  if (findings.suggested_instrument)
+    write_file(files.out / suggested_instrument_file, instrument_to_json(*findings.suggested_instrument));
   findings.gap.holdout_after_again_N =
       run_again(catalogue, files, samples, findings.search.model, instrument.force_noise_N);
   const std::string json = findings_to_json(findings, trajectory);
