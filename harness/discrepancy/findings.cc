@@ -107,7 +107,8 @@ void suggest_instrument(Findings& findings) {
   findings.explanation += fmt::format(
       " The tracker's noise was estimated from differences of the positions; their spectrum looks like a tracker of "
       "about {:.0f} Hz with {:.2g} um of noise, low-passed and interpolated, or like a tip that trembled. If that is "
-      "your tracker, search again with --instrument {} and another --out.",
+      "your tracker, search again with --instrument {} and another --out, after adding how far the mesh may be off "
+      "(geometry_error_m).",
       tracker.position_rate_Hz, 1e6 * tracker.position_noise_m, suggested_instrument_file);
 }
 
