@@ -33,22 +33,36 @@ function(touchstone_make_json_header folder)
   file(COPY_FILE ${folder}/json.hpp.new ${folder}/nlohmann/json.hpp ONLY_IF_DIFFERENT)
 endfunction()
 
+# Two of them: a unit is optimised as its precompiled header was, whatever its own level says. Rooms whose code runs once in a
+# command, and not in each step of a renderer or each evaluation of a fit, are COLD: -O1, which takes a third less time to
+# compile, and larger units (docs/notes/compile-cost.md). Results are the same to the bit at every level.
 set(touchstone_pch_folder ${PROJECT_BINARY_DIR}/pch)
 file(CONFIGURE OUTPUT ${PROJECT_BINARY_DIR}/room_pch.cc CONTENT "namespace touchstone {}\n")
 add_library(touchstone_room_pch STATIC ${PROJECT_BINARY_DIR}/room_pch.cc)
+add_library(touchstone_cold_room_pch STATIC ${PROJECT_BINARY_DIR}/room_pch.cc)
+target_compile_options(touchstone_cold_room_pch PRIVATE $<$<CONFIG:Release>:-O1>)
 function(touchstone_use_room_pch)
   touchstone_make_json_header(${touchstone_pch_folder})
-  target_link_libraries(touchstone_room_pch PRIVATE touchstone_options Eigen3::Eigen fmt::fmt nlohmann_json::nlohmann_json)
-  target_include_directories(touchstone_room_pch PRIVATE ${touchstone_pch_folder} ${PROJECT_SOURCE_DIR})
-  target_precompile_headers(touchstone_room_pch PRIVATE <Eigen/Core> <Eigen/Geometry> <fmt/format.h> <nlohmann/json.hpp>
-    <harness/base/compiled_once.h> <algorithm> <array> <cmath> <cstdint> <filesystem> <fstream> <functional> <map> <memory>
-    <optional> <span> <sstream> <string> <string_view> <utility> <vector>)
+  foreach(pch IN ITEMS touchstone_room_pch touchstone_cold_room_pch)
+    target_link_libraries(${pch} PRIVATE touchstone_options Eigen3::Eigen fmt::fmt nlohmann_json::nlohmann_json)
+    target_include_directories(${pch} PRIVATE ${touchstone_pch_folder} ${PROJECT_SOURCE_DIR})
+    target_precompile_headers(${pch} PRIVATE <Eigen/Core> <Eigen/Geometry> <fmt/format.h> <nlohmann/json.hpp>
+      <harness/base/compiled_once.h> <algorithm> <array> <cmath> <cstdint> <filesystem> <fstream> <functional> <map> <memory>
+      <optional> <span> <sstream> <string> <string_view> <utility> <vector>)
+  endforeach()
 endfunction()
 
-# touchstone_precompiled(<library>...) compiles static libraries with the rooms' precompiled header.
+# touchstone_precompiled([COLD] <library>...) compiles static libraries with the rooms' precompiled header.
 function(touchstone_precompiled)
-  foreach(target IN LISTS ARGV)
-    target_precompile_headers(${target} REUSE_FROM touchstone_room_pch)
+  cmake_parse_arguments(ARG "COLD" "" "" ${ARGV})
+  foreach(target IN LISTS ARG_UNPARSED_ARGUMENTS)
+    if(ARG_COLD)
+      target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:-O1>)
+      target_precompile_headers(${target} REUSE_FROM touchstone_cold_room_pch)
+      set_target_properties(${target} PROPERTIES UNITY_BUILD_BATCH_SIZE 16)
+    else()
+      target_precompile_headers(${target} REUSE_FROM touchstone_room_pch)
+    endif()
   endforeach()
 endfunction()
 
@@ -75,12 +89,12 @@ function(touchstone_room_label variable)
   set(${variable} "room/${folder}" PARENT_SCOPE)
 endfunction()
 
-# touchstone_add_room(<name> SOURCES a.cc... [HEADERS a.h...] [DEPENDS room...] [LIBS target...] [PRIVATE_LIBS target...] [ALONE])
-# ALONE: each file is a unit of its own, without the rooms' precompiled header.
+# touchstone_add_room(<name> SOURCES a.cc... [HEADERS a.h...] [DEPENDS room...] [LIBS target...] [PRIVATE_LIBS target...] [ALONE] [COLD])
+# COLD: see touchstone_precompiled. ALONE: each file is a unit of its own, without the rooms' precompiled header.
 # Makes the static library touchstone_<name> with alias touchstone::<name>. Headers are included by their path from the
 # top of the tree, are checked for self-containment by the target all_verify_interface_header_sets, and are installed.
 function(touchstone_add_room name)
-  cmake_parse_arguments(ARG "ALONE" "" "SOURCES;HEADERS;DEPENDS;LIBS;PRIVATE_LIBS" ${ARGN})
+  cmake_parse_arguments(ARG "ALONE;COLD" "" "SOURCES;HEADERS;DEPENDS;LIBS;PRIVATE_LIBS" ${ARGN})
   set(target touchstone_${name})
   # For the package: what find_package must find for those who want this room (TouchstoneInstall.cmake).
   set_property(GLOBAL APPEND PROPERTY TOUCHSTONE_ROOMS ${name})
@@ -94,6 +108,8 @@ function(touchstone_add_room name)
     target_link_libraries(${target} PRIVATE $<BUILD_INTERFACE:touchstone_options>)
     if(ARG_ALONE)
       set_target_properties(${target} PROPERTIES UNITY_BUILD OFF)
+    elseif(ARG_COLD)
+      touchstone_precompiled(COLD ${target})
     else()
       touchstone_precompiled(${target})
     endif()

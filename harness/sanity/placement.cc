@@ -11,7 +11,7 @@
 namespace touchstone::sanity {
 namespace {
 
-constexpr std::size_t most_samples = 20000;
+constexpr std::size_t most_samples_placed = 20000;
 constexpr std::size_t fewest_pushing = 20;
 // Of the object's diagonal: what trackers are off by, and what a mesh of an object that gives way is off by here and
 // there (a surface fitted to a raster leaves its margins by up to 1.4 % of its diagonal).
@@ -50,7 +50,7 @@ bool on_open_edge(const Surface& surface, const SurfacePoint& foot) {
 
 Placement place(const Recording& r, const SanityContext& context, double touching_N, double near_m) {
   Placement p;
-  const std::size_t stride = r.size() / most_samples + 1;
+  const std::size_t stride = r.size() / most_samples_placed + 1;
   for (std::size_t i = 0; i < r.size(); i += stride) {
     const double size_N = r.f_W_N[i].norm();
     if (!(size_N > touching_N)) continue;
@@ -119,7 +119,7 @@ std::optional<SanityFinding> find_misplacement(const Recording& r, const SanityC
 }
 
 std::optional<SanityFinding> touches_nothing(const Recording& r, const SanityContext& context) {
-  const std::size_t stride = r.size() / most_samples + 1;
+  const std::size_t stride = r.size() / most_samples_placed + 1;
   for (const Vec3& f : r.f_W_N) {
     if (f.norm() > context.contact_force_N) return std::nullopt;
   }
