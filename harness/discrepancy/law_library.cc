@@ -121,7 +121,7 @@ class Library {
 
   std::vector<LawTerm> all() {
     if (s_.depth_m > 0.0 && s_.load_N > 0.0) along_the_normal();
-    if (s_.speed_m_per_s > 0.0 && s_.load_N > 0.0) along_the_surface();
+    if (s_.speed_m_per_s > 0.0 && s_.load_N > 0.0 && s_.extent_m > 0.0) along_the_surface();
     on_the_tool();
     on_the_sensor();
     return std::move(terms_);
@@ -177,6 +177,7 @@ class Library {
       sum += fmt::format("{0}p{1} * n{1} * z{1} / over", sum.empty() ? "" : " + ", axis);
     }
     add(play.formula("normal_N", "stiffness_N_per_m * (" + sum + ")"));
+    if (!(s_.speed_m_per_s > 0.0)) return;
     add(Term("lift", ActsOn::normal_force, "a share of the load that goes with sliding speed", {Carrier::speed})
             .linear("share", "1", 1.0)
             .constant("over", "m/s", times(s_.speed_m_per_s, {0.3, 1.0, 3.0}), "speed over which it rises")
@@ -191,12 +192,14 @@ class Library {
             .linear("c2", "N s^2/m^2", F / (V * V))
             .linear("c3", "N s^3/m^3", F / (V * V * V))
             .formula("along_N", "-(c2 * speed_m_per_s^2 + c3 * speed_m_per_s^3)"));
-    add(Term("ploughing", ActsOn::friction, "a pull against the way that follows the depth",
-             {Carrier::depth, Carrier::past})
-            .linear("c0", "N", F)
-            .linear("c2", "N/m^2", F / (D * D))
-            .constant("over", "m/s", times(V, {0.05, 0.2}), "speed over which it sets in")
-            .formula("along_N", "-(c0 + c2 * depth_m^2) * tanh(speed_m_per_s / over)"));
+    if (D > 0.0) {
+      add(Term("ploughing", ActsOn::friction, "a pull against the way that follows the depth",
+               {Carrier::depth, Carrier::past})
+              .linear("c0", "N", F)
+              .linear("c2", "N/m^2", F / (D * D))
+              .constant("over", "m/s", times(V, {0.05, 0.2}), "speed over which it sets in")
+              .formula("along_N", "-(c0 + c2 * depth_m^2) * tanh(speed_m_per_s / over)"));
+    }
     for (const bool load : {false, true}) {
       Term bristle(load ? "load-bristle" : "bristle", ActsOn::friction,
                    "a pull back to where the motion turned, that gives way beyond a path", {Carrier::past});
