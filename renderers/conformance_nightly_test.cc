@@ -15,7 +15,7 @@ std::string identifier(std::string name) {
 }
 
 // Within a ball of 34 mm about the origin, or a patch of 40 mm.
-ConformanceShape shape_of(const synthetic::SurfaceEntry& entry) {
+ConformanceBody body_of(const synthetic::SurfaceEntry& entry) {
   constexpr double kReach = 0.034;
   synthetic::ParameterOverrides overrides;
   bool patch = false;
@@ -24,28 +24,29 @@ ConformanceShape shape_of(const synthetic::SurfaceEntry& entry) {
     patch = true;
     overrides["half_side_m"] = 0.02;
   }
-  ConformanceShape shape;
-  shape.name = "on_" + identifier(entry.name);
-  shape.mesh = synthetic::make_mesh(entry.name, overrides, 1500).mesh;
-  shape.closed = synthetic::make_surface(entry.name, overrides)->closed();
-  shape.flat = patch;
+  ConformanceBody body;
+  body.mesh = synthetic::make_mesh(entry.name, overrides, 1500).mesh;
+  body.closed = synthetic::make_surface(entry.name, overrides)->closed();
+  body.flat = patch;
   double scale = 1.0;
   if (!patch) {
-    const Box3 box = shape.mesh.bounds();
+    const Box3 box = body.mesh.bounds();
     double reach = 0.0;
-    for (const Vec3& v : shape.mesh.vertices_W_m) reach = std::max(reach, (v - box.center()).norm());
+    for (const Vec3& v : body.mesh.vertices_W_m) reach = std::max(reach, (v - box.center()).norm());
     scale = kReach / reach;
-    shape.mesh = moved(shape.mesh, Quat::Identity(), -scale * box.center(), scale);
+    body.mesh = moved(body.mesh, Quat::Identity(), -scale * box.center(), scale);
   }
   for (const auto& p : entry.parameters) {
-    if (p.name == "thickness_m") shape.thickness_m = scale * p.initial;
+    if (p.name == "thickness_m") body.thickness_m = scale * p.initial;
   }
-  return shape;
+  return body;
 }
 
 std::vector<ConformanceShape> synthetic_shapes() {
   std::vector<ConformanceShape> shapes;
-  for (const auto& entry : synthetic::surface_catalogue()) shapes.push_back(shape_of(entry));
+  for (const auto& entry : synthetic::surface_catalogue()) {
+    shapes.push_back({"on_" + identifier(entry.name), [&entry] { return body_of(entry); }});
+  }
   return shapes;
 }
 

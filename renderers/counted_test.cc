@@ -50,7 +50,9 @@ Model model_of_subject(const Subject& subject, double scale) {
     model.parameters["mu_dynamic"] = subject.mu;
   }
   // Takes samples of the whole body: few of them say as much here.
-  if (subject.renderer == "implicit") model.parameters["resolution"] = 20.0;
+  for (const auto& parameter : find_renderer(model).parameters) {
+    if (parameter.name == "resolution") model.parameters["resolution"] = 20.0;
+  }
   return model;
 }
 

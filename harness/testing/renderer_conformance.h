@@ -38,6 +38,7 @@
 #include <vector>
 
 #include "harness/base/random.h"
+#include "harness/base/rotations.h"
 #include "harness/diagnosis/engine.h"
 #include "harness/rendering/limitation.h"
 #include "harness/rendering/renderer.h"
@@ -50,8 +51,7 @@
 
 namespace touchstone::testing {
 
-struct ConformanceShape {
-  std::string name;
+struct ConformanceBody {
   TriangleMesh mesh;  // about 40 mm in size
   bool closed;
   bool flat;  // touched from above only: its other sides are too near or not there
@@ -59,16 +59,37 @@ struct ConformanceShape {
   bool level = false;  // a tip that went straight down through it stays on its top
 };
 
+// A parameter of the suite is copied for each of its cases in every process that runs one of them, so it has no mesh.
+struct ConformanceShape {
+  std::string name;
+  std::function<ConformanceBody()> make;
+};
+
 inline void PrintTo(const ConformanceShape& shape, std::ostream* out) { *out << shape.name; }
 
 inline std::vector<ConformanceShape> conformance_shapes() {
-  TriangleMesh plate = cube(0.02);
-  for (Vec3& v : plate.vertices_W_m) v.z() *= 0.005;  // 0.2 mm thick
-  return {{"cube", cube(0.02), true, false, std::numeric_limits<double>::infinity(), true},
-          {"ball", ball(0.02, 4), true, false},
-          {"torus", torus(0.02, 0.008, 48, 24), true, false},
-          {"plate", plate, true, true, 2e-4, true},
-          {"sheet", grid(0.02, 12), false, true, std::numeric_limits<double>::infinity(), true}};
+  constexpr double kAnyThickness = std::numeric_limits<double>::infinity();
+  const auto plate = [] {
+    TriangleMesh mesh = cube(0.02);
+    for (Vec3& v : mesh.vertices_W_m) v.z() *= 0.005;  // 0.2 mm thick
+    return ConformanceBody{mesh, true, true, 2e-4, true};
+  };
+  return {{"cube",
+           [] {
+             return ConformanceBody{cube(0.02), true, false, kAnyThickness, true};
+           }},
+          {"ball",
+           [] {
+             return ConformanceBody{ball(0.02, 4), true, false};
+           }},
+          {"torus",
+           [] {
+             return ConformanceBody{torus(0.02, 0.008, 48, 24), true, false};
+           }},
+          {"plate", plate},
+          {"sheet", [] {
+             return ConformanceBody{grid(0.02, 12), false, true, kAnyThickness, true};
+           }}};
 }
 
 // A pose and unit of the world.
@@ -91,7 +112,8 @@ class RendererConformance : public ::testing::TestWithParam<std::tuple<RendererS
   }
 
   [[nodiscard]] const RendererSubject& subject() const { return std::get<0>(GetParam()); }
-  [[nodiscard]] const ConformanceShape& shape() const { return std::get<1>(GetParam()); }
+  [[nodiscard]] const std::string& shape_name() const { return std::get<1>(GetParam()).name; }
+  [[nodiscard]] const ConformanceBody& shape() const { return shape_; }
   [[nodiscard]] const Limitation* lacks(Ability ability) const { return find_limitation(subject().cannot, ability); }
 
   [[nodiscard]] std::shared_ptr<const Surface> surface(const Pose& pose = {}) const {
@@ -191,11 +213,13 @@ class RendererConformance : public ::testing::TestWithParam<std::tuple<RendererS
   // down again.
   void fly_round(std::vector<Vec3>& tips, const Vec3& to) const {
     if (shape().flat) return tips.push_back({tips.back().x(), tips.back().y(), 0.04});
-    const Quat turn = Quat::FromTwoVectors(tips.back(), to);
+    const Quat turn = shortest_rotation(tips.back(), to);
     const Vec3 from = 0.08 * tips.back().normalized();
     for (int i = 0; i <= 20; ++i) tips.push_back(Quat::Identity().slerp(i / 20.0, turn) * from);
     tips.push_back(to);
   }
+
+  const ConformanceBody shape_ = std::get<1>(GetParam()).make();
 };
 
 inline std::string conformance_name(const ::testing::TestParamInfo<RendererConformance::ParamType>& of) {
@@ -306,7 +330,7 @@ TEST_P(RendererConformance, ContactBeginsAndEndsWithoutAJump) {
   for (std::size_t i = 1; i < tips.size(); ++i) {
     if (results[i].contact == results[i - 1].contact) continue;
     // Friction may hold on to one face of a sharp edge while the tip leaves by the other.
-    const bool past_edge = subject().friction > 0.0 && shape().name == "cube" && results[i - 1].contact &&
+    const bool past_edge = subject().friction > 0.0 && shape_name() == "cube" && results[i - 1].contact &&
                            at->signed_distance(tips[i - 1]) > subject().tip_radius_m;
     if (past_edge) continue;
     const Vec3& f = results[i].contact ? results[i].f_W_N : results[i - 1].f_W_N;
@@ -374,7 +398,7 @@ TEST_P(RendererConformance, LargeJumpsThroughABodyStayOutside) {
   if (const auto* limit = lacks(Ability::large_jumps)) GTEST_SKIP() << limit->reason;
   const auto renderer = make();
   renderer->reset();
-  const double x = shape().name == "torus" ? 0.0203 : 0.0013;
+  const double x = shape_name() == "torus" ? 0.0203 : 0.0013;
   step(*renderer, 0, {x, 0.0021, 0.05});
   const StepResult below = step(*renderer, 1, {x, 0.0021, -0.05});
   // On a round top it slides round to where the tip is; on a flat one it stays.
@@ -397,7 +421,7 @@ TEST_P(RendererConformance, LargeJumpsThroughABodyStayOutside) {
 
 TEST_P(RendererConformance, SlowPushesThroughAThinShellStayOutside) {
   if (const auto* limit = lacks(Ability::thin_shells)) GTEST_SKIP() << limit->reason;
-  if (shape().name != "plate" && shape().name != "sheet") GTEST_SKIP() << "a " << shape().name << " is no thin shell";
+  if (shape_name() != "plate" && shape_name() != "sheet") GTEST_SKIP() << "a " << shape_name() << " is no thin shell";
   const auto renderer = make();
   renderer->reset();
   double last_N = 0.0;
