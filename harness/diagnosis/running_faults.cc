@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
+#include <chrono>
 #include <cmath>
 #include <exception>
 #include <limits>
@@ -127,21 +128,39 @@ Costs fastest_rounds(const Engine& engine, std::size_t count) {
   return costs;
 }
 
-// Steps that cost many times the usual one, of a run of so many.
+// Steps that cost many times the usual one, of a run of so many. Each step is timed by the clock on the wall, which is
+// read without a call of the system. The thread's own, which takes longer to read than most steps take, is read once in
+// a round: what the round cost beyond its other steps must be at least half of what its slow ones took, else
+// other programs had the processor meanwhile.
 std::vector<std::size_t> slow_steps(const Engine& engine, std::size_t count, double& usual_s, double& slowest_s) {
+  using Clock = std::chrono::steady_clock;
   Rounds rounds(engine);
   std::vector<float> cost_s(count);
-  for (std::size_t i = 0; i < count; ++i) {
-    const double before = processor_time_s();
-    rounds.step(i);
-    cost_s[i] = static_cast<float>(processor_time_s() - before);
+  std::vector<double> round_s;
+  for (std::size_t begin = 0; begin < count; begin += Rounds::length) {
+    const double round_began_s = processor_time_s();
+    Clock::time_point before = Clock::now();
+    for (std::size_t i = begin; i < std::min(count, begin + Rounds::length); ++i) {
+      rounds.step(i);
+      const Clock::time_point after = Clock::now();
+      cost_s[i] = std::chrono::duration<float>(after - before).count();
+      before = after;
+    }
+    round_s.push_back(processor_time_s() - round_began_s);
   }
   usual_s = stats::upper_median({cost_s.begin(), cost_s.end()});
-  const double slow_s = std::max(20.0 * usual_s, 2e-5);
+  const double least_s = std::max(20.0 * usual_s, 2e-5);
   std::vector<std::size_t> slow;
   // The first round meets everything for the first time: memory, caches, branches.
-  for (std::size_t i = Rounds::length; i < count; ++i) {
-    if (cost_s[i] > slow_s) {
+  for (std::size_t round = 1; round < round_s.size(); ++round) {
+    const std::size_t begin = round * Rounds::length;
+    const std::size_t end = std::min(count, begin + Rounds::length);
+    double slow_s = 0.0;
+    double others_s = 0.0;
+    for (std::size_t i = begin; i < end; ++i) (cost_s[i] > least_s ? slow_s : others_s) += cost_s[i];
+    if (slow_s == 0.0 || round_s[round] - others_s < 0.5 * slow_s) continue;
+    for (std::size_t i = begin; i < end; ++i) {
+      if (!(cost_s[i] > least_s)) continue;
       slow.push_back(i);
       slowest_s = std::max(slowest_s, static_cast<double>(cost_s[i]));
     }
