@@ -101,7 +101,7 @@ ContactRegistration register_contacts(const Surface& surface, const std::vector<
       normal += weight * row * row.transpose();
       gradient += weight * row * now[i];
     }
-    const Eigen::SelfAdjointEigenSolver<Matrix6> eigen(normal);
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen{Eigen::MatrixXd(normal)};
     // A direction in which the object can slide without a distance changing (a plane has three, a sphere too) has an
     // eigenvalue of nought: no step goes there. Levenberg's damping shortens the others after a step that failed.
     const double strongest = eigen.eigenvalues()[5];

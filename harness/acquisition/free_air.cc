@@ -2,13 +2,13 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
 #include "harness/acquisition/smoothing.h"
 #include "harness/base/error.h"
+#include "harness/base/least_squares.h"
 #include "harness/stats/quantile.h"
 
 namespace touchstone::acquisition {
@@ -186,7 +186,7 @@ AccelerometerMap identify_accelerometer(const std::vector<Vec3>& readings, const
     a.row(i) << g.transpose(), gravity_W_m_per_s2.norm();
     b.row(i) = readings[static_cast<std::size_t>(i)].transpose();
   }
-  const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(a);
+  const LeastSquares qr(a);
   if (n < 4 || qr.rank() < 4)
     throw BadData(
         fmt::format("{}: {} orientations do not determine the accelerometer's axes; at least 4 are needed whose upward "

@@ -1,5 +1,4 @@
 // The tool as an accelerometer: its weight and inertia, from the motion, against what the sensor felt of them.
-#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -7,6 +6,7 @@
 
 #include "harness/acquisition/clock_parts.h"
 #include "harness/acquisition/smoothing.h"
+#include "harness/base/least_squares.h"
 #include "harness/stats/quantile.h"
 
 namespace touchstone::acquisition {
@@ -179,9 +179,7 @@ FreeSamples fit_free(const std::vector<Sample>& samples, const Vec3& bias_N, dou
         right += row.transpose() * x->expected_N[k];
       }
     }
-    const Eigen::LDLT<Eigen::Matrix<double, parameters, parameters>> solver(normal);
-    if (solver.info() != Eigen::Success) return {};
-    result.fit = solver.solve(right);
+    result.fit = solve_symmetric(normal, right);
     if (!result.fit.allFinite()) return {};
   }
   return result;

@@ -1,5 +1,4 @@
 // The shift between the clocks at each tap: heights of the tracker against what the force says of them.
-#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -7,6 +6,7 @@
 
 #include "harness/acquisition/clock_parts.h"
 #include "harness/acquisition/smoothing.h"
+#include "harness/base/least_squares.h"
 #include "harness/stats/quantile.h"
 
 namespace touchstone::acquisition {
@@ -146,7 +146,7 @@ Projected project(const TapModel& tap, const std::vector<double>& t_motion, cons
   }
   // Three samples of either flight, or speed and acceleration would be free to fit anything.
   if (before < 3 || after < 3 || touching < 1) return p;
-  const auto qr = own.colPivHouseholderQr();
+  const LeastSquares qr(own);
   if (qr.rank() < own_parameters) return p;  // a bounce between two frames may have no sample: that is no matter
   const Eigen::VectorXd solution = qr.solve(h - compliance * f);
   for (Eigen::Index i = 0; i < n; ++i) {
@@ -170,9 +170,9 @@ Projected project(const TapModel& tap, const std::vector<double>& t_motion, cons
               qr.rank();
   p.spread_m2 = (h.head(n).array() - h.head(n).mean()).square().sum();
   p.usable = true;
-  const auto first_columns = own.leftCols<own_parameters>();
-  const Eigen::Matrix<double, own_parameters, own_parameters> covariance =
-      (first_columns.transpose() * first_columns).inverse();
+  const Eigen::MatrixXd first_columns = own.leftCols<own_parameters>();
+  const Eigen::MatrixXd covariance = LeastSquares(first_columns.transpose() * first_columns)
+                                         .solve(Eigen::MatrixXd::Identity(own_parameters, own_parameters));
   const double noise_m = std::sqrt((p.height - compliance * p.force).squaredNorm() / static_cast<double>(p.freedom));
   for (int side = 0; side < 2; ++side) {
     p.acceleration[side] = solution[of_acceleration[side]];

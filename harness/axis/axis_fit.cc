@@ -10,6 +10,7 @@
 
 #include "harness/axis/axis_design.h"
 #include "harness/base/error.h"
+#include "harness/base/least_squares.h"
 #include "harness/stats/quantile.h"
 
 namespace touchstone::axis {
@@ -58,7 +59,7 @@ Eigen::VectorXd solve(Eigen::MatrixXd normal, const Eigen::VectorXd& right, cons
   };
   smooth(0, structure.knots);
   if (structure.friction_over_place) smooth(structure.columns() - friction_knots, friction_knots);
-  return normal.ldlt().solve(right);
+  return solve_symmetric(normal, right);
 }
 
 Judged judge(const AxisSamples& s, const AxisStructure& structure) {

@@ -1,9 +1,10 @@
 #include "harness/discrepancy/bump_peaks.h"
 
-#include <Eigen/QR>
 #include <algorithm>
 #include <array>
 #include <cmath>
+
+#include "harness/base/least_squares.h"
 
 namespace touchstone::discrepancy {
 namespace {
@@ -44,7 +45,7 @@ Seen look(const Recording& recording, const Prediction& current, BumpOf of) {
     nuisances.row(row) << current.normal_N[i], 1.0;
   }
   if (touching.size() < fewest_samples) return seen;
-  seen.nuisances = Eigen::HouseholderQR<Eigen::MatrixXd>(nuisances).householderQ() * Eigen::MatrixXd::Identity(n, 2);
+  seen.nuisances = LeastSquares(nuisances).range();
   seen.left_N = seen.beyond_nuisances(seen.left_N);
   return seen;
 }

@@ -1,6 +1,5 @@
 #include "harness/discrepancy/law_regression.h"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -9,6 +8,7 @@
 
 #include "harness/base/error.h"
 #include "harness/base/in_parallel.h"
+#include "harness/base/least_squares.h"
 #include "harness/discrepancy/model_edit.h"
 #include "harness/discrepancy/null_gains.h"
 #include "harness/discrepancy/whitened_regression.h"
@@ -45,7 +45,7 @@ Eigen::VectorXd solve(const Squares& train, Eigen::Index world) {
   Eigen::MatrixXd normal = size.cwiseInverse().asDiagonal() * train.responses * size.cwiseInverse().asDiagonal();
   normal.diagonal().array() += ridge;
   return size.cwiseInverse().cwiseProduct(
-      normal.ldlt().solve(size.cwiseInverse().cwiseProduct(train.products.col(world))));
+      solve_symmetric(normal, size.cwiseInverse().cwiseProduct(train.products.col(world))));
 }
 
 // One side's blocks, whitened: residuals and how they answer to what is free in the model.

@@ -1,11 +1,11 @@
 #include "harness/discrepancy/nearby_fits.h"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <optional>
 
 #include "harness/base/error.h"
+#include "harness/base/least_squares.h"
 #include "harness/discrepancy/huber_loss.h"
 
 namespace touchstone::discrepancy {
@@ -44,7 +44,7 @@ Eigen::VectorXd bounded_step(const Eigen::MatrixXd& curvature, const Eigen::Vect
     const Eigen::VectorXd wanted = -slope - curvature * step;
     Eigen::VectorXd changes = Eigen::VectorXd::Zero(n);
     const Eigen::MatrixXd own = curvature(inside, inside);
-    const Eigen::VectorXd solved = own.ldlt().solve(Eigen::VectorXd(wanted(inside)));
+    const Eigen::VectorXd solved = solve_symmetric(own, wanted(inside));
     changes(inside) = solved;
     const auto held = std::erase_if(inside, [&](Eigen::Index i) {
       const FreeParameter& parameter = parameters[static_cast<std::size_t>(i)];

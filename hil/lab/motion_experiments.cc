@@ -2,11 +2,11 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <numeric>
 
+#include "harness/base/least_squares.h"
 #include "hil/lab/analysis.h"
 
 namespace touchstone::hil {
@@ -25,14 +25,14 @@ Motion motion_at(const std::vector<ServoTick>& ticks, double t_s) {
              to = std::lower_bound(from, ticks.end(), t_s + half_s, before);
   const auto n = to - from;
   if (n < 20 || from->t_s > t_s - 0.8 * half_s || std::prev(to)->t_s < t_s + 0.8 * half_s) return {};
-  Eigen::MatrixX3d basis(n, 3);
+  Eigen::MatrixXd basis(n, 3);
   Eigen::VectorXd x(n);
   for (Eigen::Index i = 0; i < n; ++i) {
     const double s = ((from + i)->t_s - t_s) / half_s;
     basis.row(i) << 1.0, s, s * s;
     x[i] = (from + i)->p_W_m.x() - from->p_W_m.x();
   }
-  const Eigen::Vector3d c = (basis.transpose() * basis).ldlt().solve(basis.transpose() * x);
+  const Eigen::Vector3d c = LeastSquares(basis).solve(x);
   return {c[1] / half_s, 2.0 * c[2] / (half_s * half_s), true};
 }
 
@@ -76,14 +76,14 @@ Finding friction_by_hand(Bench& bench, const LabLimits& limits, double seconds, 
   const auto n = static_cast<Eigen::Index>(v.size());
   const double v_scale = *std::max_element(v.begin(), v.end()),
                a_scale = std::max(1e-9, *std::max_element(a.begin(), a.end()));
-  Eigen::MatrixX4d basis(n, 4);
+  Eigen::MatrixXd basis(n, 4);
   Eigen::VectorXd force(n);
   for (Eigen::Index i = 0; i < n; ++i) {
     const auto k = static_cast<std::size_t>(i);
     basis.row(i) << (v[k] > 0 ? 1.0 : -1.0), v[k] / v_scale, a[k] / a_scale, 1.0;
     force[i] = f[k];
   }
-  const Eigen::ColPivHouseholderQR<Eigen::MatrixX4d> qr(basis);
+  const LeastSquares qr(basis);
   if (qr.rank() < 4)
     throw DeviceError(DeviceStatus::failed, "friction: the motion was too even to tell its parts apart",
                       "vary the speed");

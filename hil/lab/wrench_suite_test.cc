@@ -9,6 +9,7 @@
 
 #include "harness/acquisition/tool_load.h"
 #include "harness/base/random.h"
+#include "harness/base/rotations.h"
 #include "hil/emulators/netft_emulator.h"
 #include "hil/lab/analysis.h"
 #include "hil/lab/suite.h"
@@ -151,7 +152,7 @@ TEST_P(WrenchSensor, GravityOverOrientations) {
         fmt::print(stderr, "--> lay the block so that the sensor's {} points up, hands off; 15 s\n", names.back());
         ::sleep(15);
       }
-      poses.push_back({Quat::FromTwoVectors(up, Vec3::UnitZ()), mean(found.emulated ? 0.2 : 3.0)});
+      poses.push_back({shortest_rotation(up, Vec3::UnitZ()), mean(found.emulated ? 0.2 : 3.0)});
     }
   }
   const Vec3 gravity(0, 0, -gravity_m_per_s2);

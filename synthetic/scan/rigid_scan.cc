@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "harness/base/rotations.h"
+
 namespace touchstone::synthetic {
 namespace {
 
@@ -9,7 +11,7 @@ namespace {
 Quat probe_orientation(const Vec3& n_W, double t_s) {
   const Vec3 sway(0.15 * std::sin(0.9 * t_s + 0.3), 0.12 * std::sin(0.7 * t_s + 1.1), 0.0);
   const Vec3 along = (n_W + 0.8 * Vec3::UnitZ() + sway).normalized();
-  return Quat::FromTwoVectors(Vec3::UnitZ(), along) * Quat(Eigen::AngleAxisd(0.2 * std::sin(0.5 * t_s), Vec3::UnitZ()));
+  return shortest_rotation(Vec3::UnitZ(), along) * Quat(Eigen::AngleAxisd(0.2 * std::sin(0.5 * t_s), Vec3::UnitZ()));
 }
 
 }  // namespace

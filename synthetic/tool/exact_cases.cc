@@ -10,6 +10,7 @@
 
 #include "harness/base/error.h"
 #include "harness/base/random.h"
+#include "harness/base/rotations.h"
 
 namespace touchstone::synthetic {
 namespace {
@@ -156,7 +157,7 @@ ExactCase peg_in_hole(double clearance_m, double s) {
 }
 
 Quat edge_down() { return Quat(Eigen::AngleAxisd(0.25 * std::numbers::pi, Vec3::UnitX())); }
-Quat corner_down() { return Quat::FromTwoVectors(Vec3(1, 1, -1), -Vec3::UnitZ()); }
+Quat corner_down() { return shortest_rotation(Vec3(1, 1, -1), -Vec3::UnitZ()); }
 
 struct Known {
   std::string name;

@@ -1,9 +1,10 @@
 #include "synthetic/tool/quasi_static.h"
 
-#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 #include <limits>
+
+#include "harness/base/least_squares.h"
 
 namespace touchstone::synthetic {
 namespace {
@@ -71,7 +72,7 @@ bool newton(const std::vector<GapOfPose>& gaps, const std::vector<std::size_t>& 
                       residual(gaps, touching, handle, coupling, slide, moved(at.pose, back), at.l - dl)) /
                      (2.0 * kDerivativeStep);
     }
-    const Eigen::VectorXd d = slope.completeOrthogonalDecomposition().solve(-r);
+    const Eigen::VectorXd d = LeastSquares(slope).solve(-r);
     at.pose = moved(at.pose, {d.head<3>(), d.segment<3>(3)});
     at.l += d.tail(size - 6);
   }

@@ -2,11 +2,11 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 
 #include "harness/base/error.h"
+#include "harness/base/least_squares.h"
 
 namespace touchstone::experiments {
 namespace {
@@ -80,7 +80,7 @@ PlaneSpring fit_plane_spring(const Recording& recording, double contact_force_N)
     normal += a * a.transpose();
     right += force_N * a;
   }
-  const Eigen::Vector4d s = normal.ldlt().solve(right);
+  const Eigen::Vector4d s = solve_symmetric(normal, right);
   if (!(s(3) > 0.0))
     throw BadData(fmt::format("{}: the force does not grow with depth: no spring fits", recording.source));
   // F = s0 + s1 x + s2 y - s3 z about the centre.

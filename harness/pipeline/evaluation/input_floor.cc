@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "harness/base/error.h"
+#include "harness/base/rotations.h"
 #include "harness/discrepancy/smooth_motion.h"
 #include "harness/pipeline/evaluation/inputs.h"
 #include "harness/recording/recording_file.h"
@@ -91,13 +92,13 @@ ContactNormal contact_normal(const TriangleMesh& mesh, const SmoothNormals& smoo
   const Vec3 body = smooth.at(at.triangle, at.p_W_m);
   const bool edge = at.feature == Feature::edge || at.feature == Feature::vertex;
   // A ball in contact with an edge is pushed along the line from there to its centre (out_trajectory.h, rule 4).
-  if (radius_m == 0.0 || !edge || !(at.signed_distance_m > 0.0)) return {at.n_W, Quat::FromTwoVectors(facet, body)};
+  if (radius_m == 0.0 || !edge || !(at.signed_distance_m > 0.0)) return {at.n_W, shortest_rotation(facet, body)};
   const Vec3 n = (tip_W_m - at.p_W_m) / at.distance_m;
   // An edge of the body is no error of the mesh: the ball rolls about it, in the world as on the mesh. At an edge of
   // the tessellation the smooth normal lies between the facets as the pseudo-normal does; at one of the body it is that
   // of the one side, half of the edge's angle away, and an edge is of the body from SmoothNormals' angle on.
   const bool of_the_body = at.n_W.dot(body) < std::cos(0.5 * SmoothNormals::kSharp_rad);
-  return {n, of_the_body ? Quat::Identity() : Quat::FromTwoVectors(n, body)};
+  return {n, of_the_body ? Quat::Identity() : shortest_rotation(n, body)};
 }
 
 // The law's answer for a probe of `radius_m`, turned from the facets to the smooth surface.
