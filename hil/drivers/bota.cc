@@ -62,8 +62,6 @@ std::optional<std::size_t> speed_code(int baud) {
   return static_cast<std::size_t>(found - speeds.begin());
 }
 
-// 8 bits, a start and a stop bit.
-constexpr double bits_per_byte = 10.0;
 constexpr std::uint32_t no_step = std::numeric_limits<std::uint32_t>::max();
 // Steps from the start that are judged again when a shorter one comes: 10 s at 400 Hz. A line that loses frames for
 // longer without one undisturbed pair is reported by its rate.

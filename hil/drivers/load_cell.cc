@@ -20,8 +20,6 @@ constexpr std::size_t longest_line = 1024;
 
 // For the first readings: a microcontroller that the opening of its line reset starts again, and settles.
 constexpr double ready_s = 10.0;
-// 8 bits, a start and a stop bit.
-constexpr double bits_per_byte = 10.0;
 // What a table of nine decimals still tells apart.
 constexpr double least_step_s = 1e-6;
 

@@ -11,6 +11,9 @@
 
 namespace touchstone::hil {
 
+// On the line: 8 bits, a start and a stop bit.
+constexpr double bits_per_byte = 10.0;
+
 class SerialPort {
  public:
   // Throws DeviceError(absent | no_permission | busy | failed) naming the node; `called` is the device in messages.

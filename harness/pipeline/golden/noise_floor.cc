@@ -9,6 +9,9 @@
 #include <array>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "harness/base/atomic_file.h"
 #include "harness/base/hash.h"
@@ -181,9 +184,13 @@ NoiseFloors measure_noise_floors(const std::vector<GoldenCase>& cases, const std
   }
   if (!json.empty()) {
     for (nlohmann::json& floor : kept_floors(json, golden, document)) document["floors"].push_back(std::move(floor));
-    std::sort(document["floors"].begin(), document["floors"].end(), [](const auto& a, const auto& b) {
-      return std::pair(a["case"], a["model"]) < std::pair(b["case"], b["model"]);
-    });
+    std::multimap<std::pair<std::string, std::string>, nlohmann::json> sorted;
+    for (nlohmann::json& floor : document["floors"]) {
+      const std::pair<std::string, std::string> key(floor.at("case"), floor.at("model"));
+      sorted.emplace(key, std::move(floor));
+    }
+    document["floors"] = nlohmann::json::array();
+    for (auto& [key, floor] : sorted) document["floors"].push_back(std::move(floor));
     write_file(json, document.dump(1) + "\n");
   }
   return {good ? ExitStatus::passed : ExitStatus::failed, std::move(table)};
