@@ -90,7 +90,10 @@ Vec6 ContactFriction::displacement(const Mat6& a, const Vec6& b) const noexcept 
   // In which residuals are measured: of a step of A alone, so that newtons and newton metres compare.
   const Vec6 weight = a.diagonal().cwiseInverse().cwiseSqrt();
   const auto size_of = [&](const Vec6& r) { return r.cwiseProduct(weight).squaredNorm(); };
-  for (int round = 0; round < kMostRounds; ++round) {
+  // What the sum of the terms is off by: below it no step makes the residual smaller.
+  constexpr double kRounding = 1e-13;
+  const double scale = size_of(b);
+  for (int round = 0; round < kMostRounds && size_of(left) > kRounding * kRounding * scale; ++round) {
     const Vec6 by = Eigen::PartialPivLU<Mat6>(slope).solve(-left);
     // The whole step, or the longest share of it that makes the residual smaller; the whole one where none does: sets
     // of points that slip change, and the residual may have to grow first.

@@ -60,7 +60,7 @@ PenaltyCoupling::PenaltyCoupling(const Tool& tool, const PointShell& shell, std:
     : mass_(tool.mass),
       shell_(shell),
       tree_(point_balls(shell_)),
-      object_(std::move(object)),
+      distances_(std::move(object), tree_.size()),
       coupling_(coupling),
       stiffness_N_per_m_(contact_stiffness_N_per_m) {
   if (mu > 0.0) friction_.emplace(shell_.size(), mu, contact_stiffness_N_per_m);
@@ -86,11 +86,17 @@ ToolResult PenaltyCoupling::do_step(const ToolState& state, double dt_s) noexcep
     std::size_t size = 0;
     stack[size++] = 0;
     while (size > 0) {
-      const SphereTree::Node& node = tree_.node(stack[--size]);
+      const std::int32_t index = stack[--size];
+      const SphereTree::Node& node = tree_.node(index);
       const Vec3 r = rotation * node.ball.center;
       const Vec3 p = proxy_.p_W_m + r;
-      const SurfacePoint near = object_->closest(p);
-      if (near.signed_distance_m > node.ball.radius) continue;  // all of it is outside
+      const auto known = distances_.side(static_cast<std::size_t>(index), p, node.ball.radius);
+      if (known == DistanceBounds::Side::beyond) continue;
+      SurfacePoint near;
+      if (known == DistanceBounds::Side::unknown || node.child < 0) {
+        near = distances_.ask(static_cast<std::size_t>(index), p);
+        if (near.signed_distance_m > node.ball.radius) continue;  // all of it is outside
+      }
       if (node.child >= 0) {
         stack[size++] = node.child + 1;
         stack[size++] = node.child;

@@ -8,6 +8,8 @@
 //   (M / h^2 + B / h + K + sum k w w^T) y = M v / h + B v_handle + f_coupling + sum k d w,     w = (n, r x n),
 // M the tool's inertia about its origin (gyroscopic terms left out: they are of second order in a tool's turning), K
 // the coupling's stiffness, B its damping, critical for the tool's mass. The hand feels the coupling's spring.
+// A point is asked for its distance where what it has moved since it was asked leaves in doubt whether it touches
+// (distance_bounds.h).
 // Friction at the points (parameter mu, 0 without): the two sources have none; contact_friction.h.
 #pragma once
 
@@ -19,6 +21,7 @@
 #include "harness/tool/tool_renderer.h"
 #include "harness/tool/tool_renderer_entry.h"
 #include "renderers/tool/contact_friction.h"
+#include "renderers/tool/distance_bounds.h"
 #include "renderers/tool/least_constraint.h"
 #include "renderers/tool/sphere_tree.h"
 
@@ -31,13 +34,14 @@ class PenaltyCoupling : public ToolRenderer {
   PenaltyCoupling(const Tool& tool, const PointShell& shell, std::shared_ptr<const Surface> object,
                   const Coupling& coupling, double contact_stiffness_N_per_m, double mu = 0.0);
   [[nodiscard]] std::size_t memory_bytes() const noexcept override {
-    return 2 * shell_.p_T_m.capacity() * sizeof(Vec3) + tree_.memory_bytes() +
+    return 2 * shell_.p_T_m.capacity() * sizeof(Vec3) + tree_.memory_bytes() + distances_.memory_bytes() +
            (friction_ ? friction_->memory_bytes() : 0) + sizeof(*this);
   }
 
  protected:
   void do_reset() override {
     placed_ = false;
+    distances_.forget();
     if (friction_) friction_->reset();
   }
   ToolResult do_step(const ToolState& state, double dt_s) noexcept override;
@@ -48,7 +52,7 @@ class PenaltyCoupling : public ToolRenderer {
   MassFrame mass_;
   PointShell shell_;
   SphereTree tree_;
-  std::shared_ptr<const Surface> object_;
+  DistanceBounds distances_;  // of the tree's nodes
   Coupling coupling_;
   double stiffness_N_per_m_;
   std::optional<ContactFriction> friction_;

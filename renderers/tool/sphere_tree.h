@@ -40,6 +40,7 @@ class SphereTree {
   // none.
   void tag(std::span<const std::uint8_t> item_tags) noexcept;
   [[nodiscard]] const Node& node(std::int32_t i) const { return nodes_[static_cast<std::size_t>(i)]; }
+  [[nodiscard]] std::size_t size() const noexcept { return nodes_.size(); }
   [[nodiscard]] std::size_t memory_bytes() const noexcept { return nodes_.capacity() * sizeof(Node); }
 
  private:

@@ -42,7 +42,8 @@ Pose pose_at(double t_s) {
   return {Vec3(3e-3 * std::sin(0.9 * t_s), 0.0, -(q * kCorner_T_m).z() - depth_m), q};
 }
 
-recording::Recording recorded(const Planted& planted, std::uint64_t seed) {
+// `every`: of its samples that are taken.
+recording::Recording recorded(const Planted& planted, std::uint64_t seed, int every = 1) {
   const Coupling declared;
   const Coupling real{
       1.0 / (1.0 / declared.stiffness_N_per_m + planted.compliance_m_per_N),
@@ -51,7 +52,7 @@ recording::Recording recorded(const Planted& planted, std::uint64_t seed) {
   Random random(seed);
   recording::Recording recording;
   recording.source = "corner";
-  for (int i = 0; i < 2000; ++i) {
+  for (int i = 0; i < 2000; i += every) {
     const double t_s = 0.01 * i;
     const Pose pose = pose_at(t_s);
     const Wrench truth = quasi_static_equilibrium(gaps, pose, real).wrench_W;
@@ -208,7 +209,7 @@ TEST(ToolFit, GivesTheEvidenceOfEachName) {
 TEST(ToolFit, SaysThatARecordingIsMisread) {
   const Planted planted{.force_bias_N = Vec3(0.1, -0.05, 0.2), .compliance_m_per_N = 0.1e-3, .mass_kg = 0.03};
   for (const std::string reading : {"torque-sign", "wrench-sign", "torque-frame", "wrench-frame", "none"}) {
-    recording::Recording wrong = recorded(planted, 630);
+    recording::Recording wrong = recorded(planted, 630, 2);
     for (std::size_t i = 0; i < wrong.size(); ++i) {
       const Quat to_T = wrong.motion.q_WS[i].conjugate();
       Vec3& f = wrong.f_W_N[i];
