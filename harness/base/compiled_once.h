@@ -34,6 +34,9 @@ TOUCHSTONE_COMPILED_ONCE template nlohmann::basic_json<nlohmann::ordered_map>::b
     nlohmann::ordered_json::initializer_list_t, bool, nlohmann::ordered_json::value_t);
 
 TOUCHSTONE_COMPILED_ONCE template class Eigen::LDLT<Eigen::MatrixXd>;
+TOUCHSTONE_COMPILED_ONCE template Eigen::LDLT<Eigen::MatrixXd>::LDLT(const Eigen::EigenBase<Eigen::MatrixXd>&);
+TOUCHSTONE_COMPILED_ONCE template Eigen::LDLT<Eigen::MatrixXd>& Eigen::LDLT<Eigen::MatrixXd>::compute<Eigen::MatrixXd>(
+    const Eigen::EigenBase<Eigen::MatrixXd>&);
 TOUCHSTONE_COMPILED_ONCE template class Eigen::LLT<Eigen::MatrixXd>;
 TOUCHSTONE_COMPILED_ONCE template Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>&
 Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>::compute<Eigen::MatrixXd>(const Eigen::EigenBase<Eigen::MatrixXd>&, int);

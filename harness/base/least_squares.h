@@ -24,7 +24,8 @@ class LeastSquares {
   Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> decomposition_;
 };
 
-// x of N x = r for a symmetric positive semidefinite N, by its LDL' decomposition with pivoting (Eigen's LDLT).
+// x of N x = r, of which only the lower triangle is looked at, for a symmetric positive semidefinite N, by its LDL'
+// decomposition with pivoting (Eigen's LDLT).
 Eigen::VectorXd solve_symmetric(const Eigen::MatrixXd& n, const Eigen::VectorXd& r);
 
 }  // namespace touchstone

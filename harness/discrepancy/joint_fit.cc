@@ -300,7 +300,8 @@ JointFit fit_jointly(const FitData& data, const Model& start, const std::vector<
   double* rows = jacobian.data();
   fit.ok = cost.Evaluate(&point, out.data(), &rows);
   if (!fit.ok) return fit;
-  const Eigen::LDLT<Eigen::MatrixXd> curvature(jacobian.transpose() * jacobian);
+  const Eigen::MatrixXd normal = jacobian.transpose() * jacobian;
+  const Eigen::LDLT<Eigen::MatrixXd> curvature(normal);
   fit.ok =
       curvature.info() == Eigen::Success && curvature.vectorD().minCoeff() > 1e-12 * curvature.vectorD().maxCoeff();
   if (!fit.ok) return fit;

@@ -27,7 +27,8 @@ ClusteredFit::ClusteredFit(std::vector<NormalEquations> clusters) {
   if (!(normal.diagonal().minCoeff() > 0.0) || !normal.allFinite() || !right.allFinite()) return;
   // Columns of unit length first: their units differ.
   const VectorXd unit = normal.diagonal().cwiseSqrt().cwiseInverse();
-  const Eigen::SelfAdjointEigenSolver<MatrixXd> all(unit.asDiagonal() * normal * unit.asDiagonal());
+  const MatrixXd scaled = unit.asDiagonal() * normal * unit.asDiagonal();
+  const Eigen::SelfAdjointEigenSolver<MatrixXd> all(scaled);
   if (all.info() != Eigen::Success || !(all.eigenvalues()[0] > singular * all.eigenvalues()[size - 1])) return;
   const MatrixXd root = all.operatorInverseSqrt();
   const MatrixXd whiten = root * unit.asDiagonal();  // W with W^T W = A^-1
@@ -35,7 +36,8 @@ ClusteredFit::ClusteredFit(std::vector<NormalEquations> clusters) {
   estimate_ = inverse_ * right;
   clusters_.reserve(clusters.size());
   for (NormalEquations& c : clusters) {
-    const Eigen::SelfAdjointEigenSolver<MatrixXd> share(whiten * c.normal * whiten.transpose());
+    const MatrixXd whitened = whiten * c.normal * whiten.transpose();
+    const Eigen::SelfAdjointEigenSolver<MatrixXd> share(whitened);
     const VectorXd rest = (1.0 - share.eigenvalues().array()).max(least_rest).rsqrt();
     const MatrixXd enlarge = share.eigenvectors() * rest.asDiagonal() * share.eigenvectors().transpose();
     VectorXd score = c.right - c.normal * estimate_;

@@ -1,6 +1,5 @@
 #include "synthetic/surfaces/radial_body.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -82,6 +81,21 @@ double angular_bend(const Vec3& u, const RadialJet& rho) {
 double second_bound(double bend, double radius_m) {
   constexpr double margin = 1.5;
   return margin * bend / (radius_m * radius_m) + 1.0 / radius_m;
+}
+
+// The principal curvatures, the smaller one first: the eigenvalues of the second fundamental form S relative to the
+// first one F (do Carmo, Differential Geometry of Curves and Surfaces, section 3.3), which are those of the symmetric
+// L^-1 S L^-T with F = L L^T. Of a symmetric 2 x 2 matrix they are its mean diagonal -+ a length, which keeps its
+// digits where both are nearly alike, as on a sphere.
+std::array<double, 2> principal_curvatures(const Eigen::Matrix2d& first, const Eigen::Matrix2d& second) {
+  const double l00 = std::sqrt(first(0, 0));
+  const double l10 = first(1, 0) / l00;
+  const double l11 = std::sqrt(first(1, 1) - l10 * l10);
+  const double a = second(0, 0) / (l00 * l00);
+  const double b = (second(1, 0) / l00 - l10 * a) / l11;
+  const double c = (second(1, 1) - l10 * (2.0 * second(1, 0) / l00 - l10 * a)) / (l11 * l11);
+  const double away = std::hypot(0.5 * (a - c), b);
+  return {0.5 * (a + c) - away, 0.5 * (a + c) + away};
 }
 
 }  // namespace
@@ -272,9 +286,9 @@ RadialBody::Curvature RadialBody::largest_curvature() const {
     first << s.q_a.squaredNorm(), s.q_a.dot(s.q_b), s.q_a.dot(s.q_b), s.q_b.squaredNorm();
     Eigen::Matrix2d second;
     second << s.q_aa.dot(outward), s.q_ab.dot(outward), s.q_ab.dot(outward), s.q_bb.dot(outward);
-    const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::Matrix2d> principal(second, first, Eigen::EigenvaluesOnly);
-    largest.concave_per_m = std::max(largest.concave_per_m, principal.eigenvalues()(1));
-    largest.convex_per_m = std::max(largest.convex_per_m, -principal.eigenvalues()(0));
+    const auto [smaller, larger] = principal_curvatures(first, second);
+    largest.concave_per_m = std::max(largest.concave_per_m, larger);
+    largest.convex_per_m = std::max(largest.convex_per_m, -smaller);
   }
   return largest;
 }

@@ -1,9 +1,10 @@
 #include "harness/perception/judge/response.h"
 
-#include <Eigen/Cholesky>
 #include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
+
+#include "harness/base/least_squares.h"
 
 namespace touchstone::perception {
 namespace {
@@ -96,7 +97,7 @@ Solved solve(const Sums& sums) {
     a(2 * j, 2 * j) += 1e-9 * constant_weight + 1e-300;
     a(2 * j + 1, 2 * j + 1) += 1e-6 * factor_weight + 1e-300;
   }
-  const Eigen::VectorXd x = a.selfadjointView<Eigen::Lower>().ldlt().solve(b);
+  const Eigen::VectorXd x = solve_symmetric(a, b);
   Solved result;
   for (Eigen::Index j = 0; j < n; ++j) {
     result.constant.push_back(x(2 * j));
