@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "harness/rendering/smooth_field.h"
+#include "renderers/effects/raised_surface.h"
 
 namespace touchstone::renderers {
 namespace {
@@ -38,12 +39,12 @@ class HeightField final : public Effect {
   explicit HeightField(std::span<const double> values) : field_(values) {}
   void reset() noexcept override {}
   void apply(ContactState& contact) noexcept override {
-    if (contact.n_W.isZero()) return;  // far from the surface
-    const SmoothField::Value height = field_.with_slope(contact.proxy_W_m.x(), contact.proxy_W_m.y());
-    contact.depth_m += height.value;
-    Vec3 slope(height.along_x, height.along_y, 0.0);
-    slope -= contact.n_W.dot(slope) * contact.n_W;
-    contact.n_W = (contact.n_W - slope).normalized();
+    // A field bends little over the way that the closest point moves, and its splines are what costs.
+    constexpr int looks = 1;
+    raise_surface(contact, looks, [this](double x_m, double y_m) noexcept {
+      const SmoothField::Value height = field_.with_slope(x_m, y_m);
+      return RaisedBy{height.value, height.along_x, height.along_y};
+    });
   }
 
  private:

@@ -16,7 +16,8 @@ namespace touchstone::renderers {
 std::unique_ptr<Effect> make_stiffness_field(std::span<const double> values);
 // The force along the surface is exp(field) times what the friction before it in the model makes.
 std::unique_ptr<Effect> make_friction_field(std::span<const double> values);
-// The surface is higher than the mesh by the field [m], along its normal; the normal leans against the field's slope.
+// The true surface stands off the mesh by the field [m], outward, the field taken at the place on the true surface
+// (renderers/effects/raised_surface.h).
 std::unique_ptr<Effect> make_height_field_contact(std::span<const double> values);
 
 // What the search for missing effects is to know of them.

@@ -86,7 +86,7 @@ std::vector<InstrumentEntry> make_instrument_catalogue() {
         {"width_m", "m", 1e-9, 1e3, 1e-2, "standard deviation"}},
        &make_surface_geometry,
        surface_geometry_traits()},
-      {"height-field", "a surface that is smoothly higher or lower than the mesh: h(x, y) along its normals",
+      {"height-field", "a surface that is smoothly higher or lower than the mesh: h(x, y), outward",
        "tensor-product B-splines: de Boor 1978; Eilers and Marx 1996", Stage::geometry,
        field_parameters("m", 1.0, "of the height, outward"), &make_height_field, height_field_traits()},
   };

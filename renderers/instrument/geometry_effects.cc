@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "renderers/effects/field_effects.h"
+#include "renderers/effects/raised_surface.h"
 
 namespace touchstone::renderers {
 namespace {
@@ -29,16 +30,14 @@ class Bump final : public Effect {
   Bump(double amplitude, double x, double y, double width) : amplitude_(amplitude), x_(x), y_(y), width_(width) {}
   void reset() noexcept override {}
   void apply(ContactState& contact) noexcept override {
-    if (contact.n_W.isZero()) return;
-    const double dx = contact.tip_W_m.x() - x_;
-    const double dy = contact.tip_W_m.y() - y_;
-    const double variance = width_ * width_;
-    const double height = amplitude_ * std::exp(-0.5 * (dx * dx + dy * dy) / variance);
-    contact.depth_m += height;
-    // The surface z' = h(x, y) over the mesh leans its normal against the slope of h, taken along the tangent plane.
-    Vec3 slope(-dx * height / variance, -dy * height / variance, 0.0);
-    slope -= contact.n_W.dot(slope) * contact.n_W;
-    contact.n_W = (contact.n_W - slope).normalized();
+    constexpr int looks = 2;
+    raise_surface(contact, looks, [this](double x_m, double y_m) noexcept {
+      const double dx = x_m - x_;
+      const double dy = y_m - y_;
+      const double variance = width_ * width_;
+      const double height = amplitude_ * std::exp(-0.5 * (dx * dx + dy * dy) / variance);
+      return RaisedBy{height, -dx * height / variance, -dy * height / variance};
+    });
   }
 
  private:

@@ -1,8 +1,10 @@
 // Where the measurement's geometry is off:
-//   registration      measured = true + d + r x true, d = (dx, dy, dz), r = (rx, ry, 0); solved exactly for the true
-//   tip surface-geometry  the true surface carries a Gaussian bump that the mesh lacks: depth + A exp(-r^2 / 2 w^2), r
-//   the
-//                     distance from (x, y) in the object's xy plane; the normal tilts by the bump's slope
+//   registration      measured = true + d + r x true, d = (dx, dy, dz), r = (rx, ry, 0); solved exactly for the
+//                     true tip
+//   surface-geometry  the true surface carries a Gaussian bump that the mesh lacks, A exp(-r^2 / 2 w^2) outward,
+//                     r the distance of the place on the true surface from (x, y) in the object's xy plane
+//   height-field      the same for a smooth height all over the surface
+// How depth and normal follow from a height: renderers/effects/raised_surface.h.
 #pragma once
 
 #include <memory>

@@ -137,7 +137,8 @@ TEST(ModelPredictor, KeptTracesChangeNothing) {
   EXPECT_GT(largest, 1.0);
 }
 
-// A ramp h = 0.01 x on the plane z = 0, touched from 1 mm below: deeper by the ramp, and the force leans against it.
+// A ramp h = 0.01 x on the plane z = 0, touched from 1 mm below: as deep as the tip is below the ramp, and the force
+// leans against it.
 TEST(HeightField, IsDepthAndSlopeOfTheContact) {
   const std::vector<Vec3> vertices{{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}};
   TriangleMesh mesh;
@@ -159,7 +160,7 @@ TEST(HeightField, IsDepthAndSlopeOfTheContact) {
   motion.p_W_m = {{0.1, 0.0, -1e-3}, {0.2, 0.05, -1e-3}};
   const Prediction prediction = make_model_predictor(make_embree_surface(mesh), motion)->predict(model);
   for (std::size_t i = 0; i < 2; ++i) {
-    const double depth_m = 1e-3 + 0.01 * motion.p_W_m[i].x();
+    const double depth_m = (1e-3 + 0.01 * motion.p_W_m[i].x()) / std::hypot(1.0, 0.01);
     EXPECT_NEAR(prediction.depth_m[i], depth_m, 1e-12);
     EXPECT_NEAR(prediction.f_W_N[i].norm(), 500.0 * depth_m, 1e-9);
     EXPECT_NEAR(prediction.f_W_N[i].x() / prediction.f_W_N[i].z(), -0.01, 1e-6);
