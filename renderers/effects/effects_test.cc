@@ -163,6 +163,38 @@ TEST(Effects, RelaxationDecaysToTheSpringAlone) {
   EXPECT_NEAR(results[300].f_W_N.z(), k * 2e-3 * (1.0 + ratio * std::exp(-3.0)), 1e-9);
 }
 
+// A tip that leaves faster than the surface comes back, and touches it again where it is by then. The twin is the
+// network itself in steps of 1 us: spring k beside a spring ratio k in series with a damper, whose end y moves by
+// y' = (u - y) / tau; without a tip k u + ratio k (u - y) = 0. Strokes end and begin between samples, at which the
+// effect takes the surface's motion for steady: it is off by the part of a step of 1 ms times the arm's force.
+TEST(Effects, ASurfaceThatRelaxesComesBackByItself) {
+  const double ratio = 0.8;
+  for (const double tau : {0.05, 0.4}) {
+    const double speed = 0.02;  // m/s, up and down around the surface
+    const auto height = [&](double t) { return -2e-3 * std::sin(2.0 * std::numbers::pi * speed / 8e-3 * t); };
+    std::vector<Vec3> path;
+    for (int i = 0; i <= 2000; ++i) path.emplace_back(0.0, 0.0, height(1e-3 * i));
+    const auto results = run(with("stress-relaxation", {{"ratio", ratio}, {"time_constant_s", tau}}), path, 1e-3);
+    double y = 0.0;
+    int pressed = 0;
+    int over_a_dent = 0;
+    for (int i = 0; i <= 2000; ++i) {
+      const double tip = -height(1e-3 * i);
+      const double alone = ratio * y / (1.0 + ratio);
+      const double force = tip > alone ? k * tip + ratio * k * (tip - y) : 0.0;
+      EXPECT_NEAR(results[i].f_W_N.z(), force, 0.002 * ratio * k * 2e-3) << i << ", " << tau;
+      pressed += force > 0.0 ? 1 : 0;
+      over_a_dent += tip > 1e-4 && force == 0.0 ? 1 : 0;
+      for (int j = 0; j < 1000; ++j) {
+        const double deeper = std::max(-height(1e-3 * i + 1e-6 * j), ratio * y / (1.0 + ratio));
+        y += 1e-6 * (deeper - y) / tau;
+      }
+    }
+    EXPECT_GT(pressed, 500);
+    EXPECT_GT(over_a_dent, 50);
+  }
+}
+
 TEST(Effects, AdhesionHoldsOnlyAfterTouchAndUntilFiveRanges) {
   const Model model = with("adhesion", {{"force_N", 0.3}, {"range_m", 1e-3}});
   const std::vector<Vec3> path{{0, 0, 1e-3}, {0, 0, -1e-3}, {0, 0, 1e-3}, {0, 0, 4.9e-3}, {0, 0, 5.1e-3}, {0, 0, 1e-3}};

@@ -1,5 +1,6 @@
 #include "renderers/effects/normal_laws.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "renderers/effects/rate_plan.h"
@@ -69,19 +70,26 @@ class StressRelaxation final : public Effect {
   StressRelaxation(double ratio, double time_constant) : ratio_(ratio), time_constant_(time_constant) {}
   void reset() noexcept override {
     arm_N_ = 0.0;
-    last_spring_N_ = 0.0;
+    surface_m_ = 0.0;
   }
   void apply(ContactState& contact) noexcept override {
-    const double depth_m = contact.contact ? contact.depth_m : 0.0;
-    const double spring = ratio_ * contact.stiffness_N_per_m * depth_m;
+    const double k = contact.stiffness_N_per_m;
+    const double tip_m = contact.contact ? contact.depth_m : 0.0;
     if (contact.dt_s > 0.0) {
+      // s1 = kept + arm_k (u1 - u0) along a u that changes steadily.
       const double x = contact.dt_s / time_constant_;
-      arm_N_ = arm_N_ * std::exp(-x) + (spring - last_spring_N_) * (-std::expm1(-x) / x);
+      const double arm_k = -std::expm1(-x) / x * ratio_ * k;
+      const double kept = arm_N_ * std::exp(-x) - arm_k * surface_m_;
+      // Left alone the surface is where k u1 + s1 = 0; a tip that is deeper presses it.
+      surface_m_ = k > 0.0 ? std::max(tip_m, -kept / (k + arm_k)) : tip_m;
+      arm_N_ = kept + arm_k * surface_m_;
     } else {
       // A run that starts in contact: the arm has not had time to relax.
-      arm_N_ = spring;
+      surface_m_ = tip_m;
+      arm_N_ = ratio_ * k * tip_m;
     }
-    last_spring_N_ = spring;
+    // Over a tip that does not reach it the surface has s = -k u: with the tip's k d the sum is a pull, which no
+    // contact has.
     if (contact.contact) contact.normal_force_N += arm_N_;
   }
 
@@ -89,7 +97,7 @@ class StressRelaxation final : public Effect {
   double ratio_;
   double time_constant_;
   double arm_N_ = 0.0;
-  double last_spring_N_ = 0.0;
+  double surface_m_ = 0.0;
 };
 
 }  // namespace

@@ -4,10 +4,12 @@
 //   power-law-stiffness   N = k d0 (d/d0)^n, d0 = reference_depth_m; n = 1.5 is Hertz (1882)
 //   stiffness-map         N = k (1 + a exp(-r^2 / 2 w^2)) d, r the distance of the contact point from (x, y) in the
 //                         object's xy plane
-//   stress-relaxation     N = k d + s, s' = ratio k d' - s / time_constant: a second spring of ratio*k in series with a
-//                         damper (standard linear solid in Maxwell form), integrated exactly for a d' constant over the
-//                         step; the first touch is a step of depth from zero; off the surface the arm relaxes on at
-//                         depth 0
+//   stress-relaxation     N = k u + s, s' = ratio k u' - s / time_constant: a second spring of ratio*k in series with a
+//                         damper (standard linear solid in Maxwell form), integrated exactly for a u' constant over the
+//                         step; the first touch is a step of depth from zero. u is the depth of the surface: the tip's
+//                         while it presses; a surface that nothing presses has no mass and hence no force, k u + s = 0,
+//                         and comes back by itself with the time constant's (1 + ratio)-fold (Ting 1966, J. Appl. Mech.
+//                         33:845, for half spaces: the surface may lag behind a tip that leaves)
 // Passivity: the first two dissipate b d'^2 and b d d'^2; the clamp at zero only removes a pull. The next two are
 // springs (a potential in d at one place; a map has no force along its gradient, so that a tip pushed in at a soft
 // place and drawn out at a stiff one gains energy). The last is passive as a network of spring and damper.

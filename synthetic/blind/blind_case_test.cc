@@ -101,6 +101,26 @@ TEST_F(Steady, LawsAgreeWithTheirFormulas) {
   EXPECT_NEAR(run(hertz, 2e-3, Vec3::Zero(), 0.01).f_W_N.z(), 0.6 * std::pow(2.0, 1.5), 1e-9);
 }
 
+// Held 2 mm deep until the damper has the whole depth, then let go for half a time constant: the surface is back at
+// ratio / (1 + ratio) of the depth at once and goes on with the time constant's (1 + ratio)-fold. A tip that returns
+// feels it there and not before.
+TEST_F(Steady, ASurfaceThatRelaxedIsTouchedWhereItIsByThen) {
+  HiddenPhysics h;
+  h.stiffness_N_per_m = 600.0;
+  h.relaxation_ratio = 0.5;
+  h.relaxation_time_s = 0.1;
+  TrueSurface plane;
+  constexpr double dt = 1e-4;
+  const double surface = 2e-3 / 3.0 * std::exp(-0.5 / 1.5);
+  for (const double beside : {-2e-6, 2e-6}) {
+    HiddenContact contact(plane, h);
+    for (const double t : testing::steps(0.0, 2.0, dt)) contact.step(t, dt, Vec3(0, 0, -2e-3), Vec3::Zero());
+    for (const double t : testing::steps(2.0, 2.05, dt)) contact.step(t, dt, Vec3(0, 0, 1e-3), Vec3::Zero());
+    const auto back = contact.step(2.05, dt, Vec3(0, 0, -surface - beside), Vec3::Zero());
+    EXPECT_NEAR(back.f_W_N.z(), std::max(0.0, 600.0 * 1.5 * beside), 600.0 * 1e-6) << beside;
+  }
+}
+
 TEST_F(Steady, EffectsThatNoLibraryHasAgreeWithTheirFormulas) {
   HiddenPhysics h;
   h.stiffness_N_per_m = 600.0;

@@ -22,6 +22,23 @@ double& HiddenContact::dent(const Vec2& xy) {
   return dents_m_[cell(xy.y()) * dent_cells + cell(xy.x())];
 }
 
+// The Maxwell arm s' = K u' - s / tau beside the spring k, u the depth of the surface. Over a step, with the mean of
+// both ends for s (trapezium rule) and half = dt / (2 tau):  s_1 - s_0 = K (u_1 - u_0) - half (s_0 + s_1), solved for
+// s_1. The tip can only press: where its depth would leave less than no force, the surface is free, k u_1 + s_1 = 0.
+double HiddenContact::arm(double tip_depth_m, double dt_s) {
+  const double k = physics_.stiffness_N_per_m;
+  const double K = physics_.relaxation_ratio * k;
+  const double half = 0.5 * dt_s / physics_.relaxation_time_s;
+  const double at_rest = (1.0 - half) * arm_N_ - K * surface_m_;
+  surface_m_ = tip_depth_m;
+  arm_N_ = (at_rest + K * surface_m_) / (1.0 + half);
+  if (k * surface_m_ + arm_N_ < 0.0) {
+    surface_m_ = -at_rest / (k * (1.0 + half) + K);
+    arm_N_ = -k * surface_m_;
+  }
+  return arm_N_;
+}
+
 double HiddenContact::normal_force(double depth_m, double rate_m_per_s, const Vec2& xy, double t_s, double dt_s) {
   const HiddenPhysics& h = physics_;
   double k = h.stiffness_N_per_m;
@@ -38,15 +55,7 @@ double HiddenContact::normal_force(double depth_m, double rate_m_per_s, const Ve
     N += h.outside.tissue_N * std::pow(std::max(0.0, depth_m / h.outside.tissue_from_m - 1.0), 1.5);
   }
   N += h.damping_N_s_per_m * rate_m_per_s + h.hunt_crossley_N_s_per_m2 * depth_m * rate_m_per_s;
-  if (h.relaxation_ratio > 0.0) {
-    // Maxwell arm: s' = K d' - s / tau. Over a step, with the mean of both ends for s (trapezium rule) and
-    // half = dt / (2 tau):  s_1 - s_0 = K (d_1 - d_0) - half (s_0 + s_1), solved for s_1.
-    const double spring = h.relaxation_ratio * h.stiffness_N_per_m * depth_m;
-    const double half = 0.5 * dt_s / h.relaxation_time_s;
-    arm_N_ = ((1.0 - half) * arm_N_ + spring - last_arm_spring_N_) / (1.0 + half);
-    last_arm_spring_N_ = spring;
-    N += arm_N_;
-  }
+  if (h.relaxation_ratio > 0.0) N += arm(depth_m, dt_s);
   return std::max(0.0, N);
 }
 
@@ -160,8 +169,7 @@ HiddenContact::Forces HiddenContact::step(double t_s, double dt_s, const Vec3& t
   } else {
     bristle_.setZero();
     spring_m_.setZero();
-    arm_N_ = 0.0;
-    last_arm_spring_N_ = 0.0;
+    if (h.relaxation_ratio > 0.0) arm(0.0, dt_s);
     yield_m_.setZero();
     last_f_W_N_.setZero();
   }

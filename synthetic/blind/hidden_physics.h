@@ -98,6 +98,7 @@ class HiddenContact {
 
  private:
   double normal_force(double depth_m, double rate_m_per_s, const Vec2& xy, double t_s, double dt_s);
+  double arm(double tip_depth_m, double dt_s);
   Vec3 friction(double normal_N, const Vec3& n, const Vec3& v_t, double dt_s);
   double& dent(const Vec2& xy);
   // Where the tip is when the tool is tracked at a place.
@@ -111,7 +112,7 @@ class HiddenContact {
   Vec3 bristle_ = Vec3::Zero();  // of length 1 when sliding
   Vec3 spring_m_ = Vec3::Zero();
   double arm_N_ = 0.0;
-  double last_arm_spring_N_ = 0.0;
+  double surface_m_ = 0.0;  // how deep the arm's surface lies, pressed or coming back
   bool bonded_ = false;
   double texture_height_m_ = 0.0;  // at the last step
   bool has_texture_height_ = false;
