@@ -4,28 +4,44 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <stdexcept>
+#include <utility>
 
 namespace touchstone::renderers {
 
-FormulaLaw::FormulaLaw(const DeclaredEffect& effect, std::span<const double> values) {
-  for (const DeclaredVariable& variable : variables_of(effect.acts_on)) names_.emplace_back(variable.name);
+FormulaLaw::FormulaLaw(DeclaredEffect effect) : effect_(std::move(effect)) {
+  for (const DeclaredVariable& variable : variables_of(effect_.acts_on)) names_.emplace_back(variable.name);
+  const std::size_t first_parameter = names_.size();
+  for (const ParameterDeclaration& parameter : effect_.parameters) names_.push_back(parameter.name);
+  for (const DeclaredState& state : effect_.states) names_.push_back(state.name);
   values_.resize(names_.size());
-  for (std::size_t i = 0; i < effect.parameters.size(); ++i) {
-    names_.push_back(effect.parameters[i].name);
-    values_.push_back(values[i]);
-  }
-  for (const DeclaredState& state : effect.states) {
-    names_.push_back(state.name);
-    values_.push_back(state.start);
-  }
   // From here on no value moves.
+  parameters_ = values_.data() + first_parameter;
   std::vector<FormulaVariable> variables;
   for (std::size_t i = 0; i < names_.size(); ++i) variables.push_back({names_[i], &values_[i]});
-  for (const DeclaredState& state : effect.states)
-    states_.push_back({state.start, Formula(state.rate, variables, effect.name), slot(state.name), 0.0, 0.0});
-  for (const DeclaredFormula& formula : effect.formulas)
-    outputs_.push_back({formula.output, Formula(formula.text, variables, effect.name)});
+  for (const DeclaredState& state : effect_.states)
+    states_.push_back({state.start, Formula(state.rate, variables, effect_.name), slot(state.name), 0.0, 0.0});
+  for (const DeclaredFormula& formula : effect_.formulas)
+    outputs_.push_back({formula.output, Formula(formula.text, variables, effect_.name)});
+}
+
+void FormulaLaw::set(std::span<const double> values) noexcept {
+  std::copy_n(values.begin(), effect_.parameters.size(), parameters_);
+  reset();
+}
+
+bool FormulaLaw::is_of(const DeclaredEffect& effect) const noexcept {
+  const auto same_name = [](const ParameterDeclaration& a, const ParameterDeclaration& b) { return a.name == b.name; };
+  const auto same_state = [](const DeclaredState& a, const DeclaredState& b) {
+    return a.name == b.name && a.start == b.start && a.rate == b.rate;
+  };
+  const auto same_formula = [](const DeclaredFormula& a, const DeclaredFormula& b) {
+    return a.output == b.output && a.text == b.text;
+  };
+  return effect_.acts_on == effect.acts_on && std::ranges::equal(effect_.formulas, effect.formulas, same_formula) &&
+         std::ranges::equal(effect_.states, effect.states, same_state) &&
+         std::ranges::equal(effect_.parameters, effect.parameters, same_name);
 }
 
 double* FormulaLaw::slot(std::string_view variable) {
@@ -71,13 +87,48 @@ double FormulaLaw::value(std::string_view output) const noexcept {
 
 namespace {
 
+constexpr std::size_t kept_laws = 16;  // a search tries some ten terms of a law in turn
+
+// The laws that nobody runs, the last one used at the end. Of each thread: none waits for another.
+std::vector<std::unique_ptr<FormulaLaw>>& idle_laws() {
+  static thread_local auto laws = [] {
+    std::vector<std::unique_ptr<FormulaLaw>> none;
+    none.reserve(kept_laws);
+    return none;
+  }();
+  return laws;
+}
+
+std::unique_ptr<FormulaLaw> idle_or_new(const DeclaredEffect& effect) {
+  auto& idle = idle_laws();
+  const auto found = std::find_if(idle.rbegin(), idle.rend(), [&](const auto& law) { return law->is_of(effect); });
+  if (found == idle.rend()) return std::make_unique<FormulaLaw>(effect);
+  auto law = std::move(*found);
+  idle.erase(std::next(found).base());
+  return law;
+}
+
+}  // namespace
+
+ReadyLaw::ReadyLaw(const DeclaredEffect& effect, std::span<const double> values) : law_(idle_or_new(effect)) {
+  law_->set(values);
+}
+
+ReadyLaw::~ReadyLaw() {
+  auto& idle = idle_laws();
+  if (idle.size() == kept_laws) idle.erase(idle.begin());
+  idle.push_back(std::move(law_));
+}
+
+namespace {
+
 class FormulaEffect final : public Effect {
  public:
   FormulaEffect(const DeclaredEffect& effect, std::span<const double> values)
-      : declared_(effect), acts_on_(effect.acts_on), law_(declared_, values), along_(law_.has("along_N")) {}
+      : acts_on_(effect.acts_on), law_(effect, values), along_(law_->has("along_N")) {}
 
   void reset() noexcept override {
-    law_.reset();
+    law_->reset();
     touching_ = false;
   }
 
@@ -88,11 +139,11 @@ class FormulaEffect final : public Effect {
       touching_ = false;
       return;
     }
-    if (!touching_) law_.reset();
+    if (!touching_) law_->reset();
     const Vec3 v_W = contact.dt_s > 0.0 ? Vec3(contact.tip_step_W_m / contact.dt_s) : Vec3(Vec3::Zero());
     const Vec3 along_W = v_W - contact.n_W.dot(v_W) * contact.n_W;
     fill(contact, v_W, along_W.norm());
-    if (touching_) law_.advance(contact.dt_s);
+    if (touching_) law_->advance(contact.dt_s);
     touching_ = true;
     act(contact, along_W);
   }
@@ -115,13 +166,13 @@ class FormulaEffect final : public Effect {
   void act(ContactState& contact, const Vec3& along_W) noexcept {
     switch (acts_on_) {
       case ActsOn::depth:
-        contact.depth_m += law_.value("depth_m");
+        contact.depth_m += law_->value("depth_m");
         return;
       case ActsOn::stiffness:
-        contact.normal_force_N *= law_.value("factor");
+        contact.normal_force_N *= law_->value("factor");
         return;
       case ActsOn::normal_force:
-        contact.normal_force_N += law_.value("normal_N");
+        contact.normal_force_N += law_->value("normal_N");
         return;
       case ActsOn::friction:
         act_along(contact, along_W);
@@ -134,25 +185,24 @@ class FormulaEffect final : public Effect {
 
   void act_along(ContactState& contact, const Vec3& along_W) noexcept {
     const double speed = along_W.norm();
-    if (along_ && speed > 0.0) contact.tangential_W_N += law_.value("along_N") / speed * along_W;
-    const Vec3 f_W_N(law_.value("x_N"), law_.value("y_N"), law_.value("z_N"));
+    if (along_ && speed > 0.0) contact.tangential_W_N += law_->value("along_N") / speed * along_W;
+    const Vec3 f_W_N(law_->value("x_N"), law_->value("y_N"), law_->value("z_N"));
     contact.tangential_W_N += f_W_N - contact.n_W.dot(f_W_N) * contact.n_W;
   }
 
-  DeclaredEffect declared_;  // whose texts the law looks at
   ActsOn acts_on_;
-  FormulaLaw law_;
+  ReadyLaw law_;
   bool along_;
   bool touching_ = false;
-  double* t_ = law_.slot("t_s");
-  std::array<double*, 3> p_{law_.slot("x_m"), law_.slot("y_m"), law_.slot("z_m")};
-  std::array<double*, 3> v_{law_.slot("vx_m_per_s"), law_.slot("vy_m_per_s"), law_.slot("vz_m_per_s")};
-  std::array<double*, 3> n_{law_.slot("nx"), law_.slot("ny"), law_.slot("nz")};
-  double* depth_ = law_.slot("depth_m");
-  double* depth_rate_ = law_.slot("depth_rate_m_per_s");
-  double* speed_ = law_.slot("speed_m_per_s");
-  double* normal_ = law_.slot("normal_N");
-  double* stiffness_ = law_.slot("stiffness_N_per_m");
+  double* t_ = law_->slot("t_s");
+  std::array<double*, 3> p_{law_->slot("x_m"), law_->slot("y_m"), law_->slot("z_m")};
+  std::array<double*, 3> v_{law_->slot("vx_m_per_s"), law_->slot("vy_m_per_s"), law_->slot("vz_m_per_s")};
+  std::array<double*, 3> n_{law_->slot("nx"), law_->slot("ny"), law_->slot("nz")};
+  double* depth_ = law_->slot("depth_m");
+  double* depth_rate_ = law_->slot("depth_rate_m_per_s");
+  double* speed_ = law_->slot("speed_m_per_s");
+  double* normal_ = law_->slot("normal_N");
+  double* stiffness_ = law_->slot("stiffness_N_per_m");
 };
 
 EffectPhase phase_of(ActsOn acts_on) {

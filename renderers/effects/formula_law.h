@@ -20,10 +20,14 @@ namespace touchstone::renderers {
 // Stays where it was made: its formulas look their variables up in it.
 class FormulaLaw {
  public:
-  // `values`: of the parameters, in their order, already checked.
-  FormulaLaw(const DeclaredEffect& effect, std::span<const double> values);
+  explicit FormulaLaw(DeclaredEffect effect);
   FormulaLaw(const FormulaLaw&) = delete;
   FormulaLaw& operator=(const FormulaLaw&) = delete;
+
+  // `values`: of the parameters, in their order, already checked. States at their start.
+  void set(std::span<const double> values) noexcept;
+  // Whether this is the law of `effect`: the same names, starts and formulas.
+  [[nodiscard]] bool is_of(const DeclaredEffect& effect) const noexcept;
 
   // Where a variable's value is to be put before anything is evaluated. One that the law does not have throws
   // logic_error.
@@ -50,10 +54,27 @@ class FormulaLaw {
     std::string_view name;
     Formula formula;
   };
+  DeclaredEffect effect_;
   std::vector<std::string> names_;
   std::vector<double> values_;
+  double* parameters_ = nullptr;
   std::vector<State> states_;
   std::vector<Output> outputs_;
+};
+
+// A law that is ready to run: one that this thread read before and nobody runs now, or read anew. To read its formulas
+// takes longer than a run over a short recording, and a search runs a law thousands of times.
+class ReadyLaw {
+ public:
+  ReadyLaw(const DeclaredEffect& effect, std::span<const double> values);
+  ReadyLaw(const ReadyLaw&) = delete;
+  ReadyLaw& operator=(const ReadyLaw&) = delete;
+  ~ReadyLaw();
+
+  FormulaLaw* operator->() const noexcept { return law_.get(); }
+
+ private:
+  std::unique_ptr<FormulaLaw> law_;
 };
 
 StackedEffect make_formula_effect(const DeclaredEffect& effect, std::span<const double> values);

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <thread>
 
 #include "harness/base/error.h"
 #include "harness/rendering/measured_renderer.h"
@@ -132,6 +133,36 @@ TEST(FormulaEffect, StatesFollowTheirRateAndStayStable) {
     // Off and on again: the past is forgotten.
     renderer->step({0.3, {0.0, 0.0, 0.1}, Quat::Identity()});
     EXPECT_NEAR(renderer->step({0.301, {0.0, 0.0, -0.001}, Quat::Identity()}).f_W_N.z(), 0.8, 1e-12);
+  }
+}
+
+// A law is read once and taken again: another thread has read none, so that its answers are those of one read anew.
+TEST(FormulaEffect, ALawThatRanBeforeAnswersAsOneReadAnew) {
+  const auto law = [](double b, double stuck) {
+    return declared("friction",
+                    R"J("parameters": {"b": {"unit": "N s/m", "minimum": 0, "maximum": 1e3, "start": 1},
+                                       "l": {"unit": "m", "minimum": 1e-9, "maximum": 1, "start": 1e-3}},
+                        "states": {"z": {"unit": "m", "start": 0.001, "rate": "vx_m_per_s - speed_m_per_s * z / l"}},
+                        "formula": {"x_N": "-b * vx_m_per_s * z / l", "along_N": "-b * speed_m_per_s"})J",
+                    {{"b", b}, {"l", stuck}});
+  };
+  const MotionColumns motion = circles();
+  forces(law(3.0, 2e-3), motion);
+  const Model other = law(7.0, 5e-4);
+  const auto again = forces(other, motion);
+  std::vector<Vec3> anew;
+  std::thread([&] { anew = forces(other, motion); }).join();
+  ASSERT_EQ(again.size(), anew.size());
+  for (std::size_t i = 0; i < anew.size(); ++i) ASSERT_EQ(again[i], anew[i]) << i;
+  // Two that run at once are two.
+  const auto one = make_renderer(other, plate());
+  const auto two = make_renderer(law(1.0, 1e-3), plate());
+  one->reset();
+  two->reset();
+  for (std::size_t i = 0; i < motion.size(); ++i) {
+    const TipState probe{motion.t_s[i], motion.p_W_m[i], Quat::Identity()};
+    two->step(probe);
+    ASSERT_EQ(one->step(probe).f_W_N, anew[i]) << i;
   }
 }
 

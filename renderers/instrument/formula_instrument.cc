@@ -21,11 +21,11 @@ class FormulaInstrument final : public InstrumentEffect {
   }
 
   void apply(const MotionView& motion, std::span<Vec3> f_W_N) const override {
-    FormulaLaw law(declared_, values_);
-    double* const t = law.slot("t_s");
-    const std::array<double*, 3> p{law.slot("x_m"), law.slot("y_m"), law.slot("z_m")};
-    const std::array<double*, 3> v{law.slot("vx_m_per_s"), law.slot("vy_m_per_s"), law.slot("vz_m_per_s")};
-    const std::array<double*, 3> f{law.slot("fx_N"), law.slot("fy_N"), law.slot("fz_N")};
+    const ReadyLaw law(declared_, values_);
+    double* const t = law->slot("t_s");
+    const std::array<double*, 3> p{law->slot("x_m"), law->slot("y_m"), law->slot("z_m")};
+    const std::array<double*, 3> v{law->slot("vx_m_per_s"), law->slot("vy_m_per_s"), law->slot("vz_m_per_s")};
+    const std::array<double*, 3> f{law->slot("fx_N"), law->slot("fy_N"), law->slot("fz_N")};
     const bool turned = declared_.acts_on == ActsOn::sensor && !motion.q_WS.empty();
     for (std::size_t i = 0; i < f_W_N.size(); ++i) {
       const Quat q_WS = turned ? motion.q_WS[i] : Quat::Identity();
@@ -38,7 +38,7 @@ class FormulaInstrument final : public InstrumentEffect {
         *v[axis] = v_W[k];
         *f[axis] = before_N[k];
       }
-      const Vec3 added_N(law.value("x_N"), law.value("y_N"), law.value("z_N"));
+      const Vec3 added_N(law->value("x_N"), law->value("y_N"), law->value("z_N"));
       f_W_N[i] += turned ? Vec3(q_WS * added_N) : added_N;
     }
   }
