@@ -25,10 +25,11 @@ TwoTerms two_product(double a, double b) {
 }
 
 // An exact sum of doubles: components that do not overlap, smallest first, none zero (grow-expansion with elimination
-// of zeros). 24 products of three doubles give at most 96 components.
+// of zeros). 48 products of three doubles give at most 192 components.
 class Expansion {
  public:
   void add(double value) {
+    if (value == 0.0) return;
     int kept = 0;
     for (int i = 0; i < size_; ++i) {
       const TwoTerms sum = two_sum(value, terms_[static_cast<std::size_t>(i)]);
@@ -39,6 +40,7 @@ class Expansion {
     size_ = kept;
   }
   void add_product(double x, double y, double z) {
+    if (x == 0.0 || y == 0.0 || z == 0.0) return;
     const TwoTerms xy = two_product(x, y);
     const TwoTerms high = two_product(xy.high, z);
     const TwoTerms low = two_product(xy.low, z);
@@ -47,13 +49,13 @@ class Expansion {
     add(high.low);
     add(high.high);
   }
-  // x times the 2x2 determinant of (y, z).
-  void add_minor(const Vec3& x, const Vec3& y, const Vec3& z, double sign) {
+  // x . (y cross z)
+  void add_determinant(const Vec3& x, const Vec3& y, const Vec3& z) {
     for (Eigen::Index i = 0; i < 3; ++i) {
       const Eigen::Index j = (i + 1) % 3;
       const Eigen::Index k = (i + 2) % 3;
-      add_product(sign * x[i], y[j], z[k]);
-      add_product(-sign * x[i], y[k], z[j]);
+      add_product(x[i], y[j], z[k]);
+      add_product(-x[i], y[k], z[j]);
     }
   }
   [[nodiscard]] int sign() const {
@@ -62,19 +64,45 @@ class Expansion {
   }
 
  private:
-  std::array<double, 100> terms_{};
+  std::array<double, 192> terms_{};
   int size_ = 0;
+};
+
+// b - a without any error: the rounded difference and what rounding took.
+struct Difference {
+  Vec3 high;
+  Vec3 low;
+  bool rounded = false;
+  Difference(const Vec3& b, const Vec3& a) {
+    for (Eigen::Index i = 0; i < 3; ++i) {
+      const TwoTerms exact = two_sum(b[i], -a[i]);
+      high[i] = exact.high;
+      low[i] = exact.low;
+      rounded = rounded || exact.low != 0.0;
+    }
+  }
 };
 
 }  // namespace
 
 int side_of_plane_exact(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
-  // det(b - a, c - a, d - a) by multilinearity.
+  // In a flat part of a mesh every question comes here. First a plane across an axis.
+  for (Eigen::Index i = 0; i < 3; ++i) {
+    if (a[i] == b[i] && a[i] == c[i] && a[i] == d[i]) return 0;
+  }
+  // det(b - a, c - a, d - a), multilinear in the differences' terms, of which most low ones are zero (Shewchuk 1997,
+  // section 4.3, whose second stage stops where all are).
+  const Difference u(b, a);
+  const Difference v(c, a);
+  const Difference w(d, a);
   Expansion sum;
-  sum.add_minor(b, c, d, 1.0);
-  sum.add_minor(a, c, d, -1.0);
-  sum.add_minor(a, b, d, 1.0);
-  sum.add_minor(a, b, c, -1.0);
+  for (unsigned low = 0; low < 8; ++low) {
+    const bool low_u = (low & 1U) != 0;
+    const bool low_v = (low & 2U) != 0;
+    const bool low_w = (low & 4U) != 0;
+    if ((low_u && !u.rounded) || (low_v && !v.rounded) || (low_w && !w.rounded)) continue;
+    sum.add_determinant(low_u ? u.low : u.high, low_v ? v.low : v.high, low_w ? w.low : w.high);
+  }
   return sum.sign();
 }
 
