@@ -104,6 +104,8 @@ constexpr auto findings_fields = std::to_array<FormatField>({
     {"questions[].effect", "text", "", "whose"},
     {"questions[].question", "text", "", "a sentence"},
     {"not_determined", "list of texts", "", "effects that would help, but whose size the recording does not determine"},
+    {"within_mesh_error", "list of texts", "",
+     "effects that would help, but may be no more than the mesh's declared error"},
     {"time_limit", "object", "", "of the search"},
     {"time_limit.seconds", "number or null", "s", "allowed; null: no limit"},
     {"time_limit.reached", "flag", "", "the search ended early"},

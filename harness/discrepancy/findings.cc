@@ -212,6 +212,10 @@ void say_what_is_open(Findings& findings) {
     findings.explanation +=
         fmt::format(" {} would help, but this recording does not determine its size: it is not named.", name);
   }
+  for (const std::string& name : search.of_mesh) {
+    findings.explanation +=
+        fmt::format(" {} would help, but it may be no more than the mesh's declared error: it is not named.", name);
+  }
   for (const Question& question : search.questions) {
     findings.explanation += fmt::format(" A value to question: {}: {}.", question.effect, question.sentence);
   }
@@ -420,6 +424,7 @@ std::string findings_to_json(const Findings& findings, const std::string& trajec
     root["questions"].push_back({{"effect", question.effect}, {"question", question.sentence}});
   }
   root["not_determined"] = findings.search.dropped;
+  root["within_mesh_error"] = findings.search.of_mesh;
   root["time_limit"] = {{"seconds", number(findings.search.time_limit_s)},
                         {"reached", !findings.search.not_tried.empty()},
                         {"not_tried", findings.search.not_tried}};

@@ -12,19 +12,20 @@
 namespace touchstone::discrepancy {
 namespace {
 
+bool moves_surface(const Model& model, const std::string& effect) {
+  return find_entry(model, effect)->parameters.contains("amplitude_m");
+}
+
 // A bump or a texture of the mesh that is not there, by more than its makers declare.
-bool displaces_for_sure(const SearchState& state, const Trial& trial) {
+bool displace_for_sure(const SearchState& state, const Trial& trial) {
   const auto effects = trial.effects();
-  const auto moves = [&](const std::string& name) {
-    return find_entry(trial.fit.model, name)->parameters.contains("amplitude_m");
-  };
+  const auto moves = [&](const std::string& name) { return moves_surface(trial.fit.model, name); };
   if (std::none_of(effects.begin(), effects.end(), moves)) return true;
   const int iterations = state.settings->iterations;
   const JointFit fit = fit_jointly(state.train, trial.fit.model, trial.parameters, iterations, true);
   const auto for_sure = [&](const std::vector<NullFit>& draws) {
     return std::all_of(effects.begin(), effects.end(), [&](const std::string& name) {
-      return !moves(name) ||
-             least_size95(fit, trial.parameters, draws, name, "amplitude_m") > state.data->geometry_error_m;
+      return displaces_for_sure(state, fit, trial.parameters, draws, name);
     });
   };
   // By its covariance first, which is cheap; then with what noise and an error of the mesh elsewhere make of its size.
@@ -47,6 +48,12 @@ bool within_mesh_error(const SearchState& state, const Model& model, const std::
   const double moved_m = surface_displacement_m(state.library().traits(effect), *find_entry(model, effect),
                                                 train.recording->motion, train.predictor->predict(model).n_W);
   return moved_m <= state.settings->mesh_margin * state.data->geometry_error_m;
+}
+
+bool displaces_for_sure(const SearchState& state, const JointFit& fit, const std::vector<FreeParameter>& parameters,
+                        const std::vector<NullFit>& draws, const std::string& effect) {
+  return !moves_surface(fit.model, effect) || least_size95(fit, parameters, draws, effect, "amplitude_m") >
+                                                  state.settings->mesh_margin * state.data->geometry_error_m;
 }
 
 TrialVerdict weakness(const SearchState& state, const Standing& standing, const Trial& trial) {
@@ -86,7 +93,7 @@ TrialVerdict objection(const SearchState& state, const Trial& trial) {
   if (!helps_without_noise(state, trial)) {
     return "helps at the noisy positions alone: it passes less of their noise on";
   }
-  if (!displaces_for_sure(state, trial)) return maybe_within_mesh();
+  if (!displace_for_sure(state, trial)) return maybe_within_mesh();
   return "";
 }
 

@@ -8,12 +8,18 @@
 
 #include "harness/base/rooms.h"
 #include "harness/discrepancy/null_gains.h"
+#include "harness/discrepancy/parameter_intervals.h"
 #include "harness/discrepancy/trial.h"
 
 namespace touchstone::discrepancy {
 
 // Whether all that an effect does is to move the surface, by no more than the mesh's makers declare as its error.
 bool within_mesh_error(const SearchState& state, const Model& model, const std::string& effect);
+
+// Whether what the effect does to the surface, if it is a bump or a wave of its own, exceeds the mesh's declared error
+// by the settings' margin for sure: by the 95 % interval of the fit's covariance and of the draws.
+bool displaces_for_sure(const SearchState& state, const JointFit& fit, const std::vector<FreeParameter>& parameters,
+                        const std::vector<NullFit>& draws, const std::string& effect);
 
 // Passed: it gains more than noise, and matters.
 TrialVerdict weakness(const SearchState& state, const Standing& standing, const Trial& trial);

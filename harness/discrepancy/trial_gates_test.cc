@@ -56,6 +56,40 @@ TEST(MeshError, WhatItExplainsAsWellIsNotMissing) {
   EXPECT_EQ(explained_by_mesh({hill, map}, map), nullptr);
 }
 
+// By its whole interval: a bump of 0.5 mm that may be one of 0.4 mm, on a mesh whose makers declare 0.3 mm, or 0.35.
+TEST(MeshError, IsExceededByTheLeastSizeOfABump) {
+  const MakePredictor make = [](const MotionColumns& motion) { return std::make_unique<PlanePredictor>(motion); };
+  for (const double declared_m : {3.0e-4, 3.5e-4}) {
+    DampedPlane world(0.0);
+    world.instrument.geometry_error_m = declared_m;
+    const auto measure = [&](double phase, std::uint64_t seed) {
+      const MotionColumns path = hand(phase, 1.0);
+      return measured(path, PlanePredictor(path).predict(world.truth).f_W_N, world.instrument, seed);
+    };
+    const TwoRecordings recordings(measure(0.0, 51), measure(1.1, 52), world.instrument, world.start, make);
+    const SearchSettings settings;
+    const SearchState state(recordings.data, world.library, settings, world.start);
+    for (const double amplitude_m : {5e-4, -5e-4}) {
+      JointFit fit;
+      fit.model = world.start;
+      fit.model.instrument = {{"surface-geometry", {{"amplitude_m", amplitude_m}}, "/instrument/0"}};
+      const std::vector<FreeParameter> parameters{linear_parameter("surface-geometry", "amplitude_m", 1e-3, -5.0, 5.0)};
+      fit.u = Eigen::VectorXd::Constant(1, 1e3 * amplitude_m);
+      fit.covariance = Eigen::MatrixXd::Constant(1, 1, std::pow(0.1 / 1.96, 2));
+      fit.at_bound = {false};
+      fit.ok = true;
+      EXPECT_NEAR(least_size95(fit, parameters, {}, "surface-geometry", "amplitude_m"), 4e-4, 1e-6);
+      EXPECT_EQ(displaces_for_sure(state, fit, parameters, {}, "surface-geometry"), 1.25 * declared_m < 4e-4);
+      fit.covariance *= 100.0;  // its sign is not sure
+      EXPECT_FALSE(displaces_for_sure(state, fit, parameters, {}, "surface-geometry"));
+      // What does not move the surface is no error of a mesh.
+      fit.model.instrument.front().name = "force-bias";
+      fit.model.instrument.front().parameters = {{"fz_N", 0.1}};
+      EXPECT_TRUE(displaces_for_sure(state, fit, parameters, {}, "force-bias"));
+    }
+  }
+}
+
 // A relaxation that removes 7 % of a large error is no detail; 7 % of what noise leaves may be one.
 TEST(LeastShare, IsSmallerWhileTheModelLeavesFarMoreThanNoise) {
   Model truth;
