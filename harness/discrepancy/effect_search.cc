@@ -7,13 +7,13 @@
 #include <iterator>
 #include <limits>
 #include <set>
-#include <tuple>
 #include <utility>
 
 #include "harness/discrepancy/data_faults.h"
 #include "harness/discrepancy/field_move.h"
 #include "harness/discrepancy/friction_cone.h"
 #include "harness/discrepancy/goodness.h"
+#include "harness/discrepancy/holdout_judgement.h"
 #include "harness/discrepancy/misfit.h"
 #include "harness/discrepancy/model_edit.h"
 #include "harness/discrepancy/nested_law.h"
@@ -232,6 +232,20 @@ class Search {
     return true;
   }
 
+  [[nodiscard]] JointFit fit_without(const std::string& name) const {
+    return fit_jointly(state_.train, without_entry(state_.current.model, name),
+                       without_coefficients(without_owner(state_.parameters, name)), settings_.iterations, false);
+  }
+
+  // The model without the effect, which was fitted so.
+  void leave_out(const std::string& name, const JointFit& fit) {
+    std::erase_if(result_.found, [&](const FoundEffect& effect) { return effect.name == name; });
+    state_.parameters = without_owner(state_.parameters, name);
+    state_.current = fit;
+    state_.renew_noise(state_.current.model);
+    state_.refit();
+  }
+
   // An effect that a later one made needless goes.
   void drop_needless() {
     std::vector<std::string> names;
@@ -240,17 +254,12 @@ class Search {
     }
     if (names.size() < 2) return;
     for (const std::string& name : names) {
-      const auto kept = without_owner(state_.parameters, name);
-      const JointFit fit = fit_jointly(state_.train, without_entry(state_.current.model, name),
-                                       without_coefficients(kept), settings_.iterations, false);
+      const JointFit fit = fit_without(name);
       const double here = chi_squared(state_.validation, state_.current.model);
       const double needed = std::max(settings_.minimum_gain, state_.least_share(state_.current.model) * here);
       if (!fit.ok || chi_squared(state_.validation, fit.model) - here > needed) continue;
       report_(fmt::format("  {} is no longer needed", name));
-      state_.parameters = kept;
-      state_.current = fit;
-      state_.renew_noise(state_.current.model);
-      state_.refit();
+      leave_out(name, fit);
     }
   }
 
@@ -377,18 +386,12 @@ class Search {
     const auto undetermined =
         find_undetermined(blocks, *data_.learning.recording, state_.current.model, state_.parameters, state_.library());
     for (const std::string& name : without_size(undetermined, state_.parameters)) {
-      const auto kept = without_owner(state_.parameters, name);
-      const JointFit fit = fit_jointly(state_.train, without_entry(state_.current.model, name),
-                                       without_coefficients(kept), settings_.iterations, false);
+      const JointFit fit = fit_without(name);
       const double here = chi_squared(state_.validation, state_.current.model);
       if (!fit.ok || chi_squared(state_.validation, fit.model) - here > settings_.minimum_gain) continue;
       report_(fmt::format("  {}: this recording does not determine its size", name));
       result_.dropped.push_back(name);
-      std::erase_if(result_.found, [&](const FoundEffect& effect) { return effect.name == name; });
-      state_.parameters = kept;
-      state_.current = fit;
-      state_.renew_noise(state_.current.model);
-      state_.refit();
+      leave_out(name, fit);
     }
   }
 
@@ -420,17 +423,11 @@ class Search {
     });
     if (weak == result_.found.end()) return false;
     const std::string name = weak->name;
-    const auto kept = without_owner(state_.parameters, name);
-    const JointFit fit = fit_jointly(state_.train, without_entry(state_.current.model, name),
-                                     without_coefficients(kept), settings_.iterations, false);
+    const JointFit fit = fit_without(name);
     if (!fit.ok) return false;
     report_(fmt::format("  {}: {}", name, maybe_within_mesh().words));
     result_.of_mesh.push_back(name);
-    result_.found.erase(weak);
-    state_.parameters = kept;
-    state_.current = fit;
-    state_.renew_noise(state_.current.model);
-    state_.refit();
+    leave_out(name, fit);
     return true;
   }
 
@@ -455,7 +452,7 @@ class Search {
     }
     if (!result_.data_fault && something_missing()) result_.law = search_law(state_, result_.base, report_);
     result_.not_tried = state_.budget->not_tried();
-    judge_on_holdout();
+    judge_on_holdout(data_, settings_.iterations, result_);
     if (result_.data_fault) {
       // Nothing is learnt from data that are wrong.
       result_.model = result_.base;
@@ -479,35 +476,6 @@ class Search {
     const DetectorSide train{data_.train.recording, &goodness.train, data_.train.noise};
     const DetectorSide validation{data_.validation.recording, &goodness.holdout, data_.validation.noise};
     return detect_structure(train, validation, model, {}).found();
-  }
-
-  // Whether the residual is noise alone is judged by the declared noise.
-  void judge_on_holdout() {
-    const Goodness goodness = judge_goodness(data_.learning, data_.holdout, result_.model, data_.window_s);
-    result_.goodness = goodness.chi_squared;
-    result_.null_goodness = goodness.null;
-    result_.goodness_threshold = goodness.threshold;
-    result_.structured_threshold = goodness.structured_threshold;
-    result_.noise_rms_N = goodness.noise_rms_N;
-    const DetectorSide learning{data_.learning.recording, &goodness.train, data_.learning.noise};
-    const DetectorSide holdout{data_.holdout.recording, &goodness.holdout, data_.holdout.noise};
-    result_.structure = detect_structure(learning, holdout, result_.model, result_.draws);
-    result_.spectrum = residual_spectrum(learning, holdout, result_.model, data_.window_s);
-    judge_effects(goodness.holdout);
-  }
-
-  // What leaving each effect out costs on held-out blocks, once everything else has made up for it as far as it can.
-  void judge_effects(const FitData& holdout) {
-    const auto with = block_chi_squared(holdout, result_.model);
-    const FitData learning = learning_blocks(result_.model);
-    for (FoundEffect& effect : result_.found) {
-      const JointFit without = fit_jointly(learning, without_entry(result_.model, effect.name),
-                                           without_coefficients(without_owner(result_.parameters, effect.name)),
-                                           settings_.iterations, false);
-      if (!without.ok) continue;
-      std::tie(effect.holdout_gain, effect.holdout_error) =
-          paired_difference(block_chi_squared(holdout, without.model), with);
-    }
   }
 
   const SearchData& data_;

@@ -1,0 +1,15 @@
+// The held-out data's one use: once names, values and intervals stand, what they leave there, and what each effect
+// gains there. Nothing of the search's answer depends on it.
+#pragma once
+
+#include "harness/base/rooms.h"
+#include "harness/discrepancy/effect_search.h"
+
+namespace touchstone::discrepancy {
+
+// Fills in what `result` says of held-out data, from its model, parameters, draws and found effects: goodness with its
+// thresholds, structure and spectrum of the residual by the declared noise, and each effect's gain with its standard
+// error, everything else having made up for it as far as it can in `iterations` of a fit.
+void judge_on_holdout(const SearchData& data, int iterations, SearchResult& result);
+
+}  // namespace touchstone::discrepancy
