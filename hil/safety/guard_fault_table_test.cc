@@ -99,6 +99,9 @@ struct Trial {
   // What the test does when the state is reached.
   std::function<void(pid_t program, GuardPage& page, Orders& orders)> act;
   bool no_fault = false;  // nothing is to happen: the force must stay, or the table shows nothing
+  // The driver's process ends. While the system ends it, it is silent: which of both the guard sees first is the
+  // system's matter (2 to 7 ms were seen; of silence it lets go after some 7), and the motors are at zero either way.
+  bool ends_driver = false;
 };
 
 struct TrialOutcome {
@@ -266,6 +269,7 @@ void add_driver_faults(std::vector<Trial>& trials) {
     trials.push_back({fmt::format("exchange: {}", words), "pushing", C::exchange, fault, 1, 1, false, true, {}, false});
     trials.push_back(
         {fmt::format("calibrated: {}", words), "pushing", C::calibrated, fault, 1, 1, false, true, {}, false});
+    for (Trial* const pushing : {&trials[trials.size() - 2], &trials.back()}) pushing->ends_driver = fault == F::aborts;
   }
   for (const auto& [fault, words] : {std::pair{F::not_finite, "a position that is no number"},
                                      {F::frozen, "a state of a second ago"},
@@ -312,6 +316,7 @@ void add_process_faults(std::vector<Trial>& trials) {
   add("the guard is stopped", signal_to(&GuardPage::guard_pid, SIGSTOP));
   add("the guard crashes", signal_to(&GuardPage::guard_pid, SIGSEGV));
   add("the driver is killed", signal_to(&GuardPage::driver_pid, SIGKILL));
+  trials.back().ends_driver = true;
   add("the driver is stopped", signal_to(&GuardPage::driver_pid, SIGSTOP));
   add("the rescuer is killed", signal_to(&GuardPage::rescuer_pid, SIGKILL));
   for (const int signal : {SIGKILL, SIGSTOP}) {
@@ -327,6 +332,7 @@ void add_process_faults(std::vector<Trial>& trials) {
   add("the driver is killed, and opening anew fails once", signal_to(&GuardPage::driver_pid, SIGKILL), DeviceCall::open,
       DriverFault::device_error, 1);
   trials.back().instance = 2;
+  trials.back().ends_driver = true;
   trials.push_back({"none", "pushing", DeviceCall::none, DriverFault::none, 0, 1, false, true, {}, true});
 }
 
@@ -381,7 +387,8 @@ TEST(GuardFaultTable, IsTheOneInTheDocumentation) {
     }
     const bool never_on = !trial.push || trial.at_once;
     const std::string start = row_start(trial, outcome);
-    if (holds_times || !outcome.silence_first) starts.push_back(start);
+    const bool driver_silent_first = trial.ends_driver && outcome.reason == to_string(Trip::driver_silent);
+    if ((holds_times || !outcome.silence_first) && !driver_silent_first) starts.push_back(start);
     table += start +
              (trial.no_fault ? "stays on | -"
               : never_on     ? "never on | -"
