@@ -6,6 +6,7 @@
 #include <cmath>
 #include <iterator>
 #include <stdexcept>
+#include <thread>
 #include <utility>
 
 namespace touchstone::renderers {
@@ -89,35 +90,35 @@ namespace {
 
 constexpr std::size_t kept_laws = 16;  // a search tries some ten terms of a law in turn
 
-// The laws that nobody runs, the last one used at the end. Of each thread: none waits for another.
-std::vector<std::unique_ptr<FormulaLaw>>& idle_laws() {
-  static thread_local auto laws = [] {
-    std::vector<std::unique_ptr<FormulaLaw>> none;
-    none.reserve(kept_laws);
-    return none;
-  }();
-  return laws;
-}
-
-std::unique_ptr<FormulaLaw> idle_or_new(const DeclaredEffect& effect) {
-  auto& idle = idle_laws();
-  const auto found = std::find_if(idle.rbegin(), idle.rend(), [&](const auto& law) { return law->is_of(effect); });
-  if (found == idle.rend()) return std::make_unique<FormulaLaw>(effect);
-  auto law = std::move(*found);
-  idle.erase(std::next(found).base());
-  return law;
-}
-
 }  // namespace
 
-ReadyLaw::ReadyLaw(const DeclaredEffect& effect, std::span<const double> values) : law_(idle_or_new(effect)) {
+// Of each thread: none waits for another. The law that was used last is at the end.
+struct ReadyLaw::Idle {
+  std::thread::id owner = std::this_thread::get_id();
+  std::vector<std::unique_ptr<FormulaLaw>> laws;
+  Idle() { laws.reserve(kept_laws); }
+};
+
+ReadyLaw::ReadyLaw(const DeclaredEffect& effect, std::span<const double> values) {
+  static thread_local const auto of_thread = std::make_shared<Idle>();
+  idle_ = of_thread;
+  auto& laws = of_thread->laws;
+  const auto found = std::find_if(laws.rbegin(), laws.rend(), [&](const auto& law) { return law->is_of(effect); });
+  if (found == laws.rend()) {
+    law_ = std::make_unique<FormulaLaw>(effect);
+  } else {
+    law_ = std::move(*found);
+    laws.erase(std::next(found).base());
+  }
   law_->set(values);
 }
 
 ReadyLaw::~ReadyLaw() {
-  auto& idle = idle_laws();
-  if (idle.size() == kept_laws) idle.erase(idle.begin());
-  idle.push_back(std::move(law_));
+  // A renderer may outlive its thread, or end in another.
+  const auto idle = idle_.lock();
+  if (idle == nullptr || idle->owner != std::this_thread::get_id()) return;
+  if (idle->laws.size() == kept_laws) idle->laws.erase(idle->laws.begin());
+  idle->laws.push_back(std::move(law_));
 }
 
 namespace {

@@ -74,6 +74,8 @@ class ReadyLaw {
   FormulaLaw* operator->() const noexcept { return law_.get(); }
 
  private:
+  struct Idle;
+  std::weak_ptr<Idle> idle_;  // of the thread that made this; empty once that has ended
   std::unique_ptr<FormulaLaw> law_;
 };
 

@@ -154,6 +154,15 @@ TEST(FormulaEffect, ALawThatRanBeforeAnswersAsOneReadAnew) {
   std::thread([&] { anew = forces(other, motion); }).join();
   ASSERT_EQ(again.size(), anew.size());
   for (std::size_t i = 0; i < anew.size(); ++i) ASSERT_EQ(again[i], anew[i]) << i;
+  // One that outlives what its thread keeps.
+  std::thread([&] {
+    static thread_local std::unique_ptr<Renderer> late;
+    late = make_renderer(other, plate());
+  }).join();
+  // One that ends in another thread.
+  std::unique_ptr<Renderer> made_elsewhere;
+  std::thread([&] { made_elsewhere = make_renderer(other, plate()); }).join();
+  made_elsewhere.reset();
   // Two that run at once are two.
   const auto one = make_renderer(other, plate());
   const auto two = make_renderer(law(1.0, 1e-3), plate());
