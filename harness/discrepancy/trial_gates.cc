@@ -17,7 +17,7 @@ bool moves_surface(const Model& model, const std::string& effect) {
 }
 
 // A bump or a texture of the mesh that is not there, by more than its makers declare.
-bool displace_for_sure(const SearchState& state, const Trial& trial) {
+bool trial_displaces_for_sure(const SearchState& state, const Trial& trial) {
   const auto effects = trial.effects();
   const auto moves = [&](const std::string& name) { return moves_surface(trial.fit.model, name); };
   if (std::none_of(effects.begin(), effects.end(), moves)) return true;
@@ -93,7 +93,7 @@ TrialVerdict objection(const SearchState& state, const Trial& trial) {
   if (!helps_without_noise(state, trial)) {
     return "helps at the noisy positions alone: it passes less of their noise on";
   }
-  if (!displace_for_sure(state, trial)) return maybe_within_mesh();
+  if (!trial_displaces_for_sure(state, trial)) return maybe_within_mesh();
   return "";
 }
 
