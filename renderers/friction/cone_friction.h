@@ -18,9 +18,10 @@
 #include <cmath>
 
 #include "harness/base/rooms.h"
+#include "renderers/friction/cone_split.h"
 #include "renderers/friction/contact_places.h"
 #include "renderers/friction/fixed_order.h"
-#include "renderers/friction/nearest_in_polyhedron.h"
+#include "renderers/friction/slide_jump.h"
 
 namespace touchstone::renderers {
 
@@ -30,16 +31,6 @@ struct ConeFriction {
 
   [[nodiscard]] bool none() const noexcept { return !(mu_static > 0.0); }
 };
-
-// The pull from a proxy towards its tip, `way`, split by the normals there.
-template <class S>
-struct ConeSplitOf {
-  Vec3Of<S> slide;   // where it would move without friction, to first order: the tangential part
-  Vec3Of<S> normal;  // way = slide - normal: the sum of non-negative multiples of the normals
-};
-
-template <class S>
-ConeSplitOf<S> split_by_normals(const ContactNormalsOf<S>& contact, const Vec3Of<S>& way, const S& rounding) noexcept;
 
 // A proxy that moves towards goals (nothing, until it is held) made to stop at the cone: it is sent to the goal that it
 // reaches without friction where the tip lies on the cone, found by iterating on the normals at the place reached; on a
@@ -98,7 +89,9 @@ class ConeFollower {
   }
 
   // Goals between the tip (without friction: inside the cone) and the point below the proxy (held: outside). On a plane
-  // the first one is right; over curves the secant method finds it.
+  // the first one is right; over curves the secant method finds it. Where a contact comes or goes between two goals,
+  // what presses jumps, and it may be that no goal puts the tip on the cone: then the proxy goes to the jump, to the
+  // side of it that is inside the cone.
   template <class Proxy, class S = typename Proxy::Scalar>
   void slide(Proxy& proxy, const Vec3Of<S>& p, const ConeSplitOf<S>& split, const S& normal_m,
              const S& rounding) noexcept {
@@ -109,31 +102,40 @@ class ConeFollower {
     const S slide_m = norm(split.slide);
     sliding_ = true;
     if (!(normal_m > S(0.0)) || !(slide_m > S(0.0))) return proxy.pull(p);
-    S inside(0.0);
-    S outside(1.0);
+    SlidePlaceOf<S> inside;
+    SlidePlaceOf<S> outside;
+    outside.share = S(1.0);
+    JumpSeeker<S> seeker;
     S last(1.0);
     S last_excess = slide_m - mu * normal_m;
     S share = mu * normal_m / slide_m;
     for (int round = 0; round < kRounds; ++round) {
       proxy.pull(p - share * split.slide);
       if (!proxy.touching()) return proxy.pull(p);
-      const ContactNormalsOf<S> contact = proxy.contact_normals();
-      const ConeSplitOf<S> now = split_by_normals<S>(contact, p - proxy.position(), rounding);
+      const SlidePlaceOf<S> here{share, proxy.position(), proxy.contact_normals()};
+      const ConeSplitOf<S> now = split_by_normals<S>(here.contact, p - here.position, rounding);
       const S pressed_m = norm(now.normal);
       const S limit = mu * pressed_m;
       const S excess = norm(now.slide) - limit;
       if (abs(excess) <= S(kConverged) * pressed_m + rounding) return;
       // Caught in a valley, where less than sliding friction holds it.
-      if (contact.size > 1 && excess < S(-0.5) * limit) return;
-      (excess < S(0.0) ? inside : outside) = share;
-      S next = share - excess * (share - last) / (excess - last_excess);
-      if (!(next > inside && next < outside)) next = S(0.5) * (inside + outside);
+      if (here.contact.size > 1 && excess < S(-0.5) * limit) return;
+      const bool is_inside = excess < S(0.0);
+      (is_inside ? inside : outside) = here;
+      if (seeker.arrived(here, is_inside, rounding)) {
+        if (is_inside) return;
+        break;
+      }
+      S next = seeker.next(inside, outside, split.slide, p, mu, rounding);
+      if (!(next > inside.share && next < outside.share))
+        next = share - excess * (share - last) / (excess - last_excess);
+      if (!(next > inside.share && next < outside.share)) next = S(0.5) * (inside.share + outside.share);
       last = share;
       last_excess = excess;
       share = next;
     }
     // A place where the proxy jumps: the side of the jump that is inside the cone.
-    proxy.pull(p - inside * split.slide);
+    proxy.pull(p - inside.share * split.slide);
   }
 
   ConeFriction friction_;

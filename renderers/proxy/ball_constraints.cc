@@ -13,8 +13,9 @@ namespace {
 
 constexpr int kNewtonSteps = 16;
 constexpr int kFeatureChanges = 6;
-// Of rounding: what may be left of a gap where the answer no longer moves. Of normals nearly alike (cos 0.9999) the
-// equations of the multipliers lose four digits, and with them the place.
+// Of rounding: what may be left of a gap where the answer no longer moves, or goes round between places below rounding
+// apart. Of normals nearly alike (cos 0.9999) the equations of the multipliers lose four digits, and with them the
+// place.
 constexpr double kStanding = 64.0;
 // Of the last move: one that is no shorter than this gains nothing, or too little for the steps that are left.
 constexpr double kGaining = 0.4;
@@ -156,7 +157,8 @@ Found newton(const Mesh& mesh, const Holding& holding, const S& r, const Vec3Of<
     // rounding, which the angle between them magnifies. Where an edge lies in the plane of the other triangle the two
     // are tangential to each other: each move is half of the last.
     const bool slow = !far && length >= S(kGaining) * last_length;
-    const bool noise = !edges && were_planes && length > S(kNoise) * rounding;
+    const bool planes_again = were_planes && !edges && !far;
+    const bool noise = planes_again && length > S(kNoise) * rounding;
     const bool late = slow && was_slow && length > S(std::ldexp(1.0, kNewtonSteps - step)) * rounding;
     if ((noise || late) && nearly_flat(mesh, holding)) return Found::unsettled;
     were_planes = !edges && !far;
@@ -165,18 +167,18 @@ Found newton(const Mesh& mesh, const Holding& holding, const S& r, const Vec3Of<
     const Vec3Of<S> next = x + (far ? Vec3Of<S>(S(0.5) * r / length * dx) : dx);
     const bool stands = next == x;
     x = next;
-    // The last normals are those at x but for a step of rounding.
-    if (!far && length <= rounding) {
-      if (closed(stands ? S(kStanding * rounding) : rounding)) return holds() ? Found::rest : Found::nothing;
-      if (stands) return Found::unsettled;  // for ever
-    }
     // A place and its multipliers are all that the next step depends on: what comes back to them goes round for ever.
-    if (slow) {
-      for (int i = std::max(0, step - kCircle); i < step; ++i) {
-        const auto at = static_cast<std::size_t>(i % kCircle);
-        if (places[at] == x && pressed[at] == l) return Found::unsettled;
-      }
+    bool circles = false;
+    for (int i = std::max(0, step - kCircle); i < step && slow && !circles; ++i) {
+      const auto at = static_cast<std::size_t>(i % kCircle);
+      circles = places[at] == x && pressed[at] == l;
     }
+    // The last normals are those at x but for a step of rounding.
+    const bool ends = stands || circles || (planes_again && slow);
+    if (!far && length <= (planes_again && slow ? S(kStanding * rounding) : rounding) &&
+        closed(ends ? S(kStanding * rounding) : rounding))
+      return holds() ? Found::rest : Found::nothing;
+    if (circles || (stands && !far && length <= rounding)) return Found::unsettled;
     places[static_cast<std::size_t>(step % kCircle)] = x;
     pressed[static_cast<std::size_t>(step % kCircle)] = l;
   }

@@ -1,6 +1,7 @@
-#include "renderers/friction/cone_friction.h"
+#include "renderers/friction/cone_split.h"
 
 #include "harness/base/counted.h"
+#include "renderers/friction/nearest_in_polyhedron.h"
 
 namespace touchstone::renderers {
 
