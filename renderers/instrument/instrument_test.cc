@@ -137,6 +137,46 @@ TEST(ModelPredictor, KeptTracesChangeNothing) {
   EXPECT_GT(largest, 1.0);
 }
 
+// One that was asked for other models before answers each as one that starts anew, to the bit: whichever of the
+// renderer, its parameters, an effect, its values or an entry of the instrument differs.
+TEST(ModelPredictor, AnswersForTheModelThatItIsAsked) {
+  TriangleMesh mesh;
+  mesh.vertices_W_m = {{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}};
+  mesh.triangles = {{0, 1, 2}, {0, 2, 3}};
+  const std::shared_ptr<const Surface> surface = make_embree_surface(mesh);
+  MotionColumns motion;
+  for (int i = 0; i < 200; ++i) {
+    motion.t_s.push_back(0.004 * i);
+    motion.p_W_m.emplace_back(0.001 * i, 0.3 * std::sin(0.02 * i), 2e-3 * std::sin(0.05 * i));
+  }
+  std::vector<Model> models(8);
+  for (Model& model : models) {
+    model.renderer = "god-object";
+    model.parameters["stiffness_N_per_m"] = 500.0;
+    model.effects = {{"coulomb-friction", {{"mu_static", 0.3}, {"mu_dynamic", 0.3}}, "/effects/0"}};
+    model.instrument = {{"registration", {{"dz_m", 1e-4}}, "/instrument/0"}};
+  }
+  models[1].effects[0].parameters["mu_dynamic"] = 0.1;
+  models[2].effects[0] = {"viscous-friction", {{"coefficient_N_s_per_m", 3.0}}, "/effects/0"};
+  models[3].effects.clear();
+  models[4].instrument[0].parameters["dz_m"] = -2e-4;
+  models[5].instrument.clear();
+  models[6].parameters["tip_radius_m"] = 1e-3;
+  models[7].renderer = "spring-linear";
+  std::vector<Prediction> cold;
+  for (const Model& model : models) cold.push_back(make_model_predictor(surface, motion)->predict(model));
+  for (std::size_t i = 1; i < models.size(); ++i) {
+    const bool differs = cold[i].f_W_N != cold[0].f_W_N;
+    EXPECT_TRUE(differs || i == 7) << i << ": a model that gives the same shows nothing";
+  }
+  const auto kept = make_model_predictor(surface, motion);
+  for (int round = 0; round < 2; ++round) {
+    for (std::size_t i = 0; i < models.size(); ++i) {
+      EXPECT_EQ(kept->predict(models[i]).f_W_N, cold[i].f_W_N) << "model " << i << " in round " << round;
+    }
+  }
+}
+
 // A ramp h = 0.01 x on the plane z = 0, touched from 1 mm below: as deep as the tip is below the ramp, and the force
 // leans against it.
 TEST(HeightField, IsDepthAndSlopeOfTheContact) {
