@@ -307,7 +307,7 @@ class WedgeTwin {
     held_ = {false, false};
     if (gap(0, q) >= 0 && gap(1, q) >= 0) return q;
     for (const int i : {0, 1}) {
-      const LongVec x = q - gap(i, q) * normals_[i];
+      LongVec x = q - gap(i, q) * normals_[i];
       held_ = {i == 0, i == 1};
       if (gap(i, q) <= 0 && gap(1 - i, x) >= 0) return x;
     }
