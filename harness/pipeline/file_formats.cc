@@ -31,8 +31,8 @@ constexpr auto ranking_part_fields = std::to_array<FormatField>({
     {"pairs[].p", "number or null", "1", "two-sided"},
     {"pairs[].level", "number or null", "1", "that p must not exceed (Holm)"},
     {"pairs[].told_apart", "flag", "", "p is at most level"},
-    {"datasets_resampled", "whole number", "", "data sets that the interval is over; 0: blocks of one recording"},
-    {"block_bins", "whole number", "", "length of a block, in bins"},
+    {"datasets_resampled", "flag", "", "intervals are over data sets drawn anew, and not over blocks of each"},
+    {"block_bins", "list of numbers", "", "length of a block of each data set, in bins"},
     {"why_not", "text", "", "why nothing can be ranked; \"\" if it can"},
 });
 constexpr FormatPart ranking_part{ranking_part_fields};
@@ -47,7 +47,7 @@ constexpr auto leaderboard_fields = std::to_array<FormatField>({
     {"tasks[].about", "text", "", "what it shows"},
     {"tasks[].input", "text", "", "how the path was made"},
     {"tasks[].licence", "text", "", "of the data"},
-    {"tasks[].measured", "flag", "", "measured, not simulated"},
+    {"tasks[].measured", "text", "", "with what the forces were measured, or simulated"},
     {"tasks[].measured_rms_N", "number or null", "N", "RMS of the measured force"},
     {"tasks[].floor?", "object", "", "error that a perfect renderer would have"},
     {"tasks[].floor.rms_N", "number or null", "N", "RMS force error"},
