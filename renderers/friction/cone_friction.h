@@ -122,10 +122,7 @@ class ConeFollower {
       if (here.contact.size > 1 && excess < S(-0.5) * limit) return;
       const bool is_inside = excess < S(0.0);
       (is_inside ? inside : outside) = here;
-      if (seeker.arrived(here, is_inside, rounding)) {
-        if (is_inside) return;
-        break;
-      }
+      if (seeker.arrived(here, is_inside, rounding)) return;
       S next = seeker.next(inside, outside, split.slide, p, mu, rounding);
       if (!(next > inside.share && next < outside.share))
         next = share - excess * (share - last) / (excess - last_excess);
