@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "harness/base/least_squares.h"
+#include "harness/discrepancy/local_stiffness.h"
 
 namespace touchstone::discrepancy {
 namespace {
@@ -29,18 +30,17 @@ struct Seen {
 
 Seen look(const Recording& recording, const Prediction& current, BumpOf of) {
   const std::size_t stride = std::max<std::size_t>(1, recording.size() / most_samples);
-  std::vector<std::size_t> touching;
-  for (std::size_t i = 0; i < recording.size(); i += stride) {
-    if (!current.n_W[i].isZero() && current.depth_m[i] > 0.0 && current.normal_N[i] > 0.0) touching.push_back(i);
-  }
+  const std::vector<std::size_t> touching = pressing_samples(current, stride);
+  const std::vector<double> stiffness_N_per_m = stiffness_at(current, touching);
   const auto n = static_cast<Eigen::Index>(touching.size());
   Seen seen{Eigen::ArrayXd(n), Eigen::ArrayXd(n), Eigen::ArrayXd(n), Eigen::VectorXd(n), {}};
   Eigen::MatrixXd nuisances(n, 2);
   for (Eigen::Index row = 0; row < n; ++row) {
-    const std::size_t i = touching[static_cast<std::size_t>(row)];
+    const auto k = static_cast<std::size_t>(row);
+    const std::size_t i = touching[k];
     seen.x_m[row] = recording.motion.p_W_m[i].x();
     seen.y_m[row] = recording.motion.p_W_m[i].y();
-    seen.response[row] = of == BumpOf::stiffness ? current.normal_N[i] : current.normal_N[i] / current.depth_m[i];
+    seen.response[row] = of == BumpOf::stiffness ? current.normal_N[i] : stiffness_N_per_m[k];
     seen.left_N[row] = current.n_W[i].dot(recording.f_W_N[i] - current.f_W_N[i]);
     nuisances.row(row) << current.normal_N[i], 1.0;
   }

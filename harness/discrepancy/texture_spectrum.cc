@@ -5,6 +5,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "harness/discrepancy/local_stiffness.h"
+
 namespace touchstone::discrepancy {
 namespace {
 
@@ -39,13 +41,14 @@ std::vector<TexturePeak> texture_peaks(const Recording& recording, const Predict
                                        std::size_t count) {
   std::vector<Eigen::Vector3d> seen;  // x, y, height
   const std::size_t stride = std::max<std::size_t>(1, recording.size() / most_samples);
-  for (std::size_t i = 0; i < recording.size(); i += stride) {
+  const std::vector<std::size_t> pressing = pressing_samples(current, stride);
+  const std::vector<double> stiffness_N_per_m = stiffness_at(current, pressing);
+  for (std::size_t k = 0; k < pressing.size(); ++k) {
+    const std::size_t i = pressing[k];
     const Vec3& n = current.n_W[i];
-    if (n.isZero() || current.depth_m[i] <= 0.0 || current.normal_N[i] <= 0.0) continue;
-    const double stiffness = current.normal_N[i] / current.depth_m[i];
     // The wave is the surface's: it is seen at the foot of a point tip, up to a constant for a ball on a smooth body.
     const Vec3 foot_W_m = recording.motion.p_W_m[i] + current.depth_m[i] * n;
-    seen.emplace_back(foot_W_m.x(), foot_W_m.y(), n.dot(recording.f_W_N[i] - current.f_W_N[i]) / stiffness);
+    seen.emplace_back(foot_W_m.x(), foot_W_m.y(), n.dot(recording.f_W_N[i] - current.f_W_N[i]) / stiffness_N_per_m[k]);
   }
   std::vector<TexturePeak> peaks;
   if (seen.size() < 30 || !(extent_m > 0.0)) return peaks;
