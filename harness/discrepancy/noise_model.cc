@@ -8,7 +8,6 @@
 namespace touchstone::discrepancy {
 namespace {
 
-constexpr std::size_t replica_count = 8;
 // The noise of neighbouring blocks is pooled, since a handful of replicas measures one block's variance badly.
 constexpr std::size_t pooled_on_each_side = 3;
 
@@ -84,13 +83,8 @@ std::vector<BlockNoise> NoiseModel::of(const Model& model, const Prediction& nom
   std::vector<double> normal_squares(n, 0.0);
   std::vector<double> tangential_squares(n, 0.0);
   std::vector<std::vector<Vec3>> left;
-  for (World& world : replicas_) {
-    const Prediction replica = world.predictor->predict(model);
-    std::vector<Vec3> difference(replica.f_W_N.size());
-    for (std::size_t i = 0; i < difference.size(); ++i) {
-      difference[i] = replica.f_W_N[i] - nominal.f_W_N[i] + world.force_noise[i];
-    }
-    left.push_back(block_means(blocks, difference));
+  for (std::size_t r = 0; r < replica_count; ++r) {
+    left.push_back(block_means(blocks, left_by_noise(model, nominal, r)));
     for (std::size_t b = 0; b < n; ++b) noise[b].bias_W_N += left.back()[b] / static_cast<double>(replica_count);
   }
   const double freedom = static_cast<double>(replica_count) - 1.0;
@@ -139,15 +133,19 @@ std::vector<BlockNoise> NoiseModel::of(const Model& model, const Prediction& nom
   return noise;
 }
 
+std::vector<Vec3> NoiseModel::left_by_noise(const Model& model, const Prediction& nominal, std::size_t index) {
+  World& world = replicas_.at(index);
+  std::vector<Vec3> left = world.predictor->predict(model).f_W_N;
+  for (std::size_t i = 0; i < left.size(); ++i) left[i] += world.force_noise[i] - nominal.f_W_N[i];
+  return left;
+}
+
 std::vector<double> NoiseModel::expected_squares(const Model& model, const Prediction& nominal) {
   const std::size_t n = nominal.f_W_N.size();
   std::vector<double> squares(n, 0.0);
-  for (World& world : replicas_) {
-    const Prediction replica = world.predictor->predict(model);
-    for (std::size_t i = 0; i < n; ++i) {
-      squares[i] += (replica.f_W_N[i] - nominal.f_W_N[i] + world.force_noise[i]).squaredNorm() /
-                    static_cast<double>(replica_count);
-    }
+  for (std::size_t r = 0; r < replica_count; ++r) {
+    const std::vector<Vec3> left = left_by_noise(model, nominal, r);
+    for (std::size_t i = 0; i < n; ++i) squares[i] += left[i].squaredNorm() / static_cast<double>(replica_count);
   }
   const Prediction displaced = displaced_->predict(model);
   for (std::size_t i = 0; i < n; ++i) {

@@ -33,6 +33,12 @@ class NoiseModel {
   [[nodiscard]] std::vector<BlockNoise> of(const Model& model, const Prediction& nominal,
                                            const std::vector<ResidualBlock>& blocks);
 
+  // What the sensor would have shown beyond `nominal`, were `model` the truth and the tip off from where it was
+  // recorded by draw number `index` (< replica_count) of the tracker's noise. Faster noise than the null worlds': these
+  // follow the smoothed motion, which has some of the recorded noise in it.
+  static constexpr std::size_t replica_count = 8;
+  [[nodiscard]] std::vector<Vec3> left_by_noise(const Model& model, const Prediction& nominal, std::size_t index);
+
   // The mean square of the 3-D force error that noise would leave at each sample if `model` were the truth [N^2].
   [[nodiscard]] std::vector<double> expected_squares(const Model& model, const Prediction& nominal);
 

@@ -93,6 +93,7 @@ struct Sight {
   Axes residual;
   Axes prediction;
   std::vector<Axes> nulls;
+  std::vector<Axes> replicas;
   double square_N2 = 0.0;  // mean of the raw residual's
 };
 
@@ -110,6 +111,8 @@ std::optional<Sight> look_at(const DetectorSide& side, const Model& model) {
     const auto null = side.noise->null_forces(model, nominal, world);
     sight.nulls.push_back(even(t_s, minus(null, nominal.f_W_N), sight.step_s));
   }
+  for (std::size_t replica = 0; replica < NoiseModel::replica_count; ++replica)
+    sight.replicas.push_back(even(t_s, side.noise->left_by_noise(model, nominal, replica), sight.step_s));
   return sight;
 }
 
@@ -402,8 +405,10 @@ ResidualSpectrum residual_spectrum(const DetectorSide& train, const DetectorSide
   if (!sight) return spectrum;
   spectrum.to_Hz = 0.5 / sight->step_s;
   spectrum.raw_N = rms_above_N(sight->residual, sight->step_s, spectrum.from_Hz);
-  for (const Axes& null : sight->nulls) {
-    spectrum.null_N = std::max(spectrum.null_N, rms_above_N(null, sight->step_s, spectrum.from_Hz));
+  // Of a law that follows the speed the noise of the tracker is mostly here: that of the recorded positions.
+  for (const auto* simulated : {&sight->nulls, &sight->replicas}) {
+    for (const Axes& null : *simulated)
+      spectrum.null_N = std::max(spectrum.null_N, rms_above_N(null, sight->step_s, spectrum.from_Hz));
   }
   spectrum.peaks = peaks_of(*sight, holdout, model, spectrum.from_Hz);
   if (train.recording != holdout.recording && !spectrum.peaks.empty()) {

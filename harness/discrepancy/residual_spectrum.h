@@ -41,8 +41,8 @@ struct ResidualSpectrum {
   std::vector<SpectralPeak> peaks;  // strongest first; of two recordings those that both show
   double from_Hz = 0.0;             // half of the block rate
   double to_Hz = 0.0;               // Nyquist
-  // RMS of the held-out raw residual between these frequencies, and the most that any simulated recording shows where
-  // the model is the truth.
+  // RMS of the held-out raw residual between these frequencies, and the most that any simulated recording, or replica
+  // of the tracker's noise, shows where the model is the truth.
   double raw_N = 0.0;
   double null_N = 0.0;
   // What the verdict goes by: peaks of more than the least share of the held-out raw residual's square, and a level far

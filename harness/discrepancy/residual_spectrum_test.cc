@@ -27,23 +27,29 @@ Model spring_plane(double unit) {
 // A force beside the plane's at every sample of the true path.
 using Series = std::function<std::vector<Vec3>(const MotionColumns& path, Random& random)>;
 
-Findings judge(double unit, double noise_N, std::uint64_t seed, const Series& hidden) {
+using Path = MotionColumns (*)(double phase, double unit);
+
+Findings judge(double unit, double noise_N, std::uint64_t seed, const Series& hidden, const Model& known, Path along) {
   InstrumentDescription instrument = small_noise(unit);
   instrument.force_noise_N = noise_N;
   Random random(seed);
   const auto measure = [&](double phase, std::uint64_t number) {
-    const MotionColumns path = hand(phase, unit);
-    auto f_W_N = PlanePredictor(path).predict(spring_plane(unit)).f_W_N;
+    const MotionColumns path = along(phase, unit);
+    auto f_W_N = PlanePredictor(path).predict(known).f_W_N;
     const auto beside = hidden(path, random);
     for (std::size_t i = 0; i < f_W_N.size(); ++i) f_W_N[i] += beside[i];
     return measured(path, std::move(f_W_N), instrument, seed + number);
   };
-  const TwoRecordings recordings(measure(0.0, 100), measure(1.1, 200), instrument, spring_plane(unit),
+  const TwoRecordings recordings(measure(0.0, 100), measure(1.1, 200), instrument, known,
                                  [](const MotionColumns& motion) { return std::make_unique<PlanePredictor>(motion); });
   Findings findings;
-  findings.search = search_effects(recordings.data, spring_plane(unit), {}, {}, [](const std::string&) {});
+  findings.search = search_effects(recordings.data, known, {}, {}, [](const std::string&) {});
   conclude(findings, {});
   return findings;
+}
+
+Findings judge(double unit, double noise_N, std::uint64_t seed, const Series& hidden) {
+  return judge(unit, noise_N, seed, hidden, spring_plane(unit), hand);
 }
 
 std::vector<Vec3> nothing(const MotionColumns& path, Random&) { return {path.size(), Vec3::Zero()}; }
@@ -162,6 +168,33 @@ TEST_P(SpectrumAtScale, IsNotConsistentFarAboveTheDeclaredNoise) {
   };
   const Findings findings = judge(GetParam(), 0.03, 44, hiss);
   EXPECT_EQ(findings.verdict, FindingsVerdict::unexplained) << findings.explanation;
+}
+
+// Rubs to and fro as fast as a hand does, pressing lightly: what tells the motion from the noise is short.
+MotionColumns rubbing(double phase, double unit) {
+  MotionColumns motion;
+  for (int i = 0; i < 3000; ++i) {
+    const double t = 0.004 * i;
+    motion.t_s.push_back(t);
+    motion.p_W_m.emplace_back(unit * 0.012 * std::sin(17.0 * t + phase), unit * 0.009 * std::cos(23.0 * t),
+                              unit * (-0.002 - 0.001 * std::sin(11.0 * t + phase)));
+  }
+  return motion;
+}
+
+// A damper turns the positions' noise into a fast force: 30 N s/m times 3 mm/s. It is what the model makes of the
+// noise, and nothing is missing.
+TEST_P(SpectrumAtScale, OfADamperTheTrackersNoiseIsNoUnknownForce) {
+  const double unit = GetParam();
+  Model damped = spring_plane(unit);
+  damped.effects.push_back({"viscous-friction", {{"coefficient_N_s_per_m", 30.0 / unit}}, ""});
+  for (const std::uint64_t seed : {51U, 52U, 53U}) {
+    const Findings findings = judge(unit, 0.01, seed, nothing, damped, rubbing);
+    const ResidualSpectrum& spectrum = findings.search.spectrum;
+    EXPECT_FALSE(spectrum.far_above_noise()) << spectrum.raw_N << " of " << spectrum.null_N;
+    EXPECT_GT(spectrum.raw_N, 0.5 * spectrum.null_N);
+    EXPECT_EQ(findings.verdict, FindingsVerdict::consistent) << findings.explanation;
+  }
 }
 
 INSTANTIATE_TEST_SUITE_P(Units, SpectrumAtScale, ::testing::Values(1e-3, 1.0, 1e3));
