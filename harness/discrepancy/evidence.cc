@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 namespace touchstone::discrepancy {
 
@@ -30,6 +31,17 @@ double validation_block_s(const Evidence& learning) {
   const double within_s = learning.part.blocks.block_s;
   const double longest_s = std::min(longest_block_s, (t_s.back() - t_s.front()) / least_blocks);
   return within_s > 0.0 ? 0.5 * within_s / std::ceil(0.5 * within_s / longest_s) : longest_s;
+}
+
+// The differences a - b, summed over runs of neighbouring blocks.
+std::vector<double> differences_of_runs(const std::vector<double>& a, const std::vector<double>& b) {
+  std::vector<double> sums;
+  for (std::size_t i = 0; i < a.size(); i += blocks_in_run) {
+    double sum = 0.0;
+    for (std::size_t j = i; j < std::min(i + blocks_in_run, a.size()); ++j) sum += a[j] - b[j];
+    sums.push_back(sum);
+  }
+  return sums;
 }
 
 }  // namespace
@@ -108,19 +120,46 @@ FitData fit_data(const Evidence& evidence, const Model& model, double window_s) 
   return data;
 }
 
-std::pair<double, double> paired_difference(const std::vector<double>& a, const std::vector<double>& b) {
-  std::vector<double> sums;
-  for (std::size_t i = 0; i < a.size(); i += blocks_in_run) {
-    double sum = 0.0;
-    for (std::size_t j = i; j < std::min(i + blocks_in_run, a.size()); ++j) sum += a[j] - b[j];
-    sums.push_back(sum);
+void widen_noise(FitData& data, const FitData& other) {
+  for (std::size_t b = 0; b < data.noise.size(); ++b) {
+    BlockNoise& noise = data.noise[b];
+    noise.along_normal_N = std::max(noise.along_normal_N, other.noise[b].along_normal_N);
+    noise.tangential_N = std::max(noise.tangential_N, other.noise[b].tangential_N);
   }
+}
+
+std::pair<double, double> paired_difference(const std::vector<double>& a, const std::vector<double>& b) {
+  const std::vector<double> sums = differences_of_runs(a, b);
   double total = 0.0;
   for (const double sum : sums) total += sum;
   const double mean = total / static_cast<double>(sums.size());
   double squares = 0.0;
   for (const double sum : sums) squares += (sum - mean) * (sum - mean);
   return {total, std::sqrt(squares)};
+}
+
+// With g of n runs left out on each side, h = n - 2 g: the mean m of the h, and the squares of all n about their mean
+// with the outer g set to the nearest of the h (Winsor). The error of m is sqrt(squares / (h (h - 1))).
+std::pair<double, double> trimmed_difference(const std::vector<double>& a, const std::vector<double>& b) {
+  constexpr std::size_t fewest = 8;
+  constexpr std::size_t one_of = 30;
+  std::vector<double> sums = differences_of_runs(a, b);
+  const std::size_t n = sums.size();
+  if (n < fewest) return paired_difference(a, b);
+  std::sort(sums.begin(), sums.end());
+  const std::size_t g = std::max<std::size_t>(1, n / one_of);
+  const auto h = static_cast<double>(n - 2 * g);
+  double trimmed = 0.0;
+  for (std::size_t i = g; i < n - g; ++i) trimmed += sums[i];
+  for (std::size_t i = 0; i < g; ++i) {
+    sums[i] = sums[g];
+    sums[n - 1 - i] = sums[n - 1 - g];
+  }
+  const double all = static_cast<double>(n);
+  const double mean = std::accumulate(sums.begin(), sums.end(), 0.0) / all;
+  double squares = 0.0;
+  for (const double sum : sums) squares += (sum - mean) * (sum - mean);
+  return {all * trimmed / h, all * std::sqrt(squares / (h * (h - 1.0)))};
 }
 
 }  // namespace touchstone::discrepancy

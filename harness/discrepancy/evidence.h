@@ -75,8 +75,16 @@ double expected_noise_N(const Evidence& evidence, const Model& model);
 // truth.
 FitData fit_data(const Evidence& evidence, const Model& model, double window_s);
 
+// Each block's noise at least as large as the other's, of the same blocks under another model.
+void widen_noise(FitData& data, const FitData& other);
+
 // Sum and standard error of the difference a - b of two models' chi-squared over the blocks. Neighbouring blocks share
 // what the model lacks, so that runs of them are summed before their spread is taken.
 std::pair<double, double> paired_difference(const std::vector<double>& a, const std::vector<double>& b);
+
+// The same by the trimmed mean over runs and its standard error (Tukey and McLaughlin 1963, Sankhya A 25:331; Yuen
+// 1974, Biometrika 61:165), without the best and the worst of about thirty: one run in which noise turns the tip may
+// lose what all others gain. That of all runs where these are fewer than eight.
+std::pair<double, double> trimmed_difference(const std::vector<double>& a, const std::vector<double>& b);
 
 }  // namespace touchstone::discrepancy

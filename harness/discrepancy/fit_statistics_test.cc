@@ -3,7 +3,10 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <utility>
+#include <vector>
 
+#include "harness/discrepancy/evidence.h"
 #include "harness/discrepancy/misfit.h"
 #include "harness/discrepancy/model_edit.h"
 #include "harness/discrepancy/parameter_intervals.h"
@@ -147,6 +150,46 @@ TEST(Intervals, ReachTheTruthBeyondAWeakenedValueOfEitherSign) {
     const double other = truth > 0.0 ? interval.low : -interval.high;
     EXPECT_GT(other, share * 0.25 - (share - share * share) * 0.25 - 0.02);
   }
+}
+
+// Thirty-two runs of eight blocks.
+std::pair<std::vector<double>, std::vector<double>> runs_that_gain(const std::vector<double>& gains) {
+  std::vector<double> before;
+  std::vector<double> after;
+  for (const double gain : gains) {
+    before.insert(before.end(), blocks_in_run, 100.0 + gain / static_cast<double>(blocks_in_run));
+    after.insert(after.end(), blocks_in_run, 100.0);
+  }
+  return {before, after};
+}
+
+TEST(Differences, OfRunsWithoutTheirBestAndWorstAreThoseOfTheRest) {
+  std::vector<double> gains(32, 10.0);
+  for (std::size_t i = 0; i < gains.size(); i += 2) gains[i] = 6.0;
+  gains[3] = -400.0;  // one turn of the tip in noise
+  const auto [before, after] = runs_that_gain(gains);
+  const auto [all, error] = paired_difference(before, after);
+  EXPECT_NEAR(all, 16.0 * 6.0 + 15.0 * 10.0 - 400.0, 1e-9);
+  EXPECT_LT(all, 0.0);
+  // 16 runs of 6 and 14 of 10 are left; Winsor's 32 are 17 of 6 and 15 of 10.
+  const auto [trimmed, trimmed_error] = trimmed_difference(before, after);
+  EXPECT_NEAR(trimmed, 32.0 * (16.0 * 6.0 + 14.0 * 10.0) / 30.0, 1e-9);
+  EXPECT_NEAR(trimmed_error, 32.0 * std::sqrt(17.0 * 15.0 * 16.0 / 32.0 / (30.0 * 29.0)), 1e-9);
+  EXPECT_GT(error, 10.0 * trimmed_error);
+}
+
+TEST(Differences, OfOneRunThatGainsAllIsNoGainOfTheRest) {
+  std::vector<double> gains(32, 0.0);
+  gains[7] = 500.0;
+  const auto [before, after] = runs_that_gain(gains);
+  const auto [gain, error] = trimmed_difference(before, after);
+  EXPECT_NEAR(gain, 0.0, 1e-9);
+  EXPECT_NEAR(error, 0.0, 1e-9);
+}
+
+TEST(Differences, OfFewRunsAreNotTrimmed) {
+  const auto [before, after] = runs_that_gain({1.0, 2.0, 3.0, 4.0, 5.0, 6.0, -100.0});
+  EXPECT_EQ(trimmed_difference(before, after), paired_difference(before, after));
 }
 
 TEST(SmoothMotion, TakesMostOfTheNoiseAndLeavesTheMotion) {

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numeric>
@@ -47,11 +48,15 @@ void score(const SearchState& state, const Standing& standing, Trial& trial) {
       paired_difference(standing.validation_blocks, block_chi_squared(state.validation, model));
   trial.validation_rms_N = state.validation_rms_N(model);
   const auto deviances = state.block_deviances(model);
+  trial.likelier = trial.likelier_both = -std::numeric_limits<double>::infinity();
   trial.deviance = std::accumulate(deviances.validation.begin(), deviances.validation.end(), 0.0);
-  const auto [learnt, learnt_error] = paired_difference(standing.deviances.train, deviances.train);
-  const auto [judged, judged_error] = paired_difference(standing.deviances.validation, deviances.validation);
-  trial.likelier = in_errors(judged, judged_error);
-  trial.likelier_both = in_errors(learnt + judged, std::hypot(learnt_error, judged_error));
+  for (const auto difference : {paired_difference, trimmed_difference}) {
+    const auto [learnt, learnt_error] = difference(standing.deviances.train, deviances.train);
+    const auto [judged, judged_error] = difference(standing.deviances.validation, deviances.validation);
+    trial.likelier = std::max(trial.likelier, in_errors(judged, judged_error));
+    trial.likelier_both =
+        std::max(trial.likelier_both, in_errors(learnt + judged, std::hypot(learnt_error, judged_error)));
+  }
 }
 
 std::optional<Trial> try_candidate(const SearchState& state, const Standing& standing, const Candidate& candidate) {

@@ -44,7 +44,7 @@ struct Trial {
   double validation_gain = 0.0;
   double validation_error = 0.0;
   // What it gains of -2 ln likelihood, each model with what it leaves counted as noise, over the standard error of that
-  // by runs of blocks (Vuong 1989, theorem 5.1): how surely it is the likelier.
+  // by runs of blocks (Vuong 1989, theorem 5.1), of all runs or trimmed: how surely it is the likelier.
   double likelier = 0.0;       // on the validation blocks
   double likelier_both = 0.0;  // on both kinds
   double deviance =
