@@ -3,8 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <iterator>
 #include <limits>
+#include <map>
 #include <optional>
 #include <utility>
 
@@ -70,6 +72,17 @@ std::optional<Judged> judge(const SearchState& state, const Law& law, const Show
   judged.train = deviance(train, model);
   judged.validation = deviance(validation, model);
   return judged;
+}
+
+// The likelier of the law and of the same with shorter paths before sliding: at noisy positions a long path passes less
+// of their noise on, and from there no fit comes back.
+std::optional<Judged> judge_by_every_path(const SearchState& state, const Law& law, const Shown& shown, int rounds) {
+  std::optional<Judged> best = judge(state, law, shown, rounds);
+  for (Model& shorter : with_shorter_paths(law.model)) {
+    auto judged = judge(state, {std::move(shorter), law.parameters}, shown, rounds);
+    if (judged && (!best || judged->train < best->train)) best = std::move(judged);
+  }
+  return best;
 }
 
 // What the larger law must gain: more than in the simulated recordings in which the smaller one is the truth, and at
@@ -172,14 +185,46 @@ std::string stays_in_cone(const SearchState& state, const std::string& smaller) 
   return "";
 }
 
+// The mean square of the force error that noise leaves in each phase on the smoothed trajectory where `model` is the
+// truth, by simulated recordings.
+std::map<std::string, double> noise_squares(const SearchState& state, const Model& model) {
+  Evidence evidence = state.data->validation;
+  const Prediction nominal = evidence.predictor->predict(model);
+  const Prediction likely = evidence.noise->likely_predictor().predict(model);
+  std::map<std::string, double> squares;
+  for (std::size_t world = 0; world < few_worlds; ++world) {
+    Recording shown = *evidence.recording;
+    shown.f_W_N = evidence.noise->null_forces(model, nominal, world);
+    evidence.recording = &shown;
+    for (const Regime& regime : sort_by_regime(evidence, likely, likely, state.data->force_floor_N)) {
+      if (regime.kind == RegimeKind::phase) squares[regime.name] += regime.after_N * regime.after_N / few_worlds;
+    }
+    evidence.recording = state.data->validation.recording;
+  }
+  return squares;
+}
+
 // The phase that the model makes worse on the smoothed trajectory, by the path of its friction and by shorter ones; ""
 // for none. A path that noise has made too long lags like a sensor, so that with the lag found the two together are too
-// late.
-std::string worsened_by_every_path(const SearchState& state, const Prediction& before, const Model& model) {
+// late. What noise leaves where each model is the truth is no error of it: a tip under a short path shows more of it.
+std::string worsened_by_every_path(const SearchState& state, const Model& standing, const Model& model) {
   const Evidence& evidence = state.data->validation;
+  Predictor& likely = evidence.noise->likely_predictor();
+  const Prediction before = likely.predict(standing);
+  const auto noise_before = noise_squares(state, standing);
+  const auto beyond = [](double error_N, const std::map<std::string, double>& noise, const std::string& phase) {
+    const auto left = noise.find(phase);
+    return std::sqrt(std::max(0.0, error_N * error_N - (left == noise.end() ? 0.0 : left->second)));
+  };
   const auto regimes_of = [&](const Model& variant) {
-    return sort_by_regime(evidence, before, evidence.noise->likely_predictor().predict(variant),
-                          state.data->force_floor_N);
+    auto regimes = sort_by_regime(evidence, before, likely.predict(variant), state.data->force_floor_N);
+    const auto noise_after = noise_squares(state, variant);
+    for (Regime& regime : regimes) {
+      if (regime.kind != RegimeKind::phase) continue;
+      regime.before_N = beyond(regime.before_N, noise_before, regime.name);
+      regime.after_N = beyond(regime.after_N, noise_after, regime.name);
+    }
+    return regimes;
   };
   auto least = regimes_of(model);
   for (const Model& shorter : with_shorter_paths(model)) {
@@ -263,12 +308,13 @@ bool likelier_in_place(const SearchState& state, const Model& with_other,
 
 std::vector<Trial> weigh_by_likelihood(const SearchState& state, const std::vector<Trial>& trials) {
   const SearchSettings& settings = *state.settings;
-  const Evidence& evidence = state.data->validation;
+  const SearchData& data = *state.data;
+  const Evidence& evidence = data.validation;
   Predictor& likely = evidence.noise->likely_predictor();
   const Shown measured{state.train.measured_N, state.validation.measured_N};
   const Law now{state.current.model, state.compared()};
   constexpr int rounds = 3;
-  const auto standing = judge(state, now, measured, rounds);
+  const auto standing = judge_by_every_path(state, now, measured, rounds);
   std::vector<Trial> passed;
   if (!standing) return passed;
   const Prediction before = likely.predict(standing->fit.model);
@@ -278,12 +324,16 @@ std::vector<Trial> weigh_by_likelihood(const SearchState& state, const std::vect
     return without_N * without_N - with_N * with_N >= settings.minimum_share * without_N * without_N;
   };
   const double deviance_now = state.validation_deviance(state.current.model);
+  const bool beside_path = has_path(state.current.model);
   for (const Trial& tried : trials) {
     const bool hides =
         state.library().traits(tried.name).follows_speed || has_path(*find_entry(tried.fit.model, tried.name));
-    if (!hides || !(std::max(tried.train_gain, deviance_now - tried.deviance) >= settings.minimum_gain)) continue;
+    // Beside a path that noise has made too long nothing that delays the force gains at noisy positions.
+    const bool gains =
+        beside_path || std::max(tried.train_gain, deviance_now - tried.deviance) >= settings.minimum_gain;
+    if (!hides || !gains) continue;
     if (!state.budget->allows(tried.name + " on the smoothed trajectory")) continue;
-    const auto judged = judge(state, {tried.fit.model, tried.parameters}, measured, rounds);
+    const auto judged = judge_by_every_path(state, {tried.fit.model, tried.parameters}, measured, rounds);
     if (!judged) continue;
     Trial trial = tried;
     trial.fit = judged->fit;
@@ -295,9 +345,12 @@ std::vector<Trial> weigh_by_likelihood(const SearchState& state, const std::vect
     const Prediction after = likely.predict(trial.fit.model);
     const double after_N = rms_force_error_N(evidence, after);
     // A tip that rests leaves much that no law takes away, at noisy positions less than on the smoothed trajectory or
-    // more.
-    if (!matters(before_N, after_N) && !matters(noisy_N, tried.validation_rms_N)) continue;
-    if (!worsened_by_every_path(state, before, trial.fit.model).empty()) continue;
+    // more. By chi-squared those blocks count little.
+    const FitData blocks = along_likely(data.validation, trial.fit.model, data.window_s, measured.validation_N);
+    const bool shares = chi_squared(blocks, trial.fit.model) <=
+                        (1.0 - settings.minimum_share) * chi_squared(blocks, standing->fit.model);
+    if (!shares && !matters(before_N, after_N) && !matters(noisy_N, tried.validation_rms_N)) continue;
+    if (!worsened_by_every_path(state, standing->fit.model, trial.fit.model).empty()) continue;
     trial.null_bar = likelihood_bar(state, {standing->fit.model, now.parameters}, {trial.fit.model, trial.parameters},
                                     settings.minimum_gain, gain);
     if (gain > trial.null_bar) passed.push_back(std::move(trial));

@@ -24,6 +24,8 @@ class BristlePredictor final : public Predictor {
   Prediction predict(const Model& model) override {
     Prediction prediction = plane_.predict(model);
     for (const NamedParameters& entry : model.effects) add(entry, prediction);
+    if (const NamedParameters* const lag = find_entry(model, "time-lag"))
+      delay(lag->parameters.at("lag_s"), prediction.f_W_N);
     return prediction;
   }
 
@@ -52,19 +54,31 @@ class BristlePredictor final : public Predictor {
     }
   }
 
+  // The samples are evenly spaced.
+  void delay(double lag_s, std::vector<Vec3>& f_W_N) const {
+    const double samples = lag_s / (motion_.t_s[1] - motion_.t_s[0]);
+    const auto whole = static_cast<std::size_t>(samples);
+    const double share = samples - static_cast<double>(whole);
+    for (std::size_t i = f_W_N.size(); i-- > 0;) {
+      const std::size_t later = i > whole ? i - whole : 0;
+      const std::size_t earlier = later > 0 ? later - 1 : 0;
+      f_W_N[i] = (1.0 - share) * f_W_N[later] + share * f_W_N[earlier];
+    }
+  }
+
   PlanePredictor plane_;
   MotionColumns motion_;
 };
 
-// To and fro with slow turns and rests, under a depth that breathes.
-MotionColumns strokes(double phase, double unit) {
+// To and fro with slow turns and rests, under a depth of 1 mm that breathes by a share of it.
+MotionColumns strokes(double phase, double unit, double breath = 0.2) {
   MotionColumns motion;
   for (int i = 0; i < 4000; ++i) {
     const double t = 0.004 * i;
     const double swing = std::sin(1.9 * t + phase);
     motion.t_s.push_back(t);
     motion.p_W_m.emplace_back(unit * 0.02 * swing * swing * swing, unit * 0.006 * std::sin(0.7 * t),
-                              unit * (-0.001 - 0.0002 * std::sin(2.7 * t + phase)));
+                              unit * 0.001 * (-1.0 - breath * std::sin(2.7 * t + phase)));
   }
   return motion;
 }
@@ -134,6 +148,52 @@ TEST(NestedLaw, PlainFrictionStays) {
   const auto laws = Strokes(0.4, 0.4, 1.0).weigh();
   ASSERT_EQ(laws.size(), 1U);
   EXPECT_THAT(laws.front().trial.verdict.words, ::testing::HasSubstr("leave the cone of fast sliding by"));
+}
+
+// Plain friction with a short path, seen by a sensor that lags; the search has friction by now.
+std::vector<Trial> beside_friction(double lag_s, std::uint64_t seed) {
+  const std::vector<ParameterDeclaration> coefficients{{"mu_static", "1", 0.0, 5.0, 0.0, ""},
+                                                       {"mu_dynamic", "1", 0.0, 5.0, 0.0, ""}};
+  const std::vector<Candidate> library{
+      {"coulomb-friction", Side::contact, coefficients, traits_of("coulomb-friction")},
+      {"time-lag", Side::instrument, {{"lag_s", "s", 0.0, 1.0, 0.0, ""}}, traits_of("time-lag")}};
+  Model found;
+  found.renderer = "plane";
+  found.parameters["stiffness_N_per_m"] = 900.0;
+  found.effects.push_back({"coulomb-friction", {{"mu_static", 0.2}, {"mu_dynamic", 0.2}, {"presliding_m", 1e-5}}, ""});
+  InstrumentDescription instrument = small_noise(1.0);
+  instrument.position_noise_m = 1.2e-4;
+  const auto measure = [&](double phase, std::uint64_t number) {
+    const MotionColumns path = strokes(phase, 1.0, 0.9);
+    Model truth = found;
+    truth.instrument.push_back({"time-lag", {{"lag_s", lag_s}}, ""});
+    return measured(path, BristlePredictor(path).predict(truth).f_W_N, instrument, number);
+  };
+  const TwoRecordings recordings(
+      measure(0.0, seed), measure(1.1, seed + 1), instrument, found,
+      [](const MotionColumns& motion) { return std::make_unique<BristlePredictor>(motion); });
+  const SearchSettings settings;
+  SearchState state(recordings.data, library, settings, found);
+  state.parameters =
+      joined(state.parameters, state.options(library.front(), without_entry(found, "coulomb-friction")).parameters);
+  state.refit();
+  state.renew_noise(state.current.model);
+  state.refit();
+  return weigh_by_likelihood(state, try_candidates(state, standing_of(state)));
+}
+
+TEST(WeighedByLikelihood, ALagIsSeenBesideFrictionWhosePathNoiseHasMadeTooLong) {
+  for (const std::uint64_t seed : {71U, 73U}) {
+    const auto passed = beside_friction(0.03, seed);
+    ASSERT_EQ(passed.size(), 1U) << seed;
+    EXPECT_EQ(passed.front().name, "time-lag");
+    EXPECT_NEAR(find_entry(passed.front().fit.model, "time-lag")->parameters.at("lag_s"), 0.03, 0.003) << seed;
+    EXPECT_NEAR(find_entry(passed.front().fit.model, "coulomb-friction")->parameters.at("mu_dynamic"), 0.2, 0.02);
+  }
+}
+
+TEST(WeighedByLikelihood, NoLagIsSeenBesideFrictionAlone) {
+  for (const std::uint64_t seed : {71U, 73U}) EXPECT_TRUE(beside_friction(0.0, seed).empty()) << seed;
 }
 
 TEST(NestedLaw, ALawWithoutALargerOneIsNotAskedFor) {
