@@ -105,7 +105,7 @@ class Search {
     std::vector<Trial> more_trials = weigh_by_likelihood(state_, step.trials);
     bool more = false;
     for (Trial& likely : more_trials) {
-      if (!more && keep(likely, step)) {
+      if (!more && keep(likely, step, true)) {
         more = true;
         likely.verdict = {TrialVerdict::Kind::added_apart, "added: more likely with it on the smoothed trajectory"};
       }
@@ -191,11 +191,13 @@ class Search {
     return &*best;
   }
 
-  // Adds the trial's effects unless the model, refitted under its own noise, does worse on validation data.
-  bool keep(Trial& trial, SearchStep& step) {
+  // Adds the trial's effects unless the model, refitted under its own noise, does worse on validation data: by its
+  // error, or by likelihood, since the right one of two models may leave more where noise turns the tip.
+  bool keep(Trial& trial, SearchStep& step, bool by_likelihood = false) {
     SearchState next = with_trial(state_, trial);
     const double rms_N = next.validation_rms_N(next.current.model);
-    if (!(rms_N < step.validation_rms_N)) {
+    const auto deviance = [](const SearchState& state) { return state.validation_deviance(state.current.model); };
+    if (!(by_likelihood ? deviance(next) < deviance(state_) : rms_N < step.validation_rms_N)) {
       trial.verdict = "does worse on validation data once all is refitted";
       return false;
     }
@@ -431,7 +433,8 @@ class Search {
     return true;
   }
 
-  // Names, then values and intervals, then, for the first time, the held-out data.
+  // Names, then values and intervals, then, for the first time, the held-out data; then, where those or the validation
+  // blocks show that something is missing, a law for it, from what may be learnt alone.
   void finish() {
     result_.time_limit_s = state_.budget->limit_s();
     drop_what_has_no_size();
@@ -450,9 +453,10 @@ class Search {
       const DetectorSide validation{data_.validation.recording, &state_.declared_validation, data_.validation.noise};
       result_.data_fault = find_coefficient_fault(train, validation, result_.base, result_.model, *state_.candidates);
     }
-    if (!result_.data_fault && something_missing()) result_.law = search_law(state_, result_.base, report_);
-    result_.not_tried = state_.budget->not_tried();
     judge_on_holdout(data_, settings_.iterations, result_);
+    const bool missing = result_.leaves_too_much() || result_.leaves_structure() || calls_for_law(state_);
+    if (!result_.data_fault && missing) result_.law = search_law(state_, result_.base, report_);
+    result_.not_tried = state_.budget->not_tried();
     if (result_.data_fault) {
       // Nothing is learnt from data that are wrong.
       result_.model = result_.base;
@@ -465,17 +469,6 @@ class Search {
   [[nodiscard]] std::optional<std::string> order_fault(const Model& model) const {
     const FitData blocks = fit_data(data_.learning, model, data_.window_s);
     return find_order_fault({data_.learning.recording, &blocks, data_.learning.noise}, model);
-  }
-
-  // By the validation blocks, since a law is chosen by it.
-  [[nodiscard]] bool something_missing() const {
-    const Model& model = state_.current.model;
-    const Goodness goodness = judge_goodness(data_.train, data_.validation, model, data_.window_s);
-    if (goodness.chi_squared >= goodness.threshold) return true;
-    if (!(goodness.chi_squared > goodness.structured_threshold)) return false;
-    const DetectorSide train{data_.train.recording, &goodness.train, data_.train.noise};
-    const DetectorSide validation{data_.validation.recording, &goodness.holdout, data_.validation.noise};
-    return detect_structure(train, validation, model, {}).found();
   }
 
   const SearchData& data_;

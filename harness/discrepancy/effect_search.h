@@ -58,6 +58,10 @@ struct SearchResult {
   double time_limit_s = 0.0;           // infinite: none
   std::vector<std::string> not_tried;  // for lack of time; empty: the search came to its end
   double noise_rms_N = 0.0;  // 3-D force error that the noise model expects of `model` on the held-out samples
+
+  // What the held-out data say of `model`: that more is left than noise leaves, or that what is left has structure.
+  [[nodiscard]] bool leaves_too_much() const { return !(goodness < goodness_threshold); }
+  [[nodiscard]] bool leaves_structure() const { return structure.found() && goodness > structured_threshold; }
 };
 
 using Report = std::function<void(const std::string&)>;

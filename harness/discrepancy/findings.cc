@@ -245,8 +245,7 @@ void conclude(Findings& findings, const std::vector<Candidate>& candidates) {
     }
     if (alike.size() > 1) findings.ambiguous.push_back(std::move(alike));
   }
-  const bool noise_left = search.goodness < search.goodness_threshold;
-  const bool structured = search.structure.found() && search.goodness > search.structured_threshold;
+  const bool noise_left = !search.leaves_too_much();
   if (search.data_fault) {
     findings.verdict = FindingsVerdict::unexplained;
     findings.explanation = fmt::format("The data seem to be wrong: {} Nothing is named.", *search.data_fault);
@@ -256,7 +255,7 @@ void conclude(Findings& findings, const std::vector<Candidate>& candidates) {
         fmt::format("Something is missing that no known effect explains: {}. Means over {:.3g} Hz do not show it{}.",
                     describe(search.spectrum.peaks), search.spectrum.from_Hz,
                     search.found.empty() ? "" : fmt::format("; {} added, which helps", names(search.found)));
-  } else if (noise_left && structured) {
+  } else if (noise_left && search.leaves_structure()) {
     findings.verdict = FindingsVerdict::unexplained;
     findings.explanation = fmt::format(
         "Something is missing that no known effect explains: a flexible regression on {}, learnt on the training data, "

@@ -29,12 +29,7 @@ void set_thresholds(const Model& model, Goodness& goodness) {
 // The blocks with the larger of the noise of both models.
 FitData blocks_under(const Evidence& evidence, const Model& model, const Model& other, double window_s) {
   FitData data = fit_data(evidence, model, window_s);
-  const FitData wider = fit_data(evidence, other, window_s);
-  for (std::size_t b = 0; b < data.noise.size(); ++b) {
-    BlockNoise& noise = data.noise[b];
-    noise.along_normal_N = std::max(noise.along_normal_N, wider.noise[b].along_normal_N);
-    noise.tangential_N = std::max(noise.tangential_N, wider.noise[b].tangential_N);
-  }
+  widen_noise(data, fit_data(evidence, other, window_s));
   return data;
 }
 

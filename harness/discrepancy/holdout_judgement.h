@@ -1,5 +1,5 @@
 // The held-out data's one use: once names, values and intervals stand, what they leave there, and what each effect
-// gains there. Nothing of the search's answer depends on it.
+// gains there. No name, value or interval depends on it; that something is missing there is a reason to seek a law.
 #pragma once
 
 #include "harness/base/rooms.h"

@@ -166,6 +166,12 @@ class Library {
             .linear("h4", "1", 1.0)
             .linear("h5", "1", 1.0)
             .formula("normal_N", "normal_N * (h1 * nx + h2 * ny + h3 * nx^2 + h4 * nx * ny + h5 * ny^2)"));
+    // Of a tool along z that bends: on a slope s the load N displaces the tip by c N s downhill, and a spring k there
+    // presses with N = k (d - c N s^2), so that N / (k d) = 1 / (1 + c k s^2).
+    add(Term("bend", ActsOn::normal_force, "a share of the load that is lost with the square of the slope",
+             {Carrier::surface})
+            .linear("c", "1", 1.0)
+            .formula("normal_N", "-normal_N * c * (nx^2 + ny^2) / (1 + abs(c) * (nx^2 + ny^2))"));
     // A tip that lags behind the tracked place within its play presses where it stands.
     Term play("play", ActsOn::normal_force, "play between what is tracked and what presses, along the object's axes",
               {Carrier::past, Carrier::surface});

@@ -16,6 +16,7 @@
 #include "harness/discrepancy/law_waves.h"
 #include "harness/discrepancy/misfit.h"
 #include "harness/discrepancy/model_edit.h"
+#include "harness/discrepancy/structure_detector.h"
 
 namespace touchstone::discrepancy {
 namespace {
@@ -127,7 +128,7 @@ class LawSearch {
     return goodness.chi_squared >= goodness.threshold;
   }
 
-  [[nodiscard]] double deviance() const { return state_.validation_deviance(state_.current.model); }
+  [[nodiscard]] double validation_deviance() const { return state_.validation_deviance(state_.current.model); }
   [[nodiscard]] const SearchState& state() const { return state_; }
   [[nodiscard]] const std::vector<LawPiece>& pieces() const { return pieces_; }
 
@@ -187,15 +188,33 @@ class LawSearch {
     if (!fit.ok) return false;
     next.current = std::move(fit);
     next.renew_noise(next.current.model);
-    refined.deviance = next.validation_deviance(next.current.model);
     refined.rms_N = next.validation_rms_N(next.current.model);
     return true;
+  }
+
+  // -2 ln likelihood on the validation blocks of each, and of the model without any of them, which is returned: all
+  // under the largest noise that any of them makes of a block, and what each leaves. What is declared of a mesh is a
+  // bound: that a stiffer model makes more of it is no mark against it.
+  double judge(std::vector<Refined>& refined) const {
+    FitData train = state_.declared_train;
+    FitData validation = state_.declared_validation;
+    for (const Refined& one : refined) {
+      widen_noise(train, one.state.declared_train);
+      widen_noise(validation, one.state.declared_validation);
+    }
+    const auto deviance_of = [&](const Model& model) {
+      FitData judged = validation;
+      add_misfit(judged, estimate_misfit(train, model));
+      return deviance(judged, model);
+    };
+    for (Refined& one : refined) one.deviance = deviance_of(one.state.current.model);
+    return deviance_of(state_.current.model);
   }
 
   // Again, weighed by what the law leaves: of those that have come to half of what the best has gained.
   void finish(std::vector<Refined>& refined) const {
     constexpr double half = 0.5;
-    const double before = state_.validation_deviance(state_.current.model);
+    const double before = judge(refined);
     double most = 0.0;
     for (const Refined& one : refined) most = std::max(most, before - one.deviance);
     std::erase_if(refined, [&](const Refined& one) { return before - one.deviance < half * most; });
@@ -208,8 +227,8 @@ class LawSearch {
   }
 
   // The best that matters; one of fewer parameters that does nearly as well is preferred.
-  [[nodiscard]] const Refined* preferred(const std::vector<Refined>& refined) const {
-    const double before = state_.validation_deviance(state_.current.model);
+  [[nodiscard]] const Refined* preferred(std::vector<Refined>& refined) const {
+    const double before = judge(refined);
     const auto square = [](double value) { return value * value; };
     const double here = square(state_.validation_rms_N(state_.current.model));
     const double noise = square(expected_noise_N(state_.data->validation, state_.current.model));
@@ -262,6 +281,17 @@ std::vector<SeenRange> ranges(const Evidence& learning, const Model& model) {
 
 }  // namespace
 
+bool calls_for_law(const SearchState& found) {
+  const SearchData& data = *found.data;
+  const Model& model = found.current.model;
+  const Goodness goodness = judge_goodness(data.train, data.validation, model, data.window_s);
+  if (goodness.chi_squared >= goodness.threshold) return true;
+  if (!(goodness.chi_squared > goodness.structured_threshold)) return false;
+  const DetectorSide train{data.train.recording, &goodness.train, data.train.noise};
+  const DetectorSide validation{data.validation.recording, &goodness.holdout, data.validation.noise};
+  return detect_structure(train, validation, model, {}).found();
+}
+
 UnknownLaw search_law(const SearchState& found, const Model& base, const Report& report) {
   constexpr const char* what = "a law for the residual";
   if (!found.budget->allows(what)) return {};
@@ -291,7 +321,7 @@ UnknownLaw search_law(const SearchState& found, const Model& base, const Report&
       return of.state().current.model.effects.size() + of.state().current.model.instrument.size();
     };
     const auto cost = [&](const LawSearch& of) {
-      return of.deviance() + found.settings->minimum_gain * static_cast<double>(count(of));
+      return of.validation_deviance() + found.settings->minimum_gain * static_cast<double>(count(of));
     };
     if (best == nullptr || cost(one) < cost(*best)) best = &one;
   }

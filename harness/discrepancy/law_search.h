@@ -45,6 +45,9 @@ struct UnknownLaw {
   [[nodiscard]] bool found() const { return !pieces.empty(); }
 };
 
+// Whether the found model leaves something on the validation blocks: far more than noise, or more with a structure.
+bool calls_for_law(const SearchState& found);
+
 // `base`: the model with its stiffness refitted and nothing found. Both are fitted; the held-out data are not looked
 // at.
 UnknownLaw search_law(const SearchState& found, const Model& base,

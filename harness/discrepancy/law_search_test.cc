@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <functional>
 #include <numbers>
 
@@ -22,13 +23,27 @@ namespace {
 
 constexpr double stiffness_N_per_m = 900.0;
 
-std::shared_ptr<const Surface> plate() {
-  TriangleMesh mesh;
-  mesh.vertices_W_m = {Vec3(-0.1, -0.1, 0), Vec3(0.1, -0.1, 0), Vec3(0.1, 0.1, 0), Vec3(-0.1, 0.1, 0)};
-  mesh.triangles = {{0, 1, 2}, {0, 2, 3}};
-  mesh.source = "plate";
-  return make_embree_surface(mesh);
-}
+// A plate with a wave along x, of this amplitude over 40 mm.
+struct Plate {
+  double wave_m = 0.0;
+
+  [[nodiscard]] double height_m(double x_m) const { return wave_m * std::sin(2.0 * std::numbers::pi * x_m / 0.04); }
+  [[nodiscard]] std::shared_ptr<const Surface> surface() const {
+    TriangleMesh mesh;
+    mesh.source = "plate";
+    const std::int32_t strips = wave_m > 0.0 ? 400 : 1;
+    for (int i = 0; i <= strips; ++i) {
+      const double x_m = -0.1 + 0.2 * i / strips;
+      mesh.vertices_W_m.emplace_back(x_m, -0.1, height_m(x_m));
+      mesh.vertices_W_m.emplace_back(x_m, 0.1, height_m(x_m));
+      if (i == 0) continue;
+      const auto at = static_cast<std::int32_t>(2 * i);
+      mesh.triangles.push_back({at - 2, at, at + 1});
+      mesh.triangles.push_back({at - 2, at + 1, at - 1});
+    }
+    return make_embree_surface(mesh);
+  }
+};
 
 // What the forces below might be mistaken for.
 std::vector<Candidate> likely_mistaken() {
@@ -51,16 +66,23 @@ MotionColumns strokes(double phase) {
   return motion;
 }
 
-// What acts beside the spring of the plate, at a sample of the true path.
-using Force = std::function<Vec3(const MotionColumns& path, std::size_t i)>;
+// What acts beside the spring of the plate, at a sample of the true path, where the spring presses like this.
+using Force = std::function<Vec3(const MotionColumns& path, std::size_t i, const Prediction& spring)>;
 
-Recording record(const Force& hidden, double phase, std::uint64_t seed) {
-  const MotionColumns path = strokes(phase);
-  std::vector<Vec3> f_W_N;
-  for (std::size_t i = 0; i < path.size(); ++i) {
-    const double depth = std::max(0.0, -path.p_W_m[i].z());
-    f_W_N.push_back(Vec3(0.0, 0.0, stiffness_N_per_m * depth) + hidden(path, i));
-  }
+Model spring_of(double stiffness) {
+  Model model;
+  model.renderer = "god-object";
+  model.parameters["stiffness_N_per_m"] = stiffness;
+  return model;
+}
+
+Recording record(const Plate& plate, const Force& hidden, double phase, std::uint64_t seed) {
+  MotionColumns path = strokes(phase);
+  for (Vec3& p : path.p_W_m) p.z() += plate.height_m(p.x());
+  const Prediction spring =
+      renderers::make_model_predictor(plate.surface(), path)->predict(spring_of(stiffness_N_per_m));
+  std::vector<Vec3> f_W_N = spring.f_W_N;
+  for (std::size_t i = 0; i < path.size(); ++i) f_W_N[i] += hidden(path, i, spring);
   return measured(path, std::move(f_W_N), small_noise(1.0), seed);
 }
 
@@ -76,15 +98,14 @@ struct Answer {
   [[nodiscard]] std::string follows() const { return law_follows(findings.search.law); }
 };
 
-Answer search(const Force& hidden) {
-  const auto surface = plate();
-  Model start;
-  start.renderer = "god-object";
-  start.parameters["stiffness_N_per_m"] = 1.05 * stiffness_N_per_m;
+Answer search(const Force& hidden, const Plate& plate = {}) {
+  const auto surface = plate.surface();
+  const Model start = spring_of(1.05 * stiffness_N_per_m);
   const MakePredictor make = [&](const MotionColumns& motion) {
     return renderers::make_model_predictor(surface, motion);
   };
-  const TwoRecordings two(record(hidden, 0.0, 31), record(hidden, 1.3, 32), small_noise(1.0), start, make);
+  const TwoRecordings two(record(plate, hidden, 0.0, 31), record(plate, hidden, 1.3, 32), small_noise(1.0), start,
+                          make);
   Answer answer;
   answer.findings.search = search_effects(two.data, start, likely_mistaken(), {}, [](const std::string&) {});
   conclude(answer.findings, likely_mistaken());
@@ -109,7 +130,7 @@ void expect_law(const Answer& answer, const std::string& follows) {
 
 TEST(LawSearch, FindsTheLayerUnderASkin) {
   // Hertz: the power 3/2 of what is beyond.
-  const Answer answer = search([](const MotionColumns& path, std::size_t i) {
+  const Answer answer = search([](const MotionColumns& path, std::size_t i, const Prediction&) {
     const double beyond = std::max(0.0, -path.p_W_m[i].z() - 0.0022);
     return Vec3(0.0, 0.0, 2.0e4 * std::pow(beyond, 1.5));
   });
@@ -118,7 +139,7 @@ TEST(LawSearch, FindsTheLayerUnderASkin) {
 
 TEST(LawSearch, FindsForcesThatRepeatAlongASlantedAxis) {
   const Vec3 axis = Vec3(0.8, 0.5, 0.33).normalized();
-  const Answer answer = search([&](const MotionColumns& path, std::size_t i) {
+  const Answer answer = search([&](const MotionColumns& path, std::size_t i, const Prediction&) {
     const double turn = 2.0 * std::numbers::pi * axis.dot(path.p_W_m[i]) / 0.017;
     return Vec3(0.3 * (std::sin(turn + 0.4) + 0.15 * std::sin(2.0 * turn)) * axis);
   });
@@ -126,16 +147,29 @@ TEST(LawSearch, FindsForcesThatRepeatAlongASlantedAxis) {
 }
 
 TEST(LawSearch, FindsAZeroThatWarmsUp) {
-  const Answer answer = search([](const MotionColumns& path, std::size_t i) {
+  const Answer answer = search([](const MotionColumns& path, std::size_t i, const Prediction&) {
     return Vec3((1.0 - 0.6 * std::exp(-path.t_s[i] / 2.0) - 0.4 * std::exp(-path.t_s[i] / 8.0)) * Vec3(0.5, -0.3, 0.9));
   });
   expect_law(answer, "time");
 }
 
+TEST(LawSearch, FindsAToolThatBends) {
+  // A cantilever along z with the stiffness of a sixth of the plate's across it: on a slope the load moves the tip
+  // downhill until it presses with the spring's force less what the way down the slope takes.
+  const Answer answer = search(
+      [](const MotionColumns&, std::size_t i, const Prediction& spring) {
+        const Vec3& n = spring.n_W[i];
+        const double square = n.head<2>().squaredNorm();
+        return Vec3(-spring.normal_N[i] * 6.0 * square / (1.0 + 6.0 * square) * n);
+      },
+      Plate{0.002});
+  expect_law(answer, "slope of the surface");
+}
+
 TEST(LawSearch, AddsNothingWhereTheCatalogueSuffices) {
   // Nothing, and plain friction as the sign of the velocity (Coulomb 1785).
   for (const double mu : {0.0, 0.3}) {
-    const Answer answer = search([=](const MotionColumns& path, std::size_t i) {
+    const Answer answer = search([=](const MotionColumns& path, std::size_t i, const Prediction&) {
       const double depth = std::max(0.0, -path.p_W_m[i].z());
       const std::size_t j = std::max<std::size_t>(1, i);
       Vec3 way = path.p_W_m[j] - path.p_W_m[j - 1];
