@@ -32,8 +32,8 @@ void settle_waves(Model& model, const EffectLibrary& library);
 
 // How long a fit is pursued.
 struct FitEffort {
-  int iterations;
-  int each_start;  // iterations from each of several starts, before the best one is finished
+  int iterations = 0;
+  int each_start = 0;  // iterations from each of several starts, before the best one is finished
   // Of chi-squared: a fit that will not come below it is not finished (see fit_jointly_below).
   double hopeless = std::numeric_limits<double>::infinity();
 };

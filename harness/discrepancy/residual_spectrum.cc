@@ -296,7 +296,7 @@ std::optional<SpectralPeak> measure_peak(const Resolved& scale, std::size_t at) 
 // of its own, so that none of them holds it.
 std::optional<SpectralPeak> measure_sharpest(const std::vector<Resolved>& scales, const Resolved& found,
                                              std::size_t at) {
-  const auto coarse = measure_peak(found, at);
+  auto coarse = measure_peak(found, at);
   if (!coarse) return std::nullopt;
   // Of the power: a line loses to the background under its flanks, and keeps the rest.
   constexpr double held = 0.8;
@@ -310,7 +310,7 @@ std::optional<SpectralPeak> measure_sharpest(const std::vector<Resolved>& scales
       if (top == 0 || scale.power(k) > scale.power(top)) top = k;
     }
     if (top == 0) continue;
-    const auto fine = measure_peak(scale, top);
+    auto fine = measure_peak(scale, top);
     if (fine && fine->rms_N * fine->rms_N >= held * coarse->rms_N * coarse->rms_N) return fine;
   }
   return coarse;

@@ -8,7 +8,6 @@
 #include <numbers>
 
 #include "harness/surface/embree_surface.h"
-#include "harness/testing/tiny_meshes.h"
 #include "renderers/proxy/ball_proxy.h"
 #include "renderers/walkable/contact_mesh.h"
 
