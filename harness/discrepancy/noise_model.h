@@ -34,8 +34,8 @@ class NoiseModel {
                                            const std::vector<ResidualBlock>& blocks);
 
   // What the sensor would have shown beyond `nominal`, were `model` the truth and the tip off from where it was
-  // recorded by draw number `index` (< replica_count) of the tracker's noise. Faster noise than the null worlds': these
-  // follow the smoothed motion, which has some of the recorded noise in it.
+  // recorded by draw number `index` (< replica_count) of the tracker's noise. Faster noise than that of simulated
+  // recordings: these follow the smoothed motion, which has some of the recorded noise in it.
   static constexpr std::size_t replica_count = 8;
   [[nodiscard]] std::vector<Vec3> left_by_noise(const Model& model, const Prediction& nominal, std::size_t index);
 
