@@ -5,7 +5,6 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <cstdlib>
 #include <filesystem>
 #include <numbers>
 
@@ -13,6 +12,7 @@
 #include "harness/base/random.h"
 #include "harness/discrepancy/instrument_description.h"
 #include "harness/recording/recording_file.h"
+#include "harness/testing/shared_data.h"
 
 namespace touchstone::discrepancy {
 namespace {
@@ -51,7 +51,7 @@ TEST(TrackerSpectrum, FindsLowPassedNoiseAtSeveralRatesAndSizes) {
   for (const double rate_Hz : {250.0, 1000.0}) {
     for (const double tracker_Hz : {60.0, 100.0}) {
       for (const double noise_m : {20e-6, 100e-6}) {
-        SCOPED_TRACE(testing::Message() << rate_Hz << " Hz, tracker " << tracker_Hz << " Hz, " << noise_m << " m");
+        SCOPED_TRACE(::testing::Message() << rate_Hz << " Hz, tracker " << tracker_Hz << " Hz, " << noise_m << " m");
         InstrumentDescription tracker;
         tracker.position_noise_m = noise_m;
         tracker.position_rate_Hz = tracker_Hz;
@@ -83,10 +83,9 @@ TEST(TrackerSpectrum, IsSilentWhereDifferencesSeeTheNoise) {
 }
 
 TEST(TrackerSpectrum, FindsWhatOthersDeclareInTenRecordings) {
-  const char* const data = std::getenv("TOUCHSTONE_DATA_DIR");
-  if (data == nullptr) GTEST_SKIP() << "TOUCHSTONE_DATA_DIR is not set: the ten recordings are not here";
+  TOUCHSTONE_SHARED_DATA_OR_SKIP(sample, "discrepancy-sample");
   std::size_t seen = 0;
-  for (const auto& folder : std::filesystem::directory_iterator(std::filesystem::path(data) / "discrepancy-sample")) {
+  for (const auto& folder : std::filesystem::directory_iterator(sample)) {
     if (!folder.is_directory()) continue;
     SCOPED_TRACE(folder.path());
     const InstrumentDescription declared = load_instrument(folder.path() / "instrument.json");
@@ -108,7 +107,7 @@ TEST(TrackerSpectrum, FindsWhatOthersDeclareInTenRecordings) {
 }
 
 TEST(TrackerSpectrum, IsWrittenAsAnInstrumentThatIsReadBack) {
-  const auto file = std::filesystem::path(testing::TempDir()) / "touchstone-suggested-instrument.json";
+  const auto file = std::filesystem::path(::testing::TempDir()) / "touchstone-suggested-instrument.json";
   InstrumentDescription instrument;
   instrument.force_noise_N = 0.0125;
   instrument.force_step_N = Vec3(0.003, 0.003, 0.0015);
