@@ -42,8 +42,9 @@ struct PeerOptions {
 
 ExitStatus peers_command(const PeerOptions& options) {
   const char* const folder = std::getenv("TOUCHSTONE_DATA_DIR");
+  const bool has_folder = folder != nullptr && *folder != '\0';
   const std::filesystem::path peers = !options.data.empty() ? std::filesystem::path(options.data)
-                                      : folder != nullptr   ? std::filesystem::path(folder) / "peers"
+                                      : has_folder          ? std::filesystem::path(folder) / "peers"
                                                             : std::filesystem::path();
   if (peers.empty() || !std::filesystem::is_directory(peers)) {
     fmt::print(stderr,
