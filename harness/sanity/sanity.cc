@@ -68,8 +68,10 @@ std::optional<SanityFinding> reversed_force(const Contact& c, const SanityContex
   const ForceSign change = check_load_change(c.depth_m, c.load_N);
   if (change.verdict == SignVerdict::outward) return std::nullopt;
   const double follows = correlation(c.depth_m, c.load_N);
-  const bool falls = change.verdict == SignVerdict::reversed &&
-                     1.0 - follows * follows < context.most_left_with_repair &&
+  const bool nearly_all = 1.0 - follows * follows < context.most_left_with_repair;
+  // A load that rises with the depth is the object's, also where too few blocks touch to decide by their change.
+  if (nearly_all && follows > 0.0) return std::nullopt;
+  const bool falls = change.verdict == SignVerdict::reversed && nearly_all &&
                      !find_load_lag(c.t_s, c.load_N, c.depth_m, context.most_left_with_repair);
   const Contact touching = touching_part(c, touching_N);
   const ForceSign mean = check_force_sign(touching.n_W, touching.f_W_N);
