@@ -5,7 +5,6 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
 #include <filesystem>
@@ -16,6 +15,7 @@
 #include "hil/drivers/falcon_kinematics.h"
 #include "hil/drivers/usb.h"
 #include "hil/emulators/scheduling_lateness.h"
+#include "hil/emulators/told_without_permission.h"
 #include "hil/emulators/usb_emulator.h"
 
 namespace touchstone::hil {
@@ -236,29 +236,11 @@ TEST_F(FalconUsb, SaysWhyItCannotBeOpened) {
   EXPECT_EQ(status_of([&] { open(); }), DeviceStatus::absent);
 }
 
-// In a process of its own that is nobody's where this one is root's: root may open everything.
 TEST(FalconUsbPermission, WithoutItTheDriverSaysWhatToDo) {
   if (!UsbEmulator::preloaded()) GTEST_SKIP() << "needs LD_PRELOAD=libumockdev-preload.so.0 (ctest sets it)";
-  const pid_t child = ::fork();
-  if (child == 0) {
-    if (::geteuid() == 0 && ::setresuid(65534, 65534, 65534) != 0) ::_exit(3);
-    FalconModel model(true);
-    UsbEmulator usb(UsbEmulator::Identity{}, model);
-    usb.forbid();
-    try {
-      open_falcon({});
-    } catch (const DeviceError& error) {
-      const bool said = error.device_status() == DeviceStatus::no_permission &&
-                        std::string(error.what()).find("udev") != std::string::npos;
-      if (!said) fmt::print("{}\n", error.what());
-      std::fflush(stdout);
-      ::_exit(said ? 0 : 1);
-    }
-    ::_exit(2);
-  }
-  int status = 0;
-  ::waitpid(child, &status, 0);
-  EXPECT_EQ(status, 0);
+  const auto told = told_without_permission();
+  EXPECT_EQ(told.status, to_string(DeviceStatus::no_permission));
+  EXPECT_THAT(told.message, HasSubstr("udev"));
 }
 
 TEST_F(FalconUsb, FaultsWhileRunningAreErrorsWithinTheDeadline) {

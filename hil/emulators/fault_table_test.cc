@@ -4,8 +4,6 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
 #include <cstdlib>
 #include <filesystem>
@@ -21,6 +19,7 @@
 #include "hil/drivers/netft.h"
 #include "hil/drivers/usb.h"
 #include "hil/emulators/netft_emulator.h"
+#include "hil/emulators/told_without_permission.h"
 #include "hil/emulators/usb_emulator.h"
 
 namespace touchstone::hil {
@@ -85,25 +84,6 @@ class FaultTable : public ::testing::Test {
     spoil(usb);
     return answer_of([] { open(); });
   }
-  static std::string without_permission() {
-    int ends[2];
-    EXPECT_EQ(::pipe(ends), 0);
-    const pid_t child = ::fork();
-    if (child == 0) {
-      if (::geteuid() == 0 && ::setresuid(65534, 65534, 65534) != 0) ::_exit(1);
-      FalconModel model(true);
-      UsbEmulator usb(UsbEmulator::Identity{}, model);
-      usb.forbid();
-      const auto answer = answer_of([] { open(); });
-      ::_exit(::write(ends[1], answer.data(), answer.size()) > 0 ? 0 : 1);
-    }
-    ::close(ends[1]);
-    char text[128];
-    const auto n = ::read(ends[0], text, sizeof text);
-    ::close(ends[0]);
-    ::waitpid(child, nullptr, 0);
-    return n > 0 ? std::string(text, text + n) : "nothing";
-  }
   // What the stream's counters and flags say after `n` records.
   static std::string stream(const NetFtFaults& faults, std::size_t n = 400) {
     NetFtEmulator emulator(2000, faults, [](double) { return Wrench{}; });
@@ -155,7 +135,7 @@ TEST_F(FaultTable, IsTheOneInTheDocumentation) {
   usb("stall while running", running([](UsbEmulator& u, FalconModel&) { u.faults.stall = true; }, 2.0));
   usb("timeout", running([](UsbEmulator& u, FalconModel&) { u.faults.silent = true; }, 0.2));
   usb("busy", opening([](UsbEmulator& u) { u.faults.busy = true; }));
-  usb("no permission", without_permission());
+  usb("no permission", fmt::format("error: {}", told_without_permission().status));
   usb("short packet", running([](UsbEmulator& u, FalconModel&) { u.faults.short_packets = true; }, 0.2));
   usb("bad frame", running([](UsbEmulator&, FalconModel& m) { m.damage_next_frames(1); }, 2.0));
   usb("unplugged while running", running([](UsbEmulator& u, FalconModel&) { u.unplug(); }, 2.0));
