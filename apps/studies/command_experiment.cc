@@ -47,9 +47,8 @@ ExitStatus peers_command(const PeerOptions& options) {
                                       : has_folder          ? std::filesystem::path(folder) / "peers"
                                                             : std::filesystem::path();
   if (peers.empty() || !std::filesystem::is_directory(peers)) {
-    fmt::print(stderr,
-               "touchstone: {}: no folder with the libraries' answers; give --data or set TOUCHSTONE_DATA_DIR\n",
-               peers.string());
+    fmt::print(stderr, "touchstone: {}no folder with the libraries' answers; give --data or set TOUCHSTONE_DATA_DIR\n",
+               peers.empty() ? "" : peers.string() + ": ");
     return ExitStatus::skipped;
   }
   std::vector<Model> besides;

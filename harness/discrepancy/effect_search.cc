@@ -105,7 +105,7 @@ class Search {
     std::vector<Trial> more_trials = weigh_by_likelihood(state_, step.trials);
     bool more = false;
     for (Trial& likely : more_trials) {
-      if (!more && keep(likely, step, true)) {
+      if (!more && keep_if_likelier(likely, step)) {
         more = true;
         likely.verdict = {TrialVerdict::Kind::added_apart, "added: more likely with it on the smoothed trajectory"};
       }
@@ -191,19 +191,28 @@ class Search {
     return &*best;
   }
 
-  // Adds the trial's effects unless the model, refitted under its own noise, does worse on validation data: by its
-  // error, or by likelihood, since the right one of two models may leave more where noise turns the tip.
-  bool keep(Trial& trial, SearchStep& step, bool by_likelihood = false) {
-    SearchState next = with_trial(state_, trial);
-    const double rms_N = next.validation_rms_N(next.current.model);
+  // Adds the trial's effects unless the model, refitted under its own noise, leaves more of the validation data.
+  bool keep(Trial& trial, SearchStep& step) {
+    return keep_if(trial, step, [&](const SearchState& next) {
+      return next.validation_rms_N(next.current.model) < step.validation_rms_N;
+    });
+  }
+
+  // The same by likelihood: the right one of two models may leave more where noise turns the tip.
+  bool keep_if_likelier(Trial& trial, SearchStep& step) {
     const auto deviance = [](const SearchState& state) { return state.validation_deviance(state.current.model); };
-    if (!(by_likelihood ? deviance(next) < deviance(state_) : rms_N < step.validation_rms_N)) {
+    return keep_if(trial, step, [&](const SearchState& next) { return deviance(next) < deviance(state_); });
+  }
+
+  bool keep_if(Trial& trial, SearchStep& step, const std::function<bool(const SearchState&)>& better) {
+    SearchState next = with_trial(state_, trial);
+    if (!better(next)) {
       trial.verdict = "does worse on validation data once all is refitted";
       return false;
     }
     trial.verdict = {TrialVerdict::Kind::added, "added"};
     step.added = trial.title();
-    report_(fmt::format("  {}: validation RMS {:.4g} N", step.added, rms_N));
+    report_(fmt::format("  {}: validation RMS {:.4g} N", step.added, next.validation_rms_N(next.current.model)));
     state_ = std::move(next);
     return true;
   }
@@ -454,16 +463,16 @@ class Search {
       result_.data_fault = find_coefficient_fault(train, validation, result_.base, result_.model, *state_.candidates);
     }
     judge_on_holdout(data_, settings_.iterations, result_);
-    const bool missing = result_.leaves_too_much() || result_.leaves_structure() || calls_for_law(state_);
-    if (!result_.data_fault && missing) result_.law = search_law(state_, result_.base, report_);
-    result_.not_tried = state_.budget->not_tried();
     if (result_.data_fault) {
-      // Nothing is learnt from data that are wrong.
-      result_.model = result_.base;
+      result_.model = result_.base;  // nothing is learnt from data that are wrong
       result_.found.clear();
       result_.undetermined.clear();
       result_.questions.clear();
+    } else if (result_.calls_for_law() || calls_for_law(state_)) {
+      result_.law = search_law(state_, result_.base, report_);
+      judge_law_on_holdout(data_, result_);
     }
+    result_.not_tried = state_.budget->not_tried();
   }
 
   [[nodiscard]] std::optional<std::string> order_fault(const Model& model) const {

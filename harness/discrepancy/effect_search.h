@@ -51,9 +51,13 @@ struct SearchResult {
   double null_goodness = 0.0;  // the same in the worst world where `model` is the truth
   double goodness_threshold = 0.0;
   double structured_threshold = 0.0;
+  double law_threshold = 0.0;
   Structure structure;        // of what `model` leaves
   ResidualSpectrum spectrum;  // of the same, sample by sample
-  UnknownLaw law;             // for what `model` leaves, where that is clearly more than noise
+  UnknownLaw law;             // for what `model` leaves, where that may be more than noise
+  double law_gain = 0.0;      // held-out chi-squared, of the law over `model`, by the misfit that that leaves
+  double law_error = 0.0;     // standard error of it
+  double law_share = 0.0;     // of the held-out squared error beyond noise that the law removes; 0 where none is beyond
   std::optional<std::string> data_fault;
   double time_limit_s = 0.0;           // infinite: none
   std::vector<std::string> not_tried;  // for lack of time; empty: the search came to its end
@@ -62,6 +66,12 @@ struct SearchResult {
   // What the held-out data say of `model`: that more is left than noise leaves, or that what is left has structure.
   [[nodiscard]] bool leaves_too_much() const { return !(goodness < goodness_threshold); }
   [[nodiscard]] bool leaves_structure() const { return structure.found() && goodness > structured_threshold; }
+  // That a law is worth seeking; and that the one which was learnt without them holds there, which noise does not do.
+  [[nodiscard]] bool calls_for_law() const { return !(goodness <= law_threshold) || leaves_structure(); }
+  [[nodiscard]] bool law_holds() const {
+    constexpr double errors = 2.0;
+    return law.found() && law_share >= least_law_share && law_gain > errors * law_error;
+  }
 };
 
 using Report = std::function<void(const std::string&)>;

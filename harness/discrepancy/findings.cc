@@ -278,6 +278,13 @@ void conclude(Findings& findings, const std::vector<Candidate>& candidates) {
         search.spectrum.from_Hz, search.spectrum.to_Hz, search.spectrum.raw_N,
         search.spectrum.raw_N / search.spectrum.null_N,
         search.found.empty() ? "" : fmt::format(", with {} added, which helps", names(search.found)));
+  } else if (search.law_holds()) {
+    findings.verdict = FindingsVerdict::unexplained;
+    findings.explanation = fmt::format(
+        "Something is missing that no known effect explains: a law that was learnt on the training data removes {:.0f} "
+        "% of the held-out square beyond noise, its chi-squared falls by {:.0f} +- {:.0f}{}.",
+        100.0 * search.law_share, search.law_gain, search.law_error,
+        search.found.empty() ? "" : fmt::format(", with {} added, which helps", names(search.found)));
   } else if (search.found.empty()) {
     findings.verdict = FindingsVerdict::consistent;
     findings.explanation = fmt::format(

@@ -21,8 +21,10 @@ bool has_dry_friction(const Model& model) {
 }
 
 void set_thresholds(const Model& model, Goodness& goodness) {
-  const Excess& excess = has_dry_friction(model) ? dry_friction : smooth;
+  const bool dry = has_dry_friction(model);
+  const Excess& excess = dry ? dry_friction : smooth;
   goodness.threshold = std::max(excess.least, excess.over_null * goodness.null);
+  goodness.law_threshold = dry ? goodness.threshold : std::min(goodness.null, goodness.threshold);
   goodness.structured_threshold = excess.structured_over_null * goodness.null;
 }
 

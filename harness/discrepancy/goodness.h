@@ -20,6 +20,8 @@ struct Goodness {
   double threshold = 0.0;
   // What a flexible regression predicts (see structure_detector.h) counts where more than this is left.
   double structured_threshold = 0.0;
+  // Where more than this is left, a law is worth seeking: without dry friction what no simulated recording leaves.
+  double law_threshold = 0.0;
   double noise_rms_N = 0.0;  // 3-D force error that noise leaves on the held-out samples
   FitData train;             // blocks under the noise that it was judged by
   FitData holdout;

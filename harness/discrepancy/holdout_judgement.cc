@@ -1,5 +1,6 @@
 #include "harness/discrepancy/holdout_judgement.h"
 
+#include <cmath>
 #include <tuple>
 
 #include "harness/discrepancy/goodness.h"
@@ -31,12 +32,30 @@ void judge_on_holdout(const SearchData& data, int iterations, SearchResult& resu
   result.null_goodness = goodness.null;
   result.goodness_threshold = goodness.threshold;
   result.structured_threshold = goodness.structured_threshold;
+  result.law_threshold = goodness.law_threshold;
   result.noise_rms_N = goodness.noise_rms_N;
   const DetectorSide learning{data.learning.recording, &goodness.train, data.learning.noise};
   const DetectorSide holdout{data.holdout.recording, &goodness.holdout, data.holdout.noise};
   result.structure = detect_structure(learning, holdout, result.model, result.draws);
   result.spectrum = residual_spectrum(learning, holdout, result.model, data.window_s);
   judge_effects(data, iterations, goodness.holdout, result);
+}
+
+void judge_law_on_holdout(const SearchData& data, SearchResult& result) {
+  if (!result.law.found()) return;
+  FitData learning = fit_data(data.learning, result.model, data.window_s);
+  FitData holdout = fit_data(data.holdout, result.model, data.window_s);
+  widen_noise(learning, fit_data(data.learning, result.law.model, data.window_s));
+  widen_noise(holdout, fit_data(data.holdout, result.law.model, data.window_s));
+  add_misfit(holdout, estimate_misfit(learning, result.model));
+  std::tie(result.law_gain, result.law_error) =
+      paired_difference(block_chi_squared(holdout, result.model), block_chi_squared(holdout, result.law.model));
+  const auto square = [&](const Model& model) {
+    return std::pow(rms_force_error_N(data.holdout, data.holdout.predictor->predict(model)), 2);
+  };
+  const double without = square(result.model);
+  const double beyond = without - result.noise_rms_N * result.noise_rms_N;
+  result.law_share = beyond > 0.0 ? (without - square(result.law.model)) / beyond : 0.0;
 }
 
 }  // namespace touchstone::discrepancy

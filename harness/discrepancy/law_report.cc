@@ -53,7 +53,9 @@ nlohmann::ordered_json law_json(const UnknownLaw& law, const LawGap& gap) {
        {{"start", json_number(gap.start_N)},
         {"without", json_number(gap.without_N)},
         {"with", json_number(gap.with_N)},
-        {"closed", json_number(gap.closed)}}},
+        {"closed", json_number(gap.closed)},
+        {"chi_squared_gain", json_number(gap.chi_squared_gain)},
+        {"chi_squared_error", json_number(gap.chi_squared_error)}}},
       {"seen", nlohmann::ordered_json::object()}};
   std::size_t count = 0;
   for (const LawPiece& piece : law.pieces) {

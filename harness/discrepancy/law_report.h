@@ -17,6 +17,8 @@ struct LawGap {
   double with_N = 0.0;     // with the law
   // Of the square beyond what noise leaves of the start's.
   double closed = 0.0;
+  double chi_squared_gain = 0.0;  // over the effects found
+  double chi_squared_error = 0.0;
 };
 
 // "depth", "place and past of the motion": what the pieces of the law follow.

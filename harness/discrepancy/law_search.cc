@@ -23,8 +23,6 @@ namespace {
 
 constexpr std::size_t most_pieces = 3;
 constexpr std::size_t most_refined = 5;
-// Of the validation squared error beyond noise that a piece must remove: what leaves more is no law of it.
-constexpr double least_share = 0.25;
 // Of the best one's gain in deviance by which a term with fewer parameters may fall behind.
 constexpr double alike = 0.05;
 
@@ -234,7 +232,7 @@ class LawSearch {
     const double noise = square(expected_noise_N(state_.data->validation, state_.current.model));
     const Refined* best = nullptr;
     for (const Refined& one : refined) {
-      const bool matters = here - square(one.rms_N) > least_share * std::max(0.0, here - noise) &&
+      const bool matters = here - square(one.rms_N) > least_law_share * std::max(0.0, here - noise) &&
                            before - one.deviance > state_.settings->minimum_gain;
       report_(fmt::format("    {}: gain {:.0f}, deviance {:.0f} less, validation RMS {:.4g} N{}", one.law->name,
                           one.gain, before - one.deviance, one.rms_N, matters ? "" : ", too little"));
@@ -285,7 +283,7 @@ bool calls_for_law(const SearchState& found) {
   const SearchData& data = *found.data;
   const Model& model = found.current.model;
   const Goodness goodness = judge_goodness(data.train, data.validation, model, data.window_s);
-  if (goodness.chi_squared >= goodness.threshold) return true;
+  if (goodness.chi_squared > goodness.law_threshold) return true;
   if (!(goodness.chi_squared > goodness.structured_threshold)) return false;
   const DetectorSide train{data.train.recording, &goodness.train, data.train.noise};
   const DetectorSide validation{data.validation.recording, &goodness.holdout, data.validation.noise};

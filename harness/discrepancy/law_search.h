@@ -45,7 +45,10 @@ struct UnknownLaw {
   [[nodiscard]] bool found() const { return !pieces.empty(); }
 };
 
-// Whether the found model leaves something on the validation blocks: far more than noise, or more with a structure.
+// Of the squared error beyond noise that a law must remove: what leaves more is no law of it.
+constexpr double least_law_share = 0.25;
+
+// Whether the found model leaves something on the validation blocks: more than noise, or structure.
 bool calls_for_law(const SearchState& found);
 
 // `base`: the model with its stiffness refitted and nothing found. Both are fitted; the held-out data are not looked

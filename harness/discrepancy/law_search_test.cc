@@ -9,6 +9,7 @@
 #include <cmath>
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <numbers>
 
 #include "harness/discrepancy/catalogue_for_test.h"
@@ -153,17 +154,48 @@ TEST(LawSearch, FindsAZeroThatWarmsUp) {
   expect_law(answer, "time");
 }
 
-TEST(LawSearch, FindsAToolThatBends) {
-  // A cantilever along z with the stiffness of a sixth of the plate's across it: on a slope the load moves the tip
-  // downhill until it presses with the spring's force less what the way down the slope takes.
-  const Answer answer = search(
-      [](const MotionColumns&, std::size_t i, const Prediction& spring) {
-        const Vec3& n = spring.n_W[i];
-        const double square = n.head<2>().squaredNorm();
-        return Vec3(-spring.normal_N[i] * 6.0 * square / (1.0 + 6.0 * square) * n);
-      },
-      Plate{0.002});
-  expect_law(answer, "slope of the surface");
+// A cantilever along z, `softness` times as soft across as the plate is: on a slope the load moves the tip downhill
+// until it presses with the spring's force less what the way down the slope takes.
+Force bending(double softness) {
+  return [=](const MotionColumns&, std::size_t i, const Prediction& spring) {
+    const Vec3& n = spring.n_W[i];
+    const double square = n.head<2>().squaredNorm();
+    return Vec3(-spring.normal_N[i] * softness * square / (1.0 + softness * square) * n);
+  };
+}
+
+TEST(LawSearch, FindsAToolThatBends) { expect_law(search(bending(6.0), Plate{0.002}), "slope of the surface"); }
+
+// Too little for what sees all that is left at once: the law itself shows it, by holding on the second recording.
+TEST(LawSearch, WhatDrownsInTheWholeIsShownByTheLawThatHolds) {
+  const Answer answer = search(bending(0.35), Plate{0.002});
+  const SearchResult& found = answer.findings.search;
+  EXPECT_FALSE(found.leaves_too_much());
+  EXPECT_FALSE(found.leaves_structure());
+  EXPECT_TRUE(found.law_holds());
+  EXPECT_EQ(answer.findings.verdict, FindingsVerdict::unexplained);
+  EXPECT_THAT(answer.follows(), ::testing::HasSubstr("slope of the surface"));
+}
+
+TEST(LawSearch, ALawHoldsByItsGainOnHeldOutDataAlone) {
+  SearchResult found;
+  found.law.pieces.resize(1);
+  found.law_gain = 41.0;
+  found.law_error = 20.0;
+  found.law_share = 0.5;
+  EXPECT_TRUE(found.law_holds());
+  for (const auto spoil : {+[](SearchResult& r) { r.law_gain = 39.0; }, +[](SearchResult& r) { r.law_share = 0.2; },
+                           +[](SearchResult& r) { r.law_gain = std::numeric_limits<double>::quiet_NaN(); },
+                           +[](SearchResult& r) { r.law_error = std::numeric_limits<double>::quiet_NaN(); },
+                           +[](SearchResult& r) { r.law_share = std::numeric_limits<double>::quiet_NaN(); },
+                           +[](SearchResult& r) { r.law.pieces.clear(); }}) {
+    SearchResult spoiled = found;
+    spoil(spoiled);
+    EXPECT_FALSE(spoiled.law_holds());
+  }
+  // What could not be judged calls for one.
+  found.goodness = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_TRUE(found.calls_for_law());
 }
 
 TEST(LawSearch, AddsNothingWhereTheCatalogueSuffices) {

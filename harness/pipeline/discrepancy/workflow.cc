@@ -105,7 +105,7 @@ std::size_t mean_over(const Recording& train, const InstrumentDescription& instr
 std::optional<LawGap> measure_law(const SearchResult& search, const Evidence& samples, double noise_N) {
   if (!search.law.found()) return std::nullopt;
   const auto rms_N = [&](const Model& model) { return rms_force_error_N(samples, samples.predictor->predict(model)); };
-  LawGap gap{rms_N(search.base), rms_N(search.model), rms_N(search.law.model), 0.0};
+  LawGap gap{rms_N(search.base), rms_N(search.model), rms_N(search.law.model), 0.0, search.law_gain, search.law_error};
   const double beyond = gap.start_N * gap.start_N - noise_N * noise_N;
   if (!(gap.with_N < gap.without_N) || !(beyond > 0.0)) return std::nullopt;
   gap.closed = (gap.start_N * gap.start_N - gap.with_N * gap.with_N) / beyond;
@@ -186,8 +186,9 @@ std::vector<Candidate> all_candidates(const Catalogue& catalogue, const std::vec
 
 Findings run_discrepancy(const Catalogue& catalogue, const DiscrepancyFiles& files,
                          const std::function<void(const std::string&)>& report) {
-  ensure_writable_folder(files.out);
+  // Bad input leaves no folder behind; one that cannot be written is said before the long work.
   const DiscrepancyInputs inputs = load_inputs(catalogue, files);
+  ensure_writable_folder(files.out);
   for (const std::string& remark : inputs.remarks) report(remark);
   const EarlierRun earlier(files.out);
   for (const char* const name : {"model.json", "empirical.json", "law-1.json"})
