@@ -314,12 +314,11 @@ UnknownLaw search_law(const SearchState& found, const Model& base, const Report&
     }
     if (one.pieces().empty()) continue;
     one.drop_needless();
-    // Of two that do as well the one with fewer effects.
-    const auto count = [](const LawSearch& of) {
-      return of.state().current.model.effects.size() + of.state().current.model.instrument.size();
-    };
-    const auto cost = [&](const LawSearch& of) {
-      return of.validation_deviance() + found.settings->minimum_gain * static_cast<double>(count(of));
+    // By the Bayesian information criterion (Schwarz 1978, Ann. Statist. 6:461): validation blocks lie between those
+    // that were fitted, so that a field with many coefficients predicts them, and not another path over the object.
+    const auto cost = [](const LawSearch& of) {
+      const double samples = 3.0 * static_cast<double>(of.state().validation.blocks.size());
+      return of.validation_deviance() + std::log(samples) * static_cast<double>(of.state().parameters.size());
     };
     if (best == nullptr || cost(one) < cost(*best)) best = &one;
   }
