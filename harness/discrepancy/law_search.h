@@ -6,8 +6,9 @@
 // where nothing is missing (max statistic: Westfall and Young 1993): this many terms find something by chance, and the
 // bar knows it. The best few are fitted with all that is free; blocks are weighed by the noise and by what each leaves
 // itself, so that the weights sharpen as the law takes shape, and compared by likelihood on the validation blocks. The
-// same is done from the model before anything was found: effects of the library that only came near are then no part of
-// it. A law is empirical: it says what the force follows, not why.
+// same is done from the model before anything was found, and the Bayesian information criterion chooses (Schwarz 1978,
+// Ann. Statist. 6:461): effects of the library that only came near are then no part of it. A law is empirical: it says
+// what the force follows, not why.
 #pragma once
 
 #include <functional>
