@@ -12,8 +12,8 @@ namespace touchstone::discrepancy {
 // error, everything else having made up for it as far as it can in `iterations` of a fit.
 void judge_on_holdout(const SearchData& data, int iterations, SearchResult& result);
 
-// The gain there of a law that was learnt without them: a directed test, which sees what is too little for the measures
-// of all that is left.
+// The gain there of a law that was learnt without them: a directed test, which sees what is too little for measures of
+// the whole residual.
 void judge_law_on_holdout(const SearchData& data, SearchResult& result);
 
 }  // namespace touchstone::discrepancy

@@ -166,7 +166,7 @@ Force bending(double softness) {
 
 TEST(LawSearch, FindsAToolThatBends) { expect_law(search(bending(6.0), Plate{0.002}), "slope of the surface"); }
 
-// Too little for what sees all that is left at once: the law itself shows it, by holding on the second recording.
+// Too little for measures of the whole residual: the law itself shows it, by holding on the second recording.
 TEST(LawSearch, WhatDrownsInTheWholeIsShownByTheLawThatHolds) {
   const Answer answer = search(bending(0.35), Plate{0.002});
   const SearchResult& found = answer.findings.search;

@@ -186,9 +186,8 @@ std::vector<Candidate> all_candidates(const Catalogue& catalogue, const std::vec
 
 Findings run_discrepancy(const Catalogue& catalogue, const DiscrepancyFiles& files,
                          const std::function<void(const std::string&)>& report) {
-  // Bad input leaves no folder behind; one that cannot be written is said before the long work.
   const DiscrepancyInputs inputs = load_inputs(catalogue, files);
-  ensure_writable_folder(files.out);
+  ensure_writable_folder(files.out);  // after the input, which may be bad; before the long work
   for (const std::string& remark : inputs.remarks) report(remark);
   const EarlierRun earlier(files.out);
   for (const char* const name : {"model.json", "empirical.json", "law-1.json"})
