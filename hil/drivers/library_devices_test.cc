@@ -190,6 +190,30 @@ TEST_F(VendorStub, OpenHapticsConvertsMillimetresAndHasADeadline) {
   EXPECT_EQ(status_of([&] { open_openhaptics(options_); }), DeviceStatus::absent);
 }
 
+// A servo thread that does not tick holds the force: neither zero nor motors off is confirmed then.
+TEST_F(VendorStub, OpenHapticsConfirmsZeroByATickOnly) {
+  const auto forces_on = reinterpret_cast<int (*)()>(::dlsym(stub_, "touchstone_stub_forces_on"));
+  const auto device = open_openhaptics(options_);
+  device->exchange(Vec3(0, 0, 2), clock_.now_s() + 1);
+  fault("fails");
+  // A tick that had begun may still end: after it there is none.
+  while (device->zero_force()) {
+  }
+  EXPECT_FALSE(device->motors_off());
+  EXPECT_EQ(forces_on(), 0) << "force output is switched off all the same";
+  fault("");
+  EXPECT_TRUE(device->motors_off());
+  EXPECT_EQ(applied(), Vec3(0, 0, 0));
+}
+
+TEST_F(VendorStub, OpenHapticsUpdatesItsCalibration) {
+  fault("uncalibrated");
+  const auto device = open_openhaptics(options_);
+  device->exchange(Vec3::Zero(), clock_.now_s() + 1);
+  device->exchange(Vec3::Zero(), clock_.now_s() + 1);
+  EXPECT_TRUE(device->calibrated());
+}
+
 TEST_F(VendorStub, AMissingLibraryIsSaidWithWhatToDo) {
   options_.library = "/nowhere/libdhd.so";
   EXPECT_EQ(status_of([&] { open_force_dimension(options_); }), DeviceStatus::no_driver);

@@ -21,14 +21,26 @@ struct ErrorInfo {
   Handle device;
 };
 constexpr Enum current_buttons = 0x2000, current_position = 0x2050, current_velocity = 0x2051, device_serial = 0x2504,
-               current_force = 0x2700, force_output = 0x4000, calibration_ok = 0x5000;
+               calibration_style = 0x2555, current_force = 0x2700, force_output = 0x4000, calibration_ok = 0x5000,
+               calibration_needs_update = 0x5001;
+constexpr int style_encoder_reset = 1, style_auto = 2, style_inkwell = 4;
 constexpr unsigned callback_continue = 1;
 constexpr unsigned short priority = 0x7fff;
+constexpr double two_ticks_s = 0.002;  // of the vendor's servo thread: by then one has begun and ended
+
+// Of the styles that a device supports the one that the vendor's examples prefer. The Touch, whose stylus rests in its
+// inkwell, if it names none.
+Enum preferred_style(int supported) {
+  if ((supported & style_auto) != 0) return style_auto;
+  if ((supported & style_inkwell) != 0 || (supported & style_encoder_reset) == 0) return style_inkwell;
+  return style_encoder_reset;
+}
 
 struct Hd {
   Handle (*init)(const char* name);
   void (*disable_device)(Handle);
   void (*enable)(Enum);
+  void (*disable)(Enum);
   void (*start_scheduler)();
   void (*stop_scheduler)();
   unsigned long (*schedule_asynchronous)(unsigned (*callback)(void*), void* data, unsigned short priority);
@@ -41,6 +53,7 @@ struct Hd {
   const char* (*get_string)(Enum);
   ErrorInfo (*get_error)();
   Enum (*check_calibration)();
+  void (*update_calibration)(Enum style);
 };
 
 class OpenHaptics final : public HapticDevice {
@@ -53,6 +66,7 @@ class OpenHaptics final : public HapticDevice {
     library_.find(hd_.init, "hdInitDevice");
     library_.find(hd_.disable_device, "hdDisableDevice");
     library_.find(hd_.enable, "hdEnable");
+    library_.find(hd_.disable, "hdDisable");
     library_.find(hd_.start_scheduler, "hdStartScheduler");
     library_.find(hd_.stop_scheduler, "hdStopScheduler");
     library_.find(hd_.schedule_asynchronous, "hdScheduleAsynchronous");
@@ -65,6 +79,7 @@ class OpenHaptics final : public HapticDevice {
     library_.find(hd_.get_string, "hdGetString");
     library_.find(hd_.get_error, "hdGetError");
     library_.find(hd_.check_calibration, "hdCheckCalibration");
+    library_.find(hd_.update_calibration, "hdUpdateCalibration");
     device_ = hd_.init(options.configuration.empty() ? nullptr : options.configuration.c_str());
     if (const auto error = hd_.get_error(); error.code != 0)
       throw DeviceError(DeviceStatus::absent,
@@ -77,6 +92,11 @@ class OpenHaptics final : public HapticDevice {
                         fmt::format("3D Systems: serial {} was asked for, {} is there", options.serial, serial));
     }
     identity_ = {std::string(openhaptics_device.id), serial, library_.name(), "vendor's", options.emulated};
+    int styles = 0;
+    hd_.get_integers(calibration_style, &styles);
+    // A library that does not know the question is no device that fails.
+    if (hd_.get_error().code != 0) styles = 0;
+    style_ = preferred_style(styles);
     hd_.enable(force_output);
     job_ = hd_.schedule_asynchronous(&OpenHaptics::servo, this, priority);
     hd_.start_scheduler();
@@ -109,10 +129,17 @@ class OpenHaptics final : public HapticDevice {
     return state_;
   }
 
+  // Confirmed by a tick that began after the zero was handed over: a servo thread that hangs holds the force.
   bool zero_force() noexcept override {
-    const std::scoped_lock lock(mutex_);
+    std::unique_lock lock(mutex_);
     force_.setZero();
-    return error_ == 0;
+    const auto tick = ticks_;
+    const std::chrono::duration<double> patience(two_ticks_s);
+    return ticked_.wait_for(lock, patience, [&] { return ticks_ != tick; }) && error_ == 0;
+  }
+  bool motors_off() noexcept override {
+    hd_.disable(force_output);
+    return zero_force();
   }
 
  private:
@@ -124,6 +151,10 @@ class OpenHaptics final : public HapticDevice {
     const std::scoped_lock lock(mutex_);
     std::array<double, 3> p{}, v{};
     int buttons = 0;
+    // Between frames, as the vendor's examples do it; never while a force is on, since the position may jump.
+    const Enum calibration = hd_.check_calibration();
+    calibrated_ = calibration == calibration_ok;
+    if (calibration == calibration_needs_update && force_.isZero(0.0)) hd_.update_calibration(style_);
     hd_.begin_frame(device_);
     hd_.get_doubles(current_position, p.data());
     hd_.get_doubles(current_velocity, v.data());
@@ -132,7 +163,6 @@ class OpenHaptics final : public HapticDevice {
     hd_.set_doubles(current_force, force.data());
     hd_.end_frame(device_);
     if (const auto error = hd_.get_error(); error.code != 0) error_ = error.code, force_.setZero();
-    calibrated_ = hd_.check_calibration() == calibration_ok;
     state_.t_s = clock_.now_s();
     state_.p_W_m = 1e-3 * Vec3(p[0], p[1], p[2]);  // the library speaks millimetres
     state_.v_W_m_per_s = 1e-3 * Vec3(v[0], v[1], v[2]);
@@ -144,6 +174,7 @@ class OpenHaptics final : public HapticDevice {
   VendorLibrary library_;
   Hd hd_{};
   Handle device_ = 0;
+  Enum style_ = style_inkwell;
   unsigned long job_ = 0;
   DeviceIdentity identity_;
   MonotonicClock clock_;

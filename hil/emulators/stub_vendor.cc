@@ -7,9 +7,9 @@
 
 namespace {
 
-enum Fault { none, absent, fails };
+enum Fault { none, absent, fails, uncalibrated };
 std::atomic<int> fault{none};  // the servo thread reads it while a test sets it
-std::atomic<double> force[3];
+std::atomic<double> force[3], set[3];
 std::atomic<int> watchdog_periods{0}, forces_on{0}, reset_done{1};
 std::atomic<bool> scheduling{false};
 std::thread scheduler;
@@ -65,6 +65,7 @@ const char* dhdErrorGetLastStr() { return "stub error"; }
 unsigned hdInitDevice(const char*) { return 1; }
 void hdDisableDevice(unsigned) {}
 void hdEnable(unsigned) { forces_on = 1; }
+void hdDisable(unsigned) { forces_on = 0; }
 void hdStartScheduler() {
   scheduling = true;
   scheduler = std::thread([] {
@@ -84,21 +85,33 @@ unsigned long hdScheduleAsynchronous(unsigned (*callback)(void*), void* data, un
 }
 void hdUnschedule(unsigned long) { job = nullptr; }
 void hdBeginFrame(unsigned) {}
-void hdEndFrame(unsigned) {}
+// HDAPI: what hdSetDoublev set reaches the motors when the frame ends.
+void hdEndFrame(unsigned) {
+  for (int k = 0; k < 3; ++k) force[k] = set[k].load();
+}
 void hdGetDoublev(unsigned what, double* v) {
   const bool position = what == 0x2050;
   v[0] = position ? 10 : 100, v[1] = position ? 20 : 0, v[2] = position ? 30 : 0;
 }
-void hdGetIntegerv(unsigned, int* v) { *v = 3; }
+void hdGetIntegerv(unsigned what, int* v) { *v = what == 0x2555 ? 4 : 3; }  // inkwell; both buttons
 void hdSetDoublev(unsigned, const double* v) {
-  for (int k = 0; k < 3; ++k) force[k] = v[k];
+  for (int k = 0; k < 3; ++k) set[k] = v[k];
 }
 const char* hdGetString(unsigned) { return "STUB-4712"; }
 HdError hdGetError() { return {fault == absent ? 0x0301U : 0U, 0, 1}; }
-unsigned hdCheckCalibration() { return 0x5000; }
+// hdDefines.h: OK 0x5000, NEEDS_UPDATE 0x5001. The public drivers call hdUpdateCalibration() in the servo callback
+// while it needs an update (OpenHaptics' Calibration example; phantom_omni of ROS).
+unsigned hdCheckCalibration() { return fault == uncalibrated ? 0x5001 : 0x5000; }
+void hdUpdateCalibration(unsigned style) {
+  if (style == 4 && fault == uncalibrated) fault = none;
+}
 
-// For the tests: "absent", "fails", or "" for a sound device; and what it applies.
-void touchstone_stub_fault(const char* name) { fault = name[0] == 'a' ? absent : name[0] == 'f' ? fails : none; }
+// For the tests: "absent", "fails" (the servo thread stops), "uncalibrated", or "" for a sound device; and what it
+// applies.
+void touchstone_stub_fault(const char* name) {
+  fault = name[0] == 'a' ? absent : name[0] == 'f' ? fails : name[0] == 'u' ? uncalibrated : none;
+}
+int touchstone_stub_forces_on() { return forces_on; }
 void touchstone_stub_force(double* f) {
   for (int k = 0; k < 3; ++k) f[k] = force[k];
 }
