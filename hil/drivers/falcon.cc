@@ -29,6 +29,16 @@ int get_word(const unsigned char* from) {
 
 }  // namespace
 
+std::array<int, 3> motor_counts(const Vec3& torque_Nm, double counts_per_Nm) {
+  constexpr double largest = 4095.0;
+  const Vec3 wanted = -counts_per_Nm * torque_Nm;
+  std::array<int, 3> counts{};
+  if (!wanted.allFinite()) return counts;
+  const double scale = std::min(1.0, largest / std::max(largest, wanted.cwiseAbs().maxCoeff()));
+  for (int i = 0; i < 3; ++i) counts[static_cast<std::size_t>(i)] = static_cast<int>(std::lround(scale * wanted[i]));
+  return counts;
+}
+
 Frame encode(const Command& command) {
   Frame frame;
   frame.fill(0x41);
@@ -75,7 +85,6 @@ namespace {
 constexpr std::uint8_t request_reset = 0, request_modem = 1, request_flow = 2, request_baud = 3, request_data = 4,
                        request_latency = 9;
 constexpr std::uint8_t endpoint_out = 0x02, endpoint_in = 0x81;
-constexpr int largest_motor = 4095;
 constexpr std::uint16_t purge_received = 1, purge_sent = 2;  // values of request_reset
 constexpr double confirm_s = 0.01;                           // ten frames of the servo rate
 
@@ -110,12 +119,8 @@ class Falcon final : public HapticDevice {
   DeviceState exchange(const Vec3& f_W_N, double deadline_s) override {
     falcon::Command command;
     if (calibrated()) {
-      const Vec3 torque = falcon::motor_torques(position_m_, angles_, f_W_N);
-      for (int i = 0; i < 3; ++i) {
-        command.motors[static_cast<std::size_t>(i)] =
-            std::clamp(static_cast<int>(std::lround(-options_.counts_per_newton_metre * torque[i])), -largest_motor,
-                       largest_motor);
-      }
+      command.motors =
+          falcon::motor_counts(falcon::motor_torques(position_m_, angles_, f_W_N), options_.counts_per_newton_metre);
     }
     transfer(command, deadline_s);
     DeviceState state;

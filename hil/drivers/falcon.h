@@ -33,6 +33,9 @@ struct Answer {
   unsigned homed = 0;  // bit per arm
   unsigned buttons = 0;
 };
+// What the motors are told for these torques [N m]. If one would be beyond what a motor takes (4095), all are scaled by
+// the same, so that the force keeps its direction (as libnifalcon does it); none if a torque is no number.
+std::array<int, 3> motor_counts(const Vec3& torque_Nm, double counts_per_Nm);
 Frame encode(const Command& command);
 Command decode_command(const Frame& frame);
 Frame encode(const Answer& answer);

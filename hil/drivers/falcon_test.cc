@@ -26,6 +26,14 @@ Vec3 reachable(Random& random) {
   return {random.uniform(-0.04, 0.04), random.uniform(-0.04, 0.04), random.uniform(0.09, 0.15)};
 }
 
+TEST(FalconMotors, AreScaledTogetherSoThatTheForceKeepsItsDirection) {
+  EXPECT_EQ(falcon::motor_counts(Vec3(0.1, -0.2, 0.05), 1e4), (std::array<int, 3>{-1000, 2000, -500}));
+  // Twice what a motor takes along the second.
+  EXPECT_EQ(falcon::motor_counts(Vec3(0.4095, -0.819, 0.0), 1e4), (std::array<int, 3>{-2048, 4095, 0}));
+  EXPECT_EQ(falcon::motor_counts(Vec3(1e300, 0.0, 0.0), 1e4), (std::array<int, 3>{-4095, 0, 0}));
+  EXPECT_EQ(falcon::motor_counts(Vec3(1.0, std::nan(""), 0.0), 1e4), (std::array<int, 3>{0, 0, 0}));
+}
+
 TEST(FalconKinematics, ForwardUndoesInverse) {
   Random random(3);
   int tried = 0;
