@@ -52,7 +52,7 @@ Trip ForceSupervisor::judge(const Input& in) const noexcept {
   // last_N_ acted on the hand from the last step on.
   const double power_W = last_N_.dot(in.state.v_W_m_per_s);
   if (power_W > limits_.power_W) return Trip::power;
-  if (given_J_ + power_W * (started_ ? in.now_s - last_s_ : 0.0) > limits_.energy_J) return Trip::energy;
+  if (carried_J_ + given_J_ + power_W * (started_ ? in.now_s - last_s_ : 0.0) > limits_.energy_J) return Trip::energy;
   if (in.wanted_W_N.norm() > 2.0 * limits_.force_N) return Trip::force;
   return Trip::none;
 }
@@ -70,13 +70,29 @@ bool ForceSupervisor::reset(Trip acknowledged) noexcept {
   trip_pending_ = false;
   started_ = false;
   last_N_.setZero();
-  given_J_ = 0.0;
+  given_J_ = carried_J_ = 0.0;
   return true;
 }
 
+void ForceSupervisor::end_contact() noexcept {
+  carried_J_ = std::max(0.0, carried_J_ + given_J_);
+  given_J_ = 0.0;
+}
+
+void ForceSupervisor::rest(double now_s) noexcept {
+  end_contact();
+  last_N_.setZero();
+  started_ = false;
+  if (std::isfinite(now_s)) last_s_ = now_s;
+}
+
 Vec3 ForceSupervisor::allow(const Input& in) noexcept {
-  if (in.calibrated || last_N_.squaredNorm() > 0.0) trip(judge(in));
   const bool time_usable = std::isfinite(in.now_s) && (!started_ || in.now_s >= last_s_);
+  if (time_usable) {
+    carried_J_ *= std::exp(std::min(0.0, (carried_s_ - in.now_s) / energy_window_s));
+    carried_s_ = in.now_s;
+  }
+  if (in.calibrated || last_N_.squaredNorm() > 0.0) trip(judge(in));
   const double dt = started_ && time_usable ? in.now_s - last_s_ : 0.0;
   if (trip_ != Trip::none) {
     // Ramping needs a clock and a state that can be trusted; without them zero at once.
@@ -102,7 +118,11 @@ Vec3 ForceSupervisor::allow(const Input& in) noexcept {
     const double most = limits_.slew_N_per_s * dt;
     if (change.norm() > most) force = last_N_ + change * (most / change.norm());
   }
-  given_J_ = last_N_.isZero() ? 0.0 : given_J_ + dt * last_N_.dot(in.state.v_W_m_per_s);
+  if (last_N_.isZero()) {
+    end_contact();
+  } else {
+    given_J_ += dt * last_N_.dot(in.state.v_W_m_per_s);
+  }
   last_N_ = force;
   if (time_usable) last_s_ = in.now_s, started_ = true;
   return force;

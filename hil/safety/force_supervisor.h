@@ -14,13 +14,20 @@
 
 namespace touchstone::hil {
 
+// Time constant of the energy that is carried from contact to contact. A tap on a sampled wall of 1 kN/m gives some
+// 1 mJ (guardian.h): ten taps a second for ever come to a tenth of a joule with it, five to half of that.
+inline constexpr double energy_window_s = 10.0;
+
 struct SafetyLimits {
   double force_N = 0.0;  // 0 allows nothing: a device without a limit in the hardware map is never driven
   double slew_N_per_s = 200.0;
   double speed_m_per_s = 1.0;
   Box3 workspace_W_m;  // empty: nowhere
-  // What the device may give to the hand: at any moment, and net over one contact (from zero force to zero force). A
-  // passive rendering gives back at most what was put in (passivity observer: Hannaford and Ryu 2002).
+  // What the device may give to the hand: at any moment, and net over one contact (from zero force to zero force) with
+  // what the contacts before it gave. A passive rendering gives back at most what was put in (passivity observer:
+  // Hannaford and Ryu 2002). What a contact gave is carried over to the next ones and forgotten over `energy_window_s`,
+  // so that a wall that chatters, a little at each contact, adds up; what a contact took from the hand is set against
+  // it, down to nothing: no credit is kept for later.
   double power_W = std::numeric_limits<double>::infinity();
   double energy_J = std::numeric_limits<double>::infinity();
   double temperature_C = std::numeric_limits<double>::infinity();  // of the motors, where it is read
@@ -72,6 +79,8 @@ class ForceSupervisor {
 
   void trip(Trip reason) noexcept;
   [[nodiscard]] Trip tripped() const noexcept { return trip_; }
+  // The force is zero, brought there by others. Limits begin anew with the next force, but for the energy account.
+  void rest(double now_s) noexcept;
   // Only with the reason that is latched: who resets must have read it.
   bool reset(Trip acknowledged) noexcept;
   [[nodiscard]] std::uint64_t saturated_steps() const noexcept { return saturated_; }
@@ -87,7 +96,11 @@ class ForceSupervisor {
   bool started_ = false;
   double last_s_ = 0.0;
   Vec3 last_N_ = Vec3::Zero();
-  double given_J_ = 0.0;  // to the hand, since the force was zero
+  void end_contact() noexcept;
+
+  double given_J_ = 0.0;    // to the hand, since the force was zero
+  double carried_J_ = 0.0;  // from the contacts before, at carried_s_
+  double carried_s_ = 0.0;
   std::uint64_t saturated_ = 0;
 };
 

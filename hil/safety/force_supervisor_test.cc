@@ -159,6 +159,51 @@ TEST(ForceSupervisor, PowerIsLimited) {
   EXPECT_EQ(s.tripped(), Trip::power);
 }
 
+// Pulses of 2 N at 0.4 m/s on the way out, 2 ms of zero between: each gives 14 mJ, less than the limit of 0.1 J.
+TEST(ForceSupervisor, AWallThatChattersAddsUp) {
+  auto l = supervised_limits();
+  l.energy_J = 0.1;
+  l.slew_N_per_s = 1e4;
+  l.ramp_down_s = 0.0;
+  ForceSupervisor s(l);
+  double given_J = 0.0, last_N = 0.0, t = 0.0;
+  int pulses = 0;
+  for (; pulses < 60 && s.tripped() == Trip::none; ++pulses) {
+    for (int i = 0; i < 20; ++i, t += 1e-3) {
+      auto in = calm(t, Vec3(0, 0, i < 18 ? 2.0 : 0.0));
+      in.state.v_W_m_per_s = Vec3(0, 0, 0.4);
+      given_J += 1e-3 * last_N * 0.4;
+      last_N = s.allow(in).z();
+    }
+  }
+  EXPECT_EQ(s.tripped(), Trip::energy);
+  EXPECT_LT(given_J, 0.1 + 0.001);
+  EXPECT_GT(given_J, 0.09);
+  EXPECT_GT(pulses, 3) << "one pulse alone is no reason";
+}
+
+// What the hand put in, it may get back: a spring that is pressed and let go a hundred times, 5 mJ in and out. What the
+// sampled wall makes (the force of a step acts with the velocity of the next: 0.25 mJ a press) comes to 12.5 mJ in the
+// account's 10 s at five presses a second.
+TEST(ForceSupervisor, APassiveWallIsNeverTrippedByItsEnergy) {
+  auto l = supervised_limits();
+  l.energy_J = 0.02;
+  l.slew_N_per_s = 1e6;
+  ForceSupervisor s(l);
+  double t = 0.0;
+  for (int press = 0; press < 100; ++press) {
+    // 5 mm into 400 N/m and back within 0.2 s.
+    for (int i = 0; i <= 200; ++i, t += 1e-3) {
+      const double phase = 3.14159265358979 * i / 200.0;
+      auto in = calm(t, Vec3(0, 0, 400.0 * 0.005 * std::sin(phase)));
+      in.state.v_W_m_per_s = Vec3(0, 0, -0.005 * 3.14159265358979 / 0.2 * std::cos(phase));
+      s.allow(in);
+    }
+    if (press % 10 == 0) s.rest(t);
+  }
+  EXPECT_EQ(s.tripped(), Trip::none);
+}
+
 TEST(ForceSupervisor, HotMotorsTripWhereTheirTemperatureIsRead) {
   auto l = supervised_limits();
   l.temperature_C = 70.0;
