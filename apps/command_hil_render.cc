@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <cmath>
 #include <filesystem>
 #include <memory>
 
@@ -9,7 +10,6 @@
 #include "harness/base/atomic_file.h"
 #include "harness/base/hash.h"
 #include "harness/recording/recording_file.h"
-#include "hil/devices/device_lock.h"
 #include "hil/drivers/open_mapped.h"
 #include "hil/drivers/plugin_device.h"
 #include "hil/lab/live_rendering.h"
@@ -32,17 +32,21 @@ struct LiveRenderOptions {
 void check(const LiveRenderOptions& options) {
   if (options.device.empty() == options.device_plugin.empty())
     throw UsageError("either --device (of the hardware map) or --device-plugin must be given");
-  if (!(options.force_limit_N > 0.0))
-    throw UsageError("--force-limit: the largest force [N] that the guard lets pass must be above 0");
-  const std::pair<double, const char*> positive[] = {{options.rate_Hz, "--rate"},
+  const std::pair<double, const char*> positive[] = {{options.force_limit_N, "--force-limit"},
+                                                     {options.rate_Hz, "--rate"},
                                                      {options.seconds, "--seconds"},
                                                      {options.workspace_m, "--workspace"},
                                                      {options.command_age_ms, "--command-age"},
                                                      {options.power_limit_W, "--power-limit"},
                                                      {options.energy_limit_J, "--energy-limit"}};
   for (const auto& [value, name] : positive) {
-    if (!(value > 0.0)) throw UsageError(fmt::format("{}: {} is not above 0", name, value));
+    if (!(value > 0.0) || !std::isfinite(value))
+      throw UsageError(fmt::format("{}: {} is no finite number above 0", name, value));
   }
+  // A program that hangs leaves its last force on for so long.
+  constexpr double longest_age_ms = 10000.0;
+  if (options.command_age_ms > longest_age_ms)
+    throw UsageError(fmt::format("--command-age: {} ms is more than {} ms", options.command_age_ms, longest_age_ms));
 }
 
 hil::GuardOptions guard_options_of(const LiveRenderOptions& options) {
@@ -51,9 +55,7 @@ hil::GuardOptions guard_options_of(const LiveRenderOptions& options) {
                          options.rate_Hz);
 }
 
-// The device behind its guard, with what is held while it is in use.
 struct OpenedDevice {
-  std::unique_ptr<hil::DeviceLock> lock;
   std::unique_ptr<hil::GuardedDevice> device;
   std::string dead_man;
 };
@@ -62,8 +64,10 @@ OpenedDevice open_device(const LiveRenderOptions& options) {
   OpenedDevice opened;
   opened.dead_man = options.dead_man;
   if (!options.device_plugin.empty()) {
-    opened.device = hil::open_guarded([&] { return hil::open_plugin_device(options.device_plugin, options.settings); },
-                                      guard_options_of(options));
+    opened.device =
+        hil::open_guarded([library = options.device_plugin,
+                           settings = options.settings] { return hil::open_plugin_device(library, settings); },
+                          guard_options_of(options));
     return opened;
   }
   const auto map = hardware_map_from(options.map);
@@ -73,8 +77,7 @@ OpenedDevice open_device(const LiveRenderOptions& options) {
                                  options.force_limit_N, mapped.force_limit_N, options.device));
   }
   if (opened.dead_man.empty()) opened.dead_man = mapped.dead_man;
-  opened.lock = std::make_unique<hil::DeviceLock>(mapped);
-  opened.device = hil::open_guarded([&] { return hil::open_handle(mapped); }, guard_options_of(options));
+  opened.device = hil::open_guarded([mapped] { return hil::open_handle(mapped); }, guard_options_of(options));
   return opened;
 }
 
@@ -84,6 +87,11 @@ ExitStatus live_render(const LiveRenderOptions& options) {
   const double start_s = hil::MonotonicClock().now_s();
   const OpenedDevice opened = open_device(options);
   hil::GuardedDevice& device = *opened.device;
+  // Time within which a rescue is not noticed as one.
+  constexpr double quick_s = 0.02;
+  if (device.open_took_s() > quick_s)
+    fmt::print(stderr, "{} takes {:.2f} s to open: if its driver dies while it pushes, zero comes that much later\n",
+               device.identity().id, device.open_took_s());
   const auto& identity = device.identity();
   if (!identity.emulated && opened.dead_man.empty())
     throw UsageError(
@@ -101,10 +109,13 @@ ExitStatus live_render(const LiveRenderOptions& options) {
   loop.rate_Hz = options.rate_Hz;
   hil::LiveRun run = hil::run_renderer(
       device, loop, dead_man.get(), [&] { return stop.asked(); }, *renderer);
+  const bool at_zero = hil::wait_for_zero(device, [&] { return stop.asked(); });
   for (const auto& event : device.events()) {
-    fmt::print(stderr, "guard {:+.3f} s  {:<12} {}{}\n", event.t_s - start_s, hil::to_string(event.phase), event.what,
-               event.reason == hil::Trip::none ? "" : fmt::format(" [{}]", hil::to_string(event.reason)));
+    fmt::print(stderr, "guard {:+.3f} s  {:<12} {}{}{}\n", event.t_s - start_s, hil::to_string(event.phase), event.what,
+               event.reason == hil::Trip::none ? "" : fmt::format(" [{}]", hil::to_string(event.reason)),
+               event.times > 1 ? fmt::format(" ({} times)", event.times) : "");
   }
+  if (!at_zero) fmt::print(stderr, "{}\n", hil::switch_text(device));
   if (run.ticks.size() < 2) throw BadData(fmt::format("{}: nothing was rendered: {}", identity.id, run.ended));
 
   const hil::LiveRendering live = hil::compare_with_replay(std::move(run), *twin, device.tripped());

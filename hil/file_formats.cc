@@ -107,6 +107,8 @@ constexpr auto live_fields = std::to_array<FormatField>({
     {"cut_by_guard", "whole number", "", "ticks whose force the guard reduced"},
     {"difference_from_replay_N", "number or null", "N", "largest difference from a replay of the same path"},
     {"trip", "text", "", "why the guard ended the run"},
+    {"zero_confirmed", "flag", "", "the device was at zero force at the end; false: a force may have stayed on"},
+    {"device_open_s", "number", "s", "that the device needed to open: how much later zero comes if its driver dies"},
     {"ended", "text", "", "why the run ended"},
     {"whole", "flag", "", "every tick was recorded"},
     {"guard", "list of objects", "", "what the guard did"},
@@ -114,6 +116,7 @@ constexpr auto live_fields = std::to_array<FormatField>({
     {"guard[].state", "text", "", "that it changed to"},
     {"guard[].reason", "text", "", "in a word"},
     {"guard[].what", "text", "", "in a sentence"},
+    {"guard[].times", "whole number", "", "that it happened in a row"},
     {"not_finite", "list of texts", "", "figures above that were no finite number"},
 });
 

@@ -6,6 +6,7 @@
 
 #include <cmath>
 #include <filesystem>
+#include <limits>
 
 #include "hil/safety/guardian.h"
 
@@ -96,6 +97,36 @@ TEST(PluginDevice, WhateverItDoesTheGuardLetsGo) {
     EXPECT_NE(push(*device, 5.0), "");
     EXPECT_EQ(device->tripped(), wrong.reason);
   }
+}
+
+TEST(PluginDevice, ASecondGuardOfTheSameDeviceIsRefused) {
+  const auto folder = std::filesystem::temp_directory_path() / fmt::format("touchstone-two-guards-{}", ::getpid());
+  ::setenv("TOUCHSTONE_LOCK_DIR", folder.c_str(), 1);
+  const auto open = [] { return open_plugin_device(example, "press"); };
+  {
+    const auto first = open_guarded(open, patient());
+    try {
+      const auto second = open_guarded(open, patient());
+      FAIL() << "two programs command one device";
+    } catch (const DeviceError& error) {
+      EXPECT_EQ(error.device_status(), DeviceStatus::busy);
+      EXPECT_THAT(error.what(), HasSubstr(fmt::format("process {}", ::getpid())));
+    }
+    EXPECT_EQ(push(*first, 0.05), "") << "the first is not disturbed";
+  }
+  EXPECT_NO_THROW(open_guarded(open, patient()));
+  std::filesystem::remove_all(folder);
+  ::unsetenv("TOUCHSTONE_LOCK_DIR");
+}
+
+TEST(PluginDevice, LimitsThatAreNoFiniteNumbersAreRefused) {
+  constexpr double infinite = std::numeric_limits<double>::infinity();
+  GuardOptions endless = patient();
+  endless.limits.stale_s = infinite;
+  EXPECT_THROW(open_guarded([] { return open_plugin_device(example, ""); }, endless), UsageError);
+  GuardOptions strong = patient();
+  strong.limits.force_N = infinite;
+  EXPECT_THROW(open_guarded([] { return open_plugin_device(example, ""); }, strong), UsageError);
 }
 
 // With the limits that are on unless somebody changes them.

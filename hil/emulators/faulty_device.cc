@@ -1,7 +1,9 @@
 #include "hil/emulators/faulty_device.h"
 
 #include <sys/mman.h>
+#include <unistd.h>
 
+#include <csignal>
 #include <cstdlib>
 #include <limits>
 #include <new>
@@ -15,6 +17,12 @@ namespace {
 class FaultyDevice final : public HapticDevice {
  public:
   FaultyDevice(const std::filesystem::path& file, FaultOrders& orders) : orders_(orders), instance_(++orders.opened) {
+    MonotonicClock clock;
+    if (instance_ > 1) clock.sleep_until(clock.now_s() + orders.open_takes_s);
+    // A lock by number, as /var/lock/LCK..* (FHS 5.9): a zombie still has its number.
+    if (const int owner = orders.owner; orders.one_owner && owner != 0 && ::kill(owner, 0) == 0)
+      throw DeviceError(DeviceStatus::busy, "another process has it");
+    orders.owner = ::getpid();
     go_wrong(due(DeviceCall::open));
     device_ = open_emulated_haptic(file);
   }

@@ -35,6 +35,10 @@ struct FaultOrders {
   std::atomic<int> instance{0};  // only in the n-th device that is opened, from 1; 0: in each
   std::atomic<int> opened{0};    // devices so far
   std::atomic<double> struck_s{0.0};
+  // What the device does by its nature, not on order.
+  std::atomic<bool> one_owner{false};     // opens only if the process that opened it last is gone: UUCP's lock files
+  std::atomic<double> open_takes_s{0.0};  // from the second opening on, as vendors' daemons that search the bus
+  std::atomic<int> owner{0};
 };
 std::shared_ptr<FaultOrders> make_fault_orders();
 

@@ -25,6 +25,7 @@ double patience_of(Trip reason, const GuardOptions& options) {
     case Trip::driver_silent:
       return options.driver_timeout_s;
     case Trip::guard_gone:
+    case Trip::watchdog_gone:
       return options.watchdog_s;
     default:
       return 0.0;
@@ -33,11 +34,13 @@ double patience_of(Trip reason, const GuardOptions& options) {
 
 bool explains(const GuardWaits& waits, Trip reason, const GuardOptions& options) {
   // Whose waits add up to the silence: a command and the state that answers it pass the program, the guard and the
-  // driver; an answer of the driver is waited for by the guard; the rescuer sees the guard alone.
+  // driver; an answer of the driver is waited for by the guard; the rescuer sees the guard alone, and the guard the
+  // rescuer.
   double silence = 0.0;
   if (reason == Trip::stale) silence = waits.program_s + waits.guard_s + waits.driver_s;
   if (reason == Trip::driver_silent) silence = waits.guard_s + waits.driver_s;
   if (reason == Trip::guard_gone) silence = waits.guard_s;
+  if (reason == Trip::watchdog_gone) silence = waits.rescuer_s;
   const double patience = patience_of(reason, options);
   if (patience <= 0.0) return false;
   const double needed = patience - usual_silence_s;

@@ -32,6 +32,8 @@ TEST(GuardLateness, OnlyWaitsAsLongAsTheStatedSilenceExplainIt) {
   EXPECT_TRUE(explains(waits(0, 0.0021, 0.0021), Trip::driver_silent, usual));
   EXPECT_FALSE(explains(waits(0, 0.0059, 0), Trip::guard_gone, usual));
   EXPECT_TRUE(explains(waits(0, 0.0061, 0), Trip::guard_gone, usual));
+  EXPECT_FALSE(explains(waits(0, 0, 0, 0.0059), Trip::watchdog_gone, usual));
+  EXPECT_TRUE(explains(waits(0, 0, 0, 0.0061), Trip::watchdog_gone, usual));
 }
 
 TEST(GuardLateness, WaitsOfAProcessThatTheReasonDoesNotRestOnExplainNothing) {
@@ -44,7 +46,7 @@ TEST(GuardLateness, WaitsOfAProcessThatTheReasonDoesNotRestOnExplainNothing) {
 TEST(GuardLateness, AReasonThatIsNoSilenceIsNeverExplained) {
   const GuardOptions usual;
   for (const Trip trip : {Trip::none, Trip::force, Trip::not_finite, Trip::device_error, Trip::client_gone,
-                          Trip::driver_gone, Trip::watchdog_gone, Trip::zero_not_confirmed})
+                          Trip::driver_gone, Trip::zero_not_confirmed})
     EXPECT_FALSE(explains(waits(1, 1, 1, 1, 1), trip, usual)) << to_string(trip);
 }
 

@@ -26,7 +26,8 @@ EmulatedHapticState* map_state(const std::filesystem::path& file, bool create) {
 class EmulatedHaptic final : public HapticDevice {
  public:
   explicit EmulatedHaptic(const std::filesystem::path& file)
-      : state_(map_state(file, false)), identity_{"novint-falcon", "EMU-HAPTIC", "emulated", "", true} {}
+      : state_(map_state(file, false)),
+        identity_{"novint-falcon", "EMU-" + file.filename().string(), "emulated", "", true} {}
   ~EmulatedHaptic() override { ::munmap(state_, sizeof *state_); }
   EmulatedHaptic(const EmulatedHaptic&) = delete;
   EmulatedHaptic& operator=(const EmulatedHaptic&) = delete;

@@ -1,9 +1,12 @@
 /* A device plug-in that does one thing wrong, chosen by MISBEHAVE when it is compiled. Each wrong thing is one that a
  * program must survive and report. */
+#define _POSIX_C_SOURCE 200112L /* getppid */
 #include <math.h>
 #include <stddef.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <touchstone/device.h>
+#include <unistd.h>
 
 #define FOLLOWS_ANOTHER_VERSION 1
 #define LACKS_ZERO_FORCE 2
@@ -22,9 +25,12 @@ static void* open_device(const char* settings, char* message, size_t message_siz
 
 static void close_device(void* device) { (void)device; }
 
+/* One of its own for each guard, so that tests beside one another have devices of their own. */
 static const char* serial(void* device) {
+  static char text[32];
   (void)device;
-  return "WRONG";
+  snprintf(text, sizeof text, "WRONG-%ld", (long)getppid());
+  return text;
 }
 
 static int exchange(void* device, const double f_W_N[3], double timeout_s, touchstone_device_state* state,

@@ -113,6 +113,8 @@ std::string live_to_json(const LiveRendering& live, const GuardedDevice& device,
                       {"cut_by_guard", live.run.cut},
                       {"difference_from_replay_N", live.figures.difference_N},
                       {"trip", to_string(live.tripped)},
+                      {"zero_confirmed", device.at_zero()},
+                      {"device_open_s", device.open_took_s()},
                       {"ended", live.run.ended},
                       {"whole", live.run.whole},
                       {"guard", nlohmann::json::array()}};
@@ -126,7 +128,8 @@ std::string live_to_json(const LiveRendering& live, const GuardedDevice& device,
     json["guard"].push_back({{"t_s", event.t_s - provenance.start_s},
                              {"state", to_string(event.phase)},
                              {"reason", to_string(event.reason)},
-                             {"what", event.what}});
+                             {"what", event.what},
+                             {"times", event.times}});
   }
   return json.dump(1) + "\n";
 }

@@ -31,6 +31,8 @@ class MovingHandle final : public GuardedDevice {
   [[nodiscard]] bool calibrated() const override { return true; }
   [[nodiscard]] Trip tripped() const noexcept override { return trip_; }
   [[nodiscard]] GuardPhase phase() const noexcept override { return GuardPhase::at_zero; }
+  [[nodiscard]] bool at_zero() const noexcept override { return true; }
+  [[nodiscard]] double open_took_s() const noexcept override { return 0.0; }
   [[nodiscard]] Vec3 last_allowed_N() const noexcept override { return allowed_N_; }
   [[nodiscard]] std::vector<GuardEvent> events() const override { return {{5.0, GuardPhase::off, trip_, "let go"}}; }
 

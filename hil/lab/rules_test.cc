@@ -211,16 +211,43 @@ TEST(HardwareMapFile, SaysWhatIsWrong) {
   std::filesystem::remove(path);
 }
 
+DeviceIdentity opened_as(const std::string& id, const std::string& serial) { return {id, serial, "", "", true}; }
+
 TEST(DeviceLock, ASecondRunIsToldWhoHasIt) {
-  const DeviceLock first("novint-falcon", fmt::format("LOCK{}", ::getpid()));
+  const auto serial = fmt::format("LOCK{}", ::getpid());
+  const DeviceLock first(opened_as("novint-falcon", serial));
   try {
-    const DeviceLock second("novint-falcon", fmt::format("LOCK{}", ::getpid()));
+    const DeviceLock second(opened_as("novint-falcon", serial));
     FAIL();
   } catch (const DeviceError& error) {
     EXPECT_EQ(error.device_status(), DeviceStatus::busy);
     EXPECT_THAT(error.what(), HasSubstr(fmt::format("process {}", ::getpid())));
   }
-  const DeviceLock other("novint-falcon", "another");
+  const DeviceLock other(opened_as("novint-falcon", serial + "-another"));
+}
+
+TEST(DeviceLock, OneDeviceHasOneLockByWhicheverIdItIsOpened) {
+  const auto serial = fmt::format("FD{}", ::getpid());
+  const DeviceLock first(opened_as("force-dimension-omega", serial));
+  EXPECT_THROW(DeviceLock{opened_as("force-dimension-delta", serial)}, DeviceError);
+}
+
+// A folder that the user names keeps its mode; in the place of the usual one a link, which anybody may lay, is refused.
+TEST(DeviceLock, LeavesFoldersAsTheyAre) {
+  const auto folder = std::filesystem::temp_directory_path() / fmt::format("touchstone-own-locks-{}", ::getpid());
+  std::filesystem::create_directory(folder);
+  std::filesystem::permissions(folder, std::filesystem::perms(0700));
+  const char* const before = std::getenv("TOUCHSTONE_LOCK_DIR");
+  const std::string kept = before != nullptr ? before : "";
+  ::setenv("TOUCHSTONE_LOCK_DIR", folder.c_str(), 1);
+  { const DeviceLock lock(opened_as("novint-falcon", "MODE")); }
+  EXPECT_EQ(std::filesystem::status(folder).permissions(), std::filesystem::perms(0700));
+  if (before != nullptr) {
+    ::setenv("TOUCHSTONE_LOCK_DIR", kept.c_str(), 1);
+  } else {
+    ::unsetenv("TOUCHSTONE_LOCK_DIR");
+  }
+  std::filesystem::remove_all(folder);
 }
 
 TEST(DeviceLock, TheSameSensorHasOneLockWhateverTheMapSaysOfIt) {
@@ -252,7 +279,7 @@ TEST(DeviceLock, ServesEveryUserOfTheMachine) {
       ::umask(mask);
       if (::setresuid(user, user, user) != 0) ::_exit(9);
       try {
-        const DeviceLock lock("novint-falcon", name);
+        const DeviceLock lock(opened_as("novint-falcon", name));
         ::_exit(0);
       } catch (const DeviceError&) {
         ::_exit(1);
@@ -264,7 +291,7 @@ TEST(DeviceLock, ServesEveryUserOfTheMachine) {
   };
   EXPECT_EQ(as_user(65533, 022), 0);
   EXPECT_EQ(as_user(65534, 022), 0);
-  const auto path = DeviceLock("novint-falcon", name).path();
+  const auto path = DeviceLock(opened_as("novint-falcon", name)).path();
   std::filesystem::permissions(path, std::filesystem::perms(0644));  // as older versions left them
   EXPECT_EQ(as_user(65534, 022), 0);
   EXPECT_EQ(as_user(65533, 022), 0);
@@ -300,11 +327,11 @@ TEST(DeviceLock, IsFreeOnceItsHolderIsKilled) {
   const auto serial = fmt::format("KILL{}", ::getpid());
   const pid_t child = ::fork();
   if (child == 0) {
-    const DeviceLock lock("novint-falcon", serial);
+    const DeviceLock lock(opened_as("novint-falcon", serial));
     ::raise(SIGKILL);
   }
   ::waitpid(child, nullptr, 0);
-  EXPECT_NO_THROW(DeviceLock("novint-falcon", serial));
+  EXPECT_NO_THROW(DeviceLock{opened_as("novint-falcon", serial)});
 }
 
 TEST(Analysis, NoiseAndDriftAreFoundAtEveryScale) {

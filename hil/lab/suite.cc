@@ -65,8 +65,7 @@ LabStation::LabStation(const std::string& device_id, const Availability& found, 
   }
   mapped_ = mapped_device(device_id);
   limits_ = lab_limits(mapped_.limits);
-  lock_ = std::make_unique<DeviceLock>(mapped_);
-  device_ = open_guarded([this] { return open_handle(mapped_); }, guard_options(mapped_));
+  device_ = open_guarded([mapped = mapped_] { return open_handle(mapped); }, guard_options(mapped_));
   bench_ = std::make_unique<Bench>(Bench{clock_, *device_});
   bench_->limits.force_N = mapped_.force_limit_N;
   bench_->limits.workspace_W_m = Box3(Vec3::Constant(-0.2), Vec3::Constant(0.2));

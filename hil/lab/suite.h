@@ -56,7 +56,7 @@ class LabStation {
   MappedDevice mapped_;
   LabLimits limits_;
   std::unique_ptr<SimulatedBench> simulated_;
-  std::unique_ptr<DeviceLock> lock_, sensor_lock_;
+  std::unique_ptr<DeviceLock> sensor_lock_;
   std::unique_ptr<HapticDevice> device_;
   std::unique_ptr<WrenchSource> sensor_;
   std::unique_ptr<DeadMan> dead_man_;

@@ -34,9 +34,9 @@ class WrenchSensor : public ::testing::TestWithParam<const char*> {
       });
       source_ = open_netft(emulator_->address(), 2.0, true);
     } else {
-      lock_ = mapped != nullptr ? std::make_unique<DeviceLock>(*mapped) : std::make_unique<DeviceLock>(GetParam(), "");
       MappedDevice device = mapped != nullptr ? *mapped : MappedDevice{};
       device.id = GetParam();
+      lock_ = std::make_unique<DeviceLock>(device);
       source_ = open_force(device);
     }
     source_->start();

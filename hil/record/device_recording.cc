@@ -9,6 +9,7 @@
 #include "harness/base/error.h"
 #include "hil/devices/device_lock.h"
 #include "hil/devices/probe.h"
+#include "hil/drivers/device_table.h"
 
 namespace touchstone::hil {
 
@@ -40,8 +41,11 @@ MultiReport record_devices(const std::vector<std::string>& ids, const HardwareMa
   std::vector<NamedStream> streams;
   for (const auto& id : ids) {
     const MappedDevice& mapped = usable_device(id, map);
-    locks.push_back(std::make_unique<DeviceLock>(mapped));
+    const KnownDevice* const known = find_known_device(mapped.id);
+    const bool handle = known != nullptr && known->open_handle != nullptr;
+    if (!handle) locks.push_back(std::make_unique<DeviceLock>(mapped));
     streams.push_back({id, open_stream(mapped, settings)});
+    if (handle) locks.push_back(std::make_unique<DeviceLock>(streams.back().stream->header().device));
   }
   return record_streams(std::move(streams), folder, options, stop);
 }

@@ -20,7 +20,9 @@ class Driver {
   bool open(const OpenDevice& open) {
     GuardHello hello;
     try {
+      const double before_s = clock_.now_s();
       device_ = open();
+      page_.open_took_s = clock_.now_s() - before_s;
       const DeviceIdentity& identity = device_->identity();
       copy_text(hello.id, identity.id);
       copy_text(hello.serial, identity.serial);

@@ -20,9 +20,18 @@ std::string_view to_string(GuardPhase phase) {
 }
 
 void GuardPage::log(double t_s, GuardPhase at, Trip reason, const char* what) noexcept {
-  const std::uint64_t number = ++next_;
-  Slot& slot = log_[number % slots];
+  if (const std::uint64_t last = last_; last > 0) {
+    Slot& slot = log_[slot_of(last)];
+    if (slot.number == last && slot.phase == at && slot.reason == reason &&
+        std::strncmp(slot.what, what, sizeof slot.what - 1) == 0) {
+      ++slot.times;
+      return;
+    }
+  }
+  const std::uint64_t number = ++last_;
+  Slot& slot = log_[slot_of(number)];
   slot.number = 0;
+  slot.times = 1;
   slot.t_s = t_s;
   slot.phase = at;
   slot.reason = reason;
@@ -35,7 +44,7 @@ std::vector<GuardEvent> GuardPage::events() const {
   for (const Slot& slot : log_) {
     const std::uint64_t number = slot.number;
     if (number == 0) continue;
-    found.emplace_back(number, GuardEvent{slot.t_s, slot.phase, slot.reason, slot.what});
+    found.emplace_back(number, GuardEvent{slot.t_s, slot.phase, slot.reason, slot.what, slot.times});
   }
   std::sort(found.begin(), found.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
   std::vector<GuardEvent> events;
@@ -49,6 +58,10 @@ std::shared_ptr<GuardPage> make_guard_page() {
   if (memory == MAP_FAILED)
     throw DeviceError(DeviceStatus::failed, fmt::format("the guard's shared memory: {}", std::strerror(errno)));
   return {new (memory) GuardPage, [](GuardPage* page) { ::munmap(page, sizeof(GuardPage)); }};
+}
+
+void let_write(GuardPage& page, bool may) noexcept {
+  ::mprotect(&page, sizeof page, may ? PROT_READ | PROT_WRITE : PROT_READ);
 }
 
 }  // namespace touchstone::hil

@@ -1,5 +1,10 @@
 // The three processes behind open_guarded() (guardian.h). Each function is the whole life of one and returns its exit
 // status; none returns to the caller's code.
+//   Driver and rescuer are children of the guard. It and the rescuer let the kernel forget their children as soon as
+//   they
+// end (SIGCHLD ignored): so no driver that ended is left as a zombie while the guard lives, be it stopped, and a device
+// that is locked by its owner's number (/var/lock/LCK..*) can be opened anew at once. If the guard is dead, the
+// system's first process inherits the driver and has to reap it.
 #pragma once
 
 #include <functional>
@@ -12,7 +17,7 @@ namespace touchstone::hil {
 
 using OpenDevice = std::function<std::unique_ptr<HapticDevice>()>;
 
-// Forks driver and rescuer and serves the program at `client`.
+// Starts driver and rescuer and serves the program at `client`.
 int run_guard(int client, const OpenDevice& open, const GuardOptions& options, GuardPage& page);
 // Opens the device and serves the guard at `guard`.
 int run_driver(int guard, const OpenDevice& open, const GuardOptions& options, GuardPage& page);

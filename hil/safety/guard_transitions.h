@@ -23,8 +23,9 @@ constexpr bool may_follow(GuardPhase now, GuardPhase next) noexcept {
       return next == GuardPhase::off || next == GuardPhase::rescue;
     case GuardPhase::rescue:
       return next == GuardPhase::off || next == GuardPhase::unconfirmed;
-    case GuardPhase::off:
     case GuardPhase::unconfirmed:
+      return next == GuardPhase::off;
+    case GuardPhase::off:
       return false;
   }
   return false;

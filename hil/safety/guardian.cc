@@ -7,11 +7,14 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <cmath>
 #include <csignal>
 #include <cstring>
 
+#include "harness/base/error.h"
 #include "hil/safety/guard_messages.h"
 #include "hil/safety/guard_processes.h"
+#include "hil/safety/rescue.h"
 
 namespace touchstone::hil {
 namespace {
@@ -22,25 +25,33 @@ std::vector<int>& open_ends() {
   return ends;
 }
 
+constexpr double longest_end_s = 2.0, usual_rescue_s = 0.05, answer_look_s = 0.005;
+
 class Guarded final : public GuardedDevice {
  public:
-  Guarded(int fd, pid_t guard, const GuardHello& hello, const GuardOptions& options, std::shared_ptr<GuardPage> page)
+  Guarded(int fd, pid_t guard, const GuardHello& hello, const GuardOptions& options, std::shared_ptr<GuardPage> page,
+          OpenDevice open)
       : fd_(fd),
         guard_(guard),
         options_(options),
         page_(std::move(page)),
         watchdog_s_(hello.watchdog_s),
-        calibrated_(hello.calibrated != 0) {
+        calibrated_(hello.calibrated != 0),
+        open_(std::move(open)) {
     identity_ = {hello.id, hello.serial, hello.firmware, hello.calibration, hello.emulated != 0};
     open_ends().push_back(fd_);
   }
   ~Guarded() override {
     std::erase(open_ends(), fd_);
     ::close(fd_);  // the guard sees it and lets go
-    // It ends when the device is at rest; a rescue may take its time, and is not cut short.
-    const double deadline = clock_.now_s() + 2.0;
+    // It ends when the device is at rest. If it died, its rescuer may need a moment; a rescue that takes longer goes on
+    // without this program.
+    double deadline = clock_.now_s() + longest_end_s;
     while (::waitpid(guard_, nullptr, WNOHANG) == 0 && clock_.now_s() < deadline)
       clock_.sleep_until(clock_.now_s() + 0.001);
+    deadline = std::min(deadline, clock_.now_s() + usual_rescue_s);
+    while (!at_zero() && clock_.now_s() < deadline) clock_.sleep_until(clock_.now_s() + 0.001);
+    if (!at_zero()) fmt::print(stderr, "{}\n", switch_text(*this));
   }
   Guarded(const Guarded&) = delete;
   Guarded& operator=(const Guarded&) = delete;
@@ -50,6 +61,8 @@ class Guarded final : public GuardedDevice {
   [[nodiscard]] bool calibrated() const override { return calibrated_; }
   [[nodiscard]] Trip tripped() const noexcept override { return page_->trip; }
   [[nodiscard]] GuardPhase phase() const noexcept override { return page_->phase; }
+  [[nodiscard]] bool at_zero() const noexcept override { return page_->device_zero; }
+  [[nodiscard]] double open_took_s() const noexcept override { return page_->open_took_s; }
   [[nodiscard]] Vec3 last_allowed_N() const noexcept override { return allowed_N_; }
   [[nodiscard]] std::vector<GuardEvent> events() const override { return page_->events(); }
 
@@ -84,8 +97,10 @@ class Guarded final : public GuardedDevice {
     if (!send_message(fd_, request)) throw gone();
     GuardReply reply;
     do {
-      switch (receive_message(fd_, reply, deadline_s)) {
+      switch (receive_message(fd_, reply, std::min(deadline_s, clock_.now_s() + answer_look_s))) {
         case Received::nothing:
+          rescue_if_nobody_else();
+          if (clock_.now_s() < deadline_s) continue;
           throw DeviceError(DeviceStatus::timed_out, fmt::format("{}: no answer before the deadline", identity_.id));
         case Received::gone:
           throw gone();
@@ -96,10 +111,27 @@ class Guarded final : public GuardedDevice {
     if (reply.status != 0) throw problem_of(reply);
     return reply;
   }
+  // Guard and rescuer are both stopped or dead, and the driver has not let go either by the time at which it would
+  // have: this program is the last that can open the device.
+  void rescue_if_nobody_else() {
+    const double silent_s = clock_.now_s() - std::max(page_->guard_beat_s, page_->rescuer_beat_s);
+    if (at_zero() || silent_s <= options_.limits.stale_s + 2.0 * options_.watchdog_s) return;
+    let_write(*page_, true);
+    for (const int pid : {page_->driver_pid.load(), page_->rescuer_pid.load(), page_->guard_pid.load()}) {
+      if (pid > 0) ::kill(pid, SIGKILL);
+    }
+    Rescue rescue(Watchman::rescuer, open_, *page_, 0.0);
+    rescue.begin(Trip::guard_gone);
+    for (const double until = clock_.now_s() + longest_end_s; !rescue.step() && clock_.now_s() < until;)
+      clock_.sleep_until(clock_.now_s() + 0.001);
+    let_write(*page_, false);
+  }
   [[nodiscard]] DeviceError gone() const {
     return {DeviceStatus::gone,
             fmt::format("{}: the guard process is gone ({})", identity_.id, to_string(page_->phase)),
-            "its rescuer brings the device to zero: start again when it is at rest"};
+            at_zero() ? "the device is at zero: open it again"
+                      : "its rescuer brings the device to zero; FORCE MAY STILL BE ON until then: use the physical "
+                        "switch if it is"};
   }
 
   int fd_;
@@ -111,12 +143,57 @@ class Guarded final : public GuardedDevice {
   bool calibrated_;
   Vec3 allowed_N_ = Vec3::Zero();
   unsigned number_ = 0;
+  OpenDevice open_;
   MonotonicClock clock_;
 };
 
+// A limit that is no number would let anything pass; a force or a patience without end would never end.
+void check(const GuardOptions& options) {
+  const auto& limits = options.limits;
+  const std::pair<double, const char*> finite[] = {{limits.force_N, "force"},
+                                                   {limits.stale_s, "age of a command"},
+                                                   {options.driver_timeout_s, "driver time"},
+                                                   {options.watchdog_s, "watchdog time"}};
+  for (const auto& [value, name] : finite) {
+    if (!std::isfinite(value) || value < 0.0)
+      throw UsageError(
+          fmt::format("the guard's limit of {} is {}: a finite number from 0 on was expected", name, value));
+  }
+  const std::pair<double, const char*> numbers[] = {{limits.slew_N_per_s, "force rate"},
+                                                    {limits.speed_m_per_s, "speed"},
+                                                    {limits.power_W, "power"},
+                                                    {limits.energy_J, "energy"}};
+  for (const auto& [value, name] : numbers) {
+    if (!(value >= 0.0))
+      throw UsageError(fmt::format("the guard's limit of {} is {}: a number from 0 on was expected", name, value));
+  }
+}
+
 }  // namespace
 
+std::string switch_text(const GuardedDevice& device) {
+  return fmt::format("{} {}: FORCE MAY STILL BE ON (the guard let go: {}). USE THE PHYSICAL SWITCH.",
+                     device.identity().id, device.identity().serial, to_string(device.tripped()));
+}
+
+bool wait_for_zero(const GuardedDevice& device, const std::function<bool()>& stop) {
+  constexpr double again_s = 1.0;
+  MonotonicClock clock;
+  double says_at = clock.now_s() + usual_rescue_s;
+  while (!device.at_zero()) {
+    const double now = clock.now_s();
+    if (now >= says_at) {
+      if (stop()) return false;
+      fmt::print(stderr, "\a{}\n", switch_text(device));
+      says_at = now + again_s;
+    }
+    clock.sleep_until(now + answer_look_s);
+  }
+  return true;
+}
+
 std::unique_ptr<GuardedDevice> open_guarded(const OpenDevice& open, const GuardOptions& options) {
+  check(options);
   auto page = options.page ? options.page : make_guard_page();
   int ends[2];
   if (::socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0, ends) != 0)
@@ -146,7 +223,8 @@ std::unique_ptr<GuardedDevice> open_guarded(const OpenDevice& open, const GuardO
     throw DeviceError(DeviceStatus::failed, "the guard process did not open the device in time",
                       "is it switched on, and does no other program have it?");
   }
-  return std::make_unique<Guarded>(ends[0], guard, hello, options, std::move(page));
+  let_write(*page, false);
+  return std::make_unique<Guarded>(ends[0], guard, hello, options, std::move(page), open);
 }
 
 }  // namespace touchstone::hil

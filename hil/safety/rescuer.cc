@@ -1,64 +1,46 @@
 #include <poll.h>
-#include <sys/syscall.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
-#include <algorithm>
 #include <csignal>
 #include <ctime>
 
 #include "hil/safety/guard_processes.h"
 #include "hil/safety/harden.h"
+#include "hil/safety/rescue.h"
 
 namespace touchstone::hil {
 namespace {
 
 constexpr int rescuer_priority = 82;        // above those that it watches
 constexpr double look_s = 0.001;            // while a force is on
-constexpr double look_idle_s = 0.005;       // a force that comes on meanwhile is seen before watchdog_s has passed
+constexpr double look_idle_s = 0.002;       // a force that comes on meanwhile is seen before watchdog_s has passed
+constexpr double ending_s = 0.002;          // that the system may need to end a process that was killed
 constexpr double driver_lets_go_s = 0.004;  // what a living driver needs to see that its guard is gone
-constexpr double first_attempt_s = 0.05;    // a device that opens at once; longer each time
-constexpr double longest_attempt_s = 5.0, gives_up_s = 60.0;
-
-// A process by a handle that no other process can inherit with its number.
-class ProcessHandle {
- public:
-  explicit ProcessHandle(pid_t pid) : fd_(static_cast<int>(::syscall(SYS_pidfd_open, pid, 0U))) {}
-  ~ProcessHandle() {
-    if (fd_ >= 0) ::close(fd_);
-  }
-  ProcessHandle(const ProcessHandle&) = delete;
-  ProcessHandle& operator=(const ProcessHandle&) = delete;
-  void kill() const noexcept {
-    if (fd_ >= 0) ::syscall(SYS_pidfd_send_signal, fd_, SIGKILL, nullptr, 0U);
-  }
-
- private:
-  int fd_;
-};
-
+constexpr double between_steps_s = 3e-4;    // of a rescue
 class Rescuer {
  public:
   Rescuer(int guard_pipe, const OpenDevice& open, const GuardOptions& options, GuardPage& page)
       : pipe_(guard_pipe),
-        open_(open),
         options_(options),
         page_(page),
         guard_(page.guard_pid),
-        driver_(page.driver_pid) {}
+        driver_(page.driver_pid),
+        rescue_(Watchman::rescuer, open, page, options.watchdog_s) {}
 
   int watch() {
     for (;;) {
+      beat();
       const bool pushing = page_.pushing;
       const timespec wait{0, static_cast<long>((pushing ? look_s : look_idle_s) * 1e9)};
       pollfd ready{pipe_, POLLIN, 0};
       const int n = ::ppoll(&ready, 1, &wait, nullptr);
+      beat();
       if (n > 0) {
         char word = 0;
         const auto got = ::read(pipe_, &word, 1);
         if (got == 1 && word == rescuer_end) return 0;
         if (got == 1 && word == rescuer_rescue) {
-          driver_.kill();
+          end_driver();
           rescue(page_.trip);
           continue;
         }
@@ -66,8 +48,8 @@ class Rescuer {
       }
       if (page_.pushing && clock_.now_s() - page_.guard_beat_s > options_.watchdog_s) {
         note(GuardPhase::rescue, Trip::guard_gone, "the guard shows no sign of life");
+        end_driver();  // first: its parent, the guard, lets the kernel forget it at once
         guard_.kill();
-        driver_.kill();
         rescue(Trip::guard_gone);
         return 0;
       }
@@ -75,10 +57,12 @@ class Rescuer {
   }
 
  private:
+  void beat() { page_.rescuer_beat_s = clock_.now_s(); }
+
   int guard_is_gone() {
     if (page_.device_zero && !page_.pushing) return 0;
     // The driver sees the same and lets go by itself where it can.
-    page_.trip = Trip::guard_gone;
+    page_.trip_for(Trip::guard_gone);
     const double until = clock_.now_s() + driver_lets_go_s;
     while (!page_.device_zero && clock_.now_s() < until) clock_.sleep_until(clock_.now_s() + 0.0005);
     if (page_.device_zero) {
@@ -87,56 +71,20 @@ class Rescuer {
       return 0;
     }
     note(GuardPhase::rescue, Trip::guard_gone, "the guard is gone and the driver does not let go");
-    driver_.kill();
+    end_driver();
     rescue(Trip::guard_gone);
     return 0;
   }
 
-  // Each attempt is a process of its own, so that a call that blocks costs that process only.
+  // A device that is locked by its owner's number opens once the kernel has forgotten the owner.
+  void end_driver() const {
+    driver_.kill();
+    static_cast<void>(driver_.ends_within(ending_s));
+  }
+
   void rescue(Trip reason) {
-    page_.trip = reason;
-    const double give_up = clock_.now_s() + gives_up_s;
-    for (double patience = first_attempt_s; clock_.now_s() < give_up;
-         patience = std::min(longest_attempt_s, 2.0 * patience)) {
-      const pid_t attempt = ::fork();
-      if (attempt == 0) ::_exit(bring_to_rest_anew(clock_.now_s() + patience) ? 0 : 1);
-      if (attempt < 0) continue;
-      if (ends_well(attempt, clock_.now_s() + patience)) {
-        page_.device_zero = true;
-        page_.pushing = false;
-        page_.zeroed_s = clock_.now_s();
-        page_.rescued = true;
-        note(GuardPhase::off, reason, "the rescuer opened the device anew and it confirmed zero");
-        return;
-      }
-      note(GuardPhase::rescue, reason, "an attempt to bring the device to zero failed");
-    }
-    note(GuardPhase::unconfirmed, Trip::zero_not_confirmed, "the rescuer gave up: use the physical switch");
-  }
-
-  bool bring_to_rest_anew(double deadline_s) const noexcept {
-    try {
-      const auto device = open_();
-      return bring_to_rest(*device, deadline_s);
-    } catch (...) {
-      return false;
-    }
-  }
-
-  static bool ends_well(pid_t child, double deadline_s) {
-    MonotonicClock clock;
-    for (;;) {
-      int status = 0;
-      const pid_t ended = ::waitpid(child, &status, WNOHANG);
-      if (ended == child) return WIFEXITED(status) && WEXITSTATUS(status) == 0;
-      if (ended < 0) return false;
-      if (clock.now_s() > deadline_s) {
-        ::kill(child, SIGKILL);  // still our own child: the number cannot be another's
-        ::waitpid(child, nullptr, 0);
-        return false;
-      }
-      clock.sleep_until(clock.now_s() + 0.0002);
-    }
+    rescue_.begin(reason);
+    for (beat(); !rescue_.step(); beat()) clock_.sleep_until(clock_.now_s() + between_steps_s);
   }
 
   void note(GuardPhase phase, Trip reason, const char* what) {
@@ -145,11 +93,11 @@ class Rescuer {
   }
 
   int pipe_;
-  const OpenDevice& open_;
   const GuardOptions& options_;
   GuardPage& page_;
   ProcessHandle guard_, driver_;
-  mutable MonotonicClock clock_;
+  Rescue rescue_;
+  MonotonicClock clock_;
 };
 
 }  // namespace
