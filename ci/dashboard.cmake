@@ -91,7 +91,15 @@ endif()
 # Each compiler call runs under ctest's launcher: the server then shows a failing call with its command, its output and the
 # labels of its target (the room), in place of what a regular expression found in the build's log.
 set(CTEST_USE_LAUNCHERS ON)
-ctest_start(${model} ${group})
+# Each run has a stamp of its own, to the second: CTest's is that of the minute, or of the night, and a server takes two runs
+# of one stamp for one build. CDash reads the day and what follows the second dash (extract_type_from_buildstamp).
+set(stamp "")
+while(stamp STREQUAL "" OR EXISTS "${CTEST_BINARY_DIRECTORY}/Testing/${stamp}")
+  string(TIMESTAMP stamp "%Y%m%d-%H%M%S" UTC)
+endwhile()
+file(WRITE "${CTEST_BINARY_DIRECTORY}/Testing/TAG" "${stamp}\n${track}\n${model}\n")
+file(MAKE_DIRECTORY "${CTEST_BINARY_DIRECTORY}/Testing/${stamp}")
+ctest_start(${model} ${group} APPEND)
 
 if(revision)
   ctest_update(RETURN_VALUE updated)

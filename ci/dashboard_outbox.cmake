@@ -1,8 +1,8 @@
 # The outbox: what a dashboard run produced, kept until a server has it. One folder per build in
 # <binary>/dashboard-outbox: Testing/ as ctest wrote it, notes/, and what was tried so far in sent/ (harness/report/cdash_delivery.h).
 
-# outbox_keep(VARIABLE): copies the results of the current run there and sets VARIABLE to the folder. A second run within
-# the minute is, for a server, the same build: it takes the place of the first, and what was tried of it is known still.
+# outbox_keep(VARIABLE): copies the results of the current run there and sets VARIABLE to the folder. Each run has its own: its
+# stamp says the second.
 function(outbox_keep variable)
   file(STRINGS "${CTEST_BINARY_DIRECTORY}/Testing/TAG" tag)
   list(GET tag 0 stamp)
@@ -18,12 +18,6 @@ function(outbox_keep variable)
   foreach(file IN LISTS CTEST_NOTES_FILES)
     file(COPY "${file}" DESTINATION "${entry}.part/notes")
   endforeach()
-  if(EXISTS "${entry}")
-    if(EXISTS "${entry}/sent")
-      file(COPY "${entry}/sent" DESTINATION "${entry}.part")
-    endif()
-    file(REMOVE_RECURSE "${entry}")
-  endif()
   file(RENAME "${entry}.part" "${entry}")
   set(${variable} "${entry}" PARENT_SCOPE)
 endfunction()
@@ -37,8 +31,10 @@ function(outbox_send entry checkout variable)
     message("dashboard: no server is set (TOUCHSTONE_CDASH_URL); the results are kept in ${entry}")
     return()
   endif()
-  set(program "$ENV{TOUCHSTONE_DASHBOARD_PROGRAM}")
-  if(NOT program)
+  unset(program)  # find_program() looks for nothing if it is set, be it empty (CMP0125)
+  if(NOT "$ENV{TOUCHSTONE_DASHBOARD_PROGRAM}" STREQUAL "")
+    set(program "$ENV{TOUCHSTONE_DASHBOARD_PROGRAM}")
+  else()
     find_program(program touchstone PATHS "${CTEST_BINARY_DIRECTORY}/bin" "${checkout}/build/default/bin" NO_DEFAULT_PATH)
     find_program(program touchstone)
   endif()
