@@ -3,13 +3,16 @@
 
 #include <filesystem>
 #include <memory>
+#include <nlohmann/json.hpp>
 #include <optional>
 #include <thread>
 
 #include "apps/commands.h"
 #include "harness/base/atomic_file.h"
+#include "harness/base/hash.h"
 #include "harness/bisection/answer_report.h"
 #include "harness/bisection/child_process.h"
+#include "harness/bisection/measured_table.h"
 #include "harness/bisection/measures.h"
 #include "harness/bisection/reference.h"
 
@@ -18,9 +21,11 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr const char* default_out = "touchstone-bisect";
+
 struct BisectFlags {
   std::string good, bad, repository = ".", build, measure, golden_case, golden_folder, reference, model;
-  std::string metric = "force_rms_N", program = "bin/touchstone", plugin, out = "touchstone-bisect", json;
+  std::string metric = "force_rms_N", program = "bin/touchstone", plugin, out = default_out, json;
   double least_share = 0.05;
   double least_change = 0.0;
   std::size_t runs = 25;
@@ -30,6 +35,23 @@ struct BisectFlags {
 std::atomic<bool> bisect_stopped = false;
 
 fs::path light_program() { return fs::read_symlink("/proc/self/exe").parent_path() / "touchstone"; }
+
+// All that the measured numbers depend on besides the commits.
+std::string question_of(const BisectFlags& flags, const std::optional<bisection::ReplayMeasure>& replay) {
+  nlohmann::json question{{"build", flags.build}};
+  if (!replay) {
+    question["measure"] = flags.measure;
+    return question.dump();
+  }
+  question["metric"] = flags.metric;
+  question["model"] = replay->model;
+  question["program"] = flags.plugin.empty() ? flags.program : "";
+  question["plugin"] = flags.plugin;
+  for (const auto& file : fs::directory_iterator(replay->reference)) {
+    if (file.is_regular_file()) question["reference"][file.path().filename().string()] = sha256_file(file.path());
+  }
+  return question.dump();
+}
 
 bisection::ReplayMeasure replay_of(const BisectFlags& flags, const fs::path& out) {
   bisection::ReplayMeasure replay;
@@ -68,11 +90,14 @@ ExitStatus bisect_command(const BisectFlags& flags) {
     throw UsageError(fmt::format("--good {}: is no ancestor of --bad {}", flags.good, flags.bad));
   request.out = fs::absolute(flags.out);
   ensure_writable_folder(request.out);
+  if (flags.out == default_out) hide_from_git(request.out);
+  const bisection::SearchLock lock(request.out);
   const StopBisection stoppable;
   request.metric = flags.measure.empty() ? flags.metric : "measure";
   request.build_command = flags.build.empty() ? bisection::own_build : flags.build;
   std::optional<bisection::ReplayMeasure> replay;
   if (flags.measure.empty()) replay = replay_of(flags, request.out);
+  request.question = question_of(flags, replay);
   request.measure = replay ? bisection::replay_measure(*replay) : bisection::command_measure(flags.measure);
   request.search.least_share = flags.least_share;
   request.search.least_change = flags.least_change;

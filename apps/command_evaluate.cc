@@ -16,10 +16,12 @@
 namespace touchstone::apps {
 namespace {
 
+constexpr const char* default_out = "touchstone-report";
+
 struct EvaluateOptions {
   EvaluationFlags flags;
   std::vector<std::string> models, datasets, metrics;
-  std::string out = "touchstone-report", json, time_range = "all";
+  std::string out = default_out, json, time_range = "all";
 };
 
 std::vector<PlannedEvaluation> plan(const EvaluateOptions& options) {
@@ -57,6 +59,7 @@ std::vector<PlannedEvaluation> plan(const EvaluateOptions& options) {
 ExitStatus evaluate_command(const EvaluateOptions& options) {
   const auto planned = plan(options);
   ensure_writable_folder(options.out);
+  if (options.out == default_out) hide_from_git(options.out);
   const auto evaluated = run_plan(built_in_catalogue(), planned, options.out);
   fmt::print("{}", write_overview(built_in_catalogue(), planned, evaluated, command_line(), options.out));
   if (!options.json.empty()) write_file(options.json, summary_json(evaluated));

@@ -13,10 +13,12 @@
 namespace touchstone::apps {
 namespace {
 
+constexpr const char* default_out = "touchstone-fit";
+
 struct FitOptions {
   EvaluationFlags flags;
   std::vector<std::string> parameters;
-  std::string model, metric = "rms_force_error", fit_range = "all", score_range = "all", out = "touchstone-fit", json;
+  std::string model, metric = "rms_force_error", fit_range = "all", score_range = "all", out = default_out, json;
 };
 
 // A recording of one axis has no object and no model to fit: its terms are known (harness/axis).
@@ -56,6 +58,7 @@ ExitStatus fit_command(const FitOptions& options) {
   request.evaluation.model = load_model(options.model, options.flags.plugins.load());
   request.evaluation.model_file = options.model;
   ensure_writable_folder(options.out);
+  if (options.out == default_out) hide_from_git(options.out);
   refuse_to_replace_input(std::filesystem::path(options.out) / "model.json");  // before the long work
   const FitResult result = run_fit(built_in_catalogue(), request);
   write_fit(result, options.out);

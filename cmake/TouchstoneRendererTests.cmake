@@ -177,6 +177,7 @@ function(_touchstone_golden_cases folder result)
 endfunction()
 
 function(_touchstone_models_of file result)
+  set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${file})  # a model that comes later is tested, too
   file(READ ${file} text)
   string(JSON count ERROR_VARIABLE problem LENGTH "${text}" models)
   if(problem OR count LESS 1)

@@ -1,6 +1,8 @@
 #include "harness/base/atomic_file.h"
 
+#include <fcntl.h>
 #include <fmt/format.h>
+#include <sys/file.h>
 #include <unistd.h>
 
 #include <atomic>
@@ -95,6 +97,37 @@ std::string read_file(const std::filesystem::path& path) {
   std::ostringstream text;
   text << in.rdbuf();
   return std::move(text).str();
+}
+
+void append_locked(const std::filesystem::path& target, std::string_view lines) {
+  const int fd = ::open(target.c_str(), O_RDWR | O_CREAT | O_APPEND | O_CLOEXEC, 0666);
+  const auto failed = [&] {
+    const int error = errno;
+    if (fd >= 0) ::close(fd);
+    return BadData(fmt::format("{}: cannot be written: {}", target.string(), std::strerror(error)));
+  };
+  if (fd < 0 || ::flock(fd, LOCK_EX) != 0) throw failed();  // freed when the descriptor is closed
+  const off_t size = ::lseek(fd, 0, SEEK_END);
+  char last = '\n';
+  if (size < 0 || (size > 0 && ::pread(fd, &last, 1, size - 1) != 1)) throw failed();
+  const std::string text = (last == '\n' ? "" : "\n") + std::string(lines);
+  std::size_t written = 0;
+  while (written < text.size()) {
+    const auto n = ::write(fd, text.data() + written, text.size() - written);
+    if (n < 0 && errno == EINTR) continue;
+    if (n <= 0) {
+      const int error = errno;
+      if (::ftruncate(fd, size) != 0) errno = error;
+      errno = error;
+      throw failed();
+    }
+    written += static_cast<std::size_t>(n);
+  }
+  ::close(fd);
+}
+
+void hide_from_git(const std::filesystem::path& folder) {
+  if (const auto ignore = folder / ".gitignore"; !std::filesystem::exists(ignore)) write_file(ignore, "*\n");
 }
 
 void ensure_writable_folder(const std::filesystem::path& folder) {

@@ -35,8 +35,16 @@ class AtomicFile {
 // Writes `text` to `target` atomically; throws BadData naming the file and the reason.
 void write_file(const std::filesystem::path& target, std::string_view text, Replace replace = Replace::outputs);
 
+// Adds lines to a file that several processes write to at once: each comes whole, none is lost. A last line without its
+// end gets one first. Throws BadData naming the file and the reason; then what was there is as it was.
+void append_locked(const std::filesystem::path& target, std::string_view lines);
+
 // The whole file as text; throws BadData naming the file.
 std::string read_file(const std::filesystem::path& path);
+
+// A folder that a command makes by default, in whatever repository it is run: git is told to leave it alone, so that it
+// is no change of the tree.
+void hide_from_git(const std::filesystem::path& folder);
 
 // Creates the folder and checks that a file can be written into it; throws BadData otherwise.
 void ensure_writable_folder(const std::filesystem::path& folder);

@@ -24,7 +24,8 @@ class Searcher {
         request_(&request),
         stop_(&stop),
         table_(request.out / "measured.jsonl",
-               fmt::format("{} from {} to {}", request.metric, request.good, request.bad)),
+               fmt::format("{} from {} to {}{}", request.metric, request.good, request.bad,
+                           request.question.empty() ? "" : " by " + request.question)),
         trees_(history, request.out / "trees", std::max<std::size_t>(1, request.search.parallel)) {}
 
   // `at_good`: runs of the good end, where they are known without building it.

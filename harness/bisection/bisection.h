@@ -28,9 +28,11 @@ struct BisectionRequest {
   std::string metric;
   std::string good, bad;      // full names
   std::string build_command;  // for sh, in $SRC, into $BUILD
+  // What is measured and of what, to the byte: measurements that are kept in `out` count for the same question alone.
+  std::string question;
   Measure measure;
   SearchOptions search;
-  std::filesystem::path out;  // logs, table, worktrees while it runs
+  std::filesystem::path out;  // logs, table, worktrees while it runs; one search at a time (SearchLock)
   std::function<void(const std::string&)> say;
 };
 

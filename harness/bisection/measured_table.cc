@@ -1,6 +1,9 @@
 #include "harness/bisection/measured_table.h"
 
+#include <fcntl.h>
 #include <fmt/format.h>
+#include <sys/file.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
@@ -12,6 +15,16 @@
 #include "harness/base/error.h"
 
 namespace touchstone::bisection {
+
+SearchLock::SearchLock(const std::filesystem::path& folder)
+    : descriptor_(::open((folder / ".lock").c_str(), O_CREAT | O_RDWR | O_CLOEXEC, 0644)) {
+  if (descriptor_ >= 0 && ::flock(descriptor_, LOCK_EX | LOCK_NB) == 0) return;
+  if (descriptor_ >= 0) ::close(descriptor_);
+  throw UsageError(
+      fmt::format("{}: another bisection is running there; wait for it, or give another --out", folder.string()));
+}
+
+SearchLock::~SearchLock() { ::close(descriptor_); }
 
 MeasuredTable::MeasuredTable(std::filesystem::path file, const std::string& about) : file_(std::move(file)) {
   const std::string first = nlohmann::json{{"schema", "touchstone-bisection/1"}, {"search", about}}.dump();

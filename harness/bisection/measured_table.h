@@ -16,6 +16,18 @@ struct MeasuredCommit {
   std::string broken;  // why it could not be measured
 };
 
+// One search at a time in a folder. Throws UsageError if another process has it; freed when that ends, however it ends.
+class SearchLock {
+ public:
+  explicit SearchLock(const std::filesystem::path& folder);
+  ~SearchLock();
+  SearchLock(const SearchLock&) = delete;
+  SearchLock& operator=(const SearchLock&) = delete;
+
+ private:
+  int descriptor_;
+};
+
 class MeasuredTable {
  public:
   // `file`: JSON lines, made if it is not there. Its first line is `about`, what the search is; throws UsageError for a

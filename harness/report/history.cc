@@ -106,8 +106,7 @@ std::vector<HistorySeries> load_history(const std::vector<std::filesystem::path>
 }
 
 void append_history(const std::filesystem::path& file, const std::vector<HistorySeries>& series) {
-  std::string text = std::filesystem::exists(file) ? read_file(file) : std::string();
-  if (!text.empty() && !text.ends_with('\n')) text += '\n';
+  std::string text;
   for (const auto& [key, points] : series) {
     for (const HistoryPoint& point : points) {
       if (!std::isfinite(point.value))
@@ -124,7 +123,7 @@ void append_history(const std::filesystem::path& file, const std::vector<History
       text += line.dump() + "\n";
     }
   }
-  write_file(file, text, Replace::inputs_too);
+  append_locked(file, text);
 }
 
 CollectedRun collect_ctest(const std::filesystem::path& testing, const std::string& commit) {

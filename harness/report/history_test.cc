@@ -1,11 +1,16 @@
 #include "harness/report/history.h"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include <cmath>
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <set>
+#include <sstream>
 
 #include "harness/base/atomic_file.h"
 #include "harness/base/error.h"
@@ -63,6 +68,26 @@ TEST_F(HistoryFile, WhatIsAppendedIsReadBack) {
   EXPECT_EQ(load_history({file}, {"", "", "", "", "force_rms_N"}).size(), 2U);
   EXPECT_EQ(load_history({file}, {"", "", "", "golden.*", ""}).size(), 3U);
   EXPECT_THROW(append_history(file, {{{"", "", "", "", "m"}, {{"c", "", NAN}}}}), BadData);
+}
+
+// The jobs of a matrix record into one file at once: nothing is lost.
+TEST_F(HistoryFile, KeepsWhatManyProcessesRecordAtOnce) {
+  constexpr int jobs = 20, each = 10;
+  std::vector<pid_t> children;
+  for (int job = 0; job < jobs; ++job) {
+    const pid_t child = ::fork();
+    if (child == 0) {
+      for (int i = 0; i < each; ++i)
+        append_history(file, {{{"", "", "", "t", "m"}, {{fmt::format("c{}-{}", job, i), "", 1.0 * job}}}});
+      ::_exit(0);
+    }
+    children.push_back(child);
+  }
+  for (const pid_t child : children) ::waitpid(child, nullptr, 0);
+  std::istringstream lines(read_file(file));
+  std::set<std::string> commits;
+  for (std::string line; std::getline(lines, line);) commits.insert(nlohmann::json::parse(line).at("commit"));
+  EXPECT_EQ(commits.size(), static_cast<std::size_t>(jobs * each));
 }
 
 TEST_F(HistoryFile, SitesBuildNamesAndTracksAreSeriesOfTheirOwn) {

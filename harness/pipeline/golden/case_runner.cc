@@ -323,7 +323,7 @@ CheckResult check_case(const Catalogues& catalogues, const GoldenCase& golden, c
 
   ensure_writable_folder(folder);
   // Git passes over the folder, so that what a failure leaves does not make a checkout look changed.
-  if (const auto ignore = options.out / ".gitignore"; !std::filesystem::exists(ignore)) write_file(ignore, "*\n");
+  hide_from_git(options.out);
   result.left_in = folder;
   if (!obtained.columns.empty()) write_golden(folder / "obtained.h5", run.rendered, run.provenance);
   write_file(folder / "table.txt", result.table);
