@@ -10,6 +10,7 @@
 #include "harness/metrics/catalogue.h"
 #include "harness/pipeline/evaluation/campaign.h"
 #include "harness/pipeline/evaluation/counted_cost.h"
+#include "harness/pipeline/evaluation/inputs.h"
 #include "harness/pipeline/evaluation/perceived.h"
 #include "renderers/catalogue.h"
 
@@ -43,6 +44,11 @@ std::vector<PlannedEvaluation> plan(const EvaluateOptions& options) {
       throw UsageError(
           "--recording, --mesh and --model belong together; give all three, or a --dataset, or none for the bundled "
           "data sets");
+    }
+    if (options.flags.in_trajectory.empty()) {
+      base.in_trajectory = usual_in_trajectory(std::ranges::any_of(
+          models, [](const ModelOfFile& model) { return has_friction_in_proxy(built_in_catalogue(), model.first); }));
+      say_usual_in_trajectory(base.in_trajectory);
     }
     return plan_recording(base, models);
   }

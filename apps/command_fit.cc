@@ -7,6 +7,7 @@
 #include "apps/evaluation_flags.h"
 #include "harness/base/atomic_file.h"
 #include "harness/base/input_files.h"
+#include "harness/pipeline/evaluation/inputs.h"
 #include "harness/pipeline/fitting/fit_report.h"
 #include "renderers/catalogue.h"
 
@@ -57,6 +58,13 @@ ExitStatus fit_command(const FitOptions& options) {
   request.parameters = options.parameters;
   request.evaluation.model = load_model(options.model, options.flags.plugins.load());
   request.evaluation.model_file = options.model;
+  if (options.flags.in_trajectory.empty()) {
+    std::vector<std::string> fitted;
+    for (const std::string& parameter : options.parameters) fitted.push_back(parameter.substr(0, parameter.find('=')));
+    request.evaluation.in_trajectory =
+        usual_in_trajectory(has_friction_in_proxy(built_in_catalogue(), request.evaluation.model, fitted));
+    say_usual_in_trajectory(request.evaluation.in_trajectory);
+  }
   ensure_writable_folder(options.out);
   if (options.out == default_out) hide_from_git(options.out);
   refuse_to_replace_input(std::filesystem::path(options.out) / "model.json");  // before the long work

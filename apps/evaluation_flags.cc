@@ -18,9 +18,11 @@ void add_evaluation_flags(CLI::App& command, EvaluationFlags& flags) {
   command
       .add_option(
           "--in-trajectory", flags.in_trajectory,
-          "synthesize: the path whose surface contact point would follow the measured one, from the normal force (the "
-          "default); whole-force: the same from the whole force, for renderers with friction in their proxy; measured: "
-          "the measured positions as they are, for compliant objects")
+          "synthesize: the path whose surface contact point would follow the measured one, from the normal force; "
+          "whole-force: the same from the whole force, for renderers with friction in their proxy; measured: the "
+          "measured positions as they are, for compliant objects. Default: whole-force if a renderer has friction in "
+          "its "
+          "proxy (a mu above 0 of its own), else synthesize; a data set says its own")
       ->check(CLI::IsMember({"synthesize", "whole-force", "measured"}));
   command.add_option("--tip-radius", flags.tip_radius,
                      "The tip is a ball of this radius and positions are its centre: 3.15mm");
@@ -44,6 +46,12 @@ void add_evaluation_flags(CLI::App& command, EvaluationFlags& flags) {
   command.add_option("--on-gap", flags.on_gap, "Gaps in time: refuse, split (the renderer starts anew), keep")
       ->capture_default_str();
   flags.plugins.add_to(command);
+}
+
+void say_usual_in_trajectory(InTrajectoryMode mode) {
+  const bool whole = mode == InTrajectoryMode::whole_force;
+  fmt::print(stderr, "in-trajectory: {} ({}; --in-trajectory chooses)\n", in_trajectory_name(mode),
+             whole ? "a renderer has friction in its proxy" : "equation 2, from the normal force");
 }
 
 EvaluationRequest make_request(const EvaluationFlags& flags) {

@@ -25,6 +25,9 @@ struct EvaluationFlags {
 // --flip-force, --on-duplicate, --on-gap, --plugin.
 void add_evaluation_flags(CLI::App& command, EvaluationFlags& flags);
 
+// Says on stderr which in-trajectory was taken, since none was chosen, and why.
+void say_usual_in_trajectory(InTrajectoryMode mode);
+
 // Everything but the model. Throws UsageError for values that make no sense.
 EvaluationRequest make_request(const EvaluationFlags& flags);
 

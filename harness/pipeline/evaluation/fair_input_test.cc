@@ -3,6 +3,7 @@
 #include "harness/base/error.h"
 #include "harness/metrics/catalogue.h"
 #include "harness/pipeline/evaluation/campaign.h"
+#include "harness/pipeline/evaluation/inputs.h"
 #include "harness/pipeline/evaluation/run.h"
 #include "harness/pipeline/evaluation/sample_scan_for_test.h"
 #include "harness/rendering/in_trajectory.h"
@@ -55,6 +56,20 @@ TEST(FairInput, AProxyWithFrictionNeedsTheWholeForce) {
   const EvaluationResult normal = run_evaluation(built_in(), request, "");
   // 2 N on average: mu F_n / k is 1 mm.
   EXPECT_GT(value_of(normal, "rms_position_error"), 0.9 * kMu * 2.0 / 500.0);
+}
+
+// What is taken where the user chooses nothing.
+TEST(FairInput, TheUsualInputIsTheRenderers) {
+  Model cone = friction_request("touchstone-usual", stroke(kMu), kMu).model;
+  EXPECT_TRUE(has_friction_in_proxy(built_in(), cone));
+  cone.parameters["mu_static"] = cone.parameters["mu_dynamic"] = 0.0;
+  EXPECT_FALSE(has_friction_in_proxy(built_in(), cone));
+  EXPECT_TRUE(has_friction_in_proxy(built_in(), cone, std::vector<std::string>{"mu_dynamic"})) << "it is fitted";
+  cone.renderer = "god-object";
+  cone.parameters = {{"stiffness_N_per_m", 500.0}};
+  EXPECT_FALSE(has_friction_in_proxy(built_in(), cone));
+  EXPECT_EQ(usual_in_trajectory(true), InTrajectoryMode::whole_force);
+  EXPECT_EQ(usual_in_trajectory(false), InTrajectoryMode::synthesize);
 }
 
 // And the other way round: without friction in the proxy equation 2 leads to the measured place, the whole force

@@ -206,6 +206,20 @@ bool can_have_tip(const Catalogue& catalogue, const Model& model, double tip_rad
   return tip_radius_m > 0.0 || declared->minimum == 0.0 || model.parameters.contains("tip_radius_m");
 }
 
+bool has_friction_in_proxy(const Catalogue& catalogue, const Model& model, std::span<const std::string> fitted) {
+  const RendererEntry& entry = catalogue.find(model);
+  return std::ranges::any_of(entry.parameters, [&](const ParameterDeclaration& declared) {
+    if (declared.name != "mu_static" && declared.name != "mu_dynamic") return false;
+    if (std::ranges::find(fitted, declared.name) != fitted.end()) return true;
+    const auto given = model.parameters.find(declared.name);
+    return (given == model.parameters.end() ? declared.initial : given->second) > 0.0;
+  });
+}
+
+InTrajectoryMode usual_in_trajectory(bool friction_in_proxy) {
+  return friction_in_proxy ? InTrajectoryMode::whole_force : InTrajectoryMode::synthesize;
+}
+
 EvaluationInputs load_inputs(const Catalogue& catalogue, const EvaluationRequest& request) {
   EvaluationInputs inputs;
   inputs.model = request.model;

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -37,6 +38,15 @@ class TipNotRepresentable : public UsageError {
  public:
   using UsageError::UsageError;
 };
+
+// Whether the renderer of this model holds its proxy back by friction: it declares a coefficient (mu_static,
+// mu_dynamic) of its own, as the friction cone does, and the model's is above 0 or among `fitted`. Friction that an
+// effect adds to the force of a frictionless proxy is none.
+bool has_friction_in_proxy(const Catalogue& catalogue, const Model& model, std::span<const std::string> fitted = {});
+
+// The in-trajectory where the user chose none: the whole force if any of the renderers that are compared has friction
+// in its proxy, else equation 2 (in_trajectory.h derives which input is fair to which).
+InTrajectoryMode usual_in_trajectory(bool friction_in_proxy);
 
 // Whether a model of the catalogue's or a plug-in's renderer can have a tip of this radius; see TipNotRepresentable.
 bool can_have_tip(const Catalogue& catalogue, const Model& model, double tip_radius_m);

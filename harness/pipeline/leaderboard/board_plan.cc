@@ -9,6 +9,7 @@
 #include "harness/base/error.h"
 #include "harness/base/hash.h"
 #include "harness/pipeline/board_json.h"
+#include "harness/pipeline/evaluation/inputs.h"
 #include "harness/pipeline/fitting/fit.h"
 #include "harness/rendering/renderer_failed.h"
 #include "harness/sanity/repeat_floor.h"
@@ -28,8 +29,7 @@ InTrajectoryMode mode_of(const BoardRequest& request, const Dataset& dataset) {
   if (request.in_trajectory_chosen) return request.base.in_trajectory;
   // The law of an object with friction closes equation 1 with the whole force (in_trajectory.h).
   const bool friction = dataset.friction_coefficient.value_or(0.0) > 0.0;
-  return dataset.in_trajectory == InTrajectoryMode::synthesize && friction ? InTrajectoryMode::whole_force
-                                                                           : dataset.in_trajectory;
+  return dataset.in_trajectory == InTrajectoryMode::synthesize ? usual_in_trajectory(friction) : dataset.in_trajectory;
 }
 
 void add_dataset(const Catalogue& catalogue, const std::filesystem::path& place, BoardPlan& plan) {
