@@ -8,6 +8,7 @@
 #include "harness/baseline/golden_file.h"
 #include "harness/pipeline/golden/case_runner.h"
 #include "harness/pipeline/golden/golden_life.h"
+#include "harness/pipeline/golden/new_case.h"
 #include "harness/pipeline/golden/noise_floor.h"
 
 namespace touchstone::apps {
@@ -54,6 +55,76 @@ ExitStatus accept(const GoldenCommandOptions& options) {
   return ExitStatus::passed;
 }
 
+struct NewCaseOptions {
+  GoldenOptions golden;
+  pipeline::NewCase made;
+  std::vector<std::string> models;
+};
+
+ExitStatus new_case(const NewCaseOptions& options) {
+  pipeline::NewCase wanted = options.made;
+  wanted.models.assign(options.models.begin(), options.models.end());
+  // Into the repository's own folder, which need not be there yet; never beside the bundled cases.
+  const std::filesystem::path folder = options.golden.golden;
+  const ChangeModel change = options.golden.change_model();
+  const pipeline::MadeCase made = pipeline::make_case(built_in_catalogues(), folder, wanted, change);
+  const CaseCheck how{options.golden.out, false, change, std::nullopt};
+  fmt::print(
+      "{}: made. Rounding alone changes the force by {:.2g} N at most, of {:.3g} N; the tolerance and its reason stand "
+      "in "
+      "case.json\n",
+      made.golden.folder.string(), made.rounding_N, made.largest_N);
+  if (made.largest_N == 0.0)
+    fmt::print(
+        "warning: no model gives any force on this path: does it touch the object? Of a recording on a rigid "
+        "object take rendered.csv of touchstone evaluate, whose path goes into it\n");
+  for (const auto& [model, ignored] : made.golden.models) {
+    const CheckResult result = check_case(built_in_catalogues(), made.golden, model, how);
+    fmt::print(
+        "  {}: {}\n", model,
+        result.skipped.empty() ? fmt::format("its pictures and numbers: {}", result.left_in.string()) : result.skipped);
+  }
+  fmt::print(
+      "look at them; then commit the case and accept what it gives:\n  git add {0} && git commit -m 'Golden case {1}'\n"
+      "  touchstone golden accept {1} --golden {2} --out {3} --reason 'first'\n",
+      made.golden.folder.string(), made.golden.name, folder.string(), options.golden.out);
+  return ExitStatus::passed;
+}
+
+void add_new_case(CLI::App& golden_command, Run& run) {
+  auto options = std::make_shared<NewCaseOptions>();
+  auto* const command =
+      golden_command.add_subcommand("new", "Make a golden case of a mesh, a path and models of your own");
+  command->add_option("NAME", options->made.name, "The case's name: lower-case letters, digits and '-'")->required();
+  command->add_option("--mesh", options->made.mesh, "The object: OBJ, OFF, PLY or STL, also .gz")->required();
+  command->add_option("--mesh-unit", options->made.mesh_unit, "Unit of the mesh's coordinates")->capture_default_str();
+  command
+      ->add_option("--trajectory", options->made.trajectory,
+                   "The path: a trajectory, or a recording whose positions are taken as they are (also live.csv of hil "
+                   "render, rendered.csv of evaluate)")
+      ->required();
+  command->add_option("--from", options->made.from_s, "Take the path from this time [s] on");
+  command->add_option("--to", options->made.to_s, "Up to this time [s]; 0: to its end");
+  command->add_option("--model", options->models, "Model files (touchstone-model/1); may be given several times")
+      ->required();
+  command->add_option("--summary", options->made.summary, "One line on what the case shows");
+  options->golden.plugins.add_to(*command);
+  command->add_option("--golden", options->golden.golden, "Folder of your golden cases")
+      ->envname("TOUCHSTONE_GOLDEN")
+      ->capture_default_str();
+  command->add_option("--out", options->golden.out, "Folder for what it gives, to look at")
+      ->envname("TOUCHSTONE_GOLDEN_OUT")
+      ->capture_default_str();
+  command->footer(
+      "Writes golden/NAME with a tolerance that rounding on this path asks for, runs it, and says how to accept "
+      "it.\nExamples:\n"
+      "  touchstone golden new edge-of-plate --mesh plate.obj --mesh-unit mm --trajectory scan.csv --model model.json\n"
+      "  touchstone golden new tap --mesh cup.stl --trajectory live/live.csv --from 1 --to 3 --model mine.json "
+      "--plugin "
+      "./libmine.so");
+  command->callback([options, &run] { run = [options] { return new_case(*options); }; });
+}
+
 ExitStatus export_command(const GoldenCommandOptions& options) {
   const auto cases = options.golden.load();
   if (cases.size() != 1) throw UsageError("export: name one case");
@@ -77,8 +148,9 @@ ExitStatus render(const GoldenCommandOptions& options) {
 
 void add_golden(CLI::App& program, Run& run) {
   auto* const command =
-      program.add_subcommand("golden", "Review and accept results of golden cases, measure their noise floor");
+      program.add_subcommand("golden", "Make golden cases, review and accept their results, measure their noise floor");
   command->require_subcommand(1);
+  add_new_case(*command, run);
   auto options = std::make_shared<GoldenCommandOptions>();
   const auto add = [&](const char* name, const char* what, ExitStatus (*function)(const GoldenCommandOptions&)) {
     auto* const sub = command->add_subcommand(name, what);

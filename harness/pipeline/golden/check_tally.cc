@@ -36,9 +36,13 @@ std::string CheckTally::add(const GoldenCase& golden, const std::string& model, 
   drifted_ += drift ? 1 : 0;
   ++(good ? passed_ : failed_);
   tests_.push_back(for_others(golden, model, result, good, seconds));
-  std::string text = result.felt
-                         ? fmt::format("{:<8} {} {}: {}\n", good ? "felt" : "noticed", golden.name, model,
-                                       to_sentence(*result.felt, felt))
+  std::string text = result.felt ? fmt::format("{:<8} {} {}: {}\n", good ? "felt" : "noticed", golden.name, model,
+                                               to_sentence(*result.felt, felt))
+                     : comparison.expected_rows == 0
+                         ? fmt::format(
+                               "{:<8} {} {}: there is no golden to compare with yet: look at the result, then "
+                               "touchstone golden accept\n",
+                               to_string(comparison.verdict), golden.name, model)
                          : fmt::format("{:<8} {} {}: uses {:.3g}% of the tolerance, bits differ in {} of {} rows{}\n",
                                        to_string(comparison.verdict), golden.name, model,
                                        100.0 * comparison.tolerance_used(), comparison.drift, comparison.expected_rows,

@@ -67,6 +67,13 @@ bool same_bits(const std::filesystem::path& a, const std::filesystem::path& b) {
 
 std::filesystem::path usual_golden_folder(const std::filesystem::path& own) {
   if (!holds_cases(own)) {
+    // Upwards, as git finds its folder, to the top of the repository.
+    std::error_code error;
+    for (auto here = std::filesystem::current_path(error); !error && here.has_relative_path();
+         here = here.parent_path()) {
+      if (holds_cases(here / own)) return here / own;
+      if (std::filesystem::exists(here / ".git")) break;
+    }
     if (const auto bundled = find_bundled("golden")) return *bundled;
   }
   return own;
