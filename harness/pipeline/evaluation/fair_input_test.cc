@@ -58,6 +58,19 @@ TEST(FairInput, AProxyWithFrictionNeedsTheWholeForce) {
   EXPECT_GT(value_of(normal, "rms_position_error"), 0.9 * kMu * 2.0 / 500.0);
 }
 
+// A ball recorded the stroke, its centre 3 mm above the plate; renderers get the point at which it touched. Nothing is
+// wrong with that.
+TEST(FairInput, ABallWhosePointOfContactIsAskedForIsNotMisplaced) {
+  Recording ball = stroke(kMu);
+  for (Vec3& p : ball.motion.p_W_m) p.z() += 0.003;
+  EvaluationRequest request = friction_request("touchstone-ball-point", ball, kMu);
+  request.tip_radius_m = 0.0;
+  request.probe_radius_m = 0.003;
+  EXPECT_TRUE(load_inputs(built_in(), request).messages.empty());
+  request.probe_radius_m = 0.0;
+  EXPECT_FALSE(load_inputs(built_in(), request).messages.empty()) << "a point there is outside of the object";
+}
+
 // What is taken where the user chooses nothing.
 TEST(FairInput, TheUsualInputIsTheRenderers) {
   Model cone = friction_request("touchstone-usual", stroke(kMu), kMu).model;

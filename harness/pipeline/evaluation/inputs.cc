@@ -103,7 +103,8 @@ void refuse_faults(const EvaluationRequest& request, EvaluationInputs& inputs) {
   SanityContext context;
   context.surface = inputs.surface.get();
   context.mesh_unit = request.mesh_unit;
-  context.tip_radius_m = inputs.tip_radius_m;
+  // The recording was made by the probe, also where renderers get the point at which it touched.
+  context.tip_radius_m = request.probe_radius_m > 0.0 ? request.probe_radius_m : inputs.tip_radius_m;
   context.force_flipped = request.flip_force;
   context.contact_force_N = request.contact_threshold_N;
   for (std::string& remark : refuse_insane(some, context)) inputs.messages.push_back(std::move(remark));
