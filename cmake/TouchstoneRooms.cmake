@@ -35,7 +35,7 @@ endfunction()
 
 # Two of them: a unit is optimised as its precompiled header was, whatever its own level says. Rooms whose code runs once in a
 # command, and not in each step of a renderer or each evaluation of a fit, are COLD: -O1, which takes a third less time to
-# compile, and larger units (docs/notes/compile-cost.md). Results are the same to the bit at every level.
+# compile, and larger units. Results are the same to the bit at every level.
 set(touchstone_pch_folder ${PROJECT_BINARY_DIR}/pch)
 file(CONFIGURE OUTPUT ${PROJECT_BINARY_DIR}/room_pch.cc CONTENT "namespace touchstone {}\n")
 add_library(touchstone_room_pch STATIC ${PROJECT_BINARY_DIR}/room_pch.cc)

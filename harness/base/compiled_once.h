@@ -1,8 +1,8 @@
 #pragma once
 
 // Templates of Eigen and nlohmann's JSON that many units use, declared so that only compiled_once.cc generates their
-// code: about a fifth of what compiling the program cost was generating the same code again
-// (docs/notes/compile-cost.md). The precompiled headers of rooms and tests include this; no source needs it, and what a
+// code: about a fifth of what compiling the program cost was generating the same code again.
+// The precompiled headers of rooms and tests include this; no source needs it, and what a
 // unit computes stays as it is. A target with one of these precompiled headers links touchstone::base.
 
 #include <Eigen/Cholesky>

@@ -1,5 +1,5 @@
 // Linear least squares of any size, dense, by Eigen. In one place, because the code of each of Eigen's decompositions
-// takes seconds to compile in every unit that names it (docs/notes/compile-cost.md).
+// takes seconds to compile in every unit that names it.
 #pragma once
 
 #include <Eigen/Core>

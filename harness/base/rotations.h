@@ -1,5 +1,5 @@
 // Rotations that many rooms need. In a file of its own, because the code of Eigen's that it calls takes some ten
-// seconds to compile in every unit that calls it (docs/notes/compile-cost.md).
+// seconds to compile in every unit that calls it.
 #pragma once
 
 #include "harness/base/vec.h"

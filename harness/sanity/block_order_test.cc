@@ -138,7 +138,7 @@ TEST(BlockOrder, AWeightAndABumpInPiecesOfARecordingAreHardlyEverBlamed) {
     const Loads part = every_other(loads, 0.99, 2.04);
     blamed += find_wrong_order(part.t_s, part.measured, part.modelled) ? 1 : 0;
   }
-  EXPECT_LE(blamed, 3);  // the stated rate of the gate, 1 % (docs/notes/sanity-rates.md)
+  EXPECT_LE(blamed, 3);  // the stated rate of the gate, 1 % (docs/explanation/recording-check-rates.md)
 }
 
 TEST(BlockOrder, ALoadThatDoesNotVaryOrFollowsNothingIsNotBlamed) {

@@ -33,7 +33,7 @@ struct SanityContext {
   double contact_force_N = 0.05;
   // A repair (clock, order, frame) is named if less than this share of the square of what does not fit is left with it.
   // Half: the fault matters more than all else that acts, friction and damping too. And the share of the load that must
-  // be measured where there is no object. docs/notes/sanity-rates.md shows how far both may move.
+  // be measured where there is no object. docs/explanation/recording-check-rates.md shows how far both may move.
   double most_left_with_repair = 0.5, noticed_share_of_load = 0.1;
 };
 

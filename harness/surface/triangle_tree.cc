@@ -25,8 +25,7 @@ namespace {
 constexpr double kPadding = 2e-6;
 // From here on the hierarchy is built along a space-filling curve (C. Lauterbach and others, Eurographics 2009) in
 // place of by the surface area heuristic: a third of the time, which of a million triangles is most of what a user
-// waits for, and queries of no other answers and of the same cost within what can be measured
-// (docs/notes/performance.md).
+// waits for, and queries of no other answers and of the same cost within what can be measured.
 constexpr std::size_t kManyTriangles = 250'000;
 // Beyond this distance (in the same units) float cannot tell the triangles apart at all.
 constexpr double kFarAway = 1e6;

@@ -1,5 +1,5 @@
 // Every fault that a device, its bus or its network can have, injected into an emulator, and what the driver makes of
-// it. The table is docs/notes/guard-faults.md: this test makes it and holds the file against it.
+// it. The table is docs/explanation/driver-faults.md: this test makes it and holds the file against it.
 // TOUCHSTONE_HIL_FAULT_TABLE names a file to write it to.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
@@ -207,7 +207,8 @@ TEST_F(FaultTable, IsTheOneInTheDocumentation) {
       "wait had an end.\n\n| fault | emulator | what the driver says |\n|---|---|---|\n";
   for (const auto& row : rows) table += fmt::format("| {} | {} | {} |\n", row.fault, row.emulator, row.answer);
   if (const char* const file = std::getenv("TOUCHSTONE_HIL_FAULT_TABLE")) write_file(file, table);
-  std::ifstream in(std::filesystem::path(std::getenv("TOUCHSTONE_SOURCE_DIR")) / "docs" / "notes" / "guard-faults.md");
+  std::ifstream in(std::filesystem::path(std::getenv("TOUCHSTONE_SOURCE_DIR")) / "docs" / "explanation" /
+                   "driver-faults.md");
   std::stringstream documented;
   documented << in.rdbuf();
   EXPECT_EQ(documented.str(), table);

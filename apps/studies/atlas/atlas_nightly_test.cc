@@ -30,7 +30,7 @@ TEST(Atlas, NoProxyPopsThroughAShellOrLosesIt) {
 }
 
 // Expected failures. Should one of these stop failing, the renderer has become better: take the limit back in its
-// declaration and in docs/notes/friction-shading-atlas.md.
+// declaration and in docs/explanation/friction-shading-atlas.md.
 TEST(AtlasKnownLimits, TheProxySticksOnASteepBumpWherePressedDeep) {
   // Figure 8: the tip, F/k = 15 mm deep, turns about the edge; the nearest place stays on the side.
   const AtlasCase own = run_case(Scene::bump, "god-object", 1.2, 100, 0.0);
