@@ -165,6 +165,16 @@ nlohmann::json as_json(const SessionExport::Table& table) {
 
 }  // namespace
 
+std::string ExportReport::axis_problem() const {
+  constexpr double least_s = 5e-3;
+  const double limit_s = std::max(least_s, rate_Hz > 0.0 ? 0.5 / rate_Hz : least_s);
+  if (header.clock == StreamClock::host || !(axis_uncertainty_s > limit_s)) return {};
+  return fmt::format(
+      "the time axis is uncertain by {:.2g} ms (limit {:.2g} ms): no even clock fits the arrivals; was a clock set "
+      "meanwhile, on this computer or the device's, or did the network stall for seconds? Record again",
+      1e3 * axis_uncertainty_s, 1e3 * limit_s);
+}
+
 ExportReport export_raw(const std::vector<std::filesystem::path>& files, const std::filesystem::path& csv) {
   Read read = read_stream(files);
   write_table(files, csv, read.report.first_s, read);
