@@ -152,6 +152,28 @@ RigidTransform find_object(const AcquisitionDescription& d, AcquisitionReport& r
   return report.markers->tracker_to_object;
 }
 
+// A bias that moved spoils the alignment too. Without the clocks the orientation is not known, but at rest the force
+// less the bias has the tool's weight as its length. Empty where it does, at the begin and at the end of the session.
+std::string bias_by_length(const AcquisitionDescription& d, const ForceStream& force, const ToolLoad& tool) {
+  constexpr double level_s = 0.3;
+  if (!(tool.mass_kg > 0.0)) return {};
+  const double weight_N = tool.mass_kg * d.gravity_T_m_per_s2.norm();
+  double worst_N = 0.0;
+  for (const double from_s : {force.t_s.front(), force.t_s.back() - level_s}) {
+    Vec3 level = Vec3::Zero();
+    double n = 0.0;
+    for (std::size_t i = 0; i < force.t_s.size(); ++i) {
+      if (force.t_s[i] >= from_s && force.t_s[i] <= from_s + level_s) level += force.wrench[i].f_N, n += 1.0;
+    }
+    worst_N = std::max(worst_N, std::abs((level / n - tool.bias.f_N).norm() - weight_N));
+  }
+  if (!(worst_N > 0.25 * d.contact_force_N)) return {};
+  return fmt::format(
+      ". The force's bias moved by {:.2g} N or more against the tool's: that is how far the force is off the tool's "
+      "weight at the begin or the end of the session; measure the static poses again, or record again",
+      worst_N);
+}
+
 ClockAlignment find_clocks(const AcquisitionDescription& d, const ForceStream& force, const MotionStream& motion,
                            const ToolLoad& tool, const Quat& q_WT, AcquisitionReport& report) {
   if (!d.align_taps) {
@@ -159,7 +181,11 @@ ClockAlignment find_clocks(const AcquisitionDescription& d, const ForceStream& f
     clocks.offset_s = d.known_offset_s;
     return clocks;
   }
-  report.clocks = align_streams(d, force, motion, tool, q_WT);
+  try {
+    report.clocks = align_streams(d, force, motion, tool, q_WT);
+  } catch (const BadData& error) {
+    throw BadData(error.what() + bias_by_length(d, force, tool));
+  }
   if (!report.clocks->skew_fitted)
     report.notes.emplace_back("the taps do not tell the clocks' skew; tap before and after scanning");
   return *report.clocks;
@@ -396,6 +422,9 @@ Acquired acquire(const AcquisitionDescription& d) {
   const double weight_N = tool.mass_kg * d.gravity_T_m_per_s2.norm();
   check_air(d, merged, motion, free_air_of(d, merged, gap_m, tip, object.q.conjugate() * d.tap_normal_W, weight_N),
             tool, report);
+  if (!surface)
+    report.notes.emplace_back(
+        "without a mesh nothing shows whether the object stayed at rest, and the tip is where it is described");
   if (surface) object = corrected_by_contacts(d, *surface, merged, motion, gap_m, object, report);
 
   Recording& recording = result.recording;

@@ -21,7 +21,7 @@ TEST(SessionCheck, UndisturbedSessionsPassAndAreRight) {
 }
 
 TEST(SessionCheck, EachDisturbanceIsNamedWithTheNextStep) {
-  const auto said = [](Disturbance kind) { return acquire_simulated(8201, kind).sentence; };
+  const auto said = [](Disturbance kind) { return acquire_simulated(8202, kind).sentence; };
   EXPECT_THAT(said(Disturbance::knock_at_start), HasSubstr("/force/bias_from_s"));
   EXPECT_THAT(said(Disturbance::knock_half_way), HasSubstr("the force's bias moved by"));
   EXPECT_THAT(said(Disturbance::bias_drift), HasSubstr("the force's bias moved by"));

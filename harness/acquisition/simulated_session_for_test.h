@@ -68,6 +68,15 @@ class SimulatedSession {
     for (double& p : phase_) p = any(0.0, 6.28);
     offset_s_ = any(-2.0, 2.0);
     skew_ = any(-80e-6, 80e-6);
+    step_N_ = any(0.15, 0.8) * random_.direction();
+    swap_m_ = random_.log_uniform(4e-3, 30e-3) * random_.direction();
+    swap_rad_ = any(0.0, 0.2) * random_.direction();
+    swap_frames_ = 3 + random_.below(10);
+    held_frames_ = 3 + random_.below(25);
+    move_m_ = random_.log_uniform(1.5e-3, 8e-3) * random_.direction();
+    move_rad_ = any(0.0, 0.05) * random_.direction();
+    tip_off_m_ = random_.log_uniform(2e-3, 8e-3) * random_.direction();
+    sensor_turn_rad_ = any(0.08, 0.25) * random_.direction();
     double t = any(1.2, 2.0);
     for (int i = 0; i < 4; ++i) taps_.push_back(t), t += any(0.6, 1.1);
     scan_from_ = t + any(0.8, 1.5);
@@ -144,15 +153,17 @@ class SimulatedSession {
   [[nodiscard]] Vec3 on_moved_object(const Vec3& p, double t) const {
     if (disturbance_ != Disturbance::moved_object) return p;
     const double share = smooth_step(t - 0.5 * (scan_from_ + scan_to_));
-    return Eigen::AngleAxisd(0.035 * share, Vec3(1, 2, 0.5).normalized()) * p + share * Vec3(2e-3, 1.5e-3, 3e-3);
+    return turn(share * move_rad_) * p + share * move_m_;
+  }
+  static Quat turn(const Vec3& rotation_vector) {
+    return Quat(Eigen::AngleAxisd(rotation_vector.norm(), rotation_vector.normalized()));
   }
   [[nodiscard]] Vec3 noise(double size) { return size * Vec3(random_.normal(), random_.normal(), random_.normal()); }
 
   Vec3 bias_at(double t) const {
-    const Vec3 step = 0.5 * Vec3(0.8, 0.0, -0.6);
-    if (disturbance_ == Disturbance::knock_at_start && t > 0.5) return bias_ + step;
-    if (disturbance_ == Disturbance::knock_half_way && t > 0.5 * length_s_) return bias_ + step;
-    if (disturbance_ == Disturbance::bias_drift) return bias_ + t / length_s_ * step;
+    if (disturbance_ == Disturbance::knock_at_start && t > 0.5) return bias_ + step_N_;
+    if (disturbance_ == Disturbance::knock_half_way && t > 0.5 * length_s_) return bias_ + step_N_;
+    if (disturbance_ == Disturbance::bias_drift) return bias_ + t / length_s_ * step_N_;
     return bias_;
   }
   // What the tool pulls at rest or moving, in the sensor's frame, with bias.
@@ -184,17 +195,16 @@ class SimulatedSession {
     for (std::size_t i = 0; i < count; ++i) {
       const double t = static_cast<double>(i) / 60.0;
       const Quat q_TP = q_TW_ * attitude(t) * q_PS_.conjugate();
-      const Vec3 turn = noise(1e-3);
-      Quat q = (Quat(Eigen::AngleAxisd(turn.norm(), turn.normalized())) * q_TP).normalized();
+      Quat q = (turn(noise(1e-3)) * q_TP).normalized();
       Vec3 p = q_TW_ * on_moved_object(tip(t), t) + object_T_ - q_TP * tip_P_ + noise(8e-5);
       const std::size_t phase = i % 240;  // every four seconds
-      if (disturbance_ == Disturbance::swapped_markers && phase >= 200 && phase < 207) {
-        p += q_TW_ * Vec3(0.012, 0.005, -0.01);
-        q = q * Quat(Eigen::AngleAxisd(0.1, Vec3::UnitY()));
+      if (disturbance_ == Disturbance::swapped_markers && phase >= 200 && phase < 200 + swap_frames_) {
+        p += q_TW_ * swap_m_;
+        q = q * turn(swap_rad_);
       }
       std::string pose = fmt::format("{:.8f},{:.8f},{:.8f},{:.9f},{:.9f},{:.9f},{:.9f}", p.x(), p.y(), p.z(), q.w(),
                                      q.x(), q.y(), q.z());
-      if (disturbance_ == Disturbance::held_poses && phase >= 200 && phase < 218) pose = last;
+      if (disturbance_ == Disturbance::held_poses && phase >= 200 && phase < 200 + held_frames_) pose = last;
       text += fmt::format("{:.8f},{}\n", t, pose);
       last = pose;
     }
@@ -235,9 +245,9 @@ class SimulatedSession {
     }
     write_file(folder / "object.obj", mesh);
     Vec3 tip_P = tip_P_;
-    if (disturbance_ == Disturbance::wrong_tip) tip_P += 4e-3 * random_.direction();
+    if (disturbance_ == Disturbance::wrong_tip) tip_P += tip_off_m_;
     Quat q_PS = q_PS_;
-    if (disturbance_ == Disturbance::turned_sensor) q_PS = q_PS * Quat(Eigen::AngleAxisd(0.1, random_.direction()));
+    if (disturbance_ == Disturbance::turned_sensor) q_PS = q_PS * turn(sensor_turn_rad_);
     write_file(folder / "acquisition.json",
                fmt::format(R"({{"schema": "touchstone-acquisition/1", "force": {{"file": "force.csv", "cutoff_Hz": 20}},
  "motion": {{"file": "motion.csv"}},
@@ -255,6 +265,8 @@ class SimulatedSession {
          length_s_ = 0;
   Vec3 center_S_, tip_S_, tip_P_, object_T_, bias_, torque_bias_;
   Quat q_PS_, q_TW_;
+  Vec3 step_N_, swap_m_, swap_rad_, move_m_, move_rad_, tip_off_m_, sensor_turn_rad_;  // of the disturbances
+  std::size_t swap_frames_ = 0, held_frames_ = 0;
   std::array<double, 6> phase_{};
   std::vector<double> taps_;
 };
