@@ -333,18 +333,15 @@ class NdiSource final : public PoseSource {
   void ask_for_frame() {
     came_.clear();
     // The rest of a damaged answer: no more than an answer holds.
-    for (std::size_t rest = 0; rest <= longest_answer_bytes;) {
-      const std::size_t more = line_->read(clock_.now_s()).size();
-      if (more == 0) break;
-      rest += more;
-    }
+    for (std::size_t more = 1, all = 0; more > 0 && all <= longest_answer_bytes; all += more)
+      more = line_->read(clock_.now_s()).size();
     const double now = clock_.now_s();
     line_->write(ndi::command("TX:0001"));
     next_s_ = std::max(next_s_ + 0.5 / options_.rate_Hz, now);
     asked_s_ = now;
   }
 
-  // What came up to the next CR, without it; nothing by then.
+  // What came up to the next CR, without it; nothing by then, also while other bytes keep coming.
   std::optional<std::string> next_answer(double until_s) {
     for (;;) {
       if (const auto end = came_.find('\r'); end != std::string::npos) {
@@ -358,9 +355,7 @@ class NdiSource final : public PoseSource {
                           fmt::format("{}: {} bytes came without the end of an answer (CR)", place_, came_.size()),
                           "is it an NDI tracker that listens at this address?");
       }
-      const auto more = line_->read(until_s);
-      came_ += more;
-      // Whatever comes: a line that never falls silent must not keep the deadline off.
+      came_ += line_->read(until_s);
       if (clock_.now_s() >= until_s && came_.find('\r') == std::string::npos) return std::nullopt;
     }
   }
