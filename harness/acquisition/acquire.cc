@@ -419,9 +419,12 @@ Acquired acquire(const AcquisitionDescription& d) {
     for (const Vec3& p : merged.p_T_m)
       gap_m.push_back(surface->closest(object.point(p)).signed_distance_m - d.tip_radius_m);
   }
-  const double weight_N = tool.mass_kg * d.gravity_T_m_per_s2.norm();
-  check_air(d, merged, motion, free_air_of(d, merged, gap_m, tip, object.q.conjugate() * d.tap_normal_W, weight_N),
-            tool, report);
+  // Without a tool its weight is in the force, as the note says: there is nothing to hold free air against.
+  if (d.tool_file || d.tool) {
+    const double weight_N = tool.mass_kg * d.gravity_T_m_per_s2.norm();
+    check_air(d, merged, motion, free_air_of(d, merged, gap_m, tip, object.q.conjugate() * d.tap_normal_W, weight_N),
+              tool, report);
+  }
   if (!surface)
     report.notes.emplace_back(
         "without a mesh nothing shows whether the object stayed at rest, and the tip is where it is described");

@@ -174,7 +174,8 @@ nlohmann::json as_json(const SessionExport::Table& table) {
 }  // namespace
 
 std::string ExportReport::axis_problem() const {
-  constexpr double least_s = 5e-3;
+  constexpr std::uint64_t stretches = 16, enough = 30;  // of the axis (DriftingClock), and arrivals in each
+  const double least_s = samples < stretches * enough ? 50e-3 : 5e-3;
   const double limit_s = std::max(least_s, rate_Hz > 0.0 ? 0.5 / rate_Hz : least_s);
   if (header.clock == StreamClock::host || !(axis_uncertainty_s > limit_s)) return {};
   return fmt::format(

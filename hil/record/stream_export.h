@@ -29,7 +29,8 @@ struct ExportReport {
   bool emulated = false;
 
   // What is wrong with the times, one sentence; empty: nothing. An axis that is uncertain by more than half a sample
-  // interval puts samples in their neighbours' places; below 5 ms a busy network's shortest delays scatter as much.
+  // interval puts samples in their neighbours' places; below 5 ms a busy network's shortest delays scatter as much, and
+  // below 50 ms where a stretch has fewer than 30 arrivals to be the least of.
   [[nodiscard]] std::string axis_problem() const;
 };
 
