@@ -373,7 +373,9 @@ RigidTransform corrected_by_contacts(const AcquisitionDescription& d, const Surf
   }
   refuse(d, check_contacts(surface, contacts_at(d, merged, motion, index, corrected), d.tip_radius_m, motion.noise_m,
                            *report.contacts, *report.markers));
-  return corrected;
+  return weighed_correction(surface, contacts_at(d, merged, motion, index, corrected), d.tip_radius_m, *report.contacts,
+                            *report.markers) *
+         object;
 }
 
 }  // namespace

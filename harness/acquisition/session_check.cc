@@ -151,21 +151,23 @@ struct GapRows {
   Eigen::VectorXd gap;
   Eigen::MatrixXd move, tip, load;  // the object's six, the tip's three in the probe's frame, the force
   std::vector<Vec3> normal;
+  Vec3 middle_m = Vec3::Zero();  // turns are about it, as arc lengths at the spread
+  double spread_m = 0.0;
 };
 
 GapRows gap_rows(const Surface& surface, const ContactSamples& c, double radius) {
   const auto n = static_cast<Eigen::Index>(c.t_s.size());
-  GapRows rows{Eigen::VectorXd(n), Eigen::MatrixXd(n, 6), Eigen::MatrixXd(n, 3), Eigen::MatrixXd(n, 1), {}};
-  Vec3 middle = Vec3::Zero();
-  for (const Vec3& p : c.center_W_m) middle += p / static_cast<double>(n);
-  double spread = 0.0;
-  for (const Vec3& p : c.center_W_m) spread = std::max(spread, (p - middle).norm());
+  GapRows rows;
+  rows.gap.resize(n), rows.move.resize(n, 6), rows.tip.resize(n, 3), rows.load.resize(n, 1);
+  for (const Vec3& p : c.center_W_m) rows.middle_m += p / static_cast<double>(n);
+  for (const Vec3& p : c.center_W_m) rows.spread_m = std::max(rows.spread_m, (p - rows.middle_m).norm());
   for (Eigen::Index i = 0; i < n; ++i) {
     const auto k = static_cast<std::size_t>(i);
     const BallContact contact = ball_contact(surface, c.center_W_m[k], radius);
     rows.gap[i] = contact.gap_m;
     rows.normal.push_back(contact.n_W);
-    rows.move.row(i) << contact.n_W.transpose(), (c.center_W_m[k] - middle).cross(contact.n_W).transpose() / spread;
+    rows.move.row(i) << contact.n_W.transpose(),
+        (c.center_W_m[k] - rows.middle_m).cross(contact.n_W).transpose() / rows.spread_m;
     rows.tip.row(i) = (c.q_WP[k].conjugate() * contact.n_W).transpose();
     rows.load(i, 0) = -std::max(0.0, contact.n_W.dot(c.force_W_N[k]));
   }
@@ -232,6 +234,47 @@ double contact_compliance_m_per_N(const Surface& surface, const ContactSamples& 
   const Eigen::VectorXd own = load - rows.move * LeastSquares(rows.move).solve(load);
   if (!(own.squaredNorm() > least_variation * least_variation * load.squaredNorm())) return 0.0;
   return std::max(0.0, own.dot(rows.gap) / own.squaredNorm());
+}
+
+RigidTransform weighed_correction(const Surface& surface, const ContactSamples& contacts, double tip_radius_m,
+                                  const ContactRegistration& refinement, const MarkerRegistration& markers) {
+  using Matrix6 = Eigen::Matrix<double, 6, 6>;
+  using Vector6 = Eigen::Matrix<double, 6, 1>;
+  if (markers.markers < 4) return refinement.correction;
+  const GapRows rows = gap_rows(surface, contacts, tip_radius_m);
+  // The move of the object's middle, and the turn.
+  const RigidTransform& all = refinement.correction;
+  const Eigen::AngleAxisd turn(all.q);
+  const Vec3 begin = all.q.conjugate() * (rows.middle_m - all.t_m);
+  Vector6 asked;
+  asked << rows.middle_m - begin, rows.spread_m * turn.angle() * turn.axis();
+  double half_seconds = 0.0, until = -std::numeric_limits<double>::infinity();
+  for (const double t : contacts.t_s) {
+    if (t > until) half_seconds += 1.0, until = t + air_block_s;
+  }
+  const auto n = static_cast<double>(rows.gap.size());
+  const double left = refinement.rms_after_m, contact_variance = left * left + scan_error_m * scan_error_m;
+  const Eigen::VectorXd load = rows.load.col(0), along = rows.move.transpose() * load;
+  Matrix6 contact = rows.move.transpose() * rows.move;
+  if (load.squaredNorm() > 0.0) contact -= along * along.transpose() / load.squaredNorm();
+  contact *= half_seconds / n / contact_variance;
+  // FLE^2 = FRE^2 / (1 - 2 / n) over three components (rigid_registration.cc).
+  const auto count = static_cast<double>(markers.markers);
+  const double fiducial_variance = markers.residual_rms_m * markers.residual_rms_m / (1.0 - 2.0 / count) / 3.0;
+  if (!(fiducial_variance > 0.0)) return {};  // exact markers
+  Eigen::Matrix<double, 3, 6> centroid;
+  centroid << Mat3::Identity(), -cross_matrix(markers.centroid_m - rows.middle_m) / rows.spread_m;
+  Matrix6 marker = centroid.transpose() * centroid;
+  for (int k = 0; k < 3; ++k) {
+    Vector6 about = Vector6::Zero();
+    about.tail<3>() = markers.spread_m[k] / rows.spread_m * markers.axes.col(k);
+    marker += about * about.transpose();
+  }
+  marker *= count / fiducial_variance;
+  const Vector6 move = solve_symmetric(contact + marker, contact * asked);
+  const Vec3 angle = move.tail<3>() / rows.spread_m;
+  const Quat q = angle.norm() > 0.0 ? Quat(Eigen::AngleAxisd(angle.norm(), angle.normalized())) : Quat::Identity();
+  return {q, begin + move.head<3>() - q * begin};
 }
 
 std::vector<std::string> check_contacts(const Surface& surface, const ContactSamples& contacts, double tip_radius_m,

@@ -20,6 +20,20 @@ TEST(SessionCheck, UndisturbedSessionsPassAndAreRight) {
   EXPECT_EQ(all.wrong, 0);
 }
 
+// Contacts must not cost what the markers know, also where a soft surface gives in and hardly tells a shift along it.
+TEST(SessionCheck, ContactsMakeARegistrationByMarkersNoWorse) {
+  double with2 = 0.0, without2 = 0.0;
+  for (std::uint64_t seed = 8301; seed < 8309; ++seed) {
+    const Outcome with = acquire_simulated(seed, Disturbance::none),
+                  without = acquire_simulated(seed, Disturbance::none, false);
+    ASSERT_FALSE(with.refused) << with.sentence;
+    ASSERT_FALSE(without.refused) << without.sentence;
+    with2 += with.position_rms_m * with.position_rms_m;
+    without2 += without.position_rms_m * without.position_rms_m;
+  }
+  EXPECT_LT(with2, without2);
+}
+
 TEST(SessionCheck, EachDisturbanceIsNamedWithTheNextStep) {
   const auto said = [](Disturbance kind) { return acquire_simulated(8202, kind).sentence; };
   EXPECT_THAT(said(Disturbance::knock_at_start), HasSubstr("/force/bias_from_s"));
