@@ -50,6 +50,12 @@ TEST(PairFaults, EachIsNamedWithItsRepairAndTwoGoodOnesAreNot) {
     bad = other;
     for (std::size_t i = 0; i < bad.size(); ++i) bad.f_W_N[i] = bad.motion.q_WS[i].conjugate() * bad.f_W_N[i];
     EXPECT_THAT(named(one, bad), HasSubstr("\"force_frame\": \"sensor\"")) << seed;
+    bad = other;
+    for (Vec3& f : bad.f_W_N) f.z() = -f.z();
+    EXPECT_THAT(named(one, bad), HasSubstr("fz has the other sign")) << seed;
+    bad = other;
+    for (Vec3& f : bad.f_W_N) std::swap(f.x(), f.z());
+    EXPECT_THAT(named(one, bad), HasSubstr("fx and fz are exchanged")) << seed;
     for (const double late_s : {0.15, -0.15}) {
       const std::string message = named(one, pressed_run(random, 100.0, late_s));
       EXPECT_THAT(message, HasSubstr(late_s > 0.0 ? "0.15 s later" : "0.15 s earlier")) << seed;
