@@ -73,6 +73,7 @@ std::optional<SanityFinding> other_reading(const Recording& expected, const Reco
                                       reading.meaning, after, before_N),
                           reading.repair};
   }
+  if (found) return found;
   for (const SignedOrder& order : signed_orders()) {
     if (order.as_it_stands() || order.reversed()) continue;
     const double after = force_difference_N(expected, obtained, 0.0, 0,
