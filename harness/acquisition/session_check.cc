@@ -193,7 +193,7 @@ std::optional<Vec3> turn_by_sliding(const ContactSamples& c, const std::vector<V
   std::vector<stats::NormalEquations> clusters;
   double until = -std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < c.t_s.size(); ++i) {
-    const Vec3 n = normals[i];
+    const Vec3& n = normals[i];
     const Vec3 along = c.velocity_W_m_per_s[i] - n * n.dot(c.velocity_W_m_per_s[i]);
     const double load = n.dot(c.force_W_N[i]);
     if (!(along.norm() > sliding_m_per_s) || !(load > 0.0)) continue;

@@ -72,7 +72,7 @@ bool is_loopback(const sockaddr_storage& address) noexcept {
 long receive_stamped(int socket, StampedArrivals& arrivals, std::span<unsigned char> into, double& t_s,
                      sockaddr_storage* from) {
   iovec vector{into.data(), into.size()};
-  StampBuffer stamp;
+  StampBuffer stamp{};
   msghdr header{};
   header.msg_iov = &vector;
   header.msg_iovlen = 1;
