@@ -62,7 +62,9 @@ void add_run(CLI::App& acquire_command, Run& run) {
   command->add_option("--json", options->json, "Write the report with all residuals to this file");
   command->footer(
       "Exit status 1: the recording is written, but it is not sane (force reversed or in another frame, place), or\n"
-      "something is touched in the interval that should be free air; a note says what to do.\n\n"
+      "something is touched where there should be free air; a note says what to do. Exit status 3: the streams\n"
+      "contradict what the description assumes (bias, frames, tip, markers, an object at rest), and nothing is "
+      "written.\n\n"
       "Example:\n  touchstone acquire run session/acquisition.json --out session/recording.csv --json "
       "session/report.json");
   command->callback([options, &run] {

@@ -22,6 +22,15 @@ ExitStatus said(const std::vector<std::string>& problems, const std::string& who
   return problems.empty() ? ExitStatus::passed : ExitStatus::failed;
 }
 
+std::vector<std::string> axis_problems(const hil::SessionExport& session) {
+  std::vector<std::string> problems;
+  for (const auto& table : session.tables) {
+    if (const auto problem = table.report.axis_problem(); !problem.empty())
+      problems.push_back(fmt::format("{}: {}", table.name, problem));
+  }
+  return problems;
+}
+
 ExitStatus record_one(const RecordOptions& options, const std::function<bool()>& stop) {
   hil::RecordOptions record;
   record.seconds = options.seconds;
@@ -48,10 +57,16 @@ ExitStatus record_many(const RecordOptions& options, const std::function<bool()>
       hil::record_devices(options.devices, hardware_map_from(options.map), folder,
                           {.card_rate_Hz = options.rate_Hz, .handle_rate_Hz = options.handle_rate_Hz}, record, stop);
   fmt::print("{}", hil::record_text(report));
-  const ExitStatus status = said(report.problems(), "");
+  ExitStatus status = said(report.problems(), "");
   const auto session = hil::export_session(folder);
   fmt::print("{}", hil::session_text(session));
+  const auto uncertain = axis_problems(session);
+  if (said(uncertain, "") != ExitStatus::passed) status = ExitStatus::failed;
   if (options.acquire.empty()) return status;
+  if (!uncertain.empty()) {
+    fmt::print(stderr, "no recording is acquired from streams without a sound time axis\n");
+    return status;
+  }
   const auto description = acquisition::read_description(
       options.acquire,
       acquisition::RawStreams{hil::table_of(session, hil::StreamKind::force, options.force, "--force"),
@@ -92,8 +107,9 @@ void add_hil_record(CLI::App& hil_command, Run& run) {
   command->add_option("--force", options->force, "For --acquire: the force sensor, if there are several");
   command->add_option("--motion", options->motion, "For --acquire: the tracker or handle, if there are several");
   command->footer(
-      "Exit status: 0 every sample is there, 1 samples were lost, a stream stopped or its device failed (what came is "
-      "kept), 3 nothing could be recorded.\n"
+      "Exit status: 0 every sample is there, 1 samples were lost, a stream stopped, its device failed or its time axis "
+      "is "
+      "uncertain (what came is kept), 3 nothing could be recorded.\n"
       "Examples:\n  touchstone hil record ati-netft optitrack --map lab/hardware.json --seconds 60 --out run1\n  "
       "touchstone hil record ati-netft --map lab/hardware.json --out run1.tsraw");
   command->callback([options, &run] {
@@ -123,6 +139,7 @@ void add_hil_recover(CLI::App& hil_command, Run& run) {
       ->required();
   command->add_option("--out", options->out, "The CSV to write; a folder gets its tables beside its files");
   command->footer(
+      "Exit status 1: the tables are written, but a time axis is uncertain by more than half a sample.\n"
       "Examples:\n  touchstone hil recover run1.tsraw /tmp/run1.tsraw.rest --out run1.csv\n  touchstone hil recover "
       "run1");
   command->callback([options, &run] {
@@ -130,13 +147,15 @@ void add_hil_recover(CLI::App& hil_command, Run& run) {
       if (std::filesystem::is_directory(options->files.front())) {
         if (options->files.size() > 1 || !options->out.empty())
           throw UsageError("a folder is recovered alone, and into itself: give no --out and no other file");
-        fmt::print("{}", hil::session_text(hil::export_session(options->files.front())));
-        return ExitStatus::passed;
+        const auto session = hil::export_session(options->files.front());
+        fmt::print("{}", hil::session_text(session));
+        return said(axis_problems(session), "");
       }
       if (options->out.empty()) throw UsageError("--out: the CSV to write is needed");
       const auto report = hil::export_raw({options->files.begin(), options->files.end()}, options->out);
       fmt::print("{}", hil::recovery_text(report, options->out));
-      return ExitStatus::passed;
+      const auto problem = report.axis_problem();
+      return problem.empty() ? ExitStatus::passed : said({problem}, "");
     };
   });
 }

@@ -8,6 +8,7 @@
 #include <cstring>
 #include <exception>
 #include <new>
+#include <system_error>
 
 #include "harness/base/half_files.h"
 #include "harness/base/input_files.h"
@@ -87,6 +88,10 @@ int run_program(int argc, char** argv, const std::vector<AddCommand>& commands) 
     return static_cast<int>(error.status());
   } catch (const std::bad_alloc&) {
     fmt::print(stderr, "touchstone: out of memory\n");
+    return static_cast<int>(ExitStatus::bad_data);
+  } catch (const std::system_error& error) {
+    if (std::ferror(stdout) != 0) return lost_output();
+    fmt::print(stderr, "touchstone: the machine refused: {}\n", error.what());
     return static_cast<int>(ExitStatus::bad_data);
   } catch (const std::exception& error) {
     if (std::ferror(stdout) != 0) return lost_output();

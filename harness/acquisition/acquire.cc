@@ -1,158 +1,27 @@
 #include "harness/acquisition/acquire.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
+#include <memory>
+#include <span>
 
+#include "harness/acquisition/clock_parts.h"
 #include "harness/acquisition/frame_check.h"
+#include "harness/acquisition/raw_streams.h"
 #include "harness/acquisition/raw_table.h"
+#include "harness/acquisition/session_check.h"
 #include "harness/base/error.h"
 #include "harness/base/hash.h"
 #include "harness/base/units.h"
-#include "harness/recording/ati_calibration.h"
 #include "harness/stats/quantile.h"
 #include "harness/surface/embree_surface.h"
 #include "harness/surface/mesh_file.h"
 
 namespace touchstone::acquisition {
 namespace {
-
-const std::vector<std::pair<std::string, double>> length_units{{"m", 1.0}, {"mm", 1e-3}};
-
-struct ForceStream {
-  std::vector<double> t_s;
-  std::vector<Wrench> wrench;  // sensor frame, bias of the gauges removed where there is an interval for it
-};
-
-struct MotionStream {
-  std::vector<double> t_s;
-  std::vector<Vec3> tip_T_m;
-  std::vector<Quat> q_TS;
-  std::vector<double> after_gap_s;  // the times at which tracking came back
-  std::vector<std::pair<double, double>> gaps;
-};
-
-GaugeVoltages mean_volts(const RawTable& table, const std::vector<double>& t,
-                         const AcquisitionDescription::Interval& interval) {
-  GaugeVoltages mean{};
-  std::size_t n = 0;
-  for (std::size_t i = 0; i < t.size(); ++i) {
-    if (t[i] < interval.from_s || t[i] > interval.to_s) continue;
-    ++n;
-    for (std::size_t k = 0; k < 6; ++k) mean[k] += table.column(fmt::format("v{}_V", k + 1))[i];
-  }
-  if (n < 10) {
-    throw BadData(fmt::format(
-        "{}: the bias interval {} to {} s holds {} samples; it must lie within {:.3f} to {:.3f} s of the force's clock",
-        table.source(), interval.from_s, interval.to_s, n, t.front(), t.back()));
-  }
-  for (double& v : mean) v /= static_cast<double>(n);
-  return mean;
-}
-
-// What the sensor itself said of its samples, as `touchstone hil record` and `touchstone import` write it.
-void count_flags(const std::vector<double>& flags, const std::string& source, AcquisitionReport& report) {
-  constexpr double most = std::numeric_limits<std::uint32_t>::max();
-  std::size_t faulty = 0;
-  for (std::size_t i = 0; i < flags.size(); ++i) {
-    if (!(flags[i] >= 0.0 && flags[i] <= most && flags[i] == std::floor(flags[i])))
-      throw BadData(fmt::format("{}: sample {}: flags {} is not a whole number from 0 on", source, i + 1, flags[i]));
-    const auto bits = static_cast<std::uint32_t>(flags[i]);
-    report.force_samples.saturated += (bits & sample_saturated) != 0;
-    report.force_samples.out_of_range += (bits & sample_out_of_range) != 0;
-    faulty += (bits & sample_device_error) != 0;
-  }
-  if (faulty > 0) {
-    report.notes.push_back(
-        fmt::format("of {} of {} force samples the sensor reported an error: their forces may mean "
-                    "nothing",
-                    faulty, flags.size()));
-  }
-}
-
-ForceStream read_force(const AcquisitionDescription& d, AcquisitionReport& report) {
-  const RawTable table(d.force_file);
-  ForceStream stream;
-  stream.t_s = table.times_s();
-  report.force_samples.total = table.rows();
-  if (table.has("v1_V")) {
-    if (!d.calibration_file)
-      throw BadData(
-          fmt::format("{}: /force/calibration: is needed to turn gauge voltages into forces", d.file.string()));
-    const auto calibration = read_ati_calibration(*d.calibration_file, d.serial);
-    const GaugeVoltages bias = d.bias ? mean_volts(table, stream.t_s, *d.bias) : GaugeVoltages{};
-    for (std::size_t i = 0; i < table.rows(); ++i) {
-      GaugeVoltages v{};
-      for (std::size_t k = 0; k < 6; ++k) v[k] = table.column(fmt::format("v{}_V", k + 1))[i];
-      const auto sample = apply_calibration(calibration, v, bias);
-      report.force_samples.saturated += (sample.flags & sample_saturated) != 0;
-      report.force_samples.out_of_range += (sample.flags & sample_out_of_range) != 0;
-      report.force_samples.not_finite += (sample.flags & sample_not_finite) != 0;
-      stream.wrench.push_back(sample.wrench);
-    }
-  } else {
-    const auto f = table.vectors("f", force_units, false), torque = table.vectors("t", torque_units, false);
-    for (std::size_t i = 0; i < f.size(); ++i) stream.wrench.push_back({f[i], torque[i]});
-    report.force_samples.not_finite =
-        static_cast<std::size_t>(std::ranges::count_if(stream.wrench, [](const Wrench& w) { return !w.finite(); }));
-    if (table.has("flags")) count_flags(table.column("flags"), table.source(), report);
-  }
-  if (report.force_samples.not_finite > 0)
-    throw BadData(fmt::format("{}: {} of {} samples are not finite; take those lines out, or record again",
-                              d.force_file.string(), report.force_samples.not_finite, table.rows()));
-  if (report.force_samples.saturated > 0) {
-    report.notes.push_back(fmt::format("{} of {} force samples have a saturated gauge: forces there are too small",
-                                       report.force_samples.saturated, table.rows()));
-  }
-  if (report.force_samples.out_of_range > 0) {
-    report.notes.push_back(fmt::format("{} of {} force samples lie beyond the sensor's calibrated range",
-                                       report.force_samples.out_of_range, table.rows()));
-  }
-  return stream;
-}
-
-MotionStream read_motion(const AcquisitionDescription& d, AcquisitionReport& report) {
-  const RawTable table(d.motion_file);
-  const auto t = table.times_s();
-  const auto p = table.vectors("", length_units, false);
-  const auto q = table.rotations();
-  MotionStream stream;
-  for (std::size_t i = 0; i < t.size(); ++i) {
-    if (table.has("tracked") && table.column("tracked")[i] == 0.0) {
-      ++report.samples_without_tracking;
-      continue;
-    }
-    if (!stream.t_s.empty() && t[i] - stream.t_s.back() > d.largest_gap_s)
-      stream.gaps.emplace_back(stream.t_s.back(), t[i]);
-    stream.t_s.push_back(t[i]);
-    stream.tip_T_m.push_back(p[i] + q[i] * d.tip_P_m);
-    stream.q_TS.push_back((q[i] * d.q_PS).normalized());
-  }
-  if (stream.t_s.size() < 2)
-    throw BadData(
-        fmt::format("{}: the tracker saw the probe in {} of {} samples, and 2 are needed: is the body in the file the "
-                    "probe's, and were its markers in view?",
-                    d.motion_file.string(), stream.t_s.size(), t.size()));
-  if (!stream.gaps.empty() && !d.keep_around_gaps) {
-    throw BadData(
-        fmt::format("{}: the tracker lost the probe {} times for longer than {} s, first from {:.3f} to {:.3f} s; set "
-                    "/motion/keep_around_gaps to leave that time out, or record again",
-                    d.motion_file.string(), stream.gaps.size(), d.largest_gap_s, stream.gaps.front().first,
-                    stream.gaps.front().second));
-  }
-  if (!stream.gaps.empty())
-    report.notes.push_back(fmt::format("{} gaps in the tracking were left out", stream.gaps.size()));
-  return stream;
-}
-
-// Within the motion's time and away from its gaps.
-bool has_motion(const MotionStream& motion, double t_motion_s) {
-  if (t_motion_s < motion.t_s.front() || t_motion_s > motion.t_s.back()) return false;
-  return std::none_of(motion.gaps.begin(), motion.gaps.end(),
-                      [&](const auto& gap) { return t_motion_s > gap.first && t_motion_s < gap.second; });
-}
 
 MarkerRegistration read_markers(const AcquisitionDescription& d) {
   const RawTable table(*d.markers_file);
@@ -263,7 +132,7 @@ ToolLoad find_tool(const AcquisitionDescription& d, AcquisitionReport& report) {
     const auto poses = read_static_poses(*d.tool_file, false);
     report.tool = identify_tool(poses, d.gravity_T_m_per_s2, d.tool_file->string());
     const FrameCheck frames = check_frames(poses, {}, *report.tool, d.gravity_T_m_per_s2, d.tool_file->string());
-    if (frames.bad_fit) report.notes.push_back(frames.message(*report.tool, d.tool_file->string()));
+    if (frames.bad_fit) throw BadData(frames.message(*report.tool, d.tool_file->string()));
     return report.tool->load;
   }
   if (d.tool) return *d.tool;
@@ -283,6 +152,28 @@ RigidTransform find_object(const AcquisitionDescription& d, AcquisitionReport& r
   return report.markers->tracker_to_object;
 }
 
+// A bias that moved spoils the alignment too. Without the clocks the orientation is not known, but at rest the force
+// less the bias has the tool's weight as its length. Empty where it does, at the begin and at the end of the session.
+std::string bias_by_length(const AcquisitionDescription& d, const ForceStream& force, const ToolLoad& tool) {
+  constexpr double level_s = 0.3;
+  if (!(tool.mass_kg > 0.0)) return {};
+  const double weight_N = tool.mass_kg * d.gravity_T_m_per_s2.norm();
+  double worst_N = 0.0;
+  for (const double from_s : {force.t_s.front(), force.t_s.back() - level_s}) {
+    Vec3 level = Vec3::Zero();
+    double n = 0.0;
+    for (std::size_t i = 0; i < force.t_s.size(); ++i) {
+      if (force.t_s[i] >= from_s && force.t_s[i] <= from_s + level_s) level += force.wrench[i].f_N, n += 1.0;
+    }
+    worst_N = std::max(worst_N, std::abs((level / n - tool.bias.f_N).norm() - weight_N));
+  }
+  if (!(worst_N > 0.25 * d.contact_force_N)) return {};
+  return fmt::format(
+      ". The force's bias moved by {:.2g} N or more against the tool's: that is how far the force is off the tool's "
+      "weight at the begin or the end of the session; measure the static poses again, or record again",
+      worst_N);
+}
+
 ClockAlignment find_clocks(const AcquisitionDescription& d, const ForceStream& force, const MotionStream& motion,
                            const ToolLoad& tool, const Quat& q_WT, AcquisitionReport& report) {
   if (!d.align_taps) {
@@ -290,7 +181,11 @@ ClockAlignment find_clocks(const AcquisitionDescription& d, const ForceStream& f
     clocks.offset_s = d.known_offset_s;
     return clocks;
   }
-  report.clocks = align_streams(d, force, motion, tool, q_WT);
+  try {
+    report.clocks = align_streams(d, force, motion, tool, q_WT);
+  } catch (const BadData& error) {
+    throw BadData(error.what() + bias_by_length(d, force, tool));
+  }
   if (!report.clocks->skew_fitted)
     report.notes.emplace_back("the taps do not tell the clocks' skew; tap before and after scanning");
   return *report.clocks;
@@ -336,21 +231,151 @@ Merged merge_streams(const AcquisitionDescription& d, const TipForce& tip, const
   return merged;
 }
 
-// The object's place, corrected so that the tip's ball touches the mesh where it presses.
-RigidTransform corrected_by_contacts(const AcquisitionDescription& d, const Merged& merged,
-                                     const RigidTransform& object, AcquisitionReport& report) {
-  const auto surface = make_embree_surface(load_mesh(*d.mesh_file, length_unit_factor(d.mesh_unit)));
-  std::vector<Vec3> centers;
-  for (std::size_t i = 0; i < merged.t_s.size(); ++i) {
-    if (merged.f_T_N[i].norm() >= d.contact_force_N) centers.push_back(object.point(merged.p_T_m[i]));
+// The sensor reads bias + weight of the tool where nothing touches: the mean over the bias interval less the weight is
+// the bias of this run, whatever it was when the static poses were taken.
+void take_bias(const AcquisitionDescription& d, const ForceStream& force, const MotionStream& motion,
+               const ClockAlignment& clocks, ToolLoad& tool) {
+  if (!d.bias) return;
+  std::vector<double> at;
+  std::vector<std::size_t> index;
+  for (std::size_t i = 0; i < force.t_s.size(); ++i) {
+    if (force.t_s[i] < d.bias->from_s || force.t_s[i] > d.bias->to_s) continue;
+    const double t = clocks.to_motion_clock(force.t_s[i]);
+    if (has_motion(motion, t)) at.push_back(t), index.push_back(i);
   }
-  report.contacts = register_contacts(*surface, centers, d.tip_radius_m, {}, d.file.string());
+  if (index.size() < fewest_of_bias) {
+    throw BadData(fmt::format(
+        "{}: in the bias interval {} to {} s {} samples of the force have a pose of the probe, and {} are needed: the "
+        "force's clock runs from {:.3f} to {:.3f} s, and the tracker must see the probe",
+        d.file.string(), d.bias->from_s, d.bias->to_s, index.size(), fewest_of_bias, force.t_s.front(),
+        force.t_s.back()));
+  }
+  const auto q = slerp_at(motion.t_s, motion.q_TS, at, d.motion_file.string());
+  ToolLoad weight = tool;
+  weight.bias = {};
+  Wrench mean;
+  for (std::size_t i = 0; i < index.size(); ++i) {
+    const Wrench own = tool_wrench(weight, q[i], d.gravity_T_m_per_s2);
+    mean.f_N += (force.wrench[index[i]].f_N - own.f_N) / static_cast<double>(index.size());
+    mean.torque_Nm += (force.wrench[index[i]].torque_Nm - own.torque_Nm) / static_cast<double>(index.size());
+  }
+  tool.bias = mean;
+}
+
+// A ball this far from the mesh does not touch it, wherever within their limit the markers leave the object.
+double clear_gap_m(const AcquisitionDescription& d) { return 2.5 * d.largest_marker_residual_m; }
+
+// The samples at a session's begin that stay near the level they start at: free air, where one taps before scanning.
+// A hand that moves the tool makes up to a quarter of its weight (free_air.h).
+std::size_t free_air_from(std::span<const Vec3> force_N, std::span<const double> t_s, double most_N) {
+  constexpr double level_s = 0.3, smoothed_s = 0.1;
+  Vec3 level = Vec3::Zero();
+  std::size_t n = 0;
+  while (n < t_s.size() && std::abs(t_s[n] - t_s[0]) < level_s) level += force_N[n++];
+  level /= static_cast<double>(n);
+  n = 0;
+  while (n < t_s.size() && (force_N[n] - level).norm() < most_N) ++n;
+  if (n == t_s.size()) return n;
+  const double contact_s = t_s[n];
+  while (n > 0 && std::abs(t_s[n - 1] - contact_s) < smoothed_s) --n;  // what smoothing brings of the contact
+  return n;
+}
+
+// The merged samples at which nothing can be touched: farther from the mesh than markers and scan may be wrong, and not
+// near a tap (one may tap a table); without a mesh, but with taps before and after, the begin and the end.
+std::vector<bool> free_air_of(const AcquisitionDescription& d, const Merged& merged, const std::vector<double>& gap_m,
+                              const TipForce& tip, const Vec3& normal_T, double weight_N) {
+  constexpr double beside_tap_s = 0.1;
+  std::vector<bool> free(merged.t_s.size(), false);
+  if (gap_m.empty()) {
+    if (!d.align_taps) return free;
+    const double most_N = d.contact_force_N + 0.25 * weight_N;
+    const std::vector<double> t_back(merged.t_s.rbegin(), merged.t_s.rend());
+    const std::vector<Vec3> f_back(merged.f_T_N.rbegin(), merged.f_T_N.rend());
+    std::fill_n(free.begin(), free_air_from(merged.f_T_N, merged.t_s, most_N), true);
+    std::fill_n(free.rbegin(), free_air_from(f_back, t_back, most_N), true);
+    return free;
+  }
+  std::vector<double> push;
+  push.reserve(tip.f_T_N.size());
+  for (const Vec3& f : tip.f_T_N) push.push_back(normal_T.dot(f));
+  const auto taps = find_force_taps(tip.t_s, push, d.taps);
+  for (std::size_t i = 0; i < free.size(); ++i) {
+    const double t = merged.t_s[i];
+    free[i] = gap_m[i] > clear_gap_m(d) && std::ranges::none_of(taps, [&](const ForceTap& tap) {
+                return t > tap.onset_s - beside_tap_s && t < tap.release_s + beside_tap_s;
+              });
+  }
+  return free;
+}
+
+// Throws all sentences at once: each is a reason why the recording would be wrong.
+void refuse(const AcquisitionDescription& d, const std::vector<std::string>& faults) {
+  if (faults.empty()) return;
+  throw BadData(fmt::format("{}: {}", d.file.string(), fmt::join(faults, "; ")));
+}
+
+void check_air(const AcquisitionDescription& d, const Merged& merged, const MotionStream& motion,
+               std::vector<bool> free_air, const ToolLoad& tool, AcquisitionReport& report) {
+  SessionSamples samples{merged.t_s, merged.p_T_m, merged.f_T_N, {}, std::move(free_air)};
+  for (const std::size_t i : merged.sample) samples.q_TS.push_back(motion.q_TS[i]);
+  const FreeAirCheck check = check_free_air(samples, tool, d.gravity_T_m_per_s2, d.contact_force_N);
+  if (check.blocks == 0)
+    report.notes.emplace_back(
+        "cannot tell whether the force's bias held: there are fewer than two stretches of half a second of free air "
+        "(far from the mesh, or before the first and after the last tap)");
+  if (!check.event.empty()) report.notes.push_back(check.event);
+  report.contact_in_free_air = !check.event.empty();
+  refuse(d, check.faults);
+}
+
+ContactSamples contacts_at(const AcquisitionDescription& d, const Merged& merged, const MotionStream& motion,
+                           const std::vector<std::size_t>& index, const RigidTransform& object) {
+  ContactSamples contacts;
+  for (const std::size_t i : index) {
+    const std::size_t before = i > 0 ? i - 1 : i, after = i + 1 < merged.t_s.size() ? i + 1 : i;
+    contacts.t_s.push_back(merged.t_s[i]);
+    contacts.center_W_m.push_back(object.point(merged.p_T_m[i]));
+    contacts.force_W_N.push_back(object.q * merged.f_T_N[i]);
+    contacts.velocity_W_m_per_s.push_back(object.q * (merged.p_T_m[after] - merged.p_T_m[before]) /
+                                          (merged.t_s[after] - merged.t_s[before]));
+    contacts.q_WS.push_back(object.q * motion.q_TS[merged.sample[i]]);
+    contacts.q_WP.push_back(contacts.q_WS.back() * d.q_PS.conjugate());
+  }
+  return contacts;
+}
+
+// The object's place, corrected so that the tip's ball touches the mesh where it presses, less what the surface gives
+// in under the force: twice, since how far it gives in follows from the place and the place from that.
+RigidTransform corrected_by_contacts(const AcquisitionDescription& d, const Surface& surface, const Merged& merged,
+                                     const MotionStream& motion, const std::vector<double>& gap_m,
+                                     const RigidTransform& object, AcquisitionReport& report) {
+  std::vector<std::size_t> index;
+  for (std::size_t i = 0; i < merged.t_s.size(); ++i) {
+    if (merged.f_T_N[i].norm() >= d.contact_force_N && gap_m[i] < clear_gap_m(d)) index.push_back(i);
+  }
+  const ContactSamples by_markers = contacts_at(d, merged, motion, index, object);
+  RigidTransform corrected = object;
+  for (int pass = 0; pass < 2; ++pass) {
+    std::vector<Vec3> centers = by_markers.center_W_m;
+    if (pass > 0) {
+      const double give =
+          contact_compliance_m_per_N(surface, contacts_at(d, merged, motion, index, corrected), d.tip_radius_m);
+      for (std::size_t i = 0; i < centers.size(); ++i) centers[i] += give * by_markers.force_W_N[i];
+    }
+    report.contacts = register_contacts(surface, centers, d.tip_radius_m, {}, d.file.string());
+    corrected = report.contacts->correction * object;
+  }
   if (report.contacts->determined_directions < 6) {
     report.notes.push_back(
         fmt::format("the contacts determine {} of 6 directions; the others are as the markers left them",
                     report.contacts->determined_directions));
   }
-  return report.contacts->correction * object;
+  refuse(d, check_contacts(surface, contacts_at(d, merged, motion, index, corrected), d.tip_radius_m, motion.noise_m,
+                           *report.contacts, *report.markers));
+  return weighed_correction(surface, contacts_at(d, merged, motion, index, corrected), d.tip_radius_m, *report.contacts,
+                            *report.markers) *
+         object;
 }
 
 }  // namespace
@@ -374,13 +399,12 @@ Acquired acquire(const AcquisitionDescription& d) {
   }
   const ForceStream force = read_force(d, report);
   const MotionStream motion = read_motion(d, report);
-  const ToolLoad tool = find_tool(d, report);
-  if (const auto contact = contact_in_bias(d, force, tool.mass_kg * d.gravity_T_m_per_s2.norm())) {
-    report.notes.push_back(*contact);
-    report.contact_in_free_air = true;
-  }
+  ToolLoad tool = find_tool(d, report);
+  if (const auto contact = contact_in_bias(d, force, tool.mass_kg * d.gravity_T_m_per_s2.norm()))
+    throw BadData(fmt::format("{}: {}", d.file.string(), *contact));
   RigidTransform object = find_object(d, report);
   const ClockAlignment clocks = find_clocks(d, force, motion, tool, object.q, report);
+  take_bias(d, force, motion, clocks, tool);
 
   const TipForce tip = force_at_tip(d, force, motion, tool, clocks);
   std::vector<Wrench> free_air;
@@ -390,7 +414,23 @@ Acquired acquire(const AcquisitionDescription& d) {
   report.free_air = residual_of(free_air);
 
   const Merged merged = merge_streams(d, tip, motion, report);
-  if (d.mesh_file) object = corrected_by_contacts(d, merged, object, report);
+  std::shared_ptr<const Surface> surface;
+  std::vector<double> gap_m;
+  if (d.mesh_file) {
+    surface = make_embree_surface(load_mesh(*d.mesh_file, length_unit_factor(d.mesh_unit)));
+    for (const Vec3& p : merged.p_T_m)
+      gap_m.push_back(surface->closest(object.point(p)).signed_distance_m - d.tip_radius_m);
+  }
+  // Without a tool its weight is in the force, as the note says: there is nothing to hold free air against.
+  if (d.tool_file || d.tool) {
+    const double weight_N = tool.mass_kg * d.gravity_T_m_per_s2.norm();
+    check_air(d, merged, motion, free_air_of(d, merged, gap_m, tip, object.q.conjugate() * d.tap_normal_W, weight_N),
+              tool, report);
+  }
+  if (!surface)
+    report.notes.emplace_back(
+        "without a mesh nothing shows whether the object stayed at rest, and the tip is where it is described");
+  if (surface) object = corrected_by_contacts(d, *surface, merged, motion, gap_m, object, report);
 
   Recording& recording = result.recording;
   recording.source = d.file.string();

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "harness/acquisition/tap_alignment.h"
@@ -14,6 +15,10 @@ namespace touchstone::acquisition {
 // half a second and more and the bias drifts slower still, while a tap lasts less than 0.4 s: the residual is taps, and
 // what changes as fast. Neither orientation nor offset is needed.
 std::vector<Vec3> without_slow_part(const std::vector<double>& t_s, const std::vector<Vec3>& force_N);
+
+// What is missing in a stream, as the end of a message (". In the force, 2 s are missing ..."): gaps of several sample
+// intervals. Empty where they are less than a hundredth of the time.
+std::string missing_in(const std::vector<double>& t_s, std::string_view what);
 
 // t_force - t_motion by cross-correlation, good to a fraction of the tracker's interval. `quick_force_N` is without its
 // slow part.

@@ -3,7 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <complex>
 #include <cstddef>
+#include <string_view>
 #include <unsupported/Eigen/FFT>
 
 #include "harness/acquisition/clock_parts.h"
@@ -50,7 +52,60 @@ std::vector<double> on_grid(const std::vector<double>& t, const std::vector<doub
   return sum;
 }
 
+// Circular cross-correlation of the force's cells with the motion's, of which those from `first` to `last` count.
+std::vector<double> correlation_of(const std::vector<double>& force, const std::vector<double>& motion,
+                                   std::size_t first, std::size_t last) {
+  std::vector<double> wide(force.size(), 0.0);
+  for (std::size_t k = first; k < last; ++k) wide[k] = motion[k / 2];
+  Eigen::FFT<double> fft;
+  std::vector<std::complex<double>> fa, fb;
+  fft.fwd(fa, force);
+  fft.fwd(fb, wide);
+  for (std::size_t k = 0; k < fa.size(); ++k) fa[k] *= std::conj(fb[k]);
+  std::vector<double> match;
+  fft.inv(match, fa);
+  return match;
+}
+
+// What a match must exceed to be more than chance.
+double chance_of(const std::vector<double>& match) {
+  std::vector<double> sizes;
+  for (const double m : match) {
+    if (m != 0.0) sizes.push_back(std::abs(m));
+  }
+  return clear_peak * (sizes.empty() ? 0.0 : stats::normal_sigma_per_median * stats::upper_median(std::move(sizes)));
+}
+
+std::size_t best_of(const std::vector<double>& match) {
+  return static_cast<std::size_t>(std::distance(match.begin(), std::ranges::max_element(match)));
+}
+
+// The highest value within a tap's width of an index.
+double value_near(const std::vector<double>& match, std::size_t index, double cell_s) {
+  const std::size_t n = match.size(), reach = std::min(n / 2, static_cast<std::size_t>(same_match_s / cell_s));
+  double highest = match[index];
+  for (std::size_t k = 0; k <= 2 * reach; ++k) highest = std::max(highest, match[(index + n - reach + k) % n]);
+  return highest;
+}
+
 }  // namespace
+
+std::string missing_in(const std::vector<double>& t_s, std::string_view what) {
+  constexpr double several = 2.5, worth_saying = 0.01;  // intervals; share of the time
+  const double interval_s = sample_interval_s(t_s);
+  std::size_t gaps = 0;
+  double longest_s = 0.0, missing_s = 0.0;
+  for (std::size_t i = 1; i < t_s.size(); ++i) {
+    const double step_s = t_s[i] - t_s[i - 1];
+    if (step_s < several * interval_s) continue;
+    ++gaps;
+    longest_s = std::max(longest_s, step_s);
+    missing_s += step_s - interval_s;
+  }
+  if (missing_s < worth_saying * (t_s.back() - t_s.front())) return {};
+  return fmt::format(". In the {}, {:.2g} s are missing in {} gaps (the longest {:.3g} s): samples were lost", what,
+                     missing_s, gaps, longest_s);
+}
 
 std::vector<Vec3> without_slow_part(const std::vector<double>& t_s, const std::vector<Vec3>& force_N) {
   std::vector<double> block_t;
@@ -112,42 +167,46 @@ double coarse_offset(const std::vector<double>& t_force_s, const std::vector<Vec
   std::vector<double> a = on_grid(t_force_s, push, t_force_s.front(), cell, force_cells);
   // The motion has one value per two cells and both get it: it appears one cell late, which is put right at the end.
   const std::vector<double> b = on_grid(t_bend, bend, t_bend.front() - cell, 2 * cell, motion_cells / 2 + 2);
-  std::vector<double> wide(size, 0.0);
-  for (std::size_t k = 0; k < motion_cells; ++k) wide[k] = b[k / 2];
   a.resize(size, 0.0);
-  Eigen::FFT<double> fft;
-  std::vector<std::complex<double>> fa, fb;
-  fft.fwd(fa, a);
-  fft.fwd(fb, wide);
-  for (std::size_t k = 0; k < fa.size(); ++k) fa[k] *= std::conj(fb[k]);
-  std::vector<double> match;
-  fft.inv(match, fa);
+  const std::vector<double> match = correlation_of(a, b, 0, motion_cells);
   // match[k] belongs to a lag of k cells, the upper half to negative ones.
   const auto lag_of = [&](std::size_t k) {
     return k < force_cells ? static_cast<double>(k) : static_cast<double>(k) - static_cast<double>(size);
   };
-  const auto best =
-      static_cast<std::size_t>(std::distance(match.begin(), std::max_element(match.begin(), match.end())));
-  std::vector<double> sizes;
-  for (const double m : match) {
-    if (m != 0.0) sizes.push_back(std::abs(m));
-  }
-  const double scatter = sizes.empty() ? 0.0 : stats::normal_sigma_per_median * stats::upper_median(sizes);
+  const std::size_t best = best_of(match);
+  const double chance = chance_of(match);
   const double origin = t_force_s.front() - t_bend.front();
-  if (!(match[best] > clear_peak * scatter)) {
+  if (!(match[best] > chance)) {
     throw BadData(fmt::format(
         "{}: force and motion do not match at any offset (best correlation {:.1f} times its scatter, {} needed); were "
         "both recorded at the same time, with taps on a hard surface along /clocks/tap_normal_W? Or give the offset of "
-        "the clocks (/clocks/offset_s)",
-        source, scatter > 0.0 ? match[best] / scatter : 0.0, clear_peak));
+        "the clocks (/clocks/offset_s){}{}",
+        source, chance > 0.0 ? clear_peak * match[best] / chance : 0.0, clear_peak, missing_in(t_force_s, "force"),
+        missing_in(t_motion_s, "motion")));
+  }
+  const auto offset_of = [&](std::size_t lag) { return origin + (lag_of(lag) + 1.0) * cell; };
+  // If each half of the motion matches somewhere, and neither where the other one does, no rhythm is to blame. Halves
+  // that lie farther apart than a quarter of the session match other taps than their own.
+  const auto early = correlation_of(a, b, 0, motion_cells / 2),
+             late = correlation_of(a, b, motion_cells / 2, motion_cells);
+  const std::size_t best_early = best_of(early), best_late = best_of(late);
+  const double step_s = std::abs(lag_of(best_early) - lag_of(best_late)) * cell;
+  if (step_s > same_match_s && step_s < 0.25 * motion_span && early[best_early] > chance_of(early) &&
+      late[best_late] > chance_of(late) && value_near(early, best_late, cell) < rival_share * early[best_early] &&
+      value_near(late, best_early, cell) < rival_share * late[best_late]) {
+    throw BadData(fmt::format(
+        "{}: the first half matches at an offset of {:.3f} s and the second at {:.3f} s: between them a clock was set, "
+        "or samples were lost whose times are counted, not measured; record again with time stamps{}{}",
+        source, offset_of(best_early), offset_of(best_late), missing_in(t_force_s, "force"),
+        missing_in(t_motion_s, "motion")));
   }
   for (std::size_t k = 0; k < size; ++k) {
     if (std::abs(lag_of(k) - lag_of(best)) * cell > same_match_s && match[k] > rival_share * match[best]) {
       throw BadData(fmt::format(
           "{}: force and motion match at an offset of {:.3f} s and {:.0f} % as well at {:.3f} s; tap in an uneven "
-          "rhythm, so that the pattern fits in one way only, or give the offset of the clocks (/clocks/offset_s)",
-          source, origin + (lag_of(best) + 1.0) * cell, 100 * match[k] / match[best],
-          origin + (lag_of(k) + 1.0) * cell));
+          "rhythm, so that the pattern fits in one way only, or give the offset of the clocks (/clocks/offset_s){}{}",
+          source, offset_of(best), 100 * match[k] / match[best], offset_of(k), missing_in(t_force_s, "force"),
+          missing_in(t_motion_s, "motion")));
     }
   }
   // A parabola through the peak.

@@ -74,6 +74,7 @@ AcquisitionDescription read_description(const std::filesystem::path& path, const
     } else {
       ToolLoad load;
       load.mass_kg = tool.number("mass_kg");
+      if (!(load.mass_kg >= 0.0)) tool.fail_at("mass_kg", "a mass of zero or more was expected");
       load.center_S_m = vector_of(tool, "center_S_m");
       if (tool.has("bias_N")) load.bias.f_N = vector_of(tool, "bias_N");
       if (tool.has("bias_Nm")) load.bias.torque_Nm = vector_of(tool, "bias_Nm");

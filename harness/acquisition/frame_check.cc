@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "harness/base/error.h"
+#include "harness/base/signed_order.h"
 
 namespace touchstone::acquisition {
 namespace {
@@ -21,6 +22,46 @@ std::vector<PoseReading> readings() {
     }
   }
   return all;
+}
+
+// Mass and misfit of F = m g_S + b by the forces alone, in one pass: with deviations from the means, m = sum f.g / sum
+// g.g.
+struct ForceFit {
+  double mass_kg = 0.0, left_N = std::numeric_limits<double>::infinity();  // per component, root mean square
+};
+ForceFit fit_forces(const std::vector<Vec3>& g_S, const std::vector<Vec3>& force, const SignedOrder& order) {
+  const auto n = static_cast<double>(g_S.size());
+  Vec3 mean_g = Vec3::Zero(), mean_f = Vec3::Zero();
+  double gg = 0.0, fg = 0.0, ff = 0.0;
+  for (std::size_t i = 0; i < g_S.size(); ++i) {
+    const Vec3 f = order.applied(force[i]);
+    mean_g += g_S[i] / n, mean_f += f / n;
+    gg += g_S[i].squaredNorm(), fg += f.dot(g_S[i]), ff += f.squaredNorm();
+  }
+  gg -= n * mean_g.squaredNorm(), fg -= n * mean_f.dot(mean_g), ff -= n * mean_f.squaredNorm();
+  if (!(gg > 0.0)) return {};
+  return {fg / gg, std::sqrt(std::max(0.0, ff - fg * fg / gg) / (3.0 * n))};
+}
+
+// The signed order of the force's axes that explains the poses where the file's does not.
+void name_axes(const std::vector<StaticPose>& poses, const Vec3& gravity_W, FrameCheck& check) {
+  std::vector<Vec3> g_S, force;
+  for (const StaticPose& pose : poses) {
+    g_S.push_back(pose.q_WS.conjugate() * gravity_W);
+    force.push_back(pose.measured.f_N);
+  }
+  double best_N = std::numeric_limits<double>::infinity();
+  for (const SignedOrder& order : signed_orders()) {
+    const ForceFit fit = fit_forces(g_S, force, order);
+    const bool fits =
+        fit.mass_kg > 0.0 && std::sqrt(3.0) * fit.left_N <= most_weight_left * fit.mass_kg * gravity_W.norm();
+    // The plainest first: of equals it stays.
+    if (!fits || !(fit.left_N < 0.9 * best_N)) continue;
+    best_N = fit.left_N;
+    check.axes = order.meaning();
+    check.axes_mass_kg = fit.mass_kg;
+    check.axes_left_N = fit.left_N;
+  }
 }
 
 }  // namespace
@@ -87,6 +128,7 @@ FrameCheck check_frames(const std::vector<StaticPose>& poses, const PoseReading&
       continue;  // read so, the orientations do not determine a tool
     }
   }
+  if (!check.repair) name_axes(read_as(poses, reading), gravity_W_m_per_s2, check);
   return check;
 }
 
@@ -97,9 +139,14 @@ std::string FrameCheck::message(const ToolIdentification& as_read, const std::st
       "set of "
       "poses leaves less than {:.0f} %",
       source, as_read.load.mass_kg, as_read.fit.force_component_N, 100.0 * share_left, 100.0 * most_weight_left);
+  if (!axes.empty()) {
+    return text + fmt::format("; if {}, {:.3g} kg leave {:.2g} N per component: correct these columns in the file",
+                              axes, axes_mass_kg, axes_left_N);
+  }
   if (!repair) {
     return text +
-           "; no other frame of the wrench, reading of the orientation or sign of the force fits: was the tool "
+           "; no other frame of the wrench, reading of the orientation, sign or order of the force's axes fits: was "
+           "the tool "
            "touched, or are rows of force and orientation of different poses?";
   }
   const std::string flags = repair->flags();

@@ -1,6 +1,7 @@
 // Are static poses written in the frames that the caller assumes? Fits the tool anew under each mistake that files of
 // this kind hold (force by the tool's holder, orientation inverted, quaternion in another order, wrench already turned
-// into the world) and compares what the best tool of each leaves. Nothing is applied: the caller names the repair.
+// into the world, axes mirrored or exchanged) and compares what the best tool of each leaves. Nothing is applied: the
+// caller names the repair.
 #pragma once
 
 #include <optional>
@@ -43,6 +44,10 @@ struct FrameCheck {
   // The reading that fits best, with its tool; nothing where no other reading has a positive mass and a good fit.
   std::optional<PoseReading> repair;
   ToolIdentification repaired;
+  // Where no reading fits: exchanged or mirrored axes of the force that do ("fx has the other sign"), with the mass and
+  // the force per component that is left so; empty where none of the 48 signed orders fits.
+  std::string axes;
+  double axes_mass_kg = 0.0, axes_left_N = 0.0;
 
   // Empty, or what a user must know, with the flags of the repair.
   [[nodiscard]] std::string message(const ToolIdentification& as_read, const std::string& source) const;

@@ -10,6 +10,7 @@
 #include <sstream>
 
 #include "harness/base/random.h"
+#include "harness/base/signed_order.h"
 #include "harness/testing/shared_data.h"
 
 namespace touchstone::acquisition {
@@ -83,6 +84,32 @@ TEST(FrameCheck, NamesEveryMistakeAndItsRepair) {
   EXPECT_EQ(cases, 33);
 }
 
+TEST(FrameCheck, NamesAxesThatAreMirroredOrExchanged) {
+  Random random(20260103);
+  for (const auto& [order, said] :
+       {std::pair{SignedOrder{{0, 1, 2}, {1, -1, 1}}, "fy has the other sign"},
+        {SignedOrder{{2, 1, 0}, {1, 1, 1}}, "fx and fz are exchanged"},
+        {SignedOrder{{1, 2, 0}, {1, 1, 1}}, "the columns fx, fy, fz hold fz, fx, fy"},
+        {SignedOrder{{1, 0, 2}, {1, 1, -1}}, "fx and fy are exchanged and fz has the other sign"}}) {
+    auto poses = made_poses(0.35, 0.004, 40, random);
+    // Written so that the order undoes it.
+    for (StaticPose& pose : poses) {
+      const Vec3 right = pose.measured.f_N;
+      for (int k = 0; k < 3; ++k) {
+        const auto at = static_cast<std::size_t>(k);
+        pose.measured.f_N[order.from[at]] = order.sign[at] * right[k];
+      }
+    }
+    const auto as_read = identify_tool(poses, standard_gravity, "poses.csv");
+    const auto check = check_frames(poses, {}, as_read, standard_gravity, "poses.csv");
+    ASSERT_TRUE(check.bad_fit) << said;
+    EXPECT_EQ(check.axes, said);
+    EXPECT_NEAR(check.axes_mass_kg, 0.35, 0.002) << said;
+    EXPECT_NEAR(check.axes_left_N, 0.004, 0.001) << said;
+    EXPECT_THAT(check.message(as_read, "poses.csv"), HasSubstr(said));
+  }
+}
+
 TEST(FrameCheck, PosesThatNothingExplainsAreABadFitWithoutRepair) {
   Random random(7);
   auto poses = made_poses(1.0, 0.01, 40, random);
@@ -91,6 +118,7 @@ TEST(FrameCheck, PosesThatNothingExplainsAreABadFitWithoutRepair) {
   const auto check = check_frames(poses, {}, as_read, standard_gravity, "mixed.csv");
   EXPECT_TRUE(check.bad_fit);
   EXPECT_FALSE(check.repair);
+  EXPECT_EQ(check.axes, "");
   EXPECT_THAT(check.message(as_read, "mixed.csv"), HasSubstr("mixed.csv: bad fit"));
 }
 

@@ -159,12 +159,37 @@ std::vector<const Sample*> without_contact(const std::vector<Sample>& samples, c
   return free;
 }
 
+// The middle of what the first or the last samples differ by from the tool.
+Vec3 level_of(const std::vector<Sample>& samples, bool first) {
+  const std::size_t n = std::min<std::size_t>(samples.size(), fewest_samples / 2);
+  Vec3 level;
+  for (int k = 0; k < 3; ++k) {
+    std::vector<double> values;
+    for (std::size_t i = 0; i < n; ++i) {
+      const Sample& x = samples[first ? i : samples.size() - 1 - i];
+      values.push_back(x.expected_N[k] - x.felt_N[k]);
+    }
+    level[k] = stats::upper_median(std::move(values));
+  }
+  return level;
+}
+
 // Empty where there is too little free motion.
 FreeSamples fit_free(const std::vector<Sample>& samples, const Vec3& bias_N, double reference_s) {
   FreeSamples result;
-  result.fit.setZero();
-  result.fit.segment<3>(bias_at) = -bias_N;
-  result.fit[scale_at] = 1.0;
+  // The bias may have moved since the static poses: begin with that one or with the level of either end of the session,
+  // where a hand is in the air, whichever leaves more samples quiet.
+  Eigen::Matrix<double, parameters, 1> start;
+  double quietest = std::numeric_limits<double>::infinity();
+  for (const Vec3& bias : {Vec3(-bias_N), level_of(samples, true), level_of(samples, false)}) {
+    start.setZero();
+    start.segment<3>(bias_at) = bias;
+    start[scale_at] = 1.0;
+    std::vector<double> sizes;
+    for (const Sample& x : samples) sizes.push_back(misfit_of(x, start, reference_s).norm());
+    const double quiet = stats::lower_quantile(std::move(sizes), 0.3);
+    if (quiet < quietest) quietest = quiet, result.fit = start;
+  }
   for (int pass = 0; pass < 4; ++pass) {
     std::vector<double> sizes;
     for (const Sample& x : samples) sizes.push_back(misfit_of(x, result.fit, reference_s).norm());

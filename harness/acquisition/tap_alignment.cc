@@ -29,20 +29,21 @@ void check_line(const ClockAlignment& line, const TapOptions& options, const std
                   source, line.skew * 1e6, options.largest_skew * 1e6));
 }
 
+// `missing`: of the streams, as missing_in() says it.
 [[noreturn]] void too_few_taps(std::size_t contacts, std::size_t taps, const TapOptions& options,
-                               const std::string& source) {
+                               const std::string& source, const std::string& missing) {
   if (contacts == 0) {
     throw BadData(fmt::format(
         "{}: no taps in the force (contacts of {} to {} s); tap the object a few times before and after scanning, or "
-        "give the offset of the clocks (/clocks/offset_s)",
-        source, options.shortest_tap_s, options.longest_tap_s));
+        "give the offset of the clocks (/clocks/offset_s){}",
+        source, options.shortest_tap_s, options.longest_tap_s, missing));
   }
   throw BadData(fmt::format(
       "{}: of {} brief contacts in the force {} are taps in the motion (straight down and up again along "
       "/clocks/tap_normal_W); {} are needed: check that direction, or tap four times before and four "
       "times after scanning, or describe the tool (/tool), so that free motion helps, or give the offset of "
-      "the clocks (/clocks/offset_s)",
-      source, contacts, taps, fewest_taps));
+      "the clocks (/clocks/offset_s){}",
+      source, contacts, taps, fewest_taps, missing));
 }
 
 // A line of no skew, about the middle of the motion.
@@ -63,11 +64,12 @@ ClockAlignment align_by_taps(const std::vector<double>& t_force_s, const std::ve
   for (const double f : normal_force_N) force.emplace_back(0.0, 0.0, f);
   const auto quick = without_slow_part(t_force_s, force);
   const auto contacts = find_force_taps(t_force_s, normal_force_N, options);
-  if (contacts.empty()) too_few_taps(0, 0, options, source);
+  const auto missing = [&] { return missing_in(t_force_s, "force") + missing_in(t_motion_s, "motion"); };
+  if (contacts.empty()) too_few_taps(0, 0, options, source, missing());
   const double coarse = coarse_offset(t_force_s, quick, t_motion_s, height_m, source);
   const auto events =
       tap_events(t_force_s, normal_force_N, t_motion_s, height_m, contacts, coarse, coarse_error_s, 0.0, options);
-  if (events.size() < fewest_taps) too_few_taps(contacts.size(), events.size(), options, source);
+  if (events.size() < fewest_taps) too_few_taps(contacts.size(), events.size(), options, source, missing());
   const ClockAlignment guess = near_to(coarse, t_motion_s);
   const ClockAlignment line = fit_clock_line(tap_clusters(events, guess, sample_interval_s(t_motion_s)), guess);
   check_line(line, options, source);
@@ -114,7 +116,10 @@ ClockAlignment align_clocks(const ClockStreams& s, const TapOptions& options, co
   if (moves) {
     line.taps = taps;
   } else {
-    if (taps < fewest_taps) too_few_taps(contacts.size(), taps, options, source);
+    if (taps < fewest_taps) {
+      too_few_taps(contacts.size(), taps, options, source,
+                   missing_in(s.t_force_s, "force") + missing_in(s.t_motion_s, "motion"));
+    }
     line = fit_clock_line(tap_clusters(std::move(events), line, interval), line);
   }
   check_line(line, options, source);

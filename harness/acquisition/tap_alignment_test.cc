@@ -92,6 +92,18 @@ TEST(TapAlignment, RefusesWhatItCannotTell) {
     if (s.t_force[i] - s.offset > 4.9 && s.t_force[i] - s.offset < 6.0) s.force[i] = 0.0;
   }
   EXPECT_THAT(complaint([&] { align(s); }), HasSubstr("uneven rhythm"));
+  // The same end for other causes names them: a clock that was set half-way, and samples that were lost.
+  Session stepped = make_session(8, {});
+  for (double& t : stepped.t_force) t += t - stepped.offset > 30.0 ? 0.9 : 0.0;
+  EXPECT_THAT(complaint([&] { align(stepped); }), HasSubstr("between them a clock was set"));
+  Session lost = s;
+  lost.t_force.clear(), lost.force.clear();
+  for (std::size_t i = 0; i < s.t_force.size(); ++i) {
+    if (i % 1000 < 40) continue;
+    lost.t_force.push_back(s.t_force[i]);
+    lost.force.push_back(s.force[i]);
+  }
+  EXPECT_THAT(complaint([&] { align(lost); }), HasSubstr("In the force, 2.4 s are missing in 299 gaps"));
   Session still = make_session(7, {});
   std::fill(still.height.begin(), still.height.end(), 0.01);
   EXPECT_THAT(complaint([&] { align(still); }), HasSubstr("no abrupt stops"));

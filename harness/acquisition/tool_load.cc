@@ -2,10 +2,11 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
 #include <Eigen/SVD>
 #include <cmath>
 #include <limits>
-#include <optional>
 
 #include "harness/base/error.h"
 
@@ -13,12 +14,13 @@ namespace touchstone::acquisition {
 namespace {
 
 constexpr Eigen::Index unknowns = 10;
+using Matrix10 = Eigen::Matrix<double, unknowns, unknowns>;
 // Smallest singular value of the scaled system that counts as information: orientations a third of a degree apart.
 constexpr double rank_tolerance = 5e-3;
 
 struct Solution {
   Eigen::Matrix<double, unknowns, 1> x;
-  Eigen::Matrix<double, unknowns, unknowns> inverse_normal;  // (A^T A)^-1
+  Matrix10 inverse_normal;  // (A^T A)^-1
   Eigen::Index rank = 0;
   double condition = std::numeric_limits<double>::infinity();
 };
@@ -35,16 +37,16 @@ void fill(const StaticPose& pose, const Vec3& gravity_W, Eigen::Ref<Eigen::Matri
   b << pose.measured.f_N, pose.measured.torque_Nm;
 }
 
-Solution solve(const std::vector<StaticPose>& poses, const Vec3& gravity_W, std::optional<std::size_t> without) {
-  const auto n = static_cast<Eigen::Index>(poses.size() - (without ? 1 : 0));
+Eigen::MatrixXd rows_of(const std::vector<StaticPose>& poses, const Vec3& gravity_W, Eigen::VectorXd& b) {
+  const auto n = static_cast<Eigen::Index>(poses.size());
   Eigen::MatrixXd a(6 * n, unknowns);
-  Eigen::VectorXd b(6 * n);
-  Eigen::Index row = 0;
-  for (std::size_t i = 0; i < poses.size(); ++i) {
-    if (without && *without == i) continue;
-    fill(poses[i], gravity_W, a.middleRows(row, 6), b.segment(row, 6));
-    row += 6;
-  }
+  b.resize(6 * n);
+  for (Eigen::Index i = 0; i < n; ++i)
+    fill(poses[static_cast<std::size_t>(i)], gravity_W, a.middleRows(6 * i, 6), b.segment(6 * i, 6));
+  return a;
+}
+
+Solution solve(const Eigen::MatrixXd& a, const Eigen::VectorXd& b) {
   // Columns of one length: kilograms, metres and newtons do not compare. Then A D^-1 = U S V', x = D^-1 V S^-1 U' b and
   // (A' A)^-1 = H H' with H = D^-1 V S^-1, D the lengths.
   const Eigen::VectorXd scale = a.colwise().norm().transpose();
@@ -61,6 +63,33 @@ Solution solve(const std::vector<StaticPose>& poses, const Vec3& gravity_W, std:
   const Eigen::MatrixXd half = inverse_scale.asDiagonal() * svd.matrixV() * s.cwiseInverse().asDiagonal();
   solution.inverse_normal = half * half.transpose();
   return solution;
+}
+
+// Whether rows with these normal equations determine all unknowns: by the same singular values as in solve().
+bool determined(const Matrix10& normal) {
+  const Eigen::Matrix<double, unknowns, 1> scale = normal.diagonal().cwiseSqrt();
+  if (!(scale.minCoeff() > 0.0)) return false;
+  const Matrix10 scaled = scale.cwiseInverse().asDiagonal() * normal * scale.cwiseInverse().asDiagonal();
+  const auto squares = Eigen::SelfAdjointEigenSolver<Matrix10>(scaled, Eigen::EigenvaluesOnly).eigenvalues();
+  return squares[0] > rank_tolerance * rank_tolerance * squares[unknowns - 1];
+}
+
+// Each pose predicted from the fit to the others. With the hat matrix' block H_i = A_i (A' A)^-1 A_i' of the pose's six
+// rows A_i, what the fit without it leaves there is (1 - H_i)^-1 times what the fit with it leaves (Cook and Weisberg,
+// Residuals and Influence in Regression, 1982, section 2.2): one pass, not a fit for each pose.
+std::vector<Wrench> held_out_errors(const Eigen::MatrixXd& a, const Eigen::VectorXd& b, const Solution& all) {
+  std::vector<Wrench> errors;
+  const Matrix10 normal = a.transpose() * a;
+  for (Eigen::Index row = 0; row < a.rows(); row += 6) {
+    const Eigen::Matrix<double, 6, unknowns> own = a.middleRows<6>(row);
+    if (!determined(normal - own.transpose() * own)) continue;
+    const Eigen::Matrix<double, 6, 1> left = b.segment<6>(row) - own * all.x;
+    const Eigen::Matrix<double, 6, 6> rest =
+        Eigen::Matrix<double, 6, 6>::Identity() - own * all.inverse_normal * own.transpose();
+    const Eigen::Matrix<double, 6, 1> held_out = rest.ldlt().solve(left);
+    errors.push_back({held_out.head<3>(), held_out.tail<3>()});
+  }
+  return errors;
 }
 
 ToolLoad load_of(const Eigen::Matrix<double, unknowns, 1>& x) {
@@ -125,7 +154,9 @@ ToolIdentification identify_tool(const std::vector<StaticPose>& poses, const Vec
   if (poses.empty())
     throw BadData(fmt::format(
         "{}: has no static orientations; at least 3 are needed, better 6: hold the probe still in each", source));
-  const Solution all = solve(poses, gravity_W_m_per_s2, std::nullopt);
+  Eigen::VectorXd right;
+  const Eigen::MatrixXd rows_of_all = rows_of(poses, gravity_W_m_per_s2, right);
+  const Solution all = solve(rows_of_all, right);
   if (all.rank < unknowns) {
     throw BadData(fmt::format(
         "{}: {} static orientations determine only {} of the 10 unknowns (mass, 3 centre of mass, 3 + 3 bias): gravity "
@@ -157,12 +188,7 @@ ToolIdentification identify_tool(const std::vector<StaticPose>& poses, const Vec
                                std::abs(result.load.mass_kg);
   }
 
-  std::vector<Wrench> held_out;
-  for (std::size_t i = 0; i < poses.size() && poses.size() > 3; ++i) {
-    const Solution rest = solve(poses, gravity_W_m_per_s2, i);
-    if (rest.rank == unknowns) held_out.push_back(error_of(poses[i], load_of(rest.x), gravity_W_m_per_s2));
-  }
-  result.held_out = residual_of(held_out);
+  if (poses.size() > 3) result.held_out = residual_of(held_out_errors(rows_of_all, right, all));
   return result;
 }
 

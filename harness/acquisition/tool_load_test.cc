@@ -110,6 +110,25 @@ TEST(ToolLoad, StatesItsUncertainty) {
   }
 }
 
+// The closed form against what it stands for: each pose predicted from a fit to all others.
+TEST(ToolLoad, HeldOutIsTheFitToTheOthers) {
+  Random random(seed + 3);
+  const auto poses = poses_of(tool_of(0.4, 2e-3), 9, 0.02, 4e-4, 0.01, random);
+  std::vector<Wrench> left;
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    auto others = poses;
+    others.erase(others.begin() + static_cast<std::ptrdiff_t>(i));
+    const Wrench expected = tool_wrench(identify_tool(others, gravity, "poses.csv").load, poses[i].q_WS, gravity);
+    left.push_back({poses[i].measured.f_N - expected.f_N, poses[i].measured.torque_Nm - expected.torque_Nm});
+  }
+  const WrenchResidual others = residual_of(left), closed = identify_tool(poses, gravity, "poses.csv").held_out;
+  EXPECT_EQ(closed.samples, poses.size());
+  EXPECT_NEAR(closed.force_component_N, others.force_component_N, 1e-11);
+  EXPECT_NEAR(closed.torque_component_Nm, others.torque_component_Nm, 1e-13);
+  // Of three orientations none can be left out.
+  EXPECT_EQ(identify_tool({poses[0], poses[1], poses[2]}, gravity, "poses.csv").held_out.samples, 0U);
+}
+
 TEST(ToolLoad, CompensationLeavesTheContactAndMovesTheTorqueToTheTip) {
   Random random(seed + 2);
   for (const double scale : {1e-3, 1.0, 1e3}) {

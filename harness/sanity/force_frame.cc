@@ -4,12 +4,15 @@
 #include <cmath>
 #include <vector>
 
+#include "harness/base/signed_order.h"
+
 namespace touchstone::sanity {
 namespace {
 
 constexpr std::size_t block_count = 20;
-constexpr std::size_t agreeing = 17;     // of 20 fair coins at least 17: p = 0.0013
-constexpr double least_alignment = 0.8;  // cos(atan(0.75))
+constexpr std::size_t agreeing = 17;      // of 20 fair coins at least 17: p = 0.0013
+constexpr double least_alignment = 0.8;   // cos(atan(0.75))
+constexpr double outside_friction = 0.9;  // cos(atan(0.5)), rounded up
 
 struct Reading {
   const char* meaning;
@@ -56,28 +59,39 @@ Alignment align(std::span<const Vec3> normals, std::span<const Vec3> forces, con
 
 std::optional<ForceFrame> find_force_frame(std::span<const Vec3> normals, std::span<const Vec3> forces,
                                            std::span<const Quat> q_WS, double most_left) {
-  if (forces.size() < block_count || q_WS.size() != forces.size()) return std::nullopt;
+  if (forces.size() < block_count) return std::nullopt;
   const Alignment recorded = align(normals, forces, [&](std::size_t i) { return forces[i]; });
   // A force that is merely reversed is in the right frame: that is another fault.
   const double own_sign = recorded.whole() < 0.0 ? -1.0 : 1.0;
   const Alignment own = align(normals, forces, [&](std::size_t i) -> Vec3 { return own_sign * forces[i]; });
   const double misaligned = 1.0 - own.whole();
   std::optional<ForceFrame> found;
+  // Whether it fits, and clearly better than what was found before it.
+  const auto better_than_found = [&](const Alignment& other) {
+    std::size_t better = 0;
+    for (std::size_t b = 0; b < block_count; ++b) better += other.block(b) > own.block(b) ? 1 : 0;
+    const double whole = other.whole();
+    if (whole < least_alignment || !(1.0 - whole < most_left * misaligned) || better < agreeing) return false;
+    return !found || 1.0 - whole < 0.9 * (1.0 - found->repaired);
+  };
   for (const Reading& reading : readings) {
+    if (q_WS.size() != forces.size()) break;
     for (const double sign : {1.0, -1.0}) {
       const Alignment other =
           align(normals, forces, [&](std::size_t i) -> Vec3 { return sign * reading.read(q_WS[i], forces[i]); });
-      std::size_t better = 0;
-      for (std::size_t b = 0; b < block_count; ++b) better += other.block(b) > own.block(b) ? 1 : 0;
-      const double whole = other.whole();
-      if (whole < least_alignment || !(1.0 - whole < most_left * misaligned) || better < agreeing) continue;
-      if (found && !(1.0 - whole < 0.9 * (1.0 - found->repaired))) continue;
-      found = ForceFrame{reading.meaning, reading.map_key, recorded.whole(), whole};
+      if (!better_than_found(other)) continue;
+      found = ForceFrame{reading.meaning, reading.map_key, recorded.whole(), other.whole()};
       if (sign < 0.0) {
         found->meaning += " and is reversed";
         found->map_key += R"(, "force_sign": -1)";
       }
     }
+  }
+  for (const SignedOrder& order : signed_orders()) {
+    if (own.whole() > outside_friction) break;
+    if (order.as_it_stands() || order.reversed()) continue;
+    const Alignment other = align(normals, forces, [&](std::size_t i) -> Vec3 { return order.applied(forces[i]); });
+    if (better_than_found(other)) found = ForceFrame{order.meaning(), "", recorded.whole(), other.whole()};
   }
   return found;
 }

@@ -1,6 +1,8 @@
 // Is the force written in another frame than the object's? Under friction the force on the probe stays near the outward
 // normal; turned by the wrong rotation it does not. Each reading is tried: the force in the sensor's frame, turned the
-// wrong way round, quaternion with its scalar last, and each of them reversed.
+// wrong way round, quaternion with its scalar last, and each of them reversed; and the axes mirrored or exchanged, in
+// all 48 signed orders. Friction alone can lean a force so that a mirrored axis brings it nearer to the normal, on a
+// slope that is only ever climbed: an order is named if the force as recorded lies outside a coefficient of 0.5.
 #pragma once
 
 #include <optional>

@@ -55,6 +55,25 @@ TEST(ForceFrame, EachReadingIsNamed) {
   }
 }
 
+TEST(ForceFrame, MirroredAndExchangedAxesAreNamedWithOrWithoutAnOrientation) {
+  Random random(3);
+  const Pressed good = pressed(random);
+  Pressed mirrored = good, exchanged = good;
+  for (std::size_t i = 0; i < good.f.size(); ++i) {
+    mirrored.f[i].z() *= -1.0;
+    std::swap(exchanged.f[i].x(), exchanged.f[i].z());
+  }
+  for (const std::vector<Quat>& q : {good.q, std::vector<Quat>{}}) {
+    const auto first = find_force_frame(mirrored.n, mirrored.f, q),
+               second = find_force_frame(exchanged.n, exchanged.f, q);
+    ASSERT_TRUE(first && second);
+    EXPECT_EQ(first->meaning, "fz has the other sign");
+    EXPECT_EQ(second->meaning, "fx and fz are exchanged");
+    EXPECT_GT(first->repaired, 0.95);
+    EXPECT_FALSE(find_force_frame(good.n, good.f, q));
+  }
+}
+
 TEST(ForceFrame, APoseThatNeverTurnsAndSlipperyOrStickyContactAreNotBlamed) {
   Random random(2);
   Pressed p = pressed(random);

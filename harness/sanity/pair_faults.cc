@@ -6,12 +6,14 @@
 #include <cmath>
 #include <limits>
 
+#include "harness/base/signed_order.h"
 #include "harness/sanity/at_times.h"
 
 namespace touchstone::sanity {
 namespace {
 
 constexpr double most_left_of_pair = 0.5;
+constexpr double clearly_less = 0.9;
 constexpr double widest_shift_s = 1.0;
 constexpr std::size_t fewest_pairs = 50;
 constexpr std::size_t most_looked_at = 4000;
@@ -70,6 +72,19 @@ std::optional<SanityFinding> other_reading(const Recording& expected, const Reco
                           fmt::format("{}: read so, the forces differ by {:.3g} N instead of {:.3g} N (RMS)",
                                       reading.meaning, after, before_N),
                           reading.repair};
+  }
+  if (found) return found;
+  for (const SignedOrder& order : signed_orders()) {
+    if (order.as_it_stands() || order.reversed()) continue;
+    const double after = force_difference_N(expected, obtained, 0.0, 0,
+                                            [&](const AtTimes& at) -> Vec3 { return order.applied(at.force_N()); });
+    // The plainest first: of equals it stays.
+    if (!(after < (found ? clearly_less * least : least))) continue;
+    least = after;
+    found = SanityFinding{SanityWeight::fault, SanityFault::force_frame,
+                          fmt::format("{}: read so, the forces differ by {:.3g} N instead of {:.3g} N (RMS)",
+                                      order.meaning(), after, before_N),
+                          "correct these columns of the file"};
   }
   return found;
 }

@@ -1,6 +1,6 @@
 // Two files that should show the same and do not: is one of them the other with a fault? Force reversed, positions in
-// another unit, force in another frame, clock shifted: each is tried on `obtained`, and named with what it gains. A
-// repair must leave less than half of the difference.
+// another unit, force in another frame, its axes mirrored or exchanged, clock shifted: each is tried on `obtained`, and
+// named with what it gains. A repair must leave less than half of the difference.
 #pragma once
 
 #include <vector>

@@ -58,6 +58,22 @@ TEST(PairFaults, EachIsNamedWithItsRepairAndTwoGoodOnesAreNot) {
   }
 }
 
+// Pressed on a slope, so that every axis holds a part of the load.
+TEST(PairFaults, MirroredAndExchangedAxesAreNamed) {
+  using ::testing::HasSubstr;
+  Random random(21);
+  const Mat3 slope = Quat::FromTwoVectors(Vec3::UnitZ(), Vec3(0.5, -0.3, 0.8)).toRotationMatrix();
+  Recording one = pressed_run(random, 250.0), mirrored = pressed_run(random, 100.0);
+  for (Vec3& f : one.f_W_N) f = slope * f;
+  for (Vec3& f : mirrored.f_W_N) f = slope * f;
+  EXPECT_EQ(named(one, mirrored), "");
+  Recording exchanged = mirrored;
+  for (Vec3& f : mirrored.f_W_N) f.z() = -f.z();
+  for (Vec3& f : exchanged.f_W_N) std::swap(f.x(), f.z());
+  EXPECT_THAT(named(one, mirrored), HasSubstr("fz has the other sign"));
+  EXPECT_THAT(named(one, exchanged), HasSubstr("fx and fz are exchanged"));
+}
+
 TEST(PairFaults, AnotherForceIsNoFaultOfTheFile) {
   Random random(7);
   const Recording one = pressed_run(random, 250.0);

@@ -115,7 +115,9 @@ std::optional<SanityFinding> wrong_frame(const Contact& c, const SanityContext& 
   return SanityFinding{SanityWeight::fault, SanityFault::force_frame,
                        fmt::format("{}: read so, forces lie along the outward normal (alignment {:.3f} -> {:.3f})",
                                    frame->meaning, frame->alignment, frame->repaired),
-                       fmt::format("read the file with `touchstone import` and {} in the map", frame->map_key)};
+                       frame->map_key.empty()
+                           ? "correct these columns of the file (fx_N, fy_N, fz_N)"
+                           : fmt::format("read the file with `touchstone import` and {} in the map", frame->map_key)};
 }
 
 std::optional<SanityFinding> wrong_order(const Contact& c, const SanityContext& context) {

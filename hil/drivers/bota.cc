@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <vector>
 
 #include "hil/drivers/byte_reader.h"
@@ -62,11 +61,6 @@ std::optional<std::size_t> speed_code(int baud) {
   return static_cast<std::size_t>(found - speeds.begin());
 }
 
-constexpr std::uint32_t no_step = std::numeric_limits<std::uint32_t>::max();
-// Steps from the start that are judged again when a shorter one comes: 10 s at 400 Hz. A line that loses frames for
-// longer without one undisturbed pair is reported by its rate.
-constexpr std::size_t most_early = 4000;
-
 class BotaSource final : public WrenchSource {
  public:
   explicit BotaSource(const BotaOptions& options)
@@ -99,9 +93,7 @@ class BotaSource final : public WrenchSource {
   void start() override {
     counters_ = {};
     count_ = {};
-    shortest_ = no_step;
-    early_.clear();
-    early_.reserve(most_early);
+    steps_ = {};
     held_.clear();
     line_.flush();
   }
@@ -168,15 +160,11 @@ class BotaSource final : public WrenchSource {
     std::uint64_t ahead = 1;
     if (count_.started()) {
       const std::uint32_t step = frame.time - time_;  // modulo 2^32
-      const std::uint64_t missed = step > 0 && step < shortest_ ? missed_until_now(step) : 0;
-      const double steps = shortest_ < no_step ? static_cast<double>(step) / shortest_ : 1.0;
-      ahead = frames_in(step) + missed;
       // The clock of a sensor that was reset begins again, which says nothing of what is missing.
-      if (steps > longest_gap_s * nominal_rate_Hz()) {
-        ahead = 1;
+      if (steps_.shortest() > 0 && step / steps_.shortest() > longest_gap_s * nominal_rate_Hz()) {
         sample.flags |= sample_after_gap;
-      } else if (early_.size() < most_early) {
-        early_.push_back(step);
+      } else {
+        ahead = steps_.ahead(step);
       }
     }
     sample.flags |= count_.take(ahead, counters_);
@@ -192,21 +180,6 @@ class BotaSource final : public WrenchSource {
     return sample;
   }
 
-  [[nodiscard]] std::uint64_t frames_in(std::uint32_t step) const {
-    if (shortest_ == no_step) return 1;
-    return static_cast<std::uint64_t>(std::max(1.0, std::round(static_cast<double>(step) / shortest_)));
-  }
-
-  // A step came that is shorter than all before. Frames that were lost before the first undisturbed step show only now,
-  // by earlier steps that are several of it; the next sample is the one after that gap.
-  std::uint64_t missed_until_now(std::uint32_t shorter) {
-    std::uint64_t before = 0, after = 0;
-    for (const std::uint32_t step : early_) before += frames_in(step);
-    shortest_ = shorter;
-    for (const std::uint32_t step : early_) after += frames_in(step);
-    return after - before;
-  }
-
   BotaOptions options_;
   SerialPort line_;
   DeviceIdentity identity_;
@@ -214,8 +187,8 @@ class BotaSource final : public WrenchSource {
   std::vector<unsigned char> held_;
   bool in_step_ = true;
   RecordCount count_;
-  std::uint32_t time_ = 0, shortest_ = no_step;
-  std::vector<std::uint32_t> early_;
+  CountedSteps steps_;
+  std::uint32_t time_ = 0;
 };
 
 }  // namespace

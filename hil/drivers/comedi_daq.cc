@@ -8,7 +8,9 @@
 #include <array>
 #include <cerrno>
 #include <cmath>
+#include <cstdlib>
 #include <cstring>
+#include <memory>
 #include <vector>
 
 #include "harness/base/hash.h"
@@ -28,8 +30,12 @@ struct Comedi {
   decltype(&::comedi_get_read_subdevice) read_subdevice = nullptr;
   decltype(&::comedi_get_maxdata) maxdata = nullptr;
   decltype(&::comedi_find_range) find_range = nullptr;
-  decltype(&::comedi_get_range) range = nullptr;
-  decltype(&::comedi_to_phys) to_volts = nullptr;
+  decltype(&::comedi_get_default_calibration_path) calibration_path = nullptr;
+  decltype(&::comedi_parse_calibration_file) parse_calibration = nullptr;
+  decltype(&::comedi_cleanup_calibration) forget_calibration = nullptr;
+  decltype(&::comedi_get_softcal_converter) software_converter = nullptr;
+  decltype(&::comedi_get_hardcal_converter) hardware_converter = nullptr;
+  decltype(&::comedi_to_physical) to_volts = nullptr;
   decltype(&::comedi_get_subdevice_flags) flags = nullptr;
   decltype(&::comedi_get_cmd_generic_timed) generic_timed = nullptr;
   decltype(&::comedi_command_test) command_test = nullptr;
@@ -62,8 +68,12 @@ class Board {
     library_.find(c_.read_subdevice, "comedi_get_read_subdevice");
     library_.find(c_.maxdata, "comedi_get_maxdata");
     library_.find(c_.find_range, "comedi_find_range");
-    library_.find(c_.range, "comedi_get_range");
-    library_.find(c_.to_volts, "comedi_to_phys");
+    library_.find(c_.calibration_path, "comedi_get_default_calibration_path");
+    library_.find(c_.parse_calibration, "comedi_parse_calibration_file");
+    library_.find(c_.forget_calibration, "comedi_cleanup_calibration");
+    library_.find(c_.software_converter, "comedi_get_softcal_converter");
+    library_.find(c_.hardware_converter, "comedi_get_hardcal_converter");
+    library_.find(c_.to_volts, "comedi_to_physical");
     library_.find(c_.flags, "comedi_get_subdevice_flags");
     library_.find(c_.generic_timed, "comedi_get_cmd_generic_timed");
     library_.find(c_.command_test, "comedi_command_test");
@@ -110,20 +120,20 @@ class ComediAti final : public WrenchSource {
       throw DeviceError(DeviceStatus::failed,
                         fmt::format("{}: {} has no streaming analog input", options.node, board_.name()));
     subdevice_ = static_cast<unsigned>(subdevice);
-    maxdata_ = c.maxdata(board_.device(), subdevice_, 0);
     const int range = c.find_range(board_.device(), subdevice_, 0, UNIT_volt, -calibration_.gauge_limit_V,
                                    calibration_.gauge_limit_V);
-    if (range < 0 || maxdata_ == 0) {
+    if (range < 0 || c.maxdata(board_.device(), subdevice_, 0) == 0) {
       throw DeviceError(DeviceStatus::failed, fmt::format("{}: {} has no range of +-{} V, which the calibration needs",
                                                           options.node, board_.name(), calibration_.gauge_limit_V));
     }
     range_index_ = static_cast<unsigned>(range);
-    range_ = c.range(board_.device(), subdevice_, 0, range_index_);
-    wide_ = (c.flags(board_.device(), subdevice_) & SDF_LSAMPL) != 0;
-    identity_ = {
-        std::string(nano17_device.id), calibration_.serial, board_.name(),
-        fmt::format("{} {}", options.calibration_file.filename().string(), sha256_file(options.calibration_file)),
-        options.emulated};
+    const int flags = c.flags(board_.device(), subdevice_);
+    wide_ = (flags & SDF_LSAMPL) != 0;
+    const std::string card = find_converters((flags & SDF_SOFT_CALIBRATED) != 0);
+    identity_ = {std::string(nano17_device.id), calibration_.serial, board_.name(),
+                 fmt::format("{} {}; card {}", options.calibration_file.filename().string(),
+                             sha256_file(options.calibration_file), card),
+                 options.emulated};
   }
   ~ComediAti() override { stop(); }
   ComediAti(const ComediAti&) = delete;
@@ -198,6 +208,36 @@ class ComediAti final : public WrenchSource {
   [[nodiscard]] StreamCounters counters() const override { return counters_; }
 
  private:
+  // The polynomials from counts to volts. Boards that calibrate in software (National Instruments' M series) keep
+  // theirs in a file that comedi_soft_calibrate makes: the ideal line is off by per cents there. Returns what was used.
+  std::string find_converters(bool in_software) {
+    const auto& c = board_.c();
+    if (!in_software) {
+      for (unsigned k = 0; k < channels; ++k) {
+        if (c.hardware_converter(board_.device(), subdevice_, k, range_index_, COMEDI_TO_PHYSICAL, &to_volts_[k]) < 0)
+          board_.fail("its calibration");
+      }
+      return "calibrated in hardware";
+    }
+    const std::unique_ptr<char, decltype(&std::free)> path(c.calibration_path(board_.device()), &std::free);
+    const std::string file = path != nullptr ? path.get() : "";
+    const std::unique_ptr<comedi_calibration_t, decltype(c.forget_calibration)> calibration(
+        file.empty() ? nullptr : c.parse_calibration(file.c_str()), c.forget_calibration);
+    bool found = calibration != nullptr;
+    for (unsigned k = 0; found && k < channels; ++k) {
+      found =
+          c.software_converter(subdevice_, k, range_index_, COMEDI_TO_PHYSICAL, calibration.get(), &to_volts_[k]) >= 0;
+    }
+    if (!found) {
+      throw DeviceError(DeviceStatus::failed,
+                        fmt::format("{}: {} calibrates in software, and {} has no calibration of its six channels",
+                                    options_.node, board_.name(), file.empty() ? "its calibration file" : file),
+                        "run comedi_soft_calibrate --file " + options_.node);
+    }
+    return fmt::format("calibrated in software by {} {}", std::filesystem::path(file).filename().string(),
+                       sha256_file(file));
+  }
+
   GaugeVoltages volts_at(const unsigned char* from) const {
     GaugeVoltages v{};
     for (std::size_t k = 0; k < channels; ++k) {
@@ -209,7 +249,7 @@ class ComediAti final : public WrenchSource {
         std::memcpy(&narrow, from + k * sizeof(sampl_t), sizeof(sampl_t));
         count = narrow;
       }
-      last_volts_[k] = v[k] = board_.c().to_volts(count, range_, maxdata_);
+      last_volts_[k] = v[k] = board_.c().to_volts(count, &to_volts_[k]);
     }
     return v;
   }
@@ -235,8 +275,7 @@ class ComediAti final : public WrenchSource {
   AtiCalibration calibration_;
   Board board_;
   unsigned subdevice_ = 0, range_index_ = 0;
-  comedi_range* range_ = nullptr;
-  lsampl_t maxdata_ = 0;
+  std::array<comedi_polynomial_t, channels> to_volts_{};
   bool wide_ = false, running_ = false;
   std::array<unsigned, channels> channel_list_{};
   DeviceIdentity identity_;

@@ -84,6 +84,31 @@ TEST_F(ComediStub, VoltagesBecomeWrenchesWithoutTheirBias) {
   EXPECT_EQ(source->counters().received, n);
 }
 
+// 3 % of 5 V are 0.3 N with a gauge of 2 N per volt.
+TEST_F(ComediStub, ACardThatCalibratesInSoftwareNeedsItsFile) {
+  EXPECT_THAT(open_comedi_ati(options_)->identity().calibration, HasSubstr("card calibrated in hardware"));
+  const auto polynomials = std::filesystem::temp_directory_path() / fmt::format("touchstone-ni-{}", ::getpid());
+  ::setenv("TOUCHSTONE_STUB_COMEDI_SOFTCAL", polynomials.c_str(), 1);
+  EXPECT_EQ(status_of([&] { open_comedi_ati(options_); }), DeviceStatus::failed);
+  EXPECT_THAT(last_message, HasSubstr("calibrates in software"));
+  write_file(polynomials, "as comedi_soft_calibrate makes it\n");
+  const auto source = open_comedi_ati(options_);
+  EXPECT_THAT(source->identity().calibration,
+              HasSubstr("card calibrated in software by " + polynomials.filename().string()));
+  source->start();
+  std::vector<WrenchSample> samples(500);
+  Wrench last;
+  for (std::size_t n = 0; n < 4000;) {
+    const auto got = source->read(samples, clock_.now_s() + 5.0);
+    ASSERT_GT(got, 0U);
+    n += got;
+    last = samples[got - 1].wrench;
+  }
+  ::unsetenv("TOUCHSTONE_STUB_COMEDI_SOFTCAL");
+  std::filesystem::remove(polynomials);
+  EXPECT_LT((last.f_N - Vec3(1, -2, 4)).cwiseAbs().maxCoeff(), 2.0 * 20.0 / 65535);
+}
+
 TEST_F(ComediStub, EveryFaultHasItsWord) {
   const std::pair<const char*, DeviceStatus> cases[] = {{"absent", DeviceStatus::absent},
                                                         {"forbidden", DeviceStatus::no_permission},

@@ -40,9 +40,11 @@ class Socket {
   Socket(const Socket&) = delete;
   Socket& operator=(const Socket&) = delete;
   [[nodiscard]] int fd() const noexcept { return fd_; }
+  [[nodiscard]] StampedArrivals& arrivals() noexcept { return arrivals_; }
 
  private:
   int fd_;
+  StampedArrivals arrivals_;
 };
 
 sockaddr_in address_of(const std::string& host, int port) {
@@ -211,7 +213,7 @@ class NatNetSource final : public PoseSource {
   bool receive(Socket& socket, PoseSample& sample, std::size_t& filled) {
     double t_s = 0.0;
     sockaddr_storage from{};
-    const long n = receive_stamped(socket.fd(), packet_, t_s, &from);
+    const long n = receive_stamped(socket.fd(), socket.arrivals(), packet_, t_s, &from);
     if (n < 0) return errno == EINTR || errno == ECONNREFUSED;
     sockaddr_in sender{};
     std::memcpy(&sender, &from, sizeof sender);

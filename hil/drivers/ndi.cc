@@ -194,6 +194,8 @@ class NetworkLine final : public Line {
 };
 
 constexpr std::size_t rom_piece_bytes = 64;
+// TX answers some 70 characters for a tool, and a device has less than 256 port handles (two hexadecimal digits).
+constexpr std::size_t longest_answer_bytes = 1U << 16U;
 constexpr int first_baud = 9600;
 // For the answer to the first command: a device at another speed says nothing, or garbage.
 constexpr double first_answer_s = 0.5;
@@ -226,6 +228,7 @@ class NdiSource final : public PoseSource {
   void start() override {
     counters_ = {};
     count_ = {};
+    steps_ = {};
     asked_s_.reset();
     next_s_ = clock_.now_s();
   }
@@ -329,16 +332,16 @@ class NdiSource final : public PoseSource {
 
   void ask_for_frame() {
     came_.clear();
-    // The rest of a damaged answer.
-    while (!line_->read(clock_.now_s()).empty()) {
-    }
+    // The rest of a damaged answer: no more than an answer holds.
+    for (std::size_t more = 1, all = 0; more > 0 && all <= longest_answer_bytes; all += more)
+      more = line_->read(clock_.now_s()).size();
     const double now = clock_.now_s();
     line_->write(ndi::command("TX:0001"));
     next_s_ = std::max(next_s_ + 0.5 / options_.rate_Hz, now);
     asked_s_ = now;
   }
 
-  // What came up to the next CR, without it; nothing by then.
+  // What came up to the next CR, without it; nothing by then, also while other bytes keep coming.
   std::optional<std::string> next_answer(double until_s) {
     for (;;) {
       if (const auto end = came_.find('\r'); end != std::string::npos) {
@@ -347,9 +350,13 @@ class NdiSource final : public PoseSource {
         came_.erase(0, end + 1);
         return answer;
       }
-      const auto more = line_->read(until_s);
-      if (more.empty() && clock_.now_s() >= until_s) return std::nullopt;
-      came_ += more;
+      if (came_.size() > longest_answer_bytes) {
+        throw DeviceError(DeviceStatus::failed,
+                          fmt::format("{}: {} bytes came without the end of an answer (CR)", place_, came_.size()),
+                          "is it an NDI tracker that listens at this address?");
+      }
+      came_ += line_->read(until_s);
+      if (clock_.now_s() >= until_s && came_.find('\r') == std::string::npos) return std::nullopt;
     }
   }
 
@@ -417,8 +424,7 @@ class NdiSource final : public PoseSource {
   bool take(const ndi::Tool& tool, PoseSample& sample) {
     if (count_.started() && tool.frame == last_frame_) return false;
     sample = {};
-    const std::uint32_t ahead = tool.frame - last_frame_;  // modulo 2^32
-    sample.flags |= count_.take(ahead, counters_);
+    sample.flags |= count_.take(count_.started() ? steps_.ahead(tool.frame - last_frame_) : 1, counters_);
     last_frame_ = tool.frame;
     sample.t_s = arrived_s_;
     sample.sequence = count_.sequence();
@@ -443,6 +449,7 @@ class NdiSource final : public PoseSource {
   StreamCounters counters_;
   int handle_ = 0;
   RecordCount count_;
+  CountedSteps steps_;  // frames are counted at 60 Hz whatever the tracking rate: at 20 Hz every third is a pose
   std::uint32_t last_frame_ = 0;
   double next_s_ = 0.0, arrived_s_ = 0.0;
 };

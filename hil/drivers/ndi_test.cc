@@ -88,6 +88,37 @@ TEST(Ndi, PosesComeFrameByFrame) {
   EXPECT_GT(hidden, 0U);
 }
 
+// Frames are counted at 60 Hz whatever the tracking rate: what is skipped by design is not lost.
+TEST(Ndi, SlowTrackingLosesNothing) {
+  for (const double rate_Hz : {20.0, 30.0}) {
+    NdiEmulator polaris(rate_Hz, {}, nod);
+    const auto source = open_ndi({"127.0.0.1", polaris.port(), 115200, "", rate_Hz, 3.0});
+    source->start();
+    const auto samples = watch(*source, 1.5);
+    ASSERT_GT(samples.size(), 15U) << rate_Hz;
+    const std::uint64_t sent = samples.back().sequence - samples.front().sequence + 1;
+    EXPECT_EQ(sent, samples.size() + source->counters().lost) << rate_Hz;
+    EXPECT_NEAR((samples.back().p_W_m.z() - samples.front().p_W_m.z()) / 0.01, static_cast<double>(sent - 1) / rate_Hz,
+                0.02)
+        << rate_Hz;
+  }
+}
+
+// What is no tracker may send for ever and never end an answer: neither memory nor the deadline depends on it.
+TEST(Ndi, AnAnswerWithoutAnEndIsRefused) {
+  NdiFaults faults;
+  faults.endless = true;
+  NdiEmulator polaris(60.0, faults, nod);
+  const auto source = open_ndi({"127.0.0.1", polaris.port(), 115200, "", 60.0, 1.0});
+  source->start();
+  try {
+    watch(*source, 2.0);
+    ADD_FAILURE() << "read it";
+  } catch (const DeviceError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("without the end of an answer"));
+  }
+}
+
 TEST(Ndi, APassiveToolIsDefinedFirst) {
   const auto rom = std::filesystem::temp_directory_path() / fmt::format("touchstone-tool-{}.rom", ::getpid());
   write_file(rom, std::string(752, 'x'));

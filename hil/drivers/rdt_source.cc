@@ -130,8 +130,7 @@ class RdtSource final : public WrenchSource {
         throw DeviceError(DeviceStatus::gone, fmt::format("{}: nothing listens there any more", place_));
       throw DeviceError(DeviceStatus::failed, fmt::format("{}: {}", place_, std::strerror(errno)));
     }
-    const double now = clock_.now_s();
-    const double real = real_now_s();
+    arrivals_.received(clock_.now_s(), real_now_s());
     std::size_t filled = 0;
     for (std::size_t i = 0; i < static_cast<std::size_t>(n); ++i) {
       if (messages[i].msg_len != rdt_record_bytes) {
@@ -145,7 +144,7 @@ class RdtSource final : public WrenchSource {
       if (verdict == SequenceTracker::Verdict::repeated || verdict == SequenceTracker::Verdict::reordered) continue;
       WrenchSample& sample = out[filled++];
       sample = {};
-      sample.t_s = arrival_s(messages[i].msg_hdr, now, real);
+      sample.t_s = arrivals_.arrival_s(messages[i].msg_hdr);
       sample.sequence = sequence_.unwrapped();
       sample.device_status = record.status;
       if ((record.status & rdt_error_bit) != 0) {
@@ -165,6 +164,7 @@ class RdtSource final : public WrenchSource {
   std::string place_;
   MonotonicClock clock_;
   SequenceTracker sequence_;
+  StampedArrivals arrivals_;
   int socket_;
 };
 

@@ -3,6 +3,8 @@
 #include <arpa/inet.h>
 #include <netinet/in.h>
 
+#include <algorithm>
+#include <cmath>
 #include <cstring>
 #include <ctime>
 
@@ -28,16 +30,36 @@ double real_now_s() noexcept {
   return seconds_of(real);
 }
 
-double arrival_s(msghdr& header, double now_s, double real_s) {
+void StampedArrivals::received(double now_s, double real_now_s) noexcept {
+  // The kernel slews a clock by up to 500 ppm (adjtimex); half a millisecond for the reading of two clocks one after
+  // the other on a busy machine. A faster slew only costs the stamp.
+  constexpr double slew = 500e-6, reading_s = 0.5e-3;
+  const double difference_s = real_now_s - now_s;
+  stepped_ = begun_ && std::abs(difference_s - difference_s_) > reading_s + slew * (now_s - now_s_);
+  begun_ = true;
+  difference_s_ = difference_s;
+  now_s_ = now_s;
+  real_s_ = real_now_s;
+}
+
+double StampedArrivals::arrival_s(double stamp_s) noexcept {
   constexpr double longest_wait_s = 10.0;  // many times what the socket's buffer holds
+  constexpr double out_of_order_s = 1e-3;  // of the queues of one network card
+  const double age_s = real_s_ - stamp_s;
+  const double came_s = now_s_ - age_s;
+  const bool sound = !stepped_ && age_s >= 0.0 && age_s < longest_wait_s && came_s > last_s_ - out_of_order_s;
+  last_s_ = std::max(last_s_, sound ? came_s : now_s_);
+  return sound ? came_s : now_s_;
+}
+
+double StampedArrivals::arrival_s(msghdr& header) noexcept {
   for (cmsghdr* c = CMSG_FIRSTHDR(&header); c != nullptr; c = CMSG_NXTHDR(&header, c)) {
     if (c->cmsg_level != SOL_SOCKET || c->cmsg_type != SO_TIMESTAMPNS) continue;
     timespec stamp{};
     std::memcpy(&stamp, CMSG_DATA(c), sizeof stamp);
-    const double age_s = real_s - seconds_of(stamp);
-    if (age_s >= 0.0 && age_s < longest_wait_s) return now_s - age_s;
+    return arrival_s(seconds_of(stamp));
   }
-  return now_s;
+  return now_s_;
 }
 
 bool is_loopback(const sockaddr_storage& address) noexcept {
@@ -47,9 +69,10 @@ bool is_loopback(const sockaddr_storage& address) noexcept {
   return ntohl(v4.sin_addr.s_addr) >> 24U == loopback_network;
 }
 
-long receive_stamped(int socket, std::span<unsigned char> into, double& t_s, sockaddr_storage* from) {
+long receive_stamped(int socket, StampedArrivals& arrivals, std::span<unsigned char> into, double& t_s,
+                     sockaddr_storage* from) {
   iovec vector{into.data(), into.size()};
-  StampBuffer stamp;
+  StampBuffer stamp{};
   msghdr header{};
   header.msg_iov = &vector;
   header.msg_iovlen = 1;
@@ -58,7 +81,10 @@ long receive_stamped(int socket, std::span<unsigned char> into, double& t_s, soc
   header.msg_name = from;
   header.msg_namelen = from != nullptr ? sizeof *from : 0;
   const auto n = ::recvmsg(socket, &header, MSG_DONTWAIT);
-  if (n >= 0) t_s = arrival_s(header, MonotonicClock().now_s(), real_now_s());
+  if (n >= 0) {
+    arrivals.received(MonotonicClock().now_s(), real_now_s());
+    t_s = arrivals.arrival_s(header);
+  }
   return n;
 }
 

@@ -72,6 +72,9 @@ constexpr std::int32_t describes_sender = -1, describes_type = -2;
 constexpr char position_type[] = "vrpn_Tracker Pos_Quat";
 constexpr char control_sender[] = "VRPN Control";
 constexpr double vrpn_ticks_per_s = 1e6;
+// Of a unit quaternion that went through single precision or four digits of text.
+constexpr double most_off_unit = 0.01;
+constexpr double largest_room_m = 1000.0;
 // For all trackers of a server to have reported, where the user named none.
 constexpr double look_round_s = 0.5;
 
@@ -134,7 +137,7 @@ class VrpnSource final : public PoseSource {
   void start() override {
     counters_ = {};
     sequence_ = 0;
-    last_ticks_ = 0;
+    last_stamp_ = correction_us_ = 0;
     // Poses that wait are of before; what is described among them is not said again.
     while (fill(0.0)) each([this](const vrpn::Message& m) { learn(m); });
   }
@@ -244,16 +247,40 @@ class VrpnSource final : public PoseSource {
       ++counters_.malformed;
       return std::nullopt;
     }
-    sample.ticks = std::uint64_t{m.seconds} * 1000000U + m.microseconds;
-    if (sample.ticks <= last_ticks_) {
+    // A server reports what its device gives; neither of these is a pose of a body in a room.
+    if (std::abs(sample.q_WB.norm() - 1.0) > most_off_unit || sample.p_W_m.norm() > largest_room_m) {
+      sample.flags |= sample_not_tracked;
+      sample.p_W_m.setZero();
+      sample.q_WB.setIdentity();
+    }
+    const auto stamp = static_cast<std::int64_t>(std::uint64_t{m.seconds} * 1000000U + m.microseconds);
+    if (stamp == last_stamp_) {
       ++counters_.repeated;
       return std::nullopt;
     }
-    last_ticks_ = sample.ticks;
+    sample.ticks = ticks_of(stamp);
     sample.sequence = sequence_++;
     sample.t_s = arrived_s_;
     ++counters_.received;
     return sample;
+  }
+
+  // The server's stamps on one axis. One connection keeps their order, so that a stamp that goes back is a clock that
+  // was set back. And a report cannot come sooner after the one before it than it was sent after it, but for what that
+  // one was late, with nothing in between: a stamp that runs ahead of the arrivals by more is a clock that was set
+  // forward. Across a step the arrivals bridge.
+  std::uint64_t ticks_of(std::int64_t stamp) {
+    constexpr double surely_s = 0.1;
+    if (last_stamp_ != 0) {
+      const double came_us = 1e6 * (arrived_s_ - last_arrived_s_), sent_us = static_cast<double>(stamp - last_stamp_);
+      if (sent_us < 0.0 || sent_us > came_us + 1e6 * surely_s) {
+        ++counters_.clock_steps;
+        correction_us_ += static_cast<std::int64_t>(std::max(1.0, came_us) - sent_us);
+      }
+    }
+    last_stamp_ = stamp;
+    last_arrived_s_ = arrived_s_;
+    return static_cast<std::uint64_t>(stamp + correction_us_);
   }
 
   template <class Visit>
@@ -294,8 +321,9 @@ class VrpnSource final : public PoseSource {
   std::vector<unsigned char> held_;
   DeviceIdentity identity_;
   StreamCounters counters_;
-  std::uint64_t sequence_ = 0, last_ticks_ = 0;
-  double arrived_s_ = 0.0;
+  std::uint64_t sequence_ = 0;
+  std::int64_t last_stamp_ = 0, correction_us_ = 0;  // microseconds, as the server has them
+  double arrived_s_ = 0.0, last_arrived_s_ = 0.0;
 };
 
 }  // namespace

@@ -80,6 +80,41 @@ TEST(Vrpn, PosesComeWithTheServersTime) {
   EXPECT_EQ(source->counters().malformed, 0U);
 }
 
+TEST(Vrpn, AStepOfTheServersClockIsCountedAndBridgedByTheArrivals) {
+  for (const double step_s : {0.4, -0.4}) {
+    VrpnEmulator server(200.0, orbit, 0.8, step_s);
+    auto options = vrpn_options("127.0.0.1", "Tracker0:0");
+    options.port = server.port();
+    const auto source = open_vrpn(options);
+    source->start();
+    const auto samples = poses_for(*source, 1.2);
+    ASSERT_GT(samples.size(), 80U);
+    EXPECT_EQ(source->counters().clock_steps, 1U) << step_s;
+    EXPECT_EQ(source->counters().repeated, 0U) << step_s;
+    const double first_s = 100.0 * samples[0].p_W_m.z(), last_s = 100.0 * samples.back().p_W_m.z();
+    ASSERT_GT(last_s, 0.8);
+    // As the arrivals have it, which a busy machine makes late.
+    EXPECT_NEAR(1e-6 * static_cast<double>(samples.back().ticks - samples[0].ticks), last_s - first_s, 0.1) << step_s;
+  }
+}
+
+// Norms of 0 and 2 and a place beyond every room, as servers send them for a sensor that is not there.
+TEST(Vrpn, WhatIsNoPoseIsNotTracked) {
+  const auto flags_of = [](const EmulatedPose& pose) {
+    VrpnEmulator server(200.0, [&](double) { return pose; });
+    auto options = vrpn_options("127.0.0.1", "Tracker0:0");
+    options.port = server.port();
+    const auto source = open_vrpn(options);
+    source->start();
+    const auto samples = poses_for(*source, 0.1);
+    return samples.empty() ? 0xffffffffU : samples[0].flags & sample_not_tracked;
+  };
+  EXPECT_EQ(flags_of({Vec3(1, 2, 3), Quat(0.6, 0.8, 0, 0), true}), 0U);
+  EXPECT_EQ(flags_of({Vec3(1, 2, 3), Quat(0, 0, 0, 0), true}), sample_not_tracked);
+  EXPECT_EQ(flags_of({Vec3(1, 2, 3), Quat(1.2, 1.6, 0, 0), true}), sample_not_tracked);
+  EXPECT_EQ(flags_of({Vec3(1e308, 2, 3), Quat(1, 0, 0, 0), true}), sample_not_tracked);
+}
+
 TEST(Vrpn, TheOnlyTrackerNeedsNoNameAndAnotherSensorIsAnotherBody) {
   VrpnEmulator server(100.0, orbit);
   auto options = vrpn_options("127.0.0.1", "");

@@ -77,8 +77,10 @@ std::string NdiDevice::answer(const std::string& text, double t_s) {
 
 std::string NdiDevice::frame(double t_s) {
   ++asked_;
-  const auto frame = static_cast<std::uint32_t>(t_s * rate_Hz_);
-  const EmulatedPose pose = pose_(static_cast<double>(frame) / rate_Hz_);
+  constexpr double frames_per_s = 60.0;
+  const double tracked = std::floor(t_s * rate_Hz_);
+  const auto frame = static_cast<std::uint32_t>(tracked * frames_per_s / rate_Hz_);
+  const EmulatedPose pose = pose_(tracked / rate_Hz_);
   const bool hidden = faults_.missing_every != 0 && frame % faults_.missing_every == 0;
   std::string reply = "01" + handle_;
   if (hidden) {
@@ -135,6 +137,10 @@ void NdiEmulator::serve() {
         if (came.rfind("TX", 0) == 0) clock.sleep_until(clock.now_s() + device_.faults().late_s);
         came.erase(0, end + 1);
         [[maybe_unused]] const auto sent = ::send(client, reply.data(), reply.size(), MSG_NOSIGNAL);
+        const std::string more(4096, 'A');
+        while (!stop_ && device_.faults().endless && reply.size() > 40 &&
+               ::send(client, more.data(), more.size(), MSG_NOSIGNAL) > 0) {
+        }
       }
     }
     if (client >= 0) ::close(client);

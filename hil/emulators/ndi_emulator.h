@@ -1,8 +1,10 @@
 // An NDI Polaris on a serial line or on the network, from ndicapi's side of the conversation (PlusToolkit/ndicapi,
 // commit 652d9ead): the answers are what its parser expects, its own client was run against this emulator. One wired
-// tool at port handle 01; with PHRQ a passive one at 0A that wants its definition. Nothing is taken from the driver
-// that it tests. On a line it understands and answers only at the speed that it was last told, from 9600 baud on. All
-// results say `emulated`.
+// tool at port handle 01; with PHRQ a passive one at 0A that wants its definition. The frame counter runs at 60 Hz
+// whatever the tracking rate: a Vega at 20 Hz numbers its poses ... 635, 635, 638
+// (SciKit-Surgery/scikit-surgerynditracker, issue 90), and PlusToolkit/PlusLib's pull request 1068 sets rates as thirds
+// of the "frame frequency". Nothing is taken from the driver that it tests. On a line it understands and answers only
+// at the speed that it was last told, from 9600 baud on. All results say `emulated`.
 #pragma once
 
 #include <atomic>
@@ -21,6 +23,7 @@ struct NdiFaults {
   std::uint32_t wrong_crc_every = 0;  // of the answers to TX
   std::uint32_t missing_every = 0;    // frames in which the tool is hidden
   double late_s = 0.0;                // the answers to TX
+  bool endless = false;               // the answers to TX have no CR, and no end
   double deaf_s = 0.0;                // on a line: hears nothing so long, then greets as after a break
 };
 

@@ -1,5 +1,9 @@
 // A library with comedilib's functions and a card behind it that measures what the environment says:
 //   TOUCHSTONE_STUB_COMEDI_VOLTS  six voltages, present from 0.4 s after the start on (before: zero)
+//   TOUCHSTONE_STUB_COMEDI_SOFTCAL  the card calibrates in software, by this file: its measured line is
+//     volts = -9.7 + 19.6 counts / 65535, as M series boards are off by per cents before it. The functions follow
+//     comedilib.h and comedilib's lib/calib.c and lib/range.c: a polynomial about an origin, the ideal line for a card
+//     that calibrates in hardware.
 //   TOUCHSTONE_STUB_COMEDI_FAULT  absent, forbidden, busy, no-range, overrun, unplug, silent
 // It encodes our reading of comedilib; it is not comedilib and there is no card.
 #include <comedilib.h>
@@ -27,7 +31,8 @@ struct comedi_t_struct {
 namespace {
 
 int last_error = 0;
-comedi_range range_10V{-10.0, 10.0, UNIT_volt};
+
+const char* softcal() { return std::getenv("TOUCHSTONE_STUB_COMEDI_SOFTCAL"); }
 
 std::string fault() {
   const char* const text = std::getenv("TOUCHSTONE_STUB_COMEDI_FAULT");
@@ -48,7 +53,8 @@ void stream(comedi_t* card) {
     sampl_t counts[6];
     for (int k = 0; k < 6; ++k) {
       const double v = static_cast<double>(n) * card->period_s > 0.4 ? volts[k] : 0.0;
-      counts[k] = static_cast<sampl_t>(std::lround((v + 10.0) / 20.0 * 65535.0));
+      const double share = softcal() != nullptr ? (v + 9.7) / 19.6 : (v + 10.0) / 20.0;
+      counts[k] = static_cast<sampl_t>(std::lround(share * 65535.0));
     }
     if (::write(card->ends[1], counts, sizeof counts) < 0) break;
     next.tv_nsec += static_cast<long>(card->period_s * 1e9);
@@ -87,11 +93,30 @@ lsampl_t comedi_get_maxdata(comedi_t*, unsigned, unsigned) { return 65535; }
 int comedi_find_range(comedi_t*, unsigned, unsigned, unsigned, double, double) {
   return fault() == "no-range" ? -1 : 0;
 }
-comedi_range* comedi_get_range(comedi_t*, unsigned, unsigned, unsigned) { return &range_10V; }
-double comedi_to_phys(lsampl_t data, comedi_range* rng, lsampl_t maxdata) {
-  return rng->min + (rng->max - rng->min) * data / maxdata;
+char* comedi_get_default_calibration_path(comedi_t*) { return ::strdup(softcal()); }
+comedi_calibration_t* comedi_parse_calibration_file(const char* cal_file_path) {
+  return ::access(cal_file_path, R_OK) == 0 ? new comedi_calibration_t{} : nullptr;
 }
-int comedi_get_subdevice_flags(comedi_t*, unsigned) { return 0; }
+void comedi_cleanup_calibration(comedi_calibration_t* calibration) { delete calibration; }
+int comedi_get_softcal_converter(unsigned, unsigned, unsigned, comedi_conversion_direction, const comedi_calibration_t*,
+                                 comedi_polynomial_t* polynomial) {
+  *polynomial = {{-9.7 + 19.6 * 100.0 / 65535.0, 19.6 / 65535.0, 0, 0}, 100.0, 1};
+  return 0;
+}
+int comedi_get_hardcal_converter(comedi_t*, unsigned, unsigned, unsigned, comedi_conversion_direction,
+                                 comedi_polynomial_t* polynomial) {
+  *polynomial = {{-10.0, 20.0 / 65535.0, 0, 0}, 0.0, 1};
+  return 0;
+}
+double comedi_to_physical(lsampl_t data, const comedi_polynomial_t* conversion_polynomial) {
+  double value = 0.0, power = 1.0;
+  for (unsigned i = 0; i <= conversion_polynomial->order; ++i) {
+    value += conversion_polynomial->coefficients[i] * power;
+    power *= data - conversion_polynomial->expansion_origin;
+  }
+  return value;
+}
+int comedi_get_subdevice_flags(comedi_t*, unsigned) { return softcal() != nullptr ? SDF_SOFT_CALIBRATED : 0; }
 int comedi_get_cmd_generic_timed(comedi_t* dev, unsigned, comedi_cmd*, unsigned, unsigned period_ns) {
   dev->period_s = 1e-9 * period_ns;
   return 0;

@@ -44,8 +44,8 @@ std::string report_of(double t_s, std::int32_t sensor, const EmulatedPose& pose)
 
 }  // namespace
 
-VrpnEmulator::VrpnEmulator(double rate_Hz, std::function<EmulatedPose(double)> pose)
-    : rate_Hz_(rate_Hz), pose_(std::move(pose)) {
+VrpnEmulator::VrpnEmulator(double rate_Hz, std::function<EmulatedPose(double)> pose, double step_at_s, double step_s)
+    : rate_Hz_(rate_Hz), step_at_s_(step_at_s), step_s_(step_s), pose_(std::move(pose)) {
   const LoopbackSocket opened = listen_on_loopback();
   listener_ = opened.fd;
   port_ = opened.port;
@@ -92,11 +92,12 @@ void VrpnEmulator::serve() {
     while (client >= 0 && static_cast<double>(count + 1) / rate_Hz_ <= since) {
       const double t = static_cast<double>(++count) / rate_Hz_;
       const EmulatedPose pose = pose_(t);
-      const auto first = report_of(real - since + t, 0, pose);
+      const double stamp = real - since + t + (t > step_at_s_ ? step_s_ : 0.0);
+      const auto first = report_of(stamp, 0, pose);
       send(first.data(), first.size());
       EmulatedPose other;
       other.p_W_m = pose.p_W_m + Vec3(1, 1, 1);
-      const auto second = report_of(real - since + t, 1, other);
+      const auto second = report_of(stamp, 1, other);
       if (client >= 0) send(second.data(), second.size());
     }
     clock.sleep_until(clock.now_s() + 5e-4);

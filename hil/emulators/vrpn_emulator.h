@@ -14,8 +14,9 @@ namespace touchstone::hil {
 
 class VrpnEmulator {
  public:
-  // Sensor 0 moves as `pose` says; sensor 1 reports too, elsewhere.
-  VrpnEmulator(double rate_Hz, std::function<EmulatedPose(double)> pose);
+  // Sensor 0 moves as `pose` says; sensor 1 reports too, elsewhere. After `step_at_s` the server's clock is `step_s`
+  // on.
+  VrpnEmulator(double rate_Hz, std::function<EmulatedPose(double)> pose, double step_at_s = 0.0, double step_s = 0.0);
   ~VrpnEmulator();
   VrpnEmulator(const VrpnEmulator&) = delete;
   VrpnEmulator& operator=(const VrpnEmulator&) = delete;
@@ -27,7 +28,7 @@ class VrpnEmulator {
  private:
   void serve();
 
-  double rate_Hz_;
+  double rate_Hz_, step_at_s_, step_s_;
   std::function<EmulatedPose(double)> pose_;
   int port_ = 0, listener_ = -1;
   std::atomic<bool> stop_{false};

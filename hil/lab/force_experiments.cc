@@ -92,6 +92,35 @@ double best_lag(const std::vector<double>& t_s, const std::vector<double>& force
 
 }  // namespace
 
+Finding noise_and_drift(const std::vector<WrenchSample>& samples, double lost) {
+  constexpr double quietest_N = 1e-9, loudest_N = 0.1, session_s = 60.0, standard_errors = 5.0;
+  const double seconds = samples.back().t_s - samples.front().t_s;
+  const double rate = static_cast<double>(samples.back().sequence - samples.front().sequence) / seconds;
+  const NoiseFloor noise = noise_floor(samples, rate);
+  // Of a slope through n points of white noise, evenly over T: sigma sqrt(12 / n) / T in each axis.
+  const double slope_error_N_per_s =
+      noise.sigma_N.norm() * std::sqrt(12.0 / static_cast<double>(samples.size())) / seconds;
+  Finding finding;
+  finding.test = "noise-floor";
+  finding.measurements = {{"rate_Hz", rate},
+                          {"noise_fx_N", noise.sigma_N.x()},
+                          {"noise_fy_N", noise.sigma_N.y()},
+                          {"noise_fz_N", noise.sigma_N.z()},
+                          {"quietest_N", noise.sigma_N.minCoeff()},
+                          {"loudest_N", noise.sigma_N.maxCoeff()},
+                          {"drift_N_per_s", noise.drift_N_per_s.norm()},
+                          {"lost", lost}};
+  finding.limits = {{"quietest_N", quietest_N},
+                    {"loudest_N", 0.0, loudest_N},
+                    {"drift_N_per_s", 0.0, loudest_N / session_s + standard_errors * slope_error_N_per_s},
+                    {"lost", 0.0, 0.0}};
+  finding.pictures = {{"Allan deviation of the loudest axis",
+                       "averaging time [s]",
+                       "deviation [N]",
+                       {{"measured", noise.tau_s, noise.allan_N, false}}}};
+  return finding;
+}
+
 Finding force_step(Bench& bench, const LabLimits& limits, double force_N, const Vec3& along, int repeats) {
   constexpr double hold_s = 0.25;
   const LiftedSlew lifted(bench);

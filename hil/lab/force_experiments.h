@@ -12,6 +12,11 @@
 
 namespace touchstone::hil {
 
+// A sensor that nothing touches: white noise and drift of the samples, and `lost` of them. A dead channel is quieter
+// than any real one; a loose cable is louder than 0.1 N. Drift may make 0.1 N in a session of a minute: beyond that it
+// is a force of its own in what is recorded; beside that, five standard errors of the line through the noise.
+Finding noise_and_drift(const std::vector<WrenchSample>& samples, double lost);
+
 // `repeats` steps of `force_N` along the unit vector `along`, folded over each other: steady force, delay to 50 %, rise
 // from 10 to 90 %, overshoot. The slew limit is lifted to the whole step in one tick, which the clamp makes safe.
 Finding force_step(Bench& bench, const LabLimits& limits, double force_N, const Vec3& along, int repeats = 5);

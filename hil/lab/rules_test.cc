@@ -29,6 +29,7 @@
 #include "hil/lab/analysis.h"
 #include "hil/lab/availability.h"
 #include "hil/lab/evidence.h"
+#include "hil/lab/force_experiments.h"
 
 namespace touchstone::hil {
 namespace {
@@ -348,6 +349,24 @@ TEST(Analysis, NoiseAndDriftAreFoundAtEveryScale) {
     EXPECT_NEAR(n.drift_N_per_s.x() / scale, 0.002, 0.0001);
     EXPECT_NEAR(n.allan_N[4] / n.allan_N[0], 0.25, 0.02);  // white noise falls with the root of 16
   }
+}
+
+TEST(Analysis, ADriftThatASessionWouldShowFailsTheNoiseFloor) {
+  const auto failures = [](double drift_N_per_s) {
+    Random random(9);
+    std::vector<WrenchSample> samples(5000);
+    for (std::size_t i = 0; i < samples.size(); ++i) {
+      samples[i].sequence = i;
+      samples[i].t_s = 1e-3 * static_cast<double>(i);
+      samples[i].wrench.f_N =
+          Vec3(0.01 * random.normal(), 0.01 * random.normal(), 0.01 * random.normal() + drift_N_per_s * samples[i].t_s);
+    }
+    return noise_and_drift(samples, 0.0).failures();
+  };
+  EXPECT_THAT(failures(0.0), ::testing::IsEmpty());
+  EXPECT_THAT(failures(0.001), ::testing::IsEmpty());
+  for (const double drift : {1.4, -0.05, 0.006})
+    EXPECT_THAT(failures(drift), ::testing::ElementsAre(::testing::HasSubstr("drift_N_per_s"))) << drift;
 }
 
 TEST(Analysis, StepOfAFirstOrderSystem) {

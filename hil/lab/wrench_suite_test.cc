@@ -12,6 +12,7 @@
 #include "harness/base/rotations.h"
 #include "hil/emulators/netft_emulator.h"
 #include "hil/lab/analysis.h"
+#include "hil/lab/force_experiments.h"
 #include "hil/lab/suite.h"
 
 namespace touchstone::hil {
@@ -90,26 +91,8 @@ TEST_P(WrenchSensor, NoiseFloorAndBiasDrift) {
   open(found);
   const auto samples = measure(found.emulated ? 1.0 : 60.0);
   ASSERT_GT(samples.size(), 100U);
-  const double rate = static_cast<double>(samples.back().sequence - samples.front().sequence) /
-                      (samples.back().t_s - samples.front().t_s);
-  const auto noise = noise_floor(samples, rate);
   const auto counters = source_->counters();
-  Finding finding;
-  finding.test = "noise-floor";
-  finding.measurements = {{"rate_Hz", rate},
-                          {"noise_fx_N", noise.sigma_N.x()},
-                          {"noise_fy_N", noise.sigma_N.y()},
-                          {"noise_fz_N", noise.sigma_N.z()},
-                          {"quietest_N", noise.sigma_N.minCoeff()},
-                          {"loudest_N", noise.sigma_N.maxCoeff()},
-                          {"drift_N_per_s", noise.drift_N_per_s.norm()},
-                          {"lost", static_cast<double>(counters.lost + counters.malformed)}};
-  // A dead channel is quieter than any real one; a loose cable is louder.
-  finding.limits = {{"quietest_N", 1e-9}, {"loudest_N", 0.0, 0.1}, {"lost", 0.0, 0.0}};
-  finding.pictures = {{"Allan deviation of the loudest axis",
-                       "averaging time [s]",
-                       "deviation [N]",
-                       {{"measured", noise.tau_s, noise.allan_N, false}}}};
+  const Finding finding = noise_and_drift(samples, static_cast<double>(counters.lost + counters.malformed));
   conclude(finding, samples);
 }
 

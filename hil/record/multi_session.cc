@@ -202,6 +202,12 @@ std::string problem_of(const MultiReport::OneStream& s, double seconds) {
   const auto add = [&](const std::string& text) { said += (said.empty() ? "" : "; ") + text; };
   if (c.lost > 0) add(fmt::format("{} samples were lost on the way", c.lost));
   if (s.last.lost_in_memory > 0) add(fmt::format("{} samples were lost in memory", s.last.lost_in_memory));
+  if (c.clock_steps > 0) {
+    add(
+        fmt::format("the clock of its computer was set {} time{} meanwhile: times from there on are good to some "
+                    "milliseconds only; let it be slewed (chrony, ntpd), not stepped, and record again",
+                    c.clock_steps, c.clock_steps == 1 ? "" : "s"));
+  }
   if (c.device_errors > 0) add(fmt::format("{} samples have the device's error bit", c.device_errors));
   // Over a tenth of a second and more: packets come in lumps.
   if (s.last.nominal_Hz > 0.0 && s.arrival_rate_Hz > 0.0 && s.arrival_rate_Hz < least_rate_share * s.last.nominal_Hz &&

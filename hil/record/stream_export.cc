@@ -8,6 +8,7 @@
 #include <cstring>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <system_error>
 
 #include "harness/base/atomic_file.h"
 #include "harness/base/error.h"
@@ -116,25 +117,32 @@ void write_table(const Files& files, const std::filesystem::path& csv, double or
              out);
   double sum = 0.0, worst = 0.0, last = -1e300;
   std::uint64_t rows = 0;
-  for (const auto& file : files) {
-    read_raw(file, [&](const RawSample& s) {
-      const double t = read.time_of(s);
-      if (!(t > last)) {  // a frame sent twice, or a clock that stands still
-        ++read.report.left_out_samples;
-        return;
-      }
-      last = t;
-      ++rows;
-      sum += s.wrench.t_s - t;
-      worst = std::max(worst, s.wrench.t_s - t);
-      write_row(out, t - origin_s, s, kind);
-    });
-  }
+  const auto cannot_write = [&](const char* why) {
+    return BadData(
+        fmt::format("{}: cannot be written: {}; the raw recording is whole: make room, and `touchstone hil "
+                    "recover` writes the tables",
+                    csv.string(), why));
+  };
+  for (const auto& file : files) try {
+      read_raw(file, [&](const RawSample& s) {
+        const double t = read.time_of(s);
+        if (!(t > last)) {  // a frame sent twice, or a clock that stands still
+          ++read.report.left_out_samples;
+          return;
+        }
+        last = t;
+        ++rows;
+        sum += s.wrench.t_s - t;
+        worst = std::max(worst, s.wrench.t_s - t);
+        write_row(out, t - origin_s, s, kind);
+      });
+    } catch (const std::system_error& error) {  // as fmt::print() says that the disk is full
+      throw cannot_write(error.code().message().c_str());
+    }
   read.report.mean_delay_s = sum / static_cast<double>(std::max<std::uint64_t>(1, rows));
   read.report.worst_delay_s = worst;
   const bool good = std::ferror(out) == 0;
-  if (std::fclose(owner.release()) != 0 || !good)
-    throw BadData(fmt::format("{}: cannot be written: is the disk full?", csv.string()));
+  if (std::fclose(owner.release()) != 0 || !good) throw cannot_write("is the disk full?");
   target.commit();
 }
 
@@ -164,6 +172,17 @@ nlohmann::json as_json(const SessionExport::Table& table) {
 }
 
 }  // namespace
+
+std::string ExportReport::axis_problem() const {
+  constexpr std::uint64_t stretches = 16, enough = 30;  // of the axis (DriftingClock), and arrivals in each
+  const double least_s = samples < stretches * enough ? 50e-3 : 5e-3;
+  const double limit_s = std::max(least_s, rate_Hz > 0.0 ? 0.5 / rate_Hz : least_s);
+  if (header.clock == StreamClock::host || !(axis_uncertainty_s > limit_s)) return {};
+  return fmt::format(
+      "the time axis is uncertain by {:.2g} ms (limit {:.2g} ms): no even clock fits the arrivals; was a clock set "
+      "meanwhile, on this computer or the device's, or did the network stall for seconds? Record again",
+      1e3 * axis_uncertainty_s, 1e3 * limit_s);
+}
 
 ExportReport export_raw(const std::vector<std::filesystem::path>& files, const std::filesystem::path& csv) {
   Read read = read_stream(files);

@@ -27,6 +27,11 @@ struct ExportReport {
   double clock_ppm = 0.0;                          // of the device's clock where it states a rate, else 0
   double rate_change_ppm = 0.0;                    // over the recording, where a drift was found
   bool emulated = false;
+
+  // What is wrong with the times, one sentence; empty: nothing. An axis that is uncertain by more than half a sample
+  // interval puts samples in their neighbours' places; below 5 ms a busy network's shortest delays scatter as much, and
+  // below 50 ms where a stretch has fewer than 30 arrivals to be the least of.
+  [[nodiscard]] std::string axis_problem() const;
 };
 
 // One stream, in one file or several in order (a spilled rest). A force stream gives t_s, fx_N .. tz_Nm, flags; a

@@ -10,6 +10,7 @@
 #include <string>
 
 #include "harness/base/atomic_file.h"
+#include "harness/base/error.h"
 #include "harness/recording/recording_file.h"
 #include "harness/testing/steps.h"
 #include "harness/testing/temporary_folder.h"
@@ -73,10 +74,9 @@ TEST_F(AcquiredFile, AReversedForceIsNotedAndDoesNotPassButIsWritten) {
   EXPECT_GT(load_recording(folder_.path() / "out.csv").size(), 500U);
 }
 
-TEST_F(AcquiredFile, ContactInFreeAirDoesNotPass) {
-  const CheckedAcquisition result = acquire_and_check(session(1.0, R"(, "bias_from_s": 0.5, "bias_to_s": 2.5)"));
-  EXPECT_TRUE(result.acquired.report.contact_in_free_air) << result.text();
-  EXPECT_FALSE(result.passed());
+TEST_F(AcquiredFile, ContactInTheBiasIntervalIsRefused) {
+  EXPECT_THAT([&] { acquire_and_check(session(1.0, R"(, "bias_from_s": 0.5, "bias_to_s": 2.5)")); },
+              ::testing::ThrowsMessage<BadData>(HasSubstr("something is touched in the bias interval")));
 }
 
 }  // namespace

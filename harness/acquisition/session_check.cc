@@ -1,0 +1,341 @@
+#include "harness/acquisition/session_check.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+#include "harness/acquisition/smoothing.h"
+#include "harness/base/least_squares.h"
+#include "harness/stats/clustered_fit.h"
+#include "harness/stats/distributions.h"
+
+namespace touchstone::acquisition {
+namespace {
+
+constexpr double air_block_s = 0.5;
+constexpr double largest_turn_rad = 0.05;
+constexpr double scan_error_m = 0.2e-3;
+constexpr double one_in_ten_thousand = 1e-4;
+constexpr double clear_sigmas = 5.0;
+constexpr double sliding_m_per_s = 5e-3;
+
+Mat3 cross_matrix(const Vec3& v) {
+  Mat3 m;
+  m << 0, -v.z(), v.y(), v.z(), 0, -v.x(), -v.y(), v.x(), 0;
+  return m;
+}
+
+// The mean of half a second of free air: force left, and the tool's weight, in the sensor's frame.
+struct Block {
+  double t_s;
+  Vec3 left_N, weight_N;
+};
+
+std::vector<Block> blocks_of(const SessionSamples& s, const ToolLoad& tool, const Vec3& gravity_T) {
+  std::vector<Block> blocks;
+  const double interval = sample_interval_s(s.t_s);
+  // Speeds from places a few frames apart: 0.1 mm of noise over 50 ms are 3 mm/s, 6 mm/s^2 over a block.
+  const auto reach = std::max<std::size_t>(1, static_cast<std::size_t>(0.025 / interval));
+  for (std::size_t first = 0, last = 0; first < s.t_s.size(); first = last) {
+    last = first + 1;
+    if (!s.free_air[first]) continue;
+    while (last < s.t_s.size() && s.free_air[last] && s.t_s[last] - s.t_s[last - 1] < 2.5 * interval &&
+           s.t_s[last] < s.t_s[first] + air_block_s)
+      ++last;
+    const double length = s.t_s[last - 1] - s.t_s[first];
+    if (length < 0.9 * air_block_s || last - first < 2 * reach + 2) continue;
+    Vec3 left = Vec3::Zero(), weight = Vec3::Zero();
+    for (std::size_t i = first; i < last; ++i) {
+      left += s.q_TS[i].conjugate() * s.f_T_N[i] / static_cast<double>(last - first);
+      weight += s.q_TS[i].conjugate() * (tool.mass_kg * gravity_T) / static_cast<double>(last - first);
+    }
+    const auto speed = [&](std::size_t from) -> Vec3 {
+      return (s.tip_T_m[from + reach] - s.tip_T_m[from]) / (s.t_s[from + reach] - s.t_s[from]);
+    };
+    const Vec3 gained = speed(last - 1 - reach) - speed(first);
+    left += tool.mass_kg / length * (s.q_TS[(first + last) / 2].conjugate() * gained);
+    blocks.push_back({s.t_s[first] + 0.5 * length, left, weight});
+  }
+  return blocks;
+}
+
+// What is left of the blocks after a cause with these columns, and its estimate.
+struct CauseFit {
+  Eigen::VectorXd estimate;
+  double left2 = 0.0;  // sum of squares
+  Eigen::Index rank = 0;
+};
+CauseFit fit_cause(const Eigen::MatrixXd& columns, const Eigen::VectorXd& left) {
+  const LeastSquares qr(columns);
+  CauseFit fit;
+  fit.estimate = qr.solve(left);
+  fit.left2 = (left - columns * fit.estimate).squaredNorm();
+  fit.rank = qr.rank();
+  return fit;
+}
+
+// Whether `extra` more parameters explain more than chance, of `rows` rows.
+bool explains(double without2, double with2, Eigen::Index extra, Eigen::Index free_rows) {
+  if (free_rows < 1 || !(without2 > with2)) return false;
+  const double f = (without2 - with2) / static_cast<double>(extra) / (with2 / static_cast<double>(free_rows));
+  return !std::isfinite(f) ||
+         stats::f_tail(f, static_cast<double>(extra), static_cast<double>(free_rows)) < one_in_ten_thousand;
+}
+
+}  // namespace
+
+FreeAirCheck check_free_air(const SessionSamples& samples, const ToolLoad& tool, const Vec3& gravity_T,
+                            double contact_force_N) {
+  FreeAirCheck check;
+  const auto blocks = blocks_of(samples, tool, gravity_T);
+  check.blocks = blocks.size();
+  if (blocks.size() < 2) {
+    check.blocks = 0;
+    return check;
+  }
+  const auto n = static_cast<Eigen::Index>(blocks.size());
+  const double begin = samples.t_s.front(), span = samples.t_s.back() - begin;
+  Eigen::MatrixXd bias = Eigen::MatrixXd::Zero(3 * n, 3), drift = Eigen::MatrixXd::Zero(3 * n, 6),
+                  turn = Eigen::MatrixXd::Zero(3 * n, 3);
+  Eigen::VectorXd left(3 * n);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const Block& b = blocks[static_cast<std::size_t>(i)];
+    left.segment<3>(3 * i) = b.left_N;
+    bias.block<3, 3>(3 * i, 0).setIdentity();
+    drift.block<3, 3>(3 * i, 0).setIdentity();
+    drift.block<3, 3>(3 * i, 3) = ((b.t_s - begin) / span - 0.5) * Mat3::Identity();
+    turn.block<3, 3>(3 * i, 0) = -cross_matrix(b.weight_N);
+  }
+  const CauseFit constant = fit_cause(bias, left), moving = fit_cause(drift, left), turned = fit_cause(turn, left);
+  check.bias_N = constant.estimate;
+  if (moving.rank == 6) check.drift_N = moving.estimate.tail<3>();
+  if (turned.rank == 3) check.turn_rad = turned.estimate;
+  const double most_N = 0.25 * contact_force_N;
+  // A turned frame is one cause for what would else be a bias that follows the attitude.
+  if (check.turn_rad.norm() > largest_turn_rad && turned.left2 < constant.left2 && turned.left2 < moving.left2 &&
+      explains(left.squaredNorm(), turned.left2, 3, 3 * n - 3)) {
+    check.faults.push_back(fmt::format(
+        "in free air the tool's weight is turned by {:.2g} rad against where it should point (limit {:.2g}): check "
+        "/probe/q_PS, the attitude of the sensor on the probe, and /tool/gravity_T_m_per_s2",
+        check.turn_rad.norm(), largest_turn_rad));
+    return check;
+  }
+  const auto worst = std::ranges::max_element(blocks, {}, [](const Block& b) { return b.left_N.norm(); });
+  if (check.drift_N.norm() > most_N && explains(constant.left2, moving.left2, 3, 3 * n - 6)) {
+    check.faults.push_back(fmt::format(
+        "the force's bias moved by {:.3g} N during the session (limit {:.3g} N, a quarter of the contact force); worst "
+        "at {:.2f} s with {:.3g} N in free air: did something knock the tool, or is the sensor warming up? Record "
+        "again",
+        check.drift_N.norm(), most_N, worst->t_s, worst->left_N.norm()));
+  } else if (check.bias_N.norm() > most_N && explains(left.squaredNorm(), constant.left2, 3, 3 * n - 3)) {
+    check.faults.push_back(fmt::format(
+        "in free air the force is off by {:.3g} N all along (limit {:.3g} N, a quarter of the contact force): give a "
+        "stretch of free air as /force/bias_from_s and bias_to_s, or measure the tool's static poses again",
+        check.bias_N.norm(), most_N));
+  } else if (worst->left_N.norm() > 0.5 * contact_force_N) {
+    check.event = fmt::format(
+        "contact: in free air the force is off by {:.3g} N at {:.2f} s (limit {:.3g} N, half of the contact force): "
+        "something touched or knocked the tool there; leave this time out",
+        worst->left_N.norm(), worst->t_s, 0.5 * contact_force_N);
+  }
+  return check;
+}
+
+namespace {
+
+// Gaps between ball and mesh and how they change with what may be wrong, one row per contact.
+struct GapRows {
+  Eigen::VectorXd gap;
+  Eigen::MatrixXd move, tip, load;  // the object's six, the tip's three in the probe's frame, the force
+  std::vector<Vec3> normal;
+  Vec3 middle_m = Vec3::Zero();  // turns are about it, as arc lengths at the spread
+  double spread_m = 0.0;
+};
+
+GapRows gap_rows(const Surface& surface, const ContactSamples& c, double radius) {
+  const auto n = static_cast<Eigen::Index>(c.t_s.size());
+  GapRows rows;
+  rows.gap.resize(n), rows.move.resize(n, 6), rows.tip.resize(n, 3), rows.load.resize(n, 1);
+  for (const Vec3& p : c.center_W_m) rows.middle_m += p / static_cast<double>(n);
+  for (const Vec3& p : c.center_W_m) rows.spread_m = std::max(rows.spread_m, (p - rows.middle_m).norm());
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const auto k = static_cast<std::size_t>(i);
+    const BallContact contact = ball_contact(surface, c.center_W_m[k], radius);
+    rows.gap[i] = contact.gap_m;
+    rows.normal.push_back(contact.n_W);
+    rows.move.row(i) << contact.n_W.transpose(),
+        (c.center_W_m[k] - rows.middle_m).cross(contact.n_W).transpose() / rows.spread_m;
+    rows.tip.row(i) = (c.q_WP[k].conjugate() * contact.n_W).transpose();
+    rows.load(i, 0) = -std::max(0.0, contact.n_W.dot(c.force_W_N[k]));
+  }
+  return rows;
+}
+
+double left_by(const Eigen::VectorXd& gap, const std::vector<const Eigen::MatrixXd*>& causes, Eigen::VectorXd& fit) {
+  Eigen::Index columns = 0;
+  for (const auto* cause : causes) columns += cause->cols();
+  Eigen::MatrixXd all(gap.size(), columns);
+  columns = 0;
+  for (const auto* cause : causes) {
+    all.middleCols(columns, cause->cols()) = *cause;
+    columns += cause->cols();
+  }
+  const CauseFit found = fit_cause(all, gap);
+  fit = found.estimate;
+  return std::sqrt(found.left2 / static_cast<double>(gap.size()));
+}
+
+// The turn of the sensor's frame that sliding contact shows, by clusters of half a second.
+std::optional<Vec3> turn_by_sliding(const ContactSamples& c, const std::vector<Vec3>& normals) {
+  std::vector<stats::NormalEquations> clusters;
+  double until = -std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < c.t_s.size(); ++i) {
+    const Vec3& n = normals[i];
+    const Vec3 along = c.velocity_W_m_per_s[i] - n * n.dot(c.velocity_W_m_per_s[i]);
+    const double load = n.dot(c.force_W_N[i]);
+    if (!(along.norm() > sliding_m_per_s) || !(load > 0.0)) continue;
+    if (c.t_s[i] > until) {
+      clusters.push_back({Eigen::MatrixXd::Zero(4, 4), Eigen::VectorXd::Zero(4)});
+      until = c.t_s[i] + air_block_s;
+    }
+    const Vec3 tangential = c.force_W_N[i] - load * n;
+    Eigen::MatrixXd rows(3, 4);
+    rows.col(0) = -load * along.normalized();
+    rows.rightCols<3>() = -load * cross_matrix(n) * c.q_WS[i].toRotationMatrix();
+    clusters.back().normal += rows.transpose() * rows;
+    clusters.back().right += rows.transpose() * tangential;
+  }
+  if (clusters.size() < 8) return std::nullopt;
+  const stats::ClusteredFit fit(clusters);
+  if (!fit.determined()) return std::nullopt;
+  Vec3 turn = fit.estimate().tail<3>();
+  bool clear = false;
+  for (int k = 0; k < 3; ++k) {
+    Eigen::VectorXd one = Eigen::VectorXd::Zero(4);
+    one[k + 1] = 1.0;
+    const bool known = std::abs(turn[k]) > clear_sigmas * fit.error_of(one).sigma;
+    if (!known) turn[k] = 0.0;
+    clear = clear || known;
+  }
+  if (!clear) return std::nullopt;
+  return turn;
+}
+
+}  // namespace
+
+double contact_compliance_m_per_N(const Surface& surface, const ContactSamples& contacts, double tip_radius_m) {
+  constexpr double least_variation = 0.1;
+  if (contacts.t_s.size() < 8) return 0.0;
+  const GapRows rows = gap_rows(surface, contacts, tip_radius_m);
+  const Eigen::VectorXd load = rows.load.col(0);
+  const Eigen::VectorXd own = load - rows.move * LeastSquares(rows.move).solve(load);
+  if (!(own.squaredNorm() > least_variation * least_variation * load.squaredNorm())) return 0.0;
+  return std::max(0.0, own.dot(rows.gap) / own.squaredNorm());
+}
+
+RigidTransform weighed_correction(const Surface& surface, const ContactSamples& contacts, double tip_radius_m,
+                                  const ContactRegistration& refinement, const MarkerRegistration& markers) {
+  using Matrix6 = Eigen::Matrix<double, 6, 6>;
+  using Vector6 = Eigen::Matrix<double, 6, 1>;
+  if (markers.markers < 4) return refinement.correction;
+  const GapRows rows = gap_rows(surface, contacts, tip_radius_m);
+  // The move of the object's middle, and the turn.
+  const RigidTransform& all = refinement.correction;
+  const Eigen::AngleAxisd turn(all.q);
+  const Vec3 begin = all.q.conjugate() * (rows.middle_m - all.t_m);
+  Vector6 asked;
+  asked << rows.middle_m - begin, rows.spread_m * turn.angle() * turn.axis();
+  double half_seconds = 0.0, until = -std::numeric_limits<double>::infinity();
+  for (const double t : contacts.t_s) {
+    if (t > until) half_seconds += 1.0, until = t + air_block_s;
+  }
+  const auto n = static_cast<double>(rows.gap.size());
+  const double left = refinement.rms_after_m, contact_variance = left * left + scan_error_m * scan_error_m;
+  const Eigen::VectorXd load = rows.load.col(0), along = rows.move.transpose() * load;
+  Matrix6 contact = rows.move.transpose() * rows.move;
+  if (load.squaredNorm() > 0.0) contact -= along * along.transpose() / load.squaredNorm();
+  contact *= half_seconds / n / contact_variance;
+  // FLE^2 = FRE^2 / (1 - 2 / n) over three components (rigid_registration.cc).
+  const auto count = static_cast<double>(markers.markers);
+  const double fiducial_variance = markers.residual_rms_m * markers.residual_rms_m / (1.0 - 2.0 / count) / 3.0;
+  if (!(fiducial_variance > 0.0)) return {};  // exact markers
+  Eigen::Matrix<double, 3, 6> centroid;
+  centroid << Mat3::Identity(), -cross_matrix(markers.centroid_m - rows.middle_m) / rows.spread_m;
+  Matrix6 marker = centroid.transpose() * centroid;
+  for (int k = 0; k < 3; ++k) {
+    Vector6 about = Vector6::Zero();
+    about.tail<3>() = markers.spread_m[k] / rows.spread_m * markers.axes.col(k);
+    marker += about * about.transpose();
+  }
+  marker *= count / fiducial_variance;
+  const Vector6 move = solve_symmetric(contact + marker, contact * asked);
+  const Vec3 angle = move.tail<3>() / rows.spread_m;
+  const Quat q = angle.norm() > 0.0 ? Quat(Eigen::AngleAxisd(angle.norm(), angle.normalized())) : Quat::Identity();
+  return {q, begin + move.head<3>() - q * begin};
+}
+
+std::vector<std::string> check_contacts(const Surface& surface, const ContactSamples& contacts, double tip_radius_m,
+                                        double tracker_noise_m, const ContactRegistration& refinement,
+                                        const MarkerRegistration& markers) {
+  std::vector<std::string> faults;
+  const GapRows rows = gap_rows(surface, contacts, tip_radius_m);
+  const auto n = static_cast<double>(rows.gap.size());
+  Eigen::VectorXd fit;
+  const double plain = left_by(rows.gap, {&rows.move, &rows.load}, fit);
+  const double with_tip = left_by(rows.gap, {&rows.move, &rows.load, &rows.tip}, fit);
+  const double tip_off = fit.tail<3>().norm();
+  Eigen::MatrixXd halves = rows.move;
+  const double half_way = contacts.t_s[contacts.t_s.size() / 2];
+  for (Eigen::Index i = 0; i < halves.rows(); ++i) {
+    if (contacts.t_s[static_cast<std::size_t>(i)] < half_way) halves.row(i) *= -1.0;
+  }
+  const double with_move = left_by(rows.gap, {&rows.move, &rows.load, &halves}, fit);
+  const auto explained = [&](double left) { return std::sqrt(std::max(0.0, plain * plain - left * left)); };
+  const double most = 3.0 * std::hypot(tracker_noise_m, scan_error_m);
+  if (std::max(explained(with_tip), explained(with_move)) > scan_error_m && plain > 2.0 * tracker_noise_m) {
+    if (with_tip <= with_move) {
+      faults.push_back(fmt::format(
+          "the contacts fit the mesh to {:.2g} mm RMS instead of {:.2g} mm if the tip lies {:.2g} mm elsewhere on the "
+          "probe: measure /probe/tip_P_m again (pivot the tip in a dimple)",
+          1e3 * with_tip, 1e3 * plain, 1e3 * tip_off));
+    } else {
+      faults.push_back(fmt::format(
+          "the earlier and the later contacts fit the mesh at two different places ({:.2g} mm RMS together, {:.2g} mm "
+          "each at its own): the object moved against the tracker around {:.2f} s, or earlier; fix it and record again",
+          1e3 * plain, 1e3 * with_move, half_way));
+    }
+  } else if (plain > most) {
+    faults.push_back(fmt::format(
+        "the contacts leave {:.2g} mm RMS off the mesh, more than tracker and scan explain ({:.2g} mm): is it the "
+        "object's mesh in the right unit, and what was touched? If the object is soft or its shape unknown, leave out "
+        "/registration/mesh",
+        1e3 * plain, 1e3 * most));
+  }
+  if (markers.markers > 3 && faults.empty()) {
+    double moved2 = 0.0, open2 = 0.0;
+    for (std::size_t i = 0; i < contacts.t_s.size(); ++i) {
+      moved2 += std::pow(refinement.residual_before_m[i] - refinement.residual_after_m[i], 2) / n;
+      open2 += std::pow(markers.expected_error_m(contacts.center_W_m[i]), 2) / (3.0 * n);
+    }
+    open2 += scan_error_m * scan_error_m;
+    if (stats::f_tail(moved2 / open2, 6.0, 3.0 * static_cast<double>(markers.markers) - 6.0) < one_in_ten_thousand) {
+      faults.push_back(fmt::format(
+          "the contacts would move the object's surface by {:.2g} mm RMS, while the markers leave {:.2g} mm open: "
+          "check "
+          "the markers' places on the object, /probe/tip_P_m and the tip's radius, or leave out /registration/mesh",
+          1e3 * std::sqrt(moved2), 1e3 * std::sqrt(open2)));
+    }
+  }
+  if (const auto turn = turn_by_sliding(contacts, rows.normal); turn && turn->norm() > largest_turn_rad) {
+    faults.push_back(fmt::format(
+        "while the tip slides, the surface's push is turned by {:.2g} rad in the sensor's frame (limit {:.2g}): check "
+        "/probe/q_PS, the attitude of the sensor on the probe, and the force's bias",
+        turn->norm(), largest_turn_rad));
+  }
+  return faults;
+}
+
+}  // namespace touchstone::acquisition

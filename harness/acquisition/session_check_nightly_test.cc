@@ -1,0 +1,22 @@
+#include <gtest/gtest.h>
+
+#include <array>
+
+#include "harness/acquisition/simulated_sessions_for_test.h"
+
+namespace touchstone::acquisition {
+namespace {
+
+// Refused without a cause: at most 1 %.
+TEST(SessionCheckNightly, TwoHundredUndisturbedSessionsPassAndAreRight) {
+  const Outcomes all = acquire_all(9001, 200, std::array{Disturbance::none});
+  EXPECT_LE(all.refused, 2);
+  EXPECT_EQ(all.wrong, 0);
+}
+
+TEST(SessionCheckNightly, TwoHundredDisturbedSessionsAreRefusedOrRight) {
+  EXPECT_EQ(acquire_all(9501, 200, all_disturbances).wrong, 0);
+}
+
+}  // namespace
+}  // namespace touchstone::acquisition

@@ -1,0 +1,51 @@
+// Sessions that break one assumption of the acquisition, by a simulator of its own: refused or right, never silent.
+#include "harness/acquisition/session_check.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <array>
+#include <string>
+
+#include "harness/acquisition/simulated_sessions_for_test.h"
+
+namespace touchstone::acquisition {
+namespace {
+
+using ::testing::HasSubstr;
+
+TEST(SessionCheck, UndisturbedSessionsPassAndAreRight) {
+  const Outcomes all = acquire_all(8101, 4, std::array{Disturbance::none});
+  EXPECT_EQ(all.refused, 0);
+  EXPECT_EQ(all.wrong, 0);
+}
+
+// Contacts must not cost what the markers know, also where a soft surface gives in and hardly tells a shift along it.
+TEST(SessionCheck, ContactsMakeARegistrationByMarkersNoWorse) {
+  double with2 = 0.0, without2 = 0.0;
+  for (std::uint64_t seed = 8301; seed < 8309; ++seed) {
+    const Outcome with = acquire_simulated(seed, Disturbance::none),
+                  without = acquire_simulated(seed, Disturbance::none, false);
+    ASSERT_FALSE(with.refused) << with.sentence;
+    ASSERT_FALSE(without.refused) << without.sentence;
+    with2 += with.position_rms_m * with.position_rms_m;
+    without2 += without.position_rms_m * without.position_rms_m;
+  }
+  EXPECT_LT(with2, without2);
+}
+
+TEST(SessionCheck, EachDisturbanceIsNamedWithTheNextStep) {
+  const auto said = [](Disturbance kind) { return acquire_simulated(8202, kind).sentence; };
+  EXPECT_THAT(said(Disturbance::knock_at_start), HasSubstr("/force/bias_from_s"));
+  EXPECT_THAT(said(Disturbance::knock_half_way), HasSubstr("the force's bias moved by"));
+  EXPECT_THAT(said(Disturbance::bias_drift), HasSubstr("the force's bias moved by"));
+  EXPECT_THAT(said(Disturbance::held_poses), HasSubstr("repeated its last pose while the probe moved on"));
+  EXPECT_THAT(said(Disturbance::swapped_markers), HasSubstr("jumped there and back faster than a hand"));
+  EXPECT_THAT(said(Disturbance::moved_object), HasSubstr("the object moved against the tracker"));
+  EXPECT_THAT(said(Disturbance::wrong_tip), HasSubstr("/probe/tip_P_m"));
+  EXPECT_THAT(said(Disturbance::turned_sensor), HasSubstr("/probe/q_PS"));
+  EXPECT_THAT(said(Disturbance::reversed_statics), HasSubstr("--flip-force"));
+}
+
+}  // namespace
+}  // namespace touchstone::acquisition
