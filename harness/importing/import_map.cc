@@ -169,6 +169,14 @@ ImportMap parse_import_map(const nlohmann::json& json, const std::string& source
   ImportMap map;
   map.source = source;
   map.about = root.optional_text("about").value_or("");
+  if (root.has("decide")) {
+    const auto open = texts_of(root, "decide");
+    if (!open.empty()) {
+      root.fail_at("decide",
+                   fmt::format("{} {} not decided: {}. Put the answer into the map, then take the line out",
+                               open.size(), open.size() == 1 ? "question is" : "questions are", open.front()));
+    }
+  }
   map.layout = read_layout(root);
   if (root.has("files")) {
     JsonObject files = root.object("files");

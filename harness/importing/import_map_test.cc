@@ -238,6 +238,10 @@ TEST(GuessMap, NamesUnitsClocksAndQuaternionsAreSeen) {
   EXPECT_TRUE(guess.missing.empty());
   auto json = nlohmann::json::parse(guess.json);
   EXPECT_EQ(json["quaternion"]["order"], "xyzw");
+  // Its order is assumed: nothing is imported until somebody says so.
+  EXPECT_THAT(guess.decide, ElementsAre(HasSubstr("the order of a and the three after it")));
+  EXPECT_THROW(parse_import_map(json, "guessed"), BadData);
+  json.erase("decide");
   const Imported got = import_file(map_folder() / "log.csv", parse_import_map(json, "guessed"));
   EXPECT_NEAR(column(got, "t_s")[10], 0.02, 1e-12);
   EXPECT_NEAR(column(got, "fz_N")[0], 0.003, 1e-12);

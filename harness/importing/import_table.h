@@ -18,7 +18,16 @@ struct ImportTable {
   std::string source;                        // the file
   std::string format;                        // "text table: tabs, decimal commas", "MATLAB v5", ...
   bool names_from_file = false;
+  // What the file says of a column beyond its name, to be read in its place by the grammar of names: "Time (s)" of a
+  // column named X_Value, "Load (N)" where a row of units stands below the names. Empty, or as many as `names`.
+  std::vector<std::string> described;
+  std::vector<std::string> head;  // lines of text before the numbers
+  std::vector<char> text;         // columns that hold text, which are NaN throughout; empty: none
 
+  [[nodiscard]] const std::string& description(std::size_t c) const {
+    return c < described.size() && !described[c].empty() ? described[c] : names[c];
+  }
+  [[nodiscard]] bool is_text(std::size_t c) const { return c < text.size() && text[c] != 0; }
   [[nodiscard]] std::size_t rows() const noexcept { return columns.empty() ? 0 : columns.front().size(); }
 };
 
