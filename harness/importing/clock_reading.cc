@@ -67,7 +67,7 @@ bool is_since_1970(const std::vector<double>& values) {
 
 ClockReading read_clock(const std::vector<double>& values, const ColumnName& name, const HeadFacts& head) {
   const double step = usual_step(values);
-  if (!(step > 0.0)) return {std::nullopt, "its numbers do not increase"};
+  if (!(step > 0.0)) return {std::nullopt, "its numbers do not increase", true};
   const auto rate = [&](double scale) { return 1.0 / (step * scale); };
   const auto sensible = [&](double scale) {
     constexpr double rounding = 1e-9;

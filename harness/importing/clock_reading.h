@@ -15,6 +15,7 @@ namespace touchstone::importing {
 struct ClockReading {
   std::optional<double> scale;  // to seconds; nothing where it is not certain
   std::string reason;           // why it is that, or what is to be decided
+  bool stands = false;          // its numbers do not increase: it is none
 };
 
 ClockReading read_clock(const std::vector<double>& values, const ColumnName& name, const HeadFacts& head);

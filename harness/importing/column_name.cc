@@ -230,7 +230,9 @@ Parsed analysed(Words words) {
   bool commanded = axes > 1;
   for (std::size_t i = 0; i < words.size(); ++i) {
     if (used[i] != 0) continue;
-    commanded = commanded || lists(others, words[i]);
+    // A letter is the acceleration or the velocity only before its axis; else it names a frame: "Body A".
+    const bool letter = words[i].size() == 1 && (i + 1 == words.size() || !is_axis(words[i + 1]));
+    commanded = commanded || (!letter && lists(others, words[i]));
     const bool known = lists(frames, words[i]) || quantity_of(words[i]) || is_number(words[i]) || words[i] == "joint";
     out.unknown = out.unknown || !known;
     if (i + 1 == words.size()) out.unknown_last = !known;

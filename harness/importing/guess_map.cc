@@ -38,7 +38,7 @@ class Guesser {
     quaternion_by_numbers(tables_.front());
     rotation_by_names();
     if (!columns_.contains("t_s")) rate_by_numbers(tables_.front());
-    if (!columns_.contains("t_s") && decided_clock_) clock_by_numbers(tables_.front());
+    if (!columns_.contains("t_s") && clock_is_open_) clock_by_numbers(tables_.front());
     json_["columns"] = columns_;
     return finished();
   }
@@ -190,6 +190,10 @@ class Guesser {
       if (!factor) continue;
       Json how{{"from", reference(tables_[named.table], named.column)}};
       if (*factor != 1.0) how["scale"] = *factor;
+      if (choice.among > 1) {
+        reason += fmt::format("; of {} that it may be, that of '{}', as the probe's own are named", choice.among,
+                              choice.frame);
+      }
       if (axis == '0') reason += "; it names no axis: z, which points out of the object, is assumed: check its sign";
       use(column, std::move(how), reference(tables_[named.table], named.column), reason);
     }
@@ -241,9 +245,9 @@ class Guesser {
       if (!named.name.is(Quantity::time)) continue;
       const auto reading = named.name.doubt.empty()
                                ? read_clock(tables_[named.table].columns[named.column], named.name, head_)
-                               : ClockReading{std::nullopt, named.name.doubt};
+                               : ClockReading{std::nullopt, named.name.doubt, false};
       if (reading.scale) clocks.push_back({&named, reading});
-      if (!reading.scale) {
+      if (!reading.scale && !(reading.stands && head_.rate_Hz)) {
         doubts += fmt::format("{}{}: {}", doubts.empty() ? "" : "; ", said_of(tables_, named.table, named.column),
                               reading.reason);
       }
@@ -254,8 +258,8 @@ class Guesser {
         clocks, [](const Clock& c) { return c.named->name.frame.find("header") != std::string::npos; });
     if (clocks.size() > 1 && stamp != clocks.end()) std::rotate(clocks.begin(), stamp, stamp + 1);
     if (clocks.empty()) {
-      if (use_counted_rows()) return;
-      decided_clock_ = doubts.empty();
+      if (doubts.empty() && use_counted_rows()) return;
+      clock_is_open_ = doubts.empty();
       if (!doubts.empty()) ask("t_s", doubts);
       return;
     }
@@ -309,7 +313,7 @@ class Guesser {
     if (!head_.rate_Hz) {
       for (const NamedColumn& named : named_) {
         if (!named.name.is(Quantity::count) || !counts_rows(tables_[named.table].columns[named.column])) continue;
-        decided_clock_ = false;
+        clock_is_open_ = false;
         ask("t_s", fmt::format("{} counts rows and no line states their rate: put it, as {{\"row_rate_Hz\": ...}}",
                                said_of(tables_, named.table, named.column)));
         return true;
@@ -434,8 +438,11 @@ class Guesser {
 
   // An angle beside its rate, and a torque, in a table that names nothing.
   void rate_by_numbers(const ImportTable& table) {
-    const auto joint = guess_joint(table);
-    if (!joint || (table.names_from_file && !columns_.contains("q_rad"))) return;
+    // Of many columns two that look like an angle and its rate are found by chance.
+    constexpr std::size_t most_columns = 4;
+    const bool few = table.names_from_file ? columns_.contains("q_rad") : table.names.size() <= most_columns;
+    const auto joint = few ? guess_joint(table) : std::nullopt;
+    if (!joint) return;
     columns_["t_s"] = {{"row_rate_Hz", joint->rate_Hz}};
     decide_.push_back(
         fmt::format("t_s: the file has no clock; {} Hz is assumed from the ratio of two columns", joint->rate_Hz));
@@ -459,7 +466,7 @@ class Guesser {
   std::vector<NamedColumn> named_;
   Json json_, columns_ = Json::object();
   std::vector<std::string> reasons_, used_, decide_;
-  bool decided_clock_ = false;  // no name tells of a clock: the numbers are looked at
+  bool clock_is_open_ = false;  // no name tells of a clock: the numbers are looked at
 };
 
 }  // namespace

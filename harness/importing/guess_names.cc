@@ -187,18 +187,18 @@ AxisChoice choose_axes(const std::vector<NamedColumn>& columns, const std::vecto
     std::ranges::stable_sort(scalars, std::greater<>(),
                              [&](const NamedColumn* c) { return preference(c->name.frame, near); });
     if (scalars.size() > 1 && preference(scalars[0]->name.frame, near) == preference(scalars[1]->name.frame, near)) {
-      return {{}, "", fmt::format("{} are as likely", listed(tables, scalars))};
+      return {{}, "", scalars.size(), fmt::format("{} are as likely", listed(tables, scalars))};
     }
-    return {{{'0', *scalars.front()}}, scalars.size() > 1 ? scalars.front()->name.frame : "", ""};
+    return {{{'0', *scalars.front()}}, scalars.front()->name.frame, scalars.size(), ""};
   }
   std::ranges::stable_sort(groups, std::greater<>(), [&](const Group* g) { return preference(g->frame, near); });
   if (groups.size() > 1 && preference(groups[0]->frame, near) == preference(groups[1]->frame, near)) {
     std::vector<const NamedColumn*> rivals;
     for (const Group* group : groups) rivals.push_back(group->axes.begin()->second.front());
-    return {{}, "", fmt::format("{} are as likely: several stand for the same", listed(tables, rivals))};
+    return {{}, "", groups.size(), fmt::format("{} are as likely: several stand for the same", listed(tables, rivals))};
   }
   AxisChoice choice = chosen(*groups.front(), tables);
-  if (groups.size() == 1) choice.frame = groups.front()->frame;
+  choice.among = groups.size();
   return choice;
 }
 

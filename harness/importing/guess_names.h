@@ -25,6 +25,7 @@ std::vector<NamedColumn> named_columns(const std::vector<ImportTable>& tables);
 struct AxisChoice {
   std::map<char, NamedColumn> axes;  // x, y, z (and w); or '0' alone: a quantity without an axis
   std::string frame;                 // of the set that was chosen among several
+  std::size_t among = 1;             // how many sets there were
   std::string doubt;                 // empty, or why none was chosen
 };
 
