@@ -37,7 +37,7 @@ constexpr auto lexicon = std::to_array<Lexeme>({
     {Quantity::torque, " torque torques moment moments drehmoment tau effort trq "},
     {Quantity::quaternion, " quaternion quat orientation orient ori rotation rot "},
     {Quantity::angle, " angle theta "},
-    {Quantity::wrench, " wrench "},
+    {Quantity::wrench, " wrench ft fts netft "},
     {Quantity::pose, " pose "},
 });
 
@@ -189,7 +189,7 @@ void find_quantity(const Words& words, Parsed& out, std::vector<char>& used) {
   for (std::size_t i = words.size(); i-- > 0 && !at;) {
     const auto quantity = quantity_of(words[i]);
     if (!quantity || *quantity == Quantity::count) continue;
-    if ((*quantity == Quantity::wrench || *quantity == Quantity::pose) && !out.index) continue;
+    if ((*quantity == Quantity::wrench || *quantity == Quantity::pose) && (!out.index || out.axis != 0)) continue;
     at = i;
     out.quantities = {*quantity};
   }
@@ -313,7 +313,10 @@ Split split_unit(std::string text) {
     if (out.stated || at == std::string::npos || at == 0 || text.front() == '/') continue;
     const std::string behind = text.substr(at + sign.size());
     if (behind.empty() || is_axis(lower(behind)) || !is_foreign_unit(behind)) continue;
-    if (sign == "/" && text.find('/') != at) continue;  // a path
+    if (sign == "/") {  // a path, unless what stands before it is a quantity of that unit
+      std::vector<Quantity> of_head = analysed(words_of(text.substr(0, at))).quantities;
+      if (text.find('/') != at || !fitting(of_head, behind)) continue;
+    }
     out.unit = behind, out.stated = true;
     text.resize(at);
   }

@@ -91,7 +91,8 @@ TEST(ColumnName, NumbersCountTheComponents) {
                                               {"wrench.3", wrench, 3U},
                                               {"force[2]", force, 2U},
                                               {"position.1", position, 1U},
-                                              {"pose_6", pose, 6U}}) {
+                                              {"pose_6", pose, 6U},
+                                              {"obs/ft.2", wrench, 2U}}) {
     const ColumnName got = parse_column_name(name);
     EXPECT_TRUE(got.is(quantity)) << name;
     EXPECT_EQ(got.index, index) << name;

@@ -234,11 +234,28 @@ class Guesser {
     }
   }
 
-  void clock_by_names() {
-    struct Clock {
-      const NamedColumn* named;
-      ClockReading reading;
+  struct Clock {
+    const NamedColumn* named;
+    ClockReading reading;
+  };
+
+  // Those of tables whose other columns are used; where none are, and there are several, their names.
+  std::string keep_clocks_of_used_tables(std::vector<Clock>& clocks) const {
+    if (tables_.size() < 2 || clocks.size() < 2) return {};
+    const auto used = [&](std::size_t t) {
+      return std::ranges::any_of(used_,
+                                 [&](const std::string& name) { return name.starts_with(tables_[t].name + ":"); });
     };
+    if (std::ranges::any_of(clocks, [&](const Clock& c) { return used(c.named->table); })) {
+      std::erase_if(clocks, [&](const Clock& c) { return !used(c.named->table); });
+      return {};
+    }
+    std::string names;
+    for (const Clock& clock : clocks) names += (names.empty() ? "" : ", ") + tables_[clock.named->table].name;
+    return names;
+  }
+
+  void clock_by_names() {
     std::vector<Clock> clocks;
     std::string doubts;
     for (const NamedColumn& named : named_) {
@@ -253,6 +270,10 @@ class Guesser {
       }
     }
     if (clocks.empty() && use_stamp_of_two()) return;
+    if (const std::string tables = keep_clocks_of_used_tables(clocks); !tables.empty()) {
+      ask("t_s", "there are clocks in " + tables + ": which is the recording?");
+      return;
+    }
     // A message's own stamp is when it was measured; the other is when it was written.
     const auto stamp = std::ranges::find_if(
         clocks, [](const Clock& c) { return c.named->name.frame.find("header") != std::string::npos; });

@@ -4,6 +4,7 @@
 
 #include <filesystem>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "harness/base/rooms.h"
@@ -42,13 +43,21 @@ struct TextLayout {
 // Files larger than this are no tables of one recording: they are read whole.
 inline constexpr std::uintmax_t largest_import_bytes = std::uintmax_t{2} << 30;
 
-// Every table of a file, by what the file is: MATLAB, ROS bag, HDF5, text. Throws BadData naming file, line and column.
+// Every table of a file, by what the file is: MATLAB, ROS bag, HDF5, NumPy, text. Throws BadData naming file, line and
+// column.
 std::vector<ImportTable> read_foreign(const std::filesystem::path& path, const TextLayout& layout);
 
 // The readers; each throws BadData.
 ImportTable read_text_table(const std::filesystem::path& path, const TextLayout& layout);
 std::vector<ImportTable> read_mat_file(const std::filesystem::path& path);
+std::vector<ImportTable> read_hdf5_arrays(const std::filesystem::path& path);
+std::vector<ImportTable> read_numpy_array(const std::filesystem::path& path);    // .npy
+std::vector<ImportTable> read_numpy_archive(const std::filesystem::path& path);  // .npz
 std::vector<ImportTable> read_ros_bag(const std::filesystem::path& path);        // version 2.0 of ROS 1
 std::vector<ImportTable> read_ros2_database(const std::filesystem::path& path);  // SQLite storage of ROS 2
+
+// Throws BadData with what the file is and what to do, if its first bytes are those of a format that is known but not
+// read.
+void refuse_known_kind(const std::filesystem::path& path, std::string_view head);
 
 }  // namespace touchstone::importing

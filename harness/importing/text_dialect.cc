@@ -68,8 +68,8 @@ std::string_view without_blanks(std::string_view text) {
   return text.substr(from, text.find_last_not_of(blanks) - from + 1);
 }
 
-std::vector<std::string_view> text_fields(std::string_view line, char separator) {
-  std::vector<std::string_view> fields;
+TextFields text_fields(std::string_view line, char separator) {
+  TextFields fields;
   const bool blanks = separator == ' ';
   if (blanks) line = without_blanks(line);
   while (!blanks || !line.empty()) {

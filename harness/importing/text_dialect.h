@@ -23,11 +23,13 @@ inline constexpr std::array text_styles{TextStyle{'\t', '.', "tab"},      TextSt
                                         TextStyle{',', '.', "comma"},     TextStyle{' ', '.', "space"},
                                         TextStyle{' ', ',', "space"},     TextStyle{',', ',', "comma"}};
 
+using TextFields = std::vector<std::string_view>;
+
 // Ended by LF, CR LF, or CR where there is no LF.
 std::vector<std::string_view> text_lines(std::string_view text);
 std::string_view without_blanks(std::string_view text);
 // Without the quotes around them; a separator within quotes separates nothing.
-std::vector<std::string_view> text_fields(std::string_view line, char separator);
+TextFields text_fields(std::string_view line, char separator);
 // A number, a truth value, or NaN where it is missing; no value where the field is text.
 std::optional<double> text_value(std::string_view field, char decimal);
 

@@ -12,11 +12,9 @@
 namespace touchstone::importing {
 namespace {
 
-using Fields = std::vector<std::string_view>;
-
 // What the head of one segment says of its channels, by tag; and how the file writes X.
 struct LabviewSegment {
-  std::map<std::string, Fields, std::less<>> tags;
+  std::map<std::string, TextFields, std::less<>> tags;
 
   [[nodiscard]] std::string_view of(std::string_view tag, std::size_t channel) const {
     const auto found = tags.find(tag);
@@ -29,7 +27,7 @@ std::vector<LabviewSegment> labview_segments(const std::vector<std::string_view>
   std::vector<LabviewSegment> segments;
   bool within = false;
   for (const std::string_view line : lines) {
-    const Fields fields = text_fields(line, separator);
+    const TextFields fields = text_fields(line, separator);
     if (fields.empty()) continue;
     if (fields.front() == "X_Columns" && fields.size() > 1) x_columns = fields[1];
     if (fields.front() == "Channels") {
@@ -37,7 +35,7 @@ std::vector<LabviewSegment> labview_segments(const std::vector<std::string_view>
       within = true;
     }
     if (fields.front().starts_with("***End_of_Header***")) within = false;
-    if (within) segments.back().tags[std::string(fields.front())] = Fields(fields.begin() + 1, fields.end());
+    if (within) segments.back().tags[std::string(fields.front())] = TextFields(fields.begin() + 1, fields.end());
   }
   return segments;
 }
@@ -115,28 +113,28 @@ std::size_t motive_names_line(const std::vector<std::string_view>& lines) {
       !lines.empty() && (lines.front().starts_with("Format Version,") || lines.front().starts_with("\xef\xbb\xbf"
                                                                                                    "Format Version,"));
   for (std::size_t i = 0; motive && i < std::min(lines.size(), longest_head); ++i) {
-    const Fields fields = text_fields(lines[i], ',');
+    const TextFields fields = text_fields(lines[i], ',');
     if (fields.size() > 2 && fields[0] == "Frame" && fields[1].starts_with("Time")) return i;
   }
   return lines.size();
 }
 
 void name_motive_columns(const std::vector<std::string_view>& lines, std::size_t names_line, ImportTable& table) {
-  const Fields head = text_fields(lines.front(), ','), names = text_fields(lines[names_line], ',');
+  const TextFields head = text_fields(lines.front(), ','), names = text_fields(lines[names_line], ',');
   std::string length, rotation;
   for (std::size_t i = 0; i + 1 < head.size(); i += 2) {
     if (head[i] == "Length Units") length = head[i + 1];
     if (head[i] == "Rotation Type") rotation = head[i + 1];
   }
-  Fields types, owners, kinds;
+  TextFields types, owners, kinds;
   for (std::size_t i = 1; i < names_line; ++i) {
-    Fields fields = text_fields(lines[i], ',');
+    TextFields fields = text_fields(lines[i], ',');
     if (fields.size() < 2) continue;
     if (fields[1] == "Type" || fields[0] == "Type") types = fields;
     if (fields[1] == "Name" || fields[0] == "Name") owners = fields;
     kinds = std::move(fields);  // of the last line above the names: Rotation, Position, ...
   }
-  const auto at = [](const Fields& fields, std::size_t c) {
+  const auto at = [](const TextFields& fields, std::size_t c) {
     return c < fields.size() ? fields[c] : std::string_view{};
   };
   for (std::size_t c = 0; c < names.size(); ++c) {

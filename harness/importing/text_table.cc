@@ -23,8 +23,6 @@
 namespace touchstone::importing {
 namespace {
 
-using Fields = std::vector<std::string_view>;
-
 constexpr std::array<std::string_view, 4> comment_signs{"#", "%", "//", "!"};
 
 std::string_view comment_of(std::string_view line, const std::string& given) {
@@ -82,7 +80,7 @@ class Reader {
     keep_head(table);
     if (labview_) apply_labview_heads(lines_, style_.separator, style_.decimal, segment_, table);
     if (!table.names_from_file) {
-      const Fields first = text_fields(lines_[first_], style_.separator);
+      const TextFields first = text_fields(lines_[first_], style_.separator);
       name_echoed_message(width_ > 2 ? first[2] : std::string_view{}, table);
     }
     drop_empty_last_column(table);
@@ -228,7 +226,7 @@ class Reader {
 
   // Names: as many fields as the rows, none of them a number. The first or some others may be empty, as the column of
   // row numbers is that many programs write. One name less than columns where the first counts the rows (R).
-  [[nodiscard]] bool are_names(const Fields& fields) const {
+  [[nodiscard]] bool are_names(const TextFields& fields) const {
     std::size_t named = 0;
     for (const auto field : fields) {
       if (field.empty()) continue;
@@ -239,13 +237,13 @@ class Reader {
     return 2 * named >= fields.size() && named > 0;
   }
 
-  [[nodiscard]] Fields names_in(std::string_view line) const {
-    Fields fields = text_fields(line, style_.separator);
+  [[nodiscard]] TextFields names_in(std::string_view line) const {
+    TextFields fields = text_fields(line, style_.separator);
     if (fields.size() == width_) return fields;
     // They may be listed with blanks or commas above rows that are separated otherwise: where most of them are words
     // that columns have.
     for (const char separator : {',', ';', '\t', ' '}) {
-      Fields other = text_fields(line, separator);
+      TextFields other = text_fields(line, separator);
       const auto known = std::ranges::count_if(other, [](auto f) { return !parse_column_name(f).quantities.empty(); });
       if (other.size() == width_ && separator != style_.separator && 2 * known > std::ssize(other)) return other;
     }
@@ -268,7 +266,7 @@ class Reader {
       table.names.clear(), table.described.clear();
     }
     skip_numbered_names(table);
-    Fields units;  // of the line below the names, or of JPK's own
+    TextFields units;  // of the line below the names, or of JPK's own
     for (std::size_t i = first_, seen = 0; i-- > 0 && seen < 12;) {
       std::string_view line = without_blanks(lines_[i]);
       if (line.starts_with("\xef\xbb\xbf")) line.remove_prefix(3);
@@ -282,7 +280,7 @@ class Reader {
         units = text_fields(without_blanks(line.substr(6)), style_.separator);
         continue;
       }
-      Fields fields = names_in(line);
+      TextFields fields = names_in(line);
       if (split_from_row(fields)) {
         table.notes.push_back(fmt::format(
             "{}: line {} holds the names and, without a break between them, a row, which is left out", source_, i + 1));
@@ -311,7 +309,7 @@ class Reader {
     table.notes.push_back(fmt::format("{}: no line names the columns; they are c1 to c{}", source_, width_));
   }
 
-  void take_names(const Fields& fields, const Fields& units, std::size_t line, ImportTable& table) {
+  void take_names(const TextFields& fields, const TextFields& units, std::size_t line, ImportTable& table) {
     names_line_ = line;
     for (std::size_t c = 0; c < width_; ++c) {
       table.names.push_back(fields[c].empty() ? fmt::format("c{}", c + 1) : std::string(fields[c]));
@@ -325,13 +323,13 @@ class Reader {
   }
 
   [[nodiscard]] bool names_above(std::size_t line) const {
-    const Fields fields = line > 0 ? names_in(lines_[line - 1]) : Fields{};
+    const TextFields fields = line > 0 ? names_in(lines_[line - 1]) : TextFields{};
     return fields.size() == width_ && are_names(fields);
   }
 
   // A first row of 0, 1, 2, ... names columns by their numbers, as pandas does where they have no names.
   void skip_numbered_names(ImportTable& table) {
-    const Fields fields = text_fields(lines_[first_], style_.separator);
+    const TextFields fields = text_fields(lines_[first_], style_.separator);
     constexpr std::size_t fewest = 4;
     const std::size_t begin = fields.front().empty() ? 1 : 0;
     if (width_ < fewest) return;
@@ -377,7 +375,7 @@ class Reader {
 
   // A writer that forgot the end of the line of names: "force<tab>time0.5<tab>7" has its last name and the first number
   // in one field. Keeps the names alone.
-  bool split_from_row(Fields& fields) const {
+  bool split_from_row(TextFields& fields) const {
     if (width_ < 2 || fields.size() != 2 * width_ - 1) return false;
     for (std::size_t c = 0; c < fields.size(); ++c) {
       const bool number = !fields[c].empty() && text_value(fields[c], style_.decimal).has_value();
