@@ -26,6 +26,14 @@ double usual_step(const std::vector<double>& values) {
   return steps.empty() ? 0.0 : stats::upper_median(steps);
 }
 
+// Whether it goes back in more than a few places, as where a recording was begun anew.
+bool goes_back(const std::vector<double>& values) {
+  std::size_t back = 0;
+  for (std::size_t i = 1; i < values.size(); ++i) back += values[i] < values[i - 1] ? 1 : 0;
+  constexpr std::size_t one_in = 10;
+  return one_in * back > values.size();
+}
+
 double first_number(const std::vector<double>& values) {
   const auto found = std::ranges::find_if(values, [](double v) { return std::isfinite(v); });
   return found == values.end() ? 0.0 : *found;
@@ -68,6 +76,7 @@ bool is_since_1970(const std::vector<double>& values) {
 ClockReading read_clock(const std::vector<double>& values, const ColumnName& name, const HeadFacts& head) {
   const double step = usual_step(values);
   if (!(step > 0.0)) return {std::nullopt, "its numbers do not increase", true};
+  if (goes_back(values)) return {std::nullopt, "its numbers go back", true};
   const auto rate = [&](double scale) { return 1.0 / (step * scale); };
   const auto sensible = [&](double scale) {
     constexpr double rounding = 1e-9;

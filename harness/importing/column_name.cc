@@ -56,7 +56,7 @@ constexpr auto letters = std::to_array<LetterLexeme>({{'f', "xyz", {Quantity::fo
 // What makes of a column something else than what was measured, or of another quantity.
 constexpr std::string_view others =
     " velocity velocities vel speed v twist linear angular acceleration accel acc a jerk gyro "
-    "gyroscope omega mag magnetometer current voltage volt volts power temperature temp pressure "
+    "gyroscope omega mag magnetometer voltage volt volts power temperature temp pressure "
     "error err diff delta dt difference covariance cov std stddev var variance desired target "
     "command commanded cmd reference ref setpoint goal norm magnitude abs resultant rms mean max min"
     " peak limit rate dot derivative offset bias noise predicted virtual strain stress stiffness "
@@ -65,7 +65,7 @@ constexpr std::string_view others =
 
 // Whose, or where, or how handled: a bare axis with these is still a position.
 constexpr std::string_view frames =
-    " tip tcp tool probe stylus ee eef end effector hand robot world base object map global local "
+    " tip tcp tool probe stylus current ee eef end effector hand robot world base object map global local "
     "actual measured meas data field header sensor raw filtered filt msg transform obs state states "
     "coordinates axis value since start series tracker device haptic left right of the smoothed ft "
     "fts netft cell body rigid wrist contact test standard ";
@@ -181,7 +181,16 @@ struct Parsed {
   Words frame;
   bool unknown_last = false;  // the last word is no quantity, axis, number or frame that is known
   bool unknown = false;       // or any
+  bool is_letter = false;     // no word names the quantity but a letter, or an axis alone
 };
+
+// Whether all other words are places or numbers: a letter beside another word is that word's.
+bool stands_alone(const Words& words, std::size_t letter) {
+  for (std::size_t i = 0; i < words.size(); ++i) {
+    if (i != letter && !lists(frames, words[i]) && !is_number(words[i])) return false;
+  }
+  return true;
+}
 
 void find_quantity(const Words& words, Parsed& out, std::vector<char>& used) {
   // The last word that is a quantity names it: in "pose.position.x" the pose is whose position it is.
@@ -193,6 +202,7 @@ void find_quantity(const Words& words, Parsed& out, std::vector<char>& used) {
     at = i;
     out.quantities = {*quantity};
   }
+  out.is_letter = !at;
   // A letter before its axis, or alone, where no word says it: "F x", "t", "q 3".
   for (std::size_t i = 0; i < words.size() && !at; ++i) {
     const LetterLexeme* const letter = letter_of(words[i]);
@@ -201,7 +211,7 @@ void find_quantity(const Words& words, Parsed& out, std::vector<char>& used) {
       at = i;
       out.quantities = {letter->quantities[0]};
       if (letter->quantities[1] != Quantity::other) out.quantities.push_back(letter->quantities[1]);
-    } else if (out.axis == 0 && letter->letter != 'm') {
+    } else if (out.axis == 0 && letter->letter != 'm' && stands_alone(words, i)) {
       at = i;
       constexpr auto alone = std::to_array<std::pair<char, Quantity>>(
           {{'t', Quantity::time}, {'f', Quantity::force}, {'p', Quantity::position}, {'q', Quantity::angle}});
@@ -256,6 +266,11 @@ Parsed analysed(Words words) {
     if (out.axis == 'w') out.quantities = {Quantity::quaternion};
   }
   if (out.axis == 'w' && out.quantities != std::vector{Quantity::quaternion}) commanded = true;
+  // "current_pos_x" is the one of now; alone, or of a motor, it is in amperes.
+  if (holds(words, std::string("current"))) {
+    const bool now = !out.quantities.empty() && !out.is_letter;
+    if (!now) commanded = true;
+  }
   if (commanded) out.quantities = {Quantity::other};
   return out;
 }

@@ -61,6 +61,8 @@ TEST(ColumnName, WhateverTheOrderCaseAndSeparators) {
                {"x-position / mm", {position}, 'x', 1e-3},
                {"Position X", {position}, 'x', {}},
                {"tip_x", {position}, 'x', {}},
+               {"current_pos_x", {position}, 'x', {}},
+               {"current_orientation_w", {quaternion}, 'w', {}},
                {"tool0.pose.position.z", {position}, 'z', {}},
                {"X_MM", {position}, 'x', 1e-3},
                {"px", {position}, 'x', {}},
@@ -112,9 +114,26 @@ TEST(ColumnName, WhatIsOpenStaysOpenUntilAUnitDecides) {
 
 // None of these is a position or a force that was measured.
 TEST(ColumnName, OthersAreNotTaken) {
-  for (const char* const name :
-       {"velocity_x", "gyro_x", "target_TCP_pose_0", "force_error_x", "Force magnitude", "cmd_fx", "accel.z", "vx",
-        "wx", "eye_x", "x_y_ratio", "dx", "foo", "temperature (C)", "FnRef", "rpy_x"}) {
+  for (const char* const name : {"velocity_x",
+                                 "gyro_x",
+                                 "target_TCP_pose_0",
+                                 "force_error_x",
+                                 "Force magnitude",
+                                 "cmd_fx",
+                                 "accel.z",
+                                 "vx",
+                                 "wx",
+                                 "eye_x",
+                                 "x_y_ratio",
+                                 "dx",
+                                 "foo",
+                                 "temperature (C)",
+                                 "FnRef",
+                                 "rpy_x",
+                                 "Extend T-B(V)",
+                                 "current_x",
+                                 "motor current (A)",
+                                 "current"}) {
     const ColumnName got = parse_column_name(name);
     EXPECT_TRUE(got.quantities.empty() || got.is(other)) << name;
   }

@@ -57,6 +57,9 @@ class Guesser {
     const bool one_axis = columns_.contains("q_rad") && columns_.contains("torque_Nm");
     const bool static_poses = columns_.contains("fx_N") && !columns_.contains("t_s") &&
                               (json_.contains("quaternion") || json_.contains("rotation_rows"));
+    if (static_poses) {
+      reasons_.emplace_back("t_s: no column is a clock and no rate is stated: without one the rows are static poses");
+    }
     for (const char* const group : {"t_s", "x_", "y_", "z_", "fx_", "fy_", "fz_"}) {
       if (one_axis || static_poses) break;
       const bool there =
@@ -264,7 +267,7 @@ class Guesser {
                                ? read_clock(tables_[named.table].columns[named.column], named.name, head_)
                                : ClockReading{std::nullopt, named.name.doubt, false};
       if (reading.scale) clocks.push_back({&named, reading});
-      if (!reading.scale && !(reading.stands && head_.rate_Hz)) {
+      if (!reading.scale && !reading.stands) {
         doubts += fmt::format("{}{}: {}", doubts.empty() ? "" : "; ", said_of(tables_, named.table, named.column),
                               reading.reason);
       }
@@ -415,12 +418,20 @@ class Guesser {
     reasons_.push_back(fmt::format("quaternion <- {}: by their names; the sum of their squares is 1", from.dump()));
   }
 
+  // Whether the name of a column of the first table says that it is no part of a quaternion.
+  [[nodiscard]] bool named_otherwise(std::size_t c) const {
+    return std::ranges::any_of(named_, [&](const NamedColumn& n) {
+      return n.table == 0 && n.column == c && !n.name.quantities.empty() && !n.name.may_be(Quantity::quaternion);
+    });
+  }
+
   void quaternion_by_numbers(const ImportTable& table) {
     if (json_.contains("quaternion")) return;
     for (std::size_t c = 0; c + 4 <= table.names.size(); ++c) {
       const std::vector<std::size_t> parts{c, c + 1, c + 2, c + 3};
-      const bool used = std::ranges::any_of(
-          parts, [&](std::size_t p) { return std::ranges::find(used_, reference(table, p)) != used_.end(); });
+      const bool used = std::ranges::any_of(parts, [&](std::size_t p) {
+        return std::ranges::find(used_, reference(table, p)) != used_.end() || named_otherwise(p);
+      });
       bool varies = false;
       if (used || !has_norm_one(table, parts, varies) || !varies) continue;
       Json from = Json::array();

@@ -117,7 +117,7 @@ int preference(const std::string& frame, const std::string& near) {
   for (const char* const word : {"tip", "tcp", "tool", "probe", "stylus", "eef", "ee", "hand", "effector"}) {
     if (has(word)) points += 2;
   }
-  for (const char* const word : {"measured", "actual", "meas"}) {
+  for (const char* const word : {"measured", "actual", "meas", "current"}) {
     if (has(word)) points += 1;
   }
   if (has("marker")) points -= 8;
