@@ -1,6 +1,7 @@
 // Units as instruments write them, by the database of UDUNITS-2 (UCAR/Unidata: SI, its prefixes, inch-pound and
 // accepted units, with the dimension of each), with spellings of the trade that it lacks: Nm, Nmm, kp, deg, in-lb. A
-// unit that is not known, or is one of another dimension, has no factor: nothing is assumed for it.
+// unit that is not known, or is one of another dimension, has no factor: nothing is assumed for it. Throws
+// BadData where the library's database is not installed.
 #pragma once
 
 #include <optional>

@@ -156,7 +156,7 @@ class Guesser {
       reason = fmt::format("by its name; in {}, as the lines above the table say", stated);
     } else {
       reason = fmt::format("by its name; the file names no unit: {} is assumed, check it", si_unit(quantity));
-      if (quantity == Quantity::position && !plausible_in_metres(named)) {
+      if (quantity == Quantity::position && span_of(tables_[named.table].columns[named.column]) > longest_span_m) {
         ask(column,
             fmt::format("{} names no unit, and spans more than {} of it: in m that is more than a hand does; put "
                         "its scale",
@@ -172,14 +172,6 @@ class Guesser {
   }
 
   static constexpr double longest_span_m = 5.0;
-  [[nodiscard]] bool plausible_in_metres(const NamedColumn& named) const {
-    double low = INFINITY, high = -INFINITY;
-    for (const double v : tables_[named.table].columns[named.column]) {
-      if (std::isfinite(v)) low = std::min(low, v), high = std::max(high, v);
-    }
-    return !(high - low > longest_span_m);
-  }
-
   // x, y, z of a quantity, or z of one that names no axis.
   AxisChoice components(Quantity quantity, const std::vector<std::string>& columns, const std::string& near) {
     AxisChoice choice = choose_axes(named_, tables_, quantity, near);
@@ -383,20 +375,6 @@ class Guesser {
                            rising));
   }
 
-  static bool has_norm_one(const ImportTable& table, const std::vector<std::size_t>& parts, bool& varies) {
-    std::size_t rows = 0;
-    for (std::size_t i = 0; i < table.rows(); ++i) {
-      double square = 0.0;
-      for (const std::size_t c : parts) square += std::pow(table.columns[c][i], 2);
-      for (const std::size_t c : parts) varies = varies || table.columns[c][i] != table.columns[c][0];
-      if (std::isnan(square)) continue;
-      constexpr double near = 1e-3;
-      if (!(std::abs(square - 1.0) < near)) return false;
-      ++rows;
-    }
-    return rows > 2;
-  }
-
   void quaternion_by_names(const std::string& near) {
     const AxisChoice choice = choose_axes(named_, tables_, Quantity::quaternion, near);
     if (!choice.doubt.empty()) ask("quaternion", choice.doubt);
@@ -409,7 +387,7 @@ class Guesser {
       from.push_back(reference(table, parts.back()));
     }
     bool varies = false;
-    if (!has_norm_one(table, parts, varies)) {
+    if (!have_norm_one(table, parts, varies)) {
       ask("quaternion", fmt::format("the squares of {} and the three named with it do not add to 1", from[0].dump()));
       return;
     }
@@ -433,7 +411,7 @@ class Guesser {
         return std::ranges::find(used_, reference(table, p)) != used_.end() || named_otherwise(p);
       });
       bool varies = false;
-      if (used || !has_norm_one(table, parts, varies) || !varies) continue;
+      if (used || !have_norm_one(table, parts, varies) || !varies) continue;
       Json from = Json::array();
       for (const std::size_t p : parts) {
         from.push_back(reference(table, p));

@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
+#include <functional>
 #include <set>
 #include <string_view>
 #include <tuple>
@@ -200,6 +202,28 @@ AxisChoice choose_axes(const std::vector<NamedColumn>& columns, const std::vecto
   AxisChoice choice = chosen(*groups.front(), tables);
   choice.among = groups.size();
   return choice;
+}
+
+bool have_norm_one(const ImportTable& table, const std::vector<std::size_t>& parts, bool& varies) {
+  std::size_t rows = 0;
+  for (std::size_t i = 0; i < table.rows(); ++i) {
+    double square = 0.0;
+    for (const std::size_t c : parts) square += std::pow(table.columns[c][i], 2);
+    for (const std::size_t c : parts) varies = varies || table.columns[c][i] != table.columns[c][0];
+    if (std::isnan(square)) continue;
+    constexpr double near = 1e-3;
+    if (!(std::abs(square - 1.0) < near)) return false;
+    ++rows;
+  }
+  return rows > 2;
+}
+
+double span_of(const std::vector<double>& values) {
+  double low = INFINITY, high = -INFINITY;
+  for (const double v : values) {
+    if (std::isfinite(v)) low = std::min(low, v), high = std::max(high, v);
+  }
+  return high > low ? high - low : 0.0;
 }
 
 }  // namespace touchstone::importing

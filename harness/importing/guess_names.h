@@ -36,4 +36,10 @@ AxisChoice choose_axes(const std::vector<NamedColumn>& columns, const std::vecto
 // "'X' (column 3)", with the table where there are several.
 std::string said_of(const std::vector<ImportTable>& tables, std::size_t table, std::size_t column);
 
+// Whether the squares of the columns `parts` add to 1 in every row, as those of a quaternion do; says whether any
+// varies.
+bool have_norm_one(const ImportTable& table, const std::vector<std::size_t>& parts, bool& varies);
+// From the least to the largest of the numbers there are.
+double span_of(const std::vector<double>& values);
+
 }  // namespace touchstone::importing

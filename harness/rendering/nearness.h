@@ -23,8 +23,8 @@ std::optional<std::string> far_from_surface(const Surface& surface, std::span<co
                                             const std::string& recording, const std::string& mesh_unit);
 
 // The same for positions without forces, which may lie anywhere: a message only where every one lies within the object,
-// nowhere near its surface, and there is a unit in which the path, as long as it is, would touch. A probe that never was
-// outside cannot have come there.
+// nowhere near its surface, and there is a unit in which the path, as long as it is, would touch. A probe that never
+// was outside cannot have come there.
 std::optional<std::string> buried(const Surface& surface, std::span<const Vec3> tips_W_m, double tip_radius_m,
                                   const std::string& recording, const std::string& mesh_unit);
 
