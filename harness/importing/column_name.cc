@@ -55,7 +55,8 @@ constexpr auto letters = std::to_array<LetterLexeme>({{'f', "xyz", {Quantity::fo
 
 // What makes of a column something else than what was measured, or of another quantity.
 constexpr std::string_view others =
-    " velocity velocities vel speed v twist linear angular acceleration accel acc a jerk gyro "
+    " req request requested ideal velocity velocities vel speed v twist linear angular acceleration accel acc a jerk "
+    "gyro "
     "gyroscope omega mag magnetometer voltage volt volts power temperature temp pressure "
     "error err diff delta dt difference covariance cov std stddev var variance desired target "
     "command commanded cmd reference ref setpoint goal norm magnitude abs resultant rms mean max min"

@@ -145,6 +145,16 @@ TEST(MeshFile, APolygonWithAHoleIsCut) {
   EXPECT_TRUE(mesh.notes.empty());
 }
 
+// Corners along its sides, as a CAD program leaves them where other faces end.
+TEST(MeshFile, CornersOnAStraightSideAreNoFold) {
+  const TriangleMesh mesh = parse_mesh(
+      "v 0 0 0\nv 1 0 0\nv 2 0 0\nv 3 0 0\nv 3 3 0\nv 2 3 0\nv 2 1 0\nv 1 1 0\nv 1 3 0\nv 0 3 0\nv 0 2 0\nv 0 1 0\n"
+      "f 1 2 3 4 5 6 7 8 9 10 11 12\n",
+      MeshFormat::obj, 1.0, "u.obj");
+  EXPECT_NEAR(area_m2(mesh, Vec3::UnitZ()), 7.0, 1e-12);
+  EXPECT_TRUE(mesh.notes.empty());
+}
+
 TEST(MeshFile, APolygonThatCrossesItselfIsCutAndNoted) {
   const TriangleMesh mesh =
       parse_mesh("v 0 0 0\nv 3 0 0\nv 0 2 0\nv 3 1 0\nv 0 5 0\nf 1 2 5\nf 1 2 3 4\n", MeshFormat::obj, 1.0, "bow.obj");

@@ -57,7 +57,7 @@ class Clipper {
       std::size_t tried = 0;
       while (tried < left_.size() && !is_ear(at % left_.size())) ++tried, ++at;
       const bool none = tried == left_.size();
-      ears.folded = ears.folded || none;
+      ears.folded = ears.folded || (none && !is_line());
       const std::size_t ear = none ? 0 : at % left_.size();
       ears.triangles.push_back(triangle(ear));
       left_.erase(left_.begin() + static_cast<std::ptrdiff_t>(ear));
@@ -74,6 +74,15 @@ class Clipper {
   [[nodiscard]] std::array<std::size_t, 3> triangle(std::size_t i) const {
     const std::size_t n = left_.size();
     return {left_[(i + n - 1) % n], left_[i], left_[(i + 1) % n]};
+  }
+
+  // What is left of a side with corners along it.
+  [[nodiscard]] bool is_line() const {
+    for (std::size_t i = 0; i < left_.size(); ++i) {
+      const auto [a, b, c] = triangle(i);
+      if (std::abs(turn(points_[a], points_[b], points_[c])) > rounding_) return false;
+    }
+    return true;
   }
 
   [[nodiscard]] bool is_ear(std::size_t i) const {
