@@ -37,7 +37,8 @@ void ArrayTables::add(const std::string& group, const std::string& name, const s
 std::vector<ImportTable> ArrayTables::finish() {
   std::vector<ImportTable> all;
   for (auto& [key, table] : tables_) {
-    const auto& [samples, group] = key;
+    const std::size_t samples = key.first;
+    const std::string& group = key.second;
     const bool only = std::ranges::count_if(tables_, [&](const auto& t) { return t.first.second == group; }) == 1;
     table.name = group.empty() ? fmt::format("{}", samples) : only ? group : fmt::format("{} ({})", group, samples);
     table.source = source_;

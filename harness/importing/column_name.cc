@@ -169,8 +169,9 @@ void join_pairs(Words& words) {
   for (std::size_t i = 0; i + 1 < words.size(); ++i) {
     const bool sensor = (words[i] == "force" && words[i + 1] == "torque") || (words[i] == "f" && words[i + 1] == "t") ||
                         (words[i] == "load" && words[i + 1] == "cell");
-    if (!sensor) continue;
-    words[i] = words[i] == "load" ? "cell" : "ft";
+    const bool normal = words[i] == "f" && words[i + 1] == "n";
+    if (!sensor && !normal) continue;
+    words[i] = normal ? "fn" : words[i] == "load" ? "cell" : "ft";
     words.erase(words.begin() + static_cast<std::ptrdiff_t>(i) + 1);
   }
 }
@@ -347,7 +348,12 @@ bool take_last_unit(std::string& name, std::vector<Quantity>& quantities, Column
     if (!hump && !is_separator(name[i - 1])) continue;
     const std::string unit = name.substr(i), head = name.substr(0, i);
     if (unit.empty() || is_axis(unit)) continue;
-    std::vector<Quantity> of_head = analysed(words_of(head)).quantities;
+    const Parsed parsed = analysed(words_of(head));
+    std::vector<Quantity> of_head = parsed.quantities;
+    // A bare axis in newtons is a force.
+    if (parsed.is_letter && parsed.axis != 0 && of_head == std::vector{Quantity::position}) {
+      of_head = {Quantity::position, Quantity::force, Quantity::torque};
+    }
     const auto factor = fitting_any_case(of_head, unit, name);
     if (!factor) continue;
     out.unit = unit, out.factor = factor;
@@ -418,9 +424,21 @@ ColumnName parse_column_name(std::string_view written) {
     const bool needs_none = out.quantities.empty() || out.is(Quantity::count) || out.is(Quantity::quaternion) ||
                             out.is(Quantity::wrench) || out.is(Quantity::pose);
     if (!out.factor && !needs_none) {
-      out.doubt = fmt::format("'{}' is no unit of it that is known{}", split.unit,
-                              foreign_unit_factor(split.unit, "kg") ? " (it is one of mass)" : "");
+      const auto mass_kg = foreign_unit_factor(split.unit, "kg");
+      constexpr double gravity_m_per_s2 = 9.80665;
+      out.doubt = fmt::format("'{}' is no unit of it that is known", split.unit);
+      if (mass_kg)
+        out.doubt += fmt::format(" but one of mass: its weight has the scale {:.9g}", *mass_kg * gravity_m_per_s2);
     }
+    return out;
+  }
+  // "pos_x_N": a unit, but of something else.
+  const auto last = split.name.find_last_of("_ ./-");
+  const std::string end = last == std::string::npos ? "" : split.name.substr(last + 1);
+  const bool needs_unit = !out.quantities.empty() && !si_unit(out.quantities.front()).empty();
+  const bool is_word = quantity_of(lower(end)) || lists(frames, lower(end)) || is_axis(lower(end));
+  if (needs_unit && is_foreign_unit(end) && (end == "N" || end == "V" || (end.size() > 1 && !is_word))) {
+    out.doubt = fmt::format("'{}' at its end is no unit of it", end);
     return out;
   }
   const Words words = words_of(split.name);

@@ -46,10 +46,12 @@ TEST(ColumnName, WhateverTheOrderCaseAndSeparators) {
                {"x_force_mN", {force}, 'x', 1e-3},
                {"X Force (kN)", {force}, 'x', 1e3},
                {"x (N)", {force}, 'x', 1.0},
+               {"x_N", {force}, 'x', 1.0},
                {"Fz, N", {force}, 'z', 1.0},
                {"Fz in N", {force}, 'z', 1.0},
                {"Fx/N", {force}, 'x', 1.0},
                {"Kraft / N", {force}, 0, 1.0},
+               {"F_n [mN]", {force}, 'n', 1e-3},
                {"/ft/wrench/force/x", {force}, 'x', {}},
                {"field.wrench.torque.z", {torque}, 'z', {}},
                {"force_torque_sensor.force.z", {force}, 'z', {}},
@@ -140,7 +142,8 @@ TEST(ColumnName, OthersAreNotTaken) {
 }
 
 TEST(ColumnName, AUnitThatIsNotKnownIsADoubt) {
-  for (const char* const name : {"Fx (lbx)", "Fz [V]", "Fx (kg)", "time (rows)", "force_x_kpd", "Force (counts)"}) {
+  for (const char* const name : {"Fx (lbx)", "Fz [V]", "Fx (kg)", "time (rows)", "force_x_kpd", "pos_x_N", "Fx_mm",
+                                 "time_mm", "Force (counts)"}) {
     const ColumnName got = parse_column_name(name);
     EXPECT_NE(got.doubt, "") << name;
   }

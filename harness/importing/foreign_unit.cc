@@ -1,5 +1,6 @@
 #include "harness/importing/foreign_unit.h"
 
+#include <fmt/format.h>
 #include <udunits2.h>
 
 #include <algorithm>
@@ -92,9 +93,8 @@ std::optional<double> factor_of(const ut_unit* unit, std::string_view si) {
                                                                          cv_free);
   if (!converter || cv_convert_double(converter.get(), 0.0) != 0.0) return std::nullopt;
   const double factor = cv_convert_double(converter.get(), 1.0);
-  // The database's prefixes leave a rounding: 1e-3 for mm, and not 0.001000...02.
-  const double rounded = std::pow(10.0, std::round(std::log10(factor)));
-  return std::abs(factor - rounded) < 1e-12 * rounded ? rounded : factor;
+  // The database's products leave a rounding: 0.0254 for the inch, and not 0.025400000000000002.
+  return std::stod(fmt::format("{:.15g}", factor));
 }
 
 }  // namespace
