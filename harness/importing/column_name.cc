@@ -297,8 +297,8 @@ std::optional<double> fitting_any_case(std::vector<Quantity>& quantities, const 
                                        std::string_view name) {
   if (const auto factor = fitting(quantities, unit)) return factor;
   const bool capitals = std::ranges::none_of(name, is_small), small = std::ranges::none_of(name, is_capital);
+  if (unit.size() == 1) return fitting(quantities, small && unit == "n" ? "N" : lower(unit));
   if (capitals) return fitting(quantities, lower(unit));
-  if (small && unit == "n") return fitting(quantities, "N");
   if (small && (unit == "nm" || unit == "nmm")) return fitting(quantities, "N" + unit.substr(1));
   return std::nullopt;
 }

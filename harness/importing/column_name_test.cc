@@ -81,6 +81,7 @@ TEST(ColumnName, WhateverTheOrderCaseAndSeparators) {
                {"time_us", {time}, 0, 1e-6},
                {"timestamp_ns", {time}, 0, 1e-9},
                {"Time (Seconds)", {time}, 0, 1.0},
+               {"Time_S", {time}, 0, 1.0},
                {"t", {time}, 0, {}},
                {"Series Time", {time}, 0, {}},
                {"header.stamp.nanosec", {time}, 0, 1e-9},

@@ -156,11 +156,9 @@ class Guesser {
       reason = fmt::format("by its name; in {}, as the lines above the table say", stated);
     } else {
       reason = fmt::format("by its name; the file names no unit: {} is assumed, check it", si_unit(quantity));
-      if (quantity == Quantity::position && span_of(tables_[named.table].columns[named.column]) > longest_span_m) {
+      if (quantity == Quantity::position && !reachable_in_metres(tables_[named.table].columns[named.column])) {
         ask(column,
-            fmt::format("{} names no unit, and spans more than {} of it: in m that is more than a hand does; put "
-                        "its scale",
-                        said, longest_span_m));
+            fmt::format("{} names no unit, and in m its values are farther than a hand reaches: put its scale", said));
         return std::nullopt;
       }
     }
@@ -171,7 +169,6 @@ class Guesser {
     return factor;
   }
 
-  static constexpr double longest_span_m = 5.0;
   // x, y, z of a quantity, or z of one that names no axis.
   AxisChoice components(Quantity quantity, const std::vector<std::string>& columns, const std::string& near) {
     AxisChoice choice = choose_axes(named_, tables_, quantity, near);

@@ -251,6 +251,16 @@ TEST(GuessMap, EchoedTopics) {
   EXPECT_NEAR(got.columns[4][5], 0.8, 1e-12);
 }
 
+// A tracker's millimetres without a unit: in m they would be farther than a hand reaches.
+TEST(GuessMap, PositionsBeyondAHandAreAskedFor) {
+  const auto row = [](int i) {
+    return fmt::format("{},{},0,0,{},20,-180", std::cos(0.01 * i), std::sin(0.01 * i), 10 + 0.1 * i);
+  };
+  const GuessedMap guess = guess_of("t,Q0,Qx,Qy,Qz,Tx,Ty,Tz\n" + rows_of(row));
+  EXPECT_THAT(guess.decide, ElementsAre(HasSubstr("z_m: 'Tz' (column 8) names no unit")));
+  EXPECT_EQ(nlohmann::json::parse(guess.json)["quaternion"]["from"][0], "Q0");
+}
+
 TEST(GuessMap, AClockAloneIsNoRecording) {
   EXPECT_THROW(imported_as_guessed("t,foo\n" + rows_of([](int i) { return std::to_string(i % 3); })), BadData);
 }

@@ -74,6 +74,18 @@ bool any_of(const std::vector<NamedColumn>& columns, Quantity quantity, bool wit
   });
 }
 
+// q0 beside qx, qy, qz is the real part (NDI's trackers, many papers).
+void resolve_q0(std::vector<NamedColumn>& columns) {
+  const bool vector = any_of(columns, Quantity::quaternion, true);
+  const bool real = std::ranges::any_of(
+      columns, [](const NamedColumn& c) { return c.name.is(Quantity::quaternion) && c.name.axis == 'w'; });
+  for (NamedColumn& column : columns) {
+    if (!vector || real || !column.name.is(Quantity::angle) || column.name.index != 0U) continue;
+    column.name.quantities = {Quantity::quaternion};
+    column.name.axis = 'w';
+  }
+}
+
 void resolve_open_names(std::vector<NamedColumn>& columns) {
   const bool forces = any_of(columns, Quantity::force, true), positions = any_of(columns, Quantity::position, true);
   const bool orientation = any_of(columns, Quantity::quaternion, true);
@@ -156,6 +168,7 @@ std::vector<NamedColumn> named_columns(const std::vector<ImportTable>& tables) {
       if (!tables[t].is_text(c)) columns.push_back({t, c, parse_column_name(tables[t].description(c))});
     }
   }
+  resolve_q0(columns);
   resolve_numbers(columns);
   resolve_open_names(columns);
   return columns;
@@ -218,12 +231,13 @@ bool have_norm_one(const ImportTable& table, const std::vector<std::size_t>& par
   return rows > 2;
 }
 
-double span_of(const std::vector<double>& values) {
+bool reachable_in_metres(const std::vector<double>& values) {
+  constexpr double longest_span_m = 5.0, farthest_m = 20.0;
   double low = INFINITY, high = -INFINITY;
   for (const double v : values) {
     if (std::isfinite(v)) low = std::min(low, v), high = std::max(high, v);
   }
-  return high > low ? high - low : 0.0;
+  return !(high - low > longest_span_m) && !(std::max(high, -low) > farthest_m);
 }
 
 }  // namespace touchstone::importing

@@ -39,7 +39,7 @@ std::string said_of(const std::vector<ImportTable>& tables, std::size_t table, s
 // Whether the squares of the columns `parts` add to 1 in every row, as those of a quaternion do; says whether any
 // varies.
 bool have_norm_one(const ImportTable& table, const std::vector<std::size_t>& parts, bool& varies);
-// From the least to the largest of the numbers there are.
-double span_of(const std::vector<double>& values);
+// Whether positions may be in metres: a hand moves a probe by less than 5 m, less than 20 m from its origin.
+bool reachable_in_metres(const std::vector<double>& values);
 
 }  // namespace touchstone::importing

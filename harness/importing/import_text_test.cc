@@ -219,6 +219,26 @@ TEST(TextTable, NumbersAsOtherProgramsWriteThem) {
   EXPECT_THAT(text_table("0,1,2,3\n0.5,6,7,8\n0.6,6,7,9\n").columns[3], ElementsAre(8, 9));
 }
 
+TEST(TextTable, TimesOfTheDayAndOfTheCalendarAreSeconds) {
+  const ImportTable day = text_table("Date,Time,Fx (N)\n2024-03-05,9:59:59.750,1\n2024-03-05,10:00:00.250,2\n");
+  EXPECT_THAT(day.columns[1], ElementsAre(35999.75, 36000.25));
+  EXPECT_EQ(day.description(1), "Time (s)");
+  EXPECT_TRUE(day.is_text(0));
+  // 2001-09-09 01:46:40 UTC is 10^9 seconds after the beginning of 1970.
+  const ImportTable iso = text_table("when;f\n2001-09-09T01:46:40Z;1\n2001-09-09 03:46:41,5+02:00;2\n");
+  EXPECT_THAT(iso.columns[0], ElementsAre(1e9, 1e9 + 1.5));
+  EXPECT_TRUE(text_table("a,f\n25:00:00,1\n26:00:00,2\n").is_text(0));
+}
+
+TEST(TextTable, WhatStandsBehindTheTableIsNoRow) {
+  const ImportTable t = text_table("t,f\n0,1\n1,2\nend of data\n\nno more\n");
+  EXPECT_THAT(t.columns[1], ElementsAre(1, 2));
+  EXPECT_THAT(t.notes, ::testing::Contains(HasSubstr("the table ends before line 4")));
+  EXPECT_THAT(text_refusal("t,f\n0,1\n1,2\nend of data\n2,3\n"), HasSubstr("line 4 has 1 values"));
+  const ImportTable units = text_table("# t x f\n# s mm N\n0 1 2\n1 1 2\n");
+  EXPECT_THAT(units.described, ElementsAre("t (s)", "x (mm)", "f (N)"));
+}
+
 TEST(TextTable, NamesThatComeAgainBeginASegment) {
   const ImportTable t = text_table("t,f\n0,1\n1,2\nt,f\n0,3\n1,4\n");
   EXPECT_THAT(t.names, ElementsAre("t", "f", "segment"));

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <chrono>
 #include <cmath>
 #include <cstdint>
 #include <limits>
@@ -15,6 +16,8 @@ constexpr std::array<std::string_view, 24> missing_words{
     "NA",     "N/A",     "n/a",     "#N/A",    "NULL",    "null",     "None",    "none",
     "nil",    "-",       "--",      "---",     "1.#QNAN", "-1.#QNAN", "1.#IND",  "-1.#IND",
     "1.#INF", "-1.#INF", "#VALUE!", "#DIV/0!", "Nan",     "NaN(ind)", "missing", "?"};
+
+constexpr std::array<std::string_view, 4> comment_signs{"#", "%", "//", "!"};
 
 bool is_digit_sign(char c) { return c >= '0' && c <= '9'; }
 
@@ -100,6 +103,66 @@ TextFields text_fields(std::string_view line, char separator) {
   return fields;
 }
 
+std::string_view comment_of(std::string_view line, const std::string& given) {
+  if (!given.empty()) return line.starts_with(given) ? std::string_view(given) : std::string_view{};
+  for (const auto sign : comment_signs) {
+    if (line.starts_with(sign)) return sign;
+  }
+  return {};
+}
+
+std::string shown_field(std::string_view text) {
+  std::string result;
+  for (const char c : text.substr(0, 40)) {
+    result += static_cast<unsigned char>(c) < 0x20 || c == 0x7f ? '?' : c;
+  }
+  return text.size() > 40 ? result + "..." : result;
+}
+
+std::optional<double> text_time_s(std::string_view field, char decimal) {
+  const auto number = [&](std::size_t from, std::size_t size, int& out) {
+    if (from + size > field.size()) return false;
+    const auto [end, status] = std::from_chars(field.data() + from, field.data() + from + size, out);
+    return status == std::errc{} && end == field.data() + from + size && out >= 0;
+  };
+  int year = 0, month = 0, day = 0;
+  double days = 0.0;
+  if (field.size() > 18 && field[4] == '-' && field[7] == '-' && (field[10] == 'T' || field[10] == ' ')) {
+    if (!number(0, 4, year) || !number(5, 2, month) || !number(8, 2, day)) return std::nullopt;
+    const std::chrono::year_month_day date{std::chrono::year(year), std::chrono::month(static_cast<unsigned>(month)),
+                                           std::chrono::day(static_cast<unsigned>(day))};
+    if (!date.ok()) return std::nullopt;
+    days = std::chrono::sys_days(date).time_since_epoch().count();
+    field.remove_prefix(11);
+  }
+  const std::size_t hours_size = field.size() > 1 && field[1] == ':' ? 1 : 2;
+  int hours = 0, minutes = 0, seconds = 0;
+  constexpr int most_hours = 24, sixty = 60;
+  const std::size_t behind = hours_size + 6;
+  if (field.size() < behind || field[hours_size] != ':' || field[hours_size + 3] != ':') return std::nullopt;
+  if (!number(0, hours_size, hours) || !number(hours_size + 1, 2, minutes) || !number(hours_size + 4, 2, seconds)) {
+    return std::nullopt;
+  }
+  if (hours >= most_hours || minutes >= sixty || seconds > sixty) return std::nullopt;
+  field.remove_prefix(behind);
+  double part = 0.0;
+  if (!field.empty() && (field.front() == '.' || field.front() == decimal)) {
+    double unit = 0.1;
+    for (field.remove_prefix(1); !field.empty() && is_digit_sign(field.front()); field.remove_prefix(1), unit /= 10.0) {
+      part += unit * (field.front() - '0');
+    }
+  }
+  if (field == "Z") field.remove_prefix(1);
+  int offset_hours = 0, offset_minutes = 0;
+  if (year > 0 && field.size() == 6 && (field[0] == '+' || field[0] == '-') && field[3] == ':') {
+    if (!number(1, 2, offset_hours) || !number(4, 2, offset_minutes)) return std::nullopt;
+    if (field[0] == '-') offset_hours = -offset_hours, offset_minutes = -offset_minutes;
+    field = {};
+  }
+  if (!field.empty()) return std::nullopt;
+  return 86400.0 * days + 3600.0 * (hours - offset_hours) + 60.0 * (minutes - offset_minutes) + seconds + part;
+}
+
 std::optional<double> text_value(std::string_view field, char decimal) {
   if (field.empty() || std::ranges::find(missing_words, field) != missing_words.end()) {
     return std::numeric_limits<double>::quiet_NaN();
@@ -112,6 +175,7 @@ std::optional<double> text_value(std::string_view field, char decimal) {
     if (status == std::errc{} && end == field.data() + field.size()) return static_cast<double>(bits);
     return std::nullopt;
   }
+  if (field.find(':') != std::string_view::npos) return text_time_s(field, decimal);
   std::string text(field);
   if (!without_thousands(text, decimal)) return std::nullopt;
   if (decimal == ',') std::ranges::replace(text, ',', '.');

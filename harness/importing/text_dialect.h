@@ -30,7 +30,14 @@ std::vector<std::string_view> text_lines(std::string_view text);
 std::string_view without_blanks(std::string_view text);
 // Without the quotes around them; a separator within quotes separates nothing.
 TextFields text_fields(std::string_view line, char separator);
-// A number, a truth value, or NaN where it is missing; no value where the field is text.
+// "17:18:18.938" in seconds of the day, "2024-03-05T17:18:18.9Z" (ISO 8601, a blank for the T, an offset) in seconds
+// since 1970; nothing for other text.
+std::optional<double> text_time_s(std::string_view field, char decimal);
+// What begins the line as a comment: the sign `given`, else one of #, %, //, !; empty where it is none.
+std::string_view comment_of(std::string_view line, const std::string& given);
+// For a message: cut short and printable.
+std::string shown_field(std::string_view text);
+// A number, a time, a truth value, or NaN where it is missing; no value where the field is text.
 std::optional<double> text_value(std::string_view field, char decimal);
 
 // What a line is in a style.

@@ -23,24 +23,6 @@
 namespace touchstone::importing {
 namespace {
 
-constexpr std::array<std::string_view, 4> comment_signs{"#", "%", "//", "!"};
-
-std::string_view comment_of(std::string_view line, const std::string& given) {
-  if (!given.empty()) return line.starts_with(given) ? std::string_view(given) : std::string_view{};
-  for (const auto sign : comment_signs) {
-    if (line.starts_with(sign)) return sign;
-  }
-  return {};
-}
-
-std::string shown_field(std::string_view text) {
-  std::string result;
-  for (const char c : text.substr(0, 40)) {
-    result += static_cast<unsigned char>(c) < 0x20 || c == 0x7f ? '?' : c;
-  }
-  return text.size() > 40 ? result + "..." : result;
-}
-
 bool is_unit_field(std::string_view field) {
   if (field.empty() || field == "-" || field == "[]" || field == "()") return true;
   const bool brackets = (field.front() == '(' && field.back() == ')') || (field.front() == '[' && field.back() == ']');
@@ -316,6 +298,7 @@ class Reader {
       std::string_view unit = c < units.size() && units.size() == width_ ? units[c] : std::string_view{};
       while (!unit.empty() && (unit.front() == '(' || unit.front() == '[')) unit.remove_prefix(1);
       while (!unit.empty() && (unit.back() == ')' || unit.back() == ']')) unit.remove_suffix(1);
+      if (unit.empty() && is_time_of_day(c)) unit = "s";
       const bool none = unit.empty() || unit == "-";
       table.described.push_back(none ? "" : fmt::format("{} ({})", table.names.back(), unit));
     }
@@ -323,7 +306,11 @@ class Reader {
   }
 
   [[nodiscard]] bool names_above(std::size_t line) const {
-    const TextFields fields = line > 0 ? names_in(lines_[line - 1]) : TextFields{};
+    if (line == 0) return false;
+    const std::string_view above = lines_[line - 1];
+    const auto sign = comment_of(without_blanks(above), layout_.comment);
+    const TextFields fields =
+        names_in(sign.empty() ? above : without_blanks(without_blanks(above).substr(sign.size())));
     return fields.size() == width_ && are_names(fields);
   }
 
@@ -355,6 +342,11 @@ class Reader {
       values.push_back(text_value(text_fields(lines_[i], style_.separator)[c], style_.decimal).value_or(0.0));
     }
     return counts_rows(values) && (values.front() == 0.0 || values.front() == 1.0);
+  }
+
+  [[nodiscard]] bool is_time_of_day(std::size_t c) const {
+    const std::string_view field = text_fields(lines_[first_], style_.separator)[c];
+    return text_[c] == 0 && text_time_s(field, style_.decimal).has_value();
   }
 
   [[nodiscard]] bool is_empty(std::size_t c) const {
@@ -419,11 +411,24 @@ class Reader {
         broken = true;
         continue;
       }
+      if (line_shape(lines_[i], style_).numbers == 0 && nothing_follows(i)) {
+        table.notes.push_back(fmt::format("{}: the table ends before line {}; {} lines behind it are left out", source_,
+                                          i + 1, lines_.size() - i));
+        break;
+      }
       if (broken) ++segments_;
       broken = false;
       add_row(table, i);
       segment_.push_back(static_cast<double>(segments_ - 1));
     }
+  }
+
+  // Whether no line from here on holds a number: what a program writes behind its table.
+  [[nodiscard]] bool nothing_follows(std::size_t i) const {
+    for (; i < lines_.size(); ++i) {
+      if (line_shape(lines_[i], style_).numbers > 0) return false;
+    }
+    return true;
   }
 
   // The line of names that ends the header of a LabVIEW segment, which begins at line `begin`.
