@@ -50,10 +50,10 @@ ImportColumn read_column(std::string name, JsonObject object) {
     if (!(*rate > 0.0)) object.fail_at("row_rate_Hz", "must be above zero");
     column.row_rate_Hz = rate, ++ways;
   }
-  if (ways != 1) object.fail("one of from, sum, integrate, constant and row_rate_Hz was expected");
   column.offset += object.optional_number("offset").value_or(0.0);
   column.offset += object.optional_number("start").value_or(0.0);
   object.finish();
+  if (ways != 1) object.fail("one of from, sum, integrate, constant and row_rate_Hz was expected");
   return column;
 }
 

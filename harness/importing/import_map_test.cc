@@ -195,7 +195,8 @@ TEST(ImportMap, WhatMakesNoSenseIsRefusedWithItsPlace) {
   EXPECT_THAT(map_refusal(text, R"("columns": {"x_m": {"from": 3}})"), HasSubstr("has no column '3'"));
   EXPECT_THAT(map_refusal(text, R"("columns": {"x_m": {"from": 1, "constant": 2}})"),
               HasSubstr("/columns/x_m: one of from"));
-  EXPECT_THAT(map_refusal(text, R"("columns": {"x_m": {"frm": 1}})"), HasSubstr("map.json: /columns/x_m"));
+  EXPECT_THAT(map_refusal(text, R"("columns": {"x_m": {"frm": 1}})"),
+              HasSubstr("map.json: /columns/x_m: nothing reads the key \"frm\"; did you mean \"from\"?"));
   EXPECT_THAT(map_refusal(text, R"("columns": {})"), HasSubstr("at least one column"));
   EXPECT_THAT(map_refusal(text, R"("columns": {"x_m": {"from": 1}}, "force_frame": "moon")"),
               HasSubstr("/force_frame"));
