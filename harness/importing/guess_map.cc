@@ -91,8 +91,7 @@ class Guesser {
     json_["quaternion"] = {{"from", {"pose:4", "pose:5", "pose:6", "pose:7"}}, {"order", "xyzw"}};
     reasons_.push_back(fmt::format(
         "x_m, y_m, z_m, quaternion <- {}: it lies beside this file, has as many rows, and the squares of its columns 4 "
-        "to 7 "
-        "add to 1; metres and order x, y, z, w assumed: check them, and the wrench's frame, with `acquire tool`",
+        "to 7 add to 1; metres and order x, y, z, w assumed: check them, and the wrench's frame, with `acquire tool`",
         wrench.pose_file));
     decide_.push_back(
         fmt::format("quaternion: its order x, y, z, w and the metres of {} are assumed", wrench.pose_file));
@@ -156,11 +155,6 @@ class Guesser {
       reason = fmt::format("by its name; in {}, as the lines above the table say", stated);
     } else {
       reason = fmt::format("by its name; the file names no unit: {} is assumed, check it", si_unit(quantity));
-      if (quantity == Quantity::position && !reachable_in_metres(tables_[named.table].columns[named.column])) {
-        ask(column,
-            fmt::format("{} names no unit, and in m its values are farther than a hand reaches: put its scale", said));
-        return std::nullopt;
-      }
     }
     if (const auto counts = head_.counts_of(quantity); counts && *counts > 0.0) {
       factor /= *counts;
@@ -169,11 +163,34 @@ class Guesser {
     return factor;
   }
 
+  // Where the names of a set have no unit, SI is assumed, but not where another of the set has one, nor for positions
+  // that would be out of reach.
+  std::string why_no_unit_is_assumed(const AxisChoice& choice, Quantity quantity) const {
+    const NamedColumn *with = nullptr, *without = nullptr, *far = nullptr;
+    for (const auto& [axis, named] : choice.axes) {
+      const bool unit = named.name.factor || !named.name.doubt.empty() || !head_.unit_of(quantity).empty();
+      (unit ? with : without) = &named;
+      const auto& values = tables_[named.table].columns[named.column];
+      if (!unit && quantity == Quantity::position && !reachable_in_metres(values)) far = &named;
+    }
+    const auto said = [&](const NamedColumn* named) { return said_of(tables_, named->table, named->column); };
+    if (far != nullptr) {
+      return fmt::format("{} names no unit, and in m its values are farther than a hand reaches: put the scale",
+                         said(far));
+    }
+    if (with == nullptr || without == nullptr) return {};
+    return fmt::format("{} names a unit and {} none: put the scales", said(with), said(without));
+  }
+
   // x, y, z of a quantity, or z of one that names no axis.
   AxisChoice components(Quantity quantity, const std::vector<std::string>& columns, const std::string& near) {
     AxisChoice choice = choose_axes(named_, tables_, quantity, near);
     const std::string all = fmt::format("{}, {}, {}", columns[0], columns[1], columns[2]);
     if (!choice.doubt.empty()) ask(all, choice.doubt);
+    if (const std::string why = why_no_unit_is_assumed(choice, quantity); !why.empty()) {
+      ask(all, why);
+      return choice;
+    }
     for (const auto& [axis, named] : choice.axes) {
       if (axis == '0' && quantity == Quantity::torque) continue;  // of a joint
       const std::string& column = axis == '0' ? columns[2] : columns[static_cast<std::size_t>(axis - 'x')];

@@ -257,8 +257,11 @@ TEST(GuessMap, PositionsBeyondAHandAreAskedFor) {
     return fmt::format("{},{},0,0,{},20,-180", std::cos(0.01 * i), std::sin(0.01 * i), 10 + 0.1 * i);
   };
   const GuessedMap guess = guess_of("t,Q0,Qx,Qy,Qz,Tx,Ty,Tz\n" + rows_of(row));
-  EXPECT_THAT(guess.decide, ElementsAre(HasSubstr("z_m: 'Tz' (column 8) names no unit")));
+  EXPECT_THAT(guess.decide, ElementsAre(HasSubstr("x_m, y_m, z_m: 'Tz' (column 8) names no unit")));
+  EXPECT_FALSE(columns_of_guess(guess).contains("x_m"));
   EXPECT_EQ(nlohmann::json::parse(guess.json)["quaternion"]["from"][0], "Q0");
+  EXPECT_THAT(guess_of("t,x_mm,y,z\n" + rows_of([](int i) { return fmt::format("{},2,3", i); })).decide,
+              ElementsAre(HasSubstr("'x_mm' (column 2) names a unit and 'z' (column 4) none")));
 }
 
 TEST(GuessMap, AClockAloneIsNoRecording) {
