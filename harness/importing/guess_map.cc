@@ -278,7 +278,7 @@ class Guesser {
                               reading.reason);
       }
     }
-    if (clocks.empty() && use_stamp_of_two()) return;
+    if (use_stamp_of_two()) return;
     if (const std::string tables = keep_clocks_of_used_tables(clocks); !tables.empty()) {
       ask("t_s", "there are clocks in " + tables + ": which is the recording?");
       return;
@@ -324,16 +324,16 @@ class Guesser {
       if (!named.name.is(Quantity::time) || !named.name.factor) continue;
       const auto& values = tables_[named.table].columns[named.column];
       const bool below_a_second = std::ranges::all_of(values, [](double v) { return !(v >= 1e9) && !(v < 0.0); });
-      if (*named.name.factor == 1.0 && whole == nullptr) whole = &named;
+      const bool counts_seconds = std::ranges::all_of(values, [](double v) { return v == std::floor(v); });
+      if (*named.name.factor == 1.0 && counts_seconds && whole == nullptr) whole = &named;
       if (*named.name.factor == 1e-9 && below_a_second && part == nullptr) part = &named;
     }
-    if (whole == nullptr || part == nullptr || whole->table != part->table) return false;
+    const bool both = whole != nullptr && part != nullptr && whole->table == part->table;
+    if (!both || whole->name.frame != part->name.frame) return false;
     const std::string s = reference(tables_[whole->table], whole->column),
                       ns = reference(tables_[part->table], part->column);
     used_.push_back(ns);
-    Json terms = Json::array();
-    terms.push_back({{"from", s}});
-    terms.push_back({{"from", ns}, {"scale", 1e-9}});
+    const Json terms = Json::array({Json{{"from", s}}, Json{{"from", ns}, {"scale", 1e-9}}});
     use("t_s", {{"sum", terms}}, s, fmt::format("seconds, with the nanoseconds of {} added", ns));
     return true;
   }
