@@ -383,6 +383,11 @@ constexpr auto time_words = std::to_array<std::pair<std::string_view, double>>({
 
 bool ColumnName::may_be(Quantity quantity) const { return holds(quantities, quantity); }
 
+bool most_are_column_names(const std::vector<std::string_view>& names) {
+  const auto known = std::ranges::count_if(names, [](auto n) { return !parse_column_name(n).quantities.empty(); });
+  return 2 * known > std::ssize(names);
+}
+
 std::string_view si_unit(Quantity quantity) {
   switch (quantity) {
     case Quantity::time:

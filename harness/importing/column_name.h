@@ -37,6 +37,8 @@ struct ColumnName {
 };
 
 ColumnName parse_column_name(std::string_view name);
+// Whether of more than half of them the quantity is known, or that it is another.
+bool most_are_column_names(const std::vector<std::string_view>& names);
 // "m", "N", "N.m", "s", "rad"; empty for those without.
 std::string_view si_unit(Quantity quantity);
 

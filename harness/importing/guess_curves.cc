@@ -155,6 +155,8 @@ std::optional<GuessedJoint> guess_joint(const ImportTable& table) {
     for (std::size_t b = 0; b < table.names.size(); ++b) {
       if (a == b) continue;
       const auto& q = table.columns[a];
+      // What only increases is rather a clock.
+      if (std::ranges::adjacent_find(q, [](double x, double y) { return !(y > x); }) == q.end()) continue;
       const auto& v = table.columns[b];
       double qv = 0.0, vv = 0.0, qq = 0.0;
       for (std::size_t i = 5; i + 5 < q.size(); ++i) {

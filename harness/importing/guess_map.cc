@@ -468,12 +468,12 @@ class Guesser {
     const auto joint = few ? guess_joint(table) : std::nullopt;
     if (!joint) return;
     columns_["t_s"] = {{"row_rate_Hz", joint->rate_Hz}};
-    decide_.push_back(
-        fmt::format("t_s: the file has no clock; {} Hz is assumed from the ratio of two columns", joint->rate_Hz));
+    decide_.push_back(fmt::format("t_s: no clock: {} Hz is assumed from the ratio of two columns", joint->rate_Hz));
     reasons_.push_back(
         fmt::format("t_s <- row numbers at {} Hz: {} is the rate of {} at about that many rows a second, check it",
                     joint->rate_Hz, table.names[joint->rate], table.names[joint->angle]));
     if (table.names_from_file) return;
+    decide_.emplace_back("q_rad, qd_rad_per_s, torque_Nm: assumed from the numbers; the file names nothing");
     const auto use_as = [&](const char* column, std::size_t c, const std::string& reason) {
       use(column, {{"from", reference(table, c)}}, reference(table, c), reason);
     };

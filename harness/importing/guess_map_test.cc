@@ -264,6 +264,13 @@ TEST(GuessMap, PositionsBeyondAHandAreAskedFor) {
               ElementsAre(HasSubstr("'x_mm' (column 2) names a unit and 'z' (column 4) none")));
 }
 
+TEST(GuessMap, TheSameInVoltsIsNoRival) {
+  const Imported got = imported_as_guessed("Time (s),Depth (nm),Load (uN),Depth (V),Load (V)\n" +
+                                           rows_of([](int i) { return fmt::format("{},2,3,4", i); }));
+  EXPECT_THAT(got.names, ElementsAre("t_s", "z_m", "fz_N"));
+  EXPECT_NEAR(got.columns[1][7], 7e-9, 1e-20);
+}
+
 TEST(GuessMap, AClockAloneIsNoRecording) {
   EXPECT_THROW(imported_as_guessed("t,foo\n" + rows_of([](int i) { return std::to_string(i % 3); })), BadData);
 }

@@ -178,8 +178,15 @@ AxisChoice choose_axes(const std::vector<NamedColumn>& columns, const std::vecto
                        Quantity quantity, const std::string& near) {
   std::map<std::pair<std::size_t, std::string>, Group> by_frame;
   std::vector<const NamedColumn*> scalars;
+  // "Depth (V)" is no rival of "Depth (nm)".
+  const auto has_sure_twin = [&](const NamedColumn& doubtful) {
+    return std::ranges::any_of(columns, [&](const NamedColumn& other) {
+      return other.name.is(quantity) && other.name.doubt.empty() && other.name.axis == doubtful.name.axis &&
+             other.name.frame == doubtful.name.frame && other.table == doubtful.table;
+    });
+  };
   for (const NamedColumn& column : columns) {
-    if (!column.name.is(quantity)) continue;
+    if (!column.name.is(quantity) || (!column.name.doubt.empty() && has_sure_twin(column))) continue;
     if (column.name.axis == 0 || column.name.axis == 'n') {
       scalars.push_back(&column);
       continue;

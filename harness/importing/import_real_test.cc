@@ -23,13 +23,13 @@ namespace {
 Imported by_map(const std::filesystem::path& file, const std::string& map) {
   const char* const folder = std::getenv("TOUCHSTONE_IMPORT_MAPS");
   EXPECT_NE(folder, nullptr);
-  const Imported imported = import_file(file, load_import_map(std::filesystem::path(folder) / map));
+  Imported imported = import_file(file, load_import_map(std::filesystem::path(folder) / map));
   fmt::print("{}\n{}", file.filename().string(), imported_text(imported));
   return imported;
 }
 
 std::filesystem::path saved(const Imported& imported, const std::string& name) {
-  const auto path = std::filesystem::path(::testing::TempDir()) / name;
+  auto path = std::filesystem::path(::testing::TempDir()) / name;
   save_imported(path, imported);
   return path;
 }

@@ -239,6 +239,14 @@ TEST(TextTable, WhatStandsBehindTheTableIsNoRow) {
   EXPECT_THAT(units.described, ElementsAre("t (s)", "x (mm)", "f (N)"));
 }
 
+// Hysitron's export has a row and a mark between the names and the numbers.
+TEST(TextTable, NamesStandFurtherUpWhereTheyAreNamesOfColumns) {
+  const ImportTable t = text_table("Depth (nm)\tLoad (uN)\tTime (s)\n1.5\t2.5\t0\neoh\n2.0\t3.5\t0\n2.5\t4.5\t0.1\n");
+  EXPECT_THAT(t.names, ElementsAre("Depth (nm)", "Load (uN)", "Time (s)"));
+  EXPECT_EQ(t.rows(), 2U);
+  EXPECT_THAT(text_table("red\tgreen\n---\n2.0\t3.5\n2.5\t4.5\n").names, ElementsAre("c1", "c2"));
+}
+
 TEST(TextTable, NamesThatComeAgainBeginASegment) {
   const ImportTable t = text_table("t,f\n0,1\n1,2\nt,f\n0,3\n1,4\n");
   EXPECT_THAT(t.names, ElementsAre("t", "f", "segment"));

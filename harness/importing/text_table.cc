@@ -226,8 +226,7 @@ class Reader {
     // that columns have.
     for (const char separator : {',', ';', '\t', ' '}) {
       TextFields other = text_fields(line, separator);
-      const auto known = std::ranges::count_if(other, [](auto f) { return !parse_column_name(f).quantities.empty(); });
-      if (other.size() == width_ && separator != style_.separator && 2 * known > std::ssize(other)) return other;
+      if (other.size() == width_ && separator != style_.separator && most_are_column_names(other)) return other;
     }
     return fields;
   }
@@ -248,7 +247,8 @@ class Reader {
       table.names.clear(), table.described.clear();
     }
     skip_numbered_names(table);
-    TextFields units;  // of the line below the names, or of JPK's own
+    bool adjacent = true;  // nothing but comments stands between
+    TextFields units;      // of the line below the names, or of JPK's own
     for (std::size_t i = first_, seen = 0; i-- > 0 && seen < 12;) {
       std::string_view line = without_blanks(lines_[i]);
       if (line.starts_with("\xef\xbb\xbf")) line.remove_prefix(3);
@@ -276,10 +276,11 @@ class Reader {
                           "commas, as its separators are? Write points, or semicolons between the columns",
                           source_, i + 1, fields.size(), first_ + 1, width_));
         }
-        // JPK's own lines, which stand between its names and the numbers, and LabVIEW's.
-        if (!sign.empty()) continue;
-        break;
+        // JPK's own lines, which stand between its names and the numbers, and other instruments'.
+        adjacent = adjacent && !sign.empty();
+        continue;
       }
+      if (!adjacent && !most_are_column_names(fields)) continue;
       if (units.empty() && std::ranges::all_of(fields, is_unit_field) && names_above(i)) {
         units = fields;
         continue;
