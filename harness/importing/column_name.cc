@@ -268,6 +268,8 @@ Parsed analysed(Words words) {
     if (out.axis == 'w') out.quantities = {Quantity::quaternion};
   }
   if (out.axis == 'w' && out.quantities != std::vector{Quantity::quaternion}) commanded = true;
+  // Numbered torques of joints are no vector.
+  if (out.index && (joint || holds(words, std::string("tau")) || holds(words, std::string("effort")))) commanded = true;
   // "current_pos_x" is the one of now; alone, or of a motor, it is in amperes.
   if (holds(words, std::string("current"))) {
     const bool now = !out.quantities.empty() && !out.is_letter;
@@ -354,7 +356,9 @@ bool take_last_unit(std::string& name, std::vector<Quantity>& quantities, Column
     if (parsed.is_letter && parsed.axis != 0 && of_head == std::vector{Quantity::position}) {
       of_head = {Quantity::position, Quantity::force, Quantity::torque};
     }
-    const auto factor = fitting_any_case(of_head, unit, name);
+    // Behind a hump the first letter is a capital whatever it is: posMm, timeMs.
+    std::optional<double> factor = hump ? fitting(of_head, lower(unit)) : std::nullopt;
+    if (!factor) factor = fitting_any_case(of_head, unit, name);
     if (!factor) continue;
     out.unit = unit, out.factor = factor;
     quantities = of_head;

@@ -82,6 +82,9 @@ TEST(ColumnName, WhateverTheOrderCaseAndSeparators) {
                {"timestamp_ns", {time}, 0, 1e-9},
                {"Time (Seconds)", {time}, 0, 1.0},
                {"Time_S", {time}, 0, 1.0},
+               {"timeMs", {time}, 0, 1e-3},
+               {"posMm", {position}, 0, 1e-3},
+               {"forceN", {force}, 0, 1.0},
                {"t", {time}, 0, {}},
                {"Series Time", {time}, 0, {}},
                {"header.stamp.nanosec", {time}, 0, 1e-9},
@@ -134,6 +137,8 @@ TEST(ColumnName, OthersAreNotTaken) {
                                  "FnRef",
                                  "rpy_x",
                                  "Extend T-B(V)",
+                                 "tau_J_1",
+                                 "joint_torque_2",
                                  "current_x",
                                  "motor current (A)",
                                  "current"}) {

@@ -160,6 +160,7 @@ TEST(ImportArrays, NumpyThatIsNoneIsRefused) {
         {npy("'<f8'", "False", "(2, 2, 2)", bytes_of<double>({1, 2, 3, 4, 5, 6, 7, 8})), "an array of 2 x 2 x 2"},
         {npy("'<f8'", "False", "(999999999999, 3)", "xx"), "it says that it has 999999999999 x 3"},
         {npy("'<f8'", "False", "none", "xx"), "its shape is none"},
+        {npy("[('t', '<f8', ('f', '<i0',] (2,))", "False", "(2,)", "xx"), "its records are none"},
         {std::string("\x93NUMPY\x01\x00\xff\xff", 10), "it has no NumPy header"}}) {
     const auto path = array_file("bad.npy");
     write_file(path, bytes);

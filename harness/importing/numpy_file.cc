@@ -191,6 +191,7 @@ class NumpyArray {
         text.remove_prefix(close + 1);
       }
       const auto inner = text.find('('), end = text.find(')');
+      if (end == std::string_view::npos) damaged("its records are none");
       if (inner < end) {
         const auto number = text.find_first_of("0123456789", inner);
         std::size_t count = 0;
