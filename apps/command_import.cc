@@ -86,7 +86,8 @@ void add_import(CLI::App& program, Run& run) {
   const auto options = std::make_shared<ImportOptions>();
   command
       ->add_option("file", options->file,
-                   "What the instrument wrote: a table of text, .lvm, an AFM curve, .mat, a ROS bag (.bag, .db3), HDF5")
+                   "What the instrument wrote: a table of text, .lvm, an AFM curve, .mat, a ROS bag (.bag, .db3), "
+                   "HDF5, .npy, .npz")
       ->required();
   command->add_option(
       "--map", options->map,

@@ -264,6 +264,13 @@ TEST(GuessMap, PositionsBeyondAHandAreAskedFor) {
               ElementsAre(HasSubstr("'x_mm' (column 2) names a unit and 'z' (column 4) none")));
 }
 
+TEST(GuessMap, JointsAreNoAxes) {
+  const GuessedMap guess = guess_of(
+      "t,field.position0,field.position1,field.position2,field.effort0,field.effort1,field.effort2\n" + rows_of(six));
+  EXPECT_FALSE(columns_of_guess(guess).contains("x_m"));
+  EXPECT_FALSE(columns_of_guess(guess).contains("tx_Nm"));
+}
+
 TEST(GuessMap, TheSameInVoltsIsNoRival) {
   const Imported got = imported_as_guessed("Time (s),Depth (nm),Load (uN),Depth (V),Load (V)\n" +
                                            rows_of([](int i) { return fmt::format("{},2,3,4", i); }));

@@ -49,13 +49,26 @@ void resolve_component(ColumnName& name, unsigned k, std::size_t count) {
 }
 
 // force_0 to force_5: as many of one frame as the numbers count, from 0 or from 1.
-void resolve_numbers(std::vector<NamedColumn>& columns) {
+void resolve_numbers(std::vector<NamedColumn>& columns, const std::vector<ImportTable>& tables) {
+  std::set<std::size_t> efforts;  // tables with such columns
+  for (std::size_t t = 0; t < tables.size(); ++t) {
+    for (const std::string& name : tables[t].names) {
+      if (name.find("effort") != std::string::npos) efforts.insert(t);
+    }
+  }
   std::map<std::tuple<std::size_t, Quantity, std::string>, std::vector<NamedColumn*>> vectors;
   for (NamedColumn& column : columns) {
     if (!column.name.index || column.name.quantities.size() != 1) continue;
     vectors[{column.table, column.name.quantities.front(), column.name.frame}].push_back(&column);
   }
   for (auto& [key, members] : vectors) {
+    // Positions beside efforts are those of joints (sensor_msgs/JointState).
+    const auto& [table, quantity, frame] = key;
+    const bool joints = quantity == Quantity::position && efforts.contains(table);
+    for (NamedColumn* member : members) {
+      if (joints) member->name.quantities = {Quantity::other};
+    }
+    if (joints) continue;
     std::set<unsigned> numbers;
     for (const NamedColumn* member : members) numbers.insert(*member->name.index);
     const unsigned first = *numbers.begin();
@@ -169,7 +182,7 @@ std::vector<NamedColumn> named_columns(const std::vector<ImportTable>& tables) {
     }
   }
   resolve_q0(columns);
-  resolve_numbers(columns);
+  resolve_numbers(columns, tables);
   resolve_open_names(columns);
   return columns;
 }
