@@ -35,8 +35,8 @@ class Guesser {
     clock_by_names();
     if (const auto wrench = guess_wrench(tables_.front()); wrench && columns_.empty()) use_wrench(*wrench);
     quaternion_by_names(position.frame);
-    quaternion_by_numbers(tables_.front());
     rotation_by_names();
+    quaternion_by_numbers(tables_.front());
     if (!columns_.contains("t_s")) rate_by_numbers(tables_.front());
     if (!columns_.contains("t_s") && clock_is_open_) clock_by_numbers(tables_.front());
     json_["columns"] = columns_;
@@ -418,7 +418,7 @@ class Guesser {
   }
 
   void quaternion_by_numbers(const ImportTable& table) {
-    if (json_.contains("quaternion")) return;
+    if (json_.contains("quaternion") || json_.contains("rotation_rows")) return;
     for (std::size_t c = 0; c + 4 <= table.names.size(); ++c) {
       const std::vector<std::size_t> parts{c, c + 1, c + 2, c + 3};
       const bool used = std::ranges::any_of(parts, [&](std::size_t p) {

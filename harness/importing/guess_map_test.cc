@@ -264,6 +264,18 @@ TEST(GuessMap, PositionsBeyondAHandAreAskedFor) {
               ElementsAre(HasSubstr("'x_mm' (column 2) names a unit and 'z' (column 4) none")));
 }
 
+// Four of a rotation's nine numbers may have the norm one too.
+TEST(GuessMap, ARotationByItsNamesIsNoQuaternion) {
+  const auto row = [](int i) {
+    const double c = std::cos(0.1 * i), s = std::sin(0.1 * i);
+    return fmt::format("1,2,3,0,{0},{1},0,{2},{0},1,0,0", c, -s, s);
+  };
+  const auto json =
+      nlohmann::json::parse(guess_of("t,fx,fy,fz,r11,r12,r13,r21,r22,r23,r31,r32,r33\n" + rows_of(row)).json);
+  EXPECT_TRUE(json.contains("rotation_rows"));
+  EXPECT_FALSE(json.contains("quaternion"));
+}
+
 TEST(GuessMap, JointsAreNoAxes) {
   const GuessedMap guess = guess_of(
       "t,field.position0,field.position1,field.position2,field.effort0,field.effort1,field.effort2\n" + rows_of(six));
