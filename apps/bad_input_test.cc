@@ -189,9 +189,19 @@ TEST_F(BadInput, UsageIsStatusTwo) {
   for (const char* const arguments :
        {"evaluate --recording only.csv", "evaluate --metrics rms_farce_error", "evaluate --threshold 5",
         "evaluate --tip-radius 3", "evaluate --time-range 6:0", "evaluate --in-trajectory guessed",
-        "evaluate --mesh-unit inch", "fit", "nonsense"}) {
+        "evaluate --mesh-unit inch", "fit", "nonsense", "nonsense --help"}) {
     const Outcome ran = run(arguments);
     EXPECT_EQ(ran.status, 2) << arguments << ": " << ran.err;
+  }
+}
+
+TEST_F(BadInput, ASlipNamesWhatWasMeant) {
+  for (const auto& [arguments, meant] : {std::pair{"evalute", "did you mean \"evaluate\"?"},
+                                         {"golden revew", "did you mean \"review\"?"},
+                                         {"evaluate --recordng r.csv", "--recordng: did you mean --recording?"}}) {
+    const Outcome ran = run(arguments);
+    EXPECT_EQ(ran.status, 2) << arguments;
+    EXPECT_THAT(ran.err, ::testing::HasSubstr(meant));
   }
 }
 

@@ -32,7 +32,7 @@ void add_doctor(CLI::App& program, Run& run) {
       program.add_subcommand("doctor", "Say what is wrong with a mesh and what that means for rendering");
   auto options = std::make_shared<DoctorOptions>();
   command->add_option("MESH,--mesh", options->mesh, "OBJ, OFF, PLY or STL, also .gz")->required();
-  command->add_option("--mesh-unit", options->mesh_unit, "Unit of the mesh's coordinates: m, mm, cm, km, um")
+  command->add_option("--mesh-unit", options->mesh_unit, "Unit of the mesh's coordinates: m, mm, cm, km, um, in, ft")
       ->capture_default_str();
   command->add_flag("--sheet", options->rule.sheet,
                     "The mesh is meant to be open (a height field, a sheet): open edges are only noted");

@@ -143,7 +143,7 @@ void add_hil_render(CLI::App& hil_command, Run& run) {
   command->add_option("--settings", options->settings, "Text for the device plug-in");
   command->add_option("--model", options->model, "Model file (touchstone-model/1)")->required();
   command->add_option("--mesh", options->mesh, "OBJ, OFF, PLY or STL, also .gz, in the device's frame")->required();
-  command->add_option("--mesh-unit", options->mesh_unit, "Unit of the mesh's coordinates: m, mm, cm, km, um")
+  command->add_option("--mesh-unit", options->mesh_unit, "Unit of the mesh's coordinates: m, mm, cm, km, um, in, ft")
       ->capture_default_str();
   options->meshes.add_repair_to(*command);
   options->meshes.add_two_sided_to(*command);

@@ -27,6 +27,10 @@ void propose_map(const ImportOptions& options) {
   std::string missing;
   for (const std::string& group : guessed.missing) missing += (missing.empty() ? "" : ", ") + group;
   if (!missing.empty()) fmt::print(stderr, "nothing was found for {}: a recording needs it\n", missing);
+  if (!guessed.decide.empty()) {
+    fmt::print(stderr, "to be decided in the map, which is refused until its list \"decide\" is empty:\n");
+    for (const std::string& question : guessed.decide) fmt::print(stderr, "  {}\n", question);
+  }
   if (options.map.empty()) {
     fmt::print("{}", guessed.json);
     return;
@@ -82,7 +86,8 @@ void add_import(CLI::App& program, Run& run) {
   const auto options = std::make_shared<ImportOptions>();
   command
       ->add_option("file", options->file,
-                   "What the instrument wrote: a table of text, .lvm, an AFM curve, .mat, a ROS bag (.bag, .db3), HDF5")
+                   "What the instrument wrote: a table of text, .lvm, an AFM curve, .mat, a ROS bag (.bag, .db3), "
+                   "HDF5, .npy, .npz")
       ->required();
   command->add_option(
       "--map", options->map,

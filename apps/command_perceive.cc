@@ -110,7 +110,9 @@ void add_perceive(CLI::App& program, Run& run) {
   command->add_option("--condition", options->conditions, "NAME=FILE, a recording of a condition; repeat for more");
   command->add_option("--model", options->models, "NAME=MODEL, a condition that a model renders along the real path");
   command->add_option("--mesh", options->request.mesh, "The object that models render");
-  command->add_option("--mesh-unit", options->request.mesh_unit, "Unit of the mesh's coordinates: m, mm, cm, km, um")
+  command
+      ->add_option("--mesh-unit", options->request.mesh_unit,
+                   "Unit of the mesh's coordinates: m, mm, cm, km, um, in, ft")
       ->capture_default_str();
   command->add_option(
       "--repeat", options->request.repeats,

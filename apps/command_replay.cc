@@ -9,6 +9,7 @@
 #include "harness/base/atomic_file.h"
 #include "harness/recording/recording_file.h"
 #include "harness/rendering/moving_object.h"
+#include "harness/rendering/nearness.h"
 #include "harness/rendering/replay_file.h"
 #include "harness/rendering/scene_file.h"
 #include "harness/sanity/recording_sample.h"
@@ -25,17 +26,24 @@ struct ReplayOptions {
   PluginFlags plugins;
 };
 
-// A recording's own forces show whether it belongs to this mesh. Positions without forces may be anywhere.
+// A recording's own forces show whether it belongs to this mesh. Positions without forces may be anywhere, but not all
+// of them deep within it.
 void check_recording(const ReplayOptions& options, const Model& model, const Surface& surface) {
   Recording sample = sanity::sample_recording(options.trajectory);
   // Nor is a recording on a moving object one on this mesh at rest.
-  if (sample.f_W_N.empty() || !options.object_path.empty()) return;
+  if (!options.object_path.empty()) return;
+  const auto radius = model.parameters.find("tip_radius_m");
+  const double tip_radius_m = radius == model.parameters.end() ? 0.0 : radius->second;
+  if (sample.f_W_N.empty()) {
+    const auto message = buried(surface, sample.motion.p_W_m, tip_radius_m, options.trajectory, options.mesh_unit);
+    if (message) throw BadData(*message);
+    return;
+  }
   if (options.flip_force) sanity::flip_force(sample);
   sanity::SanityContext context;
   context.surface = &surface;
   context.mesh_unit = options.mesh_unit;
-  const auto radius = model.parameters.find("tip_radius_m");
-  context.tip_radius_m = radius == model.parameters.end() ? 0.0 : radius->second;
+  context.tip_radius_m = tip_radius_m;
   context.force_flipped = options.flip_force;
   for (const std::string& remark : sanity::refuse_insane(sample, context)) fmt::print(stderr, "warning: {}\n", remark);
 }
@@ -124,7 +132,7 @@ void add_replay(CLI::App& program, Run& run) {
   auto options = std::make_shared<ReplayOptions>();
   command->add_option("--model", options->model, "Model file (touchstone-model/1)")->required();
   command->add_option("--mesh", options->mesh, "One object: OBJ, OFF, PLY or STL, also .gz");
-  command->add_option("--mesh-unit", options->mesh_unit, "Unit of the mesh's coordinates: m, mm, cm, km, um")
+  command->add_option("--mesh-unit", options->mesh_unit, "Unit of the mesh's coordinates: m, mm, cm, km, um, in, ft")
       ->capture_default_str();
   options->meshes.add_repair_to(*command);
   options->meshes.add_two_sided_to(*command);

@@ -78,7 +78,7 @@ void add_synth(CLI::App& program, Run& run) {
   command->add_option("--param", options->parameters, "name=value of the surface or trajectory; may be repeated");
   command->add_option("--triangles", options->triangles, "About how many triangles the mesh has")
       ->capture_default_str();
-  command->add_option("--mesh-unit", options->mesh_unit, "Unit of the written mesh: m, mm, cm, km, um")
+  command->add_option("--mesh-unit", options->mesh_unit, "Unit of the written mesh: m, mm, cm, km, um, in, ft")
       ->capture_default_str();
   command->add_option("--rate", options->rate_Hz, "Samples of the trajectory per second")->capture_default_str();
   command->add_option("--seed", options->seed, "Of whatever is random")->capture_default_str();

@@ -278,7 +278,9 @@ void add_tool(CLI::App& program, Run& run) {
   replay->add_option("--renderer", replay_options->renderer, "See `touchstone tool list`")->required();
   replay_options->tool.add_to(*replay);
   replay->add_option("--object", replay_options->object_mesh, "Closed mesh of the object")->required();
-  replay->add_option("--mesh-unit", replay_options->tool.unit, "Unit of both meshes' coordinates: m, mm, cm, km, um")
+  replay
+      ->add_option("--mesh-unit", replay_options->tool.unit,
+                   "Unit of both meshes' coordinates: m, mm, cm, km, um, in, ft")
       ->capture_default_str();
   replay
       ->add_option("--path", replay_options->path,

@@ -65,7 +65,7 @@ void add_tool_fit(CLI::App& tool_command, Run& run) {
   fit->add_option("--renderer", options->renderer, "See `touchstone tool list`")->required();
   options->tool.add_to(*fit);
   fit->add_option("--object", options->object_mesh, "Closed mesh of the object")->required();
-  fit->add_option("--mesh-unit", options->tool.unit, "Unit of both meshes' coordinates: m, mm, cm, km, um")
+  fit->add_option("--mesh-unit", options->tool.unit, "Unit of both meshes' coordinates: m, mm, cm, km, um, in, ft")
       ->capture_default_str();
   fit->add_option("--out", options->out, "Folder: tool-fit.json and report.html")->required();
   options->flags.add_to(*fit);

@@ -13,7 +13,7 @@ void add_evaluation_flags(CLI::App& command, EvaluationFlags& flags) {
                      "A second recording of the same motion: what the two differ by is the floor that errors are held "
                      "against");
   command.add_option("--mesh", flags.mesh, "The object: OBJ, OFF, PLY or STL, also .gz");
-  command.add_option("--mesh-unit", flags.mesh_unit, "Unit of the mesh's coordinates: m, mm, cm, km, um")
+  command.add_option("--mesh-unit", flags.mesh_unit, "Unit of the mesh's coordinates: m, mm, cm, km, um, in, ft")
       ->capture_default_str();
   command
       .add_option(

@@ -26,6 +26,7 @@ void MeshFlags::add_two_sided_to(CLI::App& command) {
 
 TriangleMesh MeshFlags::load(const std::string& path, const std::string& unit) const {
   TriangleMesh mesh = load_mesh(path, length_unit_factor(unit));
+  for (const std::string& note : reading_notes(mesh)) fmt::print(stderr, "note: {}\n", note);
   repair_if_wanted(mesh);
   return mesh;
 }

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <csignal>
 #include <cstdio>
@@ -12,6 +13,7 @@
 
 #include "harness/base/half_files.h"
 #include "harness/base/input_files.h"
+#include "harness/base/known_names.h"
 #include "harness/base/version.h"
 
 namespace touchstone::apps {
@@ -20,6 +22,40 @@ namespace {
 std::vector<std::string>& called_as() {
   static std::vector<std::string> words;
   return words;
+}
+
+std::vector<std::string> names_of_commands(const CLI::App& app) {
+  std::vector<std::string> names;
+  for (const CLI::App* const command : app.get_subcommands({})) names.push_back(command->get_name());
+  return names;
+}
+
+// The command that the first words name; UsageError with the one that was probably meant where there is none, before
+// CLI11 says that some command is missing, or takes `--help` for the program's.
+const CLI::App* named_command(const CLI::App& program, int argc, char** argv) {
+  const CLI::App* app = &program;
+  for (int i = 1; i < argc && argv[i][0] != '-'; ++i) {
+    const auto names = names_of_commands(*app);
+    if (names.empty()) break;
+    if (std::ranges::find(names, argv[i]) == names.end()) throw UsageError(unknown_name("command", argv[i], names));
+    app = app->get_subcommand(argv[i]);
+  }
+  return app;
+}
+
+// Of what CLI11 did not expect, the first option and the one that was probably meant; "" where there is none.
+std::string meant_option(const CLI::App& command, int argc, char** argv) {
+  std::vector<std::string> known;
+  for (const CLI::Option* const option : command.get_options()) {
+    for (const std::string& name : option->get_lnames()) known.push_back("--" + name);
+  }
+  for (int i = 1; i < argc; ++i) {
+    const std::string word = std::string(argv[i]).substr(0, std::string_view(argv[i]).find('='));
+    if (!word.starts_with("--") || std::ranges::find(known, word) != known.end()) continue;
+    const std::string meant = closest_name(word, known);
+    if (!meant.empty()) return fmt::format("{}: did you mean {}?\n", word, meant);
+  }
+  return {};
 }
 
 int run(int argc, char** argv, const std::vector<AddCommand>& commands) {
@@ -33,9 +69,13 @@ int run(int argc, char** argv, const std::vector<AddCommand>& commands) {
       "Exit status: 0 passed, 1 a regression or a disagreement beyond tolerance, 2 usage, 3 bad data, 77 skipped.");
   Run chosen;
   for (const auto add : commands) add(program, chosen);
+  const CLI::App* const command = named_command(program, argc, argv);
   try {
     program.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
+    if (dynamic_cast<const CLI::ExtrasError*>(&error) != nullptr) {
+      fmt::print(stderr, "{}", meant_option(*command, argc, argv));
+    }
     const int status = program.exit(error);
     return status == 0 ? 0 : static_cast<int>(ExitStatus::usage);
   }

@@ -75,7 +75,8 @@ void add_paper_experiment(CLI::App& experiment, Run& run) {
                       "Folder with dataset.json, may be given several times; not given: the bundled ones");
   command->add_option("--recording", options->recording, "Instead: a recording (CSV or HDF5)");
   command->add_option("--mesh", options->mesh, "and the object that it was made over");
-  command->add_option("--mesh-unit", options->mesh_unit, "Unit of the mesh: m, mm, cm, km, um")->capture_default_str();
+  command->add_option("--mesh-unit", options->mesh_unit, "Unit of the mesh: m, mm, cm, km, um, in, ft")
+      ->capture_default_str();
   command->add_option("--stiffness", options->stiffness_N_per_m, "Of the virtual probe, with --recording [N/m]")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();

@@ -85,6 +85,20 @@ TEST(JsonReader, ErrorsNameFileAndPlace) {
   EXPECT_NO_THROW(root.finish());
 }
 
+TEST(JsonReader, ASlipNamesTheKeyThatWasMeant) {
+  const auto json = parse_json(R"({"renderer": "x", "efects": [], "shema": "s"})", "m.json");
+  JsonObject root(json, "m.json", "");
+  EXPECT_THAT(message_of([&] { root.text("schema"); }),
+              HasSubstr("\"schema\" is missing; is \"shema\" meant to be it?"));
+  root.text("renderer");
+  // Asked for and not there: known all the same.
+  EXPECT_FALSE(root.has("effects"));
+  EXPECT_FALSE(root.optional_number("gain"));
+  EXPECT_THAT(message_of([&] { root.finish(); }),
+              HasSubstr("nothing reads the key \"efects\"; did you mean \"effects\"? the keys understood here are: "
+                        "effects, gain, renderer, schema"));
+}
+
 TEST(JsonValues, ListsOfTextsAndWholeNumbersAndNothingElse) {
   const auto json = parse_json(R"({"names": ["a", "b"], "name": "a", "mixed": ["a", 1], "two": 2.0, "half": 0.5,
     "less": -1, "vast": 1e300})",

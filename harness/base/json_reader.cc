@@ -9,6 +9,7 @@
 #include "harness/base/atomic_file.h"
 #include "harness/base/error.h"
 #include "harness/base/input_files.h"
+#include "harness/base/known_names.h"
 
 namespace touchstone {
 namespace {
@@ -64,12 +65,20 @@ JsonObject::JsonObject(const nlohmann::json& value, std::string source, std::str
   if (!value.is_object()) fail(fmt::format("an object {{...}} was expected, got {}", value.type_name()));
 }
 
-bool JsonObject::has(std::string_view key) const { return value_->contains(key); }
+bool JsonObject::has(std::string_view key) const {
+  asked_.emplace(key);
+  return value_->contains(key);
+}
 
 const nlohmann::json& JsonObject::raw(std::string_view key) {
   const auto found = value_->find(key);
+  asked_.emplace(key);
   if (found == value_->end()) {
-    fail(fmt::format("the key \"{}\" is missing; present: {}", key, fmt::join(keys(), ", ")));
+    std::vector<std::string> unread = keys();
+    std::erase_if(unread, [&](const std::string& name) { return read_.contains(name); });
+    const std::string meant = closest_name(key, unread);
+    fail(fmt::format("the key \"{}\" is missing{}; present: {}", key,
+                     meant.empty() ? "" : fmt::format("; is \"{}\" meant to be it?", meant), fmt::join(keys(), ", ")));
   }
   read_.emplace(key);
   return *found;
@@ -138,7 +147,9 @@ std::vector<std::string> JsonObject::keys() const {
 void JsonObject::finish() const {
   for (const auto& key : keys()) {
     if (!read_.contains(key)) {
-      fail(fmt::format("nothing reads the key \"{}\"; the keys understood here are: {}", key, fmt::join(read_, ", ")));
+      const std::string meant = closest_name(key, {asked_.begin(), asked_.end()});
+      fail(fmt::format("nothing reads the key \"{}\"; {}the keys understood here are: {}", key,
+                       meant.empty() ? "" : fmt::format("did you mean \"{}\"? ", meant), fmt::join(asked_, ", ")));
     }
   }
 }

@@ -37,7 +37,7 @@ class JsonObject {
   const nlohmann::json& raw(std::string_view key);
   // All keys in the file's order of sorting, for objects whose keys are data (parameters); does not mark them read.
   [[nodiscard]] std::vector<std::string> keys() const;
-  // Throws BadData that lists the keys nothing read and those that were understood.
+  // Throws BadData that names a key that nothing read, the one that was probably meant, and those that are understood.
   void finish() const;
   // Checks "schema": must be `expected`.
   void schema(std::string_view expected);
@@ -52,6 +52,7 @@ class JsonObject {
   const nlohmann::json* value_;
   std::string source_;
   std::string place_;
+  mutable std::set<std::string, std::less<>> asked_;  // what the reader knows, there or not
   std::set<std::string, std::less<>> read_;
 };
 

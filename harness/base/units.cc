@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <charconv>
 #include <cmath>
@@ -25,6 +26,9 @@ constexpr std::array units{
     Unit{Dimension::torque, "Nmm", 1e-3}, Unit{Dimension::torque, "mNm", 1e-3},
 };
 
+// Of meshes alone: CAD has them, our recordings do not (the international inch and foot, NIST SP 811).
+constexpr std::array mesh_units{Unit{Dimension::length, "in", 0.0254}, Unit{Dimension::length, "ft", 0.3048}};
+
 }  // namespace
 
 std::optional<double> si_factor(Dimension dimension, std::string_view unit) {
@@ -44,9 +48,16 @@ std::string known_units(Dimension dimension) {
   return names;
 }
 
+bool is_mesh_unit(std::string_view unit) {
+  return si_factor(Dimension::length, unit) || std::ranges::find(mesh_units, unit, &Unit::name) != mesh_units.end();
+}
+
 double length_unit_factor(std::string_view unit) {
   if (const auto factor = si_factor(Dimension::length, unit)) return *factor;
-  throw UsageError(fmt::format("unknown length unit '{}': use one of {}", unit, known_units(Dimension::length)));
+  const auto found = std::ranges::find(mesh_units, unit, &Unit::name);
+  if (found != mesh_units.end()) return found->factor;
+  throw UsageError(
+      fmt::format("unknown length unit '{}': use one of {}, in, ft", unit, known_units(Dimension::length)));
 }
 
 double parse_length_m(std::string_view text, std::string_view what) {

@@ -15,8 +15,10 @@ std::optional<double> si_factor(Dimension dimension, std::string_view unit);
 // The units of a dimension, comma separated, for messages: "s, ms, us".
 std::string known_units(Dimension dimension);
 
-// "m", "mm", "cm", "km", "um" to a factor; throws UsageError that lists what is known.
+// "m", "mm", "cm", "km", "um", "in", "ft" to a factor; throws UsageError that lists what is known.
 double length_unit_factor(std::string_view unit);
+// Whether it has a factor: the unit of a mesh's coordinates.
+bool is_mesh_unit(std::string_view unit);
 
 // "3.15mm", "3.15 mm", "0.00315 m" to metres; a bare number is refused. Throws UsageError naming `what`.
 double parse_length_m(std::string_view text, std::string_view what);

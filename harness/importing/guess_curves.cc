@@ -41,6 +41,8 @@ Json map_of(const ImportTable& table, Json stack, double z_scale, double load_sc
   return json;
 }
 
+constexpr const char* clock_question = "t_s: the file has no clock: put the rate of its rows";
+
 std::string clock_reason() {
   return fmt::format("t_s <- row numbers: the file has no clock; {} Hz stands in for one, put the real rate",
                      row_rate_Hz);
@@ -66,6 +68,7 @@ std::optional<GuessedCurves> named_side_by_side(const ImportTable& table) {
                              table.names[*z_there], table.names[*f_there], table.names[*z_back], table.names[*f_back]),
                  fmt::format("z_mm: in nm{}", up < 0.0 ? "; turned round, since the force grows with it" : ""),
                  "fz_mN: in nN, by its name", clock_reason()};
+  out.decide = {clock_question};
   return out;
 }
 
@@ -104,6 +107,8 @@ std::optional<GuessedCurves> unnamed_side_by_side(const ImportTable& table) {
                   up < 0.0 ? "; turned round, since c2 grows with it" : ""),
       "fz_mN <- c2 and c3: the file names no unit: put the cantilever's N for one of them in place of the scale",
       clock_reason()};
+  out.decide = {"z_mm: c1 names no unit: nm is assumed", "fz_mN: c2 and c3 name no unit: put their scale to mN",
+                clock_question};
   return out;
 }
 
@@ -135,7 +140,38 @@ std::string pose_beside(const ImportTable& wrench) {
   return name;
 }
 
+double usual_rate_Hz(double rate_Hz) {
+  constexpr double near = 0.1;
+  for (const double usual : {10.0, 20.0, 25.0, 30.0, 50.0, 60.0, 100.0, 120.0, 200.0, 250.0, 500.0, 1000.0, 2000.0}) {
+    if (std::abs(rate_Hz - usual) < near * usual) return usual;
+  }
+  return std::round(rate_Hz);
+}
+
 }  // namespace
+
+std::optional<GuessedJoint> guess_joint(const ImportTable& table) {
+  for (std::size_t a = 0; a < table.names.size(); ++a) {
+    for (std::size_t b = 0; b < table.names.size(); ++b) {
+      if (a == b) continue;
+      const auto& q = table.columns[a];
+      // What only increases is rather a clock.
+      if (std::ranges::adjacent_find(q, [](double x, double y) { return !(y > x); }) == q.end()) continue;
+      const auto& v = table.columns[b];
+      double qv = 0.0, vv = 0.0, qq = 0.0;
+      for (std::size_t i = 5; i + 5 < q.size(); ++i) {
+        const double moved = (q[i + 5] - q[i - 5]) / 10.0;
+        qv += moved * v[i], vv += v[i] * v[i], qq += moved * moved;
+      }
+      if (!(vv > 0.0) || !(qq > 0.0) || qv * qv < 0.9 * qq * vv || !(qv > 0.0)) continue;
+      // Noise in the rate makes one ratio too large, the other too small: between them, at a usual rate where one is
+      // near.
+      const double rate_Hz = usual_rate_Hz(std::sqrt(vv / qq));
+      if (rate_Hz >= 1.0) return GuessedJoint{a, b, rate_Hz};
+    }
+  }
+  return std::nullopt;
+}
 
 std::optional<GuessedCurves> guess_curves(const ImportTable& table) {
   if (auto named = named_side_by_side(table)) return named;

@@ -1,5 +1,5 @@
 // What tables of numbers look like that name little: approach and retract of an indentation side by side, and wrenches
-// with a file of poses beside them.
+// with a file of poses beside them; an angle beside its rate.
 #pragma once
 
 #include <map>
@@ -17,6 +17,7 @@ namespace touchstone::importing {
 struct GuessedCurves {
   nlohmann::ordered_json json;  // the whole map
   std::vector<std::string> reasons;
+  std::vector<std::string> decide;  // what was assumed
 };
 
 // Two columns named "Extend ..." and two named "Retract ..." (AFM Workshop), or three without names of which the first
@@ -31,5 +32,13 @@ struct GuessedWrench {
 // Six columns without names, the first three larger than the others: force and torque. Its poses: a file beside it with
 // "pose" for "wrench" in its name, as many rows, seven columns, the last four a quaternion.
 std::optional<GuessedWrench> guess_wrench(const ImportTable& table);
+
+struct GuessedJoint {
+  std::size_t angle = 0, rate = 0;  // columns
+  double rate_Hz = 0.0;             // of the rows
+};
+
+// A column that is another's rate tells the interval between rows.
+std::optional<GuessedJoint> guess_joint(const ImportTable& table);
 
 }  // namespace touchstone::importing

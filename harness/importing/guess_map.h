@@ -14,6 +14,7 @@ struct GuessedMap {
   std::string json;                  // the map, ready to be written
   std::vector<std::string> reasons;  // one for each decision
   std::vector<std::string> missing;  // what a recording needs and nothing was found for
+  std::vector<std::string> decide;   // what the file leaves open; `import` takes the map when they are decided
 };
 
 GuessedMap guess_map(const std::filesystem::path& path);

@@ -14,6 +14,7 @@
 #include "harness/base/atomic_file.h"
 #include "harness/base/error.h"
 #include "harness/importing/import_table.h"
+#include "harness/importing/ros_message.h"
 
 namespace touchstone::importing {
 namespace {
@@ -111,6 +112,11 @@ TEST(RosBag, WrenchesOfAllCompressions) {
     EXPECT_THAT(tables[0].columns[3], ElementsAre(0.0, 1.0, 2.0));
     EXPECT_THAT(tables[0].columns[6], ElementsAre(0.03, 0.03, 0.03));
   }
+}
+
+TEST(RosMessage, ATypeOfAnotherPackageIsAnother) {
+  EXPECT_TRUE(ros_columns("turtlesim/Pose", RosEncoding::ros1, {}).empty());
+  EXPECT_EQ(ros_columns("geometry_msgs/Pose", RosEncoding::ros1, {}).size(), 8U);
 }
 
 TEST(RosBag, CutAnywhereIsRefused) {

@@ -74,12 +74,28 @@ class Sources {
  private:
   using Place = std::pair<const ImportTable&, std::size_t>;
 
+  // A name that several columns have is refused: the first is not more likely than the others.
   [[nodiscard]] static std::optional<std::size_t> find_in(const ImportTable& table, const std::string& name) {
     const auto found = std::ranges::find(table.names, name);
-    if (found != table.names.end()) return static_cast<std::size_t>(found - table.names.begin());
+    if (std::ranges::count(table.names, name) > 1) {
+      std::string numbers;
+      for (std::size_t c = 0; c < table.names.size(); ++c) {
+        if (table.names[c] == name) numbers += fmt::format("{}{}", numbers.empty() ? "" : ", ", c + 1);
+      }
+      throw BadData(fmt::format("{}: '{}' stands for columns {}: give the number of one in the map", table.source, name,
+                                numbers));
+    }
+    if (found != table.names.end()) {
+      const auto c = static_cast<std::size_t>(found - table.names.begin());
+      if (table.is_text(c)) throw BadData(fmt::format("{}: column {} ({}) holds text", table.source, c + 1, name));
+      return c;
+    }
     std::size_t number = 0;
     const auto [end, status] = std::from_chars(name.data(), name.data() + name.size(), number);
     if (status == std::errc{} && end == name.data() + name.size() && number >= 1 && number <= table.names.size()) {
+      if (table.is_text(number - 1)) {
+        throw BadData(fmt::format("{}: column {} ({}) holds text", table.source, number, table.names[number - 1]));
+      }
       return number - 1;
     }
     return std::nullopt;

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <nlohmann/json.hpp>
 #include <numbers>
 
@@ -49,10 +50,10 @@ ImportColumn read_column(std::string name, JsonObject object) {
     if (!(*rate > 0.0)) object.fail_at("row_rate_Hz", "must be above zero");
     column.row_rate_Hz = rate, ++ways;
   }
-  if (ways != 1) object.fail("one of from, sum, integrate, constant and row_rate_Hz was expected");
   column.offset += object.optional_number("offset").value_or(0.0);
   column.offset += object.optional_number("start").value_or(0.0);
   object.finish();
+  if (ways != 1) object.fail("one of from, sum, integrate, constant and row_rate_Hz was expected");
   return column;
 }
 
@@ -161,6 +162,15 @@ void read_parts(JsonObject& root, ImportMap& map) {
   }
 }
 
+// A clock alone, or with an orientation, is no measurement of anything.
+bool measures_something(const std::vector<ImportColumn>& columns) {
+  return std::ranges::any_of(columns, [](const ImportColumn& column) {
+    constexpr std::array<std::string_view, 11> quantities{"x_",  "y_",  "z_",  "fx_", "fy_",    "fz_",
+                                                          "tx_", "ty_", "tz_", "q_",  "torque_"};
+    return std::ranges::any_of(quantities, [&](std::string_view start) { return column.name.starts_with(start); });
+  });
+}
+
 }  // namespace
 
 ImportMap parse_import_map(const nlohmann::json& json, const std::string& source) {
@@ -169,6 +179,14 @@ ImportMap parse_import_map(const nlohmann::json& json, const std::string& source
   ImportMap map;
   map.source = source;
   map.about = root.optional_text("about").value_or("");
+  if (root.has("decide")) {
+    const auto open = texts_of(root, "decide");
+    if (!open.empty()) {
+      root.fail_at("decide",
+                   fmt::format("{} {} not decided: {}. Put the answer into the map, then take the line out",
+                               open.size(), open.size() == 1 ? "question is" : "questions are", open.front()));
+    }
+  }
   map.layout = read_layout(root);
   if (root.has("files")) {
     JsonObject files = root.object("files");
@@ -200,6 +218,12 @@ ImportMap parse_import_map(const nlohmann::json& json, const std::string& source
   for (const std::string& name : columns.keys()) map.columns.push_back(read_column(name, columns.object(name)));
   columns.finish();
   if (map.columns.empty()) root.fail_at("columns", "at least one column was expected");
+  if (!measures_something(map.columns)) {
+    root.fail_at(
+        "columns",
+        "neither a position (x_m, y_m, z_m) nor a force (fx_N, fy_N, fz_N) is among them: a recording needs one; "
+        "say which columns of the file hold it");
+  }
   read_orientation(root, map);
   map.force_sign = root.optional_number("force_sign").value_or(1.0);
   if (map.force_sign != 1.0 && map.force_sign != -1.0) root.fail_at("force_sign", "1 or -1 was expected");

@@ -195,7 +195,8 @@ TEST(ImportMap, WhatMakesNoSenseIsRefusedWithItsPlace) {
   EXPECT_THAT(map_refusal(text, R"("columns": {"x_m": {"from": 3}})"), HasSubstr("has no column '3'"));
   EXPECT_THAT(map_refusal(text, R"("columns": {"x_m": {"from": 1, "constant": 2}})"),
               HasSubstr("/columns/x_m: one of from"));
-  EXPECT_THAT(map_refusal(text, R"("columns": {"x_m": {"frm": 1}})"), HasSubstr("map.json: /columns/x_m"));
+  EXPECT_THAT(map_refusal(text, R"("columns": {"x_m": {"frm": 1}})"),
+              HasSubstr("map.json: /columns/x_m: nothing reads the key \"frm\"; did you mean \"from\"?"));
   EXPECT_THAT(map_refusal(text, R"("columns": {})"), HasSubstr("at least one column"));
   EXPECT_THAT(map_refusal(text, R"("columns": {"x_m": {"from": 1}}, "force_frame": "moon")"),
               HasSubstr("/force_frame"));
@@ -238,6 +239,10 @@ TEST(GuessMap, NamesUnitsClocksAndQuaternionsAreSeen) {
   EXPECT_TRUE(guess.missing.empty());
   auto json = nlohmann::json::parse(guess.json);
   EXPECT_EQ(json["quaternion"]["order"], "xyzw");
+  // Its order is assumed: nothing is imported until somebody says so.
+  EXPECT_THAT(guess.decide, ElementsAre(HasSubstr("the order of a and the three after it")));
+  EXPECT_THROW(parse_import_map(json, "guessed"), BadData);
+  json.erase("decide");
   const Imported got = import_file(map_folder() / "log.csv", parse_import_map(json, "guessed"));
   EXPECT_NEAR(column(got, "t_s")[10], 0.02, 1e-12);
   EXPECT_NEAR(column(got, "fz_N")[0], 0.003, 1e-12);

@@ -18,7 +18,7 @@ using ::testing::HasSubstr;
 std::filesystem::path write_mat(mat_ft version, matio_compression compression, const std::string& name) {
   const auto folder = std::filesystem::path(::testing::TempDir()) / "touchstone-import-mat";
   ensure_writable_folder(folder);
-  const auto path = folder / name;
+  auto path = folder / name;
   std::filesystem::remove(path);
   mat_t* const file = Mat_CreateVer(path.c_str(), nullptr, version);
   const auto put = [&](const char* what, std::vector<double> values, std::size_t rows) {

@@ -4,6 +4,7 @@
 
 #include <filesystem>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "harness/base/rooms.h"
@@ -18,7 +19,16 @@ struct ImportTable {
   std::string source;                        // the file
   std::string format;                        // "text table: tabs, decimal commas", "MATLAB v5", ...
   bool names_from_file = false;
+  // What the file says of a column beyond its name, to be read in its place by the grammar of names: "Time (s)" of a
+  // column named X_Value, "Load (N)" where a row of units stands below the names. Empty, or as many as `names`.
+  std::vector<std::string> described;
+  std::vector<std::string> head;  // lines of text before the numbers
+  std::vector<char> text;         // columns that hold text, which are NaN throughout; empty: none
 
+  [[nodiscard]] const std::string& description(std::size_t c) const {
+    return c < described.size() && !described[c].empty() ? described[c] : names[c];
+  }
+  [[nodiscard]] bool is_text(std::size_t c) const { return c < text.size() && text[c] != 0; }
   [[nodiscard]] std::size_t rows() const noexcept { return columns.empty() ? 0 : columns.front().size(); }
 };
 
@@ -33,13 +43,21 @@ struct TextLayout {
 // Files larger than this are no tables of one recording: they are read whole.
 inline constexpr std::uintmax_t largest_import_bytes = std::uintmax_t{2} << 30;
 
-// Every table of a file, by what the file is: MATLAB, ROS bag, HDF5, text. Throws BadData naming file, line and column.
+// Every table of a file, by what the file is: MATLAB, ROS bag, HDF5, NumPy, text. Throws BadData naming file, line and
+// column.
 std::vector<ImportTable> read_foreign(const std::filesystem::path& path, const TextLayout& layout);
 
 // The readers; each throws BadData.
 ImportTable read_text_table(const std::filesystem::path& path, const TextLayout& layout);
 std::vector<ImportTable> read_mat_file(const std::filesystem::path& path);
+std::vector<ImportTable> read_hdf5_arrays(const std::filesystem::path& path);
+std::vector<ImportTable> read_numpy_array(const std::filesystem::path& path);    // .npy
+std::vector<ImportTable> read_numpy_archive(const std::filesystem::path& path);  // .npz
 std::vector<ImportTable> read_ros_bag(const std::filesystem::path& path);        // version 2.0 of ROS 1
 std::vector<ImportTable> read_ros2_database(const std::filesystem::path& path);  // SQLite storage of ROS 2
+
+// Throws BadData with what the file is and what to do, if its first bytes are those of a format that is known but not
+// read.
+void refuse_known_kind(const std::filesystem::path& path, std::string_view head);
 
 }  // namespace touchstone::importing

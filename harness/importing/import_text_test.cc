@@ -51,7 +51,8 @@ TEST(TextTable, LabViewMeasurementWithDecimalCommas) {
   EXPECT_THAT(t.names, ElementsAre("X_Value", "Untitled", "Untitled 1"));
   ASSERT_EQ(t.rows(), 3U);
   EXPECT_EQ(t.columns[2], (std::vector<double>{0.055544, -0.055544, 1.5}));
-  EXPECT_TRUE(std::isnan(t.columns[0][0]));
+  // The file has no X column: X0 + i Delta_X.
+  EXPECT_THAT(t.columns[0], ElementsAre(0.0, 1.0, 2.0));
 }
 
 const std::string lvm_head =
@@ -163,6 +164,93 @@ TEST(TextTable, ALastLineWithoutEndIsNoted) {
   EXPECT_THAT(text_table("1,2\n3,4.25\n").notes, ElementsAre(HasSubstr("no line names the columns")));
   EXPECT_THAT(text_refusal("1,2\n3,4\n5,"), HasSubstr("line 3, the last, ends before column 2 (c2)"));
   EXPECT_THAT(text_table("1,2\n3,4.2").notes, ::testing::Contains(HasSubstr("line 2, the last, has no end")));
+}
+
+TEST(TextTable, QuotesAreNoPartOfANameOrNumber) {
+  const ImportTable t = text_table("\"\",\"t\",\"a, b\"\n\"1\",0.5,\"7\"\n\"2\",1.5,\"8\"\n");
+  EXPECT_THAT(t.names, ElementsAre("c1", "t", "a, b"));
+  EXPECT_THAT(t.columns[2], ElementsAre(7, 8));
+  // R's write.table leaves the name of the row numbers out.
+  const ImportTable r = text_table("\"t\" \"fx\"\n\"1\" 0.5 7\n\"2\" 1.5 8\n");
+  EXPECT_THAT(r.names, ElementsAre("row", "t", "fx"));
+  EXPECT_THAT(text_table("t,x,\n1,2,\n3,4,\n").names, ElementsAre("t", "x"));
+  EXPECT_THAT(text_table("t,x\n1,2,\n3,4,\n").names, ElementsAre("t", "x"));
+}
+
+TEST(TextTable, ARowOfUnitsBelowTheNames) {
+  for (const char* const text :
+       {"Time;Weg;Kraft\ns;mm;N\n0;1,5;2\n0,1;1,6;3\n",
+        "\"Time\",\"Weg\",\"Kraft\"\n\"(s)\",\"(mm)\",\"(N)\"\n\"0\",\"1.5\",\"2\"\n\"0.1\",\"1.6\",\"3\"\n"}) {
+    const ImportTable t = text_table(text);
+    EXPECT_THAT(t.names, ElementsAre("Time", "Weg", "Kraft"));
+    EXPECT_THAT(t.described, ElementsAre("Time (s)", "Weg (mm)", "Kraft (N)"));
+    EXPECT_THAT(t.columns[1], ElementsAre(1.5, 1.6));
+  }
+}
+
+TEST(TextTable, ColumnsOfTextAreLeftOutWithTheirName) {
+  const ImportTable t = text_table("t,phase,fx,note\n0,load,1,\n1,load,2,ok\n2,hold,3,ok\n");
+  EXPECT_THAT(t.names, ElementsAre("t", "phase", "fx", "note"));
+  EXPECT_THAT(t.columns[2], ElementsAre(1, 2, 3));
+  EXPECT_TRUE(t.is_text(1) && t.is_text(3) && !t.is_text(2));
+  EXPECT_THAT(t.notes, ::testing::Contains(HasSubstr("text, left out: phase (column 2), note (column 4)")));
+  EXPECT_THAT(text_refusal("t,phase,fx\n0,load,1\n1,load,2\n2,hold,x3\n3,hold,4\n"),
+              HasSubstr("line 4, column 3 (fx): 'x3' is not a number"));
+}
+
+TEST(TextTable, WordsForAMissingValue) {
+  for (const char* const word : {"NaN", "NA", "N/A", "#N/A", "null", "--", "1.#QNAN", "-1.#IND", ""}) {
+    const ImportTable t = text_table(fmt::format("t,f\n0,1\n1,{}\n2,3\n", word));
+    EXPECT_TRUE(std::isnan(t.columns[1][1])) << word;
+    EXPECT_EQ(t.columns[1][2], 3) << word;
+  }
+}
+
+TEST(TextTable, NumbersAsOtherProgramsWriteThem) {
+  EXPECT_THAT(text_table("a,b\r1,2\r3,4\r").columns[1], ElementsAre(2, 4));  // CR alone
+  EXPECT_THAT(text_table("a b\n1.5D-02 -2D+1\n0.5d0 3\n").columns[0], ElementsAre(0.015, 0.5));
+  EXPECT_THAT(text_table("a;b\n1.234,56;2\n-12.345.678,5;3\n").columns[0], ElementsAre(1234.56, -12345678.5));
+  EXPECT_THAT(text_table("a;b\n1,234.56;2\n999.5;3\n").columns[0], ElementsAre(1234.56, 999.5));
+  // With a comma as decimal sign, 1.234 is one number or another.
+  EXPECT_THAT(text_refusal("a;b\n1,5;2,5\n1,6;2,5\n1.234;3,5\n2,5;1,5\n3,5;1,5\n"),
+              HasSubstr("'1.234' is not a number"));
+  EXPECT_THAT(text_refusal("t,x\n0,0,1,5\n0,5,1,75\n"), HasSubstr("are its decimal signs commas"));
+  // pandas numbers columns without names.
+  EXPECT_THAT(text_table("0,1,2,3\n0.5,6,7,8\n0.6,6,7,9\n").columns[3], ElementsAre(8, 9));
+}
+
+TEST(TextTable, TimesOfTheDayAndOfTheCalendarAreSeconds) {
+  const ImportTable day = text_table("Date,Time,Fx (N)\n2024-03-05,9:59:59.750,1\n2024-03-05,10:00:00.250,2\n");
+  EXPECT_THAT(day.columns[1], ElementsAre(35999.75, 36000.25));
+  EXPECT_EQ(day.description(1), "Time (s)");
+  EXPECT_TRUE(day.is_text(0));
+  // 2001-09-09 01:46:40 UTC is 10^9 seconds after the beginning of 1970.
+  const ImportTable iso = text_table("when;f\n2001-09-09T01:46:40Z;1\n2001-09-09 03:46:41,5+02:00;2\n");
+  EXPECT_THAT(iso.columns[0], ElementsAre(1e9, 1e9 + 1.5));
+  EXPECT_TRUE(text_table("a,f\n25:00:00,1\n26:00:00,2\n").is_text(0));
+}
+
+TEST(TextTable, WhatStandsBehindTheTableIsNoRow) {
+  const ImportTable t = text_table("t,f\n0,1\n1,2\nend of data\n\nno more\n");
+  EXPECT_THAT(t.columns[1], ElementsAre(1, 2));
+  EXPECT_THAT(t.notes, ::testing::Contains(HasSubstr("the table ends before line 4")));
+  EXPECT_THAT(text_refusal("t,f\n0,1\n1,2\nend of data\n2,3\n"), HasSubstr("line 4 has 1 values"));
+  const ImportTable units = text_table("# t x f\n# s mm N\n0 1 2\n1 1 2\n");
+  EXPECT_THAT(units.described, ElementsAre("t (s)", "x (mm)", "f (N)"));
+}
+
+// Hysitron's export has a row and a mark between the names and the numbers.
+TEST(TextTable, NamesStandFurtherUpWhereTheyAreNamesOfColumns) {
+  const ImportTable t = text_table("Depth (nm)\tLoad (uN)\tTime (s)\n1.5\t2.5\t0\neoh\n2.0\t3.5\t0\n2.5\t4.5\t0.1\n");
+  EXPECT_THAT(t.names, ElementsAre("Depth (nm)", "Load (uN)", "Time (s)"));
+  EXPECT_EQ(t.rows(), 2U);
+  EXPECT_THAT(text_table("red\tgreen\n---\n2.0\t3.5\n2.5\t4.5\n").names, ElementsAre("c1", "c2"));
+}
+
+TEST(TextTable, NamesThatComeAgainBeginASegment) {
+  const ImportTable t = text_table("t,f\n0,1\n1,2\nt,f\n0,3\n1,4\n");
+  EXPECT_THAT(t.names, ElementsAre("t", "f", "segment"));
+  EXPECT_THAT(t.columns[2], ElementsAre(0, 0, 1, 1));
 }
 
 TEST(TextTable, BadFilesAreRefusedWithTheirPlace) {

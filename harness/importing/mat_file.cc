@@ -10,6 +10,7 @@
 
 #include "harness/base/atomic_file.h"
 #include "harness/base/error.h"
+#include "harness/importing/array_tables.h"
 #include "harness/importing/import_table.h"
 #include "harness/importing/mat_extent.h"
 
@@ -65,76 +66,84 @@ bool numeric(const matvar_t& v) {
     case MAT_C_UINT32:
     case MAT_C_INT64:
     case MAT_C_UINT64:
-      return v.data != nullptr && v.rank == 2 && v.isComplex == 0;
+      return v.data != nullptr && v.rank >= 2 && v.isComplex == 0;
     default:
       return false;
   }
 }
 
+const char* class_of(const matvar_t& v) {
+  switch (v.class_type) {
+    case MAT_C_CELL:
+      return "a cell array";
+    case MAT_C_STRUCT:
+      return "a struct array of more elements than are read";
+    case MAT_C_CHAR:
+      return "text";
+    case MAT_C_SPARSE:
+      return "a sparse matrix";
+    case MAT_C_OBJECT:
+    case MAT_C_OPAQUE:
+      return "an object (a table or timetable is one): save its columns, or struct(T)";
+    case MAT_C_FUNCTION:
+      return "a function";
+    default:
+      return v.isComplex != 0 ? "complex numbers" : "no numbers";
+  }
+}
+
 class Collector {
  public:
-  Collector(std::string source, std::string format, std::uintmax_t file_bytes)
-      : source_(std::move(source)), format_(std::move(format)), file_bytes_(file_bytes) {}
+  Collector(std::string source, const std::string& format, std::uintmax_t file_bytes)
+      : source_(std::move(source)), file_bytes_(file_bytes), tables_(source_, format) {}
 
-  void add(matvar_t& v, const std::string& name) {
-    if (v.class_type == MAT_C_STRUCT && v.data != nullptr && v.rank == 2 && v.dims[0] == 1 && v.dims[1] == 1) {
-      const unsigned fields = Mat_VarGetNumberOfFields(&v);
-      char* const* const names = Mat_VarGetStructFieldnames(&v);
-      for (unsigned f = 0; f < fields; ++f) {
-        matvar_t* const field = Mat_VarGetStructFieldByIndex(&v, f, 0);
-        if (field != nullptr) add(*field, name + "." + names[f]);
-      }
-      return;
+  // `group`: of the element of a struct array, which is a table of its own; `name`: within it.
+  void add(matvar_t& v, const std::string& group, const std::string& name) {
+    constexpr std::size_t most_elements = 1000;
+    const std::string full = group.empty() ? name : name.empty() ? group : group + "." + name;
+    if (v.class_type == MAT_C_STRUCT && v.data != nullptr && v.rank == 2 && v.dims[0] > 0 && v.dims[1] > 0 &&
+        v.dims[0] <= most_elements / v.dims[1]) {
+      return add_struct(v, group, name);
     }
-    if (!numeric(v) || v.dims[0] == 0 || v.dims[1] == 0 || (v.dims[0] == 1 && v.dims[1] == 1)) {
-      left_out_ += (left_out_.empty() ? "" : ", ") + name;
-      return;
+    if (numeric(v) && v.rank > 2) {
+      std::string sides;
+      for (int k = 0; k < v.rank; ++k) sides += fmt::format("{}{}", k > 0 ? " x " : "", v.dims[k]);
+      return tables_.leave_out(full, fmt::format("an array of {}, no columns of samples", sides));
     }
+    if (!numeric(v)) return tables_.leave_out(full, class_of(v));
+    const std::size_t rows = v.dims[0], columns = v.dims[1];
     // Damaged dimensions must not be believed: the numbers read are fewer, and deflate packs at most 1032 bytes in one.
     constexpr std::size_t most_packed = 1032;
-    const std::size_t most_elements = std::min<std::size_t>(
+    const std::size_t most_numbers = std::min<std::size_t>(
         v.data_size > 0 ? v.nbytes / static_cast<std::size_t>(v.data_size) : 0, most_packed * file_bytes_);
-    if (v.dims[0] > most_elements / v.dims[1]) {
+    if (columns > 0 && rows > most_numbers / columns) {
       throw BadData(
           fmt::format("{}: variable {} says that it has {} x {} numbers, more than the file holds: it is damaged",
-                      source_, name, v.dims[0], v.dims[1]));
+                      source_, full, rows, columns));
     }
-    // Samples run along the longer side; one row of numbers is one column.
-    const std::size_t rows = v.dims[0], columns = v.dims[1];
-    const bool along_rows = rows >= columns;
-    const std::size_t samples = along_rows ? rows : columns, width = along_rows ? columns : rows;
-    ImportTable& table = tables_[samples];
-    for (std::size_t c = 0; c < width; ++c) {
-      std::vector<double> values(samples);
-      for (std::size_t i = 0; i < samples; ++i) values[i] = element(v, along_rows ? c * rows + i : i * rows + c);
-      table.names.push_back(width == 1 ? name : fmt::format("{}.{}", name, c + 1));
-      table.columns.push_back(std::move(values));
-    }
+    tables_.add(group, name, "", rows, columns, [&](std::size_t i, std::size_t c) { return element(v, c * rows + i); });
   }
 
-  std::vector<ImportTable> finish() {
-    std::vector<ImportTable> all;
-    for (auto& [samples, table] : tables_) {
-      table.name = fmt::format("{}", samples);
-      table.source = source_;
-      table.format = format_;
-      table.names_from_file = true;
-      if (!left_out_.empty()) table.notes.push_back(fmt::format("{}: not numeric arrays: {}", source_, left_out_));
-      all.push_back(std::move(table));
-    }
-    // The longest first: that one is the recording, more often than not.
-    std::ranges::reverse(all);
-    if (all.empty()) {
-      throw BadData(
-          fmt::format("{}: holds no numeric arrays{}", source_, left_out_.empty() ? "" : "; it holds " + left_out_));
-    }
-    return all;
-  }
+  std::vector<ImportTable> finish() { return tables_.finish(); }
 
  private:
-  std::string source_, format_, left_out_;
+  void add_struct(matvar_t& v, const std::string& group, const std::string& name) {
+    const unsigned fields = Mat_VarGetNumberOfFields(&v);
+    char* const* const names = Mat_VarGetStructFieldnames(&v);
+    const std::size_t elements = v.dims[0] * v.dims[1];
+    for (std::size_t e = 0; e < elements; ++e) {
+      const std::string outer = group.empty() ? name : group + "." + name;
+      const std::string of = elements > 1 ? fmt::format("{}({})", outer, e + 1) : group;
+      for (unsigned f = 0; f < fields; ++f) {
+        matvar_t* const field = Mat_VarGetStructFieldByIndex(&v, f, e);
+        if (field != nullptr) add(*field, of, elements > 1 || name.empty() ? names[f] : name + "." + names[f]);
+      }
+    }
+  }
+
+  std::string source_;
   std::uintmax_t file_bytes_;
-  std::map<std::size_t, ImportTable> tables_;
+  ArrayTables tables_;
 };
 
 // How many variables a file of level 5 or 4 must hold; none for level 7.3, which is HDF5.
@@ -169,7 +178,7 @@ std::vector<ImportTable> read_mat_file(const std::filesystem::path& path) {
     const std::unique_ptr<matvar_t, VariableFree> variable(Mat_VarReadNext(file.get()));
     if (!variable) break;
     ++read;
-    collector.add(*variable, variable->name != nullptr ? variable->name : "");
+    collector.add(*variable, "", variable->name != nullptr ? variable->name : "");
   }
   if (variables && read < *variables) {
     throw BadData(fmt::format(

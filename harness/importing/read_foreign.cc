@@ -4,26 +4,32 @@
 #include <fstream>
 #include <string_view>
 
+#include "harness/base/atomic_file.h"
 #include "harness/base/error.h"
 #include "harness/base/input_files.h"
 #include "harness/importing/import_table.h"
-#include "harness/recording/table_source.h"
 
 namespace touchstone::importing {
 namespace {
 
-// A recording of ours in HDF5, or one whose datasets are columns.
-std::vector<ImportTable> read_hdf5_columns(const std::filesystem::path& path) {
-  const auto table = open_table(path);
-  ImportTable result;
-  result.names = table->names();
-  result.columns.resize(result.names.size());
-  while (table->read(65536, result.columns) > 0) {
+// What a zip archive is, by the names of its entries, which stand in its last bytes as they are.
+std::vector<ImportTable> read_archive(const std::filesystem::path& path) {
+  const std::string bytes = read_file(path);
+  constexpr std::size_t directory = 65536;
+  const std::string_view end = std::string_view(bytes).substr(bytes.size() > directory ? bytes.size() - directory : 0);
+  const auto has = [&](std::string_view name) { return end.find(name) != std::string_view::npos; };
+  if (has(".npy")) return read_numpy_archive(path);
+  if (has("xl/workbook.xml")) {
+    throw BadData(
+        fmt::format("{}: is an Excel workbook (.xlsx), which is not read: save the sheet as CSV (libreoffice "
+                    "--convert-to csv {} does)",
+                    path.string(), path.filename().string()));
   }
-  result.source = path.string();
-  result.format = table->format();
-  result.names_from_file = true;
-  return {std::move(result)};
+  if (has("content.xml")) {
+    throw BadData(fmt::format("{}: is an OpenDocument sheet, which is not read: save it as CSV", path.string()));
+  }
+  throw BadData(fmt::format("{}: is a zip archive (.jpk-force files are ones): export the curve as text, or unpack it",
+                            path.string()));
 }
 
 }  // namespace
@@ -52,14 +58,10 @@ std::vector<ImportTable> read_foreign(const std::filesystem::path& path, const T
   if (head.starts_with("#ROSBAG")) return read_ros_bag(path);
   if (head.starts_with("SQLite format 3")) return read_ros2_database(path);
   if (head.starts_with("MATLAB") || extension == ".mat") return read_mat_file(path);
-  if (head.starts_with("\x89HDF\r\n\x1a\n")) return read_hdf5_columns(path);
-  if (head.starts_with("\x1f\x8b")) {
-    throw BadData(fmt::format("{}: is compressed; unpack it first: gunzip -k {}", path.string(), path.string()));
-  }
-  if (head.starts_with("PK\x03\x04")) {
-    throw BadData(fmt::format(
-        "{}: is a zip archive (.jpk-force files are ones): export the curve as text, or unpack it", path.string()));
-  }
+  if (head.starts_with("\x89HDF\r\n\x1a\n")) return read_hdf5_arrays(path);
+  if (head.starts_with("\x93NUMPY")) return read_numpy_array(path);
+  if (head.starts_with("PK\x03\x04")) return read_archive(path);
+  refuse_known_kind(path, head);
   return {read_text_table(path, layout)};
 }
 

@@ -80,7 +80,14 @@ const std::vector<Layout>& layouts() {
 // "geometry_msgs/msg/WrenchStamped" and "geometry_msgs/WrenchStamped" alike.
 std::string_view bare(std::string_view type) { return type.substr(type.rfind('/') + 1); }
 
+// Other packages have types of the same name: turtlesim/Pose is two numbers and an angle.
+bool of_known_package(std::string_view type) {
+  const std::string_view package = type.substr(0, type.find('/'));
+  return package == type || package == "geometry_msgs" || package == "sensor_msgs" || package == "std_msgs";
+}
+
 const Layout* layout_of(std::string_view type) {
+  if (!of_known_package(type)) return nullptr;
   for (const Layout& layout : layouts()) {
     if (layout.type == bare(type)) return &layout;
   }

@@ -1,11 +1,11 @@
 // Tables of text as loggers and instruments write them: CSV without a header, decimal commas, comments, metadata before
-// the numbers, blank lines after them, LabVIEW measurements (.lvm), JPK and AFM Workshop curves, logs of the Net F/T
-// demo. The layout is found from the lines that hold numbers.
+// the numbers, a row of units below the names, columns of text among the numbers, blank lines after them, LabVIEW
+// measurements (.lvm), exports of Motive, JPK and AFM Workshop curves, logs of the Net F/T demo, `topic echo`. The
+// layout is found from the lines that hold numbers.
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <limits>
 #include <optional>
@@ -13,139 +13,30 @@
 
 #include "harness/base/atomic_file.h"
 #include "harness/base/error.h"
+#include "harness/importing/clock_reading.h"
+#include "harness/importing/column_name.h"
+#include "harness/importing/foreign_unit.h"
 #include "harness/importing/import_table.h"
+#include "harness/importing/text_dialect.h"
+#include "harness/importing/text_heads.h"
 
 namespace touchstone::importing {
 namespace {
 
-struct Style {
-  char separator;  // ' ': any run of blanks
-  char decimal;
-  const char* separator_name;
-};
-// In the order of preference among those that give as many columns.
-constexpr std::array styles{Style{'\t', '.', "tab"},      Style{'\t', ',', "tab"},  Style{';', '.', "semicolon"},
-                            Style{';', ',', "semicolon"}, Style{',', '.', "comma"}, Style{' ', '.', "space"},
-                            Style{' ', ',', "space"}};
-constexpr std::array<std::string_view, 4> comment_signs{"#", "%", "//", "!"};
-
-std::string_view stripped(std::string_view text) {
-  constexpr std::string_view blanks = " \t\r";
-  const auto from = text.find_first_not_of(blanks);
-  if (from == std::string_view::npos) return {};
-  return text.substr(from, text.find_last_not_of(blanks) - from + 1);
-}
-
-std::vector<std::string_view> fields_of(std::string_view line, char separator) {
-  std::vector<std::string_view> fields;
-  if (separator == ' ') {
-    while (!(line = stripped(line)).empty()) {
-      const auto end = std::min(line.find_first_of(" \t"), line.size());
-      fields.push_back(line.substr(0, end));
-      line.remove_prefix(end);
-    }
-    return fields;
-  }
-  for (;;) {
-    const auto at = line.find(separator);
-    fields.push_back(stripped(line.substr(0, at)));
-    if (at == std::string_view::npos) return fields;
-    line.remove_prefix(at + 1);
-  }
-}
-
-// A number, a truth value, or nothing (NaN); no value where the field is text.
-std::optional<double> value_of(std::string_view field, char decimal) {
-  if (field.size() >= 2 && field.front() == '"' && field.back() == '"') field = field.substr(1, field.size() - 2);
-  if (field.empty()) return std::numeric_limits<double>::quiet_NaN();
-  if (field == "True" || field == "true" || field == "TRUE") return 1.0;
-  if (field == "False" || field == "false" || field == "FALSE") return 0.0;
-  if (field.starts_with("0x") || field.starts_with("0X")) {
-    std::uint64_t bits = 0;
-    const auto [end, status] = std::from_chars(field.data() + 2, field.data() + field.size(), bits, 16);
-    if (status == std::errc{} && end == field.data() + field.size()) return static_cast<double>(bits);
-    return std::nullopt;
-  }
-  std::string text(field);
-  if (decimal == ',') {
-    if (text.find('.') != std::string::npos) return std::nullopt;
-    std::ranges::replace(text, ',', '.');
-  }
-  const char* const start = text.data() + (text.front() == '+' ? 1 : 0);
-  double value = 0.0;
-  const auto [end, status] = std::from_chars(start, text.data() + text.size(), value);
-  if (end != text.data() + text.size() || (status != std::errc{} && status != std::errc::result_out_of_range)) {
-    return std::nullopt;
-  }
-  return value;
-}
-
-// How many columns a line has in a style; 0 where a field is text or all are empty.
-std::size_t columns_of(std::string_view line, const Style& style) {
-  auto fields = fields_of(line, style.separator);
-  bool any = false;
-  for (const auto field : fields) {
-    const auto value = value_of(field, style.decimal);
-    if (!value) return 0;
-    any = any || !std::isnan(*value);
-  }
-  return any ? fields.size() : 0;
-}
-
-std::string_view comment_of(std::string_view line, const std::string& given) {
-  if (!given.empty()) return line.starts_with(given) ? std::string_view(given) : std::string_view{};
-  for (const auto sign : comment_signs) {
-    if (line.starts_with(sign)) return sign;
-  }
-  return {};
-}
-
-std::string shown_field(std::string_view text) {
-  std::string result;
-  for (const char c : text.substr(0, 40)) {
-    result += static_cast<unsigned char>(c) < 0x20 || c == 0x7f ? '?' : c;
-  }
-  return text.size() > 40 ? result + "..." : result;
-}
-
-std::vector<std::string_view> lines_of(std::string_view text) {
-  std::vector<std::string_view> lines;
-  while (!text.empty()) {
-    const auto end = text.find('\n');
-    std::string_view line = text.substr(0, end);
-    if (line.ends_with('\r')) line.remove_suffix(1);
-    lines.push_back(line);
-    if (end == std::string_view::npos) break;
-    text.remove_prefix(end + 1);
-  }
-  return lines;
-}
-
-// LabVIEW measurements (NI's specification of .lvm): a head, then segments of a header ("Channels" to
-// "***End_of_Header***"), a line of names whose last is "Comment", and rows. A row may have a comment of any text, or
-// no field for it; without them rows are numbers. Lines before the first names are left as they are.
-void drop_lvm_comments(std::vector<std::string_view>& lines) {
-  char separator = '\t';
-  std::size_t columns = 0;  // of numbers; 0 within a header
-  for (std::string_view& line : lines) {
-    const auto fields = fields_of(line, separator);
-    if (fields.front() == "Separator,Comma") separator = ',';
-    if (fields.front() == "Channels") columns = 0;
-    if (fields.front() == "X_Value" && fields.back() == "Comment") columns = fields.size() - 1;
-    if (columns == 0 || fields.size() <= columns) continue;
-    std::size_t end = line.find(separator);
-    for (std::size_t c = 1; c < columns; ++c) end = line.find(separator, end + 1);
-    line = line.substr(0, end);
-  }
+bool is_unit_field(std::string_view field) {
+  if (field.empty() || field == "-" || field == "[]" || field == "()") return true;
+  const bool brackets = (field.front() == '(' && field.back() == ')') || (field.front() == '[' && field.back() == ']');
+  return brackets || is_foreign_unit(field);
 }
 
 class Reader {
  public:
   Reader(std::string source, std::string_view text, const TextLayout& layout)
-      : source_(std::move(source)), lines_(lines_of(text)), layout_(layout) {
-    labview_ = !lines_.empty() && stripped(lines_.front()).starts_with("LabVIEW Measurement");
-    if (labview_) drop_lvm_comments(lines_);
-    cut_ = !text.ends_with('\n');
+      : source_(std::move(source)), lines_(text_lines(text)), layout_(layout) {
+    labview_ = is_labview_measurement(lines_);
+    if (labview_) drop_labview_comments(lines_);
+    motive_line_ = motive_names_line(lines_);
+    cut_ = !text.ends_with('\n') && !text.ends_with('\r');
   }
 
   ImportTable read() {
@@ -153,51 +44,85 @@ class Reader {
     ImportTable table;
     table.source = source_;
     table.columns.resize(width_);
-    table.format = fmt::format("{}: separator {}, decimal {}", labview_ ? "LabVIEW measurement" : "text table",
+    table.format = fmt::format("{}: separator {}, decimal {}",
+                               labview_                       ? "LabVIEW measurement"
+                               : motive_line_ < lines_.size() ? "Motive export"
+                                                              : "text table",
                                style_.separator_name, style_.decimal == ',' ? "comma" : "point");
+    find_text_columns();
     name_columns(table);
     read_rows(table);
+    note_text_columns(table);
     if (cut_) {
       table.notes.push_back(fmt::format(
           "{}: line {}, the last, has no end: if the file was cut short, its last number is", source_, lines_.size()));
     }
     if (first_ > 0) table.notes.push_back(fmt::format("{}: {} lines before the numbers were skipped", source_, first_));
     if (skipped_ > 0) table.notes.push_back(fmt::format("{}: {} comment lines among the numbers", source_, skipped_));
+    keep_head(table);
+    if (labview_) apply_labview_heads(lines_, style_.separator, style_.decimal, segment_, table);
+    if (!table.names_from_file) {
+      const TextFields first = text_fields(lines_[first_], style_.separator);
+      name_echoed_message(width_ > 2 ? first[2] : std::string_view{}, table);
+    }
+    drop_empty_last_column(table);
     if (segments_ > 1) {
       table.names.emplace_back("segment");
       table.columns.push_back(std::move(segment_));
+      if (!table.described.empty()) table.described.emplace_back();
+      if (!table.text.empty()) table.text.push_back(0);
       table.notes.push_back(fmt::format("{}: {} segments, counted in the column 'segment'", source_, segments_));
     }
     return table;
   }
 
  private:
-  [[nodiscard]] bool fits(const Style& style) const {
+  [[nodiscard]] bool fits(const TextStyle& style) const {
     const bool separator = layout_.separator.empty() || layout_.separator == style.separator_name;
     const bool decimal = layout_.decimal.empty() || (layout_.decimal == "comma") == (style.decimal == ',');
     return separator && decimal;
   }
 
-  // The style and place at which the most lines in a row hold numbers, of equally many columns.
-  void choose_style() {
+  struct Run {
+    std::size_t score = 0, numbers = 0, width = 0, first = 0;
+    const TextStyle* style = nullptr;
+  };
+
+  // The most lines in a row that go together: of numbers alone, or (`mixed`) with text in the same columns of each.
+  void longest_run(const TextStyle& style, bool mixed, Run& best) const {
     constexpr std::size_t enough = 50;
-    std::size_t best = 0;
-    for (const Style& style : styles) {
-      if (!fits(style)) continue;
-      std::size_t run = 0, width = 0, begin = 0;
-      for (std::size_t i = 0; i < lines_.size() && run < enough; ++i) {
-        const std::string_view line = stripped(lines_[i]);
-        if (line.empty() || !comment_of(line, layout_.comment).empty()) continue;
-        const std::size_t columns = columns_of(lines_[i], style);
-        if (columns == 0 || columns != width) run = 0, width = columns, begin = i;
-        if (columns > 0) ++run;
-        if (run > 0 && run * 1000 + width > best && run >= std::min<std::size_t>(2, lines_.size())) {
-          best = run * 1000 + width;
-          style_ = style, width_ = width, first_ = begin;
-        }
+    std::size_t run = 0, begin = 0;
+    LineShape before;
+    for (std::size_t i = 0; i < lines_.size() && run < enough; ++i) {
+      const std::string_view line = without_blanks(lines_[i]);
+      if (line.empty() || !comment_of(line, layout_.comment).empty()) continue;
+      LineShape shape = line_shape(lines_[i], style);
+      const bool row = shape.numbers > 0 && shape.has_text() == mixed;
+      if (!row || run == 0 || (mixed ? !shape.goes_with(before) : shape.width != before.width)) run = 0, begin = i;
+      if (row) ++run;
+      before = std::move(shape);
+      const std::size_t score = run * 1000 + before.width;
+      if (row && score > best.score && run >= std::min<std::size_t>(2, lines_.size())) {
+        best = {score, run * before.numbers, before.width, begin, &style};
       }
     }
-    if (best == 0) refuse_without_table();
+  }
+
+  // Rows of numbers alone go before rows with text, unless those hold many more numbers: heads have such lines too.
+  void choose_style() {
+    Run pure, mixed;
+    for (const TextStyle& style : text_styles) {
+      if (!fits(style) || (motive_line_ < lines_.size() && style.separator != ',')) continue;
+      longest_run(style, false, pure);
+      Run run;
+      longest_run(style, true, run);
+      if (run.numbers > mixed.numbers) mixed = run;
+    }
+    constexpr std::size_t many_more = 4;
+    const Run& best = mixed.numbers > many_more * pure.numbers ? mixed : pure;
+    if (best.style == nullptr) refuse_without_table();
+    style_ = *best.style, width_ = best.width, first_ = best.first;
+    mixed_ = &best == &mixed;
     begin_at_first_rows();
   }
 
@@ -205,24 +130,24 @@ class Reader {
   // most), its place is said, and that of the line behind it.
   [[noreturn]] void refuse_without_table() const {
     std::size_t most = 1, at = 0;
-    const Style* found = nullptr;
-    for (const Style& style : styles) {
+    const TextStyle* found = nullptr;
+    for (const TextStyle& style : text_styles) {
       for (std::size_t i = 0; fits(style) && i < lines_.size(); ++i) {
-        if (!comment_of(stripped(lines_[i]), layout_.comment).empty()) continue;
-        const std::size_t columns = columns_of(lines_[i], style);
-        if (columns > most) most = columns, at = i, found = &style;
+        if (!comment_of(without_blanks(lines_[i]), layout_.comment).empty()) continue;
+        const LineShape shape = line_shape(lines_[i], style);
+        if (!shape.has_text() && shape.numbers > 0 && shape.width > most) most = shape.width, at = i, found = &style;
       }
     }
     std::string message = fmt::format(
-        "{}: holds no table of numbers: no two lines of text have the same count of numbers, separated by tabs, "
-        "semicolons, commas or blanks",
+        "{}: holds no table of numbers: no two lines that follow one another have as many fields (separated by tabs, "
+        "semicolons, commas or blanks) with numbers in the same of them",
         source_);
     if (found != nullptr) {
       message += fmt::format("; line {} has {} (separator {})", at + 1, most, found->separator_name);
       std::size_t next = at + 1;
-      while (next < lines_.size() && stripped(lines_[next]).empty()) ++next;
+      while (next < lines_.size() && without_blanks(lines_[next]).empty()) ++next;
       if (next < lines_.size()) {
-        message += fmt::format(", line {} has {} values", next + 1, fields_of(lines_[next], found->separator).size());
+        message += fmt::format(", line {} has {} values", next + 1, text_fields(lines_[next], found->separator).size());
       } else {
         message += ", and is the last";
       }
@@ -231,13 +156,18 @@ class Reader {
     throw BadData(message);
   }
 
+  [[nodiscard]] bool is_row(std::size_t i) const {
+    const LineShape shape = line_shape(lines_[i], style_);
+    return shape.width == width_ && shape.numbers > 0 && (mixed_ || !shape.has_text());
+  }
+
   // A line that is no row may cut the rows in two, of which the second is longer: the table begins with the first rows,
   // and that line is then refused with its place.
   void begin_at_first_rows() {
     std::size_t rows = 0, begin = 0;
-    for (std::size_t i = 0; i < first_; ++i) {
-      if (stripped(lines_[i]).empty() || !comment_of(lines_[i], layout_.comment).empty()) continue;
-      if (columns_of(lines_[i], style_) != width_) {
+    for (std::size_t i = 0; i < first_ && !mixed_; ++i) {
+      if (without_blanks(lines_[i]).empty() || !comment_of(lines_[i], layout_.comment).empty()) continue;
+      if (!is_row(i)) {
         rows = 0;
         continue;
       }
@@ -249,7 +179,59 @@ class Reader {
     }
   }
 
-  // From the line before the numbers, a comment or not, where it has as many fields.
+  // A column is of text where most of its fields are; a word in a column of numbers is refused with its place.
+  void find_text_columns() {
+    text_.assign(width_, 0);
+    constexpr std::size_t looked_at = 1000;
+    std::vector<std::size_t> words(width_, 0), numbers(width_, 0);
+    for (std::size_t i = first_, rows = 0; mixed_ && i < lines_.size() && rows < looked_at; ++i) {
+      const LineShape shape = line_shape(lines_[i], style_);
+      if (shape.width != width_) continue;
+      ++rows;
+      for (std::size_t c = 0; c < width_; ++c) {
+        words[c] += shape.kinds[c] == 't' ? 1 : 0;
+        numbers[c] += shape.kinds[c] == 'n' ? 1 : 0;
+      }
+    }
+    for (std::size_t c = 0; c < width_; ++c) text_[c] = words[c] > numbers[c] ? 1 : 0;
+  }
+
+  void note_text_columns(ImportTable& table) const {
+    std::string list;
+    for (std::size_t c = 0; c < width_; ++c) {
+      if (text_[c] != 0) list += fmt::format("{}{} (column {})", list.empty() ? "" : ", ", table.names[c], c + 1);
+    }
+    if (list.empty()) return;
+    table.text.assign(text_.begin(), text_.end());
+    table.notes.push_back(fmt::format("{}: text, left out: {}", source_, list));
+  }
+
+  // Names: as many fields as the rows, none of them a number. The first or some others may be empty, as the column of
+  // row numbers is that many programs write. One name less than columns where the first counts the rows (R).
+  [[nodiscard]] bool are_names(const TextFields& fields) const {
+    std::size_t named = 0;
+    for (const auto field : fields) {
+      if (field.empty()) continue;
+      const auto value = text_value(field, style_.decimal);
+      if (value && !std::isnan(*value)) return false;
+      ++named;
+    }
+    return 2 * named >= fields.size() && named > 0;
+  }
+
+  [[nodiscard]] TextFields names_in(std::string_view line) const {
+    TextFields fields = text_fields(line, style_.separator);
+    if (fields.size() == width_) return fields;
+    // They may be listed with blanks or commas above rows that are separated otherwise: where most of them are words
+    // that columns have.
+    for (const char separator : {',', ';', '\t', ' '}) {
+      TextFields other = text_fields(line, separator);
+      if (other.size() == width_ && separator != style_.separator && most_are_column_names(other)) return other;
+    }
+    return fields;
+  }
+
+  // From the line before the numbers, a comment or not, where it has as many fields; units may stand between.
   void name_columns(ImportTable& table) {
     if (!layout_.names.empty()) {
       if (layout_.names.size() != width_) {
@@ -259,45 +241,142 @@ class Reader {
       table.names = layout_.names;
       return;
     }
+    if (motive_line_ < lines_.size()) {
+      name_motive_columns(lines_, motive_line_, table);
+      if (table.names.size() == width_) return;
+      table.names.clear(), table.described.clear();
+    }
+    skip_numbered_names(table);
+    bool adjacent = true;  // nothing but comments stands between
+    TextFields units;      // of the line below the names, or of JPK's own
     for (std::size_t i = first_, seen = 0; i-- > 0 && seen < 12;) {
-      std::string_view line = stripped(lines_[i]);
+      std::string_view line = without_blanks(lines_[i]);
       if (line.starts_with("\xef\xbb\xbf")) line.remove_prefix(3);
       if (line.empty()) continue;
       ++seen;
       const auto sign = comment_of(line, layout_.comment);
-      line = stripped(line.substr(sign.size()));
-      if (line.starts_with("columns:")) line = stripped(line.substr(8));  // JPK
-      auto fields = fields_of(line, style_.separator);
+      if (!sign.empty()) line = without_blanks(line.substr(sign.size()));
+      if (sign.empty()) line = lines_[i].starts_with("\xef\xbb\xbf") ? line : lines_[i];  // a tab at its begin counts
+      if (line.starts_with("columns:")) line = without_blanks(line.substr(8));            // JPK
+      if (line.starts_with("units:")) {
+        units = text_fields(without_blanks(line.substr(6)), style_.separator);
+        continue;
+      }
+      TextFields fields = names_in(line);
       if (split_from_row(fields)) {
         table.notes.push_back(fmt::format(
             "{}: line {} holds the names and, without a break between them, a row, which is left out", source_, i + 1));
       }
-      const bool text =
-          std::ranges::all_of(fields, [&](std::string_view f) { return !f.empty() && !value_of(f, style_.decimal); });
-      if (fields.size() != width_ || !text) {
-        // JPK's own lines, which stand between its names and the numbers, and LabVIEW's.
-        if (!sign.empty()) continue;
-        break;
+      if (sign.empty() && fields.size() + 1 == width_ && is_counted(0)) fields.insert(fields.begin(), "row");
+      if (fields.size() + 1 == width_ && is_empty(width_ - 1)) fields.emplace_back();
+      if (fields.size() != width_ || !are_names(fields)) {
+        if (sign.empty() && 2 * fields.size() == width_ && style_.separator == ',' && are_names(fields)) {
+          throw BadData(
+              fmt::format("{}: line {} names {} columns, but line {} has {} fields: are its decimal signs "
+                          "commas, as its separators are? Write points, or semicolons between the columns",
+                          source_, i + 1, fields.size(), first_ + 1, width_));
+        }
+        // JPK's own lines, which stand between its names and the numbers, and other instruments'.
+        adjacent = adjacent && !sign.empty();
+        continue;
       }
-      for (const auto field : fields) table.names.emplace_back(field);
-      table.names_from_file = true;
+      if (!adjacent && !most_are_column_names(fields)) continue;
+      if (units.empty() && std::ranges::all_of(fields, is_unit_field) && names_above(i)) {
+        units = fields;
+        continue;
+      }
+      take_names(fields, units, i, table);
       return;
     }
     for (std::size_t c = 0; c < width_; ++c) table.names.push_back(fmt::format("c{}", c + 1));
     table.notes.push_back(fmt::format("{}: no line names the columns; they are c1 to c{}", source_, width_));
   }
 
+  void take_names(const TextFields& fields, const TextFields& units, std::size_t line, ImportTable& table) {
+    names_line_ = line;
+    for (std::size_t c = 0; c < width_; ++c) {
+      table.names.push_back(fields[c].empty() ? fmt::format("c{}", c + 1) : std::string(fields[c]));
+      std::string_view unit = c < units.size() && units.size() == width_ ? units[c] : std::string_view{};
+      while (!unit.empty() && (unit.front() == '(' || unit.front() == '[')) unit.remove_prefix(1);
+      while (!unit.empty() && (unit.back() == ')' || unit.back() == ']')) unit.remove_suffix(1);
+      if (unit.empty() && is_time_of_day(c)) unit = "s";
+      const bool none = unit.empty() || unit == "-";
+      table.described.push_back(none ? "" : fmt::format("{} ({})", table.names.back(), unit));
+    }
+    table.names_from_file = true;
+  }
+
+  [[nodiscard]] bool names_above(std::size_t line) const {
+    if (line == 0) return false;
+    const std::string_view above = lines_[line - 1];
+    const auto sign = comment_of(without_blanks(above), layout_.comment);
+    const TextFields fields =
+        names_in(sign.empty() ? above : without_blanks(without_blanks(above).substr(sign.size())));
+    return fields.size() == width_ && are_names(fields);
+  }
+
+  // A first row of 0, 1, 2, ... names columns by their numbers, as pandas does where they have no names.
+  void skip_numbered_names(ImportTable& table) {
+    const TextFields fields = text_fields(lines_[first_], style_.separator);
+    constexpr std::size_t fewest = 4;
+    const std::size_t begin = fields.front().empty() ? 1 : 0;
+    if (width_ < fewest) return;
+    for (std::size_t c = begin; c < width_; ++c) {
+      if (fields[c] != std::to_string(c - begin)) return;
+    }
+    table.notes.push_back(fmt::format("{}: line {} numbers the columns and is no row", source_, first_ + 1));
+    ++first_;
+  }
+
+  [[nodiscard]] std::vector<std::size_t> first_rows() const {
+    std::vector<std::size_t> rows;
+    constexpr std::size_t enough = 20;
+    for (std::size_t i = first_; i < lines_.size() && rows.size() < enough; ++i) {
+      if (text_fields(lines_[i], style_.separator).size() == width_) rows.push_back(i);
+    }
+    return rows;
+  }
+
+  [[nodiscard]] bool is_counted(std::size_t c) const {
+    std::vector<double> values;
+    for (const std::size_t i : first_rows()) {
+      values.push_back(text_value(text_fields(lines_[i], style_.separator)[c], style_.decimal).value_or(0.0));
+    }
+    return counts_rows(values) && (values.front() == 0.0 || values.front() == 1.0);
+  }
+
+  [[nodiscard]] bool is_time_of_day(std::size_t c) const {
+    const std::string_view field = text_fields(lines_[first_], style_.separator)[c];
+    return text_[c] == 0 && text_time_s(field, style_.decimal).has_value();
+  }
+
+  [[nodiscard]] bool is_empty(std::size_t c) const {
+    return std::ranges::all_of(first_rows(),
+                               [&](std::size_t i) { return text_fields(lines_[i], style_.separator)[c].empty(); });
+  }
+
+  // A comma at each line's end makes a column of nothing.
+  void drop_empty_last_column(ImportTable& table) const {
+    const bool unnamed = table.names.back() == fmt::format("c{}", width_);
+    if (width_ < 2 || !unnamed || !table.names_from_file || !is_empty(width_ - 1)) return;
+    if (std::ranges::any_of(table.columns.back(), [](double v) { return !std::isnan(v); })) return;
+    table.names.pop_back();
+    table.columns.pop_back();
+    if (!table.described.empty()) table.described.pop_back();
+    if (!table.text.empty()) table.text.pop_back();
+  }
+
   // A writer that forgot the end of the line of names: "force<tab>time0.5<tab>7" has its last name and the first number
   // in one field. Keeps the names alone.
-  bool split_from_row(std::vector<std::string_view>& fields) const {
+  bool split_from_row(TextFields& fields) const {
     if (width_ < 2 || fields.size() != 2 * width_ - 1) return false;
     for (std::size_t c = 0; c < fields.size(); ++c) {
-      const bool number = !fields[c].empty() && value_of(fields[c], style_.decimal).has_value();
+      const bool number = !fields[c].empty() && text_value(fields[c], style_.decimal).has_value();
       if (c != width_ - 1 && number != (c >= width_)) return false;
     }
     std::string_view& glued = fields[width_ - 1];
     const auto number_at = glued.find_first_of("+-0123456789");
-    if (number_at == 0 || number_at == std::string_view::npos || !value_of(glued.substr(number_at), style_.decimal)) {
+    if (number_at == 0 || number_at == std::string_view::npos || !text_value(glued.substr(number_at), style_.decimal)) {
       return false;
     }
     glued = glued.substr(0, number_at);
@@ -305,21 +384,38 @@ class Reader {
     return true;
   }
 
+  void keep_head(ImportTable& table) const {
+    constexpr std::size_t most_lines = 200, longest = 2000;
+    for (std::size_t i = 0; i < std::min(first_, most_lines); ++i) {
+      if (i != names_line_) table.head.emplace_back(lines_[i].substr(0, longest));
+    }
+  }
+
   void read_rows(ImportTable& table) {
     bool broken = false;  // comment lines or a header since the last row
     segments_ = 1;
     for (std::size_t i = first_; i < lines_.size(); ++i) {
-      const std::string_view line = stripped(lines_[i]);
+      const std::string_view line = without_blanks(lines_[i]);
       if (line.empty()) continue;
       if (!comment_of(line, layout_.comment).empty()) {
         ++skipped_;
         broken = true;
         continue;
       }
-      if (labview_ && fields_of(lines_[i], style_.separator).front() == "Channels") {
+      if (labview_ && text_fields(lines_[i], style_.separator).front() == "Channels") {
         i = end_of_segment_header(i);
         broken = true;
         continue;
+      }
+      // A logger that was started again writes its names again.
+      if (names_line_ < first_ && lines_[i] == lines_[names_line_]) {
+        broken = true;
+        continue;
+      }
+      if (line_shape(lines_[i], style_).numbers == 0 && nothing_follows(i)) {
+        table.notes.push_back(fmt::format("{}: the table ends before line {}; {} lines behind it are left out", source_,
+                                          i + 1, lines_.size() - i));
+        break;
       }
       if (broken) ++segments_;
       broken = false;
@@ -328,12 +424,20 @@ class Reader {
     }
   }
 
+  // Whether no line from here on holds a number: what a program writes behind its table.
+  [[nodiscard]] bool nothing_follows(std::size_t i) const {
+    for (; i < lines_.size(); ++i) {
+      if (line_shape(lines_[i], style_).numbers > 0) return false;
+    }
+    return true;
+  }
+
   // The line of names that ends the header of a LabVIEW segment, which begins at line `begin`.
   [[nodiscard]] std::size_t end_of_segment_header(std::size_t begin) const {
     std::size_t i = begin;
-    while (i < lines_.size() && !stripped(lines_[i]).starts_with("***End_of_Header***")) ++i;
+    while (i < lines_.size() && !without_blanks(lines_[i]).starts_with("***End_of_Header***")) ++i;
     for (++i; i < lines_.size(); ++i) {
-      if (!stripped(lines_[i]).empty()) return i;
+      if (!without_blanks(lines_[i]).empty()) return i;
     }
     throw BadData(
         fmt::format("{}: line {}: the header of a segment begins here and does not end: was the file cut short?",
@@ -341,7 +445,7 @@ class Reader {
   }
 
   void add_row(ImportTable& table, std::size_t i) {
-    const auto fields = fields_of(lines_[i], style_.separator);
+    const auto fields = text_fields(lines_[i], style_.separator);
     if (fields.size() != width_) {
       throw BadData(fmt::format("{}: line {} has {} values where the lines before have {}{}", source_, i + 1,
                                 fields.size(), width_,
@@ -352,7 +456,8 @@ class Reader {
                                 i + 1, width_, table.names.back()));
     }
     for (std::size_t c = 0; c < width_; ++c) {
-      const auto value = value_of(fields[c], style_.decimal);
+      const auto value = text_[c] != 0 ? std::optional(std::numeric_limits<double>::quiet_NaN())
+                                       : text_value(fields[c], style_.decimal);
       if (!value) {
         throw BadData(fmt::format("{}: line {}, column {} ({}): '{}' is not a number", source_, i + 1, c + 1,
                                   table.names[c], shown_field(fields[c])));
@@ -365,9 +470,13 @@ class Reader {
   std::vector<std::string_view> lines_;
   const TextLayout& layout_;
   bool labview_ = false;
-  bool cut_ = false;  // the last line has no end
-  Style style_{',', '.', "comma"};
+  bool mixed_ = false;  // the rows hold text among the numbers
+  bool cut_ = false;    // the last line has no end
+  TextStyle style_{',', '.', "comma"};
   std::size_t width_ = 0, first_ = 0, skipped_ = 0, segments_ = 1;
+  std::size_t motive_line_ = 0;
+  std::size_t names_line_ = std::numeric_limits<std::size_t>::max();
+  std::vector<char> text_;  // of each column
   std::vector<double> segment_;
 };
 
@@ -382,7 +491,7 @@ ImportTable read_text_table(const std::filesystem::path& path, const TextLayout&
   if (std::string_view(text).substr(0, 4096).find('\0') != std::string_view::npos) {
     throw BadData(
         fmt::format("{}: is a binary file of no kind that can be read: text tables, MATLAB .mat, ROS bags "
-                    "(.bag, .db3) and HDF5 can",
+                    "(.bag, .db3), HDF5, .npy and .npz can",
                     path.string()));
   }
   return Reader(path.string(), text, layout).read();

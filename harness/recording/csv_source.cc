@@ -218,13 +218,17 @@ class CsvSource final : public TableSource {
       while (at != end && (*at == ' ' || (*at == '\t' && separator_ != '\t'))) ++at;
       const char* const start = at;
       double value = 0.0;
+      const bool quoted = at != end && *at == '"';
+      if (quoted) ++at;
       // from_chars takes no plus sign; other programs write one.
       const bool plus = at != end && *at == '+' && end - at > 1 && at[1] != '-';
       const auto [rest, status] = std::from_chars(plus ? at + 1 : at, end, value);
       at = rest;
+      const bool closed = !quoted || (at != end && *at == '"');
+      if (quoted && closed) ++at;
       while (at != end && (*at == ' ' || (*at == '\t' && separator_ != '\t'))) ++at;
       const bool last = i + 1 == columns.size();
-      if (status == std::errc{} && (last ? at == end : (at != end && *at == separator_))) {
+      if (status == std::errc{} && closed && (last ? at == end : (at != end && *at == separator_))) {
         columns[i].push_back(value);
         ++at;
         continue;

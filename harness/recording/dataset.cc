@@ -77,8 +77,8 @@ Dataset load_dataset(const std::filesystem::path& place) {
   JsonObject mesh = root.object("mesh");
   dataset.mesh_file = file_name(mesh, "file", mesh.text("file"));
   dataset.mesh_unit = mesh.text("unit");
-  if (!si_factor(Dimension::length, dataset.mesh_unit)) {
-    mesh.fail_at("unit", fmt::format("unknown length unit '{}': use one of {}", dataset.mesh_unit,
+  if (!is_mesh_unit(dataset.mesh_unit)) {
+    mesh.fail_at("unit", fmt::format("unknown length unit '{}': use one of {}, in, ft", dataset.mesh_unit,
                                      known_units(Dimension::length)));
   }
   mesh.finish();

@@ -36,7 +36,7 @@ std::string extents(const Box3& box) {
 // The unit in which the mesh would overlap the recording with a likely size, nearest in size first.
 std::string fitting_unit(const Box3& recording, const Box3& mesh, const std::string& mesh_unit) {
   const double read_in = length_unit_factor(mesh_unit);
-  for (const char* unit : {"mm", "m", "cm", "um", "km"}) {
+  for (const char* unit : {"mm", "m", "cm", "in", "ft", "um", "km"}) {
     const double scale = length_unit_factor(unit) / read_in;
     if (unit == mesh_unit) continue;
     const Box3 scaled(mesh.min() * scale, mesh.max() * scale);

@@ -186,7 +186,7 @@ TEST(RecordingFile, ReadsWhatOtherProgramsWrite) {
   const auto file = temporary("r.csv");
   write_file(file,
              "\xef\xbb\xbf\"fz_mN\"; x_mm ;y_mm;z_mm;t_ms;fx_mN;fy_mN\r\n"
-             " +1000; 4.459;0;-1e-3;0;2;3 \r\n"
+             " +1000; \"4.459\";0;-1e-3;\"0\";2;3 \r\n"
              "2000;4;5;6;1.5;7;8\r\n\r\n");
   const auto loaded = load_recording(file, ClockPolicy{});
   const Recording& recording = loaded.value;
@@ -194,6 +194,8 @@ TEST(RecordingFile, ReadsWhatOtherProgramsWrite) {
   EXPECT_EQ(recording.motion.p_W_m[0], Vec3(4.459 / 1e3, 0.0, -1e-3 / 1e3));
   EXPECT_EQ(recording.f_W_N[0], Vec3(2e-3, 3e-3, 1.0));
   EXPECT_THAT(loaded.notes, ElementsAre(HasSubstr("semicolons")));
+  write_file(file, "t_s,x_m,y_m,z_m\n0,1,2,3\n1,\"1,2,4\n");
+  EXPECT_THROW(load_trajectory(file, ClockPolicy{}), BadData) << "a quote that does not end";
   write_file(file, "t_s\tx_m\ty_m\tz_m\n0\t1\t2\t3\n1\t 1 \t2\t4");
   const auto tabs = load_trajectory(file, ClockPolicy{});
   EXPECT_EQ(tabs.value.motion.p_W_m[1], Vec3(1, 2, 4));

@@ -39,18 +39,13 @@ Box3 box_of(std::span<const Vec3> tips) {
   return box;
 }
 
-}  // namespace
+struct Misfit {
+  std::string message;
+  std::optional<double> fitting_m;  // the typical distance in the unit that fits; nothing where none does
+};
 
-bool held_in_the_air(const Surface& surface, std::span<const Vec3> tips_W_m, double tip_radius_m) {
-  if (tips_W_m.empty()) return false;
-  const double object_size = surface.bounds().diagonal().norm();
-  if (!(box_of(tips_W_m).diagonal().norm() < held_share * object_size)) return false;
-  const double distance = typical_distance(surface, tips_W_m, tip_radius_m, 1.0);
-  return distance > far_share * object_size && distance <= object_size;
-}
-
-std::optional<std::string> far_from_surface(const Surface& surface, std::span<const Vec3> tips_W_m, double tip_radius_m,
-                                            const std::string& recording, const std::string& mesh_unit) {
+std::optional<Misfit> find_misfit(const Surface& surface, std::span<const Vec3> tips_W_m, double tip_radius_m,
+                                  const std::string& recording, const std::string& mesh_unit) {
   if (tips_W_m.empty()) return std::nullopt;
   const Box3 path = box_of(tips_W_m);
   const Box3 object = surface.bounds();
@@ -64,19 +59,50 @@ std::optional<std::string> far_from_surface(const Surface& surface, std::span<co
   const double assumed = length_unit_factor(mesh_unit);
   std::string_view best_unit;
   double best = distance / 10.0;
-  for (const std::string_view unit : {"um", "mm", "cm", "m", "km"}) {
+  for (const std::string_view unit : {"um", "mm", "cm", "m", "km", "in", "ft"}) {
     const double there = typical_distance(surface, tips_W_m, tip_radius_m, length_unit_factor(unit) / assumed);
-    if (there < best) {
+    // An inch lies between the metric units: it is meant only where it fits far better.
+    constexpr double far_better = 0.1;
+    const bool imperial = unit == "in" || unit == "ft";
+    if (there < (imperial && !best_unit.empty() ? far_better * best : best)) {
       best = there;
       best_unit = unit;
     }
   }
-  if (best_unit.empty() && held_in_the_air(surface, tips_W_m, tip_radius_m)) return std::nullopt;
-  if (best_unit.empty()) return message + " No usual unit would make it fit: are both in the same frame?";
-  return message +
-         fmt::format(
-             " Is the mesh in {}? With --mesh-unit {} (now {}: a factor of {:g}) the distance would be {:.3g} m.",
-             best_unit, best_unit, mesh_unit, length_unit_factor(best_unit) / assumed, best);
+  if (best_unit.empty()) {
+    return Misfit{message + " No usual unit would make it fit: are both in the same frame?", std::nullopt};
+  }
+  return Misfit{message + fmt::format(" Is the mesh in {}? With --mesh-unit {} (now {}: a factor of {:g}) the distance "
+                                      "would be {:.3g} m.",
+                                      best_unit, best_unit, mesh_unit, length_unit_factor(best_unit) / assumed, best),
+                best};
+}
+
+}  // namespace
+
+bool held_in_the_air(const Surface& surface, std::span<const Vec3> tips_W_m, double tip_radius_m) {
+  if (tips_W_m.empty()) return false;
+  const double object_size = surface.bounds().diagonal().norm();
+  if (!(box_of(tips_W_m).diagonal().norm() < held_share * object_size)) return false;
+  const double distance = typical_distance(surface, tips_W_m, tip_radius_m, 1.0);
+  return distance > far_share * object_size && distance <= object_size;
+}
+
+std::optional<std::string> far_from_surface(const Surface& surface, std::span<const Vec3> tips_W_m, double tip_radius_m,
+                                            const std::string& recording, const std::string& mesh_unit) {
+  const auto misfit = find_misfit(surface, tips_W_m, tip_radius_m, recording, mesh_unit);
+  if (!misfit || (!misfit->fitting_m && held_in_the_air(surface, tips_W_m, tip_radius_m))) return std::nullopt;
+  return misfit->message;
+}
+
+std::optional<std::string> buried(const Surface& surface, std::span<const Vec3> tips_W_m, double tip_radius_m,
+                                  const std::string& recording, const std::string& mesh_unit) {
+  const auto outside = [&](const Vec3& tip) { return !(surface.signed_distance(tip) < 0.0); };
+  if (std::ranges::any_of(tips_W_m, outside)) return std::nullopt;
+  const auto misfit = find_misfit(surface, tips_W_m, tip_radius_m, recording, mesh_unit);
+  // Without a unit in which the path would touch they may lie there on purpose.
+  if (!misfit || !misfit->fitting_m || *misfit->fitting_m > box_of(tips_W_m).diagonal().norm()) return std::nullopt;
+  return misfit->message;
 }
 
 }  // namespace touchstone::rendering

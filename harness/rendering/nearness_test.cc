@@ -53,6 +53,27 @@ TEST(Nearness, AsksForTheUnitThatFits) {
   }
 }
 
+// Read in m where it is in mm, the body is 1000 times as large and the path lies deep within it; in the mesh's own unit
+// it may be meant to.
+TEST(Nearness, PositionsThatNeverWereOutsideAreBuried) {
+  const TriangleMesh at_origin = testing::ball(0.03, 4);
+  std::vector<Vec3> tips = path(0.0);
+  for (Vec3& tip : tips) tip -= Vec3(0.1, 0.02, -0.05);
+  for (const auto& [scale, unit] :
+       {std::pair{1e3, "--mesh-unit mm"}, {1e2, "--mesh-unit cm"}, {1.0 / 0.0254, "--mesh-unit in"}}) {
+    const auto surface = make_embree_surface(testing::moved(at_origin, Quat::Identity(), Vec3::Zero(), scale));
+    const auto message = buried(*surface, tips, 0.0, "r.csv", "m");
+    ASSERT_TRUE(message) << scale;
+    EXPECT_THAT(*message, HasSubstr(unit));
+  }
+  const auto fitting = make_embree_surface(at_origin);
+  EXPECT_EQ(buried(*fitting, tips, 0.0, "r.csv", "m"), std::nullopt);
+  const std::vector<Vec3> within(5, Vec3(0.001, 0, 0));
+  EXPECT_EQ(buried(*fitting, within, 0.0, "r.csv", "m"), std::nullopt);
+  for (Vec3& tip : tips) tip += Vec3(0, 0, 50);
+  EXPECT_EQ(buried(*fitting, tips, 0.0, "r.csv", "m"), std::nullopt) << "outside it may be anywhere";
+}
+
 // A tool that is turned in the air above the object moves its tip by a tracker's noise.
 TEST(Nearness, AToolThatIsHeldInTheAirIsNoFault) {
   const auto surface = make_embree_surface(body(1.0));

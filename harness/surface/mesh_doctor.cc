@@ -40,6 +40,7 @@ class Examination {
     non_manifold();
     intersections(check);
     components();
+    reading_notes();
     return std::move(result_);
   }
 
@@ -73,6 +74,17 @@ class Examination {
     const auto& welded = mesh_.triangles[at(fan.front())];
     const auto corner = std::find(welded.begin(), welded.end(), vertex) - welded.begin();
     return raw_.triangles[at(fan.front())][static_cast<std::size_t>(corner)];
+  }
+
+  void reading_notes() {
+    for (const MeshReadingNote& note : raw_.notes) {
+      const bool folded = note.name == "folded-polygons";
+      MeshFinding& finding =
+          add(note.name, folded ? Severity::matters : Severity::note, note.count, note.what,
+              folded ? "A turned triangle pushes to the other side: give that polygon as triangles"
+                     : "Within the file's rounding nothing else can be meant; unjoined they would be cracks");
+      place(finding, {}, {}, note.first_W_m);
+    }
   }
 
   void open_edges() {

@@ -65,8 +65,9 @@ using SelfIntersectionCheck =
 
 // Findings in this order: open-edges, inconsistent-orientation, inward-facing, degenerate-triangles,
 // duplicate-triangles, duplicate-vertices, unused-vertices, non-manifold-edges, non-manifold-vertices,
-// self-intersections, components. Everything but duplicate-vertices is looked for after vertices with equal coordinates
-// have been joined, as make_embree_surface() does.
+// self-intersections, components, and what the reader noted (folded-polygons, joined-corners). Everything but
+// duplicate-vertices is looked for after vertices with equal coordinates have been joined, as make_embree_surface()
+// does.
 MeshDiagnosis examine_mesh(const TriangleMesh& mesh, const MeshDoctorRule& rule,
                            const SelfIntersectionCheck& self_intersections);
 

@@ -7,7 +7,9 @@
 #include <array>
 #include <bit>
 #include <cctype>
+#include <cmath>
 #include <numeric>
+#include <unordered_map>
 
 #include "harness/base/atomic_file.h"
 #include "harness/base/error.h"
@@ -106,13 +108,77 @@ TriangleMesh parse_mesh(std::string_view bytes, MeshFormat format, double unit_m
       break;
   }
   TriangleMesh mesh = std::move(soup).finish();
-  return format == MeshFormat::stl ? weld_coincident_vertices(mesh) : mesh;
+  if (format != MeshFormat::stl) return mesh;
+  const Box3 box = mesh.bounds();
+  const double largest = std::max(box.min().cwiseAbs().maxCoeff(), box.max().cwiseAbs().maxCoeff());
+  return weld_close_vertices(weld_coincident_vertices(mesh), stl_rounding * largest);
+}
+
+TriangleMesh weld_close_vertices(const TriangleMesh& mesh, double distance_m) {
+  TriangleMesh welded = mesh;
+  if (!(distance_m > 0.0)) return welded;
+  // Cells as wide as the distance: whatever is that near lies in a cell's own neighbours.
+  using Cell = std::array<std::int64_t, 3>;
+  const auto cell_of = [&](const Vec3& p) {
+    Cell cell{};
+    for (std::size_t k = 0; k < 3; ++k) {
+      cell[k] = static_cast<std::int64_t>(std::floor(p[static_cast<Eigen::Index>(k)] / distance_m));
+    }
+    return cell;
+  };
+  const auto hash_of = [](const Cell& cell) {
+    std::uint64_t h = 0x9E3779B97F4A7C15ULL;
+    for (const std::int64_t k : cell) h = (h ^ static_cast<std::uint64_t>(k)) * 0xD6E8FEB86659FD93ULL, h ^= h >> 32U;
+    return static_cast<std::size_t>(h);
+  };
+  std::unordered_map<Cell, std::vector<std::int32_t>, decltype(hash_of)> kept(mesh.vertices_W_m.size(), hash_of);
+  std::vector<std::int32_t> renamed(mesh.vertices_W_m.size());
+  MeshReadingNote note{"joined-corners", 0, "", {}};
+  double widest_m = 0.0;
+  welded.vertices_W_m.clear();
+  for (std::size_t v = 0; v < mesh.vertices_W_m.size(); ++v) {
+    const Vec3& p = mesh.vertices_W_m[v];
+    const Cell own = cell_of(p);
+    std::int32_t found = -1;
+    for (int n = 0; n < 27 && found < 0; ++n) {
+      const auto place = kept.find({own[0] + n / 9 - 1, own[1] + n / 3 % 3 - 1, own[2] + n % 3 - 1});
+      if (place == kept.end()) continue;
+      for (const std::int32_t other : place->second) {
+        const double apart_m = (welded.vertices_W_m[at(other)] - p).norm();
+        if (apart_m > distance_m) continue;
+        found = other;
+        widest_m = std::max(widest_m, apart_m);
+        break;
+      }
+    }
+    if (found < 0) {
+      found = static_cast<std::int32_t>(welded.vertices_W_m.size());
+      welded.vertices_W_m.push_back(p);
+      kept[own].push_back(found);
+    } else if (note.count++ == 0) {
+      note.first_W_m = p;
+    }
+    renamed[v] = found;
+  }
+  for (auto& triangle : welded.triangles) {
+    for (std::int32_t& corner : triangle) corner = renamed[at(corner)];
+  }
+  if (note.count > 0) {
+    note.what = fmt::format(
+        "{} {} not equal to others but within {:.3g} m of them, as far as the file rounds, and {} "
+        "joined; they were up to {:.3g} m apart",
+        note.count, note.count == 1 ? "corner was" : "corners were", distance_m, note.count == 1 ? "was" : "were",
+        widest_m);
+    welded.notes.push_back(std::move(note));
+  }
+  return welded;
 }
 
 TriangleMesh weld_coincident_vertices(const TriangleMesh& mesh) {
   const std::size_t count = mesh.vertices_W_m.size();
   TriangleMesh welded;
   welded.source = mesh.source;
+  welded.notes = mesh.notes;
   welded.vertices_W_m.reserve(count);
   // Open addressing: slots hold the index of a welded vertex.
   std::vector<std::int32_t> slots(std::bit_ceil(2 * count + 2), -1);

@@ -10,11 +10,11 @@
 // Rules:
 // - Coordinates are read in double precision and multiplied by `unit_m`. Faces keep the file's order and orientation.
 // - A polygon v0 v1 ... vn becomes the fan (v0 v1 v2), (v0 v2 v3), ... Where that would turn a triangle over (the
-// polygon
-//   is not star-shaped from v0), the fan is cut from the first corner where it would not; without such a corner the
-//   polygon is refused.
-// - STL repeats the corners of every triangle: corners with exactly equal coordinates are joined. Other formats keep
-//   their vertices (weld_coincident_vertices joins them where that is wanted).
+//   polygon is not star-shaped from v0), the fan is cut from the first corner where it would not; without such a corner
+//   the polygon is cut by its ears. One that crosses itself or is folded is cut all the same, with a note.
+// - STL repeats the corners of every triangle, and programs write them with the rounding of float: corners closer than
+//   stl_rounding of the largest coordinate are joined, with a note where they were not equal. Other formats keep their
+//   vertices (weld_coincident_vertices joins them where that is wanted).
 // - A face that names a vertex twice is kept: it has no area, and `touchstone doctor` reports it.
 // - Normals, colours, texture coordinates, groups and materials are ignored. Facet normals of STL are ignored as well:
 //   the order of the corners decides.
@@ -35,6 +35,9 @@ enum class MeshFormat { obj, off, ply, stl };
 inline constexpr double largest_mesh_coordinate_m = 1e15;
 inline constexpr double smallest_mesh_extent_m = 1e-15;
 
+// Float has 24 bits: what two programs made of one corner differs by less than this share of the largest coordinate.
+inline constexpr double stl_rounding = 0x1p-22;
+
 // Throws BadData: no such file, unknown extension, malformed or truncated content, indices out of range, coordinates
 // that are not finite, zero triangles. `unit_m` is the length of the file's unit in metres: 1e-3 for a mesh in mm.
 TriangleMesh load_mesh(const std::filesystem::path& path, double unit_m);
@@ -51,5 +54,7 @@ MeshFormat mesh_format(const std::filesystem::path& path);
 
 // Vertices with exactly equal coordinates become one. The triangles keep their number and order.
 TriangleMesh weld_coincident_vertices(const TriangleMesh& mesh);
+// Vertices within `distance_m` of one that was kept become that one; a note says how many and where.
+TriangleMesh weld_close_vertices(const TriangleMesh& mesh, double distance_m);
 
 }  // namespace touchstone::surface

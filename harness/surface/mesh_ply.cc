@@ -1,5 +1,6 @@
 // PLY (Stanford polygon format): text, binary little- and big-endian. Vertices need x, y, z; faces need the list
-// vertex_indices (or vertex_index). Other elements and properties are skipped; triangle strips are refused.
+// vertex_indices (or vertex_index). Other elements and properties are skipped. Triangle strips
+// (element tristrips: -1 ends one, and every second triangle runs the other way) become triangles.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -89,8 +90,6 @@ Header read_header(Lines& lines, const Soup& soup) {
       need(3);
       const std::int64_t count = to_integer(words[2], soup, line);
       if (count < 0) soup.fail_at("line", line, "a count must not be negative");
-      if (words[1] == "tristrips")
-        soup.fail_at("line", line, "triangle strips are not supported; save the mesh as faces");
       header.elements.push_back({words[1], count, {}});
     } else if (words[0] == "property") {
       need(3);
@@ -258,6 +257,31 @@ void read_faces(const Element& element, Body& body, Soup& soup) {
   }
 }
 
+// A triangle that names a vertex twice joins two strips and is none.
+void read_strips(const Element& element, Body& body, Soup& soup) {
+  for (std::int64_t e = 0; e < element.count; ++e) {
+    body.begin(element, e);
+    for (const Property& property : element.properties) {
+      std::int64_t n = property.count_type ? body.list_length(property) : 1;
+      const bool wanted = property.count_type && (property.name == "vertex_indices" || property.name == "vertex_index");
+      std::array<std::int64_t, 3> corners{};
+      for (std::int64_t in_strip = 0; n > 0; --n) {
+        if (!wanted) {
+          body.number(property.type);
+          continue;
+        }
+        const std::int64_t corner = body.whole(property.type);
+        corners = {corners[1], corners[2], corner};
+        in_strip = corner < 0 ? 0 : in_strip + 1;
+        if (in_strip < 3 || corners[0] == corners[1] || corners[1] == corners[2] || corners[2] == corners[0]) continue;
+        const bool other_way = in_strip % 2 == 0;
+        const std::array<std::int64_t, 3> triangle{corners[other_way ? 1 : 0], corners[other_way ? 0 : 1], corners[2]};
+        soup.add_polygon(triangle, "strip", static_cast<std::uint64_t>(e));
+      }
+    }
+  }
+}
+
 }  // namespace
 
 void read_ply(std::string_view bytes, Soup& soup) {
@@ -274,6 +298,8 @@ void read_ply(std::string_view bytes, Soup& soup) {
       read_vertices(element, body, soup);
     } else if (element.name == "face") {
       read_faces(element, body, soup);
+    } else if (element.name == "tristrips") {
+      read_strips(element, body, soup);
     } else {
       for (std::int64_t i = 0; i < element.count; ++i) {
         body.begin(element, i);

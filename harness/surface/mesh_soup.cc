@@ -10,12 +10,15 @@
 
 #include "harness/base/error.h"
 #include "harness/surface/mesh_file.h"
+#include "harness/surface/polygon_ears.h"
 
 namespace touchstone::surface::mesh_readers {
 namespace {
 
 // Trying all corners of a polygon costs the square of their number.
 constexpr std::size_t largest_hub = 64;
+// Cutting ears costs the square of their number too, and in the worst case the cube.
+constexpr std::size_t largest_polygon = 4096;
 
 bool is_space(char c) { return c == ' ' || c == '\t' || c == '\r' || c == '\v' || c == '\f'; }
 
@@ -81,11 +84,16 @@ bool Soup::fan_is_upright(std::span<const std::int32_t> corners, std::size_t hub
   };
   // Newell's normal is the sum of the fan's scaled normals: the polygon's own orientation.
   Vec3 normal = Vec3::Zero();
-  double size = 0.0;
+  double size = 0.0, largest = 0.0;
   for (std::size_t i = 2; i < corners.size(); ++i) {
-    normal += (at(i - 1) - at(0)).cross(at(i) - at(0));
+    const Vec3 one = (at(i - 1) - at(0)).cross(at(i) - at(0));
+    normal += one;
+    largest = std::max(largest, one.norm());
     size = std::max({size, (at(i - 1) - at(0)).squaredNorm(), (at(i) - at(0)).squaredNorm()});
   }
+  // As much of it faces the one way as the other: it crosses itself.
+  constexpr double nothing = 1e-9;
+  if (normal.norm() <= nothing * largest) return largest == 0.0;
   // Corners on one line, and corners that text rounded to six digits, may turn a fan triangle by less than this.
   const double rounding = 1e-5 * size * normal.norm();
   for (std::size_t i = 2; i < corners.size(); ++i) {
@@ -102,11 +110,24 @@ void Soup::cut(const Place& place, std::span<const std::int32_t> corners) {
       triangles_[place.triangle + i - 2] = {at(0), at(i - 1), at(i)};
     return;
   }
-  fail_at(
-      place.where, place.number,
-      fmt::format("the polygon of {} corners cannot be cut into triangles from one of its corners; give triangles or "
-                  "convex polygons",
-                  corners.size()));
+  if (corners.size() > largest_polygon) {
+    fail_at(place.where, place.number,
+            fmt::format("the polygon has {} corners and is not convex; at most {} are cut: give triangles",
+                        corners.size(), largest_polygon));
+  }
+  std::vector<Vec3> points;
+  for (const std::int32_t corner : corners) points.push_back(vertices_[static_cast<std::size_t>(corner)]);
+  const Ears ears = cut_ears(points);
+  for (std::size_t i = 0; i < ears.triangles.size(); ++i) {
+    const auto& [a, b, c] = ears.triangles[i];
+    triangles_[place.triangle + i] = {corners[a], corners[b], corners[c]};
+  }
+  if (!ears.folded) return;
+  if (folded_.count++ == 0) {
+    folded_.name = "folded-polygons";
+    folded_.first_W_m = points.front();
+    folded_.what = fmt::format("the first in {} {}", place.where, place.number);
+  }
 }
 
 TriangleMesh Soup::finish() && {
@@ -134,6 +155,14 @@ TriangleMesh Soup::finish() && {
   mesh.vertices_W_m = std::move(vertices_);
   mesh.triangles = std::move(triangles_);
   mesh.source = source_;
+  if (folded_.count > 0) {
+    folded_.what =
+        fmt::format("{}, and cut into triangles of which some are turned over; {}",
+                    folded_.count == 1 ? "1 polygon crosses itself or is folded"
+                                       : fmt::format("{} polygons cross themselves or are folded", folded_.count),
+                    folded_.what);
+    mesh.notes.push_back(std::move(folded_));
+  }
   return mesh;
 }
 

@@ -44,6 +44,7 @@ class Soup {
   double unit_m_;
   std::vector<Vec3> vertices_;
   std::vector<std::array<std::int32_t, 3>> triangles_;
+  MeshReadingNote folded_;
   std::vector<std::int32_t> corners_;  // of the polygon at hand
   std::vector<Place> pending_;         // polygons that name vertices which the file had not given yet
   std::vector<std::pair<Place, std::vector<std::int32_t>>> polygons_;  // those with more than three corners

@@ -61,4 +61,14 @@ std::vector<std::string> mesh_warnings(const Surface& surface) {
   return out;
 }
 
+std::vector<std::string> reading_notes(const TriangleMesh& mesh) {
+  std::vector<std::string> out;
+  for (const MeshReadingNote& note : mesh.notes) {
+    const Vec3& p = note.first_W_m;
+    out.push_back(fmt::format("{}: {}: {}; the first at ({:.6g}, {:.6g}, {:.6g}) m", mesh.source, note.name, note.what,
+                              p.x(), p.y(), p.z()));
+  }
+  return out;
+}
+
 }  // namespace touchstone::surface

@@ -17,4 +17,7 @@ namespace touchstone::surface {
 // one walk over its triangles, on the topology that the surface has.
 std::vector<std::string> mesh_warnings(const Surface& surface);
 
+// What the reader did to make triangles of the file, a line each with the first place.
+std::vector<std::string> reading_notes(const TriangleMesh& mesh);
+
 }  // namespace touchstone::surface

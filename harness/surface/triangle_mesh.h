@@ -15,10 +15,19 @@ namespace touchstone::surface {
 // An index that files keep as 32 bits, as one of std::vector.
 constexpr std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
 
+// What a reader had to do to make triangles of what the file says.
+struct MeshReadingNote {
+  std::string name;  // "folded-polygons", "joined-corners"
+  std::size_t count = 0;
+  std::string what;  // one sentence, with the place of the first in the file's unit as well
+  Vec3 first_W_m = Vec3::Zero();
+};
+
 struct TriangleMesh {
   std::vector<Vec3> vertices_W_m;
   std::vector<std::array<std::int32_t, 3>> triangles;
   std::string source;  // the file or generator it came from, for messages
+  std::vector<MeshReadingNote> notes;
 
   [[nodiscard]] std::size_t triangle_count() const noexcept { return triangles.size(); }
   [[nodiscard]] Box3 bounds() const {

@@ -57,7 +57,7 @@ def replay(model: "ModelLike", mesh: "MeshLike", trajectory: "TrajectoryLike", *
         model: what `touchstone.model` takes; a class of `touchstone.Renderer` runs with its defaults.
         mesh: a Mesh or a file, then in `mesh_unit`.
         trajectory: a Trajectory, a Recording (its positions), or a file.
-        mesh_unit: m, mm, cm, km or um.
+        mesh_unit: m, mm, cm, km, um, in or ft.
         two_sided: triangles stop the tip from both sides.
         time_steps: measure each step; `step_us` of the result. Of a renderer in Python it is Python's cost.
     """

@@ -70,7 +70,7 @@ void read_import(const std::uint8_t* data, std::size_t size, const std::string& 
   const ScratchFile file("file" + extension, text_of(data, size));
   try {
     check_tables(read_foreign(file.path(), {}));
-    if (extension == ".txt") check(!guess_map(file.path()).json.empty());
+    check(!guess_map(file.path()).json.empty());
   } catch (const BadData&) {
   }
 }

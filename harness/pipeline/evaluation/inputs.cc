@@ -241,6 +241,7 @@ EvaluationInputs load_inputs(const Catalogue& catalogue, const EvaluationRequest
                     entry.name));
   }
   inputs.mesh = load_mesh(request.mesh, length_unit_factor(request.mesh_unit));
+  for (std::string& note : reading_notes(inputs.mesh)) inputs.messages.push_back(std::move(note));
   if (request.repair) repair(inputs);
   if (request.extend_edges_m.value_or(0.0) > 0.0) extend(*request.extend_edges_m, inputs);
   inputs.surface = make_embree_surface(inputs.mesh);
