@@ -118,10 +118,10 @@ ExitStatus live_render(const LiveRenderOptions& options) {
   if (!at_zero) fmt::print(stderr, "{}\n", hil::switch_text(device));
   if (run.ticks.size() < 2) throw BadData(fmt::format("{}: nothing was rendered: {}", identity.id, run.ended));
 
-  const hil::LiveRendering live = hil::compare_with_replay(std::move(run), *twin, device.tripped());
-  std::filesystem::create_directories(options.out);
   const std::filesystem::path folder = options.out;
-  save_recording(folder / "live.csv", live.recording);
+  std::filesystem::create_directories(folder);
+  save_recording(folder / "live.csv", hil::recording_of(run));
+  const hil::LiveRendering live = hil::compare_with_replay(std::move(run), *twin, device.tripped());
   save_rendered(folder / "replayed.csv", live.replayed);
   write_file(folder / "result.json",
              hil::live_to_json(live, device,

@@ -15,17 +15,6 @@
 namespace touchstone::hil {
 namespace {
 
-Recording recording_of(const LiveRun& run) {
-  Recording recording;
-  recording.source = "live";
-  for (const LiveTick& tick : run.ticks) {
-    recording.motion.t_s.push_back(tick.t_s);
-    recording.motion.p_W_m.push_back(tick.state.p_W_m);
-    recording.f_W_N.push_back(tick.allowed_W_N);
-  }
-  return recording;
-}
-
 LiveFigures figures_of(const LiveRun& run, const RenderedTrajectory& replayed) {
   LiveFigures figures;
   for (std::size_t i = 0; i < run.ticks.size(); ++i) {
@@ -74,6 +63,17 @@ LiveRun run_renderer(GuardedDevice& device, const LiveOptions& options, DeadMan*
       });
   if (broken) run.ended = fmt::format("the renderer failed: {}", renderer.failure());
   return run;
+}
+
+Recording recording_of(const LiveRun& run) {
+  Recording recording;
+  recording.source = "live";
+  for (const LiveTick& tick : run.ticks) {
+    recording.motion.t_s.push_back(tick.t_s);
+    recording.motion.p_W_m.push_back(tick.state.p_W_m);
+    recording.f_W_N.push_back(tick.allowed_W_N);
+  }
+  return recording;
 }
 
 LiveRendering compare_with_replay(LiveRun run, rendering::Renderer& twin, Trip tripped) {

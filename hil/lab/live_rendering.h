@@ -50,6 +50,10 @@ struct LiveRendering {
 [[nodiscard]] LiveRun run_renderer(GuardedDevice& device, const LiveOptions& options, DeadMan* dead_man,
                                    const std::function<bool()>& stop, rendering::Renderer& renderer);
 
+// Where the handle was, and the force that the guard let pass. To be saved before anything else: the twin is a renderer
+// of others, whose end must not take the recording with it.
+[[nodiscard]] Recording recording_of(const LiveRun& run);
+
 // Replays the run by `twin`, made like the renderer that ran. Throws BadData if the twin cannot render the path.
 [[nodiscard]] LiveRendering compare_with_replay(LiveRun run, rendering::Renderer& twin, Trip tripped);
 
