@@ -21,6 +21,8 @@ constexpr auto scorecard_fields = std::to_array<FormatField>({
     {"engine.options", "text", "", "parameters and facts that were given"},
     {"engine.epsilon_m", "number", "m", "distance that the engine keeps from the surface"},
     {"engine.world_unit_m", "number", "m", "length of the engine's unit"},
+    {"verdict", "text", "", "passed, failed, or skipped (cases were wanted and none ran)"},
+    {"allowed", "list of texts", "", "faults and cases that are known to fail, and do not count"},
     {"fix_first", "text", "", "fault, or \"case NAME\"; \"\" if nothing was found"},
     {"findings", "list of objects", "", "faults, in the order in which they are worth fixing"},
     {"findings[].name", "text", "", "of the fault"},

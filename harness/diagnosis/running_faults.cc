@@ -24,6 +24,8 @@
 namespace touchstone::diagnosis {
 namespace {
 
+constexpr double kTick_s = 1e-3;
+
 TriangleMesh round_body() { return sphere_mesh(kHalf_m, 3); }
 TriangleMesh small_block() { return box_mesh({-kHalf_m, -kHalf_m, -kHalf_m}, {kHalf_m, kHalf_m, 0.0}); }
 

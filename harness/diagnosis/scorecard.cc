@@ -1,6 +1,7 @@
 #include "harness/diagnosis/scorecard.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <chrono>
@@ -23,7 +24,27 @@ std::size_t skipped_of(const Scorecard& card) {
   return static_cast<std::size_t>(std::ranges::count_if(card.cases, &CaseScore::skipped));
 }
 
+bool is_allowed(const Scorecard& card, const std::string& name) {
+  return std::ranges::find(card.allowed, name) != card.allowed.end();
+}
+
+bool fails(const CaseScore& one) { return !one.skipped && (!one.problem.empty() || !one.felt); }
+
+// Allowed and not found: the line that allows it can go.
+std::vector<std::string> allowed_in_vain(const Scorecard& card) {
+  std::vector<std::string> names;
+  for (const std::string& name : card.allowed) {
+    const Diagnosis& d = card.diagnosis;
+    const bool found = std::ranges::find(d.findings, name, &Finding::name) != d.findings.end() ||
+                       std::ranges::any_of(d.failed, [&](const auto& one) { return one.first == name; }) ||
+                       std::ranges::any_of(card.cases, [&](const auto& one) { return one.name == name && fails(one); });
+    if (!found) names.push_back(name);
+  }
+  return names;
+}
+
 std::string cases_sentence(const Scorecard& card) {
+  if (!card.cases_wanted) return "not run";
   const std::size_t skipped = skipped_of(card);
   return fmt::format("{} of {} exact, {} felt (within {:g} JND){}", count_of(card, &CaseScore::exact),
                      card.cases.size() - skipped, count_of(card, &CaseScore::felt), card.felt_tolerance_jnd,
@@ -32,10 +53,13 @@ std::string cases_sentence(const Scorecard& card) {
 
 // Detectors stand in the order in which faults are worth fixing.
 std::string first_to_fix(const Scorecard& card) {
-  if (!card.diagnosis.findings.empty()) return card.diagnosis.findings.front().name;
+  for (const Finding& finding : card.diagnosis.findings) {
+    if (!is_allowed(card, finding.name)) return finding.name;
+  }
   const CaseScore* worst = nullptr;
   for (const CaseScore& one : card.cases) {
-    if (!one.felt && !one.skipped && (worst == nullptr || one.max_jnd > worst->max_jnd)) worst = &one;
+    if (!fails(one) || is_allowed(card, one.name)) continue;
+    if (worst == nullptr || one.max_jnd > worst->max_jnd) worst = &one;
   }
   return worst == nullptr ? "" : "case " + worst->name;
 }
@@ -73,6 +97,29 @@ std::string case_cell(const Scorecard& card, const std::string& name) {
 }
 
 }  // namespace
+
+CardVerdict verdict_of(const Scorecard& card) {
+  const auto counts = [&](const std::string& name) { return !is_allowed(card, name); };
+  const Diagnosis& d = card.diagnosis;
+  if (std::ranges::any_of(d.findings, counts, &Finding::name) ||
+      std::ranges::any_of(d.failed, [&](const auto& pair) { return counts(pair.first); }) ||
+      std::ranges::any_of(card.cases, [&](const CaseScore& one) { return fails(one) && counts(one.name); }))
+    return CardVerdict::failed;
+  if (card.cases_wanted && skipped_of(card) == card.cases.size()) return CardVerdict::skipped;
+  return CardVerdict::passed;
+}
+
+std::string_view to_string(CardVerdict verdict) {
+  switch (verdict) {
+    case CardVerdict::passed:
+      return "passed";
+    case CardVerdict::skipped:
+      return "skipped";
+    case CardVerdict::failed:
+      break;
+  }
+  return "failed";
+}
 
 CostScore measure_cost(const Engine& engine, int levels) {
   using Clock = std::chrono::steady_clock;
@@ -116,6 +163,8 @@ std::string scorecard_to_json(const Scorecard& card) {
   out["engine"] = {{"name", card.engine},         {"summary", card.summary},          {"source", card.source},
                    {"library", card.library},     {"sha256", card.library_sha256},    {"options", card.options},
                    {"epsilon_m", card.epsilon_m}, {"world_unit_m", card.world_unit_m}};
+  out["verdict"] = to_string(verdict_of(card));
+  out["allowed"] = card.allowed;
   out["fix_first"] = first_to_fix(card);
   out["findings"] = nlohmann::ordered_json::array();
   for (const Finding& finding : card.diagnosis.findings) {
@@ -180,6 +229,7 @@ std::string scorecard_to_html(const std::vector<Scorecard>& cards) {
     return plain(card.library.empty() ? "of this program" : card.library + ", SHA-256 " + card.library_sha256);
   });
   row("options", [&](const Scorecard& card) { return plain(card.options); });
+  row("verdict", [&](const Scorecard& card) { return plain(std::string(to_string(verdict_of(card)))); });
   row("fix first", [&](const Scorecard& card) {
     const std::string first = first_to_fix(card);
     return plain(first.empty() ? "nothing was found" : first);
@@ -223,6 +273,10 @@ std::string scorecard_to_text(const Scorecard& card) {
                         card.cost->median_us, card.cost->p99_us, card.cost->p999_us, card.cost->triangles);
   }
   if (const std::string first = first_to_fix(card); !first.empty()) text += "  fix first: " + first + "\n";
+  if (!card.allowed.empty()) text += fmt::format("  allowed: {}\n", fmt::join(card.allowed, ", "));
+  for (const std::string& name : allowed_in_vain(card)) text += "  allowed and not found: " + name + "\n";
+  if (verdict_of(card) == CardVerdict::skipped) text += "  no golden case ran: nothing is known of its forces\n";
+  text += fmt::format("  verdict: {}\n", to_string(verdict_of(card)));
   return text;
 }
 
