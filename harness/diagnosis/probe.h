@@ -6,6 +6,7 @@
 #include "harness/base/rooms.h"
 #include "harness/diagnosis/engine.h"
 #include "harness/rendering/renderer_failed.h"
+#include "harness/surface/box_mesh.h"
 #include "harness/surface/embree_surface.h"
 #include "harness/surface/triangle_mesh.h"
 
@@ -14,6 +15,11 @@ namespace touchstone::diagnosis {
 // Half the width of the blocks and sheets, and how deep strokes press.
 inline constexpr double kHalf_m = 0.02;
 inline constexpr double kDepth_m = 5e-4;
+// On the top of the block, beside edges and corners of what the detectors press.
+inline const Vec3 kPlace(0.0031, 0.0017, 0.0);
+
+// 40 mm wide, its top at z = 0.
+inline TriangleMesh level_block() { return box_mesh({-kHalf_m, -kHalf_m, -kHalf_m}, {kHalf_m, kHalf_m, 0.0}); }
 
 class Probe {
  public:

@@ -18,7 +18,6 @@
 #include "harness/diagnosis/probe.h"
 #include "harness/rendering/renderer_failed.h"
 #include "harness/stats/quantile.h"
-#include "harness/surface/box_mesh.h"
 #include "harness/surface/sphere_mesh.h"
 
 namespace touchstone::diagnosis {
@@ -27,7 +26,6 @@ namespace {
 constexpr double kTick_s = 1e-3;
 
 TriangleMesh round_body() { return sphere_mesh(kHalf_m, 3); }
-TriangleMesh small_block() { return box_mesh({-kHalf_m, -kHalf_m, -kHalf_m}, {kHalf_m, kHalf_m, 0.0}); }
 
 // Taps and strokes about a ball, from outside and back; the next seed goes elsewhere.
 std::vector<Vec3> strokes_about(double radius_m, std::uint64_t seed, int contacts) {
@@ -80,7 +78,7 @@ double processor_time_s() {
 class Rounds {
  public:
   static constexpr std::size_t length = 200;
-  explicit Rounds(const Engine& engine) : probe_(engine, small_block()) {
+  explicit Rounds(const Engine& engine) : probe_(engine, level_block()) {
     for (std::size_t i = 0; i < length; ++i) {
       const double phase = 2.0 * M_PI * static_cast<double>(i) / static_cast<double>(length);
       tips_[i] = {4e-3 * std::cos(phase), 3e-3 * std::sin(phase),

@@ -28,6 +28,11 @@ bool is_allowed(const Scorecard& card, const std::string& name) {
   return std::ranges::find(card.allowed, name) != card.allowed.end();
 }
 
+// Its cause is allowed, and with it what follows.
+bool is_allowed(const Scorecard& card, const Finding& finding) {
+  return is_allowed(card, finding.name) || is_allowed(card, finding.follows_from);
+}
+
 bool fails(const CaseScore& one) { return !one.skipped && (!one.problem.empty() || !one.felt); }
 
 // Allowed and not found: the line that allows it can go.
@@ -54,7 +59,7 @@ std::string cases_sentence(const Scorecard& card) {
 // Detectors stand in the order in which faults are worth fixing.
 std::string first_to_fix(const Scorecard& card) {
   for (const Finding& finding : card.diagnosis.findings) {
-    if (!is_allowed(card, finding.name)) return finding.name;
+    if (!is_allowed(card, finding)) return finding.name;
   }
   const CaseScore* worst = nullptr;
   for (const CaseScore& one : card.cases) {
@@ -75,9 +80,12 @@ std::string cell_of(const Scorecard& card, const std::string& detector) {
   const Diagnosis& d = card.diagnosis;
   const auto named = [&](const auto& pair) { return pair.first == detector; };
   if (const auto found = std::ranges::find(d.findings, detector, &Finding::name); found != d.findings.end()) {
-    return fmt::format("<td class=\"bad\"><b>found</b><br>{}<br><small>{}</small></td>", escape_html(found->what),
-                       escape_html(found->smallest_case));
+    return fmt::format("<td class=\"bad\"><b>{}</b><br>{}<br><small>{}</small></td>",
+                       found->follows_from.empty() ? "found" : "follows from " + found->follows_from,
+                       escape_html(found->what), escape_html(found->smallest_case));
   }
+  if (const auto said = std::ranges::find(d.said, detector, &Finding::name); said != d.said.end())
+    return "<td>" + escape_html(said->what) + "</td>";
   if (std::ranges::find(d.clean, detector) != d.clean.end()) return "<td class=\"good\">clean</td>";
   if (const auto at = std::ranges::find_if(d.declared, named); at != d.declared.end())
     return fmt::format("<td>declared: {}</td>", escape_html(at->second));
@@ -101,7 +109,7 @@ std::string case_cell(const Scorecard& card, const std::string& name) {
 CardVerdict verdict_of(const Scorecard& card) {
   const auto counts = [&](const std::string& name) { return !is_allowed(card, name); };
   const Diagnosis& d = card.diagnosis;
-  if (std::ranges::any_of(d.findings, counts, &Finding::name) ||
+  if (std::ranges::any_of(d.findings, [&](const Finding& one) { return !is_allowed(card, one); }) ||
       std::ranges::any_of(d.failed, [&](const auto& pair) { return counts(pair.first); }) ||
       std::ranges::any_of(card.cases, [&](const CaseScore& one) { return fails(one) && counts(one.name); }))
     return CardVerdict::failed;
@@ -172,8 +180,11 @@ std::string scorecard_to_json(const Scorecard& card) {
                                {"what", finding.what},
                                {"smallest_case", finding.smallest_case},
                                {"value", finding.value},
-                               {"unit", finding.unit}});
+                               {"unit", finding.unit},
+                               {"follows_from", finding.follows_from}});
   }
+  out["said"] = nlohmann::ordered_json::array();
+  for (const Finding& one : card.diagnosis.said) out["said"].push_back({{"name", one.name}, {"what", one.what}});
   out["clean"] = card.diagnosis.clean;
   out["declared"] = pairs_to_json(card.diagnosis.declared);
   out["could_not_run"] = pairs_to_json(card.diagnosis.failed);
@@ -262,10 +273,18 @@ std::string scorecard_to_html(const std::vector<Scorecard>& cards) {
 }
 
 std::string scorecard_to_text(const Scorecard& card) {
-  std::string text = fmt::format("{}: {} fault{} found, {} clean, {} declared\n", card.engine,
-                                 card.diagnosis.findings.size(), card.diagnosis.findings.size() == 1 ? "" : "s",
-                                 card.diagnosis.clean.size(), card.diagnosis.declared.size());
-  for (const Finding& finding : card.diagnosis.findings) text += fmt::format("  {}: {}\n", finding.name, finding.what);
+  const auto causes = std::ranges::count_if(card.diagnosis.findings, &std::string::empty, &Finding::follows_from);
+  std::string text = fmt::format("{}: {} fault{} found, {} clean, {} declared\n", card.engine, causes,
+                                 causes == 1 ? "" : "s", card.diagnosis.clean.size(), card.diagnosis.declared.size());
+  const auto line = [](const Finding& one) { return fmt::format("{}: {}\n", one.name, one.what); };
+  for (const Finding& finding : card.diagnosis.findings) {
+    if (!finding.follows_from.empty()) continue;
+    text += "  " + line(finding);
+    for (const Finding& other : card.diagnosis.findings) {
+      if (other.follows_from == finding.name) text += "    follows from it: " + line(other);
+    }
+  }
+  for (const Finding& one : card.diagnosis.said) text += "  said, " + line(one);
   for (const auto& [name, why] : card.diagnosis.failed) text += fmt::format("  {}: could not run: {}\n", name, why);
   text += fmt::format("  golden cases: {}\n", cases_sentence(card));
   if (card.cost) {

@@ -34,18 +34,29 @@ SlideResult slide_over(const Engine& engine, const TriangleMesh& mesh, const Sli
   const Vec3 n_right(std::sin(slide.angle_rad), 0.0, std::cos(slide.angle_rad));
   const double y = 0.0017;
   const auto foot = [&](double x) { return Vec3(x, y, x > 0.0 ? -x * std::tan(slide.angle_rad) : 0.0); };
-  const StepResult first = probe.approach(foot(-slide.start_m), Vec3::UnitZ(), slide.depth_m);
-  const double load_N = first.f_W_N.dot(Vec3::UnitZ());
+  probe.approach(foot(-slide.start_m), Vec3::UnitZ(), slide.depth_m);
+  // The load is that of a tip that came to rest: in the last step of the way down a damped contact has more.
+  constexpr int rest = 100;
+  double load_N = 0.0;
+  for (int i = 0; i < rest; ++i)
+    load_N = probe.press(foot(-slide.start_m), Vec3::UnitZ(), slide.depth_m).f_W_N.dot(Vec3::UnitZ());
   SlideResult result;
+  // What holds back a tip that slides over a plane, as a damper does, is measured where the slide begins.
+  Vec3 before = Vec3::Zero();
+  const double begun_m = -slide.start_m + 10.0 * slide.step_m;
   const double reach_m = 2.0 * slide.depth_m + engine.tip_radius_m;
   for (double x = -slide.start_m; x <= slide.start_m; x += slide.step_m) {
     const Vec3& n = x > 0.0 ? n_right : Vec3(Vec3::UnitZ());
     const StepResult now = probe.press(foot(x), n, slide.depth_m);
     if (std::abs(x) < reach_m) continue;
     const double normal_N = now.f_W_N.dot(n);
-    const double sideways_N = (now.f_W_N - normal_N * n).norm();
+    const Vec3 tangent_N = now.f_W_N - normal_N * n;
+    if (x < begun_m) before = tangent_N;
+    const double sideways_N = std::min(tangent_N.norm(), (tangent_N - before).norm());
     const double off_N = std::max(std::abs(normal_N - load_N), sideways_N - engine.friction * load_N);
-    if (off_N > result.worst_N) result = {off_N, x};
+    if (off_N <= result.worst_N) continue;
+    result = {off_N, x};
+    if (std::isnan(off_N)) break;
   }
   return result;
 }
@@ -94,7 +105,7 @@ std::vector<Crossing> crossings(const TriangleMesh& mesh) {
 
 // Largest tangential over normal force in a slow drag over a level block, its first steps included.
 double friction_felt(const Engine& engine, double unit) {
-  Probe probe(engine, box_mesh({-kHalf_m, -kHalf_m, -kHalf_m}, {kHalf_m, kHalf_m, 0.0}), unit);
+  Probe probe(engine, level_block(), unit);
   const Vec3 from(-5e-3, 1.7e-3, 0.0);
   probe.approach(from, Vec3::UnitZ(), kDepth_m);
   double most = 0.0;
@@ -165,7 +176,12 @@ std::optional<Finding> find_jump_between_triangles(const Engine& engine) {
     cases.insert(cases.begin(), {sphere_mesh(kHalf_m, 4), "a ball of 2048 triangles, 20 mm in radius"});
   for (const Case& one : cases) {
     Probe probe(engine, one.mesh);
-    for (const Crossing& edge : crossings(one.mesh)) {
+    const auto edges = crossings(one.mesh);
+    // A probe that rests at every place takes long: some edges are enough to see whether rest makes them right.
+    constexpr int rests = 16;
+    const auto stride = static_cast<std::size_t>(1 + engine.settle_samples / rests);
+    for (std::size_t at = 0; at < edges.size(); at += stride) {
+      const Crossing& edge = edges[at];
       // A proxy keeps its face until its own foot passes the edge.
       const int reach = 5 + static_cast<int>(depth_m * edge.bend_rad / step_m);
       probe.reset();
