@@ -18,6 +18,7 @@ constexpr std::size_t kMany = 96;
 constexpr std::size_t kMost = 4096;
 constexpr std::size_t kMostProposed = 2 * kMost;  // by the tree
 constexpr int kMoves = 256;                       // per step; a jump across the object takes some
+constexpr int kStraight = 64;                     // of these, before a way round is looked for
 constexpr int kGlide = 8;                         // edges of one move over faces
 constexpr int kExchanges = 12;                    // of holding triangles per move
 constexpr double kAhead = 0.7;                    // of the margin: how far ahead of the centre to gather
@@ -125,7 +126,7 @@ void BallProxyOf<Mesh>::pull(const V& p) noexcept {
     Check checked;
     if (settle(p, holding, x, checked)) {
       if (advance(x, checked, holding)) return;
-    } else if (!creep(p)) {
+    } else if (!creep(move < kStraight ? p : way_round(p))) {
       return;
     }
   }
@@ -443,6 +444,28 @@ bool BallProxyOf<Mesh>::advance(const V& x, const Check& checked, const Holding&
     creep(part);
   }
   return false;
+}
+
+template <class Mesh>
+auto BallProxyOf<Mesh>::way_round(const V& p) const noexcept -> V {
+  if (holding_.size == 0) return p;
+  const std::int32_t triangle = holding_.triangle[0];
+  const TouchOf<S> t = touch(*mesh_, triangle, c_);
+  // The triangles at the edge or corner, and no other.
+  for (int i = 0; i < holding_.size; ++i) {
+    const TouchOf<S> other = touch(*mesh_, holding_.triangle[static_cast<std::size_t>(i)], c_);
+    if (other.feature == Feature::face || distance<S>(other.n, t.n) * r_ > 64.0 * rounding_) return p;
+  }
+  const FacetOf<S>& facet = mesh_->facet(triangle);
+  V foot = mesh_->vertex(facet.corner[t.index]);
+  if (t.feature == Feature::edge) {
+    const V along = mesh_->vertex(facet.corner[(t.index + 1U) % 3U]) - foot;
+    foot += dot(along, p - foot) / squared_norm(along) * along;
+  }
+  const V out = p - foot;
+  const S away = norm(out);
+  if (!(away > rounding_ && away < r_)) return p;
+  return foot + (r_ / away) * out;
 }
 
 template <class Mesh>
