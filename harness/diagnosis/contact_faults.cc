@@ -39,7 +39,12 @@ Touch first_touch(const Engine& engine) {
   return {};
 }
 
-double allowed_depth_m(const Engine& engine) { return kTouchStep_m + kPlaceRounding_m + engine.epsilon_m; }
+// At the surface and without a jump, but for the last step and what the engine declares.
+bool within_epsilon(const Engine& engine, const Touch& touch) {
+  const double allowed_m = kTouchStep_m + kPlaceRounding_m + engine.epsilon_m;
+  const double most_N = engine.stiffness_N_per_m * allowed_m * (1.0 + engine.friction);
+  return touch.depth_m > 0.0 && touch.depth_m <= allowed_m && touch.force_N <= most_N;
+}
 
 }  // namespace
 
@@ -62,8 +67,7 @@ std::optional<Finding> find_standoff(const Engine& engine) {
 
 std::optional<Finding> find_gap_at_contact(const Engine& engine) {
   const Touch touch = first_touch(engine);
-  const double most_N = engine.stiffness_N_per_m * allowed_depth_m(engine) * (1.0 + engine.friction);
-  if (touch.depth_m > 0.0 && touch.depth_m <= allowed_depth_m(engine) && touch.force_N <= most_N) return std::nullopt;
+  if (within_epsilon(engine, touch)) return std::nullopt;
   if (touch.depth_m >= kLatest_m)
     return Finding{"gap-at-contact", "contact has not begun 0.4 mm below the surface", kComingDown, kLatest_m, "m"};
   return Finding{"gap-at-contact",
@@ -74,7 +78,7 @@ std::optional<Finding> find_gap_at_contact(const Engine& engine) {
 
 std::optional<Finding> find_late_contact(const Engine& engine) {
   const Touch touch = first_touch(engine);
-  if (touch.depth_m <= kTouchStep_m + kPlaceRounding_m || touch.depth_m > allowed_depth_m(engine)) return std::nullopt;
+  if (touch.depth_m <= kTouchStep_m + kPlaceRounding_m || !within_epsilon(engine, touch)) return std::nullopt;
   return Finding{
       "late-contact",
       fmt::format("contact begins {:.3g} m below the surface, within the {:.3g} m that it declares: no fault",

@@ -20,6 +20,7 @@ std::optional<Finding> find_sticks_at_flat_edges(const Engine& engine);
 std::optional<Finding> find_sticks_at_joints(const Engine& engine);
 std::optional<Finding> find_jump_between_triangles(const Engine& engine);
 std::optional<Finding> find_friction_lost(const Engine& engine);
+std::optional<Finding> find_ball_at_edge(const Engine& engine);
 
 // signal_faults.cc
 std::optional<Finding> find_noise(const Engine& engine);

@@ -29,6 +29,7 @@
 //   sticks-at-flat-edges    a sideways force where two nearly coplanar faces meet
 //   sticks-at-joints        the same where two bodies touch or overlap with flush tops
 //   pops-through-shell      a tip pushed slowly through a plate comes out below
+//   ball-at-edge            a ball hangs behind where it slides over a sharp convex edge
 //   friction-lost           no tangential force, or less than half of what is declared, at some unit of length
 //   standoff                the surface contact point floats above the surface
 //   gap-at-contact          contact begins later or earlier than at the surface, or with a jump of force

@@ -211,9 +211,57 @@ std::optional<Finding> find_jump_between_triangles(const Engine& engine) {
   return std::nullopt;
 }
 
+// The centre of a ball that slides at one height over the level top of a block, and on past its edge at x = 0, rests at
+// the distance r from the block that is closest: over the top, on the arc about the edge, before the side.
+std::optional<Finding> find_ball_at_edge(const Engine& engine) {
+  const double r = engine.tip_radius_m;
+  // Friction may hold it there, and rightly.
+  if (r == 0.0 || engine.friction > 0.0) return std::nullopt;
+  constexpr double y_m = 0.0013;
+  constexpr double step_m = 2e-5;
+  // Two samples of a step, and a twentieth of the load of a ball whose centre is in the surface.
+  const double allowed_N = engine.stiffness_N_per_m * (2.0 * step_m + 2.0 * engine.epsilon_m + 0.05 * r);
+  constexpr int most_samples = 4;
+  for (const double share : {0.2, 1.4e-4, -0.5}) {
+    const double z = share * r;
+    const auto rest = [&](double x) -> Vec3 {
+      if (x <= 0.0) return {x, y_m, std::max(r, z)};
+      if (z <= 0.0) return {std::max(x, r), y_m, z};
+      const double away = std::hypot(x, z);
+      return away >= r ? Vec3(x, y_m, z) : Vec3(r / away * x, y_m, r / away * z);
+    };
+    Probe probe(engine, box_mesh({-2.0 * kHalf_m, -kHalf_m, -2.0 * kHalf_m}, {0.0, kHalf_m, 0.0}));
+    const double from_m = -3.0 * r;
+    probe.to({from_m, y_m, 2.0 * r});
+    for (int i = 1; i <= 20; ++i) probe.to({from_m, y_m, 2.0 * r + (z - 2.0 * r) * i / 20.0});
+    int longest = 0;
+    int now = 0;
+    double worst_N = 0.0;
+    for (double x = from_m + 0.37 * step_m; x < 1.5 * r; x += step_m) {
+      const Vec3 tip(x, y_m, z);
+      const double off_N = (probe.to(tip).f_W_N - engine.stiffness_N_per_m * (rest(x) - tip)).norm();
+      now = off_N <= allowed_N ? 0 : now + 1;
+      longest = std::max(longest, now);
+      if (now > 0) worst_N = std::max(worst_N, off_N);
+    }
+    if (longest <= most_samples) continue;
+    return Finding{
+        "ball-at-edge",
+        fmt::format("over a sharp edge a ball of {:g} mm is up to {:.2g} N off, for {} samples", 1e3 * r, worst_N,
+                    longest),
+        fmt::format("a block with an edge of 90 degrees, the ball's centre {:.3g} mm {} its top, sliding over the "
+                    "edge by {:g} um a sample",
+                    1e3 * std::abs(z), z > 0.0 ? "above" : "below", 1e6 * step_m),
+        worst_N, "N"};
+  }
+  return std::nullopt;
+}
+
 std::optional<Finding> find_friction_lost(const Engine& engine) {
   if (engine.friction == 0.0) return std::nullopt;
   for (const double unit : {1.0, 1e-3, 1e3}) {
+    // Pressed by less than some epsilons an engine need not feel the body.
+    if (kDepth_m * unit < 4.0 * engine.epsilon_m) continue;
     const double felt = friction_felt(engine, unit);
     if (felt >= 0.5 * engine.friction) continue;
     return Finding{"friction-lost",

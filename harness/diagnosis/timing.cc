@@ -324,11 +324,47 @@ std::optional<Timing> with_large_jumps(const Engine& engine) {
   return find_clipped(change_N, engine.stiffness_N_per_m * deep_m);
 }
 
+Timing every_second_late(double more_N, const std::string& how) {
+  Timing timing;
+  timing.kind = TimingKind::alternate;
+  timing.lag_samples = 1.0;
+  timing.period_samples = 2.0;
+  timing.settle_samples = 3;
+  timing.what = fmt::format(
+      "every second answer is late while the tip slides: its contact point is that of an earlier sample, which pulls "
+      "sideways by {:.3g} N {}, and not once the tip rests",
+      more_N, how);
+  return timing;
+}
+
+// With friction, which takes what is sideways up to its cone: the contact point of the sample before pulls beyond the
+// cone, if the steps are as long as twice what the cone holds.
+std::optional<Timing> with_friction(const Engine& engine) {
+  const double step_m = std::max(2.0 * engine.friction * kDepth_m, 3.0 * engine.epsilon_m);
+  constexpr double way_m = 0.03;
+  constexpr int least_steps = 20;
+  const int steps = static_cast<int>(way_m / step_m);
+  if (steps < least_steps) return std::nullopt;
+  Probe probe(engine, level_block());
+  const Vec3 start = kPlace - Vec3(0.5 * way_m, 0.0, 0.0);
+  probe.approach(start, Vec3::UnitZ(), kDepth_m);
+  std::array<double, 2> share{};  // of the load, in the even and the odd samples
+  for (int i = 0; i < steps; ++i) {
+    const Vec3 now_N = probe.press(start + Vec3(i * step_m, 0.0, 0.0), Vec3::UnitZ(), kDepth_m).f_W_N;
+    if (i >= steps / 2)
+      share[static_cast<std::size_t>(i % 2)] += 2.0 * std::abs(now_N.x()) / now_N.z() / (steps - steps / 2);
+  }
+  const auto [low, high] = std::minmax(share[0], share[1]);
+  if (!(high > 1.5 * engine.friction && low < 1.1 * engine.friction)) return std::nullopt;
+  return every_second_late((high - engine.friction) * engine.stiffness_N_per_m * kDepth_m, "beyond its friction");
+}
+
 // Sideways forces of a tip that slides to and fro at one depth.
 Timing with_slides(const Engine& engine) {
   constexpr std::size_t steps = 1200;
-  constexpr double largest_step_m = 4e-5;
-  constexpr double reach_m = 1e-3;
+  // Moves of less than its epsilon are none to the engine.
+  const double largest_step_m = std::max(4e-5, 3.0 * engine.epsilon_m);
+  const double reach_m = 25.0 * largest_step_m;
   Probe probe(engine, level_block());
   probe.approach(kPlace, Vec3::UnitZ(), kDepth_m);
   Random random(212);
@@ -346,18 +382,13 @@ Timing with_slides(const Engine& engine) {
   for (double& one : rms_N) one = std::sqrt(2.0 * one / static_cast<double>(steps - kFrom));
   const double most_N = std::max(rms_N[0], rms_N[1]);
   const double least_N = std::min(rms_N[0], rms_N[1]);
-  if (most_N > allowed_N && most_N > 2.0 * least_N) {
-    timing.kind = TimingKind::alternate;
-    timing.lag_samples = 1.0;
-    timing.period_samples = 2.0;
-    timing.settle_samples = 3;
-    timing.what = fmt::format(
-        "every second answer is late while the tip slides: its contact point is that of an earlier sample, which pulls "
-        "sideways by {:.3g} N rms ({:.2g} N in the others), and not once the tip rests",
-        most_N, least_N);
-    return timing;
+  // An epsilon is the same in both: it does not count here.
+  constexpr double clearly = 3.0;
+  if (most_N > engine.stiffness_N_per_m * 2e-3 * kDepth_m && most_N > clearly * least_N) {
+    return every_second_late(most_N, fmt::format("rms ({:.2g} N in the others)", least_N));
   }
-  if (engine.friction > 0.0 || most_N <= allowed_N) return timing;
+  if (engine.friction > 0.0) return with_friction(engine).value_or(timing);
+  if (most_N <= allowed_N) return timing;
   for (std::size_t lag = 1; lag < kMemory; ++lag) {
     double off = 0.0;
     double all = 0.0;

@@ -68,6 +68,7 @@ TEST_P(RendererBehaviour, BodiesWithFlushTopsAreOneFloor) { expect_none({"sticks
 TEST_P(RendererBehaviour, PlatesOfAnyThicknessHold) { expect_none({"pops-through-shell"}); }
 TEST_P(RendererBehaviour, SmallTrianglesAreFeltAsLargeOnes) { expect_none({"untouchable-triangles"}); }
 TEST_P(RendererBehaviour, TheForceDoesNotJumpFromTriangleToTriangle) { expect_none({"jump-between-triangles"}); }
+TEST_P(RendererBehaviour, ABallGoesRoundASharpEdge) { expect_none({"ball-at-edge"}); }
 TEST_P(RendererBehaviour, DeclaredFrictionIsFelt) { expect_none({"friction-lost"}); }
 TEST_P(RendererBehaviour, ACircleGivesNoEnergy) { expect_none({"energy-gained"}); }
 TEST_P(RendererBehaviour, TheForceIsThatOfTheTipNow) {
