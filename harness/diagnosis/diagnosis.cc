@@ -43,7 +43,7 @@ const std::map<std::string, std::vector<std::string>>& consequences() {
       {"hysteresis", {"energy-gained", "noise", "sticks-at-flat-edges", "sticks-at-joints", "jump-between-triangles"}},
       {"place-dependent",
        {"wrong-frame", "sticks-at-flat-edges", "sticks-at-joints", "noise", "energy-gained", "jump-between-triangles"}},
-      {"falls-through-block", {"pops-through-shell"}},
+      {"falls-through-block", {"pops-through-shell", "ball-at-edge"}},
   };
   return table;
 }

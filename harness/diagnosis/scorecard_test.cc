@@ -85,6 +85,28 @@ TEST(Scorecard, OnlyWhatIsAllowedDoesNotCount) {
   EXPECT_THAT(scorecard_to_text(card), HasSubstr("allowed and not found: noise"));
 }
 
+// Causes first, with what follows below them; what is allowed takes along what follows from it.
+TEST(Scorecard, WhatFollowsStandsBelowItsCause) {
+  Scorecard card;
+  card.engine = "mine";
+  card.diagnosis.findings = {{"held-answer", "62.5 Hz", "a block", 16.0, "samples"},
+                             {"hysteresis", "5 % less", "a block", 0.05, "1"},
+                             {"standoff", "touches nothing", "a block", 0.0, "m", "held-answer"}};
+  card.diagnosis.said = {{"late-contact", "within its epsilon", "a block", 1e-5, "m"}};
+  const std::string text = scorecard_to_text(card);
+  EXPECT_THAT(text, HasSubstr("mine: 2 faults found"));
+  EXPECT_THAT(text, HasSubstr("  held-answer: 62.5 Hz\n    follows from it: standoff: touches nothing\n  hysteresis:"));
+  EXPECT_THAT(text, HasSubstr("said, late-contact: within its epsilon"));
+  const auto json = nlohmann::json::parse(scorecard_to_json(card));
+  EXPECT_EQ(json["findings"][2]["follows_from"], "held-answer");
+  EXPECT_EQ(json["said"][0]["name"], "late-contact");
+  EXPECT_THAT(scorecard_to_html({card}), HasSubstr("follows from held-answer"));
+  card.allowed = {"held-answer"};
+  EXPECT_EQ(verdict_of(card), CardVerdict::failed);
+  card.allowed.push_back("hysteresis");
+  EXPECT_EQ(verdict_of(card), CardVerdict::passed) << text;
+}
+
 // Nothing ran: neither green nor red. Without cases the diagnosis alone decides.
 TEST(Scorecard, WhereEveryCaseIsSkippedNothingIsKnown) {
   Scorecard card;
