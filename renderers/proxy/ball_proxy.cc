@@ -126,7 +126,7 @@ void BallProxyOf<Mesh>::pull(const V& p) noexcept {
     Check checked;
     if (settle(p, holding, x, checked)) {
       if (advance(x, checked, holding)) return;
-    } else if (!creep(move < kStraight ? p : way_round(p))) {
+    } else if (!creep(move < kStraight ? p : way_round(*mesh_, holding_, r_, c_, p, rounding_))) {
       return;
     }
   }
@@ -444,28 +444,6 @@ bool BallProxyOf<Mesh>::advance(const V& x, const Check& checked, const Holding&
     creep(part);
   }
   return false;
-}
-
-template <class Mesh>
-auto BallProxyOf<Mesh>::way_round(const V& p) const noexcept -> V {
-  if (holding_.size == 0) return p;
-  const std::int32_t triangle = holding_.triangle[0];
-  const TouchOf<S> t = touch(*mesh_, triangle, c_);
-  // The triangles at the edge or corner, and no other.
-  for (int i = 0; i < holding_.size; ++i) {
-    const TouchOf<S> other = touch(*mesh_, holding_.triangle[static_cast<std::size_t>(i)], c_);
-    if (other.feature == Feature::face || distance<S>(other.n, t.n) * r_ > 64.0 * rounding_) return p;
-  }
-  const FacetOf<S>& facet = mesh_->facet(triangle);
-  V foot = mesh_->vertex(facet.corner[t.index]);
-  if (t.feature == Feature::edge) {
-    const V along = mesh_->vertex(facet.corner[(t.index + 1U) % 3U]) - foot;
-    foot += dot(along, p - foot) / squared_norm(along) * along;
-  }
-  const V out = p - foot;
-  const S away = norm(out);
-  if (!(away > rounding_ && away < r_)) return p;
-  return foot + (r_ / away) * out;
 }
 
 template <class Mesh>

@@ -161,11 +161,6 @@ class BallProxyOf {
   bool exchange(const V& p, std::int32_t added, Holding& holding, V& x) const noexcept;
   // One safe move: to x if the way is safe, else as far towards it as is. True when x was reached.
   bool advance(const V& x, const Check& checked, const Holding& holding) noexcept;
-  // What creep() goes to if it has not come to p in many moves: p, or where the ball hangs on an edge or corner that
-  // lies between it and p, the place in the same direction from there that is a radius away. A ball turns about an edge
-  // by way over radius: to a p beside the edge's line it would turn by next to nothing, and where it rests on the arc
-  // depends on the direction alone.
-  [[nodiscard]] V way_round(const V& p) const noexcept;
   // One move within the half-spaces at the centre; false when that leads nowhere.
   bool creep(const V& goal) noexcept;
 
