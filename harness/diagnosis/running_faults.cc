@@ -130,7 +130,7 @@ Costs fastest_rounds(const Engine& engine, std::size_t count) {
 
 // Steps that cost many times the usual one, of a run of so many. Each step is timed by the clock on the wall, which is
 // read without a call of the system. The thread's own, which takes longer to read than most steps take, is read once in
-// a round: what the round cost beyond its other steps must be at least half of what its slow ones took, else
+// a round: what the round cost beyond its other steps must be at least half of what makes a step slow, else
 // other programs had the processor meanwhile.
 std::vector<std::size_t> slow_steps(const Engine& engine, std::size_t count, double& usual_s, double& slowest_s) {
   using Clock = std::chrono::steady_clock;
@@ -158,7 +158,7 @@ std::vector<std::size_t> slow_steps(const Engine& engine, std::size_t count, dou
     double slow_s = 0.0;
     double others_s = 0.0;
     for (std::size_t i = begin; i < end; ++i) (cost_s[i] > least_s ? slow_s : others_s) += cost_s[i];
-    if (slow_s == 0.0 || round_s[round] - others_s < 0.5 * slow_s) continue;
+    if (slow_s == 0.0 || round_s[round] - others_s < 0.5 * least_s) continue;
     for (std::size_t i = begin; i < end; ++i) {
       if (!(cost_s[i] > least_s)) continue;
       slow.push_back(i);
