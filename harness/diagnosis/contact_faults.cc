@@ -46,14 +46,39 @@ bool within_epsilon(const Engine& engine, const Touch& touch) {
   return touch.depth_m > 0.0 && touch.depth_m <= allowed_m && touch.force_N <= most_N;
 }
 
+// A tip that has left the surface, by more than its last step and what the engine declares, has no force.
+std::optional<Finding> find_lingering(const Engine& engine) {
+  constexpr double step_m = 5e-5;
+  Probe probe(engine, level_block());
+  probe.approach(kPlace, Vec3::UnitZ(), kDepth_m);
+  for (int i = 0; i < 40; ++i) {
+    const double above_m = -kDepth_m + step_m * (i + 0.5);
+    const StepResult now = probe.press(kPlace, Vec3::UnitZ(), -above_m);
+    // A proxy may be an epsilon above the surface, and the tip an epsilon above the proxy.
+    if (above_m <= 2.0 * engine.epsilon_m || !(now.contact || now.f_W_N.norm() > 0.0)) continue;
+    return Finding{"gap-at-contact",
+                   fmt::format("{:.3g} m above the surface that the tip has left there are still {:.3g} N", above_m,
+                               now.f_W_N.norm()),
+                   "a block 40 mm wide, the tip going up from it in steps of 50 um", -above_m, "m"};
+  }
+  return std::nullopt;
+}
+
 }  // namespace
 
 std::optional<Finding> find_standoff(const Engine& engine) {
   Probe probe(engine, level_block());
-  const StepResult now = probe.approach(kPlace, Vec3::UnitZ(), kDepth_m);
+  StepResult now = probe.approach(kPlace, Vec3::UnitZ(), kDepth_m);
+  now = probe.press(kPlace, Vec3::UnitZ(), kDepth_m);
   const double above_m = now.contact_W_m.z() - engine.tip_radius_m;
   const double allowed_m = kPlaceRounding_m + engine.epsilon_m;
-  if (now.contact && std::abs(above_m) <= allowed_m) return std::nullopt;
+  if (now.contact && std::abs(above_m) <= allowed_m) {
+    // 0: the engine does not give it.
+    if (now.depth_m == 0.0 || std::abs(now.depth_m - kDepth_m) <= allowed_m + 0.01 * kDepth_m) return std::nullopt;
+    return Finding{
+        "standoff", fmt::format("the depth that it gives is {:.3g} m, of a tip {:g} m deep", now.depth_m, kDepth_m),
+        fmt::format("a block 40 mm wide, its top at z = 0, the tip {:g} mm deep", 1e3 * kDepth_m), now.depth_m, "m"};
+  }
   if (!now.contact) {
     return Finding{"standoff", "a tip pressed on the level top of a block touches nothing",
                    fmt::format("a block 40 mm wide, its top at z = 0, the tip {:g} mm deep", 1e3 * kDepth_m), 0.0, "m"};
@@ -67,7 +92,7 @@ std::optional<Finding> find_standoff(const Engine& engine) {
 
 std::optional<Finding> find_gap_at_contact(const Engine& engine) {
   const Touch touch = first_touch(engine);
-  if (within_epsilon(engine, touch)) return std::nullopt;
+  if (within_epsilon(engine, touch)) return find_lingering(engine);
   if (touch.depth_m >= kLatest_m)
     return Finding{"gap-at-contact", "contact has not begun 0.4 mm below the surface", kComingDown, kLatest_m, "m"};
   return Finding{"gap-at-contact",

@@ -44,6 +44,7 @@ const std::map<std::string, std::vector<std::string>>& consequences() {
       {"place-dependent",
        {"wrong-frame", "sticks-at-flat-edges", "sticks-at-joints", "noise", "energy-gained", "jump-between-triangles"}},
       {"falls-through-block", {"pops-through-shell", "ball-at-edge"}},
+      {"gap-at-contact", {"energy-gained", "ball-at-edge", "friction-lost"}},
   };
   return table;
 }
@@ -136,7 +137,8 @@ class Judge {
     std::optional<Finding> finding;
     if (detector.kind == DetectorKind::timing) finding = timing_finding(timing(), detector.name);
     if (detector.kind == DetectorKind::events) finding = detector.find(engine_);
-    if (detector.kind == DetectorKind::settled) finding = detector.find(settled());
+    if (detector.kind == DetectorKind::settled || detector.kind == DetectorKind::moving)
+      finding = detector.find(settled());
     return causes_[detector.name] = std::move(finding);
   }
   std::optional<Finding> found_cause(const std::string& name) {

@@ -118,6 +118,16 @@ Fault alternate_contact() {
           }};
 }
 
+// One in so many answers, at random, is that of the sample before.
+Fault now_and_then(std::uint64_t one_in) {
+  return {fmt::format("one in {} late at random", one_in), "jitter", {}, [one_in](auto& r, auto& tip, auto& m) {
+            const StepResult now = r;
+            if (Random(5 + m.since_reset).below(one_in) == 0 && m.since_reset > 0) r = m.kept;
+            at_this_tip(r, tip);
+            m.kept = now;
+          }};
+}
+
 Fault irregular() {
   return {"late at random", "jitter", {}, [](auto& r, auto& tip, auto& m) {
             m.past.push_back(r);
@@ -208,8 +218,10 @@ std::vector<Fault> of_the_force() {
       held(1000.0 / 60.0),
       held(4),
       alternate(5),
+      alternate(50),
       alternate(3),
       irregular(),
+      now_and_then(80),
       filtered(1e-3),
       filtered(5e-3),
       slow_rise(0.05),
@@ -244,6 +256,15 @@ std::vector<Fault> of_the_force() {
                   }});
   list.push_back({"damped by the sample", "rate-dependent", {}, [](auto& r, auto& tip, auto& m) {
                     r.f_W_N += damped_N(r, tip, m, 50.0) * (tip.t_s - m.last_t_s) * r.n_W;
+                  }});
+  list.push_back({"lingers for a sample", "gap-at-contact", {}, [](auto& r, auto&, auto& m) {
+                    const StepResult now = r;
+                    if (!r.contact && m.kept.contact) r.f_W_N = 0.2 * m.kept.f_W_N;
+                    m.kept = now;
+                  }});
+  list.push_back({"doubles the depth it gives", "standoff", {}, [](auto& r, auto&, auto&) { r.depth_m *= 2.0; }});
+  list.push_back({"constant force", "gap-at-contact", {}, [](auto& r, auto&, auto&) {
+                    if (r.contact) r.f_W_N = 5.0 * r.n_W;
                   }});
   list.push_back({"lost 2.5 mm deep", "falls-through-block", {}, [](auto& r, auto& tip, auto& m) {
                     if (r.depth_m > 2.5e-3 * m.unit) nothing_there(r, tip);
@@ -304,8 +325,9 @@ TEST(FaultPairs, OfTwoFaultsBothAreNamed) {
                                              {in_steps(0.01), late(1)},
                                              {bad_face(777, -1.0), clipped_by_axis(3.0)}};
   const Names slower{"delay", "held-answer", "alternate-lag", "jitter", "filter", "clipped-rate", "dropout"};
-  // What shows in motion alone is hidden by an answer that is held.
-  const Names moving{less_on_release(0.03, false).name, "damped by the sample"};
+  // What shows in motion or at contact alone is hidden by an answer that is held.
+  const Names moving{less_on_release(0.03, false).name, "damped by the sample", "lingers for a sample",
+                     "constant force"};
   for (const Fault& fault : of_the_force()) {
     if (!slower.contains(fault.caught_by) && !moving.contains(fault.name))
       pairs.emplace_back(fault, held(1000.0 / 60.0));

@@ -60,7 +60,8 @@ std::optional<Finding> find_wrong_frame(const Engine& engine) {
   Probe world(engine, moved(level_block(), turn, Vec3::Zero(), 1.0));
   Random random(202);
   for (int i = 0; i <= 60; ++i) {
-    const double depth_m = std::min(i - 20, 20) * 2.5e-5;
+    // Beside the surface, where rounding says whether there is contact.
+    const double depth_m = std::min(i - 20, 20) * 2.5e-5 + 1.3e-6;
     // In steps of which no whole number is a usual pre-sliding path: none ends on the edge between stuck and sliding.
     const Vec3 foot = kPlace + Vec3(1.37e-5 * std::max(0, i - 40), 0.0, 0.0);
     const Vec3 tip = foot + (engine.tip_radius_m - depth_m) * Vec3::UnitZ();

@@ -19,7 +19,8 @@ namespace {
 constexpr std::size_t kLevels = 32;
 constexpr std::size_t kMemory = 24;  // samples within which no depth comes twice: lags up to there can be told apart
 constexpr std::size_t kSteps = 1600;
-constexpr std::size_t kFrom = 64;  // samples that are only remembered
+constexpr std::size_t kLongestPeriod = 200;  // of lags that repeat themselves
+constexpr std::size_t kFrom = 64;            // samples that are only remembered
 constexpr double kShallow_m = 2e-4;
 constexpr double kDeep_m = 1e-3;
 
@@ -164,12 +165,17 @@ double share_of(const std::vector<int>& lags, int lag) {
   return static_cast<double>(std::ranges::count(lags, lag)) / static_cast<double>(lags.size());
 }
 
-// The shortest period with which 98 % of the lags repeat themselves; 0: none.
+// The shortest period after which 98 % of the late samples are as late again; 0: there is none.
 std::size_t period_of(const std::vector<int>& lags) {
-  for (std::size_t period = 2; period <= 2 * kMemory; ++period) {
-    std::size_t same = 0;
-    for (std::size_t i = period; i < lags.size(); ++i) same += lags[i] == lags[i - period] ? 1U : 0U;
-    if (static_cast<double>(same) >= 0.98 * static_cast<double>(lags.size() - period)) return period;
+  for (std::size_t period = 2; period <= kLongestPeriod; ++period) {
+    std::size_t late = 0;
+    std::size_t again = 0;
+    for (std::size_t i = period; i < lags.size(); ++i) {
+      if (lags[i] <= 0) continue;
+      ++late;
+      again += lags[i] == lags[i - period] ? 1U : 0U;
+    }
+    if (late > 2 && 50 * again >= 49 * late) return period;
   }
   return 0;
 }
