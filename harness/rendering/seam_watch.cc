@@ -14,9 +14,7 @@ constexpr int kConfirm = 20;
 
 }  // namespace
 
-SeamWatch::SeamWatch(std::unique_ptr<Renderer> inner, std::shared_ptr<const Surface> surface,
-                     std::shared_ptr<SeamLosses> losses)
-    : inner_(std::move(inner)), surface_(std::move(surface)), losses_(std::move(losses)) {
+SeamSearch::SeamSearch(std::shared_ptr<const Surface> surface) : surface_(std::move(surface)) {
   const TriangleMesh* const mesh = surface_->mesh();
   const surface::MeshTopology* const topology = surface_->topology();
   if (mesh == nullptr || topology == nullptr) return;
@@ -30,13 +28,12 @@ SeamWatch::SeamWatch(std::unique_ptr<Renderer> inner, std::shared_ptr<const Surf
   }
 }
 
-void SeamWatch::do_reset() {
-  inner_->reset();
+void SeamSearch::restart() noexcept {
   last_ = {};
   pending_ = 0;
 }
 
-bool SeamWatch::near_open_edge(const Vec3& p_W_m, double within_m) const noexcept {
+bool SeamSearch::near_open_edge(const Vec3& p_W_m, double within_m) const noexcept {
   return std::ranges::any_of(open_edges_, [&](const auto& edge) {
     const Vec3 along = edge.second - edge.first;
     const double share = std::clamp((p_W_m - edge.first).dot(along) / along.squaredNorm(), 0.0, 1.0);
@@ -44,7 +41,7 @@ bool SeamWatch::near_open_edge(const Vec3& p_W_m, double within_m) const noexcep
   });
 }
 
-void SeamWatch::look(const TipState& tip, const StepResult& now) noexcept {
+void SeamSearch::look(const TipState& tip, const StepResult& now) noexcept {
   if (now.contact) {
     pending_ = 0;
     return;
@@ -59,28 +56,25 @@ void SeamWatch::look(const TipState& tip, const StepResult& now) noexcept {
   const surface::SurfacePoint foot = surface_->closest(tip.p_W_m);
   if (foot.feature != surface::Feature::face || foot.n_W.dot(tip.p_W_m - foot.p_W_m) >= 0.0) return;
   pending_ = 0;
-  if (losses_->count == 0)
-    *losses_ = candidate_;
+  if (losses_.count == 0)
+    losses_ = candidate_;
   else
-    ++losses_->count;
+    ++losses_.count;
 }
 
-StepResult SeamWatch::do_step(const TipState& tip) noexcept {
-  const StepResult now = inner_->step(tip);
-  if (!open_edges_.empty() && now.status == StepStatus::ok) {
-    look(tip, now);
-    last_ = now;
-    last_tip_ = tip.p_W_m;
-  }
-  return now;
+void SeamSearch::see(const TipState& tip, const StepResult& now) noexcept {
+  if (open_edges_.empty() || now.status != StepStatus::ok) return;
+  look(tip, now);
+  last_ = now;
+  last_tip_ = tip.p_W_m;
 }
 
 std::string seam_warning(const SeamLosses& losses) {
   if (losses.count == 0) return "";
   return fmt::format(
-      "at {:g} s the tip, {:.3g} m deep, falls through an open seam of the mesh at ({:.6g}, {:.6g}, {:.6g}) m{}: there "
+      "At {:g} s the tip, {:.3g} m deep, falls through an open seam of the mesh at ({:.6g}, {:.6g}, {:.6g}) m{}: there "
       "two sheets meet with a step or a gap, and the forces from then on are those of a tip behind them; touchstone "
-      "doctor shows the open edges",
+      "doctor shows the open edges.",
       losses.first_t_s, losses.first_depth_m, losses.first_at_W_m.x(), losses.first_at_W_m.y(), losses.first_at_W_m.z(),
       losses.count > 1 ? fmt::format(" ({} times in all)", losses.count) : "");
 }

@@ -18,7 +18,6 @@
 
 namespace touchstone::rendering {
 
-// Shared with whoever asks after the run.
 struct SeamLosses {
   std::size_t count = 0;
   double first_t_s = 0.0;
@@ -26,29 +25,51 @@ struct SeamLosses {
   double first_depth_m = 0.0;
 };
 
+// Of a run, sample by sample.
+class SeamSearch {
+ public:
+  explicit SeamSearch(std::shared_ptr<const Surface> surface);
+
+  // Begins another run; the losses stay.
+  void restart() noexcept;
+  void see(const TipState& tip, const StepResult& now) noexcept;
+  [[nodiscard]] const SeamLosses& losses() const noexcept { return losses_; }
+
+ private:
+  void look(const TipState& tip, const StepResult& now) noexcept;
+  [[nodiscard]] bool near_open_edge(const Vec3& p_W_m, double within_m) const noexcept;
+
+  std::shared_ptr<const Surface> surface_;
+  std::vector<std::pair<Vec3, Vec3>> open_edges_;  // from corner to corner
+  SeamLosses losses_;
+  SeamLosses candidate_;
+  StepResult last_;
+  Vec3 last_tip_ = Vec3::Zero();
+  int pending_ = 0;  // samples in which a loss may still be confirmed
+};
+
+// The inner renderer, watched.
 class SeamWatch final : public Renderer {
  public:
-  // The inner renderer as it is where the surface has no open edge.
-  SeamWatch(std::unique_ptr<Renderer> inner, std::shared_ptr<const Surface> surface,
-            std::shared_ptr<SeamLosses> losses);
+  SeamWatch(std::unique_ptr<Renderer> inner, std::shared_ptr<SeamSearch> search)
+      : inner_(std::move(inner)), search_(std::move(search)) {}
 
   [[nodiscard]] std::size_t memory_bytes() const noexcept override { return inner_->memory_bytes(); }
 
  private:
-  void do_reset() override;
-  StepResult do_step(const TipState& tip) noexcept override;
+  void do_reset() override {
+    inner_->reset();
+    search_->restart();
+  }
+  StepResult do_step(const TipState& tip) noexcept override {
+    const StepResult now = inner_->step(tip);
+    search_->see(tip, now);
+    return now;
+  }
   [[nodiscard]] std::string do_failure() const override { return inner_->failure(); }
-  void look(const TipState& tip, const StepResult& now) noexcept;
-  [[nodiscard]] bool near_open_edge(const Vec3& p_W_m, double within_m) const noexcept;
 
   std::unique_ptr<Renderer> inner_;
-  std::shared_ptr<const Surface> surface_;
-  std::shared_ptr<SeamLosses> losses_;
-  std::vector<std::pair<Vec3, Vec3>> open_edges_;  // from corner to corner
-  StepResult last_;
-  Vec3 last_tip_ = Vec3::Zero();
-  int pending_ = 0;  // samples in which a loss may still be confirmed
-  SeamLosses candidate_;
+  std::shared_ptr<SeamSearch> search_;
 };
 
 // One line for people; empty where nothing was lost.

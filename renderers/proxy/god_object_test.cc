@@ -54,13 +54,13 @@ TEST(GodObject, AWatchSaysWhereATipFallsThroughASeam) {
       mesh.triangles.push_back({first, first + 2, first + 3});
     }
     const auto surface = make_embree_surface(mesh);
-    const auto losses = std::make_shared<SeamLosses>();
-    SeamWatch watched(god_object(mesh, kStiffness), surface, losses);
+    const auto search = std::make_shared<SeamSearch>(surface);
+    SeamWatch watched(god_object(mesh, kStiffness), search);
     Hand hand(watched);
     hand.to({-0.01, 0.003, 0.001});
     for (double x = -0.01; x < to_x; x += 3e-5) hand.to({x, 0.003, -7e-4});
     if (up) hand.to({to_x, 0.003, 1e-3});
-    return *losses;
+    return search->losses();
   };
   const SeamLosses found = lost(5e-8, 0.02, false);
   EXPECT_EQ(found.count, 1U);
