@@ -121,6 +121,7 @@ std::optional<Finding> find_untouchable_triangles(const Engine& engine) {
       // Down in the middle of the small ones, then over them and out over larger and larger ones.
       const Vec3 start(0.31 * size_m, 0.17 * size_m, 0.0);
       std::vector<Vec3> feet;
+      feet.reserve(40);
       for (int i = 0; i < 40; ++i) feet.push_back(start * std::pow(0.5 * kHalf_m / start.norm(), i / 39.0));
       double worst = 0.0;
       Vec3 worst_at = start;

@@ -112,7 +112,8 @@ class Judge {
   }
 
   Diagnosis done() {
-    std::ranges::stable_partition(diagnosis_.findings, [](const Finding& one) { return one.follows_from.empty(); });
+    std::stable_partition(diagnosis_.findings.begin(), diagnosis_.findings.end(),
+                          [](const Finding& one) { return one.follows_from.empty(); });
     return std::move(diagnosis_);
   }
 

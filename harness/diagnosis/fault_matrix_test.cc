@@ -33,7 +33,7 @@ Names causes_of(const Engine& engine) {
   for (const Finding& one : found.findings) {
     if (one.follows_from.empty()) names.insert(one.name);
   }
-  for (const auto& [name, why] : found.failed) names.insert(name + " could not run: " + why);
+  for (const auto& [name, why] : found.failed) names.insert(fmt::format("{} could not run: {}", name, why));
   return names;
 }
 

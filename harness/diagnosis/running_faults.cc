@@ -46,7 +46,7 @@ std::vector<Vec3> strokes_about(double radius_m, std::uint64_t seed, int contact
 }
 
 StepResult step_to(Renderer& renderer, std::size_t tick, const Vec3& tip) {
-  const StepResult result = renderer.step({kTick_s * static_cast<double>(tick + 1), tip, Quat::Identity()});
+  StepResult result = renderer.step({kTick_s * static_cast<double>(tick + 1), tip, Quat::Identity()});
   if (result.status == StepStatus::failed) throw RendererFailed(renderer.failure());
   return result;
 }

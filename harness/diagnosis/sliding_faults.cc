@@ -45,7 +45,9 @@ SlideResult slide_over(const Engine& engine, const TriangleMesh& mesh, const Sli
   Vec3 before = Vec3::Zero();
   const double begun_m = -slide.start_m + 10.0 * slide.step_m;
   const double reach_m = 2.0 * slide.depth_m + engine.tip_radius_m;
-  for (double x = -slide.start_m; x <= slide.start_m; x += slide.step_m) {
+  const int steps = static_cast<int>(std::round(2.0 * slide.start_m / slide.step_m));
+  for (int i = 0; i <= steps; ++i) {
+    const double x = slide.step_m * i - slide.start_m;
     const Vec3& n = x > 0.0 ? n_right : Vec3(Vec3::UnitZ());
     const StepResult now = probe.press(foot(x), n, slide.depth_m);
     if (std::abs(x) < reach_m) continue;
@@ -178,8 +180,8 @@ std::optional<Finding> find_jump_between_triangles(const Engine& engine) {
     Probe probe(engine, one.mesh);
     const auto edges = crossings(one.mesh);
     // A probe that rests at every place takes long: some edges are enough to see whether rest makes them right.
-    constexpr int rests = 16;
-    const auto stride = static_cast<std::size_t>(1 + engine.settle_samples / rests);
+    constexpr std::size_t rests = 16;
+    const std::size_t stride = 1 + static_cast<std::size_t>(engine.settle_samples) / rests;
     for (std::size_t at = 0; at < edges.size(); at += stride) {
       const Crossing& edge = edges[at];
       // A proxy keeps its face until its own foot passes the edge.
@@ -237,7 +239,8 @@ std::optional<Finding> find_ball_at_edge(const Engine& engine) {
     int longest = 0;
     int now = 0;
     double worst_N = 0.0;
-    for (double x = from_m + 0.37 * step_m; x < 1.5 * r; x += step_m) {
+    for (int i = 0; i < static_cast<int>(4.5 * r / step_m); ++i) {
+      const double x = from_m + step_m * (i + 0.37);
       const Vec3 tip(x, y_m, z);
       const double off_N = (probe.to(tip).f_W_N - engine.stiffness_N_per_m * (rest(x) - tip)).norm();
       now = off_N <= allowed_N ? 0 : now + 1;

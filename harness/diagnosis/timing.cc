@@ -354,11 +354,11 @@ std::optional<Timing> with_friction(const Engine& engine) {
   Probe probe(engine, level_block());
   const Vec3 start = kPlace - Vec3(0.5 * way_m, 0.0, 0.0);
   probe.approach(start, Vec3::UnitZ(), kDepth_m);
-  std::array<double, 2> share{};  // of the load, in the even and the odd samples
+  std::array<double, 2> share{};  // of the load, in the even and the odd samples of the second half
+  const int counted = steps / 4;
   for (int i = 0; i < steps; ++i) {
     const Vec3 now_N = probe.press(start + Vec3(i * step_m, 0.0, 0.0), Vec3::UnitZ(), kDepth_m).f_W_N;
-    if (i >= steps / 2)
-      share[static_cast<std::size_t>(i % 2)] += 2.0 * std::abs(now_N.x()) / now_N.z() / (steps - steps / 2);
+    if (i >= steps - 2 * counted) share[static_cast<std::size_t>(i % 2)] += std::abs(now_N.x()) / now_N.z() / counted;
   }
   const auto [low, high] = std::minmax(share[0], share[1]);
   if (!(high > 1.5 * engine.friction && low < 1.1 * engine.friction)) return std::nullopt;

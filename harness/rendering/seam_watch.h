@@ -62,7 +62,7 @@ class SeamWatch final : public Renderer {
     search_->restart();
   }
   StepResult do_step(const TipState& tip) noexcept override {
-    const StepResult now = inner_->step(tip);
+    StepResult now = inner_->step(tip);
     search_->see(tip, now);
     return now;
   }
