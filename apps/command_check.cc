@@ -72,11 +72,23 @@ ExitStatus check_command(const CheckOptions& options) {
   if (options.verdict == "felt") how.felt = options.felt;
   how.fail_on_drift = options.fail_on_drift;
   CheckTally tally;
+  std::size_t without = 0;
   for (const GoldenCase& golden : cases) {
+    if (!options.golden.model.empty() && !golden.models.contains(options.golden.model)) {
+      ++without;
+      // A case that was asked for by its name must run.
+      if (!options.golden.cases.empty())
+        fmt::print(stderr, "{}",
+                   tally.add_unusable(golden.name, options.golden.model, golden.folder, "the case has no such model"));
+      continue;
+    }
     for (const std::string& model : options.golden.models_of(golden)) check_or_say(golden, model, options, how, tally);
   }
+  // Throws, with the models that the case has.
+  if (without > 0 && without == cases.size()) case_model(cases.front(), options.golden.model);
   write_for_others(options, tally.tests());
   fmt::print("{}", tally.counts_text());
+  if (without > 0) fmt::print("cases without the model {}: {}\n", options.golden.model, without);
   if (tally.failed()) fmt::print("to look at the failures: touchstone golden review --out {}\n", options.golden.out);
   if (tally.unusable()) return ExitStatus::bad_data;
   if (tally.all_skipped()) return ExitStatus::skipped;

@@ -12,8 +12,10 @@
 #include "harness/rendering/nearness.h"
 #include "harness/rendering/replay_file.h"
 #include "harness/rendering/scene_file.h"
+#include "harness/rendering/seam_watch.h"
 #include "harness/sanity/recording_sample.h"
 #include "harness/sanity/sanity.h"
+#include "harness/surface/mesh_topology.h"
 #include "renderers/catalogue.h"
 
 namespace touchstone::apps {
@@ -52,6 +54,7 @@ void check_recording(const ReplayOptions& options, const Model& model, const Sur
 struct Built {
   std::unique_ptr<Renderer> renderer;
   std::shared_ptr<const Surface> surface;  // of one object; empty for a scene
+  std::shared_ptr<SeamSearch> seams;       // where the tip fell through an open mesh; empty for others
   double build_ms = 0.0;
 };
 
@@ -70,6 +73,11 @@ Built build_over_mesh(const ReplayOptions& options, const Model& model) {
                                                     load_trajectory(options.object_path).motion, options.object_path);
   }
   built.build_ms = ms_since(began);
+  const MeshTopology* const topology = built.surface->topology();
+  if (topology != nullptr && topology->open_edge_count > 0 && options.object_path.empty()) {
+    built.seams = std::make_shared<SeamSearch>(built.surface);
+    built.renderer = std::make_unique<SeamWatch>(std::move(built.renderer), built.seams);
+  }
   options.meshes.warn(mesh, *built.surface);
   check_recording(options, model, *built.surface);
   return built;
@@ -103,6 +111,8 @@ ExitStatus replay_command(const ReplayOptions& options) {
   Renderer* const renderer = built.renderer.get();
 
   const ReplaySummary summary = replay_file(*renderer, options.trajectory, options.out);
+  if (const std::string warning = built.seams ? seam_warning(built.seams->losses()) : ""; !warning.empty())
+    fmt::print(stderr, "warning: {}\n", warning);
   if (!options.timing.empty()) {
     ReplayTiming timing = measure_steps(*renderer, options.trajectory);
     timing.build_ms = built.build_ms;

@@ -107,6 +107,17 @@ TEST_F(PluginCommand, ACrashFailsItsGoldenCaseAndTheOthersRun) {
                                HasSubstr("crashed (SIGABRT"), HasSubstr("0 passed, 2 failed")));
 }
 
+// Without names of cases, those that lack the model say nothing about it, and a summary ends the run.
+TEST_F(PluginCommand, CasesWithoutTheModelArePassedOver) {
+  const std::string golden = " --out failures --golden " + environment("TOUCHSTONE_SOURCE_DIR") + "/golden";
+  const Outcome check = run("check --model force-shading-ball" + golden);
+  EXPECT_EQ(check.status, 0) << check.err;
+  EXPECT_THAT(check.out, AllOf(HasSubstr("0 failed"), HasSubstr("cases without the model force-shading-ball: ")));
+  const Outcome none = run("check --model force-shading-cube" + golden);
+  EXPECT_EQ(none.status, 2);
+  EXPECT_THAT(none.err, HasSubstr("has no model 'force-shading-cube'"));
+}
+
 TEST_F(PluginCommand, WhatCannotBeUsedIsBadData) {
   const std::string replay = "replay --model plane.json --mesh plate.obj --trajectory taps.csv --out out.csv ";
   const Outcome lies = run(replay + plugin("LIES_ABOUT_ITS_VERSION"));

@@ -80,8 +80,15 @@ INSTANTIATE_TEST_SUITE_P(Planted, PluginFault,
                                            Fault{"SHARES_ITS_MEMORY", "TwoOnOneSurfaceDoNotDisturbOneAnother"},
                                            Fault{"COSTS_MORE_EVERY_STEP", "TheCostDoesNotGrowWithTheSteps"},
                                            Fault{"SPIKES_LATE", "NoStepOfAMillionIsASpike"},
-                                           Fault{"STIFFER_TRIANGLE", "TheForceDoesNotJumpFromTriangleToTriangle"}),
+                                           Fault{"STIFFER_TRIANGLE", "TheForceDoesNotJumpFromTriangleToTriangle"},
+                                           Fault{"HOLDS_ITS_ANSWER", "TheForceIsThatOfTheTipNow"},
+                                           Fault{"SATURATES", "TheForceIsAlongTheNormalUpToTenNewtons"},
+                                           Fault{"INVERTED_FACE", "EveryFaceAnswersAsItsNeighbours"}),
                          [](const auto& tested) { return tested.param.name; });
+
+TEST(PluginFaults, AFaultThatIsAllowedFailsNothing) {
+  EXPECT_THAT(failing_tests("SATURATES", "TheForceIsAlongTheNormal", "--allow=saturation"), ::testing::IsEmpty());
+}
 
 // The example has no friction; who says of it that it has finds that it is lost.
 TEST(PluginFaults, FrictionThatIsDeclaredAndLostIsCaught) {

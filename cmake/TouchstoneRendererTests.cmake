@@ -16,7 +16,8 @@
 #                                         set; STIFFNESS is the steepest rise of force with depth where the renderer has no
 #                                         parameter stiffness_N_per_m; FRICTION the largest tangential over normal force;
 #                                         EPSILON a length below which the renderer tells nothing apart.
-#                                         What the renderer declares it cannot do is skipped and shown as such.
+#                                         What the renderer declares it cannot do is skipped and shown as such, and so are
+#                                         the faults of ALLOW, which are known (their names: touchstone scorecard).
 #   <prefix>.golden.<case>                GOLDEN_LIKE: the bundled golden cases that have this model (all, or GOLDEN_CASES), with
 #                                         the renderer in place of the model's own: it must give the same within tolerance, or
 #                                         with VERDICT felt be off the right answer by less than a person notices, EPSILON
@@ -26,7 +27,7 @@
 # PREFIX is the renderer's name where it is not given.
 function(touchstone_add_renderer_tests)
   cmake_parse_arguments(ARG "" "TARGET;RENDERER;ENTRY;HEADER;STIFFNESS;FRICTION;TIP_RADIUS;EPSILON;GOLDEN_LIKE;VERDICT;GOLDEN_DIR;PREFIX"
-    "PARAMETERS;GOLDEN_CASES;LABELS" ${ARGN})
+    "PARAMETERS;GOLDEN_CASES;ALLOW;LABELS" ${ARGN})
   if(ARG_UNPARSED_ARGUMENTS)
     message(FATAL_ERROR "touchstone_add_renderer_tests: ${ARG_UNPARSED_ARGUMENTS} are no arguments of it")
   endif()
@@ -72,6 +73,9 @@ function(touchstone_add_renderer_tests)
   set(arguments --plugin=$<TARGET_FILE:${plugin}> --renderer=${ARG_RENDERER})
   foreach(parameter IN LISTS ARG_PARAMETERS)
     list(APPEND arguments --parameter=${parameter})
+  endforeach()
+  foreach(fault IN LISTS ARG_ALLOW)
+    list(APPEND arguments --allow=${fault})
   endforeach()
   foreach(fact IN ITEMS STIFFNESS FRICTION TIP_RADIUS EPSILON)
     if(DEFINED ARG_${fact})

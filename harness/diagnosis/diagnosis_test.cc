@@ -9,89 +9,15 @@
 
 #include <atomic>
 #include <cmath>
-#include <deque>
 #include <thread>
 
 #include "harness/base/error.h"
 #include "harness/base/random.h"
-#include "harness/testing/allocation_guard.h"
-#include "renderers/catalogue.h"
+#include "harness/diagnosis/planted_fault_for_test.h"
 
 namespace touchstone::diagnosis {
 using namespace renderers;
 namespace {
-
-// What a fault may remember, and what of the world it may look at.
-struct Memory {
-  std::deque<StepResult> past;
-  std::size_t steps = 0;  // since it was made
-  std::size_t since_reset = 0;
-  double unit = 1.0;
-  std::shared_ptr<const Surface> surface;
-  Vec3 last_tip = Vec3::Zero();
-};
-
-struct Fault {
-  std::string name;
-  std::string caught_by;
-  std::function<void(TipState&, Memory&)> before = {};
-  std::function<void(StepResult&, const TipState&, Memory&)> after = {};
-  std::string renderer = "god-object";
-  std::string parameters = {};
-};
-
-void PrintTo(const Fault& fault, std::ostream* out) { *out << fault.name; }
-
-class Faulty final : public Renderer {
- public:
-  Faulty(const Fault& fault, std::unique_ptr<Renderer> healthy, std::shared_ptr<const Surface> surface, double unit)
-      : fault_(fault), healthy_(std::move(healthy)) {
-    memory_.surface = std::move(surface);
-    memory_.unit = unit;
-  }
-
- private:
-  void do_reset() override {
-    healthy_->reset();
-    memory_.past.clear();
-    memory_.since_reset = 0;
-  }
-  StepResult do_step(const TipState& tip) noexcept override {
-    TipState seen = tip;
-    if (fault_.before) fault_.before(seen, memory_);
-    StepResult result = healthy_->step(seen);
-    if (fault_.after) fault_.after(result, tip, memory_);
-    memory_.last_tip = tip.p_W_m;
-    ++memory_.steps;
-    ++memory_.since_reset;
-    return result;
-  }
-
-  Fault fault_;
-  std::unique_ptr<Renderer> healthy_;
-  Memory memory_;
-};
-
-Engine engine_of(const Fault& fault) {
-  Engine engine;
-  engine.name = fault.name;
-  engine.friction = fault.renderer == "friction-cone" ? 0.4 : 0.0;
-  engine.make = [fault](std::shared_ptr<const Surface> surface, double unit) -> std::unique_ptr<Renderer> {
-    const Model model = parse_model(
-        fmt::format(
-            R"({{"schema": "touchstone-model/1", "renderer": "{}", "parameters": {{"stiffness_N_per_m": {}{}}}}})",
-            fault.renderer, 500.0 / unit, fault.parameters),
-        fault.name);
-    return std::make_unique<Faulty>(fault, make_renderer(model, surface), surface, unit);
-  };
-  engine.allocations = testing::allocations_on_this_thread;
-  return engine;
-}
-
-void nothing_there(StepResult& result, const TipState& tip) {
-  result = StepResult{};
-  result.contact_W_m = tip.p_W_m;
-}
 
 void burn(double seconds) {
   const auto now = [] {
@@ -113,13 +39,6 @@ std::atomic<double> shared_depth_m{0.0};
 
 std::vector<Fault> faults() {
   const std::string cone = R"(, "mu_static": 0.4, "mu_dynamic": 0.3)";
-  const auto swap_last = [](StepResult& result, Memory& memory, std::size_t lag) {
-    memory.past.push_back(result);
-    if (memory.past.size() > lag) {
-      result = memory.past.front();
-      memory.past.pop_front();
-    }
-  };
   return {
       {"TurnsWithTheTip", "wrong-frame", {}, [](auto& r, auto& tip, auto&) { r.f_W_N = tip.q_WS * r.f_W_N; }},
       {"WorldFrameForgotten",
@@ -193,8 +112,6 @@ std::vector<Fault> faults() {
        [](auto& r, auto& tip, auto& m) {
          if (tip.p_W_m.z() > m.last_tip.z()) r.f_W_N *= 1.05;
        }},
-      {"OneSampleLate", "delay", {}, [=](auto& r, auto&, auto& m) { swap_last(r, m, 1); }},
-      {"FiveSamplesLate", "delay", {}, [=](auto& r, auto&, auto& m) { swap_last(r, m, 5); }},
       {"TenMicrometresLate",
        "gap-at-contact",
        {},
@@ -337,12 +254,15 @@ TEST(Diagnosis, TrianglesBelowTheDeclaredEpsilonMayBeLost) {
   EXPECT_TRUE(find_detector("untouchable-triangles").find(engine).has_value());
 }
 
+// Those of timing, of the settled force and of a ball are planted in fault_matrix_test.cc.
 TEST(Diagnosis, EveryDetectorHasAPlantedFaultAndItsOwnName) {
   const auto planted = faults();
   for (const Detector& detector : detectors()) {
+    EXPECT_EQ(find_detector(detector.name).name, detector.name);
+    if (detector.kind != DetectorKind::moving && detector.kind != DetectorKind::running) continue;
+    if (detector.name == "ball-at-edge") continue;
     EXPECT_TRUE(std::ranges::any_of(planted, [&](const Fault& fault) { return fault.caught_by == detector.name; }))
         << detector.name;
-    EXPECT_EQ(find_detector(detector.name).name, detector.name);
   }
   EXPECT_THROW(find_detector("bad-luck"), UsageError);
 }
@@ -364,9 +284,10 @@ TEST(Diagnosis, ARendererThatBreaksDownIsCleanOfNothing) {
     result.status = StepStatus::failed;
   };
   const Diagnosis diagnosis = diagnose(engine_of({"broken", "", {}, breaks, "friction-cone"}));
-  EXPECT_THAT(diagnosis.clean, ::testing::IsEmpty());
+  // Of a point with friction nothing is asked that only a ball without can answer.
+  EXPECT_THAT(diagnosis.clean, ::testing::ElementsAre("ball-at-edge"));
   EXPECT_TRUE(diagnosis.findings.empty());
-  EXPECT_EQ(diagnosis.failed.size(), detectors().size());
+  EXPECT_EQ(diagnosis.failed.size(), detectors().size() - 1);
 }
 
 }  // namespace

@@ -25,6 +25,12 @@ struct Engine {
   std::vector<Limitation> cannot;
   // Lengths below this are nothing to the renderer: its author says so. 0: to rounding.
   double epsilon_m = 0.0;
+  // Of the loop that asks it.
+  double rate_Hz = 1000.0;
+  // Its author says that every answer is that of so many samples ago.
+  int lag_samples = 0;
+  // How long a probe rests at every place before it reads the answer: 0 for the answer of the moving tip.
+  int settle_samples = 0;
   // Allocations of this thread so far; empty where they are not counted.
   std::function<std::uint64_t()> allocations = {};
 };

@@ -6,20 +6,29 @@
 #include "harness/base/rooms.h"
 #include "harness/diagnosis/engine.h"
 #include "harness/rendering/renderer_failed.h"
+#include "harness/surface/box_mesh.h"
 #include "harness/surface/embree_surface.h"
 #include "harness/surface/triangle_mesh.h"
 
 namespace touchstone::diagnosis {
 
-inline constexpr double kTick_s = 1e-3;
 // Half the width of the blocks and sheets, and how deep strokes press.
 inline constexpr double kHalf_m = 0.02;
 inline constexpr double kDepth_m = 5e-4;
+// On the top of the block, beside edges and corners of what the detectors press.
+inline const Vec3 kPlace(0.0031, 0.0017, 0.0);
+
+// 40 mm wide, its top at z = 0.
+inline TriangleMesh level_block() { return box_mesh({-kHalf_m, -kHalf_m, -kHalf_m}, {kHalf_m, kHalf_m, 0.0}); }
 
 class Probe {
  public:
   // Places and lengths given to it are those of the world at unit 1.
-  Probe(const Engine& engine, TriangleMesh mesh, double unit = 1.0) : unit_(unit), radius_m_(engine.tip_radius_m) {
+  Probe(const Engine& engine, TriangleMesh mesh, double unit = 1.0)
+      : unit_(unit),
+        radius_m_(engine.tip_radius_m),
+        tick_s_(1.0 / engine.rate_Hz),
+        settle_samples_(engine.settle_samples) {
     for (Vec3& v : mesh.vertices_W_m) v *= unit;
     renderer_ = engine.make(make_embree_surface(mesh), unit);
     renderer_->reset();
@@ -27,8 +36,11 @@ class Probe {
 
   // Throws RendererFailed where the renderer broke down: its zero force says nothing.
   StepResult to(const Vec3& tip, const Quat& q = Quat::Identity()) {
-    StepResult result = renderer_->step({kTick_s * static_cast<double>(++tick_), unit_ * tip, q});
-    if (result.status == StepStatus::failed) throw RendererFailed(renderer_->failure());
+    StepResult result;
+    for (int i = 0; i <= settle_samples_; ++i) {
+      result = renderer_->step({tick_s_ * static_cast<double>(++tick_), unit_ * tip, q});
+      if (result.status == StepStatus::failed) throw RendererFailed(renderer_->failure());
+    }
     result.contact_W_m /= unit_;
     result.depth_m /= unit_;
     return result;
@@ -51,6 +63,8 @@ class Probe {
  private:
   double unit_;
   double radius_m_;
+  double tick_s_;
+  int settle_samples_;
   std::unique_ptr<Renderer> renderer_;
   std::uint64_t tick_ = 0;
 };

@@ -18,14 +18,14 @@
 #include "harness/diagnosis/probe.h"
 #include "harness/rendering/renderer_failed.h"
 #include "harness/stats/quantile.h"
-#include "harness/surface/box_mesh.h"
 #include "harness/surface/sphere_mesh.h"
 
 namespace touchstone::diagnosis {
 namespace {
 
+constexpr double kTick_s = 1e-3;
+
 TriangleMesh round_body() { return sphere_mesh(kHalf_m, 3); }
-TriangleMesh small_block() { return box_mesh({-kHalf_m, -kHalf_m, -kHalf_m}, {kHalf_m, kHalf_m, 0.0}); }
 
 // Taps and strokes about a ball, from outside and back; the next seed goes elsewhere.
 std::vector<Vec3> strokes_about(double radius_m, std::uint64_t seed, int contacts) {
@@ -46,7 +46,7 @@ std::vector<Vec3> strokes_about(double radius_m, std::uint64_t seed, int contact
 }
 
 StepResult step_to(Renderer& renderer, std::size_t tick, const Vec3& tip) {
-  const StepResult result = renderer.step({kTick_s * static_cast<double>(tick + 1), tip, Quat::Identity()});
+  StepResult result = renderer.step({kTick_s * static_cast<double>(tick + 1), tip, Quat::Identity()});
   if (result.status == StepStatus::failed) throw RendererFailed(renderer.failure());
   return result;
 }
@@ -78,7 +78,7 @@ double processor_time_s() {
 class Rounds {
  public:
   static constexpr std::size_t length = 200;
-  explicit Rounds(const Engine& engine) : probe_(engine, small_block()) {
+  explicit Rounds(const Engine& engine) : probe_(engine, level_block()) {
     for (std::size_t i = 0; i < length; ++i) {
       const double phase = 2.0 * M_PI * static_cast<double>(i) / static_cast<double>(length);
       tips_[i] = {4e-3 * std::cos(phase), 3e-3 * std::sin(phase),
@@ -130,7 +130,7 @@ Costs fastest_rounds(const Engine& engine, std::size_t count) {
 
 // Steps that cost many times the usual one, of a run of so many. Each step is timed by the clock on the wall, which is
 // read without a call of the system. The thread's own, which takes longer to read than most steps take, is read once in
-// a round: what the round cost beyond its other steps must be at least half of what its slow ones took, else
+// a round: what the round cost beyond its other steps must be at least half of what makes a step slow, else
 // other programs had the processor meanwhile.
 std::vector<std::size_t> slow_steps(const Engine& engine, std::size_t count, double& usual_s, double& slowest_s) {
   using Clock = std::chrono::steady_clock;
@@ -158,7 +158,7 @@ std::vector<std::size_t> slow_steps(const Engine& engine, std::size_t count, dou
     double slow_s = 0.0;
     double others_s = 0.0;
     for (std::size_t i = begin; i < end; ++i) (cost_s[i] > least_s ? slow_s : others_s) += cost_s[i];
-    if (slow_s == 0.0 || round_s[round] - others_s < 0.5 * slow_s) continue;
+    if (slow_s == 0.0 || round_s[round] - others_s < 0.5 * least_s) continue;
     for (std::size_t i = begin; i < end; ++i) {
       if (!(cost_s[i] > least_s)) continue;
       slow.push_back(i);

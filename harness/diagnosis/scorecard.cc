@@ -1,6 +1,7 @@
 #include "harness/diagnosis/scorecard.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <chrono>
@@ -23,7 +24,32 @@ std::size_t skipped_of(const Scorecard& card) {
   return static_cast<std::size_t>(std::ranges::count_if(card.cases, &CaseScore::skipped));
 }
 
+bool is_allowed(const Scorecard& card, const std::string& name) {
+  return std::ranges::find(card.allowed, name) != card.allowed.end();
+}
+
+// Its cause is allowed, and with it what follows.
+bool is_allowed(const Scorecard& card, const Finding& finding) {
+  return is_allowed(card, finding.name) || is_allowed(card, finding.follows_from);
+}
+
+bool fails(const CaseScore& one) { return !one.skipped && (!one.problem.empty() || !one.felt); }
+
+// Allowed and not found: the line that allows it can go.
+std::vector<std::string> allowed_in_vain(const Scorecard& card) {
+  std::vector<std::string> names;
+  for (const std::string& name : card.allowed) {
+    const Diagnosis& d = card.diagnosis;
+    const bool found = std::ranges::find(d.findings, name, &Finding::name) != d.findings.end() ||
+                       std::ranges::any_of(d.failed, [&](const auto& one) { return one.first == name; }) ||
+                       std::ranges::any_of(card.cases, [&](const auto& one) { return one.name == name && fails(one); });
+    if (!found) names.push_back(name);
+  }
+  return names;
+}
+
 std::string cases_sentence(const Scorecard& card) {
+  if (!card.cases_wanted) return "not run";
   const std::size_t skipped = skipped_of(card);
   return fmt::format("{} of {} exact, {} felt (within {:g} JND){}", count_of(card, &CaseScore::exact),
                      card.cases.size() - skipped, count_of(card, &CaseScore::felt), card.felt_tolerance_jnd,
@@ -32,10 +58,13 @@ std::string cases_sentence(const Scorecard& card) {
 
 // Detectors stand in the order in which faults are worth fixing.
 std::string first_to_fix(const Scorecard& card) {
-  if (!card.diagnosis.findings.empty()) return card.diagnosis.findings.front().name;
+  for (const Finding& finding : card.diagnosis.findings) {
+    if (!is_allowed(card, finding)) return finding.name;
+  }
   const CaseScore* worst = nullptr;
   for (const CaseScore& one : card.cases) {
-    if (!one.felt && !one.skipped && (worst == nullptr || one.max_jnd > worst->max_jnd)) worst = &one;
+    if (!fails(one) || is_allowed(card, one.name)) continue;
+    if (worst == nullptr || one.max_jnd > worst->max_jnd) worst = &one;
   }
   return worst == nullptr ? "" : "case " + worst->name;
 }
@@ -51,9 +80,12 @@ std::string cell_of(const Scorecard& card, const std::string& detector) {
   const Diagnosis& d = card.diagnosis;
   const auto named = [&](const auto& pair) { return pair.first == detector; };
   if (const auto found = std::ranges::find(d.findings, detector, &Finding::name); found != d.findings.end()) {
-    return fmt::format("<td class=\"bad\"><b>found</b><br>{}<br><small>{}</small></td>", escape_html(found->what),
-                       escape_html(found->smallest_case));
+    return fmt::format("<td class=\"bad\"><b>{}</b><br>{}<br><small>{}</small></td>",
+                       found->follows_from.empty() ? "found" : "follows from " + found->follows_from,
+                       escape_html(found->what), escape_html(found->smallest_case));
   }
+  if (const auto said = std::ranges::find(d.said, detector, &Finding::name); said != d.said.end())
+    return "<td>" + escape_html(said->what) + "</td>";
   if (std::ranges::find(d.clean, detector) != d.clean.end()) return "<td class=\"good\">clean</td>";
   if (const auto at = std::ranges::find_if(d.declared, named); at != d.declared.end())
     return fmt::format("<td>declared: {}</td>", escape_html(at->second));
@@ -73,6 +105,29 @@ std::string case_cell(const Scorecard& card, const std::string& name) {
 }
 
 }  // namespace
+
+CardVerdict verdict_of(const Scorecard& card) {
+  const auto counts = [&](const std::string& name) { return !is_allowed(card, name); };
+  const Diagnosis& d = card.diagnosis;
+  if (std::ranges::any_of(d.findings, [&](const Finding& one) { return !is_allowed(card, one); }) ||
+      std::ranges::any_of(d.failed, [&](const auto& pair) { return counts(pair.first); }) ||
+      std::ranges::any_of(card.cases, [&](const CaseScore& one) { return fails(one) && counts(one.name); }))
+    return CardVerdict::failed;
+  if (card.cases_wanted && skipped_of(card) == card.cases.size()) return CardVerdict::skipped;
+  return CardVerdict::passed;
+}
+
+std::string_view to_string(CardVerdict verdict) {
+  switch (verdict) {
+    case CardVerdict::passed:
+      return "passed";
+    case CardVerdict::skipped:
+      return "skipped";
+    case CardVerdict::failed:
+      break;
+  }
+  return "failed";
+}
 
 CostScore measure_cost(const Engine& engine, int levels) {
   using Clock = std::chrono::steady_clock;
@@ -116,6 +171,8 @@ std::string scorecard_to_json(const Scorecard& card) {
   out["engine"] = {{"name", card.engine},         {"summary", card.summary},          {"source", card.source},
                    {"library", card.library},     {"sha256", card.library_sha256},    {"options", card.options},
                    {"epsilon_m", card.epsilon_m}, {"world_unit_m", card.world_unit_m}};
+  out["verdict"] = to_string(verdict_of(card));
+  out["allowed"] = card.allowed;
   out["fix_first"] = first_to_fix(card);
   out["findings"] = nlohmann::ordered_json::array();
   for (const Finding& finding : card.diagnosis.findings) {
@@ -123,8 +180,11 @@ std::string scorecard_to_json(const Scorecard& card) {
                                {"what", finding.what},
                                {"smallest_case", finding.smallest_case},
                                {"value", finding.value},
-                               {"unit", finding.unit}});
+                               {"unit", finding.unit},
+                               {"follows_from", finding.follows_from}});
   }
+  out["said"] = nlohmann::ordered_json::array();
+  for (const Finding& one : card.diagnosis.said) out["said"].push_back({{"name", one.name}, {"what", one.what}});
   out["clean"] = card.diagnosis.clean;
   out["declared"] = pairs_to_json(card.diagnosis.declared);
   out["could_not_run"] = pairs_to_json(card.diagnosis.failed);
@@ -180,6 +240,7 @@ std::string scorecard_to_html(const std::vector<Scorecard>& cards) {
     return plain(card.library.empty() ? "of this program" : card.library + ", SHA-256 " + card.library_sha256);
   });
   row("options", [&](const Scorecard& card) { return plain(card.options); });
+  row("verdict", [&](const Scorecard& card) { return plain(std::string(to_string(verdict_of(card)))); });
   row("fix first", [&](const Scorecard& card) {
     const std::string first = first_to_fix(card);
     return plain(first.empty() ? "nothing was found" : first);
@@ -212,10 +273,18 @@ std::string scorecard_to_html(const std::vector<Scorecard>& cards) {
 }
 
 std::string scorecard_to_text(const Scorecard& card) {
-  std::string text = fmt::format("{}: {} fault{} found, {} clean, {} declared\n", card.engine,
-                                 card.diagnosis.findings.size(), card.diagnosis.findings.size() == 1 ? "" : "s",
-                                 card.diagnosis.clean.size(), card.diagnosis.declared.size());
-  for (const Finding& finding : card.diagnosis.findings) text += fmt::format("  {}: {}\n", finding.name, finding.what);
+  const auto causes = std::ranges::count_if(card.diagnosis.findings, &std::string::empty, &Finding::follows_from);
+  std::string text = fmt::format("{}: {} fault{} found, {} clean, {} declared\n", card.engine, causes,
+                                 causes == 1 ? "" : "s", card.diagnosis.clean.size(), card.diagnosis.declared.size());
+  const auto line = [](const Finding& one) { return fmt::format("{}: {}\n", one.name, one.what); };
+  for (const Finding& finding : card.diagnosis.findings) {
+    if (!finding.follows_from.empty()) continue;
+    text += "  " + line(finding);
+    for (const Finding& other : card.diagnosis.findings) {
+      if (other.follows_from == finding.name) text += "    follows from it: " + line(other);
+    }
+  }
+  for (const Finding& one : card.diagnosis.said) text += "  said, " + line(one);
   for (const auto& [name, why] : card.diagnosis.failed) text += fmt::format("  {}: could not run: {}\n", name, why);
   text += fmt::format("  golden cases: {}\n", cases_sentence(card));
   if (card.cost) {
@@ -223,6 +292,10 @@ std::string scorecard_to_text(const Scorecard& card) {
                         card.cost->median_us, card.cost->p99_us, card.cost->p999_us, card.cost->triangles);
   }
   if (const std::string first = first_to_fix(card); !first.empty()) text += "  fix first: " + first + "\n";
+  if (!card.allowed.empty()) text += fmt::format("  allowed: {}\n", fmt::join(card.allowed, ", "));
+  for (const std::string& name : allowed_in_vain(card)) text += "  allowed and not found: " + name + "\n";
+  if (verdict_of(card) == CardVerdict::skipped) text += "  no golden case ran: nothing is known of its forces\n";
+  text += fmt::format("  verdict: {}\n", to_string(verdict_of(card)));
   return text;
 }
 

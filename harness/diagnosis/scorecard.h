@@ -1,8 +1,10 @@
 // One page and one JSON per engine: what is wrong by name, errors on the golden cases, cost, and what to fix first.
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "harness/base/rooms.h"
@@ -48,7 +50,15 @@ struct Scorecard {
   Diagnosis diagnosis;
   std::vector<CaseScore> cases;
   std::optional<CostScore> cost;
+  bool cases_wanted = false;         // else the verdict is that of the diagnosis alone
+  std::vector<std::string> allowed;  // faults and golden cases that are known to fail, and do not count
 };
+
+// Whether the engine passes. A fault, a detector that could not run, a case that could not run, and a case with an
+// error that a hand would notice fail, unless they are allowed. If cases were wanted and none ran, nothing is known.
+enum class CardVerdict : std::uint8_t { passed, failed, skipped };
+CardVerdict verdict_of(const Scorecard& card);
+std::string_view to_string(CardVerdict verdict);
 
 // Strokes over a ball; single steps, each with the clock's own cost in it (some 20 ns).
 CostScore measure_cost(const Engine& engine, int levels);

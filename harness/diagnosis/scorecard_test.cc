@@ -19,6 +19,7 @@ using ::testing::Not;
 Scorecard a_card() {
   Scorecard card;
   card.engine = "mine";
+  card.cases_wanted = true;
   card.summary = "F < k & d";
   card.diagnosis.findings.push_back({"delay", "one sample late", "a block", 1.0, "samples"});
   card.diagnosis.clean = {"noise"};
@@ -67,6 +68,62 @@ TEST(Scorecard, TheJsonHasEveryVerdictAndWhatToFixFirst) {
 
 // A second case of the shape, a hundred times as large and long: the mean is of all samples, the rest of the worst
 // case.
+// Found is found: a fault, an error that a hand would notice, what could not run.
+TEST(Scorecard, OnlyWhatIsAllowedDoesNotCount) {
+  Scorecard card = a_card();
+  card.cases_wanted = true;
+  EXPECT_EQ(verdict_of(card), CardVerdict::failed);
+  card.allowed = {"delay", "allocation", "torus-spiral"};
+  EXPECT_EQ(verdict_of(card), CardVerdict::passed) << scorecard_to_text(card);
+  EXPECT_EQ(nlohmann::json::parse(scorecard_to_json(card))["fix_first"], "");
+  card.cases.front().felt = false;
+  EXPECT_EQ(verdict_of(card), CardVerdict::failed);
+  EXPECT_EQ(nlohmann::json::parse(scorecard_to_json(card))["fix_first"], "case sphere-scan");
+  card.allowed.push_back("sphere-scan");
+  EXPECT_EQ(verdict_of(card), CardVerdict::passed);
+  card.allowed.push_back("noise");
+  EXPECT_THAT(scorecard_to_text(card), HasSubstr("allowed and not found: noise"));
+}
+
+// Causes first, with what follows below them; what is allowed takes along what follows from it.
+TEST(Scorecard, WhatFollowsStandsBelowItsCause) {
+  Scorecard card;
+  card.engine = "mine";
+  card.diagnosis.findings = {{"held-answer", "62.5 Hz", "a block", 16.0, "samples"},
+                             {"hysteresis", "5 % less", "a block", 0.05, "1"},
+                             {"standoff", "touches nothing", "a block", 0.0, "m", "held-answer"}};
+  card.diagnosis.said = {{"late-contact", "within its epsilon", "a block", 1e-5, "m"}};
+  const std::string text = scorecard_to_text(card);
+  EXPECT_THAT(text, HasSubstr("mine: 2 faults found"));
+  EXPECT_THAT(text, HasSubstr("  held-answer: 62.5 Hz\n    follows from it: standoff: touches nothing\n  hysteresis:"));
+  EXPECT_THAT(text, HasSubstr("said, late-contact: within its epsilon"));
+  const auto json = nlohmann::json::parse(scorecard_to_json(card));
+  EXPECT_EQ(json["findings"][2]["follows_from"], "held-answer");
+  EXPECT_EQ(json["said"][0]["name"], "late-contact");
+  EXPECT_THAT(scorecard_to_html({card}), HasSubstr("follows from held-answer"));
+  card.allowed = {"held-answer"};
+  EXPECT_EQ(verdict_of(card), CardVerdict::failed);
+  card.allowed.push_back("hysteresis");
+  EXPECT_EQ(verdict_of(card), CardVerdict::passed) << text;
+}
+
+// Nothing ran: neither green nor red. Without cases the diagnosis alone decides.
+TEST(Scorecard, WhereEveryCaseIsSkippedNothingIsKnown) {
+  Scorecard card;
+  card.cases_wanted = true;
+  EXPECT_EQ(verdict_of(card), CardVerdict::skipped);
+  card.cases = {a_card().cases.back()};
+  ASSERT_TRUE(card.cases.front().skipped);
+  EXPECT_EQ(verdict_of(card), CardVerdict::skipped);
+  EXPECT_THAT(scorecard_to_text(card), HasSubstr("no golden case ran"));
+  card.diagnosis.findings = a_card().diagnosis.findings;
+  EXPECT_EQ(verdict_of(card), CardVerdict::failed);
+  card.cases_wanted = false;
+  EXPECT_EQ(verdict_of(card), CardVerdict::failed);
+  card.diagnosis.findings.clear();
+  EXPECT_EQ(verdict_of(card), CardVerdict::passed);
+}
+
 TEST(Scorecard, TheTableOfShapesHasErrorsAsSharesOfTheRightForce) {
   Scorecard card = a_card();
   CaseScore large = card.cases.front();

@@ -2,42 +2,17 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 
 #include "harness/base/random.h"
 #include "harness/diagnosis/detectors.h"
 #include "harness/diagnosis/probe.h"
-#include "harness/surface/box_mesh.h"
 #include "harness/surface/moved_mesh.h"
 #include "harness/surface/sphere_mesh.h"
 
 namespace touchstone::diagnosis {
 namespace {
-
-const Vec3 kPlace(0.0031, 0.0017, 0.0);
-
-TriangleMesh plain_block() { return box_mesh({-kHalf_m, -kHalf_m, -kHalf_m}, {kHalf_m, kHalf_m, 0.0}); }
-
-// What of the force's variance is left when the depth so many steps ago is known. Few depths, each often.
-double variance_left(const std::vector<std::size_t>& levels, const std::vector<double>& force_N, std::size_t lag,
-                     std::size_t count, std::size_t from) {
-  std::vector<double> sum(count, 0.0);
-  std::vector<double> square(count, 0.0);
-  std::vector<double> number(count, 0.0);
-  for (std::size_t i = from; i < levels.size(); ++i) {
-    const std::size_t level = levels[i - lag];
-    sum[level] += force_N[i];
-    square[level] += force_N[i] * force_N[i];
-    number[level] += 1.0;
-  }
-  double left = 0.0;
-  for (std::size_t level = 0; level < count; ++level) {
-    if (number[level] > 0.0) left += std::max(0.0, square[level] - sum[level] * sum[level] / number[level]);
-  }
-  return left;
-}
 
 // Rounding of a force at this place, with room for the sums of one step.
 double force_rounding_N(const Engine& engine) {
@@ -46,36 +21,8 @@ double force_rounding_N(const Engine& engine) {
 
 }  // namespace
 
-std::optional<Finding> find_delay(const Engine& engine) {
-  constexpr std::size_t levels = 8;
-  constexpr std::size_t longest = 25;
-  constexpr std::size_t steps = 400;
-  Probe probe(engine, plain_block());
-  probe.approach(kPlace, Vec3::UnitZ(), kDepth_m);
-  Random random(201);
-  std::vector<std::size_t> level;
-  std::vector<double> force_N;
-  for (std::size_t i = 0; i < steps; ++i) {
-    level.push_back(random.below(levels));
-    force_N.push_back(
-        probe.press(kPlace, Vec3::UnitZ(), kDepth_m * (1.0 + 0.05 * static_cast<double>(level.back()))).f_W_N.z());
-  }
-  std::array<double, longest + 1> left{};
-  for (std::size_t lag = 0; lag <= longest; ++lag) left[lag] = variance_left(level, force_N, lag, levels, longest);
-  const auto least = static_cast<std::size_t>(std::ranges::min_element(left) - left.begin());
-  // With damping or relaxation the depth of now does not say everything; that of another step must not say it better.
-  if (least == 0 || !(left[least] < 0.5 * left[0])) return std::nullopt;
-  return Finding{"delay",
-                 fmt::format("the force follows the depth {} sample{} late: of its variance {:.2g} is left knowing the "
-                             "depth then, {:.2g} knowing it now",
-                             least, least == 1 ? "" : "s", left[least], left[0]),
-                 fmt::format("a block 40 mm wide, the tip over one place between {:g} and {:g} mm deep, at 1 kHz",
-                             1e3 * kDepth_m, 1.35e3 * kDepth_m),
-                 static_cast<double>(least), "samples"};
-}
-
 std::optional<Finding> find_noise(const Engine& engine) {
-  Probe probe(engine, plain_block());
+  Probe probe(engine, level_block());
   probe.approach(kPlace, Vec3::UnitZ(), kDepth_m);
   // At rest, after what relaxes has had time.
   const auto swing_N = [&](const auto& tip_at, int from, int steps) {
@@ -108,12 +55,13 @@ std::optional<Finding> find_noise(const Engine& engine) {
 std::optional<Finding> find_wrong_frame(const Engine& engine) {
   const Quat turn = Quat(0.83, 0.31, -0.41, 0.22).normalized();
   const double allowed_N = force_rounding_N(engine);
-  Probe here(engine, plain_block());
-  Probe turning(engine, plain_block());
-  Probe world(engine, moved(plain_block(), turn, Vec3::Zero(), 1.0));
+  Probe here(engine, level_block());
+  Probe turning(engine, level_block());
+  Probe world(engine, moved(level_block(), turn, Vec3::Zero(), 1.0));
   Random random(202);
   for (int i = 0; i <= 60; ++i) {
-    const double depth_m = std::min(i - 20, 20) * 2.5e-5;
+    // Beside the surface, where rounding says whether there is contact.
+    const double depth_m = std::min(i - 20, 20) * 2.5e-5 + 1.3e-6;
     // In steps of which no whole number is a usual pre-sliding path: none ends on the edge between stuck and sliding.
     const Vec3 foot = kPlace + Vec3(1.37e-5 * std::max(0, i - 40), 0.0, 0.0);
     const Vec3 tip = foot + (engine.tip_radius_m - depth_m) * Vec3::UnitZ();
@@ -152,7 +100,7 @@ std::optional<Finding> find_energy_gained(const Engine& engine) {
     const char* name;
     Vec3 top;
   };
-  for (const Case& one : {Case{plain_block(), "a block 40 mm wide", {0.0, 0.0, 0.0}},
+  for (const Case& one : {Case{level_block(), "a block 40 mm wide", {0.0, 0.0, 0.0}},
                           Case{sphere_mesh(kHalf_m, 4), "a ball 20 mm in radius", {0.0, 0.0, kHalf_m}}}) {
     Probe probe(engine, one.mesh);
     // Slowly: what sampling alone explains falls with the size of the steps.

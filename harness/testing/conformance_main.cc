@@ -21,7 +21,7 @@ using namespace touchstone::rendering;
 constexpr const char* kUsage =
     "usage: touchstone-conformance --plugin=libmine.so [--renderer=NAME] [--parameter=NAME=VALUE]... "
     "[--stiffness=N/M]\n"
-    "                              [--friction=MU] [--tip-radius=M] [--epsilon=M] [--in-child]\n"
+    "                              [--friction=MU] [--tip-radius=M] [--epsilon=M] [--allow=FAULT]... [--in-child]\n"
     "                              [--results=FOLDER] [--gtest_...]\n"
     "  --renderer    only this one of the plug-in's\n"
     "  --parameter   another value than the default\n"
@@ -30,6 +30,7 @@ constexpr const char* kUsage =
     "                not given\n"
     "  --tip-radius  where the tip is a ball [m]; the parameter tip_radius_m where not given\n"
     "  --epsilon     lengths below it are nothing to the renderer [m]; what it declares where not given\n"
+    "  --allow       a fault that is known: it is reported, and no failure\n"
     "  --results     write each test's outcome there, for touchstone-conformance-result; exit status 0 then, as each\n"
     "                test fails by its own name\n"
     "  --in-child    run the plug-in in a child process, as the program does; allocations are not seen there\n"
@@ -38,6 +39,7 @@ constexpr const char* kUsage =
 struct Options {
   std::string plugin, renderer, results;
   touchstone::testing::SubjectFacts facts;
+  std::vector<std::string> allowed;
   bool in_child = false;
 };
 
@@ -77,6 +79,8 @@ void take(std::string_view word, Options& options) {
     options.facts.tip_radius_m = number(radius, word);
   } else if (const char* const epsilon = value_of("--epsilon")) {
     options.facts.epsilon_m = number(epsilon, word);
+  } else if (const char* const fault = value_of("--allow")) {
+    options.allowed.push_back(diagnosis::find_detector(fault).name);
   } else if (const char* const results = value_of("--results")) {
     options.results = results;
   } else if (word == "--in-child") {
@@ -95,6 +99,7 @@ void choose_subjects(const Options& options) {
     known += " " + entry->name;
     if (options.renderer.empty() || options.renderer == entry->name) {
       subjects().push_back(touchstone::testing::subject_of(*entry, options.facts));
+      subjects().back().allowed = options.allowed;
     }
   }
   if (subjects().empty()) {

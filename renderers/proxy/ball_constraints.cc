@@ -333,6 +333,29 @@ bool rest_on(const Mesh& mesh, const Holding& holding, const S& r, const Vec3Of<
                            : rest_on_several<3>(mesh, holding, r, p, rounding, x);
 }
 
+template <class Mesh, class S>
+Vec3Of<S> way_round(const Mesh& mesh, const Holding& holding, const S& r, const Vec3Of<S>& x, const Vec3Of<S>& p,
+                    const S& rounding) noexcept {
+  if (holding.size == 0) return p;
+  const std::int32_t triangle = holding.triangle[0];
+  const TouchOf<S> t = touch(mesh, triangle, x);
+  // The triangles at the edge or corner, and no other.
+  for (int i = 0; i < holding.size; ++i) {
+    const TouchOf<S> other = touch(mesh, holding.triangle[static_cast<std::size_t>(i)], x);
+    if (other.feature == Feature::face || distance<S>(other.n, t.n) * r > kStanding * rounding) return p;
+  }
+  const FacetOf<S>& facet = mesh.facet(triangle);
+  Vec3Of<S> foot = mesh.vertex(facet.corner[t.index]);
+  if (t.feature == Feature::edge) {
+    const Vec3Of<S> along = mesh.vertex(facet.corner[(t.index + 1U) % 3U]) - foot;
+    foot += dot(along, p - foot) / squared_norm(along) * along;
+  }
+  const Vec3Of<S> out = p - foot;
+  const S away = norm(out);
+  if (!(away > rounding && away < r)) return p;
+  return foot + (r / away) * out;
+}
+
 template TouchOf<double> touch(const ContactMesh&, std::int32_t, const Vec3&) noexcept;
 template TouchOf<Counted> touch(const CountedContactMesh&, std::int32_t, const Vec3Of<Counted>&) noexcept;
 template bool comes_within(const ContactMesh&, std::int32_t, const Vec3&, const double&) noexcept;
@@ -342,6 +365,10 @@ template bool surely_beyond(const CountedContactMesh&, std::int32_t, const Vec3O
 template bool stays_clear(const ContactMesh&, std::int32_t, const Vec3&, const Vec3&, const double&) noexcept;
 template bool stays_clear(const CountedContactMesh&, std::int32_t, const Vec3Of<Counted>&, const Vec3Of<Counted>&,
                           const Counted&) noexcept;
+template Vec3 way_round(const ContactMesh&, const Holding&, const double&, const Vec3&, const Vec3&,
+                        const double&) noexcept;
+template Vec3Of<Counted> way_round(const CountedContactMesh&, const Holding&, const Counted&, const Vec3Of<Counted>&,
+                                   const Vec3Of<Counted>&, const Counted&) noexcept;
 template bool rest_on(const ContactMesh&, const Holding&, const double&, const Vec3&, const double&, Vec3&) noexcept;
 template bool rest_on(const CountedContactMesh&, const Holding&, const Counted&, const Vec3Of<Counted>&, const Counted&,
                       Vec3Of<Counted>&) noexcept;

@@ -62,4 +62,12 @@ template <class Mesh, class S = typename Mesh::Scalar>
 bool rest_on(const Mesh& mesh, const Holding& holding, const S& r, const Vec3Of<S>& p, const S& rounding,
              Vec3Of<S>& x) noexcept;
 
+// Where a ball at x should go that is pulled to p and comes there too slowly: p, or, if it hangs on an edge or corner
+// that lies between it and p, the place in the same direction from there that is a radius away. A ball turns about an
+// edge by way over radius: to a p beside the edge's line it would turn by next to nothing, and where it rests on the
+// arc depends on the direction alone.
+template <class Mesh, class S = typename Mesh::Scalar>
+Vec3Of<S> way_round(const Mesh& mesh, const Holding& holding, const S& r, const Vec3Of<S>& x, const Vec3Of<S>& p,
+                    const S& rounding) noexcept;
+
 }  // namespace touchstone::renderers

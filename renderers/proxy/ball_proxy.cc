@@ -18,6 +18,7 @@ constexpr std::size_t kMany = 96;
 constexpr std::size_t kMost = 4096;
 constexpr std::size_t kMostProposed = 2 * kMost;  // by the tree
 constexpr int kMoves = 256;                       // per step; a jump across the object takes some
+constexpr int kStraight = 64;                     // of these, before a way round is looked for
 constexpr int kGlide = 8;                         // edges of one move over faces
 constexpr int kExchanges = 12;                    // of holding triangles per move
 constexpr double kAhead = 0.7;                    // of the margin: how far ahead of the centre to gather
@@ -125,7 +126,7 @@ void BallProxyOf<Mesh>::pull(const V& p) noexcept {
     Check checked;
     if (settle(p, holding, x, checked)) {
       if (advance(x, checked, holding)) return;
-    } else if (!creep(p)) {
+    } else if (!creep(move < kStraight ? p : way_round(*mesh_, holding_, r_, c_, p, rounding_))) {
       return;
     }
   }

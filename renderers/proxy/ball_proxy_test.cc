@@ -104,6 +104,36 @@ TEST(BallProxy, RollsOverARidgeAndRestsInAGroove) {
   }
 }
 
+// Off a block's level top, over its edge and down before its side, as deep as the radius: the tip passes the edge's
+// line at any distance, and in the step in which it has passed the ball rests before the side, a quarter of a turn on.
+TEST(BallProxy, RollsOverASharpEdgeInOneStepAtAnyDistanceFromItsLine) {
+  for (const double scale : unit_scales()) {
+    for (const double radius : {3e-4, 1e-3, 5e-3}) {
+      for (double offset = 1e-9; offset < 1e-3; offset *= 3.7) {
+        if (offset > 0.5 * radius) continue;
+        for (const double below : {0.4, 1.0, 2.5}) {
+          World block(testing::cube(0.02), radius, scale);
+          const double y = 0.0013;
+          // The top is at z = 0.02, the edge at x = 0.02.
+          const auto at = [&](double x, double z) { return Vec3(0.02 + x, y, 0.02 + z); };
+          block.stroke(at(-3.0 * radius, 2.0 * radius), at(-2.0 * radius, -below * offset), 10);
+          const auto before = block.stroke(at(-2.0 * radius, -below * offset), at(-offset, -below * offset), 30);
+          ASSERT_LE((before.center - at(-offset, radius)).norm(), kRounding) << offset << " radius " << radius;
+          const auto after = block.to(at(offset, -below * offset));
+          ASSERT_LE((after.center - at(radius, -below * offset)).norm(), kRounding)
+              << "offset " << offset << " radius " << radius << " scale " << scale << ": "
+              << (after.center - at(0, 0)).transpose();
+          ASSERT_LE((after.force - kStiffness * Vec3(radius - offset, 0, 0)).norm(), kStiffness * kRounding);
+          // On the arc, where the tip is beyond both faces.
+          const Vec3 out = Vec3(1.0, 0.0, below).normalized();
+          const auto on_arc = block.to(at(0, 0) + offset * out);
+          ASSERT_LE((on_arc.center - at(0, 0) - radius * out).norm(), radius / offset * kRounding) << offset;
+        }
+      }
+    }
+  }
+}
+
 TEST(BallProxy, RestsInACornerUnderThreePlanes) {
   TriangleMesh box = testing::cube(0.02);
   for (auto& triangle : box.triangles) std::swap(triangle[1], triangle[2]);

@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "harness/base/random.h"
+#include "harness/rendering/seam_watch.h"
 #include "harness/testing/tiny_meshes.h"
 #include "renderers/hand_for_test.h"
 #include "synthetic/surface_catalogue.h"
@@ -37,6 +38,41 @@ struct World {
   // Rounding of a position in the shape's own unit, some operations deep.
   static double rounding() { return 64.0 * kEps * 0.1; }
 };
+
+// Two sheets side by side, the right one higher by `step_m`. A tip that slides below the edge of the higher one is
+// lost, and the watch says where; over one that is lower, over the rim and up out of contact it says nothing.
+TEST(GodObject, AWatchSaysWhereATipFallsThroughASeam) {
+  const auto lost = [](double step_m, double to_x, bool up) {
+    TriangleMesh mesh;
+    for (const double x : {-0.03, 0.004}) {
+      const double z = x > 0.0 ? step_m : 0.0;
+      const auto first = static_cast<std::int32_t>(mesh.vertices_W_m.size());
+      const double end = x > 0.0 ? 0.04 : 0.004;
+      for (const Vec3& corner : {Vec3(x, -0.01, z), Vec3(end, -0.01, z), Vec3(end, 0.02, z), Vec3(x, 0.02, z)})
+        mesh.vertices_W_m.push_back(corner);
+      mesh.triangles.push_back({first, first + 1, first + 2});
+      mesh.triangles.push_back({first, first + 2, first + 3});
+    }
+    const auto surface = make_embree_surface(mesh);
+    const auto search = std::make_shared<SeamSearch>(surface);
+    SeamWatch watched(god_object(mesh, kStiffness), search);
+    Hand hand(watched);
+    hand.to({-0.01, 0.003, 0.001});
+    for (double x = -0.01; x < to_x; x += 3e-5) hand.to({x, 0.003, -7e-4});
+    if (up) hand.to({to_x, 0.003, 1e-3});
+    return search->losses();
+  };
+  const SeamLosses found = lost(5e-8, 0.02, false);
+  EXPECT_EQ(found.count, 1U);
+  EXPECT_NEAR(found.first_at_W_m.x(), 0.004, 6e-5);
+  EXPECT_NEAR(found.first_depth_m, 7e-4, 1e-9);
+  EXPECT_NE(seam_warning(found).find("open seam"), std::string::npos);
+  EXPECT_EQ(lost(-5e-8, 0.02, false).count, 0U);
+  EXPECT_EQ(lost(0.0, 0.02, false).count, 0U);
+  EXPECT_EQ(lost(0.0, 0.05, false).count, 0U) << "over the outer rim";
+  EXPECT_EQ(lost(0.0, 0.002, true).count, 0U);
+  EXPECT_EQ(seam_warning({}), "");
+}
 
 TEST(GodObject, PressesAPlaneWithItsStiffnessAlongTheNormalOnly) {
   for (const double scale : unit_scales()) {

@@ -20,6 +20,7 @@
 #include "harness/recording/recording_writer.h"
 #include "harness/rendering/in_trajectory.h"
 #include "harness/rendering/replay.h"
+#include "harness/rendering/seam_watch.h"
 #include "harness/report/evaluation_page.h"
 #include "harness/report/object_view.h"
 #include "harness/report/page_html.h"
@@ -374,6 +375,7 @@ EvaluationResult run_evaluation(const Catalogue& catalogue, const EvaluationRequ
   std::uint64_t done = 0;
   std::uint64_t segments = 0;
   LostContact lost;
+  SeamSearch seams(inputs.surface);
   const auto sink = [&](const TipState& tip, const StepResult& step, double cost_us) {
     const MeasuredStream::Item item = measured.take();
     if (writer) writer->append(tip.t_s, tip.p_W_m, step.contact_W_m, step.f_W_N, step.contact, cost_us);
@@ -385,10 +387,12 @@ EvaluationResult run_evaluation(const Catalogue& catalogue, const EvaluationRequ
     sample.surface_W_m = step.contact ? Vec3(step.contact_W_m - inputs.tip_radius_m * step.n_W)
                                       : Vec3(item.out.p_W_m - inputs.tip_radius_m * item.out.n_W);
     if (item.out.contact && !step.contact && lost.samples++ == 0) lost.first_t_s = tip.t_s;
+    seams.see(tip, step);
     window.add(sample);
     if ((++done & 1023u) == 0) progress.update(done);
   };
   do {
+    seams.restart();
     const std::uint64_t before = done;
     replay(
         comparison.renderer(), [&](TipState& tip) { return measured.next(tip); }, sink, true);
@@ -410,6 +414,8 @@ EvaluationResult run_evaluation(const Catalogue& catalogue, const EvaluationRequ
   result.input = rendered_input(request, inputs, measured.hash());
   add_operation_metrics(catalogue, request, inputs, comparison, result.metrics);
   describe(request, inputs, measured.summary(), lost, segments, result);
+  if (std::string warning = seam_warning(seams.losses()); !warning.empty())
+    result.messages.push_back(std::move(warning));
   if (inputs.floor) add_floor(*inputs.floor, result);
   result.provenance = make_provenance(request.command_line);
   result.provenance.inputs = inputs.files;

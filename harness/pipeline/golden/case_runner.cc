@@ -192,13 +192,26 @@ std::string declared_not_to_move(const RendererEntry& entry, const GoldenCase& g
                      scene.bodies.size());
 }
 
-// Why the case is none for this renderer: the run starts inside the body, and the renderer declares that it cannot.
+double tip_radius_m(const Model& model, const RendererEntry& entry) {
+  const auto set = model.parameters.find("tip_radius_m");
+  if (set != model.parameters.end()) return set->second;
+  const auto found = std::ranges::find(entry.parameters, "tip_radius_m", &ParameterDeclaration::name);
+  return found == entry.parameters.end() ? 0.0 : found->initial;
+}
+
+// Why the case says nothing about this renderer: it takes one object and the case has several that move, its tip is
+// another one, or the run starts inside the body and the renderer declares that it cannot.
 std::string declared_not_to_run(const Catalogues& catalogues, const GoldenCase& golden, const std::string& model,
                                 const ChangeModel& change) {
   if (!change) return "";
   Model described = case_model(golden, model);
+  const double wanted_m = tip_radius_m(described, catalogues.renderers.find(described));
   change(described);
   const RendererEntry& entry = catalogues.renderers.find(described);
+  if (const double rendered_m = tip_radius_m(described, entry); rendered_m != wanted_m) {
+    return fmt::format("the tip is a ball of {:g} m in radius, the case's of {:g} m{}", rendered_m, wanted_m,
+                       wanted_m == 0.0 ? "; is another model the one, as --model god-object-ball?" : "");
+  }
   if (!golden.scene.empty()) return declared_not_to_move(entry, golden);
   const Limitation* const limit = find_limitation(entry.cannot, Ability::start_inside);
   if (limit == nullptr) return "";

@@ -75,7 +75,8 @@ struct CaseCheck {
 // which are held against it as long as the model is the case's own. What does not pass leaves obtained.h5, table.txt,
 // comparison.json and pictures in `out`/<case>/<model>; what passes removes what an earlier failure left.
 // With `ctest` prints measurements.
-// A case whose run starts inside the body is skipped for a renderer that declares that it cannot.
+// Skipped is a case that says nothing about a renderer in the place of the case's own: its tip is another one, or the
+// run starts inside the body and the renderer declares that it cannot.
 CheckResult check_case(const Catalogues& catalogues, const GoldenCase& golden, const std::string& model,
                        const CaseCheck& options);
 

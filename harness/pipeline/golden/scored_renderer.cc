@@ -26,27 +26,6 @@ ChangeModel in_place(const std::shared_ptr<const RendererEntry>& entry, const Sc
   };
 }
 
-double tip_radius_m(const Model& model, const std::vector<ParameterDeclaration>& declared) {
-  const auto set = model.parameters.find("tip_radius_m");
-  if (set != model.parameters.end()) return set->second;
-  const auto found = std::ranges::find(declared, "tip_radius_m", &ParameterDeclaration::name);
-  return found == declared.end() ? 0.0 : found->initial;
-}
-
-// Why the case says nothing about the renderer: its tip is another one. Empty where it is the same.
-std::string another_tip(const Catalogues& catalogues, const GoldenCase& golden, const ScoreRequest& request,
-                        const ChangeModel& change) {
-  Model model = case_model(golden, request.model);
-  const double wanted_m = tip_radius_m(model, catalogues.renderers.find(model).parameters);
-  change(model);
-  const double rendered_m = tip_radius_m(model, model.provided->parameters);
-  if (rendered_m == wanted_m) return "";
-  return fmt::format(
-      "the tip is a ball of {:g} m in radius, the case's of {:g} m; is another model the one, as "
-      "--model god-object-ball?",
-      rendered_m, wanted_m);
-}
-
 // What the table of shapes has a row for.
 std::string shape_of(const GoldenCase& golden) {
   if (!golden.scene.empty()) return "scene";
@@ -61,9 +40,6 @@ diagnosis::CaseScore score_case(const Catalogues& catalogues, const GoldenCase& 
   score.name = golden.name;
   score.shape = shape_of(golden);
   try {
-    score.problem = another_tip(catalogues, golden, request, change);
-    score.skipped = !score.problem.empty();
-    if (score.skipped) return score;
     const CheckResult checked =
         check_case(catalogues, golden, request.model, {request.out / "cases", false, change, request.felt});
     score.problem = checked.skipped;
@@ -124,7 +100,14 @@ diagnosis::Scorecard score_renderer(const Catalogues& catalogues, const std::sha
     card.library_sha256 = sha256_file(entry->library);
   }
   card.options = request.options;
-  card.felt_tolerance_jnd = request.felt.jnd;
+  card.cases_wanted = request.with_cases;
+  card.allowed = request.allowed;
+  for (const std::string& name : request.allowed) {
+    const bool known =
+        std::ranges::find(cases, name, &GoldenCase::name) != cases.end() ||
+        std::ranges::find(diagnosis::detectors(), name, &diagnosis::Detector::name) != diagnosis::detectors().end();
+    if (!known) throw UsageError("--allow " + name + ": neither a fault that is known nor a golden case");
+  }
   const diagnosis::Engine engine = diagnosis::engine_of(*entry, request.facts);
   card.epsilon_m = engine.epsilon_m;
   // A plug-in of version 1 says it by a parameter, as it does its epsilon.
@@ -144,10 +127,6 @@ diagnosis::Scorecard score_renderer(const Catalogues& catalogues, const std::sha
       card.cases.push_back(score_case(catalogues, golden, with_epsilon, in_place(entry, request)));
   }
   return card;
-}
-
-bool clean(const diagnosis::Scorecard& card) {
-  return card.diagnosis.findings.empty() && card.diagnosis.failed.empty();
 }
 
 }  // namespace touchstone::pipeline

@@ -26,8 +26,10 @@ struct ScoreRequest {
   // Of the cases, whose place the renderer takes: what the case sets (stiffness, tip, friction) stays, if the renderer
   // has such a parameter. Cases without the model do not count; where the tip is another one it is a problem.
   std::string model = "god-object";
-  bool cost = true;           // time the steps
-  std::filesystem::path out;  // cases that fail leave what there is to see in `out`/cases
+  bool cost = true;                       // time the steps
+  bool with_cases = true;                 // else the verdict is that of the diagnosis alone
+  std::vector<std::string> allowed = {};  // faults and cases that are known to fail
+  std::filesystem::path out;              // cases that fail leave what there is to see in `out`/cases
 };
 
 // The renderers of these names, the plug-ins' before the program's `own`; without names all of the plug-ins'. Throws
@@ -37,11 +39,9 @@ std::vector<std::shared_ptr<const RendererEntry>> entries_to_score(std::span<con
                                                                    const std::vector<std::string>& names);
 
 // A case that cannot run is a problem in the card, not an error. Throws UsageError if the renderer's stiffness is
-// neither given nor declared, BadData for parameters that it does not declare.
+// neither given nor declared or what is allowed is neither a fault nor a case, BadData for parameters that it does not
+// declare.
 diagnosis::Scorecard score_renderer(const Catalogues& catalogues, const std::shared_ptr<const RendererEntry>& entry,
                                     const ScoreRequest& request, const std::vector<GoldenCase>& cases);
-
-// No fault was found, and every detector could run.
-bool clean(const diagnosis::Scorecard& card);
 
 }  // namespace touchstone::pipeline

@@ -6,6 +6,7 @@
 
 #include <cstdlib>
 
+#include "harness/base/error.h"
 #include "harness/testing/temporary_folder.h"
 #include "renderers/catalogue.h"
 #include "synthetic/generators.h"
@@ -56,12 +57,10 @@ TEST_F(ScoredRenderer, TheCasesOwnRendererPassesAndWhatCannotRunIsAProblem) {
   EXPECT_TRUE(card.cases[0].felt);
   EXPECT_THAT(card.cases[1].problem, HasSubstr("nowhere.obj"));
   EXPECT_FALSE(card.cases[1].felt);
-  EXPECT_TRUE(clean(card)) << diagnosis::scorecard_to_text(card);
+  EXPECT_TRUE(card.diagnosis.findings.empty()) << diagnosis::scorecard_to_text(card);
+  EXPECT_EQ(verdict_of(card), diagnosis::CardVerdict::failed) << "what could not run is not green";
   EXPECT_EQ(card.options, "as given ");
   EXPECT_FALSE(card.cost.has_value());
-  diagnosis::Scorecard found = card;
-  found.diagnosis.findings.push_back({"delay", "", "", 1.0, "samples"});
-  EXPECT_FALSE(clean(found));
 }
 
 // The tip is the case's, 1 mm in all of them, also where another was given for what is no golden case; a case of a
@@ -79,7 +78,14 @@ TEST_F(ScoredRenderer, ABallIsHeldAgainstCasesOfThatBall) {
   EXPECT_TRUE(card.cases[0].exact);
   EXPECT_THAT(card.cases[1].problem, HasSubstr("a ball of 0.002 m in radius, the case's of 0 m"));
   EXPECT_TRUE(card.cases[1].skipped);
-  EXPECT_TRUE(clean(card)) << diagnosis::scorecard_to_text(card);
+  EXPECT_EQ(verdict_of(card), diagnosis::CardVerdict::passed) << diagnosis::scorecard_to_text(card);
+}
+
+// Both know only themselves what they take: a fault, or a case.
+TEST_F(ScoredRenderer, OnlyAFaultOrACaseCanBeAllowed) {
+  ScoreRequest request;
+  request.allowed = {"bad-luck"};
+  EXPECT_THROW(score("god-object", {plane_taps()}, request), UsageError);
 }
 
 }  // namespace

@@ -1,0 +1,108 @@
+// Renderers of the catalogue with a fault planted in their input, their answer or their cost.
+#pragma once
+
+#include <fmt/format.h>
+
+#include <deque>
+#include <functional>
+#include <memory>
+#include <ostream>
+#include <string>
+#include <utility>
+
+#include "harness/diagnosis/engine.h"
+#include "harness/testing/allocation_guard.h"
+#include "renderers/catalogue.h"
+
+namespace touchstone::diagnosis {
+
+// What a fault may remember, and what of the world it may look at.
+struct Memory {
+  std::deque<StepResult> past;
+  std::size_t steps = 0;  // since it was made
+  std::size_t since_reset = 0;
+  double unit = 1.0;
+  std::shared_ptr<const Surface> surface;
+  Vec3 last_tip = Vec3::Zero();
+  double last_t_s = 0.0;
+  StepResult kept;  // what an earlier answer left, and a figure of the fault's own: both from reset to reset
+  double figure = 0.0;
+};
+
+struct Fault {
+  std::string name;
+  std::string caught_by;
+  std::function<void(TipState&, Memory&)> before = {};
+  std::function<void(StepResult&, const TipState&, Memory&)> after = {};
+  std::string renderer = "god-object";
+  std::string parameters = {};
+};
+
+inline void PrintTo(const Fault& fault, std::ostream* out) { *out << fault.name; }
+
+class Faulty final : public Renderer {
+ public:
+  Faulty(const Fault& fault, std::unique_ptr<Renderer> healthy, std::shared_ptr<const Surface> surface, double unit)
+      : fault_(fault), healthy_(std::move(healthy)) {
+    memory_.surface = std::move(surface);
+    memory_.unit = unit;
+  }
+
+ private:
+  void do_reset() override {
+    healthy_->reset();
+    memory_.past.clear();
+    memory_.since_reset = 0;
+    memory_.kept = {};
+    memory_.figure = 0.0;
+  }
+  StepResult do_step(const TipState& tip) noexcept override {
+    TipState seen = tip;
+    if (fault_.before) fault_.before(seen, memory_);
+    StepResult result = healthy_->step(seen);
+    if (fault_.after) fault_.after(result, tip, memory_);
+    memory_.last_tip = tip.p_W_m;
+    memory_.last_t_s = tip.t_s;
+    ++memory_.steps;
+    ++memory_.since_reset;
+    return result;
+  }
+
+  Fault fault_;
+  std::unique_ptr<Renderer> healthy_;
+  Memory memory_;
+};
+
+// The fault in an engine, which may have others.
+inline Engine planted(const Engine& engine, const Fault& fault) {
+  Engine faulty = engine;
+  faulty.name = fault.name;
+  faulty.make = [make = engine.make, fault](const std::shared_ptr<const Surface>& surface, double unit) {
+    return std::unique_ptr<Renderer>(std::make_unique<Faulty>(fault, make(surface, unit), surface, unit));
+  };
+  return faulty;
+}
+
+// In a renderer of the catalogue; its tip is a point.
+inline Engine engine_of(const Fault& fault) {
+  Engine engine;
+  engine.name = fault.name;
+  engine.friction = fault.renderer == "friction-cone" ? 0.4 : 0.0;
+  engine.make = [fault](std::shared_ptr<const Surface> surface, double unit) -> std::unique_ptr<Renderer> {
+    const Model model = parse_model(
+        fmt::format(
+            R"({{"schema": "touchstone-model/1", "renderer": "{}", "parameters": {{"stiffness_N_per_m": {}{}}}}})",
+            fault.renderer, 500.0 / unit, fault.parameters),
+        fault.name);
+    return renderers::make_renderer(model, std::move(surface));
+  };
+  engine.allocations = testing::allocations_on_this_thread;
+  return planted(engine, fault);
+}
+
+inline void nothing_there(StepResult& result, const TipState& tip) {
+  result = StepResult{};
+  result.contact_W_m = tip.p_W_m;
+}
+
+}  // namespace touchstone::diagnosis
