@@ -50,6 +50,19 @@ std::set<std::string> failing_tests(const std::string& fault, const std::string&
   return failed;
 }
 
+// A crash takes the test program with it; the test then says where all the same.
+TEST(PluginCrash, SaysInWhichFunctionAtWhichStepAndWhereTheTipWas) {
+  const auto folder = std::filesystem::path(::testing::TempDir()) / "touchstone-plugin-crash";
+  std::filesystem::create_directories(folder);
+  const Outcome outcome =
+      testing::run_command(fmt::format("{} --plugin={}/CRASHES_IN_STEP.so --gtest_filter='*NoForceInFreeSpace*_cube'",
+                                       environment("TOUCHSTONE_CONFORMANCE"), environment("TOUCHSTONE_TEST_PLUGINS")),
+                           folder);
+  EXPECT_EQ(outcome.status, 1) << outcome.out << outcome.err;
+  EXPECT_THAT(outcome.out, ::testing::AllOf(::testing::HasSubstr("crashed (SIG"), ::testing::HasSubstr("p_W_m")));
+  std::filesystem::remove_all(folder);
+}
+
 struct Fault {
   std::string name;
   std::string caught_by;

@@ -1,11 +1,17 @@
 // touchstone-conformance: the conformance suite of renderers (harness/testing/renderer_conformance.h) on the renderers
 // of a plug-in. They run in this process, so that an allocation in a step is seen.
 #include <gtest/gtest.h>
+#include <signal.h>
+#include <unistd.h>
 
+#include <algorithm>
+#include <array>
 #include <charconv>
 #include <cstdio>
 #include <optional>
+#include <string>
 #include <string_view>
+#include <vector>
 
 #include "harness/base/error.h"
 #include "harness/plugin/plugin.h"
@@ -108,6 +114,52 @@ void choose_subjects(const Options& options) {
   }
 }
 
+// If a renderer crashes in a test, the test runs again in a child process, which can say in which function, at which
+// step and where the tip was: this process becomes that run. Only what a signal handler may do happens there (POSIX,
+// signal-safety: execv), with texts that were made before.
+struct Again {
+  std::vector<std::string> words;
+  std::vector<char*> arguments;
+  std::string filter = std::string("--gtest_filter=") + std::string(longest_name, ' ');
+  static constexpr std::size_t longest_name = 200;
+};
+Again& again() {
+  static Again one;
+  return one;
+}
+
+extern "C" void run_again_in_a_child(int) { ::execv("/proc/self/exe", again().arguments.data()); }
+
+class NamesTheTest : public ::testing::EmptyTestEventListener {
+  void OnTestStart(const ::testing::TestInfo& test) override {
+    const std::string name = std::string(test.test_suite_name()) + "." + test.name();
+    const auto at = again().filter.begin() + std::string_view("--gtest_filter=").size();
+    std::fill(at, again().filter.end(), '\0');
+    std::copy_n(name.begin(), std::min(name.size(), Again::longest_name), at);
+  }
+};
+
+void run_again_if_it_crashes(int argc, char** argv) {
+  Again& prepared = again();
+  for (int i = 0; i < argc; ++i) {
+    const std::string_view word = argv[i];
+    if (!word.starts_with("--gtest_filter") && !word.starts_with("--results")) prepared.words.emplace_back(word);
+  }
+  prepared.words.emplace_back("--in-child");
+  for (std::string& word : prepared.words) prepared.arguments.push_back(word.data());
+  prepared.arguments.push_back(prepared.filter.data());
+  prepared.arguments.push_back(nullptr);
+  // A renderer that ran out of its stack needs another one for the handler.
+  static std::array<char, 1 << 16> other_stack;
+  const stack_t stack{other_stack.data(), 0, other_stack.size()};
+  ::sigaltstack(&stack, nullptr);
+  struct sigaction action {};
+  action.sa_handler = run_again_in_a_child;
+  action.sa_flags = SA_ONSTACK | SA_RESETHAND | SA_NODEFER;
+  for (const int signal : {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT}) ::sigaction(signal, &action, nullptr);
+  ::testing::UnitTest::GetInstance()->listeners().Append(new NamesTheTest);
+}
+
 }  // namespace
 
 TOUCHSTONE_RENDERER_CONFORMANCE(Plugin, subjects());
@@ -130,6 +182,7 @@ int main(int argc, char** argv) {
     std::fprintf(stderr, "touchstone-conformance: %s\n", error.what());
     return static_cast<int>(error.status());
   }
+  if (!options.in_child) run_again_if_it_crashes(argc, argv);
   ::testing::InitGoogleTest(&argc, argv);
   if (options.results.empty()) return RUN_ALL_TESTS();
   ::testing::UnitTest::GetInstance()->listeners().Append(new touchstone::testing::ConformanceRecorder(options.results));

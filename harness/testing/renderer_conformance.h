@@ -405,7 +405,9 @@ TEST_P(RendererConformance, LargeJumpsThroughABodyStayOutside) {
   const double gap = surface()->signed_distance(below.contact_W_m) - subject().tip_radius_m;
   EXPECT_TRUE(!shape().closed || gap >= -1e-9) << gap;
   if (shape().level) {
-    ASSERT_TRUE(below.contact);
+    ASSERT_TRUE(below.contact) << "the tip jumped from 50 mm above the " << shape_name()
+                               << " to 50 mm below it and is let through; a renderer that finds contact by where the "
+                                  "tip is alone declares Ability::large_jumps with the reason";
     EXPECT_GT(below.contact_W_m.z(), -1e-9);
     EXPECT_GT(below.f_W_N.z(), 0.0);
   }
@@ -428,7 +430,9 @@ TEST_P(RendererConformance, SlowPushesThroughAThinShellStayOutside) {
   for (int i = 0; i <= 300; ++i) {
     const StepResult now =
         step(*renderer, static_cast<std::size_t>(i), {0.0013, 0.0021, 0.001 + subject().tip_radius_m - 2e-5 * i});
-    ASSERT_GE(now.f_W_N.z(), last_N) << "5 mm below a shell of 0.2 mm the force still rises; step " << i;
+    ASSERT_GE(now.f_W_N.z(), last_N)
+        << "5 mm below a shell of 0.2 mm the force still rises; step " << i
+        << ". A renderer that cannot hold it declares Ability::thin_shells with the reason";
     last_N = now.f_W_N.z();
   }
   EXPECT_GT(last_N, 0.0);
