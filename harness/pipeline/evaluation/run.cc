@@ -16,6 +16,7 @@
 #include "harness/perception/filters/weber_law.h"
 #include "harness/pipeline/evaluation/counted_cost.h"
 #include "harness/pipeline/evaluation/perceived.h"
+#include "harness/pipeline/evaluation/renderer_residual.h"
 #include "harness/pipeline/evaluation/sensor_window.h"
 #include "harness/recording/recording_writer.h"
 #include "harness/rendering/in_trajectory.h"
@@ -363,9 +364,11 @@ EvaluationResult run_evaluation(const Catalogue& catalogue, const EvaluationRequ
                                 const ErrorSink& errors) {
   const MeasuredRenderer comparison = catalogue.make_measured(inputs.model, inputs.surface);
   Collector collector(request, inputs);
+  RendererResidual residual;
   SensorWindow window(comparison, [&](const ComparedSample& sample) {
     collector.add(sample);
     const MetricSample& m = sample.metric;
+    if (inputs.survey.has_force) residual.add(m);
     if (errors && request.time_ranges.contains(m.t_s, inputs.survey.clock.start_s)) errors(m);
   });
   MeasuredStream measured(request, inputs, comparison);
@@ -416,6 +419,7 @@ EvaluationResult run_evaluation(const Catalogue& catalogue, const EvaluationRequ
   describe(request, inputs, measured.summary(), lost, segments, result);
   if (std::string warning = seam_warning(seams.losses()); !warning.empty())
     result.messages.push_back(std::move(warning));
+  for (std::string& fault : residual.faults()) result.messages.push_back(std::move(fault));
   if (inputs.floor) add_floor(*inputs.floor, result);
   result.provenance = make_provenance(request.command_line);
   result.provenance.inputs = inputs.files;

@@ -1,0 +1,28 @@
+// What is wrong with a renderer, by what it gives beside what was measured: is its force late, cut at a limit, mirrored
+// or with exchanged axes, or missing in single samples? Each is a model of the residual with what mending it gains, and
+// is said only if it gains the most and does so in both halves of the recording. A recording can have the same fault
+// (its clocks, its axes), which the recording's own checks look for (harness/sanity): where both are possible, both are
+// said.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "harness/metrics/metric.h"
+#include "harness/pipeline/pipeline_rooms.h"
+
+namespace touchstone::pipeline {
+
+class RendererResidual {
+ public:
+  // In the order of time; a gap in time may stand between two. Longer recordings are judged by their beginning.
+  void add(const MetricSample& sample);
+  // One sentence for each fault, with the RMS force error before and after; empty where there is none, or too little.
+  [[nodiscard]] std::vector<std::string> faults() const;
+
+ private:
+  std::vector<double> t_s_;
+  std::vector<Vec3> measured_N_, rendered_N_;
+};
+
+}  // namespace touchstone::pipeline

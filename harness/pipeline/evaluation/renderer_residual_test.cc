@@ -1,0 +1,91 @@
+#include "harness/pipeline/evaluation/renderer_residual.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+#include <limits>
+
+#include "harness/base/random.h"
+
+namespace touchstone::pipeline {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+// Presses and strokes of a hand: three slow oscillations that share no period.
+Vec3 force_N(double t) {
+  const double press = 1.5 + std::sin(2.1 * t) + 0.3 * std::sin(17.0 * t);
+  return {0.4 * std::sin(3.3 * t), -0.3 * press * std::cos(1.7 * t), press};
+}
+
+std::vector<std::string> faults_of(const std::function<Vec3(double)>& rendered, double noise_N = 0.01,
+                                   double rate_Hz = 1000.0) {
+  Random random(5);
+  RendererResidual residual;
+  for (int i = 0; i < 8000; ++i) {
+    const double t = i / rate_Hz;
+    MetricSample sample;
+    sample.t_s = t;
+    sample.f_measured_W_N = force_N(t) + noise_N * Vec3(random.normal(), random.normal(), random.normal());
+    sample.f_rendered_W_N = rendered(t);
+    residual.add(sample);
+  }
+  return residual.faults();
+}
+
+TEST(RendererResidual, ARightRendererIsNotAccused) {
+  for (const double rate_Hz : {60.0, 1000.0, 5000.0}) {
+    EXPECT_THAT(faults_of(force_N, 0.01, rate_Hz), IsEmpty());
+    // Nor one that is too soft, without friction, with an offset, or with other noise.
+    EXPECT_THAT(faults_of([](double t) { return Vec3(0.8 * force_N(t)); }, 0.01, rate_Hz), IsEmpty());
+    EXPECT_THAT(faults_of([](double t) { return Vec3(0, 0, force_N(t).z()); }, 0.01, rate_Hz), IsEmpty());
+    EXPECT_THAT(faults_of([](double t) { return Vec3(force_N(t) + Vec3(0.1, 0, 0.2)); }, 0.01, rate_Hz), IsEmpty());
+    EXPECT_THAT(faults_of(force_N, 0.0, rate_Hz), IsEmpty());
+  }
+}
+
+TEST(RendererResidual, ALateOneIsLateBySoMuch) {
+  EXPECT_THAT(faults_of([](double t) { return force_N(t - 0.021); }), ElementsAre(HasSubstr("21.0 ms behind")));
+  EXPECT_THAT(faults_of([](double t) { return force_N(t - 0.005); }, 0.003), ElementsAre(HasSubstr("5.0 ms behind")));
+  // An answer that is held for 16 ms is 8 ms late on the average.
+  EXPECT_THAT(faults_of([](double t) { return force_N(0.016 * std::floor(t / 0.016)); }, 0.003),
+              ElementsAre(HasSubstr("ms behind")));
+}
+
+TEST(RendererResidual, MirroredAndExchangedAxesAreNamed) {
+  EXPECT_THAT(faults_of([](double t) { return Vec3(force_N(t).x(), -force_N(t).y(), force_N(t).z()); }),
+              ElementsAre(HasSubstr("(x, -y, z)")));
+  EXPECT_THAT(faults_of([](double t) { return Vec3(force_N(t).y(), force_N(t).x(), force_N(t).z()); }),
+              ElementsAre(HasSubstr("(y, x, z)")));
+}
+
+TEST(RendererResidual, ALimitIsNamedWithItsAxis) {
+  EXPECT_THAT(faults_of([](double t) {
+                const Vec3 f = force_N(t);
+                return Vec3(f.norm() > 2.0 ? Vec3(2.0 / f.norm() * f) : f);
+              }),
+              ElementsAre(::testing::AllOf(HasSubstr("never exceeds 2 N,"), HasSubstr("cut there"))));
+  EXPECT_THAT(faults_of([](double t) { return Vec3(force_N(t).cwiseMin(1.8).cwiseMax(-1.8)); }),
+              ElementsAre(HasSubstr("1.8 N along z")));
+}
+
+TEST(RendererResidual, MissingSamplesAreCounted) {
+  EXPECT_THAT(
+      faults_of([](double t) { return std::lround(1000.0 * t) % 900 == 450 ? Vec3(Vec3::Zero()) : force_N(t); }),
+      ElementsAre(HasSubstr("In 9 single samples, first at 0.4500 s")));
+}
+
+TEST(RendererResidual, NumbersThatAreNoneAreLeftOut) {
+  EXPECT_THAT(faults_of([](double t) {
+                return t > 4.0 && t < 4.01 ? Vec3(Vec3::Constant(std::numeric_limits<double>::quiet_NaN()))
+                                           : force_N(t);
+              }),
+              IsEmpty());
+}
+
+}  // namespace
+}  // namespace touchstone::pipeline
