@@ -46,6 +46,7 @@ typedef struct touchstone_device_functions {
   void* (*open)(const char* settings, char* message, size_t message_size);
   /* Zero force first; then everything is released. */
   void (*close)(void* device);
+  /* Tells this device from others of the same name: one run at a time has it. */
   const char* (*serial)(void* device);
   /* One servo exchange, within timeout_s: commands the force on the hand and reads the state. */
   int (*exchange)(void* device, const double f_W_N[3], double timeout_s, touchstone_device_state* state, char* message,
