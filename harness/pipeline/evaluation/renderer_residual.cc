@@ -129,6 +129,9 @@ std::optional<Found> find_axes(const Residual& r) {
 // At the limit to rounding in at least 1 % of the samples, where more was measured in nine of ten of them.
 std::optional<Found> find_limit(const Residual& r) {
   constexpr double of_samples = 0.01, same = 1e-9, above = 1.02, in_most = 0.9;
+  constexpr double of_largest = 0.01;  // an axis without force has a largest value, too: of rounding
+  double largest_N = 0.0;
+  for (const Vec3& f : r.rendered_) largest_N = std::max(largest_N, f.norm());
   const auto judge = [&](const auto& size, const std::string& of_what) -> std::optional<Found> {
     double limit = 0.0, largest = 0.0;
     for (const Vec3& f : r.rendered_) limit = std::max(limit, size(f));
@@ -140,7 +143,7 @@ std::optional<Found> find_limit(const Residual& r) {
       more += size(r.measured_[i]) > above * limit ? 1 : 0;
     }
     const auto n = static_cast<double>(r.size());
-    if (!(limit > 0.0) || static_cast<double>(at) < std::max(20.0, of_samples * n) ||
+    if (!(limit > of_largest * largest_N) || static_cast<double>(at) < std::max(20.0, of_samples * n) ||
         static_cast<double>(more) < in_most * static_cast<double>(at))
       return std::nullopt;
     return Found{
