@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "harness/base/error.h"
+#include "harness/perception/judge/replay_path.h"
 #include "harness/stats/quantile.h"
 
 namespace touchstone::perception {
@@ -45,17 +46,6 @@ Smoothed smoothed(const std::vector<double>& x, double rate_Hz, std::size_t m) {
     result.slope_per_s[i] = slope * rate_Hz;
   }
   return result;
-}
-
-// Fourth differences weigh a sample with 1, -4, 6, -4, 1: of white noise their variance is 1 + 16 + 36 + 16 + 1 = 70
-// times its own, and a motion that is a cubic over five samples leaves nothing.
-double white_noise_of(const std::vector<double>& x) {
-  double squares = 0.0;
-  for (std::size_t i = 4; i < x.size(); ++i) {
-    const double fourth = x[i] - 4.0 * x[i - 1] + 6.0 * x[i - 2] - 4.0 * x[i - 3] + x[i - 4];
-    squares += fourth * fourth;
-  }
-  return std::sqrt(squares / (70.0 * static_cast<double>(x.size() - 4)));
 }
 
 void check_felt(const Recording& r) {

@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "harness/perception/fourier.h"
+#include "harness/perception/judge/replay_path.h"
 #include "harness/perception/judge/vibration_scale.h"
 #include "harness/stats/quantile.h"
 
@@ -295,6 +296,7 @@ std::vector<double> tracker_power_N2(const FeltSeries& felt, const Response& res
   const double density = felt.position_noise_m * felt.position_noise_m / (0.5 * felt.rate_Hz);
   const auto n = static_cast<double>(felt.smoothed_samples);
   const double slopes = slope_squares(response);
+  const auto path = felt.replayed_samples > 0 ? parabola_weights(felt.replayed_samples) : std::vector<double>();
   std::vector<double> power;
   for (const double centre : band_centres_Hz()) {
     const double step_Hz = centre * (kHalfBand - 1.0 / kHalfBand) / kSteps;
@@ -304,7 +306,9 @@ std::vector<double> tracker_power_N2(const FeltSeries& felt, const Response& res
       if (f >= 0.5 * felt.rate_Hz) break;
       // What the mean of n samples lets pass.
       const double angle = std::numbers::pi * f / felt.rate_Hz;
-      const double passed = std::sin(n * angle) / (n * std::sin(angle));
+      double passed = std::sin(n * angle) / (n * std::sin(angle));
+      for (std::size_t j = 0; j < path.size(); ++j)
+        passed -= path[j] * std::cos(2.0 * angle * (static_cast<double>(j) - static_cast<double>(path.size() / 2)));
       sum += passed * passed * weight_at(f, centre, thresholds) * step_Hz;
     }
     power.push_back(slopes * density * sum);

@@ -28,7 +28,8 @@ struct FastForce {
   BandPower contact;
   BandPower air;
   // What the tracker's noise brings into the residual in contact, by band: the response's slope times the noise that
-  // smoothing leaves. Nobody feels it.
+  // smoothing leaves in the depth, of a replayed model times the difference of that and the noise of its own path.
+  // Nobody feels it.
   std::vector<double> tracker_N2;
   BandPower onset;
   BandPower between;                 // in contact, later, in windows like those of onset
