@@ -49,7 +49,9 @@ void describe_slow(ChannelEvidence& evidence, const SlowEvidence& found, const T
 
 void describe_vibration(ChannelEvidence& evidence, const VibrationDifference& found) {
   const bool burst = evidence.channel == Channel::transient;
-  const char* const which = burst ? "burst after contact" : "vibration in contact";
+  const char* const which = burst          ? "burst after contact"
+                            : found.in_air ? "vibration in free air"
+                                           : "vibration in contact";
   evidence.what = fmt::format("{} near {:.3g} Hz: {:.2g} N instead of {:.2g} N (felt from {:.2g} N on)", which,
                               found.frequency_Hz, found.rendered_N, found.real_N, found.threshold_N);
   evidence.remedy = fmt::format("bring the {} near {:.3g} Hz to within {:.2g} N of {:.2g} N", which, found.frequency_Hz,
