@@ -68,7 +68,7 @@ std::string why_unknown(Channel channel) {
     case Channel::direction:
       return "the force is too small to have a direction";
     case Channel::friction:
-      return "one of the recordings does not slide";
+      return "at no common depth do both recordings slide to and fro";
     case Channel::vibration:
       return "a recording stays in contact for less than 64 ms at a time, or is too slow";
     case Channel::transient:

@@ -6,7 +6,7 @@ namespace touchstone::perception {
 namespace {
 
 TEST(FalseAlarms, OneProcessRecordedTwiceIsSeldomTwo) {
-  const FalseAlarms alarms = false_alarms({0.005, 0.05}, {1000.0}, {{1.0, 1.0}, {0.7, 1.0}}, 3, 3);
+  const FalseAlarms alarms = false_alarms({0.005, 0.05}, {250.0, 1000.0}, {{1.0, 1.0}, {0.7, 1.0}}, 3, 3);
   EXPECT_LE(alarms.noticed, alarms.pairs / 20) << alarms.pairs << " pairs";
 }
 

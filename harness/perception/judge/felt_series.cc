@@ -140,7 +140,8 @@ FeltSeries felt_series(const Recording& recording, const Vec3& outward) {
   for (std::size_t i = 0; i < n; ++i) {
     const double x = felt.slide_x[i];
     const double y = felt.slide_y[i];
-    const double speed = std::sqrt(x * x + y * y + kRest_m_per_s * kRest_m_per_s);
+    felt.slide_m_per_s.push_back(std::hypot(x, y));
+    const double speed = std::hypot(felt.slide_m_per_s.back(), kRest_m_per_s);
     felt.slide_x[i] = x / speed;
     felt.slide_y[i] = y / speed;
   }
@@ -163,6 +164,7 @@ FeltSeries with_lag(const FeltSeries& felt, double lag_s) {
   shift(felt.rate_of_depth_m_per_s, result.rate_of_depth_m_per_s);
   shift(felt.slide_x, result.slide_x);
   shift(felt.slide_y, result.slide_y);
+  shift(felt.slide_m_per_s, result.slide_m_per_s);
   return result;
 }
 

@@ -20,6 +20,7 @@ struct FeltSeries {
   // hardly shows while sliding.
   std::vector<double> slide_x;
   std::vector<double> slide_y;
+  std::vector<double> slide_m_per_s;  // speed of sliding
   std::vector<double> force_N[3];
   // Standard deviation of the tracker's noise along axis 0 before smoothing, as if white.
   double position_noise_m = 0.0;

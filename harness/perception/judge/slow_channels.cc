@@ -8,10 +8,12 @@
 namespace touchstone::perception {
 namespace {
 
-constexpr double kSlidShare = 0.05;      // of the contact with sliding along an axis: less shows no friction along it
+constexpr double kSlidShare = 0.05;      // of the samples at a depth: less shows no sliding there
+constexpr double kOneWay = 0.9;          // mean direction of sliding: 5 % of the samples slide back
 constexpr double kDirectionForce = 5.0;  // absolute thresholds of force that a direction needs
 
-Vec3 static_force(const ResponseCurves& c, double d, const DepthGrid& grid) {
+Vec3 static_force(const ResponseCurves& c, double d, const DepthGrid& grid, bool with_side = true) {
+  if (!with_side) return {at_depth(c.normal_N, d, grid), 0.0, 0.0};
   return {at_depth(c.normal_N, d, grid), at_depth(c.side_N[0], d, grid), at_depth(c.side_N[1], d, grid)};
 }
 
@@ -20,18 +22,40 @@ bool seen_at(const Response& r, double d) {
   return j < r.knots() && r.seen[j] > 0.0 && (j + 1 >= r.knots() || r.seen[j + 1] > 0.0);
 }
 
+// What the samples at a depth show of the force across.
+struct Sliding {
+  bool slides = false;
+  bool to_and_fro = false;  // so that friction and a steady force across are told apart
+  Vec3 towards = Vec3::Zero();
+};
+
+Sliding sliding_at(const Response& r, double d) {
+  const double share = at_depth(r.slid, d, r.grid);
+  const Vec3 towards(0.0, at_depth(r.slid_towards[0], d, r.grid), at_depth(r.slid_towards[1], d, r.grid));
+  const bool slides = share > kSlidShare;
+  return {slides, slides && towards.norm() < kOneWay, towards};
+}
+
+// Whether the steady forces across of two processes can be compared at a depth: friction hides in them where all
+// sliding went one way.
+bool side_is_known(const Sliding& a, const Sliding& b) {
+  const auto apart = [](const Sliding& s) { return !s.slides || s.to_and_fro; };
+  if (apart(a) && apart(b)) return true;
+  return a.slides && b.slides && !a.to_and_fro && !b.to_and_fro && a.towards.dot(b.towards) > kOneWay * kOneWay;
+}
+
 // Least-squares slope of the force's magnitude.
-double slope_of(const ResponseCurves& c, const std::vector<double>& depths_m, const DepthGrid& grid) {
+double slope_of(const ResponseCurves& c, const std::vector<double>& depths_m, const DepthGrid& grid, bool with_side) {
   double mean_d = 0.0;
   double mean_f = 0.0;
   for (const double d : depths_m) {
     mean_d += d / static_cast<double>(depths_m.size());
-    mean_f += static_force(c, d, grid).norm() / static_cast<double>(depths_m.size());
+    mean_f += static_force(c, d, grid, with_side).norm() / static_cast<double>(depths_m.size());
   }
   double df = 0.0;
   double dd = 0.0;
   for (const double d : depths_m) {
-    df += (d - mean_d) * (static_force(c, d, grid).norm() - mean_f);
+    df += (d - mean_d) * (static_force(c, d, grid, with_side).norm() - mean_f);
     dd += (d - mean_d) * (d - mean_d);
   }
   return dd > 0.0 ? df / dd : 0.0;
@@ -90,19 +114,22 @@ SlowEvidences slow_evidence(const Response& real, const ResponseCurves& real_cur
   if (depths_m.empty()) return evidence;
   const NoticeableSteps steps(thresholds.force);
   const DepthGrid& grid = real.grid;
-  const bool slid[2] = {std::min(real.slid_share[0], rendered.slid_share[0]) > kSlidShare,
-                        std::min(real.slid_share[1], rendered.slid_share[1]) > kSlidShare};
+  bool all_sides_known = true;
   Vec3 real_sum = Vec3::Zero();
   Vec3 rendered_sum = Vec3::Zero();
   double deep = 0.0;
   for (const double d : depths_m) {
-    const Vec3 fr = static_force(real_curves, d, grid);
-    const Vec3 fc = static_force(rendered_curves, d, grid);
+    const Sliding own_sliding = sliding_at(real, d);
+    const Sliding other_sliding = sliding_at(rendered, d);
+    const bool side_known = side_is_known(own_sliding, other_sliding);
+    all_sides_known = all_sides_known && side_known;
+    const Vec3 fr = static_force(real_curves, d, grid, side_known);
+    const Vec3 fc = static_force(rendered_curves, d, grid, side_known);
     const double exponent = depth_exponent(real_curves, d, 0.1 * depths_m.back(), grid);
     keep_larger(at(SlowChannel::force),
                 force_at_depth_jnd(steps(fc.norm()) - steps(fr.norm()), fr.norm(), fc.norm(), exponent, thresholds), d,
                 fr.norm(), fc.norm());
-    if (d >= 0.6 * depths_m.back()) {
+    if (d >= 0.6 * depths_m.back() && side_known) {
       real_sum += fr;
       rendered_sum += fc;
       deep += 1.0;
@@ -120,27 +147,19 @@ SlowEvidences slow_evidence(const Response& real, const ResponseCurves& real_cur
       keep_larger(at(SlowChannel::rate), std::abs(steps(other) - steps(own)), d, sign * (own - fr.x()),
                   sign * (other - fr.x()));
     }
-    if (slid[0] || slid[1]) {
-      double squared = 0.0;
-      double own = 0.0;
-      double other = 0.0;
-      for (std::size_t axis = 0; axis < 2; ++axis) {
-        if (!slid[axis]) continue;
-        const double cr = at_depth(real_curves.friction_N[axis], d, grid);
-        const double cc = at_depth(rendered_curves.friction_N[axis], d, grid);
-        squared += (cc - cr) * (cc - cr);
-        own += cr * cr;
-        other += cc * cc;
-      }
+    if (own_sliding.to_and_fro && other_sliding.to_and_fro) {
+      // Against the motion: a friction that helps it is apart by the sum.
+      const double own = at_depth(real_curves.friction_N, d, grid);
+      const double other = at_depth(rendered_curves.friction_N, d, grid);
       keep_larger(at(SlowChannel::friction),
-                  friction_jnd(std::sqrt(own), std::sqrt(other), std::sqrt(squared), fr.norm(), thresholds), d,
-                  std::sqrt(own), std::sqrt(other));
+                  friction_jnd(std::abs(own), std::abs(other), std::abs(other - own), fr.norm(), thresholds), d,
+                  std::abs(own), std::abs(other));
     }
   }
   if (depths_m.size() >= 3) {
     // Steps of a fraction w each: ratio = (1 + w)^steps.
-    const double kr = slope_of(real_curves, depths_m, grid);
-    const double kc = slope_of(rendered_curves, depths_m, grid);
+    const double kr = slope_of(real_curves, depths_m, grid, all_sides_known);
+    const double kc = slope_of(rendered_curves, depths_m, grid, all_sides_known);
     if (kr > 0.0 && kc > 0.0) {
       at(SlowChannel::stiffness) = {true, std::abs(std::log(kc / kr)) / std::log1p(thresholds.stiffness_fraction),
                                     depths_m.back(), kr, kc};

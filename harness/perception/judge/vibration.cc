@@ -17,7 +17,9 @@ constexpr double kAirMargin_s = 0.024;  // around contact: longer than the smoot
 constexpr std::array<double, 3> kSegments_s{0.256, 0.128, 0.064};
 constexpr std::size_t kWantedSegments = 4;
 
-enum class Phase : unsigned char { air, contact };
+// edge: in contact, but soon after or before the air, or where sliding begins, turns or ends: force that the response
+// does not follow is no vibration there.
+enum class Phase : unsigned char { air, contact, edge };
 
 struct FastParts {
   std::array<std::vector<double>, 3> residual_N;
@@ -151,16 +153,47 @@ class PowerSum {
   std::size_t count_ = 0;
 };
 
+// Makes edges of the samples in contact that are less than `margin` from one that `breaks`.
+template <class Breaks>
+void mark_edges(std::vector<Phase>& phase, std::size_t margin, Breaks breaks) {
+  const std::size_t n = phase.size();
+  std::vector<std::size_t> marks(n + 1, 0);  // how many break before
+  for (std::size_t i = 0; i < n; ++i) marks[i + 1] = marks[i] + (breaks(i) ? 1 : 0);
+  for (std::size_t i = 0; i < n; ++i) {
+    const bool near = marks[std::min(n, i + margin + 1)] > marks[i < margin ? 0 : i - margin];
+    if (near && phase[i] == Phase::contact) phase[i] = Phase::edge;
+  }
+}
+
+// Speeds below this share of the root mean square in contact are a turn of the hand.
+constexpr double kTurning = 0.3;
+constexpr double kSliding_m_per_s = 0.005;  // root mean square: less is a hand at rest
+
 FastParts fast_parts(const FeltSeries& felt, const Response& response) {
   FastParts parts;
   for (auto& axis : parts.residual_N) axis.resize(felt.size());
   parts.phase.resize(felt.size());
+  double squares = 0.0;
+  double in_contact = 0.0;
   for (std::size_t i = 0; i < felt.size(); ++i) {
     const double d = felt.depth_m[i] - response.contact_m;
-    // The band around first contact is neither: a kink is no vibration.
     parts.phase[i] = d >= 0.0 ? Phase::contact : Phase::air;
+    if (d >= 0.0) {
+      squares += felt.slide_m_per_s[i] * felt.slide_m_per_s[i];
+      in_contact += 1.0;
+    }
     const auto expected = expected_force_N(response, felt, response.contact_m, i);
     for (std::size_t a = 0; a < 3; ++a) parts.residual_N[a][i] = felt.force_N[a][i] - expected[a];
+  }
+  // The band around first contact is neither: a kink is no vibration.
+  std::vector<bool> air(felt.size());
+  for (std::size_t i = 0; i < felt.size(); ++i) air[i] = parts.phase[i] == Phase::air;
+  mark_edges(parts.phase, static_cast<std::size_t>(std::round(kOnset_s * felt.rate_Hz)),
+             [&](std::size_t i) { return air[i]; });
+  const double typical_m_per_s = in_contact > 0.0 ? std::sqrt(squares / in_contact) : 0.0;
+  if (typical_m_per_s > kSliding_m_per_s) {
+    mark_edges(parts.phase, static_cast<std::size_t>(std::round(0.5 * kOnset_s * felt.rate_Hz)),
+               [&](std::size_t i) { return felt.slide_m_per_s[i] < kTurning * typical_m_per_s; });
   }
   return parts;
 }
@@ -277,13 +310,13 @@ FastForce fast_force(const FeltSeries& felt, const Response& response, const Thr
   const FastParts parts = fast_parts(felt, response);
   fast.tracker_N2 = tracker_power_N2(felt, response, thresholds);
   const auto onset_length = static_cast<std::size_t>(std::round(kOnset_s * felt.rate_Hz));
-  fast.contact = steady_power(parts, Phase::contact, felt.rate_Hz, onset_length, thresholds);
+  fast.contact = steady_power(parts, Phase::contact, felt.rate_Hz, 0, thresholds);
   const auto air_margin = static_cast<std::size_t>(std::round(kAirMargin_s * felt.rate_Hz));
   fast.air = steady_power(parts, Phase::air, felt.rate_Hz, air_margin, thresholds);
 
   const auto before = static_cast<std::size_t>(std::max(1.0, std::round(kAirBefore_s * felt.rate_Hz)));
   if (onset_length < 8) return fast;
-  fast.between = window_power(parts, Phase::contact, felt.rate_Hz, onset_length, onset_length, thresholds);
+  fast.between = window_power(parts, Phase::contact, felt.rate_Hz, 0, onset_length, thresholds);
   PowerSum sum(felt.rate_Hz, onset_length, false, thresholds);
   std::vector<double> speeds;
   std::size_t air = 0;
