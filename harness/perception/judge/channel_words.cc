@@ -24,6 +24,13 @@ void describe_slow(ChannelEvidence& evidence, const SlowEvidence& found, const T
                                     found.real * (1.0 + thresholds.stiffness_fraction));
       break;
     case Channel::rate:
+      if (found.delay) {
+        evidence.what = fmt::format("the force comes {:.3g} ms after the motion instead of {:.3g} ms",
+                                    1e3 * found.rendered, 1e3 * found.real);
+        evidence.remedy =
+            fmt::format("bring the delay to within {:.3g} ms of {:.3g} ms", 1e3 * thresholds.delay_s, 1e3 * found.real);
+        break;
+      }
       evidence.what = fmt::format(
           "{:+.3g} N with the speed of pressing instead of {:+.3g} N at {:.3g} mm: {}", found.rendered, found.real,
           depth_mm, found.rendered < found.real ? "force behind motion, or too little damping" : "too much damping");
@@ -43,6 +50,7 @@ void describe_slow(ChannelEvidence& evidence, const SlowEvidence& found, const T
     case Channel::vibration:
     case Channel::transient:
     case Channel::position:
+    case Channel::air:
       break;
   }
 }
@@ -56,6 +64,14 @@ void describe_vibration(ChannelEvidence& evidence, const VibrationDifference& fo
                               found.frequency_Hz, found.rendered_N, found.real_N, found.threshold_N);
   evidence.remedy = fmt::format("bring the {} near {:.3g} Hz to within {:.2g} N of {:.2g} N", which, found.frequency_Hz,
                                 found.allowed_N, found.real_N);
+}
+
+void describe_air(ChannelEvidence& evidence, const AirDifference& found, const Thresholds& thresholds) {
+  evidence.what = fmt::format("{} {:.2g} N instead of {:.2g} N (felt from {:.2g} N on)",
+                              found.release ? "leaving contact pulls with" : "a force in free air of", found.rendered_N,
+                              found.real_N, thresholds.force.absolute_threshold);
+  evidence.remedy = fmt::format("bring it to within {:.2g} N of {:.2g} N",
+                                thresholds.force.just_noticeable_difference(found.real_N), found.real_N);
 }
 
 std::string why_unknown(Channel channel) {
@@ -75,6 +91,8 @@ std::string why_unknown(Channel channel) {
       return "a recording begins contact from free air fewer than three times";
     case Channel::position:
       return "a recording shows no first contact";
+    case Channel::air:
+      return "a recording shows less than 0.2 s of free air and fewer than two releases";
   }
   return {};
 }

@@ -233,13 +233,13 @@ double residual_squares_N2(const Response& response, const FeltSeries& felt) {
   return squares;
 }
 
-double apparent_lag_s(const Response& response) {
+double apparent_lag_s(const Response& response, const ResponseCurves& curves) {
   // A force that is late by the lag is a(d(t - lag)) = a(d) - lag a'(d) d' to first order, so that the part of the rate
   // is b = -lag a'. Least squares over the stretches between knots: lag = -sum w a' b / sum w a'^2. The weight is the
   // information that the samples have on b: its normal equation holds the sum of their d'^2, `seen` times the mean
   // square.
-  const auto& a = response.curves.normal_N;
-  const auto& b = response.curves.normal_N_s_per_m;
+  const auto& a = curves.normal_N;
+  const auto& b = curves.normal_N_s_per_m;
   double product = 0.0;
   double squares = 0.0;
   for (std::size_t j = 0; j + 1 < response.knots(); ++j) {

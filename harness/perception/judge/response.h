@@ -71,7 +71,7 @@ double residual_squares_N2(const Response& response, const FeltSeries& felt);
 
 // The delay that the rate's part of the force amounts to: b = -lag a' at every depth, by least squares; below 0 for
 // damping.
-double apparent_lag_s(const Response& response);
+double apparent_lag_s(const Response& response, const ResponseCurves& curves);
 
 // Straight between knots; held beyond the last.
 double at_depth(const std::vector<double>& curve, double depth_m, const DepthGrid& grid);

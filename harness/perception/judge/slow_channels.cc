@@ -64,7 +64,7 @@ double slope_of(const ResponseCurves& c, const std::vector<double>& depths_m, co
 void keep_larger(SlowEvidence& evidence, double jnd, double depth_m, double real, double rendered) {
   evidence.known = true;
   if (!(jnd > evidence.jnd)) return;
-  evidence = {true, jnd, depth_m, real, rendered};
+  evidence = {true, jnd, depth_m, real, rendered, false};
 }
 
 }  // namespace
@@ -135,17 +135,17 @@ SlowEvidences slow_evidence(const Response& real, const ResponseCurves& real_cur
       deep += 1.0;
     }
     const double v = std::min(at_depth(real.speed_m_per_s, d, grid), at_depth(rendered.speed_m_per_s, d, grid));
-    // The same object with the delay and the damping of either: force on the way in (+) and out (-).
-    // While the depth changes at the rate +v or -v, a delayed force is that of the depth v lag earlier on the way.
-    const auto in_motion = [&](const ResponseCurves& c, double lag_s, double sign) {
-      const double delayed = std::max(0.0, at_depth(real_curves.normal_N, d - sign * v * lag_s, grid));
-      return delayed + sign * v * at_depth(c.normal_N_s_per_m, d, grid);
-    };
+    // The same object with the damping of either: force on the way in (+) and out (-). An error of the observer's of
+    // the rate, as large as that of the depth, arrives in the force as far as the force goes with the rate.
+    const double steady = at_depth(real_curves.normal_N, d, grid);
+    const double own_rate = v * at_depth(real_curves.normal_N_s_per_m, d, grid);
+    const double other_rate = v * at_depth(rendered_curves.normal_N_s_per_m, d, grid);
     for (const double sign : {1.0, -1.0}) {
-      const double own = in_motion(real_curves, real.lag_s, sign);
-      const double other = in_motion(rendered_curves, rendered.lag_s, sign);
-      keep_larger(at(SlowChannel::rate), std::abs(steps(other) - steps(own)), d, sign * (own - fr.x()),
-                  sign * (other - fr.x()));
+      const double own = steady + sign * own_rate;
+      const double other = steady + sign * other_rate;
+      const double both = own != 0.0 ? std::hypot(exponent * steady, own_rate) / std::abs(own) : 0.0;
+      keep_larger(at(SlowChannel::rate), force_at_depth_jnd(steps(other) - steps(own), own, other, both, thresholds), d,
+                  own_rate, other_rate);
     }
     if (own_sliding.to_and_fro && other_sliding.to_and_fro) {
       // Against the motion: a friction that helps it is apart by the sum.
@@ -156,20 +156,30 @@ SlowEvidences slow_evidence(const Response& real, const ResponseCurves& real_cur
                   std::abs(own), std::abs(other));
     }
   }
+  // A delay that the lag of a response took out is told by its length, whatever force it displaces.
+  const auto delay_of = [](const Response& r, const ResponseCurves& c) {
+    return r.lag_s > 0.0 ? std::max(0.0, r.lag_s + apparent_lag_s(r, c)) : 0.0;
+  };
+  const double own_s = delay_of(real, real_curves);
+  const double other_s = delay_of(rendered, rendered_curves);
+  const double delay_jnd = std::abs(other_s - own_s) / thresholds.delay_s;
+  SlowEvidence& rate = at(SlowChannel::rate);
+  if (delay_jnd > rate.jnd) rate = {true, delay_jnd, depths_m.back(), own_s, other_s, true};
   if (depths_m.size() >= 3) {
     // Steps of a fraction w each: ratio = (1 + w)^steps.
     const double kr = slope_of(real_curves, depths_m, grid, all_sides_known);
     const double kc = slope_of(rendered_curves, depths_m, grid, all_sides_known);
     if (kr > 0.0 && kc > 0.0) {
-      at(SlowChannel::stiffness) = {true, std::abs(std::log(kc / kr)) / std::log1p(thresholds.stiffness_fraction),
-                                    depths_m.back(), kr, kc};
+      at(SlowChannel::stiffness) = {
+          true, std::abs(std::log(kc / kr)) / std::log1p(thresholds.stiffness_fraction), depths_m.back(), kr, kc,
+          false};
     }
   }
   const double least = kDirectionForce * thresholds.force.absolute_threshold;
   if (deep > 0.0 && real_sum.norm() / deep > least && rendered_sum.norm() / deep > least) {
     // tan = |a x b| / (a . b): exact also where the angle is small, unlike the inverse cosine.
     const double angle = std::atan2(real_sum.cross(rendered_sum).norm(), real_sum.dot(rendered_sum));
-    at(SlowChannel::direction) = {true, angle / thresholds.direction_rad, depths_m.back(), 0.0, angle};
+    at(SlowChannel::direction) = {true, angle / thresholds.direction_rad, depths_m.back(), 0.0, angle, false};
   }
   return evidence;
 }
