@@ -34,6 +34,11 @@ struct FeltSeries {
   [[nodiscard]] double t_s(std::size_t i) const noexcept { return start_s + static_cast<double>(i) / rate_Hz; }
 };
 
+// The outward direction of pressing: of the mean force in contact, without the friction that one way of sliding leaves
+// in it where a hand slides more that way than back (a tilt of 5 degrees makes 3 mm of depth of a stroke of 40 mm).
+// Throws BadData where the force has no direction.
+Vec3 pressing_direction(const Recording& recording);
+
 // Positions and velocities are means and slopes over 20 ms, so that a tracker's noise does not look like a vibration
 // of the object. Samples are interpolated to an even clock if an interval differs from the median by more than 5 %.
 // Throws BadData for no force, values that are not finite, time that does not advance, a hole of more than 20

@@ -57,6 +57,26 @@ TEST(Sliding, ATurnOfTheWorldIsNoDifference) {
   }
 }
 
+// Two strokes one way and one back leave friction in the mean force; it is no direction of pressing.
+TEST(Sliding, TheDirectionOfPressingIsNotThatOfTheFriction) {
+  for (const double mu : {0.0, 0.3, 0.8}) {
+    Recording recording = planted({.friction = mu, .slides = true}, 5);
+    // Without every other way back of the strokes.
+    Recording kept;
+    kept.source = recording.source;
+    for (std::size_t i = 10; i + 10 < recording.size(); ++i) {
+      const bool back = recording.motion.p_W_m[i + 10].x() < recording.motion.p_W_m[i - 10].x();
+      if (back && i % 2000 < 1000) continue;
+      kept.motion.t_s.push_back(0.001 * static_cast<double>(kept.size()));
+      kept.motion.p_W_m.push_back(recording.motion.p_W_m[i]);
+      kept.f_W_N.push_back(recording.f_W_N[i]);
+    }
+    const auto off = [](const Vec3& direction) { return std::acos(std::min(1.0, direction.z())); };
+    EXPECT_LT(off(pressing_direction(kept)), 0.25 * off(press_direction(kept)) + 0.1 * kDegree) << mu;
+    EXPECT_GE(off(press_direction(kept)), mu > 0.0 ? 2.0 * kDegree : 0.0) << mu;
+  }
+}
+
 // Another load is another hand.
 TEST(Sliding, TheHandIsNotJudged) {
   const PlantedProcess real{.friction = 0.3, .slides = true};

@@ -100,7 +100,8 @@ JudgedFiles judge_files(const Catalogue& catalogue, const PerceiveRequest& reque
   JudgedFiles result;
   result.options = judge_options(request.judge);
   const Recording real = read_recording(request, request.real);
-  const Vec3 outward = press_direction_of(request.direction, real);
+  const Vec3 outward =
+      request.direction == "force" ? pc::pressing_direction(real) : press_direction_of(request.direction, real);
   const PerceiveSources sources = perceive_sources(catalogue, request, real);
   result.notes = sources.notes;
   result.provenance = make_provenance(request.command_line);
