@@ -84,26 +84,28 @@ TEST(FeltInAir, AForceThatBothHaveIsNoDifference) {
 }
 
 // The force of `lag` ago, by whole samples.
-Judgement late(int samples) {
+Judgement late(int samples, double pace) {
   return changed(
       [samples](Recording& r) {
         const auto force = r.f_W_N;
         for (std::size_t i = 0; i < r.size(); ++i)
           r.f_W_N[i] = force[i < static_cast<std::size_t>(samples) ? 0 : i - static_cast<std::size_t>(samples)];
       },
-      {.k_N_per_m = 500.0, .tracker_m = 0.0, .rate_Hz = 1000.0, .pace = 1.4}, 71);
+      {.k_N_per_m = 500.0, .tracker_m = 0.0, .rate_Hz = 1000.0, .pace = pace}, 71);
 }
 
 // Rank, Shi, Mueller and Hirche (2010): 36 ms are just noticed; every real device has 1 to 2.
 TEST(Delay, GrowsWithTheDelayAndIsOneAtItsThreshold) {
-  double before = 0.0;
-  for (const int ms : {0, 1, 2, 3, 5, 9, 18, 36, 54}) {
-    const auto judgement = late(ms);
-    EXPECT_GE(judgement.d_prime, before - 0.02) << ms;
-    const double rate = judgement.channels[static_cast<std::size_t>(Channel::rate)].jnd;
-    EXPECT_NEAR(rate, ms / 36.0, 0.03 + 0.1 * ms / 36.0) << ms;
-    EXPECT_LT(judgement.d_prime, ms <= 5 ? 0.5 : 3.0) << ms;
-    before = judgement.d_prime;
+  for (const double pace : {0.7, 1.4, 2.8}) {
+    double before = 0.0;
+    for (const int ms : {0, 1, 2, 3, 4, 5, 9, 18, 36, 54}) {
+      const auto judgement = late(ms, pace);
+      EXPECT_GE(judgement.d_prime, before - 0.02) << ms << " ms, pace " << pace;
+      const double rate = judgement.channels[static_cast<std::size_t>(Channel::rate)].jnd;
+      EXPECT_NEAR(rate, ms / 36.0, 0.03 + 0.1 * ms / 36.0) << ms << " ms, pace " << pace;
+      EXPECT_LT(judgement.d_prime, ms <= 5 ? 0.5 : 3.0) << ms << " ms, pace " << pace;
+      before = judgement.d_prime;
+    }
   }
 }
 

@@ -51,22 +51,35 @@ JudgedProcess judged_process(FeltSeries felt, const Thresholds& thresholds, cons
   process.prompt_depth_m = process.felt.depth_m;
   process.prompt_slide_x = process.felt.slide_x;
   if (!process.response) return process;
-  // Steps of a secant: the delay that is left after each. Kept only if the force is explained better.
-  double lag_s = 0.0;
+  // Steps of a secant: the delay that is left after each, halved until less of it is left. The residuals are of two
+  // contacts, which a delay displaces: one that is no delay leaves clearly more.
+  constexpr double kAsWell = 1.25;
   const FeltSeries prompt = process.felt;
-  for (int step = 0; step < 4; ++step) {
-    const double more_s = apparent_lag_s(*process.response, process.response->curves);
-    if (!(std::abs(more_s) > kSettled_s) || !(lag_s + more_s > 0.0) || lag_s + more_s > kLongestLag_s) break;
-    lag_s += more_s;
+  const auto take_out = [&](double lag_s) {
     FeltSeries lagged = with_lag(prompt, lag_s);
     const auto contact = contact_of(lagged);
     auto response = fit_response(lagged, contact, own);
     const double before_N2 = residual_squares_N2(*process.response, process.felt);
-    if (!response || !(residual_squares_N2(*response, lagged) < before_N2)) break;
+    if (!response || !(residual_squares_N2(*response, lagged) < kAsWell * before_N2)) return false;
+    const double left_s = std::abs(apparent_lag_s(*response, response->curves));
+    if (!(left_s < std::abs(apparent_lag_s(*process.response, process.response->curves)))) return false;
     response->lag_s = lag_s;
     process.response = std::move(response);
     process.contact = contact;
     process.felt = std::move(lagged);
+    return true;
+  };
+  constexpr int kSteps = 6;
+  bool better = true;
+  for (int step = 0; step < kSteps && better; ++step) {
+    const double before_s = process.response->lag_s;
+    double more_s = apparent_lag_s(*process.response, process.response->curves);
+    better = false;
+    for (int half = 0; half < kSteps && !better; ++half, more_s *= 0.5) {
+      const double lag_s = before_s + more_s;
+      if (!(std::abs(more_s) > kSettled_s)) break;
+      if (lag_s > 0.0 && lag_s <= kLongestLag_s) better = take_out(lag_s);
+    }
   }
   process.fast = fast_force(process.felt, *process.response, thresholds);
   process.air = free_air(process.felt, *process.response);
