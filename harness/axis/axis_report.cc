@@ -49,7 +49,8 @@ std::string reversal_words(AxisReversal reversal) {
 
 }  // namespace
 
-std::vector<std::string> axis_remarks(const AxisFit& fit, const AxisWords& words, std::optional<double> floor) {
+std::vector<std::string> axis_remarks(const AxisFit& fit, const AxisWords& words,
+                                      const std::optional<AxisFloor>& floor) {
   std::vector<std::string> remarks;
   if (fit.reversed) {
     remarks.push_back(
@@ -83,15 +84,16 @@ std::vector<std::string> axis_remarks(const AxisFit& fit, const AxisWords& words
   }
   if (floor) {
     remarks.push_back(
-        fit.after > *floor
-            ? fmt::format("the held-out error is {:.3g} times what a repeat differs by, {:.4g} {}", fit.after / *floor,
-                          *floor, words.load_unit)
-            : fmt::format("the held-out error is within what a repeat differs by, {:.4g} {}", *floor, words.load_unit));
+        fit.after > floor->within
+            ? fmt::format("the held-out error is {:.3g} times what one recording does not repeat, {:.4g} {}",
+                          fit.after / floor->value, floor->value, words.load_unit)
+            : fmt::format("the held-out error is within what one recording does not repeat, {:.4g} {}", floor->value,
+                          words.load_unit));
   }
   return remarks;
 }
 
-std::string axis_text(const AxisFit& fit, const AxisWords& words, std::optional<double> floor) {
+std::string axis_text(const AxisFit& fit, const AxisWords& words, const std::optional<AxisFloor>& floor) {
   std::string text = axis_values(fit, words);
   for (const std::string& remark : axis_remarks(fit, words, floor)) text += remark + "\n";
   return text;
@@ -125,7 +127,7 @@ std::string axis_values(const AxisFit& fit, const AxisWords& words) {
   return text;
 }
 
-std::string axis_json(const AxisFit& fit, const AxisWords& words, std::optional<double> floor) {
+std::string axis_json(const AxisFit& fit, const AxisWords& words, const std::optional<AxisFloor>& floor) {
   nlohmann::ordered_json j{{"schema", "touchstone-axis/1"},
                            {"place", {{"name", words.place}, {"unit", words.place_unit}}},
                            {"load", {{"name", words.load}, {"unit", words.load_unit}}}};
@@ -150,7 +152,7 @@ std::string axis_json(const AxisFit& fit, const AxisWords& words, std::optional<
                 {"dry_left", fit.dry_left},
                 {"viscous", fit.viscous_alone},
                 {"viscous_left", fit.viscous_left}};
-  if (floor) j["repeat_floor"] = *floor;
+  if (floor) j["repeat_floor"] = floor->value;
   j["remarks"] = axis_remarks(fit, words, floor);
   return j.dump(1) + "\n";
 }

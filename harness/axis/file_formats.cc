@@ -40,7 +40,7 @@ constexpr auto axis_fields = std::to_array<FormatField>({
     {"alone.dry_left", "number or null", "load's unit", "held-out error with it"},
     {"alone.viscous", "number or null", "load's unit per speed", "its coefficient"},
     {"alone.viscous_left", "number or null", "load's unit", "held-out error with it"},
-    {"repeat_floor?", "number or null", "load's unit", "RMS difference of a repeated recording"},
+    {"repeat_floor?", "number or null", "load's unit", "RMS difference of a repeated recording over the root of 2"},
     {"remarks", "list of texts", "", "what the reader must know"},
 });
 

@@ -97,7 +97,7 @@ constexpr auto findings_fields = std::to_array<FormatField>({
     {"gap.holdout.means_over?", "whole number", "", "the errors are of means over this many samples"},
     {"gap.holdout.single_samples?", "object", "", "the errors of single samples", &before_after},
     {"gap.noise_floor", "number or null", "N", "RMS error that noise alone makes"},
-    {"gap.repeat_floor?", "number or null", "N", "RMS difference of a repeated recording"},
+    {"gap.repeat_floor?", "number or null", "N", "RMS difference of a repeated recording over the root of 2"},
     {"gap.fresh_process_after?", "number or null", "N", "held-out error computed again by another process"},
     {"gap.shares", "list of objects", "", "what each effect explains"},
     {"gap.shares[].name", "text", "", "an effect, or several together"},

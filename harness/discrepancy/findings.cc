@@ -118,9 +118,9 @@ void hold_against_repeat(Findings& findings) {
   const ForceGap& gap = findings.gap;
   if (!gap.repeat_floor_N || findings.search.data_fault) return;
   const double floor_N = *gap.repeat_floor_N;
-  if (gap.holdout_after_N > floor_N) {
+  if (gap.holdout_after_N > std::max(floor_N, gap.repeat_within_N)) {
     findings.explanation +=
-        fmt::format(" The held-out error of {:.4g} N is {:.3g} times what a repeat differs by, {:.4g} N.",
+        fmt::format(" The held-out error of {:.4g} N is {:.3g} times what one recording does not repeat, {:.4g} N.",
                     gap.holdout_after_N, gap.holdout_after_N / floor_N, floor_N);
     return;
   }
@@ -134,8 +134,9 @@ void hold_against_repeat(Findings& findings) {
             ? "Nothing is missing that this object repeats."
             : fmt::format("With {} nothing is missing that this object repeats.", names(findings.search.found)));
   }
-  findings.explanation += fmt::format(" The held-out error of {:.4g} N is within what a repeat differs by, {:.4g} N.",
-                                      gap.holdout_after_N, floor_N);
+  findings.explanation +=
+      fmt::format(" The held-out error of {:.4g} N is within what one recording does not repeat, {:.4g} N.",
+                  gap.holdout_after_N, floor_N);
 }
 
 // "coulomb-friction explains 41 % of the disagreement, stiffness-map 32 %; 0.19 N of 0.44 N is left, noise gives 0.11

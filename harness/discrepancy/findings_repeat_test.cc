@@ -33,7 +33,7 @@ TEST(FindingsRepeat, AboveTheFloorItIsSaidHowManyTimes) {
   Findings f = left_over(0.05);
   conclude(f, {});
   EXPECT_EQ(f.verdict, FindingsVerdict::unexplained);
-  EXPECT_THAT(f.explanation, HasSubstr("0.1 N is 2 times what a repeat differs by, 0.05 N"));
+  EXPECT_THAT(f.explanation, HasSubstr("0.1 N is 2 times what one recording does not repeat, 0.05 N"));
 }
 
 TEST(FindingsRepeat, WithinTheFloorNothingIsMissing) {
@@ -42,7 +42,7 @@ TEST(FindingsRepeat, WithinTheFloorNothingIsMissing) {
   EXPECT_EQ(f.verdict, FindingsVerdict::consistent);
   EXPECT_THAT(f.explanation,
               HasSubstr("Nothing is missing that this object repeats. The noise of the sensor alone is "
-                        "less. The held-out error of 0.1 N is within what a repeat differs by, 0.12 N."));
+                        "less. The held-out error of 0.1 N is within what one recording does not repeat, 0.12 N."));
   Findings exactly = left_over(0.10);
   conclude(exactly, {});
   EXPECT_EQ(exactly.verdict, FindingsVerdict::consistent);
@@ -101,7 +101,7 @@ TEST(FindingsRepeat, WithinTheFloorOtherVerdictsStay) {
   conclude(consistent, {});
   EXPECT_EQ(consistent.verdict, FindingsVerdict::consistent);
   EXPECT_THAT(consistent.explanation, HasSubstr("as the noise does"));
-  EXPECT_THAT(consistent.explanation, HasSubstr("within what a repeat differs by"));
+  EXPECT_THAT(consistent.explanation, HasSubstr("within what one recording does not repeat"));
   Findings explained = left_over(0.12, 1.0);
   explained.search.found = {effect("coulomb-friction")};
   conclude(explained, {});
@@ -115,7 +115,7 @@ TEST(FindingsRepeat, WithinTheFloorOtherVerdictsStay) {
   alike.search.found.front().rivals = {rival};
   conclude(alike, {});
   EXPECT_EQ(alike.verdict, FindingsVerdict::not_identifiable);
-  EXPECT_THAT(alike.explanation, HasSubstr("within what a repeat differs by"));
+  EXPECT_THAT(alike.explanation, HasSubstr("within what one recording does not repeat"));
 }
 
 TEST(FindingsRepeat, ALineAndAValueHardToBelieveStayOpenWithinTheFloor) {
@@ -130,7 +130,7 @@ TEST(FindingsRepeat, ALineAndAValueHardToBelieveStayOpenWithinTheFloor) {
   conclude(line, {});
   EXPECT_EQ(line.verdict, FindingsVerdict::unexplained);
   EXPECT_THAT(line.explanation, HasSubstr("mains hum of 60"));
-  EXPECT_THAT(line.explanation, HasSubstr("within what a repeat differs by"));
+  EXPECT_THAT(line.explanation, HasSubstr("within what one recording does not repeat"));
   Findings question = left_over(0.12, 1.0);
   question.search.found = {effect("pre-sliding")};
   question.search.questions = {{"pre-sliding", "it is longer than the tip"}};

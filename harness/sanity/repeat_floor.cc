@@ -6,10 +6,12 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 #include "harness/base/error.h"
 #include "harness/recording/recording_file.h"
 #include "harness/sanity/at_times.h"
+#include "harness/stats/distributions.h"
 
 namespace touchstone::sanity {
 namespace {
@@ -19,6 +21,7 @@ constexpr std::size_t stretch_count = 10;
 struct Difference {
   double force = 0.0, position = std::numeric_limits<double>::infinity(), shared_s = 0.0;
   double steadiest = 0.0, least_steady = 0.0;  // force, of the stretches that hold samples
+  double mean_square_error = 0.0;              // of the force's mean square, by its spread over the stretches
 };
 
 // Times count from the first sample of each: the second begins when its operator pressed the button.
@@ -40,13 +43,16 @@ Difference difference_at(const Recording& a, const Recording& b, double shift_s,
   }
   if (n == 0) return {};
   const auto count = static_cast<double>(n);
-  Difference d{std::sqrt(force / count), std::sqrt(position / count), last - first, 0.0, 0.0};
+  Difference d{std::sqrt(force / count), std::sqrt(position / count), last - first, 0.0, 0.0, 0.0};
   d.steadiest = std::numeric_limits<double>::infinity();
   for (std::size_t k = 0; k < stretch_count; ++k) {
     if (counts[k] == 0) continue;
     const double rms = std::sqrt(squares[k] / static_cast<double>(counts[k]));
     d.steadiest = std::min(d.steadiest, rms), d.least_steady = std::max(d.least_steady, rms);
+    // A mean of unequal stretches, each weighed by its samples: its variance is the sum of the squared deviations.
+    d.mean_square_error += std::pow((squares[k] - static_cast<double>(counts[k]) * force / count) / count, 2);
   }
+  d.mean_square_error = std::sqrt(d.mean_square_error);
   return d;
 }
 
@@ -66,7 +72,7 @@ std::string RepeatFloor::text() const {
 
 std::string RepeatFloor::verdict(double error_N) const {
   const std::string floor = fmt::format("the floor of {:.3g} N that the repeat {} gives", force_N, source);
-  if (!(error_N > force_N)) return "within " + floor;
+  if (!(error_N > within_N)) return "within " + floor;
   return fmt::format("{:.3g} times {}", error_N / force_N, floor);
 }
 
@@ -104,8 +110,17 @@ RepeatFloor repeat_floor(const Recording& first, const Recording& second) {
                     "{:.3g} s of {:.3g} s; a second run of the same motion was expected",
                     second.source, first.source, d.position, extent, d.shared_s, duration_s));
   }
-  return {d.force,     d.position,     shift_s,    difference_at(first, second, 0.0, 1).force,
-          d.steadiest, d.least_steady, d.shared_s, std::filesystem::path(second.source).filename().string()};
+  constexpr double of_one = 1.0 / std::numbers::sqrt2;
+  const double chance = stats::student_t_975(static_cast<double>(stretch_count - 1)) * d.mean_square_error;
+  return {of_one * d.force,
+          of_one * std::sqrt(d.force * d.force + chance),
+          of_one * d.position,
+          shift_s,
+          of_one * difference_at(first, second, 0.0, 1).force,
+          of_one * d.steadiest,
+          of_one * d.least_steady,
+          d.shared_s,
+          std::filesystem::path(second.source).filename().string()};
 }
 
 RepeatFloor repeat_floor_of_files(const std::filesystem::path& first, const std::filesystem::path& second) {

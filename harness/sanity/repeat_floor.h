@@ -1,5 +1,9 @@
 // Two recordings of the same motion: what differs is what instrument and object do not repeat. It is the floor that
 // errors of a model are held against: a smaller error is chance, a larger one can be explained.
+//
+// The difference holds what both recordings do not repeat; a model is held against one of them. If both do so alike and
+// independently, each has half of the mean square: the floor is the root mean square difference over the root of 2
+// (duplicate measurements, ISO 5725-2: 1994, 7.4).
 #pragma once
 
 #include <filesystem>
@@ -11,11 +15,12 @@
 namespace touchstone::sanity {
 
 struct RepeatFloor {
-  double force_N = 0.0;                            // RMS of the difference of the forces as vectors, at equal times
-  double position_m = 0.0;                         // RMS of the difference of the positions
+  double force_N = 0.0;   // RMS of the difference of the forces as vectors, at equal times, over the root of 2
+  double within_N = 0.0;  // up to here an error is as large as the floor by chance: 95 %, by how tenths of time differ
+  double position_m = 0.0;                         // RMS of the difference of the positions, over the root of 2
   double shift_s = 0.0;                            // by which the second is late; taken out
-  double unshifted_N = 0.0;                        // the RMS of the forces if that is not taken out
-  double steadiest_N = 0.0, least_steady_N = 0.0;  // of ten equal stretches of time, the smallest and the largest RMS
+  double unshifted_N = 0.0;                        // force_N if that is not taken out
+  double steadiest_N = 0.0, least_steady_N = 0.0;  // force_N of ten equal stretches of time
   double shared_s = 0.0;                           // time that both cover
   std::string source;                              // the second recording
 

@@ -30,4 +30,8 @@ double f_tail(double x, double numerator, double denominator) {
   return boost::math::cdf(boost::math::complement(fisher, std::max(x, 0.0)));
 }
 
+double f_quantile(double p, double numerator, double denominator) {
+  return boost::math::quantile(boost::math::fisher_f(numerator, denominator), p);
+}
+
 }  // namespace touchstone::stats

@@ -18,5 +18,7 @@ double student_t_975(double degrees);
 
 // P(X >= x) for Fisher's F with `numerator` and `denominator` > 0 degrees of freedom.
 double f_tail(double x, double numerator, double denominator);
+// The x with P(X <= x) = p for Fisher's F, 0 < p < 1.
+double f_quantile(double p, double numerator, double denominator);
 
 }  // namespace touchstone::stats

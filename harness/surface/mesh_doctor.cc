@@ -38,6 +38,7 @@ class Examination {
     duplicate_triangles();
     vertices();
     non_manifold();
+    folds();
     intersections(check);
     components();
     reading_notes();
@@ -254,6 +255,33 @@ class Examination {
       const auto fan = topology_.fan(at(v));
       place(finding, {fan.begin(), fan.end()}, {raw_index(v)}, mesh_.vertices_W_m[at(v)]);
     }
+  }
+
+  // A triangle whose normal points against at least two neighbours' that agree with each other. At a ridge, and at a
+  // tip, the neighbours of a triangle do not agree.
+  void folds() {
+    std::vector<std::int32_t> found;
+    for (std::size_t t = 0; t < mesh_.triangles.size(); ++t) {
+      std::vector<Vec3> against;
+      for (const std::int32_t n : topology_.neighbours[t]) {
+        if (n >= 0 && topology_.face_normals[at(n)].dot(topology_.face_normals[t]) < 0.0)
+          against.push_back(topology_.face_normals[at(n)]);
+      }
+      if (against.size() < 2) continue;
+      constexpr double agree = 0.5;
+      bool alike = true;
+      for (std::size_t i = 0; i < against.size(); ++i)
+        alike = alike && against[i].dot(against[(i + 1) % against.size()]) > agree;
+      if (alike) found.push_back(static_cast<std::int32_t>(t));
+    }
+    if (found.empty()) return;
+    MeshFinding& finding = add(
+        "folds", Severity::matters, found.size(),
+        fmt::format("{} {} turned over against what lies around", found.size(),
+                    found.size() == 1 ? "triangle is" : "triangles are"),
+        "The surface is folded there, as decimation without a guard leaves it: a probe that slides into the fold is "
+        "held fast, with many times the right force.");
+    for (const std::int32_t t : found) place(finding, {t}, {}, middle(t));
   }
 
   void intersections(const SelfIntersectionCheck& check) {

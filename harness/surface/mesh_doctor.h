@@ -64,7 +64,7 @@ using SelfIntersectionCheck =
     std::function<std::optional<std::vector<std::array<std::int32_t, 2>>>(const TriangleMesh&)>;
 
 // Findings in this order: open-edges, inconsistent-orientation, inward-facing, degenerate-triangles,
-// duplicate-triangles, duplicate-vertices, unused-vertices, non-manifold-edges, non-manifold-vertices,
+// duplicate-triangles, duplicate-vertices, unused-vertices, non-manifold-edges, non-manifold-vertices, folds,
 // self-intersections, components, and what the reader noted (folded-polygons, joined-corners). Everything but
 // duplicate-vertices is looked for after vertices with equal coordinates have been joined, as make_embree_surface()
 // does.

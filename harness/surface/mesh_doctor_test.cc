@@ -21,6 +21,7 @@ using testing::grid;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using testing::moved;
+using ::testing::Not;
 
 MeshDiagnosis examine(const TriangleMesh& mesh, const MeshDoctorRule& rule = {}) {
   return examine_mesh(mesh, rule, self_intersections);
@@ -49,6 +50,24 @@ TriangleMesh together(TriangleMesh a, const TriangleMesh& b) {
 TriangleMesh inside_out(TriangleMesh mesh) {
   for (auto& triangle : mesh.triangles) std::swap(triangle[1], triangle[2]);
   return mesh;
+}
+
+// One vertex drawn over the next ring, as a collapse of an edge may leave it.
+TEST(MeshDoctor, NamesAFoldAndNoRidge) {
+  TriangleMesh mesh = ball(1.0, 3);
+  const auto [a, b, c] = mesh.triangles[100];
+  const auto corner = [&mesh](std::int32_t v) -> Vec3& { return mesh.vertices_W_m[static_cast<std::size_t>(v)]; };
+  corner(a) = 2.2 * (0.5 * (corner(b) + corner(c))) - 1.2 * corner(a);
+  corner(a) *= 0.98 / corner(a).norm();
+  EXPECT_THAT(names(examine(mesh)), Contains("folds"));
+  EXPECT_FALSE(examine(mesh).sound());
+  // Ridges and tips, sharp ones too.
+  for (const Vec3& stretch : {Vec3(1.0, 1.0, 0.02), Vec3(0.05, 0.05, 1.0)}) {
+    for (TriangleMesh sharp : {cube(1.0), ball(1.0, 2), testing::torus(1.0, 0.3, 12, 8)}) {
+      for (Vec3& v : sharp.vertices_W_m) v = v.cwiseProduct(stretch);
+      EXPECT_THAT(names(examine(sharp)), Not(Contains("folds"))) << sharp.source;
+    }
+  }
 }
 
 TEST(MeshDoctor, SoundMeshesAtEveryScale) {

@@ -4,6 +4,7 @@
 
 #include <OpenMesh/Core/Mesh/TriMesh_ArrayKernelT.hh>
 #include <OpenMesh/Tools/Decimater/DecimaterT.hh>
+#include <OpenMesh/Tools/Decimater/ModNormalFlippingT.hh>
 #include <OpenMesh/Tools/Decimater/ModQuadricT.hh>
 
 #include "harness/base/error.h"
@@ -16,6 +17,9 @@ struct Traits : OpenMesh::DefaultTraits {
   using Normal = OpenMesh::Vec3d;
 };
 using Mesh = OpenMesh::TriMesh_ArrayKernelT<Traits>;
+
+// By how much a triangle may turn in one collapse.
+constexpr float largest_turn_deg = 30.0F;
 
 Mesh to_open_mesh(const TriangleMesh& mesh) {
   Mesh result;
@@ -63,6 +67,10 @@ std::vector<TriangleMesh> decimated_family(const TriangleMesh& fine, const std::
       OpenMesh::Decimater::ModQuadricT<Mesh>::Handle quadric;
       decimater.add(quadric);
       decimater.module(quadric).unset_max_err();
+      // Without it a collapse may turn triangles over: a fold, into whose neck a proxy falls and stays.
+      OpenMesh::Decimater::ModNormalFlippingT<Mesh>::Handle no_folds;
+      decimater.add(no_folds);
+      decimater.module(no_folds).set_max_normal_deviation(largest_turn_deg);
       decimater.initialize();
       decimater.decimate_to_faces(0, target);
     }

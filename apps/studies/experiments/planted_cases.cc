@@ -124,7 +124,7 @@ double planted_d_prime(const PlantedCase& planted, const PlantedSetup& setup,
   const auto apart = [&](double a_N, double b_N) { return std::abs(steps(a_N) - steps(b_N)); };
   const double deepest_m = setup.peak_N / setup.stiffness_N_per_m;
   double force = 0.0;
-  double rate = 0.0;
+  const double rate = planted.delay_s / thresholds.delay_s;
   double direction = 0.0;
   double friction = 0.0;
   // Over the depths that a press spends time at.
@@ -135,12 +135,6 @@ double planted_d_prime(const PlantedCase& planted, const PlantedSetup& setup,
     force = std::max(force, perception::force_at_depth_jnd(apart(magnitude, f), f, magnitude, 1.0, thresholds));
     friction =
         std::max(friction, perception::friction_jnd(0.0, planted.friction * f, planted.friction * f, f, thresholds));
-    // A delay makes the force of a moment that of an earlier depth; the speed is that of a cosine, at this depth.
-    const double share = (0.1 * tenth + kFree) / (1.0 + kFree);
-    const double speed = deepest_m * (1.0 + kFree) * std::numbers::pi * setup.beat_Hz *
-                         std::sqrt(std::max(0.0, 4.0 * share * (1.0 - share)));
-    const double behind_N = setup.stiffness_N_per_m * speed * planted.delay_s;
-    rate = std::max(rate, apart(std::max(0.0, f - behind_N), f));
   }
   direction = (planted.tilt_rad + (planted.sideways_N > 0.0 ? std::atan2(planted.sideways_N, setup.peak_N) : 0.0)) /
               thresholds.direction_rad;

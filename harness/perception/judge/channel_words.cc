@@ -24,6 +24,13 @@ void describe_slow(ChannelEvidence& evidence, const SlowEvidence& found, const T
                                     found.real * (1.0 + thresholds.stiffness_fraction));
       break;
     case Channel::rate:
+      if (found.delay) {
+        evidence.what = fmt::format("the force comes {:.3g} ms after the motion instead of {:.3g} ms",
+                                    1e3 * found.rendered, 1e3 * found.real);
+        evidence.remedy =
+            fmt::format("bring the delay to within {:.3g} ms of {:.3g} ms", 1e3 * thresholds.delay_s, 1e3 * found.real);
+        break;
+      }
       evidence.what = fmt::format(
           "{:+.3g} N with the speed of pressing instead of {:+.3g} N at {:.3g} mm: {}", found.rendered, found.real,
           depth_mm, found.rendered < found.real ? "force behind motion, or too little damping" : "too much damping");
@@ -43,17 +50,28 @@ void describe_slow(ChannelEvidence& evidence, const SlowEvidence& found, const T
     case Channel::vibration:
     case Channel::transient:
     case Channel::position:
+    case Channel::air:
       break;
   }
 }
 
 void describe_vibration(ChannelEvidence& evidence, const VibrationDifference& found) {
   const bool burst = evidence.channel == Channel::transient;
-  const char* const which = burst ? "burst after contact" : "vibration in contact";
+  const char* const which = burst          ? "burst after contact"
+                            : found.in_air ? "vibration in free air"
+                                           : "vibration in contact";
   evidence.what = fmt::format("{} near {:.3g} Hz: {:.2g} N instead of {:.2g} N (felt from {:.2g} N on)", which,
                               found.frequency_Hz, found.rendered_N, found.real_N, found.threshold_N);
   evidence.remedy = fmt::format("bring the {} near {:.3g} Hz to within {:.2g} N of {:.2g} N", which, found.frequency_Hz,
                                 found.allowed_N, found.real_N);
+}
+
+void describe_air(ChannelEvidence& evidence, const AirDifference& found, const Thresholds& thresholds) {
+  evidence.what = fmt::format("{} {:.2g} N instead of {:.2g} N (felt from {:.2g} N on)",
+                              found.release ? "leaving contact pulls with" : "a force in free air of", found.rendered_N,
+                              found.real_N, thresholds.force.absolute_threshold);
+  evidence.remedy = fmt::format("bring it to within {:.2g} N of {:.2g} N",
+                                thresholds.force.just_noticeable_difference(found.real_N), found.real_N);
 }
 
 std::string why_unknown(Channel channel) {
@@ -66,13 +84,15 @@ std::string why_unknown(Channel channel) {
     case Channel::direction:
       return "the force is too small to have a direction";
     case Channel::friction:
-      return "one of the recordings does not slide";
+      return "at no common depth do both recordings slide to and fro";
     case Channel::vibration:
       return "a recording stays in contact for less than 64 ms at a time, or is too slow";
     case Channel::transient:
       return "a recording begins contact from free air fewer than three times";
     case Channel::position:
       return "a recording shows no first contact";
+    case Channel::air:
+      return "a recording shows less than 0.2 s of free air and fewer than two releases";
   }
   return {};
 }

@@ -6,6 +6,9 @@
 #include <cmath>
 
 #include "harness/base/error.h"
+#include "harness/perception/filters/weber_law.h"
+#include "harness/perception/haptic_data_matrix.h"
+#include "harness/perception/judge/replay_path.h"
 #include "harness/stats/quantile.h"
 
 namespace touchstone::perception {
@@ -13,6 +16,7 @@ namespace {
 
 constexpr double kSmoothing_s = 0.02;
 constexpr double kLongestGap = 20.0;
+constexpr double kRest_m_per_s = 0.001;
 constexpr std::size_t kFewestSamples = 50;
 
 // Mean over 2 m + 1 samples by a running sum, fewer at the ends, and the least-squares slope over the same samples.
@@ -45,17 +49,6 @@ Smoothed smoothed(const std::vector<double>& x, double rate_Hz, std::size_t m) {
     result.slope_per_s[i] = slope * rate_Hz;
   }
   return result;
-}
-
-// Fourth differences weigh a sample with 1, -4, 6, -4, 1: of white noise their variance is 1 + 16 + 36 + 16 + 1 = 70
-// times its own, and a motion that is a cubic over five samples leaves nothing.
-double white_noise_of(const std::vector<double>& x) {
-  double squares = 0.0;
-  for (std::size_t i = 4; i < x.size(); ++i) {
-    const double fourth = x[i] - 4.0 * x[i - 1] + 6.0 * x[i - 2] - 4.0 * x[i - 3] + x[i - 4];
-    squares += fourth * fourth;
-  }
-  return std::sqrt(squares / (70.0 * static_cast<double>(x.size() - 4)));
 }
 
 void check_felt(const Recording& r) {
@@ -92,6 +85,49 @@ std::vector<double> at_even_times(const std::vector<double>& t_s, const std::vec
 }
 
 }  // namespace
+
+Vec3 pressing_direction(const Recording& recording) {
+  check_felt(recording);
+  const Vec3 mean = press_direction(recording);
+  const std::size_t n = recording.size();
+  const double rate_Hz = static_cast<double>(n - 1) / (recording.motion.t_s.back() - recording.motion.t_s.front());
+  const auto half = static_cast<std::size_t>(std::max(1.0, std::round(0.5 * kSmoothing_s * rate_Hz)));
+  std::vector<double> velocity[3];
+  for (int axis = 0; axis < 3; ++axis) {
+    std::vector<double> column(n);
+    for (std::size_t i = 0; i < n; ++i) column[i] = recording.motion.p_W_m[i][axis];
+    velocity[axis] = smoothed(column, rate_Hz, half).slope_per_s;
+  }
+  // Coulomb: f is the load times n - mu u, u the direction of motion. Least squares over the samples in contact: mu
+  // from how f goes with u about their means, n from the means; the load is along n, so that some rounds are needed.
+  constexpr int kRounds = 8;
+  constexpr double kToAndFro = 0.1;  // share of the motion that must go another way
+  Vec3 outward = mean;
+  for (int round = 0; round < kRounds; ++round) {
+    double weight = 0.0;
+    double direction_squares = 0.0;
+    double along = 0.0;
+    Vec3 direction_sum = Vec3::Zero();
+    Vec3 force_sum = Vec3::Zero();
+    for (std::size_t i = 0; i < n; ++i) {
+      const Vec3& f = recording.f_W_N[i];
+      const double load_N = f.dot(outward);
+      if (!(load_N > kFingertipForce.absolute_threshold)) continue;
+      const Vec3 v(velocity[0][i], velocity[1][i], velocity[2][i]);
+      const Vec3 u = v / std::hypot(v.norm(), kRest_m_per_s);
+      weight += load_N;
+      direction_squares += load_N * u.squaredNorm();
+      along += f.dot(u);
+      direction_sum += load_N * u;
+      force_sum += f;
+    }
+    const double spread = weight > 0.0 ? direction_squares - direction_sum.squaredNorm() / weight : 0.0;
+    if (!(spread > kToAndFro * weight)) return mean;
+    const double friction = -(along - force_sum.dot(direction_sum) / weight) / spread;
+    outward = (force_sum + friction * direction_sum).normalized();
+  }
+  return outward;
+}
 
 FeltSeries felt_series(const Recording& recording, const Vec3& outward) {
   check_felt(recording);
@@ -146,11 +182,11 @@ FeltSeries felt_series(const Recording& recording, const Vec3& outward) {
   felt.slide_x = smoothed(place[1], felt.rate_Hz, half).slope_per_s;
   felt.slide_y = smoothed(place[2], felt.rate_Hz, half).slope_per_s;
   // The direction of sliding, v / sqrt(v^2 + v_rest^2): at rest it goes to nought instead of jumping.
-  constexpr double kRest_m_per_s = 0.001;
   for (std::size_t i = 0; i < n; ++i) {
     const double x = felt.slide_x[i];
     const double y = felt.slide_y[i];
-    const double speed = std::sqrt(x * x + y * y + kRest_m_per_s * kRest_m_per_s);
+    felt.slide_m_per_s.push_back(std::hypot(x, y));
+    const double speed = std::hypot(felt.slide_m_per_s.back(), kRest_m_per_s);
     felt.slide_x[i] = x / speed;
     felt.slide_y[i] = y / speed;
   }
@@ -173,6 +209,7 @@ FeltSeries with_lag(const FeltSeries& felt, double lag_s) {
   shift(felt.rate_of_depth_m_per_s, result.rate_of_depth_m_per_s);
   shift(felt.slide_x, result.slide_x);
   shift(felt.slide_y, result.slide_y);
+  shift(felt.slide_m_per_s, result.slide_m_per_s);
   return result;
 }
 

@@ -20,16 +20,24 @@ struct FeltSeries {
   // hardly shows while sliding.
   std::vector<double> slide_x;
   std::vector<double> slide_y;
+  std::vector<double> slide_m_per_s;  // speed of sliding
   std::vector<double> force_N[3];
-  // Standard deviation of the tracker's noise along axis 0 before smoothing, as if white: by fourth differences, in
-  // which no movement of a hand is left (each noise sample enters with 1, 4, 6, 4, 1: variance 70).
+  // Standard deviation of the tracker's noise along axis 0 before smoothing, as if white.
   double position_noise_m = 0.0;
   std::size_t smoothed_samples = 1;  // that each depth is the mean of
-  bool same_clock = true;            // false: samples were interpolated to an even clock
+  // Of a force that a model gives along replay_path(): samples of its parabola. 0: measured, beside a path whose noise
+  // the object does not see.
+  std::size_t replayed_samples = 0;
+  bool same_clock = true;  // false: samples were interpolated to an even clock
 
   [[nodiscard]] std::size_t size() const noexcept { return depth_m.size(); }
   [[nodiscard]] double t_s(std::size_t i) const noexcept { return start_s + static_cast<double>(i) / rate_Hz; }
 };
+
+// The outward direction of pressing: of the mean force in contact, without the friction that one way of sliding leaves
+// in it where a hand slides more that way than back (a tilt of 5 degrees makes 3 mm of depth of a stroke of 40 mm).
+// Throws BadData where the force has no direction.
+Vec3 pressing_direction(const Recording& recording);
 
 // Positions and velocities are means and slopes over 20 ms, so that a tracker's noise does not look like a vibration
 // of the object. Samples are interpolated to an even clock if an interval differs from the median by more than 5 %.

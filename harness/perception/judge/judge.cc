@@ -16,8 +16,8 @@
 namespace touchstone::perception {
 
 std::string_view name_of(Channel channel) {
-  constexpr std::string_view kNames[kChannels] = {"force",    "stiffness", "rate",      "direction",
-                                                  "friction", "vibration", "transient", "position"};
+  constexpr std::string_view kNames[kChannels] = {"force",     "stiffness", "rate",     "direction", "friction",
+                                                  "vibration", "transient", "position", "air"};
   return kNames[static_cast<std::size_t>(channel)];
 }
 
@@ -34,9 +34,8 @@ std::string_view name_of(Verdict verdict) {
 }
 
 JudgedProcess judged_process(FeltSeries felt, const Thresholds& thresholds, const JudgedProcess* reference) {
-  // A delay below this is no more than the rate's part of the force; what is longer displaces the onset of force too.
-  constexpr double kShortLag_s = 0.002;
   constexpr double kLongestLag_s = 0.25;
+  constexpr double kSettled_s = 1e-5;
   JudgedProcess process;
   // A rendering that gives no force has no contact of its own: it is in contact where the real process is.
   const auto contact_of = [&](const FeltSeries& series) {
@@ -49,25 +48,41 @@ JudgedProcess judged_process(FeltSeries felt, const Thresholds& thresholds, cons
       reference != nullptr && reference->response ? reference->response->grid : depth_grid(felt, process.contact);
   process.response = fit_response(felt, process.contact, own);
   process.felt = std::move(felt);
+  process.prompt_depth_m = process.felt.depth_m;
+  process.prompt_slide_x = process.felt.slide_x;
   if (!process.response) return process;
-  // Steps of a secant: the delay that is left after each. Kept only if the force is explained better.
-  double lag_s = 0.0;
+  // Steps of a secant: the delay that is left after each, halved until less of it is left. The residuals are of two
+  // contacts, which a delay displaces: one that is no delay leaves clearly more.
+  constexpr double kAsWell = 1.25;
   const FeltSeries prompt = process.felt;
-  for (int step = 0; step < 4; ++step) {
-    const double more_s = apparent_lag_s(*process.response);
-    if (!(std::abs(more_s) > kShortLag_s) || !(lag_s + more_s > kShortLag_s) || lag_s + more_s > kLongestLag_s) break;
-    lag_s += more_s;
+  const auto take_out = [&](double lag_s) {
     FeltSeries lagged = with_lag(prompt, lag_s);
     const auto contact = contact_of(lagged);
     auto response = fit_response(lagged, contact, own);
     const double before_N2 = residual_squares_N2(*process.response, process.felt);
-    if (!response || !(residual_squares_N2(*response, lagged) < before_N2)) break;
+    if (!response || !(residual_squares_N2(*response, lagged) < kAsWell * before_N2)) return false;
+    const double left_s = std::abs(apparent_lag_s(*response, response->curves));
+    if (!(left_s < std::abs(apparent_lag_s(*process.response, process.response->curves)))) return false;
     response->lag_s = lag_s;
     process.response = std::move(response);
     process.contact = contact;
     process.felt = std::move(lagged);
+    return true;
+  };
+  constexpr int kSteps = 6;
+  bool better = true;
+  for (int step = 0; step < kSteps && better; ++step) {
+    const double before_s = process.response->lag_s;
+    double more_s = apparent_lag_s(*process.response, process.response->curves);
+    better = false;
+    for (int half = 0; half < kSteps && !better; ++half, more_s *= 0.5) {
+      const double lag_s = before_s + more_s;
+      if (!(std::abs(more_s) > kSettled_s)) break;
+      if (lag_s > 0.0 && lag_s <= kLongestLag_s) better = take_out(lag_s);
+    }
   }
   process.fast = fast_force(process.felt, *process.response, thresholds);
+  process.air = free_air(process.felt, *process.response);
   return process;
 }
 
@@ -80,12 +95,12 @@ constexpr double kMethodShare = 0.03;
 constexpr double kMethod_jnd = 0.02;
 constexpr double kWorthNaming_jnd = 0.5;  // less is guessed in two of three trials
 
-bool moves_alike(const FeltSeries& a, const FeltSeries& b) {
-  if (a.size() != b.size() || a.rate_Hz != b.rate_Hz) return false;
-  for (std::size_t i = 0; i < a.size(); ++i) {
-    if (!(std::abs(a.depth_m[i] - b.depth_m[i]) <= kSameMotion_m)) return false;
+bool moves_alike(const JudgedProcess& a, const JudgedProcess& b) {
+  if (a.felt.size() != b.felt.size() || a.felt.rate_Hz != b.felt.rate_Hz) return false;
+  for (std::size_t i = 0; i < a.felt.size(); ++i) {
+    if (!(std::abs(a.prompt_depth_m[i] - b.prompt_depth_m[i]) <= kSameMotion_m)) return false;
   }
-  return a.slide_x == b.slide_x && a.slide_y == b.slide_y;
+  return a.prompt_slide_x == b.prompt_slide_x;
 }
 
 ChannelEvidence& of(Judgement& judgement, Channel channel) {
@@ -180,6 +195,21 @@ void fill_position(Judgement& judgement, const JudgedProcess& real, const Judged
     own.remedy = fmt::format("bring first contact to within {:.3g} mm", 1e3 * options.thresholds.position_m);
 }
 
+void fill_air(Judgement& judgement, const JudgedProcess& real, const JudgedProcess& rendered,
+              const JudgeOptions& options) {
+  ChannelEvidence& own = of(judgement, Channel::air);
+  const AirDifference found = air_difference(real.air, rendered.air, judgement.same_motion, options.thresholds);
+  own.known = found.known;
+  own.depth_m = std::numeric_limits<double>::quiet_NaN();
+  if (!own.known) {
+    own.why = why_unknown(Channel::air);
+    return;
+  }
+  own.jnd = found.jnd;
+  own.standard_error = found.standard_error;
+  describe_air(own, found, options.thresholds);
+}
+
 bool is_fast(Channel channel) { return channel == Channel::vibration || channel == Channel::transient; }
 
 // Noise alone makes a magnitude: its square is larger by the variance, which is taken off.
@@ -252,12 +282,13 @@ Judgement compare(const JudgedProcess& real, const JudgedProcess& rendered, cons
     judgement.channels.emplace_back();
     judgement.channels.back().channel = static_cast<Channel>(c);
   }
-  judgement.same_motion = moves_alike(real.felt, rendered.felt);
+  judgement.same_motion = moves_alike(real, rendered);
   if (options.keep_moments || judgement.same_motion)
     judgement.moments = felt_moments(real, rendered, judgement.same_motion, options.thresholds);
   fill_slow(judgement, real, rendered, options);
   fill_fast(judgement, real, rendered, options);
   fill_position(judgement, real, rendered, options);
+  fill_air(judgement, real, rendered, options);
   for (auto& own : judgement.channels) {
     if (!is_fast(own.channel)) own.measured_jnd = own.jnd;
   }
@@ -317,6 +348,12 @@ Judgement judge(const JudgedProcess& real, const JudgedProcess& rendered, const 
     judgement.remarks.emplace_back(
         "the real recording shows no free air and no instrument is declared: the sensor's noise counts as vibration");
   }
+  std::string unseen;
+  for (const auto& own : judgement.channels) {
+    if (!own.known) unseen += fmt::format("{}{} ({})", unseen.empty() ? "" : ", ", name_of(own.channel), own.why);
+  }
+  if (!unseen.empty())
+    judgement.remarks.push_back(fmt::format("not judged, the verdict says nothing about it: {}", unseen));
   if (floor.repeats == 0) {
     judgement.remarks.emplace_back(
         "no repeats: intervals hold the noise within each recording, not how one session differs from the next");

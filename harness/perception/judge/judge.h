@@ -2,10 +2,10 @@
 // right answers in a two-alternative forced choice, with 95 % intervals, and the channel that gives it away.
 //
 // Channels: force (magnitude over depth), stiffness, rate (damping, or a delay of force behind motion), direction of
-// force, friction, vibration, contact transient, position of first contact. Evidence of each is in just noticeable
-// differences (thresholds.h). Force and stiffness are two cues of one curve: the stronger counts. The others are
-// independent: d' is the root of the sum of squares (Green and Swets 1966, section 9.3; for touch Ernst and Banks
-// 2002).
+// force, friction, vibration, contact transient, position of first contact, force in free air and on release. Evidence
+// of each is in just noticeable differences (thresholds.h). Force and stiffness are two cues of one curve: the stronger
+// counts. The others are independent: d' is the root of the sum of squares (Green and Swets 1966, section 9.3; for
+// touch Ernst and Banks 2002).
 //
 // The recordings are compared as responses to motion (response.h), so that hands that press deeper, faster or more
 // often are no difference. Where the two motions are the same to the last digit (a model replayed on the real path),
@@ -20,14 +20,15 @@
 
 #include "harness/base/rooms.h"
 #include "harness/perception/judge/felt_series.h"
+#include "harness/perception/judge/free_air.h"
 #include "harness/perception/judge/response.h"
 #include "harness/perception/judge/thresholds.h"
 #include "harness/perception/judge/vibration.h"
 
 namespace touchstone::perception {
 
-enum class Channel : unsigned char { force, stiffness, rate, direction, friction, vibration, transient, position };
-inline constexpr std::size_t kChannels = 8;
+enum class Channel : unsigned char { force, stiffness, rate, direction, friction, vibration, transient, position, air };
+inline constexpr std::size_t kChannels = 9;
 std::string_view name_of(Channel channel);
 
 // What the makers of the instrument declare; 0: not declared. Used where no repeats say more.
@@ -43,6 +44,10 @@ struct JudgedProcess {
   FirstContact contact;
   std::optional<Response> response;  // nothing: never in contact
   FastForce fast;
+  FreeAir air;
+  // Depth and sliding before the lag was taken out: by these two processes move alike.
+  std::vector<double> prompt_depth_m;
+  std::vector<double> prompt_slide_x;
 };
 // `reference`: the real process, whose depths it is compared at; null for the real process itself.
 JudgedProcess judged_process(FeltSeries felt, const Thresholds& thresholds, const JudgedProcess* reference = nullptr);

@@ -171,7 +171,7 @@ TEST(Judge, TheHandChangesTheAnswerByLessThanItsInterval) {
           << "k " << k << " hand " << h;
     }
     JudgedPress late = rendered;
-    late.delay_s = 0.05;
+    late.delay_s = 0.1;
     EXPECT_GT(judged(late, {}, 8, real).d_prime - usual.d_prime, 0.5) << k;
   }
 }

@@ -7,6 +7,7 @@
 #include <mutex>
 #include <numeric>
 #include <set>
+#include <utility>
 
 #include "harness/base/error.h"
 #include "harness/base/in_parallel.h"
@@ -93,8 +94,10 @@ JudgedConditions judge_conditions(const Recording& real, const std::vector<Recor
                     "(--direction), or check the sign of the force",
                     real.source));
   }
-  const auto prepared = [&](const Recording& recording) {
-    return judged_process(felt_series(recording, outward), options.thresholds, &reference);
+  const auto prepared = [&](const Recording& recording, const RecordingSource& source) {
+    FeltSeries felt = felt_series(recording, outward);
+    felt.replayed_samples = source.replayed_samples;
+    return judged_process(std::move(felt), options.thresholds, &reference);
   };
   const double explained = share_by_depth(reference);
   JudgedConditions result;
@@ -103,7 +106,7 @@ JudgedConditions judge_conditions(const Recording& real, const std::vector<Recor
   result.outward = outward;
   std::vector<JudgedProcess> repeated(repeats.size());
   in_parallel(
-      repeats.size(), [&](std::size_t i) { repeated[i] = prepared(repeats[i].load()); }, 1);
+      repeats.size(), [&](std::size_t i) { repeated[i] = prepared(repeats[i].load(), repeats[i]); }, 1);
   result.floor = noise_floor(reference, repeated, options);
   result.real_rate_hardness = rate_hardness_of(reference.felt, options.thresholds.force);
   result.conditions.resize(conditions.size());
@@ -116,7 +119,7 @@ JudgedConditions judge_conditions(const Recording& real, const std::vector<Recor
     JudgedCondition& own = result.conditions[i];
     own.name = conditions[i].name;
     const Recording recording = conditions[i].load();
-    const JudgedProcess process = prepared(recording);
+    const JudgedProcess process = prepared(recording, conditions[i]);
     own.judgement = judge(reference, process, result.floor, own_options);
     if (explained < kDepthExplains) {
       own.judgement.remarks.push_back(

@@ -36,7 +36,8 @@ struct JudgedCondition {
 
 struct RecordingSource {
   std::string name;
-  std::function<Recording()> load;  // called once, from any thread
+  std::function<Recording()> load;   // called once, from any thread
+  std::size_t replayed_samples = 0;  // of a model along replay_path() of the real process; 0: measured
 };
 
 struct JudgedConditions {

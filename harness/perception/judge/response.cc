@@ -3,119 +3,106 @@
 #include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
+#include <iterator>
+#include <utility>
 
 #include "harness/base/least_squares.h"
+#include "harness/perception/judge/replay_path.h"
 
 namespace touchstone::perception {
 namespace {
 
 constexpr std::size_t kMostKnots = 48;
 constexpr double kFewestSeen = 10.0;  // samples' weight at a knot that counts
-constexpr double kSliding = 0.92;     // direction of sliding that counts: 2.3 mm/s along an axis
+constexpr double kSliding = 0.92;     // direction of sliding that counts: 2.3 mm/s
 constexpr std::size_t kBins = 400;
 
-// Normal equations of one component: two features (1 and a factor) times the two hats that a sample lies between.
-// Neighbouring knots alone share samples, so that the matrix is kept as diagonal and first off-diagonal blocks.
+// Normal equations of one component: `features` times the two hats that a sample lies between. Neighbouring knots alone
+// share samples, so that the matrix is kept as diagonal and first off-diagonal blocks.
 //
 // A sample at depth d between knots j and j + 1 has the hats h_j = left and h_{j+1} = right = 1 - left there, and with
-// its factor q (rate of depth, or direction of sliding) the model
-//   f = sum over k in {j, j + 1} of h_k (a_k + q b_k).
-// Setting the derivatives of the summed squares by a_k and b_k to zero gives, for each pair of knots k, l that share
-// samples, the 2 x 2 block  sum h_k h_l [1 q; q q^2]  and on the right-hand side  sum h_k f [1; q].
+// its features q the model  f = sum over k in {j, j + 1} of h_k q . x_k.  Setting the derivatives of the summed squares
+// by x_k to zero gives, for each pair of knots k, l that share samples, the block  sum h_k h_l q q'  and on the
+// right-hand side  sum h_k f q.
+template <int features>
 struct Sums {
+  using Block = Eigen::Matrix<double, features, features, Eigen::DontAlign>;
+  using Vector = Eigen::Matrix<double, features, 1, Eigen::DontAlign>;
   struct Knot {
-    // Products of this knot's features (1, q) with its own and with the next knot's, and with the force.
-    double own[3] = {};   // 1 1, 1 q, q q
-    double next[3] = {};  // 1 1, 1 q (= q 1), q q
-    double force[2] = {};
+    Block own = Block::Zero();
+    Block next = Block::Zero();
+    Vector force = Vector::Zero();
   };
   std::vector<Knot> knots;
 
-  void add(std::size_t j, double left, double right, double q, double f) {
-    Knot& a = knots[j];
-    Knot& b = knots[j + 1];
-    const double ll = left * left;
-    const double lr = left * right;
-    const double rr = right * right;
-    const double qq = q * q;
-    a.own[0] += ll;
-    a.own[1] += ll * q;
-    a.own[2] += ll * qq;
-    a.next[0] += lr;
-    a.next[1] += lr * q;
-    a.next[2] += lr * qq;
-    b.own[0] += rr;
-    b.own[1] += rr * q;
-    b.own[2] += rr * qq;
-    a.force[0] += left * f;
-    a.force[1] += left * q * f;
-    b.force[0] += right * f;
-    b.force[1] += right * q * f;
+  void add(std::size_t j, double left, double right, const Vector& q, double f) {
+    const Block qq = q * q.transpose();
+    knots[j].own += left * left * qq;
+    knots[j].next += left * right * qq;
+    knots[j + 1].own += right * right * qq;
+    knots[j].force += left * f * q;
+    knots[j + 1].force += right * f * q;
   }
   void add(const Sums& other, double sign) {
     for (std::size_t j = 0; j < knots.size(); ++j) {
-      for (int e = 0; e < 3; ++e) {
-        knots[j].own[e] += sign * other.knots[j].own[e];
-        knots[j].next[e] += sign * other.knots[j].next[e];
-      }
-      for (int e = 0; e < 2; ++e) knots[j].force[e] += sign * other.knots[j].force[e];
+      knots[j].own += sign * other.knots[j].own;
+      knots[j].next += sign * other.knots[j].next;
+      knots[j].force += sign * other.knots[j].force;
     }
   }
 };
 
-struct Solved {
-  std::vector<double> constant;
-  std::vector<double> factor;
-};
-
-Solved solve(const Sums& sums) {
+// One curve for each feature. The last one's is that of the rate, or of sliding.
+template <int features>
+std::array<std::vector<double>, features> solve(const Sums<features>& sums) {
   const auto n = static_cast<Eigen::Index>(sums.knots.size());
-  Eigen::MatrixXd a = Eigen::MatrixXd::Zero(2 * n, 2 * n);
-  Eigen::VectorXd b(2 * n);
+  Eigen::MatrixXd a = Eigen::MatrixXd::Zero(features * n, features * n);
+  Eigen::VectorXd b(features * n);
   for (Eigen::Index j = 0; j < n; ++j) {
     const auto& k = sums.knots[static_cast<std::size_t>(j)];
-    a(2 * j, 2 * j) = k.own[0];
-    a(2 * j + 1, 2 * j) = k.own[1];
-    a(2 * j + 1, 2 * j + 1) = k.own[2];
-    if (j + 1 < n) {
-      a(2 * j + 2, 2 * j) = k.next[0];
-      a(2 * j + 3, 2 * j) = k.next[1];
-      a(2 * j + 2, 2 * j + 1) = k.next[1];
-      a(2 * j + 3, 2 * j + 1) = k.next[2];
-    }
-    b(2 * j) = k.force[0];
-    b(2 * j + 1) = k.force[1];
+    a.block<features, features>(features * j, features * j) = k.own;
+    if (j + 1 < n) a.block<features, features>(features * (j + 1), features * j) = k.next.transpose();
+    b.segment<features>(features * j) = k.force;
   }
   // What no sample sees stays at zero; the share is far below any information of a sample.
   double constant_weight = 0.0;
   double factor_weight = 0.0;
   for (const auto& k : sums.knots) {
-    constant_weight = std::max(constant_weight, k.own[0]);
-    factor_weight = std::max(factor_weight, k.own[2]);
+    constant_weight = std::max(constant_weight, k.own(0, 0));
+    factor_weight = std::max(factor_weight, k.own(features - 1, features - 1));
   }
-  for (Eigen::Index j = 0; j < n; ++j) {
-    a(2 * j, 2 * j) += 1e-9 * constant_weight + 1e-300;
-    a(2 * j + 1, 2 * j + 1) += 1e-6 * factor_weight + 1e-300;
-  }
+  for (Eigen::Index i = 0; i < features * n; ++i)
+    a(i, i) += (i % features + 1 < features ? 1e-9 * constant_weight : 1e-6 * factor_weight) + 1e-300;
   const Eigen::VectorXd x = solve_symmetric(a, b);
-  Solved result;
-  for (Eigen::Index j = 0; j < n; ++j) {
-    result.constant.push_back(x(2 * j));
-    result.factor.push_back(x(2 * j + 1));
-  }
+  std::array<std::vector<double>, features> result;
+  for (Eigen::Index i = 0; i < features * n; ++i) result[static_cast<std::size_t>(i % features)].push_back(x(i));
   return result;
 }
 
-ResponseCurves curves_of(const std::array<Sums, 3>& sums) {
-  ResponseCurves curves;
-  auto normal = solve(sums[0]);
-  curves.normal_N = std::move(normal.constant);
-  curves.normal_N_s_per_m = std::move(normal.factor);
-  for (std::size_t axis = 0; axis < 2; ++axis) {
-    auto side = solve(sums[axis + 1]);
-    curves.side_N[axis] = std::move(side.constant);
-    curves.friction_N[axis] = std::move(side.factor);
+// The force along the direction of pressing by (1, rate of depth); that across, both axes at once, by (1, 0, s_1) and
+// (0, 1, s_2): one friction, against the direction of sliding whatever the axes are.
+struct ComponentSums {
+  Sums<2> normal;
+  Sums<3> side;
+
+  void resize(std::size_t knots) {
+    normal.knots.resize(knots);
+    side.knots.resize(knots);
   }
+  void add(const ComponentSums& other, double sign) {
+    normal.add(other.normal, sign);
+    side.add(other.side, sign);
+  }
+};
+
+ResponseCurves curves_of(const ComponentSums& sums) {
+  ResponseCurves curves;
+  auto normal = solve(sums.normal);
+  curves.normal_N = std::move(normal[0]);
+  curves.normal_N_s_per_m = std::move(normal[1]);
+  auto side = solve(sums.side);
+  curves.side_N = {std::move(side[0]), std::move(side[1])};
+  curves.friction_N = std::move(side[2]);
   return curves;
 }
 
@@ -135,12 +122,19 @@ FirstContact first_contact(const FeltSeries& felt, const WeberLaw& force) {
     depth[bin] += felt.depth_m[i];
     count[bin] += 1.0;
   }
+  // As many samples for one mean as its noise needs to be a fifth of the threshold: noise is no contact.
+  const double needed = std::pow(5.0 * white_noise_of(felt.force_N[0]) / force.absolute_threshold, 2);
   std::vector<double> f;
   std::vector<double> d;
+  double of_mean[3] = {};
   for (std::size_t b = 0; b < kBins; ++b) {
-    if (count[b] == 0.0) continue;
-    f.push_back(sum[b] / count[b]);
-    d.push_back(depth[b] / count[b]);
+    of_mean[0] += count[b];
+    of_mean[1] += sum[b];
+    of_mean[2] += depth[b];
+    if (of_mean[0] == 0.0 || of_mean[0] < needed) continue;
+    f.push_back(of_mean[1] / of_mean[0]);
+    d.push_back(of_mean[2] / of_mean[0]);
+    std::fill(std::begin(of_mean), std::end(of_mean), 0.0);
   }
   // Near contact the force is k (d - d_0). It passes the level L at d_0 + L / k and 3 L at d_0 + 3 L / k; half of the
   // difference, L / k, taken from the first gives d_0 without knowing k.
@@ -178,11 +172,11 @@ std::optional<Response> fit_response(const FeltSeries& felt, const FirstContact&
   response.seen.assign(knots, 0.0);
   response.speed_m_per_s.assign(knots, 0.0);
 
-  std::vector<std::array<Sums, 3>> blocks(kBlocks);
-  for (auto& block : blocks) {
-    for (auto& sums : block) sums.knots.resize(knots);
-  }
-  double in_contact = 0.0;
+  for (auto& towards : response.slid_towards) towards.assign(knots, 0.0);
+  response.slid.assign(knots, 0.0);
+
+  std::vector<ComponentSums> blocks(kBlocks);
+  for (auto& block : blocks) block.resize(knots);
   for (std::size_t i = 0; i < felt.size(); ++i) {
     const double d = felt.depth_m[i] - contact.depth_m;
     if (!(d >= 0.0)) continue;
@@ -194,33 +188,36 @@ std::optional<Response> fit_response(const FeltSeries& felt, const FirstContact&
     const double v = felt.rate_of_depth_m_per_s[i];
     const double x = felt.slide_x[i];
     const double y = felt.slide_y[i];
-    block[0].add(j, left, right, v, felt.force_N[0][i]);
-    block[1].add(j, left, right, x, felt.force_N[1][i]);
-    block[2].add(j, left, right, y, felt.force_N[2][i]);
-    response.seen[j] += left;
-    response.seen[j + 1] += right;
-    response.speed_m_per_s[j] += left * v * v;
-    response.speed_m_per_s[j + 1] += right * v * v;
-    in_contact += 1.0;
-    if (std::abs(x) > kSliding) response.slid_share[0] += 1.0;
-    if (std::abs(y) > kSliding) response.slid_share[1] += 1.0;
+    block.normal.add(j, left, right, {1.0, v}, felt.force_N[0][i]);
+    block.side.add(j, left, right, {1.0, 0.0, x}, felt.force_N[1][i]);
+    block.side.add(j, left, right, {0.0, 1.0, y}, felt.force_N[2][i]);
+    const double sliding = x * x + y * y > kSliding * kSliding ? 1.0 : 0.0;
+    for (const auto& [knot, share] : {std::pair{j, left}, std::pair{j + 1, right}}) {
+      response.seen[knot] += share;
+      response.speed_m_per_s[knot] += share * v * v;
+      response.slid[knot] += share * sliding;
+      response.slid_towards[0][knot] += share * sliding * x;
+      response.slid_towards[1][knot] += share * sliding * y;
+    }
   }
   if (*std::max_element(response.seen.begin(), response.seen.end()) < kFewestSeen) return std::nullopt;
   for (std::size_t j = 0; j < knots; ++j) {
-    if (response.seen[j] > 0.0) response.speed_m_per_s[j] = std::sqrt(response.speed_m_per_s[j] / response.seen[j]);
+    for (auto& towards : response.slid_towards)
+      towards[j] = response.slid[j] > 0.0 ? towards[j] / response.slid[j] : 0.0;
+    if (response.seen[j] > 0.0) {
+      response.speed_m_per_s[j] = std::sqrt(response.speed_m_per_s[j] / response.seen[j]);
+      response.slid[j] /= response.seen[j];
+    }
     if (response.seen[j] < kFewestSeen) response.seen[j] = 0.0;
   }
-  for (double& share : response.slid_share) share /= in_contact;
 
-  std::array<Sums, 3> total;
-  for (std::size_t c = 0; c < 3; ++c) total[c].knots.resize(knots);
-  for (const auto& block : blocks) {
-    for (std::size_t c = 0; c < 3; ++c) total[c].add(block[c], 1.0);
-  }
+  ComponentSums total;
+  total.resize(knots);
+  for (const auto& block : blocks) total.add(block, 1.0);
   response.curves = curves_of(total);
   for (const auto& block : blocks) {
     auto rest = total;
-    for (std::size_t c = 0; c < 3; ++c) rest[c].add(block[c], -1.0);
+    rest.add(block, -1.0);
     response.without.push_back(curves_of(rest));
   }
   return response;
@@ -236,13 +233,13 @@ double residual_squares_N2(const Response& response, const FeltSeries& felt) {
   return squares;
 }
 
-double apparent_lag_s(const Response& response) {
+double apparent_lag_s(const Response& response, const ResponseCurves& curves) {
   // A force that is late by the lag is a(d(t - lag)) = a(d) - lag a'(d) d' to first order, so that the part of the rate
   // is b = -lag a'. Least squares over the stretches between knots: lag = -sum w a' b / sum w a'^2. The weight is the
   // information that the samples have on b: its normal equation holds the sum of their d'^2, `seen` times the mean
   // square.
-  const auto& a = response.curves.normal_N;
-  const auto& b = response.curves.normal_N_s_per_m;
+  const auto& a = curves.normal_N;
+  const auto& b = curves.normal_N_s_per_m;
   double product = 0.0;
   double squares = 0.0;
   for (std::size_t j = 0; j + 1 < response.knots(); ++j) {
@@ -276,8 +273,8 @@ std::array<double, 3> expected_force_N(const Response& response, const FeltSerie
     return curve[j] + share * (curve[j + 1] - curve[j]);
   };
   return {value(c.normal_N) + value(c.normal_N_s_per_m) * felt.rate_of_depth_m_per_s[i],
-          value(c.side_N[0]) + value(c.friction_N[0]) * felt.slide_x[i],
-          value(c.side_N[1]) + value(c.friction_N[1]) * felt.slide_y[i]};
+          value(c.side_N[0]) + value(c.friction_N) * felt.slide_x[i],
+          value(c.side_N[1]) + value(c.friction_N) * felt.slide_y[i]};
 }
 
 }  // namespace touchstone::perception

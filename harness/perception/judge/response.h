@@ -3,7 +3,7 @@
 // another depth, speed, duration or number of presses is no difference between objects.
 //
 //   F_0(d, d')   = a(d) + b(d) d'                    along the outward direction
-//   F_i(d, s_i)  = a_i(d) + c_i(d) s_i / sqrt(s^2 + s0^2)   across, i = 1, 2; s the velocity of sliding, s0 = 1 mm/s
+//   F_i(d, s)    = a_i(d) + c(d) s_i / sqrt(s^2 + s0^2)   across, i = 1, 2; s the velocity of sliding, s0 = 1 mm/s
 //
 // a, b, c are straight between knots. Least squares over the samples in contact; the spread comes from leaving out one
 // of kBlocks stretches of time after the other (block jackknife, Kuensch 1989), which needs no assumption about how
@@ -30,21 +30,22 @@ struct DepthGrid {
 
 struct ResponseCurves {
   // Values at knots 0, 1, 2, ... times the spacing.
-  std::vector<double> normal_N;                   // a
-  std::vector<double> normal_N_s_per_m;           // b
-  std::array<std::vector<double>, 2> side_N;      // a_1, a_2
-  std::array<std::vector<double>, 2> friction_N;  // c_1, c_2
+  std::vector<double> normal_N;               // a
+  std::vector<double> normal_N_s_per_m;       // b
+  std::array<std::vector<double>, 2> side_N;  // a_1, a_2
+  std::vector<double> friction_N;             // c
 };
 
 struct Response {
   double lag_s = 0.0;  // of force behind motion; the curves are over the motion of that long ago
   DepthGrid grid;
-  double contact_m = 0.0;              // depth of first contact in the series' own origin
-  bool begins_free = false;            // whether there is a first contact; else contact_m is the least depth
-  double deepest_m = 0.0;              // from contact
-  std::vector<double> seen;            // weight of samples at every knot
-  std::vector<double> speed_m_per_s;   // root mean square rate of depth at every knot
-  std::array<double, 2> slid_share{};  // of the samples in contact with sliding along axis 1, 2
+  double contact_m = 0.0;             // depth of first contact in the series' own origin
+  bool begins_free = false;           // whether there is a first contact; else contact_m is the least depth
+  double deepest_m = 0.0;             // from contact
+  std::vector<double> seen;           // weight of samples at every knot
+  std::vector<double> speed_m_per_s;  // root mean square rate of depth at every knot
+  std::vector<double> slid;           // share of the samples at every knot that slide
+  std::array<std::vector<double>, 2> slid_towards;  // their mean direction: as long as 1 if all slide one way
   ResponseCurves curves;
   std::vector<ResponseCurves> without;  // without block 0 .. kBlocks - 1
 
@@ -70,7 +71,7 @@ double residual_squares_N2(const Response& response, const FeltSeries& felt);
 
 // The delay that the rate's part of the force amounts to: b = -lag a' at every depth, by least squares; below 0 for
 // damping.
-double apparent_lag_s(const Response& response);
+double apparent_lag_s(const Response& response, const ResponseCurves& curves);
 
 // Straight between knots; held beyond the last.
 double at_depth(const std::vector<double>& curve, double depth_m, const DepthGrid& grid);

@@ -21,6 +21,7 @@ FeltSeries presses(Force force) {
     felt.rate_of_depth_m_per_s.push_back(0.010 * 2.0 * std::numbers::pi * std::sin(phase));
     felt.slide_x.push_back(0.0);
     felt.slide_y.push_back(0.0);
+    felt.slide_m_per_s.push_back(0.0);
     felt.force_N[0].push_back(depth_m > 0.0 ? force(depth_m) : 0.0);
     felt.force_N[1].push_back(0.0);
     felt.force_N[2].push_back(0.0);

@@ -8,10 +8,12 @@
 namespace touchstone::perception {
 namespace {
 
-constexpr double kSlidShare = 0.05;      // of the contact with sliding along an axis: less shows no friction along it
+constexpr double kSlidShare = 0.05;      // of the samples at a depth: less shows no sliding there
+constexpr double kOneWay = 0.9;          // mean direction of sliding: 5 % of the samples slide back
 constexpr double kDirectionForce = 5.0;  // absolute thresholds of force that a direction needs
 
-Vec3 static_force(const ResponseCurves& c, double d, const DepthGrid& grid) {
+Vec3 static_force(const ResponseCurves& c, double d, const DepthGrid& grid, bool with_side = true) {
+  if (!with_side) return {at_depth(c.normal_N, d, grid), 0.0, 0.0};
   return {at_depth(c.normal_N, d, grid), at_depth(c.side_N[0], d, grid), at_depth(c.side_N[1], d, grid)};
 }
 
@@ -20,18 +22,40 @@ bool seen_at(const Response& r, double d) {
   return j < r.knots() && r.seen[j] > 0.0 && (j + 1 >= r.knots() || r.seen[j + 1] > 0.0);
 }
 
+// What the samples at a depth show of the force across.
+struct Sliding {
+  bool slides = false;
+  bool to_and_fro = false;  // so that friction and a steady force across are told apart
+  Vec3 towards = Vec3::Zero();
+};
+
+Sliding sliding_at(const Response& r, double d) {
+  const double share = at_depth(r.slid, d, r.grid);
+  const Vec3 towards(0.0, at_depth(r.slid_towards[0], d, r.grid), at_depth(r.slid_towards[1], d, r.grid));
+  const bool slides = share > kSlidShare;
+  return {slides, slides && towards.norm() < kOneWay, towards};
+}
+
+// Whether the steady forces across of two processes can be compared at a depth: friction hides in them where all
+// sliding went one way.
+bool side_is_known(const Sliding& a, const Sliding& b) {
+  const auto apart = [](const Sliding& s) { return !s.slides || s.to_and_fro; };
+  if (apart(a) && apart(b)) return true;
+  return a.slides && b.slides && !a.to_and_fro && !b.to_and_fro && a.towards.dot(b.towards) > kOneWay * kOneWay;
+}
+
 // Least-squares slope of the force's magnitude.
-double slope_of(const ResponseCurves& c, const std::vector<double>& depths_m, const DepthGrid& grid) {
+double slope_of(const ResponseCurves& c, const std::vector<double>& depths_m, const DepthGrid& grid, bool with_side) {
   double mean_d = 0.0;
   double mean_f = 0.0;
   for (const double d : depths_m) {
     mean_d += d / static_cast<double>(depths_m.size());
-    mean_f += static_force(c, d, grid).norm() / static_cast<double>(depths_m.size());
+    mean_f += static_force(c, d, grid, with_side).norm() / static_cast<double>(depths_m.size());
   }
   double df = 0.0;
   double dd = 0.0;
   for (const double d : depths_m) {
-    df += (d - mean_d) * (static_force(c, d, grid).norm() - mean_f);
+    df += (d - mean_d) * (static_force(c, d, grid, with_side).norm() - mean_f);
     dd += (d - mean_d) * (d - mean_d);
   }
   return dd > 0.0 ? df / dd : 0.0;
@@ -40,7 +64,7 @@ double slope_of(const ResponseCurves& c, const std::vector<double>& depths_m, co
 void keep_larger(SlowEvidence& evidence, double jnd, double depth_m, double real, double rendered) {
   evidence.known = true;
   if (!(jnd > evidence.jnd)) return;
-  evidence = {true, jnd, depth_m, real, rendered};
+  evidence = {true, jnd, depth_m, real, rendered, false};
 }
 
 }  // namespace
@@ -90,67 +114,72 @@ SlowEvidences slow_evidence(const Response& real, const ResponseCurves& real_cur
   if (depths_m.empty()) return evidence;
   const NoticeableSteps steps(thresholds.force);
   const DepthGrid& grid = real.grid;
-  const bool slid[2] = {std::min(real.slid_share[0], rendered.slid_share[0]) > kSlidShare,
-                        std::min(real.slid_share[1], rendered.slid_share[1]) > kSlidShare};
+  bool all_sides_known = true;
   Vec3 real_sum = Vec3::Zero();
   Vec3 rendered_sum = Vec3::Zero();
   double deep = 0.0;
   for (const double d : depths_m) {
-    const Vec3 fr = static_force(real_curves, d, grid);
-    const Vec3 fc = static_force(rendered_curves, d, grid);
+    const Sliding own_sliding = sliding_at(real, d);
+    const Sliding other_sliding = sliding_at(rendered, d);
+    const bool side_known = side_is_known(own_sliding, other_sliding);
+    all_sides_known = all_sides_known && side_known;
+    const Vec3 fr = static_force(real_curves, d, grid, side_known);
+    const Vec3 fc = static_force(rendered_curves, d, grid, side_known);
     const double exponent = depth_exponent(real_curves, d, 0.1 * depths_m.back(), grid);
     keep_larger(at(SlowChannel::force),
                 force_at_depth_jnd(steps(fc.norm()) - steps(fr.norm()), fr.norm(), fc.norm(), exponent, thresholds), d,
                 fr.norm(), fc.norm());
-    if (d >= 0.6 * depths_m.back()) {
+    if (d >= 0.6 * depths_m.back() && side_known) {
       real_sum += fr;
       rendered_sum += fc;
       deep += 1.0;
     }
     const double v = std::min(at_depth(real.speed_m_per_s, d, grid), at_depth(rendered.speed_m_per_s, d, grid));
-    // The same object with the delay and the damping of either: force on the way in (+) and out (-).
-    // While the depth changes at the rate +v or -v, a delayed force is that of the depth v lag earlier on the way.
-    const auto in_motion = [&](const ResponseCurves& c, double lag_s, double sign) {
-      const double delayed = std::max(0.0, at_depth(real_curves.normal_N, d - sign * v * lag_s, grid));
-      return delayed + sign * v * at_depth(c.normal_N_s_per_m, d, grid);
-    };
+    // The same object with the damping of either: force on the way in (+) and out (-). An error of the observer's of
+    // the rate, as large as that of the depth, arrives in the force as far as the force goes with the rate.
+    const double steady = at_depth(real_curves.normal_N, d, grid);
+    const double own_rate = v * at_depth(real_curves.normal_N_s_per_m, d, grid);
+    const double other_rate = v * at_depth(rendered_curves.normal_N_s_per_m, d, grid);
     for (const double sign : {1.0, -1.0}) {
-      const double own = in_motion(real_curves, real.lag_s, sign);
-      const double other = in_motion(rendered_curves, rendered.lag_s, sign);
-      keep_larger(at(SlowChannel::rate), std::abs(steps(other) - steps(own)), d, sign * (own - fr.x()),
-                  sign * (other - fr.x()));
+      const double own = steady + sign * own_rate;
+      const double other = steady + sign * other_rate;
+      const double both = own != 0.0 ? std::hypot(exponent * steady, own_rate) / std::abs(own) : 0.0;
+      keep_larger(at(SlowChannel::rate), force_at_depth_jnd(steps(other) - steps(own), own, other, both, thresholds), d,
+                  own_rate, other_rate);
     }
-    if (slid[0] || slid[1]) {
-      double squared = 0.0;
-      double own = 0.0;
-      double other = 0.0;
-      for (std::size_t axis = 0; axis < 2; ++axis) {
-        if (!slid[axis]) continue;
-        const double cr = at_depth(real_curves.friction_N[axis], d, grid);
-        const double cc = at_depth(rendered_curves.friction_N[axis], d, grid);
-        squared += (cc - cr) * (cc - cr);
-        own += cr * cr;
-        other += cc * cc;
-      }
+    if (own_sliding.to_and_fro && other_sliding.to_and_fro) {
+      // Against the motion: a friction that helps it is apart by the sum.
+      const double own = at_depth(real_curves.friction_N, d, grid);
+      const double other = at_depth(rendered_curves.friction_N, d, grid);
       keep_larger(at(SlowChannel::friction),
-                  friction_jnd(std::sqrt(own), std::sqrt(other), std::sqrt(squared), fr.norm(), thresholds), d,
-                  std::sqrt(own), std::sqrt(other));
+                  friction_jnd(std::abs(own), std::abs(other), std::abs(other - own), fr.norm(), thresholds), d,
+                  std::abs(own), std::abs(other));
     }
   }
+  // A delay that the lag of a response took out is told by its length, whatever force it displaces.
+  const auto delay_of = [](const Response& r, const ResponseCurves& c) {
+    return r.lag_s > 0.0 ? std::max(0.0, r.lag_s + apparent_lag_s(r, c)) : 0.0;
+  };
+  const double own_s = delay_of(real, real_curves);
+  const double other_s = delay_of(rendered, rendered_curves);
+  const double delay_jnd = std::abs(other_s - own_s) / thresholds.delay_s;
+  SlowEvidence& rate = at(SlowChannel::rate);
+  if (delay_jnd > rate.jnd) rate = {true, delay_jnd, depths_m.back(), own_s, other_s, true};
   if (depths_m.size() >= 3) {
     // Steps of a fraction w each: ratio = (1 + w)^steps.
-    const double kr = slope_of(real_curves, depths_m, grid);
-    const double kc = slope_of(rendered_curves, depths_m, grid);
+    const double kr = slope_of(real_curves, depths_m, grid, all_sides_known);
+    const double kc = slope_of(rendered_curves, depths_m, grid, all_sides_known);
     if (kr > 0.0 && kc > 0.0) {
-      at(SlowChannel::stiffness) = {true, std::abs(std::log(kc / kr)) / std::log1p(thresholds.stiffness_fraction),
-                                    depths_m.back(), kr, kc};
+      at(SlowChannel::stiffness) = {
+          true, std::abs(std::log(kc / kr)) / std::log1p(thresholds.stiffness_fraction), depths_m.back(), kr, kc,
+          false};
     }
   }
   const double least = kDirectionForce * thresholds.force.absolute_threshold;
   if (deep > 0.0 && real_sum.norm() / deep > least && rendered_sum.norm() / deep > least) {
     // tan = |a x b| / (a . b): exact also where the angle is small, unlike the inverse cosine.
     const double angle = std::atan2(real_sum.cross(rendered_sum).norm(), real_sum.dot(rendered_sum));
-    at(SlowChannel::direction) = {true, angle / thresholds.direction_rad, depths_m.back(), 0.0, angle};
+    at(SlowChannel::direction) = {true, angle / thresholds.direction_rad, depths_m.back(), 0.0, angle, false};
   }
   return evidence;
 }

@@ -15,8 +15,9 @@ struct SlowEvidence {
   bool known = false;
   double jnd = 0.0;
   double depth_m = 0.0;
-  double real = 0.0;  // force, stiffness, force of the rate, angle, friction: what the channel compares
+  double real = 0.0;  // force, stiffness, force of the rate or delay, angle, friction: what the channel compares
   double rendered = 0.0;
+  bool delay = false;  // of the rate's: a delay [s] of the force, not damping
 };
 enum class SlowChannel : unsigned char { force, stiffness, rate, direction, friction };
 inline constexpr std::size_t kSlowChannels = 5;

@@ -51,6 +51,11 @@ const std::vector<ThresholdEntry>& threshold_entries() {
        "both abstracts", [](Thresholds& t) -> double& { return t.position_m; },
        "two intervals, two alternatives (its abstract); the share of right answers is not stated there, d' = 1 is "
        "assumed"},
+      {"delay_s", "s",
+       "Rank, Shi, Mueller and Hirche (2010): a delay of force behind motion of 36 ms is just noticed on average, in "
+       "soft, viscous and inertial environments; 10 to 60 ms by person and environment",
+       "", [](Thresholds& t) -> double& { return t.delay_s; },
+       "forced choice; d' = 1 is assumed, and d' grows in proportion to the delay"},
       {"vibration_fraction", "1",
        "Forta, Griffin and Morioka (2012): median difference threshold 0.20 on the thenar eminence at 125 Hz, 10 dB "
        "above threshold; up to 0.58 at 10 Hz",

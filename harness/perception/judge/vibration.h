@@ -6,6 +6,7 @@
 // Kuchenbecker 2010).
 #pragma once
 
+#include <cmath>
 #include <cstddef>
 #include <vector>
 
@@ -16,10 +17,17 @@
 
 namespace touchstone::perception {
 
+// Third-octave band from c / 2^(1/6) to c 2^(1/6).
+inline const double kHalfBandRatio = std::exp2(1.0 / 6.0);
+inline constexpr double kOnset_s = 0.064;
+
 struct BandPower {
   std::vector<double> power_N2;     // mean square of the force in the band, mean over the segments
   std::vector<double> variance_N4;  // of that mean, from its spread over the segments
-  std::size_t segments = 0;         // 0: nothing was seen, the vectors are empty
+  // Of that mean, if it were Gaussian noise: variance over the square, by how many bins, axes and segments it has.
+  std::vector<double> gaussian_share;
+  std::vector<std::vector<double>> windows_N2;  // by segment and band
+  std::size_t segments = 0;                     // 0: nothing was seen, the vectors are empty
   double segment_s = 0.0;
 };
 
@@ -28,7 +36,8 @@ struct FastForce {
   BandPower contact;
   BandPower air;
   // What the tracker's noise brings into the residual in contact, by band: the response's slope times the noise that
-  // smoothing leaves. Nobody feels it.
+  // smoothing leaves in the depth, of a replayed model times the difference of that and the noise of its own path.
+  // Nobody feels it.
   std::vector<double> tracker_N2;
   BandPower onset;
   BandPower between;                 // in contact, later, in windows like those of onset
@@ -39,11 +48,15 @@ struct FastForce {
 // Centres of the bands (IEC 61260 nominal), 20 to 1000 Hz.
 const std::vector<double>& band_centres_Hz();
 
+// What a frequency's power counts as at the centre of its band.
+double band_weight(double f_Hz, double centre_Hz, const Thresholds& thresholds);
+
 FastForce fast_force(const FeltSeries& felt, const Response& response, const Thresholds& thresholds);
 
 // What a person would tell between two processes by their fast force.
 struct VibrationDifference {
   bool known = false;           // both were seen
+  bool in_air = false;          // what differs most is felt in free air
   double jnd = 0.0;             // d', as far as it exceeds all that noise alone reaches in 95 %
   double measured_jnd = 0.0;    // as measured; by noise alone it is not 0
   double standard_error = 0.0;  // of what is measured
@@ -53,11 +66,17 @@ struct VibrationDifference {
   double threshold_N = 0.0;  // of that band, root mean square
   double allowed_N = 0.0;    // this much more than real_N in that band is noticed with d' = 1
 };
-// Steady vibration in contact. Noise of the sensor is taken out of both, for nobody feels it: what is seen in the air,
-// of the other recording where one has no air, else what is declared (`noise_N2_per_Hz`, density of power of all axes).
-// A band's power counts in units of that of its threshold. Two cues, of which the stronger counts: the power of all
-// bands together (Bensmaia, Hollins and Yau 2005), and how it is spread over them, root of the sum of squares. The
-// observer's noise is that of the power of all bands (vibration_scale.h), so that what vibrates already masks.
+// Steady vibration, in contact and in free air, of which the stronger counts. Noise of the sensor is taken out of both,
+// for nobody feels it: what is seen in the air as far as it is even over neighbouring bands (a tone is no noise), of
+// the other recording where one has no air, else what is declared (`noise_N2_per_Hz`, density of power of all axes). No
+// power is below nothing. A band's power counts in units of that of its threshold. Two cues, of which the stronger
+// counts: the power of all bands together (Bensmaia, Hollins and Yau 2005), and how it is spread over them, root of the
+// sum of squares. The observer's noise is that of the power of all bands (vibration_scale.h), so that what vibrates
+// already masks.
+//
+// What noise alone reaches: the error of each power is the larger of its spread over the windows and that of Gaussian
+// noise of the mean power of both recordings before any correction; from few windows it is itself uncertain (Welch
+// 1947, Satterthwaite 1946), and the looks at one pair share 5 %.
 VibrationDifference vibration_difference(const FastForce& real, const FastForce& rendered, double noise_N2_per_Hz,
                                          const Thresholds& thresholds);
 // The burst after contact, at the real process's speed of contact (a transient grows in proportion to it: Okamura,

@@ -52,7 +52,7 @@ Section plots(const AxisInput& input, const axis::AxisFit& fit) {
 
 }  // namespace
 
-Page axis_page(const AxisInput& input, const axis::AxisFit& fit, std::optional<double> floor,
+Page axis_page(const AxisInput& input, const axis::AxisFit& fit, const std::optional<axis::AxisFloor>& floor,
                const Provenance& provenance) {
   const axis::AxisWords& words = input.words;
   Page page;
@@ -67,8 +67,9 @@ Page axis_page(const AxisInput& input, const axis::AxisFit& fit, std::optional<d
   page.headlines.push_back({"held-out residual", fmt::format("{:.4g}", fit.after), words.load_unit,
                             fmt::format("RMS; {:.4g} about its mean", fit.before), Tone::error});
   if (floor) {
-    page.headlines.push_back({"floor of a repeat", fmt::format("{:.4g}", *floor), words.load_unit,
-                              "RMS of what the repeat differs by", Tone::reference});
+    page.headlines.push_back({"floor of a repeat", fmt::format("{:.4g}", floor->value), words.load_unit,
+                              "what one recording does not repeat: RMS difference over the root of 2",
+                              Tone::reference});
   }
   Section found{"What was found", "", {}, false};
   for (const std::string& remark : axis::axis_remarks(fit, words, floor)) {

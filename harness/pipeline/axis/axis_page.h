@@ -10,8 +10,7 @@
 
 namespace touchstone::pipeline {
 
-// `floor`: the RMS by which a repeat differs, in the unit of the load, if there is one.
-Page axis_page(const AxisInput& input, const axis::AxisFit& fit, std::optional<double> floor,
+Page axis_page(const AxisInput& input, const axis::AxisFit& fit, const std::optional<axis::AxisFloor>& floor,
                const Provenance& provenance);
 
 }  // namespace touchstone::pipeline

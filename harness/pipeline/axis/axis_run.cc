@@ -26,7 +26,8 @@ AxisResult run_axis(const AxisRequest& request, AxisInput input) {
   result.fit = axis::fit_axis(result.input.run);
   if (!request.repeat.empty()) {
     const AxisInput repeat = load_axis(request.repeat, request.flip_force);
-    result.floor = sanity::repeat_floor(as_recording(result.input.run), as_recording(repeat.run)).force_N;
+    const auto repeated = sanity::repeat_floor(as_recording(result.input.run), as_recording(repeat.run));
+    result.floor = axis::AxisFloor{repeated.force_N, repeated.within_N};
   }
   if (result.fit.reversed) {
     throw BadData(fmt::format("{}: reversed {}: {}", request.recording, result.input.words.load,

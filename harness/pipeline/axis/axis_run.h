@@ -20,7 +20,7 @@ struct AxisRequest {
 struct AxisResult {
   AxisInput input;
   axis::AxisFit fit;
-  std::optional<double> floor;  // the RMS by which the repeat differs, in the unit of the load
+  std::optional<axis::AxisFloor> floor;
 
   [[nodiscard]] std::string text() const;  // for people
   [[nodiscard]] std::string json() const;  // schema "touchstone-axis/1"

@@ -28,7 +28,7 @@ bool within(const sanity::RepeatFloor& floor, const Comparison& comparison) {
   if (!comparison.problems.empty() || comparison.bad_data) return false;
   return std::ranges::all_of(comparison.groups, [&](const GroupResult& group) {
     if (passes(group.verdict)) return true;
-    if (group.quantity == Quantity::force) return group.rms <= floor.force_N;
+    if (group.quantity == Quantity::force) return group.rms <= floor.within_N;
     return group.quantity == Quantity::position && group.rms <= floor.position_m;
   });
 }

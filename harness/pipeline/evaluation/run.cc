@@ -329,12 +329,12 @@ void add_floor(const sanity::RepeatFloor& floor, EvaluationResult& result) {
   };
   add("repeat_floor_force", "N", floor.force_N,
       fmt::format(
-          "RMS of what the forces of the recording and of its repeat {} differ by at equal times: instrument and "
-          "object do not repeat better.",
+          "RMS of what the forces of the recording and of its repeat {} differ by at equal times, over the root of 2: "
+          "what one recording does not repeat, as the error holds it.",
           floor.source));
-  add("repeat_floor_position", "m", floor.position_m, "RMS of what their positions differ by.");
+  add("repeat_floor_position", "m", floor.position_m, "RMS of what their positions differ by, over the root of 2.");
   add("rms_force_error_over_floor", "1", error_N / floor.force_N,
-      "The RMS force error over repeat_floor_force: up to 1 nothing is left that could be explained.");
+      "The RMS force error over repeat_floor_force: up to 1, but for chance, nothing is left that could be explained.");
   result.messages.push_back(
       fmt::format("The RMS force error of {} is {}.", display_quantity(error_N, "N"), floor.verdict(error_N)));
   result.settings.emplace_back("Repeat", floor.text());

@@ -91,7 +91,7 @@ PaperFiles evaluate_by_paper(const Catalogue& catalogue, const PerceiveRequest& 
     catalogue.find(rendering.model);
     names.push_back(rendering.name);
     sources.push_back({rendering.name, [&catalogue, &model = rendering.model, surface, &real, outward, contact_N] {
-                         const Recording rendered = rendered_by(catalogue, model, surface, real);
+                         const Recording rendered = rendered_by(catalogue, model, surface, real, real.motion);
                          return std::vector<pc::PressSignal>{pc::press_signal(rendered, outward, contact_N)};
                        }});
   }

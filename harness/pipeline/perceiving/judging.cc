@@ -11,6 +11,7 @@
 #include "harness/base/freed_memory.h"
 #include "harness/base/progress.h"
 #include "harness/discrepancy/instrument_description.h"
+#include "harness/perception/judge/replay_path.h"
 #include "harness/pipeline/perceiving/processes.h"
 #include "harness/report/console.h"
 #include "harness/report/judgement_page.h"
@@ -72,17 +73,21 @@ PerceiveSources perceive_sources(const Catalogue& catalogue, const PerceiveReque
     sources.conditions.push_back(from_file(name, file));
   }
   std::shared_ptr<const Surface> surface;
+  std::shared_ptr<const pc::ReplayPath> path;
   if (!request.models.empty()) {
     surface = rendered_object(request, real, sources.notes);
+    path = std::make_shared<const pc::ReplayPath>(pc::replay_path(real.motion));
     sources.inputs.emplace_back("mesh", request.mesh);
   }
   check_real(request, real, surface.get(), sources.notes);
   for (const auto& rendering : request.models) {
     sources.inputs.emplace_back("model " + rendering.name, rendering.file);
     catalogue.find(rendering.model);
-    sources.conditions.push_back({rendering.name, [&catalogue, &model = rendering.model, surface, &real] {
-                                    return rendered_by(catalogue, model, surface, real);
-                                  }});
+    sources.conditions.push_back({rendering.name,
+                                  [&catalogue, &model = rendering.model, surface, path, &real] {
+                                    return rendered_by(catalogue, model, surface, real, path->motion);
+                                  },
+                                  path->samples});
   }
   if (!request.judge.thresholds.empty()) sources.inputs.emplace_back("thresholds", request.judge.thresholds);
   if (!request.judge.instrument.empty()) sources.inputs.emplace_back("instrument", request.judge.instrument);
@@ -95,7 +100,8 @@ JudgedFiles judge_files(const Catalogue& catalogue, const PerceiveRequest& reque
   JudgedFiles result;
   result.options = judge_options(request.judge);
   const Recording real = read_recording(request, request.real);
-  const Vec3 outward = press_direction_of(request.direction, real);
+  const Vec3 outward =
+      request.direction == "force" ? pc::pressing_direction(real) : press_direction_of(request.direction, real);
   const PerceiveSources sources = perceive_sources(catalogue, request, real);
   result.notes = sources.notes;
   result.provenance = make_provenance(request.command_line);

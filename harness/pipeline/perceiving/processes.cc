@@ -32,9 +32,9 @@ Vec3 press_direction_of(const std::string& text, const Recording& real) {
 }
 
 Recording rendered_by(const Catalogue& catalogue, const Model& model, const std::shared_ptr<const Surface>& surface,
-                      const Recording& real) {
+                      const Recording& real, const MotionColumns& along) {
   const auto renderer = catalogue.make(model, surface);
-  const RenderedTrajectory rendered = replay(*renderer, InTrajectory{real.motion});
+  const RenderedTrajectory rendered = replay(*renderer, InTrajectory{along});
   Recording recording;
   recording.motion = real.motion;
   recording.f_W_N = rendered.f_W_N;

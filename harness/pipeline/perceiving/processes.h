@@ -32,9 +32,10 @@ void check_condition(const Recording& real, const Recording& condition);
 // does it; `notes` then says so. Throws BadData as load_mesh() does.
 std::shared_ptr<const Surface> rendered_object(const PerceiveRequest& request, const Recording& real,
                                                std::vector<std::string>& notes);
-// What the model renders along the real process's own path.
+// What the model renders along the real process's own path; where its forces are to be judged, `along` is that path
+// without the tracker's noise (perception::replay_path).
 Recording rendered_by(const Catalogue& catalogue, const Model& model, const std::shared_ptr<const Surface>& surface,
-                      const Recording& real);
+                      const Recording& real, const MotionColumns& along);
 
 using RolesAndFiles = std::vector<std::pair<std::string, std::string>>;
 // The files in their order, hashed.

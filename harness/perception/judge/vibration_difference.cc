@@ -1,0 +1,253 @@
+#include <algorithm>
+#include <cmath>
+
+#include "harness/perception/judge/vibration.h"
+#include "harness/perception/judge/vibration_scale.h"
+#include "harness/stats/distributions.h"
+#include "harness/stats/quantile.h"
+
+namespace touchstone::perception {
+namespace {
+
+constexpr std::size_t kWantedAir = 4;
+constexpr std::size_t kFewestOnsets = 3;
+constexpr double kByNoise = 0.05;  // share of identical pairs that may exceed what noise reaches
+
+// One of the two processes: its power without noise, and what that was made of, the vibration itself first.
+struct ComparedPower {
+  std::vector<double> power_N2;
+  std::vector<const BandPower*> parts;
+  double factor = 1.0;  // that the parts' powers are multiplied by
+};
+
+struct BandRange {
+  double lowest_Hz = 0.0;
+  double highest_Hz = 0.0;
+  double threshold_factor = 1.0;
+
+  [[nodiscard]] bool holds(double centre_Hz) const {
+    return centre_Hz >= lowest_Hz && centre_Hz * kHalfBandRatio <= highest_Hz;
+  }
+  // Mean square of the sine that is just felt.
+  [[nodiscard]] double threshold_N2(double centre_Hz, const Thresholds& thresholds) const {
+    return std::pow(threshold_factor * thresholds.vibration_force_N(centre_Hz), 2) / 2.0;
+  }
+};
+
+// Errors of the difference of the powers, in squares of the threshold's power.
+struct PowerErrors {
+  std::vector<double> by_band;
+  double of_sum = 0.0;
+  double degrees = 1.0;  // with which of_sum is known
+};
+
+PowerErrors errors_of(const ComparedPower& real, const ComparedPower& rendered, const BandRange& range,
+                      const Thresholds& thresholds) {
+  const auto& centres = band_centres_Hz();
+  PowerErrors errors{std::vector<double>(centres.size(), 0.0)};
+  double uncertain = 0.0;
+  for (const ComparedPower* side : {&real, &rendered}) {
+    for (std::size_t p = 0; p < side->parts.size(); ++p) {
+      const BandPower& part = *side->parts[p];
+      double gaussian = 0.0;
+      std::vector<double> sums(part.segments, 0.0);
+      for (std::size_t b = 0; b < centres.size(); ++b) {
+        if (!range.holds(centres[b])) continue;
+        const double unit = side->factor / range.threshold_N2(centres[b], thresholds);
+        // Noise alone has the same power in both: their mean is known better than either.
+        const double alike_N2 =
+            p == 0
+                ? 0.5 * (real.factor * real.parts[0]->power_N2[b] + rendered.factor * rendered.parts[0]->power_N2[b]) /
+                      side->factor
+                : part.power_N2[b];
+        const double by_noise = part.gaussian_share[b] * alike_N2 * alike_N2;
+        errors.by_band[b] += std::max(part.variance_N4[b], by_noise) * unit * unit;
+        gaussian += by_noise * unit * unit;
+        for (std::size_t w = 0; w < part.segments; ++w) sums[w] += part.windows_N2[w][b] * unit;
+      }
+      const auto n = static_cast<double>(part.segments);
+      double mean = 0.0;
+      for (const double sum : sums) mean += sum / n;
+      double seen = n > 1.0 ? 0.0 : mean * mean;
+      for (const double sum : sums) seen += n > 1.0 ? std::pow(sum - mean, 2) / (n * (n - 1.0)) : 0.0;
+      const double variance = std::max(seen, gaussian);
+      errors.of_sum += variance;
+      uncertain += variance * variance / std::max(1.0, n - 1.0);
+    }
+  }
+  if (uncertain > 0.0) errors.degrees = std::max(1.0, errors.of_sum * errors.of_sum / uncertain);
+  return errors;
+}
+
+// d'^2 of one cue: a sum of squares whose terms are known with an error.
+struct SquaredEvidence {
+  double square = 0.0;    // what noise adds on average taken off; may be below 0
+  double exceeds = 0.0;   // what exceeds all that noise alone reaches; may be below 0
+  double variance = 0.0;  // of the root
+};
+
+// `looks`: how many cues of one pair share the error.
+VibrationDifference difference(const ComparedPower& real, const ComparedPower& rendered,
+                               const std::vector<double>& masker_N2, const BandRange& range, double looks,
+                               const Thresholds& thresholds) {
+  VibrationDifference result;
+  result.known = true;
+  const auto& centres = band_centres_Hz();
+  const PowerErrors errors = errors_of(real, rendered, range, thresholds);
+  double real_sum = 0.0;  // power over that of the threshold
+  double rendered_sum = 0.0;
+  double beside = 0.0;
+  double squares = 0.0;  // of the bands' differences
+  double variances = 0.0;
+  double squared_variances = 0.0;
+  double variance_along = 0.0;
+  double most = -1.0;
+  double real_most = 0.0;
+  for (std::size_t b = 0; b < centres.size(); ++b) {
+    if (!range.holds(centres[b])) continue;
+    const double t2 = range.threshold_N2(centres[b], thresholds);
+    const double variance = errors.by_band[b];
+    if (!masker_N2.empty()) beside += masker_N2[b] / t2;
+    real_sum += real.power_N2[b] / t2;
+    rendered_sum += rendered.power_N2[b] / t2;
+    const double own = std::max(0.0, real.power_N2[b] / t2);
+    const double apart = std::max(0.0, rendered.power_N2[b] / t2) - own;
+    squares += apart * apart;
+    variances += variance;
+    squared_variances += variance * variance;
+    variance_along += apart * apart * variance;
+    if (std::abs(apart) > most) {
+      most = std::abs(apart);
+      real_most = own;
+      result.frequency_Hz = centres[b];
+      result.real_N = std::sqrt(std::max(0.0, real.power_N2[b]));
+      result.rendered_N = std::sqrt(std::max(0.0, rendered.power_N2[b]));
+      result.threshold_N = std::sqrt(t2);
+    }
+  }
+  real_sum = std::max(0.0, real_sum);
+  rendered_sum = std::max(0.0, rendered_sum);
+  const double share = 1.0 - kByNoise / looks;
+  const double reach = stats::f_quantile(share, 1.0, errors.degrees);
+  const double apart = rendered_sum - real_sum;
+  const SquaredEvidence strength{apart * apart, apart * apart - reach * errors.of_sum, errors.of_sum};
+  // A sum of squares of unequal variances is nearly one of h equal ones (Satterthwaite 1946).
+  SquaredEvidence profile{squares, squares, variances};
+  if (variances > 0.0) {
+    const double h = variances * variances / squared_variances;
+    profile = {squares - variances, squares - variances * stats::f_quantile(share, h, errors.degrees),
+               squares > 0.0 ? variance_along / squares : variances};
+  }
+  const SquaredEvidence& better = strength.exceeds >= profile.exceeds ? strength : profile;
+  const VibrationScale scale(thresholds);
+  const double observer = scale.noise_between(real_sum + beside, rendered_sum + beside);
+  result.jnd = std::sqrt(std::max(0.0, better.exceeds)) / observer;
+  result.measured_jnd = std::sqrt(std::max(0.0, better.square)) / observer;
+  // As a normal error with the same reach.
+  constexpr double kNormal95 = 1.959964;
+  result.standard_error = std::sqrt(better.variance * reach) / (kNormal95 * observer);
+  result.allowed_N =
+      result.threshold_N * (std::sqrt(real_most + scale.noticed_from(real_sum + beside)) - std::sqrt(real_most));
+  return result;
+}
+
+// Power of white noise of 1 N^2/Hz in a band, weighted as all power is (Simpson's rule).
+double white_power_Hz(double centre_Hz, const Thresholds& thresholds) {
+  const double width_Hz = centre_Hz * (kHalfBandRatio - 1.0 / kHalfBandRatio);
+  const double mean_weight = (band_weight(centre_Hz / kHalfBandRatio, centre_Hz, thresholds) + 4.0 +
+                              band_weight(centre_Hz * kHalfBandRatio, centre_Hz, thresholds)) /
+                             6.0;
+  return width_Hz * mean_weight;
+}
+
+// The sensor's noise in free air: its density is the median over seven neighbouring bands. A sensor's noise is smooth
+// over frequency; what stands out of it is felt.
+std::vector<double> sensor_noise_N2(const BandPower& air, double nyquist_Hz, const Thresholds& thresholds) {
+  const auto& centres = band_centres_Hz();
+  std::vector<double> density;
+  for (std::size_t b = 0; b < centres.size() && centres[b] * kHalfBandRatio <= nyquist_Hz; ++b)
+    density.push_back(air.power_N2[b] / white_power_Hz(centres[b], thresholds));
+  std::vector<double> noise(centres.size(), 0.0);
+  constexpr std::size_t kReach = 3;
+  for (std::size_t b = 0; b < density.size(); ++b) {
+    const std::size_t first = b < kReach ? 0 : b - kReach;
+    const std::size_t last = std::min(density.size(), b + kReach + 1);
+    noise[b] = stats::median({density.begin() + static_cast<std::ptrdiff_t>(first),
+                              density.begin() + static_cast<std::ptrdiff_t>(last)}) *
+               white_power_Hz(centres[b], thresholds);
+  }
+  return noise;
+}
+
+// In contact, without the noise of tracker and sensor; `air` may be of another recording by the same sensor.
+ComparedPower in_contact(const FastForce& fast, const BandPower& air, double noise_N2_per_Hz,
+                         const Thresholds& thresholds) {
+  ComparedPower result{fast.contact.power_N2, {&fast.contact}};
+  if (air.segments > 0) result.parts.push_back(&air);
+  const auto noise_N2 = air.segments > 0 ? sensor_noise_N2(air, fast.nyquist_Hz, thresholds) : std::vector<double>();
+  for (std::size_t b = 0; b < result.power_N2.size(); ++b) {
+    result.power_N2[b] -= fast.tracker_N2[b];
+    result.power_N2[b] -=
+        noise_N2.empty() ? noise_N2_per_Hz * white_power_Hz(band_centres_Hz()[b], thresholds) : noise_N2[b];
+  }
+  return result;
+}
+
+ComparedPower in_air(const FastForce& fast, const Thresholds& thresholds) {
+  ComparedPower result{fast.air.power_N2, {&fast.air}};
+  const auto noise_N2 = sensor_noise_N2(fast.air, fast.nyquist_Hz, thresholds);
+  for (std::size_t b = 0; b < noise_N2.size(); ++b) result.power_N2[b] -= noise_N2[b];
+  return result;
+}
+
+}  // namespace
+
+VibrationDifference vibration_difference(const FastForce& real, const FastForce& rendered, double noise_N2_per_Hz,
+                                         const Thresholds& thresholds) {
+  if (real.contact.segments == 0 || rendered.contact.segments == 0) return {};
+  const bool own_air = real.air.segments >= kWantedAir && rendered.air.segments >= kWantedAir;
+  const BandPower& more_air = real.air.segments >= rendered.air.segments ? real.air : rendered.air;
+  const double looks = own_air ? 4.0 : 2.0;
+  const double highest_Hz = std::min(real.nyquist_Hz, rendered.nyquist_Hz);
+  // Below one and a half bins of the shorter segments the taper lets the slow force in.
+  const auto range_of = [highest_Hz](const BandPower& a, const BandPower& b) {
+    return BandRange{std::max(19.0, 1.5 / std::min(a.segment_s, b.segment_s)), highest_Hz, 1.0};
+  };
+  const auto contact = difference(in_contact(real, own_air ? real.air : more_air, noise_N2_per_Hz, thresholds),
+                                  in_contact(rendered, own_air ? rendered.air : more_air, noise_N2_per_Hz, thresholds),
+                                  {}, range_of(real.contact, rendered.contact), looks, thresholds);
+  if (!own_air) return contact;
+  auto air = difference(in_air(real, thresholds), in_air(rendered, thresholds), {}, range_of(real.air, rendered.air),
+                        looks, thresholds);
+  air.in_air = true;
+  return air.jnd > contact.jnd ? air : contact;
+}
+
+VibrationDifference transient_difference(const FastForce& real, const FastForce& rendered,
+                                         const Thresholds& thresholds) {
+  if (real.onsets < kFewestOnsets || rendered.onsets < kFewestOnsets) return {};
+  const std::size_t bands = band_centres_Hz().size();
+  const auto burst = [&](const FastForce& fast, double factor) {
+    ComparedPower result{fast.onset.power_N2, {&fast.onset}, factor};
+    if (fast.between.segments > 0) result.parts.push_back(&fast.between);
+    for (std::size_t b = 0; b < bands; ++b) {
+      if (fast.between.segments > 0) result.power_N2[b] -= fast.between.power_N2[b];
+      result.power_N2[b] *= factor;
+    }
+    return result;
+  };
+  // What goes on vibrating masks the burst: the stronger of the two.
+  std::vector<double> masker_N2(bands, 0.0);
+  for (const FastForce* fast : {&real, &rendered}) {
+    if (fast->contact.segments == 0) continue;
+    const auto steady = in_contact(*fast, fast->air, 0.0, thresholds);
+    for (std::size_t b = 0; b < bands; ++b) masker_N2[b] = std::max(masker_N2[b], steady.power_N2[b]);
+  }
+  const BandRange range{39.0, std::min(real.nyquist_Hz, rendered.nyquist_Hz),
+                        std::sqrt(std::max(1.0, thresholds.vibration_integration_s / kOnset_s))};
+  return difference(burst(real, 1.0),
+                    burst(rendered, std::pow(real.onset_speed_m_per_s / rendered.onset_speed_m_per_s, 2)), masker_N2,
+                    range, 2.0, thresholds);
+}
+
+}  // namespace touchstone::perception
