@@ -204,13 +204,17 @@ double tip_radius_m(const Model& model, const RendererEntry& entry) {
 std::string declared_not_to_run(const Catalogues& catalogues, const GoldenCase& golden, const std::string& model,
                                 const ChangeModel& change) {
   if (!change) return "";
-  Model described = case_model(golden, model);
-  const double wanted_m = tip_radius_m(described, catalogues.renderers.find(described));
+  const Model own = case_model(golden, model);
+  Model described = own;
   change(described);
   const RendererEntry& entry = catalogues.renderers.find(described);
-  if (const double rendered_m = tip_radius_m(described, entry); rendered_m != wanted_m) {
-    return fmt::format("the tip is a ball of {:g} m in radius, the case's of {:g} m{}", rendered_m, wanted_m,
-                       wanted_m == 0.0 ? "; is another model the one, as --model god-object-ball?" : "");
+  // A case of the plug-in's own has no other tip than its own.
+  if (described.renderer != own.renderer) {
+    const double rendered_m = tip_radius_m(described, entry);
+    const double wanted_m = tip_radius_m(own, catalogues.renderers.find(own));
+    if (rendered_m != wanted_m)
+      return fmt::format("the tip is a ball of {:g} m in radius, the case's of {:g} m{}", rendered_m, wanted_m,
+                         wanted_m == 0.0 ? "; is another model the one, as --model god-object-ball?" : "");
   }
   if (!golden.scene.empty()) return declared_not_to_move(entry, golden);
   const Limitation* const limit = find_limitation(entry.cannot, Ability::start_inside);
