@@ -84,7 +84,7 @@ std::string why_unknown(Channel channel) {
     case Channel::direction:
       return "the force is too small to have a direction";
     case Channel::friction:
-      return "at no common depth do both recordings slide to and fro";
+      return "at no common depth do both recordings slide to and fro, or both one way";
     case Channel::vibration:
       return "a recording stays in contact for less than 64 ms at a time, or is too slow";
     case Channel::transient:

@@ -39,9 +39,17 @@ Sliding sliding_at(const Response& r, double d) {
 // Whether the steady forces across of two processes can be compared at a depth: friction hides in them where all
 // sliding went one way.
 bool side_is_known(const Sliding& a, const Sliding& b) {
-  const auto apart = [](const Sliding& s) { return !s.slides || s.to_and_fro; };
-  if (apart(a) && apart(b)) return true;
+  return (!a.slides || a.to_and_fro) && (!b.slides || b.to_and_fro);
+}
+
+// Both slid one way, and the same: what they feel against it is compared as a whole.
+bool one_way_alike(const Sliding& a, const Sliding& b) {
   return a.slides && b.slides && !a.to_and_fro && !b.to_and_fro && a.towards.dot(b.towards) > kOneWay * kOneWay;
+}
+
+Vec3 force_across(const ResponseCurves& c, double d, const DepthGrid& grid, const Vec3& towards) {
+  return Vec3(0.0, at_depth(c.side_N[0], d, grid), at_depth(c.side_N[1], d, grid)) +
+         at_depth(c.friction_N, d, grid) * towards;
 }
 
 // Least-squares slope of the force's magnitude.
@@ -154,9 +162,15 @@ SlowEvidences slow_evidence(const Response& real, const ResponseCurves& real_cur
       keep_larger(at(SlowChannel::friction),
                   friction_jnd(std::abs(own), std::abs(other), std::abs(other - own), fr.norm(), thresholds), d,
                   std::abs(own), std::abs(other));
+    } else if (one_way_alike(own_sliding, other_sliding)) {
+      const Vec3 own = force_across(real_curves, d, grid, own_sliding.towards);
+      const Vec3 other = force_across(rendered_curves, d, grid, other_sliding.towards);
+      keep_larger(at(SlowChannel::friction),
+                  friction_jnd(own.norm(), other.norm(), (other - own).norm(), fr.norm(), thresholds), d, own.norm(),
+                  other.norm());
     }
   }
-  // A delay that the lag of a response took out is told by its length, whatever force it displaces.
+  // A delay that the lag of a response took out counts by its length, whatever force it displaces.
   const auto delay_of = [](const Response& r, const ResponseCurves& c) {
     return r.lag_s > 0.0 ? std::max(0.0, r.lag_s + apparent_lag_s(r, c)) : 0.0;
   };

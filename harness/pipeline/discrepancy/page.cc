@@ -405,7 +405,8 @@ Page discrepancy_page(const Findings& findings, const std::vector<Candidate>& ca
        Tone::neutral}};
   if (gap.repeat_floor_N) {
     page.headlines.push_back({"floor of a repeat", fmt::format("{:.4g}", *gap.repeat_floor_N), "N",
-                              "what one recording does not repeat: RMS difference of two over the root of 2", Tone::neutral});
+                              "what one recording does not repeat: RMS difference of two over the root of 2",
+                              Tone::neutral});
   }
   if (gap.holdout_after_again_N) {
     page.headlines.push_back({"again from the files", fmt::format("{:.4g}", *gap.holdout_after_again_N), "N",

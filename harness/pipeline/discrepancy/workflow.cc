@@ -246,10 +246,7 @@ Findings run_discrepancy(const Catalogue& catalogue, const DiscrepancyFiles& fil
   const double beyond_means_N2 = count > 1 ? square_beyond_means_N2(sensor, instrument) : 0.0;
   const MeasuredGap measured = measure_gap(findings.search, data, {samples, count, beyond_means_N2});
   findings.gap = measured.gap;
-  if (floor) {
-    findings.gap.repeat_floor_N = floor->force_N;
-    findings.gap.repeat_within_N = floor->within_N;
-  }
+  if (floor) findings.gap.hold_against(floor->force_N, floor->within_N);
   findings.shares = told_apart(share_gap(measured.on, findings.search.start, findings.search.model));
   const Prediction before = measured.on.predictor->predict(model);
   const Prediction after = measured.on.predictor->predict(findings.search.model);

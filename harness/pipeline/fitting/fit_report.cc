@@ -147,7 +147,8 @@ Page fit_page(const FitResult& result) {
   headline(fmt::format("{}, fitted ({})", result.metric, result.fit_range), result.fit_after, result.fit_before);
   if (result.floor) {
     page.headlines.push_back({"floor of a repeat", display_number(result.floor->force_N), "N",
-                              "what one recording does not repeat: RMS difference over the root of 2", Tone::reference});
+                              "what one recording does not repeat: RMS difference over the root of 2",
+                              Tone::reference});
   }
   Section fit{"The fit", against_repeat(result), {}, false};
   for (const std::string& warning : result.warnings) fit.blocks.emplace_back(TextBlock{warning, Tone::warning});
