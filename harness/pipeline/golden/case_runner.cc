@@ -208,10 +208,12 @@ std::string declared_not_to_run(const Catalogues& catalogues, const GoldenCase& 
   Model described = own;
   change(described);
   const RendererEntry& entry = catalogues.renderers.find(described);
-  // A case of the plug-in's own has no other tip than its own.
-  if (described.renderer != own.renderer) {
+  // The tip of a case whose renderer only a plug-in has is that plug-in's.
+  const auto& known = catalogues.renderers.renderers();
+  const auto of_case = std::ranges::find(known, own.renderer, &RendererEntry::name);
+  if (of_case != known.end()) {
     const double rendered_m = tip_radius_m(described, entry);
-    const double wanted_m = tip_radius_m(own, catalogues.renderers.find(own));
+    const double wanted_m = tip_radius_m(own, *of_case);
     if (rendered_m != wanted_m)
       return fmt::format("the tip is a ball of {:g} m in radius, the case's of {:g} m{}", rendered_m, wanted_m,
                          wanted_m == 0.0 ? "; is another model the one, as --model god-object-ball?" : "");
