@@ -170,6 +170,7 @@ constexpr auto thresholds_fields = std::to_array<FormatField>({
     {"direction_rad?", "number", "rad", "just noticeable change of direction"},
     {"friction_fraction?", "number", "1", "just noticeable change of friction"},
     {"position_m?", "number", "m", "just noticeable shift"},
+    {"delay_s?", "number", "s", "just noticeable delay of the force behind the motion"},
     {"vibration_fraction?", "number", "1", "just noticeable change of a vibration's amplitude"},
     {"vibration_integration_s?", "number", "s", "time over which vibration is summed"},
     {"hand_mass_kg?", "number", "kg", "of the hand at the tip"},

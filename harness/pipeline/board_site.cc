@@ -82,7 +82,7 @@ std::string task_section(const Task& task, std::size_t number) {
                          display_quantity(task.floor->low95_N, "N"), display_quantity(task.floor->high95_N, "N"),
                          task.floor->how);
   }
-  if (task.repeat) facts += fmt::format(" Two recordings of this motion differ by {}.", task.repeat->how);
+  if (task.repeat) facts += fmt::format(" A repeat of this motion sets a floor of {}.", task.repeat->how);
   if (!task.measured.empty()) facts += fmt::format(" Measured: {}.", task.measured);
   if (!task.licence.empty()) facts += fmt::format(" Licence: {}.", task.licence);
   return out + fmt::format("<p class=\"facts\">{}</p>\n</section>\n", escape_html(facts));

@@ -134,7 +134,7 @@ TEST(Board, ChangesOfFloorsAreSaid) {
 TEST(Board, WhatARepeatLeavesIsSaid) {
   Board board = sample_board({0.1, 0.2});
   board.tasks[0].repeat = RepeatOfTask{0.05, "0.05 N (again.csv)"};
-  EXPECT_THAT(verdict(board.tasks[0]), HasSubstr("Two recordings of this motion differ by 0.05000 N"));
+  EXPECT_THAT(verdict(board.tasks[0]), HasSubstr("A repeat of this motion sets a floor of 0.05000 N"));
   EXPECT_THAT(verdict(board.tasks[0]), HasSubstr("2.0 times that"));
   EXPECT_THAT(site_html(board, {}), HasSubstr("differ by 0.05 N (again.csv)"));
   EXPECT_EQ(nlohmann::json::parse(board_to_json(board))["tasks"][0]["repeat"]["rms_N"], 0.05);

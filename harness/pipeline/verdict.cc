@@ -65,7 +65,7 @@ std::string number_or_dash(double value, const char* format) {
 
 std::string against_repeat(const Task& task, const Entry& best) {
   if (!task.repeat) return "";
-  return fmt::format(" Two recordings of this motion differ by {}: the best error is {} times that.",
+  return fmt::format(" A repeat of this motion sets a floor of {}: the best error is {} times that.",
                      display_quantity(task.repeat->rms_N, "N"),
                      times_floor(best.scores.rms_force_error_N, task.repeat->rms_N));
 }
