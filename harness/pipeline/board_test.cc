@@ -136,7 +136,7 @@ TEST(Board, WhatARepeatLeavesIsSaid) {
   board.tasks[0].repeat = RepeatOfTask{0.05, "0.05 N (again.csv)"};
   EXPECT_THAT(verdict(board.tasks[0]), HasSubstr("A repeat of this motion sets a floor of 0.05000 N"));
   EXPECT_THAT(verdict(board.tasks[0]), HasSubstr("2.0 times that"));
-  EXPECT_THAT(site_html(board, {}), HasSubstr("differ by 0.05 N (again.csv)"));
+  EXPECT_THAT(site_html(board, {}), HasSubstr("sets a floor of 0.05 N (again.csv)"));
   EXPECT_EQ(nlohmann::json::parse(board_to_json(board))["tasks"][0]["repeat"]["rms_N"], 0.05);
 }
 
