@@ -89,7 +89,7 @@ class Clipper {
     const auto [ia, ib, ic] = triangle(i);
     const Point &a = points_[ia], &b = points_[ib], &c = points_[ic];
     if (!(turn(a, b, c) > 0.0)) return false;
-    return std::ranges::none_of(left_, [&](std::size_t k) {
+    return std::ranges::none_of(left_, [&, ia = ia, ib = ib, ic = ic](std::size_t k) {
       const Point& p = points_[k];
       // A corner that stands twice, where a hole is joined to the rim, is none of the others.
       if (k == ia || k == ib || k == ic || p == a || p == b || p == c) return false;
