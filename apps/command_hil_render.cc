@@ -109,7 +109,9 @@ ExitStatus live_render(const LiveRenderOptions& options) {
   loop.rate_Hz = options.rate_Hz;
   hil::LiveRun run = hil::run_renderer(
       device, loop, dead_man.get(), [&] { return stop.asked(); }, *renderer);
-  const bool at_zero = hil::wait_for_zero(device, [&] { return stop.asked(); });
+  // Whoever stopped the run may not know yet that the force stayed on: a signal after that counts.
+  hil::StopSignal acted;
+  const bool at_zero = hil::wait_for_zero(device, [&] { return acted.asked(); });
   for (const auto& event : device.events()) {
     fmt::print(stderr, "guard {:+.3f} s  {:<12} {}{}{}\n", event.t_s - start_s, hil::to_string(event.phase), event.what,
                event.reason == hil::Trip::none ? "" : fmt::format(" [{}]", hil::to_string(event.reason)),
