@@ -14,7 +14,7 @@ namespace {
 constexpr int rescuer_priority = 82;        // above those that it watches
 constexpr double look_s = 0.001;            // while a force is on
 constexpr double look_idle_s = 0.002;       // a force that comes on meanwhile is seen before watchdog_s has passed
-constexpr double ending_s = 0.002;          // that the system may need to end a process that was killed
+constexpr double ending_s = 0.01;           // the system needs up to 7 ms to end a process that was killed
 constexpr double driver_lets_go_s = 0.004;  // what a living driver needs to see that its guard is gone
 constexpr double between_steps_s = 3e-4;    // of a rescue
 class Rescuer {
