@@ -9,6 +9,7 @@
 #include "harness/base/atomic_file.h"
 #include "harness/base/error.h"
 #include "harness/recording/recording_file.h"
+#include "harness/testing/temporary_folder.h"
 #include "renderers/catalogue.h"
 #include "synthetic/generators.h"
 
@@ -21,8 +22,6 @@ using ::testing::HasSubstr;
 class NewGoldenCase : public ::testing::Test {
  protected:
   void SetUp() override {
-    fs::remove_all(folder_);
-    fs::create_directories(folder_);
     // A plate of 40 mm, and a stroke that presses 1 mm deep.
     write_file(folder_ / "plate.obj", "v -20 -20 0\nv 20 -20 0\nv 20 20 0\nv -20 20 0\nf 1 2 3\nf 1 3 4\n");
     InTrajectory path;
@@ -40,7 +39,6 @@ class NewGoldenCase : public ::testing::Test {
     wanted_.trajectory = folder_ / "path.csv";
     wanted_.models = {folder_ / "god-object.json"};
   }
-  void TearDown() override { fs::remove_all(folder_); }
   MadeCase make() const { return make_case(catalogues_, folder_ / "golden", wanted_); }
   [[nodiscard]] std::string complaint() const {
     try {
@@ -51,7 +49,8 @@ class NewGoldenCase : public ::testing::Test {
     return "";
   }
 
-  fs::path folder_ = fs::path(::testing::TempDir()) / "touchstone-new-case";
+  testing::TemporaryFolder temporary_;
+  fs::path folder_ = temporary_.path();
   Catalogues catalogues_{renderers::built_in_catalogue(), synthetic::built_in_generators()};
   NewCase wanted_;
 };
