@@ -4,8 +4,8 @@
 
 #include <string>
 
-#include "apps/apps_rooms.h"
 #include "apps/command.h"
+#include "harness/base/rooms.h"
 #include "harness/pipeline/axis/axis_run.h"
 
 namespace touchstone::apps {

@@ -5,7 +5,7 @@
 #include <CLI/CLI.hpp>
 #include <string>
 
-#include "apps/apps_rooms.h"
+#include "harness/base/rooms.h"
 #include "harness/report/provenance.h"
 #include "harness/runs/case_command.h"
 

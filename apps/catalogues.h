@@ -1,7 +1,7 @@
 // What this program knows: the renderers of renderers/, the surfaces and motions of synthetic/.
 #pragma once
 
-#include "apps/apps_rooms.h"
+#include "harness/base/rooms.h"
 #include "harness/pipeline/golden/catalogues.h"
 #include "renderers/catalogue.h"
 #include "synthetic/generators.h"

@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "apps/apps_rooms.h"
 #include "harness/base/error.h"
+#include "harness/base/rooms.h"
 
 namespace touchstone::apps {
 

@@ -5,8 +5,8 @@
 #include <string_view>
 #include <vector>
 
-#include "apps/apps_rooms.h"
 #include "apps/command.h"
+#include "harness/base/rooms.h"
 
 namespace touchstone::apps {
 

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "apps/apps_rooms.h"
 #include "apps/plugin_flags.h"
+#include "harness/base/rooms.h"
 #include "harness/pipeline/evaluation/request.h"
 
 namespace touchstone::apps {

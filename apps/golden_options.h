@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "apps/apps_rooms.h"
 #include "apps/plugin_flags.h"
+#include "harness/base/rooms.h"
 #include "harness/baseline/golden_case.h"
 #include "harness/pipeline/golden/case_runner.h"
 

@@ -6,7 +6,7 @@
 #include <memory>
 #include <string>
 
-#include "apps/apps_rooms.h"
+#include "harness/base/rooms.h"
 #include "harness/surface/surface.h"
 #include "harness/surface/triangle_mesh.h"
 

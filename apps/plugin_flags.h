@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "apps/apps_rooms.h"
+#include "harness/base/rooms.h"
 #include "harness/plugin/plugin.h"
 
 namespace touchstone::apps {

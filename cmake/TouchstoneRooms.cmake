@@ -1,4 +1,5 @@
-# One CMake target per room: the compiler then enforces who may include whom.
+# One CMake target per room, behind walls: a source sees the headers of its own target and of those that the target links,
+# and the compiler refuses any other (touchstone_wall; tried by the test ci.walls).
 include(GoogleTest)
 
 if(TOUCHSTONE_TIMEOUT_FACTOR STREQUAL "")
@@ -45,7 +46,8 @@ function(touchstone_use_room_pch)
   touchstone_make_json_header(${touchstone_pch_folder})
   foreach(pch IN ITEMS touchstone_room_pch touchstone_cold_room_pch)
     target_link_libraries(${pch} PRIVATE touchstone_options Eigen3::Eigen fmt::fmt nlohmann_json::nlohmann_json)
-    target_include_directories(${pch} PRIVATE ${touchstone_pch_folder} ${PROJECT_SOURCE_DIR})
+    target_include_directories(${pch} PRIVATE ${touchstone_pch_folder})
+    touchstone_wall(${pch} PRIVATE harness/base/compiled_once.h)
     target_precompile_headers(${pch} PRIVATE <Eigen/Core> <Eigen/Geometry> <fmt/format.h> <nlohmann/json.hpp>
       <harness/base/compiled_once.h> <algorithm> <array> <cmath> <cstdint> <filesystem> <fstream> <functional> <map> <memory>
       <optional> <span> <sstream> <string> <string_view> <utility> <vector>)
@@ -74,10 +76,42 @@ endif()
 function(touchstone_use_test_pch)
   target_link_libraries(touchstone_test_pch PRIVATE touchstone_options Eigen3::Eigen fmt::fmt nlohmann_json::nlohmann_json GTest::gmock GTest::gtest)
   target_compile_options(touchstone_test_pch PRIVATE -O1)
-  target_include_directories(touchstone_test_pch PRIVATE ${touchstone_pch_folder} ${PROJECT_SOURCE_DIR})
+  target_include_directories(touchstone_test_pch PRIVATE ${touchstone_pch_folder})
+  touchstone_wall(touchstone_test_pch PRIVATE harness/base/compiled_once.h)
   target_precompile_headers(touchstone_test_pch PRIVATE <gmock/gmock.h> <gtest/gtest.h> <Eigen/Core> <Eigen/Geometry>
     <fmt/format.h> <nlohmann/json.hpp> <harness/base/compiled_once.h> <filesystem> <fstream> <functional> <optional> <string>
     <vector>)
+endfunction()
+
+# touchstone_wall(<target> PUBLIC|PRIVATE|INTERFACE header.h...): a folder of links to these headers, by their paths from the
+# top of the tree, is an include directory of the target. The tree itself is none: what no link leads to cannot be included.
+function(touchstone_wall target scope)
+  set(wall ${PROJECT_BINARY_DIR}/walls/${target})
+  if(scope STREQUAL "PRIVATE")
+    string(APPEND wall ".private")
+  endif()
+  set(links "")
+  foreach(header IN LISTS ARGN)
+    cmake_path(ABSOLUTE_PATH header NORMALIZE OUTPUT_VARIABLE file)
+    cmake_path(RELATIVE_PATH file BASE_DIRECTORY ${PROJECT_SOURCE_DIR} OUTPUT_VARIABLE path)
+    cmake_path(GET path PARENT_PATH folder)
+    file(MAKE_DIRECTORY ${wall}/${folder})
+    file(CREATE_LINK ${file} ${wall}/${path} SYMBOLIC)
+    list(APPEND links ${wall}/${path})
+  endforeach()
+  file(GLOB_RECURSE stale ${wall}/*)
+  list(REMOVE_ITEM stale ${links})
+  if(stale)
+    file(REMOVE ${stale})
+  endif()
+  target_include_directories(${target} ${scope} $<BUILD_INTERFACE:${wall}>)
+endfunction()
+
+# touchstone_sees(<target> room...): the headers of rooms that the target does not link.
+function(touchstone_sees target)
+  foreach(room IN LISTS ARGN)
+    target_include_directories(${target} PRIVATE ${PROJECT_BINARY_DIR}/walls/touchstone_${room})
+  endforeach()
 endfunction()
 
 # touchstone_room_label(<variable>): the label of the room whose CMakeLists.txt calls, room/recording or room/renderers.
@@ -89,12 +123,14 @@ function(touchstone_room_label variable)
   set(${variable} "room/${folder}" PARENT_SCOPE)
 endfunction()
 
-# touchstone_add_room(<name> SOURCES a.cc... [HEADERS a.h...] [DEPENDS room...] [LIBS target...] [PRIVATE_LIBS target...] [ALONE] [COLD])
+# touchstone_add_room(<name> SOURCES a.cc... [HEADERS a.h...] [PRIVATE_HEADERS a.h...] [DEPENDS room...] [LIBS target...]
+#                     [PRIVATE_LIBS target...] [ALONE] [COLD])
 # COLD: see touchstone_precompiled. ALONE: each file is a unit of its own, without the rooms' precompiled header.
-# Makes the static library touchstone_<name> with alias touchstone::<name>. Headers are included by their path from the
-# top of the tree, are checked for self-containment by the target all_verify_interface_header_sets, and are installed.
+# Makes the static library touchstone_<name> with alias touchstone::<name>. Headers are included by their path from the top
+# of the tree: HEADERS by what links the room, and they are installed, and checked for self-containment by the target
+# all_verify_interface_header_sets; PRIVATE_HEADERS by the room's own sources alone.
 function(touchstone_add_room name)
-  cmake_parse_arguments(ARG "ALONE;COLD" "" "SOURCES;HEADERS;DEPENDS;LIBS;PRIVATE_LIBS" ${ARGN})
+  cmake_parse_arguments(ARG "ALONE;COLD" "" "SOURCES;HEADERS;PRIVATE_HEADERS;DEPENDS;LIBS;PRIVATE_LIBS" ${ARGN})
   set(target touchstone_${name})
   # For the package: what find_package must find for those who want this room (TouchstoneInstall.cmake).
   set_property(GLOBAL APPEND PROPERTY TOUCHSTONE_ROOMS ${name})
@@ -117,9 +153,16 @@ function(touchstone_add_room name)
     add_library(${target} INTERFACE)
     set(scope INTERFACE)
   endif()
+  if(ARG_SOURCES AND BUILD_TESTING)  # for the test ci.walls
+    file(GENERATE OUTPUT ${PROJECT_BINARY_DIR}/walls/${name}.includes
+      CONTENT "$<JOIN:$<TARGET_PROPERTY:${target},INCLUDE_DIRECTORIES>,\n>\n")
+  endif()
   add_library(touchstone::${name} ALIAS ${target})
   set_target_properties(${target} PROPERTIES EXPORT_NAME ${name})
-  target_sources(${target} ${scope} FILE_SET HEADERS BASE_DIRS ${PROJECT_SOURCE_DIR} FILES ${ARG_HEADERS})
+  touchstone_wall(${target} ${scope} ${ARG_HEADERS})
+  if(ARG_PRIVATE_HEADERS)
+    touchstone_wall(${target} PRIVATE ${ARG_PRIVATE_HEADERS})
+  endif()
   target_compile_features(${target} ${scope} cxx_std_20)
   foreach(room IN LISTS ARG_DEPENDS)
     target_link_libraries(${target} ${scope} touchstone::${room})
@@ -128,23 +171,39 @@ function(touchstone_add_room name)
   if(ARG_PRIVATE_LIBS)
     target_link_libraries(${target} PRIVATE ${ARG_PRIVATE_LIBS})
   endif()
-  install(TARGETS ${target} EXPORT touchstoneTargets
-    ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR}
-    FILE_SET HEADERS DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/touchstone)
+  install(TARGETS ${target} EXPORT touchstoneTargets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR}
+    INCLUDES DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/touchstone)
+  foreach(header IN LISTS ARG_HEADERS)
+    cmake_path(ABSOLUTE_PATH header NORMALIZE OUTPUT_VARIABLE file)
+    cmake_path(RELATIVE_PATH file BASE_DIRECTORY ${PROJECT_SOURCE_DIR} OUTPUT_VARIABLE path)
+    cmake_path(GET path PARENT_PATH folder)
+    install(FILES ${file} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/touchstone/${folder})
+  endforeach()
+  # Not in the package: what all_verify_interface_header_sets compiles, each header alone.
+  if(ARG_HEADERS)
+    add_library(${target}_headers INTERFACE EXCLUDE_FROM_ALL)
+    list(TRANSFORM ARG_HEADERS PREPEND ${CMAKE_CURRENT_SOURCE_DIR}/)
+    target_sources(${target}_headers INTERFACE FILE_SET HEADERS BASE_DIRS ${CMAKE_CURRENT_SOURCE_DIR} FILES ${ARG_HEADERS})
+    target_link_libraries(${target}_headers INTERFACE ${target})
+  endif()
 endfunction()
 
 # touchstone_add_tests(<name> SOURCES a_test.cc... [LIBS target...] [LABELS unit...] [TIMEOUT seconds] [SERIAL]
-#                      [ENVIRONMENT NAME=value...] [SHARDS n] [ALONE])
+#                      [ENVIRONMENT NAME=value...] [SHARDS n] [ALONE] [HEADERS a_for_test.h...])
+# HEADERS: those of tests, and private ones of rooms, that these tests include.
 # ALONE: each file is a unit of its own, for tests whose unnamed namespaces have names in common.
 # Makes the GoogleTest program touchstone_<name>_test and one ctest test per case, found when ctest runs; with SHARDS n
 # parts of many cases each, for thousands of cases that cost less than the start of the program.
 function(touchstone_add_tests name)
-  cmake_parse_arguments(ARG "SERIAL;ALONE" "TIMEOUT;SHARDS" "SOURCES;LIBS;LABELS;ENVIRONMENT" ${ARGN})
+  cmake_parse_arguments(ARG "SERIAL;ALONE" "TIMEOUT;SHARDS" "SOURCES;HEADERS;LIBS;LABELS;ENVIRONMENT" ${ARGN})
   if(NOT BUILD_TESTING)
     return()
   endif()
   set(target touchstone_${name}_test)
   add_executable(${target} ${ARG_SOURCES})
+  if(ARG_HEADERS)
+    touchstone_wall(${target} PRIVATE ${ARG_HEADERS})
+  endif()
   target_link_libraries(${target} PRIVATE touchstone_options ${ARG_LIBS} Eigen3::Eigen fmt::fmt nlohmann_json::nlohmann_json
     GTest::gmock GTest::gtest GTest::gtest_main)
   target_compile_options(${target} PRIVATE -O1)

@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <vector>
 
-#include "apps/apps_rooms.h"
+#include "harness/base/rooms.h"
 
 namespace touchstone::apps {
 

@@ -2,8 +2,8 @@
 // shading. What runs throws UsageError for options that do not go together.
 #pragma once
 
-#include "apps/apps_rooms.h"
 #include "apps/command.h"
+#include "harness/base/rooms.h"
 
 namespace touchstone::apps {
 

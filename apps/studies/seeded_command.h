@@ -4,9 +4,9 @@
 #include <optional>
 #include <string>
 
-#include "apps/apps_rooms.h"
 #include "apps/case_flags.h"
 #include "apps/studies/experiments/seed_cases.h"
+#include "harness/base/rooms.h"
 
 namespace touchstone::apps {
 

@@ -5,9 +5,8 @@
 // Every room has a namespace of its own, named like its folder: harness/recording is touchstone::recording, and
 // renderers is touchstone::renderers. What lies in harness/base is touchstone itself, so that all rooms see it. A
 // using-directive below is an arrow of the house: the room may include the other's headers and use its names. What is
-// not listed here is written in full. ci/rooms holds the namespaces against the folders, and forbidden arrows against
-// the includes. (harness/testing has its arrows in a header of its own: a `touchstone::testing` that every room sees
-// would hide GoogleTest's namespace.)
+// not listed here is written in full. ci/rooms holds the namespaces against the folders. (harness/testing has its
+// arrows in a header of its own: a `touchstone::testing` that every room sees would hide GoogleTest's namespace.)
 
 namespace touchstone {
 
@@ -81,7 +80,16 @@ using namespace baseline;
 }  // namespace runs
 
 namespace pipeline {
+using namespace baseline;
+using namespace discrepancy;
+using namespace metrics;
+using namespace plugin;
+using namespace recording;
+using namespace rendering;
 using namespace report;
+using namespace runs;
+using namespace sanity;
+using namespace surface;
 }  // namespace pipeline
 
 namespace bisection {
@@ -110,6 +118,7 @@ using namespace baseline;
 using namespace discrepancy;
 using namespace importing;
 using namespace metrics;
+using namespace pipeline;
 using namespace plugin;
 using namespace recording;
 using namespace renderers;
@@ -127,6 +136,10 @@ using namespace apps;
 namespace atlas {
 using namespace apps;
 }  // namespace atlas
+
+namespace blind {
+using namespace apps;
+}  // namespace blind
 
 namespace bench {
 using namespace apps;

@@ -7,19 +7,11 @@
 #include <string>
 #include <vector>
 
+#include "harness/base/motion.h"
 #include "harness/base/rooms.h"
 #include "harness/base/vec.h"
 
 namespace touchstone::recording {
-
-// Time and pose of the probe tip (the ball's centre where the tip is a ball). All filled vectors have the same length.
-struct MotionColumns {
-  std::vector<double> t_s;  // strictly increasing
-  std::vector<Vec3> p_W_m;  // tip position
-  std::vector<Quat> q_WS;   // turns the sensor's frame into the object's; empty where not recorded
-
-  [[nodiscard]] std::size_t size() const noexcept { return t_s.size(); }
-};
 
 // What a probe measured on a real (or simulated) object.
 struct Recording {

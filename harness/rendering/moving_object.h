@@ -11,8 +11,8 @@
 #include <memory>
 #include <string>
 
+#include "harness/base/motion.h"
 #include "harness/base/rooms.h"
-#include "harness/recording/trajectory.h"
 #include "harness/rendering/pose_track.h"
 #include "harness/rendering/renderer.h"
 

@@ -9,8 +9,8 @@
 #include <memory>
 #include <string>
 
+#include "harness/base/motion.h"
 #include "harness/base/rooms.h"
-#include "harness/recording/trajectory.h"
 
 namespace touchstone::rendering {
 

@@ -13,8 +13,6 @@
 
 #include <cstdint>
 
-#include "harness/testing/testing_rooms.h"
-
 namespace touchstone::testing {
 
 // False where a count of 0 would say nothing.

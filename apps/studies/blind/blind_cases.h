@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "apps/studies/blind/blind_rooms.h"
+#include "harness/base/rooms.h"
 #include "harness/runs/case_engine.h"
 
 namespace touchstone::blind {

@@ -6,7 +6,7 @@
 #include <map>
 #include <string>
 
-#include "apps/studies/blind/blind_rooms.h"
+#include "harness/base/rooms.h"
 
 namespace touchstone::blind {
 

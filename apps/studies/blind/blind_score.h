@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "apps/studies/blind/blind_rooms.h"
+#include "harness/base/rooms.h"
 #include "harness/discrepancy/findings_verdict.h"
 
 namespace touchstone::blind {

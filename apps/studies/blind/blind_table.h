@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "apps/studies/blind/blind_rooms.h"
 #include "apps/studies/blind/blind_score.h"
+#include "harness/base/rooms.h"
 
 namespace touchstone::blind {
 

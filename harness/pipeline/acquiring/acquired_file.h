@@ -6,7 +6,7 @@
 #include <string>
 
 #include "harness/acquisition/acquire.h"
-#include "harness/pipeline/pipeline_rooms.h"
+#include "harness/base/rooms.h"
 
 namespace touchstone::pipeline {
 

@@ -7,7 +7,7 @@
 
 #include "harness/axis/axis_fit.h"
 #include "harness/axis/axis_report.h"
-#include "harness/pipeline/pipeline_rooms.h"
+#include "harness/base/rooms.h"
 #include "harness/recording/trajectory.h"
 
 namespace touchstone::pipeline {

@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
+#include "harness/base/rooms.h"
 #include "harness/baseline/compare.h"
 #include "harness/baseline/tolerance.h"
-#include "harness/pipeline/pipeline_rooms.h"
 #include "harness/sanity/repeat_floor.h"
 
 namespace touchstone::pipeline {

@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <vector>
 
-#include "harness/pipeline/pipeline_rooms.h"
+#include "harness/base/rooms.h"
 
 namespace touchstone::pipeline {
 

@@ -7,9 +7,9 @@
 // of the model there, while that of the means falls, the means are what is told.
 #pragma once
 
+#include "harness/base/rooms.h"
 #include "harness/discrepancy/evidence.h"
 #include "harness/discrepancy/findings.h"
-#include "harness/pipeline/pipeline_rooms.h"
 
 namespace touchstone::pipeline {
 

@@ -4,8 +4,8 @@
 
 #include <filesystem>
 
+#include "harness/base/rooms.h"
 #include "harness/pipeline/discrepancy/inputs.h"
-#include "harness/pipeline/pipeline_rooms.h"
 
 namespace touchstone::pipeline {
 

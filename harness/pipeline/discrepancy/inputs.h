@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "harness/pipeline/pipeline_rooms.h"
+#include "harness/base/rooms.h"
 #include "harness/recording/trajectory.h"
 #include "harness/rendering/catalogue.h"
 #include "harness/rendering/model.h"

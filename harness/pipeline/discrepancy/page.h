@@ -1,8 +1,8 @@
 // The report of a search for missing effects, as a page.
 #pragma once
 
+#include "harness/base/rooms.h"
 #include "harness/discrepancy/findings.h"
-#include "harness/pipeline/pipeline_rooms.h"
 #include "harness/report/page.h"
 #include "harness/report/provenance.h"
 #include "harness/surface/triangle_mesh.h"

@@ -10,7 +10,7 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
-#include "harness/pipeline/pipeline_rooms.h"
+#include "harness/base/rooms.h"
 #include "harness/recording/recording_file.h"
 #include "harness/testing/built_program.h"
 #include "harness/testing/shared_data.h"

@@ -6,9 +6,9 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "harness/base/rooms.h"
 #include "harness/discrepancy/evidence.h"
 #include "harness/discrepancy/residual_spectrum.h"
-#include "harness/pipeline/pipeline_rooms.h"
 
 namespace touchstone::pipeline {
 

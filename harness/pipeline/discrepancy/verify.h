@@ -5,8 +5,8 @@
 #include <optional>
 #include <string>
 
+#include "harness/base/rooms.h"
 #include "harness/pipeline/discrepancy/inputs.h"
-#include "harness/pipeline/pipeline_rooms.h"
 
 namespace touchstone::pipeline {
 

@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
+#include "harness/base/rooms.h"
 #include "harness/discrepancy/findings.h"
 #include "harness/pipeline/discrepancy/inputs.h"
-#include "harness/pipeline/pipeline_rooms.h"
 
 namespace touchstone::pipeline {
 

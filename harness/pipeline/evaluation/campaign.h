@@ -8,10 +8,10 @@
 #include <utility>
 #include <vector>
 
+#include "harness/base/rooms.h"
 #include "harness/metrics/metric.h"
 #include "harness/pipeline/board.h"
 #include "harness/pipeline/evaluation/request.h"
-#include "harness/pipeline/pipeline_rooms.h"
 #include "harness/plugin/plugin.h"
 #include "harness/rendering/catalogue.h"
 

@@ -8,8 +8,8 @@
 #include <string_view>
 #include <vector>
 
+#include "harness/base/rooms.h"
 #include "harness/metrics/metric.h"
-#include "harness/pipeline/pipeline_rooms.h"
 #include "harness/rendering/catalogue.h"
 #include "harness/rendering/model.h"
 #include "harness/rendering/replay.h"

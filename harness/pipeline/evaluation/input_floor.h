@@ -28,10 +28,10 @@
 #include <memory>
 #include <vector>
 
+#include "harness/base/rooms.h"
 #include "harness/discrepancy/instrument_description.h"
 #include "harness/pipeline/board.h"
 #include "harness/pipeline/evaluation/request.h"
-#include "harness/pipeline/pipeline_rooms.h"
 #include "harness/recording/trajectory.h"
 #include "harness/rendering/catalogue.h"
 #include "harness/rendering/in_trajectory.h"

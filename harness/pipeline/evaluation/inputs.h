@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "harness/base/error.h"
+#include "harness/base/rooms.h"
 #include "harness/pipeline/evaluation/request.h"
-#include "harness/pipeline/pipeline_rooms.h"
 #include "harness/recording/recording_stream.h"
 #include "harness/rendering/catalogue.h"
 #include "harness/report/provenance.h"

@@ -8,8 +8,8 @@
 #include <string_view>
 #include <vector>
 
+#include "harness/base/rooms.h"
 #include "harness/perception/perceptual_metrics.h"
-#include "harness/pipeline/pipeline_rooms.h"
 
 namespace touchstone::pipeline {
 

@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "harness/base/rooms.h"
 #include "harness/metrics/metric.h"
-#include "harness/pipeline/pipeline_rooms.h"
 
 namespace touchstone::pipeline {
 

@@ -7,8 +7,8 @@
 #include <string_view>
 #include <vector>
 
+#include "harness/base/rooms.h"
 #include "harness/metrics/time_ranges.h"
-#include "harness/pipeline/pipeline_rooms.h"
 #include "harness/recording/clock.h"
 #include "harness/recording/dataset.h"
 #include "harness/rendering/model.h"

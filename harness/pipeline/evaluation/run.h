@@ -4,9 +4,9 @@
 #include <filesystem>
 #include <functional>
 
+#include "harness/base/rooms.h"
 #include "harness/pipeline/evaluation/inputs.h"
 #include "harness/pipeline/evaluation/request.h"
-#include "harness/pipeline/pipeline_rooms.h"
 #include "harness/rendering/catalogue.h"
 #include "harness/report/evaluation.h"
 

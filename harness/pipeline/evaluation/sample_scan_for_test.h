@@ -8,8 +8,8 @@
 #include <string>
 
 #include "harness/base/random.h"
+#include "harness/base/rooms.h"
 #include "harness/pipeline/evaluation/request.h"
-#include "harness/pipeline/pipeline_rooms.h"
 #include "harness/recording/recording_file.h"
 #include "harness/surface/mesh_file.h"
 #include "renderers/catalogue.h"

@@ -5,8 +5,8 @@
 #include <functional>
 #include <vector>
 
+#include "harness/base/rooms.h"
 #include "harness/metrics/metric.h"
-#include "harness/pipeline/pipeline_rooms.h"
 #include "harness/rendering/measured_renderer.h"
 
 namespace touchstone::pipeline {

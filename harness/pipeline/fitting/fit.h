@@ -6,11 +6,11 @@
 #include <utility>
 #include <vector>
 
+#include "harness/base/rooms.h"
 #include "harness/metrics/metric.h"
 #include "harness/pipeline/evaluation/inputs.h"
 #include "harness/pipeline/evaluation/request.h"
 #include "harness/pipeline/fitting/parameter.h"
-#include "harness/pipeline/pipeline_rooms.h"
 #include "harness/rendering/catalogue.h"
 #include "harness/report/provenance.h"
 

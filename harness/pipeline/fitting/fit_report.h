@@ -4,8 +4,8 @@
 #include <filesystem>
 #include <string>
 
+#include "harness/base/rooms.h"
 #include "harness/pipeline/fitting/fit.h"
-#include "harness/pipeline/pipeline_rooms.h"
 #include "harness/report/page.h"
 
 namespace touchstone::pipeline {

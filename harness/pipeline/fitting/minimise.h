@@ -7,7 +7,7 @@
 #include <functional>
 #include <vector>
 
-#include "harness/pipeline/pipeline_rooms.h"
+#include "harness/base/rooms.h"
 
 namespace touchstone::pipeline {
 

@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
+#include "harness/base/rooms.h"
 #include "harness/metrics/catalogue.h"
 #include "harness/metrics/time_ranges.h"
-#include "harness/pipeline/pipeline_rooms.h"
 #include "harness/recording/trajectory.h"
 #include "harness/rendering/predictor.h"
 

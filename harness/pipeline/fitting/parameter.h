@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-#include "harness/pipeline/pipeline_rooms.h"
+#include "harness/base/rooms.h"
 #include "harness/rendering/catalogue.h"
 #include "harness/rendering/model.h"
 

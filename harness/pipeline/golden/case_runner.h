@@ -13,7 +13,7 @@
 #include "harness/baseline/golden_summary.h"
 #include "harness/pipeline/golden/exact_error.h"
 #include "harness/pipeline/golden/felt_verdict.h"
-#include "harness/pipeline/pipeline_rooms.h"
+#include "harness/base/rooms.h"
 #include "harness/rendering/model.h"
 #include "harness/surface/triangle_mesh.h"
 

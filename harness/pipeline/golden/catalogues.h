@@ -1,7 +1,7 @@
 // What a golden case or a sweep may name: renderers with their effects, and generated surfaces and motions.
 #pragma once
 
-#include "harness/pipeline/pipeline_rooms.h"
+#include "harness/base/rooms.h"
 #include "harness/rendering/catalogue.h"
 #include "harness/rendering/generators.h"
 

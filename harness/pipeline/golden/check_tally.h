@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "harness/base/rooms.h"
 #include "harness/pipeline/golden/case_runner.h"
-#include "harness/pipeline/pipeline_rooms.h"
 #include "harness/report/test_summary.h"
 
 namespace touchstone::pipeline {

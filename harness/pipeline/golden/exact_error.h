@@ -5,8 +5,8 @@
 #include <optional>
 #include <string>
 
+#include "harness/base/rooms.h"
 #include "harness/pipeline/golden/catalogues.h"
-#include "harness/pipeline/pipeline_rooms.h"
 #include "harness/recording/trajectory.h"
 #include "harness/rendering/model.h"
 #include "harness/surface/surface.h"

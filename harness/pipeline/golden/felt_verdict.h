@@ -5,9 +5,9 @@
 #include <cstddef>
 #include <string>
 
+#include "harness/base/rooms.h"
 #include "harness/baseline/golden_case.h"
 #include "harness/pipeline/golden/catalogues.h"
-#include "harness/pipeline/pipeline_rooms.h"
 #include "harness/recording/trajectory.h"
 
 namespace touchstone::pipeline {

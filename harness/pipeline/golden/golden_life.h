@@ -8,7 +8,7 @@
 
 #include "harness/baseline/acceptance.h"
 #include "harness/baseline/golden_case.h"
-#include "harness/pipeline/pipeline_rooms.h"
+#include "harness/base/rooms.h"
 #include "harness/rendering/generators.h"
 
 namespace touchstone::pipeline {

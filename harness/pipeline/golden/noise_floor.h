@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "harness/base/error.h"
+#include "harness/base/rooms.h"
 #include "harness/baseline/golden_case.h"
-#include "harness/pipeline/pipeline_rooms.h"
 
 namespace touchstone::pipeline {
 

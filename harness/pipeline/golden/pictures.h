@@ -6,8 +6,8 @@
 #include <utility>
 #include <vector>
 
+#include "harness/base/rooms.h"
 #include "harness/baseline/trajectory_columns.h"
-#include "harness/pipeline/pipeline_rooms.h"
 
 namespace touchstone::pipeline {
 

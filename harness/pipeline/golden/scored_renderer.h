@@ -8,12 +8,12 @@
 #include <string>
 #include <vector>
 
+#include "harness/base/rooms.h"
 #include "harness/baseline/golden_case.h"
 #include "harness/diagnosis/entry_engine.h"
 #include "harness/diagnosis/scorecard.h"
 #include "harness/pipeline/golden/catalogues.h"
 #include "harness/pipeline/golden/felt_verdict.h"
-#include "harness/pipeline/pipeline_rooms.h"
 #include "harness/plugin/plugin.h"
 #include "harness/rendering/renderer_entry.h"
 

@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
+#include "harness/base/rooms.h"
 #include "harness/pipeline/board.h"
 #include "harness/pipeline/evaluation/campaign.h"
-#include "harness/pipeline/pipeline_rooms.h"
 #include "harness/runs/case_engine.h"
 
 namespace touchstone::pipeline {

@@ -6,7 +6,7 @@
 #include <filesystem>
 #include <string>
 
-#include "harness/pipeline/pipeline_rooms.h"
+#include "harness/base/rooms.h"
 
 namespace touchstone::pipeline {
 

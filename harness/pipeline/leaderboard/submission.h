@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
+#include "harness/base/rooms.h"
 #include "harness/pipeline/leaderboard/board_plan.h"
-#include "harness/pipeline/pipeline_rooms.h"
 #include "harness/report/provenance.h"
 
 namespace touchstone::pipeline {

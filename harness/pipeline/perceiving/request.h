@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
+#include "harness/base/rooms.h"
 #include "harness/perception/features/rate_hardness.h"
 #include "harness/perception/filters/output_band.h"
-#include "harness/pipeline/pipeline_rooms.h"
 #include "harness/rendering/model.h"
 
 namespace touchstone::pipeline {

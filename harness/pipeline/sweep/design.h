@@ -32,7 +32,7 @@
 #include <string>
 #include <vector>
 
-#include "harness/pipeline/pipeline_rooms.h"
+#include "harness/base/rooms.h"
 
 namespace touchstone::pipeline {
 

@@ -1,7 +1,7 @@
 // A sweep as cases for the engine (harness/runs/case_engine.h) and as rows of its store.
 #pragma once
 
-#include "harness/pipeline/pipeline_rooms.h"
+#include "harness/base/rooms.h"
 #include "harness/pipeline/sweep/world.h"
 #include "harness/runs/case_engine.h"
 

@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-#include "harness/pipeline/pipeline_rooms.h"
+#include "harness/base/rooms.h"
 #include "harness/pipeline/sweep/design.h"
 #include "harness/runs/case_engine.h"
 #include "harness/tool/tool_errors.h"

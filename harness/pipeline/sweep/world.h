@@ -7,9 +7,9 @@
 #include <optional>
 #include <string>
 
+#include "harness/base/rooms.h"
 #include "harness/baseline/golden_summary.h"
 #include "harness/pipeline/golden/exact_error.h"
-#include "harness/pipeline/pipeline_rooms.h"
 #include "harness/pipeline/sweep/design.h"
 
 namespace touchstone::pipeline {

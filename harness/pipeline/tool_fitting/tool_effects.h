@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
+#include "harness/base/rooms.h"
 #include "harness/base/wrench.h"
-#include "harness/pipeline/pipeline_rooms.h"
 #include "harness/tool/coupling.h"
 
 namespace touchstone::pipeline {

@@ -25,7 +25,7 @@
 #include <string>
 #include <vector>
 
-#include "harness/pipeline/pipeline_rooms.h"
+#include "harness/base/rooms.h"
 #include "harness/pipeline/tool_fitting/tool_fitter.h"
 #include "harness/pipeline/tool_fitting/tool_search.h"
 #include "harness/recording/trajectory.h"

@@ -12,8 +12,8 @@
 #include <utility>
 #include <vector>
 
+#include "harness/base/rooms.h"
 #include "harness/base/wrench.h"
-#include "harness/pipeline/pipeline_rooms.h"
 #include "harness/pipeline/tool_fitting/tool_effects.h"
 #include "harness/recording/trajectory.h"
 #include "harness/tool/coupling.h"

@@ -4,7 +4,7 @@
 
 #include <optional>
 
-#include "harness/pipeline/pipeline_rooms.h"
+#include "harness/base/rooms.h"
 #include "harness/recording/trajectory.h"
 #include "harness/report/page.h"
 #include "harness/report/provenance.h"

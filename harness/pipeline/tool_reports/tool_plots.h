@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "harness/base/rooms.h"
 #include "harness/base/wrench.h"
-#include "harness/pipeline/pipeline_rooms.h"
 #include "harness/report/page.h"
 
 namespace touchstone::pipeline {

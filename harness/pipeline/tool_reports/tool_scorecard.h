@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "harness/pipeline/pipeline_rooms.h"
+#include "harness/base/rooms.h"
 #include "harness/report/page.h"
 #include "harness/report/provenance.h"
 #include "harness/tool/tool_checks.h"
