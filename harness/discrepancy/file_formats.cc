@@ -60,7 +60,19 @@ constexpr FormatPart law_part{law_part_fields};
 
 constexpr auto findings_fields = std::to_array<FormatField>({
     {"verdict", "text", "", "consistent, explained, unexplained or not-identifiable"},
+    {"code", "text", "",
+     "what decided: the code of the first gate that is not passed; within-repeat, where a repeat leaves as much; or "
+     "nothing-missing, effects-explain, where all are passed"},
     {"explanation", "text", "", "the verdict in sentences"},
+    {"gates", "list of objects", "", "the tests of what the model leaves, in the order in which they decide"},
+    {"gates[].code", "text", "",
+     "data-fault, line-left, noise-exceeded, structure-left, fast-residual, law-holds, indistinguishable, error-rises, "
+     "value-questioned or repeat-exceeded (which only acquits)"},
+    {"gates[].statistic", "text", "", "what was measured"},
+    {"gates[].value", "number or null", "as the statistic says", "its value"},
+    {"gates[].limit", "number or null", "as the statistic says", "up to here the gate is passed"},
+    {"gates[].limit_from", "text", "", "where the limit comes from"},
+    {"gates[].passed", "flag", "", "passed"},
     {"effects", "list of objects", "", "effects that are missing, in the order in which they were found"},
     {"effects[].name", "text", "", "of the effect"},
     {"effects[].side", "text", "", "contact or instrument"},

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <nlohmann/json.hpp>
+#include <tuple>
 
 #include "harness/discrepancy/friction_cone.h"
 #include "harness/discrepancy/parameter_intervals.h"
@@ -85,8 +85,6 @@ std::string names(const std::vector<FoundEffect>& found) {
   return fmt::format("{}", fmt::join(list, " and "));
 }
 
-nlohmann::json number(double value) { return std::isfinite(value) ? nlohmann::json(value) : nlohmann::json(nullptr); }
-
 // An estimate of the noise that is several times the residual hides what is missing.
 constexpr double noise_too_large = 2.0;
 
@@ -112,9 +110,8 @@ void suggest_instrument(Findings& findings) {
       tracker.position_rate_Hz, 1e6 * tracker.position_noise_m, suggested_instrument_file);
 }
 
-// What instrument and object do not repeat cannot be explained: within it nothing is missing, whatever the declared
-// noise of the sensor says.
-void hold_against_repeat(Findings& findings) {
+// What instrument and object do not repeat cannot be explained.
+void say_repeat(Findings& findings) {
   const ForceGap& gap = findings.gap;
   if (!gap.repeat_floor_N || findings.search.data_fault) return;
   const double floor_N = *gap.repeat_floor_N;
@@ -123,16 +120,6 @@ void hold_against_repeat(Findings& findings) {
         fmt::format(" The held-out error of {:.4g} N is {:.3g} times what one recording does not repeat, {:.4g} N.",
                     gap.holdout_after_N, gap.holdout_after_N / floor_N, floor_N);
     return;
-  }
-  // A line stands out of the noise of every recording, and a value is no easier to believe.
-  const bool stays = findings.search.spectrum.peaks_matter() || !findings.search.questions.empty();
-  if (findings.verdict == FindingsVerdict::unexplained && !stays) {
-    findings.verdict = findings.search.found.empty() ? FindingsVerdict::consistent : FindingsVerdict::explained;
-    findings.explanation = fmt::format(
-        "{} The noise of the sensor alone is less.",
-        findings.search.found.empty()
-            ? "Nothing is missing that this object repeats."
-            : fmt::format("With {} nothing is missing that this object repeats.", names(findings.search.found)));
   }
   findings.explanation +=
       fmt::format(" The held-out error of {:.4g} N is within what one recording does not repeat, {:.4g} N.",
@@ -233,6 +220,82 @@ void say_what_is_open(Findings& findings) {
   }
 }
 
+// "; friction added, which helps", or what else is said before the names. Empty where nothing was found.
+std::string with_what_helps(const SearchResult& search, std::string_view before) {
+  return search.found.empty() ? "" : fmt::format("{}{} added, which helps", before, names(search.found));
+}
+
+// The first sentences, of the gate or the verdict that decides.
+std::string sentences(const Findings& findings) {
+  const SearchResult& search = findings.search;
+  const ForceGap& gap = findings.gap;
+  const std::string_view code = findings.code;
+  const std::string found = names(search.found);
+  const std::string missing = "Something is missing that no known effect explains: ";
+  if (code == "data-fault") return fmt::format("The data seem to be wrong: {} Nothing is named.", *search.data_fault);
+  if (code == "line-left") {
+    return fmt::format("{}{}. Means over {:.3g} Hz do not show it{}.", missing, describe(search.spectrum.peaks),
+                       search.spectrum.from_Hz, with_what_helps(search, "; "));
+  }
+  if (code == "noise-exceeded") {
+    return fmt::format(
+        "{}on held-out data the error is {:.1f} times as large, in square, as the {} noise allows{}. See where it sits "
+        "below.",
+        missing, search.goodness, findings.instrument_declared ? "declared" : "estimated",
+        with_what_helps(search, ", with "));
+  }
+  if (code == "structure-left") {
+    return fmt::format(
+        "{}a flexible regression on {}, learnt on the training data, predicts {:.0f} % of the squared residual on "
+        "held-out data (noise and details that do not matter: at most {:.0f} %){}. See where it sits below.",
+        missing, search.structure.view, 100.0 * search.structure.share, 100.0 * search.structure.bar,
+        with_what_helps(search, ", with "));
+  }
+  if (code == "fast-residual") {
+    return fmt::format(
+        "{}from {:.3g} to {:.4g} Hz the residual is {:.2g} N, {:.1f} times what the declared noise gives{}.", missing,
+        search.spectrum.from_Hz, search.spectrum.to_Hz, search.spectrum.raw_N,
+        search.spectrum.raw_N / search.spectrum.null_N, with_what_helps(search, ", with "));
+  }
+  if (code == "law-holds") {
+    return fmt::format(
+        "{}a law that was learnt on the training data removes {:.0f} % of the held-out square beyond noise, its "
+        "chi-squared falls by {:.0f} +- {:.0f}{}.",
+        missing, 100.0 * search.law_share, search.law_gain, search.law_error, with_what_helps(search, ", with "));
+  }
+  if (code == "nothing-missing") {
+    return fmt::format(
+        "Nothing is missing: with its stiffness refitted the model leaves {:.4g} N of held-out error, as the noise "
+        "does.",
+        gap.holdout_after_N);
+  }
+  if (code == "indistinguishable") {
+    return fmt::format("This recording cannot tell: {} fit the validation data equally well. {}",
+                       fmt::join(findings.ambiguous.front(), ", "),
+                       findings.next ? fmt::format("A recording of this motion would tell: {}.", findings.next->what)
+                                     : "No motion of the repertoire separates them beyond the noise.");
+  }
+  if (code == "error-rises") {
+    return fmt::format("{}{} fits, but on held-out data the error rises from {:.4g} N to {:.4g} N.", missing, found,
+                       gap.holdout_before_N, gap.holdout_after_N);
+  }
+  if (code == "value-questioned") {
+    return fmt::format(
+        "{} {}, and the held-out error falls from {:.4g} N to {:.4g} N, but with values that are hard to believe: "
+        "something else may act.",
+        found, search.found.size() == 1 ? "fits" : "fit", gap.holdout_before_N, gap.holdout_after_N);
+  }
+  if (code == within_repeat) {
+    return fmt::format("{} The noise of the sensor alone is less.",
+                       search.found.empty()
+                           ? "Nothing is missing that this object repeats."
+                           : fmt::format("With {} nothing is missing that this object repeats.", found));
+  }
+  return fmt::format("{} {} missing. With {} the held-out error falls from {:.4g} N to {:.4g} N.", found,
+                     search.found.size() == 1 ? "was" : "were", search.found.size() == 1 ? "it" : "them",
+                     gap.holdout_before_N, gap.holdout_after_N);
+}
+
 }  // namespace
 
 void conclude(Findings& findings, const std::vector<Candidate>& candidates) {
@@ -246,238 +309,18 @@ void conclude(Findings& findings, const std::vector<Candidate>& candidates) {
     }
     if (alike.size() > 1) findings.ambiguous.push_back(std::move(alike));
   }
-  const bool noise_left = !search.leaves_too_much();
-  if (search.data_fault) {
-    findings.verdict = FindingsVerdict::unexplained;
-    findings.explanation = fmt::format("The data seem to be wrong: {} Nothing is named.", *search.data_fault);
-  } else if (search.spectrum.peaks_matter()) {
-    findings.verdict = FindingsVerdict::unexplained;
-    findings.explanation =
-        fmt::format("Something is missing that no known effect explains: {}. Means over {:.3g} Hz do not show it{}.",
-                    describe(search.spectrum.peaks), search.spectrum.from_Hz,
-                    search.found.empty() ? "" : fmt::format("; {} added, which helps", names(search.found)));
-  } else if (noise_left && search.leaves_structure()) {
-    findings.verdict = FindingsVerdict::unexplained;
-    findings.explanation = fmt::format(
-        "Something is missing that no known effect explains: a flexible regression on {}, learnt on the training data, "
-        "predicts {:.0f} % of the squared residual on held-out data (noise and details that do not matter: at "
-        "most {:.0f} %){}. See where it sits below.",
-        search.structure.view, 100.0 * search.structure.share, 100.0 * search.structure.bar,
-        search.found.empty() ? "" : fmt::format(", with {} added, which helps", names(search.found)));
-  } else if (!noise_left) {
-    findings.verdict = FindingsVerdict::unexplained;
-    findings.explanation = fmt::format(
-        "Something is missing that no known effect explains: on held-out data the error is {:.1f} times as large, in "
-        "square, as the {} noise allows{}. See where it sits below.",
-        search.goodness, findings.instrument_declared ? "declared" : "estimated",
-        search.found.empty() ? "" : fmt::format(", with {} added, which helps", names(search.found)));
-  } else if (findings.instrument_declared && search.spectrum.far_above_noise()) {
-    findings.verdict = FindingsVerdict::unexplained;
-    findings.explanation = fmt::format(
-        "Something is missing that no known effect explains: from {:.3g} to {:.4g} Hz the residual is {:.2g} N, {:.1f} "
-        "times what the declared noise gives{}.",
-        search.spectrum.from_Hz, search.spectrum.to_Hz, search.spectrum.raw_N,
-        search.spectrum.raw_N / search.spectrum.null_N,
-        search.found.empty() ? "" : fmt::format(", with {} added, which helps", names(search.found)));
-  } else if (search.law_holds()) {
-    findings.verdict = FindingsVerdict::unexplained;
-    findings.explanation = fmt::format(
-        "Something is missing that no known effect explains: a law that was learnt on the training data removes {:.0f} "
-        "% of the held-out square beyond noise, its chi-squared falls by {:.0f} +- {:.0f}{}.",
-        100.0 * search.law_share, search.law_gain, search.law_error,
-        search.found.empty() ? "" : fmt::format(", with {} added, which helps", names(search.found)));
-  } else if (search.found.empty()) {
-    findings.verdict = FindingsVerdict::consistent;
-    findings.explanation = fmt::format(
-        "Nothing is missing: with its stiffness refitted the model leaves {:.4g} N of held-out error, as the noise "
-        "does.",
-        findings.gap.holdout_after_N);
-  } else if (!findings.ambiguous.empty()) {
-    findings.verdict = FindingsVerdict::not_identifiable;
-    findings.explanation =
-        fmt::format("This recording cannot tell: {} fit the validation data equally well. {}",
-                    fmt::join(findings.ambiguous.front(), ", "),
-                    findings.next ? fmt::format("A recording of this motion would tell: {}.", findings.next->what)
-                                  : "No motion of the repertoire separates them beyond the noise.");
-  } else if (findings.gap.rises()) {
-    findings.verdict = FindingsVerdict::unexplained;
-    findings.explanation = fmt::format(
-        "Something is missing that no known effect explains: {} fits, but on held-out data the error rises from {:.4g} "
-        "N to {:.4g} N.",
-        names(search.found), findings.gap.holdout_before_N, findings.gap.holdout_after_N);
-  } else if (!search.questions.empty()) {
-    findings.verdict = FindingsVerdict::unexplained;
-    findings.explanation = fmt::format(
-        "{} {}, and the held-out error falls from {:.4g} N to {:.4g} N, but with values that are hard to believe: "
-        "something else may act.",
-        names(search.found), search.found.size() == 1 ? "fits" : "fit", findings.gap.holdout_before_N,
-        findings.gap.holdout_after_N);
-  } else {
-    findings.verdict = FindingsVerdict::explained;
-    findings.explanation =
-        fmt::format("{} {} missing. With {} the held-out error falls from {:.4g} N to {:.4g} N.", names(search.found),
-                    search.found.size() == 1 ? "was" : "were", search.found.size() == 1 ? "it" : "them",
-                    findings.gap.holdout_before_N, findings.gap.holdout_after_N);
+  findings.gates = verdict_gates(findings);
+  std::tie(findings.verdict, findings.code) = decide(findings, findings.gates);
+  findings.explanation = sentences(findings);
+  if (findings.code != within_repeat) {  // there the noise does not matter
+    warn_of_noise(findings);
+    suggest_instrument(findings);
   }
-  warn_of_noise(findings);
-  suggest_instrument(findings);
-  hold_against_repeat(findings);
+  say_repeat(findings);
   if (!search.data_fault) findings.explanation = first_sentence(findings) + findings.explanation;
   say_law(findings);
   say_what_noise_raises(findings);
   say_what_is_open(findings);
-}
-
-namespace {
-
-nlohmann::ordered_json gap_json(const Findings& findings) {
-  nlohmann::ordered_json gap = {
-      {"unit", "N"},
-      {"train", {{"before", number(findings.gap.train_before_N)}, {"after", number(findings.gap.train_after_N)}}},
-      {"holdout", {{"before", number(findings.gap.holdout_before_N)}, {"after", number(findings.gap.holdout_after_N)}}},
-      {"noise_floor", number(findings.gap.noise_floor_N)}};
-  if (findings.gap.means) {
-    gap["holdout"]["means_over"] = findings.gap.means->count;
-    gap["holdout"]["single_samples"] = {{"before", number(findings.gap.means->before_N)},
-                                        {"after", number(findings.gap.means->after_N)}};
-  }
-  if (findings.gap.repeat_floor_N) gap["repeat_floor"] = number(*findings.gap.repeat_floor_N);
-  if (findings.gap.holdout_after_again_N) {
-    gap["fresh_process_after"] = number(*findings.gap.holdout_after_again_N);
-  }
-  gap["shares"] = nlohmann::ordered_json::array();
-  for (const GapShare& share : findings.shares) {
-    gap["shares"].push_back({{"name", share.name}, {"share", number(share.share)}, {"left", number(share.left_N)}});
-  }
-  return gap;
-}
-
-nlohmann::ordered_json spectrum_json(const ResidualSpectrum& spectrum) {
-  nlohmann::ordered_json out = {{"from_Hz", number(spectrum.from_Hz)},  {"to_Hz", number(spectrum.to_Hz)},
-                                {"residual_N", number(spectrum.raw_N)}, {"most_of_noise_N", number(spectrum.null_N)},
-                                {"share", number(spectrum.share)},      {"peaks", nlohmann::ordered_json::array()}};
-  for (const SpectralPeak& peak : spectrum.peaks) {
-    out["peaks"].push_back({{"name", peak.name},
-                            {"frequency_Hz", number(peak.frequency_Hz)},
-                            {"width_Hz", number(peak.width_Hz)},
-                            {"rms_N", number(peak.rms_N)},
-                            {"log10_false_alarm", number(peak.log10_false_alarm)},
-                            {"acts", to_string(peak.acts)}});
-  }
-  return out;
-}
-
-nlohmann::ordered_json where_json(const std::vector<Regime>& where) {
-  nlohmann::ordered_json out = nlohmann::ordered_json::array();
-  for (const Regime& regime : where) {
-    out.push_back({{"regime", regime.name},
-                   {"by", to_string(regime.kind)},
-                   {"before", number(regime.before_N)},
-                   {"after", number(regime.after_N)},
-                   {"share_before", number(regime.share_before)},
-                   {"error95", number(regime.error95_N)},
-                   {"samples", regime.samples}});
-  }
-  return out;
-}
-
-}  // namespace
-
-std::string findings_to_json(const Findings& findings, const std::string& trajectory_file) {
-  using json = nlohmann::ordered_json;
-  json root;
-  root["schema"] = "touchstone-findings/1";
-  root["verdict"] = to_string(findings.verdict);
-  root["explanation"] = findings.explanation;
-  root["effects"] = json::array();
-  for (std::size_t e = 0; e < findings.search.found.size(); ++e) {
-    const FoundEffect& effect = findings.search.found[e];
-    json entry;
-    entry["name"] = effect.name;
-    entry["side"] = effect.side == Side::contact ? "contact" : "instrument";
-    entry["parameters"] = json::array();
-    for (const FoundParameter& parameter : findings.parameters[e]) {
-      json item;
-      item["name"] = parameter.name;
-      item["unit"] = parameter.unit;
-      item["value"] = number(parameter.value);
-      item["interval95"] = {number(parameter.low95), number(parameter.high95)};
-      if (parameter.at_bound) item["at_bound"] = true;
-      if (!parameter.undetermined.empty()) item["undetermined"] = parameter.undetermined;
-      entry["parameters"].push_back(std::move(item));
-    }
-    entry["evidence"] = {{"validation_chi_squared_gain", number(effect.validation_gain)},
-                         {"holdout_chi_squared_gain", number(effect.holdout_gain)},
-                         {"holdout_standard_error", number(effect.holdout_error)},
-                         {"contradicted", effect.contradicted()}};
-    entry["rivals"] = json::array();
-    for (const Rival& rival : effect.rivals) {
-      if (rival.validation_gain_lost > 0.9 * effect.validation_gain) continue;  // explains next to nothing of it
-      entry["rivals"].push_back({{"name", rival.name},
-                                 {"evidence",
-                                  {{"validation_chi_squared_lost", number(rival.validation_gain_lost)},
-                                   {"standard_error", number(rival.error)},
-                                   {"validation_rms_N", number(rival.validation_rms_N)},
-                                   {"likelier_by", number(rival.likelier_by)},
-                                   {"likelier_error", number(rival.likelier_error)},
-                                   {"alike", rival.alike}}}});
-    }
-    root["effects"].push_back(std::move(entry));
-  }
-  root["ambiguous"] = findings.ambiguous;
-  root["gap"] = gap_json(findings);
-  root["questions"] = json::array();
-  for (const Question& question : findings.search.questions) {
-    root["questions"].push_back({{"effect", question.effect}, {"question", question.sentence}});
-  }
-  root["not_determined"] = findings.search.dropped;
-  root["within_mesh_error"] = findings.search.of_mesh;
-  root["time_limit"] = {{"seconds", number(findings.search.time_limit_s)},
-                        {"reached", !findings.search.not_tried.empty()},
-                        {"not_tried", findings.search.not_tried}};
-  root["goodness"] = {{"holdout_chi_squared_per_degree", number(findings.search.goodness)},
-                      {"threshold", number(findings.search.goodness_threshold)},
-                      {"where_the_model_is_the_truth", number(findings.search.null_goodness)}};
-  root["structure"] = {{"view", findings.search.structure.view},
-                       {"share", number(findings.search.structure.share)},
-                       {"bar", number(findings.search.structure.bar)},
-                       {"found", findings.search.structure.found()}};
-  root["spectrum"] = spectrum_json(findings.search.spectrum);
-  if (findings.law) root["empirical_law"] = law_json(findings.search.law, *findings.law);
-  if (findings.search.data_fault) root["data_fault"] = *findings.search.data_fault;
-  root["instrument"] = findings.instrument_declared ? "declared" : "estimated";
-  if (findings.suggested_instrument) root["suggested_instrument"] = suggested_instrument_file;
-  root["holdout"] = findings.blocks_held_back ? "alternating blocks of the one recording" : "a recording of its own";
-  root["where"] = where_json(findings.where);
-  if (findings.next && !findings.ambiguous.empty()) {
-    root["next_experiment"] = {{"separates", findings.ambiguous.front()},
-                               {"trajectory", trajectory_file},
-                               {"why", fmt::format("{}: the predicted forces differ by {:.1f} times the noise",
-                                                   findings.next->what, findings.next->separation)}};
-  }
-  root["steps"] = json::array();
-  for (const SearchStep& step : findings.search.steps) {
-    json trials = json::array();
-    for (const Trial& trial : step.trials) {
-      trials.push_back({{"name", trial.title()},
-                        {"train_gain", number(trial.train_gain)},
-                        {"train_error", number(trial.train_error)},
-                        {"validation_gain", number(trial.validation_gain)},
-                        {"validation_error", number(trial.validation_error)},
-                        {"bar", number(trial.null_bar)},
-                        {"likelier", number(trial.likelier)},
-                        {"likelier_both", number(trial.likelier_both)},
-                        {"deviance", number(trial.deviance)},
-                        {"validation_rms_N", number(trial.validation_rms_N)},
-                        {"verdict", trial.verdict.words}});
-    }
-    root["steps"].push_back({{"added", step.added},
-                             {"removed", step.removed},
-                             {"validation_rms_N", number(step.validation_rms_N)},
-                             {"validation_chi_squared", number(step.validation_chi_squared)},
-                             {"trials", std::move(trials)}});
-  }
-  return root.dump(2) + "\n";
 }
 
 }  // namespace touchstone::discrepancy

@@ -13,6 +13,7 @@
 #include "harness/discrepancy/law_report.h"
 #include "harness/discrepancy/next_experiment.h"
 #include "harness/discrepancy/regimes.h"
+#include "harness/discrepancy/verdict_gates.h"
 
 namespace touchstone::discrepancy {
 
@@ -36,7 +37,8 @@ struct ForceGap {
   double noise_floor_N = 0.0;          // what the noise model expects of the final model, held out
   std::optional<SingleSamples> means;  // empty: the held-out errors are those of single samples
   // Weighed by noise an explanation may gain where the plain error of force stays as it was, but not where that grows.
-  [[nodiscard]] bool rises() const { return holdout_after_N > 1.01 * holdout_before_N; }
+  static constexpr double most_rise = 1.01;
+  [[nodiscard]] bool rises() const { return holdout_after_N > most_rise * holdout_before_N; }
 };
 
 struct FoundParameter {
@@ -51,7 +53,9 @@ struct FoundParameter {
 
 struct Findings {
   FindingsVerdict verdict = FindingsVerdict::consistent;
+  std::string_view code;    // what decided: of a gate, or of the verdict (verdict_gates.h)
   std::string explanation;  // a paragraph for a reader
+  std::vector<VerdictGate> gates;
   SearchResult search;
   std::vector<std::vector<FoundParameter>> parameters;  // by effect, in the order of search.found
   std::vector<std::vector<std::string>> ambiguous;
@@ -70,7 +74,7 @@ struct Findings {
 // The file beside findings.json that holds the suggested instrument.
 inline constexpr const char* suggested_instrument_file = "suggested-instrument.json";
 
-// Fills verdict, explanation, parameters and ambiguous from `search` and the declared candidates.
+// Fills verdict, code, gates, explanation, parameters and ambiguous from `search` and the declared candidates.
 void conclude(Findings& findings, const std::vector<Candidate>& candidates);
 
 // `trajectory_file`: the name under which the proposed trajectory was written, empty if none.

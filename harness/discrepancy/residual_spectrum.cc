@@ -26,10 +26,6 @@ constexpr double false_alarm = 1e-3;
 // Power over the background that a peak must have besides: the shape of the declared noise is itself only so well known
 // (a coloured noise of one time constant stands for a sensor's filter). 6 dB.
 constexpr double least_over_background = 4.0;
-// Of the raw residual's square: below, a peak is listed and the verdict does not go by it.
-constexpr double least_peak_share = 0.02;
-// Twice the amplitude of what any simulated recording shows.
-constexpr double far_above = 2.0;
 constexpr std::size_t most_peaks = 6;
 // A mains frequency stays within 1 % of its nominal value in 99.5 % of the year (EN 50160:2010, 4.2.1).
 constexpr double mains_tolerance = 0.01;

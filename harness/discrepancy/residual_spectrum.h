@@ -45,8 +45,10 @@ struct ResidualSpectrum {
   // of the tracker's noise, shows where the model is the truth.
   double raw_N = 0.0;
   double null_N = 0.0;
-  // What the verdict goes by: peaks of more than the least share of the held-out raw residual's square, and a level far
-  // above the noise.
+  // What the verdict goes by: peaks of more than this share of the held-out raw residual's square (below, a peak is
+  // listed alone), and a level far above the noise, twice the amplitude of what any simulated recording shows.
+  static constexpr double least_peak_share = 0.02;
+  static constexpr double far_above = 2.0;
   double share = 0.0;  // of the held-out raw residual's square, by all peaks
   [[nodiscard]] bool peaks_matter() const;
   [[nodiscard]] bool far_above_noise() const;

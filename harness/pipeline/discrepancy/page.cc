@@ -362,6 +362,17 @@ Section search_section(const Findings& findings) {
                   "likelihood on the smoothed trajectory; the gain on the validation blocks decides.",
                   {},
                   true};
+  Table gates{"What decides the verdict: the first gate that is not passed",
+              {"gate", "of what the model leaves", "value", "limit", "the limit is from", ""},
+              {},
+              ""};
+  for (const VerdictGate& gate : findings.gates) {
+    gates.rows.push_back({{text(std::string(gate.code)), text(gate.statistic), number(gate.value), number(gate.limit),
+                           text(gate.limit_from), text(gate.passed ? "passed" : "not passed")},
+                          "",
+                          {}});
+  }
+  section.blocks.emplace_back(std::move(gates));
   std::size_t count = 0;
   for (const SearchStep& step : findings.search.steps) {
     Table table{fmt::format("Step {}: from a validation RMS of {:.4g} N{}", ++count, step.validation_rms_N,

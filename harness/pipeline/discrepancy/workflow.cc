@@ -287,6 +287,12 @@ Findings run_discrepancy(const Catalogue& catalogue, const DiscrepancyFiles& fil
 
 std::string findings_text(const Findings& findings, const DiscrepancyFiles& files) {
   std::string text = fmt::format("{}\n{}\n", to_string(findings.verdict), findings.explanation);
+  for (const VerdictGate& gate : findings.gates) {
+    if (!gate.passed)
+      text += fmt::format("  gate {}{}: {} {:.4g}, limit {:.4g} ({})\n", gate.code,
+                          gate.code == findings.code ? ", which decides" : "", gate.statistic, gate.value, gate.limit,
+                          gate.limit_from);
+  }
   for (std::size_t e = 0; e < findings.search.found.size(); ++e) {
     text += fmt::format("  {}\n", findings.search.found[e].name);
     for (const FoundParameter& p : findings.parameters[e]) {
