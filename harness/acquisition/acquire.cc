@@ -337,6 +337,7 @@ ContactSamples contacts_at(const AcquisitionDescription& d, const Merged& merged
     contacts.t_s.push_back(merged.t_s[i]);
     contacts.center_W_m.push_back(object.point(merged.p_T_m[i]));
     contacts.force_W_N.push_back(object.q * merged.f_T_N[i]);
+    contacts.torque_W_Nm.push_back(object.q * merged.torque_T_Nm[i]);
     contacts.velocity_W_m_per_s.push_back(object.q * (merged.p_T_m[after] - merged.p_T_m[before]) /
                                           (merged.t_s[after] - merged.t_s[before]));
     contacts.q_WS.push_back(object.q * motion.q_TS[merged.sample[i]]);

@@ -20,6 +20,7 @@ constexpr double largest_turn_rad = 0.05;
 constexpr double scan_error_m = 0.2e-3;
 constexpr double one_in_ten_thousand = 1e-4;
 constexpr double clear_sigmas = 5.0;
+constexpr double largest_lever_error_m = 2e-3;
 constexpr double sliding_m_per_s = 5e-3;
 
 Mat3 cross_matrix(const Vec3& v) {
@@ -188,6 +189,22 @@ double left_by(const Eigen::VectorXd& gap, const std::vector<const Eigen::Matrix
   return std::sqrt(found.left2 / static_cast<double>(gap.size()));
 }
 
+// Three parameters of these clusters from `first` on; those within five standard errors of nothing are nothing. Empty
+// where all are, or the clusters do not tell.
+std::optional<Vec3> clear_vector(const std::vector<stats::NormalEquations>& clusters, Eigen::Index first) {
+  if (clusters.size() < 8) return std::nullopt;
+  const stats::ClusteredFit fit(clusters);
+  if (!fit.determined()) return std::nullopt;
+  Vec3 clear = Vec3::Zero();
+  for (int k = 0; k < 3; ++k) {
+    Eigen::VectorXd one = Eigen::VectorXd::Zero(fit.estimate().size());
+    one[first + k] = 1.0;
+    if (const double value = fit.estimate()[first + k]; std::abs(value) > clear_sigmas * fit.error_of(one).sigma)
+      clear[k] = value;
+  }
+  return clear.isZero(0.0) ? std::nullopt : std::optional(clear);
+}
+
 // The turn of the sensor's frame that sliding contact shows, by clusters of half a second.
 std::optional<Vec3> turn_by_sliding(const ContactSamples& c, const std::vector<Vec3>& normals) {
   std::vector<stats::NormalEquations> clusters;
@@ -208,20 +225,27 @@ std::optional<Vec3> turn_by_sliding(const ContactSamples& c, const std::vector<V
     clusters.back().normal += rows.transpose() * rows;
     clusters.back().right += rows.transpose() * tangential;
   }
-  if (clusters.size() < 8) return std::nullopt;
-  const stats::ClusteredFit fit(clusters);
-  if (!fit.determined()) return std::nullopt;
-  Vec3 turn = fit.estimate().tail<3>();
-  bool clear = false;
-  for (int k = 0; k < 3; ++k) {
-    Eigen::VectorXd one = Eigen::VectorXd::Zero(4);
-    one[k + 1] = 1.0;
-    const bool known = std::abs(turn[k]) > clear_sigmas * fit.error_of(one).sigma;
-    if (!known) turn[k] = 0.0;
-    clear = clear || known;
+  return clear_vector(clusters, 1);
+}
+
+// How far off the ball's centre the torque acts, in the sensor's frame, by clusters of half a second; empty without a
+// torque.
+std::optional<Vec3> lever_error(const ContactSamples& c, const std::vector<Vec3>& normals, double tip_radius_m) {
+  if (std::ranges::all_of(c.torque_W_Nm, [](const Vec3& torque) { return torque.isZero(0.0); })) return std::nullopt;
+  std::vector<stats::NormalEquations> clusters;
+  double until = -std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < c.t_s.size(); ++i) {
+    if (c.t_s[i] > until) {
+      clusters.push_back({Eigen::MatrixXd::Zero(6, 6), Eigen::VectorXd::Zero(6)});
+      until = c.t_s[i] + air_block_s;
+    }
+    const Vec3 left = c.torque_W_Nm[i] + tip_radius_m * normals[i].cross(c.force_W_N[i]);
+    Eigen::MatrixXd rows(3, 6);
+    rows << cross_matrix(c.q_WS[i].conjugate() * c.force_W_N[i]), Mat3::Identity();
+    clusters.back().normal += rows.transpose() * rows;
+    clusters.back().right += rows.transpose() * (c.q_WS[i].conjugate() * left);
   }
-  if (!clear) return std::nullopt;
-  return turn;
+  return clear_vector(clusters, 0);
 }
 
 }  // namespace
@@ -334,6 +358,12 @@ std::vector<std::string> check_contacts(const Surface& surface, const ContactSam
         "while the tip slides, the surface's push is turned by {:.2g} rad in the sensor's frame (limit {:.2g}): check "
         "/probe/q_PS, the attitude of the sensor on the probe, and the force's bias",
         turn->norm(), largest_turn_rad));
+  }
+  if (const auto off = lever_error(contacts, rows.normal, tip_radius_m); off && off->norm() > largest_lever_error_m) {
+    faults.push_back(fmt::format(
+        "in contact the torque acts {:.2g} mm beside the tip, by ({:.2g}, {:.2g}, {:.2g}) mm in the sensor's frame "
+        "(limit {:.2g} mm): check /probe/tip_S_m, and that the sensor's torques and forces have the same signs",
+        1e3 * off->norm(), 1e3 * off->x(), 1e3 * off->y(), 1e3 * off->z(), 1e3 * largest_lever_error_m));
   }
   return faults;
 }

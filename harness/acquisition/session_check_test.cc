@@ -43,6 +43,7 @@ TEST(SessionCheck, EachDisturbanceIsNamedWithTheNextStep) {
   EXPECT_THAT(said(Disturbance::swapped_markers), HasSubstr("jumped there and back faster than a hand"));
   EXPECT_THAT(said(Disturbance::moved_object), HasSubstr("the object moved against the tracker"));
   EXPECT_THAT(said(Disturbance::wrong_tip), HasSubstr("/probe/tip_P_m"));
+  EXPECT_THAT(said(Disturbance::wrong_lever), HasSubstr("/probe/tip_S_m"));
   EXPECT_THAT(said(Disturbance::turned_sensor), HasSubstr("/probe/q_PS"));
   EXPECT_THAT(said(Disturbance::reversed_statics), HasSubstr("--flip-force"));
 }

@@ -34,18 +34,19 @@ enum class Disturbance {
   swapped_markers,
   moved_object,
   wrong_tip,
+  wrong_lever,
   turned_sensor,
   reversed_statics,
   lost_packets
 };
 inline constexpr std::array all_disturbances{
-    Disturbance::knock_at_start,   Disturbance::knock_half_way, Disturbance::bias_drift, Disturbance::held_poses,
-    Disturbance::swapped_markers,  Disturbance::moved_object,   Disturbance::wrong_tip,  Disturbance::turned_sensor,
-    Disturbance::reversed_statics, Disturbance::lost_packets};
+    Disturbance::knock_at_start,  Disturbance::knock_half_way,   Disturbance::bias_drift,  Disturbance::held_poses,
+    Disturbance::swapped_markers, Disturbance::moved_object,     Disturbance::wrong_tip,   Disturbance::wrong_lever,
+    Disturbance::turned_sensor,   Disturbance::reversed_statics, Disturbance::lost_packets};
 inline std::string_view name_of(Disturbance d) {
-  constexpr std::array<std::string_view, 11> names{
-      "none",         "knock at the start", "knock half-way", "bias drift",       "held poses",  "swapped markers",
-      "moved object", "wrong tip",          "turned sensor",  "reversed statics", "lost packets"};
+  constexpr std::array<std::string_view, 12> names{
+      "none",         "knock at the start", "knock half-way", "bias drift",    "held poses",       "swapped markers",
+      "moved object", "wrong tip",          "wrong lever",    "turned sensor", "reversed statics", "lost packets"};
   return names.at(static_cast<std::size_t>(d));
 }
 
@@ -109,6 +110,11 @@ class SimulatedSession {
     v -= n * n.dot(v);
     return push * n - friction_ * push * v / std::max(v.norm(), 2e-3);
   }
+  // Of the ball, where it touches.
+  [[nodiscard]] Vec3 foot(double t) const {
+    const Vec3 p = foot_and_height(t);
+    return -radius_ * normal_at(p.x(), p.y());
+  }
   [[nodiscard]] bool steady(double t) const { return t > scan_from_ + 1.0 && t < scan_to_ - 1.0; }
 
  private:
@@ -167,10 +173,12 @@ class SimulatedSession {
     return bias_;
   }
   // What the tool pulls at rest or moving, in the sensor's frame, with bias.
-  std::array<Vec3, 2> sensor(const Quat& q, const Vec3& push, const Vec3& acceleration, const Vec3& bias) const {
+  // `foot_W`: where the surface pushes, from the ball's centre.
+  std::array<Vec3, 2> sensor(const Quat& q, const Vec3& push, const Vec3& foot_W, const Vec3& acceleration,
+                             const Vec3& bias) const {
     const Vec3 g_W = q_TW_.conjugate() * Vec3(0, 0, -9.81);
     const Vec3 own = q.conjugate() * (mass_ * (g_W - acceleration)), felt = q.conjugate() * push;
-    return {own + felt + bias, center_S_.cross(own) + tip_S_.cross(felt) + torque_bias_};
+    return {own + felt + bias, center_S_.cross(own) + (tip_S_ + q.conjugate() * foot_W).cross(felt) + torque_bias_};
   }
 
   void write_force(const std::filesystem::path& file) {
@@ -181,7 +189,7 @@ class SimulatedSession {
       const double t = 1e-3 * static_cast<double>(i);
       if (disturbance_ == Disturbance::lost_packets && i % 97 < 9) continue;
       const Vec3 a = (center(t + 1e-3) - 2 * center(t) + center(t - 1e-3)) / 1e-6;
-      auto w = sensor(attitude(t), contact(t), a, bias_at(t));
+      auto w = sensor(attitude(t), contact(t), foot(t), a, bias_at(t));
       w[0] += noise(0.01), w[1] += noise(2e-4);
       text += fmt::format("{:.7f},{:.6f},{:.6f},{:.6f},{:.7f},{:.7f},{:.7f}\n", t * (1 + skew_) + offset_s_, w[0].x(),
                           w[0].y(), w[0].z(), w[1].x(), w[1].y(), w[1].z());
@@ -216,7 +224,7 @@ class SimulatedSession {
     const double sign = disturbance_ == Disturbance::reversed_statics ? -1.0 : 1.0;
     for (int i = 0; i < 12; ++i) {
       const Quat q = random_.rotation();  // sensor to tracker
-      auto w = sensor(q_TW_.conjugate() * q, Vec3::Zero(), Vec3::Zero(), bias_);
+      auto w = sensor(q_TW_.conjugate() * q, Vec3::Zero(), Vec3::Zero(), Vec3::Zero(), bias_);
       w[0] = sign * (w[0] + noise(2e-3)), w[1] = sign * (w[1] + noise(4e-5));
       statics += fmt::format("{:.7f},{:.7f},{:.7f},{:.8f},{:.8f},{:.8f},{:.9f},{:.9f},{:.9f},{:.9f}\n", w[0].x(),
                              w[0].y(), w[0].z(), w[1].x(), w[1].y(), w[1].z(), q.w(), q.x(), q.y(), q.z());
@@ -246,6 +254,8 @@ class SimulatedSession {
     write_file(folder / "object.obj", mesh);
     Vec3 tip_P = tip_P_;
     if (disturbance_ == Disturbance::wrong_tip) tip_P += tip_off_m_;
+    Vec3 tip_S = tip_S_;
+    if (disturbance_ == Disturbance::wrong_lever) tip_S += 2.0 * tip_off_m_;
     Quat q_PS = q_PS_;
     if (disturbance_ == Disturbance::turned_sensor) q_PS = q_PS * turn(sensor_turn_rad_);
     write_file(folder / "acquisition.json",
@@ -255,7 +265,7 @@ class SimulatedSession {
            "q_PS": [{:.12f}, {:.12f}, {:.12f}, {:.12f}], "tip_radius_m": {:.9f}}},
  "tool": {{"file": "statics.csv", "gravity_T_m_per_s2": [0, 0, -9.81]}}, "clocks": {{"tap_normal_W": [0, 0, 1]}},
  "registration": {{"markers": "markers.csv", "mesh": "object.obj", "contact_force_N": 0.4}}}})",
-                           tip_P.x(), tip_P.y(), tip_P.z(), tip_S_.x(), tip_S_.y(), tip_S_.z(), q_PS.w(), q_PS.x(),
+                           tip_P.x(), tip_P.y(), tip_P.z(), tip_S.x(), tip_S.y(), tip_S.z(), q_PS.w(), q_PS.x(),
                            q_PS.y(), q_PS.z(), radius_));
   }
 
