@@ -42,7 +42,7 @@ void check_or_say(const GoldenCase& golden, const std::string& model, const Chec
     const auto began = std::chrono::steady_clock::now();
     const CheckResult result = check_case(built_in_catalogues(), golden, model, how);
     const std::chrono::duration<double> took = std::chrono::steady_clock::now() - began;
-    fmt::print("{}", tally.add(golden, model, result, took.count(), options.felt));
+    fmt::print("{}{}", tally.add(golden, model, result, took.count(), options.felt), result.measurements);
   } catch (const UsageError& error) {
     if (how.change) throw;  // of the options, which are the same for every case
     fmt::print(stderr, "{}", tally.add_unusable(golden.name, model, golden.folder, error.what()));
@@ -89,7 +89,10 @@ ExitStatus check_command(const CheckOptions& options) {
   write_for_others(options, tally.tests());
   fmt::print("{}", tally.counts_text());
   if (without > 0) fmt::print("cases without the model {}: {}\n", options.golden.model, without);
-  if (tally.failed()) fmt::print("to look at the failures: touchstone golden review --out {}\n", options.golden.out);
+  if (tally.failed())
+    fmt::print("to look at the failures, and to accept what was meant: touchstone golden review --golden {} --out {}\n",
+               options.golden.folder().lexically_proximate(std::filesystem::current_path()).string(),
+               options.golden.out);
   if (tally.unusable()) return ExitStatus::bad_data;
   if (tally.all_skipped()) return ExitStatus::skipped;
   return tally.failed() ? ExitStatus::failed : ExitStatus::passed;

@@ -24,7 +24,8 @@ struct GoldenCommandOptions {
 
 ExitStatus review(const GoldenCommandOptions& options) {
   const GoldenOptions& golden = options.golden;
-  fmt::print("{}", review_text(chosen_pending(golden.out, golden.cases, golden.model), golden.out));
+  const auto folder = golden.folder().lexically_proximate(std::filesystem::current_path());
+  fmt::print("{}", review_text(chosen_pending(golden.out, golden.cases, golden.model), folder.string(), golden.out));
   return ExitStatus::passed;
 }
 

@@ -56,14 +56,14 @@ void write_history_outputs(const HistoryOptions& options, const JudgedHistory& h
 }
 
 void print_for_ctest(const HistoryOptions& options, const JudgedHistory& history) {
-  print_measurement(stdout, "history_series", static_cast<double>(history.all.size()));
-  print_measurement(stdout, "history_failed", static_cast<double>(history.failures()));
+  fmt::print("{}", measurement("history_series", static_cast<double>(history.all.size())));
+  fmt::print("{}", measurement("history_failed", static_cast<double>(history.failures())));
   const JudgedSeries* const picture = history.worst();
   if (picture == nullptr) return;
   const std::filesystem::path png = options.plot.empty() ? "history.png" : options.plot;
   const auto problem = write_plot(history_plot(*picture), png);
   if (problem.empty()) {
-    print_picture(stdout, "TestImage", std::filesystem::absolute(png));
+    fmt::print("{}", picture_measurement("TestImage", std::filesystem::absolute(png)));
   } else {
     fmt::print("no picture: {}\n", problem);
   }

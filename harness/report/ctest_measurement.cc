@@ -20,29 +20,22 @@ std::string escaped(std::string_view text) {
 
 }  // namespace
 
-bool print_measurement(std::FILE* out, std::string_view name, double value) {
-  if (!std::isfinite(value)) {
-    fmt::print(out, "measurement {} is not sent: its value is {}\n", name, value);
-    return false;
-  }
-  fmt::print(out, "<CTestMeasurement type=\"numeric/double\" name=\"{}\">{:.17g}</CTestMeasurement>", escaped(name),
-             value);
-  return true;
+std::string measurement(std::string_view name, double value) {
+  if (!std::isfinite(value)) return fmt::format("measurement {} is not sent: its value is {}\n", name, value);
+  return fmt::format("<CTestMeasurement type=\"numeric/double\" name=\"{}\">{:.17g}</CTestMeasurement>", escaped(name),
+                     value);
 }
 
-void print_measurement(std::FILE* out, std::string_view name, std::string_view text) {
-  fmt::print(out, "<CTestMeasurement type=\"text/string\" name=\"{}\">{}</CTestMeasurement>", escaped(name),
-             escaped(text));
+std::string measurement(std::string_view name, std::string_view text) {
+  return fmt::format("<CTestMeasurement type=\"text/string\" name=\"{}\">{}</CTestMeasurement>", escaped(name),
+                     escaped(text));
 }
 
-bool print_picture(std::FILE* out, std::string_view name, const std::filesystem::path& png) {
-  if (const auto problem = png_problem(png); !problem.empty()) {
-    fmt::print(out, "picture {} is not sent: {}: {}\n", name, png.string(), problem);
-    return false;
-  }
-  fmt::print(out, "<CTestMeasurementFile type=\"image/png\" name=\"{}\">{}</CTestMeasurementFile>", escaped(name),
-             escaped(png.string()));
-  return true;
+std::string picture_measurement(std::string_view name, const std::filesystem::path& png) {
+  if (const auto problem = png_problem(png); !problem.empty())
+    return fmt::format("picture {} is not sent: {}: {}\n", name, png.string(), problem);
+  return fmt::format("<CTestMeasurementFile type=\"image/png\" name=\"{}\">{}</CTestMeasurementFile>", escaped(name),
+                     escaped(png.string()));
 }
 
 std::string png_problem(const std::filesystem::path& png) {

@@ -5,51 +5,38 @@
 
 #include <cmath>
 #include <filesystem>
-#include <functional>
 
 #include "harness/base/atomic_file.h"
 #include "harness/report/gnuplot.h"
+#include "harness/testing/temporary_folder.h"
 
 namespace touchstone::report {
 namespace {
 
-using testing::HasSubstr;
-using testing::Not;
-
-std::string printed(const std::function<void(std::FILE*)>& print) {
-  char* text = nullptr;
-  std::size_t size = 0;
-  std::FILE* const out = open_memstream(&text, &size);
-  print(out);
-  std::fclose(out);
-  std::string result(text, size);
-  std::free(text);
-  return result;
-}
+using ::testing::HasSubstr;
+using ::testing::Not;
 
 TEST(CtestMeasurement, NumbersKeepEveryBit) {
-  const auto text = printed([](std::FILE* out) { EXPECT_TRUE(print_measurement(out, "force_rms_N", 0.1)); });
-  EXPECT_EQ(text,
+  EXPECT_EQ(measurement("force_rms_N", 0.1),
             "<CTestMeasurement type=\"numeric/double\" name=\"force_rms_N\">0.10000000000000001</CTestMeasurement>");
 }
 
 TEST(CtestMeasurement, WhatIsNotFiniteIsSaidAndNotSent) {
   for (const double value : std::vector<double>{std::nan(""), INFINITY, -INFINITY}) {
-    const auto text = printed([&](std::FILE* out) { EXPECT_FALSE(print_measurement(out, "m", value)); });
-    EXPECT_THAT(text, Not(HasSubstr("CTestMeasurement")));
-    EXPECT_THAT(text, HasSubstr("not sent"));
+    EXPECT_THAT(measurement("m", value), Not(HasSubstr("CTestMeasurement")));
+    EXPECT_THAT(measurement("m", value), HasSubstr("not sent"));
   }
 }
 
 TEST(CtestMeasurement, TextIsEscaped) {
-  EXPECT_THAT(printed([](std::FILE* out) { print_measurement(out, "a<b", std::string_view("x & \"y\"\x01")); }),
+  EXPECT_THAT(measurement("a<b", std::string_view("x & \"y\"\x01")),
               HasSubstr("name=\"a&lt;b\">x &amp; &quot;y&quot; </CTestMeasurement>"));
 }
 
 // Two levels, of which one is the lowest and the other the highest value: no line may hide under the frame.
 TEST(CtestMeasurement, LevelsAtTheEdgesOfAPanelAreDrawn) {
-  const auto folder = std::filesystem::path(testing::TempDir()) / "touchstone_pictures";
-  std::filesystem::create_directories(folder);
+  const touchstone::testing::TemporaryFolder own;
+  const auto& folder = own.path();
   const Plot plot{
       "a step", "commit", {{"error", "N", {{"", {{0, 0.04}, {6, 0.04}, {7, 0.044}, {11, 0.044}}, false}}, {0.0, 0.0}}}};
   const auto problem = write_plot(plot, folder / "levels.png");
@@ -58,8 +45,8 @@ TEST(CtestMeasurement, LevelsAtTheEdgesOfAPanelAreDrawn) {
 }
 
 TEST(CtestMeasurement, PicturesAreReadBeforeTheyAreNamed) {
-  const auto folder = std::filesystem::path(testing::TempDir()) / "touchstone_pictures";
-  std::filesystem::create_directories(folder);
+  const touchstone::testing::TemporaryFolder own;
+  const auto& folder = own.path();
   const auto png = folder / "plot.png";
   const Plot plot{"it's a title",
                   "t [s]",
@@ -67,16 +54,13 @@ TEST(CtestMeasurement, PicturesAreReadBeforeTheyAreNamed) {
   const auto problem = write_plot(plot, png);
   if (problem.find("not installed") != std::string::npos) GTEST_SKIP() << problem;
   ASSERT_EQ(problem, "");
-  EXPECT_THAT(printed([&](std::FILE* out) { EXPECT_TRUE(print_picture(out, "TestImage", png)); }),
-              HasSubstr("image/png"));
+  EXPECT_THAT(picture_measurement("TestImage", png), HasSubstr("image/png"));
   const auto whole = read_file(png);
   write_file(folder / "cut.png", whole.substr(0, whole.size() / 2));
   write_file(folder / "text.png", "not a picture");
   for (const char* const bad : {"cut.png", "text.png", "absent.png"}) {
-    EXPECT_THAT(printed([&](std::FILE* out) { EXPECT_FALSE(print_picture(out, "TestImage", folder / bad)); }),
-                Not(HasSubstr("CTestMeasurementFile")));
+    EXPECT_THAT(picture_measurement("TestImage", folder / bad), Not(HasSubstr("CTestMeasurementFile")));
   }
-  std::filesystem::remove_all(folder);
 }
 
 }  // namespace

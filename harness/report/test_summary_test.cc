@@ -10,7 +10,7 @@
 namespace touchstone::report {
 namespace {
 
-using testing::HasSubstr;
+using ::testing::HasSubstr;
 
 std::vector<CheckedTest> example() {
   return {{"plane-taps", "penalty", true, 0.25, "equal", "", "golden/plane-taps/case.json", {}},
@@ -27,7 +27,7 @@ std::vector<CheckedTest> example() {
 
 // Read by another's parser (python's ElementTree), as a CI server would.
 TEST(TestSummary, JUnitIsReadByAnotherProgram) {
-  const auto folder = std::filesystem::path(testing::TempDir()) / "touchstone-junit";
+  const auto folder = std::filesystem::path(::testing::TempDir()) / "touchstone-junit";
   ensure_writable_folder(folder);
   write_file(folder / "junit.xml", tests_to_junit("golden", example()));
   const std::string program =
@@ -55,13 +55,14 @@ TEST(TestSummary, MarkdownNamesFailuresWithTheirPictures) {
   EXPECT_THAT(text, HasSubstr("| sphere, scan | god\\|object | worse |"));
   EXPECT_THAT(text, HasSubstr("\n    100 % beyond"));
   EXPECT_THAT(text, HasSubstr("![golden](out/golden.png)"));
-  EXPECT_THAT(text, testing::Not(HasSubstr("plane-taps")));
-  EXPECT_THAT(text, testing::Not(HasSubstr("bowl-push")));
+  EXPECT_THAT(text, ::testing::Not(HasSubstr("plane-taps")));
+  EXPECT_THAT(text, ::testing::Not(HasSubstr("bowl-push")));
 }
 
 TEST(TestSummary, AnnotationsMarkTheFile) {
   const std::string text = tests_to_github_annotations(example());
-  EXPECT_THAT(text, testing::StartsWith("::error file=golden/sphere-scan/case.json,title=sphere%2C scan god|object::"));
+  EXPECT_THAT(text,
+              ::testing::StartsWith("::error file=golden/sphere-scan/case.json,title=sphere%2C scan god|object::"));
   EXPECT_THAT(text, HasSubstr("%0A100 %25 beyond"));
   EXPECT_EQ(std::count(text.begin(), text.end(), '\n'), 1);
 }

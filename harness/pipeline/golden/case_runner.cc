@@ -149,29 +149,28 @@ void judge_operations(const GoldenCase& golden, const std::string& model, const 
   result.comparison.verdict = worst(result.comparison.verdict, change->verdict);
 }
 
-void print_measurements(const CheckResult& result, const CaseRun& run, const std::string& hash) {
-  for (const auto& [name, value] : metrics_of(result.comparison)) print_measurement(stdout, name, value);
-  print_measurement(stdout, "step_p99_us", run.p99_us);
+void measure(const CheckResult& result, const CaseRun& run, const std::string& hash, std::string& measurements) {
+  const auto add = [&](const std::string& name, const auto& value) { measurements += measurement(name, value); };
+  for (const auto& [name, value] : metrics_of(result.comparison)) add(name, value);
+  add("step_p99_us", run.p99_us);
   if (run.operations) {
-    print_measurement(stdout, "operations", static_cast<double>(run.operations->total));
-    print_measurement(stdout, "operations_max_step", static_cast<double>(run.operations->max_per_step));
+    add("operations", static_cast<double>(run.operations->total));
+    add("operations_max_step", static_cast<double>(run.operations->max_per_step));
   }
-  print_measurement(stdout, "tolerance_of_jnd", result.share_of_jnd);
+  add("tolerance_of_jnd", result.share_of_jnd);
   if (result.exact) {
-    print_measurement(stdout, "exact_force_rms_N", result.exact->force_rms_N);
-    print_measurement(stdout, "exact_force_max_N", result.exact->force_max_N);
-    print_measurement(stdout, "exact_contact_rms_m", result.exact->contact_rms_m);
+    add("exact_force_rms_N", result.exact->force_rms_N);
+    add("exact_force_max_N", result.exact->force_max_N);
+    add("exact_contact_rms_m", result.exact->contact_rms_m);
   }
-  print_measurement(stdout, "golden_hash", std::string_view(hash));
+  add("golden_hash", std::string_view(hash));
 }
 
 // Without a golden, or with one that cannot be read: nothing to compare with is never a pass.
 TrajectoryColumns load_golden(const std::filesystem::path& file, CheckResult& result) {
   if (!std::filesystem::exists(file)) {
     result.comparison.verdict = Verdict::missing;
-    result.comparison.problems.push_back(
-        fmt::format("{}: there is no golden yet; look at the result, then: touchstone golden accept --reason '...'",
-                    file.string()));
+    result.comparison.problems.push_back(fmt::format("{}: there is no golden to compare with yet", file.string()));
     return {};
   }
   try {
@@ -337,7 +336,8 @@ CheckResult check_case(const Catalogues& catalogues, const GoldenCase& golden, c
   }
   result.table = fmt::format("{} {}\n{}", golden.name, model, to_table(result.comparison));
   clear_result_folder(folder);
-  if (options.ctest) print_measurements(result, run, obtained.columns.empty() ? "" : summarise(run.rendered).sha256);
+  if (options.ctest)
+    measure(result, run, obtained.columns.empty() ? "" : summarise(run.rendered).sha256, result.measurements);
   if (result.passed()) return result;
 
   ensure_writable_folder(folder);
@@ -348,7 +348,7 @@ CheckResult check_case(const Catalogues& catalogues, const GoldenCase& golden, c
   write_file(folder / "table.txt", result.table);
   write_file(folder / "comparison.json", to_json_text(result.comparison));
   for (const auto& [name, picture] : draw_pictures(expected, obtained, folder)) {
-    if (options.ctest) print_picture(stdout, name, picture);
+    if (options.ctest) result.measurements += picture_measurement(name, picture);
   }
   return result;
 }

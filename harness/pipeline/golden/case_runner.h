@@ -7,13 +7,13 @@
 #include <optional>
 #include <string>
 
+#include "harness/base/rooms.h"
 #include "harness/baseline/compare.h"
 #include "harness/baseline/golden_case.h"
 #include "harness/baseline/golden_file.h"
 #include "harness/baseline/golden_summary.h"
 #include "harness/pipeline/golden/exact_error.h"
 #include "harness/pipeline/golden/felt_verdict.h"
-#include "harness/base/rooms.h"
 #include "harness/rendering/model.h"
 #include "harness/surface/triangle_mesh.h"
 
@@ -58,13 +58,14 @@ struct CheckResult {
   std::optional<FeltError> felt;    // where the verdict `felt` was asked for and the case ran
   std::string skipped;              // the reason that the renderer declares for what the case demands; else empty
   std::filesystem::path left_in;    // the folder of a failure, else empty
+  std::string measurements;         // and pictures, for ctest where they were asked for
 
   [[nodiscard]] bool passed() const { return !drift_fails && (felt ? felt->passed : passes(comparison.verdict)); }
 };
 
 struct CaseCheck {
   std::filesystem::path out;  // for what failures leave behind
-  bool ctest = false;         // print measurements, with the time of the steps
+  bool ctest = false;         // measure, with the time of the steps
   ChangeModel change = {};
   std::optional<FeltTolerance> felt = std::nullopt;  // judge by what a person would notice
   bool fail_on_drift = false;  // bits that differ fail where the golden was made on a processor like this one
@@ -74,7 +75,6 @@ struct CaseCheck {
 // pass either: it is news, and becomes the golden by a person's decision. So are operations that are not the golden's,
 // which are held against it as long as the model is the case's own. What does not pass leaves obtained.h5, table.txt,
 // comparison.json and pictures in `out`/<case>/<model>; what passes removes what an earlier failure left.
-// With `ctest` prints measurements.
 // Skipped is a case that says nothing about a renderer in the place of the case's own: its tip is another one, or the
 // run starts inside the body and the renderer declares that it cannot.
 CheckResult check_case(const Catalogues& catalogues, const GoldenCase& golden, const std::string& model,

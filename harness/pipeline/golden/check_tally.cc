@@ -39,10 +39,8 @@ std::string CheckTally::add(const GoldenCase& golden, const std::string& model, 
   std::string text = result.felt ? fmt::format("{:<8} {} {}: {}\n", good ? "felt" : "noticed", golden.name, model,
                                                to_sentence(*result.felt, felt))
                      : comparison.expected_rows == 0
-                         ? fmt::format(
-                               "{:<8} {} {}: there is no golden to compare with yet: look at the result, then "
-                               "touchstone golden accept\n",
-                               to_string(comparison.verdict), golden.name, model)
+                         ? fmt::format("{:<8} {} {}: there is no golden to compare with yet\n",
+                                       to_string(comparison.verdict), golden.name, model)
                          : fmt::format("{:<8} {} {}: uses {:.3g}% of the tolerance, bits differ in {} of {} rows{}\n",
                                        to_string(comparison.verdict), golden.name, model,
                                        100.0 * comparison.tolerance_used(), comparison.drift, comparison.expected_rows,

@@ -106,15 +106,17 @@ std::vector<PendingResult> chosen_pending(const std::filesystem::path& out, cons
   return pending;
 }
 
-std::string review_text(const std::vector<PendingResult>& pending, const std::string& out) {
+std::string review_text(const std::vector<PendingResult>& pending, const std::string& golden_folder,
+                        const std::string& out) {
   std::string text;
   for (const auto& p : pending) {
     text += read_file(p.folder / "table.txt");
     for (const char* const picture : {"golden.png", "obtained.png", "difference.png"}) {
       if (std::filesystem::exists(p.folder / picture)) text += fmt::format("  {}\n", (p.folder / picture).string());
     }
-    text += fmt::format("  to make it the golden: touchstone golden accept {} --model {} --reason '...' --out {}\n\n",
-                        p.case_name, p.model, out);
+    text += fmt::format(
+        "  to make it the golden: touchstone golden accept {} --model {} --golden {} --out {} --reason '...'\n\n",
+        p.case_name, p.model, golden_folder, out);
   }
   return text + fmt::format("{} results wait for a decision in {}\n", pending.size(), out);
 }

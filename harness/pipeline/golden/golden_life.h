@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
+#include "harness/base/rooms.h"
 #include "harness/baseline/acceptance.h"
 #include "harness/baseline/golden_case.h"
-#include "harness/base/rooms.h"
 #include "harness/rendering/generators.h"
 
 namespace touchstone::pipeline {
@@ -26,7 +26,8 @@ std::vector<PendingResult> chosen_pending(const std::filesystem::path& out, cons
                                           const std::string& model);
 
 // For people: numbers and pictures of each, and how to accept it.
-std::string review_text(const std::vector<PendingResult>& pending, const std::string& out);
+std::string review_text(const std::vector<PendingResult>& pending, const std::string& golden_folder,
+                        const std::string& out);
 
 // Makes one result the golden of its case in the folder `golden`, with the reason in it; the folder that the failed run
 // left is removed. Says "new", "replaced" or, if only the operations are others, "operations": the trajectory then

@@ -54,7 +54,8 @@ TEST_F(GoldenLife, WhatFailedIsReviewedAcceptedAndPassesFromThenOn) {
   ASSERT_THAT(pending, SizeIs(1));
   EXPECT_THAT(chosen_pending(out(), {"another"}, ""), IsEmpty());
   EXPECT_THAT(chosen_pending(out(), {}, "penalty"), IsEmpty());
-  EXPECT_THAT(review_text(pending, "out"), HasSubstr("touchstone golden accept plane-taps --model god-object"));
+  EXPECT_THAT(review_text(pending, "golden", "out"),
+              HasSubstr("touchstone golden accept plane-taps --model god-object --golden golden --out out"));
   EXPECT_EQ(accept_result(pending[0], golden(), out(), "a stiffer wall"), "replaced");
   EXPECT_EQ(read_provenance(golden() / "plane-taps" / "expected" / "god-object.h5").at("reason"), "a stiffer wall");
   EXPECT_THAT(chosen_pending(out(), {}, ""), IsEmpty()) << "what was accepted does not wait any more";
