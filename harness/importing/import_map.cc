@@ -187,6 +187,7 @@ ImportMap parse_import_map(const nlohmann::json& json, const std::string& source
                                open.size(), open.size() == 1 ? "question is" : "questions are", open.front()));
     }
   }
+  if (root.has("reasons")) texts_of(root, "reasons");
   map.layout = read_layout(root);
   if (root.has("files")) {
     JsonObject files = root.object("files");

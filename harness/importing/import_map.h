@@ -22,7 +22,8 @@
 // relative to the main file. Another file (or topic) with a clock is interpolated linearly at the main one's times,
 // orientations along the shorter way; without a clock it must have as many rows. `force_frame`: "sensor" turns the
 // force by the orientation, "inverse" by its inverse, "transposed" by its square (it had been turned by the transpose).
-// `decide`: what a proposal could not settle, as a list of texts; the map is refused until it is empty.
+// `decide`: what a proposal could not settle, as a list of texts; the map is refused until it is empty. `reasons`: why
+// it reads the columns so, for people.
 // `status`: the status word of a network sensor ("net-ft", "ethernet-axia"). A file with samples that it calls
 // saturated or faulty is refused; "bad_samples" may be "leave out" or "keep".
 #pragma once
