@@ -122,10 +122,7 @@ class Guesser {
     reasons_.push_back(fmt::format("{} <- {}: {}", column, from, reason));
   }
 
-  void ask(const std::string& what, const std::string& why) {
-    decide_.push_back(fmt::format("{}: {}", what, why));
-    reasons_.push_back(fmt::format("{}: not proposed: {}", what, why));
-  }
+  void ask(const std::string& what, const std::string& why) { decide_.push_back(fmt::format("{}: {}", what, why)); }
 
   // The factor of a column to SI and why; nothing, and a question, where the file does not settle it.
   std::optional<double> factor_of(const std::string& column, const NamedColumn& named, Quantity quantity,
