@@ -141,9 +141,10 @@ void add_import(CLI::App& program, Run& run) {
       program.add_subcommand("import", "Foreign tables, .mat files, ROS bags and curves to a recording");
   const auto options = std::make_shared<ImportOptions>();
   command
-      ->add_option("file", options->file,
-                   "What the instrument wrote: a table of text, .lvm, an AFM curve, .mat, a ROS bag (.bag, .db3), "
-                   "HDF5, .npy, .npz")
+      ->add_option(
+          "file", options->file,
+          "What the instrument wrote: a table of text, .lvm, an AFM curve, .mat, a ROS bag (.bag, .mcap, .db3), "
+          "HDF5, .npy, .npz")
       ->required();
   command->add_option(
       "--map", options->map,

@@ -40,7 +40,8 @@ std::vector<ImportTable> read_foreign(const std::filesystem::path& path, const T
     throw BadData(fmt::format("{}: does not exist; is the path right?", path.string()));
   }
   if (std::filesystem::is_directory(path, error)) {
-    throw BadData(fmt::format("{}: is a folder; a file was expected (of a ROS 2 bag, its .db3 file)", path.string()));
+    throw BadData(
+        fmt::format("{}: is a folder; a file was expected (of a ROS 2 bag, its .db3 or .mcap file)", path.string()));
   }
   const auto size = std::filesystem::file_size(path, error);
   if (error || size > largest_import_bytes) {
@@ -57,6 +58,7 @@ std::vector<ImportTable> read_foreign(const std::filesystem::path& path, const T
   // What the bytes say goes before what the name says.
   if (head.starts_with("#ROSBAG")) return read_ros_bag(path);
   if (head.starts_with("SQLite format 3")) return read_ros2_database(path);
+  if (head.starts_with("\x89MCAP0\r\n")) return read_mcap_file(path);
   if (head.starts_with("MATLAB") || extension == ".mat") return read_mat_file(path);
   if (head.starts_with("\x89HDF\r\n\x1a\n")) return read_hdf5_arrays(path);
   if (head.starts_with("\x93NUMPY")) return read_numpy_array(path);
