@@ -143,7 +143,7 @@ void add_import(CLI::App& program, Run& run) {
   command
       ->add_option(
           "file", options->file,
-          "What the instrument wrote: a table of text, .lvm, an AFM curve, .mat, a ROS bag (.bag, .mcap, .db3), "
+          "What the instrument wrote: a table of text, .xlsx, .lvm, an AFM curve, .mat, a ROS bag (.bag, .mcap, .db3), "
           "HDF5, .npy, .npz")
       ->required();
   command->add_option(

@@ -49,6 +49,9 @@ std::vector<ImportTable> read_foreign(const std::filesystem::path& path, const T
 
 // The readers; each throws BadData.
 ImportTable read_text_table(const std::filesystem::path& path, const TextLayout& layout);
+// Of lines that are in memory: `source` stands in messages for the file.
+ImportTable read_text_lines(const std::string& source, std::string_view lines, const TextLayout& layout);
+std::vector<ImportTable> read_excel_workbook(const std::filesystem::path& path);  // .xlsx
 std::vector<ImportTable> read_mat_file(const std::filesystem::path& path);
 std::vector<ImportTable> read_hdf5_arrays(const std::filesystem::path& path);
 std::vector<ImportTable> read_numpy_array(const std::filesystem::path& path);    // .npy

@@ -69,16 +69,17 @@ TEST(NumberEvidence, ARightRecordingIsConfirmed) {
 
 TEST(NumberEvidence, UnitsThatCannotBeAreAskedForWithTheScaleThatFits) {
   EXPECT_THAT(contradictions(Stroke{.length = 1e-3}.read()),
-              ElementsAre(AllOf(HasSubstr("x_m, y_m, z_m: "), HasSubstr("0.001 for mm"))));
-  EXPECT_THAT(contradictions(Stroke{.force = 1e-3}.read()),
-              ElementsAre(AllOf(HasSubstr("fx_N, fy_N, fz_N: "), HasSubstr("0.001 for mN"), HasSubstr("1 for N"))));
+              ::testing::ElementsAre(AllOf(HasSubstr("x_m, y_m, z_m: "), HasSubstr("0.001 for mm"))));
+  EXPECT_THAT(
+      contradictions(Stroke{.force = 1e-3}.read()),
+      ::testing::ElementsAre(AllOf(HasSubstr("fx_N, fy_N, fz_N: "), HasSubstr("0.001 for mN"), HasSubstr("1 for N"))));
   EXPECT_THAT(contradictions(Stroke{.torque = 1e-3}.read(true)),
-              ElementsAre(AllOf(HasSubstr("tx_Nm, ty_Nm, tz_Nm: "), HasSubstr("0.001 for N.mm"))));
+              ::testing::ElementsAre(AllOf(HasSubstr("tx_Nm, ty_Nm, tz_Nm: "), HasSubstr("0.001 for N.mm"))));
   // What is named is not asked for, however large.
   EXPECT_THAT(contradictions(Stroke{.length = 1e-3}.read(), {}), IsEmpty());
   for (const NumberFinding& f : number_evidence(Stroke{.length = 1e-3}.read(), all_assumed)) {
     if (!f.contradicts) continue;
-    EXPECT_THAT(f.withdrawn, testing::ElementsAre("x_m", "y_m", "z_m"));
+    EXPECT_THAT(f.withdrawn, ::testing::ElementsAre("x_m", "y_m", "z_m"));
   }
 }
 
@@ -86,15 +87,16 @@ TEST(NumberEvidence, AJointInDegreesTurnsMoreThanOnceRound) {
   Imported read;
   read.names = {"q_rad", "torque_Nm"};
   read.columns = {{-20, 0, 35}, {1, 2, 3}};
-  EXPECT_THAT(contradictions(read, {"q_rad"}), ElementsAre(HasSubstr("0.0174532925 for deg")));
+  EXPECT_THAT(contradictions(read, {"q_rad"}), ::testing::ElementsAre(HasSubstr("0.0174532925 for deg")));
   for (double& q : read.columns[0]) q *= std::numbers::pi / 180.0;
   EXPECT_THAT(contradictions(read, {"q_rad"}), IsEmpty());
 }
 
 TEST(NumberEvidence, ForcesByTheProbeAndMirroredAxesGiveEnergy) {
   EXPECT_THAT(contradictions(Stroke{.mirror_f = -Vec3::Ones()}.read(), {}),
-              ElementsAre(HasSubstr("\"force_sign\": -1")));
-  EXPECT_THAT(contradictions(Stroke{.mirror_p = Vec3(1, 1, -1)}.read(), {}), ElementsAre(HasSubstr("\"scale\": -1")));
+              ::testing::ElementsAre(HasSubstr("\"force_sign\": -1")));
+  EXPECT_THAT(contradictions(Stroke{.mirror_p = Vec3(1, 1, -1)}.read(), {}),
+              ::testing::ElementsAre(HasSubstr("\"scale\": -1")));
 }
 
 // Sliding at a constant depth with one horizontal axis mirrored: friction along it would drive the probe.
@@ -111,7 +113,7 @@ TEST(NumberEvidence, AMirroredAxisIsNamed) {
     return read;
   };
   EXPECT_THAT(contradictions(slide(1.0), {}), IsEmpty());
-  EXPECT_THAT(contradictions(slide(-1.0), {}), ElementsAre(HasSubstr("the x axis may be mirrored")));
+  EXPECT_THAT(contradictions(slide(-1.0), {}), ::testing::ElementsAre(HasSubstr("the x axis may be mirrored")));
 }
 
 // Two things that only drift, or a recording that begins under load, say nothing of each other.
@@ -138,7 +140,7 @@ TEST(NumberEvidence, AWeightThatTurnsIsInTheSensorsFrame) {
     }
     return read;
   };
-  EXPECT_THAT(contradictions(turned(true), {}), ElementsAre(HasSubstr("\"force_frame\": \"sensor\"")));
+  EXPECT_THAT(contradictions(turned(true), {}), ::testing::ElementsAre(HasSubstr("\"force_frame\": \"sensor\"")));
   EXPECT_THAT(contradictions(turned(false), {}), IsEmpty());
 }
 
