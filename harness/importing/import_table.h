@@ -43,6 +43,9 @@ struct TextLayout {
 // Files larger than this are no tables of one recording: they are read whole.
 inline constexpr std::uintmax_t largest_import_bytes = std::uintmax_t{2} << 30;
 
+// Deflate packs at most so many bytes into one (zlib's technical notes): a larger array than that is not in the file.
+inline constexpr std::size_t most_packed = 1032;
+
 // Every table of a file, by what the file is: MATLAB, ROS bag, HDF5, NumPy, text. Throws BadData naming file, line and
 // column.
 std::vector<ImportTable> read_foreign(const std::filesystem::path& path, const TextLayout& layout);
