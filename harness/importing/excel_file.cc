@@ -25,7 +25,7 @@ namespace {
 
 // Parsed XML takes several times its size.
 constexpr std::uintmax_t largest_workbook_bytes = std::uintmax_t{512} << 20;
-constexpr std::size_t most_columns = 16384, most_rows = 1048576;  // of a sheet, by the specification
+constexpr std::size_t widest_sheet = 16384, longest_sheet = 1048576;  // of a sheet, by the specification
 
 // Without the prefix of a namespace, which a program may choose.
 std::string_view bare_name(const pugi::xml_node& node) {
@@ -179,10 +179,10 @@ class Workbook {
     for (const char c : reference) {
       if (c < 'A' || c > 'Z') break;
       column = 26 * column + static_cast<std::size_t>(c - 'A' + 1);
-      if (column > most_columns) break;
+      if (column > widest_sheet) break;
     }
     if (reference.empty()) column = next + 1;
-    if (column == 0 || column > most_columns) {
+    if (column == 0 || column > widest_sheet) {
       throw BadData(fmt::format("{}: '{}' is no cell of a sheet: the workbook is damaged", source_, reference));
     }
     return column - 1;
@@ -190,14 +190,14 @@ class Workbook {
 
   void read_sheet(const std::string& name, const std::string& xml) {
     std::map<std::size_t, std::map<std::size_t, std::string>> rows;
-    std::size_t first = most_columns;
+    std::size_t first = widest_sheet;
     const auto document = parsed(xml);
     for (const pugi::xml_node& data : document->document_element()) {
       if (bare_name(data) != "sheetData") continue;
       std::size_t number = 0;
       for (const pugi::xml_node& row : data) {
         number = row.attribute("r").as_uint(static_cast<unsigned>(number + 1));
-        if (number == 0 || number > most_rows) {
+        if (number == 0 || number > longest_sheet) {
           throw BadData(
               fmt::format("{}: sheet {}: row {} is none of a sheet: the workbook is damaged", source_, name, number));
         }
