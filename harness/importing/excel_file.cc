@@ -101,7 +101,8 @@ class Workbook {
   }
 
   void read_strings(const std::string& xml) {
-    for (const pugi::xml_node& node : parsed(xml)->document_element()) strings_.push_back(text_below(node));
+    const auto document = parsed(xml);
+    for (const pugi::xml_node& node : document->document_element()) strings_.push_back(text_below(node));
   }
 
   // Which styles show a number as a date or a time: built-in formats 14 to 22 and 45 to 47 (18.8.30), and those whose

@@ -97,12 +97,10 @@ std::string fitting_units(const std::array<Unit, n>& units, double value, double
 
 void judge_positions(const Vectors& p, const Series& t_s, std::vector<NumberFinding>& out) {
   if (!p.assumed) return;
-  constexpr double desktop_m = 0.3, reach_m = 2.0, farthest_m = 5.0, fastest_m_per_s = 2.0, least_m = 1e-4;
+  constexpr double desktop_m = 0.5, reach_m = 2.0, farthest_m = 5.0, fastest_m_per_s = 2.0, least_m = 1e-4;
   const double span = p.span(), speed = usual_high_speed(t_s, p.values);
-  const std::string figures = fmt::format(
-      "in m they span {:.3g} m, as far as {:.3g} m from the origin, at up to {:.3g} "
-      "m/s",
-      span, p.farthest(), speed);
+  std::string figures = fmt::format("in m they span {:.3g} m, as far as {:.3g} m from the origin", span, p.farthest());
+  if (!t_s.empty()) figures += fmt::format(", at up to {:.3g} m/s", speed);
   const bool impossible = span > reach_m || p.farthest() > farthest_m || speed > fastest_m_per_s;
   if (!impossible && !(span > desktop_m)) {
     out.push_back({p.text(), "no unit is named; m is assumed: " + figures, false, {}});
@@ -118,17 +116,18 @@ void judge_positions(const Vectors& p, const Series& t_s, std::vector<NumberFind
 
 void judge_forces(const Vectors& f, std::vector<NumberFinding>& out) {
   if (!f.assumed) return;
-  constexpr double strongest_N = 100.0, least_N = 0.01;
-  const double span = f.span();
-  const std::string figures = fmt::format("in N they vary by {:.3g} N", span);
-  if (!(span > strongest_N)) {
+  constexpr double strongest_N = 100.0, heaviest_N = 200.0, least_N = 0.01;
+  const double span = f.span(), farthest = f.farthest();
+  const std::string figures = fmt::format("in N they vary by {:.3g} N and reach {:.3g} N", span, farthest);
+  if (!(span > strongest_N) && !(farthest > heaviest_N)) {
     out.push_back({f.text(), "no unit is named; N is assumed: " + figures, false, {}});
     return;
   }
-  out.push_back({f.text(),
-                 fmt::format("no unit is named, and {}, more than a hand pushes a probe with: {}, 1 for N", figures,
-                             fitting_units(forces, span, least_N, strongest_N)),
-                 true, f.names});
+  out.push_back(
+      {f.text(),
+       fmt::format("no unit is named, and {}, more than a hand pushes a probe with or a tool weighs: {}, 1 for N",
+                   figures, fitting_units(forces, span, least_N, strongest_N)),
+       true, f.names});
 }
 
 void judge_torques(const Vectors& torque, const Vectors& f, std::vector<NumberFinding>& out) {

@@ -75,6 +75,11 @@ TEST(NumberEvidence, UnitsThatCannotBeAreAskedForWithTheScaleThatFits) {
       ::testing::ElementsAre(AllOf(HasSubstr("fx_N, fy_N, fz_N: "), HasSubstr("0.001 for mN"), HasSubstr("1 for N"))));
   EXPECT_THAT(contradictions(Stroke{.torque = 1e-3}.read(true)),
               ::testing::ElementsAre(AllOf(HasSubstr("tx_Nm, ty_Nm, tz_Nm: "), HasSubstr("0.001 for N.mm"))));
+  // A bias that no tool weighs.
+  Imported biased = Stroke{}.read();
+  for (double& f : biased.columns[5]) f += 334;
+  EXPECT_THAT(contradictions(biased), ::testing::ElementsAre(HasSubstr("reach 334 N")));
+  EXPECT_THAT(contradictions(biased, {}), IsEmpty());
   // What is named is not asked for, however large.
   EXPECT_THAT(contradictions(Stroke{.length = 1e-3}.read(), {}), IsEmpty());
   for (const NumberFinding& f : number_evidence(Stroke{.length = 1e-3}.read(), all_assumed)) {
