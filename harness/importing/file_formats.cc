@@ -36,6 +36,8 @@ constexpr auto import_fields = std::to_array<FormatField>({
     {"rows?", "object", "", "which rows to take"},
     {"rows.from_s?", "number", "s", "first"},
     {"rows.to_s?", "number", "s", "last"},
+    {"rows.at?", "text or whole number", "",
+     "column whose rows are taken; the others are interpolated there over time"},
     {"rows.where?", "object", "", "columns that must have a value"},
     {"rows.where.*", "number", "", "that value"},
     {"columns", "object", "", "columns of the recording"},

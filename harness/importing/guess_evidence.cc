@@ -34,11 +34,31 @@ std::string names_in_file(const Json& json, const std::vector<std::string>& colu
   return names.empty() ? "" : fmt::format(" ({})", names);
 }
 
+// Where no row has all values, as of several topics in one table: at the rows of the force, else of the position.
+void read_at_rows_of_one(const std::filesystem::path& path, Json& json, GuessedMap& guess) {
+  const std::string as_it_is = guess.unreadable;
+  for (const char* const column : {"fx_N", "fz_N", "x_m", "z_m"}) {
+    const auto found = json["columns"].find(column);
+    if (found == json["columns"].end() || !json["columns"].contains("t_s") || json.contains("rows")) continue;
+    json["rows"] = {{"at", (*found)["from"]}};
+    read_as_proposed(path, json, guess);
+    if (guess.read) {
+      guess.reasons.push_back(fmt::format(
+          "rows <- those of {}: no row has all values, as of several topics in one table: the others are interpolated",
+          (*found)["from"].dump()));
+      return;
+    }
+    json.erase("rows");
+  }
+  guess.unreadable = as_it_is;
+}
+
 }  // namespace
 
 void hold_against_numbers(const std::filesystem::path& path, GuessedMap& guess) {
   Json json = Json::parse(guess.json);
   read_as_proposed(path, json, guess);
+  if (!guess.read) read_at_rows_of_one(path, json, guess);
   bool withdrawn = false;
   for (const NumberFinding& finding :
        guess.read ? number_evidence(*guess.read, guess.unit_assumed) : std::vector<NumberFinding>{}) {

@@ -315,6 +315,30 @@ TEST(GuessMap, ADepthIsNoHeight) {
   EXPECT_THAT(nlohmann::json::parse(right.json)["reasons"].dump(), HasSubstr("as that ON a probe does"));
 }
 
+// PlotJuggler's CSV has a row for each time stamp of any topic, and blanks for the other topics.
+TEST(GuessMap, SeveralTopicsInOneTable) {
+  std::string text =
+      "__time,/ft/wrench/force/x,/ft/wrench/force/y,/ft/wrench/force/z,/p/pose/position/x,/p/pose/position/y,/p/pose/"
+      "position/z\n";
+  for (int i = 0; i < 60; ++i) {
+    const double t = 1.7e9 + 0.004 * i;
+    text += fmt::format("{:.4f},,,,{},0.2,0.3\n{:.4f},1,2,{},,,\n", t, 0.001 * i, t + 0.001, i % 7);
+  }
+  const Imported got = imported_as_guessed(text);
+  ASSERT_EQ(got.columns[0].size(), 59U) << "the last force lies behind the last position";
+  EXPECT_NEAR(got.columns[0][1], 0.004, 1e-6);
+  // A clock since 1970 has steps of 2.4e-7 s in double: 6e-8 of the way.
+  EXPECT_NEAR(got.columns[1][10], 0.01025, 6e-8) << "a quarter of the way from one position to the next";
+  EXPECT_EQ(got.columns[6][10], 3.0);
+  // The same by numbers from the map of a user, who wants the rows of the position.
+  const auto map = parse_import_map(nlohmann::json::parse(R"({"schema": "touchstone-import/1", "rows": {"at": 5},
+                                "columns": {"t_s": {"from": 1}, "x_m": {"from": 5}, "fz_N": {"from": 4}}})"),
+                                    "map.json");
+  const Imported own = import_file(guess_file(text, "log.csv"), map);
+  ASSERT_EQ(own.columns[0].size(), 59U);
+  EXPECT_NEAR(own.columns[2][0], 0.75, 1e-4);
+}
+
 TEST(GuessMap, AClockAloneIsNoRecording) {
   EXPECT_THROW(imported_as_guessed("t,foo\n" + rows_of([](int i) { return std::to_string(i % 3); })), BadData);
 }
