@@ -71,6 +71,11 @@ ExitStatus show_understood(const ImportOptions& options, const GuessedMap& guess
                guessed.unused.size() > most ? fmt::format(" and {} more", guessed.unused.size() - most) : "");
   }
   if (!guessed.missing.empty()) fmt::print("nothing was found for {}\n", fmt::join(guessed.missing, ", "));
+  // Of a whole set one line, by its numbers, says more than one for each column.
+  for (const std::string& reason : guessed.reasons) {
+    const bool of_set = reason.find("the file names no unit") != std::string::npos;
+    if (!of_set && reason.find("assumed") != std::string::npos) fmt::print("assumed: {}\n", reason);
+  }
   if (guessed.read && !options.picture.empty()) {
     write_file(options.picture, imported_picture(*guessed.read, options.file));
   }

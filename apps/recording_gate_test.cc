@@ -137,6 +137,12 @@ TEST_F(RecordingGate, AFileIsImportedWithoutAMapIfNothingIsInDoubt) {
   EXPECT_EQ(run("compare good.csv same.csv").status, 0);
   EXPECT_EQ(run("import good.csv --yes").status, 2);
   EXPECT_EQ(run("import good.csv --out same.csv").status, 2);
+  // What is assumed is shown though it is in no doubt.
+  std::string pressed = "t,x,y,z,Load (N)\n";
+  for (int i = 0; i < 40; ++i) pressed += fmt::format("{},0.01,0.02,{},{}\n", 0.01 * i, 0.001 * (i % 9), i % 5);
+  write_file(folder_ / "pressed.csv", pressed);
+  EXPECT_THAT(run("import pressed.csv").out,
+              AllOf(HasSubstr("assumed: fz_N <- Load (N)"), HasSubstr("assumed: x_m, y_m, z_m: no unit is named")));
   const Outcome reversed = run("import reversed.csv --yes --out r.csv");
   EXPECT_EQ(reversed.status, 3) << reversed.out;
   EXPECT_THAT(reversed.out, HasSubstr("\"force_sign\": -1"));
