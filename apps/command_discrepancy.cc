@@ -78,8 +78,8 @@ void add_discrepancy(CLI::App& program, Run& run) {
   command->add_option("--mesh-unit", options->files.mesh_unit, "unit of the mesh: m, mm, cm or km")
       ->capture_default_str();
   command->add_flag("--repair", options->files.repair,
-                    "turn triangles that face the other way than most of their piece, and closed pieces that are "
-                    "inside out");
+                    "join open edges that lie within a thousandth of the mesh's size, and turn triangles that face the "
+                    "other way than most of their piece, and closed pieces that are inside out");
   command->add_flag("--flip-force", options->files.flip_force,
                     "the files have the force BY the probe: negate it (the holdout's too)");
   command->add_option("--recording", options->files.recording, "measured positions and forces to learn from")

@@ -17,16 +17,16 @@ namespace {
 
 struct ImportOptions {
   std::string file, map, out, picture;
-  bool guess = false;
+  bool guess = false, yes = false;
 };
 
 // Writes the proposal, or prints it where no file for it is named.
-void propose_map(const ImportOptions& options) {
-  const GuessedMap guessed = guess_map(options.file);
+void propose_map(const ImportOptions& options, const GuessedMap& guessed) {
   for (const std::string& reason : guessed.reasons) fmt::print(stderr, "{}\n", reason);
-  std::string missing;
-  for (const std::string& group : guessed.missing) missing += (missing.empty() ? "" : ", ") + group;
-  if (!missing.empty()) fmt::print(stderr, "nothing was found for {}: a recording needs it\n", missing);
+  for (const std::string& reason : guessed.unused) fmt::print(stderr, "{}\n", reason);
+  if (!guessed.missing.empty()) {
+    fmt::print(stderr, "nothing was found for {}: a recording needs it\n", fmt::join(guessed.missing, ", "));
+  }
   if (!guessed.decide.empty()) {
     fmt::print(stderr, "to be decided in the map, which is refused until its list \"decide\" is empty:\n");
     for (const std::string& question : guessed.decide) fmt::print(stderr, "  {}\n", question);
@@ -42,6 +42,62 @@ void propose_map(const ImportOptions& options) {
   write_file(options.map, guessed.json);
   fmt::print("a proposal is written to {0}; read it, correct it, then\n  touchstone import {1} --map {0} --out R.csv\n",
              options.map, options.file);
+}
+
+// What stands against writing the file as it was understood.
+std::vector<std::string> doubts_of(const GuessedMap& guessed) {
+  std::vector<std::string> doubts = guessed.decide;
+  if (!guessed.read) doubts.push_back(guessed.unreadable);
+  if (std::ranges::find(guessed.missing, "t_s") != guessed.missing.end() && guessed.decide.empty()) {
+    doubts.emplace_back("t_s: nothing says when the rows were measured: put \"t_s\": {\"row_rate_Hz\": ...}");
+  }
+  return doubts;
+}
+
+// What was understood without a map; with --yes it is written if nothing is in doubt.
+ExitStatus show_understood(const ImportOptions& options, const GuessedMap& guessed) {
+  if (guessed.read) fmt::print("{}", imported_text(*guessed.read));
+  std::vector<std::string> read, unused;
+  for (const std::string& reason : guessed.reasons) {
+    if (const auto end = reason.find(": "); reason.find(" <- ") < end) read.push_back(reason.substr(0, end));
+  }
+  constexpr std::size_t most = 12;
+  for (const std::string& reason : guessed.unused) {
+    if (unused.size() < most) unused.push_back(reason.substr(0, reason.find(": not used")));
+  }
+  if (!read.empty()) fmt::print("read: {}\n", fmt::join(read, "; "));
+  if (!unused.empty()) {
+    fmt::print("not used: {}{}\n", fmt::join(unused, ", "),
+               guessed.unused.size() > most ? fmt::format(" and {} more", guessed.unused.size() - most) : "");
+  }
+  if (!guessed.missing.empty()) fmt::print("nothing was found for {}\n", fmt::join(guessed.missing, ", "));
+  // Of a whole set one line, by its numbers, says more than one for each column.
+  for (const std::string& reason : guessed.reasons) {
+    const bool of_set = reason.find("the file names no unit") != std::string::npos;
+    if (!of_set && reason.find("assumed") != std::string::npos) fmt::print("assumed: {}\n", reason);
+  }
+  if (guessed.read && !options.picture.empty()) {
+    write_file(options.picture, imported_picture(*guessed.read, options.file));
+  }
+  const std::vector<std::string> doubts = doubts_of(guessed);
+  for (const std::string& doubt : doubts) fmt::print("in doubt: {}\n", doubt);
+  if (!options.yes) {
+    if (doubts.empty()) {
+      fmt::print("nothing is in doubt: --yes --out R.csv writes it; --guess tells why it is read so\n");
+    } else {
+      fmt::print("--guess --map {}.map.json writes a map in which to decide\n",
+                 std::filesystem::path(options.file).stem().string());
+    }
+    return ExitStatus::passed;
+  }
+  if (!doubts.empty()) {
+    throw BadData(fmt::format("{}: not written, for {} in doubt: {}", options.file,
+                              doubts.size() == 1 ? "one thing is" : fmt::format("{} things are", doubts.size()),
+                              doubts.front()));
+  }
+  save_imported(options.out, *guessed.read);
+  fmt::print("written: {}\n", options.out);
+  return ExitStatus::passed;
 }
 
 std::string bundled_maps() {
@@ -64,11 +120,16 @@ std::filesystem::path map_file(const std::string& map) {
 }
 
 ExitStatus import_command(const ImportOptions& options) {
-  if (options.guess) {
-    propose_map(options);
+  if (options.yes && options.out.empty()) throw UsageError("--yes: writes what was read: name it with --out R.csv");
+  if (options.guess || options.map.empty()) {
+    if (!options.guess && !options.out.empty() && !options.yes) {
+      throw UsageError("--out: a map is needed (--map; --guess proposes one), or --yes where nothing is in doubt");
+    }
+    const GuessedMap guessed = guess_map(options.file);
+    if (!options.guess) return show_understood(options, guessed);
+    propose_map(options, guessed);
     return ExitStatus::passed;
   }
-  if (options.map.empty()) throw UsageError("--map: a map is needed; --guess proposes one");
   const Imported imported = import_file(options.file, load_import_map(map_file(options.map)));
   for (const std::string& note : imported.notes) fmt::print(stderr, "note: {}\n", note);
   if (!options.out.empty()) save_imported(options.out, imported);
@@ -85,20 +146,29 @@ void add_import(CLI::App& program, Run& run) {
       program.add_subcommand("import", "Foreign tables, .mat files, ROS bags and curves to a recording");
   const auto options = std::make_shared<ImportOptions>();
   command
-      ->add_option("file", options->file,
-                   "What the instrument wrote: a table of text, .lvm, an AFM curve, .mat, a ROS bag (.bag, .db3), "
-                   "HDF5, .npy, .npz")
+      ->add_option(
+          "file", options->file,
+          "What the instrument wrote: a table of text, .xlsx, .lvm, an AFM curve, .mat, a ROS bag (.bag, .mcap, .db3), "
+          "HDF5, .npy, .npz")
       ->required();
   command->add_option(
       "--map", options->map,
       "What its columns mean (JSON, schema touchstone-import/1): a file, or the name of a map that comes with the "
       "program; with --guess: the file to write");
-  command->add_flag("--guess", options->guess, "Propose a map, each line of it with its reason, and import nothing");
+  auto* const guess = command->add_flag("--guess", options->guess,
+                                        "Propose a map, each line of it with its reason, and import nothing");
+  command
+      ->add_flag("--yes", options->yes, "Write --out without a map, as the file was understood, if nothing is in doubt")
+      ->excludes(guess);
   command->add_option("--out", options->out, "The recording to write (.csv); without it what was read is only shown");
   command->add_option("--picture", options->picture, "Draw what was read into this file (.svg)");
   command->footer(
-      "What is read is shown: rate, units, ranges. Nothing is written where the result is no recording.\n\n"
+      "Without a map the program shows what it understood of the file and what is in doubt. What is read is shown: "
+      "rate, "
+      "units, ranges, first rows, course. Nothing is written where the result is no recording.\n\n"
       "Examples:\n"
+      "  touchstone import log.txt\n"
+      "  touchstone import log.txt --yes --out log.csv\n"
       "  touchstone import log.txt --guess --map log.map.json\n"
       "  touchstone import log.txt --map log.map.json --picture log.svg\n"
       "  touchstone import log.txt --map log.map.json --out log.csv\n"

@@ -7,6 +7,7 @@
 #include "apps/mesh_flags.h"
 #include "apps/plugin_flags.h"
 #include "harness/base/atomic_file.h"
+#include "harness/recording/extent_check.h"
 #include "harness/recording/recording_file.h"
 #include "harness/rendering/moving_object.h"
 #include "harness/rendering/nearness.h"
@@ -28,8 +29,8 @@ struct ReplayOptions {
   PluginFlags plugins;
 };
 
-// A recording's own forces show whether it belongs to this mesh. Positions without forces may be anywhere, but not all
-// of them deep within it.
+// A recording's own forces show whether it belongs to this mesh. Positions without forces may be anywhere, unless they
+// are near it in another unit alone.
 void check_recording(const ReplayOptions& options, const Model& model, const Surface& surface) {
   Recording sample = sanity::sample_recording(options.trajectory);
   // Nor is a recording on a moving object one on this mesh at rest.
@@ -37,8 +38,13 @@ void check_recording(const ReplayOptions& options, const Model& model, const Sur
   const auto radius = model.parameters.find("tip_radius_m");
   const double tip_radius_m = radius == model.parameters.end() ? 0.0 : radius->second;
   if (sample.f_W_N.empty()) {
-    const auto message = buried(surface, sample.motion.p_W_m, tip_radius_m, options.trajectory, options.mesh_unit);
+    const auto& tips = sample.motion.p_W_m;
+    const auto message = fits_another_unit(surface, tips, tip_radius_m, options.trajectory, options.mesh_unit);
     if (message) throw BadData(*message);
+    Box3 path;
+    for (const Vec3& tip : tips) path.extend(tip);
+    const auto mismatch = recording::check_extents(path, surface.bounds(), options.mesh_unit);
+    if (mismatch && !mismatch->apart) fmt::print(stderr, "warning: {}\n", mismatch->message);
     return;
   }
   if (options.flip_force) sanity::flip_force(sample);

@@ -35,8 +35,9 @@ void add_evaluation_flags(CLI::App& command, EvaluationFlags& flags) {
   command.add_flag("--flip-force", flags.flip_force, "The file has the force BY the probe: negate it");
   command.add_flag("--closed", flags.closed, "The object is a closed body: refuse a mesh with holes");
   command.add_flag("--repair", flags.repair,
-                   "Turn triangles that face the other way than most of their piece, and closed pieces that are inside "
-                   "out, before anything else; the report says how many");
+                   "Join open edges that lie within a thousandth of the mesh's size, and turn triangles that face the "
+                   "other way than most of their piece, and closed pieces that are inside out, before anything else; "
+                   "the report says how many");
   command.add_option("--extend-edges", flags.extend_edges,
                      "The mesh is a patch of a larger object: continue its open edges by this much (10mm), fill its "
                      "holes; 0 leaves it "

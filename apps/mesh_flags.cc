@@ -14,8 +14,8 @@ namespace touchstone::apps {
 
 void MeshFlags::add_repair_to(CLI::App& command) {
   command.add_flag("--repair", repair,
-                   "Turn triangles that face the other way than most of their piece, and closed pieces that are inside "
-                   "out, before rendering; says how many");
+                   "Join open edges that lie within a thousandth of the mesh's size, and turn triangles that face the "
+                   "other way than most of their piece, and closed pieces that are inside out; says how many");
 }
 
 void MeshFlags::add_two_sided_to(CLI::App& command) {
@@ -34,7 +34,7 @@ TriangleMesh MeshFlags::load(const std::string& path, const std::string& unit) c
 void MeshFlags::repair_if_wanted(TriangleMesh& mesh) const {
   if (!repair) return;
   OrientedMesh repaired = orient(mesh);
-  if (repaired.turned > 0) fmt::print(stderr, "{}\n", orientation_note(repaired));
+  if (const std::string note = repair_note(repaired); !note.empty()) fmt::print(stderr, "{}\n", note);
   mesh = std::move(repaired.mesh);
 }
 

@@ -127,6 +127,30 @@ TEST_F(RecordingGate, NoOutputTakesThePlaceOfAnInput) {
   EXPECT_EQ(run("import table.csv --map map.json --out new.csv").status, 0) << "an output may be written anew";
 }
 
+// Without a map: what is sure is written, what the numbers contradict is not.
+TEST_F(RecordingGate, AFileIsImportedWithoutAMapIfNothingIsInDoubt) {
+  const Outcome shown = run("import good.csv");
+  EXPECT_EQ(shown.status, 0) << shown.err;
+  EXPECT_THAT(shown.out, AllOf(HasSubstr("2000 samples over 9.995 s, 200 Hz"), HasSubstr("fz_N <- fz_N"),
+                               HasSubstr("nothing is in doubt")));
+  EXPECT_EQ(run("import good.csv --yes --out same.csv").status, 0);
+  EXPECT_EQ(run("compare good.csv same.csv").status, 0);
+  EXPECT_EQ(run("import good.csv --yes").status, 2);
+  EXPECT_EQ(run("import good.csv --out same.csv").status, 2);
+  // What is assumed is shown though it is in no doubt.
+  std::string pressed = "t,x,y,z,Load (N)\n";
+  for (int i = 0; i < 40; ++i) pressed += fmt::format("{},0.01,0.02,{},{}\n", 0.01 * i, 0.001 * (i % 9), i % 5);
+  write_file(folder_ / "pressed.csv", pressed);
+  EXPECT_THAT(run("import pressed.csv").out,
+              AllOf(HasSubstr("assumed: fz_N <- Load (N)"), HasSubstr("assumed: x_m, y_m, z_m: no unit is named")));
+  const Outcome reversed = run("import reversed.csv --yes --out r.csv");
+  EXPECT_EQ(reversed.status, 3) << reversed.out;
+  EXPECT_THAT(reversed.out, HasSubstr("\"force_sign\": -1"));
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "r.csv"));
+  EXPECT_EQ(run("import reversed.csv --guess --map r.json").status, 0);
+  EXPECT_EQ(run("import reversed.csv --map r.json --out r.csv").status, 3) << "a question is open";
+}
+
 TEST_F(RecordingGate, AnErrorWithinARepeatPasses) {
   // The true model, without noise: it differs by sqrt(3) 0.02 N = 0.035 N, the noise of one run.
   strokes("calm.csv", 5, 1.0, 1.0, 0.0);

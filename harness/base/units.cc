@@ -39,13 +39,13 @@ std::optional<double> si_factor(Dimension dimension, std::string_view unit) {
 }
 
 std::string known_units(Dimension dimension) {
-  std::string names;
+  std::string known;
   for (const Unit& u : units) {
     if (u.dimension != dimension) continue;
-    if (!names.empty()) names += ", ";
-    names += u.name;
+    if (!known.empty()) known += ", ";
+    known += u.name;
   }
-  return names;
+  return known;
 }
 
 bool is_mesh_unit(std::string_view unit) {

@@ -31,7 +31,8 @@ constexpr auto lexicon = std::to_array<Lexeme>({
      "nr no number n i id # "},
     {Quantity::position,
      " position positions pos translation trans location loc coordinate coord displacement disp "
-     "extension height indentation depth penetration pd stroke travel weg standardweg traverse "
+     "extension height indentation depth penetration pd stroke travel weg standardweg traverse course "
+     "separation "
      "crosshead verticaltipposition "},
     {Quantity::force, " force forces load kraft standardkraft prüfkraft fn vdeflection "},
     {Quantity::torque, " torque torques moment moments drehmoment tau effort trq "},

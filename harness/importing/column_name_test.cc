@@ -51,6 +51,8 @@ TEST(ColumnName, WhateverTheOrderCaseAndSeparators) {
                {"Fz in N", {force}, 'z', 1.0},
                {"Fx/N", {force}, 'x', 1.0},
                {"Kraft / N", {force}, 0, 1.0},
+               {"Course traverse absolue (mm)", {position}, 0, 1e-3},
+               {"Grip to grip separation [mm]", {position}, 0, 1e-3},
                {"F_n [mN]", {force}, 'n', 1e-3},
                {"/ft/wrench/force/x", {force}, 'x', {}},
                {"field.wrench.torque.z", {torque}, 'z', {}},

@@ -22,6 +22,7 @@ constexpr FormatPart term_part{term_part_fields};
 constexpr auto import_fields = std::to_array<FormatField>({
     {"about?", "text", "", "what instrument, which file"},
     {"decide?", "list of texts", "", "what a proposal could not settle; refused until it is empty"},
+    {"reasons?", "list of texts", "", "why a proposal reads each column as it does; nothing reads them"},
     {"table?", "object", "", "layout of a text table", &layout_part},
     {"files?", "object", "", "more files, by the names that columns use"},
     {"files.*", "object", "", "one of them"},
@@ -35,6 +36,8 @@ constexpr auto import_fields = std::to_array<FormatField>({
     {"rows?", "object", "", "which rows to take"},
     {"rows.from_s?", "number", "s", "first"},
     {"rows.to_s?", "number", "s", "last"},
+    {"rows.at?", "text or whole number", "",
+     "column whose rows are taken; the others are interpolated there over time"},
     {"rows.where?", "object", "", "columns that must have a value"},
     {"rows.where.*", "number", "", "that value"},
     {"columns", "object", "", "columns of the recording"},

@@ -17,10 +17,6 @@ struct FileKind {
 };
 
 constexpr auto file_kinds = std::to_array<FileKind>({
-    {"\x89MCAP0\r\n", "an MCAP file (the bags of ROS 2 since Iron)",
-     "convert it to the older kind: ros2 bag convert -i FILE -o options.yaml with storage_id: sqlite3, then import the "
-     ".db3; "
-     "or print one topic: ros2 topic echo --csv"},
     {"PAR1", "a Parquet file",
      "write it as CSV: python3 -c \"import pandas; pandas.read_parquet('FILE').to_csv('table.csv')\""},
     {"ARROW1", "an Arrow (Feather) file",
@@ -46,7 +42,8 @@ constexpr auto file_kinds = std::to_array<FileKind>({
     {"CDF\x02", "a netCDF file of version 3", "write it as netCDF 4, which is HDF5: nccopy -k nc4 FILE FILE.nc4"},
     {"\x80\x04\x95", "a Python pickle", "save the arrays with numpy.savez, or the table with to_csv"},
     {"RDX", "an R data file", "write the table as CSV: write.csv"},
-    {"%YAML", "a YAML file", "the description of a ROS 2 bag is one: its .db3 file is what can be imported"},
+    {"%YAML", "a YAML file", "the description of a ROS 2 bag is one: its .mcap or .db3 file is what can be imported"},
+    {"version https://git-lfs.github.com/", "a pointer of Git LFS, not the file itself", "fetch it: git lfs pull"},
 });
 
 }  // namespace

@@ -10,6 +10,7 @@
 #include "harness/importing/clock_reading.h"
 #include "harness/importing/foreign_unit.h"
 #include "harness/importing/guess_curves.h"
+#include "harness/importing/guess_evidence.h"
 #include "harness/importing/guess_names.h"
 #include "harness/importing/head_facts.h"
 #include "harness/importing/import_table.h"
@@ -50,7 +51,7 @@ class Guesser {
       for (std::size_t c = 0; c < tables_[t].names.size(); ++c) {
         const std::string name = reference(tables_[t], c);
         if (std::ranges::find(used_, name) == used_.end()) {
-          reasons_.push_back(fmt::format("{}: not used: {}", name, why_not_used(t, c)));
+          out.unused.push_back(fmt::format("{}: not used: {}", name, why_not_used(t, c)));
         }
       }
     }
@@ -66,16 +67,19 @@ class Guesser {
           std::ranges::any_of(columns_.items(), [&](const auto& item) { return item.key().starts_with(group); });
       if (!there) out.missing.emplace_back(group);
     }
-    if (!decide_.empty()) json_["decide"] = decide_;
-    out.json = json_.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
+    out.json = json_.dump(1, ' ', false, Json::error_handler_t::replace);
     out.reasons = std::move(reasons_);
     out.decide = std::move(decide_);
+    out.unit_assumed = std::move(unit_assumed_);
     return out;
   }
 
-  static GuessedMap of_curves(GuessedCurves curves) {
-    if (!curves.decide.empty()) curves.json["decide"] = curves.decide;
-    return {curves.json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n", curves.reasons, {}, curves.decide};
+  static GuessedMap of_curves(const GuessedCurves& curves) {
+    GuessedMap out;
+    out.json = curves.json.dump(1, ' ', false, Json::error_handler_t::replace);
+    out.reasons = curves.reasons;
+    out.decide = curves.decide;
+    return out;
   }
 
   void use_wrench(const GuessedWrench& wrench) {
@@ -101,11 +105,7 @@ class Guesser {
     if (tables_[t].is_text(c)) return "it holds text";
     const auto named =
         std::ranges::find_if(named_, [&](const NamedColumn& n) { return n.table == t && n.column == c; });
-    if (named == named_.end() || named->name.quantities.empty()) return "nothing tells what it is";
-    if (!named->name.doubt.empty()) return named->name.doubt;
-    if (named->name.is(Quantity::count)) return "it counts rows";
-    if (named->name.is(Quantity::other)) return "its name is of another quantity than a recording has";
-    return "see what is to be decided, or another column stands for it";
+    return named == named_.end() ? "nothing tells what it is" : why_unused(named->name);
   }
 
   [[nodiscard]] std::string reference(const ImportTable& table, std::size_t c) const {
@@ -122,10 +122,7 @@ class Guesser {
     reasons_.push_back(fmt::format("{} <- {}: {}", column, from, reason));
   }
 
-  void ask(const std::string& what, const std::string& why) {
-    decide_.push_back(fmt::format("{}: {}", what, why));
-    reasons_.push_back(fmt::format("{}: not proposed: {}", what, why));
-  }
+  void ask(const std::string& what, const std::string& why) { decide_.push_back(fmt::format("{}: {}", what, why)); }
 
   // The factor of a column to SI and why; nothing, and a question, where the file does not settle it.
   std::optional<double> factor_of(const std::string& column, const NamedColumn& named, Quantity quantity,
@@ -153,8 +150,11 @@ class Guesser {
     } else if (of_head) {
       factor = *of_head;
       reason = fmt::format("by its name; in {}, as the lines above the table say", stated);
+    } else if (const std::string convention = si_by_convention(tables_[named.table]); !convention.empty()) {
+      reason = fmt::format("by its name; in {}, as {}", si_unit(quantity), convention);
     } else {
-      reason = fmt::format("by its name; the file names no unit: {} is assumed, check it", si_unit(quantity));
+      reason = fmt::format("by its name; the file names no unit: {} is assumed", si_unit(quantity));
+      unit_assumed_.insert(column);
     }
     if (const auto counts = head_.counts_of(quantity); counts && *counts > 0.0) {
       factor /= *counts;
@@ -163,20 +163,18 @@ class Guesser {
     return factor;
   }
 
-  // Where the names of a set have no unit, SI is assumed, but not where another of the set has one, nor for positions
-  // that would be out of reach.
+  // Where the names of a set have no unit, SI is assumed, but not where another of the set has one, nor of a machine
+  // that names no axis: those write mm, kN and gf.
   std::string why_no_unit_is_assumed(const AxisChoice& choice, Quantity quantity) const {
-    const NamedColumn *with = nullptr, *without = nullptr, *far = nullptr;
+    const NamedColumn *with = nullptr, *without = nullptr;
     for (const auto& [axis, named] : choice.axes) {
       const bool unit = named.name.factor || !named.name.doubt.empty() || !head_.unit_of(quantity).empty();
       (unit ? with : without) = &named;
-      const auto& values = tables_[named.table].columns[named.column];
-      if (!unit && quantity == Quantity::position && !reachable_in_metres(values)) far = &named;
     }
     const auto said = [&](const NamedColumn* named) { return said_of(tables_, named->table, named->column); };
-    if (far != nullptr) {
-      return fmt::format("{} names no unit, and in m its values are farther than a hand reaches: put the scale",
-                         said(far));
+    if (without != nullptr && choice.axes.contains('0') && quantity != Quantity::torque &&
+        si_by_convention(tables_[without->table]).empty()) {
+      return fmt::format("{} names neither unit nor axis: put the scale to {}", said(without), si_unit(quantity));
     }
     if (with == nullptr || without == nullptr) return {};
     return fmt::format("{} names a unit and {} none: put the scales", said(with), said(without));
@@ -293,11 +291,14 @@ class Guesser {
       if (!doubts.empty()) ask("t_s", doubts);
       return;
     }
+    const auto duration = [&](const Clock& c) {
+      const auto& v = tables_[c.named->table].columns[c.named->column];
+      return (v.back() - v.front()) * *c.reading.scale;
+    };
+    const double first = duration(clocks.front());
     const bool same = std::ranges::all_of(clocks, [&](const Clock& c) {
       constexpr double apart = 0.01;
-      return c.named->table != clocks.front().named->table ||
-             std::abs(duration(*c.named, c.reading) - duration(*clocks.front().named, clocks.front().reading)) <=
-                 apart * duration(*clocks.front().named, clocks.front().reading);
+      return c.named->table != clocks.front().named->table || std::abs(duration(c) - first) <= apart * first;
     });
     if (!same) {
       std::string list;
@@ -310,11 +311,6 @@ class Guesser {
     Json how{{"from", reference(tables_[named->table], named->column)}};
     if (*reading.scale != 1.0) how["scale"] = *reading.scale;
     use("t_s", std::move(how), reference(tables_[named->table], named->column), reading.reason);
-  }
-
-  [[nodiscard]] double duration(const NamedColumn& named, const ClockReading& reading) const {
-    const auto& v = tables_[named.table].columns[named.column];
-    return (v.back() - v.front()) * *reading.scale;
   }
 
   // Seconds in one column, nanoseconds within them in another, as ROS 2 has its stamps.
@@ -445,16 +441,13 @@ class Guesser {
 
   void rotation_by_names() {
     for (const ImportTable& table : tables_) {
-      Json from = Json::array();
-      for (int k = 0; k < 9; ++k) {
-        const std::string wanted = fmt::format("r{}{}", k / 3 + 1, k % 3 + 1);
-        const auto found = std::ranges::find(table.names, wanted);
-        if (found == table.names.end()) break;
-        from.push_back(reference(table, static_cast<std::size_t>(found - table.names.begin())));
+      const auto columns = rotation_columns(table);
+      if (columns.empty()) continue;
+      json_["rotation_rows"] = Json::array();
+      for (const std::size_t c : columns) {
+        json_["rotation_rows"].push_back(reference(table, c));
+        used_.push_back(reference(table, c));
       }
-      if (from.size() != 9) continue;
-      for (const auto& name : from) used_.push_back(name.get<std::string>());
-      json_["rotation_rows"] = from;
       reasons_.emplace_back("orientation <- r11 ... r33: by their names, row by row");
       return;
     }
@@ -490,11 +483,16 @@ class Guesser {
   std::vector<NamedColumn> named_;
   Json json_, columns_ = Json::object();
   std::vector<std::string> reasons_, used_, decide_;
+  std::set<std::string> unit_assumed_;
   bool clock_is_open_ = false;  // no name tells of a clock: the numbers are looked at
 };
 
 }  // namespace
 
-GuessedMap guess_map(const std::filesystem::path& path) { return Guesser(path).guess(); }
+GuessedMap guess_map(const std::filesystem::path& path) {
+  GuessedMap guess = Guesser(path).guess();
+  hold_against_numbers(path, guess);
+  return guess;
+}
 
 }  // namespace touchstone::importing

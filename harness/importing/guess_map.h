@@ -3,18 +3,25 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
 #include "harness/base/rooms.h"
+#include "harness/importing/import_file.h"
 
 namespace touchstone::importing {
 
 struct GuessedMap {
-  std::string json;                  // the map, ready to be written
-  std::vector<std::string> reasons;  // one for each decision
-  std::vector<std::string> missing;  // what a recording needs and nothing was found for
-  std::vector<std::string> decide;   // what the file leaves open; `import` takes the map when they are decided
+  std::string json;                    // the map with its reasons, ready to be written
+  std::vector<std::string> reasons;    // one for each decision
+  std::vector<std::string> unused;     // columns, each with why
+  std::vector<std::string> missing;    // what a recording needs and nothing was found for
+  std::vector<std::string> decide;     // what the file leaves open; `import` takes the map when they are decided
+  std::set<std::string> unit_assumed;  // columns of the result whose unit nothing states
+  std::optional<Imported> read;        // what is certain, as the map reads it
+  std::string unreadable;              // or why it cannot be read so
 };
 
 GuessedMap guess_map(const std::filesystem::path& path);

@@ -257,7 +257,9 @@ TEST(GuessMap, PositionsBeyondAHandAreAskedFor) {
     return fmt::format("{},{},0,0,{},20,-180", std::cos(0.01 * i), std::sin(0.01 * i), 10 + 0.1 * i);
   };
   const GuessedMap guess = guess_of("t,Q0,Qx,Qy,Qz,Tx,Ty,Tz\n" + rows_of(row));
-  EXPECT_THAT(guess.decide, ElementsAre(HasSubstr("x_m, y_m, z_m: 'Tz' (column 8) names no unit")));
+  EXPECT_THAT(guess.decide,
+              ElementsAre(::testing::AllOf(HasSubstr("x_m, y_m, z_m ('Tx', 'Ty', 'Tz'): no unit is named"),
+                                           HasSubstr("0.001 for mm"))));
   EXPECT_FALSE(columns_of_guess(guess).contains("x_m"));
   EXPECT_EQ(nlohmann::json::parse(guess.json)["quaternion"]["from"][0], "Q0");
   EXPECT_THAT(guess_of("t,x_mm,y,z\n" + rows_of([](int i) { return fmt::format("{},2,3", i); })).decide,
@@ -288,6 +290,53 @@ TEST(GuessMap, TheSameInVoltsIsNoRival) {
                                            rows_of([](int i) { return fmt::format("{},2,3,4", i); }));
   EXPECT_THAT(got.names, ElementsAre("t_s", "z_m", "fz_N"));
   EXPECT_NEAR(got.columns[1][7], 7e-9, 1e-20);
+}
+
+TEST(GuessMap, AMachineThatNamesNeitherUnitNorAxisIsAskedFor) {
+  const GuessedMap guess = guess_of("Time (s),Extension,Load\n" +
+                                    rows_of([](int i) { return fmt::format("{},{}", 0.01 * i, 2 * (i % 7)); }));
+  EXPECT_THAT(guess.decide, ElementsAre(HasSubstr("'Extension' (column 2) names neither unit nor axis"),
+                                        HasSubstr("'Load' (column 3) names neither unit nor axis")));
+}
+
+// A press there and back twice with the load of a depth: as heights are, the object would pull the probe in.
+TEST(GuessMap, ADepthIsNoHeight) {
+  const auto press = [](const char* names, double sign) {
+    std::string text = names;
+    for (int i = 0; i < 200; ++i) {
+      const double depth = 3 * std::pow(std::sin(0.05 * i), 2);
+      text += fmt::format("{:.3f},{:.6f},{:.6f}\n", 0.01 * i, sign * depth, 1.7 * depth + 0.02 * std::sin(1.3 * i));
+    }
+    return guess_of(text);
+  };
+  EXPECT_THAT(press("Time (s),Depth (mm),Load (N)\n", 1).decide, ElementsAre(HasSubstr("if it is a depth")));
+  const GuessedMap right = press("Time (s),Height (mm),Load (N)\n", -1);
+  EXPECT_THAT(right.decide, ElementsAre());
+  EXPECT_THAT(nlohmann::json::parse(right.json)["reasons"].dump(), HasSubstr("as that ON a probe does"));
+}
+
+// PlotJuggler's CSV has a row for each time stamp of any topic, and blanks for the other topics.
+TEST(GuessMap, SeveralTopicsInOneTable) {
+  std::string text =
+      "__time,/ft/wrench/force/x,/ft/wrench/force/y,/ft/wrench/force/z,/p/pose/position/x,/p/pose/position/y,/p/pose/"
+      "position/z\n";
+  for (int i = 0; i < 60; ++i) {
+    const double t = 1.7e9 + 0.004 * i;
+    text += fmt::format("{:.4f},,,,{},0.2,0.3\n{:.4f},1,2,{},,,\n", t, 0.001 * i, t + 0.001, i % 7);
+  }
+  const Imported got = imported_as_guessed(text);
+  ASSERT_EQ(got.columns[0].size(), 59U) << "the last force lies behind the last position";
+  EXPECT_NEAR(got.columns[0][1], 0.004, 1e-6);
+  // A clock since 1970 has steps of 2.4e-7 s in double: 6e-8 of the way.
+  EXPECT_NEAR(got.columns[1][10], 0.01025, 6e-8) << "a quarter of the way from one position to the next";
+  EXPECT_EQ(got.columns[6][10], 3.0);
+  // The same by numbers from the map of a user, who wants the rows of the position.
+  const auto map = parse_import_map(nlohmann::json::parse(R"({"schema": "touchstone-import/1", "rows": {"at": 5},
+                                "columns": {"t_s": {"from": 1}, "x_m": {"from": 5}, "fz_N": {"from": 4}}})"),
+                                    "map.json");
+  const Imported own = import_file(guess_file(text, "log.csv"), map);
+  ASSERT_EQ(own.columns[0].size(), 59U);
+  EXPECT_NEAR(own.columns[2][0], 0.75, 1e-4);
 }
 
 TEST(GuessMap, AClockAloneIsNoRecording) {

@@ -251,13 +251,36 @@ bool have_norm_one(const ImportTable& table, const std::vector<std::size_t>& par
   return rows > 2;
 }
 
-bool reachable_in_metres(const std::vector<double>& values) {
-  constexpr double longest_span_m = 5.0, farthest_m = 20.0;
-  double low = INFINITY, high = -INFINITY;
-  for (const double v : values) {
-    if (std::isfinite(v)) low = std::min(low, v), high = std::max(high, v);
+std::string why_unused(const ColumnName& name) {
+  if (name.quantities.empty()) return "nothing tells what it is";
+  if (!name.doubt.empty()) return name.doubt;
+  if (name.is(Quantity::count)) return "it counts rows";
+  if (name.is(Quantity::other)) return "its name is of another quantity than a recording has";
+  return "see what is to be decided, or another column stands for it";
+}
+
+std::vector<std::size_t> rotation_columns(const ImportTable& table) {
+  std::vector<std::size_t> columns;
+  for (int k = 0; k < 9; ++k) {
+    const auto found = std::ranges::find(table.names, fmt::format("r{}{}", k / 3 + 1, k % 3 + 1));
+    if (found == table.names.end()) return {};
+    columns.push_back(static_cast<std::size_t>(found - table.names.begin()));
   }
-  return !(high - low > longest_span_m) && !(std::max(high, -low) > farthest_m);
+  return columns;
+}
+
+std::string si_by_convention(const ImportTable& table) {
+  const auto any_holds = [&](std::string_view part) {
+    return std::ranges::any_of(table.names, [&](const std::string& n) { return n.find(part) != std::string::npos; });
+  };
+  // geometry_msgs names, as `topic echo` and PlotJuggler write them.
+  for (const char* const part : {"header.stamp", "header/stamp", "wrench.force", "wrench/force", "pose.position",
+                                 "pose/position", "transform.translation", "transform/translation"}) {
+    if (any_holds(part)) return "REP 103 of ROS says";
+  }
+  if (table.format.starts_with("ROS")) return "REP 103 of ROS says";
+  // "Real-Time Data Exchange (RTDE) Guide", Universal Robots: poses in m and rad, forces in N and N m.
+  return any_holds("actual_TCP_") ? "Universal Robots' RTDE guide says" : "";
 }
 
 }  // namespace touchstone::importing

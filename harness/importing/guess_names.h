@@ -39,7 +39,11 @@ std::string said_of(const std::vector<ImportTable>& tables, std::size_t table, s
 // Whether the squares of the columns `parts` add to 1 in every row, as those of a quaternion do; says whether any
 // varies.
 bool have_norm_one(const ImportTable& table, const std::vector<std::size_t>& parts, bool& varies);
-// Whether positions may be in metres: a hand moves a probe by less than 5 m, less than 20 m from its origin.
-bool reachable_in_metres(const std::vector<double>& values);
+// Why a column of this name is none of a recording's.
+std::string why_unused(const ColumnName& name);
+// The columns r11, r12, ... r33 of a rotation, row by row; empty if there are not all.
+std::vector<std::size_t> rotation_columns(const ImportTable& table);
+// Whose convention says that columns without a unit are in SI: "REP 103 of ROS says"; empty if none does.
+std::string si_by_convention(const ImportTable& table);
 
 }  // namespace touchstone::importing

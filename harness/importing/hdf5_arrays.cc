@@ -18,8 +18,6 @@ using Hdf5Group = Hdf5Handle<H5Gclose>;
 using Hdf5Object = Hdf5Handle<H5Oclose>;
 
 constexpr std::size_t most_objects = 4096, deepest = 16;
-// Deflate packs at most 1032 bytes in one (zlib's technical notes): a larger array than that is not in the file.
-constexpr std::uintmax_t most_packed = 1032;
 
 herr_t add_name(hid_t /*group*/, const char* name, const H5L_info_t* info, void* data) {
   // Soft and external links could lead out of the file, or round.
@@ -31,7 +29,7 @@ class Hdf5Arrays {
  public:
   explicit Hdf5Arrays(const std::filesystem::path& path)
       : source_(path.string()),
-        most_bytes_(std::min(largest_import_bytes, most_packed * std::filesystem::file_size(path))),
+        most_bytes_(std::min<std::uintmax_t>(largest_import_bytes, most_packed * std::filesystem::file_size(path))),
         tables_(source_, "HDF5") {
     file_ = Hdf5File(H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT));
     if (!file_) {

@@ -227,11 +227,12 @@ TEST(ImportArrays, WhatMatlabHoldsInsteadIsSaid) {
 }
 
 TEST(ImportArrays, FilesThatAreNotReadSayWhatTheyAre) {
-  for (const auto& [bytes, what] : {std::pair{std::string("\x89MCAP0\r\n____"), "an MCAP file"},
-                                    {std::string("PAR1____"), "a Parquet file"},
-                                    {std::string("TDSm____"), "a TDMS file"},
-                                    {std::string("PK\x03\x04____xl/workbook.xml"), "an Excel workbook"},
-                                    {std::string("\x1f\x8b____"), "compressed (gzip)"}}) {
+  for (const auto& [bytes, what] :
+       {std::pair{std::string("ARROW1____"), "an Arrow (Feather) file"},
+        {std::string("PAR1____"), "a Parquet file"},
+        {std::string("version https://git-lfs.github.com/spec/v1\noid sha256:4d7\n"), "Git LFS"},
+        {std::string("TDSm____"), "a TDMS file"},
+        {std::string("\x1f\x8b____"), "compressed (gzip)"}}) {
     const auto path = array_file("some.bin");
     write_file(path, bytes);
     EXPECT_THAT(array_refusal(path), HasSubstr(what));

@@ -12,6 +12,7 @@
 
 #include "harness/base/error.h"
 #include "harness/base/vec.h"
+#include "harness/importing/time_series.h"
 #include "harness/recording/ati_calibration.h"
 
 namespace touchstone::importing {
@@ -56,7 +57,10 @@ class Sources {
     Series own = table.columns[column];
     for (double& v : own) v *= term.scale;
     const ImportTable& main = main_ == nullptr ? tables_.front() : *main_;
-    if (&table == &main) return own;
+    if (&table == &main) {
+      if (!map_.rows_at.empty() && !main_clock_.empty()) fill_missing(main_clock_, own);
+      return own;
+    }
     const Series clock = clock_of(table);
     if (clock.empty() || main_clock_.empty()) {
       if (own.size() == main_rows_) return own;
@@ -70,6 +74,11 @@ class Sources {
   }
 
   [[nodiscard]] std::string source() const { return tables_.front().source; }
+  // As the file has it, on its own table's rows.
+  [[nodiscard]] const Series& as_read(const std::string& column) const {
+    const auto [table, number] = table_of(column);
+    return table.columns[number];
+  }
 
  private:
   using Place = std::pair<const ImportTable&, std::size_t>;
@@ -137,25 +146,13 @@ class Sources {
   }
 
   [[nodiscard]] Series interpolated(const ImportTable& table, const Series& clock, const Series& own) const {
-    Series values;
-    values.reserve(main_clock_.size());
-    std::size_t k = 0;
     for (std::size_t i = 1; i < clock.size(); ++i) {
       if (!(clock[i] > clock[i - 1])) {
         throw BadData(fmt::format("{}: row {}: time does not increase: {:.9g} s after {:.9g} s", table.source, i + 1,
                                   clock[i], clock[i - 1]));
       }
     }
-    for (const double t : main_clock_) {
-      if (clock.size() < 2 || !(t >= clock.front()) || !(t <= clock.back())) {
-        values.push_back(std::numeric_limits<double>::quiet_NaN());  // such rows are left out
-        continue;
-      }
-      while (k + 2 < clock.size() && clock[k + 1] < t) ++k;
-      const double share = (t - clock[k]) / (clock[k + 1] - clock[k]);
-      values.push_back(own[k] + share * (own[k + 1] - own[k]));
-    }
-    return values;
+    return interpolated_at(clock, own, main_clock_);  // rows outside of it are left out
   }
 
   // Parts that stand side by side go below one another, with the number of the part as `segment`.
@@ -399,6 +396,10 @@ void select_rows(Imported& imported, const ImportMap& map, const Sources& source
     for (std::size_t i = 0; i < keep.size(); ++i) keep[i] = flags[i] == 0 ? 1 : 0;
     imported.notes.push_back(fmt::format("{}: {} rows left out: the sensor was saturated or faulty there",
                                          sources.source(), std::ranges::count(keep, 0)));
+  }
+  if (!map.rows_at.empty()) {
+    const Series& at = sources.as_read(map.rows_at);
+    for (std::size_t i = 0; i < keep.size(); ++i) keep[i] = keep[i] != 0 && i < at.size() && std::isfinite(at[i]);
   }
   for (const auto& [name, wanted] : map.where) {
     const Series values = sources.values({name, 1.0});

@@ -20,7 +20,7 @@ struct Imported {
 // Throws BadData naming the file, the map, place and value.
 Imported import_file(const std::filesystem::path& path, const ImportMap& map);
 
-// Samples, rate, and each column's range, as a table for people.
+// Samples, rate, and each column's range, first rows and course as a line of bars: a table for people.
 std::string imported_text(const Imported& imported);
 // The columns over time (or over the samples), as an SVG picture.
 std::string imported_picture(const Imported& imported, const std::string& title);

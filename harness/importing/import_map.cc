@@ -187,6 +187,7 @@ ImportMap parse_import_map(const nlohmann::json& json, const std::string& source
                                open.size(), open.size() == 1 ? "question is" : "questions are", open.front()));
     }
   }
+  if (root.has("reasons")) texts_of(root, "reasons");
   map.layout = read_layout(root);
   if (root.has("files")) {
     JsonObject files = root.object("files");
@@ -207,6 +208,7 @@ ImportMap parse_import_map(const nlohmann::json& json, const std::string& source
     JsonObject rows = root.object("rows");
     map.from_s = rows.optional_number("from_s");
     map.to_s = rows.optional_number("to_s");
+    if (rows.has("at")) map.rows_at = column_name(rows, "at", rows.raw("at"));
     if (rows.has("where")) {
       JsonObject where = rows.object("where");
       for (const std::string& key : where.keys()) map.where[key] = where.number(key);

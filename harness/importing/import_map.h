@@ -22,7 +22,10 @@
 // relative to the main file. Another file (or topic) with a clock is interpolated linearly at the main one's times,
 // orientations along the shorter way; without a clock it must have as many rows. `force_frame`: "sensor" turns the
 // force by the orientation, "inverse" by its inverse, "transposed" by its square (it had been turned by the transpose).
-// `decide`: what a proposal could not settle, as a list of texts; the map is refused until it is empty.
+// `rows`: "at" names a column: the rows in which it has a value are taken, and there the others are interpolated over
+// time; loggers that write several topics into one table leave the fields of the others blank.
+// `decide`: what a proposal could not settle, as a list of texts; the map is refused until it is empty. `reasons`: why
+// it reads the columns so, for people.
 // `status`: the status word of a network sensor ("net-ft", "ethernet-axia"). A file with samples that it calls
 // saturated or faulty is refused; "bad_samples" may be "leave out" or "keep".
 #pragma once
@@ -85,6 +88,7 @@ struct ImportMap {
   std::vector<Part> stack;
   std::optional<double> from_s, to_s;
   std::map<std::string, double> where;
+  std::string rows_at;  // the column whose rows are taken; empty: all
   std::vector<ImportColumn> columns;
   std::vector<std::string> rotation_rows;  // nine
   std::vector<std::string> quaternion;     // w, x, y, z

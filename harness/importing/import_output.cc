@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "harness/base/atomic_file.h"
+#include "harness/base/bar_line.h"
 #include "harness/base/error.h"
 #include "harness/importing/import_file.h"
 #include "harness/recording/recording_stream.h"
@@ -25,6 +26,18 @@ bool is_recording(const Imported& imported) {
   return has("t_s") && has("x_") && has("fx_");
 }
 
+// At most as many values as a line of bars has: each the mean of those that it stands for.
+std::vector<double> thinned(const std::vector<double>& values) {
+  constexpr std::size_t most = 32;
+  const std::size_t bars = std::min(most, values.size());
+  std::vector<double> out(bars, 0.0);
+  for (std::size_t b = 0; b < bars; ++b) {
+    const std::size_t from = b * values.size() / bars, to = (b + 1) * values.size() / bars;
+    for (std::size_t i = from; i < to; ++i) out[b] += values[i] / static_cast<double>(to - from);
+  }
+  return out;
+}
+
 }  // namespace
 
 std::string imported_text(const Imported& imported) {
@@ -37,11 +50,17 @@ std::string imported_text(const Imported& imported) {
     text += fmt::format(" over {:.6g} s, {:.6g} Hz in the middle (intervals {:.4g} s to {:.4g} s)",
                         t.back() - t.front(), 1.0 / stats::upper_median(intervals), shortest, longest);
   }
-  text += fmt::format("\n  {:16} {:>8} {:>14} {:>14} {:>14}\n", "column", "unit", "lowest", "middle", "highest");
+  text += fmt::format("\n  {:12} {:>6} {:>12} {:>12} {:>12}  {:36} over the samples\n", "column", "unit", "lowest",
+                      "middle", "highest", "first rows");
   for (std::size_t c = 0; c < imported.names.size(); ++c) {
-    const auto [low, high] = std::ranges::minmax_element(imported.columns[c]);
-    text += fmt::format("  {:16} {:>8} {:14.6g} {:14.6g} {:14.6g}\n", imported.names[c], unit_of(imported.names[c]),
-                        *low, stats::upper_median(imported.columns[c]), *high);
+    const auto& values = imported.columns[c];
+    const auto [low, high] = std::ranges::minmax(values);
+    constexpr std::size_t shown = 3;
+    std::string first;
+    for (std::size_t i = 0; i < shown && i < values.size(); ++i) first += fmt::format("{:<12.6g}", values[i]);
+    text += fmt::format("  {:12} {:>6} {:12.6g} {:12.6g} {:12.6g}  {:36} {}\n", imported.names[c],
+                        unit_of(imported.names[c]), low, stats::upper_median(values), high, first,
+                        bar_line(thinned(values), low, high));
   }
   return text;
 }

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
@@ -32,6 +33,34 @@ std::filesystem::path saved(const Imported& imported, const std::string& name) {
   auto path = std::filesystem::path(::testing::TempDir()) / name;
   save_imported(path, imported);
   return path;
+}
+
+// Layouts that their makers fix: csv_writer.py of Universal Robots' RTDE client (blanks, names with _0 to _5), "File
+// Formats" of the TUM RGB-D benchmark (timestamp tx ty tz qx qy qz qw, comments with #).
+TEST(RealImport, LayoutsOfMakersByTheirMaps) {
+  const auto path = std::filesystem::path(::testing::TempDir()) / fmt::format("layout-{}.txt", ::getpid());
+  std::string log = "timestamp", poses = "# ground truth trajectory\n";
+  for (const char* const what : {"pose", "force"}) {
+    for (int k = 0; k < 6; ++k) log += fmt::format(" actual_TCP_{}_{}", what, k);
+  }
+  log += "\n";
+  for (int i = 0; i < 9; ++i) {
+    log +=
+        fmt::format("{:.3f} 0.11 0.22 {} 0 3.14 0 1 2 {} 0.1 0.2 0.3\n", 500.125 + 0.008 * i, 0.3 - 0.001 * i, 7 + i);
+    poses += fmt::format("{:.4f} {} 0.2 0.3 0.6 0 0 0.8\n", 1.3e9 + 0.033 * i, 0.01 * i);
+  }
+  write_file(path, log);
+  const Imported robot = by_map(path, "ur-rtde.json");
+  EXPECT_EQ(robot.names.size(), 10U);
+  EXPECT_NEAR(robot.columns[0][8], 0.064, 1e-9);
+  EXPECT_EQ(robot.columns[3][4], 0.3 - 0.004);
+  EXPECT_EQ(robot.columns[6][4], 11.0);
+  EXPECT_EQ(robot.columns[9][0], 0.3);
+  write_file(path, poses);
+  const Imported trajectory = by_map(path, "tum-trajectory.json");
+  EXPECT_NEAR(trajectory.columns[0][8], 0.264, 1e-6);
+  EXPECT_EQ(trajectory.columns[1][5], 0.05);
+  EXPECT_EQ(trajectory.columns[4][5], 0.8) << "the real part stands last";
 }
 
 TEST(RealImport, Axia80PosesGiveTheToolInTheWorldsFrame) {

@@ -43,18 +43,25 @@ struct TextLayout {
 // Files larger than this are no tables of one recording: they are read whole.
 inline constexpr std::uintmax_t largest_import_bytes = std::uintmax_t{2} << 30;
 
+// Deflate packs at most so many bytes into one (zlib's technical notes): a larger array than that is not in the file.
+inline constexpr std::size_t most_packed = 1032;
+
 // Every table of a file, by what the file is: MATLAB, ROS bag, HDF5, NumPy, text. Throws BadData naming file, line and
 // column.
 std::vector<ImportTable> read_foreign(const std::filesystem::path& path, const TextLayout& layout);
 
 // The readers; each throws BadData.
 ImportTable read_text_table(const std::filesystem::path& path, const TextLayout& layout);
+// Of lines that are in memory: `source` stands in messages for the file.
+ImportTable read_text_lines(const std::string& source, std::string_view lines, const TextLayout& layout);
+std::vector<ImportTable> read_excel_workbook(const std::filesystem::path& path);  // .xlsx
 std::vector<ImportTable> read_mat_file(const std::filesystem::path& path);
 std::vector<ImportTable> read_hdf5_arrays(const std::filesystem::path& path);
 std::vector<ImportTable> read_numpy_array(const std::filesystem::path& path);    // .npy
 std::vector<ImportTable> read_numpy_archive(const std::filesystem::path& path);  // .npz
 std::vector<ImportTable> read_ros_bag(const std::filesystem::path& path);        // version 2.0 of ROS 1
 std::vector<ImportTable> read_ros2_database(const std::filesystem::path& path);  // SQLite storage of ROS 2
+std::vector<ImportTable> read_mcap_file(const std::filesystem::path& path);      // MCAP storage of ROS 2
 
 // Throws BadData with what the file is and what to do, if its first bytes are those of a format that is known but not
 // read.

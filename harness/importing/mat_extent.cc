@@ -10,6 +10,7 @@
 #include <optional>
 
 #include "harness/base/error.h"
+#include "harness/importing/import_table.h"
 
 namespace touchstone::importing {
 namespace {
@@ -141,7 +142,6 @@ class VariableCheck {
 
 // The variable that a compressed element holds, from its tag on; nothing where it cannot be unpacked.
 std::optional<std::string> unpacked(std::string_view packed, bool little) {
-  constexpr std::size_t most_packed = 1032;  // deflate packs at most so many bytes into one
   z_stream stream{};
   if (inflateInit(&stream) != Z_OK) return std::nullopt;
   std::string packed_copy(packed);  // zlib wants a pointer that is not const

@@ -112,8 +112,7 @@ class Collector {
     }
     if (!numeric(v)) return tables_.leave_out(full, class_of(v));
     const std::size_t rows = v.dims[0], columns = v.dims[1];
-    // Damaged dimensions must not be believed: the numbers read are fewer, and deflate packs at most 1032 bytes in one.
-    constexpr std::size_t most_packed = 1032;
+    // Damaged dimensions must not be believed: the numbers read are fewer.
     const std::size_t most_numbers = std::min<std::size_t>(
         v.data_size > 0 ? v.nbytes / static_cast<std::size_t>(v.data_size) : 0, most_packed * file_bytes_);
     if (columns > 0 && rows > most_numbers / columns) {

@@ -1,8 +1,6 @@
 // Arrays of NumPy: .npy by its published format (NEP 1, numpy.lib.format: magic, version, length, a Python dictionary
-// of descr, fortran_order and shape, then the numbers), .npz as a zip archive of them (through libarchive). Records
+// of descr, fortran_order and shape, then the numbers), .npz as a zip archive of them (zip_entries.h). Records
 // with named fields become columns; pickled objects are refused.
-#include <archive.h>
-#include <archive_entry.h>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -17,6 +15,7 @@
 #include "harness/base/error.h"
 #include "harness/importing/array_tables.h"
 #include "harness/importing/import_table.h"
+#include "harness/importing/zip_entries.h"
 
 namespace touchstone::importing {
 namespace {
@@ -231,36 +230,12 @@ std::vector<ImportTable> read_numpy_array(const std::filesystem::path& path) {
 
 std::vector<ImportTable> read_numpy_archive(const std::filesystem::path& path) {
   const std::string source = path.string();
-  const std::unique_ptr<archive, int (*)(archive*)> in(archive_read_new(), archive_read_free);
-  archive_read_support_format_zip(in.get());
-  constexpr std::size_t block = 65536;
-  if (archive_read_open_filename(in.get(), path.c_str(), block) != ARCHIVE_OK) {
-    throw BadData(fmt::format("{}: cannot be read as a zip archive; is it complete?", source));
-  }
   ArrayTables tables(source, "NumPy archive");
-  archive_entry* entry = nullptr;
-  std::uintmax_t total = 0;
-  int status = ARCHIVE_OK;
-  while ((status = archive_read_next_header(in.get(), &entry)) == ARCHIVE_OK) {
-    const std::string name = archive_entry_pathname(entry) != nullptr ? archive_entry_pathname(entry) : "";
-    if (!name.ends_with(".npy")) continue;
-    std::string bytes;
-    // By pieces: a small file may unpack to a large one.
-    constexpr std::size_t piece = std::size_t{1} << 20;
-    for (la_ssize_t got = 1; got > 0;) {
-      const std::size_t before = bytes.size();
-      bytes.resize(before + piece);
-      got = archive_read_data(in.get(), bytes.data() + before, piece);
-      bytes.resize(before + static_cast<std::size_t>(std::max<la_ssize_t>(got, 0)));
-      if (got < 0) throw BadData(fmt::format("{}: the array {} does not unpack: the file is damaged", source, name));
-      total += static_cast<std::uintmax_t>(got);
-      if (total > largest_import_bytes) {
-        throw BadData(fmt::format("{}: unpacks to more than {} bytes", source, largest_import_bytes));
-      }
-    }
-    NumpyArray(source, name.substr(0, name.size() - 4), bytes).add_to(tables);
-  }
-  if (status != ARCHIVE_EOF) throw BadData(fmt::format("{}: the zip archive does not end: was it cut short?", source));
+  for_each_zip_entry(
+      path, largest_import_bytes, [](const std::string& name) { return name.ends_with(".npy"); },
+      [&](const std::string& name, const std::string& bytes) {
+        NumpyArray(source, name.substr(0, name.size() - 4), bytes).add_to(tables);
+      });
   return tables.finish();
 }
 

@@ -19,12 +19,7 @@ std::vector<ImportTable> read_archive(const std::filesystem::path& path) {
   const std::string_view end = std::string_view(bytes).substr(bytes.size() > directory ? bytes.size() - directory : 0);
   const auto has = [&](std::string_view name) { return end.find(name) != std::string_view::npos; };
   if (has(".npy")) return read_numpy_archive(path);
-  if (has("xl/workbook.xml")) {
-    throw BadData(
-        fmt::format("{}: is an Excel workbook (.xlsx), which is not read: save the sheet as CSV (libreoffice "
-                    "--convert-to csv {} does)",
-                    path.string(), path.filename().string()));
-  }
+  if (has("xl/workbook.xml")) return read_excel_workbook(path);
   if (has("content.xml")) {
     throw BadData(fmt::format("{}: is an OpenDocument sheet, which is not read: save it as CSV", path.string()));
   }
@@ -34,13 +29,29 @@ std::vector<ImportTable> read_archive(const std::filesystem::path& path) {
 
 }  // namespace
 
+ImportTable read_text_table(const std::filesystem::path& path, const TextLayout& layout) {
+  const std::string text = read_file(path);
+  if (text.empty()) throw BadData(fmt::format("{}: is empty; a table of numbers was expected", path.string()));
+  if (text.starts_with("\xff\xfe") || text.starts_with("\xfe\xff")) {
+    throw BadData(fmt::format("{}: is UTF-16 text; save it as UTF-8 or ASCII", path.string()));
+  }
+  if (std::string_view(text).substr(0, 4096).find('\0') != std::string_view::npos) {
+    throw BadData(
+        fmt::format("{}: is a binary file of no kind that can be read: text tables, .xlsx, MATLAB .mat, ROS bags "
+                    "(.bag, .mcap, .db3), HDF5, .npy and .npz can",
+                    path.string()));
+  }
+  return read_text_lines(path.string(), text, layout);
+}
+
 std::vector<ImportTable> read_foreign(const std::filesystem::path& path, const TextLayout& layout) {
   std::error_code error;
   if (!std::filesystem::exists(path, error)) {
     throw BadData(fmt::format("{}: does not exist; is the path right?", path.string()));
   }
   if (std::filesystem::is_directory(path, error)) {
-    throw BadData(fmt::format("{}: is a folder; a file was expected (of a ROS 2 bag, its .db3 file)", path.string()));
+    throw BadData(
+        fmt::format("{}: is a folder; a file was expected (of a ROS 2 bag, its .db3 or .mcap file)", path.string()));
   }
   const auto size = std::filesystem::file_size(path, error);
   if (error || size > largest_import_bytes) {
@@ -57,6 +68,7 @@ std::vector<ImportTable> read_foreign(const std::filesystem::path& path, const T
   // What the bytes say goes before what the name says.
   if (head.starts_with("#ROSBAG")) return read_ros_bag(path);
   if (head.starts_with("SQLite format 3")) return read_ros2_database(path);
+  if (head.starts_with("\x89MCAP0\r\n")) return read_mcap_file(path);
   if (head.starts_with("MATLAB") || extension == ".mat") return read_mat_file(path);
   if (head.starts_with("\x89HDF\r\n\x1a\n")) return read_hdf5_arrays(path);
   if (head.starts_with("\x93NUMPY")) return read_numpy_array(path);

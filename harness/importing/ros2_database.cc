@@ -9,7 +9,7 @@
 
 #include "harness/base/error.h"
 #include "harness/importing/import_table.h"
-#include "harness/importing/ros_message.h"
+#include "harness/importing/ros_tables.h"
 
 namespace touchstone::importing {
 namespace {
@@ -76,10 +76,9 @@ std::vector<ImportTable> read_ros2_database(const std::filesystem::path& path) {
   };
   struct Topic {
     std::string name, type;
-    ImportTable table;
   };
   std::map<std::int64_t, Topic> topics;
-  std::string list;
+  RosTables tables(path.string(), "ROS 2 bag");
   const auto topic_rows = prepare("SELECT id, name, type, serialization_format FROM topics");
   int step = SQLITE_ROW;
   while ((step = sqlite3_step(topic_rows.get())) == SQLITE_ROW) {
@@ -89,44 +88,20 @@ std::vector<ImportTable> read_ros2_database(const std::filesystem::path& path) {
     }
     Topic& topic = topics[sqlite3_column_int64(topic_rows.get(), 0)];
     topic.name = name, topic.type = column_text(topic_rows.get(), 2);
-    list += fmt::format("{}{} ({})", list.empty() ? "" : ", ", topic.name, topic.type);
+    tables.note_topic(topic.name, topic.type);
   }
   if (step != SQLITE_DONE) fail("its topics cannot be read");
   const auto messages = prepare("SELECT topic_id, timestamp, data FROM messages ORDER BY timestamp, id");
   while ((step = sqlite3_step(messages.get())) == SQLITE_ROW) {
     const auto found = topics.find(sqlite3_column_int64(messages.get(), 0));
     if (found == topics.end()) throw BadData(fmt::format("{}: a message belongs to no topic", path.string()));
-    auto& [name, type, table] = found->second;
     const auto* const blob = static_cast<const std::byte*>(sqlite3_column_blob(messages.get(), 2));
     const std::span bytes(blob, static_cast<std::size_t>(sqlite3_column_bytes(messages.get(), 2)));
-    if (table.names.empty()) {
-      table.names = ros_columns(type, RosEncoding::cdr, bytes);
-      table.columns.resize(table.names.size());
-      table.name = name;
-      table.source = path.string();
-      table.format = fmt::format("ROS 2 bag, {}", type);
-      table.names_from_file = true;
-    }
-    if (table.names.empty()) continue;
-    const std::string place = fmt::format("{}: topic {}, message {}", path.string(), name, table.rows() + 1);
     const double t_s = 1e-9 * static_cast<double>(sqlite3_column_int64(messages.get(), 1));
-    const auto values = ros_values(type, RosEncoding::cdr, bytes, t_s, place);
-    if (values.size() != table.columns.size()) {
-      throw BadData(
-          fmt::format("{}: has {} values where the first had {}", place, values.size(), table.columns.size()));
-    }
-    for (std::size_t c = 0; c < values.size(); ++c) table.columns[c].push_back(values[c]);
+    tables.add(found->second.name, found->second.type, RosEncoding::cdr, bytes, t_s);
   }
   if (step != SQLITE_DONE) fail("cannot be read to its end");
-  std::vector<ImportTable> all;
-  for (auto& [id, topic] : topics) {
-    if (topic.table.rows() > 0) all.push_back(std::move(topic.table));
-  }
-  if (all.empty()) {
-    throw BadData(fmt::format("{}: no topic has messages of a force or pose that can be read; its topics: {}",
-                              path.string(), list.empty() ? "none" : list));
-  }
-  return all;
+  return tables.finish();
 }
 
 }  // namespace touchstone::importing

@@ -1,19 +1,15 @@
 // Bags of ROS 1, format 2.0 (wiki.ros.org/Bags/Format/2.0): records of a header and data; chunks hold records, plain or
 // compressed (bz2 and lz4, undone by libarchive). Messages of forces and poses become one table for each topic.
-#include <archive.h>
-#include <archive_entry.h>
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cstring>
 #include <map>
-#include <memory>
 #include <string_view>
 
 #include "harness/base/atomic_file.h"
 #include "harness/base/error.h"
 #include "harness/importing/import_table.h"
-#include "harness/importing/ros_message.h"
+#include "harness/importing/ros_tables.h"
 
 namespace touchstone::importing {
 namespace {
@@ -24,7 +20,8 @@ using Fields = std::map<std::string, std::string_view, std::less<>>;
 
 class BagReader {
  public:
-  BagReader(std::string source, std::string_view file) : source_(std::move(source)), file_(file) {}
+  BagReader(std::string source, std::string_view file)
+      : source_(std::move(source)), file_(file), tables_(source_, "ROS 1 bag") {}
 
   void read() {
     read_records(file_.substr(magic.size()), false);
@@ -42,17 +39,7 @@ class BagReader {
     }
   }
 
-  std::vector<ImportTable> finish() {
-    std::vector<ImportTable> all;
-    for (auto& [topic, table] : tables_) all.push_back(std::move(table));
-    if (!all.empty()) return all;
-    std::string list;
-    for (const auto& [id, topic] : topics_) {
-      list += fmt::format("{}{} ({})", list.empty() ? "" : ", ", topic.name, topic.type);
-    }
-    throw BadData(fmt::format("{}: no topic has messages of a force or pose that can be read; its topics: {}", source_,
-                              list.empty() ? "none" : list));
-  }
+  std::vector<ImportTable> finish() { return tables_.finish(); }
 
  private:
   struct Topic {
@@ -83,8 +70,11 @@ class BagReader {
         }
       } else if (op == "\x07") {
         const Fields connection = fields_of(data);
-        topics_[number<std::uint32_t>(need(fields, "conn"))] = {std::string(need(fields, "topic")),
-                                                                std::string(need(connection, "type"))};
+        Topic topic{std::string(need(fields, "topic")), std::string(need(connection, "type"))};
+        const auto id = number<std::uint32_t>(need(fields, "conn"));
+        // The index repeats them.
+        if (!topics_.contains(id)) tables_.note_topic(topic.name, topic.type);
+        topics_.insert_or_assign(id, std::move(topic));
       } else if (op == "\x02") {
         add_message(fields, data);
       }
@@ -133,31 +123,12 @@ class BagReader {
   }
 
   std::string unpacked(std::string_view data, std::string_view how, std::uint32_t size) const {
-    const std::unique_ptr<archive, int (*)(archive*)> in(archive_read_new(), archive_read_free);
-    archive_read_support_format_raw(in.get());
-    if (how == "bz2") {
-      archive_read_support_filter_bzip2(in.get());
-    } else if (how == "lz4") {
-      archive_read_support_filter_lz4(in.get());
-    } else {
+    if (how != "bz2" && how != "lz4") {
       damaged(fmt::format("a chunk is compressed by '{}'; none, bz2 and lz4 are known", how));
     }
-    archive_entry* entry = nullptr;
-    std::string out;
-    if (archive_read_open_memory(in.get(), data.data(), data.size()) == ARCHIVE_OK &&
-        archive_read_next_header(in.get(), &entry) == ARCHIVE_OK) {
-      // By pieces: a damaged size is no reason to ask for gigabytes.
-      constexpr std::size_t piece = std::size_t{1} << 20;
-      while (out.size() <= size) {
-        const std::size_t got = out.size();
-        out.resize(got + piece);
-        const auto more = archive_read_data(in.get(), out.data() + got, piece);
-        out.resize(got + static_cast<std::size_t>(std::max<la_ssize_t>(more, 0)));
-        if (more <= 0) break;
-      }
-    }
-    if (out.size() != size) damaged(fmt::format("its {} bytes of data do not unpack to {} bytes", data.size(), size));
-    return out;
+    auto out = unpack_chunk(data, how, size);
+    if (!out) damaged(fmt::format("its {} bytes of data do not unpack to {} bytes", data.size(), size));
+    return std::move(*out);
   }
 
   void add_message(const Fields& fields, std::string_view data) {
@@ -166,27 +137,7 @@ class BagReader {
     const std::string_view time = need(fields, "time");
     if (time.size() != 8) damaged("a time has the wrong size");
     const double t_s = number<std::uint32_t>(time.substr(0, 4)) + 1e-9 * number<std::uint32_t>(time.substr(4));
-    const auto bytes = std::as_bytes(std::span(data));
-    const auto& [name, type] = topic->second;
-    auto table = tables_.find(name);
-    if (table == tables_.end()) {
-      ImportTable fresh;
-      fresh.name = name;
-      fresh.names = ros_columns(type, RosEncoding::ros1, bytes);
-      if (fresh.names.empty()) return;
-      fresh.columns.resize(fresh.names.size());
-      fresh.source = source_;
-      fresh.format = fmt::format("ROS 1 bag, {}", type);
-      fresh.names_from_file = true;
-      table = tables_.emplace(name, std::move(fresh)).first;
-    }
-    const std::string place = fmt::format("{}: topic {}, message {}", source_, name, table->second.rows() + 1);
-    const auto values = ros_values(type, RosEncoding::ros1, bytes, t_s, place);
-    if (values.size() != table->second.columns.size()) {
-      throw BadData(
-          fmt::format("{}: has {} values where the first had {}", place, values.size(), table->second.columns.size()));
-    }
-    for (std::size_t c = 0; c < values.size(); ++c) table->second.columns[c].push_back(values[c]);
+    tables_.add(topic->second.name, topic->second.type, RosEncoding::ros1, std::as_bytes(std::span(data)), t_s);
   }
 
   std::string source_;
@@ -196,7 +147,7 @@ class BagReader {
   std::uint64_t index_at_ = 0;
   std::uint32_t chunk_count_ = 0, chunks_read_ = 0;
   std::map<std::uint32_t, Topic> topics_;
-  std::map<std::string, ImportTable> tables_;
+  RosTables tables_;
 };
 
 }  // namespace

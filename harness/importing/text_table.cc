@@ -11,7 +11,6 @@
 #include <optional>
 #include <string_view>
 
-#include "harness/base/atomic_file.h"
 #include "harness/base/error.h"
 #include "harness/importing/clock_reading.h"
 #include "harness/importing/column_name.h"
@@ -482,19 +481,8 @@ class Reader {
 
 }  // namespace
 
-ImportTable read_text_table(const std::filesystem::path& path, const TextLayout& layout) {
-  const std::string text = read_file(path);
-  if (text.empty()) throw BadData(fmt::format("{}: is empty; a table of numbers was expected", path.string()));
-  if (text.starts_with("\xff\xfe") || text.starts_with("\xfe\xff")) {
-    throw BadData(fmt::format("{}: is UTF-16 text; save it as UTF-8 or ASCII", path.string()));
-  }
-  if (std::string_view(text).substr(0, 4096).find('\0') != std::string_view::npos) {
-    throw BadData(
-        fmt::format("{}: is a binary file of no kind that can be read: text tables, MATLAB .mat, ROS bags "
-                    "(.bag, .db3), HDF5, .npy and .npz can",
-                    path.string()));
-  }
-  return Reader(path.string(), text, layout).read();
+ImportTable read_text_lines(const std::string& source, std::string_view lines, const TextLayout& layout) {
+  return Reader(source, lines, layout).read();
 }
 
 }  // namespace touchstone::importing

@@ -95,10 +95,9 @@ std::optional<std::string> far_from_surface(const Surface& surface, std::span<co
   return misfit->message;
 }
 
-std::optional<std::string> buried(const Surface& surface, std::span<const Vec3> tips_W_m, double tip_radius_m,
-                                  const std::string& recording, const std::string& mesh_unit) {
-  const auto outside = [&](const Vec3& tip) { return !(surface.signed_distance(tip) < 0.0); };
-  if (std::ranges::any_of(tips_W_m, outside)) return std::nullopt;
+std::optional<std::string> fits_another_unit(const Surface& surface, std::span<const Vec3> tips_W_m,
+                                             double tip_radius_m, const std::string& recording,
+                                             const std::string& mesh_unit) {
   const auto misfit = find_misfit(surface, tips_W_m, tip_radius_m, recording, mesh_unit);
   // Without a unit in which the path would touch they may lie there on purpose.
   if (!misfit || !misfit->fitting_m || *misfit->fitting_m > box_of(tips_W_m).diagonal().norm()) return std::nullopt;

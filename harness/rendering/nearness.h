@@ -22,11 +22,11 @@ namespace touchstone::rendering {
 std::optional<std::string> far_from_surface(const Surface& surface, std::span<const Vec3> tips_W_m, double tip_radius_m,
                                             const std::string& recording, const std::string& mesh_unit);
 
-// The same for positions without forces, which may lie anywhere: a message only where every one lies within the object,
-// nowhere near its surface, and there is a unit in which the path, as long as it is, would touch. A probe that never
-// was outside cannot have come there.
-std::optional<std::string> buried(const Surface& surface, std::span<const Vec3> tips_W_m, double tip_radius_m,
-                                  const std::string& recording, const std::string& mesh_unit);
+// The same for positions without forces, which may lie anywhere: a message only where they are nowhere near the
+// surface, deep within it or far outside, and there is a unit in which the path, as long as it is, would touch.
+std::optional<std::string> fits_another_unit(const Surface& surface, std::span<const Vec3> tips_W_m,
+                                             double tip_radius_m, const std::string& recording,
+                                             const std::string& mesh_unit);
 
 // Whether the tip is held beside the object, as when a tool is turned to be weighed: it moves by less than a hundredth
 // of the object's size, between a twentieth and the whole of that size away from its surface. What such a recording

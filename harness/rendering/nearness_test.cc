@@ -53,25 +53,31 @@ TEST(Nearness, AsksForTheUnitThatFits) {
   }
 }
 
-// Read in m where it is in mm, the body is 1000 times as large and the path lies deep within it; in the mesh's own unit
-// it may be meant to.
-TEST(Nearness, PositionsThatNeverWereOutsideAreBuried) {
+// Read in m where it is in mm, the body is 1000 times as large and the path lies deep within it; read in mm where it is
+// in m, the body is small and far. In the mesh's own unit the path may lie anywhere.
+TEST(Nearness, PathsThatTouchInAnotherUnitAloneAreRefused) {
   const TriangleMesh at_origin = testing::ball(0.03, 4);
   std::vector<Vec3> tips = path(0.0);
   for (Vec3& tip : tips) tip -= Vec3(0.1, 0.02, -0.05);
-  for (const auto& [scale, unit] :
-       {std::pair{1e3, "--mesh-unit mm"}, {1e2, "--mesh-unit cm"}, {1.0 / 0.0254, "--mesh-unit in"}}) {
+  for (const auto& [scale, assumed, unit] : {std::tuple{1e3, "m", "--mesh-unit mm"},
+                                             {1e2, "m", "--mesh-unit cm"},
+                                             {1.0 / 0.0254, "m", "--mesh-unit in"},
+                                             {1e-3, "mm", "--mesh-unit m "},
+                                             {1e-2, "cm", "--mesh-unit m "}}) {
     const auto surface = make_embree_surface(testing::moved(at_origin, Quat::Identity(), Vec3::Zero(), scale));
-    const auto message = buried(*surface, tips, 0.0, "r.csv", "m");
+    const auto message = fits_another_unit(*surface, tips, 0.0, "r.csv", assumed);
     ASSERT_TRUE(message) << scale;
     EXPECT_THAT(*message, HasSubstr(unit));
   }
   const auto fitting = make_embree_surface(at_origin);
-  EXPECT_EQ(buried(*fitting, tips, 0.0, "r.csv", "m"), std::nullopt);
+  EXPECT_EQ(fits_another_unit(*fitting, tips, 0.0, "r.csv", "m"), std::nullopt);
   const std::vector<Vec3> within(5, Vec3(0.001, 0, 0));
-  EXPECT_EQ(buried(*fitting, within, 0.0, "r.csv", "m"), std::nullopt);
-  for (Vec3& tip : tips) tip += Vec3(0, 0, 50);
-  EXPECT_EQ(buried(*fitting, tips, 0.0, "r.csv", "m"), std::nullopt) << "outside it may be anywhere";
+  EXPECT_EQ(fits_another_unit(*fitting, within, 0.0, "r.csv", "m"), std::nullopt);
+  for (const double away : {0.05, 0.5, 50.0}) {
+    std::vector<Vec3> outside = tips;
+    for (Vec3& tip : outside) tip += Vec3(0, 0, away);
+    EXPECT_EQ(fits_another_unit(*fitting, outside, 0.0, "r.csv", "m"), std::nullopt) << "outside it may be anywhere";
+  }
 }
 
 // A tool that is turned in the air above the object moves its tip by a tracker's noise.

@@ -52,6 +52,52 @@ TEST(MeshRepair, TurnsWhatFacesTheOtherWayAndNothingElse) {
   }
 }
 
+// Each triangle of `mesh` above z = `height` has corners of its own, off by up to `gap`: the seam of a CAD file.
+TriangleMesh with_seam(TriangleMesh mesh, double height, double gap) {
+  Random random(7);
+  std::vector<std::int32_t> own(mesh.vertices_W_m.size(), -1);
+  for (auto& triangle : mesh.triangles) {
+    Vec3 middle = Vec3::Zero();
+    for (const std::int32_t corner : triangle) middle += mesh.vertices_W_m[static_cast<std::size_t>(corner)] / 3;
+    if (middle.z() < height) continue;
+    for (std::int32_t& corner : triangle) {
+      std::int32_t& upper = own[static_cast<std::size_t>(corner)];
+      if (upper < 0) {
+        upper = static_cast<std::int32_t>(mesh.vertices_W_m.size());
+        mesh.vertices_W_m.emplace_back(mesh.vertices_W_m[static_cast<std::size_t>(corner)] + gap * random.direction());
+      }
+      corner = upper;
+    }
+  }
+  return mesh;
+}
+
+TEST(MeshRepair, JoinsSeamsAndNoHoles) {
+  for (const double scale : {1e-3, 1.0, 1e3}) {
+    for (const double gap : {1e-8, 1e-6, 2e-5}) {
+      const TriangleMesh sound = testing::moved(ball(0.02, 3), Quat::Identity(), Vec3(1, 2, 3) * scale, scale);
+      const TriangleMesh torn = with_seam(sound, 3.005 * scale, gap * scale);
+      ASSERT_FALSE(make_topology(torn).closed());
+      const OrientedMesh repaired = orient(torn);
+      EXPECT_TRUE(make_topology(repaired.mesh).closed()) << scale << " " << gap;
+      EXPECT_EQ(repaired.open_edges, 0U);
+      EXPECT_EQ(repaired.joined, make_topology(torn).open_edge_count / 2);
+      EXPECT_NEAR(repaired.widest_gap_m, gap * scale, 1e-6 * gap * scale + 1e-12 * scale);
+      EXPECT_THAT(repair_note(repaired), HasSubstr("0 open edges are left"));
+    }
+  }
+  // Wider than a thousandth of the size it may be meant, and so may a hole be.
+  const OrientedMesh wide = orient(with_seam(ball(0.02, 3), 0.005, 2e-4));
+  EXPECT_EQ(wide.joined, 0U);
+  TriangleMesh hole = with_seam(ball(0.02, 3), 0.005, 1e-6);
+  hole.triangles.erase(hole.triangles.begin());
+  EXPECT_EQ(orient(hole).open_edges, 3U);
+  const OrientedMesh sheet = orient(testing::grid(0.02, 5));
+  EXPECT_EQ(sheet.joined, 0U);
+  EXPECT_EQ(sheet.open_edges, 20U);
+  EXPECT_EQ(repair_note(sheet), "");
+}
+
 TEST(MeshRepair, TurnsWholeBodiesButNoHollow) {
   TriangleMesh inside_out = with_turned(ball(0.02, 2), 2.0, 1);
   const OrientedMesh repaired = orient(inside_out);

@@ -4,10 +4,12 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <chrono>
 #include <cstdio>
 
+#include "harness/base/bar_line.h"
 #include "hil/lab/analysis.h"
 #include "hil/record/stream.h"
 
@@ -34,14 +36,11 @@ class LivePlot {
     now_ = 0.0;
     double largest = 0.1;
     for (const double v : history_) largest = std::max(largest, v);
-    static constexpr std::array blocks{" ", "▁", "▂", "▃", "▄", "▅", "▆", "▇", "█"};
-    std::string line;
-    for (std::size_t i = 0; i < history_.size(); ++i) {
-      line += blocks[std::min<std::size_t>(
-          8, static_cast<std::size_t>(8.99 * history_[(at_ + i) % history_.size()] / largest))];
-    }
-    fmt::print(stderr, "\r|F| {} {:.2f} N full scale  {:.0f} s  {} written  {} lost ", line, largest, t_s, written,
-               counters.lost);
+    auto in_order = history_;
+    std::ranges::rotate_copy(history_, history_.begin() + static_cast<std::ptrdiff_t>(at_ % history_.size()),
+                             in_order.begin());
+    fmt::print(stderr, "\r|F| {} {:.2f} N full scale  {:.0f} s  {} written  {} lost ", bar_line(in_order, 0.0, largest),
+               largest, t_s, written, counters.lost);
     std::fflush(stderr);
   }
 

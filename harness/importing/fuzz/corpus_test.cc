@@ -45,7 +45,9 @@ void run_format(const std::string& format, const std::string& extension) {
 TEST(ImportFuzzCorpus, Text) { run_format("text", ".txt"); }
 TEST(ImportFuzzCorpus, Bag) { run_format("bag", ".bag"); }
 TEST(ImportFuzzCorpus, Database) { run_format("database", ".db3"); }
+TEST(ImportFuzzCorpus, Excel) { run_format("excel", ".xlsx"); }
 TEST(ImportFuzzCorpus, Mat) { run_format("mat", ".mat"); }
+TEST(ImportFuzzCorpus, Mcap) { run_format("mcap", ".mcap"); }
 TEST(ImportFuzzCorpus, Numpy) { run_format("numpy", ".npy"); }
 TEST(ImportFuzzCorpus, Map) { run_corpus("maps", fuzz::read_map); }
 

@@ -103,7 +103,7 @@ DiscrepancyInputs load_inputs(const Catalogue& catalogue, const DiscrepancyFiles
       files.mesh.empty() ? half_space(inputs.train) : load_mesh(files.mesh, length_unit_factor(files.mesh_unit));
   if (files.repair) {
     OrientedMesh repaired = orient(inputs.mesh);
-    if (repaired.turned > 0) inputs.remarks.push_back(orientation_note(repaired));
+    if (std::string note = repair_note(repaired); !note.empty()) inputs.remarks.push_back(std::move(note));
     inputs.mesh = std::move(repaired.mesh);
   }
   inputs.surface = make_embree_surface(inputs.mesh);

@@ -162,7 +162,7 @@ void look_at_edges(const EvaluationRequest& request, EvaluationInputs& inputs) {
 
 void repair(EvaluationInputs& inputs) {
   OrientedMesh repaired = orient(inputs.mesh);
-  if (repaired.turned > 0) inputs.messages.push_back(orientation_note(repaired));
+  if (std::string note = repair_note(repaired); !note.empty()) inputs.messages.push_back(std::move(note));
   inputs.mesh = std::move(repaired.mesh);
 }
 
