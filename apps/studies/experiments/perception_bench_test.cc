@@ -107,5 +107,23 @@ TEST(PerceptionBench, OrdersWhatPublishedExperimentsCallClear) {
   EXPECT_GE(static_cast<double>(bench.scores.front().right), 0.99 * static_cast<double>(bench.scores.front().pairs));
 }
 
+// One and three published differences read as d' 1 and 3 of the experiment's procedure. `compliance, equal depth` is
+// the one whose figure is no constant of the judge: what people need there is 14 % more than it predicts from force.
+TEST(PerceptionBench, ReadsAPublishedDifferenceAsItsSize) {
+  PerceptionBenchOptions options;
+  options.truth = BenchTruth::experiments;
+  options.seeds = 3;
+  options.first_seed = 7101;
+  options.other_metrics = false;
+  const auto bench = run_perception_bench(options);
+  const auto cases = published_cases();
+  for (std::size_t c = 0; c < cases.size(); ++c) {
+    if (cases[c].times < 1.0) continue;
+    double mean = 0.0;
+    for (const auto& run : bench.runs) mean += run.cases[c].d_prime / static_cast<double>(bench.runs.size());
+    EXPECT_NEAR(mean, cases[c].d_prime, 0.15 * cases[c].d_prime) << cases[c].rendered.name;
+  }
+}
+
 }  // namespace
 }  // namespace touchstone::experiments
