@@ -88,6 +88,7 @@ TEST(PublishedCases, PlantWhatTheExperimentsFound) {
   EXPECT_NEAR(1.0 / (1.0 - at("force", 1.0).rendered.softer), 1.07, 1e-12);
   EXPECT_NEAR(1.0 / (1.0 - at("compliance, any depth", 1.0).rendered.softer), 1.22, 1e-12);
   EXPECT_NEAR(at("friction", 1.0).rendered.friction / at("friction", 0.0).rendered.friction, 1.2, 1e-12);
+  EXPECT_NEAR(at("delay of a spring", 1.0).rendered.delay_s, 0.036, 1e-12);
   EXPECT_NEAR(at("place of the surface", 3.0).rendered.late_m, 1.2e-3, 1e-12);
   EXPECT_NEAR(at("strength of vibration", 1.0).d_prime, std::sqrt(2.0) * 0.8193, 1e-3);  // Phi(0.8193) = 0.7937
   EXPECT_EQ(at("force", 1.0).rendered.plateau_N, 5.0);

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -33,6 +34,46 @@ std::string_view name_of(Verdict verdict) {
   return "cannot-tell";
 }
 
+namespace {
+
+// Whether a response with a lag leaves no more of the force than the one before, beyond what cannot decide: noise, by
+// the spread of the difference over blocks (Vuong 1989), and the smoothing of the depth. A mean over T is off by d''
+// T^2 / 24 and the slope of the force times that is left by the right lag; the part that goes with the rate may cancel
+// it. Samples beyond the first cell of either are compared: a delay displaces where contact seems to begin.
+bool explains_as_much(const Response& lagged, const FeltSeries& lagged_felt, const Response& before,
+                      const FeltSeries& before_felt) {
+  constexpr double kTwoErrors = 2.0;
+  const std::size_t half = before_felt.smoothed_samples / 2;
+  const double smoothed_s = static_cast<double>(before_felt.smoothed_samples) / before_felt.rate_Hz;
+  const auto& force_over_depth = lagged.curves.normal_N;
+  std::array<double, kBlocks> more_N2{};
+  double by_smoothing_N2 = 0.0;
+  for (std::size_t i = half; i + half < before_felt.size(); ++i) {
+    const double depth_m = lagged_felt.depth_m[i] - lagged.contact_m;
+    const double cell_m = before.grid.spacing_m;
+    if (!(std::min(depth_m, before_felt.depth_m[i] - before.contact_m) > cell_m)) continue;
+    const double force_N = before_felt.force_N[0][i];
+    more_N2[i * kBlocks / before_felt.size()] +=
+        std::pow(force_N - expected_force_N(lagged, lagged_felt, lagged.contact_m, i)[0], 2) -
+        std::pow(force_N - expected_force_N(before, before_felt, before.contact_m, i)[0], 2);
+    const double change_m_per_s =
+        lagged_felt.rate_of_depth_m_per_s[i + half] - lagged_felt.rate_of_depth_m_per_s[i - half];
+    const double slope =
+        (at_depth(force_over_depth, depth_m, lagged.grid) - at_depth(force_over_depth, depth_m - cell_m, lagged.grid)) /
+        cell_m;
+    by_smoothing_N2 += std::pow(slope * change_m_per_s * smoothed_s / 24.0, 2);
+  }
+  double sum_N2 = 0.0;
+  double squares = 0.0;
+  for (const double more : more_N2) sum_N2 += more;
+  constexpr double n = static_cast<double>(kBlocks);
+  for (const double more : more_N2) squares += std::pow(more - sum_N2 / n, 2);
+  const double error_N2 = std::sqrt(n / (n - 1.0) * squares);
+  return sum_N2 <= by_smoothing_N2 + kTwoErrors * error_N2;
+}
+
+}  // namespace
+
 JudgedProcess judged_process(FeltSeries felt, const Thresholds& thresholds, const JudgedProcess* reference) {
   constexpr double kLongestLag_s = 0.25;
   constexpr double kSettled_s = 1e-5;
@@ -51,16 +92,14 @@ JudgedProcess judged_process(FeltSeries felt, const Thresholds& thresholds, cons
   process.prompt_depth_m = process.felt.depth_m;
   process.prompt_slide_x = process.felt.slide_x;
   if (!process.response) return process;
-  // Steps of a secant: the delay that is left after each, halved until less of it is left. The residuals are of two
-  // contacts, which a delay displaces: one that is no delay leaves clearly more.
-  constexpr double kAsWell = 1.25;
+  // Steps of a secant: the delay that is left after each, halved until less of it is left. A part that goes with the
+  // rate is only the first order of a delay; what is no delay leaves more of the force.
   const FeltSeries prompt = process.felt;
   const auto take_out = [&](double lag_s) {
     FeltSeries lagged = with_lag(prompt, lag_s);
     const auto contact = contact_of(lagged);
     auto response = fit_response(lagged, contact, own);
-    const double before_N2 = residual_squares_N2(*process.response, process.felt);
-    if (!response || !(residual_squares_N2(*response, lagged) < kAsWell * before_N2)) return false;
+    if (!response || !explains_as_much(*response, lagged, *process.response, process.felt)) return false;
     const double left_s = std::abs(apparent_lag_s(*response, response->curves));
     if (!(left_s < std::abs(apparent_lag_s(*process.response, process.response->curves)))) return false;
     response->lag_s = lag_s;
