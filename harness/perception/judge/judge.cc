@@ -92,13 +92,14 @@ JudgedProcess judged_process(FeltSeries felt, const Thresholds& thresholds, cons
   process.prompt_depth_m = process.felt.depth_m;
   process.prompt_slide_x = process.felt.slide_x;
   if (!process.response) return process;
+  if (auto with_gain = with_place(*process.response, process.felt)) process.response = std::move(with_gain);
   // Steps of a secant: the delay that is left after each, halved until less of it is left. A part that goes with the
   // rate is only the first order of a delay; what is no delay leaves more of the force.
   const FeltSeries prompt = process.felt;
   const auto take_out = [&](double lag_s) {
     FeltSeries lagged = with_lag(prompt, lag_s);
     const auto contact = contact_of(lagged);
-    auto response = fit_response(lagged, contact, own);
+    auto response = fit_response(lagged, contact, own, process.response->gain);
     if (!response || !explains_as_much(*response, lagged, *process.response, process.felt)) return false;
     const double left_s = std::abs(apparent_lag_s(*response, response->curves));
     if (!(left_s < std::abs(apparent_lag_s(*process.response, process.response->curves)))) return false;
@@ -159,10 +160,39 @@ double declared_jnd(const SlowEvidences& slow, const Response& real, const Decla
   return steps(force_N + error_N) - steps(force_N);
 }
 
+Response scaled(Response response, double factor) {
+  const auto scale = [factor](ResponseCurves& curves) {
+    for (auto* curve :
+         {&curves.normal_N, &curves.normal_N_s_per_m, &curves.side_N[0], &curves.side_N[1], &curves.friction_N}) {
+      for (double& value : *curve) value *= factor;
+    }
+  };
+  scale(response.curves);
+  for (auto& without : response.without) scale(without);
+  return response;
+}
+
+void tell_unexplored(Judgement& judgement) {
+  const auto& cells = judgement.places.cells;
+  const auto unknown = std::count_if(cells.begin(), cells.end(), [](const auto& cell) { return !cell.known; });
+  if (unknown == 0) return;
+  const auto first = std::find_if(cells.begin(), cells.end(), [](const auto& cell) { return !cell.known; });
+  const Vec3 at_mm = 1e3 * first->centre_m;
+  judgement.remarks.push_back(
+      fmt::format("the object differs from place to place, and at {} of {} places these recordings cannot tell: one of "
+                  "them was there for less than 0.06 s; slide over them in both, the first lies near ({:.3g}, {:.3g}, "
+                  "{:.3g}) mm",
+                  unknown, cells.size(), at_mm.x(), at_mm.y(), at_mm.z()));
+}
+
 void fill_slow(Judgement& judgement, const JudgedProcess& real, const JudgedProcess& rendered,
                const JudgeOptions& options) {
-  const Response& r = *real.response;
-  const Response& c = *rendered.response;
+  judgement.places = place_map(real, rendered, judgement.same_motion, options.thresholds);
+  // Of an object that differs from place to place, what both explored is compared.
+  const bool by_place = !real.response->gain.coefficients.empty() || !rendered.response->gain.coefficients.empty();
+  const Response r = by_place ? scaled(*real.response, judgement.places.real_mean) : *real.response;
+  const Response c = by_place ? scaled(*rendered.response, judgement.places.rendered_mean) : *rendered.response;
+  if (by_place) tell_unexplored(judgement);
   const auto depths = common_depths_m(r, c);
   const auto slow = slow_evidence(r, r.curves, c, c.curves, depths, options.thresholds);
   const auto errors = slow_errors(r, c, judgement.same_motion, depths, options.thresholds);
@@ -180,15 +210,17 @@ void fill_slow(Judgement& judgement, const JudgedProcess& real, const JudgedProc
   ChannelEvidence& force = of(judgement, Channel::force);
   force.standard_error =
       std::hypot(force.standard_error, declared_jnd(slow, r, options.declared, depths, options.thresholds));
-  // Moment by moment where the hand is the same: what differs from place to place cancels in a curve over depth.
-  if (judgement.same_motion && !judgement.moments.empty() && force.known) {
-    const auto local = local_force(judgement.moments);
-    if (local.jnd > force.jnd) {
-      force.jnd = local.jnd;
-      force.standard_error = std::hypot(force.standard_error, local.standard_error);
-      force.what = fmt::format("the force differs from place to place, {:.2g} JND root mean square", local.jnd);
-      force.remedy = fmt::format("lower the local error of force by a factor of {:.2g}", local.jnd);
-      force.depth_m = std::numeric_limits<double>::quiet_NaN();
+  // What differs from place to place cancels in a curve over depth.
+  if (const PlaceDifference* place = judgement.places.strongest(); place != nullptr && force.known) {
+    constexpr double kNormal95 = 1.959964;
+    const double reach = judgement.places.reach() * place->standard_error;
+    if (place->jnd - reach > force.jnd) {
+      force.jnd = place->jnd;
+      force.standard_error =
+          std::hypot(reach / kNormal95, declared_jnd(slow, r, options.declared, depths, options.thresholds));
+      force.what = describe_place(judgement.places, *place);
+      force.remedy = force.what;
+      force.depth_m = place->depth_m;
     }
   }
 }
