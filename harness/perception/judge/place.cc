@@ -61,8 +61,9 @@ bool touches(const FeltSeries& felt, const Response& response, std::size_t i) {
 }
 
 // Least and largest place in contact along axis 1 and 2.
-std::optional<std::array<std::array<double, 2>, 2>> explored(const FeltSeries& felt, const Response& response) {
-  std::array<std::array<double, 2>, 2> range;
+using Range = std::array<std::array<double, 2>, 2>;
+std::optional<Range> explored(const FeltSeries& felt, const Response& response) {
+  Range range;
   for (auto& r : range) r = {std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()};
   for (std::size_t i = 0; i < felt.size(); ++i) {
     if (!touches(felt, response, i)) continue;
@@ -196,127 +197,166 @@ const PlaceDifference* PlaceMap::strongest() const {
   return best;
 }
 
+namespace {
+
+// Two processes, and what both are seen to do in the cells of the real one's places.
+class PlaceComparison {
+ public:
+  PlaceComparison(const JudgedProcess& real, const JudgedProcess& rendered, bool same_motion,
+                  const Thresholds& thresholds, const Range& range, double cell_m)
+      : sides_{&real, &rendered},
+        same_motion_(same_motion),
+        thresholds_(thresholds),
+        range_(range),
+        cell_m_(cell_m),
+        common_m_(std::min(real.response->deepest_m, rendered.response->deepest_m)) {
+    for (std::size_t side = 0; side < (same_motion ? 1u : 2u); ++side) {
+      const FeltSeries& felt = sides_[side]->felt;
+      by_stretches(
+          felt.size(), felt.rate_Hz, [&](std::size_t i) { return key_of(*sides_[side], i); },
+          [&](const Key& key, std::size_t first, std::size_t end) {
+            Seen& in = seen_[key][side];
+            in.samples += static_cast<double>(end - first);
+            in.stretches += 1.0;
+            same_motion ? add_same(in, first, end) : add_own(in, *sides_[side], first, end);
+          });
+    }
+  }
+
+  [[nodiscard]] PlaceMap map() const {
+    PlaceMap map;
+    map.cell_m = cell_m_;
+    double sums[2] = {};
+    double shares = 0.0;
+    for (const auto& [key, both] : seen_) {
+      if (both[0].samples == 0.0) continue;
+      map.cells.push_back(same_motion_ ? same(both[0]) : other(both));
+      PlaceDifference& cell = map.cells.back();
+      cell.centre_m = middle(key, 0) * sides_[0]->felt.axis[1] + middle(key, 1) * sides_[0]->felt.axis[2];
+      if (same_motion_ || !cell.known) continue;
+      shares += cell.share;
+      for (std::size_t side = 0; side < 2; ++side) sums[side] += cell.share * both[side].ratio();
+    }
+    if (shares > 0.0) {
+      map.real_mean = sums[0] / shares;
+      map.rendered_mean = sums[1] / shares;
+    }
+    if (map.cells.size() < 2) map.cells.clear();
+    return map;
+  }
+
+ private:
+  [[nodiscard]] std::optional<Key> key_of(const JudgedProcess& own, std::size_t i) const {
+    const double d = own.felt.depth_m[i] - own.contact.depth_m;
+    if (same_motion_ ? !(d >= 0.0) : !(d >= 0.2 * common_m_ && d <= common_m_)) return std::nullopt;
+    const auto cell = [this](double from_m) { return static_cast<std::int64_t>(std::floor(from_m / cell_m_)); };
+    return Key{cell(own.felt.place_m[0][i] - range_[0][0]), cell(own.felt.place_m[1][i] - range_[1][0]),
+               same_motion_ ? cell(d) : 0};
+  }
+  [[nodiscard]] double middle(const Key& key, std::size_t a) const {
+    return range_[a][0] + (static_cast<double>(key[a]) + 0.5) * cell_m_;
+  }
+
+  void add_same(Seen& in, std::size_t first, std::size_t end) const {
+    Vec3 apart = Vec3::Zero();
+    for (std::size_t i = first; i < end; ++i) {
+      const auto force_of = [i](const FeltSeries& f) {
+        return Vec3(f.force_N[0][i], f.force_N[1][i], f.force_N[2][i]);
+      };
+      in.depth_m += sides_[0]->felt.depth_m[i] - sides_[0]->contact.depth_m;
+      in.real_N += force_of(sides_[0]->felt);
+      in.rendered_N += force_of(sides_[1]->felt);
+      apart += force_of(sides_[1]->felt) - force_of(sides_[0]->felt);
+    }
+    in.apart_N.push_back(apart / static_cast<double>(end - first));
+  }
+
+  // Against its own force over depth, without its gain.
+  static void add_own(Seen& in, const JudgedProcess& own, std::size_t first, std::size_t end) {
+    double product = 0.0;
+    double squares = 0.0;
+    for (std::size_t i = first; i < end; ++i) {
+      in.depth_m += own.felt.depth_m[i] - own.contact.depth_m;
+      const double even_N =
+          expected_force_N(*own.response, own.felt, own.contact.depth_m, i)[0] / own.response->gain.of(own.felt, i);
+      product += own.felt.force_N[0][i] * even_N;
+      squares += even_N * even_N;
+    }
+    in.product += product;
+    in.squares += squares;
+    in.product_squares += product * product;
+    in.mixed += product * squares;
+    in.squares_squares += squares * squares;
+  }
+
+  [[nodiscard]] PlaceDifference same(const Seen& both) const {
+    PlaceDifference cell;
+    cell.known = both.stretches >= kFewestStretches;
+    cell.depth_m = both.depth_m / both.samples;
+    cell.real_N = both.real_N.norm() / both.samples;
+    cell.rendered_N = both.rendered_N.norm() / both.samples;
+    cell.share = both.samples / static_cast<double>(sides_[0]->felt.size());
+    const Vec3 apart = (both.rendered_N - both.real_N) / both.samples;
+    const double apart_N = apart.norm();
+    const Vec3 along = apart_N > 0.0 ? Vec3(apart / apart_N) : Vec3::UnitX();
+    double squares = 0.0;
+    for (const Vec3& of_stretch : both.apart_N) squares += std::pow(of_stretch.dot(along) - apart_N, 2);
+    const double error_N = std::sqrt(squares / (both.stretches * std::max(1.0, both.stretches - 1.0)));
+    if (cell.known) count(cell, apart_N, error_N, std::abs(along.x()));
+    return cell;
+  }
+
+  [[nodiscard]] PlaceDifference other(const std::array<Seen, 2>& both) const {
+    PlaceDifference cell;
+    const Seen& own = both[0];
+    const Seen& other = both[1];
+    cell.known =
+        std::min(own.stretches, other.stretches) >= kFewestStretches && std::min(own.squares, other.squares) > 0.0;
+    if (!cell.known) return cell;
+    cell.depth_m = std::min(own.depth_m / own.samples, other.depth_m / other.samples);
+    const double real_even_N = steady_force_N(*sides_[0]->response, *sides_[1]->response, cell.depth_m);
+    const double rendered_even_N = steady_force_N(*sides_[1]->response, *sides_[0]->response, cell.depth_m);
+    cell.share = std::min(own.samples / static_cast<double>(sides_[0]->felt.size()),
+                          other.samples / static_cast<double>(sides_[1]->felt.size()));
+    cell.real_N = own.ratio() * real_even_N;
+    cell.rendered_N = other.ratio() * rendered_even_N;
+    count(cell, std::abs(cell.rendered_N - cell.real_N),
+          std::hypot(own.error() * real_even_N, other.error() * rendered_even_N), 1.0);
+    return cell;
+  }
+
+  // An error of the depth looks like a force along the direction of pressing, not like one across: `along` of it.
+  void count(PlaceDifference& cell, double apart_N, double error_N, double along) const {
+    const NoticeableSteps steps(thresholds_.force);
+    const Response& response = *sides_[0]->response;
+    const double larger = std::max(cell.real_N, cell.rendered_N);
+    const double exponent =
+        along * depth_exponent(response.curves, cell.depth_m, 0.1 * response.deepest_m, response.grid);
+    const auto jnd_of = [&](double difference_N) {
+      const double smaller = std::max(0.0, larger - difference_N);
+      return force_at_depth_jnd(steps(larger) - steps(smaller), larger, smaller, exponent, thresholds_);
+    };
+    cell.jnd = jnd_of(apart_N);
+    cell.standard_error = jnd_of(apart_N + error_N) - cell.jnd;
+  }
+
+  const JudgedProcess* sides_[2];
+  bool same_motion_;
+  const Thresholds& thresholds_;
+  const Range& range_;
+  double cell_m_;
+  double common_m_;
+  std::map<Key, std::array<Seen, 2>> seen_;
+};
+
+}  // namespace
+
 PlaceMap place_map(const JudgedProcess& real, const JudgedProcess& rendered, bool same_motion,
                    const Thresholds& thresholds) {
-  PlaceMap map;
   const auto range = explored(real.felt, *real.response);
-  if (!range) return map;
-  map.cell_m = std::max((*range)[0][1] - (*range)[0][0], (*range)[1][1] - (*range)[1][0]) / kCells;
-  const double common_m = std::min(real.response->deepest_m, rendered.response->deepest_m);
-  const auto key_of = [&](const JudgedProcess& own, std::size_t i) -> std::optional<Key> {
-    const double d = own.felt.depth_m[i] - own.contact.depth_m;
-    if (same_motion ? !(d >= 0.0) : !(d >= 0.2 * common_m && d <= common_m)) return std::nullopt;
-    const auto cell = [&](double from_m) { return static_cast<std::int64_t>(std::floor(from_m / map.cell_m)); };
-    return Key{cell(own.felt.place_m[0][i] - (*range)[0][0]), cell(own.felt.place_m[1][i] - (*range)[1][0]),
-               same_motion ? cell(d) : 0};
-  };
-  std::map<Key, std::array<Seen, 2>> seen;
-  const JudgedProcess* const sides[2] = {&real, &rendered};
-  for (std::size_t side = 0; side < (same_motion ? 1u : 2u); ++side) {
-    const JudgedProcess& own = *sides[side];
-    by_stretches(
-        own.felt.size(), own.felt.rate_Hz, [&](std::size_t i) { return key_of(own, i); },
-        [&](const Key& key, std::size_t first, std::size_t end) {
-          Seen& in = seen[key][side];
-          double product = 0.0;
-          double squares = 0.0;
-          Vec3 apart = Vec3::Zero();
-          for (std::size_t i = first; i < end; ++i) {
-            in.depth_m += own.felt.depth_m[i] - own.contact.depth_m;
-            if (same_motion) {
-              const auto force_of = [i](const FeltSeries& f) {
-                return Vec3(f.force_N[0][i], f.force_N[1][i], f.force_N[2][i]);
-              };
-              in.real_N += force_of(real.felt);
-              in.rendered_N += force_of(rendered.felt);
-              apart += force_of(rendered.felt) - force_of(real.felt);
-              continue;
-            }
-            // Its own force over depth, without its gain.
-            const double even_N = expected_force_N(*own.response, own.felt, own.contact.depth_m, i)[0] /
-                                  own.response->gain.of(own.felt, i);
-            product += own.felt.force_N[0][i] * even_N;
-            squares += even_N * even_N;
-          }
-          in.samples += static_cast<double>(end - first);
-          in.stretches += 1.0;
-          if (same_motion) in.apart_N.push_back(apart / static_cast<double>(end - first));
-          in.product += product;
-          in.squares += squares;
-          in.product_squares += product * product;
-          in.mixed += product * squares;
-          in.squares_squares += squares * squares;
-        });
-  }
-  const NoticeableSteps steps(thresholds.force);
-  const double real_samples = static_cast<double>(real.felt.size());
-  const double rendered_samples = static_cast<double>(rendered.felt.size());
-  double real_sum = 0.0;
-  double rendered_sum = 0.0;
-  double shares = 0.0;
-  for (auto& [key, both] : seen) {
-    const Seen& own = both[0];
-    if (own.samples == 0.0) continue;
-    PlaceDifference cell;
-    const auto middle = [&](std::size_t a) {
-      return (*range)[a][0] + (static_cast<double>(key[a]) + 0.5) * map.cell_m;
-    };
-    cell.centre_m = middle(0) * real.felt.axis[1] + middle(1) * real.felt.axis[2];
-    cell.depth_m = own.depth_m / own.samples;
-    double sideways = 0.0;
-    double apart_N = 0.0;
-    double error_N = 0.0;
-    if (same_motion) {
-      cell.known = own.stretches >= kFewestStretches;
-      const Vec3 apart = (own.rendered_N - own.real_N) / own.samples;
-      cell.real_N = own.real_N.norm() / own.samples;
-      cell.rendered_N = own.rendered_N.norm() / own.samples;
-      cell.share = own.samples / real_samples;
-      apart_N = apart.norm();
-      sideways = apart_N > 0.0 ? 1.0 - std::pow(apart.x() / apart_N, 2) : 0.0;
-      const Vec3 along = apart_N > 0.0 ? Vec3(apart / apart_N) : Vec3::UnitX();
-      double squares = 0.0;
-      for (const Vec3& of_stretch : own.apart_N) squares += std::pow(of_stretch.dot(along) - apart_N, 2);
-      error_N = std::sqrt(squares / (own.stretches * std::max(1.0, own.stretches - 1.0)));
-    } else {
-      const Seen& other = both[1];
-      cell.known =
-          std::min(own.stretches, other.stretches) >= kFewestStretches && std::min(own.squares, other.squares) > 0.0;
-      if (cell.known) {
-        cell.depth_m = std::min(cell.depth_m, other.depth_m / other.samples);
-        const double real_even_N = steady_force_N(*real.response, *rendered.response, cell.depth_m);
-        const double rendered_even_N = steady_force_N(*rendered.response, *real.response, cell.depth_m);
-        cell.share = std::min(own.samples / real_samples, other.samples / rendered_samples);
-        real_sum += cell.share * own.ratio();
-        rendered_sum += cell.share * other.ratio();
-        shares += cell.share;
-        cell.real_N = own.ratio() * real_even_N;
-        cell.rendered_N = other.ratio() * rendered_even_N;
-        apart_N = std::abs(cell.rendered_N - cell.real_N);
-        error_N = std::hypot(own.error() * real_even_N, other.error() * rendered_even_N);
-      }
-    }
-    if (cell.known) {
-      const double larger = std::max(cell.real_N, cell.rendered_N);
-      // An error of the depth looks like a force along the direction of pressing, not like one across.
-      const double exponent =
-          std::sqrt(1.0 - sideways) *
-          depth_exponent(real.response->curves, cell.depth_m, 0.1 * real.response->deepest_m, real.response->grid);
-      const auto jnd_of = [&](double difference_N) {
-        const double smaller = std::max(0.0, larger - difference_N);
-        return force_at_depth_jnd(steps(larger) - steps(smaller), larger, smaller, exponent, thresholds);
-      };
-      cell.jnd = jnd_of(apart_N);
-      cell.standard_error = jnd_of(apart_N + error_N) - cell.jnd;
-    }
-    map.cells.push_back(cell);
-  }
-  if (shares > 0.0) {
-    map.real_mean = real_sum / shares;
-    map.rendered_mean = rendered_sum / shares;
-  }
-  if (map.cells.size() < 2) map.cells.clear();
-  return map;
+  if (!range) return {};
+  const double side_m = std::max((*range)[0][1] - (*range)[0][0], (*range)[1][1] - (*range)[1][0]);
+  return PlaceComparison(real, rendered, same_motion, thresholds, *range, side_m / kCells).map();
 }
 
 std::string describe_place(const PlaceMap& map, const PlaceDifference& strongest) {
