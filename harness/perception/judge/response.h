@@ -69,7 +69,7 @@ DepthGrid depth_grid(const FeltSeries& felt, const FirstContact& contact);
 std::optional<Response> fit_response(const FeltSeries& felt, const FirstContact& contact, const DepthGrid& grid,
                                      const PlaceGain& gain = {});
 // The same with the gain over place, if that leaves less than half of the squares and changes the force by more than a
-// part of what can be noticed; else nothing.
+// third of what can be noticed; else nothing.
 std::optional<Response> with_place(const Response& response, const FeltSeries& felt);
 
 // Sum of the squared residuals along the outward direction, in contact and in the air.
