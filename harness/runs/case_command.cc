@@ -9,6 +9,7 @@
 #include "harness/base/atomic_file.h"
 #include "harness/base/bundled_files.h"
 #include "harness/base/hash.h"
+#include "harness/base/progress.h"
 #include "harness/baseline/golden_file.h"
 #include "harness/runs/farm.h"
 #include "harness/runs/slurm.h"
@@ -18,18 +19,23 @@ namespace {
 
 std::atomic<bool> stop_requested = false;
 
-// An interrupt stops the cases soon, while this lives; what is done afterwards ends as it always does.
+// An interrupt stops the cases soon, within a case too where it asks (stop_if_asked), while this lives; what is done
+// afterwards ends as it always does.
 class StopWhenInterrupted {
  public:
   StopWhenInterrupted() {
     struct sigaction stop {};
-    stop.sa_handler = [](int) { stop_requested = true; };
+    stop.sa_handler = [](int) {
+      stop_requested = true;
+      ask_to_stop();
+    };
     ::sigaction(SIGINT, &stop, &interrupt_);
     ::sigaction(SIGTERM, &stop, &terminate_);
   }
   ~StopWhenInterrupted() {
     ::sigaction(SIGINT, &interrupt_, nullptr);
     ::sigaction(SIGTERM, &terminate_, nullptr);
+    allow_work();
   }
   StopWhenInterrupted(const StopWhenInterrupted&) = delete;
   StopWhenInterrupted& operator=(const StopWhenInterrupted&) = delete;

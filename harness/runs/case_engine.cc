@@ -94,13 +94,18 @@ void run_one(const CaseJob& job, std::uint64_t number, Collector& collector) {
       --parts_left;
       collector.part_done();
     });
+  } catch (const Stopped&) {
+    return;  // as if it had not begun
   } catch (const std::bad_alloc&) {
     row.error = "out of memory";
   } catch (const std::exception& error) {
     row.error = error.what();
     if (row.error.empty()) row.error = "failed without saying why";
   }
-  collector.take(std::move(row), parts_left);
+  try {
+    collector.take(std::move(row), parts_left);
+  } catch (const Stopped&) {  // of the progress: the row is taken
+  }
 }
 
 // As the kernel estimates what can be had without swapping; 0 where it does not say.

@@ -15,6 +15,7 @@
 
 #include "harness/base/error.h"
 #include "harness/base/in_parallel.h"
+#include "harness/base/progress.h"
 
 namespace touchstone::runs {
 namespace {
@@ -66,6 +67,28 @@ TEST(CaseEngine, StopsSoonAndGoesOn) {
   const CaseTally tally = run_cases(job, store, {}, 1, stop);
   EXPECT_TRUE(tally.stopped);
   EXPECT_LT(tally.ran, 200U);
+  EXPECT_EQ(run_cases(squares(), store, {}, 1, never).ran, 200U - tally.ran);
+}
+
+// A long case ends within where it is asked to, and is run again as if it had not begun.
+TEST(CaseEngine, ACaseThatIsStoppedWithinIsNoRow) {
+  CaseStore store(CaseStore::in_memory, table);
+  store.start_run({});
+  std::atomic<bool> stop = false;
+  CaseJob job = squares();
+  job.run = [&](CaseRow& row, const PartDone&) {
+    if (row.number == 20) {
+      stop = true;
+      ask_to_stop();
+    }
+    stop_if_asked();
+    row.values = {1.0};
+  };
+  const CaseTally tally = run_cases(job, store, {}, 1, stop);
+  allow_work();
+  EXPECT_TRUE(tally.stopped);
+  EXPECT_EQ(tally.failed, 0U);
+  for (const CaseRow& row : store.rows(0, 200)) EXPECT_NE(row.number, 20U);
   EXPECT_EQ(run_cases(squares(), store, {}, 1, never).ran, 200U - tally.ran);
 }
 

@@ -9,6 +9,7 @@
 
 #include "apps/studies/experiments/golden_section.h"
 #include "harness/base/error.h"
+#include "harness/base/progress.h"
 #include "harness/base/random.h"
 #include "harness/rendering/in_trajectory.h"
 #include "harness/rendering/replay.h"
@@ -51,7 +52,7 @@ FrictionEstimate friction_estimate(double rigid_mu, const std::vector<double>& a
   return estimate;
 }
 
-FrictionFit fit_friction(std::uint64_t seed, double true_mu) {
+FrictionFit fit_friction(std::uint64_t seed, double true_mu, const std::function<void()>& replayed) {
   BodyScan scan = make_body_scan(seed, true_mu);
   const std::shared_ptr<const Surface> surface = make_embree_surface(scan.finest);
   const auto shared = contact_mesh(surface);  // kept, so that it is built once
@@ -59,7 +60,10 @@ FrictionFit fit_friction(std::uint64_t seed, double true_mu) {
   const auto error = [&](double mu, std::size_t from, std::size_t to) {
     Model model = proxy_model(scan, "friction-cone");
     model.parameters["mu_static"] = model.parameters["mu_dynamic"] = mu;
-    return force_error(scan, model, surface, Against::recorded, from, to);
+    stop_if_asked();
+    const ForceError found = force_error(scan, model, surface, Against::recorded, from, to);
+    if (replayed) replayed();
+    return found;
   };
   FrictionFit fit;
   fit.seed = seed;

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -81,7 +82,10 @@ double of_a_rigid_probe(double soft_mu, double stiff_mu);
 // `again_mu`: what the scans measured again gave, each extrapolated to a rigid probe; at least two.
 FrictionEstimate friction_estimate(double rigid_mu, const std::vector<double>& again_mu);
 
-FrictionFit fit_friction(std::uint64_t seed, double true_mu);
+// Calls `replayed` after each of the replays, of which there are about kFrictionReplays. Throws Stopped soon after that
+// was asked for.
+inline constexpr std::size_t kFrictionReplays = 430;
+FrictionFit fit_friction(std::uint64_t seed, double true_mu, const std::function<void()>& replayed = {});
 // `surface`: the surface of zero force of the recorded point, in metres. Throws BadData if the recording never touches
 // it.
 RealFrictionFit fit_real_friction(const Recording& recording, const std::shared_ptr<const Surface>& surface,

@@ -89,6 +89,13 @@ const std::vector<PublishedExperiment>& published_experiments() {
          c.buzz_N *= stronger(0.20, times);
          return c;
        }},
+      {"delay of a spring", "36 ms of delay in a spring, moved to and fro", "Rank, Shi, Mueller and Hirche (2010)",
+       kNotStated, 1.0, plain(),
+       [](const PlantedCase& real, double times) {
+         PlantedCase c = real;
+         c.delay_s = times * 0.036;
+         return c;
+       }},
       {"place of the surface", "0.4 mm, thickness of a plate between finger and thumb", "Ho and Srinivasan (1996)",
        "two intervals, two alternatives; the share right is not stated", 1.0, plain(),
        [](const PlantedCase& real, double times) {

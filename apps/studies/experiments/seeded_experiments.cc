@@ -123,13 +123,13 @@ SeededExperiment seeded_friction(std::uint64_t first_seed, std::uint64_t seeds) 
   }
   own.findings = statements(friction_findings({}));
   own.words = words("friction", first_seed, seeds);
-  own.parts = kFrictionCoefficients.size();
+  own.parts = kFrictionCoefficients.size() * kFrictionReplays;
   own.bytes = 300'000'000;
   own.run = [first_seed](std::uint64_t number, const apps::PartDone& part_done) {
     FrictionExperiment e;
     for (std::size_t i = 0; i < kFrictionCoefficients.size(); ++i) {
-      e.fits.push_back(fit_friction(first_seed + kFrictionCoefficients.size() * number + i, kFrictionCoefficients[i]));
-      part_done();
+      e.fits.push_back(
+          fit_friction(first_seed + kFrictionCoefficients.size() * number + i, kFrictionCoefficients[i], part_done));
     }
     return SeedResult{friction_numbers(e), held(friction_findings(e)), friction_to_json(e), ""};
   };

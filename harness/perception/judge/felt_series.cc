@@ -156,6 +156,9 @@ FeltSeries felt_series(const Recording& recording, const Vec3& outward) {
   const Vec3 axis0 = outward.normalized();
   const Vec3 axis1 = axis0.unitOrthogonal();
   const Vec3 axis2 = axis0.cross(axis1);
+  felt.axis[0] = axis0;
+  felt.axis[1] = axis1;
+  felt.axis[2] = axis2;
   std::vector<double> place[3];
   for (auto& column : place) column.resize(n);
   for (auto& column : felt.force_N) column.resize(n);
@@ -179,8 +182,12 @@ FeltSeries felt_series(const Recording& recording, const Vec3& outward) {
   auto depth = smoothed(place[0], felt.rate_Hz, half);
   felt.depth_m = std::move(depth.value);
   felt.rate_of_depth_m_per_s = std::move(depth.slope_per_s);
-  felt.slide_x = smoothed(place[1], felt.rate_Hz, half).slope_per_s;
-  felt.slide_y = smoothed(place[2], felt.rate_Hz, half).slope_per_s;
+  auto along_1 = smoothed(place[1], felt.rate_Hz, half);
+  auto along_2 = smoothed(place[2], felt.rate_Hz, half);
+  felt.slide_x = std::move(along_1.slope_per_s);
+  felt.slide_y = std::move(along_2.slope_per_s);
+  felt.place_m[0] = std::move(along_1.value);
+  felt.place_m[1] = std::move(along_2.value);
   // The direction of sliding, v / sqrt(v^2 + v_rest^2): at rest it goes to nought instead of jumping.
   for (std::size_t i = 0; i < n; ++i) {
     const double x = felt.slide_x[i];
@@ -210,6 +217,7 @@ FeltSeries with_lag(const FeltSeries& felt, double lag_s) {
   shift(felt.slide_x, result.slide_x);
   shift(felt.slide_y, result.slide_y);
   shift(felt.slide_m_per_s, result.slide_m_per_s);
+  for (std::size_t a = 0; a < 2; ++a) shift(felt.place_m[a], result.place_m[a]);
   return result;
 }
 

@@ -20,7 +20,9 @@ struct FeltSeries {
   // hardly shows while sliding.
   std::vector<double> slide_x;
   std::vector<double> slide_y;
-  std::vector<double> slide_m_per_s;  // speed of sliding
+  std::vector<double> slide_m_per_s;                             // speed of sliding
+  std::vector<double> place_m[2];                                // along axis 1 and 2, smoothed like the depth
+  Vec3 axis[3] = {Vec3::UnitZ(), Vec3::UnitX(), Vec3::UnitY()};  // in the object's frame
   std::vector<double> force_N[3];
   // Standard deviation of the tracker's noise along axis 0 before smoothing, as if white.
   double position_noise_m = 0.0;

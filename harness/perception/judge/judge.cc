@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -33,6 +34,46 @@ std::string_view name_of(Verdict verdict) {
   return "cannot-tell";
 }
 
+namespace {
+
+// Whether a response with a lag leaves no more of the force than the one before, beyond what cannot decide: noise, by
+// the spread of the difference over blocks (Vuong 1989), and the smoothing of the depth. A mean over T is off by d''
+// T^2 / 24 and the slope of the force times that is left by the right lag; the part that goes with the rate may cancel
+// it. Samples beyond the first cell of either are compared: a delay displaces where contact seems to begin.
+bool explains_as_much(const Response& lagged, const FeltSeries& lagged_felt, const Response& before,
+                      const FeltSeries& before_felt) {
+  constexpr double kTwoErrors = 2.0;
+  const std::size_t half = before_felt.smoothed_samples / 2;
+  const double smoothed_s = static_cast<double>(before_felt.smoothed_samples) / before_felt.rate_Hz;
+  const auto& force_over_depth = lagged.curves.normal_N;
+  std::array<double, kBlocks> more_N2{};
+  double by_smoothing_N2 = 0.0;
+  for (std::size_t i = half; i + half < before_felt.size(); ++i) {
+    const double depth_m = lagged_felt.depth_m[i] - lagged.contact_m;
+    const double cell_m = before.grid.spacing_m;
+    if (!(std::min(depth_m, before_felt.depth_m[i] - before.contact_m) > cell_m)) continue;
+    const double force_N = before_felt.force_N[0][i];
+    more_N2[i * kBlocks / before_felt.size()] +=
+        std::pow(force_N - expected_force_N(lagged, lagged_felt, lagged.contact_m, i)[0], 2) -
+        std::pow(force_N - expected_force_N(before, before_felt, before.contact_m, i)[0], 2);
+    const double change_m_per_s =
+        lagged_felt.rate_of_depth_m_per_s[i + half] - lagged_felt.rate_of_depth_m_per_s[i - half];
+    const double slope =
+        (at_depth(force_over_depth, depth_m, lagged.grid) - at_depth(force_over_depth, depth_m - cell_m, lagged.grid)) /
+        cell_m;
+    by_smoothing_N2 += std::pow(slope * change_m_per_s * smoothed_s / 24.0, 2);
+  }
+  double sum_N2 = 0.0;
+  double squares = 0.0;
+  for (const double more : more_N2) sum_N2 += more;
+  constexpr double n = static_cast<double>(kBlocks);
+  for (const double more : more_N2) squares += std::pow(more - sum_N2 / n, 2);
+  const double error_N2 = std::sqrt(n / (n - 1.0) * squares);
+  return sum_N2 <= by_smoothing_N2 + kTwoErrors * error_N2;
+}
+
+}  // namespace
+
 JudgedProcess judged_process(FeltSeries felt, const Thresholds& thresholds, const JudgedProcess* reference) {
   constexpr double kLongestLag_s = 0.25;
   constexpr double kSettled_s = 1e-5;
@@ -51,16 +92,15 @@ JudgedProcess judged_process(FeltSeries felt, const Thresholds& thresholds, cons
   process.prompt_depth_m = process.felt.depth_m;
   process.prompt_slide_x = process.felt.slide_x;
   if (!process.response) return process;
-  // Steps of a secant: the delay that is left after each, halved until less of it is left. The residuals are of two
-  // contacts, which a delay displaces: one that is no delay leaves clearly more.
-  constexpr double kAsWell = 1.25;
+  if (auto with_gain = with_place(*process.response, process.felt)) process.response = std::move(with_gain);
+  // Steps of a secant: the delay that is left after each, halved until less of it is left. A part that goes with the
+  // rate is only the first order of a delay; what is no delay leaves more of the force.
   const FeltSeries prompt = process.felt;
   const auto take_out = [&](double lag_s) {
     FeltSeries lagged = with_lag(prompt, lag_s);
     const auto contact = contact_of(lagged);
-    auto response = fit_response(lagged, contact, own);
-    const double before_N2 = residual_squares_N2(*process.response, process.felt);
-    if (!response || !(residual_squares_N2(*response, lagged) < kAsWell * before_N2)) return false;
+    auto response = fit_response(lagged, contact, own, process.response->gain);
+    if (!response || !explains_as_much(*response, lagged, *process.response, process.felt)) return false;
     const double left_s = std::abs(apparent_lag_s(*response, response->curves));
     if (!(left_s < std::abs(apparent_lag_s(*process.response, process.response->curves)))) return false;
     response->lag_s = lag_s;
@@ -120,10 +160,39 @@ double declared_jnd(const SlowEvidences& slow, const Response& real, const Decla
   return steps(force_N + error_N) - steps(force_N);
 }
 
+Response scaled(Response response, double factor) {
+  const auto scale = [factor](ResponseCurves& curves) {
+    for (auto* curve :
+         {&curves.normal_N, &curves.normal_N_s_per_m, &curves.side_N[0], &curves.side_N[1], &curves.friction_N}) {
+      for (double& value : *curve) value *= factor;
+    }
+  };
+  scale(response.curves);
+  for (auto& without : response.without) scale(without);
+  return response;
+}
+
+void tell_unexplored(Judgement& judgement) {
+  const auto& cells = judgement.places.cells;
+  const auto unknown = std::count_if(cells.begin(), cells.end(), [](const auto& cell) { return !cell.known; });
+  if (unknown == 0) return;
+  const auto first = std::find_if(cells.begin(), cells.end(), [](const auto& cell) { return !cell.known; });
+  const Vec3 at_mm = 1e3 * first->centre_m;
+  judgement.remarks.push_back(
+      fmt::format("the object differs from place to place, and at {} of {} places these recordings cannot tell: one of "
+                  "them was there for less than 0.06 s; slide over them in both, the first lies near ({:.3g}, {:.3g}, "
+                  "{:.3g}) mm",
+                  unknown, cells.size(), at_mm.x(), at_mm.y(), at_mm.z()));
+}
+
 void fill_slow(Judgement& judgement, const JudgedProcess& real, const JudgedProcess& rendered,
                const JudgeOptions& options) {
-  const Response& r = *real.response;
-  const Response& c = *rendered.response;
+  judgement.places = place_map(real, rendered, judgement.same_motion, options.thresholds);
+  // Of an object that differs from place to place, what both explored is compared.
+  const bool by_place = !real.response->gain.coefficients.empty() || !rendered.response->gain.coefficients.empty();
+  const Response r = by_place ? scaled(*real.response, judgement.places.real_mean) : *real.response;
+  const Response c = by_place ? scaled(*rendered.response, judgement.places.rendered_mean) : *rendered.response;
+  if (by_place) tell_unexplored(judgement);
   const auto depths = common_depths_m(r, c);
   const auto slow = slow_evidence(r, r.curves, c, c.curves, depths, options.thresholds);
   const auto errors = slow_errors(r, c, judgement.same_motion, depths, options.thresholds);
@@ -141,15 +210,17 @@ void fill_slow(Judgement& judgement, const JudgedProcess& real, const JudgedProc
   ChannelEvidence& force = of(judgement, Channel::force);
   force.standard_error =
       std::hypot(force.standard_error, declared_jnd(slow, r, options.declared, depths, options.thresholds));
-  // Moment by moment where the hand is the same: what differs from place to place cancels in a curve over depth.
-  if (judgement.same_motion && !judgement.moments.empty() && force.known) {
-    const auto local = local_force(judgement.moments);
-    if (local.jnd > force.jnd) {
-      force.jnd = local.jnd;
-      force.standard_error = std::hypot(force.standard_error, local.standard_error);
-      force.what = fmt::format("the force differs from place to place, {:.2g} JND root mean square", local.jnd);
-      force.remedy = fmt::format("lower the local error of force by a factor of {:.2g}", local.jnd);
-      force.depth_m = std::numeric_limits<double>::quiet_NaN();
+  // What differs from place to place cancels in a curve over depth.
+  if (const PlaceDifference* place = judgement.places.strongest(); place != nullptr && force.known) {
+    constexpr double kNormal95 = 1.959964;
+    const double reach = judgement.places.reach() * place->standard_error;
+    if (place->jnd - reach > force.jnd) {
+      force.jnd = place->jnd;
+      force.standard_error =
+          std::hypot(reach / kNormal95, declared_jnd(slow, r, options.declared, depths, options.thresholds));
+      force.what = describe_place(judgement.places, *place);
+      force.remedy = force.what;
+      force.depth_m = place->depth_m;
     }
   }
 }

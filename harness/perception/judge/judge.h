@@ -8,8 +8,8 @@
 // touch Ernst and Banks 2002).
 //
 // The recordings are compared as responses to motion (response.h), so that hands that press deeper, faster or more
-// often are no difference. Where the two motions are the same to the last digit (a model replayed on the real path),
-// the forces are compared moment by moment too.
+// often are no difference. Force is compared from place to place too (place.h), where both recordings were; where the
+// two motions are the same to the last digit, sample by sample.
 #pragma once
 
 #include <cstddef>
@@ -90,7 +90,8 @@ struct Judgement {
   std::optional<Channel> gives_away;      // the strongest, if it is above noise
   bool same_motion = false;
   std::vector<FeltMoment> moments;  // in contact
-  double noticed_share = 0.0;       // of the moments, above one JND; NaN without moments
+  PlaceMap places;
+  double noticed_share = 0.0;  // of the moments, above one JND; NaN without moments
   std::vector<std::string> remarks;
 };
 

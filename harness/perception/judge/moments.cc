@@ -55,22 +55,6 @@ std::vector<FeltMoment> felt_moments(const JudgedProcess& real, const JudgedProc
   return moments;
 }
 
-LocalForce local_force(const std::vector<FeltMoment>& moments) {
-  if (moments.empty()) return {};
-  const auto n = static_cast<double>(moments.size());
-  double squares = 0.0;
-  double fourth = 0.0;
-  for (const auto& m : moments) {
-    squares += m.jnd * m.jnd / n;
-    fourth += std::pow(m.jnd, 4) / n;
-  }
-  LocalForce local;
-  local.jnd = std::sqrt(squares);
-  if (n > 1.0 && local.jnd > 0.0)
-    local.standard_error = 0.5 * std::sqrt(std::max(0.0, fourth - squares * squares) / (n - 1.0)) / local.jnd;
-  return local;
-}
-
 double noticed_share(const std::vector<FeltMoment>& moments) {
   if (moments.empty()) return std::numeric_limits<double>::quiet_NaN();
   const auto noticed = std::count_if(moments.begin(), moments.end(), [](const auto& m) { return m.jnd > 1.0; });

@@ -15,12 +15,6 @@ inline constexpr double kMoment_s = 0.25;
 std::vector<FeltMoment> felt_moments(const JudgedProcess& real, const JudgedProcess& rendered, bool same_motion,
                                      const Thresholds& thresholds);
 
-struct LocalForce {
-  double jnd = 0.0;  // root mean square over the moments
-  double standard_error = 0.0;
-};
-LocalForce local_force(const std::vector<FeltMoment>& moments);
-
 // Share of the moments above one JND; NaN without any.
 double noticed_share(const std::vector<FeltMoment>& moments);
 

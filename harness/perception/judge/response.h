@@ -5,9 +5,9 @@
 //   F_0(d, d')   = a(d) + b(d) d'                    along the outward direction
 //   F_i(d, s)    = a_i(d) + c(d) s_i / sqrt(s^2 + s0^2)   across, i = 1, 2; s the velocity of sliding, s0 = 1 mm/s
 //
-// a, b, c are straight between knots. Least squares over the samples in contact; the spread comes from leaving out one
-// of kBlocks stretches of time after the other (block jackknife, Kuensch 1989), which needs no assumption about how
-// noise is correlated within a stretch.
+// times a gain over place (place.h) where the object differs from place to place. a, b, c are straight between knots.
+// Least squares over the samples in contact; the spread comes from leaving out one of kBlocks stretches of time after
+// the other (block jackknife, Kuensch 1989), which needs no assumption about how noise is correlated within a stretch.
 #pragma once
 
 #include <array>
@@ -18,6 +18,7 @@
 #include "harness/base/rooms.h"
 #include "harness/perception/filters/weber_law.h"
 #include "harness/perception/judge/felt_series.h"
+#include "harness/perception/judge/place.h"
 
 namespace touchstone::perception {
 
@@ -46,6 +47,7 @@ struct Response {
   std::vector<double> speed_m_per_s;  // root mean square rate of depth at every knot
   std::vector<double> slid;           // share of the samples at every knot that slide
   std::array<std::vector<double>, 2> slid_towards;  // their mean direction: as long as 1 if all slide one way
+  PlaceGain gain;                                   // over place, of all curves
   ResponseCurves curves;
   std::vector<ResponseCurves> without;  // without block 0 .. kBlocks - 1
 
@@ -64,7 +66,11 @@ FirstContact first_contact(const FeltSeries& felt, const WeberLaw& force);
 DepthGrid depth_grid(const FeltSeries& felt, const FirstContact& contact);
 
 // Nothing if no knot is seen by enough samples.
-std::optional<Response> fit_response(const FeltSeries& felt, const FirstContact& contact, const DepthGrid& grid);
+std::optional<Response> fit_response(const FeltSeries& felt, const FirstContact& contact, const DepthGrid& grid,
+                                     const PlaceGain& gain = {});
+// The same with the gain over place, if that leaves less than half of the squares and changes the force by more than a
+// third of what can be noticed; else nothing.
+std::optional<Response> with_place(const Response& response, const FeltSeries& felt);
 
 // Sum of the squared residuals along the outward direction, in contact and in the air.
 double residual_squares_N2(const Response& response, const FeltSeries& felt);

@@ -77,6 +77,11 @@ void keep_larger(SlowEvidence& evidence, double jnd, double depth_m, double real
 
 }  // namespace
 
+double steady_force_N(const Response& own, const Response& other, double depth_m) {
+  const bool side_known = side_is_known(sliding_at(own, depth_m), sliding_at(other, depth_m));
+  return static_force(own.curves, depth_m, own.grid, side_known).norm();
+}
+
 double depth_exponent(const ResponseCurves& c, double d, double step_m, const DepthGrid& grid) {
   const double below_m = std::max(0.0, d - step_m);
   const double force_N = static_force(c, d, grid).norm();

@@ -42,6 +42,10 @@ double force_at_depth_jnd(double force_jnd, double real_N, double rendered_N, do
 // is noticed as a change of the load `load_N`, in proportion below.
 double friction_jnd(double real_N, double rendered_N, double apart_N, double load_N, const Thresholds& thresholds);
 
+// Magnitude of the steady force of `own` at a depth, with the force across if it can be compared with that of `other`:
+// friction hides in it where one of them slid one way only.
+double steady_force_N(const Response& own, const Response& other, double depth_m);
+
 // At which depths both were seen: 20 to 100 % of the shallower press.
 std::vector<double> common_depths_m(const Response& real, const Response& rendered);
 

@@ -61,6 +61,7 @@ TEST(Thresholds, EachSaysWhetherItsSourceWasReadAndThoseReadAgree) {
       {"force_fraction_below", 0.20},
       {"force_fraction_above", 0.07},
       {"stiffness_fraction", 0.22},
+      {"delay_s", 0.036},
       {"direction_rad", 25.6 / 180.0 * std::numbers::pi},
       {"friction_fraction", 0.2},
       {"position_m", 4e-4},

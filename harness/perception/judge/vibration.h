@@ -55,9 +55,9 @@ FastForce fast_force(const FeltSeries& felt, const Response& response, const Thr
 
 // What a person would tell between two processes by their fast force.
 struct VibrationDifference {
-  bool known = false;           // both were seen
-  bool in_air = false;          // what differs most is felt in free air
-  double jnd = 0.0;             // d', as far as it exceeds all that noise alone reaches in 95 %
+  bool known = false;   // both were seen
+  bool in_air = false;  // what differs most is felt in free air
+  double jnd = 0.0;  // d' without what noise adds on average; 0 unless it exceeds all that noise alone reaches in 95 %
   double measured_jnd = 0.0;    // as measured; by noise alone it is not 0
   double standard_error = 0.0;  // of what is measured
   double frequency_Hz = 0.0;    // centre of the band that differs most

@@ -81,9 +81,10 @@ PowerErrors errors_of(const ComparedPower& real, const ComparedPower& rendered, 
 
 // d'^2 of one cue: a sum of squares whose terms are known with an error.
 struct SquaredEvidence {
-  double square = 0.0;    // what noise adds on average taken off; may be below 0
+  double square = 0.0;
   double exceeds = 0.0;   // what exceeds all that noise alone reaches; may be below 0
   double variance = 0.0;  // of the root
+  double by_noise = 0.0;  // what noise adds to the square on average
 };
 
 // `looks`: how many cues of one pair share the error.
@@ -130,18 +131,19 @@ VibrationDifference difference(const ComparedPower& real, const ComparedPower& r
   const double share = 1.0 - kByNoise / looks;
   const double reach = stats::f_quantile(share, 1.0, errors.degrees);
   const double apart = rendered_sum - real_sum;
-  const SquaredEvidence strength{apart * apart, apart * apart - reach * errors.of_sum, errors.of_sum};
+  const SquaredEvidence strength{apart * apart, apart * apart - reach * errors.of_sum, errors.of_sum, errors.of_sum};
   // A sum of squares of unequal variances is nearly one of h equal ones (Satterthwaite 1946).
-  SquaredEvidence profile{squares, squares, variances};
+  SquaredEvidence profile{squares, squares, variances, variances};
   if (variances > 0.0) {
     const double h = variances * variances / squared_variances;
     profile = {squares - variances, squares - variances * stats::f_quantile(share, h, errors.degrees),
-               squares > 0.0 ? variance_along / squares : variances};
+               squares > 0.0 ? variance_along / squares : variances, variances};
   }
   const SquaredEvidence& better = strength.exceeds >= profile.exceeds ? strength : profile;
   const VibrationScale scale(thresholds);
   const double observer = scale.noise_between(real_sum + beside, rendered_sum + beside);
-  result.jnd = std::sqrt(std::max(0.0, better.exceeds)) / observer;
+  // The noise's mean share is taken off, not all that it may reach: what is beyond its reach would else read too small.
+  result.jnd = better.exceeds > 0.0 ? std::sqrt(std::max(0.0, better.square - better.by_noise)) / observer : 0.0;
   result.measured_jnd = std::sqrt(std::max(0.0, better.square)) / observer;
   // As a normal error with the same reach.
   constexpr double kNormal95 = 1.959964;

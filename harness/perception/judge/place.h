@@ -1,0 +1,69 @@
+// How an object differs from place to place. The force of a response over depth is multiplied by a gain over the place
+// in the plane across the direction of pressing: cubic B-splines (de Boor 1978), twenty spacings over the longer side
+// of what was explored, by least squares. Two processes are compared cell by cell where both were there, each against
+// its own force over depth, with the error that stretches of the smoothing's length show.
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "harness/base/rooms.h"
+#include "harness/base/vec.h"
+#include "harness/perception/judge/thresholds.h"
+
+namespace touchstone::perception {
+
+struct FeltSeries;
+struct JudgedProcess;
+struct Response;
+
+// 1 everywhere if it has no coefficients.
+struct PlaceGain {
+  double spacing_m = 0.0;
+  double first_m[2] = {0.0, 0.0};  // place of the first interval's beginning
+  std::size_t intervals[2] = {0, 0};
+  std::vector<double> coefficients;  // (intervals[0] + 3) (intervals[1] + 3)
+
+  [[nodiscard]] double of(const FeltSeries& felt, std::size_t i) const;
+};
+
+// The gain that the residuals of a response show, 1 on average over the samples in contact; nothing where the places
+// lie within `kFinestPlace_m`.
+std::optional<PlaceGain> place_gain(const FeltSeries& felt, const Response& response);
+
+// What is between the two is one place.
+inline constexpr double kFinestPlace_m = 0.01;
+
+struct PlaceDifference {
+  Vec3 centre_m = Vec3::Zero();  // in the object's frame, on the plane through the frame's origin
+  bool known = false;            // both were there
+  double real_N = 0.0;           // at the same depth
+  double rendered_N = 0.0;
+  double jnd = 0.0;
+  double standard_error = 0.0;
+  double depth_m = 0.0;
+  double share = 0.0;  // of the time in contact of the one that was there less
+};
+
+struct PlaceMap {
+  double cell_m = 0.0;
+  // Mean over the places where both were, by the time of the one that was there less, over that of its own places.
+  double real_mean = 1.0;
+  double rendered_mean = 1.0;
+  std::vector<PlaceDifference> cells;  // where the real process was; empty: it stayed at one place
+
+  // The cell that differs most beyond its error, if that is certain for as many looks as there are cells.
+  [[nodiscard]] const PlaceDifference* strongest() const;
+  [[nodiscard]] double reach() const;  // standard errors that a difference must exceed to be certain
+};
+
+// `same_motion`: sample by sample, the whole force, in cells of space.
+PlaceMap place_map(const JudgedProcess& real, const JudgedProcess& rendered, bool same_motion,
+                   const Thresholds& thresholds);
+
+// "1.9 N instead of 0.75 N (+150 %) near (12, 0, 3) mm; more in 5 of 17 places, all of them where x is above 4 mm".
+std::string describe_place(const PlaceMap& map, const PlaceDifference& strongest);
+
+}  // namespace touchstone::perception

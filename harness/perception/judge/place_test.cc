@@ -1,0 +1,148 @@
+// Objects that differ from place to place: strokes over a spring whose stiffness has a lump or a step, by two hands.
+#include "harness/perception/judge/place.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <numbers>
+
+#include "harness/base/random.h"
+#include "harness/perception/judge/judged_conditions.h"
+
+namespace touchstone::perception {
+namespace {
+
+using ::testing::HasSubstr;
+
+constexpr double kHalf_m = 0.03;  // of a stroke
+
+double even(double) { return 320.0; }
+double lump(double x_m) { return 320.0 * (1.0 + 1.4 * std::exp(-std::pow((x_m - 0.008) / 0.006, 2) / 2.0)); }
+double halves(double x_m) { return 320.0 * (1.0 + 0.6 / (1.0 + std::exp(-x_m / 0.0005))); }
+
+struct Strokes {
+  std::function<double(double)> stiffness_N_per_m = even;
+  int count = 6;
+  double noise_N = 0.004;
+  double tracker_m = 2e-6;
+  double depth_m = 0.002;
+  double pace = 1.0;
+  double towards_rad = 0.0;
+  double from_m = -kHalf_m;
+  double to_m = kHalf_m;
+};
+
+Recording strokes(const Strokes& own, std::uint64_t seed) {
+  Random random(seed);
+  Recording recording;
+  recording.source = "strokes";
+  constexpr double kRate_Hz = 500.0;
+  const Vec3 along(std::cos(own.towards_rad), std::sin(own.towards_rad), 0.0);
+  double t = 0.0;
+  const auto ramp = [](double share) { return 0.5 - 0.5 * std::cos(std::numbers::pi * std::clamp(share, 0.0, 1.0)); };
+  for (int stroke = 0; stroke < own.count; ++stroke) {
+    const double depth_m = own.depth_m * random.uniform(0.9, 1.1);
+    const double slide_s = 2.2 / own.pace * random.uniform(0.9, 1.1);
+    // In the air, down, along and up.
+    for (double s = 0.0; s < slide_s + 1.4; s += 1.0 / kRate_Hz, t += 1.0 / kRate_Hz) {
+      const double down = ramp((s - 0.4) / 0.4) - ramp((s - slide_s - 0.9) / 0.4);
+      const double share = ramp((s - 0.85) / slide_s);
+      const double x_m = own.from_m + (own.to_m - own.from_m) * (stroke % 2 == 0 ? share : 1.0 - share);
+      const double d_m = -0.002 + (depth_m + 0.002) * down;
+      const auto noise = [&](double sigma) {
+        const double a = random.normal();
+        const double b = random.normal();
+        return Vec3(sigma * Vec3(a, b, random.normal()));
+      };
+      const double force_N = d_m > 0.0 ? own.stiffness_N_per_m(x_m) * d_m : 0.0;
+      recording.motion.t_s.push_back(t);
+      recording.motion.p_W_m.push_back(x_m * along - d_m * Vec3::UnitZ() + noise(own.tracker_m));
+      recording.f_W_N.push_back(force_N * Vec3::UnitZ() + noise(own.noise_N));
+    }
+  }
+  return recording;
+}
+
+Judgement judged(const Strokes& real, const Strokes& other, std::uint64_t seed) {
+  const RecordingSource again{"again", [&] { return strokes(real, seed + 1); }};
+  const auto result = judge_conditions(strokes(real, seed), {again},
+                                       {{"other", [&] { return strokes(other, seed + 2); }}}, Vec3::UnitZ(), {});
+  return result.conditions.front().judgement;
+}
+
+const ChannelEvidence& force_of(const Judgement& judgement) {
+  return judgement.channels[static_cast<std::size_t>(Channel::force)];
+}
+
+TEST(Place, ALumpIsNamedByItsPlaceWhereverTheStrokesLie) {
+  for (const double towards_rad : {0.0, 0.7, std::numbers::pi / 2.0}) {
+    Strokes real{.stiffness_N_per_m = lump, .towards_rad = towards_rad};
+    Strokes other = real;
+    other.stiffness_N_per_m = even;
+    other.pace = 1.2;
+    const auto judgement = judged(real, other, 7400);
+    EXPECT_EQ(judgement.verdict, Verdict::noticed);
+    ASSERT_TRUE(judgement.gives_away.has_value());
+    EXPECT_EQ(*judgement.gives_away, Channel::force);
+    EXPECT_THAT(force_of(judgement).what, HasSubstr("softer in"));
+    const auto* strongest = judgement.places.strongest();
+    ASSERT_NE(strongest, nullptr);
+    const Vec3 top(0.008 * std::cos(towards_rad), 0.008 * std::sin(towards_rad), 0.0);
+    EXPECT_LT((strongest->centre_m - top).norm(), judgement.places.cell_m) << strongest->centre_m.transpose();
+    // 2.3 times the stiffness there, in a cell as wide as the lump.
+    EXPECT_NEAR(strongest->real_N / strongest->rendered_N, 2.3, 0.2);
+  }
+}
+
+TEST(Place, AStifferHalfIsNamed) {
+  Strokes real;
+  Strokes other;
+  other.stiffness_N_per_m = halves;
+  const auto judgement = judged(real, other, 7410);
+  EXPECT_EQ(judgement.verdict, Verdict::noticed);
+  EXPECT_THAT(force_of(judgement).what, HasSubstr("stiffer in 5 of"));
+  EXPECT_THAT(force_of(judgement).what, HasSubstr("all where x is above"));
+}
+
+// The same lump under another hand, deeper, slower, turned, with more noise.
+TEST(Place, TheSameLumpIsNotNoticed) {
+  std::uint64_t seed = 7500;
+  for (const Strokes& hand : {Strokes{}, Strokes{.depth_m = 0.0026}, Strokes{.pace = 0.7}, Strokes{.count = 9},
+                              Strokes{.noise_N = 0.02, .tracker_m = 1e-5}}) {
+    for (const auto& surface : {lump, halves}) {
+      Strokes real;
+      real.stiffness_N_per_m = surface;
+      Strokes other = hand;
+      other.stiffness_N_per_m = surface;
+      const auto judgement = judged(real, other, seed += 10);
+      EXPECT_NE(judgement.verdict, Verdict::noticed) << seed;
+      EXPECT_LT(judgement.d_prime, 0.5) << seed << " " << force_of(judgement).what;
+    }
+  }
+}
+
+// Two hands that explored other places of a lumpy object: nothing is said of what one of them did not touch.
+TEST(Place, WhatOneDidNotExploreIsNotJudged) {
+  Strokes real{.stiffness_N_per_m = lump};
+  Strokes other = real;
+  other.to_m = 0.006;
+  const auto judgement = judged(real, other, 7600);
+  EXPECT_NE(judgement.verdict, Verdict::noticed) << force_of(judgement).what;
+  EXPECT_TRUE(std::any_of(judgement.places.cells.begin(), judgement.places.cells.end(),
+                          [](const auto& cell) { return !cell.known && cell.centre_m.x() > 0.008; }));
+  EXPECT_THAT(judgement.remarks, ::testing::Contains(HasSubstr("cannot tell")));
+}
+
+TEST(Place, AnEvenObjectHasNoGainOverPlace) {
+  const Recording recording = strokes({}, 7700);
+  EXPECT_TRUE(judged_process(felt_series(recording, Vec3::UnitZ()), {}).response->gain.coefficients.empty());
+  Strokes lumpy{.stiffness_N_per_m = lump};
+  const auto process = judged_process(felt_series(strokes(lumpy, 7701), Vec3::UnitZ()), {});
+  EXPECT_FALSE(process.response->gain.coefficients.empty());
+}
+
+}  // namespace
+}  // namespace touchstone::perception
