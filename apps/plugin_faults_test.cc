@@ -10,6 +10,7 @@
 #include <string>
 
 #include "harness/testing/built_program.h"
+#include "harness/testing/temporary_folder.h"
 
 namespace touchstone::apps {
 namespace {
@@ -28,8 +29,8 @@ std::set<std::string> failing_tests(const std::string& fault, const std::string&
   const auto run = [&](const std::string& command) { return testing::run_command(command, folder); };
   // A fault shows on the small shapes, where the example's search through all triangles is quick, or by its own name.
   const std::string tests = caught_by.empty() ? "*" : "*_cube:*_plate:*_sheet:*TheForceIs*:*" + caught_by + "*";
-  const Outcome suite = run(fmt::format("{} --plugin={} {} --gtest_filter='{}'", environment("TOUCHSTONE_CONFORMANCE"),
-                                        plugin(fault), options, tests));
+  const Outcome suite = run(fmt::format("{} --plugin={} {} --no-cases --gtest_filter='{}'",
+                                        environment("TOUCHSTONE_CONFORMANCE"), plugin(fault), options, tests));
   for (const std::string mark :
        {"[  FAILED  ] Plugin/RendererConformance.", "[  FAILED  ] Plugin/RendererBehaviour."}) {
     for (std::size_t at = suite.out.find(mark); at != std::string::npos; at = suite.out.find(mark, at + 1)) {
@@ -61,6 +62,35 @@ TEST(PluginCrash, SaysInWhichFunctionAtWhichStepAndWhereTheTipWas) {
   EXPECT_EQ(outcome.status, 1) << outcome.out << outcome.err;
   EXPECT_THAT(outcome.out, ::testing::AllOf(::testing::HasSubstr("crashed (SIG"), ::testing::HasSubstr("p_W_m")));
   std::filesystem::remove_all(folder);
+}
+
+// Whoever runs the suite and whoever looks at the scorecard learn the same of the golden cases: the example, which has
+// no memory, is right in the place of a spring and leaves a thin shell on the far side in that of a god-object.
+TEST(PluginGoldenCases, TheSuiteAndTheScorecardAgree) {
+  const testing::TemporaryFolder folder;
+  const auto golden = folder.path() / "golden";
+  for (const char* const name : {"plane-taps", "shell-thin-push"}) {
+    std::filesystem::create_directories(golden);
+    std::filesystem::copy(environment("TOUCHSTONE_SOURCE_DIR") + "/golden/" + name, golden / name,
+                          std::filesystem::copy_options::recursive);
+  }
+  const auto run = [&](const char* variable, const std::string& options) {
+    return testing::run_command(fmt::format("{} {} --plugin={} --golden={}", environment(variable), options,
+                                            plugin("NO_FAULT"), golden.string()),
+                                folder.path());
+  };
+  const auto suite = [&](const std::string& options) {
+    return run("TOUCHSTONE_CONFORMANCE", "--gtest_filter='*GoldenCases*' " + options);
+  };
+  const Outcome scorecard = run("TOUCHSTONE_PROGRAM", "scorecard --no-cost --plugin-in-process");
+  EXPECT_EQ(scorecard.status, 1) << scorecard.out << scorecard.err;
+  const Outcome failed = suite("");
+  EXPECT_EQ(failed.status, 1) << failed.out << failed.err;
+  EXPECT_THAT(failed.out,
+              ::testing::HasSubstr("[  FAILED  ] Plugin/GoldenCases.AHandNoticesNoError/penalty_in_c_shell_thin_push"));
+  EXPECT_EQ(suite("--allow=shell-thin-push").status, 0);
+  EXPECT_EQ(suite("--model=spring-linear").status, 0);
+  EXPECT_EQ(suite("--allow=shell-thick-push").status, 2);
 }
 
 struct Fault {

@@ -70,7 +70,8 @@ function(touchstone_add_renderer_tests)
     endif()
   endif()
 
-  set(arguments --plugin=$<TARGET_FILE:${plugin}> --renderer=${ARG_RENDERER})
+  # Golden cases are tests of their own, below.
+  set(arguments --plugin=$<TARGET_FILE:${plugin}> --renderer=${ARG_RENDERER} --no-cases)
   foreach(parameter IN LISTS ARG_PARAMETERS)
     list(APPEND arguments --parameter=${parameter})
   endforeach()

@@ -33,8 +33,6 @@ bool is_allowed(const Scorecard& card, const Finding& finding) {
   return is_allowed(card, finding.name) || is_allowed(card, finding.follows_from);
 }
 
-bool fails(const CaseScore& one) { return !one.skipped && (!one.problem.empty() || !one.felt); }
-
 // Allowed and not found: the line that allows it can go.
 std::vector<std::string> allowed_in_vain(const Scorecard& card) {
   std::vector<std::string> names;
@@ -105,6 +103,8 @@ std::string case_cell(const Scorecard& card, const std::string& name) {
 }
 
 }  // namespace
+
+bool fails(const CaseScore& one) { return !one.skipped && (!one.problem.empty() || !one.felt); }
 
 CardVerdict verdict_of(const Scorecard& card) {
   const auto counts = [&](const std::string& name) { return !is_allowed(card, name); };

@@ -54,6 +54,9 @@ struct Scorecard {
   std::vector<std::string> allowed;  // faults and golden cases that are known to fail, and do not count
 };
 
+// Whether it could not run, though it is a case for this engine, or has an error that a hand would notice.
+bool fails(const CaseScore& one);
+
 // Whether the engine passes. A fault, a detector that could not run, a case that could not run, and a case with an
 // error that a hand would notice fail, unless they are allowed. If cases were wanted and none ran, nothing is known.
 enum class CardVerdict : std::uint8_t { passed, failed, skipped };

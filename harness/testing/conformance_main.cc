@@ -1,22 +1,32 @@
 // touchstone-conformance: the conformance suite of renderers (harness/testing/renderer_conformance.h) on the renderers
-// of a plug-in. They run in this process, so that an allocation in a step is seen.
+// of a plug-in, and the golden cases, each a test that fails if a hand would notice the error, as in a scorecard. They
+// run in this process, so that an allocation in a step is seen.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <signal.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <charconv>
 #include <cstdio>
+#include <filesystem>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "harness/base/error.h"
+#include "harness/pipeline/golden/golden_life.h"
+#include "harness/pipeline/golden/scored_renderer.h"
 #include "harness/plugin/plugin.h"
 #include "harness/testing/conformance_recorder.h"
 #include "harness/testing/renderer_subject.h"
+#include "harness/testing/temporary_folder.h"
+#include "renderers/catalogue.h"
+#include "synthetic/generators.h"
 
 namespace {
 
@@ -28,7 +38,7 @@ constexpr const char* kUsage =
     "usage: touchstone-conformance --plugin=libmine.so [--renderer=NAME] [--parameter=NAME=VALUE]... "
     "[--stiffness=N/M]\n"
     "                              [--friction=MU] [--tip-radius=M] [--epsilon=M] [--allow=FAULT]... [--in-child]\n"
-    "                              [--results=FOLDER] [--gtest_...]\n"
+    "                              [--golden=FOLDER] [--model=MODEL] [--no-cases] [--results=FOLDER] [--gtest_...]\n"
     "  --renderer    only this one of the plug-in's\n"
     "  --parameter   another value than the default\n"
     "  --stiffness   the steepest rise of force with depth [N/m]; the parameter stiffness_N_per_m where not given\n"
@@ -36,7 +46,10 @@ constexpr const char* kUsage =
     "                not given\n"
     "  --tip-radius  where the tip is a ball [m]; the parameter tip_radius_m where not given\n"
     "  --epsilon     lengths below it are nothing to the renderer [m]; what it declares where not given\n"
-    "  --allow       a fault that is known: it is reported, and no failure\n"
+    "  --allow       a fault or a golden case that is known to fail: it is reported, and no failure\n"
+    "  --golden      folder of the golden cases; those that come with the program where not given\n"
+    "  --model       the model of the golden cases whose place the renderer takes; god-object where not given\n"
+    "  --no-cases    no golden cases\n"
     "  --results     write each test's outcome there, for touchstone-conformance-result; exit status 0 then, as each\n"
     "                test fails by its own name\n"
     "  --in-child    run the plug-in in a child process, as the program does; allocations are not seen there\n"
@@ -44,6 +57,8 @@ constexpr const char* kUsage =
 
 struct Options {
   std::string plugin, renderer, results;
+  std::string golden = "golden";
+  pipeline::ScoreRequest cases;
   touchstone::testing::SubjectFacts facts;
   std::vector<std::string> allowed;
   bool in_child = false;
@@ -51,6 +66,20 @@ struct Options {
 
 std::vector<touchstone::testing::RendererSubject>& subjects() {
   static std::vector<touchstone::testing::RendererSubject> list;
+  return list;
+}
+
+// A renderer on a golden case.
+struct FeltCase {
+  std::shared_ptr<const RendererEntry> entry;
+  pipeline::ScoreRequest request;
+  baseline::GoldenCase golden;
+};
+
+void PrintTo(const FeltCase& one, std::ostream* out) { *out << one.entry->name << " on " << one.golden.name; }
+
+std::vector<FeltCase>& felt_cases() {
+  static std::vector<FeltCase> list;
   return list;
 }
 
@@ -86,7 +115,13 @@ void take(std::string_view word, Options& options) {
   } else if (const char* const epsilon = value_of("--epsilon")) {
     options.facts.epsilon_m = number(epsilon, word);
   } else if (const char* const fault = value_of("--allow")) {
-    options.allowed.push_back(diagnosis::find_detector(fault).name);
+    options.allowed.emplace_back(fault);
+  } else if (const char* const golden = value_of("--golden")) {
+    options.golden = golden;
+  } else if (const char* const model = value_of("--model")) {
+    options.cases.model = model;
+  } else if (word == "--no-cases") {
+    options.cases.with_cases = false;
   } else if (const char* const results = value_of("--results")) {
     options.results = results;
   } else if (word == "--in-child") {
@@ -96,22 +131,53 @@ void take(std::string_view word, Options& options) {
   }
 }
 
+void choose_cases(const Options& options, const std::vector<std::shared_ptr<const RendererEntry>>& entries) {
+  std::vector<baseline::GoldenCase> cases;
+  if (options.cases.with_cases) {
+    std::filesystem::path folder = options.golden;
+    if (options.golden == Options{}.golden) folder = pipeline::usual_golden_folder(folder);
+    if (std::filesystem::is_directory(folder) || options.golden != Options{}.golden) {
+      cases = baseline::load_cases(folder);
+    } else {
+      std::fputs(
+          "touchstone-conformance: no golden cases are here (--golden=FOLDER): errors that a hand would notice "
+          "are not looked for\n",
+          stderr);
+    }
+  }
+  for (const std::string& name : options.allowed) {
+    if (std::ranges::find(cases, name, &baseline::GoldenCase::name) == cases.end()) diagnosis::find_detector(name);
+  }
+  for (std::size_t i = 0; i < entries.size(); ++i) {
+    pipeline::ScoreRequest request = options.cases;
+    request.facts = options.facts;
+    request.felt.epsilon_m = subjects()[i].epsilon_m;
+    request.allowed = options.allowed;
+    for (const baseline::GoldenCase& golden : cases) {
+      if (golden.models.contains(request.model)) felt_cases().push_back({entries[i], request, golden});
+    }
+  }
+}
+
 void choose_subjects(const Options& options) {
   if (options.plugin.empty()) throw UsageError("--plugin=libmine.so is missing");
   PluginOptions how;
   how.in_process = !options.in_child;
   std::string known;
+  std::vector<std::shared_ptr<const RendererEntry>> chosen;
   for (const auto& entry : load_plugin(options.plugin, how)) {
     known += " " + entry->name;
     if (options.renderer.empty() || options.renderer == entry->name) {
       subjects().push_back(touchstone::testing::subject_of(*entry, options.facts));
       subjects().back().allowed = options.allowed;
+      chosen.push_back(entry);
     }
   }
   if (subjects().empty()) {
     throw UsageError("--renderer=" + options.renderer + ": " + options.plugin + " has no such renderer; it has" +
                      known);
   }
+  choose_cases(options, chosen);
 }
 
 // If a renderer crashes in a test, the test runs again in a child process, which can say in which function, at which
@@ -162,7 +228,40 @@ void run_again_if_it_crashes(int argc, char** argv) {
 
 }  // namespace
 
+namespace touchstone::testing {
+
+class GoldenCases : public ::testing::TestWithParam<FeltCase> {};
+GTEST_ALLOW_UNINSTANTIATED_PARAMETERIZED_TEST(GoldenCases);
+
+TEST_P(GoldenCases, AHandNoticesNoError) {
+  const TemporaryFolder folder;
+  const FeltCase& tested = GetParam();
+  pipeline::ScoreRequest request = tested.request;
+  request.out = folder.path();
+  const diagnosis::CaseScore score = pipeline::score_case(
+      {renderers::built_in_catalogue(), synthetic::built_in_generators()}, tested.entry, request, tested.golden);
+  if (score.skipped) GTEST_SKIP() << score.problem;
+  if (!diagnosis::fails(score)) return;
+  const std::string what =
+      score.problem.empty()
+          ? fmt::format("{:.3g} N off at most, {:.3g} just noticeable differences", score.max_N, score.max_jnd)
+          : score.problem;
+  if (std::ranges::find(request.allowed, score.name) != request.allowed.end())
+    GTEST_SKIP() << score.name << " is allowed: " << what;
+  ADD_FAILURE() << what << "; touchstone scorecard shows where";
+}
+
+}  // namespace touchstone::testing
+
 TOUCHSTONE_RENDERER_CONFORMANCE(Plugin, subjects());
+namespace touchstone::testing {
+INSTANTIATE_TEST_SUITE_P(Plugin, GoldenCases, ::testing::ValuesIn(felt_cases()), [](const auto& tested) {
+  std::string name = tested.param.entry->name + "_" + tested.param.golden.name;
+  std::ranges::replace_if(
+      name, [](unsigned char c) { return std::isalnum(c) == 0; }, '_');
+  return name;
+});
+}  // namespace touchstone::testing
 
 int main(int argc, char** argv) {
   Options options;

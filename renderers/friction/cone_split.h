@@ -12,6 +12,7 @@ template <class S>
 struct ConeSplitOf {
   Vec3Of<S> slide;   // where it would move without friction, to first order: the tangential part
   Vec3Of<S> normal;  // way = slide - normal: the sum of non-negative multiples of the normals
+  S pressed{0.0};    // the sum of these multiples, in the unit of `way`: what the walls press, each by itself
 };
 
 template <class S>

@@ -36,7 +36,7 @@ JumpOf<S> jump_between(const SlidePlaceOf<S>& inside, const SlidePlaceOf<S>& out
   const auto excess = [&](const SlidePlaceOf<S>& side, const Vec3Of<S>& per_share) {
     const Vec3Of<S> there = side.position + (share - side.share) * per_share;
     const ConeSplitOf<S> split = split_by_normals<S>(side.contact, p - there, rounding);
-    return S(norm(split.slide) - mu * norm(split.normal));
+    return S(norm(split.slide) - mu * split.pressed);
   };
   if (!(excess(inside, in) < S(0.0) && excess(outside, out) > S(0.0))) return {};
   return {share, outside.position + (share - outside.share) * out, S(sqrt(squared))};

@@ -40,6 +40,20 @@ double distance_bound(const ContactMesh& mesh, std::int32_t triangle, const std:
   return bound;
 }
 
+// Whether a plane across the way from the middle of `x` to a corner of the triangle keeps the triangle farther than
+// `enough` from all of `x`: a bound that is cheap, and enough for nearly all that are proposed.
+bool plainly_beyond(const ContactMesh& mesh, const Facet& facet, const std::array<Vec3, 3>& x, const Vec3& middle,
+                    double enough) {
+  const Vec3 way = mesh.vertex(facet.corner[0]) - middle;
+  const double squared = squared_norm(way);
+  double nearest = squared;
+  for (std::size_t i = 1; i < 3; ++i) nearest = std::min(nearest, dot(way, mesh.vertex(facet.corner[i]) - middle));
+  double farthest = 0.0;
+  for (const Vec3& place : x) farthest = std::max(farthest, dot(way, place - middle));
+  const double apart = nearest - farthest;
+  return apart > 0.0 && apart * apart >= enough * enough * squared;
+}
+
 struct Lists {
   std::vector<std::int32_t> on_face;
   std::vector<std::int32_t> beside;
@@ -69,20 +83,29 @@ double list_vicinity(const ContactMesh& mesh, std::int32_t triangle, double radi
   for (const Vec3& place : x) extent = std::max(extent, (place - middle).norm());
   const double reach = (most + extent) * kReach;
   proposed.clear();
-  bool all = true;
+  // Those with a corner closer than `most` to a corner of P are listed whatever the bounds say: where they are too many
+  // already, and on a fine mesh they are on most triangles, no bound need be known.
+  const double surely = most * most * (2.0 - kReach);
+  std::size_t listed = 0;
+  bool complete = true;
   mesh.tree().within(middle, reach, [&](std::int32_t t) {
-    all = all && proposed.size() < kMostAround;
-    if (all && t != triangle) proposed.push_back(t);
-    return all ? reach : 0.0;
+    if (!complete || t == triangle) return complete ? reach : 0.0;
+    complete = proposed.size() < kMostAround;
+    proposed.push_back(t);
+    const Facet& other = mesh.facet(t);
+    const Vec3& corner_of_t = mesh.vertex(other.corner[0]);
+    const bool near = std::ranges::any_of(x, [&](const Vec3& at) { return squared_norm(at - corner_of_t) < surely; });
+    if (near && !is_zero(other.n)) complete = complete && ++listed <= kMostListed;
+    return complete ? reach : 0.0;
   });
-  if (!all) return -1.0;
+  if (!complete) return -1.0;
   for (const std::int32_t t : proposed) {
     const Facet& other = mesh.facet(t);
     if (is_zero(other.n)) continue;
     // All of it is below a plane that is as far from P as the ball's radius, for most.
     double height = -std::numeric_limits<double>::infinity();
     for (const std::int32_t v : other.corner) height = std::max(height, facet.height(mesh.vertex(v)));
-    if (height < -spread) continue;
+    if (height < -spread || plainly_beyond(mesh, other, x, middle, most)) continue;
     const double bound = std::max(radius_m - height, distance_bound(mesh, t, x, middle, most));
     if (bound >= most) continue;
     (bound < least ? lists.on_face : lists.beside).push_back(t);

@@ -6,6 +6,7 @@
 
 #include "harness/base/error.h"
 #include "harness/base/random.h"
+#include "harness/surface/triangle_queries.h"
 #include "harness/testing/tiny_meshes.h"
 #include "renderers/hand_for_test.h"
 #include "synthetic/surface_catalogue.h"
@@ -39,6 +40,20 @@ struct Split {
 Split split(const StepResult& step) {
   const double normal_N = step.f_W_N.dot(step.n_W);
   return {normal_N, (step.f_W_N - normal_N * step.n_W).norm()};
+}
+
+// Of the resultant N = sum l_i n_i, at most how much sum l_i is: |N| / min n_i . N over all triangles that it touches.
+double most_pressed(const TriangleMesh& mesh, double radius_m, const StepResult& step) {
+  double least = 1.0;
+  for (const auto& t : mesh.triangles) {
+    const auto corner = [&](std::size_t i) { return mesh.vertices_W_m[static_cast<std::size_t>(t[i])]; };
+    const Vec3 n = (corner(1) - corner(0)).cross(corner(2) - corner(0)).normalized();
+    const TriangleClosest foot = closest_on_triangle({corner(0), corner(1), corner(2)}, n, step.contact_W_m);
+    if (std::sqrt(foot.squared_distance) > radius_m + 1e-9) continue;
+    const Vec3 way = radius_m > 0.0 ? Vec3(-foot.from_query.normalized()) : n;
+    if (const double cosine = way.dot(step.n_W); cosine > 0.0) least = std::min(least, cosine);
+  }
+  return 1.0 / least;
 }
 
 struct Shape {
@@ -153,7 +168,8 @@ TEST(FrictionCone, TheForceStaysInTheConeAndTheSpringOnlyRelaxes) {
             const Split force = split(now);
             const bool same = now.contact_W_m == last.contact_W_m;
             (same ? held : slid) += 1;
-            const double limit = (same ? mu.mu_static : mu.mu_dynamic) * force.normal_N;
+            const double pressed_N = force.normal_N * most_pressed(mesh, radius, now);
+            const double limit = (same ? mu.mu_static : mu.mu_dynamic) * pressed_N;
             ASSERT_LE(force.tangential_N, limit * (1.0 + 1e-9) + kStiffness * rounding_m)
                 << name << " radius " << radius << " mu " << mu.mu_static << " step " << i;
             // What the hand stored in the spring is at most kept.
@@ -185,6 +201,64 @@ TEST(FrictionCone, WithoutFrictionIsTheGodObjectToTheBit) {
         ASSERT_EQ(obtained.contact_W_m, expected.contact_W_m) << name;
         ASSERT_EQ(obtained.n_W, expected.n_W) << name;
         ASSERT_EQ(obtained.depth_m, expected.depth_m) << name;
+      }
+    }
+  }
+}
+
+// Coulomb's law at each wall. Across the groove the walls' forces l_1 and l_2 balance the pull; along it each gives mu
+// of its own. Unequal slopes a and b and a pull that leans by c from the vertical, between both normals: by the law of
+// sines l_1 = N sin(b + c) / sin(a + b), l_2 = N sin(a - c) / sin(a + b). Wall 1 rises to the left, its normal leans
+// right.
+TEST(FrictionCone, AlongAGrooveBothWallsRub) {
+  struct Groove {
+    double left, right, lean;  // degrees
+  };
+  for (const Groove& groove : {Groove{45, 45, 0}, {20, 20, 0}, {70, 70, 0}, {30, 60, 10}, {80, 15, -12}, {3, 5, 1}}) {
+    const auto radians = [](double degrees) { return degrees * std::acos(-1.0) / 180.0; };
+    const double a = radians(groove.left);
+    const double b = radians(groove.right);
+    const double c = radians(groove.lean);
+    const double of_resultant = (std::sin(b + c) + std::sin(a - c)) / std::sin(a + b);
+    for (const double scale : unit_scales()) {
+      TriangleMesh mesh;
+      const double half = 0.04;
+      mesh.vertices_W_m = {{-half * std::cos(a), -half, half * std::sin(a)},
+                           {-half * std::cos(a), half, half * std::sin(a)},
+                           {0, -half, 0},
+                           {0, half, 0},
+                           {half * std::cos(b), -half, half * std::sin(b)},
+                           {half * std::cos(b), half, half * std::sin(b)}};
+      mesh.triangles = {{0, 2, 1}, {2, 3, 1}, {2, 4, 3}, {4, 5, 3}};
+      const Quat turn = awkward_rotation();
+      const auto world = make_embree_surface(testing::moved(mesh, turn, Vec3::Zero(), scale));
+      for (const double radius : {0.0, 0.002}) {
+        const Coefficients mu{0.4, 0.3};
+        const auto renderer = cone(world, kStiffness / scale, mu, radius * scale);
+        Hand hand(*renderer);
+        const double depth = 1e-3;
+        // Where the ball's centre rests: its distance from both walls is the radius.
+        const double away = radius / std::sin((std::acos(-1.0) - a - b) / 2.0);
+        const double middle = (a - b) / 2.0;
+        const Vec3 line(away * std::sin(middle), 0.0, away * std::cos(middle));
+        const auto at = [&](double y, double d) {
+          return Vec3(turn * (scale * (line + Vec3(-d * std::sin(c), y, -d * std::cos(c)))));
+        };
+        // Onto both walls: the ball from the air, the point as a run that starts inside. From the air it would be held
+        // where it comes through one of them.
+        if (radius > 0.0) hand.to(at(0.0, -depth));
+        hand.to(at(0.0, depth));
+        const StepResult rest = hand.to(at(0.0, depth));
+        const double limit_m = of_resultant * depth;
+        const StepResult held = hand.to(at(mu.mu_static * limit_m * (1.0 - 1e-6), depth));
+        EXPECT_LE((held.contact_W_m - rest.contact_W_m).norm(), 1e-9 * depth * scale) << groove.left << " x " << scale;
+        for (const double y : {mu.mu_static * limit_m * (1.0 + 1e-6), 0.002, 0.005, 0.011}) {
+          const Vec3 force = turn.conjugate() * hand.to(at(y, depth)).f_W_N;
+          EXPECT_NEAR(force.y(), -mu.mu_dynamic * of_resultant * kStiffness * depth, 1e-9 * kStiffness * depth)
+              << groove.left << " and " << groove.right << " leaning " << groove.lean << " radius " << radius << " x "
+              << scale << " y " << y;
+          EXPECT_NEAR(std::hypot(force.x(), force.z()), kStiffness * depth, 1e-9 * kStiffness * depth);
+        }
       }
     }
   }
@@ -268,8 +342,8 @@ TEST(FrictionCone, RefusesStaticBelowDynamicWithTheReason) {
 }
 
 // The same law on two planes that meet at x = 0, slowly and in 64 bits of mantissa: the god-object of a ball in the
-// wedge above both, held by the cone about what presses, or sent by bisection to the goal where the tip lies on the
-// cone.
+// wedge above both, held by the cones of the planes that press, or sent by bisection to the goal where the tip lies on
+// the cone.
 class WedgeTwin {
  public:
   using Long = long double;
@@ -282,8 +356,8 @@ class WedgeTwin {
   LongVec start(const Vec3& p) { return g_ = rest(p.cast<Long>()); }
   LongVec follow(const Vec3& tip) {
     const LongVec p = tip.cast<Long>();
-    const auto [slide, normal] = split(p);
-    const bool holds = slide.norm() <= (sliding_ ? mu_.mu_dynamic : mu_.mu_static) * normal.norm();
+    const auto [slide, pressed] = split(p);
+    const bool holds = slide.norm() <= (sliding_ ? mu_.mu_dynamic : mu_.mu_static) * pressed;
     sliding_ = !holds;
     if (holds) return g_;
     Long inside = 0;
@@ -291,8 +365,8 @@ class WedgeTwin {
     for (int i = 0; i < 200; ++i) {
       const Long share = (inside + outside) / 2;
       g_ = rest(p - share * slide);
-      const auto [now_slide, now_normal] = split(p);
-      (now_slide.norm() < mu_.mu_dynamic * now_normal.norm() ? inside : outside) = share;
+      const auto [now_slide, now_pressed] = split(p);
+      (now_slide.norm() < mu_.mu_dynamic * now_pressed ? inside : outside) = share;
     }
     // Where the god-object jumps into the crease no goal puts the tip on the cone: the side that is inside of it. Which
     // planes hold it there decides where the next step slides.
@@ -316,16 +390,17 @@ class WedgeTwin {
     const Long tilt = -normals_[1].x();
     return {(normals_[1].z() - 1) * radius_m_ / tilt, q.y(), radius_m_};
   }
-  // The pull on g along the surface, and what presses.
-  [[nodiscard]] std::pair<LongVec, LongVec> split(const LongVec& p) const {
+  // The pull on g along the surface, and what the planes press, each by itself, added.
+  [[nodiscard]] std::pair<LongVec, Long> split(const LongVec& p) const {
     const LongVec way = p - g_;
     for (const int i : {0, 1}) {
       if (!held_[i] || normals_[i].dot(way) >= 0) continue;
       const LongVec slide = way - normals_[i].dot(way) * normals_[i];
-      if (!held_[1 - i] || normals_[1 - i].dot(slide) >= 0) return {slide, slide - way};
+      if (!held_[1 - i] || normals_[1 - i].dot(slide) >= 0) return {slide, (slide - way).norm()};
     }
-    const LongVec slide(0, way.y(), 0);
-    return {slide, slide - way};
+    // The second plane alone presses across the crease, both upwards.
+    const Long second = way.x() / -normals_[1].x();
+    return {LongVec(0, way.y(), 0), second - way.z() - second * normals_[1].z()};
   }
 
   std::array<LongVec, 2> normals_;

@@ -38,6 +38,15 @@ EdgeView<S> view_edge(const Mesh& mesh, std::int32_t triangle, std::size_t e, co
   return view;
 }
 
+// What the two walls of a valley press on a god-object that rests on its edge, added: l_1 + l_2 in its distance from
+// the tip l_1 n_1 + l_2 n_2, whose parts along the normals are the tip's depths (cone_friction.h). A ridge holds
+// nothing.
+template <class S>
+S pressed_on_edge(const EdgeView<S>& edge, const Vec3Of<S>& n1, const Vec3Of<S>& n2, const S& distance_m) noexcept {
+  const S both = S(1.0) + dot(n1, n2);
+  return edge.valley && both > S(0.0) ? S(-(edge.h1 + edge.h2) / both) : distance_m;
+}
+
 // Moves without coming closer to the tip before the walk gives up: exact arithmetic needs none at all, rounding a few
 // at a vertex. The god-object then rests where it is, which is on the surface.
 constexpr int kPatience = 64;
@@ -224,10 +233,11 @@ bool SurfaceWalkOf<Mesh>::slide_on_edge(const V& p) noexcept {
   if (hold_ > zero) {
     const S length = sqrt(squared_norm(along));
     const S foot = after / (after + before);
-    const S depth = sqrt(squared_norm(p - (from + foot * along)));
+    const S pressed =
+        pressed_on_edge<S>(edge, facet.n, mesh_->facet(edge.other).n, sqrt(squared_norm(p - (from + foot * along))));
     const S behind = dot(g_ - from, along) / (length * length) - foot;
-    if (held(abs(behind) * length, depth)) return rest(g_, g_ - p);
-    const S step = slip(depth) / length;
+    if (held(abs(behind) * length, pressed)) return rest(g_, g_ - p);
+    const S step = slip(pressed) / length;
     const S there = behind < zero ? S(foot - step) : S(foot + step);
     if (there <= zero) return to_vertex(triangle_, start);
     if (there >= one) return to_vertex(triangle_, end);

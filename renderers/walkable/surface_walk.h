@@ -18,7 +18,8 @@
 // open mesh, or comes from behind, is free: the inside of an open mesh is not defined, and a closed one is never
 // entered.
 //
-// With friction (cone_friction.h) the god-object stays where the cone holds it, on a face or along a valley's edge, and
+// With friction (cone_friction.h) the god-object stays where the cone holds it, on a face or along a valley's edge (by
+// the cones of both walls), and
 // else goes only as far towards the tip's foot point as the cone lets it. A ridge's edge holds nothing by itself: each
 // face is asked, the steeper first, and where that one holds the other does too.
 //

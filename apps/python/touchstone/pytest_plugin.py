@@ -83,7 +83,8 @@ class RendererFile(pytest.File):
 
     def _conformance(self, one: Type[renderers.Renderer]) -> Iterator[pytest.Item]:
         facts = [f"--{fact.replace('_', '-')}={value!r}" for fact, value in one.facts.items()]
-        suite = Suite(self.path, [_plugin(), f"--renderer={one.name}", *facts])
+        # Golden cases are tests of their own, below.
+        suite = Suite(self.path, [_plugin(), "--no-cases", f"--renderer={one.name}", *facts])
         self.runs.append(suite)
         group = ""
         for line in suite.list().splitlines():

@@ -34,14 +34,16 @@ std::string shape_of(const GoldenCase& golden) {
   return file.substr(0, file.find('.'));
 }
 
-diagnosis::CaseScore score_case(const Catalogues& catalogues, const GoldenCase& golden, const ScoreRequest& request,
-                                const ChangeModel& change) {
+}  // namespace
+
+diagnosis::CaseScore score_case(const Catalogues& catalogues, const std::shared_ptr<const RendererEntry>& entry,
+                                const ScoreRequest& request, const GoldenCase& golden) {
   diagnosis::CaseScore score;
   score.name = golden.name;
   score.shape = shape_of(golden);
   try {
-    const CheckResult checked =
-        check_case(catalogues, golden, request.model, {request.out / "cases", false, change, request.felt});
+    const CheckResult checked = check_case(catalogues, golden, request.model,
+                                           {request.out / "cases", false, in_place(entry, request), request.felt});
     score.problem = checked.skipped;
     score.skipped = !score.problem.empty();
     if (score.skipped) return score;
@@ -64,8 +66,6 @@ diagnosis::CaseScore score_case(const Catalogues& catalogues, const GoldenCase& 
   }
   return score;
 }
-
-}  // namespace
 
 std::vector<std::shared_ptr<const RendererEntry>> entries_to_score(std::span<const RendererEntry> own,
                                                                    const Plugins& plugins,
@@ -124,7 +124,7 @@ diagnosis::Scorecard score_renderer(const Catalogues& catalogues, const std::sha
   with_epsilon.felt.epsilon_m = engine.epsilon_m;
   for (const GoldenCase& golden : cases) {
     if (golden.models.contains(request.model))
-      card.cases.push_back(score_case(catalogues, golden, with_epsilon, in_place(entry, request)));
+      card.cases.push_back(score_case(catalogues, entry, with_epsilon, golden));
   }
   return card;
 }

@@ -38,6 +38,10 @@ std::vector<std::shared_ptr<const RendererEntry>> entries_to_score(std::span<con
                                                                    const Plugins& plugins,
                                                                    const std::vector<std::string>& names);
 
+// One case, as the card has it. `request.felt.epsilon_m` is the renderer's own.
+diagnosis::CaseScore score_case(const Catalogues& catalogues, const std::shared_ptr<const RendererEntry>& entry,
+                                const ScoreRequest& request, const GoldenCase& golden);
+
 // A case that cannot run is a problem in the card, not an error. Throws UsageError if the renderer's stiffness is
 // neither given nor declared or what is allowed is neither a fault nor a case, BadData for parameters that it does not
 // declare.
