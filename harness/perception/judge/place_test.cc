@@ -31,6 +31,7 @@ struct Strokes {
   double depth_m = 0.002;
   double pace = 1.0;
   double towards_rad = 0.0;
+  double rate_Hz = 500.0;
   double from_m = -kHalf_m;
   double to_m = kHalf_m;
 };
@@ -39,7 +40,6 @@ Recording strokes(const Strokes& own, std::uint64_t seed) {
   Random random(seed);
   Recording recording;
   recording.source = "strokes";
-  constexpr double kRate_Hz = 500.0;
   const Vec3 along(std::cos(own.towards_rad), std::sin(own.towards_rad), 0.0);
   double t = 0.0;
   const auto ramp = [](double share) { return 0.5 - 0.5 * std::cos(std::numbers::pi * std::clamp(share, 0.0, 1.0)); };
@@ -47,7 +47,7 @@ Recording strokes(const Strokes& own, std::uint64_t seed) {
     const double depth_m = own.depth_m * random.uniform(0.9, 1.1);
     const double slide_s = 2.2 / own.pace * random.uniform(0.9, 1.1);
     // In the air, down, along and up.
-    for (double s = 0.0; s < slide_s + 1.4; s += 1.0 / kRate_Hz, t += 1.0 / kRate_Hz) {
+    for (double s = 0.0; s < slide_s + 1.4; s += 1.0 / own.rate_Hz, t += 1.0 / own.rate_Hz) {
       const double down = ramp((s - 0.4) / 0.4) - ramp((s - slide_s - 0.9) / 0.4);
       const double share = ramp((s - 0.85) / slide_s);
       const double x_m = own.from_m + (own.to_m - own.from_m) * (stroke % 2 == 0 ? share : 1.0 - share);
@@ -134,6 +134,35 @@ TEST(Place, WhatOneDidNotExploreIsNotJudged) {
   EXPECT_TRUE(std::any_of(judgement.places.cells.begin(), judgement.places.cells.end(),
                           [](const auto& cell) { return !cell.known && cell.centre_m.x() > 0.008; }));
   EXPECT_THAT(judgement.remarks, ::testing::Contains(HasSubstr("cannot tell")));
+}
+
+// By another rate of the recordings, in a turned frame, with another condition before it: the same difference.
+TEST(Place, RateFrameAndOrderChangeNothing) {
+  Strokes real{.stiffness_N_per_m = lump};
+  Strokes other = real;
+  other.stiffness_N_per_m = even;
+  const double d_prime = judged(real, other, 7800).d_prime;
+  for (const double rate_Hz : {120.0, 2000.0}) {
+    real.rate_Hz = other.rate_Hz = rate_Hz;
+    EXPECT_NEAR(judged(real, other, 7800).d_prime, d_prime, 0.1 * d_prime) << rate_Hz;
+  }
+  real.rate_Hz = other.rate_Hz = 500.0;
+  const Mat3 turn = Eigen::AngleAxisd(0.9, Vec3(1.0, -2.0, 0.5).normalized()).toRotationMatrix();
+  const auto turned = [&turn](Recording recording) {
+    for (Vec3& p : recording.motion.p_W_m) p = turn * p;
+    for (Vec3& f : recording.f_W_N) f = turn * f;
+    return recording;
+  };
+  const RecordingSource again{"again", [&] { return turned(strokes(real, 7801)); }};
+  const auto result = judge_conditions(
+      turned(strokes(real, 7800)), {again},
+      {{"same", [&] { return turned(strokes(real, 7803)); }}, {"other", [&] { return turned(strokes(other, 7802)); }}},
+      turn * Vec3::UnitZ(), {});
+  EXPECT_NEAR(result.conditions.back().judgement.d_prime, d_prime, 0.03 * d_prime);
+  const auto* strongest = result.conditions.back().judgement.places.strongest();
+  ASSERT_NE(strongest, nullptr);
+  EXPECT_LT((strongest->centre_m - turn * Vec3(0.008, 0.0, 0.0)).norm(),
+            result.conditions.back().judgement.places.cell_m);
 }
 
 TEST(Place, AnEvenObjectHasNoGainOverPlace) {
