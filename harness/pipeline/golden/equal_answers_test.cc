@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "harness/baseline/tolerance.h"
 #include "harness/surface/embree_surface.h"
 #include "harness/testing/tiny_meshes.h"
