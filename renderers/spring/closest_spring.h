@@ -105,7 +105,7 @@ class ClosestSpring final : public Renderer {
     const Vec3 tip = p_W_m.template cast<double>();
     const Vec3 at = foot.p_W_m.template cast<double>();
     // Asked in plain numbers, since that is no part of the method: did the foot jump though the side where it was is as
-    // close? That side is taken for flat; the second query tells.
+    // close? That side is treated as flat; the second query decides.
     const double depth_m = (at - tip).norm();
     if (touched_ && static_cast<double>(foot.signed_distance_m) < static_cast<double>(radius_m_) &&
         (at - last_foot_).norm() > kJump * (tip - last_tip_).norm() + kNear * depth_m &&
