@@ -1,8 +1,14 @@
 // A spring from the closest surface point to the tip, without memory: the vector-field method that Zilles and Salisbury
 // (1995, section 2) describe and argue against. The penalty renderer and the two springs of the second paper are this,
 // with different laws. Templates over the scalar, so that their operations can be counted (harness/base/counted.h).
+//
+// Where several surface points are equally close to rounding (on the medial axis: H. Blum, 1967), the one on the side
+// where the last foot was is taken, not the one of the smaller index. That is all that is remembered.
+// Beyond the rim of an open mesh there is no inside, and no force: a tip in a sheet's plane is as free on either side.
 #pragma once
 
+#include <cmath>
+#include <limits>
 #include <memory>
 #include <type_traits>
 #include <utility>
@@ -10,7 +16,9 @@
 #include "harness/base/rooms.h"
 #include "harness/base/vec.h"
 #include "harness/rendering/renderer.h"
+#include "harness/surface/mesh_topology.h"
 #include "harness/surface/surface.h"
+#include "renderers/friction/fixed_order.h"
 
 namespace touchstone::renderers {
 
@@ -58,6 +66,12 @@ SpringPush<S> push_out(const Foot<S>& foot, const Vec3Of<S>& tip_W_m, const S& k
   return push;
 }
 
+// Whether the edge or corner lies on an edge that no other triangle has.
+bool on_rim(const MeshTopology& topology, const TriangleMesh& mesh, std::size_t triangle, Feature feature,
+            std::size_t index) noexcept;
+// `point` is the closest to p_W_m.
+bool on_rim(const Surface& surface, const SurfacePoint& point, const Vec3& p_W_m) noexcept;
+
 // Asks a surface.
 class SurfaceFeet {
  public:
@@ -66,7 +80,8 @@ class SurfaceFeet {
   [[nodiscard]] Foot<double> closest(const Vec3& p_W_m) const {
     const SurfacePoint point = surface_->closest(p_W_m);
     const bool smooth = point.feature == Feature::face || point.feature == Feature::analytic;
-    return {point.p_W_m, point.n_W, point.signed_distance_m, smooth};
+    const bool beyond_rim = point.signed_distance_m < 0.0 && !smooth && on_rim(*surface_, point, p_W_m);
+    return {point.p_W_m, point.n_W, beyond_rim ? point.distance_m : point.signed_distance_m, smooth};
   }
 
  private:
@@ -82,11 +97,37 @@ class ClosestSpring final : public Renderer {
  private:
   using S = typename Feet::Scalar;
 
-  void do_reset() override {}
+  void do_reset() override { touched_ = false; }
+
+  // The foot at p, of equally close ones that on the side of the last.
+  [[nodiscard]] Foot<S> foot_at(const Vec3Of<S>& p_W_m) noexcept {
+    Foot<S> foot = feet_.closest(p_W_m);
+    const Vec3 tip = p_W_m.template cast<double>();
+    const Vec3 at = foot.p_W_m.template cast<double>();
+    // Asked in plain numbers, since that is no part of the method: did the foot jump though the side where it was is as
+    // close? That side is treated as flat; the second query decides.
+    const double depth_m = (at - tip).norm();
+    if (touched_ && static_cast<double>(foot.signed_distance_m) < static_cast<double>(radius_m_) &&
+        (at - last_foot_).norm() > kJump * (tip - last_tip_).norm() + kNear * depth_m &&
+        std::abs(std::abs(last_n_.dot(tip - last_foot_)) - depth_m) <= kNear * depth_m) {
+      const Vec3Of<S> aside = p_W_m + S(kNear) * (last_foot_.template cast<S>() - p_W_m);
+      Foot<S> other = feet_.closest(aside);
+      const S distance = norm(Vec3Of<S>(other.p_W_m - p_W_m));
+      if (static_cast<double>(distance) - depth_m <= kRounded * (at.norm() + tip.norm())) {
+        other.signed_distance_m = other.signed_distance_m < S(0.0) ? S(-distance) : distance;
+        foot = other;
+      }
+    }
+    touched_ = true;
+    last_tip_ = tip;
+    last_foot_ = foot.p_W_m.template cast<double>();
+    last_n_ = foot.n_W.template cast<double>();
+    return foot;
+  }
 
   StepResult do_step(const TipState& tip) noexcept override {
     const Vec3Of<S> p_W_m = tip.p_W_m.template cast<S>();
-    const SpringPush<S> push = push_out<kPower, S>(feet_.closest(p_W_m), p_W_m, k_, radius_m_);
+    const SpringPush<S> push = push_out<kPower, S>(foot_at(p_W_m), p_W_m, k_, radius_m_);
     StepResult result;
     result.contact = push.contact;
     result.f_W_N = push.f_W_N.template cast<double>();
@@ -96,9 +137,17 @@ class ClosestSpring final : public Renderer {
     return result;
   }
 
+  static constexpr double kJump = 2.0;   // of the tip's own way; a foot goes as far as the tip over what is flat
+  static constexpr double kNear = 1e-9;  // of the depth: more than rounding, less than anything else
+  static constexpr double kRounded = 16.0 * std::numeric_limits<double>::epsilon();
+
   Feet feet_;
   S k_;
   S radius_m_;
+  bool touched_ = false;
+  Vec3 last_tip_ = Vec3::Zero();
+  Vec3 last_foot_ = Vec3::Zero();
+  Vec3 last_n_ = Vec3::Zero();
 };
 
 template <int kPower, class Feet>

@@ -61,7 +61,9 @@ Foot<Counted> CountedFeet::closest(const Vec3Of<Counted>& p_W_m) const {
       best.feature == Feature::vertex ? facets_[t].corners[best.index] : Vec3Of<Counted>(p_W_m + best.from_query);
   foot.n_W = normal_at(t, best.feature, best.index);
   const Counted distance = sqrt(best.squared_distance);
-  foot.signed_distance_m = dot(best.from_query, foot.n_W) > Counted(0.0) ? -distance : distance;
+  const bool inside =
+      dot(best.from_query, foot.n_W) > Counted(0.0) && !on_rim(topology_, *mesh_, t, best.feature, best.index);
+  foot.signed_distance_m = inside ? -distance : distance;
   foot.smooth = best.feature == Feature::face;
   return foot;
 }

@@ -58,6 +58,58 @@ TEST(Penalty, IsTheExactContactOfEveryAnalyticSurfaceAtEveryScale) {
   }
 }
 
+// In the middle of a plate both sides are equally close: the tip is pushed out on the side that it came through.
+TEST(Penalty, OfEquallyCloseSidesItTakesTheOneWhereItWas) {
+  const double half = 0.003;
+  for (const double scale : unit_scales()) {
+    TriangleMesh plate = testing::cube(1.0);
+    const Box3 box = make_embree_surface(plate)->bounds();
+    for (Vec3& v : plate.vertices_W_m) {
+      v = 2.0 * (v - box.center()).cwiseQuotient(box.sizes());  // from -1 to 1
+      v = scale * v.cwiseProduct(Vec3(0.02, 0.03, half));
+    }
+    const auto surface = make_embree_surface(plate);
+    for (const std::string name : {"penalty", "spring-linear"}) {
+      for (const double side : {1.0, -1.0}) {
+        const auto renderer = make_renderer(model_of(name, {{"stiffness_N_per_m", kStiffness / scale}}), surface);
+        Hand hand(*renderer);
+        const auto at = [&](double z) { return Vec3(scale * Vec3(0.0013, 0.0021, side * z)); };
+        for (int i = 0; i < 40; ++i) hand.to(at(half + 0.001 - 1e-4 * i));
+        for (const double z : {1e-9, 0.0, 0.0}) {
+          const Vec3 force = hand.to(at(z)).f_W_N;
+          EXPECT_NEAR(force.z(), side * kStiffness * (half - z), 1e-9) << name << " x " << scale;
+        }
+        // Past the middle the far side is closer.
+        EXPECT_LT(side * hand.to(at(-1e-9)).f_W_N.z(), 0.0) << name << " x " << scale;
+        EXPECT_LT(side * hand.to(at(0.0)).f_W_N.z(), 0.0) << name << " x " << scale;
+      }
+    }
+  }
+}
+
+// Beside an open sheet, above, in and below its plane.
+TEST(Penalty, BeyondTheRimOfASheetIsNoInside) {
+  for (const double scale : unit_scales()) {
+    TriangleMesh sheet;
+    sheet.vertices_W_m = {{0, 0, 0}, {0.03, 0, 0}, {0.03, 0.02, 0}, {0, 0.02, 0}};
+    sheet.triangles = {{0, 1, 2}, {0, 2, 3}};
+    const Quat turn = awkward_rotation();
+    const auto surface = make_embree_surface(testing::moved(sheet, turn, Vec3::Zero(), scale));
+    for (const std::string name : {"penalty", "spring-linear", "spring-quadratic"}) {
+      const auto renderer = make_renderer(model_of(name, {}), surface);
+      Hand hand(*renderer);
+      for (const Vec3& beside : {Vec3(-0.005, 0.01, 0), Vec3(0.034, 0.007, 0), Vec3(-0.003, -0.004, 0)}) {
+        for (const double z : {1e-3, 1e-12, 0.0, -1e-12, -1e-3}) {
+          const StepResult result = hand.to(turn * (scale * (beside + Vec3(0, 0, z))));
+          EXPECT_FALSE(result.contact) << name << " x " << scale << " z " << z;
+          EXPECT_EQ(result.f_W_N, Vec3::Zero()) << name << " x " << scale << " z " << z;
+        }
+      }
+      EXPECT_TRUE(hand.to(turn * (scale * Vec3(0.01, 0.01, -1e-3))).contact) << name;
+    }
+  }
+}
+
 TEST(Penalty, IsTheGodObjectOfASphereToRounding) {
   for (const double scale : unit_scales()) {
     for (const double radius : {0.0, 2e-3}) {

@@ -38,6 +38,7 @@ struct CaseRun {
   RenderedTrajectory rendered;
   Provenance provenance;
   double p99_us = 0.0;                      // of a step
+  std::shared_ptr<const Surface> surface;   // of one object; empty for a scene
   std::optional<RunOperations> operations;  // where the renderer's are counted
 };
 
@@ -75,6 +76,8 @@ struct CaseCheck {
 // pass either: it is news, and becomes the golden by a person's decision. So are operations that are not the golden's,
 // which are held against it as long as the model is the case's own. What does not pass leaves obtained.h5, table.txt,
 // comparison.json and pictures in `out`/<case>/<model>; what passes removes what an earlier failure left.
+// Where the case's renderer pushes to the closest surface point, another point that is as close passes
+// (equal_answers.h).
 // Skipped is a case that says nothing about a renderer in the place of the case's own: its tip is another one, or the
 // run starts inside the body and the renderer declares that it cannot.
 CheckResult check_case(const Catalogues& catalogues, const GoldenCase& golden, const std::string& model,

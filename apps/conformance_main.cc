@@ -228,13 +228,13 @@ void run_again_if_it_crashes(int argc, char** argv) {
 
 }  // namespace
 
-namespace touchstone::testing {
+namespace touchstone::apps {
 
 class GoldenCases : public ::testing::TestWithParam<FeltCase> {};
 GTEST_ALLOW_UNINSTANTIATED_PARAMETERIZED_TEST(GoldenCases);
 
 TEST_P(GoldenCases, AHandNoticesNoError) {
-  const TemporaryFolder folder;
+  const testing::TemporaryFolder folder;
   const FeltCase& tested = GetParam();
   pipeline::ScoreRequest request = tested.request;
   request.out = folder.path();
@@ -251,17 +251,17 @@ TEST_P(GoldenCases, AHandNoticesNoError) {
   ADD_FAILURE() << what << "; touchstone scorecard shows where";
 }
 
-}  // namespace touchstone::testing
+}  // namespace touchstone::apps
 
 TOUCHSTONE_RENDERER_CONFORMANCE(Plugin, subjects());
-namespace touchstone::testing {
+namespace touchstone::apps {
 INSTANTIATE_TEST_SUITE_P(Plugin, GoldenCases, ::testing::ValuesIn(felt_cases()), [](const auto& tested) {
   std::string name = tested.param.entry->name + "_" + tested.param.golden.name;
   std::ranges::replace_if(
       name, [](unsigned char c) { return std::isalnum(c) == 0; }, '_');
   return name;
 });
-}  // namespace touchstone::testing
+}  // namespace touchstone::apps
 
 int main(int argc, char** argv) {
   Options options;

@@ -1,0 +1,21 @@
+// Golden answers that are one of several: a spring from the closest surface point has as many right answers as points
+// are equally close (the medial axis: H. Blum, "A transformation for extracting new descriptors of shape", 1967). A
+// golden holds one of them, and so does an exact answer; another one is as right.
+#pragma once
+
+#include <cstddef>
+
+#include "harness/baseline/tolerance.h"
+#include "harness/baseline/trajectory_columns.h"
+#include "harness/pipeline/pipeline_rooms.h"
+#include "harness/surface/surface.h"
+
+namespace touchstone::pipeline {
+
+// The rows of `expected` to which `obtained` gives another equal answer become those of `obtained`; returns how many.
+// Equal: the surface contact point is another point of the surface at the least distance, and the force, as large as
+// expected, is along the way from the tip to it; all within tolerance. For a renderer that pushes to the closest point.
+std::size_t take_equal_answers(const Surface& surface, const Tolerance& tolerance, const TrajectoryColumns& obtained,
+                               TrajectoryColumns& expected);
+
+}  // namespace touchstone::pipeline
