@@ -5,9 +5,9 @@
 
 #include <cstddef>
 
+#include "harness/base/rooms.h"
 #include "harness/baseline/tolerance.h"
 #include "harness/baseline/trajectory_columns.h"
-#include "harness/pipeline/pipeline_rooms.h"
 #include "harness/surface/surface.h"
 
 namespace touchstone::pipeline {
