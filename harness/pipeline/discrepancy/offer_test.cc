@@ -1,4 +1,6 @@
 // A gap that was closed becomes a golden case, and a renderer that opens it again fails.
+#include <gmock/gmock.h>
+
 #include <numbers>
 
 #include "harness/base/random.h"
@@ -49,6 +51,12 @@ TEST_F(Offer, AClosedGapBecomesAGoldenCaseThatPassesAndThatAChangedModelFails) {
       << errors();
   const auto findings = nlohmann::json::parse(read_file(folder_ / "found" / "findings.json"));
   EXPECT_EQ(findings.at("verdict"), "explained");
+  EXPECT_EQ(findings.at("code"), "effects-explain");
+  const std::string page = read_file(folder_ / "found" / "report.html");
+  EXPECT_THAT(page, ::testing::HasSubstr("What decides the verdict"));
+  EXPECT_EQ(findings.at("gates").size(), 9) << "ten with a repeat";
+  for (const auto& gate : findings.at("gates"))
+    EXPECT_THAT(page, ::testing::HasSubstr(fmt::format("\"text\":\"{}\"", gate.at("code").get<std::string>())));
   ASSERT_EQ(findings.at("effects").size(), 1);
   EXPECT_EQ(findings.at("effects")[0].at("name"), "power-law-stiffness");
   for (const auto& p : findings.at("effects")[0].at("parameters")) {

@@ -48,6 +48,21 @@ Table held_out_table(const Findings& findings) {
   return table;
 }
 
+Table gates_table(const Findings& findings) {
+  Table gates{"What decides the verdict: the first gate that is not passed",
+              {"gate", "of what the model leaves", "value", "limit", "the limit is from", "passed"},
+              {},
+              ""};
+  for (const VerdictGate& gate : findings.gates) {
+    gates.rows.push_back(
+        {{text(std::string(gate.code)), text(gate.statistic), number(gate.value), number(gate.limit),
+          text(gate.limit_from), text(gate.passed ? "yes" : "no", gate.passed ? Tone::neutral : Tone::warning)},
+         "",
+         {}});
+  }
+  return gates;
+}
+
 Section what_section(const Findings& findings) {
   Section section{"What is missing", findings.explanation, {}, false};
   if (findings.search.data_fault) {
@@ -115,6 +130,7 @@ Section what_section(const Findings& findings) {
             fmt::join(findings.ambiguous.front(), " from "), findings.next->what, findings.next->separation),
         Tone::warning});
   }
+  section.blocks.emplace_back(gates_table(findings));
   return section;
 }
 
@@ -362,17 +378,6 @@ Section search_section(const Findings& findings) {
                   "likelihood on the smoothed trajectory; the gain on the validation blocks decides.",
                   {},
                   true};
-  Table gates{"What decides the verdict: the first gate that is not passed",
-              {"gate", "of what the model leaves", "value", "limit", "the limit is from", ""},
-              {},
-              ""};
-  for (const VerdictGate& gate : findings.gates) {
-    gates.rows.push_back({{text(std::string(gate.code)), text(gate.statistic), number(gate.value), number(gate.limit),
-                           text(gate.limit_from), text(gate.passed ? "passed" : "not passed")},
-                          "",
-                          {}});
-  }
-  section.blocks.emplace_back(std::move(gates));
   std::size_t count = 0;
   for (const SearchStep& step : findings.search.steps) {
     Table table{fmt::format("Step {}: from a validation RMS of {:.4g} N{}", ++count, step.validation_rms_N,
