@@ -64,7 +64,7 @@ Section verdict_section(const pc::JudgedConditions& judged) {
         judged_text(c->name),
         judged_number(static_cast<double>(c->rank), "{:.0f}"),
         judged_number(static_cast<double>(c->group), "{:.0f}"),
-        judged_number(100.0 * j.noticed_probability, "{:.0f} %"),
+        {pc::told_share(j), true, Tone::neutral},
         {fmt::format("{:.0f} to {:.0f}", 100.0 * j.noticed_low95, 100.0 * j.noticed_high95), true, Tone::neutral},
         judged_number(j.d_prime, "{:.2f}"),
         {std::string(pc::name_of(j.verdict)), true, tone_of(j.verdict)},

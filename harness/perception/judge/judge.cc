@@ -34,6 +34,11 @@ std::string_view name_of(Verdict verdict) {
   return "cannot-tell";
 }
 
+std::string told_share(const Judgement& judgement) {
+  return judgement.verdict == Verdict::cannot_tell ? "-"
+                                                   : fmt::format("{:.0f} %", 100.0 * judgement.noticed_probability);
+}
+
 namespace {
 
 // Whether a response with a lag leaves no more of the force than the one before, beyond what cannot decide: noise, by

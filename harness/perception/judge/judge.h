@@ -94,6 +94,9 @@ struct Judgement {
   double noticed_share = 0.0;  // of the moments, above one JND; NaN without moments
   std::vector<std::string> remarks;
 };
+// The share of people that tell the two apart, for a reader: "76 %"; "-" where these recordings cannot tell, and the
+// interval alone says anything.
+std::string told_share(const Judgement& judgement);
 
 struct JudgeOptions {
   Thresholds thresholds;

@@ -125,7 +125,7 @@ std::string JudgedFiles::table() const {
       const auto& channel = j.channels[static_cast<std::size_t>(*j.gives_away)];
       by = fmt::format("{}: {}", pc::name_of(channel.channel), channel.what);
     }
-    rows.push_back({fmt::format("{}", c->rank), c->name, fmt::format("{:.0f} %", 100.0 * j.noticed_probability),
+    rows.push_back({fmt::format("{}", c->rank), c->name, pc::told_share(j),
                     fmt::format("{:.0f} to {:.0f}", 100.0 * j.noticed_low95, 100.0 * j.noticed_high95),
                     fmt::format("{:.2f}", j.d_prime), std::string(pc::name_of(j.verdict)), by});
   }

@@ -70,6 +70,19 @@ TEST_F(Perceiving, TheJudgeTellsTheSoftModelFromTheRealSpring) {
   EXPECT_THAT(read_file(folder_.path() / "report.html"), HasSubstr("What a person would notice"));
 }
 
+// A best guess of 99 % beside "cannot tell" would be read as a finding.
+TEST(JudgedTable, WhereTheRecordingsCannotTellTheIntervalAloneStands) {
+  JudgedFiles files;
+  perception::JudgedCondition& condition = files.judged.conditions.emplace_back();
+  condition.name = "perhaps";
+  condition.judgement.noticed_probability = 0.99;
+  condition.judgement.noticed_low95 = 0.5;
+  condition.judgement.noticed_high95 = 1.0;
+  EXPECT_THAT(files.table(), ::testing::AllOf(HasSubstr("50 to 100"), ::testing::Not(HasSubstr("99 %"))));
+  condition.judgement.verdict = perception::Verdict::noticed;
+  EXPECT_THAT(files.table(), HasSubstr("99 %"));
+}
+
 TEST_F(Perceiving, EachRemarkIsSaidOnce) {
   PerceiveRequest request;
   request.real = press("real.csv", 500);
