@@ -1,8 +1,6 @@
 // Bags with the bytes that the formats' own descriptions ask for: version 2.0 of ROS 1 (wiki.ros.org/Bags/Format/2.0,
 // messages as wiki.ros.org/roscpp/Overview/MessagesSerializationAndAdaptingTypes has them) and the SQLite storage of
 // ROS 2 (rosbag2_storage_default_plugins, tables topics and messages; payloads in CDR).
-#include <archive.h>
-#include <archive_entry.h>
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -13,6 +11,7 @@
 
 #include "harness/base/atomic_file.h"
 #include "harness/base/error.h"
+#include "harness/importing/compressed_for_test.h"
 #include "harness/importing/import_table.h"
 #include "harness/importing/ros_message.h"
 
@@ -79,31 +78,14 @@ std::string bag_refusal(const std::string& bytes) {
   return "no error";
 }
 
-std::string compressed_bytes(const std::string& bytes, bool bz2) {
-  std::string out(bytes.size() + 4096, '\0');
-  std::size_t used = 0;
-  archive* const a = archive_write_new();
-  archive_write_set_format_raw(a);
-  bz2 ? archive_write_add_filter_bzip2(a) : archive_write_add_filter_lz4(a);
-  archive_write_set_bytes_in_last_block(a, 1);
-  archive_write_open_memory(a, out.data(), out.size(), &used);
-  archive_entry* const entry = archive_entry_new();
-  archive_entry_set_filetype(entry, AE_IFREG);
-  archive_write_header(a, entry);
-  archive_write_data(a, bytes.data(), bytes.size());
-  archive_entry_free(entry);
-  archive_write_close(a);
-  archive_write_free(a);
-  return out.substr(0, used);
-}
-
 TEST(RosBag, WrenchesOfAllCompressions) {
   const std::string records = bag_records();
   for (const std::string compression : {"none", "bz2", "lz4"}) {
     const auto path = bag_folder() / (compression + ".bag");
-    write_file(path,
-               bag_of(compression, compression == "none" ? records : compressed_bytes(records, compression == "bz2"),
-                      records.size()));
+    write_file(path, bag_of(compression,
+                            compression == "none" ? records
+                                                  : compressed(records, compression == "bz2" ? "bzip2" : compression),
+                            records.size()));
     const auto tables = read_foreign(path, {});
     ASSERT_EQ(tables.size(), 1U) << compression;
     EXPECT_EQ(tables[0].name, "/ft");
@@ -155,13 +137,12 @@ TEST(RosBag, DamageIsNamedWithItsByte) {
   const std::string whole = bag_of("none", records, records.size());
   EXPECT_THAT(bag_refusal(whole + "\xff\xff\xff\x7f"), HasSubstr(fmt::format("the record at byte {}", whole.size())));
   const std::string inner = records + "\xff\xff\xff\x7f";
-  EXPECT_THAT(bag_refusal(bag_of("bz2", compressed_bytes(inner, true), inner.size())),
+  EXPECT_THAT(bag_refusal(bag_of("bz2", compressed(inner, "bzip2"), inner.size())),
               HasSubstr(fmt::format("the record at byte {} of the chunk at byte ", records.size())));
   // A size of gigabytes for a chunk of kilobytes.
-  EXPECT_THAT(bag_refusal(bag_of("lz4", compressed_bytes(records, false), 4000000000U)),
+  EXPECT_THAT(bag_refusal(bag_of("lz4", compressed(records, "lz4"), 4000000000U)),
               HasSubstr("do not unpack to 4000000000 bytes"));
-  EXPECT_THAT(bag_refusal(bag_of("lz4", compressed_bytes(records, false), records.size() - 1)),
-              HasSubstr("do not unpack"));
+  EXPECT_THAT(bag_refusal(bag_of("lz4", compressed(records, "lz4"), records.size() - 1)), HasSubstr("do not unpack"));
   EXPECT_THAT(bag_refusal(bag_of("zip", records, records.size())), HasSubstr("compressed by 'zip'"));
 }
 

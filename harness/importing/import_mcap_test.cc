@@ -1,7 +1,5 @@
 // Files with the bytes that the specification of MCAP asks for (mcap.dev/spec: Header, Schema, Channel, Message, Chunk,
 // DataEnd, Footer), with messages in CDR.
-#include <archive.h>
-#include <archive_entry.h>
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -12,6 +10,7 @@
 
 #include "harness/base/atomic_file.h"
 #include "harness/base/error.h"
+#include "harness/importing/compressed_for_test.h"
 #include "harness/importing/guess_map.h"
 #include "harness/importing/import_table.h"
 
@@ -76,24 +75,6 @@ std::string mcap_chunk(const std::string& compression, const std::string& packed
                                  counted(compression) + little(static_cast<std::uint64_t>(packed.size())) + packed);
 }
 
-std::string packed_by(const std::string& compression, const std::string& bytes) {
-  std::string out(bytes.size() + 4096, '\0');
-  std::size_t used = 0;
-  archive* const a = archive_write_new();
-  archive_write_set_format_raw(a);
-  compression == "zstd" ? archive_write_add_filter_zstd(a) : archive_write_add_filter_lz4(a);
-  archive_write_set_bytes_in_last_block(a, 1);
-  archive_write_open_memory(a, out.data(), out.size(), &used);
-  archive_entry* const entry = archive_entry_new();
-  archive_entry_set_filetype(entry, AE_IFREG);
-  archive_write_header(a, entry);
-  archive_write_data(a, bytes.data(), bytes.size());
-  archive_entry_free(entry);
-  archive_write_close(a);
-  archive_write_free(a);
-  return out.substr(0, used);
-}
-
 std::filesystem::path mcap_path(const std::string& bytes) {
   const auto folder =
       std::filesystem::path(::testing::TempDir()) / fmt::format("touchstone-import-mcap-{}", ::getpid());
@@ -114,8 +95,8 @@ std::string mcap_refusal(const std::string& bytes) {
 TEST(McapFile, WrenchesWithAndWithoutChunksInTheOrderOfRecording) {
   const std::string records = mcap_records();
   for (const std::string& file : {mcap_of(records), mcap_of(mcap_chunk("", records, records.size(), crc(records))),
-                                  mcap_of(mcap_chunk("lz4", packed_by("lz4", records), records.size(), crc(records))),
-                                  mcap_of(mcap_chunk("zstd", packed_by("zstd", records), records.size(), 0))}) {
+                                  mcap_of(mcap_chunk("lz4", compressed(records, "lz4"), records.size(), crc(records))),
+                                  mcap_of(mcap_chunk("zstd", compressed(records, "zstd"), records.size(), 0))}) {
     const auto tables = read_foreign(mcap_path(file), {});
     ASSERT_EQ(tables.size(), 1U);
     EXPECT_EQ(tables[0].name, "/ft");
@@ -140,7 +121,7 @@ TEST(McapFile, DamageIsNamedWithItsPlace) {
   EXPECT_THAT(mcap_refusal(changed), HasSubstr("check sum of the data"));
   EXPECT_THAT(mcap_refusal(mcap_of(mcap_chunk("", records, records.size(), crc(records) + 1))),
               HasSubstr("check sum of its records"));
-  const std::string packed = packed_by("lz4", records);
+  const std::string packed = compressed(records, "lz4");
   for (const std::uint64_t size : {records.size() - 1, records.size() + 1, std::size_t{1} << 60}) {
     EXPECT_THAT(mcap_refusal(mcap_of(mcap_chunk("lz4", packed, size, 0))), HasSubstr("do not unpack"));
   }

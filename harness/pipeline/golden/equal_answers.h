@@ -12,7 +12,8 @@
 
 namespace touchstone::pipeline {
 
-// The rows of `expected` to which `obtained` gives another equal answer become those of `obtained`; returns how many.
+// Where `obtained` gives another equal answer, its contact point and force become the expected ones (time, tip and the
+// rest stay); returns in how many rows.
 // Equal: the surface contact point is another point of the surface at the least distance, and the force, as large as
 // expected, is along the way from the tip to it; all within tolerance. For a renderer that pushes to the closest point.
 std::size_t take_equal_answers(const Surface& surface, const Tolerance& tolerance, const TrajectoryColumns& obtained,

@@ -50,6 +50,14 @@ TEST(EqualAnswers, OfTwoEquallyCloseSidesEitherPassesAndNothingElse) {
   EXPECT_EQ(taken({0, 0.003, 1.5}, {0, -0.002, -1.5}), 0U) << "not on the surface";
   EXPECT_EQ(taken({1e-6, 0.003, 1.4995}, {1e-6, -0.003, -1.4995}), 0U) << "the farther side";
   EXPECT_EQ(taken({0, 0.003, 1.5}, {0, std::nan(""), std::nan("")}), 0U);
+  // What is not of the answer stays to be compared.
+  TrajectoryColumns expected = columns({{0, 0.003, 1.5}});
+  TrajectoryColumns obtained = columns({{0, -0.003, -1.5}});
+  obtained.columns[0].values[0] = 0.5;
+  obtained.columns[10].values[0] = 0.0;
+  EXPECT_EQ(take_equal_answers(*surface, tolerance, obtained, expected), 1U);
+  EXPECT_EQ(expected.columns[0].values[0], 0.0);
+  EXPECT_EQ(expected.columns[10].values[0], 1.0);
 }
 
 }  // namespace
