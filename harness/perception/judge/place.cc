@@ -361,7 +361,9 @@ PlaceMap place_map(const JudgedProcess& real, const JudgedProcess& rendered, boo
 
 std::string describe_place(const PlaceMap& map, const PlaceDifference& strongest) {
   const bool more = strongest.rendered_N > strongest.real_N;
-  const Vec3 at_mm = 1e3 * strongest.centre_m;
+  // A place is known to a cell: no digit below a tenth of it. (Adding 0 takes the sign off a zero.)
+  const double step_mm = std::pow(10.0, std::floor(std::log10(1e3 * map.cell_m / 10.0)));
+  const Vec3 at_mm = step_mm * (1e3 / step_mm * strongest.centre_m).array().round() + 0.0;
   std::string text = fmt::format(
       "{:.3g} N instead of {:.3g} N ({:+.3g} %) near ({:.3g}, {:.3g}, {:.3g}) mm", strongest.rendered_N,
       strongest.real_N, 100.0 * (strongest.rendered_N / strongest.real_N - 1.0), at_mm.x(), at_mm.y(), at_mm.z());

@@ -173,5 +173,16 @@ TEST(Place, AnEvenObjectHasNoGainOverPlace) {
   EXPECT_FALSE(process.response->gain.coefficients.empty());
 }
 
+// A place is known to a cell: of cells of 4 mm a tenth of a millimetre is said, and no sign of a zero.
+TEST(Place, IsSaidToATenthOfACell) {
+  PlaceMap map;
+  map.cell_m = 4e-3;
+  PlaceDifference strongest;
+  strongest.centre_m = Vec3(-0.887e-3, 12.3456e-3, -1.7e-7);
+  strongest.real_N = 2.0;
+  strongest.rendered_N = 1.0;
+  EXPECT_THAT(describe_place(map, strongest), ::testing::HasSubstr("near (-0.9, 12.3, 0) mm"));
+}
+
 }  // namespace
 }  // namespace touchstone::perception
