@@ -7,9 +7,9 @@
 namespace touchstone::apps {
 
 ExitStatus axis_command(const AxisOptions& options) {
-  AxisInput input = load_axis(options.request.recording, options.request.flip_force);
+  pipeline::AxisInput input = pipeline::load_axis(options.request.recording, options.request.flip_force);
   for (const std::string& remark : check_axis(input)) fmt::print(stderr, "warning: {}\n", remark);
-  const AxisResult result = run_axis(options.request, std::move(input));
+  const pipeline::AxisResult result = run_axis(options.request, std::move(input));
   fmt::print("{}", result.text());
   if (!options.json.empty()) write_file(options.json, result.json());
   if (!options.out.empty()) {

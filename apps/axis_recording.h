@@ -5,13 +5,12 @@
 #include <string>
 
 #include "apps/command.h"
-#include "harness/base/rooms.h"
 #include "harness/pipeline/axis/axis_run.h"
 
 namespace touchstone::apps {
 
 struct AxisOptions {
-  AxisRequest request;
+  pipeline::AxisRequest request;
   std::string out, json;  // a folder for axis.json and report.html, and a file for axis.json; empty: none
 };
 

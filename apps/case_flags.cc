@@ -7,6 +7,7 @@
 #include "apps/command.h"
 
 namespace touchstone::apps {
+using runs::CaseOptions;
 
 void add_case_flags(CLI::App& command, CaseOptions& options, const std::string& cases) {
   for (const std::string& word : command_line()) options.called_as += (options.called_as.empty() ? "" : " ") + word;
@@ -40,7 +41,7 @@ void add_case_file_flags(CLI::App& command, CaseOptions& options, const std::str
   command.add_flag("--any-build", options.any_build, "Go on with rows that another build of touchstone made");
 }
 
-InputFile stored_rows(const CaseStore& store, const CaseOptions& options) {
+report::InputFile stored_rows(const runs::CaseStore& store, const CaseOptions& options) {
   return {options.any_build ? "rows, some perhaps of other builds (content)" : "rows (content)",
           options.file.empty() ? "not kept" : options.file, store.content_hash(),
           options.file.empty() ? 0 : std::filesystem::file_size(options.file)};

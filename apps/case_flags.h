@@ -5,18 +5,17 @@
 #include <CLI/CLI.hpp>
 #include <string>
 
-#include "harness/base/rooms.h"
 #include "harness/report/provenance.h"
 #include "harness/runs/case_command.h"
 
 namespace touchstone::apps {
 
 // `cases`: what they are, "cases" or "seeds".
-void add_case_flags(CLI::App& command, CaseOptions& options, const std::string& cases);
+void add_case_flags(CLI::App& command, runs::CaseOptions& options, const std::string& cases);
 // --cases and --any-build: for commands that make a report of the rows.
-void add_case_file_flags(CLI::App& command, CaseOptions& options, const std::string& without);
+void add_case_file_flags(CLI::App& command, runs::CaseOptions& options, const std::string& without);
 
 // The rows that a report is made of, by their content hash.
-InputFile stored_rows(const CaseStore& store, const CaseOptions& options);
+report::InputFile stored_rows(const runs::CaseStore& store, const runs::CaseOptions& options);
 
 }  // namespace touchstone::apps

@@ -1,13 +1,14 @@
 // What this program knows: the renderers of renderers/, the surfaces and motions of synthetic/.
 #pragma once
 
-#include "harness/base/rooms.h"
 #include "harness/pipeline/golden/catalogues.h"
 #include "renderers/catalogue.h"
 #include "synthetic/generators.h"
 
 namespace touchstone::apps {
 
-inline pipeline::Catalogues built_in_catalogues() { return {built_in_catalogue(), synthetic::built_in_generators()}; }
+inline pipeline::Catalogues built_in_catalogues() {
+  return {renderers::built_in_catalogue(), synthetic::built_in_generators()};
+}
 
 }  // namespace touchstone::apps

@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "harness/base/error.h"
-#include "harness/base/rooms.h"
 
 namespace touchstone::apps {
 

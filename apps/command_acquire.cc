@@ -10,6 +10,8 @@
 #include "harness/pipeline/acquiring/acquired_file.h"
 
 namespace touchstone::apps {
+using acquisition::PoseReading;
+
 namespace {
 
 struct RunOptions {
@@ -26,9 +28,9 @@ struct ToolOptions {
 
 PoseReading reading_of(const ToolOptions& options) {
   PoseReading reading;
-  if (options.wrench_frame == "world") reading.wrench = WrenchFrame::world;
-  if (options.orientation == "inverse") reading.orientation = OrientationReading::inverse;
-  if (options.orientation == "scalar-last") reading.orientation = OrientationReading::scalar_last;
+  if (options.wrench_frame == "world") reading.wrench = acquisition::WrenchFrame::world;
+  if (options.orientation == "inverse") reading.orientation = acquisition::OrientationReading::inverse;
+  if (options.orientation == "scalar-last") reading.orientation = acquisition::OrientationReading::scalar_last;
   reading.flip_force = options.flip_force;
   return reading;
 }
@@ -37,11 +39,11 @@ PoseReading reading_of(const ToolOptions& options) {
 ExitStatus identify_from_poses(const ToolOptions& options) {
   const Vec3 gravity(0, 0, -options.gravity_m_per_s2);
   const PoseReading reading = reading_of(options);
-  const auto poses = read_static_poses(options.table, options.si);
-  AcquisitionReport report;
+  const auto poses = acquisition::read_static_poses(options.table, options.si);
+  acquisition::AcquisitionReport report;
   report.tool = identify_tool(read_as(poses, reading), gravity, options.table);
   fmt::print("{}", tool_text(*report.tool));
-  const FrameCheck check = check_frames(poses, reading, *report.tool, gravity, options.table);
+  const acquisition::FrameCheck check = check_frames(poses, reading, *report.tool, gravity, options.table);
   if (check.bad_fit) {
     report.notes.push_back(check.message(*report.tool, options.table));
     fmt::print(stderr, "warning: {}\n", report.notes.back());
@@ -69,7 +71,8 @@ void add_run(CLI::App& acquire_command, Run& run) {
       "session/report.json");
   command->callback([options, &run] {
     run = [options] {
-      const auto result = acquire_into(read_description(options->description), options->out, options->json);
+      const auto result =
+          pipeline::acquire_into(acquisition::read_description(options->description), options->out, options->json);
       fmt::print("{}", result.text());
       return result.passed() ? ExitStatus::passed : ExitStatus::failed;
     };
@@ -110,7 +113,7 @@ void add_tool_load(CLI::App& acquire_command, Run& run) {
 }
 
 struct FreeAirOptions {
-  FreeAirFiles files;
+  acquisition::FreeAirFiles files;
   std::string acceleration, json;
 };
 

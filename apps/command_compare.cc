@@ -19,9 +19,10 @@ struct CompareOptions {
 
 ExitStatus compare_command(const CompareOptions& options) {
   take_memory_in_huge_pages(std::size_t{16} << 20);
-  CompareRequest request{options.expected, options.obtained, options.repeat, std::nullopt, options.flip_force};
-  if (!options.tolerance.empty()) request.tolerance = load_tolerance(options.tolerance);
-  const ComparedFiles files = compare_files(request);
+  pipeline::CompareRequest request{options.expected, options.obtained, options.repeat, std::nullopt,
+                                   options.flip_force};
+  if (!options.tolerance.empty()) request.tolerance = baseline::load_tolerance(options.tolerance);
+  const pipeline::ComparedFiles files = compare_files(request);
   if (!options.json.empty()) write_file(options.json, files.json());
   if (options.print.empty()) {
     fmt::print("{}", files.text());

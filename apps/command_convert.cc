@@ -12,16 +12,16 @@ namespace {
 struct ConvertOptions {
   std::string in;
   std::string out;
-  ColumnUnits units;
+  recording::ColumnUnits units;
   std::string on_duplicate = "refuse";
   std::string on_gap = "keep";
 };
 
 ExitStatus convert(const ConvertOptions& options) {
-  ClockPolicy clock;
-  clock.on_duplicate = parse_on_duplicate(options.on_duplicate);
-  clock.on_gap = parse_on_gap(options.on_gap);
-  Conversion result;
+  recording::ClockPolicy clock;
+  clock.on_duplicate = recording::parse_on_duplicate(options.on_duplicate);
+  clock.on_gap = recording::parse_on_gap(options.on_gap);
+  recording::Conversion result;
   {
     Progress progress("converting " + options.in, 0);
     result = convert_recording(options.in, options.out, options.units, clock,

@@ -6,12 +6,14 @@
 #include "harness/report/cdash_setup.h"
 
 namespace touchstone::apps {
+using report::CdashServer;
+
 namespace {
 
 struct DashboardOptions {
   CdashServer server;
-  CdashSetup setup;
-  DeliveryOptions delivery;
+  report::CdashSetup setup;
+  report::DeliveryOptions delivery;
   std::vector<std::string> folders;
 };
 
@@ -22,21 +24,21 @@ CdashServer dashboard_server(const DashboardOptions& options) {
 }
 
 ExitStatus dashboard_send(const DashboardOptions& options) {
-  CdashConnection connection(dashboard_server(options));
-  const OutboxLog log{[](const std::string& line) { fmt::print("{}\n", line); },
-                      [](const std::string& line) { fmt::print(stderr, "{}\n", line); }};
-  const bool all = send_outboxes(connection, find_outboxes(options.folders), options.delivery, log);
+  report::CdashConnection connection(dashboard_server(options));
+  const report::OutboxLog log{[](const std::string& line) { fmt::print("{}\n", line); },
+                              [](const std::string& line) { fmt::print(stderr, "{}\n", line); }};
+  const bool all = send_outboxes(connection, report::find_outboxes(options.folders), options.delivery, log);
   return all ? ExitStatus::passed : ExitStatus::failed;
 }
 
 ExitStatus dashboard_status(const DashboardOptions& options) {
-  const OutboxState state = outbox_state(find_outboxes(options.folders));
+  const report::OutboxState state = report::outbox_state(report::find_outboxes(options.folders));
   fmt::print("{}", state.text);
   return state.kept == 0 ? ExitStatus::passed : ExitStatus::failed;
 }
 
 ExitStatus dashboard_init(const DashboardOptions& options) {
-  CdashConnection connection(dashboard_server(options));
+  report::CdashConnection connection(dashboard_server(options));
   const auto changes = set_up_project(connection, options.setup);
   for (const auto& change : changes) fmt::print("{}\n", change);
   fmt::print("dashboard: project {} on {} is ready\n", connection.server().project, connection.server().url);

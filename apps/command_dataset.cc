@@ -18,14 +18,14 @@ struct DatasetOptions {
 };
 
 // Prints what was found; true when nothing is wrong.
-bool report(const Dataset& dataset, const DatasetOptions& options) {
-  ClockPolicy clock;
-  clock.on_duplicate = parse_on_duplicate(options.on_duplicate);
-  clock.on_gap = parse_on_gap(options.on_gap);
+bool report(const recording::Dataset& dataset, const DatasetOptions& options) {
+  recording::ClockPolicy clock;
+  clock.on_duplicate = recording::parse_on_duplicate(options.on_duplicate);
+  clock.on_gap = recording::parse_on_gap(options.on_gap);
   const auto bounds = [](const std::filesystem::path& file, const std::string& unit) {
-    return load_mesh(file, length_unit_factor(unit)).bounds();
+    return surface::load_mesh(file, length_unit_factor(unit)).bounds();
   };
-  const DatasetReport found = check_dataset(dataset, bounds, clock);
+  const recording::DatasetReport found = check_dataset(dataset, bounds, clock);
   fmt::print("{}: {}, {} files\n", dataset.folder.string(), dataset.object, dataset.files().size());
   for (const std::string& fact : found.facts) fmt::print("  {}\n", fact);
   for (const std::string& warning : found.warnings) fmt::print(stderr, "warning: {}\n", warning);
@@ -36,11 +36,11 @@ bool report(const Dataset& dataset, const DatasetOptions& options) {
 }
 
 ExitStatus check(const DatasetOptions& options) {
-  return report(load_dataset(options.folder), options) ? ExitStatus::passed : ExitStatus::bad_data;
+  return report(recording::load_dataset(options.folder), options) ? ExitStatus::passed : ExitStatus::bad_data;
 }
 
 ExitStatus pack(const DatasetOptions& options) {
-  Dataset dataset = load_dataset(options.folder);
+  recording::Dataset dataset = recording::load_dataset(options.folder);
   pack_dataset(dataset);
   if (!report(dataset, options)) return ExitStatus::bad_data;
   if (!options.out.empty()) {

@@ -16,7 +16,7 @@ namespace touchstone::apps {
 namespace {
 
 struct DiscrepancyOptions {
-  DiscrepancyFiles files;
+  pipeline::DiscrepancyFiles files;
   std::filesystem::path json;
   bool verify = false;
   PluginFlags plugins;
@@ -24,7 +24,7 @@ struct DiscrepancyOptions {
 
 // What one axis has beside its place: a search of its own (harness/axis).
 ExitStatus discrepancy_of_axis(const DiscrepancyOptions& options) {
-  const DiscrepancyFiles& files = options.files;
+  const pipeline::DiscrepancyFiles& files = options.files;
   const auto refuse = [&](bool given, const char* flag) {
     if (given) {
       throw UsageError(
@@ -46,19 +46,19 @@ ExitStatus discrepancy_of_axis(const DiscrepancyOptions& options) {
 }
 
 ExitStatus discrepancy(DiscrepancyOptions options) {
-  if (is_axis_recording(options.files.recording.string())) return discrepancy_of_axis(options);
+  if (pipeline::is_axis_recording(options.files.recording.string())) return discrepancy_of_axis(options);
   if (options.files.model.empty()) throw UsageError("--model is required");
-  const Plugins plugins = options.plugins.load();
+  const plugin::Plugins plugins = options.plugins.load();
   if (!options.plugins.libraries.empty()) options.files.plugins = &plugins;
   const auto say = [](const std::string& line) { fmt::print(stderr, "{}\n", line); };
   if (options.verify) {
-    fmt::print("{:.17g} N\n", rms_of_files_N(built_in_catalogue(), options.files, say));
+    fmt::print("{:.17g} N\n", rms_of_files_N(renderers::built_in_catalogue(), options.files, say));
     return ExitStatus::passed;
   }
   if (options.files.out.empty()) throw UsageError("--out: a folder for the results is needed");
   options.files.command_line = command_line();
   options.files.program = own_program();
-  const Findings findings = run_discrepancy(built_in_catalogue(), options.files, say);
+  const discrepancy::Findings findings = run_discrepancy(renderers::built_in_catalogue(), options.files, say);
   if (!options.json.empty()) write_file(options.json, read_file(options.files.out / "findings.json"));
   fmt::print("{}", findings_text(findings, options.files));
   return ExitStatus::passed;

@@ -14,12 +14,12 @@ namespace {
 
 struct DoctorOptions {
   std::string mesh, mesh_unit = "m", json;
-  MeshDoctorRule rule;
+  surface::MeshDoctorRule rule;
 };
 
 ExitStatus doctor_command(const DoctorOptions& options) {
-  const TriangleMesh mesh = load_mesh(options.mesh, length_unit_factor(options.mesh_unit));
-  const MeshDiagnosis diagnosis = examine_mesh(mesh, options.rule, self_intersections);
+  const surface::TriangleMesh mesh = surface::load_mesh(options.mesh, length_unit_factor(options.mesh_unit));
+  const surface::MeshDiagnosis diagnosis = examine_mesh(mesh, options.rule, surface::self_intersections);
   if (!options.json.empty()) write_file(options.json, diagnosis_json(diagnosis, options.mesh));
   fmt::print("{}", diagnosis_text(diagnosis, options.mesh));
   return diagnosis.sound() ? ExitStatus::passed : ExitStatus::failed;

@@ -15,6 +15,8 @@
 #include "renderers/catalogue.h"
 
 namespace touchstone::apps {
+using pipeline::PlannedEvaluation;
+
 namespace {
 
 constexpr const char* default_out = "touchstone-report";
@@ -26,14 +28,14 @@ struct EvaluateOptions {
 };
 
 std::vector<PlannedEvaluation> plan(const EvaluateOptions& options) {
-  EvaluationRequest base = make_request(options.flags);
+  pipeline::EvaluationRequest base = make_request(options.flags);
   base.metrics = options.metrics;
   for (const std::string& name : options.metrics) {
-    if (!is_perceived_metric(name) && !is_operation_metric(name)) find_metric(name);
+    if (!pipeline::is_perceived_metric(name) && !pipeline::is_operation_metric(name)) metrics::find_metric(name);
   }
-  base.time_ranges = TimeRanges::parse(options.time_range, "--time-range");
-  const Plugins plugins = options.flags.plugins.load();
-  std::vector<ModelOfFile> models;
+  base.time_ranges = metrics::TimeRanges::parse(options.time_range, "--time-range");
+  const plugin::Plugins plugins = options.flags.plugins.load();
+  std::vector<pipeline::ModelOfFile> models;
   for (const std::filesystem::path file : options.models) models.emplace_back(load_model(file, plugins), file);
   std::vector<PlannedEvaluation> out;
   if (options.flags.recording.empty() && !base.repeat.empty()) {
@@ -46,17 +48,19 @@ std::vector<PlannedEvaluation> plan(const EvaluateOptions& options) {
           "data sets");
     }
     if (options.flags.in_trajectory.empty()) {
-      base.in_trajectory = usual_in_trajectory(std::ranges::any_of(
-          models, [](const ModelOfFile& model) { return has_friction_in_proxy(built_in_catalogue(), model.first); }));
+      base.in_trajectory =
+          pipeline::usual_in_trajectory(std::ranges::any_of(models, [](const pipeline::ModelOfFile& model) {
+            return pipeline::has_friction_in_proxy(renderers::built_in_catalogue(), model.first);
+          }));
       say_usual_in_trajectory(base.in_trajectory);
     }
     return plan_recording(base, models);
   }
   std::vector<std::filesystem::path> datasets(options.datasets.begin(), options.datasets.end());
-  if (datasets.empty()) datasets = bundled_datasets();
+  if (datasets.empty()) datasets = pipeline::bundled_datasets();
   for (const auto& dataset : datasets) {
-    for (PlannedEvaluation& one :
-         plan_dataset(built_in_catalogue(), dataset, models, plugins, base, !options.flags.in_trajectory.empty()))
+    for (PlannedEvaluation& one : plan_dataset(renderers::built_in_catalogue(), dataset, models, plugins, base,
+                                               !options.flags.in_trajectory.empty()))
       out.push_back(std::move(one));
   }
   return out;
@@ -66,11 +70,12 @@ ExitStatus evaluate_command(const EvaluateOptions& options) {
   const auto planned = plan(options);
   ensure_writable_folder(options.out);
   if (options.out == default_out) hide_from_git(options.out);
-  const auto evaluated = run_plan(built_in_catalogue(), planned, options.out);
-  fmt::print("{}", write_overview(built_in_catalogue(), planned, evaluated, command_line(), options.out));
+  const auto evaluated = run_plan(renderers::built_in_catalogue(), planned, options.out);
+  fmt::print("{}", write_overview(renderers::built_in_catalogue(), planned, evaluated, command_line(), options.out));
   if (!options.json.empty()) write_file(options.json, summary_json(evaluated));
-  const bool invalid = std::ranges::any_of(evaluated, is_invalid);
-  const bool none = std::ranges::all_of(evaluated, [](const Evaluated& one) { return !one.does_not_enter.empty(); });
+  const bool invalid = std::ranges::any_of(evaluated, pipeline::is_invalid);
+  const bool none =
+      std::ranges::all_of(evaluated, [](const pipeline::Evaluated& one) { return !one.does_not_enter.empty(); });
   if (none) throw UsageError(evaluated.front().does_not_enter);
   return invalid ? ExitStatus::failed : ExitStatus::passed;
 }

@@ -46,14 +46,14 @@ void need(bool given, const char* flag) {
 }
 
 ExitStatus fit_command(const FitOptions& options) {
-  if (is_axis_recording(options.flags.recording)) return fit_of_axis(options);
+  if (pipeline::is_axis_recording(options.flags.recording)) return fit_of_axis(options);
   need(!options.flags.mesh.empty(), "--mesh");
   need(!options.model.empty(), "--model");
   need(!options.parameters.empty(), "--parameter");
-  FitRequest request;
+  pipeline::FitRequest request;
   request.evaluation = make_request(options.flags);
-  request.fit_range = TimeRanges::parse(options.fit_range, "--fit-range");
-  request.score_range = TimeRanges::parse(options.score_range, "--score-range");
+  request.fit_range = metrics::TimeRanges::parse(options.fit_range, "--fit-range");
+  request.score_range = metrics::TimeRanges::parse(options.score_range, "--score-range");
   request.metric = options.metric;
   request.parameters = options.parameters;
   request.evaluation.model = load_model(options.model, options.flags.plugins.load());
@@ -61,14 +61,14 @@ ExitStatus fit_command(const FitOptions& options) {
   if (options.flags.in_trajectory.empty()) {
     std::vector<std::string> fitted;
     for (const std::string& parameter : options.parameters) fitted.push_back(parameter.substr(0, parameter.find('=')));
-    request.evaluation.in_trajectory =
-        usual_in_trajectory(has_friction_in_proxy(built_in_catalogue(), request.evaluation.model, fitted));
+    request.evaluation.in_trajectory = pipeline::usual_in_trajectory(
+        pipeline::has_friction_in_proxy(renderers::built_in_catalogue(), request.evaluation.model, fitted));
     say_usual_in_trajectory(request.evaluation.in_trajectory);
   }
   ensure_writable_folder(options.out);
   if (options.out == default_out) hide_from_git(options.out);
   refuse_to_replace_input(std::filesystem::path(options.out) / "model.json");  // before the long work
-  const FitResult result = run_fit(built_in_catalogue(), request);
+  const pipeline::FitResult result = run_fit(renderers::built_in_catalogue(), request);
   write_fit(result, options.out);
   if (!options.json.empty()) write_file(options.json, fit_to_json(result));
   fmt::print("{}\n", fit_table(result));

@@ -71,7 +71,8 @@ ExitStatus record_many(const RecordOptions& options, const std::function<bool()>
       options.acquire,
       acquisition::RawStreams{hil::table_of(session, hil::StreamKind::force, options.force, "--force"),
                               hil::table_of(session, hil::StreamKind::motion, options.motion, "--motion")});
-  const auto acquired = acquire_into(description, folder / "recording.csv", folder / "acquisition-report.json");
+  const auto acquired =
+      pipeline::acquire_into(description, folder / "recording.csv", folder / "acquisition-report.json");
   fmt::print("{}", acquired.text());
   return acquired.passed() ? status : ExitStatus::failed;
 }

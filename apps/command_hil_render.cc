@@ -97,10 +97,10 @@ ExitStatus live_render(const LiveRenderOptions& options) {
     throw UsageError(
         "--dead-man: no force is commanded on hardware without one (terminal, input:DEVICE, pipe:PATH, button:N)");
   hil::StopSignal stop;
-  const Model model = load_model(options.model, options.plugins.load());
-  const TriangleMesh mesh = options.meshes.load(options.mesh, options.mesh_unit);
-  const std::shared_ptr<const Surface> surface = options.meshes.surface(mesh);
-  const auto renderer = make_renderer(model, surface), twin = make_renderer(model, surface);
+  const rendering::Model model = load_model(options.model, options.plugins.load());
+  const surface::TriangleMesh mesh = options.meshes.load(options.mesh, options.mesh_unit);
+  const std::shared_ptr<const surface::Surface> surface = options.meshes.surface(mesh);
+  const auto renderer = renderers::make_renderer(model, surface), twin = renderers::make_renderer(model, surface);
   options.meshes.warn(mesh, *surface);
   const auto dead_man = opened.dead_man.empty() ? nullptr : hil::open_dead_man(opened.dead_man);
   if (dead_man) fmt::print(stderr, "--> {}, and keep it held; let go to stop\n", dead_man->instruction());

@@ -12,12 +12,14 @@
 #include "harness/report/judged_history.h"
 
 namespace touchstone::apps {
+using report::JudgedHistory;
+
 namespace {
 
 struct HistoryOptions {
-  HistorySource source;
+  report::HistorySource source;
   std::string plot, page, json, commit, collect, limits, worse = "any";
-  HistoryLimit limit;
+  report::HistoryLimit limit;
   std::vector<std::string> accepted;
   double value = 0.0;
   bool record = false;
@@ -32,14 +34,14 @@ bool record_first(const HistoryOptions& options) {
   if (options.source.local.size() != 1 || options.commit.empty())
     throw UsageError("--record and --collect need one --local FILE to write to, and --commit");
   if (!options.collect.empty()) {
-    const CollectedRun run = collect_ctest(options.collect, options.commit);
+    const report::CollectedRun run = report::collect_ctest(options.collect, options.commit);
     append_history(options.source.local[0], run.series);
     for (const std::string& text : run.not_numbers) fmt::print("not recorded: {}\n", text);
     all_numbers = run.not_numbers.empty();
   }
   if (options.record) {
     if (options.source.wanted.metric.empty()) throw UsageError("--record needs --metric");
-    append_history(options.source.local[0], {{options.source.wanted, {{options.commit, "", options.value}}}});
+    report::append_history(options.source.local[0], {{options.source.wanted, {{options.commit, "", options.value}}}});
   }
   return all_numbers;
 }
@@ -47,7 +49,7 @@ bool record_first(const HistoryOptions& options) {
 void write_history_outputs(const HistoryOptions& options, const JudgedHistory& history) {
   if (!options.json.empty()) write_file(options.json, history_json(history.all).dump(1) + "\n");
   if (!options.page.empty()) write_file(options.page, history_page(history.all, "Metrics over builds"));
-  const JudgedSeries* const picture = history.worst();
+  const report::JudgedSeries* const picture = history.worst();
   if (picture == nullptr || picture->series.points.empty()) return;
   if (!options.plot.empty()) {
     if (const auto problem = write_plot(history_plot(*picture), options.plot); !problem.empty())
@@ -56,14 +58,14 @@ void write_history_outputs(const HistoryOptions& options, const JudgedHistory& h
 }
 
 void print_for_ctest(const HistoryOptions& options, const JudgedHistory& history) {
-  fmt::print("{}", measurement("history_series", static_cast<double>(history.all.size())));
-  fmt::print("{}", measurement("history_failed", static_cast<double>(history.failures())));
-  const JudgedSeries* const picture = history.worst();
+  fmt::print("{}", report::measurement("history_series", static_cast<double>(history.all.size())));
+  fmt::print("{}", report::measurement("history_failed", static_cast<double>(history.failures())));
+  const report::JudgedSeries* const picture = history.worst();
   if (picture == nullptr) return;
   const std::filesystem::path png = options.plot.empty() ? "history.png" : options.plot;
   const auto problem = write_plot(history_plot(*picture), png);
   if (problem.empty()) {
-    fmt::print("{}", picture_measurement("TestImage", std::filesystem::absolute(png)));
+    fmt::print("{}", report::picture_measurement("TestImage", std::filesystem::absolute(png)));
   } else {
     fmt::print("no picture: {}\n", problem);
   }
@@ -78,13 +80,13 @@ ExitStatus history_command(HistoryOptions options) {
         "TOUCHSTONE_CDASH_URL\n");
     return ExitStatus::skipped;
   }
-  if (options.worse == "up") options.limit.worse = Worse::up;
-  if (options.worse == "down") options.limit.worse = Worse::down;
+  if (options.worse == "up") options.limit.worse = report::Worse::up;
+  if (options.worse == "down") options.limit.worse = report::Worse::down;
   for (const auto& commit : options.accepted) options.limit.accepted.push_back({commit, "by --accept"});
   const bool all_numbers = record_first(options);
   auto series = load_series(options.source);
-  HistoryLimits limits;
-  if (!options.limits.empty()) limits = load_history_limits(options.limits);
+  report::HistoryLimits limits;
+  if (!options.limits.empty()) limits = report::load_history_limits(options.limits);
   limits.limits.insert(limits.limits.begin(), options.limits.empty() ? 1U : 0U, options.limit);
   const bool gated =
       options.limit.maximum || options.limit.minimum || options.limit.most_rise || options.limit.most_fall;

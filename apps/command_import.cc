@@ -13,6 +13,8 @@
 #include "harness/importing/import_file.h"
 
 namespace touchstone::apps {
+using importing::GuessedMap;
+
 namespace {
 
 struct ImportOptions {
@@ -125,12 +127,12 @@ ExitStatus import_command(const ImportOptions& options) {
     if (!options.guess && !options.out.empty() && !options.yes) {
       throw UsageError("--out: a map is needed (--map; --guess proposes one), or --yes where nothing is in doubt");
     }
-    const GuessedMap guessed = guess_map(options.file);
+    const GuessedMap guessed = importing::guess_map(options.file);
     if (!options.guess) return show_understood(options, guessed);
     propose_map(options, guessed);
     return ExitStatus::passed;
   }
-  const Imported imported = import_file(options.file, load_import_map(map_file(options.map)));
+  const importing::Imported imported = import_file(options.file, importing::load_import_map(map_file(options.map)));
   for (const std::string& note : imported.notes) fmt::print(stderr, "note: {}\n", note);
   if (!options.out.empty()) save_imported(options.out, imported);
   if (!options.picture.empty()) write_file(options.picture, imported_picture(imported, options.file));

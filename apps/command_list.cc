@@ -18,17 +18,19 @@
 #include "synthetic/trajectory_catalogue.h"
 
 namespace touchstone::apps {
+using report::ListedKind;
+
 namespace {
 
-std::vector<ListedParameter> declared(const std::vector<ParameterDeclaration>& declarations) {
-  std::vector<ListedParameter> parameters;
+std::vector<report::ListedParameter> declared(const std::vector<rendering::ParameterDeclaration>& declarations) {
+  std::vector<report::ListedParameter> parameters;
   parameters.reserve(declarations.size());
   for (const auto& p : declarations) {
     // The coefficients of a field are hundreds of one kind.
-    if (is_field_coefficient(p.name)) {
-      if (p.name != field_coefficient(0, 0)) continue;
-      const std::size_t last = SmoothField::most_side - 1;
-      parameters.push_back({p.name + " to " + field_coefficient(last, last), p.unit, p.meaning, p.initial});
+    if (rendering::is_field_coefficient(p.name)) {
+      if (p.name != rendering::field_coefficient(0, 0)) continue;
+      const std::size_t last = rendering::SmoothField::most_side - 1;
+      parameters.push_back({p.name + " to " + rendering::field_coefficient(last, last), p.unit, p.meaning, p.initial});
       continue;
     }
     parameters.push_back({p.name, p.unit, p.meaning, p.initial});
@@ -37,8 +39,8 @@ std::vector<ListedParameter> declared(const std::vector<ParameterDeclaration>& d
 }
 
 template <class Entries>
-std::vector<ListedItem> synthetic_items(const Entries& entries) {
-  std::vector<ListedItem> items;
+std::vector<report::ListedItem> synthetic_items(const Entries& entries) {
+  std::vector<report::ListedItem> items;
   items.reserve(entries.size());
   for (const auto& entry : entries) items.push_back({entry.name, entry.summary, {}});
   return items;
@@ -52,7 +54,7 @@ std::string joined_but(const std::vector<std::string>& names, std::string_view l
   return text;
 }
 
-std::vector<ListedKind> everything(const CLI::App& program, const Plugins& plugins) {
+std::vector<ListedKind> everything(const CLI::App& program, const plugin::Plugins& plugins) {
   std::vector<ListedKind> kinds;
   ListedKind commands{"commands", "Commands (each has --help with examples)", {}};
   for (const auto* command : program.get_subcommands([](const CLI::App*) { return true; })) {
@@ -60,7 +62,7 @@ std::vector<ListedKind> everything(const CLI::App& program, const Plugins& plugi
   }
   kinds.push_back(std::move(commands));
   ListedKind renderers{"renderers", "Renderers", {}};
-  for (const auto& entry : renderer_catalogue()) {
+  for (const auto& entry : renderers::renderer_catalogue()) {
     renderers.items.push_back(
         {entry.name, fmt::format("{} ({})", entry.summary, entry.source), declared(entry.parameters)});
   }
@@ -70,20 +72,20 @@ std::vector<ListedKind> everything(const CLI::App& program, const Plugins& plugi
   }
   kinds.push_back(std::move(renderers));
   ListedKind effects{"effects", "Effects of the contact (\"effects\" in a model file)", {}};
-  for (const auto& entry : effect_catalogue())
+  for (const auto& entry : renderers::effect_catalogue())
     effects.items.push_back({entry.name, entry.summary, declared(entry.parameters)});
   kinds.push_back(std::move(effects));
   ListedKind instrument{"instrument", "Effects of the measurement (\"instrument\" in a model file)", {}};
-  for (const auto& entry : instrument_declarations()) {
+  for (const auto& entry : renderers::instrument_declarations()) {
     instrument.items.push_back({entry.name, entry.summary, declared(entry.parameters)});
   }
   kinds.push_back(std::move(instrument));
   ListedKind metrics{"metrics", "Metrics", {}};
-  for (const auto& entry : metric_catalogue()) {
+  for (const auto& entry : metrics::metric_catalogue()) {
     metrics.items.push_back({entry.name, joined_but(entry.results, ""), {}});
   }
-  metrics.items.push_back({"perception", joined_but(perceived_metrics(), "perception"), {}});
-  metrics.items.push_back({"operations", joined_but(operation_metrics(), "operations"), {}});
+  metrics.items.push_back({"perception", joined_but(pipeline::perceived_metrics(), "perception"), {}});
+  metrics.items.push_back({"operations", joined_but(pipeline::operation_metrics(), "operations"), {}});
   kinds.push_back(std::move(metrics));
   kinds.push_back({"surfaces", "Synthetic surfaces (parameters: touchstone synth --list)",
                    synthetic_items(synthetic::surface_catalogue())});

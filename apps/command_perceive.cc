@@ -13,6 +13,8 @@
 #include "renderers/catalogue.h"
 
 namespace touchstone::apps {
+using pipeline::PerceiveRequest;
+
 namespace {
 
 struct PerceiveOptions {
@@ -30,7 +32,7 @@ void perceive_by_judge(const PerceiveRequest& request, const std::filesystem::pa
   if (!request.paper.answers.empty()) throw UsageError("--answers goes with --method paper");
   if (request.paper.explained_share)
     throw UsageError("--explained goes with --method paper; the judge has no dimensions");
-  const JudgedFiles files = judge_files(built_in_catalogue(), request);
+  const pipeline::JudgedFiles files = judge_files(renderers::built_in_catalogue(), request);
   write_judged(files, out);
   fmt::print("{}", files.table());
   print_notes(files.remarks());
@@ -38,7 +40,7 @@ void perceive_by_judge(const PerceiveRequest& request, const std::filesystem::pa
 }
 
 void perceive_by_paper(const PerceiveRequest& request, const std::filesystem::path& out) {
-  const PaperFiles files = evaluate_by_paper(built_in_catalogue(), request);
+  const pipeline::PaperFiles files = evaluate_by_paper(renderers::built_in_catalogue(), request);
   write_by_paper(files, out);
   fmt::print("{}", files.table());
   print_notes(files.evaluation.remarks);
@@ -60,7 +62,7 @@ ExitStatus perceive_command(const PerceiveOptions& options) {
     const auto [name, file] = named_file("--condition", text);
     request.conditions.push_back({name, file});
   }
-  const Plugins plugins = options.plugins.load();
+  const plugin::Plugins plugins = options.plugins.load();
   for (const auto& text : options.models) {
     const auto [name, file] = named_file("--model", text);
     request.models.push_back({name, file, load_model(file, plugins)});

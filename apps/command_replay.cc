@@ -20,6 +20,8 @@
 #include "renderers/catalogue.h"
 
 namespace touchstone::apps {
+using rendering::Model;
+
 namespace {
 
 struct ReplayOptions {
@@ -31,15 +33,16 @@ struct ReplayOptions {
 
 // A recording's own forces show whether it belongs to this mesh. Positions without forces may be anywhere, unless they
 // are near it in another unit alone.
-void check_recording(const ReplayOptions& options, const Model& model, const Surface& surface) {
-  Recording sample = sanity::sample_recording(options.trajectory);
+void check_recording(const ReplayOptions& options, const Model& model, const surface::Surface& surface) {
+  recording::Recording sample = sanity::sample_recording(options.trajectory);
   // Nor is a recording on a moving object one on this mesh at rest.
   if (!options.object_path.empty()) return;
   const auto radius = model.parameters.find("tip_radius_m");
   const double tip_radius_m = radius == model.parameters.end() ? 0.0 : radius->second;
   if (sample.f_W_N.empty()) {
     const auto& tips = sample.motion.p_W_m;
-    const auto message = fits_another_unit(surface, tips, tip_radius_m, options.trajectory, options.mesh_unit);
+    const auto message =
+        rendering::fits_another_unit(surface, tips, tip_radius_m, options.trajectory, options.mesh_unit);
     if (message) throw BadData(*message);
     Box3 path;
     for (const Vec3& tip : tips) path.extend(tip);
@@ -58,9 +61,9 @@ void check_recording(const ReplayOptions& options, const Model& model, const Sur
 
 // What is replayed over, and how long it took to make.
 struct Built {
-  std::unique_ptr<Renderer> renderer;
-  std::shared_ptr<const Surface> surface;  // of one object; empty for a scene
-  std::shared_ptr<SeamSearch> seams;       // where the tip fell through an open mesh; empty for others
+  std::unique_ptr<rendering::Renderer> renderer;
+  std::shared_ptr<const surface::Surface> surface;  // of one object; empty for a scene
+  std::shared_ptr<rendering::SeamSearch> seams;     // where the tip fell through an open mesh; empty for others
   double build_ms = 0.0;
 };
 
@@ -69,20 +72,20 @@ double ms_since(std::chrono::steady_clock::time_point began) {
 }
 
 Built build_over_mesh(const ReplayOptions& options, const Model& model) {
-  const TriangleMesh mesh = options.meshes.load(options.mesh, options.mesh_unit);
+  const surface::TriangleMesh mesh = options.meshes.load(options.mesh, options.mesh_unit);
   const auto began = std::chrono::steady_clock::now();
   Built built;
   built.surface = options.meshes.surface(mesh);
-  built.renderer = make_renderer(model, built.surface);
+  built.renderer = renderers::make_renderer(model, built.surface);
   if (!options.object_path.empty()) {
-    built.renderer = std::make_unique<MovingObject>(std::move(built.renderer),
-                                                    load_trajectory(options.object_path).motion, options.object_path);
+    built.renderer = std::make_unique<rendering::MovingObject>(
+        std::move(built.renderer), recording::load_trajectory(options.object_path).motion, options.object_path);
   }
   built.build_ms = ms_since(began);
-  const MeshTopology* const topology = built.surface->topology();
+  const surface::MeshTopology* const topology = built.surface->topology();
   if (topology != nullptr && topology->open_edge_count > 0 && options.object_path.empty()) {
-    built.seams = std::make_shared<SeamSearch>(built.surface);
-    built.renderer = std::make_unique<SeamWatch>(std::move(built.renderer), built.seams);
+    built.seams = std::make_shared<rendering::SeamSearch>(built.surface);
+    built.renderer = std::make_unique<rendering::SeamWatch>(std::move(built.renderer), built.seams);
   }
   options.meshes.warn(mesh, *built.surface);
   check_recording(options, model, *built.surface);
@@ -90,12 +93,12 @@ Built build_over_mesh(const ReplayOptions& options, const Model& model) {
 }
 
 Built build_over_scene(const ReplayOptions& options, const Model& model) {
-  SceneFile file = load_scene(options.scene);
-  for (SceneFileBody& body : file.bodies) options.meshes.repair_if_wanted(body.mesh_B);
+  rendering::SceneFile file = rendering::load_scene(options.scene);
+  for (rendering::SceneFileBody& body : file.bodies) options.meshes.repair_if_wanted(body.mesh_B);
   const auto began = std::chrono::steady_clock::now();
-  const auto scene = std::make_shared<const BodyScene>(file.scene(options.meshes.two_sided));
+  const auto scene = std::make_shared<const rendering::BodyScene>(file.scene(options.meshes.two_sided));
   Built built;
-  built.renderer = make_scene_renderer(model, scene);
+  built.renderer = renderers::make_scene_renderer(model, scene);
   built.build_ms = ms_since(began);
   for (std::size_t i = 0; i < file.bodies.size(); ++i)
     options.meshes.warn(file.bodies[i].mesh_B, *scene->bodies[i].surface_B);
@@ -112,21 +115,21 @@ void check_options(const ReplayOptions& options) {
 ExitStatus replay_command(const ReplayOptions& options) {
   check_options(options);
   const Model model = load_model(options.model, options.plugins.load());
-  find_renderer(model);  // a misspelt name is said before a large mesh is read
+  renderers::find_renderer(model);  // a misspelt name is said before a large mesh is read
   const Built built = options.scene.empty() ? build_over_mesh(options, model) : build_over_scene(options, model);
-  Renderer* const renderer = built.renderer.get();
+  rendering::Renderer* const renderer = built.renderer.get();
 
-  const ReplaySummary summary = replay_file(*renderer, options.trajectory, options.out);
+  const rendering::ReplaySummary summary = replay_file(*renderer, options.trajectory, options.out);
   if (const std::string warning = built.seams ? seam_warning(built.seams->losses()) : ""; !warning.empty())
     fmt::print(stderr, "warning: {}\n", warning);
   if (!options.timing.empty()) {
-    ReplayTiming timing = measure_steps(*renderer, options.trajectory);
+    rendering::ReplayTiming timing = measure_steps(*renderer, options.trajectory);
     timing.build_ms = built.build_ms;
-    CountedRenderer counted{nullptr, options.scene.empty() ? "on a moving object" : "in a scene"};
-    if (built.surface && options.object_path.empty()) counted = make_counted_renderer(model, built.surface);
+    rendering::CountedRenderer counted{nullptr, options.scene.empty() ? "on a moving object" : "in a scene"};
+    if (built.surface && options.object_path.empty()) counted = renderers::make_counted_renderer(model, built.surface);
     std::string operations = "null";
     if (counted.renderer) {
-      OperationReport report = count_operations(*counted.renderer, options.trajectory);
+      rendering::OperationReport report = count_operations(*counted.renderer, options.trajectory);
       report.not_counted = counted.not_counted;
       operations = operations_to_json(report);
       fmt::print("{}", operations_text(report));

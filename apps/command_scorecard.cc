@@ -19,14 +19,14 @@ struct ScorecardOptions {
   PluginFlags plugins;
   std::vector<std::string> renderers;
   std::vector<std::string> parameters;
-  ScoreRequest request{{}, {}, "", "god-object", true, true, {}, "scorecard"};
+  pipeline::ScoreRequest request{{}, {}, "", "god-object", true, true, {}, "scorecard"};
   std::string golden = "golden";
   bool no_cases = false;
   bool no_cost = false;
 };
 
 ExitStatus scorecard_command(const ScorecardOptions& options) {
-  ScoreRequest request = options.request;
+  pipeline::ScoreRequest request = options.request;
   request.cost = !options.no_cost;
   request.with_cases = !options.no_cases;
   for (const auto& [name, value] : named_values("--parameter", options.parameters)) {
@@ -34,11 +34,12 @@ ExitStatus scorecard_command(const ScorecardOptions& options) {
   }
   request.facts.epsilon_m = request.felt.epsilon_m;
   for (const std::string& parameter : options.parameters) request.options += parameter + " ";
-  const Plugins plugins = options.plugins.load();
+  const plugin::Plugins plugins = options.plugins.load();
   GoldenOptions golden;
   golden.golden = options.golden;
-  const auto entries = entries_to_score(renderer_catalogue(), plugins, options.renderers);
-  const std::vector<GoldenCase> cases = options.no_cases ? std::vector<GoldenCase>{} : golden.load();
+  const auto entries = pipeline::entries_to_score(renderers::renderer_catalogue(), plugins, options.renderers);
+  const std::vector<baseline::GoldenCase> cases =
+      options.no_cases ? std::vector<baseline::GoldenCase>{} : golden.load();
   const std::filesystem::path out = request.out;
   ensure_writable_folder(out);
   std::vector<diagnosis::Scorecard> cards;

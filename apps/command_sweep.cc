@@ -14,14 +14,14 @@ namespace {
 
 struct SweepOptions {
   std::string specification;
-  CaseOptions cases;
+  runs::CaseOptions cases;
 };
 
 ExitStatus sweep_command(const SweepOptions& options) {
-  const SweepDesign design(options.specification);
-  SweepWorld world(built_in_catalogues(), design);
-  const ToolSweep tools{renderers::tool_renderer_catalogue(), synthetic::known_contacts};
-  CaseCommand command;
+  const pipeline::SweepDesign design(options.specification);
+  pipeline::SweepWorld world(built_in_catalogues(), design);
+  const pipeline::ToolSweep tools{renderers::tool_renderer_catalogue(), synthetic::known_contacts};
+  runs::CaseCommand command;
   command.job = design.of_tools() ? tool_sweep_job(design, tools) : sweep_job(design, world);
   command.table = design.of_tools() ? tool_sweep_table(design) : sweep_table(design);
   command.words = {"sweep", std::filesystem::absolute(options.specification).string()};

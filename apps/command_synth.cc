@@ -39,7 +39,7 @@ ExitStatus synth_command(const SynthOptions& options) {
     fmt::print("{}: data set {}, seed {}\n", options.out, options.dataset, options.seed);
   } else if (!options.surface.empty()) {
     const double unit_m = length_unit_factor(options.mesh_unit);
-    mesh_format(options.out);  // an unknown extension is said before a large mesh is made
+    surface::mesh_format(options.out);  // an unknown extension is said before a large mesh is made
     const auto made = synthetic::make_mesh(options.surface, overrides, options.triangles);
     save_mesh(made.mesh, options.out, unit_m);
     fmt::print("{}: {} in {}, {} triangles, no further than {:.6g} m from the surface\n", options.out, made.mesh.source,
@@ -51,7 +51,7 @@ ExitStatus synth_command(const SynthOptions& options) {
     }
   } else {
     const auto path = synthetic::make_path(options.trajectory, overrides, options.seed);
-    const InTrajectory trajectory = synthetic::sample(*path, options.rate_Hz);
+    const recording::InTrajectory trajectory = synthetic::sample(*path, options.rate_Hz);
     save_trajectory(options.out, trajectory);
     fmt::print("{}: {} over {:.6g} s, {} samples at {:.6g} Hz\n", options.out, options.trajectory, path->duration_s(),
                trajectory.size(), options.rate_Hz);

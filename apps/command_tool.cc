@@ -26,9 +26,10 @@
 #include "synthetic/tool/known_contacts.h"
 
 namespace touchstone::apps {
+using tool::ToolRendererEntry;
+
 namespace {
 
-using namespace tool;
 using synthetic::ExactCase;
 
 struct ToolListOptions {
@@ -39,14 +40,14 @@ ExitStatus list_tools(const ToolListOptions& options) {
   fmt::print("renderers\n");
   for (const ToolRendererEntry& entry : options.flags.entries()) {
     fmt::print("  {:<18} {} ({})\n", entry.name, entry.summary, entry.source);
-    for (const ParameterDeclaration& p : entry.parameters)
+    for (const rendering::ParameterDeclaration& p : entry.parameters)
       fmt::print("    {:<26} {} {}: {}\n", p.name, p.initial, p.unit, p.meaning);
   }
   fmt::print("exact cases\n");
   for (const std::string& name : synthetic::exact_case_names())
     fmt::print("  {:<18} {}\n", name, synthetic::make_exact_case(name).what);
   fmt::print("faults of `tool check --fault`\n");
-  for (const std::string_view name : kToolFaultNames) fmt::print("  {}\n", name);
+  for (const std::string_view name : tool::kToolFaultNames) fmt::print("  {}\n", name);
   return ExitStatus::passed;
 }
 
@@ -76,20 +77,20 @@ struct ToolReplayOptions {
 ExitStatus tool_replay_command(const ToolReplayOptions& options) {
   const std::vector<ToolRendererEntry> known = options.flags.entries();
   const ToolRendererEntry& entry = find_tool_renderer(known, options.renderer);
-  const auto renderer = tool::make_tool_renderer(entry, options.tool.load(),
-                                                 load_mesh(options.object_mesh, length_unit_factor(options.tool.unit)),
-                                                 options.flags.settings_of(entry, {&entry, 1}));
-  ToolReplayFiles files{options.path, options.out, {}, options.keep_every};
+  const auto renderer = tool::make_tool_renderer(
+      entry, options.tool.load(), surface::load_mesh(options.object_mesh, length_unit_factor(options.tool.unit)),
+      options.flags.settings_of(entry, {&entry, 1}));
+  tool::ToolReplayFiles files{options.path, options.out, {}, options.keep_every};
   if (!options.proxy.empty()) files.proxy = options.proxy;
   if (!options.contacts.empty()) files.contacts = options.contacts;
-  const ToolReplaySummary summary = replay_tool(*renderer, files);
+  const tool::ToolReplaySummary summary = replay_tool(*renderer, files);
   fmt::print("{}: {} samples, {} in contact, largest force {:.6g} N, largest torque {:.6g} mNm\n", options.out,
              summary.samples, summary.in_contact, summary.largest_force_N, summary.largest_torque_Nm * 1e3);
   if (files.contacts) fmt::print("{}: {} contacts\n", options.contacts, summary.contacts);
   if (!options.timing.empty()) {
     const std::vector<double> times = measure_tool_steps(*renderer, options.path);
-    write_file(options.timing, step_times_to_json(times, renderer->memory_bytes()));
-    fmt::print("{}", step_times_to_text(times));
+    write_file(options.timing, tool::step_times_to_json(times, renderer->memory_bytes()));
+    fmt::print("{}", tool::step_times_to_text(times));
   }
   return ExitStatus::passed;
 }
@@ -97,7 +98,7 @@ ExitStatus tool_replay_command(const ToolReplayOptions& options) {
 struct ToolCompareOptions {
   std::string expected, obtained, expected_proxy, obtained_proxy, json, report;
   std::vector<double> force_N{1e-6}, torque_Nm{1e-7};
-  Coupling coupling;
+  tool::Coupling coupling;
 };
 
 Vec3 tolerance_per_axis(const std::vector<double>& values, std::string_view name) {
@@ -115,17 +116,23 @@ ExitStatus tool_compare_command(const ToolCompareOptions& options) {
   if (options.expected_proxy.empty() != options.obtained_proxy.empty()) {
     throw UsageError("--expected-proxy and --obtained-proxy belong together: give both or none");
   }
-  pipeline::ComparedTools compared{
-      load_recording(options.expected), load_recording(options.obtained), {}, {}, options.coupling, force_N, torque_Nm};
-  report::Provenance provenance = make_provenance(command_line());
-  provenance.inputs = {describe_input("expected", options.expected), describe_input("obtained", options.obtained)};
+  pipeline::ComparedTools compared{recording::load_recording(options.expected),
+                                   recording::load_recording(options.obtained),
+                                   {},
+                                   {},
+                                   options.coupling,
+                                   force_N,
+                                   torque_Nm};
+  report::Provenance provenance = report::make_provenance(command_line());
+  provenance.inputs = {report::describe_input("expected", options.expected),
+                       report::describe_input("obtained", options.obtained)};
   if (!options.expected_proxy.empty()) {
-    compared.expected_proxy = load_trajectory(options.expected_proxy);
-    compared.obtained_proxy = load_trajectory(options.obtained_proxy);
-    provenance.inputs.push_back(describe_input("expected proxy", options.expected_proxy));
-    provenance.inputs.push_back(describe_input("obtained proxy", options.obtained_proxy));
+    compared.expected_proxy = recording::load_trajectory(options.expected_proxy);
+    compared.obtained_proxy = recording::load_trajectory(options.obtained_proxy);
+    provenance.inputs.push_back(report::describe_input("expected proxy", options.expected_proxy));
+    provenance.inputs.push_back(report::describe_input("obtained proxy", options.obtained_proxy));
   }
-  const ToolComparison c = pipeline::compared_errors(compared);
+  const tool::ToolComparison c = pipeline::compared_errors(compared);
   if (!options.json.empty()) write_file(options.json, comparison_to_json(c));
   if (!options.report.empty()) write_html(options.report, pipeline::tool_comparison_page(compared, c, provenance));
   fmt::print("{}", comparison_to_text(c));
@@ -146,8 +153,8 @@ struct ToolTableOptions {
 double friction_of(const ToolTableOptions& options, std::span<const ToolRendererEntry> entries) {
   double mu = 0.0;
   for (const ToolRendererEntry& entry : entries) {
-    const ToolSettings settings = options.flags.settings_of(entry, entries);
-    const auto given = settings.parameters.find(std::string(kFrictionParameter));
+    const tool::ToolSettings settings = options.flags.settings_of(entry, entries);
+    const auto given = settings.parameters.find(std::string(tool::kFrictionParameter));
     if (given == settings.parameters.end() || !(given->second > 0.0)) {
       throw UsageError(
           fmt::format("--slide: {} has no friction; give --parameter mu=0.3, and with --renderer those that "
@@ -171,20 +178,20 @@ ExitStatus tool_table_command(const ToolTableOptions& options) {
   for (const std::string& name : options.renderers) entries.push_back(find_tool_renderer(known, name));
   if (entries.empty()) entries = known;
   const double mu = options.slide ? friction_of(options, entries) : 0.0;
-  std::vector<ToolErrors> rows;
+  std::vector<tool::ToolErrors> rows;
   for (const std::string& name : cases) {
-    const KnownContacts known_answer = options.slide ? synthetic::known_slides(name, options.flags.coupling, mu)
-                                                     : synthetic::known_contacts(name, options.flags.coupling);
+    const tool::KnownContacts known_answer = options.slide ? synthetic::known_slides(name, options.flags.coupling, mu)
+                                                           : synthetic::known_contacts(name, options.flags.coupling);
     for (const ToolRendererEntry& entry : entries) {
-      const ToolSettings settings = options.flags.settings_of(entry, entries);
+      const tool::ToolSettings settings = options.flags.settings_of(entry, entries);
       const auto renderer = tool::make_tool_renderer(entry, known_answer.tool, known_answer.object_W, settings);
       rows.push_back(errors_of(*renderer, entry.name, known_answer));
     }
   }
   if (!options.largest.empty()) {
     double largest = 0.0;
-    for (const ToolErrors& row : rows)
-      largest = worse(largest, options.largest == "force" ? row.max_force_N : row.max_torque_Nm);
+    for (const tool::ToolErrors& row : rows)
+      largest = tool::worse(largest, options.largest == "force" ? row.max_force_N : row.max_torque_Nm);
     fmt::print("{:.17g}\n", largest);
     return ExitStatus::passed;
   }
@@ -202,9 +209,9 @@ struct ToolCheckOptions {
 ExitStatus tool_check_command(const ToolCheckOptions& options) {
   const std::vector<ToolRendererEntry> known = options.flags.entries();
   const ToolRendererEntry& entry = find_tool_renderer(known, options.renderer);
-  ToolSubject subject = subject_of(entry, options.flags.settings_of(entry, {&entry, 1}));
+  tool::ToolSubject subject = subject_of(entry, options.flags.settings_of(entry, {&entry, 1}));
   if (!options.fault.empty()) subject = with_fault(std::move(subject), options.fault);
-  const std::vector<ToolFinding> findings = check_tool_renderer(subject);
+  const std::vector<tool::ToolFinding> findings = check_tool_renderer(subject);
   fmt::print("{}", findings_to_text(options.renderer, findings));
   return passed(findings) ? ExitStatus::passed : ExitStatus::failed;
 }

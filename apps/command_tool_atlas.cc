@@ -23,18 +23,18 @@ struct ToolAtlasOptions {
   std::vector<std::string> parameters;
   PluginFlags plugins;
   std::string out;
-  CaseOptions cases;
+  runs::CaseOptions cases;
 };
 
 void write_report(const std::filesystem::path& out, const std::vector<atlas::ToolAtlasCase>& cases,
-                  const CaseOutcome& outcome, const ToolAtlasOptions& options) {
+                  const runs::CaseOutcome& outcome, const ToolAtlasOptions& options) {
   write_file(out / "atlas.json", atlas::tool_atlas_to_json(cases));
   write_file(out / "maps.svg", atlas::tool_atlas_picture(cases));
-  Provenance provenance = make_provenance(command_line());
+  report::Provenance provenance = report::make_provenance(command_line());
   provenance.inputs.push_back(stored_rows(*outcome.store, options.cases));
   for (const std::string& library : options.plugins.libraries)
-    provenance.inputs.push_back(describe_input("plug-in", library));
-  const Page page = atlas::tool_atlas_page(cases, provenance);
+    provenance.inputs.push_back(report::describe_input("plug-in", library));
+  const report::Page page = atlas::tool_atlas_page(cases, provenance);
   write_html(out / "report.html", page);
   write_file(out / "tables.md", tables_to_markdown(page));
   fmt::print("report: {}\n", (out / "report.html").string());
@@ -45,10 +45,10 @@ ExitStatus tool_atlas_command(ToolAtlasOptions options) {
   if (options.cases.file.empty() && !options.out.empty())
     options.cases.file = (std::filesystem::path(options.out) / "atlas.sqlite").string();
   std::vector<tool::ToolRendererEntry> entries = renderers::tool_renderer_catalogue();
-  CaseCommand command;
+  runs::CaseCommand command;
   for (const std::string& library : options.plugins.libraries) {
     add_tool_plugin(library, options.plugins.options(), entries);
-    options.grid.plugins.push_back(describe_input("plug-in", library).sha256);
+    options.grid.plugins.push_back(report::describe_input("plug-in", library).sha256);
     command.words.insert(command.words.end(), {"--plugin", std::filesystem::absolute(library).string()});
   }
   atlas::ToolAtlasGrid& grid = options.grid;
@@ -61,7 +61,7 @@ ExitStatus tool_atlas_command(ToolAtlasOptions options) {
   command.job = atlas::tool_atlas_job(grid, entries);
   command.table = atlas::tool_atlas_table(grid);
   command.describe = [&](std::uint64_t number) { return atlas::describe_case(grid, number); };
-  const CaseOutcome outcome = run_case_command(command, options.cases);
+  const runs::CaseOutcome outcome = run_case_command(command, options.cases);
   if (!outcome.store) return outcome.status;
   const auto cases = atlas::stored_cases(grid, *outcome.store);
   fmt::print("{}\n\n{}", atlas::tool_atlas_sentence(cases), atlas::tool_atlas_text(cases));

@@ -29,8 +29,8 @@ ExitStatus tool_fit_command(const ToolFitOptions& options) {
   const tool::ToolRendererEntry& entry = tool::find_tool_renderer(known, options.renderer);
   const tool::ToolSettings declared = options.flags.settings_of(entry, {&entry, 1});
   const tool::Tool shape = options.tool.load();
-  const TriangleMesh object = load_mesh(options.object_mesh, length_unit_factor(options.tool.unit));
-  const Recording recording = load_recording(options.recording);
+  const surface::TriangleMesh object = surface::load_mesh(options.object_mesh, length_unit_factor(options.tool.unit));
+  const recording::Recording recording = recording::load_recording(options.recording);
   const std::filesystem::path out = options.out;
   ensure_writable_folder(out);
   const pipeline::ToolFit fit = pipeline::fit_tool(
@@ -41,9 +41,10 @@ ExitStatus tool_fit_command(const ToolFitOptions& options) {
         return tool::make_tool_renderer(entry, shape, object, settings);
       },
       declared.coupling);
-  Provenance provenance = make_provenance(command_line());
-  provenance.inputs = {describe_input("recording", options.recording), describe_input("tool", options.tool.file),
-                       describe_input("object", options.object_mesh)};
+  report::Provenance provenance = report::make_provenance(command_line());
+  provenance.inputs = {report::describe_input("recording", options.recording),
+                       report::describe_input("tool", options.tool.file),
+                       report::describe_input("object", options.object_mesh)};
   write_file(out / "tool-fit.json", pipeline::tool_fit_json(fit));
   write_html(out / "report.html", pipeline::tool_fit_page(recording, fit, provenance));
   fmt::print("{}report: {}\n", pipeline::tool_fit_text(fit), (out / "report.html").string());

@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "apps/command.h"
-#include "harness/base/rooms.h"
 
 namespace touchstone::apps {
 

@@ -7,6 +7,8 @@
 #include "harness/base/units.h"
 
 namespace touchstone::apps {
+using recording::InTrajectoryMode;
+
 void add_evaluation_flags(CLI::App& command, EvaluationFlags& flags) {
   command.add_option("--recording", flags.recording, "Measured time, position and force: CSV (also .gz) or HDF5");
   command.add_option("--repeat", flags.repeat,
@@ -55,14 +57,14 @@ void say_usual_in_trajectory(InTrajectoryMode mode) {
              whole ? "a renderer has friction in its proxy" : "equation 2, from the normal force");
 }
 
-EvaluationRequest make_request(const EvaluationFlags& flags) {
-  EvaluationRequest request;
+pipeline::EvaluationRequest make_request(const EvaluationFlags& flags) {
+  pipeline::EvaluationRequest request;
   request.recording = flags.recording;
   request.repeat = flags.repeat;
   request.mesh = flags.mesh;
   request.mesh_unit = flags.mesh_unit;
   static_cast<void>(length_unit_factor(flags.mesh_unit));
-  request.in_trajectory = find_in_trajectory(flags.in_trajectory).value_or(InTrajectoryMode::synthesize);
+  request.in_trajectory = recording::find_in_trajectory(flags.in_trajectory).value_or(InTrajectoryMode::synthesize);
   if (!flags.tip_radius.empty()) {
     request.tip_radius_m = parse_length_m(flags.tip_radius, "--tip-radius");
     if (!(*request.tip_radius_m >= 0.0))
@@ -70,7 +72,7 @@ EvaluationRequest make_request(const EvaluationFlags& flags) {
   }
   if (flags.stiffness_N_per_m != 0.0) request.stiffness_N_per_m = flags.stiffness_N_per_m;
   if (!flags.contact_threshold.empty())
-    request.contact_threshold_N = parse_force_N(flags.contact_threshold, "--contact-threshold");
+    request.contact_threshold_N = pipeline::parse_force_N(flags.contact_threshold, "--contact-threshold");
   for (const std::string& threshold : flags.thresholds) apply_threshold(threshold, request);
   request.flip_force = flags.flip_force;
   request.closed = flags.closed;
@@ -78,8 +80,8 @@ EvaluationRequest make_request(const EvaluationFlags& flags) {
   if (!flags.extend_edges.empty()) {
     request.extend_edges_m = flags.extend_edges == "0" ? 0.0 : parse_length_m(flags.extend_edges, "--extend-edges");
   }
-  request.clock.on_duplicate = parse_on_duplicate(flags.on_duplicate);
-  request.clock.on_gap = parse_on_gap(flags.on_gap);
+  request.clock.on_duplicate = recording::parse_on_duplicate(flags.on_duplicate);
+  request.clock.on_gap = recording::parse_on_gap(flags.on_gap);
   request.command_line = command_line();
   // The program by its name: where it was installed says nothing about the result.
   if (!request.command_line.empty()) request.command_line.front() = "touchstone";

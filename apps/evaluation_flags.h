@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "apps/plugin_flags.h"
-#include "harness/base/rooms.h"
 #include "harness/pipeline/evaluation/request.h"
 
 namespace touchstone::apps {
@@ -26,9 +25,9 @@ struct EvaluationFlags {
 void add_evaluation_flags(CLI::App& command, EvaluationFlags& flags);
 
 // Says on stderr which in-trajectory was taken, since none was chosen, and why.
-void say_usual_in_trajectory(InTrajectoryMode mode);
+void say_usual_in_trajectory(recording::InTrajectoryMode mode);
 
 // Everything but the model. Throws UsageError for values that make no sense.
-EvaluationRequest make_request(const EvaluationFlags& flags);
+pipeline::EvaluationRequest make_request(const EvaluationFlags& flags);
 
 }  // namespace touchstone::apps

@@ -17,7 +17,7 @@ using testing::Outcome;
 class GoldenFloor : public testing::BuiltProgram {
  protected:
   void SetUp() override {
-    BuiltProgram::SetUp();
+    testing::BuiltProgram::SetUp();
     if (IsSkipped()) return;
     std::filesystem::create_directories(folder_ / "golden");
     for (const char* const one : {"plane-taps-small-fast", "scene-wall-small-fast"}) {

@@ -19,21 +19,21 @@ void GoldenOptions::add_to(CLI::App& command) {
 }
 
 std::filesystem::path GoldenOptions::folder() const {
-  return golden == GoldenOptions{}.golden ? usual_golden_folder(golden) : std::filesystem::path(golden);
+  return golden == GoldenOptions{}.golden ? pipeline::usual_golden_folder(golden) : std::filesystem::path(golden);
 }
 
-std::vector<GoldenCase> GoldenOptions::load() const { return choose_cases(folder(), cases); }
+std::vector<baseline::GoldenCase> GoldenOptions::load() const { return pipeline::choose_cases(folder(), cases); }
 
-std::vector<std::string> GoldenOptions::models_of(const GoldenCase& one) const {
+std::vector<std::string> GoldenOptions::models_of(const baseline::GoldenCase& one) const {
   if (!model.empty()) return {model};
   std::vector<std::string> models;
   for (const auto& [name, ignored] : one.models) models.push_back(name);
   return models;
 }
 
-ChangeModel GoldenOptions::change_model() const {
+pipeline::ChangeModel GoldenOptions::change_model() const {
   if (renderer.empty() && plugins.libraries.empty()) return {};
-  return [loaded = plugins.load(), name = renderer](Model& changed) {
+  return [loaded = plugins.load(), name = renderer](rendering::Model& changed) {
     if (!name.empty()) changed.renderer = name;
     loaded.provide(changed);
   };

@@ -21,7 +21,7 @@ using ::testing::HasSubstr;
 class HilRender : public testing::BuiltProgram {
  protected:
   void SetUp() override {
-    BuiltProgram::SetUp();
+    testing::BuiltProgram::SetUp();
     if (IsSkipped()) return;
     ::setenv("TOUCHSTONE_LOCK_DIR", folder_.c_str(), 1);  // devices of its own
     write_file(folder_ / "plate.obj", "v -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nf 1 2 3\nf 1 3 4\n");

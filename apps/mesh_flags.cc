@@ -11,6 +11,7 @@
 #include "harness/surface/mesh_warnings.h"
 
 namespace touchstone::apps {
+using surface::TriangleMesh;
 
 void MeshFlags::add_repair_to(CLI::App& command) {
   command.add_flag("--repair", repair,
@@ -25,7 +26,7 @@ void MeshFlags::add_two_sided_to(CLI::App& command) {
 }
 
 TriangleMesh MeshFlags::load(const std::string& path, const std::string& unit) const {
-  TriangleMesh mesh = load_mesh(path, length_unit_factor(unit));
+  TriangleMesh mesh = surface::load_mesh(path, length_unit_factor(unit));
   for (const std::string& note : reading_notes(mesh)) fmt::print(stderr, "note: {}\n", note);
   repair_if_wanted(mesh);
   return mesh;
@@ -33,16 +34,16 @@ TriangleMesh MeshFlags::load(const std::string& path, const std::string& unit) c
 
 void MeshFlags::repair_if_wanted(TriangleMesh& mesh) const {
   if (!repair) return;
-  OrientedMesh repaired = orient(mesh);
+  surface::OrientedMesh repaired = orient(mesh);
   if (const std::string note = repair_note(repaired); !note.empty()) fmt::print(stderr, "{}\n", note);
   mesh = std::move(repaired.mesh);
 }
 
-std::shared_ptr<const Surface> MeshFlags::surface(const TriangleMesh& mesh) const {
+std::shared_ptr<const surface::Surface> MeshFlags::surface(const TriangleMesh& mesh) const {
   return make_embree_surface(two_sided ? surface::two_sided(mesh) : mesh);
 }
 
-void MeshFlags::warn(const TriangleMesh& mesh, const Surface& surface) const {
+void MeshFlags::warn(const TriangleMesh& mesh, const surface::Surface& surface) const {
   // Of two sides each is the other one's double.
   const auto warnings = two_sided ? mesh_warnings(*make_embree_surface(mesh)) : mesh_warnings(surface);
   for (const std::string& warning : warnings) fmt::print(stderr, "warning: {}\n", warning);

@@ -6,7 +6,6 @@
 #include <memory>
 #include <string>
 
-#include "harness/base/rooms.h"
 #include "harness/surface/surface.h"
 #include "harness/surface/triangle_mesh.h"
 
@@ -21,14 +20,14 @@ struct MeshFlags {
 
   // The file's mesh, repaired where that is asked for; says on stderr what was turned. Throws as load_mesh() and
   // orient() do.
-  [[nodiscard]] TriangleMesh load(const std::string& path, const std::string& unit) const;
+  [[nodiscard]] surface::TriangleMesh load(const std::string& path, const std::string& unit) const;
   // The same for a mesh that was read already.
-  void repair_if_wanted(TriangleMesh& mesh) const;
+  void repair_if_wanted(surface::TriangleMesh& mesh) const;
   // The surface to render.
-  [[nodiscard]] std::shared_ptr<const Surface> surface(const TriangleMesh& mesh) const;
+  [[nodiscard]] std::shared_ptr<const surface::Surface> surface(const surface::TriangleMesh& mesh) const;
   // Says on stderr what is wrong with the mesh, a line each (harness/surface/mesh_warnings.h). `surface` is the answer
   // of surface().
-  void warn(const TriangleMesh& mesh, const Surface& surface) const;
+  void warn(const surface::TriangleMesh& mesh, const surface::Surface& surface) const;
 };
 
 }  // namespace touchstone::apps

@@ -22,7 +22,7 @@ using testing::Outcome;
 class PluginCommand : public testing::BuiltProgram {
  protected:
   void SetUp() override {
-    BuiltProgram::SetUp();
+    testing::BuiltProgram::SetUp();
     if (IsSkipped()) return;
     write_file(folder_ / "plate.obj", "v -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nf 1 2 3\nf 1 3 4\n");
     write_file(folder_ / "plane.json",

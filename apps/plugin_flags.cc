@@ -8,6 +8,8 @@
 #include "renderers/catalogue.h"
 
 namespace touchstone::apps {
+using plugin::PluginOptions;
+using plugin::Plugins;
 
 void PluginFlags::add_to(CLI::App& command) {
   command.add_option(
@@ -40,14 +42,14 @@ PluginOptions PluginFlags::options() const {
 
 Plugins PluginFlags::load() const {
   const PluginOptions chosen = options();
-  const std::vector<std::string> known = renderer_names(built_in_catalogue());
+  const std::vector<std::string> known = renderer_names(renderers::built_in_catalogue());
   Plugins plugins;
   for (const std::string& library : libraries) plugins.load(library, chosen, known);
   return plugins;
 }
 
-Model load_model(const std::filesystem::path& path, const Plugins& plugins) {
-  return plugin::load_model(path, plugins, renderer_names(built_in_catalogue()));
+rendering::Model load_model(const std::filesystem::path& path, const Plugins& plugins) {
+  return plugin::load_model(path, plugins, renderer_names(renderers::built_in_catalogue()));
 }
 
 }  // namespace touchstone::apps

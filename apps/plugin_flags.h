@@ -6,7 +6,6 @@
 #include <string>
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "harness/plugin/plugin.h"
 
 namespace touchstone::apps {
@@ -20,12 +19,12 @@ struct PluginFlags {
   void add_to(CLI::App& command);
 
   // Where and how the libraries are loaded. Throws UsageError for a limit that makes no sense.
-  [[nodiscard]] PluginOptions options() const;
+  [[nodiscard]] plugin::PluginOptions options() const;
   // Loads the libraries. Throws as Plugins::load() does, UsageError for a limit that makes no sense.
-  [[nodiscard]] Plugins load() const;
+  [[nodiscard]] plugin::Plugins load() const;
 };
 
 // plugin::load_model() beside the catalogue of renderers/.
-Model load_model(const std::filesystem::path& path, const Plugins& plugins);
+rendering::Model load_model(const std::filesystem::path& path, const plugin::Plugins& plugins);
 
 }  // namespace touchstone::apps

@@ -19,7 +19,7 @@ using testing::Outcome;
 class PluginGolden : public testing::BuiltProgram {
  protected:
   void SetUp() override {
-    BuiltProgram::SetUp();
+    testing::BuiltProgram::SetUp();
     if (IsSkipped()) return;
     std::filesystem::create_directories(folder_ / "repository/golden/tap");
     std::filesystem::create_directories(folder_ / "repository/build");
@@ -64,7 +64,7 @@ TEST_F(PluginGolden, SaysWhichLibraryOfWhichCommitMadeIt) {
   EXPECT_EQ(check().status, 1);
   const Outcome accepted = accept();
   ASSERT_EQ(accepted.status, 0) << accepted.err;
-  const Provenance golden = read_provenance(folder_ / "repository/golden/tap/expected/plane.h5");
+  const baseline::Provenance golden = baseline::read_provenance(folder_ / "repository/golden/tap/expected/plane.h5");
   EXPECT_EQ(golden.at("plugin_library"), "libmine.so") << "no path of this machine";
   EXPECT_EQ(golden.at("plugin_sha256"), sha256_file(library_));
   EXPECT_EQ(golden.at("plugin_state"), "clean");

@@ -19,7 +19,7 @@ using testing::Outcome;
 class RecordingGate : public testing::BuiltProgram {
  protected:
   void SetUp() override {
-    BuiltProgram::SetUp();
+    testing::BuiltProgram::SetUp();
     if (folder_.empty()) return;
     write_file(folder_ / "plate.obj", "v -0.1 -0.1 0\nv 0.1 -0.1 0\nv 0.1 0.1 0\nv -0.1 0.1 0\nf 1 2 3\nf 1 3 4\n");
     write_file(folder_ / "model.json",

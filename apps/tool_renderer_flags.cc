@@ -51,7 +51,7 @@ tool::Tool ToolShapeFlags::load() const {
     constexpr double kUsual_kg = 0.1;
     return tool::point_tool(tool::load_point_shell(file), mass_kg > 0.0 ? mass_kg : kUsual_kg);
   }
-  const TriangleMesh mesh = load_mesh(file, length_unit_factor(unit));
+  const surface::TriangleMesh mesh = surface::load_mesh(file, length_unit_factor(unit));
   const tool::Tool filled = tool::solid_tool(mesh);
   if (!(mass_kg > 0.0)) return filled;
   return tool::solid_tool(mesh, tool::kUsualToolDensity_kg_per_m3 * mass_kg / filled.mass.mass_kg);

@@ -23,7 +23,7 @@ constexpr const char* kTurned = "repaired: 1 of 12 triangles turned";
 class TurnedTriangle : public testing::BuiltProgram {
  protected:
   void SetUp() override {
-    BuiltProgram::SetUp();
+    testing::BuiltProgram::SetUp();
     if (IsSkipped()) return;
     // A block 40 mm wide with its top at z = 0. The fourth triangle, of the top, faces down.
     std::string block;

@@ -15,8 +15,8 @@ namespace {
 constexpr std::size_t rows = 60000;
 
 // A minute at 1 kHz; `offset_N` is what the second of two differs by.
-RenderedTrajectory minute(double offset_N) {
-  RenderedTrajectory rendered;
+recording::RenderedTrajectory minute(double offset_N) {
+  recording::RenderedTrajectory rendered;
   for (std::size_t i = 0; i < rows; ++i) {
     const double t_s = static_cast<double>(i) * 1e-3;
     const double depth_m = 1e-3 * std::sin(6.0 * t_s);
@@ -31,8 +31,8 @@ RenderedTrajectory minute(double offset_N) {
   return rendered;
 }
 
-Tolerance tolerance() {
-  Tolerance tolerance;
+baseline::Tolerance tolerance() {
+  baseline::Tolerance tolerance;
   tolerance.reason = "benchmark";
   return tolerance;
 }
@@ -40,8 +40,8 @@ Tolerance tolerance() {
 void per_row(benchmark::State& state) { state.SetItemsProcessed(state.iterations() * static_cast<std::int64_t>(rows)); }
 
 void in_memory(benchmark::State& state) {
-  const TrajectoryColumns golden = columns_of(minute(0.0), "golden");
-  const TrajectoryColumns obtained = columns_of(minute(1e-9), "obtained");
+  const baseline::TrajectoryColumns golden = baseline::columns_of(minute(0.0), "golden");
+  const baseline::TrajectoryColumns obtained = baseline::columns_of(minute(1e-9), "obtained");
   for (auto _ : state) benchmark::DoNotOptimize(compare(golden, obtained, tolerance()));
   per_row(state);
 }
@@ -50,11 +50,11 @@ void from_files(benchmark::State& state) {
   const auto folder = std::filesystem::temp_directory_path();
   const auto golden = folder / "touchstone-bench-golden.h5";
   const auto obtained = folder / "touchstone-bench-obtained.h5";
-  write_golden(golden, minute(0.0), build_provenance());
-  write_golden(obtained, minute(1e-9), build_provenance());
+  baseline::write_golden(golden, minute(0.0), baseline::build_provenance());
+  baseline::write_golden(obtained, minute(1e-9), baseline::build_provenance());
   for (auto _ : state)
     benchmark::DoNotOptimize([&] {
-      const auto [a, b] = load_columns(golden, obtained);
+      const auto [a, b] = baseline::load_columns(golden, obtained);
       return compare(a, b, tolerance());
     }());
   per_row(state);

@@ -8,16 +8,19 @@
 #include "harness/discrepancy/plane_for_test.h"
 
 namespace touchstone::bench {
+using discrepancy::FitData;
+using rendering::Model;
+
 namespace {
 
 constexpr double kWindow_s = 1.0 / 30.0;
 constexpr double kNoise_N = 0.01;
 constexpr std::uint64_t kSeed = 2006;
 
-class CountingPredictor final : public Predictor {
+class CountingPredictor final : public rendering::Predictor {
  public:
   explicit CountingPredictor(const MotionColumns& motion) : plane_(motion) {}
-  Prediction predict(const Model& model) override {
+  rendering::Prediction predict(const Model& model) override {
     ++runs_;
     return plane_.predict(model);
   }
@@ -37,15 +40,15 @@ Model plane(double stiffness_N_per_m, double damping_N_s_per_m) {
 }
 
 FitData measured(CountingPredictor& predictor, const MotionColumns& motion) {
-  const Prediction truth = predictor.predict(plane(900.0, 4.0));
+  const rendering::Prediction truth = predictor.predict(plane(900.0, 4.0));
   FitData data;
   data.predictor = &predictor;
-  data.blocks = make_blocks(motion, kWindow_s);
+  data.blocks = discrepancy::make_blocks(motion, kWindow_s);
   data.measured_N = block_means(data.blocks, truth.f_W_N);
   const auto normals = block_means(data.blocks, truth.n_W);
   Random random(kSeed);
   for (std::size_t b = 0; b < data.blocks.size(); ++b) {
-    BlockNoise noise;
+    discrepancy::BlockNoise noise;
     noise.n_W = normals[b].norm() > 0.0 ? Vec3(normals[b].normalized()) : Vec3(Vec3::Zero());
     noise.along_normal_N = noise.tangential_N = kNoise_N;
     data.measured_N[b] += kNoise_N * Vec3(random.normal(), random.normal(), random.normal());
@@ -58,10 +61,11 @@ void candidate_fit(benchmark::State& state) {
   const MotionColumns motion = discrepancy::hand(0.0, 1.0);
   CountingPredictor predictor(motion);
   const FitData data = measured(predictor, motion);
-  const std::vector<FreeParameter> free{log_base_parameter("stiffness_N_per_m", 1.0, 1e6),
-                                        linear_parameter("viscous-friction", "coefficient_N_s_per_m", 1.0, 0.0, 100.0)};
+  const std::vector<discrepancy::FreeParameter> free{
+      discrepancy::log_base_parameter("stiffness_N_per_m", 1.0, 1e6),
+      discrepancy::linear_parameter("viscous-friction", "coefficient_N_s_per_m", 1.0, 0.0, 100.0)};
   const std::size_t before = predictor.runs();
-  JointFit fit;
+  discrepancy::JointFit fit;
   for (auto _ : state) {
     fit = fit_jointly(data, plane(972.0, 0.5), free, 12, state.range(0) == 1);
     benchmark::DoNotOptimize(fit);
@@ -76,7 +80,7 @@ BENCHMARK(candidate_fit)->ArgName("with_covariance")->Arg(0)->Arg(1)->Unit(bench
 
 void blocks(benchmark::State& state) {
   const MotionColumns motion = discrepancy::hand(0.0, 1.0);
-  for (auto _ : state) benchmark::DoNotOptimize(make_blocks(motion, kWindow_s));
+  for (auto _ : state) benchmark::DoNotOptimize(discrepancy::make_blocks(motion, kWindow_s));
 }
 BENCHMARK(blocks)->Unit(benchmark::kMicrosecond);
 

@@ -6,6 +6,8 @@
 #include "harness/metrics/catalogue.h"
 
 namespace touchstone::bench {
+using metrics::MetricSample;
+
 namespace {
 
 constexpr std::size_t samples = 10000;
@@ -28,7 +30,7 @@ std::vector<MetricSample> ten_seconds() {
 void feed(benchmark::State& state, const std::vector<std::string>& names) {
   const auto all = ten_seconds();
   for (auto _ : state) {
-    MetricSet set(names, {}, {});
+    metrics::MetricSet set(names, {}, {});
     for (const MetricSample& sample : all) set.add(sample);
     benchmark::DoNotOptimize(set.results());
   }
@@ -39,7 +41,7 @@ void feed(benchmark::State& state, const std::vector<std::string>& names) {
 
 const bool registered = [] {
   benchmark::RegisterBenchmark("all", [](benchmark::State& state) { feed(state, {}); })->Unit(benchmark::kMillisecond);
-  for (const MetricEntry& entry : metric_catalogue()) {
+  for (const metrics::MetricEntry& entry : metrics::metric_catalogue()) {
     benchmark::RegisterBenchmark(entry.name.c_str(), [name = entry.name](benchmark::State& state) {
       feed(state, {name});
     })->Unit(benchmark::kMillisecond);

@@ -13,22 +13,22 @@
 namespace touchstone::bench {
 namespace {
 
-std::unique_ptr<Renderer> make(const std::string& suffix, bool in_process) {
-  Plugins plugins;
+std::unique_ptr<rendering::Renderer> make(const std::string& suffix, bool in_process) {
+  plugin::Plugins plugins;
   if (!suffix.empty()) {
-    PluginOptions options;
+    plugin::PluginOptions options;
     options.in_process = in_process;
     options.host = TOUCHSTONE_PLUGIN_HOST;
     plugins.load(TOUCHSTONE_TWIN_PLUGIN, options, {});
   }
-  Model model;
+  rendering::Model model;
   model.renderer = "spring-linear" + suffix;
   model.source = "bench";
   plugins.provide(model);
-  return make_renderer(model, make_embree_surface(testing::ball(0.02, 4)));
+  return renderers::make_renderer(model, make_embree_surface(testing::ball(0.02, 4)));
 }
 
-void steps(benchmark::State& state, Renderer& renderer) {
+void steps(benchmark::State& state, rendering::Renderer& renderer) {
   renderer.reset();
   double t_s = 0.0;
   for (auto _ : state) {

@@ -13,6 +13,8 @@
 #include "harness/recording/recording_writer.h"
 
 namespace touchstone::bench {
+using recording::SampleBlock;
+
 namespace {
 
 constexpr std::int64_t columns = 7;  // t, x, y, z, fx, fy, fz
@@ -24,7 +26,7 @@ void write_scan(const std::filesystem::path& file, std::int64_t samples, bool fu
   const auto rounded = [&](double value, double step) {
     return full_precision ? value : std::round(value / step) * step;
   };
-  RecordingWriter writer(file, {ColumnGroup::force});
+  recording::RecordingWriter writer(file, {recording::ColumnGroup::force});
   SampleBlock block;
   for (std::int64_t i = 0; i < samples; ++i) {
     const double t_s = static_cast<double>(i) / 1000.0;
@@ -51,7 +53,7 @@ void read(benchmark::State& state, const std::string& extension, bool full_preci
   const auto file = scratch("touchstone-bench-read" + extension);
   write_scan(file, samples, full_precision);
   for (auto _ : state) {
-    auto stream = RecordingStream::open(file, {.need_force = true});
+    auto stream = recording::RecordingStream::open(file, {.need_force = true});
     SampleBlock block;
     while (stream.next(block)) benchmark::DoNotOptimize(block.f_W_N.data());
   }
@@ -67,7 +69,7 @@ void load_whole(benchmark::State& state, const std::string& extension) {
   const std::int64_t samples = 200000;
   const auto file = scratch("touchstone-bench-load" + extension);
   write_scan(file, samples, true);
-  for (auto _ : state) benchmark::DoNotOptimize(load_recording(file).size());
+  for (auto _ : state) benchmark::DoNotOptimize(recording::load_recording(file).size());
   count(state, file, samples);
   std::filesystem::remove(file);
 }
@@ -96,7 +98,7 @@ void stream_ten_million(benchmark::State& state, const std::string& extension) {
   };
   const double before = largest_MB();
   for (auto _ : state) {
-    auto stream = RecordingStream::open(file, {.need_force = true});
+    auto stream = recording::RecordingStream::open(file, {.need_force = true});
     SampleBlock block;
     while (stream.next(block)) benchmark::DoNotOptimize(block.f_W_N.data());
     if (stream.samples() != 10'000'000) state.SkipWithError("samples were lost");

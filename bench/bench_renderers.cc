@@ -15,6 +15,9 @@
 #include "synthetic/surface_catalogue.h"
 
 namespace touchstone::bench {
+using rendering::Model;
+using surface::Surface;
+
 namespace {
 
 constexpr std::size_t kSteps = 10000;
@@ -47,21 +50,22 @@ Model model_of(const std::string& name, double tip_radius_m, double mu) {
 // Floating-point operations of a step, mean and most; none where they are not counted.
 void count(benchmark::State& state, const Model& model, const std::shared_ptr<const Surface>& body,
            const std::vector<Vec3>& tips) {
-  const CountedRenderer counted = make_counted_renderer(model, body);
+  const rendering::CountedRenderer counted = renderers::make_counted_renderer(model, body);
   if (!counted.renderer) return;
-  const OperationReport report = count_operations(*counted.renderer, [&, i = std::size_t{0}](TipState& tip) mutable {
-    if (i == tips.size()) return false;
-    tip.t_s = static_cast<double>(i) * 1e-3;
-    tip.p_W_m = tips[i++];
-    return true;
-  });
+  const rendering::OperationReport report =
+      count_operations(*counted.renderer, [&, i = std::size_t{0}](rendering::TipState& tip) mutable {
+        if (i == tips.size()) return false;
+        tip.t_s = static_cast<double>(i) * 1e-3;
+        tip.p_W_m = tips[i++];
+        return true;
+      });
   state.counters["operations"] = report.mean;
   state.counters["most_operations"] = static_cast<double>(report.max);
 }
 
 // Of each step the least time of five runs, the clock's own taken off: what the slowest of them take for their own
 // part.
-void slowest(benchmark::State& state, Renderer& renderer, const std::vector<Vec3>& tips) {
+void slowest(benchmark::State& state, rendering::Renderer& renderer, const std::vector<Vec3>& tips) {
   using Clock = std::chrono::steady_clock;
   constexpr int kRuns = 5;
   const auto microseconds = [](Clock::duration d) { return std::chrono::duration<double, std::micro>(d).count(); };
@@ -89,13 +93,13 @@ void replay_bumpy(benchmark::State& state, const std::string& name, double tip_r
   const auto& tips = cached_path(tip_radius_m);
   const auto body = cached_body(static_cast<std::size_t>(state.range(0)));
   const Model model = model_of(name, tip_radius_m, mu);
-  const auto renderer = make_renderer(model, body);
+  const auto renderer = renderers::make_renderer(model, body);
   std::size_t touching = 0;
   for (auto _ : state) {
     renderer->reset();
     touching = 0;
     for (std::size_t i = 0; i < tips.size(); ++i) {
-      const StepResult result = renderer->step({static_cast<double>(i) * 1e-3, tips[i], Quat::Identity()});
+      const rendering::StepResult result = renderer->step({static_cast<double>(i) * 1e-3, tips[i], Quat::Identity()});
       touching += result.contact ? 1U : 0U;
       benchmark::DoNotOptimize(result);
     }
@@ -136,11 +140,11 @@ TOUCHSTONE_BENCH(implicit_64, "implicit", 0.0);
 
 // The structures of the surface and of the renderer over a mesh in memory.
 void BM_Build(benchmark::State& state) {
-  const TriangleMesh mesh = synthetic::make_mesh("bumpy", {}, static_cast<std::size_t>(state.range(0))).mesh;
+  const surface::TriangleMesh mesh = synthetic::make_mesh("bumpy", {}, static_cast<std::size_t>(state.range(0))).mesh;
   Model model;
   model.renderer = "god-object";
   model.source = "benchmark";
-  for (auto _ : state) benchmark::DoNotOptimize(make_renderer(model, make_embree_surface(mesh)));
+  for (auto _ : state) benchmark::DoNotOptimize(renderers::make_renderer(model, make_embree_surface(mesh)));
 }
 BENCHMARK(BM_Build)->Arg(10000)->Arg(140000)->Arg(1000000)->Unit(benchmark::kMillisecond);
 

@@ -13,6 +13,9 @@
 #include "harness/testing/tiny_meshes.h"
 
 namespace touchstone::bench {
+using surface::Surface;
+using surface::TriangleMesh;
+
 namespace {
 
 // A torus of 0.1 m with that many triangles.

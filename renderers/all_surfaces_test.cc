@@ -8,6 +8,8 @@
 #include "synthetic/surface_catalogue.h"
 
 namespace touchstone::renderers {
+using surface::Surface;
+
 namespace {
 
 constexpr double kStiffness = 500.0;
@@ -35,21 +37,22 @@ std::vector<Vec3> strokes(const Surface& at, double radius_m, std::uint64_t seed
     if (i % 80 == 0) way = random.direction();
     over.x() = std::clamp(over.x() + 2e-4 * way.x(), box.center().x() - half.x(), box.center().x() + half.x());
     over.y() = std::clamp(over.y() + 2e-4 * way.y(), box.center().y() - half.y(), box.center().y() + half.y());
-    const SurfacePoint foot = at.closest({over.x(), over.y(), box.max().z() + 0.02});
+    const surface::SurfacePoint foot = at.closest({over.x(), over.y(), box.max().z() + 0.02});
     tips.push_back(foot.p_W_m + (radius_m - 8e-4 * std::sin(0.05 * i)) * foot.n_W);
   }
   return tips;
 }
 
 TEST(AllSurfaces, ProxiesGiveTheSameWithExactQueriesAndStayInTheConeAndOutside) {
-  if (!exact_surface_available()) GTEST_SKIP() << "built without CGAL";
+  if (!surface::exact_surface_available()) GTEST_SKIP() << "built without CGAL";
   for (const auto& entry : synthetic::surface_catalogue()) {
-    const TriangleMesh mesh = synthetic::make_mesh(entry.name, {}, 600).mesh;
+    const surface::TriangleMesh mesh = synthetic::make_mesh(entry.name, {}, 600).mesh;
     const std::shared_ptr<const Surface> fast = make_embree_surface(mesh);
     const std::shared_ptr<const Surface> exact = make_exact_surface(mesh);
     for (const Subject& subject : subjects()) {
       SCOPED_TRACE(entry.name + ", " + subject.renderer + ", radius " + std::to_string(subject.radius_m));
-      Model model = model_of(subject.renderer, {{"stiffness_N_per_m", kStiffness}, {"tip_radius_m", subject.radius_m}});
+      rendering::Model model =
+          model_of(subject.renderer, {{"stiffness_N_per_m", kStiffness}, {"tip_radius_m", subject.radius_m}});
       if (subject.mu_static > 0.0) {
         model.parameters["mu_static"] = subject.mu_static;
         model.parameters["mu_dynamic"] = subject.mu_dynamic;
@@ -60,8 +63,8 @@ TEST(AllSurfaces, ProxiesGiveTheSameWithExactQueriesAndStayInTheConeAndOutside) 
       Hand exact_hand(*other);
       std::size_t touching = 0;
       for (const Vec3& p : strokes(*fast, subject.radius_m, 41)) {
-        const StepResult obtained = fast_hand.to(p);
-        const StepResult expected = exact_hand.to(p);
+        const rendering::StepResult obtained = fast_hand.to(p);
+        const rendering::StepResult expected = exact_hand.to(p);
         ASSERT_LE((obtained.f_W_N - expected.f_W_N).norm(), kStiffness * 1e3 * kEps * 0.1);
         ASSERT_TRUE(obtained.f_W_N.allFinite());
         if (!obtained.contact) continue;

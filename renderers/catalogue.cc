@@ -23,6 +23,13 @@
 #include "renderers/voxel/voxel.h"
 
 namespace touchstone::renderers {
+using rendering::CountedRenderer;
+using rendering::Model;
+using rendering::NamedDeclaration;
+using rendering::Parameters;
+using rendering::Renderer;
+using rendering::RendererEntry;
+using surface::Surface;
 
 namespace {
 
@@ -100,7 +107,7 @@ std::unique_ptr<Renderer> make_contact(const Model& model, std::shared_ptr<const
   for (const auto& part : model.instrument)
     check_entry(part, instrument_declarations(), "instrument entry", model.source);
   if (surface->mesh() == nullptr) {
-    if (const auto* const limit = find_limitation(entry.cannot, Ability::analytic_surface)) {
+    if (const auto* const limit = find_limitation(entry.cannot, rendering::Ability::analytic_surface)) {
       throw BadData(fmt::format("{}: the renderer {} cannot run on a surface without triangles: {}", model.source,
                                 entry.name, limit->reason));
     }
@@ -110,7 +117,8 @@ std::unique_ptr<Renderer> make_contact(const Model& model, std::shared_ptr<const
   const double stiffness = value_or(parameters, "stiffness_N_per_m", 0.0);
   auto base = (entry.*make)(parameters, surface);
   if (!base) return nullptr;
-  return std::make_unique<EffectStack>(std::move(base), std::move(effects), std::move(surface), offset_m, stiffness);
+  return std::make_unique<rendering::EffectStack>(std::move(base), std::move(effects), std::move(surface), offset_m,
+                                                  stiffness);
 }
 
 }  // namespace
@@ -135,17 +143,17 @@ std::string renderers_of_scenes() {
 
 }  // namespace
 
-std::unique_ptr<Renderer> make_scene_renderer(const Model& model, std::shared_ptr<const BodyScene> scene) {
+std::unique_ptr<Renderer> make_scene_renderer(const Model& model, std::shared_ptr<const rendering::BodyScene> scene) {
   const RendererEntry& entry = find_renderer(model);
   // A plug-in that takes bodies gets them as they are.
   const bool native = entry.make_scene && !entry.library.empty() && model.effects.empty();
   if (!native && scene->bodies.size() == 1) {
-    const SceneBody& body = scene->bodies.front();
+    const rendering::SceneBody& body = scene->bodies.front();
     auto renderer = make_renderer(model, body.surface_B);
-    const BodyPose pose = body.pose.first();
+    const rendering::BodyPose pose = body.pose.first();
     if (!body.pose.moves() && pose.p_W_m.isZero(0.0) && pose.q_WB.coeffs() == Quat::Identity().coeffs())
       return renderer;
-    return std::make_unique<MovingObject>(std::move(renderer), body.pose);
+    return std::make_unique<rendering::MovingObject>(std::move(renderer), body.pose);
   }
   if (!native && !scene->moves()) return make_renderer(model, make_embree_surface(joined_mesh(*scene)));
   if (!entry.make_scene) {
@@ -184,7 +192,7 @@ CountedRenderer make_counted_renderer(const Model& model, std::shared_ptr<const 
 
 namespace {
 
-class BuiltInCatalogue final : public Catalogue {
+class BuiltInCatalogue final : public rendering::Catalogue {
  public:
   [[nodiscard]] const std::vector<RendererEntry>& renderers() const override { return renderer_catalogue(); }
   [[nodiscard]] const std::vector<NamedDeclaration>& effects() const override { return effect_catalogue(); }
@@ -200,26 +208,26 @@ class BuiltInCatalogue final : public Catalogue {
     return make_renderer(model, std::move(surface));
   }
   [[nodiscard]] std::unique_ptr<Renderer> make_scene(const Model& model,
-                                                     std::shared_ptr<const BodyScene> scene) const override {
+                                                     std::shared_ptr<const rendering::BodyScene> scene) const override {
     return make_scene_renderer(model, std::move(scene));
   }
   [[nodiscard]] CountedRenderer make_counted(const Model& model,
                                              std::shared_ptr<const Surface> surface) const override {
     return make_counted_renderer(model, std::move(surface));
   }
-  [[nodiscard]] MeasuredRenderer make_measured(const Model& model,
-                                               std::shared_ptr<const Surface> surface) const override {
+  [[nodiscard]] rendering::MeasuredRenderer make_measured(const Model& model,
+                                                          std::shared_ptr<const Surface> surface) const override {
     return make_measured_renderer(model, surface);
   }
-  [[nodiscard]] std::unique_ptr<Predictor> make_predictor(std::shared_ptr<const Surface> surface,
-                                                          MotionColumns motion) const override {
+  [[nodiscard]] std::unique_ptr<rendering::Predictor> make_predictor(std::shared_ptr<const Surface> surface,
+                                                                     MotionColumns motion) const override {
     return make_model_predictor(std::move(surface), std::move(motion));
   }
 };
 
 }  // namespace
 
-const Catalogue& built_in_catalogue() {
+const rendering::Catalogue& built_in_catalogue() {
   static const BuiltInCatalogue catalogue;
   return catalogue;
 }

@@ -15,18 +15,20 @@ using ::testing::AllOf;
 using ::testing::HasSubstr;
 
 // The plane z = 0 without triangles.
-class AnalyticPlane final : public Surface {
+class AnalyticPlane final : public surface::Surface {
  public:
-  [[nodiscard]] SurfacePoint closest(const Vec3& p) const override {
-    return {{p.x(), p.y(), 0.0}, Vec3::UnitZ(), std::abs(p.z()), p.z(), -1, Feature::analytic};
+  [[nodiscard]] surface::SurfacePoint closest(const Vec3& p) const override {
+    return {{p.x(), p.y(), 0.0}, Vec3::UnitZ(), std::abs(p.z()), p.z(), -1, surface::Feature::analytic};
   }
-  [[nodiscard]] std::optional<Crossing> first_crossing(const Vec3&, const Vec3&) const override { return std::nullopt; }
+  [[nodiscard]] std::optional<surface::Crossing> first_crossing(const Vec3&, const Vec3&) const override {
+    return std::nullopt;
+  }
   [[nodiscard]] Box3 bounds() const override { return {Vec3(-1, -1, 0), Vec3(1, 1, 0)}; }
 };
 
 std::string refused(const std::string& text) {
   try {
-    make_renderer(parse_model(text, "m.json"), std::make_shared<AnalyticPlane>());
+    make_renderer(rendering::parse_model(text, "m.json"), std::make_shared<AnalyticPlane>());
   } catch (const BadData& error) {
     return error.what();
   }

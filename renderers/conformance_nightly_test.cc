@@ -15,7 +15,7 @@ std::string identifier(std::string name) {
 }
 
 // Within a ball of 34 mm about the origin, or a patch of 40 mm.
-ConformanceBody body_of(const synthetic::SurfaceEntry& entry) {
+testing::ConformanceBody body_of(const synthetic::SurfaceEntry& entry) {
   constexpr double kReach = 0.034;
   synthetic::ParameterOverrides overrides;
   bool patch = false;
@@ -24,7 +24,7 @@ ConformanceBody body_of(const synthetic::SurfaceEntry& entry) {
     patch = true;
     overrides["half_side_m"] = 0.02;
   }
-  ConformanceBody body;
+  testing::ConformanceBody body;
   body.mesh = synthetic::make_mesh(entry.name, overrides, 1500).mesh;
   body.closed = synthetic::make_surface(entry.name, overrides)->closed();
   body.flat = patch;
@@ -42,8 +42,8 @@ ConformanceBody body_of(const synthetic::SurfaceEntry& entry) {
   return body;
 }
 
-std::vector<ConformanceShape> synthetic_shapes() {
-  std::vector<ConformanceShape> shapes;
+std::vector<testing::ConformanceShape> synthetic_shapes() {
+  std::vector<testing::ConformanceShape> shapes;
   for (const auto& entry : synthetic::surface_catalogue()) {
     shapes.push_back({"on_" + identifier(entry.name), [&entry] { return body_of(entry); }});
   }
@@ -58,14 +58,14 @@ std::string model(const std::string& renderer, const std::string& parameters = "
 std::vector<RendererSubject> subjects(bool exact) {
   const std::string grid = exact ? R"("resolution": 16)" : R"("resolution": 28)";
   std::vector<RendererSubject> all;
-  for (const RendererEntry& entry : renderer_catalogue()) {
+  for (const rendering::RendererEntry& entry : renderer_catalogue()) {
     const bool gridded = entry.name.starts_with("voxel") || entry.name == "implicit";
     const double steepest = entry.name == "spring-quadratic" ? 200.0 : 500.0;
     RendererSubject subject =
         subject_of(identifier(entry.name) + (exact ? "_exact" : ""), model(entry.name, gridded ? grid : ""), steepest);
     if (entry.name == "implicit") subject.thinnest_m = 2.0 * 0.068 / (exact ? 9.0 : 21.0);
     if (exact) {
-      subject.queries = make_exact_surface;
+      subject.queries = surface::make_exact_surface;
       subject.queries_allocate = true;
     }
     all.push_back(std::move(subject));
@@ -74,17 +74,17 @@ std::vector<RendererSubject> subjects(bool exact) {
 }
 
 std::vector<RendererSubject> exact_subjects() {
-  return exact_surface_available() ? subjects(true) : std::vector<RendererSubject>{};
+  return surface::exact_surface_available() ? subjects(true) : std::vector<RendererSubject>{};
 }
 
 INSTANTIATE_TEST_SUITE_P(Synthetic, RendererConformance,
                          ::testing::Combine(::testing::ValuesIn(subjects(false)),
                                             ::testing::ValuesIn(synthetic_shapes())),
-                         conformance_name);
+                         testing::conformance_name);
 INSTANTIATE_TEST_SUITE_P(SyntheticExact, RendererConformance,
                          ::testing::Combine(::testing::ValuesIn(exact_subjects()),
                                             ::testing::ValuesIn(synthetic_shapes())),
-                         conformance_name);
+                         testing::conformance_name);
 
 }  // namespace
 }  // namespace touchstone::renderers

@@ -3,7 +3,6 @@
 
 #include <utility>
 
-#include "harness/base/rooms.h"
 #include "harness/testing/renderer_subject.h"
 #include "renderers/catalogue.h"
 
@@ -12,7 +11,7 @@ namespace touchstone::renderers {
 using testing::in_unit;  // of one declaration's parameters
 using testing::RendererSubject;
 
-inline Model in_unit(Model model, double unit) {
+inline rendering::Model in_unit(rendering::Model model, double unit) {
   model.parameters = in_unit(find_renderer(model).parameters, model.parameters, unit);
   for (auto& effect : model.effects) {
     for (const auto& declaration : effect_catalogue()) {
@@ -25,11 +24,11 @@ inline Model in_unit(Model model, double unit) {
 // `model` in JSON; what the renderer cannot do comes from the catalogue, with `besides` for what its effects cannot.
 inline RendererSubject subject_of(std::string name, const std::string& json, double stiffness_N_per_m,
                                   double friction = 0.0, double tip_radius_m = 0.0,
-                                  std::vector<Limitation> besides = {}) {
-  const Model model = parse_model(json, name);
+                                  std::vector<rendering::Limitation> besides = {}) {
+  const rendering::Model model = rendering::parse_model(json, name);
   RendererSubject subject;
   subject.name = std::move(name);
-  subject.make = [model](std::shared_ptr<const Surface> surface, double unit) {
+  subject.make = [model](std::shared_ptr<const surface::Surface> surface, double unit) {
     return make_renderer(in_unit(model, unit), std::move(surface));
   };
   subject.stiffness_N_per_m = stiffness_N_per_m;

@@ -37,9 +37,9 @@ std::vector<RendererSubject> subjects() {
       subject_of("voxel_sparse", model("voxel-sparse", R"("parameters": {"resolution": 32})"), 500.0),
       implicit,
   };
-  if (exact_surface_available()) {
+  if (surface::exact_surface_available()) {
     all.push_back(subject_of("god_object_exact_queries", model("god-object"), 500.0));
-    all.back().queries = make_exact_surface;
+    all.back().queries = surface::make_exact_surface;
     all.back().queries_allocate = true;
   }
   return all;

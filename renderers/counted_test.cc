@@ -8,6 +8,12 @@
 #include "synthetic/surface_catalogue.h"
 
 namespace touchstone::renderers {
+using rendering::CountedRenderer;
+using rendering::Model;
+using rendering::StepResult;
+using rendering::TipState;
+using surface::Surface;
+
 namespace {
 
 std::vector<Vec3> tips_about(const Surface& surface, std::uint64_t seed, int count) {
@@ -15,7 +21,7 @@ std::vector<Vec3> tips_about(const Surface& surface, std::uint64_t seed, int cou
   const Box3 box = surface.bounds();
   const double size = box.sizes().maxCoeff();
   std::vector<Vec3> tips;
-  SurfacePoint foot = surface.closest(box.max() + 0.2 * Vec3(0.3, 0.2, 1.0) * size);
+  surface::SurfacePoint foot = surface.closest(box.max() + 0.2 * Vec3(0.3, 0.2, 1.0) * size);
   for (int i = 0; i < count; ++i) {
     if (i % 100 == 0) foot = surface.closest(box.center() + size * random.direction());
     const double depth = size * 0.02 * std::sin(0.1 * i);
@@ -25,7 +31,7 @@ std::vector<Vec3> tips_about(const Surface& surface, std::uint64_t seed, int cou
   return tips;
 }
 
-TipSource source_of(const std::vector<Vec3>& tips) {
+rendering::TipSource source_of(const std::vector<Vec3>& tips) {
   return [&tips, next = std::size_t{0}](TipState& tip) mutable {
     if (next == tips.size()) return false;
     tip.p_W_m = tips[next++];
@@ -61,7 +67,7 @@ class CountedRendererOf : public ::testing::TestWithParam<Subject> {};
 TEST_P(CountedRendererOf, GivesTheSameBitsAndTheSameCountsAgain) {
   for (const char* shape : {"duck", "v-groove", "thin-shell", "gauss", "extrusion"}) {
     for (const double scale : {1e-3, 1.0, 1e3}) {
-      const std::shared_ptr<const Surface> surface = make_embree_surface(testing::moved(
+      const std::shared_ptr<const Surface> surface = make_embree_surface(surface::moved(
           synthetic::make_mesh(shape, {}, 1500).mesh, awkward_rotation(), scale * Vec3(1, 2, 3) * 0.01, scale));
       const Model model = model_of_subject(GetParam(), scale);
       const auto plain = make_renderer(model, surface);
@@ -85,8 +91,9 @@ TEST_P(CountedRendererOf, GivesTheSameBitsAndTheSameCountsAgain) {
       const bool implicit = GetParam().renderer == "implicit";
       const bool too_thin = implicit && std::string_view(shape) == "thin-shell";
       EXPECT_GT(touching, too_thin ? 20 : implicit ? 200 : 300) << shape;
-      const OperationReport once = count_operations(*counted.renderer, source_of(tips));
-      const OperationReport again = count_operations(*make_counted_renderer(model, surface).renderer, source_of(tips));
+      const rendering::OperationReport once = count_operations(*counted.renderer, source_of(tips));
+      const rendering::OperationReport again =
+          count_operations(*make_counted_renderer(model, surface).renderer, source_of(tips));
       EXPECT_EQ(once.counts, again.counts);
       EXPECT_EQ(once.steps, tips.size());
       EXPECT_GT(once.mean, 5.0);
@@ -144,7 +151,7 @@ TEST(CountedRenderer, FrictionAndOpenMeshesToTheBit) {
 TEST(CountedRenderer, SaysWhatIsNotCounted) {
   const std::shared_ptr<const Surface> mesh = make_embree_surface(testing::cube(0.02));
   // Three triangles at one edge.
-  TriangleMesh fin;
+  surface::TriangleMesh fin;
   fin.vertices_W_m = {{0, 0, 0}, {0.01, 0, 0}, {0, 0.01, 0}, {0, -0.01, 0}, {0, 0, 0.01}};
   fin.triangles = {{0, 1, 2}, {1, 0, 3}, {0, 1, 4}};
   const std::shared_ptr<const Surface> irregular = make_embree_surface(fin);
@@ -168,7 +175,7 @@ TEST(CountedRenderer, SaysWhatIsNotCounted) {
 // Steps that are counted by hand, from the formulas in ball_proxy.cc.
 TEST(CountedRenderer, ABallsStepsOverATriangleAreWhatTheyAreByHand) {
   constexpr double kRadius = 0.0078125;  // 2^-7: nothing is rounded
-  TriangleMesh one;
+  surface::TriangleMesh one;
   one.vertices_W_m = {{-1.0, -1.0, 0.0}, {1.0, -1.0, 0.0}, {0.0, 1.0, 0.0}};
   one.triangles = {{0, 1, 2}};
   const CountedRenderer counted = make_counted_renderer(

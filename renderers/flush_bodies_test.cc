@@ -14,6 +14,9 @@
 #include "renderers/walkable/mesh_regularity.h"
 
 namespace touchstone::renderers {
+using rendering::StepResult;
+using surface::TriangleMesh;
+
 namespace {
 
 constexpr double kStiffness = 7000.0;
@@ -105,12 +108,12 @@ struct Scene {
         std::swap(list[i - 1], list[static_cast<std::size_t>(random.uniform() * static_cast<double>(i))]);
     };
     if (seed > 0) shuffled(bodies);
-    for (const TriangleMesh& body : bodies) append(mesh, testing::moved(body, turn, shift, scale));
+    for (const TriangleMesh& body : bodies) append(mesh, surface::moved(body, turn, shift, scale));
     if (seed > 0) shuffled(mesh.triangles);
   }
   [[nodiscard]] Vec3 at(const Vec3& p) const { return turn * (scale * p) + shift; }
-  [[nodiscard]] std::unique_ptr<Renderer> renderer(const std::string& name,
-                                                   std::map<std::string, double> parameters = {}) const {
+  [[nodiscard]] std::unique_ptr<rendering::Renderer> renderer(const std::string& name,
+                                                              std::map<std::string, double> parameters = {}) const {
     parameters["stiffness_N_per_m"] = kStiffness / scale;
     return make_renderer(model_of(name, std::move(parameters)), make_embree_surface(mesh));
   }
@@ -375,7 +378,7 @@ TEST(FlushBodies, BodiesApartAreWalkedOnTouchingOnesAreNot) {
   const auto irregular = [](double gap_m) {
     TriangleMesh mesh = box({-0.04, -0.02, -0.03}, {0.0, 0.02, 0.0});
     append(mesh, box({gap_m, -0.013, -0.02}, {0.04, 0.013, -0.001}));
-    const TriangleTree tree(mesh);
+    const surface::TriangleTree tree(mesh);
     const auto regular = regular_triangles(mesh, make_topology(mesh), tree);
     return std::count(regular.begin(), regular.end(), false);
   };
@@ -396,7 +399,7 @@ TEST(FlushBodies, EdgesThatCrossCloselyAreFound) {
     mesh.vertices_W_m = {{-0.03, 0, 0},        {0.05, 0, 0},        {0.01, -0.02, -0.03}, {0.01, 0.02, -0.03},
                          {0.02, -0.01, gap_m}, {0.02, 0.04, gap_m}, {0.0, 0.01, 0.03},    {0.04, 0.01, 0.03}};
     mesh.triangles = {{0, 1, 3}, {1, 0, 2}, {0, 3, 2}, {1, 2, 3}, {4, 5, 6}, {5, 4, 7}, {4, 6, 7}, {5, 7, 6}};
-    const TriangleTree tree(mesh);
+    const surface::TriangleTree tree(mesh);
     const auto regular = regular_triangles(mesh, make_topology(mesh), tree);
     return std::count(regular.begin(), regular.end(), false);
   };

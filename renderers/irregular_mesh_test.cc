@@ -10,6 +10,9 @@
 #include "synthetic/surface_catalogue.h"
 
 namespace touchstone::renderers {
+using rendering::StepResult;
+using surface::TriangleMesh;
+
 namespace {
 
 constexpr double kStiffness = 500.0;
@@ -23,14 +26,14 @@ TriangleMesh joined(const TriangleMesh& a, const TriangleMesh& b) {
 }
 
 std::size_t irregular(const TriangleMesh& mesh) {
-  const TriangleTree tree(mesh);
+  const surface::TriangleTree tree(mesh);
   const auto regular = regular_triangles(mesh, make_topology(mesh), tree);
   return static_cast<std::size_t>(std::count(regular.begin(), regular.end(), false));
 }
 
 // Two cubes of 40 mm that overlap: the second 30 mm along x and turned about z.
 TriangleMesh crossing_cubes() {
-  return joined(testing::cube(0.02), testing::moved(testing::cube(0.02), Quat(Eigen::AngleAxisd(0.3, Vec3::UnitZ())),
+  return joined(testing::cube(0.02), surface::moved(testing::cube(0.02), Quat(Eigen::AngleAxisd(0.3, Vec3::UnitZ())),
                                                     {0.03, 0.001, 0.0013}));
 }
 
@@ -61,7 +64,7 @@ TEST(MeshRegularity, CrossingsFoldsDuplicatesAndExtraTrianglesAreFound) {
 TEST(IrregularMesh, OverCrossingBodiesItStaysOutsideOfBoth) {
   for (const double scale : {1e-3, 1.0, 1e3}) {
     const TriangleMesh mesh =
-        testing::moved(crossing_cubes(), awkward_rotation(), scale * Vec3(0.01, 0.02, -0.03), scale);
+        surface::moved(crossing_cubes(), awkward_rotation(), scale * Vec3(0.01, 0.02, -0.03), scale);
     const auto renderer = god_object(mesh, kStiffness / scale);
     const auto at = [&](const Vec3& p) {
       return Vec3(awkward_rotation() * (scale * p) + scale * Vec3(0.01, 0.02, -0.03));

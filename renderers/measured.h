@@ -3,7 +3,6 @@
 
 #include <memory>
 
-#include "harness/base/rooms.h"
 #include "harness/rendering/measured_renderer.h"
 #include "harness/rendering/model.h"
 #include "harness/surface/surface.h"
@@ -11,6 +10,7 @@
 namespace touchstone::renderers {
 
 // Throws BadData as make_renderer() does.
-MeasuredRenderer make_measured_renderer(const Model& model, const std::shared_ptr<const Surface>& surface);
+rendering::MeasuredRenderer make_measured_renderer(const rendering::Model& model,
+                                                   const std::shared_ptr<const surface::Surface>& surface);
 
 }  // namespace touchstone::renderers

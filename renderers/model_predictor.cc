@@ -20,6 +20,14 @@
 #include "renderers/proxy/ball_vicinity.h"
 
 namespace touchstone::renderers {
+using rendering::InstrumentStage;
+using rendering::Model;
+using rendering::NamedParameters;
+using rendering::Parameters;
+using rendering::Prediction;
+using rendering::StepResult;
+using surface::Surface;
+
 namespace {
 
 // What the base renderer made of every sample, at one stiffness.
@@ -35,7 +43,7 @@ struct Trace {
 // What a contact depends on in a model; the rest of the instrument acts on its force afterwards.
 struct ContactKey {
   std::string renderer;
-  const RendererEntry* provided = nullptr;
+  const rendering::RendererEntry* provided = nullptr;
   std::map<std::string, double> parameters;
   std::vector<NamedParameters> entries;
 
@@ -122,7 +130,7 @@ class Kept {
 };
 
 struct Instrument {
-  std::vector<StagedInstrument> effects;
+  std::vector<rendering::StagedInstrument> effects;
 };
 
 Instrument instrument_in_order(const Model& model) {
@@ -152,7 +160,7 @@ KnownScalings& known_scalings() {
   return known;
 }
 
-class ModelPredictor final : public Predictor {
+class ModelPredictor final : public rendering::Predictor {
  public:
   ModelPredictor(std::shared_ptr<const Surface> surface, MotionColumns motion)
       : surface_(std::move(surface)), motion_(std::move(motion)) {}
@@ -161,7 +169,7 @@ class ModelPredictor final : public Predictor {
     stop_if_asked();  // the searches of minutes are thousands of these
     const Instrument instrument = instrument_in_order(model);
     Prediction prediction = contact_of(model, instrument)->prediction;
-    const MotionView view{motion_.t_s, motion_.p_W_m, motion_.q_WS, &accelerations_};
+    const rendering::MotionView view{motion_.t_s, motion_.p_W_m, motion_.q_WS, &accelerations_};
     for (const auto& [stage, effect] : instrument.effects) effect->apply(view, prediction.f_W_N);
     return prediction;
   }
@@ -181,9 +189,10 @@ class ModelPredictor final : public Predictor {
   Prediction run_contact(const Model& model, const Instrument& instrument) {
     auto effects = make_effects(model);
     for (const auto& [stage, effect] : instrument.effects) {
-      if (auto inside = effect->contact_effect()) effects.push_back({std::move(inside), EffectPhase::depth, true});
+      if (auto inside = effect->contact_effect())
+        effects.push_back({std::move(inside), rendering::EffectPhase::depth, true});
     }
-    const RendererEntry& entry = find_renderer(model);
+    const rendering::RendererEntry& entry = find_renderer(model);
     Model base = model;
     base.parameters = base_parameters(model, entry.parameters);
     base.effects.clear();
@@ -194,7 +203,7 @@ class ModelPredictor final : public Predictor {
     const auto trace = trace_of(base, parameters, offset, instrument, model);
     const double scale = trace->stiffness_N_per_m == stiffness ? 1.0 : stiffness / trace->stiffness_N_per_m;
 
-    std::optional<EffectChain> chain;
+    std::optional<rendering::EffectChain> chain;
     if (!effects.empty()) chain.emplace(std::move(effects), surface_, offset, stiffness);
     return play(*trace, scale, chain, instrument);
   }
@@ -205,7 +214,7 @@ class ModelPredictor final : public Predictor {
   }
 
   // The trace with its forces scaled to another stiffness, then the effects.
-  [[nodiscard]] Prediction play(const Trace& trace, double scale, std::optional<EffectChain>& effects,
+  [[nodiscard]] Prediction play(const Trace& trace, double scale, std::optional<rendering::EffectChain>& effects,
                                 const Instrument& instrument) const {
     Prediction prediction;
     const std::size_t n = trace.steps.size();
@@ -248,7 +257,7 @@ class ModelPredictor final : public Predictor {
     return traces_.keep(std::move(trace));
   }
 
-  [[nodiscard]] TipState true_tip(const Instrument& instrument, std::size_t i) const {
+  [[nodiscard]] rendering::TipState true_tip(const Instrument& instrument, std::size_t i) const {
     Vec3 p_W_m = motion_.p_W_m[i];
     for (const auto& [stage, effect] : instrument.effects) p_W_m = effect->true_position(p_W_m);
     return {motion_.t_s[i], p_W_m, motion_.q_WS.empty() ? Quat::Identity() : motion_.q_WS[i]};
@@ -262,12 +271,12 @@ class ModelPredictor final : public Predictor {
     std::vector<StepResult> steps;
     steps.reserve(count);
     for (std::size_t i = 0; i < count; ++i) {
-      const TipState tip = true_tip(instrument, i);
+      const rendering::TipState tip = true_tip(instrument, i);
       steps.push_back(renderer->step(tip));
-      if (steps.back().status == StepStatus::failed) {
-        throw RendererFailed(fmt::format("t = {} s: {}", tip.t_s, renderer->failure()));
+      if (steps.back().status == rendering::StepStatus::failed) {
+        throw rendering::RendererFailed(fmt::format("t = {} s: {}", tip.t_s, renderer->failure()));
       }
-      if (steps.back().status == StepStatus::refused || !steps.back().f_W_N.allFinite()) {
+      if (steps.back().status == rendering::StepStatus::refused || !steps.back().f_W_N.allFinite()) {
         throw BadData(fmt::format("the renderer {} refused the sample at t = {} s", base.renderer, tip.t_s));
       }
     }
@@ -281,7 +290,7 @@ class ModelPredictor final : public Predictor {
     for (std::size_t i = 0; i < trace.steps.size(); ++i) {
       StepResult& step = trace.steps[i];
       if (step.contact) continue;
-      const SurfacePoint closest = surface_->closest(true_tip(instrument, i).p_W_m);
+      const surface::SurfacePoint closest = surface_->closest(true_tip(instrument, i).p_W_m);
       step.n_W = closest.n_W;
       step.depth_m = offset - closest.distance_m;
     }
@@ -326,19 +335,20 @@ class ModelPredictor final : public Predictor {
 
   std::shared_ptr<const Surface> surface_;
   MotionColumns motion_;
-  AccelerationMemo accelerations_;
+  rendering::AccelerationMemo accelerations_;
   Kept<Trace> traces_;
   Kept<Contact> contacts_;
   std::mutex scaling_mutex_;
   std::map<std::string, Scaling> scaling_;
   // Alive, so that what renderers share of a surface (its examined mesh) is not made anew for every geometry.
   std::mutex alive_mutex_;
-  std::unique_ptr<Renderer> last_;
+  std::unique_ptr<rendering::Renderer> last_;
 };
 
 }  // namespace
 
-std::unique_ptr<Predictor> make_model_predictor(std::shared_ptr<const Surface> surface, MotionColumns motion) {
+std::unique_ptr<rendering::Predictor> make_model_predictor(std::shared_ptr<const Surface> surface,
+                                                           MotionColumns motion) {
   return std::make_unique<ModelPredictor>(std::move(surface), std::move(motion));
 }
 

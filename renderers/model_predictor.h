@@ -3,7 +3,6 @@
 
 #include <memory>
 
-#include "harness/base/rooms.h"
 #include "harness/rendering/predictor.h"
 #include "harness/surface/surface.h"
 
@@ -13,6 +12,7 @@ namespace touchstone::renderers {
 // geometry and kept: for a renderer whose proxy does not depend on the stiffness (checked by running it at two), only
 // effects and instrument run again when other parameters change. Predicting throws BadData naming the renderer and the
 // time of a sample that it refuses, RendererFailed if it breaks down.
-std::unique_ptr<Predictor> make_model_predictor(std::shared_ptr<const Surface> surface, MotionColumns motion);
+std::unique_ptr<rendering::Predictor> make_model_predictor(std::shared_ptr<const surface::Surface> surface,
+                                                           MotionColumns motion);
 
 }  // namespace touchstone::renderers

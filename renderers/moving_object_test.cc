@@ -14,11 +14,16 @@
 #include "renderers/hand_for_test.h"
 
 namespace touchstone::renderers {
+using rendering::MovingObject;
+using rendering::StepResult;
+using rendering::StepStatus;
+using surface::TriangleMesh;
+
 using namespace touchstone::testing;
 namespace {
 
-std::unique_ptr<Renderer> make(const std::string& json, const TriangleMesh& mesh) {
-  return make_renderer(parse_model(R"({"schema": "touchstone-model/1", )" + json + "}", "test"),
+std::unique_ptr<rendering::Renderer> make(const std::string& json, const TriangleMesh& mesh) {
+  return make_renderer(rendering::parse_model(R"({"schema": "touchstone-model/1", )" + json + "}", "test"),
                        make_embree_surface(mesh));
 }
 
@@ -39,16 +44,17 @@ class Everywhere : public ::testing::TestWithParam<std::string> {};
 // Tip and object move together: what is felt is what is felt at rest, turned along.
 TEST_P(Everywhere, MovingTogetherChangesNothing) {
   for (const double scale : {1e-2, 1.0, 1e2}) {
-    const TriangleMesh mesh = moved(torus(0.02, 0.008, 24, 12), awkward_rotation(), {0.01, 0.02, -0.03}, scale);
+    const TriangleMesh mesh =
+        moved(testing::torus(0.02, 0.008, 24, 12), awkward_rotation(), {0.01, 0.02, -0.03}, scale);
     const auto at_rest = make(GetParam(), mesh);
     MotionColumns poses;
-    std::vector<TipState> tips;
+    std::vector<rendering::TipState> tips;
     Random random(11);
     const auto surface = make_embree_surface(mesh);
     Vec3 p = surface->bounds().max() * 1.2;
     for (int i = 0; i < 1500; ++i) {
       const double t_s = 1e-3 * i;
-      const SurfacePoint foot = surface->closest(p);
+      const surface::SurfacePoint foot = surface->closest(p);
       const double depth_m = 4e-4 * scale * std::sin(0.02 * i);
       p += 0.1 * (foot.p_W_m - depth_m * foot.n_W - p) + 1e-4 * scale * random.direction();
       tips.push_back({t_s, p, random.rotation()});
@@ -63,7 +69,7 @@ TEST_P(Everywhere, MovingTogetherChangesNothing) {
     double largest_N = 0.0;
     double worst_N = 0.0;
     double worst_m = 0.0;
-    for (const TipState& tip : tips) {
+    for (const rendering::TipState& tip : tips) {
       const RigidMotion x = motion_at(tip.t_s, scale);
       const StepResult expected = at_rest->step(tip);
       const StepResult obtained = moving.step({tip.t_s, x.p_W_m + x.q_WB * tip.p_W_m, x.q_WB * tip.q_WS});
@@ -87,7 +93,7 @@ INSTANTIATE_TEST_SUITE_P(MovingObject, Everywhere,
 
 // A plate whose top is at z = v t rises to a tip that stays at z = 0, from 5 mm below: F = k v (t - t0).
 TEST(MovingObject, AWallThatComesPushesByItsDepth) {
-  const TriangleMesh plate = grid(0.02, 4);
+  const TriangleMesh plate = testing::grid(0.02, 4);
   constexpr double kSpeed_m_per_s = 0.01;
   MotionColumns poses;
   for (const double t_s : {0.0, 1.0}) {  // two poses: between them the motion is uniform
@@ -113,7 +119,7 @@ TEST(MovingObject, AWallThatComesPushesByItsDepth) {
 // A floor slides below a resting tip that is pressed in by d: it is dragged along by mu k d, as a tip that slides the
 // other way over a resting floor is held back.
 TEST(MovingObject, AFloorThatSlidesDragsTheTipAlong) {
-  const TriangleMesh floor = grid(0.2, 4);
+  const TriangleMesh floor = testing::grid(0.2, 4);
   constexpr double kMu = 0.4;
   constexpr double kDepth_m = 1e-3;
   constexpr double kStiffness_N_per_m = 500.0;
@@ -142,7 +148,7 @@ TEST(MovingObject, AFloorThatSlidesDragsTheTipAlong) {
 }
 
 TEST(MovingObject, ATurntableCarriesTheTipRound) {
-  const TriangleMesh floor = grid(0.2, 4);
+  const TriangleMesh floor = testing::grid(0.2, 4);
   MotionColumns poses;
   for (int i = 0; i <= 10; ++i) {  // a tenth of a turn each: uniform between them
     poses.t_s.push_back(0.1 * i);
@@ -165,7 +171,7 @@ TEST(MovingObject, ATurntableCarriesTheTipRound) {
 }
 
 TEST(MovingObject, SaysWherePosesDoNotReach) {
-  const TriangleMesh floor = grid(0.2, 4);
+  const TriangleMesh floor = testing::grid(0.2, 4);
   const auto model = R"("renderer": "god-object")";
   MotionColumns poses;
   poses.t_s = {0.0, 1.0};

@@ -10,7 +10,8 @@
 #include "renderers/hand_for_test.h"
 
 namespace touchstone::renderers {
-using namespace plugin;
+using rendering::TipState;
+
 using namespace touchstone::testing;  // the suite
 namespace {
 
@@ -19,14 +20,14 @@ struct Run {
   std::string json;  // the model after "renderer"
 };
 
-std::vector<TipState> hand_over(const TriangleMesh& mesh, double scale) {
+std::vector<TipState> hand_over(const surface::TriangleMesh& mesh, double scale) {
   Random random(7);
   const auto surface = make_embree_surface(mesh);
   std::vector<TipState> tips;
   Vec3 p = surface->bounds().max() * 1.2;
   for (int i = 0; i < 3000; ++i) {
     // Drawn to just below the surface, and shaken.
-    const SurfacePoint foot = surface->closest(p);
+    const surface::SurfacePoint foot = surface->closest(p);
     const double depth = 4e-4 * scale * std::sin(0.01 * i);
     p += 0.1 * (foot.p_W_m - depth * foot.n_W - p) + 2e-4 * scale * random.direction();
     tips.push_back({1e-3 * (i + 1), p, random.rotation()});
@@ -40,15 +41,16 @@ TEST_P(PluginTwin, GivesTheSameBits) {
   for (const double scale : {1e-3, 1.0, 1e3}) {
     for (const bool in_process : {true, false}) {
       SCOPED_TRACE(fmt::format("scale {}, in process {}", scale, in_process));
-      PluginOptions options;
+      plugin::PluginOptions options;
       options.in_process = in_process;
-      Plugins plugins;
+      plugin::Plugins plugins;
       plugins.load(std::getenv("TOUCHSTONE_TWIN_PLUGIN"), options, {});
-      const TriangleMesh mesh = moved(torus(0.02, 0.008, 24, 12), awkward_rotation(), {0.01, 0.02, -0.03}, scale);
+      const surface::TriangleMesh mesh =
+          moved(testing::torus(0.02, 0.008, 24, 12), awkward_rotation(), {0.01, 0.02, -0.03}, scale);
       const auto model = [&](const std::string& suffix) {
-        Model made = parse_model(R"({"schema": "touchstone-model/1", "renderer": ")" + GetParam().name + suffix +
-                                     "\", " + GetParam().json + "}",
-                                 "test");
+        rendering::Model made = rendering::parse_model(R"({"schema": "touchstone-model/1", "renderer": ")" +
+                                                           GetParam().name + suffix + "\", " + GetParam().json + "}",
+                                                       "test");
         plugins.provide(made);
         return made;
       };
@@ -58,9 +60,9 @@ TEST_P(PluginTwin, GivesTheSameBits) {
       plugged->reset();
       int touching = 0;
       for (const TipState& tip : hand_over(mesh, scale)) {
-        const StepResult expected = own->step(tip);
-        const StepResult obtained = plugged->step(tip);
-        ASSERT_EQ(obtained.status, StepStatus::ok) << plugged->failure();
+        const rendering::StepResult expected = own->step(tip);
+        const rendering::StepResult obtained = plugged->step(tip);
+        ASSERT_EQ(obtained.status, rendering::StepStatus::ok) << plugged->failure();
         ASSERT_EQ(obtained.f_W_N, expected.f_W_N) << tip.t_s;
         ASSERT_EQ(obtained.contact_W_m, expected.contact_W_m) << tip.t_s;
         ASSERT_EQ(obtained.n_W, expected.n_W) << tip.t_s;

@@ -5,7 +5,6 @@
 #include <memory>
 #include <string>
 
-#include "harness/base/rooms.h"
 #include "renderers/hand_for_test.h"
 #include "synthetic/surface_catalogue.h"
 #include "synthetic/surfaces/posed_surface.h"

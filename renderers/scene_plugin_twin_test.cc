@@ -13,16 +13,21 @@
 #include "renderers/hand_for_test.h"
 
 namespace touchstone::renderers {
-using namespace plugin;
+using plugin::Plugins;
+using rendering::BodyScene;
+using rendering::StepResult;
+using rendering::StepStatus;
+using rendering::TipState;
+
 namespace {
 
 // A floor at rest, a block at rest elsewhere, and a ram that swings and turns over them.
 std::shared_ptr<const BodyScene> scene_with_a_ram() {
   auto scene = std::make_shared<BodyScene>();
   scene->source = "test scene";
-  scene->bodies.push_back({"floor", make_embree_surface(testing::grid(0.05, 6)), PoseTrack()});
+  scene->bodies.push_back({"floor", make_embree_surface(testing::grid(0.05, 6)), rendering::PoseTrack()});
   scene->bodies.push_back({"block", make_embree_surface(testing::cube(0.01)),
-                           PoseTrack({{0.02, 0.0, 0.002}, Quat(Eigen::AngleAxisd(0.4, Vec3::UnitX()))})});
+                           rendering::PoseTrack({{0.02, 0.0, 0.002}, Quat(Eigen::AngleAxisd(0.4, Vec3::UnitX()))})});
   MotionColumns ram;
   for (int i = 0; i <= 30; ++i) {
     const double t_s = 0.1 * i;
@@ -34,14 +39,14 @@ std::shared_ptr<const BodyScene> scene_with_a_ram() {
   return scene;
 }
 
-Model model_for(const std::string& name, const Plugins& plugins, std::map<std::string, double> parameters) {
-  Model model = model_of(name, std::move(parameters));
+rendering::Model model_for(const std::string& name, const Plugins& plugins, std::map<std::string, double> parameters) {
+  rendering::Model model = model_of(name, std::move(parameters));
   plugins.provide(model);
   return model;
 }
 
 Plugins loaded(bool in_process) {
-  PluginOptions options;
+  plugin::PluginOptions options;
   options.in_process = in_process;
   Plugins plugins;
   plugins.load(std::getenv("TOUCHSTONE_SCENE_TWIN_PLUGIN"), options, {});

@@ -17,6 +17,15 @@
 #include "renderers/hand_for_test.h"
 
 namespace touchstone::renderers {
+using rendering::BodyPose;
+using rendering::BodyScene;
+using rendering::Model;
+using rendering::PoseTrack;
+using rendering::Renderer;
+using rendering::StepResult;
+using rendering::StepStatus;
+using surface::TriangleMesh;
+
 using namespace touchstone::testing;
 namespace {
 
@@ -64,7 +73,7 @@ Model model(const std::string& renderer, double mu = 0.0) {
 }
 
 TriangleMesh box(const Vec3& low, const Vec3& high) {
-  TriangleMesh mesh = cube(1.0);
+  TriangleMesh mesh = testing::cube(1.0);
   for (Vec3& v : mesh.vertices_W_m) {
     for (Eigen::Index i = 0; i < 3; ++i) v[i] = v[i] < 0.0 ? low[i] : high[i];
   }
@@ -86,7 +95,7 @@ std::vector<Vec3> stroll(const TriangleMesh& over, double scale, std::uint64_t s
   Vec3 p = surface->bounds().max() * 1.2;
   std::vector<Vec3> path;
   for (int i = 0; i <= ticks; ++i) {
-    const SurfacePoint foot = surface->closest(p);
+    const surface::SurfacePoint foot = surface->closest(p);
     const double depth_m = 4e-4 * scale * std::sin(0.02 * i);
     p += 0.1 * (foot.p_W_m - depth_m * foot.n_W - p) + 1e-4 * scale * random.direction();
     path.push_back(p);
@@ -147,8 +156,8 @@ INSTANTIATE_TEST_SUITE_P(Scenes, SceneOf,
 TEST_P(SceneOf, BodiesThatMoveTogetherAreOneObjectThatMoves) {
   constexpr int kTicks = 1500;
   for (const double scale : {1e-2, 1.0, 1e2}) {
-    const TriangleMesh first = moved(torus(0.02, 0.008, 24, 12), awkward_rotation(), {0.0, 0.0, 0.0}, scale);
-    const TriangleMesh second = moved(cube(0.006), awkward_rotation(), Vec3(0.024, 0.01, 0.0) * scale, scale);
+    const TriangleMesh first = moved(testing::torus(0.02, 0.008, 24, 12), awkward_rotation(), {0.0, 0.0, 0.0}, scale);
+    const TriangleMesh second = moved(testing::cube(0.006), awkward_rotation(), Vec3(0.024, 0.01, 0.0) * scale, scale);
     const auto frame = [&](double t_s) { return swing(t_s, scale); };
     const auto tips = stroll(first, scale, 11, kTicks);
     BodyScene joined;
@@ -171,7 +180,7 @@ TEST_P(SceneOf, BodiesThatMoveTogetherAreOneObjectThatMoves) {
 TEST_P(SceneOf, SeenFromAMovingFrameItIsTheSame) {
   constexpr int kTicks = 2000;
   const TriangleMesh ground = floor_box();
-  const TriangleMesh ram = moved(torus(0.02, 0.008, 24, 12), awkward_rotation(), Vec3::Zero());
+  const TriangleMesh ram = moved(testing::torus(0.02, 0.008, 24, 12), awkward_rotation(), Vec3::Zero());
   const TriangleMesh slab = box({-0.01, -0.04, -0.01}, {0.01, 0.04, 0.03});
   const auto ram_pose = [](double t_s) {
     return BodyPose{{0.02 * std::sin(3.0 * t_s), 0.01 * std::cos(2.0 * t_s), 0.004},
@@ -203,14 +212,19 @@ TEST_P(SceneOf, SeenFromAMovingFrameItIsTheSame) {
 // One body of a scene that moves, the other far away, is that body alone.
 TEST_P(SceneOf, AFarBodyChangesNothing) {
   constexpr int kTicks = 1500;
-  const TriangleMesh mesh = moved(torus(0.02, 0.008, 24, 12), awkward_rotation(), Vec3::Zero());
+  const TriangleMesh mesh = moved(testing::torus(0.02, 0.008, 24, 12), awkward_rotation(), Vec3::Zero());
   const auto pose = [](double t_s) { return swing(t_s, 0.2); };
   const auto tips_B = stroll(mesh, 1.0, 3, kTicks);
   std::vector<Vec3> tips;
   for (std::size_t i = 0; i < tips_B.size(); ++i)
     tips.push_back(pose(kTick_s * static_cast<double>(i)).to_W(tips_B[i]));
-  MovingObject alone(make_renderer(tested(), make_embree_surface(mesh)), track(pose, kTicks));
-  const auto scene = over({{mesh, pose}, {cube(0.01), [](double t_s) { return at_rest({1.0 + t_s, 0, 0}); }}}, kTicks);
+  rendering::MovingObject alone(make_renderer(tested(), make_embree_surface(mesh)), track(pose, kTicks));
+  const auto scene = over({{mesh, pose},
+                           {testing::cube(0.01),
+                            [](double t_s) {
+                              return at_rest({1.0 + t_s, 0, 0});
+                            }}},
+                          kTicks);
   const Differences off = compare(alone, *scene, tips, [](double) { return at_rest(); });
   ASSERT_GT(off.touched, 300);
   EXPECT_LE(off.force_N, 1e-10);
@@ -222,7 +236,7 @@ TEST_P(SceneOf, AllocatesNothingInAStep) {
       {{floor_box(), [](double) { return at_rest(); }}, {box({-0.01, -0.04, -0.01}, {0.01, 0.04, 0.03}), slab_pose}},
       1000);
   renderer->reset();
-  const AllocationGuard guard;
+  const testing::AllocationGuard guard;
   for (int i = 0; i <= 1000; ++i) {
     const StepResult result = renderer->step({kTick_s * i, {0.0, 0.001, 0.001 - 2e-6 * i}, Quat::Identity()});
     ASSERT_EQ(result.status, StepStatus::ok);
@@ -366,7 +380,7 @@ TEST(Scene, AnythingRendersBodiesAtRest) {
   auto scene = std::make_shared<BodyScene>();
   scene->source = "test scene";
   scene->bodies.push_back({"low", make_embree_surface(floor_box()), PoseTrack()});
-  scene->bodies.push_back({"high", make_embree_surface(cube(0.01)), PoseTrack(at_rest({0.03, 0.0, 0.005}))});
+  scene->bodies.push_back({"high", make_embree_surface(testing::cube(0.01)), PoseTrack(at_rest({0.03, 0.0, 0.005}))});
   for (const char* const name : {"god-object", "penalty", "spring-linear"}) {
     const auto renderer = make_scene_renderer(model_of(name, {{"stiffness_N_per_m", kStiffness}}), scene);
     Hand hand(*renderer);
@@ -380,7 +394,7 @@ TEST(Scene, AnythingRendersBodiesAtRest) {
 TEST(Scene, OneBodyInAPoseIsAnyRenderersToo) {
   auto scene = std::make_shared<BodyScene>();
   scene->source = "test scene";
-  scene->bodies.push_back({"leaning", make_embree_surface(grid(0.05, 4)),
+  scene->bodies.push_back({"leaning", make_embree_surface(testing::grid(0.05, 4)),
                            PoseTrack(at_rest({0.0, 0.0, 0.1}, Quat(Eigen::AngleAxisd(0.3, Vec3::UnitX()))))});
   const auto renderer = make_scene_renderer(model_of("spring-linear", {{"stiffness_N_per_m", kStiffness}}), scene);
   Hand hand(*renderer);
@@ -400,7 +414,7 @@ std::string refusal(const Model& wanted, const std::shared_ptr<const BodyScene>&
 
 TEST(Scene, SaysWhatItCannot) {
   const auto still = [](double) { return at_rest(); };
-  const auto scene = scene_of({{floor_box(), still}, {cube(0.01), still}}, 10);
+  const auto scene = scene_of({{floor_box(), still}, {testing::cube(0.01), still}}, 10);
   using ::testing::AllOf;
   using ::testing::HasSubstr;
   EXPECT_THAT(refusal(model_of("penalty", {}), scene), AllOf(HasSubstr("renderer penalty takes one object"),
@@ -415,7 +429,7 @@ TEST(Scene, SaysWhatItCannot) {
 TEST(Scene, SaysWherePosesDoNotReach) {
   const auto still = [](double) { return at_rest(); };
   const auto renderer =
-      make_scene_renderer(model("god-object"), scene_of({{floor_box(), still}, {cube(0.01), still}}, 10));
+      make_scene_renderer(model("god-object"), scene_of({{floor_box(), still}, {testing::cube(0.01), still}}, 10));
   renderer->reset();
   EXPECT_EQ(renderer->step({0.005, {0, 0, 0.02}, Quat::Identity()}).status, StepStatus::ok);
   EXPECT_EQ(renderer->step({0.5, {0, 0, 0.02}, Quat::Identity()}).status, StepStatus::failed);
@@ -429,7 +443,7 @@ TEST(Scene, SaysWherePosesDoNotReach) {
 TEST(Scene, StartsInsideAtTheClosestPlaceOutside) {
   const auto still = [](double) { return at_rest(); };
   const auto renderer = make_scene_renderer(model("god-object"), scene_of({{floor_box(), still},
-                                                                           {cube(0.01),
+                                                                           {testing::cube(0.01),
                                                                             [](double) {
                                                                               return at_rest({0, 0, -0.008});
                                                                             }}},

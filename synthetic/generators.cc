@@ -7,6 +7,8 @@
 #include "synthetic/trajectory_catalogue.h"
 
 namespace touchstone::synthetic {
+using surface::Surface;
+
 namespace {
 
 class BuiltInGenerators final : public rendering::Generators {
@@ -19,8 +21,8 @@ class BuiltInGenerators final : public rendering::Generators {
     auto made = make_mesh(name, parameters, triangles);
     return {std::move(made.mesh), made.deviation_bound_m};
   }
-  [[nodiscard]] InTrajectory motion(std::string_view name, const Values& parameters, std::uint64_t seed,
-                                    double rate_Hz) const override {
+  [[nodiscard]] recording::InTrajectory motion(std::string_view name, const Values& parameters, std::uint64_t seed,
+                                               double rate_Hz) const override {
     return sample(*make_path(name, parameters, seed), rate_Hz);
   }
   [[nodiscard]] rendering::ExactResponse exact_response(const Surface& surface, const Vec3& tip_W_m,

@@ -1,7 +1,6 @@
 // The surfaces and motions of this folder's catalogues, for golden cases and sweeps that name them.
 #pragma once
 
-#include "harness/base/rooms.h"
 #include "harness/rendering/generators.h"
 
 namespace touchstone::synthetic {

@@ -3,8 +3,6 @@
 
 #include <string>
 
-#include "harness/base/rooms.h"
-
 namespace touchstone::synthetic {
 
 // Markdown: data sets, surfaces and trajectories with their parameters, units, ranges and defaults.

@@ -6,7 +6,6 @@
 #include <string>
 #include <string_view>
 
-#include "harness/base/rooms.h"
 #include "synthetic/parameters.h"
 #include "synthetic/surfaces/analytic_surface.h"
 

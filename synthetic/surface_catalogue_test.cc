@@ -13,6 +13,8 @@
 #include "synthetic/surfaces/exact_contact.h"
 
 namespace touchstone::synthetic {
+using surface::TriangleMesh;
+
 namespace {
 
 constexpr std::uint64_t seed = 20060325;
@@ -159,7 +161,7 @@ TEST_P(EverySurface, ClosestPointIsOnTheSurfaceAndNoMeshPointIsCloser) {
       const auto& v = made.mesh.vertices_W_m[random.below(made.mesh.vertices_W_m.size())];
       const Vec3 p = i % 2 == 0 ? random_point(random, made.mesh.bounds(), 0.8)
                                 : Vec3(v * 0.98 + random.direction() * random.log_uniform(1e-9, 1e-2) * size);
-      const SurfacePoint at = surface->closest(p);
+      const surface::SurfacePoint at = surface->closest(p);
       EXPECT_NEAR((p - at.p_W_m).norm(), at.distance_m, 1e-14 * size);
       EXPECT_EQ(std::abs(at.signed_distance_m), at.distance_m);
       EXPECT_NEAR(at.n_W.norm(), 1.0, 1e-14);

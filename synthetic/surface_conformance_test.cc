@@ -10,10 +10,11 @@ namespace touchstone::synthetic {
 using namespace touchstone::testing;  // the suite
 namespace {
 
-std::vector<SurfaceCase> every_surface() {
-  std::vector<SurfaceCase> cases;
+std::vector<testing::SurfaceCase> every_surface() {
+  std::vector<testing::SurfaceCase> cases;
   for (const synthetic::SurfaceEntry& entry : synthetic::surface_catalogue()) {
-    const auto make = [&entry](double scale, const Quat& rotation, const Vec3& shift_m) -> std::shared_ptr<Surface> {
+    const auto make = [&entry](double scale, const Quat& rotation,
+                               const Vec3& shift_m) -> std::shared_ptr<surface::Surface> {
       synthetic::ParameterOverrides overrides;
       for (const synthetic::Parameter& p : entry.parameters) {
         if (p.unit == "m") overrides[p.name] = p.initial * scale;
@@ -23,7 +24,7 @@ std::vector<SurfaceCase> every_surface() {
     };
     std::string name = entry.name;
     std::replace(name.begin(), name.end(), '-', '_');
-    SurfaceTraits traits;
+    testing::SurfaceTraits traits;
     // Only patches and blocks can be open. The bodies are not made here: it takes a tenth of a second in each of the
     // processes, one for each case.
     const bool has_side = std::any_of(entry.parameters.begin(), entry.parameters.end(),
@@ -38,7 +39,8 @@ std::vector<SurfaceCase> every_surface() {
   return cases;
 }
 
-INSTANTIATE_TEST_SUITE_P(Synthetic, SurfaceConformance, ::testing::ValuesIn(every_surface()), surface_case_name);
+INSTANTIATE_TEST_SUITE_P(Synthetic, SurfaceConformance, ::testing::ValuesIn(every_surface()),
+                         testing::surface_case_name);
 
 }  // namespace
 }  // namespace touchstone::synthetic

@@ -11,6 +11,8 @@
 #include "synthetic/trajectories/tremor.h"
 
 namespace touchstone::synthetic {
+using recording::InTrajectory;
+
 namespace {
 
 class EveryTrajectory : public ::testing::TestWithParam<std::size_t> {

@@ -12,7 +12,6 @@
 #include <vector>
 
 #include "harness/base/error.h"
-#include "harness/base/rooms.h"
 #include "harness/base/vec.h"
 
 namespace touchstone::apps::python {

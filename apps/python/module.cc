@@ -47,11 +47,11 @@ void bind_errors(py::module_& module) {
   static const py::handle error = py::exception<Error>(module, "Error", PyExc_RuntimeError).release();
   static const py::handle bad_data = py::exception<BadData>(module, "BadData", error).release();
   static const py::handle usage = py::exception<UsageError>(module, "UsageError", error).release();
-  static const py::handle failed = py::exception<RendererFailed>(module, "RendererFailed", error).release();
+  static const py::handle failed = py::exception<rendering::RendererFailed>(module, "RendererFailed", error).release();
   py::register_exception_translator([](std::exception_ptr thrown) {
     try {
       if (thrown) std::rethrow_exception(thrown);
-    } catch (const RendererFailed& e) {
+    } catch (const rendering::RendererFailed& e) {
       PyErr_SetString(failed.ptr(), e.what());
     } catch (const BadData& e) {
       PyErr_SetString(bad_data.ptr(), e.what());
@@ -98,11 +98,11 @@ PYBIND11_MODULE(_touchstone, module) {
   using namespace touchstone;
   using namespace touchstone::apps::python;
   module.doc() = "The library of Touchstone; import touchstone instead.";
-  bind_errors(module);
-  bind_recordings(module);
-  bind_surfaces(module);
-  bind_rendering(module);
-  bind_commands(module);
+  touchstone::apps::python::bind_errors(module);
+  touchstone::apps::python::bind_recordings(module);
+  touchstone::apps::python::bind_surfaces(module);
+  touchstone::apps::python::bind_rendering(module);
+  touchstone::apps::python::bind_commands(module);
   module.attr("__version__") = build_info().version;
   module.def("build_info", [] {
     const BuildInfo& info = build_info();
@@ -115,6 +115,6 @@ PYBIND11_MODULE(_touchstone, module) {
     out["flags"] = info.flags;
     return out;
   });
-  module.def("report_progress", &report_progress, py::arg("call"));
-  search_beside_module();
+  module.def("report_progress", &touchstone::apps::python::report_progress, py::arg("call"));
+  touchstone::apps::python::search_beside_module();
 }

@@ -4,8 +4,6 @@
 
 #include <pybind11/pybind11.h>
 
-#include "harness/base/rooms.h"
-
 namespace touchstone::apps::python {
 
 // Recordings, trajectories and rendered files.

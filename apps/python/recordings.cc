@@ -7,14 +7,21 @@
 #include "harness/recording/recording_file.h"
 
 namespace touchstone::apps::python {
+using recording::ClockPolicy;
+using recording::ColumnUnits;
+using recording::InTrajectory;
+using recording::Loaded;
+using recording::Recording;
+using recording::RenderedTrajectory;
+
 namespace {
 
 using Path = std::filesystem::path;
 
 ClockPolicy clock_policy(const std::string& on_duplicate, const std::string& on_gap) {
   ClockPolicy policy;
-  policy.on_duplicate = parse_on_duplicate(on_duplicate);
-  policy.on_gap = parse_on_gap(on_gap);
+  policy.on_duplicate = recording::parse_on_duplicate(on_duplicate);
+  policy.on_gap = recording::parse_on_gap(on_gap);
   return policy;
 }
 

@@ -13,12 +13,16 @@
 #include "renderers/catalogue.h"
 
 namespace touchstone::apps::python {
+using recording::Loaded;
+using rendering::Model;
+using surface::TriangleMesh;
+
 namespace {
 
 // A renderer over an object, ready for positions.
 struct Bench {
-  std::shared_ptr<const Surface> surface;
-  std::unique_ptr<Renderer> renderer;
+  std::shared_ptr<const surface::Surface> surface;
+  std::unique_ptr<rendering::Renderer> renderer;
 };
 
 // `plugins` run in this process.
@@ -26,31 +30,31 @@ Bench make_bench(Model model, const TriangleMesh& mesh, bool both_sides, const s
   PluginFlags flags;
   flags.libraries = plugins;
   flags.in_process = true;
-  const Plugins loaded = flags.load();
+  const plugin::Plugins loaded = flags.load();
   loaded.provide(model);
-  find_renderer(model);
+  renderers::find_renderer(model);
   Bench bench;
   bench.surface = make_embree_surface(both_sides ? two_sided(mesh) : mesh);
-  bench.renderer = make_renderer(model, bench.surface);
+  bench.renderer = renderers::make_renderer(model, bench.surface);
   return bench;
 }
 
-std::shared_ptr<Loaded<RenderedTrajectory>> replay_in_memory(const Model& model, const TriangleMesh& mesh,
-                                                             const Loaded<InTrajectory>& trajectory, bool time_steps,
-                                                             bool both_sides, const std::vector<std::string>& plugins) {
+std::shared_ptr<Loaded<recording::RenderedTrajectory>> replay_in_memory(
+    const Model& model, const TriangleMesh& mesh, const Loaded<recording::InTrajectory>& trajectory, bool time_steps,
+    bool both_sides, const std::vector<std::string>& plugins) {
   return LongWork::call([&] {
     const Bench bench = make_bench(model, mesh, both_sides, plugins);
-    auto out = std::make_shared<Loaded<RenderedTrajectory>>();
+    auto out = std::make_shared<Loaded<recording::RenderedTrajectory>>();
     out->value = replay(*bench.renderer, trajectory.value, time_steps);
     return out;
   });
 }
 
-py::dict measure(const Model& model, const TriangleMesh& mesh, const Loaded<InTrajectory>& trajectory, bool both_sides,
-                 const std::vector<std::string>& plugins) {
-  const ReplayTiming timing = LongWork::call([&] {
+py::dict measure(const Model& model, const TriangleMesh& mesh, const Loaded<recording::InTrajectory>& trajectory,
+                 bool both_sides, const std::vector<std::string>& plugins) {
+  const rendering::ReplayTiming timing = LongWork::call([&] {
     const Bench bench = make_bench(model, mesh, both_sides, plugins);
-    return measure_steps(*bench.renderer, [&] { return tip_source(trajectory.value.motion); });
+    return measure_steps(*bench.renderer, [&] { return rendering::tip_source(trajectory.value.motion); });
   });
   py::dict out;
   out["steps"] = timing.steps;
@@ -71,7 +75,7 @@ void bind_rendering(py::module_& module) {
       .def_static(
           "parse",
           [](const std::string& text, const std::string& source) {
-            return std::make_shared<Model>(parse_model(text, source));
+            return std::make_shared<Model>(rendering::parse_model(text, source));
           },
           py::arg("text"), py::arg("source") = "model", "The model of a model file's text (JSON).")
       .def_static(

@@ -14,6 +14,9 @@
 #include "synthetic/trajectory_catalogue.h"
 
 namespace touchstone::apps::python {
+using surface::Surface;
+using surface::TriangleMesh;
+
 namespace {
 
 using SharedMesh = std::shared_ptr<TriangleMesh>;
@@ -45,7 +48,7 @@ py::dict closest_points(const Surface& surface, const Doubles& points_m) {
   std::vector<double> distances(points.size());
   LongWork::call([&] {
     for (std::size_t i = 0; i < points.size(); ++i) {
-      const SurfacePoint found = surface.closest(points[i]);
+      const surface::SurfacePoint found = surface.closest(points[i]);
       closest[i] = found.p_W_m;
       normals[i] = found.n_W;
       distances[i] = found.signed_distance_m;
@@ -156,7 +159,7 @@ void bind_surfaces(py::module_& module) {
       "load_mesh",
       [](const std::filesystem::path& path, const std::string& unit, bool repair) {
         return LongWork::call([&] {
-          TriangleMesh mesh = load_mesh(path, length_unit_factor(unit));
+          TriangleMesh mesh = surface::load_mesh(path, length_unit_factor(unit));
           return std::make_shared<TriangleMesh>(repair ? orient(mesh).mesh : std::move(mesh));
         });
       },
@@ -189,7 +192,7 @@ void bind_surfaces(py::module_& module) {
                 });
   synthetic.def("path", [](const std::string& name, const synthetic::ParameterOverrides& parameters, double rate_Hz,
                            std::uint64_t seed) {
-    const InTrajectory made =
+    const recording::InTrajectory made =
         LongWork::call([&] { return synthetic::sample(*synthetic::make_path(name, parameters, seed), rate_Hz); });
     return py::make_tuple(moved_to_array(made.motion.t_s), moved_to_array(made.motion.p_W_m));
   });

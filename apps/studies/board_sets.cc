@@ -6,7 +6,7 @@
 namespace touchstone::apps {
 
 std::vector<std::filesystem::path> board_sets(const std::filesystem::path& folder) {
-  std::vector<std::filesystem::path> out = bundled_datasets();
+  std::vector<std::filesystem::path> out = pipeline::bundled_datasets();
   for (const synthetic::Recipe& recipe : synthetic::families()) {
     out.push_back(folder / recipe.name);
     if (!std::filesystem::exists(out.back() / "dataset.json")) synthetic::write_dataset(recipe, 1, out.back());

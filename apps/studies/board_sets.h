@@ -4,8 +4,6 @@
 #include <filesystem>
 #include <vector>
 
-#include "harness/base/rooms.h"
-
 namespace touchstone::apps {
 
 // Writes the synthetic ones that are not there yet into `folder`, each in a folder of its name, always of seed 1.

@@ -17,17 +17,17 @@ namespace {
 struct AtlasOptions {
   atlas::AtlasGrid grid;
   std::string out;
-  CaseOptions cases;
+  runs::CaseOptions cases;
 };
 
 void write_report(const std::filesystem::path& out, const std::vector<atlas::AtlasCase>& cases,
-                  const CaseOutcome& outcome, const CaseOptions& options) {
+                  const runs::CaseOutcome& outcome, const runs::CaseOptions& options) {
   write_file(out / "atlas.json", atlas::atlas_to_json(cases));
   write_file(out / "bump.svg", atlas::atlas_picture(cases, atlas::Scene::bump));
   write_file(out / "shell.svg", atlas::atlas_picture(cases, atlas::Scene::shell));
-  Provenance provenance = make_provenance(command_line());
+  report::Provenance provenance = report::make_provenance(command_line());
   provenance.inputs.push_back(stored_rows(*outcome.store, options));
-  const Page page = atlas::atlas_page(cases, provenance);
+  const report::Page page = atlas::atlas_page(cases, provenance);
   write_html(out / "report.html", page);
   write_file(out / "tables.md", tables_to_markdown(page));
   fmt::print("report: {}\n", (out / "report.html").string());
@@ -38,12 +38,12 @@ ExitStatus run(AtlasOptions options) {
   if (options.cases.file.empty() && !options.out.empty())
     options.cases.file = (std::filesystem::path(options.out) / "atlas.sqlite").string();
   atlas::AtlasWorld world(options.grid);
-  CaseCommand command;
+  runs::CaseCommand command;
   command.job = atlas::atlas_job(options.grid, world);
   command.table = atlas::atlas_case_table(options.grid);
   command.words = atlas::atlas_words(options.grid);
   command.describe = [&](std::uint64_t number) { return atlas::describe_case(options.grid, number); };
-  const CaseOutcome outcome = run_case_command(command, options.cases);
+  const runs::CaseOutcome outcome = run_case_command(command, options.cases);
   if (!outcome.store) return outcome.status;
   const auto cases = atlas::stored_cases(options.grid, *outcome.store);
   fmt::print("{}", atlas::atlas_table(cases));

@@ -42,7 +42,7 @@ struct BlindOptions {
   std::filesystem::path results;
   std::filesystem::path json;
   std::string id;
-  CaseOptions rows;
+  runs::CaseOptions rows;
   std::filesystem::path trajectory;
   std::filesystem::path again;
 };
@@ -115,7 +115,7 @@ ExitStatus follow(const BlindOptions& options) {
 
 void search_case(const std::filesystem::path& folder, const std::filesystem::path& out) {
   const auto start = std::chrono::steady_clock::now();
-  DiscrepancyFiles files;
+  pipeline::DiscrepancyFiles files;
   files.model = folder / "model.json";
   files.mesh = folder / "mesh.obj";
   files.recording = folder / "train.csv";
@@ -124,9 +124,10 @@ void search_case(const std::filesystem::path& folder, const std::filesystem::pat
   files.out = out;
   files.command_line = command_line();
   files.program = own_program();
-  const Findings findings = run_discrepancy(built_in_catalogue(), files, [](const std::string&) {});
+  const discrepancy::Findings findings =
+      run_discrepancy(renderers::built_in_catalogue(), files, [](const std::string&) {});
   std::string names;
-  for (const FoundEffect& effect : findings.search.found) names += " " + effect.name;
+  for (const discrepancy::FoundEffect& effect : findings.search.found) names += " " + effect.name;
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   fmt::print("{} {}{} ({:.0f} s)\n", folder.filename().string(), to_string(findings.verdict), names, seconds);
 }
@@ -140,7 +141,7 @@ ExitStatus run_cases(BlindOptions options) {
     options.rows.file = (options.out / (name + ".sqlite")).string();
   }
   if (!options.rows.dry_run) ensure_writable_folder(options.out);
-  CaseCommand command;
+  runs::CaseCommand command;
   command.job = blind::blind_job(folders, options.out, search_case);
   command.table = blind::blind_case_table(folders);
   command.words = {"blind",   "run",
@@ -148,7 +149,7 @@ ExitStatus run_cases(BlindOptions options) {
                    "--out",   std::filesystem::absolute(options.out).string()};
   command.cases_of_a_task = 10;
   command.describe = [&](std::uint64_t number) { return folders[number].filename().string(); };
-  const CaseOutcome outcome = run_case_command(command, options.rows);
+  const runs::CaseOutcome outcome = run_case_command(command, options.rows);
   if (outcome.store) blind::write_findings(folders, *outcome.store, options.out);
   return outcome.status;
 }

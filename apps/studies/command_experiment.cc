@@ -27,10 +27,12 @@
 #include "harness/report/page_markdown.h"
 
 namespace touchstone::apps {
+using report::Provenance;
+
 namespace {
 
 // The report for people, and its tables for documents.
-void write_page(const std::filesystem::path& folder, const Page& page) {
+void write_page(const std::filesystem::path& folder, const report::Page& page) {
   write_html(folder / "report.html", page);
   write_file(folder / "tables.md", tables_to_markdown(page));
 }
@@ -51,8 +53,8 @@ ExitStatus peers_command(const PeerOptions& options) {
                peers.empty() ? "" : peers.string() + ": ");
     return ExitStatus::skipped;
   }
-  std::vector<Model> besides;
-  const Plugins plugins = options.plugins.load();
+  std::vector<rendering::Model> besides;
+  const plugin::Plugins plugins = options.plugins.load();
   for (const auto& entry : plugins.entries()) besides.push_back(experiments::peer_model(entry));
   std::vector<experiments::PeerCase> cases;
   Progress progress("peers", experiments::peer_meshes().size());
@@ -74,7 +76,7 @@ struct SpringOptions {
 void write_spring_report(const std::filesystem::path& out, const experiments::SpringExperiment& experiment,
                          const SeededRun& run) {
   write_file(out / "springs.json", experiments::spring_experiment_to_json(experiment));
-  Provenance provenance = make_provenance(command_line());
+  Provenance provenance = report::make_provenance(command_line());
   provenance.inputs.push_back(*run.rows);
   write_page(out, experiments::spring_page(experiment, provenance));
   for (const auto& condition : experiments::spring_conditions(experiment.variants.front().variant.setup)) {
@@ -102,7 +104,7 @@ ExitStatus run_springs(const SpringOptions& options) {
     for (const auto& own : experiment.variants)
       rows.back().push_back(fmt::format("{:.0f} %", 100.0 * own.findings[f][0].value()));
   }
-  fmt::print("{}", align_columns(rows));
+  fmt::print("{}", report::align_columns(rows));
   fmt::print("seeds {} to {}; features scaled by the rule reference-norm\n", options.first_seed,
              options.first_seed + options.seeds - 1);
   if (!options.seeded.out.empty()) write_spring_report(options.seeded.out, experiment, run);
@@ -134,10 +136,10 @@ struct PalpationOptions {
 ExitStatus run_palpation(const PalpationOptions& options) {
   ensure_writable_folder(options.out);
   const std::filesystem::path out = options.out;
-  const Recording recording = load_recording(options.recording);
+  const recording::Recording recording = recording::load_recording(options.recording);
   const auto comparisons = experiments::compare_rows(recording, options.presses, experiments::raster_options());
-  Provenance provenance = make_provenance(command_line());
-  provenance.inputs.push_back(describe_input("recording", options.recording));
+  Provenance provenance = report::make_provenance(command_line());
+  provenance.inputs.push_back(report::describe_input("recording", options.recording));
   write_file(out / "palpation.json", experiments::palpation_to_json(recording, comparisons));
   write_page(out, experiments::palpation_page(recording, comparisons, provenance));
   std::size_t nearer = 0;
@@ -170,8 +172,8 @@ ExitStatus run_indentation(const IndentationOptions& options) {
   const std::filesystem::path out = options.out;
   const auto approach = experiments::read_approach(options.curve);
   const auto comparisons = experiments::compare_indentation(approach);
-  Provenance provenance = make_provenance(command_line());
-  provenance.inputs.push_back(describe_input("curve", options.curve));
+  Provenance provenance = report::make_provenance(command_line());
+  provenance.inputs.push_back(report::describe_input("curve", options.curve));
   write_file(out / "indentation.json", experiments::indentation_to_json(approach, comparisons));
   write_page(out, experiments::indentation_page(approach, comparisons, provenance));
   fmt::print("in {} of {} pairs the record measured again lies nearer than every rendering; {}\n",
@@ -206,9 +208,9 @@ ExitStatus run_voxel(const VoxelOptions& options) {
   if (options.seeded.out.empty()) return run.status;
   const std::filesystem::path out = options.seeded.out;
   write_file(out / "voxel.json", experiments::voxel_experiment_to_json(experiment));
-  Provenance provenance = make_provenance(command_line());
+  Provenance provenance = report::make_provenance(command_line());
   provenance.inputs.push_back(*run.rows);
-  Page page = experiments::voxel_page(experiment, provenance);
+  report::Page page = experiments::voxel_page(experiment, provenance);
   page.sections.insert(page.sections.begin() + 1, experiments::spread_section(spread));
   write_page(out, page);
   fmt::print("report: {}\n", (out / "report.html").string());
@@ -249,7 +251,7 @@ ExitStatus run_cost(const CostCommandOptions& options) {
   if (options.out.empty()) return ExitStatus::passed;
   const std::filesystem::path out = options.out;
   write_file(out / "cost.json", experiments::cost_to_json(costs));
-  write_page(out, experiments::cost_page(costs, make_provenance(command_line())));
+  write_page(out, experiments::cost_page(costs, report::make_provenance(command_line())));
   fmt::print("report: {}\n", (out / "report.html").string());
   return ExitStatus::passed;
 }
@@ -291,7 +293,7 @@ ExitStatus run_perception(const PerceptionBenchCommand& options) {
   if (options.out.empty()) return ExitStatus::passed;
   const std::filesystem::path out = options.out;
   write_file(out / "perception-bench.json", experiments::perception_bench_to_json(bench, published));
-  write_page(out, experiments::perception_bench_page(bench, published, make_provenance(command_line())));
+  write_page(out, experiments::perception_bench_page(bench, published, report::make_provenance(command_line())));
   fmt::print("report: {}\n", (out / "report.html").string());
   return ExitStatus::passed;
 }

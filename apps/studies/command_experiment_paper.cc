@@ -27,19 +27,20 @@ std::vector<experiments::PaperScan> scans_of(const PaperCommandOptions& options)
   if (options.recording.empty() != options.mesh.empty())
     throw UsageError("--recording and --mesh belong together: a scan and the object that it was made over");
   if (!options.recording.empty()) {
-    out.push_back({options.recording, load_recording(options.recording),
-                   load_mesh(options.mesh, length_unit_factor(options.mesh_unit)), options.stiffness_N_per_m});
+    out.push_back({options.recording, recording::load_recording(options.recording),
+                   surface::load_mesh(options.mesh, length_unit_factor(options.mesh_unit)), options.stiffness_N_per_m});
   }
   std::vector<std::filesystem::path> places(options.datasets.begin(), options.datasets.end());
-  if (places.empty() && out.empty()) places = bundled_datasets();
+  if (places.empty() && out.empty()) places = pipeline::bundled_datasets();
   for (const auto& place : places) {
-    const Dataset dataset = load_dataset(place);
-    const TriangleMesh mesh = load_mesh(dataset.path_of(dataset.mesh_file), length_unit_factor(dataset.mesh_unit));
-    for (const DatasetRecording& recording : dataset.recordings) {
+    const recording::Dataset dataset = recording::load_dataset(place);
+    const surface::TriangleMesh mesh =
+        surface::load_mesh(dataset.path_of(dataset.mesh_file), length_unit_factor(dataset.mesh_unit));
+    for (const recording::DatasetRecording& recording : dataset.recordings) {
       out.push_back(
           {fmt::format("{} / {}", std::filesystem::weakly_canonical(dataset.folder).filename().string(),
                        std::filesystem::path(recording.file).stem().string()),
-           load_recording(dataset.path_of(recording.file)), mesh, dataset.stiffness_N_per_m,
+           recording::load_recording(dataset.path_of(recording.file)), mesh, dataset.stiffness_N_per_m,
            dataset.instrument_file.empty() ? std::filesystem::path() : dataset.path_of(dataset.instrument_file),
            dataset.friction_coefficient, dataset.tip_radius_m});
     }
@@ -51,7 +52,8 @@ ExitStatus run_paper(const PaperCommandOptions& options) {
   experiments::PaperOptions paper;
   paper.average = options.average == "mean" ? experiments::Average::mean : experiments::Average::rms;
   paper.counted = options.samples == "contact" ? experiments::Counted::contact : experiments::Counted::all;
-  paper.in_trajectory = find_in_trajectory(options.in_trajectory).value_or(InTrajectoryMode::synthesize);
+  paper.in_trajectory =
+      recording::find_in_trajectory(options.in_trajectory).value_or(recording::InTrajectoryMode::synthesize);
   const auto scans = scans_of(options);
   std::vector<experiments::PaperResult> results;
   Progress progress("experiments of the 2006 paper", scans.size());

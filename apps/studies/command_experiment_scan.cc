@@ -18,6 +18,8 @@
 #include "harness/surface/mesh_file.h"
 
 namespace touchstone::apps {
+using report::Page;
+
 namespace {
 
 struct ExperimentScanOptions {
@@ -46,20 +48,20 @@ ExitStatus run_friction(const ExperimentScanOptions& options) {
   const SeededRun run = run_seeded(seeded, options.seeded, "friction");
   if (run.seeds.empty()) return run.status;
   auto experiment = experiments::friction_from_json(run.seeds.front().result.document);
-  Provenance provenance = make_provenance(command_line());
+  report::Provenance provenance = report::make_provenance(command_line());
   provenance.inputs.push_back(*run.rows);
   if (!options.recording.empty()) {
     Progress progress("friction of a real recording", options.extend_m.size());
-    const Recording recording = load_recording(options.recording);
-    const TriangleMesh mesh = load_mesh(options.mesh, options.mesh_unit_m);
+    const recording::Recording recording = recording::load_recording(options.recording);
+    const surface::TriangleMesh mesh = surface::load_mesh(options.mesh, options.mesh_unit_m);
     for (const double extend_m : options.extend_m) {
       const auto surface = make_embree_surface(extend_m > 0.0 ? extend_open_edges(mesh, extend_m) : mesh);
       experiment.real.push_back(experiments::fit_real_friction(recording, surface, options.block_s));
       experiment.real.back().extended_m = extend_m;
       progress.update(experiment.real.size());
     }
-    provenance.inputs.push_back(describe_input("recording", options.recording));
-    provenance.inputs.push_back(describe_input("mesh", options.mesh));
+    provenance.inputs.push_back(report::describe_input("recording", options.recording));
+    provenance.inputs.push_back(report::describe_input("mesh", options.mesh));
   }
   const auto spread = experiments::stored_spread(seeded, run.seeds);
   fmt::print("{}{}", experiments::friction_table(experiment), experiments::spread_table(spread));
@@ -79,7 +81,7 @@ ExitStatus run_density(const ExperimentScanOptions& options, bool shading) {
   const auto spread = experiments::stored_spread(seeded, run.seeds, experiments::density_part(shading));
   fmt::print("{}{}", experiments::density_table(experiment, shading), experiments::spread_table(spread));
   if (options.seeded.out.empty()) return run.status;
-  Provenance provenance = make_provenance(command_line());
+  report::Provenance provenance = report::make_provenance(command_line());
   provenance.inputs.push_back(*run.rows);
   Page page = experiments::density_page(experiment, shading, provenance);
   page.sections.insert(page.sections.begin() + 1, experiments::spread_section(spread));

@@ -3,7 +3,6 @@
 #pragma once
 
 #include "apps/command.h"
-#include "harness/base/rooms.h"
 
 namespace touchstone::apps {
 

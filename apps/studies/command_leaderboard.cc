@@ -18,6 +18,12 @@
 #include "renderers/catalogue.h"
 
 namespace touchstone::apps {
+using metrics::TimeRanges;
+using pipeline::BoardPlan;
+using pipeline::BoardRequest;
+using plugin::Plugins;
+using runs::CaseCommand;
+
 namespace {
 
 struct LeaderboardOptions {
@@ -28,7 +34,7 @@ struct LeaderboardOptions {
   bool no_reports = false;
   double level = 0.05;
   PluginFlags plugins;
-  CaseOptions cases;
+  runs::CaseOptions cases;
 };
 
 BoardRequest board_request(const LeaderboardOptions& options, const Plugins& plugins) {
@@ -40,21 +46,21 @@ BoardRequest board_request(const LeaderboardOptions& options, const Plugins& plu
   for (const std::filesystem::path file : options.models) request.models.emplace_back(load_model(file, plugins), file);
   request.base.command_line = command_line();
   request.base.time_ranges = TimeRanges::parse(options.score_range, "--score-range");
-  if (const auto mode = find_in_trajectory(options.in_trajectory)) {
+  if (const auto mode = recording::find_in_trajectory(options.in_trajectory)) {
     request.base.in_trajectory = *mode;
     request.in_trajectory_chosen = true;
   }
-  request.tip = options.tip == "dataset" ? BoardTip::dataset : BoardTip::point;
+  request.tip = options.tip == "dataset" ? pipeline::BoardTip::dataset : pipeline::BoardTip::point;
   request.fit = options.fit;
   request.fit_range = TimeRanges::parse(options.fit_range, "--fit-range");
   request.reports = !options.no_reports;
   return request;
 }
 
-void write_board(const LeaderboardOptions& options, const pipeline::Board& board, const InputFile& rows) {
+void write_board(const LeaderboardOptions& options, const pipeline::Board& board, const report::InputFile& rows) {
   const std::filesystem::path out = options.out;
   pipeline::SiteNotes notes;
-  notes.provenance = make_provenance(command_line());
+  notes.provenance = report::make_provenance(command_line());
   notes.provenance.inputs.push_back(rows);
   notes.links = {{"leaderboard.json", "leaderboard.json"}, {"timings.json", "timings.json"}};
   if (!options.against.empty()) {
@@ -69,12 +75,12 @@ void write_board(const LeaderboardOptions& options, const pipeline::Board& board
 
 CaseCommand case_command_of(const BoardPlan& plan) {
   CaseCommand command;
-  command.job = board_job(built_in_catalogue(), plan);
+  command.job = board_job(renderers::built_in_catalogue(), plan);
   command.table = board_table(plan);
   command.words = command_line();
   command.words.erase(command.words.begin());
   command.describe = [&plan](std::uint64_t number) {
-    const BoardCell& cell = plan.cells[number];
+    const pipeline::BoardCell& cell = plan.cells[number];
     return fmt::format("{}: {}", plan.tasks[cell.task].name, cell.evaluation ? cell.evaluation->column : "floor");
   };
   return command;
@@ -93,10 +99,10 @@ ExitStatus leaderboard_command(LeaderboardOptions options) {
     throw UsageError("--sign-key and --source are about a submission: name its file with --bundle");
   ensure_writable_folder(options.out);
   const Plugins plugins = options.plugins.load();
-  const BoardPlan plan = plan_board(built_in_catalogue(), board_request(options, plugins));
+  const BoardPlan plan = plan_board(renderers::built_in_catalogue(), board_request(options, plugins));
   const CaseCommand command = case_command_of(plan);
   if (options.cases.file.empty()) options.cases.file = (std::filesystem::path(options.out) / "rows.sqlite").string();
-  const CaseOutcome outcome = run_case_command(command, options.cases);
+  const runs::CaseOutcome outcome = run_case_command(command, options.cases);
   if (!outcome.store) return outcome.status;
   pipeline::Board board = board_of_rows(plan, *outcome.store);
   board.title = "Haptic renderers held against recordings";
@@ -106,7 +112,7 @@ ExitStatus leaderboard_command(LeaderboardOptions options) {
   if (!options.bundle.empty()) {
     write_file(options.bundle,
                submission_to_json(plan, board, libraries_of(options.plugins), paths_of(options.sources)));
-    if (!options.sign_key.empty()) sign_submission(options.bundle, options.sign_key);
+    if (!options.sign_key.empty()) pipeline::sign_submission(options.bundle, options.sign_key);
   }
   const std::size_t width = pipeline::terminal_width();
   for (const pipeline::Task& task : board.tasks) {
@@ -128,12 +134,12 @@ struct SubmissionOptions {
 // Who signed the bundle, if anybody did. Throws BadData for a signature that is not good, or that is missing though
 // signers are given.
 void print_signature(const SubmissionOptions& options) {
-  const auto signature = signature_of(options.bundle);
+  const auto signature = pipeline::signature_of(options.bundle);
   if (!std::filesystem::exists(signature) && options.signers.empty()) {
     fmt::print("not signed: nobody vouches for {}\n", options.bundle);
     return;
   }
-  const CheckedSignature checked = check_signature(options.bundle, signature, options.signers);
+  const pipeline::CheckedSignature checked = pipeline::check_signature(options.bundle, signature, options.signers);
   if (checked.signer.empty()) {
     fmt::print("signed with {}; --signers FILE says whose key may sign\n", checked.key);
   } else {
@@ -144,7 +150,7 @@ void print_signature(const SubmissionOptions& options) {
 ExitStatus leaderboard_verify(const SubmissionOptions& options) {
   ensure_writable_folder(options.work);
   const Plugins plugins = options.plugins.load();
-  const Submission claimed = load_submission(options.bundle, plugins);
+  const pipeline::Submission claimed = pipeline::load_submission(options.bundle, plugins);
   print_signature(options);
   BoardRequest request;
   request.plugins = &plugins;
@@ -160,8 +166,8 @@ ExitStatus leaderboard_verify(const SubmissionOptions& options) {
   request.fit = claimed.fit;
   request.fit_range = TimeRanges::parse(claimed.fit_range, options.bundle + ": /fit_range");
   request.reports = false;
-  const BoardPlan plan = plan_board(built_in_catalogue(), request);
-  const CaseOutcome outcome = run_case_command(case_command_of(plan), {});
+  const BoardPlan plan = plan_board(renderers::built_in_catalogue(), request);
+  const runs::CaseOutcome outcome = run_case_command(case_command_of(plan), {});
   if (!outcome.store) return outcome.status;
   const pipeline::Board board = board_of_rows(plan, *outcome.store);
   for (const std::string& line :

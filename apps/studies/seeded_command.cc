@@ -25,7 +25,7 @@ SeededRun run_seeded(const experiments::SeededExperiment& experiment, SeededOpti
   if (!options.out.empty() && !options.cases.dry_run) ensure_writable_folder(options.out);
   if (options.cases.file.empty() && !options.out.empty())
     options.cases.file = (std::filesystem::path(options.out) / (name + ".sqlite")).string();
-  const CaseOutcome outcome = run_case_command(experiments::seed_command(experiment), options.cases);
+  const runs::CaseOutcome outcome = run_case_command(experiments::seed_command(experiment), options.cases);
   SeededRun run;
   run.status = outcome.status;
   if (!outcome.store) return run;

@@ -6,13 +6,12 @@
 
 #include "apps/case_flags.h"
 #include "apps/studies/experiments/seed_cases.h"
-#include "harness/base/rooms.h"
 
 namespace touchstone::apps {
 
 struct SeededOptions {
   std::string out;  // folder of the report; empty: none
-  CaseOptions cases;
+  runs::CaseOptions cases;
 };
 // --cases, --shard, --merge and so on; `name` is the experiment's command, in whose --out the rows stand by default.
 void add_seeded_flags(CLI::App& command, SeededOptions& options, const std::string& name);
@@ -22,7 +21,7 @@ std::string seeded_examples(const std::string& name);
 struct SeededRun {
   ExitStatus status = ExitStatus::passed;
   std::vector<experiments::StoredSeed> seeds;  // empty: nothing to report of; else all of them, and the first ran
-  std::optional<InputFile> rows;               // for the report's provenance
+  std::optional<report::InputFile> rows;       // for the report's provenance
 };
 SeededRun run_seeded(const experiments::SeededExperiment& experiment, SeededOptions options, const std::string& name);
 

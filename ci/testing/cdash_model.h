@@ -17,8 +17,6 @@
 #include <thread>
 #include <vector>
 
-#include "harness/base/rooms.h"
-
 namespace touchstone::testing {
 
 struct CdashProject {

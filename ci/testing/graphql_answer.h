@@ -7,8 +7,6 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "harness/base/rooms.h"
-
 namespace touchstone::testing {
 
 struct GraphqlField {

@@ -348,8 +348,8 @@ ContactSamples contacts_at(const AcquisitionDescription& d, const Merged& merged
 
 // The object's place, corrected so that the tip's ball touches the mesh where it presses, less what the surface gives
 // in under the force: twice, since how far it gives in follows from the place and the place from that.
-RigidTransform corrected_by_contacts(const AcquisitionDescription& d, const Surface& surface, const Merged& merged,
-                                     const MotionStream& motion, const std::vector<double>& gap_m,
+RigidTransform corrected_by_contacts(const AcquisitionDescription& d, const surface::Surface& surface,
+                                     const Merged& merged, const MotionStream& motion, const std::vector<double>& gap_m,
                                      const RigidTransform& object, AcquisitionReport& report) {
   std::vector<std::size_t> index;
   for (std::size_t i = 0; i < merged.t_s.size(); ++i) {
@@ -415,10 +415,10 @@ Acquired acquire(const AcquisitionDescription& d) {
   report.free_air = residual_of(free_air);
 
   const Merged merged = merge_streams(d, tip, motion, report);
-  std::shared_ptr<const Surface> surface;
+  std::shared_ptr<const surface::Surface> surface;
   std::vector<double> gap_m;
   if (d.mesh_file) {
-    surface = make_embree_surface(load_mesh(*d.mesh_file, length_unit_factor(d.mesh_unit)));
+    surface = make_embree_surface(surface::load_mesh(*d.mesh_file, length_unit_factor(d.mesh_unit)));
     for (const Vec3& p : merged.p_T_m)
       gap_m.push_back(surface->closest(object.point(p)).signed_distance_m - d.tip_radius_m);
   }
@@ -433,7 +433,7 @@ Acquired acquire(const AcquisitionDescription& d) {
         "without a mesh nothing shows whether the object stayed at rest, and the tip is where it is described");
   if (surface) object = corrected_by_contacts(d, *surface, merged, motion, gap_m, object, report);
 
-  Recording& recording = result.recording;
+  recording::Recording& recording = result.recording;
   recording.source = d.file.string();
   for (std::size_t i = 0; i < merged.t_s.size(); ++i) {
     recording.motion.t_s.push_back(merged.t_s[i]);

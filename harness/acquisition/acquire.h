@@ -9,7 +9,6 @@
 
 #include "harness/acquisition/description.h"
 #include "harness/acquisition/smoothing.h"
-#include "harness/base/rooms.h"
 #include "harness/recording/trajectory.h"
 
 namespace touchstone::acquisition {
@@ -35,7 +34,7 @@ struct AcquisitionReport {
 };
 
 struct Acquired {
-  Recording recording;
+  recording::Recording recording;
   AcquisitionReport report;
 };
 

@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "harness/acquisition/tap_alignment.h"
-#include "harness/base/rooms.h"
 #include "harness/stats/clustered_fit.h"
 
 namespace touchstone::acquisition {

@@ -10,6 +10,8 @@
 #include "harness/stats/quantile.h"
 
 namespace touchstone::acquisition {
+using surface::Surface;
+
 namespace {
 
 using Vector6 = Eigen::Matrix<double, 6, 1>;
@@ -37,7 +39,7 @@ std::vector<double> distances(const Surface& surface, const std::vector<Vec3>& c
 }  // namespace
 
 BallContact ball_contact(const Surface& surface, const Vec3& center_W_m, double tip_radius_m) {
-  const SurfacePoint closest = surface.closest(center_W_m);
+  const surface::SurfacePoint closest = surface.closest(center_W_m);
   return {closest.p_W_m, closest.n_W, closest.signed_distance_m - tip_radius_m};
 }
 
@@ -87,7 +89,7 @@ ContactRegistration register_contacts(const Surface& surface, const std::vector<
     const Vec3 about = best.point(centroid);
     for (std::size_t i = 0; i < centers_W_m.size(); ++i) {
       const Vec3 p = best.point(centers_W_m[i]);
-      const SurfacePoint closest = surface.closest(p);
+      const surface::SurfacePoint closest = surface.closest(p);
       // The distance's gradient: along the line to the closest point; at the surface itself, its normal.
       const Vec3 away = p - closest.p_W_m;
       const Vec3 n = closest.distance_m > 1e-9 * spread

@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "harness/acquisition/rigid_registration.h"
-#include "harness/base/rooms.h"
 #include "harness/surface/surface.h"
 
 namespace touchstone::acquisition {
@@ -31,8 +30,9 @@ struct ContactRegistration {
 };
 
 // `centers_W_m`: ball centres while in contact. Throws BadData for fewer than 6 contacts.
-ContactRegistration register_contacts(const Surface& surface, const std::vector<Vec3>& centers_W_m, double tip_radius_m,
-                                      const ContactRegistrationOptions& options, const std::string& source);
+ContactRegistration register_contacts(const surface::Surface& surface, const std::vector<Vec3>& centers_W_m,
+                                      double tip_radius_m, const ContactRegistrationOptions& options,
+                                      const std::string& source);
 
 // The surface point that a ball touches: from its centre along the surface's normal. `gap_m` is the distance between
 // ball and surface, negative where they overlap.
@@ -41,6 +41,6 @@ struct BallContact {
   Vec3 n_W;
   double gap_m;
 };
-BallContact ball_contact(const Surface& surface, const Vec3& center_W_m, double tip_radius_m);
+BallContact ball_contact(const surface::Surface& surface, const Vec3& center_W_m, double tip_radius_m);
 
 }  // namespace touchstone::acquisition

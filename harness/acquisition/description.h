@@ -10,7 +10,6 @@
 #include "harness/acquisition/contact_registration.h"
 #include "harness/acquisition/tap_alignment.h"
 #include "harness/acquisition/tool_load.h"
-#include "harness/base/rooms.h"
 
 namespace touchstone::acquisition {
 

@@ -7,7 +7,6 @@
 
 #include "harness/acquisition/free_air.h"
 #include "harness/acquisition/tool_load.h"
-#include "harness/base/rooms.h"
 
 namespace touchstone::acquisition {
 

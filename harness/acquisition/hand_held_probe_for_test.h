@@ -16,7 +16,6 @@
 
 #include "harness/acquisition/tap_alignment.h"
 #include "harness/base/random.h"
-#include "harness/base/rooms.h"
 
 namespace touchstone::acquisition {
 

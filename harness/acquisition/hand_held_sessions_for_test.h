@@ -9,7 +9,6 @@
 
 #include "harness/acquisition/hand_held_probe_for_test.h"
 #include "harness/base/error.h"
-#include "harness/base/rooms.h"
 
 namespace touchstone::acquisition {
 

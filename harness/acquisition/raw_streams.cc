@@ -14,6 +14,8 @@
 #include "harness/recording/ati_calibration.h"
 
 namespace touchstone::acquisition {
+using recording::GaugeVoltages;
+
 namespace {
 
 GaugeVoltages mean_volts(const RawTable& table, const std::vector<double>& t,
@@ -42,9 +44,9 @@ void count_flags(const std::vector<double>& flags, const std::string& source, Ac
     if (!(flags[i] >= 0.0 && flags[i] <= most && flags[i] == std::floor(flags[i])))
       throw BadData(fmt::format("{}: sample {}: flags {} is not a whole number from 0 on", source, i + 1, flags[i]));
     const auto bits = static_cast<std::uint32_t>(flags[i]);
-    report.force_samples.saturated += (bits & sample_saturated) != 0;
-    report.force_samples.out_of_range += (bits & sample_out_of_range) != 0;
-    faulty += (bits & sample_device_error) != 0;
+    report.force_samples.saturated += (bits & recording::sample_saturated) != 0;
+    report.force_samples.out_of_range += (bits & recording::sample_out_of_range) != 0;
+    faulty += (bits & recording::sample_device_error) != 0;
   }
   if (faulty > 0) {
     report.notes.push_back(
@@ -101,15 +103,15 @@ ForceStream read_force(const AcquisitionDescription& d, AcquisitionReport& repor
     if (!d.calibration_file)
       throw BadData(
           fmt::format("{}: /force/calibration: is needed to turn gauge voltages into forces", d.file.string()));
-    const auto calibration = read_ati_calibration(*d.calibration_file, d.serial);
+    const auto calibration = recording::read_ati_calibration(*d.calibration_file, d.serial);
     const GaugeVoltages bias = d.bias ? mean_volts(table, stream.t_s, *d.bias) : GaugeVoltages{};
     for (std::size_t i = 0; i < table.rows(); ++i) {
       GaugeVoltages v{};
       for (std::size_t k = 0; k < 6; ++k) v[k] = table.column(fmt::format("v{}_V", k + 1))[i];
       const auto sample = apply_calibration(calibration, v, bias);
-      report.force_samples.saturated += (sample.flags & sample_saturated) != 0;
-      report.force_samples.out_of_range += (sample.flags & sample_out_of_range) != 0;
-      report.force_samples.not_finite += (sample.flags & sample_not_finite) != 0;
+      report.force_samples.saturated += (sample.flags & recording::sample_saturated) != 0;
+      report.force_samples.out_of_range += (sample.flags & recording::sample_out_of_range) != 0;
+      report.force_samples.not_finite += (sample.flags & recording::sample_not_finite) != 0;
       stream.wrench.push_back(sample.wrench);
     }
   } else {

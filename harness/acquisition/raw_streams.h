@@ -10,7 +10,6 @@
 
 #include "harness/acquisition/acquire.h"
 #include "harness/acquisition/description.h"
-#include "harness/base/rooms.h"
 #include "harness/base/wrench.h"
 
 namespace touchstone::acquisition {

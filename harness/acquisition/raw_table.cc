@@ -12,7 +12,7 @@
 namespace touchstone::acquisition {
 
 RawTable::RawTable(const std::filesystem::path& path) : source_(path.string()) {
-  const auto table = open_table(path);
+  const auto table = recording::open_table(path);
   names_ = table->names();
   columns_.resize(names_.size());
   while (table->read(65536, columns_) > 0) {

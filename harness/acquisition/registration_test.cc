@@ -26,10 +26,10 @@ std::string complaint(const std::function<void()>& act) {
 RigidTransform somewhere(Random& random, double scale) { return {random.rotation(), 3 * scale * random.direction()}; }
 
 // An ellipsoid, whose closest points are found by Newton's method on the Lagrange multiplier: all six directions count.
-class Ellipsoid : public Surface {
+class Ellipsoid : public surface::Surface {
  public:
   explicit Ellipsoid(Vec3 axes) : axes_(std::move(axes)) {}
-  [[nodiscard]] SurfacePoint closest(const Vec3& p) const override {
+  [[nodiscard]] surface::SurfacePoint closest(const Vec3& p) const override {
     // sum (a_i p_i / (t + a_i^2))^2 = 1, decreasing and convex in t right of -min a^2: bisect.
     const Vec3 squares = axes_.cwiseAbs2();
     double low = -squares.minCoeff() + axes_.minCoeff() * std::abs(p[0]) * 0.0, high = axes_.maxCoeff() * p.norm();
@@ -42,9 +42,11 @@ class Ellipsoid : public Surface {
     const Vec3 q = (squares.cwiseProduct(p).array() / (t + squares.array())).matrix();
     const Vec3 n = (q.array() / squares.array()).matrix().normalized();
     const double distance = (p - q).norm();
-    return {q, n, distance, (p - q).dot(n) < 0 ? -distance : distance, -1, Feature::analytic};
+    return {q, n, distance, (p - q).dot(n) < 0 ? -distance : distance, -1, surface::Feature::analytic};
   }
-  [[nodiscard]] std::optional<Crossing> first_crossing(const Vec3&, const Vec3&) const override { return std::nullopt; }
+  [[nodiscard]] std::optional<surface::Crossing> first_crossing(const Vec3&, const Vec3&) const override {
+    return std::nullopt;
+  }
   [[nodiscard]] Box3 bounds() const override { return {-axes_, axes_}; }
   [[nodiscard]] Vec3 point(Random& random) const {
     const Vec3 u = random.direction();
@@ -55,12 +57,14 @@ class Ellipsoid : public Surface {
   Vec3 axes_;
 };
 
-class Plane : public Surface {
+class Plane : public surface::Surface {
  public:
-  [[nodiscard]] SurfacePoint closest(const Vec3& p) const override {
-    return {Vec3(p.x(), p.y(), 0), Vec3::UnitZ(), std::abs(p.z()), p.z(), -1, Feature::analytic};
+  [[nodiscard]] surface::SurfacePoint closest(const Vec3& p) const override {
+    return {Vec3(p.x(), p.y(), 0), Vec3::UnitZ(), std::abs(p.z()), p.z(), -1, surface::Feature::analytic};
   }
-  [[nodiscard]] std::optional<Crossing> first_crossing(const Vec3&, const Vec3&) const override { return std::nullopt; }
+  [[nodiscard]] std::optional<surface::Crossing> first_crossing(const Vec3&, const Vec3&) const override {
+    return std::nullopt;
+  }
   [[nodiscard]] Box3 bounds() const override { return {}; }
 };
 

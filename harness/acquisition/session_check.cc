@@ -13,6 +13,8 @@
 #include "harness/stats/distributions.h"
 
 namespace touchstone::acquisition {
+using surface::Surface;
+
 namespace {
 
 constexpr double air_block_s = 0.5;

@@ -27,7 +27,6 @@
 #include "harness/acquisition/contact_registration.h"
 #include "harness/acquisition/rigid_registration.h"
 #include "harness/acquisition/tool_load.h"
-#include "harness/base/rooms.h"
 #include "harness/surface/surface.h"
 
 namespace touchstone::acquisition {
@@ -58,15 +57,15 @@ struct ContactSamples {
 };
 // How far the surface gives in, from how gaps follow the force across it; 0 where the force hardly varies (by less than
 // a tenth of its mean), so that this cannot be told from another place of the object.
-double contact_compliance_m_per_N(const Surface& surface, const ContactSamples& contacts, double tip_radius_m);
+double contact_compliance_m_per_N(const surface::Surface& surface, const ContactSamples& contacts, double tip_radius_m);
 // The correction that contacts ask for, as far as they know better than the markers: both as normal equations of a
 // small move, the markers' about none with their fiducial error, the contacts' with what they leave, the scan's error,
 // and as many independent contacts as there are half seconds; how far the surface gives in is eliminated with the
 // contacts'. Where contacts hardly tell a direction (along a nearly level surface) the markers keep it.
-RigidTransform weighed_correction(const Surface& surface, const ContactSamples& contacts, double tip_radius_m,
+RigidTransform weighed_correction(const surface::Surface& surface, const ContactSamples& contacts, double tip_radius_m,
                                   const ContactRegistration& refinement, const MarkerRegistration& markers);
-std::vector<std::string> check_contacts(const Surface& surface, const ContactSamples& contacts, double tip_radius_m,
-                                        double tracker_noise_m, const ContactRegistration& refinement,
-                                        const MarkerRegistration& markers);
+std::vector<std::string> check_contacts(const surface::Surface& surface, const ContactSamples& contacts,
+                                        double tip_radius_m, double tracker_noise_m,
+                                        const ContactRegistration& refinement, const MarkerRegistration& markers);
 
 }  // namespace touchstone::acquisition

@@ -20,7 +20,6 @@
 
 #include "harness/base/atomic_file.h"
 #include "harness/base/random.h"
-#include "harness/base/rooms.h"
 #include "harness/base/vec.h"
 
 namespace touchstone::acquisition {

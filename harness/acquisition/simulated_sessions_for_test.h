@@ -11,7 +11,6 @@
 #include "harness/acquisition/acquire.h"
 #include "harness/acquisition/simulated_session_for_test.h"
 #include "harness/base/error.h"
-#include "harness/base/rooms.h"
 #include "harness/testing/temporary_folder.h"
 
 namespace touchstone::acquisition {

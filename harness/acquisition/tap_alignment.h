@@ -29,7 +29,6 @@
 #include <vector>
 
 #include "harness/acquisition/tool_load.h"
-#include "harness/base/rooms.h"
 #include "harness/base/vec.h"
 #include "harness/stats/clustered_fit.h"
 

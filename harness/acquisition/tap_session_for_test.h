@@ -12,7 +12,6 @@
 
 #include "harness/acquisition/tap_alignment.h"
 #include "harness/base/random.h"
-#include "harness/base/rooms.h"
 #include "harness/testing/steps.h"
 
 namespace touchstone::acquisition {

@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "harness/axis/axis_fit.h"
-#include "harness/base/rooms.h"
 
 namespace touchstone::axis {
 

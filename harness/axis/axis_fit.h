@@ -18,8 +18,6 @@
 #include <string>
 #include <vector>
 
-#include "harness/base/rooms.h"
-
 namespace touchstone::axis {
 
 // Any consistent units; the caller names them. `rate` may be empty: it is then found from the places.

@@ -17,6 +17,8 @@
 #include "harness/base/random.h"
 
 namespace touchstone::axis {
+using made::AxisTruth;
+
 namespace {
 
 using namespace made;
@@ -26,8 +28,8 @@ TEST(AxisFit, EveryTermIsFoundAtEveryScale) {
   for (const double unit : {1e-6, 1.0, 1e4}) {
     const auto fit =
         fit_axis(made_axis({.dry = 0.07, .viscous = 0.05, .inertia = 0.01, .cable = 0.2}, unit, 0.005, random));
-    auto terms = terms_of(fit);
-    EXPECT_EQ(names_of(fit), "dry friction, viscous friction, inertia");
+    auto terms = made::terms_of(fit);
+    EXPECT_EQ(made::names_of(fit), "dry friction, viscous friction, inertia");
     EXPECT_NEAR(terms["dry friction"], 0.07 * unit, 0.003 * unit);
     EXPECT_NEAR(terms["viscous friction"], 0.05 * unit, 0.003 * unit);
     EXPECT_NEAR(terms["inertia"], 0.01 * unit, 0.002 * unit);
@@ -39,14 +41,14 @@ TEST(AxisFit, EveryTermIsFoundAtEveryScale) {
 TEST(AxisFit, ReversalWidthRelaxationAndFrictionOverThePlaceAreFound) {
   Random random(5);
   const auto wide = fit_axis(made_axis({.dry = 0.07, .cable = 0.2, .width = 0.1}, 1.0, 0.005, random));
-  EXPECT_EQ(names_of(wide), "dry friction, reversal width");
-  EXPECT_NEAR(terms_of(wide)["reversal width"], 0.1, 0.01);
+  EXPECT_EQ(made::names_of(wide), "dry friction, reversal width");
+  EXPECT_NEAR(made::terms_of(wide)["reversal width"], 0.1, 0.01);
   const auto relaxing = fit_axis(made_axis({.cable = 0.2, .relaxing = 0.2, .tau_s = 1.0}, 1.0, 0.005, random));
-  EXPECT_THAT(names_of(relaxing), ::testing::HasSubstr("relaxation, relaxation time"));
-  EXPECT_NEAR(terms_of(relaxing)["relaxation"], 0.2, 0.03);
-  EXPECT_NEAR(terms_of(relaxing)["relaxation time"], 1.0, 0.2);
+  EXPECT_THAT(made::names_of(relaxing), ::testing::HasSubstr("relaxation, relaxation time"));
+  EXPECT_NEAR(made::terms_of(relaxing)["relaxation"], 0.2, 0.03);
+  EXPECT_NEAR(made::terms_of(relaxing)["relaxation time"], 1.0, 0.2);
   const auto sloping = fit_axis(made_axis({.dry = 0.1, .cable = 0.2, .slope = 0.05}, 1.0, 0.005, random));
-  EXPECT_EQ(names_of(sloping), "friction over place");
+  EXPECT_EQ(made::names_of(sloping), "friction over place");
   ASSERT_FALSE(sloping.friction_over_place.empty());
   EXPECT_NEAR(sloping.friction_over_place.back() - sloping.friction_over_place.front(),
               0.05 * (sloping.knots.back() - sloping.knots.front()), 0.01);
@@ -106,10 +108,10 @@ TEST(AxisFit, PreslidingAndBacklashAreToldApartAndEachHasItsWidth) {
   for (const double unit : {1e-3, 1.0}) {
     const auto gap =
         fit_axis(made_axis({.dry = 0.07, .cable = 0.2, .width = 0.1, .backlash = true}, unit, 0.005, random));
-    EXPECT_EQ(names_of(gap), "dry friction, reversal width");
+    EXPECT_EQ(made::names_of(gap), "dry friction, reversal width");
     EXPECT_EQ(gap.reversal, AxisReversal::backlash);
-    EXPECT_NEAR(terms_of(gap)["reversal width"], 0.1, 0.01);
-    EXPECT_NEAR(terms_of(gap)["dry friction"], 0.07 * unit, 0.003 * unit);
+    EXPECT_NEAR(made::terms_of(gap)["reversal width"], 0.1, 0.01);
+    EXPECT_NEAR(made::terms_of(gap)["dry friction"], 0.07 * unit, 0.003 * unit);
     EXPECT_THAT(axis_text(gap, {}, {}), ::testing::HasSubstr("(backlash: no friction until the gap is crossed)"));
     const auto bristles = fit_axis(made_axis({.dry = 0.07, .cable = 0.2, .width = 0.1}, unit, 0.005, random));
     EXPECT_EQ(bristles.reversal, AxisReversal::presliding);
@@ -150,7 +152,7 @@ TEST(AxisFit, AHeldIndentationRelaxes) {
     run.load.push_back(300.0 * depth + 200.0 * (depth - slow) + 0.002 * random.normal());
   }
   const auto fit = fit_axis(run);
-  auto terms = terms_of(fit);
+  auto terms = made::terms_of(fit);
   EXPECT_NEAR(terms["relaxation"], 200.0, 10.0);
   EXPECT_NEAR(terms["relaxation time"], 0.5, 0.05);
   EXPECT_NEAR(fit.place_range, 0.3, 0.01);
@@ -163,9 +165,9 @@ TEST(AxisFit, WhatIsNotThereIsNotNamed) {
   constexpr int worlds = 30;
   for (int world = 0; world < worlds; ++world) {
     Random random(1000 + static_cast<std::uint64_t>(world));
-    ++named["place alone: " + names_of(fit_axis(made_axis({.cable = 0.2}, 1.0, 0.01, random)))];
-    ++named["dry: " + names_of(fit_axis(made_axis({.dry = 0.07, .cable = 0.2}, 1.0, 0.01, random)))];
-    ++named["viscous: " + names_of(fit_axis(made_axis({.viscous = 0.07, .cable = 0.2}, 1.0, 0.01, random)))];
+    ++named["place alone: " + made::names_of(fit_axis(made_axis({.cable = 0.2}, 1.0, 0.01, random)))];
+    ++named["dry: " + made::names_of(fit_axis(made_axis({.dry = 0.07, .cable = 0.2}, 1.0, 0.01, random)))];
+    ++named["viscous: " + made::names_of(fit_axis(made_axis({.viscous = 0.07, .cable = 0.2}, 1.0, 0.01, random)))];
   }
   for (const auto& [what, count] : named) fmt::print("{:40} {} of {}\n", what, count, worlds);
   EXPECT_EQ(named["place alone: "], worlds);

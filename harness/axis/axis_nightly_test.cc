@@ -20,7 +20,7 @@ std::size_t setting(const char* name, std::size_t otherwise) {
 
 struct AxisKind {
   const char* name;
-  AxisTruth truth;
+  made::AxisTruth truth;
   const char* terms;
   AxisReversal reversal = AxisReversal::at_once;
 };
@@ -53,7 +53,7 @@ TEST(AxisCalibration, TermsOnFreshSeeds) {
       for (std::size_t k = 0; k < runs; ++k) {
         Random random(first + k);
         const AxisFit fit = fit_axis(made_axis(kind.truth, 1.0, noise, random));
-        const std::string names = names_of(fit);
+        const std::string names = made::names_of(fit);
         const bool is_right = names == kind.terms && fit.reversal == kind.reversal;
         right += is_right ? 1 : 0;
         if (!is_right) ++otherwise[names.empty() ? "nothing" : names];

@@ -5,7 +5,6 @@
 #include <string>
 
 #include "harness/axis/axis_fit.h"
-#include "harness/base/rooms.h"
 
 namespace touchstone::axis {
 

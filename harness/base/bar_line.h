@@ -4,8 +4,6 @@
 #include <span>
 #include <string>
 
-#include "harness/base/rooms.h"
-
 namespace touchstone {
 
 // One character a value, from blank at `low` to full at `high`; what is no number is blank.

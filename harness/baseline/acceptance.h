@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "harness/base/repository_state.h"
-#include "harness/base/rooms.h"
 #include "harness/baseline/golden_file.h"
 
 namespace touchstone::baseline {

@@ -10,6 +10,8 @@
 #include "harness/recording/table_source.h"
 
 namespace touchstone::baseline {
+using recording::UnitScale;
+
 namespace {
 
 // The step time is a measurement of the machine, not of the renderer's answer.
@@ -21,12 +23,12 @@ struct ParsedName {
 };
 
 // Group completeness is not asked for here: a lacking column is the comparison's finding.
-ParsedName parse_name(const TableSource& table, std::size_t column) {
+ParsedName parse_name(const recording::TableSource& table, std::size_t column) {
   const std::string& name = table.names()[column];
   const auto underscore = name.rfind('_');
   const std::string base = name.substr(0, underscore);
   const std::string unit = underscore == std::string::npos ? "" : name.substr(underscore + 1);
-  for (const QuantityInfo& info : quantities()) {
+  for (const recording::QuantityInfo& info : recording::quantities()) {
     if (info.name != base) continue;
     if (base == not_compared) return {base, UnitScale()};
     if (info.dimension == Dimension::none && underscore == std::string::npos) return {base, UnitScale()};
@@ -35,7 +37,8 @@ ParsedName parse_name(const TableSource& table, std::size_t column) {
                               known_units(info.dimension)));
   }
   std::string known;
-  for (const QuantityInfo& info : quantities()) known += fmt::format("{}{}", known.empty() ? "" : ", ", info.name);
+  for (const recording::QuantityInfo& info : recording::quantities())
+    known += fmt::format("{}{}", known.empty() ? "" : ", ", info.name);
   throw BadData(fmt::format("{}: unknown column '{}'; known quantities: {}, each with its unit, as in fx_N",
                             table.name_place(column), name, known));
 }
@@ -43,7 +46,7 @@ ParsedName parse_name(const TableSource& table, std::size_t column) {
 }  // namespace
 
 TrajectoryColumns load_columns(const std::filesystem::path& path) {
-  const auto table = open_table(path);
+  const auto table = recording::open_table(path);
   std::vector<ParsedName> names;
   names.reserve(table->names().size());
   for (std::size_t c = 0; c < table->names().size(); ++c) names.push_back(parse_name(*table, c));

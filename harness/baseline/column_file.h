@@ -5,7 +5,6 @@
 #include <filesystem>
 #include <utility>
 
-#include "harness/base/rooms.h"
 #include "harness/baseline/trajectory_columns.h"
 
 namespace touchstone::baseline {

@@ -8,7 +8,6 @@
 #include <string>
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "harness/baseline/tolerance.h"
 #include "harness/baseline/trajectory_columns.h"
 #include "harness/baseline/verdict.h"

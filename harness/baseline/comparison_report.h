@@ -6,7 +6,6 @@
 #include <utility>
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "harness/baseline/compare.h"
 
 namespace touchstone::baseline {

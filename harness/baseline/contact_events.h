@@ -6,8 +6,6 @@
 #include <utility>
 #include <vector>
 
-#include "harness/base/rooms.h"
-
 namespace touchstone::baseline {
 
 // Rows at which the contact state differs from the row before.

@@ -20,7 +20,6 @@
 #include <vector>
 
 #include "harness/base/json_reader.h"
-#include "harness/base/rooms.h"
 #include "harness/base/vec.h"
 #include "harness/baseline/tolerance.h"
 

@@ -82,8 +82,8 @@ TEST_F(GoldenFolder, AnEmptyFolderIsAnError) {
   EXPECT_THROW(load_cases(golden / "absent"), BadData);
 }
 
-RenderedTrajectory rendered() {
-  RenderedTrajectory run;
+recording::RenderedTrajectory rendered() {
+  recording::RenderedTrajectory run;
   for (int i = 0; i < 50; ++i) {
     run.t_s.push_back(0.001 * i);
     run.tip_W_m.emplace_back(1e-3 * i, 0.0, -1e-4 * i);

@@ -49,16 +49,16 @@ class PartFile {
 };
 
 void set_attributes(const fs::path& path, const Provenance& provenance) {
-  const Hdf5Quiet quiet;
-  Hdf5File file(H5Fopen(path.c_str(), H5F_ACC_RDWR, H5P_DEFAULT));
+  const recording::Hdf5Quiet quiet;
+  recording::Hdf5File file(H5Fopen(path.c_str(), H5F_ACC_RDWR, H5P_DEFAULT));
   bool good = static_cast<bool>(file);
   for (const auto& [name, value] : provenance) {
     if (!good) break;
     if (H5Aexists(file.get(), name.c_str()) > 0) good = H5Adelete(file.get(), name.c_str()) >= 0;
-    good = good && hdf5_write_text_attribute(file.get(), name.c_str(), value);
+    good = good && recording::hdf5_write_text_attribute(file.get(), name.c_str(), value);
   }
   if (!good || !file.close()) {
-    throw BadData(fmt::format("{}: the provenance cannot be written: {}", path.string(), hdf5_reason()));
+    throw BadData(fmt::format("{}: the provenance cannot be written: {}", path.string(), recording::hdf5_reason()));
   }
 }
 
@@ -83,7 +83,7 @@ Provenance build_provenance() {
           {"compiler", info.compiler}, {"flags", info.flags},   {"cpu", cpu_model()}};
 }
 
-void write_golden(const fs::path& path, const RenderedTrajectory& rendered, const Provenance& provenance) {
+void write_golden(const fs::path& path, const recording::RenderedTrajectory& rendered, const Provenance& provenance) {
   refuse_to_replace_input(path);
   const PartFile part(path);
   save_rendered(part.path(), rendered);
@@ -102,14 +102,14 @@ void copy_golden(const fs::path& from, const fs::path& to, const Provenance& cha
 
 Provenance read_provenance(const fs::path& path) {
   note_input_file(path);
-  const Hdf5Quiet quiet;
-  const Hdf5File file(H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT));
+  const recording::Hdf5Quiet quiet;
+  const recording::Hdf5File file(H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT));
   std::vector<std::string> names;
   if (!file || H5Aiterate2(file.get(), H5_INDEX_NAME, H5_ITER_NATIVE, nullptr, &add_name, &names) < 0) {
-    throw BadData(fmt::format("{}: cannot be read: {}", path.string(), hdf5_reason()));
+    throw BadData(fmt::format("{}: cannot be read: {}", path.string(), recording::hdf5_reason()));
   }
   Provenance provenance;
-  for (const auto& name : names) provenance[name] = hdf5_text_attribute(file.get(), name.c_str());
+  for (const auto& name : names) provenance[name] = recording::hdf5_text_attribute(file.get(), name.c_str());
   return provenance;
 }
 

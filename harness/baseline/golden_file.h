@@ -6,7 +6,6 @@
 #include <map>
 #include <string>
 
-#include "harness/base/rooms.h"
 #include "harness/recording/trajectory.h"
 
 namespace touchstone::baseline {
@@ -20,7 +19,8 @@ using Provenance = std::map<std::string, std::string>;
 Provenance build_provenance();
 
 // Atomic; throws BadData.
-void write_golden(const std::filesystem::path& path, const RenderedTrajectory& rendered, const Provenance& provenance);
+void write_golden(const std::filesystem::path& path, const recording::RenderedTrajectory& rendered,
+                  const Provenance& provenance);
 // Copies `from` to `to`, adding or changing attributes on the way; atomic.
 void copy_golden(const std::filesystem::path& from, const std::filesystem::path& to, const Provenance& changes);
 // The text attributes of the file; throws BadData when it is not HDF5.

@@ -33,7 +33,7 @@ double share(std::uint64_t golden, std::uint64_t obtained) {
 
 }  // namespace
 
-GoldenSummary summarise(const RenderedTrajectory& rendered) {
+GoldenSummary summarise(const recording::RenderedTrajectory& rendered) {
   GoldenSummary summary;
   summary.samples = rendered.size();
   double square = 0.0;

@@ -7,7 +7,6 @@
 #include <optional>
 #include <string>
 
-#include "harness/base/rooms.h"
 #include "harness/baseline/verdict.h"
 #include "harness/recording/trajectory.h"
 
@@ -32,7 +31,7 @@ struct GoldenSummary {
   std::optional<RunOperations> operations = std::nullopt;  // not from the trajectory: who makes the golden fills it
 };
 
-GoldenSummary summarise(const RenderedTrajectory& rendered);
+GoldenSummary summarise(const recording::RenderedTrajectory& rendered);
 // The file's text: models by name, nine digits, one number to a line.
 std::string summaries_to_json(const std::string& case_name, const std::map<std::string, GoldenSummary>& models);
 // The operations that a summary file states, by model; none where there is no file. Throws BadData with the place.

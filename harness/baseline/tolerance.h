@@ -19,7 +19,6 @@
 #include <string_view>
 
 #include "harness/base/json_reader.h"
-#include "harness/base/rooms.h"
 
 namespace touchstone::baseline {
 

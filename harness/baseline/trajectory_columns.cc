@@ -53,7 +53,7 @@ const ComparedQuantity* quantity_of_column(std::string_view column) noexcept {
   return nullptr;
 }
 
-TrajectoryColumns columns_of(const RenderedTrajectory& rendered, std::string source) {
+TrajectoryColumns columns_of(const recording::RenderedTrajectory& rendered, std::string source) {
   TrajectoryColumns set{std::move(source), {{"t", rendered.t_s}}};
   add_vectors(set, {"x", "y", "z"}, rendered.tip_W_m);
   add_vectors(set, {"fx", "fy", "fz"}, rendered.f_W_N);

@@ -9,7 +9,6 @@
 #include <string_view>
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "harness/base/units.h"
 #include "harness/recording/trajectory.h"
 
@@ -46,6 +45,6 @@ const ComparedQuantity& compared_quantity(Quantity id) noexcept;
 // The group a column belongs to; nullptr when the name is not known.
 const ComparedQuantity* quantity_of_column(std::string_view column) noexcept;
 
-TrajectoryColumns columns_of(const RenderedTrajectory& rendered, std::string source);
+TrajectoryColumns columns_of(const recording::RenderedTrajectory& rendered, std::string source);
 
 }  // namespace touchstone::baseline

@@ -4,8 +4,6 @@
 #include <cstdint>
 #include <string_view>
 
-#include "harness/base/rooms.h"
-
 namespace touchstone::baseline {
 
 // In rising order of what it says about the result, so that the worst of several is their maximum.

@@ -107,9 +107,9 @@ std::string answer_to_json(const BisectionAnswer& answer) {
   return json.dump(1) + "\n";
 }
 
-Plot answer_to_plot(const BisectionAnswer& answer) {
-  PlotPanel panel{answer.metric, answer.metric, {}, {}};
-  PlotLine measured{"measured", {}, true};
+report::Plot answer_to_plot(const BisectionAnswer& answer) {
+  report::PlotPanel panel{answer.metric, answer.metric, {}, {}};
+  report::PlotLine measured{"measured", {}, true};
   for (const std::size_t i : answer.line.curve.measured_positions())
     measured.points.emplace_back(static_cast<double>(i), answer.line.curve.level(i));
   panel.lines.push_back(std::move(measured));

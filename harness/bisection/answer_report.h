@@ -3,7 +3,6 @@
 
 #include <string>
 
-#include "harness/base/rooms.h"
 #include "harness/bisection/bisection.h"
 #include "harness/report/gnuplot.h"
 
@@ -13,6 +12,6 @@ std::string answer_to_text(const BisectionAnswer& answer);
 // touchstone-bisection-answer/1
 std::string answer_to_json(const BisectionAnswer& answer);
 // The metric over the commits of the line, as measured.
-Plot answer_to_plot(const BisectionAnswer& answer);
+report::Plot answer_to_plot(const BisectionAnswer& answer);
 
 }  // namespace touchstone::bisection

@@ -6,7 +6,6 @@
 #include <functional>
 #include <optional>
 
-#include "harness/base/rooms.h"
 #include "harness/bisection/git_history.h"
 #include "harness/bisection/measured_table.h"
 #include "harness/bisection/search.h"

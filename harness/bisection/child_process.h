@@ -8,8 +8,6 @@
 #include <utility>
 #include <vector>
 
-#include "harness/base/rooms.h"
-
 namespace touchstone::bisection {
 
 struct ChildCommand {

@@ -5,8 +5,6 @@
 #include <cstddef>
 #include <vector>
 
-#include "harness/base/rooms.h"
-
 namespace touchstone::bisection {
 
 class CommitCurve {

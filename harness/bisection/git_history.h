@@ -5,8 +5,6 @@
 #include <string>
 #include <vector>
 
-#include "harness/base/rooms.h"
-
 namespace touchstone::bisection {
 
 class GitHistory {

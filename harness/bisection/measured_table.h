@@ -7,8 +7,6 @@
 #include <string>
 #include <vector>
 
-#include "harness/base/rooms.h"
-
 namespace touchstone::bisection {
 
 struct MeasuredCommit {

@@ -5,7 +5,6 @@
 #include <filesystem>
 #include <string>
 
-#include "harness/base/rooms.h"
 #include "harness/bisection/bisection.h"
 
 namespace touchstone::bisection {

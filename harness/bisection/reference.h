@@ -5,8 +5,6 @@
 #include <filesystem>
 #include <string>
 
-#include "harness/base/rooms.h"
-
 namespace touchstone::bisection {
 
 // Touchstone's own build for sh, with the light commands alone; compilers' caches serve worktrees wherever they lie.

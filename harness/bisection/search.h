@@ -13,7 +13,6 @@
 #include <optional>
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "harness/bisection/commit_curve.h"
 
 namespace touchstone::bisection {

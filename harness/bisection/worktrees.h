@@ -9,7 +9,6 @@
 #include <string>
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "harness/bisection/git_history.h"
 
 namespace touchstone::bisection {

@@ -11,6 +11,8 @@
 #include "harness/surface/box_mesh.h"
 
 namespace touchstone::diagnosis {
+using rendering::StepResult;
+
 namespace {
 
 constexpr double kEps = std::numeric_limits<double>::epsilon();
@@ -158,7 +160,7 @@ std::optional<Finding> find_pops_through_shell(const Engine& engine) {
   // What pulls inward everywhere lets nothing through: another detector says so.
   if (!(Probe(engine, level_block()).approach(kPlace, Vec3::UnitZ(), kDepth_m).f_W_N.z() > 0.0)) return std::nullopt;
   for (const double thickness_m : {8e-3, 4e-3, 2e-3, 1e-3, 5e-4, 2e-4, 1e-4, 1e-5}) {
-    Probe probe(engine, box_mesh({-kHalf_m, -kHalf_m, -thickness_m}, {kHalf_m, kHalf_m, 0.0}));
+    Probe probe(engine, surface::box_mesh({-kHalf_m, -kHalf_m, -thickness_m}, {kHalf_m, kHalf_m, 0.0}));
     // Contact may begin late, as it does on a block, which is no pop: what counts is a force that was there and is
     // lost, and none below.
     probe.approach(kPlace, Vec3::UnitZ(), -step_m);

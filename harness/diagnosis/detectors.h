@@ -3,7 +3,6 @@
 
 #include <optional>
 
-#include "harness/base/rooms.h"
 #include "harness/diagnosis/diagnosis.h"
 
 namespace touchstone::diagnosis {

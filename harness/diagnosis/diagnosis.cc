@@ -12,6 +12,8 @@
 #include "harness/diagnosis/timing.h"
 
 namespace touchstone::diagnosis {
+using rendering::Renderer;
+
 namespace {
 
 constexpr const char* kOverOnePlace = "a block 40 mm wide, the tip over one place jumping between 0.2 and 1 mm deep";
@@ -59,10 +61,10 @@ class AskedAgain final : public Renderer {
     inner_->reset();
     last_N_ = 0.0;
   }
-  StepResult do_step(const TipState& tip) noexcept override {
-    StepResult result = inner_->step(tip);
+  rendering::StepResult do_step(const rendering::TipState& tip) noexcept override {
+    rendering::StepResult result = inner_->step(tip);
     for (int again = 0; again < 2 && result.f_W_N.norm() <= 0.5 * last_N_; ++again) {
-      TipState later = tip;
+      rendering::TipState later = tip;
       later.t_s += half_tick_s_ * (again + 1) / 3.0;
       result = inner_->step(later);
     }
@@ -77,7 +79,7 @@ class AskedAgain final : public Renderer {
 
 Engine asked_again(const Engine& engine) {
   Engine other = engine;
-  other.make = [make = engine.make, tick_s = 1.0 / engine.rate_Hz](std::shared_ptr<const Surface> surface,
+  other.make = [make = engine.make, tick_s = 1.0 / engine.rate_Hz](std::shared_ptr<const surface::Surface> surface,
                                                                    double unit) {
     return std::unique_ptr<Renderer>(std::make_unique<AskedAgain>(make(std::move(surface), unit), tick_s));
   };
@@ -91,8 +93,8 @@ class Judge {
   explicit Judge(const Engine& engine) : engine_(engine) {}
 
   void examine(const Detector& detector) {
-    for (const Ability ability : detector.needs) {
-      if (const Limitation* const declared = find_limitation(engine_.cannot, ability)) {
+    for (const rendering::Ability ability : detector.needs) {
+      if (const rendering::Limitation* const declared = find_limitation(engine_.cannot, ability)) {
         diagnosis_.declared.emplace_back(detector.name, declared->reason);
         return;
       }
@@ -144,7 +146,7 @@ class Judge {
   }
   std::optional<Finding> found_cause(const std::string& name) {
     const Detector& detector = find_detector(name);
-    for (const Ability ability : detector.needs) {
+    for (const rendering::Ability ability : detector.needs) {
       if (find_limitation(engine_.cannot, ability) != nullptr) return std::nullopt;
     }
     return cause(detector);
@@ -232,7 +234,7 @@ class Judge {
 }  // namespace
 
 const std::vector<Detector>& detectors() {
-  using enum Ability;
+  using enum rendering::Ability;
   using enum DetectorKind;
   static const std::vector<Detector> list{
       timing_detector("held-answer", "an answer is given again until the next update"),

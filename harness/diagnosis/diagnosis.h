@@ -60,7 +60,6 @@
 #include <string>
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "harness/diagnosis/engine.h"
 
 namespace touchstone::diagnosis {
@@ -88,7 +87,7 @@ struct Detector {
   std::string name;
   std::string summary;
   // What a renderer may declare that it cannot: then the fault is no news.
-  std::vector<Ability> needs;
+  std::vector<rendering::Ability> needs;
   // Nothing where the fault is not there. Throws what making the renderer throws.
   std::function<std::optional<Finding>(const Engine&)> find;
   DetectorKind kind = DetectorKind::moving;

@@ -16,7 +16,8 @@
 #include "harness/diagnosis/planted_fault_for_test.h"
 
 namespace touchstone::diagnosis {
-using namespace renderers;
+using rendering::StepResult;
+
 namespace {
 
 void burn(double seconds) {
@@ -31,7 +32,7 @@ void burn(double seconds) {
 
 // The side of the smallest triangle's square near a place, from its area.
 double size_at(const Memory& memory, const Vec3& p) {
-  const SurfacePoint foot = memory.surface->closest(p);
+  const surface::SurfacePoint foot = memory.surface->closest(p);
   return std::sqrt(memory.surface->mesh()->scaled_normal(static_cast<std::size_t>(foot.triangle)).norm());
 }
 
@@ -243,7 +244,7 @@ TEST(Diagnosis, AnEpsilonThatIsDeclaredIsNoStandoff) {
 
 // Triangles of ten epsilons are looked at and smaller ones are not, in the lengths of the renderer's own world.
 TEST(Diagnosis, TrianglesBelowTheDeclaredEpsilonMayBeLost) {
-  Engine engine = engine_of({"coarse", "", {}, [](StepResult& result, const TipState& tip, Memory& memory) {
+  Engine engine = engine_of({"coarse", "", {}, [](StepResult& result, const rendering::TipState& tip, Memory& memory) {
                                if (result.contact && size_at(memory, result.contact_W_m) < 4e-6)
                                  nothing_there(result, tip);
                              }});
@@ -269,8 +270,8 @@ TEST(Diagnosis, EveryDetectorHasAPlantedFaultAndItsOwnName) {
 
 TEST(Diagnosis, WhatIsDeclaredIsNotLookedForAndWhatThrowsIsSaid) {
   Engine engine = engine_of({"healthy", ""});
-  engine.cannot = {{Ability::surface_contact, "it rounds"}};
-  engine.make = [](auto, double) -> std::unique_ptr<Renderer> { throw BadData("no memory"); };
+  engine.cannot = {{rendering::Ability::surface_contact, "it rounds"}};
+  engine.make = [](auto, double) -> std::unique_ptr<rendering::Renderer> { throw BadData("no memory"); };
   const Diagnosis diagnosis = diagnose(engine);
   EXPECT_THAT(diagnosis.declared, ::testing::Contains(::testing::Pair("standoff", "it rounds")));
   EXPECT_THAT(diagnosis.failed, ::testing::Contains(::testing::Pair("delay", "no memory")));
@@ -279,9 +280,9 @@ TEST(Diagnosis, WhatIsDeclaredIsNotLookedForAndWhatThrowsIsSaid) {
 
 // Its zero force is that of free space, and would pass for a steady, passive one that pulls nobody.
 TEST(Diagnosis, ARendererThatBreaksDownIsCleanOfNothing) {
-  const auto breaks = [](StepResult& result, const TipState&, Memory&) {
+  const auto breaks = [](StepResult& result, const rendering::TipState&, Memory&) {
     result = {};
-    result.status = StepStatus::failed;
+    result.status = rendering::StepStatus::failed;
   };
   const Diagnosis diagnosis = diagnose(engine_of({"broken", "", {}, breaks, "friction-cone"}));
   // Of a point with friction nothing is asked that only a ball without can answer.

@@ -7,7 +7,6 @@
 #include <string>
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "harness/rendering/limitation.h"
 #include "harness/rendering/renderer.h"
 #include "harness/surface/surface.h"
@@ -18,11 +17,11 @@ struct Engine {
   std::string name;  // letters, digits and underscores
   // Over a world whose lengths are multiplied by `unit`: lengths among the parameters must be too, and stiffnesses
   // divided, so that forces stay what they are.
-  std::function<std::unique_ptr<Renderer>(std::shared_ptr<const Surface>, double unit)> make;
+  std::function<std::unique_ptr<rendering::Renderer>(std::shared_ptr<const surface::Surface>, double unit)> make;
   double stiffness_N_per_m = 500.0;  // the steepest rise of force with depth at unit 1
   double friction = 0.0;             // largest |f_t| / f_n
   double tip_radius_m = 0.0;
-  std::vector<Limitation> cannot;
+  std::vector<rendering::Limitation> cannot;
   // Lengths below this are nothing to the renderer: its author says so. 0: to rounding.
   double epsilon_m = 0.0;
   // Of the loop that asks it.

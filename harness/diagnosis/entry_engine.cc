@@ -31,7 +31,7 @@ int length_power(const std::string& unit) {
   return power;
 }
 
-std::map<std::string, double> in_unit(const std::vector<ParameterDeclaration>& declared,
+std::map<std::string, double> in_unit(const std::vector<rendering::ParameterDeclaration>& declared,
                                       const std::map<std::string, double>& given, double unit) {
   std::map<std::string, double> values;
   for (const auto& declaration : declared) {
@@ -42,13 +42,13 @@ std::map<std::string, double> in_unit(const std::vector<ParameterDeclaration>& d
   return values;
 }
 
-Engine engine_of(const RendererEntry& entry, const EngineFacts& facts) {
+Engine engine_of(const rendering::RendererEntry& entry, const EngineFacts& facts) {
   Engine engine;
   for (const char c : entry.name) engine.name += std::isalnum(static_cast<unsigned char>(c)) ? c : '_';
-  const Parameters checked(entry.parameters, facts.parameters, "renderer " + entry.name, "the options", "");
-  engine.make = [entry, given = facts.parameters](std::shared_ptr<const Surface> surface, double unit) {
-    const Parameters parameters(entry.parameters, in_unit(entry.parameters, given, unit), "renderer " + entry.name,
-                                "the options", "");
+  const rendering::Parameters checked(entry.parameters, facts.parameters, "renderer " + entry.name, "the options", "");
+  engine.make = [entry, given = facts.parameters](std::shared_ptr<const surface::Surface> surface, double unit) {
+    const rendering::Parameters parameters(entry.parameters, in_unit(entry.parameters, given, unit),
+                                           "renderer " + entry.name, "the options", "");
     return entry.make(parameters, std::move(surface));
   };
   engine.stiffness_N_per_m = facts.stiffness_N_per_m;

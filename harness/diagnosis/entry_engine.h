@@ -6,7 +6,6 @@
 #include <string>
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "harness/diagnosis/engine.h"
 #include "harness/rendering/renderer_entry.h"
 
@@ -16,7 +15,7 @@ namespace touchstone::diagnosis {
 int length_power(const std::string& unit);
 
 // The parameters, defaults filled in, for a world whose lengths are multiplied by `unit`.
-std::map<std::string, double> in_unit(const std::vector<ParameterDeclaration>& declared,
+std::map<std::string, double> in_unit(const std::vector<rendering::ParameterDeclaration>& declared,
                                       const std::map<std::string, double>& given, double unit);
 
 // What must be known of a renderer besides its entry.
@@ -30,6 +29,6 @@ struct EngineFacts {
 
 // Characters of the entry's name that are no letters, digits or underscores become underscores. Throws BadData for
 // parameters that the entry does not declare, UsageError where the stiffness is neither given nor declared.
-Engine engine_of(const RendererEntry& entry, const EngineFacts& facts);
+Engine engine_of(const rendering::RendererEntry& entry, const EngineFacts& facts);
 
 }  // namespace touchstone::diagnosis

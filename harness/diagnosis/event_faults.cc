@@ -48,7 +48,7 @@ std::optional<Finding> find_dropout(const Engine& engine) {
 
 std::optional<Finding> find_one_bad_face(const Engine& engine) {
   constexpr double depth_m = 4e-4;
-  const TriangleMesh ball = sphere_mesh(kHalf_m, 4);
+  const surface::TriangleMesh ball = surface::sphere_mesh(kHalf_m, 4);
   Probe probe(engine, ball);
   std::vector<Vec3> force_N;
   std::vector<double> normal_N;
@@ -88,7 +88,7 @@ std::optional<Finding> find_falls_through_block(const Engine& engine) {
   constexpr double half_m = 0.1;
   const double bottom_m =
       std::max(4e-3, std::min(deepest_m, 10.0 / engine.stiffness_N_per_m)) + 2.0 * engine.tip_radius_m;
-  Probe probe(engine, box_mesh({-half_m, -half_m, -2.0 * half_m}, {half_m, half_m, 0.0}));
+  Probe probe(engine, surface::box_mesh({-half_m, -half_m, -2.0 * half_m}, {half_m, half_m, 0.0}));
   probe.approach(kPlace, Vec3::UnitZ(), -step_m);
   double most_N = 0.0;
   for (int i = 0; step_m * i < bottom_m; ++i) {

@@ -14,6 +14,12 @@
 #include "harness/diagnosis/probe.h"
 
 namespace touchstone::diagnosis {
+using rendering::Ability;
+using rendering::Renderer;
+using rendering::StepResult;
+using rendering::TipState;
+using surface::Surface;
+
 namespace {
 
 using Names = std::set<std::string>;
@@ -60,7 +66,7 @@ Engine right(const std::string& renderer, double rate_Hz = 1000.0) {
   if (renderer != "ball") return engine;
   engine.tip_radius_m = kMillimetre_m;
   engine.make = [](std::shared_ptr<const Surface> surface, double unit) {
-    const Model model = parse_model(
+    const rendering::Model model = rendering::parse_model(
         fmt::format(
             R"({{"schema": "touchstone-model/1", "renderer": "god-object", "parameters": {{"stiffness_N_per_m": {},
                        "tip_radius_m": {}}}}})",
@@ -378,7 +384,7 @@ TEST(FaultPairs, LateContactWithinTheDeclaredEpsilonIsSaid) {
 class InMillimetres final : public Renderer {
  public:
   InMillimetres(const Engine& inner, const Surface& surface, double unit) {
-    TriangleMesh mesh = *surface.mesh();
+    surface::TriangleMesh mesh = *surface.mesh();
     for (Vec3& v : mesh.vertices_W_m) v *= 1e3;
     inner_ = inner.make(make_embree_surface(mesh), 1e3 * unit);
   }

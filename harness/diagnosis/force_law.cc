@@ -11,6 +11,10 @@
 #include "harness/surface/moved_mesh.h"
 
 namespace touchstone::diagnosis {
+using rendering::Renderer;
+using rendering::StepResult;
+using surface::Surface;
+
 namespace {
 
 // One pressed place: the face's normal, the depth, and what was answered.
@@ -51,7 +55,7 @@ std::vector<Vec3> directions() {
 std::vector<Reading> press_everywhere(const Engine& engine) {
   std::vector<Reading> readings;
   const double half_m = 5.0 * depth_of(engine, kLoads_N.back()) + kHalf_m;
-  const TriangleMesh block = box_mesh({-half_m, -half_m, -2.0 * half_m}, {half_m, half_m, 0.0});
+  const surface::TriangleMesh block = surface::box_mesh({-half_m, -half_m, -2.0 * half_m}, {half_m, half_m, 0.0});
   for (const Vec3& n : directions()) {
     const Quat turn = Quat::FromTwoVectors(Vec3::UnitZ(), n);
     Probe probe(engine, moved(block, turn, Vec3::Zero()));
@@ -187,7 +191,7 @@ class Mapped final : public Renderer {
 
  private:
   void do_reset() override { inner_->reset(); }
-  StepResult do_step(const TipState& tip) noexcept override {
+  StepResult do_step(const rendering::TipState& tip) noexcept override {
     StepResult result = inner_->step(tip);
     result.f_W_N = map_(result.f_W_N);
     return result;
@@ -204,10 +208,10 @@ class ClosestPoint final : public Renderer {
 
  private:
   void do_reset() override {}
-  StepResult do_step(const TipState& tip) noexcept override {
+  StepResult do_step(const rendering::TipState& tip) noexcept override {
     StepResult result;
     result.contact_W_m = tip.p_W_m;
-    const SurfacePoint foot = surface_->closest(tip.p_W_m);
+    const surface::SurfacePoint foot = surface_->closest(tip.p_W_m);
     const double depth_m = radius_m_ - foot.signed_distance_m;
     if (!(depth_m > 0.0)) return result;
     const Vec3 out = foot.signed_distance_m < 0.0 ? Vec3(foot.p_W_m - tip.p_W_m) : Vec3(tip.p_W_m - foot.p_W_m);

@@ -15,7 +15,6 @@
 #include <limits>
 #include <optional>
 
-#include "harness/base/rooms.h"
 #include "harness/base/vec.h"
 #include "harness/diagnosis/engine.h"
 

@@ -4,6 +4,7 @@
 #include <utility>
 
 namespace touchstone::diagnosis {
+using surface::TriangleMesh;
 
 TriangleMesh together(const TriangleMesh& a, const TriangleMesh& b) {
   TriangleMesh mesh = a;

@@ -13,7 +13,7 @@ namespace touchstone::diagnosis {
 namespace {
 
 // Of a closed outward mesh: Gauss.
-double volume(const TriangleMesh& mesh) {
+double volume(const surface::TriangleMesh& mesh) {
   double six = 0.0;
   for (const auto& [a, b, c] : mesh.triangles) {
     const auto at = [&](std::int32_t i) { return mesh.vertices_W_m[static_cast<std::size_t>(i)]; };
@@ -22,7 +22,7 @@ double volume(const TriangleMesh& mesh) {
   return six / 6.0;
 }
 
-bool closed(const TriangleMesh& mesh) {
+bool closed(const surface::TriangleMesh& mesh) {
   std::map<std::pair<std::int32_t, std::int32_t>, int> edges;
   for (const auto& t : mesh.triangles) {
     for (std::size_t i = 0; i < 3; ++i) {
@@ -37,7 +37,7 @@ bool closed(const TriangleMesh& mesh) {
 }
 
 TEST(DiagnosisMeshes, BodiesAreClosedAndOutward) {
-  const auto box = box_mesh({-1, -2, -3}, {1, 2, 0});
+  const auto box = surface::box_mesh({-1, -2, -3}, {1, 2, 0});
   EXPECT_TRUE(closed(box));
   EXPECT_NEAR(volume(box), 24.0, 1e-12);
   EXPECT_TRUE(closed(together(box, box)));
@@ -47,11 +47,11 @@ TEST(DiagnosisMeshes, BodiesAreClosedAndOutward) {
     EXPECT_TRUE(closed(two)) << angle;
     EXPECT_NEAR(volume(two), 4.0 - std::tan(angle), 1e-12) << angle;
   }
-  EXPECT_TRUE(closed(sphere_mesh(1.0, 3)));
+  EXPECT_TRUE(closed(surface::sphere_mesh(1.0, 3)));
   // Corners on the sphere: a little less than it, and a quarter of that with the next refinement.
   const double ball = 4.0 / 3.0 * M_PI;
-  EXPECT_NEAR((ball - volume(sphere_mesh(1.0, 3))) / (ball - volume(sphere_mesh(1.0, 4))), 4.0, 0.05);
-  EXPECT_LT(volume(sphere_mesh(1.0, 4)), ball);
+  EXPECT_NEAR((ball - volume(surface::sphere_mesh(1.0, 3))) / (ball - volume(surface::sphere_mesh(1.0, 4))), 4.0, 0.05);
+  EXPECT_LT(volume(surface::sphere_mesh(1.0, 4)), ball);
   EXPECT_NEAR(volume(moved(box, Quat(0.8, 0.6, 0, 0), {5, 6, 7}, 0.5)), 3.0, 1e-12);
 }
 

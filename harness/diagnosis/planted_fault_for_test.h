@@ -18,31 +18,32 @@ namespace touchstone::diagnosis {
 
 // What a fault may remember, and what of the world it may look at.
 struct Memory {
-  std::deque<StepResult> past;
+  std::deque<rendering::StepResult> past;
   std::size_t steps = 0;  // since it was made
   std::size_t since_reset = 0;
   double unit = 1.0;
-  std::shared_ptr<const Surface> surface;
+  std::shared_ptr<const surface::Surface> surface;
   Vec3 last_tip = Vec3::Zero();
   double last_t_s = 0.0;
-  StepResult kept;  // what an earlier answer left, and a figure of the fault's own: both from reset to reset
+  rendering::StepResult kept;  // what an earlier answer left, and a figure of the fault's own: both from reset to reset
   double figure = 0.0;
 };
 
 struct Fault {
   std::string name;
   std::string caught_by;
-  std::function<void(TipState&, Memory&)> before = {};
-  std::function<void(StepResult&, const TipState&, Memory&)> after = {};
+  std::function<void(rendering::TipState&, Memory&)> before = {};
+  std::function<void(rendering::StepResult&, const rendering::TipState&, Memory&)> after = {};
   std::string renderer = "god-object";
   std::string parameters = {};
 };
 
 inline void PrintTo(const Fault& fault, std::ostream* out) { *out << fault.name; }
 
-class Faulty final : public Renderer {
+class Faulty final : public rendering::Renderer {
  public:
-  Faulty(const Fault& fault, std::unique_ptr<Renderer> healthy, std::shared_ptr<const Surface> surface, double unit)
+  Faulty(const Fault& fault, std::unique_ptr<rendering::Renderer> healthy,
+         std::shared_ptr<const surface::Surface> surface, double unit)
       : fault_(fault), healthy_(std::move(healthy)) {
     memory_.surface = std::move(surface);
     memory_.unit = unit;
@@ -56,10 +57,10 @@ class Faulty final : public Renderer {
     memory_.kept = {};
     memory_.figure = 0.0;
   }
-  StepResult do_step(const TipState& tip) noexcept override {
-    TipState seen = tip;
+  rendering::StepResult do_step(const rendering::TipState& tip) noexcept override {
+    rendering::TipState seen = tip;
     if (fault_.before) fault_.before(seen, memory_);
-    StepResult result = healthy_->step(seen);
+    rendering::StepResult result = healthy_->step(seen);
     if (fault_.after) fault_.after(result, tip, memory_);
     memory_.last_tip = tip.p_W_m;
     memory_.last_t_s = tip.t_s;
@@ -69,7 +70,7 @@ class Faulty final : public Renderer {
   }
 
   Fault fault_;
-  std::unique_ptr<Renderer> healthy_;
+  std::unique_ptr<rendering::Renderer> healthy_;
   Memory memory_;
 };
 
@@ -77,8 +78,8 @@ class Faulty final : public Renderer {
 inline Engine planted(const Engine& engine, const Fault& fault) {
   Engine faulty = engine;
   faulty.name = fault.name;
-  faulty.make = [make = engine.make, fault](const std::shared_ptr<const Surface>& surface, double unit) {
-    return std::unique_ptr<Renderer>(std::make_unique<Faulty>(fault, make(surface, unit), surface, unit));
+  faulty.make = [make = engine.make, fault](const std::shared_ptr<const surface::Surface>& surface, double unit) {
+    return std::unique_ptr<rendering::Renderer>(std::make_unique<Faulty>(fault, make(surface, unit), surface, unit));
   };
   return faulty;
 }
@@ -88,8 +89,9 @@ inline Engine engine_of(const Fault& fault) {
   Engine engine;
   engine.name = fault.name;
   engine.friction = fault.renderer == "friction-cone" ? 0.4 : 0.0;
-  engine.make = [fault](std::shared_ptr<const Surface> surface, double unit) -> std::unique_ptr<Renderer> {
-    const Model model = parse_model(
+  engine.make = [fault](std::shared_ptr<const surface::Surface> surface,
+                        double unit) -> std::unique_ptr<rendering::Renderer> {
+    const rendering::Model model = rendering::parse_model(
         fmt::format(
             R"({{"schema": "touchstone-model/1", "renderer": "{}", "parameters": {{"stiffness_N_per_m": {}{}}}}})",
             fault.renderer, 500.0 / unit, fault.parameters),
@@ -100,8 +102,8 @@ inline Engine engine_of(const Fault& fault) {
   return planted(engine, fault);
 }
 
-inline void nothing_there(StepResult& result, const TipState& tip) {
-  result = StepResult{};
+inline void nothing_there(rendering::StepResult& result, const rendering::TipState& tip) {
+  result = rendering::StepResult{};
   result.contact_W_m = tip.p_W_m;
 }
 

@@ -3,7 +3,6 @@
 
 #include <memory>
 
-#include "harness/base/rooms.h"
 #include "harness/diagnosis/engine.h"
 #include "harness/rendering/renderer_failed.h"
 #include "harness/surface/box_mesh.h"
@@ -19,12 +18,14 @@ inline constexpr double kDepth_m = 5e-4;
 inline const Vec3 kPlace(0.0031, 0.0017, 0.0);
 
 // 40 mm wide, its top at z = 0.
-inline TriangleMesh level_block() { return box_mesh({-kHalf_m, -kHalf_m, -kHalf_m}, {kHalf_m, kHalf_m, 0.0}); }
+inline surface::TriangleMesh level_block() {
+  return surface::box_mesh({-kHalf_m, -kHalf_m, -kHalf_m}, {kHalf_m, kHalf_m, 0.0});
+}
 
 class Probe {
  public:
   // Places and lengths given to it are those of the world at unit 1.
-  Probe(const Engine& engine, TriangleMesh mesh, double unit = 1.0)
+  Probe(const Engine& engine, surface::TriangleMesh mesh, double unit = 1.0)
       : unit_(unit),
         radius_m_(engine.tip_radius_m),
         tick_s_(1.0 / engine.rate_Hz),
@@ -35,21 +36,23 @@ class Probe {
   }
 
   // Throws RendererFailed where the renderer broke down: its zero force says nothing.
-  StepResult to(const Vec3& tip, const Quat& q = Quat::Identity()) {
-    StepResult result;
+  rendering::StepResult to(const Vec3& tip, const Quat& q = Quat::Identity()) {
+    rendering::StepResult result;
     for (int i = 0; i <= settle_samples_; ++i) {
       result = renderer_->step({tick_s_ * static_cast<double>(++tick_), unit_ * tip, q});
-      if (result.status == StepStatus::failed) throw RendererFailed(renderer_->failure());
+      if (result.status == rendering::StepStatus::failed) throw rendering::RendererFailed(renderer_->failure());
     }
     result.contact_W_m /= unit_;
     result.depth_m /= unit_;
     return result;
   }
   // The tip `depth_m` below a surface at this foot with this normal: a ball's centre is its radius higher.
-  StepResult press(const Vec3& foot, const Vec3& n, double depth_m) { return to(foot + (radius_m_ - depth_m) * n); }
+  rendering::StepResult press(const Vec3& foot, const Vec3& n, double depth_m) {
+    return to(foot + (radius_m_ - depth_m) * n);
+  }
   // From 2 mm above straight down to the depth in `steps`: renderers that look for crossings need the way.
-  StepResult approach(const Vec3& foot, const Vec3& n, double depth_m, int steps = 10) {
-    StepResult last;
+  rendering::StepResult approach(const Vec3& foot, const Vec3& n, double depth_m, int steps = 10) {
+    rendering::StepResult last;
     constexpr double from_m = 2e-3;
     for (int i = 0; i <= steps; ++i) last = press(foot, n, -from_m + (from_m + depth_m) * i / steps);
     return last;
@@ -58,14 +61,14 @@ class Probe {
     renderer_->reset();
     tick_ = 0;
   }
-  [[nodiscard]] Renderer& renderer() { return *renderer_; }
+  [[nodiscard]] rendering::Renderer& renderer() { return *renderer_; }
 
  private:
   double unit_;
   double radius_m_;
   double tick_s_;
   int settle_samples_;
-  std::unique_ptr<Renderer> renderer_;
+  std::unique_ptr<rendering::Renderer> renderer_;
   std::uint64_t tick_ = 0;
 };
 

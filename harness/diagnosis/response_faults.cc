@@ -151,7 +151,7 @@ std::optional<Finding> find_place_dependent(const Engine& engine) {
   for (const Vec3& foot :
        {Vec3(kPlace), Vec3(out_m, out_m, 0), Vec3(-out_m, out_m, 0), Vec3(out_m, -out_m, 0), Vec3(-out_m, -out_m, 0)})
     press(Vec3::Zero(), foot);
-  if (find_limitation(engine.cannot, Ability::rigid_motion) == nullptr) {
+  if (find_limitation(engine.cannot, rendering::Ability::rigid_motion) == nullptr) {
     constexpr double far_m = 0.05;
     for (int axis = 0; axis < 3; ++axis) {
       press(far_m * Vec3::Unit(axis), kPlace);

@@ -21,11 +21,14 @@
 #include "harness/surface/sphere_mesh.h"
 
 namespace touchstone::diagnosis {
+using rendering::Renderer;
+using rendering::StepResult;
+
 namespace {
 
 constexpr double kTick_s = 1e-3;
 
-TriangleMesh round_body() { return sphere_mesh(kHalf_m, 3); }
+surface::TriangleMesh round_body() { return surface::sphere_mesh(kHalf_m, 3); }
 
 // Taps and strokes about a ball, from outside and back; the next seed goes elsewhere.
 std::vector<Vec3> strokes_about(double radius_m, std::uint64_t seed, int contacts) {
@@ -47,7 +50,7 @@ std::vector<Vec3> strokes_about(double radius_m, std::uint64_t seed, int contact
 
 StepResult step_to(Renderer& renderer, std::size_t tick, const Vec3& tip) {
   StepResult result = renderer.step({kTick_s * static_cast<double>(tick + 1), tip, Quat::Identity()});
-  if (result.status == StepStatus::failed) throw RendererFailed(renderer.failure());
+  if (result.status == rendering::StepStatus::failed) throw rendering::RendererFailed(renderer.failure());
   return result;
 }
 

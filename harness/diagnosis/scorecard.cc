@@ -132,7 +132,7 @@ std::string_view to_string(CardVerdict verdict) {
 CostScore measure_cost(const Engine& engine, int levels) {
   using Clock = std::chrono::steady_clock;
   const auto us = [](Clock::duration d) { return std::chrono::duration<double, std::micro>(d).count(); };
-  const TriangleMesh ball = sphere_mesh(kHalf_m, levels);
+  const surface::TriangleMesh ball = surface::sphere_mesh(kHalf_m, levels);
   CostScore cost;
   cost.triangles = ball.triangle_count();
   const auto began = Clock::now();

@@ -7,7 +7,6 @@
 #include <string_view>
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "harness/diagnosis/diagnosis.h"
 
 namespace touchstone::diagnosis {

@@ -10,7 +10,6 @@
 #include "renderers/catalogue.h"
 
 namespace touchstone::diagnosis {
-using namespace renderers;
 namespace {
 
 using ::testing::HasSubstr;
@@ -169,8 +168,8 @@ TEST(Scorecard, ThePageShowsEveryDetectorForEveryEngine) {
 }
 
 TEST(Scorecard, CostIsMeasuredOverABallOfTheSizeAskedFor) {
-  const RendererEntry& entry =
-      find_renderer(parse_model(R"({"schema": "touchstone-model/1", "renderer": "god-object"})", ""));
+  const rendering::RendererEntry& entry = renderers::find_renderer(
+      rendering::parse_model(R"({"schema": "touchstone-model/1", "renderer": "god-object"})", ""));
   const CostScore cost = measure_cost(touchstone::diagnosis::engine_of(entry, {}), 3);
   EXPECT_EQ(cost.triangles, 512U);
   EXPECT_EQ(cost.steps, 20'000U);
@@ -180,7 +179,7 @@ TEST(Scorecard, CostIsMeasuredOverABallOfTheSizeAskedFor) {
 }
 
 TEST(EntryEngine, AnEpsilonThatTheEntryDeclaresIsTaken) {
-  RendererEntry entry;
+  rendering::RendererEntry entry;
   entry.name = "mine";
   entry.parameters = {{"stiffness_N_per_m", "N/m", 1.0, 1e4, 300.0, ""}, {"epsilon_m", "m", 0.0, 1.0, 1e-6, ""}};
   EXPECT_EQ(touchstone::diagnosis::engine_of(entry, {}).epsilon_m, 1e-6);

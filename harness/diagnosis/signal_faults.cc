@@ -75,7 +75,7 @@ std::optional<Finding> find_wrong_frame(const Engine& engine) {
                       f_turning.x(), f_turning.y(), f_turning.z(), f.x(), f.y(), f.z()),
           "a block 40 mm wide pressed from above, the tip's orientation at random", (f_turning - f).norm(), "N"};
     }
-    if (find_limitation(engine.cannot, Ability::rigid_motion) != nullptr) continue;
+    if (find_limitation(engine.cannot, rendering::Ability::rigid_motion) != nullptr) continue;
     const Vec3 f_world = turn.conjugate() * world.to(turn * tip).f_W_N;
     // An epsilon may lie another way in each.
     const double turned_N = engine.stiffness_N_per_m * (0.01 * kDepth_m + 2.0 * engine.epsilon_m);
@@ -96,12 +96,12 @@ std::optional<Finding> find_energy_gained(const Engine& engine) {
   // Down, along a circle, and up again the way it came: over a level plane, where every force is easily right, and over
   // a ball.
   struct Case {
-    TriangleMesh mesh;
+    surface::TriangleMesh mesh;
     const char* name;
     Vec3 top;
   };
   for (const Case& one : {Case{level_block(), "a block 40 mm wide", {0.0, 0.0, 0.0}},
-                          Case{sphere_mesh(kHalf_m, 4), "a ball 20 mm in radius", {0.0, 0.0, kHalf_m}}}) {
+                          Case{surface::sphere_mesh(kHalf_m, 4), "a ball 20 mm in radius", {0.0, 0.0, kHalf_m}}}) {
     Probe probe(engine, one.mesh);
     // Slowly: what sampling alone explains falls with the size of the steps.
     constexpr int down = 2000;
@@ -116,10 +116,10 @@ std::optional<Finding> find_energy_gained(const Engine& engine) {
     };
     double given_J = 0.0;
     double sampling_J = 0.0;
-    StepResult last = probe.to(tip_at(0));
+    rendering::StepResult last = probe.to(tip_at(0));
     for (int i = 1; i <= all; ++i) {
       const Vec3 step = tip_at(i) - tip_at(i - 1);
-      const StepResult now = probe.to(tip_at(i));
+      const rendering::StepResult now = probe.to(tip_at(i));
       given_J += last.f_W_N.dot(step);
       // What a held force gives between two samples at most (harness/testing/renderer_conformance.h, invariant 6).
       if (last.contact || now.contact) sampling_J += 0.5 * engine.stiffness_N_per_m * step.squaredNorm();

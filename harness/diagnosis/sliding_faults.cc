@@ -12,6 +12,8 @@
 #include "harness/surface/sphere_mesh.h"
 
 namespace touchstone::diagnosis {
+using surface::TriangleMesh;
+
 namespace {
 
 // Along x from -start to start over what lies at x = 0, `depth_m` below planes given by their falling angle on the
@@ -49,7 +51,7 @@ SlideResult slide_over(const Engine& engine, const TriangleMesh& mesh, const Sli
   for (int i = 0; i <= steps; ++i) {
     const double x = slide.step_m * i - slide.start_m;
     const Vec3& n = x > 0.0 ? n_right : Vec3(Vec3::UnitZ());
-    const StepResult now = probe.press(foot(x), n, slide.depth_m);
+    const rendering::StepResult now = probe.press(foot(x), n, slide.depth_m);
     if (std::abs(x) < reach_m) continue;
     const double normal_N = now.f_W_N.dot(n);
     const Vec3 tangent_N = now.f_W_N - normal_N * n;
@@ -112,7 +114,7 @@ double friction_felt(const Engine& engine, double unit) {
   probe.approach(from, Vec3::UnitZ(), kDepth_m);
   double most = 0.0;
   for (int i = 1; i <= 1000; ++i) {
-    const StepResult now = probe.press(from + Vec3(1e-5 * i, 0.0, 0.0), Vec3::UnitZ(), kDepth_m);
+    const rendering::StepResult now = probe.press(from + Vec3(1e-5 * i, 0.0, 0.0), Vec3::UnitZ(), kDepth_m);
     if (now.f_W_N.z() > 0.0) most = std::max(most, -now.f_W_N.x() / now.f_W_N.z());
   }
   return most;
@@ -146,8 +148,8 @@ std::optional<Finding> find_sticks_at_joints(const Engine& engine) {
   for (const double overlap_m : {0.0, 1e-3}) {
     // Each order of the two bodies, and the joint off the origin's own coordinates.
     for (const bool left_first : {true, false}) {
-      const TriangleMesh left = box_mesh({-h, -h, -h}, {0.5 * overlap_m, h, 0.0});
-      const TriangleMesh right = box_mesh({-0.5 * overlap_m, -h, -h}, {h, h, 0.0});
+      const TriangleMesh left = surface::box_mesh({-h, -h, -h}, {0.5 * overlap_m, h, 0.0});
+      const TriangleMesh right = surface::box_mesh({-0.5 * overlap_m, -h, -h}, {h, h, 0.0});
       const TriangleMesh both = left_first ? together(left, right) : together(right, left);
       const SlideResult result = slide_over(engine, both, slide);
       if (result.worst_N <= allowed_N(engine, slide)) continue;
@@ -174,8 +176,8 @@ std::optional<Finding> find_jump_between_triangles(const Engine& engine) {
   std::vector<Case> cases{{nested_sheet(kHalf_m, 1e-3), "a plane sheet 40 mm wide"}};
   // Where the surface bends, a renderer may declare that it jumps. Between triangles of one plane there is nothing that
   // could.
-  if (find_limitation(engine.cannot, Ability::continuous_force) == nullptr)
-    cases.insert(cases.begin(), {sphere_mesh(kHalf_m, 4), "a ball of 2048 triangles, 20 mm in radius"});
+  if (find_limitation(engine.cannot, rendering::Ability::continuous_force) == nullptr)
+    cases.insert(cases.begin(), {surface::sphere_mesh(kHalf_m, 4), "a ball of 2048 triangles, 20 mm in radius"});
   for (const Case& one : cases) {
     Probe probe(engine, one.mesh);
     const auto edges = crossings(one.mesh);
@@ -232,7 +234,7 @@ std::optional<Finding> find_ball_at_edge(const Engine& engine) {
       const double away = std::hypot(x, z);
       return away >= r ? Vec3(x, y_m, z) : Vec3(r / away * x, y_m, r / away * z);
     };
-    Probe probe(engine, box_mesh({-2.0 * kHalf_m, -kHalf_m, -2.0 * kHalf_m}, {0.0, kHalf_m, 0.0}));
+    Probe probe(engine, surface::box_mesh({-2.0 * kHalf_m, -kHalf_m, -2.0 * kHalf_m}, {0.0, kHalf_m, 0.0}));
     const double from_m = -3.0 * r;
     probe.to({from_m, y_m, 2.0 * r});
     for (int i = 1; i <= 20; ++i) probe.to({from_m, y_m, 2.0 * r + (z - 2.0 * r) * i / 20.0});

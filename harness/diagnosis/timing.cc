@@ -301,7 +301,7 @@ std::optional<Timing> with_large_jumps(const Engine& engine) {
   constexpr double deepest_m = 0.05;
   const double deep_m = std::min(deepest_m, most_N / engine.stiffness_N_per_m);
   const double half_m = std::max(0.1, 5.0 * deep_m);
-  Probe probe(engine, box_mesh({-half_m, -half_m, -2.0 * half_m}, {half_m, half_m, 0.0}));
+  Probe probe(engine, surface::box_mesh({-half_m, -half_m, -2.0 * half_m}, {half_m, half_m, 0.0}));
   probe.approach(kPlace, Vec3::UnitZ(), kShallow_m);
   std::vector<double> change_N;
   const Vec3 along = direction_of_force(engine, kShallow_m, kDeep_m);

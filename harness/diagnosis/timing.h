@@ -16,7 +16,6 @@
 #include <cstdint>
 #include <string>
 
-#include "harness/base/rooms.h"
 #include "harness/diagnosis/engine.h"
 
 namespace touchstone::diagnosis {

@@ -8,13 +8,12 @@
 #include <optional>
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "harness/discrepancy/evidence.h"
 
 namespace touchstone::discrepancy {
 
 struct Explanation {
-  const Model* model = nullptr;  // where its fit starts
+  const rendering::Model* model = nullptr;  // where its fit starts
   const std::vector<FreeParameter>* parameters = nullptr;
 };
 

@@ -28,7 +28,7 @@ struct Seen {
   }
 };
 
-Seen look(const Recording& recording, const Prediction& current, BumpOf of) {
+Seen look(const recording::Recording& recording, const rendering::Prediction& current, BumpOf of) {
   const std::size_t stride = std::max<std::size_t>(1, recording.size() / most_samples);
   const std::vector<std::size_t> touching = pressing_samples(current, stride);
   const std::vector<double> stiffness_N_per_m = stiffness_at(current, touching);
@@ -56,8 +56,8 @@ bool within(const BumpPeak& a, const BumpPeak& b) {
 
 }  // namespace
 
-std::vector<BumpPeak> bump_peaks(const Recording& recording, const Prediction& current, BumpOf of, const Vec3& low_W_m,
-                                 const Vec3& high_W_m, std::size_t count) {
+std::vector<BumpPeak> bump_peaks(const recording::Recording& recording, const rendering::Prediction& current, BumpOf of,
+                                 const Vec3& low_W_m, const Vec3& high_W_m, std::size_t count) {
   const Vec3 size_m = high_W_m - low_W_m;
   const double extent_m = size_m.head<2>().norm();
   const Seen seen = look(recording, current, of);

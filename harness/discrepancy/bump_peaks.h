@@ -5,7 +5,6 @@
 
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "harness/recording/trajectory.h"
 #include "harness/rendering/predictor.h"
 
@@ -22,7 +21,7 @@ struct BumpPeak {
 };
 
 // At most `count` bumps over the box of positions in contact, strongest first, none within another.
-std::vector<BumpPeak> bump_peaks(const Recording& recording, const Prediction& current, BumpOf of, const Vec3& low_W_m,
-                                 const Vec3& high_W_m, std::size_t count);
+std::vector<BumpPeak> bump_peaks(const recording::Recording& recording, const rendering::Prediction& current, BumpOf of,
+                                 const Vec3& low_W_m, const Vec3& high_W_m, std::size_t count);
 
 }  // namespace touchstone::discrepancy

@@ -25,13 +25,13 @@ class BumpPeaksAt : public ::testing::TestWithParam<double> {
   const Vec3 low_W_m_{-0.02 * unit_, -0.015 * unit_, -0.001 * unit_};
   const Vec3 high_W_m_{0.02 * unit_, 0.015 * unit_, 0.0};
 
-  Recording recording_;
-  Prediction current_;
+  recording::Recording recording_;
+  rendering::Prediction current_;
 
   // What a sensor shows of a plane with the bump, stiffer than the model by a tenth and with a bias.
   void record(BumpOf of, const Hidden& hidden) {
     recording_.motion = hand(0.3, unit_);
-    Model model;
+    rendering::Model model;
     model.parameters["stiffness_N_per_m"] = 800.0;
     current_ = PlanePredictor(recording_.motion).predict(model);
     std::mt19937_64 random(11);

@@ -14,6 +14,16 @@
 #include "harness/stats/quantile.h"
 
 namespace touchstone::discrepancy {
+using recording::Recording;
+using rendering::Candidate;
+using rendering::EffectTraits;
+using rendering::Model;
+using rendering::ParameterDeclaration;
+using rendering::Prediction;
+using rendering::RecordingScales;
+using rendering::SearchedParameter;
+using rendering::SmoothField;
+
 namespace {
 
 struct Context {
@@ -23,7 +33,7 @@ struct Context {
   const Prediction& current;
 };
 
-NamedParameters entry(const Context& c, std::map<std::string, double> parameters) {
+rendering::NamedParameters entry(const Context& c, std::map<std::string, double> parameters) {
   return {c.candidate.name, std::move(parameters), "/found", {}, c.candidate.law};
 }
 
@@ -71,7 +81,7 @@ FreeParameter free_of(const Context& c, const SearchedParameter& searched) {
   return free;
 }
 
-CandidateFit planned(const Context& c, SearchPlan plan) {
+CandidateFit planned(const Context& c, rendering::SearchPlan plan) {
   CandidateFit fit;
   for (const SearchedParameter& searched : plan.parameters) fit.parameters.push_back(free_of(c, searched));
   for (auto& values : plan.starts) fit.starts.push_back(entry(c, std::move(values)));
@@ -157,13 +167,13 @@ CandidateFit field(const Context& c) {
   const Vec3 middle = 0.5 * (c.scales.high_W_m + c.scales.low_W_m);
   const double half_x = 0.5 * std::max(size.x(), knot_m * (columns - 3.0));
   const double half_y = 0.5 * std::max(size.y(), knot_m * (rows - 3.0));
-  const ParameterDeclaration& bounds = declared(c, field_coefficient(0, 0));
+  const ParameterDeclaration& bounds = declared(c, rendering::field_coefficient(0, 0));
   const double scale = bounds.unit == "m" ? c.scales.depth_m : 1.0;
   CandidateFit fit;
   for (std::size_t row = 0; row < static_cast<std::size_t>(rows); ++row) {
     for (std::size_t column = 0; column < static_cast<std::size_t>(columns); ++column) {
       fit.parameters.push_back(
-          linear_parameter(name, field_coefficient(column, row), scale, bounds.minimum, bounds.maximum));
+          linear_parameter(name, rendering::field_coefficient(column, row), scale, bounds.minimum, bounds.maximum));
       fit.parameters.back().coefficient = true;
     }
   }
@@ -297,13 +307,13 @@ CandidateFit candidate_fit(const Candidate& candidate, const RecordingScales& sc
   return fit;
 }
 
-double surface_displacement_m(const EffectTraits& traits, const NamedParameters& entry, const MotionColumns& motion,
-                              const std::vector<Vec3>& n_W) {
+double surface_displacement_m(const EffectTraits& traits, const rendering::NamedParameters& entry,
+                              const MotionColumns& motion, const std::vector<Vec3>& n_W) {
   using Surface = EffectTraits::Surface;
   const auto& p = entry.parameters;
   if (traits.surface == Surface::higher_by_amplitude) return std::abs(p.at("amplitude_m"));
   if (traits.surface == Surface::higher_by_field) {
-    const SmoothField height = field_of(entry.parameters, entry.place);
+    const SmoothField height = rendering::field_of(entry.parameters, entry.place);
     double squares = 0.0;
     double count = 0.0;
     for (std::size_t i = 0; i < motion.size(); ++i) {

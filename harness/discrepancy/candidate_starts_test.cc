@@ -15,6 +15,11 @@
 #include "harness/rendering/smooth_field.h"
 
 namespace touchstone::discrepancy {
+using rendering::Candidate;
+using rendering::Model;
+using rendering::ParameterDeclaration;
+using rendering::Side;
+
 namespace {
 
 struct Declared {
@@ -42,10 +47,10 @@ class CatalogueBounds : public ::testing::TestWithParam<double> {
     recording.f_W_N = prediction.f_W_N;
     scales = measure_scales(recording, prediction, 0.01, model.parameters.at("stiffness_N_per_m"), 0.0);
   }
-  Recording recording;
+  recording::Recording recording;
   Model model;
-  Prediction prediction;
-  RecordingScales scales;
+  rendering::Prediction prediction;
+  rendering::RecordingScales scales;
 };
 
 TEST_P(CatalogueBounds, AreThoseOfTheFit) {
@@ -93,11 +98,11 @@ TEST_P(CatalogueBounds, OfAnIndentationAtOnePlaceNothingAlongTheSurfaceIsTried) 
       {"height-field", Side::instrument, rendering::field_parameters("m", 1.0, "")},
   };
   for (const double noise_m : {0.0, 1e-5 * GetParam()}) {
-    Recording indentation = recording;
+    recording::Recording indentation = recording;
     for (std::size_t i = 0; i < indentation.motion.size(); ++i)
       indentation.motion.p_W_m[i].head<2>() = Eigen::Vector2d::Constant((i % 2 == 0 ? 2.0 : -2.0) * noise_m);
-    const Prediction there = PlanePredictor(indentation.motion).predict(model);
-    const RecordingScales known =
+    const rendering::Prediction there = PlanePredictor(indentation.motion).predict(model);
+    const rendering::RecordingScales known =
         measure_scales(indentation, there, 0.01, model.parameters.at("stiffness_N_per_m"), noise_m);
     EXPECT_FALSE(known.over_surface());
     for (const Declared& declared : along_surface) {
@@ -113,7 +118,7 @@ TEST_P(CatalogueBounds, OfAnIndentationAtOnePlaceNothingAlongTheSurfaceIsTried) 
 TEST_P(CatalogueBounds, OfThePlansAreKept) {
   for (const Candidate& candidate : whole_catalogue()) {
     const CandidateFit fit = candidate_fit(candidate, scales, recording, prediction);
-    for (const NamedParameters& start : fit.starts) {
+    for (const rendering::NamedParameters& start : fit.starts) {
       for (const auto& [name, value] : start.parameters) {
         const auto found = std::ranges::find(candidate.parameters, name, &ParameterDeclaration::name);
         ASSERT_NE(found, candidate.parameters.end()) << candidate.name << " declares no " << name;
@@ -145,7 +150,7 @@ TEST_P(CatalogueBounds, OfADeclaredEffectAreItsOwn) {
   const CandidateFit fit =
       candidate_fit({law->name, Side::contact, law->parameters, law->traits, law}, scales, recording, prediction);
   ASSERT_EQ(fit.starts.size(), 4U);
-  for (const NamedParameters& start : fit.starts) EXPECT_EQ(start.law, law);
+  for (const rendering::NamedParameters& start : fit.starts) EXPECT_EQ(start.law, law);
   EXPECT_EQ(fit.starts[1].parameters.at("v"), 0.1);
   EXPECT_EQ(fit.starts[2].parameters.at("a"), 1.0);
   ASSERT_EQ(fit.parameters.size(), 2U);

@@ -6,13 +6,12 @@
 #include <string>
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "harness/rendering/predictor.h"
 #include "renderers/catalogue.h"
 
 namespace touchstone::discrepancy {
 
-inline EffectTraits traits_of(const std::string& name) {
+inline rendering::EffectTraits traits_of(const std::string& name) {
   for (const auto* const list : {&renderers::effect_catalogue(), &renderers::instrument_declarations()}) {
     for (const auto& entry : *list) {
       if (entry.name == name) return entry.traits;
@@ -22,13 +21,13 @@ inline EffectTraits traits_of(const std::string& name) {
 }
 
 // Every hypothesis of the catalogue.
-inline std::vector<Candidate> whole_catalogue() {
-  std::vector<Candidate> all;
+inline std::vector<rendering::Candidate> whole_catalogue() {
+  std::vector<rendering::Candidate> all;
   for (const auto& entry : renderers::effect_catalogue()) {
-    if (entry.hypothesis) all.push_back({entry.name, Side::contact, entry.parameters, entry.traits});
+    if (entry.hypothesis) all.push_back({entry.name, rendering::Side::contact, entry.parameters, entry.traits});
   }
   for (const auto& entry : renderers::instrument_declarations())
-    all.push_back({entry.name, Side::instrument, entry.parameters, entry.traits});
+    all.push_back({entry.name, rendering::Side::instrument, entry.parameters, entry.traits});
   return all;
 }
 

@@ -3,7 +3,6 @@
 
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "harness/discrepancy/catalogue_for_test.h"
 #include "harness/discrepancy/two_recordings_for_test.h"
 
@@ -19,12 +18,12 @@ struct DampedPlane {
     }
   }
 
-  std::vector<Candidate> library{{"viscous-friction",
-                                  Side::contact,
-                                  {{"coefficient_N_s_per_m", "N s/m", 0.0, 1e4, 0.0, ""}},
-                                  traits_of("viscous-friction")}};
-  Model start;
-  Model truth;
+  std::vector<rendering::Candidate> library{{"viscous-friction",
+                                             rendering::Side::contact,
+                                             {{"coefficient_N_s_per_m", "N s/m", 0.0, 1e4, 0.0, ""}},
+                                             traits_of("viscous-friction")}};
+  rendering::Model start;
+  rendering::Model truth;
   InstrumentDescription instrument = small_noise(1.0);
 };
 

@@ -14,6 +14,10 @@
 #include "harness/sanity/block_order.h"
 
 namespace touchstone::discrepancy {
+using rendering::Candidate;
+using rendering::Model;
+using rendering::Prediction;
+
 namespace {
 
 // Of the validation chi-squared that a coefficient of the wrong sign must explain.
@@ -21,9 +25,9 @@ constexpr double least_share = 0.3;
 constexpr double least_gain = 50.0;
 
 // Of the force to a unit of the candidate's one-sided coefficient.
-std::vector<Vec3> response(Predictor& predictor, const Model& base, const Candidate& candidate,
+std::vector<Vec3> response(rendering::Predictor& predictor, const Model& base, const Candidate& candidate,
                            const Prediction& nominal) {
-  const EffectTraits::OneSided& coefficient = *candidate.traits.one_sided;
+  const rendering::EffectTraits::OneSided& coefficient = *candidate.traits.one_sided;
   const Prediction moved =
       predictor.predict(with_entry(base, candidate.side, {candidate.name, coefficient.small, "/test"}));
   std::vector<Vec3> series(nominal.f_W_N.size());
@@ -44,7 +48,7 @@ double left_by_model(const DetectorSide& side, const FitData& blocks, const Mode
 // The blocks with the noise that there is if the coefficient acts with this size, whatever its sign: where a tip rests,
 // friction points to where the tracker's noise has it, and no coefficient can explain what it does there.
 FitData blocks_under(const DetectorSide& side, const Model& base, const Candidate& candidate, double coefficient) {
-  const EffectTraits::OneSided& one_sided = *candidate.traits.one_sided;
+  const rendering::EffectTraits::OneSided& one_sided = *candidate.traits.one_sided;
   std::map<std::string, double> sized = one_sided.small;
   for (auto& [name, value] : sized) value *= std::abs(coefficient) / one_sided.size;
   const Model acting = with_entry(base, candidate.side, {candidate.name, sized, "/test"});
@@ -106,7 +110,7 @@ std::optional<std::string> find_order_fault(const DetectorSide& side, const Mode
       modelled.push_back(axis_W.dot(prediction.f_W_N[i]));
     }
   }
-  const auto order = find_wrong_order(t_s, measured, modelled);
+  const auto order = sanity::find_wrong_order(t_s, measured, modelled);
   if (!order) return std::nullopt;
   // A force that runs the other way in the file's own order is another fault.
   const auto left = [](double correlation) { return 1.0 - correlation * correlation; };
@@ -131,7 +135,7 @@ std::optional<std::string> find_coefficient_fault(const DetectorSide& train, con
       const auto series = [&](const DetectorSide& side, const Prediction& nominal) {
         std::vector<std::vector<Vec3>> columns{response(side.noise->likely_predictor(), base, test, nominal),
                                                nominal.f_W_N};
-        for (int axis = 0; axis < 3 && test.side == Side::instrument; ++axis) {
+        for (int axis = 0; axis < 3 && test.side == rendering::Side::instrument; ++axis) {
           const auto& q = side.recording->motion.q_WS;
           std::vector<Vec3> constant(nominal.f_W_N.size(), Vec3::Unit(axis));
           for (std::size_t i = 0; i < q.size(); ++i) constant[i] = q[i] * Vec3::Unit(axis);

@@ -7,7 +7,6 @@
 #include <optional>
 #include <string>
 
-#include "harness/base/rooms.h"
 #include "harness/discrepancy/structure_detector.h"
 
 namespace touchstone::discrepancy {
@@ -15,12 +14,12 @@ namespace touchstone::discrepancy {
 // Blocks of the force in another order than those of the position (see harness/sanity/block_order.h): the modelled load
 // is `model`'s. Needs no search, and so may be asked before one. `side` is all that is learnt from: among the samples
 // of every other block most blocks have no partner, and what clean data leave there is matched by chance.
-std::optional<std::string> find_order_fault(const DetectorSide& side, const Model& model);
+std::optional<std::string> find_order_fault(const DetectorSide& side, const rendering::Model& model);
 
 // Of coefficients alone. `base`: the starting model refitted; `best`: what the search found. Those of the candidates
 // that are never negative (EffectTraits::OneSided) are sought, in their order. Nothing when the data may be right.
 std::optional<std::string> find_coefficient_fault(const DetectorSide& train, const DetectorSide& holdout,
-                                                  const Model& base, const Model& best,
-                                                  const std::vector<Candidate>& candidates);
+                                                  const rendering::Model& base, const rendering::Model& best,
+                                                  const std::vector<rendering::Candidate>& candidates);
 
 }  // namespace touchstone::discrepancy

@@ -14,6 +14,10 @@
 #include "harness/discrepancy/two_recordings_for_test.h"
 
 namespace touchstone::discrepancy {
+using rendering::Candidate;
+using rendering::Model;
+using rendering::Side;
+
 namespace {
 
 // Presses of a plane at 250 Hz for 20 s; no two alike.
@@ -45,7 +49,7 @@ struct Case {
 
   PlanePredictor predictor;
   Model model;
-  Recording recording;
+  recording::Recording recording;
   FitData blocks;
 };
 
@@ -137,12 +141,12 @@ TEST(DataFaults, AReversedForceIsNoWrongOrder) {
 }
 
 // A plane with dry friction: a bristle that slips beyond 10 um (Dahl 1968).
-class RoughPlane final : public Predictor {
+class RoughPlane final : public rendering::Predictor {
  public:
   explicit RoughPlane(MotionColumns motion) : motion_(std::move(motion)) {}
-  Prediction predict(const Model& model) override {
-    Prediction prediction = PlanePredictor(motion_).predict(model);
-    const NamedParameters* const friction = find_entry(model, "coulomb-friction");
+  rendering::Prediction predict(const Model& model) override {
+    rendering::Prediction prediction = PlanePredictor(motion_).predict(model);
+    const rendering::NamedParameters* const friction = find_entry(model, "coulomb-friction");
     if (friction == nullptr) return prediction;
     constexpr double most_m = 1e-5;
     Vec3 bristle = Vec3::Zero();
@@ -175,7 +179,9 @@ MotionColumns strokes(double first_rad) {
 }
 
 std::optional<std::string> fault_of_friction(double mu) {
-  const MakePredictor make = [](const MotionColumns& motion) { return std::make_unique<RoughPlane>(motion); };
+  const rendering::MakePredictor make = [](const MotionColumns& motion) {
+    return std::make_unique<RoughPlane>(motion);
+  };
   Model base;
   base.parameters["stiffness_N_per_m"] = 900.0;
   Model truth = base;
@@ -210,7 +216,9 @@ TEST(DataFaults, FrictionThatResistsAndNoneAreNoFault) {
 
 // Strokes to one half of all sides: a constant force to that side is along nearly all of them.
 TEST(DataFaults, ABiasThatTheSearchFoundPullsNoTipAlong) {
-  const MakePredictor make = [](const MotionColumns& motion) { return std::make_unique<PlanePredictor>(motion); };
+  const rendering::MakePredictor make = [](const MotionColumns& motion) {
+    return std::make_unique<PlanePredictor>(motion);
+  };
   Model base;
   base.parameters["stiffness_N_per_m"] = 900.0;
   Model truth = base;

@@ -6,10 +6,11 @@
 #include "harness/discrepancy/model_edit.h"
 
 namespace touchstone::discrepancy {
+using rendering::Model;
 
-const EffectTraits& EffectLibrary::traits(const std::string& name) const {
-  static const EffectTraits none;
-  const auto found = std::ranges::find(*candidates_, name, &Candidate::name);
+const rendering::EffectTraits& EffectLibrary::traits(const std::string& name) const {
+  static const rendering::EffectTraits none;
+  const auto found = std::ranges::find(*candidates_, name, &rendering::Candidate::name);
   return found == candidates_->end() ? none : found->traits;
 }
 
@@ -24,7 +25,7 @@ bool EffectLibrary::of_one_kind(const std::string& a, const std::string& b) cons
 }
 
 bool EffectLibrary::has_what_contains(const Model& model, const std::string& smaller) const {
-  return std::ranges::any_of(*candidates_, [&](const Candidate& candidate) {
+  return std::ranges::any_of(*candidates_, [&](const rendering::Candidate& candidate) {
     return contains(candidate.name, smaller) && find_entry(model, candidate.name) != nullptr;
   });
 }

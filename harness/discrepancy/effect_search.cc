@@ -21,11 +21,14 @@
 #include "harness/discrepancy/trial_gates.h"
 
 namespace touchstone::discrepancy {
+using rendering::Model;
+using rendering::NamedParameters;
+
 namespace {
 
 class Search {
  public:
-  Search(const SearchData& data, const std::vector<Candidate>& candidates, const SearchSettings& settings,
+  Search(const SearchData& data, const std::vector<rendering::Candidate>& candidates, const SearchSettings& settings,
          const Model& start, const Report& report)
       : data_(data), settings_(settings), report_(report), state_(data, candidates, settings, start) {}
 
@@ -57,11 +60,7 @@ class Search {
   }
 
   [[nodiscard]] SearchStep step_from(const Standing& standing) const {
-    SearchStep step;
-    step.train_chi_squared = standing.train_chi_squared;
-    step.validation_chi_squared = standing.validation_chi_squared;
-    step.validation_rms_N = standing.validation_rms_N;
-    return step;
+    return {standing.train_chi_squared, standing.validation_chi_squared, standing.validation_rms_N, {}, {}, {}};
   }
 
   // One effect, or two where no single one passes though something is clearly missing. Whether any was added.
@@ -492,8 +491,9 @@ class Search {
 
 }  // namespace
 
-SearchResult search_effects(const SearchData& data, const Model& start, const std::vector<Candidate>& candidates,
-                            const SearchSettings& settings, const Report& report) {
+SearchResult search_effects(const SearchData& data, const Model& start,
+                            const std::vector<rendering::Candidate>& candidates, const SearchSettings& settings,
+                            const Report& report) {
   return Search(data, candidates, settings, start, report).run();
 }
 

@@ -12,7 +12,6 @@
 #include <string>
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "harness/discrepancy/identifiability.h"
 #include "harness/discrepancy/law_search.h"
 #include "harness/discrepancy/parameter_intervals.h"
@@ -34,9 +33,9 @@ struct SearchStep {
 };
 
 struct SearchResult {
-  Model start;
-  Model base;                             // the start with its base parameters refitted
-  Model model;                            // with the effects found
+  rendering::Model start;
+  rendering::Model base;                  // the start with its base parameters refitted
+  rendering::Model model;                 // with the effects found
   JointFit fit;                           // of `model`, with covariance
   std::vector<NullFit> draws;             // `model` fitted again to simulated null recordings
   std::vector<NullFit> readings;          // with what the forces alone tell of friction, read again from drawn samples
@@ -77,7 +76,8 @@ struct SearchResult {
 using Report = std::function<void(const std::string&)>;
 
 // Throws BadData when the starting model cannot run or has no stiffness to fit.
-SearchResult search_effects(const SearchData& data, const Model& start, const std::vector<Candidate>& candidates,
-                            const SearchSettings& settings, const Report& report);
+SearchResult search_effects(const SearchData& data, const rendering::Model& start,
+                            const std::vector<rendering::Candidate>& candidates, const SearchSettings& settings,
+                            const Report& report);
 
 }  // namespace touchstone::discrepancy

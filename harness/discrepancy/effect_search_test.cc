@@ -15,15 +15,18 @@
 #include "harness/discrepancy/two_recordings_for_test.h"
 
 namespace touchstone::discrepancy {
+using recording::Recording;
+using rendering::Model;
+
 namespace {
 
-const std::vector<Candidate> candidates{
+const std::vector<rendering::Candidate> candidates{
     {"viscous-friction",
-     Side::contact,
+     rendering::Side::contact,
      {{"coefficient_N_s_per_m", "N s/m", 0.0, 1e4, 0.0, "b"}},
      traits_of("viscous-friction")},
     {"force-bias",
-     Side::instrument,
+     rendering::Side::instrument,
      {{"fx_N", "N", -1e3, 1e3, 0.0, ""}, {"fy_N", "N", -1e3, 1e3, 0.0, ""}, {"fz_N", "N", -1e3, 1e3, 0.0, ""}},
      traits_of("force-bias")},
 };
@@ -50,7 +53,7 @@ struct World {
     return measured(path, PlanePredictor(path).predict(truth).f_W_N, instrument, seed);
   }
 
-  [[nodiscard]] Findings find(const std::vector<Candidate>& library = candidates) const {
+  [[nodiscard]] Findings find(const std::vector<rendering::Candidate>& library = candidates) const {
     const TwoRecordings recordings(train, holdout, instrument, truth(scale), [](const MotionColumns& motion) {
       return std::make_unique<PlanePredictor>(motion);
     });
@@ -174,7 +177,9 @@ TEST(Parts, SpoiltBlocksThatAreHeldBackFromTheOneRecordingChangeNothingEither) {
   const Part held_back{{2.0, true}, {}};
   const auto find = [&](const Recording& recording) {
     PlanePredictor predictor(recording.motion);
-    const MakePredictor make = [](const MotionColumns& motion) { return std::make_unique<PlanePredictor>(motion); };
+    const rendering::MakePredictor make = [](const MotionColumns& motion) {
+      return std::make_unique<PlanePredictor>(motion);
+    };
     NoiseModel noise(recording.motion, predictor.predict(truth(1.0)).n_W, world.instrument, make, 1, 3);
     SearchData data = divide({&recording, &predictor, &noise, {{2.0, false}, {}}},
                              {&recording, &predictor, &noise, held_back}, block_window_s(60.0, recording.motion));

@@ -5,6 +5,8 @@
 #include <numeric>
 
 namespace touchstone::discrepancy {
+using recording::Recording;
+using rendering::Prediction;
 
 namespace {
 
@@ -91,7 +93,7 @@ double rms_difference_N(const Evidence& evidence, const Prediction& a, const Pre
   return rms_N(evidence, a.f_W_N, b.f_W_N);
 }
 
-double expected_noise_N(const Evidence& evidence, const Model& model) {
+double expected_noise_N(const Evidence& evidence, const rendering::Model& model) {
   const auto squares = evidence.noise->expected_squares(model, evidence.predictor->predict(model));
   const auto& t_s = evidence.recording->motion.t_s;
   double sum = 0.0;
@@ -104,7 +106,7 @@ double expected_noise_N(const Evidence& evidence, const Model& model) {
   return std::sqrt(sum / std::max(1.0, count));
 }
 
-FitData fit_data(const Evidence& evidence, const Model& model, double window_s) {
+FitData fit_data(const Evidence& evidence, const rendering::Model& model, double window_s) {
   FitData data;
   data.predictor = evidence.predictor;
   const auto& t_s = evidence.recording->motion.t_s;

@@ -4,7 +4,6 @@
 #include <utility>
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "harness/discrepancy/joint_fit.h"
 #include "harness/discrepancy/noise_model.h"
 
@@ -32,8 +31,8 @@ struct Part {
 
 // A recording, or a part of it, seen through a predictor. What is pointed to must outlive it.
 struct Evidence {
-  const Recording* recording = nullptr;
-  Predictor* predictor = nullptr;
+  const recording::Recording* recording = nullptr;
+  rendering::Predictor* predictor = nullptr;
   NoiseModel* noise = nullptr;
   Part part;
 };
@@ -58,22 +57,23 @@ SearchData divide(const Evidence& learning, const Evidence& holdout, double wind
 
 // The samples of the part: positions, orientations and forces. Across the blocks that are left out neighbours are
 // further apart in time.
-Recording samples_of(const Part& part, const Recording& recording);
+recording::Recording samples_of(const Part& part, const recording::Recording& recording);
 // What is predicted at them. `motion`: of the whole recording.
-Prediction samples_of(const Part& part, const MotionColumns& motion, const Prediction& prediction);
+rendering::Prediction samples_of(const Part& part, const MotionColumns& motion,
+                                 const rendering::Prediction& prediction);
 
 // Of the 3-D force error, over the samples of the part.
-double rms_force_error_N(const Evidence& evidence, const Prediction& prediction);
+double rms_force_error_N(const Evidence& evidence, const rendering::Prediction& prediction);
 
 // Between two predictions of the evidence's motion, over the samples of the part.
-double rms_difference_N(const Evidence& evidence, const Prediction& a, const Prediction& b);
+double rms_difference_N(const Evidence& evidence, const rendering::Prediction& a, const rendering::Prediction& b);
 
 // RMS of the 3-D force error that noise leaves on the part's samples where `model` is the truth.
-double expected_noise_N(const Evidence& evidence, const Model& model);
+double expected_noise_N(const Evidence& evidence, const rendering::Model& model);
 
 // The blocks that lie wholly in the part, with the noise that the instrument's makers declare if `model` were the
 // truth.
-FitData fit_data(const Evidence& evidence, const Model& model, double window_s);
+FitData fit_data(const Evidence& evidence, const rendering::Model& model, double window_s);
 
 // Each block's noise at least as large as the other's, of the same blocks under another model.
 void widen_noise(FitData& data, const FitData& other);

@@ -13,6 +13,9 @@
 #include "harness/rendering/smooth_field.h"
 
 namespace touchstone::discrepancy {
+using rendering::Model;
+using rendering::NamedParameters;
+
 namespace {
 
 struct FieldTrial {
@@ -21,7 +24,8 @@ struct FieldTrial {
 };
 
 // From the smoothest on, each from where the one before ended; the one that the validation blocks prefer.
-std::optional<FieldTrial> try_field(const SearchState& state, const Standing& standing, const Candidate& candidate) {
+std::optional<FieldTrial> try_field(const SearchState& state, const Standing& standing,
+                                    const rendering::Candidate& candidate) {
   const Model rest = state.library().without_special_cases(state.current.model, candidate.name);
   const CandidateFit options = state.options(candidate, rest);
   std::optional<FieldTrial> best;
@@ -56,7 +60,7 @@ double bar_of_field(const SearchState& state, const FieldTrial& tried) {
   const NullCase null{&state.data->train, &state.data->validation, &state.train,
                       &state.validation,  &state.current.model,    &compared,
                       settings.iterations};
-  const auto refit = [&](const FitData& train, const Recording&, const Model& base) {
+  const auto refit = [&](const FitData& train, const recording::Recording&, const Model& base) {
     const Model rest = state.library().without_special_cases(base, tried.trial.name);
     return std::vector<JointFit>{fit_jointly(train, with_entry(rest, tried.options.side, tried.options.starts.front()),
                                              tried.trial.parameters, settings.field_iterations / 2, false)};
@@ -67,7 +71,7 @@ double bar_of_field(const SearchState& state, const FieldTrial& tried) {
 TrialVerdict refusal_of_field(const SearchState& state, const Standing& standing, FieldTrial& tried) {
   TrialVerdict verdict = weakness(state, standing, tried.trial);
   if (!verdict.passed()) return verdict;
-  Predictor& predictor = *state.data->validation.predictor;
+  rendering::Predictor& predictor = *state.data->validation.predictor;
   const auto regimes = sort_by_regime(state.data->validation, predictor.predict(state.current.model),
                                       predictor.predict(tried.trial.fit.model), state.data->force_floor_N);
   const std::string worse = worsened_phase(regimes, state.settings->worsening);
@@ -80,16 +84,16 @@ TrialVerdict refusal_of_field(const SearchState& state, const Standing& standing
 }  // namespace
 
 bool has_field(const Model& model) {
-  const auto is = [](const NamedParameters& entry) { return is_field(entry.parameters); };
+  const auto is = [](const NamedParameters& entry) { return rendering::is_field(entry.parameters); };
   return std::any_of(model.effects.begin(), model.effects.end(), is) ||
          std::any_of(model.instrument.begin(), model.instrument.end(), is);
 }
 
 bool differs_over_surface(const Model& model, const EffectLibrary& library) {
-  using Peaks = EffectTraits::Peaks;
+  using Peaks = rendering::EffectTraits::Peaks;
   const auto does = [&](const NamedParameters& entry) {
     const Peaks peaks = library.traits(entry.name).peaks;
-    return is_field(entry.parameters) || peaks == Peaks::stiffness || peaks == Peaks::height;
+    return rendering::is_field(entry.parameters) || peaks == Peaks::stiffness || peaks == Peaks::height;
   };
   return std::any_of(model.effects.begin(), model.effects.end(), does) ||
          std::any_of(model.instrument.begin(), model.instrument.end(), does);
@@ -97,7 +101,7 @@ bool differs_over_surface(const Model& model, const EffectLibrary& library) {
 
 std::vector<Trial> try_fields(const SearchState& state, const Standing& standing) {
   std::vector<FieldTrial> tried;
-  for (const Candidate& candidate : *state.candidates) {
+  for (const rendering::Candidate& candidate : *state.candidates) {
     if (!is_field(candidate.parameters) || find_entry(state.current.model, candidate.name) != nullptr) continue;
     if (!state.budget->allows(candidate.name)) continue;
     if (auto one = try_field(state, standing, candidate)) tried.push_back(std::move(*one));

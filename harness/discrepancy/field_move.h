@@ -5,14 +5,13 @@
 
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "harness/discrepancy/trial.h"
 
 namespace touchstone::discrepancy {
 
-bool has_field(const Model& model);
+bool has_field(const rendering::Model& model);
 // Whether the model has a field, or a bump that a field contains.
-bool differs_over_surface(const Model& model, const EffectLibrary& library);
+bool differs_over_surface(const rendering::Model& model, const EffectLibrary& library);
 
 // Every field that the model does not have yet, judged; the least deviance first, an empty verdict for the first that
 // passes. Empty if the candidates have no field.

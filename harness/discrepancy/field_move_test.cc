@@ -13,14 +13,18 @@
 #include "harness/rendering/smooth_field.h"
 
 namespace touchstone::discrepancy {
+using rendering::Model;
+using rendering::NamedParameters;
+
 namespace {
 
-const std::vector<Candidate> library{
+const std::vector<rendering::Candidate> library{
     {"viscous-friction",
-     Side::contact,
+     rendering::Side::contact,
      {{"coefficient_N_s_per_m", "N s/m", 0.0, 1e4, 0.0, "b"}},
      traits_of("viscous-friction")},
-    {"stiffness-field", Side::contact, field_parameters("1", 3.0, ""), traits_of("stiffness-field")},
+    {"stiffness-field", rendering::Side::contact, rendering::field_parameters("1", 3.0, ""),
+     traits_of("stiffness-field")},
 };
 
 // Stiff ridges and soft valleys, by a formula that no spline repeats.
@@ -30,15 +34,15 @@ double factor_at(const Vec3& p_W_m) {
 }
 
 // A plane z = 0 with a stiffness, perhaps a field on it and a damper along it; `truth`: with the formula.
-class UnevenPlane final : public Predictor {
+class UnevenPlane final : public rendering::Predictor {
  public:
   UnevenPlane(MotionColumns motion, bool truth) : motion_(std::move(motion)), truth_(truth) {}
-  Prediction predict(const Model& model) override {
+  rendering::Prediction predict(const Model& model) override {
     const NamedParameters* const field = find_entry(model, "stiffness-field");
     const NamedParameters* const viscous = find_entry(model, "viscous-friction");
-    std::optional<SmoothField> of;
-    if (field != nullptr) of.emplace(field_of(field->parameters, "test"));
-    Prediction prediction;
+    std::optional<rendering::SmoothField> of;
+    if (field != nullptr) of.emplace(rendering::field_of(field->parameters, "test"));
+    rendering::Prediction prediction;
     for (std::size_t i = 0; i < motion_.size(); ++i) {
       const Vec3& p = motion_.p_W_m[i];
       const double depth_m = std::max(0.0, -p.z());
@@ -88,7 +92,7 @@ struct Uneven {
   explicit Uneven(bool uneven)
       : recordings(of(0.0, 31, uneven), of(0.9, 32, uneven), instrument, plane(),
                    [](const MotionColumns& motion) { return std::make_unique<UnevenPlane>(motion, false); }) {}
-  [[nodiscard]] Recording of(double phase, std::uint64_t seed, bool uneven) const {
+  [[nodiscard]] recording::Recording of(double phase, std::uint64_t seed, bool uneven) const {
     const MotionColumns path = rubbing(phase);
     return measured(path, UnevenPlane(path, uneven).predict(plane()).f_W_N, instrument, seed);
   }
@@ -103,7 +107,7 @@ TEST(Fields, AStiffnessThatDiffersInManyPlacesIsFoundWithItsValues) {
   EXPECT_EQ(findings.search.found[0].name, "stiffness-field");
   EXPECT_EQ(findings.search.found[0].holdout_gain > 0.0, true);
   const NamedParameters& entry = *find_entry(findings.search.model, "stiffness-field");
-  const SmoothField field = field_of(entry.parameters, "test");
+  const rendering::SmoothField field = rendering::field_of(entry.parameters, "test");
   const double base = findings.search.model.parameters.at("stiffness_N_per_m") / 900.0;
   double squares = 0.0;
   double count = 0.0;
@@ -134,7 +138,8 @@ TEST(Fields, ThePriorKnowsNoSlopeAndNoFields) {
   std::map<std::string, double> values{{"columns", 5.0}, {"rows", 4.0}, {"bend", 0.1}};
   for (std::size_t row = 0; row < 4; ++row) {
     for (std::size_t column = 0; column < 5; ++column)
-      values[field_coefficient(column, row)] = 0.02 * static_cast<double>(column) - 0.01 * static_cast<double>(row);
+      values[rendering::field_coefficient(column, row)] =
+          0.02 * static_cast<double>(column) - 0.01 * static_cast<double>(row);
   }
   model.effects = {{"stiffness-field", values, ""}};
   ASSERT_EQ(prior_rows(model), 3U * 4U + 5U * 2U + 20U);
@@ -146,10 +151,10 @@ TEST(Fields, ThePriorKnowsNoSlopeAndNoFields) {
   double values_square = 0.0;
   for (std::size_t row = 0; row < 4; ++row) {
     for (std::size_t column = 0; column < 5; ++column)
-      values_square += std::pow(values.at(field_coefficient(column, row)) / (20.0 * 0.1), 2);
+      values_square += std::pow(values.at(rendering::field_coefficient(column, row)) / (20.0 * 0.1), 2);
   }
   EXPECT_NEAR(square, values_square, 1e-12);
-  model.effects[0].parameters[field_coefficient(2, 1)] += 0.1;
+  model.effects[0].parameters[rendering::field_coefficient(2, 1)] += 0.1;
   field_prior(model, rows.data());
   square = 0.0;
   for (const double r : rows) square += r * r;

@@ -5,6 +5,9 @@
 #include "harness/rendering/smooth_field.h"
 
 namespace touchstone::discrepancy {
+using rendering::Model;
+using rendering::NamedParameters;
+
 namespace {
 
 // A value that so many bends away from zero is one standard deviation off: a plane or a level costs next to nothing.
@@ -24,7 +27,7 @@ Grid grid_of(const NamedParameters& entry) {
             {}};
   for (std::size_t row = 0; row < grid.rows; ++row) {
     for (std::size_t column = 0; column < grid.columns; ++column) {
-      const auto given = entry.parameters.find(field_coefficient(column, row));
+      const auto given = entry.parameters.find(rendering::field_coefficient(column, row));
       grid.c.push_back(given == entry.parameters.end() ? 0.0 : given->second);
     }
   }
@@ -36,7 +39,7 @@ void each_field(const Model& model, const Visit& visit) {
   for (const auto* entries : {&model.effects, &model.instrument}) {
     for (const NamedParameters& entry : *entries) {
       // A field that a user's model describes without a bend is not fitted.
-      if (is_field(entry.parameters) && entry.parameters.contains("bend")) visit(entry);
+      if (rendering::is_field(entry.parameters) && entry.parameters.contains("bend")) visit(entry);
     }
   }
 }

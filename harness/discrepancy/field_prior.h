@@ -6,14 +6,13 @@
 
 #include <cstddef>
 
-#include "harness/base/rooms.h"
 #include "harness/rendering/model.h"
 
 namespace touchstone::discrepancy {
 
 // How many residuals the model's fields have; 0 without fields.
-std::size_t prior_rows(const Model& model);
+std::size_t prior_rows(const rendering::Model& model);
 // Writes them.
-void field_prior(const Model& model, double* out);
+void field_prior(const rendering::Model& model, double* out);
 
 }  // namespace touchstone::discrepancy

@@ -13,6 +13,9 @@
 #include "harness/rendering/smooth_field.h"
 
 namespace touchstone::discrepancy {
+using rendering::Candidate;
+using rendering::NamedParameters;
+
 namespace {
 
 const Candidate* find_candidate(const std::vector<Candidate>& candidates, const std::string& name) {
@@ -26,7 +29,7 @@ std::vector<FoundParameter> field_summary(const SearchResult& search, const Cand
   std::vector<std::pair<double, std::string>> values;
   const NamedParameters* const entry = find_entry(search.model, candidate.name);
   for (const auto& [name, value] : entry->parameters) {
-    if (is_field_coefficient(name)) values.emplace_back(value, name);
+    if (rendering::is_field_coefficient(name)) values.emplace_back(value, name);
   }
   std::vector<FoundParameter> found;
   if (values.empty()) return found;
@@ -45,7 +48,7 @@ std::vector<FoundParameter> parameters_of(const SearchResult& search, const Cand
   if (is_field(candidate.parameters)) return field_summary(search, candidate);
   std::vector<FoundParameter> found;
   const NamedParameters* const entry = find_entry(search.model, candidate.name);
-  for (const ParameterDeclaration& declared : candidate.parameters) {
+  for (const rendering::ParameterDeclaration& declared : candidate.parameters) {
     const auto value = entry->parameters.find(declared.name);
     if (value == entry->parameters.end()) continue;
     Interval interval = interval95(search.fit, search.parameters, search.draws, candidate.name, declared.name);

@@ -5,7 +5,6 @@
 #include <string>
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "harness/discrepancy/effect_search.h"
 #include "harness/discrepancy/findings_verdict.h"
 #include "harness/discrepancy/gap_shares.h"
@@ -75,7 +74,7 @@ struct Findings {
 inline constexpr const char* suggested_instrument_file = "suggested-instrument.json";
 
 // Fills verdict, code, gates, explanation, parameters and ambiguous from `search` and the declared candidates.
-void conclude(Findings& findings, const std::vector<Candidate>& candidates);
+void conclude(Findings& findings, const std::vector<rendering::Candidate>& candidates);
 
 // `trajectory_file`: the name under which the proposed trajectory was written, empty if none.
 std::string findings_to_json(const Findings& findings, const std::string& trajectory_file);

@@ -89,7 +89,7 @@ std::string findings_to_json(const Findings& findings, const std::string& trajec
     const FoundEffect& effect = findings.search.found[e];
     json entry;
     entry["name"] = effect.name;
-    entry["side"] = effect.side == Side::contact ? "contact" : "instrument";
+    entry["side"] = effect.side == rendering::Side::contact ? "contact" : "instrument";
     entry["parameters"] = json::array();
     for (const FoundParameter& parameter : findings.parameters[e]) {
       json item;

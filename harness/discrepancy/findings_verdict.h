@@ -5,8 +5,6 @@
 #include <string>
 #include <string_view>
 
-#include "harness/base/rooms.h"
-
 namespace touchstone::discrepancy {
 
 enum class FindingsVerdict : std::uint8_t {

@@ -14,6 +14,8 @@
 #include "harness/discrepancy/smooth_motion.h"
 
 namespace touchstone::discrepancy {
+using rendering::Model;
+
 namespace {
 
 Model plane(double stiffness) {
@@ -30,7 +32,7 @@ struct NoisyBlocks {
 
   NoisyBlocks(double unit, double noise_N, const Misfit& lacking, std::uint64_t seed) : predictor(hand(0.0, unit)) {
     const MotionColumns motion = hand(0.0, unit);
-    const Prediction truth = predictor.predict(plane(900.0 / unit));
+    const rendering::Prediction truth = predictor.predict(plane(900.0 / unit));
     data.predictor = &predictor;
     data.blocks = make_blocks(motion, 1.0 / 30.0);
     data.measured_N = block_means(data.blocks, truth.f_W_N);
@@ -100,14 +102,16 @@ TEST(Intervals, HoldTheTruthInNineOfTenRecordings) {
   const std::vector<FreeParameter> parameters{
       log_base_parameter("stiffness_N_per_m", 90.0, 9000.0),
       linear_parameter("viscous-friction", "coefficient_N_s_per_m", 10.0, 0.0, 200.0)};
-  const MakePredictor make = [](const MotionColumns& motion) { return std::make_unique<PlanePredictor>(motion); };
+  const rendering::MakePredictor make = [](const MotionColumns& motion) {
+    return std::make_unique<PlanePredictor>(motion);
+  };
   constexpr int recordings = 20;
   int inside = 0;
   double width = 0.0;
   for (int i = 0; i < recordings; ++i) {
     Random random(100 + static_cast<std::uint64_t>(i));
     const MotionColumns path = hand(0.05 * i, 1.0);
-    Recording recording;
+    recording::Recording recording;
     recording.f_W_N = PlanePredictor(path).predict(truth).f_W_N;
     recording.motion = with_position_noise(path, instrument, random);
     const auto noise = force_noise(path, instrument, random);

@@ -3,6 +3,8 @@
 #include <cmath>
 
 namespace touchstone::discrepancy {
+using rendering::Model;
+using rendering::NamedParameters;
 
 const NamedParameters* find_entry(const Model& model, const std::string& name) {
   for (const auto* entries : {&model.effects, &model.instrument}) {

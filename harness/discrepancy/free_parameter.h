@@ -6,7 +6,6 @@
 #include <string>
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "harness/rendering/model.h"
 
 namespace touchstone::discrepancy {
@@ -16,8 +15,8 @@ struct FreeParameter {
   std::string name;    // as in model files
   double lower = 0.0;  // of u
   double upper = 0.0;
-  std::function<void(Model&, double u)> set;
-  std::function<double(const Model&)> get;
+  std::function<void(rendering::Model&, double u)> set;
+  std::function<double(const rendering::Model&)> get;
   bool logarithmic = false;  // u is the logarithm of the value
   // Derivatives span this much of u, to both sides. 0: over a small step to one side, well above the kinks that
   // contact and friction make. What moves the tip along a mesh needs a facet's length: within one facet the normal
@@ -32,8 +31,8 @@ struct FreeParameter {
 std::vector<FreeParameter> without_coefficients(std::vector<FreeParameter> parameters);
 
 // The entry of that name among contact effects and instrument entries; nullptr when the model has none.
-NamedParameters* find_entry(Model& model, const std::string& name);
-const NamedParameters* find_entry(const Model& model, const std::string& name);
+rendering::NamedParameters* find_entry(rendering::Model& model, const std::string& name);
+const rendering::NamedParameters* find_entry(const rendering::Model& model, const std::string& name);
 
 // u = value / scale.
 FreeParameter linear_parameter(const std::string& owner, const std::string& name, double scale, double lower,

@@ -12,6 +12,8 @@
 #include "harness/stats/quantile.h"
 
 namespace touchstone::discrepancy {
+using rendering::Model;
+
 namespace {
 
 constexpr double fast_share = 0.85;    // of the samples: slower than the fast ones
@@ -59,7 +61,7 @@ ConeEvidence cone_evidence(const FitData& blocks, const NoiseModel& noise, const
 
 std::vector<ConeSample> cone_samples(const ConeEvidence& evidence, const std::vector<Vec3>& shown_W_N) {
   constexpr double least_load = 0.15;  // of the load that a tenth of the samples exceed
-  const Prediction& others = evidence.others;
+  const rendering::Prediction& others = evidence.others;
   const MotionColumns& likely = *evidence.likely;
   std::vector<std::pair<ConeSample, double>> loaded;
   std::vector<double> loads_N;
@@ -123,7 +125,7 @@ std::optional<double> pulls_along(const std::vector<ConeSample>& samples) {
 }
 
 std::vector<double> null_excesses(const ConeEvidence& evidence, NoiseModel& noise, const Model& model,
-                                  const Prediction& nominal) {
+                                  const rendering::Prediction& nominal) {
   std::vector<double> excesses;
   for (std::size_t world = 0; world < NoiseModel::null_worlds; ++world) {
     const auto cone = cone_of(cone_samples(evidence, noise.null_forces(model, nominal, world)));

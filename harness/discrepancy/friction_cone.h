@@ -9,7 +9,6 @@
 #include <string>
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "harness/discrepancy/evidence.h"
 
 namespace touchstone::discrepancy {
@@ -24,13 +23,14 @@ struct ConeSample {
 // What friction is read from: the forces of all but friction at the recorded positions, the blocks of the part that
 // counts, and the smoothed trajectory. A verdict must hold for all.
 struct ConeEvidence {
-  Prediction others;
+  rendering::Prediction others;
   const std::vector<ResidualBlock>* blocks = nullptr;
   const MotionColumns* likely = nullptr;
   double force_floor_N = 0.0;  // loads below it are left out
 };
 // `blocks`: of the evidence; `others`: the model without its friction.
-ConeEvidence cone_evidence(const FitData& blocks, const NoiseModel& noise, const Model& others, double force_floor_N);
+ConeEvidence cone_evidence(const FitData& blocks, const NoiseModel& noise, const rendering::Model& others,
+                           double force_floor_N);
 
 // Of the part's samples in contact, given what the sensor showed at every sample. Small loads are left out.
 std::vector<ConeSample> cone_samples(const ConeEvidence& evidence, const std::vector<Vec3>& shown_W_N);
@@ -52,8 +52,8 @@ std::optional<double> pulls_along(const std::vector<ConeSample>& samples);
 
 // The excess where the model is the truth, in every simulated world of the noise (parametric bootstrap: Efron and
 // Tibshirani 1993, chapter 6.5). `nominal`: the model's prediction at the recorded positions.
-std::vector<double> null_excesses(const ConeEvidence& evidence, NoiseModel& noise, const Model& model,
-                                  const Prediction& nominal);
+std::vector<double> null_excesses(const ConeEvidence& evidence, NoiseModel& noise, const rendering::Model& model,
+                                  const rendering::Prediction& nominal);
 
 // mu(v) = dynamic + (static - dynamic) exp(-(v / velocity)^2), as the effect stribeck-friction has it.
 struct FallingCoefficient {
@@ -72,7 +72,7 @@ std::optional<FallingCoefficient> read_falling(const std::vector<ConeSample>& sa
 // draw: how far the values depend on the samples and on what counts as sliding. The same for the same `draw`.
 std::optional<FallingCoefficient> read_again(const std::vector<ConeSample>& samples, std::size_t draw);
 
-void set_falling(Model& model, const std::string& friction, const FallingCoefficient& read);
+void set_falling(rendering::Model& model, const std::string& friction, const FallingCoefficient& read);
 // Whether `set_falling` sets the parameter.
 bool is_of_falling(const std::string& parameter);
 

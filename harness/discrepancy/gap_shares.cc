@@ -6,13 +6,15 @@
 #include <limits>
 
 namespace touchstone::discrepancy {
+using rendering::Model;
+
 namespace {
 
 // The effects of `end` that `start` has not, by name.
 std::vector<std::string> new_effects(const Model& start, const Model& end) {
   std::vector<std::string> names;
   for (const auto* entries : {&end.effects, &end.instrument}) {
-    for (const NamedParameters& entry : *entries) {
+    for (const rendering::NamedParameters& entry : *entries) {
       if (find_entry(start, entry.name) == nullptr) names.push_back(entry.name);
     }
   }
@@ -24,7 +26,7 @@ Model with_parts(const Model& start, const Model& end, const std::vector<std::st
   Model model = end;
   if ((parts & 1U) == 0U) model.parameters = start.parameters;
   for (auto* entries : {&model.effects, &model.instrument}) {
-    std::erase_if(*entries, [&](const NamedParameters& entry) {
+    std::erase_if(*entries, [&](const rendering::NamedParameters& entry) {
       const auto place = std::find(effects.begin(), effects.end(), entry.name) - effects.begin();
       return static_cast<std::size_t>(place) < effects.size() && (parts & (2U << place)) == 0U;
     });

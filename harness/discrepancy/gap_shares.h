@@ -8,7 +8,6 @@
 #include <string>
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "harness/discrepancy/evidence.h"
 
 namespace touchstone::discrepancy {
@@ -21,7 +20,7 @@ struct GapShare {
 
 // Largest share first. `end` is `start` with other values of its own parameters and with more effects, none of them
 // refitted here. Parts: the parameters together, and every effect that `start` has not.
-std::vector<GapShare> share_gap(const Evidence& evidence, const Model& start, const Model& end);
+std::vector<GapShare> share_gap(const Evidence& evidence, const rendering::Model& start, const rendering::Model& end);
 
 // As they are, or all as one ("a, b and c together") where a share is more than twice the whole gap, or takes more than
 // the whole of it back: such parts only have a meaning together (a field of stiffness and the stiffness that it

@@ -8,6 +8,8 @@
 #include "harness/discrepancy/plane_for_test.h"
 
 namespace touchstone::discrepancy {
+using rendering::Model;
+
 namespace {
 
 Model plane_of(double stiffness_N_per_m) {
@@ -23,7 +25,7 @@ TEST(GapShares, AddUpToWhatGoesAndPutTheLargestFirst) {
   truth.effects.push_back({"viscous-friction", {{"coefficient_N_s_per_m", 4.0}}, ""});
   truth.instrument.push_back({"force-bias", {{"fx_N", 1.0}, {"fy_N", 0.0}, {"fz_N", 0.0}}, ""});
   PlanePredictor predictor(motion);
-  Recording recording;
+  recording::Recording recording;
   recording.motion = motion;
   recording.f_W_N = predictor.predict(truth).f_W_N;
   for (Vec3& f : recording.f_W_N) f.y() += 0.1;  // what no part explains
@@ -55,7 +57,7 @@ TEST(GapShares, AreExactWherePartsDoNotMeet) {
   PlanePredictor predictor(motion);
   Model truth = plane_of(900.0);
   truth.instrument.push_back({"force-bias", {{"fx_N", 0.3}, {"fy_N", 0.4}, {"fz_N", 0.0}}, ""});
-  Recording recording;
+  recording::Recording recording;
   recording.motion = motion;
   recording.f_W_N = predictor.predict(truth).f_W_N;
   const Evidence evidence{&recording, &predictor, nullptr, {}};

@@ -5,6 +5,8 @@
 #include "harness/discrepancy/model_edit.h"
 
 namespace touchstone::discrepancy {
+using rendering::Model;
+
 namespace {
 
 struct Excess {
@@ -42,7 +44,7 @@ Goodness judge_under(const Evidence& train, const Evidence& holdout, const Model
   goodness.holdout = blocks_under(holdout, model, noisy, window_s);
   const double freedom = 3.0 * static_cast<double>(std::max<std::size_t>(1, goodness.holdout.blocks.size()));
   goodness.chi_squared = chi_squared(goodness.holdout, model) / freedom;
-  const Prediction nominal = holdout.predictor->predict(noisy);
+  const rendering::Prediction nominal = holdout.predictor->predict(noisy);
   for (std::size_t world = 0; world < NoiseModel::null_worlds; ++world) {
     FitData null = goodness.holdout;
     null.measured_N = block_means(null.blocks, holdout.noise->null_forces(noisy, nominal, world));

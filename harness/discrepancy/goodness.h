@@ -6,7 +6,6 @@
 // path.
 #pragma once
 
-#include "harness/base/rooms.h"
 #include "harness/discrepancy/evidence.h"
 
 namespace touchstone::discrepancy {
@@ -27,6 +26,6 @@ struct Goodness {
   FitData holdout;
 };
 
-Goodness judge_goodness(const Evidence& train, const Evidence& holdout, const Model& model, double window_s);
+Goodness judge_goodness(const Evidence& train, const Evidence& holdout, const rendering::Model& model, double window_s);
 
 }  // namespace touchstone::discrepancy

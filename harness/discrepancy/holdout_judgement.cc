@@ -50,7 +50,7 @@ void judge_law_on_holdout(const SearchData& data, SearchResult& result) {
   add_misfit(holdout, estimate_misfit(learning, result.model));
   std::tie(result.law_gain, result.law_error) =
       paired_difference(block_chi_squared(holdout, result.model), block_chi_squared(holdout, result.law.model));
-  const auto square = [&](const Model& model) {
+  const auto square = [&](const rendering::Model& model) {
     return std::pow(rms_force_error_N(data.holdout, data.holdout.predictor->predict(model)), 2);
   };
   const double without = square(result.model);

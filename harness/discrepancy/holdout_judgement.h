@@ -2,7 +2,6 @@
 // gains there. No name, value or interval depends on it; that something is missing there is a reason to seek a law.
 #pragma once
 
-#include "harness/base/rooms.h"
 #include "harness/discrepancy/effect_search.h"
 
 namespace touchstone::discrepancy {

@@ -4,8 +4,6 @@
 
 #include <cmath>
 
-#include "harness/base/rooms.h"
-
 namespace touchstone::discrepancy {
 
 // Whitened blocks beyond this many standard deviations count linearly.

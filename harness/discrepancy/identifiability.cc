@@ -12,6 +12,11 @@
 #include "harness/stats/quantile.h"
 
 namespace touchstone::discrepancy {
+using recording::Recording;
+using rendering::Model;
+using rendering::NamedParameters;
+using rendering::Prediction;
+
 namespace {
 
 constexpr double half95 = 1.96;
@@ -232,9 +237,10 @@ std::vector<Question> question_values(const Recording& recording, const Predicti
   question_paths(recording, prediction, model, position_noise_m, questions);
   for (const auto* const entries : {&model.effects, &model.instrument}) {
     for (const NamedParameters& entry : *entries) {
-      const EffectTraits& traits = library.traits(entry.name);
+      const rendering::EffectTraits& traits = library.traits(entry.name);
       if (traits.falls_with_speed) question_falling(entry, questions);
-      if (traits.surface == EffectTraits::Surface::moved) question_place(recording, prediction, entry, questions);
+      if (traits.surface == rendering::EffectTraits::Surface::moved)
+        question_place(recording, prediction, entry, questions);
     }
   }
   return questions;

@@ -9,7 +9,6 @@
 #include <string>
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "harness/discrepancy/effect_library.h"
 #include "harness/discrepancy/evidence.h"
 
@@ -22,13 +21,14 @@ struct Undetermined {
 };
 
 // Of the effects' free parameters. `data`: the blocks that the fit was made on, of `recording`.
-std::vector<Undetermined> find_undetermined(const FitData& data, const Recording& recording, const Model& model,
-                                            const std::vector<FreeParameter>& parameters, const EffectLibrary& library);
+std::vector<Undetermined> find_undetermined(const FitData& data, const recording::Recording& recording,
+                                            const rendering::Model& model, const std::vector<FreeParameter>& parameters,
+                                            const EffectLibrary& library);
 
 // Of the way that the tip slides in contact: the share that goes along an axis (0: x, 1: y) and is gone back at the
 // same place, within a cell of a twentieth of the scan's diagonal. 1: all of it; 0: none, or every place one way only.
 // There and back in different places does not count: the surface may be tilted one way here and the other way there.
-double both_ways_share(const Recording& recording, const Prediction& prediction, int axis);
+double both_ways_share(const recording::Recording& recording, const rendering::Prediction& prediction, int axis);
 
 // Effects none of whose sizes is determined. An effect without a size (a time constant alone) is never one of them.
 std::vector<std::string> without_size(const std::vector<Undetermined>& undetermined,
@@ -41,8 +41,8 @@ struct Question {
   std::string effect;
   std::string sentence;
 };
-std::vector<Question> question_values(const Recording& recording, const Prediction& prediction, const Model& model,
-                                      const std::vector<FreeParameter>& parameters, const JointFit& fit,
-                                      double position_noise_m, const EffectLibrary& library);
+std::vector<Question> question_values(const recording::Recording& recording, const rendering::Prediction& prediction,
+                                      const rendering::Model& model, const std::vector<FreeParameter>& parameters,
+                                      const JointFit& fit, double position_noise_m, const EffectLibrary& library);
 
 }  // namespace touchstone::discrepancy

@@ -14,15 +14,19 @@
 #include "harness/discrepancy/two_recordings_for_test.h"
 
 namespace touchstone::discrepancy {
+using recording::Recording;
+using rendering::Model;
+using rendering::Prediction;
+
 namespace {
 
 // A softer or stiffer place on a plane.
-class BumpPredictor final : public Predictor {
+class BumpPredictor final : public rendering::Predictor {
  public:
   explicit BumpPredictor(MotionColumns motion) : motion_(motion), plane_(std::move(motion)) {}
   Prediction predict(const Model& model) override {
     Prediction prediction = plane_.predict(model);
-    const NamedParameters* const map = find_entry(model, "stiffness-map");
+    const rendering::NamedParameters* const map = find_entry(model, "stiffness-map");
     for (std::size_t i = 0; map != nullptr && i < motion_.size(); ++i) {
       const auto& p = map->parameters;
       const Vec3 from(motion_.p_W_m[i].x() - p.at("x_m"), motion_.p_W_m[i].y() - p.at("y_m"), 0.0);
@@ -49,7 +53,7 @@ MotionColumns scan(double y_m, double unit) {
   return motion;
 }
 
-FitData blocks_of(const Recording& recording, Predictor& predictor, double noise_N) {
+FitData blocks_of(const Recording& recording, rendering::Predictor& predictor, double noise_N) {
   FitData data;
   data.predictor = &predictor;
   data.blocks = make_blocks(recording.motion, 1.0 / 30.0);
@@ -58,7 +62,7 @@ FitData blocks_of(const Recording& recording, Predictor& predictor, double noise
   return data;
 }
 
-const std::vector<Candidate> known = whole_catalogue();
+const std::vector<rendering::Candidate> known = whole_catalogue();
 
 std::vector<std::string> names(const std::vector<Undetermined>& undetermined) {
   std::vector<std::string> out;
@@ -207,8 +211,9 @@ TEST(TimeLimit, GivesTheBestAnswerSoFarAndWhatWasNotTried) {
   };
   const TwoRecordings recordings(measure(0.0, 1), measure(1.1, 2), instrument, start,
                                  [](const MotionColumns& motion) { return std::make_unique<PlanePredictor>(motion); });
-  const ParameterDeclaration force{"", "N", -1e3, 1e3, 0.0, ""};
-  std::vector<Candidate> library{{"force-bias", Side::instrument, {force, force, force}, traits_of("force-bias")}};
+  const rendering::ParameterDeclaration force{"", "N", -1e3, 1e3, 0.0, ""};
+  std::vector<rendering::Candidate> library{
+      {"force-bias", rendering::Side::instrument, {force, force, force}, traits_of("force-bias")}};
   library[0].parameters[0].name = "fx_N";
   library[0].parameters[1].name = "fy_N";
   library[0].parameters[2].name = "fz_N";

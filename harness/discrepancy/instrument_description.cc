@@ -84,7 +84,7 @@ std::string instrument_to_json(const InstrumentDescription& instrument) {
   return json.dump(1) + "\n";
 }
 
-InstrumentDescription estimate_instrument(const Recording& recording) {
+InstrumentDescription estimate_instrument(const recording::Recording& recording) {
   InstrumentDescription instrument;
   instrument.declared = false;
   instrument.force_noise_N = noise_of(recording.f_W_N);

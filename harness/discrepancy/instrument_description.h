@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "harness/base/random.h"
-#include "harness/base/rooms.h"
 #include "harness/recording/trajectory.h"
 
 namespace touchstone::discrepancy {
@@ -33,7 +32,7 @@ std::string instrument_to_json(const InstrumentDescription& instrument);
 
 // Without a description: force noise from second differences of the force where nothing moves it, position noise from
 // the residual of the position after a local quadratic fit. Both are lower bounds in motion; reports say "estimated".
-InstrumentDescription estimate_instrument(const Recording& recording);
+InstrumentDescription estimate_instrument(const recording::Recording& recording);
 
 // The motion with one draw of tracker noise added: white at the tracker's rate, low-passed at a quarter of that rate
 // without delay (second-order Butterworth, forwards and backwards) and interpolated, as optical trackers deliver it.

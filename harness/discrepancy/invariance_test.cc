@@ -19,6 +19,10 @@
 #include "renderers/model_predictor.h"
 
 namespace touchstone::discrepancy {
+using recording::Recording;
+using rendering::Candidate;
+using rendering::Model;
+
 namespace {
 
 // Effects that have no direction and no place of their own.
@@ -40,8 +44,8 @@ struct Writing {
   bool other_order = false;
 };
 
-std::shared_ptr<const Surface> plate(const Writing& writing) {
-  TriangleMesh mesh;
+std::shared_ptr<const surface::Surface> plate(const Writing& writing) {
+  surface::TriangleMesh mesh;
   for (const Vec3& corner : {Vec3(-0.1, -0.1, 0), Vec3(0.1, -0.1, 0), Vec3(0.1, 0.1, 0), Vec3(-0.1, 0.1, 0)})
     mesh.vertices_W_m.emplace_back(writing.unit * (writing.turn * corner));
   mesh.triangles = {{0, 1, 2}, {0, 2, 3}};
@@ -70,7 +74,7 @@ Recording at_rate(const Recording& recording, const Writing& writing) {
   return other;
 }
 
-Model of(const Writing& writing, std::vector<NamedParameters> effects) {
+Model of(const Writing& writing, std::vector<rendering::NamedParameters> effects) {
   Model model;
   model.renderer = "god-object";
   model.parameters["stiffness_N_per_m"] = 850.0 / writing.unit;

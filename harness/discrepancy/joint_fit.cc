@@ -17,11 +17,13 @@
 #include "harness/stats/sandwich.h"
 
 namespace touchstone::discrepancy {
+using rendering::Model;
+
 namespace {
 
 // The whitened, robustified residuals of all blocks.
 void residuals(const FitData& data, const Model& model, double* out) {
-  const Prediction prediction = data.predictor->predict(model);
+  const rendering::Prediction prediction = data.predictor->predict(model);
   const auto means = block_means(data.blocks, prediction.f_W_N);
   for (std::size_t b = 0; b < means.size(); ++b) {
     const Vec3 e = whitened(data.measured_N[b] - means[b], data.noise[b]);

@@ -5,7 +5,6 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "harness/discrepancy/free_parameter.h"
 #include "harness/discrepancy/residual_blocks.h"
 #include "harness/discrepancy/time_budget.h"
@@ -15,7 +14,7 @@ namespace touchstone::discrepancy {
 
 // A recording as the fit sees it. What is pointed to must outlive it.
 struct FitData {
-  Predictor* predictor = nullptr;
+  rendering::Predictor* predictor = nullptr;
   TimeBudget* budget = nullptr;  // with which a fit ends where it is; nullptr: fits go on to their end
   std::vector<ResidualBlock> blocks;
   std::vector<Vec3> measured_N;  // block means
@@ -30,12 +29,12 @@ inline constexpr double least_decrease = 1e-5;
 bool time_is_up(const FitData& data);
 
 // Sum over blocks of Huber's rho of the whitened residual, in units of chi-squared.
-double chi_squared(const FitData& data, const Model& model);
+double chi_squared(const FitData& data, const rendering::Model& model);
 // The same by block.
-std::vector<double> block_chi_squared(const FitData& data, const Model& model);
+std::vector<double> block_chi_squared(const FitData& data, const rendering::Model& model);
 
 struct JointFit {
-  Model model;
+  rendering::Model model;
   double chi_squared = 0.0;
   Eigen::VectorXd u;  // of the free parameters
   // Of u, by runs of neighbouring blocks, which share what the model lacks (stats/sandwich.h);
@@ -47,16 +46,16 @@ struct JointFit {
 
 // Of the free parameters' u at the model: the squares and products of the whitened residuals' derivatives. Empty if the
 // model cannot run there.
-Eigen::MatrixXd information_matrix(const FitData& data, const Model& model,
+Eigen::MatrixXd information_matrix(const FitData& data, const rendering::Model& model,
                                    const std::vector<FreeParameter>& parameters);
 
 // Starts from the values in `start`. `iterations`: at most.
-JointFit fit_jointly(const FitData& data, const Model& start, const std::vector<FreeParameter>& parameters,
+JointFit fit_jointly(const FitData& data, const rendering::Model& start, const std::vector<FreeParameter>& parameters,
                      int iterations, bool with_covariance);
 
 // The same, given up where it will not come to `hopeless`: if the iterations that are left, each with the largest
 // decrease of the last four steps, would end above it.
-JointFit fit_jointly_below(double hopeless, const FitData& data, const Model& start,
+JointFit fit_jointly_below(double hopeless, const FitData& data, const rendering::Model& start,
                            const std::vector<FreeParameter>& parameters, int iterations);
 
 }  // namespace touchstone::discrepancy

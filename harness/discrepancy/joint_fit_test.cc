@@ -11,6 +11,9 @@
 #include "harness/discrepancy/nearby_fits.h"
 
 namespace touchstone::discrepancy {
+using rendering::Model;
+using rendering::Prediction;
+
 namespace {
 
 constexpr double wave_m = 0.02;
@@ -20,7 +23,7 @@ constexpr double stiffness_N_per_m = 1000.0;
 double smooth_height_m(double x_m) { return height_m * std::sin(2.0 * std::numbers::pi * x_m / wave_m); }
 
 // A wavy surface in facets of a length, of which every step has one normal; the model's registration shifts it.
-class FacetsPredictor final : public Predictor {
+class FacetsPredictor final : public rendering::Predictor {
  public:
   FacetsPredictor(MotionColumns motion, double facet_m) : motion_(std::move(motion)), facet_m_(facet_m) {}
   Prediction predict(const Model& model) override {
@@ -94,7 +97,7 @@ TEST(JointFit, AStepAcrossABoundEndsThere) {
 }
 
 // A spring, and beside it a force that fades with the depth.
-class FadingPredictor final : public Predictor {
+class FadingPredictor final : public rendering::Predictor {
  public:
   explicit FadingPredictor(MotionColumns motion) : motion_(std::move(motion)) {}
   Prediction predict(const Model& model) override {

@@ -9,6 +9,8 @@
 #include <utility>
 
 namespace touchstone::discrepancy {
+using rendering::ActsOn;
+
 namespace {
 
 // So far beyond its scale no term goes.
@@ -71,12 +73,12 @@ class Term {
   }
   // Read back as a user's file would be: units checked, parameters sorted.
   [[nodiscard]] LawTerm read() && {
-    term_.effect = parse_effect(effect_to_json(term_.effect), term_.effect.name);
+    term_.effect = rendering::parse_effect(effect_to_json(term_.effect), term_.effect.name);
     return std::move(term_);
   }
 
  private:
-  void declare(ParameterDeclaration parameter, std::vector<double> starts) {
+  void declare(rendering::ParameterDeclaration parameter, std::vector<double> starts) {
     term_.effect.parameters.push_back(std::move(parameter));
     term_.effect.starts.push_back(std::move(starts));
   }

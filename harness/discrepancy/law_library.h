@@ -10,7 +10,6 @@
 #include <string>
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "harness/discrepancy/residual_views.h"
 #include "harness/rendering/declared_effect.h"
 
@@ -22,8 +21,8 @@ enum class Carrier : std::uint8_t { time, place, depth, speed, load, surface, pa
 std::string to_string(Carrier carrier);
 
 struct LawTerm {
-  DeclaredEffect effect;            // parameters at their scales
-  std::vector<std::string> linear;  // parameters that the force is proportional to
+  rendering::DeclaredEffect effect;  // parameters at their scales
+  std::vector<std::string> linear;   // parameters that the force is proportional to
   std::vector<std::map<std::string, double>>
       constants;  // starts of the others; at least one, empty where there are none
   std::vector<Carrier> carriers;

@@ -14,6 +14,9 @@
 #include "harness/discrepancy/whitened_regression.h"
 
 namespace touchstone::discrepancy {
+using rendering::Model;
+using rendering::Side;
+
 namespace {
 
 constexpr double ridge = 1e-8;
@@ -52,7 +55,7 @@ Eigen::VectorXd solve(const Squares& train, Eigen::Index world) {
 struct SideOf {
   const Evidence* evidence;
   const FitData* blocks;
-  Prediction nominal;
+  rendering::Prediction nominal;
   Eigen::MatrixXd residuals;  // the recording's, then each null world's
   Eigen::MatrixXd nuisances;
 
@@ -121,7 +124,7 @@ class Regression {
       // Small against the force, so that what cannot pull does not let go.
       constexpr double share = 1e-3;
       const double size = share * declaration(start.term->effect, name).initial;
-      NamedParameters entry = start.entry;
+      rendering::NamedParameters entry = start.entry;
       entry.parameters[name] = size;
       const Model model = with_entry(state_.current.model, side_of(*start.term), entry);
       series.push_back(difference(side.evidence->predictor->predict(model).f_W_N, side.nominal.f_W_N, size));
@@ -170,11 +173,11 @@ class Regression {
 
 Side side_of(const LawTerm& term) { return term.effect.is_instrument() ? Side::instrument : Side::contact; }
 
-const ParameterDeclaration& declaration(const DeclaredEffect& effect, const std::string& name) {
-  return *std::ranges::find(effect.parameters, name, &ParameterDeclaration::name);
+const rendering::ParameterDeclaration& declaration(const rendering::DeclaredEffect& effect, const std::string& name) {
+  return *std::ranges::find(effect.parameters, name, &rendering::ParameterDeclaration::name);
 }
 
-LawStart law_start(const LawTerm& term, const std::shared_ptr<const DeclaredEffect>& law,
+LawStart law_start(const LawTerm& term, const std::shared_ptr<const rendering::DeclaredEffect>& law,
                    const std::map<std::string, double>& constants) {
   LawStart start{&term, {law->name, constants, "/found", {}, law}};
   for (const std::string& name : term.linear) start.entry.parameters[name] = 0.0;

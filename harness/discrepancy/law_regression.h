@@ -7,7 +7,6 @@
 #include <string>
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "harness/discrepancy/law_library.h"
 #include "harness/discrepancy/search_state.h"
 
@@ -16,13 +15,13 @@ namespace touchstone::discrepancy {
 // A term with its constants at one start.
 struct LawStart {
   const LawTerm* term = nullptr;
-  NamedParameters entry;  // sizes zero
+  rendering::NamedParameters entry;  // sizes zero
 };
 
-Side side_of(const LawTerm& term);
+rendering::Side side_of(const LawTerm& term);
 // Of an effect that declares it.
-const ParameterDeclaration& declaration(const DeclaredEffect& effect, const std::string& name);
-LawStart law_start(const LawTerm& term, const std::shared_ptr<const DeclaredEffect>& law,
+const rendering::ParameterDeclaration& declaration(const rendering::DeclaredEffect& effect, const std::string& name);
+LawStart law_start(const LawTerm& term, const std::shared_ptr<const rendering::DeclaredEffect>& law,
                    const std::map<std::string, double>& constants);
 
 // What a start's regression says of the recording and of the simulated ones.

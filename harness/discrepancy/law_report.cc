@@ -34,9 +34,9 @@ std::string law_follows(const UnknownLaw& law) { return fmt::format("{}", fmt::j
 std::vector<std::string> law_formulas(const UnknownLaw& law) {
   std::vector<std::string> lines;
   for (const LawPiece& piece : law.pieces) {
-    for (const DeclaredState& state : piece.effect->states)
+    for (const rendering::DeclaredState& state : piece.effect->states)
       lines.push_back(fmt::format("{}: d{}/dt = {}", piece.effect->name, state.name, state.rate));
-    for (const DeclaredFormula& formula : piece.effect->formulas)
+    for (const rendering::DeclaredFormula& formula : piece.effect->formulas)
       lines.push_back(fmt::format("{}: {} = {}", piece.effect->name, formula.output, formula.text));
   }
   return lines;
@@ -60,7 +60,7 @@ nlohmann::ordered_json law_json(const UnknownLaw& law, const LawGap& gap) {
   std::size_t count = 0;
   for (const LawPiece& piece : law.pieces) {
     nlohmann::ordered_json values = nlohmann::ordered_json::object();
-    for (const ParameterDeclaration& parameter : piece.effect->parameters)
+    for (const rendering::ParameterDeclaration& parameter : piece.effect->parameters)
       values[parameter.name] = {{"unit", parameter.unit}, {"value", json_number(parameter.initial)}};
     out["pieces"].push_back({{"file", fmt::format("law-{}.json", ++count)},
                              {"name", piece.effect->name},

@@ -19,6 +19,11 @@
 #include "harness/discrepancy/structure_detector.h"
 
 namespace touchstone::discrepancy {
+using rendering::DeclaredEffect;
+using rendering::Model;
+using rendering::NamedParameters;
+using rendering::Prediction;
+
 namespace {
 
 constexpr std::size_t most_pieces = 3;
@@ -31,7 +36,7 @@ using Report = std::function<void(const std::string&)>;
 // How the parameters of a term enter a fit from an entry: sizes in steps of what they are.
 std::vector<FreeParameter> free_of(const LawTerm& term, const NamedParameters& entry) {
   std::vector<FreeParameter> free;
-  for (const ParameterDeclaration& parameter : term.effect.parameters) {
+  for (const rendering::ParameterDeclaration& parameter : term.effect.parameters) {
     if (parameter.minimum > 0.0) {
       free.push_back(log_parameter(entry.name, parameter.name, parameter.minimum, parameter.maximum));
       continue;
@@ -133,7 +138,7 @@ class LawSearch {
  private:
   [[nodiscard]] WavePeaks peaks() const {
     const FitData& blocks = state_.train;
-    const Recording& recording = *state_.data->train.recording;
+    const recording::Recording& recording = *state_.data->train.recording;
     const Prediction now = blocks.predictor->predict(state_.current.model);
     const auto means = block_means(blocks.blocks, now.f_W_N);
     const auto places = block_means(blocks.blocks, recording.motion.p_W_m);
@@ -167,7 +172,7 @@ class LawSearch {
     NamedParameters entry = start.entry;
     for (std::size_t i = 0; i < regressed.sizes.size(); ++i) {
       const std::string& name = start.term->linear[i];
-      const ParameterDeclaration& bounds = declaration(start.term->effect, name);
+      const rendering::ParameterDeclaration& bounds = declaration(start.term->effect, name);
       entry.parameters[name] = std::clamp(regressed.sizes[i], 0.99 * bounds.minimum, 0.99 * bounds.maximum);
     }
     Refined refined{start.term, start.entry.law, regressed.gain, state_};

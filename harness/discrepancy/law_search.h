@@ -16,7 +16,6 @@
 #include <string>
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "harness/discrepancy/law_library.h"
 #include "harness/discrepancy/search_state.h"
 
@@ -31,8 +30,8 @@ struct SeenRange {
 };
 
 struct LawPiece {
-  std::shared_ptr<const DeclaredEffect> effect;  // parameters start at the fitted values
-  Side side = Side::contact;
+  std::shared_ptr<const rendering::DeclaredEffect> effect;  // parameters start at the fitted values
+  rendering::Side side = rendering::Side::contact;
   std::vector<Carrier> carriers;
   double validation_gain = 0.0;  // of chi-squared, by the regression
   double null_bar = 0.0;         // the largest gain in null recordings, and more
@@ -40,7 +39,7 @@ struct LawPiece {
 
 struct UnknownLaw {
   std::vector<LawPiece> pieces;       // empty: no law was found
-  Model model;                        // the effects that are needed beside it, and the law
+  rendering::Model model;             // the effects that are needed beside it, and the law
   std::vector<std::string> needless;  // effects that were found and are not needed beside the law
   std::vector<SeenRange> seen;
   [[nodiscard]] bool found() const { return !pieces.empty(); }
@@ -54,7 +53,7 @@ bool calls_for_law(const SearchState& found);
 
 // `base`: the model with its stiffness refitted and nothing found. Both are fitted; the held-out data are not looked
 // at.
-UnknownLaw search_law(const SearchState& found, const Model& base,
+UnknownLaw search_law(const SearchState& found, const rendering::Model& base,
                       const std::function<void(const std::string&)>& report);
 
 }  // namespace touchstone::discrepancy

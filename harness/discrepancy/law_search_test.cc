@@ -20,6 +20,10 @@
 #include "renderers/model_predictor.h"
 
 namespace touchstone::discrepancy {
+using rendering::Candidate;
+using rendering::Model;
+using rendering::Prediction;
+
 namespace {
 
 constexpr double stiffness_N_per_m = 900.0;
@@ -29,8 +33,8 @@ struct Plate {
   double wave_m = 0.0;
 
   [[nodiscard]] double height_m(double x_m) const { return wave_m * std::sin(2.0 * std::numbers::pi * x_m / 0.04); }
-  [[nodiscard]] std::shared_ptr<const Surface> surface() const {
-    TriangleMesh mesh;
+  [[nodiscard]] std::shared_ptr<const surface::Surface> surface() const {
+    surface::TriangleMesh mesh;
     mesh.source = "plate";
     const std::int32_t strips = wave_m > 0.0 ? 400 : 1;
     for (int i = 0; i <= strips; ++i) {
@@ -77,7 +81,7 @@ Model spring_of(double stiffness) {
   return model;
 }
 
-Recording record(const Plate& plate, const Force& hidden, double phase, std::uint64_t seed) {
+recording::Recording record(const Plate& plate, const Force& hidden, double phase, std::uint64_t seed) {
   MotionColumns path = strokes(phase);
   for (Vec3& p : path.p_W_m) p.z() += plate.height_m(p.x());
   const Prediction spring =
@@ -102,7 +106,7 @@ struct Answer {
 Answer search(const Force& hidden, const Plate& plate = {}) {
   const auto surface = plate.surface();
   const Model start = spring_of(1.05 * stiffness_N_per_m);
-  const MakePredictor make = [&](const MotionColumns& motion) {
+  const rendering::MakePredictor make = [&](const MotionColumns& motion) {
     return renderers::make_model_predictor(surface, motion);
   };
   const TwoRecordings two(record(plate, hidden, 0.0, 31), record(plate, hidden, 1.3, 32), small_noise(1.0), start,

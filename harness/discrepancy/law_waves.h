@@ -5,7 +5,6 @@
 
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "harness/base/vec.h"
 #include "harness/discrepancy/law_library.h"
 

@@ -6,7 +6,7 @@
 
 namespace touchstone::discrepancy {
 
-std::vector<std::size_t> pressing_samples(const Prediction& prediction, std::size_t stride) {
+std::vector<std::size_t> pressing_samples(const rendering::Prediction& prediction, std::size_t stride) {
   std::vector<std::size_t> pressing;
   for (std::size_t i = 0; i < prediction.n_W.size(); i += stride) {
     if (!prediction.n_W[i].isZero() && prediction.depth_m[i] > 0.0 && prediction.normal_N[i] > 0.0)
@@ -15,7 +15,7 @@ std::vector<std::size_t> pressing_samples(const Prediction& prediction, std::siz
   return pressing;
 }
 
-std::vector<double> stiffness_at(const Prediction& prediction, const std::vector<std::size_t>& samples) {
+std::vector<double> stiffness_at(const rendering::Prediction& prediction, const std::vector<std::size_t>& samples) {
   constexpr double furthest = 3.0;
   std::vector<double> stiffness_N_per_m;
   stiffness_N_per_m.reserve(samples.size());

@@ -4,6 +4,8 @@
 #include <gtest/gtest.h>
 
 namespace touchstone::discrepancy {
+using rendering::Prediction;
+
 namespace {
 
 using ::testing::ElementsAre;

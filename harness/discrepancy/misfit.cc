@@ -6,6 +6,8 @@
 #include <vector>
 
 namespace touchstone::discrepancy {
+using rendering::Model;
+
 namespace {
 
 struct Group {

@@ -8,7 +8,6 @@
 
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "harness/discrepancy/joint_fit.h"
 
 namespace touchstone::discrepancy {
@@ -20,12 +19,12 @@ struct Misfit {
   double tangential_N = 0.0;
 };
 
-Misfit estimate_misfit(const FitData& declared, const Model& model);
+Misfit estimate_misfit(const FitData& declared, const rendering::Model& model);
 // -2 ln likelihood of the blocks, less a constant, under noise and misfit. Unlike chi-squared it may be compared
 // between models that leave different misfit.
-double deviance(const FitData& data, const Model& model);
+double deviance(const FitData& data, const rendering::Model& model);
 // The same block by block.
-std::vector<double> block_deviance(const FitData& data, const Model& model);
+std::vector<double> block_deviance(const FitData& data, const rendering::Model& model);
 void add_misfit(FitData& data, const Misfit& misfit);
 
 }  // namespace touchstone::discrepancy

@@ -10,6 +10,9 @@
 #include "harness/base/error.h"
 
 namespace touchstone::discrepancy {
+using rendering::Model;
+using rendering::NamedParameters;
+
 namespace {
 
 constexpr const char* path_name = "presliding_m";
@@ -26,9 +29,9 @@ FreeParameter base_stiffness(const Model& start) {
   return log_base_parameter("stiffness_N_per_m", 0.1 * given->second, 10.0 * given->second);
 }
 
-Model with_entry(const Model& model, Side side, const NamedParameters& entry) {
+Model with_entry(const Model& model, rendering::Side side, const NamedParameters& entry) {
   Model extended = model;
-  (side == Side::contact ? extended.effects : extended.instrument).push_back(entry);
+  (side == rendering::Side::contact ? extended.effects : extended.instrument).push_back(entry);
   return extended;
 }
 

@@ -5,6 +5,8 @@
 #include "harness/discrepancy/catalogue_for_test.h"
 
 namespace touchstone::discrepancy {
+using rendering::Model;
+
 namespace {
 
 TEST(ShorterPaths, AreOfEveryFrictionAndLeaveTheRest) {

@@ -9,6 +9,8 @@
 #include "harness/discrepancy/huber_loss.h"
 
 namespace touchstone::discrepancy {
+using rendering::Model;
+
 namespace {
 
 // Whitened residuals of what was measured, without Huber's loss; nothing if the model cannot run.

@@ -7,7 +7,6 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "harness/discrepancy/joint_fit.h"
 
 namespace touchstone::discrepancy {
@@ -16,13 +15,13 @@ class NearbyFits {
  public:
   // `data`: their blocks and noise; what was measured there does not matter. `model`: where they begin. The referenced
   // must outlive it.
-  NearbyFits(const FitData& data, const Model& model, const std::vector<FreeParameter>& parameters);
+  NearbyFits(const FitData& data, const rendering::Model& model, const std::vector<FreeParameter>& parameters);
 
   // Whether the model can run and no coefficient of a field is free, whose prior is not in the shared derivatives.
   [[nodiscard]] bool usable() const { return usable_; }
   // `measured_N`: means of the blocks. `start`: the model, or one that differs in what is not free. Without covariance.
   // For many threads.
-  [[nodiscard]] JointFit fit(const std::vector<Vec3>& measured_N, const Model& start, int steps) const;
+  [[nodiscard]] JointFit fit(const std::vector<Vec3>& measured_N, const rendering::Model& start, int steps) const;
 
  private:
   const FitData* data_;

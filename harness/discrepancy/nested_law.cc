@@ -21,6 +21,10 @@
 #include "harness/stats/quantile.h"
 
 namespace touchstone::discrepancy {
+using rendering::Model;
+using rendering::Prediction;
+using rendering::Predictor;
+
 namespace {
 
 constexpr std::size_t fewest_worlds = 4;  // for a bar
@@ -119,7 +123,8 @@ double likelihood_bar(const SearchState& state, const Law& smaller, const Law& l
 }
 
 // The model with the candidate in the place of one of its effects.
-std::optional<Law> with_larger(const SearchState& state, const std::string& smaller, const Candidate& candidate) {
+std::optional<Law> with_larger(const SearchState& state, const std::string& smaller,
+                               const rendering::Candidate& candidate) {
   const Model rest = without_entry(state.current.model, smaller);
   const CandidateFit options = state.options(candidate, rest);
   const auto kept = without_owner(state.compared(), smaller);
@@ -134,7 +139,7 @@ std::optional<Judged> judge_special_case(const SearchState& state, const Law& no
                                          const Model& larger_model, const std::string& larger, const Shown& shown,
                                          int rounds) {
   Law special{without_entry(larger_model, larger), now.parameters};
-  NamedParameters entry = *find_entry(now.model, smaller);
+  rendering::NamedParameters entry = *find_entry(now.model, smaller);
   for (const auto& [name, value] : find_entry(larger_model, larger)->parameters) {
     const auto shared = entry.parameters.find(name);
     if (shared != entry.parameters.end()) shared->second = value;
@@ -193,7 +198,7 @@ std::map<std::string, double> noise_squares(const SearchState& state, const Mode
   const Prediction likely = evidence.noise->likely_predictor().predict(model);
   std::map<std::string, double> squares;
   for (std::size_t world = 0; world < few_worlds; ++world) {
-    Recording shown = *evidence.recording;
+    recording::Recording shown = *evidence.recording;
     shown.f_W_N = evidence.noise->null_forces(model, nominal, world);
     evidence.recording = &shown;
     for (const Regime& regime : sort_by_regime(evidence, likely, likely, state.data->force_floor_N)) {
@@ -245,8 +250,8 @@ std::vector<LargerLaw> weigh_larger_laws(const SearchState& state) {
   constexpr int rounds = 4;
   std::optional<Judged> standing;
   std::vector<LargerLaw> laws;
-  for (const NamedParameters& entry : state.current.model.effects) {
-    for (const Candidate& candidate : *state.candidates) {
+  for (const rendering::NamedParameters& entry : state.current.model.effects) {
+    for (const rendering::Candidate& candidate : *state.candidates) {
       if (!state.library().contains(candidate.name, entry.name) || is_field(candidate.parameters) ||
           !state.budget->allows(candidate.name + " in place of " + entry.name)) {
         continue;

@@ -14,7 +14,6 @@
 #include <string>
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "harness/discrepancy/trial.h"
 
 namespace touchstone::discrepancy {
@@ -39,6 +38,7 @@ std::vector<Trial> weigh_by_likelihood(const SearchState& state, const std::vect
 // is the truth (separate families of hypotheses: Cox 1961; by parametric bootstrap as above). At noisy positions a
 // relaxation that ends within hundredths of a second does as well as damping: it passes less of the noise on.
 // `with_other`: the model with the other effect, fitted; `parameters`: what is free in it.
-bool likelier_in_place(const SearchState& state, const Model& with_other, const std::vector<FreeParameter>& parameters);
+bool likelier_in_place(const SearchState& state, const rendering::Model& with_other,
+                       const std::vector<FreeParameter>& parameters);
 
 }  // namespace touchstone::discrepancy

@@ -15,10 +15,16 @@
 #include "harness/discrepancy/two_recordings_for_test.h"
 
 namespace touchstone::discrepancy {
+using rendering::Candidate;
+using rendering::Model;
+using rendering::NamedParameters;
+using rendering::Prediction;
+using rendering::Side;
+
 namespace {
 
 // A play operator on a plane; the coefficient by the speed of the tip while it slides, the static one while it sticks.
-class BristlePredictor final : public Predictor {
+class BristlePredictor final : public rendering::Predictor {
  public:
   explicit BristlePredictor(const MotionColumns& motion) : plane_(motion), motion_(motion) {}
   Prediction predict(const Model& model) override {
@@ -84,8 +90,8 @@ MotionColumns strokes(double phase, double unit, double breath = 0.2) {
 }
 
 struct Strokes {
-  const std::vector<ParameterDeclaration> coefficients{{"mu_static", "1", 0.0, 5.0, 0.0, ""},
-                                                       {"mu_dynamic", "1", 0.0, 5.0, 0.0, ""}};
+  const std::vector<rendering::ParameterDeclaration> coefficients{{"mu_static", "1", 0.0, 5.0, 0.0, ""},
+                                                                  {"mu_dynamic", "1", 0.0, 5.0, 0.0, ""}};
   std::vector<Candidate> library{
       {"coulomb-friction", Side::contact, coefficients, traits_of("coulomb-friction")},
       {"stribeck-friction", Side::contact, coefficients, traits_of("stribeck-friction")},
@@ -152,8 +158,8 @@ TEST(NestedLaw, PlainFrictionStays) {
 
 // Plain friction with a short path, seen by a sensor that lags; the search has friction by now.
 std::vector<Trial> beside_friction(double lag_s, std::uint64_t seed) {
-  const std::vector<ParameterDeclaration> coefficients{{"mu_static", "1", 0.0, 5.0, 0.0, ""},
-                                                       {"mu_dynamic", "1", 0.0, 5.0, 0.0, ""}};
+  const std::vector<rendering::ParameterDeclaration> coefficients{{"mu_static", "1", 0.0, 5.0, 0.0, ""},
+                                                                  {"mu_dynamic", "1", 0.0, 5.0, 0.0, ""}};
   const std::vector<Candidate> library{
       {"coulomb-friction", Side::contact, coefficients, traits_of("coulomb-friction")},
       {"time-lag", Side::instrument, {{"lag_s", "s", 0.0, 1.0, 0.0, ""}}, traits_of("time-lag")}};
@@ -230,7 +236,7 @@ TEST(WeighedByLikelihood, ADamperThatActsPassesWithItsCoefficient) {
 TEST(WeighedByLikelihood, NothingPassesWhereNothingIsMissing) { EXPECT_TRUE(likely_trials(0.0).empty()); }
 
 // A plane under damping that grows with the depth (Hunt and Crossley 1975, equation 2), or a Maxwell arm.
-class YieldingPlane final : public Predictor {
+class YieldingPlane final : public rendering::Predictor {
  public:
   explicit YieldingPlane(const MotionColumns& motion) : plane_(motion), motion_(motion) {}
   Prediction predict(const Model& model) override {

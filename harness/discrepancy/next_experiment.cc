@@ -12,6 +12,9 @@
 #include "harness/stats/quantile.h"
 
 namespace touchstone::discrepancy {
+using recording::Recording;
+using rendering::Prediction;
+
 namespace {
 
 constexpr double rate_Hz = 250.0;
@@ -166,8 +169,9 @@ MotionColumns perform(const Gesture& gesture, const Site& site, bool with_orient
 }  // namespace
 
 std::optional<NextExperiment> propose_experiment(const Recording& recording, const Prediction& prediction,
-                                                 const Model& one, const Model& other, const MakePredictor& make,
-                                                 double force_noise_N, double position_noise_m) {
+                                                 const rendering::Model& one, const rendering::Model& other,
+                                                 const rendering::MakePredictor& make, double force_noise_N,
+                                                 double position_noise_m) {
   const Site site = find_site(recording, prediction);
   if (site.depth_m <= 0.0 || site.reach_m <= 0.0) return std::nullopt;
   // A tracker's error moves the predicted force by the stiffness times it, where the tip touches.

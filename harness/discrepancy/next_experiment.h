@@ -6,7 +6,6 @@
 #include <optional>
 #include <string>
 
-#include "harness/base/rooms.h"
 #include "harness/discrepancy/effect_search.h"
 
 namespace touchstone::discrepancy {
@@ -19,8 +18,9 @@ struct NextExperiment {
 
 // Nothing when no motion of the repertoire separates the two models by one and a half times the noise: less than the
 // noise counts as indistinguishable, and refitting takes some of the difference.
-std::optional<NextExperiment> propose_experiment(const Recording& recording, const Prediction& prediction,
-                                                 const Model& one, const Model& other, const MakePredictor& make,
+std::optional<NextExperiment> propose_experiment(const recording::Recording& recording,
+                                                 const rendering::Prediction& prediction, const rendering::Model& one,
+                                                 const rendering::Model& other, const rendering::MakePredictor& make,
                                                  double force_noise_N, double position_noise_m);
 
 }  // namespace touchstone::discrepancy

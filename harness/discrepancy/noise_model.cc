@@ -6,6 +6,9 @@
 #include "harness/discrepancy/smooth_motion.h"
 
 namespace touchstone::discrepancy {
+using rendering::Model;
+using rendering::Prediction;
+
 namespace {
 
 // The noise of neighbouring blocks is pooled, since a handful of replicas measures one block's variance badly.
@@ -44,8 +47,8 @@ double leaning_N(const InstrumentDescription& instrument, double normal_N) {
 }  // namespace
 
 NoiseModel::NoiseModel(const MotionColumns& motion, const std::vector<Vec3>& n_W,
-                       const InstrumentDescription& instrument, const MakePredictor& make, std::uint64_t noise_seed,
-                       std::uint64_t mesh_seed)
+                       const InstrumentDescription& instrument, const rendering::MakePredictor& make,
+                       std::uint64_t noise_seed, std::uint64_t mesh_seed)
     : instrument_(instrument) {
   const Random root(noise_seed);
   const Random mesh_root(mesh_seed);

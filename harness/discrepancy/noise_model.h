@@ -15,7 +15,6 @@
 #include <memory>
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "harness/discrepancy/instrument_description.h"
 #include "harness/discrepancy/residual_blocks.h"
 
@@ -27,43 +26,46 @@ class NoiseModel {
   // taken). `make` is used once per replica. Deterministic for its seeds; recordings of one object have the same error
   // of the mesh, and so one `mesh_seed`, but each its own noise.
   NoiseModel(const MotionColumns& motion, const std::vector<Vec3>& n_W, const InstrumentDescription& instrument,
-             const MakePredictor& make, std::uint64_t noise_seed, std::uint64_t mesh_seed);
+             const rendering::MakePredictor& make, std::uint64_t noise_seed, std::uint64_t mesh_seed);
 
   // The noise of each block if `model` were the truth. `nominal`: the model's prediction at the recorded positions.
-  [[nodiscard]] std::vector<BlockNoise> of(const Model& model, const Prediction& nominal,
+  [[nodiscard]] std::vector<BlockNoise> of(const rendering::Model& model, const rendering::Prediction& nominal,
                                            const std::vector<ResidualBlock>& blocks);
 
   // What the sensor would have shown beyond `nominal`, were `model` the truth and the tip off from where it was
   // recorded by draw number `index` (< replica_count) of the tracker's noise. Faster noise than that of simulated
   // recordings: these follow the smoothed motion, which has some of the recorded noise in it.
   static constexpr std::size_t replica_count = 8;
-  [[nodiscard]] std::vector<Vec3> left_by_noise(const Model& model, const Prediction& nominal, std::size_t index);
+  [[nodiscard]] std::vector<Vec3> left_by_noise(const rendering::Model& model, const rendering::Prediction& nominal,
+                                                std::size_t index);
 
   // The mean square of the 3-D force error that noise would leave at each sample if `model` were the truth [N^2].
-  [[nodiscard]] std::vector<double> expected_squares(const Model& model, const Prediction& nominal);
+  [[nodiscard]] std::vector<double> expected_squares(const rendering::Model& model,
+                                                     const rendering::Prediction& nominal);
 
   // The motion without the tracker's noise, as far as it is known (see smooth_motion.h).
   [[nodiscard]] const MotionColumns& likely_motion() const { return likely_motion_; }
-  [[nodiscard]] Predictor& likely_predictor() const { return *likely_; }
+  [[nodiscard]] rendering::Predictor& likely_predictor() const { return *likely_; }
 
   // What the sensor would have shown, were `model` the truth, in a world whose noise and mesh error are number `index`
   // (< null_worlds): for null distributions of the case itself.
   static constexpr std::size_t null_worlds = 10;
-  [[nodiscard]] std::vector<Vec3> null_forces(const Model& model, const Prediction& nominal, std::size_t index);
+  [[nodiscard]] std::vector<Vec3> null_forces(const rendering::Model& model, const rendering::Prediction& nominal,
+                                              std::size_t index);
 
  private:
   struct World {
-    std::unique_ptr<Predictor> predictor;
+    std::unique_ptr<rendering::Predictor> predictor;
     std::vector<Vec3> force_noise;
     std::vector<Vec3> tilt_W;  // of the true normal against the facet's; null recordings only
   };
 
   InstrumentDescription instrument_;
   MotionColumns likely_motion_;
-  std::unique_ptr<Predictor> likely_;
-  std::vector<World> replicas_;           // noise alone
-  std::vector<World> nulls_;              // noise and mesh error
-  std::unique_ptr<Predictor> displaced_;  // the mesh off by its standard deviation
+  std::unique_ptr<rendering::Predictor> likely_;
+  std::vector<World> replicas_;                      // noise alone
+  std::vector<World> nulls_;                         // noise and mesh error
+  std::unique_ptr<rendering::Predictor> displaced_;  // the mesh off by its standard deviation
 };
 
 }  // namespace touchstone::discrepancy

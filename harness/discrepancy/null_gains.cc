@@ -10,21 +10,21 @@
 namespace touchstone::discrepancy {
 
 std::vector<double> null_gains(const NullCase& null, const RefitInWorld& refits, std::size_t first, std::size_t last) {
-  const Prediction train_nominal = null.train->predictor->predict(*null.model);
-  const Prediction validation_nominal = null.validation->predictor->predict(*null.model);
+  const rendering::Prediction train_nominal = null.train->predictor->predict(*null.model);
+  const rendering::Prediction validation_nominal = null.validation->predictor->predict(*null.model);
   const NearbyFits nearby(*null.train_blocks, *null.model, *null.parameters);
   std::vector<std::optional<double>> gains(last - first);
   const auto in_world = [&](std::size_t i) {
-    Recording recording = *null.train->recording;
+    recording::Recording recording = *null.train->recording;
     recording.f_W_N = null.train->noise->null_forces(*null.model, train_nominal, first + i);
     FitData train = *null.train_blocks;
     train.measured_N = block_means(train.blocks, recording.f_W_N);
     FitData validation = *null.validation_blocks;
     validation.measured_N =
         block_means(validation.blocks, null.validation->noise->null_forces(*null.model, validation_nominal, first + i));
-    const JointFit base = nearby.usable()
-                              ? nearby.fit(train.measured_N, *null.model, null.iterations)
-                              : fit_jointly(train, Model(*null.model), *null.parameters, null.iterations, false);
+    const JointFit base =
+        nearby.usable() ? nearby.fit(train.measured_N, *null.model, null.iterations)
+                        : fit_jointly(train, rendering::Model(*null.model), *null.parameters, null.iterations, false);
     if (!base.ok) return;
     const double before = chi_squared(validation, base.model);
     for (const JointFit& with : refits(train, recording, base.model)) {

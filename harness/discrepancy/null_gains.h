@@ -3,7 +3,6 @@
 
 #include <functional>
 
-#include "harness/base/rooms.h"
 #include "harness/discrepancy/evidence.h"
 #include "harness/discrepancy/model_edit.h"
 
@@ -14,14 +13,14 @@ struct NullCase {
   const Evidence* validation = nullptr;
   const FitData* train_blocks = nullptr;
   const FitData* validation_blocks = nullptr;
-  const Model* model = nullptr;  // the truth of the null recordings
+  const rendering::Model* model = nullptr;  // the truth of the null recordings
   const std::vector<FreeParameter>* parameters = nullptr;
   int iterations = 12;
 };
 
 // Fits of a world's recording with what competes added to `base`, which was fitted to it.
-using RefitInWorld =
-    std::function<std::vector<JointFit>(const FitData& train, const Recording& recording, const Model& base)>;
+using RefitInWorld = std::function<std::vector<JointFit>(const FitData& train, const recording::Recording& recording,
+                                                         const rendering::Model& base)>;
 
 // The most that any of the fits gains of validation chi-squared in each world from `first` to before `last`, where the
 // case's model is the truth, under the declared noise and error of the mesh alone (parametric bootstrap, Efron and

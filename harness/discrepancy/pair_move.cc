@@ -12,6 +12,8 @@
 #include "harness/discrepancy/trial_gates.h"
 
 namespace touchstone::discrepancy {
+using rendering::Model;
+
 namespace {
 
 constexpr std::size_t most_firsts = 3;
@@ -93,7 +95,7 @@ std::vector<Trial> try_pairs(const SearchState& state, const Standing& standing,
   };
   const auto compared = state.compared();
   // The maximum over all that compete, in simulated recordings without either effect.
-  const auto refits = [&](const FitData& train, const Recording& recording, const Model& base) {
+  const auto refits = [&](const FitData& train, const recording::Recording& recording, const Model& base) {
     std::vector<JointFit> fits;
     std::map<std::string, JointFit> alone_here;
     for (const Trial& pair : pairs) {

@@ -7,7 +7,6 @@
 
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "harness/discrepancy/trial.h"
 
 namespace touchstone::discrepancy {

@@ -14,6 +14,8 @@
 #include "harness/discrepancy/two_recordings_for_test.h"
 
 namespace touchstone::discrepancy {
+using rendering::Candidate;
+
 namespace {
 
 double wave_a(double t_s) { return std::sin(5.0 * t_s); }
@@ -21,12 +23,12 @@ double wave_b(double t_s) { return std::cos(3.1 * t_s); }
 constexpr double share_of_b = 0.125;
 
 // The plane of the other tests, and forces along y that are switched on by amplitude.
-class WavesPredictor final : public Predictor {
+class WavesPredictor final : public rendering::Predictor {
  public:
   explicit WavesPredictor(const MotionColumns& motion) : plane_(motion), t_s_(motion.t_s) {}
-  Prediction predict(const Model& model) override {
-    Prediction prediction = plane_.predict(model);
-    for (const NamedParameters& entry : model.instrument) {
+  rendering::Prediction predict(const rendering::Model& model) override {
+    rendering::Prediction prediction = plane_.predict(model);
+    for (const rendering::NamedParameters& entry : model.instrument) {
       const auto amplitude = entry.parameters.find("amplitude_N");
       if (amplitude == entry.parameters.end()) continue;
       for (std::size_t i = 0; i < t_s_.size(); ++i) {
@@ -45,11 +47,13 @@ class WavesPredictor final : public Predictor {
   std::vector<double> t_s_;
 };
 
-Candidate wave(const std::string& name) { return {name, Side::instrument, {{"amplitude_N", "N", -100, 100, 0.0, ""}}}; }
+Candidate wave(const std::string& name) {
+  return {name, rendering::Side::instrument, {{"amplitude_N", "N", -100, 100, 0.0, ""}}};
+}
 
 struct TwoWaves {
   std::vector<Candidate> library{wave("idle"), wave("carrier"), wave("marked")};
-  Model start;
+  rendering::Model start;
   std::optional<TwoRecordings> recordings;
 
   // `size_N` of the force that is missing, `stray_N` of one that no candidate makes.

@@ -39,7 +39,7 @@ double fitted_variance(const JointFit& fit, const std::vector<FreeParameter>& pa
   for (Eigen::Index i = 0; i < n; ++i) {
     const FreeParameter& free = parameters[static_cast<std::size_t>(i)];
     const double h = fit.u[i] + step > free.upper ? -step : step;
-    Model moved = fit.model;
+    rendering::Model moved = fit.model;
     free.set(moved, fit.u[i] + h);
     gradient[i] = (scale.to(find_entry(moved, effect)->parameters.at(name)) - here) / h;
   }
@@ -64,13 +64,13 @@ double bias_of_truth(double here, double bias, const Scale& scale) {
 std::vector<NullFit> bootstrap_fits(const Evidence& train, const FitData& data, const JointFit& fit,
                                     const std::vector<FreeParameter>& parameters, int iterations,
                                     const ReadValues& read) {
-  const Prediction nominal = train.predictor->predict(fit.model);
+  const rendering::Prediction nominal = train.predictor->predict(fit.model);
   const NearbyFits nearby(data, fit.model, parameters);
   std::vector<std::optional<NullFit>> fits(NoiseModel::null_worlds);
   const auto in_world = [&](std::size_t world) {
     FitData again = data;
     again.measured_N = block_means(data.blocks, train.noise->null_forces(fit.model, nominal, world));
-    Model from = fit.model;
+    rendering::Model from = fit.model;
     if (read) read(from, world);
     JointFit refitted = nearby.usable() ? nearby.fit(again.measured_N, from, iterations)
                                         : fit_jointly(again, from, parameters, iterations, false);

@@ -13,7 +13,6 @@
 #include <string>
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "harness/discrepancy/evidence.h"
 
 namespace touchstone::discrepancy {
@@ -21,12 +20,12 @@ namespace touchstone::discrepancy {
 // The fit made again in a null world.
 struct NullFit {
   std::size_t world = 0;
-  Model model;
+  rendering::Model model;
 };
 
 // Sets in the model what is not fitted but read from the forces alone, as far off as it may be: another draw for every
 // world.
-using ReadValues = std::function<void(Model&, std::size_t world)>;
+using ReadValues = std::function<void(rendering::Model&, std::size_t world)>;
 
 // In each null world where the fit succeeds. `data`: the blocks of `train` that `fit` was made on. `read`, where given,
 // goes before the fit.

@@ -6,20 +6,19 @@
 #include <cmath>
 #include <utility>
 
-#include "harness/base/rooms.h"
 #include "harness/discrepancy/free_parameter.h"
 #include "harness/rendering/predictor.h"
 
 namespace touchstone::discrepancy {
 
-class PlanePredictor final : public Predictor {
+class PlanePredictor final : public rendering::Predictor {
  public:
   explicit PlanePredictor(MotionColumns motion) : motion_(std::move(motion)) {}
-  Prediction predict(const Model& model) override {
-    Prediction prediction;
+  rendering::Prediction predict(const rendering::Model& model) override {
+    rendering::Prediction prediction;
     const double k = model.parameters.at("stiffness_N_per_m");
-    const NamedParameters* const viscous = find_entry(model, "viscous-friction");
-    const NamedParameters* const bias = find_entry(model, "force-bias");
+    const rendering::NamedParameters* const viscous = find_entry(model, "viscous-friction");
+    const rendering::NamedParameters* const bias = find_entry(model, "force-bias");
     for (std::size_t i = 0; i < motion_.size(); ++i) {
       const double depth = std::max(0.0, -motion_.p_W_m[i].z());
       Vec3 f(0.0, 0.0, k * depth);

@@ -13,6 +13,9 @@
 #include "harness/stats/quantile.h"
 
 namespace touchstone::discrepancy {
+using recording::Recording;
+using rendering::Prediction;
+
 namespace {
 
 constexpr double onset_s = 0.05;  // "first contact" lasts this long

@@ -4,7 +4,6 @@
 #include <string>
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "harness/discrepancy/effect_search.h"
 
 namespace touchstone::discrepancy {
@@ -27,8 +26,8 @@ struct Regime {
 // `evidence`: the samples to sort; predictions of the starting model and of the final one over the whole recording.
 // Contact is by the final model, or by a measured force that differs by more than the floor from what the sensor
 // shows in free air: a tool's weight that no model has yet is no contact.
-std::vector<Regime> sort_by_regime(const Evidence& evidence, const Prediction& before, const Prediction& after,
-                                   double force_floor_N);
+std::vector<Regime> sort_by_regime(const Evidence& evidence, const rendering::Prediction& before,
+                                   const rendering::Prediction& after, double force_floor_N);
 
 // The phase that got worse than noise can make it, by more than `share` of what got better in all; empty: none. (A
 // short one whose error is all noise, such as the first contact, may go up by chance.)

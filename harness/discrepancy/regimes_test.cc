@@ -7,6 +7,8 @@
 #include "harness/discrepancy/plane_for_test.h"
 
 namespace touchstone::discrepancy {
+using rendering::Prediction;
+
 namespace {
 
 constexpr double floor_N = 0.06;
@@ -18,8 +20,8 @@ std::size_t samples_in(const std::vector<Regime>& regimes, const std::string& na
 
 struct PressedPlane {
   double unit;
-  Model model;
-  Recording recording;
+  rendering::Model model;
+  recording::Recording recording;
   PlanePredictor predictor;
 
   explicit PressedPlane(double unit_m) : unit(unit_m), predictor(hand(0.0, unit_m)) {

@@ -7,7 +7,6 @@
 #include <span>
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "harness/base/vec.h"
 #include "harness/recording/trajectory.h"
 #include "harness/rendering/predictor.h"

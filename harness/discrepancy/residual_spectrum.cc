@@ -19,6 +19,8 @@
 #include "harness/stats/quantile.h"
 
 namespace touchstone::discrepancy {
+using rendering::Model;
+
 namespace {
 
 // Bound on the probability of any false peak in one recording of noise alone.
@@ -98,7 +100,7 @@ std::optional<Sight> look_at(const DetectorSide& side, const Model& model) {
   Sight sight;
   sight.step_s = median_step_s(t_s);
   if (!(sight.step_s > 0.0) || t_s.size() < 4 * shortest_segment) return std::nullopt;
-  const Prediction nominal = side.blocks->predictor->predict(model);
+  const rendering::Prediction nominal = side.blocks->predictor->predict(model);
   const auto left = minus(side.recording->f_W_N, nominal.f_W_N);
   for (const Vec3& e : left) sight.square_N2 += e.squaredNorm() / static_cast<double>(left.size());
   sight.residual = even(t_s, left, sight.step_s);
@@ -190,7 +192,7 @@ enum class Doing : std::uint8_t { sliding, resting, free, between };
 
 std::vector<Doing> doing(const DetectorSide& side, const Model& model, double step_s, std::size_t n) {
   const MotionColumns& motion = side.recording->motion;
-  const Prediction prediction = side.blocks->predictor->predict(model);
+  const rendering::Prediction prediction = side.blocks->predictor->predict(model);
   // Over a tenth of a second a hand's sliding shows above a tracker's noise.
   constexpr double half_window_s = 0.05;
   const std::size_t count = motion.size();

@@ -17,7 +17,6 @@
 #include <string>
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "harness/discrepancy/structure_detector.h"
 
 namespace touchstone::discrepancy {
@@ -55,11 +54,11 @@ struct ResidualSpectrum {
 };
 
 // Of one recording. `from_Hz`: where to begin. Nothing of recordings that are too short.
-std::vector<SpectralPeak> find_peaks(const DetectorSide& side, const Model& model, double from_Hz);
+std::vector<SpectralPeak> find_peaks(const DetectorSide& side, const rendering::Model& model, double from_Hz);
 
 // `train` and `holdout` may be one recording: then its peaks need no second one. `window_s`: of the blocks.
-ResidualSpectrum residual_spectrum(const DetectorSide& train, const DetectorSide& holdout, const Model& model,
-                                   double window_s);
+ResidualSpectrum residual_spectrum(const DetectorSide& train, const DetectorSide& holdout,
+                                   const rendering::Model& model, double window_s);
 
 // "mains hum of 60.00 Hz (0.53 N RMS)", one after the other.
 std::string describe(const std::vector<SpectralPeak>& peaks);

@@ -13,6 +13,8 @@
 #include "harness/discrepancy/two_recordings_for_test.h"
 
 namespace touchstone::discrepancy {
+using rendering::Model;
+
 namespace {
 
 constexpr double noise_levels[] = {0.01, 0.03, 0.1};  // of the force [N]

@@ -8,6 +8,8 @@
 #include "harness/stats/quantile.h"
 
 namespace touchstone::discrepancy {
+using rendering::Prediction;
+
 namespace {
 
 constexpr double velocity_half_window_s = 0.02;

@@ -8,7 +8,6 @@
 #include <string>
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "harness/discrepancy/residual_blocks.h"
 #include "harness/recording/trajectory.h"
 #include "harness/rendering/predictor.h"
@@ -25,7 +24,7 @@ struct ViewScales {
   Vec3 middle_W_m = Vec3::Zero();
 };
 
-ViewScales measure_view_scales(const MotionColumns& motion, const Prediction& prediction);
+ViewScales measure_view_scales(const MotionColumns& motion, const rendering::Prediction& prediction);
 
 struct ResidualView {
   std::string name;                      // for a reader: "depth", "time", ...
@@ -34,7 +33,7 @@ struct ResidualView {
 
 // A hundred forces of every sample would need more memory than all the rest of a search: only one of them is there at a
 // time. `blocks` are of `motion`.
-std::vector<ResidualView> residual_views(const MotionColumns& motion, const Prediction& prediction,
+std::vector<ResidualView> residual_views(const MotionColumns& motion, const rendering::Prediction& prediction,
                                          const ViewScales& scales, const std::vector<ResidualBlock>& blocks);
 
 }  // namespace touchstone::discrepancy

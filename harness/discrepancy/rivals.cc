@@ -17,6 +17,10 @@
 #include "harness/rendering/smooth_field.h"
 
 namespace touchstone::discrepancy {
+using rendering::Model;
+using rendering::NamedParameters;
+using rendering::Side;
+
 namespace {
 
 using Report = std::function<void(const std::string&)>;
@@ -24,7 +28,7 @@ using Report = std::function<void(const std::string&)>;
 // Whether the rival does as well as the found model on the smoothed trajectory, each fitted to it; or, where that is
 // enough, differs there from it by less than an effect must be to be claimed.
 bool alike_without_noise(const SearchState& state, const Model& rival, const std::vector<FreeParameter>& kept,
-                         const Candidate& candidate, bool needs_close, const Report& report) {
+                         const rendering::Candidate& candidate, bool needs_close, const Report& report) {
   const SearchData& data = *state.data;
   const SearchSettings& settings = *state.settings;
   FitData validation = state.validation;
@@ -95,7 +99,7 @@ double explains_next_to_nothing(const SearchState& state, const JointFit& bare) 
   return prior + without - share * explained;
 }
 
-std::optional<Rival> weigh(const SearchState& state, const Incumbent& incumbent, const Candidate& other,
+std::optional<Rival> weigh(const SearchState& state, const Incumbent& incumbent, const rendering::Candidate& other,
                            const CameTo& came_to, const Settled& settled, const Report& report) {
   const SearchSettings& settings = *state.settings;
   const FoundEffect& found = incumbent.found;

@@ -8,7 +8,6 @@
 #include <utility>
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "harness/discrepancy/trial.h"
 
 namespace touchstone::discrepancy {
@@ -16,8 +15,8 @@ namespace touchstone::discrepancy {
 // What stands in place of an effect that was found.
 struct Rival {
   std::string name;
-  Side side = Side::contact;
-  Model model;
+  rendering::Side side = rendering::Side::contact;
+  rendering::Model model;
   double validation_gain_lost = 0.0;  // of chi-squared, against the found one
   double error = 0.0;                 // its standard error by blocks
   double validation_rms_N = 0.0;
@@ -32,7 +31,7 @@ struct Rival {
 
 struct FoundEffect {
   std::string name;
-  Side side = Side::contact;
+  rendering::Side side = rendering::Side::contact;
   double validation_gain = 0.0;  // of chi-squared: what leaving it out costs
   double holdout_gain = 0.0;     // the same on the held-out blocks, which have not seen the search
   double holdout_error = 0.0;    // its standard error, by runs of blocks
@@ -43,7 +42,7 @@ struct FoundEffect {
 
 // Entries that rivals had in earlier trials, where a fit starts near its end: by the name that was added and the
 // rival's.
-using CameTo = std::function<const NamedParameters*(const std::string& rival, const std::string& added)>;
+using CameTo = std::function<const rendering::NamedParameters*(const std::string& rival, const std::string& added)>;
 
 // What was weighed by likelihood or by force alone, so that equal fits at noisy positions do not count as equal.
 struct Settled {

@@ -4,8 +4,6 @@
 #include <cstddef>
 #include <limits>
 
-#include "harness/base/rooms.h"
-
 namespace touchstone::discrepancy {
 
 struct SearchSettings {

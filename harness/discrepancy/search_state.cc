@@ -7,6 +7,10 @@
 #include "harness/discrepancy/model_edit.h"
 
 namespace touchstone::discrepancy {
+using recording::Recording;
+using rendering::Candidate;
+using rendering::Model;
+using rendering::Prediction;
 
 SearchState::SearchState(const SearchData& evidence, const std::vector<Candidate>& library,
                          const SearchSettings& limits, const Model& first)
@@ -84,7 +88,7 @@ CandidateFit SearchState::options(const Candidate& candidate, const Model& model
   return candidate_fit(candidate, scales(seen, now), seen, now);
 }
 
-RecordingScales SearchState::scales(const Recording& seen, const Prediction& now) const {
+rendering::RecordingScales SearchState::scales(const Recording& seen, const Prediction& now) const {
   // The start's stiffness: that of a model which hardly touches was fitted to nothing.
   return measure_scales(seen, now, data->force_floor_N, start.parameters.at("stiffness_N_per_m"),
                         data->position_noise_m);

@@ -8,7 +8,6 @@
 
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "harness/discrepancy/instrument_description.h"
 
 namespace touchstone::discrepancy {

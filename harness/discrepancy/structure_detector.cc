@@ -12,6 +12,9 @@
 #include "harness/discrepancy/whitened_regression.h"
 
 namespace touchstone::discrepancy {
+using rendering::Model;
+using rendering::Prediction;
+
 namespace {
 
 constexpr double ridge = 3e-3;
@@ -97,8 +100,8 @@ Moments moments(const std::array<double, worlds>& values, std::size_t without) {
 
 Structure detect_structure(const DetectorSide& train, const DetectorSide& holdout, const Model& model,
                            const std::vector<NullFit>& refits) {
-  Predictor& train_predictor = *train.blocks->predictor;
-  Predictor& holdout_predictor = *holdout.blocks->predictor;
+  rendering::Predictor& train_predictor = *train.blocks->predictor;
+  rendering::Predictor& holdout_predictor = *holdout.blocks->predictor;
   const Prediction train_nominal = train_predictor.predict(model);
   const Prediction holdout_nominal = holdout_predictor.predict(model);
   const ViewScales scales = measure_view_scales(train.recording->motion, train_nominal);

@@ -12,7 +12,6 @@
 #include <string>
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "harness/discrepancy/joint_fit.h"
 #include "harness/discrepancy/noise_model.h"
 #include "harness/discrepancy/parameter_intervals.h"
@@ -28,13 +27,13 @@ struct Structure {
 };
 
 struct DetectorSide {
-  const Recording* recording = nullptr;
+  const recording::Recording* recording = nullptr;
   const FitData* blocks = nullptr;  // of the part that counts, with its noise under `model`
   NoiseModel* noise = nullptr;
 };
 
 // `refits`: `model` fitted again to null recordings; without one it stands for itself.
-Structure detect_structure(const DetectorSide& train, const DetectorSide& holdout, const Model& model,
+Structure detect_structure(const DetectorSide& train, const DetectorSide& holdout, const rendering::Model& model,
                            const std::vector<NullFit>& refits);
 
 }  // namespace touchstone::discrepancy

@@ -11,13 +11,15 @@
 #include "harness/discrepancy/plane_for_test.h"
 
 namespace touchstone::discrepancy {
+using recording::Recording;
+
 namespace {
 
 // A force beside the plane's, at the true position.
 using Hidden = std::function<Vec3(double t_s, const Vec3& p, double unit)>;
 
-Model plane(double unit) {
-  Model model;
+rendering::Model plane(double unit) {
+  rendering::Model model;
   model.renderer = "plane";
   model.parameters["stiffness_N_per_m"] = 900.0 / unit;
   return model;
@@ -34,7 +36,9 @@ Seen look(double unit, std::uint64_t seed, const Hidden& hidden) {
   instrument.force_noise_N = 0.02;
   instrument.force_noise_time_constant_s = 0.01;
   instrument.position_noise_m = 5e-5 * unit;
-  const MakePredictor make = [](const MotionColumns& motion) { return std::make_unique<PlanePredictor>(motion); };
+  const rendering::MakePredictor make = [](const MotionColumns& motion) {
+    return std::make_unique<PlanePredictor>(motion);
+  };
   Random random(seed);
   const auto measure = [&](const MotionColumns& path) {
     Recording recording;

@@ -37,8 +37,8 @@ struct Waves {
 
 }  // namespace
 
-std::vector<TexturePeak> texture_peaks(const Recording& recording, const Prediction& current, double extent_m,
-                                       std::size_t count) {
+std::vector<TexturePeak> texture_peaks(const recording::Recording& recording, const rendering::Prediction& current,
+                                       double extent_m, std::size_t count) {
   std::vector<Eigen::Vector3d> seen;  // x, y, height
   const std::size_t stride = std::max<std::size_t>(1, recording.size() / most_samples);
   const std::vector<std::size_t> pressing = pressing_samples(current, stride);

@@ -4,7 +4,6 @@
 
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "harness/recording/trajectory.h"
 #include "harness/rendering/predictor.h"
 
@@ -20,7 +19,7 @@ struct TexturePeak {
 
 // The strongest `count` peaks, none beside another. Waves from 2 extents down to where the scan no longer resolves
 // them.
-std::vector<TexturePeak> texture_peaks(const Recording& recording, const Prediction& current, double extent_m,
-                                       std::size_t count);
+std::vector<TexturePeak> texture_peaks(const recording::Recording& recording, const rendering::Prediction& current,
+                                       double extent_m, std::size_t count);
 
 }  // namespace touchstone::discrepancy

@@ -9,6 +9,9 @@
 #include "harness/discrepancy/plane_for_test.h"
 
 namespace touchstone::discrepancy {
+using recording::Recording;
+using rendering::Prediction;
+
 namespace {
 
 constexpr double stiffness_N_per_m = 900.0;
@@ -17,7 +20,7 @@ constexpr double direction_rad = 0.6;
 constexpr double amplitude_m = 2e-4;
 
 Prediction on_plane(const MotionColumns& motion, double unit) {
-  Model model;
+  rendering::Model model;
   model.renderer = "plane";
   model.parameters["stiffness_N_per_m"] = stiffness_N_per_m / unit;
   return PlanePredictor(motion).predict(model);

@@ -91,12 +91,12 @@ TEST(TrackerSpectrum, FindsWhatOthersDeclareInTenRecordings) {
     const InstrumentDescription declared = load_instrument(folder.path() / "instrument.json");
     for (const char* const file : {"train.csv", "holdout.csv"}) {
       SCOPED_TRACE(file);
-      const MotionColumns motion = load_recording(folder.path() / file).motion;
+      const MotionColumns motion = recording::load_recording(folder.path() / file).motion;
       const auto found = tracker_noise(motion);
       ASSERT_TRUE(found);
       // Another low-pass than ours, 20 s: 0.62 to 1.2 of what is declared in the twenty files.
       EXPECT_NEAR(found->position_noise_m, declared.position_noise_m, 0.45 * declared.position_noise_m);
-      Recording recording;
+      recording::Recording recording;
       recording.motion = motion;
       recording.f_W_N.resize(motion.size());
       EXPECT_LT(estimate_instrument(recording).position_noise_m, 0.02 * declared.position_noise_m);

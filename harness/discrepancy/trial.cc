@@ -15,6 +15,7 @@
 #include "harness/rendering/smooth_field.h"
 
 namespace touchstone::discrepancy {
+using rendering::Model;
 
 namespace {
 
@@ -59,7 +60,8 @@ void score(const SearchState& state, const Standing& standing, Trial& trial) {
   }
 }
 
-std::optional<Trial> try_candidate(const SearchState& state, const Standing& standing, const Candidate& candidate) {
+std::optional<Trial> try_candidate(const SearchState& state, const Standing& standing,
+                                   const rendering::Candidate& candidate) {
   const Model& model = state.current.model;
   if (find_entry(model, candidate.name) != nullptr || state.library().has_what_contains(model, candidate.name))
     return std::nullopt;
@@ -84,7 +86,7 @@ std::vector<Trial> try_candidates(const SearchState& state, const Standing& stan
   std::vector<std::optional<Trial>> tried(state.candidates->size());
   const std::size_t number = state.current.model.effects.size() + state.current.model.instrument.size() + 1;
   const auto one = [&](std::size_t i) {
-    const Candidate& candidate = (*state.candidates)[i];
+    const rendering::Candidate& candidate = (*state.candidates)[i];
     if (is_field(candidate.parameters)) return;  // field_move.h
     if (!state.budget->allows(fmt::format("{} as effect number {}", candidate.name, number))) return;
     tried[i] = try_candidate(state, standing, candidate);

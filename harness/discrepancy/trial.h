@@ -7,7 +7,6 @@
 #include <utility>
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "harness/discrepancy/search_state.h"
 
 namespace touchstone::discrepancy {
@@ -36,7 +35,7 @@ struct TrialVerdict {
 struct Trial {
   std::string name;
   std::string partner;  // the other effect of a pair; empty: none
-  Side side = Side::contact;
+  rendering::Side side = rendering::Side::contact;
   JointFit fit;
   std::vector<FreeParameter> parameters;  // free in it
   double train_gain = 0.0;                // of chi-squared against the model without it
@@ -71,7 +70,8 @@ Standing standing_of(const SearchState& state);
 
 // The candidate's best fit in the place of what it contains, scored. Nothing where no fit is usable, or where the model
 // has the candidate already.
-std::optional<Trial> try_candidate(const SearchState& state, const Standing& standing, const Candidate& candidate);
+std::optional<Trial> try_candidate(const SearchState& state, const Standing& standing,
+                                   const rendering::Candidate& candidate);
 
 // Of every candidate, in their order.
 std::vector<Trial> try_candidates(const SearchState& state, const Standing& standing);

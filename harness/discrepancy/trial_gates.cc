@@ -10,6 +10,8 @@
 #include "harness/discrepancy/regimes.h"
 
 namespace touchstone::discrepancy {
+using rendering::Model;
+
 namespace {
 
 bool moves_surface(const Model& model, const std::string& effect) {
@@ -85,7 +87,7 @@ TrialVerdict weakness(const SearchState& state, const Standing& standing, const 
 }
 
 TrialVerdict objection(const SearchState& state, const Trial& trial) {
-  Predictor& predictor = *state.data->validation.predictor;
+  rendering::Predictor& predictor = *state.data->validation.predictor;
   const auto regimes = sort_by_regime(state.data->validation, predictor.predict(state.current.model),
                                       predictor.predict(trial.fit.model), state.data->force_floor_N);
   const std::string worse = worsened_phase(regimes, state.settings->worsening);
@@ -111,8 +113,8 @@ double null_bar(const SearchState& state, const RefitInWorld& refits, double gai
   return std::max(settings.minimum_gain, bar_above(gains, settings.null_deviations));
 }
 
-double null_bar(const SearchState& state, const Candidate& candidate, double gain) {
-  const auto refit = [&](const FitData& train, const Recording& recording, const Model& base) {
+double null_bar(const SearchState& state, const rendering::Candidate& candidate, double gain) {
+  const auto refit = [&](const FitData& train, const recording::Recording& recording, const Model& base) {
     const CandidateFit options = state.options(candidate, base, recording);
     return std::vector<JointFit>{best_fit(train, base, options, state.compared(), state.settings->iterations)};
   };

@@ -6,7 +6,6 @@
 #include <string>
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "harness/discrepancy/null_gains.h"
 #include "harness/discrepancy/parameter_intervals.h"
 #include "harness/discrepancy/trial.h"
@@ -14,7 +13,7 @@
 namespace touchstone::discrepancy {
 
 // Whether all that an effect does is to move the surface, by no more than the mesh's makers declare as its error.
-bool within_mesh_error(const SearchState& state, const Model& model, const std::string& effect);
+bool within_mesh_error(const SearchState& state, const rendering::Model& model, const std::string& effect);
 
 // Whether what the effect does to the surface, if it is a bump or a wave of its own, exceeds the mesh's declared error
 // by the settings' margin for sure: by the 95 % interval of the fit's covariance and of the draws.
@@ -31,7 +30,7 @@ TrialVerdict objection(const SearchState& state, const Trial& trial);
 // the settings' deviations. Few recordings if they decide clearly, all of them if the gain is near the bar.
 double null_bar(const SearchState& state, const RefitInWorld& refits, double gain);
 // Of one candidate.
-double null_bar(const SearchState& state, const Candidate& candidate, double gain);
+double null_bar(const SearchState& state, const rendering::Candidate& candidate, double gain);
 
 inline constexpr const char* out_of_time = "not checked: the time limit ended the search";
 

@@ -13,9 +13,11 @@
 #include "harness/discrepancy/two_recordings_for_test.h"
 
 namespace touchstone::discrepancy {
+using rendering::MakePredictor;
+
 namespace {
 
-NamedParameters registration(double dx_m, double dz_m, double ry_rad) {
+rendering::NamedParameters registration(double dx_m, double dz_m, double ry_rad) {
   return {"registration", {{"dx_m", dx_m}, {"dy_m", 0.0}, {"dz_m", dz_m}, {"rx_rad", 0.0}, {"ry_rad", ry_rad}}, ""};
 }
 
@@ -92,7 +94,7 @@ TEST(MeshError, IsExceededByTheLeastSizeOfABump) {
 
 // A relaxation that removes 7 % of a large error is no detail; 7 % of what noise leaves may be one.
 TEST(LeastShare, IsSmallerWhileTheModelLeavesFarMoreThanNoise) {
-  Model truth;
+  rendering::Model truth;
   truth.renderer = "plane";
   truth.parameters["stiffness_N_per_m"] = 900.0;
   const InstrumentDescription instrument = small_noise(1.0);
@@ -103,9 +105,9 @@ TEST(LeastShare, IsSmallerWhileTheModelLeavesFarMoreThanNoise) {
   };
   const TwoRecordings recordings(measure(0.0, 1), measure(1.1, 2), instrument, truth, make);
   const SearchSettings settings;
-  const std::vector<Candidate> none;
+  const std::vector<rendering::Candidate> none;
   const SearchState state(recordings.data, none, settings, truth);
-  Model soft = truth;
+  rendering::Model soft = truth;
   soft.parameters["stiffness_N_per_m"] = 450.0;
   EXPECT_EQ(state.least_share(truth), settings.minimum_share);
   EXPECT_EQ(state.least_share(soft), settings.clear_share);

@@ -8,7 +8,6 @@
 #include <utility>
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "harness/discrepancy/effect_search.h"
 
 namespace touchstone::discrepancy {
@@ -23,10 +22,10 @@ inline InstrumentDescription small_noise(double unit) {
 }
 
 // The path and the true force along it, each with the instrument's noise.
-inline Recording measured(const MotionColumns& path, std::vector<Vec3> f_W_N, const InstrumentDescription& instrument,
-                          std::uint64_t seed) {
+inline recording::Recording measured(const MotionColumns& path, std::vector<Vec3> f_W_N,
+                                     const InstrumentDescription& instrument, std::uint64_t seed) {
   Random random(seed);
-  Recording recording;
+  recording::Recording recording;
   recording.motion = with_position_noise(path, instrument, random);
   const auto noise = force_noise(path, instrument, random);
   for (std::size_t i = 0; i < noise.size(); ++i) f_W_N[i] += noise[i];
@@ -37,8 +36,8 @@ inline Recording measured(const MotionColumns& path, std::vector<Vec3> f_W_N, co
 // Neither copied nor moved: `data` points into it.
 class TwoRecordings {
  public:
-  TwoRecordings(Recording train, Recording holdout, const InstrumentDescription& instrument, const Model& model,
-                const MakePredictor& make)
+  TwoRecordings(recording::Recording train, recording::Recording holdout, const InstrumentDescription& instrument,
+                const rendering::Model& model, const rendering::MakePredictor& make)
       : train_(std::move(train), instrument, model, make, 1),
         holdout_(std::move(holdout), instrument, model, make, 2),
         data(divided(instrument)) {}
@@ -47,12 +46,12 @@ class TwoRecordings {
 
  private:
   struct Half {
-    Recording recording;
-    std::unique_ptr<Predictor> predictor;
+    recording::Recording recording;
+    std::unique_ptr<rendering::Predictor> predictor;
     NoiseModel noise;
 
-    Half(Recording measured, const InstrumentDescription& instrument, const Model& model, const MakePredictor& make,
-         std::uint64_t seed)
+    Half(recording::Recording measured, const InstrumentDescription& instrument, const rendering::Model& model,
+         const rendering::MakePredictor& make, std::uint64_t seed)
         : recording(std::move(measured)),
           predictor(make(recording.motion)),
           noise(recording.motion, predictor->predict(model).n_W, instrument, make, seed, 3) {}

@@ -11,7 +11,6 @@
 #include <utility>
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "harness/discrepancy/findings_verdict.h"
 
 namespace touchstone::discrepancy {

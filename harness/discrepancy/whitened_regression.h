@@ -6,7 +6,6 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "harness/discrepancy/joint_fit.h"
 
 namespace touchstone::discrepancy {

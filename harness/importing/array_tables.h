@@ -8,7 +8,6 @@
 #include <utility>
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "harness/importing/import_table.h"
 
 namespace touchstone::importing {

@@ -6,7 +6,6 @@
 #include <string>
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "harness/importing/column_name.h"
 #include "harness/importing/head_facts.h"
 

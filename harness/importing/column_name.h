@@ -15,8 +15,6 @@
 #include <string_view>
 #include <vector>
 
-#include "harness/base/rooms.h"
-
 namespace touchstone::importing {
 
 // wrench: force and torque by number; pose: position and orientation by number; other: known to be none of these, as a

@@ -6,8 +6,6 @@
 
 #include <string>
 
-#include "harness/base/rooms.h"
-
 namespace touchstone::importing {
 
 // `filter`: "bzip2", "lz4" or "zstd".

@@ -8,8 +8,6 @@
 #include <string>
 #include <string_view>
 
-#include "harness/base/rooms.h"
-
 namespace touchstone::importing {
 
 // From `written` ("lbf", "N-mm", "µm") to the SI unit `si` ("N", "N.m", "m", "s", "rad"). Nothing if it is no unit of

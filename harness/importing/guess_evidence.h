@@ -4,7 +4,6 @@
 
 #include <filesystem>
 
-#include "harness/base/rooms.h"
 #include "harness/importing/guess_map.h"
 
 namespace touchstone::importing {

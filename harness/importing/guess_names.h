@@ -7,7 +7,6 @@
 #include <string>
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "harness/importing/column_name.h"
 #include "harness/importing/import_table.h"
 

@@ -12,10 +12,12 @@
 #include "harness/recording/hdf5_handle.h"
 
 namespace touchstone::importing {
+using recording::Hdf5Type;
+
 namespace {
 
-using Hdf5Group = Hdf5Handle<H5Gclose>;
-using Hdf5Object = Hdf5Handle<H5Oclose>;
+using Hdf5Group = recording::Hdf5Handle<H5Gclose>;
+using Hdf5Object = recording::Hdf5Handle<H5Oclose>;
 
 constexpr std::size_t most_objects = 4096, deepest = 16;
 
@@ -31,10 +33,10 @@ class Hdf5Arrays {
       : source_(path.string()),
         most_bytes_(std::min<std::uintmax_t>(largest_import_bytes, most_packed * std::filesystem::file_size(path))),
         tables_(source_, "HDF5") {
-    file_ = Hdf5File(H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT));
+    file_ = recording::Hdf5File(H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT));
     if (!file_) {
-      throw BadData(
-          fmt::format("{}: cannot be read as HDF5: {}; is it complete, and HDF5 at all?", source_, hdf5_reason()));
+      throw BadData(fmt::format("{}: cannot be read as HDF5: {}; is it complete, and HDF5 at all?", source_,
+                                recording::hdf5_reason()));
     }
   }
 
@@ -59,8 +61,8 @@ class Hdf5Arrays {
     std::vector<std::string> names;
     hsize_t at = 0;
     if (H5Literate(object, H5_INDEX_NAME, H5_ITER_INC, &at, add_name, &names) < 0) {
-      throw BadData(
-          fmt::format("{}: the group '{}' cannot be read: {}; the file is damaged", source_, path, hdf5_reason()));
+      throw BadData(fmt::format("{}: the group '{}' cannot be read: {}; the file is damaged", source_, path,
+                                recording::hdf5_reason()));
     }
     for (const std::string& name : names) {
       const Hdf5Object child(H5Oopen(object, name.c_str(), H5P_DEFAULT));
@@ -82,7 +84,7 @@ class Hdf5Arrays {
   }
 
   void add_dataset(hid_t dataset, const std::string& group, const std::string& name) {
-    const Hdf5Space space(H5Dget_space(dataset));
+    const recording::Hdf5Space space(H5Dget_space(dataset));
     const Hdf5Type type(H5Dget_type(dataset));
     const int rank = space ? H5Sget_simple_extent_ndims(space.get()) : -1;
     std::array<hsize_t, 32> sides{1, 1};
@@ -99,8 +101,8 @@ class Hdf5Arrays {
     const H5T_class_t kind = H5Tget_class(type.get());
     if (kind == H5T_COMPOUND && rank == 1) return add_records(dataset, type.get(), group, name, rows);
     if (kind != H5T_INTEGER && kind != H5T_FLOAT) return tables_.leave_out(full, "text or records");
-    std::string unit = hdf5_text_attribute(dataset, "units");
-    if (unit.empty()) unit = hdf5_text_attribute(dataset, "unit");
+    std::string unit = recording::hdf5_text_attribute(dataset, "units");
+    if (unit.empty()) unit = recording::hdf5_text_attribute(dataset, "unit");
     add_values(dataset, H5T_NATIVE_DOUBLE, {group, name, unit}, rows, columns);
   }
 
@@ -118,8 +120,8 @@ class Hdf5Arrays {
     }
     std::vector<double> values(rows * columns);
     if (!values.empty() && H5Dread(dataset, memory_type, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()) < 0) {
-      throw BadData(
-          fmt::format("{}: dataset '{}' cannot be read: {}; the file is damaged", source_, place.name, hdf5_reason()));
+      throw BadData(fmt::format("{}: dataset '{}' cannot be read: {}; the file is damaged", source_, place.name,
+                                recording::hdf5_reason()));
     }
     tables_.add(place.group, place.name, place.unit, rows, columns,
                 [&](std::size_t i, std::size_t c) { return values[i * columns + c]; });
@@ -153,16 +155,17 @@ class Hdf5Arrays {
   std::string source_;
   std::uintmax_t most_bytes_;
   std::size_t objects_ = 0;
-  Hdf5File file_;
+  recording::Hdf5File file_;
   ArrayTables tables_;
 };
 
 }  // namespace
 
 std::vector<ImportTable> read_hdf5_arrays(const std::filesystem::path& path) {
-  const Hdf5Quiet quiet;
+  const recording::Hdf5Quiet quiet;
   // The library may not survive a damaged file: a child tries it first.
-  if (try_in_child([&] { static_cast<void>(Hdf5Arrays(path).read()); }) == ChildOutcome::crashed) {
+  if (recording::try_in_child([&] { static_cast<void>(Hdf5Arrays(path).read()); }) ==
+      recording::ChildOutcome::crashed) {
     throw BadData(fmt::format("{}: is damaged: the HDF5 library crashes on it", path.string()));
   }
   return Hdf5Arrays(path).read();

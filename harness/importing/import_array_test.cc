@@ -19,6 +19,11 @@
 #include "harness/recording/hdf5_handle.h"
 
 namespace touchstone::importing {
+using recording::Hdf5Dataset;
+using recording::Hdf5File;
+using recording::Hdf5Quiet;
+using recording::Hdf5Space;
+
 namespace {
 
 using ::testing::ElementsAre;
@@ -45,7 +50,7 @@ void put_dataset(hid_t where, const char* name, std::vector<hsize_t> sides, cons
   const Hdf5Space space(H5Screate_simple(static_cast<int>(sides.size()), sides.data(), nullptr));
   const Hdf5Dataset set(H5Dcreate2(where, name, H5T_IEEE_F64LE, space.get(), H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT));
   ASSERT_GE(H5Dwrite(set.get(), H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()), 0);
-  ASSERT_TRUE(unit.empty() || hdf5_write_text_attribute(set.get(), "units", unit));
+  ASSERT_TRUE(unit.empty() || recording::hdf5_write_text_attribute(set.get(), "units", unit));
 }
 
 TEST(ImportArrays, Hdf5GroupsAndArrays) {
@@ -53,7 +58,7 @@ TEST(ImportArrays, Hdf5GroupsAndArrays) {
   {
     const Hdf5Quiet quiet;
     const Hdf5File file(H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT));
-    using Group = Hdf5Handle<H5Gclose>;
+    using Group = recording::Hdf5Handle<H5Gclose>;
     for (const char* const name : {"trial_1", "trial_2"}) {
       const Group group(H5Gcreate2(file.get(), name, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT));
       put_dataset(group.get(), "time", {4}, {0, 0.1, 0.2, 0.3});
@@ -84,8 +89,8 @@ TEST(ImportArrays, Hdf5RecordsAndSizesThatAreNotThere) {
     const std::array<Record, 3> records{{{0.0, {1, 2, 3}}, {0.5, {4, 5, 6}}, {1.0, {7, 8, 9}}}};
     const Hdf5File file(H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT));
     const hsize_t three = 3;
-    const Hdf5Type vector(H5Tarray_create2(H5T_NATIVE_FLOAT, 1, &three));
-    const Hdf5Type type(H5Tcreate(H5T_COMPOUND, sizeof(Record)));
+    const recording::Hdf5Type vector(H5Tarray_create2(H5T_NATIVE_FLOAT, 1, &three));
+    const recording::Hdf5Type type(H5Tcreate(H5T_COMPOUND, sizeof(Record)));
     H5Tinsert(type.get(), "t", HOFFSET(Record, t), H5T_NATIVE_DOUBLE);
     H5Tinsert(type.get(), "F", HOFFSET(Record, f), vector.get());
     const Hdf5Space space(H5Screate_simple(1, &three, nullptr));

@@ -358,8 +358,8 @@ std::vector<unsigned> sensor_flags(Imported& imported, const ImportMap& map, con
                       sources.source(), i + 1, map.status->column, words[i], map.source));
     }
     const SensorStatus status = read_sensor_status(map.status->device, static_cast<std::uint32_t>(words[i]));
-    if (status.beyond_range) flags[i] |= sample_saturated;
-    if (status.faulty) flags[i] |= sample_device_error;
+    if (status.beyond_range) flags[i] |= recording::sample_saturated;
+    if (status.faulty) flags[i] |= recording::sample_device_error;
     bad_samples += flags[i] != 0 ? 1 : 0;
     if (status.text.empty()) continue;
     Said& said = all[status.text];

@@ -5,7 +5,6 @@
 #include <string>
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "harness/importing/import_map.h"
 
 namespace touchstone::importing {

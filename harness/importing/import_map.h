@@ -37,7 +37,6 @@
 #include <string>
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "harness/importing/import_table.h"
 #include "harness/importing/sensor_status.h"
 

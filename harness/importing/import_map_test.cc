@@ -218,7 +218,7 @@ TEST(ImportMap, ARecordingIsReadBackAndAWrongOneIsNotWritten) {
   const auto out = map_folder() / "out.csv";
   std::filesystem::remove(out);
   save_imported(out, imported_by("5,0.25\n6,0.5\n7,1\n", rest));
-  const Recording r = load_recording(out);
+  const recording::Recording r = recording::load_recording(out);
   EXPECT_THAT(r.motion.t_s, ElementsAre(0, 1, 2));
   EXPECT_EQ(r.f_W_N[1].z(), 0.5);
   EXPECT_THAT(imported_text(imported_by("5,0.25\n6,0.5\n7,1\n", rest)), HasSubstr("3 samples over 2 s, 1 Hz"));

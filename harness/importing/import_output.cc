@@ -123,8 +123,8 @@ void save_imported(const std::filesystem::path& path, const Imported& imported) 
     const std::filesystem::path trial = path.string() + ".import.csv";
     write_file(trial, text);
     try {
-      RecordingStream stream = RecordingStream::open(trial, {.need_force = true});
-      SampleBlock block;
+      recording::RecordingStream stream = recording::RecordingStream::open(trial, {.need_force = true});
+      recording::SampleBlock block;
       while (stream.next(block)) {
       }
     } catch (const BadData& error) {

@@ -18,7 +18,6 @@
 #include "harness/testing/shared_data.h"
 
 namespace touchstone::importing {
-using namespace acquisition;
 namespace {
 
 Imported by_map(const std::filesystem::path& file, const std::string& map) {
@@ -67,7 +66,7 @@ TEST(RealImport, Axia80PosesGiveTheToolInTheWorldsFrame) {
   TOUCHSTONE_SHARED_DATA_OR_SKIP(file, "tool-gravity-axia80/recorded_messages_wrench_100.txt");
   const Imported got = by_map(file, "tool-gravity-axia80.json");
   EXPECT_EQ(got.columns.front().size(), 100U);
-  const auto poses = read_static_poses(saved(got, "axia80.csv"), false);
+  const auto poses = acquisition::read_static_poses(saved(got, "axia80.csv"), false);
   const Vec3 gravity(0, 0, -9.80665);
   const auto as_read = identify_tool(poses, gravity, "axia80");
   const auto check = check_frames(poses, {}, as_read, gravity, "axia80");
@@ -82,7 +81,8 @@ TEST(RealImport, GammaStaticsAndTheRunWithThreeClocks) {
   TOUCHSTONE_SHARED_DATA_OR_SKIP(run, "tool-gravity/1-baseline_wrench.csv");
   const Imported poses = by_map(statics, "tool-gravity-statics.json");
   EXPECT_EQ(poses.columns.front().size(), 24U);
-  const auto tool = identify_tool(read_static_poses(saved(poses, "gamma.csv"), false), Vec3(0, 0, -9.82085), "gamma");
+  const auto tool =
+      identify_tool(acquisition::read_static_poses(saved(poses, "gamma.csv"), false), Vec3(0, 0, -9.82085), "gamma");
   EXPECT_NEAR(tool.load.mass_kg, 0.932, 0.01);
   const Imported moving = by_map(run, "tool-gravity-run.json");
   EXPECT_EQ(moving.names.front(), "t_s");

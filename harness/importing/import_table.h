@@ -7,8 +7,6 @@
 #include <string_view>
 #include <vector>
 
-#include "harness/base/rooms.h"
-
 namespace touchstone::importing {
 
 struct ImportTable {

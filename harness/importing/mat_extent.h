@@ -6,8 +6,6 @@
 #include <string>
 #include <string_view>
 
-#include "harness/base/rooms.h"
-
 namespace touchstone::importing {
 
 // The variables of a level 5 MAT-file ("MAT-File Format", The MathWorks, chapter 1: a head of 128 bytes whose last two

@@ -12,7 +12,6 @@
 #include <string>
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "harness/importing/import_file.h"
 
 namespace touchstone::importing {

@@ -10,8 +10,6 @@
 #include <string_view>
 #include <vector>
 
-#include "harness/base/rooms.h"
-
 namespace touchstone::importing {
 
 enum class RosEncoding { ros1, cdr };

@@ -11,7 +11,6 @@
 #include <utility>
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "harness/importing/import_table.h"
 #include "harness/importing/ros_message.h"
 

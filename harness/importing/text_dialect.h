@@ -8,8 +8,6 @@
 #include <string_view>
 #include <vector>
 
-#include "harness/base/rooms.h"
-
 namespace touchstone::importing {
 
 struct TextStyle {

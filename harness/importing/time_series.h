@@ -4,8 +4,6 @@
 #include <string>
 #include <vector>
 
-#include "harness/base/rooms.h"
-
 namespace touchstone::importing {
 
 // `values` at `clock`, at the times `at`; NaN before the first and after the last. Both clocks increase.

@@ -5,8 +5,6 @@
 #include <functional>
 #include <string>
 
-#include "harness/base/rooms.h"
-
 namespace touchstone::importing {
 
 // Calls `use` with the name and the bytes of each entry that `wanted` holds of, in the order of the archive. Throws

@@ -7,7 +7,6 @@
 #include <string_view>
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "harness/metrics/episodes.h"
 #include "harness/metrics/metric.h"
 

@@ -6,7 +6,6 @@
 #include <deque>
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "harness/metrics/metric.h"
 
 namespace touchstone::metrics {

@@ -7,7 +7,6 @@
 #include <string>
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "harness/metrics/metric.h"
 #include "harness/metrics/moments.h"
 

@@ -8,7 +8,6 @@
 #include <optional>
 #include <unordered_map>
 
-#include "harness/base/rooms.h"
 #include "harness/base/vec.h"
 
 namespace touchstone::metrics {

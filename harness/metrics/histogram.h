@@ -6,8 +6,6 @@
 #include <string>
 #include <vector>
 
-#include "harness/base/rooms.h"
-
 namespace touchstone::metrics {
 
 struct Histogram {

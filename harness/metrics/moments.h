@@ -6,8 +6,6 @@
 #include <cstdint>
 #include <string>
 
-#include "harness/base/rooms.h"
-
 namespace touchstone::metrics {
 
 class CompensatedSum {

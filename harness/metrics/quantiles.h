@@ -6,8 +6,6 @@
 #include <cstdint>
 #include <map>
 
-#include "harness/base/rooms.h"
-
 namespace touchstone::metrics {
 
 class Quantiles {

@@ -4,7 +4,6 @@
 
 #include <string>
 
-#include "harness/base/rooms.h"
 #include "harness/metrics/metric.h"
 #include "harness/metrics/moments.h"
 

@@ -7,8 +7,6 @@
 #include <utility>
 #include <vector>
 
-#include "harness/base/rooms.h"
-
 namespace touchstone::metrics {
 
 class TimeRanges {

@@ -3,8 +3,6 @@
 
 #include <span>
 
-#include "harness/base/rooms.h"
-
 namespace touchstone::perception {
 
 struct RankCorrelation {

@@ -6,8 +6,6 @@
 #include <span>
 #include <vector>
 
-#include "harness/base/rooms.h"
-
 namespace touchstone::perception {
 
 // Sum over n of x[n] exp(-2 pi i k n / N) for k = 0..N/2; empty for an empty input.

@@ -181,7 +181,7 @@ HapticDataMatrix make_haptic_data_matrix(std::span<const PressSignal> parts, con
   return matrix;
 }
 
-Vec3 press_direction(const Recording& recording) {
+Vec3 press_direction(const recording::Recording& recording) {
   Vec3 sum = Vec3::Zero();
   double magnitudes = 0.0;
   for (const auto& f : recording.f_W_N) {
@@ -198,7 +198,7 @@ Vec3 press_direction(const Recording& recording) {
   return sum.normalized();
 }
 
-PressSignal press_signal(const Recording& recording, const Vec3& outward, double contact_force_N) {
+PressSignal press_signal(const recording::Recording& recording, const Vec3& outward, double contact_force_N) {
   if (recording.f_W_N.size() != recording.size()) {
     throw BadData(fmt::format("{}: has no force; a perceptual evaluation compares forces", recording.source));
   }

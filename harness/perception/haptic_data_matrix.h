@@ -14,7 +14,6 @@
 #include <string>
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "harness/recording/trajectory.h"
 
 namespace touchstone::perception {
@@ -68,11 +67,11 @@ HapticDataMatrix make_haptic_data_matrix(std::span<const PressSignal> parts,
                                          const HapticDataMatrixOptions& options = {});
 
 // The outward direction of pressing: that of the summed force. Throws BadData where the force has no direction.
-Vec3 press_direction(const Recording& recording);
+Vec3 press_direction(const recording::Recording& recording);
 // The scalars along the outward unit direction. Displacement counts from where the force along it first exceeds
 // `contact_force_N` (the start of the recording where it never does); the angle is that of the wrist from its first
 // pose.
-PressSignal press_signal(const Recording& recording, const Vec3& outward, double contact_force_N);
+PressSignal press_signal(const recording::Recording& recording, const Vec3& outward, double contact_force_N);
 
 // Slope by least squares over 2 m + 1 samples (Savitzky and Golay 1964, first degree), one-sided at the ends.
 std::vector<double> derivative(std::span<const double> x, double rate_Hz, int half_width);

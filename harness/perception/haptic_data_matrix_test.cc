@@ -105,7 +105,7 @@ TEST(PressSignal, ProjectsOnTheDirectionOfTheForce) {
     const Vec3 n = random.direction();
     const double stiffness = random.log_uniform(1e-2, 1e5);
     const double unit = random.log_uniform(1e-3, 1e3);
-    Recording recording;
+    recording::Recording recording;
     recording.source = "press.csv";
     const Vec3 contact = random.direction();
     for (int i = 0; i < 100; ++i) {
@@ -121,7 +121,7 @@ TEST(PressSignal, ProjectsOnTheDirectionOfTheForce) {
     EXPECT_NEAR(signal.displacement_m[99] - signal.displacement_m[11], 0.88 * unit, 1e-9 * std::max(1.0, unit));
     EXPECT_NEAR(signal.force_N[99], 0.89 * unit * stiffness, 1e-9 * unit * stiffness);
   }
-  Recording undirected;
+  recording::Recording undirected;
   undirected.source = "noise.csv";
   undirected.f_W_N = {Vec3::UnitX(), -Vec3::UnitX()};
   EXPECT_THAT(message_of<Error>([&] { press_direction(undirected); }),

@@ -6,7 +6,6 @@
 #include <string>
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "harness/perception/features/rate_hardness.h"
 #include "harness/perception/features/spectrum.h"
 #include "harness/perception/filters/dead_band.h"

@@ -5,8 +5,6 @@
 
 #include <Eigen/Core>
 
-#include "harness/base/rooms.h"
-
 namespace touchstone::perception {
 
 struct EigenPairs {

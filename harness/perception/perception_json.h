@@ -4,7 +4,6 @@
 #include <filesystem>
 #include <string>
 
-#include "harness/base/rooms.h"
 #include "harness/perception/perceptual_evaluation.h"
 #include "harness/perception/subjective_comparison.h"
 

@@ -13,7 +13,6 @@
 #include <string_view>
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "harness/perception/haptic_image.h"
 
 namespace touchstone::perception {

@@ -11,6 +11,8 @@
 #include "harness/perception/published_tables.h"
 
 namespace touchstone::perception {
+using published::kConditions;
+
 namespace {
 
 Eigen::MatrixXd random_images(Random& random, Eigen::Index rows, Eigen::Index columns, double scale) {
@@ -159,7 +161,7 @@ TEST(Scaling, FeaturesWithoutContentAreSaidAndDifferentOnesRefused) {
 TEST(PublishedTables, DistancesFollowFromTheCoordinates) {
   using namespace published;
   Eigen::MatrixXd coordinates(kConditions.size() + 1, 3);
-  coordinates.row(0) = Eigen::Map<const Eigen::RowVector3d>(kRealCoordinates.data());
+  coordinates.row(0) = Eigen::Map<const Eigen::RowVector3d>(published::kRealCoordinates.data());
   for (std::size_t i = 0; i < kConditions.size(); ++i) {
     coordinates.row(static_cast<Eigen::Index>(i) + 1) =
         Eigen::Map<const Eigen::RowVector3d>(kConditions[i].coordinates.data());
@@ -172,7 +174,7 @@ TEST(PublishedTables, DistancesFollowFromTheCoordinates) {
     const bool misprint = kConditions[i].device == "Touch X" && kConditions[i].linear;
     if (misprint) {
       EXPECT_GT(std::abs(distances[i + 1] - kConditions[i].distance), 5.0 * bound) << "the printed 3.7397";
-      EXPECT_NEAR(distances[i + 1], kTouchXLinearDistanceInText, bound);
+      EXPECT_NEAR(distances[i + 1], published::kTouchXLinearDistanceInText, bound);
     } else {
       EXPECT_NEAR(distances[i + 1], kConditions[i].distance, bound) << kConditions[i].device;
     }

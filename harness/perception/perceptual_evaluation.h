@@ -8,7 +8,6 @@
 #include <string_view>
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "harness/perception/distances/structural_similarity.h"
 #include "harness/perception/haptic_data_matrix.h"
 #include "harness/perception/haptic_image.h"

@@ -15,10 +15,12 @@
 #include "harness/stats/summary.h"
 
 namespace touchstone::perception {
+using metrics::MetricResult;
+using metrics::MetricStatus;
 
 NoticeableForceError::NoticeableForceError(const WeberLaw& law) : law_(law), series_("force error", "JND") {}
 
-void NoticeableForceError::follow(const MetricSample& sample) {
+void NoticeableForceError::follow(const metrics::MetricSample& sample) {
   constexpr double kMemory_s = 0.05;
   const double step_s = sample.t_s - before_s_;
   if (has_before_ && step_s > 0.0 && sample.out_W_m.allFinite()) {
@@ -30,7 +32,7 @@ void NoticeableForceError::follow(const MetricSample& sample) {
   has_before_ = sample.out_W_m.allFinite();
 }
 
-void NoticeableForceError::add(const MetricSample& sample) {
+void NoticeableForceError::add(const metrics::MetricSample& sample) {
   const double measured_N = sample.f_measured_W_N.norm();
   const double error_N = (sample.f_rendered_W_N - sample.f_measured_W_N).norm();
   const double jnd = error_N / law_.just_noticeable_difference(measured_N);
@@ -128,12 +130,12 @@ double share_explained(std::span<const double> x, std::span<const double> y) {
 }
 
 MetricResult missing(const Described& metric, const std::string& why) {
-  return make_missing(metric.name, metric.unit, metric.meaning, why);
+  return metrics::make_missing(metric.name, metric.unit, metric.meaning, why);
 }
 
 }  // namespace
 
-std::vector<MetricResult> press_metrics(const Recording& measured, std::span<const Vec3> f_rendered_W_N) {
+std::vector<MetricResult> press_metrics(const recording::Recording& measured, std::span<const Vec3> f_rendered_W_N) {
   std::vector<MetricResult> results;
   HapticDataMatrix matrix;
   HapticDataMatrix rendered_matrix;

@@ -7,7 +7,6 @@
 #include <span>
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "harness/metrics/metric.h"
 #include "harness/metrics/moments.h"
 #include "harness/metrics/series.h"
@@ -21,20 +20,20 @@ namespace touchstone::perception {
 // What a noticed sample is noticed by: friction (error along the way the foot slides), strength (along the measured
 // force), or direction (the rest), whichever is largest; the note of noticeable_share says which prevails.
 // Results: rms_force_error_jnd, max_force_error_jnd [JND], noticeable_share [1], felt_squared_error [JND^2] (eq 9).
-class NoticeableForceError final : public Metric {
+class NoticeableForceError final : public metrics::Metric {
  public:
   explicit NoticeableForceError(const WeberLaw& law = kFingertipForce);
-  void add(const MetricSample& sample) override;
-  [[nodiscard]] std::vector<MetricResult> results() override;
+  void add(const metrics::MetricSample& sample) override;
+  [[nodiscard]] std::vector<metrics::MetricResult> results() override;
 
  private:
-  void follow(const MetricSample& sample);
+  void follow(const metrics::MetricSample& sample);
 
   WeberLaw law_;
-  Moments error_jnd_;
-  Moments noticeable_;
-  Moments felt_squared_;
-  SeriesRecorder series_;
+  metrics::Moments error_jnd_;
+  metrics::Moments noticeable_;
+  metrics::Moments felt_squared_;
+  metrics::SeriesRecorder series_;
   // The foot's way over the last 50 ms, and samples noticed by friction, strength, direction.
   Vec3 slide_W_m_per_s_ = Vec3::Zero();
   Vec3 foot_before_W_m_ = Vec3::Zero();
@@ -47,6 +46,7 @@ class NoticeableForceError final : public Metric {
 // Results: rate_hardness [N/m], extended_rate_hardness [N/m] (both rendered, with the measured one as reference),
 // rate_hardness_error [1] (RMS of the difference over the RMS measured), force_structural_similarity [1].
 // Each is `missing` with the reason if the recording has no presses to judge by; nothing is thrown for that.
-std::vector<MetricResult> press_metrics(const Recording& measured, std::span<const Vec3> f_rendered_W_N);
+std::vector<metrics::MetricResult> press_metrics(const recording::Recording& measured,
+                                                 std::span<const Vec3> f_rendered_W_N);
 
 }  // namespace touchstone::perception

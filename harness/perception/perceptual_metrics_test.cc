@@ -9,6 +9,9 @@
 #include "harness/metrics/catalogue.h"
 
 namespace touchstone::perception {
+using metrics::MetricStatus;
+using recording::Recording;
+
 namespace {
 
 Recording presses(double k, const Vec3& n) {
@@ -25,7 +28,7 @@ Recording presses(double k, const Vec3& n) {
 
 TEST(NoticeableForceError, CountsInJustNoticeableDifferences) {
   NoticeableForceError metric;
-  MetricSample sample;
+  metrics::MetricSample sample;
   for (int i = 0; i < 10; ++i) {
     sample.t_s = i;
     sample.f_measured_W_N = {0.0, 0.0, 1.0};
@@ -49,7 +52,7 @@ TEST(NoticeableForceError, SaysWhatAPersonWouldNoticeItBy) {
   const auto noticed_as = [](const Vec3& error) {
     NoticeableForceError metric;
     for (int i = 0; i < 1000; ++i) {
-      MetricSample sample;
+      metrics::MetricSample sample;
       sample.t_s = 0.001 * i;
       sample.out_W_m = {1e-5 * i, 0.0, 0.0};  // slides along x at 10 mm/s
       sample.f_measured_W_N = {0.0, 0.0, 1.0};

@@ -5,8 +5,6 @@
 #include <array>
 #include <string_view>
 
-#include "harness/base/rooms.h"
-
 namespace touchstone::perception::published {
 
 // Table 1, along the X axis, which the experiment uses.

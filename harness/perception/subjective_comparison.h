@@ -5,7 +5,6 @@
 #include <string>
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "harness/perception/agreement.h"
 #include "harness/perception/perceptual_evaluation.h"
 #include "harness/perception/subjective/paired_comparisons.h"

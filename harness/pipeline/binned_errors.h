@@ -5,8 +5,6 @@
 #include <cstdint>
 #include <vector>
 
-#include "harness/base/rooms.h"
-
 namespace touchstone::pipeline {
 
 inline constexpr double kErrorBin_s = 0.1;

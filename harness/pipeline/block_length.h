@@ -6,8 +6,6 @@
 #include <cstddef>
 #include <span>
 
-#include "harness/base/rooms.h"
-
 namespace touchstone::pipeline {
 
 // In elements of the series, at least 1 and at most a quarter of it. 1 for a series that does not vary.

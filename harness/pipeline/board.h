@@ -7,7 +7,6 @@
 #include <string>
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "harness/pipeline/binned_errors.h"
 #include "harness/pipeline/ranking.h"
 #include "harness/report/rendered_input.h"
@@ -36,7 +35,7 @@ struct Entry {
   std::string renderer;
   EntryState state = EntryState::ran;
   std::string why;  // where it did not run
-  RenderedInput input;
+  report::RenderedInput input;
   Scores scores;
   BinnedErrors errors;
   std::string fitted;  // the parameters that were fitted, in words; empty where all were given

@@ -100,7 +100,7 @@ std::optional<double> floor_N_of(JsonObject& task) {
 }
 
 std::string floor_text(const std::optional<double>& floor_N) {
-  return floor_N ? display_quantity(*floor_N, "N") : "none";
+  return floor_N ? report::display_quantity(*floor_N, "N") : "none";
 }
 
 // Of a recording of both runs. Floors are simulated from one seed: any difference is one of recording, input or
@@ -214,8 +214,8 @@ std::vector<std::string> changes_since(const EarlierBoard& before, const Board& 
       } else if (entry.state == EntryState::ran && !(old->rms_force_error_N == entry.scores.rms_force_error_N) &&
                  !(std::isnan(old->rms_force_error_N) && std::isnan(entry.scores.rms_force_error_N))) {
         lines.push_back(fmt::format("{}: RMS force error {} before, {} now", name,
-                                    display_quantity(old->rms_force_error_N, "N"),
-                                    display_quantity(entry.scores.rms_force_error_N, "N")));
+                                    report::display_quantity(old->rms_force_error_N, "N"),
+                                    report::display_quantity(entry.scores.rms_force_error_N, "N")));
       }
     }
   }

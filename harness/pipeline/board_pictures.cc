@@ -97,7 +97,7 @@ std::string bars_picture(const std::string& label, const std::vector<Bar>& bars,
     if (bars[i].low > 0.0 && bars[i].high > bars[i].low)
       body += line_at(axis.at(bars[i].low), y, axis.at(bars[i].high), y, "interval");
     body += fmt::format("<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"5\" class=\"dot\"/>\n", axis.at(bars[i].value), y);
-    body += text_at(kWidth - 4.0, y + 4.0, "end", display_quantity(bars[i].value, "N"));
+    body += text_at(kWidth - 4.0, y + 4.0, "end", report::display_quantity(bars[i].value, "N"));
   }
   for (std::size_t g = 0; g < groups.size(); ++g) {
     const double x = axis.to + 6.0 + 9.0 * static_cast<double>(g);
@@ -162,7 +162,7 @@ std::string pareto_picture(const Overall& overall) {
   for (const std::size_t i : {few, many})
     body += text_at(x.at(operations(i)), y.from + 18.0, "middle", fmt::format("{:.0f}", operations(i)));
   for (const std::size_t i : {small, large})
-    body += text_at(x.from - 6.0, y.at(error(i)) + 4.0, "end", display_quantity(error(i), "N"));
+    body += text_at(x.from - 6.0, y.at(error(i)) + 4.0, "end", report::display_quantity(error(i), "N"));
   std::vector<std::size_t> front = shown;
   std::erase_if(front, [&](std::size_t i) { return !overall.pareto[i]; });
   std::ranges::sort(front, {}, operations);

@@ -3,7 +3,6 @@
 
 #include <string>
 
-#include "harness/base/rooms.h"
 #include "harness/pipeline/board.h"
 
 namespace touchstone::pipeline {

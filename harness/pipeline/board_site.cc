@@ -21,7 +21,7 @@ std::string cell(const std::string& label, const std::string& html, double sorte
 }
 
 std::string quantity_or_dash(double value, std::string_view unit) {
-  return std::isfinite(value) ? escape_html(display_quantity(value, unit)) : "&ndash;";
+  return std::isfinite(value) ? escape_html(report::display_quantity(value, unit)) : "&ndash;";
 }
 
 std::string head_of(const std::vector<std::string>& columns) {
@@ -76,11 +76,11 @@ std::string task_section(const Task& task, std::size_t number) {
   out += "</tbody></table>\n";
   std::string facts = fmt::format("Input: {}.", task.input);
   if (task.measured_rms_N > 0.0)
-    facts += fmt::format(" RMS of the measured force: {}.", display_quantity(task.measured_rms_N, "N"));
+    facts += fmt::format(" RMS of the measured force: {}.", report::display_quantity(task.measured_rms_N, "N"));
   if (task.floor) {
-    facts += fmt::format(" Floor: {} ({} to {}): {}.", display_quantity(task.floor->rms_N, "N"),
-                         display_quantity(task.floor->low95_N, "N"), display_quantity(task.floor->high95_N, "N"),
-                         task.floor->how);
+    facts += fmt::format(" Floor: {} ({} to {}): {}.", report::display_quantity(task.floor->rms_N, "N"),
+                         report::display_quantity(task.floor->low95_N, "N"),
+                         report::display_quantity(task.floor->high95_N, "N"), task.floor->how);
   }
   if (task.repeat) facts += fmt::format(" A repeat of this motion sets a floor of {}.", task.repeat->how);
   if (!task.measured.empty()) facts += fmt::format(" Measured: {}.", task.measured);

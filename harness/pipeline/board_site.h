@@ -5,14 +5,13 @@
 #include <string>
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "harness/pipeline/board.h"
 #include "harness/report/provenance.h"
 
 namespace touchstone::pipeline {
 
 struct SiteNotes {
-  Provenance provenance;
+  report::Provenance provenance;
   std::vector<std::string> changes;                        // since the last run; see board_json.h
   bool compared = false;                                   // there was a last run: no changes is worth a line
   std::vector<std::pair<std::string, std::string>> links;  // name and file, for the foot of the page

@@ -4,8 +4,6 @@
 
 #include <vector>
 
-#include "harness/base/rooms.h"
-
 namespace touchstone::pipeline {
 
 // costs[i]: what one candidate costs, less is better, all with the same number of entries. true: no other candidate is

@@ -35,7 +35,6 @@
 #include <string>
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "harness/pipeline/binned_errors.h"
 
 namespace touchstone::pipeline {

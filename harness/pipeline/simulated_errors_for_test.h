@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "harness/base/random.h"
-#include "harness/base/rooms.h"
 #include "harness/pipeline/ranking.h"
 
 namespace touchstone::pipeline {

@@ -3,8 +3,6 @@
 
 #include <string_view>
 
-#include "harness/base/rooms.h"
-
 namespace touchstone::pipeline {
 
 // Colours of Okabe and Ito, which the colour-blind tell apart. Below 600 px a row of a table is a card.

@@ -35,10 +35,10 @@ std::vector<std::size_t> the_best(const Ranking& ranking) {
 std::string percent(double share) { return fmt::format("{:.{}f} %", 100.0 * share, share < 0.1 ? 1 : 0); }
 
 std::string of_measured(const Task& task, const Entry& entry) {
-  std::string text = display_quantity(entry.scores.rms_force_error_N, "N");
+  std::string text = report::display_quantity(entry.scores.rms_force_error_N, "N");
   if (task.measured_rms_N > 0.0) {
     text += fmt::format(", {} of the measured {}", percent(entry.scores.rms_force_error_N / task.measured_rms_N),
-                        display_quantity(task.measured_rms_N, "N"));
+                        report::display_quantity(task.measured_rms_N, "N"));
   }
   return text;
 }
@@ -66,14 +66,14 @@ std::string number_or_dash(double value, const char* format) {
 std::string against_repeat(const Task& task, const Entry& best) {
   if (!task.repeat) return "";
   return fmt::format(" A repeat of this motion sets a floor of {}: the best error is {} times that.",
-                     display_quantity(task.repeat->rms_N, "N"),
+                     report::display_quantity(task.repeat->rms_N, "N"),
                      times_floor(best.scores.rms_force_error_N, task.repeat->rms_N));
 }
 
 std::string against_floor(const Task& task, const Entry& best) {
   if (!task.floor) return "";
   const bool at_floor = best.scores.rms_force_error_N <= task.floor->high95_N;
-  return fmt::format(" The floor of this input is {}{}.", display_quantity(task.floor->rms_N, "N"),
+  return fmt::format(" The floor of this input is {}{}.", report::display_quantity(task.floor->rms_N, "N"),
                      at_floor ? ": nothing that is better could be seen here" : "");
 }
 
@@ -107,7 +107,8 @@ std::string verdict(const Task& task) {
   }
   const Entry& last = entry(ranking.order.back().renderer);
   if (best.size() < ranking.order.size() && ranking.order.size() > 2) {
-    text += fmt::format(" Last is {} with {}.", last.renderer, display_quantity(last.scores.rms_force_error_N, "N"));
+    text += fmt::format(" Last is {} with {}.", last.renderer,
+                        report::display_quantity(last.scores.rms_force_error_N, "N"));
   }
   return text + against_floor(task, first) + against_repeat(task, first) + who_did_not_run(task);
 }
@@ -142,14 +143,14 @@ std::string short_table(const Task& task) {
     }
     const Scores& s = entry.scores;
     rows.push_back({rank_text(task, i), entry.renderer,
-                    std::isfinite(s.rms_force_error_N) ? display_quantity(s.rms_force_error_N, "N") : "-",
-                    task.floor ? display_quantity(task.floor->rms_N, "N") : "-",
+                    std::isfinite(s.rms_force_error_N) ? report::display_quantity(s.rms_force_error_N, "N") : "-",
+                    task.floor ? report::display_quantity(task.floor->rms_N, "N") : "-",
                     task.floor ? times_floor(s.rms_force_error_N, task.floor->rms_N) : "-",
                     number_or_dash(s.rms_force_error_jnd, "{:.3g} JND"), number_or_dash(s.mean_operations, "{:.0f}"),
                     number_or_dash(s.median_us, "{:.2f}")});
   }
   for (auto& row : rows) row.resize(rows.front().size());
-  return align_columns(rows);
+  return report::align_columns(rows);
 }
 
 std::string times_floor(double error_N, double floor_N) {

@@ -47,7 +47,7 @@ ChildProcess::ChildProcess(const std::filesystem::path& program, const std::vect
                            const OwnedFd& memory) {
   int ends[2] = {-1, -1};
   if (::pipe2(ends, O_CLOEXEC) != 0) {
-    throw RendererFailed(fmt::format("no pipe for the process of a plug-in: {}", std::strerror(errno)));
+    throw rendering::RendererFailed(fmt::format("no pipe for the process of a plug-in: {}", std::strerror(errno)));
   }
   const OwnedFd low(ends[0]);
   lifeline_ = OwnedFd(ends[1]);
@@ -71,7 +71,8 @@ ChildProcess::ChildProcess(const std::filesystem::path& program, const std::vect
   ::posix_spawn_file_actions_destroy(&actions);
   if (error != 0) {
     pid_ = -1;
-    throw RendererFailed(fmt::format("{}: the process for a plug-in does not start: {}", name, std::strerror(error)));
+    throw rendering::RendererFailed(
+        fmt::format("{}: the process for a plug-in does not start: {}", name, std::strerror(error)));
   }
 }
 

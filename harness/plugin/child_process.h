@@ -8,8 +8,6 @@
 #include <string>
 #include <vector>
 
-#include "harness/base/rooms.h"
-
 namespace touchstone::plugin {
 
 // A file descriptor that closes itself.

@@ -10,7 +10,6 @@
 #include <string>
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "harness/plugin/plugin_values.h"
 #include "harness/rendering/limitation.h"
 #include "harness/rendering/parameters.h"
@@ -18,34 +17,34 @@
 
 namespace touchstone::plugin::export_parts {
 
-inline const char* name_of(Ability ability) {
+inline const char* name_of(rendering::Ability ability) {
   switch (ability) {
-    case Ability::thin_shells:
+    case rendering::Ability::thin_shells:
       return "thin_shells";
-    case Ability::large_jumps:
+    case rendering::Ability::large_jumps:
       return "large_jumps";
-    case Ability::start_inside:
+    case rendering::Ability::start_inside:
       return "start_inside";
-    case Ability::continuous_force:
+    case rendering::Ability::continuous_force:
       return "continuous_force";
-    case Ability::rigid_motion:
+    case rendering::Ability::rigid_motion:
       return "rigid_motion";
-    case Ability::unit_scale:
+    case rendering::Ability::unit_scale:
       return "unit_scale";
-    case Ability::passive:
+    case rendering::Ability::passive:
       return "passive";
-    case Ability::surface_contact:
+    case rendering::Ability::surface_contact:
       return "surface_contact";
-    case Ability::ball_tip:
+    case rendering::Ability::ball_tip:
       return "ball_tip";
-    case Ability::analytic_surface:
+    case rendering::Ability::analytic_surface:
       return "analytic_surface";
   }
   return "?";
 }
 
-inline TriangleMesh mesh_of(const touchstone2_mesh& given) {
-  TriangleMesh mesh;
+inline surface::TriangleMesh mesh_of(const touchstone2_mesh& given) {
+  surface::TriangleMesh mesh;
   mesh.source = "the program's mesh";
   for (std::size_t i = 0; i < given.vertex_count; ++i) {
     const double* const v = given.vertices_m + 3 * i;
@@ -62,13 +61,13 @@ inline TriangleMesh mesh_of(const touchstone2_mesh& given) {
 template <class Entry>
 std::vector<touchstone_parameter> parameters_of(const Entry& entry) {
   std::vector<touchstone_parameter> out;
-  for (const ParameterDeclaration& p : entry.parameters)
+  for (const rendering::ParameterDeclaration& p : entry.parameters)
     out.push_back({p.name.c_str(), p.unit.c_str(), p.minimum, p.maximum, p.initial, p.meaning.c_str()});
   return out;
 }
-inline std::vector<touchstone_limitation> limitations_of(const std::vector<Limitation>& cannot) {
+inline std::vector<touchstone_limitation> limitations_of(const std::vector<rendering::Limitation>& cannot) {
   std::vector<touchstone_limitation> out;
-  for (const Limitation& limit : cannot) out.push_back({name_of(limit.ability), limit.reason.c_str()});
+  for (const rendering::Limitation& limit : cannot) out.push_back({name_of(limit.ability), limit.reason.c_str()});
   return out;
 }
 
@@ -92,10 +91,10 @@ touchstone2_description description_of(const Entry& entry, Kind tip_kind,
 
 // The values that the program gives, in the order of the declarations.
 template <class Entry>
-Parameters given_parameters(const Entry& entry, const double* values, std::size_t count) {
+rendering::Parameters given_parameters(const Entry& entry, const double* values, std::size_t count) {
   std::map<std::string, double> given;
   for (std::size_t i = 0; i < count; ++i) given[entry.parameters.at(i).name] = values[i];
-  return Parameters(entry.parameters, given, "renderer " + entry.name, "the program's model", "");
+  return rendering::Parameters(entry.parameters, given, "renderer " + entry.name, "the program's model", "");
 }
 
 // A renderer's entry and the parts of its description in C, which point into it: it stays where it was made.

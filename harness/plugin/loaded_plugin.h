@@ -5,7 +5,6 @@
 #include <memory>
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "harness/plugin/plugin_creation.h"
 #include "harness/plugin/plugin_description.h"
 #include "harness/plugin/plugin_library.h"

@@ -10,6 +10,9 @@
 #include "harness/plugin/plugin_renderer.h"
 
 namespace touchstone::plugin {
+using rendering::Model;
+using rendering::RendererEntry;
+
 namespace {
 
 RendererEntry entry_of(const std::shared_ptr<const LoadedPlugin>& loaded, std::uint32_t index) {
@@ -24,22 +27,24 @@ RendererEntry entry_of(const std::shared_ptr<const LoadedPlugin>& loaded, std::u
   entry.world_unit_m = described.world_unit_m;
   entry.library = loaded->path();
   entry.library_source = loaded->options().source;
-  entry.make = [loaded, index](const Parameters& parameters,
-                               std::shared_ptr<const Surface> surface) -> std::unique_ptr<Renderer> {
+  entry.make = [loaded, index](
+                   const rendering::Parameters& parameters,
+                   std::shared_ptr<const surface::Surface> surface) -> std::unique_ptr<rendering::Renderer> {
     const PluginDescription& description = loaded->descriptions()[index];
-    const TriangleMesh* const mesh = surface->mesh();
+    const surface::TriangleMesh* const mesh = surface->mesh();
     if (mesh == nullptr) {
       throw BadData(fmt::format("{}: the renderer {} cannot run on a surface without triangles",
                                 loaded->path().string(), description.name));
     }
     // The surface's own mesh, which lives as long as the surface.
     auto creation = std::make_shared<const PluginCreation>(description, index, parameters,
-                                                           std::shared_ptr<const TriangleMesh>(surface, mesh));
+                                                           std::shared_ptr<const surface::TriangleMesh>(surface, mesh));
     return std::make_unique<PluginRenderer>(loaded->make(std::move(creation), 0));
   };
   if (takes_several_bodies(described)) {
-    entry.make_scene = [loaded, index](const Parameters& parameters,
-                                       std::shared_ptr<const BodyScene> scene) -> std::unique_ptr<Renderer> {
+    entry.make_scene = [loaded, index](
+                           const rendering::Parameters& parameters,
+                           std::shared_ptr<const rendering::BodyScene> scene) -> std::unique_ptr<rendering::Renderer> {
       auto creation = std::make_shared<const PluginCreation>(loaded->descriptions()[index], index, parameters, scene);
       return std::make_unique<PluginSceneRenderer>(loaded->make(std::move(creation), 0), std::move(scene));
     };

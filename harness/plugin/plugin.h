@@ -9,7 +9,6 @@
 #include <string>
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "harness/plugin/loaded_plugin.h"
 #include "harness/rendering/model.h"
 #include "harness/rendering/renderer_entry.h"
@@ -18,8 +17,8 @@ namespace touchstone::plugin {
 
 // The renderers of points and balls of one library. Throws as LoadedPlugin does, and BadData for a library that has
 // none.
-std::vector<std::shared_ptr<const RendererEntry>> load_plugin(const std::filesystem::path& library,
-                                                              const PluginOptions& options);
+std::vector<std::shared_ptr<const rendering::RendererEntry>> load_plugin(const std::filesystem::path& library,
+                                                                         const PluginOptions& options);
 
 class Plugins {
  public:
@@ -27,17 +26,20 @@ class Plugins {
   // plug-in or in `known`, the names of the program's own renderers.
   void load(const std::filesystem::path& library, const PluginOptions& options, std::span<const std::string> known);
 
-  [[nodiscard]] const std::vector<std::shared_ptr<const RendererEntry>>& entries() const noexcept { return entries_; }
+  [[nodiscard]] const std::vector<std::shared_ptr<const rendering::RendererEntry>>& entries() const noexcept {
+    return entries_;
+  }
   // Gives the model the entry of the plug-in that has its renderer, if one does.
-  void provide(Model& model) const;
+  void provide(rendering::Model& model) const;
 
  private:
-  std::vector<std::shared_ptr<const RendererEntry>> entries_;
+  std::vector<std::shared_ptr<const rendering::RendererEntry>> entries_;
   std::vector<std::filesystem::path> from_;  // the library of each
 };
 
 // rendering::load_model(), with the renderer from a plug-in if one has it. `known`: the names of the program's own
 // renderers. Throws BadData, with the place in the file, for a renderer that neither has.
-Model load_model(const std::filesystem::path& path, const Plugins& plugins, std::span<const std::string> known);
+rendering::Model load_model(const std::filesystem::path& path, const Plugins& plugins,
+                            std::span<const std::string> known);
 
 }  // namespace touchstone::plugin

@@ -9,8 +9,6 @@
 #include <chrono>
 #include <cstdint>
 
-#include "harness/base/rooms.h"
-
 namespace touchstone::plugin {
 
 enum class PluginRequest : std::uint32_t { create, reset, step, destroy };

@@ -5,8 +5,6 @@
 
 #include <string>
 
-#include "harness/base/rooms.h"
-
 namespace touchstone::plugin {
 
 class PluginConnection {

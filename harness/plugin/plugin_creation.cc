@@ -6,6 +6,9 @@
 #include "harness/rendering/model.h"
 
 namespace touchstone::plugin {
+using rendering::Parameters;
+using surface::TriangleMesh;
+
 namespace {
 
 static_assert(sizeof(Vec3) == 3 * sizeof(double));
@@ -26,14 +29,14 @@ PluginCreation::PluginCreation(const PluginDescription& description, std::uint32
 }
 
 PluginCreation::PluginCreation(const PluginDescription& description, std::uint32_t index, const Parameters& parameters,
-                               std::shared_ptr<const BodyScene> scene)
+                               std::shared_ptr<const rendering::BodyScene> scene)
     : scene_(std::move(scene)) {
-  for (const SceneBody& body : scene_->bodies) {
+  for (const rendering::SceneBody& body : scene_->bodies) {
     if (body.surface_B->mesh() == nullptr) {
       throw BadData(fmt::format("{}: the body {} has no triangles; the renderer {} cannot run on it", scene_->source,
                                 body.name, description.name));
     }
-    const BodyPose pose = body.pose.first();
+    const rendering::BodyPose pose = body.pose.first();
     bodies_.push_back({sizeof(touchstone2_body), body.pose.moves() ? 1U : 0U, body.name.c_str(),
                        mesh_of(*body.surface_B->mesh()), pose_of(pose.p_W_m, pose.q_WB)});
   }
@@ -42,9 +45,9 @@ PluginCreation::PluginCreation(const PluginDescription& description, std::uint32
 
 void PluginCreation::set_model(const PluginDescription& description, std::uint32_t index,
                                const Parameters& parameters) {
-  Model model;
+  rendering::Model model;
   model.renderer = description.name;
-  for (const ParameterDeclaration& declaration : description.parameters) {
+  for (const rendering::ParameterDeclaration& declaration : description.parameters) {
     parameters_.push_back(parameters.at(declaration.name));
     model.parameters[declaration.name] = parameters_.back();
   }

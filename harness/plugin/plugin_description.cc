@@ -11,6 +11,9 @@
 #include "harness/base/error.h"
 
 namespace touchstone::plugin {
+using rendering::Ability;
+using rendering::ParameterDeclaration;
+
 namespace {
 
 constexpr std::array<std::pair<std::string_view, Ability>, 10> kAbilities{{
@@ -175,8 +178,9 @@ bool takes_several_bodies(const PluginDescription& description) {
              description.limitations.end();
 }
 
-std::vector<Limitation> limitations_of(const PluginDescription& description, const std::filesystem::path& library) {
-  std::vector<Limitation> out;
+std::vector<rendering::Limitation> limitations_of(const PluginDescription& description,
+                                                  const std::filesystem::path& library) {
+  std::vector<rendering::Limitation> out;
   for (const auto& [ability, reason] : description.limitations) {
     if (description.version == TOUCHSTONE_PLUGIN_VERSION_2 && ability == several_bodies) continue;
     const auto* const found = std::ranges::find(kAbilities, ability, &std::pair<std::string_view, Ability>::first);

@@ -10,7 +10,6 @@
 #include <string_view>
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "harness/rendering/limitation.h"
 #include "harness/rendering/renderer.h"
 
@@ -19,7 +18,7 @@ namespace touchstone::plugin {
 struct PluginDescription {
   unsigned version = TOUCHSTONE_PLUGIN_VERSION;  // of the interface that the library follows
   std::string name, summary, source;
-  std::vector<ParameterDeclaration> parameters;
+  std::vector<rendering::ParameterDeclaration> parameters;
   std::vector<std::pair<std::string, std::string>> limitations;  // ability, reason
   bool renders_tools = false;                                    // else a point or a ball
   double epsilon_m = 0.0;     // lengths below it are nothing to the renderer; 0: none but rounding
@@ -38,7 +37,8 @@ inline constexpr std::string_view several_bodies = "several_bodies";
 bool takes_several_bodies(const PluginDescription& description);
 
 // Without several_bodies. Throws BadData for an ability that does not exist; lists those that do.
-std::vector<Limitation> limitations_of(const PluginDescription& description, const std::filesystem::path& library);
+std::vector<rendering::Limitation> limitations_of(const PluginDescription& description,
+                                                  const std::filesystem::path& library);
 
 std::string pack(std::span<const PluginDescription> descriptions);
 // Throws BadData when the bytes are not what pack() makes.

@@ -13,7 +13,6 @@
 #include <string>
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "harness/plugin/export_parts.h"
 #include "harness/rendering/renderer_entry.h"
 #include "harness/surface/embree_surface.h"
@@ -26,17 +25,17 @@ struct touchstone_renderer {
 
 namespace touchstone::plugin::plugin_export {
 
-class Exported : private export_parts::EntryInC<RendererEntry> {
+class Exported : private export_parts::EntryInC<rendering::RendererEntry> {
  public:
-  explicit Exported(RendererEntry entry) : EntryInC(std::move(entry)) {
+  explicit Exported(rendering::RendererEntry entry) : EntryInC(std::move(entry)) {
     description_ = {TOUCHSTONE_PLUGIN_SIZES, entry_.name.c_str(), entry_.summary.c_str(), entry_.source.c_str(),
                     parameters_.data(),      parameters_.size(),  limitations_.data(),    limitations_.size()};
   }
 
   [[nodiscard]] const touchstone_description* description() const { return &description_; }
 
-  [[nodiscard]] std::unique_ptr<Renderer> make(const touchstone_creation& creation) const {
-    const TriangleMesh mesh = export_parts::mesh_of(
+  [[nodiscard]] std::unique_ptr<rendering::Renderer> make(const touchstone_creation& creation) const {
+    const surface::TriangleMesh mesh = export_parts::mesh_of(
         {creation.vertices_W_m, creation.vertex_count, creation.triangles, creation.triangle_count});
     return entry_.make(export_parts::given_parameters(entry_, creation.parameters, creation.parameter_count),
                        make_embree_surface(mesh));
@@ -47,9 +46,10 @@ class Exported : private export_parts::EntryInC<RendererEntry> {
 };
 
 inline int step(touchstone_renderer& handle, const touchstone_tip& tip, touchstone_result& result) noexcept {
-  const StepResult made = handle.renderer->step({tip.t_s, vector_of(tip.p_W_m), quaternion_of(tip.q_WS)});
-  if (made.status != StepStatus::ok) {
-    handle.error = made.status == StepStatus::failed ? handle.renderer->failure() : "the renderer refused the tip";
+  const rendering::StepResult made = handle.renderer->step({tip.t_s, vector_of(tip.p_W_m), quaternion_of(tip.q_WS)});
+  if (made.status != rendering::StepStatus::ok) {
+    handle.error =
+        made.status == rendering::StepStatus::failed ? handle.renderer->failure() : "the renderer refused the tip";
     return 1;
   }
   copy(made.f_W_N, result.f_W_N);

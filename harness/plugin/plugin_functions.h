@@ -8,7 +8,6 @@
 #include <memory>
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "harness/plugin/plugin_description.h"
 
 namespace touchstone::plugin {

@@ -17,8 +17,8 @@ class InProcess final : public PluginConnection {
     std::string why;
     renderer_ = library_->create(creation, why);
     if (renderer_ == nullptr) {
-      throw RendererFailed(fmt::format("{}: the plug-in makes no renderer {}: {}", library_->path().string(),
-                                       library_->descriptions()[creation.index].name, why));
+      throw rendering::RendererFailed(fmt::format("{}: the plug-in makes no renderer {}: {}", library_->path().string(),
+                                                  library_->descriptions()[creation.index].name, why));
     }
   }
   ~InProcess() override { library_->destroy(renderer_); }

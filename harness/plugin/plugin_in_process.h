@@ -3,7 +3,6 @@
 
 #include <memory>
 
-#include "harness/base/rooms.h"
 #include "harness/plugin/plugin_connection.h"
 #include "harness/plugin/plugin_library.h"
 

@@ -10,7 +10,6 @@
 #include <string>
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "harness/plugin/plugin_description.h"
 #include "harness/plugin/plugin_functions.h"
 

@@ -17,6 +17,8 @@
 #include "harness/rendering/renderer_failed.h"
 
 namespace touchstone::plugin {
+using rendering::RendererFailed;
+
 namespace {
 
 // How often a waiting program looks whether the child still lives.

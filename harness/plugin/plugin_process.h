@@ -7,7 +7,6 @@
 #include <memory>
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "harness/plugin/plugin_connection.h"
 #include "harness/plugin/plugin_description.h"
 

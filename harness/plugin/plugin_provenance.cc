@@ -15,7 +15,7 @@ bool is_expected_result(const std::string& path) {
 
 }  // namespace
 
-std::map<std::string, std::string> plugin_provenance(const RendererEntry& entry) {
+std::map<std::string, std::string> plugin_provenance(const rendering::RendererEntry& entry) {
   if (entry.library.empty()) return {};
   const std::filesystem::path library = std::filesystem::absolute(entry.library);
   std::map<std::string, std::string> out{{"plugin_library", library.string()}, {"plugin_sha256", sha256_file(library)}};

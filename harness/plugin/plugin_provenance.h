@@ -4,7 +4,6 @@
 #include <map>
 #include <string>
 
-#include "harness/base/rooms.h"
 #include "harness/rendering/renderer_entry.h"
 
 namespace touchstone::plugin {
@@ -12,6 +11,6 @@ namespace touchstone::plugin {
 // plugin_library (the file's absolute path), plugin_sha256, plugin_commit, plugin_state: "clean", "changed: <path>", or
 // why nothing is known. Changes of a golden case's expected results are none. Empty for a renderer that is no
 // plug-in's. Throws BadData where the library cannot be read any more.
-std::map<std::string, std::string> plugin_provenance(const RendererEntry& entry);
+std::map<std::string, std::string> plugin_provenance(const rendering::RendererEntry& entry);
 
 }  // namespace touchstone::plugin

@@ -1,13 +1,14 @@
 #include "harness/plugin/plugin_renderer.h"
 
 namespace touchstone::plugin {
+using rendering::StepResult;
 
 namespace {
 
 StepResult result_of(const touchstone2_result* made) noexcept {
   StepResult out;
   if (made == nullptr) {
-    out.status = StepStatus::failed;
+    out.status = rendering::StepStatus::failed;
     return out;
   }
   out.f_W_N = vector_of(made->f_W_N);
@@ -20,11 +21,11 @@ StepResult result_of(const touchstone2_result* made) noexcept {
 
 }  // namespace
 
-StepResult PluginRenderer::do_step(const TipState& tip) noexcept {
+StepResult PluginRenderer::do_step(const rendering::TipState& tip) noexcept {
   return result_of(run_.step(tip.t_s, pose_of(tip.p_W_m, tip.q_WS)));
 }
 
-PluginSceneRenderer::PluginSceneRenderer(PluginRun run, std::shared_ptr<const BodyScene> scene)
+PluginSceneRenderer::PluginSceneRenderer(PluginRun run, std::shared_ptr<const rendering::BodyScene> scene)
     : run_(std::move(run)),
       scene_(std::move(scene)),
       poses_(scene_->bodies.size(), kIdentityPose),
@@ -35,15 +36,15 @@ void PluginSceneRenderer::do_reset() {
   run_.reset();
 }
 
-StepResult PluginSceneRenderer::do_step(const TipState& tip) noexcept {
+StepResult PluginSceneRenderer::do_step(const rendering::TipState& tip) noexcept {
   for (std::size_t i = 0; i < poses_.size() && out_of_reach_ == nullptr; ++i) {
-    const SceneBody& body = scene_->bodies[i];
+    const rendering::SceneBody& body = scene_->bodies[i];
     if (!body.pose.covers(tip.t_s)) {
       out_of_reach_ = &body;
       out_of_reach_s_ = tip.t_s;
       break;
     }
-    const BodyPose now = body.pose.at(tip.t_s, segments_[i]);
+    const rendering::BodyPose now = body.pose.at(tip.t_s, segments_[i]);
     poses_[i] = pose_of(now.p_W_m, now.q_WB);
   }
   if (out_of_reach_ != nullptr) return result_of(nullptr);

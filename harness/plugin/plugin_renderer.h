@@ -5,41 +5,40 @@
 #include <memory>
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "harness/plugin/plugin_run.h"
 #include "harness/rendering/renderer.h"
 #include "harness/rendering/scene.h"
 
 namespace touchstone::plugin {
 
-class PluginRenderer final : public Renderer {
+class PluginRenderer final : public rendering::Renderer {
  public:
   explicit PluginRenderer(PluginRun run) : run_(std::move(run)) {}
 
  private:
   void do_reset() override { run_.reset(); }
-  StepResult do_step(const TipState& tip) noexcept override;
+  rendering::StepResult do_step(const rendering::TipState& tip) noexcept override;
   [[nodiscard]] std::string do_failure() const override { return run_.failure(); }
 
   PluginRun run_;
 };
 
 // Over a scene: the plug-in gets each body's pose at each step.
-class PluginSceneRenderer final : public Renderer {
+class PluginSceneRenderer final : public rendering::Renderer {
  public:
-  PluginSceneRenderer(PluginRun run, std::shared_ptr<const BodyScene> scene);
+  PluginSceneRenderer(PluginRun run, std::shared_ptr<const rendering::BodyScene> scene);
 
  private:
   void do_reset() override;
   // Failed where the poses do not reach.
-  StepResult do_step(const TipState& tip) noexcept override;
+  rendering::StepResult do_step(const rendering::TipState& tip) noexcept override;
   [[nodiscard]] std::string do_failure() const override;
 
   PluginRun run_;
-  std::shared_ptr<const BodyScene> scene_;
+  std::shared_ptr<const rendering::BodyScene> scene_;
   std::vector<touchstone2_pose> poses_;
   std::vector<std::size_t> segments_;  // of each body's track
-  const SceneBody* out_of_reach_ = nullptr;
+  const rendering::SceneBody* out_of_reach_ = nullptr;
   double out_of_reach_s_ = 0.0;
 };
 

@@ -61,11 +61,11 @@ PluginRun::PluginRun(std::unique_ptr<PluginConnection> connection, std::string n
 
 void PluginRun::reset() {
   step_ = 0;
-  if (state_ == State::broken) throw RendererFailed(failure());
+  if (state_ == State::broken) throw rendering::RendererFailed(failure());
   state_ = State::good;
   if (connection_->reset()) return;
   state_ = State::broken;
-  throw RendererFailed(failure());
+  throw rendering::RendererFailed(failure());
 }
 
 const touchstone2_result* PluginRun::step(double t_s, const touchstone2_pose& tip,

@@ -6,7 +6,6 @@
 #include <string>
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "harness/plugin/plugin_connection.h"
 #include "harness/plugin/plugin_creation.h"
 

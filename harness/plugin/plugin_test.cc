@@ -13,6 +13,11 @@
 #include "harness/testing/tiny_meshes.h"
 
 namespace touchstone::plugin {
+using rendering::Ability;
+using rendering::RendererEntry;
+using rendering::RendererFailed;
+using rendering::StepStatus;
+
 namespace {
 
 using ::testing::AllOf;
@@ -30,21 +35,21 @@ PluginOptions options(bool in_process = false) {
   return out;
 }
 
-std::unique_ptr<Renderer> make(const std::string& name, const PluginOptions& chosen,
-                               const std::map<std::string, double>& parameters = {}) {
+std::unique_ptr<rendering::Renderer> make(const std::string& name, const PluginOptions& chosen,
+                                          const std::map<std::string, double>& parameters = {}) {
   const auto entries = load_plugin(plugin(name), chosen);
   const RendererEntry& entry = *entries.at(0);
-  return entry.make(Parameters(entry.parameters, parameters, "renderer " + entry.name, "test", ""),
+  return entry.make(rendering::Parameters(entry.parameters, parameters, "renderer " + entry.name, "test", ""),
                     make_embree_surface(testing::grid(0.02, 4)));
 }
 
-TipState tip(int i, double z) { return {1e-3 * (i + 1), {0.001, 0.002, z}, Quat::Identity()}; }
+rendering::TipState tip(int i, double z) { return {1e-3 * (i + 1), {0.001, 0.002, z}, Quat::Identity()}; }
 
 // Taps the plane; the error of the run, or "none".
 std::string error_of_a_run(const std::string& name, const PluginOptions& chosen) {
   try {
     const auto renderer = make(name, chosen);
-    InTrajectory taps;
+    recording::InTrajectory taps;
     for (int i = 0; i < 20; ++i) {
       taps.motion.t_s.push_back(1e-3 * i);
       taps.motion.p_W_m.emplace_back(0.0, 0.0, 1e-4 * (5 - i));
@@ -84,9 +89,9 @@ TEST(Plugin, RendersTheSameInItsChildAsHere) {
     here->reset();
     child->reset();
     for (int i = 0; i < 2000; ++i) {
-      const TipState at = tip(i, 1e-3 * std::sin(0.01 * i));
-      const StepResult expected = here->step(at);
-      const StepResult obtained = child->step(at);
+      const rendering::TipState at = tip(i, 1e-3 * std::sin(0.01 * i));
+      const rendering::StepResult expected = here->step(at);
+      const rendering::StepResult obtained = child->step(at);
       ASSERT_EQ(obtained.status, StepStatus::ok) << child->failure();
       ASSERT_EQ(obtained.f_W_N, expected.f_W_N);
       ASSERT_EQ(obtained.contact_W_m, expected.contact_W_m);
@@ -152,7 +157,7 @@ TEST(Plugin, AnEnginesOwnExceptionWhileItIsMadeIsAnError) {
     ASSERT_EQ(entries.size(), 2U);
     const RendererEntry& entry = *entries[1];
     try {
-      entry.make(Parameters(entry.parameters, {}, "", "", ""), make_embree_surface(testing::grid(0.02, 4)));
+      entry.make(rendering::Parameters(entry.parameters, {}, "", "", ""), make_embree_surface(testing::grid(0.02, 4)));
       ADD_FAILURE() << "made";
     } catch (const RendererFailed& error) {
       EXPECT_THAT(error.what(), HasSubstr("no std::exception"));
@@ -213,7 +218,7 @@ TEST(Plugin, WhatItPrintsIsNoResult) {
 }
 
 TEST(Plugin, ManyAtOnceAndOneAfterTheOther) {
-  std::vector<std::unique_ptr<Renderer>> renderers;
+  std::vector<std::unique_ptr<rendering::Renderer>> renderers;
   for (int i = 0; i < 20; ++i) renderers.push_back(make("NOTHING", options()));
   for (const auto& renderer : renderers) renderer->reset();
   for (int i = 0; i < 50; ++i) {
@@ -234,7 +239,7 @@ TEST(Plugin, ANameThatIsTakenIsRefused) {
   Plugins other;
   EXPECT_THROW(other.load(plugin("NOTHING"), options(), std::vector<std::string>{"plane"}), BadData);
 
-  Model model;
+  rendering::Model model;
   model.renderer = "plane";
   plugins.provide(model);
   ASSERT_NE(model.provided, nullptr);

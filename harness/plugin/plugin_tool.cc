@@ -9,6 +9,8 @@
 #include "harness/rendering/limitation.h"
 
 namespace touchstone::plugin {
+using surface::TriangleMesh;
+
 namespace {
 
 class PluginToolRenderer final : public tool::ToolRenderer {
@@ -49,9 +51,13 @@ tool::ToolRendererEntry entry_of(const std::shared_ptr<const LoadedPlugin>& load
   entry.source = described.source;
   entry.parameters = described.parameters;
   entry.library = loaded->path();
-  entry.exact_normals = find_limitation(limitations_of(described, loaded->path()), Ability::rigid_motion) == nullptr;
-  entry.resolution_m = [epsilon_m = described.epsilon_m](const Parameters&, double /*force_N*/) { return epsilon_m; };
-  entry.make = [loaded, index](const Parameters& parameters, const tool::Tool& tool, const TriangleMesh& object_W,
+  entry.exact_normals =
+      find_limitation(limitations_of(described, loaded->path()), rendering::Ability::rigid_motion) == nullptr;
+  entry.resolution_m = [epsilon_m = described.epsilon_m](const rendering::Parameters&, double /*force_N*/) {
+    return epsilon_m;
+  };
+  entry.make = [loaded, index](const rendering::Parameters& parameters, const tool::Tool& tool,
+                               const TriangleMesh& object_W,
                                const tool::Coupling& coupling) -> std::unique_ptr<tool::ToolRenderer> {
     auto creation = std::make_shared<PluginCreation>(loaded->descriptions()[index], index, parameters,
                                                      std::make_shared<const TriangleMesh>(object_W));

@@ -3,7 +3,6 @@
 
 #include <touchstone/plugin2.h>
 
-#include "harness/base/rooms.h"
 #include "harness/base/vec.h"
 
 namespace touchstone::plugin {

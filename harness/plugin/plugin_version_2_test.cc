@@ -36,7 +36,7 @@ TEST(PluginVersion2, SaysWhatItCannotTellApartAndItsUnit) {
     EXPECT_EQ(points[0]->name, "plane-2");
     EXPECT_EQ(points[0]->epsilon_m, 1e-9);
     EXPECT_EQ(points[0]->world_unit_m, 1e-3);
-    EXPECT_NE(find_limitation(points[0]->cannot, Ability::thin_shells), nullptr);
+    EXPECT_NE(find_limitation(points[0]->cannot, rendering::Ability::thin_shells), nullptr);
     const auto tools = load_tool_plugin(library("NOTHING_2"), how(in_process));
     ASSERT_EQ(tools.size(), 1U);
     EXPECT_EQ(tools[0].name, "plane-tool-2");
@@ -48,8 +48,9 @@ TEST(PluginVersion2, SaysWhatItCannotTellApartAndItsUnit) {
 TEST(PluginVersion2, RendersAPointToTheBitAsVersion1) {
   const auto make = [](const std::string& name, bool in_process) {
     const auto entries = load_plugin(library(name), how(in_process));
-    return entries.at(0)->make(Parameters(entries[0]->parameters, {{"stiffness_N_per_m", 321.0}}, "", "", ""),
-                               make_embree_surface(testing::grid(0.02, 4)));
+    return entries.at(0)->make(
+        rendering::Parameters(entries[0]->parameters, {{"stiffness_N_per_m", 321.0}}, "", "", ""),
+        make_embree_surface(testing::grid(0.02, 4)));
   };
   for (const bool in_process : {false, true}) {
     const auto first = make("NOTHING", in_process);
@@ -57,10 +58,11 @@ TEST(PluginVersion2, RendersAPointToTheBitAsVersion1) {
     first->reset();
     second->reset();
     for (int i = 0; i < 1000; ++i) {
-      const TipState tip{1e-3 * (i + 1), {0.001, 0.002, 1e-3 * std::sin(0.01 * i)}, Quat(0.6, 0.0, 0.8, 0.0)};
-      const StepResult expected = first->step(tip);
-      const StepResult obtained = second->step(tip);
-      ASSERT_EQ(obtained.status, StepStatus::ok) << second->failure();
+      const rendering::TipState tip{
+          1e-3 * (i + 1), {0.001, 0.002, 1e-3 * std::sin(0.01 * i)}, Quat(0.6, 0.0, 0.8, 0.0)};
+      const rendering::StepResult expected = first->step(tip);
+      const rendering::StepResult obtained = second->step(tip);
+      ASSERT_EQ(obtained.status, rendering::StepStatus::ok) << second->failure();
       ASSERT_EQ(obtained.f_W_N, expected.f_W_N);
       ASSERT_EQ(obtained.contact_W_m, expected.contact_W_m);
       ASSERT_EQ(obtained.n_W, expected.n_W);
@@ -70,11 +72,11 @@ TEST(PluginVersion2, RendersAPointToTheBitAsVersion1) {
   }
 }
 
-tool::Tool cube() { return tool::solid_tool(box_mesh({-0.01, -0.01, -0.01}, {0.01, 0.01, 0.01})); }
+tool::Tool cube() { return tool::solid_tool(surface::box_mesh({-0.01, -0.01, -0.01}, {0.01, 0.01, 0.01})); }
 
 std::unique_ptr<tool::ToolRenderer> make_tool(const std::string& name, bool in_process) {
   const auto entries = load_tool_plugin(library(name), how(in_process));
-  return tool::make_tool_renderer(entries.at(0), cube(), box_mesh({-1, -1, -1}, {1, 1, 0}), {});
+  return tool::make_tool_renderer(entries.at(0), cube(), surface::box_mesh({-1, -1, -1}, {1, 1, 0}), {});
 }
 
 // Four springs of 500 N/m at the corners below a cube of 20 mm whose centre is held 9 mm high: 4 x 0.5 N. Turned by a
@@ -116,7 +118,7 @@ std::string failure_of(const std::string& name, bool in_process) {
     }
   } catch (const BadData& error) {
     return std::string("bad data: ") + error.what();
-  } catch (const RendererFailed& error) {
+  } catch (const rendering::RendererFailed& error) {
     return std::string("failed: ") + error.what();
   }
   return "none";

@@ -17,7 +17,6 @@
 #include <vector>
 
 #include "harness/base/error.h"
-#include "harness/base/rooms.h"
 #include "harness/plugin/export_parts.h"
 #include "harness/rendering/renderer_entry.h"
 #include "harness/rendering/scene.h"
@@ -27,8 +26,8 @@ namespace touchstone::plugin::scene_export {
 
 // A renderer, and where the program says that its bodies are.
 struct OverBodies {
-  std::unique_ptr<Renderer> renderer;
-  std::vector<std::shared_ptr<BodyPose>> poses;  // of each body; empty where one stands still
+  std::unique_ptr<rendering::Renderer> renderer;
+  std::vector<std::shared_ptr<rendering::BodyPose>> poses;  // of each body; empty where one stands still
 
   void reset() { renderer->reset(); }
 };
@@ -43,13 +42,13 @@ struct touchstone2_renderer {
 
 namespace touchstone::plugin::scene_export {
 
-inline BodyPose body_pose(const touchstone2_pose& pose) noexcept {
+inline rendering::BodyPose body_pose(const touchstone2_pose& pose) noexcept {
   return {vector_of(pose.p_W_m), quaternion_of(pose.q_WB)};
 }
 
-class Exported : private export_parts::EntryInC<RendererEntry> {
+class Exported : private export_parts::EntryInC<rendering::RendererEntry> {
  public:
-  explicit Exported(RendererEntry entry) : EntryInC(std::move(entry)) {
+  explicit Exported(rendering::RendererEntry entry) : EntryInC(std::move(entry)) {
     if (!entry_.make_scene) limitations_.push_back({"several_bodies", "it takes one object that stands still"});
     description_ = export_parts::description_of(entry_, TOUCHSTONE2_POINT, parameters_, limitations_);
     description_.epsilon_m = entry_.epsilon_m;
@@ -59,21 +58,22 @@ class Exported : private export_parts::EntryInC<RendererEntry> {
   [[nodiscard]] const touchstone2_description* description() const { return &description_; }
 
   [[nodiscard]] std::unique_ptr<OverBodies> make(const touchstone2_creation& creation) const {
-    const Parameters parameters = export_parts::given_parameters(entry_, creation.parameters, creation.parameter_count);
+    const rendering::Parameters parameters =
+        export_parts::given_parameters(entry_, creation.parameters, creation.parameter_count);
     auto made = std::make_unique<OverBodies>();
     if (creation.body_count == 1 && creation.bodies[0].moves == 0 && at_origin(creation.bodies[0].pose)) {
       made->renderer = entry_.make(parameters, make_embree_surface(export_parts::mesh_of(creation.bodies[0].mesh)));
       return made;
     }
     if (!entry_.make_scene) throw BadData("the renderer " + entry_.name + " takes one object that stands still");
-    auto scene = std::make_shared<BodyScene>();
+    auto scene = std::make_shared<rendering::BodyScene>();
     scene->source = "the program's scene";
     for (std::size_t i = 0; i < creation.body_count; ++i) {
       const touchstone2_body& body = creation.bodies[i];
-      made->poses.push_back(std::make_shared<BodyPose>(body_pose(body.pose)));
-      scene->bodies.push_back(
-          {body.name, make_embree_surface(export_parts::mesh_of(body.mesh)),
-           body.moves != 0 ? PoseTrack::following(made->poses.back()) : PoseTrack(*made->poses.back())});
+      made->poses.push_back(std::make_shared<rendering::BodyPose>(body_pose(body.pose)));
+      scene->bodies.push_back({body.name, make_embree_surface(export_parts::mesh_of(body.mesh)),
+                               body.moves != 0 ? rendering::PoseTrack::following(made->poses.back())
+                                               : rendering::PoseTrack(*made->poses.back())});
     }
     made->renderer = entry_.make_scene(parameters, std::move(scene));
     return made;
@@ -90,9 +90,11 @@ class Exported : private export_parts::EntryInC<RendererEntry> {
 inline int step(touchstone2_renderer& handle, const touchstone2_input& input, touchstone2_result& result) noexcept {
   OverBodies& over = *handle.renderer;
   for (std::size_t i = 0; i < over.poses.size(); ++i) *over.poses[i] = body_pose(input.bodies[i]);
-  const StepResult made = over.renderer->step({input.t_s, vector_of(input.tip.p_W_m), quaternion_of(input.tip.q_WB)});
-  if (made.status != StepStatus::ok) {
-    handle.error = made.status == StepStatus::failed ? over.renderer->failure() : "the renderer refused the tip";
+  const rendering::StepResult made =
+      over.renderer->step({input.t_s, vector_of(input.tip.p_W_m), quaternion_of(input.tip.q_WB)});
+  if (made.status != rendering::StepStatus::ok) {
+    handle.error =
+        made.status == rendering::StepStatus::failed ? over.renderer->failure() : "the renderer refused the tip";
     return 1;
   }
   copy(made.f_W_N, result.f_W_N);

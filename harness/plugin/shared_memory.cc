@@ -17,7 +17,7 @@ SharedMemory::SharedMemory(std::size_t size) : size_(size), fd_(::memfd_create("
     mapped = ::mmap(nullptr, size, PROT_READ | PROT_WRITE, MAP_SHARED, fd_.get(), 0);
   }
   if (mapped == MAP_FAILED) {
-    throw RendererFailed(
+    throw rendering::RendererFailed(
         fmt::format("{} bytes to share with the process of a plug-in: {}", size, std::strerror(errno)));
   }
   data_ = static_cast<std::byte*>(mapped);

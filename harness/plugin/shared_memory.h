@@ -3,7 +3,6 @@
 
 #include <cstddef>
 
-#include "harness/base/rooms.h"
 #include "harness/plugin/child_process.h"
 
 namespace touchstone::plugin {

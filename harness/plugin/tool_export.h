@@ -37,7 +37,8 @@ class Exported {
     description_ = export_parts::description_of(entry_, TOUCHSTONE2_TOOL, parameters_, limitations_);
     if (entry_.resolution_m) {
       // As the checks press: 3 N; with the initial parameters.
-      description_.epsilon_m = entry_.resolution_m(Parameters(entry_.parameters, {}, entry_.name, "", ""), 3.0);
+      description_.epsilon_m =
+          entry_.resolution_m(rendering::Parameters(entry_.parameters, {}, entry_.name, "", ""), 3.0);
     }
   }
   Exported(const Exported&) = delete;

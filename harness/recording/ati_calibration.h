@@ -11,7 +11,6 @@
 #include <string>
 #include <string_view>
 
-#include "harness/base/rooms.h"
 #include "harness/base/wrench.h"
 
 namespace touchstone::recording {

@@ -5,8 +5,6 @@
 #include <cstdint>
 #include <functional>
 
-#include "harness/base/rooms.h"
-
 namespace touchstone::recording {
 
 enum class ChildOutcome : std::uint8_t {

@@ -10,8 +10,6 @@
 #include <string_view>
 #include <vector>
 
-#include "harness/base/rooms.h"
-
 namespace touchstone::recording {
 
 // Samples that repeat the time of the one before. Time that goes back is always refused.

@@ -11,7 +11,6 @@
 #include <string_view>
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "harness/base/units.h"
 
 namespace touchstone::recording {

@@ -5,7 +5,6 @@
 #include <string>
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "harness/base/vec.h"
 #include "harness/recording/clock.h"
 #include "harness/recording/resample.h"

@@ -7,7 +7,6 @@
 #include <string>
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "harness/recording/clock.h"
 #include "harness/recording/column.h"
 

@@ -6,7 +6,6 @@
 #include <memory>
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "harness/recording/table_sink.h"
 
 namespace touchstone::recording {

@@ -6,7 +6,6 @@
 #include <filesystem>
 #include <memory>
 
-#include "harness/base/rooms.h"
 #include "harness/recording/table_source.h"
 
 namespace touchstone::recording {

@@ -28,7 +28,6 @@
 #include <string_view>
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "harness/base/vec.h"
 #include "harness/recording/clock.h"
 

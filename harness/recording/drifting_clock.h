@@ -11,7 +11,6 @@
 #include <cstdint>
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "harness/recording/envelope_clock.h"
 
 namespace touchstone::recording {

@@ -10,8 +10,6 @@
 #include <cstdint>
 #include <vector>
 
-#include "harness/base/rooms.h"
-
 namespace touchstone::recording {
 
 class EnvelopeClock {

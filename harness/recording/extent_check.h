@@ -4,7 +4,6 @@
 #include <optional>
 #include <string>
 
-#include "harness/base/rooms.h"
 #include "harness/base/vec.h"
 
 namespace touchstone::recording {

@@ -6,8 +6,6 @@
 #include <cstdint>
 #include <span>
 
-#include "harness/base/rooms.h"
-
 namespace touchstone::recording {
 
 // Fletcher's sum over big-endian 16-bit words, an odd byte at the end filled up by a zero, as HDF5 computes it.

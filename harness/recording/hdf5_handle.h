@@ -6,8 +6,6 @@
 #include <string>
 #include <utility>
 
-#include "harness/base/rooms.h"
-
 namespace touchstone::recording {
 
 template <herr_t (*Close)(hid_t)>

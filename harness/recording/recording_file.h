@@ -8,7 +8,6 @@
 #include <string>
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "harness/recording/clock.h"
 #include "harness/recording/column.h"
 #include "harness/recording/trajectory.h"

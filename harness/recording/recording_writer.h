@@ -7,7 +7,6 @@
 #include <string>
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "harness/recording/column.h"
 #include "harness/recording/sample_block.h"
 #include "harness/recording/table_sink.h"

@@ -6,7 +6,6 @@
 #include <string>
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "harness/base/vec.h"
 
 namespace touchstone::recording {

@@ -10,8 +10,6 @@
 #include <string>
 #include <vector>
 
-#include "harness/base/rooms.h"
-
 namespace touchstone::recording {
 
 class TableSource {

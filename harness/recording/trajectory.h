@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "harness/base/motion.h"
-#include "harness/base/rooms.h"
 #include "harness/base/vec.h"
 
 namespace touchstone::recording {

@@ -12,7 +12,6 @@
 #include <string>
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "harness/recording/trajectory.h"
 #include "harness/rendering/measured_renderer.h"
 #include "harness/rendering/model.h"
@@ -52,19 +51,19 @@ class Catalogue {
 
   // The model's renderer with its effects over the surface. Instrument entries are checked, not run.
   [[nodiscard]] virtual std::unique_ptr<Renderer> make(const Model& model,
-                                                       std::shared_ptr<const Surface> surface) const = 0;
+                                                       std::shared_ptr<const surface::Surface> surface) const = 0;
   // The same over a scene. Any renderer with any effects where the bodies do not move against each other: over one
   // body, or over several at rest, which are one object then. Else the renderer must be able to
   // (RendererEntry::make_scene), without effects.
   [[nodiscard]] virtual std::unique_ptr<Renderer> make_scene(const Model& model,
                                                              std::shared_ptr<const BodyScene> scene) const = 0;
   [[nodiscard]] virtual CountedRenderer make_counted(const Model& model,
-                                                     std::shared_ptr<const Surface> surface) const = 0;
+                                                     std::shared_ptr<const surface::Surface> surface) const = 0;
   // With the instrument entries, for a comparison with a recording.
   [[nodiscard]] virtual MeasuredRenderer make_measured(const Model& model,
-                                                       std::shared_ptr<const Surface> surface) const = 0;
+                                                       std::shared_ptr<const surface::Surface> surface) const = 0;
   // What a recording along `motion` should show if a model were true. `motion`: the positions of the in-trajectory.
-  [[nodiscard]] virtual std::unique_ptr<Predictor> make_predictor(std::shared_ptr<const Surface> surface,
+  [[nodiscard]] virtual std::unique_ptr<Predictor> make_predictor(std::shared_ptr<const surface::Surface> surface,
                                                                   MotionColumns motion) const = 0;
 };
 

@@ -6,8 +6,6 @@
 #include <cmath>
 #include <cstdint>
 
-#include "harness/base/rooms.h"
-
 namespace touchstone::rendering {
 
 class CostHistogram {

@@ -14,7 +14,6 @@
 #include <utility>
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "harness/rendering/effect_traits.h"
 #include "harness/rendering/renderer.h"
 

@@ -4,7 +4,6 @@
 
 #include <cstdint>
 
-#include "harness/base/rooms.h"
 #include "harness/base/vec.h"
 
 namespace touchstone::rendering {

@@ -4,8 +4,8 @@
 
 namespace touchstone::rendering {
 
-EffectChain::EffectChain(std::vector<StackedEffect> effects, std::shared_ptr<const Surface> surface, double offset_m,
-                         double nominal_stiffness_N_per_m)
+EffectChain::EffectChain(std::vector<StackedEffect> effects, std::shared_ptr<const surface::Surface> surface,
+                         double offset_m, double nominal_stiffness_N_per_m)
     : effects_(std::move(effects)),
       surface_(std::move(surface)),
       offset_m_(offset_m),
@@ -49,7 +49,7 @@ void EffectChain::fill_contact(const TipState& tip, const StepResult& base) noex
       state_.depth_m = base.depth_m;
       state_.proxy_W_m = tip.p_W_m - (offset_m_ - base.depth_m) * base.n_W;
     } else if (needs_gap_) {
-      const SurfacePoint closest = surface_->closest(tip.p_W_m);
+      const surface::SurfacePoint closest = surface_->closest(tip.p_W_m);
       state_.n_W = closest.n_W;
       state_.depth_m = offset_m_ - closest.distance_m;
       state_.proxy_W_m = closest.p_W_m;

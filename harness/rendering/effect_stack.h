@@ -8,7 +8,6 @@
 #include <utility>
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "harness/rendering/effect.h"
 #include "harness/rendering/renderer.h"
 #include "harness/surface/surface.h"
@@ -26,7 +25,7 @@ class EffectChain {
  public:
   // `offset_m`: distance from the surface at which the base renderer's contact begins (its tip radius).
   // `nominal_stiffness_N_per_m`: the base's, for an effect that makes contact where the base has none yet.
-  EffectChain(std::vector<StackedEffect> effects, std::shared_ptr<const Surface> surface, double offset_m,
+  EffectChain(std::vector<StackedEffect> effects, std::shared_ptr<const surface::Surface> surface, double offset_m,
               double nominal_stiffness_N_per_m);
   void reset();
   // Turns what the base answered at this tip into what it is with the effects. Steps in their order.
@@ -36,7 +35,7 @@ class EffectChain {
   void fill_contact(const TipState& tip, const StepResult& base) noexcept;
 
   std::vector<StackedEffect> effects_;
-  std::shared_ptr<const Surface> surface_;
+  std::shared_ptr<const surface::Surface> surface_;
   double offset_m_;
   double nominal_stiffness_N_per_m_;
   bool needs_gap_;
@@ -51,7 +50,7 @@ class EffectStack final : public Renderer {
   EffectStack(std::unique_ptr<Renderer> base, EffectChain effects)
       : base_(std::move(base)), effects_(std::move(effects)) {}
   EffectStack(std::unique_ptr<Renderer> base, std::vector<StackedEffect> effects,
-              std::shared_ptr<const Surface> surface, double offset_m, double nominal_stiffness_N_per_m)
+              std::shared_ptr<const surface::Surface> surface, double offset_m, double nominal_stiffness_N_per_m)
       : EffectStack(std::move(base),
                     EffectChain(std::move(effects), std::move(surface), offset_m, nominal_stiffness_N_per_m)) {}
   [[nodiscard]] std::size_t memory_bytes() const noexcept override { return base_->memory_bytes(); }

@@ -9,8 +9,6 @@
 #include <string_view>
 #include <vector>
 
-#include "harness/base/rooms.h"
-
 namespace touchstone::rendering {
 
 // A name in a formula and where its value stands, which must outlive the formula.

@@ -13,7 +13,6 @@
 #include <string>
 #include <string_view>
 
-#include "harness/base/rooms.h"
 #include "harness/recording/trajectory.h"
 #include "harness/surface/surface.h"
 
@@ -29,7 +28,7 @@ struct ExactResponse {
 
 // A mesh, and how far from the surface in closed form it is at most.
 struct GeneratedMesh {
-  TriangleMesh mesh;
+  surface::TriangleMesh mesh;
   double deviation_bound_m = 0.0;
 };
 
@@ -43,20 +42,20 @@ class Generators {
   virtual ~Generators() = default;
 
   // The surface in closed form.
-  [[nodiscard]] virtual std::unique_ptr<const Surface> surface(std::string_view name,
-                                                               const Values& parameters) const = 0;
+  [[nodiscard]] virtual std::unique_ptr<const surface::Surface> surface(std::string_view name,
+                                                                        const Values& parameters) const = 0;
   // Its mesh of about `triangles` triangles.
   [[nodiscard]] virtual GeneratedMesh mesh(std::string_view name, const Values& parameters,
                                            std::size_t triangles) const = 0;
   // The motion, sampled at `rate_Hz` from 0 to its duration.
-  [[nodiscard]] virtual InTrajectory motion(std::string_view name, const Values& parameters, std::uint64_t seed,
-                                            double rate_Hz) const = 0;
+  [[nodiscard]] virtual recording::InTrajectory motion(std::string_view name, const Values& parameters,
+                                                       std::uint64_t seed, double rate_Hz) const = 0;
   // On a surface in closed form. `tip_radius_m` 0: a point.
-  [[nodiscard]] virtual ExactResponse exact_response(const Surface& surface, const Vec3& tip_W_m,
+  [[nodiscard]] virtual ExactResponse exact_response(const surface::Surface& surface, const Vec3& tip_W_m,
                                                      double stiffness_N_per_m, double tip_radius_m) const = 0;
   // Whether a tip that moves straight from one place to the other may leave the sheet of the surface that it touches,
   // so that the closest point no longer knows where it came from.
-  [[nodiscard]] virtual bool leaves_sheet(const Surface& surface, const Vec3& from_W_m, const Vec3& to_W_m,
+  [[nodiscard]] virtual bool leaves_sheet(const surface::Surface& surface, const Vec3& from_W_m, const Vec3& to_W_m,
                                           double tip_radius_m) const = 0;
 };
 

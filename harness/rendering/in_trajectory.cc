@@ -7,6 +7,8 @@
 #include "harness/base/error.h"
 
 namespace touchstone::rendering {
+using recording::InTrajectory;
+
 namespace {
 
 void need_stiffness(double stiffness_N_per_m) {
@@ -18,7 +20,7 @@ void need_stiffness(double stiffness_N_per_m) {
 
 }  // namespace
 
-InTrajectory synthesize_in_trajectory(const OutTrajectory& out, double stiffness_N_per_m) {
+InTrajectory synthesize_in_trajectory(const recording::OutTrajectory& out, double stiffness_N_per_m) {
   need_stiffness(stiffness_N_per_m);
   InTrajectory in{out.motion};
   for (std::size_t i = 0; i < out.size(); ++i) {
@@ -27,7 +29,7 @@ InTrajectory synthesize_in_trajectory(const OutTrajectory& out, double stiffness
   return in;
 }
 
-InTrajectory whole_force_in_trajectory(const OutTrajectory& out, std::span<const Vec3> f_W_N,
+InTrajectory whole_force_in_trajectory(const recording::OutTrajectory& out, std::span<const Vec3> f_W_N,
                                        double stiffness_N_per_m) {
   need_stiffness(stiffness_N_per_m);
   if (f_W_N.size() != out.size()) {
@@ -42,6 +44,6 @@ InTrajectory whole_force_in_trajectory(const OutTrajectory& out, std::span<const
   return in;
 }
 
-InTrajectory measured_in_trajectory(const Recording& recording) { return {recording.motion}; }
+InTrajectory measured_in_trajectory(const recording::Recording& recording) { return {recording.motion}; }
 
 }  // namespace touchstone::rendering

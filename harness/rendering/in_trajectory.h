@@ -29,7 +29,6 @@
 
 #include <span>
 
-#include "harness/base/rooms.h"
 #include "harness/recording/dataset.h"
 #include "harness/rendering/out_trajectory.h"
 
@@ -43,19 +42,21 @@ namespace touchstone::rendering {
 // One sample by `mode`, recorded at `p_W_m` with the force `f_W_N` on the probe. Off the surface, and where the force
 // does not push outward at the contact, there is no penetration: p_in = p_out. The stiffness is not used by `measured`.
 [[nodiscard]] inline Vec3 in_position(const OutSample& out, const Vec3& p_W_m, const Vec3& f_W_N,
-                                      double stiffness_N_per_m, InTrajectoryMode mode) {
-  if (mode == InTrajectoryMode::measured) return p_W_m;
-  if (mode == InTrajectoryMode::whole_force && out.normal_force_N > 0.0) return out.p_W_m - f_W_N / stiffness_N_per_m;
+                                      double stiffness_N_per_m, recording::InTrajectoryMode mode) {
+  if (mode == recording::InTrajectoryMode::measured) return p_W_m;
+  if (mode == recording::InTrajectoryMode::whole_force && out.normal_force_N > 0.0)
+    return out.p_W_m - f_W_N / stiffness_N_per_m;
   return in_position(out, stiffness_N_per_m);
 }
 
 // Equation 2 for all samples. Throws UsageError for a stiffness that is not positive and finite.
-InTrajectory synthesize_in_trajectory(const OutTrajectory& out, double stiffness_N_per_m);
+recording::InTrajectory synthesize_in_trajectory(const recording::OutTrajectory& out, double stiffness_N_per_m);
 
 // The same with the whole recorded force, `f_W_N` one for each sample.
-InTrajectory whole_force_in_trajectory(const OutTrajectory& out, std::span<const Vec3> f_W_N, double stiffness_N_per_m);
+recording::InTrajectory whole_force_in_trajectory(const recording::OutTrajectory& out, std::span<const Vec3> f_W_N,
+                                                  double stiffness_N_per_m);
 
 // The measured positions as they stand: for a compliant object, into which the real tip does press.
-InTrajectory measured_in_trajectory(const Recording& recording);
+recording::InTrajectory measured_in_trajectory(const recording::Recording& recording);
 
 }  // namespace touchstone::rendering

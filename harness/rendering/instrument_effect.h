@@ -9,7 +9,6 @@
 #include <span>
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "harness/base/vec.h"
 #include "harness/rendering/effect.h"
 #include "harness/rendering/renderer.h"

@@ -7,8 +7,6 @@
 #include <string>
 #include <vector>
 
-#include "harness/base/rooms.h"
-
 namespace touchstone::rendering {
 
 enum class Ability : std::uint8_t {

@@ -6,7 +6,6 @@
 #include <utility>
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "harness/rendering/instrument_effect.h"
 #include "harness/rendering/renderer.h"
 

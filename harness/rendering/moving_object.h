@@ -12,7 +12,6 @@
 #include <string>
 
 #include "harness/base/motion.h"
-#include "harness/base/rooms.h"
 #include "harness/rendering/pose_track.h"
 #include "harness/rendering/renderer.h"
 

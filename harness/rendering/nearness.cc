@@ -11,6 +11,8 @@
 #include "harness/stats/quantile.h"
 
 namespace touchstone::rendering {
+using surface::Surface;
+
 namespace {
 
 constexpr std::size_t most_samples = 1000;

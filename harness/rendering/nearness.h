@@ -6,7 +6,6 @@
 #include <span>
 #include <string>
 
-#include "harness/base/rooms.h"
 #include "harness/surface/surface.h"
 
 namespace touchstone::rendering {
@@ -19,18 +18,19 @@ namespace touchstone::rendering {
 // surface's, unless the tool is held in the air and no unit fits. A unit fits when d for the mesh in that unit is less
 // than a tenth of what it was; the one with the smallest d is named. `recording` and the surface's mesh source name the
 // two in the message; `mesh_unit` is the unit that was assumed ("m").
-std::optional<std::string> far_from_surface(const Surface& surface, std::span<const Vec3> tips_W_m, double tip_radius_m,
-                                            const std::string& recording, const std::string& mesh_unit);
+std::optional<std::string> far_from_surface(const surface::Surface& surface, std::span<const Vec3> tips_W_m,
+                                            double tip_radius_m, const std::string& recording,
+                                            const std::string& mesh_unit);
 
 // The same for positions without forces, which may lie anywhere: a message only where they are nowhere near the
 // surface, deep within it or far outside, and there is a unit in which the path, as long as it is, would touch.
-std::optional<std::string> fits_another_unit(const Surface& surface, std::span<const Vec3> tips_W_m,
+std::optional<std::string> fits_another_unit(const surface::Surface& surface, std::span<const Vec3> tips_W_m,
                                              double tip_radius_m, const std::string& recording,
                                              const std::string& mesh_unit);
 
 // Whether the tip is held beside the object, as when a tool is turned to be weighed: it moves by less than a hundredth
 // of the object's size, between a twentieth and the whole of that size away from its surface. What such a recording
 // says of contact is nothing.
-bool held_in_the_air(const Surface& surface, std::span<const Vec3> tips_W_m, double tip_radius_m);
+bool held_in_the_air(const surface::Surface& surface, std::span<const Vec3> tips_W_m, double tip_radius_m);
 
 }  // namespace touchstone::rendering

@@ -13,8 +13,8 @@ namespace {
 using ::testing::HasSubstr;
 
 // A 30 mm body away from the origin, and a path that touches a part of it.
-TriangleMesh body(double scale) {
-  return testing::moved(testing::ball(0.03, 4), Quat::Identity(), Vec3(0.1, 0.02, -0.05) * scale, scale);
+surface::TriangleMesh body(double scale) {
+  return surface::moved(testing::ball(0.03, 4), Quat::Identity(), Vec3(0.1, 0.02, -0.05) * scale, scale);
 }
 
 std::vector<Vec3> path(double off_m) {
@@ -56,7 +56,7 @@ TEST(Nearness, AsksForTheUnitThatFits) {
 // Read in m where it is in mm, the body is 1000 times as large and the path lies deep within it; read in mm where it is
 // in m, the body is small and far. In the mesh's own unit the path may lie anywhere.
 TEST(Nearness, PathsThatTouchInAnotherUnitAloneAreRefused) {
-  const TriangleMesh at_origin = testing::ball(0.03, 4);
+  const surface::TriangleMesh at_origin = testing::ball(0.03, 4);
   std::vector<Vec3> tips = path(0.0);
   for (Vec3& tip : tips) tip -= Vec3(0.1, 0.02, -0.05);
   for (const auto& [scale, assumed, unit] : {std::tuple{1e3, "m", "--mesh-unit mm"},
@@ -64,7 +64,7 @@ TEST(Nearness, PathsThatTouchInAnotherUnitAloneAreRefused) {
                                              {1.0 / 0.0254, "m", "--mesh-unit in"},
                                              {1e-3, "mm", "--mesh-unit m "},
                                              {1e-2, "cm", "--mesh-unit m "}}) {
-    const auto surface = make_embree_surface(testing::moved(at_origin, Quat::Identity(), Vec3::Zero(), scale));
+    const auto surface = make_embree_surface(surface::moved(at_origin, Quat::Identity(), Vec3::Zero(), scale));
     const auto message = fits_another_unit(*surface, tips, 0.0, "r.csv", assumed);
     ASSERT_TRUE(message) << scale;
     EXPECT_THAT(*message, HasSubstr(unit));

@@ -10,7 +10,6 @@
 #include <string_view>
 
 #include "harness/base/counted.h"
-#include "harness/base/rooms.h"
 #include "harness/rendering/replay.h"
 
 namespace touchstone::rendering {

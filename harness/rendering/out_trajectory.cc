@@ -11,6 +11,8 @@
 #include "harness/base/error.h"
 
 namespace touchstone::rendering {
+using surface::SurfacePoint;
+
 namespace {
 
 constexpr double epsilon = std::numeric_limits<double>::epsilon();
@@ -27,7 +29,7 @@ struct HalfSpace {
 Vec3 outward(const SurfacePoint& at, const Vec3& center, double rounding, bool ball) {
   const Vec3 away = center - at.p_W_m;
   // On a face and on an analytic shape both are the same direction, and the normal has less rounding.
-  const bool crease = at.feature == Feature::edge || at.feature == Feature::vertex;
+  const bool crease = at.feature == surface::Feature::edge || at.feature == surface::Feature::vertex;
   if (!ball || !crease || at.distance_m <= rounding) return at.n_W;
   return (at.signed_distance_m < 0.0 ? -away : away) / at.distance_m;
 }
@@ -79,7 +81,7 @@ Projection project(const Vec3& p, std::span<const HalfSpace> all, double toleran
 
 }  // namespace
 
-OutTrajectoryMaker::OutTrajectoryMaker(const Surface& surface, const OutTrajectoryRule& rule)
+OutTrajectoryMaker::OutTrajectoryMaker(const surface::Surface& surface, const OutTrajectoryRule& rule)
     : surface_(surface), rule_(rule) {
   if (!(rule.tip_radius_m >= 0.0 && std::isfinite(rule.tip_radius_m))) {
     throw UsageError(fmt::format("a tip radius of {} m makes no sense; expected 0 or more", rule.tip_radius_m));
@@ -144,14 +146,14 @@ void OutTrajectorySummary::add(const OutSample& sample) {
   largest = std::max(largest, sample.moved_m);
 }
 
-OutTrajectory make_out_trajectory(const Recording& recording, const Surface& surface, const OutTrajectoryRule& rule,
-                                  OutTrajectorySummary* summary) {
+recording::OutTrajectory make_out_trajectory(const recording::Recording& recording, const surface::Surface& surface,
+                                             const OutTrajectoryRule& rule, OutTrajectorySummary* summary) {
   const OutTrajectoryMaker make(surface, rule);
   if (recording.f_W_N.size() != recording.size()) {
     throw BadData(fmt::format("{}: an out-trajectory needs a force for every position; {} of {} have one",
                               recording.source, recording.f_W_N.size(), recording.size()));
   }
-  OutTrajectory out;
+  recording::OutTrajectory out;
   out.motion = recording.motion;
   out.n_W.reserve(recording.size());
   out.gap_m.reserve(recording.size());

@@ -21,7 +21,6 @@
 //  6. p_out is moved outwards by the few units of rounding that make s(p_out) >= r hold in floating point as well.
 #pragma once
 
-#include "harness/base/rooms.h"
 #include "harness/recording/trajectory.h"
 #include "harness/surface/surface.h"
 
@@ -50,14 +49,14 @@ struct OutSample {
 class OutTrajectoryMaker {
  public:
   // Throws UsageError for a radius or threshold that is negative or not finite. The surface must outlive the maker.
-  OutTrajectoryMaker(const Surface& surface, const OutTrajectoryRule& rule);
+  OutTrajectoryMaker(const surface::Surface& surface, const OutTrajectoryRule& rule);
 
   // `f_W_N` is the force on the probe by the object. Throws BadData for numbers that are not finite.
   [[nodiscard]] OutSample operator()(const Vec3& p_W_m, const Vec3& f_W_N) const;
   [[nodiscard]] const OutTrajectoryRule& rule() const noexcept { return rule_; }
 
  private:
-  const Surface& surface_;
+  const surface::Surface& surface_;
   OutTrajectoryRule rule_;
   double step_m_;  // one unit of rounding of the surface's coordinates
 };
@@ -75,7 +74,7 @@ struct OutTrajectorySummary {
 };
 
 // The whole recording. Throws BadData naming the source and the sample.
-OutTrajectory make_out_trajectory(const Recording& recording, const Surface& surface, const OutTrajectoryRule& rule,
-                                  OutTrajectorySummary* summary = nullptr);
+recording::OutTrajectory make_out_trajectory(const recording::Recording& recording, const surface::Surface& surface,
+                                             const OutTrajectoryRule& rule, OutTrajectorySummary* summary = nullptr);
 
 }  // namespace touchstone::rendering

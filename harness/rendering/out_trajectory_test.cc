@@ -14,6 +14,11 @@
 #include "harness/testing/tiny_meshes.h"
 
 namespace touchstone::rendering {
+using surface::Feature;
+using surface::Surface;
+using surface::SurfacePoint;
+using surface::TriangleMesh;
+
 namespace {
 
 using ::testing::HasSubstr;
@@ -27,7 +32,7 @@ class Plane final : public Surface {
     const double s = n_.dot(p - point_);
     return {p - s * n_, n_, std::abs(s), s, -1, Feature::analytic};
   }
-  std::optional<Crossing> first_crossing(const Vec3&, const Vec3&) const override { return std::nullopt; }
+  std::optional<surface::Crossing> first_crossing(const Vec3&, const Vec3&) const override { return std::nullopt; }
   Box3 bounds() const override { return {Vec3(point_.array() - size_), Vec3(point_.array() + size_)}; }
 
  private:
@@ -44,7 +49,7 @@ class Sphere final : public Surface {
     const double s = (p - center_).norm() - radius_;
     return {center_ + radius_ * n, n, std::abs(s), s, -1, Feature::analytic};
   }
-  std::optional<Crossing> first_crossing(const Vec3&, const Vec3&) const override { return std::nullopt; }
+  std::optional<surface::Crossing> first_crossing(const Vec3&, const Vec3&) const override { return std::nullopt; }
   Box3 bounds() const override { return {Vec3(center_.array() - radius_), Vec3(center_.array() + radius_)}; }
 
  private:
@@ -67,7 +72,7 @@ Contact render(const Surface& surface, const Vec3& tip, double tip_radius_m, dou
 
 // A frictionless scan: the ball rolls over the surface and is pushed along the normal.
 struct Scan {
-  Recording recording;
+  recording::Recording recording;
   std::vector<double> force_N;
 };
 
@@ -99,8 +104,8 @@ Scan frictionless_scan(const Surface& surface, double size, double tip_radius_m,
 constexpr double round_trip_roundings = 8.0;
 
 void expect_round_trip(const Surface& surface, const Scan& scan, double tip_radius_m, double stiffness, double& worst) {
-  const OutTrajectory out = make_out_trajectory(scan.recording, surface, {tip_radius_m, 0.0});
-  const InTrajectory in = synthesize_in_trajectory(out, stiffness);
+  const recording::OutTrajectory out = make_out_trajectory(scan.recording, surface, {tip_radius_m, 0.0});
+  const recording::InTrajectory in = synthesize_in_trajectory(out, stiffness);
   ASSERT_EQ(in.size(), scan.recording.size());
   for (std::size_t i = 0; i < out.size(); ++i) {
     const double unit =
@@ -135,7 +140,7 @@ TEST(OutTrajectory, FrictionlessRoundTripIsExactOnPlaneSphereAndMesh) {
                         frictionless_scan(sphere, 2.0 * scale, radius * scale, 0.2 * scale, 500.0, random, false),
                         radius * scale, 500.0, worst);
       const auto mesh =
-          make_embree_surface(testing::moved(testing::torus(1.0, 0.4, 24, 16), random.rotation(), shift, scale));
+          make_embree_surface(surface::moved(testing::torus(1.0, 0.4, 24, 16), random.rotation(), shift, scale));
       expect_round_trip(*mesh, frictionless_scan(*mesh, 2.0 * scale, radius * scale, 0.05 * scale, 500.0, random, true),
                         radius * scale, 500.0, worst);
     }
@@ -148,7 +153,7 @@ TEST(OutTrajectory, IsNeverInsideWhateverWasMeasured) {
   Random random(7);
   for (const double scale : {1e-3, 1.0, 1e3}) {
     const auto surface = make_embree_surface(
-        testing::moved(testing::torus(1.0, 0.4, 24, 16), random.rotation(), 5.0 * scale * random.direction(), scale));
+        surface::moved(testing::torus(1.0, 0.4, 24, 16), random.rotation(), 5.0 * scale * random.direction(), scale));
     for (const double radius : {0.0, 0.05 * scale, 0.3 * scale}) {
       const OutTrajectoryMaker make(*surface, {radius, 0.05});
       for (int i = 0; i < 2000; ++i) {
@@ -236,7 +241,7 @@ TEST(OutTrajectory, BadInputIsRefused) {
   EXPECT_THROW(OutTrajectoryMaker(plane, {0.0, std::nan("")}), UsageError);
   EXPECT_THROW(synthesize_in_trajectory({}, 0.0), UsageError);
   EXPECT_THROW(synthesize_in_trajectory({}, std::numeric_limits<double>::infinity()), UsageError);
-  Recording recording;
+  recording::Recording recording;
   recording.source = "r.csv";
   recording.motion.t_s = {0.0, 0.5};
   recording.motion.p_W_m = {Vec3::Zero(), Vec3(0, std::nan(""), 0)};

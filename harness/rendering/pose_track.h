@@ -10,7 +10,6 @@
 #include <string>
 
 #include "harness/base/motion.h"
-#include "harness/base/rooms.h"
 
 namespace touchstone::rendering {
 

@@ -7,7 +7,6 @@
 #include <span>
 #include <string>
 
-#include "harness/base/rooms.h"
 #include "harness/base/vec.h"
 
 namespace touchstone::rendering {

@@ -8,7 +8,6 @@
 #include <string>
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "harness/rendering/limitation.h"
 #include "harness/rendering/parameters.h"
 #include "harness/rendering/renderer.h"
@@ -24,7 +23,7 @@ struct RendererEntry {
   std::string source;   // the publication that the algorithm follows
   std::vector<ParameterDeclaration> parameters;
   std::vector<Limitation> cannot;
-  using Make = std::function<std::unique_ptr<Renderer>(const Parameters&, std::shared_ptr<const Surface>)>;
+  using Make = std::function<std::unique_ptr<Renderer>(const Parameters&, std::shared_ptr<const surface::Surface>)>;
   Make make;
   // The same with harness/base/counted.h's scalar: the same bits, and every operation of a step counted. Empty: its
   // operations are not counted; it may answer nullptr where they are not with these parameters or on this mesh.

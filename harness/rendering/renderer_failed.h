@@ -4,7 +4,6 @@
 #include <string>
 
 #include "harness/base/error.h"
-#include "harness/base/rooms.h"
 
 namespace touchstone::rendering {
 

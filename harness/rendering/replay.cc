@@ -82,8 +82,8 @@ std::uint64_t replay(Renderer& renderer, const TipSource& source, const StepSink
       [&](const TipState& tip, const StepResult& result, std::size_t i) { sink(tip, result, cost_us[i]); });
 }
 
-RenderedTrajectory replay(Renderer& renderer, const InTrajectory& trajectory, bool time_steps) {
-  RenderedTrajectory rendered;
+recording::RenderedTrajectory replay(Renderer& renderer, const recording::InTrajectory& trajectory, bool time_steps) {
+  recording::RenderedTrajectory rendered;
   const std::size_t size = trajectory.size();
   rendered.t_s.reserve(size);
   rendered.tip_W_m.reserve(size);

@@ -6,7 +6,6 @@
 #include <optional>
 #include <string>
 
-#include "harness/base/rooms.h"
 #include "harness/recording/trajectory.h"
 #include "harness/rendering/renderer.h"
 
@@ -32,7 +31,8 @@ struct ReplayTiming {
 // Resets the renderer and replays. Returns the number of samples. Throws BadData naming the sample when the renderer
 // refuses it or answers with a number that is not finite. With `time_steps` each step is timed alone.
 std::uint64_t replay(Renderer& renderer, const TipSource& source, const StepSink& sink, bool time_steps = false);
-RenderedTrajectory replay(Renderer& renderer, const InTrajectory& trajectory, bool time_steps = false);
+recording::RenderedTrajectory replay(Renderer& renderer, const recording::InTrajectory& trajectory,
+                                     bool time_steps = false);
 
 // Replays twice: once timing whole blocks (mean), once every step (quantiles). `open` gives the same samples each time.
 ReplayTiming measure_steps(Renderer& renderer, const std::function<TipSource()>& open);

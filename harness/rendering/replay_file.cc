@@ -9,9 +9,10 @@
 #include "harness/recording/recording_writer.h"
 
 namespace touchstone::rendering {
+using recording::RecordingStream;
 
 TipSource tip_source(RecordingStream& stream) {
-  return [&stream, block = SampleBlock(), next = std::size_t{0}](TipState& tip) mutable {
+  return [&stream, block = recording::SampleBlock(), next = std::size_t{0}](TipState& tip) mutable {
     if (next == block.size()) {
       next = 0;
       if (!stream.next(block)) return false;
@@ -26,7 +27,7 @@ TipSource tip_source(RecordingStream& stream) {
 
 ReplaySummary replay_file(Renderer& renderer, const std::filesystem::path& in, const std::filesystem::path& out) {
   auto stream = RecordingStream::open(in);
-  RenderedWriter writer(out, false);
+  recording::RenderedWriter writer(out, false);
   Progress progress("replay " + in.filename().string(), 0);
   ReplaySummary summary;
   replay(renderer, tip_source(stream), [&](const TipState& tip, const StepResult& result, double) {

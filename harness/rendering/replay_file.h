@@ -4,7 +4,6 @@
 #include <filesystem>
 #include <string>
 
-#include "harness/base/rooms.h"
 #include "harness/recording/recording_stream.h"
 #include "harness/rendering/operations.h"
 #include "harness/rendering/replay.h"
@@ -24,7 +23,7 @@ std::string summary_to_json(const ReplaySummary& summary);
 std::string summary_text(const ReplaySummary& summary, const std::filesystem::path& out);
 
 // A source over a file of positions. The stream must outlive it.
-TipSource tip_source(RecordingStream& stream);
+TipSource tip_source(recording::RecordingStream& stream);
 
 // Replays `in` through the renderer and writes the rendered file `out` (RenderedWriter), which appears whole or not at
 // all.

@@ -29,8 +29,8 @@ class Plane final : public Renderer {
   int resets = 0;
 };
 
-InTrajectory taps(std::size_t size) {
-  InTrajectory trajectory;
+recording::InTrajectory taps(std::size_t size) {
+  recording::InTrajectory trajectory;
   for (std::size_t i = 0; i < size; ++i) {
     trajectory.motion.t_s.push_back(static_cast<double>(i) * 1e-3);
     trajectory.motion.p_W_m.emplace_back(0.0, 0.0, std::sin(static_cast<double>(i) * 0.1));

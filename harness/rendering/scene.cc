@@ -5,6 +5,7 @@
 #include "harness/base/error.h"
 
 namespace touchstone::rendering {
+using surface::TriangleMesh;
 
 TriangleMesh joined_mesh(const BodyScene& scene) {
   TriangleMesh joined;

@@ -10,7 +10,6 @@
 #include <string>
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "harness/rendering/pose_track.h"
 #include "harness/surface/surface.h"
 #include "harness/surface/triangle_mesh.h"
@@ -19,7 +18,7 @@ namespace touchstone::rendering {
 
 struct SceneBody {
   std::string name;
-  std::shared_ptr<const Surface> surface_B;  // in the body's own frame
+  std::shared_ptr<const surface::Surface> surface_B;  // in the body's own frame
   PoseTrack pose;
 };
 
@@ -33,6 +32,6 @@ struct BodyScene {
 };
 
 // All bodies in one mesh in W, where they are at the beginning. Throws BadData for a body without triangles.
-TriangleMesh joined_mesh(const BodyScene& scene);
+surface::TriangleMesh joined_mesh(const BodyScene& scene);
 
 }  // namespace touchstone::rendering

@@ -70,7 +70,7 @@ SceneFileBody read_body(JsonObject& object, const std::filesystem::path& folder,
     object.fail_at("unit", error.what());
   }
   body.two_sided = object.optional_flag("two_sided").value_or(false);
-  body.mesh_B = load_mesh(file_of(object, "mesh", folder, files), factor);
+  body.mesh_B = surface::load_mesh(file_of(object, "mesh", folder, files), factor);
   if (int{object.has("pose")} + int{object.has("poses")} + int{object.has("keyframes")} > 1)
     object.fail("a body has one of \"pose\", \"poses\" and \"keyframes\"; remove the others");
   if (object.has("pose")) {
@@ -80,7 +80,7 @@ SceneFileBody read_body(JsonObject& object, const std::filesystem::path& folder,
     pose.finish();
   } else if (object.has("poses")) {
     const std::filesystem::path file = file_of(object, "poses", folder, files);
-    body.pose = PoseTrack(load_trajectory(file).motion, file.string());
+    body.pose = PoseTrack(recording::load_trajectory(file).motion, file.string());
   } else if (object.has("keyframes")) {
     body.pose = read_keyframes(object, object.source());
   }

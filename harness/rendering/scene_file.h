@@ -17,7 +17,6 @@
 #include <string_view>
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "harness/rendering/pose_track.h"
 #include "harness/rendering/scene.h"
 #include "harness/surface/triangle_mesh.h"
@@ -27,7 +26,7 @@ namespace touchstone::rendering {
 // A body of the file, with its mesh read.
 struct SceneFileBody {
   std::string name;
-  TriangleMesh mesh_B;
+  surface::TriangleMesh mesh_B;
   PoseTrack pose;
   bool two_sided = false;
 };

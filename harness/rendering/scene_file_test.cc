@@ -87,7 +87,7 @@ TEST_F(SceneFileTest, JoinsBodiesWhereTheyBegin) {
   const BodyScene scene = parse(R"({"name": "a", "mesh": "cube.obj"},
                                {"name": "b", "mesh": "cube.obj", "pose": {"p_m": [100, 0, 0]}})")
                               .scene();
-  const TriangleMesh joined = joined_mesh(scene);
+  const surface::TriangleMesh joined = joined_mesh(scene);
   EXPECT_EQ(joined.triangle_count(), 24U);
   EXPECT_NEAR(joined.bounds().max().x(), 110.0, 1e-12);
 }

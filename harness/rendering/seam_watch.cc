@@ -14,8 +14,8 @@ constexpr int kConfirm = 20;
 
 }  // namespace
 
-SeamSearch::SeamSearch(std::shared_ptr<const Surface> surface) : surface_(std::move(surface)) {
-  const TriangleMesh* const mesh = surface_->mesh();
+SeamSearch::SeamSearch(std::shared_ptr<const surface::Surface> surface) : surface_(std::move(surface)) {
+  const surface::TriangleMesh* const mesh = surface_->mesh();
   const surface::MeshTopology* const topology = surface_->topology();
   if (mesh == nullptr || topology == nullptr) return;
   for (std::size_t t = 0; t < topology->neighbours.size(); ++t) {

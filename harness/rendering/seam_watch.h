@@ -12,7 +12,6 @@
 #include <utility>
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "harness/rendering/renderer.h"
 #include "harness/surface/surface.h"
 
@@ -28,7 +27,7 @@ struct SeamLosses {
 // Of a run, sample by sample.
 class SeamSearch {
  public:
-  explicit SeamSearch(std::shared_ptr<const Surface> surface);
+  explicit SeamSearch(std::shared_ptr<const surface::Surface> surface);
 
   // Begins another run; the losses stay.
   void restart() noexcept;
@@ -39,7 +38,7 @@ class SeamSearch {
   void look(const TipState& tip, const StepResult& now) noexcept;
   [[nodiscard]] bool near_open_edge(const Vec3& p_W_m, double within_m) const noexcept;
 
-  std::shared_ptr<const Surface> surface_;
+  std::shared_ptr<const surface::Surface> surface_;
   std::vector<std::pair<Vec3, Vec3>> open_edges_;  // from corner to corner
   SeamLosses losses_;
   SeamLosses candidate_;

@@ -12,7 +12,6 @@
 #include <string_view>
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "harness/rendering/renderer.h"
 
 namespace touchstone::rendering {

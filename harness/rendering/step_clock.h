@@ -7,7 +7,6 @@
 #if defined(__x86_64__)
 #include <x86intrin.h>
 
-#include "harness/base/rooms.h"
 #endif
 
 namespace touchstone::rendering {

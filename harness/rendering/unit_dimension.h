@@ -8,8 +8,6 @@
 #include <string>
 #include <string_view>
 
-#include "harness/base/rooms.h"
-
 namespace touchstone::rendering {
 
 struct UnitDimension {

@@ -16,7 +16,6 @@
 #include <string>
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "harness/report/cdash_parts.h"
 #include "harness/report/cdash_server.h"
 

@@ -8,7 +8,6 @@
 #include <string>
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "harness/report/cdash_server.h"
 #include "harness/report/history.h"
 

@@ -8,8 +8,6 @@
 #include <string>
 #include <vector>
 
-#include "harness/base/rooms.h"
-
 namespace touchstone::report {
 
 struct BuildName {

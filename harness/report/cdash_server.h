@@ -9,7 +9,6 @@
 #include <string_view>
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "harness/base/web_request.h"
 
 namespace touchstone::report {

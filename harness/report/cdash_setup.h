@@ -5,7 +5,6 @@
 #include <string>
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "harness/report/cdash_server.h"
 
 namespace touchstone::report {

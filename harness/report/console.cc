@@ -41,7 +41,8 @@ std::string align_columns(const std::vector<std::vector<std::string>>& rows) {
   return out;
 }
 
-std::string console_table(const std::vector<std::pair<std::string, const std::vector<MetricResult>*>>& evaluations) {
+std::string console_table(
+    const std::vector<std::pair<std::string, const std::vector<metrics::MetricResult>*>>& evaluations) {
   std::vector<std::vector<std::string>> rows{{"metric"}};
   for (const auto& [name, metrics] : evaluations) rows.front().push_back(name);
   if (evaluations.empty()) return "";
@@ -52,9 +53,9 @@ std::string console_table(const std::vector<std::pair<std::string, const std::ve
       if (metrics->size() != first.size() || (*metrics)[i].name != first[i].name) {
         throw UsageError(fmt::format("\"{}\" has other metrics than \"{}\"", name, evaluations.front().first));
       }
-      const MetricResult& metric = (*metrics)[i];
-      row.push_back(metric.status == MetricStatus::ok ? display_quantity(metric.value, metric.unit)
-                                                      : status_name(metric.status));
+      const metrics::MetricResult& metric = (*metrics)[i];
+      row.push_back(metric.status == metrics::MetricStatus::ok ? display_quantity(metric.value, metric.unit)
+                                                               : status_name(metric.status));
     }
     rows.push_back(std::move(row));
   }

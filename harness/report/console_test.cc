@@ -4,13 +4,15 @@
 #include "harness/report/sample_result.h"
 
 namespace touchstone::report {
+using metrics::MetricSet;
+
 namespace {
 
 TEST(Console, EveryMetricWithItsUnitInColumnsThatLineUp) {
   const EvaluationResult one = sample_result("one");
   const EvaluationResult two = sample_result("two");
   const std::string table = console_table({{"one", &one.metrics}, {"two", &two.metrics}});
-  for (const MetricResult& metric : one.metrics)
+  for (const metrics::MetricResult& metric : one.metrics)
     EXPECT_NE(table.find("\n" + metric.name + " "), std::string::npos) << metric.name;
   std::istringstream lines(table);
   std::string line;

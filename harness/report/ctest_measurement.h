@@ -8,8 +8,6 @@
 #include <string>
 #include <string_view>
 
-#include "harness/base/rooms.h"
-
 namespace touchstone::report {
 
 // <CTestMeasurement type="numeric/double" name="...">value</CTestMeasurement>, of a finite value.

@@ -6,8 +6,6 @@
 #include <filesystem>
 #include <vector>
 
-#include "harness/base/rooms.h"
-
 namespace touchstone::report {
 
 // The picture cut into `strips` of equal height, from the top after `header` pixels: in how many of its columns each

@@ -7,7 +7,6 @@
 #include <utility>
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "harness/metrics/episodes.h"
 #include "harness/metrics/metric.h"
 #include "harness/report/provenance.h"
@@ -30,10 +29,10 @@ struct ObjectView {
 
 // Some full-rate signals around an episode.
 struct EpisodeView {
-  Episode episode;
-  std::string of;               // "force" or "position"
-  std::string unit;             // of the error: N or m
-  std::vector<Series> signals;  // empty beyond the worst few
+  metrics::Episode episode;
+  std::string of;                        // "force" or "position"
+  std::string unit;                      // of the error: N or m
+  std::vector<metrics::Series> signals;  // empty beyond the worst few
 };
 
 struct EvaluationResult {
@@ -43,8 +42,8 @@ struct EvaluationResult {
   RenderedInput input;                                        // what the renderer was given; hash "" where not known
   std::vector<std::pair<std::string, std::string>> settings;  // what was chosen, with units
   std::vector<std::string> messages;                          // what the reader must know: warnings, what was assumed
-  std::vector<MetricResult> metrics;
-  std::vector<Series> signals;  // named measured_x, rendered_x, ... for x, y, z [N]
+  std::vector<metrics::MetricResult> metrics;
+  std::vector<metrics::Series> signals;  // named measured_x, rendered_x, ... for x, y, z [N]
   double force_threshold_N = 0.0;
   double position_threshold_m = 0.0;
   std::vector<EpisodeView> episodes;  // force, then position; worst first

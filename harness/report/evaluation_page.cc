@@ -9,6 +9,10 @@
 #include "harness/report/quantity.h"
 
 namespace touchstone::report {
+using metrics::MetricResult;
+using metrics::MetricStatus;
+using metrics::Series;
+
 namespace {
 
 constexpr const char* time_link = "time";
@@ -121,7 +125,7 @@ void add_error_plot(Section& section, const MetricResult* metric, std::string ti
 
 void add_histogram(Section& section, const MetricResult* metric, std::string title) {
   if (metric == nullptr || !metric->histogram || !(metric->histogram->width > 0.0)) return;
-  const Histogram& histogram = *metric->histogram;
+  const metrics::Histogram& histogram = *metric->histogram;
   const DisplayUnit unit = display_unit(histogram.unit, histogram.width * static_cast<double>(histogram.counts.size()));
   BarPlot plot{std::move(title),
                fmt::format("[{}]", unit.name),
@@ -182,7 +186,7 @@ Section noticed_section(const EvaluationResult& result) {
 }
 
 // The zoom leaves as much room on either side as the episode is long, and at least some samples.
-std::pair<double, double> zoom_of(const Episode& episode) {
+std::pair<double, double> zoom_of(const metrics::Episode& episode) {
   const double margin = std::max(episode.end_s - episode.start_s, 0.05);
   return {episode.start_s - margin, episode.end_s + margin};
 }
@@ -195,7 +199,7 @@ void add_episodes(Section& section, const EvaluationResult& result, const std::s
               time_link};
   for (const EpisodeView& view : result.episodes) {
     if (view.of != of || table.rows.size() == listed_episodes) continue;
-    const Episode& e = view.episode;
+    const metrics::Episode& e = view.episode;
     const DisplayUnit length = display_unit("m", e.worst_W_m.cwiseAbs().maxCoeff());
     const Vec3 where = e.worst_W_m * length.factor;
     table.rows.push_back(

@@ -6,8 +6,6 @@
 #include <utility>
 #include <vector>
 
-#include "harness/base/rooms.h"
-
 namespace touchstone::report {
 
 struct PlotLine {

@@ -6,7 +6,6 @@
 #include <string>
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "harness/report/gnuplot.h"
 #include "harness/report/history.h"
 #include "harness/report/history_verdict.h"

@@ -7,7 +7,6 @@
 #include <string>
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "harness/report/history.h"
 #include "harness/stats/change_points.h"
 

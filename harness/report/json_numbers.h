@@ -4,8 +4,6 @@
 #include <nlohmann/json_fwd.hpp>
 #include <vector>
 
-#include "harness/base/rooms.h"
-
 namespace touchstone::report {
 
 nlohmann::json plotted_number(double value);

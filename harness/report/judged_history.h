@@ -4,7 +4,6 @@
 #include <string>
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "harness/report/history.h"
 #include "harness/report/history_page.h"
 #include "harness/report/history_verdict.h"

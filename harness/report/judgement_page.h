@@ -5,7 +5,6 @@
 #include <string>
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "harness/perception/judge/judged_conditions.h"
 #include "harness/report/page.h"
 #include "harness/report/provenance.h"

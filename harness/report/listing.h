@@ -4,8 +4,6 @@
 #include <string>
 #include <vector>
 
-#include "harness/base/rooms.h"
-
 namespace touchstone::report {
 
 struct ListedParameter {

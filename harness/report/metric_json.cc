@@ -6,6 +6,9 @@
 #include "harness/report/json_numbers.h"
 
 namespace touchstone::report {
+using metrics::MetricResult;
+using metrics::MetricStatus;
+using metrics::Series;
 
 using nlohmann::json;
 
@@ -108,7 +111,7 @@ MetricResult metric_from_json(JsonObject& in) {
   }
   if (in.has("histogram")) {
     JsonObject histogram = in.object("histogram");
-    out.histogram = Histogram{histogram.text("unit"), histogram.number("width"), {}};
+    out.histogram = metrics::Histogram{histogram.text("unit"), histogram.number("width"), {}};
     const json& counts = histogram.raw("counts");
     for (const json& count : counts) {
       if (!count.is_number_unsigned()) histogram.fail_at("counts", "has an element that is not a whole number");

@@ -7,17 +7,16 @@
 #include <vector>
 
 #include "harness/base/json_reader.h"
-#include "harness/base/rooms.h"
 #include "harness/metrics/metric.h"
 #include "harness/report/provenance.h"
 
 namespace touchstone::report {
 
-nlohmann::json series_to_json(const Series& series);
-Series series_from_json(JsonObject& in);
+nlohmann::json series_to_json(const metrics::Series& series);
+metrics::Series series_from_json(JsonObject& in);
 
-nlohmann::json metric_to_json(const MetricResult& metric);
-MetricResult metric_from_json(JsonObject& in);
+nlohmann::json metric_to_json(const metrics::MetricResult& metric);
+metrics::MetricResult metric_from_json(JsonObject& in);
 
 nlohmann::json provenance_to_json(const Provenance& provenance);
 Provenance provenance_from_json(JsonObject in);
@@ -27,6 +26,6 @@ std::vector<double> nullable_numbers(JsonObject& in, std::string_view key);
 // A whole number >= 0.
 std::uint64_t count_from_json(JsonObject& in, std::string_view key);
 
-const char* status_name(MetricStatus status);
+const char* status_name(metrics::MetricStatus status);
 
 }  // namespace touchstone::report

@@ -8,6 +8,8 @@
 #include <tuple>
 
 namespace touchstone::report {
+using surface::TriangleMesh;
+
 namespace {
 
 using Triangle = std::array<std::int32_t, 3>;
@@ -90,7 +92,8 @@ TriangleMesh drawn_mesh(const TriangleMesh& mesh, const Box3& touched, double de
   return out;
 }
 
-ObjectView object_view(const TriangleMesh& mesh, const ErrorMap& errors, const Box3& touched, double detail_m) {
+ObjectView object_view(const TriangleMesh& mesh, const metrics::ErrorMap& errors, const Box3& touched,
+                       double detail_m) {
   const TriangleMesh drawn = drawn_mesh(mesh, touched, detail_m);
   ObjectView view;
   view.vertices_W_m = drawn.vertices_W_m;

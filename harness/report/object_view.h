@@ -4,7 +4,6 @@
 // 1993), which the note then says.
 #pragma once
 
-#include "harness/base/rooms.h"
 #include "harness/metrics/error_map.h"
 #include "harness/report/evaluation.h"
 #include "harness/surface/triangle_mesh.h"
@@ -15,10 +14,11 @@ inline constexpr std::size_t most_drawn_triangles = 60'000;
 
 // `touched` is a box around the path; triangles in it are split until their edges are no longer than `detail_m`, as far
 // as the limit allows.
-TriangleMesh drawn_mesh(const TriangleMesh& mesh, const Box3& touched, double detail_m,
-                        std::size_t most_triangles = most_drawn_triangles);
+surface::TriangleMesh drawn_mesh(const surface::TriangleMesh& mesh, const Box3& touched, double detail_m,
+                                 std::size_t most_triangles = most_drawn_triangles);
 
 // `errors` are those at points of the surface.
-ObjectView object_view(const TriangleMesh& mesh, const ErrorMap& errors, const Box3& touched, double detail_m);
+ObjectView object_view(const surface::TriangleMesh& mesh, const metrics::ErrorMap& errors, const Box3& touched,
+                       double detail_m);
 
 }  // namespace touchstone::report

@@ -3,6 +3,8 @@
 #include "harness/report/sample_result.h"
 
 namespace touchstone::report {
+using surface::TriangleMesh;
+
 namespace {
 
 double area(const TriangleMesh& mesh) {
@@ -45,7 +47,7 @@ TEST(ObjectView, StaysBelowTheLimitBothWays) {
 
 TEST(ObjectView, ErrorWhereItWasAndNothingElsewhere) {
   const TriangleMesh mesh = square(1.0);
-  ErrorMap errors(0.02);
+  metrics::ErrorMap errors(0.02);
   Box3 touched;
   for (int i = 0; i <= 100; ++i) {
     const Vec3 p(0.25 + 0.005 * i, 0.5, 0.0);

@@ -5,7 +5,6 @@
 #include <string>
 #include <string_view>
 
-#include "harness/base/rooms.h"
 #include "harness/report/page.h"
 
 namespace touchstone::report {

@@ -56,7 +56,7 @@ TEST(PageJson, NumbersThatAreNoneAreNull) {
 TEST(EvaluationPage, ShowsEveryMetricOfTheResult) {
   const EvaluationResult result = sample_result("plain");
   const std::string json = page_to_json(evaluation_page(result));
-  for (const MetricResult& metric : result.metrics)
+  for (const metrics::MetricResult& metric : result.metrics)
     EXPECT_NE(json.find("\"" + metric.name + "\""), std::string::npos) << metric.name;
 }
 

@@ -40,7 +40,7 @@ std::vector<std::size_t> ranks_of(const std::vector<double>& values, bool larger
     for (double& c : cost) c = -c;
   }
   std::vector<std::size_t> rank(cost.size());
-  const auto order = order_of(cost);
+  const auto order = perception_plots::order_of(cost);
   for (std::size_t r = 0; r < order.size(); ++r) rank[order[r]] = r + 1;
   return rank;
 }
@@ -66,7 +66,7 @@ Section ranking_section(const PerceptualEvaluation& e) {
     table.columns.push_back(fmt::format("{} [{}]", m.method.title, m.method.unit));
     ranks.push_back(ranks_of(e.values(m.method.name), m.method.larger_is_better));
   }
-  for (const std::size_t c : order_of(e.values(perception::kPerceptionSpaceMethod.name))) {
+  for (const std::size_t c : perception_plots::order_of(e.values(perception::kPerceptionSpaceMethod.name))) {
     const auto& own = e.conditions[c];
     Table::Row row;
     row.cells = {text_cell(own.name), number_cell(own.distance)};
@@ -102,7 +102,7 @@ LinePlot scatter(const PerceptualEvaluation& e, Eigen::Index across, Eigen::Inde
   const auto at = [&](Eigen::Index row) {
     return std::pair{e.space.coordinates(row, across), e.space.coordinates(row, up)};
   };
-  if (!few(e)) {
+  if (!perception_plots::few(e)) {
     Line all{"conditions", {}, {}, Tone::rendered, false, true};
     for (Eigen::Index row = 1; row < e.space.coordinates.rows(); ++row) {
       for (const double gap : {0.0, std::nan("")}) {  // marks alone, not a path from one to the next
@@ -115,7 +115,7 @@ LinePlot scatter(const PerceptualEvaluation& e, Eigen::Index across, Eigen::Inde
     return plot;
   }
   for (Eigen::Index row = 0; row < e.space.coordinates.rows(); ++row) {
-    Line line = line_of(e, static_cast<std::size_t>(row));
+    Line line = perception_plots::line_of(e, static_cast<std::size_t>(row));
     line.x = {at(0).first, at(row).first};
     line.y = {at(0).second, at(row).second};
     line.markers = true;
@@ -139,10 +139,10 @@ Section space_section(const PerceptualEvaluation& e) {
   if (e.space.dimensions >= 2) section.blocks.emplace_back(scatter(e, 0, 1));
   if (e.space.dimensions >= 3) section.blocks.emplace_back(scatter(e, 0, 2));
   if (e.conditions.size() >= 3) {  // of two the one is 1 and the other 0 by every method
-    auto theirs = similarity_plot(e, methods_of_figure_13(true), nullptr);
+    auto theirs = perception_plots::similarity_plot(e, perception_plots::methods_of_figure_13(true), nullptr);
     theirs.title = "Relative similarity of the conditions by each method (figure 13)";
     section.blocks.emplace_back(std::move(theirs));
-    auto others = similarity_plot(e, methods_of_figure_13(false), nullptr);
+    auto others = perception_plots::similarity_plot(e, perception_plots::methods_of_figure_13(false), nullptr);
     others.title = "The same by the other statistics";
     section.blocks.emplace_back(std::move(others));
   }
@@ -150,7 +150,7 @@ Section space_section(const PerceptualEvaluation& e) {
   table.caption = "How the ranking depends on the scaling of features, which the paper leaves open: distance (rank).";
   table.columns = {"scaling"};
   for (const auto& c : e.conditions) table.columns.push_back(c.name);
-  if (few(e)) {
+  if (perception_plots::few(e)) {
     for (const auto scaling : perception::kFeatureScalings) {
       const auto distances = perception::distances_with_scaling(e, scaling, e.explained_share_wanted);
       const auto ranks = ranks_of(distances, false);
@@ -178,7 +178,8 @@ Section disagreement_section(const PerceptualEvaluation& e) {
   table.caption = "The pairs whose ranks differ most";
   table.columns = {"method", "nearer in perception space", "nearer by the method", "deciding feature", "why"};
   for (const auto& m : perception::statistical_methods()) {
-    const auto found = perception::disagreements(e, m.method.name, few(e) ? perception::kDisagreementsTold : 5);
+    const auto found =
+        perception::disagreements(e, m.method.name, perception_plots::few(e) ? perception::kDisagreementsTold : 5);
     counts.rows.push_back({{text_cell(std::string(m.method.title)), number_cell(static_cast<double>(found.pairs)),
                             number_cell(static_cast<double>(found.of))},
                            "",
@@ -218,7 +219,7 @@ Section signal_section(const PerceptualEvaluation& e) {
   auto felt = series_plot("Force as it is felt: output band and dead band (figure 6)", "force [N]");
   auto displacement = series_plot("Displacement (figure 2)", "displacement [m]");
   for (std::size_t row = 0; row < e.rendered_N.size(); ++row) {
-    Line line = line_of(e, row);
+    Line line = perception_plots::line_of(e, row);
     Line other = line;
     Line third = line;
     thin(line, e.rendered_N[row], step);
@@ -230,7 +231,7 @@ Section signal_section(const PerceptualEvaluation& e) {
   }
   for (auto* const plot : {&force, &felt, &displacement}) real_on_top(*plot);
   auto velocity = series_plot("Velocity of the real process (figure 2)", "velocity [m/s]");
-  Line line = line_of(e, 0);
+  Line line = perception_plots::line_of(e, 0);
   thin(line, perception::derivative(e.rendered_displacement_m[0], e.rate_Hz, 5), step);
   velocity.lines.push_back(std::move(line));
   section.blocks = {std::move(force), std::move(felt), std::move(displacement), std::move(velocity)};
@@ -271,7 +272,7 @@ Section feature_section(const PerceptualEvaluation& e) {
     plot.x_label = spectrum ? "frequency [Hz]" : "time [s]";
     plot.y_label = fmt::format("{} [{}]", block.name, block.unit);
     for (std::size_t row = 0; row < e.images.size(); ++row) {
-      Line line = line_of(e, row);
+      Line line = perception_plots::line_of(e, row);
       line.y = e.images[row].blocks[f].values;
       for (std::size_t i = 0; i < line.y.size(); ++i) {
         const auto at = static_cast<double>(i);
@@ -301,7 +302,7 @@ Section feature_section(const PerceptualEvaluation& e) {
     const auto& own = e.windows[w];
     Line line;
     line.name = fmt::format("{} samples", own.window);
-    line.tone = kTones[w % kTones.size()];
+    line.tone = perception_plots::kTones[w % perception_plots::kTones.size()];
     if (own.window < shown)
       thin(line, perception::rate_hardness(force_N, displacement_m, own.window).values_N_per_m, 1.0 / e.rate_Hz);
     plot.lines.push_back(std::move(line));
@@ -336,7 +337,7 @@ Page perception_page(const std::string& title, const PerceptualEvaluation& evalu
   page.title = title;
   page.subtitle =
       "Perceptual evaluation after Shao, Wu and Ouyang: what a person would feel, and what plain statistics say";
-  const auto order = order_of(evaluation.values(perception::kPerceptionSpaceMethod.name));
+  const auto order = perception_plots::order_of(evaluation.values(perception::kPerceptionSpaceMethod.name));
   const auto& best = evaluation.conditions[order.front()];
   page.headlines = {
       {"nearest to the real process", best.name, "", fmt::format("distance {:.4g}", best.distance), Tone::good},

@@ -4,8 +4,6 @@
 #include <string>
 #include <string_view>
 
-#include "harness/base/rooms.h"
-
 namespace touchstone::report {
 
 struct DisplayUnit {

@@ -12,6 +12,7 @@
 #include "harness/report/quantity.h"
 
 namespace touchstone::report {
+using recording::InTrajectoryMode;
 
 InputHash::InputHash() : state_(XXH3_createState()) {
   if (state_ == nullptr) throw std::bad_alloc();
@@ -43,7 +44,7 @@ std::string InputHash::text() const {
 
 std::string input_text(const RenderedInput& input) {
   std::string text;
-  const auto mode = find_in_trajectory(input.in_trajectory);
+  const auto mode = recording::find_in_trajectory(input.in_trajectory);
   if (!mode) return "not known";
   switch (*mode) {
     case InTrajectoryMode::measured:

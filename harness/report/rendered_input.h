@@ -7,7 +7,6 @@
 #include <string>
 
 #include "harness/base/json_reader.h"
-#include "harness/base/rooms.h"
 #include "harness/base/vec.h"
 
 namespace touchstone::report {

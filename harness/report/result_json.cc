@@ -37,8 +37,8 @@ std::vector<Vec3> points_from_json(JsonObject& owner, std::string_view key) {
 
 json to_json(const EpisodeView& view) {
   json signals = json::array();
-  for (const Series& series : view.signals) signals.push_back(series_to_json(series));
-  const Episode& e = view.episode;
+  for (const metrics::Series& series : view.signals) signals.push_back(series_to_json(series));
+  const metrics::Episode& e = view.episode;
   return {{"of", view.of},
           {"unit", view.unit},
           {"start_s", e.start_s},
@@ -106,9 +106,9 @@ std::string result_to_json(const EvaluationResult& result) {
   json settings = json::array();
   for (const auto& [label, value] : result.settings) settings.push_back({{"name", label}, {"value", value}});
   json metrics = json::array();
-  for (const MetricResult& metric : result.metrics) metrics.push_back(metric_to_json(metric));
+  for (const metrics::MetricResult& metric : result.metrics) metrics.push_back(metric_to_json(metric));
   json signals = json::array();
-  for (const Series& series : result.signals) signals.push_back(series_to_json(series));
+  for (const metrics::Series& series : result.signals) signals.push_back(series_to_json(series));
   json episodes = json::array();
   for (const EpisodeView& episode : result.episodes) episodes.push_back(to_json(episode));
   const json document{{"schema", "touchstone-result/1"},

@@ -7,7 +7,6 @@
 #include <string>
 #include <string_view>
 
-#include "harness/base/rooms.h"
 #include "harness/report/evaluation.h"
 
 namespace touchstone::report {

@@ -16,7 +16,7 @@ TEST(ResultJson, ReadsBackWhatItWrote) {
     EXPECT_EQ(after.metrics[i].name, before.metrics[i].name);
     EXPECT_EQ(after.metrics[i].status, before.metrics[i].status);
     // Every digit, so that a program comparing two runs compares what was computed.
-    if (before.metrics[i].status == MetricStatus::ok) {
+    if (before.metrics[i].status == metrics::MetricStatus::ok) {
       EXPECT_EQ(after.metrics[i].value, before.metrics[i].value);
     }
   }
@@ -28,7 +28,7 @@ TEST(ResultJson, ReadsBackWhatItWrote) {
 
 TEST(ResultJson, NotANumberIsNullWithItsStatus) {
   EvaluationResult result = sample_result("x");
-  result.metrics = MetricSet({"force-error"}, {}, {}).results();
+  result.metrics = metrics::MetricSet({"force-error"}, {}, {}).results();
   const std::string text = result_to_json(result);
   EXPECT_NE(text.find("\"status\":\"missing\""), std::string::npos);
   for (const char* const bare : {":nan", ",nan", "[nan"}) EXPECT_EQ(text.find(bare), std::string::npos);

@@ -4,15 +4,14 @@
 #include <cmath>
 #include <numbers>
 
-#include "harness/base/rooms.h"
 #include "harness/metrics/catalogue.h"
 #include "harness/report/evaluation.h"
 #include "harness/surface/triangle_mesh.h"
 
 namespace touchstone::report {
 
-inline TriangleMesh sample_sphere(double radius_m, int rings) {
-  TriangleMesh mesh;
+inline surface::TriangleMesh sample_sphere(double radius_m, int rings) {
+  surface::TriangleMesh mesh;
   const int sectors = 2 * rings;
   for (int i = 0; i <= rings; ++i) {
     for (int j = 0; j < sectors; ++j) {
@@ -35,14 +34,14 @@ inline TriangleMesh sample_sphere(double radius_m, int rings) {
 // `name` reaches every text that could come from an input file.
 inline EvaluationResult sample_result(const std::string& name) {
   const double radius = 0.03;
-  const TriangleMesh sphere = sample_sphere(radius, 24);
-  MetricSet metrics({}, {}, {});
-  std::array<SeriesRecorder, 6> signals{SeriesRecorder{"measured_x", "N"},
-                                        {"measured_y", "N"},
-                                        {"measured_z", "N"},
-                                        {"rendered_x", "N"},
-                                        {"rendered_y", "N"},
-                                        {"rendered_z", "N"}};
+  const surface::TriangleMesh sphere = sample_sphere(radius, 24);
+  metrics::MetricSet metrics({}, {}, {});
+  std::array<metrics::SeriesRecorder, 6> signals{metrics::SeriesRecorder{"measured_x", "N"},
+                                                 {"measured_y", "N"},
+                                                 {"measured_z", "N"},
+                                                 {"rendered_x", "N"},
+                                                 {"rendered_y", "N"},
+                                                 {"rendered_z", "N"}};
   EvaluationResult result;
   result.object.vertices_W_m = sphere.vertices_W_m;
   result.object.triangles = sphere.triangles;
@@ -51,7 +50,7 @@ inline EvaluationResult sample_result(const std::string& name) {
     result.object.noticed_share.push_back(v.z() > 0.0 ? 0.5 * (1.0 + std::sin(8.0 * v.x() / radius)) : std::nan(""));
   }
   for (int i = 0; i < 5000; ++i) {
-    MetricSample s;
+    metrics::MetricSample s;
     s.t_s = 0.002 * i;
     const double around = 0.6 * s.t_s;
     const Vec3 n(std::cos(3.0 * around) * std::cos(around), std::sin(3.0 * around) * std::cos(around),
@@ -76,12 +75,13 @@ inline EvaluationResult sample_result(const std::string& name) {
   result.settings = {{"Recording", name}, {"Stiffness", "500 N/m"}};
   result.messages = {name};
   result.metrics = metrics.results();
-  for (const SeriesRecorder& signal : signals) result.signals.push_back(signal.series());
+  for (const metrics::SeriesRecorder& signal : signals) result.signals.push_back(signal.series());
   result.force_threshold_N = 0.1;
   result.position_threshold_m = 0.5e-3;
-  for (const Episode& episode : metrics.force_episodes())
+  for (const metrics::Episode& episode : metrics.force_episodes())
     result.episodes.push_back({episode, "force", "N", {result.signals[2], result.signals[5]}});
-  for (const Episode& episode : metrics.position_episodes()) result.episodes.push_back({episode, "position", "m", {}});
+  for (const metrics::Episode& episode : metrics.position_episodes())
+    result.episodes.push_back({episode, "position", "m", {}});
   result.object.error_name = "force error";
   result.object.error_unit = "N";
   result.object.note = name;

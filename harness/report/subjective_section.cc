@@ -35,7 +35,7 @@ LinePlot fraction_curve(const PerceptualEvaluation& e, const perception::Subject
   plot.lines.push_back(std::move(model));
   for (std::size_t c = 0; c < e.conditions.size(); ++c) {
     const double error = scale.standard_error.empty() ? 0.0 : scale.standard_error[c];
-    Line own = line_of(e, c + 1);
+    Line own = perception_plots::line_of(e, c + 1);
     own.markers = true;
     for (const double x : {scale.value[c] - error, scale.value[c], scale.value[c] + error}) {
       own.x.push_back(x);
@@ -129,7 +129,7 @@ Section agreement_section(const PerceptualEvaluation& e, const perception::Subje
   section.blocks.emplace_back(std::move(facts));
   section.blocks.emplace_back(fraction_curve(e, people));
   section.blocks.emplace_back(pair_curve(e, people));
-  auto similarity = similarity_plot(e, methods_of_figure_13(true), &people);
+  auto similarity = perception_plots::similarity_plot(e, perception_plots::methods_of_figure_13(true), &people);
   similarity.title = "Relative similarity by each method and by people (figure 13)";
   section.blocks.emplace_back(std::move(similarity));
   Table agreement;

@@ -3,8 +3,6 @@
 
 #include <string_view>
 
-#include "harness/base/rooms.h"
-
 namespace touchstone::report {
 
 std::string_view web_asset_plotly();  // plotly.js, gl3d bundle, MIT licence (its notice is at its head)

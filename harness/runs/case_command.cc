@@ -49,7 +49,7 @@ class StopWhenInterrupted {
 const std::vector<std::string> build_names{"version", "commit", "dirty", "program", "compiler", "flags"};
 
 std::map<std::string, std::string> provenance(const CaseOptions& options) {
-  auto known = build_provenance();
+  auto known = baseline::build_provenance();
   known["command"] = options.called_as;
   if (known["dirty"] == "yes") known["program"] = sha256_file(own_program());
   return known;

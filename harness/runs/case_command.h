@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "harness/base/error.h"
-#include "harness/base/rooms.h"
 #include "harness/runs/case_engine.h"
 
 namespace touchstone::runs {

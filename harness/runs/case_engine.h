@@ -6,7 +6,6 @@
 #include <functional>
 #include <string>
 
-#include "harness/base/rooms.h"
 #include "harness/runs/case_store.h"
 #include "harness/runs/shard.h"
 

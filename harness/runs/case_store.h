@@ -14,8 +14,6 @@
 #include <variant>
 #include <vector>
 
-#include "harness/base/rooms.h"
-
 namespace touchstone::runs {
 
 struct CaseColumn {

@@ -9,7 +9,6 @@
 #include <string>
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "harness/runs/slurm.h"
 
 namespace touchstone::runs {

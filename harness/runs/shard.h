@@ -4,8 +4,6 @@
 #include <cstdint>
 #include <string>
 
-#include "harness/base/rooms.h"
-
 namespace touchstone::runs {
 
 // Part `index` (1 to `count`) of the cases: consecutive numbers, so that cases which share a surface stay together.

@@ -10,8 +10,6 @@
 #include <mutex>
 #include <string>
 
-#include "harness/base/rooms.h"
-
 namespace touchstone::runs {
 
 template <typename Thing>

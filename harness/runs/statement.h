@@ -5,8 +5,6 @@
 #include <filesystem>
 #include <string>
 
-#include "harness/base/rooms.h"
-
 struct sqlite3;
 struct sqlite3_stmt;
 

@@ -1,7 +1,6 @@
 // A recording's position and force at other times, by straight lines between its samples.
 #pragma once
 
-#include "harness/base/rooms.h"
 #include "harness/recording/trajectory.h"
 
 namespace touchstone::sanity {
@@ -9,7 +8,7 @@ namespace touchstone::sanity {
 // Times must be asked for in increasing order: the walk through the recording only goes forward.
 class AtTimes {
  public:
-  explicit AtTimes(const Recording& recording) : recording_(recording) {}
+  explicit AtTimes(const recording::Recording& recording) : recording_(recording) {}
 
   // False outside of the recording.
   bool find(double t_s) {
@@ -27,7 +26,7 @@ class AtTimes {
  private:
   [[nodiscard]] Vec3 between(const std::vector<Vec3>& v) const { return v[at_] + share_ * (v[at_ + 1] - v[at_]); }
 
-  const Recording& recording_;
+  const recording::Recording& recording_;
   std::size_t at_ = 0;
   double share_ = 0.0;
 };

@@ -11,8 +11,6 @@
 #include <string>
 #include <vector>
 
-#include "harness/base/rooms.h"
-
 namespace touchstone::sanity {
 
 struct BlockOrder {

@@ -17,6 +17,8 @@
 #include "harness/sanity/sanity.h"
 
 namespace touchstone::sanity {
+using recording::Recording;
+
 namespace {
 
 using planted_faults::plate;

@@ -14,6 +14,8 @@
 #include "harness/stats/quantile.h"
 
 namespace touchstone::sanity {
+using recording::Recording;
+
 namespace {
 
 constexpr std::array<const char*, 3> axis_names{"x", "y", "z"};

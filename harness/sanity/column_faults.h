@@ -7,7 +7,6 @@
 #include <string>
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "harness/recording/trajectory.h"
 #include "harness/sanity/sanity_fault.h"
 
@@ -19,6 +18,6 @@ struct ColumnFault {
   std::string repair;   // what to do
 };
 
-std::vector<ColumnFault> find_column_faults(const Recording& recording);
+std::vector<ColumnFault> find_column_faults(const recording::Recording& recording);
 
 }  // namespace touchstone::sanity

@@ -7,6 +7,8 @@
 #include "harness/base/random.h"
 
 namespace touchstone::sanity {
+using recording::Recording;
+
 namespace {
 
 // Presses at 500 Hz for 10 s, with noise, rounded as files round.

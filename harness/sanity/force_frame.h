@@ -9,7 +9,6 @@
 #include <span>
 #include <string>
 
-#include "harness/base/rooms.h"
 #include "harness/base/vec.h"
 
 namespace touchstone::sanity {

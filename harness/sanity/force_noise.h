@@ -3,7 +3,6 @@
 
 #include <span>
 
-#include "harness/base/rooms.h"
 #include "harness/base/vec.h"
 
 namespace touchstone::sanity {

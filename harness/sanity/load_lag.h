@@ -5,8 +5,6 @@
 #include <optional>
 #include <span>
 
-#include "harness/base/rooms.h"
-
 namespace touchstone::sanity {
 
 struct LoadLag {

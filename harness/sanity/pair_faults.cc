@@ -10,6 +10,8 @@
 #include "harness/sanity/at_times.h"
 
 namespace touchstone::sanity {
+using recording::Recording;
+
 namespace {
 
 constexpr double most_left_of_pair = 0.5;

@@ -5,12 +5,11 @@
 
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "harness/sanity/sanity.h"
 
 namespace touchstone::sanity {
 
 // Both need time, position and force. Empty where no repair explains the difference, or where there is none.
-std::vector<SanityFinding> find_pair_faults(const Recording& expected, const Recording& obtained);
+std::vector<SanityFinding> find_pair_faults(const recording::Recording& expected, const recording::Recording& obtained);
 
 }  // namespace touchstone::sanity

@@ -9,6 +9,8 @@
 #include "harness/sanity/recording_sample.h"
 
 namespace touchstone::sanity {
+using recording::Recording;
+
 namespace {
 
 // Irregular presses, sampled at `rate_Hz`, the force late by `late_s`.

@@ -9,6 +9,9 @@
 #include "harness/surface/mesh_topology.h"
 
 namespace touchstone::sanity {
+using recording::Recording;
+using surface::Feature;
+
 namespace {
 
 constexpr std::size_t most_samples_placed = 20000;
@@ -29,14 +32,14 @@ struct Placement {
 };
 
 // Whether the closest point lies on an edge that only one triangle has.
-bool on_open_edge(const Surface& surface, const SurfacePoint& foot) {
-  const MeshTopology* const topology = surface.topology();
+bool on_open_edge(const surface::Surface& surface, const surface::SurfacePoint& foot) {
+  const surface::MeshTopology* const topology = surface.topology();
   if (topology == nullptr || foot.triangle < 0 || foot.feature == Feature::face || foot.feature == Feature::analytic) {
     return false;
   }
   const auto open = [&](std::int32_t triangle) {
     const auto& beside = topology->neighbours[static_cast<std::size_t>(triangle)];
-    return std::ranges::count(beside, open_edge) > 0;
+    return std::ranges::count(beside, surface::open_edge) > 0;
   };
   if (open(foot.triangle)) return true;
   // A corner may belong to the edge by another triangle of its fan.
@@ -54,7 +57,7 @@ Placement place(const Recording& r, const SanityContext& context, double touchin
   for (std::size_t i = 0; i < r.size(); i += stride) {
     const double size_N = r.f_W_N[i].norm();
     if (!(size_N > touching_N)) continue;
-    const SurfacePoint foot = context.surface->closest(r.motion.p_W_m[i]);
+    const surface::SurfacePoint foot = context.surface->closest(r.motion.p_W_m[i]);
     const Vec3 away = r.motion.p_W_m[i] - foot.p_W_m;
     const double gap_m = foot.signed_distance_m - context.tip_radius_m, load_N = r.f_W_N[i].dot(foot.n_W);
     p.gaps_m.push_back(gap_m);

@@ -4,7 +4,6 @@
 
 #include <optional>
 
-#include "harness/base/rooms.h"
 #include "harness/sanity/sanity.h"
 
 namespace touchstone::sanity {
@@ -13,10 +12,10 @@ namespace touchstone::sanity {
 // or if more than a tenth of the load is measured beyond the edge of an open mesh or outside of the object.
 // For the first, lengths below half a per cent of the object's diagonal count as contact, for the second below 2 %.
 // `touching_N`: smaller forces are noise.
-std::optional<SanityFinding> find_misplacement(const Recording& recording, const SanityContext& context,
+std::optional<SanityFinding> find_misplacement(const recording::Recording& recording, const SanityContext& context,
                                                double touching_N, double noticed_share_of_load = 0.1);
 
 // "no contact": the tip never reaches the object and no force is above the context's threshold of contact.
-std::optional<SanityFinding> touches_nothing(const Recording& recording, const SanityContext& context);
+std::optional<SanityFinding> touches_nothing(const recording::Recording& recording, const SanityContext& context);
 
 }  // namespace touchstone::sanity

@@ -14,6 +14,8 @@
 #include "harness/testing/shared_data.h"
 
 namespace touchstone::sanity {
+using recording::Recording;
+
 namespace {
 
 using ::testing::HasSubstr;
@@ -21,8 +23,8 @@ using ::testing::HasSubstr;
 constexpr double touching_N = 0.05;
 
 // 20 cm wide at z = 0, of 32 triangles, so that the edge has corners within.
-std::shared_ptr<const Surface> plate(double unit) {
-  TriangleMesh mesh;
+std::shared_ptr<const surface::Surface> plate(double unit) {
+  surface::TriangleMesh mesh;
   constexpr int cells = 4;
   for (int i = 0; i <= cells; ++i) {
     for (int j = 0; j <= cells; ++j) {
@@ -99,11 +101,11 @@ TEST(Placement, ARealRunOverAnotherAreaIsNamed) {
   TOUCHSTONE_SHARED_DATA_OR_SKIP(elsewhere, "palpation/ContPalpTrial1.csv");
   TOUCHSTONE_SHARED_DATA_OR_SKIP(here, "palpation/ContPalpRAL18T2.csv");
   TOUCHSTONE_SHARED_DATA_OR_SKIP(mesh, "palpation/DERIVED_surface_ContPalpRAL18T1.obj");
-  const auto surface = make_embree_surface(load_mesh(mesh, 1e-3));
+  const auto surface = make_embree_surface(surface::load_mesh(mesh, 1e-3));
   SanityContext context;
   context.surface = surface.get();
-  EXPECT_FALSE(find_misplacement(load_recording(here), context, touching_N));
-  const auto found = find_misplacement(load_recording(elsewhere), context, touching_N);
+  EXPECT_FALSE(find_misplacement(recording::load_recording(here), context, touching_N));
+  const auto found = find_misplacement(recording::load_recording(elsewhere), context, touching_N);
   ASSERT_TRUE(found);
   EXPECT_THAT(found->message, HasSubstr("beyond the edge of the mesh"));
   EXPECT_THAT(found->message, HasSubstr("outside of the object"));

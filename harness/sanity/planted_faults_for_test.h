@@ -4,15 +4,14 @@
 #include <memory>
 
 #include "harness/base/random.h"
-#include "harness/base/rooms.h"
 #include "harness/recording/trajectory.h"
 #include "harness/surface/embree_surface.h"
 
 namespace touchstone::sanity::planted_faults {
 
 // 0.2 m wide at z = 0, every length times `unit`.
-inline std::shared_ptr<const Surface> plate(double unit = 1.0) {
-  TriangleMesh mesh;
+inline std::shared_ptr<const surface::Surface> plate(double unit = 1.0) {
+  surface::TriangleMesh mesh;
   const double h = 0.1 * unit;
   mesh.vertices_W_m = {Vec3(-h, -h, 0), Vec3(h, -h, 0), Vec3(h, h, 0), Vec3(-h, h, 0)};
   mesh.triangles = {{0, 1, 2}, {0, 2, 3}};
@@ -21,7 +20,7 @@ inline std::shared_ptr<const Surface> plate(double unit = 1.0) {
 }
 
 // 150 samples of the first quarter stand once more in the third.
-inline void repeat_a_stretch(Recording& r, Random& random) {
+inline void repeat_a_stretch(recording::Recording& r, Random& random) {
   const std::size_t from = random.below(r.size() / 4), to = r.size() / 2 + random.below(r.size() / 4);
   for (std::size_t i = 0; i < 150; ++i) {
     r.motion.p_W_m[to + i] = r.motion.p_W_m[from + i];

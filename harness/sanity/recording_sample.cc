@@ -3,6 +3,8 @@
 #include "harness/recording/recording_stream.h"
 
 namespace touchstone::sanity {
+using recording::Recording;
+
 namespace {
 
 // Keeps every second value.
@@ -17,9 +19,9 @@ void halve(std::vector<T>& values) {
 Recording sample_recording(const std::filesystem::path& path, std::size_t most) {
   Recording sample;
   sample.source = path.string();
-  RecordingStream stream = RecordingStream::open(path);
+  recording::RecordingStream stream = recording::RecordingStream::open(path);
   std::uint64_t stride = 1;
-  SampleBlock block;
+  recording::SampleBlock block;
   while (stream.next(block)) {
     for (std::size_t i = 0; i < block.size(); ++i) {
       if ((block.first_sample + i) % stride != 0) continue;

@@ -5,16 +5,15 @@
 #include <cstddef>
 #include <filesystem>
 
-#include "harness/base/rooms.h"
 #include "harness/recording/trajectory.h"
 
 namespace touchstone::sanity {
 
 // At most `most` samples, every n-th of the file's. `f_W_N` and `motion.q_WS` are empty where the file has none.
 // Throws BadData as RecordingStream does.
-Recording sample_recording(const std::filesystem::path& path, std::size_t most = 16384);
+recording::Recording sample_recording(const std::filesystem::path& path, std::size_t most = 16384);
 
 // Reverses force and torque: a file that has the force BY the probe.
-void flip_force(Recording& recording);
+void flip_force(recording::Recording& recording);
 
 }  // namespace touchstone::sanity

@@ -14,6 +14,8 @@
 #include "harness/stats/distributions.h"
 
 namespace touchstone::sanity {
+using recording::Recording;
+
 namespace {
 
 constexpr std::size_t stretch_count = 10;
@@ -124,7 +126,7 @@ RepeatFloor repeat_floor(const Recording& first, const Recording& second) {
 }
 
 RepeatFloor repeat_floor_of_files(const std::filesystem::path& first, const std::filesystem::path& second) {
-  return repeat_floor(load_recording(first), load_recording(second));
+  return repeat_floor(recording::load_recording(first), recording::load_recording(second));
 }
 
 }  // namespace touchstone::sanity

@@ -9,7 +9,6 @@
 #include <filesystem>
 #include <string>
 
-#include "harness/base/rooms.h"
 #include "harness/recording/trajectory.h"
 
 namespace touchstone::sanity {
@@ -33,7 +32,7 @@ struct RepeatFloor {
 
 // Throws BadData where they do not repeat: the positions differ by more than a fifth of their own extent, or less than
 // half of the first is covered.
-RepeatFloor repeat_floor(const Recording& first, const Recording& second);
+RepeatFloor repeat_floor(const recording::Recording& first, const recording::Recording& second);
 // The same from files of any length. The sign of the force does not matter as long as it is the same in both.
 RepeatFloor repeat_floor_of_files(const std::filesystem::path& first, const std::filesystem::path& second);
 

@@ -14,6 +14,8 @@
 #include "harness/testing/shared_data.h"
 
 namespace touchstone::sanity {
+using recording::Recording;
+
 namespace {
 
 Recording strokes_late(double late_s, double noise_N, Random& random) {
@@ -92,13 +94,14 @@ TEST(RepeatFloor, TwoRunsOfARealRaster) {
   fmt::print("{}, shift {:.4g} s\n", floor.text(), floor.shift_s);
   // The first half, at equal times as recorded, is what the data set's own account gives: 0.106 N. The phantom does not
   // repeat as well between 80 s and 220 s as before and after.
-  Recording first_half = load_recording(one);
+  Recording first_half = recording::load_recording(one);
   const double middle_s = 0.5 * first_half.motion.t_s.back();
   const auto n = static_cast<std::size_t>(std::ranges::lower_bound(first_half.motion.t_s, middle_s) -
                                           first_half.motion.t_s.begin());
   first_half.motion.t_s.resize(n), first_half.motion.p_W_m.resize(n), first_half.motion.q_WS.resize(n);
   first_half.f_W_N.resize(n);
-  EXPECT_NEAR(repeat_floor(first_half, load_recording(two)).unshifted_N * std::numbers::sqrt2, 0.106, 0.0005);
+  EXPECT_NEAR(repeat_floor(first_half, recording::load_recording(two)).unshifted_N * std::numbers::sqrt2, 0.106,
+              0.0005);
   EXPECT_NEAR(floor.unshifted_N * std::numbers::sqrt2, 0.0874, 0.0005);
   EXPECT_NEAR(floor.force_N * std::numbers::sqrt2, 0.0783, 0.0005);
   EXPECT_LT(floor.steadiest_N * std::numbers::sqrt2, 0.06);

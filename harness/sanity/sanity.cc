@@ -18,6 +18,9 @@
 #include "harness/stats/quantile.h"
 
 namespace touchstone::sanity {
+using recording::Recording;
+using recording::SignVerdict;
+
 namespace {
 
 // The recording against the surface, sample by sample (evenly thinned where it is long).
@@ -33,7 +36,7 @@ Contact against(const Recording& r, const SanityContext& context) {
   Contact c;
   const std::size_t stride = r.size() / most_samples + 1;
   for (std::size_t i = 0; i < r.size(); i += stride) {
-    const SurfacePoint foot = context.surface->closest(r.motion.p_W_m[i]);
+    const surface::SurfacePoint foot = context.surface->closest(r.motion.p_W_m[i]);
     c.t_s.push_back(r.motion.t_s[i]);
     c.n_W.push_back(foot.n_W);
     c.f_W_N.push_back(r.f_W_N[i]);
@@ -65,7 +68,7 @@ std::vector<double> negated(std::vector<double> values) {
 // of it all the time. So the change of the load decides, and its mean only where the load does not change. A load that
 // falls with the depth may also come late by half of a period: then the clock is named.
 std::optional<SanityFinding> reversed_force(const Contact& c, const SanityContext& context, double touching_N) {
-  const ForceSign change = check_load_change(c.depth_m, c.load_N);
+  const recording::ForceSign change = recording::check_load_change(c.depth_m, c.load_N);
   if (change.verdict == SignVerdict::outward) return std::nullopt;
   const double follows = correlation(c.depth_m, c.load_N);
   const bool nearly_all = 1.0 - follows * follows < context.most_left_with_repair;
@@ -74,7 +77,7 @@ std::optional<SanityFinding> reversed_force(const Contact& c, const SanityContex
   const bool falls = change.verdict == SignVerdict::reversed && nearly_all &&
                      !find_load_lag(c.t_s, c.load_N, c.depth_m, context.most_left_with_repair);
   const Contact touching = touching_part(c, touching_N);
-  const ForceSign mean = check_force_sign(touching.n_W, touching.f_W_N);
+  const recording::ForceSign mean = recording::check_force_sign(touching.n_W, touching.f_W_N);
   std::string message;
   if (mean.verdict == SignVerdict::reversed) {
     message = mean.explain();
@@ -102,8 +105,8 @@ std::optional<SanityFinding> far_away(const Recording& r, const SanityContext& c
   for (std::size_t i = 0; i < r.size(); ++i) {
     if (r.f_W_N[i].norm() > touching_N) touching.push_back(r.motion.p_W_m[i]);
   }
-  const auto message = far_from_surface(*context.surface, touching.empty() ? r.motion.p_W_m : touching,
-                                        context.tip_radius_m, r.source, context.mesh_unit);
+  const auto message = rendering::far_from_surface(*context.surface, touching.empty() ? r.motion.p_W_m : touching,
+                                                   context.tip_radius_m, r.source, context.mesh_unit);
   if (!message) return std::nullopt;
   return SanityFinding{SanityWeight::fault, SanityFault::mesh_unit_or_place, *message, ""};
 }
@@ -204,7 +207,7 @@ std::vector<SanityFinding> check_sanity(const Recording& recording, const Sanity
     const Contact contact = against(recording, context);
     // The weight of a tool that is turned in the air would be mistaken for a force into the object below it. A lag
     // makes blocks of its own length fit in another order: it goes before their order.
-    if (held_in_the_air(*context.surface, recording.motion.p_W_m, context.tip_radius_m)) {
+    if (rendering::held_in_the_air(*context.surface, recording.motion.p_W_m, context.tip_radius_m)) {
       add(touches_nothing(recording, context));
     } else if (!add(wrong_frame(contact, context, touching_N)) && !add(reversed_force(contact, context, touching_N)) &&
                !add(wrong_clock(contact, context))) {

@@ -6,7 +6,6 @@
 #include <string>
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "harness/recording/trajectory.h"
 #include "harness/sanity/sanity_fault.h"
 #include "harness/surface/surface.h"
@@ -26,7 +25,7 @@ struct SanityFinding {
 };
 
 struct SanityContext {
-  const Surface* surface = nullptr;
+  const surface::Surface* surface = nullptr;
   std::string mesh_unit = "m";
   double tip_radius_m = 0.0;
   bool force_flipped = false;  // the user gave --flip-force: `recording` is flipped already
@@ -38,10 +37,10 @@ struct SanityContext {
 };
 
 // What is wrong with `recording`, gravest first. `recording.source` names it in messages of refuse_insane().
-std::vector<SanityFinding> check_sanity(const Recording& recording, const SanityContext& context);
+std::vector<SanityFinding> check_sanity(const recording::Recording& recording, const SanityContext& context);
 
 // Throws BadData for the first fault. Returns a line for each remark.
-std::vector<std::string> refuse_insane(const Recording& recording, const SanityContext& context);
+std::vector<std::string> refuse_insane(const recording::Recording& recording, const SanityContext& context);
 
 // "the force is reversed ...; give --flip-force"
 std::string sanity_line(const SanityFinding& finding);

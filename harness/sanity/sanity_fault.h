@@ -3,8 +3,6 @@
 
 #include <string_view>
 
-#include "harness/base/rooms.h"
-
 namespace touchstone::sanity {
 
 enum class SanityFault {

@@ -22,6 +22,8 @@
 #include "harness/testing/shared_data.h"
 
 namespace touchstone::sanity {
+using recording::Recording;
+
 namespace {
 
 using planted_faults::plate;
@@ -309,11 +311,11 @@ TEST(Sanity, PlantedFaultsInRealRecordingsAreNamed) {
         RealScan{"palpation/ContPalpRAL18T2.csv", "palpation/DERIVED_surface_ContPalpRAL18T1.obj"}}) {
     TOUCHSTONE_SHARED_DATA_OR_SKIP(file, scan.file);
     TOUCHSTONE_SHARED_DATA_OR_SKIP(mesh_file, scan.mesh);
-    const auto surface = make_embree_surface(load_mesh(mesh_file, 1e-3));
+    const auto surface = make_embree_surface(surface::load_mesh(mesh_file, 1e-3));
     SanityContext context;
     context.surface = surface.get();
     context.mesh_unit = "mm";
-    const Recording whole = load_recording(file);
+    const Recording whole = recording::load_recording(file);
     EXPECT_EQ(faults_of(whole, context), "") << scan.file;
     Random random(5);
     for (const auto& [what, fault] : planted()) {
@@ -342,11 +344,11 @@ TEST(Sanity, PlantedFaultsInBundledRecordingsAreNamed) {
   const char* const source = std::getenv("TOUCHSTONE_SOURCE_DIR");
   for (const BundledScan& scan : {BundledScan{"plane", "plane.obj", 1e-3}, BundledScan{"duck", "duck.ply", 1.0}}) {
     const auto folder = std::filesystem::path(source != nullptr ? source : ".") / "synthetic/bundled" / scan.folder;
-    const auto surface = make_embree_surface(load_mesh(folder / scan.mesh, scan.mesh_unit_m));
+    const auto surface = make_embree_surface(surface::load_mesh(folder / scan.mesh, scan.mesh_unit_m));
     SanityContext context;
     context.surface = surface.get();
     context.tip_radius_m = 1.5e-3;
-    const Recording whole = load_recording(folder / "scan.csv");
+    const Recording whole = recording::load_recording(folder / "scan.csv");
     EXPECT_EQ(faults_of(whole, context), "") << scan.folder;
     Random random(6);
     for (const auto& [what, fault] : planted()) {
@@ -366,11 +368,11 @@ TEST(Sanity, RecordingsThatLackAnEffectAreNotRefused) {
   int looked = 0;
   for (const auto& entry : std::filesystem::directory_iterator(folder)) {
     if (!entry.is_directory()) continue;
-    const auto surface = make_embree_surface(load_mesh(entry.path() / "mesh.obj", 1.0));
+    const auto surface = make_embree_surface(surface::load_mesh(entry.path() / "mesh.obj", 1.0));
     SanityContext context;
     context.surface = surface.get();
     for (const char* name : {"train.csv", "holdout.csv"}) {
-      EXPECT_NO_THROW(refuse_insane(load_recording(entry.path() / name), context)) << entry.path() / name;
+      EXPECT_NO_THROW(refuse_insane(recording::load_recording(entry.path() / name), context)) << entry.path() / name;
       ++looked;
     }
   }
@@ -380,11 +382,11 @@ TEST(Sanity, RecordingsThatLackAnEffectAreNotRefused) {
 TEST(Sanity, ARealRunWithTheReversedForceIsRefused) {
   TOUCHSTONE_SHARED_DATA_OR_SKIP(file, "palpation/const_n_const_quat_video.csv");
   TOUCHSTONE_SHARED_DATA_OR_SKIP(mesh_file, "palpation/DERIVED_path_const_n_const_quat_video.obj");
-  const auto surface = make_embree_surface(load_mesh(mesh_file, 1e-3));
+  const auto surface = make_embree_surface(surface::load_mesh(mesh_file, 1e-3));
   SanityContext context;
   context.surface = surface.get();
   context.mesh_unit = "mm";
-  Recording r = load_recording(file);
+  Recording r = recording::load_recording(file);
   EXPECT_THAT(faults_of(r, context), HasSubstr("reversed force"));
   for (Vec3& f : r.f_W_N) f = -f;
   context.force_flipped = true;

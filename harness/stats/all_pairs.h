@@ -11,8 +11,6 @@
 #include <span>
 #include <vector>
 
-#include "harness/base/rooms.h"
-
 namespace touchstone::stats {
 
 // How many of the k (k - 1) / 2 pairs can be equal at the same time, ascending: 0, 1, 3 of three things.

@@ -28,8 +28,6 @@
 #include <span>
 #include <vector>
 
-#include "harness/base/rooms.h"
-
 namespace touchstone::stats {
 
 struct ChangeOptions {

@@ -16,8 +16,6 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "harness/base/rooms.h"
-
 namespace touchstone::stats {
 
 // X^T X and X^T y over the rows of one cluster, weights already in them.

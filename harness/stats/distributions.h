@@ -1,8 +1,6 @@
 // Distribution functions of statistics and their inverses, computed by Boost.Math.
 #pragma once
 
-#include "harness/base/rooms.h"
-
 namespace touchstone::stats {
 
 // Standard normal distribution function and its inverse (0 < p < 1).

@@ -6,8 +6,6 @@
 #include <cstddef>
 #include <span>
 
-#include "harness/base/rooms.h"
-
 namespace touchstone::stats {
 
 struct EnergySplit {

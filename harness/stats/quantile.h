@@ -8,8 +8,6 @@
 
 #include <vector>
 
-#include "harness/base/rooms.h"
-
 namespace touchstone::stats {
 
 // Linear interpolation between order statistics (Hyndman and Fan's type 7). `q` in [0, 1].

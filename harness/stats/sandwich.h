@@ -10,8 +10,6 @@
 
 #include <Eigen/Core>
 
-#include "harness/base/rooms.h"
-
 namespace touchstone::stats {
 
 // `inverse_hessian`: n x n. `gradients`: a row for each cluster, n columns, in the same units of the loss. For centred

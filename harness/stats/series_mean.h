@@ -16,8 +16,6 @@
 
 #include <span>
 
-#include "harness/base/rooms.h"
-
 namespace touchstone::stats {
 
 struct SeriesMean {

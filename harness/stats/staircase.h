@@ -19,7 +19,6 @@
 #include <span>
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "harness/stats/trend.h"
 
 namespace touchstone::stats {

@@ -4,8 +4,6 @@
 #include <span>
 #include <vector>
 
-#include "harness/base/rooms.h"
-
 namespace touchstone::stats {
 
 // These three give NaN for an empty series.

@@ -4,8 +4,6 @@
 #include <cstddef>
 #include <span>
 
-#include "harness/base/rooms.h"
-
 namespace touchstone::stats {
 
 struct TwoSample {

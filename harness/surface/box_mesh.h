@@ -1,7 +1,6 @@
 // The box between two corners as a closed mesh of twelve triangles with outward orientation. Coordinates in m.
 #pragma once
 
-#include "harness/base/rooms.h"
 #include "harness/surface/triangle_mesh.h"
 
 namespace touchstone::surface {

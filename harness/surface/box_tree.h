@@ -11,7 +11,6 @@
 #include <cstdint>
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "harness/base/vec.h"
 #include "harness/surface/triangle_mesh.h"
 

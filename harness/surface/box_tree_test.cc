@@ -46,16 +46,15 @@ std::pair<std::int32_t, double> nearest_by(const BoxTree& tree, const TriangleMe
 class BoxTreeOn : public ::testing::TestWithParam<double> {
  protected:
   static TriangleMesh moved_torus() {
-    return testing::moved(testing::torus(0.02, 0.008, 40, 20), Quat::Identity(), GetParam() * Vec3(0.1, 0.2, -0.3),
-                          GetParam());
+    return moved(testing::torus(0.02, 0.008, 40, 20), Quat::Identity(), GetParam() * Vec3(0.1, 0.2, -0.3), GetParam());
   }
 };
 
 TEST_P(BoxTreeOn, FindsTheClosestTriangleOfTheSurfaceWithEitherScalar) {
   for (const TriangleMesh& shape :
        {testing::torus(0.02, 0.008, 40, 20), testing::cube(0.02), testing::grid(0.02, 30)}) {
-    const TriangleMesh mesh = testing::moved(shape, Quat(0.83, 0.31, -0.41, 0.22).normalized(),
-                                             GetParam() * Vec3(0.1, 0.2, -0.3), GetParam());
+    const TriangleMesh mesh =
+        moved(shape, Quat(0.83, 0.31, -0.41, 0.22).normalized(), GetParam() * Vec3(0.1, 0.2, -0.3), GetParam());
     const BoxTree tree(mesh);
     const MeshTopology topology = make_topology(mesh);
     const auto surface = make_embree_surface(mesh);

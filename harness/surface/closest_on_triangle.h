@@ -6,7 +6,6 @@
 #include <array>
 #include <cstdint>
 
-#include "harness/base/rooms.h"
 #include "harness/base/vec.h"
 #include "harness/surface/surface.h"
 

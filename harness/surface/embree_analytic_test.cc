@@ -13,7 +13,6 @@ namespace {
 
 using testing::ball;
 using testing::grid;
-using testing::moved;
 using testing::torus;
 
 constexpr double epsilon = std::numeric_limits<double>::epsilon();

@@ -5,8 +5,8 @@
 namespace {
 
 using touchstone::surface::make_embree_surface;
+using touchstone::surface::moved;
 using touchstone::surface::TriangleMesh;
-using touchstone::testing::moved;
 
 auto of(const TriangleMesh& mesh) {
   return [mesh](double scale, const touchstone::Quat& rotation, const touchstone::Vec3& shift_m) {

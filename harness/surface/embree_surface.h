@@ -13,7 +13,6 @@
 
 #include <memory>
 
-#include "harness/base/rooms.h"
 #include "harness/surface/surface.h"
 
 namespace touchstone::surface {

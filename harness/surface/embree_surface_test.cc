@@ -17,7 +17,6 @@ namespace {
 using testing::ball;
 using testing::cube;
 using testing::grid;
-using testing::moved;
 using testing::torus;
 
 std::array<Vec3, 3> corners(const TriangleMesh& mesh, std::size_t t) {

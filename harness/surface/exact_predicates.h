@@ -7,7 +7,6 @@
 #include <cmath>
 #include <limits>
 
-#include "harness/base/rooms.h"
 #include "harness/base/vec.h"
 
 namespace touchstone::surface {

@@ -11,7 +11,6 @@
 
 #include <span>
 
-#include "harness/base/rooms.h"
 #include "harness/surface/mesh_topology.h"
 #include "harness/surface/surface.h"
 #include "harness/surface/triangle_mesh.h"

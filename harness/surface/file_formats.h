@@ -5,7 +5,6 @@
 #include <span>
 
 #include "harness/base/file_format.h"
-#include "harness/base/rooms.h"
 
 namespace touchstone::surface {
 

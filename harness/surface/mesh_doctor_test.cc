@@ -20,7 +20,6 @@ using ::testing::ElementsAre;
 using testing::grid;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
-using testing::moved;
 using ::testing::Not;
 
 MeshDiagnosis examine(const TriangleMesh& mesh, const MeshDoctorRule& rule = {}) {

@@ -27,7 +27,7 @@ std::filesystem::path scratch() {
 
 TriangleMesh awkward() {
   Random random(1);
-  return testing::moved(testing::ball(0.031, 3), random.rotation(), Vec3(1.0 / 3.0, -1e-7 / 3.0, 1e3 / 7.0));
+  return moved(testing::ball(0.031, 3), random.rotation(), Vec3(1.0 / 3.0, -1e-7 / 3.0, 1e3 / 7.0));
 }
 
 std::string binary_stl(const TriangleMesh& mesh) {

@@ -4,7 +4,6 @@
 #include <cstdint>
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "harness/surface/mesh_topology.h"
 #include "harness/surface/triangle_mesh.h"
 

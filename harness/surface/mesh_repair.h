@@ -5,7 +5,6 @@
 #include <cstddef>
 #include <string>
 
-#include "harness/base/rooms.h"
 #include "harness/surface/triangle_mesh.h"
 
 namespace touchstone::surface {

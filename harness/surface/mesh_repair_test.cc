@@ -35,8 +35,7 @@ std::vector<std::array<std::int32_t, 3>> turned_alike(const TriangleMesh& mesh) 
 TEST(MeshRepair, TurnsWhatFacesTheOtherWayAndNothingElse) {
   for (const double scale : {1e-3, 1.0, 1e3}) {
     for (const TriangleMesh& sound : {ball(0.02, 3), testing::torus(0.03, 0.01, 30, 20), testing::cube(0.02)}) {
-      const TriangleMesh mesh =
-          testing::moved(sound, Quat(0.8, 0.3, -0.4, 0.2).normalized(), Vec3(1, 2, 3) * scale, scale);
+      const TriangleMesh mesh = moved(sound, Quat(0.8, 0.3, -0.4, 0.2).normalized(), Vec3(1, 2, 3) * scale, scale);
       for (const double share : {0.01, 0.3}) {
         const TriangleMesh broken = with_turned(mesh, share, 3);
         const OrientedMesh repaired = orient(broken);
@@ -75,7 +74,7 @@ TriangleMesh with_seam(TriangleMesh mesh, double height, double gap) {
 TEST(MeshRepair, JoinsSeamsAndNoHoles) {
   for (const double scale : {1e-3, 1.0, 1e3}) {
     for (const double gap : {1e-8, 1e-6, 2e-5}) {
-      const TriangleMesh sound = testing::moved(ball(0.02, 3), Quat::Identity(), Vec3(1, 2, 3) * scale, scale);
+      const TriangleMesh sound = moved(ball(0.02, 3), Quat::Identity(), Vec3(1, 2, 3) * scale, scale);
       const TriangleMesh torn = with_seam(sound, 3.005 * scale, gap * scale);
       ASSERT_FALSE(make_topology(torn).closed());
       const OrientedMesh repaired = orient(torn);

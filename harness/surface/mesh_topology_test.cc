@@ -14,7 +14,6 @@ namespace {
 using testing::ball;
 using testing::cube;
 using testing::grid;
-using testing::moved;
 using testing::torus;
 
 // An independent twin: OpenMesh's half-edges.

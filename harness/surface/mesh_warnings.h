@@ -5,7 +5,6 @@
 #include <string>
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "harness/surface/surface.h"
 
 namespace touchstone::surface {

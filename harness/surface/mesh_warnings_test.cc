@@ -29,7 +29,7 @@ TEST(MeshWarnings, SoundMeshesAndSheetsAreSilent) {
   for (const double scale : {1e-3, 1.0, 1e3}) {
     for (const TriangleMesh& mesh :
          {testing::cube(0.02), ball(0.02, 3), testing::torus(0.03, 0.01, 30, 20), testing::grid(0.02, 12)})
-      EXPECT_THAT(warnings(testing::moved(mesh, Quat::Identity(), Vec3::Zero(), scale)), IsEmpty());
+      EXPECT_THAT(warnings(moved(mesh, Quat::Identity(), Vec3::Zero(), scale)), IsEmpty());
   }
 }
 

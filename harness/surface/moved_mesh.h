@@ -3,7 +3,6 @@
 
 #include <utility>
 
-#include "harness/base/rooms.h"
 #include "harness/surface/triangle_mesh.h"
 
 namespace touchstone::surface {

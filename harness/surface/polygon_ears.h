@@ -8,7 +8,6 @@
 #include <span>
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "harness/base/vec.h"
 
 namespace touchstone::surface::mesh_readers {

@@ -6,7 +6,6 @@
 #include <memory>
 #include <optional>
 
-#include "harness/base/rooms.h"
 #include "harness/base/vec.h"
 #include "harness/surface/triangle_mesh.h"
 

@@ -5,7 +5,6 @@
 #include <cstdint>
 #include <optional>
 
-#include "harness/base/rooms.h"
 #include "harness/base/vec.h"
 #include "harness/surface/closest_on_triangle.h"
 #include "harness/surface/surface.h"

@@ -4,7 +4,6 @@
 
 #include <functional>
 
-#include "harness/base/rooms.h"
 #include "harness/surface/mesh_topology.h"
 #include "harness/surface/surface.h"
 #include "harness/surface/triangle_queries.h"

@@ -9,7 +9,6 @@
 #include <memory>
 #include <type_traits>
 
-#include "harness/base/rooms.h"
 #include "harness/base/vec.h"
 #include "harness/surface/triangle_mesh.h"
 

@@ -11,7 +11,6 @@
 #include <string>
 
 #include "harness/base/atomic_file.h"
-#include "harness/testing/testing_rooms.h"
 
 namespace touchstone::testing {
 

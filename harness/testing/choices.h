@@ -15,8 +15,6 @@
 #include <string>
 #include <utility>
 
-#include "harness/base/rooms.h"
-
 namespace touchstone::testing {
 
 class Choices {

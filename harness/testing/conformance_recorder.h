@@ -6,8 +6,6 @@
 #include <filesystem>
 #include <string>
 
-#include "harness/testing/testing_rooms.h"
-
 namespace touchstone::testing {
 
 // Writes each test's outcome as it ends, so that those before a crash are there. Removes what earlier ctest runs left.

@@ -8,8 +8,6 @@
 #include <optional>
 #include <string>
 
-#include "harness/testing/testing_rooms.h"
-
 namespace touchstone::testing {
 
 struct RecordedResult {

@@ -6,7 +6,6 @@
 #include <string>
 #include <utility>
 
-#include "harness/base/rooms.h"
 #include "harness/testing/choices.h"
 
 namespace touchstone::testing {

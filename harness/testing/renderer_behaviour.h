@@ -15,14 +15,14 @@
 #include "harness/diagnosis/diagnosis.h"
 #include "harness/surface/embree_surface.h"
 #include "harness/testing/allocation_guard.h"
-#include "harness/testing/testing_rooms.h"
 
 namespace touchstone::testing {
 
 // A renderer under test, with what the suite on shapes must know besides.
 struct RendererSubject : diagnosis::Engine {
   // How the surface is asked; the shapes' own places are always found with Embree.
-  std::function<std::shared_ptr<const Surface>(const TriangleMesh&)> queries = make_embree_surface;
+  std::function<std::shared_ptr<const surface::Surface>(const surface::TriangleMesh&)> queries =
+      surface::make_embree_surface;
   bool queries_allocate = false;
   std::vector<std::string> allowed = {};  // faults that are known: reported, and no failure
   double thinnest_m = 0.0;  // a body thinner than this it does not feel at all, which it declares as thin_shells

@@ -46,13 +46,12 @@
 #include "harness/surface/embree_surface.h"
 #include "harness/testing/allocation_guard.h"
 #include "harness/testing/renderer_behaviour.h"
-#include "harness/testing/testing_rooms.h"
 #include "harness/testing/tiny_meshes.h"
 
 namespace touchstone::testing {
 
 struct ConformanceBody {
-  TriangleMesh mesh;  // about 40 mm in size
+  surface::TriangleMesh mesh;  // about 40 mm in size
   bool closed;
   bool flat;  // touched from above only: its other sides are too near or not there
   double thickness_m = std::numeric_limits<double>::infinity();
@@ -70,7 +69,7 @@ inline void PrintTo(const ConformanceShape& shape, std::ostream* out) { *out << 
 inline std::vector<ConformanceShape> conformance_shapes() {
   constexpr double kAnyThickness = std::numeric_limits<double>::infinity();
   const auto plate = [] {
-    TriangleMesh mesh = cube(0.02);
+    surface::TriangleMesh mesh = cube(0.02);
     for (Vec3& v : mesh.vertices_W_m) v.z() *= 0.005;  // 0.2 mm thick
     return ConformanceBody{mesh, true, true, 2e-4, true};
   };
@@ -106,7 +105,7 @@ class RendererConformance : public ::testing::TestWithParam<std::tuple<RendererS
 
   void SetUp() override {
     if (!(shape().thickness_m < subject().thinnest_m)) return;
-    const Limitation* const limit = lacks(Ability::thin_shells);
+    const rendering::Limitation* const limit = lacks(rendering::Ability::thin_shells);
     ASSERT_NE(limit, nullptr) << "what is not felt at all must be declared";
     GTEST_SKIP() << limit->reason;
   }
@@ -114,12 +113,14 @@ class RendererConformance : public ::testing::TestWithParam<std::tuple<RendererS
   [[nodiscard]] const RendererSubject& subject() const { return std::get<0>(GetParam()); }
   [[nodiscard]] const std::string& shape_name() const { return std::get<1>(GetParam()).name; }
   [[nodiscard]] const ConformanceBody& shape() const { return shape_; }
-  [[nodiscard]] const Limitation* lacks(Ability ability) const { return find_limitation(subject().cannot, ability); }
+  [[nodiscard]] const rendering::Limitation* lacks(rendering::Ability ability) const {
+    return find_limitation(subject().cannot, ability);
+  }
 
-  [[nodiscard]] std::shared_ptr<const Surface> surface(const Pose& pose = {}) const {
+  [[nodiscard]] std::shared_ptr<const surface::Surface> surface(const Pose& pose = {}) const {
     return make_embree_surface(moved(shape().mesh, pose.turn, pose.shift, pose.unit));
   }
-  [[nodiscard]] std::unique_ptr<Renderer> make(const Pose& pose = {}) const {
+  [[nodiscard]] std::unique_ptr<rendering::Renderer> make(const Pose& pose = {}) const {
     return subject().make(subject().queries(moved(shape().mesh, pose.turn, pose.shift, pose.unit)), pose.unit);
   }
 
@@ -134,7 +135,7 @@ class RendererConformance : public ::testing::TestWithParam<std::tuple<RendererS
       Vec3 from = 0.05 * random.direction();
       if (shape().flat) from = {0.012 * random.uniform(-1, 1), 0.012 * random.uniform(-1, 1), 0.03};
       if (contact > 0) fly_round(tips, from);
-      SurfacePoint foot = at->closest(from);
+      surface::SurfacePoint foot = at->closest(from);
       const Vec3 first_n = foot.n_W;
       const Vec3 along = random.direction();
       for (int i = 0; i <= 300; ++i) {
@@ -145,7 +146,7 @@ class RendererConformance : public ::testing::TestWithParam<std::tuple<RendererS
         if (i < 100 || i >= 200) continue;
         Vec3 next = foot.p_W_m + 3e-5 * (along - along.dot(foot.n_W) * foot.n_W);
         if (shape().flat) next = next.cwiseMax(-0.015).cwiseMin(0.015);
-        const SurfacePoint reached = at->closest(next);
+        const surface::SurfacePoint reached = at->closest(next);
         if (reached.n_W.dot(first_n) > 0.8) foot = reached;
       }
     }
@@ -153,17 +154,18 @@ class RendererConformance : public ::testing::TestWithParam<std::tuple<RendererS
     return tips;
   }
 
-  static std::vector<StepResult> run(Renderer& renderer, const std::vector<Vec3>& tips, const Pose& pose = {}) {
+  static std::vector<rendering::StepResult> run(rendering::Renderer& renderer, const std::vector<Vec3>& tips,
+                                                const Pose& pose = {}) {
     renderer.reset();
-    std::vector<StepResult> results;
+    std::vector<rendering::StepResult> results;
     results.reserve(tips.size());
     for (std::size_t i = 0; i < tips.size(); ++i) results.push_back(step(renderer, i, pose(tips[i])));
     return results;
   }
-  static StepResult step(Renderer& renderer, std::size_t tick, const Vec3& p) {
-    const StepResult result = renderer.step({static_cast<double>(tick + 1) * 1e-3, p, Quat::Identity()});
+  static rendering::StepResult step(rendering::Renderer& renderer, std::size_t tick, const Vec3& p) {
+    const rendering::StepResult result = renderer.step({static_cast<double>(tick + 1) * 1e-3, p, Quat::Identity()});
     // Its zero force would pass for free space.
-    if (result.status == StepStatus::failed) throw RendererFailed(renderer.failure());
+    if (result.status == rendering::StepStatus::failed) throw rendering::RendererFailed(renderer.failure());
     return result;
   }
 
@@ -185,19 +187,20 @@ class RendererConformance : public ::testing::TestWithParam<std::tuple<RendererS
           << expected[i].f_W_N.transpose();
       touching += expected[i].contact ? 1U : 0U;
     }
-    if (touching == 0U && !feels_exactly()) GTEST_SKIP() << kNotReached << lacks(Ability::surface_contact)->reason;
+    if (touching == 0U && !feels_exactly())
+      GTEST_SKIP() << kNotReached << lacks(rendering::Ability::surface_contact)->reason;
     EXPECT_GT(touching, 100U) << "the strokes must touch";
   }
 
   // Else it may round an edge off by more than the strokes are deep.
-  [[nodiscard]] bool feels_exactly() const { return lacks(Ability::surface_contact) == nullptr; }
+  [[nodiscard]] bool feels_exactly() const { return lacks(rendering::Ability::surface_contact) == nullptr; }
   static constexpr const char* kNotReached = "the strokes do not reach what it feels: ";
 
  private:
   // Of all triangles with an area.
   [[nodiscard]] double least_height_m() const {
     double least = std::numeric_limits<double>::infinity();
-    const TriangleMesh& mesh = shape().mesh;
+    const surface::TriangleMesh& mesh = shape().mesh;
     for (const auto& corners : mesh.triangles) {
       const auto at = [&](std::size_t i) { return mesh.vertices_W_m[static_cast<std::size_t>(corners[i])]; };
       const Vec3 a = at(1) - at(0);
@@ -245,12 +248,12 @@ TEST_P(RendererConformance, ResetGivesTheSameRunToTheBit) {
 }
 
 TEST_P(RendererConformance, RigidMotionOfTheWorldChangesNothing) {
-  if (const auto* limit = lacks(Ability::rigid_motion)) GTEST_SKIP() << limit->reason;
+  if (const auto* limit = lacks(rendering::Ability::rigid_motion)) GTEST_SKIP() << limit->reason;
   expect_same_forces({Quat(0.83, 0.31, -0.41, 0.22).normalized(), {0.3, -0.2, 0.1}, 1.0});
 }
 
 TEST_P(RendererConformance, TheUnitOfLengthChangesNothing) {
-  if (const auto* limit = lacks(Ability::unit_scale)) GTEST_SKIP() << limit->reason;
+  if (const auto* limit = lacks(rendering::Ability::unit_scale)) GTEST_SKIP() << limit->reason;
   for (const double unit : {1e3, 1e-3, 25.4}) {
     SCOPED_TRACE(unit);
     expect_same_forces({Quat::Identity(), Vec3::Zero(), unit});
@@ -272,7 +275,7 @@ TEST_P(RendererConformance, NoForceInFreeSpace) {
     if (at->closest(p).distance_m <= 1.001 * subject().tip_radius_m) continue;
     const Vec3 far = 2.0 * p.normalized();
     for (const Vec3& tip : {Vec3(far), p, Vec3(far)}) {
-      const StepResult result = step(*renderer, tick++, tip);
+      const rendering::StepResult result = step(*renderer, tick++, tip);
       ASSERT_FALSE(result.contact) << tip.transpose();
       ASSERT_EQ(result.f_W_N, Vec3::Zero()) << tip.transpose();
       ASSERT_EQ(result.contact_W_m, tip);
@@ -287,7 +290,7 @@ TEST_P(RendererConformance, ForceStaysInTheFrictionConeAndNeverPulls) {
   const auto results = run(*renderer, strokes(103, 8));
   const double rounding_N = subject().stiffness_N_per_m * 0.1 * 64 * std::numeric_limits<double>::epsilon();
   for (std::size_t i = 0; i < results.size(); ++i) {
-    const StepResult& now = results[i];
+    const rendering::StepResult& now = results[i];
     if (!now.contact) {
       ASSERT_EQ(now.f_W_N, Vec3::Zero()) << "step " << i;
       continue;
@@ -301,7 +304,7 @@ TEST_P(RendererConformance, ForceStaysInTheFrictionConeAndNeverPulls) {
 }
 
 TEST_P(RendererConformance, ClosedLoopsGiveNoEnergyBack) {
-  if (const auto* limit = lacks(Ability::passive)) GTEST_SKIP() << limit->reason;
+  if (const auto* limit = lacks(rendering::Ability::passive)) GTEST_SKIP() << limit->reason;
   const auto renderer = make();
   const auto tips = strokes(104, 8);
   const auto results = run(*renderer, tips);
@@ -321,7 +324,7 @@ TEST_P(RendererConformance, ClosedLoopsGiveNoEnergyBack) {
 }
 
 TEST_P(RendererConformance, ContactBeginsAndEndsWithoutAJump) {
-  if (const auto* limit = lacks(Ability::continuous_force)) GTEST_SKIP() << limit->reason;
+  if (const auto* limit = lacks(rendering::Ability::continuous_force)) GTEST_SKIP() << limit->reason;
   const auto renderer = make();
   const auto at = surface();
   const auto tips = strokes(105, 12);
@@ -338,7 +341,8 @@ TEST_P(RendererConformance, ContactBeginsAndEndsWithoutAJump) {
     ASSERT_LE(f.norm(), most_N * (1.0 + 1e-9)) << "step " << i;
     contacts += results[i].contact ? 1 : 0;
   }
-  if (contacts == 0 && !feels_exactly()) GTEST_SKIP() << kNotReached << lacks(Ability::surface_contact)->reason;
+  if (contacts == 0 && !feels_exactly())
+    GTEST_SKIP() << kNotReached << lacks(rendering::Ability::surface_contact)->reason;
   // Samples further apart than the strokes are deep may round off what a stroke should meet.
   const bool may_miss = subject().thinnest_m > 0.0;
   EXPECT_TRUE(may_miss || contacts >= 12) << contacts;
@@ -364,14 +368,15 @@ TEST_P(RendererConformance, RefusesBadInputAndStaysAsItWas) {
   renderer->reset();
   for (std::size_t i = 0; i < tips.size(); ++i) {
     const double t_s = static_cast<double>(i + 1) * 1e-3;
-    for (const TipState& bad :
-         {TipState{t_s, {kNan, 0, 0}, Quat::Identity()}, TipState{t_s, {0, 0, kInf}, Quat::Identity()},
-          TipState{kNan, tips[i], Quat::Identity()}, TipState{kInf, tips[i], Quat::Identity()},
-          TipState{t_s, tips[i], Quat(kNan, 0, 0, 0)},
-          TipState{i > 0 ? t_s - 1e-3 : kNan, tips[i], Quat::Identity()}}) {
+    for (const rendering::TipState& bad :
+         {rendering::TipState{t_s, {kNan, 0, 0}, Quat::Identity()},
+          rendering::TipState{t_s, {0, 0, kInf}, Quat::Identity()},
+          rendering::TipState{kNan, tips[i], Quat::Identity()}, rendering::TipState{kInf, tips[i], Quat::Identity()},
+          rendering::TipState{t_s, tips[i], Quat(kNan, 0, 0, 0)},
+          rendering::TipState{i > 0 ? t_s - 1e-3 : kNan, tips[i], Quat::Identity()}}) {
       if (i % 7 != 0) break;
-      const StepResult refused = renderer->step(bad);
-      ASSERT_EQ(refused.status, StepStatus::refused);
+      const rendering::StepResult refused = renderer->step(bad);
+      ASSERT_EQ(refused.status, rendering::StepStatus::refused);
       ASSERT_EQ(refused.f_W_N, Vec3::Zero());
       ASSERT_FALSE(refused.contact);
     }
@@ -380,7 +385,7 @@ TEST_P(RendererConformance, RefusesBadInputAndStaysAsItWas) {
 }
 
 TEST_P(RendererConformance, SurfaceContactPointIsOnOrAboveTheSurface) {
-  if (const auto* limit = lacks(Ability::surface_contact)) GTEST_SKIP() << limit->reason;
+  if (const auto* limit = lacks(rendering::Ability::surface_contact)) GTEST_SKIP() << limit->reason;
   const auto renderer = make();
   const auto at = surface();
   const auto tips = strokes(108, 8);
@@ -395,12 +400,12 @@ TEST_P(RendererConformance, SurfaceContactPointIsOnOrAboveTheSurface) {
 
 // Straight down through the shape's top, far out at the other side, and back up.
 TEST_P(RendererConformance, LargeJumpsThroughABodyStayOutside) {
-  if (const auto* limit = lacks(Ability::large_jumps)) GTEST_SKIP() << limit->reason;
+  if (const auto* limit = lacks(rendering::Ability::large_jumps)) GTEST_SKIP() << limit->reason;
   const auto renderer = make();
   renderer->reset();
   const double x = shape_name() == "torus" ? 0.0203 : 0.0013;
   step(*renderer, 0, {x, 0.0021, 0.05});
-  const StepResult below = step(*renderer, 1, {x, 0.0021, -0.05});
+  const rendering::StepResult below = step(*renderer, 1, {x, 0.0021, -0.05});
   // On a round top it slides round to where the tip is; on a flat one it stays.
   const double gap = surface()->signed_distance(below.contact_W_m) - subject().tip_radius_m;
   EXPECT_TRUE(!shape().closed || gap >= -1e-9) << gap;
@@ -411,7 +416,7 @@ TEST_P(RendererConformance, LargeJumpsThroughABodyStayOutside) {
     EXPECT_GT(below.contact_W_m.z(), -1e-9);
     EXPECT_GT(below.f_W_N.z(), 0.0);
   }
-  const StepResult back = step(*renderer, 2, {x, 0.0021, 0.05});
+  const rendering::StepResult back = step(*renderer, 2, {x, 0.0021, 0.05});
   if (below.contact) {
     EXPECT_FALSE(back.contact);
   } else {
@@ -422,13 +427,13 @@ TEST_P(RendererConformance, LargeJumpsThroughABodyStayOutside) {
 }
 
 TEST_P(RendererConformance, SlowPushesThroughAThinShellStayOutside) {
-  if (const auto* limit = lacks(Ability::thin_shells)) GTEST_SKIP() << limit->reason;
+  if (const auto* limit = lacks(rendering::Ability::thin_shells)) GTEST_SKIP() << limit->reason;
   if (shape_name() != "plate" && shape_name() != "sheet") GTEST_SKIP() << "a " << shape_name() << " is no thin shell";
   const auto renderer = make();
   renderer->reset();
   double last_N = 0.0;
   for (int i = 0; i <= 300; ++i) {
-    const StepResult now =
+    const rendering::StepResult now =
         step(*renderer, static_cast<std::size_t>(i), {0.0013, 0.0021, 0.001 + subject().tip_radius_m - 2e-5 * i});
     ASSERT_GE(now.f_W_N.z(), last_N)
         << "5 mm below a shell of 0.2 mm the force still rises; step " << i
@@ -439,7 +444,7 @@ TEST_P(RendererConformance, SlowPushesThroughAThinShellStayOutside) {
 }
 
 TEST_P(RendererConformance, AStartInsideIsPushedOutByTheClosestWay) {
-  if (const auto* limit = lacks(Ability::start_inside)) GTEST_SKIP() << limit->reason;
+  if (const auto* limit = lacks(rendering::Ability::start_inside)) GTEST_SKIP() << limit->reason;
   if (!shape().closed) GTEST_SKIP() << "an open sheet has no inside";
   const auto at = surface();
   Random random(109);
@@ -448,12 +453,12 @@ TEST_P(RendererConformance, AStartInsideIsPushedOutByTheClosestWay) {
     const Vec3 p =
         at->bounds().center() + 0.5 * at->bounds().sizes().cwiseProduct(
                                           Vec3(random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)));
-    const SurfacePoint closest = at->closest(p);
+    const surface::SurfacePoint closest = at->closest(p);
     if (!(closest.signed_distance_m < 0.0)) continue;
     ++inside;
     const auto renderer = make();
     renderer->reset();
-    const StepResult result = step(*renderer, 0, p);
+    const rendering::StepResult result = step(*renderer, 0, p);
     ASSERT_TRUE(result.contact) << p.transpose();
     // In a valley a ball hangs higher than over the closest point: by r (1 / cos(half the bend) - 1).
     const double least_m = closest.distance_m + subject().tip_radius_m;

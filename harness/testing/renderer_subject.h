@@ -3,7 +3,6 @@
 
 #include "harness/diagnosis/entry_engine.h"
 #include "harness/testing/renderer_conformance.h"
-#include "harness/testing/testing_rooms.h"
 
 namespace touchstone::testing {
 
@@ -11,7 +10,7 @@ using diagnosis::in_unit;
 using SubjectFacts = diagnosis::EngineFacts;
 
 // Throws as diagnosis::engine_of() does.
-inline RendererSubject subject_of(const RendererEntry& entry, const SubjectFacts& facts) {
+inline RendererSubject subject_of(const rendering::RendererEntry& entry, const SubjectFacts& facts) {
   RendererSubject subject;
   static_cast<diagnosis::Engine&>(subject) = diagnosis::engine_of(entry, facts);
   return subject;

@@ -7,8 +7,6 @@
 #include <optional>
 #include <string>
 
-#include "harness/testing/testing_rooms.h"
-
 namespace touchstone::testing {
 
 inline std::optional<std::filesystem::path> shared_data(const std::string& relative) {

@@ -3,8 +3,6 @@
 
 #include <vector>
 
-#include "harness/testing/testing_rooms.h"
-
 namespace touchstone::testing {
 
 // first + i step below `end`. Counted: adding a step again and again adds up its roundings, and may visit one more.

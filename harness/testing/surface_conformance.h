@@ -35,7 +35,6 @@
 #include "harness/base/random.h"
 #include "harness/surface/surface.h"
 #include "harness/testing/allocation_guard.h"
-#include "harness/testing/testing_rooms.h"
 
 namespace touchstone::testing {
 
@@ -48,7 +47,7 @@ struct SurfaceTraits {
 
 struct SurfaceCase {
   std::string name;
-  std::function<std::shared_ptr<Surface>(double scale, const Quat& rotation, const Vec3& shift_m)> make;
+  std::function<std::shared_ptr<surface::Surface>(double scale, const Quat& rotation, const Vec3& shift_m)> make;
   SurfaceTraits traits;
 };
 inline void PrintTo(const SurfaceCase& tested, std::ostream* out) { *out << tested.name; }
@@ -62,7 +61,7 @@ class SurfaceConformance : public ::testing::TestWithParam<SurfaceCase> {
     double scale;
     Quat rotation;
     Vec3 shift_m;
-    std::shared_ptr<Surface> surface;
+    std::shared_ptr<surface::Surface> surface;
     double size_m;     // diagonal of the box
     double largest_m;  // coordinate
 
@@ -99,11 +98,11 @@ class SurfaceConformance : public ::testing::TestWithParam<SurfaceCase> {
 
   // Anywhere, near the surface, near an edge, near a vertex in turn; near means 1e-12 to 1 of the size.
   static Vec3 query(const Pose& pose, Random& random, int i) {
-    const Surface& surface = *pose.surface;
+    const surface::Surface& surface = *pose.surface;
     Vec3 anywhere = surface.bounds().center() + pose.size_m * random.log_uniform(1e-2, 3.0) * random.direction();
     if (i % 4 == 0) return anywhere;
     Vec3 base = surface.closest(anywhere).p_W_m;
-    if (const TriangleMesh* mesh = surface.mesh(); mesh != nullptr && i % 4 >= 2) {
+    if (const surface::TriangleMesh* mesh = surface.mesh(); mesh != nullptr && i % 4 >= 2) {
       const auto& corners = mesh->triangles[random.below(mesh->triangles.size())];
       const Vec3& a = mesh->vertices_W_m[static_cast<std::size_t>(corners[0])];
       const Vec3& b = mesh->vertices_W_m[static_cast<std::size_t>(corners[1])];
@@ -120,16 +119,16 @@ TEST_P(SurfaceConformance, ClosestPointIsOnTheSurfaceAndClosest) {
     for (int i = 0; i < traits().queries; ++i) {
       const Vec3 q = query(pose, random, i);
       SCOPED_TRACE(fmt::format("query ({}, {}, {})", q.x(), q.y(), q.z()));
-      const SurfacePoint c = pose.surface->closest(q);
+      const surface::SurfacePoint c = pose.surface->closest(q);
       const double tolerance = bound(pose, q);
-      const SurfacePoint again = pose.surface->closest(c.p_W_m);
+      const surface::SurfacePoint again = pose.surface->closest(c.p_W_m);
       ASSERT_LE(again.distance_m, tolerance);
       ASSERT_LE((again.p_W_m - c.p_W_m).norm(), tolerance);
       ASSERT_LE(std::abs(c.distance_m - (q - c.p_W_m).norm()), tolerance);
       ASSERT_EQ(c.distance_m, std::abs(c.signed_distance_m));
       ASSERT_EQ(pose.surface->signed_distance(q), c.signed_distance_m);
       ASSERT_LE(std::abs(c.n_W.norm() - 1.0), 1e-12);
-      if (c.feature == Feature::face || c.feature == Feature::analytic) {
+      if (c.feature == surface::Feature::face || c.feature == surface::Feature::analytic) {
         ASSERT_LE((c.p_W_m + c.signed_distance_m * c.n_W - q).norm(), tolerance);
       }
       for (const Vec3& p : on_surface) ASSERT_LE(c.distance_m, (p - q).norm() + tolerance);

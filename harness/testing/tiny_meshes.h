@@ -9,20 +9,19 @@
 #include "harness/surface/moved_mesh.h"
 #include "harness/surface/sphere_mesh.h"
 #include "harness/surface/triangle_mesh.h"
-#include "harness/testing/testing_rooms.h"
 
 namespace touchstone::testing {
 
 // The cube [-h, h]^3, twelve triangles.
-inline TriangleMesh cube(double h) {
-  TriangleMesh mesh = box_mesh(Vec3::Constant(-h), Vec3::Constant(h));
+inline surface::TriangleMesh cube(double h) {
+  surface::TriangleMesh mesh = surface::box_mesh(Vec3::Constant(-h), Vec3::Constant(h));
   mesh.source = "cube";
   return mesh;
 }
 
 // A flat n x n grid of squares over [-h, h]^2 at z = 0, normal +z: open.
-inline TriangleMesh grid(double h, int n) {
-  TriangleMesh mesh;
+inline surface::TriangleMesh grid(double h, int n) {
+  surface::TriangleMesh mesh;
   for (int j = 0; j <= n; ++j) {
     for (int i = 0; i <= n; ++i) mesh.vertices_W_m.emplace_back(h * (2.0 * i / n - 1.0), h * (2.0 * j / n - 1.0), 0.0);
   }
@@ -38,15 +37,15 @@ inline TriangleMesh grid(double h, int n) {
 }
 
 // surface/sphere_mesh.h under the name that these tests print.
-inline TriangleMesh ball(double radius, int levels) {
-  TriangleMesh mesh = sphere_mesh(radius, levels);
+inline surface::TriangleMesh ball(double radius, int levels) {
+  surface::TriangleMesh mesh = surface::sphere_mesh(radius, levels);
   mesh.source = "ball";
   return mesh;
 }
 
 // A torus about z: ridges, valleys (saddles) and a hole. 2 n m triangles.
-inline TriangleMesh torus(double major, double minor, int n, int m) {
-  TriangleMesh mesh;
+inline surface::TriangleMesh torus(double major, double minor, int n, int m) {
+  surface::TriangleMesh mesh;
   for (int i = 0; i < n; ++i) {
     for (int j = 0; j < m; ++j) {
       const double u = 2.0 * std::numbers::pi * i / n;

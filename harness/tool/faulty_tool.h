@@ -103,11 +103,12 @@ inline ToolSubject with_fault(ToolSubject subject, std::string_view name) {
     throw UsageError(fmt::format("--fault {}: {} has no friction; give --parameter mu=0.3 of a renderer that has mu",
                                  name, subject.name));
   }
-  subject.make = [make = std::move(subject.make), fault](const Tool& tool, const TriangleMesh& object_W,
+  subject.make = [make = std::move(subject.make), fault](const Tool& tool, const surface::TriangleMesh& object_W,
                                                          const Coupling& coupling) {
     return std::make_unique<FaultyTool>(make(tool, object_W, coupling), fault, tool.mass.center_T_m);
   };
-  subject.make_in_unit = [make = std::move(subject.make_in_unit), fault](const Tool& tool, const TriangleMesh& object_W,
+  subject.make_in_unit = [make = std::move(subject.make_in_unit), fault](const Tool& tool,
+                                                                         const surface::TriangleMesh& object_W,
                                                                          const Coupling& coupling, double unit_m) {
     return std::make_unique<FaultyTool>(make(tool, object_W, coupling, unit_m), fault, tool.mass.center_T_m);
   };

@@ -21,7 +21,6 @@
 
 #include "harness/base/vec.h"
 #include "harness/base/wrench.h"
-#include "harness/tool/tool_rooms.h"
 
 namespace touchstone::tool {
 

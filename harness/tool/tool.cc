@@ -13,6 +13,7 @@
 #include "harness/surface/mesh_topology.h"
 
 namespace touchstone::tool {
+using surface::TriangleMesh;
 
 MassFrame solid_mass_frame(const TriangleMesh& mesh_T, double density_kg_per_m3) {
   // From the centre of the bounds: less cancellation where the tool is far from its handle.
@@ -21,9 +22,9 @@ MassFrame solid_mass_frame(const TriangleMesh& mesh_T, double density_kg_per_m3)
   Vec3 first = Vec3::Zero();   // integral of x
   Mat3 second = Mat3::Zero();  // integral of x x^T
   for (const auto& [ia, ib, ic] : mesh_T.triangles) {
-    const Vec3 a = mesh_T.vertices_W_m[at(ia)] - origin;
-    const Vec3 b = mesh_T.vertices_W_m[at(ib)] - origin;
-    const Vec3 c = mesh_T.vertices_W_m[at(ic)] - origin;
+    const Vec3 a = mesh_T.vertices_W_m[surface::at(ia)] - origin;
+    const Vec3 b = mesh_T.vertices_W_m[surface::at(ib)] - origin;
+    const Vec3 c = mesh_T.vertices_W_m[surface::at(ic)] - origin;
     // The signed tetrahedra from the origin to each triangle add up to the body, whatever the origin (the divergence
     // theorem): volume V = a . (b x c) / 6, integral of x over it V / 4 (a + b + c).
     const double v = a.dot(b.cross(c)) / 6.0;
@@ -94,7 +95,7 @@ PointShell make_point_shell(const TriangleMesh& mesh_T, double spacing_m) {
                     "larger one",
                     spacing_m, mesh_T.source));
   }
-  const MeshTopology topology = make_topology(mesh_T);
+  const surface::MeshTopology topology = make_topology(mesh_T);
   const Vec3 low = mesh_T.bounds().min();
   std::set<std::array<std::int64_t, 3>> taken;
   PointShell shell;
@@ -109,12 +110,14 @@ PointShell make_point_shell(const TriangleMesh& mesh_T, double spacing_m) {
     shell.inward_T.push_back(-outward);
   };
   for (std::size_t v = 0; v < mesh_T.vertices_W_m.size(); ++v) {
-    if ((topology.vertex_flags[v] & vertex_used) != 0) add(mesh_T.vertices_W_m[v], topology.vertex_normals[v]);
+    if ((topology.vertex_flags[v] & surface::vertex_used) != 0) add(mesh_T.vertices_W_m[v], topology.vertex_normals[v]);
   }
-  const auto corner = [&](std::size_t t, std::size_t i) { return mesh_T.vertices_W_m[at(mesh_T.triangles[t][i])]; };
+  const auto corner = [&](std::size_t t, std::size_t i) {
+    return mesh_T.vertices_W_m[surface::at(mesh_T.triangles[t][i])];
+  };
   for (std::size_t t = 0; t < mesh_T.triangle_count(); ++t) {
     for (std::size_t e = 0; e < 3; ++e) {
-      if (topology.convexity[t][e] != Convexity::ridge) continue;
+      if (topology.convexity[t][e] != surface::Convexity::ridge) continue;
       const Vec3 a = corner(t, e);
       const Vec3 along = corner(t, (e + 1) % 3) - a;
       const int count = static_cast<int>(std::ceil(along.norm() / spacing_m));

@@ -24,19 +24,19 @@ struct PointShell {
 };
 
 struct Tool {
-  TriangleMesh mesh_T;
+  surface::TriangleMesh mesh_T;
   MassFrame mass;
   std::optional<PointShell> shell = {};  // the tool's own: it has no mesh then
 };
 
 // Of the solid inside a closed mesh with outward orientation, of constant density: sums over the tetrahedra between the
 // origin and each triangle (Mirtich 1996 gives the integrals). Throws BadData if the mesh encloses no volume.
-MassFrame solid_mass_frame(const TriangleMesh& mesh_T, double density_kg_per_m3);
+MassFrame solid_mass_frame(const surface::TriangleMesh& mesh_T, double density_kg_per_m3);
 
 // Of water: between wood and plastic. For tools of which nothing is known but the shape.
 inline constexpr double kUsualToolDensity_kg_per_m3 = 1000.0;
 // The tool that fills the mesh. Throws as solid_mass_frame() does.
-Tool solid_tool(const TriangleMesh& mesh_T, double density_kg_per_m3 = kUsualToolDensity_kg_per_m3);
+Tool solid_tool(const surface::TriangleMesh& mesh_T, double density_kg_per_m3 = kUsualToolDensity_kg_per_m3);
 
 // A tool of points alone, of equal mass each. Throws BadData for fewer than three, or all on a line: their inertia
 // would be none about it.
@@ -46,7 +46,7 @@ Tool point_tool(PointShell shell, double mass_kg);
 // `spacing_m` the first stays. So corners and edges are kept where the mesh is coarse, and a fine mesh is thinned. The
 // normal at a vertex is its angle-weighted pseudo-normal, elsewhere the face's. The same shell for the same mesh.
 // Throws UsageError where the spacing is not positive, or would make more than ten million points.
-PointShell make_point_shell(const TriangleMesh& mesh_T, double spacing_m);
+PointShell make_point_shell(const surface::TriangleMesh& mesh_T, double spacing_m);
 // The tool's own shell if it has one, else as make_point_shell().
 PointShell shell_of(const Tool& tool, double spacing_m);
 

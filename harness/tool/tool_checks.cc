@@ -13,6 +13,8 @@
 #include "harness/tool/worse.h"
 
 namespace touchstone::tool {
+using surface::TriangleMesh;
+
 namespace {
 
 constexpr double kDensity_kg_per_m3 = 1000.0;
@@ -23,9 +25,9 @@ constexpr double kReach_m = 0.04;               // no point of the tool is farth
 constexpr double kFloor_m = 1e-6;
 
 TriangleMesh cube(const Vec3& center) {
-  return box_mesh(center - Vec3::Constant(kHalf_m), center + Vec3::Constant(kHalf_m));
+  return surface::box_mesh(center - Vec3::Constant(kHalf_m), center + Vec3::Constant(kHalf_m));
 }
-TriangleMesh slab() { return box_mesh(Vec3(-0.05, -0.05, -0.02), Vec3(0.05, 0.05, 0.0)); }
+TriangleMesh slab() { return surface::box_mesh(Vec3(-0.05, -0.05, -0.02), Vec3(0.05, 0.05, 0.0)); }
 Tool tool_of(const TriangleMesh& mesh) { return solid_tool(mesh, kDensity_kg_per_m3); }
 
 TriangleMesh moved_mesh(TriangleMesh mesh, const Pose& by) {

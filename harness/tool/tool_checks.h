@@ -20,9 +20,10 @@ inline constexpr std::array kOtherUnits_m{1e-3, 10.0};
 
 struct ToolSubject {
   std::string name;
-  std::function<std::unique_ptr<ToolRenderer>(const Tool&, const TriangleMesh& object_W, const Coupling&)> make;
+  std::function<std::unique_ptr<ToolRenderer>(const Tool&, const surface::TriangleMesh& object_W, const Coupling&)>
+      make;
   // The same with bodies and coupling in another unit of length, of `unit_m`; the method's parameters follow.
-  std::function<std::unique_ptr<ToolRenderer>(const Tool&, const TriangleMesh& object_W, const Coupling&,
+  std::function<std::unique_ptr<ToolRenderer>(const Tool&, const surface::TriangleMesh& object_W, const Coupling&,
                                               double unit_m)>
       make_in_unit;
   // How finely the method resolves where the surface is: the voxel, or how far a contact's spring gives way under a

@@ -18,7 +18,7 @@ namespace touchstone::tool {
 struct KnownContacts {
   std::string name;
   Tool tool;
-  TriangleMesh object_W;
+  surface::TriangleMesh object_W;
   Pose free;                       // without contact: where a renderer starts
   std::vector<Pose> handles;       // that it goes to, each from `free`
   std::vector<Pose> slid_from;     // one per handle: where it is pressed in first, to slide on to it. Empty: straight

@@ -121,7 +121,7 @@ TEST(ToolErrors, FindingsCountThoseThatApply) {
 
 TEST(ToolErrors, AFaultIsPlantedByName) {
   ToolSubject subject;
-  subject.make = [](const Tool&, const TriangleMesh&, const Coupling&) { return std::make_unique<Pusher>(); };
+  subject.make = [](const Tool&, const surface::TriangleMesh&, const Coupling&) { return std::make_unique<Pusher>(); };
   const auto planted = with_fault(subject, "torque-sign").make({}, {}, {});
   planted->reset();
   ToolState state;

@@ -17,6 +17,9 @@
 #include "harness/tool/tool_replay.h"
 
 namespace touchstone::tool {
+using recording::InTrajectory;
+using recording::Recording;
+
 namespace {
 
 using testing::HasSubstr;
@@ -50,7 +53,7 @@ class Known : public ToolRenderer {
 };
 
 void write_path(const std::filesystem::path& file, int samples) {
-  TrajectoryWriter writer(file, true);
+  recording::TrajectoryWriter writer(file, true);
   for (int i = 0; i < samples; ++i)
     writer.append(1e-3 * i, Vec3(0.001, 0.002, i < 4 ? 0.003 : -0.003), rotation_by(Vec3(0.1, 0.0, 0.01 * i)));
   writer.commit();
@@ -66,17 +69,17 @@ TEST(ToolReplay, WrenchAndProxyGoThroughFiles) {
         renderer, {path, folder / (std::string("out") + extension), folder / (std::string("proxy") + extension), 1});
     EXPECT_EQ(summary.samples, 10U);
     EXPECT_EQ(summary.in_contact, 6U);
-    const Recording out = load_recording(folder / (std::string("out") + extension));
+    const Recording out = recording::load_recording(folder / (std::string("out") + extension));
     ASSERT_EQ(out.size(), 10U);
     ASSERT_EQ(out.torque_W_Nm.size(), 10U);
     for (std::size_t i = 0; i < 10; ++i) {
       EXPECT_EQ(out.f_W_N[i], 1000.0 * out.motion.p_W_m[i]);
       EXPECT_LE((out.torque_W_Nm[i] - 2.0 * rotation_vector(out.motion.q_WS[i])).norm(), 1e-15);
     }
-    const InTrajectory proxy = load_trajectory(folder / (std::string("proxy") + extension));
+    const InTrajectory proxy = recording::load_trajectory(folder / (std::string("proxy") + extension));
     EXPECT_EQ(proxy.motion.p_W_m[5], 2.0 * out.motion.p_W_m[5]);
     replay_tool(renderer, {path, folder / "some.csv", {}, 4});
-    EXPECT_EQ(load_recording(folder / "some.csv").size(), 3U) << "samples 0, 4 and 8";
+    EXPECT_EQ(recording::load_recording(folder / "some.csv").size(), 3U) << "samples 0, 4 and 8";
     EXPECT_EQ(measure_tool_steps(renderer, path).size(), 10U);
   }
 }
@@ -103,7 +106,7 @@ TEST(ToolReplay, ContactsGoIntoATable) {
   const ToolReplaySummary summary =
       replay_tool(renderer, {folder / "path.csv", folder / "out.csv", {}, 2, folder / "contacts.csv"});
   EXPECT_EQ(summary.contacts, 6U) << "two at each of samples 4, 6 and 8";
-  const auto table = open_table(folder / "contacts.csv");
+  const auto table = recording::open_table(folder / "contacts.csv");
   EXPECT_THAT(table->names(),
               testing::ElementsAre("t_s", "px_m", "py_m", "pz_m", "nx", "ny", "nz", "fx_N", "fy_N", "fz_N"));
   std::vector<std::vector<double>> values(10);
@@ -151,7 +154,7 @@ TEST(PointTool, SaysWhatIsWrongWithAFile) {
 
 TEST(ToolReplay, PathWithoutOrientationSaysWhatIsMissing) {
   const Folder folder;
-  TrajectoryWriter writer(folder / "points.csv", false);
+  recording::TrajectoryWriter writer(folder / "points.csv", false);
   writer.append(0.0, Vec3::Zero());
   writer.append(0.1, Vec3::Zero());
   writer.commit();

@@ -11,6 +11,8 @@
 #include "harness/perception/filters/weber_law.h"
 
 namespace touchstone::tool {
+using recording::Recording;
+
 namespace {
 
 void require_same_times(const MotionColumns& a, const MotionColumns& b, const std::string& name) {
@@ -76,8 +78,8 @@ ToolComparison compare_tools(const Recording& expected, const Recording& obtaine
   return result;
 }
 
-void compare_proxies(const InTrajectory& expected, const InTrajectory& obtained, const Recording& wrenches,
-                     const Coupling& coupling, ToolComparison& comparison) {
+void compare_proxies(const recording::InTrajectory& expected, const recording::InTrajectory& obtained,
+                     const Recording& wrenches, const Coupling& coupling, ToolComparison& comparison) {
   require_same_times(expected.motion, obtained.motion, "the obtained proxy");
   require_same_times(wrenches.motion, expected.motion, "the expected proxy");
   if (expected.motion.q_WS.empty() || obtained.motion.q_WS.empty()) {

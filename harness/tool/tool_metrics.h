@@ -44,10 +44,10 @@ struct ToolComparison {
 };
 
 // Both with torque and the same times. Throws BadData naming the file and row where they are not.
-ToolComparison compare_tools(const Recording& expected, const Recording& obtained);
+ToolComparison compare_tools(const recording::Recording& expected, const recording::Recording& obtained);
 // Adds the errors of the proxy's pose. `wrenches`: the expected force and torque, samples as in `expected`.
-void compare_proxies(const InTrajectory& expected, const InTrajectory& obtained, const Recording& wrenches,
-                     const Coupling& coupling, ToolComparison& comparison);
+void compare_proxies(const recording::InTrajectory& expected, const recording::InTrajectory& obtained,
+                     const recording::Recording& wrenches, const Coupling& coupling, ToolComparison& comparison);
 
 std::string comparison_to_json(const ToolComparison& comparison);
 // The errors for people, a line each.

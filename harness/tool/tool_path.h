@@ -15,7 +15,7 @@ inline Pose between(const Pose& from, const Pose& to, double share) {
 // One step; throws RendererFailed when the renderer breaks down.
 inline ToolResult step_or_throw(ToolRenderer& renderer, const ToolState& state) {
   const ToolResult result = renderer.step(state);
-  if (result.status == ToolStatus::failed) throw RendererFailed(renderer.failure());
+  if (result.status == ToolStatus::failed) throw rendering::RendererFailed(renderer.failure());
   return result;
 }
 

@@ -12,6 +12,10 @@
 #include "harness/surface/mesh_topology.h"
 
 namespace touchstone::tool {
+using rendering::ParameterDeclaration;
+using rendering::Parameters;
+using surface::TriangleMesh;
+
 namespace {
 
 void require_closed(const TriangleMesh& mesh, std::string_view what) {

@@ -22,16 +22,16 @@ namespace touchstone::tool {
 
 struct ToolRendererEntry {
   std::string name;
-  std::string summary;                           // one line
-  std::string source;                            // the publication that the algorithm follows
-  std::vector<ParameterDeclaration> parameters;  // beside the coupling's
+  std::string summary;                                      // one line
+  std::string source;                                       // the publication that the algorithm follows
+  std::vector<rendering::ParameterDeclaration> parameters;  // beside the coupling's
   // Both meshes are closed, with outward orientation.
-  using Make = std::function<std::unique_ptr<ToolRenderer>(const Parameters&, const Tool&, const TriangleMesh& object_W,
-                                                           const Coupling&)>;
+  using Make = std::function<std::unique_ptr<ToolRenderer>(const rendering::Parameters&, const Tool&,
+                                                           const surface::TriangleMesh& object_W, const Coupling&)>;
   Make make;
   // How finely the method resolves where the surface is: the voxel, how far a contact's spring gives way under the
   // force, a plug-in's epsilon. Empty: to rounding.
-  std::function<double(const Parameters&, double force_N)> resolution_m;
+  std::function<double(const rendering::Parameters&, double force_N)> resolution_m;
   // False for a method whose normals are the tool's own (tangent planes at sampled points): at a sharp edge its force
   // is off by more than the resolution.
   bool exact_normals = true;
@@ -42,13 +42,13 @@ struct ToolRendererEntry {
 // Renderers whose method has lengths of its own (margins, overlaps) declare this parameter, and meshes and poses may
 // then be in any unit of length, if the coupling and the answer are taken in newtons, that unit and radians.
 inline constexpr std::string_view kUnitParameter = "unit_m";
-inline ParameterDeclaration unit_parameter() {
+inline rendering::ParameterDeclaration unit_parameter() {
   return {std::string(kUnitParameter), "m", 1e-6, 1e6, 1.0, "how long one unit of meshes, poses and coupling is"};
 }
 
 // Renderers with Coulomb friction at each contact declare this parameter; the checks of tool_checks.h hold them to it.
 inline constexpr std::string_view kFrictionParameter = "mu";
-inline ParameterDeclaration friction_parameter() {
+inline rendering::ParameterDeclaration friction_parameter() {
   return {std::string(kFrictionParameter), "1", 0.0, 5.0, 0.0, "Coulomb friction of each contact; 0 without"};
 }
 
@@ -67,7 +67,7 @@ std::map<std::string, double> own_values(const std::map<std::string, double, std
 // range; of a tool
 // of points if the renderer needs its mesh; BadData for a mesh that is not closed.
 std::unique_ptr<ToolRenderer> make_tool_renderer(const ToolRendererEntry& entry, const Tool& tool,
-                                                 const TriangleMesh& object_W, const ToolSettings& settings);
+                                                 const surface::TriangleMesh& object_W, const ToolSettings& settings);
 
 // What holds the renderer to tool_checks.h.
 ToolSubject subject_of(const ToolRendererEntry& entry, const ToolSettings& settings);

@@ -17,6 +17,10 @@
 #include "harness/rendering/renderer_failed.h"
 
 namespace touchstone::tool {
+using recording::ColumnGroup;
+using recording::RecordingStream;
+using recording::SampleBlock;
+
 namespace {
 
 RecordingStream open_path(const std::filesystem::path& path) {
@@ -36,7 +40,7 @@ ToolState state_of(const MotionColumns& motion, std::size_t i) {
 
 void require_working(const ToolRenderer& renderer, const ToolResult& result, const std::filesystem::path& path) {
   if (result.status == ToolStatus::failed)
-    throw RendererFailed(fmt::format("{}: {}", path.string(), renderer.failure()));
+    throw rendering::RendererFailed(fmt::format("{}: {}", path.string(), renderer.failure()));
 }
 
 class ContactTable {
@@ -91,9 +95,9 @@ class ContactTable {
 ToolReplaySummary replay_tool(ToolRenderer& renderer, const ToolReplayFiles& files) {
   if (files.keep_every < 1) throw UsageError("every 0th sample cannot be kept; give 1 or more");
   RecordingStream stream = open_path(files.path);
-  RecordingWriter writer(files.out, {ColumnGroup::time, ColumnGroup::position, ColumnGroup::orientation,
-                                     ColumnGroup::force, ColumnGroup::torque, ColumnGroup::contact});
-  std::optional<TrajectoryWriter> proxy;
+  recording::RecordingWriter writer(files.out, {ColumnGroup::time, ColumnGroup::position, ColumnGroup::orientation,
+                                                ColumnGroup::force, ColumnGroup::torque, ColumnGroup::contact});
+  std::optional<recording::TrajectoryWriter> proxy;
   if (files.proxy) proxy.emplace(*files.proxy, true);
   std::optional<ContactTable> contacts;
   if (files.contacts) contacts.emplace(*files.contacts);

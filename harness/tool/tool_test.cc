@@ -9,13 +9,15 @@
 #include "harness/tool/tool_renderer.h"
 
 namespace touchstone::tool {
+using surface::TriangleMesh;
+
 namespace {
 
 TEST(MassFrame, OfABoxIsTheTextbooks) {
   const Vec3 low(0.01, -0.02, 0.03);
   const Vec3 size(0.02, 0.05, 0.08);
   constexpr double kDensity = 7800.0;
-  const MassFrame frame = solid_mass_frame(box_mesh(low, low + size), kDensity);
+  const MassFrame frame = solid_mass_frame(surface::box_mesh(low, low + size), kDensity);
   const double mass = kDensity * size.prod();
   EXPECT_NEAR(frame.mass_kg, mass, 1e-12 * mass);
   EXPECT_LE((frame.center_T_m - (low + 0.5 * size)).norm(), 1e-15);
@@ -27,13 +29,13 @@ TEST(MassFrame, OfABoxIsTheTextbooks) {
 }
 
 TEST(MassFrame, RefusesAMeshThatIsInsideOut) {
-  TriangleMesh mesh = box_mesh(Vec3::Zero(), Vec3::Ones());
+  TriangleMesh mesh = surface::box_mesh(Vec3::Zero(), Vec3::Ones());
   for (auto& t : mesh.triangles) std::swap(t[0], t[1]);
   EXPECT_THROW(static_cast<void>(solid_mass_frame(mesh, 1000.0)), BadData);
 }
 
 TEST(PointShell, KeepsCornersAndCoversTheSurface) {
-  const TriangleMesh mesh = box_mesh(Vec3::Zero(), Vec3(0.02, 0.02, 0.02));
+  const TriangleMesh mesh = surface::box_mesh(Vec3::Zero(), Vec3(0.02, 0.02, 0.02));
   const PointShell shell = make_point_shell(mesh, 0.002);
   for (std::size_t i = 0; i < 8; ++i) EXPECT_EQ(shell.p_T_m[i], mesh.vertices_W_m[i]);
   // 2400 mm^2 in cells of 4 mm^2: about 600.
@@ -50,7 +52,7 @@ TEST(PointShell, KeepsCornersAndCoversTheSurface) {
 // The eight corners of a box, an eighth of its mass each: the textbook's formula for points.
 TEST(PointTool, MassFrameOfPoints) {
   PointShell shell;
-  const TriangleMesh box = box_mesh(Vec3(0.01, 0.0, 0.0), Vec3(0.03, 0.04, 0.06));
+  const TriangleMesh box = surface::box_mesh(Vec3(0.01, 0.0, 0.0), Vec3(0.03, 0.04, 0.06));
   for (const Vec3& v : box.vertices_W_m) {
     shell.p_T_m.push_back(v);
     shell.inward_T.push_back(Vec3::UnitZ());

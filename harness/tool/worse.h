@@ -3,8 +3,6 @@
 
 #include <cmath>
 
-#include "harness/tool/tool_rooms.h"
-
 namespace touchstone::tool {
 
 inline double worse(double a, double b) { return std::isnan(a) || a > b ? a : b; }

@@ -5,7 +5,6 @@
 #include <string_view>
 
 #include "harness/base/error.h"
-#include "harness/base/rooms.h"
 
 namespace touchstone::hil {
 

@@ -10,7 +10,6 @@
 #include <filesystem>
 #include <string>
 
-#include "harness/base/rooms.h"
 #include "hil/devices/hardware_map.h"
 #include "hil/devices/interfaces.h"
 

@@ -84,7 +84,8 @@ MappedDevice read_device(JsonObject& object, const std::filesystem::path& folder
     device.calibration_file = folder / calibration.text("file");
     device.calibration_sha256 = calibration.optional_text("sha256").value_or("");
     if (const auto day = calibration.optional_text("expires")) {
-      device.calibration_expires = parse_day(*day, calibration.source() + ": " + calibration.place() + "/expires");
+      device.calibration_expires =
+          recording::parse_day(*day, calibration.source() + ": " + calibration.place() + "/expires");
     }
     calibration.finish();
   }
@@ -116,7 +117,7 @@ HardwareMap hardware_map_from_environment() {
   return load_hardware_map(path);
 }
 
-CalibrationState calibration_state(const MappedDevice& device, const CalendarDay& today) {
+CalibrationState calibration_state(const MappedDevice& device, const recording::CalendarDay& today) {
   std::error_code error;
   if (!device.calibration_file || !std::filesystem::exists(*device.calibration_file, error))
     return CalibrationState::absent;
@@ -126,7 +127,7 @@ CalibrationState calibration_state(const MappedDevice& device, const CalendarDay
   return CalibrationState::usable;
 }
 
-CalendarDay today() {
+recording::CalendarDay today() {
   const std::chrono::year_month_day day{std::chrono::floor<std::chrono::days>(std::chrono::system_clock::now())};
   return {static_cast<int>(day.year()), static_cast<int>(static_cast<unsigned>(day.month())),
           static_cast<int>(static_cast<unsigned>(day.day()))};

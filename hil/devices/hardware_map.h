@@ -9,7 +9,6 @@
 #include <string>
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "harness/recording/ati_calibration.h"
 
 namespace touchstone::hil {
@@ -20,7 +19,7 @@ struct MappedDevice {
   bool connected = false;
   std::optional<std::filesystem::path> calibration_file;
   std::string calibration_sha256;  // empty: not checked
-  std::optional<CalendarDay> calibration_expires;
+  std::optional<recording::CalendarDay> calibration_expires;
   std::string fixture;         // what the device is mounted on, for the evidence
   double force_limit_N = 0.0;  // 0: nothing may be commanded
   std::string address;         // network: host of the sensor; comedi: /dev/comediN
@@ -54,7 +53,7 @@ HardwareMap hardware_map_from_environment();
 
 // What is wrong with a device's calibration on that day: nothing, or why it must not be used.
 enum class CalibrationState { usable, absent, expired, changed };
-CalibrationState calibration_state(const MappedDevice& device, const CalendarDay& today);
-CalendarDay today();
+CalibrationState calibration_state(const MappedDevice& device, const recording::CalendarDay& today);
+recording::CalendarDay today();
 
 }  // namespace touchstone::hil

@@ -8,7 +8,6 @@
 #include <span>
 #include <string>
 
-#include "harness/base/rooms.h"
 #include "harness/base/vec.h"
 #include "harness/recording/ati_calibration.h"
 #include "hil/devices/device_error.h"
@@ -42,7 +41,7 @@ struct WrenchSample {
   double t_s = 0.0;            // MonotonicClock's time when the sample arrived, by the kernel where it says so
   std::uint64_t sequence = 0;  // of the device, unwrapped; gaps mean lost samples
   Wrench wrench;               // sensor's frame
-  std::uint32_t flags = sample_ok;
+  std::uint32_t flags = recording::sample_ok;
   std::uint32_t device_status = 0;
 };
 
@@ -76,7 +75,7 @@ struct PoseSample {
   std::uint64_t ticks = 0;       // of the device's own clock, PoseSource::ticks_per_s(); 0 where it has none
   Vec3 p_W_m = Vec3::Zero();     // the body's origin in the device's world
   Quat q_WB = Quat::Identity();  // turns the body's frame into the device's world
-  std::uint32_t flags = sample_ok;
+  std::uint32_t flags = recording::sample_ok;
   std::uint32_t device_status = 0;
 };
 

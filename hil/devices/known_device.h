@@ -9,7 +9,6 @@
 #include <string>
 #include <string_view>
 
-#include "harness/base/rooms.h"
 #include "hil/devices/hardware_map.h"
 #include "hil/devices/interfaces.h"
 

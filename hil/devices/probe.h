@@ -4,7 +4,6 @@
 #include <string>
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "hil/devices/device_error.h"
 #include "hil/devices/hardware_map.h"
 

@@ -162,7 +162,7 @@ class BotaSource final : public WrenchSource {
       const std::uint32_t step = frame.time - time_;  // modulo 2^32
       // The clock of a sensor that was reset begins again, which says nothing of what is missing.
       if (steps_.shortest() > 0 && step / steps_.shortest() > longest_gap_s * nominal_rate_Hz()) {
-        sample.flags |= sample_after_gap;
+        sample.flags |= recording::sample_after_gap;
       } else {
         ahead = steps_.ahead(step);
       }
@@ -174,7 +174,7 @@ class BotaSource final : public WrenchSource {
     sample.wrench = frame.wrench;
     sample.device_status = frame.status;
     if (frame.status != no_error) {
-      sample.flags |= sample_device_error;
+      sample.flags |= recording::sample_device_error;
       ++counters_.device_errors;
     }
     return sample;

@@ -24,7 +24,6 @@
 #include <span>
 #include <string>
 
-#include "harness/base/rooms.h"
 #include "hil/devices/interfaces.h"
 #include "hil/devices/known_device.h"
 

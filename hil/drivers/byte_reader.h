@@ -7,8 +7,6 @@
 #include <span>
 #include <string>
 
-#include "harness/base/rooms.h"
-
 namespace touchstone::hil {
 
 class ByteReader {

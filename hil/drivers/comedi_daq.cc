@@ -17,6 +17,8 @@
 #include "hil/drivers/vendor_library.h"
 
 namespace touchstone::hil {
+using recording::GaugeVoltages;
+
 namespace {
 
 constexpr unsigned channels = 6;
@@ -112,7 +114,7 @@ class ComediAti final : public WrenchSource {
  public:
   explicit ComediAti(const ComediOptions& options)
       : options_(options),
-        calibration_(read_ati_calibration(options.calibration_file, options.sensor_serial)),
+        calibration_(recording::read_ati_calibration(options.calibration_file, options.sensor_serial)),
         board_(options.node, options.library) {
     const auto& c = board_.c();
     const int subdevice = c.read_subdevice(board_.device());
@@ -272,7 +274,7 @@ class ComediAti final : public WrenchSource {
   }
 
   ComediOptions options_;
-  AtiCalibration calibration_;
+  recording::AtiCalibration calibration_;
   Board board_;
   unsigned subdevice_ = 0, range_index_ = 0;
   std::array<comedi_polynomial_t, channels> to_volts_{};

@@ -6,7 +6,6 @@
 #include <memory>
 #include <string>
 
-#include "harness/base/rooms.h"
 #include "hil/devices/interfaces.h"
 #include "hil/devices/known_device.h"
 

@@ -7,7 +7,6 @@
 #include <string>
 #include <string_view>
 
-#include "harness/base/rooms.h"
 #include "hil/devices/known_device.h"
 
 namespace touchstone::hil {

@@ -13,7 +13,6 @@
 #include <array>
 #include <optional>
 
-#include "harness/base/rooms.h"
 #include "harness/base/vec.h"
 
 namespace touchstone::hil::falcon {

@@ -16,7 +16,6 @@
 #include <string>
 #include <string_view>
 
-#include "harness/base/rooms.h"
 #include "hil/devices/interfaces.h"
 #include "hil/devices/known_device.h"
 

@@ -241,17 +241,17 @@ class NatNetSource final : public PoseSource {
       return true;
     }
     sample = {};
-    sample.flags = sample_not_tracked;
+    sample.flags = recording::sample_not_tracked;
     const auto body =
         std::find_if(frame_.bodies.begin(), frame_.bodies.end(), [&](const natnet::Body& b) { return b.id == body_; });
     if (body != frame_.bodies.end()) {
       sample.p_W_m = body->p_W_m;
       sample.q_WB = body->q_WB;
-      if (body->tracked) sample.flags = sample_ok;
+      if (body->tracked) sample.flags = recording::sample_ok;
     }
     if (started_ && frame_.number != last_number_ + 1) {
       counters_.lost += frame_.number - last_number_ - 1;
-      sample.flags |= sample_after_gap;
+      sample.flags |= recording::sample_after_gap;
     }
     started_ = true;
     last_number_ = frame_.number;

@@ -196,7 +196,7 @@ TEST_P(NatNetVersions, PosesComeAtTheCamerasTimes) {
     const auto truth = circle(static_cast<double>(s.ticks) / NatNetEmulator::ticks_per_s);
     EXPECT_LT((s.p_W_m - truth.p_W_m).norm(), 1e-7);
     EXPECT_LT(s.q_WB.angularDistance(truth.q_WB), 1e-3);
-    EXPECT_EQ(s.flags & sample_not_tracked, 0U);
+    EXPECT_EQ(s.flags & recording::sample_not_tracked, 0U);
   }
 }
 
@@ -262,7 +262,7 @@ TEST(NatNet, ALostBodyIsFlaggedNotGuessed) {
   source->start();
   const auto samples = read_for(*source, 0.3);
   ASSERT_FALSE(samples.empty());
-  for (const auto& s : samples) EXPECT_NE(s.flags & sample_not_tracked, 0U);
+  for (const auto& s : samples) EXPECT_NE(s.flags & recording::sample_not_tracked, 0U);
 }
 
 TEST(NatNet, SaysWhichBodiesThereAreAndWhenNobodyAnswers) {

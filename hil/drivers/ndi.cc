@@ -430,7 +430,7 @@ class NdiSource final : public PoseSource {
     sample.sequence = count_.sequence();
     sample.device_status = tool.status;
     if (tool.missing) {
-      sample.flags |= sample_not_tracked;
+      sample.flags |= recording::sample_not_tracked;
     } else {
       sample.p_W_m = tool.p_W_m;
       sample.q_WB = tool.q_WB;

@@ -23,7 +23,6 @@
 #include <string_view>
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "hil/devices/interfaces.h"
 #include "hil/devices/known_device.h"
 

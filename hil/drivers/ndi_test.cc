@@ -77,7 +77,7 @@ TEST(Ndi, PosesComeFrameByFrame) {
     if (i > 0) {
       EXPECT_GT(samples[i].sequence, samples[i - 1].sequence);
     }
-    if ((samples[i].flags & sample_not_tracked) != 0) {
+    if ((samples[i].flags & recording::sample_not_tracked) != 0) {
       ++hidden;
       continue;
     }

@@ -162,12 +162,12 @@ TEST(NetFtEmulated, FaultsAreCountedAndFlaggedAndTimeNeverRunsBack) {
   fmt::print("emulated faults: received {} lost {} repeated {} reordered {} malformed {} device errors {}\n",
              c.received, c.lost, c.repeated, c.reordered, c.malformed, c.device_errors);
   for (const auto n : {c.lost, c.repeated, c.reordered, c.malformed, c.device_errors}) EXPECT_GE(n, 9U);
-  std::size_t flagged = (samples[0].flags & sample_device_error) != 0, gaps = 0;
+  std::size_t flagged = (samples[0].flags & recording::sample_device_error) != 0, gaps = 0;
   for (std::size_t i = 1; i < samples.size(); ++i) {
     EXPECT_GT(samples[i].sequence, samples[i - 1].sequence);
-    EXPECT_EQ((samples[i].flags & sample_after_gap) != 0, samples[i].sequence > samples[i - 1].sequence + 1);
-    gaps += (samples[i].flags & sample_after_gap) != 0;
-    flagged += (samples[i].flags & sample_device_error) != 0;
+    EXPECT_EQ((samples[i].flags & recording::sample_after_gap) != 0, samples[i].sequence > samples[i - 1].sequence + 1);
+    gaps += (samples[i].flags & recording::sample_after_gap) != 0;
+    flagged += (samples[i].flags & recording::sample_device_error) != 0;
   }
   EXPECT_EQ(flagged, c.device_errors);
   EXPECT_GT(gaps, 9U);

@@ -3,7 +3,6 @@
 
 #include <memory>
 
-#include "harness/base/rooms.h"
 #include "hil/devices/hardware_map.h"
 #include "hil/devices/interfaces.h"
 

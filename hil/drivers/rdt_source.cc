@@ -148,10 +148,10 @@ class RdtSource final : public WrenchSource {
       sample.sequence = sequence_.unwrapped();
       sample.device_status = record.status;
       if ((record.status & rdt_error_bit) != 0) {
-        sample.flags |= sample_device_error;
+        sample.flags |= recording::sample_device_error;
         ++sequence_.counters().device_errors;
       }
-      if (verdict == SequenceTracker::Verdict::after_gap) sample.flags |= sample_after_gap;
+      if (verdict == SequenceTracker::Verdict::after_gap) sample.flags |= recording::sample_after_gap;
       for (int k = 0; k < 3; ++k) {
         sample.wrench.f_N[k] = sensor_.newtons_per_count * record.counts[static_cast<std::size_t>(k)];
         sample.wrench.torque_Nm[k] = sensor_.newton_metres_per_count * record.counts[static_cast<std::size_t>(k + 3)];

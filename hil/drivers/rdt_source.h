@@ -8,7 +8,6 @@
 #include <utility>
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "hil/drivers/netft.h"
 
 namespace touchstone::hil {

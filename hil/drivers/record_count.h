@@ -8,7 +8,6 @@
 #include <limits>
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "hil/devices/interfaces.h"
 
 namespace touchstone::hil {
@@ -18,11 +17,11 @@ class RecordCount {
   // A record came that is `ahead` numbers after the one before it, at least 1; the first is number 0. Counts it, and
   // what is missing before it. Returns the flags that the sample deserves.
   std::uint32_t take(std::uint64_t ahead, StreamCounters& counters) {
-    std::uint32_t flags = sample_ok;
+    std::uint32_t flags = recording::sample_ok;
     if (started_) {
       sequence_ += ahead;
       counters.lost += ahead - 1;
-      if (ahead > 1) flags |= sample_after_gap;
+      if (ahead > 1) flags |= recording::sample_after_gap;
     }
     started_ = true;
     ++counters.received;

@@ -114,7 +114,8 @@ TEST(Bota, CountsWhatWasLostBeforeTheFirstUndisturbedStep) {
   EXPECT_GT(c.lost, 50U);
   EXPECT_EQ(c.received + c.lost, frames);
   EXPECT_EQ(samples.back().sequence - samples.front().sequence + 1, frames);
-  EXPECT_EQ(std::count_if(samples.begin(), samples.end(), [](const WrenchSample& s) { return s.flags != sample_ok; }),
+  EXPECT_EQ(std::count_if(samples.begin(), samples.end(),
+                          [](const WrenchSample& s) { return s.flags != recording::sample_ok; }),
             1)
       << "the sample at which it shows is the one after the gap";
 }
@@ -149,7 +150,7 @@ TEST(Bota, ASensorThatWasResetHasLostNothingThatCouldBeCounted) {
   ASSERT_GT(samples.size(), 250U);
   EXPECT_EQ(source->counters().lost, 0U);
   EXPECT_EQ(std::count_if(samples.begin(), samples.end(),
-                          [](const WrenchSample& s) { return (s.flags & sample_after_gap) != 0; }),
+                          [](const WrenchSample& s) { return (s.flags & recording::sample_after_gap) != 0; }),
             1);
 }
 

@@ -6,7 +6,6 @@
 #include <span>
 #include <string>
 
-#include "harness/base/rooms.h"
 #include "hil/devices/interfaces.h"
 
 namespace touchstone::hil {

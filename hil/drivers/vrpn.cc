@@ -249,7 +249,7 @@ class VrpnSource final : public PoseSource {
     }
     // A server reports what its device gives; neither of these is a pose of a body in a room.
     if (std::abs(sample.q_WB.norm() - 1.0) > most_off_unit || sample.p_W_m.norm() > largest_room_m) {
-      sample.flags |= sample_not_tracked;
+      sample.flags |= recording::sample_not_tracked;
       sample.p_W_m.setZero();
       sample.q_WB.setIdentity();
     }

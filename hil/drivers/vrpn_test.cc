@@ -13,6 +13,8 @@
 #include "hil/emulators/vrpn_emulator.h"
 
 namespace touchstone::hil {
+using recording::sample_not_tracked;
+
 namespace {
 
 using ::testing::HasSubstr;

@@ -23,17 +23,17 @@ int main(int argc, char** argv) {
     return 2;
   }
   constexpr double force_rate_Hz = 5000.0, tracker_rate_Hz = 60.0, stiffness_N_per_m = 800.0, radius_m = 1e-3;
-  MonotonicClock clock;
+  touchstone::hil::MonotonicClock clock;
   const double began = clock.now_s();
   const auto tip = [](double t) {
     return Vec3(0.002 * t, 0.01 * std::sin(0.4 * t), 0.001 + 0.003 * std::cos(4.0 * 3.141592653589793 * t));
   };
-  NetFtEmulator sensor(force_rate_Hz, {}, [&](double) {
+  touchstone::hil::NetFtEmulator sensor(force_rate_Hz, {}, [&](double) {
     const double depth = radius_m - tip(clock.now_s() - began).z();
     return Wrench{Vec3(0.0, 0.0, stiffness_N_per_m * std::max(0.0, depth)), Vec3::Zero()};
   });
-  NatNetEmulator motive(tracker_rate_Hz, {}, [&](double t) {
-    return EmulatedPose{tip(t + motive.began_s() - began), Quat::Identity(), true};
+  touchstone::hil::NatNetEmulator motive(tracker_rate_Hz, {}, [&](double t) {
+    return touchstone::hil::EmulatedPose{tip(t + motive.began_s() - began), Quat::Identity(), true};
   });
   write_file(argv[1],
              fmt::format(

@@ -16,14 +16,14 @@ int main() {
     return 1;
   }
   try {
-    FalconModel model(true);
-    UsbEmulator usb(UsbEmulator::Identity{}, model);
+    touchstone::hil::FalconModel model(true);
+    touchstone::hil::UsbEmulator usb(touchstone::hil::UsbEmulator::Identity{}, model);
     usb.forbid();
-    FalconOptions options;
+    touchstone::hil::FalconOptions options;
     options.emulated = true;
     open_falcon(options);
     fmt::print("none\n");
-  } catch (const DeviceError& error) {
+  } catch (const touchstone::hil::DeviceError& error) {
     fmt::print("{}\n{}\n", to_string(error.device_status()), error.what());
   } catch (const std::exception& error) {
     fmt::print("{}\n", error.what());

@@ -114,8 +114,8 @@ class FaultTable : public ::testing::Test {
     add("reordered", c.reordered);
     add("malformed", c.malformed);
     add("device errors", c.device_errors);
-    if ((flags & sample_after_gap) != 0) said += "; flagged: after a gap";
-    if ((flags & sample_device_error) != 0) said += "; flagged: device error";
+    if ((flags & recording::sample_after_gap) != 0) said += "; flagged: after a gap";
+    if ((flags & recording::sample_device_error) != 0) said += "; flagged: device error";
     if (got < n) said += said.empty() ? "silence until the deadline" : "; silence until the deadline";
     if (back) said += "; TIME RAN BACK";
     return said.empty() ? "none" : said;

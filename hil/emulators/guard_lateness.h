@@ -11,7 +11,6 @@
 #include <deque>
 #include <memory>
 
-#include "harness/base/rooms.h"
 #include "hil/safety/guardian.h"
 
 namespace touchstone::hil {

@@ -11,7 +11,6 @@
 #include <string>
 #include <thread>
 
-#include "harness/base/rooms.h"
 #include "harness/base/vec.h"
 
 namespace touchstone::hil {

@@ -6,7 +6,6 @@
 #include <filesystem>
 #include <memory>
 
-#include "harness/base/rooms.h"
 #include "hil/devices/interfaces.h"
 
 namespace touchstone::hil {

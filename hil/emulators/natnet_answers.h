@@ -28,8 +28,6 @@
 //   USE OF THIS SOFTWARE, EVEN IF ADVISED OF THE POSSIBILITY OF SUCH DAMAGE.
 #pragma once
 
-#include "harness/base/rooms.h"
-
 namespace touchstone::hil {
 
 // clang-format off

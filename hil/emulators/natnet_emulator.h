@@ -11,7 +11,6 @@
 #include <thread>
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "hil/devices/interfaces.h"
 
 namespace touchstone::hil {

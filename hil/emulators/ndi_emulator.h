@@ -12,7 +12,6 @@
 #include <string>
 #include <thread>
 
-#include "harness/base/rooms.h"
 #include "hil/emulators/natnet_emulator.h"
 #include "hil/emulators/serial_emulator.h"
 

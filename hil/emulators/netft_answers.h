@@ -3,8 +3,6 @@
 
 #include <string_view>
 
-#include "harness/base/rooms.h"
-
 namespace touchstone::hil {
 
 // A Gamma, firmware 2.2.59: a public sample, shortened by whoever published it.

@@ -11,7 +11,6 @@
 #include <memory>
 #include <thread>
 
-#include "harness/base/rooms.h"
 #include "hil/drivers/netft.h"
 
 namespace touchstone::hil {

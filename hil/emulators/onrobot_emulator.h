@@ -9,7 +9,6 @@
 #include <functional>
 #include <thread>
 
-#include "harness/base/rooms.h"
 #include "hil/devices/interfaces.h"
 
 namespace touchstone::hil {

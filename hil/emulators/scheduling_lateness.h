@@ -6,7 +6,6 @@
 #include <atomic>
 #include <thread>
 
-#include "harness/base/rooms.h"
 #include "hil/devices/interfaces.h"
 
 namespace touchstone::hil {

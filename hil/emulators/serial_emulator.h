@@ -7,7 +7,6 @@
 #include <string>
 #include <thread>
 
-#include "harness/base/rooms.h"
 #include "hil/devices/interfaces.h"
 
 namespace touchstone::hil {

@@ -11,7 +11,6 @@
 #include <string>
 
 #include "harness/base/random.h"
-#include "harness/base/rooms.h"
 #include "hil/devices/interfaces.h"
 #include "hil/safety/dead_man.h"
 

@@ -12,7 +12,6 @@
 #include <string>
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "hil/drivers/falcon.h"
 
 namespace touchstone::hil {

@@ -4,8 +4,6 @@
 // (0.1 cos t, 0.1 sin t, t) turned by 0.2 t about y.
 #pragma once
 
-#include "harness/base/rooms.h"
-
 namespace touchstone::hil {
 
 // clang-format off

@@ -7,7 +7,6 @@
 #include <functional>
 #include <thread>
 
-#include "harness/base/rooms.h"
 #include "hil/emulators/natnet_emulator.h"
 
 namespace touchstone::hil {

@@ -5,8 +5,6 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "harness/base/rooms.h"
-
 namespace touchstone::hil::fuzz {
 
 // How many of the readers read something; without bytes all 7.

@@ -6,7 +6,6 @@
 
 #include <string>
 
-#include "harness/base/rooms.h"
 #include "hil/devices/probe.h"
 
 namespace touchstone::hil {

@@ -5,7 +5,6 @@
 #include <string>
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "hil/devices/interfaces.h"
 #include "hil/lab/finding.h"
 

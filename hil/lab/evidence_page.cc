@@ -9,9 +9,11 @@
 #include "harness/base/json_reader.h"
 
 namespace touchstone::hil {
-namespace {
+using report::Section;
+using report::Table;
+using report::Tone;
 
-using namespace report;
+namespace {
 
 using nlohmann::json;
 
@@ -46,15 +48,15 @@ Table measurement_table(const json& evidence) {
   return table;
 }
 
-LinePlot plot_of(const json& picture) {
-  LinePlot plot;
+report::LinePlot plot_of(const json& picture) {
+  report::LinePlot plot;
   plot.title = picture.at("title").get<std::string>();
   plot.x_label = picture.at("x_label").get<std::string>();
   plot.y_label = picture.at("y_label").get<std::string>();
   constexpr Tone tones[] = {Tone::measured, Tone::reference, Tone::rendered, Tone::error};
   std::size_t n = 0;
   for (const auto& curve : picture.at("curves")) {
-    Line line;
+    report::Line line;
     line.name = curve.at("name").get<std::string>();
     line.x = curve.at("x").get<std::vector<double>>();
     line.y = curve.at("y").get<std::vector<double>>();
@@ -70,10 +72,10 @@ Section section_of(const json& e, bool failed) {
   section.title = e.at("test").get<std::string>();
   section.intro = failed ? "Does not keep its limits." : "";
   for (const auto& failure : e.value("failures", json::array()))
-    section.blocks.emplace_back(TextBlock{failure.get<std::string>(), Tone::warning});
+    section.blocks.emplace_back(report::TextBlock{failure.get<std::string>(), Tone::warning});
   section.blocks.emplace_back(measurement_table(e));
   for (const auto& picture : e.value("pictures", json::array())) section.blocks.emplace_back(plot_of(picture));
-  Facts facts;
+  report::Facts facts;
   for (const char* const key : {"device", "serial", "firmware", "calibration", "sensor", "dead_man", "fixture",
                                 "scheduling", "clock", "when", "commit", "samples"}) {
     if (const auto text = text_of(e, key); !text.empty()) facts.rows.emplace_back(key, text);
@@ -128,7 +130,7 @@ EvidencePage evidence_page(const std::filesystem::path& folder) {
                                 problem.what()));
     }
   }
-  Page& page = result.page;
+  report::Page& page = result.page;
   page.title = result.emulated ? "EMULATED lab run" : "Hardware in the loop";
   page.subtitle = devices;
   page.headlines = {
@@ -137,11 +139,11 @@ EvidencePage evidence_page(const std::filesystem::path& folder) {
   if (result.emulated) {
     Section warning;
     warning.title = "Emulated";
-    warning.blocks.emplace_back(
-        TextBlock{"Every number here comes from an emulator or a simulation, which encodes how we read a protocol and "
-                  "how we think "
-                  "a device behaves. None of it says anything about a real device.",
-                  Tone::warning});
+    warning.blocks.emplace_back(report::TextBlock{
+        "Every number here comes from an emulator or a simulation, which encodes how we read a protocol and "
+        "how we think "
+        "a device behaves. None of it says anything about a real device.",
+        Tone::warning});
     page.sections.insert(page.sections.begin(), std::move(warning));
   }
   return result;

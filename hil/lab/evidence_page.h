@@ -3,7 +3,6 @@
 
 #include <filesystem>
 
-#include "harness/base/rooms.h"
 #include "harness/report/page.h"
 
 namespace touchstone::hil {

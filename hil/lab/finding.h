@@ -7,7 +7,6 @@
 #include <string>
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "hil/lab/servo_loop.h"
 
 namespace touchstone::hil {

@@ -6,7 +6,6 @@
 #include <functional>
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "hil/lab/finding.h"
 #include "hil/lab/servo_loop.h"
 

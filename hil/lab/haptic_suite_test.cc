@@ -21,10 +21,6 @@
 #include "synthetic/generators.h"
 
 namespace touchstone::hil {
-using namespace baseline;
-using namespace rendering;
-using namespace renderers;
-using namespace surface;
 namespace {
 
 class Haptic : public ::testing::TestWithParam<const char*> {};
@@ -83,18 +79,18 @@ TEST_P(Haptic, GoldenReplay) {
   LabStation station(GetParam(), found, true, true);  // forks: before the renderer's threads
   const char* const source = std::getenv("TOUCHSTONE_SOURCE_DIR");
   ASSERT_NE(source, nullptr) << "TOUCHSTONE_SOURCE_DIR says where the folder golden is (ctest sets it)";
-  const auto golden = load_case(std::filesystem::path(source) / "golden" / "bowl-push");
+  const auto golden = baseline::load_case(std::filesystem::path(source) / "golden" / "bowl-push");
   const std::string model = "god-object";
   ASSERT_EQ(golden.models.count(model), 1U);
-  const auto expected = load_rendered(golden.expected(model));
+  const auto expected = recording::load_rendered(golden.expected(model));
   const auto trajectory = pipeline::case_trajectory(synthetic::built_in_generators(), golden);
   ASSERT_EQ(trajectory.size(), expected.size());
   const auto renderer =
-      make_renderer(parse_model(golden.models.at(model), "case.json"),
-                    make_embree_surface(pipeline::case_mesh(synthetic::built_in_generators(), golden)));
+      renderers::make_renderer(rendering::parse_model(golden.models.at(model), "case.json"),
+                               make_embree_surface(pipeline::case_mesh(synthetic::built_in_generators(), golden)));
   renderer->reset();
   const auto render = [&](std::size_t i) -> Vec3 {
-    TipState tip;
+    rendering::TipState tip;
     tip.t_s = trajectory.motion.t_s[i];
     tip.p_W_m = trajectory.motion.p_W_m[i];
     if (!trajectory.motion.q_WS.empty()) tip.q_WS = trajectory.motion.q_WS[i];

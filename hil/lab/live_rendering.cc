@@ -15,7 +15,7 @@
 namespace touchstone::hil {
 namespace {
 
-LiveFigures figures_of(const LiveRun& run, const RenderedTrajectory& replayed) {
+LiveFigures figures_of(const LiveRun& run, const recording::RenderedTrajectory& replayed) {
   LiveFigures figures;
   for (std::size_t i = 0; i < run.ticks.size(); ++i) {
     const LiveTick& tick = run.ticks[i];
@@ -65,8 +65,8 @@ LiveRun run_renderer(GuardedDevice& device, const LiveOptions& options, DeadMan*
   return run;
 }
 
-Recording recording_of(const LiveRun& run) {
-  Recording recording;
+recording::Recording recording_of(const LiveRun& run) {
+  recording::Recording recording;
   recording.source = "live";
   for (const LiveTick& tick : run.ticks) {
     recording.motion.t_s.push_back(tick.t_s);
@@ -81,7 +81,7 @@ LiveRendering compare_with_replay(LiveRun run, rendering::Renderer& twin, Trip t
   live.run = std::move(run);
   live.tripped = tripped;
   live.recording = recording_of(live.run);
-  InTrajectory path;
+  recording::InTrajectory path;
   path.motion = live.recording.motion;
   live.replayed = rendering::replay(twin, path);
   live.figures = figures_of(live.run, live.replayed);

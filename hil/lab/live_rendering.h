@@ -37,8 +37,8 @@ struct LiveFigures {
 
 struct LiveRendering {
   LiveRun run;
-  Recording recording;          // where the handle was, and the force that the guard let pass
-  RenderedTrajectory replayed;  // by the twin, over the same path
+  recording::Recording recording;          // where the handle was, and the force that the guard let pass
+  recording::RenderedTrajectory replayed;  // by the twin, over the same path
   LiveFigures figures;
   Trip tripped = Trip::none;  // why the guard let go, if it did
 
@@ -52,7 +52,7 @@ struct LiveRendering {
 
 // Where the handle was, and the force that the guard let pass. To be saved before anything else: the twin is a renderer
 // of others, whose end must not take the recording with it.
-[[nodiscard]] Recording recording_of(const LiveRun& run);
+[[nodiscard]] recording::Recording recording_of(const LiveRun& run);
 
 // Replays the run by `twin`, made like the renderer that ran. Throws BadData if the twin cannot render the path.
 [[nodiscard]] LiveRendering compare_with_replay(LiveRun run, rendering::Renderer& twin, Trip tripped);

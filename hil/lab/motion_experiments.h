@@ -2,7 +2,6 @@
 // runs.
 #pragma once
 
-#include "harness/base/rooms.h"
 #include "hil/lab/finding.h"
 #include "hil/lab/servo_loop.h"
 

@@ -142,7 +142,7 @@ TEST(Probe, NetworkSensorPresentWrongSerialAndExpired) {
   d.udp_port = emulator.address().udp_port;
   d.calibration_file = file;
   d.calibration_sha256 = sha256_file(file);
-  d.calibration_expires = CalendarDay{2999, 1, 1};
+  d.calibration_expires = recording::CalendarDay{2999, 1, 1};
   const auto status = [&] {
     map.devices = {d};
     return probe_one("ati-netft", map).status;
@@ -151,7 +151,7 @@ TEST(Probe, NetworkSensorPresentWrongSerialAndExpired) {
   d.serial = "FT99999";
   EXPECT_EQ(status(), DeviceStatus::wrong_serial);
   d.serial = "FT27462";
-  d.calibration_expires = CalendarDay{2020, 1, 1};
+  d.calibration_expires = recording::CalendarDay{2020, 1, 1};
   EXPECT_EQ(status(), DeviceStatus::calibration_expired);
   d.calibration_expires.reset();
   d.calibration_sha256 = std::string(64, '0');

@@ -7,7 +7,6 @@
 #include <string>
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "hil/safety/dead_man.h"
 #include "hil/safety/force_supervisor.h"
 

@@ -9,7 +9,6 @@
 #include <memory>
 #include <string>
 
-#include "harness/base/rooms.h"
 #include "hil/devices/device_lock.h"
 #include "hil/devices/hardware_map.h"
 #include "hil/emulators/simulated_bench.h"

@@ -16,7 +16,6 @@
 #include "hil/lab/suite.h"
 
 namespace touchstone::hil {
-using namespace acquisition;
 namespace {
 
 constexpr double gravity_m_per_s2 = 9.80665;
@@ -123,7 +122,7 @@ TEST_P(WrenchSensor, GravityOverOrientations) {
   TOUCHSTONE_JUDGE(found);
   open(found);
   constexpr double emulated_mass_kg = 0.05;
-  std::vector<StaticPose> poses;
+  std::vector<acquisition::StaticPose> poses;
   std::vector<std::string> names;
   for (const int sign : {1, -1}) {
     for (int axis = 2; axis >= 0; --axis) {

@@ -7,7 +7,6 @@
 #include <string>
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "hil/devices/hardware_map.h"
 #include "hil/record/multi_session.h"
 #include "hil/record/open_stream.h"

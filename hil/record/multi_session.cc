@@ -147,7 +147,7 @@ class Lane {
   mutable std::mutex mutex_;  // of all below
   std::string failure_;
   StreamCounters counters_;
-  EnvelopeClock envelope_;
+  recording::EnvelopeClock envelope_;
   std::uint64_t last_number_ = 0, window_ = 0, before_ = 0;
   double first_arrival_s_ = 0.0, last_arrival_s_ = 0.0, last_came_s_ = 0.0;
   double window_began_s_ = 0.0, before_s_ = 0.0;

@@ -8,7 +8,6 @@
 #include <string>
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "hil/record/raw_recorder.h"
 #include "hil/record/stream.h"
 

@@ -3,7 +3,6 @@
 
 #include <memory>
 
-#include "harness/base/rooms.h"
 #include "hil/devices/hardware_map.h"
 #include "hil/drivers/open_mapped.h"
 #include "hil/record/stream.h"

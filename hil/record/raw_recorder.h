@@ -11,7 +11,6 @@
 #include <thread>
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "hil/record/raw_recording.h"
 
 namespace touchstone::hil {

@@ -18,6 +18,8 @@
 #include "harness/base/json_reader.h"
 
 namespace touchstone::hil {
+using raw_format::block_header_bytes;
+using raw_format::file_magic_bytes;
 
 static_assert(std::endian::native == std::endian::little, "raw recordings are little-endian");
 
@@ -184,7 +186,8 @@ class RawFile {
 std::pair<RawHeader, std::uint64_t> header_of(RawFile& file, const std::filesystem::path& path) {
   using namespace raw_format;
   auto start = file.read_at(0, file_magic_bytes + 4);
-  if (start.size() < file_magic_bytes + 4 || start.compare(0, file_magic_bytes, file_magic, file_magic_bytes) != 0) {
+  if (start.size() < file_magic_bytes + 4 ||
+      start.compare(0, file_magic_bytes, raw_format::file_magic, file_magic_bytes) != 0) {
     throw BadData(
         fmt::format("{}: is not a raw recording of touchstone hil record; give a .tsraw file, or the folder of a run",
                     path.string()));
@@ -228,9 +231,9 @@ RecoveryReport read_raw(const std::filesystem::path& path, const std::function<v
       const auto count = get<std::uint32_t>(at);
       const auto first = get<std::uint64_t>(at);
       const auto sum = get<std::uint64_t>(at);
-      if (magic == block_magic && count > 0 && count <= most_samples) {
+      if (magic == raw_format::block_magic && count > 0 && count <= raw_format::most_samples) {
         const auto samples = file.read_at(offset + block_header_bytes, std::uint64_t{count} * each);
-        const auto again = samples.size() == count * each ? block(samples, count, first) : std::string();
+        const auto again = samples.size() == count * each ? raw_format::block(samples, count, first) : std::string();
         sound = !again.empty() && again.compare(block_header_bytes - 8, 8, head, block_header_bytes - 8, 8) == 0 &&
                 sum != 0;
         if (sound) {

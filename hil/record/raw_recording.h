@@ -13,7 +13,6 @@
 #include <string>
 #include <string_view>
 
-#include "harness/base/rooms.h"
 #include "hil/devices/interfaces.h"
 
 namespace touchstone::hil {

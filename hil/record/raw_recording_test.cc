@@ -28,7 +28,7 @@ RawSample sample_of(std::uint64_t i) {
   s.wrench.t_s = 100.0 + static_cast<double>(i) / 5000.0;
   s.wrench.sequence = i;
   s.wrench.wrench.f_N = Vec3(std::sin(0.001 * static_cast<double>(i)), -1, static_cast<double>(i));
-  s.wrench.flags = i % 1000 == 0 ? sample_saturated : sample_ok;
+  s.wrench.flags = i % 1000 == 0 ? recording::sample_saturated : recording::sample_ok;
   s.p_W_m = Vec3(0.001 * static_cast<double>(i), 2, 3);
   return s;
 }

@@ -7,7 +7,6 @@
 #include <string>
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "hil/record/raw_recorder.h"
 
 namespace touchstone::hil {

@@ -122,7 +122,7 @@ Outcome record_two(const TwoDevices& plan, double seconds) {
   Outcome outcome;
   outcome.report = record_streams(std::move(streams), folder, options, [] { return false; });
   for (int which = 0; which < 2; ++which) {
-    DriftingClock clock;
+    recording::DriftingClock clock;
     std::uint64_t first = 0, last = 0, n = 0;
     read_raw(folder / (which == 0 ? "force.tsraw" : "tracker.tsraw"), [&](const RawSample& s) {
       clock.add(which == 0 ? s.wrench.sequence : s.ticks, s.wrench.t_s);

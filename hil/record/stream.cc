@@ -107,7 +107,7 @@ class HapticStream final : public Stream {
     sample.wrench.t_s = state.t_s;
     sample.wrench.sequence = sequence_;
     sample.wrench.device_status = state.buttons;
-    sample.wrench.flags = after_gap_ ? sample_after_gap : sample_ok;
+    sample.wrench.flags = after_gap_ ? recording::sample_after_gap : recording::sample_ok;
     sample.p_W_m = state.p_W_m;
     sequence_ += steps;
     after_gap_ = steps > 1;

@@ -5,7 +5,6 @@
 #include <span>
 #include <string>
 
-#include "harness/base/rooms.h"
 #include "hil/devices/interfaces.h"
 #include "hil/record/raw_recording.h"
 

@@ -24,7 +24,7 @@ std::uint64_t number_of(const RawSample& sample, const RawHeader& header) {
 
 // What the first pass over the files finds.
 struct Read {
-  DriftingClock::Axis axis;
+  recording::DriftingClock::Axis axis;
   ExportReport report;
 
   [[nodiscard]] double time_of(const RawSample& sample) const {
@@ -35,7 +35,7 @@ struct Read {
 Read read_stream(const Files& files) {
   Read read;
   ExportReport& report = read.report;
-  DriftingClock clock;
+  recording::DriftingClock clock;
   std::uint64_t first_sequence = 0, last_sequence = 0, last_number = 0;
   for (const auto& file : files) {
     const RawHeader header = read_raw_header(file);
@@ -103,7 +103,7 @@ void write_row(std::FILE* out, double t_s, const RawSample& s, StreamKind kind) 
   }
   fmt::print(out, "{:.9f},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{},{}\n", t_s, s.p_W_m.x(), s.p_W_m.y(),
              s.p_W_m.z(), s.q_WB.w(), s.q_WB.x(), s.q_WB.y(), s.q_WB.z(),
-             (s.wrench.flags & sample_not_tracked) != 0 ? 0 : 1, s.wrench.device_status);
+             (s.wrench.flags & recording::sample_not_tracked) != 0 ? 0 : 1, s.wrench.device_status);
 }
 
 void write_table(const Files& files, const std::filesystem::path& csv, double origin_s, Read& read) {

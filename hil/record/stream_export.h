@@ -8,7 +8,6 @@
 #include <string>
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "harness/recording/drifting_clock.h"
 #include "hil/record/stream.h"
 

@@ -8,7 +8,6 @@
 #include <memory>
 #include <string>
 
-#include "harness/base/rooms.h"
 #include "hil/devices/interfaces.h"
 
 namespace touchstone::hil {

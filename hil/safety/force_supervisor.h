@@ -9,7 +9,6 @@
 #include <limits>
 #include <string_view>
 
-#include "harness/base/rooms.h"
 #include "hil/devices/interfaces.h"
 
 namespace touchstone::hil {

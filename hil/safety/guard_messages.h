@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <string_view>
 
-#include "harness/base/rooms.h"
 #include "hil/devices/interfaces.h"
 #include "hil/safety/force_supervisor.h"
 

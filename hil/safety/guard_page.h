@@ -8,7 +8,6 @@
 #include <string>
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "hil/safety/force_supervisor.h"
 
 namespace touchstone::hil {

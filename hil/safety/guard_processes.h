@@ -10,7 +10,6 @@
 #include <functional>
 #include <memory>
 
-#include "harness/base/rooms.h"
 #include "hil/safety/guardian.h"
 
 namespace touchstone::hil {

@@ -2,7 +2,6 @@
 // table (guard_fault_table_test.cc), and check a model that is built on it exhaustively (guard_transitions_test.cc).
 #pragma once
 
-#include "harness/base/rooms.h"
 #include "hil/safety/guard_page.h"
 
 namespace touchstone::hil {

@@ -28,7 +28,6 @@
 #include <string>
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "hil/devices/interfaces.h"
 #include "hil/safety/guard_page.h"
 

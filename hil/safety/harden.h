@@ -4,8 +4,6 @@
 
 #include <string>
 
-#include "harness/base/rooms.h"
-
 namespace touchstone::hil {
 
 enum class LockedMemory { present, also_future };  // also_future: only for processes that allocate nothing

@@ -7,7 +7,6 @@
 
 #include <sys/types.h>
 
-#include "harness/base/rooms.h"
 #include "hil/safety/guard_processes.h"
 
 namespace touchstone::hil {

@@ -3,8 +3,6 @@
 
 #include <csignal>
 
-#include "harness/base/rooms.h"
-
 namespace touchstone::hil {
 
 // Blocks SIGINT, SIGTERM and SIGHUP for the calling thread and those it starts later; restores them when it goes.

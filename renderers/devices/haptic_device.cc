@@ -8,6 +8,10 @@
 #include "harness/base/error.h"
 
 namespace touchstone::renderers {
+using rendering::Renderer;
+using rendering::StepResult;
+using rendering::TipState;
+
 namespace {
 
 class HapticDevice final : public Renderer {
@@ -34,7 +38,7 @@ class HapticDevice final : public Renderer {
     TipState seen = tip;
     seen.p_W_m = resolved(tip.p_W_m);
     held_ = rendering_->step(seen);
-    if (held_.status == StepStatus::failed) return;
+    if (held_.status == rendering::StepStatus::failed) return;
     double magnitude = held_.f_W_N.norm();
     double most = magnitude;
     if (limits_.stiffness_limit_N_per_m > 0.0) most = std::min(most, limits_.stiffness_limit_N_per_m * held_.depth_m);
@@ -49,7 +53,7 @@ class HapticDevice final : public Renderer {
       run_servo(tip);
       servo_t_s_ = tip.t_s;
     }
-    if (held_.status == StepStatus::failed) return held_;
+    if (held_.status == rendering::StepStatus::failed) return held_;
     if (limits_.time_constant_s > 0.0 && started_) {
       felt_W_N_ += (1.0 - std::exp(-dt_s / limits_.time_constant_s)) * (commanded_W_N_ - felt_W_N_);
     } else {
@@ -77,8 +81,8 @@ class HapticDevice final : public Renderer {
 
 }  // namespace
 
-const NamedDeclaration& haptic_device_declaration() {
-  static const NamedDeclaration declaration{
+const rendering::NamedDeclaration& haptic_device_declaration() {
+  static const rendering::NamedDeclaration declaration{
       "haptic-device",
       "what a device makes of a rendering: servo period, resolution, stiffness and force limits, first-order dynamics",
       {{"servo_period_s", "s", 0.0, 1.0, 0.0, "the renderer runs once per period; 0: at every step"},
@@ -89,8 +93,10 @@ const NamedDeclaration& haptic_device_declaration() {
   return declaration;
 }
 
-std::optional<DeviceLimits> take_haptic_device(Model& model) {
-  const auto is_device = [](const NamedParameters& effect) { return effect.name == haptic_device_declaration().name; };
+std::optional<DeviceLimits> take_haptic_device(rendering::Model& model) {
+  const auto is_device = [](const rendering::NamedParameters& effect) {
+    return effect.name == haptic_device_declaration().name;
+  };
   const auto found = std::find_if(model.effects.begin(), model.effects.end(), is_device);
   if (found == model.effects.end()) return std::nullopt;
   const auto second = std::find_if(found + 1, model.effects.end(), is_device);
@@ -98,8 +104,8 @@ std::optional<DeviceLimits> take_haptic_device(Model& model) {
     throw BadData(
         fmt::format("{}: {}: a second haptic-device; a rendering is felt through one", model.source, second->place));
   }
-  const Parameters p(haptic_device_declaration().parameters, found->parameters, "effect haptic-device", model.source,
-                     found->place);
+  const rendering::Parameters p(haptic_device_declaration().parameters, found->parameters, "effect haptic-device",
+                                model.source, found->place);
   model.effects.erase(found);
   return DeviceLimits{p.at("servo_period_s"), p.at("resolution_m"), p.at("stiffness_limit_N_per_m"),
                       p.at("force_limit_N"), p.at("time_constant_s")};

@@ -15,7 +15,6 @@
 #include <memory>
 #include <optional>
 
-#include "harness/base/rooms.h"
 #include "harness/rendering/model.h"
 #include "harness/rendering/parameters.h"
 #include "harness/rendering/renderer.h"
@@ -30,12 +29,13 @@ struct DeviceLimits {
   double time_constant_s = 0.0;
 };
 
-const NamedDeclaration& haptic_device_declaration();
+const rendering::NamedDeclaration& haptic_device_declaration();
 
 // Takes the entry "haptic-device" out of the model's effects. Nothing where there is none; throws BadData for two of
 // them or parameters that are wrong.
-std::optional<DeviceLimits> take_haptic_device(Model& model);
+std::optional<DeviceLimits> take_haptic_device(rendering::Model& model);
 
-std::unique_ptr<Renderer> make_haptic_device(std::unique_ptr<Renderer> rendering, const DeviceLimits& limits);
+std::unique_ptr<rendering::Renderer> make_haptic_device(std::unique_ptr<rendering::Renderer> rendering,
+                                                        const DeviceLimits& limits);
 
 }  // namespace touchstone::renderers

@@ -7,16 +7,15 @@
 #include <memory>
 #include <span>
 
-#include "harness/base/rooms.h"
 #include "harness/rendering/effect.h"
 #include "harness/rendering/effect_traits.h"
 
 namespace touchstone::renderers {
 
 // Values: force_N, range_m. Needs gaps outside contact.
-std::unique_ptr<Effect> make_adhesion(std::span<const double> values);
+std::unique_ptr<rendering::Effect> make_adhesion(std::span<const double> values);
 
 // What the search for missing effects is to know of them.
-EffectTraits adhesion_traits();
+rendering::EffectTraits adhesion_traits();
 
 }  // namespace touchstone::renderers

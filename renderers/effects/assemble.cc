@@ -15,6 +15,11 @@
 #include "renderers/effects/height_image.h"
 
 namespace touchstone::renderers {
+using rendering::Model;
+using rendering::NamedParameters;
+using rendering::ParameterDeclaration;
+using rendering::StackedEffect;
+
 namespace {
 
 const EffectEntry& entry_of(const NamedParameters& effect, const Model& model) {
@@ -65,8 +70,10 @@ void check_coefficients(const NamedParameters& effect, const EffectEntry& entry,
 
 std::vector<double> checked_values(const NamedParameters& entry, const std::vector<ParameterDeclaration>& declared,
                                    std::string_view what, std::string_view source) {
-  const Parameters parameters(declared, entry.parameters, fmt::format("{} {}", what, entry.name), source, entry.place);
-  if (is_field(declared)) check_field(entry.parameters, fmt::format("{}: {}/parameters", source, entry.place));
+  const rendering::Parameters parameters(declared, entry.parameters, fmt::format("{} {}", what, entry.name), source,
+                                         entry.place);
+  if (is_field(declared))
+    rendering::check_field(entry.parameters, fmt::format("{}: {}/parameters", source, entry.place));
   std::vector<double> values;
   values.reserve(declared.size());
   for (const ParameterDeclaration& declaration : declared) values.push_back(parameters.at(declaration.name));

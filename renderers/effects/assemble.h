@@ -5,7 +5,6 @@
 #include <span>
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "harness/rendering/effect_stack.h"
 #include "harness/rendering/model.h"
 #include "harness/rendering/parameters.h"
@@ -13,14 +12,16 @@
 namespace touchstone::renderers {
 
 // The checked values of an entry in the order of its declaration. Throws BadData with the place in the model file.
-std::vector<double> checked_values(const NamedParameters& entry, const std::vector<ParameterDeclaration>& declared,
-                                   std::string_view what, std::string_view source);
+std::vector<double> checked_values(const rendering::NamedParameters& entry,
+                                   const std::vector<rendering::ParameterDeclaration>& declared, std::string_view what,
+                                   std::string_view source);
 
 // The model's effects, made and checked; those that the base renderer runs itself are left out. Throws BadData.
-std::vector<StackedEffect> make_effects(const Model& model);
+std::vector<rendering::StackedEffect> make_effects(const rendering::Model& model);
 
 // The base renderer's parameters with those that effects set in it (tip-radius adds to tip_radius_m).
 // `declared`: what the base renderer declares; throws BadData when it has no such parameter.
-std::map<std::string, double> base_parameters(const Model& model, const std::vector<ParameterDeclaration>& declared);
+std::map<std::string, double> base_parameters(const rendering::Model& model,
+                                              const std::vector<rendering::ParameterDeclaration>& declared);
 
 }  // namespace touchstone::renderers

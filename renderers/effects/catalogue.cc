@@ -14,6 +14,10 @@
 #include "renderers/effects/viscous_friction.h"
 
 namespace touchstone::renderers {
+using rendering::EffectPhase;
+using rendering::EffectTraits;
+using rendering::ParameterDeclaration;
+
 namespace {
 
 ParameterDeclaration mu(std::string name, std::string meaning) {
@@ -39,10 +43,10 @@ EffectTraits tip_radius_traits() {
   EffectTraits traits;
   traits.moves_contact = true;
   traits.along_surface = true;
-  traits.plan = [](const RecordingScales& scales) {
+  traits.plan = [](const rendering::RecordingScales& scales) {
     constexpr double largest = 0.25;
     const double extent_m = scales.extent_m();
-    SearchPlan plan{{{"radius_m", 1.0, 1e-3 * extent_m, largest * extent_m, true}}, {}};
+    rendering::SearchPlan plan{{{"radius_m", 1.0, 1e-3 * extent_m, largest * extent_m, true}}, {}};
     for (const double share : {0.02, 0.06}) plan.starts.push_back({{"radius_m", share * extent_m}});
     if (scales.surface_is_elsewhere()) {  // as for a registration
       for (const double share : {0.7, 1.5}) plan.starts.push_back({{"radius_m", share * scales.depth_m}});
@@ -204,14 +208,14 @@ std::vector<EffectEntry> field_laws() {
             "a spring at each place; NOT passive sideways: deep from soft to stiff gains, by the law's lack of a side "
             "force",
             Phase::stiffness, false,
-            field_parameters("1", 3.0, "of f, the logarithm of the stiffness over the renderer's"),
+            rendering::field_parameters("1", 3.0, "of f, the logarithm of the stiffness over the renderer's"),
             &make_stiffness_field, ""}),
       with(friction_field_traits(),
            {"friction-field",
             "friction that differs smoothly over the surface: exp(f(x, y)) times that of the effects before it",
             "tensor-product B-splines: de Boor 1978; Eilers and Marx 1996",
             "a positive multiple of a force that opposes motion", Phase::friction, false,
-            field_parameters("1", 3.0, "of f, the logarithm of friction over that of the effects before it"),
+            rendering::field_parameters("1", 3.0, "of f, the logarithm of friction over that of the effects before it"),
             &make_friction_field, ""}),
   };
 }

@@ -9,7 +9,6 @@
 #include <string_view>
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "harness/rendering/effect.h"
 #include "harness/rendering/effect_traits.h"
 #include "harness/rendering/renderer.h"
@@ -21,16 +20,16 @@ struct EffectEntry {
   std::string_view summary;
   std::string_view source;     // where the law is published
   std::string_view passivity;  // why it gives no energy to the hand, or that it may
-  EffectPhase phase;
+  rendering::EffectPhase phase;
   bool needs_gap;
-  std::vector<ParameterDeclaration> parameters;
+  std::vector<rendering::ParameterDeclaration> parameters;
   // Values in the order of `parameters`, already checked. Null for an effect that the base renderer itself runs by one
   // of its own parameters (tip-radius).
-  std::unique_ptr<Effect> (*make)(std::span<const double> values);
+  std::unique_ptr<rendering::Effect> (*make)(std::span<const double> values);
   std::string_view base_parameter;  // that parameter; empty otherwise
   bool hypothesis = true;           // NamedDeclaration::hypothesis
   bool takes_image = false;         // a picture (NamedParameters::image) and values: made by height_image.h
-  EffectTraits traits = {};
+  rendering::EffectTraits traits = {};
 };
 
 const std::vector<EffectEntry>& contact_effects();

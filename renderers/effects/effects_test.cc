@@ -14,13 +14,16 @@
 #include "synthetic/surfaces/sphere.h"
 
 namespace touchstone::renderers {
+using rendering::Model;
+using rendering::StepResult;
+
 namespace {
 
 constexpr double k = 800.0;
 
 // A square in z = 0, `half` metres to each side.
-std::shared_ptr<const Surface> square(double half) {
-  TriangleMesh mesh;
+std::shared_ptr<const surface::Surface> square(double half) {
+  surface::TriangleMesh mesh;
   mesh.vertices_W_m = {{-half, -half, 0}, {half, -half, 0}, {half, half, 0}, {-half, half, 0}};
   mesh.triangles = {{0, 1, 2}, {0, 2, 3}};
   mesh.source = "square";
@@ -43,7 +46,7 @@ std::vector<StepResult> run(const Model& model, const std::vector<Vec3>& path, d
   std::vector<StepResult> results;
   for (std::size_t i = 0; i < path.size(); ++i) {
     results.push_back(renderer->step({static_cast<double>(i) * dt, path[i], Quat::Identity()}));
-    EXPECT_EQ(results.back().status, StepStatus::ok);
+    EXPECT_EQ(results.back().status, rendering::StepStatus::ok);
   }
   return results;
 }

@@ -17,6 +17,9 @@
 #include "renderers/effects/catalogue.h"
 
 namespace touchstone::renderers {
+using rendering::Model;
+using rendering::TipState;
+
 namespace {
 
 // Parameters at which each effect is strong, for an object of one metre and forces of newtons.
@@ -49,7 +52,7 @@ std::map<std::string, double> strong(const std::string& name, double scale) {
                                          {"x_high_m", 0.04 * scale}, {"y_high_m", 0.03 * scale},
                                          {"columns", 6.0},           {"rows", 5.0}};
     for (std::size_t i = 0; i < 30; ++i)
-      values[field_coefficient(i % 6, i / 6)] = 0.7 * std::sin(1.0 + 2.3 * static_cast<double>(i));
+      values[rendering::field_coefficient(i % 6, i / 6)] = 0.7 * std::sin(1.0 + 2.3 * static_cast<double>(i));
     return values;
   }
   return all.at(name);
@@ -62,8 +65,8 @@ struct Case {
 
 class EveryEffect : public ::testing::TestWithParam<Case> {
  protected:
-  static std::shared_ptr<const Surface> square(double half) {
-    TriangleMesh mesh;
+  static std::shared_ptr<const surface::Surface> square(double half) {
+    surface::TriangleMesh mesh;
     mesh.vertices_W_m = {{-half, -half, 0}, {half, -half, 0}, {half, half, 0}, {-half, half, 0}};
     mesh.triangles = {{0, 1, 2}, {0, 2, 3}};
     mesh.source = "square";
@@ -123,8 +126,8 @@ class EveryEffect : public ::testing::TestWithParam<Case> {
     renderer->reset();
     std::vector<Vec3> forces;
     for (const TipState& tip : tips) {
-      const StepResult result = renderer->step(tip);
-      EXPECT_EQ(result.status, StepStatus::ok);
+      const rendering::StepResult result = renderer->step(tip);
+      EXPECT_EQ(result.status, rendering::StepStatus::ok);
       forces.push_back(result.f_W_N);
     }
     return forces;
@@ -139,9 +142,9 @@ TEST_P(EveryEffect, RemovedGivesTheBaseBackToTheBit) {
   const auto before = forces(base, tips, GetParam().scale);
   const auto strange = forces(with, tips, GetParam().scale);
   // Through the file, as a user would remove it.
-  Model removed = parse_model(model_to_json(with), "test");
+  Model removed = rendering::parse_model(model_to_json(with), "test");
   removed.effects.clear();
-  removed = parse_model(model_to_json(removed), "test");
+  removed = rendering::parse_model(model_to_json(removed), "test");
   const auto after = forces(removed, tips, GetParam().scale);
   bool changed = false;
   for (std::size_t i = 0; i < tips.size(); ++i) {

@@ -3,6 +3,9 @@
 #include <cmath>
 
 namespace touchstone::renderers {
+using rendering::ContactState;
+using rendering::Effect;
+
 namespace {
 
 // A force of any direction, beside the law of the normal force: its part along the normal may pull.

@@ -7,7 +7,6 @@
 #include <memory>
 #include <span>
 
-#include "harness/base/rooms.h"
 #include "harness/rendering/effect.h"
 
 namespace touchstone::renderers {
@@ -16,15 +15,15 @@ namespace touchstone::renderers {
 // falls linearly to zero at the distance D; k is the renderer's stiffness. Inside, with `inside` 1, it pushes out by
 // the same law of the depth, on top of the contact. A potential in the gap. Values: force_N, distance_m, inside. Needs
 // gaps outside contact. (A step from one side of the law to the other at g = F/k has no jump.)
-std::unique_ptr<Effect> make_magnet(std::span<const double> values);
+std::unique_ptr<rendering::Effect> make_magnet(std::span<const double> values);
 
 // A spring from the place where the tip last stuck to where it is, of any direction; beyond the largest force it slips:
 // the place is where the tip is then, and the force zero. Gives no energy: a slip loses what the spring held, and
 // leaving the surface too. Values: stiffness_N_per_m, force_N.
-std::unique_ptr<Effect> make_stick_slip(std::span<const double> values);
+std::unique_ptr<rendering::Effect> make_stick_slip(std::span<const double> values);
 
 // -b v of the tip while in contact, along the normal too (it holds a tip back that leaves). Dissipates b v^2. Values:
 // coefficient_N_s_per_m.
-std::unique_ptr<Effect> make_viscosity(std::span<const double> values);
+std::unique_ptr<rendering::Effect> make_viscosity(std::span<const double> values);
 
 }  // namespace touchstone::renderers

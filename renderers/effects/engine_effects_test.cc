@@ -16,13 +16,15 @@
 #include "renderers/hand_for_test.h"
 
 namespace touchstone::renderers {
+using rendering::StepResult;
+
 namespace {
 
 constexpr double kStiff = 800.0;
 
-std::unique_ptr<Renderer> with(const std::string& effect, std::map<std::string, double> parameters,
-                               const std::string& image = {}) {
-  Model model = model_of("god-object", {{"stiffness_N_per_m", kStiff}});
+std::unique_ptr<rendering::Renderer> with(const std::string& effect, std::map<std::string, double> parameters,
+                                          const std::string& image = {}) {
+  rendering::Model model = model_of("god-object", {{"stiffness_N_per_m", kStiff}});
   model.effects = {{effect, std::move(parameters), "/effects/0", image}};
   return make_renderer(model, make_embree_surface(testing::grid(1.0, 2)));
 }

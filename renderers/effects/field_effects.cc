@@ -6,6 +6,11 @@
 #include "renderers/effects/raised_surface.h"
 
 namespace touchstone::renderers {
+using rendering::ContactState;
+using rendering::Effect;
+using rendering::EffectTraits;
+using rendering::SmoothField;
+
 namespace {
 
 class StiffnessField final : public Effect {

@@ -10,21 +10,29 @@
 #include <utility>
 
 namespace touchstone::renderers {
+using rendering::ActsOn;
+using rendering::ContactState;
+using rendering::DeclaredEffect;
+using rendering::DeclaredFormula;
+using rendering::DeclaredState;
+using rendering::EffectPhase;
+using rendering::ParameterDeclaration;
 
 FormulaLaw::FormulaLaw(DeclaredEffect effect) : effect_(std::move(effect)) {
-  for (const DeclaredVariable& variable : variables_of(effect_.acts_on)) names_.emplace_back(variable.name);
+  for (const rendering::DeclaredVariable& variable : variables_of(effect_.acts_on)) names_.emplace_back(variable.name);
   const std::size_t first_parameter = names_.size();
   for (const ParameterDeclaration& parameter : effect_.parameters) names_.push_back(parameter.name);
   for (const DeclaredState& state : effect_.states) names_.push_back(state.name);
   values_.resize(names_.size());
   // From here on no value moves.
   parameters_ = values_.data() + first_parameter;
-  std::vector<FormulaVariable> variables;
+  std::vector<rendering::FormulaVariable> variables;
   for (std::size_t i = 0; i < names_.size(); ++i) variables.push_back({names_[i], &values_[i]});
   for (const DeclaredState& state : effect_.states)
-    states_.push_back({state.start, Formula(state.rate, variables, effect_.name), slot(state.name), 0.0, 0.0});
+    states_.push_back(
+        {state.start, rendering::Formula(state.rate, variables, effect_.name), slot(state.name), 0.0, 0.0});
   for (const DeclaredFormula& formula : effect_.formulas)
-    outputs_.push_back({formula.output, Formula(formula.text, variables, effect_.name)});
+    outputs_.push_back({formula.output, rendering::Formula(formula.text, variables, effect_.name)});
 }
 
 void FormulaLaw::set(std::span<const double> values) noexcept {
@@ -123,7 +131,7 @@ ReadyLaw::~ReadyLaw() {
 
 namespace {
 
-class FormulaEffect final : public Effect {
+class FormulaEffect final : public rendering::Effect {
  public:
   FormulaEffect(const DeclaredEffect& effect, std::span<const double> values)
       : acts_on_(effect.acts_on), law_(effect, values), along_(law_->has("along_N")) {}
@@ -224,7 +232,7 @@ EffectPhase phase_of(ActsOn acts_on) {
 
 }  // namespace
 
-StackedEffect make_formula_effect(const DeclaredEffect& effect, std::span<const double> values) {
+rendering::StackedEffect make_formula_effect(const DeclaredEffect& effect, std::span<const double> values) {
   return {std::make_unique<FormulaEffect>(effect, values), phase_of(effect.acts_on), effect.acts_on == ActsOn::depth};
 }
 

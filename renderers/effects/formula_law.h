@@ -8,7 +8,6 @@
 #include <string_view>
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "harness/base/vec.h"
 #include "harness/rendering/declared_effect.h"
 #include "harness/rendering/effect.h"
@@ -20,14 +19,14 @@ namespace touchstone::renderers {
 // Stays where it was made: its formulas look their variables up in it.
 class FormulaLaw {
  public:
-  explicit FormulaLaw(DeclaredEffect effect);
+  explicit FormulaLaw(rendering::DeclaredEffect effect);
   FormulaLaw(const FormulaLaw&) = delete;
   FormulaLaw& operator=(const FormulaLaw&) = delete;
 
   // `values`: of the parameters, in their order, already checked. States at their start.
   void set(std::span<const double> values) noexcept;
   // Whether this is the law of `effect`: the same names, starts and formulas.
-  [[nodiscard]] bool is_of(const DeclaredEffect& effect) const noexcept;
+  [[nodiscard]] bool is_of(const rendering::DeclaredEffect& effect) const noexcept;
 
   // Where a variable's value is to be put before anything is evaluated. One that the law does not have throws
   // logic_error.
@@ -45,16 +44,16 @@ class FormulaLaw {
  private:
   struct State {
     double start;
-    Formula rate;
+    rendering::Formula rate;
     double* value;
     double rate_now;
     double slope_now;  // of the rate over the state
   };
   struct Output {
     std::string_view name;
-    Formula formula;
+    rendering::Formula formula;
   };
-  DeclaredEffect effect_;
+  rendering::DeclaredEffect effect_;
   std::vector<std::string> names_;
   std::vector<double> values_;
   double* parameters_ = nullptr;
@@ -66,7 +65,7 @@ class FormulaLaw {
 // takes longer than a run over a short recording, and a search runs a law thousands of times.
 class ReadyLaw {
  public:
-  ReadyLaw(const DeclaredEffect& effect, std::span<const double> values);
+  ReadyLaw(const rendering::DeclaredEffect& effect, std::span<const double> values);
   ReadyLaw(const ReadyLaw&) = delete;
   ReadyLaw& operator=(const ReadyLaw&) = delete;
   ~ReadyLaw();
@@ -79,6 +78,6 @@ class ReadyLaw {
   std::unique_ptr<FormulaLaw> law_;
 };
 
-StackedEffect make_formula_effect(const DeclaredEffect& effect, std::span<const double> values);
+rendering::StackedEffect make_formula_effect(const rendering::DeclaredEffect& effect, std::span<const double> values);
 
 }  // namespace touchstone::renderers

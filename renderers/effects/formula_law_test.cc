@@ -17,13 +17,16 @@
 #include "renderers/model_predictor.h"
 
 namespace touchstone::renderers {
+using rendering::DeclaredEffect;
+using rendering::Model;
+
 namespace {
 
 using ::testing::AllOf;
 using ::testing::HasSubstr;
 
-std::shared_ptr<const Surface> plate() {
-  TriangleMesh mesh;
+std::shared_ptr<const surface::Surface> plate() {
+  surface::TriangleMesh mesh;
   mesh.vertices_W_m = {{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}};
   mesh.triangles = {{0, 1, 2}, {0, 2, 3}};
   mesh.source = "plate";
@@ -37,7 +40,7 @@ Model declared(const std::string& acts_on, const std::string& body, std::map<std
   model.renderer = "god-object";
   model.parameters["stiffness_N_per_m"] = 800.0;
   model.source = "m.json";
-  auto law = std::make_shared<const DeclaredEffect>(parse_effect(
+  auto law = std::make_shared<const DeclaredEffect>(rendering::parse_effect(
       R"J({"schema": "touchstone-effect/1", "name": "mine", "summary": "s", "source": "s", "acts_on": ")J" + acts_on +
           "\", " + body + "}",
       "mine.json"));
@@ -107,7 +110,7 @@ TEST(FormulaEffect, DepthActsAcrossTheGap) {
                               {{"h", 0.001}});
   const auto renderer = make_renderer(model, plate());
   renderer->reset();
-  const StepResult step = renderer->step({0.0, {0.0, 0.0, 0.0004}, Quat::Identity()});
+  const rendering::StepResult step = renderer->step({0.0, {0.0, 0.0, 0.0004}, Quat::Identity()});
   EXPECT_TRUE(step.contact);
   EXPECT_NEAR(step.f_W_N.z(), 800.0 * 0.0006, 1e-9);
 }
@@ -156,11 +159,11 @@ TEST(FormulaEffect, ALawThatRanBeforeAnswersAsOneReadAnew) {
   for (std::size_t i = 0; i < anew.size(); ++i) ASSERT_EQ(again[i], anew[i]) << i;
   // One that outlives what its thread keeps.
   std::thread([&] {
-    static thread_local std::unique_ptr<Renderer> late;
+    static thread_local std::unique_ptr<rendering::Renderer> late;
     late = make_renderer(other, plate());
   }).join();
   // One that ends in another thread.
-  std::unique_ptr<Renderer> made_elsewhere;
+  std::unique_ptr<rendering::Renderer> made_elsewhere;
   std::thread([&] { made_elsewhere = make_renderer(other, plate()); }).join();
   made_elsewhere.reset();
   // Two that run at once are two.
@@ -169,7 +172,7 @@ TEST(FormulaEffect, ALawThatRanBeforeAnswersAsOneReadAnew) {
   one->reset();
   two->reset();
   for (std::size_t i = 0; i < motion.size(); ++i) {
-    const TipState probe{motion.t_s[i], motion.p_W_m[i], Quat::Identity()};
+    const rendering::TipState probe{motion.t_s[i], motion.p_W_m[i], Quat::Identity()};
     two->step(probe);
     ASSERT_EQ(one->step(probe).f_W_N, anew[i]) << i;
   }
@@ -202,11 +205,11 @@ TEST(FormulaInstrument, AddsToTheReadingInItsFrame) {
   for (const bool sensor : {true, false}) {
     const Model model = declared(sensor ? "sensor" : "tool", body, {{"a", 0.5}, {"f", 50.0}}, true);
     const auto predictor = make_model_predictor(plate(), motion);
-    const Prediction with = predictor->predict(model);
+    const rendering::Prediction with = predictor->predict(model);
     Model without = model;
     without.instrument.clear();
-    const Prediction base = predictor->predict(without);
-    const MeasuredRenderer measured = make_measured_renderer(model, plate());
+    const rendering::Prediction base = predictor->predict(without);
+    const rendering::MeasuredRenderer measured = make_measured_renderer(model, plate());
     std::vector<Vec3> applied = base.f_W_N;
     measured.apply({motion.t_s, motion.p_W_m, motion.q_WS}, applied);
     for (std::size_t i = 0; i < motion.size(); ++i) {

@@ -9,6 +9,13 @@
 #include "harness/base/error.h"
 
 namespace touchstone::renderers {
+using rendering::ContactState;
+using rendering::Effect;
+using rendering::EffectTraits;
+using rendering::RecordingScales;
+using rendering::SearchedParameter;
+using rendering::SearchPlan;
+
 namespace {
 
 // The bristle: where it is deflected to, and whether the tip slides.

@@ -19,7 +19,6 @@
 #include <span>
 #include <string>
 
-#include "harness/base/rooms.h"
 #include "harness/rendering/effect.h"
 #include "harness/rendering/effect_traits.h"
 
@@ -30,15 +29,15 @@ namespace touchstone::renderers {
 void check_coefficients(double mu_static, double mu_dynamic, const std::string& place);
 
 // Values: mu_static, mu_dynamic, presliding_m.
-std::unique_ptr<Effect> make_coulomb_friction(std::span<const double> values);
+std::unique_ptr<rendering::Effect> make_coulomb_friction(std::span<const double> values);
 // Values: mu_static, mu_dynamic, stribeck_velocity_m_per_s, presliding_m.
-std::unique_ptr<Effect> make_stribeck_friction(std::span<const double> values);
+std::unique_ptr<rendering::Effect> make_stribeck_friction(std::span<const double> values);
 // Values: mu_x, mu_y, presliding_m.
-std::unique_ptr<Effect> make_anisotropic_friction(std::span<const double> values);
+std::unique_ptr<rendering::Effect> make_anisotropic_friction(std::span<const double> values);
 
 // What the search for missing effects is to know of them.
-EffectTraits coulomb_friction_traits();
-EffectTraits stribeck_friction_traits();
-EffectTraits anisotropic_friction_traits();
+rendering::EffectTraits coulomb_friction_traits();
+rendering::EffectTraits stribeck_friction_traits();
+rendering::EffectTraits anisotropic_friction_traits();
 
 }  // namespace touchstone::renderers

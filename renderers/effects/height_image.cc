@@ -71,14 +71,14 @@ class PgmReader {
   std::string source_;
 };
 
-class HeightImageEffect final : public Effect {
+class HeightImageEffect final : public rendering::Effect {
  public:
   HeightImageEffect(std::span<const double> values, HeightImage image)
       : amplitude_(values[0]), pixel_(values[1]), x_(values[2]), y_(values[3]), image_(std::move(image)) {}
 
   void reset() noexcept override {}
 
-  void apply(ContactState& contact) noexcept override {
+  void apply(rendering::ContactState& contact) noexcept override {
     // Far from the surface the heights cannot make a contact; the normal is unknown there.
     if (contact.n_W.isZero()) return;
     const double u = (contact.proxy_W_m.x() - x_) / pixel_;
@@ -123,7 +123,7 @@ HeightImage load_height_image(const std::filesystem::path& path) {
   return PgmReader(text, path.string()).read();
 }
 
-std::unique_ptr<Effect> make_height_image(std::span<const double> values, HeightImage image) {
+std::unique_ptr<rendering::Effect> make_height_image(std::span<const double> values, HeightImage image) {
   return std::make_unique<HeightImageEffect>(values, std::move(image));
 }
 

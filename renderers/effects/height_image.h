@@ -15,7 +15,6 @@
 #include <span>
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "harness/rendering/effect.h"
 
 namespace touchstone::renderers {
@@ -33,6 +32,6 @@ struct HeightImage {
 HeightImage load_height_image(const std::filesystem::path& path);
 
 // Values: amplitude_m, pixel_m, x_m, y_m (of the picture's lower left corner). Needs gaps outside contact.
-std::unique_ptr<Effect> make_height_image(std::span<const double> values, HeightImage image);
+std::unique_ptr<rendering::Effect> make_height_image(std::span<const double> values, HeightImage image);
 
 }  // namespace touchstone::renderers

@@ -6,6 +6,11 @@
 #include "renderers/effects/rate_plan.h"
 
 namespace touchstone::renderers {
+using rendering::ContactState;
+using rendering::Effect;
+using rendering::EffectTraits;
+using rendering::RecordingScales;
+
 namespace {
 
 class NormalDamping final : public Effect {
@@ -143,7 +148,7 @@ EffectTraits hunt_crossley_traits() {
 EffectTraits power_law_stiffness_traits() {
   EffectTraits traits;
   traits.plan = [](const RecordingScales& scales) {
-    return SearchPlan{{{"exponent"}}, {{{"exponent", 1.2}, {"reference_depth_m", 0.5 * scales.depth_m}}}};
+    return rendering::SearchPlan{{{"exponent"}}, {{{"exponent", 1.2}, {"reference_depth_m", 0.5 * scales.depth_m}}}};
   };
   return traits;
 }
@@ -159,11 +164,11 @@ EffectTraits stress_relaxation_traits() {
   EffectTraits traits;
   traits.contains = {"normal-damping"};  // a time constant far below the tracker's
   traits.plan = [](const RecordingScales& scales) {
-    SearchedParameter time{"time_constant_s"};
+    rendering::SearchedParameter time{"time_constant_s"};
     time.lower = 0.02;
     time.upper = 2.0 * std::max(scales.duration_s, 0.1);
     time.logarithmic = true;
-    SearchPlan plan{{{"ratio"}, time}, {}};
+    rendering::SearchPlan plan{{{"ratio"}, time}, {}};
     for (const double tau : {0.08, 0.4, 2.0}) plan.starts.push_back({{"ratio", 0.3}, {"time_constant_s", tau}});
     return plan;
   };

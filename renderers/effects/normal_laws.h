@@ -18,28 +18,27 @@
 #include <memory>
 #include <span>
 
-#include "harness/base/rooms.h"
 #include "harness/rendering/effect.h"
 #include "harness/rendering/effect_traits.h"
 
 namespace touchstone::renderers {
 
 // Values: coefficient_N_s_per_m.
-std::unique_ptr<Effect> make_normal_damping(std::span<const double> values);
+std::unique_ptr<rendering::Effect> make_normal_damping(std::span<const double> values);
 // Values: coefficient_N_s_per_m2.
-std::unique_ptr<Effect> make_hunt_crossley(std::span<const double> values);
+std::unique_ptr<rendering::Effect> make_hunt_crossley(std::span<const double> values);
 // Values: exponent, reference_depth_m.
-std::unique_ptr<Effect> make_power_law_stiffness(std::span<const double> values);
+std::unique_ptr<rendering::Effect> make_power_law_stiffness(std::span<const double> values);
 // Values: amplitude, x_m, y_m, width_m.
-std::unique_ptr<Effect> make_stiffness_map(std::span<const double> values);
+std::unique_ptr<rendering::Effect> make_stiffness_map(std::span<const double> values);
 // Values: ratio, time_constant_s.
-std::unique_ptr<Effect> make_stress_relaxation(std::span<const double> values);
+std::unique_ptr<rendering::Effect> make_stress_relaxation(std::span<const double> values);
 
 // What the search for missing effects is to know of them.
-EffectTraits normal_damping_traits();
-EffectTraits hunt_crossley_traits();
-EffectTraits power_law_stiffness_traits();
-EffectTraits stiffness_map_traits();
-EffectTraits stress_relaxation_traits();
+rendering::EffectTraits normal_damping_traits();
+rendering::EffectTraits hunt_crossley_traits();
+rendering::EffectTraits power_law_stiffness_traits();
+rendering::EffectTraits stiffness_map_traits();
+rendering::EffectTraits stress_relaxation_traits();
 
 }  // namespace touchstone::renderers

@@ -11,7 +11,6 @@
 // way divided by R.
 #pragma once
 
-#include "harness/base/rooms.h"
 #include "harness/rendering/effect.h"
 
 namespace touchstone::renderers {

@@ -4,9 +4,11 @@
 #include <numbers>
 
 namespace touchstone::renderers {
+using rendering::EffectTraits;
+
 namespace {
 
-class SurfaceTexture final : public Effect {
+class SurfaceTexture final : public rendering::Effect {
  public:
   SurfaceTexture(double amplitude, double wavelength, double direction, double phase)
       : amplitude_(amplitude),
@@ -16,7 +18,7 @@ class SurfaceTexture final : public Effect {
 
   void reset() noexcept override {}
 
-  void apply(ContactState& contact) noexcept override {
+  void apply(rendering::ContactState& contact) noexcept override {
     // Far from the surface the sine cannot make a contact; the normal is unknown there.
     if (contact.n_W.isZero()) return;
     contact.depth_m += amplitude_ * std::sin(kx_ * contact.proxy_W_m.x() + ky_ * contact.proxy_W_m.y() + phase_);
@@ -31,7 +33,7 @@ class SurfaceTexture final : public Effect {
 
 }  // namespace
 
-std::unique_ptr<Effect> make_surface_texture(std::span<const double> values) {
+std::unique_ptr<rendering::Effect> make_surface_texture(std::span<const double> values) {
   return std::make_unique<SurfaceTexture>(values[0], values[1], values[2], values[3]);
 }
 

@@ -7,16 +7,15 @@
 #include <memory>
 #include <span>
 
-#include "harness/base/rooms.h"
 #include "harness/rendering/effect.h"
 #include "harness/rendering/effect_traits.h"
 
 namespace touchstone::renderers {
 
 // Values: amplitude_m, wavelength_m, direction_rad, phase_rad. Needs gaps outside contact.
-std::unique_ptr<Effect> make_surface_texture(std::span<const double> values);
+std::unique_ptr<rendering::Effect> make_surface_texture(std::span<const double> values);
 
 // What the search for missing effects is to know of them.
-EffectTraits surface_texture_traits();
+rendering::EffectTraits surface_texture_traits();
 
 }  // namespace touchstone::renderers

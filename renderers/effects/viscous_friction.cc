@@ -5,13 +5,13 @@
 namespace touchstone::renderers {
 namespace {
 
-class ViscousFriction final : public Effect {
+class ViscousFriction final : public rendering::Effect {
  public:
   explicit ViscousFriction(double coefficient) : coefficient_(coefficient) {}
 
   void reset() noexcept override {}
 
-  void apply(ContactState& contact) noexcept override {
+  void apply(rendering::ContactState& contact) noexcept override {
     if (!contact.contact || contact.dt_s <= 0.0) return;
     const Vec3& step = contact.tip_step_W_m;
     contact.tangential_W_N -= coefficient_ / contact.dt_s * (step - contact.n_W.dot(step) * contact.n_W);
@@ -23,19 +23,19 @@ class ViscousFriction final : public Effect {
 
 }  // namespace
 
-std::unique_ptr<Effect> make_viscous_friction(std::span<const double> values) {
+std::unique_ptr<rendering::Effect> make_viscous_friction(std::span<const double> values) {
   return std::make_unique<ViscousFriction>(values[0]);
 }
 
-EffectTraits viscous_friction_traits() {
-  EffectTraits traits;
+rendering::EffectTraits viscous_friction_traits() {
+  rendering::EffectTraits traits;
   traits.follows_speed = true;
   traits.one_sided = {
       {{"coefficient_N_s_per_m", 0.1}},
       0.1,
       "the force along the surface drives the motion, as a viscosity of {:.3g} N s/m would: is the sign "
       "of the force, or the clock, wrong?"};
-  traits.plan = [](const RecordingScales& scales) {
+  traits.plan = [](const rendering::RecordingScales& scales) {
     return plan_of_rate("coefficient_N_s_per_m", scales.force_N, scales.speed_m_per_s);
   };
   return traits;

@@ -4,16 +4,15 @@
 #include <memory>
 #include <span>
 
-#include "harness/base/rooms.h"
 #include "harness/rendering/effect.h"
 #include "harness/rendering/effect_traits.h"
 
 namespace touchstone::renderers {
 
 // Values: coefficient_N_s_per_m.
-std::unique_ptr<Effect> make_viscous_friction(std::span<const double> values);
+std::unique_ptr<rendering::Effect> make_viscous_friction(std::span<const double> values);
 
 // What the search for missing effects is to know of them.
-EffectTraits viscous_friction_traits();
+rendering::EffectTraits viscous_friction_traits();
 
 }  // namespace touchstone::renderers

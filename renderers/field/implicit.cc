@@ -7,6 +7,10 @@
 #include "renderers/field/signed_field.h"
 
 namespace touchstone::renderers {
+using rendering::Ability;
+using rendering::Renderer;
+using rendering::StepResult;
+
 namespace {
 
 constexpr double kEps = std::numeric_limits<double>::epsilon();
@@ -31,7 +35,7 @@ class Implicit final : public Renderer {
     touching_ = false;
   }
 
-  StepResult do_step(const TipState& tip) noexcept override {
+  StepResult do_step(const rendering::TipState& tip) noexcept override {
     const V p = tip.p_W_m.cast<S>();
     using std::abs;
     rounding_m_ = 32.0 * kEps * (field_->size_m() + std::max({abs(p[0]), abs(p[1]), abs(p[2])}));
@@ -142,7 +146,8 @@ class Implicit final : public Renderer {
   V on_W_m_ = V::Zero();  // surface contact point
 };
 
-std::unique_ptr<Renderer> make(const Parameters& parameters, const std::shared_ptr<const Surface>& surface) {
+std::unique_ptr<Renderer> make(const rendering::Parameters& parameters,
+                               const std::shared_ptr<const surface::Surface>& surface) {
   auto field = surface->mesh() == nullptr
                    ? make_analytic_field(surface)
                    : make_sampled_field(*surface, static_cast<int>(std::lround(parameters.at("resolution"))));
@@ -150,7 +155,8 @@ std::unique_ptr<Renderer> make(const Parameters& parameters, const std::shared_p
                                             parameters.at("tip_radius_m"));
 }
 
-std::unique_ptr<Renderer> make_counted(const Parameters& parameters, const std::shared_ptr<const Surface>& surface) {
+std::unique_ptr<Renderer> make_counted(const rendering::Parameters& parameters,
+                                       const std::shared_ptr<const surface::Surface>& surface) {
   auto field = make_counted_field(*surface, static_cast<int>(std::lround(parameters.at("resolution"))));
   return std::make_unique<Implicit<Counted>>(std::move(field), parameters.at("stiffness_N_per_m"),
                                              parameters.at("tip_radius_m"));
@@ -158,7 +164,7 @@ std::unique_ptr<Renderer> make_counted(const Parameters& parameters, const std::
 
 }  // namespace
 
-RendererEntry implicit_entry() {
+rendering::RendererEntry implicit_entry() {
   return {"implicit",
           "holds the surface contact point on the zero level of a signed distance field: a slow reference for smooth "
           "shapes",

@@ -13,11 +13,10 @@
 // than the radius of curvature there.
 #pragma once
 
-#include "harness/base/rooms.h"
 #include "harness/rendering/renderer_entry.h"
 
 namespace touchstone::renderers {
 
-RendererEntry implicit_entry();
+rendering::RendererEntry implicit_entry();
 
 }  // namespace touchstone::renderers

@@ -13,12 +13,15 @@
 #include "synthetic/surfaces/exact_contact.h"
 
 namespace touchstone::renderers {
+using rendering::StepResult;
+using surface::Surface;
+
 namespace {
 
 constexpr double kStiffness = 500.0;
 
-std::unique_ptr<Renderer> implicit(std::shared_ptr<const Surface> surface, double stiffness, double radius_m = 0.0,
-                                   double resolution = 64.0) {
+std::unique_ptr<rendering::Renderer> implicit(std::shared_ptr<const Surface> surface, double stiffness,
+                                              double radius_m = 0.0, double resolution = 64.0) {
   return make_renderer(
       model_of("implicit", {{"stiffness_N_per_m", stiffness}, {"tip_radius_m", radius_m}, {"resolution", resolution}}),
       std::move(surface));
@@ -28,7 +31,7 @@ std::unique_ptr<Renderer> implicit(std::shared_ptr<const Surface> surface, doubl
 std::vector<Vec3> stroke(const Surface& surface, double scale, double radius, double depth, int steps) {
   Random random(7);
   const Box3 box = surface.bounds();
-  SurfacePoint foot = surface.closest(box.center() + Vec3(0.1, 0.07, 1.0) * box.sizes().norm());
+  surface::SurfacePoint foot = surface.closest(box.center() + Vec3(0.1, 0.07, 1.0) * box.sizes().norm());
   Vec3 along = random.direction();
   std::vector<Vec3> tips{foot.p_W_m + (radius + 1e-3 * scale) * foot.n_W};
   for (int i = 0; i < steps; ++i) {
@@ -176,8 +179,8 @@ TEST(Implicit, OnAMeshItFollowsTheSmoothBody) {
 }
 
 // Turned, so that no node of the grid lies in its faces.
-std::shared_ptr<const Surface> turned(const TriangleMesh& mesh) {
-  return make_embree_surface(testing::moved(mesh, awkward_rotation(), Vec3::Zero()));
+std::shared_ptr<const Surface> turned(const surface::TriangleMesh& mesh) {
+  return make_embree_surface(surface::moved(mesh, awkward_rotation(), Vec3::Zero()));
 }
 
 TEST(Implicit, PinnedLimitAMeshThinnerThanTwoSamplesIsNotThere) {
@@ -187,7 +190,7 @@ TEST(Implicit, PinnedLimitAMeshThinnerThanTwoSamplesIsNotThere) {
   StepResult now;
   for (int i = 0; i <= 200; ++i) now = hand.to(awkward_rotation() * Vec3(0.0013, 0.0021, 1e-3 - 1e-5 * i));
   EXPECT_LT(now.f_W_N.norm(), 0.5 * kStiffness * 1e-3) << "known limit: 1 mm below its top";
-  EXPECT_NE(find_limitation(implicit_entry().cannot, Ability::thin_shells), nullptr);
+  EXPECT_NE(find_limitation(implicit_entry().cannot, rendering::Ability::thin_shells), nullptr);
 }
 
 TEST(Implicit, PinnedLimitTheEdgesOfAMeshAreRounded) {
@@ -200,7 +203,7 @@ TEST(Implicit, PinnedLimitTheEdgesOfAMeshAreRounded) {
     if (now.contact) off = std::max(off, surface->closest(now.contact_W_m).distance_m);
   }
   EXPECT_GT(off, 1e-5) << "known limit: the contact point is not on the mesh";
-  EXPECT_NE(find_limitation(implicit_entry().cannot, Ability::surface_contact), nullptr);
+  EXPECT_NE(find_limitation(implicit_entry().cannot, rendering::Ability::surface_contact), nullptr);
 }
 
 }  // namespace

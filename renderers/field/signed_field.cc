@@ -7,6 +7,8 @@
 #include "harness/base/in_parallel.h"
 
 namespace touchstone::renderers {
+using surface::Surface;
+
 namespace {
 
 class AnalyticField final : public SignedField {

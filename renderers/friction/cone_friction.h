@@ -23,7 +23,6 @@
 
 #include <cmath>
 
-#include "harness/base/rooms.h"
 #include "renderers/friction/cone_split.h"
 #include "renderers/friction/contact_places.h"
 #include "renderers/friction/fixed_order.h"

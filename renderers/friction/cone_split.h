@@ -2,7 +2,6 @@
 // (cone_friction.h) is about.
 #pragma once
 
-#include "harness/base/rooms.h"
 #include "renderers/friction/contact_places.h"
 
 namespace touchstone::renderers {

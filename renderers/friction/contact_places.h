@@ -5,7 +5,6 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "harness/base/rooms.h"
 #include "harness/base/vec.h"
 #include "harness/surface/surface.h"
 
@@ -23,7 +22,7 @@ using ContactNormals = ContactNormalsOf<double>;
 template <class S>
 struct RestingPlaceOf {
   std::int32_t triangle = -1;
-  Feature feature = Feature::face;
+  surface::Feature feature = surface::Feature::face;
   std::size_t index = 0;            // of the edge or corner
   Vec3Of<S> p = Vec3Of<S>::Zero();  // on the triangle
 };
@@ -33,7 +32,7 @@ template <class S>
 struct ContactPlacesOf {
   struct Place {
     std::int32_t triangle = -1;
-    Feature feature = Feature::face;
+    surface::Feature feature = surface::Feature::face;
     std::size_t index = 0;  // of the edge or corner
     Vec3Of<S> p;            // on the triangle
     Vec3Of<S> n;            // unit normal of this contact

@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "harness/base/rooms.h"
 #include "harness/base/vec.h"
 
 namespace touchstone::renderers {

@@ -11,7 +11,6 @@
 #include <array>
 #include <span>
 
-#include "harness/base/rooms.h"
 #include "harness/base/vec.h"
 
 namespace touchstone::renderers {

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 
-#include "harness/base/rooms.h"
 #include "renderers/friction/contact_places.h"
 #include "renderers/friction/fixed_order.h"
 

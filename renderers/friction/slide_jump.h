@@ -11,7 +11,6 @@
 
 #include <algorithm>
 
-#include "harness/base/rooms.h"
 #include "renderers/friction/cone_split.h"
 #include "renderers/friction/fixed_order.h"
 

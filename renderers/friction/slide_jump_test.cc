@@ -59,7 +59,7 @@ TEST(SlideJump, TakesFewSearches) {
     for (const double scale : {1e-3, 1.0, 1e2}) {
       const double far = 0.02 * std::cos(bend);
       const double height = 0.02 * std::sin(bend);
-      TriangleMesh mesh;
+      surface::TriangleMesh mesh;
       for (const Vec3& v : {Vec3(-0.02, -0.02, 0), Vec3(-0.02, 0.02, 0), Vec3(0, -0.02, 0), Vec3(0, 0.02, 0),
                             Vec3(far, -0.02, height), Vec3(far, 0.02, height)})
         mesh.vertices_W_m.push_back(scale * v);

@@ -6,10 +6,11 @@
 #include "renderers/instrument/formula_instrument.h"
 
 namespace touchstone::renderers {
+using rendering::InstrumentStage;
 
-std::vector<StagedInstrument> make_instrument(const Model& model) {
-  std::vector<StagedInstrument> instrument;
-  for (const NamedParameters& entry : model.instrument) {
+std::vector<rendering::StagedInstrument> make_instrument(const rendering::Model& model) {
+  std::vector<rendering::StagedInstrument> instrument;
+  for (const rendering::NamedParameters& entry : model.instrument) {
     check_entry(entry, instrument_declarations(), "instrument entry", model.source);
     if (entry.law != nullptr) {
       instrument.push_back(make_formula_instrument(
@@ -23,9 +24,10 @@ std::vector<StagedInstrument> make_instrument(const Model& model) {
   return instrument;
 }
 
-InstrumentStage stage_of(const NamedParameters& entry) {
+InstrumentStage stage_of(const rendering::NamedParameters& entry) {
   if (entry.law != nullptr)
-    return entry.law->acts_on == ActsOn::tool ? InstrumentStage::object_frame : InstrumentStage::sensor_offset;
+    return entry.law->acts_on == rendering::ActsOn::tool ? InstrumentStage::object_frame
+                                                         : InstrumentStage::sensor_offset;
   return find_instrument_effect(entry.name)->stage;
 }
 

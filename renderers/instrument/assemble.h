@@ -3,7 +3,6 @@
 
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "harness/rendering/instrument_effect.h"
 #include "harness/rendering/measured_renderer.h"
 #include "harness/rendering/model.h"
@@ -12,9 +11,9 @@ namespace touchstone::renderers {
 
 // In the model file's order. Throws BadData with the place in it for an unknown entry and for parameters that nothing
 // reads or that are out of range.
-std::vector<StagedInstrument> make_instrument(const Model& model);
+std::vector<rendering::StagedInstrument> make_instrument(const rendering::Model& model);
 
 // Of an entry that make_instrument() takes.
-InstrumentStage stage_of(const NamedParameters& entry);
+rendering::InstrumentStage stage_of(const rendering::NamedParameters& entry);
 
 }  // namespace touchstone::renderers

@@ -8,12 +8,12 @@
 namespace touchstone::renderers {
 namespace {
 
-ParameterDeclaration force(std::string name, std::string unit) {
+rendering::ParameterDeclaration force(std::string name, std::string unit) {
   return {std::move(name), std::move(unit), -1e3, 1e3, 0.0, "in the sensor's frame"};
 }
 
 std::vector<InstrumentEntry> make_instrument_catalogue() {
-  using Stage = InstrumentStage;
+  using Stage = rendering::InstrumentStage;
   return {
       {"tool-weight",
        "the tool's weight beyond the sensor: F + m g",
@@ -88,7 +88,7 @@ std::vector<InstrumentEntry> make_instrument_catalogue() {
        surface_geometry_traits()},
       {"height-field", "a surface that is smoothly higher or lower than the mesh: h(x, y), outward",
        "tensor-product B-splines: de Boor 1978; Eilers and Marx 1996", Stage::geometry,
-       field_parameters("m", 1.0, "of the height, outward"), &make_height_field, height_field_traits()},
+       rendering::field_parameters("m", 1.0, "of the height, outward"), &make_height_field, height_field_traits()},
   };
 }
 

@@ -7,7 +7,6 @@
 #include <string_view>
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "harness/rendering/effect_traits.h"
 #include "harness/rendering/instrument_effect.h"
 #include "harness/rendering/parameters.h"
@@ -18,10 +17,10 @@ struct InstrumentEntry {
   std::string_view name;
   std::string_view summary;
   std::string_view source;
-  InstrumentStage stage;
-  std::vector<ParameterDeclaration> parameters;
-  std::unique_ptr<InstrumentEffect> (*make)(std::span<const double> values);
-  EffectTraits traits = {};
+  rendering::InstrumentStage stage;
+  std::vector<rendering::ParameterDeclaration> parameters;
+  std::unique_ptr<rendering::InstrumentEffect> (*make)(std::span<const double> values);
+  rendering::EffectTraits traits = {};
 };
 
 const std::vector<InstrumentEntry>& instrument_catalogue();

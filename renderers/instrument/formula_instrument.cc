@@ -8,9 +8,11 @@
 #include "renderers/effects/formula_law.h"
 
 namespace touchstone::renderers {
+using rendering::DeclaredEffect;
+
 namespace {
 
-class FormulaInstrument final : public InstrumentEffect {
+class FormulaInstrument final : public rendering::InstrumentEffect {
  public:
   FormulaInstrument(const DeclaredEffect& effect, std::span<const double> values)
       : declared_(effect), values_(values.begin(), values.end()) {}
@@ -20,13 +22,13 @@ class FormulaInstrument final : public InstrumentEffect {
     return neighbours_s;
   }
 
-  void apply(const MotionView& motion, std::span<Vec3> f_W_N) const override {
+  void apply(const rendering::MotionView& motion, std::span<Vec3> f_W_N) const override {
     const ReadyLaw law(declared_, values_);
     double* const t = law->slot("t_s");
     const std::array<double*, 3> p{law->slot("x_m"), law->slot("y_m"), law->slot("z_m")};
     const std::array<double*, 3> v{law->slot("vx_m_per_s"), law->slot("vy_m_per_s"), law->slot("vz_m_per_s")};
     const std::array<double*, 3> f{law->slot("fx_N"), law->slot("fy_N"), law->slot("fz_N")};
-    const bool turned = declared_.acts_on == ActsOn::sensor && !motion.q_WS.empty();
+    const bool turned = declared_.acts_on == rendering::ActsOn::sensor && !motion.q_WS.empty();
     for (std::size_t i = 0; i < f_W_N.size(); ++i) {
       const Quat q_WS = turned ? motion.q_WS[i] : Quat::Identity();
       const Vec3 before_N = turned ? Vec3(q_WS.conjugate() * f_W_N[i]) : f_W_N[i];
@@ -44,7 +46,7 @@ class FormulaInstrument final : public InstrumentEffect {
   }
 
  private:
-  static Vec3 velocity(const MotionView& motion, std::size_t i, std::size_t n) {
+  static Vec3 velocity(const rendering::MotionView& motion, std::size_t i, std::size_t n) {
     const std::size_t before = i > 0 ? i - 1 : i;
     const std::size_t after = std::min(i + 1, n - 1);
     if (after == before) return Vec3::Zero();
@@ -57,8 +59,9 @@ class FormulaInstrument final : public InstrumentEffect {
 
 }  // namespace
 
-StagedInstrument make_formula_instrument(const DeclaredEffect& effect, std::span<const double> values) {
-  const auto stage = effect.acts_on == ActsOn::tool ? InstrumentStage::object_frame : InstrumentStage::sensor_offset;
+rendering::StagedInstrument make_formula_instrument(const DeclaredEffect& effect, std::span<const double> values) {
+  const auto stage = effect.acts_on == rendering::ActsOn::tool ? rendering::InstrumentStage::object_frame
+                                                               : rendering::InstrumentStage::sensor_offset;
   return {stage, std::make_unique<FormulaInstrument>(effect, values)};
 }
 

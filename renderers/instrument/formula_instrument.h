@@ -4,12 +4,12 @@
 
 #include <span>
 
-#include "harness/base/rooms.h"
 #include "harness/rendering/declared_effect.h"
 #include "harness/rendering/measured_renderer.h"
 
 namespace touchstone::renderers {
 
-StagedInstrument make_formula_instrument(const DeclaredEffect& effect, std::span<const double> values);
+rendering::StagedInstrument make_formula_instrument(const rendering::DeclaredEffect& effect,
+                                                    std::span<const double> values);
 
 }  // namespace touchstone::renderers

@@ -7,6 +7,10 @@
 #include "renderers/effects/raised_surface.h"
 
 namespace touchstone::renderers {
+using rendering::Effect;
+using rendering::EffectTraits;
+using rendering::InstrumentEffect;
+
 namespace {
 
 class Registration final : public InstrumentEffect {
@@ -29,7 +33,7 @@ class Bump final : public Effect {
  public:
   Bump(double amplitude, double x, double y, double width) : amplitude_(amplitude), x_(x), y_(y), width_(width) {}
   void reset() noexcept override {}
-  void apply(ContactState& contact) noexcept override {
+  void apply(rendering::ContactState& contact) noexcept override {
     constexpr int looks = 2;
     raise_surface(contact, looks, [this](double x_m, double y_m) noexcept {
       const double dx = x_m - x_;
@@ -89,11 +93,11 @@ EffectTraits registration_traits() {
   EffectTraits traits;
   traits.moves_contact = true;
   traits.surface = EffectTraits::Surface::moved;
-  traits.plan = [](const RecordingScales& scales) {
+  traits.plan = [](const rendering::RecordingScales& scales) {
     constexpr double farthest = 3.0;  // depths: beyond, nothing that was pressed is pressed any more
     const double d = scales.depth_m;
     const double turn = d / scales.extent_m();
-    SearchPlan plan;
+    rendering::SearchPlan plan;
     const auto free = [&](const char* name, double scale, double step) {
       plan.parameters.push_back({name, scale, -farthest * scale, farthest * scale, false, {}, {}, step});
     };

@@ -10,22 +10,21 @@
 #include <memory>
 #include <span>
 
-#include "harness/base/rooms.h"
 #include "harness/rendering/effect_traits.h"
 #include "harness/rendering/instrument_effect.h"
 
 namespace touchstone::renderers {
 
-std::unique_ptr<InstrumentEffect> make_registration(
+std::unique_ptr<rendering::InstrumentEffect> make_registration(
     std::span<const double> values);  // dx_m, dy_m, dz_m, rx_rad, ry_rad
-std::unique_ptr<InstrumentEffect> make_surface_geometry(
+std::unique_ptr<rendering::InstrumentEffect> make_surface_geometry(
     std::span<const double> values);  // amplitude_m, x_m, y_m, width_m
 // Values in the order of field_parameters() (harness/rendering/smooth_field.h).
-std::unique_ptr<InstrumentEffect> make_height_field(std::span<const double> values);
+std::unique_ptr<rendering::InstrumentEffect> make_height_field(std::span<const double> values);
 
 // What the search for missing effects is to know of them.
-EffectTraits registration_traits();
-EffectTraits surface_geometry_traits();
-EffectTraits height_field_traits();
+rendering::EffectTraits registration_traits();
+rendering::EffectTraits surface_geometry_traits();
+rendering::EffectTraits height_field_traits();
 
 }  // namespace touchstone::renderers

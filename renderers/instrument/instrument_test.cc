@@ -9,6 +9,10 @@
 #include "renderers/model_predictor.h"
 
 namespace touchstone::renderers {
+using rendering::Model;
+using rendering::Prediction;
+using surface::TriangleMesh;
+
 namespace {
 
 struct Samples {
@@ -16,7 +20,7 @@ struct Samples {
   std::vector<Vec3> p_W_m;
   std::vector<Quat> q_WS;
   std::vector<Vec3> f_W_N;
-  [[nodiscard]] MotionView view() const { return {t_s, p_W_m, q_WS}; }
+  [[nodiscard]] rendering::MotionView view() const { return {t_s, p_W_m, q_WS}; }
 };
 
 Samples random_samples(std::uint64_t seed) {
@@ -108,7 +112,7 @@ TEST(ModelPredictor, KeptTracesChangeNothing) {
   TriangleMesh mesh;
   mesh.vertices_W_m = {{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}};
   mesh.triangles = {{0, 1, 2}, {0, 2, 3}};
-  const std::shared_ptr<const Surface> surface = make_embree_surface(mesh);
+  const std::shared_ptr<const surface::Surface> surface = make_embree_surface(mesh);
   MotionColumns motion;
   Random random(10);
   for (int i = 0; i < 400; ++i) {
@@ -143,7 +147,7 @@ TEST(ModelPredictor, AnswersForTheModelThatItIsAsked) {
   TriangleMesh mesh;
   mesh.vertices_W_m = {{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}};
   mesh.triangles = {{0, 1, 2}, {0, 2, 3}};
-  const std::shared_ptr<const Surface> surface = make_embree_surface(mesh);
+  const std::shared_ptr<const surface::Surface> surface = make_embree_surface(mesh);
   MotionColumns motion;
   for (int i = 0; i < 200; ++i) {
     motion.t_s.push_back(0.004 * i);
@@ -189,7 +193,7 @@ TEST(HeightField, IsDepthAndSlopeOfTheContact) {
                                      {"y_high_m", 0.3}, {"columns", 5.0},  {"rows", 4.0}};
   for (std::size_t column = 0; column < 5; ++column) {
     for (std::size_t row = 0; row < 4; ++row)
-      ramp[field_coefficient(column, row)] = 0.01 * (-0.3 + 0.3 * (static_cast<double>(column) - 1.0));
+      ramp[rendering::field_coefficient(column, row)] = 0.01 * (-0.3 + 0.3 * (static_cast<double>(column) - 1.0));
   }
   Model model;
   model.renderer = "god-object";

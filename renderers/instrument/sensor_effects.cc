@@ -5,6 +5,12 @@
 #include <vector>
 
 namespace touchstone::renderers {
+using rendering::EffectTraits;
+using rendering::InstrumentEffect;
+using rendering::MotionView;
+using rendering::RecordingScales;
+using rendering::SearchPlan;
+
 namespace {
 
 // Applies `change` to every force in the sensor's frame.

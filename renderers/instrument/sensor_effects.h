@@ -10,23 +10,22 @@
 #include <memory>
 #include <span>
 
-#include "harness/base/rooms.h"
 #include "harness/rendering/effect_traits.h"
 #include "harness/rendering/instrument_effect.h"
 
 namespace touchstone::renderers {
 
-std::unique_ptr<InstrumentEffect> make_force_bias(std::span<const double> values);        // fx_N, fy_N, fz_N
-std::unique_ptr<InstrumentEffect> make_force_drift(std::span<const double> values);       // fx_N_per_s, ...
-std::unique_ptr<InstrumentEffect> make_force_crosstalk(std::span<const double> values);   // c_xz, c_yz
-std::unique_ptr<InstrumentEffect> make_force_saturation(std::span<const double> values);  // limit_N
-std::unique_ptr<InstrumentEffect> make_time_lag(std::span<const double> values);          // lag_s
+std::unique_ptr<rendering::InstrumentEffect> make_force_bias(std::span<const double> values);        // fx_N, fy_N, fz_N
+std::unique_ptr<rendering::InstrumentEffect> make_force_drift(std::span<const double> values);       // fx_N_per_s, ...
+std::unique_ptr<rendering::InstrumentEffect> make_force_crosstalk(std::span<const double> values);   // c_xz, c_yz
+std::unique_ptr<rendering::InstrumentEffect> make_force_saturation(std::span<const double> values);  // limit_N
+std::unique_ptr<rendering::InstrumentEffect> make_time_lag(std::span<const double> values);          // lag_s
 
 // What the search for missing effects is to know of them.
-EffectTraits force_bias_traits();
-EffectTraits force_drift_traits();
-EffectTraits force_crosstalk_traits();
-EffectTraits force_saturation_traits();
-EffectTraits time_lag_traits();
+rendering::EffectTraits force_bias_traits();
+rendering::EffectTraits force_drift_traits();
+rendering::EffectTraits force_crosstalk_traits();
+rendering::EffectTraits force_saturation_traits();
+rendering::EffectTraits time_lag_traits();
 
 }  // namespace touchstone::renderers

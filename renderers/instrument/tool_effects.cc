@@ -5,6 +5,10 @@
 #include <vector>
 
 namespace touchstone::renderers {
+using rendering::EffectTraits;
+using rendering::InstrumentEffect;
+using rendering::MotionView;
+
 namespace {
 
 constexpr double standard_gravity_m_per_s2 = 9.80665;
@@ -77,7 +81,9 @@ std::unique_ptr<InstrumentEffect> make_tool_inertia(std::span<const double> valu
 
 EffectTraits tool_weight_traits() {
   EffectTraits traits;
-  traits.plan = [](const RecordingScales&) { return SearchPlan{{{"mass_kg", 0.1}}, {{{"mass_kg", 0.0}}}}; };
+  traits.plan = [](const rendering::RecordingScales&) {
+    return rendering::SearchPlan{{{"mass_kg", 0.1}}, {{{"mass_kg", 0.0}}}};
+  };
   traits.one_sided = {
       {{"mass_kg", 0.01}},
       0.01,
@@ -93,8 +99,8 @@ EffectTraits tool_inertia_traits() {
   traits.one_sided = {{{"mass_kg", 0.01}},
                       0.01,
                       "the force helps every acceleration, as a mass of {:.3g} kg would: is its sign wrong?"};
-  traits.plan = [](const RecordingScales&) {
-    SearchPlan plan{{{"mass_kg", 0.1}}, {}};
+  traits.plan = [](const rendering::RecordingScales&) {
+    rendering::SearchPlan plan{{{"mass_kg", 0.1}}, {}};
     for (const double window_s : {0.033, 0.05, 0.065, 0.08, 0.1, 0.13, 0.17, 0.22, 0.3})
       plan.starts.push_back({{"mass_kg", 0.0}, {"window_s", window_s}});
     return plan;

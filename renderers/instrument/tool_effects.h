@@ -7,17 +7,16 @@
 #include <memory>
 #include <span>
 
-#include "harness/base/rooms.h"
 #include "harness/rendering/effect_traits.h"
 #include "harness/rendering/instrument_effect.h"
 
 namespace touchstone::renderers {
 
-std::unique_ptr<InstrumentEffect> make_tool_weight(std::span<const double> values);   // mass_kg
-std::unique_ptr<InstrumentEffect> make_tool_inertia(std::span<const double> values);  // mass_kg, window_s
+std::unique_ptr<rendering::InstrumentEffect> make_tool_weight(std::span<const double> values);   // mass_kg
+std::unique_ptr<rendering::InstrumentEffect> make_tool_inertia(std::span<const double> values);  // mass_kg, window_s
 
 // What the search for missing effects is to know of them.
-EffectTraits tool_weight_traits();
-EffectTraits tool_inertia_traits();
+rendering::EffectTraits tool_weight_traits();
+rendering::EffectTraits tool_inertia_traits();
 
 }  // namespace touchstone::renderers

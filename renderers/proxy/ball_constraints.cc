@@ -9,6 +9,8 @@
 #include "renderers/walkable/counted_contact_mesh.h"
 
 namespace touchstone::renderers {
+using surface::Feature;
+
 namespace {
 
 constexpr int kNewtonSteps = 16;

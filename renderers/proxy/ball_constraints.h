@@ -8,7 +8,6 @@
 #include <array>
 #include <cstdint>
 
-#include "harness/base/rooms.h"
 #include "renderers/walkable/contact_mesh.h"
 
 namespace touchstone::renderers {
@@ -16,9 +15,9 @@ namespace touchstone::renderers {
 // The triangle's closest point seen from x, the centre of a ball.
 template <class S>
 struct TouchOf {
-  Vec3Of<S> n;      // unit, from the closest point to x
-  S d;              // distance
-  Feature feature;  // face, edge or vertex of the triangle
+  Vec3Of<S> n;               // unit, from the closest point to x
+  S d;                       // distance
+  surface::Feature feature;  // face, edge or vertex of the triangle
   std::uint8_t index;
 };
 

@@ -29,7 +29,8 @@ const ContactMesh& plain_mesh(const CountedContactMesh& mesh) { return mesh.plai
 }  // namespace
 
 template <class Mesh>
-BallProxyOf<Mesh>::BallProxyOf(const Mesh& mesh, const Surface& surface, double radius_m, const ConeFriction& friction)
+BallProxyOf<Mesh>::BallProxyOf(const Mesh& mesh, const surface::Surface& surface, double radius_m,
+                               const ConeFriction& friction)
     : mesh_(&mesh),
       surface_(&surface),
       r_(radius_m),
@@ -53,7 +54,7 @@ void BallProxyOf<Mesh>::start(const V& p) noexcept {
   c_ = p;
   const ContactMesh& plain = plain_mesh(*mesh_);
   const Vec3 tip = p.template cast<double>();
-  const SurfacePoint nearest = surface_->closest(tip);
+  const surface::SurfacePoint nearest = surface_->closest(tip);
   const StartPlace exposed = start_place(plain, *surface_, tip);
   // Behind the rim of an open mesh there is no inside: the ball passes.
   const bool passes = nearest.signed_distance_m < 0.0 && plain.open();
@@ -349,7 +350,7 @@ bool BallProxyOf<Mesh>::roll(const V& p, Holding& holding, V& x) noexcept {
   if (holding.size == 0) return false;
   const std::int32_t from = holding.triangle[0];
   const TouchOf<S> t = touch(*mesh_, from, c_);
-  if (!mesh_->facet(from).regular || t.feature == Feature::face) return false;
+  if (!mesh_->facet(from).regular || t.feature == surface::Feature::face) return false;
   feeler_.resume(c_ - t.d * t.n, from);
   if (!feeler_.follow(p) || feeler_.on() != SurfaceWalkOf<Mesh>::On::face) return false;
   const FacetOf<S>& facet = mesh_->facet(feeler_.triangle());

@@ -28,7 +28,6 @@
 #include <type_traits>
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "renderers/friction/cone_friction.h"
 #include "renderers/friction/fixed_order.h"
 #include "renderers/friction/nearest_in_polyhedron.h"
@@ -47,7 +46,7 @@ class BallProxyOf {
   using S = Scalar;
   using V = Vec3Of<S>;
 
-  BallProxyOf(const Mesh& mesh, const Surface& surface, double radius_m, const ConeFriction& friction = {});
+  BallProxyOf(const Mesh& mesh, const surface::Surface& surface, double radius_m, const ConeFriction& friction = {});
 
   // The first position of a run: where the ball overlaps the object it starts at the place outside that is closest, of
   // bodies that touch or overlap outside of all of them.
@@ -165,7 +164,7 @@ class BallProxyOf {
   bool creep(const V& goal) noexcept;
 
   const Mesh* mesh_;
-  const Surface* surface_;
+  const surface::Surface* surface_;
   S r_;
   ConeFollower cone_;
   V c_ = V::Zero();

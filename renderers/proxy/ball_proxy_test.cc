@@ -13,6 +13,10 @@
 #include "synthetic/surfaces/exact_contact.h"
 
 namespace touchstone::renderers {
+using rendering::StepResult;
+using surface::SurfacePoint;
+using surface::TriangleMesh;
+
 namespace {
 
 constexpr double kStiffness = 500.0;
@@ -25,13 +29,13 @@ struct World {
   Quat turn = awkward_rotation();
   Vec3 shift;
   double scale;
-  std::unique_ptr<Renderer> renderer;
+  std::unique_ptr<rendering::Renderer> renderer;
   Hand hand;
 
   World(const TriangleMesh& shape, double radius, double scale_)
       : shift(scale_ * Vec3(0.01, -0.02, 0.005)),
         scale(scale_),
-        renderer(god_object(testing::moved(shape, turn, shift, scale), kStiffness / scale, radius * scale)),
+        renderer(god_object(surface::moved(shape, turn, shift, scale), kStiffness / scale, radius * scale)),
         hand(*renderer) {}
 
   struct Answer {
@@ -266,7 +270,7 @@ TEST(BallProxy, WithItsNeighbourhoodKeptIsWhatAskingTheTreeGives) {
   std::size_t touched = 0;
   for (const std::string name : {"bumpy", "torus", "v-groove", "gauss"}) {
     for (const double scale : {1e-3, 1.0, 1e3}) {
-      const TriangleMesh mesh = testing::moved(synthetic::make_mesh(name, {}, 2000).mesh, awkward_rotation(),
+      const TriangleMesh mesh = surface::moved(synthetic::make_mesh(name, {}, 2000).mesh, awkward_rotation(),
                                                scale * Vec3(0.01, -0.02, 0.005), scale);
       const auto surface = make_embree_surface(mesh);
       const ContactMesh contact(*surface);

@@ -18,7 +18,6 @@
 #include <span>
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "renderers/walkable/contact_mesh.h"
 
 namespace touchstone::renderers {

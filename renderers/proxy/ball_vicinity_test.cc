@@ -27,7 +27,7 @@ TEST(BallVicinity, MissesNothingThatABallOnATriangleCanMeet) {
   std::size_t met = 0;
   for (const char* name : {"bumpy", "torus", "v-groove", "duck", "gap", "bowl", "extrusion", "plane"}) {
     for (const double scale : {1e-3, 1.0, 1e3}) {
-      const auto surface = make_embree_surface(testing::moved(
+      const auto surface = make_embree_surface(surface::moved(
           synthetic::make_mesh(name, {}, 1500).mesh, awkward_rotation(), scale * Vec3(0.01, -0.02, 0.005), scale));
       const ContactMesh mesh(*surface);
       const double rounding = 32.0 * std::numeric_limits<double>::epsilon() * mesh.magnitude();

@@ -11,7 +11,6 @@
 #include <memory>
 #include <utility>
 
-#include "harness/base/rooms.h"
 #include "harness/rendering/renderer.h"
 #include "harness/surface/surface.h"
 #include "renderers/friction/cone_friction.h"
@@ -26,7 +25,7 @@ namespace touchstone::renderers {
 class CountedPointProxy {
  public:
   using Scalar = Counted;
-  CountedPointProxy(const CountedContactMesh& mesh, const Surface& surface, const ConeFriction& friction)
+  CountedPointProxy(const CountedContactMesh& mesh, const surface::Surface& surface, const ConeFriction& friction)
       : plain_(&mesh.plain()), surface_(&surface), walk_(mesh, friction), frictionless_(friction.none()) {}
 
   void start(const Vec3Of<Counted>& p) noexcept {
@@ -50,7 +49,7 @@ class CountedPointProxy {
 
  private:
   const ContactMesh* plain_;
-  const Surface* surface_;
+  const surface::Surface* surface_;
   SurfaceWalkOf<CountedContactMesh> walk_;
   bool frictionless_;
 };
@@ -58,10 +57,10 @@ class CountedPointProxy {
 // `Proxy`: CountedPointProxy or BallProxyOf<CountedContactMesh>. `tip`: what its constructor takes after mesh and
 // surface.
 template <class Proxy, class Shading>
-class CountedGodObject final : public Renderer {
+class CountedGodObject final : public rendering::Renderer {
  public:
   template <class... Tip>
-  CountedGodObject(std::shared_ptr<const Surface> surface, std::shared_ptr<const ContactMesh> mesh,
+  CountedGodObject(std::shared_ptr<const surface::Surface> surface, std::shared_ptr<const ContactMesh> mesh,
                    double stiffness_N_per_m, Shading shading, Tip... tip)
       : surface_(std::move(surface)),
         mesh_(std::move(mesh), *surface_->mesh()),
@@ -72,12 +71,12 @@ class CountedGodObject final : public Renderer {
  private:
   void do_reset() override { started_ = false; }
 
-  StepResult do_step(const TipState& tip) noexcept override {
+  rendering::StepResult do_step(const rendering::TipState& tip) noexcept override {
     const Vec3Of<Counted> p = tip.p_W_m.cast<Counted>();
     return proxy_step<Counted>(proxy_, started_, p, stiffness_N_per_m_, mesh_, shading_);
   }
 
-  std::shared_ptr<const Surface> surface_;
+  std::shared_ptr<const surface::Surface> surface_;
   CountedContactMesh mesh_;
   Counted stiffness_N_per_m_;
   Shading shading_;
@@ -88,8 +87,9 @@ class CountedGodObject final : public Renderer {
 // nullptr for a point tip where the mesh has triangles that cannot be walked on (Facet::regular): the way over those is
 // not counted.
 template <class Shading>
-std::unique_ptr<Renderer> make_counted_proxy(std::shared_ptr<const Surface> surface, double stiffness_N_per_m,
-                                             double tip_radius_m, const ConeFriction& friction, Shading shading) {
+std::unique_ptr<rendering::Renderer> make_counted_proxy(std::shared_ptr<const surface::Surface> surface,
+                                                        double stiffness_N_per_m, double tip_radius_m,
+                                                        const ConeFriction& friction, Shading shading) {
   auto mesh = contact_mesh(surface);
   if (tip_radius_m > 0.0)
     return std::make_unique<CountedGodObject<BallProxyOf<CountedContactMesh>, Shading>>(
@@ -98,7 +98,8 @@ std::unique_ptr<Renderer> make_counted_proxy(std::shared_ptr<const Surface> surf
   return std::make_unique<CountedGodObject<CountedPointProxy, Shading>>(
       std::move(surface), std::move(mesh), stiffness_N_per_m, std::move(shading), friction);
 }
-std::unique_ptr<Renderer> make_counted_god_object(std::shared_ptr<const Surface> surface, double stiffness_N_per_m,
-                                                  double tip_radius_m, const ConeFriction& friction);
+std::unique_ptr<rendering::Renderer> make_counted_god_object(std::shared_ptr<const surface::Surface> surface,
+                                                             double stiffness_N_per_m, double tip_radius_m,
+                                                             const ConeFriction& friction);
 
 }  // namespace touchstone::renderers

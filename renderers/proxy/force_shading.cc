@@ -15,6 +15,8 @@
 #include "renderers/proxy/shaded_normals.h"
 
 namespace touchstone::renderers {
+using rendering::Parameters;
+
 namespace {
 
 // The interpolated normals of a scene's bodies: each body's own, turned by its pose.
@@ -56,7 +58,7 @@ class ShadingBy {
   ShadingBy(const Mesh& mesh, double crease_angle_rad) : normals_(mesh, crease_angle_rad) {}
 
   template <class Mesh, class Proxy>
-  void turn(const Mesh& mesh, const Proxy& proxy, StepResult& result) noexcept {
+  void turn(const Mesh& mesh, const Proxy& proxy, rendering::StepResult& result) noexcept {
     using S = typename Mesh::Scalar;
     Vec3Of<S> m;
     if (const auto place = proxy.resting_place(); place.triangle >= 0) {
@@ -91,7 +93,7 @@ class ShadingBy {
   // The force turned by the shortest rotation that takes the unit vector n to the direction m, along = n . m > 0: of v
   // it makes v - s (s . v) / (1 + n . b) + 2 b (n . v), where b is the unit vector along m and s = n + b.
   template <class S>
-  static void turn_to(const Vec3Of<S>& n, const Vec3Of<S>& m, const S& along, StepResult& result) noexcept {
+  static void turn_to(const Vec3Of<S>& n, const Vec3Of<S>& m, const S& along, rendering::StepResult& result) noexcept {
     const S inverse = S(1.0) / sqrt(squared_norm(m));
     const Vec3Of<S> b = inverse * m;
     const Vec3Of<S> s = n + b;
@@ -107,8 +109,8 @@ class ShadingBy {
 };
 using Shading = ShadingBy<ShadedNormals>;
 
-std::vector<ParameterDeclaration> parameters_of_force_shading() {
-  std::vector<ParameterDeclaration> own{
+std::vector<rendering::ParameterDeclaration> parameters_of_force_shading() {
+  std::vector<rendering::ParameterDeclaration> own{
       {"crease_angle_rad", "rad", 0.0, std::numbers::pi, std::numbers::pi / 3.0, "sharper edges are not shaded"}};
   for (auto& declared : cone_parameters()) own.push_back(std::move(declared));
   return proxy_parameters(std::move(own));
@@ -116,17 +118,18 @@ std::vector<ParameterDeclaration> parameters_of_force_shading() {
 
 }  // namespace
 
-RendererEntry force_shading_entry() {
-  RendererEntry entry{
+rendering::RendererEntry force_shading_entry() {
+  rendering::RendererEntry entry{
       "force-shading",
       "god-object whose force points along normals interpolated between the vertices', with or without friction",
       "Morgenbesser and Srinivasan 1996",
       parameters_of_force_shading(),
-      {{Ability::analytic_surface, "it constrains the god-object by triangles"},
-       {Ability::passive,
+      {{rendering::Ability::analytic_surface, "it constrains the god-object by triangles"},
+       {rendering::Ability::passive,
         "interpolated normals are no surface's: a path of length L at depth d gives back up to k d 2 sin(a/2) L, a the "
         "angle between shaded and true normal"}},
-      [](const Parameters& parameters, std::shared_ptr<const Surface> surface) -> std::unique_ptr<Renderer> {
+      [](const Parameters& parameters,
+         std::shared_ptr<const surface::Surface> surface) -> std::unique_ptr<rendering::Renderer> {
         const double stiffness = parameters.at("stiffness_N_per_m");
         const double radius = parameters.at("tip_radius_m");
         const ConeFriction friction{parameters.at("mu_static"), parameters.at("mu_dynamic")};
@@ -138,13 +141,14 @@ RendererEntry force_shading_entry() {
         return std::make_unique<ProxyRenderer<PointProxy, Shading>>(stiffness, std::move(surface), std::move(shading),
                                                                     friction);
       },
-      [](const Parameters& parameters, std::shared_ptr<const Surface> surface) -> std::unique_ptr<Renderer> {
+      [](const Parameters& parameters,
+         std::shared_ptr<const surface::Surface> surface) -> std::unique_ptr<rendering::Renderer> {
         const auto mesh = contact_mesh(surface);
         Shading shading(*mesh, parameters.at("crease_angle_rad"));
         return make_counted_proxy(std::move(surface), parameters.at("stiffness_N_per_m"), parameters.at("tip_radius_m"),
                                   {parameters.at("mu_static"), parameters.at("mu_dynamic")}, std::move(shading));
       }};
-  entry.make_scene = [](const Parameters& parameters, std::shared_ptr<const BodyScene> scene) {
+  entry.make_scene = [](const Parameters& parameters, std::shared_ptr<const rendering::BodyScene> scene) {
     const double crease_angle_rad = parameters.at("crease_angle_rad");
     return make_scene_proxy(
         parameters, std::move(scene), {parameters.at("mu_static"), parameters.at("mu_dynamic")},

@@ -20,11 +20,10 @@
 //  - along a rim the mean is one-sided.
 #pragma once
 
-#include "harness/base/rooms.h"
 #include "harness/rendering/renderer_entry.h"
 
 namespace touchstone::renderers {
 
-RendererEntry force_shading_entry();
+rendering::RendererEntry force_shading_entry();
 
 }  // namespace touchstone::renderers

@@ -11,12 +11,15 @@
 #include "synthetic/surface_catalogue.h"
 
 namespace touchstone::renderers {
+using rendering::StepResult;
+using surface::TriangleMesh;
+
 namespace {
 
 constexpr double kStiffness = 500.0;
 constexpr double kEps = std::numeric_limits<double>::epsilon();
 
-std::unique_ptr<Renderer> shading(const TriangleMesh& mesh, std::map<std::string, double> parameters = {}) {
+std::unique_ptr<rendering::Renderer> shading(const TriangleMesh& mesh, std::map<std::string, double> parameters = {}) {
   parameters.try_emplace("stiffness_N_per_m", kStiffness);
   return make_renderer(model_of("force-shading", parameters), make_embree_surface(mesh));
 }
@@ -29,7 +32,7 @@ std::vector<Vec3> rounds(const synthetic::AnalyticSurface& body, double depth_m,
   std::vector<Vec3> tips;
   for (int i = 0; i <= turns * per_turn; ++i) {
     const double a = 2.0 * std::numbers::pi * i / per_turn;
-    const SurfacePoint foot = body.closest(Vec3(0.03 * std::cos(a), 0.03 * std::sin(a), 0.007));
+    const surface::SurfacePoint foot = body.closest(Vec3(0.03 * std::cos(a), 0.03 * std::sin(a), 0.007));
     tips.push_back(foot.p_W_m + (radius_m - depth_m) * foot.n_W);
   }
   return tips;
@@ -50,7 +53,7 @@ TEST(ForceShading, KeepsTheSizeOfTheForceAndTheContactPoint) {
       for (int i = 0; i < 2000; ++i) {
         way = (way + 0.03 * random.direction()).normalized();
         way.z() = std::abs(way.z());
-        const SurfacePoint foot = at->closest(0.06 * way);
+        const surface::SurfacePoint foot = at->closest(0.06 * way);
         const Vec3 p = foot.p_W_m + (radius - 4e-4 - 5e-4 * std::sin(0.01 * i)) * foot.n_W;
         const StepResult obtained = one.to(p);
         const StepResult expected = other.to(p);
@@ -75,7 +78,7 @@ TEST(ForceShading, IsOfSecondOrderOnASphere) {
   for (const double scale : unit_scales()) {
     std::vector<double> shaded_error, plain_error;
     for (const int levels : {3, 4, 5}) {
-      const TriangleMesh mesh = testing::moved(testing::ball(0.03, levels), awkward_rotation(), Vec3::Zero(), scale);
+      const TriangleMesh mesh = surface::moved(testing::ball(0.03, levels), awkward_rotation(), Vec3::Zero(), scale);
       const auto shaded = shading(mesh, {{"stiffness_N_per_m", kStiffness / scale}});
       const auto plain = god_object(mesh, kStiffness / scale);
       const auto at = make_embree_surface(mesh);
@@ -128,7 +131,7 @@ TEST(ForceShading, TurnsWithoutJumpsAcrossSmoothEdges) {
   const auto body = synthetic::make_surface("sphere");
   const TriangleMesh mesh = body->tessellate(500).mesh;
   for (const double radius : {0.0, 0.001}) {
-    const auto jumps = [&](Renderer& renderer) {
+    const auto jumps = [&](rendering::Renderer& renderer) {
       Hand hand(renderer);
       double most = 0.0;
       Vec3 last = Vec3::Zero();

@@ -8,14 +8,13 @@
 // god-object is, here the god-object itself lags behind.
 #pragma once
 
-#include "harness/base/rooms.h"
 #include "harness/rendering/renderer_entry.h"
 
 namespace touchstone::renderers {
 
-RendererEntry friction_cone_entry();
+rendering::RendererEntry friction_cone_entry();
 
 // For renderers with the cone: mu_static, mu_dynamic, default 0.
-std::vector<ParameterDeclaration> cone_parameters();
+std::vector<rendering::ParameterDeclaration> cone_parameters();
 
 }  // namespace touchstone::renderers

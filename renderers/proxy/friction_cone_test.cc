@@ -12,6 +12,9 @@
 #include "synthetic/surface_catalogue.h"
 
 namespace touchstone::renderers {
+using rendering::StepResult;
+using surface::TriangleMesh;
+
 namespace {
 
 constexpr double kStiffness = 500.0;
@@ -21,15 +24,16 @@ struct Coefficients {
   double mu_static, mu_dynamic;
 };
 
-std::unique_ptr<Renderer> cone(std::shared_ptr<const Surface> surface, double stiffness, Coefficients mu,
-                               double radius_m = 0.0) {
+std::unique_ptr<rendering::Renderer> cone(std::shared_ptr<const surface::Surface> surface, double stiffness,
+                                          Coefficients mu, double radius_m = 0.0) {
   return make_renderer(model_of("friction-cone", {{"stiffness_N_per_m", stiffness},
                                                   {"mu_static", mu.mu_static},
                                                   {"mu_dynamic", mu.mu_dynamic},
                                                   {"tip_radius_m", radius_m}}),
                        std::move(surface));
 }
-std::unique_ptr<Renderer> cone(const TriangleMesh& mesh, double stiffness, Coefficients mu, double radius_m = 0.0) {
+std::unique_ptr<rendering::Renderer> cone(const TriangleMesh& mesh, double stiffness, Coefficients mu,
+                                          double radius_m = 0.0) {
   return cone(make_embree_surface(mesh), stiffness, mu, radius_m);
 }
 
@@ -48,7 +52,8 @@ double most_pressed(const TriangleMesh& mesh, double radius_m, const StepResult&
   for (const auto& t : mesh.triangles) {
     const auto corner = [&](std::size_t i) { return mesh.vertices_W_m[static_cast<std::size_t>(t[i])]; };
     const Vec3 n = (corner(1) - corner(0)).cross(corner(2) - corner(0)).normalized();
-    const TriangleClosest foot = closest_on_triangle({corner(0), corner(1), corner(2)}, n, step.contact_W_m);
+    const surface::TriangleClosest foot =
+        surface::closest_on_triangle({corner(0), corner(1), corner(2)}, n, step.contact_W_m);
     if (std::sqrt(foot.squared_distance) > radius_m + 1e-9) continue;
     const Vec3 way = radius_m > 0.0 ? Vec3(-foot.from_query.normalized()) : n;
     if (const double cosine = way.dot(step.n_W); cosine > 0.0) least = std::min(least, cosine);
@@ -68,7 +73,7 @@ std::vector<Shape> shapes() {
   };
   TriangleMesh crossed = testing::cube(0.02);
   const TriangleMesh other =
-      testing::moved(testing::cube(0.015), Quat(0.9, 0.1, 0.3, 0.2).normalized(), Vec3(0.01, 0.004, 0.012));
+      surface::moved(testing::cube(0.015), Quat(0.9, 0.1, 0.3, 0.2).normalized(), Vec3(0.01, 0.004, 0.012));
   const auto shift = static_cast<std::int32_t>(crossed.vertices_W_m.size());
   crossed.vertices_W_m.insert(crossed.vertices_W_m.end(), other.vertices_W_m.begin(), other.vertices_W_m.end());
   for (auto t : other.triangles) crossed.triangles.push_back({t[0] + shift, t[1] + shift, t[2] + shift});
@@ -79,7 +84,7 @@ std::vector<Shape> shapes() {
 }
 
 // Strokes that press up to 1 mm deep over a shape, with taps into the air, all in the shape's own unit.
-std::vector<Vec3> strokes(const Surface& at, double radius_m, std::uint64_t seed, int steps) {
+std::vector<Vec3> strokes(const surface::Surface& at, double radius_m, std::uint64_t seed, int steps) {
   Random random(seed);
   const Vec3 middle = at.bounds().center();
   const Vec3 half = 0.5 * at.bounds().sizes();
@@ -92,7 +97,7 @@ std::vector<Vec3> strokes(const Surface& at, double radius_m, std::uint64_t seed
     if (i / 40 % 2 == 0) way = (way + 0.01 * turn).normalized();
     Vec3 from = middle + 1.5 * half.cwiseProduct(way);
     from.z() = half.z() < 0.2 * half.x() ? std::abs(from.z() - middle.z()) + middle.z() + 0.01 : from.z();
-    const SurfacePoint foot = at.closest(from);
+    const surface::SurfacePoint foot = at.closest(from);
     const double depth = 1e-3 * (0.6 + 0.8 * std::sin(0.013 * i));
     tips.push_back(foot.p_W_m + (radius_m - depth) * foot.n_W + 1e-5 * random.direction());
   }
@@ -107,7 +112,7 @@ TEST(FrictionCone, BreaksAwayAtTheStaticCoefficientAndSlidesAtTheDynamic) {
       for (const double scale : unit_scales()) {
         const Quat turn = awkward_rotation();
         const Vec3 shift = scale * Vec3(0.01, -0.02, 0.005);
-        const auto world = make_embree_surface(testing::moved(mesh, turn, shift, scale));
+        const auto world = make_embree_surface(surface::moved(mesh, turn, shift, scale));
         Random random(7);
         int tried = 0;
         for (const Coefficients mu : {Coefficients{0.05, 0.02}, {0.4, 0.3}, {1.2, 0.0}, {2.0, 2.0}}) {
@@ -231,7 +236,7 @@ TEST(FrictionCone, AlongAGrooveBothWallsRub) {
                            {half * std::cos(b), half, half * std::sin(b)}};
       mesh.triangles = {{0, 2, 1}, {2, 3, 1}, {2, 4, 3}, {4, 5, 3}};
       const Quat turn = awkward_rotation();
-      const auto world = make_embree_surface(testing::moved(mesh, turn, Vec3::Zero(), scale));
+      const auto world = make_embree_surface(surface::moved(mesh, turn, Vec3::Zero(), scale));
       for (const double radius : {0.0, 0.002}) {
         const Coefficients mu{0.4, 0.3};
         const auto renderer = cone(world, kStiffness / scale, mu, radius * scale);
@@ -267,7 +272,7 @@ TEST(FrictionCone, AlongAGrooveBothWallsRub) {
 TEST(FrictionCone, DissipatesForceTimesWayOnAPlane) {
   for (const double scale : unit_scales()) {
     const TriangleMesh mesh =
-        testing::moved(synthetic::make_mesh("plane", {}, 200).mesh, Quat::Identity(), Vec3::Zero(), scale);
+        surface::moved(synthetic::make_mesh("plane", {}, 200).mesh, Quat::Identity(), Vec3::Zero(), scale);
     const auto renderer = cone(mesh, kStiffness / scale, {0.5, 0.3});
     Hand hand(*renderer);
     const double h = 1e-3 * scale;
@@ -292,7 +297,7 @@ TEST(FrictionCone, IsTheEffectCoulombFrictionOnAPlaneAtConstantDepth) {
   const TriangleMesh mesh = synthetic::make_mesh("plane", {}, 200).mesh;
   const double h = 8e-4;
   const auto effect = [&](Coefficients mu) {
-    Model model = model_of("god-object", {{"stiffness_N_per_m", kStiffness}});
+    rendering::Model model = model_of("god-object", {{"stiffness_N_per_m", kStiffness}});
     model.effects.push_back(
         {"coulomb-friction",
          {{"mu_static", mu.mu_static}, {"mu_dynamic", mu.mu_dynamic}, {"presliding_m", mu.mu_static * h}},
@@ -329,9 +334,9 @@ TEST(FrictionCone, RefusesStaticBelowDynamicWithTheReason) {
   const auto surface = make_embree_surface(testing::cube(0.02));
   for (const std::string name : {"friction-cone", "force-shading"}) {
     try {
-      make_renderer(parse_model(R"({"schema": "touchstone-model/1", "renderer": ")" + name +
-                                    R"(", "parameters": {"mu_static": 0.2, "mu_dynamic": 0.3}})",
-                                "m.json"),
+      make_renderer(rendering::parse_model(R"({"schema": "touchstone-model/1", "renderer": ")" + name +
+                                               R"(", "parameters": {"mu_static": 0.2, "mu_dynamic": 0.3}})",
+                                           "m.json"),
                     surface);
       FAIL() << name;
     } catch (const BadData& error) {

@@ -8,26 +8,29 @@
 #include "renderers/proxy/scene_renderer.h"
 
 namespace touchstone::renderers {
+using rendering::Parameters;
 
-RendererEntry god_object_entry() {
-  RendererEntry entry{
+rendering::RendererEntry god_object_entry() {
+  rendering::RendererEntry entry{
       "god-object",
       "constraint-based: the surface contact point follows the tip outside the surface, a spring joins the two",
       "Zilles and Salisbury 1995",
       proxy_parameters(),
-      {{Ability::analytic_surface, "it constrains the god-object by triangles"}},
-      [](const Parameters& parameters, std::shared_ptr<const Surface> surface) -> std::unique_ptr<Renderer> {
+      {{rendering::Ability::analytic_surface, "it constrains the god-object by triangles"}},
+      [](const Parameters& parameters,
+         std::shared_ptr<const surface::Surface> surface) -> std::unique_ptr<rendering::Renderer> {
         const double stiffness = parameters.at("stiffness_N_per_m");
         const double radius = parameters.at("tip_radius_m");
         if (radius > 0.0)
           return std::make_unique<ProxyRenderer<BallProxy>>(stiffness, std::move(surface), NoShading{}, radius);
         return std::make_unique<ProxyRenderer<PointProxy>>(stiffness, std::move(surface), NoShading{});
       },
-      [](const Parameters& parameters, std::shared_ptr<const Surface> surface) -> std::unique_ptr<Renderer> {
+      [](const Parameters& parameters,
+         std::shared_ptr<const surface::Surface> surface) -> std::unique_ptr<rendering::Renderer> {
         return make_counted_god_object(std::move(surface), parameters.at("stiffness_N_per_m"),
                                        parameters.at("tip_radius_m"), {});
       }};
-  entry.make_scene = [](const Parameters& parameters, std::shared_ptr<const BodyScene> scene) {
+  entry.make_scene = [](const Parameters& parameters, std::shared_ptr<const rendering::BodyScene> scene) {
     return make_scene_proxy(parameters, std::move(scene), {});
   };
   entry.has_exact_answer = true;

@@ -1,11 +1,10 @@
 // The god-object renderer: Zilles and Salisbury, "A constraint-based god-object method for haptic display", IROS 1995.
 #pragma once
 
-#include "harness/base/rooms.h"
 #include "harness/rendering/renderer_entry.h"
 
 namespace touchstone::renderers {
 
-RendererEntry god_object_entry();
+rendering::RendererEntry god_object_entry();
 
 }  // namespace touchstone::renderers

@@ -13,6 +13,9 @@
 #include "synthetic/surfaces/exact_contact.h"
 
 namespace touchstone::renderers {
+using rendering::StepResult;
+using surface::TriangleMesh;
+
 namespace {
 
 constexpr double kStiffness = 500.0;
@@ -29,7 +32,7 @@ struct World {
       : World(synthetic::make_mesh(name, overrides, triangles).mesh, scale_) {}
   World(const TriangleMesh& mesh_, double scale_)
       : turn(awkward_rotation()), shift(scale_ * Vec3(0.01, -0.02, 0.005)), scale(scale_) {
-    mesh = testing::moved(mesh_, turn, shift, scale);
+    mesh = surface::moved(mesh_, turn, shift, scale);
   }
   [[nodiscard]] Vec3 at(const Vec3& p) const { return turn * (scale * p) + shift; }
   [[nodiscard]] Vec3 direction(const Vec3& v) const { return turn * v; }
@@ -54,15 +57,15 @@ TEST(GodObject, AWatchSaysWhereATipFallsThroughASeam) {
       mesh.triangles.push_back({first, first + 2, first + 3});
     }
     const auto surface = make_embree_surface(mesh);
-    const auto search = std::make_shared<SeamSearch>(surface);
-    SeamWatch watched(god_object(mesh, kStiffness), search);
+    const auto search = std::make_shared<rendering::SeamSearch>(surface);
+    rendering::SeamWatch watched(god_object(mesh, kStiffness), search);
     Hand hand(watched);
     hand.to({-0.01, 0.003, 0.001});
     for (double x = -0.01; x < to_x; x += 3e-5) hand.to({x, 0.003, -7e-4});
     if (up) hand.to({to_x, 0.003, 1e-3});
     return search->losses();
   };
-  const SeamLosses found = lost(5e-8, 0.02, false);
+  const rendering::SeamLosses found = lost(5e-8, 0.02, false);
   EXPECT_EQ(found.count, 1U);
   EXPECT_NEAR(found.first_at_W_m.x(), 0.004, 6e-5);
   EXPECT_NEAR(found.first_depth_m, 7e-4, 1e-9);
@@ -71,7 +74,7 @@ TEST(GodObject, AWatchSaysWhereATipFallsThroughASeam) {
   EXPECT_EQ(lost(0.0, 0.02, false).count, 0U);
   EXPECT_EQ(lost(0.0, 0.05, false).count, 0U) << "over the outer rim";
   EXPECT_EQ(lost(0.0, 0.002, true).count, 0U);
-  EXPECT_EQ(seam_warning({}), "");
+  EXPECT_EQ(rendering::seam_warning({}), "");
 }
 
 TEST(GodObject, PressesAPlaneWithItsStiffnessAlongTheNormalOnly) {
@@ -255,7 +258,7 @@ TEST(GodObject, RestsInAGrooveAndInACorner) {
 TEST(GodObject, PowersOfTwoOfTheUnitChangeNoBit) {
   const TriangleMesh mesh = synthetic::make_mesh("duck", {}, 3000).mesh;
   const auto run = [&](double scale) {
-    const auto renderer = god_object(testing::moved(mesh, Quat::Identity(), Vec3::Zero(), scale), 512.0 / scale);
+    const auto renderer = god_object(surface::moved(mesh, Quat::Identity(), Vec3::Zero(), scale), 512.0 / scale);
     Hand hand(*renderer);
     Random random(4);
     std::vector<Vec3> forces;
@@ -311,7 +314,7 @@ TEST(GodObject, AnOpenSheetStopsTheTipFromItsFrontAndLetsGoAtItsRim) {
 TEST(GodObject, EdgesAndVerticesHitExactlyStopTheTip) {
   const TriangleMesh grid = testing::grid(0.064, 16);  // vertices at multiples of 8 mm, exact in binary
   for (const double scale : {0.25, 1.0, 1024.0}) {
-    const TriangleMesh mesh = testing::moved(grid, Quat::Identity(), Vec3::Zero(), scale);
+    const TriangleMesh mesh = surface::moved(grid, Quat::Identity(), Vec3::Zero(), scale);
     const auto renderer = god_object(mesh, kStiffness);
     for (const Vec3& foot :
          {Vec3(0, 0, 0), Vec3(0.008, 0.016, 0), Vec3(0.004, 0.008, 0), Vec3(0.004, 0.004, 0), Vec3(0.008, 0.003, 0)}) {
@@ -361,7 +364,7 @@ TEST(GodObject, FollowsTheSmoothBodyToWithinItsTessellation) {
       // From above onto the body, then along it at most 0.5 mm deep.
       Vec3 x = box.center() + Vec3(0.001, 0.0007, box.sizes().norm());
       hand.to(x);
-      SurfacePoint foot = shape->closest(x);
+      surface::SurfacePoint foot = shape->closest(x);
       Vec3 along = random.direction();
       for (int i = 0; i < 800; ++i) {
         const Vec3 p = foot.p_W_m - 5e-4 * std::min(1.0, i / 100.0) * foot.n_W;

@@ -2,7 +2,6 @@
 // planes where it is not (plane_contact.h).
 #pragma once
 
-#include "harness/base/rooms.h"
 #include "renderers/walkable/exposed_place.h"
 #include "renderers/walkable/plane_contact.h"
 #include "renderers/walkable/surface_walk.h"
@@ -14,15 +13,15 @@ template <class Walk>
 RestingPlaceOf<typename Walk::S> resting_place_of(const Walk& walk) noexcept {
   using On = typename Walk::On;
   if (walk.on() == On::nothing) return {};
-  const Feature feature = walk.on() == On::face   ? Feature::face
-                          : walk.on() == On::edge ? Feature::edge
-                                                  : Feature::vertex;
+  const surface::Feature feature = walk.on() == On::face   ? surface::Feature::face
+                                   : walk.on() == On::edge ? surface::Feature::edge
+                                                           : surface::Feature::vertex;
   return {walk.triangle(), feature, walk.local(), walk.position()};
 }
 
 class PointProxy {
  public:
-  PointProxy(const ContactMesh& mesh, const Surface& surface, const ConeFriction& friction = {})
+  PointProxy(const ContactMesh& mesh, const surface::Surface& surface, const ConeFriction& friction = {})
       : mesh_(&mesh), surface_(&surface), walk_(mesh, friction), planes_(mesh), cone_(friction) {}
 
   // The first position of a run: inside a closed body (or behind an open sheet, its rim aside) the god-object starts at
@@ -50,7 +49,7 @@ class PointProxy {
   void go_by_planes(const Vec3& p) noexcept;
 
   const ContactMesh* mesh_;
-  const Surface* surface_;
+  const surface::Surface* surface_;
   SurfaceWalk walk_;
   PlaneContact planes_;
   ConeFollower cone_;  // for planes_; the walk has its own

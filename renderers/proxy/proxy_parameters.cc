@@ -4,6 +4,7 @@
 #include <limits>
 
 namespace touchstone::renderers {
+using rendering::ParameterDeclaration;
 
 std::vector<ParameterDeclaration> proxy_parameters(std::vector<ParameterDeclaration> more) {
   std::vector<ParameterDeclaration> declared{

@@ -3,12 +3,11 @@
 
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "harness/rendering/parameters.h"
 
 namespace touchstone::renderers {
 
 // stiffness_N_per_m and tip_radius_m, then `more`.
-std::vector<ParameterDeclaration> proxy_parameters(std::vector<ParameterDeclaration> more = {});
+std::vector<rendering::ParameterDeclaration> proxy_parameters(std::vector<rendering::ParameterDeclaration> more = {});
 
 }  // namespace touchstone::renderers

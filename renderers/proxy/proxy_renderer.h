@@ -5,7 +5,6 @@
 #include <memory>
 #include <utility>
 
-#include "harness/base/rooms.h"
 #include "harness/rendering/renderer.h"
 #include "renderers/walkable/contact_mesh.h"
 
@@ -14,14 +13,14 @@ namespace touchstone::renderers {
 // The force as the spring gives it.
 struct NoShading {
   template <class Mesh, class Proxy>
-  void turn(const Mesh& /*mesh*/, const Proxy& /*proxy*/, StepResult& /*result*/) const noexcept {}
+  void turn(const Mesh& /*mesh*/, const Proxy& /*proxy*/, rendering::StepResult& /*result*/) const noexcept {}
 };
 
 // The force of the spring from p to the proxy, before any shading.
 template <class S, class Proxy>
-StepResult spring_to(const Proxy& proxy, const Vec3Of<S>& p, const S& stiffness_N_per_m) noexcept {
+rendering::StepResult spring_to(const Proxy& proxy, const Vec3Of<S>& p, const S& stiffness_N_per_m) noexcept {
   using std::sqrt;
-  StepResult result;
+  rendering::StepResult result;
   result.contact_W_m = proxy.position().template cast<double>();
   if (!proxy.touching()) return result;
   const Vec3Of<S>& push = proxy.push(p);
@@ -35,26 +34,26 @@ StepResult spring_to(const Proxy& proxy, const Vec3Of<S>& p, const S& stiffness_
 
 // A servo step: the proxy starts at p or follows it there, and `shading` may turn the spring's force.
 template <class S, class Proxy, class Mesh, class Shading>
-StepResult proxy_step(Proxy& proxy, bool& started, const Vec3Of<S>& p, const S& stiffness_N_per_m, const Mesh& mesh,
-                      Shading& shading) noexcept {
+rendering::StepResult proxy_step(Proxy& proxy, bool& started, const Vec3Of<S>& p, const S& stiffness_N_per_m,
+                                 const Mesh& mesh, Shading& shading) noexcept {
   if (started) {
     proxy.follow(p);
   } else {
     started = true;
     proxy.start(p);
   }
-  StepResult result = spring_to<S>(proxy, p, stiffness_N_per_m);
+  rendering::StepResult result = spring_to<S>(proxy, p, stiffness_N_per_m);
   if (result.contact) shading.turn(mesh, proxy, result);
   return result;
 }
 
 // `Proxy`: PointProxy or BallProxy. `Shading` may turn the force once the proxy is found.
 template <class Proxy, class Shading = NoShading>
-class ProxyRenderer final : public Renderer {
+class ProxyRenderer final : public rendering::Renderer {
  public:
   // `tip`: what the proxy's constructor takes after mesh and surface.
   template <class... Tip>
-  ProxyRenderer(double stiffness_N_per_m, std::shared_ptr<const Surface> surface, Shading shading, Tip... tip)
+  ProxyRenderer(double stiffness_N_per_m, std::shared_ptr<const surface::Surface> surface, Shading shading, Tip... tip)
       : stiffness_N_per_m_(stiffness_N_per_m),
         surface_(std::move(surface)),
         mesh_(contact_mesh(surface_)),
@@ -68,12 +67,12 @@ class ProxyRenderer final : public Renderer {
  private:
   void do_reset() override { started_ = false; }
 
-  StepResult do_step(const TipState& tip) noexcept override {
+  rendering::StepResult do_step(const rendering::TipState& tip) noexcept override {
     return proxy_step<double>(proxy_, started_, tip.p_W_m, stiffness_N_per_m_, *mesh_, shading_);
   }
 
   double stiffness_N_per_m_;
-  std::shared_ptr<const Surface> surface_;
+  std::shared_ptr<const surface::Surface> surface_;
   std::shared_ptr<const ContactMesh> mesh_;
   Shading shading_;
   Proxy proxy_;

@@ -21,7 +21,6 @@
 #include <cstdint>
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "renderers/friction/cone_friction.h"
 #include "renderers/proxy/point_proxy.h"
 #include "renderers/walkable/plane_contact.h"

@@ -6,7 +6,7 @@
 
 namespace touchstone::renderers {
 
-void check_scene_tip(const Parameters& parameters) {
+void check_scene_tip(const rendering::Parameters& parameters) {
   const double radius_m = parameters.at("tip_radius_m");
   if (!(radius_m > 0.0)) return;
   throw BadData(fmt::format(

@@ -5,7 +5,6 @@
 #include <memory>
 #include <utility>
 
-#include "harness/base/rooms.h"
 #include "harness/rendering/parameters.h"
 #include "harness/rendering/renderer.h"
 #include "harness/rendering/scene.h"
@@ -16,12 +15,12 @@ namespace touchstone::renderers {
 
 // `Shading` may turn the force once the proxy is found.
 template <class Shading>
-class SceneRenderer final : public Renderer {
+class SceneRenderer final : public rendering::Renderer {
  public:
   // `make_shading(bodies)`.
   template <class MakeShading>
-  SceneRenderer(double stiffness_N_per_m, std::shared_ptr<const BodyScene> scene, const ConeFriction& friction,
-                MakeShading&& make_shading)
+  SceneRenderer(double stiffness_N_per_m, std::shared_ptr<const rendering::BodyScene> scene,
+                const ConeFriction& friction, MakeShading&& make_shading)
       : stiffness_N_per_m_(stiffness_N_per_m),
         scene_(std::move(scene)),
         bodies_(*scene_),
@@ -36,14 +35,14 @@ class SceneRenderer final : public Renderer {
     out_of_reach_ = false;
   }
 
-  StepResult do_step(const TipState& tip) noexcept override {
+  rendering::StepResult do_step(const rendering::TipState& tip) noexcept override {
     if (!out_of_reach_ && !bodies_.move_to(tip.t_s, !started_)) {
       out_of_reach_ = true;
       out_of_reach_s_ = tip.t_s;
     }
     if (out_of_reach_) {
-      StepResult failed;
-      failed.status = StepStatus::failed;
+      rendering::StepResult failed;
+      failed.status = rendering::StepStatus::failed;
       return failed;
     }
     return proxy_step<double>(proxy_, started_, tip.p_W_m, stiffness_N_per_m_, bodies_, shading_);
@@ -54,7 +53,7 @@ class SceneRenderer final : public Renderer {
   }
 
   double stiffness_N_per_m_;
-  std::shared_ptr<const BodyScene> scene_;
+  std::shared_ptr<const rendering::BodyScene> scene_;
   PosedBodies bodies_;
   Shading shading_;
   SceneProxy proxy_;
@@ -64,18 +63,20 @@ class SceneRenderer final : public Renderer {
 };
 
 // Throws BadData for a tip of finite radius: bodies that move against each other are rendered to points.
-void check_scene_tip(const Parameters& parameters);
+void check_scene_tip(const rendering::Parameters& parameters);
 
 template <class MakeShading>
-std::unique_ptr<Renderer> make_scene_proxy(const Parameters& parameters, std::shared_ptr<const BodyScene> scene,
-                                           const ConeFriction& friction, MakeShading make_shading) {
+std::unique_ptr<rendering::Renderer> make_scene_proxy(const rendering::Parameters& parameters,
+                                                      std::shared_ptr<const rendering::BodyScene> scene,
+                                                      const ConeFriction& friction, MakeShading make_shading) {
   check_scene_tip(parameters);
   using Shading = decltype(make_shading(std::declval<const PosedBodies&>()));
   return std::make_unique<SceneRenderer<Shading>>(parameters.at("stiffness_N_per_m"), std::move(scene), friction,
                                                   make_shading);
 }
-inline std::unique_ptr<Renderer> make_scene_proxy(const Parameters& parameters, std::shared_ptr<const BodyScene> scene,
-                                                  const ConeFriction& friction) {
+inline std::unique_ptr<rendering::Renderer> make_scene_proxy(const rendering::Parameters& parameters,
+                                                             std::shared_ptr<const rendering::BodyScene> scene,
+                                                             const ConeFriction& friction) {
   return make_scene_proxy(parameters, std::move(scene), friction, [](const PosedBodies&) { return NoShading{}; });
 }
 

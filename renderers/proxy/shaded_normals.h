@@ -13,7 +13,6 @@
 #include <cstdint>
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "renderers/friction/contact_places.h"
 #include "renderers/walkable/contact_mesh.h"
 #include "renderers/walkable/fetch.h"
@@ -32,8 +31,8 @@ class ShadedNormals {
   [[nodiscard]] S direction(const FacetOf<S>& facet, const Place& place, const Vec3Of<S>& n,
                             Vec3Of<S>& m) const noexcept {
     const Shade& shade = shades_[static_cast<std::size_t>(place.triangle)];
-    if (place.feature == Feature::edge && !shade.smooth_edge[place.index]) return S(0.0);
-    if (place.feature == Feature::vertex && !shade.smooth_corner[place.index]) return S(0.0);
+    if (place.feature == surface::Feature::edge && !shade.smooth_edge[place.index]) return S(0.0);
+    if (place.feature == surface::Feature::vertex && !shade.smooth_corner[place.index]) return S(0.0);
     const Vec3Of<S> r = place.p - facet.origin;
     m = shade.n0.cast<S>() + dot(facet.inward[2], r) * shade.d1.cast<S>() +
         dot(facet.inward[0], r) * shade.d2.cast<S>();

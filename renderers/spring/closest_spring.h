@@ -13,7 +13,6 @@
 #include <type_traits>
 #include <utility>
 
-#include "harness/base/rooms.h"
 #include "harness/base/vec.h"
 #include "harness/rendering/renderer.h"
 #include "harness/surface/mesh_topology.h"
@@ -67,30 +66,30 @@ SpringPush<S> push_out(const Foot<S>& foot, const Vec3Of<S>& tip_W_m, const S& k
 }
 
 // Whether the edge or corner lies on an edge that no other triangle has.
-bool on_rim(const MeshTopology& topology, const TriangleMesh& mesh, std::size_t triangle, Feature feature,
-            std::size_t index) noexcept;
+bool on_rim(const surface::MeshTopology& topology, const surface::TriangleMesh& mesh, std::size_t triangle,
+            surface::Feature feature, std::size_t index) noexcept;
 // `point` is the closest to p_W_m.
-bool on_rim(const Surface& surface, const SurfacePoint& point, const Vec3& p_W_m) noexcept;
+bool on_rim(const surface::Surface& surface, const surface::SurfacePoint& point, const Vec3& p_W_m) noexcept;
 
 // Asks a surface.
 class SurfaceFeet {
  public:
   using Scalar = double;
-  explicit SurfaceFeet(std::shared_ptr<const Surface> surface) : surface_(std::move(surface)) {}
+  explicit SurfaceFeet(std::shared_ptr<const surface::Surface> surface) : surface_(std::move(surface)) {}
   [[nodiscard]] Foot<double> closest(const Vec3& p_W_m) const {
-    const SurfacePoint point = surface_->closest(p_W_m);
-    const bool smooth = point.feature == Feature::face || point.feature == Feature::analytic;
+    const surface::SurfacePoint point = surface_->closest(p_W_m);
+    const bool smooth = point.feature == surface::Feature::face || point.feature == surface::Feature::analytic;
     const bool beyond_rim = point.signed_distance_m < 0.0 && !smooth && on_rim(*surface_, point, p_W_m);
     return {point.p_W_m, point.n_W, beyond_rim ? point.distance_m : point.signed_distance_m, smooth};
   }
 
  private:
-  std::shared_ptr<const Surface> surface_;
+  std::shared_ptr<const surface::Surface> surface_;
 };
 
 // `Feet` answers closest(Vec3Of<Feet::Scalar>) with a Foot.
 template <int kPower, class Feet>
-class ClosestSpring final : public Renderer {
+class ClosestSpring final : public rendering::Renderer {
  public:
   ClosestSpring(Feet feet, double k, double radius_m) : feet_(std::move(feet)), k_(k), radius_m_(radius_m) {}
 
@@ -125,10 +124,10 @@ class ClosestSpring final : public Renderer {
     return foot;
   }
 
-  StepResult do_step(const TipState& tip) noexcept override {
+  rendering::StepResult do_step(const rendering::TipState& tip) noexcept override {
     const Vec3Of<S> p_W_m = tip.p_W_m.template cast<S>();
     const SpringPush<S> push = push_out<kPower, S>(foot_at(p_W_m), p_W_m, k_, radius_m_);
-    StepResult result;
+    rendering::StepResult result;
     result.contact = push.contact;
     result.f_W_N = push.f_W_N.template cast<double>();
     result.contact_W_m = push.contact_W_m.template cast<double>();
@@ -151,8 +150,9 @@ class ClosestSpring final : public Renderer {
 };
 
 template <int kPower, class Feet>
-std::unique_ptr<Renderer> make_closest_spring(std::shared_ptr<const Surface> surface, double k, double radius_m) {
-  if constexpr (std::is_constructible_v<Feet, std::shared_ptr<const Surface>>) {
+std::unique_ptr<rendering::Renderer> make_closest_spring(std::shared_ptr<const surface::Surface> surface, double k,
+                                                         double radius_m) {
+  if constexpr (std::is_constructible_v<Feet, std::shared_ptr<const surface::Surface>>) {
     return std::make_unique<ClosestSpring<kPower, Feet>>(Feet(std::move(surface)), k, radius_m);
   } else {
     return std::make_unique<ClosestSpring<kPower, Feet>>(Feet(*surface), k, radius_m);

@@ -4,9 +4,11 @@
 #include "harness/surface/closest_on_triangle.h"
 
 namespace touchstone::renderers {
+using surface::Feature;
+
 namespace {
 
-const TriangleMesh& counted_triangles_of(const Surface& surface) {
+const surface::TriangleMesh& counted_triangles_of(const surface::Surface& surface) {
   if (surface.mesh() == nullptr)
     throw BadData("operations are counted on triangles only: an analytic surface's own arithmetic is not counted");
   return *surface.mesh();
@@ -14,8 +16,8 @@ const TriangleMesh& counted_triangles_of(const Surface& surface) {
 
 }  // namespace
 
-CountedFeet::CountedFeet(const Surface& surface)
-    : mesh_(std::make_shared<const TriangleMesh>(counted_triangles_of(surface))),
+CountedFeet::CountedFeet(const surface::Surface& surface)
+    : mesh_(std::make_shared<const surface::TriangleMesh>(counted_triangles_of(surface))),
       topology_(make_topology(*mesh_)),
       tree_(*mesh_) {
   facets_.reserve(mesh_->triangles.size());
@@ -42,11 +44,11 @@ Vec3Of<Counted> CountedFeet::normal_at(std::size_t triangle, Feature feature, st
 }
 
 Foot<Counted> CountedFeet::closest(const Vec3Of<Counted>& p_W_m) const {
-  TriangleClosestOf<Counted> best{};
+  surface::TriangleClosestOf<Counted> best{};
   std::int32_t nearest = -1;
   tree_.nearest<Counted>(p_W_m, [&](std::int32_t t) {
     const Facet& facet = facets_[static_cast<std::size_t>(t)];
-    const auto here = closest_on_triangle_of<Counted>(facet.corners, facet.normal, p_W_m);
+    const auto here = surface::closest_on_triangle_of<Counted>(facet.corners, facet.normal, p_W_m);
     // Of equally close triangles the one with the smaller index.
     if (nearest < 0 || here.squared_distance < best.squared_distance ||
         (t < nearest && here.squared_distance == best.squared_distance)) {

@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "harness/base/counted.h"
-#include "harness/base/rooms.h"
 #include "harness/surface/box_tree.h"
 #include "harness/surface/mesh_topology.h"
 #include "renderers/spring/closest_spring.h"
@@ -19,7 +18,7 @@ class CountedFeet {
  public:
   using Scalar = Counted;
   // Throws BadData for a surface without triangles: an analytic shape's own arithmetic is not counted.
-  explicit CountedFeet(const Surface& surface);
+  explicit CountedFeet(const surface::Surface& surface);
   [[nodiscard]] Foot<Counted> closest(const Vec3Of<Counted>& p_W_m) const;
 
  private:
@@ -27,12 +26,12 @@ class CountedFeet {
     std::array<Vec3Of<Counted>, 3> corners;
     Vec3Of<Counted> normal;
   };
-  [[nodiscard]] Vec3Of<Counted> normal_at(std::size_t triangle, Feature feature, std::size_t index) const;
+  [[nodiscard]] Vec3Of<Counted> normal_at(std::size_t triangle, surface::Feature feature, std::size_t index) const;
 
-  std::shared_ptr<const TriangleMesh> mesh_;
-  MeshTopology topology_;
+  std::shared_ptr<const surface::TriangleMesh> mesh_;
+  surface::MeshTopology topology_;
   std::vector<Facet> facets_;
-  BoxTree tree_;
+  surface::BoxTree tree_;
 };
 
 }  // namespace touchstone::renderers

@@ -5,18 +5,20 @@
 #include "renderers/spring/counted_feet.h"
 
 namespace touchstone::renderers {
+using rendering::Ability;
 
 namespace {
 
 template <class Feet>
-std::unique_ptr<Renderer> make(const Parameters& parameters, std::shared_ptr<const Surface> surface) {
+std::unique_ptr<rendering::Renderer> make(const rendering::Parameters& parameters,
+                                          std::shared_ptr<const surface::Surface> surface) {
   return make_closest_spring<1, Feet>(std::move(surface), parameters.at("stiffness_N_per_m"),
                                       parameters.at("tip_radius_m"));
 }
 
 }  // namespace
 
-RendererEntry penalty_entry() {
+rendering::RendererEntry penalty_entry() {
   return {
       "penalty",
       "pushes the tip to the closest surface point with a spring, without memory",

@@ -7,11 +7,10 @@
 // where two parts of the surface are equally near.
 #pragma once
 
-#include "harness/base/rooms.h"
 #include "harness/rendering/renderer_entry.h"
 
 namespace touchstone::renderers {
 
-RendererEntry penalty_entry();
+rendering::RendererEntry penalty_entry();
 
 }  // namespace touchstone::renderers

@@ -11,12 +11,17 @@
 #include "synthetic/surfaces/exact_contact.h"
 
 namespace touchstone::renderers {
+using rendering::Ability;
+using rendering::StepResult;
+using surface::TriangleMesh;
+
 namespace {
 
 constexpr double kStiffness = 500.0;
 constexpr double kEps = std::numeric_limits<double>::epsilon();
 
-std::unique_ptr<Renderer> penalty(std::shared_ptr<const Surface> surface, double stiffness, double radius_m = 0.0) {
+std::unique_ptr<rendering::Renderer> penalty(std::shared_ptr<const surface::Surface> surface, double stiffness,
+                                             double radius_m = 0.0) {
   return make_renderer(model_of("penalty", {{"stiffness_N_per_m", stiffness}, {"tip_radius_m", radius_m}}),
                        std::move(surface));
 }
@@ -33,10 +38,10 @@ TEST(Penalty, IsTheExactContactOfEveryAnalyticSurfaceAtEveryScale) {
         int touching = 0;
         for (int i = 0; i < 300; ++i) {
           const Vec3 anywhere = box.center() + 0.6 * box.sizes().norm() * random.uniform(-1, 1) * random.direction();
-          const SurfacePoint foot = surface->closest(anywhere);
+          const surface::SurfacePoint foot = surface->closest(anywhere);
           const Vec3 tip = foot.p_W_m + scale * random.uniform(-5e-4, 2e-3) * foot.n_W;
           const StepResult result = hand.to(tip);
-          const SurfacePoint nearest = surface->closest(tip);
+          const surface::SurfacePoint nearest = surface->closest(tip);
           ASSERT_EQ(result.contact, nearest.signed_distance_m < scale * radius) << entry.name;
           if (!result.contact) {
             ASSERT_EQ(result.f_W_N, Vec3::Zero());
@@ -94,7 +99,7 @@ TEST(Penalty, BeyondTheRimOfASheetIsNoInside) {
     sheet.vertices_W_m = {{0, 0, 0}, {0.03, 0, 0}, {0.03, 0.02, 0}, {0, 0.02, 0}};
     sheet.triangles = {{0, 1, 2}, {0, 2, 3}};
     const Quat turn = awkward_rotation();
-    const auto surface = make_embree_surface(testing::moved(sheet, turn, Vec3::Zero(), scale));
+    const auto surface = make_embree_surface(surface::moved(sheet, turn, Vec3::Zero(), scale));
     for (const std::string name : {"penalty", "spring-linear", "spring-quadratic"}) {
       const auto renderer = make_renderer(model_of(name, {}), surface);
       Hand hand(*renderer);
@@ -132,7 +137,7 @@ TEST(Penalty, IsTheGodObjectOfASphereToRounding) {
 TEST(Penalty, PowersOfTwoOfTheUnitChangeNoBit) {
   const TriangleMesh mesh = synthetic::make_mesh("duck", {}, 3000).mesh;
   const auto run = [&](double scale) {
-    const auto renderer = penalty(make_embree_surface(testing::moved(mesh, Quat::Identity(), Vec3::Zero(), scale)),
+    const auto renderer = penalty(make_embree_surface(surface::moved(mesh, Quat::Identity(), Vec3::Zero(), scale)),
                                   512.0 / scale, 0.0009765625 * scale);
     Hand hand(*renderer);
     Random random(4);
@@ -150,7 +155,7 @@ TEST(Penalty, PinnedLimitItPopsThroughThinShells) {
     for (const double scale : unit_scales()) {
       const synthetic::ParameterOverrides overrides{{"thickness_m", thickness * scale}, {"half_side_m", 0.05 * scale}};
       const std::shared_ptr<const synthetic::AnalyticSurface> shell = synthetic::make_surface("thin-shell", overrides);
-      const std::vector<std::shared_ptr<const Surface>> surfaces{
+      const std::vector<std::shared_ptr<const surface::Surface>> surfaces{
           shell, make_embree_surface(synthetic::make_mesh("thin-shell", overrides, 200).mesh)};
       for (const auto& surface : surfaces) {
         const auto renderer = penalty(surface, kStiffness / scale);

@@ -5,15 +5,18 @@
 #include "renderers/spring/counted_feet.h"
 
 namespace touchstone::renderers {
+using rendering::Ability;
+
 namespace {
 
 template <int kPower, class Feet>
-std::unique_ptr<Renderer> make(const Parameters& parameters, std::shared_ptr<const Surface> surface) {
+std::unique_ptr<rendering::Renderer> make(const rendering::Parameters& parameters,
+                                          std::shared_ptr<const surface::Surface> surface) {
   const char* const k = kPower == 1 ? "stiffness_N_per_m" : "coefficient_N_per_m2";
   return make_closest_spring<kPower, Feet>(std::move(surface), parameters.at(k), 0.0);
 }
 
-std::vector<Limitation> limitations() {
+std::vector<rendering::Limitation> limitations() {
   return {{Ability::thin_shells, "it remembers no side: past the middle of a thin body it pushes on"},
           {Ability::large_jumps, "it remembers no side: a tip that jumps through is on the other side"},
           {Ability::continuous_force, "the closest surface point jumps where two are equally close"},
@@ -22,7 +25,7 @@ std::vector<Limitation> limitations() {
 
 }  // namespace
 
-RendererEntry spring_linear_entry() {
+rendering::RendererEntry spring_linear_entry() {
   return {"spring-linear",
           "F = k dx from the closest surface point, without memory",
           "Shao, Wu and Ouyang, section 3; the vector-field method of Zilles and Salisbury 1995",
@@ -33,7 +36,7 @@ RendererEntry spring_linear_entry() {
           /*has_exact_answer=*/true};
 }
 
-RendererEntry spring_quadratic_entry() {
+rendering::RendererEntry spring_quadratic_entry() {
   return {"spring-quadratic",
           "F = k dx^2 from the closest surface point, without memory: an unnatural spring for contrast",
           "Shao, Wu and Ouyang, section 3",

@@ -4,12 +4,11 @@
 // pushed out on the other side. It is here for presses, and to show what the methods with memory gain.
 #pragma once
 
-#include "harness/base/rooms.h"
 #include "harness/rendering/renderer_entry.h"
 
 namespace touchstone::renderers {
 
-RendererEntry spring_linear_entry();
-RendererEntry spring_quadratic_entry();
+rendering::RendererEntry spring_linear_entry();
+rendering::RendererEntry spring_quadratic_entry();
 
 }  // namespace touchstone::renderers

@@ -13,32 +13,34 @@ namespace {
 using ::testing::HasSubstr;
 
 // The half space below a plane through the origin.
-class Plane final : public Surface {
+class Plane final : public surface::Surface {
  public:
   explicit Plane(const Vec3& n) : n_(n) {}
-  [[nodiscard]] SurfacePoint closest(const Vec3& p) const override {
+  [[nodiscard]] surface::SurfacePoint closest(const Vec3& p) const override {
     const double height = n_.dot(p);
-    return {p - height * n_, n_, std::abs(height), height, -1, Feature::analytic};
+    return {p - height * n_, n_, std::abs(height), height, -1, surface::Feature::analytic};
   }
-  [[nodiscard]] std::optional<Crossing> first_crossing(const Vec3&, const Vec3&) const override { return std::nullopt; }
+  [[nodiscard]] std::optional<surface::Crossing> first_crossing(const Vec3&, const Vec3&) const override {
+    return std::nullopt;
+  }
   [[nodiscard]] Box3 bounds() const override { return {Vec3(-1, -1, -1), Vec3(1, 1, 1)}; }
 
  private:
   Vec3 n_;
 };
 
-std::unique_ptr<Renderer> renderer(const std::string& name, const std::string& parameters,
-                                   const std::string& device = "", const Vec3& n = Vec3::UnitZ()) {
+std::unique_ptr<rendering::Renderer> renderer(const std::string& name, const std::string& parameters,
+                                              const std::string& device = "", const Vec3& n = Vec3::UnitZ()) {
   const std::string effects =
       device.empty() ? "" : R"(,"effects":[{"name":"haptic-device","parameters":{)" + device + "}}]";
-  return make_renderer(parse_model(R"({"schema":"touchstone-model/1","renderer":")" + name + R"(","parameters":{)" +
-                                       parameters + "}" + effects + "}",
-                                   "m.json"),
+  return make_renderer(rendering::parse_model(R"({"schema":"touchstone-model/1","renderer":")" + name +
+                                                  R"(","parameters":{)" + parameters + "}" + effects + "}",
+                                              "m.json"),
                        std::make_shared<Plane>(n));
 }
 
-double press(Renderer& r, double t_s, double depth_m, const Vec3& n = Vec3::UnitZ()) {
-  TipState tip;
+double press(rendering::Renderer& r, double t_s, double depth_m, const Vec3& n = Vec3::UnitZ()) {
+  rendering::TipState tip;
   tip.t_s = t_s;
   tip.p_W_m = -depth_m * n;
   return r.step(tip).f_W_N.dot(n);
@@ -106,8 +108,8 @@ TEST(HapticDevice, TwoDevicesAndWrongParametersAreRefused) {
   const auto refused = [](const std::string& effects) {
     try {
       make_renderer(
-          parse_model(R"({"schema":"touchstone-model/1","renderer":"spring-linear","effects":[)" + effects + "]}",
-                      "m.json"),
+          rendering::parse_model(
+              R"({"schema":"touchstone-model/1","renderer":"spring-linear","effects":[)" + effects + "]}", "m.json"),
           std::make_shared<Plane>(Vec3::UnitZ()));
     } catch (const BadData& error) {
       return std::string(error.what());

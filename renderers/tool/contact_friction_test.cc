@@ -19,6 +19,9 @@
 #include "synthetic/tool/known_contacts.h"
 
 namespace touchstone::renderers {
+using surface::TriangleMesh;
+using tool::ToolSettings;
+
 namespace {
 
 constexpr double kMu = 0.3;
@@ -87,24 +90,25 @@ TEST(ContactFriction, ManyPointsBalance) {
   }
 }
 
-std::unique_ptr<ToolRenderer> with_friction(const TriangleMesh& tool, const TriangleMesh& object) {
+std::unique_ptr<tool::ToolRenderer> with_friction(const TriangleMesh& tool, const TriangleMesh& object) {
   ToolSettings settings;
   settings.parameters["mu"] = kMu;
-  return make_tool_renderer("penalty-coupling", solid_tool(tool), object, settings);
+  return make_tool_renderer("penalty-coupling", tool::solid_tool(tool), object, settings);
 }
-TriangleMesh plate() { return box_mesh(Vec3(-0.05, -0.05, -0.02), Vec3(0.05, 0.05, 0.0)); }
-Pose at_height(double z) { return {Vec3(0, 0, z), Quat::Identity()}; }
+TriangleMesh plate() { return surface::box_mesh(Vec3(-0.05, -0.05, -0.02), Vec3(0.05, 0.05, 0.0)); }
+tool::Pose at_height(double z) { return {Vec3(0, 0, z), Quat::Identity()}; }
 
 // Pressed evenly, a face that spins about its middle has the torque mu N times the mean way of its points from there.
 TEST(PenaltyCouplingFriction, ASpinningFaceHasTheTorqueOfItsPoints) {
   constexpr double kHalf = 0.01;
-  const auto renderer = with_friction(box_mesh(Vec3::Constant(-kHalf), Vec3::Constant(kHalf)), plate());
+  const auto renderer = with_friction(surface::box_mesh(Vec3::Constant(-kHalf), Vec3::Constant(kHalf)), plate());
   settle(*renderer, at_height(0.014), at_height(0.008));
-  ToolResult result;
+  tool::ToolResult result;
   for (int i = 1; i <= 400; ++i)
-    result = renderer->step({1.0 + 1e-3 * i, {Vec3(0, 0, 0.008), rotation_by(Vec3(0, 0, 1e-3 * i))}});
+    result = renderer->step({1.0 + 1e-3 * i, {Vec3(0, 0, 0.008), tool::rotation_by(Vec3(0, 0, 1e-3 * i))}});
   double mean = 0.0;
-  for (const ToolContact& contact : result.contacts) mean += (contact.p_W_m - result.proxy.p_W_m).head<2>().norm();
+  for (const tool::ToolContact& contact : result.contacts)
+    mean += (contact.p_W_m - result.proxy.p_W_m).head<2>().norm();
   mean /= double(result.contacts.size());
   EXPECT_GT(result.contacts.size(), 400U);
   // The direction of friction is that of the way of a step, which turns by a thousandth.
@@ -117,16 +121,17 @@ TEST(PenaltyCouplingFriction, ASpinningFaceHasTheTorqueOfItsPoints) {
 // A ball held at its centre: what it rubs with depends on how it turns while it goes on.
 TEST(PenaltyCouplingFriction, ABallSlidesWithMuAndRollsWithout) {
   constexpr double kRadius = 0.01;
-  const TriangleMesh ball = sphere_mesh(kRadius, 5);
+  const TriangleMesh ball = surface::sphere_mesh(kRadius, 5);
   const auto friction_over_load = [&](double rolls) {
     const auto renderer = with_friction(ball, plate());
     settle(*renderer, at_height(0.014), at_height(0.008));
-    ToolResult result;
+    tool::ToolResult result;
     double sum = 0.0;
     for (int i = 1; i <= 600; ++i) {
       const double way = 2e-5 * i;
-      result = renderer->step({1.0 + 1e-3 * i, {Vec3(way, 0, 0.008), rotation_by(Vec3(0, rolls * way / kRadius, 0))}});
-      for (const ToolContact& contact : result.contacts) {
+      result =
+          renderer->step({1.0 + 1e-3 * i, {Vec3(way, 0, 0.008), tool::rotation_by(Vec3(0, rolls * way / kRadius, 0))}});
+      for (const tool::ToolContact& contact : result.contacts) {
         const double f_n = contact.f_W_N.dot(contact.n_W);
         EXPECT_LE((contact.f_W_N - f_n * contact.n_W).norm(), kMu * f_n + 1e-12);
       }
@@ -140,7 +145,7 @@ TEST(PenaltyCouplingFriction, ABallSlidesWithMuAndRollsWithout) {
 
 // Over what a spring gives way: the springs of the contacts, in the direction of the load.
 TEST(PenaltyCouplingFriction, SlidesAsTheEquilibriumSays) {
-  const Coupling coupling;
+  const tool::Coupling coupling;
   for (const std::string& name : synthetic::sliding_case_names()) {
     const tool::KnownContacts slides = synthetic::known_slides(name, coupling, kMu);
     ToolSettings settings;
@@ -154,23 +159,23 @@ TEST(PenaltyCouplingFriction, SlidesAsTheEquilibriumSays) {
   }
 }
 
-ToolSubject rubbing() {
+tool::ToolSubject rubbing() {
   ToolSettings settings;
   settings.parameters["mu"] = kMu;
   return subject_of(find_tool_renderer(tool_renderer_catalogue(), "penalty-coupling"), settings);
 }
 
 TEST(PenaltyCouplingFriction, PassesTheChecks) {
-  for (const ToolFinding& finding : check_tool_renderer(rubbing())) {
+  for (const tool::ToolFinding& finding : check_tool_renderer(rubbing())) {
     EXPECT_TRUE(finding.passed && finding.applies)
         << finding.check << ": " << finding.measured << " of " << finding.limit;
   }
 }
 
 TEST(PenaltyCouplingFriction, FaultsAreCaughtByName) {
-  for (const std::string_view fault : kToolFaultNames) {
+  for (const std::string_view fault : tool::kToolFaultNames) {
     std::vector<std::string> named;
-    for (const ToolFinding& finding : check_tool_renderer(with_fault(rubbing(), fault))) {
+    for (const tool::ToolFinding& finding : check_tool_renderer(with_fault(rubbing(), fault))) {
       if (!finding.fault.empty()) named.push_back(finding.fault);
     }
     EXPECT_THAT(named, ::testing::ElementsAre(std::string(fault)));

@@ -16,14 +16,12 @@
 
 #include "harness/surface/mesh_topology.h"
 #include "harness/surface/surface.h"
-#include "harness/tool/tool_rooms.h"
 
 namespace touchstone::renderers {
-using namespace tool;
 
 class DistanceBounds {
  public:
-  DistanceBounds(std::shared_ptr<const Surface> object, std::size_t points)
+  DistanceBounds(std::shared_ptr<const surface::Surface> object, std::size_t points)
       : object_(std::move(object)),
         last_(points),
         holds_(object_->topology() != nullptr && object_->topology()->closed()) {}
@@ -42,8 +40,8 @@ class DistanceBounds {
     return Side::unknown;  // NaN, too: nothing is known yet
   }
   // Asks and remembers.
-  SurfacePoint ask(std::size_t i, const Vec3& p) noexcept {
-    const SurfacePoint near = object_->closest(p);
+  surface::SurfacePoint ask(std::size_t i, const Vec3& p) noexcept {
+    const surface::SurfacePoint near = object_->closest(p);
     if (holds_) last_[i] = {p, near.signed_distance_m};
     return near;
   }
@@ -56,7 +54,7 @@ class DistanceBounds {
     Vec3 p_W_m = Vec3::Constant(std::numeric_limits<double>::quiet_NaN());
     double signed_distance_m = std::numeric_limits<double>::quiet_NaN();
   };
-  std::shared_ptr<const Surface> object_;
+  std::shared_ptr<const surface::Surface> object_;
   std::vector<Last> last_;
   bool holds_;
 };

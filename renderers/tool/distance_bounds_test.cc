@@ -11,9 +11,9 @@ namespace {
 
 // Points that wander about a body, through it and far from it: no decision differs from that of the distance itself,
 // and few are asked for.
-void expect_right_decisions(const TriangleMesh& mesh, double size, const Vec3& at, double most_asked) {
-  const std::shared_ptr<const Surface> surface =
-      make_embree_surface(testing::moved(mesh, Quat(0.83, 0.31, -0.41, 0.22).normalized(), at, 1.0));
+void expect_right_decisions(const surface::TriangleMesh& mesh, double size, const Vec3& at, double most_asked) {
+  const std::shared_ptr<const surface::Surface> surface =
+      make_embree_surface(surface::moved(mesh, Quat(0.83, 0.31, -0.41, 0.22).normalized(), at, 1.0));
   constexpr std::size_t kPoints = 40;
   constexpr int kSteps = 500;
   DistanceBounds bounds(surface, kPoints);

@@ -7,19 +7,22 @@
 #include "renderers/tool/near_features.h"
 
 namespace touchstone::renderers {
+using tool::Displacement;
+using tool::Pose;
+
 namespace {
 
-std::vector<Ball> triangle_balls(const TriangleMesh& mesh) {
+std::vector<Ball> triangle_balls(const surface::TriangleMesh& mesh) {
   std::vector<Ball> balls;
   balls.reserve(mesh.triangle_count());
   for (const auto& t : mesh.triangles) {
     Box3 box;
-    for (const std::int32_t v : t) box.extend(mesh.vertices_W_m[at(v)]);
+    for (const std::int32_t v : t) box.extend(mesh.vertices_W_m[surface::at(v)]);
     // The circle about the middle of the longest edge, or the box's centre: whichever is smaller.
     Ball best;
     for (int k = 0; k < 4; ++k) {
       const auto corner = [&](int i) -> const Vec3& {
-        return mesh.vertices_W_m[at(t[static_cast<std::size_t>(i % 3)])];
+        return mesh.vertices_W_m[surface::at(t[static_cast<std::size_t>(i % 3)])];
       };
       Ball ball{k == 3 ? Vec3(box.center()) : Vec3(0.5 * (corner(k) + corner(k + 1))), 0.0};
       for (int i = 0; i < 3; ++i) ball.radius = std::max(ball.radius, (corner(i) - ball.center).norm());
@@ -41,13 +44,13 @@ bool can_touch(std::uint8_t tool_tags, std::uint8_t object_tags) {
 
 }  // namespace
 
-FeatureMesh::FeatureMesh(TriangleMesh mesh) : mesh_(std::move(mesh)), tree_(triangle_balls(mesh_)) {
-  const MeshTopology topology = make_topology(mesh_);
+FeatureMesh::FeatureMesh(surface::TriangleMesh mesh) : mesh_(std::move(mesh)), tree_(triangle_balls(mesh_)) {
+  const surface::MeshTopology topology = make_topology(mesh_);
   std::vector<unsigned char> sticks_out(mesh_.vertices_W_m.size(), 0);
   for (std::size_t t = 0; t < mesh_.triangle_count(); ++t) {
     for (std::size_t e = 0; e < 3; ++e) {
-      if (topology.convexity[t][e] != Convexity::ridge) continue;
-      sticks_out[at(mesh_.triangles[t][e])] = sticks_out[at(mesh_.triangles[t][(e + 1) % 3])] = 1;
+      if (topology.convexity[t][e] != surface::Convexity::ridge) continue;
+      sticks_out[surface::at(mesh_.triangles[t][e])] = sticks_out[surface::at(mesh_.triangles[t][(e + 1) % 3])] = 1;
     }
   }
   std::vector<unsigned char> owned(mesh_.vertices_W_m.size(), 0);
@@ -59,16 +62,16 @@ FeatureMesh::FeatureMesh(TriangleMesh mesh) : mesh_(std::move(mesh)), tree_(tria
     face.edges.fill(-1);
     for (std::size_t e = 0; e < 3; ++e) {
       const std::int32_t v = mesh_.triangles[t][e];
-      if (sticks_out[at(v)] != 0 && owned[at(v)] == 0) {
-        owned[at(v)] = 1;
+      if (sticks_out[surface::at(v)] != 0 && owned[surface::at(v)] == 0) {
+        owned[surface::at(v)] = 1;
         face.vertices[e] = v;
       }
       const std::int32_t beside = topology.neighbours[t][e];
-      if (topology.convexity[t][e] != Convexity::ridge || beside < static_cast<std::int32_t>(t)) continue;
+      if (topology.convexity[t][e] != surface::Convexity::ridge || beside < static_cast<std::int32_t>(t)) continue;
       Edge edge;
       edge.ends = {v, mesh_.triangles[t][(e + 1) % 3]};
       const Vec3 along = (vertex(edge.ends[1]) - vertex(edge.ends[0])).normalized();
-      const Vec3& other = topology.face_normals[at(beside)];
+      const Vec3& other = topology.face_normals[surface::at(beside)];
       edge.outward = face.n + other;
       edge.inward = {face.n.cross(along), along.cross(other)};
       edge.ball = {0.5 * (vertex(edge.ends[0]) + vertex(edge.ends[1])),

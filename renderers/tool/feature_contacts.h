@@ -29,7 +29,7 @@ struct NearPair {
 // One mesh made ready. Its vertices and edges each belong to one of their triangles, so that a pair is found once.
 class FeatureMesh {
  public:
-  explicit FeatureMesh(TriangleMesh mesh);
+  explicit FeatureMesh(surface::TriangleMesh mesh);
 
   struct Edge {
     std::array<std::int32_t, 2> ends{};
@@ -45,17 +45,17 @@ class FeatureMesh {
     // At none of these edges the surface turns by more than a right angle: what overlaps there lies below the face.
     bool blunt = true;
   };
-  [[nodiscard]] const TriangleMesh& mesh() const { return mesh_; }
-  [[nodiscard]] const Face& face(std::int32_t i) const { return faces_[at(i)]; }
-  [[nodiscard]] const Edge& edge(std::int32_t i) const { return edges_[at(i)]; }
-  [[nodiscard]] const Vec3& vertex(std::int32_t i) const { return mesh_.vertices_W_m[at(i)]; }
+  [[nodiscard]] const surface::TriangleMesh& mesh() const { return mesh_; }
+  [[nodiscard]] const Face& face(std::int32_t i) const { return faces_[surface::at(i)]; }
+  [[nodiscard]] const Edge& edge(std::int32_t i) const { return edges_[surface::at(i)]; }
+  [[nodiscard]] const Vec3& vertex(std::int32_t i) const { return mesh_.vertices_W_m[surface::at(i)]; }
   [[nodiscard]] const SphereTree& tree() const { return tree_; }
   // The farthest vertex from the origin of the frame.
   [[nodiscard]] double reach_m() const { return reach_m_; }
   [[nodiscard]] std::size_t memory_bytes() const noexcept;
 
  private:
-  TriangleMesh mesh_;
+  surface::TriangleMesh mesh_;
   std::vector<Face> faces_;
   std::vector<Edge> edges_;
   SphereTree tree_;
@@ -76,7 +76,7 @@ class NearPairFinder {
 
   // Fills `pairs` with pairs of -overlap_m <= gap <= margin_m, in the order of the trees; returns their number. When
   // there is no room the pairs with the least gaps stay. Allocates nothing.
-  std::size_t find(const Pose& pose, double margin_m, double overlap_m, std::span<NearPair> pairs) noexcept;
+  std::size_t find(const tool::Pose& pose, double margin_m, double overlap_m, std::span<NearPair> pairs) noexcept;
   [[nodiscard]] std::size_t memory_bytes() const noexcept;
 
  private:
@@ -88,7 +88,7 @@ class NearPairFinder {
   // The pairs near one pose, and how far the tool has gone since.
   struct List {
     std::vector<TrianglePair> pairs;
-    Pose at;
+    tool::Pose at;
     Mat3 rotation = Mat3::Identity();
     double reach_m = -1.0;  // less than 0: no list
     double lever_m = 0.0;   // no point of the tool or of a small triangle of the list is farther from the tool's origin
@@ -143,16 +143,16 @@ class NearPairFinder {
   [[nodiscard]] bool small(std::int32_t on_object) const;
   [[nodiscard]] double above_of(const Bounds& bounds, std::int32_t on_object) const;
 
-  void begin(List& list, const Pose& pose, double reach_m) noexcept;
+  void begin(List& list, const tool::Pose& pose, double reach_m) noexcept;
   // Goes on with the list that is being made, until it is full, or there is no more to visit (open_ is 0).
   void visit(List& list, std::size_t most_nodes) noexcept;
   // Makes the next list the present one.
   void take_over() noexcept;
   // No point of the tool has moved farther since: a turn moves a point by no more than its angle times the point's
   // distance.
-  [[nodiscard]] double moved_since(const List& list, const Pose& pose) const noexcept;
+  [[nodiscard]] double moved_since(const List& list, const tool::Pose& pose) const noexcept;
   // Whether awake_ holds all that can be near; gathers the next in time where that is worth it.
-  bool keep_awake(Asked& asked, const Displacement& step, double margin_m, double overlap_m) noexcept;
+  bool keep_awake(Asked& asked, const tool::Displacement& step, double margin_m, double overlap_m) noexcept;
   // Goes on gathering the next features that stay awake, from the present list for a tool at the pose that is asked
   // for, or begins to.
   void wake(Asked& asked, double step_m, double margin_m, double overlap_m) noexcept;
@@ -169,7 +169,7 @@ class NearPairFinder {
   std::size_t open_ = 0;                            // 0: none is being made
   std::size_t visited_ = 0, visited_last_ = 0;      // nodes, of the next list and of the one before
   bool too_many_ = false;                           // the last list did not hold all
-  Pose asked_at_;
+  tool::Pose asked_at_;
   Turned tool_W_, object_T_;
   std::uint64_t question_ = 0;
 };

@@ -21,23 +21,25 @@ constexpr double kRest_m = 1e-8;
 
 }  // namespace
 
-ToolRendererEntry god_object_tool_entry() {
-  ToolRendererEntry entry;
+tool::ToolRendererEntry god_object_tool_entry() {
+  tool::ToolRendererEntry entry;
   entry.name = "god-object-tool";
   entry.summary = "constraint-based god-object for rigid bodies";
   entry.source = "Ortega, Redon and Coquillart 2007";
-  entry.parameters = {unit_parameter()};
-  entry.make = [](const Parameters& parameters, const Tool& tool, const TriangleMesh& object_W,
-                  const Coupling& coupling) -> std::unique_ptr<ToolRenderer> {
-    return std::make_unique<GodObjectTool>(tool, object_W, coupling, parameters.at(kUnitParameter));
+  entry.parameters = {tool::unit_parameter()};
+  entry.make = [](const rendering::Parameters& parameters, const tool::Tool& tool,
+                  const surface::TriangleMesh& object_W,
+                  const tool::Coupling& coupling) -> std::unique_ptr<tool::ToolRenderer> {
+    return std::make_unique<GodObjectTool>(tool, object_W, coupling, parameters.at(tool::kUnitParameter));
   };
   return entry;
 }
 
-GodObjectTool::GodObjectTool(const Tool& tool, const TriangleMesh& object_W, const Coupling& coupling, double unit_m)
+GodObjectTool::GodObjectTool(const tool::Tool& tool, const surface::TriangleMesh& object_W,
+                             const tool::Coupling& coupling, double unit_m)
     : tool_(tool.mesh_T), object_(object_W), near_(tool_, object_, unit_m), coupling_(coupling), unit_m_(unit_m) {}
 
-ToolResult GodObjectTool::do_step(const ToolState& state, double /*dt_s*/) noexcept {
+tool::ToolResult GodObjectTool::do_step(const tool::ToolState& state, double /*dt_s*/) noexcept {
   // In the unit of the meshes.
   const double least_margin = kLeastMargin_m / unit_m_;
   const double most_margin = kMostMargin_m / unit_m_;
@@ -52,7 +54,7 @@ ToolResult GodObjectTool::do_step(const ToolState& state, double /*dt_s*/) noexc
   const double root_r = std::sqrt(coupling_.rotational_stiffness_Nm_per_rad);
   std::size_t contact_count = 0;
   for (int round = 0; round < kMostRounds; ++round) {
-    const Displacement free = displacement(proxy_, state.handle);
+    const tool::Displacement free = displacement(proxy_, state.handle);
     const std::size_t count = near_.find(proxy_, margin_m_, overlap, pairs_);
     for (std::size_t i = 0; i < count; ++i) {
       const NearPair& pair = pairs_[i];
@@ -63,7 +65,7 @@ ToolResult GodObjectTool::do_step(const ToolState& state, double /*dt_s*/) noexc
     u << root_t * free.translation_m, root_r * free.rotation_rad;
     constexpr double kRounding_m = 1e-12;
     const LeastConstraint least = least_constraint({half_spaces_.data(), count}, u, kRounding_m / unit_m_);
-    Displacement by;
+    tool::Displacement by;
     if (least.found) by = {least.y.head<3>() / root_t, least.y.tail<3>() / root_r};
     contact_count = 0;
     for (int k = 0; k < least.active_count; ++k) {
@@ -79,7 +81,7 @@ ToolResult GodObjectTool::do_step(const ToolState& state, double /*dt_s*/) noexc
     margin_m_ = std::clamp(2.0 * way, least_margin, most_margin);
     if (way < kRest_m / unit_m_) break;
   }
-  ToolResult result;
+  tool::ToolResult result;
   const Wrench wrench = coupling_wrench(coupling_, state.handle, proxy_);
   result.contact = contact_count > 0;
   result.proxy = proxy_;

@@ -27,20 +27,21 @@
 
 namespace touchstone::renderers {
 
-ToolRendererEntry god_object_tool_entry();
+tool::ToolRendererEntry god_object_tool_entry();
 
-class GodObjectTool : public ToolRenderer {
+class GodObjectTool : public tool::ToolRenderer {
  public:
   // `unit_m`: how long one unit of meshes and poses is. The coupling and the answer are then in newtons, that unit and
   // radians.
-  GodObjectTool(const Tool& tool, const TriangleMesh& object_W, const Coupling& coupling, double unit_m = 1.0);
+  GodObjectTool(const tool::Tool& tool, const surface::TriangleMesh& object_W, const tool::Coupling& coupling,
+                double unit_m = 1.0);
   [[nodiscard]] std::size_t memory_bytes() const noexcept override {
     return tool_.memory_bytes() + object_.memory_bytes() + near_.memory_bytes() + sizeof(*this);
   }
 
  protected:
   void do_reset() override { placed_ = false; }
-  ToolResult do_step(const ToolState& state, double dt_s) noexcept override;
+  tool::ToolResult do_step(const tool::ToolState& state, double dt_s) noexcept override;
 
  private:
   static constexpr std::size_t kMostPairs = 256;
@@ -48,14 +49,14 @@ class GodObjectTool : public ToolRenderer {
   FeatureMesh tool_;
   FeatureMesh object_;
   NearPairFinder near_;
-  Coupling coupling_;
+  tool::Coupling coupling_;
   double unit_m_;
   bool placed_ = false;
-  Pose proxy_;
+  tool::Pose proxy_;
   double margin_m_ = 0.0;
   std::array<NearPair, kMostPairs> pairs_;
   std::array<HalfSpace6, kMostPairs> half_spaces_;
-  std::array<ToolContact, 6> contacts_;
+  std::array<tool::ToolContact, 6> contacts_;
 };
 
 }  // namespace touchstone::renderers

@@ -21,6 +21,11 @@
 #include "synthetic/tool/tool_meshes.h"
 
 namespace touchstone::renderers {
+using surface::TriangleMesh;
+using tool::Coupling;
+using tool::Displacement;
+using tool::Pose;
+
 namespace {
 
 using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
@@ -103,8 +108,8 @@ void expect_same(const TriangleMesh& object_W, const std::vector<Wall>& walls, s
   for (int trial = 0; trial < 12; ++trial) {
     const TriangleMesh hull = random_hull(random, Vec3(0.004, -0.002, -0.010), 0.004);
     const auto renderer =
-        make_tool_renderer("god-object-tool", {hull, solid_mass_frame(hull, 1000.0)}, object_W, {coupling, {}});
-    const Quat q = rotation_by(0.4 * random.direction());
+        make_tool_renderer("god-object-tool", {hull, tool::solid_mass_frame(hull, 1000.0)}, object_W, {coupling, {}});
+    const Quat q = tool::rotation_by(0.4 * random.direction());
     // Where it just touches, straight down, and pressed in and turned from there.
     double lift = -1.0;
     for (const Wall& wall : walls) {
@@ -112,10 +117,10 @@ void expect_same(const TriangleMesh& object_W, const std::vector<Wall>& walls, s
     }
     const Pose free{Vec3(0, 0, lift + 0.004), q};
     const Pose handle =
-        moved({Vec3(0, 0, lift), q},
-              {Vec3(random.uniform(-1e-3, 1e-3), random.uniform(-1e-3, 1e-3), -random.uniform(0.5e-3, 2.5e-3)),
-               0.15 * random.uniform() * random.direction()});
-    const ToolResult obtained = settle(*renderer, free, handle);
+        tool::moved({Vec3(0, 0, lift), q},
+                    {Vec3(random.uniform(-1e-3, 1e-3), random.uniform(-1e-3, 1e-3), -random.uniform(0.5e-3, 2.5e-3)),
+                     0.15 * random.uniform() * random.direction()});
+    const tool::ToolResult obtained = settle(*renderer, free, handle);
     const auto rest = exact_rest(hull, walls, handle, coupling);
     ASSERT_TRUE(rest.has_value()) << trial;
     const Wrench expected = coupling_wrench(coupling, handle, *rest);

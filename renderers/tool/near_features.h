@@ -62,7 +62,7 @@ class Collector {
 };
 
 inline Corners corners_of(const FeatureMesh& mesh, std::int32_t t) {
-  const auto& [a, b, c] = mesh.mesh().triangles[at(t)];
+  const auto& [a, b, c] = mesh.mesh().triangles[surface::at(t)];
   return {mesh.vertex(a), mesh.vertex(b), mesh.vertex(c)};
 }
 
@@ -102,7 +102,7 @@ class NearPairFinder::Asked {
     return has(features, bit) || ((features >> three) & 7U) != 0;
   }
 
-  Asked(NearPairFinder& finder, const Pose& pose, const Mat3& rotation)
+  Asked(NearPairFinder& finder, const tool::Pose& pose, const Mat3& rotation)
       : tool_(finder.tool_),
         object_(finder.object_),
         tool_W_(finder.tool_W_),
@@ -115,7 +115,7 @@ class NearPairFinder::Asked {
     turn(s);
     const FeatureMesh::Face& on_tool = tool_.face(s);
     const FeatureMesh::Face& on_object = object_.face(t);
-    const auto& corners = object_.mesh().triangles[at(t)];
+    const auto& corners = object_.mesh().triangles[surface::at(t)];
     const Vec3& origin = object_.vertex(corners[0]);
     const Vec3 tool_origin = corners_W_[0];
     double low = 0.0, high = 0.0, low_T = 0.0, high_T = 0.0;
@@ -326,17 +326,17 @@ class NearPairFinder::Asked {
   }
 
   const Vec3& tool_W(std::int32_t v) {
-    Vec3& p = tool_W_.points[at(v)];
-    if (tool_W_.question[at(v)] != question_) {
-      tool_W_.question[at(v)] = question_;
+    Vec3& p = tool_W_.points[surface::at(v)];
+    if (tool_W_.question[surface::at(v)] != question_) {
+      tool_W_.question[surface::at(v)] = question_;
       p = pose_.p_W_m + rotation_ * tool_.vertex(v);
     }
     return p;
   }
   const Vec3& object_T(std::int32_t v) {
-    Vec3& p = object_T_.points[at(v)];
-    if (object_T_.question[at(v)] != question_) {
-      object_T_.question[at(v)] = question_;
+    Vec3& p = object_T_.points[surface::at(v)];
+    if (object_T_.question[surface::at(v)] != question_) {
+      object_T_.question[surface::at(v)] = question_;
       p = rotation_.transpose() * (object_.vertex(v) - pose_.p_W_m);
     }
     return p;
@@ -348,7 +348,7 @@ class NearPairFinder::Asked {
     const FeatureMesh::Face& face = tool_.face(s);
     n_W_ = rotation_ * face.n;
     center_W_ = pose_.p_W_m + turned(rotation_, face.ball.center);
-    const auto& corners = tool_.mesh().triangles[at(s)];
+    const auto& corners = tool_.mesh().triangles[surface::at(s)];
     for (std::size_t k = 0; k < 3; ++k) corners_W_[k] = tool_W(corners[k]);
   }
 
@@ -356,7 +356,7 @@ class NearPairFinder::Asked {
   const FeatureMesh& object_;
   Turned& tool_W_;
   Turned& object_T_;
-  const Pose& pose_;
+  const tool::Pose& pose_;
   const Mat3& rotation_;
   std::uint64_t question_;
   std::int32_t turned_ = -1;

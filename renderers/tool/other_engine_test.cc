@@ -26,7 +26,7 @@ class OtherEngine : public ::testing::Test {
     entries = plugin::load_tool_plugin(library, options);
     ASSERT_EQ(entries.size(), 1U);
   }
-  std::vector<ToolRendererEntry> entries;
+  std::vector<tool::ToolRendererEntry> entries;
 };
 
 // ODE's contacts of two meshes fail in holes (several newtons, whatever the clearance), so that the pegs are left out.
@@ -35,11 +35,11 @@ TEST_F(OtherEngine, AgreesWithTheExactContacts) {
   for (const std::string& name : synthetic::exact_case_names()) {
     if (name.starts_with("peg")) continue;
     SCOPED_TRACE(name);
-    const KnownContacts known = synthetic::known_contacts(name, Coupling{});
-    ToolSettings settings;
-    settings.coupling = Coupling{};
+    const tool::KnownContacts known = synthetic::known_contacts(name, tool::Coupling{});
+    tool::ToolSettings settings;
+    settings.coupling = tool::Coupling{};
     const auto renderer = make_tool_renderer(entries[0], known.tool, known.object_W, settings);
-    const ToolErrors errors = errors_of(*renderer, entries[0].name, known);
+    const tool::ToolErrors errors = errors_of(*renderer, entries[0].name, known);
     EXPECT_GT(errors.largest_right_force_N, 1.5);
     EXPECT_LT(errors.max_force_jnd, 0.3);
     EXPECT_LT(errors.max_torque_jnd, 0.3);
@@ -50,7 +50,7 @@ TEST_F(OtherEngine, AgreesWithTheExactContacts) {
 
 TEST_F(OtherEngine, PassesWhatEveryRendererOfAToolMustDo) {
   std::size_t asked = 0;
-  for (const ToolFinding& finding : check_tool_renderer(subject_of(entries[0], {}))) {
+  for (const tool::ToolFinding& finding : check_tool_renderer(subject_of(entries[0], {}))) {
     if (!finding.applies) continue;
     EXPECT_TRUE(finding.passed) << finding.check << ": " << finding.measured << " of " << finding.limit;
     ++asked;

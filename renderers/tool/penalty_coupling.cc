@@ -10,7 +10,7 @@
 namespace touchstone::renderers {
 namespace {
 
-std::vector<Ball> point_balls(const PointShell& shell) {
+std::vector<Ball> point_balls(const tool::PointShell& shell) {
   std::vector<Ball> balls;
   balls.reserve(shell.size());
   for (const Vec3& p : shell.p_T_m) balls.push_back({p, 0.0});
@@ -24,7 +24,7 @@ Mat3 cross_matrix(const Vec3& v) {
 }
 
 // About the tool's origin, axes of W.
-Mat6 inertia(const MassFrame& mass, const Mat3& rotation) {
+Mat6 inertia(const tool::MassFrame& mass, const Mat3& rotation) {
   const Mat3 c = cross_matrix(rotation * mass.center_T_m);
   Mat6 m;
   m.topLeftCorner<3, 3>() = mass.mass_kg * Mat3::Identity();
@@ -36,27 +36,29 @@ Mat6 inertia(const MassFrame& mass, const Mat3& rotation) {
 
 }  // namespace
 
-ToolRendererEntry penalty_coupling_entry() {
-  ToolRendererEntry entry;
+tool::ToolRendererEntry penalty_coupling_entry() {
+  tool::ToolRendererEntry entry;
   entry.name = "penalty-coupling";
   entry.summary = "penalty forces on a tool with mass behind a virtual coupling";
   entry.source = "Colgate, Stanley and Brown 1995; Otaduy and Lin 2006";
-  entry.parameters = {contact_stiffness_parameter(), point_spacing_parameter(), friction_parameter()};
+  entry.parameters = {contact_stiffness_parameter(), point_spacing_parameter(), tool::friction_parameter()};
   entry.takes_points = true;
-  entry.make = [](const Parameters& parameters, const Tool& tool, const TriangleMesh& object_W,
-                  const Coupling& coupling) -> std::unique_ptr<ToolRenderer> {
+  entry.make = [](const rendering::Parameters& parameters, const tool::Tool& tool,
+                  const surface::TriangleMesh& object_W,
+                  const tool::Coupling& coupling) -> std::unique_ptr<tool::ToolRenderer> {
     return std::make_unique<PenaltyCoupling>(
         tool, shell_of(tool, parameters.at("point_spacing_m")), make_embree_surface(object_W), coupling,
-        parameters.at("contact_stiffness_N_per_m"), parameters.at(kFrictionParameter));
+        parameters.at("contact_stiffness_N_per_m"), parameters.at(tool::kFrictionParameter));
   };
-  entry.resolution_m = [](const Parameters& parameters, double force_N) {
+  entry.resolution_m = [](const rendering::Parameters& parameters, double force_N) {
     return force_N / parameters.at("contact_stiffness_N_per_m");
   };
   return entry;
 }
 
-PenaltyCoupling::PenaltyCoupling(const Tool& tool, const PointShell& shell, std::shared_ptr<const Surface> object,
-                                 const Coupling& coupling, double contact_stiffness_N_per_m, double mu)
+PenaltyCoupling::PenaltyCoupling(const tool::Tool& tool, const tool::PointShell& shell,
+                                 std::shared_ptr<const surface::Surface> object, const tool::Coupling& coupling,
+                                 double contact_stiffness_N_per_m, double mu)
     : mass_(tool.mass),
       shell_(shell),
       tree_(point_balls(shell_)),
@@ -66,13 +68,13 @@ PenaltyCoupling::PenaltyCoupling(const Tool& tool, const PointShell& shell, std:
   if (mu > 0.0) friction_.emplace(shell_.size(), mu, contact_stiffness_N_per_m);
 }
 
-ToolResult PenaltyCoupling::do_step(const ToolState& state, double dt_s) noexcept {
+tool::ToolResult PenaltyCoupling::do_step(const tool::ToolState& state, double dt_s) noexcept {
   if (!placed_) {
     proxy_ = handle_ = state.handle;
     velocity_.setZero();
     placed_ = true;
   }
-  ToolResult result;
+  tool::ToolResult result;
   result.proxy = proxy_;
   if (dt_s > 0.0) {
     const Mat3 rotation = proxy_.q_WT.toRotationMatrix();
@@ -92,7 +94,7 @@ ToolResult PenaltyCoupling::do_step(const ToolState& state, double dt_s) noexcep
       const Vec3 p = proxy_.p_W_m + r;
       const auto known = distances_.side(static_cast<std::size_t>(index), p, node.ball.radius);
       if (known == DistanceBounds::Side::beyond) continue;
-      SurfacePoint near;
+      surface::SurfacePoint near;
       if (known == DistanceBounds::Side::unknown || node.child < 0) {
         near = distances_.ask(static_cast<std::size_t>(index), p);
         if (near.signed_distance_m > node.ball.radius) continue;  // all of it is outside
@@ -132,7 +134,7 @@ ToolResult PenaltyCoupling::do_step(const ToolState& state, double dt_s) noexcep
       damping[k] = 2.0 * std::sqrt(stiffness * mass(k, k));
       matrix(k, k) += damping[k] / dt_s;
     }
-    const Displacement hand = displacement(handle_, state.handle);
+    const tool::Displacement hand = displacement(handle_, state.handle);
     Vec6 hand_velocity;
     hand_velocity << hand.translation_m / dt_s, hand.rotation_rad / dt_s;
     const Vec6 right = push + mass * velocity_ / dt_s + damping.cwiseProduct(hand_velocity);

@@ -27,12 +27,12 @@
 
 namespace touchstone::renderers {
 
-ToolRendererEntry penalty_coupling_entry();
+tool::ToolRendererEntry penalty_coupling_entry();
 
-class PenaltyCoupling : public ToolRenderer {
+class PenaltyCoupling : public tool::ToolRenderer {
  public:
-  PenaltyCoupling(const Tool& tool, const PointShell& shell, std::shared_ptr<const Surface> object,
-                  const Coupling& coupling, double contact_stiffness_N_per_m, double mu = 0.0);
+  PenaltyCoupling(const tool::Tool& tool, const tool::PointShell& shell, std::shared_ptr<const surface::Surface> object,
+                  const tool::Coupling& coupling, double contact_stiffness_N_per_m, double mu = 0.0);
   [[nodiscard]] std::size_t memory_bytes() const noexcept override {
     return 2 * shell_.p_T_m.capacity() * sizeof(Vec3) + tree_.memory_bytes() + distances_.memory_bytes() +
            (friction_ ? friction_->memory_bytes() : 0) + sizeof(*this);
@@ -44,23 +44,23 @@ class PenaltyCoupling : public ToolRenderer {
     distances_.forget();
     if (friction_) friction_->reset();
   }
-  ToolResult do_step(const ToolState& state, double dt_s) noexcept override;
+  tool::ToolResult do_step(const tool::ToolState& state, double dt_s) noexcept override;
 
  private:
   static constexpr std::size_t kMostContacts = 512;  // that a result lists; all count for the force
 
-  MassFrame mass_;
-  PointShell shell_;
+  tool::MassFrame mass_;
+  tool::PointShell shell_;
   SphereTree tree_;
   DistanceBounds distances_;  // of the tree's nodes
-  Coupling coupling_;
+  tool::Coupling coupling_;
   double stiffness_N_per_m_;
   std::optional<ContactFriction> friction_;
   bool placed_ = false;
-  Pose handle_;
-  Pose proxy_;
+  tool::Pose handle_;
+  tool::Pose proxy_;
   Vec6 velocity_ = Vec6::Zero();
-  std::array<ToolContact, kMostContacts> contacts_;
+  std::array<tool::ToolContact, kMostContacts> contacts_;
 };
 
 }  // namespace touchstone::renderers

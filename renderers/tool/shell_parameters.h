@@ -5,10 +5,10 @@
 
 namespace touchstone::renderers {
 
-inline ParameterDeclaration contact_stiffness_parameter() {
+inline rendering::ParameterDeclaration contact_stiffness_parameter() {
   return {"contact_stiffness_N_per_m", "N/m", 1e-3, 1e9, 20000.0, "of each point of the shell"};
 }
-inline ParameterDeclaration point_spacing_parameter() {
+inline rendering::ParameterDeclaration point_spacing_parameter() {
   return {"point_spacing_m", "m", 1e-6, 1.0, 1e-3, "between points of the shell"};
 }
 

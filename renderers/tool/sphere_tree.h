@@ -13,10 +13,8 @@
 #include <vector>
 
 #include "harness/base/vec.h"
-#include "harness/tool/tool_rooms.h"
 
 namespace touchstone::renderers {
-using namespace tool;
 
 struct Ball {
   Vec3 center = Vec3::Zero();

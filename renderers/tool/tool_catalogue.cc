@@ -6,8 +6,8 @@
 
 namespace touchstone::renderers {
 
-const std::vector<ToolRendererEntry>& tool_renderer_catalogue() {
-  static const std::vector<ToolRendererEntry> catalogue{
+const std::vector<tool::ToolRendererEntry>& tool_renderer_catalogue() {
+  static const std::vector<tool::ToolRendererEntry> catalogue{
       god_object_tool_entry(),
       voxmap_pointshell_entry(),
       penalty_coupling_entry(),
@@ -15,8 +15,9 @@ const std::vector<ToolRendererEntry>& tool_renderer_catalogue() {
   return catalogue;
 }
 
-std::unique_ptr<ToolRenderer> make_tool_renderer(std::string_view name, const Tool& tool, const TriangleMesh& object_W,
-                                                 const ToolSettings& settings) {
+std::unique_ptr<tool::ToolRenderer> make_tool_renderer(std::string_view name, const tool::Tool& tool,
+                                                       const surface::TriangleMesh& object_W,
+                                                       const tool::ToolSettings& settings) {
   return tool::make_tool_renderer(find_tool_renderer(tool_renderer_catalogue(), name), tool, object_W, settings);
 }
 

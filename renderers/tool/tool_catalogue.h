@@ -8,12 +8,12 @@
 #include "harness/tool/tool_renderer_entry.h"
 
 namespace touchstone::renderers {
-using namespace tool;
 
-const std::vector<ToolRendererEntry>& tool_renderer_catalogue();
+const std::vector<tool::ToolRendererEntry>& tool_renderer_catalogue();
 
 // tool::make_tool_renderer() of a renderer of this catalogue. Throws UsageError for a name that is not known.
-std::unique_ptr<ToolRenderer> make_tool_renderer(std::string_view name, const Tool& tool, const TriangleMesh& object_W,
-                                                 const ToolSettings& settings);
+std::unique_ptr<tool::ToolRenderer> make_tool_renderer(std::string_view name, const tool::Tool& tool,
+                                                       const surface::TriangleMesh& object_W,
+                                                       const tool::ToolSettings& settings);
 
 }  // namespace touchstone::renderers

@@ -27,10 +27,11 @@ std::optional<synthetic::ToolGolden> golden_of_the_peg() {
 TEST_P(ToolGolden, SixtySecondsOfAPegInAHole) {
   const auto golden = golden_of_the_peg();
   if (!golden) GTEST_SKIP() << "TOUCHSTONE_SOURCE_DIR does not say where the golden files are";
-  const Recording expected = load_recording(golden->answer(GetParam()));
+  const recording::Recording expected = recording::load_recording(golden->answer(GetParam()));
   ASSERT_EQ(expected.size(), 301U) << "every 200th of 60 s at 1 kHz";
-  const Recording obtained = synthetic::answer_now(*golden, find_tool_renderer(tool_renderer_catalogue(), GetParam()));
-  const ToolComparison comparison = compare_tools(expected, obtained);
+  const recording::Recording obtained =
+      synthetic::answer_now(*golden, find_tool_renderer(tool_renderer_catalogue(), GetParam()));
+  const tool::ToolComparison comparison = tool::compare_tools(expected, obtained);
   EXPECT_TRUE(tool::within(comparison, golden->force_tolerance_N, golden->torque_tolerance_Nm))
       << comparison_to_text(comparison);
   double largest = 0.0;

@@ -17,8 +17,8 @@ class ToolPluginTwin : public ::testing::TestWithParam<const char*> {};
 
 TEST_P(ToolPluginTwin, GivesTheSameBits) {
   const synthetic::ExactCase c = synthetic::make_exact_case("peg-0.2mm");
-  const Tool tool{c.tool_T, solid_mass_frame(c.tool_T, 1000.0)};
-  ToolSettings settings;
+  const tool::Tool tool{c.tool_T, tool::solid_mass_frame(c.tool_T, 1000.0)};
+  tool::ToolSettings settings;
   settings.coupling = {731.5, 1.25};
   for (const bool in_process : {true, false}) {
     SCOPED_TRACE(in_process ? "in process" : "in a child");
@@ -35,10 +35,10 @@ TEST_P(ToolPluginTwin, GivesTheSameBits) {
       plugged->reset();
       for (int i = 0; i < 1500; ++i) {
         const double t_s = 1e-3 * i;
-        const ToolState state{t_s, synthetic::scripted_pose(c, t_s, 3.0)};
-        const ToolResult expected = own->step(state);
-        const ToolResult obtained = plugged->step(state);
-        ASSERT_EQ(obtained.status, ToolStatus::ok) << plugged->failure();
+        const tool::ToolState state{t_s, synthetic::scripted_pose(c, t_s, 3.0)};
+        const tool::ToolResult expected = own->step(state);
+        const tool::ToolResult obtained = plugged->step(state);
+        ASSERT_EQ(obtained.status, tool::ToolStatus::ok) << plugged->failure();
         ASSERT_EQ(obtained.f_W_N, expected.f_W_N) << t_s;
         ASSERT_EQ(obtained.torque_W_Nm, expected.torque_W_Nm) << t_s;
         ASSERT_EQ(obtained.proxy.p_W_m, expected.proxy.p_W_m) << t_s;
@@ -66,7 +66,7 @@ INSTANTIATE_TEST_SUITE_P(Tools, ToolPluginTwin, ::testing::Values("god-object-to
 
 TEST(ToolPlugin, IsHeldToTheChecks) {
   const auto entries = plugin::load_tool_plugin(std::getenv("TOUCHSTONE_TOOL_TWIN_PLUGIN"), {});
-  for (const ToolFinding& finding :
+  for (const tool::ToolFinding& finding :
        check_tool_renderer(subject_of(find_tool_renderer(entries, "god-object-tool-twin"), {}))) {
     EXPECT_TRUE(finding.passed) << finding.check;
   }

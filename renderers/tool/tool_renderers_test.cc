@@ -21,6 +21,17 @@
 #include "synthetic/tool/exact_cases.h"
 
 namespace touchstone::renderers {
+using surface::TriangleMesh;
+using tool::Coupling;
+using tool::kToolFaultNames;
+using tool::Pose;
+using tool::Tool;
+using tool::ToolFinding;
+using tool::ToolRendererEntry;
+using tool::ToolResult;
+using tool::ToolSettings;
+using tool::ToolSubject;
+
 namespace {
 
 using synthetic::Equilibrium;
@@ -29,7 +40,7 @@ using synthetic::make_exact_case;
 
 constexpr double kDensity_kg_per_m3 = 1000.0;
 
-Tool tool_of(const TriangleMesh& mesh) { return {mesh, solid_mass_frame(mesh, kDensity_kg_per_m3)}; }
+Tool tool_of(const TriangleMesh& mesh) { return {mesh, tool::solid_mass_frame(mesh, kDensity_kg_per_m3)}; }
 
 struct Errors {
   double force_N = 0.0;
@@ -76,7 +87,7 @@ TEST(GodObjectTool, ErrsByItsMeshOnCurvedBodies) {
       // Of the round parts: the bar between the balls has long edges and never touches.
       std::vector<double> edges;
       for (const auto& t : mesh->triangles)
-        edges.push_back((mesh->vertices_W_m[at(t[0])] - mesh->vertices_W_m[at(t[1])]).norm());
+        edges.push_back((mesh->vertices_W_m[surface::at(t[0])] - mesh->vertices_W_m[surface::at(t[1])]).norm());
       std::ranges::sort(edges);
       const double edge = edges[edges.size() * 99 / 100];
       sag += edge * edge / (6.0 * radius);
@@ -175,7 +186,7 @@ TEST(NearPairFinder, AnswersTheSameWhileFeaturesStayAwake) {
     const FeatureMesh tool(in_unit(scene.tool));
     const FeatureMesh object(in_unit(scene.object));
     NearPairFinder kept(tool, object, scene.unit_m);
-    Pose pose{Vec3(0, 0, scene.height_m), rotation_by(0.3 * Vec3(0, 0, random.normal()))};
+    Pose pose{Vec3(0, 0, scene.height_m), tool::rotation_by(0.3 * Vec3(0, 0, random.normal()))};
     for (int i = 0; i < 300; ++i) {
       // Now and then as far as features may stay awake, or far beyond.
       const double way_m = i % 50 == 49 ? 60e-6 : random.uniform(0.2e-6, i % 3 == 0 ? 9e-6 : 3e-6);
@@ -317,15 +328,15 @@ TEST(GodObjectTool, AParameterOfAnyUnitFollowsTheUnitOfLength) {
     const std::size_t own = entry.parameters.size();
     entry.parameters.push_back({"own", unit, 0.0, largest, 4.0, "told apart below"});
     entry.make = [make = known.make, own, of_length, declared = known.parameters](
-                     const Parameters& parameters, const Tool& tool, const TriangleMesh& object_W,
+                     const rendering::Parameters& parameters, const Tool& tool, const TriangleMesh& object_W,
                      const Coupling& coupling) {
       // 4 in metres; anything but what follows the unit makes the coupling another one.
-      const double unit_m = parameters.at(kUnitParameter);
+      const double unit_m = parameters.at(tool::kUnitParameter);
       const double right = 4.0 * std::pow(unit_m, -of_length);
       std::map<std::string, double> rest(parameters.values().begin(), parameters.values().end());
       rest.erase("own");
       return make(
-          Parameters(declared, rest, "renderer", "a test", ""), tool, object_W,
+          rendering::Parameters(declared, rest, "renderer", "a test", ""), tool, object_W,
           {coupling.stiffness_N_per_m * parameters.at("own") / right, coupling.rotational_stiffness_Nm_per_rad});
     };
     return entry;
@@ -355,7 +366,7 @@ TEST_P(EveryToolRenderer, MeshesInMillimetresGiveTheSame) {
   const auto through_millimetres = [&](TriangleMesh mesh, const char* name) {
     for (Vec3& v : mesh.vertices_W_m) v *= 1000.0;
     save_mesh(mesh, folder / name);
-    return load_mesh(folder / name, length_unit_factor("mm"));
+    return surface::load_mesh(folder / name, length_unit_factor("mm"));
   };
   const auto metres = make_tool_renderer(GetParam(), tool_of(c.tool_T), c.object_W, {});
   const auto millimetres = make_tool_renderer(GetParam(), tool_of(through_millimetres(c.tool_T, "tool.obj")),
@@ -398,7 +409,7 @@ TEST(ToolOfPoints, IsRenderedAsTheMeshThatItWasMadeFrom) {
   constexpr double kSpacing_m = 1e-3;
   Tool points;
   points.mass = mesh.mass;
-  points.shell = make_point_shell(c.tool_T, kSpacing_m);
+  points.shell = tool::make_point_shell(c.tool_T, kSpacing_m);
   for (const char* name : {"voxmap-pointshell", "penalty-coupling"}) {
     ToolSettings settings;
     settings.parameters["point_spacing_m"] = kSpacing_m;

@@ -10,7 +10,7 @@
 
 namespace touchstone::renderers {
 
-Voxmap::Voxmap(const Surface& object, double voxel_m) : voxel_m_(voxel_m), per_m_(1.0 / voxel_m) {
+Voxmap::Voxmap(const surface::Surface& object, double voxel_m) : voxel_m_(voxel_m), per_m_(1.0 / voxel_m) {
   constexpr double kMostVoxels = 1e9;
   const Box3 bounds = object.bounds();
   const Vec3 cells = bounds.diagonal() / voxel_m;

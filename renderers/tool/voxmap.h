@@ -15,7 +15,7 @@ namespace touchstone::renderers {
 class Voxmap {
  public:
   // Throws UsageError where the voxel would make more than a thousand million voxels, or none.
-  Voxmap(const Surface& object, double voxel_m);
+  Voxmap(const surface::Surface& object, double voxel_m);
 
   static constexpr std::uint8_t kFree = 0;
   static constexpr std::uint8_t kSurface = 1;  // the centre lies within half a voxel of the surface

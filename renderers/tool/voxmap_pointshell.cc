@@ -9,32 +9,35 @@
 
 namespace touchstone::renderers {
 
-ToolRendererEntry voxmap_pointshell_entry() {
-  ToolRendererEntry entry;
+tool::ToolRendererEntry voxmap_pointshell_entry() {
+  tool::ToolRendererEntry entry;
   entry.name = "voxmap-pointshell";
   entry.summary = "tangent-plane force of a point shell in voxels";
   entry.source = "McNeely, Puterbaugh and Troy 1999, 2005";
   entry.parameters = {
       contact_stiffness_parameter(), {"voxel_m", "m", 1e-6, 1.0, 0.5e-3, "edge of a voxel"}, point_spacing_parameter()};
   entry.takes_points = true;
-  entry.make = [](const Parameters& parameters, const Tool& tool, const TriangleMesh& object_W,
-                  const Coupling& coupling) -> std::unique_ptr<ToolRenderer> {
+  entry.make = [](const rendering::Parameters& parameters, const tool::Tool& tool,
+                  const surface::TriangleMesh& object_W,
+                  const tool::Coupling& coupling) -> std::unique_ptr<tool::ToolRenderer> {
     return std::make_unique<VoxmapPointshell>(shell_of(tool, parameters.at("point_spacing_m")),
                                               *make_embree_surface(object_W), parameters.at("voxel_m"), coupling,
                                               parameters.at("contact_stiffness_N_per_m"));
   };
-  entry.resolution_m = [](const Parameters& parameters, double /*force_N*/) { return parameters.at("voxel_m"); };
+  entry.resolution_m = [](const rendering::Parameters& parameters, double /*force_N*/) {
+    return parameters.at("voxel_m");
+  };
   entry.exact_normals = false;
   return entry;
 }
 
-VoxmapPointshell::VoxmapPointshell(const PointShell& shell, const Surface& object, double voxel_m,
-                                   const Coupling& coupling, double contact_stiffness_N_per_m)
+VoxmapPointshell::VoxmapPointshell(const tool::PointShell& shell, const surface::Surface& object, double voxel_m,
+                                   const tool::Coupling& coupling, double contact_stiffness_N_per_m)
     : shell_(shell), map_(object, voxel_m), coupling_(coupling), stiffness_N_per_m_(contact_stiffness_N_per_m) {
   for (const Vec3& p : shell_.p_T_m) reach_m_ = std::max(reach_m_, p.norm());
 }
 
-ToolResult VoxmapPointshell::do_step(const ToolState& state, double /*dt_s*/) noexcept {
+tool::ToolResult VoxmapPointshell::do_step(const tool::ToolState& state, double /*dt_s*/) noexcept {
   if (!placed_) {
     proxy_ = state.handle;
     placed_ = true;
@@ -80,7 +83,7 @@ ToolResult VoxmapPointshell::do_step(const ToolState& state, double /*dt_s*/) no
     proxy_ = moved(proxy_, {part * by.head<3>(), part * by.tail<3>()});
     if (part == 1.0) break;
   }
-  ToolResult result;
+  tool::ToolResult result;
   result.proxy = proxy_;
   result.contact = touching > 0;
   if (result.contact) {

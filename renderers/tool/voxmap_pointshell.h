@@ -20,31 +20,31 @@
 
 namespace touchstone::renderers {
 
-ToolRendererEntry voxmap_pointshell_entry();
+tool::ToolRendererEntry voxmap_pointshell_entry();
 
-class VoxmapPointshell : public ToolRenderer {
+class VoxmapPointshell : public tool::ToolRenderer {
  public:
-  VoxmapPointshell(const PointShell& shell, const Surface& object, double voxel_m, const Coupling& coupling,
-                   double contact_stiffness_N_per_m);
+  VoxmapPointshell(const tool::PointShell& shell, const surface::Surface& object, double voxel_m,
+                   const tool::Coupling& coupling, double contact_stiffness_N_per_m);
   [[nodiscard]] std::size_t memory_bytes() const noexcept override {
     return map_.memory_bytes() + 2 * shell_.p_T_m.capacity() * sizeof(Vec3) + sizeof(*this);
   }
 
  protected:
   void do_reset() override { placed_ = false; }
-  ToolResult do_step(const ToolState& state, double dt_s) noexcept override;
+  tool::ToolResult do_step(const tool::ToolState& state, double dt_s) noexcept override;
 
  private:
   static constexpr std::size_t kMostContacts = 512;  // that a result lists; all count for the force
 
-  PointShell shell_;
+  tool::PointShell shell_;
   Voxmap map_;
-  Coupling coupling_;
+  tool::Coupling coupling_;
   double stiffness_N_per_m_;
   double reach_m_ = 0.0;
   bool placed_ = false;
-  Pose proxy_;
-  std::array<ToolContact, kMostContacts> contacts_;
+  tool::Pose proxy_;
+  std::array<tool::ToolContact, kMostContacts> contacts_;
 };
 
 }  // namespace touchstone::renderers

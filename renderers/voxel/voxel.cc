@@ -8,6 +8,11 @@
 #include "renderers/voxel/voxel_grid.h"
 
 namespace touchstone::renderers {
+using rendering::Ability;
+using rendering::Parameters;
+using rendering::Renderer;
+using rendering::RendererEntry;
+
 namespace {
 
 template <class S, class Grid>
@@ -26,8 +31,8 @@ class VoxelRenderer final : public Renderer {
  private:
   void do_reset() override {}
 
-  StepResult do_step(const TipState& tip) noexcept override {
-    StepResult result;
+  rendering::StepResult do_step(const rendering::TipState& tip) noexcept override {
+    rendering::StepResult result;
     result.contact_W_m = tip.p_W_m;
     const Vec3Of<S> p_W_m = tip.p_W_m.template cast<S>();
     const Vec3Of<S> q = (p_W_m - origin_W_m_) * per_m_;  // in voxels from here on
@@ -87,13 +92,15 @@ VoxelGridOptions options_of(const Parameters& parameters) {
 }
 
 template <class S>
-std::unique_ptr<Renderer> make_dense(const Parameters& parameters, const std::shared_ptr<const Surface>& surface) {
+std::unique_ptr<Renderer> make_dense(const Parameters& parameters,
+                                     const std::shared_ptr<const surface::Surface>& surface) {
   return std::make_unique<VoxelRenderer<S, DenseVoxelGrid>>(make_dense_grid(*surface, options_of(parameters)),
                                                             parameters.at("stiffness_N_per_m"));
 }
 
 template <class S>
-std::unique_ptr<Renderer> make_sparse(const Parameters& parameters, const std::shared_ptr<const Surface>& surface) {
+std::unique_ptr<Renderer> make_sparse(const Parameters& parameters,
+                                      const std::shared_ptr<const surface::Surface>& surface) {
   return std::make_unique<VoxelRenderer<S, SparseVoxelGrid>>(make_sparse_grid(*surface, options_of(parameters)),
                                                              parameters.at("stiffness_N_per_m"));
 }

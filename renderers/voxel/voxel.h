@@ -6,12 +6,11 @@
 // "voxel" stores every voxel, "voxel-sparse" only those near the surface: the same forces to the bit.
 #pragma once
 
-#include "harness/base/rooms.h"
 #include "harness/rendering/renderer_entry.h"
 
 namespace touchstone::renderers {
 
-RendererEntry voxel_entry();
-RendererEntry voxel_sparse_entry();
+rendering::RendererEntry voxel_entry();
+rendering::RendererEntry voxel_sparse_entry();
 
 }  // namespace touchstone::renderers

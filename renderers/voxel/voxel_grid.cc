@@ -10,6 +10,8 @@
 #include "harness/base/in_parallel.h"
 
 namespace touchstone::renderers {
+using surface::Surface;
+
 namespace {
 
 // Parts of a voxel by which the grid is shifted along x, y and z; half a voxel is kept for them.
@@ -43,7 +45,7 @@ VoxelLayout make_layout(const Surface& surface, const VoxelGridOptions& options)
 bool plane_at(const Surface& surface, const VoxelLayout& layout, const VoxelGridOptions& options, const VoxelIndex& at,
               VoxelPlane& plane) {
   const Vec3 center = layout.center_W_m(at);
-  const SurfacePoint nearest = surface.closest(center);
+  const surface::SurfacePoint nearest = surface.closest(center);
   const double height = nearest.signed_distance_m * layout.per_m;
   if (!(height <= kHalfDiagonal && height >= -options.reach_voxels)) return false;
   plane.nx = static_cast<float>(nearest.n_W.x());

@@ -23,7 +23,6 @@
 #include <memory>
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "harness/base/vec.h"
 #include "harness/surface/surface.h"
 
@@ -127,7 +126,7 @@ struct DenseVoxelGrid {
 
 // Throws BadData for options that leave no room for the body within the margin. In parallel; the same grid to the bit
 // whatever the number of threads.
-SparseVoxelGrid make_sparse_grid(const Surface& surface, const VoxelGridOptions& options);
-DenseVoxelGrid make_dense_grid(const Surface& surface, const VoxelGridOptions& options);
+SparseVoxelGrid make_sparse_grid(const surface::Surface& surface, const VoxelGridOptions& options);
+DenseVoxelGrid make_dense_grid(const surface::Surface& surface, const VoxelGridOptions& options);
 
 }  // namespace touchstone::renderers

@@ -16,19 +16,24 @@
 #include "synthetic/surface_catalogue.h"
 
 namespace touchstone::renderers {
+using rendering::Ability;
+using rendering::StepResult;
+using surface::Surface;
+
 namespace {
 
 constexpr double kStiffness = 500.0;
 
-std::unique_ptr<Renderer> voxel(std::shared_ptr<const Surface> surface, std::map<std::string, double> parameters = {},
-                                const std::string& name = "voxel") {
+std::unique_ptr<rendering::Renderer> voxel(std::shared_ptr<const Surface> surface,
+                                           std::map<std::string, double> parameters = {},
+                                           const std::string& name = "voxel") {
   parameters.try_emplace("stiffness_N_per_m", kStiffness);
   return make_renderer(model_of(name, std::move(parameters)), std::move(surface));
 }
 
 std::shared_ptr<const Surface> mesh_surface(const std::string& name, std::size_t triangles, double scale = 1.0) {
   return make_embree_surface(
-      testing::moved(synthetic::make_mesh(name, {}, triangles).mesh, Quat::Identity(), Vec3::Zero(), scale));
+      surface::moved(synthetic::make_mesh(name, {}, triangles).mesh, Quat::Identity(), Vec3::Zero(), scale));
 }
 
 bool same(const VoxelPlane* a, const VoxelPlane* b) {
@@ -59,7 +64,7 @@ TEST(VoxelGrid, EachVoxelOfTheBandHoldsThePlaneNearestToItsCentreAndNoOtherDoes)
       const VoxelPlane* const plane = sparse.voxels.find(at);
       ASSERT_TRUE(same(plane, dense.voxels.find(at)));
       const Vec3 center = layout.center_W_m(at);
-      const SurfacePoint nearest = surface->closest(center);
+      const surface::SurfacePoint nearest = surface->closest(center);
       const double height = nearest.signed_distance_m / layout.voxel_m;
       ASSERT_EQ(plane != nullptr, height <= 0.5 * std::sqrt(3.0) && height >= -3.0) << name;
       if (plane == nullptr) return;
@@ -197,9 +202,9 @@ TEST(Voxel, SixtyFourCubedFitsThePapersMemoryAndSparseATenthOfIt) {
 TEST(Voxel, CountedItGivesTheSameBitsAtFortySixOperationsAStep) {
   const auto surface = mesh_surface("duck", 3000);
   for (const char* name : {"voxel", "voxel-sparse"}) {
-    const Model model = model_of(name, {{"stiffness_N_per_m", kStiffness}, {"resolution", 40.0}});
-    const RendererEntry& entry = find_renderer(model);
-    const Parameters parameters(entry.parameters, model.parameters, "renderer", "test", "");
+    const rendering::Model model = model_of(name, {{"stiffness_N_per_m", kStiffness}, {"resolution", 40.0}});
+    const rendering::RendererEntry& entry = find_renderer(model);
+    const rendering::Parameters parameters(entry.parameters, model.parameters, "renderer", "test", "");
     const auto plain = entry.make(parameters, surface);
     const auto counted = entry.make_counted(parameters, surface);
     Hand left(*plain);
@@ -284,10 +289,10 @@ TEST(Voxel, PinnedLimitATipBesideAnEdgeIsPushedThoughItIsFree) {
 }
 
 TEST(Voxel, PinnedLimitTheGridLiesAlongTheAxes) {
-  const TriangleMesh mesh = synthetic::make_mesh("bumpy", {}, 3000).mesh;
+  const surface::TriangleMesh mesh = synthetic::make_mesh("bumpy", {}, 3000).mesh;
   const auto straight = voxel(make_embree_surface(mesh), {{"resolution", 32.0}});
   const auto turned =
-      voxel(make_embree_surface(testing::moved(mesh, awkward_rotation(), Vec3::Zero())), {{"resolution", 32.0}});
+      voxel(make_embree_surface(surface::moved(mesh, awkward_rotation(), Vec3::Zero())), {{"resolution", 32.0}});
   Hand left(*straight);
   Hand right(*turned);
   Random random(9);

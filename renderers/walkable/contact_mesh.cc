@@ -14,9 +14,11 @@
 #include "renderers/walkable/mesh_regularity.h"
 
 namespace touchstone::renderers {
+using surface::Surface;
+
 namespace {
 
-const TriangleMesh& triangles_of(const Surface& surface) {
+const surface::TriangleMesh& triangles_of(const Surface& surface) {
   if (surface.mesh() == nullptr)
     throw BadData("this renderer constrains by triangles and cannot run on an analytic surface");
   return *surface.mesh();
@@ -26,8 +28,8 @@ const TriangleMesh& triangles_of(const Surface& surface) {
 
 ContactMesh::ContactMesh(const Surface& surface)
     : mesh_(&triangles_of(surface)),
-      own_topology_(surface.topology() ? nullptr : std::make_unique<MeshTopology>(make_topology(*mesh_))),
-      own_tree_(surface.tree() ? nullptr : std::make_unique<TriangleTree>(*mesh_)),
+      own_topology_(surface.topology() ? nullptr : std::make_unique<surface::MeshTopology>(make_topology(*mesh_))),
+      own_tree_(surface.tree() ? nullptr : std::make_unique<surface::TriangleTree>(*mesh_)),
       topology_(own_topology_ ? own_topology_.get() : surface.topology()),
       tree_(own_tree_ ? own_tree_.get() : surface.tree()) {
   extent_ = surface.bounds().diagonal().norm();
@@ -68,7 +70,7 @@ void ContactMesh::make_facets() {
     for (std::size_t e = 0; e < 3; ++e) {
       facet.valley[e] = false;
       if (facet.neighbour[e] < 0) continue;
-      const Facet& other = facets_[at(facet.neighbour[e])];
+      const Facet& other = facets_[surface::at(facet.neighbour[e])];
       // By the free corner that reaches farther, asked the same way from both sides, so that both agree.
       const auto reach = [&](const Facet& plane, const Facet& from) {
         double far = 0.0;

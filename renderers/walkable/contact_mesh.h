@@ -8,7 +8,6 @@
 #include <memory>
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "harness/surface/mesh_topology.h"
 #include "harness/surface/surface.h"
 #include "harness/surface/triangle_tree.h"
@@ -42,7 +41,7 @@ class ContactMesh {
  public:
   using Scalar = double;
   // Throws BadData for a surface without triangles. The surface must outlive this.
-  explicit ContactMesh(const Surface& surface);
+  explicit ContactMesh(const surface::Surface& surface);
 
   [[nodiscard]] const Facet& facet(std::int32_t triangle) const noexcept {
     return facets_[static_cast<std::size_t>(triangle)];
@@ -55,11 +54,11 @@ class ContactMesh {
   }
   // Whether the vertex, or the edge or corner with that index of the triangle, is on the rim of an open mesh.
   [[nodiscard]] bool open_vertex(std::int32_t index) const noexcept {
-    return (topology_->vertex_flags[static_cast<std::size_t>(index)] & vertex_open) != 0;
+    return (topology_->vertex_flags[static_cast<std::size_t>(index)] & surface::vertex_open) != 0;
   }
-  [[nodiscard]] bool on_rim(std::int32_t triangle, Feature feature, std::size_t local) const noexcept {
-    if (feature == Feature::edge) return facet(triangle).neighbour[local] < 0;
-    return feature == Feature::vertex && open_vertex(facet(triangle).corner[local]);
+  [[nodiscard]] bool on_rim(std::int32_t triangle, surface::Feature feature, std::size_t local) const noexcept {
+    if (feature == surface::Feature::edge) return facet(triangle).neighbour[local] < 0;
+    return feature == surface::Feature::vertex && open_vertex(facet(triangle).corner[local]);
   }
   [[nodiscard]] std::span<const std::int32_t> fan(std::int32_t vertex) const {
     return topology_->fan(static_cast<std::size_t>(vertex));
@@ -71,7 +70,7 @@ class ContactMesh {
   // The local index of the edge of `triangle` that borders `neighbour`.
   [[nodiscard]] std::size_t edge_towards(std::int32_t triangle, std::int32_t neighbour,
                                          std::int32_t from) const noexcept;
-  [[nodiscard]] const TriangleTree& tree() const noexcept { return *tree_; }
+  [[nodiscard]] const surface::TriangleTree& tree() const noexcept { return *tree_; }
   [[nodiscard]] std::size_t triangle_count() const noexcept { return facets_.size(); }
   [[nodiscard]] std::size_t vertex_count() const noexcept { return mesh_->vertices_W_m.size(); }
   // All triangles may be walked on.
@@ -95,17 +94,17 @@ class ContactMesh {
  private:
   void make_facets();
 
-  const TriangleMesh* mesh_;
-  std::unique_ptr<const MeshTopology> own_topology_;  // null where the surface has them
-  std::unique_ptr<const TriangleTree> own_tree_;
-  const MeshTopology* topology_;
-  const TriangleTree* tree_;
+  const surface::TriangleMesh* mesh_;
+  std::unique_ptr<const surface::MeshTopology> own_topology_;  // null where the surface has them
+  std::unique_ptr<const surface::TriangleTree> own_tree_;
+  const surface::MeshTopology* topology_;
+  const surface::TriangleTree* tree_;
   std::vector<Facet> facets_;
   double magnitude_ = 0.0;
   double extent_ = 0.0;
 };
 
 // One ContactMesh per surface, however many renderers run on it at the same time.
-std::shared_ptr<const ContactMesh> contact_mesh(const std::shared_ptr<const Surface>& surface);
+std::shared_ptr<const ContactMesh> contact_mesh(const std::shared_ptr<const surface::Surface>& surface);
 
 }  // namespace touchstone::renderers

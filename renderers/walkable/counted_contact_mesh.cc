@@ -2,7 +2,7 @@
 
 namespace touchstone::renderers {
 
-CountedContactMesh::CountedContactMesh(std::shared_ptr<const ContactMesh> mesh, const TriangleMesh& triangles)
+CountedContactMesh::CountedContactMesh(std::shared_ptr<const ContactMesh> mesh, const surface::TriangleMesh& triangles)
     : mesh_(std::move(mesh)), tree_(triangles) {
   for (std::size_t t = 0; t < mesh_->triangle_count(); ++t) {
     const Facet& plain = mesh_->facet(static_cast<std::int32_t>(t));

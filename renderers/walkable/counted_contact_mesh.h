@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "harness/base/counted.h"
-#include "harness/base/rooms.h"
 #include "harness/surface/box_tree.h"
 #include "renderers/walkable/contact_mesh.h"
 
@@ -16,7 +15,7 @@ class CountedContactMesh {
  public:
   using Scalar = Counted;
   // `triangles`: those of `mesh`.
-  CountedContactMesh(std::shared_ptr<const ContactMesh> mesh, const TriangleMesh& triangles);
+  CountedContactMesh(std::shared_ptr<const ContactMesh> mesh, const surface::TriangleMesh& triangles);
 
   [[nodiscard]] const FacetOf<Counted>& facet(std::int32_t triangle) const noexcept {
     return facets_[static_cast<std::size_t>(triangle)];
@@ -31,7 +30,7 @@ class CountedContactMesh {
     const auto& c = facet(triangle).corner;
     return {vertex(c[0]), vertex(c[1]), vertex(c[2])};
   }
-  [[nodiscard]] const BoxTree& tree() const noexcept { return tree_; }
+  [[nodiscard]] const surface::BoxTree& tree() const noexcept { return tree_; }
   [[nodiscard]] bool open_vertex(std::int32_t index) const noexcept { return mesh_->open_vertex(index); }
   [[nodiscard]] std::span<const std::int32_t> fan(std::int32_t vertex) const { return mesh_->fan(vertex); }
   [[nodiscard]] std::size_t edge_towards(std::int32_t triangle, std::int32_t neighbour,
@@ -39,7 +38,7 @@ class CountedContactMesh {
     return mesh_->edge_towards(triangle, neighbour, from);
   }
   [[nodiscard]] bool closed() const noexcept { return mesh_->closed(); }
-  [[nodiscard]] bool on_rim(std::int32_t triangle, Feature feature, std::size_t local) const noexcept {
+  [[nodiscard]] bool on_rim(std::int32_t triangle, surface::Feature feature, std::size_t local) const noexcept {
     return mesh_->on_rim(triangle, feature, local);
   }
   [[nodiscard]] double extent() const noexcept { return mesh_->extent(); }
@@ -51,7 +50,7 @@ class CountedContactMesh {
   std::vector<FacetOf<Counted>> facets_;
   std::vector<Vec3Of<Counted>> vertices_;
   std::vector<Vec3Of<Counted>> vertex_normals_;
-  BoxTree tree_;
+  surface::BoxTree tree_;
 };
 
 }  // namespace touchstone::renderers

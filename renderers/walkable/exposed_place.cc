@@ -7,6 +7,8 @@
 #include "renderers/walkable/flush.h"
 
 namespace touchstone::renderers {
+using surface::SurfacePoint;
+
 namespace {
 
 // Along no plane, edge or diagonal that a body is likely to have: a ray along one would count borders twice.
@@ -17,7 +19,8 @@ const Vec3& awry() {
 
 template <class Mesh>
 StartPlace place_on(const Mesh& mesh, std::int32_t triangle, const Vec3& p) {
-  const TriangleClosest where = closest_on_triangle(mesh.corners(triangle), mesh.facet(triangle).n, p);
+  const surface::TriangleClosest where =
+      surface::closest_on_triangle(mesh.corners(triangle), mesh.facet(triangle).n, p);
   return {true, triangle, where.feature, where.index, p + where.from_query};
 }
 
@@ -58,7 +61,7 @@ int winding_about(const Mesh& mesh, const Vec3& p) noexcept {
   const Vec3 far = p + (2.0 * mesh.extent() + 2.0 * mesh.magnitude() + p.norm()) * awry();
   int winding = 0;
   mesh.tree().along_segment(p, far, [&](std::int32_t t) {
-    if (const auto crossing = cross_triangle(mesh.corners(t), mesh.facet(t).n, p, far))
+    if (const auto crossing = surface::cross_triangle(mesh.corners(t), mesh.facet(t).n, p, far))
       winding += crossing->entering ? -1 : 1;
     return 1.0;
   });
@@ -81,7 +84,7 @@ bool inside_bodies(const Mesh& mesh, std::int32_t triangle, double away_m, const
 
 }  // namespace
 
-StartPlace start_place(const ContactMesh& mesh, const Surface& surface, const Vec3& p) noexcept {
+StartPlace start_place(const ContactMesh& mesh, const surface::Surface& surface, const Vec3& p) noexcept {
   const SurfacePoint nearest = surface.closest(p);
   if (nearest.triangle < 0) return {};
   const bool bodies = !mesh.facet(nearest.triangle).regular && !mesh.open();

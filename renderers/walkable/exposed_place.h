@@ -7,7 +7,6 @@
 // within each other must not cancel).
 #pragma once
 
-#include "harness/base/rooms.h"
 #include "harness/surface/surface.h"
 #include "renderers/walkable/contact_mesh.h"
 #include "renderers/walkable/posed_bodies.h"
@@ -18,11 +17,11 @@ namespace touchstone::renderers {
 struct StartPlace {
   bool inside = false;
   std::int32_t triangle = -1;
-  Feature feature = Feature::face;
+  surface::Feature feature = surface::Feature::face;
   std::size_t index = 0;  // of the edge or corner
   Vec3 p_W_m = Vec3::Zero();
 };
-StartPlace start_place(const ContactMesh& mesh, const Surface& surface, const Vec3& p) noexcept;
+StartPlace start_place(const ContactMesh& mesh, const surface::Surface& surface, const Vec3& p) noexcept;
 // Among the bodies of a scene.
 StartPlace start_place(const PosedBodies& bodies, const Vec3& p) noexcept;
 

@@ -7,6 +7,8 @@
 #include "harness/surface/embree_surface.h"
 
 namespace touchstone::renderers {
+using surface::TriangleMesh;
+
 namespace {
 
 // Boxes that overlap, nest and stand apart, with one that is inside out: how often they wind around a point is counted

@@ -3,8 +3,6 @@
 
 #include <cstddef>
 
-#include "harness/base/rooms.h"
-
 namespace touchstone::renderers {
 
 template <class Object>

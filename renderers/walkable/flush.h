@@ -5,8 +5,6 @@
 // count as none if bodies meet; whatever is larger is an obstacle to a point.
 #pragma once
 
-#include "harness/base/rooms.h"
-
 namespace touchstone::renderers {
 
 // `magnitude_m`: the largest magnitude of a coordinate of the mesh.

@@ -8,7 +8,6 @@
 #include <algorithm>
 #include <limits>
 
-#include "harness/base/rooms.h"
 #include "harness/surface/exact_predicates.h"
 #include "renderers/walkable/contact_mesh.h"
 
@@ -38,7 +37,7 @@ template <class Mesh, class S = typename Mesh::Scalar>
 bool through_outline(const Mesh& mesh, const FacetOf<S>& facet, const Vec3Of<S>& a, const Vec3Of<S>& p) noexcept {
   for (std::size_t e = 0; e < 3; ++e) {
     // Seen against the normal the outline runs counter-clockwise: the way keeps every edge on the same side.
-    if (side_of_plane_of<S>(a, p, mesh.vertex(facet.corner[e]), mesh.vertex(facet.corner[(e + 1) % 3])) > 0)
+    if (surface::side_of_plane_of<S>(a, p, mesh.vertex(facet.corner[e]), mesh.vertex(facet.corner[(e + 1) % 3])) > 0)
       return false;
   }
   return true;

@@ -10,14 +10,13 @@
 #include <set>
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "harness/surface/mesh_topology.h"
 
 namespace touchstone::renderers {
 
 class GodObjectTwin {
  public:
-  explicit GodObjectTwin(const TriangleMesh& mesh) : mesh_(mesh), normals_(make_topology(mesh).face_normals) {}
+  explicit GodObjectTwin(const surface::TriangleMesh& mesh) : mesh_(mesh), normals_(make_topology(mesh).face_normals) {}
 
   void start(const Vec3& p) {
     g_ = p;
@@ -224,7 +223,7 @@ class GodObjectTwin {
     }
   }
 
-  const TriangleMesh& mesh_;
+  const surface::TriangleMesh& mesh_;
   std::vector<Vec3> normals_;
   Vec3 g_ = Vec3::Zero();
   std::set<Index> simplex_;  // the corners of the face, edge or vertex that holds the god-object; empty when free

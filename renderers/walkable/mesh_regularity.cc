@@ -10,13 +10,16 @@
 #include "renderers/walkable/flush.h"
 
 namespace touchstone::renderers {
+using surface::TriangleMesh;
+
 namespace {
 
 using Corners = std::array<Vec3, 3>;
 
 Corners corners_of(const TriangleMesh& mesh, std::int32_t t) {
-  const auto& c = mesh.triangles[at(t)];
-  return {mesh.vertices_W_m[at(c[0])], mesh.vertices_W_m[at(c[1])], mesh.vertices_W_m[at(c[2])]};
+  const auto& c = mesh.triangles[surface::at(t)];
+  return {mesh.vertices_W_m[surface::at(c[0])], mesh.vertices_W_m[surface::at(c[1])],
+          mesh.vertices_W_m[surface::at(c[2])]};
 }
 
 // Whether the edge passes through the other triangle or touches it; one within its plane does not count.
@@ -24,12 +27,12 @@ bool edge_crosses(const Corners& edges_of, std::size_t edge, const Corners& othe
   const Vec3& a = edges_of[edge];
   const Vec3& b = edges_of[(edge + 1) % 3];
   const auto& [u, v, w] = other;
-  const int from = side_of_plane(u, v, w, a);
-  const int to = side_of_plane(u, v, w, b);
+  const int from = surface::side_of_plane(u, v, w, a);
+  const int to = surface::side_of_plane(u, v, w, b);
   if (from * to > 0 || (from == 0 && to == 0)) return false;
-  const int first = side_of_plane(a, b, u, v);
-  const int second = side_of_plane(a, b, v, w);
-  const int third = side_of_plane(a, b, w, u);
+  const int first = surface::side_of_plane(a, b, u, v);
+  const int second = surface::side_of_plane(a, b, v, w);
+  const int third = surface::side_of_plane(a, b, w, u);
   return first * second >= 0 && second * third >= 0 && third * first >= 0;
 }
 
@@ -57,15 +60,15 @@ struct Shared {
 // plane for sure, as nearly always; then they meet in the corner alone.
 bool only_meet_there(const TriangleMesh& mesh, const std::array<std::int32_t, 3>& a, std::size_t i,
                      const std::array<std::int32_t, 3>& b, std::size_t j) {
-  const auto vertex = [&](std::int32_t k) -> const Vec3& { return mesh.vertices_W_m[at(k)]; };
-  const PlaneFilter plane(vertex(a[i]), vertex(a[(i + 1) % 3]), vertex(a[(i + 2) % 3]));
+  const auto vertex = [&](std::int32_t k) -> const Vec3& { return mesh.vertices_W_m[surface::at(k)]; };
+  const surface::PlaneFilter plane(vertex(a[i]), vertex(a[(i + 1) % 3]), vertex(a[(i + 2) % 3]));
   return plane.side(vertex(b[(j + 1) % 3])) * plane.side(vertex(b[(j + 2) % 3])) > 0;
 }
 
 // Whether two triangles meet other than along what they share.
 bool cross(const TriangleMesh& mesh, std::int32_t s, std::int32_t t) {
-  const auto& a = mesh.triangles[at(s)];
-  const auto& b = mesh.triangles[at(t)];
+  const auto& a = mesh.triangles[surface::at(s)];
+  const auto& b = mesh.triangles[surface::at(t)];
   const Shared shared(a, b);
   if (shared.count() == 1 && only_meet_there(mesh, a, Shared::last(shared.a), b, Shared::last(shared.b))) return false;
   const Corners p = corners_of(mesh, s);
@@ -75,7 +78,7 @@ bool cross(const TriangleMesh& mesh, std::int32_t s, std::int32_t t) {
     int least = 2;
     int most = -2;
     for (const Vec3& x : other) {
-      const int side = side_of_plane(plane[0], plane[1], plane[2], x);
+      const int side = surface::side_of_plane(plane[0], plane[1], plane[2], x);
       least = std::min(least, side);
       most = std::max(most, side);
     }
@@ -96,14 +99,14 @@ bool cross(const TriangleMesh& mesh, std::int32_t s, std::int32_t t) {
   // Folded flat onto its neighbour: the free corners lie in one plane with the edge, on the same side of it.
   const std::size_t lone_a = Shared::lone(shared.a);
   const std::size_t lone_b = Shared::lone(shared.b);
-  if (side_of_plane(p[0], p[1], p[2], q[lone_b]) != 0) return false;
+  if (surface::side_of_plane(p[0], p[1], p[2], q[lone_b]) != 0) return false;
   const Vec3& from = p[(lone_a + 1) % 3];
   const Vec3 along = p[(lone_a + 2) % 3] - from;
   return along.cross(p[lone_a] - from).dot(along.cross(q[lone_b] - from)) > 0.0;
 }
 
 // The number of each triangle's body; empty where there is one only.
-std::vector<std::int32_t> bodies(const MeshTopology& topology) {
+std::vector<std::int32_t> bodies(const surface::MeshTopology& topology) {
   const std::size_t count = topology.neighbours.size();
   std::vector<std::int32_t> body(count, -1);
   std::vector<std::int32_t> queue;
@@ -114,9 +117,9 @@ std::vector<std::int32_t> bodies(const MeshTopology& topology) {
     body[seed] = found;
     queue.assign(1, static_cast<std::int32_t>(seed));
     for (std::size_t head = 0; head < queue.size(); ++head) {
-      for (const std::int32_t next : topology.neighbours[at(queue[head])]) {
-        if (next < 0 || body[at(next)] >= 0) continue;
-        body[at(next)] = found;
+      for (const std::int32_t next : topology.neighbours[surface::at(queue[head])]) {
+        if (next < 0 || body[surface::at(next)] >= 0) continue;
+        body[surface::at(next)] = found;
         queue.push_back(next);
       }
     }
@@ -151,8 +154,8 @@ double squared_distance_of_segments(const Vec3& a, const Vec3& b, const Vec3& c,
 bool within_reach(const Corners& p, const Vec3& p_normal, const Corners& q, const Vec3& q_normal, double reach) {
   const double most = reach * reach;
   for (std::size_t i = 0; i < 3; ++i) {
-    if (closest_on_triangle(q, q_normal, p[i]).squared_distance <= most) return true;
-    if (closest_on_triangle(p, p_normal, q[i]).squared_distance <= most) return true;
+    if (surface::closest_on_triangle(q, q_normal, p[i]).squared_distance <= most) return true;
+    if (surface::closest_on_triangle(p, p_normal, q[i]).squared_distance <= most) return true;
     for (std::size_t j = 0; j < 3; ++j) {
       if (squared_distance_of_segments(p[i], p[(i + 1) % 3], q[j], q[(j + 1) % 3]) <= most) return true;
     }
@@ -164,37 +167,38 @@ double magnitude_of(const TriangleMesh& mesh) {
   double magnitude = 0.0;
   for (const auto& triangle : mesh.triangles) {
     for (const std::int32_t corner : triangle)
-      magnitude = std::max(magnitude, mesh.vertices_W_m[at(corner)].cwiseAbs().maxCoeff());
+      magnitude = std::max(magnitude, mesh.vertices_W_m[surface::at(corner)].cwiseAbs().maxCoeff());
   }
   return magnitude;
 }
 
 }  // namespace
 
-std::vector<bool> regular_triangles(const TriangleMesh& mesh, const MeshTopology& topology, const TriangleTree& tree) {
+std::vector<bool> regular_triangles(const TriangleMesh& mesh, const surface::MeshTopology& topology,
+                                    const surface::TriangleTree& tree) {
   const std::size_t count = mesh.triangle_count();
   std::vector<bool> regular(count);
   for (std::size_t t = 0; t < count; ++t) {
     bool good = !topology.face_normals[t].isZero(0.0);
     for (std::size_t e = 0; e < 3; ++e) {
       const std::int32_t neighbour = topology.neighbours[t][e];
-      good = good && neighbour != non_manifold_edge &&
-             (neighbour < 0 || !topology.face_normals[at(neighbour)].isZero(0.0));
-      good = good && (topology.vertex_flags[at(mesh.triangles[t][e])] & vertex_non_manifold) == 0;
+      good = good && neighbour != surface::non_manifold_edge &&
+             (neighbour < 0 || !topology.face_normals[surface::at(neighbour)].isZero(0.0));
+      good = good && (topology.vertex_flags[surface::at(mesh.triangles[t][e])] & surface::vertex_non_manifold) == 0;
     }
     regular[t] = good;
   }
   const std::vector<std::int32_t> body = bodies(topology);
   const double flush = body.empty() ? 0.0 : flush_m(magnitude_of(mesh));
   const auto touch = [&](std::int32_t s, std::int32_t t) {
-    return !body.empty() && body[at(s)] != body[at(t)] &&
-           within_reach(corners_of(mesh, s), topology.face_normals[at(s)], corners_of(mesh, t),
-                        topology.face_normals[at(t)], flush);
+    return !body.empty() && body[surface::at(s)] != body[surface::at(t)] &&
+           within_reach(corners_of(mesh, s), topology.face_normals[surface::at(s)], corners_of(mesh, t),
+                        topology.face_normals[surface::at(t)], flush);
   };
   // Pairs come from several threads at a time.
   const auto crossed = std::make_unique<std::atomic<bool>[]>(count);
   tree.overlapping_pairs([&](std::int32_t s, std::int32_t t) {
-    if (s < t && (cross(mesh, s, t) || touch(s, t))) crossed[at(s)] = crossed[at(t)] = true;
+    if (s < t && (cross(mesh, s, t) || touch(s, t))) crossed[surface::at(s)] = crossed[surface::at(t)] = true;
   });
   for (std::size_t t = 0; t < count; ++t) regular[t] = regular[t] && !crossed[t];
   return regular;

@@ -3,7 +3,6 @@
 
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "harness/surface/mesh_topology.h"
 #include "harness/surface/triangle_tree.h"
 
@@ -13,6 +12,7 @@ namespace touchstone::renderers {
 // folded onto it, that no triangle crosses other than its neighbours along the shared edge or corner, and that no
 // triangle of another body touches to what counts as flush (flush.h). Rims are regular. Crossings are decided exactly
 // (triangle_queries.h). A body here is what hangs together across edges of two triangles.
-std::vector<bool> regular_triangles(const TriangleMesh& mesh, const MeshTopology& topology, const TriangleTree& tree);
+std::vector<bool> regular_triangles(const surface::TriangleMesh& mesh, const surface::MeshTopology& topology,
+                                    const surface::TriangleTree& tree);
 
 }  // namespace touchstone::renderers

@@ -228,7 +228,8 @@ std::int32_t PlaneContactOf<Mesh>::floor_over(std::int32_t side, const Vec3& pla
     if (t == side || is_zero(facet.n) || !(std::abs(facet.height(p)) <= flush_)) return flush_;
     // Not another piece of the side itself.
     if (within_plane(*mesh_, mesh_->facet(side), t, flush_) || !behind(side, t)) return flush_;
-    if (closest_on_triangle(mesh_->corners(t), facet.n, place).squared_distance > flush_ * flush_) return flush_;
+    if (surface::closest_on_triangle(mesh_->corners(t), facet.n, place).squared_distance > flush_ * flush_)
+      return flush_;
     const auto end = floors.begin() + static_cast<std::ptrdiff_t>(count);
     const auto same = std::find_if(floors.begin(), end, [&](const Floor& f) { return dot(f.n, facet.n) > kSameFloor; });
     if (same != end) {
@@ -341,7 +342,7 @@ ContactPlaces PlaneContactOf<Mesh>::contact_places() const noexcept {
   ContactPlaces contact;
   contact.size = normals.size;
   for (std::size_t k = 0; k < static_cast<std::size_t>(normals.size); ++k)
-    contact.place[k] = {active_.triangle[k], Feature::face, 0, g_, normals.n[k]};
+    contact.place[k] = {active_.triangle[k], surface::Feature::face, 0, g_, normals.n[k]};
   return contact;
 }
 

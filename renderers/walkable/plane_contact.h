@@ -27,7 +27,6 @@
 #include <array>
 #include <cstdint>
 
-#include "harness/base/rooms.h"
 #include "renderers/friction/cone_friction.h"
 #include "renderers/friction/nearest_in_polyhedron.h"
 #include "renderers/walkable/contact_mesh.h"

@@ -14,7 +14,7 @@ constexpr double kSpare = 1.0 + 1e-6;
 
 }  // namespace
 
-PosedBody::PosedBody(const SceneBody& body, std::int32_t first_triangle, std::int32_t first_vertex)
+PosedBody::PosedBody(const rendering::SceneBody& body, std::int32_t first_triangle, std::int32_t first_vertex)
     : surface_(body.surface_B),
       mesh_(contact_mesh(surface_)),
       track_(body.pose),
@@ -23,7 +23,7 @@ PosedBody::PosedBody(const SceneBody& body, std::int32_t first_triangle, std::in
   const Box3 box = surface_->bounds();
   center_B_ = box.center();
   radius_ = kSpare * 0.5 * box.diagonal().norm() + flush_m(mesh_->magnitude());
-  const BodyPose pose = track_.first();
+  const rendering::BodyPose pose = track_.first();
   p_ = p_before_ = pose.p_W_m;
   turn_ = turn_before_ = pose.q_WB.toRotationMatrix();
 }
@@ -31,7 +31,7 @@ PosedBody::PosedBody(const SceneBody& body, std::int32_t first_triangle, std::in
 bool PosedBody::move_to(double t_s, bool first) noexcept {
   if (!track_.moves()) return true;
   if (!track_.covers(t_s)) return false;
-  const BodyPose pose = track_.at(t_s, segment_);
+  const rendering::BodyPose pose = track_.at(t_s, segment_);
   p_before_ = p_;
   turn_before_ = turn_;
   p_ = pose.p_W_m;
@@ -44,10 +44,10 @@ bool PosedBody::move_to(double t_s, bool first) noexcept {
   return true;
 }
 
-PosedBodies::PosedBodies(const BodyScene& scene) {
+PosedBodies::PosedBodies(const rendering::BodyScene& scene) {
   std::int32_t triangles = 0;
   std::int32_t vertices = 0;
-  for (const SceneBody& body : scene.bodies) {
+  for (const rendering::SceneBody& body : scene.bodies) {
     if (body.surface_B->mesh() == nullptr) {
       throw BadData(
           fmt::format("{}: the body {} has no triangles, by which this renderer constrains", scene.source, body.name));

@@ -11,7 +11,6 @@
 #include <memory>
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "harness/rendering/scene.h"
 #include "renderers/walkable/contact_mesh.h"
 #include "renderers/walkable/flush.h"
@@ -20,9 +19,9 @@ namespace touchstone::renderers {
 
 class PosedBody {
  public:
-  PosedBody(const SceneBody& body, std::int32_t first_triangle, std::int32_t first_vertex);
+  PosedBody(const rendering::SceneBody& body, std::int32_t first_triangle, std::int32_t first_vertex);
 
-  [[nodiscard]] const Surface& surface() const noexcept { return *surface_; }
+  [[nodiscard]] const surface::Surface& surface() const noexcept { return *surface_; }
   [[nodiscard]] const ContactMesh& mesh() const noexcept { return *mesh_; }
   [[nodiscard]] std::int32_t first_triangle() const noexcept { return first_triangle_; }
   [[nodiscard]] std::int32_t first_vertex() const noexcept { return first_vertex_; }
@@ -40,16 +39,16 @@ class PosedBody {
 
   // False where the track does not reach.
   bool move_to(double t_s, bool first) noexcept;
-  [[nodiscard]] const PoseTrack& track() const noexcept { return track_; }
+  [[nodiscard]] const rendering::PoseTrack& track() const noexcept { return track_; }
   // A ball about the body, in W.
   [[nodiscard]] Vec3 center() const noexcept { return to_W(center_B_); }
   [[nodiscard]] double radius() const noexcept { return radius_; }
   [[nodiscard]] const Vec3& origin() const noexcept { return p_; }
 
  private:
-  std::shared_ptr<const Surface> surface_;
+  std::shared_ptr<const surface::Surface> surface_;
   std::shared_ptr<const ContactMesh> mesh_;
-  PoseTrack track_;
+  rendering::PoseTrack track_;
   std::size_t segment_ = 0;
   std::int32_t first_triangle_;
   std::int32_t first_vertex_;
@@ -64,7 +63,7 @@ class PosedBodies {
  public:
   using Scalar = double;
   // Throws BadData that names the body for one without triangles.
-  explicit PosedBodies(const BodyScene& scene);
+  explicit PosedBodies(const rendering::BodyScene& scene);
 
   // All bodies to where they are then; with `first` they were there before, too. False where a track does not reach.
   bool move_to(double t_s, bool first) noexcept;

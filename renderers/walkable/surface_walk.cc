@@ -10,6 +10,8 @@
 #include "renderers/walkable/front_crossing.h"
 
 namespace touchstone::renderers {
+using surface::Feature;
+
 namespace {
 
 // Where an edge lies: its two triangles with the tip's height over and its side of each.

@@ -29,7 +29,6 @@
 
 #include <cstdint>
 
-#include "harness/base/rooms.h"
 #include "renderers/friction/cone_friction.h"
 #include "renderers/walkable/contact_mesh.h"
 
@@ -50,7 +49,7 @@ class SurfaceWalkOf {
   void start_free(const V& p) noexcept;
   // The first position of a run inside the object: the god-object starts where the surface is closest, which is the
   // given triangle, or its edge or corner with index `local`.
-  bool start_on(std::int32_t triangle, Feature feature, std::size_t local, const V& p) noexcept;
+  bool start_on(std::int32_t triangle, surface::Feature feature, std::size_t local, const V& p) noexcept;
   // Goes on from g on that triangle, sliding or held.
   void resume(const V& g, std::int32_t triangle, bool sliding = false) noexcept;
   // Moves the god-object for a new position of the tip. False where it came upon a triangle that cannot be walked on

@@ -10,6 +10,8 @@
 #include "synthetic/surface_catalogue.h"
 
 namespace touchstone::renderers {
+using surface::TriangleMesh;
+
 namespace {
 
 TriangleMesh shape(const std::string& name, const synthetic::ParameterOverrides& overrides, std::size_t triangles) {
@@ -67,7 +69,7 @@ TEST(SurfaceWalk, IsToTheBitWhatTryingEverythingGives) {
   for (const auto& [name, mesh] : cases()) {
     for (const double scale : {1e-3, 1.0, 1e3}) {
       const TriangleMesh world =
-          testing::moved(mesh, Quat(0.83, 0.31, -0.41, 0.22).normalized(), scale * Vec3(0.01, -0.02, 0.005), scale);
+          surface::moved(mesh, Quat(0.83, 0.31, -0.41, 0.22).normalized(), scale * Vec3(0.01, -0.02, 0.005), scale);
       const auto surface = make_embree_surface(world);
       const ContactMesh contact(*surface);
       SurfaceWalk walk(contact);

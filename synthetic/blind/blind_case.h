@@ -8,7 +8,6 @@
 #include <string>
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "harness/recording/trajectory.h"
 #include "synthetic/blind/hand_script.h"
 #include "synthetic/blind/hidden_physics.h"
@@ -92,10 +91,10 @@ const std::vector<std::string>& blind_sets();
 BlindCase plan_case(const std::string& set, std::size_t index, std::uint64_t seed);
 
 // Deterministic. 250 Hz.
-Recording record(const BlindCase& plan, bool holdout);
+recording::Recording record(const BlindCase& plan, bool holdout);
 
 // What the case's object and instruments show when a machine leads the tip along a given motion of equal time steps:
 // for the recording that a search asks for. `repetition`: the motion is the same, the noise is not.
-Recording record_along(const BlindCase& plan, const MotionColumns& motion, std::uint64_t repetition);
+recording::Recording record_along(const BlindCase& plan, const MotionColumns& motion, std::uint64_t repetition);
 
 }  // namespace touchstone::synthetic

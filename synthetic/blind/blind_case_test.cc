@@ -16,6 +16,8 @@
 #include "synthetic/blind/write_case.h"
 
 namespace touchstone::synthetic {
+using recording::Recording;
+
 namespace {
 
 TEST(TrueSurface, TheFootOfAPointAboveIsWhereItCameFrom) {
@@ -43,7 +45,7 @@ TEST(TrueSurface, ItsSlabIsClosedAndWithinTheDeviation) {
   TrueSurface surface;
   surface.half_side_m = 0.05;
   surface.curvature_per_m = Vec2(-4.0, -2.0);
-  const TriangleMesh mesh = surface.slab(16, 0.02);
+  const surface::TriangleMesh mesh = surface.slab(16, 0.02);
   EXPECT_TRUE(make_topology(mesh).closed());
   double volume = 0.0;
   for (const auto& [a, b, c] : mesh.triangles) {

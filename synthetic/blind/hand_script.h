@@ -5,7 +5,6 @@
 #include <vector>
 
 #include "harness/base/random.h"
-#include "harness/base/rooms.h"
 #include "synthetic/blind/true_surface.h"
 
 namespace touchstone::synthetic {

@@ -6,7 +6,6 @@
 
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "synthetic/blind/true_surface.h"
 
 namespace touchstone::synthetic {

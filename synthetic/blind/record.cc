@@ -9,6 +9,8 @@
 #include "synthetic/blind/blind_case.h"
 
 namespace touchstone::synthetic {
+using recording::Recording;
+
 namespace {
 
 constexpr double step_s = 1e-4;

@@ -48,8 +48,8 @@ TrueSurface::Foot TrueSurface::foot(const Vec3& p, const Vec2& guess) const {
   return foot;
 }
 
-TriangleMesh TrueSurface::slab(std::size_t cells, double thickness_m) const {
-  TriangleMesh mesh;
+surface::TriangleMesh TrueSurface::slab(std::size_t cells, double thickness_m) const {
+  surface::TriangleMesh mesh;
   const auto n = static_cast<std::int32_t>(cells) + 1;
   const double step = 2.0 * half_side_m / static_cast<double>(cells);
   double lowest = 0.0;

@@ -6,7 +6,6 @@
 
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "harness/surface/triangle_mesh.h"
 
 namespace touchstone::synthetic {
@@ -47,7 +46,7 @@ class TrueSurface {
   [[nodiscard]] Foot foot(const Vec3& p_W_m, const Vec2& guess_m) const;
 
   // A closed slab: `cells` x `cells` squares on top, walls, and a flat bottom `thickness_m` below the lowest point.
-  [[nodiscard]] TriangleMesh slab(std::size_t cells, double thickness_m) const;
+  [[nodiscard]] surface::TriangleMesh slab(std::size_t cells, double thickness_m) const;
   // The largest vertical distance between the mesh's top and this surface, over a grid four times as fine as the mesh.
   [[nodiscard]] double deviation_m(const TrueSurface& meshed, std::size_t cells) const;
 };

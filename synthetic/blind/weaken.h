@@ -1,7 +1,6 @@
 // The same case with its cause weaker: how small an effect may be and still be found.
 #pragma once
 
-#include "harness/base/rooms.h"
 #include "synthetic/blind/blind_case.h"
 
 namespace touchstone::synthetic {

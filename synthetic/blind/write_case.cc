@@ -32,7 +32,7 @@ std::string corruption_name(Corruption corruption) {
 void write_case(const BlindCase& plan, const std::filesystem::path& folder) {
   const std::filesystem::path place = folder / plan.id;
   ensure_writable_folder(place);
-  TriangleMesh mesh = plan.meshed.slab(plan.cells, 0.5 * plan.truth.half_side_m);
+  surface::TriangleMesh mesh = plan.meshed.slab(plan.cells, 0.5 * plan.truth.half_side_m);
   for (Vec3& v : mesh.vertices_W_m) v = 1e-8 * (1e8 * v).array().round().matrix();
   save_mesh(mesh, place / "mesh.obj");
   const json model{{"schema", "touchstone-model/1"},

@@ -6,7 +6,6 @@
 #include <string>
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "synthetic/blind/blind_case.h"
 
 namespace touchstone::synthetic {

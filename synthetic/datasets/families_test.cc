@@ -15,12 +15,13 @@ TEST(Families, AreDataSetsWithAnExactAnswer) {
                         ("touchstone-family-" + recipe.name + "-" + std::to_string(::getpid()));
     std::filesystem::remove_all(folder);
     write_dataset(recipe, 1, folder);
-    const Dataset dataset = load_dataset(folder);
-    const DatasetReport report = check_dataset(dataset, [](const std::filesystem::path& file, const std::string& unit) {
-      return load_mesh(file, unit == "m" ? 1.0 : 1e-3).bounds();
-    });
+    const recording::Dataset dataset = recording::load_dataset(folder);
+    const recording::DatasetReport report =
+        check_dataset(dataset, [](const std::filesystem::path& file, const std::string& unit) {
+          return surface::load_mesh(file, unit == "m" ? 1.0 : 1e-3).bounds();
+        });
     EXPECT_THAT(report.errors, ::testing::IsEmpty()) << recipe.name;
-    const RenderedTrajectory exact = load_rendered(folder / "scan.exact.csv");
+    const recording::RenderedTrajectory exact = recording::load_rendered(folder / "scan.exact.csv");
     std::size_t touching = 0;
     for (std::size_t i = 0; i < exact.size(); ++i) {
       touching += exact.contact[i];

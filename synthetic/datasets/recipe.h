@@ -7,7 +7,6 @@
 #include <string>
 #include <string_view>
 
-#include "harness/base/rooms.h"
 #include "harness/surface/mesh_file.h"
 #include "synthetic/parameters.h"
 #include "synthetic/scan/measured_scan.h"

@@ -79,7 +79,7 @@ std::string provenance_text(const Recipe& r, std::uint64_t seed, const Tessellat
 
 }  // namespace
 
-Recording in_whole_units(Recording recording) {
+recording::Recording in_whole_units(recording::Recording recording) {
   for (Vec3& p : recording.motion.p_W_m) p = p.unaryExpr([](double x) { return whole(x, position_unit_m); });
   for (Vec3& f : recording.f_W_N) f = f.unaryExpr([](double x) { return whole(x, force_unit_N); });
   for (Quat& q : recording.motion.q_WS) {
@@ -102,7 +102,7 @@ void write_dataset(const Recipe& recipe, std::uint64_t seed, const std::filesyst
   write_file(folder / "instrument.json", instrument_text(recipe, made.deviation_bound_m));
   write_file(folder / "PROVENANCE.md", provenance_text(recipe, seed, made, scan));
 
-  Dataset dataset;
+  recording::Dataset dataset;
   dataset.folder = folder;
   dataset.object = recipe.object;
   dataset.mesh_file = recipe.mesh_file;

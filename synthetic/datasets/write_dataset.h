@@ -4,7 +4,6 @@
 #include <cstdint>
 #include <filesystem>
 
-#include "harness/base/rooms.h"
 #include "synthetic/datasets/recipe.h"
 
 namespace touchstone::synthetic {
@@ -15,7 +14,7 @@ inline constexpr double force_unit_N = 1e-5;
 inline constexpr double orientation_unit = 1e-6;
 
 // `recording` as it will read back from its file.
-Recording in_whole_units(Recording recording);
+recording::Recording in_whole_units(recording::Recording recording);
 
 // Writes into `folder`, made where it does not exist. Throws BadData when it cannot be written, UsageError when it
 // holds files that are not the data set's own.

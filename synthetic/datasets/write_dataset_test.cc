@@ -41,12 +41,12 @@ class TemporaryFolder {
 };
 
 Box3 mesh_bounds(const std::filesystem::path& file, const std::string& unit) {
-  return load_mesh(file, length_unit_factor(unit)).bounds();
+  return surface::load_mesh(file, length_unit_factor(unit)).bounds();
 }
 
 TEST(BundledDatasets, AreCompleteAndUnchanged) {
   for (const Recipe& r : recipes()) {
-    const DatasetReport report = check_dataset(load_dataset(bundled(r.name)), mesh_bounds);
+    const recording::DatasetReport report = check_dataset(recording::load_dataset(bundled(r.name)), mesh_bounds);
     EXPECT_THAT(report.errors, ::testing::IsEmpty());
     std::uintmax_t bytes = 0;
     for (const auto& entry : std::filesystem::directory_iterator(bundled(r.name))) bytes += entry.file_size();
@@ -59,8 +59,8 @@ TEST(BundledDatasets, AreMadeAgainFromTheirSeed) {
   for (const Recipe& r : recipes()) {
     const TemporaryFolder folder;
     write_dataset(r, bundled_seed, folder.path());
-    const Recording kept = load_recording(bundled(r.name) / "scan.csv");
-    const Recording made = load_recording(folder.path() / "scan.csv");
+    const recording::Recording kept = recording::load_recording(bundled(r.name) / "scan.csv");
+    const recording::Recording made = recording::load_recording(folder.path() / "scan.csv");
     ASSERT_EQ(made.size(), kept.size());
     EXPECT_EQ(made.motion.t_s, kept.motion.t_s);
     for (std::size_t i = 0; i < made.size(); ++i) {
@@ -69,8 +69,8 @@ TEST(BundledDatasets, AreMadeAgainFromTheirSeed) {
       EXPECT_LE((made.motion.q_WS[i].coeffs() - kept.motion.q_WS[i].coeffs()).cwiseAbs().maxCoeff(),
                 1.001 * orientation_unit);
     }
-    const RenderedTrajectory exact = load_rendered(folder.path() / "scan.exact.csv");
-    const RenderedTrajectory exact_kept = load_rendered(bundled(r.name) / "scan.exact.csv");
+    const recording::RenderedTrajectory exact = recording::load_rendered(folder.path() / "scan.exact.csv");
+    const recording::RenderedTrajectory exact_kept = recording::load_rendered(bundled(r.name) / "scan.exact.csv");
     ASSERT_EQ(exact.size(), exact_kept.size());
     for (std::size_t i = 0; i < exact.size(); ++i) {
       EXPECT_LT((exact.tip_W_m[i] - exact_kept.tip_W_m[i]).norm(), 1e-15);
@@ -99,7 +99,8 @@ TEST(BundledDatasets, AreTheSameBytesEachTime) {
 TEST(BundledDatasets, MeshesAreAsNearAsTheirProvenanceSays) {
   for (const Recipe& r : recipes()) {
     const auto surface = make_surface(r.surface, r.parameters);
-    const TriangleMesh mesh = load_mesh(bundled(r.name) / r.mesh_file, length_unit_factor(r.mesh_unit));
+    const surface::TriangleMesh mesh =
+        surface::load_mesh(bundled(r.name) / r.mesh_file, length_unit_factor(r.mesh_unit));
     const double bound = make_mesh(r.surface, r.parameters, r.triangles).deviation_bound_m;
     for (std::size_t i = 0; i < mesh.triangle_count(); i += 7) {
       const auto& t = mesh.triangles[i];

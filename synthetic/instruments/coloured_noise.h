@@ -4,7 +4,6 @@
 #pragma once
 
 #include "harness/base/random.h"
-#include "harness/base/rooms.h"
 
 namespace touchstone::synthetic {
 

@@ -7,7 +7,6 @@
 #include <cstdint>
 #include <functional>
 
-#include "harness/base/rooms.h"
 #include "synthetic/instruments/measurement.h"
 
 namespace touchstone::synthetic {

@@ -4,7 +4,6 @@
 
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "harness/base/vec.h"
 
 namespace touchstone::synthetic {

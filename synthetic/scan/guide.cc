@@ -17,7 +17,7 @@ GuidePoint RadialGuide::at(const Vec3& target) const {
 }
 
 GuidePoint ClosestPointGuide::at(const Vec3& target) const {
-  const SurfacePoint q = surface_->closest(target);
+  const surface::SurfacePoint q = surface_->closest(target);
   if (!(q.signed_distance_m > 0.0)) {
     throw UsageError(fmt::format("a scan is guided along the outside, but ({}, {}, {}) m is {} m inside the surface",
                                  target.x(), target.y(), target.z(), -q.signed_distance_m));

@@ -2,7 +2,6 @@
 // evaluated, not searched, where it can be.
 #pragma once
 
-#include "harness/base/rooms.h"
 #include "synthetic/surfaces/analytic_surface.h"
 #include "synthetic/surfaces/height_field.h"
 #include "synthetic/surfaces/radial_body.h"
@@ -44,11 +43,11 @@ class RadialGuide final : public Guide {
 // on that line touches there also at an edge: it rolls over it.
 class ClosestPointGuide final : public Guide {
  public:
-  explicit ClosestPointGuide(const Surface& surface) : surface_(&surface) {}
+  explicit ClosestPointGuide(const surface::Surface& surface) : surface_(&surface) {}
   [[nodiscard]] GuidePoint at(const Vec3& target) const override;
 
  private:
-  const Surface* surface_;
+  const surface::Surface* surface_;
 };
 
 }  // namespace touchstone::synthetic

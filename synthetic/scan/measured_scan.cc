@@ -7,8 +7,8 @@
 
 namespace touchstone::synthetic {
 
-OutTrajectory MeasuredScan::out_trajectory(double tip_radius_m) const {
-  OutTrajectory out;
+recording::OutTrajectory MeasuredScan::out_trajectory(double tip_radius_m) const {
+  recording::OutTrajectory out;
   for (const ScanTruth& at : truth) {
     out.motion.t_s.push_back(at.t_s);
     out.motion.p_W_m.push_back(at.contact_W_m + (tip_radius_m + at.gap_m) * at.n_W);
@@ -19,8 +19,8 @@ OutTrajectory MeasuredScan::out_trajectory(double tip_radius_m) const {
   return out;
 }
 
-RenderedTrajectory MeasuredScan::exact_answer(double tip_radius_m, double stiffness_N_per_m) const {
-  RenderedTrajectory answer;
+recording::RenderedTrajectory MeasuredScan::exact_answer(double tip_radius_m, double stiffness_N_per_m) const {
+  recording::RenderedTrajectory answer;
   for (const ScanTruth& at : truth) {
     answer.t_s.push_back(at.t_s);
     answer.tip_W_m.push_back(RigidScan::in_trajectory_W_m(at, tip_radius_m, stiffness_N_per_m));
@@ -75,14 +75,16 @@ MeasuredScan measure(const RigidScan& scan, const ForceSensor& sensor, const Tra
   // The force is turned into the object's frame with the orientation that was measured: the only one an experimenter
   // has.
   const ForceMeasurement& force = measured.force;
-  const auto orientation = resample(measured.pose.t_s, measured.pose.measured_WS, force.t_s, ResampleOptions{});
-  ForceColumns turned;
+  const auto orientation =
+      resample(measured.pose.t_s, measured.pose.measured_WS, force.t_s, recording::ResampleOptions{});
+  recording::ForceColumns turned;
   for (std::size_t i = 0; i < force.t_s.size(); ++i) {
     if (!orientation.valid[i]) continue;
     turned.t_s.push_back(force.t_s[i]);
     turned.f_W_N.push_back(orientation.values[i] * force.measured_S_N[i]);
   }
-  Combined combined = combine({measured.pose.t_s, measured.pose.measured_W_m, measured.pose.measured_WS}, turned);
+  recording::Combined combined =
+      combine({measured.pose.t_s, measured.pose.measured_W_m, measured.pose.measured_WS}, turned);
   measured.recording = std::move(combined.recording);
   measured.notes = std::move(combined.notes);
   for (const double t : measured.recording.motion.t_s) {

@@ -6,7 +6,6 @@
 #include <string>
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "harness/recording/trajectory.h"
 #include "synthetic/instruments/force_sensor.h"
 #include "synthetic/instruments/tracker.h"
@@ -15,17 +14,17 @@
 namespace touchstone::synthetic {
 
 struct MeasuredScan {
-  Recording recording;             // ball's centre, orientation and force as measured, at the tracker's times
+  recording::Recording recording;  // ball's centre, orientation and force as measured, at the tracker's times
   std::vector<ScanTruth> truth;    // at the same times
   ForceMeasurement force;          // the raw samples, with what was added
   PoseMeasurement pose;            // the raw samples, with what was added
   std::vector<std::string> notes;  // how the clocks were brought together
 
   // The exact out-trajectory.
-  [[nodiscard]] OutTrajectory out_trajectory(double tip_radius_m) const;
+  [[nodiscard]] recording::OutTrajectory out_trajectory(double tip_radius_m) const;
   // What a flawless renderer of stiffness k with the scan's own friction answers to the exact in-trajectory: tip, proxy
   // (the ball's centre on the offset surface), force, contact.
-  [[nodiscard]] RenderedTrajectory exact_answer(double tip_radius_m, double stiffness_N_per_m) const;
+  [[nodiscard]] recording::RenderedTrajectory exact_answer(double tip_radius_m, double stiffness_N_per_m) const;
 };
 
 // The tracker's lag is part of the stamps: the truth is taken at the stamps without it. Sensor and tracker draw from

@@ -77,8 +77,8 @@ TEST(MeasuredScan, NormalForcesArePositiveAndFrictionOpposesTheScan) {
 TEST(MeasuredScan, ExactAnswerFollowsHookeAndTheOutTrajectory) {
   const Recipe& r = recipe("duck");
   const MeasuredScan& m = measured("duck", false);
-  const RenderedTrajectory exact = m.exact_answer(r.contact.tip_radius_m, r.stiffness_N_per_m);
-  const OutTrajectory out = m.out_trajectory(r.contact.tip_radius_m);
+  const recording::RenderedTrajectory exact = m.exact_answer(r.contact.tip_radius_m, r.stiffness_N_per_m);
+  const recording::OutTrajectory out = m.out_trajectory(r.contact.tip_radius_m);
   ASSERT_EQ(exact.size(), m.recording.size());
   for (std::size_t i = 0; i < exact.size(); ++i) {
     EXPECT_EQ(exact.t_s[i], m.recording.motion.t_s[i]);

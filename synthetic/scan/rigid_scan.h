@@ -10,7 +10,6 @@
 #include <limits>
 #include <memory>
 
-#include "harness/base/rooms.h"
 #include "synthetic/scan/guide.h"
 #include "synthetic/scan/script.h"
 

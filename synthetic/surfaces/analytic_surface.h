@@ -5,18 +5,17 @@
 
 #include <cstddef>
 
-#include "harness/base/rooms.h"
 #include "harness/surface/surface.h"
 
 namespace touchstone::synthetic {
 
 struct Tessellation {
-  TriangleMesh mesh;
+  surface::TriangleMesh mesh;
   // No point of the mesh is further than this from the analytic surface (rounding aside); 0: the mesh is the surface.
   double deviation_bound_m = 0.0;
 };
 
-class AnalyticSurface : public Surface {
+class AnalyticSurface : public surface::Surface {
  public:
   // A mesh with about `triangles` triangles (the nearest that the shape's topology allows), without T-junctions.
   [[nodiscard]] virtual Tessellation tessellate(std::size_t triangles) const = 0;
@@ -26,8 +25,8 @@ class AnalyticSurface : public Surface {
 
 // What Surface::closest returns for the foot point q of p: on a smooth part, or on an edge or at a vertex of a sharp
 // shape.
-inline SurfacePoint analytic_point(const Vec3& q_W_m, const Vec3& n_W, double signed_distance_m,
-                                   Feature feature = Feature::analytic) {
+inline surface::SurfacePoint analytic_point(const Vec3& q_W_m, const Vec3& n_W, double signed_distance_m,
+                                            surface::Feature feature = surface::Feature::analytic) {
   return {q_W_m, n_W, signed_distance_m < 0.0 ? -signed_distance_m : signed_distance_m, signed_distance_m, -1, feature};
 }
 

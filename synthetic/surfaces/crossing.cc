@@ -32,7 +32,8 @@ void CrossingCandidates::offer_quartic(const std::array<double, 5>& c) noexcept 
   });
 }
 
-std::optional<Crossing> CrossingCandidates::first(const Surface& solid, const Vec3& a_W_m, const Vec3& b_W_m) noexcept {
+std::optional<surface::Crossing> CrossingCandidates::first(const surface::Surface& solid, const Vec3& a_W_m,
+                                                           const Vec3& b_W_m) noexcept {
   std::sort(fractions_.begin(), fractions_.begin() + static_cast<std::ptrdiff_t>(count_));
   const Vec3 along = b_W_m - a_W_m;
   const auto inside = [&](double t) { return solid.signed_distance(a_W_m + t * along) < 0.0; };
@@ -46,17 +47,17 @@ std::optional<Crossing> CrossingCandidates::first(const Surface& solid, const Ve
     if (inside_after == starts_inside) continue;
     // The root of a polynomial is off by its rounding. The signed distance grows by n . along with t: Newton's steps on
     // it take the point onto the surface, as long as they come closer and stay between the neighbouring candidates.
-    SurfacePoint at = solid.closest(a_W_m + t * along);
+    surface::SurfacePoint at = solid.closest(a_W_m + t * along);
     for (int newton = 0; newton < 3; ++newton) {
       const double slope = at.n_W.dot(along);
       const double better = slope != 0.0 ? t - at.signed_distance_m / slope : t;
       if (!(better >= low && better <= next) || better == t) break;
-      const SurfacePoint there = solid.closest(a_W_m + better * along);
+      const surface::SurfacePoint there = solid.closest(a_W_m + better * along);
       if (!(there.distance_m < at.distance_m)) break;
       t = better;
       at = there;
     }
-    return Crossing{t, at.p_W_m, at.n_W, !starts_inside, -1};
+    return surface::Crossing{t, at.p_W_m, at.n_W, !starts_inside, -1};
   }
   return std::nullopt;
 }

@@ -6,7 +6,6 @@
 #include <cstddef>
 #include <optional>
 
-#include "harness/base/rooms.h"
 #include "harness/surface/surface.h"
 
 namespace touchstone::synthetic {
@@ -26,7 +25,8 @@ class CrossingCandidates {
   // The side of the solid is constant between neighbouring candidates: probes each gap once and returns the first
   // candidate over which it changes, refined by Newton's method on the signed distance to its rounding. A segment that
   // starts on the surface (distance exactly 0) starts outside.
-  [[nodiscard]] std::optional<Crossing> first(const Surface& solid, const Vec3& a_W_m, const Vec3& b_W_m) noexcept;
+  [[nodiscard]] std::optional<surface::Crossing> first(const surface::Surface& solid, const Vec3& a_W_m,
+                                                       const Vec3& b_W_m) noexcept;
 
  private:
   std::array<double, capacity> fractions_;

@@ -10,18 +10,19 @@ ExactContact free_at(const Vec3& tip_W_m) { return {false, tip_W_m, Vec3::Zero()
 
 }  // namespace
 
-ExactContact exact_contact(const Surface& surface, const Vec3& tip_W_m, double stiffness_N_per_m, double tip_radius_m) {
-  const SurfacePoint at = surface.closest(tip_W_m);
+ExactContact exact_contact(const surface::Surface& surface, const Vec3& tip_W_m, double stiffness_N_per_m,
+                           double tip_radius_m) {
+  const surface::SurfacePoint at = surface.closest(tip_W_m);
   const double depth = tip_radius_m - at.signed_distance_m;
   if (depth <= 0.0) return free_at(tip_W_m);
   // The spring acts along the line to the closest point: the normal, except at an edge or a vertex.
-  const bool smooth = at.feature == Feature::analytic || at.feature == Feature::face;
+  const bool smooth = at.feature == surface::Feature::analytic || at.feature == surface::Feature::face;
   const Vec3 towards = at.signed_distance_m < 0.0 ? Vec3(at.p_W_m - tip_W_m) : Vec3(tip_W_m - at.p_W_m);
   const Vec3 n = smooth || at.distance_m == 0.0 ? at.n_W : Vec3(towards / at.distance_m);
   return {true, tip_W_m + depth * n, n, depth, stiffness_N_per_m * depth * n};
 }
 
-bool leaves_sheet(const Surface& surface, const Vec3& a_W_m, const Vec3& b_W_m, double tip_radius_m) {
+bool leaves_sheet(const surface::Surface& surface, const Vec3& a_W_m, const Vec3& b_W_m, double tip_radius_m) {
   constexpr int kPieces = 16;
   constexpr double kLipschitz = 2.0;
   // Closest points of curved shapes are searched for; what the search leaves is far below this.
@@ -29,7 +30,7 @@ bool leaves_sheet(const Surface& surface, const Vec3& a_W_m, const Vec3& b_W_m, 
   const double most_m = kLipschitz * (b_W_m - a_W_m).norm() / kPieces + rounding_m;
   std::optional<Vec3> before;  // the closest point to the tip a piece ago, if that was inside
   for (int piece = 0; piece <= kPieces; ++piece) {
-    const SurfacePoint at = surface.closest(a_W_m + piece * (1.0 / kPieces) * (b_W_m - a_W_m));
+    const surface::SurfacePoint at = surface.closest(a_W_m + piece * (1.0 / kPieces) * (b_W_m - a_W_m));
     const bool inside = at.signed_distance_m < tip_radius_m;
     if (inside && before && (at.p_W_m - *before).norm() > most_m) return true;
     before = inside ? std::optional(at.p_W_m) : std::nullopt;

@@ -9,7 +9,6 @@
 // differ, rightly.
 #pragma once
 
-#include "harness/base/rooms.h"
 #include "harness/surface/surface.h"
 
 namespace touchstone::synthetic {
@@ -22,14 +21,15 @@ struct ExactContact {
   Vec3 f_W_N;      // k depth n, on the probe
 };
 
-ExactContact exact_contact(const Surface& surface, const Vec3& tip_W_m, double stiffness_N_per_m, double tip_radius_m);
+ExactContact exact_contact(const surface::Surface& surface, const Vec3& tip_W_m, double stiffness_N_per_m,
+                           double tip_radius_m);
 
 // Whether the way from a to b, tips of that radius, leaves the neighbourhood of the sheet on which it was: inside the
 // object the closest point moves less than twice as far as the tip while the depth stays below half of the reach, the
 // distance to the medial axis (H. Federer, "Curvature measures", Transactions of the AMS 93, 1959, theorem 4.8 (8):
 // reach / (reach - depth)); where it moves further, exact_contact() and a god-object may have parted. The way is looked
 // at in sixteen pieces.
-bool leaves_sheet(const Surface& surface, const Vec3& a_W_m, const Vec3& b_W_m, double tip_radius_m);
+bool leaves_sheet(const surface::Surface& surface, const Vec3& a_W_m, const Vec3& b_W_m, double tip_radius_m);
 
 // Two half-spaces of free room above planes that meet in a line through `line_W_m`, with outward unit normals n1 and
 // n2: a groove or a concave crease. The ball's centre is confined to a convex wedge, so that the answer is the

@@ -6,6 +6,8 @@
 #include "synthetic/surfaces/crossing.h"
 
 namespace touchstone::synthetic {
+using surface::Feature;
+
 namespace {
 
 std::vector<Corner> with_floor(std::vector<Corner> top, double floor_z_m) {
@@ -50,7 +52,7 @@ class BlockMesh {
     mesh.triangles.push_back({a + far, c + far, b + far});
   }
 
-  TriangleMesh mesh;
+  surface::TriangleMesh mesh;
 
  private:
   double half_width_m_;
@@ -91,7 +93,7 @@ Extrusion::Extrusion(const std::vector<Corner>& top, double floor_z_m, double ha
       floor_z_m_(floor_z_m),
       half_width_m_(half_width_m) {}
 
-SurfacePoint Extrusion::closest(const Vec3& p) const {
+surface::SurfacePoint Extrusion::closest(const Vec3& p) const {
   const ProfilePoint side = outline_.closest({p.x(), p.z()});
   const double beyond = std::abs(p.y()) - half_width_m_;
   const double cap_sign = p.y() < 0.0 ? -1.0 : 1.0;
@@ -109,7 +111,7 @@ SurfacePoint Extrusion::closest(const Vec3& p) const {
   return analytic_point({p.x(), cap_sign * half_width_m_, p.z()}, cap_normal, beyond);
 }
 
-std::optional<Crossing> Extrusion::first_crossing(const Vec3& a, const Vec3& b) const {
+std::optional<surface::Crossing> Extrusion::first_crossing(const Vec3& a, const Vec3& b) const {
   CrossingCandidates candidates;
   const Vec2 from(a.x(), a.z());
   const Vec2 along(b.x() - a.x(), b.z() - a.z());

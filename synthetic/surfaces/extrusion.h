@@ -2,7 +2,6 @@
 // Closed form: distance of a plane region extended by a flat cap at either end, exact inside and outside.
 #pragma once
 
-#include "harness/base/rooms.h"
 #include "synthetic/surfaces/analytic_surface.h"
 #include "synthetic/surfaces/profile.h"
 
@@ -14,8 +13,8 @@ class Extrusion final : public AnalyticSurface {
   // to floor_z_m, which lies below the whole top, and over |y| <= half_width_m.
   Extrusion(const std::vector<Corner>& top, double floor_z_m, double half_width_m);
 
-  [[nodiscard]] SurfacePoint closest(const Vec3& p_W_m) const override;
-  [[nodiscard]] std::optional<Crossing> first_crossing(const Vec3& a_W_m, const Vec3& b_W_m) const override;
+  [[nodiscard]] surface::SurfacePoint closest(const Vec3& p_W_m) const override;
+  [[nodiscard]] std::optional<surface::Crossing> first_crossing(const Vec3& a_W_m, const Vec3& b_W_m) const override;
   [[nodiscard]] Box3 bounds() const override;
   // Without edge radii the mesh is exact at every count.
   [[nodiscard]] Tessellation tessellate(std::size_t triangles) const override;

@@ -7,8 +7,9 @@
 #include "synthetic/surfaces/roots.h"
 
 namespace touchstone::synthetic {
+using surface::Crossing;
 
-SurfacePoint HeightField::closest(const Vec3& p) const {
+surface::SurfacePoint HeightField::closest(const Vec3& p) const {
   const Vec2 xy = foot(p);
   const Height at = height(xy.x(), xy.y());
   const Vec3 q(xy.x(), xy.y(), at.z);
@@ -52,7 +53,7 @@ Tessellation HeightField::tessellate(std::size_t triangles) const {
   const double cells = std::max(1.0, static_cast<double>(triangles) / 2.0);
   const auto nx = static_cast<std::int32_t>(std::max(1.0, std::round(std::sqrt(cells))));
   const auto ny = static_cast<std::int32_t>(std::max(1.0, std::round(cells / nx)));
-  TriangleMesh mesh;
+  surface::TriangleMesh mesh;
   mesh.vertices_W_m.reserve(static_cast<std::size_t>(nx + 1) * static_cast<std::size_t>(ny + 1));
   for (std::int32_t j = 0; j <= ny; ++j) {
     for (std::int32_t i = 0; i <= nx; ++i) {

@@ -2,7 +2,6 @@
 // its second derivative, and the foot of the perpendicular from a point.
 #pragma once
 
-#include "harness/base/rooms.h"
 #include "synthetic/surfaces/analytic_surface.h"
 #include "synthetic/surfaces/profile.h"
 
@@ -15,8 +14,8 @@ class HeightField : public AnalyticSurface {
     Vec2 slope;  // dz/dx, dz/dy
   };
 
-  [[nodiscard]] SurfacePoint closest(const Vec3& p_W_m) const final;
-  [[nodiscard]] std::optional<Crossing> first_crossing(const Vec3& a_W_m, const Vec3& b_W_m) const final;
+  [[nodiscard]] surface::SurfacePoint closest(const Vec3& p_W_m) const final;
+  [[nodiscard]] std::optional<surface::Crossing> first_crossing(const Vec3& a_W_m, const Vec3& b_W_m) const final;
   // Of the patch that the mesh covers; the surface goes on beyond it.
   [[nodiscard]] Box3 bounds() const final;
   // A grid of squares (as near as the count allows) with alternating diagonals.

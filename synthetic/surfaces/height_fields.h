@@ -1,7 +1,6 @@
 // The open patches, heights z over (x, y) in metres: plane, saddle, Gaussian bump, sinusoidal texture.
 #pragma once
 
-#include "harness/base/rooms.h"
 #include "synthetic/surfaces/height_field.h"
 
 namespace touchstone::synthetic {

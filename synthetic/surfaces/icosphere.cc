@@ -8,6 +8,8 @@
 #include <utility>
 
 namespace touchstone::synthetic {
+using surface::TriangleMesh;
+
 namespace {
 
 constexpr double phi = std::numbers::phi;

@@ -5,15 +5,14 @@
 #include <cstddef>
 #include <functional>
 
-#include "harness/base/rooms.h"
 #include "harness/surface/triangle_mesh.h"
 
 namespace touchstone::synthetic {
 
 // `radius_m` gives the distance from the origin in a direction (unit vector).
-TriangleMesh icosphere(std::size_t triangles, const std::function<double(const Vec3&)>& radius_m);
+surface::TriangleMesh icosphere(std::size_t triangles, const std::function<double(const Vec3&)>& radius_m);
 
 // The longest edge of a mesh, for deviation bounds.
-double longest_edge_m(const TriangleMesh& mesh);
+double longest_edge_m(const surface::TriangleMesh& mesh);
 
 }  // namespace touchstone::synthetic

@@ -2,15 +2,15 @@
 
 namespace touchstone::synthetic {
 
-SurfacePoint PosedSurface::closest(const Vec3& p) const {
-  SurfacePoint at = body_->closest(to_body(p));
+surface::SurfacePoint PosedSurface::closest(const Vec3& p) const {
+  surface::SurfacePoint at = body_->closest(to_body(p));
   at.p_W_m = to_world(at.p_W_m);
   at.n_W = rotation_ * at.n_W;
   return at;
 }
 
-std::optional<Crossing> PosedSurface::first_crossing(const Vec3& a, const Vec3& b) const {
-  std::optional<Crossing> crossing = body_->first_crossing(to_body(a), to_body(b));
+std::optional<surface::Crossing> PosedSurface::first_crossing(const Vec3& a, const Vec3& b) const {
+  std::optional<surface::Crossing> crossing = body_->first_crossing(to_body(a), to_body(b));
   if (crossing) {
     crossing->p_W_m = to_world(crossing->p_W_m);
     crossing->n_W = rotation_ * crossing->n_W;

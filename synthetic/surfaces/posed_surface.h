@@ -4,7 +4,6 @@
 
 #include <memory>
 
-#include "harness/base/rooms.h"
 #include "synthetic/surfaces/analytic_surface.h"
 
 namespace touchstone::synthetic {
@@ -15,8 +14,8 @@ class PosedSurface final : public AnalyticSurface {
   PosedSurface(std::shared_ptr<const AnalyticSurface> body, const Quat& rotation, const Vec3& shift_m)
       : body_(std::move(body)), rotation_(rotation.normalized().toRotationMatrix()), shift_m_(shift_m) {}
 
-  [[nodiscard]] SurfacePoint closest(const Vec3& p_W_m) const override;
-  [[nodiscard]] std::optional<Crossing> first_crossing(const Vec3& a_W_m, const Vec3& b_W_m) const override;
+  [[nodiscard]] surface::SurfacePoint closest(const Vec3& p_W_m) const override;
+  [[nodiscard]] std::optional<surface::Crossing> first_crossing(const Vec3& a_W_m, const Vec3& b_W_m) const override;
   [[nodiscard]] Box3 bounds() const override;
   [[nodiscard]] Tessellation tessellate(std::size_t triangles) const override;
   [[nodiscard]] bool closed() const noexcept override { return body_->closed(); }

@@ -3,7 +3,6 @@
 
 #include <memory>
 
-#include "harness/base/rooms.h"
 #include "synthetic/surfaces/radial_body.h"
 
 namespace touchstone::synthetic {

@@ -10,6 +10,8 @@
 #include "synthetic/surfaces/roots.h"
 
 namespace touchstone::synthetic {
+using surface::Crossing;
+
 namespace {
 
 // Node `index` of `level` as a square on a face of the cube: Morton order, so that children are 4 i .. 4 i + 3.
@@ -213,7 +215,7 @@ void RadialBody::search(const Vec3& p, int level, std::size_t node, Best& best) 
   }
 }
 
-SurfacePoint RadialBody::closest(const Vec3& p) const {
+surface::SurfacePoint RadialBody::closest(const Vec3& p) const {
   const double r = p.norm();
   const Vec3 u = r > 0.0 ? Vec3(p / r) : Vec3(Vec3::UnitZ());
   Best best{u, Vec3::Zero(), std::numeric_limits<double>::infinity()};

@@ -6,7 +6,6 @@
 #include <memory>
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "synthetic/surfaces/analytic_surface.h"
 
 namespace touchstone::synthetic {
@@ -29,8 +28,8 @@ class RadialBody final : public AnalyticSurface {
  public:
   explicit RadialBody(std::unique_ptr<const RadialFunction> rho_m);
 
-  [[nodiscard]] SurfacePoint closest(const Vec3& p_W_m) const override;
-  [[nodiscard]] std::optional<Crossing> first_crossing(const Vec3& a_W_m, const Vec3& b_W_m) const override;
+  [[nodiscard]] surface::SurfacePoint closest(const Vec3& p_W_m) const override;
+  [[nodiscard]] std::optional<surface::Crossing> first_crossing(const Vec3& a_W_m, const Vec3& b_W_m) const override;
   [[nodiscard]] Box3 bounds() const override { return bounds_; }
   [[nodiscard]] Tessellation tessellate(std::size_t triangles) const override;
   [[nodiscard]] bool closed() const noexcept override { return true; }

@@ -7,10 +7,11 @@
 #include "synthetic/surfaces/crossing.h"
 
 namespace touchstone::synthetic {
+using surface::Feature;
 
 Revolution::Revolution(Profile profile) : profile_(std::move(profile)) {}
 
-SurfacePoint Revolution::closest(const Vec3& p) const {
+surface::SurfacePoint Revolution::closest(const Vec3& p) const {
   const double s = std::hypot(p.x(), p.y());
   // On the axis every direction is as close: x is taken.
   const Vec2 radial = s > 0.0 ? Vec2(p.x() / s, p.y() / s) : Vec2(1.0, 0.0);
@@ -25,7 +26,7 @@ SurfacePoint Revolution::closest(const Vec3& p) const {
                         tip ? Feature::vertex : (foot.corner ? Feature::edge : Feature::analytic));
 }
 
-std::optional<Crossing> Revolution::first_crossing(const Vec3& a, const Vec3& b) const {
+std::optional<surface::Crossing> Revolution::first_crossing(const Vec3& a, const Vec3& b) const {
   CrossingCandidates candidates;
   const Vec3 d = b - a;
   // The squared distance from the axis along the segment: h0 + h1 t + h2 t^2.
@@ -86,7 +87,7 @@ Tessellation Revolution::tessellate(std::size_t triangles) const {
   const double bands = ring ? static_cast<double>(points.size()) : static_cast<double>(points.size()) - 2.0;
   const auto sides = static_cast<std::int32_t>(std::max(3.0, std::round(quads / bands)));
 
-  TriangleMesh mesh;
+  surface::TriangleMesh mesh;
   double reach = 0.0;
   const auto add_ring = [&](const Vec2& p) {
     const auto first = static_cast<std::int32_t>(mesh.vertices_W_m.size());

@@ -3,7 +3,6 @@
 // quadratics, tori quartics along a segment.
 #pragma once
 
-#include "harness/base/rooms.h"
 #include "synthetic/surfaces/analytic_surface.h"
 #include "synthetic/surfaces/profile.h"
 
@@ -15,8 +14,8 @@ class Revolution final : public AnalyticSurface {
   // the outside on the right of its travel: upwards (from the lower pole to the upper).
   explicit Revolution(Profile profile);
 
-  [[nodiscard]] SurfacePoint closest(const Vec3& p_W_m) const override;
-  [[nodiscard]] std::optional<Crossing> first_crossing(const Vec3& a_W_m, const Vec3& b_W_m) const override;
+  [[nodiscard]] surface::SurfacePoint closest(const Vec3& p_W_m) const override;
+  [[nodiscard]] std::optional<surface::Crossing> first_crossing(const Vec3& a_W_m, const Vec3& b_W_m) const override;
   [[nodiscard]] Box3 bounds() const override;
   [[nodiscard]] Tessellation tessellate(std::size_t triangles) const override;
   [[nodiscard]] bool closed() const noexcept override { return true; }

@@ -7,8 +7,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "harness/base/rooms.h"
-
 namespace touchstone::synthetic {
 
 struct Jet1 {

@@ -11,7 +11,7 @@ Tessellation SliverPatch::tessellate(std::size_t triangles) const {
   const auto pairs = std::max<std::size_t>(1, (triangles + 6) / 16);
   const double smallest = 0.5 * smallest_m_;
   const double growth = std::pow(half_side_m_ / smallest, 1.0 / static_cast<double>(pairs));
-  TriangleMesh mesh;
+  surface::TriangleMesh mesh;
   const auto add_square = [&](double half) {
     for (const auto& [x, y] : {std::pair{-1.0, -1.0}, {1.0, -1.0}, {1.0, 1.0}, {-1.0, 1.0}}) {
       mesh.vertices_W_m.emplace_back(half * x, half * y, 0.0);

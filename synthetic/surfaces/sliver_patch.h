@@ -2,7 +2,6 @@
 // The exact answers are the plane's; what a renderer makes of it shows its absolute epsilons.
 #pragma once
 
-#include "harness/base/rooms.h"
 #include "synthetic/surfaces/height_fields.h"
 
 namespace touchstone::synthetic {
@@ -13,8 +12,8 @@ class SliverPatch final : public AnalyticSurface {
   SliverPatch(double half_side_m, double smallest_m, double aspect)
       : plane_(half_side_m), half_side_m_(half_side_m), smallest_m_(smallest_m), aspect_(aspect) {}
 
-  [[nodiscard]] SurfacePoint closest(const Vec3& p_W_m) const override { return plane_.closest(p_W_m); }
-  [[nodiscard]] std::optional<Crossing> first_crossing(const Vec3& a_W_m, const Vec3& b_W_m) const override {
+  [[nodiscard]] surface::SurfacePoint closest(const Vec3& p_W_m) const override { return plane_.closest(p_W_m); }
+  [[nodiscard]] std::optional<surface::Crossing> first_crossing(const Vec3& a_W_m, const Vec3& b_W_m) const override {
     return plane_.first_crossing(a_W_m, b_W_m);
   }
   [[nodiscard]] Box3 bounds() const override { return plane_.bounds(); }

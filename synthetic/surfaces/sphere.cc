@@ -7,13 +7,13 @@
 
 namespace touchstone::synthetic {
 
-SurfacePoint Sphere::closest(const Vec3& p) const {
+surface::SurfacePoint Sphere::closest(const Vec3& p) const {
   const double r = p.norm();
   const Vec3 n = r > 0.0 ? Vec3(p / r) : Vec3(Vec3::UnitZ());
   return analytic_point(radius_m_ * n, n, r - radius_m_);
 }
 
-std::optional<Crossing> Sphere::first_crossing(const Vec3& a, const Vec3& b) const {
+std::optional<surface::Crossing> Sphere::first_crossing(const Vec3& a, const Vec3& b) const {
   CrossingCandidates candidates;
   const Vec3 d = b - a;
   candidates.offer_quadratic(a.squaredNorm() - radius_m_ * radius_m_, 2.0 * a.dot(d), d.squaredNorm());

@@ -23,13 +23,13 @@ constexpr double kSlabHalf_m = 0.04;
 constexpr double kAside_m = 0.004;
 
 // Each case is made `s` times as large as its description says.
-TriangleMesh slab(double s) {
+surface::TriangleMesh slab(double s) {
   return box_mesh(s * Vec3(-kSlabHalf_m, -kSlabHalf_m, -0.02), s * Vec3(kSlabHalf_m, kSlabHalf_m, 0.0), 8);
 }
 
 // Poses about `touching`, pressed in by 0.5 to 3 mm along -z, whatever the size, and turned by up to `tilt`. A fixed
 // seed: the cases are part of the definition of the table.
-void add_presses(ExactCase& c, const Pose& touching, double tilt_rad, double aside_m) {
+void add_presses(ExactCase& c, const tool::Pose& touching, double tilt_rad, double aside_m) {
   Random random(2007);
   c.free = {touching.p_W_m + Vec3(0, 0, 0.006), touching.q_WT};
   for (std::size_t i = 0; i < kPoses; ++i) {

@@ -16,12 +16,12 @@ namespace touchstone::synthetic {
 struct ExactCase {
   std::string name;
   std::string what;
-  TriangleMesh tool_T;
-  TriangleMesh object_W;
+  surface::TriangleMesh tool_T;
+  surface::TriangleMesh object_W;
   std::vector<GapOfPose> gaps;
-  Pose free;                     // without contact: where a renderer starts
-  std::vector<Pose> handles;     // that it goes to, each from `free` along a straight way
-  bool goes_on_along_x = false;  // the object is the same all along x, as far as the tool slides
+  tool::Pose free;                  // without contact: where a renderer starts
+  std::vector<tool::Pose> handles;  // that it goes to, each from `free` along a straight way
+  bool goes_on_along_x = false;     // the object is the same all along x, as far as the tool slides
 };
 
 std::vector<std::string> exact_case_names();

@@ -12,12 +12,13 @@
 #include "synthetic/tool/scripted_path.h"
 
 namespace touchstone::synthetic {
+using tool::Pose;
 
 namespace {
 
 tool::KnownContacts known(ExactCase made, const std::function<Equilibrium(const Pose&)>& at_handle) {
   tool::KnownContacts known{
-      made.name, solid_tool(made.tool_T), std::move(made.object_W), made.free, std::move(made.handles), {}, {}};
+      made.name, tool::solid_tool(made.tool_T), std::move(made.object_W), made.free, std::move(made.handles), {}, {}};
   for (const Pose& handle : known.handles) {
     const Equilibrium equilibrium = at_handle(handle);
     if (!equilibrium.found)
@@ -29,7 +30,8 @@ tool::KnownContacts known(ExactCase made, const std::function<Equilibrium(const 
 
 }  // namespace
 
-tool::KnownContacts known_contacts(std::string_view name, const Coupling& coupling, const tool::ContactShape& shape) {
+tool::KnownContacts known_contacts(std::string_view name, const tool::Coupling& coupling,
+                                   const tool::ContactShape& shape) {
   const ExactCase made = make_exact_case(name, shape);
   return known(made, [&](const Pose& handle) { return quasi_static_equilibrium(made.gaps, handle, coupling); });
 }
@@ -40,7 +42,7 @@ std::vector<std::string> sliding_case_names() {
   return names;
 }
 
-tool::KnownContacts known_slides(std::string_view name, const Coupling& coupling, double mu) {
+tool::KnownContacts known_slides(std::string_view name, const tool::Coupling& coupling, double mu) {
   const ExactCase made = make_exact_case(name);
   if (!made.goes_on_along_x)
     throw UsageError(

@@ -13,14 +13,14 @@ namespace touchstone::synthetic {
 // The case with the wrench of its equilibrium at each handle (quasi_static.h), as a solid tool of usual density. Throws
 // UsageError for a name that is not known or a shape that there is not, BadData for stiffnesses at which no equilibrium
 // was found.
-tool::KnownContacts known_contacts(std::string_view name, const Coupling& coupling,
+tool::KnownContacts known_contacts(std::string_view name, const tool::Coupling& coupling,
                                    const tool::ContactShape& shape = {});
 
 // The cases that can be slid along x, and one of them slid so far to each handle with this friction in every contact
 // (sliding_equilibrium()). known_slides() throws as known_contacts(), and UsageError for a case that cannot.
 inline constexpr double kSlide_m = 0.015;
 std::vector<std::string> sliding_case_names();
-tool::KnownContacts known_slides(std::string_view name, const Coupling& coupling, double mu);
+tool::KnownContacts known_slides(std::string_view name, const tool::Coupling& coupling, double mu);
 
 // tool.obj, object.obj (in m) and path.csv (scripted_path.h, at 1 kHz) in a folder. Throws BadData if they cannot be
 // written. Returns the samples of the path.

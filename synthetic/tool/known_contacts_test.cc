@@ -13,7 +13,7 @@ namespace touchstone::synthetic {
 namespace {
 
 TEST(KnownContacts, EveryHandleHasTheWrenchOfItsEquilibrium) {
-  const Coupling coupling;
+  const tool::Coupling coupling;
   const ExactCase made = make_exact_case("box-corner");
   const tool::KnownContacts known = known_contacts("box-corner", coupling);
   ASSERT_EQ(known.wrenches_W.size(), made.handles.size());
@@ -27,8 +27,8 @@ TEST(KnownContacts, TheFilesAreTheCase) {
   const testing::TemporaryFolder folder;
   const ExactCase made = make_exact_case("box-corner");
   EXPECT_EQ(write_exact_case(made, 0.5, folder.path()), 501U);
-  EXPECT_EQ(load_mesh(folder.path() / "tool.obj", 1.0).triangle_count(), made.tool_T.triangle_count());
-  const auto path = load_trajectory(folder.path() / "path.csv");
+  EXPECT_EQ(surface::load_mesh(folder.path() / "tool.obj", 1.0).triangle_count(), made.tool_T.triangle_count());
+  const auto path = recording::load_trajectory(folder.path() / "path.csv");
   ASSERT_EQ(path.motion.t_s.size(), 501U);
   EXPECT_NEAR((path.motion.p_W_m[250] - scripted_pose(made, 0.25, 0.5).p_W_m).norm(), 0.0, 1e-12);
 }

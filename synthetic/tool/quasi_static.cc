@@ -7,6 +7,10 @@
 #include "harness/base/least_squares.h"
 
 namespace touchstone::synthetic {
+using tool::Coupling;
+using tool::Displacement;
+using tool::Pose;
+
 namespace {
 
 // Solutions within rounding of the balance: 1e-13 of a newton and a metre at forces of a few newtons.

@@ -18,31 +18,31 @@
 #include "harness/tool/coupling.h"
 
 namespace touchstone::synthetic {
-using namespace tool;
 
 struct Gap {
   double gap_m = 0.0;               // negative: they overlap
   Vec3 n_W = Vec3::Zero();          // unit, from the object to the tool
   Vec3 contact_W_m = Vec3::Zero();  // on the tool
 };
-using GapOfPose = std::function<Gap(const Pose&)>;
+using GapOfPose = std::function<Gap(const tool::Pose&)>;
 
 struct Equilibrium {
   bool found = false;
-  Pose proxy;
+  tool::Pose proxy;
   Wrench wrench_W;                       // on the tool by the object, about the tool's origin
   std::vector<double> contact_forces_N;  // one per gap, 0 where it does not touch. Not unique for a flat contact
   double residual_N = 0.0;               // residual of the balance, torques divided by 1 m
 };
 
-Equilibrium quasi_static_equilibrium(const std::vector<GapOfPose>& gaps, const Pose& handle, const Coupling& coupling);
+Equilibrium quasi_static_equilibrium(const std::vector<GapOfPose>& gaps, const tool::Pose& handle,
+                                     const tool::Coupling& coupling);
 
 // The same with Coulomb friction while hand and tool move on and on at one velocity, without turning: each contact
 // slides against the object at that velocity v, so that its force has the known direction n - mu t, t the unit of v in
 // the contact's plane, and n above is replaced by it in the balance. Holds where gaps do not change along v. What
 // slides so has no energy that is least; two different answers are none (found is false).
-Equilibrium sliding_equilibrium(const std::vector<GapOfPose>& gaps, const Pose& handle, const Coupling& coupling,
-                                double mu, const Vec3& velocity_W);
+Equilibrium sliding_equilibrium(const std::vector<GapOfPose>& gaps, const tool::Pose& handle,
+                                const tool::Coupling& coupling, double mu, const Vec3& velocity_W);
 
 // Gaps of convex parts of a tool (coordinates in T) against a plane n . x = d or a ball.
 GapOfPose ball_on_plane(const Vec3& center_T_m, double radius_m, const Vec3& n_W, double d_m);  // radius 0: a corner

@@ -15,9 +15,11 @@
 #include "synthetic/tool/exact_cases.h"
 
 namespace touchstone::synthetic {
+using tool::Pose;
+
 namespace {
 
-constexpr Coupling kCoupling{};
+constexpr tool::Coupling kCoupling{};
 constexpr double kExact = 1e-9;  // N and Nm
 
 using Real = long double;
@@ -31,7 +33,7 @@ Real root(const std::function<Real(Real)>& f, Real low, Real high) {
   return (low + high) / 2;
 }
 
-Pose handle_at(double x, double z, double turn_y) { return {Vec3(x, 0, z), rotation_by(Vec3(0, turn_y, 0))}; }
+Pose handle_at(double x, double z, double turn_y) { return {Vec3(x, 0, z), tool::rotation_by(Vec3(0, turn_y, 0))}; }
 
 TEST(QuasiStatic, FreeToolFeelsNothing) {
   const Equilibrium e = quasi_static_equilibrium({ball_on_plane(Vec3::Zero(), 0.01, Vec3::UnitZ(), 0.0)},
@@ -156,7 +158,7 @@ TEST(QuasiStatic, EllipsoidWithEqualAxesIsABall) {
   Random random(21);
   for (int i = 0; i < 20; ++i) {
     const Vec3 center = 0.01 * random.direction();
-    const Pose handle{Vec3(0.003, 0.002, 0.008) - center, rotation_by(0.2 * random.direction())};
+    const Pose handle{Vec3(0.003, 0.002, 0.008) - center, tool::rotation_by(0.2 * random.direction())};
     for (const auto& [round, ball] :
          {std::pair{ellipsoid_on_plane(center, Vec3::Constant(0.01), Vec3::UnitZ(), 0.0),
                     ball_on_plane(center, 0.01, Vec3::UnitZ(), 0.0)},
@@ -191,7 +193,7 @@ TEST(QuasiStatic, TwoBallsOnABarShareTheForce) {
 
 TEST(QuasiStatic, FlatFaceTakesTheTorqueOfTheHandle) {
   const ExactCase c = make_exact_case("box-face");
-  const Pose handle = moved({Vec3(0, 0, 0.023), Quat::Identity()}, {Vec3::Zero(), Vec3(0.003, -0.004, 0.0)});
+  const Pose handle = tool::moved({Vec3(0, 0, 0.023), Quat::Identity()}, {Vec3::Zero(), Vec3(0.003, -0.004, 0.0)});
   const Equilibrium e = quasi_static_equilibrium(c.gaps, handle, kCoupling);
   ASSERT_TRUE(e.found);
   EXPECT_LE((e.wrench_W.f_N - Vec3(0, 0, 2.0)).norm(), kExact);
@@ -251,7 +253,8 @@ TEST(QuasiStatic, PegJamsBetweenEndAndRim) {
       0.005L, 0.05L);
   const Real b = root([&](Real angle) { return statics(angle, l_1, l_2, p_z); }, 0.95L * straight, 1.05L * straight);
   statics(b, l_1, l_2, p_z);
-  const Equilibrium e = quasi_static_equilibrium(all, {Vec3(0, 0, z_H), rotation_by(Vec3(0, turn, 0))}, kCoupling);
+  const Equilibrium e =
+      quasi_static_equilibrium(all, {Vec3(0, 0, z_H), tool::rotation_by(Vec3(0, turn, 0))}, kCoupling);
   ASSERT_TRUE(e.found);
   EXPECT_GT(double(l_1), 0.1);
   EXPECT_GT(double(l_2), 0.1);
@@ -291,7 +294,7 @@ TEST_P(EveryCase, IsInBalanceAndHasTheLeastEnergyAround) {
       // The peg's gaps know motions in the plane y = 0 alone.
       const bool planar = GetParam().starts_with("peg");
       const double size = random.log_uniform(1e-7, 1e-3);
-      Displacement d{size * random.direction(), 50.0 * size * random.direction()};
+      tool::Displacement d{size * random.direction(), 50.0 * size * random.direction()};
       if (planar) d = {Vec3(d.translation_m.x(), 0, d.translation_m.z()), Vec3(0, d.rotation_rad.y(), 0)};
       const Pose near = moved(e.proxy, d);
       bool feasible = true;
@@ -311,8 +314,8 @@ TEST_P(EveryCase, GapsChangeAsTheirNormalsSay) {
   constexpr double kStep = 1e-6;
   for (const Pose& handle : c.handles) {
     for (const GapOfPose& gap : c.gaps) {
-      const Displacement d{kStep * random.direction(),
-                           kStep * 30.0 * (GetParam().starts_with("peg") ? Vec3::UnitY() : random.direction())};
+      const tool::Displacement d{kStep * random.direction(),
+                                 kStep * 30.0 * (GetParam().starts_with("peg") ? Vec3::UnitY() : random.direction())};
       const Gap g = gap(handle);
       const double slope =
           (gap(moved(handle, d)).gap_m - gap(moved(handle, {-d.translation_m, -d.rotation_rad})).gap_m) / 2.0;
@@ -326,8 +329,8 @@ TEST_P(EveryCase, MeshesAreClosedAndLieOnTheExactShapes) {
   const ExactCase c = make_exact_case(GetParam());
   EXPECT_TRUE(make_topology(c.tool_T).closed());
   EXPECT_TRUE(make_topology(c.object_W).closed());
-  EXPECT_GT(solid_mass_frame(c.tool_T, 1000.0).mass_kg, 0.0);
-  EXPECT_GT(solid_mass_frame(c.object_W, 1000.0).mass_kg, 0.0);
+  EXPECT_GT(tool::solid_mass_frame(c.tool_T, 1000.0).mass_kg, 0.0);
+  EXPECT_GT(tool::solid_mass_frame(c.object_W, 1000.0).mass_kg, 0.0);
   for (const GapOfPose& gap : c.gaps) EXPECT_GT(gap(c.free).gap_m, 0.0) << "the start is free";
 }
 

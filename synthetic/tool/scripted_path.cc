@@ -5,6 +5,7 @@
 #include <numbers>
 
 namespace touchstone::synthetic {
+using tool::Pose;
 
 Pose scripted_pose(const ExactCase& exact_case, double t_s, double duration_s) {
   const std::size_t legs = exact_case.handles.size() + 1;
@@ -14,7 +15,7 @@ Pose scripted_pose(const ExactCase& exact_case, double t_s, double duration_s) {
   const double share = s * s * s * (10.0 + s * (6.0 * s - 15.0));
   const Pose& from = leg == 0 ? exact_case.free : exact_case.handles[leg - 1];
   const Pose& to = leg + 1 == legs ? exact_case.free : exact_case.handles[leg];
-  const Displacement way = displacement(from, to);
+  const tool::Displacement way = displacement(from, to);
   const Pose on_the_way = moved(from, {share * way.translation_m, share * way.rotation_rad});
   constexpr double kCircle_m = 0.3e-3;
   constexpr double kCircle_rad = 0.01;

@@ -8,6 +8,6 @@ namespace touchstone::synthetic {
 
 // At time t of a path that takes `duration_s`; it starts and ends at the case's free pose. Least jerk: Flash and Hogan
 // 1985. Tremor: 0.05 mm and 2 mrad at 9 Hz (physiological tremor of the hand is at 8 to 12 Hz).
-Pose scripted_pose(const ExactCase& exact_case, double t_s, double duration_s);
+tool::Pose scripted_pose(const ExactCase& exact_case, double t_s, double duration_s);
 
 }  // namespace touchstone::synthetic

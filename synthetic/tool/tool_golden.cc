@@ -41,7 +41,7 @@ recording::SampleBlock rendered(const ToolGolden& golden, const tool::ToolRender
   renderer->reset();
   for (std::uint64_t i = 0; i < samples; ++i) {
     const double t_s = double(i) / kRate_Hz;
-    const Pose handle = scripted_pose(made, t_s, golden.seconds);
+    const tool::Pose handle = scripted_pose(made, t_s, golden.seconds);
     const tool::ToolResult result = tool::step_or_throw(*renderer, {t_s, handle});
     if (i % golden.keep_every != 0) continue;
     answer.motion.t_s.push_back(t_s);
@@ -86,7 +86,7 @@ ToolGolden read_tool_golden(const std::filesystem::path& file) {
   return golden;
 }
 
-Recording answer_now(const ToolGolden& golden, const tool::ToolRendererEntry& entry) {
+recording::Recording answer_now(const ToolGolden& golden, const tool::ToolRendererEntry& entry) {
   recording::SampleBlock block = rendered(golden, entry);
   return {std::move(block.motion), std::move(block.f_W_N), std::move(block.torque_W_Nm), entry.name + " now"};
 }

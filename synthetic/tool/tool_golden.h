@@ -24,7 +24,7 @@ struct ToolGolden {
   std::string exact_case;
   double seconds = 60.0;
   std::uint64_t keep_every = 1;
-  Coupling coupling;
+  tool::Coupling coupling;
   std::vector<std::string> renderers;
   Vec3 force_tolerance_N = Vec3::Zero();
   Vec3 torque_tolerance_Nm = Vec3::Zero();
@@ -38,7 +38,7 @@ struct ToolGolden {
 ToolGolden read_tool_golden(const std::filesystem::path& file);
 
 // What the renderer answers now, the samples that a golden keeps. Throws RendererFailed when it breaks down.
-Recording answer_now(const ToolGolden& golden, const tool::ToolRendererEntry& entry);
+recording::Recording answer_now(const ToolGolden& golden, const tool::ToolRendererEntry& entry);
 
 // Writes answer_now() as the golden and the reason into the file. Throws UsageError for a renderer that the golden does
 // not name, or without a reason.

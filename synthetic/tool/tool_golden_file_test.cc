@@ -39,9 +39,8 @@ class Simple : public tool::ToolRenderer {
 tool::ToolRendererEntry simple(double more) {
   tool::ToolRendererEntry entry;
   entry.name = "simple";
-  entry.make = [more](const tool::Parameters&, const tool::Tool&, const TriangleMesh&, const Coupling&) {
-    return std::make_unique<Simple>(more);
-  };
+  entry.make = [more](const rendering::Parameters&, const tool::Tool&, const surface::TriangleMesh&,
+                      const tool::Coupling&) { return std::make_unique<Simple>(more); };
   return entry;
 }
 
@@ -61,7 +60,7 @@ TEST(ToolGoldenFile, EachAxisHasItsTolerance) {
   const testing::TemporaryFolder folder;
   const ToolGolden golden = read_tool_golden(written(folder, described()));
   accept_tool_golden(golden, simple(0.0), "the first", "abc");
-  const Recording expected = recording::load_recording(golden.answer("simple"));
+  const recording::Recording expected = recording::load_recording(golden.answer("simple"));
   ASSERT_EQ(expected.size(), 51U);
   const auto passes = [&](double more) {
     return tool::within(tool::compare_tools(expected, answer_now(golden, simple(more))), golden.force_tolerance_N,

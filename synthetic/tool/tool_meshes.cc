@@ -7,6 +7,8 @@
 #include "synthetic/surfaces/icosphere.h"
 
 namespace touchstone::synthetic {
+using surface::TriangleMesh;
+
 namespace {
 
 void add_quad(TriangleMesh& mesh, std::int32_t a, std::int32_t b, std::int32_t c, std::int32_t d) {

@@ -5,7 +5,6 @@
 #include <memory>
 #include <utility>
 
-#include "harness/base/rooms.h"
 #include "synthetic/trajectories/path.h"
 
 namespace touchstone::synthetic {

@@ -5,7 +5,6 @@
 #include <cstdint>
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "synthetic/trajectories/path.h"
 #include "synthetic/trajectories/tremor.h"
 

@@ -9,14 +9,14 @@
 
 namespace touchstone::synthetic {
 
-InTrajectory sample(const Path& path, double rate_Hz) {
+recording::InTrajectory sample(const Path& path, double rate_Hz) {
   // A duration that is a whole number of periods but for rounding keeps its last sample.
   const double steps = std::floor(path.duration_s() * rate_Hz * (1.0 + 1e-12));
   if (!(rate_Hz > 0.0) || !(steps >= 1.0) || steps > 1e8) {
     throw UsageError(fmt::format("sampling {} s at {} Hz makes no trajectory; 2 to 100 million samples can be made",
                                  path.duration_s(), rate_Hz));
   }
-  InTrajectory trajectory;
+  recording::InTrajectory trajectory;
   const auto count = static_cast<std::size_t>(steps) + 1;
   trajectory.motion.t_s.reserve(count);
   trajectory.motion.p_W_m.reserve(count);

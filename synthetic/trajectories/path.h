@@ -2,7 +2,6 @@
 // with the outside above, so depths are negative z.
 #pragma once
 
-#include "harness/base/rooms.h"
 #include "harness/recording/trajectory.h"
 
 namespace touchstone::synthetic {
@@ -17,7 +16,7 @@ class Path {
 
 // Samples t = i / rate from 0 to the duration, its end included where it falls on a sample.
 // Throws UsageError for a rate or duration that makes no sample or more than 100 million.
-InTrajectory sample(const Path& path, double rate_Hz);
+recording::InTrajectory sample(const Path& path, double rate_Hz);
 
 // From 0 to 1 with vanishing speed and acceleration at both ends: the minimum-jerk profile 10 s^3 - 15 s^4 + 6 s^5
 // (Flash and Hogan 1985, appendix A). 0 before and 1 after.

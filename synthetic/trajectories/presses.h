@@ -3,7 +3,6 @@
 
 #include <cstdint>
 
-#include "harness/base/rooms.h"
 #include "synthetic/trajectories/path.h"
 
 namespace touchstone::synthetic {

@@ -1,7 +1,6 @@
 // Straight strokes: one line at any speed and angle, to and fro over an edge, and a raster.
 #pragma once
 
-#include "harness/base/rooms.h"
 #include "synthetic/trajectories/path.h"
 
 namespace touchstone::synthetic {

@@ -6,7 +6,6 @@
 #include <cstdint>
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "harness/base/vec.h"
 
 namespace touchstone::synthetic {

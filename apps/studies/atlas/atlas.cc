@@ -13,6 +13,8 @@
 #include "synthetic/surface_catalogue.h"
 
 namespace touchstone::atlas {
+using metrics::Anomalies;
+
 namespace {
 
 constexpr double kHalfSide = 0.05;
@@ -42,8 +44,8 @@ std::vector<OutPoint> trace(const std::vector<Vec3>& corners) {
 // A body, its mesh's surface, and the way over it.
 struct Stage {
   std::shared_ptr<const synthetic::AnalyticSurface> body;
-  std::shared_ptr<const Surface> mesh;
-  std::shared_ptr<const ContactMesh> contact;  // kept, so that the cases' renderers share it
+  std::shared_ptr<const surface::Surface> mesh;
+  std::shared_ptr<const renderers::ContactMesh> contact;  // kept, so that the cases' renderers share it
   std::vector<OutPoint> out;
 };
 
@@ -68,7 +70,7 @@ Stage make_stage(Scene scene, double sharpness) {
     stage.mesh = make_embree_surface(synthetic::make_mesh("thin-shell", parameters, 2000).mesh);
     stage.out = trace({{-0.02, y, 0}, {0.02, y, 0}});
   }
-  stage.contact = contact_mesh(stage.mesh);
+  stage.contact = renderers::contact_mesh(stage.mesh);
   return stage;
 }
 
@@ -76,14 +78,14 @@ const std::vector<double>& sharpnesses(const AtlasGrid& grid, Scene scene) {
   return scene == Scene::bump ? grid.side_angles_rad : grid.thicknesses_m;
 }
 
-Model make_model(const std::string& renderer, double stiffness_N_per_m, double mu) {
-  Model model;
+rendering::Model make_model(const std::string& renderer, double stiffness_N_per_m, double mu) {
+  rendering::Model model;
   model.renderer = renderer;
   model.source = "atlas";
-  const RendererEntry& entry = find_renderer(model);
+  const rendering::RendererEntry& entry = renderers::find_renderer(model);
   const auto has = [&](const std::string& name) {
     return std::any_of(entry.parameters.begin(), entry.parameters.end(),
-                       [&](const ParameterDeclaration& declared) { return declared.name == name; });
+                       [&](const rendering::ParameterDeclaration& declared) { return declared.name == name; });
   };
   if (has("stiffness_N_per_m")) model.parameters["stiffness_N_per_m"] = stiffness_N_per_m;
   if (mu > 0.0 && has("mu_static")) {
@@ -95,10 +97,10 @@ Model make_model(const std::string& renderer, double stiffness_N_per_m, double m
 }
 
 Anomalies run_on(const Stage& stage, const AtlasCase& one, double force_N) {
-  const auto renderer = make_renderer(make_model(one.renderer, one.stiffness_N_per_m, one.mu), stage.mesh);
+  const auto renderer = renderers::make_renderer(make_model(one.renderer, one.stiffness_N_per_m, one.mu), stage.mesh);
   renderer->reset();
   const double depth = force_N / one.stiffness_N_per_m;
-  std::vector<TrackedContact> run;
+  std::vector<metrics::TrackedContact> run;
   run.reserve(stage.out.size());
   const OutPoint& first = stage.out.front();
   double t_s = 0.0;
@@ -110,8 +112,8 @@ Anomalies run_on(const Stage& stage, const AtlasCase& one, double force_N) {
   }
   for (const OutPoint& out : stage.out) {
     const Vec3 tip = out.p_W_m - depth * out.n_W;
-    const StepResult step = renderer->step({t_s += 1e-3, tip, Quat::Identity()});
-    TrackedContact now;
+    const rendering::StepResult step = renderer->step({t_s += 1e-3, tip, Quat::Identity()});
+    metrics::TrackedContact now;
     now.contact = step.contact;
     now.contact_W_m = step.contact_W_m;
     now.f_W_N = step.f_W_N;
@@ -124,7 +126,7 @@ Anomalies run_on(const Stage& stage, const AtlasCase& one, double force_N) {
     now.tip_outside_m = one.scene == Scene::shell ? std::min(outside, tip.z()) : outside;
     run.push_back(now);
   }
-  AnomalyLimits limits;
+  metrics::AnomalyLimits limits;
   limits.slack_m = one.mu * depth;
   return find_anomalies(run, limits);
 }
@@ -160,7 +162,7 @@ AtlasCase case_at(const AtlasGrid& grid, std::uint64_t number) {
 struct AtlasWorld::State {
   explicit State(double force) : force_N(force) {}
   double force_N;
-  apps::SharedCache<Stage> stages{kStages, [](const Stage&) { return 1; }};
+  runs::SharedCache<Stage> stages{kStages, [](const Stage&) { return 1; }};
 };
 
 AtlasWorld::AtlasWorld(const AtlasGrid& grid) : state_(std::make_unique<State>(grid.force_N)) {

@@ -16,7 +16,6 @@
 #include <string>
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "harness/metrics/anomalies.h"
 
 namespace touchstone::atlas {
@@ -39,7 +38,7 @@ struct AtlasCase {
   double sharpness;  // rad or m, see above
   double stiffness_N_per_m;
   double mu;
-  Anomalies found;
+  metrics::Anomalies found;
   std::string error;  // why it could not be run; empty: it ran
 };
 
@@ -59,7 +58,7 @@ class AtlasWorld {
   AtlasWorld& operator=(const AtlasWorld&) = delete;
 
   // Thread-safe; depends on the case alone. Throws BadData where the renderer refuses.
-  [[nodiscard]] Anomalies run(const AtlasCase& one);
+  [[nodiscard]] metrics::Anomalies run(const AtlasCase& one);
 
  private:
   struct State;
@@ -72,7 +71,7 @@ AtlasCase run_case(Scene scene, const std::string& renderer, double sharpness, d
 
 // What is wrong, shortest first: "" for nothing, else of "s" sticks, "p" pops through, "l" loses contact, "i" pulls
 // inward, each where at least 1 % of the samples show it.
-std::string letters(const Anomalies& found);
+std::string letters(const metrics::Anomalies& found);
 // The same of a case; "?" for one that could not be run.
 std::string letters(const AtlasCase& one);
 

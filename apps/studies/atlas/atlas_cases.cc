@@ -19,7 +19,7 @@ constexpr std::size_t first_result = 6;
 
 }  // namespace
 
-apps::CaseTable atlas_case_table(const AtlasGrid& grid) {
+runs::CaseTable atlas_case_table(const AtlasGrid& grid) {
   const ordered_json specification{{"schema", "touchstone-atlas-grid/1"},
                                    {"renderers", grid.renderers},
                                    {"side_angles_rad", grid.side_angles_rad},
@@ -27,7 +27,7 @@ apps::CaseTable atlas_case_table(const AtlasGrid& grid) {
                                    {"stiffnesses_N_per_m", grid.stiffnesses_N_per_m},
                                    {"mus", grid.mus},
                                    {"force_N", grid.force_N}};
-  using enum apps::CaseColumn::Type;
+  using enum runs::CaseColumn::Type;
   return {specification.dump(),
           case_count(grid),
           {{"scene", text},
@@ -46,18 +46,18 @@ apps::CaseTable atlas_case_table(const AtlasGrid& grid) {
           "--cases"};
 }
 
-apps::CaseJob atlas_job(const AtlasGrid& grid, AtlasWorld& world) {
-  apps::CaseJob job;
+runs::CaseJob atlas_job(const AtlasGrid& grid, AtlasWorld& world) {
+  runs::CaseJob job;
   job.what = "atlas";
   job.cases = case_count(grid);
-  job.run = [&world, grid](apps::CaseRow& row, const apps::PartDone&) {
+  job.run = [&world, grid](runs::CaseRow& row, const runs::PartDone&) {
     const AtlasCase one = case_at(grid, row.number);
     const auto sharpness = [&](Scene scene) {
-      return one.scene == scene ? apps::CaseValue(one.sharpness) : apps::CaseValue();
+      return one.scene == scene ? runs::CaseValue(one.sharpness) : runs::CaseValue();
     };
     row.values = {name_of(one.scene),      one.renderer,          sharpness(Scene::bump),
                   sharpness(Scene::shell), one.stiffness_N_per_m, one.mu};
-    const Anomalies found = world.run(one);
+    const metrics::Anomalies found = world.run(one);
     for (const std::uint64_t count :
          {found.samples, found.sticks, found.pops_through, found.loses_contact, found.pulls_inward})
       row.values.emplace_back(count);
@@ -66,17 +66,17 @@ apps::CaseJob atlas_job(const AtlasGrid& grid, AtlasWorld& world) {
   return job;
 }
 
-std::vector<AtlasCase> stored_cases(const AtlasGrid& grid, const apps::CaseStore& store) {
+std::vector<AtlasCase> stored_cases(const AtlasGrid& grid, const runs::CaseStore& store) {
   std::vector<AtlasCase> cases;
-  for (const apps::CaseRow& row : store.rows(0, case_count(grid))) {
+  for (const runs::CaseRow& row : store.rows(0, case_count(grid))) {
     AtlasCase one = case_at(grid, row.number);
     one.error = row.error;
     if (one.error.empty()) {
       auto at = row.values.begin() + first_result;
       for (std::size_t* const count : {&one.found.samples, &one.found.sticks, &one.found.pops_through,
                                        &one.found.loses_contact, &one.found.pulls_inward})
-        *count = apps::as_integer(*at++);
-      one.found.largest_lag_m = apps::as_number(*at);
+        *count = runs::as_integer(*at++);
+      one.found.largest_lag_m = runs::as_number(*at);
     }
     cases.push_back(std::move(one));
   }

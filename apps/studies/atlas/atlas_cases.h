@@ -3,16 +3,15 @@
 #pragma once
 
 #include "apps/studies/atlas/atlas.h"
-#include "harness/base/rooms.h"
 #include "harness/runs/case_engine.h"
 
 namespace touchstone::atlas {
 
-apps::CaseTable atlas_case_table(const AtlasGrid& grid);
+runs::CaseTable atlas_case_table(const AtlasGrid& grid);
 // The world must live as long as the job.
-apps::CaseJob atlas_job(const AtlasGrid& grid, AtlasWorld& world);
+runs::CaseJob atlas_job(const AtlasGrid& grid, AtlasWorld& world);
 // Of a store that has all of them, in their order.
-std::vector<AtlasCase> stored_cases(const AtlasGrid& grid, const apps::CaseStore& store);
+std::vector<AtlasCase> stored_cases(const AtlasGrid& grid, const runs::CaseStore& store);
 // {"atlas", "--renderers", ...}: the call that asks for this grid.
 std::vector<std::string> atlas_words(const AtlasGrid& grid);
 // {"scene", ...} of one case, as JSON: a line of --dry-run.

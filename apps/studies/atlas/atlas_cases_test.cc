@@ -30,17 +30,17 @@ AtlasGrid small_grid() {
 }
 
 // Everything that is made of the rows.
-std::string all_of_the_report(const AtlasGrid& grid, const apps::CaseStore& store) {
+std::string all_of_the_report(const AtlasGrid& grid, const runs::CaseStore& store) {
   const auto cases = stored_cases(grid, store);
-  const Page page = atlas_page(cases, {});
+  const report::Page page = atlas_page(cases, {});
   return atlas_table(cases) + atlas_to_json(cases) + atlas_picture(cases, Scene::bump) +
          atlas_picture(cases, Scene::shell) + page_to_html(page) + tables_to_markdown(page);
 }
 
-void run(const AtlasGrid& grid, apps::CaseStore& store, apps::CaseShard shard, unsigned threads) {
+void run(const AtlasGrid& grid, runs::CaseStore& store, runs::CaseShard shard, unsigned threads) {
   AtlasWorld world(grid);
   store.start_run({});
-  apps::run_cases(atlas_job(grid, world), store, shard, threads, never);
+  runs::run_cases(atlas_job(grid, world), store, shard, threads, never);
 }
 
 TEST(AtlasGrid, EveryCombinationHasOneNumberInTheOrderOfTheMaps) {
@@ -58,13 +58,13 @@ TEST(AtlasGrid, EveryCombinationHasOneNumberInTheOrderOfTheMaps) {
 
 TEST(AtlasCases, TheReportIsTheSameFromAnyThreadsPartsAndGoes) {
   const AtlasGrid grid = small_grid();
-  const apps::CaseTable table = atlas_case_table(grid);
-  apps::CaseStore whole(apps::CaseStore::in_memory, table);
+  const runs::CaseTable table = atlas_case_table(grid);
+  runs::CaseStore whole(runs::CaseStore::in_memory, table);
   run(grid, whole, {}, 1);
   const std::string report = all_of_the_report(grid, whole);
   EXPECT_THAT(report, HasSubstr("penalty"));
   for (const unsigned threads : {1U, 4U}) {
-    apps::CaseStore parts(apps::CaseStore::in_memory, table);
+    runs::CaseStore parts(runs::CaseStore::in_memory, table);
     for (const std::uint64_t k : {3U, 1U, 2U}) run(grid, parts, {k, 3}, threads);
     EXPECT_EQ(all_of_the_report(grid, parts), report);
     EXPECT_EQ(parts.content_hash(), whole.content_hash());
@@ -79,7 +79,7 @@ TEST(AtlasCases, TheReportIsTheSameFromAnyThreadsPartsAndGoes) {
 TEST(AtlasCases, ACaseThatCannotBeRunIsARowWithItsErrorAndIsSeenInEveryReport) {
   AtlasGrid grid = small_grid();
   grid.stiffnesses_N_per_m = {200, -1};  // the renderers refuse
-  apps::CaseStore store(apps::CaseStore::in_memory, atlas_case_table(grid));
+  runs::CaseStore store(runs::CaseStore::in_memory, atlas_case_table(grid));
   run(grid, store, {}, 2);
   const auto cases = stored_cases(grid, store);
   ASSERT_EQ(cases.size(), 24U);

@@ -10,6 +10,10 @@
 #include "harness/report/evaluation_page.h"
 
 namespace touchstone::atlas {
+using report::Section;
+using report::Table;
+using report::Tone;
+
 namespace {
 
 // The values that occur, in their order.
@@ -186,10 +190,10 @@ std::size_t failed_cases(const std::vector<AtlasCase>& cases) {
   return static_cast<std::size_t>(std::ranges::count_if(cases, [](const auto& own) { return !own.error.empty(); }));
 }
 
-std::string atlas_table(const std::vector<AtlasCase>& cases) { return align_columns(summary_rows(cases)); }
+std::string atlas_table(const std::vector<AtlasCase>& cases) { return report::align_columns(summary_rows(cases)); }
 
-Page atlas_page(const std::vector<AtlasCase>& cases, const Provenance& provenance) {
-  Page page;
+report::Page atlas_page(const std::vector<AtlasCase>& cases, const report::Provenance& provenance) {
+  report::Page page;
   page.title = "Atlas of geometric correctness";
   page.subtitle =
       "Where renderers stick, pop through, lose contact or pull inward: sharpness x stiffness x friction (Ruffaldi et "

@@ -86,7 +86,7 @@ std::string describe_case(const ToolAtlasGrid& grid, std::uint64_t number) {
       .dump();
 }
 
-apps::CaseTable tool_atlas_table(const ToolAtlasGrid& grid) {
+runs::CaseTable tool_atlas_table(const ToolAtlasGrid& grid) {
   const ordered_json specification{{"schema", "touchstone-tool-atlas-grid/1"},
                                    {"renderers", grid.renderers},
                                    {"contacts", grid.contacts},
@@ -95,8 +95,8 @@ apps::CaseTable tool_atlas_table(const ToolAtlasGrid& grid) {
                                    {"stiffnesses_N_per_m", grid.stiffnesses_N_per_m},
                                    {"parameters", grid.parameters},
                                    {"plugins", grid.plugins}};
-  using enum apps::CaseColumn::Type;
-  apps::CaseTable table{
+  using enum runs::CaseColumn::Type;
+  runs::CaseTable table{
       specification.dump(),
       case_count(grid),
       {{"contacts", text}, {"size", real}, {"clearance_m", real}, {"stiffness_N_per_m", real}, {"renderer", text}},
@@ -109,18 +109,18 @@ apps::CaseTable tool_atlas_table(const ToolAtlasGrid& grid) {
   return table;
 }
 
-apps::CaseJob tool_atlas_job(const ToolAtlasGrid& grid, std::vector<tool::ToolRendererEntry> entries) {
+runs::CaseJob tool_atlas_job(const ToolAtlasGrid& grid, std::vector<tool::ToolRendererEntry> entries) {
   std::vector<tool::ToolRendererEntry> used;
   for (const std::string& name : grid.renderers) used.push_back(tool::find_tool_renderer(entries, name));
   std::map<std::string, std::map<std::string, double>> values;
   for (const tool::ToolRendererEntry& entry : used) values[entry.name] = tool::own_values(grid.parameters, entry, used);
-  apps::CaseJob job;
+  runs::CaseJob job;
   job.what = "atlas";
   job.cases = case_count(grid);
-  job.run = [grid, used, values](apps::CaseRow& row, const apps::PartDone&) {
+  job.run = [grid, used, values](runs::CaseRow& row, const runs::PartDone&) {
     const ToolAtlasCase one = case_at(grid, row.number);
     const auto real_or_none = [](std::optional<double> value) {
-      return value ? apps::CaseValue(*value) : apps::CaseValue();
+      return value ? runs::CaseValue(*value) : runs::CaseValue();
     };
     row.values = {one.contacts, real_or_none(one.shape.clearance_m ? std::nullopt : std::optional(one.shape.scale)),
                   real_or_none(one.shape.clearance_m), one.stiffness_N_per_m, one.renderer};
@@ -135,14 +135,14 @@ apps::CaseJob tool_atlas_job(const ToolAtlasGrid& grid, std::vector<tool::ToolRe
   return job;
 }
 
-std::vector<ToolAtlasCase> stored_cases(const ToolAtlasGrid& grid, const apps::CaseStore& store) {
+std::vector<ToolAtlasCase> stored_cases(const ToolAtlasGrid& grid, const runs::CaseStore& store) {
   std::vector<ToolAtlasCase> cases;
-  for (const apps::CaseRow& row : store.rows(0, case_count(grid))) {
+  for (const runs::CaseRow& row : store.rows(0, case_count(grid))) {
     ToolAtlasCase one = case_at(grid, row.number);
     one.error = row.error;
     if (one.ran()) {
       auto at = row.values.begin() + kFirstError;
-      for (double* const value : results(one.errors)) *value = apps::as_number(*at++);
+      for (double* const value : results(one.errors)) *value = runs::as_number(*at++);
     }
     cases.push_back(std::move(one));
   }

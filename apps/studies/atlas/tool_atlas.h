@@ -12,7 +12,6 @@
 #include <string>
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "harness/runs/case_engine.h"
 #include "harness/tool/tool_errors.h"
 #include "harness/tool/tool_renderer_entry.h"
@@ -54,11 +53,11 @@ ToolAtlasCase case_at(const ToolAtlasGrid& grid, std::uint64_t number);
 // Of one case, as JSON: a line of --dry-run.
 std::string describe_case(const ToolAtlasGrid& grid, std::uint64_t number);
 
-apps::CaseTable tool_atlas_table(const ToolAtlasGrid& grid);
+runs::CaseTable tool_atlas_table(const ToolAtlasGrid& grid);
 // Throws UsageError for a renderer that is not among `entries`, or a parameter that none of them has.
-apps::CaseJob tool_atlas_job(const ToolAtlasGrid& grid, std::vector<tool::ToolRendererEntry> entries);
+runs::CaseJob tool_atlas_job(const ToolAtlasGrid& grid, std::vector<tool::ToolRendererEntry> entries);
 // Of a store that has all of them, in their order.
-std::vector<ToolAtlasCase> stored_cases(const ToolAtlasGrid& grid, const apps::CaseStore& store);
+std::vector<ToolAtlasCase> stored_cases(const ToolAtlasGrid& grid, const runs::CaseStore& store);
 // {"tool", "atlas", "--renderers", ...}: the call that asks for this grid, but for plug-ins.
 std::vector<std::string> tool_atlas_words(const ToolAtlasGrid& grid);
 

@@ -12,6 +12,10 @@
 #include "harness/report/evaluation_page.h"
 
 namespace touchstone::atlas {
+using report::Section;
+using report::Table;
+using report::Tone;
+
 namespace {
 
 // The values that occur among the cases, in their order.
@@ -100,8 +104,8 @@ std::string place_label(const ToolAtlasCase& own) {
   return fmt::format("{:g}", own.shape.clearance_m ? *own.shape.clearance_m * 1e3 : own.shape.scale);
 }
 
-LinePlot plot_of(const std::vector<ToolAtlasCase>& cases, const std::string& contacts) {
-  LinePlot plot;
+report::LinePlot plot_of(const std::vector<ToolAtlasCase>& cases, const std::string& contacts) {
+  report::LinePlot plot;
   plot.half_width = true;
   plot.log_x = true;
   plot.y_label = "largest error [JND]";
@@ -112,7 +116,7 @@ LinePlot plot_of(const std::vector<ToolAtlasCase>& cases, const std::string& con
     const Places map = places(cases, renderer, contacts);
     const double stiffness = map.up[map.up.size() / 2];
     plot.title = fmt::format("{}, coupling {:g} N/m", contacts, stiffness);
-    Line line{renderer, {}, {}, kTones[tone++ % kTones.size()], false, true};
+    report::Line line{renderer, {}, {}, kTones[tone++ % kTones.size()], false, true};
     for (const double place : map.across) {
       const ToolAtlasCase& own = map.at(place, stiffness);
       plot.x_label = own.shape.clearance_m ? "clearance [mm]" : "size, of the usual one [1]";
@@ -133,7 +137,7 @@ Table map_table(const std::vector<ToolAtlasCase>& cases, const std::string& rend
   for (const double place : map.across) table.columns.push_back(place_label(map.at(place, map.up.front())));
   for (auto k = map.up.rbegin(); k != map.up.rend(); ++k) {
     Table::Row row;
-    row.cells.push_back(number_cell(fmt::format("{:g}", *k)));
+    row.cells.push_back(report::number_cell(fmt::format("{:g}", *k)));
     for (const double place : map.across) {
       const ToolAtlasCase& own = map.at(place, *k);
       row.cells.push_back({own.ran() ? fmt::format("{:.2g}", own.jnd()) : "?", true,
@@ -218,10 +222,12 @@ std::string tool_atlas_sentence(const std::vector<ToolAtlasCase>& cases) {
   return text;
 }
 
-std::string tool_atlas_text(const std::vector<ToolAtlasCase>& cases) { return align_columns(summary_rows(cases)); }
+std::string tool_atlas_text(const std::vector<ToolAtlasCase>& cases) {
+  return report::align_columns(summary_rows(cases));
+}
 
-Page tool_atlas_page(const std::vector<ToolAtlasCase>& cases, const Provenance& provenance) {
-  Page page;
+report::Page tool_atlas_page(const std::vector<ToolAtlasCase>& cases, const report::Provenance& provenance) {
+  report::Page page;
   page.title = "Atlas of tools";
   page.subtitle = tool_atlas_sentence(cases);
   Section pictures{"Largest error over size and clearance",

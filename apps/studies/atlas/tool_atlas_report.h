@@ -15,7 +15,7 @@ namespace touchstone::atlas {
 std::string tool_atlas_sentence(const std::vector<ToolAtlasCase>& cases);
 // A line for each renderer and contact.
 std::string tool_atlas_text(const std::vector<ToolAtlasCase>& cases);
-Page tool_atlas_page(const std::vector<ToolAtlasCase>& cases, const Provenance& provenance);
+report::Page tool_atlas_page(const std::vector<ToolAtlasCase>& cases, const report::Provenance& provenance);
 std::string tool_atlas_to_json(const std::vector<ToolAtlasCase>& cases);
 // SVG: a map for each renderer (column) and contact (row), size or clearance across, stiffness upwards, JND in the
 // cells.

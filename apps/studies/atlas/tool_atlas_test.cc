@@ -32,7 +32,7 @@ ToolAtlasGrid small_tools() {
 }
 
 std::vector<ToolAtlasCase> ran(const ToolAtlasGrid& grid, unsigned threads, std::uint64_t shards = 1) {
-  apps::CaseStore store(apps::CaseStore::in_memory, tool_atlas_table(grid));
+  runs::CaseStore store(runs::CaseStore::in_memory, tool_atlas_table(grid));
   for (std::uint64_t k = shards; k >= 1; --k)
     run_cases(tool_atlas_job(grid, renderers::tool_renderer_catalogue()), store, {k, shards}, threads, never);
   return stored_cases(grid, store);

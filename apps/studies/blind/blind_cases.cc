@@ -35,7 +35,7 @@ std::vector<std::filesystem::path> blind_case_folders(const std::filesystem::pat
   return folders;
 }
 
-apps::CaseTable blind_case_table(const std::vector<std::filesystem::path>& folders) {
+runs::CaseTable blind_case_table(const std::vector<std::filesystem::path>& folders) {
   nlohmann::ordered_json specification{{"schema", "touchstone-blind-cases/1"}};
   for (const auto& folder : folders) {
     std::vector<std::filesystem::path> files;
@@ -44,7 +44,7 @@ apps::CaseTable blind_case_table(const std::vector<std::filesystem::path>& folde
     auto& own = specification["cases"][folder.filename().string()];
     for (const auto& file : files) own[file.filename().string()] = sha256_file(file);
   }
-  using enum apps::CaseColumn::Type;
+  using enum runs::CaseColumn::Type;
   return {specification.dump(),
           folders.size(),
           {{"case_id", text},
@@ -58,13 +58,13 @@ apps::CaseTable blind_case_table(const std::vector<std::filesystem::path>& folde
           "--rows"};
 }
 
-apps::CaseJob blind_job(const std::vector<std::filesystem::path>& folders, const std::filesystem::path& results,
+runs::CaseJob blind_job(const std::vector<std::filesystem::path>& folders, const std::filesystem::path& results,
                         const SearchCase& search) {
-  apps::CaseJob job;
+  runs::CaseJob job;
   job.what = "cases searched";
   job.cases = folders.size();
   job.alone = true;  // a search uses the cores itself
-  job.run = [folders, results, search](apps::CaseRow& row, const apps::PartDone&) {
+  job.run = [folders, results, search](runs::CaseRow& row, const runs::PartDone&) {
     const std::string id = folders[row.number].filename().string();
     const auto out = results / id;
     row.values = {id};
@@ -79,22 +79,22 @@ apps::CaseJob blind_job(const std::vector<std::filesystem::path>& folders, const
     row.values.emplace_back(findings.at("verdict").get<std::string>());
     row.values.emplace_back(effects);
     row.values.emplace_back(findings.at("gap").at("holdout").at("after").get<double>());
-    row.values.push_back(searched ? apps::CaseValue(seconds) : apps::CaseValue());
+    row.values.push_back(searched ? runs::CaseValue(seconds) : runs::CaseValue());
     row.values.emplace_back(read_file(out / "findings.json"));
     row.values.emplace_back(text_or_nothing(out / "next.csv"));
   };
   return job;
 }
 
-void write_findings(const std::vector<std::filesystem::path>& folders, const apps::CaseStore& store,
+void write_findings(const std::vector<std::filesystem::path>& folders, const runs::CaseStore& store,
                     const std::filesystem::path& results) {
-  for (const apps::CaseRow& row : store.rows(0, folders.size())) {
+  for (const runs::CaseRow& row : store.rows(0, folders.size())) {
     const auto out = results / folders[row.number].filename();
     if (!row.error.empty() || std::filesystem::exists(out / "findings.json")) continue;
     ensure_writable_folder(out);
-    const std::string& next = apps::as_text(row.values[next_column]);
+    const std::string& next = runs::as_text(row.values[next_column]);
     if (!next.empty()) write_file(out / "next.csv", next);
-    write_file(out / "findings.json", apps::as_text(row.values[findings_column]));
+    write_file(out / "findings.json", runs::as_text(row.values[findings_column]));
   }
 }
 

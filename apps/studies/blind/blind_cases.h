@@ -8,7 +8,6 @@
 #include <string>
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "harness/runs/case_engine.h"
 
 namespace touchstone::blind {
@@ -18,17 +17,17 @@ namespace touchstone::blind {
 std::vector<std::filesystem::path> blind_case_folders(const std::filesystem::path& cases);
 
 // Names the cases by the hashes of their files: rows are of these recordings and of no others.
-apps::CaseTable blind_case_table(const std::vector<std::filesystem::path>& folders);
+runs::CaseTable blind_case_table(const std::vector<std::filesystem::path>& folders);
 
 // Searches a case and writes its findings into the folder `out`; throws Error where it cannot be searched.
 using SearchCase = std::function<void(const std::filesystem::path& folder, const std::filesystem::path& out)>;
 
 // A case whose findings are in `results` already is not searched again.
-apps::CaseJob blind_job(const std::vector<std::filesystem::path>& folders, const std::filesystem::path& results,
+runs::CaseJob blind_job(const std::vector<std::filesystem::path>& folders, const std::filesystem::path& results,
                         const SearchCase& search);
 
 // Writes the findings of rows that other machines made into `results`, where they are not there.
-void write_findings(const std::vector<std::filesystem::path>& folders, const apps::CaseStore& store,
+void write_findings(const std::vector<std::filesystem::path>& folders, const runs::CaseStore& store,
                     const std::filesystem::path& results);
 
 }  // namespace touchstone::blind

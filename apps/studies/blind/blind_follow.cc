@@ -26,7 +26,7 @@ void record_along_proposal(const std::filesystem::path& answers, const std::stri
     throw BadData(fmt::format("{}: /seed: the seed that the cases were made with was expected", answers.string()));
   }
   const auto seed = root.at("seed").get<std::uint64_t>();
-  const InTrajectory motion = load_trajectory(trajectory);
+  const recording::InTrajectory motion = recording::load_trajectory(trajectory);
   for (const auto& [set, count] : blind_full_count()) {
     for (std::size_t i = 0; i < count; ++i) {
       const synthetic::BlindCase plan = synthetic::plan_case(set, i, seed);

@@ -6,8 +6,6 @@
 #include <map>
 #include <string>
 
-#include "harness/base/rooms.h"
-
 namespace touchstone::blind {
 
 // How many cases the full blind test has of each set.

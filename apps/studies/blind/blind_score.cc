@@ -22,11 +22,14 @@
 #include "renderers/model_predictor.h"
 
 namespace touchstone::blind {
+using discrepancy::FindingsVerdict;
+using recording::Recording;
+
 namespace {
 
 using nlohmann::json;
 
-double rms_N(const Recording& recording, const Prediction& prediction) {
+double rms_N(const Recording& recording, const rendering::Prediction& prediction) {
   double sum = 0.0;
   for (std::size_t i = 0; i < recording.size(); ++i) sum += (recording.f_W_N[i] - prediction.f_W_N[i]).squaredNorm();
   return std::sqrt(sum / static_cast<double>(std::max<std::size_t>(1, recording.size())));
@@ -41,45 +44,48 @@ std::vector<std::string> names_of(const json& effects) {
 
 // The true structure, its parameters fitted once more to the training recording: what the best of searches could leave.
 // True parameters alone may leave more, since positions are noisy and the mesh has an error.
-double refitted_floor_N(const BlindScore& score, const Model& truth, const Recording& train,
-                        const std::shared_ptr<const Surface>& surface, Predictor& holdout_predictor,
-                        const Recording& holdout, const InstrumentDescription& instrument) {
-  const auto predictor = make_model_predictor(surface, train.motion);
-  const Prediction nominal = predictor->predict(truth);
+double refitted_floor_N(const BlindScore& score, const rendering::Model& truth, const Recording& train,
+                        const std::shared_ptr<const surface::Surface>& surface, rendering::Predictor& holdout_predictor,
+                        const Recording& holdout, const discrepancy::InstrumentDescription& instrument) {
+  const auto predictor = renderers::make_model_predictor(surface, train.motion);
+  const rendering::Prediction nominal = predictor->predict(truth);
   const double stiffness = truth.parameters.at("stiffness_N_per_m");
   const double floor_N = 6.0 * instrument.force_noise_N + instrument.force_step_N.maxCoeff();
-  const RecordingScales scales = measure_scales(train, nominal, floor_N, stiffness, instrument.position_noise_m);
-  std::vector<FreeParameter> parameters{log_base_parameter("stiffness_N_per_m", 0.1 * stiffness, 10.0 * stiffness)};
-  for (const Candidate& candidate : all_candidates(built_in_catalogue())) {
-    if (find_entry(truth, candidate.name) == nullptr) continue;
-    const auto free = candidate_fit(candidate, scales, train, nominal).parameters;
+  const rendering::RecordingScales scales =
+      discrepancy::measure_scales(train, nominal, floor_N, stiffness, instrument.position_noise_m);
+  std::vector<discrepancy::FreeParameter> parameters{
+      discrepancy::log_base_parameter("stiffness_N_per_m", 0.1 * stiffness, 10.0 * stiffness)};
+  for (const rendering::Candidate& candidate : pipeline::all_candidates(renderers::built_in_catalogue())) {
+    if (discrepancy::find_entry(truth, candidate.name) == nullptr) continue;
+    const auto free = discrepancy::candidate_fit(candidate, scales, train, nominal).parameters;
     parameters.insert(parameters.end(), free.begin(), free.end());
   }
   constexpr double window_s = 1.0 / 30.0;
-  FitData data;
+  discrepancy::FitData data;
   data.predictor = predictor.get();
-  data.blocks = make_blocks(train.motion, window_s);
+  data.blocks = discrepancy::make_blocks(train.motion, window_s);
   data.measured_N = block_means(data.blocks, train.f_W_N);
   // All blocks weigh the same, as in the RMS that the gap is measured by.
   data.noise.assign(data.blocks.size(), {Vec3::Zero(), score.floor_N, score.floor_N, Vec3::Zero()});
   constexpr int iterations = 15;
-  const JointFit fit = fit_jointly(data, truth, parameters, iterations, false);
+  const discrepancy::JointFit fit = fit_jointly(data, truth, parameters, iterations, false);
   return fit.ok ? rms_N(holdout, holdout_predictor.predict(fit.model)) : score.floor_N;
 }
 
 // The floor of the true structure, and the error of the true stiffness alone.
 void measure_floor(BlindScore& score, const json& answer, const std::filesystem::path& folder) {
-  const Recording holdout = load_recording(folder / "holdout.csv");
-  const std::shared_ptr<const Surface> surface = make_embree_surface(load_mesh(folder / "mesh.obj", 1.0));
-  const auto predictor = make_model_predictor(surface, holdout.motion);
-  Model model = rendering::load_model(folder / "model.json");
+  const Recording holdout = recording::load_recording(folder / "holdout.csv");
+  const std::shared_ptr<const surface::Surface> surface =
+      make_embree_surface(surface::load_mesh(folder / "mesh.obj", 1.0));
+  const auto predictor = renderers::make_model_predictor(surface, holdout.motion);
+  rendering::Model model = rendering::load_model(folder / "model.json");
   model.parameters["stiffness_N_per_m"] = answer.at("true_stiffness_N_per_m").get<double>();
   score.before_N = rms_N(holdout, predictor->predict(model));
   score.floor_N = std::numeric_limits<double>::quiet_NaN();
   for (const auto& effect : answer.at("effects")) {
     const auto side = effect.at("side").get<std::string>();
     if (side == "unknown") return;
-    NamedParameters entry{effect.at("name").get<std::string>(), effect.at("parameters"), "/answer"};
+    rendering::NamedParameters entry{effect.at("name").get<std::string>(), effect.at("parameters"), "/answer"};
     // Dahl's bristle turns exponentially, the renderers' linearly: the same initial slope.
     if (entry.name.ends_with("friction") && entry.name != "viscous-friction" && answer.contains("presliding_m")) {
       entry.parameters["presliding_m"] = answer.at("presliding_m").get<double>();
@@ -88,9 +94,9 @@ void measure_floor(BlindScore& score, const json& answer, const std::filesystem:
   }
   score.floor_N = rms_N(holdout, predictor->predict(model));
   if (answer.at("effects").empty()) return;
-  const Recording train = load_recording(folder / "train.csv");
+  const Recording train = recording::load_recording(folder / "train.csv");
   score.floor_N = std::min(score.floor_N, refitted_floor_N(score, model, train, surface, *predictor, holdout,
-                                                           load_instrument(folder / "instrument.json")));
+                                                           discrepancy::load_instrument(folder / "instrument.json")));
 }
 
 // Whether the strongest peak of the residual lies where the hidden one does.
@@ -170,11 +176,11 @@ std::vector<BlindScore> score_blind(const std::filesystem::path& answers, const 
     try {
       score.id = answer.at("id").get<std::string>();
       score.set = answer.value("set", "sample");
-      score.expected_verdict = findings_verdict(answer.at("expected_verdict").get<std::string>());
+      score.expected_verdict = discrepancy::findings_verdict(answer.at("expected_verdict").get<std::string>());
       const auto file = results / score.id / "findings.json";
       if (!std::filesystem::exists(file)) continue;
       const json findings = load_json(file);
-      score.verdict = findings_verdict(findings.at("verdict").get<std::string>());
+      score.verdict = discrepancy::findings_verdict(findings.at("verdict").get<std::string>());
       score.expected = names_of(answer.at("effects"));
       if (answer.contains("ambiguous")) score.expected = answer.at("ambiguous").at(0);
       score.named = names_of(findings.at("effects"));
@@ -188,8 +194,9 @@ std::vector<BlindScore> score_blind(const std::filesystem::path& answers, const 
       if (score.set == "cannot-tell" && !again.empty() && std::filesystem::exists(second)) {
         const json told = load_json(second);
         const auto named = names_of(told.at("effects"));
-        score.told_apart = findings_verdict(told.at("verdict").get<std::string>()) == FindingsVerdict::explained &&
-                           !named.empty() && named.front() == names_of(answer.at("effects")).front();
+        score.told_apart =
+            discrepancy::findings_verdict(told.at("verdict").get<std::string>()) == FindingsVerdict::explained &&
+            !named.empty() && named.front() == names_of(answer.at("effects")).front();
       }
     } catch (const nlohmann::json::exception& error) {
       throw BadData(fmt::format("{} or findings of case {}: {}", answers.string(), score.id, error.what()));

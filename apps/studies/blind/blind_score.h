@@ -6,7 +6,6 @@
 #include <string>
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "harness/discrepancy/findings_verdict.h"
 
 namespace touchstone::blind {
@@ -15,8 +14,8 @@ namespace touchstone::blind {
 struct BlindScore {
   std::string id;
   std::string set;
-  FindingsVerdict expected_verdict = FindingsVerdict::unexplained;
-  FindingsVerdict verdict = FindingsVerdict::unexplained;
+  discrepancy::FindingsVerdict expected_verdict = discrepancy::FindingsVerdict::unexplained;
+  discrepancy::FindingsVerdict verdict = discrepancy::FindingsVerdict::unexplained;
   std::vector<std::string> expected;  // effects
   std::vector<std::string> named;     // in the order found
   bool right = false;                 // as the set asks

@@ -14,6 +14,8 @@
 #include "harness/stats/quantile.h"
 
 namespace touchstone::blind {
+using discrepancy::FindingsVerdict;
+
 namespace {
 
 struct Share {

@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "apps/studies/blind/blind_score.h"
-#include "harness/base/rooms.h"
 
 namespace touchstone::blind {
 

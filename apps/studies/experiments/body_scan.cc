@@ -15,6 +15,8 @@
 #include "synthetic/surface_catalogue.h"
 
 namespace touchstone::experiments {
+using recording::Recording;
+using rendering::Model;
 
 BodyScan make_body_scan(std::uint64_t seed, double mu) {
   synthetic::Recipe recipe = synthetic::recipe("duck");
@@ -31,8 +33,8 @@ BodyScan make_body_scan(std::uint64_t seed, double mu) {
   scan.finest = synthetic::make_mesh(recipe.surface, recipe.parameters, 140000).mesh;
   if (scan.finest.triangle_count() != kFinestTriangles) throw std::logic_error("kFinestTriangles is out of date");
   const auto surface = make_embree_surface(scan.finest);
-  scan.out = make_out_trajectory(scan.recording, *surface, {.tip_radius_m = scan.tip_radius_m});
-  scan.in = synthesize_in_trajectory(scan.out, scan.stiffness_N_per_m);
+  scan.out = rendering::make_out_trajectory(scan.recording, *surface, {.tip_radius_m = scan.tip_radius_m});
+  scan.in = rendering::synthesize_in_trajectory(scan.out, scan.stiffness_N_per_m);
   return scan;
 }
 
@@ -54,7 +56,8 @@ Recording measured_again(const Recording& recording, const synthetic::ForceSenso
   if (pose.t_s.size() != motion.size()) throw std::logic_error("measured_again: not a recording at the tracker's rate");
   // The sensor's errors alone, brought to the tracker's times as a measured force is.
   const auto force = sensor.measure([](double) { return Vec3(0.0, 0.0, 0.0); }, duration_s, root.stream(1).next_u64());
-  const auto noise = combine({pose.t_s, pose.truth_W_m, pose.truth_WS}, {force.t_s, force.measured_S_N, {}}).recording;
+  const auto noise =
+      recording::combine({pose.t_s, pose.truth_W_m, pose.truth_WS}, {force.t_s, force.measured_S_N, {}}).recording;
   Recording again = recording;
   again.motion.p_W_m = pose.measured_W_m;
   again.motion.q_WS = pose.measured_WS;
@@ -66,12 +69,12 @@ Recording measured_again(const Recording& recording, const synthetic::ForceSenso
   return again;
 }
 
-ForceError force_error(const BodyScan& scan, const Model& model, const std::shared_ptr<const Surface>& surface,
+ForceError force_error(const BodyScan& scan, const Model& model, const std::shared_ptr<const surface::Surface>& surface,
                        Against against, std::size_t from, std::size_t to) {
   // Each model goes over one scan and is gone: the ball's neighbours are listed where it comes.
   const renderers::BallVicinity::OnDemand neighbours;
-  const auto renderer = make_renderer(model, surface);
-  const RenderedTrajectory rendered = replay(*renderer, scan.in);
+  const auto renderer = renderers::make_renderer(model, surface);
+  const recording::RenderedTrajectory rendered = replay(*renderer, scan.in);
   ForceError error;
   double squares = 0.0;
   for (std::size_t i = from; i < to; ++i) {

@@ -7,7 +7,6 @@
 #include <memory>
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "harness/recording/trajectory.h"
 #include "harness/rendering/model.h"
 #include "harness/surface/surface.h"
@@ -20,10 +19,10 @@ namespace touchstone::experiments {
 inline constexpr std::size_t kFinestTriangles = 141120;
 
 struct BodyScan {
-  Recording recording;  // measured, at the tracker's 60 Hz
-  OutTrajectory out;    // made from it over the finest mesh
-  InTrajectory in;      // equation 2
-  TriangleMesh finest;
+  recording::Recording recording;  // measured, at the tracker's 60 Hz
+  recording::OutTrajectory out;    // made from it over the finest mesh
+  recording::InTrajectory in;      // equation 2
+  surface::TriangleMesh finest;
   double tip_radius_m = 0.0;
   double stiffness_N_per_m = 0.0;  // of the virtual probe, the paper's 0.5 N/mm
   double true_mu = 0.0;            // hidden from the renderers, for the answer
@@ -36,8 +35,8 @@ BodyScan make_body_scan(std::uint64_t seed, double mu);
 
 // What the instruments would have recorded had the tip been where `recording` has it, and felt what it has there: their
 // errors a second time, drawn anew.
-Recording measured_again(const Recording& recording, const synthetic::ForceSensor& sensor,
-                         const synthetic::Tracker& tracker, std::uint64_t seed);
+recording::Recording measured_again(const recording::Recording& recording, const synthetic::ForceSensor& sensor,
+                                    const synthetic::Tracker& tracker, std::uint64_t seed);
 
 // The samples in contact of one part of a scan.
 struct ForceError {
@@ -52,10 +51,11 @@ enum class Against : std::uint8_t {
 };
 
 // Renders the in-trajectory and compares in [from, to) of the samples. Throws BadData for a renderer that refuses.
-ForceError force_error(const BodyScan& scan, const Model& model, const std::shared_ptr<const Surface>& surface,
-                       Against against, std::size_t from, std::size_t to);
+ForceError force_error(const BodyScan& scan, const rendering::Model& model,
+                       const std::shared_ptr<const surface::Surface>& surface, Against against, std::size_t from,
+                       std::size_t to);
 
 // The model of a proxy-based renderer for the scan's tip and stiffness.
-Model proxy_model(const BodyScan& scan, const std::string& renderer);
+rendering::Model proxy_model(const BodyScan& scan, const std::string& renderer);
 
 }  // namespace touchstone::experiments

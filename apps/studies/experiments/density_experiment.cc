@@ -15,10 +15,11 @@ namespace touchstone::experiments {
 
 namespace {
 
-std::optional<OperationReport> operations_of(const BodyScan& scan, const std::shared_ptr<const Surface>& surface) {
-  const CountedRenderer counted = make_counted_renderer(proxy_model(scan, "god-object"), surface);
+std::optional<rendering::OperationReport> operations_of(const BodyScan& scan,
+                                                        const std::shared_ptr<const surface::Surface>& surface) {
+  const rendering::CountedRenderer counted = renderers::make_counted_renderer(proxy_model(scan, "god-object"), surface);
   if (!counted.renderer) return std::nullopt;
-  return count_operations(*counted.renderer, tip_source(scan.in.motion));
+  return count_operations(*counted.renderer, rendering::tip_source(scan.in.motion));
 }
 
 }  // namespace
@@ -35,9 +36,9 @@ std::vector<std::size_t> density_triangles() {
 DensityExperiment run_density_experiment(std::uint64_t seed) {
   const BodyScan scan = make_body_scan(seed, synthetic::recipe("duck").contact.mu);
   DensityExperiment experiment{seed, {}};
-  for (const TriangleMesh& mesh : decimated_family(scan.finest, density_triangles())) {
-    const std::shared_ptr<const Surface> surface = make_embree_surface(mesh);
-    const auto shared = contact_mesh(surface);  // kept, so that it is built once
+  for (const surface::TriangleMesh& mesh : decimated_family(scan.finest, density_triangles())) {
+    const std::shared_ptr<const surface::Surface> surface = make_embree_surface(mesh);
+    const auto shared = renderers::contact_mesh(surface);  // kept, so that it is built once
     const auto error = [&](const std::string& renderer, Against against) {
       return force_error(scan, proxy_model(scan, renderer), surface, against, 0, scan.in.size());
     };

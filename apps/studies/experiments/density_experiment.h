@@ -12,7 +12,6 @@
 #include <vector>
 
 #include "apps/studies/experiments/friction_experiment.h"
-#include "harness/base/rooms.h"
 #include "harness/rendering/operations.h"
 
 namespace touchstone::experiments {
@@ -35,7 +34,7 @@ struct DensityPoint {
   ForceError plain, shaded;          // against the normal part
   ForceError plain_all, shaded_all;  // against the whole recorded force
   // Of the god-object without shading, a ball.
-  std::optional<OperationReport> operations;
+  std::optional<rendering::OperationReport> operations;
 };
 
 struct DensityExperiment {

@@ -6,6 +6,8 @@
 #include "apps/studies/experiments/friction_experiment.h"
 
 namespace touchstone::experiments {
+using recording::Recording;
+
 namespace {
 
 TEST(FrictionEstimate, OfARigidProbeIsFreeOfWhatGoesWithOneOverTheStiffness) {

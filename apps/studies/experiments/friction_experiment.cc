@@ -54,11 +54,11 @@ FrictionEstimate friction_estimate(double rigid_mu, const std::vector<double>& a
 
 FrictionFit fit_friction(std::uint64_t seed, double true_mu, const std::function<void()>& replayed) {
   BodyScan scan = make_body_scan(seed, true_mu);
-  const std::shared_ptr<const Surface> surface = make_embree_surface(scan.finest);
-  const auto shared = contact_mesh(surface);  // kept, so that it is built once
+  const std::shared_ptr<const surface::Surface> surface = make_embree_surface(scan.finest);
+  const auto shared = renderers::contact_mesh(surface);  // kept, so that it is built once
   const std::size_t half = scan.in.size() / 2;
   const auto error = [&](double mu, std::size_t from, std::size_t to) {
-    Model model = proxy_model(scan, "friction-cone");
+    rendering::Model model = proxy_model(scan, "friction-cone");
     model.parameters["mu_static"] = model.parameters["mu_dynamic"] = mu;
     stop_if_asked();
     const ForceError found = force_error(scan, model, surface, Against::recorded, from, to);
@@ -70,7 +70,7 @@ FrictionFit fit_friction(std::uint64_t seed, double true_mu, const std::function
   fit.true_mu = true_mu;
   for (FrictionAtStiffness* const own : {&fit.soft, &fit.stiff}) {
     own->stiffness_N_per_m = scan.stiffness_N_per_m = own == &fit.soft ? kSoftProbe_N_per_m : kStiffProbe_N_per_m;
-    scan.in = synthesize_in_trajectory(scan.out, scan.stiffness_N_per_m);
+    scan.in = rendering::synthesize_in_trajectory(scan.out, scan.stiffness_N_per_m);
     const auto fitted = [&](double mu) { return error(mu, 0, half).mean_N; };
     for (int i = 0; i <= kCurve; ++i) {
       own->mu.push_back(kLargestMu * i / kCurve);
@@ -80,15 +80,15 @@ FrictionFit fit_friction(std::uint64_t seed, double true_mu, const std::function
     own->without = error(0.0, half, scan.in.size());
     own->with = error(own->fitted_mu, half, scan.in.size());
   }
-  const Recording recorded = scan.recording;
+  const recording::Recording recorded = scan.recording;
   const Random draws(seed);
   std::vector<double> again;
   for (std::size_t i = 0; i < kMeasuredAgain; ++i) {
     scan.recording = measured_again(recorded, scan.sensor, scan.tracker, draws.stream(i).next_u64());
-    scan.out = make_out_trajectory(scan.recording, *surface, {.tip_radius_m = scan.tip_radius_m});
+    scan.out = rendering::make_out_trajectory(scan.recording, *surface, {.tip_radius_m = scan.tip_radius_m});
     const auto found = [&](const FrictionAtStiffness& own) {
       scan.stiffness_N_per_m = own.stiffness_N_per_m;
-      scan.in = synthesize_in_trajectory(scan.out, scan.stiffness_N_per_m);
+      scan.in = rendering::synthesize_in_trajectory(scan.out, scan.stiffness_N_per_m);
       return golden_section([&](double mu) { return error(mu, 0, half).mean_N; }, 0.8 * own.fitted_mu,
                             1.2 * own.fitted_mu, 1e-4);
     };
@@ -99,9 +99,9 @@ FrictionFit fit_friction(std::uint64_t seed, double true_mu, const std::function
   return fit;
 }
 
-RealFrictionFit fit_real_friction(const Recording& recording, const std::shared_ptr<const Surface>& surface,
-                                  double block_s) {
-  const auto shared = contact_mesh(surface);
+RealFrictionFit fit_real_friction(const recording::Recording& recording,
+                                  const std::shared_ptr<const surface::Surface>& surface, double block_s) {
+  const auto shared = renderers::contact_mesh(surface);
   const std::size_t n = recording.size();
   const auto even = [&](std::size_t i) {
     return std::fmod((recording.motion.t_s[i] - recording.motion.t_s[0]) / block_s, 2.0) < 1.0;
@@ -112,12 +112,12 @@ RealFrictionFit fit_real_friction(const Recording& recording, const std::shared_
   };
   // The god-object does not depend on the stiffness: at a coefficient the best one follows in closed form.
   const auto run = [&](double mu) {
-    Model model;
+    rendering::Model model;
     model.renderer = "friction-cone";
     model.source = "experiment";
     model.parameters = {{"stiffness_N_per_m", 1.0}, {"mu_static", mu}, {"mu_dynamic", mu}};
-    const auto renderer = make_renderer(model, surface);
-    const RenderedTrajectory rendered = replay(*renderer, InTrajectory{recording.motion});
+    const auto renderer = renderers::make_renderer(model, surface);
+    const recording::RenderedTrajectory rendered = replay(*renderer, recording::InTrajectory{recording.motion});
     double above = 0.0;
     double below = 0.0;
     for (std::size_t i = 0; i < n; ++i) {

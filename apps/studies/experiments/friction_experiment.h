@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "apps/studies/experiments/body_scan.h"
-#include "harness/base/rooms.h"
 
 namespace touchstone::experiments {
 
@@ -88,8 +87,8 @@ inline constexpr std::size_t kFrictionReplays = 430;
 FrictionFit fit_friction(std::uint64_t seed, double true_mu, const std::function<void()>& replayed = {});
 // `surface`: the surface of zero force of the recorded point, in metres. Throws BadData if the recording never touches
 // it.
-RealFrictionFit fit_real_friction(const Recording& recording, const std::shared_ptr<const Surface>& surface,
-                                  double block_s);
+RealFrictionFit fit_real_friction(const recording::Recording& recording,
+                                  const std::shared_ptr<const surface::Surface>& surface, double block_s);
 
 // A finding of the paper, and whether it holds here.
 struct PaperFinding {

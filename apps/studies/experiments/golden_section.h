@@ -4,8 +4,6 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "harness/base/rooms.h"
-
 namespace touchstone::experiments {
 
 // f falls to its least value between low and high and rises from it: golden-section search (Kiefer 1953). The place is

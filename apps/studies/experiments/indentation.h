@@ -8,7 +8,6 @@
 #include <string>
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "harness/perception/perceptual_evaluation.h"
 
 namespace touchstone::experiments {

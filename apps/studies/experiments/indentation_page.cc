@@ -10,6 +10,8 @@
 #include "harness/stats/quantile.h"
 
 namespace touchstone::experiments {
+using report::Tone;
+
 namespace {
 
 double distance(const IndentationComparison& own, std::size_t condition) {
@@ -29,8 +31,8 @@ std::vector<std::string> names_of(const std::vector<IndentationComparison>& comp
   return names;
 }
 
-Table distances_table(const std::vector<IndentationComparison>& comparisons) {
-  Table table;
+report::Table distances_table(const std::vector<IndentationComparison>& comparisons) {
+  report::Table table;
   table.caption = "Distance in perception space to one record of the approach";
   table.columns = {"condition", "median", "least", "largest", "nearest of all in"};
   for (std::size_t c = 0; c < kIndentationConditions; ++c) {
@@ -41,9 +43,9 @@ Table distances_table(const std::vector<IndentationComparison>& comparisons) {
       nearest += comparison.evaluation.conditions[c].rank_perception == 1 ? 1 : 0;
     }
     table.rows.push_back({{{comparisons.front().evaluation.conditions[c].name, false, Tone::neutral},
-                           number_cell(stats::median(own)),
-                           number_cell(*std::min_element(own.begin(), own.end())),
-                           number_cell(*std::max_element(own.begin(), own.end())),
+                           report::number_cell(stats::median(own)),
+                           report::number_cell(*std::min_element(own.begin(), own.end())),
+                           report::number_cell(*std::max_element(own.begin(), own.end())),
                            {fmt::format("{} of {}", nearest, own.size()), true, Tone::neutral}},
                           "",
                           {}});
@@ -51,15 +53,15 @@ Table distances_table(const std::vector<IndentationComparison>& comparisons) {
   return table;
 }
 
-LinePlot curve_plot(const Approach& approach) {
-  LinePlot plot;
+report::LinePlot curve_plot(const Approach& approach) {
+  report::LinePlot plot;
   plot.title = "The approach, and laws fitted to all of it";
   plot.x_label = "depth of the tip [um]";
   plot.y_label = "force [nN]";
   plot.height_px = 340;
   const std::size_t start = approach.contact - approach.contact / 10;
   const auto line_of = [&](std::string name, Tone tone, bool dashed, auto force_N) {
-    Line line{std::move(name), {}, {}, tone, dashed, false};
+    report::Line line{std::move(name), {}, {}, tone, dashed, false};
     for (std::size_t i = start; i < approach.force_N.size(); i += 4) {
       line.x.push_back(1e6 * approach.depth_m[i]);
       line.y.push_back(1e9 * force_N(i));
@@ -85,16 +87,16 @@ std::size_t measured_nearest(const std::vector<IndentationComparison>& compariso
   }));
 }
 
-Page indentation_page(const Approach& approach, const std::vector<IndentationComparison>& comparisons,
-                      const Provenance& provenance) {
-  Page page;
+report::Page indentation_page(const Approach& approach, const std::vector<IndentationComparison>& comparisons,
+                              const report::Provenance& provenance) {
+  report::Page page;
   page.title = "An indentation, measured again and rendered";
   page.subtitle = "Does what was measured twice lie nearer together than a rendering that lacks the law of the depth?";
   const std::size_t nearest = measured_nearest(comparisons);
   page.headlines = {{"pairs where the record measured again is nearest", fmt::format("{}", nearest), "",
                      fmt::format("of {}", comparisons.size()),
                      nearest == comparisons.size() ? Tone::good : Tone::warning}};
-  Section section{
+  report::Section section{
       "Interleaved records of one approach",
       fmt::format(
           "Of every {} samples one goes to each record, so that the records share the sample, the path and the "

@@ -5,7 +5,6 @@
 #include <vector>
 
 #include "apps/studies/experiments/indentation.h"
-#include "harness/base/rooms.h"
 #include "harness/report/page.h"
 #include "harness/report/provenance.h"
 
@@ -14,8 +13,8 @@ namespace touchstone::experiments {
 // In how many pairs the record measured again is the nearest of all conditions.
 std::size_t measured_nearest(const std::vector<IndentationComparison>& comparisons);
 
-Page indentation_page(const Approach& approach, const std::vector<IndentationComparison>& comparisons,
-                      const Provenance& provenance);
+report::Page indentation_page(const Approach& approach, const std::vector<IndentationComparison>& comparisons,
+                              const report::Provenance& provenance);
 std::string indentation_to_json(const Approach& approach, const std::vector<IndentationComparison>& comparisons);
 
 }  // namespace touchstone::experiments

@@ -10,6 +10,8 @@
 #include "harness/base/error.h"
 
 namespace touchstone::experiments {
+using surface::TriangleMesh;
+
 namespace {
 
 struct Traits : OpenMesh::DefaultTraits {

@@ -4,7 +4,6 @@
 #include <cstddef>
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "harness/surface/triangle_mesh.h"
 
 namespace touchstone::experiments {
@@ -12,6 +11,7 @@ namespace touchstone::experiments {
 // OpenMesh's decimation by quadric error metrics (Garland and Heckbert 1997). `targets`: numbers of triangles, each at
 // most that of `fine`; the answers keep the order and have at most one more triangle than asked for. Throws BadData
 // where the mesh cannot be decimated that far.
-std::vector<TriangleMesh> decimated_family(const TriangleMesh& fine, const std::vector<std::size_t>& targets);
+std::vector<surface::TriangleMesh> decimated_family(const surface::TriangleMesh& fine,
+                                                    const std::vector<std::size_t>& targets);
 
 }  // namespace touchstone::experiments

@@ -10,6 +10,8 @@
 #include "harness/testing/tiny_meshes.h"
 
 namespace touchstone::experiments {
+using surface::TriangleMesh;
+
 namespace {
 
 // A body with a neck and bumps, scanned with the noise of a scanner: quadrics alone fold it.

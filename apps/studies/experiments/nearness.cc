@@ -7,6 +7,8 @@
 #include "harness/stats/quantile.h"
 
 namespace touchstone::experiments {
+using report::Table;
+using report::Tone;
 
 namespace pc = perception;
 
@@ -62,8 +64,8 @@ Table nearness_table(const std::vector<Nearness>& rows, const std::vector<std::s
   return table;
 }
 
-void show_first_pair(Page& page, const pc::PerceptualEvaluation& first) {
-  for (auto sections : {perception_result_sections(first), perception_signal_sections(first)}) {
+void show_first_pair(report::Page& page, const pc::PerceptualEvaluation& first) {
+  for (auto sections : {report::perception_result_sections(first), report::perception_signal_sections(first)}) {
     for (auto& own : sections) {
       own.title = "First pair: " + own.title;
       page.sections.push_back(std::move(own));

@@ -6,7 +6,6 @@
 #include <string>
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "harness/perception/perceptual_evaluation.h"
 #include "harness/report/page.h"
 
@@ -24,9 +23,9 @@ struct Nearness {
 // where their numbers of conditions differ.
 std::vector<Nearness> nearness(const std::vector<const perception::PerceptualEvaluation*>& comparisons);
 
-Table nearness_table(const std::vector<Nearness>& rows, const std::vector<std::string>& conditions);
+report::Table nearness_table(const std::vector<Nearness>& rows, const std::vector<std::string>& conditions);
 
 // Appends one comparison in full, its titles marked as those of the first pair.
-void show_first_pair(Page& page, const perception::PerceptualEvaluation& first);
+void show_first_pair(report::Page& page, const perception::PerceptualEvaluation& first);
 
 }  // namespace touchstone::experiments

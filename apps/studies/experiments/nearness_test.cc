@@ -43,13 +43,13 @@ TEST(Nearness, MedianDistancesAndCountsUnderEveryRule) {
       EXPECT_NEAR(own.median_distance[1], 1.3, 1e-12);
     }
   }
-  const Table table = nearness_table(rows, {"again", "spring"});
+  const report::Table table = nearness_table(rows, {"again", "spring"});
   ASSERT_EQ(table.columns.size(), 5U);
   EXPECT_EQ(table.rows[1].cells[0].text, "none");
   EXPECT_EQ(table.rows[1].cells[1].text, "90 %");
   EXPECT_EQ(table.rows[1].cells[2].text, "1.5");
   EXPECT_EQ(table.rows[1].cells[4].text, "1 of 2");
-  EXPECT_EQ(table.rows[1].cells[4].tone, Tone::warning);
+  EXPECT_EQ(table.rows[1].cells[4].tone, report::Tone::warning);
   EXPECT_EQ(table.rows[6].cells[1].text, "all");
 }
 

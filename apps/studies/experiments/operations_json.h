@@ -3,20 +3,19 @@
 
 #include <nlohmann/json.hpp>
 
-#include "harness/base/rooms.h"
 #include "harness/rendering/operations.h"
 
 namespace touchstone::experiments {
 
-inline nlohmann::ordered_json operations_document(const OperationReport& report) {
+inline nlohmann::ordered_json operations_document(const rendering::OperationReport& report) {
   auto document = nlohmann::ordered_json::parse(operations_to_json(report));
   document["steps"] = report.steps;
   return document;
 }
 
 // Throws nlohmann's exceptions.
-inline OperationReport operations_from(const nlohmann::ordered_json& document) {
-  OperationReport report;
+inline rendering::OperationReport operations_from(const nlohmann::ordered_json& document) {
+  rendering::OperationReport report;
   document.at("steps").get_to(report.steps);
   document.at("mean").get_to(report.mean);
   document.at("median").get_to(report.median);

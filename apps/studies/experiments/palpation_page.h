@@ -5,15 +5,14 @@
 #include <vector>
 
 #include "apps/studies/experiments/palpation_rows.h"
-#include "harness/base/rooms.h"
 #include "harness/report/page.h"
 #include "harness/report/provenance.h"
 
 namespace touchstone::experiments {
 
-Page palpation_page(const Recording& recording, const std::vector<RowComparison>& comparisons,
-                    const Provenance& provenance);
+report::Page palpation_page(const recording::Recording& recording, const std::vector<RowComparison>& comparisons,
+                            const report::Provenance& provenance);
 // "touchstone-palpation/1": the distances of every pair.
-std::string palpation_to_json(const Recording& recording, const std::vector<RowComparison>& comparisons);
+std::string palpation_to_json(const recording::Recording& recording, const std::vector<RowComparison>& comparisons);
 
 }  // namespace touchstone::experiments

@@ -9,6 +9,8 @@
 #include "harness/base/least_squares.h"
 
 namespace touchstone::experiments {
+using recording::Recording;
+
 namespace {
 
 namespace pc = perception;

@@ -5,7 +5,6 @@
 #include <cstddef>
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "harness/perception/perceptual_evaluation.h"
 #include "harness/recording/trajectory.h"
 
@@ -19,7 +18,7 @@ struct RasterRow {
 // Rows of a raster along x with at least `presses` presses in the direction of growing x, from deepest point to deepest
 // point over exactly that many presses. Presses are minima of z. Throws BadData where there are fewer than two such
 // rows.
-std::vector<RasterRow> raster_rows(const Recording& recording, std::size_t presses);
+std::vector<RasterRow> raster_rows(const recording::Recording& recording, std::size_t presses);
 
 // One spring on one plane, F = k max(0, z0 + b x + c y - z), fitted by least squares to the samples in contact: a
 // rendering that lacks the object's shape and the variation of its stiffness.
@@ -28,7 +27,7 @@ struct PlaneSpring {
   double z0_m, b, c;
   [[nodiscard]] double force_N(const Vec3& p_W_m) const;
 };
-PlaneSpring fit_plane_spring(const Recording& recording, double contact_force_N);
+PlaneSpring fit_plane_spring(const recording::Recording& recording, double contact_force_N);
 
 struct RowComparison {
   RasterRow row{};
@@ -42,7 +41,7 @@ struct RowComparison {
 perception::EvaluationOptions raster_options();
 
 // Every row against the one after it.
-std::vector<RowComparison> compare_rows(const Recording& recording, std::size_t presses,
+std::vector<RowComparison> compare_rows(const recording::Recording& recording, std::size_t presses,
                                         const perception::EvaluationOptions& options);
 
 }  // namespace touchstone::experiments

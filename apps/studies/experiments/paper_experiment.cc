@@ -21,6 +21,11 @@
 #include "renderers/walkable/contact_mesh.h"
 
 namespace touchstone::experiments {
+using recording::InTrajectoryMode;
+using recording::OutTrajectory;
+using rendering::Model;
+using surface::Surface;
+
 namespace {
 
 constexpr double kMostMu = 1.0;
@@ -36,17 +41,20 @@ std::vector<Vec3> normal_part_of(const OutTrajectory& out) {
 class PaperBench {
  public:
   PaperBench(const PaperScan& scan, const PaperOptions& options)
-      : scan_(scan), options_(options), surface_(make_embree_surface(scan.mesh)), kept_(contact_mesh(surface_)) {
-    out_ = make_out_trajectory(scan.recording, *surface_, {0.0, options.contact_threshold_N});
+      : scan_(scan),
+        options_(options),
+        surface_(make_embree_surface(scan.mesh)),
+        kept_(renderers::contact_mesh(surface_)) {
+    out_ = rendering::make_out_trajectory(scan.recording, *surface_, {0.0, options.contact_threshold_N});
     switch (options.in_trajectory) {
       case InTrajectoryMode::synthesize:
-        in_ = synthesize_in_trajectory(out_, scan.stiffness_N_per_m);
+        in_ = rendering::synthesize_in_trajectory(out_, scan.stiffness_N_per_m);
         break;
       case InTrajectoryMode::whole_force:
-        in_ = whole_force_in_trajectory(out_, scan.recording.f_W_N, scan.stiffness_N_per_m);
+        in_ = rendering::whole_force_in_trajectory(out_, scan.recording.f_W_N, scan.stiffness_N_per_m);
         break;
       case InTrajectoryMode::measured:
-        in_ = measured_in_trajectory(scan.recording);
+        in_ = rendering::measured_in_trajectory(scan.recording);
         break;
     }
     normal_W_N_ = normal_part_of(out_);
@@ -61,7 +69,7 @@ class PaperBench {
   }
 
   [[nodiscard]] std::vector<Vec3> render(const Model& model, const std::shared_ptr<const Surface>& surface) const {
-    return replay(*make_renderer(model, surface), in_).f_W_N;
+    return replay(*renderers::make_renderer(model, surface), in_).f_W_N;
   }
 
   [[nodiscard]] double error(const std::vector<Vec3>& f_W_N, const std::vector<Vec3>& truth_W_N, std::size_t from,
@@ -84,16 +92,16 @@ class PaperBench {
 
   [[nodiscard]] const PaperScan& scan() const { return scan_; }
   [[nodiscard]] const std::shared_ptr<const Surface>& surface() const { return surface_; }
-  [[nodiscard]] const InTrajectory& in() const { return in_; }
+  [[nodiscard]] const recording::InTrajectory& in() const { return in_; }
   [[nodiscard]] const std::vector<Vec3>& normal_part() const { return normal_W_N_; }
 
  private:
   const PaperScan& scan_;
   const PaperOptions& options_;
   std::shared_ptr<const Surface> surface_;
-  decltype(contact_mesh(std::declval<std::shared_ptr<const Surface>>())) kept_;  // so that it is built once
+  decltype(renderers::contact_mesh(std::declval<std::shared_ptr<const Surface>>())) kept_;  // so that it is built once
   OutTrajectory out_;
-  InTrajectory in_;
+  recording::InTrajectory in_;
   std::vector<Vec3> normal_W_N_;
 };
 
@@ -101,12 +109,12 @@ PaperRow paper_row(const PaperBench& bench, Model model, const std::string& name
   PaperRow row;
   row.renderer = name;
   const auto began = std::chrono::steady_clock::now();
-  const auto renderer = make_renderer(model, bench.surface());
+  const auto renderer = renderers::make_renderer(model, bench.surface());
   row.build_ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - began).count();
   row.memory_bytes = renderer->memory_bytes();
   row.error_N = bench.error(replay(*renderer, bench.in()).f_W_N);
-  const CountedRenderer counted = make_counted_renderer(model, bench.surface());
-  if (counted.renderer) row.operations = count_operations(*counted.renderer, tip_source(bench.in().motion));
+  const rendering::CountedRenderer counted = renderers::make_counted_renderer(model, bench.surface());
+  if (counted.renderer) row.operations = count_operations(*counted.renderer, rendering::tip_source(bench.in().motion));
   return row;
 }
 
@@ -156,13 +164,13 @@ void run_density_part(const PaperBench& bench, PaperResult& result) {
     const auto triangles = static_cast<std::size_t>(std::lround(1000.0 * published.kilo_triangles));
     if (triangles < finest) targets.push_back(triangles);
   }
-  const MeshTopology topology = make_topology(*bench.surface()->mesh());
+  const surface::MeshTopology topology = make_topology(*bench.surface()->mesh());
   if (topology.open_edge_count > 0) targets.clear();
-  std::vector<TriangleMesh> meshes = decimated_family(bench.scan().mesh, targets);
+  std::vector<surface::TriangleMesh> meshes = decimated_family(bench.scan().mesh, targets);
   meshes.push_back(bench.scan().mesh);
-  for (const TriangleMesh& mesh : meshes) {
+  for (const surface::TriangleMesh& mesh : meshes) {
     const std::shared_ptr<const Surface> surface = make_embree_surface(mesh);
-    const auto kept = contact_mesh(surface);
+    const auto kept = renderers::contact_mesh(surface);
     const auto plain = bench.render(bench.model("god-object"), surface);
     const auto shaded = bench.render(bench.model("force-shading"), surface);
     const auto normal = [&](const std::vector<Vec3>& f) { return bench.error(f, bench.normal_part(), 0, f.size()); };
@@ -183,21 +191,21 @@ PaperFloors paper_floors(const PaperBench& bench, const PaperOptions& options, d
   world.stiffness_N_per_m = scan.stiffness_N_per_m;
   world.mu = scan.friction.value_or(fitted_mu);
   world.contact_threshold_N = options.contact_threshold_N;
-  world.instrument = scan.instrument.empty() ? estimate_instrument(scan.recording) : load_instrument(scan.instrument);
+  world.instrument = scan.instrument.empty() ? discrepancy::estimate_instrument(scan.recording)
+                                             : discrepancy::load_instrument(scan.instrument);
   world.instrument.mesh_extent_m = scan.mesh.bounds().diagonal().norm();
   const std::size_t n = scan.recording.size();
   const auto from = [&](std::size_t first) {
-    return [&bench, first, n](const std::vector<Vec3>& rendered, const Recording& recording, const OutTrajectory&) {
-      return bench.error(rendered, recording.f_W_N, first, n);
-    };
+    return [&bench, first, n](const std::vector<Vec3>& rendered, const recording::Recording& recording,
+                              const OutTrajectory&) { return bench.error(rendered, recording.f_W_N, first, n); };
   };
-  const auto normal = [&](const std::vector<Vec3>& rendered, const Recording&, const OutTrajectory& out) {
+  const auto normal = [&](const std::vector<Vec3>& rendered, const recording::Recording&, const OutTrajectory& out) {
     return bench.error(rendered, normal_part_of(out), 0, n);
   };
   constexpr std::uint64_t seed = 1;
-  const auto whole = pipeline::floors_of(built_in_catalogue(), world, {from(0), from(n / 2)}, seed);
+  const auto whole = pipeline::floors_of(renderers::built_in_catalogue(), world, {from(0), from(n / 2)}, seed);
   world.mu = 0.0;
-  return {whole[0], whole[1], pipeline::floors_of(built_in_catalogue(), world, {normal}, seed).front()};
+  return {whole[0], whole[1], pipeline::floors_of(renderers::built_in_catalogue(), world, {normal}, seed).front()};
 }
 
 double operations_of(const PaperRow& row) {
@@ -286,10 +294,10 @@ std::string paper_text(const std::vector<PaperResult>& results) {
                       fmt::format("{:.1f}", row.build_ms),
                       fmt::format("{:.2f}", 1e-6 * static_cast<double>(row.memory_bytes))});
     }
-    text += align_columns(rows) + "\n";
-    text += align_columns({{"2: friction", "error N", "floor N"},
-                           {"none", fmt::format("{:.4f}", r.without_N), half},
-                           {fmt::format("mu {:.3f}", r.fitted_mu), fmt::format("{:.4f}", r.with_N), half}}) +
+    text += report::align_columns(rows) + "\n";
+    text += report::align_columns({{"2: friction", "error N", "floor N"},
+                                   {"none", fmt::format("{:.4f}", r.without_N), half},
+                                   {fmt::format("mu {:.3f}", r.fitted_mu), fmt::format("{:.4f}", r.with_N), half}}) +
             "\n";
     rows = {{"3, 4: triangles", "error N", "shaded", "floor", "normal part", "shaded", "floor"}};
     for (const PaperDensity& one : r.density) {
@@ -297,7 +305,7 @@ std::string paper_text(const std::vector<PaperResult>& results) {
                       fmt::format("{:.4f}", one.shaded_N), floor, fmt::format("{:.4f}", one.plain_normal_N),
                       fmt::format("{:.4f}", one.shaded_normal_N), normal});
     }
-    text += align_columns(rows) + "\n";
+    text += report::align_columns(rows) + "\n";
   }
   if (results.empty()) return text;
   for (std::size_t f = 0; f < results.front().findings.size(); ++f) {

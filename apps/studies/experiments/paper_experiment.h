@@ -18,7 +18,6 @@
 #include <vector>
 
 #include "apps/studies/experiments/friction_experiment.h"
-#include "harness/base/rooms.h"
 #include "harness/pipeline/evaluation/input_floor.h"
 #include "harness/recording/dataset.h"
 #include "harness/recording/trajectory.h"
@@ -33,15 +32,15 @@ enum class Counted : std::uint8_t { all, contact };  // samples
 struct PaperOptions {
   Average average = Average::rms;
   Counted counted = Counted::all;
-  InTrajectoryMode in_trajectory = InTrajectoryMode::synthesize;
+  recording::InTrajectoryMode in_trajectory = recording::InTrajectoryMode::synthesize;
   double contact_threshold_N = 0.05;
   double reach_m = 0.010;  // of voxels; deeper than a press
 };
 
 struct PaperScan {
   std::string name;
-  Recording recording;  // force ON the probe
-  TriangleMesh mesh;
+  recording::Recording recording;  // force ON the probe
+  surface::TriangleMesh mesh;
   double stiffness_N_per_m = 0.0;
   // For the floors: "" estimates the noise from the recording; without a coefficient the fitted one is taken.
   std::filesystem::path instrument = {};
@@ -59,7 +58,7 @@ struct PaperFloors {
 struct PaperRow {
   std::string renderer;
   double error_N = 0.0;
-  std::optional<OperationReport> operations;
+  std::optional<rendering::OperationReport> operations;
   double build_ms = 0.0;
   std::size_t memory_bytes = 0;
 };

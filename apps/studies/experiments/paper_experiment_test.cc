@@ -13,10 +13,10 @@ namespace {
 
 PaperScan bundled_plane() {
   const char* const source = std::getenv("TOUCHSTONE_SOURCE_DIR");
-  const Dataset dataset =
-      load_dataset(std::filesystem::path(source == nullptr ? "." : source) / "synthetic/bundled/plane");
-  return {"plane", load_recording(dataset.path_of("scan.csv")), load_mesh(dataset.path_of(dataset.mesh_file), 1e-3),
-          dataset.stiffness_N_per_m};
+  const recording::Dataset dataset =
+      recording::load_dataset(std::filesystem::path(source == nullptr ? "." : source) / "synthetic/bundled/plane");
+  return {"plane", recording::load_recording(dataset.path_of("scan.csv")),
+          surface::load_mesh(dataset.path_of(dataset.mesh_file), 1e-3), dataset.stiffness_N_per_m};
 }
 
 // On a plane every frictionless renderer gives the normal force back, shaded or not. The patch is open: nothing is said

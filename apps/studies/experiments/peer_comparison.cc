@@ -19,6 +19,10 @@
 #include "synthetic/surfaces/exact_contact.h"
 
 namespace touchstone::experiments {
+using recording::InTrajectory;
+using rendering::Model;
+using surface::TriangleMesh;
+
 namespace {
 
 constexpr double kStiffness = 500.0;
@@ -104,24 +108,26 @@ void score(PeerResult& result, const std::vector<Vec3>& forces, const std::vecto
   }
 }
 
-std::unique_ptr<Renderer> our_renderer(const TriangleMesh& mesh) {
+std::unique_ptr<rendering::Renderer> our_renderer(const TriangleMesh& mesh) {
   Model model;
   model.renderer = "god-object";
   model.parameters = {{"stiffness_N_per_m", kStiffness}};
   model.source = "peer comparison";
-  return make_renderer(model, make_embree_surface(mesh));
+  return renderers::make_renderer(model, make_embree_surface(mesh));
 }
 
 TriangleMesh peer_mesh(const std::filesystem::path& peers, const std::string& mesh) {
-  return load_mesh(peers / "in" / (mesh + ".obj.gz"), 1.0);
+  return surface::load_mesh(peers / "in" / (mesh + ".obj.gz"), 1.0);
 }
 
 }  // namespace
 
 std::vector<std::string> peer_meshes() { return {"plane20k", "bumpy1k", "bumpy10k", "gauss20k"}; }
 
-Model peer_model(std::shared_ptr<const RendererEntry> entry) {
-  const auto named = [](const ParameterDeclaration& parameter) { return parameter.name == "stiffness_N_per_m"; };
+Model peer_model(std::shared_ptr<const rendering::RendererEntry> entry) {
+  const auto named = [](const rendering::ParameterDeclaration& parameter) {
+    return parameter.name == "stiffness_N_per_m";
+  };
   if (std::ranges::none_of(entry->parameters, named)) {
     throw UsageError(fmt::format("the renderer {} has no parameter stiffness_N_per_m; the peers ran at {} N/m",
                                  entry->name, kStiffness));
@@ -142,16 +148,17 @@ PeerCase compare_with_peers(const std::filesystem::path& peers, const std::strin
   PeerCase result{mesh, triangles.triangle_count(), in.size(), {}};
 
   std::vector<Vec3> of_mesh;
-  const auto run = [&](const std::string& name, Renderer& renderer) {
+  const auto run = [&](const std::string& name, rendering::Renderer& renderer) {
     PeerResult own{name, 0, 0, 0, 0, 0};
     const std::vector<Vec3> forces = replay(renderer, in).f_W_N;
     if (of_mesh.empty()) of_mesh = forces;
     score(own, forces, exact, of_mesh, 0);
-    own.mean_us = measure_steps(renderer, [&] { return tip_source(in.motion); }).mean_us;
+    own.mean_us = measure_steps(renderer, [&] { return rendering::tip_source(in.motion); }).mean_us;
     result.results.push_back(own);
   };
   run("Touchstone god-object", *our_renderer(triangles));
-  for (const Model& model : besides) run(model.renderer, *make_renderer(model, make_embree_surface(triangles)));
+  for (const Model& model : besides)
+    run(model.renderer, *renderers::make_renderer(model, make_embree_surface(triangles)));
 
   for (const Peer& peer : kPeers) {
     const auto path = peers / "out" / fmt::format("{}.{}.csv.gz", mesh, peer.file);
@@ -167,12 +174,13 @@ PeerCase compare_with_peers(const std::filesystem::path& peers, const std::strin
   return result;
 }
 
-RenderedTrajectory render_peer_case(const std::filesystem::path& peers, const std::string& mesh, double unit_m) {
+recording::RenderedTrajectory render_peer_case(const std::filesystem::path& peers, const std::string& mesh,
+                                               double unit_m) {
   // Through a file in that unit, as a user would bring it.
   const auto file =
       std::filesystem::temp_directory_path() / fmt::format("touchstone-{}-{}-{}.obj", mesh, unit_m, getpid());
   save_mesh(peer_mesh(peers, mesh), file, unit_m);
-  const TriangleMesh triangles = load_mesh(file, unit_m);
+  const TriangleMesh triangles = surface::load_mesh(file, unit_m);
   std::filesystem::remove(file);
   return replay(*our_renderer(triangles), positions(peers, mesh));
 }

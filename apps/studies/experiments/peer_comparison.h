@@ -22,7 +22,6 @@
 #include <string>
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "harness/rendering/model.h"
 #include "harness/rendering/renderer_entry.h"
 #include "harness/rendering/replay.h"
@@ -50,13 +49,14 @@ std::vector<std::string> peer_meshes();
 // `peers` is the folder with in/ and out/; `besides` are models of other renderers to run on the same (their stiffness
 // must be that of the peers). Throws BadData when a file is missing or malformed.
 PeerCase compare_with_peers(const std::filesystem::path& peers, const std::string& mesh,
-                            const std::vector<Model>& besides = {});
+                            const std::vector<rendering::Model>& besides = {});
 // The model of a renderer's entry at the peers' stiffness. Throws UsageError when it has no parameter
 // stiffness_N_per_m.
-Model peer_model(std::shared_ptr<const RendererEntry> entry);
+rendering::Model peer_model(std::shared_ptr<const rendering::RendererEntry> entry);
 
 // What our god-object makes of that case's positions when the mesh is given in another unit, in metres.
-RenderedTrajectory render_peer_case(const std::filesystem::path& peers, const std::string& mesh, double unit_m);
+recording::RenderedTrajectory render_peer_case(const std::filesystem::path& peers, const std::string& mesh,
+                                               double unit_m);
 
 std::string peer_table(const std::vector<PeerCase>& cases);
 std::string peer_json(const std::vector<PeerCase>& cases);

@@ -31,9 +31,9 @@ TEST_P(PeerComparison, OursIsNoWorseThanTheBetterPeerInMeanAndMaximum) {
 
 TEST_P(PeerComparison, TheUnitOfTheMeshFileChangesNothing) {
   TOUCHSTONE_SHARED_DATA_OR_SKIP(peers, "peers");
-  const RenderedTrajectory metres = render_peer_case(peers, GetParam(), 1.0);
+  const recording::RenderedTrajectory metres = render_peer_case(peers, GetParam(), 1.0);
   for (const double unit_m : {1e-3, 1e3}) {
-    const RenderedTrajectory other = render_peer_case(peers, GetParam(), unit_m);
+    const recording::RenderedTrajectory other = render_peer_case(peers, GetParam(), unit_m);
     ASSERT_EQ(other.size(), metres.size());
     double most_N = 0.0;
     for (std::size_t i = 0; i < metres.size(); ++i) {

@@ -59,7 +59,7 @@ BenchedRun run_setup(const PlantedSetup& setup, std::uint64_t seed, const Percep
   BenchedRun run;
   run.setup = setup;
   run.seed = seed;
-  Recording real;
+  recording::Recording real;
   std::optional<pc::JudgedProcess> reference;
   std::size_t recorded = 0;
   std::uint64_t stream = 0;
@@ -71,7 +71,7 @@ BenchedRun run_setup(const PlantedSetup& setup, std::uint64_t seed, const Percep
       real = record_planted(asked.real, setup, seed * kStreams + (recorded == 0 ? 0 : kFirstReference + recorded));
       reference = pc::judged_process(pc::felt_series(real, Vec3::UnitZ()), options.thresholds);
     }
-    const Recording recording = record_planted(asked.rendered, setup, seed * kStreams + ++stream);
+    const recording::Recording recording = record_planted(asked.rendered, setup, seed * kStreams + ++stream);
     const auto process = pc::judged_process(pc::felt_series(recording, Vec3::UnitZ()), options.thresholds, &*reference);
     const auto judgement = pc::judge(*reference, process, {}, options);
     BenchedCase own;

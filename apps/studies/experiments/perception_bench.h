@@ -10,7 +10,6 @@
 #include <vector>
 
 #include "apps/studies/experiments/planted_cases.h"
-#include "harness/base/rooms.h"
 #include "harness/report/page.h"
 #include "harness/report/provenance.h"
 

@@ -12,6 +12,10 @@
 #include "harness/stats/quantile.h"
 
 namespace touchstone::experiments {
+using report::Section;
+using report::Table;
+using report::Tone;
+
 namespace {
 
 double share(std::size_t part, std::size_t whole) {
@@ -142,7 +146,7 @@ Section published_section(const PerceptionBench& published) {
   section.blocks.emplace_back(experiment_table(published));
   section.blocks.emplace_back(
       score_table(published, "Clear pairs ordered as published experiments say, and those of a repeat against each"));
-  section.blocks.emplace_back(TextBlock{
+  section.blocks.emplace_back(report::TextBlock{
       fmt::format(
           "Below threshold (d' < 0.5): {} of {} are called indistinguishable. The 95 % interval holds the experiment's "
           "d' in {:.1f} % of {} cases. Largest miscalibration over bins of 20 cases or more: {:.3f}.",
@@ -237,7 +241,7 @@ std::string perception_bench_table(const PerceptionBench& bench) {
                     fmt::format("{:.1f} %", 100.0 * share(score.right, score.pairs)),
                     fmt::format("{:.1f} %", 100.0 * share(score.undefined, score.pairs))});
   }
-  std::string text = align_columns(rows);
+  std::string text = report::align_columns(rows);
   text += fmt::format(
       "below threshold (d' < 0.5): {} of {} called indistinguishable; intervals hold the literature's d' "
       "in {:.1f} % of {} cases; largest miscalibration {:.3f}\n",
@@ -246,9 +250,9 @@ std::string perception_bench_table(const PerceptionBench& bench) {
   return text;
 }
 
-Page perception_bench_page(const PerceptionBench& bench, const PerceptionBench& published,
-                           const Provenance& provenance) {
-  Page page;
+report::Page perception_bench_page(const PerceptionBench& bench, const PerceptionBench& published,
+                                   const report::Provenance& provenance) {
+  report::Page page;
   page.title = "Perception: every metric on planted differences";
   page.subtitle = fmt::format("{} setups, seeds {} to {}", bench_setups().size(), bench.options.first_seed,
                               bench.options.first_seed + bench.options.seeds - 1);
@@ -261,7 +265,7 @@ Page perception_bench_page(const PerceptionBench& bench, const PerceptionBench& 
   section.blocks.emplace_back(score_table(
       bench,
       "Clear pairs ordered as the literature's thresholds say, and those of a repeat against each kind of difference"));
-  section.blocks.emplace_back(TextBlock{
+  section.blocks.emplace_back(report::TextBlock{
       fmt::format("Below threshold (d' < 0.5): {} of {} are called indistinguishable. The 95 % interval holds "
                   "the literature's d' in {:.1f} % of the {} cases.",
                   bench.called_indistinguishable, bench.below_threshold, 100.0 * share(bench.covered, bench.cases),

@@ -4,7 +4,6 @@
 #include <string>
 
 #include "apps/studies/experiments/perception_bench.h"
-#include "harness/base/rooms.h"
 #include "harness/report/page.h"
 #include "harness/report/provenance.h"
 
@@ -13,7 +12,7 @@ namespace touchstone::experiments {
 // `bench` by the thresholds, `published` by published experiments.
 std::string perception_bench_to_json(const PerceptionBench& bench, const PerceptionBench& published);
 std::string perception_bench_table(const PerceptionBench& bench);
-Page perception_bench_page(const PerceptionBench& bench, const PerceptionBench& published,
-                           const Provenance& provenance);
+report::Page perception_bench_page(const PerceptionBench& bench, const PerceptionBench& published,
+                                   const report::Provenance& provenance);
 
 }  // namespace touchstone::experiments

@@ -179,14 +179,14 @@ double planted_d_prime(const PlantedCase& planted, const PlantedSetup& setup,
                    friction * friction + position * position);
 }
 
-Recording record_planted(const PlantedCase& planted, const PlantedSetup& setup, std::uint64_t seed) {
+recording::Recording record_planted(const PlantedCase& planted, const PlantedSetup& setup, std::uint64_t seed) {
   Random random(seed);
   Random noise = random.stream(1);
   const Hand hand(planted, setup, seed);
   const double duration_s = hand.duration_s(planted.longer * setup.presses);
   const auto count = static_cast<std::size_t>(duration_s * setup.rate_Hz);
   const double k = setup.stiffness_N_per_m * (1.0 - planted.softer);
-  Recording recording;
+  recording::Recording recording;
   recording.source = planted.name;
   double contact_s = -1.0;  // when contact began
   double contact_speed = 0.0;

@@ -10,7 +10,6 @@
 #include <string>
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "harness/perception/judge/thresholds.h"
 #include "harness/recording/trajectory.h"
 
@@ -57,6 +56,6 @@ std::vector<PlantedCase> planted_cases();
 double planted_d_prime(const PlantedCase& planted, const PlantedSetup& setup, const perception::Thresholds& thresholds);
 
 // One recording; outward is +z. `seed` makes the hand and the noise.
-Recording record_planted(const PlantedCase& planted, const PlantedSetup& setup, std::uint64_t seed);
+recording::Recording record_planted(const PlantedCase& planted, const PlantedSetup& setup, std::uint64_t seed);
 
 }  // namespace touchstone::experiments

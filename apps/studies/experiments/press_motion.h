@@ -5,8 +5,6 @@
 #include <cstdint>
 #include <vector>
 
-#include "harness/base/rooms.h"
-
 namespace touchstone::experiments {
 
 // The paper gives neither stroke nor beat nor how the presses differ: all of this is ours.

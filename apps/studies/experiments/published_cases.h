@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "apps/studies/experiments/planted_cases.h"
-#include "harness/base/rooms.h"
 
 namespace touchstone::experiments {
 

@@ -19,7 +19,7 @@ namespace pc = perception;
 
 TEST(RealData, NeighbouringRowsOfARasterAreNearerThanASpringOnAPlane) {
   TOUCHSTONE_SHARED_DATA_OR_SKIP(file, "palpation/ContPalpRAL18T1.csv");
-  const Recording recording = load_recording(file);
+  const recording::Recording recording = recording::load_recording(file);
   const auto comparisons = compare_rows(recording, 10, raster_options());
   ASSERT_GE(comparisons.size(), 10u);
   std::size_t nearer = 0;

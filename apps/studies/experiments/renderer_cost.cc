@@ -20,6 +20,9 @@
 #include "synthetic/surface_catalogue.h"
 
 namespace touchstone::experiments {
+using rendering::Model;
+using report::Tone;
+
 namespace {
 
 constexpr double kStiffness_N_per_m = 500.0;
@@ -27,18 +30,18 @@ constexpr double kMu = 0.3;
 constexpr double kBall_m = 1e-3;
 
 struct Kind {
-  const RendererEntry* entry;
+  const rendering::RendererEntry* entry;
   double tip_radius_m;
   double mu;
 };
 
 std::vector<Kind> kinds() {
   std::vector<Kind> result;
-  const auto has = [](const RendererEntry& entry, std::string_view name) {
+  const auto has = [](const rendering::RendererEntry& entry, std::string_view name) {
     return std::ranges::any_of(entry.parameters, [name](const auto& parameter) { return parameter.name == name; });
   };
   for (const double radius_m : {0.0, kBall_m}) {
-    for (const auto& entry : renderer_catalogue()) {
+    for (const auto& entry : renderers::renderer_catalogue()) {
       if (radius_m > 0.0 && !has(entry, "tip_radius_m")) continue;
       const bool friction = has(entry, "mu_dynamic");
       // The friction cone without friction is the god-object.
@@ -62,8 +65,8 @@ Model model_of(const Kind& kind, double voxels) {
   return model;
 }
 
-TipSource source_of(const std::vector<Vec3>& tips) {
-  return [&tips, i = std::size_t{0}](TipState& tip) mutable {
+rendering::TipSource source_of(const std::vector<Vec3>& tips) {
+  return [&tips, i = std::size_t{0}](rendering::TipState& tip) mutable {
     if (i == tips.size()) return false;
     tip.t_s = static_cast<double>(i) * 1e-3;
     tip.p_W_m = tips[i++];
@@ -71,7 +74,7 @@ TipSource source_of(const std::vector<Vec3>& tips) {
   };
 }
 
-RendererCost measure(const Kind& kind, double voxels, const std::shared_ptr<const Surface>& body,
+RendererCost measure(const Kind& kind, double voxels, const std::shared_ptr<const surface::Surface>& body,
                      const std::vector<Vec3>& tips) {
   RendererCost cost;
   cost.renderer = kind.entry->name;
@@ -82,15 +85,17 @@ RendererCost measure(const Kind& kind, double voxels, const std::shared_ptr<cons
   cost.triangles = body->mesh()->triangle_count();
   const Model model = model_of(kind, voxels);
   const auto began = std::chrono::steady_clock::now();
-  const auto renderer = make_renderer(model, body);
+  const auto renderer = renderers::make_renderer(model, body);
   const double build_ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - began).count();
   std::size_t touching = 0;
   replay(*renderer, source_of(tips),
-         [&touching](const TipState&, const StepResult& step, double) { touching += step.contact ? 1 : 0; });
+         [&touching](const rendering::TipState&, const rendering::StepResult& step, double) {
+           touching += step.contact ? 1 : 0;
+         });
   cost.in_contact = static_cast<double>(touching) / static_cast<double>(tips.size());
   cost.timing = measure_steps(*renderer, [&tips] { return source_of(tips); });
   cost.timing.build_ms = build_ms;
-  const CountedRenderer counted = make_counted_renderer(model, body);
+  const rendering::CountedRenderer counted = renderers::make_counted_renderer(model, body);
   cost.not_counted = counted.not_counted;
   if (counted.renderer) cost.operations = count_operations(*counted.renderer, source_of(tips));
   return cost;
@@ -115,11 +120,11 @@ Rows rows_of(const std::vector<RendererCost>& costs) {
 }
 
 // A line for every renderer, a dashed one where it has a ball for a tip.
-LinePlot over_the_mesh(std::string title, std::string y_label, const std::vector<RendererCost>& costs,
-                       double (*value)(const RendererCost&)) {
+report::LinePlot over_the_mesh(std::string title, std::string y_label, const std::vector<RendererCost>& costs,
+                               double (*value)(const RendererCost&)) {
   constexpr std::array kTones{Tone::rendered, Tone::measured,  Tone::error,  Tone::good,
                               Tone::warning,  Tone::reference, Tone::neutral};
-  LinePlot plot;
+  report::LinePlot plot;
   plot.title = std::move(title);
   plot.x_label = "triangles";
   plot.y_label = std::move(y_label);
@@ -144,7 +149,7 @@ std::vector<Vec3> path_over_the_bumpy_body(double tip_radius_m, std::size_t step
     const double around = 2.0 * M_PI * t / 3.3;
     const double up = 0.9 * std::sin(2.0 * M_PI * t / 7.1);
     const Vec3 out(std::cos(around) * std::cos(up), std::sin(around) * std::cos(up), std::sin(up));
-    const SurfacePoint foot = body->closest(0.03 * out);
+    const surface::SurfacePoint foot = body->closest(0.03 * out);
     const double depth = 1e-3 * (0.45 + 0.55 * std::sin(2.0 * M_PI * t));
     tips.push_back(foot.p_W_m + (tip_radius_m - depth) * foot.n_W);
   }
@@ -157,7 +162,7 @@ std::size_t cost_cases(const CostOptions& options) {
 
 std::vector<RendererCost> measure_costs(const CostOptions& options, const std::function<void(std::size_t)>& done) {
   if (options.triangles.empty() || options.steps == 0) throw UsageError("costs need a size of the mesh and a step");
-  std::map<std::size_t, std::shared_ptr<const Surface>> bodies;
+  std::map<std::size_t, std::shared_ptr<const surface::Surface>> bodies;
   for (const std::size_t triangles : options.triangles)
     bodies[triangles] = make_embree_surface(synthetic::make_mesh("bumpy", {}, triangles).mesh);
   std::map<double, std::vector<Vec3>> paths;
@@ -173,13 +178,13 @@ std::vector<RendererCost> measure_costs(const CostOptions& options, const std::f
   return costs;
 }
 
-std::string cost_table(const std::vector<RendererCost>& costs) { return align_columns(rows_of(costs)); }
+std::string cost_table(const std::vector<RendererCost>& costs) { return report::align_columns(rows_of(costs)); }
 
-Page cost_page(const std::vector<RendererCost>& costs, const Provenance& provenance) {
-  Page page;
+report::Page cost_page(const std::vector<RendererCost>& costs, const report::Provenance& provenance) {
+  report::Page page;
   page.title = "What a step costs";
   page.subtitle = "Every renderer over the bumpy body, 1 kHz, up to 1 mm deep, in the air once a second";
-  Section section{
+  report::Section section{
       "Operations, time and memory",
       "Operations are, per step (mean, median, most) and of the whole path, floating-point additions, subtractions, "
       "multiplications, divisions, square roots and "
@@ -191,7 +196,7 @@ Page cost_page(const std::vector<RendererCost>& costs, const Provenance& provena
       "mesh has made already costs no time again.",
       {},
       false};
-  Table table = table_of(rows_of(costs), "");
+  report::Table table = table_of(rows_of(costs), "");
   for (std::size_t i = 0; i < costs.size(); ++i) {
     if (!costs[i].not_counted.empty()) table.rows[i].detail = "not counted: " + costs[i].not_counted;
   }

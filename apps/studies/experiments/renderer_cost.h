@@ -8,7 +8,6 @@
 #include <string>
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "harness/rendering/operations.h"
 #include "harness/rendering/replay.h"
 #include "harness/report/page.h"
@@ -22,8 +21,8 @@ struct RendererCost {
   double tip_radius_m = 0.0;
   double mu = 0.0;
   std::size_t triangles = 0;
-  ReplayTiming timing;
-  std::optional<OperationReport> operations;
+  rendering::ReplayTiming timing;
+  std::optional<rendering::OperationReport> operations;
   std::string not_counted;  // why there are no operations, or what of the model is left out
   double in_contact = 0.0;  // share of the steps
 };
@@ -40,7 +39,7 @@ std::vector<RendererCost> measure_costs(const CostOptions& options, const std::f
 std::size_t cost_cases(const CostOptions& options);
 
 std::string cost_table(const std::vector<RendererCost>& costs);
-Page cost_page(const std::vector<RendererCost>& costs, const Provenance& provenance);
+report::Page cost_page(const std::vector<RendererCost>& costs, const report::Provenance& provenance);
 std::string cost_to_json(const std::vector<RendererCost>& costs);
 
 // The positions of the tip: as the benchmark's.

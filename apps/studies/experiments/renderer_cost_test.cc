@@ -25,7 +25,7 @@ const std::vector<RendererCost>& small_costs() {
 TEST(RendererCost, EveryRendererHasItsLinesAndFiguresThatCanBe) {
   const auto& costs = small_costs();
   EXPECT_EQ(costs.size(), cost_cases(kSmall));
-  for (const auto& entry : renderer_catalogue())
+  for (const auto& entry : renderers::renderer_catalogue())
     EXPECT_TRUE(std::ranges::any_of(costs, [&](const auto& own) { return own.renderer == entry.name; })) << entry.name;
   for (const auto& own : costs) {
     EXPECT_EQ(own.triangles, costs.front().triangles) << own.what;
@@ -83,7 +83,7 @@ TEST(RendererCost, TableAndJsonHoldEveryLine) {
   const auto table = cost_table(small_costs());
   for (const auto& own : small_costs()) EXPECT_THAT(table, HasSubstr(own.what));
   const auto page = cost_page(small_costs(), {});
-  EXPECT_EQ(std::get<Table>(page.sections.front().blocks.front()).rows.size(), small_costs().size());
+  EXPECT_EQ(std::get<report::Table>(page.sections.front().blocks.front()).rows.size(), small_costs().size());
 }
 
 TEST(RendererCost, RefusesNothingToMeasure) {

@@ -5,6 +5,7 @@
 #include <stdexcept>
 
 namespace touchstone::experiments {
+using report::Table;
 
 Table table_of(const Rows& rows, std::string caption, std::size_t text_columns) {
   if (rows.empty()) throw std::invalid_argument("a table needs the names of its columns");
@@ -18,7 +19,7 @@ Table table_of(const Rows& rows, std::string caption, std::size_t text_columns) 
     }
     Table::Row row;
     for (std::size_t c = 0; c < rows[i].size(); ++c)
-      row.cells.push_back({rows[i][c], c >= text_columns, Tone::neutral});
+      row.cells.push_back({rows[i][c], c >= text_columns, report::Tone::neutral});
     table.rows.push_back(std::move(row));
   }
   return table;

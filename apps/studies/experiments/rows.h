@@ -5,7 +5,6 @@
 #include <string>
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "harness/report/page.h"
 
 namespace touchstone::experiments {
@@ -14,6 +13,6 @@ using Rows = std::vector<std::vector<std::string>>;
 
 // The first `text_columns` are words, the others numbers. Throws std::invalid_argument for a row that is shorter or
 // longer than the first, or no row at all.
-Table table_of(const Rows& rows, std::string caption, std::size_t text_columns = 1);
+report::Table table_of(const Rows& rows, std::string caption, std::size_t text_columns = 1);
 
 }  // namespace touchstone::experiments

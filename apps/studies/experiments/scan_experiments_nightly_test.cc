@@ -43,8 +43,9 @@ TEST(FrictionExperiment, FindsTheCoefficientWithinTwoPercentAndHalvesTheError) {
 TEST(FrictionExperiment, HelpsOnARealRecordingInBlocksThatItDidNotSee) {
   TOUCHSTONE_SHARED_DATA_OR_SKIP(recording, "palpation/ContPalpRAL18T1.csv");
   TOUCHSTONE_SHARED_DATA_OR_SKIP(mesh, "palpation/DERIVED_surface_ContPalpRAL18T1.obj");
-  const RealFrictionFit fit = fit_real_friction(
-      load_recording(recording), make_embree_surface(extend_open_edges(load_mesh(mesh, 1e-3), 0.02)), 6.0);
+  const RealFrictionFit fit =
+      fit_real_friction(recording::load_recording(recording),
+                        make_embree_surface(extend_open_edges(surface::load_mesh(mesh, 1e-3), 0.02)), 6.0);
   std::printf("mu %.3f, k %.0f N/m, RMS %.3f N without and %.3f N with friction\n", fit.fitted_mu,
               fit.stiffness_N_per_m, fit.rms_without_N, fit.rms_with_N);
   EXPECT_LT(fit.rms_with_N, 0.95 * fit.rms_without_N);
@@ -80,9 +81,9 @@ TEST(DensityExperiment, TheErrorIsFlatAboveAThousandTrianglesAndSteepBelowAndSha
 
 TEST(MeshFamily, KeepsTheBodyClosedAndNear) {
   const auto body = synthetic::make_surface("duck", {{"length_m", 0.1}});
-  const TriangleMesh fine = synthetic::make_mesh("duck", {{"length_m", 0.1}}, 20000).mesh;
+  const surface::TriangleMesh fine = synthetic::make_mesh("duck", {{"length_m", 0.1}}, 20000).mesh;
   double last = 0.0;
-  for (const TriangleMesh& mesh : decimated_family(fine, {9000, 1000, 200})) {
+  for (const surface::TriangleMesh& mesh : decimated_family(fine, {9000, 1000, 200})) {
     EXPECT_TRUE(make_topology(mesh).closed());
     double worst = 0.0;
     for (const auto& [a, b, c] : mesh.triangles) {

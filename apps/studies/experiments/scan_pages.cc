@@ -10,6 +10,11 @@
 #include "harness/report/evaluation_page.h"
 
 namespace touchstone::experiments {
+using report::Line;
+using report::Page;
+using report::Section;
+using report::Tone;
+
 namespace {
 
 std::string findings_text(const std::vector<PaperFinding>& findings) {
@@ -21,7 +26,7 @@ std::string findings_text(const std::vector<PaperFinding>& findings) {
 
 Section findings_section(const std::vector<PaperFinding>& findings) {
   Section section{"Which findings hold here", "Of the paper. Our body is not their duck.", {}, false};
-  Table table;
+  report::Table table;
   table.columns = {"finding of the paper", "here", "holds"};
   for (const auto& f : findings) {
     table.rows.push_back({{{f.statement, false, Tone::neutral},
@@ -113,15 +118,16 @@ Line density_line(const DensityExperiment& e, std::string name, double (*value)(
 }  // namespace
 
 std::string friction_table(const FrictionExperiment& e) {
-  std::string text = "Mean force error (their equation 3) on the half not fitted\n" + align_columns(friction_rows(e)) +
+  std::string text = "Mean force error (their equation 3) on the half not fitted\n" +
+                     report::align_columns(friction_rows(e)) +
                      "Coefficient estimated from both probes and the instruments' known errors\n" +
-                     align_columns(friction_estimate_rows(e));
+                     report::align_columns(friction_estimate_rows(e));
   if (!e.real.empty())
-    text += "Real recording: RMS force error on the blocks not fitted\n" + align_columns(real_friction_rows(e));
+    text += "Real recording: RMS force error on the blocks not fitted\n" + report::align_columns(real_friction_rows(e));
   return text + findings_text(friction_findings(e));
 }
 
-Page friction_page(const FrictionExperiment& e, const Provenance& provenance) {
+Page friction_page(const FrictionExperiment& e, const report::Provenance& provenance) {
   Page page;
   page.title = "Friction identified from a scan";
   page.subtitle = "Experiment 2 of Ruffaldi et al. 2006 (section 4.2, table 2) on simulated scans of a duck-like body";
@@ -133,7 +139,7 @@ Page friction_page(const FrictionExperiment& e, const Provenance& provenance) {
                 {},
                 false};
   table.blocks.emplace_back(table_of(friction_rows(e), "Here and published"));
-  LinePlot plot;
+  report::LinePlot plot;
   plot.title = "Force error against the friction coefficient";
   plot.x_label = "mu";
   plot.y_label = "mean force error [N]";
@@ -174,10 +180,11 @@ Page friction_page(const FrictionExperiment& e, const Provenance& provenance) {
 
 std::string density_table(const DensityExperiment& e, bool shading) {
   return "Mean force error (their equation 3) against the normal part of the recorded force\n" +
-         align_columns(density_rows(e, shading)) + findings_text(shading ? shading_findings(e) : density_findings(e));
+         report::align_columns(density_rows(e, shading)) +
+         findings_text(shading ? shading_findings(e) : density_findings(e));
 }
 
-Page density_page(const DensityExperiment& e, bool shading, const Provenance& provenance) {
+Page density_page(const DensityExperiment& e, bool shading, const report::Provenance& provenance) {
   Page page;
   page.title = shading ? "Force shading and the density of the mesh" : "The density of the mesh";
   page.subtitle = shading ? "Experiment 4 of Ruffaldi et al. 2006 (section 4.4, figure 7) on a duck-like body"
@@ -192,7 +199,7 @@ Page density_page(const DensityExperiment& e, bool shading, const Provenance& pr
       {},
       false};
   table.blocks.emplace_back(table_of(density_rows(e, shading), "Here and published", 0));
-  LinePlot plot;
+  report::LinePlot plot;
   plot.title = "Force error over the size of the mesh";
   plot.x_label = "triangles";
   plot.log_x = true;

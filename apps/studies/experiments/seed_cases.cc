@@ -6,9 +6,9 @@
 
 namespace touchstone::experiments {
 
-apps::CaseTable seed_table(const SeededExperiment& experiment) {
-  using enum apps::CaseColumn::Type;
-  apps::CaseTable table;
+runs::CaseTable seed_table(const SeededExperiment& experiment) {
+  using enum runs::CaseColumn::Type;
+  runs::CaseTable table;
   // Not how many seeds: more of them go into the same file.
   table.specification =
       fmt::format(R"({{"schema":"touchstone-seeds/1","experiment":"{}","first_seed":{},"settings":{}}})",
@@ -25,14 +25,14 @@ apps::CaseTable seed_table(const SeededExperiment& experiment) {
   return table;
 }
 
-apps::CaseJob seed_job(const SeededExperiment& experiment) {
-  apps::CaseJob job;
+runs::CaseJob seed_job(const SeededExperiment& experiment) {
+  runs::CaseJob job;
   job.what = experiment.name + " experiment";
   job.cases = experiment.seeds;
   job.alone = experiment.alone;
   job.parts = experiment.parts;
   job.bytes = experiment.bytes;
-  job.run = [experiment](apps::CaseRow& row, const apps::PartDone& part_done) {
+  job.run = [experiment](runs::CaseRow& row, const runs::PartDone& part_done) {
     row.values.emplace_back(experiment.first_seed + experiment.seed_step * row.number);
     const SeedResult result = experiment.run(row.number, part_done);
     if (result.values.size() != experiment.values.size() || result.findings.size() != experiment.findings.size())
@@ -45,8 +45,8 @@ apps::CaseJob seed_job(const SeededExperiment& experiment) {
   return job;
 }
 
-apps::CaseCommand seed_command(const SeededExperiment& experiment) {
-  apps::CaseCommand command;
+runs::CaseCommand seed_command(const SeededExperiment& experiment) {
+  runs::CaseCommand command;
   command.job = seed_job(experiment);
   command.table = seed_table(experiment);
   command.words = experiment.words;
@@ -58,17 +58,17 @@ apps::CaseCommand seed_command(const SeededExperiment& experiment) {
   return command;
 }
 
-std::vector<StoredSeed> stored_seeds(const SeededExperiment& experiment, const apps::CaseStore& store) {
+std::vector<StoredSeed> stored_seeds(const SeededExperiment& experiment, const runs::CaseStore& store) {
   std::vector<StoredSeed> seeds;
-  for (const apps::CaseRow& row : store.rows(0, experiment.seeds)) {
+  for (const runs::CaseRow& row : store.rows(0, experiment.seeds)) {
     StoredSeed own{row.number, row.error, {}};
     if (own.error.empty()) {
       auto at = row.values.begin() + 1;
-      for (std::size_t v = 0; v < experiment.values.size(); ++v) own.result.values.push_back(apps::as_number(*at++));
+      for (std::size_t v = 0; v < experiment.values.size(); ++v) own.result.values.push_back(runs::as_number(*at++));
       for (std::size_t f = 0; f < experiment.findings.size(); ++f)
-        own.result.findings.push_back(apps::as_integer(*at++) != 0);
-      own.result.document = apps::as_text(*at++);
-      own.result.times = apps::as_text(*at);
+        own.result.findings.push_back(runs::as_integer(*at++) != 0);
+      own.result.document = runs::as_text(*at++);
+      own.result.times = runs::as_text(*at);
     }
     seeds.push_back(std::move(own));
   }

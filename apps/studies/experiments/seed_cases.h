@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "apps/studies/experiments/seed_spread.h"
-#include "harness/base/rooms.h"
 #include "harness/runs/case_command.h"
 
 namespace touchstone::experiments {
@@ -30,7 +29,7 @@ struct SeededExperiment {
   std::vector<std::string> values;
   std::vector<std::string> findings;
   std::optional<std::size_t> timed_finding;  // which of them rests on times, and is another in other runs
-  std::function<SeedResult(std::uint64_t number, const apps::PartDone& part_done)> run;
+  std::function<SeedResult(std::uint64_t number, const runs::PartDone& part_done)> run;
   std::vector<std::string> words;  // of the command that asks for it
 
   bool alone = false;       // as CaseJob
@@ -38,10 +37,10 @@ struct SeededExperiment {
   std::uint64_t bytes = 0;  // as CaseJob
 };
 
-apps::CaseTable seed_table(const SeededExperiment& experiment);
+runs::CaseTable seed_table(const SeededExperiment& experiment);
 // Throws logic_error if a seed has other values or findings than the experiment declares.
-apps::CaseJob seed_job(const SeededExperiment& experiment);
-apps::CaseCommand seed_command(const SeededExperiment& experiment);
+runs::CaseJob seed_job(const SeededExperiment& experiment);
+runs::CaseCommand seed_command(const SeededExperiment& experiment);
 
 // One seed's row, read back.
 struct StoredSeed {
@@ -50,7 +49,7 @@ struct StoredSeed {
   SeedResult result;  // where there is no error
 };
 // Of a store that has all of them, in their order.
-std::vector<StoredSeed> stored_seeds(const SeededExperiment& experiment, const apps::CaseStore& store);
+std::vector<StoredSeed> stored_seeds(const SeededExperiment& experiment, const runs::CaseStore& store);
 // Which of an experiment's values and findings, by their places.
 struct SpreadPart {
   std::vector<std::size_t> values, findings;

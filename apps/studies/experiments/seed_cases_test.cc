@@ -28,7 +28,7 @@ SeededExperiment toy(std::uint64_t seeds) {
   own.values = {"error [N]", "lag [m]"};
   own.findings = {"small", "quick"};
   own.timed_finding = 1;
-  own.run = [](std::uint64_t number, const apps::PartDone&) {
+  own.run = [](std::uint64_t number, const runs::PartDone&) {
     const std::uint64_t seed = 4 + number;
     if (seed == 13) throw BadData("an unlucky seed");
     return SeedResult{{seed % 5 == 0 ? std::nan("") : 1.0 / static_cast<double>(seed), 0.1},
@@ -39,14 +39,14 @@ SeededExperiment toy(std::uint64_t seeds) {
   return own;
 }
 
-void run(const SeededExperiment& experiment, apps::CaseStore& store, apps::CaseShard shard, unsigned threads) {
+void run(const SeededExperiment& experiment, runs::CaseStore& store, runs::CaseShard shard, unsigned threads) {
   store.start_run({});
-  apps::run_cases(seed_job(experiment), store, shard, threads, never);
+  runs::run_cases(seed_job(experiment), store, shard, threads, never);
 }
 
 TEST(SeedCases, TheSpreadIsTheSameFromAnyThreadsAndParts) {
   const SeededExperiment experiment = toy(9);
-  apps::CaseStore whole(apps::CaseStore::in_memory, seed_table(experiment));
+  runs::CaseStore whole(runs::CaseStore::in_memory, seed_table(experiment));
   run(experiment, whole, {}, 1);
   const auto seeds = stored_seeds(experiment, whole);
   ASSERT_EQ(seeds.size(), 9U);
@@ -56,17 +56,17 @@ TEST(SeedCases, TheSpreadIsTheSameFromAnyThreadsAndParts) {
   EXPECT_THAT(seeds[3].result.findings, ElementsAre(true, false));
   const std::string table = spread_table(stored_spread(experiment, seeds));
   EXPECT_THAT(table, HasSubstr("Over 9 seeds"));
-  apps::CaseStore parts(apps::CaseStore::in_memory, seed_table(experiment));
+  runs::CaseStore parts(runs::CaseStore::in_memory, seed_table(experiment));
   for (const std::uint64_t k : {2U, 1U}) run(experiment, parts, {k, 2}, 3);
   EXPECT_EQ(spread_table(stored_spread(experiment, stored_seeds(experiment, parts))), table);
   EXPECT_EQ(parts.content_hash(), whole.content_hash());
 }
 
 TEST(SeedCases, MoreSeedsGoOnAndOneThatFailsIsCountedNowhere) {
-  apps::CaseStore store(apps::CaseStore::in_memory, seed_table(toy(3)));
+  runs::CaseStore store(runs::CaseStore::in_memory, seed_table(toy(3)));
   run(toy(3), store, {}, 1);
   store.start_run({});
-  EXPECT_EQ(apps::run_cases(seed_job(toy(11)), store, {}, 2, never).before, 3U);
+  EXPECT_EQ(runs::run_cases(seed_job(toy(11)), store, {}, 2, never).before, 3U);
   const auto seeds = stored_seeds(toy(11), store);
   ASSERT_EQ(seeds.size(), 11U);
   EXPECT_EQ(seeds[9].error, "an unlucky seed");
@@ -97,7 +97,7 @@ TEST(SeedCases, TheNumberOfSeedsIsNoPartOfWhatTheFileIsAboutButAllElseIs) {
 TEST(SeededExperiments, HaveColumnsOfTheirOwnAndWordsThatAskForThem) {
   for (const SeededExperiment& own : {seeded_voxel({}, 5), seeded_friction(1, 5), seeded_density(1, 5, false),
                                       seeded_density(1, 5, true), seeded_springs(1, 5)}) {
-    const apps::CaseStore store(apps::CaseStore::in_memory, seed_table(own));  // refuses a column that stands twice
+    const runs::CaseStore store(runs::CaseStore::in_memory, seed_table(own));  // refuses a column that stands twice
     EXPECT_GE(own.values.size(), 15U) << own.name;
     EXPECT_GE(own.findings.size(), 2U) << own.name;
     EXPECT_EQ(own.words[0], "experiment");

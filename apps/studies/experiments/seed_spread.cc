@@ -60,18 +60,18 @@ void SeedSpread::add(const std::vector<std::pair<std::string, double>>& values_o
 
 std::string spread_table(const SeedSpread& spread) {
   if (!several(spread)) return "";
-  return fmt::format("\nOver {} seeds\n{}{}", spread.values.front().of_seed.size(), align_columns(value_rows(spread)),
-                     align_columns(finding_rows(spread)));
+  return fmt::format("\nOver {} seeds\n{}{}", spread.values.front().of_seed.size(),
+                     report::align_columns(value_rows(spread)), report::align_columns(finding_rows(spread)));
 }
 
-Section spread_section(const SeedSpread& spread) {
-  Section section{"Over the seeds",
-                  several(spread) ? fmt::format("The same with {} seeds: other noise, another hand; the other "
-                                                "tables are of the first.",
-                                                spread.values.front().of_seed.size())
-                                  : "One seed was run; --seeds runs more.",
-                  {},
-                  false};
+report::Section spread_section(const SeedSpread& spread) {
+  report::Section section{"Over the seeds",
+                          several(spread) ? fmt::format("The same with {} seeds: other noise, another hand; the other "
+                                                        "tables are of the first.",
+                                                        spread.values.front().of_seed.size())
+                                          : "One seed was run; --seeds runs more.",
+                          {},
+                          false};
   if (!several(spread)) return section;
   section.blocks.emplace_back(table_of(finding_rows(spread), "In how many seeds the findings hold"));
   section.blocks.emplace_back(table_of(value_rows(spread), "How far the numbers spread over the seeds"));

@@ -6,7 +6,6 @@
 #include <utility>
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "harness/report/page.h"
 
 namespace touchstone::experiments {
@@ -30,6 +29,6 @@ struct SeedSpread {
 
 // Medians and extremes; "none" where a value is not finite in every seed. "" for fewer than two seeds.
 std::string spread_table(const SeedSpread& spread);
-Section spread_section(const SeedSpread& spread);
+report::Section spread_section(const SeedSpread& spread);
 
 }  // namespace touchstone::experiments

@@ -9,6 +9,8 @@
 #include "apps/studies/experiments/rows.h"
 
 namespace touchstone::experiments {
+using report::Table;
+
 namespace {
 
 using ::testing::ElementsAre;

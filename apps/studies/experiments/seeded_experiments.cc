@@ -97,7 +97,7 @@ SeededExperiment seeded_voxel(const VoxelExperimentOptions& options, std::uint64
   append(own.words, std::vector<std::string>{"--triangles", fmt::format("{}", options.triangles)});
   own.alone = true;  // it measures times
   own.parts = 1 + 2 * options.resolutions.size();
-  own.run = [options](std::uint64_t number, const apps::PartDone& part_done) {
+  own.run = [options](std::uint64_t number, const runs::PartDone& part_done) {
     VoxelExperimentOptions settings = options;
     settings.seed += number;
     const VoxelExperiment e = run_voxel_experiment(settings, [&](std::size_t, std::size_t) { part_done(); });
@@ -125,7 +125,7 @@ SeededExperiment seeded_friction(std::uint64_t first_seed, std::uint64_t seeds) 
   own.words = words("friction", first_seed, seeds);
   own.parts = kFrictionCoefficients.size() * kFrictionReplays;
   own.bytes = 300'000'000;
-  own.run = [first_seed](std::uint64_t number, const apps::PartDone& part_done) {
+  own.run = [first_seed](std::uint64_t number, const runs::PartDone& part_done) {
     FrictionExperiment e;
     for (std::size_t i = 0; i < kFrictionCoefficients.size(); ++i) {
       e.fits.push_back(
@@ -150,7 +150,7 @@ SeededExperiment seeded_density(std::uint64_t first_seed, std::uint64_t seeds, b
   own.findings = density_statements();
   own.words = words(shading ? "shading" : "density", first_seed, seeds);
   own.bytes = 500'000'000;
-  own.run = [first_seed](std::uint64_t number, const apps::PartDone&) {
+  own.run = [first_seed](std::uint64_t number, const runs::PartDone&) {
     const DensityExperiment e = run_density_experiment(first_seed + number);
     std::vector<double> values;
     for (const DensityPoint& point : e.points) append<double>(values, {point.plain.mean_N, point.shaded.mean_N});
@@ -193,7 +193,7 @@ SeededExperiment seeded_springs(std::uint64_t first_seed, std::uint64_t seeds) {
       "experiment", "springs", "--first-seed", fmt::format("{}", first_seed), "--seeds", fmt::format("{}", seeds)};
   own.alone = true;  // an evaluation takes all cores
   own.parts = spring_parts(true);
-  own.run = [first_seed](std::uint64_t number, const apps::PartDone& part_done) {
+  own.run = [first_seed](std::uint64_t number, const runs::PartDone& part_done) {
     const SpringSeed seed = run_spring_seed(first_seed + number, number < kScanSeeds, part_done);
     SeedResult result;
     for (const SpringSeed::OfVariant& variant : seed.variants) {

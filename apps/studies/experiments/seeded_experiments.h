@@ -5,7 +5,6 @@
 
 #include "apps/studies/experiments/seed_cases.h"
 #include "apps/studies/experiments/voxel_experiment.h"
-#include "harness/base/rooms.h"
 
 namespace touchstone::experiments {
 

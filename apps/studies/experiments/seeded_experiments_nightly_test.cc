@@ -22,10 +22,10 @@ TEST(SeededVoxel, PartsMergeToTheSameRowsAndAVoxelExperimentComesBackWhole) {
   const SeededExperiment experiment = seeded_voxel(small(), 2);
   std::vector<std::string> hashes;
   for (const std::uint64_t shards : {1U, 2U}) {
-    apps::CaseStore store(apps::CaseStore::in_memory, seed_table(experiment));
+    runs::CaseStore store(runs::CaseStore::in_memory, seed_table(experiment));
     for (std::uint64_t k = shards; k >= 1; --k) {
       store.start_run({});
-      apps::run_cases(seed_job(experiment), store, {k, shards}, 2, never);
+      runs::run_cases(seed_job(experiment), store, {k, shards}, 2, never);
     }
     hashes.push_back(store.content_hash());
     EXPECT_EQ(store.failed(), 0U);

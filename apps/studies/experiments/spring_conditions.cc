@@ -27,8 +27,8 @@ Dynamics dynamics_of(std::string_view device) {
   return {0.001, 0.008};
 }
 
-Model model_of(const SpringSetup& setup, const published::Device& device, bool linear) {
-  Model model;
+rendering::Model model_of(const SpringSetup& setup, const published::Device& device, bool linear) {
+  rendering::Model model;
   model.source = fmt::format("{} with a {} spring", device.name, linear ? "linear" : "quadratic");
   if (linear) {
     model.renderer = "spring-linear";
@@ -42,7 +42,7 @@ Model model_of(const SpringSetup& setup, const published::Device& device, bool l
     model.parameters = {{"coefficient_N_per_m2", coefficient}};
   }
   const Dynamics dynamics = dynamics_of(device.name);
-  NamedParameters effect;
+  rendering::NamedParameters effect;
   effect.name = "haptic-device";
   effect.place = "/effects/0";
   effect.parameters = {{"servo_period_s", dynamics.servo_period_s},
@@ -95,14 +95,14 @@ perception::PressSignal press_condition(const SpringSetup& setup, const SpringCo
   signal.name = condition.name;
   const auto depths = press_depths_m(setup.motion, setup.simulation_rate_Hz, streams.stream(2 * stream + 2).next_u64());
   Random random = streams.stream(2 * stream + 3);
-  const auto renderer = make_renderer(condition.model, std::make_shared<synthetic::Plane>(1.0));
+  const auto renderer = renderers::make_renderer(condition.model, std::make_shared<synthetic::Plane>(1.0));
   const double resolution_m = condition.model.effects.front().parameters.at("resolution_m");
   const auto every = static_cast<std::size_t>(std::round(setup.simulation_rate_Hz / setup.rate_Hz));
   for (std::size_t n = 0; n < depths.size(); ++n) {
-    TipState tip;
+    rendering::TipState tip;
     tip.t_s = static_cast<double>(n) / setup.simulation_rate_Hz;
     tip.p_W_m = {0.0, 0.0, -depths[n]};
-    const StepResult step = renderer->step(tip);
+    const rendering::StepResult step = renderer->step(tip);
     if (n % every != 0) continue;
     signal.t_s.push_back(tip.t_s);
     signal.force_N.push_back(sensed_N(setup, step.f_W_N.z(), random));

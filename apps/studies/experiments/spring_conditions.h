@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "apps/studies/experiments/press_motion.h"
-#include "harness/base/rooms.h"
 #include "harness/perception/haptic_data_matrix.h"
 #include "harness/rendering/model.h"
 
@@ -35,7 +34,7 @@ struct SpringCondition {
   std::string name;  // "Omega.7, F = k dx"
   std::string device;
   bool linear;
-  Model model;
+  rendering::Model model;
 };
 // Linear on Omega.7, Touch X, Touch, then quadratic on Touch, Touch X, Omega.7: the paper's order of likeness (table
 // 2).

@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "apps/studies/experiments/spring_conditions.h"
-#include "harness/base/rooms.h"
 #include "harness/perception/perceptual_evaluation.h"
 #include "harness/perception/subjective_comparison.h"
 

@@ -37,7 +37,7 @@ TEST(SpringConditions, AreOrdinaryModelsWithTheDevicesOfTable1) {
     const auto conditions = spring_conditions(setup);
     ASSERT_EQ(conditions.size(), 6u);
     for (const auto& condition : conditions) {
-      const Model again = parse_model(model_to_json(condition.model), "again.json");
+      const rendering::Model again = rendering::parse_model(model_to_json(condition.model), "again.json");
       EXPECT_EQ(again.renderer, condition.linear ? "spring-linear" : "spring-quadratic");
       const auto signal = press_condition(setup, condition, 1, 0);
       ASSERT_EQ(signal.t_s.size(), 10000u);
@@ -110,7 +110,7 @@ TEST(SpringExperiment, RunsReproduciblyAndTellsWhatHolds) {
   const auto json = nlohmann::json::parse(spring_experiment_to_json(experiment));
   EXPECT_EQ(json["schema"], "touchstone-springs/1");
   EXPECT_EQ(json["variants"][0]["findings"][0]["by_scaling"]["reference-norm"]["of"], 1);
-  const Page page = spring_page(experiment, {});
+  const report::Page page = spring_page(experiment, {});
   EXPECT_GT(page.sections.size(), 8u);
 }
 

@@ -10,6 +10,10 @@
 #include "harness/stats/quantile.h"
 
 namespace touchstone::experiments {
+using report::Section;
+using report::Table;
+using report::Tone;
+
 namespace {
 
 namespace pc = perception;
@@ -27,7 +31,7 @@ Table::Cell share_cell(const Share& own) {
 // The first cell of a row: what the paper says.
 Table::Row finding_row(std::size_t finding) {
   Table::Row row;
-  row.cells.push_back(text_cell(spring_findings()[finding].statement));
+  row.cells.push_back(report::text_cell(spring_findings()[finding].statement));
   return row;
 }
 
@@ -49,7 +53,7 @@ Section findings_section(const SpringExperiment& e) {
     for (std::size_t f = 0; f < findings.size(); ++f) {
       Table::Row row = finding_row(f);
       for (const auto& share : own.findings[f]) row.cells.push_back(share_cell(share));
-      while (row.cells.size() < table.columns.size()) row.cells.push_back(text_cell(""));
+      while (row.cells.size() < table.columns.size()) row.cells.push_back(report::text_cell(""));
       table.rows.push_back(std::move(row));
     }
     section.blocks.emplace_back(std::move(table));
@@ -88,10 +92,10 @@ Section why_section(const SpringExperiment& e) {
     means.columns.emplace_back("Euclidean distance [N]");
     for (std::size_t c = 0; c < e.conditions.size(); ++c) {
       Table::Row row;
-      row.cells = {text_cell(e.conditions[c]), number_cell(own.mean_distance[0][c])};
+      row.cells = {report::text_cell(e.conditions[c]), report::number_cell(own.mean_distance[0][c])};
       for (std::size_t b = 0; b < own.features.size(); ++b)
-        row.cells.push_back(number_cell(own.mean_block_distance[b][c]));
-      row.cells.push_back(number_cell(own.mean_statistic[0][c]));
+        row.cells.push_back(report::number_cell(own.mean_block_distance[b][c]));
+      row.cells.push_back(report::number_cell(own.mean_statistic[0][c]));
       means.rows.push_back(std::move(row));
     }
     section.blocks.emplace_back(std::move(means));
@@ -143,7 +147,7 @@ Section agreement_table(const SpringExperiment& e) {
   const auto& methods = e.variants.front().methods;
   for (std::size_t m = 0; m < methods.size(); ++m) {
     Table::Row row;
-    row.cells.push_back(text_cell(methods[m]));
+    row.cells.push_back(report::text_cell(methods[m]));
     for (const auto& own : e.variants) {
       auto sorted = own.agreement[m];
       std::sort(sorted.begin(), sorted.end());
@@ -171,7 +175,8 @@ Section agreement_table(const SpringExperiment& e) {
   const auto add = [&](const std::string& name, const std::vector<double>& values, bool larger_is_better) {
     const auto own = pc::agree(name, values, larger_is_better, likeness).spearman;
     published.rows.push_back(
-        {{text_cell(name), {fmt::format("{:.2f}, p = {:.3f}", own.coefficient, own.p_two_sided), true, Tone::neutral}},
+        {{report::text_cell(name),
+          {fmt::format("{:.2f}, p = {:.3f}", own.coefficient, own.p_two_sided), true, Tone::neutral}},
          "",
          {}});
   };
@@ -188,7 +193,7 @@ Section setup_section(const SpringExperiment& e) {
   const SpringSetup& setup = e.variants.front().variant.setup;
   Section section{
       "Set-up", "Devices from the paper's table 1. What it does not give is ours, and is said so.", {}, true};
-  section.blocks.emplace_back(Facts{
+  section.blocks.emplace_back(report::Facts{
       {{"real spring (ours)",
         fmt::format("{} N/m, {} mm stroke", setup.stiffness_N_per_m, 1e3 * setup.motion.stroke_m)},
        {"presses (ours)", fmt::format("{} at {} Hz; stroke {:.0f} %, onset {} ms standard deviation; tremor {} mm RMS",
@@ -201,15 +206,15 @@ Section setup_section(const SpringExperiment& e) {
         "Omega.7 0.25 ms and 1.5 ms, Touch X 1 ms and 4 ms, Touch 1 ms and 8 ms"},
        {"observers", "simulated, who feel the distances of the perception space: they show the method, not people"}}});
   for (const auto& condition : spring_conditions(setup)) {
-    section.blocks.emplace_back(Code{condition.name, model_to_json(condition.model)});
+    section.blocks.emplace_back(report::Code{condition.name, model_to_json(condition.model)});
   }
   return section;
 }
 
 }  // namespace
 
-Page spring_page(const SpringExperiment& e, const Provenance& provenance) {
-  Page page;
+report::Page spring_page(const SpringExperiment& e, const report::Provenance& provenance) {
+  report::Page page;
   page.title = "The spring experiment";
   page.subtitle = "Shao, Wu and Ouyang's comparison of two spring models on three devices, on simulated presses";
   const auto& base = e.variants.front();
@@ -223,14 +228,14 @@ Page spring_page(const SpringExperiment& e, const Provenance& provenance) {
   page.sections.push_back(why_section(e));
   page.sections.push_back(scan_section(e));
   page.sections.push_back(agreement_table(e));
-  for (auto& section : perception_result_sections(e.example)) {
+  for (auto& section : report::perception_result_sections(e.example)) {
     section.title = "One run: " + section.title;
     page.sections.push_back(std::move(section));
   }
-  auto people = agreement_section(e.example, e.simulated_subjects);
+  auto people = report::agreement_section(e.example, e.simulated_subjects);
   people.title = "One run: simulated observers";
   page.sections.push_back(std::move(people));
-  for (auto& section : perception_signal_sections(e.example)) page.sections.push_back(std::move(section));
+  for (auto& section : report::perception_signal_sections(e.example)) page.sections.push_back(std::move(section));
   page.sections.push_back(setup_section(e));
   page.sections.push_back(provenance_section(provenance));
   return page;

@@ -3,12 +3,11 @@
 #pragma once
 
 #include "apps/studies/experiments/spring_experiment.h"
-#include "harness/base/rooms.h"
 #include "harness/report/page.h"
 #include "harness/report/provenance.h"
 
 namespace touchstone::experiments {
 
-Page spring_page(const SpringExperiment& experiment, const Provenance& provenance);
+report::Page spring_page(const SpringExperiment& experiment, const report::Provenance& provenance);
 
 }  // namespace touchstone::experiments

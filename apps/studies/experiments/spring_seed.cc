@@ -10,6 +10,8 @@
 #include "harness/perception/judge/judged_conditions.h"
 
 namespace touchstone::experiments {
+using recording::Recording;
+
 namespace {
 
 namespace pc = perception;

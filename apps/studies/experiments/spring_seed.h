@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "apps/studies/experiments/spring_experiment.h"
-#include "harness/base/rooms.h"
 
 namespace touchstone::experiments {
 

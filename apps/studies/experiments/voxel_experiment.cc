@@ -26,9 +26,9 @@ double ms_since(Clock::time_point began) {
 // What every renderer is given, and held against.
 struct Scene {
   std::shared_ptr<const synthetic::AnalyticSurface> smooth;
-  std::shared_ptr<const Surface> surface;
-  Recording recording;
-  InTrajectory in;
+  std::shared_ptr<const surface::Surface> surface;
+  recording::Recording recording;
+  recording::InTrajectory in;
   std::vector<Vec3> exact_W_N;
   double stiffness_N_per_m = 0.0;
 };
@@ -38,7 +38,7 @@ Scene make_scene(const VoxelExperimentOptions& options, VoxelExperiment& experim
   Scene scene;
   scene.stiffness_N_per_m = duck.stiffness_N_per_m;
   scene.smooth = synthetic::make_surface(duck.surface, duck.parameters);
-  const TriangleMesh mesh = synthetic::make_mesh(duck.surface, duck.parameters, options.triangles).mesh;
+  const surface::TriangleMesh mesh = synthetic::make_mesh(duck.surface, duck.parameters, options.triangles).mesh;
   const auto began = Clock::now();
   scene.surface = make_embree_surface(mesh);
   experiment.surface_build_ms = ms_since(began);
@@ -48,8 +48,8 @@ Scene make_scene(const VoxelExperimentOptions& options, VoxelExperiment& experim
   const std::shared_ptr<const synthetic::Guide> guide = duck.guide(*scene.smooth);
   const synthetic::RigidScan scan(guide, duck.script(options.seed), point);
   scene.recording = synthetic::measure(scan, duck.sensor, duck.tracker, options.seed).recording;
-  const OutTrajectory out = make_out_trajectory(scene.recording, *scene.surface, {});
-  scene.in = synthesize_in_trajectory(out, scene.stiffness_N_per_m);
+  const recording::OutTrajectory out = rendering::make_out_trajectory(scene.recording, *scene.surface, {});
+  scene.in = rendering::synthesize_in_trajectory(out, scene.stiffness_N_per_m);
   double square = 0.0;
   for (std::size_t i = 0; i < scene.in.size(); ++i) {
     const auto exact = synthetic::exact_contact(*scene.smooth, scene.in.motion.p_W_m[i], scene.stiffness_N_per_m, 0.0);
@@ -71,7 +71,7 @@ Scene make_scene(const VoxelExperimentOptions& options, VoxelExperiment& experim
 
 VoxelRow run_row(const Scene& scene, const VoxelExperimentOptions& options, const std::string& renderer,
                  int resolution) {
-  Model model;
+  rendering::Model model;
   model.renderer = renderer;
   model.source = "experiment voxel";
   model.parameters["stiffness_N_per_m"] = scene.stiffness_N_per_m;
@@ -84,13 +84,13 @@ VoxelRow run_row(const Scene& scene, const VoxelExperimentOptions& options, cons
   row.renderer = renderer;
   row.resolution = resolution;
   const auto began = Clock::now();
-  const auto made = make_renderer(model, scene.surface);
+  const auto made = renderers::make_renderer(model, scene.surface);
   const double build_ms = ms_since(began);
   row.f_W_N = replay(*made, scene.in).f_W_N;
-  row.timing = measure_steps(*made, [&] { return tip_source(scene.in.motion); });
+  row.timing = measure_steps(*made, [&] { return rendering::tip_source(scene.in.motion); });
   row.timing.build_ms = build_ms;
-  const CountedRenderer counted = make_counted_renderer(model, scene.surface);
-  if (counted.renderer) row.operations = count_operations(*counted.renderer, tip_source(scene.in.motion));
+  const rendering::CountedRenderer counted = renderers::make_counted_renderer(model, scene.surface);
+  if (counted.renderer) row.operations = count_operations(*counted.renderer, rendering::tip_source(scene.in.motion));
   double square = 0.0;
   double own = 0.0;
   for (std::size_t i = 0; i < row.f_W_N.size(); ++i) {
@@ -200,7 +200,7 @@ std::string voxel_table(const VoxelExperiment& e) {
                     fmt::format("{:.3f}", row.rms_N), "", fmt::format("{:.0f}K", 1e-3 * row.operations), "", "",
                     fmt::format("{:.2f}", row.init_s), fmt::format("{:.1f}", row.memory_MB)});
   }
-  std::string text = align_columns(rows);
+  std::string text = report::align_columns(rows);
   text += fmt::format("{} samples, {} in contact, up to {:.2f} mm deep; RMS of the measured force {:.3f} N\n",
                       e.samples, e.in_contact, 1e3 * e.deepest_m, e.rms_measured_N);
   for (const VoxelFinding& finding : e.findings)

@@ -16,7 +16,6 @@
 #include <string>
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "harness/rendering/operations.h"
 #include "harness/rendering/replay.h"
 
@@ -35,8 +34,8 @@ struct VoxelRow {
   double rms_N = 0.0;      // of |f - f_measured| over all samples
   double mean_N = 0.0;     // the paper's equation 3 as printed
   double own_rms_N = 0.0;  // of |f - f_exact|
-  std::optional<OperationReport> operations;
-  ReplayTiming timing;  // build_ms of the renderer's own structures; the surface's are made before
+  std::optional<rendering::OperationReport> operations;
+  rendering::ReplayTiming timing;  // build_ms of the renderer's own structures; the surface's are made before
   std::vector<Vec3> f_W_N;
 };
 

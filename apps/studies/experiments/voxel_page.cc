@@ -5,6 +5,11 @@
 #include "harness/report/evaluation_page.h"
 
 namespace touchstone::experiments {
+using report::LinePlot;
+using report::Section;
+using report::Table;
+using report::Tone;
+
 namespace {
 
 std::string cube(int resolution) { return resolution > 0 ? fmt::format("{}^3", resolution) : "none"; }
@@ -14,8 +19,8 @@ Section findings_section(const VoxelExperiment& e) {
   Table table;
   table.columns = {"finding of the paper", "here", "holds"};
   for (const VoxelFinding& finding : e.findings) {
-    table.rows.push_back({{text_cell(finding.statement),
-                           text_cell(finding.here),
+    table.rows.push_back({{report::text_cell(finding.statement),
+                           report::text_cell(finding.here),
                            {finding.holds ? "yes" : "no", false, finding.holds ? Tone::good : Tone::warning}},
                           "",
                           {}});
@@ -40,18 +45,20 @@ Section table_section(const VoxelExperiment& e) {
                   "init [s]",   "memory [MB]"};
   for (const VoxelRow& row : e.rows) {
     Table::Row cells;
-    cells.cells = {text_cell(row.renderer), number_cell(cube(row.resolution)),
-                   number_cell(fmt::format("{:.4f}", row.rms_N)), number_cell(fmt::format("{:.4f}", row.own_rms_N))};
+    cells.cells = {report::text_cell(row.renderer), report::number_cell(cube(row.resolution)),
+                   report::number_cell(fmt::format("{:.4f}", row.rms_N)),
+                   report::number_cell(fmt::format("{:.4f}", row.own_rms_N))};
     if (row.operations) {
-      cells.cells.push_back(number_cell(fmt::format("{}", row.operations->total())));
-      cells.cells.push_back(number_cell(fmt::format("{:g}", row.operations->median)));
-      cells.cells.push_back(number_cell(fmt::format("{}", row.operations->max)));
+      cells.cells.push_back(report::number_cell(fmt::format("{}", row.operations->total())));
+      cells.cells.push_back(report::number_cell(fmt::format("{:g}", row.operations->median)));
+      cells.cells.push_back(report::number_cell(fmt::format("{}", row.operations->max)));
     } else {
-      for (int i = 0; i < 3; ++i) cells.cells.push_back(text_cell("not counted"));
+      for (int i = 0; i < 3; ++i) cells.cells.push_back(report::text_cell("not counted"));
     }
-    cells.cells.push_back(number_cell(fmt::format("{:.3f}", row.timing.mean_us)));
-    cells.cells.push_back(number_cell(fmt::format("{:.3f}", 1e-3 * row.timing.build_ms)));
-    cells.cells.push_back(number_cell(fmt::format("{:.3f}", 1e-6 * static_cast<double>(row.timing.memory_bytes))));
+    cells.cells.push_back(report::number_cell(fmt::format("{:.3f}", row.timing.mean_us)));
+    cells.cells.push_back(report::number_cell(fmt::format("{:.3f}", 1e-3 * row.timing.build_ms)));
+    cells.cells.push_back(
+        report::number_cell(fmt::format("{:.3f}", 1e-6 * static_cast<double>(row.timing.memory_bytes))));
     ours.rows.push_back(std::move(cells));
   }
   section.blocks.emplace_back(std::move(ours));
@@ -59,12 +66,13 @@ Section table_section(const VoxelExperiment& e) {
   theirs.caption = "Table 1 of the paper (a scanned duck, a 1.5 GHz Pentium)";
   theirs.columns = {"renderer", "voxels", "RMS force error [N]", "operations", "init [s]", "memory [MB]"};
   for (const PublishedVoxelRow& row : published_voxel_table()) {
-    theirs.rows.push_back(
-        {{text_cell(row.algorithm), number_cell(cube(row.resolution)), number_cell(fmt::format("{:.3f}", row.rms_N)),
-          number_cell(fmt::format("{:.0f}", row.operations)), number_cell(fmt::format("{:.2f}", row.init_s)),
-          number_cell(fmt::format("{:.1f}", row.memory_MB))},
-         "",
-         {}});
+    theirs.rows.push_back({{report::text_cell(row.algorithm), report::number_cell(cube(row.resolution)),
+                            report::number_cell(fmt::format("{:.3f}", row.rms_N)),
+                            report::number_cell(fmt::format("{:.0f}", row.operations)),
+                            report::number_cell(fmt::format("{:.2f}", row.init_s)),
+                            report::number_cell(fmt::format("{:.1f}", row.memory_MB))},
+                           "",
+                           {}});
   }
   section.blocks.emplace_back(std::move(theirs));
   return section;
@@ -77,7 +85,7 @@ LinePlot over_resolution(const VoxelExperiment& e, std::string title, std::strin
   plot.x_label = "voxels along the longest side";
   plot.y_label = std::move(y_label);
   plot.half_width = true;
-  Line line;
+  report::Line line;
   line.name = renderer;
   line.tone = Tone::rendered;
   line.markers = true;
@@ -112,7 +120,7 @@ Section plots_section(const VoxelExperiment& e) {
   forces.x_label = "time [s]";
   forces.y_label = "force [N]";
   const auto add = [&](const std::string& name, const std::vector<Vec3>& f_W_N, Tone tone, bool dashed) {
-    Line line{name, e.t_s, {}, tone, dashed, false};
+    report::Line line{name, e.t_s, {}, tone, dashed, false};
     for (const Vec3& f : f_W_N) line.y.push_back(f.norm());
     forces.lines.push_back(std::move(line));
   };
@@ -126,8 +134,8 @@ Section plots_section(const VoxelExperiment& e) {
 
 }  // namespace
 
-Page voxel_page(const VoxelExperiment& e, const Provenance& provenance) {
-  Page page;
+report::Page voxel_page(const VoxelExperiment& e, const report::Provenance& provenance) {
+  report::Page page;
   page.title = "Proxy against voxels";
   page.subtitle = "The first experiment of Ruffaldi et al. 2006 (section 4.1, table 1) on a duck-like body";
   const auto headline = [&](const std::string& label, const VoxelRow& row) {

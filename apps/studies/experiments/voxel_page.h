@@ -2,12 +2,11 @@
 #pragma once
 
 #include "apps/studies/experiments/voxel_experiment.h"
-#include "harness/base/rooms.h"
 #include "harness/report/page.h"
 #include "harness/report/provenance.h"
 
 namespace touchstone::experiments {
 
-Page voxel_page(const VoxelExperiment& experiment, const Provenance& provenance);
+report::Page voxel_page(const VoxelExperiment& experiment, const report::Provenance& provenance);
 
 }  // namespace touchstone::experiments

@@ -6,8 +6,6 @@
 #include <cstdint>
 #include <string>
 
-#include "harness/base/rooms.h"
-
 namespace touchstone::importing::fuzz {
 
 // `extension`: ".txt", ".bag", ".db3", ".mat"; the bytes decide before it does. A table of text is also guessed.

@@ -13,8 +13,6 @@
 #include <cstddef>
 #include <span>
 
-#include "harness/base/rooms.h"
-
 namespace touchstone::perception {
 
 struct StructuralSimilarityConstants {

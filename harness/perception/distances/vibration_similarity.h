@@ -14,8 +14,6 @@
 #include <span>
 #include <vector>
 
-#include "harness/base/rooms.h"
-
 namespace touchstone::perception {
 
 struct VibrationSettings {

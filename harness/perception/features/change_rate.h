@@ -4,7 +4,6 @@
 
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "harness/perception/filters/dead_band.h"
 
 namespace touchstone::perception {

@@ -11,8 +11,6 @@
 #include <span>
 #include <vector>
 
-#include "harness/base/rooms.h"
-
 namespace touchstone::perception {
 
 struct RateHardness {

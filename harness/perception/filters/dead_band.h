@@ -9,7 +9,6 @@
 #include <span>
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "harness/perception/filters/weber_law.h"
 
 namespace touchstone::perception {

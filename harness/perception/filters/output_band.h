@@ -8,8 +8,6 @@
 #include <span>
 #include <vector>
 
-#include "harness/base/rooms.h"
-
 namespace touchstone::perception {
 
 inline constexpr double kFingerBandLow_Hz = 2.0;

@@ -5,8 +5,6 @@
 #include <span>
 #include <vector>
 
-#include "harness/base/rooms.h"
-
 namespace touchstone::perception {
 
 inline std::vector<double> sensor_dead_zone(std::span<const double> x, double zone) {

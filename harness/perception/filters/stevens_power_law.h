@@ -3,8 +3,6 @@
 
 #include <cmath>
 
-#include "harness/base/rooms.h"
-
 namespace touchstone::perception {
 
 struct StevensPowerLaw {

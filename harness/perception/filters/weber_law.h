@@ -2,8 +2,6 @@
 // scale of just noticeable differences that follows from it (Fechner 1860).
 #pragma once
 
-#include "harness/base/rooms.h"
-
 namespace touchstone::perception {
 
 // K is `fraction_below` from the absolute threshold up to `breakpoint`, `fraction_above` beyond. In the stimulus's

@@ -1,7 +1,6 @@
 // What a channel says to a reader: the difference, and what would have to change.
 #pragma once
 
-#include "harness/base/rooms.h"
 #include "harness/perception/judge/judge.h"
 #include "harness/perception/judge/slow_channels.h"
 

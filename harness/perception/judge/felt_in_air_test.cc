@@ -9,6 +9,8 @@
 #include "harness/perception/judge/judged_conditions.h"
 
 namespace touchstone::perception {
+using recording::Recording;
+
 namespace {
 
 using Change = std::function<void(Recording&)>;

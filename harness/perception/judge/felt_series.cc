@@ -12,6 +12,8 @@
 #include "harness/stats/quantile.h"
 
 namespace touchstone::perception {
+using recording::Recording;
+
 namespace {
 
 constexpr double kSmoothing_s = 0.02;

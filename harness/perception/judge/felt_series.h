@@ -4,7 +4,6 @@
 #include <string>
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "harness/recording/trajectory.h"
 
 namespace touchstone::perception {
@@ -39,13 +38,13 @@ struct FeltSeries {
 // The outward direction of pressing: of the mean force in contact, without the friction that one way of sliding leaves
 // in it where a hand slides more that way than back (a tilt of 5 degrees makes 3 mm of depth of a stroke of 40 mm).
 // Throws BadData where the force has no direction.
-Vec3 pressing_direction(const Recording& recording);
+Vec3 pressing_direction(const recording::Recording& recording);
 
 // Positions and velocities are means and slopes over 20 ms, so that a tracker's noise does not look like a vibration
 // of the object. Samples are interpolated to an even clock if an interval differs from the median by more than 5 %.
 // Throws BadData for no force, values that are not finite, time that does not advance, a hole of more than 20
 // intervals, or fewer than 50 samples.
-FeltSeries felt_series(const Recording& recording, const Vec3& outward);
+FeltSeries felt_series(const recording::Recording& recording, const Vec3& outward);
 
 // The motion of `lag_s` ago beside the force of now: what an object with that delay answers to. The first samples keep
 // the first motion.

@@ -7,8 +7,6 @@
 #include <cstdint>
 #include <span>
 
-#include "harness/base/rooms.h"
-
 namespace touchstone::perception {
 
 // Share of right answers in `trials`, where channel i differs by evidence_jnd[i]. Its expectation is

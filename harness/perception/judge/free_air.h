@@ -4,7 +4,6 @@
 
 #include <cstddef>
 
-#include "harness/base/rooms.h"
 #include "harness/perception/judge/felt_series.h"
 #include "harness/perception/judge/response.h"
 #include "harness/perception/judge/thresholds.h"

@@ -30,9 +30,9 @@ struct PlantedProcess {
   double pace = 1.0;       // and speeds
 };
 
-inline Recording planted(const PlantedProcess& process, std::uint64_t seed) {
+inline recording::Recording planted(const PlantedProcess& process, std::uint64_t seed) {
   Random random(seed);
-  Recording recording;
+  recording::Recording recording;
   recording.source = "planted";
   constexpr double kTwoPi = 2.0 * std::numbers::pi;
   double t = 0.0;

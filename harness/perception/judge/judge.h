@@ -18,7 +18,6 @@
 #include <string_view>
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "harness/perception/judge/felt_series.h"
 #include "harness/perception/judge/free_air.h"
 #include "harness/perception/judge/response.h"

@@ -15,6 +15,8 @@
 #include "harness/perception/judge/vibration_scale.h"
 
 namespace touchstone::perception {
+using recording::Recording;
+
 namespace {
 
 using ::testing::HasSubstr;

@@ -16,6 +16,8 @@
 #include "harness/stats/summary.h"
 
 namespace touchstone::perception {
+using recording::Recording;
+
 namespace {
 
 // As if normal: half the interval over its quantile.
@@ -128,8 +130,9 @@ JudgedConditions judge_conditions(const Recording& real, const std::vector<Recor
                       "place. Compare models on the real path (--model), or recordings of one path",
                       100.0 * explained));
     }
-    const ForceSign sign = check_force_sign(std::vector<Vec3>(recording.size(), outward), recording.f_W_N);
-    if (sign.verdict == SignVerdict::reversed) {
+    const recording::ForceSign sign =
+        recording::check_force_sign(std::vector<Vec3>(recording.size(), outward), recording.f_W_N);
+    if (sign.verdict == recording::SignVerdict::reversed) {
       own.judgement.remarks.push_back(fmt::format(
           "{}: its forces point into the object, against those of the real process (statistic {:.2g}): is it "
           "the force BY the probe? Then negate the three columns",

@@ -6,7 +6,6 @@
 #include <string>
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "harness/perception/features/rate_hardness.h"
 #include "harness/perception/judge/judge.h"
 #include "harness/perception/perceptual_evaluation.h"
@@ -36,8 +35,8 @@ struct JudgedCondition {
 
 struct RecordingSource {
   std::string name;
-  std::function<Recording()> load;   // called once, from any thread
-  std::size_t replayed_samples = 0;  // of a model along replay_path() of the real process; 0: measured
+  std::function<recording::Recording()> load;  // called once, from any thread
+  std::size_t replayed_samples = 0;            // of a model along replay_path() of the real process; 0: measured
 };
 
 struct JudgedConditions {
@@ -51,13 +50,14 @@ struct JudgedConditions {
 
 // The metrics beside are computed for up to kKeepSeriesUpTo conditions. Throws BadData, naming the condition, for
 // recordings that cannot be judged, no condition, or two of one name.
-JudgedConditions judge_conditions(const Recording& real, const std::vector<RecordingSource>& repeats,
+JudgedConditions judge_conditions(const recording::Recording& real, const std::vector<RecordingSource>& repeats,
                                   const std::vector<RecordingSource>& conditions, const Vec3& outward,
                                   const JudgeOptions& options, const std::function<void(std::size_t)>& progress = {});
 
 // Distance in perception space (all components), the statistics beside it, ST-SIM, SPQI and Stevens' felt intensity, of
 // one pair: other conditions do not enter. Series are compared from their beginning on, as their authors do.
-std::vector<OtherMetric> other_metrics(const Recording& real, const Recording& rendered, const Vec3& outward);
+std::vector<OtherMetric> other_metrics(const recording::Recording& real, const recording::Recording& rendered,
+                                       const Vec3& outward);
 
 // {"schema": "touchstone-perception/2", "method": "judge", "conditions": [...]}.
 std::string judged_to_json(const JudgedConditions& judged, const JudgeOptions& options);

@@ -4,7 +4,6 @@
 
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "harness/perception/judge/judge.h"
 
 namespace touchstone::perception {

@@ -13,6 +13,8 @@
 #include "harness/perception/judge/judged_conditions.h"
 
 namespace touchstone::perception {
+using recording::Recording;
+
 namespace {
 
 using ::testing::HasSubstr;

@@ -3,8 +3,6 @@
 // Creelman 2005).
 #pragma once
 
-#include "harness/base/rooms.h"
-
 namespace touchstone::perception {
 
 // Where a staircase settles that makes the task harder after three right answers and easier after a wrong one: the

@@ -9,7 +9,6 @@
 #include <cstddef>
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "harness/recording/trajectory.h"
 
 namespace touchstone::perception {

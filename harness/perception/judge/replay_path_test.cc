@@ -10,6 +10,8 @@
 #include "harness/perception/judge/judged_conditions.h"
 
 namespace touchstone::perception {
+using recording::Recording;
+
 namespace {
 
 constexpr double kReplayTurn = 2.0 * std::numbers::pi;

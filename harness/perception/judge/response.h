@@ -15,7 +15,6 @@
 #include <optional>
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "harness/perception/filters/weber_law.h"
 #include "harness/perception/judge/felt_series.h"
 #include "harness/perception/judge/place.h"

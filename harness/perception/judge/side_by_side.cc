@@ -30,7 +30,8 @@ OtherMetric tried(OtherMetric metric, Value&& value) {
 
 }  // namespace
 
-std::vector<OtherMetric> other_metrics(const Recording& real, const Recording& rendered, const Vec3& outward) {
+std::vector<OtherMetric> other_metrics(const recording::Recording& real, const recording::Recording& rendered,
+                                       const Vec3& outward) {
   std::vector<OtherMetric> metrics;
   const double contact_N = kFingertipForce.absolute_threshold;
   EvaluationOptions options;

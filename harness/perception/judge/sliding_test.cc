@@ -7,6 +7,8 @@
 #include "harness/perception/judge/judged_conditions.h"
 
 namespace touchstone::perception {
+using recording::Recording;
+
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180.0;

@@ -5,7 +5,6 @@
 #include <optional>
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "harness/perception/judge/response.h"
 #include "harness/perception/judge/thresholds.h"
 

@@ -14,7 +14,6 @@
 #include <string_view>
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "harness/perception/filters/weber_law.h"
 
 namespace touchstone::perception {

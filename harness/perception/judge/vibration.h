@@ -10,7 +10,6 @@
 #include <cstddef>
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "harness/perception/judge/felt_series.h"
 #include "harness/perception/judge/response.h"
 #include "harness/perception/judge/thresholds.h"

@@ -8,7 +8,6 @@
 // one constant w follows from a published difference threshold above a published level.
 #pragma once
 
-#include "harness/base/rooms.h"
 #include "harness/perception/judge/thresholds.h"
 
 namespace touchstone::perception {

@@ -12,9 +12,9 @@ namespace touchstone::perception {
 namespace {
 
 // Presses on a spring, once from the air, seen by a noisy tracker and a quiet force sensor.
-Recording presses(double k_N_per_m, double position_noise_m, std::uint64_t seed) {
+recording::Recording presses(double k_N_per_m, double position_noise_m, std::uint64_t seed) {
   Random random(seed);
-  Recording recording;
+  recording::Recording recording;
   recording.source = "presses";
   for (int i = 0; i < 20000; ++i) {
     const double t = 0.001 * i;

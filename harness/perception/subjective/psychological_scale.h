@@ -9,7 +9,6 @@
 #include <string_view>
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "harness/perception/subjective/paired_comparisons.h"
 
 namespace touchstone::perception {

@@ -16,18 +16,19 @@ namespace touchstone::pipeline {
 CheckedAcquisition acquire_and_check(const acquisition::AcquisitionDescription& description) {
   CheckedAcquisition result;
   result.acquired = acquisition::acquire(description);
-  std::shared_ptr<const Surface> surface;
+  std::shared_ptr<const surface::Surface> surface;
   if (description.mesh_file) {
-    surface = make_embree_surface(load_mesh(*description.mesh_file, length_unit_factor(description.mesh_unit)));
+    surface =
+        make_embree_surface(surface::load_mesh(*description.mesh_file, length_unit_factor(description.mesh_unit)));
   }
-  SanityContext context;
+  sanity::SanityContext context;
   context.surface = surface.get();
   context.mesh_unit = description.mesh_unit;
   context.tip_radius_m = description.tip_radius_m;
   context.contact_force_N = description.contact_force_N;
-  for (const SanityFinding& finding : check_sanity(result.acquired.recording, context)) {
+  for (const sanity::SanityFinding& finding : check_sanity(result.acquired.recording, context)) {
     result.acquired.report.notes.push_back(fmt::format("{}: {}", to_string(finding.fault), sanity_line(finding)));
-    result.insane |= finding.weight == SanityWeight::fault;
+    result.insane |= finding.weight == sanity::SanityWeight::fault;
   }
   return result;
 }

@@ -6,7 +6,6 @@
 #include <string>
 
 #include "harness/acquisition/acquire.h"
-#include "harness/base/rooms.h"
 
 namespace touchstone::pipeline {
 

@@ -62,7 +62,7 @@ TEST_F(AcquiredFile, ASoundSessionPassesAndIsWritten) {
       acquire_into(session(1.0), folder_.path() / "out.csv", folder_.path() / "report.json");
   EXPECT_TRUE(result.passed()) << result.text();
   EXPECT_THAT(result.text(), HasSubstr("samples -> " + (folder_.path() / "out.csv").string()));
-  EXPECT_EQ(load_recording(folder_.path() / "out.csv").size(), result.acquired.recording.size());
+  EXPECT_EQ(recording::load_recording(folder_.path() / "out.csv").size(), result.acquired.recording.size());
   EXPECT_EQ(read_file(folder_.path() / "report.json"), acquisition::report_json(result.acquired.report));
 }
 
@@ -71,7 +71,7 @@ TEST_F(AcquiredFile, AReversedForceIsNotedAndDoesNotPassButIsWritten) {
   EXPECT_TRUE(result.insane);
   EXPECT_FALSE(result.passed());
   EXPECT_THAT(result.acquired.report.notes, ::testing::Contains(HasSubstr("reversed")));
-  EXPECT_GT(load_recording(folder_.path() / "out.csv").size(), 500U);
+  EXPECT_GT(recording::load_recording(folder_.path() / "out.csv").size(), 500U);
 }
 
 TEST_F(AcquiredFile, ContactInTheBiasIntervalIsRefused) {

@@ -12,6 +12,8 @@
 #include "harness/recording/table_source.h"
 
 namespace touchstone::pipeline {
+using recording::Recording;
+
 namespace {
 
 struct AxisColumns {
@@ -32,7 +34,7 @@ const axis::AxisWords indentation{"indentation", "m", "force", "N", true};
 
 // A recording that presses along z: indentation grows downwards, the force pushes up.
 AxisInput pressed_along_z(const std::string& path) {
-  const Recording recording = load_recording(path);
+  const Recording recording = recording::load_recording(path);
   AxisInput input{{recording.motion.t_s, {}, {}, {}, path, true}, indentation};
   for (std::size_t i = 0; i < recording.size(); ++i) {
     input.run.place.push_back(-recording.motion.p_W_m[i].z());
@@ -45,7 +47,7 @@ AxisInput pressed_along_z(const std::string& path) {
 
 bool is_axis_recording(const std::string& path) {
   try {
-    const std::vector<std::string> names = open_table(path)->names();
+    const std::vector<std::string> names = recording::open_table(path)->names();
     return std::ranges::any_of(axis_columns(), [&](const AxisColumns& columns) {
       return std::ranges::count(names, columns.place) > 0 && std::ranges::count(names, columns.load) > 0;
     });

@@ -7,7 +7,6 @@
 
 #include "harness/axis/axis_fit.h"
 #include "harness/axis/axis_report.h"
-#include "harness/base/rooms.h"
 #include "harness/recording/trajectory.h"
 
 namespace touchstone::pipeline {
@@ -27,6 +26,6 @@ bool is_axis_recording(const std::string& path);
 AxisInput load_axis(const std::string& path, bool flip_force);
 
 // Place and load along x, for what looks at recordings. A place in rad stands for one in m.
-Recording as_recording(const axis::AxisRun& run);
+recording::Recording as_recording(const axis::AxisRun& run);
 
 }  // namespace touchstone::pipeline

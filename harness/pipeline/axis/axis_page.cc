@@ -8,6 +8,10 @@
 #include "harness/report/evaluation_page.h"
 
 namespace touchstone::pipeline {
+using report::Line;
+using report::Section;
+using report::Tone;
+
 namespace {
 
 // Measured there and back, and fitted, over the place and over time.
@@ -17,7 +21,7 @@ Section plots(const AxisInput& input, const axis::AxisFit& fit) {
   const axis::AxisWords& words = input.words;
   const std::vector<double> fitted = axis::fitted_load(fit, run);
   const std::string load_label = fmt::format("{} [{}]", words.load, words.load_unit);
-  LinePlot over_place, over_time;
+  report::LinePlot over_place, over_time;
   over_place.title = fmt::format("{} over {}", words.load, words.place);
   over_place.x_label = fmt::format("{} [{}]", words.place, words.place_unit);
   over_place.height_px = 380;
@@ -52,10 +56,10 @@ Section plots(const AxisInput& input, const axis::AxisFit& fit) {
 
 }  // namespace
 
-Page axis_page(const AxisInput& input, const axis::AxisFit& fit, const std::optional<axis::AxisFloor>& floor,
-               const Provenance& provenance) {
+report::Page axis_page(const AxisInput& input, const axis::AxisFit& fit, const std::optional<axis::AxisFloor>& floor,
+                       const report::Provenance& provenance) {
   const axis::AxisWords& words = input.words;
-  Page page;
+  report::Page page;
   page.title = fmt::format("{} over {} of {}", words.load, words.place,
                            std::filesystem::path(input.run.source).filename().string());
   page.subtitle = "One axis: what the place makes, and what the motion adds.";
@@ -73,9 +77,9 @@ Page axis_page(const AxisInput& input, const axis::AxisFit& fit, const std::opti
   }
   Section found{"What was found", "", {}, false};
   for (const std::string& remark : axis::axis_remarks(fit, words, floor)) {
-    found.blocks.emplace_back(TextBlock{remark, Tone::warning});
+    found.blocks.emplace_back(report::TextBlock{remark, Tone::warning});
   }
-  found.blocks.emplace_back(Code{"", axis::axis_values(fit, words)});
+  found.blocks.emplace_back(report::Code{"", axis::axis_values(fit, words)});
   page.sections.push_back(std::move(found));
   page.sections.push_back(plots(input, fit));
   page.sections.push_back(provenance_section(provenance));

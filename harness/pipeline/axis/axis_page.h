@@ -10,7 +10,7 @@
 
 namespace touchstone::pipeline {
 
-Page axis_page(const AxisInput& input, const axis::AxisFit& fit, const std::optional<axis::AxisFloor>& floor,
-               const Provenance& provenance);
+report::Page axis_page(const AxisInput& input, const axis::AxisFit& fit, const std::optional<axis::AxisFloor>& floor,
+                       const report::Provenance& provenance);
 
 }  // namespace touchstone::pipeline

@@ -39,9 +39,9 @@ AxisResult run_axis(const AxisRequest& request, AxisInput input) {
 std::filesystem::path write_axis(const AxisRequest& request, const AxisResult& result,
                                  const std::vector<std::string>& command_line, const std::filesystem::path& folder) {
   ensure_writable_folder(folder);
-  Provenance provenance = make_provenance(command_line);
-  provenance.inputs = {describe_input("recording", request.recording)};
-  if (!request.repeat.empty()) provenance.inputs.push_back(describe_input("repeat", request.repeat));
+  report::Provenance provenance = report::make_provenance(command_line);
+  provenance.inputs = {report::describe_input("recording", request.recording)};
+  if (!request.repeat.empty()) provenance.inputs.push_back(report::describe_input("repeat", request.repeat));
   write_file(folder / "axis.json", result.json());
   const std::filesystem::path page = folder / "report.html";
   write_html(page, axis_page(result.input, result.fit, result.floor, provenance));

@@ -13,20 +13,22 @@
 #include "harness/sanity/pair_faults.h"
 
 namespace touchstone::pipeline {
+using baseline::Quantity;
+
 namespace {
 
-void flip_forces(TrajectoryColumns& columns) {
-  for (TrajectoryColumn& column : columns.columns) {
-    const ComparedQuantity* const quantity = quantity_of_column(column.name);
+void flip_forces(baseline::TrajectoryColumns& columns) {
+  for (baseline::TrajectoryColumn& column : columns.columns) {
+    const baseline::ComparedQuantity* const quantity = baseline::quantity_of_column(column.name);
     if (quantity == nullptr || (quantity->id != Quantity::force && quantity->id != Quantity::torque)) continue;
     for (double& value : column.values) value = -value;
   }
 }
 
 // Errors that the real thing has from one time to the next are none of the renderer's.
-bool within(const sanity::RepeatFloor& floor, const Comparison& comparison) {
+bool within(const sanity::RepeatFloor& floor, const baseline::Comparison& comparison) {
   if (!comparison.problems.empty() || comparison.bad_data) return false;
-  return std::ranges::all_of(comparison.groups, [&](const GroupResult& group) {
+  return std::ranges::all_of(comparison.groups, [&](const baseline::GroupResult& group) {
     if (passes(group.verdict)) return true;
     if (group.quantity == Quantity::force) return group.rms <= floor.within_N;
     return group.quantity == Quantity::position && group.rms <= floor.position_m;
@@ -35,8 +37,8 @@ bool within(const sanity::RepeatFloor& floor, const Comparison& comparison) {
 
 }  // namespace
 
-Recording recording_of(const TrajectoryColumns& columns) {
-  Recording recording;
+recording::Recording recording_of(const baseline::TrajectoryColumns& columns) {
+  recording::Recording recording;
   recording.source = columns.source;
   std::vector<const std::vector<double>*> needed;
   for (const char* const name : {"t", "x", "y", "z", "fx", "fy", "fz"}) {
@@ -63,9 +65,9 @@ Recording recording_of(const TrajectoryColumns& columns) {
 
 ComparedFiles compare_files(const CompareRequest& request) {
   ComparedFiles files;
-  std::tie(files.expected, files.obtained) = load_columns(request.expected, request.obtained);
+  std::tie(files.expected, files.obtained) = baseline::load_columns(request.expected, request.obtained);
   if (request.flip_force) flip_forces(files.obtained);
-  files.comparison = compare(files.expected, files.obtained, request.tolerance.value_or(default_tolerance()));
+  files.comparison = compare(files.expected, files.obtained, request.tolerance.value_or(baseline::default_tolerance()));
   if (!request.repeat.empty()) files.floor = sanity::repeat_floor_of_files(request.expected, request.repeat);
   files.within_floor = files.floor && within(*files.floor, files.comparison);
   files.passed = passes(files.comparison.verdict) || (files.within_floor && !request.tolerance);
@@ -85,7 +87,7 @@ std::vector<std::string> ComparedFiles::explanations() const {
 std::string ComparedFiles::text() const {
   std::string text = to_table(comparison);
   if (!floor) return text;
-  const GroupResult* const force = comparison.find("force");
+  const baseline::GroupResult* const force = comparison.find("force");
   return text + fmt::format("repeat floor: {}{}\n", floor->text(),
                             force == nullptr ? ""
                                              : fmt::format("; the force error of {:.3g} N is {}", force->rms,

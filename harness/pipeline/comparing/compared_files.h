@@ -7,7 +7,6 @@
 #include <string>
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "harness/baseline/compare.h"
 #include "harness/baseline/tolerance.h"
 #include "harness/sanity/repeat_floor.h"
@@ -16,14 +15,15 @@ namespace touchstone::pipeline {
 
 struct CompareRequest {
   std::filesystem::path expected, obtained;
-  std::filesystem::path repeat;        // of the motion of `expected`; empty: none
-  std::optional<Tolerance> tolerance;  // none: default_tolerance(), and errors within the floor of a repeat pass
-  bool flip_force = false;             // `obtained` has the force BY the probe
+  std::filesystem::path repeat;  // of the motion of `expected`; empty: none
+  std::optional<baseline::Tolerance>
+      tolerance;            // none: default_tolerance(), and errors within the floor of a repeat pass
+  bool flip_force = false;  // `obtained` has the force BY the probe
 };
 
 struct ComparedFiles {
-  TrajectoryColumns expected, obtained;
-  Comparison comparison;
+  baseline::TrajectoryColumns expected, obtained;
+  baseline::Comparison comparison;
   std::optional<sanity::RepeatFloor> floor;  // if there is a repeat
   bool within_floor = false;  // no error is larger than what the real thing has from one time to the next
   bool passed = false;
@@ -43,6 +43,6 @@ ComparedFiles compare_files(const CompareRequest& request);
 
 // Place, force and orientation of the columns. Empty if place or force is missing or has other rows than the others;
 // without orientation if that is not there or has other rows.
-Recording recording_of(const TrajectoryColumns& columns);
+recording::Recording recording_of(const baseline::TrajectoryColumns& columns);
 
 }  // namespace touchstone::pipeline

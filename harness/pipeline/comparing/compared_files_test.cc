@@ -67,24 +67,24 @@ TEST_F(Compared, AnErrorWithinTheFloorOfARepeatPassesUnlessATolerancesIsGiven) {
   EXPECT_TRUE(files.passed);
   EXPECT_THAT(files.text(), HasSubstr("repeat floor:"));
   EXPECT_EQ(nlohmann::json::parse(files.json())["repeat_floor"]["within"], true);
-  request.tolerance = default_tolerance();
+  request.tolerance = baseline::default_tolerance();
   EXPECT_FALSE(compare_files(request).passed) << "who gives a tolerance means it";
   // An error above what the thing itself has.
   EXPECT_FALSE(compare_files({first, presses("off.csv", 3, 0.02, 1.0, 0.2), again, {}, false}).passed);
 }
 
 TEST_F(Compared, ColumnsWithoutForceAreNoRecording) {
-  TrajectoryColumns columns;
+  baseline::TrajectoryColumns columns;
   columns.source = "empty";
   EXPECT_EQ(recording_of(columns).size(), 0U);
 }
 
 TEST_F(Compared, AnOrientationThatIsShorterIsNone) {
-  TrajectoryColumns columns;
+  baseline::TrajectoryColumns columns;
   columns.source = "short";
   for (const char* const name : {"t", "x", "y", "z", "fx", "fy", "fz"}) columns.columns.push_back({name, {0.0, 1.0}});
   for (const char* const name : {"qw", "qx", "qy", "qz"}) columns.columns.push_back({name, {1.0}});
-  const Recording recording = recording_of(columns);
+  const recording::Recording recording = recording_of(columns);
   EXPECT_EQ(recording.size(), 2U);
   EXPECT_TRUE(recording.motion.q_WS.empty());
 }

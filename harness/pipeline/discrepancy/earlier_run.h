@@ -5,8 +5,6 @@
 #include <filesystem>
 #include <vector>
 
-#include "harness/base/rooms.h"
-
 namespace touchstone::pipeline {
 
 class EarlierRun {

@@ -7,24 +7,24 @@
 // of the model there, while that of the means falls, the means are what is told.
 #pragma once
 
-#include "harness/base/rooms.h"
 #include "harness/discrepancy/evidence.h"
 #include "harness/discrepancy/findings.h"
 
 namespace touchstone::pipeline {
 
 struct HeldOutSamples {
-  Evidence samples;                     // at the sensor's own rate
+  discrepancy::Evidence samples;        // at the sensor's own rate
   std::size_t count = 1;                // of them in each of the means that the search saw
   double square_beyond_means_N2 = 0.0;  // by the sensor's noise alone (thinning.h)
 };
 
 struct MeasuredGap {
-  ForceGap gap;
-  Evidence on;  // the means or the samples that it tells of
+  discrepancy::ForceGap gap;
+  discrepancy::Evidence on;  // the means or the samples that it tells of
 };
 
 // `search.spectrum` is that of the single samples, `search.noise_rms_N` what noise leaves of the means.
-MeasuredGap measure_gap(const SearchResult& search, const SearchData& data, const HeldOutSamples& held_out);
+MeasuredGap measure_gap(const discrepancy::SearchResult& search, const discrepancy::SearchData& data,
+                        const HeldOutSamples& held_out);
 
 }  // namespace touchstone::pipeline

@@ -11,6 +11,9 @@
 #include "harness/pipeline/discrepancy/thinning.h"
 
 namespace touchstone::pipeline {
+using recording::Recording;
+using rendering::Model;
+
 namespace {
 
 constexpr double window_s = 2.0 / 60.0;
@@ -55,17 +58,17 @@ struct World {
   }
 
   [[nodiscard]] MeasuredGap measure(const Model& found) const {
-    const MakePredictor make = [](const MotionColumns& motion) {
+    const rendering::MakePredictor make = [](const MotionColumns& motion) {
       return std::make_unique<discrepancy::PlanePredictor>(motion);
     };
     static Recording train_means, holdout_means;  // what comes back points to them
     train_means = thinned(train, count, {});
     holdout_means = thinned(holdout, count, {});
     const auto of_train = make(train_means.motion), of_holdout = make(holdout_means.motion), own = make(holdout.motion);
-    SearchData data;
+    discrepancy::SearchData data;
     data.learning = {&train_means, of_train.get(), nullptr, {}};
     data.holdout = {&holdout_means, of_holdout.get(), nullptr, {}};
-    SearchResult search;
+    discrepancy::SearchResult search;
     search.start = plane(0.0);
     search.model = found;
     search.noise_rms_N = 0.02;
@@ -74,7 +77,7 @@ struct World {
   }
   [[nodiscard]] bool tells_of_means(const MeasuredGap& measured) const { return measured.on.recording != &holdout; }
 
-  InstrumentDescription sensor;
+  discrepancy::InstrumentDescription sensor;
   Recording train;
   Recording holdout;
 };
@@ -83,7 +86,7 @@ TEST(ForceGap, WhatATrueDamperMakesOfTheTrackersNoiseIsNoErrorOfItsOwn) {
   const World world(1e-4);
   const MeasuredGap measured = world.measure(plane(4.0));
   ASSERT_TRUE(world.tells_of_means(measured));
-  const ForceGap& gap = measured.gap;
+  const discrepancy::ForceGap& gap = measured.gap;
   ASSERT_TRUE(gap.means);
   EXPECT_EQ(gap.means->count, count);
   EXPECT_GT(gap.means->after_N, gap.means->before_N);

@@ -12,15 +12,15 @@
 
 namespace touchstone::pipeline {
 
-void write_golden_case(const std::filesystem::path& folder, const TriangleMesh& mesh, const Recording& recording,
-                       const Model& found) {
+void write_golden_case(const std::filesystem::path& folder, const surface::TriangleMesh& mesh,
+                       const recording::Recording& recording, const rendering::Model& found) {
   if (std::filesystem::exists(folder)) {
     throw UsageError(fmt::format("--golden {}: exists already; name a new folder", folder.string()));
   }
   ensure_writable_folder(folder);
   save_mesh(mesh, folder / "mesh.ply");
-  save_trajectory(folder / "in.h5", InTrajectory{recording.motion});
-  Model contact = found;
+  save_trajectory(folder / "in.h5", recording::InTrajectory{recording.motion});
+  rendering::Model contact = found;
   contact.instrument.clear();  // how a sensor reads is nothing that a renderer renders
   take_pictures_along(contact, folder);
   nlohmann::ordered_json root;

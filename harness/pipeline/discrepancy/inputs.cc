@@ -21,15 +21,17 @@
 #include "harness/surface/mesh_warnings.h"
 
 namespace touchstone::pipeline {
+using recording::Recording;
+
 namespace {
 
 // Two triangles in z = 0 that reach far beyond the recording.
-TriangleMesh half_space(const Recording& recording) {
+surface::TriangleMesh half_space(const Recording& recording) {
   Box3 box;
   for (const Vec3& p : recording.motion.p_W_m) box.extend(p);
   const double half = 10.0 * std::max(box.diagonal().norm(), 1e-9);
   const Vec3 c(box.center().x(), box.center().y(), 0.0);
-  TriangleMesh mesh;
+  surface::TriangleMesh mesh;
   mesh.vertices_W_m = {c + Vec3(-half, -half, 0), c + Vec3(half, -half, 0), c + Vec3(half, half, 0),
                        c + Vec3(-half, half, 0)};
   mesh.triangles = {{0, 1, 2}, {0, 2, 3}};
@@ -42,13 +44,14 @@ TriangleMesh half_space(const Recording& recording) {
 void continue_where_the_mesh_has_ended(DiscrepancyInputs& inputs) {
   constexpr double few = 1e-3;
   constexpr double share_of_diagonal = 0.1;
-  const MeshTopology topology = make_topology(inputs.mesh);
+  const surface::MeshTopology topology = make_topology(inputs.mesh);
   if (topology.open_edge_count == 0 || !topology.non_manifold_edges.empty() || !topology.disoriented_edges.empty()) {
     return;
   }
   std::vector<Vec3> touching;
   for (std::size_t i = 0; i < inputs.train.size(); ++i) {
-    if (inputs.train.f_W_N[i].norm() > default_contact_threshold_N) touching.push_back(inputs.train.motion.p_W_m[i]);
+    if (inputs.train.f_W_N[i].norm() > rendering::default_contact_threshold_N)
+      touching.push_back(inputs.train.motion.p_W_m[i]);
   }
   if (share_at_open_edges(*inputs.surface, topology, touching) <= few) return;
   inputs.mesh = extend_open_edges(weld_coincident_vertices(inputs.mesh),
@@ -56,15 +59,16 @@ void continue_where_the_mesh_has_ended(DiscrepancyInputs& inputs) {
   inputs.surface = make_embree_surface(inputs.mesh);
 }
 
-void synthesize(Recording& recording, const Surface& surface, const Model& model) {
+void synthesize(Recording& recording, const surface::Surface& surface, const rendering::Model& model) {
   const auto stiffness = model.parameters.find("stiffness_N_per_m");
   if (stiffness == model.parameters.end()) {
     throw BadData(
         fmt::format("{}: /parameters: stiffness_N_per_m is needed to synthesize the in-trajectory", model.source));
   }
   const auto radius = model.parameters.find("tip_radius_m");
-  const OutTrajectoryRule rule{radius == model.parameters.end() ? 0.0 : radius->second};
-  recording.motion = synthesize_in_trajectory(make_out_trajectory(recording, surface, rule), stiffness->second).motion;
+  const rendering::OutTrajectoryRule rule{radius == model.parameters.end() ? 0.0 : radius->second};
+  recording.motion =
+      rendering::synthesize_in_trajectory(make_out_trajectory(recording, surface, rule), stiffness->second).motion;
 }
 
 void flip_forces(Recording& recording) {
@@ -74,13 +78,13 @@ void flip_forces(Recording& recording) {
 
 // Before anything is fitted: what a recording with a fault would be explained by has no meaning.
 void check_recordings(const DiscrepancyFiles& files, DiscrepancyInputs& inputs) {
-  SanityContext context;
+  sanity::SanityContext context;
   context.surface = inputs.surface.get();
   context.mesh_unit = files.mesh_unit;
   const auto radius = inputs.model.parameters.find("tip_radius_m");
   context.tip_radius_m = radius == inputs.model.parameters.end() ? 0.0 : radius->second;
   context.force_flipped = files.flip_force;
-  context.contact_force_N = default_contact_threshold_N;
+  context.contact_force_N = rendering::default_contact_threshold_N;
   for (const Recording* const recording : {&inputs.train, inputs.holdout ? &*inputs.holdout : nullptr}) {
     if (recording == nullptr) continue;
     for (const std::string& remark : refuse_insane(*recording, context)) inputs.remarks.push_back("warning: " + remark);
@@ -89,20 +93,20 @@ void check_recordings(const DiscrepancyFiles& files, DiscrepancyInputs& inputs) 
 
 }  // namespace
 
-DiscrepancyInputs load_inputs(const Catalogue& catalogue, const DiscrepancyFiles& files) {
+DiscrepancyInputs load_inputs(const rendering::Catalogue& catalogue, const DiscrepancyFiles& files) {
   DiscrepancyInputs inputs;
   inputs.model = files.plugins != nullptr ? plugin::load_model(files.model, *files.plugins, renderer_names(catalogue))
                                           : rendering::load_model(files.model);
-  inputs.train = load_recording(files.recording);
-  if (!files.holdout.empty()) inputs.holdout = load_recording(files.holdout);
+  inputs.train = recording::load_recording(files.recording);
+  if (!files.holdout.empty()) inputs.holdout = recording::load_recording(files.holdout);
   if (files.flip_force) {
     flip_forces(inputs.train);
     if (inputs.holdout) flip_forces(*inputs.holdout);
   }
-  inputs.mesh =
-      files.mesh.empty() ? half_space(inputs.train) : load_mesh(files.mesh, length_unit_factor(files.mesh_unit));
+  inputs.mesh = files.mesh.empty() ? half_space(inputs.train)
+                                   : surface::load_mesh(files.mesh, length_unit_factor(files.mesh_unit));
   if (files.repair) {
-    OrientedMesh repaired = orient(inputs.mesh);
+    surface::OrientedMesh repaired = orient(inputs.mesh);
     if (std::string note = repair_note(repaired); !note.empty()) inputs.remarks.push_back(std::move(note));
     inputs.mesh = std::move(repaired.mesh);
   }

@@ -9,7 +9,6 @@
 #include <string>
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "harness/recording/trajectory.h"
 #include "harness/rendering/catalogue.h"
 #include "harness/rendering/model.h"
@@ -40,7 +39,7 @@ struct DiscrepancyFiles {
   std::filesystem::path golden;  // where a golden case of the result is to be made; empty: none
   std::uint64_t seed = 1;
   double time_limit_s = std::numeric_limits<double>::infinity();  // beyond it the search tries nothing new
-  const Plugins* plugins = nullptr;                               // where the model's renderer may come from one
+  const plugin::Plugins* plugins = nullptr;                       // where the model's renderer may come from one
   std::vector<std::string> command_line;                          // for the report
   // The program `touchstone`, which runs the written model once more and has nothing of this process; empty: this
   // process reads the files once more.
@@ -48,15 +47,15 @@ struct DiscrepancyFiles {
 };
 
 struct DiscrepancyInputs {
-  Model model;
-  TriangleMesh mesh;
-  std::shared_ptr<const Surface> surface;
-  Recording train;
-  std::optional<Recording> holdout;
+  rendering::Model model;
+  surface::TriangleMesh mesh;
+  std::shared_ptr<const surface::Surface> surface;
+  recording::Recording train;
+  std::optional<recording::Recording> holdout;
   std::vector<std::string> remarks;  // on mesh and recordings: what was repaired, what is wrong
 };
 
 // Throws BadData naming the file: also for a recording that is not sane (harness/sanity/sanity.h).
-DiscrepancyInputs load_inputs(const Catalogue& catalogue, const DiscrepancyFiles& files);
+DiscrepancyInputs load_inputs(const rendering::Catalogue& catalogue, const DiscrepancyFiles& files);
 
 }  // namespace touchstone::pipeline

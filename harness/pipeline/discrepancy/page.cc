@@ -14,6 +14,21 @@
 #include "harness/rendering/smooth_field.h"
 
 namespace touchstone::pipeline {
+using discrepancy::Evidence;
+using discrepancy::Findings;
+using discrepancy::FindingsVerdict;
+using discrepancy::FoundEffect;
+using rendering::Prediction;
+using report::Code;
+using report::Line;
+using report::LinePlot;
+using report::Scene;
+using report::Section;
+using report::Table;
+using report::TextBlock;
+using report::Tone;
+using surface::TriangleMesh;
+
 namespace {
 
 constexpr std::size_t most_plotted = 4000;
@@ -53,7 +68,7 @@ Table gates_table(const Findings& findings) {
               {"gate", "of what the model leaves", "value", "limit", "the limit is from", "passed"},
               {},
               ""};
-  for (const VerdictGate& gate : findings.gates) {
+  for (const discrepancy::VerdictGate& gate : findings.gates) {
     gates.rows.push_back(
         {{text(std::string(gate.code)), text(gate.statistic), number(gate.value), number(gate.limit),
           text(gate.limit_from), text(gate.passed ? "yes" : "no", gate.passed ? Tone::neutral : Tone::warning)},
@@ -79,9 +94,9 @@ Section what_section(const Findings& findings) {
                 ""};
     for (std::size_t e = 0; e < findings.search.found.size(); ++e) {
       const FoundEffect& effect = findings.search.found[e];
-      for (const FoundParameter& p : findings.parameters[e]) {
+      for (const discrepancy::FoundParameter& p : findings.parameters[e]) {
         table.rows.push_back({{text(effect.name),
-                               text(effect.side == Side::contact ? "the contact" : "the instrument"),
+                               text(effect.side == rendering::Side::contact ? "the contact" : "the instrument"),
                                text(p.name),
                                number(p.value, "{:.5g}"),
                                {!p.undetermined.empty() ? "not determined"
@@ -105,7 +120,7 @@ Section what_section(const Findings& findings) {
           {"rival", "worse by, in validation chi-squared", "+-", "validation RMS [N]", "why it lost"},
           {},
           ""};
-      for (const Rival& rival : effect.rivals) {
+      for (const discrepancy::Rival& rival : effect.rivals) {
         if (rivals.rows.size() == 6) break;
         const std::string why = rival.alike            ? "did not lose: explains the data equally well"
                                 : rival.contains_found ? "contains it, and does no better"
@@ -146,7 +161,7 @@ Section gap_section(const Findings& findings) {
   Table table{
       "From the starting model to the final one", {"part", "share of the disagreement", "RMS left [N]"}, {}, ""};
   table.rows.push_back({{text("starting model"), text(""), number(findings.gap.holdout_before_N)}, "", {}});
-  for (const GapShare& share : findings.shares) {
+  for (const discrepancy::GapShare& share : findings.shares) {
     table.rows.push_back({{text(share.name), number(100.0 * share.share, "{:.1f} %"), number(share.left_N)}, "", {}});
   }
   table.rows.push_back({{text("of which noise gives"), text(""), number(findings.gap.noise_floor_N)}, "", {}});
@@ -164,7 +179,7 @@ Section gap_section(const Findings& findings) {
     }
   };
   stair("starting model", findings.gap.holdout_before_N);
-  for (const GapShare& share : findings.shares) stair(share.name, share.left_N);
+  for (const discrepancy::GapShare& share : findings.shares) stair(share.name, share.left_N);
   fall.lines = {std::move(left)};
   fall.levels = {{"noise", findings.gap.noise_floor_N}};
   section.blocks.emplace_back(std::move(fall));
@@ -183,7 +198,7 @@ Section where_section(const Findings& findings) {
               {"by", "regime", "samples", "before [N]", "its 95 % [+- N]", "after [N]", "share of error before"},
               {},
               ""};
-  for (const Regime& regime : findings.where) {
+  for (const discrepancy::Regime& regime : findings.where) {
     table.rows.push_back({{text(to_string(regime.kind)),
                            text(regime.name),
                            {fmt::format("{}", regime.samples), true, Tone::neutral},
@@ -200,7 +215,7 @@ Section where_section(const Findings& findings) {
 
 // Lines and bands that means over blocks cannot show.
 Section spectrum_section(const Findings& findings) {
-  const ResidualSpectrum& spectrum = findings.search.spectrum;
+  const discrepancy::ResidualSpectrum& spectrum = findings.search.spectrum;
   Section section{
       "Lines and bands of the residual",
       fmt::format("From {:.3g} to {:.4g} Hz the held-out residual of the final model is {:.3g} N RMS; where "
@@ -214,7 +229,7 @@ Section spectrum_section(const Findings& findings) {
               {"what", "frequency [Hz]", "width [Hz]", "RMS [N]", "acts", "false alarm, at most"},
               {},
               ""};
-  for (const SpectralPeak& peak : spectrum.peaks) {
+  for (const discrepancy::SpectralPeak& peak : spectrum.peaks) {
     table.rows.push_back({{text(peak.name), number(peak.frequency_Hz, "{:.4g}"), number(peak.width_Hz, "{:.2g}"),
                            number(peak.rms_N, "{:.3g}"), text(to_string(peak.acts)),
                            text(fmt::format("10^{:.0f}", std::floor(peak.log10_false_alarm)))},
@@ -226,7 +241,7 @@ Section spectrum_section(const Findings& findings) {
 }
 
 Section time_section(const Evidence& evidence, const Prediction& before, const Prediction& after) {
-  const Recording& recording = *evidence.recording;
+  const recording::Recording& recording = *evidence.recording;
   const std::size_t stride = std::max<std::size_t>(1, recording.size() / most_plotted);
   Section section{"Over time", "", {}, false};
   for (int axis = 0; axis < 3; ++axis) {
@@ -267,7 +282,7 @@ Section time_section(const Evidence& evidence, const Prediction& before, const P
 
 // The starting model's error at the vertices near the path.
 Section place_section(const Evidence& evidence, const Prediction& before, const TriangleMesh& mesh) {
-  const Recording& recording = *evidence.recording;
+  const recording::Recording& recording = *evidence.recording;
   Scene scene;
   scene.title = "The starting model's error on the object";
   scene.unit = "m";
@@ -300,9 +315,9 @@ Section place_section(const Evidence& evidence, const Prediction& before, const 
 }
 
 // The found fields at the vertices near the path.
-std::optional<Section> field_section(const Findings& findings, const std::vector<Candidate>& candidates,
+std::optional<Section> field_section(const Findings& findings, const std::vector<rendering::Candidate>& candidates,
                                      const Evidence& evidence, const TriangleMesh& mesh) {
-  const EffectLibrary library(candidates);
+  const discrepancy::EffectLibrary library(candidates);
   Section section{"Fields over the surface",
                   "What differs over the surface, where the tip has been. Elsewhere the field is a continuation of its "
                   "neighbourhood.",
@@ -312,11 +327,11 @@ std::optional<Section> field_section(const Findings& findings, const std::vector
   const std::size_t stride = std::max<std::size_t>(1, path.size() / 3000);
   const double reach_m = 0.03 * mesh.bounds().diagonal().norm();
   for (const FoundEffect& effect : findings.search.found) {
-    const NamedParameters& entry = *find_entry(findings.search.model, effect.name);
-    if (!is_field(entry.parameters)) continue;
-    const SmoothField field = field_of(entry.parameters, entry.place);
-    const EffectTraits& traits = library.traits(effect.name);
-    const bool height = traits.surface == EffectTraits::Surface::higher_by_field;
+    const rendering::NamedParameters& entry = *discrepancy::find_entry(findings.search.model, effect.name);
+    if (!rendering::is_field(entry.parameters)) continue;
+    const rendering::SmoothField field = rendering::field_of(entry.parameters, entry.place);
+    const rendering::EffectTraits& traits = library.traits(effect.name);
+    const bool height = traits.surface == rendering::EffectTraits::Surface::higher_by_field;
     Scene scene;
     scene.title = traits.map_title;
     scene.unit = "m";
@@ -338,7 +353,7 @@ std::optional<Section> field_section(const Findings& findings, const std::vector
 // What the residual follows, where nothing in the library explains it.
 std::optional<Section> law_section(const Findings& findings) {
   if (!findings.law) return std::nullopt;
-  const UnknownLaw& law = findings.search.law;
+  const discrepancy::UnknownLaw& law = findings.search.law;
   Section section{
       "An empirical law for what is missing",
       fmt::format(
@@ -353,15 +368,15 @@ std::optional<Section> law_section(const Findings& findings) {
   for (const std::string& line : law_formulas(law)) formulas += line + "\n";
   section.blocks.emplace_back(Code{"formulas (units: SI)", formulas});
   Table values{"Its values", {"piece", "parameter", "value", "unit", "what it is"}, {}, ""};
-  for (const LawPiece& piece : law.pieces) {
-    for (const ParameterDeclaration& p : piece.effect->parameters) {
+  for (const discrepancy::LawPiece& piece : law.pieces) {
+    for (const rendering::ParameterDeclaration& p : piece.effect->parameters) {
       values.rows.push_back(
           {{text(piece.effect->summary), text(p.name), number(p.initial), text(p.unit), text(p.meaning)}, "", {}});
     }
   }
   section.blocks.emplace_back(std::move(values));
   Table ranges{"Seen in the recording: beyond, the law is a guess", {"variable", "from", "to", "unit"}, {}, ""};
-  for (const SeenRange& range : law.seen)
+  for (const discrepancy::SeenRange& range : law.seen)
     ranges.rows.push_back({{text(range.variable), number(range.low), number(range.high), text(range.unit)}, "", {}});
   section.blocks.emplace_back(std::move(ranges));
   if (!law.needless.empty()) {
@@ -379,7 +394,7 @@ Section search_section(const Findings& findings) {
                   {},
                   true};
   std::size_t count = 0;
-  for (const SearchStep& step : findings.search.steps) {
+  for (const discrepancy::SearchStep& step : findings.search.steps) {
     Table table{fmt::format("Step {}: from a validation RMS of {:.4g} N{}", ++count, step.validation_rms_N,
                             step.added.empty()     ? ", nothing added"
                             : step.removed.empty() ? fmt::format(", {} added", step.added)
@@ -387,7 +402,7 @@ Section search_section(const Findings& findings) {
                 {"candidate", "training gain", "validation gain", "validation RMS [N]", "verdict"},
                 {},
                 ""};
-    for (const Trial& trial : step.trials) {
+    for (const discrepancy::Trial& trial : step.trials) {
       table.rows.push_back(
           {{text(trial.title()), number(trial.train_gain, "{:.0f}"), number(trial.validation_gain, "{:.0f}"),
             number(trial.validation_rms_N), text(trial.verdict.words)},
@@ -401,13 +416,13 @@ Section search_section(const Findings& findings) {
 
 }  // namespace
 
-Page discrepancy_page(const Findings& findings, const std::vector<Candidate>& candidates, const Evidence& evidence,
-                      const Prediction& before, const Prediction& after, const TriangleMesh& mesh,
-                      const Provenance& provenance) {
-  Page page;
+report::Page discrepancy_page(const Findings& findings, const std::vector<rendering::Candidate>& candidates,
+                              const Evidence& evidence, const Prediction& before, const Prediction& after,
+                              const TriangleMesh& mesh, const report::Provenance& provenance) {
+  report::Page page;
   page.title = "Where simulation and measurement disagree";
   page.subtitle = fmt::format("{} against {}", findings.search.start.source, evidence.recording->source);
-  const ForceGap& gap = findings.gap;
+  const discrepancy::ForceGap& gap = findings.gap;
   const std::string of =
       gap.means ? fmt::format("RMS, 3-D, of means over {} samples, ", gap.means->count) : "RMS, 3-D, ";
   page.headlines = {
@@ -440,7 +455,7 @@ Page discrepancy_page(const Findings& findings, const std::vector<Candidate>& ca
   page.sections.push_back(place_section(evidence, before, mesh));
   if (auto fields = field_section(findings, candidates, evidence, mesh)) page.sections.push_back(std::move(*fields));
   page.sections.push_back(search_section(findings));
-  Facts facts;
+  report::Facts facts;
   facts.rows = {
       {"held out", findings.blocks_held_back ? "alternating blocks of the one recording" : "a recording of its own"},
       {"instrument", findings.instrument_declared ? "as declared" : "no description given: noise estimated"},
@@ -448,7 +463,7 @@ Page discrepancy_page(const Findings& findings, const std::vector<Candidate>& ca
       {"made", provenance.created_utc},
       {"version", fmt::format("{} ({})", provenance.build.version, provenance.build.commit)},
       {"compiler", fmt::format("{}, {}", provenance.build.compiler, provenance.build.flags)}};
-  for (const InputFile& input : provenance.inputs) {
+  for (const report::InputFile& input : provenance.inputs) {
     facts.rows.emplace_back(input.role, fmt::format("{} (SHA-256 {})", input.name, input.sha256));
   }
   Section last{"Model and provenance", "", {}, true};

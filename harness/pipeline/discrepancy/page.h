@@ -1,7 +1,6 @@
 // The report of a search for missing effects, as a page.
 #pragma once
 
-#include "harness/base/rooms.h"
 #include "harness/discrepancy/findings.h"
 #include "harness/report/page.h"
 #include "harness/report/provenance.h"
@@ -10,8 +9,10 @@
 namespace touchstone::pipeline {
 
 // `evidence`: what the gap is shown on (held out); predictions over its whole recording.
-Page discrepancy_page(const Findings& findings, const std::vector<Candidate>& candidates, const Evidence& evidence,
-                      const Prediction& before, const Prediction& after, const TriangleMesh& mesh,
-                      const Provenance& provenance);
+report::Page discrepancy_page(const discrepancy::Findings& findings,
+                              const std::vector<rendering::Candidate>& candidates,
+                              const discrepancy::Evidence& evidence, const rendering::Prediction& before,
+                              const rendering::Prediction& after, const surface::TriangleMesh& mesh,
+                              const report::Provenance& provenance);
 
 }  // namespace touchstone::pipeline

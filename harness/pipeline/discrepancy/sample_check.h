@@ -10,7 +10,6 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
-#include "harness/base/rooms.h"
 #include "harness/recording/recording_file.h"
 #include "harness/testing/built_program.h"
 #include "harness/testing/shared_data.h"

@@ -24,8 +24,8 @@ TEST_F(DiscrepancySamples, DampingAndTheModelRunsInAnOrdinaryReplay) {
                             folder_.string(), place.string())),
             0)
       << read_file(folder_ / "err.txt");
-  const RenderedTrajectory replayed = load_rendered(folder_ / "replayed.csv");
-  const Recording measured = load_recording(place / "holdout.csv");
+  const recording::RenderedTrajectory replayed = recording::load_rendered(folder_ / "replayed.csv");
+  const recording::Recording measured = recording::load_recording(place / "holdout.csv");
   ASSERT_EQ(replayed.size(), measured.size());
   double sum = 0.0;
   for (std::size_t i = 0; i < measured.size(); ++i) sum += (measured.f_W_N[i] - replayed.f_W_N[i]).squaredNorm();

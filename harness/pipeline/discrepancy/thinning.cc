@@ -5,6 +5,8 @@
 #include <memory>
 
 namespace touchstone::pipeline {
+using discrepancy::InstrumentDescription;
+using recording::Recording;
 
 std::size_t samples_per_mean(const MotionColumns& motion, double window_s) {
   constexpr double left_in_block = 4.0;
@@ -16,7 +18,7 @@ std::size_t samples_per_mean(const MotionColumns& motion, double window_s) {
   return std::max<std::size_t>(1, static_cast<std::size_t>(window_s / (left_in_block * step_s) + rounding));
 }
 
-Recording thinned(const Recording& recording, std::size_t count, const Part& part) {
+Recording thinned(const Recording& recording, std::size_t count, const discrepancy::Part& part) {
   if (count <= 1 || recording.size() < 2) return recording;
   const MotionColumns& all = recording.motion;
   const double first_s = all.t_s.front();
@@ -97,23 +99,24 @@ Recording first_samples(const Recording& recording, std::size_t most) {
 // A recording at its own rate, as its spectrum asks for it.
 struct AtOwnRate {
   Recording recording;
-  std::unique_ptr<Predictor> predictor;
-  NoiseModel noise;
-  FitData blocks;
+  std::unique_ptr<rendering::Predictor> predictor;
+  discrepancy::NoiseModel noise;
+  discrepancy::FitData blocks;
 
-  AtOwnRate(const Recording& whole, const Model& model, const InstrumentDescription& instrument,
-            const MakePredictor& make, std::uint64_t noise_seed, std::uint64_t mesh_seed)
+  AtOwnRate(const Recording& whole, const rendering::Model& model, const InstrumentDescription& instrument,
+            const rendering::MakePredictor& make, std::uint64_t noise_seed, std::uint64_t mesh_seed)
       : recording(first_samples(whole, spectrum_samples)),
         predictor(make(recording.motion)),
         noise(recording.motion, predictor->predict(model).n_W, instrument, make, noise_seed, mesh_seed) {
     blocks.predictor = predictor.get();
   }
-  [[nodiscard]] DetectorSide side() { return {&recording, &blocks, &noise}; }
+  [[nodiscard]] discrepancy::DetectorSide side() { return {&recording, &blocks, &noise}; }
 };
 
 }  // namespace
 
-ResidualSpectrum spectrum_of_samples(const SampledRecordings& of, const Model& model, double window_s) {
+discrepancy::ResidualSpectrum spectrum_of_samples(const SampledRecordings& of, const rendering::Model& model,
+                                                  double window_s) {
   AtOwnRate held(of.holdout == nullptr ? *of.train : *of.holdout, model, of.sensor, of.make, of.seed + 1, of.seed + 2);
   if (of.holdout == nullptr) return residual_spectrum(held.side(), held.side(), model, window_s);
   AtOwnRate learnt(*of.train, model, of.sensor, of.make, of.seed, of.seed + 2);

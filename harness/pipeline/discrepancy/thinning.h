@@ -6,7 +6,6 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "harness/base/rooms.h"
 #include "harness/discrepancy/evidence.h"
 #include "harness/discrepancy/residual_spectrum.h"
 
@@ -19,24 +18,26 @@ std::size_t samples_per_mean(const MotionColumns& motion, double window_s);
 // Means of times, positions and forces over `count` samples, and the orientation in their middle. The first sample
 // stays as it is, so that the blocks of a part (evidence.h) begin where they did, and no mean reaches from a part's
 // blocks into those that are left out, nor over a gap in time.
-Recording thinned(const Recording& recording, std::size_t count, const Part& part);
+recording::Recording thinned(const recording::Recording& recording, std::size_t count, const discrepancy::Part& part);
 
 // The instrument of such means. Noise with a time constant (a process of first order) keeps that; each of the sensor's
 // steps rounds on its own.
-InstrumentDescription instrument_of_means(const InstrumentDescription& instrument, const MotionColumns& motion,
-                                          std::size_t count);
+discrepancy::InstrumentDescription instrument_of_means(const discrepancy::InstrumentDescription& instrument,
+                                                       const MotionColumns& motion, std::size_t count);
 
 // What the sensor's noise adds to the mean square of the 3-D force of a sample beyond that of a mean [N^2].
-double square_beyond_means_N2(const InstrumentDescription& samples, const InstrumentDescription& means);
+double square_beyond_means_N2(const discrepancy::InstrumentDescription& samples,
+                              const discrepancy::InstrumentDescription& means);
 
 // What recordings show at their sensor's own rate.
 struct SampledRecordings {
-  const Recording* train = nullptr;
-  const Recording* holdout = nullptr;  // none: `train` holds what is held out
-  std::uint64_t seed = 1;              // of the simulated noise
-  InstrumentDescription sensor;
-  MakePredictor make;
+  const recording::Recording* train = nullptr;
+  const recording::Recording* holdout = nullptr;  // none: `train` holds what is held out
+  std::uint64_t seed = 1;                         // of the simulated noise
+  discrepancy::InstrumentDescription sensor;
+  rendering::MakePredictor make;
 };
-ResidualSpectrum spectrum_of_samples(const SampledRecordings& of, const Model& model, double window_s);
+discrepancy::ResidualSpectrum spectrum_of_samples(const SampledRecordings& of, const rendering::Model& model,
+                                                  double window_s);
 
 }  // namespace touchstone::pipeline

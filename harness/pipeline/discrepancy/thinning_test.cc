@@ -5,6 +5,8 @@
 #include <cmath>
 
 namespace touchstone::pipeline {
+using recording::Recording;
+
 namespace {
 
 Recording line(std::size_t samples, double step_s) {
@@ -43,7 +45,7 @@ TEST(Thinning, MeansOfALineLieOnItAndNothingIsLost) {
 
 // Forces of blocks that are held back are not in any mean of those that are learnt from.
 TEST(Thinning, NoMeanReachesAcrossTheBorderOfAPart) {
-  const Part learnt{{0.05, false}, {}};
+  const discrepancy::Part learnt{{0.05, false}, {}};
   Recording all = line(2000, 0.002);
   const double first_s = all.motion.t_s.front();
   const Recording clean = thinned(all, 4, learnt);
@@ -63,7 +65,7 @@ TEST(Thinning, NoMeanReachesAcrossTheBorderOfAPart) {
 
 // Against the noise itself, drawn at the sensor's rate and averaged.
 TEST(Thinning, TheNoiseOfMeansIsThatOfTheAveragedSensor) {
-  InstrumentDescription sensor;
+  discrepancy::InstrumentDescription sensor;
   sensor.force_noise_N = 0.02;
   sensor.force_step_N = Vec3(0.01, 0.0, 0.03);
   for (const double time_constant_s : {0.0, 0.003, 0.02}) {
@@ -77,7 +79,7 @@ TEST(Thinning, TheNoiseOfMeansIsThatOfTheAveragedSensor) {
       for (const Vec3& f : forces) sum += f.squaredNorm();
       return sum / static_cast<double>(forces.size());
     };
-    const InstrumentDescription of_means = instrument_of_means(sensor, drawn.motion, 8);
+    const discrepancy::InstrumentDescription of_means = instrument_of_means(sensor, drawn.motion, 8);
     // 10,000 means of three axes, each like the next over the time constant: a few per cent.
     EXPECT_NEAR(square_beyond_means_N2(of_means, {}) / square_of(means.f_W_N), 1.0, 0.06) << time_constant_s;
     EXPECT_NEAR(square_beyond_means_N2(sensor, of_means) / (square_of(drawn.f_W_N) - square_of(means.f_W_N)), 1.0, 0.06)

@@ -17,14 +17,15 @@
 
 namespace touchstone::pipeline {
 
-double rms_of_files_N(const Catalogue& catalogue, const DiscrepancyFiles& files,
+double rms_of_files_N(const rendering::Catalogue& catalogue, const DiscrepancyFiles& files,
                       const std::function<void(const std::string&)>& report) {
   const DiscrepancyInputs inputs = load_inputs(catalogue, files);
   if (report) {
     for (const std::string& remark : inputs.remarks) report(remark);
   }
-  const Recording& measured = inputs.train;
-  const Prediction prediction = catalogue.make_predictor(inputs.surface, measured.motion)->predict(inputs.model);
+  const recording::Recording& measured = inputs.train;
+  const rendering::Prediction prediction =
+      catalogue.make_predictor(inputs.surface, measured.motion)->predict(inputs.model);
   double sum = 0.0;
   for (std::size_t i = 0; i < measured.size(); ++i) sum += (measured.f_W_N[i] - prediction.f_W_N[i]).squaredNorm();
   return std::sqrt(sum / static_cast<double>(measured.size()));

@@ -5,14 +5,13 @@
 #include <optional>
 #include <string>
 
-#include "harness/base/rooms.h"
 #include "harness/pipeline/discrepancy/inputs.h"
 
 namespace touchstone::pipeline {
 
 // RMS of the 3-D force error of `files.model` against all of `files.recording`, from the files alone. `report` gets
 // what there is to say on mesh and recording.
-double rms_of_files_N(const Catalogue& catalogue, const DiscrepancyFiles& files,
+double rms_of_files_N(const rendering::Catalogue& catalogue, const DiscrepancyFiles& files,
                       const std::function<void(const std::string&)>& report = {});
 
 // The same by a fresh run of `files.program`, which is `touchstone`, with nothing said. Nothing if the system cannot

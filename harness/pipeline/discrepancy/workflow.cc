@@ -25,21 +25,35 @@
 #include "harness/surface/facet_angle.h"
 
 namespace touchstone::pipeline {
+using discrepancy::Evidence;
+using discrepancy::Findings;
+using discrepancy::InstrumentDescription;
+using discrepancy::NoiseModel;
+using discrepancy::Part;
+using recording::Recording;
+using rendering::Candidate;
+using rendering::Catalogue;
+using rendering::MakePredictor;
+using rendering::Model;
+using rendering::Prediction;
+using rendering::Side;
+using report::describe_input;
+
 namespace {
 
 constexpr double held_back_least_blocks = 20.0;  // a short recording has shorter blocks
 
 // The noise of the force from the part that is learnt from.
 InstrumentDescription estimate_from(const Recording& train, const Part& learnt_from) {
-  InstrumentDescription instrument = estimate_instrument(train);
-  instrument.force_noise_N = estimate_instrument(samples_of(learnt_from, train)).force_noise_N;
+  InstrumentDescription instrument = discrepancy::estimate_instrument(train);
+  instrument.force_noise_N = discrepancy::estimate_instrument(samples_of(learnt_from, train)).force_noise_N;
   return instrument;
 }
 
 InstrumentDescription instrument_of(const DiscrepancyFiles& files, const Recording& train, const Part& learnt_from,
-                                    const TriangleMesh& mesh, const Surface& surface) {
+                                    const surface::TriangleMesh& mesh, const surface::Surface& surface) {
   InstrumentDescription instrument =
-      files.instrument.empty() ? estimate_from(train, learnt_from) : load_instrument(files.instrument);
+      files.instrument.empty() ? estimate_from(train, learnt_from) : discrepancy::load_instrument(files.instrument);
   if (!(instrument.force_noise_N > 0.0)) {
     throw BadData(files.instrument.empty()
                       ? fmt::format("{}: no noise of the force can be estimated from it: give the sensor's with "
@@ -62,7 +76,7 @@ InstrumentDescription instrument_of(const DiscrepancyFiles& files, const Recordi
 std::optional<InstrumentDescription> suggest_instrument(const InstrumentDescription& estimated,
                                                         const MotionColumns& motion) {
   if (estimated.declared) return std::nullopt;
-  const std::optional<TrackerNoise> tracker = tracker_noise(motion);
+  const std::optional<discrepancy::TrackerNoise> tracker = discrepancy::tracker_noise(motion);
   if (!tracker || !(tracker->position_noise_m > estimated.position_noise_m)) return std::nullopt;
   InstrumentDescription suggested = estimated;
   suggested.position_noise_m = tracker->position_noise_m;
@@ -97,15 +111,17 @@ std::size_t mean_over(const Recording& train, const InstrumentDescription& instr
   constexpr std::size_t long_recording = 40000;  // samples: a sensor's minute
   if (!instrument.declared && train.size() < long_recording) return 1;
   const double rate_Hz = instrument.declared ? instrument.position_rate_Hz : tracker_Hz;
-  return samples_per_mean(train.motion, block_window_s(rate_Hz, train.motion));
+  return samples_per_mean(train.motion, discrepancy::block_window_s(rate_Hz, train.motion));
 }
 
 // Nothing where no law was found, where it does not help on the held-out samples, or where noise alone leaves as much
 // as the start does.
-std::optional<LawGap> measure_law(const SearchResult& search, const Evidence& samples, double noise_N) {
+std::optional<discrepancy::LawGap> measure_law(const discrepancy::SearchResult& search, const Evidence& samples,
+                                               double noise_N) {
   if (!search.law.found()) return std::nullopt;
   const auto rms_N = [&](const Model& model) { return rms_force_error_N(samples, samples.predictor->predict(model)); };
-  LawGap gap{rms_N(search.base), rms_N(search.model), rms_N(search.law.model), 0.0, search.law_gain, search.law_error};
+  discrepancy::LawGap gap{rms_N(search.base), rms_N(search.model), rms_N(search.law.model), 0.0,
+                          search.law_gain,    search.law_error};
   const double beyond = gap.start_N * gap.start_N - noise_N * noise_N;
   if (!(gap.with_N < gap.without_N) || !(beyond > 0.0)) return std::nullopt;
   gap.closed = (gap.start_N * gap.start_N - gap.with_N * gap.with_N) / beyond;
@@ -115,19 +131,22 @@ std::optional<LawGap> measure_law(const SearchResult& search, const Evidence& sa
 // One file for each piece, and the model with the law.
 void write_law(const Findings& findings, const std::filesystem::path& out) {
   std::size_t count = 0;
-  for (const LawPiece& piece : findings.search.law.pieces)
+  for (const discrepancy::LawPiece& piece : findings.search.law.pieces)
     write_file(out / fmt::format("law-{}.json", ++count), effect_to_json(*piece.effect));
   write_file(out / "empirical.json", model_to_json(findings.search.law.model, out) + "\n");
 }
 
 // Only indistinguishable rivals need another recording; the first pair decides what to do.
-std::optional<NextExperiment> next_experiment(const SearchResult& search, const SearchData& data,
-                                              const MakePredictor& make, const InstrumentDescription& instrument) {
-  for (const FoundEffect& effect : search.found) {
-    for (const Rival& rival : effect.rivals) {
+std::optional<discrepancy::NextExperiment> next_experiment(const discrepancy::SearchResult& search,
+                                                           const discrepancy::SearchData& data,
+                                                           const MakePredictor& make,
+                                                           const InstrumentDescription& instrument) {
+  for (const discrepancy::FoundEffect& effect : search.found) {
+    for (const discrepancy::Rival& rival : effect.rivals) {
       if (!rival.alike) continue;
-      return propose_experiment(*data.learning.recording, data.learning.predictor->predict(search.model), search.model,
-                                rival.model, make, instrument.force_noise_N, instrument.position_noise_m);
+      return discrepancy::propose_experiment(*data.learning.recording, data.learning.predictor->predict(search.model),
+                                             search.model, rival.model, make, instrument.force_noise_N,
+                                             instrument.position_noise_m);
     }
   }
   return std::nullopt;
@@ -170,10 +189,10 @@ std::vector<Candidate> all_candidates(const Catalogue& catalogue) {
 std::vector<Candidate> all_candidates(const Catalogue& catalogue, const std::vector<std::filesystem::path>& effects) {
   std::vector<Candidate> candidates = all_candidates(catalogue);
   for (const std::filesystem::path& file : effects) {
-    auto law = std::make_shared<const DeclaredEffect>(load_effect(file));
-    const bool known =
-        std::ranges::find(candidates, law->name, &Candidate::name) != candidates.end() ||
-        std::ranges::find(catalogue.effects(), law->name, &NamedDeclaration::name) != catalogue.effects().end();
+    auto law = std::make_shared<const rendering::DeclaredEffect>(rendering::load_effect(file));
+    const bool known = std::ranges::find(candidates, law->name, &Candidate::name) != candidates.end() ||
+                       std::ranges::find(catalogue.effects(), law->name, &rendering::NamedDeclaration::name) !=
+                           catalogue.effects().end();
     if (known) {
       throw BadData(fmt::format("{}: /name: there is an effect {} already; give this one a name of its own",
                                 file.string(), law->name));
@@ -196,7 +215,7 @@ Findings run_discrepancy(const Catalogue& catalogue, const DiscrepancyFiles& fil
   if (!files.repeat.empty()) floor = sanity::repeat_floor_of_files(files.recording, files.repeat);
   const Model& model = inputs.model;
   const auto candidates = all_candidates(catalogue, files.effects);
-  const TriangleMesh& mesh = inputs.mesh;
+  const surface::TriangleMesh& mesh = inputs.mesh;
   const auto& surface = inputs.surface;
   const Recording& train = inputs.train;
   const auto& second = inputs.holdout;
@@ -224,15 +243,15 @@ Findings run_discrepancy(const Catalogue& catalogue, const DiscrepancyFiles& fil
                          files.seed + 2);
   NoiseModel holdout_noise(holdout_means.motion, holdout_predictor->predict(model).n_W, instrument, make,
                            files.seed + 1, files.seed + 2);
-  SearchData data = divide({&train_means, train_predictor.get(), &train_noise, learnt_from},
-                           {&holdout_means, holdout_predictor.get(), &holdout_noise, held_back},
-                           block_window_s(instrument.position_rate_Hz, train_means.motion));
+  auto data = discrepancy::divide({&train_means, train_predictor.get(), &train_noise, learnt_from},
+                                  {&holdout_means, holdout_predictor.get(), &holdout_noise, held_back},
+                                  discrepancy::block_window_s(instrument.position_rate_Hz, train_means.motion));
   data.force_floor_N = 6.0 * sensor.force_noise_N + sensor.force_step_N.maxCoeff();
   data.position_noise_m = instrument.position_noise_m;
   data.geometry_error_m = instrument.geometry_error_m;
 
   Findings findings;
-  SearchSettings settings;
+  discrepancy::SearchSettings settings;
   settings.time_limit_s = files.time_limit_s;
   findings.search = search_effects(data, model, candidates, settings, report);
   const auto samples_predictor = count > 1 ? make(holdout.motion) : nullptr;
@@ -262,17 +281,17 @@ Findings run_discrepancy(const Catalogue& catalogue, const DiscrepancyFiles& fil
   std::string trajectory;
   if (findings.next && !findings.ambiguous.empty()) {
     trajectory = "next.csv";
-    save_trajectory(files.out / trajectory, InTrajectory{findings.next->motion});
+    save_trajectory(files.out / trajectory, recording::InTrajectory{findings.next->motion});
   }
   write_file(files.out / "model.json", model_to_json(findings.search.model, files.out) + "\n");
   if (findings.law) write_law(findings, files.out);
   if (findings.suggested_instrument)
-    write_file(files.out / suggested_instrument_file, instrument_to_json(*findings.suggested_instrument));
+    write_file(files.out / discrepancy::suggested_instrument_file, instrument_to_json(*findings.suggested_instrument));
   findings.gap.holdout_after_again_N =
       run_again(catalogue, files, samples, findings.search.model, instrument.force_noise_N);
   const std::string json = findings_to_json(findings, trajectory);
   write_file(files.out / "findings.json", json);
-  Provenance provenance = make_provenance(files.command_line);
+  report::Provenance provenance = report::make_provenance(files.command_line);
   provenance.inputs = {describe_input("model", files.model), describe_input("recording", files.recording)};
   if (!files.mesh.empty()) provenance.inputs.push_back(describe_input("mesh", files.mesh));
   if (second) provenance.inputs.push_back(describe_input("holdout", files.holdout));
@@ -287,7 +306,7 @@ Findings run_discrepancy(const Catalogue& catalogue, const DiscrepancyFiles& fil
 
 std::string findings_text(const Findings& findings, const DiscrepancyFiles& files) {
   std::string text = fmt::format("{}\n{}\n", to_string(findings.verdict), findings.explanation);
-  for (const VerdictGate& gate : findings.gates) {
+  for (const discrepancy::VerdictGate& gate : findings.gates) {
     if (!gate.passed)
       text += fmt::format("  gate {}{}: {} {:.4g}, limit {:.4g} ({})\n", gate.code,
                           gate.code == findings.code ? ", which decides" : "", gate.statistic, gate.value, gate.limit,
@@ -295,7 +314,7 @@ std::string findings_text(const Findings& findings, const DiscrepancyFiles& file
   }
   for (std::size_t e = 0; e < findings.search.found.size(); ++e) {
     text += fmt::format("  {}\n", findings.search.found[e].name);
-    for (const FoundParameter& p : findings.parameters[e]) {
+    for (const discrepancy::FoundParameter& p : findings.parameters[e]) {
       text += fmt::format("    {:28} {:>12.5g} {:8} {}\n", p.name, p.value, p.unit,
                           p.undetermined.empty() ? fmt::format("95 %: {:.5g} to {:.5g}", p.low95, p.high95)
                                                  : "not determined: " + p.undetermined);
@@ -304,12 +323,12 @@ std::string findings_text(const Findings& findings, const DiscrepancyFiles& file
   if (findings.law) {
     text += "  an empirical law, no physics:\n";
     for (const std::string& line : law_formulas(findings.search.law)) text += fmt::format("    {}\n", line);
-    for (const LawPiece& piece : findings.search.law.pieces) {
-      for (const ParameterDeclaration& p : piece.effect->parameters)
+    for (const discrepancy::LawPiece& piece : findings.search.law.pieces) {
+      for (const rendering::ParameterDeclaration& p : piece.effect->parameters)
         text += fmt::format("    {:28} {:>12.5g} {}\n", p.name, p.initial, p.unit);
     }
     text += "    seen:";
-    for (const SeenRange& range : findings.search.law.seen)
+    for (const discrepancy::SeenRange& range : findings.search.law.seen)
       text += fmt::format(" {} {:.3g} to {:.3g} {};", range.variable, range.low, range.high, range.unit);
     text += fmt::format("\n    the model with it: {}; each piece for --effect: law-1.json and so on\n",
                         (files.out / "empirical.json").string());
@@ -323,7 +342,7 @@ std::string findings_text(const Findings& findings, const DiscrepancyFiles& file
       (files.out / "report.html").string());
   if (!files.golden.empty()) {
     text += "a golden case of it is written; it counts once it is accepted:\n" + golden_commands(files.golden);
-  } else if (findings.verdict == FindingsVerdict::explained) {
+  } else if (findings.verdict == discrepancy::FindingsVerdict::explained) {
     text += "to keep the gap closed, make it a golden case: add --golden golden/NAME\n";
   }
   return text;

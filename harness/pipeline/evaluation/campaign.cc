@@ -21,6 +21,13 @@
 #include "harness/report/quantity.h"
 
 namespace touchstone::pipeline {
+using metrics::MetricResult;
+using metrics::MetricStatus;
+using recording::Dataset;
+using rendering::Catalogue;
+using rendering::Model;
+using rendering::RendererEntry;
+
 namespace {
 
 bool has_parameter(const RendererEntry& entry, std::string_view name) {
@@ -39,7 +46,7 @@ Model default_model(const RendererEntry& entry, const Dataset& dataset, const st
   return model;
 }
 
-std::vector<Model> default_models(const Catalogue& catalogue, const Dataset& dataset, const Plugins& plugins) {
+std::vector<Model> default_models(const Catalogue& catalogue, const Dataset& dataset, const plugin::Plugins& plugins) {
   std::vector<Model> models;
   for (const RendererEntry& entry : catalogue.renderers()) {
     if (entry.needs_friction && !(dataset.friction_coefficient.value_or(0.0) > 0.0)) {
@@ -108,23 +115,24 @@ std::vector<TipOfPlan> tips_of_plan(const Catalogue& catalogue, const Dataset& d
   }
   const auto enters = [&](const ModelOfFile& model) { return can_have_tip(catalogue, model.first, ball_m); };
   if (std::ranges::all_of(models, enters)) return {{ball_m, 0.0, "", ""}};
-  return {{ball_m, 0.0, fmt::format(", ball of {}", display_setting(ball_m, "m")), ""},
+  return {{ball_m, 0.0, fmt::format(", ball of {}", report::display_setting(ball_m, "m")), ""},
           {0.0, ball_m, ", point of contact", "-point"}};
 }
 
 }  // namespace
 
 std::vector<PlannedEvaluation> plan_dataset(const Catalogue& catalogue, const std::filesystem::path& place,
-                                            const std::vector<ModelOfFile>& given, const Plugins& plugins,
+                                            const std::vector<ModelOfFile>& given, const plugin::Plugins& plugins,
                                             const EvaluationRequest& base, bool in_trajectory_chosen) {
-  const Dataset dataset = load_dataset(place);
+  const Dataset dataset = recording::load_dataset(place);
   std::vector<ModelOfFile> models = given;
   if (models.empty()) {
     for (Model& model : default_models(catalogue, dataset, plugins)) models.emplace_back(std::move(model), "");
   }
   const std::string name = std::filesystem::weakly_canonical(dataset.folder).filename().string();
   std::vector<PlannedEvaluation> plan;
-  const auto add = [&](const DatasetRecording& recording, const TipOfPlan& tip, const ModelOfFile& given_model) {
+  const auto add = [&](const recording::DatasetRecording& recording, const TipOfPlan& tip,
+                       const ModelOfFile& given_model) {
     const auto& [model, file] = given_model;
     PlannedEvaluation one{base, {}, {}, {}, {}, {}};
     one.request.recording = dataset.path_of(recording.file);
@@ -150,7 +158,7 @@ std::vector<PlannedEvaluation> plan_dataset(const Catalogue& catalogue, const st
     one.folder = std::filesystem::path(folder_name(name)) / (folder_name(stem) + tip.folder) / folder_name(one.column);
     plan.push_back(std::move(one));
   };
-  for (const DatasetRecording& recording : dataset.recordings) {
+  for (const recording::DatasetRecording& recording : dataset.recordings) {
     for (const TipOfPlan& tip : tips_of_plan(catalogue, dataset, models, base)) {
       for (const ModelOfFile& model : models) add(recording, tip, model);
     }
@@ -179,10 +187,10 @@ Evaluated evaluate_planned(const Catalogue& catalogue, const PlannedEvaluation& 
   Evaluated done{"", planned.group, planned.column, folder, {}, {}, "", planned.about, {}, {}};
   try {
     pipeline::ErrorBinner binner;
-    const ErrorSink errors = [&](const MetricSample& sample) {
+    const ErrorSink errors = [&](const metrics::MetricSample& sample) {
       binner.add(sample.t_s, (sample.f_rendered_W_N - sample.f_measured_W_N).squaredNorm());
     };
-    EvaluationResult result =
+    report::EvaluationResult result =
         folder.empty() ? run_evaluation(catalogue, planned.request, load_inputs(catalogue, planned.request), "", errors)
                        : evaluate_into(catalogue, planned.request, folder, errors);
     done.metrics = std::move(result.metrics);
@@ -190,7 +198,7 @@ Evaluated evaluate_planned(const Catalogue& catalogue, const PlannedEvaluation& 
     done.input = std::move(result.input);
     const auto error = std::ranges::find(done.metrics, "rms_force_error", &MetricResult::name);
     if (error != done.metrics.end() && error->status == MetricStatus::ok) done.errors = binner.errors();
-  } catch (const RendererFailed& error) {
+  } catch (const rendering::RendererFailed& error) {
     done.failure = error.what();
     done.messages = {error.what()};
   } catch (const TipNotRepresentable& error) {
@@ -375,7 +383,7 @@ std::string summary_table(const std::vector<Evaluated>& evaluated) {
       out += fmt::format("{}\n", name_of_task(group, own, inputs.size()));
       if (!own.evaluated.empty() && own.hash != nullptr)
         out += fmt::format("input: {}\n", input_text(own.evaluated.front()->input));
-      out += fmt::format("\n{}\n{}\n", console_table(columns), lines);
+      out += fmt::format("\n{}\n{}\n", report::console_table(columns), lines);
     }
     if (inputs.size() > 1) out += "Different inputs are not compared: each has a table of its own.\n\n";
   }
@@ -394,7 +402,7 @@ std::string write_overview(const Catalogue& catalogue, const std::vector<Planned
   const std::string tables = summary_table(evaluated);
   write_file(out / "tables.txt", tables);
   write_file(out / "index.html",
-             site_html(board, {make_provenance(command_line), {}, false, {{"tables", "tables.txt"}}}));
+             site_html(board, {report::make_provenance(command_line), {}, false, {{"tables", "tables.txt"}}}));
   std::string said;
   for (const Task& task : board.tasks) {
     said += fmt::format("{}\n{}\n\n", task.name, wrapped(verdict(task), terminal_width()));
@@ -415,7 +423,7 @@ std::string summary_json(const std::vector<Evaluated>& evaluated) {
   nlohmann::json list = nlohmann::json::array();
   for (const Evaluated& one : evaluated) {
     nlohmann::json metrics = nlohmann::json::array();
-    for (const MetricResult& metric : one.metrics) metrics.push_back(metric_to_json(metric));
+    for (const MetricResult& metric : one.metrics) metrics.push_back(report::metric_to_json(metric));
     list.push_back(
         {{"group", one.group}, {"name", one.column}, {"folder", one.folder.string()}, {"metrics", std::move(metrics)}});
     if (!one.failure.empty()) list.back()["failure"] = one.failure;

@@ -8,7 +8,6 @@
 #include <utility>
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "harness/metrics/metric.h"
 #include "harness/pipeline/board.h"
 #include "harness/pipeline/evaluation/request.h"
@@ -24,12 +23,12 @@ struct Evaluated {
   std::string group;   // evaluations of one recording, which a table may put side by side
   std::string column;  // what tells it from the others of the group
   std::filesystem::path folder;
-  std::vector<MetricResult> metrics;
+  std::vector<metrics::MetricResult> metrics;
   std::vector<std::string> messages;  // to the person who runs it
   // Why the renderer was not run: it cannot have this tip. Else empty.
   std::string does_not_enter = {};
   std::string about = {};  // the object, and what the recording shows
-  RenderedInput input = {};
+  report::RenderedInput input = {};
   pipeline::BinnedErrors errors = {};
 };
 
@@ -38,7 +37,7 @@ struct Evaluated {
 std::vector<std::filesystem::path> bundled_datasets();
 
 // A model and the file that it was read from.
-using ModelOfFile = std::pair<Model, std::filesystem::path>;
+using ModelOfFile = std::pair<rendering::Model, std::filesystem::path>;
 
 struct FloorBasis {
   std::filesystem::path instrument;  // "" where none is declared
@@ -58,8 +57,8 @@ struct PlannedEvaluation {
   // Of the data set, for the floor of its recordings (input_floor.h); without one there is no floor.
   std::optional<FloorBasis> floor = {};
 };
-std::vector<PlannedEvaluation> plan_dataset(const Catalogue& catalogue, const std::filesystem::path& place,
-                                            const std::vector<ModelOfFile>& given, const Plugins& plugins,
+std::vector<PlannedEvaluation> plan_dataset(const rendering::Catalogue& catalogue, const std::filesystem::path& place,
+                                            const std::vector<ModelOfFile>& given, const plugin::Plugins& plugins,
                                             const EvaluationRequest& base, bool in_trajectory_chosen);
 
 // One request for each model, on the recording and the mesh of `base`. Throws UsageError if two models would share a
@@ -68,12 +67,12 @@ std::vector<PlannedEvaluation> plan_recording(const EvaluationRequest& base, con
 
 // One evaluation with its report; `folder` "" writes none. A renderer that breaks down or does not enter is said, not
 // thrown.
-Evaluated evaluate_planned(const Catalogue& catalogue, const PlannedEvaluation& planned,
+Evaluated evaluate_planned(const rendering::Catalogue& catalogue, const PlannedEvaluation& planned,
                            const std::filesystem::path& folder);
 
 // Runs the plan; what its evaluations have to say goes to stderr when a group has ended. A renderer that breaks down
 // spoils its own evaluation only.
-std::vector<Evaluated> run_plan(const Catalogue& catalogue, const std::vector<PlannedEvaluation>& plan,
+std::vector<Evaluated> run_plan(const rendering::Catalogue& catalogue, const std::vector<PlannedEvaluation>& plan,
                                 const std::filesystem::path& out);
 
 // A line for each thing that evaluations of one group have to say: what several of them say is said once, with the
@@ -83,9 +82,9 @@ std::string group_messages(std::span<const Evaluated> group);
 pipeline::Board board_of(const std::vector<Evaluated>& evaluated, const std::filesystem::path& out);
 // Simulates the floor of every task that has none and whose plan has a basis for one. `law`: see FloorWorld. A floor
 // that cannot be simulated is left out.
-void add_floors(const Catalogue& catalogue, const std::string& law, const std::vector<PlannedEvaluation>& plan,
-                pipeline::Board& board);
-pipeline::Floor floor_of_plan(const Catalogue& catalogue, const std::string& law, EvaluationRequest request,
+void add_floors(const rendering::Catalogue& catalogue, const std::string& law,
+                const std::vector<PlannedEvaluation>& plan, pipeline::Board& board);
+pipeline::Floor floor_of_plan(const rendering::Catalogue& catalogue, const std::string& law, EvaluationRequest request,
                               const FloorBasis& basis);
 pipeline::Entry entry_of(const Evaluated& evaluated, const std::filesystem::path& out);
 
@@ -94,7 +93,7 @@ std::string summary_table(const std::vector<Evaluated>& evaluated);
 // Writes FOLDER/tables.txt (summary_table()) and FOLDER/index.html, the overview of all reports. Returns what a person
 // reads first: the verdict on each group in words, and tables that fit a terminal.
 // `plan`: what was evaluated, for the floors.
-std::string write_overview(const Catalogue& catalogue, const std::vector<PlannedEvaluation>& plan,
+std::string write_overview(const rendering::Catalogue& catalogue, const std::vector<PlannedEvaluation>& plan,
                            const std::vector<Evaluated>& evaluated, const std::vector<std::string>& command_line,
                            const std::filesystem::path& folder);
 

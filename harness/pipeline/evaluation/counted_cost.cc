@@ -10,6 +10,7 @@
 #include "harness/rendering/operations.h"
 
 namespace touchstone::pipeline {
+using metrics::MetricResult;
 
 const std::vector<std::string>& operation_metrics() {
   static const std::vector<std::string> names{"operations", "total_operations", "mean_operations", "median_operations",
@@ -23,11 +24,11 @@ bool asks_for_operations(std::span<const std::string> names) {
   return names.empty() || std::ranges::any_of(names, is_operation_metric);
 }
 
-std::vector<MetricResult> count_of_steps(const Catalogue& catalogue, const Model& model,
-                                         const std::shared_ptr<const Surface>& surface, const TipSource& source,
-                                         std::span<const std::string> names) {
-  const CountedRenderer counted = catalogue.make_counted(model, surface);
-  OperationReport report;
+std::vector<MetricResult> count_of_steps(const rendering::Catalogue& catalogue, const rendering::Model& model,
+                                         const std::shared_ptr<const surface::Surface>& surface,
+                                         const rendering::TipSource& source, std::span<const std::string> names) {
+  const rendering::CountedRenderer counted = catalogue.make_counted(model, surface);
+  rendering::OperationReport report;
   if (counted.renderer) report = count_operations(*counted.renderer, source);
   const std::array<std::tuple<const char*, const char*, double>, 4> all{
       {{"total_operations", "Floating-point operations of the whole trajectory.", static_cast<double>(report.total())},
@@ -39,18 +40,18 @@ std::vector<MetricResult> count_of_steps(const Catalogue& catalogue, const Model
   for (const auto& [name, meaning, value] : all) {
     if (!every && std::ranges::count(names, name) == 0) continue;
     if (!counted.renderer) {
-      out.push_back(make_missing(name, "1", meaning, "not counted: " + counted.not_counted));
+      out.push_back(metrics::make_missing(name, "1", meaning, "not counted: " + counted.not_counted));
       continue;
     }
     MetricResult one;
     one.name = name;
     one.unit = "1";
     one.value = value;
-    one.status = MetricStatus::ok;
+    one.status = metrics::MetricStatus::ok;
     one.meaning = meaning;
     one.note = counted.not_counted.empty()
-                   ? std::string(kHowSearchesAreCounted)
-                   : fmt::format("{}; not counted: {}", kHowSearchesAreCounted, counted.not_counted);
+                   ? std::string(rendering::kHowSearchesAreCounted)
+                   : fmt::format("{}; not counted: {}", rendering::kHowSearchesAreCounted, counted.not_counted);
     out.push_back(std::move(one));
   }
   return out;

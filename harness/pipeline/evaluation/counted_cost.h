@@ -8,7 +8,6 @@
 #include <string_view>
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "harness/metrics/metric.h"
 #include "harness/rendering/catalogue.h"
 #include "harness/rendering/model.h"
@@ -24,8 +23,9 @@ bool asks_for_operations(std::span<const std::string> names);
 
 // total_operations, mean_operations, median_operations and max_operations of a step, unit "1": those of `names`, all
 // where it is empty or has "operations". `missing`, with the reason, where the renderer's operations are not counted.
-std::vector<MetricResult> count_of_steps(const Catalogue& catalogue, const Model& model,
-                                         const std::shared_ptr<const Surface>& surface, const TipSource& source,
-                                         std::span<const std::string> names);
+std::vector<metrics::MetricResult> count_of_steps(const rendering::Catalogue& catalogue, const rendering::Model& model,
+                                                  const std::shared_ptr<const surface::Surface>& surface,
+                                                  const rendering::TipSource& source,
+                                                  std::span<const std::string> names);
 
 }  // namespace touchstone::pipeline

@@ -8,11 +8,15 @@
 #include "harness/surface/embree_surface.h"
 
 namespace touchstone::pipeline {
+using metrics::TimeRanges;
+using recording::Recording;
+using report::EvaluationResult;
+
 namespace {
 
 double value(const EvaluationResult& result, const std::string& name) {
-  const MetricResult& metric = find_result(result.metrics, name);
-  EXPECT_EQ(metric.status, MetricStatus::ok) << name << ": " << metric.note;
+  const metrics::MetricResult& metric = find_result(result.metrics, name);
+  EXPECT_EQ(metric.status, metrics::MetricStatus::ok) << name << ": " << metric.note;
   return metric.value;
 }
 
@@ -53,7 +57,7 @@ TEST(Campaign, WhatManySayIsSaidOnceAndOfWhom) {
 TEST(Evaluation, MeasuredPositionsOfACompliantObject) {
   const auto folder = fresh_folder("touchstone-measured");
   EvaluationRequest request = write_scan(folder, scan(700.0), 700.0);
-  request.in_trajectory = InTrajectoryMode::measured;
+  request.in_trajectory = recording::InTrajectoryMode::measured;
   EXPECT_LE(value(run_evaluation(built_in(), request, ""), "max_force_error"), 1e-10);
   // Twice the stiffness: the error is the force itself, and so is the reference.
   request.model.parameters["stiffness_N_per_m"] = 1400.0;
@@ -64,9 +68,9 @@ TEST(Evaluation, MeasuredPositionsOfACompliantObject) {
 TEST(Evaluation, WritesARenderedFileAResultAndAReport) {
   const auto folder = fresh_folder("touchstone-files");
   const EvaluationResult result = evaluate_into(built_in(), write_scan(folder, scan(0.0), 500.0), folder / "out");
-  const RenderedTrajectory rendered = load_rendered(folder / "out" / "rendered.csv");
+  const recording::RenderedTrajectory rendered = recording::load_rendered(folder / "out" / "rendered.csv");
   EXPECT_EQ(rendered.size(), 10'000u);
-  const EvaluationResult read = load_result(folder / "out" / "result.json");
+  const EvaluationResult read = report::load_result(folder / "out" / "result.json");
   EXPECT_EQ(value(read, "rms_force_error"), value(result, "rms_force_error"));
   EXPECT_EQ(read.provenance.inputs.size(), 2u);
   EXPECT_TRUE(std::filesystem::exists(folder / "out" / "report.html"));
@@ -106,12 +110,12 @@ TEST(Evaluation, InstrumentEntriesActInTheComparisonOnly) {
   Recording recording = scan(700.0);
   for (Vec3& f : recording.f_W_N) f += Vec3(0.2, -0.1, 0.0);
   EvaluationRequest request = write_scan(folder, recording, 700.0);
-  request.in_trajectory = InTrajectoryMode::measured;
+  request.in_trajectory = recording::InTrajectoryMode::measured;
   EXPECT_NEAR(value(run_evaluation(built_in(), request, ""), "rms_force_error"), std::hypot(0.2, 0.1), 1e-9);
   request.model.instrument.push_back({"force-bias", {{"fx_N", 0.2}, {"fy_N", -0.1}, {"fz_N", 0.0}}, "/instrument/0"});
   const EvaluationResult result = run_evaluation(built_in(), request, folder / "rendered.csv");
   EXPECT_LE(value(result, "max_force_error"), 1e-9);
-  for (const Vec3& f : load_rendered(folder / "rendered.csv").f_W_N) EXPECT_EQ(f.x(), 0.0);
+  for (const Vec3& f : recording::load_rendered(folder / "rendered.csv").f_W_N) EXPECT_EQ(f.x(), 0.0);
 }
 
 TEST(Evaluation, AMeshInMillimetresReadAsMetresIsAskedAbout) {
@@ -120,7 +124,7 @@ TEST(Evaluation, AMeshInMillimetresReadAsMetresIsAskedAbout) {
   Recording recording = scan(0.0);
   for (Vec3& p : recording.motion.p_W_m) p.z() += 0.5;
   EvaluationRequest request = write_scan(folder, recording, 500.0);
-  TriangleMesh mesh = plate();
+  surface::TriangleMesh mesh = plate();
   for (Vec3& v : mesh.vertices_W_m) v.z() += 0.5;
   save_mesh(mesh, folder / "mesh.obj", 1e-3);
   try {
@@ -170,13 +174,13 @@ TEST(Evaluation, ReversedForcesAreNoticedAndTheFlipIsOffered) {
 
 // Window by window gives what the whole recording at once gives, also across the seams.
 TEST(SensorWindow, SeamsDoNotShow) {
-  Model model;
+  rendering::Model model;
   model.renderer = "god-object";
   model.parameters["stiffness_N_per_m"] = 500.0;
   model.instrument = {{"time-lag", {{"lag_s", 0.0137}}, "/instrument/0"},
                       {"tool-inertia", {{"mass_kg", 0.05}}, "/instrument/1"},
                       {"force-bias", {{"fx_N", 0.1}, {"fy_N", 0.2}, {"fz_N", 0.3}}, "/instrument/2"}};
-  const MeasuredRenderer comparison = built_in().make_measured(model, make_embree_surface(plate()));
+  const rendering::MeasuredRenderer comparison = built_in().make_measured(model, make_embree_surface(plate()));
   std::vector<double> t_s;
   std::vector<Vec3> p, expected, streamed;
   std::vector<Quat> q;

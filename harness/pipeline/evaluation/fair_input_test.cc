@@ -10,13 +10,17 @@
 #include "harness/report/result_json.h"
 
 namespace touchstone::pipeline {
+using recording::InTrajectoryMode;
+using recording::Recording;
+using report::EvaluationResult;
+
 namespace {
 
 constexpr double kMu = 0.25;
 
 double value_of(const EvaluationResult& result, const std::string& name) {
-  const MetricResult& metric = find_result(result.metrics, name);
-  EXPECT_EQ(metric.status, MetricStatus::ok) << name << ": " << metric.note;
+  const metrics::MetricResult& metric = find_result(result.metrics, name);
+  EXPECT_EQ(metric.status, metrics::MetricStatus::ok) << name << ": " << metric.note;
   return metric.value;
 }
 
@@ -39,7 +43,7 @@ EvaluationRequest friction_request(const std::string& folder, const Recording& r
   EvaluationRequest request = write_scan(fresh_folder(folder), recording, 500.0);
   request.model.renderer = "friction-cone";
   request.model.parameters["mu_static"] = request.model.parameters["mu_dynamic"] = mu;
-  request.time_ranges = TimeRanges::parse("1:10", "--time-range");
+  request.time_ranges = metrics::TimeRanges::parse("1:10", "--time-range");
   return request;
 }
 
@@ -73,7 +77,7 @@ TEST(FairInput, ABallWhosePointOfContactIsAskedForIsNotMisplaced) {
 
 // What is taken where the user chooses nothing.
 TEST(FairInput, TheUsualInputIsTheRenderers) {
-  Model cone = friction_request("touchstone-usual", stroke(kMu), kMu).model;
+  rendering::Model cone = friction_request("touchstone-usual", stroke(kMu), kMu).model;
   EXPECT_TRUE(has_friction_in_proxy(built_in(), cone));
   cone.parameters["mu_static"] = cone.parameters["mu_dynamic"] = 0.0;
   EXPECT_FALSE(has_friction_in_proxy(built_in(), cone));
@@ -99,7 +103,7 @@ TEST(FairInput, AProxyWithoutFrictionNeedsTheNormalForce) {
 TEST(FairInput, WithoutFrictionBothAreTheSame) {
   EvaluationRequest request = friction_request("touchstone-both", stroke(0.0), 0.0);
   request.in_trajectory = InTrajectoryMode::whole_force;
-  const RenderedInput whole = run_evaluation(built_in(), request, "").input;
+  const report::RenderedInput whole = run_evaluation(built_in(), request, "").input;
   request.in_trajectory = InTrajectoryMode::synthesize;
   EXPECT_EQ(whole.hash, run_evaluation(built_in(), request, "").input.hash);
 }
@@ -137,7 +141,7 @@ TEST(FairInput, EveryResultSaysItsInput) {
   request.in_trajectory = InTrajectoryMode::whole_force;
   const auto folder = fresh_folder("touchstone-said-out");
   const EvaluationResult result = evaluate_into(built_in(), request, folder);
-  const EvaluationResult read = load_result(folder / "result.json");
+  const EvaluationResult read = report::load_result(folder / "result.json");
   EXPECT_EQ(read.input, result.input);
   EXPECT_EQ(read.input.in_trajectory, "whole-force");
   EXPECT_EQ(read.input.hash.size(), 32u);
@@ -150,11 +154,11 @@ TEST(FairInput, EveryResultSaysItsInput) {
 TEST(FairInput, ARendererOfBallsDoesNotEnterAsAPoint) {
   EvaluationRequest request = write_scan(fresh_folder("touchstone-ball-only"), scan(0.0), 500.0);
   request.model.renderer = "god-object";
-  RendererEntry balls = built_in().find(request.model);
-  const auto radius = std::ranges::find(balls.parameters, "tip_radius_m", &ParameterDeclaration::name);
+  rendering::RendererEntry balls = built_in().find(request.model);
+  const auto radius = std::ranges::find(balls.parameters, "tip_radius_m", &rendering::ParameterDeclaration::name);
   radius->minimum = 1e-9;
   radius->initial = 0.0025;
-  request.model.provided = std::make_shared<const RendererEntry>(balls);
+  request.model.provided = std::make_shared<const rendering::RendererEntry>(balls);
   request.tip_radius_m = 0.0;
   EXPECT_FALSE(can_have_tip(built_in(), request.model, 0.0));
   EXPECT_TRUE(can_have_tip(built_in(), request.model, 0.0025));

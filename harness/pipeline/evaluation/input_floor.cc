@@ -17,25 +17,32 @@
 #include "harness/surface/facet_angle.h"
 
 namespace touchstone::pipeline {
+using recording::InTrajectory;
+using recording::InTrajectoryMode;
+using recording::OutTrajectory;
+using recording::Recording;
+using rendering::Catalogue;
+using surface::SmoothNormals;
+
 namespace {
 
 // For a tip of `radius_m`.
 InTrajectory in_trajectory_of(const FloorWorld& world, double radius_m, const Recording& recording,
                               OutTrajectory& out) {
-  out = make_out_trajectory(recording, *world.surface, {radius_m, world.contact_threshold_N});
+  out = rendering::make_out_trajectory(recording, *world.surface, {radius_m, world.contact_threshold_N});
   switch (world.in_trajectory) {
     case InTrajectoryMode::whole_force:
-      return whole_force_in_trajectory(out, recording.f_W_N, world.stiffness_N_per_m);
+      return rendering::whole_force_in_trajectory(out, recording.f_W_N, world.stiffness_N_per_m);
     case InTrajectoryMode::measured:
-      return measured_in_trajectory(recording);
+      return rendering::measured_in_trajectory(recording);
     case InTrajectoryMode::synthesize:
       break;
   }
-  return synthesize_in_trajectory(out, world.stiffness_N_per_m);
+  return rendering::synthesize_in_trajectory(out, world.stiffness_N_per_m);
 }
 
-std::unique_ptr<Renderer> law_of(const Catalogue& catalogue, const FloorWorld& world, double radius_m) {
-  Model model;
+std::unique_ptr<rendering::Renderer> law_of(const Catalogue& catalogue, const FloorWorld& world, double radius_m) {
+  rendering::Model model;
   model.renderer = world.law;
   model.source = "the floor's law";
   model.parameters = {{"stiffness_N_per_m", world.stiffness_N_per_m},
@@ -47,7 +54,8 @@ std::unique_ptr<Renderer> law_of(const Catalogue& catalogue, const FloorWorld& w
 
 // The tracker's noise at every sample: anew for each of the tracker's own samples, which straight lines join, and a
 // slow part (an Ornstein-Uhlenbeck process).
-std::vector<Vec3> tracker_noise(const MotionColumns& motion, const InstrumentDescription& instrument, Random& random) {
+std::vector<Vec3> tracker_noise(const MotionColumns& motion, const discrepancy::InstrumentDescription& instrument,
+                                Random& random) {
   const auto draw = [&random] { return Vec3(random.normal(), random.normal(), random.normal()); };
   const double total = instrument.position_noise_m;
   const double slow = instrument.position_wander_m;
@@ -86,11 +94,11 @@ struct ContactNormal {
 };
 
 // `at`: the surface point closest to `tip_W_m`, the centre of a ball of `radius_m`.
-ContactNormal contact_normal(const TriangleMesh& mesh, const SmoothNormals& smooth, const SurfacePoint& at,
-                             const Vec3& tip_W_m, double radius_m) {
+ContactNormal contact_normal(const surface::TriangleMesh& mesh, const SmoothNormals& smooth,
+                             const surface::SurfacePoint& at, const Vec3& tip_W_m, double radius_m) {
   const Vec3 facet = mesh.scaled_normal(static_cast<std::size_t>(at.triangle)).normalized();
   const Vec3 body = smooth.at(at.triangle, at.p_W_m);
-  const bool edge = at.feature == Feature::edge || at.feature == Feature::vertex;
+  const bool edge = at.feature == surface::Feature::edge || at.feature == surface::Feature::vertex;
   // A ball in contact with an edge is pushed along the line from there to its centre (out_trajectory.h, rule 4).
   if (radius_m == 0.0 || !edge || !(at.signed_distance_m > 0.0)) return {at.n_W, shortest_rotation(facet, body)};
   const Vec3 n = (tip_W_m - at.p_W_m) / at.distance_m;
@@ -102,12 +110,12 @@ ContactNormal contact_normal(const TriangleMesh& mesh, const SmoothNormals& smoo
 }
 
 // The law's answer for a probe of `radius_m`, turned from the facets to the smooth surface.
-TrueWorld true_world(const FloorWorld& world, double radius_m, const RenderedTrajectory& truth,
+TrueWorld true_world(const FloorWorld& world, double radius_m, const recording::RenderedTrajectory& truth,
                      const InTrajectory& in) {
   TrueWorld out;
   // A rigid probe is where its contact point is; one in a compliant object where it was measured.
   out.where = in.motion;
-  const TriangleMesh& mesh = *world.surface->mesh();
+  const surface::TriangleMesh& mesh = *world.surface->mesh();
   const SmoothNormals smooth(mesh);
   for (std::size_t i = 0; i < truth.size(); ++i) {
     if (world.in_trajectory != InTrajectoryMode::measured) out.where.p_W_m[i] = truth.contact_W_m[i];
@@ -132,7 +140,7 @@ Recording measured_once(const FloorWorld& world, const TrueWorld& truth, Random&
   return out;
 }
 
-double rms_of(const std::vector<Vec3>& rendered, const Recording& recording, const TimeRanges& ranges) {
+double rms_of(const std::vector<Vec3>& rendered, const Recording& recording, const metrics::TimeRanges& ranges) {
   double sum = 0.0;
   std::size_t samples = 0;
   for (std::size_t i = 0; i < rendered.size(); ++i) {
@@ -151,7 +159,7 @@ std::vector<Floor> floors_of(const Catalogue& catalogue, const FloorWorld& world
   const double probe_m = world.tip_radius_m > 0.0 ? world.tip_radius_m : world.probe_radius_m;
   const auto law = law_of(catalogue, world, world.tip_radius_m);
   Recording smoothed = world.recording;
-  InstrumentDescription fast = world.instrument;
+  discrepancy::InstrumentDescription fast = world.instrument;
   fast.position_noise_m = std::sqrt(
       std::max(0.0, std::pow(world.instrument.position_noise_m, 2) - std::pow(world.instrument.position_wander_m, 2)));
   smoothed.motion = smoothed_motion(smoothed.motion, fast);
@@ -179,14 +187,14 @@ std::vector<Floor> floors_of(const Catalogue& catalogue, const FloorWorld& world
         "{} simulated recordings of a world that obeys a proxy with friction {:.3g}, with {} instruments, the mesh's "
         "facets and error ({}) and this input",
         draws, world.mu, world.instrument.declared ? "the declared" : "estimated",
-        display_setting(world.instrument.geometry_error_m, "m"));
+        report::display_setting(world.instrument.geometry_error_m, "m"));
     floors.push_back(std::move(floor));
   }
   return floors;
 }
 
-Floor floor_of(const Catalogue& catalogue, const FloorWorld& world, const TimeRanges& ranges, std::uint64_t seed,
-               std::size_t draws) {
+Floor floor_of(const Catalogue& catalogue, const FloorWorld& world, const metrics::TimeRanges& ranges,
+               std::uint64_t seed, std::size_t draws) {
   const FloorScore score = [&ranges](const std::vector<Vec3>& rendered, const Recording& recording,
                                      const OutTrajectory&) { return rms_of(rendered, recording, ranges); };
   return floors_of(catalogue, world, {score}, seed, draws).front();
@@ -210,7 +218,8 @@ FloorWorld floor_world(const Catalogue& catalogue, const EvaluationRequest& requ
   world.stiffness_N_per_m = inputs.stiffness_N_per_m;
   world.mu = mu.value_or(0.0);
   world.contact_threshold_N = request.contact_threshold_N;
-  world.instrument = instrument.empty() ? estimate_instrument(world.recording) : load_instrument(instrument);
+  world.instrument =
+      instrument.empty() ? discrepancy::estimate_instrument(world.recording) : discrepancy::load_instrument(instrument);
   world.instrument.mesh_extent_m = inputs.mesh.bounds().diagonal().norm();
   return world;
 }

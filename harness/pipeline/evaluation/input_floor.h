@@ -28,7 +28,6 @@
 #include <memory>
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "harness/discrepancy/instrument_description.h"
 #include "harness/pipeline/board.h"
 #include "harness/pipeline/evaluation/request.h"
@@ -40,34 +39,35 @@
 namespace touchstone::pipeline {
 
 struct FloorWorld {
-  std::string law;      // the renderer: a proxy with mu_static and mu_dynamic
-  Recording recording;  // forces ON the probe
-  std::shared_ptr<const Surface> surface;
-  InTrajectoryMode in_trajectory = InTrajectoryMode::synthesize;
+  std::string law;                 // the renderer: a proxy with mu_static and mu_dynamic
+  recording::Recording recording;  // forces ON the probe
+  std::shared_ptr<const surface::Surface> surface;
+  recording::InTrajectoryMode in_trajectory = recording::InTrajectoryMode::synthesize;
   double tip_radius_m = 0.0;    // that every renderer gets
   double probe_radius_m = 0.0;  // of the ball that made the recording, where renderers get a point; else 0
   double stiffness_N_per_m = 0.0;
   double mu = 0.0;
   double contact_threshold_N = 0.0;
-  InstrumentDescription instrument;
+  discrepancy::InstrumentDescription instrument;
 };
 
 inline constexpr std::size_t kFloorDraws = 39;
 
 // What a rendering of a simulated recording scores; `out` is that recording's way over the surface.
-using FloorScore =
-    std::function<double(const std::vector<Vec3>& rendered_W_N, const Recording& recording, const OutTrajectory& out)>;
+using FloorScore = std::function<double(const std::vector<Vec3>& rendered_W_N, const recording::Recording& recording,
+                                        const recording::OutTrajectory& out)>;
 
 // Deterministic in `seed`. One floor for each score, of the same draws.
-std::vector<Floor> floors_of(const Catalogue& catalogue, const FloorWorld& world, const std::vector<FloorScore>& scores,
-                             std::uint64_t seed, std::size_t draws = kFloorDraws);
+std::vector<Floor> floors_of(const rendering::Catalogue& catalogue, const FloorWorld& world,
+                             const std::vector<FloorScore>& scores, std::uint64_t seed,
+                             std::size_t draws = kFloorDraws);
 // Of the RMS error. Samples outside of `ranges` are rendered, not scored; throws BadData if none lies within.
-Floor floor_of(const Catalogue& catalogue, const FloorWorld& world, const TimeRanges& ranges, std::uint64_t seed,
-               std::size_t draws = kFloorDraws);
+Floor floor_of(const rendering::Catalogue& catalogue, const FloorWorld& world, const metrics::TimeRanges& ranges,
+               std::uint64_t seed, std::size_t draws = kFloorDraws);
 
 // The world of a request whose recording has forces and whose model names the law; `instrument` "" estimates it from
 // the recording. `mu` empty: 0. Throws BadData for a recording without forces.
-FloorWorld floor_world(const Catalogue& catalogue, const EvaluationRequest& request,
+FloorWorld floor_world(const rendering::Catalogue& catalogue, const EvaluationRequest& request,
                        const std::filesystem::path& instrument, std::optional<double> mu);
 
 }  // namespace touchstone::pipeline

@@ -23,6 +23,12 @@
 #include "harness/surface/mesh_warnings.h"
 
 namespace touchstone::pipeline {
+using recording::InTrajectoryMode;
+using recording::RecordingStream;
+using rendering::Catalogue;
+using rendering::ParameterDeclaration;
+using rendering::RendererEntry;
+
 namespace {
 
 constexpr std::size_t most_kept = 4096;
@@ -37,11 +43,11 @@ void thin(std::vector<T>& values) {
 RecordingSurvey survey_recording(const EvaluationRequest& request) {
   RecordingSurvey out;
   RecordingStream stream = open_recording(request);
-  out.has_force = stream.has(ColumnGroup::force);
-  Quantiles forces;
+  out.has_force = stream.has(recording::ColumnGroup::force);
+  metrics::Quantiles forces;
   Progress progress("reading " + request.recording.string(), 0);
   std::uint64_t stride = 1;
-  SampleBlock block;
+  recording::SampleBlock block;
   while (stream.next(block)) {
     for (std::size_t i = 0; i < block.size(); ++i) {
       const Vec3& p = block.motion.p_W_m[i];
@@ -64,7 +70,7 @@ RecordingSurvey survey_recording(const EvaluationRequest& request) {
   out.samples = stream.samples();
   out.clock = stream.clock();
   out.notes = stream.notes();
-  if (stream.has(ColumnGroup::torque)) {
+  if (stream.has(recording::ColumnGroup::torque)) {
     out.notes.push_back(fmt::format(
         "{}: its torque is not judged, a renderer of a tip has none; of a tool with a shape `touchstone tool "
         "compare` and `touchstone tool fit` judge it",
@@ -84,11 +90,12 @@ std::vector<Vec3> touching_tips(const EvaluationRequest& request, const Recordin
 
 void refuse_far(const EvaluationRequest& request, EvaluationInputs& inputs) {
   const std::vector<Vec3> touching = touching_tips(request, inputs.survey);
-  const auto message = far_from_surface(*inputs.surface, touching.empty() ? inputs.survey.some_tips_W_m : touching,
-                                        inputs.tip_radius_m, request.recording.string(), request.mesh_unit);
+  const auto message =
+      rendering::far_from_surface(*inputs.surface, touching.empty() ? inputs.survey.some_tips_W_m : touching,
+                                  inputs.tip_radius_m, request.recording.string(), request.mesh_unit);
   if (message) throw BadData(*message);
   // The recording touches the surface, but their sizes hardly fit: worth a word.
-  const auto mismatch = check_extents(inputs.survey.tips_W_m, inputs.mesh.bounds(), request.mesh_unit);
+  const auto mismatch = recording::check_extents(inputs.survey.tips_W_m, inputs.mesh.bounds(), request.mesh_unit);
   if (mismatch) inputs.messages.push_back(mismatch->message);
 }
 
@@ -96,11 +103,11 @@ void refuse_far(const EvaluationRequest& request, EvaluationInputs& inputs) {
 void refuse_faults(const EvaluationRequest& request, EvaluationInputs& inputs) {
   const RecordingSurvey& survey = inputs.survey;
   if (!survey.has_force) return;
-  Recording some;
+  recording::Recording some;
   some.source = request.recording.string();
   some.motion = {survey.some_times_s, survey.some_tips_W_m, survey.some_orientations_WS};
   some.f_W_N = survey.some_forces_W_N;
-  SanityContext context;
+  sanity::SanityContext context;
   context.surface = inputs.surface.get();
   context.mesh_unit = request.mesh_unit;
   // The recording was made by the probe, also where renderers get the point at which it touched.
@@ -112,7 +119,7 @@ void refuse_faults(const EvaluationRequest& request, EvaluationInputs& inputs) {
 
 // What the renderer says of itself, as " (it renders a point)".
 std::string point_reason(const RendererEntry& entry) {
-  const Limitation* const limitation = find_limitation(entry.cannot, Ability::ball_tip);
+  const rendering::Limitation* const limitation = find_limitation(entry.cannot, rendering::Ability::ball_tip);
   return limitation == nullptr ? "" : fmt::format(" ({})", limitation->reason);
 }
 
@@ -136,7 +143,7 @@ void set_tip_radius(const Catalogue& catalogue, const EvaluationRequest& request
       throw TipNotRepresentable(fmt::format(
           "{} renders balls only, of {} by default, and every renderer gets the point where the probe touched here. "
           "Give --tip-radius, or a model with tip_radius_m",
-          entry.name, display_quantity(declared->initial, "m")));
+          entry.name, report::display_quantity(declared->initial, "m")));
     if (has_balls && declared->initial != 0.0) inputs.model.parameters["tip_radius_m"] = 0.0;
   } else if (has_balls) {
     inputs.model.parameters["tip_radius_m"] = *request.tip_radius_m;
@@ -144,13 +151,13 @@ void set_tip_radius(const Catalogue& catalogue, const EvaluationRequest& request
     throw TipNotRepresentable(fmt::format(
         "{} renders point tips only{}, and the probe was a ball of radius {}: its centre is not where it touched. Give "
         "--tip-radius 0, and every renderer gets the point where the ball touched",
-        entry.name, point_reason(entry), display_quantity(*request.tip_radius_m, "m")));
+        entry.name, point_reason(entry), report::display_quantity(*request.tip_radius_m, "m")));
   }
 }
 
 // An object that must be closed, and how open it is.
 void look_at_edges(const EvaluationRequest& request, EvaluationInputs& inputs) {
-  const MeshTopology topology = make_topology(*inputs.surface->mesh());
+  const surface::MeshTopology topology = make_topology(*inputs.surface->mesh());
   inputs.open_edges = topology.open_edge_count + topology.non_manifold_edges.size() + topology.disoriented_edges.size();
   if (request.closed && inputs.open_edges > 0) {
     throw BadData(fmt::format(
@@ -161,7 +168,7 @@ void look_at_edges(const EvaluationRequest& request, EvaluationInputs& inputs) {
 }
 
 void repair(EvaluationInputs& inputs) {
-  OrientedMesh repaired = orient(inputs.mesh);
+  surface::OrientedMesh repaired = orient(inputs.mesh);
   if (std::string note = repair_note(repaired); !note.empty()) inputs.messages.push_back(std::move(note));
   inputs.mesh = std::move(repaired.mesh);
 }
@@ -177,7 +184,7 @@ void extend_where_the_mesh_has_ended(const EvaluationRequest& request, Evaluatio
   constexpr double few = 1e-3;               // less is noise at the border
   constexpr double share_of_diagonal = 0.1;  // several times the depth of any press that a patch of this size is for
   if (inputs.open_edges == 0) return;
-  const MeshTopology topology = make_topology(inputs.mesh);
+  const surface::MeshTopology topology = make_topology(inputs.mesh);
   if (!topology.non_manifold_edges.empty() || !topology.disoriented_edges.empty()) return;
   const double share = share_at_open_edges(*inputs.surface, topology, touching_tips(request, inputs.survey));
   if (share <= few) return;
@@ -187,27 +194,28 @@ void extend_where_the_mesh_has_ended(const EvaluationRequest& request, Evaluatio
   inputs.messages.push_back(
       fmt::format("{:.1f} % of the touching samples lie where the mesh has ended; its open edges were continued by {} "
                   "(--extend-edges sets the width, 0 leaves the mesh as it is).",
-                  100.0 * share, display_setting(inputs.extended_m, "m")));
+                  100.0 * share, report::display_setting(inputs.extended_m, "m")));
 }
 
 }  // namespace
 
 RecordingStream open_recording(const EvaluationRequest& request) {
-  StreamOptions options;
+  recording::StreamOptions options;
   // Without force there is nothing to make an in-trajectory from; measured positions can be replayed all the same.
   options.need_force = request.in_trajectory != InTrajectoryMode::measured;
   options.clock = request.clock;
   return RecordingStream::open(request.recording, options);
 }
 
-bool can_have_tip(const Catalogue& catalogue, const Model& model, double tip_radius_m) {
+bool can_have_tip(const Catalogue& catalogue, const rendering::Model& model, double tip_radius_m) {
   const RendererEntry& entry = catalogue.find(model);
   const auto declared = std::ranges::find(entry.parameters, "tip_radius_m", &ParameterDeclaration::name);
   if (declared == entry.parameters.end()) return tip_radius_m == 0.0;
   return tip_radius_m > 0.0 || declared->minimum == 0.0 || model.parameters.contains("tip_radius_m");
 }
 
-bool has_friction_in_proxy(const Catalogue& catalogue, const Model& model, std::span<const std::string> fitted) {
+bool has_friction_in_proxy(const Catalogue& catalogue, const rendering::Model& model,
+                           std::span<const std::string> fitted) {
   const RendererEntry& entry = catalogue.find(model);
   return std::ranges::any_of(entry.parameters, [&](const ParameterDeclaration& declared) {
     if (declared.name != "mu_static" && declared.name != "mu_dynamic") return false;
@@ -226,8 +234,8 @@ EvaluationInputs load_inputs(const Catalogue& catalogue, const EvaluationRequest
   inputs.model = request.model;
   const RendererEntry& entry = catalogue.find(inputs.model);  // a misspelt name is said before a large mesh is read
   set_tip_radius(catalogue, request, entry, inputs);
-  const Parameters parameters(entry.parameters, catalogue.base_parameters(inputs.model), "renderer " + entry.name,
-                              inputs.model.source, "");
+  const rendering::Parameters parameters(entry.parameters, catalogue.base_parameters(inputs.model),
+                                         "renderer " + entry.name, inputs.model.source, "");
   const auto value = [&](std::string_view name) {
     const auto found = parameters.values().find(name);
     return found == parameters.values().end() ? 0.0 : found->second;
@@ -240,7 +248,7 @@ EvaluationInputs load_inputs(const Catalogue& catalogue, const EvaluationRequest
                     "--in-trajectory measured",
                     entry.name));
   }
-  inputs.mesh = load_mesh(request.mesh, length_unit_factor(request.mesh_unit));
+  inputs.mesh = surface::load_mesh(request.mesh, length_unit_factor(request.mesh_unit));
   for (std::string& note : reading_notes(inputs.mesh)) inputs.messages.push_back(std::move(note));
   if (request.repair) repair(inputs);
   if (request.extend_edges_m.value_or(0.0) > 0.0) extend(*request.extend_edges_m, inputs);
@@ -251,13 +259,13 @@ EvaluationInputs load_inputs(const Catalogue& catalogue, const EvaluationRequest
   if (!request.extend_edges_m) extend_where_the_mesh_has_ended(request, inputs);
   refuse_far(request, inputs);
   refuse_faults(request, inputs);
-  inputs.files.push_back(describe_input("recording", request.recording));
+  inputs.files.push_back(report::describe_input("recording", request.recording));
   if (!request.repeat.empty()) {
     inputs.floor = sanity::repeat_floor_of_files(request.recording, request.repeat);
-    inputs.files.push_back(describe_input("repeat", request.repeat));
+    inputs.files.push_back(report::describe_input("repeat", request.repeat));
   }
-  inputs.files.push_back(describe_input("mesh", request.mesh));
-  if (!request.model_file.empty()) inputs.files.push_back(describe_input("model", request.model_file));
+  inputs.files.push_back(report::describe_input("mesh", request.mesh));
+  if (!request.model_file.empty()) inputs.files.push_back(report::describe_input("model", request.model_file));
   return inputs;
 }
 

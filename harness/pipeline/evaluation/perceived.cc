@@ -7,6 +7,8 @@
 #include "harness/metrics/result.h"
 
 namespace touchstone::pipeline {
+using metrics::MetricResult;
+
 namespace {
 
 constexpr std::size_t kMostSamples = 2'000'000;  // 300 MB
@@ -28,7 +30,7 @@ const std::vector<std::string>& perceived_metrics() {
 
 bool is_perceived_metric(std::string_view name) { return std::ranges::count(perceived_metrics(), name) > 0; }
 
-void PerceivedQuality::add(const MetricSample& sample, const Vec3& p_W_m) {
+void PerceivedQuality::add(const metrics::MetricSample& sample, const Vec3& p_W_m) {
   noticeable_.add(sample);
   cut_ = recording_.motion.t_s.size() == kMostSamples;
   if (cut_) return;
@@ -42,13 +44,13 @@ std::vector<MetricResult> PerceivedQuality::results(std::span<const std::string>
   std::vector<MetricResult> all = noticeable_.results();
   recording_.source = "the recording";
   for (MetricResult& result : perception::press_metrics(recording_, f_rendered_W_N_)) {
-    if (cut_ && result.status == MetricStatus::ok)
+    if (cut_ && result.status == metrics::MetricStatus::ok)
       result.note += fmt::format("{}of the first {} samples", result.note.empty() ? "" : "; ", kMostSamples);
     all.push_back(std::move(result));
   }
   if (!has_force) {
     for (MetricResult& result : all)
-      result = make_missing(result.name, result.unit, result.meaning, "the recording has no force");
+      result = metrics::make_missing(result.name, result.unit, result.meaning, "the recording has no force");
   }
   if (!names.empty() && std::ranges::count(names, "perception") == 0)
     std::erase_if(all, [&](const MetricResult& result) { return std::ranges::count(names, result.name) == 0; });

@@ -8,7 +8,6 @@
 #include <string_view>
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "harness/perception/perceptual_metrics.h"
 
 namespace touchstone::pipeline {
@@ -19,14 +18,14 @@ bool is_perceived_metric(std::string_view name);
 
 class PerceivedQuality {
  public:
-  void add(const MetricSample& sample, const Vec3& p_W_m);
+  void add(const metrics::MetricSample& sample, const Vec3& p_W_m);
   // Those of `names`, all where it is empty or has "perception".
-  [[nodiscard]] std::vector<MetricResult> results(std::span<const std::string> names, bool has_force);
+  [[nodiscard]] std::vector<metrics::MetricResult> results(std::span<const std::string> names, bool has_force);
 
  private:
   perception::NoticeableForceError noticeable_;
   // For the hardness of presses, which needs the series as a whole. Longer recordings are judged by their beginning.
-  Recording recording_;
+  recording::Recording recording_;
   std::vector<Vec3> f_rendered_W_N_;
   bool cut_ = false;
 };

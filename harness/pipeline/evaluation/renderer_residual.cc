@@ -178,7 +178,7 @@ std::optional<Found> find_dropouts(const Residual& r) {
 
 }  // namespace
 
-void RendererResidual::add(const MetricSample& sample) {
+void RendererResidual::add(const metrics::MetricSample& sample) {
   if (t_s_.size() >= most_samples || !sample.f_measured_W_N.allFinite() || !sample.f_rendered_W_N.allFinite()) return;
   if (!t_s_.empty() && !(sample.t_s > t_s_.back())) return;
   t_s_.push_back(sample.t_s);

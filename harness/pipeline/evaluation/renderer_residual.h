@@ -8,7 +8,6 @@
 #include <string>
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "harness/metrics/metric.h"
 
 namespace touchstone::pipeline {
@@ -16,7 +15,7 @@ namespace touchstone::pipeline {
 class RendererResidual {
  public:
   // In the order of time; a gap in time may stand between two. Longer recordings are judged by their beginning.
-  void add(const MetricSample& sample);
+  void add(const metrics::MetricSample& sample);
   // One sentence for each fault, with the RMS force error before and after; empty where there is none, or too little.
   [[nodiscard]] std::vector<std::string> faults() const;
 

@@ -28,7 +28,7 @@ std::vector<std::string> faults_of(const std::function<Vec3(double)>& rendered, 
   RendererResidual residual;
   for (int i = 0; i < 8000; ++i) {
     const double t = i / rate_Hz;
-    MetricSample sample;
+    metrics::MetricSample sample;
     sample.t_s = t;
     sample.f_measured_W_N = force_N(t) + noise_N * Vec3(random.normal(), random.normal(), random.normal());
     sample.f_rendered_W_N = rendered(t);

@@ -7,7 +7,6 @@
 #include <string_view>
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "harness/metrics/time_ranges.h"
 #include "harness/recording/clock.h"
 #include "harness/recording/dataset.h"
@@ -20,9 +19,9 @@ struct EvaluationRequest {
   std::filesystem::path recording;
   std::filesystem::path mesh;
   std::string mesh_unit = "m";
-  Model model;
+  rendering::Model model;
   std::filesystem::path model_file;  // "" where the model did not come from a file
-  InTrajectoryMode in_trajectory = InTrajectoryMode::synthesize;
+  recording::InTrajectoryMode in_trajectory = recording::InTrajectoryMode::synthesize;
   std::optional<double> tip_radius_m;       // the model's tip_radius_m where it is not given
   std::optional<double> stiffness_N_per_m;  // for the in-trajectory; the model's where it is not given
   double contact_threshold_N = 0.05;        // see out_trajectory.h, rule 1; also the metrics' force floor
@@ -37,8 +36,8 @@ struct EvaluationRequest {
   // Continue the mesh's open edges by this much (harness/surface/extend_edges.h); 0: not. Where it is not given, they
   // are continued if the recording touches the object where the mesh has ended, and the report says so.
   std::optional<double> extend_edges_m;
-  ClockPolicy clock;
-  TimeRanges time_ranges;            // what the metrics see; the renderer sees all
+  recording::ClockPolicy clock;
+  metrics::TimeRanges time_ranges;   // what the metrics see; the renderer sees all
   std::vector<std::string> metrics;  // empty: all
   std::vector<std::string> command_line;
 };

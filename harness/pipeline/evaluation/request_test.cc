@@ -32,7 +32,7 @@ TEST(Thresholds, WhatIsNoForceIsRefusedByName) {
 TEST(Planning, EachModelOnOneRecordingHasAFolderOfItsOwn) {
   EvaluationRequest base;
   base.recording = "press.csv";
-  Model model;
+  rendering::Model model;
   const auto both = plan_recording(base, {{model, "a/soft.json"}, {model, "hard.json"}});
   ASSERT_EQ(both.size(), 2U);
   EXPECT_EQ(both[0].folder, "soft");

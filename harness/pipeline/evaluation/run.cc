@@ -29,6 +29,15 @@
 #include "harness/report/result_json.h"
 
 namespace touchstone::pipeline {
+using metrics::MetricOptions;
+using metrics::MetricResult;
+using metrics::SeriesRecorder;
+using rendering::Catalogue;
+using rendering::MeasuredRenderer;
+using rendering::OutTrajectorySummary;
+using rendering::TipState;
+using report::EvaluationResult;
+
 namespace {
 
 // Detail of the drawn error: this many cubes along the longest side of the path's box.
@@ -83,7 +92,7 @@ class Collector {
         noticed_(cell_size(inputs)) {}
 
   void add(const ComparedSample& sample) {
-    const MetricSample& m = sample.metric;
+    const metrics::MetricSample& m = sample.metric;
     if (!ranges_.contains(m.t_s, first_t_s_)) return;
     metrics_.add(m);
     perceived_.add(m, sample.p_W_m);
@@ -117,17 +126,17 @@ class Collector {
     for (const SeriesRecorder& one : rendered_) result.signals.push_back(one.series());
     result.force_threshold_N = options_.force_threshold_N;
     result.position_threshold_m = options_.position_threshold_m;
-    const std::vector<CloseUp> close_ups = close_ups_.worst();
-    for (const Episode& episode : metrics_.force_episodes()) {
+    const std::vector<metrics::CloseUp> close_ups = close_ups_.worst();
+    for (const metrics::Episode& episode : metrics_.force_episodes()) {
       result.episodes.push_back({episode, "force", "N", {}});
-      for (const CloseUp& close_up : close_ups) {
+      for (const metrics::CloseUp& close_up : close_ups) {
         if (close_up.worst_t_s == episode.worst_t_s) result.episodes.back().signals = close_up.signals;
       }
     }
-    for (const Episode& episode : metrics_.position_episodes()) {
+    for (const metrics::Episode& episode : metrics_.position_episodes()) {
       result.episodes.push_back({episode, "position", "m", {}});
     }
-    result.object = object_view(inputs.mesh, errors_, touched_, 1.5 * cell_size(inputs));
+    result.object = report::object_view(inputs.mesh, errors_, touched_, 1.5 * cell_size(inputs));
     result.object.error_name = has_force_ ? "force error" : "position error";
     result.object.error_unit = has_force_ ? "N" : "m";
     if (has_force_) {
@@ -141,15 +150,15 @@ class Collector {
 
  private:
   std::vector<std::string> names_;
-  TimeRanges ranges_;
+  metrics::TimeRanges ranges_;
   double first_t_s_;
   bool has_force_;
   MetricOptions options_;
-  MetricSet metrics_;
+  metrics::MetricSet metrics_;
   PerceivedQuality perceived_;
-  CloseUpRecorder close_ups_;
-  ErrorMap errors_;
-  ErrorMap noticed_;  // 1 where a person would notice, else 0
+  metrics::CloseUpRecorder close_ups_;
+  metrics::ErrorMap errors_;
+  metrics::ErrorMap noticed_;  // 1 where a person would notice, else 0
   std::array<SeriesRecorder, 3> measured_{SeriesRecorder{"measured_x", "N"}, SeriesRecorder{"measured_y", "N"},
                                           SeriesRecorder{"measured_z", "N"}};
   std::array<SeriesRecorder, 3> rendered_{SeriesRecorder{"rendered_x", "N"}, SeriesRecorder{"rendered_y", "N"},
@@ -168,7 +177,7 @@ class MeasuredStream {
     Vec3 p_W_m;
     Vec3 f_W_N;
     Quat q_WS;
-    OutSample out;
+    rendering::OutSample out;
   };
 
   MeasuredStream(const EvaluationRequest& request, const EvaluationInputs& inputs, const MeasuredRenderer& comparison)
@@ -178,7 +187,7 @@ class MeasuredStream {
         stream_(open_recording(request)),
         maker_(*inputs.surface, {inputs.tip_radius_m, request.contact_threshold_N}) {
     for (const Vec3& vertex : inputs.mesh.vertices_W_m) hash_.add_vertex(vertex);
-    if (request.clock.on_gap == OnGap::split) {
+    if (request.clock.on_gap == recording::OnGap::split) {
       longest_step_s_ = request.clock.gap_factor * inputs.survey.clock.median_interval_s;
     }
   }
@@ -225,12 +234,12 @@ class MeasuredStream {
   const EvaluationRequest& request_;
   const EvaluationInputs& inputs_;
   const MeasuredRenderer& comparison_;
-  RecordingStream stream_;
-  OutTrajectoryMaker maker_;
+  recording::RecordingStream stream_;
+  rendering::OutTrajectoryMaker maker_;
   OutTrajectorySummary summary_;
-  InputHash hash_;
+  report::InputHash hash_;
   double longest_step_s_ = std::numeric_limits<double>::infinity();
-  SampleBlock block_;
+  recording::SampleBlock block_;
   std::size_t at_ = 0;
   bool have_last_ = false;
   double last_t_s_ = 0.0;
@@ -244,41 +253,44 @@ struct LostContact {
 };
 
 std::string tip_text(const EvaluationRequest& request, const EvaluationInputs& inputs) {
-  if (inputs.tip_radius_m > 0.0) return fmt::format("ball of radius {}", display_setting(inputs.tip_radius_m, "m"));
+  if (inputs.tip_radius_m > 0.0)
+    return fmt::format("ball of radius {}", report::display_setting(inputs.tip_radius_m, "m"));
   if (!(request.probe_radius_m > 0.0)) return "point";
-  return fmt::format("point: where the ball of radius {} touched", display_setting(request.probe_radius_m, "m"));
+  return fmt::format("point: where the ball of radius {} touched",
+                     report::display_setting(request.probe_radius_m, "m"));
 }
 
-RenderedInput rendered_input(const EvaluationRequest& request, const EvaluationInputs& inputs, std::string hash) {
-  const bool made = request.in_trajectory != InTrajectoryMode::measured;
+report::RenderedInput rendered_input(const EvaluationRequest& request, const EvaluationInputs& inputs,
+                                     std::string hash) {
+  const bool made = request.in_trajectory != recording::InTrajectoryMode::measured;
   return {std::string(in_trajectory_name(request.in_trajectory)), made ? inputs.stiffness_N_per_m : 0.0,
           inputs.tip_radius_m, request.contact_threshold_N, std::move(hash)};
 }
 
 void describe(const EvaluationRequest& request, const EvaluationInputs& inputs, const OutTrajectorySummary& summary,
               const LostContact& lost, std::uint64_t segments, EvaluationResult& result) {
-  const ClockReport& clock = inputs.survey.clock;
+  const recording::ClockReport& clock = inputs.survey.clock;
   const Vec3 size = inputs.mesh.bounds().sizes();
   result.settings = {
       {"Recording", fmt::format("{}: {}", request.recording.string(), clock.summary())},
       {"Object", fmt::format("{}: {} triangles, {}, {} x {} x {} (file in {})", request.mesh.string(),
                              inputs.mesh.triangle_count(),
                              inputs.open_edges == 0 ? "closed" : fmt::format("{} open edges", inputs.open_edges),
-                             display_quantity(size.x(), "m"), display_quantity(size.y(), "m"),
-                             display_quantity(size.z(), "m"), request.mesh_unit)},
+                             report::display_quantity(size.x(), "m"), report::display_quantity(size.y(), "m"),
+                             report::display_quantity(size.z(), "m"), request.mesh_unit)},
       {"Renderer", request.model.renderer},
       {"In-trajectory", input_text(result.input)},
       {"Tip", tip_text(request, inputs)},
       {"Contact threshold", fmt::format("{}: measured contact is a force that pushes outward by more",
-                                        display_setting(request.contact_threshold_N, "N"))},
+                                        report::display_setting(request.contact_threshold_N, "N"))},
       {"Samples in contact", fmt::format("{} of {}", summary.in_contact, summary.samples)},
-      {"Moved onto the surface",
-       fmt::format("at most {} in contact, {} in the air", display_quantity(summary.largest_move_in_contact_m, "m"),
-                   display_quantity(summary.largest_move_free_m, "m"))},
+      {"Moved onto the surface", fmt::format("at most {} in contact, {} in the air",
+                                             report::display_quantity(summary.largest_move_in_contact_m, "m"),
+                                             report::display_quantity(summary.largest_move_free_m, "m"))},
       {"Time ranges", request.time_ranges.text()}};
   if (inputs.extended_m > 0.0) {
     result.settings.emplace_back("Open edges", fmt::format("continued by {}, holes and notches filled",
-                                                           display_setting(inputs.extended_m, "m")));
+                                                           report::display_setting(inputs.extended_m, "m")));
   }
   if (request.flip_force) result.settings.emplace_back("Force sign", "flipped on reading");
   if (segments > 1)
@@ -292,7 +304,7 @@ void describe(const EvaluationRequest& request, const EvaluationInputs& inputs, 
     result.messages.push_back(
         fmt::format("The recording has {} gaps in time, the longest of {}; the renderer ran across them (--on-gap "
                     "split starts it anew).",
-                    clock.gap_count, display_quantity(clock.longest_s, "s")));
+                    clock.gap_count, report::display_quantity(clock.longest_s, "s")));
   }
   if (summary.not_clear > 0) {
     result.messages.push_back(
@@ -302,7 +314,7 @@ void describe(const EvaluationRequest& request, const EvaluationInputs& inputs, 
     result.messages.push_back(
         fmt::format("{} samples lie inside the object without a force that pushes outward, by at most {}: noise of the "
                     "tracker, or an error of registration.",
-                    summary.free_but_inside, display_quantity(summary.largest_move_free_m, "m")));
+                    summary.free_but_inside, report::display_quantity(summary.largest_move_free_m, "m")));
   }
   if (lost.samples > 0) {
     result.messages.push_back(
@@ -321,11 +333,20 @@ void describe(const EvaluationRequest& request, const EvaluationInputs& inputs, 
 // What a repeat of the recording differs by, as metrics beside the error that is held against it, and in words.
 void add_floor(const sanity::RepeatFloor& floor, EvaluationResult& result) {
   const auto error = std::ranges::find(result.metrics, "rms_force_error", &MetricResult::name);
-  if (error == result.metrics.end() || error->status != MetricStatus::ok) return;
+  if (error == result.metrics.end() || error->status != metrics::MetricStatus::ok) return;
   const double error_N = error->value;
   const auto add = [&](std::string name, std::string unit, double value, std::string meaning) {
-    result.metrics.push_back(
-        {std::move(name), std::move(unit), value, MetricStatus::ok, std::move(meaning), "", {}, "", {}, {}, {}});
+    result.metrics.push_back({std::move(name),
+                              std::move(unit),
+                              value,
+                              metrics::MetricStatus::ok,
+                              std::move(meaning),
+                              "",
+                              {},
+                              "",
+                              {},
+                              {},
+                              {}});
   };
   add("repeat_floor_force", "N", floor.force_N,
       fmt::format(
@@ -336,7 +357,7 @@ void add_floor(const sanity::RepeatFloor& floor, EvaluationResult& result) {
   add("rms_force_error_over_floor", "1", error_N / floor.force_N,
       "The RMS force error over repeat_floor_force: up to 1, but for chance, nothing is left that could be explained.");
   result.messages.push_back(
-      fmt::format("The RMS force error of {} is {}.", display_quantity(error_N, "N"), floor.verdict(error_N)));
+      fmt::format("The RMS force error of {} is {}.", report::display_quantity(error_N, "N"), floor.verdict(error_N)));
   result.settings.emplace_back("Repeat", floor.text());
 }
 
@@ -367,19 +388,19 @@ EvaluationResult run_evaluation(const Catalogue& catalogue, const EvaluationRequ
   RendererResidual residual;
   SensorWindow window(comparison, [&](const ComparedSample& sample) {
     collector.add(sample);
-    const MetricSample& m = sample.metric;
+    const metrics::MetricSample& m = sample.metric;
     if (inputs.survey.has_force) residual.add(m);
     if (errors && request.time_ranges.contains(m.t_s, inputs.survey.clock.start_s)) errors(m);
   });
   MeasuredStream measured(request, inputs, comparison);
-  std::unique_ptr<RenderedWriter> writer;
-  if (!rendered.empty()) writer = std::make_unique<RenderedWriter>(rendered, true);
+  std::unique_ptr<recording::RenderedWriter> writer;
+  if (!rendered.empty()) writer = std::make_unique<recording::RenderedWriter>(rendered, true);
   Progress progress(fmt::format("rendering with {}", request.model.renderer), inputs.survey.samples);
   std::uint64_t done = 0;
   std::uint64_t segments = 0;
   LostContact lost;
-  SeamSearch seams(inputs.surface);
-  const auto sink = [&](const TipState& tip, const StepResult& step, double cost_us) {
+  rendering::SeamSearch seams(inputs.surface);
+  const auto sink = [&](const TipState& tip, const rendering::StepResult& step, double cost_us) {
     const MeasuredStream::Item item = measured.take();
     if (writer) writer->append(tip.t_s, tip.p_W_m, step.contact_W_m, step.f_W_N, step.contact, cost_us);
     ComparedSample sample;
@@ -421,7 +442,7 @@ EvaluationResult run_evaluation(const Catalogue& catalogue, const EvaluationRequ
     result.messages.push_back(std::move(warning));
   for (std::string& fault : residual.faults()) result.messages.push_back(std::move(fault));
   if (inputs.floor) add_floor(*inputs.floor, result);
-  result.provenance = make_provenance(request.command_line);
+  result.provenance = report::make_provenance(request.command_line);
   result.provenance.inputs = inputs.files;
   if (writer) writer->commit();
   return result;

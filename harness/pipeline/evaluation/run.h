@@ -4,7 +4,6 @@
 #include <filesystem>
 #include <functional>
 
-#include "harness/base/rooms.h"
 #include "harness/pipeline/evaluation/inputs.h"
 #include "harness/pipeline/evaluation/request.h"
 #include "harness/rendering/catalogue.h"
@@ -14,16 +13,16 @@ namespace touchstone::pipeline {
 
 // Replays and measures. `rendered` is the file for what the renderer answered (before any instrument entry); "" writes
 // none. Throws as load_inputs() does, and BadData where the renderer answers with what is not a number.
-EvaluationResult run_evaluation(const Catalogue& catalogue, const EvaluationRequest& request,
-                                const std::filesystem::path& rendered);
+report::EvaluationResult run_evaluation(const rendering::Catalogue& catalogue, const EvaluationRequest& request,
+                                        const std::filesystem::path& rendered);
 // Takes every sample that the metrics see, in the order of time.
-using ErrorSink = std::function<void(const MetricSample&)>;
-EvaluationResult run_evaluation(const Catalogue& catalogue, const EvaluationRequest& request,
-                                const EvaluationInputs& inputs, const std::filesystem::path& rendered,
-                                const ErrorSink& errors = {});
+using ErrorSink = std::function<void(const metrics::MetricSample&)>;
+report::EvaluationResult run_evaluation(const rendering::Catalogue& catalogue, const EvaluationRequest& request,
+                                        const EvaluationInputs& inputs, const std::filesystem::path& rendered,
+                                        const ErrorSink& errors = {});
 
 // run_evaluation() and its report: DIR/rendered.csv, DIR/result.json, DIR/report.html.
-EvaluationResult evaluate_into(const Catalogue& catalogue, const EvaluationRequest& request,
-                               const std::filesystem::path& folder, const ErrorSink& errors = {});
+report::EvaluationResult evaluate_into(const rendering::Catalogue& catalogue, const EvaluationRequest& request,
+                                       const std::filesystem::path& folder, const ErrorSink& errors = {});
 
 }  // namespace touchstone::pipeline

@@ -8,7 +8,6 @@
 #include <string>
 
 #include "harness/base/random.h"
-#include "harness/base/rooms.h"
 #include "harness/pipeline/evaluation/request.h"
 #include "harness/recording/recording_file.h"
 #include "harness/surface/mesh_file.h"
@@ -17,7 +16,7 @@
 namespace touchstone::pipeline {
 
 // The catalogue that the tests run on.
-inline const Catalogue& built_in() { return renderers::built_in_catalogue(); }
+inline const rendering::Catalogue& built_in() { return renderers::built_in_catalogue(); }
 
 inline std::filesystem::path fresh_folder(const std::string& name) {
   auto folder = std::filesystem::temp_directory_path() / (name + "-" + std::to_string(::getpid()));
@@ -27,8 +26,8 @@ inline std::filesystem::path fresh_folder(const std::string& name) {
 }
 
 // A plate of 100 mm x 100 mm at z = 0 in two triangles, outward +z.
-inline TriangleMesh plate() {
-  TriangleMesh mesh;
+inline surface::TriangleMesh plate() {
+  surface::TriangleMesh mesh;
   mesh.vertices_W_m = {{0, 0, 0}, {0.1, 0, 0}, {0.1, 0.1, 0}, {0, 0.1, 0}};
   mesh.triangles = {{0, 1, 2}, {0, 2, 3}};
   return mesh;
@@ -37,8 +36,8 @@ inline TriangleMesh plate() {
 // Strokes along y at 1 kHz for ten seconds, pressed with about 1 N for 1.5 s of every 2 s and lifted in between.
 // `compliant_N_per_m` > 0: positions sink in by force over stiffness (for measured in-trajectories); else they stay on
 // the plate.
-inline Recording scan(double compliant_N_per_m) {
-  Recording recording;
+inline recording::Recording scan(double compliant_N_per_m) {
+  recording::Recording recording;
   recording.source = "scan";
   for (int i = 0; i < 10'000; ++i) {
     const double t = 0.001 * i;
@@ -55,7 +54,7 @@ inline Recording scan(double compliant_N_per_m) {
 }
 
 // The request for these files in `folder`: rec.csv, mesh.obj in `unit`, god-object at `stiffness`.
-inline EvaluationRequest write_scan(const std::filesystem::path& folder, const Recording& recording,
+inline EvaluationRequest write_scan(const std::filesystem::path& folder, const recording::Recording& recording,
                                     double stiffness_N_per_m, const std::string& unit = "m", double unit_m = 1.0) {
   save_recording(folder / "rec.csv", recording);
   save_mesh(plate(), folder / "mesh.obj", unit_m);

@@ -10,7 +10,7 @@ constexpr std::size_t least_window = 16384;
 
 }  // namespace
 
-SensorWindow::SensorWindow(const MeasuredRenderer& comparison, Sink sink)
+SensorWindow::SensorWindow(const rendering::MeasuredRenderer& comparison, Sink sink)
     : comparison_(comparison), sink_(std::move(sink)), halo_s_(comparison.halo_s()) {}
 
 void SensorWindow::add(const ComparedSample& sample) {

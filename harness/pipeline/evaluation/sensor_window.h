@@ -5,7 +5,6 @@
 #include <functional>
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "harness/metrics/metric.h"
 #include "harness/rendering/measured_renderer.h"
 
@@ -13,8 +12,8 @@ namespace touchstone::pipeline {
 
 // A sample on its way to the metrics.
 struct ComparedSample {
-  MetricSample metric;        // f_rendered_W_N still as the renderer answered
-  Vec3 p_W_m = Vec3::Zero();  // the tip as measured
+  metrics::MetricSample metric;  // f_rendered_W_N still as the renderer answered
+  Vec3 p_W_m = Vec3::Zero();     // the tip as measured
   Quat q_WS = Quat::Identity();
   Vec3 surface_W_m = Vec3::Zero();  // the point of the surface that was touched
   bool touching = false;            // by the measurement or by the renderer
@@ -24,7 +23,7 @@ class SensorWindow {
  public:
   using Sink = std::function<void(const ComparedSample&)>;
 
-  SensorWindow(const MeasuredRenderer& comparison, Sink sink);
+  SensorWindow(const rendering::MeasuredRenderer& comparison, Sink sink);
   void add(const ComparedSample& sample);
   // After the last sample, and before a gap over which nothing acts.
   void finish();
@@ -32,7 +31,7 @@ class SensorWindow {
  private:
   void flush(bool all);
 
-  const MeasuredRenderer& comparison_;
+  const rendering::MeasuredRenderer& comparison_;
   Sink sink_;
   double halo_s_;
   std::vector<ComparedSample> held_;

@@ -18,6 +18,10 @@
 #include "harness/surface/mesh_warnings.h"
 
 namespace touchstone::pipeline {
+using recording::InTrajectoryMode;
+using recording::Recording;
+using rendering::Model;
+
 namespace {
 
 constexpr std::size_t profile_points = 41;
@@ -105,7 +109,7 @@ void warn(const std::vector<double>& best, FitResult& result) {
     if (best[i] < 1e-3 || best[i] > 1.0 - 1e-3) {
       result.warnings.push_back(
           fmt::format("{}: the minimum lies on the bound {} of the search; give wider bounds, {}=low:high", name,
-                      display_setting(one.value, one.parameter.unit), name));
+                      report::display_setting(one.value, one.parameter.unit), name));
     }
     const auto [low, high] = std::ranges::minmax(one.profile_metric);
     if (!(high - low > flat * high)) {
@@ -134,12 +138,12 @@ std::vector<std::pair<double, double>> bands(const Recording& recording, const s
   return out;
 }
 
-std::vector<Series> signals(const Recording& recording, const std::vector<Vec3>& rendered) {
-  std::vector<Series> out;
+std::vector<metrics::Series> signals(const Recording& recording, const std::vector<Vec3>& rendered) {
+  std::vector<metrics::Series> out;
   for (const char* const which : {"measured", "rendered"}) {
     const std::vector<Vec3>& forces = which[0] == 'm' ? recording.f_W_N : rendered;
     for (Eigen::Index axis = 0; axis < 3; ++axis) {
-      SeriesRecorder recorder(fmt::format("{}_{}", which, "xyz"[axis]), "N");
+      metrics::SeriesRecorder recorder(fmt::format("{}_{}", which, "xyz"[axis]), "N");
       for (std::size_t i = 0; i < forces.size(); ++i) recorder.add(recording.motion.t_s[i], forces[i][axis]);
       out.push_back(recorder.series());
     }
@@ -148,7 +152,7 @@ std::vector<Series> signals(const Recording& recording, const std::vector<Vec3>&
 }
 
 Recording load(const EvaluationRequest& request) {
-  Loaded<Recording> loaded = load_recording(request.recording, request.clock);
+  recording::Loaded<Recording> loaded = load_recording(request.recording, request.clock);
   if (request.flip_force) {
     for (Vec3& f : loaded.value.f_W_N) f = -f;
   }
@@ -157,16 +161,16 @@ Recording load(const EvaluationRequest& request) {
 
 MotionColumns in_motion(const FitRequest& request, const EvaluationInputs& inputs, const Recording& recording) {
   if (request.evaluation.in_trajectory == InTrajectoryMode::measured) return recording.motion;
-  const OutTrajectory out =
-      make_out_trajectory(recording, *inputs.surface, {inputs.tip_radius_m, request.evaluation.contact_threshold_N});
+  const recording::OutTrajectory out = rendering::make_out_trajectory(
+      recording, *inputs.surface, {inputs.tip_radius_m, request.evaluation.contact_threshold_N});
   if (request.evaluation.in_trajectory == InTrajectoryMode::whole_force)
-    return whole_force_in_trajectory(out, recording.f_W_N, inputs.stiffness_N_per_m).motion;
-  return synthesize_in_trajectory(out, inputs.stiffness_N_per_m).motion;
+    return rendering::whole_force_in_trajectory(out, recording.f_W_N, inputs.stiffness_N_per_m).motion;
+  return rendering::synthesize_in_trajectory(out, inputs.stiffness_N_per_m).motion;
 }
 
 }  // namespace
 
-FitResult run_fit(const Catalogue& catalogue, const FitRequest& request) {
+FitResult run_fit(const rendering::Catalogue& catalogue, const FitRequest& request) {
   FitResult result;
   result.metric = request.metric;
   check_fit_metric(request.metric);
@@ -192,7 +196,7 @@ FitResult run_fit(const Catalogue& catalogue, const FitRequest& request) {
 
   const Recording recording = load(request.evaluation);
   const auto predictor = catalogue.make_predictor(inputs.surface, in_motion(request, inputs, recording));
-  MetricOptions options;
+  metrics::MetricOptions options;
   options.force_floor_N = request.evaluation.contact_threshold_N;
   if (request.evaluation.force_threshold_N) options.force_threshold_N = *request.evaluation.force_threshold_N;
   const Objective objective(recording, *predictor, request.metric, options);
@@ -231,7 +235,7 @@ FitResult run_fit(const Catalogue& catalogue, const FitRequest& request) {
                                                  "neighbouring samples are not independent. They say how well this "
                                                  "recording determines the parameter if the "
                                                  "model is right, not how right the model is.",
-                                                 uncertainty.blocks, display_quantity(uncertainty.block_s, "s"))
+                                                 uncertainty.blocks, report::display_quantity(uncertainty.block_s, "s"))
                                            : fmt::format("There are no intervals: {}.", uncertainty.why_not);
   warn(minimum.u, result);
 
@@ -249,7 +253,7 @@ FitResult run_fit(const Catalogue& catalogue, const FitRequest& request) {
   result.evaluations = problem.evaluations();
   result.title = fmt::format("Fit of {} to {}", request.evaluation.model.renderer,
                              request.evaluation.recording.filename().string());
-  result.provenance = make_provenance(request.evaluation.command_line);
+  result.provenance = report::make_provenance(request.evaluation.command_line);
   result.provenance.inputs = inputs.files;
   result.floor = inputs.floor;
   return result;

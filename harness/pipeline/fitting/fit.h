@@ -6,7 +6,6 @@
 #include <utility>
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "harness/metrics/metric.h"
 #include "harness/pipeline/evaluation/inputs.h"
 #include "harness/pipeline/evaluation/request.h"
@@ -20,8 +19,8 @@ struct FitRequest {
   EvaluationRequest evaluation;  // recording, mesh, model, in-trajectory, ...
   std::vector<std::string> parameters;
   std::string metric = "rms_force_error";
-  TimeRanges fit_range;
-  TimeRanges score_range;
+  metrics::TimeRanges fit_range;
+  metrics::TimeRanges score_range;
 };
 
 struct Estimate {
@@ -51,16 +50,16 @@ struct FitResult {
   std::vector<std::string> warnings;                 // on a bound, flat, faults of the mesh
   std::vector<std::string> notes;                    // what else is to be said of mesh and recordings
   std::optional<sanity::RepeatFloor> floor;          // where a repeat of the recording was given
-  std::vector<MetricResult> score_metrics;           // of the fitted model
-  std::vector<Series> signals;                       // measured_x ..., rendered_x ..., over the whole recording
+  std::vector<metrics::MetricResult> score_metrics;  // of the fitted model
+  std::vector<metrics::Series> signals;              // measured_x ..., rendered_x ..., over the whole recording
   std::vector<std::pair<double, double>> fit_bands;  // time ranges that were fitted
-  Model model;                                       // with the estimates
+  rendering::Model model;                            // with the estimates
   std::string model_text;
-  Provenance provenance;
+  report::Provenance provenance;
 };
 
 // Throws as load_inputs() does; UsageError for parameters or metrics that do not exist, for ranges with no samples, and
 // for a stiffness that is to be fitted to an in-trajectory that was made with it.
-FitResult run_fit(const Catalogue& catalogue, const FitRequest& request);
+FitResult run_fit(const rendering::Catalogue& catalogue, const FitRequest& request);
 
 }  // namespace touchstone::pipeline

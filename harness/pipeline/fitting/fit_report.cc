@@ -14,13 +14,18 @@
 #include "harness/report/quantity.h"
 
 namespace touchstone::pipeline {
+using report::LinePlot;
+using report::Section;
+using report::Tone;
+
 namespace {
 
 using nlohmann::json;
 
 std::string interval_text(const Estimate& one) {
   if (!one.interval_known) return "not known";
-  return fmt::format("{} to {}", display_number(one.low95), display_quantity(one.high95, one.parameter.unit));
+  return fmt::format("{} to {}", report::display_number(one.low95),
+                     report::display_quantity(one.high95, one.parameter.unit));
 }
 
 LinePlot profile_plot(const Estimate& one, const FitResult& result) {
@@ -31,7 +36,7 @@ LinePlot profile_plot(const Estimate& one, const FitResult& result) {
   plot.height_px = 320;
   plot.half_width = result.estimates.size() > 1;
   plot.lines.push_back({"on the fitted ranges", one.profile_value, one.profile_metric, Tone::error, false, false});
-  plot.lines.push_back({fmt::format("minimum at {}", display_quantity(one.value, one.parameter.unit)),
+  plot.lines.push_back({fmt::format("minimum at {}", report::display_quantity(one.value, one.parameter.unit)),
                         {one.value},
                         {result.fit_after},
                         Tone::rendered,
@@ -71,21 +76,22 @@ Section force_section(const FitResult& result) {
 std::string fit_to_json(const FitResult& result) {
   json parameters = json::array();
   for (const Estimate& one : result.estimates) {
-    json entry{
-        {"name", one.parameter.name},
-        {"unit", one.parameter.unit},
-        {"initial", one.parameter.initial},
-        {"value", exact_number(one.value)},
-        {"bounds", {one.parameter.low, one.parameter.high}},
-        {"interval95", nullptr},
-        {"profile", {{"value", plotted_numbers(one.profile_value)}, {"metric", plotted_numbers(one.profile_metric)}}}};
-    if (one.interval_known) entry["interval95"] = {exact_number(one.low95), exact_number(one.high95)};
+    json entry{{"name", one.parameter.name},
+               {"unit", one.parameter.unit},
+               {"initial", one.parameter.initial},
+               {"value", report::exact_number(one.value)},
+               {"bounds", {one.parameter.low, one.parameter.high}},
+               {"interval95", nullptr},
+               {"profile",
+                {{"value", report::plotted_numbers(one.profile_value)},
+                 {"metric", report::plotted_numbers(one.profile_metric)}}}};
+    if (one.interval_known) entry["interval95"] = {report::exact_number(one.low95), report::exact_number(one.high95)};
     parameters.push_back(std::move(entry));
   }
   json metrics = json::array();
-  for (const MetricResult& metric : result.score_metrics) metrics.push_back(metric_to_json(metric));
+  for (const metrics::MetricResult& metric : result.score_metrics) metrics.push_back(report::metric_to_json(metric));
   json signals = json::array();
-  for (const Series& series : result.signals) signals.push_back(series_to_json(series));
+  for (const metrics::Series& series : result.signals) signals.push_back(report::series_to_json(series));
   json document{{"schema", "touchstone-fit/1"},
                 {"title", result.title},
                 {"metric", {{"name", result.metric}, {"unit", result.metric_unit}}},
@@ -93,13 +99,13 @@ std::string fit_to_json(const FitResult& result) {
                 {"fit",
                  {{"range", result.fit_range},
                   {"samples", result.fit_samples},
-                  {"before", exact_number(result.fit_before)},
-                  {"after", exact_number(result.fit_after)}}},
+                  {"before", report::exact_number(result.fit_before)},
+                  {"after", report::exact_number(result.fit_after)}}},
                 {"score",
                  {{"range", result.score_range},
                   {"samples", result.score_samples},
-                  {"before", exact_number(result.score_before)},
-                  {"after", exact_number(result.score_after)},
+                  {"before", report::exact_number(result.score_before)},
+                  {"after", report::exact_number(result.score_after)},
                   {"metrics", std::move(metrics)}}},
                 {"evaluations", result.evaluations},
                 {"interval_note", result.interval_note},
@@ -108,12 +114,12 @@ std::string fit_to_json(const FitResult& result) {
                 {"model", json::parse(result.model_text)},
                 {"provenance", provenance_to_json(result.provenance)}};
   if (result.floor) {
-    document["repeat_floor"] = {{"force_N", exact_number(result.floor->force_N)},
-                                {"position_m", exact_number(result.floor->position_m)},
-                                {"shift_s", exact_number(result.floor->shift_s)},
-                                {"unshifted_N", exact_number(result.floor->unshifted_N)},
-                                {"steadiest_N", exact_number(result.floor->steadiest_N)},
-                                {"least_steady_N", exact_number(result.floor->least_steady_N)},
+    document["repeat_floor"] = {{"force_N", report::exact_number(result.floor->force_N)},
+                                {"position_m", report::exact_number(result.floor->position_m)},
+                                {"shift_s", report::exact_number(result.floor->shift_s)},
+                                {"unshifted_N", report::exact_number(result.floor->unshifted_N)},
+                                {"steadiest_N", report::exact_number(result.floor->steadiest_N)},
+                                {"least_steady_N", report::exact_number(result.floor->least_steady_N)},
                                 {"repeat", result.floor->source}};
   }
   return document.dump(1, ' ', false, json::error_handler_t::replace) + "\n";
@@ -122,59 +128,61 @@ std::string fit_to_json(const FitResult& result) {
 // What the repeat says of the scored error; empty without one, and where that is no RMS of the force.
 std::string against_repeat(const FitResult& result) {
   if (!result.floor || result.metric != "rms_force_error") return "";
-  return fmt::format("The scored error of {} is {}.", display_quantity(result.score_after, "N"),
+  return fmt::format("The scored error of {} is {}.", report::display_quantity(result.score_after, "N"),
                      result.floor->verdict(result.score_after));
 }
 
-Page fit_page(const FitResult& result) {
-  Page page;
+report::Page fit_page(const FitResult& result) {
+  report::Page page;
   page.title = result.title;
   page.subtitle = fmt::format("Parameters identified by minimising {} on the time ranges {}, and scored on {}.",
                               result.metric, result.fit_range, result.score_range);
   for (const Estimate& one : result.estimates) {
-    const DisplayUnit unit = display_unit(one.parameter.unit, one.value);
+    const report::DisplayUnit unit = report::display_unit(one.parameter.unit, one.value);
     page.headlines.push_back(
-        {one.parameter.name, display_number(one.value * unit.factor), unit.name == "1" ? "" : unit.name,
+        {one.parameter.name, report::display_number(one.value * unit.factor), unit.name == "1" ? "" : unit.name,
          one.interval_known ? "95 %: " + interval_text(one) : "no interval: see below", Tone::rendered});
   }
   const auto headline = [&](std::string label, double value, double before) {
-    const DisplayUnit unit = display_unit(result.metric_unit, value);
-    page.headlines.push_back({std::move(label), display_number(value * unit.factor), unit.name,
-                              fmt::format("{} with the model as given", display_quantity(before, result.metric_unit)),
-                              Tone::error});
+    const report::DisplayUnit unit = report::display_unit(result.metric_unit, value);
+    page.headlines.push_back(
+        {std::move(label), report::display_number(value * unit.factor), unit.name,
+         fmt::format("{} with the model as given", report::display_quantity(before, result.metric_unit)), Tone::error});
   };
   headline(fmt::format("{}, scored ({})", result.metric, result.score_range), result.score_after, result.score_before);
   headline(fmt::format("{}, fitted ({})", result.metric, result.fit_range), result.fit_after, result.fit_before);
   if (result.floor) {
-    page.headlines.push_back({"floor of a repeat", display_number(result.floor->force_N), "N",
+    page.headlines.push_back({"floor of a repeat", report::display_number(result.floor->force_N), "N",
                               "what one recording does not repeat: RMS difference over the root of 2",
                               Tone::reference});
   }
   Section fit{"The fit", against_repeat(result), {}, false};
-  for (const std::string& warning : result.warnings) fit.blocks.emplace_back(TextBlock{warning, Tone::warning});
-  Table table{"", {"parameter", "given", "searched", "fitted", "95 % interval"}, {}, ""};
+  for (const std::string& warning : result.warnings) fit.blocks.emplace_back(report::TextBlock{warning, Tone::warning});
+  report::Table table{"", {"parameter", "given", "searched", "fitted", "95 % interval"}, {}, ""};
   for (const Estimate& one : result.estimates) {
-    table.rows.push_back(
-        {{{one.parameter.name},
-          {display_quantity(one.parameter.initial, one.parameter.unit), true},
-          {fmt::format("{:.4g} to {}", one.parameter.low, display_setting(one.parameter.high, one.parameter.unit)),
-           true},
-          {display_quantity(one.value, one.parameter.unit), true},
-          {interval_text(one), true}},
-         "",
-         std::nullopt});
+    table.rows.push_back({{{one.parameter.name},
+                           {report::display_quantity(one.parameter.initial, one.parameter.unit), true},
+                           {fmt::format("{:.4g} to {}", one.parameter.low,
+                                        report::display_setting(one.parameter.high, one.parameter.unit)),
+                            true},
+                           {report::display_quantity(one.value, one.parameter.unit), true},
+                           {interval_text(one), true}},
+                          "",
+                          std::nullopt});
   }
   fit.blocks.emplace_back(std::move(table));
-  fit.blocks.emplace_back(TextBlock{result.interval_note});
+  fit.blocks.emplace_back(report::TextBlock{result.interval_note});
   for (const Estimate& one : result.estimates) fit.blocks.emplace_back(profile_plot(one, result));
   page.sections.push_back(std::move(fit));
   page.sections.push_back(force_section(result));
   page.sections.push_back({"Metrics on the scored ranges",
                            "Of the fitted model, on samples that the fit did not see unless the ranges overlap.",
-                           {metrics_table(result.score_metrics)},
+                           {report::metrics_table(result.score_metrics)},
                            false});
-  page.sections.push_back(
-      {"Model", "With the fitted parameters; model.json beside this page.", {Code{"", result.model_text}}, false});
+  page.sections.push_back({"Model",
+                           "With the fitted parameters; model.json beside this page.",
+                           {report::Code{"", result.model_text}},
+                           false});
   page.sections.push_back(provenance_section(result.provenance));
   page.footer =
       fmt::format("Touchstone {}. {} evaluations of the metric.", result.provenance.build.version, result.evaluations);
@@ -184,18 +192,19 @@ Page fit_page(const FitResult& result) {
 std::string fit_table(const FitResult& result) {
   std::vector<std::vector<std::string>> rows{{"parameter", "given", "fitted", "95 % interval"}};
   for (const Estimate& one : result.estimates) {
-    rows.push_back({one.parameter.name, display_quantity(one.parameter.initial, one.parameter.unit),
-                    display_quantity(one.value, one.parameter.unit), interval_text(one)});
+    rows.push_back({one.parameter.name, report::display_quantity(one.parameter.initial, one.parameter.unit),
+                    report::display_quantity(one.value, one.parameter.unit), interval_text(one)});
   }
   std::vector<std::vector<std::string>> scores{{result.metric, "time ranges", "samples", "as given", "fitted"}};
   scores.push_back({"fit", result.fit_range, fmt::format("{}", result.fit_samples),
-                    display_quantity(result.fit_before, result.metric_unit),
-                    display_quantity(result.fit_after, result.metric_unit)});
+                    report::display_quantity(result.fit_before, result.metric_unit),
+                    report::display_quantity(result.fit_after, result.metric_unit)});
   scores.push_back({"score", result.score_range, fmt::format("{}", result.score_samples),
-                    display_quantity(result.score_before, result.metric_unit),
-                    display_quantity(result.score_after, result.metric_unit)});
+                    report::display_quantity(result.score_before, result.metric_unit),
+                    report::display_quantity(result.score_after, result.metric_unit)});
   const std::string floor = against_repeat(result);
-  return align_columns(rows) + "\n" + align_columns(scores) + (floor.empty() ? "" : "\n" + floor + "\n");
+  return report::align_columns(rows) + "\n" + report::align_columns(scores) +
+         (floor.empty() ? "" : "\n" + floor + "\n");
 }
 
 void write_fit(const FitResult& result, const std::filesystem::path& folder) {

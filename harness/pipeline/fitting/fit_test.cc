@@ -8,6 +8,11 @@
 #include "harness/testing/shared_data.h"
 
 namespace touchstone::pipeline {
+using metrics::TimeRanges;
+using recording::InTrajectoryMode;
+using recording::Recording;
+using rendering::Model;
+
 namespace {
 
 FitRequest stiffness_fit(const std::filesystem::path& folder, const Recording& recording,
@@ -45,7 +50,7 @@ TEST(Fit, FindsTheStiffnessOfAnExactRecording) {
   EXPECT_EQ(result.fit_samples + result.score_samples, 10'000u);
   EXPECT_TRUE(result.warnings.empty()) << result.warnings.front();
   write_fit(result, folder);
-  EXPECT_EQ(load_model(folder / "model.json").parameters.at("stiffness_N_per_m"), result.estimates[0].value);
+  EXPECT_EQ(rendering::load_model(folder / "model.json").parameters.at("stiffness_N_per_m"), result.estimates[0].value);
 }
 
 // The interval holds what it says: over independent noisy recordings the truth lies in about 95 of 100.

@@ -7,8 +7,6 @@
 #include <functional>
 #include <vector>
 
-#include "harness/base/rooms.h"
-
 namespace touchstone::pipeline {
 
 using UnitFunction = std::function<double(const std::vector<double>&)>;

@@ -8,11 +8,14 @@
 #include "harness/base/error.h"
 
 namespace touchstone::pipeline {
+using metrics::MetricResult;
+using rendering::Model;
+
 namespace {
 
 std::vector<std::string> force_metrics() {
   std::vector<std::string> out;
-  for (const MetricEntry& entry : metric_catalogue()) {
+  for (const metrics::MetricEntry& entry : metrics::metric_catalogue()) {
     if (entry.needs_force && !entry.needs_position && !entry.needs_cost) out.push_back(entry.name);
   }
   return out;
@@ -21,7 +24,7 @@ std::vector<std::string> force_metrics() {
 }  // namespace
 
 void check_fit_metric(const std::string& metric) {
-  const MetricEntry& entry = find_metric(metric);
+  const metrics::MetricEntry& entry = metrics::find_metric(metric);
   if (entry.name == metric && entry.results.size() > 1) {
     throw UsageError(
         fmt::format("--metric {} has several results; name one of them, such as {}", metric, entry.results.front()));
@@ -32,7 +35,8 @@ void check_fit_metric(const std::string& metric) {
   }
 }
 
-Objective::Objective(const Recording& recording, Predictor& predictor, std::string metric, const MetricOptions& options)
+Objective::Objective(const recording::Recording& recording, rendering::Predictor& predictor, std::string metric,
+                     const metrics::MetricOptions& options)
     : recording_(recording), predictor_(predictor), metric_(std::move(metric)), options_(options) {
   check_fit_metric(metric_);
   loss_ = loss_of(metric_);
@@ -47,8 +51,8 @@ Objective::Loss Objective::loss_of(const std::string& metric) {
 
 std::vector<MetricResult> Objective::metrics(const Model& model, const std::vector<std::size_t>& part) const {
   const std::vector<Vec3> forces = predict(model);
-  MetricSet set(force_metrics(), {true, false, false}, options_);
-  MetricSample sample;
+  metrics::MetricSet set(force_metrics(), {true, false, false}, options_);
+  metrics::MetricSample sample;
   for (const std::size_t i : part) {
     sample.t_s = recording_.motion.t_s[i];
     sample.f_measured_W_N = recording_.f_W_N[i];
@@ -61,7 +65,7 @@ std::vector<MetricResult> Objective::metrics(const Model& model, const std::vect
 double Objective::value(const Model& model, const std::vector<std::size_t>& part) const {
   const std::vector<double> loss = losses(model, part);
   if (!loss.empty()) {
-    CompensatedSum sum;
+    metrics::CompensatedSum sum;
     for (const double one : loss) sum.add(one);
     const double mean = sum.value() / static_cast<double>(part.size());
     if (!std::isfinite(mean))
@@ -70,7 +74,7 @@ double Objective::value(const Model& model, const std::vector<std::size_t>& part
   }
   const std::vector<MetricResult> results = metrics(model, part);
   const MetricResult& result = find_result(results, metric_);
-  if (result.status != MetricStatus::ok) {
+  if (result.status != metrics::MetricStatus::ok) {
     throw BadData(fmt::format("{}: {} has no value on these samples: {}", recording_.source, metric_, result.note));
   }
   return std::abs(result.value);
@@ -90,7 +94,7 @@ std::vector<double> Objective::losses(const Model& model, const std::vector<std:
   return out;
 }
 
-std::vector<std::size_t> Objective::part(const TimeRanges& ranges, const std::string& option) const {
+std::vector<std::size_t> Objective::part(const metrics::TimeRanges& ranges, const std::string& option) const {
   std::vector<std::size_t> out;
   const std::vector<double>& t_s = recording_.motion.t_s;
   for (std::size_t i = 0; i < t_s.size(); ++i) {

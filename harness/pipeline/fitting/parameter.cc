@@ -11,6 +11,11 @@
 #include "harness/rendering/declared_effect.h"
 
 namespace touchstone::pipeline {
+using rendering::Catalogue;
+using rendering::Model;
+using rendering::NamedParameters;
+using rendering::ParameterDeclaration;
+
 namespace {
 
 // Bounds further apart than this are no search range but "anything that makes sense".
@@ -22,10 +27,10 @@ struct Declared {
   double value;
 };
 
-void add_entries(const std::vector<NamedParameters>& entries, const std::vector<NamedDeclaration>& known,
+void add_entries(const std::vector<NamedParameters>& entries, const std::vector<rendering::NamedDeclaration>& known,
                  std::vector<Declared>& out) {
   for (const NamedParameters& entry : entries) {
-    const auto found = std::ranges::find(known, entry.name, &NamedDeclaration::name);
+    const auto found = std::ranges::find(known, entry.name, &rendering::NamedDeclaration::name);
     if (found == known.end() && entry.law == nullptr) continue;
     for (const ParameterDeclaration& declaration : entry.law ? entry.law->parameters : found->parameters) {
       const auto set = entry.parameters.find(declaration.name);

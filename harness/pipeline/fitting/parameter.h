@@ -6,7 +6,6 @@
 #include <string_view>
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "harness/rendering/catalogue.h"
 #include "harness/rendering/model.h"
 
@@ -30,10 +29,12 @@ struct FitParameter {
 // "stiffness_N_per_m" or "stiffness_N_per_m=100:2000". Without bounds those of the declaration hold; where they are too
 // wide to search (not finite, or a declared maximum that only says "any"), a factor of 100 around the model's value.
 // Throws UsageError that lists what the model declares.
-FitParameter parse_fit_parameter(const Catalogue& catalogue, std::string_view text, const Model& model);
+FitParameter parse_fit_parameter(const rendering::Catalogue& catalogue, std::string_view text,
+                                 const rendering::Model& model);
 
 // The model with these values. Where sliding friction would exceed break-away, which no friction does, mu_static is
 // raised to mu_dynamic, so that either can be searched alone.
-Model with_values(const Model& model, const std::vector<FitParameter>& parameters, const std::vector<double>& values);
+rendering::Model with_values(const rendering::Model& model, const std::vector<FitParameter>& parameters,
+                             const std::vector<double>& values);
 
 }  // namespace touchstone::pipeline

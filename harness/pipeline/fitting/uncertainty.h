@@ -9,8 +9,6 @@
 #include <string>
 #include <vector>
 
-#include "harness/base/rooms.h"
-
 namespace touchstone::pipeline {
 
 // Loss of each sample at a point of the unit cube.

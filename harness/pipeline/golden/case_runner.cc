@@ -27,6 +27,14 @@
 #include "harness/surface/mesh_warnings.h"
 
 namespace touchstone::pipeline {
+using baseline::GoldenCase;
+using baseline::TrajectoryColumns;
+using baseline::Verdict;
+using recording::InTrajectory;
+using rendering::Model;
+using rendering::RendererEntry;
+using surface::TriangleMesh;
+
 namespace {
 
 std::string hash_of(const TriangleMesh& mesh) {
@@ -39,13 +47,13 @@ std::string hash_of(const InTrajectory& trajectory) {
 }
 
 // The bodies, and where each is at every sample.
-std::string hash_of(const SceneFile& scene, const InTrajectory& trajectory) {
+std::string hash_of(const rendering::SceneFile& scene, const InTrajectory& trajectory) {
   std::string all;
-  for (const SceneFileBody& body : scene.bodies) {
+  for (const rendering::SceneFileBody& body : scene.bodies) {
     std::vector<double> poses;
     std::size_t segment = 0;
     for (const double t_s : trajectory.motion.t_s) {
-      const BodyPose pose = body.pose.covers(t_s) ? body.pose.at(t_s, segment) : body.pose.first();
+      const rendering::BodyPose pose = body.pose.covers(t_s) ? body.pose.at(t_s, segment) : body.pose.first();
       poses.insert(poses.end(), {pose.p_W_m.x(), pose.p_W_m.y(), pose.p_W_m.z(), pose.q_WB.w(), pose.q_WB.x(),
                                  pose.q_WB.y(), pose.q_WB.z()});
     }
@@ -56,8 +64,8 @@ std::string hash_of(const SceneFile& scene, const InTrajectory& trajectory) {
 
 // What a case runs over, and what is said of it.
 struct CaseWorld {
-  std::unique_ptr<Renderer> renderer;
-  std::shared_ptr<const Surface> surface;  // of one object; empty for a scene
+  std::unique_ptr<rendering::Renderer> renderer;
+  std::shared_ptr<const surface::Surface> surface;  // of one object; empty for a scene
   std::string geometry_sha256;
 };
 
@@ -74,11 +82,11 @@ CaseWorld make_world(const Catalogues& catalogues, const GoldenCase& golden, con
     }
     return world;
   }
-  SceneFile file = parse_scene(golden.scene, (golden.folder / "case.json").string() + ": /scene", golden.folder,
-                               SceneFiles::own_folder);
+  rendering::SceneFile file = parse_scene(golden.scene, (golden.folder / "case.json").string() + ": /scene",
+                                          golden.folder, rendering::SceneFiles::own_folder);
   file.rescale(golden.scale, golden.speed);
-  auto scene = std::make_shared<const BodyScene>(file.scene());
-  for (const SceneBody& body : scene->bodies) {
+  auto scene = std::make_shared<const rendering::BodyScene>(file.scene());
+  for (const rendering::SceneBody& body : scene->bodies) {
     for (const std::string& warning : mesh_warnings(*body.surface_B)) fmt::print(stderr, "warning: {}\n", warning);
   }
   world.renderer = catalogues.renderers.make_scene(model, std::move(scene));
@@ -93,16 +101,18 @@ double p99(std::vector<double> values) {
   return *at;
 }
 
-std::optional<RunOperations> count_run(const Catalogue& catalogue, const Model& model,
-                                       std::shared_ptr<const Surface> surface, const InTrajectory& trajectory) {
-  const CountedRenderer counted = catalogue.make_counted(model, std::move(surface));
+std::optional<baseline::RunOperations> count_run(const rendering::Catalogue& catalogue, const Model& model,
+                                                 std::shared_ptr<const surface::Surface> surface,
+                                                 const InTrajectory& trajectory) {
+  const rendering::CountedRenderer counted = catalogue.make_counted(model, std::move(surface));
   if (!counted.renderer) return std::nullopt;
-  const OperationReport report = count_operations(*counted.renderer, tip_source(trajectory.motion));
-  return RunOperations{report.total(), report.max};
+  const rendering::OperationReport report =
+      count_operations(*counted.renderer, rendering::tip_source(trajectory.motion));
+  return baseline::RunOperations{report.total(), report.max};
 }
 
 // How wide the tolerance gets over the golden's forces, in differences that a fingertip just notices there.
-double share_of_jnd(const TrajectoryColumns& golden, const GroupTolerance& force) {
+double share_of_jnd(const TrajectoryColumns& golden, const baseline::GroupTolerance& force) {
   const auto* const x = golden.find("fx");
   const auto* const y = golden.find("fy");
   const auto* const z = golden.find("fz");
@@ -121,14 +131,16 @@ double share_of_jnd(const TrajectoryColumns& golden, const GroupTolerance& force
 // Judges a run that is beyond tolerance by the exact answer, where there is one: `better` when its force is nearer to
 // it by more than the tolerance, over the run and at its worst.
 void judge_by_exact_answer(const Catalogues& catalogues, const GoldenCase& golden, const std::string& model,
-                           const ChangeModel& change, const RenderedTrajectory& obtained, CheckResult& result) {
+                           const ChangeModel& change, const recording::RenderedTrajectory& obtained,
+                           CheckResult& result) {
   if (golden.surface.generator.empty()) return;
   const auto analytic = catalogues.generators.surface(golden.surface.generator, golden.surface.parameters);
   Model parsed = case_model(golden, model);
   if (change) change(parsed);
   result.exact = exact_error(catalogues, *analytic, golden.scale, parsed, obtained);
   if (!result.exact || result.comparison.verdict != Verdict::worse) return;
-  const auto before = exact_error(catalogues, *analytic, golden.scale, parsed, load_rendered(golden.expected(model)));
+  const auto before =
+      exact_error(catalogues, *analytic, golden.scale, parsed, recording::load_rendered(golden.expected(model)));
   if (!before) return;
   result.comparison.problems.push_back(exact_comparison(before, result.exact));
   const double band_N = golden.tolerance.of("force").atol;
@@ -141,7 +153,7 @@ void judge_by_exact_answer(const Catalogues& catalogues, const GoldenCase& golde
 // branch, up to several times the operations for the same force: there they are measured and not judged.
 void judge_operations(const GoldenCase& golden, const std::string& model, const CaseRun& run, CheckResult& result) {
   if (build_info().flags.find("-ffp-contract=off") == std::string::npos) return;
-  const auto known = load_operations(golden.summary_file());
+  const auto known = baseline::load_operations(golden.summary_file());
   const auto found = known.find(model);
   const auto change =
       operations_change(found == known.end() ? std::nullopt : std::optional(found->second), run.operations);
@@ -151,7 +163,9 @@ void judge_operations(const GoldenCase& golden, const std::string& model, const 
 }
 
 void measure(const CheckResult& result, const CaseRun& run, const std::string& hash, std::string& measurements) {
-  const auto add = [&](const std::string& name, const auto& value) { measurements += measurement(name, value); };
+  const auto add = [&](const std::string& name, const auto& value) {
+    measurements += report::measurement(name, value);
+  };
   for (const auto& [name, value] : metrics_of(result.comparison)) add(name, value);
   add("step_p99_us", run.p99_us);
   if (run.operations) {
@@ -175,7 +189,7 @@ TrajectoryColumns load_golden(const std::filesystem::path& file, CheckResult& re
     return {};
   }
   try {
-    return load_columns(file);
+    return baseline::load_columns(file);
   } catch (const Error& error) {
     result.comparison.verdict = Verdict::invalid;
     result.comparison.problems.push_back(error.what());
@@ -186,7 +200,8 @@ TrajectoryColumns load_golden(const std::filesystem::path& file, CheckResult& re
 // Why a scene is none for this renderer: its bodies move against each other, and it takes one object.
 std::string declared_not_to_move(const RendererEntry& entry, const GoldenCase& golden) {
   if (entry.make_scene) return "";
-  const BodyScene scene = parse_scene(golden.scene, golden.name, golden.folder, SceneFiles::own_folder).scene();
+  const rendering::BodyScene scene =
+      parse_scene(golden.scene, golden.name, golden.folder, rendering::SceneFiles::own_folder).scene();
   if (scene.bodies.size() < 2 || !scene.moves()) return "";
   return fmt::format("the renderer {} takes one object, and the case has {} that move against each other", entry.name,
                      scene.bodies.size());
@@ -195,7 +210,7 @@ std::string declared_not_to_move(const RendererEntry& entry, const GoldenCase& g
 double tip_radius_m(const Model& model, const RendererEntry& entry) {
   const auto set = model.parameters.find("tip_radius_m");
   if (set != model.parameters.end()) return set->second;
-  const auto found = std::ranges::find(entry.parameters, "tip_radius_m", &ParameterDeclaration::name);
+  const auto found = std::ranges::find(entry.parameters, "tip_radius_m", &rendering::ParameterDeclaration::name);
   return found == entry.parameters.end() ? 0.0 : found->initial;
 }
 
@@ -203,7 +218,7 @@ double tip_radius_m(const Model& model, const RendererEntry& entry) {
 bool pushes_to_closest(const Catalogues& catalogues, const GoldenCase& golden, const std::string& model) {
   const auto& known = catalogues.renderers.renderers();
   const auto found = std::ranges::find(known, case_model(golden, model).renderer, &RendererEntry::name);
-  return found != known.end() && find_limitation(found->cannot, Ability::continuous_force) != nullptr;
+  return found != known.end() && find_limitation(found->cannot, rendering::Ability::continuous_force) != nullptr;
 }
 
 // Why the case says nothing about this renderer: it takes one object and the case has several that move, its tip is
@@ -226,29 +241,30 @@ std::string declared_not_to_run(const Catalogues& catalogues, const GoldenCase& 
                          wanted_m == 0.0 ? "; is another model the one, as --model god-object-ball?" : "");
   }
   if (!golden.scene.empty()) return declared_not_to_move(entry, golden);
-  const Limitation* const limit = find_limitation(entry.cannot, Ability::start_inside);
+  const rendering::Limitation* const limit = find_limitation(entry.cannot, rendering::Ability::start_inside);
   if (limit == nullptr) return "";
   const InTrajectory trajectory = case_trajectory(catalogues.generators, golden);
   if (trajectory.size() == 0) return "";
-  const SurfacePoint first =
+  const surface::SurfacePoint first =
       make_embree_surface(case_mesh(catalogues.generators, golden))->closest(trajectory.motion.p_W_m.front());
   return first.signed_distance_m < 0.0 ? "the run starts inside the body: " + limit->reason : "";
 }
 
 }  // namespace
 
-TriangleMesh case_mesh(const Generators& generators, const CaseSurface& surface, double scale) {
+TriangleMesh case_mesh(const rendering::Generators& generators, const baseline::CaseSurface& surface, double scale) {
   TriangleMesh mesh = surface.generator.empty()
-                          ? load_mesh(surface.mesh, length_unit_factor(surface.unit))
+                          ? surface::load_mesh(surface.mesh, length_unit_factor(surface.unit))
                           : generators.mesh(surface.generator, surface.parameters, surface.triangles).mesh;
   for (Vec3& vertex : mesh.vertices_W_m) vertex *= scale;
   return mesh;
 }
 
-InTrajectory case_trajectory(const Generators& generators, const CaseTrajectory& wanted, double scale, double speed) {
+InTrajectory case_trajectory(const rendering::Generators& generators, const baseline::CaseTrajectory& wanted,
+                             double scale, double speed) {
   InTrajectory trajectory;
   if (wanted.generator.empty()) {
-    trajectory = load_trajectory(wanted.file);
+    trajectory = recording::load_trajectory(wanted.file);
     for (double& t : trajectory.motion.t_s) t /= speed;
   } else {
     trajectory = generators.motion(wanted.generator, wanted.parameters, wanted.seed, wanted.rate_Hz / speed);
@@ -266,9 +282,9 @@ Model case_model(const GoldenCase& golden, const std::string& name) {
     for (const auto& [other, ignored] : golden.models) known += ' ' + other;
     throw UsageError(fmt::format("the case {} has no model '{}'; it has:{}", golden.name, name, known));
   }
-  Model model = parse_model(text->second, fmt::format("{}: /models/{}", (golden.folder / "case.json").string(), name),
-                            golden.folder);
-  for (const NamedParameters& effect : model.effects) {
+  Model model = rendering::parse_model(
+      text->second, fmt::format("{}: /models/{}", (golden.folder / "case.json").string(), name), golden.folder);
+  for (const rendering::NamedParameters& effect : model.effects) {
     if (!effect.image.empty() && effect.image != golden.folder / effect.image.filename()) {
       throw BadData(fmt::format("{}{}/image: a file in the case's own folder was expected, without a path; it is {}",
                                 model.source, effect.place, effect.image.string()));
@@ -288,8 +304,8 @@ CaseRun run_case(const Catalogues& catalogues, const GoldenCase& golden, const s
   run.rendered = replay(*world.renderer, trajectory, time_steps);
   run.p99_us = p99(run.rendered.cost_us);
   run.rendered.cost_us.clear();
-  run.provenance = build_provenance();
-  if (described.provided) run.provenance.merge(plugin_provenance(*described.provided));
+  run.provenance = baseline::build_provenance();
+  if (described.provided) run.provenance.merge(plugin::plugin_provenance(*described.provided));
   if (described.renderer != own_renderer) run.provenance["renderer_in_place"] = described.renderer;
   run.provenance["geometry_sha256"] = world.geometry_sha256;
   run.provenance["trajectory_sha256"] = hash_of(trajectory);
@@ -306,7 +322,7 @@ CaseRun run_case(const Catalogues& catalogues, const GoldenCase& golden, const s
 
 CheckResult check_case(const Catalogues& catalogues, const GoldenCase& golden, const std::string& model,
                        const CaseCheck& options) {
-  const auto folder = result_folder(options.out, golden.name, model);
+  const auto folder = baseline::result_folder(options.out, golden.name, model);
   CheckResult result;
   CaseRun run;
   TrajectoryColumns obtained;
@@ -317,7 +333,7 @@ CheckResult check_case(const Catalogues& catalogues, const GoldenCase& golden, c
   TrajectoryColumns expected = load_golden(golden.expected(model), result);
   try {
     run = run_case(catalogues, golden, model, options.ctest, options.change);
-    obtained = columns_of(run.rendered, fmt::format("{} {}", golden.name, model));
+    obtained = baseline::columns_of(run.rendered, fmt::format("{} {}", golden.name, model));
   } catch (const UsageError&) {
     throw;
   } catch (const Error& error) {
@@ -332,7 +348,7 @@ CheckResult check_case(const Catalogues& catalogues, const GoldenCase& golden, c
     if (equal_answers > 0)
       result.comparison.problems.push_back(
           fmt::format("in {} rows another surface point is as close as the golden's, and as right", equal_answers));
-    result.same_cpu = read_provenance(golden.expected(model))["cpu"] == run.provenance["cpu"];
+    result.same_cpu = baseline::read_provenance(golden.expected(model))["cpu"] == run.provenance["cpu"];
     result.drift_fails = options.fail_on_drift && result.comparison.drift > 0 && result.same_cpu;
     result.share_of_jnd = share_of_jnd(expected, golden.tolerance.of("force"));
     if (!(result.share_of_jnd <= golden.jnd_share)) {
@@ -350,20 +366,20 @@ CheckResult check_case(const Catalogues& catalogues, const GoldenCase& golden, c
     result.comparison.problems.push_back(to_sentence(*result.felt, *options.felt));
   }
   result.table = fmt::format("{} {}\n{}", golden.name, model, to_table(result.comparison));
-  clear_result_folder(folder);
+  baseline::clear_result_folder(folder);
   if (options.ctest)
-    measure(result, run, obtained.columns.empty() ? "" : summarise(run.rendered).sha256, result.measurements);
+    measure(result, run, obtained.columns.empty() ? "" : baseline::summarise(run.rendered).sha256, result.measurements);
   if (result.passed()) return result;
 
   ensure_writable_folder(folder);
   // Git passes over the folder, so that what a failure leaves does not make a checkout look changed.
   hide_from_git(options.out);
   result.left_in = folder;
-  if (!obtained.columns.empty()) write_golden(folder / "obtained.h5", run.rendered, run.provenance);
+  if (!obtained.columns.empty()) baseline::write_golden(folder / "obtained.h5", run.rendered, run.provenance);
   write_file(folder / "table.txt", result.table);
   write_file(folder / "comparison.json", to_json_text(result.comparison));
   for (const auto& [name, picture] : draw_pictures(expected, obtained, folder)) {
-    if (options.ctest) result.measurements += picture_measurement(name, picture);
+    if (options.ctest) result.measurements += report::picture_measurement(name, picture);
   }
   return result;
 }

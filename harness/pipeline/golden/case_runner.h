@@ -7,7 +7,6 @@
 #include <optional>
 #include <string>
 
-#include "harness/base/rooms.h"
 #include "harness/baseline/compare.h"
 #include "harness/baseline/golden_case.h"
 #include "harness/baseline/golden_file.h"
@@ -21,36 +20,39 @@ namespace touchstone::pipeline {
 
 // The case's object and motion, from its files or made by generators; every length times `scale`, the motion `speed`
 // times as fast.
-TriangleMesh case_mesh(const Generators& generators, const CaseSurface& surface, double scale);
-InTrajectory case_trajectory(const Generators& generators, const CaseTrajectory& wanted, double scale, double speed);
-inline TriangleMesh case_mesh(const Generators& generators, const GoldenCase& golden) {
+surface::TriangleMesh case_mesh(const rendering::Generators& generators, const baseline::CaseSurface& surface,
+                                double scale);
+recording::InTrajectory case_trajectory(const rendering::Generators& generators, const baseline::CaseTrajectory& wanted,
+                                        double scale, double speed);
+inline surface::TriangleMesh case_mesh(const rendering::Generators& generators, const baseline::GoldenCase& golden) {
   return case_mesh(generators, golden.surface, golden.scale);
 }
-inline InTrajectory case_trajectory(const Generators& generators, const GoldenCase& golden) {
+inline recording::InTrajectory case_trajectory(const rendering::Generators& generators,
+                                               const baseline::GoldenCase& golden) {
   return case_trajectory(generators, golden.trajectory, golden.scale, golden.speed);
 }
 
 // A model of the case. What it names lies in the case's own folder: a picture elsewhere throws BadData with its place.
 // Throws UsageError with the names that there are for another one.
-Model case_model(const GoldenCase& golden, const std::string& name);
+rendering::Model case_model(const baseline::GoldenCase& golden, const std::string& name);
 
 struct CaseRun {
-  RenderedTrajectory rendered;
-  Provenance provenance;
-  double p99_us = 0.0;                      // of a step
-  std::shared_ptr<const Surface> surface;   // of one object; empty for a scene
-  std::optional<RunOperations> operations;  // where the renderer's are counted
+  recording::RenderedTrajectory rendered;
+  baseline::Provenance provenance;
+  double p99_us = 0.0;                                // of a step
+  std::shared_ptr<const surface::Surface> surface;    // of one object; empty for a scene
+  std::optional<baseline::RunOperations> operations;  // where the renderer's are counted
 };
 
 // Changes a case's model before it runs.
-using ChangeModel = std::function<void(Model&)>;
+using ChangeModel = std::function<void(rendering::Model&)>;
 
 // Throws BadData when the case cannot run, or the renderer answers with a number that is not finite.
-CaseRun run_case(const Catalogues& catalogues, const GoldenCase& golden, const std::string& model, bool time_steps,
-                 const ChangeModel& change = {});
+CaseRun run_case(const Catalogues& catalogues, const baseline::GoldenCase& golden, const std::string& model,
+                 bool time_steps, const ChangeModel& change = {});
 
 struct CheckResult {
-  Comparison comparison;
+  baseline::Comparison comparison;
   std::string table;                // for people, with why it could not run where that is so
   double share_of_jnd = 0.0;        // the widest the tolerance gets, in just noticeable differences of force
   bool same_cpu = false;            // as the golden's
@@ -80,7 +82,7 @@ struct CaseCheck {
 // (equal_answers.h).
 // Skipped is a case that says nothing about a renderer in the place of the case's own: its tip is another one, or the
 // run starts inside the body and the renderer declares that it cannot.
-CheckResult check_case(const Catalogues& catalogues, const GoldenCase& golden, const std::string& model,
+CheckResult check_case(const Catalogues& catalogues, const baseline::GoldenCase& golden, const std::string& model,
                        const CaseCheck& options);
 
 }  // namespace touchstone::pipeline

@@ -1,7 +1,6 @@
 // What a golden case or a sweep may name: renderers with their effects, and generated surfaces and motions.
 #pragma once
 
-#include "harness/base/rooms.h"
 #include "harness/rendering/catalogue.h"
 #include "harness/rendering/generators.h"
 
@@ -9,8 +8,8 @@ namespace touchstone::pipeline {
 
 // Both must live as long as what is given them.
 struct Catalogues {
-  const Catalogue& renderers;
-  const Generators& generators;
+  const rendering::Catalogue& renderers;
+  const rendering::Generators& generators;
 };
 
 }  // namespace touchstone::pipeline

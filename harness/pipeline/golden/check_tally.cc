@@ -7,8 +7,8 @@
 namespace touchstone::pipeline {
 namespace {
 
-report::CheckedTest for_others(const GoldenCase& golden, const std::string& model, const CheckResult& result, bool good,
-                               double seconds) {
+report::CheckedTest for_others(const baseline::GoldenCase& golden, const std::string& model, const CheckResult& result,
+                               bool good, double seconds) {
   report::CheckedTest test{golden.name,  model, good, seconds, std::string(to_string(result.comparison.verdict)),
                            result.table, {},    {}};
   if (good) return test;
@@ -23,14 +23,14 @@ report::CheckedTest for_others(const GoldenCase& golden, const std::string& mode
 
 }  // namespace
 
-std::string CheckTally::add(const GoldenCase& golden, const std::string& model, const CheckResult& result,
+std::string CheckTally::add(const baseline::GoldenCase& golden, const std::string& model, const CheckResult& result,
                             double seconds, const FeltTolerance& felt) {
   if (!result.skipped.empty()) {
     ++skipped_;
     tests_.push_back({golden.name, model, false, 0.0, "", "", golden.folder / "case.json", {}, result.skipped});
     return fmt::format("skipped  {} {}: {}\n", golden.name, model, result.skipped);
   }
-  const Comparison& comparison = result.comparison;
+  const baseline::Comparison& comparison = result.comparison;
   const bool drift = comparison.drift > 0;
   const bool good = result.passed();
   drifted_ += drift ? 1 : 0;

@@ -6,7 +6,6 @@
 #include <string>
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "harness/pipeline/golden/case_runner.h"
 #include "harness/report/test_summary.h"
 
@@ -15,8 +14,8 @@ namespace touchstone::pipeline {
 class CheckTally {
  public:
   // Counts a result, and returns what a person reads of it; `felt` is the tolerance if the verdict was `felt`.
-  std::string add(const GoldenCase& golden, const std::string& model, const CheckResult& result, double seconds,
-                  const FeltTolerance& felt);
+  std::string add(const baseline::GoldenCase& golden, const std::string& model, const CheckResult& result,
+                  double seconds, const FeltTolerance& felt);
 
   // Counts what could not be run; `folder` is the case's, or that of all cases.
   std::string add_unusable(const std::string& group, const std::string& model, const std::filesystem::path& folder,

@@ -5,6 +5,8 @@
 #include <cmath>
 
 namespace touchstone::pipeline {
+using baseline::TrajectoryColumns;
+
 namespace {
 
 using Three = std::array<std::string_view, 3>;
@@ -30,8 +32,8 @@ bool is_along(const Vec3& force_N, const Vec3& way_m, double band_N) {
 
 }  // namespace
 
-std::size_t take_equal_answers(const Surface& surface, const Tolerance& tolerance, const TrajectoryColumns& obtained,
-                               TrajectoryColumns& expected) {
+std::size_t take_equal_answers(const surface::Surface& surface, const baseline::Tolerance& tolerance,
+                               const TrajectoryColumns& obtained, TrajectoryColumns& expected) {
   const std::size_t rows = expected.rows();
   for (const Three& names : {kTip, kContact, kForce}) {
     if (!has(expected, names, rows) || !has(obtained, names, rows)) return 0;
@@ -53,7 +55,7 @@ std::size_t take_equal_answers(const Surface& surface, const Tolerance& toleranc
                        is_along(f, q - p, band_N) && is_along(g, other - p, band_N);
     if (!equal) continue;
     ++taken;
-    for (TrajectoryColumn& column : expected.columns) {
+    for (baseline::TrajectoryColumn& column : expected.columns) {
       if (std::ranges::count(kContact, column.name) + std::ranges::count(kForce, column.name) > 0)
         column.values[i] = (*obtained.find(column.name))[i];
     }

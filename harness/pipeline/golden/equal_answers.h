@@ -5,7 +5,6 @@
 
 #include <cstddef>
 
-#include "harness/base/rooms.h"
 #include "harness/baseline/tolerance.h"
 #include "harness/baseline/trajectory_columns.h"
 #include "harness/surface/surface.h"
@@ -16,7 +15,7 @@ namespace touchstone::pipeline {
 // rest stay); returns in how many rows.
 // Equal: the surface contact point is another point of the surface at the least distance, and the force, as large as
 // expected, is along the way from the tip to it; all within tolerance. For a renderer that pushes to the closest point.
-std::size_t take_equal_answers(const Surface& surface, const Tolerance& tolerance, const TrajectoryColumns& obtained,
-                               TrajectoryColumns& expected);
+std::size_t take_equal_answers(const surface::Surface& surface, const baseline::Tolerance& tolerance,
+                               const baseline::TrajectoryColumns& obtained, baseline::TrajectoryColumns& expected);
 
 }  // namespace touchstone::pipeline

@@ -10,6 +10,8 @@
 #include "harness/testing/tiny_meshes.h"
 
 namespace touchstone::pipeline {
+using baseline::TrajectoryColumns;
+
 namespace {
 
 struct Row {
@@ -30,12 +32,12 @@ TrajectoryColumns columns(const std::vector<Row>& rows) {
 }
 
 TEST(EqualAnswers, OfTwoEquallyCloseSidesEitherPassesAndNothingElse) {
-  TriangleMesh plate = testing::cube(1.0);
+  surface::TriangleMesh plate = testing::cube(1.0);
   const Box3 box = make_embree_surface(plate)->bounds();
   for (Vec3& v : plate.vertices_W_m)
     v = (v - box.center()).cwiseQuotient(box.sizes()).cwiseProduct(Vec3(0.05, 0.05, 0.006));
   const auto surface = make_embree_surface(plate);
-  const Tolerance tolerance = default_tolerance();
+  const baseline::Tolerance tolerance = baseline::default_tolerance();
   const auto taken = [&](const Row& golden, const Row& other) {
     TrajectoryColumns expected = columns({golden, {0.001, 0.003, 1.0}});
     const TrajectoryColumns obtained = columns({other, {0.001, 0.003, 1.0}});

@@ -7,11 +7,12 @@
 
 namespace touchstone::pipeline {
 
-std::optional<ExactError> exact_error(const Catalogues& catalogues, const Surface& analytic, double scale,
-                                      const Model& model, const RenderedTrajectory& run) {
-  const RendererEntry& entry = catalogues.renderers.find(model);
+std::optional<ExactError> exact_error(const Catalogues& catalogues, const surface::Surface& analytic, double scale,
+                                      const rendering::Model& model, const recording::RenderedTrajectory& run) {
+  const rendering::RendererEntry& entry = catalogues.renderers.find(model);
   if (!entry.has_exact_answer || !model.effects.empty() || run.size() == 0) return std::nullopt;
-  const Parameters values(entry.parameters, model.parameters, "renderer " + model.renderer, model.source, "");
+  const rendering::Parameters values(entry.parameters, model.parameters, "renderer " + model.renderer, model.source,
+                                     "");
   const double stiffness = values.at("stiffness_N_per_m");
   const auto radius = values.values().find("tip_radius_m");
   const double radius_m = radius == values.values().end() ? 0.0 : radius->second;

@@ -5,7 +5,6 @@
 #include <optional>
 #include <string>
 
-#include "harness/base/rooms.h"
 #include "harness/pipeline/golden/catalogues.h"
 #include "harness/recording/trajectory.h"
 #include "harness/rendering/model.h"
@@ -21,8 +20,8 @@ struct ExactError {
 
 // `scale` is that of the run's world over the analytic surface's. For god-object and spring-linear without effects (the
 // exact answer is that of a frictionless god-object at rest, synthetic/surfaces/exact_contact.h); nothing for others.
-std::optional<ExactError> exact_error(const Catalogues& catalogues, const Surface& analytic, double scale,
-                                      const Model& model, const RenderedTrajectory& run);
+std::optional<ExactError> exact_error(const Catalogues& catalogues, const surface::Surface& analytic, double scale,
+                                      const rendering::Model& model, const recording::RenderedTrajectory& run);
 
 // The difference between two such errors as a sentence; empty when neither is known.
 std::string exact_comparison(const std::optional<ExactError>& golden, const std::optional<ExactError>& obtained);

@@ -19,6 +19,14 @@
 #include "synthetic/generators.h"
 
 namespace touchstone::pipeline {
+using baseline::Comparison;
+using baseline::Verdict;
+using recording::RenderedTrajectory;
+using rendering::Model;
+using rendering::Renderer;
+using rendering::StepResult;
+using rendering::TipState;
+
 namespace {
 
 // What a fault may remember from step to step.
@@ -303,16 +311,16 @@ const std::vector<Fault>& faults() {
 std::filesystem::path golden_folder() { return std::filesystem::path(std::getenv("TOUCHSTONE_SOURCE_DIR")) / "golden"; }
 
 Comparison run_with(const Fault& fault) {
-  const GoldenCase golden = load_case(golden_folder() / fault.case_name);
-  Model model = parse_model(golden.models.at(fault.model), golden.name);
+  const baseline::GoldenCase golden = baseline::load_case(golden_folder() / fault.case_name);
+  Model model = rendering::parse_model(golden.models.at(fault.model), golden.name);
   if (fault.in_model) fault.in_model(model);
   FaultyRenderer renderer(
       fault, renderers::make_renderer(model, make_embree_surface(case_mesh(synthetic::built_in_generators(), golden))));
-  const TrajectoryColumns expected = load_columns(golden.expected(fault.model));
+  const baseline::TrajectoryColumns expected = baseline::load_columns(golden.expected(fault.model));
   try {
     RenderedTrajectory run = replay(renderer, case_trajectory(synthetic::built_in_generators(), golden));
     if (fault.in_run) fault.in_run(run);
-    return compare(expected, columns_of(run, fault.name), golden.tolerance);
+    return compare(expected, baseline::columns_of(run, fault.name), golden.tolerance);
   } catch (const BadData& error) {
     Comparison refused;
     refused.verdict = Verdict::invalid;
@@ -324,7 +332,7 @@ Comparison run_with(const Fault& fault) {
 std::vector<std::string> gates_that_caught(const Comparison& comparison) {
   std::vector<std::string> caught;
   if (comparison.verdict >= Verdict::missing) caught.emplace_back("invalid");
-  for (const GroupResult& group : comparison.groups) {
+  for (const baseline::GroupResult& group : comparison.groups) {
     if (!passes(group.verdict)) caught.push_back(group.group);
   }
   if (comparison.drift > 0) caught.emplace_back("drift");

@@ -20,13 +20,18 @@
 #include "harness/surface/embree_surface.h"
 
 namespace touchstone::pipeline {
+using baseline::GoldenCase;
+using recording::RenderedTrajectory;
+using rendering::Model;
+
 namespace {
 
 // The model's parameter with its default filled in; nothing where the renderer is not of the catalogue or has none.
-std::optional<double> parameter_of(const Catalogue& catalogue, const Model& model, const std::string& name) {
-  for (const RendererEntry& entry : catalogue.renderers()) {
+std::optional<double> parameter_of(const rendering::Catalogue& catalogue, const Model& model, const std::string& name) {
+  for (const rendering::RendererEntry& entry : catalogue.renderers()) {
     if (entry.name != model.renderer) continue;
-    const Parameters values(entry.parameters, model.parameters, "renderer " + model.renderer, model.source, "");
+    const rendering::Parameters values(entry.parameters, model.parameters, "renderer " + model.renderer, model.source,
+                                       "");
     const auto found = values.values().find(name);
     if (found != values.values().end()) return found->second;
   }
@@ -39,7 +44,7 @@ class SmoothBody {
   // Empty where none is known: no formula, friction, effects.
   static std::optional<SmoothBody> of(const Catalogues& catalogues, const GoldenCase& golden, const Model& model) {
     const auto& known = catalogues.renderers.renderers();
-    const auto entry = std::ranges::find(known, model.renderer, &RendererEntry::name);
+    const auto entry = std::ranges::find(known, model.renderer, &rendering::RendererEntry::name);
     if (golden.surface.generator.empty() || entry == known.end() || !entry->has_exact_answer || !model.effects.empty())
       return std::nullopt;
     return SmoothBody(catalogues, golden, model);
@@ -73,13 +78,13 @@ class SmoothBody {
     mesh_ = make_embree_surface(std::move(made.mesh));
   }
 
-  const Generators* generators_;
+  const rendering::Generators* generators_;
   double scale_;
   double stiffness_;
   double radius_m_;
   double deviation_m_ = 0.0;
-  std::shared_ptr<const Surface> analytic_;
-  std::shared_ptr<const Surface> mesh_;
+  std::shared_ptr<const surface::Surface> analytic_;
+  std::shared_ptr<const surface::Surface> mesh_;
 };
 
 // What a sample is judged by.
@@ -94,7 +99,7 @@ std::vector<RightAnswer> right_answers(const Catalogues& catalogues, const Golde
                                        const Model& own, const RenderedTrajectory& run) {
   const auto smooth = SmoothBody::of(catalogues, golden, own);
   std::optional<RenderedTrajectory> known;
-  if (std::filesystem::exists(golden.expected(model))) known = load_rendered(golden.expected(model));
+  if (std::filesystem::exists(golden.expected(model))) known = recording::load_rendered(golden.expected(model));
   if (known && known->size() != run.size()) known.reset();
   std::vector<RightAnswer> right(run.size());
   bool on_sheet = smooth.has_value();

@@ -5,7 +5,6 @@
 #include <cstddef>
 #include <string>
 
-#include "harness/base/rooms.h"
 #include "harness/baseline/golden_case.h"
 #include "harness/pipeline/golden/catalogues.h"
 #include "harness/recording/trajectory.h"
@@ -45,8 +44,8 @@ struct FeltError {
 // The exact answer knows no path. From where the tip leaves the sheet on which it touched (Generators::leaves_sheet)
 // until it is free, and where no exact answer is known, the golden is the right answer, with k epsilon taken off alone.
 // Throws BadData where no sample can be judged.
-FeltError felt_error(const Catalogues& catalogues, const GoldenCase& golden, const std::string& model,
-                     const RenderedTrajectory& run, const FeltTolerance& tolerance);
+FeltError felt_error(const Catalogues& catalogues, const baseline::GoldenCase& golden, const std::string& model,
+                     const recording::RenderedTrajectory& run, const FeltTolerance& tolerance);
 std::string to_sentence(const FeltError& error, const FeltTolerance& tolerance);
 
 }  // namespace touchstone::pipeline

@@ -22,10 +22,13 @@
 #include "synthetic/surfaces/exact_contact.h"
 
 namespace touchstone::pipeline {
+using baseline::GoldenCase;
+using recording::RenderedTrajectory;
+
 namespace {
 
 GoldenCase felt_case(const std::string& name) {
-  return load_case(std::filesystem::path(std::getenv("TOUCHSTONE_SOURCE_DIR")) / "golden" / name);
+  return baseline::load_case(std::filesystem::path(std::getenv("TOUCHSTONE_SOURCE_DIR")) / "golden" / name);
 }
 
 FeltError judged(const GoldenCase& golden, const std::string& model, const RenderedTrajectory& run,
@@ -36,13 +39,15 @@ FeltError judged(const GoldenCase& golden, const std::string& model, const Rende
 class Felt : public ::testing::Test {
  protected:
   const GoldenCase golden_ = felt_case("sphere-scan");
-  RenderedTrajectory run_ = load_rendered(golden_.expected("god-object"));
+  RenderedTrajectory run_ = recording::load_rendered(golden_.expected("god-object"));
 
   [[nodiscard]] FeltError felt(const FeltTolerance& tolerance = {}) const {
     return judged(golden_, "god-object", run_, tolerance);
   }
-  [[nodiscard]] Verdict exact() const {
-    return compare(load_columns(golden_.expected("god-object")), columns_of(run_, "run"), golden_.tolerance).verdict;
+  [[nodiscard]] baseline::Verdict exact() const {
+    return compare(baseline::load_columns(golden_.expected("god-object")), baseline::columns_of(run_, "run"),
+                   golden_.tolerance)
+        .verdict;
   }
 };
 
@@ -51,7 +56,7 @@ TEST_F(Felt, AStandoffOfATenthOfAMicrometrePasses) {
     const double force_N = run_.f_W_N[i].norm();
     if (force_N > 0.0) run_.f_W_N[i] *= 1.0 + 1e-7 * 500.0 / force_N;
   }
-  EXPECT_EQ(exact(), Verdict::worse);
+  EXPECT_EQ(exact(), baseline::Verdict::worse);
   const FeltError error = felt();
   EXPECT_TRUE(error.passed) << to_sentence(error, {});
   EXPECT_EQ(error.reference, "exact");
@@ -108,7 +113,7 @@ TEST_F(Felt, ADeclaredEpsilonIsALengthTimesTheStiffness) {
 // later is.
 TEST_F(Felt, AJumpOfTheRightForceMayComeASampleLate) {
   const GoldenCase keen = felt_case("wedge-keen");
-  const RenderedTrajectory right = load_rendered(keen.expected("god-object"));
+  const RenderedTrajectory right = recording::load_rendered(keen.expected("god-object"));
   std::size_t jump = 1;
   for (std::size_t i = 1; i < right.size(); ++i) {
     const auto step_N = [&](std::size_t at) { return (right.f_W_N[at] - right.f_W_N[at - 1]).norm(); };
@@ -133,7 +138,7 @@ TEST_F(Felt, AGoldenWithTheSameFaultDoesNotExcuseIt) {
   faulty.folder = std::filesystem::path(::testing::TempDir()) / "felt-faulty-golden";
   std::filesystem::create_directories(faulty.folder / "expected");
   for (Vec3& f : run_.f_W_N) f *= 1.5;
-  write_golden(faulty.expected("god-object"), run_, {});
+  baseline::write_golden(faulty.expected("god-object"), run_, {});
   const FeltError error = judged(faulty, "god-object", run_, {});
   EXPECT_EQ(error.reference, "exact");
   EXPECT_FALSE(error.passed) << to_sentence(error, {});
@@ -142,7 +147,7 @@ TEST_F(Felt, AGoldenWithTheSameFaultDoesNotExcuseIt) {
 // The mesh of the duck is up to 2.8 mm off the smooth body somewhere (1.4 N), at these tips 0.2 N at most.
 TEST_F(Felt, TheMeshIsAllowedWhatItIsOffAtTheTipAndNoMore) {
   const GoldenCase duck = felt_case("duck-scan");
-  RenderedTrajectory run = load_rendered(duck.expected("god-object"));
+  RenderedTrajectory run = recording::load_rendered(duck.expected("god-object"));
   const FeltError right = judged(duck, "god-object", run, {});
   EXPECT_TRUE(right.passed) << to_sentence(right, {});
   EXPECT_GT(right.max_N, 0.2);
@@ -157,10 +162,10 @@ TEST_F(Felt, RightAnswersPassOnEveryCase) {
   std::size_t by_golden = 0;
   for (const auto& entry : std::filesystem::directory_iterator(golden_.folder.parent_path())) {
     if (!entry.is_directory()) continue;
-    const GoldenCase one = load_case(entry.path());
+    const GoldenCase one = baseline::load_case(entry.path());
     for (const std::string model : {"god-object", "god-object-ball"}) {
       if (!std::filesystem::exists(one.expected(model))) continue;
-      const FeltError error = judged(one, model, load_rendered(one.expected(model)), {0.5, 0.0});
+      const FeltError error = judged(one, model, recording::load_rendered(one.expected(model)), {0.5, 0.0});
       EXPECT_TRUE(error.passed) << one.name << ' ' << model << ": " << to_sentence(error, {0.5, 0.0});
       by_exact += error.by_exact;
       by_golden += error.by_golden;
@@ -173,7 +178,7 @@ TEST_F(Felt, RightAnswersPassOnEveryCase) {
 // Past the middle of a plate the closest point is on the far side; the right answer still pushes back.
 TEST_F(Felt, PoppingThroughAPlateFailsByTheGolden) {
   const GoldenCase plate = felt_case("shell-push");
-  RenderedTrajectory run = load_rendered(plate.expected("god-object"));
+  RenderedTrajectory run = recording::load_rendered(plate.expected("god-object"));
   const FeltError right = judged(plate, "god-object", run, {});
   EXPECT_EQ(right.reference, "both");
   EXPECT_TRUE(right.passed) << to_sentence(right, {});

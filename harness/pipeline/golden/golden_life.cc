@@ -18,6 +18,10 @@
 #include "harness/surface/mesh_file.h"
 
 namespace touchstone::pipeline {
+using baseline::GoldenCase;
+using baseline::PendingResult;
+using baseline::RunOperations;
+
 namespace {
 
 bool holds_cases(const std::filesystem::path& folder) {
@@ -30,11 +34,12 @@ bool holds_cases(const std::filesystem::path& folder) {
 
 // `changed` has other operations than the summary knows so far; the other models keep theirs.
 void write_summary(const GoldenCase& golden, const std::string& changed, std::optional<RunOperations> operations) {
-  std::map<std::string, GoldenSummary> summaries;
-  const auto known = load_operations(golden.summary_file());
+  std::map<std::string, baseline::GoldenSummary> summaries;
+  const auto known = baseline::load_operations(golden.summary_file());
   for (const auto& [model, text] : golden.models) {
     if (!std::filesystem::exists(golden.expected(model))) continue;
-    GoldenSummary& summary = summaries[model] = summarise(load_rendered(golden.expected(model)));
+    baseline::GoldenSummary& summary = summaries[model] =
+        baseline::summarise(recording::load_rendered(golden.expected(model)));
     const auto found = known.find(model);
     if (model == changed) {
       summary.operations = operations;
@@ -60,7 +65,8 @@ std::optional<RunOperations> operations_of(const baseline::Provenance& provenanc
 
 bool same_bits(const std::filesystem::path& a, const std::filesystem::path& b) {
   return std::filesystem::exists(a) && std::filesystem::exists(b) &&
-         summarise(load_rendered(a)).sha256 == summarise(load_rendered(b)).sha256;
+         baseline::summarise(recording::load_rendered(a)).sha256 ==
+             baseline::summarise(recording::load_rendered(b)).sha256;
 }
 
 }  // namespace
@@ -80,7 +86,7 @@ std::filesystem::path usual_golden_folder(const std::filesystem::path& own) {
 }
 
 std::vector<GoldenCase> choose_cases(const std::filesystem::path& own, const std::vector<std::string>& cases) {
-  if (cases.empty()) return load_cases(own);
+  if (cases.empty()) return baseline::load_cases(own);
   std::vector<GoldenCase> chosen;
   for (const std::string& name : cases) {
     const bool is_folder = name.find('/') != std::string::npos;
@@ -88,17 +94,17 @@ std::vector<GoldenCase> choose_cases(const std::filesystem::path& own, const std
     if (!path.has_filename()) path = path.parent_path();
     if (!std::filesystem::is_directory(path)) {
       std::string known;
-      for (const GoldenCase& one : load_cases(own)) known += ' ' + one.name;
+      for (const GoldenCase& one : baseline::load_cases(own)) known += ' ' + one.name;
       throw UsageError(fmt::format("there is no golden case '{}' in {}; there are:{}", name, own.string(), known));
     }
-    chosen.push_back(load_case(path));
+    chosen.push_back(baseline::load_case(path));
   }
   return chosen;
 }
 
 std::vector<PendingResult> chosen_pending(const std::filesystem::path& out, const std::vector<std::string>& cases,
                                           const std::string& model) {
-  auto pending = pending_results(out);
+  auto pending = baseline::pending_results(out);
   std::erase_if(pending, [&](const PendingResult& p) {
     const bool named = cases.empty() || std::ranges::find(cases, p.case_name) != cases.end();
     return !named || (!model.empty() && p.model != model);
@@ -123,11 +129,11 @@ std::string review_text(const std::vector<PendingResult>& pending, const std::st
 
 std::string accept_result(const PendingResult& pending, const std::filesystem::path& folder,
                           const std::filesystem::path& out, const std::string& reason) {
-  const GoldenCase golden = load_case(folder / pending.case_name);
+  const GoldenCase golden = baseline::load_case(folder / pending.case_name);
   if (!golden.models.contains(pending.model))
     throw UsageError(fmt::format("the case {} has no model {}", pending.case_name, pending.model));
-  baseline::Provenance run = read_provenance(pending.obtained());
-  if (const auto refused = run_refused(run))
+  baseline::Provenance run = baseline::read_provenance(pending.obtained());
+  if (const auto refused = baseline::run_refused(run))
     throw UsageError(fmt::format("{} {}: not accepted: {}", pending.case_name, pending.model, *refused));
   baseline::Provenance changes{{"reason", reason}};
   // Which file it was says its hash; where it lay is of this machine.
@@ -136,14 +142,14 @@ std::string accept_result(const PendingResult& pending, const std::filesystem::p
   const bool before = std::filesystem::exists(golden.expected(pending.model));
   // Where only the operations are other ones, the trajectory stays as it is, with what is known of its origin.
   const bool same = before && same_bits(pending.obtained(), golden.expected(pending.model));
-  if (!same) copy_golden(pending.obtained(), golden.expected(pending.model), changes);
+  if (!same) baseline::copy_golden(pending.obtained(), golden.expected(pending.model), changes);
   write_summary(golden, pending.model, operations_of(run));
-  clear_result_folder(result_folder(out, pending.case_name, pending.model));
+  baseline::clear_result_folder(baseline::result_folder(out, pending.case_name, pending.model));
   return same ? "operations" : before ? "replaced" : "new";
 }
 
-void export_case(const Generators& generators, const GoldenCase& golden, const std::vector<std::string>& models,
-                 const std::filesystem::path& to) {
+void export_case(const rendering::Generators& generators, const GoldenCase& golden,
+                 const std::vector<std::string>& models, const std::filesystem::path& to) {
   if (!golden.scene.empty())
     throw UsageError(
         fmt::format("{}: a scene has no one mesh to write; its file goes to touchstone replay --scene", golden.name));
@@ -151,10 +157,11 @@ void export_case(const Generators& generators, const GoldenCase& golden, const s
   save_mesh(case_mesh(generators, golden), to / "mesh.obj");
   save_trajectory(to / "trajectory.csv", case_trajectory(generators, golden));
   for (const std::string& model : models) {
-    Model exported = case_model(golden, model);
+    rendering::Model exported = case_model(golden, model);
     take_pictures_along(exported, to);
     write_file(to / (model + ".json"), model_to_json(exported, to));
-    if (std::filesystem::exists(golden.expected(model))) copy_golden(golden.expected(model), to / (model + ".h5"), {});
+    if (std::filesystem::exists(golden.expected(model)))
+      baseline::copy_golden(golden.expected(model), to / (model + ".h5"), {});
   }
 }
 

@@ -17,6 +17,10 @@
 #include "synthetic/generators.h"
 
 namespace touchstone::pipeline {
+using baseline::GoldenCase;
+using rendering::Model;
+using rendering::RendererEntry;
+
 namespace {
 
 using ::testing::AllOf;
@@ -38,7 +42,8 @@ class GoldenLife : public ::testing::Test {
   std::filesystem::path out() { return folder_.path() / "out"; }
   bool passes(const ChangeModel& change = {}) {
     const Catalogues catalogues{renderers::built_in_catalogue(), synthetic::built_in_generators()};
-    return check_case(catalogues, load_case(golden() / "plane-taps"), "god-object", {out(), false, change, {}})
+    return check_case(catalogues, baseline::load_case(golden() / "plane-taps"), "god-object",
+                      {out(), false, change, {}})
         .passed();
   }
   testing::TemporaryFolder folder_;
@@ -57,7 +62,8 @@ TEST_F(GoldenLife, WhatFailedIsReviewedAcceptedAndPassesFromThenOn) {
   EXPECT_THAT(review_text(pending, "golden", "out"),
               HasSubstr("touchstone golden accept plane-taps --model god-object --golden golden --out out"));
   EXPECT_EQ(accept_result(pending[0], golden(), out(), "a stiffer wall"), "replaced");
-  EXPECT_EQ(read_provenance(golden() / "plane-taps" / "expected" / "god-object.h5").at("reason"), "a stiffer wall");
+  EXPECT_EQ(baseline::read_provenance(golden() / "plane-taps" / "expected" / "god-object.h5").at("reason"),
+            "a stiffer wall");
   EXPECT_THAT(chosen_pending(out(), {}, ""), IsEmpty()) << "what was accepted does not wait any more";
   EXPECT_TRUE(passes(stiffer));
   EXPECT_FALSE(passes()) << "the old answer is not the golden any more";
@@ -69,7 +75,7 @@ TEST_F(GoldenLife, DriftThatWasAskedToFailIsReviewedAndAccepted) {
   const Catalogues catalogues{renderers::built_in_catalogue(), synthetic::built_in_generators()};
   const auto file = golden() / "plane-taps" / "expected" / "god-object.h5";
   const auto check = [&](const ChangeModel& change) {
-    const GoldenCase taps = load_case(golden() / "plane-taps");
+    const GoldenCase taps = baseline::load_case(golden() / "plane-taps");
     return check_case(catalogues, taps, "god-object", {out(), false, change, {}, true});
   };
   // The golden of this very processor.
@@ -85,15 +91,15 @@ TEST_F(GoldenLife, DriftThatWasAskedToFailIsReviewedAndAccepted) {
   const CheckResult drifted = check(a_little);
   EXPECT_FALSE(drifted.passed());
   EXPECT_TRUE(drifted.drift_fails);
-  EXPECT_EQ(drifted.comparison.verdict, Verdict::equal);
+  EXPECT_EQ(drifted.comparison.verdict, baseline::Verdict::equal);
   CheckTally tally;
-  EXPECT_THAT(tally.add(load_case(golden() / "plane-taps"), "god-object", drifted, 0.1, {}),
+  EXPECT_THAT(tally.add(baseline::load_case(golden() / "plane-taps"), "god-object", drifted, 0.1, {}),
               AllOf(HasSubstr("(drift, asked to fail)"), HasSubstr("left in")));
   EXPECT_EQ(tally.tests().at(0).verdict, "drift, asked to fail");
   const auto pending = chosen_pending(out(), {}, "");
   ASSERT_THAT(pending, SizeIs(1));
   EXPECT_EQ(accept_result(pending[0], golden(), out(), "another order of sums"), "replaced");
-  EXPECT_EQ(read_provenance(file).at("reason"), "another order of sums");
+  EXPECT_EQ(baseline::read_provenance(file).at("reason"), "another order of sums");
   EXPECT_TRUE(check(a_little).passed());
 }
 
@@ -114,14 +120,14 @@ TEST_F(GoldenLife, CasesAreChosenByNameOrFolder) {
 }
 
 TEST_F(GoldenLife, AnExportedCaseIsTheCase) {
-  const GoldenCase taps = load_case(golden() / "plane-taps");
+  const GoldenCase taps = baseline::load_case(golden() / "plane-taps");
   const auto to = folder_.path() / "exported";
   export_case(synthetic::built_in_generators(), taps, {"god-object"}, to);
-  EXPECT_EQ(load_mesh(to / "mesh.obj", 1.0).triangle_count(),
+  EXPECT_EQ(surface::load_mesh(to / "mesh.obj", 1.0).triangle_count(),
             case_mesh(synthetic::built_in_generators(), taps).triangle_count());
-  EXPECT_EQ(load_trajectory(to / "trajectory.csv").motion.t_s.size(),
+  EXPECT_EQ(recording::load_trajectory(to / "trajectory.csv").motion.t_s.size(),
             case_trajectory(synthetic::built_in_generators(), taps).motion.t_s.size());
-  EXPECT_EQ(parse_model(read_file(to / "god-object.json"), "").renderer, "god-object");
+  EXPECT_EQ(rendering::parse_model(read_file(to / "god-object.json"), "").renderer, "god-object");
   EXPECT_TRUE(std::filesystem::exists(to / "god-object.h5"));
   GoldenCase of_scene = taps;
   of_scene.scene = "{}";
@@ -134,11 +140,11 @@ TEST_F(GoldenLife, APictureOfAModelBelongsToTheCase) {
   const auto source = std::filesystem::path(std::getenv("TOUCHSTONE_SOURCE_DIR")) / "golden" / "plane-stroke";
   std::filesystem::copy(source, golden() / "plane-stroke", std::filesystem::copy_options::recursive);
   const Catalogues catalogues{renderers::built_in_catalogue(), synthetic::built_in_generators()};
-  GoldenCase stroke = load_case(golden() / "plane-stroke");
+  GoldenCase stroke = baseline::load_case(golden() / "plane-stroke");
   EXPECT_TRUE(check_case(catalogues, stroke, "god-object-height-image", {out(), false, {}, {}}).passed());
   const auto to = folder_.path() / "exported";
   export_case(synthetic::built_in_generators(), stroke, {"god-object-height-image"}, to);
-  const Model exported = load_model(to / "god-object-height-image.json");
+  const Model exported = rendering::load_model(to / "god-object-height-image.json");
   EXPECT_EQ(exported.effects[0].image, to / "hills.pgm");
   EXPECT_EQ(read_file(to / "hills.pgm"), read_file(source / "hills.pgm"));
   std::string& text = stroke.models.at("god-object-height-image");
@@ -161,14 +167,15 @@ class DeclaredLimitations : public ::testing::Test {
     const auto golden = std::filesystem::path(std::getenv("TOUCHSTONE_SOURCE_DIR")) / "golden";
     const auto provided = std::make_shared<const RendererEntry>(entry);
     const ChangeModel change = [&](Model& model) { model.provided = provided; };
-    return check_case(catalogues, load_case(golden / name), "god-object", {folder_.path(), false, change, {}});
+    return check_case(catalogues, baseline::load_case(golden / name), "god-object",
+                      {folder_.path(), false, change, {}});
   }
   testing::TemporaryFolder folder_;
 };
 
 TEST_F(DeclaredLimitations, ARunThatStartsInsideIsSkippedWithTheReason) {
   RendererEntry outside = engine();
-  outside.cannot.push_back({Ability::start_inside, "the proxy starts where the tip is"});
+  outside.cannot.push_back({rendering::Ability::start_inside, "the proxy starts where the tip is"});
   EXPECT_EQ(check("crease-concave", outside).skipped,
             "the run starts inside the body: the proxy starts where the tip is");
   const CheckResult approach = check("crease-concave-approach", outside);
@@ -176,7 +183,7 @@ TEST_F(DeclaredLimitations, ARunThatStartsInsideIsSkippedWithTheReason) {
   EXPECT_TRUE(approach.passed()) << approach.table;
   EXPECT_EQ(check("crease-concave", engine()).skipped, "") << "nothing is declared";
   RendererEntry another = engine();
-  another.cannot.push_back({Ability::ball_tip, "a point only"});
+  another.cannot.push_back({rendering::Ability::ball_tip, "a point only"});
   EXPECT_EQ(check("crease-concave", another).skipped, "") << "it starts inside, and the tip is a point";
 }
 

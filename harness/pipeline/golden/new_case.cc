@@ -13,6 +13,8 @@
 #include "harness/recording/recording_file.h"
 
 namespace touchstone::pipeline {
+using recording::InTrajectory;
+
 namespace {
 
 namespace fs = std::filesystem;
@@ -50,7 +52,7 @@ class Draft {
 };
 
 InTrajectory path_of(const NewCase& wanted) {
-  const InTrajectory whole = load_trajectory(wanted.trajectory);
+  const InTrajectory whole = recording::load_trajectory(wanted.trajectory);
   if (wanted.to_s <= 0.0 && wanted.from_s <= 0.0) return whole;
   InTrajectory part;
   const bool turned = !whole.motion.q_WS.empty();
@@ -119,7 +121,7 @@ struct Difference {
   std::size_t at = 0;
 };
 
-Difference largest_difference(const RenderedTrajectory& a, const RenderedTrajectory& b) {
+Difference largest_difference(const recording::RenderedTrajectory& a, const recording::RenderedTrajectory& b) {
   Difference largest;
   for (std::size_t i = 0; i < a.f_W_N.size(); ++i) {
     if (const double force_N = (a.f_W_N[i] - b.f_W_N[i]).norm(); force_N > largest.force_N) largest = {force_N, i};
@@ -130,14 +132,14 @@ Difference largest_difference(const RenderedTrajectory& a, const RenderedTraject
 void measure_rounding(const Catalogues& catalogues, const ChangeModel& change, MadeCase& made) {
   constexpr std::uint64_t seeds = 3;
   const fs::path other = made.golden.folder / "rounded.h5";
-  const InTrajectory path = load_trajectory(made.golden.trajectory.file);
+  const InTrajectory path = recording::load_trajectory(made.golden.trajectory.file);
   for (const auto& [model, ignored] : made.golden.models) {
     const CaseRun usual = run_case(catalogues, made.golden, model, false, change);
     for (const Vec3& force : usual.rendered.f_W_N) made.largest_N = std::max(made.largest_N, force.norm());
     for (std::uint64_t seed = 1; seed <= seeds; ++seed) {
       fs::remove(other);
       save_trajectory(other, rounded_otherwise(path, seed));
-      GoldenCase changed = made.golden;
+      baseline::GoldenCase changed = made.golden;
       changed.trajectory.file = other;
       const Difference found =
           largest_difference(usual.rendered, run_case(catalogues, changed, model, false, change).rendered);

@@ -21,7 +21,7 @@ struct NewCase {
 };
 
 struct MadeCase {
-  GoldenCase golden;
+  baseline::GoldenCase golden;
   // What a change of the path by rounding (a few units in the last place of each coordinate) makes of the force, at
   // most.
   double rounding_N = 0.0;

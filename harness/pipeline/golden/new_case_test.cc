@@ -24,7 +24,7 @@ class NewGoldenCase : public ::testing::Test {
   void SetUp() override {
     // A plate of 40 mm, and a stroke that presses 1 mm deep.
     write_file(folder_ / "plate.obj", "v -20 -20 0\nv 20 -20 0\nv 20 20 0\nv -20 20 0\nf 1 2 3\nf 1 3 4\n");
-    InTrajectory path;
+    recording::InTrajectory path;
     for (int i = 0; i < 500; ++i) {
       path.motion.t_s.push_back(1e-3 * i);
       path.motion.p_W_m.emplace_back(0.01 - 2e-5 * i, 0.003, 0.002 - 0.003 * std::sin(3.14159 * i / 500.0));
@@ -71,7 +71,7 @@ TEST_F(NewGoldenCase, TakesAPartOfThePath) {
   wanted_.from_s = 0.1;
   wanted_.to_s = 0.2;
   const MadeCase made = make();
-  EXPECT_EQ(load_trajectory(made.golden.trajectory.file).size(), 101U);
+  EXPECT_EQ(recording::load_trajectory(made.golden.trajectory.file).size(), 101U);
 }
 
 TEST_F(NewGoldenCase, LeavesNothingBehindIfItCannotRun) {
@@ -88,7 +88,7 @@ TEST_F(NewGoldenCase, LeavesNothingBehindIfItCannotRun) {
 
 // Along the plate's very border a tip is on it or beside it by the last bit.
 TEST_F(NewGoldenCase, RefusesAPathOnWhichRoundingDecides) {
-  InTrajectory path = load_trajectory(folder_ / "path.csv");
+  recording::InTrajectory path = recording::load_trajectory(folder_ / "path.csv");
   for (Vec3& p : path.motion.p_W_m) p = Vec3(0.02, p.y(), p.z());
   save_trajectory(folder_ / "border.csv", path);
   wanted_.trajectory = folder_ / "border.csv";

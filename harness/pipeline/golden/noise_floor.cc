@@ -25,6 +25,8 @@
 #include "harness/recording/recording_file.h"
 
 namespace touchstone::pipeline {
+using baseline::GoldenCase;
+
 namespace {
 
 constexpr double most_of_tolerance = 0.1;
@@ -72,7 +74,7 @@ struct Floor {
   double of_tolerance = 0.0;
 };
 
-void widen(Floor& floor, const Comparison& comparison) {
+void widen(Floor& floor, const baseline::Comparison& comparison) {
   floor.of_tolerance = std::max(floor.of_tolerance, comparison.tolerance_used());
   floor.drift_rows = std::max(floor.drift_rows, comparison.drift);
   floor.rows = comparison.expected_rows;
@@ -82,7 +84,7 @@ void widen(Floor& floor, const Comparison& comparison) {
 }
 
 std::string golden_hash(const GoldenCase& one, const std::string& model) {
-  return summarise(load_rendered(one.expected(model))).sha256;
+  return baseline::summarise(recording::load_rendered(one.expected(model))).sha256;
 }
 
 std::string tolerance_hash(const GoldenCase& one) { return sha256(to_json(one.tolerance).dump()); }
@@ -165,13 +167,13 @@ NoiseFloors measure_noise_floors(const std::vector<GoldenCase>& cases, const std
     for (std::size_t p = 0; p < programs.size(); ++p)
       run_render(programs[p], golden, one.name, scratch.path() / std::to_string(p));
     for (const auto& [model, text] : one.models) {
-      const TrajectoryColumns expected = load_columns(one.expected(model));
+      const baseline::TrajectoryColumns expected = baseline::load_columns(one.expected(model));
       Floor floor;
       for (std::size_t p = 0; p < programs.size(); ++p) {
         const auto file = scratch.path() / std::to_string(p) / one.name / (model + ".h5");
-        widen(floor, compare(expected, load_columns(file), one.tolerance));
+        widen(floor, compare(expected, baseline::load_columns(file), one.tolerance));
         if (document["programs"].size() <= p) {
-          auto made_by = read_provenance(file);
+          auto made_by = baseline::read_provenance(file);
           for (const char* const key : {"compiler", "flags", "cpu", "version", "commit"})
             document["programs"][p][key] = made_by[key];
         }

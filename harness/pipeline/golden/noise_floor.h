@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "harness/base/error.h"
-#include "harness/base/rooms.h"
 #include "harness/baseline/golden_case.h"
 
 namespace touchstone::pipeline {
@@ -24,11 +23,11 @@ struct NoiseFloors {
 //                "golden_sha256", "tolerance_sha256", "commit"}]}
 // and keeps the floors of other cases that are there already, if these programs differ from theirs by the commit alone.
 // Throws UsageError for a program that cannot be run and for a file of other programs, BadData for one that fails.
-NoiseFloors measure_noise_floors(const std::vector<GoldenCase>& cases, const std::string& golden,
+NoiseFloors measure_noise_floors(const std::vector<baseline::GoldenCase>& cases, const std::string& golden,
                                  const std::vector<std::string>& programs, const std::filesystem::path& json);
 
 // Judges the floors that were kept in `json`: `failed` where a tolerance is less than ten times its floor; `skipped`
 // where none is but some model has no floor, or one of another golden or tolerance than today's.
-NoiseFloors judge_noise_floors(const std::vector<GoldenCase>& cases, const std::filesystem::path& json);
+NoiseFloors judge_noise_floors(const std::vector<baseline::GoldenCase>& cases, const std::filesystem::path& json);
 
 }  // namespace touchstone::pipeline

@@ -9,6 +9,9 @@
 #include "harness/report/gnuplot.h"
 
 namespace touchstone::pipeline {
+using baseline::TrajectoryColumns;
+using report::Plot;
+
 namespace {
 
 constexpr std::array<const char*, 3> axes{"fx", "fy", "fz"};
@@ -54,7 +57,7 @@ std::pair<double, double> range_of(const std::vector<double>* a, const std::vect
 Plot forces(const TrajectoryColumns& set, const TrajectoryColumns& other, const std::string& title) {
   Plot plot{title, "t [s]", {}};
   for (const char* const axis : axes) {
-    PlotPanel panel{axis, "N", {}, range_of(set.find(axis), other.find(axis))};
+    report::PlotPanel panel{axis, "N", {}, range_of(set.find(axis), other.find(axis))};
     if (set.find(axis) != nullptr && set.find("t") != nullptr)
       panel.lines.push_back({title, thinned(*set.find("t"), *set.find(axis)), false});
     plot.panels.push_back(std::move(panel));
@@ -65,7 +68,7 @@ Plot forces(const TrajectoryColumns& set, const TrajectoryColumns& other, const 
 Plot difference(const TrajectoryColumns& expected, const TrajectoryColumns& obtained) {
   Plot plot{"obtained - golden", "t [s]", {}};
   for (const char* const axis : axes) {
-    PlotPanel panel{axis, "N", {}, {0.0, 0.0}};
+    report::PlotPanel panel{axis, "N", {}, {0.0, 0.0}};
     const auto* const e = expected.find(axis);
     const auto* const o = obtained.find(axis);
     std::vector<double> error;

@@ -6,15 +6,14 @@
 #include <utility>
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "harness/baseline/trajectory_columns.h"
 
 namespace touchstone::pipeline {
 
 // CDash's names and the files: ValidImage (golden), TestImage (obtained), DifferenceImage2; what could not be drawn is
 // said on stderr and left out.
-std::vector<std::pair<std::string, std::filesystem::path>> draw_pictures(const TrajectoryColumns& expected,
-                                                                         const TrajectoryColumns& obtained,
+std::vector<std::pair<std::string, std::filesystem::path>> draw_pictures(const baseline::TrajectoryColumns& expected,
+                                                                         const baseline::TrajectoryColumns& obtained,
                                                                          const std::filesystem::path& folder);
 
 }  // namespace touchstone::pipeline

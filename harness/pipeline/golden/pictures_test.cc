@@ -19,8 +19,8 @@ namespace {
 constexpr std::size_t panels = 3;
 constexpr std::size_t title_height = 60;
 
-TrajectoryColumns pressing(std::size_t rows, double amplitude_N) {
-  TrajectoryColumns set;
+baseline::TrajectoryColumns pressing(std::size_t rows, double amplitude_N) {
+  baseline::TrajectoryColumns set;
   std::vector<double> t_s;
   std::vector<double> force_N;
   for (std::size_t i = 0; i < rows; ++i) {
@@ -59,7 +59,7 @@ TEST_P(GoldenPictures, EveryPanelShowsItsLineFromEndToEnd) {
   const auto pictures = draw_pictures(pressing(GetParam(), 1.0), pressing(GetParam(), 1.2), folder_.path());
   ASSERT_EQ(pictures.size(), 3U);
   for (const auto& [name, png] : pictures) {
-    const auto drawn = coloured_columns(png, panels, title_height);
+    const auto drawn = report::coloured_columns(png, panels, title_height);
     ASSERT_EQ(drawn.size(), panels);
     // The plot takes about nine tenths of the width of 1000 pixels.
     for (const std::size_t columns : drawn) EXPECT_GT(columns, 800U) << name;
@@ -78,7 +78,7 @@ TEST_P(GoldenPictures, OneWrongSampleIsSeen) {
   ASSERT_EQ(pictures.size(), 3U);
   // Golden and obtained have the same axes: what the obtained one shows more is the spike, in each panel over most of
   // its 260 pixels.
-  EXPECT_GT(coloured_pixels(pictures[1].second), coloured_pixels(pictures[0].second) + panels * 100);
+  EXPECT_GT(report::coloured_pixels(pictures[1].second), report::coloured_pixels(pictures[0].second) + panels * 100);
 }
 
 TEST(GoldenPicturesOfBadData, WhatIsNotFiniteLeavesTheRest) {
@@ -88,7 +88,8 @@ TEST(GoldenPicturesOfBadData, WhatIsNotFiniteLeavesTheRest) {
     if (name != "t") std::fill(values.begin(), values.begin() + 100, std::numeric_limits<double>::quiet_NaN());
   }
   for (const auto& [name, png] : draw_pictures(pressing(1000, 1.0), obtained, folder.path())) {
-    for (const std::size_t columns : coloured_columns(png, panels, title_height)) EXPECT_GT(columns, 700U) << name;
+    for (const std::size_t columns : report::coloured_columns(png, panels, title_height))
+      EXPECT_GT(columns, 700U) << name;
   }
 }
 

@@ -22,10 +22,13 @@
 #include "harness/rendering/scene_file.h"
 
 namespace touchstone::pipeline {
+using baseline::GoldenCase;
+using recording::RenderedTrajectory;
+
 namespace {
 
 GoldenCase scene_case(const std::string& name) {
-  return load_case(std::filesystem::path(std::getenv("TOUCHSTONE_SOURCE_DIR")) / "golden" / name);
+  return baseline::load_case(std::filesystem::path(std::getenv("TOUCHSTONE_SOURCE_DIR")) / "golden" / name);
 }
 
 // Free space is n . x >= b.
@@ -95,7 +98,7 @@ INSTANTIATE_TEST_SUITE_P(Goldens, ConvexScene,
 
 TEST_P(ConvexScene, TheGodObjectIsTheNearestPointInFrontOfAllFaces) {
   const GoldenCase golden = scene_case(GetParam().name);
-  const RenderedTrajectory run = load_rendered(golden.expected("god-object"));
+  const RenderedTrajectory run = recording::load_rendered(golden.expected("god-object"));
   const double k = 500.0 / golden.scale;
   double largest_N = 0.0;
   double off_N = 0.0;
@@ -169,17 +172,17 @@ INSTANTIATE_TEST_SUITE_P(Goldens, EveryScene,
 
 TEST_P(EveryScene, TheProxyIsOutsideAndTouchesWhatCarriesTheForce) {
   const GoldenCase golden = scene_case(GetParam());
-  SceneFile file = parse_scene(golden.scene, golden.name, golden.folder, SceneFiles::own_folder);
+  rendering::SceneFile file = parse_scene(golden.scene, golden.name, golden.folder, rendering::SceneFiles::own_folder);
   file.rescale(golden.scale, golden.speed);
-  const RenderedTrajectory run = load_rendered(golden.expected("god-object"));
+  const RenderedTrajectory run = recording::load_rendered(golden.expected("god-object"));
   const double near_m = 1e-9 * golden.scale;
   double off_N = 0.0;
   for (std::size_t i = 0; i < run.size(); i += 3) {
     if (run.contact[i] == 0) continue;
     std::vector<Vec3> touched;
-    for (const SceneFileBody& body : file.bodies) {
+    for (const rendering::SceneFileBody& body : file.bodies) {
       std::size_t segment = 0;
-      const BodyPose pose = body.pose.at(run.t_s[i], segment);
+      const rendering::BodyPose pose = body.pose.at(run.t_s[i], segment);
       const Vec3 p = pose.q_WB.conjugate() * (run.contact_W_m[i] - pose.p_W_m);
       double nearest_m = 1e9;
       double side = 0.0;
@@ -206,8 +209,8 @@ TEST_P(EveryScene, TheProxyIsOutsideAndTouchesWhatCarriesTheForce) {
 // The friction cone's answers keep to its cone where the floor or belt alone presses, and the belt drags the tip along.
 TEST(SceneGoldens, FrictionIsOnItsConeWhereOneBodyPresses) {
   const GoldenCase golden = scene_case("scene-belt");
-  const RenderedTrajectory free = load_rendered(golden.expected("god-object"));
-  const RenderedTrajectory run = load_rendered(golden.expected("friction-cone"));
+  const RenderedTrajectory free = recording::load_rendered(golden.expected("god-object"));
+  const RenderedTrajectory run = recording::load_rendered(golden.expected("friction-cone"));
   std::size_t sliding = 0;
   for (std::size_t i = 0; i < run.size(); ++i) {
     const bool alone = run.contact_W_m[i].x() < 0.008 - 1e-9 && run.contact_W_m[i].y() < 0.003 - 1e-9;

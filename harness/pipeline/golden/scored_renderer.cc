@@ -9,15 +9,18 @@
 #include "harness/pipeline/golden/case_runner.h"
 
 namespace touchstone::pipeline {
+using baseline::GoldenCase;
+using rendering::RendererEntry;
+
 namespace {
 
 // The renderer in the place of the case's own, with the case's stiffness and tip and the parameters that were given.
 ChangeModel in_place(const std::shared_ptr<const RendererEntry>& entry, const ScoreRequest& request) {
-  return [entry, given = request.facts.parameters](Model& model) {
+  return [entry, given = request.facts.parameters](rendering::Model& model) {
     model.renderer = entry->name;
     model.provided = entry;
     std::erase_if(model.parameters, [&](const auto& parameter) {
-      return std::ranges::find(entry->parameters, parameter.first, &ParameterDeclaration::name) ==
+      return std::ranges::find(entry->parameters, parameter.first, &rendering::ParameterDeclaration::name) ==
              entry->parameters.end();
     });
     for (const auto& [name, value] : given) {
@@ -68,7 +71,7 @@ diagnosis::CaseScore score_case(const Catalogues& catalogues, const std::shared_
 }
 
 std::vector<std::shared_ptr<const RendererEntry>> entries_to_score(std::span<const RendererEntry> own,
-                                                                   const Plugins& plugins,
+                                                                   const plugin::Plugins& plugins,
                                                                    const std::vector<std::string>& names) {
   std::vector<std::shared_ptr<const RendererEntry>> all = plugins.entries();
   if (names.empty()) {
@@ -112,7 +115,7 @@ diagnosis::Scorecard score_renderer(const Catalogues& catalogues, const std::sha
   card.epsilon_m = engine.epsilon_m;
   // A plug-in of version 1 says it by a parameter, as it does its epsilon.
   card.world_unit_m = entry->world_unit_m;
-  if (const auto unit = std::ranges::find(entry->parameters, "world_unit_m", &ParameterDeclaration::name);
+  if (const auto unit = std::ranges::find(entry->parameters, "world_unit_m", &rendering::ParameterDeclaration::name);
       unit != entry->parameters.end()) {
     const auto given = request.facts.parameters.find("world_unit_m");
     card.world_unit_m = given == request.facts.parameters.end() ? unit->initial : given->second;

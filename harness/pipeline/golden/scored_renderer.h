@@ -8,7 +8,6 @@
 #include <string>
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "harness/baseline/golden_case.h"
 #include "harness/diagnosis/entry_engine.h"
 #include "harness/diagnosis/scorecard.h"
@@ -34,18 +33,20 @@ struct ScoreRequest {
 
 // The renderers of these names, the plug-ins' before the program's `own`; without names all of the plug-ins'. Throws
 // UsageError for a name that there is not, and if there is neither.
-std::vector<std::shared_ptr<const RendererEntry>> entries_to_score(std::span<const RendererEntry> own,
-                                                                   const Plugins& plugins,
-                                                                   const std::vector<std::string>& names);
+std::vector<std::shared_ptr<const rendering::RendererEntry>> entries_to_score(
+    std::span<const rendering::RendererEntry> own, const plugin::Plugins& plugins,
+    const std::vector<std::string>& names);
 
 // One case, as the card has it. `request.felt.epsilon_m` is the renderer's own.
-diagnosis::CaseScore score_case(const Catalogues& catalogues, const std::shared_ptr<const RendererEntry>& entry,
-                                const ScoreRequest& request, const GoldenCase& golden);
+diagnosis::CaseScore score_case(const Catalogues& catalogues,
+                                const std::shared_ptr<const rendering::RendererEntry>& entry,
+                                const ScoreRequest& request, const baseline::GoldenCase& golden);
 
 // A case that cannot run is a problem in the card, not an error. Throws UsageError if the renderer's stiffness is
 // neither given nor declared or what is allowed is neither a fault nor a case, BadData for parameters that it does not
 // declare.
-diagnosis::Scorecard score_renderer(const Catalogues& catalogues, const std::shared_ptr<const RendererEntry>& entry,
-                                    const ScoreRequest& request, const std::vector<GoldenCase>& cases);
+diagnosis::Scorecard score_renderer(const Catalogues& catalogues,
+                                    const std::shared_ptr<const rendering::RendererEntry>& entry,
+                                    const ScoreRequest& request, const std::vector<baseline::GoldenCase>& cases);
 
 }  // namespace touchstone::pipeline

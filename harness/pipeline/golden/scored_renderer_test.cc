@@ -12,20 +12,22 @@
 #include "synthetic/generators.h"
 
 namespace touchstone::pipeline {
+using baseline::GoldenCase;
+
 namespace {
 
 using ::testing::HasSubstr;
 
 Catalogues catalogues() { return {renderers::built_in_catalogue(), synthetic::built_in_generators()}; }
 
-std::shared_ptr<const RendererEntry> entry_named(const std::string& name) {
-  Model model;
+std::shared_ptr<const rendering::RendererEntry> entry_named(const std::string& name) {
+  rendering::Model model;
   model.renderer = name;
-  return std::make_shared<const RendererEntry>(renderers::find_renderer(model));
+  return std::make_shared<const rendering::RendererEntry>(renderers::find_renderer(model));
 }
 
 GoldenCase case_named(const std::string& name) {
-  return load_case(std::filesystem::path(std::getenv("TOUCHSTONE_SOURCE_DIR")) / "golden" / name);
+  return baseline::load_case(std::filesystem::path(std::getenv("TOUCHSTONE_SOURCE_DIR")) / "golden" / name);
 }
 GoldenCase plane_taps() { return case_named("plane-taps"); }
 

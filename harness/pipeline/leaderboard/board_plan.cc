@@ -15,6 +15,10 @@
 #include "harness/sanity/repeat_floor.h"
 
 namespace touchstone::pipeline {
+using rendering::Catalogue;
+using runs::CaseRow;
+using runs::CaseValue;
+
 namespace {
 
 // Columns of a row, in the order of the table.
@@ -25,16 +29,17 @@ constexpr std::size_t kRepeat = kFloor + 3;  // RMS, and in words
 constexpr std::size_t kTimes = kRepeat + 2;
 constexpr const char* kFloorState = "floor";
 
-InTrajectoryMode mode_of(const BoardRequest& request, const Dataset& dataset) {
+recording::InTrajectoryMode mode_of(const BoardRequest& request, const recording::Dataset& dataset) {
   if (request.in_trajectory_chosen) return request.base.in_trajectory;
   // The law of an object with friction closes equation 1 with the whole force (in_trajectory.h).
   const bool friction = dataset.friction_coefficient.value_or(0.0) > 0.0;
-  return dataset.in_trajectory == InTrajectoryMode::synthesize ? usual_in_trajectory(friction) : dataset.in_trajectory;
+  return dataset.in_trajectory == recording::InTrajectoryMode::synthesize ? usual_in_trajectory(friction)
+                                                                          : dataset.in_trajectory;
 }
 
 void add_dataset(const Catalogue& catalogue, const std::filesystem::path& place, BoardPlan& plan) {
   const BoardRequest& request = plan.request;
-  const Dataset dataset = load_dataset(place);
+  const recording::Dataset dataset = recording::load_dataset(place);
   EvaluationRequest base = request.base;
   base.in_trajectory = mode_of(request, dataset);
   base.tip_radius_m = request.tip == BoardTip::point ? 0.0 : dataset.tip_radius_m;
@@ -88,13 +93,13 @@ std::string specification_of(const BoardPlan& plan) {
 }
 
 // Those of `fit` that the renderer has.
-std::vector<std::string> fitted_parameters(const Catalogue& catalogue, const Model& model,
+std::vector<std::string> fitted_parameters(const Catalogue& catalogue, const rendering::Model& model,
                                            const std::vector<std::string>& fit) {
   std::vector<std::string> out;
   for (const std::string& text : fit) {
     const std::string name = text.substr(0, text.find('='));
-    const bool known = std::ranges::any_of(catalogue.find(model).parameters,
-                                           [&](const ParameterDeclaration& one) { return one.name == name; });
+    const bool known = std::ranges::any_of(
+        catalogue.find(model).parameters, [&](const rendering::ParameterDeclaration& one) { return one.name == name; });
     if (known) out.push_back(text);
   }
   return out;
@@ -155,7 +160,7 @@ void run_cell(const Catalogue& catalogue, const BoardPlan& plan, const BoardCell
         evaluate_planned(catalogue, planned, plan.request.reports ? plan.request.out / "reports" / planned.folder : "");
   } catch (const TipNotRepresentable& error) {
     done.does_not_enter = error.what();
-  } catch (const RendererFailed& error) {
+  } catch (const rendering::RendererFailed& error) {
     done.failure = error.what();
   } catch (const BadData& error) {  // it cannot take this object
     done.does_not_enter = error.what();
@@ -169,7 +174,7 @@ void run_cell(const Catalogue& catalogue, const BoardPlan& plan, const BoardCell
   row.values[kFitted] = fitted;
   row.values[kErrors] = pipeline::errors_to_text(entry.errors);
   row.values[kReport] = plan.request.reports ? entry.report : std::string();
-  const auto error = std::ranges::find(done.metrics, "rms_force_error", &MetricResult::name);
+  const auto error = std::ranges::find(done.metrics, "rms_force_error", &metrics::MetricResult::name);
   if (error != done.metrics.end() && error->reference) row.values[kMeasured] = number_of(*error->reference);
   const pipeline::Scores& s = entry.scores;
   std::size_t at = kFirstScore;
@@ -182,26 +187,26 @@ void run_cell(const Catalogue& catalogue, const BoardPlan& plan, const BoardCell
 
 pipeline::Entry entry_of_row(const CaseRow& row) {
   pipeline::Entry entry;
-  entry.renderer = as_text(row.values[kRenderer]);
+  entry.renderer = runs::as_text(row.values[kRenderer]);
   const std::string source = fmt::format("row {}", row.number);
   if (!row.error.empty()) {
     entry.state = pipeline::EntryState::failed;
     entry.why = row.error;
     return entry;
   }
-  const std::string state = as_text(row.values[kState]);
+  const std::string state = runs::as_text(row.values[kState]);
   if (state != state_name(pipeline::EntryState::ran)) {
     entry.state = state == state_name(pipeline::EntryState::failed) ? pipeline::EntryState::failed
                                                                     : pipeline::EntryState::does_not_enter;
-    entry.why = as_text(row.values[kWhy]);
+    entry.why = runs::as_text(row.values[kWhy]);
     return entry;
   }
-  const nlohmann::json input = parse_json(as_text(row.values[kInput]), source);
-  entry.input = input_from_json(JsonObject(input, source, ""));
-  entry.fitted = as_text(row.values[kFitted]);
-  entry.errors = pipeline::errors_from_text(as_text(row.values[kErrors]), source);
-  entry.report = as_text(row.values[kReport]);
-  const auto number = [&](std::size_t column) { return as_number(row.values[column]); };
+  const nlohmann::json input = parse_json(runs::as_text(row.values[kInput]), source);
+  entry.input = report::input_from_json(JsonObject(input, source, ""));
+  entry.fitted = runs::as_text(row.values[kFitted]);
+  entry.errors = pipeline::errors_from_text(runs::as_text(row.values[kErrors]), source);
+  entry.report = runs::as_text(row.values[kReport]);
+  const auto number = [&](std::size_t column) { return runs::as_number(row.values[column]); };
   entry.scores = {number(kFirstScore),     number(kFirstScore + 1), number(kFirstScore + 2), number(kFirstScore + 3),
                   number(kFirstScore + 4), number(kTimes),          number(kTimes + 1)};
   return entry;
@@ -217,9 +222,9 @@ BoardPlan plan_board(const Catalogue& catalogue, const BoardRequest& request) {
   return plan;
 }
 
-CaseTable board_table(const BoardPlan& plan) {
-  using enum CaseColumn::Type;
-  CaseTable table{plan.specification, plan.cells.size(), {}, "leaderboard", "--cases"};
+runs::CaseTable board_table(const BoardPlan& plan) {
+  using enum runs::CaseColumn::Type;
+  runs::CaseTable table{plan.specification, plan.cells.size(), {}, "leaderboard", "--cases"};
   for (const char* const name : {"task", "renderer", "state", "why", "input", "fitted", "errors", "report"})
     table.columns.push_back({name, text});
   for (const char* const name :
@@ -231,18 +236,18 @@ CaseTable board_table(const BoardPlan& plan) {
   return table;
 }
 
-CaseJob board_job(const Catalogue& catalogue, const BoardPlan& plan) {
-  CaseJob job;
+runs::CaseJob board_job(const Catalogue& catalogue, const BoardPlan& plan) {
+  runs::CaseJob job;
   job.what = "leaderboard";
   job.cases = plan.cells.size();
   job.alone = true;
-  job.run = [&catalogue, &plan](CaseRow& row, const PartDone&) {
+  job.run = [&catalogue, &plan](CaseRow& row, const runs::PartDone&) {
     run_cell(catalogue, plan, plan.cells[row.number], row);
   };
   return job;
 }
 
-pipeline::Board board_of_rows(const BoardPlan& plan, const CaseStore& store) {
+pipeline::Board board_of_rows(const BoardPlan& plan, const runs::CaseStore& store) {
   pipeline::Board board;
   for (const BoardTask& own : plan.tasks) {
     pipeline::Task task;
@@ -257,10 +262,11 @@ pipeline::Board board_of_rows(const BoardPlan& plan, const CaseStore& store) {
     pipeline::Task& task = board.tasks[cell.task];
     if (!cell.evaluation) {
       if (row.error.empty()) {
-        task.floor = pipeline::Floor{as_number(row.values[kFloor]), as_number(row.values[kFloor + 1]),
-                                     as_number(row.values[kFloor + 2]), as_text(row.values[kWhy])};
+        task.floor = pipeline::Floor{runs::as_number(row.values[kFloor]), runs::as_number(row.values[kFloor + 1]),
+                                     runs::as_number(row.values[kFloor + 2]), runs::as_text(row.values[kWhy])};
         if (!std::holds_alternative<std::monostate>(row.values[kRepeat]))
-          task.repeat = pipeline::RepeatOfTask{as_number(row.values[kRepeat]), as_text(row.values[kRepeat + 1])};
+          task.repeat =
+              pipeline::RepeatOfTask{runs::as_number(row.values[kRepeat]), runs::as_text(row.values[kRepeat + 1])};
       }
       continue;
     }
@@ -268,7 +274,7 @@ pipeline::Board board_of_rows(const BoardPlan& plan, const CaseStore& store) {
     const pipeline::Entry& entry = task.entries.back();
     if (entry.state != pipeline::EntryState::ran) continue;
     task.input = input_text(entry.input);
-    const double measured = as_number(row.values[kMeasured]);
+    const double measured = runs::as_number(row.values[kMeasured]);
     if (std::isfinite(measured)) task.measured_rms_N = measured;
   }
   return board;

@@ -7,7 +7,6 @@
 #include <string>
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "harness/pipeline/board.h"
 #include "harness/pipeline/evaluation/campaign.h"
 #include "harness/runs/case_engine.h"
@@ -23,12 +22,12 @@ enum class BoardTip : std::uint8_t {
 struct BoardRequest {
   std::vector<std::filesystem::path> datasets;
   std::vector<ModelOfFile> models;  // none: every renderer of the catalogue and of the plug-ins
-  const Plugins* plugins = nullptr;
+  const plugin::Plugins* plugins = nullptr;
   EvaluationRequest base;             // what holds for all
   bool in_trajectory_chosen = false;  // else: the data set's, and the whole force where it declares friction
   BoardTip tip = BoardTip::point;
-  std::vector<std::string> fit;  // parameters fitted on `fit_range` where the renderer has them: "mu_dynamic=0:1"
-  TimeRanges fit_range;          // the scores are of base.time_ranges
+  std::vector<std::string> fit;   // parameters fitted on `fit_range` where the renderer has them: "mu_dynamic=0:1"
+  metrics::TimeRanges fit_range;  // the scores are of base.time_ranges
   // The renderer whose law the floor's simulated recordings obey (input_floor.h): a proxy with Coulomb friction.
   std::string floor_law = "friction-cone";
   bool reports = true;
@@ -57,13 +56,13 @@ struct BoardPlan {
 };
 
 // Reads the data sets. Throws UsageError for two of the same name.
-BoardPlan plan_board(const Catalogue& catalogue, const BoardRequest& request);
+BoardPlan plan_board(const rendering::Catalogue& catalogue, const BoardRequest& request);
 
-CaseTable board_table(const BoardPlan& plan);
+runs::CaseTable board_table(const BoardPlan& plan);
 // One after the other: they measure times. Catalogue and plan must live as long as the job.
-CaseJob board_job(const Catalogue& catalogue, const BoardPlan& plan);
+runs::CaseJob board_job(const rendering::Catalogue& catalogue, const BoardPlan& plan);
 
 // The board of all rows, not ranked yet. A floor that could not be simulated is left out.
-pipeline::Board board_of_rows(const BoardPlan& plan, const CaseStore& store);
+pipeline::Board board_of_rows(const BoardPlan& plan, const runs::CaseStore& store);
 
 }  // namespace touchstone::pipeline

@@ -20,6 +20,9 @@
 #include "synthetic/datasets/write_dataset.h"
 
 namespace touchstone::pipeline {
+using runs::CaseStore;
+using surface::TriangleMesh;
+
 namespace {
 using ::testing::HasSubstr;
 
@@ -56,7 +59,7 @@ TEST(Floor, OnAPlateIsTheNoiseOfTheTangentialAxes) {
 // With measured positions the input knows nothing of the force: all three axes are left.
 TEST(Floor, OfMeasuredPositionsIsTheNoiseOfAllAxes) {
   FloorWorld world = plate_world(0.01);
-  world.in_trajectory = InTrajectoryMode::measured;
+  world.in_trajectory = recording::InTrajectoryMode::measured;
   for (Vec3& p : world.recording.motion.p_W_m) p.z() = -2.0 / 500.0;
   EXPECT_NEAR(floor_of(built_in(), world, {}, 1).rms_N, std::sqrt(3.0) * 0.01, 2e-4);
 }
@@ -121,7 +124,7 @@ class Leaderboard : public ::testing::Test {
     const char* const source = std::getenv("TOUCHSTONE_SOURCE_DIR");
     out.datasets = {std::filesystem::path(source == nullptr ? "." : source) / "synthetic/bundled/plane"};
     for (const char* const name : {"god-object", "friction-cone", "voxel"}) {
-      Model model;
+      rendering::Model model;
       model.renderer = name;
       model.source = name;
       if (std::string(name) == "friction-cone")
@@ -144,7 +147,7 @@ class Leaderboard : public ::testing::Test {
     return board;
   }
 
-  Plugins plugins_;
+  plugin::Plugins plugins_;
 };
 
 TEST_F(Leaderboard, RanksWhoEntersAndSaysWhoDoesNot) {
@@ -199,12 +202,12 @@ TEST_F(Leaderboard, TheRightLawIsNotBelowTheFloor) {
 TEST_F(Leaderboard, ShowsWhatARepeatLeavesAndLinksItsReports) {
   const auto folder = fresh_folder("touchstone-repeat");
   BoardRequest request = this->request();
-  const Dataset plane = load_dataset(request.datasets.front());
+  const recording::Dataset plane = recording::load_dataset(request.datasets.front());
   std::filesystem::copy(plane.folder, folder / "twice");
-  Recording again = load_recording(plane.path_of(plane.recordings[0].file));
+  recording::Recording again = recording::load_recording(plane.path_of(plane.recordings[0].file));
   for (Vec3& f : again.f_W_N) f.z() += 0.05;
   save_recording(folder / "twice/again.csv", again);
-  Dataset twice = load_dataset(folder / "twice");
+  recording::Dataset twice = recording::load_dataset(folder / "twice");
   twice.recordings[0].repeat = "again.csv";
   pack_dataset(twice);
   request.datasets = {folder / "twice"};
@@ -228,7 +231,7 @@ TEST_F(Leaderboard, ARunThatStoppedGivesTheSameBytes) {
   CaseStore whole(CaseStore::in_memory, board_table(plan));
   const std::string expected = pipeline::board_to_json(run(plan, whole));
   CaseStore parts(CaseStore::in_memory, board_table(plan));
-  CaseShard half;
+  runs::CaseShard half;
   half.index = 1;
   half.count = 2;
   parts.start_run({{"version", "test"}});

@@ -6,8 +6,6 @@
 #include <filesystem>
 #include <string>
 
-#include "harness/base/rooms.h"
-
 namespace touchstone::pipeline {
 
 // What the signature is for: one that was made for a commit or a mail is not good for a submission.

@@ -91,8 +91,8 @@ void compare_specifications(const std::string& claimed, const std::string& here,
 }
 
 // A submission is one file: what a model names outside of it would not come along.
-std::string text_of(const Model& model, const std::filesystem::path& file) {
-  for (const NamedParameters& effect : model.effects) {
+std::string text_of(const rendering::Model& model, const std::filesystem::path& file) {
+  for (const rendering::NamedParameters& effect : model.effects) {
     if (!effect.image.empty()) {
       throw UsageError(fmt::format("{}: {}: a submission holds no pictures, and {} needs {}; leave this model out",
                                    file.string(), effect.place, effect.name, effect.image.string()));
@@ -120,13 +120,13 @@ std::string submission_to_json(const BoardPlan& plan, const pipeline::Board& boa
                 {"specification", plan.specification},
                 {"plugins", files_json(plugins)},
                 {"sources", files_json(sources)},
-                {"provenance", provenance_to_json(make_provenance(request.base.command_line))},
+                {"provenance", provenance_to_json(report::make_provenance(request.base.command_line))},
                 {"entries", entries_json(board)}};
   document["sha256"] = hash_of_contents(document);
   return document.dump(1) + "\n";
 }
 
-Submission load_submission(const std::filesystem::path& file, const Plugins& plugins) {
+Submission load_submission(const std::filesystem::path& file, const plugin::Plugins& plugins) {
   const json document = load_json(file);
   JsonObject in(document, file.string(), "");
   in.schema(kSubmissionSchema);
@@ -136,9 +136,9 @@ Submission load_submission(const std::filesystem::path& file, const Plugins& plu
   Submission out;
   const std::string mode = in.text("in_trajectory");
   out.in_trajectory_chosen = !mode.empty();
-  const auto chosen = find_in_trajectory(mode);
+  const auto chosen = recording::find_in_trajectory(mode);
   if (out.in_trajectory_chosen && !chosen) in.fail_at("in_trajectory", fmt::format("'{}' is unknown", mode));
-  out.in_trajectory = chosen.value_or(InTrajectoryMode::synthesize);
+  out.in_trajectory = chosen.value_or(recording::InTrajectoryMode::synthesize);
   const std::string tip = in.text("tip");
   if (tip != "dataset" && tip != "point") in.fail_at("tip", fmt::format("dataset or point was expected, got {}", tip));
   out.tip = tip == "dataset" ? BoardTip::dataset : BoardTip::point;
@@ -147,7 +147,7 @@ Submission load_submission(const std::filesystem::path& file, const Plugins& plu
   out.score_range = in.text("score_range");
   for (JsonObject& one : in.objects("models")) {
     const std::string name = one.text("name");
-    Model model = parse_model(one.text("model"), name);
+    rendering::Model model = rendering::parse_model(one.text("model"), name);
     plugins.provide(model);
     out.models.emplace_back(std::move(model), name + ".json");
   }
@@ -171,9 +171,9 @@ std::vector<std::string> files_not_as_claimed(const Submission& claimed,
                                               const std::vector<std::filesystem::path>& plugins,
                                               const std::vector<std::filesystem::path>& sources) {
   std::vector<std::string> lines;
-  const auto compare = [&](const std::vector<InputFile>& wanted, const std::vector<std::filesystem::path>& here,
+  const auto compare = [&](const std::vector<report::InputFile>& wanted, const std::vector<std::filesystem::path>& here,
                            const char* what) {
-    for (const InputFile& one : wanted) {
+    for (const report::InputFile& one : wanted) {
       if (std::ranges::none_of(here, [&](const auto& file) { return sha256_file(file) == one.sha256; }))
         lines.push_back(fmt::format("{} {} ({}) is not among the files here", what, one.name, one.sha256));
     }

@@ -9,7 +9,6 @@
 #include <string>
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "harness/pipeline/leaderboard/board_plan.h"
 #include "harness/report/provenance.h"
 
@@ -18,12 +17,12 @@ namespace touchstone::pipeline {
 struct Submission {
   std::vector<ModelOfFile> models;  // empty: every renderer
   bool in_trajectory_chosen = false;
-  InTrajectoryMode in_trajectory = InTrajectoryMode::synthesize;
+  recording::InTrajectoryMode in_trajectory = recording::InTrajectoryMode::synthesize;
   BoardTip tip = BoardTip::point;
   std::vector<std::string> fit;
   std::string fit_range, score_range;
   std::string specification;  // of the plan: which data and models
-  std::vector<InputFile> plugins, sources;
+  std::vector<report::InputFile> plugins, sources;
   std::string entries;  // canonical JSON of what was scored
 };
 
@@ -33,7 +32,7 @@ std::string submission_to_json(const BoardPlan& plan, const pipeline::Board& boa
                                const std::vector<std::filesystem::path>& sources);
 
 // Throws BadData for a file that is no submission, or whose contents are not what its "sha256" says.
-Submission load_submission(const std::filesystem::path& file, const Plugins& plugins);
+Submission load_submission(const std::filesystem::path& file, const plugin::Plugins& plugins);
 
 // What differs between a submission and the same run here, a line each; empty: the same numbers, to the last digit.
 std::vector<std::string> differences(const Submission& claimed, const BoardPlan& plan, const pipeline::Board& board);

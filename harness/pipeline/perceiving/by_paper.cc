@@ -51,7 +51,7 @@ std::vector<pc::PressSignal> signals_of(const PerceiveRequest& request, const st
 
 }  // namespace
 
-PaperFiles evaluate_by_paper(const Catalogue& catalogue, const PerceiveRequest& request) {
+PaperFiles evaluate_by_paper(const rendering::Catalogue& catalogue, const PerceiveRequest& request) {
   PaperFiles result;
   pc::EvaluationOptions settings;
   settings.scaling = pc::feature_scaling(request.paper.scaling);
@@ -65,7 +65,7 @@ PaperFiles evaluate_by_paper(const Catalogue& catalogue, const PerceiveRequest& 
   const auto real_files = parts_of(request.real);
   if (real_files.size() > 1 && !request.models.empty())
     throw UsageError("--model renders one path; the real process has several parts");
-  const Recording real = read_recording(request, real_files.front());
+  const recording::Recording real = read_recording(request, real_files.front());
   const Vec3 outward = press_direction_of(request.direction, real);
   const double contact_N = settings.image.force_law.absolute_threshold;
   RolesAndFiles inputs;
@@ -80,7 +80,7 @@ PaperFiles evaluate_by_paper(const Catalogue& catalogue, const PerceiveRequest& 
         {name, [&request, file = file, outward, contact_N] { return signals_of(request, file, outward, contact_N); }});
   }
   std::vector<std::string> notes;
-  std::shared_ptr<const Surface> surface;
+  std::shared_ptr<const surface::Surface> surface;
   if (!request.models.empty()) {
     surface = rendered_object(request, real, notes);
     inputs.emplace_back("mesh", request.mesh);
@@ -91,7 +91,8 @@ PaperFiles evaluate_by_paper(const Catalogue& catalogue, const PerceiveRequest& 
     catalogue.find(rendering.model);
     names.push_back(rendering.name);
     sources.push_back({rendering.name, [&catalogue, &model = rendering.model, surface, &real, outward, contact_N] {
-                         const Recording rendered = rendered_by(catalogue, model, surface, real, real.motion);
+                         const recording::Recording rendered =
+                             rendered_by(catalogue, model, surface, real, real.motion);
                          return std::vector<pc::PressSignal>{pc::press_signal(rendered, outward, contact_N)};
                        }});
   }
@@ -100,7 +101,7 @@ PaperFiles evaluate_by_paper(const Catalogue& catalogue, const PerceiveRequest& 
     answers = pc::read_answers(request.paper.answers, names);
     inputs.emplace_back("answers", request.paper.answers);
   }
-  result.provenance = make_provenance(request.command_line);
+  result.provenance = report::make_provenance(request.command_line);
   result.provenance.inputs = described(inputs);
   keep_freed_memory();
 
@@ -120,7 +121,7 @@ std::string PaperFiles::table() const {
     rows.push_back({c.name, fmt::format("{}", c.rank_perception), fmt::format("{:.4f}", c.distance)});
     for (const auto& value : c.statistics) rows.back().push_back(value ? fmt::format("{:.4g}", *value) : "none");
   }
-  return align_columns(rows);
+  return report::align_columns(rows);
 }
 
 void write_by_paper(const PaperFiles& files, const std::filesystem::path& folder) {

@@ -16,7 +16,7 @@ namespace touchstone::pipeline {
 struct PaperFiles {
   perception::PerceptualEvaluation evaluation;
   std::optional<perception::SubjectiveComparison> people;  // if people's answers were given
-  Provenance provenance;
+  report::Provenance provenance;
 
   [[nodiscard]] std::string table() const;  // for people
 };
@@ -24,7 +24,7 @@ struct PaperFiles {
 // A process of several measuring parts (eq. 1 and 2) is THUMB.csv+FINGER.csv, in the same order for every process; a
 // file whose name has a plus sign is one file. Shows its progress on a terminal. Throws BadData for files that are
 // faulty or cannot be compared, UsageError for models beside a process of several parts.
-PaperFiles evaluate_by_paper(const Catalogue& catalogue, const PerceiveRequest& request);
+PaperFiles evaluate_by_paper(const rendering::Catalogue& catalogue, const PerceiveRequest& request);
 
 // DIR/perception.json and DIR/report.html. Throws BadData if they cannot be written.
 void write_by_paper(const PaperFiles& files, const std::filesystem::path& folder);

@@ -18,6 +18,8 @@
 #include "harness/report/page_html.h"
 
 namespace touchstone::pipeline {
+using recording::Recording;
+
 namespace {
 
 namespace pc = perception;
@@ -27,7 +29,7 @@ pc::JudgeOptions judge_options(const JudgeSettings& options) {
   if (!options.thresholds.empty()) settings.thresholds = pc::read_thresholds(options.thresholds);
   if (options.depth_known) settings.thresholds.depth_fraction = 0.0;
   if (!options.instrument.empty()) {
-    const auto instrument = load_instrument(options.instrument);
+    const auto instrument = discrepancy::load_instrument(options.instrument);
     settings.declared = {instrument.force_noise_N, instrument.force_noise_time_constant_s,
                          geometry_deviation_m(instrument)};
   }
@@ -54,7 +56,8 @@ struct PerceiveSources {
   std::vector<std::string> notes;
 };
 
-PerceiveSources perceive_sources(const Catalogue& catalogue, const PerceiveRequest& request, const Recording& real) {
+PerceiveSources perceive_sources(const rendering::Catalogue& catalogue, const PerceiveRequest& request,
+                                 const Recording& real) {
   PerceiveSources sources;
   sources.inputs.emplace_back("real", request.real);
   const auto from_file = [&request, &real](const std::string& name, const std::string& file) {
@@ -72,7 +75,7 @@ PerceiveSources perceive_sources(const Catalogue& catalogue, const PerceiveReque
     sources.inputs.emplace_back("condition " + name, file);
     sources.conditions.push_back(from_file(name, file));
   }
-  std::shared_ptr<const Surface> surface;
+  std::shared_ptr<const surface::Surface> surface;
   std::shared_ptr<const pc::ReplayPath> path;
   if (!request.models.empty()) {
     surface = rendered_object(request, real, sources.notes);
@@ -96,7 +99,7 @@ PerceiveSources perceive_sources(const Catalogue& catalogue, const PerceiveReque
 
 }  // namespace
 
-JudgedFiles judge_files(const Catalogue& catalogue, const PerceiveRequest& request) {
+JudgedFiles judge_files(const rendering::Catalogue& catalogue, const PerceiveRequest& request) {
   JudgedFiles result;
   result.options = judge_options(request.judge);
   const Recording real = read_recording(request, request.real);
@@ -104,7 +107,7 @@ JudgedFiles judge_files(const Catalogue& catalogue, const PerceiveRequest& reque
       request.direction == "force" ? pc::pressing_direction(real) : press_direction_of(request.direction, real);
   const PerceiveSources sources = perceive_sources(catalogue, request, real);
   result.notes = sources.notes;
-  result.provenance = make_provenance(request.command_line);
+  result.provenance = report::make_provenance(request.command_line);
   result.provenance.inputs = described(sources.inputs);
   keep_freed_memory();
   Progress progress("conditions", sources.conditions.size());
@@ -129,7 +132,7 @@ std::string JudgedFiles::table() const {
                     fmt::format("{:.0f} to {:.0f}", 100.0 * j.noticed_low95, 100.0 * j.noticed_high95),
                     fmt::format("{:.2f}", j.d_prime), std::string(pc::name_of(j.verdict)), by});
   }
-  return align_columns(rows);
+  return report::align_columns(rows);
 }
 
 std::vector<std::string> JudgedFiles::remarks() const {

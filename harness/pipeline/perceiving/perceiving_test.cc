@@ -41,7 +41,7 @@ class Perceiving : public ::testing::Test {
     PerceiveRequest request;
     request.real = press("real.csv", 500);
     request.conditions = {{"same", press("same.csv", 500)}};
-    Model soft;
+    rendering::Model soft;
     soft.renderer = "spring-linear";
     soft.parameters["stiffness_N_per_m"] = 250.0;
     request.models = {{"soft", file("soft.json", "{}"), soft}};
@@ -62,7 +62,7 @@ TEST_F(Perceiving, TheJudgeTellsTheSoftModelFromTheRealSpring) {
   // The condition that is hardest to tell stands first, whatever the order of the request.
   EXPECT_LT(files.table().find("same"), files.table().find("soft"));
   std::vector<std::string> roles;
-  for (const InputFile& input : files.provenance.inputs) roles.push_back(input.role);
+  for (const report::InputFile& input : files.provenance.inputs) roles.push_back(input.role);
   EXPECT_THAT(roles, ::testing::ElementsAre("real", "repeat", "condition same", "mesh", "model soft"));
   write_judged(files, folder_.path());
   const auto json = nlohmann::json::parse(read_file(folder_.path() / "perception.json"));

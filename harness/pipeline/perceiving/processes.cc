@@ -20,6 +20,8 @@
 #include "harness/surface/mesh_topology.h"
 
 namespace touchstone::pipeline {
+using recording::Recording;
+using surface::Surface;
 
 Vec3 press_direction_of(const std::string& text, const Recording& real) {
   static const std::map<std::string, Vec3> axes{{"+x", Vec3::UnitX()},  {"-x", -Vec3::UnitX()}, {"+y", Vec3::UnitY()},
@@ -31,10 +33,11 @@ Vec3 press_direction_of(const std::string& text, const Recording& real) {
   return found->second;
 }
 
-Recording rendered_by(const Catalogue& catalogue, const Model& model, const std::shared_ptr<const Surface>& surface,
-                      const Recording& real, const MotionColumns& along) {
+Recording rendered_by(const rendering::Catalogue& catalogue, const rendering::Model& model,
+                      const std::shared_ptr<const Surface>& surface, const Recording& real,
+                      const MotionColumns& along) {
   const auto renderer = catalogue.make(model, surface);
-  const RenderedTrajectory rendered = replay(*renderer, InTrajectory{along});
+  const recording::RenderedTrajectory rendered = replay(*renderer, recording::InTrajectory{along});
   Recording recording;
   recording.motion = real.motion;
   recording.f_W_N = rendered.f_W_N;
@@ -43,7 +46,7 @@ Recording rendered_by(const Catalogue& catalogue, const Model& model, const std:
 }
 
 Recording read_recording(const PerceiveRequest& request, const std::string& file) {
-  Recording recording = load_recording(file);
+  Recording recording = recording::load_recording(file);
   if (request.flip_force) sanity::flip_force(recording);
   return recording;
 }
@@ -66,10 +69,10 @@ void check_condition(const Recording& real, const Recording& condition) {
 }
 
 // In parallel: hashing many recordings takes as long as comparing them.
-std::vector<InputFile> described(const RolesAndFiles& role_and_file) {
-  std::vector<InputFile> result(role_and_file.size());
+std::vector<report::InputFile> described(const RolesAndFiles& role_and_file) {
+  std::vector<report::InputFile> result(role_and_file.size());
   const auto describe = [&](std::size_t i) {
-    result[i] = describe_input(role_and_file[i].first, role_and_file[i].second);
+    result[i] = report::describe_input(role_and_file[i].first, role_and_file[i].second);
   };
   in_parallel(result.size(), describe, 1);
   return result;
@@ -80,13 +83,13 @@ std::shared_ptr<const Surface> rendered_object(const PerceiveRequest& request, c
   constexpr double kFew = 1e-3;             // less is noise at the border
   constexpr double kShareOfDiagonal = 0.1;  // as `evaluate` has it
   constexpr std::size_t kLookedAt = 4000;
-  TriangleMesh mesh = load_mesh(request.mesh, length_unit_factor(request.mesh_unit));
+  surface::TriangleMesh mesh = surface::load_mesh(request.mesh, length_unit_factor(request.mesh_unit));
   std::shared_ptr<const Surface> surface = make_embree_surface(mesh);
   const bool asked = !request.extend_edges.empty();
   const double asked_m =
       asked && request.extend_edges != "0" ? parse_length_m(request.extend_edges, "--extend-edges") : 0.0;
   if (asked && asked_m == 0.0) return surface;
-  const MeshTopology topology = make_topology(mesh);
+  const surface::MeshTopology topology = make_topology(mesh);
   double share = 0.0;
   if (!asked) {
     if (topology.open_edge_count == 0 || !topology.non_manifold_edges.empty() || !topology.disoriented_edges.empty())

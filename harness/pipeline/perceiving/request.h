@@ -6,7 +6,6 @@
 #include <string>
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "harness/perception/features/rate_hardness.h"
 #include "harness/perception/filters/output_band.h"
 #include "harness/rendering/model.h"
@@ -40,7 +39,7 @@ struct PerceiveRequest {
   };
   struct Rendering {
     std::string name, file;  // of the model
-    Model model;
+    rendering::Model model;
   };
   std::string real;  // recording of the real process
   std::vector<std::string> repeats;

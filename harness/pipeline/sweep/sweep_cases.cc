@@ -1,11 +1,12 @@
 #include "harness/pipeline/sweep/sweep_cases.h"
 
 namespace touchstone::pipeline {
+using runs::CaseRow;
 
-CaseTable sweep_table(const SweepDesign& design) {
-  using enum CaseColumn::Type;
-  CaseTable table{design.text(), design.size(), {}, "specification", "--out"};
-  const auto add = [&](CaseColumn::Type type, std::initializer_list<const char*> names) {
+runs::CaseTable sweep_table(const SweepDesign& design) {
+  using enum runs::CaseColumn::Type;
+  runs::CaseTable table{design.text(), design.size(), {}, "specification", "--out"};
+  const auto add = [&](runs::CaseColumn::Type type, std::initializer_list<const char*> names) {
     for (const char* const name : names) table.columns.push_back({name, type});
   };
   add(text, {"surface", "trajectory", "model"});
@@ -19,11 +20,11 @@ CaseTable sweep_table(const SweepDesign& design) {
   return table;
 }
 
-CaseJob sweep_job(const SweepDesign& design, SweepWorld& world) {
-  CaseJob job;
+runs::CaseJob sweep_job(const SweepDesign& design, SweepWorld& world) {
+  runs::CaseJob job;
   job.what = "sweep";
   job.cases = design.size();
-  job.run = [&world](CaseRow& row, const PartDone&) { row = sweep_row(world.run(row.number)); };
+  job.run = [&world](CaseRow& row, const runs::PartDone&) { row = sweep_row(world.run(row.number)); };
   return job;
 }
 
@@ -31,12 +32,12 @@ CaseRow sweep_row(const SweepOutcome& outcome) {
   const SweepCase& one = outcome.one;
   CaseRow row{one.number, outcome.error, {one.surface, one.trajectory, one.model}};
   const auto add = [&row](bool there, const auto& value) {
-    row.values.push_back(there ? CaseValue(value) : CaseValue());
+    row.values.push_back(there ? runs::CaseValue(value) : runs::CaseValue());
   };
   add(one.seed.has_value(), one.seed.value_or(0));
   for (const double value : one.varied) add(true, value);
   const bool ran = outcome.error.empty();
-  const GoldenSummary& s = outcome.summary;
+  const baseline::GoldenSummary& s = outcome.summary;
   for (const std::uint64_t count : {s.samples, s.contact_samples, s.contact_events}) add(ran, count);
   add(ran, s.peak_force_N);
   add(ran, s.rms_force_N);

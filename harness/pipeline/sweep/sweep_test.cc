@@ -19,6 +19,9 @@
 #include "synthetic/generators.h"
 
 namespace touchstone::pipeline {
+using runs::CaseStore;
+using runs::CaseTally;
+
 namespace {
 
 using nlohmann::json;
@@ -56,7 +59,7 @@ class Sweep : public testing::Test {
   }
   std::filesystem::path out(const std::string& name) const { return folder_ / name; }
 
-  static CaseTally run(const SweepDesign& design, CaseStore& store, CaseShard shard, unsigned threads) {
+  static CaseTally run(const SweepDesign& design, CaseStore& store, runs::CaseShard shard, unsigned threads) {
     SweepWorld world({renderers::built_in_catalogue(), synthetic::built_in_generators()}, design);
     return run_cases(sweep_job(design, world), store, shard, threads, never);
   }
@@ -246,10 +249,10 @@ TEST_F(Sweep, AMergedCaseStandsForOneThatFailed) {
   sqlite3_close(database);
   CaseStore store(out("gaps.sqlite"), sweep_table(design));
   store.start_run({});
-  const CaseRow failed{3, "disk", {}};
+  const runs::CaseRow failed{3, "disk", {}};
   store.add({&failed, 1});
   EXPECT_EQ(store.failed(), 1U);
-  const CaseMerge merged = store.merge(out("whole.sqlite"));
+  const runs::CaseMerge merged = store.merge(out("whole.sqlite"));
   EXPECT_EQ(merged.added, 2U);
   EXPECT_EQ(merged.repeated, 4U);
   EXPECT_EQ(store.failed(), 0U);

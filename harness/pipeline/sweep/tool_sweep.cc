@@ -40,9 +40,9 @@ tool::ToolErrors run(const SweepCase& one, const ToolSweep& sweep) {
 
 }  // namespace
 
-CaseTable tool_sweep_table(const SweepDesign& design) {
-  using enum CaseColumn::Type;
-  CaseTable table{design.text(), design.size(), {}, "specification", "--out"};
+runs::CaseTable tool_sweep_table(const SweepDesign& design) {
+  using enum runs::CaseColumn::Type;
+  runs::CaseTable table{design.text(), design.size(), {}, "specification", "--out"};
   for (const char* const name : {"contacts", "renderer", "document"}) table.columns.push_back({name, text});
   for (const std::string& pointer : design.varied()) table.columns.push_back({pointer, real});
   for (const char* const name :
@@ -52,11 +52,11 @@ CaseTable tool_sweep_table(const SweepDesign& design) {
   return table;
 }
 
-CaseJob tool_sweep_job(const SweepDesign& design, const ToolSweep& sweep) {
-  CaseJob job;
+runs::CaseJob tool_sweep_job(const SweepDesign& design, const ToolSweep& sweep) {
+  runs::CaseJob job;
   job.what = "sweep";
   job.cases = design.size();
-  job.run = [&design, &sweep](CaseRow& row, const PartDone&) {
+  job.run = [&design, &sweep](runs::CaseRow& row, const runs::PartDone&) {
     const SweepCase one = design.at(row.number);
     for (const std::string& value : {one.surface, one.model, one.document}) row.values.emplace_back(value);
     for (const double value : one.varied) row.values.emplace_back(value);

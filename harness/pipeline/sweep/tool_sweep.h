@@ -6,7 +6,6 @@
 #include <string_view>
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "harness/pipeline/sweep/design.h"
 #include "harness/runs/case_engine.h"
 #include "harness/tool/tool_errors.h"
@@ -20,8 +19,8 @@ struct ToolSweep {
   std::function<tool::KnownContacts(std::string_view name, const tool::Coupling&, const tool::ContactShape&)> contacts;
 };
 
-CaseTable tool_sweep_table(const SweepDesign& design);
+runs::CaseTable tool_sweep_table(const SweepDesign& design);
 // Both must live as long as the job. A case that cannot be run is a row with its error.
-CaseJob tool_sweep_job(const SweepDesign& design, const ToolSweep& sweep);
+runs::CaseJob tool_sweep_job(const SweepDesign& design, const ToolSweep& sweep);
 
 }  // namespace touchstone::pipeline

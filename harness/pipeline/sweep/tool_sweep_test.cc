@@ -16,6 +16,8 @@
 #include "synthetic/tool/known_contacts.h"
 
 namespace touchstone::pipeline {
+using runs::CaseRow;
+
 namespace {
 
 using nlohmann::json;
@@ -38,7 +40,7 @@ class SweepOfTools : public testing::Test {
   }
   static std::vector<CaseRow> rows(const SweepDesign& design, unsigned threads) {
     const ToolSweep sweep{renderers::tool_renderer_catalogue(), synthetic::known_contacts};
-    CaseStore store(CaseStore::in_memory, tool_sweep_table(design));
+    runs::CaseStore store(runs::CaseStore::in_memory, tool_sweep_table(design));
     const std::atomic<bool> never = false;
     run_cases(tool_sweep_job(design, sweep), store, {}, threads, never);
     return store.rows(0, design.size());
@@ -57,16 +59,16 @@ TEST_F(SweepOfTools, RowsHoldTheErrorsOfEachCase) {
   for (const CaseRow& row : all) {
     EXPECT_EQ(row.error, "");
     // contacts, renderer, document, stiffness, then the errors of force (mean, largest) and torque, and JND.
-    if (as_text(row.values.at(1)) == "god") {
-      EXPECT_LE(as_number(row.values.at(5)), 1e-9);
-      EXPECT_LE(as_number(row.values.at(7)), 1e-9);
+    if (runs::as_text(row.values.at(1)) == "god") {
+      EXPECT_LE(runs::as_number(row.values.at(5)), 1e-9);
+      EXPECT_LE(runs::as_number(row.values.at(7)), 1e-9);
       ++exact;
     } else {
-      EXPECT_GT(as_number(row.values.at(5)), 1e-6) << "springs give way";
-      EXPECT_LT(as_number(row.values.at(5)), 0.3);
+      EXPECT_GT(runs::as_number(row.values.at(5)), 1e-6) << "springs give way";
+      EXPECT_LT(runs::as_number(row.values.at(5)), 0.3);
     }
     // The largest right force follows the coupling: the hand presses by up to 3 mm.
-    EXPECT_LE(as_number(row.values.at(10)), 3.01e-3 * as_number(row.values.at(3)));
+    EXPECT_LE(runs::as_number(row.values.at(10)), 3.01e-3 * runs::as_number(row.values.at(3)));
   }
   EXPECT_EQ(exact, 4U);
   const std::vector<CaseRow> again = rows(design, 2);
@@ -84,8 +86,8 @@ TEST_F(SweepOfTools, SizeAndClearanceOfAContactCanVary) {
   std::set<double> forces;
   for (const CaseRow& row : all) {
     EXPECT_EQ(row.error, "");
-    EXPECT_LE(as_number(row.values.at(6)), 1e-9);
-    forces.insert(as_number(row.values.at(11)));
+    EXPECT_LE(runs::as_number(row.values.at(6)), 1e-9);
+    forces.insert(runs::as_number(row.values.at(11)));
   }
   EXPECT_EQ(forces.size(), 4U) << "each is another contact";
 }

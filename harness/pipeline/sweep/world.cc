@@ -15,6 +15,8 @@
 #include "harness/surface/embree_surface.h"
 
 namespace touchstone::pipeline {
+using recording::InTrajectory;
+
 namespace {
 
 // About 400 bytes each with all structures: 1.6 gigabytes.
@@ -24,19 +26,19 @@ constexpr std::uint64_t of_a_scene = 1000;
 constexpr std::uint64_t most_samples = 20'000'000;
 
 struct SharedSurface {
-  std::shared_ptr<const Surface> surface;
+  std::shared_ptr<const surface::Surface> surface;
   std::uint64_t triangles = 0;
-  std::unique_ptr<const Surface> exact;  // nullptr for a mesh from a file
+  std::unique_ptr<const surface::Surface> exact;  // nullptr for a mesh from a file
 
   // The first renderer of each kind stays: with it live the structures that those after it share.
-  std::unique_ptr<Renderer> make(const Catalogue& catalogue, const Model& model) {
+  std::unique_ptr<rendering::Renderer> make(const rendering::Catalogue& catalogue, const rendering::Model& model) {
     auto renderer = catalogue.make(model, surface);
     const std::lock_guard lock(mutex);
     if (!keepers.contains(model.renderer)) keepers.emplace(model.renderer, catalogue.make(model, surface));
     return renderer;
   }
   std::mutex mutex;
-  std::map<std::string, std::unique_ptr<Renderer>> keepers;
+  std::map<std::string, std::unique_ptr<rendering::Renderer>> keepers;
 };
 
 }  // namespace
@@ -54,20 +56,23 @@ struct SweepWorld::State {
     const auto world = surfaces.get(one.surface_key, [&] { return make_surface(root, scale); });
     const auto trajectory = trajectories.get(one.trajectory_key, [&] {
       return std::make_shared<InTrajectory>(case_trajectory(
-          catalogues.generators, read_case_trajectory(root.object("trajectory"), design->folder(), CaseFiles::anywhere),
-          scale, speed));
+          catalogues.generators,
+          read_case_trajectory(root.object("trajectory"), design->folder(), baseline::CaseFiles::anywhere), scale,
+          speed));
     });
-    const Model model = parse_model(document["model"].dump(), source + ": /model", design->folder());
+    const rendering::Model model =
+        rendering::parse_model(document["model"].dump(), source + ": /model", design->folder());
     const auto renderer = world->make(catalogues.renderers, model);
-    const RenderedTrajectory rendered = replay(*renderer, *trajectory);
-    outcome.summary = summarise(rendered);
+    const recording::RenderedTrajectory rendered = replay(*renderer, *trajectory);
+    outcome.summary = baseline::summarise(rendered);
     if (design->truth())
       outcome.exact = world->exact ? exact_error(catalogues, *world->exact, scale, model, rendered) : std::nullopt;
   }
 
   [[nodiscard]] std::shared_ptr<SharedSurface> make_surface(JsonObject& root, double scale) const {
     auto made = std::make_shared<SharedSurface>();
-    const CaseSurface wanted = read_case_surface(root.object("surface"), design->folder(), CaseFiles::anywhere);
+    const baseline::CaseSurface wanted =
+        read_case_surface(root.object("surface"), design->folder(), baseline::CaseFiles::anywhere);
     made->surface = make_embree_surface(case_mesh(catalogues.generators, wanted, scale));
     made->triangles = made->surface->mesh()->triangle_count();
     if (!wanted.generator.empty() && design->truth())
@@ -83,8 +88,9 @@ struct SweepWorld::State {
 
   Catalogues catalogues;
   const SweepDesign* design;
-  SharedCache<SharedSurface> surfaces{most_triangles, [](const SharedSurface& s) { return s.triangles + of_a_scene; }};
-  SharedCache<InTrajectory> trajectories{most_samples, [](const InTrajectory& t) { return t.size() + 1; }};
+  runs::SharedCache<SharedSurface> surfaces{most_triangles,
+                                            [](const SharedSurface& s) { return s.triangles + of_a_scene; }};
+  runs::SharedCache<InTrajectory> trajectories{most_samples, [](const InTrajectory& t) { return t.size() + 1; }};
 };
 
 SweepWorld::SweepWorld(const Catalogues& catalogues, const SweepDesign& design)

@@ -7,7 +7,6 @@
 #include <optional>
 #include <string>
 
-#include "harness/base/rooms.h"
 #include "harness/baseline/golden_summary.h"
 #include "harness/pipeline/golden/exact_error.h"
 #include "harness/pipeline/sweep/design.h"
@@ -17,7 +16,7 @@ namespace touchstone::pipeline {
 struct SweepOutcome {
   SweepCase one;
   std::string error;  // empty: it ran
-  GoldenSummary summary;
+  baseline::GoldenSummary summary;
   std::optional<ExactError> exact;  // where it is asked for, on generated surfaces
 };
 

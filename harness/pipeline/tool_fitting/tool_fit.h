@@ -25,7 +25,6 @@
 #include <string>
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "harness/pipeline/tool_fitting/tool_fitter.h"
 #include "harness/pipeline/tool_fitting/tool_search.h"
 #include "harness/recording/trajectory.h"

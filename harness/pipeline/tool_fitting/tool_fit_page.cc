@@ -10,9 +10,12 @@
 #include "harness/report/evaluation_page.h"
 
 namespace touchstone::pipeline {
+using report::Table;
+using report::Tone;
+
 namespace {
 
-Section plots(const recording::Recording& measured, const ToolFit& fit) {
+report::Section plots(const recording::Recording& measured, const ToolFit& fit) {
   const std::array<WrenchLine, 3> lines{
       {{"measured", Tone::measured, false,
         [&](std::size_t i) {
@@ -36,15 +39,15 @@ Table effects_table(const ToolFit& fit) {
     std::string rivals;
     for (const std::string& rival : effect.rivals) rivals += (rivals.empty() ? "" : ", ") + rival;
     Table::Row row;
-    row.cells = {text_cell(effect.name),
-                 number_cell(values),
-                 number_cell(errors),
-                 text_cell(effect.unit),
-                 number_cell(fmt::format("{:.2g}", effect.p)),
-                 number_cell(fmt::format("{:.2g}", effect.gain.per_sample)),
-                 number_cell(fmt::format("{:.2g}", effect.gain.p)),
-                 text_cell(rivals),
-                 text_cell(effect.named ? "yes" : "no")};
+    row.cells = {report::text_cell(effect.name),
+                 report::number_cell(values),
+                 report::number_cell(errors),
+                 report::text_cell(effect.unit),
+                 report::number_cell(fmt::format("{:.2g}", effect.p)),
+                 report::number_cell(fmt::format("{:.2g}", effect.gain.per_sample)),
+                 report::number_cell(fmt::format("{:.2g}", effect.gain.p)),
+                 report::text_cell(rivals),
+                 report::text_cell(effect.named ? "yes" : "no")};
     row.detail = effect.what;
     table.rows.push_back(std::move(row));
   }
@@ -53,8 +56,9 @@ Table effects_table(const ToolFit& fit) {
 
 }  // namespace
 
-Page tool_fit_page(const recording::Recording& measured, const ToolFit& fit, const Provenance& provenance) {
-  Page page;
+report::Page tool_fit_page(const recording::Recording& measured, const ToolFit& fit,
+                           const report::Provenance& provenance) {
+  report::Page page;
   page.title = "What the instrument adds: " + std::filesystem::path(measured.source).filename().string();
   std::istringstream text(tool_fit_text(fit));
   std::getline(text, page.subtitle);
@@ -63,7 +67,7 @@ Page tool_fit_page(const recording::Recording& measured, const ToolFit& fit, con
        fmt::format("RMS of what the fit has not seen; {:.3g} as declared", fit.before.force_N), Tone::error},
       {"torque error", fmt::format("{:.3g}", 1e3 * fit.after.torque_Nm), "mNm",
        fmt::format("RMS of what the fit has not seen; {:.3g} as declared", 1e3 * fit.before.torque_Nm), Tone::error}};
-  Section found{
+  report::Section found{
       "What was found",
       "Vectors are in the tool's axes. p: of the value being nought, on the fitted blocks. Gain: how much more "
       "likely (nats a sample) the model with the effect makes blocks that were not fitted than the one without "
@@ -72,8 +76,8 @@ Page tool_fit_page(const recording::Recording& measured, const ToolFit& fit, con
       false};
   found.blocks.emplace_back(effects_table(fit));
   if (fit.misreading)
-    found.blocks.emplace_back(TextBlock{"The recording is suspect: " + fit.misreading->what, Tone::warning});
-  for (const std::string& remark : fit.remarks) found.blocks.emplace_back(TextBlock{remark, Tone::warning});
+    found.blocks.emplace_back(report::TextBlock{"The recording is suspect: " + fit.misreading->what, Tone::warning});
+  for (const std::string& remark : fit.remarks) found.blocks.emplace_back(report::TextBlock{remark, Tone::warning});
   page.sections.push_back(std::move(found));
   page.sections.push_back(plots(measured, fit));
   page.sections.push_back(provenance_section(provenance));

@@ -7,6 +7,7 @@
 
 namespace touchstone::pipeline {
 
-Page tool_fit_page(const recording::Recording& measured, const ToolFit& fit, const Provenance& provenance);
+report::Page tool_fit_page(const recording::Recording& measured, const ToolFit& fit,
+                           const report::Provenance& provenance);
 
 }  // namespace touchstone::pipeline

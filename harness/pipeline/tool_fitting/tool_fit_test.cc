@@ -274,7 +274,7 @@ TEST(ToolFit, PageAndJsonHoldTheSame) {
   const ToolFit fit = fitted(recording);
   const auto json = nlohmann::json::parse(tool_fit_json(fit));
   EXPECT_EQ(json["effects"][2]["values"][2].get<double>(), effect_of(fit, "lever-arm").values[2]);
-  const Page page = tool_fit_page(recording, fit, {});
+  const report::Page page = tool_fit_page(recording, fit, {});
   EXPECT_THAT(page.subtitle, ::testing::HasSubstr("lever-arm"));
   ASSERT_EQ(page.sections[1].blocks.size(), 6U);
 }

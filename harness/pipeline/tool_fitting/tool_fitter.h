@@ -12,7 +12,6 @@
 #include <utility>
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "harness/base/wrench.h"
 #include "harness/pipeline/tool_fitting/tool_effects.h"
 #include "harness/recording/trajectory.h"

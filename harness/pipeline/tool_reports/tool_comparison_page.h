@@ -4,7 +4,6 @@
 
 #include <optional>
 
-#include "harness/base/rooms.h"
 #include "harness/recording/trajectory.h"
 #include "harness/report/page.h"
 #include "harness/report/provenance.h"

@@ -36,9 +36,9 @@ tool::Pose on_the_way(int step) {
 ToolCost measure(const tool::ToolRendererEntry& entry, const tool::ToolSettings& settings) {
   using Clock = std::chrono::steady_clock;
   const auto us = [](Clock::duration d) { return std::chrono::duration<double, std::micro>(d).count(); };
-  TriangleMesh ball = sphere_mesh(kBall_m, kLevels);
+  surface::TriangleMesh ball = surface::sphere_mesh(kBall_m, kLevels);
   for (Vec3& v : ball.vertices_W_m) v.z() -= kBall_m;
-  TriangleMesh world = sphere_mesh(kWorld_m, kLevels);
+  surface::TriangleMesh world = surface::sphere_mesh(kWorld_m, kLevels);
   for (Vec3& v : world.vertices_W_m) v.z() -= kWorld_m;
   ToolCost cost;
   cost.tool_triangles = ball.triangle_count();

@@ -56,7 +56,8 @@ class Changed : public tool::ToolRenderer {
 tool::ToolRendererEntry changed(bool breaks) {
   tool::ToolRendererEntry entry = god_object();
   entry.name = "changed";
-  entry.make = [breaks](const tool::Parameters& parameters, const tool::Tool& tool, const TriangleMesh& object_W,
+  entry.make = [breaks](const rendering::Parameters& parameters, const tool::Tool& tool,
+                        const surface::TriangleMesh& object_W,
                         const tool::Coupling& coupling) -> std::unique_ptr<tool::ToolRenderer> {
     return std::make_unique<Changed>(god_object().make(parameters, tool, object_W, coupling), breaks);
   };

@@ -6,8 +6,6 @@
 #include <cstdint>
 #include <string>
 
-#include "harness/base/rooms.h"
-
 namespace touchstone::recording::fuzz {
 
 // `extension` chooses the reader: ".csv", ".csv.gz", ".h5". Returns how many samples were read (of the first 6,400).

@@ -5,8 +5,6 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "harness/base/rooms.h"
-
 namespace touchstone::recording::fuzz {
 
 // Samples read; without bytes those of the two valid files (2 * 5).

@@ -5,8 +5,6 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "harness/base/rooms.h"
-
 namespace touchstone::rendering::fuzz {
 
 // What became of it; without bytes both are read.

@@ -5,8 +5,6 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "harness/base/rooms.h"
-
 namespace touchstone::report::fuzz {
 
 // How many points and rows were read; without bytes all that the valid answers hold (4).

@@ -14,7 +14,7 @@ using touchstone::surface::TriangleMesh;
 
 auto of(const TriangleMesh& mesh) {
   return [mesh](double scale, const touchstone::Quat& rotation, const touchstone::Vec3& shift_m) {
-    return touchstone::surface::make_exact_surface(touchstone::testing::moved(mesh, rotation, shift_m, scale));
+    return touchstone::surface::make_exact_surface(touchstone::surface::moved(mesh, rotation, shift_m, scale));
   };
 }
 
@@ -31,7 +31,6 @@ namespace {
 using testing::ball;
 using testing::cube;
 using testing::grid;
-using testing::moved;
 using testing::torus;
 
 constexpr double epsilon = std::numeric_limits<double>::epsilon();

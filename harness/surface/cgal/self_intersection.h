@@ -6,7 +6,6 @@
 #include <optional>
 #include <vector>
 
-#include "harness/base/rooms.h"
 #include "harness/surface/triangle_mesh.h"
 
 namespace touchstone::surface {

@@ -6,7 +6,6 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "harness/base/rooms.h"
 #include "harness/surface/mesh_file.h"
 
 namespace touchstone::surface::fuzz {

@@ -5,8 +5,6 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "harness/base/rooms.h"
-
 namespace touchstone::surface::fuzz {
 
 // How many files were read; without bytes the valid ones of all formats (6).
