@@ -3,6 +3,7 @@
 #include <string>
 
 #include "apps/commands.h"
+#include "apps/extras.h"
 
 namespace touchstone::apps {
 namespace {
@@ -20,10 +21,13 @@ std::string words_of(const CLI::App& command) {
 
 // Files are offered wherever a word does not start with a dash, since most options take one.
 std::string bash_script(const CLI::App& program) {
-  std::string cases;
+  std::string cases, extras;
+  std::vector<std::string> names;
   for (const auto* command : program.get_subcommands([](const CLI::App*) { return true; })) {
+    names.push_back(command->get_name());
     cases += fmt::format("    {}) words=\"{}\" ;;\n", command->get_name(), words_of(*command).substr(1));
   }
+  for (const Extra& extra : find_extras(names)) extras += " " + extra.name;
   return fmt::format(R"sh(# bash completion for touchstone: eval "$(touchstone completion bash)"
 _touchstone() {{
   local current=${{COMP_WORDS[COMP_CWORD]}} words="{}"
@@ -34,7 +38,7 @@ _touchstone() {{
 }}
 complete -o filenames -F _touchstone touchstone
 )sh",
-                     words_of(program).substr(1), cases);
+                     words_of(program).substr(1) + extras, cases);
 }
 
 }  // namespace

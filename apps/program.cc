@@ -11,6 +11,7 @@
 #include <new>
 #include <system_error>
 
+#include "apps/extras.h"
 #include "harness/base/half_files.h"
 #include "harness/base/input_files.h"
 #include "harness/base/known_names.h"
@@ -30,14 +31,21 @@ std::vector<std::string> names_of_commands(const CLI::App& app) {
   return names;
 }
 
-// The command that the first words name; UsageError with the one that was probably meant where there is none, before
-// CLI11 says that some command is missing, or takes `--help` for the program's.
+// The command that the first words name, unless the first names an extra, which the program becomes. UsageError with
+// the one that was probably meant where there is none, before CLI11 says that some command is missing, or takes
+// `--help` for the program's.
 const CLI::App* named_command(const CLI::App& program, int argc, char** argv) {
   const CLI::App* app = &program;
   for (int i = 1; i < argc && argv[i][0] != '-'; ++i) {
-    const auto names = names_of_commands(*app);
+    auto names = names_of_commands(*app);
     if (names.empty()) break;
-    if (std::ranges::find(names, argv[i]) == names.end()) throw UsageError(unknown_name("command", argv[i], names));
+    if (std::ranges::find(names, argv[i]) == names.end()) {
+      if (i == 1) {
+        if (const auto extra = find_extra(argv[i])) become_extra(*extra, argv + 2);
+        for (const Extra& extra : find_extras(names)) names.push_back(extra.name);
+      }
+      throw UsageError(unknown_name("command", argv[i], names));
+    }
     app = app->get_subcommand(argv[i]);
   }
   return app;
@@ -58,6 +66,14 @@ std::string meant_option(const CLI::App& command, int argc, char** argv) {
   return {};
 }
 
+// Nothing, or the extras with where they are.
+std::string listed_extras(const CLI::App& program) {
+  std::string out;
+  for (const Extra& extra : find_extras(names_of_commands(program)))
+    out += fmt::format("{}{} ({})", out.empty() ? "\nExtras: " : ", ", extra.name, extra.program.string());
+  return out;
+}
+
 int run(int argc, char** argv, const std::vector<AddCommand>& commands) {
   CLI::App program{
       "Touchstone tells whether a haptic renderer is right: it replays measured probe trajectories through "
@@ -65,10 +81,13 @@ int run(int argc, char** argv, const std::vector<AddCommand>& commands) {
       "touchstone"};
   program.require_subcommand(1);
   program.set_version_flag("--version", build_info().version);
-  program.footer(
-      "Exit status: 0 passed, 1 a regression or a disagreement beyond tolerance, 2 usage, 3 bad data, 77 skipped.");
   Run chosen;
   for (const auto add : commands) add(program, chosen);
+  program.footer([&program] {
+    return "Exit status: 0 passed, 1 a regression or a disagreement beyond tolerance, 2 usage, 3 bad data, 77 "
+           "skipped." +
+           listed_extras(program);
+  });
   const CLI::App* const command = named_command(program, argc, argv);
   try {
     program.parse(argc, argv);

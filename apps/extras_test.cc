@@ -1,0 +1,79 @@
+// Programs touchstone-NAME as commands: found, listed, completed, and never in the place of a command of the program.
+#include <gmock/gmock.h>
+
+#include "harness/testing/built_program.h"
+
+namespace touchstone::apps {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::Not;
+using testing::Outcome;
+
+class Extras : public testing::BuiltProgram {
+ protected:
+  // A script touchstone-NAME in folder_/more.
+  void add(const std::string& name, const std::string& script) {
+    const auto file = folder_ / "more" / ("touchstone-" + name);
+    std::filesystem::create_directories(file.parent_path());
+    write_file(file, script);
+    std::filesystem::permissions(file, std::filesystem::perms::owner_all);
+  }
+  // With folder_/more last on PATH.
+  [[nodiscard]] Outcome run(const std::string& arguments) const {
+    return testing::run_command(
+        fmt::format("PATH=\"$PATH:/nowhere:{}\" '{}' {}", (folder_ / "more").string(), program_, arguments), folder_);
+  }
+};
+
+TEST_F(Extras, RunWithTheirWordsAndTheirExitStatus) {
+  add("hello", "#!/bin/sh\nprintf '<%s>' \"$@\"\nexit 7\n");
+  const Outcome hello = run("hello 'two words' --mu 0.3 --help");
+  EXPECT_EQ(hello.status, 7);
+  EXPECT_EQ(hello.out, "<two words><--mu><0.3><--help>");
+  EXPECT_EQ(hello.err, "");
+}
+
+TEST_F(Extras, AreListedAndCompletedAndMeant) {
+  add("hello", "#!/bin/sh\n");
+  EXPECT_THAT(run("--help").out, HasSubstr(fmt::format("hello ({}/more/touchstone-hello)", folder_.string())));
+  EXPECT_THAT(run("completion bash").out, HasSubstr(" hello"));
+  const Outcome misspelt = run("helo");
+  EXPECT_EQ(misspelt.status, 2);
+  EXPECT_THAT(misspelt.err, HasSubstr("did you mean \"hello\"?"));
+}
+
+TEST_F(Extras, ComeAfterTheCommandsOfTheProgram) {
+  add("version", "#!/bin/sh\necho another\n");
+  add("doctor", "#!/bin/sh\necho another\n");
+  EXPECT_THAT(run("version").out, Not(HasSubstr("another")));
+  EXPECT_THAT(run("doctor --help").out, Not(HasSubstr("another")));
+  EXPECT_THAT(run("--help").out, Not(HasSubstr("more/touchstone-")));
+}
+
+TEST_F(Extras, AreFilesThatCanBeRun) {
+  add("hello", "#!/bin/sh\n");
+  std::filesystem::permissions(folder_ / "more" / "touchstone-hello", std::filesystem::perms::owner_read);
+  EXPECT_EQ(run("hello").status, 2);
+  std::filesystem::create_directories(folder_ / "more" / "touchstone-folder");
+  EXPECT_EQ(run("folder").status, 2);
+  EXPECT_EQ(run("../more/touchstone-hello").status, 2);
+  add("broken",
+      "\x7f"
+      "ELF nothing\n");
+  const Outcome broken = run("broken");
+  EXPECT_EQ(broken.status, 2);
+  EXPECT_THAT(broken.err, HasSubstr("more/touchstone-broken: Exec format error"));
+}
+
+// touchstone-full and the like are how the program is made, no commands.
+TEST_F(Extras, AreNotThePartsOfTheProgram) {
+  for (const char* const part : {"full", "plugin-host", "conformance-result"}) {
+    const Outcome run_part = run(part);
+    EXPECT_EQ(run_part.status, 2) << part;
+    EXPECT_THAT(run_part.err, HasSubstr("there is no command")) << part;
+  }
+}
+
+}  // namespace
+}  // namespace touchstone::apps
