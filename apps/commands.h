@@ -13,7 +13,6 @@ void add_acquire(CLI::App& program, Run& run);
 void add_axis(CLI::App& program, Run& run);
 void add_atlas(CLI::App& program, Run& run);
 void add_bisect(CLI::App& program, Run& run);
-void add_blind(CLI::App& program, Run& run);
 void add_check(CLI::App& program, Run& run);
 void add_compare(CLI::App& program, Run& run);
 void add_completion(CLI::App& program, Run& run);
@@ -28,7 +27,6 @@ void add_golden(CLI::App& program, Run& run);
 void add_history(CLI::App& program, Run& run);
 void add_hil(CLI::App& program, Run& run);
 void add_evaluate(CLI::App& program, Run& run);
-void add_experiment(CLI::App& program, Run& run);
 void add_import(CLI::App& program, Run& run);
 void add_leaderboard(CLI::App& program, Run& run);
 void add_list(CLI::App& program, Run& run);
@@ -56,7 +54,6 @@ inline std::vector<AddCommand> commands() {
       add_atlas,
       add_axis,
       add_bisect,
-      add_blind,
       add_check,
       add_compare,
       add_completion,
@@ -71,7 +68,6 @@ inline std::vector<AddCommand> commands() {
       add_history,
       add_hil,
       add_evaluate,
-      add_experiment,
       add_import,
       add_leaderboard,
       add_list,

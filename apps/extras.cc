@@ -29,9 +29,13 @@ bool is_name(std::string_view name) {
          std::ranges::find(own_parts, name) == own_parts.end();
 }
 
-std::vector<fs::path> folders() {
+fs::path own_folder() {
   std::error_code error;
-  std::vector<fs::path> out{fs::read_symlink("/proc/self/exe", error).parent_path()};
+  return fs::read_symlink("/proc/self/exe", error).parent_path();
+}
+
+std::vector<fs::path> folders() {
+  std::vector<fs::path> out{own_folder()};
   const char* const path = std::getenv("PATH");
   std::istringstream entries(path == nullptr ? "" : path);
   for (std::string folder; std::getline(entries, folder, ':');) out.emplace_back(folder.empty() ? "." : folder);
@@ -77,6 +81,7 @@ void become_extra(const Extra& extra, char** words) {
   arguments.push_back(first.data());
   for (; *words != nullptr; ++words) arguments.push_back(*words);
   arguments.push_back(nullptr);
+  ::setenv("TOUCHSTONE_PROGRAM", (own_folder() / "touchstone").c_str(), 1);
   std::signal(SIGXFSZ, SIG_DFL);  // what this program ignores the next one would
   ::execv(first.c_str(), arguments.data());
   throw UsageError(fmt::format("{}: {}; expected a program that this system runs", first, std::strerror(errno)));

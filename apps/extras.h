@@ -22,8 +22,8 @@ std::vector<Extra> find_extras(const std::vector<std::string>& commands);
 
 std::optional<Extra> find_extra(std::string_view name);
 
-// Becomes the extra, with the words behind its name; its exit status is the program's. Throws UsageError where the
-// system cannot run it.
+// Becomes the extra, with the words behind its name and the path of `touchstone` in the environment as
+// TOUCHSTONE_PROGRAM; its exit status is the program's. Throws UsageError where the system cannot run it.
 [[noreturn]] void become_extra(const Extra& extra, char** words);
 
 }  // namespace touchstone::apps

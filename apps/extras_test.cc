@@ -27,10 +27,10 @@ class Extras : public testing::BuiltProgram {
 };
 
 TEST_F(Extras, RunWithTheirWordsAndTheirExitStatus) {
-  add("hello", "#!/bin/sh\nprintf '<%s>' \"$@\"\nexit 7\n");
+  add("hello", "#!/bin/sh\nprintf '<%s>' \"$@\" \"$TOUCHSTONE_PROGRAM\"\nexit 7\n");
   const Outcome hello = run("hello 'two words' --mu 0.3 --help");
   EXPECT_EQ(hello.status, 7);
-  EXPECT_EQ(hello.out, "<two words><--mu><0.3><--help>");
+  EXPECT_EQ(hello.out, fmt::format("<two words><--mu><0.3><--help><{}>", program_));
   EXPECT_EQ(hello.err, "");
 }
 

@@ -70,7 +70,7 @@ std::string meant_option(const CLI::App& command, int argc, char** argv) {
 std::string listed_extras(const CLI::App& program) {
   std::string out;
   for (const Extra& extra : find_extras(names_of_commands(program)))
-    out += fmt::format("{}{} ({})", out.empty() ? "\nExtras: " : ", ", extra.name, extra.program.string());
+    out += fmt::format("{}{} ({})", out.empty() ? "Extras: " : ", ", extra.name, extra.program.string());
   return out;
 }
 
@@ -81,13 +81,12 @@ int run(int argc, char** argv, const std::vector<AddCommand>& commands) {
       "touchstone"};
   program.require_subcommand(1);
   program.set_version_flag("--version", build_info().version);
+  program.footer(
+      "Exit status: 0 passed, 1 a regression or a disagreement beyond tolerance, 2 usage, 3 bad data, 77 skipped.");
   Run chosen;
   for (const auto add : commands) add(program, chosen);
-  program.footer([&program] {
-    return "Exit status: 0 passed, 1 a regression or a disagreement beyond tolerance, 2 usage, 3 bad data, 77 "
-           "skipped." +
-           listed_extras(program);
-  });
+  program.footer(
+      [&program] { return listed_extras(program); });  // of the program alone: commands take the footer above
   const CLI::App* const command = named_command(program, argc, argv);
   try {
     program.parse(argc, argv);

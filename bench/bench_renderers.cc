@@ -8,7 +8,7 @@
 #include <map>
 #include <vector>
 
-#include "apps/studies/experiments/renderer_cost.h"
+#include "experiments/renderer_cost.h"
 #include "harness/rendering/operations.h"
 #include "harness/surface/embree_surface.h"
 #include "renderers/catalogue.h"

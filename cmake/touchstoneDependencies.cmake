@@ -3,6 +3,8 @@
 macro(touchstone_find_library_of_room library)
   if("${library}" STREQUAL "Eigen3::Eigen")
     find_dependency(Eigen3 NO_MODULE)
+  elseif("${library}" STREQUAL "CLI11::CLI11")
+    find_dependency(CLI11)
   elseif("${library}" STREQUAL "fmt::fmt")
     find_dependency(fmt)
   elseif("${library}" STREQUAL "nlohmann_json::nlohmann_json")

@@ -1,0 +1,210 @@
+#include "experiments/seeded_experiments.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <cmath>
+
+#include "experiments/scan_pages.h"
+#include "experiments/spring_seed.h"
+
+namespace touchstone::experiments {
+namespace {
+
+template <class Finding>
+std::vector<std::string> statements(const std::vector<Finding>& findings) {
+  std::vector<std::string> texts;
+  texts.reserve(findings.size());
+  for (const auto& own : findings) texts.push_back(own.statement);
+  return texts;
+}
+
+template <class Finding>
+std::vector<bool> held(const std::vector<Finding>& findings) {
+  std::vector<bool> all;
+  all.reserve(findings.size());
+  for (const auto& own : findings) all.push_back(own.holds);
+  return all;
+}
+
+template <class Value>
+void append(std::vector<Value>& all, const std::vector<Value>& more) {
+  all.insert(all.end(), more.begin(), more.end());
+}
+
+std::vector<std::string> words(const std::string& name, std::uint64_t first_seed, std::uint64_t seeds) {
+  return {"experiment", name, "--seed", fmt::format("{}", first_seed), "--seeds", fmt::format("{}", seeds)};
+}
+
+// An experiment without numbers: the statements do not depend on them.
+VoxelExperiment voxel_without_numbers() {
+  VoxelExperiment e;
+  for (const auto& [renderer, resolution] : {std::pair{"god-object", 0}, {"voxel", 32}, {"voxel", 64}}) {
+    e.rows.emplace_back();
+    e.rows.back().renderer = renderer;
+    e.rows.back().resolution = resolution;
+  }
+  return e;
+}
+
+DensityExperiment density_without_numbers() { return {0, std::vector<DensityPoint>(kPublishedDensity.size())}; }
+
+// Of both commands, experiment 3 first.
+std::vector<std::string> density_statements() {
+  auto all = statements(density_findings(density_without_numbers()));
+  append(all, statements(shading_findings(density_without_numbers())));
+  return all;
+}
+
+constexpr std::array voxel_values{": RMS force error [N]", ": own part [N]", ": operations per step"};
+
+std::vector<double> voxel_numbers(const VoxelExperiment& e) {
+  std::vector<double> values;
+  for (const VoxelRow& row : e.rows) {
+    if (row.renderer == "voxel-sparse") continue;  // the same forces to the bit
+    append<double>(values, {row.rms_N, row.own_rms_N, row.operations ? row.operations->mean : std::nan("")});
+  }
+  return values;
+}
+
+std::vector<double> friction_numbers(const FrictionExperiment& e) {
+  std::vector<double> values;
+  for (const FrictionFit& fit : e.fits) {
+    for (const FrictionAtStiffness* const probe : {&fit.soft, &fit.stiff})
+      append<double>(values, {probe->fitted_mu, probe->without.mean_N, probe->with.mean_N});
+    append<double>(values, {fit.estimate.mu, fit.estimate.standard_error});
+  }
+  return values;
+}
+
+}  // namespace
+
+SeededExperiment seeded_voxel(const VoxelExperimentOptions& options, std::uint64_t seeds) {
+  SeededExperiment own;
+  own.name = "voxel";
+  own.settings = fmt::format(R"({{"triangles":{},"resolutions":[{}],"reach_m":{}}})", options.triangles,
+                             fmt::join(options.resolutions, ","), options.reach_m);
+  own.first_seed = options.seed;
+  own.seeds = seeds;
+  std::vector<std::string> renderers{"god-object"};
+  for (const int resolution : options.resolutions) renderers.push_back(fmt::format("voxel {}^3", resolution));
+  for (const std::string& renderer : renderers) {
+    for (const char* const value : voxel_values) own.values.push_back(renderer + value);
+  }
+  own.findings = statements(voxel_findings(voxel_without_numbers()));
+  own.timed_finding = kTimedVoxelFinding;
+  own.words = words("voxel", options.seed, seeds);
+  append(own.words, std::vector<std::string>{"--triangles", fmt::format("{}", options.triangles)});
+  own.alone = true;  // it measures times
+  own.parts = 1 + 2 * options.resolutions.size();
+  own.run = [options](std::uint64_t number, const runs::PartDone& part_done) {
+    VoxelExperimentOptions settings = options;
+    settings.seed += number;
+    const VoxelExperiment e = run_voxel_experiment(settings, [&](std::size_t, std::size_t) { part_done(); });
+    return SeedResult{voxel_numbers(e), held(e.findings), voxel_document(e, number == 0), voxel_times(e)};
+  };
+  return own;
+}
+
+SeededExperiment seeded_friction(std::uint64_t first_seed, std::uint64_t seeds) {
+  SeededExperiment own;
+  own.name = "friction";
+  own.settings = fmt::format(R"({{"mu":[{}]}})", fmt::join(kFrictionCoefficients, ","));
+  own.first_seed = first_seed;
+  own.seeds = seeds;
+  own.seed_step = kFrictionCoefficients.size();
+  for (const double mu : kFrictionCoefficients) {
+    for (const double stiffness : {kSoftProbe_N_per_m, kStiffProbe_N_per_m}) {
+      for (const char* const value : {"fitted mu", "without [N]", "with [N]"})
+        own.values.push_back(fmt::format("mu {:.2f}, probe of {:.0f} N/m: {}", mu, stiffness, value));
+    }
+    for (const char* const value : {"estimated mu", "standard error"})
+      own.values.push_back(fmt::format("mu {:.2f}: {}", mu, value));
+  }
+  own.findings = statements(friction_findings({}));
+  own.words = words("friction", first_seed, seeds);
+  own.parts = kFrictionCoefficients.size() * kFrictionReplays;
+  own.bytes = 300'000'000;
+  own.run = [first_seed](std::uint64_t number, const runs::PartDone& part_done) {
+    FrictionExperiment e;
+    for (std::size_t i = 0; i < kFrictionCoefficients.size(); ++i) {
+      e.fits.push_back(
+          fit_friction(first_seed + kFrictionCoefficients.size() * number + i, kFrictionCoefficients[i], part_done));
+    }
+    return SeedResult{friction_numbers(e), held(friction_findings(e)), friction_to_json(e), ""};
+  };
+  return own;
+}
+
+SeededExperiment seeded_density(std::uint64_t first_seed, std::uint64_t seeds, bool shading) {
+  SeededExperiment own;
+  own.name = "density";
+  const auto sizes = density_triangles();
+  own.settings = fmt::format(R"({{"triangles":[{}]}})", fmt::join(sizes, ","));
+  own.first_seed = first_seed;
+  own.seeds = seeds;
+  for (const std::size_t size : sizes) {
+    own.values.push_back(fmt::format("{} triangles: proxy [N]", size));
+    own.values.push_back(fmt::format("{} triangles: with shading [N]", size));
+  }
+  own.findings = density_statements();
+  own.words = words(shading ? "shading" : "density", first_seed, seeds);
+  own.bytes = 500'000'000;
+  own.run = [first_seed](std::uint64_t number, const runs::PartDone&) {
+    const DensityExperiment e = run_density_experiment(first_seed + number);
+    std::vector<double> values;
+    for (const DensityPoint& point : e.points) append<double>(values, {point.plain.mean_N, point.shaded.mean_N});
+    auto findings = held(density_findings(e));
+    append(findings, held(shading_findings(e)));
+    return SeedResult{values, findings, density_to_json(e), ""};
+  };
+  return own;
+}
+
+SpreadPart density_part(bool shading) {
+  SpreadPart part;
+  for (std::size_t v = 0; v < 2 * kPublishedDensity.size(); v += shading ? 1 : 2) part.values.push_back(v);
+  const std::size_t of_density = density_findings(density_without_numbers()).size();
+  const std::size_t all = density_statements().size();
+  for (std::size_t f = shading ? of_density : 0; f < (shading ? all : of_density); ++f) part.findings.push_back(f);
+  return part;
+}
+
+SeededExperiment seeded_springs(std::uint64_t first_seed, std::uint64_t seeds) {
+  SeededExperiment own;
+  own.name = "springs";
+  own.settings = fmt::format(R"({{"scanned_seeds":{}}})", kScanSeeds);
+  own.first_seed = first_seed;
+  own.seeds = seeds;
+  const auto variants = spring_variants();
+  const auto& methods = perception::statistical_methods();
+  for (const Variant& variant : variants) {
+    own.values.push_back(fmt::format("{}: {}, Spearman's rho with the paper's order", variant.name,
+                                     perception::kPerceptionSpaceMethod.name));
+    for (const auto& method : methods)
+      own.values.push_back(
+          fmt::format("{}: {}, Spearman's rho with the paper's order", variant.name, method.method.name));
+    for (const auto& method : methods_beside())
+      own.values.push_back(fmt::format("{}: {}, Spearman's rho with the paper's order", variant.name, method));
+    for (const Finding& finding : spring_findings())
+      own.findings.push_back(fmt::format("{}: {}", variant.name, finding.name));
+  }
+  own.words = {
+      "experiment", "springs", "--first-seed", fmt::format("{}", first_seed), "--seeds", fmt::format("{}", seeds)};
+  own.alone = true;  // an evaluation takes all cores
+  own.parts = spring_parts(true);
+  own.run = [first_seed](std::uint64_t number, const runs::PartDone& part_done) {
+    const SpringSeed seed = run_spring_seed(first_seed + number, number < kScanSeeds, part_done);
+    SeedResult result;
+    for (const SpringSeed::OfVariant& variant : seed.variants) {
+      append(result.values, variant.agreement);
+      for (const Finding& finding : spring_findings())
+        result.findings.push_back(finding.holds(variant.costs(variant.spaces.front())));
+    }
+    result.document = spring_seed_to_json(seed);
+    return result;
+  };
+  return own;
+}
+
+}  // namespace touchstone::experiments
