@@ -34,7 +34,7 @@ class GodObjectTool : public ToolRenderer {
   // `unit_m`: how long one unit of meshes and poses is. The coupling and the answer are then in newtons, that unit and
   // radians.
   GodObjectTool(const Tool& tool, const TriangleMesh& object_W, const Coupling& coupling, double unit_m = 1.0);
-  [[nodiscard]] std::size_t memory_bytes() const noexcept override {
+  [[nodiscard]] std::optional<std::size_t> memory_bytes() const noexcept override {
     return tool_.memory_bytes() + object_.memory_bytes() + near_.memory_bytes() + sizeof(*this);
   }
 

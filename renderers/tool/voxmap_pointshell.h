@@ -26,7 +26,7 @@ class VoxmapPointshell : public ToolRenderer {
  public:
   VoxmapPointshell(const PointShell& shell, const Surface& object, double voxel_m, const Coupling& coupling,
                    double contact_stiffness_N_per_m);
-  [[nodiscard]] std::size_t memory_bytes() const noexcept override {
+  [[nodiscard]] std::optional<std::size_t> memory_bytes() const noexcept override {
     return map_.memory_bytes() + 2 * shell_.p_T_m.capacity() * sizeof(Vec3) + sizeof(*this);
   }
 
