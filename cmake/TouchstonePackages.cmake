@@ -44,6 +44,7 @@ if(BUILD_TESTING OR TOUCHSTONE_BUILD_CONFORMANCE)
 endif()
 if(BUILD_TESTING)
   pkg_check_modules(ode IMPORTED_TARGET ode)
+  pkg_check_modules(bullet IMPORTED_TARGET bullet-float64)
 endif()
 if(TOUCHSTONE_WITH_CGAL)
   # CGAL's package file resets the build flags unless told not to.

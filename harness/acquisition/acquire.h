@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "harness/acquisition/description.h"
+#include "harness/acquisition/object_move.h"
 #include "harness/acquisition/smoothing.h"
 #include "harness/recording/trajectory.h"
 
@@ -23,6 +24,7 @@ struct AcquisitionReport {
   std::optional<ClockAlignment> clocks;    // where aligned by taps
   std::optional<MarkerRegistration> markers;
   std::optional<ContactRegistration> contacts;
+  std::optional<ObjectMove> object_move;
   WrenchResidual free_air;           // of the compensated force while nothing was touched
   bool contact_in_free_air = false;  // something was touched where nothing should be; a note says where
   double force_bandwidth_Hz = 0.0;

@@ -14,9 +14,6 @@ using surface::Surface;
 
 namespace {
 
-using Vector6 = Eigen::Matrix<double, 6, 1>;
-using Matrix6 = Eigen::Matrix<double, 6, 6>;
-
 double rms(const std::vector<double>& v) {
   double sum = 0.0;
   for (const double x : v) sum += x * x;

@@ -104,6 +104,8 @@ constexpr auto acquisition_report_fields = std::to_array<FormatField>({
     {"contacts.determined_directions", "whole number", "", "of six"},
     {"contacts.converged", "flag", "", "whether it ended"},
     {"contacts.correction_t_m", "list of numbers", "m", "translation that was added"},
+    {"contacts.object_move_m", "number or null", "m", "between earlier and later contacts, root mean square"},
+    {"contacts.unnoticed_move_m", "number or null", "m", "what such a move may be without being clear"},
     {"contacts.residual_map_m", "list of numbers", "m", "residual of each contact"},
     {"contacts.contact_W_m?", "list of lists of numbers", "m", "where each is"},
 });

@@ -83,6 +83,8 @@ std::string report_json(const AcquisitionReport& report) {
                      {"converged", c.converged},
                      {"correction_t_m", array(c.correction.t_m)},
                      {"residual_map_m", c.residual_after_m}};
+    j["contacts"]["object_move_m"] = report.object_move->size_m;
+    j["contacts"]["unnoticed_move_m"] = report.object_move->unnoticed_m;
     for (const Vec3& p : c.contact_W_m) j["contacts"]["contact_W_m"].push_back(array(p));
   }
   return j.dump(1);

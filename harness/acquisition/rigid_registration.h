@@ -11,6 +11,10 @@
 
 namespace touchstone::acquisition {
 
+// A small move, shift and turn, and what is known of it.
+using Vector6 = Eigen::Matrix<double, 6, 1>;
+using Matrix6 = Eigen::Matrix<double, 6, 6>;
+
 struct RigidTransform {
   Quat q = Quat::Identity();
   Vec3 t_m = Vec3::Zero();

@@ -19,17 +19,11 @@ namespace {
 
 constexpr double air_block_s = 0.5;
 constexpr double largest_turn_rad = 0.05;
-constexpr double scan_error_m = 0.2e-3;
 constexpr double one_in_ten_thousand = 1e-4;
 constexpr double clear_sigmas = 5.0;
 constexpr double largest_lever_error_m = 2e-3;
 constexpr double sliding_m_per_s = 5e-3;
-
-Mat3 cross_matrix(const Vec3& v) {
-  Mat3 m;
-  m << 0, -v.z(), v.y(), v.z(), 0, -v.x(), -v.y(), v.x(), 0;
-  return m;
-}
+constexpr double largest_move_m = 1e-3;
 
 // The mean of half a second of free air: force left, and the tool's weight, in the sensor's frame.
 struct Block {
@@ -149,34 +143,6 @@ FreeAirCheck check_free_air(const SessionSamples& samples, const ToolLoad& tool,
 
 namespace {
 
-// Gaps between ball and mesh and how they change with what may be wrong, one row per contact.
-struct GapRows {
-  Eigen::VectorXd gap;
-  Eigen::MatrixXd move, tip, load;  // the object's six, the tip's three in the probe's frame, the force
-  std::vector<Vec3> normal;
-  Vec3 middle_m = Vec3::Zero();  // turns are about it, as arc lengths at the spread
-  double spread_m = 0.0;
-};
-
-GapRows gap_rows(const Surface& surface, const ContactSamples& c, double radius) {
-  const auto n = static_cast<Eigen::Index>(c.t_s.size());
-  GapRows rows;
-  rows.gap.resize(n), rows.move.resize(n, 6), rows.tip.resize(n, 3), rows.load.resize(n, 1);
-  for (const Vec3& p : c.center_W_m) rows.middle_m += p / static_cast<double>(n);
-  for (const Vec3& p : c.center_W_m) rows.spread_m = std::max(rows.spread_m, (p - rows.middle_m).norm());
-  for (Eigen::Index i = 0; i < n; ++i) {
-    const auto k = static_cast<std::size_t>(i);
-    const BallContact contact = ball_contact(surface, c.center_W_m[k], radius);
-    rows.gap[i] = contact.gap_m;
-    rows.normal.push_back(contact.n_W);
-    rows.move.row(i) << contact.n_W.transpose(),
-        (c.center_W_m[k] - rows.middle_m).cross(contact.n_W).transpose() / rows.spread_m;
-    rows.tip.row(i) = (c.q_WP[k].conjugate() * contact.n_W).transpose();
-    rows.load(i, 0) = -std::max(0.0, contact.n_W.dot(c.force_W_N[k]));
-  }
-  return rows;
-}
-
 double left_by(const Eigen::VectorXd& gap, const std::vector<const Eigen::MatrixXd*>& causes, Eigen::VectorXd& fit) {
   Eigen::Index columns = 0;
   for (const auto* cause : causes) columns += cause->cols();
@@ -264,39 +230,18 @@ double contact_compliance_m_per_N(const Surface& surface, const ContactSamples& 
 
 RigidTransform weighed_correction(const Surface& surface, const ContactSamples& contacts, double tip_radius_m,
                                   const ContactRegistration& refinement, const MarkerRegistration& markers) {
-  using Matrix6 = Eigen::Matrix<double, 6, 6>;
-  using Vector6 = Eigen::Matrix<double, 6, 1>;
   if (markers.markers < 4) return refinement.correction;
   const GapRows rows = gap_rows(surface, contacts, tip_radius_m);
-  // The move of the object's middle, and the turn.
-  const RigidTransform& all = refinement.correction;
-  const Eigen::AngleAxisd turn(all.q);
-  const Vec3 begin = all.q.conjugate() * (rows.middle_m - all.t_m);
-  Vector6 asked;
-  asked << rows.middle_m - begin, rows.spread_m * turn.angle() * turn.axis();
-  double half_seconds = 0.0, until = -std::numeric_limits<double>::infinity();
-  for (const double t : contacts.t_s) {
-    if (t > until) half_seconds += 1.0, until = t + air_block_s;
-  }
+  const Vector6 asked = move_of(rows, refinement.correction);
+  const Vec3 begin = rows.middle_m - asked.head<3>();
   const auto n = static_cast<double>(rows.gap.size());
   const double left = refinement.rms_after_m, contact_variance = left * left + scan_error_m * scan_error_m;
   const Eigen::VectorXd load = rows.load.col(0), along = rows.move.transpose() * load;
   Matrix6 contact = rows.move.transpose() * rows.move;
   if (load.squaredNorm() > 0.0) contact -= along * along.transpose() / load.squaredNorm();
-  contact *= half_seconds / n / contact_variance;
-  // FLE^2 = FRE^2 / (1 - 2 / n) over three components (rigid_registration.cc).
-  const auto count = static_cast<double>(markers.markers);
-  const double fiducial_variance = markers.residual_rms_m * markers.residual_rms_m / (1.0 - 2.0 / count) / 3.0;
-  if (!(fiducial_variance > 0.0)) return {};  // exact markers
-  Eigen::Matrix<double, 3, 6> centroid;
-  centroid << Mat3::Identity(), -cross_matrix(markers.centroid_m - rows.middle_m) / rows.spread_m;
-  Matrix6 marker = centroid.transpose() * centroid;
-  for (int k = 0; k < 3; ++k) {
-    Vector6 about = Vector6::Zero();
-    about.tail<3>() = markers.spread_m[k] / rows.spread_m * markers.axes.col(k);
-    marker += about * about.transpose();
-  }
-  marker *= count / fiducial_variance;
+  contact *= independent_contacts(contacts) / n / contact_variance;
+  if (!(markers.residual_rms_m > 0.0)) return {};  // exact markers
+  const Matrix6 marker = marker_information(rows, markers, 0.0);
   const Vector6 move = solve_symmetric(contact + marker, contact * asked);
   const Vec3 angle = move.tail<3>() / rows.spread_m;
   const Quat q = angle.norm() > 0.0 ? Quat(Eigen::AngleAxisd(angle.norm(), angle.normalized())) : Quat::Identity();
@@ -305,7 +250,7 @@ RigidTransform weighed_correction(const Surface& surface, const ContactSamples& 
 
 std::vector<std::string> check_contacts(const Surface& surface, const ContactSamples& contacts, double tip_radius_m,
                                         double tracker_noise_m, const ContactRegistration& refinement,
-                                        const MarkerRegistration& markers) {
+                                        const MarkerRegistration& markers, const ObjectMove& move) {
   std::vector<std::string> faults;
   const GapRows rows = gap_rows(surface, contacts, tip_radius_m);
   const auto n = static_cast<double>(rows.gap.size());
@@ -313,26 +258,20 @@ std::vector<std::string> check_contacts(const Surface& surface, const ContactSam
   const double plain = left_by(rows.gap, {&rows.move, &rows.load}, fit);
   const double with_tip = left_by(rows.gap, {&rows.move, &rows.load, &rows.tip}, fit);
   const double tip_off = fit.tail<3>().norm();
-  Eigen::MatrixXd halves = rows.move;
-  const double half_way = contacts.t_s[contacts.t_s.size() / 2];
-  for (Eigen::Index i = 0; i < halves.rows(); ++i) {
-    if (contacts.t_s[static_cast<std::size_t>(i)] < half_way) halves.row(i) *= -1.0;
-  }
-  const double with_move = left_by(rows.gap, {&rows.move, &rows.load, &halves}, fit);
-  const auto explained = [&](double left) { return std::sqrt(std::max(0.0, plain * plain - left * left)); };
   const double most = 3.0 * std::hypot(tracker_noise_m, scan_error_m);
-  if (std::max(explained(with_tip), explained(with_move)) > scan_error_m && plain > 2.0 * tracker_noise_m) {
-    if (with_tip <= with_move) {
-      faults.push_back(fmt::format(
-          "the contacts fit the mesh to {:.2g} mm RMS instead of {:.2g} mm if the tip lies {:.2g} mm elsewhere on the "
-          "probe: measure /probe/tip_P_m again (pivot the tip in a dimple)",
-          1e3 * with_tip, 1e3 * plain, 1e3 * tip_off));
-    } else {
-      faults.push_back(fmt::format(
-          "the earlier and the later contacts fit the mesh at two different places ({:.2g} mm RMS together, {:.2g} mm "
-          "each at its own): the object moved against the tracker around {:.2f} s, or earlier; fix it and record again",
-          1e3 * plain, 1e3 * with_move, half_way));
-    }
+  const bool tip = plain * plain - with_tip * with_tip > scan_error_m * scan_error_m && plain > 2.0 * tracker_noise_m;
+  const bool moved = move.clear() && move.possible_m > largest_move_m;
+  if (tip && (!moved || with_tip <= move.left_rms_m)) {
+    faults.push_back(fmt::format(
+        "the contacts fit the mesh to {:.2g} mm RMS instead of {:.2g} mm if the tip lies {:.2g} mm elsewhere on the "
+        "probe: measure /probe/tip_P_m again (pivot the tip in a dimple)",
+        1e3 * with_tip, 1e3 * plain, 1e3 * tip_off));
+  } else if (moved) {
+    faults.push_back(fmt::format(
+        "the earlier and the later contacts fit the mesh at two places {:.2g} mm apart ({:.2g} standard errors), or up "
+        "to {:.2g} mm with what the contacts leave open (limit {:.2g} mm): the object moved against the tracker around "
+        "{:.2f} s; fix it and record again",
+        1e3 * move.size_m, move.sigmas, 1e3 * move.possible_m, 1e3 * largest_move_m, move.at_s));
   } else if (plain > most) {
     faults.push_back(fmt::format(
         "the contacts leave {:.2g} mm RMS off the mesh, more than tracker and scan explain ({:.2g} mm): is it the "

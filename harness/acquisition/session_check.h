@@ -8,10 +8,12 @@
 // Limits: what is below half of the contact force counts as free air, so a block may be off by that, and bias and drift
 // (over the session) by half of it again, since the wrong force is added to every sample of the recording. A frame may
 // be turned by 0.05 rad: 5 % of every force, half of what a fit to static poses may leave (frame_check.h).
-//   In contact the ball is one radius from the mesh, less what the object gives in (in proportion to the force). Added
-// one at a time, a shift of the tip in the probe's frame and a move of the object between the halves of the contacts
-// must not explain more than the mesh's own error, and what no cause explains must stay within three standard
-// deviations of tracker and mesh. A scan to 0.2 mm is assumed (1-sigma): optical scanners state 0.05 to 0.2 mm. The
+//   In contact the ball is one radius from the mesh, less what the object gives in (in proportion to the force). A
+//   shift
+// of the tip in the probe's frame must not explain more than the mesh's own error, and what no cause explains must stay
+// within three standard deviations of tracker and mesh. A scan to 0.2 mm is assumed (1-sigma): optical scanners state
+// 0.05 to 0.2 mm. Between earlier and later contacts the object may move by 1 mm RMS at the touched places, as far as
+// the positions of a right recording may be off, or by what is not clear (object_move.h). The
 // refinement may move the surface by what the markers leave open: their expected error there (Fitzpatrick, West and
 // Maurer 1998), by Fisher's F with 6 and 3 n - 6 degrees of freedom at one in ten thousand.
 //   In sliding contact the tangential force is -mu N v / |v|, so that a part of the normal force that turns with the
@@ -25,6 +27,7 @@
 #include <vector>
 
 #include "harness/acquisition/contact_registration.h"
+#include "harness/acquisition/object_move.h"
 #include "harness/acquisition/rigid_registration.h"
 #include "harness/acquisition/tool_load.h"
 #include "harness/surface/surface.h"
@@ -49,12 +52,6 @@ struct FreeAirCheck {
 FreeAirCheck check_free_air(const SessionSamples& samples, const ToolLoad& tool, const Vec3& gravity_T_m_per_s2,
                             double contact_force_N);
 
-// Contacts on the registered object; all lists have one entry per contact, in the order of time.
-struct ContactSamples {
-  std::vector<double> t_s;
-  std::vector<Vec3> center_W_m, force_W_N, torque_W_Nm, velocity_W_m_per_s;  // torque about the centre
-  std::vector<Quat> q_WP, q_WS;  // the tracked body's and the sensor's attitude
-};
 // How far the surface gives in, from how gaps follow the force across it; 0 where the force hardly varies (by less than
 // a tenth of its mean), so that this cannot be told from another place of the object.
 double contact_compliance_m_per_N(const surface::Surface& surface, const ContactSamples& contacts, double tip_radius_m);
@@ -66,6 +63,7 @@ RigidTransform weighed_correction(const surface::Surface& surface, const Contact
                                   const ContactRegistration& refinement, const MarkerRegistration& markers);
 std::vector<std::string> check_contacts(const surface::Surface& surface, const ContactSamples& contacts,
                                         double tip_radius_m, double tracker_noise_m,
-                                        const ContactRegistration& refinement, const MarkerRegistration& markers);
+                                        const ContactRegistration& refinement, const MarkerRegistration& markers,
+                                        const ObjectMove& move);
 
 }  // namespace touchstone::acquisition

@@ -18,5 +18,13 @@ TEST(SessionCheckNightly, TwoHundredDisturbedSessionsAreRefusedOrRight) {
   EXPECT_EQ(acquire_all(9501, 200, all_disturbances).wrong, 0);
 }
 
+// A scan that is off by as much as optical scanners state, with an error that is correlated along the surface.
+TEST(SessionCheckNightly, TheScansErrorIsNoMoveAndHidesNone) {
+  const Outcomes undisturbed = acquire_all(9801, 100, std::array{Disturbance::none}, 0.2e-3);
+  EXPECT_LE(undisturbed.refused, 2);
+  EXPECT_EQ(undisturbed.wrong, 0);
+  EXPECT_EQ(acquire_all(9901, 100, std::array{Disturbance::moved_object}, 0.2e-3).wrong, 0);
+}
+
 }  // namespace
 }  // namespace touchstone::acquisition

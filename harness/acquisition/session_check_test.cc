@@ -34,6 +34,16 @@ TEST(SessionCheck, ContactsMakeARegistrationByMarkersNoWorse) {
   EXPECT_LT(with2, without2);
 }
 
+// Both change the gaps by 0.2 mm and less: the scan's error without a move, and a slide by 3 mm along a nearly level
+// surface without a scan error.
+TEST(SessionCheck, AMoveAlongTheSurfaceIsToldFromTheScansError) {
+  const Outcome rough = acquire_simulated(8401, Disturbance::none, true, 0.2e-3);
+  EXPECT_FALSE(rough.refused) << rough.sentence;
+  const Outcome moved = acquire_simulated(9528, Disturbance::moved_object);
+  EXPECT_TRUE(moved.refused);
+  EXPECT_THAT(moved.sentence, HasSubstr("the object moved against the tracker around"));
+}
+
 TEST(SessionCheck, EachDisturbanceIsNamedWithTheNextStep) {
   const auto said = [](Disturbance kind) { return acquire_simulated(8202, kind).sentence; };
   EXPECT_THAT(said(Disturbance::knock_at_start), HasSubstr("/force/bias_from_s"));

@@ -51,7 +51,15 @@ inline std::string_view name_of(Disturbance d) {
 
 class SimulatedSession {
  public:
-  SimulatedSession(std::uint64_t seed, Disturbance disturbance) : random_(seed), disturbance_(disturbance) {
+  // `scan_error_m`: 1-sigma, of the mesh that is written, along the surface as waves of 8 to 80 mm.
+  SimulatedSession(std::uint64_t seed, Disturbance disturbance, double scan_error_m = 0.0)
+      : random_(seed), disturbance_(disturbance) {
+    Random scan(seed ^ 0x5ca1ab1e);
+    for (Vec3& wave : scan_waves_) {
+      const double angle = scan.uniform(0.0, 6.28), number = 6.28 / scan.log_uniform(8e-3, 80e-3);
+      wave = Vec3(number * std::cos(angle), number * std::sin(angle), scan.uniform(0.0, 6.28));
+    }
+    scan_amplitude_m_ = scan_error_m * std::sqrt(2.0 / static_cast<double>(scan_waves_.size()));
     const auto any = [&](double low, double high) { return random_.uniform(low, high); };
     mass_ = any(0.06, 0.25);
     center_S_ = Vec3(any(-2e-3, 2e-3), any(-2e-3, 2e-3), any(0.02, 0.04));
@@ -120,6 +128,11 @@ class SimulatedSession {
   static double bumps(double x, double y) {
     return 0.012 * std::exp(-((x - 0.012) * (x - 0.012) + (y + 0.02) * (y + 0.02)) / (2 * 0.04 * 0.04)) +
            0.004 * std::sin(x / 0.025) * std::cos(y / 0.03);
+  }
+  [[nodiscard]] double scan_error(double x, double y) const {
+    double sum = 0.0;
+    for (const Vec3& wave : scan_waves_) sum += std::cos(wave.x() * x + wave.y() * y + wave.z());
+    return scan_amplitude_m_ * sum;
   }
   static Vec3 normal_at(double x, double y) {
     constexpr double step = 1e-5;
@@ -241,7 +254,7 @@ class SimulatedSession {
     for (int j = 0; j <= cells; ++j) {
       for (int i = 0; i <= cells; ++i) {
         const double x = 0.0018 * i - 0.09, y = 0.0018 * j - 0.09;
-        mesh += fmt::format("v {:.6f} {:.6f} {:.7f}\n", x, y, bumps(x, y));
+        mesh += fmt::format("v {:.6f} {:.6f} {:.7f}\n", x, y, bumps(x, y) + scan_error(x, y));
       }
     }
     for (int j = 0; j < cells; ++j) {
@@ -277,6 +290,8 @@ class SimulatedSession {
   Vec3 step_N_, swap_m_, swap_rad_, move_m_, move_rad_, tip_off_m_, sensor_turn_rad_;  // of the disturbances
   std::size_t swap_frames_ = 0, held_frames_ = 0;
   std::array<double, 6> phase_{};
+  std::array<Vec3, 12> scan_waves_;  // of the scan's error: wave numbers along x and y, phase
+  double scan_amplitude_m_ = 0.0;
   std::vector<double> taps_;
 };
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -26,9 +27,10 @@ struct Outcome {
 };
 
 // Without the mesh the registration is the markers' alone.
-inline Outcome acquire_simulated(std::uint64_t seed, Disturbance disturbance, bool mesh = true) {
+inline Outcome acquire_simulated(std::uint64_t seed, Disturbance disturbance, bool mesh = true,
+                                 double scan_error_m = 0.0) {
   const testing::TemporaryFolder folder;
-  SimulatedSession session(seed, disturbance);
+  SimulatedSession session(seed, disturbance, scan_error_m);
   Outcome outcome;
   try {
     AcquisitionDescription description = read_description(session.write(folder.path()));
@@ -47,7 +49,7 @@ inline Outcome acquire_simulated(std::uint64_t seed, Disturbance disturbance, bo
     outcome.position_rms_m = std::sqrt(position2 / static_cast<double>(recording.size()));
     outcome.force_rms_N = std::sqrt(force2 / steady);
     outcome.refused = report.contact_in_free_air;
-    if (!report.notes.empty()) outcome.sentence = report.notes.back();
+    outcome.sentence = fmt::format("{}", fmt::join(report.notes, "; "));
   } catch (const BadData& refusal) {
     outcome.refused = true;
     outcome.sentence = refusal.what();
@@ -61,12 +63,12 @@ struct Outcomes {
 
 // `sessions` in turn through the disturbances given.
 template <class Kinds>
-Outcomes acquire_all(std::uint64_t first_seed, int sessions, const Kinds& kinds) {
+Outcomes acquire_all(std::uint64_t first_seed, int sessions, const Kinds& kinds, double scan_error_m = 0.0) {
   Outcomes all;
   for (int i = 0; i < sessions; ++i) {
     const Disturbance kind = kinds[static_cast<std::size_t>(i) % kinds.size()];
     const std::uint64_t seed = first_seed + static_cast<std::uint64_t>(i);
-    const Outcome o = acquire_simulated(seed, kind);
+    const Outcome o = acquire_simulated(seed, kind, true, scan_error_m);
     ++all.sessions;
     all.refused += o.refused;
     all.wrong += !o.refused && !o.right();

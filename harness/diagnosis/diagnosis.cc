@@ -105,6 +105,8 @@ class Judge {
         diagnosis_.said.push_back(std::move(*finding));
       } else if (finding) {
         diagnosis_.findings.push_back(std::move(*finding));
+      } else if (detector.name == "delay" && timing().declared) {
+        diagnosis_.declared.emplace_back(detector.name, timing().what);
       } else {
         diagnosis_.clean.push_back(detector.name);
       }

@@ -26,7 +26,7 @@ struct Engine {
   double epsilon_m = 0.0;
   // Of the loop that asks it.
   double rate_Hz = 1000.0;
-  // Its author says that every answer is that of so many samples ago.
+  // Its author says that every answer may be that of so many samples ago: the value of a parameter lag_samples.
   int lag_samples = 0;
   // How long a probe rests at every place before it reads the answer: 0 for the answer of the moving tip.
   int settle_samples = 0;

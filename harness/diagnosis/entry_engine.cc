@@ -71,6 +71,7 @@ Engine engine_of(const rendering::RendererEntry& entry, const EngineFacts& facts
   engine.epsilon_m = facts.epsilon_m;
   if (engine.epsilon_m == 0.0) engine.epsilon_m = declared("epsilon_m");
   if (engine.epsilon_m == 0.0) engine.epsilon_m = entry.epsilon_m;
+  engine.lag_samples = static_cast<int>(std::lround(declared("lag_samples")));
   engine.cannot = entry.cannot;
   return engine;
 }

@@ -422,6 +422,17 @@ TEST_P(FaultMatrix, NothingIsNamedInARightEngine) {
   EXPECT_THAT(causes_of(millimetres), ::testing::IsEmpty()) << sentences_of(millimetres);
 }
 
+// What is declared is said and not accused; what is later than that is.
+TEST_P(FaultMatrix, ADeclaredLagIsNoFaultAndALongerOneIs) {
+  Engine engine = planted(right(GetParam()), late(2));
+  engine.lag_samples = 3;
+  const Diagnosis declared = diagnose(engine, names_of_force_detectors());
+  EXPECT_TRUE(declared.findings.empty()) << sentences_of(engine);
+  EXPECT_THAT(declared.declared, ::testing::Contains(::testing::Pair("delay", ::testing::HasSubstr("late"))));
+  engine.lag_samples = 1;
+  EXPECT_EQ(causes_of(engine), Names{"delay"}) << sentences_of(engine);
+}
+
 INSTANTIATE_TEST_SUITE_P(Diagnosis, FaultMatrix, ::testing::ValuesIn(engine_names()), [](const auto& tested) {
   std::string name = tested.param;
   std::ranges::replace(name, '-', '_');

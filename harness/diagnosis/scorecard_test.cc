@@ -193,5 +193,14 @@ TEST(EntryEngine, AnEpsilonThatTheEntryDeclaresIsTaken) {
   EXPECT_EQ(touchstone::diagnosis::engine_of(entry, {}).epsilon_m, 3e-7);
 }
 
+TEST(EntryEngine, ALagThatTheEntryDeclaresIsTaken) {
+  touchstone::rendering::RendererEntry entry;
+  entry.name = "mine";
+  entry.parameters = {{"stiffness_N_per_m", "N/m", 1.0, 1e4, 300.0, ""}, {"lag_samples", "1", 0.0, 4.0, 1.0, ""}};
+  EXPECT_EQ(touchstone::diagnosis::engine_of(entry, {}).lag_samples, 1);
+  entry.parameters.pop_back();
+  EXPECT_EQ(touchstone::diagnosis::engine_of(entry, {}).lag_samples, 0);
+}
+
 }  // namespace
 }  // namespace touchstone::diagnosis

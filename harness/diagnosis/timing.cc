@@ -457,7 +457,7 @@ Timing identify_timing(const Engine& engine) {
     if (auto clipped = with_large_jumps(engine)) return *clipped;
     timing = with_slides(engine);
   }
-  timing.declared = timing.kind == TimingKind::delay && timing.lag_samples == engine.lag_samples;
+  timing.declared = timing.kind == TimingKind::delay && timing.lag_samples <= engine.lag_samples;
   return timing;
 }
 

@@ -53,7 +53,7 @@ class EffectStack final : public Renderer {
               std::shared_ptr<const surface::Surface> surface, double offset_m, double nominal_stiffness_N_per_m)
       : EffectStack(std::move(base),
                     EffectChain(std::move(effects), std::move(surface), offset_m, nominal_stiffness_N_per_m)) {}
-  [[nodiscard]] std::size_t memory_bytes() const noexcept override { return base_->memory_bytes(); }
+  [[nodiscard]] std::optional<std::size_t> memory_bytes() const noexcept override { return base_->memory_bytes(); }
 
  protected:
   void do_reset() override {

@@ -87,7 +87,7 @@ constexpr auto replay_timing_fields = std::to_array<FormatField>({
     {"p999_us", "number", "us", "99.9th percentile"},
     {"max_us", "number", "us", "largest"},
     {"build_ms", "number", "ms", "time to build the renderer's structures from the mesh"},
-    {"memory_bytes", "whole number", "byte", "memory of the renderer"},
+    {"memory_bytes", "whole number or null", "byte", "memory of the renderer; null: not known, as of every plug-in"},
     {"operations", "object or null", "", "operations, of a renderer that can be counted", &operation_counts},
 });
 

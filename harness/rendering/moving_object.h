@@ -24,7 +24,9 @@ class MovingObject final : public Renderer {
   MovingObject(std::unique_ptr<Renderer> over_object, MotionColumns poses, std::string source)
       : MovingObject(std::move(over_object), PoseTrack(std::move(poses), std::move(source))) {}
 
-  [[nodiscard]] std::size_t memory_bytes() const noexcept override { return over_object_->memory_bytes(); }
+  [[nodiscard]] std::optional<std::size_t> memory_bytes() const noexcept override {
+    return over_object_->memory_bytes();
+  }
 
  private:
   void do_reset() override;

@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 
@@ -69,8 +70,9 @@ class Renderer {
     return result;
   }
 
-  // Of the structures that this renderer keeps for itself beside those of the surface; 0: none worth the name.
-  [[nodiscard]] virtual std::size_t memory_bytes() const noexcept { return 0; }
+  // Of the structures that this renderer keeps for itself beside those of the surface; 0: none worth the name. Empty:
+  // not known, as of every plug-in.
+  [[nodiscard]] virtual std::optional<std::size_t> memory_bytes() const noexcept { return std::nullopt; }
 
   // Why steps answer `failed`; empty where they do not. Makes a text: not for the servo loop.
   [[nodiscard]] std::string failure() const { return do_failure(); }

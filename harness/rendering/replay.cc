@@ -148,7 +148,7 @@ std::string timing_to_json(const ReplayTiming& timing, const std::string& operat
       "\"build_ms\": {}, "
       "\"memory_bytes\": {}, \"operations\": {}}}\n",
       timing.steps, timing.mean_us, timing.median_us, timing.p99_us, timing.p999_us, timing.max_us, timing.build_ms,
-      timing.memory_bytes, operations);
+      timing.memory_bytes ? fmt::format("{}", *timing.memory_bytes) : "null", operations);
 }
 
 }  // namespace touchstone::rendering

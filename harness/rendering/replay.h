@@ -24,8 +24,8 @@ struct ReplayTiming {
   double p99_us = 0.0;
   double p999_us = 0.0;  // 99.9th percentile: what one step in a thousand takes, once a second at 1 kHz
   double max_us = 0.0;
-  double build_ms = 0.0;         // making the renderer and the surface's structures; filled by the caller
-  std::size_t memory_bytes = 0;  // Renderer::memory_bytes()
+  double build_ms = 0.0;                    // making the renderer and the surface's structures; filled by the caller
+  std::optional<std::size_t> memory_bytes;  // Renderer::memory_bytes()
 };
 
 // Resets the renderer and replays. Returns the number of samples. Throws BadData naming the sample when the renderer

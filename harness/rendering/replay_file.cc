@@ -67,10 +67,9 @@ std::string summary_text(const ReplaySummary& summary, const std::filesystem::pa
 
 std::string timing_text(const ReplayTiming& timing) {
   return fmt::format(
-      "step: mean {:.3f} us, median {:.3f} us, p99 {:.3f} us, p99.9 {:.3f} us, max {:.3f} us; build {:.1f} ms, {} "
-      "bytes\n",
+      "step: mean {:.3f} us, median {:.3f} us, p99 {:.3f} us, p99.9 {:.3f} us, max {:.3f} us; build {:.1f} ms, {}\n",
       timing.mean_us, timing.median_us, timing.p99_us, timing.p999_us, timing.max_us, timing.build_ms,
-      timing.memory_bytes);
+      timing.memory_bytes ? fmt::format("{} bytes", *timing.memory_bytes) : "memory unknown");
 }
 
 std::string operations_text(const OperationReport& report) {

@@ -8,6 +8,7 @@
 #include "harness/base/error.h"
 #include "harness/base/random.h"
 #include "harness/rendering/cost_histogram.h"
+#include "harness/rendering/replay_file.h"
 
 namespace touchstone::rendering {
 namespace {
@@ -88,6 +89,9 @@ TEST(Replay, TimingHasEveryKeyAndConsistentOrder) {
   for (const char* key :
        {"steps", "mean_us", "median_us", "p99_us", "p999_us", "max_us", "build_ms", "memory_bytes", "operations"})
     EXPECT_TRUE(json.contains(key)) << key;
+  // A renderer that does not say what memory it has is not one without.
+  EXPECT_TRUE(json["memory_bytes"].is_null());
+  EXPECT_THAT(timing_text(timing), ::testing::EndsWith("memory unknown\n"));
   EXPECT_EQ(replay(plane, trajectory, true).cost_us.size(), 5000U);
 }
 

@@ -53,7 +53,7 @@ class SeamWatch final : public Renderer {
   SeamWatch(std::unique_ptr<Renderer> inner, std::shared_ptr<SeamSearch> search)
       : inner_(std::move(inner)), search_(std::move(search)) {}
 
-  [[nodiscard]] std::size_t memory_bytes() const noexcept override { return inner_->memory_bytes(); }
+  [[nodiscard]] std::optional<std::size_t> memory_bytes() const noexcept override { return inner_->memory_bytes(); }
 
  private:
   void do_reset() override {

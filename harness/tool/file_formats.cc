@@ -11,7 +11,7 @@ constexpr auto tool_timing_fields = std::to_array<FormatField>({
     {"p99_us", "number", "us", "99th percentile"},
     {"p999_us", "number", "us", "99.9th percentile"},
     {"max_us", "number", "us", "largest"},
-    {"memory_bytes", "whole number", "byte", "memory of the renderer"},
+    {"memory_bytes", "whole number or null", "byte", "memory of the renderer; null: not known, as of every plug-in"},
 });
 
 constexpr auto tool_comparison_fields = std::to_array<FormatField>({

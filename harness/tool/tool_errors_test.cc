@@ -104,6 +104,7 @@ TEST(ToolErrors, StepTimesAreQuantilesOfTheSteps) {
   EXPECT_EQ(json["median_us"], 501.0);
   EXPECT_EQ(json["p999_us"], 1000.0);
   EXPECT_EQ(json["memory_bytes"], 64);
+  EXPECT_TRUE(nlohmann::json::parse(step_times_to_json(ascending, std::nullopt))["memory_bytes"].is_null());
   EXPECT_THAT(step_times_to_text(ascending), HasSubstr("max 1000.000 us"));
 }
 

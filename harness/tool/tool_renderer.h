@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 
@@ -70,7 +71,8 @@ class ToolRenderer {
     return result;
   }
 
-  [[nodiscard]] virtual std::size_t memory_bytes() const noexcept { return 0; }
+  // Empty: not known, as of every plug-in.
+  [[nodiscard]] virtual std::optional<std::size_t> memory_bytes() const noexcept { return std::nullopt; }
 
   // Why steps answer `failed`; empty where they do not. Makes a text: not for the servo loop.
   [[nodiscard]] std::string failure() const { return do_failure(); }

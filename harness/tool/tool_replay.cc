@@ -162,13 +162,13 @@ double reached_by(const std::vector<double>& ascending, double share) {
 
 }  // namespace
 
-std::string step_times_to_json(const std::vector<double>& ascending_us, std::size_t memory_bytes) {
+std::string step_times_to_json(const std::vector<double>& ascending_us, std::optional<std::size_t> memory_bytes) {
   const nlohmann::ordered_json json{{"steps", ascending_us.size()},
                                     {"median_us", reached_by(ascending_us, 0.5)},
                                     {"p99_us", reached_by(ascending_us, 0.99)},
                                     {"p999_us", reached_by(ascending_us, 0.999)},
                                     {"max_us", ascending_us.back()},
-                                    {"memory_bytes", memory_bytes}};
+                                    {"memory_bytes", memory_bytes ? nlohmann::json(*memory_bytes) : nlohmann::json()}};
   return json.dump(2) + "\n";
 }
 

@@ -37,7 +37,7 @@ ToolReplaySummary replay_tool(ToolRenderer& renderer, const ToolReplayFiles& fil
 std::vector<double> measure_tool_steps(ToolRenderer& renderer, const std::filesystem::path& path);
 
 // What those times say: {"steps", "median_us", "p99_us", "p999_us", "max_us", "memory_bytes"}, and a line for people.
-std::string step_times_to_json(const std::vector<double>& ascending_us, std::size_t memory_bytes);
+std::string step_times_to_json(const std::vector<double>& ascending_us, std::optional<std::size_t> memory_bytes);
 std::string step_times_to_text(const std::vector<double>& ascending_us);
 
 }  // namespace touchstone::tool

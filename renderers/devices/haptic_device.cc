@@ -19,7 +19,7 @@ class HapticDevice final : public Renderer {
   HapticDevice(std::unique_ptr<Renderer> rendering, const DeviceLimits& limits)
       : rendering_(std::move(rendering)), limits_(limits) {}
 
-  [[nodiscard]] std::size_t memory_bytes() const noexcept override { return rendering_->memory_bytes(); }
+  [[nodiscard]] std::optional<std::size_t> memory_bytes() const noexcept override { return rendering_->memory_bytes(); }
 
  private:
   void do_reset() override {

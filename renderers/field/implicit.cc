@@ -27,7 +27,7 @@ class Implicit final : public Renderer {
   Implicit(std::unique_ptr<SignedFieldOf<S>> field, double stiffness_N_per_m, double radius_m)
       : field_(std::move(field)), stiffness_N_per_m_(stiffness_N_per_m), radius_m_(radius_m) {}
 
-  [[nodiscard]] std::size_t memory_bytes() const noexcept override { return field_->memory_bytes(); }
+  [[nodiscard]] std::optional<std::size_t> memory_bytes() const noexcept override { return field_->memory_bytes(); }
 
  private:
   void do_reset() override {

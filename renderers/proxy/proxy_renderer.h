@@ -60,7 +60,7 @@ class ProxyRenderer final : public rendering::Renderer {
         shading_(std::move(shading)),
         proxy_(*mesh_, *surface_, tip...) {}
 
-  [[nodiscard]] std::size_t memory_bytes() const noexcept override {
+  [[nodiscard]] std::optional<std::size_t> memory_bytes() const noexcept override {
     return mesh_->memory_bytes() + proxy_.memory_bytes();
   }
 

@@ -27,7 +27,7 @@ class SceneRenderer final : public rendering::Renderer {
         shading_(make_shading(bodies_)),
         proxy_(bodies_, friction) {}
 
-  [[nodiscard]] std::size_t memory_bytes() const noexcept override { return bodies_.memory_bytes(); }
+  [[nodiscard]] std::optional<std::size_t> memory_bytes() const noexcept override { return bodies_.memory_bytes(); }
 
  private:
   void do_reset() override {

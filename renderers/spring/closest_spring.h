@@ -10,6 +10,7 @@
 #include <cmath>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <type_traits>
 #include <utility>
 
@@ -92,6 +93,8 @@ template <int kPower, class Feet>
 class ClosestSpring final : public rendering::Renderer {
  public:
   ClosestSpring(Feet feet, double k, double radius_m) : feet_(std::move(feet)), k_(k), radius_m_(radius_m) {}
+
+  [[nodiscard]] std::optional<std::size_t> memory_bytes() const noexcept override { return 0; }
 
  private:
   using S = typename Feet::Scalar;

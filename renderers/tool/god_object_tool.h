@@ -35,7 +35,7 @@ class GodObjectTool : public tool::ToolRenderer {
   // radians.
   GodObjectTool(const tool::Tool& tool, const surface::TriangleMesh& object_W, const tool::Coupling& coupling,
                 double unit_m = 1.0);
-  [[nodiscard]] std::size_t memory_bytes() const noexcept override {
+  [[nodiscard]] std::optional<std::size_t> memory_bytes() const noexcept override {
     return tool_.memory_bytes() + object_.memory_bytes() + near_.memory_bytes() + sizeof(*this);
   }
 

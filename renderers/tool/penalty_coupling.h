@@ -33,7 +33,7 @@ class PenaltyCoupling : public tool::ToolRenderer {
  public:
   PenaltyCoupling(const tool::Tool& tool, const tool::PointShell& shell, std::shared_ptr<const surface::Surface> object,
                   const tool::Coupling& coupling, double contact_stiffness_N_per_m, double mu = 0.0);
-  [[nodiscard]] std::size_t memory_bytes() const noexcept override {
+  [[nodiscard]] std::optional<std::size_t> memory_bytes() const noexcept override {
     return 2 * shell_.p_T_m.capacity() * sizeof(Vec3) + tree_.memory_bytes() + distances_.memory_bytes() +
            (friction_ ? friction_->memory_bytes() : 0) + sizeof(*this);
   }

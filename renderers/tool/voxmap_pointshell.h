@@ -26,7 +26,7 @@ class VoxmapPointshell : public tool::ToolRenderer {
  public:
   VoxmapPointshell(const tool::PointShell& shell, const surface::Surface& object, double voxel_m,
                    const tool::Coupling& coupling, double contact_stiffness_N_per_m);
-  [[nodiscard]] std::size_t memory_bytes() const noexcept override {
+  [[nodiscard]] std::optional<std::size_t> memory_bytes() const noexcept override {
     return map_.memory_bytes() + 2 * shell_.p_T_m.capacity() * sizeof(Vec3) + sizeof(*this);
   }
 

@@ -26,7 +26,9 @@ class VoxelRenderer final : public Renderer {
         count_(S(grid_.layout.count[0]), S(grid_.layout.count[1]), S(grid_.layout.count[2])),
         stiffness_N_per_m_(stiffness_N_per_m) {}
 
-  [[nodiscard]] std::size_t memory_bytes() const noexcept override { return grid_.voxels.memory_bytes(); }
+  [[nodiscard]] std::optional<std::size_t> memory_bytes() const noexcept override {
+    return grid_.voxels.memory_bytes();
+  }
 
  private:
   void do_reset() override {}

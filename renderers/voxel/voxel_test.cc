@@ -190,13 +190,13 @@ TEST(Voxel, OnASphereIsOffByTheSagittaOfAVoxelAndNoMore) {
 
 TEST(Voxel, SixtyFourCubedFitsThePapersMemoryAndSparseATenthOfIt) {
   const auto duck = mesh_surface("duck", 20000);
-  const std::size_t dense = voxel(duck)->memory_bytes();
-  const std::size_t sparse = voxel(duck, {}, "voxel-sparse")->memory_bytes();
+  const std::size_t dense = voxel(duck)->memory_bytes().value();
+  const std::size_t sparse = voxel(duck, {}, "voxel-sparse")->memory_bytes().value();
   fmt::print("64^3 over the duck: dense {} bytes, sparse {} bytes\n", dense, sparse);
   EXPECT_LE(dense, 8'000'000U);
   EXPECT_LE(sparse, 800'000U);
   // A body that fills its box needs the most of a dense grid.
-  EXPECT_LE(voxel(make_embree_surface(testing::cube(0.02)))->memory_bytes(), 8'000'000U);
+  EXPECT_LE(voxel(make_embree_surface(testing::cube(0.02)))->memory_bytes().value(), 8'000'000U);
 }
 
 TEST(Voxel, CountedItGivesTheSameBitsAtFortySixOperationsAStep) {

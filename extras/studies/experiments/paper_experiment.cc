@@ -111,7 +111,7 @@ PaperRow paper_row(const PaperBench& bench, Model model, const std::string& name
   const auto began = std::chrono::steady_clock::now();
   const auto renderer = renderers::make_renderer(model, bench.surface());
   row.build_ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - began).count();
-  row.memory_bytes = renderer->memory_bytes();
+  row.memory_bytes = renderer->memory_bytes().value();
   row.error_N = bench.error(replay(*renderer, bench.in()).f_W_N);
   const rendering::CountedRenderer counted = renderers::make_counted_renderer(model, bench.surface());
   if (counted.renderer) row.operations = count_operations(*counted.renderer, rendering::tip_source(bench.in().motion));

@@ -106,15 +106,16 @@ Rows rows_of(const std::vector<RendererCost>& costs) {
              "memory [MB]", "made in [ms]"}};
   for (const auto& own : costs) {
     const bool counted = own.operations.has_value();
-    rows.push_back({own.what, fmt::format("{}", own.triangles),
-                    counted ? fmt::format("{:.1f}", own.operations->mean) : "not counted",
-                    counted ? fmt::format("{:g}", own.operations->median) : "",
-                    counted ? fmt::format("{}", own.operations->max) : "",
-                    counted ? fmt::format("{}", own.operations->total()) : "",
-                    fmt::format("{:.3f}", own.timing.median_us), fmt::format("{:.3f}", own.timing.p99_us),
-                    fmt::format("{:.3f}", own.timing.mean_us),
-                    fmt::format("{:.3f}", 1e-6 * static_cast<double>(own.timing.memory_bytes)),
-                    fmt::format("{:.1f}", own.timing.build_ms)});
+    rows.push_back(
+        {own.what, fmt::format("{}", own.triangles),
+         counted ? fmt::format("{:.1f}", own.operations->mean) : "not counted",
+         counted ? fmt::format("{:g}", own.operations->median) : "",
+         counted ? fmt::format("{}", own.operations->max) : "",
+         counted ? fmt::format("{}", own.operations->total()) : "", fmt::format("{:.3f}", own.timing.median_us),
+         fmt::format("{:.3f}", own.timing.p99_us), fmt::format("{:.3f}", own.timing.mean_us),
+         own.timing.memory_bytes ? fmt::format("{:.3f}", 1e-6 * static_cast<double>(*own.timing.memory_bytes))
+                                 : "unknown",
+         fmt::format("{:.1f}", own.timing.build_ms)});
   }
   return rows;
 }

@@ -134,7 +134,8 @@ std::vector<VoxelFinding> voxel_findings(const VoxelExperiment& e) {
   add("its operations do not depend on the resolution (within 5 %)",
       std::abs(total(fine) / total(coarse) - 1.0) <= 0.05,
       fmt::format("{:+.1f} % from 32^3 to 64^3", 100.0 * (total(fine) / total(coarse) - 1.0)));
-  const double memory = static_cast<double>(fine.timing.memory_bytes) / static_cast<double>(coarse.timing.memory_bytes);
+  const double memory =
+      static_cast<double>(fine.timing.memory_bytes.value()) / static_cast<double>(coarse.timing.memory_bytes.value());
   add("memory grows with the number of voxels (eightfold from 32^3 to 64^3, to within a fifth)",
       memory >= 6.4 && memory <= 9.6, fmt::format("{:.1f}-fold", memory));
   add("the grid costs significant preprocessing beside the proxy (more than twice its time)",
@@ -143,7 +144,7 @@ std::vector<VoxelFinding> voxel_findings(const VoxelExperiment& e) {
                   proxy.timing.build_ms));
   add("the proxy needs no memory of its own", proxy.timing.memory_bytes == 0,
       fmt::format("{:.2f} MB: a record of planes, borders and neighbours per triangle",
-                  1e-6 * static_cast<double>(proxy.timing.memory_bytes)));
+                  1e-6 * static_cast<double>(proxy.timing.memory_bytes.value())));
   return findings;
 }
 
@@ -193,7 +194,7 @@ std::string voxel_table(const VoxelExperiment& e) {
                     row.operations ? fmt::format("{:.1f}K", 1e-3 * total(row)) : "not counted",
                     row.operations ? fmt::format("{:.1f}", row.operations->mean) : "",
                     fmt::format("{:.3f}", row.timing.mean_us), fmt::format("{:.3f}", 1e-3 * row.timing.build_ms),
-                    fmt::format("{:.2f}", 1e-6 * static_cast<double>(row.timing.memory_bytes))});
+                    fmt::format("{:.2f}", 1e-6 * static_cast<double>(row.timing.memory_bytes.value()))});
   }
   for (const PublishedVoxelRow& row : published_voxel_table()) {
     rows.push_back({fmt::format("2006 paper: {}", row.algorithm), cube(row.resolution),

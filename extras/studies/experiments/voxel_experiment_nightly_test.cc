@@ -30,7 +30,7 @@ TEST_P(VoxelExperimentSeed, TheFindingsOfThePaper) {
     const VoxelRow& sparse = *experiment.find("voxel-sparse", resolution);
     EXPECT_EQ(dense.f_W_N, sparse.f_W_N);
     EXPECT_EQ(dense.operations->counts, sparse.operations->counts);
-    EXPECT_LT(sparse.timing.memory_bytes, dense.timing.memory_bytes / 2);
+    EXPECT_LT(sparse.timing.memory_bytes.value(), dense.timing.memory_bytes.value() / 2);
   }
   // Against the smooth body the god-object is the nearest and each halving of the voxel helps.
   EXPECT_LT(experiment.find("god-object", 0)->own_rms_N, experiment.find("voxel", 64)->own_rms_N);

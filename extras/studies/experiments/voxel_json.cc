@@ -51,7 +51,7 @@ std::string voxel_experiment_to_json(const VoxelExperiment& e) {
          {"median_us", row.timing.median_us},
          {"max_us", row.timing.max_us},
          {"build_ms", row.timing.build_ms},
-         {"memory_bytes", row.timing.memory_bytes}});
+         {"memory_bytes", row.timing.memory_bytes.value()}});
   }
   for (const PublishedVoxelRow& row : published_voxel_table()) {
     root["published"].push_back({{"algorithm", row.algorithm},
@@ -85,7 +85,7 @@ std::string voxel_document(const VoxelExperiment& e, bool series) {
              {"rms_N", row.rms_N},
              {"mean_N", row.mean_N},
              {"own_rms_N", row.own_rms_N},
-             {"memory_bytes", row.timing.memory_bytes},
+             {"memory_bytes", row.timing.memory_bytes.value()},
              {"operations", row.operations ? operations_document(*row.operations) : Json()}};
     if (series && drawn(row)) own["f_W_N"] = series_to_json(row.f_W_N);
     root["rows"].push_back(std::move(own));
@@ -133,7 +133,7 @@ VoxelExperiment voxel_from(const std::string& document, const std::string& times
       own.at("rms_N").get_to(row.rms_N);
       own.at("mean_N").get_to(row.mean_N);
       own.at("own_rms_N").get_to(row.own_rms_N);
-      own.at("memory_bytes").get_to(row.timing.memory_bytes);
+      row.timing.memory_bytes = own.at("memory_bytes").get<std::size_t>();
       if (!own.at("operations").is_null()) row.operations = operations_from(own.at("operations"));
       if (own.contains("f_W_N")) row.f_W_N = series_from_json(own.at("f_W_N"));
       own_times.at("steps").get_to(row.timing.steps);

@@ -58,7 +58,7 @@ Section table_section(const VoxelExperiment& e) {
     cells.cells.push_back(report::number_cell(fmt::format("{:.3f}", row.timing.mean_us)));
     cells.cells.push_back(report::number_cell(fmt::format("{:.3f}", 1e-3 * row.timing.build_ms)));
     cells.cells.push_back(
-        report::number_cell(fmt::format("{:.3f}", 1e-6 * static_cast<double>(row.timing.memory_bytes))));
+        report::number_cell(fmt::format("{:.3f}", 1e-6 * static_cast<double>(row.timing.memory_bytes.value()))));
     ours.rows.push_back(std::move(cells));
   }
   section.blocks.emplace_back(std::move(ours));
@@ -110,11 +110,11 @@ Section plots_section(const VoxelExperiment& e) {
   own.levels = {{"god-object", proxy.own_rms_N}};
   section.blocks.emplace_back(std::move(own));
   section.blocks.emplace_back(over_resolution(e, "Memory of the dense grid", "MB", "voxel", [](const VoxelRow& row) {
-    return 1e-6 * static_cast<double>(row.timing.memory_bytes);
+    return 1e-6 * static_cast<double>(row.timing.memory_bytes.value());
   }));
   section.blocks.emplace_back(
       over_resolution(e, "Memory of the narrow band", "MB", "voxel-sparse",
-                      [](const VoxelRow& row) { return 1e-6 * static_cast<double>(row.timing.memory_bytes); }));
+                      [](const VoxelRow& row) { return 1e-6 * static_cast<double>(row.timing.memory_bytes.value()); }));
   LinePlot forces;
   forces.title = "Magnitude of the force along the scan";
   forces.x_label = "time [s]";

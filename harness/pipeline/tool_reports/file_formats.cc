@@ -42,7 +42,7 @@ constexpr auto tool_scorecard_fields = std::to_array<FormatField>({
     {"cost.p99_us", "number", "us", "99th percentile"},
     {"cost.p999_us", "number", "us", "99.9th percentile"},
     {"cost.build_ms", "number", "ms", "time to build its structures"},
-    {"cost.memory_bytes", "whole number", "byte", "memory"},
+    {"cost.memory_bytes", "whole number or null", "byte", "memory; null: not known, as of every plug-in"},
 });
 
 }  // namespace

@@ -157,15 +157,16 @@ std::string tool_scorecard_to_json(const ToolScorecard& card) {
   for (const ToolProblem& problem : card.problems)
     json["problems"].push_back({{"case", problem.contacts}, {"what", problem.what}});
   if (card.cost) {
-    json["cost"] = {{"tool_triangles", card.cost->tool_triangles},
-                    {"object_triangles", card.cost->object_triangles},
-                    {"steps", card.cost->steps},
-                    {"contacts", card.cost->contacts},
-                    {"median_us", card.cost->median_us},
-                    {"p99_us", card.cost->p99_us},
-                    {"p999_us", card.cost->p999_us},
-                    {"build_ms", card.cost->build_ms},
-                    {"memory_bytes", card.cost->memory_bytes}};
+    json["cost"] = {
+        {"tool_triangles", card.cost->tool_triangles},
+        {"object_triangles", card.cost->object_triangles},
+        {"steps", card.cost->steps},
+        {"contacts", card.cost->contacts},
+        {"median_us", card.cost->median_us},
+        {"p99_us", card.cost->p99_us},
+        {"p999_us", card.cost->p999_us},
+        {"build_ms", card.cost->build_ms},
+        {"memory_bytes", card.cost->memory_bytes ? nlohmann::json(*card.cost->memory_bytes) : nlohmann::json()}};
   }
   return json.dump(2) + "\n";
 }

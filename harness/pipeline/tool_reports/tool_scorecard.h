@@ -23,7 +23,7 @@ struct ToolCost {
   double contacts = 0.0;  // that a step lists, on average
   double median_us = 0.0, p99_us = 0.0, p999_us = 0.0;
   double build_ms = 0.0;
-  std::size_t memory_bytes = 0;
+  std::optional<std::size_t> memory_bytes;
 };
 
 // Of one case that a renderer could not end.

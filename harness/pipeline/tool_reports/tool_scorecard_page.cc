@@ -100,14 +100,15 @@ Section costs(std::span<const ToolScorecard> cards) {
   for (const ToolScorecard& card : cards) {
     if (!card.cost) continue;
     Table::Row row;
-    row.cells = {text_cell(card.renderer),
-                 text_cell(fmt::format("{} on {}", card.cost->tool_triangles, card.cost->object_triangles)),
-                 number_cell(card.cost->contacts, 3),
-                 number_cell(card.cost->median_us, 3),
-                 number_cell(card.cost->p99_us, 3),
-                 number_cell(card.cost->p999_us, 3),
-                 number_cell(card.cost->build_ms, 3),
-                 number_cell(1e-6 * double(card.cost->memory_bytes), 3)};
+    row.cells = {
+        text_cell(card.renderer),
+        text_cell(fmt::format("{} on {}", card.cost->tool_triangles, card.cost->object_triangles)),
+        number_cell(card.cost->contacts, 3),
+        number_cell(card.cost->median_us, 3),
+        number_cell(card.cost->p99_us, 3),
+        number_cell(card.cost->p999_us, 3),
+        number_cell(card.cost->build_ms, 3),
+        card.cost->memory_bytes ? number_cell(1e-6 * double(*card.cost->memory_bytes), 3) : text_cell("unknown")};
     table.rows.push_back(std::move(row));
   }
   section.blocks.emplace_back(std::move(table));
