@@ -248,7 +248,7 @@ void fill_fast(Judgement& judgement, const JudgedProcess& real, const JudgedProc
     own.jnd = found.jnd;
     own.measured_jnd = found.measured_jnd;
     own.standard_error = found.standard_error;
-    describe_vibration(own, found);
+    describe_vibration(own, found, options.thresholds);
   };
   fill(Channel::vibration, vibration_difference(real.fast, rendered.fast, noise, options.thresholds));
   fill(Channel::transient, transient_difference(real.fast, rendered.fast, options.thresholds));
@@ -415,10 +415,13 @@ Judgement judge(const JudgedProcess& real, const JudgedProcess& rendered, const 
   if (!options.keep_moments) judgement.moments.clear();
   const double nyquist = std::min(real.fast.nyquist_Hz, rendered.fast.nyquist_Hz);
   if (nyquist < 1000.0) {
+    const auto& centres = band_centres_Hz();
+    const auto beyond = std::find_if(centres.begin(), centres.end(),
+                                     [nyquist](double centre) { return centre * kHalfBandRatio > nyquist; });
     judgement.remarks.push_back(
-        fmt::format("vibration is judged up to {:.4g} Hz, half the rate of the slower recording; it is felt up to 1000 "
-                    "Hz",
-                    nyquist));
+        fmt::format("vibration is judged up to {:.4g} Hz, in whole third octaves below half the rate of the slower "
+                    "recording; it is felt up to 1000 Hz",
+                    (beyond == centres.end() ? 1000.0 : *beyond / kHalfBandRatio)));
   }
   if (real.fast.air.segments == 0 && options.declared.force_N == 0.0) {
     judgement.remarks.emplace_back(

@@ -139,6 +139,26 @@ TEST(Judge, ABuzzCountsByTheThresholdOfItsOwnFrequency) {
   }
 }
 
+// At the edges of third-octave bands (178, 224 Hz) as well as within.
+TEST(Judge, ATonesFrequencyCountsByItsJndWhereverItLies) {
+  const Thresholds thresholds;
+  const auto told = [&thresholds](double real_Hz, double rendered_Hz) {
+    const auto tone = [&thresholds](double f_Hz) {
+      return JudgedPress{.buzz_N = 10.0 * thresholds.vibration_force_N(f_Hz), .buzz_Hz = f_Hz, .noise_N = 0.0002};
+    };
+    return judged(tone(rendered_Hz), {}, 2, tone(real_Hz));
+  };
+  const double two_jnd = std::pow(1.0 + thresholds.frequency_fraction, 2.0);
+  for (const double f : {65.0, 90.0, 126.0, 178.0, 201.6, 224.0, 285.0}) {
+    EXPECT_LT(of(told(f, 1.05 * f), Channel::vibration).jnd, 0.5) << f;
+    EXPECT_NE(told(f, 1.05 * f).verdict, Verdict::noticed) << f;
+    const auto above = told(f, two_jnd * f);
+    EXPECT_EQ(above.verdict, Verdict::noticed) << f;
+    EXPECT_NEAR(of(above, Channel::vibration).jnd, 2.0, 0.4) << f;
+    EXPECT_THAT(of(above, Channel::vibration).what, HasSubstr("Hz instead of")) << f;
+  }
+}
+
 TEST(Judge, TheHandIsNotJudged) {
   for (const JudgedPress& other :
        {JudgedPress{.stroke_m = 0.012}, JudgedPress{.stroke_m = 0.006}, JudgedPress{.beat_Hz = 2.0},

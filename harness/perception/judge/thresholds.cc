@@ -66,6 +66,14 @@ const std::vector<ThresholdEntry>& threshold_entries() {
        "above threshold; up to 0.58 at 10 Hz",
        kAbstract, [](Thresholds& t) -> double& { return t.vibration_fraction; },
        "three down and one up (its abstract): 79 % right of two alternatives, d' = 1.16"},
+      {"frequency_fraction", "1",
+       "Israr, Tan and Reed (2006): without a masker, Weber fractions of the frequency average 0.25 at 20 dB and 0.18 "
+       "at "
+       "35 dB above threshold (0.13 to 0.38 for the single frequencies, 2 to 300 Hz); their geometric mean. With a "
+       "masker "
+       "0.46 to 0.60",
+       "its abstract, and the averages in its text", [](Thresholds& t) -> double& { return t.frequency_fraction; },
+       "staircase (its text); the share of right answers was not read there, d' = 1 is assumed"},
       {"vibration_integration_s", "s",
        "Verrillo (1965): the threshold of the Pacinian channel falls up to some 200 ms of duration (that it does, at "
        "high "

@@ -66,6 +66,7 @@ TEST(Thresholds, EachSaysWhetherItsSourceWasReadAndThoseReadAgree) {
       {"friction_fraction", 0.2},
       {"position_m", 4e-4},
       {"vibration_fraction", 0.20},
+      {"frequency_fraction", std::sqrt(0.25 * 0.18)},
       {"depth_fraction", std::sqrt(std::pow(std::log(1.22), 2) - std::pow(std::log(1.07), 2))},
   };
   Thresholds thresholds;

@@ -45,6 +45,7 @@ class PowerSum {
         window_(length, 1.0),
         sum_(band_centres_Hz().size(), 0.0),
         squares_(sum_),
+        octaves_(sum_),
         of_axis_{sum_, sum_, sum_} {
     double energy = 0.0;
     for (std::size_t i = 0; i < length; ++i) {
@@ -61,6 +62,7 @@ class PowerSum {
       const double f = static_cast<double>(k) * rate_Hz / static_cast<double>(length);
       const int band = k == 0 ? -1 : band_of(f);
       band_.push_back(band);
+      from_centre_.push_back(band >= 0 ? std::log2(f / band_centres_Hz()[static_cast<std::size_t>(band)]) : 0.0);
       weight_.push_back(
           band >= 0 ? scale * band_weight(f, band_centres_Hz()[static_cast<std::size_t>(band)], thresholds) : 0.0);
     }
@@ -84,8 +86,10 @@ class PowerSum {
       for (std::size_t k = 1; 2 * k < length_; ++k) {
         if (band_[k] < 0) continue;
         const auto band = static_cast<std::size_t>(band_[k]);
-        bands[band] += weight_[k] * std::norm(spectrum[k]);
-        of_axis_[a][band] += weight_[k] * std::norm(spectrum[k]);
+        const double power = weight_[k] * std::norm(spectrum[k]);
+        bands[band] += power;
+        octaves_[band] += power * from_centre_[k];
+        of_axis_[a][band] += power;
       }
     }
     windows_.push_back(bands);
@@ -108,6 +112,7 @@ class PowerSum {
       power.power_N2.push_back(mean);
       const double spread = n > 1.0 ? std::max(0.0, (squares_[b] - n * mean * mean) / (n - 1.0)) : mean * mean;
       power.variance_N4.push_back(spread / n);
+      power.octaves.push_back(sum_[b] > 0.0 ? octaves_[b] / sum_[b] : 0.0);
       // The power of one axis of white noise has 2 / (2 bins) of its square as variance; a taper makes neighbouring
       // bins share what they show, one and a half for one (Welch 1967).
       const auto in_band = static_cast<double>(std::count(band_.begin(), band_.end(), static_cast<int>(b)));
@@ -146,10 +151,12 @@ class PowerSum {
   std::vector<std::vector<double>> slow_;  // taken out beside the mean
   std::vector<double> sum_;
   std::vector<double> squares_;
+  std::vector<double> octaves_;  // power times its octaves from the band's centre
   std::array<std::vector<double>, 3> of_axis_;
   std::vector<std::vector<double>> windows_;
-  std::vector<int> band_;       // of each frequency of the spectrum
-  std::vector<double> weight_;  // of each frequency's power
+  std::vector<int> band_;            // of each frequency of the spectrum
+  std::vector<double> from_centre_;  // octaves, of each frequency
+  std::vector<double> weight_;       // of each frequency's power
   std::size_t count_ = 0;
 };
 

@@ -8,6 +8,7 @@
 
 #include <cmath>
 #include <cstddef>
+#include <optional>
 #include <vector>
 
 #include "harness/base/rooms.h"
@@ -24,6 +25,7 @@ inline constexpr double kOnset_s = 0.064;
 struct BandPower {
   std::vector<double> power_N2;     // mean square of the force in the band, mean over the segments
   std::vector<double> variance_N4;  // of that mean, from its spread over the segments
+  std::vector<double> octaves;      // from the band's centre to where its power lies on average
   // Of that mean, if it were Gaussian noise: variance over the square, by how many bins, axes and segments it has.
   std::vector<double> gaussian_share;
   std::vector<std::vector<double>> windows_N2;  // by segment and band
@@ -53,6 +55,14 @@ double band_weight(double f_Hz, double centre_Hz, const Thresholds& thresholds);
 
 FastForce fast_force(const FeltSeries& felt, const Response& response, const Thresholds& thresholds);
 
+// Two vibrations of about one strength and their frequencies.
+struct VibrationPitch {
+  double real_Hz = 0.0;
+  double real_N = 0.0;  // root mean square
+  double rendered_Hz = 0.0;
+  double rendered_N = 0.0;
+};
+
 // What a person would tell between two processes by their fast force.
 struct VibrationDifference {
   bool known = false;   // both were seen
@@ -63,6 +73,8 @@ struct VibrationDifference {
   double frequency_Hz = 0.0;    // centre of the band that differs most
   double real_N = 0.0;          // root mean square in that band
   double rendered_N = 0.0;
+  // Where the strongest band of each has its power, if what differs is how the power is spread; else nothing.
+  std::optional<VibrationPitch> pitch;
   double threshold_N = 0.0;  // of that band, root mean square
   double allowed_N = 0.0;    // this much more than real_N in that band is noticed with d' = 1
 };
@@ -70,9 +82,10 @@ struct VibrationDifference {
 // for nobody feels it: what is seen in the air as far as it is even over neighbouring bands (a tone is no noise), of
 // the other recording where one has no air, else what is declared (`noise_N2_per_Hz`, density of power of all axes). No
 // power is below nothing. A band's power counts in units of that of its threshold. Two cues, of which the stronger
-// counts: the power of all bands together (Bensmaia, Hollins and Yau 2005), and how it is spread over them, root of the
-// sum of squares. The observer's noise is that of the power of all bands (vibration_scale.h), so that what vibrates
-// already masks.
+// counts: the power of all bands together (Bensmaia, Hollins and Yau 2005), and how it is spread over frequency, as the
+// distance of the two spectra after the observer's own blur (VibrationScale::likeness), which has no edges: a band's
+// power counts where in the band it lies. The observer's noise is that of the power of all bands (vibration_scale.h),
+// so that what vibrates already masks.
 //
 // What noise alone reaches: the error of each power is the larger of its spread over the windows and that of Gaussian
 // noise of the mean power of both recordings before any correction; from few windows it is itself uncertain (Welch

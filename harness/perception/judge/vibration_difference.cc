@@ -18,6 +18,13 @@ struct ComparedPower {
   std::vector<double> power_N2;
   std::vector<const BandPower*> parts;
   double factor = 1.0;  // that the parts' powers are multiplied by
+
+  // Where the power without noise lies in a band, octaves from its centre: noise lies at the centre on average.
+  [[nodiscard]] double octaves(std::size_t band) const {
+    const double half = std::log2(kHalfBandRatio);
+    const double moment = factor * parts[0]->power_N2[band] * parts[0]->octaves[band];
+    return power_N2[band] > 0.0 ? std::clamp(moment / power_N2[band], -half, half) : 0.0;
+  }
 };
 
 struct BandRange {
@@ -87,6 +94,42 @@ struct SquaredEvidence {
   double by_noise = 0.0;  // what noise adds to the square on average
 };
 
+// A spectrum's power in one band, over that of the threshold, and where it lies.
+struct SpectralLine {
+  double power = 0.0;
+  double octaves = 0.0;  // above 1 Hz
+};
+
+// How the power is spread: the squared distance of the two spectra after the observer's blur,
+//   sum over i, j of x_i x_j likeness(i, j)
+// with the real one's lines positive and the rendered one's negative. Noise of variance v_b in band b adds sum v_b on
+// average, since a line is like itself, and is nearly a sum of h equal squares (Satterthwaite 1946).
+SquaredEvidence spread_evidence(const std::vector<SpectralLine>& lines, const std::vector<double>& variance,
+                                const std::vector<double>& centres_octaves, double share, double degrees,
+                                const VibrationScale& scale) {
+  const auto blurred_at = [&](double octaves) {
+    double sum = 0.0;
+    for (const SpectralLine& line : lines) sum += line.power * scale.likeness(line.octaves - octaves);
+    return sum;
+  };
+  double square = 0.0;
+  for (const SpectralLine& line : lines) square += line.power * blurred_at(line.octaves);
+  square = std::max(0.0, square);
+  double noise = 0.0;
+  double noise_squares = 0.0;
+  double along = 0.0;
+  for (std::size_t b = 0; b < variance.size(); ++b) {
+    noise += variance[b];
+    for (std::size_t c = 0; c < variance.size(); ++c)
+      noise_squares += variance[b] * variance[c] * std::pow(scale.likeness(centres_octaves[b] - centres_octaves[c]), 2);
+    along += variance[b] * std::pow(blurred_at(centres_octaves[b]), 2);
+  }
+  if (!(noise > 0.0)) return {square, square, 0.0, 0.0};
+  const double h = noise * noise / noise_squares;
+  return {square - noise, square - noise * stats::f_quantile(share, h, degrees), square > 0.0 ? along / square : noise,
+          noise};
+}
+
 // `looks`: how many cues of one pair share the error.
 VibrationDifference difference(const ComparedPower& real, const ComparedPower& rendered,
                                const std::vector<double>& masker_N2, const BandRange& range, double looks,
@@ -94,53 +137,52 @@ VibrationDifference difference(const ComparedPower& real, const ComparedPower& r
   VibrationDifference result;
   result.known = true;
   const auto& centres = band_centres_Hz();
+  const VibrationScale scale(thresholds);
   const PowerErrors errors = errors_of(real, rendered, range, thresholds);
-  double real_sum = 0.0;  // power over that of the threshold
-  double rendered_sum = 0.0;
+  double sums[2] = {};  // real and rendered, power over that of the threshold
   double beside = 0.0;
-  double squares = 0.0;  // of the bands' differences
-  double variances = 0.0;
-  double squared_variances = 0.0;
-  double variance_along = 0.0;
   double most = -1.0;
   double real_most = 0.0;
+  std::vector<SpectralLine> lines;
+  std::vector<double> variances;
+  std::vector<double> centres_octaves;
+  VibrationPitch pitch;
+  double strongest[2] = {};
   for (std::size_t b = 0; b < centres.size(); ++b) {
     if (!range.holds(centres[b])) continue;
     const double t2 = range.threshold_N2(centres[b], thresholds);
-    const double variance = errors.by_band[b];
     if (!masker_N2.empty()) beside += masker_N2[b] / t2;
-    real_sum += real.power_N2[b] / t2;
-    rendered_sum += rendered.power_N2[b] / t2;
-    const double own = std::max(0.0, real.power_N2[b] / t2);
-    const double apart = std::max(0.0, rendered.power_N2[b] / t2) - own;
-    squares += apart * apart;
-    variances += variance;
-    squared_variances += variance * variance;
-    variance_along += apart * apart * variance;
-    if (std::abs(apart) > most) {
-      most = std::abs(apart);
-      real_most = own;
+    variances.push_back(errors.by_band[b]);
+    centres_octaves.push_back(std::log2(centres[b]));
+    double own[2] = {};
+    for (const std::size_t side : {0u, 1u}) {
+      const ComparedPower& process = side == 0 ? real : rendered;
+      sums[side] += process.power_N2[b] / t2;
+      own[side] = std::max(0.0, process.power_N2[b] / t2);
+      const double at = centres_octaves.back() + process.octaves(b);
+      lines.push_back({side == 0 ? own[side] : -own[side], at});
+      if (!(own[side] > strongest[side])) continue;
+      strongest[side] = own[side];
+      (side == 0 ? pitch.real_N : pitch.rendered_N) = std::sqrt(own[side] * t2);
+      (side == 0 ? pitch.real_Hz : pitch.rendered_Hz) = std::exp2(at);
+    }
+    if (std::abs(own[1] - own[0]) > most) {
+      most = std::abs(own[1] - own[0]);
+      real_most = own[0];
       result.frequency_Hz = centres[b];
-      result.real_N = std::sqrt(std::max(0.0, real.power_N2[b]));
-      result.rendered_N = std::sqrt(std::max(0.0, rendered.power_N2[b]));
+      result.real_N = std::sqrt(own[0] * t2);
+      result.rendered_N = std::sqrt(own[1] * t2);
       result.threshold_N = std::sqrt(t2);
     }
   }
-  real_sum = std::max(0.0, real_sum);
-  rendered_sum = std::max(0.0, rendered_sum);
+  const double real_sum = std::max(0.0, sums[0]);
+  const double rendered_sum = std::max(0.0, sums[1]);
   const double share = 1.0 - kByNoise / looks;
   const double reach = stats::f_quantile(share, 1.0, errors.degrees);
   const double apart = rendered_sum - real_sum;
   const SquaredEvidence strength{apart * apart, apart * apart - reach * errors.of_sum, errors.of_sum, errors.of_sum};
-  // A sum of squares of unequal variances is nearly one of h equal ones (Satterthwaite 1946).
-  SquaredEvidence profile{squares, squares, variances, variances};
-  if (variances > 0.0) {
-    const double h = variances * variances / squared_variances;
-    profile = {squares - variances, squares - variances * stats::f_quantile(share, h, errors.degrees),
-               squares > 0.0 ? variance_along / squares : variances, variances};
-  }
-  const SquaredEvidence& better = strength.exceeds >= profile.exceeds ? strength : profile;
-  const VibrationScale scale(thresholds);
+  const SquaredEvidence spread = spread_evidence(lines, variances, centres_octaves, share, errors.degrees, scale);
+  const SquaredEvidence& better = strength.exceeds >= spread.exceeds ? strength : spread;
   const double observer = scale.noise_between(real_sum + beside, rendered_sum + beside);
   // The noise's mean share is taken off, not all that it may reach: what is beyond its reach would else read too small.
   result.jnd = better.exceeds > 0.0 ? std::sqrt(std::max(0.0, better.square - better.by_noise)) / observer : 0.0;
@@ -150,6 +192,9 @@ VibrationDifference difference(const ComparedPower& real, const ComparedPower& r
   result.standard_error = std::sqrt(better.variance * reach) / (kNormal95 * observer);
   result.allowed_N =
       result.threshold_N * (std::sqrt(real_most + scale.noticed_from(real_sum + beside)) - std::sqrt(real_most));
+  constexpr double kOneStrength = 0.25;  // of the stronger's power: what differs is the frequency
+  if (&better == &spread && std::min(strongest[0], strongest[1]) > kOneStrength * std::max(strongest[0], strongest[1]))
+    result.pitch = pitch;
   return result;
 }
 
