@@ -250,8 +250,21 @@ TEST(Judge, ARenderingThatGivesNoForceIsNoticed) {
   EXPECT_GT(of(judgement, Channel::force).jnd, 5.0);
 }
 
+// 0.5 mm is what an optical or magnetic tracker is off by; a hand knows its place to some millimetres.
+TEST(Judge, AFrameOffByATrackersErrorIsNotNoticed) {
+  for (const double late_m : {0.0002, 0.0005, 0.001}) {
+    const auto off = judged({.noise_N = 0.001, .late_m = late_m}, {}, 2, {.noise_N = 0.001});
+    EXPECT_EQ(off.verdict, Verdict::not_noticed) << late_m << ": " << off.d_prime;
+  }
+  const auto far = judged({.stroke_m = 0.016, .noise_N = 0.001, .late_m = 0.009}, {}, 2, {.noise_N = 0.001});
+  EXPECT_EQ(far.verdict, Verdict::noticed);
+  EXPECT_EQ(far.gives_away, Channel::position);
+  EXPECT_NEAR(of(far, Channel::position).jnd, 3.0, 0.1);
+}
+
 TEST(Judge, LeavesChannelsOutOfTheSumButShowsThem) {
   JudgeOptions options;
+  options.thresholds.position_m = 4e-4;  // between finger and thumb
   const auto late = judged({.noise_N = 0.001, .late_m = 0.003}, options, 2, {.noise_N = 0.001});
   EXPECT_NEAR(of(late, Channel::position).jnd, 3.0 / 0.4, 0.1);
   options.without = {Channel::position};

@@ -28,7 +28,7 @@ struct Thresholds {
   double depth_fraction = 0.18699;
   double direction_rad = 0.4468;
   double friction_fraction = 0.20;
-  double position_m = 0.0004;
+  double position_m = 0.003;
   double delay_s = 0.036;
   // Of the amplitude, 10 dB above threshold, at 79 % right answers (d' = 1.16).
   double vibration_fraction = 0.20;
