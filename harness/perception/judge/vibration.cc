@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "harness/perception/fourier.h"
@@ -68,7 +69,9 @@ class PowerSum {
     }
   }
 
-  void add(const std::array<std::vector<double>, 3>& x, std::size_t first) {
+  void add(const std::array<std::vector<double>, 3>& x, std::size_t first,
+           double since_contact_s = std::numeric_limits<double>::infinity()) {
+    since_contact_s_.push_back(since_contact_s);
     std::vector<double> bands(sum_.size(), 0.0);
     std::vector<double> segment(length_);
     for (std::size_t a = 0; a < x.size(); ++a) {
@@ -105,6 +108,7 @@ class PowerSum {
     power.segments = count_;
     power.segment_s = static_cast<double>(length_) / rate_Hz_;
     power.windows_N2 = windows_;
+    power.since_contact_s = since_contact_s_;
     if (count_ == 0) return power;
     const auto n = static_cast<double>(count_);
     for (std::size_t b = 0; b < sum_.size(); ++b) {
@@ -154,6 +158,7 @@ class PowerSum {
   std::vector<double> octaves_;  // power times its octaves from the band's centre
   std::array<std::vector<double>, 3> of_axis_;
   std::vector<std::vector<double>> windows_;
+  std::vector<double> since_contact_s_;
   std::vector<int> band_;            // of each frequency of the spectrum
   std::vector<double> from_centre_;  // octaves, of each frequency
   std::vector<double> weight_;       // of each frequency's power
@@ -281,9 +286,15 @@ BandPower steady_power(const FastParts& parts, Phase phase, double rate_Hz, std:
     }
     if (available < kWantedSegments && segment_s != kSegments_s.back()) continue;
     PowerSum sum(rate_Hz, length, true, thresholds);
+    std::optional<std::size_t> last_air;
+    std::size_t seen = 0;
     for (const auto& [first, end] : stretches) {
+      for (; seen < first; ++seen) {
+        if (parts.phase[seen] == Phase::air) last_air = seen;
+      }
       for (std::size_t at = first; at + length <= end; at += std::max<std::size_t>(1, length / 2)) {
-        sum.add(parts.residual_N, at);
+        sum.add(parts.residual_N, at,
+                last_air ? static_cast<double>(at - *last_air) / rate_Hz : std::numeric_limits<double>::infinity());
       }
     }
     return sum.result();

@@ -29,6 +29,7 @@ struct BandPower {
   // Of that mean, if it were Gaussian noise: variance over the square, by how many bins, axes and segments it has.
   std::vector<double> gaussian_share;
   std::vector<std::vector<double>> windows_N2;  // by segment and band
+  std::vector<double> since_contact_s;          // by segment, when it begins; infinite where no air was before
   std::size_t segments = 0;                     // 0: nothing was seen, the vectors are empty
   double segment_s = 0.0;
 };
@@ -73,6 +74,7 @@ struct VibrationDifference {
   double frequency_Hz = 0.0;    // centre of the band that differs most
   double real_N = 0.0;          // root mean square in that band
   double rendered_N = 0.0;
+  bool by_hand = false;  // most of the error is that of the speeds of contact
   // Where the strongest band of each has its power, if what differs is how the power is spread; else nothing.
   std::optional<VibrationPitch> pitch;
   double threshold_N = 0.0;  // of that band, root mean square
@@ -87,14 +89,19 @@ struct VibrationDifference {
 // power counts where in the band it lies. The observer's noise is that of the power of all bands (vibration_scale.h),
 // so that what vibrates already masks.
 //
+// What rings after contact and dies away goes with the hand: its power grows with the square of the speed of contact
+// (as the burst below), and is the larger a part of the contact the shorter that is. It is compared as at the real
+// process's speed and time of contact, as far as its growth is known (growth.h): it takes contacts at like speeds to
+// tell.
+//
 // What noise alone reaches: the error of each power is the larger of its spread over the windows and that of Gaussian
 // noise of the mean power of both recordings before any correction; from few windows it is itself uncertain (Welch
 // 1947, Satterthwaite 1946), and the looks at one pair share 5 %.
 VibrationDifference vibration_difference(const FastForce& real, const FastForce& rendered, double noise_N2_per_Hz,
                                          const Thresholds& thresholds);
 // The burst after contact, at the real process's speed of contact (a transient grows in proportion to it: Okamura,
-// Cutkosky and Dennerlein 2001), above the vibration that goes on; the threshold of a short burst is higher by the root
-// of the integration time over its duration. Bands from 40 Hz on.
+// Cutkosky and Dennerlein 2001; the error is as above), above the vibration that goes on; the threshold of a short
+// burst is higher by the root of the integration time over its duration. Bands from 40 Hz on.
 VibrationDifference transient_difference(const FastForce& real, const FastForce& rendered,
                                          const Thresholds& thresholds);
 

@@ -1,10 +1,13 @@
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
+#include "harness/perception/judge/growth.h"
 #include "harness/perception/judge/vibration.h"
 #include "harness/perception/judge/vibration_scale.h"
 #include "harness/stats/distributions.h"
 #include "harness/stats/quantile.h"
+#include "harness/stats/summary.h"
 
 namespace touchstone::perception {
 namespace {
@@ -18,6 +21,7 @@ struct ComparedPower {
   std::vector<double> power_N2;
   std::vector<const BandPower*> parts;
   double factor = 1.0;  // that the parts' powers are multiplied by
+  std::vector<double> hand_N2 = std::vector<double>(band_centres_Hz().size(), 0.0);  // error by another hand
 
   // Where the power without noise lies in a band, octaves from its centre: noise lies at the centre on average.
   [[nodiscard]] double octaves(std::size_t band) const {
@@ -45,7 +49,8 @@ struct BandRange {
 struct PowerErrors {
   std::vector<double> by_band;
   double of_sum = 0.0;
-  double degrees = 1.0;  // with which of_sum is known
+  double degrees = 1.0;   // with which of_sum is known
+  double of_hands = 0.0;  // part of of_sum
 };
 
 PowerErrors errors_of(const ComparedPower& real, const ComparedPower& rendered, const BandRange& range,
@@ -81,6 +86,19 @@ PowerErrors errors_of(const ComparedPower& real, const ComparedPower& rendered, 
       errors.of_sum += variance;
       uncertain += variance * variance / std::max(1.0, n - 1.0);
     }
+  }
+  for (const ComparedPower* side : {&real, &rendered}) {
+    // The same in all bands: what it adds to their sum is shared out, so that it adds as much to how they are spread.
+    double sum = 0.0;
+    std::vector<double> own(centres.size(), 0.0);
+    for (std::size_t b = 0; b < centres.size(); ++b) {
+      if (!range.holds(centres[b])) continue;
+      own[b] = side->hand_N2[b] / range.threshold_N2(centres[b], thresholds);
+      sum += own[b];
+    }
+    for (std::size_t b = 0; b < centres.size(); ++b) errors.by_band[b] += own[b] * sum;
+    errors.of_sum += sum * sum;
+    errors.of_hands += sum * sum;
   }
   if (uncertain > 0.0) errors.degrees = std::max(1.0, errors.of_sum * errors.of_sum / uncertain);
   return errors;
@@ -190,6 +208,7 @@ VibrationDifference difference(const ComparedPower& real, const ComparedPower& r
   // As a normal error with the same reach.
   constexpr double kNormal95 = 1.959964;
   result.standard_error = std::sqrt(better.variance * reach) / (kNormal95 * observer);
+  result.by_hand = errors.of_hands > 0.5 * errors.of_sum;
   result.allowed_N =
       result.threshold_N * (std::sqrt(real_most + scale.noticed_from(real_sum + beside)) - std::sqrt(real_most));
   constexpr double kOneStrength = 0.25;  // of the stronger's power: what differs is the frequency
@@ -247,6 +266,78 @@ ComparedPower in_air(const FastForce& fast, const Thresholds& thresholds) {
   return result;
 }
 
+// How the hand of the real process met the object beside that of the rendered one.
+struct HandRatio {
+  double speed = 1.0;  // of contact
+  double time = 1.0;   // in contact, of each
+
+  // `decaying_N2` of a rendered process at the real one's hand: its power, and how far the law of growth may be off in
+  // the direction of `real_N2`, as standard error.
+  [[nodiscard]] std::pair<double, double> at_real_hand(double decaying_N2, double steady_N2, double real_N2) const {
+    constexpr double kBound = 0.5;  // a bound is two standard errors
+    const GrowthBounds growth = growth_bounds(speed, 2.0);
+    const double scaled_N2 = decaying_N2 * growth.by_law / time;
+    const bool more = real_N2 > steady_N2 + scaled_N2;
+    const double bound_N2 = more ? std::max(growth.most / time, 1.0) : std::min(growth.least / time, 1.0);
+    return {scaled_N2, kBound * std::abs(decaying_N2 * bound_N2 - scaled_N2)};
+  }
+};
+
+HandRatio hands_of(const FastForce& real, const FastForce& rendered) {
+  if (real.onsets < kFewestOnsets || rendered.onsets < kFewestOnsets) return {};
+  const auto time_of = [](const FastForce& fast) {
+    return fast.contact.segment_s * static_cast<double>(fast.contact.segments) / static_cast<double>(fast.onsets);
+  };
+  return {real.onset_speed_m_per_s / rendered.onset_speed_m_per_s,
+          real.contact.segments > 0 && rendered.contact.segments > 0 ? time_of(real) / time_of(rendered) : 1.0};
+}
+
+// The windows of `contact` that begin so late after contact that what rings has died away; where there are few, the
+// later half if it is later by a longer ring than the early ones show.
+std::vector<std::size_t> late_windows(const BandPower& contact) {
+  constexpr double kRings_s = 0.25;
+  constexpr double kLater_s = 0.05;
+  constexpr std::size_t kFewestLate = 3;
+  std::vector<double> since = contact.since_contact_s;
+  std::sort(since.begin(), since.end());
+  double from_s = kRings_s;
+  if (since.size() < kFewestLate || since[since.size() - kFewestLate] < kRings_s) {
+    from_s = since[since.size() / 2];
+    if (!(from_s - since.front() > kLater_s)) return {};
+  }
+  std::vector<std::size_t> late;
+  for (std::size_t w = 0; w < contact.segments; ++w) {
+    if (contact.since_contact_s[w] >= from_s) late.push_back(w);
+  }
+  return late;
+}
+
+// The part of a power that dies away after contact, and its standard error: the mean over all windows less that over
+// the late ones. Where none are late, all that is above noise may be of that kind.
+std::pair<double, double> decaying_N2(const BandPower& contact, const std::vector<std::size_t>& late,
+                                      double without_noise_N2, std::size_t band) {
+  const double above_noise_N2 = std::max(0.0, without_noise_N2);
+  if (late.size() == contact.segments) return {0.0, 0.0};
+  if (late.size() < 2) return {above_noise_N2, std::sqrt(contact.variance_N4[band])};
+  std::vector<double> powers_N2;
+  for (const std::size_t w : late) powers_N2.push_back(contact.windows_N2[w][band]);
+  const double spread_N2 = stats::standard_deviation(powers_N2);
+  return {std::clamp(contact.power_N2[band] - stats::mean(powers_N2), 0.0, above_noise_N2),
+          std::sqrt(spread_N2 * spread_N2 / static_cast<double>(late.size()) + contact.variance_N4[band])};
+}
+
+// Steady vibration as at the real process's hand.
+void take_to_hand(ComparedPower& rendered, const ComparedPower& real, const HandRatio& hands) {
+  const std::vector<std::size_t> late = late_windows(*rendered.parts[0]);
+  for (std::size_t b = 0; b < rendered.power_N2.size(); ++b) {
+    const auto [decaying, error_N2] = decaying_N2(*rendered.parts[0], late, rendered.power_N2[b], b);
+    const double steady_N2 = rendered.power_N2[b] - decaying;
+    const auto [scaled_N2, growth_N2] = hands.at_real_hand(decaying, steady_N2, real.power_N2[b]);
+    rendered.power_N2[b] = steady_N2 + scaled_N2;
+    rendered.hand_N2[b] = growth_N2 + error_N2 * std::abs(hands.speed * hands.speed / hands.time - 1.0);
+  }
+}
+
 }  // namespace
 
 VibrationDifference vibration_difference(const FastForce& real, const FastForce& rendered, double noise_N2_per_Hz,
@@ -260,9 +351,10 @@ VibrationDifference vibration_difference(const FastForce& real, const FastForce&
   const auto range_of = [highest_Hz](const BandPower& a, const BandPower& b) {
     return BandRange{std::max(19.0, 1.5 / std::min(a.segment_s, b.segment_s)), highest_Hz, 1.0};
   };
-  const auto contact = difference(in_contact(real, own_air ? real.air : more_air, noise_N2_per_Hz, thresholds),
-                                  in_contact(rendered, own_air ? rendered.air : more_air, noise_N2_per_Hz, thresholds),
-                                  {}, range_of(real.contact, rendered.contact), looks, thresholds);
+  const auto own = in_contact(real, own_air ? real.air : more_air, noise_N2_per_Hz, thresholds);
+  auto other = in_contact(rendered, own_air ? rendered.air : more_air, noise_N2_per_Hz, thresholds);
+  take_to_hand(other, own, hands_of(real, rendered));
+  const auto contact = difference(own, other, {}, range_of(real.contact, rendered.contact), looks, thresholds);
   if (!own_air) return contact;
   auto air = difference(in_air(real, thresholds), in_air(rendered, thresholds), {}, range_of(real.air, rendered.air),
                         looks, thresholds);
@@ -274,15 +366,24 @@ VibrationDifference transient_difference(const FastForce& real, const FastForce&
                                          const Thresholds& thresholds) {
   if (real.onsets < kFewestOnsets || rendered.onsets < kFewestOnsets) return {};
   const std::size_t bands = band_centres_Hz().size();
+  const HandRatio hands{real.onset_speed_m_per_s / rendered.onset_speed_m_per_s};
   const auto burst = [&](const FastForce& fast, double factor) {
     ComparedPower result{fast.onset.power_N2, {&fast.onset}, factor};
     if (fast.between.segments > 0) result.parts.push_back(&fast.between);
     for (std::size_t b = 0; b < bands; ++b) {
       if (fast.between.segments > 0) result.power_N2[b] -= fast.between.power_N2[b];
-      result.power_N2[b] *= factor;
     }
     return result;
   };
+  const ComparedPower own = burst(real, 1.0);
+  ComparedPower other = burst(rendered, hands.speed * hands.speed);
+  for (std::size_t b = 0; b < bands; ++b) {
+    // What noise leaves below nothing does not grow.
+    const double above_N2 = std::max(0.0, other.power_N2[b]);
+    const double growth_N2 = hands.at_real_hand(above_N2, 0.0, own.power_N2[b]).second;
+    other.power_N2[b] *= other.factor;
+    other.hand_N2[b] = growth_N2;
+  }
   // What goes on vibrating masks the burst: the stronger of the two.
   std::vector<double> masker_N2(bands, 0.0);
   for (const FastForce* fast : {&real, &rendered}) {
@@ -292,9 +393,7 @@ VibrationDifference transient_difference(const FastForce& real, const FastForce&
   }
   const BandRange range{39.0, std::min(real.nyquist_Hz, rendered.nyquist_Hz),
                         std::sqrt(std::max(1.0, thresholds.vibration_integration_s / kOnset_s))};
-  return difference(burst(real, 1.0),
-                    burst(rendered, std::pow(real.onset_speed_m_per_s / rendered.onset_speed_m_per_s, 2)), masker_N2,
-                    range, 2.0, thresholds);
+  return difference(own, other, masker_N2, range, 2.0, thresholds);
 }
 
 }  // namespace touchstone::perception
