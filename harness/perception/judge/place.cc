@@ -226,6 +226,7 @@ class PlaceComparison {
   [[nodiscard]] PlaceMap map() const {
     PlaceMap map;
     map.cell_m = cell_m_;
+    for (std::size_t a = 0; a < 2; ++a) map.side[a] = sides_[0]->felt.axis[a + 1];
     double sums[2] = {};
     double shares = 0.0;
     for (const auto& [key, both] : seen_) {

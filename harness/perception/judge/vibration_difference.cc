@@ -14,14 +14,17 @@ namespace {
 
 constexpr std::size_t kWantedAir = 4;
 constexpr std::size_t kFewestOnsets = 3;
-constexpr double kByNoise = 0.05;  // share of identical pairs that may exceed what noise reaches
+constexpr double kCertainErrors = 2.0;  // of a power that is there
+constexpr double kByNoise = 0.05;       // share of identical pairs that may exceed what noise reaches
 
 // One of the two processes: its power without noise, and what that was made of, the vibration itself first.
 struct ComparedPower {
   std::vector<double> power_N2;
   std::vector<const BandPower*> parts;
   double factor = 1.0;  // that the parts' powers are multiplied by
-  std::vector<double> hand_N2 = std::vector<double>(band_centres_Hz().size(), 0.0);  // error by another hand
+  // Errors by another hand: of the law of growth, the same in all bands, and of noise that would grow with it.
+  std::vector<double> hand_N2 = std::vector<double>(band_centres_Hz().size(), 0.0);
+  std::vector<double> hand_variance_N4 = hand_N2;
 
   // Where the power without noise lies in a band, octaves from its centre: noise lies at the centre on average.
   [[nodiscard]] double octaves(std::size_t band) const {
@@ -90,15 +93,19 @@ PowerErrors errors_of(const ComparedPower& real, const ComparedPower& rendered, 
   for (const ComparedPower* side : {&real, &rendered}) {
     // The same in all bands: what it adds to their sum is shared out, so that it adds as much to how they are spread.
     double sum = 0.0;
+    double noise = 0.0;
     std::vector<double> own(centres.size(), 0.0);
     for (std::size_t b = 0; b < centres.size(); ++b) {
       if (!range.holds(centres[b])) continue;
-      own[b] = side->hand_N2[b] / range.threshold_N2(centres[b], thresholds);
+      const double unit = 1.0 / range.threshold_N2(centres[b], thresholds);
+      own[b] = side->hand_N2[b] * unit;
       sum += own[b];
+      errors.by_band[b] += side->hand_variance_N4[b] * unit * unit;
+      noise += side->hand_variance_N4[b] * unit * unit;
     }
     for (std::size_t b = 0; b < centres.size(); ++b) errors.by_band[b] += own[b] * sum;
-    errors.of_sum += sum * sum;
-    errors.of_hands += sum * sum;
+    errors.of_sum += sum * sum + noise;
+    errors.of_hands += sum * sum + noise;
   }
   if (uncertain > 0.0) errors.degrees = std::max(1.0, errors.of_sum * errors.of_sum / uncertain);
   return errors;
@@ -281,6 +288,11 @@ struct HandRatio {
     const double bound_N2 = more ? std::max(growth.most / time, 1.0) : std::min(growth.least / time, 1.0);
     return {scaled_N2, kBound * std::abs(decaying_N2 * bound_N2 - scaled_N2)};
   }
+  // What an error of the power at the rendered hand comes to at the real one's, beyond that error itself.
+  [[nodiscard]] double error_factor() const {
+    const GrowthBounds growth = growth_bounds(speed, 2.0);
+    return std::hypot(growth.by_law / time - 1.0, 0.5 * (growth.most - growth.least) / time);
+  }
 };
 
 HandRatio hands_of(const FastForce& real, const FastForce& rendered) {
@@ -330,11 +342,13 @@ std::pair<double, double> decaying_N2(const BandPower& contact, const std::vecto
 void take_to_hand(ComparedPower& rendered, const ComparedPower& real, const HandRatio& hands) {
   const std::vector<std::size_t> late = late_windows(*rendered.parts[0]);
   for (std::size_t b = 0; b < rendered.power_N2.size(); ++b) {
-    const auto [decaying, error_N2] = decaying_N2(*rendered.parts[0], late, rendered.power_N2[b], b);
+    auto [decaying, error_N2] = decaying_N2(*rendered.parts[0], late, rendered.power_N2[b], b);
+    if (decaying < kCertainErrors * error_N2) decaying = 0.0;
     const double steady_N2 = rendered.power_N2[b] - decaying;
     const auto [scaled_N2, growth_N2] = hands.at_real_hand(decaying, steady_N2, real.power_N2[b]);
     rendered.power_N2[b] = steady_N2 + scaled_N2;
-    rendered.hand_N2[b] = growth_N2 + error_N2 * std::abs(hands.speed * hands.speed / hands.time - 1.0);
+    rendered.hand_N2[b] = growth_N2;
+    rendered.hand_variance_N4[b] = std::pow(error_N2 * hands.error_factor(), 2);
   }
 }
 
@@ -378,11 +392,13 @@ VibrationDifference transient_difference(const FastForce& real, const FastForce&
   const ComparedPower own = burst(real, 1.0);
   ComparedPower other = burst(rendered, hands.speed * hands.speed);
   for (std::size_t b = 0; b < bands; ++b) {
-    // What noise leaves below nothing does not grow.
-    const double above_N2 = std::max(0.0, other.power_N2[b]);
+    // What is not certain to be there does not grow, but for its error.
+    const double error_N2 = std::sqrt(rendered.onset.variance_N4[b]);
+    const double above_N2 = other.power_N2[b] < kCertainErrors * error_N2 ? 0.0 : other.power_N2[b];
     const double growth_N2 = hands.at_real_hand(above_N2, 0.0, own.power_N2[b]).second;
     other.power_N2[b] *= other.factor;
     other.hand_N2[b] = growth_N2;
+    other.hand_variance_N4[b] = std::pow(error_N2 * hands.error_factor(), 2);
   }
   // What goes on vibrating masks the burst: the stronger of the two.
   std::vector<double> masker_N2(bands, 0.0);
