@@ -212,9 +212,12 @@ VibrationDifference difference(const ComparedPower& real, const ComparedPower& r
   // The noise's mean share is taken off, not all that it may reach: what is beyond its reach would else read too small.
   result.jnd = better.exceeds > 0.0 ? std::sqrt(std::max(0.0, better.square - better.by_noise)) / observer : 0.0;
   result.measured_jnd = std::sqrt(std::max(0.0, better.square)) / observer;
-  // As a normal error with the same reach.
+  // As a normal error with the same reach. That the looks share 5 % is for what is found, not for how much may be
+  // hidden.
   constexpr double kNormal95 = 1.959964;
-  result.standard_error = std::sqrt(better.variance * reach) / (kNormal95 * observer);
+  const double errors_reached =
+      better.exceeds > 0.0 ? std::sqrt(reach) : std::sqrt(stats::f_quantile(1.0 - kByNoise, 1.0, errors.degrees));
+  result.standard_error = errors_reached * std::sqrt(better.variance) / (kNormal95 * observer);
   result.by_hand = errors.of_hands > 0.5 * errors.of_sum;
   result.allowed_N =
       result.threshold_N * (std::sqrt(real_most + scale.noticed_from(real_sum + beside)) - std::sqrt(real_most));
