@@ -128,7 +128,8 @@ struct SpectralLine {
 // How the power is spread: the squared distance of the two spectra after the observer's blur,
 //   sum over i, j of x_i x_j likeness(i, j)
 // with the real one's lines positive and the rendered one's negative. Noise of variance v_b in band b adds sum v_b on
-// average, since a line is like itself, and is nearly a sum of h equal squares (Satterthwaite 1946).
+// average, since a line is like itself, and is nearly a sum of h equal squares (Satterthwaite 1946). `lines`: for each
+// band that of the real process, then that of the rendered one.
 SquaredEvidence spread_evidence(const std::vector<SpectralLine>& lines, const std::vector<double>& variance,
                                 const std::vector<double>& centres_octaves, double share, double degrees,
                                 const VibrationScale& scale) {
@@ -151,8 +152,17 @@ SquaredEvidence spread_evidence(const std::vector<SpectralLine>& lines, const st
   }
   if (!(noise > 0.0)) return {square, square, 0.0, 0.0};
   const double h = noise * noise / noise_squares;
-  return {square - noise, square - noise * stats::f_quantile(share, h, degrees), square > 0.0 ? along / square : noise,
-          noise};
+  const double exceeds = square - noise * stats::f_quantile(share, h, degrees);
+  if (exceeds > 0.0) return {square - noise, exceeds, along / square, noise};
+  // Nothing is found: what may be hidden is a vibration in the bands that differ most, not one in all of them at once.
+  double squares = 0.0;
+  double variance_along = 0.0;
+  for (std::size_t b = 0; b < variance.size(); ++b) {
+    const double apart = lines[2 * b].power + lines[2 * b + 1].power;
+    squares += apart * apart;
+    variance_along += apart * apart * variance[b];
+  }
+  return {square - noise, exceeds, squares > 0.0 ? variance_along / squares : noise, noise};
 }
 
 // `looks`: how many cues of one pair share the error.
