@@ -104,7 +104,7 @@ const std::vector<PublishedExperiment>& published_experiments() {
          c.late_m = times * 4e-4;
          return c;
        },
-       // Told by the span of finger and thumb, not by where the hand is.
+       // What counts there is the distance of finger and thumb, not where the hand is.
        [](perception::Thresholds& t) { t.position_m = 4e-4; }},
   };
   return experiments;

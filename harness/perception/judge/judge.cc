@@ -373,7 +373,7 @@ void tell_what_is_open(Judgement& judgement, const NoiseFloor& floor, const Judg
     if (would_tell.empty() && reach > kDecides_jnd) {
       const double longer = std::pow(reach / kDecides_jnd, 2);
       would_tell =
-          fmt::format("about {:.2g} times as much recording of both would tell", std::max(2.0, std::round(longer)));
+          fmt::format("about {:.0f} times as much recording of both would tell", std::max(2.0, std::round(longer)));
     }
     text += fmt::format("{}{} may differ by up to {:.2g} JND{}", text.empty() ? "" : "; ", name_of(own.channel),
                         own.measured_jnd + reach, would_tell.empty() ? "" : fmt::format(" ({})", would_tell));
