@@ -7,7 +7,9 @@
 #include <nlohmann/json.hpp>
 
 #include "harness/report/evaluation_page.h"
+#include "harness/report/judgement_page.h"
 #include "harness/report/page_html.h"
+#include "harness/report/sample_judgement.h"
 #include "harness/report/sample_result.h"
 
 namespace touchstone::report {
@@ -84,6 +86,27 @@ TEST_F(Browser, DrawsEverythingOfflineWithoutAnError) {
   ASSERT_EQ(opened.status, 0);
   EXPECT_EQ(opened.seen["title"], "A sphere, stroked");
   expect_whole(opened.seen, "plain.html");
+}
+
+// Of a map of places all that is drawn is counted, and nothing runs off a page of 1,100 px or of a telephone.
+TEST_F(Browser, AMapOfPlacesIsDrawnAndThePageFitsATelephone) {
+  const auto page = judgement_page("What a person would notice", sample_judgement(), {}, {}, {});
+  const Opened opened = open_in_browser(fresh_report("judged.html", page));
+  if (opened.status == 77) GTEST_SKIP() << "needs node and chromium";
+  ASSERT_EQ(opened.status, 0);
+  EXPECT_TRUE(opened.seen["console"].empty()) << opened.seen["console"];
+  EXPECT_EQ(opened.seen["status"]["plots"], opened.seen["status"]["drawn"]);
+  ASSERT_EQ(opened.seen["maps"].size(), 1u);
+  const auto& map = opened.seen["maps"][0];
+  EXPECT_EQ(map["known"], 15);
+  EXPECT_EQ(map["figures"], 15);
+  EXPECT_EQ(map["unknown"], 5);
+  EXPECT_EQ(map["titles"], 20);
+  EXPECT_EQ(map["colours"], 3) << "stiffer, nearly alike, not known";
+  EXPECT_EQ(map["outside"], 0);
+  EXPECT_NE(std::string(map["label"]).find("20 places"), std::string::npos);
+  for (const auto& [width, wider] : opened.seen["wider_than_page"].items())
+    EXPECT_TRUE(wider.empty()) << width << wider;
 }
 
 TEST_F(Browser, HostileNamesAreShownNotRun) {

@@ -4,9 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <set>
 
 #include "harness/report/evaluation_page.h"
+#include "harness/report/place_section.h"
 
 namespace touchstone::report {
 namespace {
@@ -85,21 +85,23 @@ Section channel_section(const pc::JudgedConditions& judged) {
   section.intro =
       "Evidence in just noticeable differences, with its standard error. Force and stiffness are two cues of one "
       "curve: the stronger counts. \"-\": these recordings do not show the channel.";
-  Table table;
-  table.columns = {"condition"};
-  for (std::size_t c = 0; c < pc::kChannels; ++c) table.columns.emplace_back(pc::name_of(static_cast<pc::Channel>(c)));
+  if (judged.conditions.size() > pc::kKeepSeriesUpTo)
+    section.intro += fmt::format(" The {} conditions that are hardest to tell.", pc::kKeepSeriesUpTo);
   for (const auto* c : by_rank(judged)) {
-    Table::Row row;
-    row.cells.push_back(judged_text(c->name));
+    Table table;
+    table.caption = c->name;
+    table.columns = {"channel", "JND", "what differs"};
     for (const auto& channel : c->judgement.channels) {
-      row.cells.push_back(
-          {channel.known ? fmt::format("{:.2f} +- {:.2f}", channel.jnd, channel.standard_error) : std::string("-"),
-           true, Tone::neutral});
-      row.detail += fmt::format("{}: {}. ", pc::name_of(channel.channel), channel.known ? channel.what : channel.why);
+      Table::Row row;
+      row.cells = {judged_text(std::string(pc::name_of(channel.channel))),
+                   {channel.known ? fmt::format("{:.2f} +- {:.2f}", channel.jnd, channel.standard_error) : "-", true,
+                    Tone::neutral},
+                   judged_text(channel.known ? channel.what : channel.why)};
+      table.rows.push_back(std::move(row));
     }
-    table.rows.push_back(std::move(row));
+    section.blocks.emplace_back(std::move(table));
+    if (section.blocks.size() == pc::kKeepSeriesUpTo) break;
   }
-  section.blocks.emplace_back(std::move(table));
   return section;
 }
 
@@ -147,25 +149,26 @@ Section other_section(const pc::JudgedConditions& judged) {
       "Each pair by itself. They compare samples of the same moment: hands that press deeper, faster or later count as "
       "differences. The distance keeps all components. Structural similarity follows the equations of HSSIM; its "
       "published windows and constants could not be had.";
-  Table table;
-  table.columns = {"condition"};
-  for (const auto& c : judged.conditions) {
-    if (c.others.empty()) return section;
-    if (table.columns.size() == 1) {
-      for (const auto& other : c.others)
-        table.columns.push_back(other.unit == "1" ? other.name : fmt::format("{} [{}]", other.name, other.unit));
+  constexpr std::size_t kSideBySide = 4;  // as many as a narrow page holds
+  for (std::size_t first = 0; first < judged.conditions.size(); first += kSideBySide) {
+    const std::size_t end = std::min(judged.conditions.size(), first + kSideBySide);
+    if (judged.conditions[first].others.empty()) return section;
+    Table table;
+    table.columns = {"metric"};
+    for (std::size_t c = first; c < end; ++c) table.columns.push_back(judged.conditions[c].name);
+    for (std::size_t m = 0; m < judged.conditions[first].others.size(); ++m) {
+      const pc::OtherMetric& named = judged.conditions[first].others[m];
+      Table::Row row;
+      row.cells = {judged_text(named.unit == "1" ? named.name : fmt::format("{} [{}]", named.name, named.unit))};
+      for (std::size_t c = first; c < end; ++c) {
+        const pc::OtherMetric& other = judged.conditions[c].others[m];
+        row.cells.push_back(other.value ? judged_number(*other.value, "{:.4g}") : judged_text("none"));
+        if (!other.why.empty()) row.detail += fmt::format("{}: {}. ", judged.conditions[c].name, other.why);
+      }
+      table.rows.push_back(std::move(row));
     }
-    Table::Row row;
-    row.cells.push_back(judged_text(c.name));
-    std::set<std::string> reasons;
-    for (const auto& other : c.others) {
-      row.cells.push_back(other.value ? judged_number(*other.value, "{:.4g}") : judged_text("none"));
-      if (!other.why.empty()) reasons.insert(other.why);
-    }
-    for (const auto& why : reasons) row.detail += why + ". ";
-    table.rows.push_back(std::move(row));
+    section.blocks.emplace_back(std::move(table));
   }
-  section.blocks.emplace_back(std::move(table));
   return section;
 }
 
@@ -213,6 +216,7 @@ Page judgement_page(const std::string& title, const pc::JudgedConditions& judged
   page.sections.push_back(verdict_section(judged));
   for (const auto& note : notes) page.sections.front().blocks.emplace_back(TextBlock{note, Tone::warning});
   page.sections.push_back(channel_section(judged));
+  for (auto& section : place_sections(judged)) page.sections.push_back(std::move(section));
   for (auto section : {moment_section(judged), other_section(judged)}) {
     if (!section.blocks.empty()) page.sections.push_back(std::move(section));
   }

@@ -111,6 +111,25 @@ struct Scene {
   int height_px = 620;
 };
 
+// A flat map of four-sided cells, each in the colour of its value: from one colour below zero over white to another
+// above.
+struct CellMap {
+  struct Cell {
+    std::array<std::array<double, 2>, 4> corners{};  // in turn
+    std::optional<double> value;                     // nothing: not known there, hatched
+    std::string text;                                // what the cell says in words
+  };
+  std::string title;
+  std::string x_label;  // with its unit
+  std::string y_label;
+  std::string below;    // what a value below zero means
+  std::string above;    // and one above
+  double most = 1.0;    // of the colours; beyond they are the same
+  std::string summary;  // the whole map in words, for those who do not see it
+  std::vector<Cell> cells;
+  bool half_width = false;
+};
+
 // Name and value pairs: provenance, settings.
 struct Facts {
   std::vector<std::pair<std::string, std::string>> rows;
@@ -122,7 +141,7 @@ struct Code {
   std::string text;
 };
 
-using Block = std::variant<TextBlock, Table, LinePlot, BarPlot, Scene, Facts, Code>;
+using Block = std::variant<TextBlock, Table, LinePlot, BarPlot, Scene, CellMap, Facts, Code>;
 
 struct Section {
   std::string title;

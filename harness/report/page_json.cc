@@ -121,6 +121,20 @@ json to_json(const Scene& scene) {
           {"height", scene.height_px}};
 }
 
+json to_json(const CellMap& map) {
+  json cells = json::array();
+  for (const CellMap::Cell& cell : map.cells) {
+    json corners = json::array();
+    for (const auto& [x, y] : cell.corners) corners.push_back({plotted_number(x), plotted_number(y)});
+    cells.push_back({{"corners", std::move(corners)},
+                     {"value", cell.value ? plotted_number(*cell.value) : json()},
+                     {"text", cell.text}});
+  }
+  return {{"kind", "cells"},        {"title", map.title},       {"x_label", map.x_label}, {"y_label", map.y_label},
+          {"below", map.below},     {"above", map.above},       {"most", map.most},       {"summary", map.summary},
+          {"half", map.half_width}, {"cells", std::move(cells)}};
+}
+
 json to_json(const Facts& facts) {
   json rows = json::array();
   for (const auto& [label, value] : facts.rows) rows.push_back({label, value});

@@ -28,7 +28,7 @@ struct Asked {
   PlantedCase real;
   PlantedCase rendered;
   double d_prime = 0.0;
-  bool depth_known = false;  // forces are compared at a depth to which the hand is led
+  void (*setting)(pc::Thresholds&) = nullptr;  // of the published experiment
 };
 
 std::vector<Asked> asked_of(const PlantedSetup& setup, BenchTruth truth) {
@@ -36,14 +36,14 @@ std::vector<Asked> asked_of(const PlantedSetup& setup, BenchTruth truth) {
   if (truth == BenchTruth::experiments) {
     for (const auto& own : published_cases()) {
       const auto& experiment = published_experiments()[own.experiment];
-      asked.push_back({own.experiment, experiment.real, own.rendered, own.d_prime, experiment.depth_known});
+      asked.push_back({own.experiment, experiment.real, own.rendered, own.d_prime, experiment.setting});
     }
     return asked;
   }
   for (const auto& planted : planted_cases()) {
     // A buzz above half the rate is another buzz once sampled.
     if (planted.buzz_Hz > 0.45 * setup.rate_Hz) continue;
-    asked.push_back({0, {}, planted, planted_d_prime(planted, setup, pc::Thresholds{}), false});
+    asked.push_back({0, {}, planted, planted_d_prime(planted, setup, pc::Thresholds{})});
   }
   return asked;
 }
@@ -53,9 +53,6 @@ constexpr std::uint64_t kFirstReference = 900;  // streams from here on are thos
 
 BenchedRun run_setup(const PlantedSetup& setup, std::uint64_t seed, const PerceptionBenchOptions& bench,
                      std::vector<std::string>& metrics) {
-  const pc::JudgeOptions free_hand;
-  pc::JudgeOptions led_hand;
-  led_hand.thresholds.depth_fraction = 0.0;
   BenchedRun run;
   run.setup = setup;
   run.seed = seed;
@@ -65,7 +62,8 @@ BenchedRun run_setup(const PlantedSetup& setup, std::uint64_t seed, const Percep
   std::uint64_t stream = 0;
   metrics = {"judge"};
   for (const auto& asked : asked_of(setup, bench.truth)) {
-    const pc::JudgeOptions& options = asked.depth_known ? led_hand : free_hand;
+    pc::JudgeOptions options;
+    if (asked.setting != nullptr) asked.setting(options.thresholds);
     if (!reference || recorded != asked.reference) {
       recorded = asked.reference;
       real = record_planted(asked.real, setup, seed * kStreams + (recorded == 0 ? 0 : kFirstReference + recorded));

@@ -34,7 +34,7 @@ TEST(PlantedCases, HaveTheLiteraturesDifferenceAndNames) {
   EXPECT_NEAR(d("softer by 20 %"), std::log(1.25) / std::log(1.22), 1e-3);
   EXPECT_NEAR(d("buzz at 200 Hz, 1 of the threshold"), 1.0, 0.02);
   EXPECT_NEAR(d("force turned by 25.6 degrees"), 1.0, 1e-3);
-  EXPECT_NEAR(d("contact 3.0 mm late"), 3.0 / 0.4, 1e-9);
+  EXPECT_NEAR(d("contact 12.0 mm late"), 12.0 / 3.0, 1e-9);
   // Of a force of 2.5 N and more 7 % are noticed; the peak of the press does not enter.
   EXPECT_NEAR(d("friction of 0.02"), 0.02 / 0.07, 1e-9);
 }

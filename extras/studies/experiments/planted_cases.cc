@@ -92,7 +92,7 @@ std::vector<PlantedCase> planted_cases() {
   for (const double degrees : {5.0, 25.6, 75.0})
     add("direction", fmt::format("force turned by {:.3g} degrees", degrees)).tilt_rad =
         degrees / 180.0 * std::numbers::pi;
-  for (const double mm : {0.2, 1.0, 3.0})
+  for (const double mm : {1.0, 3.0, 12.0})
     add("late onset", fmt::format("contact {:.1f} mm late", mm)).late_m = 1e-3 * mm;
   for (const double ms : {1.0, 10.0, 30.0, 60.0})
     add("delay", fmt::format("force {:.0f} ms behind motion", ms)).delay_s = 1e-3 * ms;

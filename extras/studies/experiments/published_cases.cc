@@ -59,7 +59,8 @@ const std::vector<PublishedExperiment>& published_experiments() {
          c.softer = weaker(0.08, times);
          return c;
        },
-       true},
+       // The hand was led to the same depth, so that forces could be compared.
+       [](perception::Thresholds& t) { t.depth_fraction = 0.0; }},
       {"compliance, any depth", "22 % if the depth is varied so that force and work say nothing",
        "Tan, Durlach, Beauregard and Srinivasan (1995)", kNotStated, 1.0, plain(),
        [](const PlantedCase& real, double times) {
@@ -102,7 +103,9 @@ const std::vector<PublishedExperiment>& published_experiments() {
          PlantedCase c = real;
          c.late_m = times * 4e-4;
          return c;
-       }},
+       },
+       // What counts there is the distance of finger and thumb, not where the hand is.
+       [](perception::Thresholds& t) { t.position_m = 4e-4; }},
   };
   return experiments;
 }

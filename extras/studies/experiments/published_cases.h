@@ -21,7 +21,8 @@ struct PublishedExperiment {
   PlantedCase real;            // what the difference was found on
   // That process, changed by `times` just noticeable differences.
   PlantedCase (*changed)(const PlantedCase& real, double times);
-  bool depth_known = false;  // the hand was led to the same depth, so that forces could be compared
+  // What its procedure lets people use that a free hand does not have; null: nothing.
+  void (*setting)(perception::Thresholds&) = nullptr;
 };
 const std::vector<PublishedExperiment>& published_experiments();
 

@@ -55,11 +55,21 @@ void describe_slow(ChannelEvidence& evidence, const SlowEvidence& found, const T
   }
 }
 
-void describe_vibration(ChannelEvidence& evidence, const VibrationDifference& found) {
+void describe_vibration(ChannelEvidence& evidence, const VibrationDifference& found, const Thresholds& thresholds) {
   const bool burst = evidence.channel == Channel::transient;
   const char* const which = burst          ? "burst after contact"
                             : found.in_air ? "vibration in free air"
                                            : "vibration in contact";
+  constexpr double kAnotherPitch = 0.1;  // of the fraction that is noticed
+  if (found.pitch && std::abs(std::log(found.pitch->rendered_Hz / found.pitch->real_Hz)) >
+                         kAnotherPitch * std::log1p(thresholds.frequency_fraction)) {
+    evidence.what =
+        fmt::format("{} of {:.2g} N near {:.3g} Hz instead of {:.2g} N near {:.3g} Hz", which, found.pitch->rendered_N,
+                    found.pitch->rendered_Hz, found.pitch->real_N, found.pitch->real_Hz);
+    evidence.remedy = fmt::format("bring the frequency of the {} to within {:.2g} % of {:.3g} Hz", which,
+                                  100.0 * thresholds.frequency_fraction, found.pitch->real_Hz);
+    return;
+  }
   evidence.what = fmt::format("{} near {:.3g} Hz: {:.2g} N instead of {:.2g} N (felt from {:.2g} N on)", which,
                               found.frequency_Hz, found.rendered_N, found.real_N, found.threshold_N);
   evidence.remedy = fmt::format("bring the {} near {:.3g} Hz to within {:.2g} N of {:.2g} N", which, found.frequency_Hz,

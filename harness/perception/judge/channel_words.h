@@ -7,7 +7,7 @@
 namespace touchstone::perception {
 
 void describe_slow(ChannelEvidence& evidence, const SlowEvidence& found, const Thresholds& thresholds);
-void describe_vibration(ChannelEvidence& evidence, const VibrationDifference& found);
+void describe_vibration(ChannelEvidence& evidence, const VibrationDifference& found, const Thresholds& thresholds);
 void describe_air(ChannelEvidence& evidence, const AirDifference& found, const Thresholds& thresholds);
 std::string why_unknown(Channel channel);
 

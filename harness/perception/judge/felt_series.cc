@@ -156,7 +156,9 @@ FeltSeries felt_series(const Recording& recording, const Vec3& outward) {
   felt.same_clock = worst <= 0.05;
 
   const Vec3 axis0 = outward.normalized();
-  const Vec3 axis1 = axis0.unitOrthogonal();
+  // Along the frame's x where it can be, however little the direction is off an axis: places are told along it.
+  const Vec3 towards = std::abs(axis0.x()) < 0.7 ? Vec3::UnitX() : Vec3::UnitY();
+  const Vec3 axis1 = (towards - towards.dot(axis0) * axis0).normalized();
   const Vec3 axis2 = axis0.cross(axis1);
   felt.axis[0] = axis0;
   felt.axis[1] = axis1;

@@ -5,6 +5,8 @@
 #include <vector>
 
 #include "harness/base/vec.h"
+#include "harness/perception/judge/growth.h"
+#include "harness/stats/quantile.h"
 
 namespace touchstone::perception {
 namespace {
@@ -62,6 +64,7 @@ FreeAir free_air(const FeltSeries& felt, const Response& response) {
   // Where contact begins is known to a part of the depth: close to it is neither.
   const auto far = [&](std::size_t i) { return felt.depth_m[i] < response.contact_m - response.grid.spacing_m; };
   std::vector<double> pulls_N;
+  std::vector<double> leaving_m_per_s;
   std::vector<double> squares_N2;
   std::size_t i = 0;
   while (i < n) {
@@ -81,6 +84,7 @@ FreeAir free_air(const FeltSeries& felt, const Response& response) {
         most_N = std::max(most_N, sum_N / static_cast<double>(pull));
       }
       pulls_N.push_back(most_N);
+      leaving_m_per_s.push_back(std::abs(felt.rate_of_depth_m_per_s[first]));
       from = last;
     }
     const std::size_t until = i < n ? i - std::min(i, margin) : n;
@@ -104,6 +108,7 @@ FreeAir free_air(const FeltSeries& felt, const Response& response) {
   result.releases = pulls_N.size();
   result.pull_N = pulled.value;
   result.pull_error_N = pulled.error;
+  if (!leaving_m_per_s.empty()) result.leaving_m_per_s = stats::median(leaving_m_per_s);
   return result;
 }
 
@@ -123,7 +128,13 @@ AirDifference air_difference(const FreeAir& real, const FreeAir& rendered, bool 
   if (std::min(real.windows, rendered.windows) >= kFewestWindows)
     best = compared(false, real.force_N, real.force_error_N, rendered.force_N, rendered.force_error_N);
   if (std::min(real.releases, rendered.releases) >= kFewestReleases) {
-    const auto pull = compared(true, real.pull_N, real.pull_error_N, rendered.pull_N, rendered.pull_error_N);
+    auto pull = compared(true, real.pull_N, real.pull_error_N, rendered.pull_N, rendered.pull_error_N);
+    if (!same_motion) {
+      constexpr double kBound = 0.5;  // a bound is two standard errors
+      const GrowthBounds growth = growth_bounds(real.leaving_m_per_s / rendered.leaving_m_per_s, 0.0);
+      const double bound_N = rendered.pull_N * (real.pull_N > rendered.pull_N ? growth.most : growth.least);
+      pull.standard_error = std::hypot(pull.standard_error, kBound * std::abs(steps(bound_N) - steps(rendered.pull_N)));
+    }
     if (!best.known || pull.jnd - pull.standard_error > best.jnd - best.standard_error) best = pull;
   }
   return best;

@@ -18,6 +18,7 @@ struct FreeAir {
   // Largest mean of 20 ms against the outward direction within 0.1 s of leaving, mean over the releases.
   double pull_N = 0.0;
   double pull_error_N = 0.0;
+  double leaving_m_per_s = 0.0;  // median over them
   std::size_t releases = 0;
 };
 FreeAir free_air(const FeltSeries& felt, const Response& response);
@@ -31,7 +32,7 @@ struct AirDifference {
   double rendered_N = 0.0;
 };
 // In steps of force from nothing. A force in the air that both have goes with the hand (weight, inertia, drag): unless
-// both moved alike, it is only known to a factor of two.
+// both moved alike, it is only known to a factor of two. A pull may grow with the speed of leaving, or not (growth.h).
 AirDifference air_difference(const FreeAir& real, const FreeAir& rendered, bool same_motion,
                              const Thresholds& thresholds);
 

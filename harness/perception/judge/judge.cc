@@ -248,7 +248,13 @@ void fill_fast(Judgement& judgement, const JudgedProcess& real, const JudgedProc
     own.jnd = found.jnd;
     own.measured_jnd = found.measured_jnd;
     own.standard_error = found.standard_error;
-    describe_vibration(own, found);
+    describe_vibration(own, found, options.thresholds);
+    if (found.by_hand) {
+      own.would_tell = fmt::format(
+          "contact begins at {:.2g} m/s in the real recording and {:.2g} m/s in the other: meet "
+          "the object at like speeds",
+          real.fast.onset_speed_m_per_s, rendered.fast.onset_speed_m_per_s);
+    }
   };
   fill(Channel::vibration, vibration_difference(real.fast, rendered.fast, noise, options.thresholds));
   fill(Channel::transient, transient_difference(real.fast, rendered.fast, options.thresholds));
@@ -301,25 +307,26 @@ void take_noise_off(ChannelEvidence& own, const NoiseFloor& floor) {
   if (own.jnd <= 1.0) own.remedy.clear();
 }
 
+// Few repeats, and few blocks, leave the spread itself uncertain.
+double quantile_of(const NoiseFloor& floor) {
+  return stats::student_t_975(static_cast<double>(floor.repeats + kBlocks - 1));
+}
+
 // d' of everything and its interval, on the scale of the square, where the parts add up: how far the square of each
 // part reaches if the part itself is off by its quantile.
-void combine(Judgement& judgement, const NoiseFloor& floor, const JudgeOptions& options) {
-  for (auto& own : judgement.channels) {
-    if (own.known) take_noise_off(own, floor);
-  }
+void combine(Judgement& judgement, const NoiseFloor& floor, const std::vector<Channel>& without) {
   const ChannelEvidence& force = of(judgement, Channel::force);
   const ChannelEvidence& stiffness = of(judgement, Channel::stiffness);
-  // Few repeats, and few blocks, leave the spread itself uncertain.
-  const double quantile = stats::student_t_975(static_cast<double>(floor.repeats + kBlocks - 1));
+  const double quantile = quantile_of(floor);
+  judgement.above_noise = false;
+  judgement.gives_away.reset();
   double square = 0.0;
   double certain = 0.0;  // of what is above noise: the rest may be nothing
   double below = 0.0;
   double above = 0.0;
   double strongest = 0.0;
   for (const auto& own : judgement.channels) {
-    const bool left_out =
-        !own.known || std::find(options.without.begin(), options.without.end(), own.channel) != options.without.end();
-    if (left_out) continue;
+    if (!own.known || std::find(without.begin(), without.end(), own.channel) != without.end()) continue;
     if (own.jnd > std::max(strongest, kWorthNaming_jnd) && own.measured_jnd > quantile * own.standard_error) {
       strongest = own.jnd;
       judgement.gives_away = own.channel;
@@ -349,6 +356,34 @@ void combine(Judgement& judgement, const NoiseFloor& floor, const JudgeOptions& 
   } else {
     judgement.verdict = Verdict::cannot_tell;
   }
+}
+
+// Where these recordings cannot tell: the channels that may differ by more than one JND, each with what would tell.
+void tell_what_is_open(Judgement& judgement, const NoiseFloor& floor, const JudgeOptions& options) {
+  constexpr double kDecides_jnd = 0.7;  // an interval that leaves room for the other channels
+  if (judgement.verdict != Verdict::cannot_tell) return;
+  std::vector<Channel> without = options.without;
+  std::string text;
+  for (auto& own : judgement.channels) {
+    if (!own.known || std::find(without.begin(), without.end(), own.channel) != without.end()) continue;
+    const double reach = quantile_of(floor) * own.standard_error;
+    if (own.measured_jnd + reach < 1.0) continue;
+    own.open = true;
+    std::string would_tell = own.would_tell;
+    if (would_tell.empty() && reach > kDecides_jnd) {
+      const double longer = std::pow(reach / kDecides_jnd, 2);
+      would_tell =
+          fmt::format("about {:.0f} times as much recording of both would tell", std::max(2.0, std::round(longer)));
+    }
+    text += fmt::format("{}{} may differ by up to {:.2g} JND{}", text.empty() ? "" : "; ", name_of(own.channel),
+                        own.measured_jnd + reach, would_tell.empty() ? "" : fmt::format(" ({})", would_tell));
+    without.push_back(own.channel);
+  }
+  if (text.empty()) return;
+  Judgement rest = judgement;
+  combine(rest, floor, without);
+  judgement.open =
+      fmt::format("these recordings cannot tell: {}. By the other channels: {}", text, name_of(rest.verdict));
 }
 
 // All but the combination: what noise_floor() needs.
@@ -410,15 +445,22 @@ Judgement judge(const JudgedProcess& real, const JudgedProcess& rendered, const 
                 const JudgeOptions& options) {
   check_processes(real, rendered);
   Judgement judgement = compare(real, rendered, options);
-  combine(judgement, floor, options);
+  for (auto& own : judgement.channels) {
+    if (own.known) take_noise_off(own, floor);
+  }
+  combine(judgement, floor, options.without);
+  tell_what_is_open(judgement, floor, options);
   judgement.noticed_share = noticed_share(judgement.moments);
   if (!options.keep_moments) judgement.moments.clear();
   const double nyquist = std::min(real.fast.nyquist_Hz, rendered.fast.nyquist_Hz);
   if (nyquist < 1000.0) {
+    const auto& centres = band_centres_Hz();
+    const auto beyond = std::find_if(centres.begin(), centres.end(),
+                                     [nyquist](double centre) { return centre * kHalfBandRatio > nyquist; });
     judgement.remarks.push_back(
-        fmt::format("vibration is judged up to {:.4g} Hz, half the rate of the slower recording; it is felt up to 1000 "
-                    "Hz",
-                    nyquist));
+        fmt::format("vibration is judged up to {:.4g} Hz, in whole third octaves below half the rate of the slower "
+                    "recording; it is felt up to 1000 Hz",
+                    (beyond == centres.end() ? 1000.0 : *beyond / kHalfBandRatio)));
   }
   if (real.fast.air.segments == 0 && options.declared.force_N == 0.0) {
     judgement.remarks.emplace_back(

@@ -61,7 +61,9 @@ struct ChannelEvidence {
   std::string what;             // "38 % softer", "0.35 N near 200 Hz"
   std::string remedy;           // what gets it below one JND; empty where it is below
   std::string why;
-  double depth_m = 0.0;  // where it is strongest, from contact; NaN: has no depth
+  bool open = false;       // where these recordings cannot tell: this channel leaves it open
+  std::string would_tell;  // what would make the error smaller, if the channel knows
+  double depth_m = 0.0;    // where it is strongest, from contact; NaN: has no depth
 };
 
 // A stretch of the condition's recording.
@@ -91,6 +93,8 @@ struct Judgement {
   std::vector<FeltMoment> moments;  // in contact
   PlaceMap places;
   double noticed_share = 0.0;  // of the moments, above one JND; NaN without moments
+  // Where it cannot tell: which channels leave it open, what would tell, and the verdict without them.
+  std::string open;
   std::vector<std::string> remarks;
 };
 // The share of people that tell the two apart, for a reader: "76 %"; "-" where these recordings cannot tell, and the

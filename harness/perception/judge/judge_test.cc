@@ -141,6 +141,26 @@ TEST(Judge, ABuzzCountsByTheThresholdOfItsOwnFrequency) {
   }
 }
 
+// At the edges of third-octave bands (178, 224 Hz) as well as within.
+TEST(Judge, ATonesFrequencyCountsByItsJndWhereverItLies) {
+  const Thresholds thresholds;
+  const auto told = [&thresholds](double real_Hz, double rendered_Hz) {
+    const auto tone = [&thresholds](double f_Hz) {
+      return JudgedPress{.buzz_N = 10.0 * thresholds.vibration_force_N(f_Hz), .buzz_Hz = f_Hz, .noise_N = 0.0002};
+    };
+    return judged(tone(rendered_Hz), {}, 2, tone(real_Hz));
+  };
+  const double two_jnd = std::pow(1.0 + thresholds.frequency_fraction, 2.0);
+  for (const double f : {65.0, 90.0, 126.0, 178.0, 201.6, 224.0, 285.0}) {
+    EXPECT_LT(of(told(f, 1.05 * f), Channel::vibration).jnd, 0.5) << f;
+    EXPECT_NE(told(f, 1.05 * f).verdict, Verdict::noticed) << f;
+    const auto above = told(f, two_jnd * f);
+    EXPECT_EQ(above.verdict, Verdict::noticed) << f;
+    EXPECT_NEAR(of(above, Channel::vibration).jnd, 2.0, 0.4) << f;
+    EXPECT_THAT(of(above, Channel::vibration).what, HasSubstr("Hz instead of")) << f;
+  }
+}
+
 TEST(Judge, TheHandIsNotJudged) {
   for (const JudgedPress& other :
        {JudgedPress{.stroke_m = 0.012}, JudgedPress{.stroke_m = 0.006}, JudgedPress{.beat_Hz = 2.0},
@@ -232,8 +252,21 @@ TEST(Judge, ARenderingThatGivesNoForceIsNoticed) {
   EXPECT_GT(of(judgement, Channel::force).jnd, 5.0);
 }
 
+// 0.5 mm is what an optical or magnetic tracker is off by; a hand knows its place to some millimetres.
+TEST(Judge, AFrameOffByATrackersErrorIsNotNoticed) {
+  for (const double late_m : {0.0002, 0.0005, 0.001}) {
+    const auto off = judged({.noise_N = 0.001, .late_m = late_m}, {}, 2, {.noise_N = 0.001});
+    EXPECT_EQ(off.verdict, Verdict::not_noticed) << late_m << ": " << off.d_prime;
+  }
+  const auto far = judged({.stroke_m = 0.016, .noise_N = 0.001, .late_m = 0.009}, {}, 2, {.noise_N = 0.001});
+  EXPECT_EQ(far.verdict, Verdict::noticed);
+  EXPECT_EQ(far.gives_away, Channel::position);
+  EXPECT_NEAR(of(far, Channel::position).jnd, 3.0, 0.1);
+}
+
 TEST(Judge, LeavesChannelsOutOfTheSumButShowsThem) {
   JudgeOptions options;
+  options.thresholds.position_m = 4e-4;  // between finger and thumb
   const auto late = judged({.noise_N = 0.001, .late_m = 0.003}, options, 2, {.noise_N = 0.001});
   EXPECT_NEAR(of(late, Channel::position).jnd, 3.0 / 0.4, 0.1);
   options.without = {Channel::position};

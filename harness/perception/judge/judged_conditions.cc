@@ -123,6 +123,8 @@ JudgedConditions judge_conditions(const Recording& real, const std::vector<Recor
     const Recording recording = conditions[i].load();
     const JudgedProcess process = prepared(recording, conditions[i]);
     own.judgement = judge(reference, process, result.floor, own_options);
+    if (!own.judgement.open.empty())
+      own.judgement.remarks.push_back(fmt::format("{}: {}", own.name, own.judgement.open));
     if (explained < kDepthExplains) {
       own.judgement.remarks.push_back(
           fmt::format("depth explains {:.0f} % of how the real force varies: the object is curved or sloping, or "

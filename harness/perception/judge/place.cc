@@ -226,6 +226,7 @@ class PlaceComparison {
   [[nodiscard]] PlaceMap map() const {
     PlaceMap map;
     map.cell_m = cell_m_;
+    for (std::size_t a = 0; a < 2; ++a) map.side[a] = sides_[0]->felt.axis[a + 1];
     double sums[2] = {};
     double shares = 0.0;
     for (const auto& [key, both] : seen_) {
@@ -363,7 +364,8 @@ std::string describe_place(const PlaceMap& map, const PlaceDifference& strongest
   const bool more = strongest.rendered_N > strongest.real_N;
   // A place is known to a cell: no digit below a tenth of it. (Adding 0 takes the sign off a zero.)
   const double step_mm = std::pow(10.0, std::floor(std::log10(1e3 * map.cell_m / 10.0)));
-  const Vec3 at_mm = step_mm * (1e3 / step_mm * strongest.centre_m).array().round() + 0.0;
+  const auto rounded_mm = [step_mm](double x_m) { return step_mm * std::round(1e3 / step_mm * x_m) + 0.0; };
+  const Vec3 at_mm = strongest.centre_m.unaryExpr(rounded_mm);
   std::string text = fmt::format(
       "{:.3g} N instead of {:.3g} N ({:+.3g} %) near ({:.3g}, {:.3g}, {:.3g}) mm", strongest.rendered_N,
       strongest.real_N, 100.0 * (strongest.rendered_N / strongest.real_N - 1.0), at_mm.x(), at_mm.y(), at_mm.z());
@@ -391,9 +393,9 @@ std::string describe_place(const PlaceMap& map, const PlaceDifference& strongest
   const double middle = 0.5 * (low[axis] + high[axis]);
   const char name = "xyz"[axis];
   if (own_low[axis] > middle)
-    text += fmt::format(", all where {} is above {:.3g} mm", name, 1e3 * (own_low[axis] - 0.5 * map.cell_m));
+    text += fmt::format(", all where {} is above {:.3g} mm", name, rounded_mm(own_low[axis] - 0.5 * map.cell_m));
   if (own_high[axis] < middle)
-    text += fmt::format(", all where {} is below {:.3g} mm", name, 1e3 * (own_high[axis] + 0.5 * map.cell_m));
+    text += fmt::format(", all where {} is below {:.3g} mm", name, rounded_mm(own_high[axis] + 0.5 * map.cell_m));
   return text;
 }
 

@@ -48,6 +48,7 @@ struct PlaceDifference {
 
 struct PlaceMap {
   double cell_m = 0.0;
+  Vec3 side[2] = {Vec3::UnitX(), Vec3::UnitY()};  // of the cells, across the direction of pressing
   // Mean over the places where both were, by the time of the one that was there less, over that of its own places.
   double real_mean = 1.0;
   double rendered_mean = 1.0;

@@ -27,10 +27,11 @@ struct Thresholds {
   double depth_fraction = 0.18699;
   double direction_rad = 0.4468;
   double friction_fraction = 0.20;
-  double position_m = 0.0004;
+  double position_m = 0.003;
   double delay_s = 0.036;
   // Of the amplitude, 10 dB above threshold, at 79 % right answers (d' = 1.16).
   double vibration_fraction = 0.20;
+  double frequency_fraction = 0.2121;  // of a vibration's frequency, far above threshold
   double vibration_integration_s = 0.2;
   // The hand at the tip as mass, damper and spring: turns a threshold of displacement into one of force.
   double hand_mass_kg = 0.006;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "harness/perception/fourier.h"
@@ -45,6 +46,7 @@ class PowerSum {
         window_(length, 1.0),
         sum_(band_centres_Hz().size(), 0.0),
         squares_(sum_),
+        octaves_(sum_),
         of_axis_{sum_, sum_, sum_} {
     double energy = 0.0;
     for (std::size_t i = 0; i < length; ++i) {
@@ -61,12 +63,15 @@ class PowerSum {
       const double f = static_cast<double>(k) * rate_Hz / static_cast<double>(length);
       const int band = k == 0 ? -1 : band_of(f);
       band_.push_back(band);
+      from_centre_.push_back(band >= 0 ? std::log2(f / band_centres_Hz()[static_cast<std::size_t>(band)]) : 0.0);
       weight_.push_back(
           band >= 0 ? scale * band_weight(f, band_centres_Hz()[static_cast<std::size_t>(band)], thresholds) : 0.0);
     }
   }
 
-  void add(const std::array<std::vector<double>, 3>& x, std::size_t first) {
+  void add(const std::array<std::vector<double>, 3>& x, std::size_t first,
+           double since_contact_s = std::numeric_limits<double>::infinity()) {
+    since_contact_s_.push_back(since_contact_s);
     std::vector<double> bands(sum_.size(), 0.0);
     std::vector<double> segment(length_);
     for (std::size_t a = 0; a < x.size(); ++a) {
@@ -84,8 +89,10 @@ class PowerSum {
       for (std::size_t k = 1; 2 * k < length_; ++k) {
         if (band_[k] < 0) continue;
         const auto band = static_cast<std::size_t>(band_[k]);
-        bands[band] += weight_[k] * std::norm(spectrum[k]);
-        of_axis_[a][band] += weight_[k] * std::norm(spectrum[k]);
+        const double power = weight_[k] * std::norm(spectrum[k]);
+        bands[band] += power;
+        octaves_[band] += power * from_centre_[k];
+        of_axis_[a][band] += power;
       }
     }
     windows_.push_back(bands);
@@ -101,6 +108,7 @@ class PowerSum {
     power.segments = count_;
     power.segment_s = static_cast<double>(length_) / rate_Hz_;
     power.windows_N2 = windows_;
+    power.since_contact_s = since_contact_s_;
     if (count_ == 0) return power;
     const auto n = static_cast<double>(count_);
     for (std::size_t b = 0; b < sum_.size(); ++b) {
@@ -108,6 +116,7 @@ class PowerSum {
       power.power_N2.push_back(mean);
       const double spread = n > 1.0 ? std::max(0.0, (squares_[b] - n * mean * mean) / (n - 1.0)) : mean * mean;
       power.variance_N4.push_back(spread / n);
+      power.octaves.push_back(sum_[b] > 0.0 ? octaves_[b] / sum_[b] : 0.0);
       // The power of one axis of white noise has 2 / (2 bins) of its square as variance; a taper makes neighbouring
       // bins share what they show, one and a half for one (Welch 1967).
       const auto in_band = static_cast<double>(std::count(band_.begin(), band_.end(), static_cast<int>(b)));
@@ -146,10 +155,13 @@ class PowerSum {
   std::vector<std::vector<double>> slow_;  // taken out beside the mean
   std::vector<double> sum_;
   std::vector<double> squares_;
+  std::vector<double> octaves_;  // power times its octaves from the band's centre
   std::array<std::vector<double>, 3> of_axis_;
   std::vector<std::vector<double>> windows_;
-  std::vector<int> band_;       // of each frequency of the spectrum
-  std::vector<double> weight_;  // of each frequency's power
+  std::vector<double> since_contact_s_;
+  std::vector<int> band_;            // of each frequency of the spectrum
+  std::vector<double> from_centre_;  // octaves, of each frequency
+  std::vector<double> weight_;       // of each frequency's power
   std::size_t count_ = 0;
 };
 
@@ -274,9 +286,15 @@ BandPower steady_power(const FastParts& parts, Phase phase, double rate_Hz, std:
     }
     if (available < kWantedSegments && segment_s != kSegments_s.back()) continue;
     PowerSum sum(rate_Hz, length, true, thresholds);
+    std::optional<std::size_t> last_air;
+    std::size_t seen = 0;
     for (const auto& [first, end] : stretches) {
+      for (; seen < first; ++seen) {
+        if (parts.phase[seen] == Phase::air) last_air = seen;
+      }
       for (std::size_t at = first; at + length <= end; at += std::max<std::size_t>(1, length / 2)) {
-        sum.add(parts.residual_N, at);
+        sum.add(parts.residual_N, at,
+                last_air ? static_cast<double>(at - *last_air) / rate_Hz : std::numeric_limits<double>::infinity());
       }
     }
     return sum.result();

@@ -8,6 +8,7 @@
 
 #include <cmath>
 #include <cstddef>
+#include <optional>
 #include <vector>
 
 #include "harness/perception/judge/felt_series.h"
@@ -23,9 +24,11 @@ inline constexpr double kOnset_s = 0.064;
 struct BandPower {
   std::vector<double> power_N2;     // mean square of the force in the band, mean over the segments
   std::vector<double> variance_N4;  // of that mean, from its spread over the segments
+  std::vector<double> octaves;      // from the band's centre to where its power lies on average
   // Of that mean, if it were Gaussian noise: variance over the square, by how many bins, axes and segments it has.
   std::vector<double> gaussian_share;
   std::vector<std::vector<double>> windows_N2;  // by segment and band
+  std::vector<double> since_contact_s;          // by segment, when it begins; infinite where no air was before
   std::size_t segments = 0;                     // 0: nothing was seen, the vectors are empty
   double segment_s = 0.0;
 };
@@ -52,6 +55,14 @@ double band_weight(double f_Hz, double centre_Hz, const Thresholds& thresholds);
 
 FastForce fast_force(const FeltSeries& felt, const Response& response, const Thresholds& thresholds);
 
+// Two vibrations of about one strength and their frequencies.
+struct VibrationPitch {
+  double real_Hz = 0.0;
+  double real_N = 0.0;  // root mean square
+  double rendered_Hz = 0.0;
+  double rendered_N = 0.0;
+};
+
 // What a person would tell between two processes by their fast force.
 struct VibrationDifference {
   bool known = false;   // both were seen
@@ -62,6 +73,9 @@ struct VibrationDifference {
   double frequency_Hz = 0.0;    // centre of the band that differs most
   double real_N = 0.0;          // root mean square in that band
   double rendered_N = 0.0;
+  bool by_hand = false;  // most of the error is that of the speeds of contact
+  // Where the strongest band of each has its power, if what differs is how the power is spread; else nothing.
+  std::optional<VibrationPitch> pitch;
   double threshold_N = 0.0;  // of that band, root mean square
   double allowed_N = 0.0;    // this much more than real_N in that band is noticed with d' = 1
 };
@@ -69,9 +83,15 @@ struct VibrationDifference {
 // for nobody feels it: what is seen in the air as far as it is even over neighbouring bands (a tone is no noise), of
 // the other recording where one has no air, else what is declared (`noise_N2_per_Hz`, density of power of all axes). No
 // power is below nothing. A band's power counts in units of that of its threshold. Two cues, of which the stronger
-// counts: the power of all bands together (Bensmaia, Hollins and Yau 2005), and how it is spread over them, root of the
-// sum of squares. The observer's noise is that of the power of all bands (vibration_scale.h), so that what vibrates
-// already masks.
+// counts: the power of all bands together (Bensmaia, Hollins and Yau 2005), and how it is spread over frequency, as the
+// distance of the two spectra after the observer's own blur (VibrationScale::likeness), which has no edges: a band's
+// power counts where in the band it lies. The observer's noise is that of the power of all bands (vibration_scale.h),
+// so that what vibrates already masks.
+//
+// What rings after contact and dies away goes with the hand: its power grows with the square of the speed of contact
+// (as the burst below), and is the larger a part of the contact the shorter that is. It is compared as at the real
+// process's speed and time of contact, as far as its growth is known (growth.h): it takes contacts at like speeds to
+// tell.
 //
 // What noise alone reaches: the error of each power is the larger of its spread over the windows and that of Gaussian
 // noise of the mean power of both recordings before any correction; from few windows it is itself uncertain (Welch
@@ -79,8 +99,8 @@ struct VibrationDifference {
 VibrationDifference vibration_difference(const FastForce& real, const FastForce& rendered, double noise_N2_per_Hz,
                                          const Thresholds& thresholds);
 // The burst after contact, at the real process's speed of contact (a transient grows in proportion to it: Okamura,
-// Cutkosky and Dennerlein 2001), above the vibration that goes on; the threshold of a short burst is higher by the root
-// of the integration time over its duration. Bands from 40 Hz on.
+// Cutkosky and Dennerlein 2001; the error is as above), above the vibration that goes on; the threshold of a short
+// burst is higher by the root of the integration time over its duration. Bands from 40 Hz on.
 VibrationDifference transient_difference(const FastForce& real, const FastForce& rendered,
                                          const Thresholds& thresholds);
 

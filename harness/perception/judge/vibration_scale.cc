@@ -1,5 +1,6 @@
 #include "harness/perception/judge/vibration_scale.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "harness/perception/judge/procedure.h"
@@ -28,7 +29,13 @@ VibrationScale::VibrationScale(const Thresholds& thresholds) {
     (above_nothing(after, middle) - above_nothing(before, middle) > wanted ? low : high) = middle;
   }
   weber_ = low;
+  // Far above threshold two sines of the power E and the likeness r are sqrt(2 (1 - r)) E apart, with a noise of w E:
+  // the published difference has d' = 1 where 1 - r = w^2 / 2.
+  const double log_alike = std::log1p(-std::min(0.5 * weber_ * weber_, 1.0 - kLeastWeber));
+  tuning_octaves_ = std::log2(1.0 + thresholds.frequency_fraction) / std::sqrt(-log_alike);
 }
+
+double VibrationScale::likeness(double octaves) const { return std::exp(-std::pow(octaves / tuning_octaves_, 2)); }
 
 double VibrationScale::from_nothing(double power) const { return above_nothing(power, weber_); }
 

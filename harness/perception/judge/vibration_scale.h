@@ -6,6 +6,11 @@
 // itself has d' near 1, and d' grows with the square of the amplitude near it, as in negative masking: there a smaller
 // change is noticed than the threshold of detection is. d' between E1 and E2 is (asinh(w E2) - asinh(w E1)) / w. The
 // one constant w follows from a published difference threshold above a published level.
+//
+// The observer tells frequencies by how the power is spread over channels that overlap, as in models of hearing by
+// excitation patterns (Florentine and Buus 1981). What a channel takes falls as a Gaussian over the logarithm of the
+// frequency (the shape is ours), as wide as gives a published difference of the frequency d' = 1 far above threshold.
+// There are no edges between channels, and near threshold no frequency is told.
 #pragma once
 
 #include "harness/perception/judge/thresholds.h"
@@ -27,11 +32,14 @@ class VibrationScale {
   [[nodiscard]] double noise_between(double power_1, double power_2) const;
   // The added power that has d' = 1 above `power`.
   [[nodiscard]] double noticed_from(double power) const;
+  // How much of a vibration the observer takes for one so many octaves away: 1 at none.
+  [[nodiscard]] double likeness(double octaves) const;
   // Weber fraction of the power: the standard deviation over the power, far above threshold.
   [[nodiscard]] double weber() const noexcept { return weber_; }
 
  private:
   double weber_ = 0.0;
+  double tuning_octaves_ = 0.0;
 };
 
 }  // namespace touchstone::perception

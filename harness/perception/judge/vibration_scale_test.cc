@@ -59,6 +59,20 @@ TEST(VibrationScale, HoldsBothPublishedFigures) {
   EXPECT_NEAR(scale.noticed_from(1e6) / 1e6, std::expm1(scale.weber()), 1e-6);
 }
 
+// Israr, Tan and Reed (2006): 25 % at 20 dB and 18 % at 35 dB above threshold; near threshold no frequency is told.
+TEST(VibrationScale, AFrequencyIsToldByThePublishedFraction) {
+  const VibrationScale scale{Thresholds{}};
+  const auto told = [&scale](double fraction, double level_dB) {
+    const double power = std::pow(10.0, level_dB / 10.0);
+    const double apart = power * std::sqrt(2.0 * (1.0 - scale.likeness(std::log2(1.0 + fraction))));
+    return apart / scale.noise_between(power, power);
+  };
+  EXPECT_NEAR(told(0.25, 20.0), 1.0, 0.2);
+  EXPECT_NEAR(told(0.18, 35.0), 1.0, 0.2);
+  EXPECT_LT(told(0.21, 0.0), 0.4);
+  EXPECT_NEAR(told(-0.2, 30.0), told(0.25, 30.0), 1e-9);  // down as up: 1 / 1.25 = 0.8
+}
+
 TEST(VibrationScale, NoiseIsTheQuotientOfPowerAndDPrimeAtEveryDistance) {
   const VibrationScale scale{Thresholds{}};
   for (const double power : {0.0, 0.5, 10.0, 1e4}) {

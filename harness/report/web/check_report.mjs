@@ -34,6 +34,29 @@ try {
     traces: plot.data ? plot.data.length : 0,
     paths: [...plot.querySelectorAll('.scatterlayer path.js-line')].filter((path) => (path.getAttribute('d') || '').length > 10).length,
   }))`);
+  // Maps by their cells: how many are known and not, how many colours, and whether a cell lies outside the picture.
+  seen.maps = await evaluate(page, `[...document.querySelectorAll('svg.cells')].map((map) => {
+    const frame = map.getBoundingClientRect();
+    const cells = [...map.querySelectorAll('polygon')];
+    return {
+      known: cells.filter((cell) => cell.classList.contains('known')).length, unknown: cells.filter((cell) => cell.classList.contains('unknown')).length,
+      colours: new Set(cells.map((cell) => cell.getAttribute('fill'))).size, titles: cells.filter((cell) => cell.textContent.length > 0).length,
+      figures: map.querySelectorAll('.figure').length, label: map.getAttribute('aria-label'),
+      outside: cells.filter((cell) => { const box = cell.getBoundingClientRect(); return box.left < frame.left - 1 || box.right > frame.right + 1 || box.top < frame.top - 1 || box.bottom > frame.bottom + 1; }).length,
+    };
+  })`);
+  // What runs off the page where it is narrow.
+  seen.wider_than_page = {};
+  for (const width of [1100, 390]) {
+    await page.send('Emulation.setDeviceMetricsOverride', { width, height: 900, deviceScaleFactor: 1, mobile: width < 500 });
+    seen.wider_than_page[width] = await evaluate(page, `(async () => {
+      for (const folded of document.querySelectorAll('details')) folded.open = true;
+      for (const plot of document.querySelectorAll('.js-plotly-plot')) await Plotly.Plots.resize(plot);
+      return [...document.querySelectorAll('.scroll')].filter((one) => one.scrollWidth > one.clientWidth + 1).map((one) => one.querySelector('th').textContent + ': ' + one.scrollWidth)
+        .concat(document.documentElement.scrollWidth > ${width} ? ['page: ' + document.documentElement.scrollWidth] : []);
+    })()`);
+  }
+  await page.send('Emulation.clearDeviceMetricsOverride');
   // The 3-D view as it looks: how many colours, and how much of it is not the background.
   seen.scenes = [];
   const count = await evaluate(page, 'document.querySelectorAll(".plot[data-kind=scene]").length');

@@ -193,13 +193,66 @@
     return [element('h3', {}, block.title), host, block.note ? element('div', { class: 'plot-note' }, block.note) : null];
   }
 
+  function drawn(tag, attributes, ...children) {
+    const made = document.createElementNS('http://www.w3.org/2000/svg', tag);
+    for (const [key, value] of Object.entries(attributes)) made.setAttribute(key, value);
+    for (const child of children) if (child) made.append(child);
+    return made;
+  }
+
+  // Blue over white to vermilion (Okabe and Ito), the same lightness on both sides.
+  function diverging(fraction) {
+    const end = fraction < 0 ? [0, 114, 178] : [213, 94, 0];
+    const share = Math.min(1, Math.abs(fraction));
+    return 'rgb(' + end.map((channel) => Math.round(255 + share * (channel - 255))).join(',') + ')';
+  }
+
+  // A flat map as a picture of its own, so that it is there without the plotting library too.
+  function cellsBlock(block) {
+    status.plots += 1;
+    const xs = block.cells.flatMap((cell) => cell.corners.map((corner) => corner[0]));
+    const ys = block.cells.flatMap((cell) => cell.corners.map((corner) => corner[1]));
+    const [left, right, low, high] = [Math.min(...xs), Math.max(...xs), Math.min(...ys), Math.max(...ys)];
+    const scale = Math.min(440 / (right - left), 440 / (high - low));
+    const [wide, tall] = [Math.max(190, scale * (right - left)), scale * (high - low)];
+    const place = ([x, y]) => [62 + scale * (x - left), 10 + scale * (high - y)];
+    const svg = drawn('svg', { class: 'cells', viewBox: '0 0 ' + (wide + 76) + ' ' + (tall + 116), role: 'img', 'aria-label': block.title + ': ' + block.summary });
+    svg.append(drawn('defs', {}, drawn('pattern', { id: 'unknown', width: 6, height: 6, patternUnits: 'userSpaceOnUse', patternTransform: 'rotate(45)' },
+      drawn('rect', { width: 6, height: 6, fill: '#eef1f4' }), drawn('line', { x1: 0, y1: 0, x2: 0, y2: 6, stroke: '#9aa5b0', 'stroke-width': 2 }))));
+    const words = (x, y, text, extra) => { const made = drawn('text', Object.assign({ x, y }, extra)); made.textContent = text; return made; };
+    for (const cell of block.cells) {
+      const corners = cell.corners.map(place);
+      const known = cell.value !== null;
+      const shape = drawn('polygon', { points: corners.map((corner) => corner.join(',')).join(' '), fill: known ? diverging(cell.value / block.most) : 'url(#unknown)', class: known ? 'known' : 'unknown' });
+      const title = drawn('title', {});
+      title.textContent = cell.text;
+      shape.append(title);
+      svg.append(shape);
+      const side = Math.hypot(corners[1][0] - corners[0][0], corners[1][1] - corners[0][1]);
+      if (known && side > 26) {
+        const middle = [0, 1].map((i) => corners.reduce((sum, corner) => sum + corner[i], 0) / 4);
+        svg.append(words(middle[0], middle[1] + 4, Math.abs(cell.value) < 0.05 ? '0' : (cell.value > 0 ? '+' : '') + cell.value.toFixed(1).replace('-', '\u2212'), { class: 'figure', fill: Math.abs(cell.value) > 0.75 * block.most ? '#fff' : '#1c2733' }));
+      }
+    }
+    const step = (from, to) => { const raw = (to - from) / 5; const unit = Math.pow(10, Math.floor(Math.log10(raw))); return unit * ([1, 2, 5, 10].find((times) => times * unit >= raw)); };
+    for (let x = Math.ceil(left / step(left, right)) * step(left, right); x <= right; x += step(left, right)) svg.append(words(place([x, 0])[0], tall + 26, String(+x.toPrecision(6)), { class: 'tick', 'text-anchor': 'middle' }));
+    for (let y = Math.ceil(low / step(left, right)) * step(left, right); y <= high; y += step(left, right)) svg.append(words(56, place([0, y])[1] + 4, String(+y.toPrecision(6)), { class: 'tick', 'text-anchor': 'end' }));
+    svg.append(words(62 + wide / 2, tall + 44, block.x_label, { 'text-anchor': 'middle' }));
+    svg.append(words(0, 0, block.y_label, { 'text-anchor': 'middle', transform: 'translate(14,' + (10 + tall / 2) + ') rotate(-90)' }));
+    for (let i = 0; i < 9; ++i) svg.append(drawn('rect', { x: 62 + i * 12, y: tall + 60, width: 12, height: 12, fill: diverging((i - 4) / 4) }));
+    svg.append(words(62, tall + 86, '\u2212' + block.most + ' ' + block.below, {}), words(62, tall + 102, '+' + block.most + ' ' + block.above, {}));
+    svg.append(drawn('rect', { x: 186, y: tall + 60, width: 12, height: 12, fill: 'url(#unknown)' }), words(202, tall + 70, 'cannot tell', {}));
+    status.drawn += 1;
+    return [element('h3', {}, block.title), svg, element('div', { class: 'plot-note' }, block.summary)];
+  }
+
   function tableBlock(block) {
     const numeric = block.columns.map((_, i) => block.rows.length > 0 && block.rows.every((row) => row.cells[i] && row.cells[i].number));
     const zooms = block.rows.some((row) => row.zoom);
     const head = element('tr', {}, ...block.columns.map((name, i) => element('th', { class: numeric[i] ? 'number' : '' }, name)), zooms ? element('th') : null);
     const body = element('tbody');
     for (const row of block.rows) {
-      const cells = row.cells.map((cell, i) => element('td', { class: [cell.number ? 'number' : '', cell.tone === 'neutral' ? '' : cell.tone].join(' ').trim() },
+      const cells = row.cells.map((cell, i) => element('td', { 'data-column': block.columns[i], class: [cell.number ? 'number' : '', cell.tone === 'neutral' ? '' : cell.tone].join(' ').trim() },
         cell.text, i === 0 && row.detail ? element('div', { class: 'detail' }, row.detail) : null));
       if (zooms) {
         const last = element('td', { class: 'number' });
@@ -221,6 +274,7 @@
     lines: (block) => plotBlock(block, drawLines),
     bars: (block) => plotBlock(block, drawBars),
     scene: (block) => plotBlock(block, drawScene),
+    cells: cellsBlock,
     facts: (block) => [element('dl', {}, ...block.rows.flatMap(([label, value]) => [element('dt', {}, label), element('dd', {}, value)]))],
     code: (block) => [block.caption ? element('h3', {}, block.caption) : null, element('pre', {}, block.text)],
   };
