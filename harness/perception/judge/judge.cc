@@ -364,11 +364,10 @@ void tell_what_is_open(Judgement& judgement, const NoiseFloor& floor, const Judg
   if (judgement.verdict != Verdict::cannot_tell) return;
   std::vector<Channel> without = options.without;
   std::string text;
-  for (auto& own : judgement.channels) {
+  for (const auto& own : judgement.channels) {
     if (!own.known || std::find(without.begin(), without.end(), own.channel) != without.end()) continue;
     const double reach = quantile_of(floor) * own.standard_error;
     if (own.measured_jnd + reach < 1.0) continue;
-    own.open = true;
     std::string would_tell = own.would_tell;
     if (would_tell.empty() && reach > kDecides_jnd) {
       const double longer = std::pow(reach / kDecides_jnd, 2);

@@ -61,7 +61,6 @@ struct ChannelEvidence {
   std::string what;             // "38 % softer", "0.35 N near 200 Hz"
   std::string remedy;           // what gets it below one JND; empty where it is below
   std::string why;
-  bool open = false;       // where these recordings cannot tell: this channel leaves it open
   std::string would_tell;  // what would make the error smaller, if the channel knows
   double depth_m = 0.0;    // where it is strongest, from contact; NaN: has no depth
 };

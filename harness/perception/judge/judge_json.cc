@@ -29,7 +29,7 @@ JudgeJson condition_json(const JudgedCondition& own) {
     }
     channels.push_back({{"name", name_of(channel.channel)},
                         {"jnd", finite(channel.jnd)},
-                        {"probability", channel.open ? JudgeJson() : finite(channel.probability)},
+                        {"probability", finite(channel.probability)},
                         {"standard_error_jnd", finite(channel.standard_error)},
                         {"what", channel.what},
                         {"remedy", channel.remedy},
@@ -59,8 +59,7 @@ JudgeJson condition_json(const JudgedCondition& own) {
                       {"standard_error_jnd", known(cell.standard_error)}});
   }
   return {{"name", own.name},
-          // A best guess would be read as a finding.
-          {"noticed_probability", j.verdict == Verdict::cannot_tell ? JudgeJson() : finite(j.noticed_probability)},
+          {"noticed_probability", finite(j.noticed_probability)},
           {"noticed_interval95", {finite(j.noticed_low95), finite(j.noticed_high95)}},
           {"d_prime", finite(j.d_prime)},
           {"d_prime_interval95", {finite(j.d_prime_low95), finite(j.d_prime_high95)}},
