@@ -27,6 +27,7 @@ struct FreeParameter {
   // as a whole, held where effects are compared.
   bool coefficient = false;
   bool moves_contact = false;  // EffectTraits of its owner
+  std::vector<std::string> also = {};  // other parameters of the owner that it changes in no small part
 };
 
 std::vector<FreeParameter> without_coefficients(std::vector<FreeParameter> parameters);

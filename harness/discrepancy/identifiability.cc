@@ -9,9 +9,13 @@
 #include <map>
 #include <numbers>
 
+#include "harness/rendering/surface_frame.h"
 #include "harness/stats/quantile.h"
 
 namespace touchstone::discrepancy {
+
+using rendering::displacement_of;
+
 namespace {
 
 constexpr double half95 = 1.96;
@@ -116,7 +120,13 @@ std::vector<Undetermined> find_undetermined(const FitData& data, const Recording
       variance += part * part / std::max(eigen.eigenvalues()[k], zero_share * largest);
     }
     if (half95 * std::sqrt(variance) > widest_half(parameter, parameter.get(model))) {
-      found.push_back({parameter.owner, parameter.name, "this motion shows no difference when it changes"});
+      std::vector<std::string> names = parameter.also;
+      names.push_back(parameter.name);
+      for (const std::string& name : names) {
+        const bool known = std::ranges::any_of(
+            found, [&](const Undetermined& one) { return one.effect == parameter.owner && one.parameter == name; });
+        if (!known) found.push_back({parameter.owner, name, "this motion shows no difference when it changes"});
+      }
       continue;
     }
     const auto& along_axes = library.traits(parameter.owner).along_axes;
@@ -200,8 +210,8 @@ void question_place(const Recording& recording, const Prediction& prediction, co
     normal += prediction.n_W[i];
     box.extend(recording.motion.p_W_m[i]);
   }
-  const Vec3 shift(moved.parameters.at("dx_m"), moved.parameters.at("dy_m"), moved.parameters.at("dz_m"));
   const Vec3 n = normal.norm() > 0.0 ? Vec3(normal.normalized()) : Vec3(Vec3::UnitZ());
+  const Vec3 shift = displacement_of(moved.parameters).at(box.isEmpty() ? Vec3(Vec3::Zero()) : Vec3(box.center()));
   const double along_m = (shift - n.dot(shift) * n).norm();
   // A tracker and a mesh that are registered at all agree to far better than this share of what was scanned.
   constexpr double far_off = 0.1;

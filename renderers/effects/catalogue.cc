@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "harness/rendering/smooth_field.h"
+#include "harness/rendering/surface_frame.h"
 #include "renderers/effects/adhesion.h"
 #include "renderers/effects/engine_effects.h"
 #include "renderers/effects/field_effects.h"
@@ -130,19 +131,16 @@ std::vector<EffectEntry> normal_laws() {
                                            {"reference_depth_m", "m", 1e-9, 1e3, 1e-3, "depth at which k d holds"}},
                                           &make_power_law_stiffness,
                                           ""}),
-      with(stiffness_map_traits(), {"stiffness-map",
-                                    "a softer or stiffer place: k (1 + a exp(-r^2/2w^2))",
-                                    "Gaussian inclusion",
-                                    "a spring at each place; NOT passive sideways: deep from soft to stiff gains, by "
-                                    "the law's lack of a side force",
-                                    Phase::stiffness,
-                                    false,
-                                    {{"amplitude", "1", -0.99, 100.0, 0.0, "a"},
-                                     place("x_m"),
-                                     place("y_m"),
-                                     {"width_m", "m", 1e-9, 1e3, 1e-2, "standard deviation w"}},
-                                    &make_stiffness_map,
-                                    ""}),
+      with(stiffness_map_traits(),
+           {"stiffness-map", "a softer or stiffer place: k (1 + a exp(-r^2/2w^2))", "Gaussian inclusion",
+            "a spring at each place; NOT passive sideways: deep from soft to stiff gains, by "
+            "the law's lack of a side force",
+            Phase::stiffness, false,
+            with_frame({{"amplitude", "1", -0.99, 100.0, 0.0, "a"},
+                        place("x_m"),
+                        place("y_m"),
+                        {"width_m", "m", 1e-9, 1e3, 1e-2, "standard deviation w"}}),
+            &make_stiffness_map, ""}),
       with(stress_relaxation_traits(), {"stress-relaxation",
                                         "a second spring ratio*k in series with a damper",
                                         "standard linear solid (Maxwell form)",
@@ -179,18 +177,14 @@ std::vector<EffectEntry> shape_laws() {
                                &make_adhesion,
                                ""}),
       with(surface_texture_traits(),
-           {"surface-texture",
-            "sinusoidal height over the object's xy plane",
-            "Minsky 1995",
-            "conservative to first order",
-            Phase::depth,
-            true,
-            {{"amplitude_m", "m", 0.0, 1e3, 0.0, "A"},
-             {"wavelength_m", "m", 1e-9, 1e3, 1e-2, "along the direction"},
-             {"direction_rad", "rad", -2.0 * std::numbers::pi, 2.0 * std::numbers::pi, 0.0, "a, from the object's x"},
-             {"phase_rad", "rad", -2.0 * std::numbers::pi, 2.0 * std::numbers::pi, 0.0, "at the origin"}},
-            &make_surface_texture,
-            ""}),
+           {"surface-texture", "sinusoidal height over the object's xy plane", "Minsky 1995",
+            "conservative to first order", Phase::depth, true,
+            with_frame(
+                {{"amplitude_m", "m", 0.0, 1e3, 0.0, "A"},
+                 {"wavelength_m", "m", 1e-9, 1e3, 1e-2, "along the direction"},
+                 {"direction_rad", "rad", -2.0 * std::numbers::pi, 2.0 * std::numbers::pi, 0.0, "a, from the x axis"},
+                 {"phase_rad", "rad", -2.0 * std::numbers::pi, 2.0 * std::numbers::pi, 0.0, "at the origin"}}),
+            &make_surface_texture, ""}),
   };
 }
 

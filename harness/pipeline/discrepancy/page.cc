@@ -12,6 +12,7 @@
 #include "harness/discrepancy/model_edit.h"
 #include "harness/rendering/model.h"
 #include "harness/rendering/smooth_field.h"
+#include "harness/rendering/surface_frame.h"
 
 namespace touchstone::pipeline {
 namespace {
@@ -315,6 +316,7 @@ std::optional<Section> field_section(const Findings& findings, const std::vector
     const NamedParameters& entry = *find_entry(findings.search.model, effect.name);
     if (!is_field(entry.parameters)) continue;
     const SmoothField field = field_of(entry.parameters, entry.place);
+    const rendering::SurfaceFrame frame = rendering::frame_of(entry.parameters);
     const EffectTraits& traits = library.traits(effect.name);
     const bool height = traits.surface == EffectTraits::Surface::higher_by_field;
     Scene scene;
@@ -326,7 +328,8 @@ std::optional<Section> field_section(const Findings& findings, const std::vector
     for (const Vec3& vertex : mesh.vertices_W_m) {
       bool near = false;
       for (std::size_t i = 0; i < path.size() && !near; i += stride) near = (path[i] - vertex).norm() < reach_m;
-      const double value = field.at(vertex.x(), vertex.y());
+      const Vec3 place_m = frame.place(vertex);
+      const double value = field.at(place_m.x(), place_m.y());
       scene.values.push_back(!near ? std::numeric_limits<double>::quiet_NaN() : height ? 1e3 * value : std::exp(value));
     }
     section.blocks.emplace_back(std::move(scene));
