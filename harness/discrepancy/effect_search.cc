@@ -333,6 +333,7 @@ class Search {
     result_.parameters = state_.parameters;
     FitData weights = fit_data(data_.learning, result_.model, data_.window_s);
     if (!declared_noise_predicts_better()) add_misfit(weights, estimate_misfit(weights, result_.model));
+    weights.budget = state_.budget.get();
     const bool fields = state_.compared().size() < result_.parameters.size();
     const int iterations = fields ? 2 * settings_.field_iterations : 4 * settings_.iterations;
     result_.fit = fit_jointly(weights, Model(result_.model), result_.parameters, iterations, true);
@@ -462,13 +463,13 @@ class Search {
       const DetectorSide validation{data_.validation.recording, &state_.declared_validation, data_.validation.noise};
       result_.data_fault = find_coefficient_fault(train, validation, result_.base, result_.model, *state_.candidates);
     }
-    judge_on_holdout(data_, settings_.iterations, result_);
+    judge_on_holdout(data_, settings_.iterations, *state_.budget, result_);
     if (result_.data_fault) {
       result_.model = result_.base;  // nothing is learnt from data that are wrong
       result_.found.clear();
       result_.undetermined.clear();
       result_.questions.clear();
-    } else if (result_.calls_for_law() || calls_for_law(state_)) {
+    } else if (state_.budget->allows("a law for the residual") && (result_.calls_for_law() || calls_for_law(state_))) {
       result_.law = search_law(state_, result_.base, report_);
       judge_law_on_holdout(data_, result_);
     }

@@ -41,7 +41,7 @@ std::vector<std::string> names_of(const json& effects) {
 
 // The true structure, its parameters fitted once more to the training recording: what the best of searches could leave.
 // True parameters alone may leave more, since positions are noisy and the mesh has an error.
-double refitted_floor_N(const BlindScore& score, const Model& truth, const Recording& train,
+double refitted_floor_N(const BlindScore& score, Model truth, const Recording& train,
                         const std::shared_ptr<const Surface>& surface, Predictor& holdout_predictor,
                         const Recording& holdout, const InstrumentDescription& instrument) {
   const auto predictor = make_model_predictor(surface, train.motion);
@@ -51,7 +51,9 @@ double refitted_floor_N(const BlindScore& score, const Model& truth, const Recor
   const RecordingScales scales = measure_scales(train, nominal, floor_N, stiffness, instrument.position_noise_m);
   std::vector<FreeParameter> parameters{log_base_parameter("stiffness_N_per_m", 0.1 * stiffness, 10.0 * stiffness)};
   for (const Candidate& candidate : all_candidates(built_in_catalogue())) {
-    if (find_entry(truth, candidate.name) == nullptr) continue;
+    NamedParameters* const entry = find_entry(truth, candidate.name);
+    if (entry == nullptr) continue;
+    for (const auto& declared : candidate.parameters) entry->parameters.try_emplace(declared.name, declared.initial);
     const auto free = candidate_fit(candidate, scales, train, nominal).parameters;
     parameters.insert(parameters.end(), free.begin(), free.end());
   }
