@@ -426,9 +426,8 @@ class Search {
                                    settings_.iterations / 2, read_);
   }
 
-  // A bump or a wave that by the interval to be written may be the mesh's declared error is not found: what the mesh's
-  // makers say of it is not missing. The gate of its trial saw the training blocks alone, and values that others have
-  // changed since. Whether one went.
+  // A bump or a wave that by the interval to be written may be the mesh's declared error is not found. The gate of its
+  // trial saw the training blocks alone, and values that others have changed since. Whether one went.
   bool drop_what_may_be_mesh() {
     const auto weak = std::find_if(result_.found.begin(), result_.found.end(), [&](const FoundEffect& effect) {
       return !displaces_for_sure(state_, result_.fit, result_.parameters, result_.draws, effect.name);
@@ -469,7 +468,7 @@ class Search {
       result_.found.clear();
       result_.undetermined.clear();
       result_.questions.clear();
-    } else if (state_.budget->allows("a law for the residual") && (result_.calls_for_law() || calls_for_law(state_))) {
+    } else if (result_.calls_for_law() || calls_for_law(state_)) {
       result_.law = search_law(state_, result_.base, report_);
       judge_law_on_holdout(data_, result_);
     }

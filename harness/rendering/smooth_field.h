@@ -49,9 +49,9 @@ class SmoothField {
 };
 
 // What an effect with a field declares: the range (x_low_m, y_low_m, x_high_m, y_high_m), the numbers of coefficients
-// (columns along x, rows along y), `bend`, the coefficients, each from -bound to bound, and the frame. `bend` is what the
-// coefficients' second differences are expected to be, in their unit: fits hold them to it, the effect does not read
-// it.
+// (columns along x, rows along y), `bend`, the coefficients, each from -bound to bound, and the frame. `bend` is what
+// the coefficients' second differences are expected to be, in their unit: fits hold them to it, the effect does not
+// read it.
 std::vector<ParameterDeclaration> field_parameters(const std::string& unit, double bound, const std::string& meaning);
 
 std::string field_coefficient(std::size_t column, std::size_t row);
