@@ -179,7 +179,7 @@ void question_paths(const Recording& recording, const Prediction& prediction, co
     const auto path = entry.parameters.find("presliding_m");
     if (path == entry.parameters.end()) continue;
     double mu = 0.0;
-    for (const char* const name : {"mu_static", "mu_dynamic", "mu_x", "mu_y"}) {
+    for (const char* const name : {"mu_static", "mu_dynamic", "mu_x", "mu_y", "mu_reference"}) {
       const auto coefficient = entry.parameters.find(name);
       if (coefficient != entry.parameters.end()) mu = std::max(mu, coefficient->second);
     }

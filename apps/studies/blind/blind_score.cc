@@ -143,9 +143,10 @@ void compare_parameters(BlindScore& score, const json& answer, const json& findi
       if (found.at("name") != truth.at("name")) continue;
       for (const auto& parameter : found.at("parameters")) {
         const auto name = parameter.at("name").get<std::string>();
-        // A reference depth is chosen, not measured; angles have a period.
-        if (!truth.at("parameters").contains(name) || name == "reference_depth_m" || name.ends_with("direction_rad") ||
-            name == "phase_rad" || parameter.at("value").is_null() || parameter.contains("undetermined")) {
+        // A reference depth or force is chosen, not measured, and what holds there goes with it; angles have a period.
+        if (!truth.at("parameters").contains(name) || name.starts_with("reference_") || name.ends_with("_reference") ||
+            name.ends_with("direction_rad") || name == "phase_rad" || parameter.at("value").is_null() ||
+            parameter.contains("undetermined")) {
           continue;
         }
         const double value = truth.at("parameters").at(name).get<double>();
