@@ -117,7 +117,11 @@ void add_discrepancy(CLI::App& program, Run& run) {
                    "after so long nothing new is tried, and the best answer so far is given with what was not tried; "
                    "what was begun, the intervals and the checks of the answer come on top; inf: none, the same answer "
                    "on every machine [s]")
-      ->check(CLI::NonNegativeNumber)
+      ->check([](const std::string& given) {
+        double seconds = 0.0;
+        const bool number = CLI::detail::lexical_cast(given, seconds);
+        return number && seconds >= 0.0 ? std::string() : "a number of seconds from 0 on, or inf, was expected";
+      })
       ->capture_default_str();
   options->plugins.add_to(*command);
   command->footer(

@@ -11,18 +11,25 @@
 #include "harness/discrepancy/texture_spectrum.h"
 #include "harness/rendering/declared_effect.h"
 #include "harness/rendering/smooth_field.h"
+#include "harness/rendering/surface_frame.h"
 #include "harness/stats/quantile.h"
 
 namespace touchstone::discrepancy {
 using recording::Recording;
+using rendering::add_frame;
 using rendering::Candidate;
+using rendering::displacement_of;
 using rendering::EffectTraits;
+using rendering::frame_of;
+using rendering::has_frame;
 using rendering::Model;
+using rendering::ObjectDisplacement;
 using rendering::ParameterDeclaration;
 using rendering::Prediction;
 using rendering::RecordingScales;
 using rendering::SearchedParameter;
 using rendering::SmoothField;
+using rendering::SurfaceFrame;
 
 namespace {
 
@@ -66,6 +73,25 @@ void couple(const SearchedParameter& searched, const std::string& owner, FreePar
       values[carried] = u * scale + excess;
     };
   }
+  if (!searched.along.empty()) {
+    const auto part = [](const std::map<std::string, double>& values, const std::map<std::string, double>& along) {
+      double sum = 0.0;
+      for (const auto& [one, share] : along) sum += share * values.at(one);
+      return sum;
+    };
+    free.set = [=, along = searched.along](Model& model, double u) {
+      auto& values = find_entry(model, owner)->parameters;
+      const double change = u * scale - part(values, along);
+      for (const auto& [one, share] : along) values[one] += share * change;
+    };
+    free.get = [=, along = searched.along](const Model& model) {
+      return part(find_entry(model, owner)->parameters, along) / scale;
+    };
+    constexpr double seen = 0.3;  // of a parameter, of which this is no small part
+    for (const auto& [one, share] : searched.along) {
+      if (one != name && std::abs(share) > seen) free.also.push_back(one);
+    }
+  }
 }
 
 // The catalogue's bounds where the plan has none: what it accepts is searched. Only lengths and times that a scan must
@@ -98,10 +124,10 @@ CandidateFit bump(const Context& c, BumpOf of, double scale, double lower, doubl
   CandidateFit fit;
   fit.parameters = {
       linear_parameter(name, amplitude, scale, lower * scale, upper * scale),
-      linear_parameter(name, "x_m", extent, c.scales.low_W_m.x() - 0.2 * extent, c.scales.high_W_m.x() + 0.2 * extent),
-      linear_parameter(name, "y_m", extent, c.scales.low_W_m.y() - 0.2 * extent, c.scales.high_W_m.y() + 0.2 * extent),
+      linear_parameter(name, "x_m", extent, c.scales.low_m.x() - 0.2 * extent, c.scales.high_m.x() + 0.2 * extent),
+      linear_parameter(name, "y_m", extent, c.scales.low_m.y() - 0.2 * extent, c.scales.high_m.y() + 0.2 * extent),
       log_parameter(name, "width_m", 0.02 * extent, widest * extent)};
-  for (const BumpPeak& peak : bump_peaks(c.recording, c.current, of, c.scales.low_W_m, c.scales.high_W_m, 6)) {
+  for (const BumpPeak& peak : bump_peaks(c.recording, c.current, of, c.scales.low_m, c.scales.high_m, 6)) {
     fit.starts.push_back(entry(c, {{amplitude, std::clamp(peak.amplitude, 0.8 * lower * scale, 0.8 * upper * scale)},
                                    {"x_m", peak.x_m},
                                    {"y_m", peak.y_m},
@@ -154,7 +180,7 @@ CandidateFit field(const Context& c) {
   constexpr double seconds_each = 0.25;  // of the whole recording
   const auto& name = c.candidate.name;
   const double most = std::clamp(c.scales.duration_s / seconds_each, 25.0, most_coefficients);
-  const Vec3 size = (c.scales.high_W_m - c.scales.low_W_m).cwiseMax(1e-6 * c.scales.extent_m());
+  const Vec3 size = (c.scales.high_m - c.scales.low_m).cwiseMax(1e-6 * c.scales.extent_m());
   const auto side = [](double length_m, double knot_m) {
     return std::clamp(std::ceil(length_m / knot_m) + 3.0, static_cast<double>(SmoothField::least_side),
                       static_cast<double>(SmoothField::most_side));
@@ -164,7 +190,7 @@ CandidateFit field(const Context& c) {
   const double columns = side(size.x(), knot_m);
   const double rows = side(size.y(), knot_m);
   // The range is a whole number of knots around the middle of what was touched.
-  const Vec3 middle = 0.5 * (c.scales.high_W_m + c.scales.low_W_m);
+  const Vec3 middle = 0.5 * (c.scales.high_m + c.scales.low_m);
   const double half_x = 0.5 * std::max(size.x(), knot_m * (columns - 3.0));
   const double half_y = 0.5 * std::max(size.y(), knot_m * (rows - 3.0));
   const ParameterDeclaration& bounds = declared(c, rendering::field_coefficient(0, 0));
@@ -237,6 +263,37 @@ CandidateFit generic(const Context& c) {
   return fit;
 }
 
+// The object's where the surface that was touched faces its z as nearly as makes no difference to a map (less than the
+// cosine of this angle, in one direction) and lies about its origin.
+SurfaceFrame frame_of_touched(const std::vector<Vec3>& touched_W_m, const Vec3& normals_W) {
+  constexpr double nearly_facing_rad = 0.15;
+  Vec3 middle_W_m = Vec3::Zero();
+  for (const Vec3& p : touched_W_m) middle_W_m += p / static_cast<double>(touched_W_m.size());
+  double reach_m = 0.0;
+  for (const Vec3& p : touched_W_m) reach_m = std::max(reach_m, (p - middle_W_m).norm());
+  const bool about_origin = middle_W_m.norm() < 2.0 * reach_m;
+  const Vec3 origin_W_m = about_origin ? Vec3(Vec3::Zero()) : middle_W_m;
+  // Touched from all sides it faces nowhere.
+  constexpr double least_mean = 0.3;
+  const bool faces = normals_W.norm() > least_mean * static_cast<double>(touched_W_m.size());
+  const Vec3 n_W = normals_W.normalized();
+  if (!faces || n_W.z() > std::cos(nearly_facing_rad)) return {origin_W_m, Quat::Identity()};
+  return SurfaceFrame::facing(n_W, origin_W_m);
+}
+
+// A recording and a prediction as they are seen in a frame.
+Recording seen_in(const SurfaceFrame& frame, Recording recording) {
+  for (Vec3& p : recording.motion.p_W_m) p = frame.place(p);
+  for (Vec3& f : recording.f_W_N) f = frame.direction(f);
+  return recording;
+}
+Prediction seen_in(const SurfaceFrame& frame, Prediction prediction) {
+  for (auto* const vectors : {&prediction.f_W_N, &prediction.n_W}) {
+    for (Vec3& v : *vectors) v = frame.direction(v);
+  }
+  return prediction;
+}
+
 }  // namespace
 
 RecordingScales measure_scales(const Recording& recording, const Prediction& prediction, double force_floor_N,
@@ -250,7 +307,8 @@ RecordingScales measure_scales(const Recording& recording, const Prediction& pre
   double apart = 0.0;
   double way_m = 0.0;
   double turns = 0.0;
-  Box3 box;
+  std::vector<Vec3> touched_W_m;
+  Vec3 normals_W = Vec3::Zero();
   for (std::size_t i = 0; i < recording.size(); ++i) {
     const auto& q_WS = recording.motion.q_WS;
     const Vec3 f_S_N = q_WS.empty() ? recording.f_W_N[i] : Vec3(q_WS[i].conjugate() * recording.f_W_N[i]);
@@ -260,7 +318,8 @@ RecordingScales measure_scales(const Recording& recording, const Prediction& pre
     const bool pressed = recording.f_W_N[i].norm() > force_floor_N;
     if (pressed || !n.isZero()) {
       forces.push_back(recording.f_W_N[i].norm());
-      box.extend(recording.motion.p_W_m[i]);
+      touched_W_m.push_back(recording.motion.p_W_m[i]);
+      normals_W += n;
     }
     if (pressed != !n.isZero()) apart += 1.0;
     if (n.isZero()) continue;
@@ -285,17 +344,27 @@ RecordingScales measure_scales(const Recording& recording, const Prediction& pre
     scales.depth_rate_m_per_s = stats::lower_quantile(std::move(rates), 0.9);
   }
   if (recording.size() > 1) scales.duration_s = recording.motion.t_s.back() - recording.motion.t_s.front();
-  if (!box.isEmpty()) {
-    scales.low_W_m = box.min();
-    scales.high_W_m = box.max();
-  }
+  if (touched_W_m.empty()) return scales;
+  scales.frame = frame_of_touched(touched_W_m, normals_W);
+  Box3 box;
+  for (const Vec3& p : touched_W_m) box.extend(scales.frame.place(p));
+  scales.low_m = box.min();
+  scales.high_m = box.max();
   return scales;
 }
 
 CandidateFit candidate_fit(const Candidate& candidate, const RecordingScales& scales, const Recording& recording,
                            const Prediction& current) {
-  const Context c{candidate, scales, recording, current};
   const EffectTraits& traits = candidate.traits;
+  if (has_frame(candidate.parameters) && !scales.frame.is_objects()) {
+    RecordingScales in_frame = scales;
+    in_frame.frame = {};
+    CandidateFit fit =
+        candidate_fit(candidate, in_frame, seen_in(scales.frame, recording), seen_in(scales.frame, current));
+    for (rendering::NamedParameters& start : fit.starts) add_frame(scales.frame, start.parameters);
+    return fit;
+  }
+  const Context c{candidate, scales, recording, current};
   const bool needs_way = traits.along_surface || is_field(candidate.parameters);
   if (needs_way && !scales.over_surface()) return {candidate.side, {}, {}};
   CandidateFit fit = is_field(candidate.parameters)              ? field(c)
@@ -314,27 +383,28 @@ double surface_displacement_m(const EffectTraits& traits, const rendering::Named
   if (traits.surface == Surface::higher_by_amplitude) return std::abs(p.at("amplitude_m"));
   if (traits.surface == Surface::higher_by_field) {
     const SmoothField height = rendering::field_of(entry.parameters, entry.place);
+    const SurfaceFrame frame = frame_of(entry.parameters);
     double squares = 0.0;
     double count = 0.0;
     for (std::size_t i = 0; i < motion.size(); ++i) {
       if (n_W[i].isZero()) continue;
-      squares += std::pow(height.at(motion.p_W_m[i].x(), motion.p_W_m[i].y()), 2);
+      const Vec3 place_m = frame.place(motion.p_W_m[i]);
+      squares += std::pow(height.at(place_m.x(), place_m.y()), 2);
       count += 1.0;
     }
     return count > 0.0 ? std::sqrt(squares / count) : 0.0;
   }
   if (traits.surface != Surface::moved) return std::numeric_limits<double>::infinity();
-  const Vec3 shift(p.at("dx_m"), p.at("dy_m"), p.at("dz_m"));
-  const Vec3 turn(p.at("rx_rad"), p.at("ry_rad"), 0.0);
+  const ObjectDisplacement moved = displacement_of(p);
   double squares = 0.0;
   double count = 0.0;
   for (std::size_t i = 0; i < motion.size(); ++i) {
     if (n_W[i].isZero()) continue;
-    const double along_m = n_W[i].dot(shift + turn.cross(motion.p_W_m[i]));
+    const double along_m = n_W[i].dot(moved.at(motion.p_W_m[i]));
     squares += along_m * along_m;
     count += 1.0;
   }
-  return count > 0.0 ? std::sqrt(squares / count) : shift.norm();
+  return count > 0.0 ? std::sqrt(squares / count) : moved.shift_W_m.norm();
 }
 
 }  // namespace touchstone::discrepancy

@@ -332,6 +332,7 @@ class Search {
     result_.parameters = state_.parameters;
     FitData weights = fit_data(data_.learning, result_.model, data_.window_s);
     if (!declared_noise_predicts_better()) add_misfit(weights, estimate_misfit(weights, result_.model));
+    weights.budget = state_.budget.get();
     const bool fields = state_.compared().size() < result_.parameters.size();
     const int iterations = fields ? 2 * settings_.field_iterations : 4 * settings_.iterations;
     result_.fit = fit_jointly(weights, Model(result_.model), result_.parameters, iterations, true);
@@ -424,9 +425,8 @@ class Search {
                                    settings_.iterations / 2, read_);
   }
 
-  // A bump or a wave that by the interval to be written may be the mesh's declared error is not found: what the mesh's
-  // makers say of it is not missing. The gate of its trial saw the training blocks alone, and values that others have
-  // changed since. Whether one went.
+  // A bump or a wave that by the interval to be written may be the mesh's declared error is not found. The gate of its
+  // trial saw the training blocks alone, and values that others have changed since. Whether one went.
   bool drop_what_may_be_mesh() {
     const auto weak = std::find_if(result_.found.begin(), result_.found.end(), [&](const FoundEffect& effect) {
       return !displaces_for_sure(state_, result_.fit, result_.parameters, result_.draws, effect.name);
@@ -461,7 +461,7 @@ class Search {
       const DetectorSide validation{data_.validation.recording, &state_.declared_validation, data_.validation.noise};
       result_.data_fault = find_coefficient_fault(train, validation, result_.base, result_.model, *state_.candidates);
     }
-    judge_on_holdout(data_, settings_.iterations, result_);
+    judge_on_holdout(data_, settings_.iterations, *state_.budget, result_);
     if (result_.data_fault) {
       result_.model = result_.base;  // nothing is learnt from data that are wrong
       result_.found.clear();

@@ -34,7 +34,8 @@ std::vector<FoundParameter> field_summary(const SearchResult& search, const Cand
   std::vector<FoundParameter> found;
   if (values.empty()) return found;
   std::sort(values.begin(), values.end());
-  const std::string unit = candidate.parameters.back().unit;
+  const auto coefficient = std::ranges::find(candidate.parameters, values.front().second, &rendering::ParameterDeclaration::name);
+  const std::string unit = coefficient->unit;
   for (const auto& [title, share] : {std::pair("low", 0.1), std::pair("high", 0.9)}) {
     const auto& [value, name] = values[static_cast<std::size_t>(share * static_cast<double>(values.size() - 1))];
     const Interval interval = interval95(search.fit, search.parameters, {}, candidate.name, name);

@@ -25,7 +25,8 @@ struct FreeParameter {
   // One of the hundreds of a field over the surface (harness/rendering/smooth_field.h): free where a model is refitted
   // as a whole, held where effects are compared.
   bool coefficient = false;
-  bool moves_contact = false;  // EffectTraits of its owner
+  bool moves_contact = false;          // EffectTraits of its owner
+  std::vector<std::string> also = {};  // other parameters of the owner that it changes in no small part
 };
 
 std::vector<FreeParameter> without_coefficients(std::vector<FreeParameter> parameters);

@@ -10,11 +10,13 @@
 namespace touchstone::discrepancy {
 namespace {
 
-void judge_effects(const SearchData& data, int iterations, const FitData& holdout, SearchResult& result) {
+void judge_effects(const SearchData& data, int iterations, const FitData& holdout, TimeBudget& budget,
+                   SearchResult& result) {
   const auto with = block_chi_squared(holdout, result.model);
   FitData learning = fit_data(data.learning, result.model, data.window_s);
   add_misfit(learning, estimate_misfit(learning, result.model));
   for (FoundEffect& effect : result.found) {
+    if (!budget.allows("whether the held-out data contradict " + effect.name)) continue;
     const JointFit without =
         fit_jointly(learning, without_entry(result.model, effect.name),
                     without_coefficients(without_owner(result.parameters, effect.name)), iterations, false);
@@ -26,7 +28,7 @@ void judge_effects(const SearchData& data, int iterations, const FitData& holdou
 
 }  // namespace
 
-void judge_on_holdout(const SearchData& data, int iterations, SearchResult& result) {
+void judge_on_holdout(const SearchData& data, int iterations, TimeBudget& budget, SearchResult& result) {
   const Goodness goodness = judge_goodness(data.learning, data.holdout, result.model, data.window_s);
   result.goodness = goodness.chi_squared;
   result.null_goodness = goodness.null;
@@ -38,7 +40,7 @@ void judge_on_holdout(const SearchData& data, int iterations, SearchResult& resu
   const DetectorSide holdout{data.holdout.recording, &goodness.holdout, data.holdout.noise};
   result.structure = detect_structure(learning, holdout, result.model, result.draws);
   result.spectrum = residual_spectrum(learning, holdout, result.model, data.window_s);
-  judge_effects(data, iterations, goodness.holdout, result);
+  judge_effects(data, iterations, goodness.holdout, budget, result);
 }
 
 void judge_law_on_holdout(const SearchData& data, SearchResult& result) {

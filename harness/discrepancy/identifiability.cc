@@ -9,10 +9,12 @@
 #include <map>
 #include <numbers>
 
+#include "harness/rendering/surface_frame.h"
 #include "harness/stats/quantile.h"
 
 namespace touchstone::discrepancy {
 using recording::Recording;
+using rendering::displacement_of;
 using rendering::Model;
 using rendering::NamedParameters;
 using rendering::Prediction;
@@ -121,7 +123,13 @@ std::vector<Undetermined> find_undetermined(const FitData& data, const Recording
       variance += part * part / std::max(eigen.eigenvalues()[k], zero_share * largest);
     }
     if (half95 * std::sqrt(variance) > widest_half(parameter, parameter.get(model))) {
-      found.push_back({parameter.owner, parameter.name, "this motion shows no difference when it changes"});
+      std::vector<std::string> names = parameter.also;
+      names.push_back(parameter.name);
+      for (const std::string& name : names) {
+        const bool known = std::ranges::any_of(
+            found, [&](const Undetermined& one) { return one.effect == parameter.owner && one.parameter == name; });
+        if (!known) found.push_back({parameter.owner, name, "this motion shows no difference when it changes"});
+      }
       continue;
     }
     const auto& along_axes = library.traits(parameter.owner).along_axes;
@@ -174,7 +182,7 @@ void question_paths(const Recording& recording, const Prediction& prediction, co
     const auto path = entry.parameters.find("presliding_m");
     if (path == entry.parameters.end()) continue;
     double mu = 0.0;
-    for (const char* const name : {"mu_static", "mu_dynamic", "mu_x", "mu_y"}) {
+    for (const char* const name : {"mu_static", "mu_dynamic", "mu_x", "mu_y", "mu_reference"}) {
       const auto coefficient = entry.parameters.find(name);
       if (coefficient != entry.parameters.end()) mu = std::max(mu, coefficient->second);
     }
@@ -205,8 +213,8 @@ void question_place(const Recording& recording, const Prediction& prediction, co
     normal += prediction.n_W[i];
     box.extend(recording.motion.p_W_m[i]);
   }
-  const Vec3 shift(moved.parameters.at("dx_m"), moved.parameters.at("dy_m"), moved.parameters.at("dz_m"));
   const Vec3 n = normal.norm() > 0.0 ? Vec3(normal.normalized()) : Vec3(Vec3::UnitZ());
+  const Vec3 shift = displacement_of(moved.parameters).at(box.isEmpty() ? Vec3(Vec3::Zero()) : Vec3(box.center()));
   const double along_m = (shift - n.dot(shift) * n).norm();
   // A tracker and a mesh that are registered at all agree to far better than this share of what was scanned.
   constexpr double far_off = 0.1;

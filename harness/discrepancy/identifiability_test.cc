@@ -5,6 +5,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <memory>
 
@@ -226,6 +227,10 @@ TEST(TimeLimit, GivesTheBestAnswerSoFarAndWhatWasNotTried) {
     const bool ended = limit_s > 0.0;
     EXPECT_EQ(findings.search.found.size(), ended ? 1U : 0U);
     EXPECT_EQ(findings.search.not_tried.empty(), ended);
+    // Not even the fits that widen the intervals: what comes after the limit is what the verdict needs.
+    EXPECT_EQ(findings.search.draws.empty(), !ended);
+    const auto& left_out = findings.search.not_tried;
+    EXPECT_EQ(std::ranges::count(left_out, "simulated recordings for the intervals"), ended ? 0 : 1);
     EXPECT_EQ(findings.verdict, ended ? FindingsVerdict::explained : FindingsVerdict::unexplained);
     const bool said = findings.explanation.find("force-bias as effect number 1") != std::string::npos;
     EXPECT_EQ(said, !ended) << findings.explanation;

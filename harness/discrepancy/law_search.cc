@@ -31,6 +31,8 @@ constexpr std::size_t most_refined = 5;
 // Of the best one's gain in deviance by which a term with fewer parameters may fall behind.
 constexpr double alike = 0.05;
 
+constexpr const char* law_search_step = "a law for the residual";
+
 using Report = std::function<void(const std::string&)>;
 
 // How the parameters of a term enter a fit from an entry: sizes in steps of what they are.
@@ -285,6 +287,7 @@ std::vector<SeenRange> ranges(const Evidence& learning, const Model& model) {
 }  // namespace
 
 bool calls_for_law(const SearchState& found) {
+  if (!found.budget->allows(law_search_step)) return false;
   const SearchData& data = *found.data;
   const Model& model = found.current.model;
   const Goodness goodness = judge_goodness(data.train, data.validation, model, data.window_s);
@@ -296,9 +299,8 @@ bool calls_for_law(const SearchState& found) {
 }
 
 UnknownLaw search_law(const SearchState& found, const Model& base, const Report& report) {
-  constexpr const char* what = "a law for the residual";
-  if (!found.budget->allows(what)) return {};
-  report(what);
+  if (!found.budget->allows(law_search_step)) return {};
+  report(law_search_step);
   std::vector<LawSearch> tried;
   tried.reserve(2);
   tried.emplace_back(found, report);

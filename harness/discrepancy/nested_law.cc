@@ -274,9 +274,12 @@ std::vector<LargerLaw> weigh_larger_laws(const SearchState& state) {
       trial.deviance = judged->validation;
       trial.validation_rms_N = state.validation_rms_N(trial.fit.model);
       const double gain = std::min(trial.train_gain, trial.validation_gain);
+      // Both as fitted by likelihood, which at the noisy positions leaves more than a fit there does.
+      const double smaller_N =
+          std::max(state.validation_rms_N(state.current.model), state.validation_rms_N(special.fit.model));
       if (candidate.traits.falls_with_speed) {
         trial.verdict = stays_in_cone(state, entry.name);
-      } else if (trial.validation_rms_N > state.validation_rms_N(state.current.model)) {
+      } else if (trial.validation_rms_N > smaller_N) {
         trial.verdict = "its validation error is larger than that of " + entry.name + ", which it contains";
       } else if (!(gain >= settings.law_gain)) {
         trial.verdict = "no more likely than " + entry.name + ", which it contains";

@@ -68,6 +68,7 @@ std::vector<NullFit> bootstrap_fits(const Evidence& train, const FitData& data, 
   const NearbyFits nearby(data, fit.model, parameters);
   std::vector<std::optional<NullFit>> fits(NoiseModel::null_worlds);
   const auto in_world = [&](std::size_t world) {
+    if (data.budget != nullptr && !data.budget->allows("simulated recordings for the intervals")) return;
     FitData again = data;
     again.measured_N = block_means(data.blocks, train.noise->null_forces(fit.model, nominal, world));
     rendering::Model from = fit.model;

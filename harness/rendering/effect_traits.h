@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "harness/base/vec.h"
+#include "harness/rendering/surface_frame.h"
 
 namespace touchstone::rendering {
 
@@ -26,9 +27,13 @@ struct RecordingScales {
   double position_noise_m = 0.0;  // declared
   double facet_m = 0.0;           // way along the surface from one normal to another one; at most the depth
   double touching_apart = 0.0;    // share of the samples in contact by force or by model that are so by one alone
-  Vec3 low_W_m = Vec3::Zero();    // of the positions in contact
-  Vec3 high_W_m = Vec3::Zero();
-  [[nodiscard]] double extent_m() const { return (high_W_m - low_W_m).head<2>().norm(); }
+  // The object's where what was touched faces its z and lies about its origin; else one that faces as the surface does,
+  // about the middle of what was touched. So nothing depends on where the world's origin lies and how its axes are
+  // turned.
+  SurfaceFrame frame = {};
+  Vec3 low_m = Vec3::Zero();  // of the positions in contact, in that frame
+  Vec3 high_m = Vec3::Zero();
+  [[nodiscard]] double extent_m() const { return (high_m - low_m).head<2>().norm(); }
   // Whether the contact went over the surface at all. An indentation at one place tells nothing of other places; there
   // the extent is at most what noise makes: peak to peak 2 * 3.9 deviations of 10,000 normal samples, on two axes.
   [[nodiscard]] bool over_surface() const {
@@ -51,6 +56,8 @@ struct SearchedParameter {
   std::string above = {};    // what is sought is its excess over this parameter
   std::string carries = {};  // a parameter that keeps its distance to this one
   double step = 0.0;         // of derivatives, in units of `scale`, to both sides; 0: a small one to one side
+  // What is sought is the part of several parameters along a direction, a unit vector; empty: the one of this name.
+  std::map<std::string, double> along = {};
 };
 
 // How an effect enters a fit.
@@ -92,7 +99,7 @@ struct EffectTraits {
     stays,
     higher_by_amplitude,  // by amplitude_m
     higher_by_field,      // harness/rendering/smooth_field.h
-    moved,                // as a whole: dx_m, dy_m, dz_m, rx_rad, ry_rad
+    moved,                // as a whole (surface_frame.h)
   } surface = Surface::stays;
   // Where starts are searched for in what the model leaves, instead of being given by `plan`.
   enum class Peaks : std::uint8_t {

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "harness/base/error.h"
+#include "harness/rendering/surface_frame.h"
 
 namespace touchstone::rendering {
 namespace {
@@ -105,7 +106,7 @@ SmoothField::Value SmoothField::with_slope(double x_m, double y_m) const noexcep
 std::vector<ParameterDeclaration> field_parameters(const std::string& unit, double bound, const std::string& meaning) {
   std::vector<ParameterDeclaration> declared;
   for (const char* const name : {"x_low_m", "y_low_m"}) {
-    declared.push_back({name, "m", -1e3, 1e3, 0.0, "where the range begins, in the object's xy plane"});
+    declared.push_back({name, "m", -1e3, 1e3, 0.0, "where the range begins"});
   }
   for (const char* const name : {"x_high_m", "y_high_m"}) {
     declared.push_back({name, "m", -1e3, 1e3, 1.0, "where it ends"});
@@ -121,7 +122,7 @@ std::vector<ParameterDeclaration> field_parameters(const std::string& unit, doub
       declared.push_back({field_coefficient(column, row), unit, -bound, bound, 0.0, meaning});
     }
   }
-  return declared;
+  return with_frame(std::move(declared));
 }
 
 std::string field_coefficient(std::size_t column, std::size_t row) { return fmt::format("c_{:02}_{:02}", column, row); }

@@ -1,4 +1,5 @@
-// A smooth function over the object's xy plane, as the effects of a model carry it: uniform cubic B-splines on a
+// A smooth function of x and y, as the effects of a model carry it, over the object's xy plane or that of a frame of
+// its own (surface_frame.h): uniform cubic B-splines on a
 // regular grid (de Boor, A Practical Guide to Splines, 1978), twice continuously differentiable. Outside of its range
 // it keeps the value of the border. The coefficients are ordinary parameters of the model file, c_COLUMN_ROW with two
 // digits each; those that a file does not give are 0.
@@ -47,9 +48,9 @@ class SmoothField {
 };
 
 // What an effect with a field declares: the range (x_low_m, y_low_m, x_high_m, y_high_m), the numbers of coefficients
-// (columns along x, rows along y), `bend`, and the coefficients, each from -bound to bound. `bend` is what the
-// coefficients' second differences are expected to be, in their unit: fits hold them to it, the effect does not read
-// it.
+// (columns along x, rows along y), `bend`, the coefficients, each from -bound to bound, and the frame. `bend` is what
+// the coefficients' second differences are expected to be, in their unit: fits hold them to it, the effect does not
+// read it.
 std::vector<ParameterDeclaration> field_parameters(const std::string& unit, double bound, const std::string& meaning);
 
 std::string field_coefficient(std::size_t column, std::size_t row);

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "harness/rendering/smooth_field.h"
+#include "harness/rendering/surface_frame.h"
 #include "renderers/effects/adhesion.h"
 #include "renderers/effects/engine_effects.h"
 #include "renderers/effects/field_effects.h"
@@ -91,6 +92,19 @@ std::vector<EffectEntry> friction_laws() {
                                            {mu("mu_x", "along x"), mu("mu_y", "along y"), presliding()},
                                            &make_anisotropic_friction,
                                            ""}),
+      with(sublinear_friction_traits(),
+           {"sublinear-friction",
+            "dry friction that grows less than the load: mu N_ref (N/N_ref)^exponent",
+            "Archard 1957; Adams, Briscoe and Johnson 2007",
+            "opposes motion; no cone: the coefficient grows without bound as the load goes",
+            Phase::friction,
+            false,
+            {mu("mu_reference", "coefficient at the reference force"),
+             {"exponent", "1", 0.1, 1.0, 1.0, "of the load; 2/3 for a soft ball, 1 is Coulomb's law"},
+             {"reference_force_N", "N", 1e-9, 1e6, 1.0, "load at which the coefficient holds"},
+             presliding()},
+            &make_sublinear_friction,
+            ""}),
       with(viscous_friction_traits(), {"viscous-friction",
                                        "tangential -b v_t while in contact",
                                        "Newton's law, lumped",
@@ -134,19 +148,16 @@ std::vector<EffectEntry> normal_laws() {
                                            {"reference_depth_m", "m", 1e-9, 1e3, 1e-3, "depth at which k d holds"}},
                                           &make_power_law_stiffness,
                                           ""}),
-      with(stiffness_map_traits(), {"stiffness-map",
-                                    "a softer or stiffer place: k (1 + a exp(-r^2/2w^2))",
-                                    "Gaussian inclusion",
-                                    "a spring at each place; NOT passive sideways: deep from soft to stiff gains, by "
-                                    "the law's lack of a side force",
-                                    Phase::stiffness,
-                                    false,
-                                    {{"amplitude", "1", -0.99, 100.0, 0.0, "a"},
-                                     place("x_m"),
-                                     place("y_m"),
-                                     {"width_m", "m", 1e-9, 1e3, 1e-2, "standard deviation w"}},
-                                    &make_stiffness_map,
-                                    ""}),
+      with(stiffness_map_traits(),
+           {"stiffness-map", "a softer or stiffer place: k (1 + a exp(-r^2/2w^2))", "Gaussian inclusion",
+            "a spring at each place; NOT passive sideways: deep from soft to stiff gains, by "
+            "the law's lack of a side force",
+            Phase::stiffness, false,
+            rendering::with_frame({{"amplitude", "1", -0.99, 100.0, 0.0, "a"},
+                        place("x_m"),
+                        place("y_m"),
+                        {"width_m", "m", 1e-9, 1e3, 1e-2, "standard deviation w"}}),
+            &make_stiffness_map, ""}),
       with(stress_relaxation_traits(), {"stress-relaxation",
                                         "a second spring ratio*k in series with a damper",
                                         "standard linear solid (Maxwell form)",
@@ -183,18 +194,14 @@ std::vector<EffectEntry> shape_laws() {
                                &make_adhesion,
                                ""}),
       with(surface_texture_traits(),
-           {"surface-texture",
-            "sinusoidal height over the object's xy plane",
-            "Minsky 1995",
-            "conservative to first order",
-            Phase::depth,
-            true,
-            {{"amplitude_m", "m", 0.0, 1e3, 0.0, "A"},
-             {"wavelength_m", "m", 1e-9, 1e3, 1e-2, "along the direction"},
-             {"direction_rad", "rad", -2.0 * std::numbers::pi, 2.0 * std::numbers::pi, 0.0, "a, from the object's x"},
-             {"phase_rad", "rad", -2.0 * std::numbers::pi, 2.0 * std::numbers::pi, 0.0, "at the origin"}},
-            &make_surface_texture,
-            ""}),
+           {"surface-texture", "sinusoidal height over the object's xy plane", "Minsky 1995",
+            "conservative to first order", Phase::depth, true,
+            rendering::with_frame(
+                {{"amplitude_m", "m", 0.0, 1e3, 0.0, "A"},
+                 {"wavelength_m", "m", 1e-9, 1e3, 1e-2, "along the direction"},
+                 {"direction_rad", "rad", -2.0 * std::numbers::pi, 2.0 * std::numbers::pi, 0.0, "a, from the x axis"},
+                 {"phase_rad", "rad", -2.0 * std::numbers::pi, 2.0 * std::numbers::pi, 0.0, "at the origin"}}),
+            &make_surface_texture, ""}),
   };
 }
 

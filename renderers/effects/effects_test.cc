@@ -122,6 +122,19 @@ TEST(Effects, AnisotropicFrictionHasItsOwnCoefficientAlongEachAxis) {
   }
 }
 
+// Slid at three depths: twice the load has 2^(2/3) times the friction, and an exponent of 1 is Coulomb's law.
+TEST(Effects, SublinearFrictionGoesWithAPowerOfTheLoad) {
+  for (const double exponent : {2.0 / 3.0, 1.0}) {
+    const Model model =
+        with("sublinear-friction",
+             {{"mu_reference", 0.4}, {"exponent", exponent}, {"reference_force_N", 0.8}, {"presliding_m", 1e-5}});
+    for (const double depth_m : {5e-4, 1e-3, 2e-3}) {
+      const auto results = run(model, {{0.0, 0.0, -depth_m}, {1e-3, 0.0, -depth_m}, {2e-3, 0.0, -depth_m}}, 1e-3);
+      EXPECT_NEAR(results.back().f_W_N.x(), -0.4 * 0.8 * std::pow(k * depth_m / 0.8, exponent), 1e-9) << depth_m;
+    }
+  }
+}
+
 TEST(Effects, RatesAgainstTheirFormulas) {
   const double dt = 1e-3;
   const double v = 0.05;

@@ -32,6 +32,8 @@ std::map<std::string, double> strong(const std::string& name, double scale) {
         {"stribeck_velocity_m_per_s", 0.02 * scale},
         {"presliding_m", 1e-4 * scale}}},
       {"anisotropic-friction", {{"mu_x", 0.2}, {"mu_y", 0.6}, {"presliding_m", 1e-4 * scale}}},
+      {"sublinear-friction",
+       {{"mu_reference", 0.6}, {"exponent", 0.6}, {"reference_force_N", 0.5}, {"presliding_m", 1e-4 * scale}}},
       {"viscous-friction", {{"coefficient_N_s_per_m", 5.0 / scale}}},
       {"normal-damping", {{"coefficient_N_s_per_m", 8.0 / scale}}},
       {"hunt-crossley", {{"coefficient_N_s_per_m2", 2000.0 / (scale * scale)}}},
@@ -171,10 +173,10 @@ TEST_P(EveryEffect, GivesNoEnergyOverAPathFromFreeAirToFreeAir) {
   }
   // What sampling makes: steps in which the contact begins or ends, and rates half a step late.
   EXPECT_LT(work, 1e-3 * traffic);
-  const std::vector<std::string> losing{"coulomb-friction",  "stribeck-friction", "anisotropic-friction",
-                                        "viscous-friction",  "normal-damping",    "hunt-crossley",
-                                        "stress-relaxation", "adhesion",          "stick-slip",
-                                        "viscosity"};
+  const std::vector<std::string> losing{"coulomb-friction",   "stribeck-friction", "anisotropic-friction",
+                                        "sublinear-friction", "viscous-friction",  "normal-damping",
+                                        "hunt-crossley",      "stress-relaxation", "adhesion",
+                                        "stick-slip",         "viscosity"};
   if (std::find(losing.begin(), losing.end(), GetParam().effect) != losing.end()) {
     EXPECT_LT(work, -3e-3 * traffic);
   }

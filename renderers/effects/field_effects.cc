@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "harness/rendering/smooth_field.h"
+#include "renderers/effects/in_frame.h"
 #include "renderers/effects/raised_surface.h"
 
 namespace touchstone::renderers {
@@ -59,13 +60,13 @@ class HeightField final : public Effect {
 }  // namespace
 
 std::unique_ptr<Effect> make_stiffness_field(std::span<const double> values) {
-  return std::make_unique<StiffnessField>(values);
+  return in_frame(values, std::make_unique<StiffnessField>(values));
 }
 std::unique_ptr<Effect> make_friction_field(std::span<const double> values) {
-  return std::make_unique<FrictionField>(values);
+  return in_frame(values, std::make_unique<FrictionField>(values));
 }
 std::unique_ptr<Effect> make_height_field_contact(std::span<const double> values) {
-  return std::make_unique<HeightField>(values);
+  return in_frame(values, std::make_unique<HeightField>(values));
 }
 
 EffectTraits stiffness_field_traits() {

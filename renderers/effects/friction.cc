@@ -115,6 +115,31 @@ class AnisotropicFriction final : public Effect {
   Bristle bristle_;
 };
 
+class SublinearFriction final : public Effect {
+ public:
+  SublinearFriction(double mu, double exponent, double reference_force_N, double presliding)
+      : force_N_(mu * reference_force_N), exponent_(exponent), reference_N_(reference_force_N), bristle_(presliding) {}
+
+  void reset() noexcept override { bristle_.reset(); }
+
+  void apply(ContactState& contact) noexcept override {
+    if (!contact.contact) {
+      bristle_.reset();
+      return;
+    }
+    bristle_.move(contact, 1.0);
+    if (!(contact.normal_force_N > 0.0)) return;
+    contact.tangential_W_N -=
+        force_N_ * std::pow(contact.normal_force_N / reference_N_, exponent_) * bristle_.deflection();
+  }
+
+ private:
+  double force_N_;
+  double exponent_;
+  double reference_N_;
+  Bristle bristle_;
+};
+
 }  // namespace
 
 void check_coefficients(double mu_static, double mu_dynamic, const std::string& place) {
@@ -136,6 +161,10 @@ std::unique_ptr<Effect> make_stribeck_friction(std::span<const double> values) {
 
 std::unique_ptr<Effect> make_anisotropic_friction(std::span<const double> values) {
   return std::make_unique<AnisotropicFriction>(values[0], values[1], values[2]);
+}
+
+std::unique_ptr<Effect> make_sublinear_friction(std::span<const double> values) {
+  return std::make_unique<SublinearFriction>(values[0], values[1], values[2], values[3]);
 }
 
 namespace {
@@ -226,6 +255,25 @@ EffectTraits anisotropic_friction_traits() {
   traits.contains = {"coulomb-friction"};
   traits.along_axes = {"mu_x", "mu_y"};
   traits.plan = &plan_anisotropic;
+  return traits;
+}
+
+EffectTraits sublinear_friction_traits() {
+  EffectTraits traits;
+  traits.contains = {"coulomb-friction"};
+  traits.plan = [](const RecordingScales& scales) {
+    SearchedParameter exponent{"exponent"};
+    exponent.lower = 1.0 / 3.0;  // the area of a contact grows at least as its radius does with the force
+    exponent.upper = 1.0;
+    SearchPlan plan{{{"mu_reference"}, exponent, presliding(scales)}, {}};
+    for (const double s : presliding_starts_m(scales)) {
+      plan.starts.push_back({{"mu_reference", 0.2},
+                             {"exponent", 2.0 / 3.0},
+                             {"reference_force_N", 0.5 * scales.force_N},
+                             {"presliding_m", s}});
+    }
+    return plan;
+  };
   return traits;
 }
 

@@ -8,11 +8,16 @@
 //   stribeck     mu_dynamic + (mu_static - mu_dynamic) exp(-(v/v_s)^2)      (Stribeck 1902; Armstrong-Helouvry 1994)
 //   anisotropic  f_t = -N (mu_x z_x, mu_y z_y, sqrt(mu_x mu_y) z_z) / |z|, projected on the tangent plane; x, y are the
 //                object's axes
+//   sublinear    f_t = -mu_reference N_ref (N / N_ref)^exponent z / |z|: a soft ball's contact grows less than its
+//   load,
+//                by the power 2/3 in Hertz's contact (1882), and friction with the area that is sheared (Archard 1957,
+//                Proc. R. Soc. A 243:190; of skin: Adams, Briscoe and Johnson 2007, Tribol. Lett. 26:239). 1: Coulomb's
 // A law of velocity alone would flip its sign with the noise of a held tip; memory of the path does not.
 //
-// Coulomb's cone holds by construction: |f_t| <= mu_static N. Passivity: f_t opposes z, and z only grows in the
-// direction of motion, so that over a closed path the work on the probe is <= 0 at constant N; with N changing while
-// stuck at most mu_static |dN| s / 2 is given back, which the pre-sliding length keeps tiny.
+// Coulomb's cone holds by construction: |f_t| <= mu_static N, but for the sublinear law, which has none. Passivity: f_t
+// opposes z, and z only grows in the direction of motion, so that over a closed path the work on the probe is <= 0 at
+// constant N; with N changing while stuck at most mu_static |dN| s / 2 is given back, which the pre-sliding length
+// keeps tiny.
 #pragma once
 
 #include <memory>
@@ -34,10 +39,13 @@ std::unique_ptr<rendering::Effect> make_coulomb_friction(std::span<const double>
 std::unique_ptr<rendering::Effect> make_stribeck_friction(std::span<const double> values);
 // Values: mu_x, mu_y, presliding_m.
 std::unique_ptr<rendering::Effect> make_anisotropic_friction(std::span<const double> values);
+// Values: mu_reference, exponent, reference_force_N, presliding_m.
+std::unique_ptr<rendering::Effect> make_sublinear_friction(std::span<const double> values);
 
 // What the search for missing effects is to know of them.
 rendering::EffectTraits coulomb_friction_traits();
 rendering::EffectTraits stribeck_friction_traits();
 rendering::EffectTraits anisotropic_friction_traits();
+rendering::EffectTraits sublinear_friction_traits();
 
 }  // namespace touchstone::renderers

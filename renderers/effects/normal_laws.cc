@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "renderers/effects/in_frame.h"
 #include "renderers/effects/rate_plan.h"
 
 namespace touchstone::renderers {
@@ -117,7 +118,7 @@ std::unique_ptr<Effect> make_power_law_stiffness(std::span<const double> values)
   return std::make_unique<PowerLawStiffness>(values[0], values[1]);
 }
 std::unique_ptr<Effect> make_stiffness_map(std::span<const double> values) {
-  return std::make_unique<StiffnessMap>(values[0], values[1], values[2], values[3]);
+  return in_frame(values, std::make_unique<StiffnessMap>(values[0], values[1], values[2], values[3]));
 }
 std::unique_ptr<Effect> make_stress_relaxation(std::span<const double> values) {
   return std::make_unique<StressRelaxation>(values[0], values[1]);

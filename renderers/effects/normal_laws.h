@@ -3,7 +3,7 @@
 //   hunt-crossley         N = k d + b d d', never below 0        (Hunt and Crossley 1975, eq 10 with exponent 1)
 //   power-law-stiffness   N = k d0 (d/d0)^n, d0 = reference_depth_m; n = 1.5 is Hertz (1882)
 //   stiffness-map         N = k (1 + a exp(-r^2 / 2 w^2)) d, r the distance of the contact point from (x, y) in the
-//                         object's xy plane
+//                         xy plane of the object, or of the map's frame
 //   stress-relaxation     N = k u + s, s' = ratio k u' - s / time_constant: a second spring of ratio*k in series with a
 //                         damper (standard linear solid in Maxwell form), integrated exactly for a u' constant over the
 //                         step; the first touch is a step of depth from zero. u is the depth of the surface: the tip's
@@ -29,7 +29,7 @@ std::unique_ptr<rendering::Effect> make_normal_damping(std::span<const double> v
 std::unique_ptr<rendering::Effect> make_hunt_crossley(std::span<const double> values);
 // Values: exponent, reference_depth_m.
 std::unique_ptr<rendering::Effect> make_power_law_stiffness(std::span<const double> values);
-// Values: amplitude, x_m, y_m, width_m.
+// Values: amplitude, x_m, y_m, width_m, and the frame's.
 std::unique_ptr<rendering::Effect> make_stiffness_map(std::span<const double> values);
 // Values: ratio, time_constant_s.
 std::unique_ptr<rendering::Effect> make_stress_relaxation(std::span<const double> values);

@@ -146,7 +146,8 @@ TEST(RaisedSurface, AModelsBumpStandsAtTheFoot) {
   const double depth = 0.004;
   const Vec3 n = Vec3(0.4, 0.3, 1.0).normalized();
   const Vec3 peak = (radius + 1e-3) * n;
-  const auto bump = make_surface_geometry(std::array{1e-3, peak.x(), peak.y(), 4e-3})->contact_effect();
+  const auto bump =
+      make_surface_geometry(std::array{1e-3, peak.x(), peak.y(), 4e-3, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0})->contact_effect();
   ContactState contact = touch_sphere((radius - depth) * n, radius);
   bump->apply(contact);
   EXPECT_NEAR(contact.depth_m, depth + 1e-3, 2e-5);

@@ -3,6 +3,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "renderers/effects/in_frame.h"
+
 namespace touchstone::renderers {
 using rendering::EffectTraits;
 
@@ -34,7 +36,7 @@ class SurfaceTexture final : public rendering::Effect {
 }  // namespace
 
 std::unique_ptr<rendering::Effect> make_surface_texture(std::span<const double> values) {
-  return std::make_unique<SurfaceTexture>(values[0], values[1], values[2], values[3]);
+  return in_frame(values, std::make_unique<SurfaceTexture>(values[0], values[1], values[2], values[3]));
 }
 
 EffectTraits surface_texture_traits() {

@@ -1,6 +1,7 @@
 #include "renderers/instrument/catalogue.h"
 
 #include "harness/rendering/smooth_field.h"
+#include "harness/rendering/surface_frame.h"
 #include "renderers/instrument/geometry_effects.h"
 #include "renderers/instrument/sensor_effects.h"
 #include "renderers/instrument/tool_effects.h"
@@ -66,26 +67,26 @@ std::vector<InstrumentEntry> make_instrument_catalogue() {
        &make_time_lag,
        time_lag_traits()},
       {"registration",
-       "tracker and mesh do not agree: measured = true + d + r x true",
+       "tracker and mesh do not agree: measured = true + d + r x (true - pivot)",
        "small rigid motion",
        Stage::pose,
        {{"dx_m", "m", -1.0, 1.0, 0.0, "shift"},
         {"dy_m", "m", -1.0, 1.0, 0.0, "shift"},
         {"dz_m", "m", -1.0, 1.0, 0.0, "shift"},
         {"rx_rad", "rad", -0.5, 0.5, 0.0, "turn about x"},
-        {"ry_rad", "rad", -0.5, 0.5, 0.0, "turn about y"}},
+        {"ry_rad", "rad", -0.5, 0.5, 0.0, "turn about y"},
+        {"rz_rad", "rad", -0.5, 0.5, 0.0, "turn about z"},
+        {"pivot_x_m", "m", -1e6, 1e6, 0.0, "about which it turns"},
+        {"pivot_y_m", "m", -1e6, 1e6, 0.0, "about which it turns"},
+        {"pivot_z_m", "m", -1e6, 1e6, 0.0, "about which it turns"}},
        &make_registration,
        registration_traits()},
-      {"surface-geometry",
-       "a Gaussian bump that the mesh lacks",
-       "scan error",
-       Stage::geometry,
-       {{"amplitude_m", "m", -1.0, 1.0, 0.0, "height, outward"},
-        {"x_m", "m", -1e3, 1e3, 0.0, "place in the object's xy plane"},
-        {"y_m", "m", -1e3, 1e3, 0.0, "place in the object's xy plane"},
-        {"width_m", "m", 1e-9, 1e3, 1e-2, "standard deviation"}},
-       &make_surface_geometry,
-       surface_geometry_traits()},
+      {"surface-geometry", "a Gaussian bump that the mesh lacks", "scan error", Stage::geometry,
+       rendering::with_frame({{"amplitude_m", "m", -1.0, 1.0, 0.0, "height, outward"},
+                   {"x_m", "m", -1e3, 1e3, 0.0, "place in the object's xy plane"},
+                   {"y_m", "m", -1e3, 1e3, 0.0, "place in the object's xy plane"},
+                   {"width_m", "m", 1e-9, 1e3, 1e-2, "standard deviation"}}),
+       &make_surface_geometry, surface_geometry_traits()},
       {"height-field", "a surface that is smoothly higher or lower than the mesh: h(x, y), outward",
        "tensor-product B-splines: de Boor 1978; Eilers and Marx 1996", Stage::geometry,
        rendering::field_parameters("m", 1.0, "of the height, outward"), &make_height_field, height_field_traits()},

@@ -1,9 +1,14 @@
 #include "renderers/instrument/geometry_effects.h"
 
+#include <array>
 #include <cmath>
+#include <map>
+#include <string>
 #include <vector>
 
+#include "harness/rendering/surface_frame.h"
 #include "renderers/effects/field_effects.h"
+#include "renderers/effects/in_frame.h"
 #include "renderers/effects/raised_surface.h"
 
 namespace touchstone::renderers {
@@ -15,17 +20,18 @@ namespace {
 
 class Registration final : public InstrumentEffect {
  public:
-  Registration(const Vec3& d, double rx, double ry) : d_W_m_(d) {
+  explicit Registration(const rendering::ObjectDisplacement& moved) : moved_(moved) {
+    const Vec3& r = moved.turn_W_rad;
     Mat3 r_cross;
-    r_cross << 0.0, 0.0, ry, 0.0, 0.0, -rx, -ry, rx, 0.0;
+    r_cross << 0.0, -r.z(), r.y(), r.z(), 0.0, -r.x(), -r.y(), r.x(), 0.0;
     inverse_ = (Mat3::Identity() + r_cross).inverse();
   }
   [[nodiscard]] Vec3 true_position(const Vec3& measured_W_m) const override {
-    return inverse_ * (measured_W_m - d_W_m_);
+    return moved_.pivot_W_m + inverse_ * (measured_W_m - moved_.pivot_W_m - moved_.shift_W_m);
   }
 
  private:
-  Vec3 d_W_m_;
+  rendering::ObjectDisplacement moved_;
   Mat3 inverse_;
 };
 
@@ -53,17 +59,13 @@ class Bump final : public Effect {
 
 class SurfaceGeometry final : public InstrumentEffect {
  public:
-  SurfaceGeometry(double amplitude, double x, double y, double width)
-      : amplitude_(amplitude), x_(x), y_(y), width_(width) {}
+  explicit SurfaceGeometry(std::span<const double> values) : values_(values.begin(), values.end()) {}
   [[nodiscard]] std::unique_ptr<Effect> contact_effect() const override {
-    return std::make_unique<Bump>(amplitude_, x_, y_, width_);
+    return in_frame(values_, std::make_unique<Bump>(values_[0], values_[1], values_[2], values_[3]));
   }
 
  private:
-  double amplitude_;
-  double x_;
-  double y_;
-  double width_;
+  std::vector<double> values_;
 };
 
 class HeightField final : public InstrumentEffect {
@@ -81,10 +83,11 @@ std::unique_ptr<InstrumentEffect> make_height_field(std::span<const double> valu
   return std::make_unique<HeightField>(values);
 }
 std::unique_ptr<InstrumentEffect> make_registration(std::span<const double> values) {
-  return std::make_unique<Registration>(Vec3(values[0], values[1], values[2]), values[3], values[4]);
+  const auto three = [&](std::size_t first) { return Vec3(values[first], values[first + 1], values[first + 2]); };
+  return std::make_unique<Registration>(rendering::ObjectDisplacement{three(0), three(3), three(6)});
 }
 std::unique_ptr<InstrumentEffect> make_surface_geometry(std::span<const double> values) {
-  return std::make_unique<SurfaceGeometry>(values[0], values[1], values[2], values[3]);
+  return std::make_unique<SurfaceGeometry>(values);
 }
 
 // Where the mesh lies so far off that model and measurement do not touch at the same time, no small shift changes
@@ -98,19 +101,32 @@ EffectTraits registration_traits() {
     const double d = scales.depth_m;
     const double turn = d / scales.extent_m();
     rendering::SearchPlan plan;
-    const auto free = [&](const char* name, double scale, double step) {
-      plan.parameters.push_back({name, scale, -farthest * scale, farthest * scale, false, {}, {}, step});
+    std::map<std::string, double> start{{"dx_m", 0.0},   {"dy_m", 0.0},   {"dz_m", 0.0},
+                                        {"rx_rad", 0.0}, {"ry_rad", 0.0}, {"rz_rad", 0.0}};
+    // Along the surface, and along its normal: only what moves the tip over facets is seen in steps of a facet.
+    const auto free = [&](const char* name, int axis, const std::array<const char*, 3>& names, double scale,
+                          double step) {
+      rendering::SearchedParameter one{name, scale, -farthest * scale, farthest * scale, false, {}, {}, step};
+      const Vec3 along_W = scales.frame.q_WF * Vec3::Unit(axis);
+      for (int k = 0; k < 3 && !scales.frame.is_objects(); ++k) one.along[names.at(std::size_t(k))] = along_W[k];
+      plan.parameters.push_back(std::move(one));
     };
-    free("dx_m", d, scales.facet_m / d);
-    free("dy_m", d, scales.facet_m / d);
-    free("dz_m", d, 0.0);
-    free("rx_rad", turn, 0.0);
-    free("ry_rad", turn, 0.0);
-    plan.starts = {{{"dx_m", 0.0}, {"dy_m", 0.0}, {"dz_m", 0.0}, {"rx_rad", 0.0}, {"ry_rad", 0.0}}};
+    constexpr std::array shifts{"dx_m", "dy_m", "dz_m"};
+    constexpr std::array turns{"rx_rad", "ry_rad", "rz_rad"};
+    for (int axis = 0; axis < 3; ++axis)
+      free(shifts.at(std::size_t(axis)), axis, shifts, d, axis < 2 ? scales.facet_m / d : 0.0);
+    for (int axis = 0; axis < 3; ++axis)
+      free(turns.at(std::size_t(axis)), axis, turns, turn, axis < 2 ? 0.0 : scales.facet_m / d);
+    const Vec3& pivot_W_m = scales.frame.origin_W_m;
+    if (!pivot_W_m.isZero(0.0)) {
+      start.insert({{"pivot_x_m", pivot_W_m.x()}, {"pivot_y_m", pivot_W_m.y()}, {"pivot_z_m", pivot_W_m.z()}});
+    }
+    plan.starts = {start};
     if (scales.surface_is_elsewhere()) {
       for (const double share : {1.0, -1.0}) {
         plan.starts.push_back(plan.starts.front());
-        plan.starts.back()["dz_m"] = share * d;
+        const Vec3 shift_W_m = share * d * (scales.frame.q_WF * Vec3::UnitZ());
+        for (int k = 0; k < 3; ++k) plan.starts.back()[shifts.at(std::size_t(k))] = shift_W_m[k];
       }
     }
     return plan;

@@ -5,6 +5,7 @@
 #include "harness/base/random.h"
 #include "harness/rendering/smooth_field.h"
 #include "harness/surface/embree_surface.h"
+#include "renderers/instrument/assemble.h"
 #include "renderers/instrument/catalogue.h"
 #include "renderers/model_predictor.h"
 
@@ -97,14 +98,30 @@ TEST(InstrumentEffects, ALagReadsTheForceOfEarlierInTheSensorsFrame) {
 
 TEST(InstrumentEffects, RegistrationIsUndoneExactly) {
   const Vec3 d(1e-3, -2e-3, 3e-3);
-  const Vec3 r(0.02, -0.03, 0.0);
+  const Vec3 r(0.02, -0.03, 0.01);
+  const Vec3 pivot(5.0, -7.0, 2.0);
   const auto effect =
-      find_instrument_effect("registration")->make(std::vector<double>{d.x(), d.y(), d.z(), r.x(), r.y()});
+      find_instrument_effect("registration")
+          ->make(std::vector<double>{d.x(), d.y(), d.z(), r.x(), r.y(), r.z(), pivot.x(), pivot.y(), pivot.z()});
   Random random(9);
   for (int i = 0; i < 20; ++i) {
-    const Vec3 truth = random.direction();
-    EXPECT_NEAR((effect->true_position(truth + d + r.cross(truth)) - truth).norm(), 0.0, 1e-14);
+    const Vec3 truth = pivot + random.direction();
+    EXPECT_NEAR((effect->true_position(truth + d + r.cross(truth - pivot)) - truth).norm(), 0.0, 1e-14);
   }
+}
+
+// A file of the first versions has no rz_rad and no pivot: it turns about the object's origin.
+TEST(Registration, ReadsTheFiveParametersAsEver) {
+  const Vec3 d(1e-3, -2e-3, 3e-3);
+  const Vec3 r(0.02, -0.03, 0.0);
+  rendering::Model model;
+  model.renderer = "god-object";
+  model.instrument = {{"registration",
+                       {{"dx_m", d.x()}, {"dy_m", d.y()}, {"dz_m", d.z()}, {"rx_rad", r.x()}, {"ry_rad", r.y()}},
+                       "/instrument/0"}};
+  const auto instrument = make_instrument(model);
+  const Vec3 truth(0.3, -0.2, 0.1);
+  EXPECT_NEAR((instrument.front().second->true_position(truth + d + r.cross(truth)) - truth).norm(), 0.0, 1e-15);
 }
 
 // A predictor that keeps its search for contact answers as one that starts anew.

@@ -71,11 +71,15 @@ Vec3 HiddenContact::friction(double normal_N, const Vec3& n, const Vec3& v_t, do
     if (pull > h.mu_static.x() * normal_N) spring_m_ *= h.mu_dynamic.x() * normal_N / pull;
     return f - h.tool_spring_N_per_m * spring_m_;
   }
-  if (h.mu_dynamic.isZero() && h.mu_static.isZero()) return f;
+  if (h.mu_dynamic.isZero() && h.mu_static.isZero() && !(h.shear_strength_Pa > 0.0)) return f;
   // Dahl: s z' = v - |v| z, by the implicit Euler rule, since a fast tip crosses s in less than a step:
   // z_1 = z_0 + (v - |v| z_1) dt / s, solved for z_1. Its steady value is v / |v| at any step.
   bristle_ = (bristle_ + v_t * dt_s / h.presliding_m) / (1.0 + speed * dt_s / h.presliding_m);
   bristle_ -= n.dot(bristle_) * n;
+  if (h.shear_strength_Pa > 0.0) {
+    const double radius_m = std::cbrt(0.75 * h.ball_radius_m * normal_N / h.elastic_modulus_Pa);
+    return f - h.shear_strength_Pa * std::numbers::pi * radius_m * radius_m * bristle_;
+  }
   Vec2 mu = h.mu_dynamic;
   if (h.stribeck_velocity_m_per_s > 0.0) {
     const double ratio = speed / h.stribeck_velocity_m_per_s;

@@ -66,6 +66,11 @@ struct HiddenPhysics {
   double stribeck_velocity_m_per_s = 0.0;  // 0: mu_dynamic at once
   double presliding_m = 3e-5;
   double viscous_N_s_per_m = 0.0;
+  // Friction as a shear strength of the area of contact, pi a^2 with a^3 = 3 R N / (4 E), of a ball of radius R on an
+  // elastic half-space (Hertz 1882; Bowden and Tabor 1950).
+  double shear_strength_Pa = 0.0;
+  double ball_radius_m = 1e-3;
+  double elastic_modulus_Pa = 1e6;
 
   // Effects that no library of ours has.
   double tool_spring_N_per_m = 0.0;  // the tip hangs on the tool by a spring along the surface: stick and slip

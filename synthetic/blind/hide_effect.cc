@@ -1,5 +1,6 @@
 #include "synthetic/blind/hide_effect.h"
 
+#include <cmath>
 #include <functional>
 #include <map>
 #include <numbers>
@@ -49,6 +50,16 @@ class Hider {
            if (r.uniform() < 0.5) std::swap(h.mu_dynamic.x(), h.mu_dynamic.y());
            h.mu_static = h.mu_dynamic;
            note(name, "contact", {{"mu_x", h.mu_dynamic.x()}, {"mu_y", h.mu_dynamic.y()}});
+         }},
+        {"sublinear-friction",
+         [&] {
+           h.ball_radius_m = r.uniform(2e-3, 8e-3);
+           h.elastic_modulus_Pa = r.log_uniform(1e5, 1e6);
+           const double load_N = 0.5 * F;
+           const double mu = r.uniform(0.25, 0.7);
+           const double radius_m = std::cbrt(0.75 * h.ball_radius_m * load_N / h.elastic_modulus_Pa);
+           h.shear_strength_Pa = mu * load_N / (std::numbers::pi * radius_m * radius_m);
+           note(name, "contact", {{"mu_reference", mu}, {"exponent", 2.0 / 3.0}, {"reference_force_N", load_N}});
          }},
         {"viscous-friction",
          [&] {

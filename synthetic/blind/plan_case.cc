@@ -76,11 +76,11 @@ class Planner {
 
   static const std::vector<std::string>& hideable() {
     static const std::vector<std::string> names{
-        "coulomb-friction",    "tool-weight",      "stress-relaxation", "force-bias",      "tip-radius",
-        "normal-damping",      "time-lag",         "surface-texture",   "force-crosstalk", "stribeck-friction",
-        "stiffness-map",       "force-saturation", "viscous-friction",  "registration",    "power-law-stiffness",
-        "force-drift",         "adhesion",         "surface-geometry",  "hunt-crossley",   "tool-inertia",
-        "anisotropic-friction"};
+        "coulomb-friction",     "tool-weight",       "stress-relaxation", "force-bias",      "tip-radius",
+        "normal-damping",       "time-lag",          "surface-texture",   "force-crosstalk", "stribeck-friction",
+        "stiffness-map",        "force-saturation",  "viscous-friction",  "registration",    "power-law-stiffness",
+        "force-drift",          "adhesion",          "surface-geometry",  "hunt-crossley",   "tool-inertia",
+        "anisotropic-friction", "sublinear-friction"};
     return names;
   }
 

@@ -9,6 +9,7 @@ namespace {
 
 const std::set<std::string> sizes{"mu_static",
                                   "mu_dynamic",
+                                  "mu_reference",
                                   "mu_x",
                                   "mu_y",
                                   "coefficient_N_s_per_m",
@@ -43,6 +44,7 @@ void weaken(BlindCase& plan, double strength) {
   HiddenPhysics& h = plan.physics;
   h.mu_static *= strength;
   h.mu_dynamic *= strength;
+  h.shear_strength_Pa *= strength;
   for (double* size : {&h.damping_N_s_per_m, &h.hunt_crossley_N_s_per_m2, &h.map_amplitude, &h.relaxation_ratio,
                        &h.tip_radius_m, &h.adhesion_N, &h.texture_amplitude_m, &h.viscous_N_s_per_m,
                        &h.tool_spring_N_per_m, &h.bottom_stiffness_N_per_m, &h.drag_N_s_per_m, &h.cable_N_per_m,

@@ -44,7 +44,7 @@ std::vector<std::string> names_of(const json& effects) {
 
 // The true structure, its parameters fitted once more to the training recording: what the best of searches could leave.
 // True parameters alone may leave more, since positions are noisy and the mesh has an error.
-double refitted_floor_N(const BlindScore& score, const rendering::Model& truth, const Recording& train,
+double refitted_floor_N(const BlindScore& score, rendering::Model truth, const Recording& train,
                         const std::shared_ptr<const surface::Surface>& surface, rendering::Predictor& holdout_predictor,
                         const Recording& holdout, const discrepancy::InstrumentDescription& instrument) {
   const auto predictor = renderers::make_model_predictor(surface, train.motion);
@@ -56,7 +56,9 @@ double refitted_floor_N(const BlindScore& score, const rendering::Model& truth, 
   std::vector<discrepancy::FreeParameter> parameters{
       discrepancy::log_base_parameter("stiffness_N_per_m", 0.1 * stiffness, 10.0 * stiffness)};
   for (const rendering::Candidate& candidate : pipeline::all_candidates(renderers::built_in_catalogue())) {
-    if (discrepancy::find_entry(truth, candidate.name) == nullptr) continue;
+    rendering::NamedParameters* const entry = discrepancy::find_entry(truth, candidate.name);
+    if (entry == nullptr) continue;
+    for (const auto& declared : candidate.parameters) entry->parameters.try_emplace(declared.name, declared.initial);
     const auto free = discrepancy::candidate_fit(candidate, scales, train, nominal).parameters;
     parameters.insert(parameters.end(), free.begin(), free.end());
   }
@@ -147,9 +149,10 @@ void compare_parameters(BlindScore& score, const json& answer, const json& findi
       if (found.at("name") != truth.at("name")) continue;
       for (const auto& parameter : found.at("parameters")) {
         const auto name = parameter.at("name").get<std::string>();
-        // A reference depth is chosen, not measured; angles have a period.
-        if (!truth.at("parameters").contains(name) || name == "reference_depth_m" || name.ends_with("direction_rad") ||
-            name == "phase_rad" || parameter.at("value").is_null() || parameter.contains("undetermined")) {
+        // A reference depth or force is chosen, not measured, and what holds there goes with it; angles have a period.
+        if (!truth.at("parameters").contains(name) || name.starts_with("reference_") || name.ends_with("_reference") ||
+            name.ends_with("direction_rad") || name == "phase_rad" || parameter.at("value").is_null() ||
+            parameter.contains("undetermined")) {
           continue;
         }
         const double value = truth.at("parameters").at(name).get<double>();

@@ -88,8 +88,8 @@ const std::vector<ParameterBar> parameter_bars{
      {"tool-weight", "force-bias", "force-drift", "force-crosstalk", "time-lag", "force-saturation"}},
     {"friction, relaxation, exponent, tip radius, texture",
      0.10,
-     {"coulomb-friction", "stribeck-friction", "anisotropic-friction", "viscous-friction", "stress-relaxation",
-      "power-law-stiffness", "tip-radius", "surface-texture"}},
+     {"coulomb-friction", "stribeck-friction", "anisotropic-friction", "sublinear-friction", "viscous-friction",
+      "stress-relaxation", "power-law-stiffness", "tip-radius", "surface-texture"}},
     {"the other effects", 0.25, {}},
 };
 

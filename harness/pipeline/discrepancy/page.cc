@@ -12,6 +12,7 @@
 #include "harness/discrepancy/model_edit.h"
 #include "harness/rendering/model.h"
 #include "harness/rendering/smooth_field.h"
+#include "harness/rendering/surface_frame.h"
 
 namespace touchstone::pipeline {
 using discrepancy::Evidence;
@@ -330,6 +331,7 @@ std::optional<Section> field_section(const Findings& findings, const std::vector
     const rendering::NamedParameters& entry = *discrepancy::find_entry(findings.search.model, effect.name);
     if (!rendering::is_field(entry.parameters)) continue;
     const rendering::SmoothField field = rendering::field_of(entry.parameters, entry.place);
+    const rendering::SurfaceFrame frame = rendering::frame_of(entry.parameters);
     const rendering::EffectTraits& traits = library.traits(effect.name);
     const bool height = traits.surface == rendering::EffectTraits::Surface::higher_by_field;
     Scene scene;
@@ -341,7 +343,8 @@ std::optional<Section> field_section(const Findings& findings, const std::vector
     for (const Vec3& vertex : mesh.vertices_W_m) {
       bool near = false;
       for (std::size_t i = 0; i < path.size() && !near; i += stride) near = (path[i] - vertex).norm() < reach_m;
-      const double value = field.at(vertex.x(), vertex.y());
+      const Vec3 place_m = frame.place(vertex);
+      const double value = field.at(place_m.x(), place_m.y());
       scene.values.push_back(!near ? std::numeric_limits<double>::quiet_NaN() : height ? 1e3 * value : std::exp(value));
     }
     section.blocks.emplace_back(std::move(scene));
