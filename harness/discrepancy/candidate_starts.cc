@@ -332,7 +332,7 @@ RecordingScales measure_scales(const Recording& recording, const Prediction& pre
     speeds.push_back((step - n.dot(step) * n).norm() / dt_s);
     rates.push_back(std::abs(prediction.depth_m[i] - prediction.depth_m[i - 1]) / dt_s);
   }
-  scales.touching_apart = forces.empty() ? 0.0 : apart / static_cast<double>(forces.size());
+  scales.contact_disagreement = forces.empty() ? 0.0 : apart / static_cast<double>(forces.size());
   if (!forces.empty()) scales.force_N = stats::lower_quantile(std::move(forces), 0.9);
   // A model that hardly touches where the sensor is pressed does not know the depth; the force tells it.
   const double by_force_m = scales.force_N / stiffness_N_per_m;

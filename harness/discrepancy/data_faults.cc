@@ -85,7 +85,7 @@ std::optional<std::string> pulls_along_everywhere(const DetectorSide& train, con
   const EffectLibrary library(candidates);
   const auto dry = std::ranges::find_if(candidates, [&](const Candidate& one) {
     return one.traits.one_sided && std::ranges::any_of(candidates, [&](const Candidate& other) {
-             return other.traits.falls_with_speed && library.contains(other.name, one.name);
+             return other.traits.velocity_weakening && library.contains(other.name, one.name);
            });
   });
   if (dry == candidates.end()) return std::nullopt;

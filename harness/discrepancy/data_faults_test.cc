@@ -241,7 +241,7 @@ TEST(DataFaults, ABiasThatTheSearchFoundPullsNoTipAlong) {
   Candidate dry{"coulomb-friction", Side::contact, {{"mu", "1", 0.0, 2.0, 0.3, ""}}};
   dry.traits.one_sided = {{{"mu", 0.05}}, 0.05, "friction of {:.2f}"};
   Candidate falling{"stribeck-friction", Side::contact, {}};
-  falling.traits.falls_with_speed = true;
+  falling.traits.velocity_weakening = true;
   falling.traits.contains = {"coulomb-friction"};
   const auto fault_beside = [&](const Model& best) {
     const FitData train = fit_data(two.data.train, base, two.data.window_s);

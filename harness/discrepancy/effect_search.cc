@@ -49,41 +49,40 @@ class Search {
   void search() {
     do {
       do {
-        while (add()) {
-        }
+        while (add()) continue;
       } while (extend_law() || add_field());
       drop_needless();
       result_.found = weigh_rivals(
-          state_, [this](const std::string& rival, const std::string& added) { return came_to(rival, added); },
-          settled_, report_);
+          state_, [this](const std::string& rival, const std::string& added) { return warm_start(rival, added); },
+          decided_, report_);
     } while (swap_one());
   }
 
-  [[nodiscard]] SearchStep step_from(const Standing& standing) const {
-    return {standing.train_chi_squared, standing.validation_chi_squared, standing.validation_rms_N, {}, {}, {}};
+  [[nodiscard]] SearchStep step_from(const BaselineScore& baseline) const {
+    return {baseline.train_chi_squared, baseline.validation_chi_squared, baseline.validation_rms_N, {}, {}, {}};
   }
 
   // One effect, or two where no single one passes though something is clearly missing. Whether any was added.
   bool add() {
-    const Standing standing = standing_of(state_);
-    SearchStep step = step_from(standing);
+    const BaselineScore baseline = baseline_score(state_);
+    SearchStep step = step_from(baseline);
     const Model& model = state_.current.model;
     const std::size_t found = model.effects.size() + model.instrument.size();
     report_(fmt::format("step {}: validation RMS {:.4g} N, chi-squared per degree of freedom {:.2f}", found + 1,
                         step.validation_rms_N,
                         step.validation_chi_squared / (3.0 * static_cast<double>(state_.validation.blocks.size()))));
-    step.trials = try_candidates(state_, standing);
-    for (Trial& trial : step.trials) trial.verdict = weakness(state_, standing, trial);
+    step.trials = try_candidates(state_, baseline);
+    for (Trial& trial : step.trials) trial.verdict = cheap_gates(state_, baseline, trial);
     std::sort(step.trials.begin(), step.trials.end(),
               [](const Trial& a, const Trial& b) { return a.deviance < b.deviance; });
     const bool room = found < settings_.most_effects;
     // Where one bump was not all that differs over the surface, fields compete with the effects of a few parameters.
     std::vector<Trial> fields;
     if (room && differs_over_surface(model, state_.library()) && clearly_missing())
-      fields = try_fields(state_, standing);
+      fields = try_fields(state_, baseline);
     bool more = field_is_better(fields, step.trials) && keep_field(fields, step);
     while (room && !more) {
-      verify_best(standing, step);
+      verify_best(baseline, step);
       Trial* const best = preferred(step);
       if (best == nullptr) break;
       more = keep(*best, step);
@@ -91,14 +90,14 @@ class Search {
     if (!more) more = keep_field(fields, step);
     // What is left of an object that differs everywhere is seldom two effects of a few parameters.
     const bool pairs = room && !has_field(model) && clearly_missing() && in_time();
-    if (!more && pairs) more = add_where_noise_hides(standing, step);
+    if (!more && pairs) more = add_where_noise_hides(baseline, step);
     std::move(fields.begin(), fields.end(), std::back_inserter(step.trials));
     result_.steps.push_back(std::move(step));
     return more;
   }
 
   // A law of speed by its likelihood, else two effects at once. Whether any was added.
-  bool add_where_noise_hides(const Standing& standing, SearchStep& step) {
+  bool add_where_noise_hides(const BaselineScore& baseline, SearchStep& step) {
     const std::size_t room =
         settings_.most_effects - state_.current.model.effects.size() - state_.current.model.instrument.size();
     std::vector<Trial> more_trials = weigh_by_likelihood(state_, step.trials);
@@ -111,7 +110,7 @@ class Search {
     }
     if (!more && room >= 2) {
       report_("  no single effect passes, though something is missing: pairs");
-      for (Trial& pair : try_pairs(state_, standing, step.trials)) {
+      for (Trial& pair : try_pairs(state_, baseline, step.trials)) {
         if (!more && pair.verdict.passed()) more = keep(pair, step);
         more_trials.push_back(std::move(pair));
       }
@@ -125,9 +124,9 @@ class Search {
     const Model& model = state_.current.model;
     const bool full = model.effects.size() + model.instrument.size() >= settings_.most_effects;
     if (full || differs_over_surface(model, state_.library()) || !clearly_missing()) return false;
-    const Standing standing = standing_of(state_);
-    SearchStep step = step_from(standing);
-    step.trials = try_fields(state_, standing);
+    const BaselineScore baseline = baseline_score(state_);
+    SearchStep step = step_from(baseline);
+    step.trials = try_fields(state_, baseline);
     const bool more = keep_field(step.trials, step);
     if (!step.trials.empty()) result_.steps.push_back(std::move(step));
     return more;
@@ -158,14 +157,14 @@ class Search {
   }
 
   // The expensive gates, of the best trial only; the next one's turn comes when it fails.
-  void verify_best(const Standing& standing, SearchStep& step) const {
+  void verify_best(const BaselineScore& baseline, SearchStep& step) const {
     for (Trial& trial : step.trials) {
       if (!trial.verdict.passed()) continue;
       if (!state_.budget->allows("the checks of " + trial.title())) {
         trial.verdict = out_of_time;
         continue;
       }
-      trial.verdict = refusal(state_, standing, trial);
+      trial.verdict = all_gates(state_, baseline, trial);
       const Trial* const mesh = explained_by_mesh(step.trials, trial);
       if (trial.verdict.passed() && mesh != nullptr)
         trial.verdict = mesh->name + " does as much, " + mesh->verdict.words;
@@ -225,16 +224,16 @@ class Search {
       return false;
     }
     LargerLaw& best = laws.front();
-    const bool cone = state_.library().traits(best.trial.name).falls_with_speed;
+    const bool cone = state_.library().traits(best.trial.name).velocity_weakening;
     report_(fmt::format("  {} in place of {}, {}", best.trial.name, best.in_place_of,
                         cone ? "whose cone the forces leave" : "being more likely"));
     state_ = with_trial(state_, best.trial);
-    put_away_.insert(best.in_place_of);
-    settled_.laws.insert(best.trial.name);
+    rejected_.insert(best.in_place_of);
+    decided_.laws.insert(best.trial.name);
     best.trial.verdict = {TrialVerdict::Kind::added_apart,
                           (cone ? "added: forces leave the cone of " : "added: more likely than ") + best.in_place_of +
                               ", which it contains"};
-    SearchStep step = step_from(standing_of(state_));
+    SearchStep step = step_from(baseline_score(state_));
     step.added = best.trial.name;
     step.removed = best.in_place_of;
     for (LargerLaw& law : laws) step.trials.push_back(std::move(law.trial));
@@ -274,7 +273,7 @@ class Search {
   }
 
   // What the rival came to when it competed with the effect that was added instead: a start that is near.
-  const NamedParameters* came_to(const std::string& rival, const std::string& added) const {
+  const NamedParameters* warm_start(const std::string& rival, const std::string& added) const {
     const auto adds = [&](const Trial& trial) {
       return trial.verdict.kind == TrialVerdict::Kind::added && (trial.name == added || trial.partner == added);
     };
@@ -290,16 +289,16 @@ class Search {
   // What stands in the place of a found effect and does better, now that the others are known, takes it. What was put
   // away does not come back, so that this ends.
   bool swap_one() {
-    const auto [loser, best, by_likelihood] = best_swap(state_, result_.found, put_away_);
+    const auto [loser, best, by_likelihood] = best_swap(state_, result_.found, rejected_);
     if (best == nullptr) return false;
     report_(fmt::format("  {} in place of {}{}", best->name, loser->name,
                         by_likelihood ? ", more likely on the smoothed trajectory" : ""));
-    SearchStep step = step_from(standing_of(state_));
+    SearchStep step = step_from(baseline_score(state_));
     step.added = best->name;
     step.removed = loser->name;
     result_.steps.push_back(std::move(step));
-    put_away_.insert(loser->name);
-    if (by_likelihood) settled_.places.insert({best->name, loser->name});
+    rejected_.insert(loser->name);
+    if (by_likelihood) decided_.places.insert({best->name, loser->name});
     const Model rest = without_entry(state_.current.model, loser->name);
     state_.parameters = joined(without_owner(state_.parameters, loser->name),
                                state_.options(state_.candidate(best->name), rest).parameters);
@@ -346,7 +345,7 @@ class Search {
   // positions.
   void settle_cone() {
     for (const NamedParameters& entry : state_.current.model.effects) {
-      if (!state_.library().traits(entry.name).falls_with_speed) continue;
+      if (!state_.library().traits(entry.name).velocity_weakening) continue;
       const Model others = without_entry(state_.current.model, entry.name);
       const FitData blocks = fit_data(data_.learning, state_.current.model, data_.window_s);
       const auto samples = cone_samples(cone_evidence(blocks, *data_.learning.noise, others, data_.force_floor_N),
@@ -354,18 +353,19 @@ class Search {
       const auto cone = cone_of(samples);
       const auto read = read_falling(samples);
       if (!cone || !read) return;
-      for (std::size_t draw = 0; draw < NoiseModel::null_worlds; ++draw) {
+      for (std::size_t draw = 0; draw < NoiseModel::null_simulations; ++draw) {
         Model as_read = state_.current.model;
         if (const auto again = read_again(samples, draw)) set_falling(as_read, entry.name, *again);
         result_.readings.push_back({draw, std::move(as_read)});
       }
-      if (cone->widest > settings_.within_cone * entry.parameters.at("mu_static")) hold_as_read(entry.name, *read);
+      if (cone->widest > settings_.within_cone * entry.parameters.at("mu_static"))
+        fix_friction_values(entry.name, *read);
       return;
     }
   }
 
   // `name` is its own: the entry that it came from goes with the state.
-  void hold_as_read(std::string name, const FallingCoefficient& read) {
+  void fix_friction_values(std::string name, const FallingCoefficient& read) {
     SearchState held = state_;
     set_falling(held.current.model, name, read);
     std::erase_if(held.parameters, [&](const FreeParameter& p) { return p.owner == name && is_of_falling(p.name); });
@@ -392,7 +392,7 @@ class Search {
 
   // An effect none of whose sizes is determined is not found, unless the rest cannot do without it: a bump beside a
   // straight scan may be a small one on the line or a large one off it, but it is there.
-  void drop_what_has_no_size() {
+  void drop_unidentifiable() {
     const FitData blocks = learning_blocks(state_.current.model);
     const auto undetermined =
         find_undetermined(blocks, *data_.learning.recording, state_.current.model, state_.parameters, state_.library());
@@ -436,7 +436,7 @@ class Search {
     const JointFit fit = fit_without(name);
     if (!fit.ok) return false;
     report_(fmt::format("  {}: {}", name, maybe_within_mesh().words));
-    result_.of_mesh.push_back(name);
+    result_.within_mesh_tolerance.push_back(name);
     leave_out(name, fit);
     return true;
   }
@@ -445,7 +445,7 @@ class Search {
   // blocks show that something is missing, a law for it, from what may be learnt alone.
   void finish() {
     result_.time_limit_s = state_.budget->limit_s();
-    drop_what_has_no_size();
+    drop_unidentifiable();
     std::erase_if(result_.found,
                   [&](const FoundEffect& effect) { return find_entry(result_.start, effect.name) != nullptr; });
     settle_waves(state_.current.model, state_.library());
@@ -483,8 +483,8 @@ class Search {
   const SearchSettings& settings_;
   const Report& report_;
   SearchState state_;
-  std::set<std::string> put_away_;
-  Settled settled_;
+  std::set<std::string> rejected_;
+  DecidedPairs decided_;
   ReadValues read_;
   SearchResult result_;
 };

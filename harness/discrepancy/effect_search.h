@@ -41,11 +41,11 @@ struct SearchResult {
   std::vector<NullFit> readings;          // with what the forces alone tell of friction, read again from drawn samples
   std::vector<FreeParameter> parameters;  // free in `fit`
   std::vector<SearchStep> steps;
-  std::vector<FoundEffect> found;          // in the order of the model; what the start had is not among them
-  std::vector<Undetermined> undetermined;  // values of them
-  std::vector<std::string> dropped;        // helped, but no size of them is determined
-  std::vector<std::string> of_mesh;        // helped, but may be no more than the mesh's declared error
-  std::vector<Question> questions;         // on values of them
+  std::vector<FoundEffect> found;                  // in the order of the model; what the start had is not among them
+  std::vector<Undetermined> undetermined;          // values of them
+  std::vector<std::string> dropped;                // helped, but no size of them is determined
+  std::vector<std::string> within_mesh_tolerance;  // helped, but may be no more than the mesh's declared error
+  std::vector<Question> questions;                 // on values of them
   double goodness = 0.0;  // held-out chi-squared per degree of freedom of `model` under its own noise; 1: only noise
   double null_goodness = 0.0;  // the same in the worst world where `model` is the truth
   double goodness_threshold = 0.0;

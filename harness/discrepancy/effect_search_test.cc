@@ -149,7 +149,8 @@ std::string chosen(const Findings& findings) {
     for (const FoundParameter& p : findings.parameters[e]) {
       text += fmt::format(" {}={} [{}, {}]", p.name, p.value, p.low95, p.high95);
     }
-    for (const Rival& rival : findings.search.found[e].rivals) text += fmt::format(" {}{}", rival.name, rival.alike);
+    for (const Rival& rival : findings.search.found[e].rivals)
+      text += fmt::format(" {}{}", rival.name, rival.indistinguishable);
   }
   return text;
 }

@@ -24,7 +24,7 @@ struct FieldTrial {
 };
 
 // From the smoothest on, each from where the one before ended; the one that the validation blocks prefer.
-std::optional<FieldTrial> try_field(const SearchState& state, const Standing& standing,
+std::optional<FieldTrial> try_field(const SearchState& state, const BaselineScore& baseline,
                                     const rendering::Candidate& candidate) {
   const Model rest = state.library().without_special_cases(state.current.model, candidate.name);
   const CandidateFit options = state.options(candidate, rest);
@@ -42,7 +42,7 @@ std::optional<FieldTrial> try_field(const SearchState& state, const Standing& st
                             trial.parameters, state.settings->field_iterations, false);
     if (!trial.fit.ok) continue;
     reached = *find_entry(trial.fit.model, candidate.name);
-    score(state, standing, trial);
+    score(state, baseline, trial);
     // Not in order: what a field leaves on the training blocks counts as noise.
     if (best && !(trial.deviance < best->trial.deviance)) continue;
     CandidateFit chosen = options;
@@ -68,17 +68,17 @@ double bar_of_field(const SearchState& state, const FieldTrial& tried) {
   return std::max(settings.minimum_gain, bar_above(null_gains(null, refit, 0, worlds), settings.null_deviations));
 }
 
-TrialVerdict refusal_of_field(const SearchState& state, const Standing& standing, FieldTrial& tried) {
-  TrialVerdict verdict = weakness(state, standing, tried.trial);
+TrialVerdict refusal_of_field(const SearchState& state, const BaselineScore& baseline, FieldTrial& tried) {
+  TrialVerdict verdict = cheap_gates(state, baseline, tried.trial);
   if (!verdict.passed()) return verdict;
   rendering::Predictor& predictor = *state.data->validation.predictor;
   const auto regimes = sort_by_regime(state.data->validation, predictor.predict(state.current.model),
                                       predictor.predict(tried.trial.fit.model), state.data->force_floor_N);
   const std::string worse = worsened_phase(regimes, state.settings->worsening);
   if (!worse.empty()) return fmt::format("makes {} worse", worse);
-  tried.trial.null_bar = bar_of_field(state, tried);
+  tried.trial.null_threshold = bar_of_field(state, tried);
   if (!state.budget->allows("the checks of " + tried.trial.title())) return out_of_time;
-  return tried.trial.validation_gain > tried.trial.null_bar ? "" : within_null;
+  return tried.trial.validation_gain > tried.trial.null_threshold ? "" : within_null;
 }
 
 }  // namespace
@@ -99,19 +99,19 @@ bool differs_over_surface(const Model& model, const EffectLibrary& library) {
          std::any_of(model.instrument.begin(), model.instrument.end(), does);
 }
 
-std::vector<Trial> try_fields(const SearchState& state, const Standing& standing) {
+std::vector<Trial> try_fields(const SearchState& state, const BaselineScore& baseline) {
   std::vector<FieldTrial> tried;
   for (const rendering::Candidate& candidate : *state.candidates) {
     if (!is_field(candidate.parameters) || find_entry(state.current.model, candidate.name) != nullptr) continue;
     if (!state.budget->allows(candidate.name)) continue;
-    if (auto one = try_field(state, standing, candidate)) tried.push_back(std::move(*one));
+    if (auto one = try_field(state, baseline, candidate)) tried.push_back(std::move(*one));
   }
   std::sort(tried.begin(), tried.end(),
             [](const FieldTrial& a, const FieldTrial& b) { return a.trial.deviance < b.trial.deviance; });
   std::vector<Trial> trials;
   bool passed = false;
   for (FieldTrial& one : tried) {
-    one.trial.verdict = passed ? "not judged: a better field passed" : refusal_of_field(state, standing, one);
+    one.trial.verdict = passed ? "not judged: a better field passed" : refusal_of_field(state, baseline, one);
     passed = passed || one.trial.verdict.passed();
     trials.push_back(std::move(one.trial));
   }

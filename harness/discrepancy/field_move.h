@@ -15,6 +15,6 @@ bool differs_over_surface(const rendering::Model& model, const EffectLibrary& li
 
 // Every field that the model does not have yet, judged; the least deviance first, an empty verdict for the first that
 // passes. Empty if the candidates have no field.
-std::vector<Trial> try_fields(const SearchState& state, const Standing& standing);
+std::vector<Trial> try_fields(const SearchState& state, const BaselineScore& baseline);
 
 }  // namespace touchstone::discrepancy

@@ -127,7 +127,7 @@ TEST(Fields, NoneIsTakenWhereNothingIsMissing) {
   SearchState state(world.recordings.data, library, settings, plane());
   state.refit();
   state.renew_noise(state.current.model);
-  const auto trials = try_fields(state, standing_of(state));
+  const auto trials = try_fields(state, baseline_score(state));
   ASSERT_EQ(trials.size(), 1U);
   EXPECT_FALSE(trials[0].verdict.passed());
 }

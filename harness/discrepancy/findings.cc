@@ -34,7 +34,8 @@ std::vector<FoundParameter> field_summary(const SearchResult& search, const Cand
   std::vector<FoundParameter> found;
   if (values.empty()) return found;
   std::sort(values.begin(), values.end());
-  const auto coefficient = std::ranges::find(candidate.parameters, values.front().second, &rendering::ParameterDeclaration::name);
+  const auto coefficient =
+      std::ranges::find(candidate.parameters, values.front().second, &rendering::ParameterDeclaration::name);
   const std::string unit = coefficient->unit;
   for (const auto& [title, share] : {std::pair("low", 0.1), std::pair("high", 0.9)}) {
     const auto& [value, name] = values[static_cast<std::size_t>(share * static_cast<double>(values.size() - 1))];
@@ -78,13 +79,13 @@ std::vector<FoundParameter> parameters_of(const SearchResult& search, const Cand
 std::string names(const std::vector<FoundEffect>& found) {
   std::vector<std::string> list;
   for (const FoundEffect& effect : found) {
-    std::vector<std::string> alike;
+    std::vector<std::string> indistinguishable;
     for (const Rival& rival : effect.rivals) {
-      if (rival.alike) alike.push_back(rival.name);
+      if (rival.indistinguishable) indistinguishable.push_back(rival.name);
     }
-    list.push_back(alike.empty()
-                       ? effect.name
-                       : fmt::format("{} (or {}, indistinguishable here)", effect.name, fmt::join(alike, " or ")));
+    list.push_back(indistinguishable.empty() ? effect.name
+                                             : fmt::format("{} (or {}, indistinguishable here)", effect.name,
+                                                           fmt::join(indistinguishable, " or ")));
   }
   return fmt::format("{}", fmt::join(list, " and "));
 }
@@ -204,7 +205,7 @@ void say_what_is_open(Findings& findings) {
     findings.explanation +=
         fmt::format(" {} would help, but this recording does not determine its size: it is not named.", name);
   }
-  for (const std::string& name : search.of_mesh) {
+  for (const std::string& name : search.within_mesh_tolerance) {
     findings.explanation +=
         fmt::format(" {} would help, but it may be no more than the mesh's declared error: it is not named.", name);
   }
@@ -307,11 +308,11 @@ void conclude(Findings& findings, const std::vector<Candidate>& candidates) {
   for (const FoundEffect& effect : search.found) {
     const Candidate* const candidate = find_candidate(candidates, effect.name);
     findings.parameters.push_back(candidate ? parameters_of(search, *candidate) : std::vector<FoundParameter>{});
-    std::vector<std::string> alike{effect.name};
+    std::vector<std::string> indistinguishable{effect.name};
     for (const Rival& rival : effect.rivals) {
-      if (rival.alike) alike.push_back(rival.name);
+      if (rival.indistinguishable) indistinguishable.push_back(rival.name);
     }
-    if (alike.size() > 1) findings.ambiguous.push_back(std::move(alike));
+    if (indistinguishable.size() > 1) findings.ambiguous.push_back(std::move(indistinguishable));
   }
   findings.gates = verdict_gates(findings);
   std::tie(findings.verdict, findings.code) = decide(findings, findings.gates);

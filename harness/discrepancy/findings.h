@@ -32,7 +32,9 @@ struct ForceGap {
   std::optional<double> repeat_floor_N;         // what one recording does not repeat (sanity/repeat_floor.h)
   double repeat_within_N = 0.0;                 // up to here an error is as large by chance
 
-  void hold_against(double floor_N, double within_N) noexcept { repeat_floor_N = floor_N, repeat_within_N = within_N; }
+  void apply_repeat_floor(double floor_N, double within_N) noexcept {
+    repeat_floor_N = floor_N, repeat_within_N = within_N;
+  }
   double noise_floor_N = 0.0;          // what the noise model expects of the final model, held out
   std::optional<SingleSamples> means;  // empty: the held-out errors are those of single samples
   // Weighed by noise an explanation may gain where the plain error of force stays as it was, but not where that grows.

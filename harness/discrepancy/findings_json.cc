@@ -113,9 +113,9 @@ std::string findings_to_json(const Findings& findings, const std::string& trajec
                                   {{"validation_chi_squared_lost", number(rival.validation_gain_lost)},
                                    {"standard_error", number(rival.error)},
                                    {"validation_rms_N", number(rival.validation_rms_N)},
-                                   {"likelier_by", number(rival.likelier_by)},
+                                   {"likelier_by", number(rival.log_likelihood_gain)},
                                    {"likelier_error", number(rival.likelier_error)},
-                                   {"alike", rival.alike}}}});
+                                   {"alike", rival.indistinguishable}}}});
     }
     root["effects"].push_back(std::move(entry));
   }
@@ -126,7 +126,7 @@ std::string findings_to_json(const Findings& findings, const std::string& trajec
     root["questions"].push_back({{"effect", question.effect}, {"question", question.sentence}});
   }
   root["not_determined"] = findings.search.dropped;
-  root["within_mesh_error"] = findings.search.of_mesh;
+  root["within_mesh_error"] = findings.search.within_mesh_tolerance;
   root["time_limit"] = {{"seconds", number(findings.search.time_limit_s)},
                         {"reached", !findings.search.not_tried.empty()},
                         {"not_tried", findings.search.not_tried}};
@@ -159,8 +159,8 @@ std::string findings_to_json(const Findings& findings, const std::string& trajec
                         {"train_error", number(trial.train_error)},
                         {"validation_gain", number(trial.validation_gain)},
                         {"validation_error", number(trial.validation_error)},
-                        {"bar", number(trial.null_bar)},
-                        {"likelier", number(trial.likelier)},
+                        {"bar", number(trial.null_threshold)},
+                        {"likelier", number(trial.log_likelihood_z)},
                         {"likelier_both", number(trial.likelier_both)},
                         {"deviance", number(trial.deviance)},
                         {"validation_rms_N", number(trial.validation_rms_N)},

@@ -107,15 +107,15 @@ TEST(FindingsRepeat, WithinTheFloorOtherVerdictsStay) {
   conclude(explained, {});
   EXPECT_EQ(explained.verdict, FindingsVerdict::explained);
   EXPECT_THAT(explained.explanation, HasSubstr("was missing"));
-  Findings alike = left_over(0.12, 1.0);
-  alike.search.found = {effect("coulomb-friction")};
+  Findings indistinguishable = left_over(0.12, 1.0);
+  indistinguishable.search.found = {effect("coulomb-friction")};
   Rival rival;
   rival.name = "viscous-friction";
-  rival.alike = true;
-  alike.search.found.front().rivals = {rival};
-  conclude(alike, {});
-  EXPECT_EQ(alike.verdict, FindingsVerdict::not_identifiable);
-  EXPECT_THAT(alike.explanation, HasSubstr("within what one recording does not repeat"));
+  rival.indistinguishable = true;
+  indistinguishable.search.found.front().rivals = {rival};
+  conclude(indistinguishable, {});
+  EXPECT_EQ(indistinguishable.verdict, FindingsVerdict::not_identifiable);
+  EXPECT_THAT(indistinguishable.explanation, HasSubstr("within what one recording does not repeat"));
 }
 
 TEST(FindingsRepeat, ALineAndAValueHardToBelieveStayOpenWithinTheFloor) {

@@ -56,7 +56,7 @@ double quantile_loss(double residual, double quantile) {
 }  // namespace
 
 ConeEvidence cone_evidence(const FitData& blocks, const NoiseModel& noise, const Model& others, double force_floor_N) {
-  return {blocks.predictor->predict(others), &blocks.blocks, &noise.likely_motion(), force_floor_N};
+  return {blocks.predictor->predict(others), &blocks.blocks, &noise.smoothed_motion(), force_floor_N};
 }
 
 std::vector<ConeSample> cone_samples(const ConeEvidence& evidence, const std::vector<Vec3>& shown_W_N) {
@@ -127,7 +127,7 @@ std::optional<double> pulls_along(const std::vector<ConeSample>& samples) {
 std::vector<double> null_excesses(const ConeEvidence& evidence, NoiseModel& noise, const Model& model,
                                   const rendering::Prediction& nominal) {
   std::vector<double> excesses;
-  for (std::size_t world = 0; world < NoiseModel::null_worlds; ++world) {
+  for (std::size_t world = 0; world < NoiseModel::null_simulations; ++world) {
     const auto cone = cone_of(cone_samples(evidence, noise.null_forces(model, nominal, world)));
     if (cone) excesses.push_back(cone->excess());
   }

@@ -68,7 +68,7 @@ std::vector<GapShare> share_gap(const Evidence& evidence, const Model& start, co
   return shares;
 }
 
-std::vector<GapShare> told_apart(std::vector<GapShare> shares) {
+std::vector<GapShare> merge_inseparable(std::vector<GapShare> shares) {
   constexpr double most = 2.0, least = -1.0;
   if (std::ranges::all_of(shares, [](const GapShare& s) { return s.share >= least && s.share <= most; })) return shares;
   GapShare all{"", 0.0, shares.back().left_N};

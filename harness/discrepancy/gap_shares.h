@@ -25,6 +25,6 @@ std::vector<GapShare> share_gap(const Evidence& evidence, const rendering::Model
 // As they are, or all as one ("a, b and c together") where a share is more than twice the whole gap, or takes more than
 // the whole of it back: such parts only have a meaning together (a field of stiffness and the stiffness that it
 // multiplies), and a share of one of them alone would mislead.
-std::vector<GapShare> told_apart(std::vector<GapShare> shares);
+std::vector<GapShare> merge_inseparable(std::vector<GapShare> shares);
 
 }  // namespace touchstone::discrepancy

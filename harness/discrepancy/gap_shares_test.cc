@@ -43,12 +43,12 @@ TEST(GapShares, AddUpToWhatGoesAndPutTheLargestFirst) {
 
 TEST(GapShares, PartsThatOnlyMeanSomethingTogetherAreOne) {
   const auto one =
-      told_apart({{"stiffness-field", 20.4, 9.0}, {"relaxation", -0.2, 9.1}, {"height-field", -19.3, 0.2}});
+      merge_inseparable({{"stiffness-field", 20.4, 9.0}, {"relaxation", -0.2, 9.1}, {"height-field", -19.3, 0.2}});
   ASSERT_EQ(one.size(), 1U);
   EXPECT_EQ(one[0].name, "stiffness-field, relaxation and height-field together");
   EXPECT_NEAR(one[0].share, 0.9, 1e-12);
   EXPECT_EQ(one[0].left_N, 0.2);
-  EXPECT_EQ(told_apart({{"friction", 0.6, 0.3}, {"stiffness", -0.1, 0.4}}).size(), 2U);
+  EXPECT_EQ(merge_inseparable({{"friction", 0.6, 0.3}, {"stiffness", -0.1, 0.4}}).size(), 2U);
 }
 
 // Errors along different axes do not meet: each share is what the part takes away alone.

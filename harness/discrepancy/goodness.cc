@@ -45,7 +45,7 @@ Goodness judge_under(const Evidence& train, const Evidence& holdout, const Model
   const double freedom = 3.0 * static_cast<double>(std::max<std::size_t>(1, goodness.holdout.blocks.size()));
   goodness.chi_squared = chi_squared(goodness.holdout, model) / freedom;
   const rendering::Prediction nominal = holdout.predictor->predict(noisy);
-  for (std::size_t world = 0; world < NoiseModel::null_worlds; ++world) {
+  for (std::size_t world = 0; world < NoiseModel::null_simulations; ++world) {
     FitData null = goodness.holdout;
     null.measured_N = block_means(null.blocks, holdout.noise->null_forces(noisy, nominal, world));
     goodness.null = std::max(goodness.null, chi_squared(null, model) / freedom);

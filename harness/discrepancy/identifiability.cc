@@ -246,7 +246,7 @@ std::vector<Question> question_values(const Recording& recording, const Predicti
   for (const auto* const entries : {&model.effects, &model.instrument}) {
     for (const NamedParameters& entry : *entries) {
       const rendering::EffectTraits& traits = library.traits(entry.name);
-      if (traits.falls_with_speed) question_falling(entry, questions);
+      if (traits.velocity_weakening) question_falling(entry, questions);
       if (traits.surface == rendering::EffectTraits::Surface::moved)
         question_place(recording, prediction, entry, questions);
     }

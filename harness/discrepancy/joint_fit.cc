@@ -201,8 +201,8 @@ namespace {
 // Ends a fit when time is up, or when the rest of its iterations will not bring it below a bar.
 class EndsEarly final : public ceres::IterationCallback {
  public:
-  EndsEarly(const FitData& data, double hopeless, int iterations)
-      : data_(data), hopeless_cost_(0.5 * hopeless), iterations_(iterations) {}
+  EndsEarly(const FitData& data, double abandon_above, int iterations)
+      : data_(data), abandon_cost_(0.5 * abandon_above), iterations_(iterations) {}
 
   ceres::CallbackReturnType operator()(const ceres::IterationSummary& now) override {
     // A step that was refused says nothing of the next one.
@@ -217,16 +217,16 @@ class EndsEarly final : public ceres::IterationCallback {
     double largest = 0.0;
     for (std::size_t i = costs_.size() - looked_back; i < costs_.size(); ++i)
       largest = std::max(largest, costs_[i - 1] - costs_[i]);
-    return costs_.back() - largest * std::max(0, iterations_ - now.iteration) > hopeless_cost_;
+    return costs_.back() - largest * std::max(0, iterations_ - now.iteration) > abandon_cost_;
   }
 
   const FitData& data_;
-  double hopeless_cost_;
+  double abandon_cost_;
   int iterations_;
   std::vector<double> costs_;
 };
 
-JointFit fit_below(double hopeless, const FitData& data, BlocksCost& cost, const Model& start,
+JointFit fit_below(double abandon_above, const FitData& data, BlocksCost& cost, const Model& start,
                    const std::vector<FreeParameter>& parameters, int iterations) {
   JointFit fit;
   const auto n = static_cast<Eigen::Index>(parameters.size());
@@ -260,7 +260,7 @@ JointFit fit_below(double hopeless, const FitData& data, BlocksCost& cost, const
     return true;
   }();
   static_cast<void>(quiet);
-  EndsEarly ends_early(data, hopeless, iterations);
+  EndsEarly ends_early(data, abandon_above, iterations);
   options.callbacks.push_back(&ends_early);
   ceres::Solver::Summary summary;
   ceres::Solve(options, &problem, &summary);
@@ -282,10 +282,10 @@ JointFit fit_below(double hopeless, const FitData& data, BlocksCost& cost, const
 
 }  // namespace
 
-JointFit fit_jointly_below(double hopeless, const FitData& data, const Model& start,
+JointFit fit_jointly_below(double abandon_above, const FitData& data, const Model& start,
                            const std::vector<FreeParameter>& parameters, int iterations) {
   BlocksCost cost(data, start, parameters);
-  return fit_below(hopeless, data, cost, start, parameters, iterations);
+  return fit_below(abandon_above, data, cost, start, parameters, iterations);
 }
 
 JointFit fit_jointly(const FitData& data, const Model& start, const std::vector<FreeParameter>& parameters,

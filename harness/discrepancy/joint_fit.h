@@ -55,7 +55,7 @@ JointFit fit_jointly(const FitData& data, const rendering::Model& start, const s
 
 // The same, given up where it will not come to `hopeless`: if the iterations that are left, each with the largest
 // decrease of the last four steps, would end above it.
-JointFit fit_jointly_below(double hopeless, const FitData& data, const rendering::Model& start,
+JointFit fit_jointly_below(double abandon_above, const FitData& data, const rendering::Model& start,
                            const std::vector<FreeParameter>& parameters, int iterations);
 
 }  // namespace touchstone::discrepancy

@@ -98,9 +98,9 @@ class Regression {
     const auto whitened = [&](const std::vector<Vec3>& forces) {
       return whiten_for_regression(blocks, difference(forces, of.nominal.f_W_N, 1.0), {}).residual;
     };
-    of.residuals.resize(static_cast<Eigen::Index>(3 * blocks.blocks.size()), 1 + NoiseModel::null_worlds);
+    of.residuals.resize(static_cast<Eigen::Index>(3 * blocks.blocks.size()), 1 + NoiseModel::null_simulations);
     of.residuals.col(0) = whitened(evidence.recording->f_W_N);
-    for (std::size_t world = 0; world < NoiseModel::null_worlds; ++world) {
+    for (std::size_t world = 0; world < NoiseModel::null_simulations; ++world) {
       of.residuals.col(static_cast<Eigen::Index>(world + 1)) =
           whitened(evidence.noise->null_forces(model, of.nominal, world));
     }
@@ -189,7 +189,7 @@ std::vector<RegressedLaw> regress_laws(const SearchState& state, const std::vect
 }
 
 double law_bar(const std::vector<RegressedLaw>& all, const SearchSettings& settings) {
-  std::vector<double> most(NoiseModel::null_worlds, 0.0);
+  std::vector<double> most(NoiseModel::null_simulations, 0.0);
   for (const RegressedLaw& one : all) {
     for (std::size_t world = 0; world < most.size(); ++world)
       most[world] = std::max(most[world], one.null_gains[world]);

@@ -67,7 +67,7 @@ nlohmann::ordered_json law_json(const UnknownLaw& law, const LawGap& gap) {
                              {"summary", piece.effect->summary},
                              {"parameters", std::move(values)},
                              {"validation_chi_squared_gain", json_number(piece.validation_gain)},
-                             {"bar", json_number(piece.null_bar)}});
+                             {"bar", json_number(piece.null_threshold)}});
   }
   for (const SeenRange& range : law.seen)
     out["seen"][range.variable] = {

@@ -29,7 +29,7 @@ namespace {
 constexpr std::size_t most_pieces = 3;
 constexpr std::size_t most_refined = 5;
 // Of the best one's gain in deviance by which a term with fewer parameters may fall behind.
-constexpr double alike = 0.05;
+constexpr double indistinguishable = 0.05;
 
 constexpr const char* law_search_step = "a law for the residual";
 
@@ -248,7 +248,7 @@ class LawSearch {
     if (best == nullptr) return nullptr;
     const Refined* simplest = best;
     for (const Refined& one : refined) {
-      const bool near = one.deviance - best->deviance < alike * (before - best->deviance);
+      const bool near = one.deviance - best->deviance < indistinguishable * (before - best->deviance);
       if (near && one.term->effect.parameters.size() < simplest->term->effect.parameters.size()) simplest = &one;
     }
     return simplest;
@@ -262,7 +262,7 @@ class LawSearch {
 
 // On the smoothed trajectory: between neighbouring samples a tracker's noise is faster than a hand.
 std::vector<SeenRange> ranges(const Evidence& learning, const Model& model) {
-  const MotionColumns& motion = learning.noise->likely_motion();
+  const MotionColumns& motion = learning.noise->smoothed_motion();
   const Prediction now = learning.noise->likely_predictor().predict(model);
   std::vector<SeenRange> all{{"time", "s"},  {"x", "m"},    {"y", "m"},      {"z", "m"},
                              {"depth", "m"}, {"load", "N"}, {"speed", "m/s"}};

@@ -34,7 +34,7 @@ struct LawPiece {
   rendering::Side side = rendering::Side::contact;
   std::vector<Carrier> carriers;
   double validation_gain = 0.0;  // of chi-squared, by the regression
-  double null_bar = 0.0;         // the largest gain in null recordings, and more
+  double null_threshold = 0.0;   // the largest gain in null recordings, and more
 };
 
 struct UnknownLaw {

@@ -107,7 +107,7 @@ JointFit best_fit(const FitData& data, const Model& current, const CandidateFit&
     list->insert(list->end(), candidate.parameters.begin(), candidate.parameters.end());
   }
   if (candidate.starts.size() == 1) {
-    return fit_jointly_below(effort.hopeless, data, with_entry(current, candidate.side, candidate.starts.front()),
+    return fit_jointly_below(effort.abandon_above, data, with_entry(current, candidate.side, candidate.starts.front()),
                              parameters, effort.iterations);
   }
   JointFit best;
@@ -116,7 +116,7 @@ JointFit best_fit(const FitData& data, const Model& current, const CandidateFit&
     if (fit.ok && (!best.ok || fit.chi_squared < best.chi_squared)) best = std::move(fit);
   }
   if (!best.ok) return best;
-  JointFit finished = fit_jointly_below(effort.hopeless, data, Model(best.model), parameters, effort.iterations);
+  JointFit finished = fit_jointly_below(effort.abandon_above, data, Model(best.model), parameters, effort.iterations);
   // A fit of fewer parameters is none of these, however good.
   return finished.ok || quick.size() < parameters.size() ? finished : best;
 }

@@ -35,7 +35,7 @@ struct FitEffort {
   int iterations = 0;
   int each_start = 0;  // iterations from each of several starts, before the best one is finished
   // Of chi-squared: a fit that will not come below it is not finished (see fit_jointly_below).
-  double hopeless = std::numeric_limits<double>::infinity();
+  double abandon_above = std::numeric_limits<double>::infinity();
 };
 
 // The best fit of `current` with the candidate over all the candidate's starts: a few steps from each, with what moves

@@ -47,7 +47,8 @@ struct Law {
 };
 
 // The blocks on the smoothed trajectory, under the noise of the model if it were the truth.
-FitData along_likely(const Evidence& evidence, const Model& model, double window_s, const std::vector<Vec3>& shown_N) {
+FitData smoothed_comparison(const Evidence& evidence, const Model& model, double window_s,
+                            const std::vector<Vec3>& shown_N) {
   FitData blocks = fit_data(evidence, model, window_s);
   blocks.predictor = &evidence.noise->likely_predictor();
   blocks.measured_N = shown_N;
@@ -61,15 +62,15 @@ std::optional<Judged> judge(const SearchState& state, const Law& law, const Show
   judged.fit.model = law.model;
   for (int round = 0; round < rounds; ++round) {
     const Model from = judged.fit.model;
-    FitData train = along_likely(data.train, from, data.window_s, shown.train_N);
+    FitData train = smoothed_comparison(data.train, from, data.window_s, shown.train_N);
     add_misfit(train, estimate_misfit(train, from));
     train.budget = state.budget.get();
     judged.fit = fit_jointly(train, from, law.parameters, 2 * state.settings->iterations, false);
     if (!judged.fit.ok) return std::nullopt;
   }
   const Model& model = judged.fit.model;
-  FitData train = along_likely(data.train, model, data.window_s, shown.train_N);
-  FitData validation = along_likely(data.validation, model, data.window_s, shown.validation_N);
+  FitData train = smoothed_comparison(data.train, model, data.window_s, shown.train_N);
+  FitData validation = smoothed_comparison(data.validation, model, data.window_s, shown.validation_N);
   const Misfit misfit = estimate_misfit(train, model);
   add_misfit(train, misfit);
   add_misfit(validation, misfit);
@@ -116,7 +117,7 @@ double likelihood_bar(const SearchState& state, const Law& smaller, const Law& l
   const auto bar = [&] { return std::max(least, bar_above(usable, state.settings->null_deviations)); };
   ask(0, few_worlds);
   const bool enough = usable.size() >= fewest_worlds;
-  if (!enough || !is_clear(gain, bar())) ask(few_worlds, NoiseModel::null_worlds);
+  if (!enough || !is_clear(gain, bar())) ask(few_worlds, NoiseModel::null_simulations);
   // Fits that ended with the time are no bar.
   const bool judged_all = usable.size() >= fewest_worlds && state.budget->allows("a bar for likelihoods");
   return judged_all ? bar() : std::numeric_limits<double>::infinity();
@@ -212,11 +213,11 @@ std::map<std::string, double> noise_squares(const SearchState& state, const Mode
 // The phase that the model makes worse on the smoothed trajectory, by the path of its friction and by shorter ones; ""
 // for none. A path that noise has made too long lags like a sensor, so that with the lag found the two together are too
 // late. What noise leaves where each model is the truth is no error of it: a tip under a short path shows more of it.
-std::string worsened_by_every_path(const SearchState& state, const Model& standing, const Model& model) {
+std::string worsened_by_every_path(const SearchState& state, const Model& baseline, const Model& model) {
   const Evidence& evidence = state.data->validation;
   Predictor& likely = evidence.noise->likely_predictor();
-  const Prediction before = likely.predict(standing);
-  const auto noise_before = noise_squares(state, standing);
+  const Prediction before = likely.predict(baseline);
+  const auto noise_before = noise_squares(state, baseline);
   const auto beyond = [](double error_N, const std::map<std::string, double>& noise, const std::string& phase) {
     const auto left = noise.find(phase);
     return std::sqrt(std::max(0.0, error_N * error_N - (left == noise.end() ? 0.0 : left->second)));
@@ -248,7 +249,7 @@ std::vector<LargerLaw> weigh_larger_laws(const SearchState& state) {
   const Shown measured{state.train.measured_N, state.validation.measured_N};
   const Law now{state.current.model, state.compared()};
   constexpr int rounds = 4;
-  std::optional<Judged> standing;
+  std::optional<Judged> baseline;
   std::vector<LargerLaw> laws;
   for (const rendering::NamedParameters& entry : state.current.model.effects) {
     for (const rendering::Candidate& candidate : *state.candidates) {
@@ -256,14 +257,14 @@ std::vector<LargerLaw> weigh_larger_laws(const SearchState& state) {
           !state.budget->allows(candidate.name + " in place of " + entry.name)) {
         continue;
       }
-      if (!standing) standing = judge(state, now, measured, rounds);
-      if (!standing) return laws;
+      if (!baseline) baseline = judge(state, now, measured, rounds);
+      if (!baseline) return laws;
       const auto larger = with_larger(state, entry.name, candidate);
       const auto judged = larger ? judge(state, *larger, measured, rounds) : std::nullopt;
       if (!judged) continue;
       const auto again =
           judge_special_case(state, now, entry.name, judged->fit.model, candidate.name, measured, rounds);
-      const Judged& special = again && again->train < standing->train ? *again : *standing;
+      const Judged& special = again && again->train < baseline->train ? *again : *baseline;
       Trial trial;
       trial.name = candidate.name;
       trial.side = candidate.side;
@@ -277,7 +278,7 @@ std::vector<LargerLaw> weigh_larger_laws(const SearchState& state) {
       // Both as fitted by likelihood, which at the noisy positions leaves more than a fit there does.
       const double smaller_N =
           std::max(state.validation_rms_N(state.current.model), state.validation_rms_N(special.fit.model));
-      if (candidate.traits.falls_with_speed) {
+      if (candidate.traits.velocity_weakening) {
         trial.verdict = stays_in_cone(state, entry.name);
       } else if (trial.validation_rms_N > smaller_N) {
         trial.verdict = "its validation error is larger than that of " + entry.name + ", which it contains";
@@ -286,9 +287,9 @@ std::vector<LargerLaw> weigh_larger_laws(const SearchState& state) {
       } else if (!(changes(state, special.fit.model, entry.name, trial.fit.model) >= settings.law_change)) {
         trial.verdict = "changes " + entry.name + ", which it contains, by less than laws are idealized";
       } else {
-        trial.null_bar = likelihood_bar(state, {special.fit.model, now.parameters}, {trial.fit.model, trial.parameters},
-                                        settings.law_gain, gain);
-        if (!(gain > trial.null_bar)) trial.verdict = within_null;
+        trial.null_threshold = likelihood_bar(state, {special.fit.model, now.parameters},
+                                              {trial.fit.model, trial.parameters}, settings.law_gain, gain);
+        if (!(gain > trial.null_threshold)) trial.verdict = within_null;
       }
       laws.push_back({entry.name, std::move(trial)});
     }
@@ -305,12 +306,12 @@ bool likelier_in_place(const SearchState& state, const Model& with_other,
   const Shown measured{state.train.measured_N, state.validation.measured_N};
   const Law now{state.current.model, state.compared()};
   constexpr int rounds = 3;
-  const auto standing = judge(state, now, measured, rounds);
+  const auto baseline = judge(state, now, measured, rounds);
   const auto other = judge(state, {with_other, parameters}, measured, rounds);
-  if (!standing || !other) return false;
-  const double gain = std::min(standing->train - other->train, standing->validation - other->validation);
+  if (!baseline || !other) return false;
+  const double gain = std::min(baseline->train - other->train, baseline->validation - other->validation);
   const double least = state.settings->law_gain;
-  return gain >= least && gain > likelihood_bar(state, {standing->fit.model, now.parameters},
+  return gain >= least && gain > likelihood_bar(state, {baseline->fit.model, now.parameters},
                                                 {other->fit.model, parameters}, least, gain);
 }
 
@@ -322,10 +323,10 @@ std::vector<Trial> weigh_by_likelihood(const SearchState& state, const std::vect
   const Shown measured{state.train.measured_N, state.validation.measured_N};
   const Law now{state.current.model, state.compared()};
   constexpr int rounds = 3;
-  const auto standing = judge_by_every_path(state, now, measured, rounds);
+  const auto baseline = judge_by_every_path(state, now, measured, rounds);
   std::vector<Trial> passed;
-  if (!standing) return passed;
-  const Prediction before = likely.predict(standing->fit.model);
+  if (!baseline) return passed;
+  const Prediction before = likely.predict(baseline->fit.model);
   const double before_N = rms_force_error_N(evidence, before);
   const double noisy_N = state.validation_rms_N(state.current.model);
   const auto matters = [&](double without_N, double with_N) {
@@ -345,8 +346,8 @@ std::vector<Trial> weigh_by_likelihood(const SearchState& state, const std::vect
     if (!judged) continue;
     Trial trial = tried;
     trial.fit = judged->fit;
-    trial.train_gain = standing->train - judged->train;
-    trial.validation_gain = standing->validation - judged->validation;
+    trial.train_gain = baseline->train - judged->train;
+    trial.validation_gain = baseline->validation - judged->validation;
     trial.deviance = judged->validation;
     const double gain = std::min(trial.train_gain, trial.validation_gain);
     if (!(gain >= settings.minimum_gain)) continue;
@@ -354,14 +355,14 @@ std::vector<Trial> weigh_by_likelihood(const SearchState& state, const std::vect
     const double after_N = rms_force_error_N(evidence, after);
     // A tip that rests leaves much that no law takes away, at noisy positions less than on the smoothed trajectory or
     // more. By chi-squared those blocks count little.
-    const FitData blocks = along_likely(data.validation, trial.fit.model, data.window_s, measured.validation_N);
+    const FitData blocks = smoothed_comparison(data.validation, trial.fit.model, data.window_s, measured.validation_N);
     const bool shares = chi_squared(blocks, trial.fit.model) <=
-                        (1.0 - settings.minimum_share) * chi_squared(blocks, standing->fit.model);
+                        (1.0 - settings.minimum_share) * chi_squared(blocks, baseline->fit.model);
     if (!shares && !matters(before_N, after_N) && !matters(noisy_N, tried.validation_rms_N)) continue;
-    if (!worsened_by_every_path(state, standing->fit.model, trial.fit.model).empty()) continue;
-    trial.null_bar = likelihood_bar(state, {standing->fit.model, now.parameters}, {trial.fit.model, trial.parameters},
-                                    settings.minimum_gain, gain);
-    if (gain > trial.null_bar) passed.push_back(std::move(trial));
+    if (!worsened_by_every_path(state, baseline->fit.model, trial.fit.model).empty()) continue;
+    trial.null_threshold = likelihood_bar(state, {baseline->fit.model, now.parameters},
+                                          {trial.fit.model, trial.parameters}, settings.minimum_gain, gain);
+    if (gain > trial.null_threshold) passed.push_back(std::move(trial));
   }
   // A law that contains another one that passed must be more likely than that.
   std::vector<Trial> chosen;

@@ -185,7 +185,7 @@ std::vector<Trial> beside_friction(double lag_s, std::uint64_t seed) {
   state.refit();
   state.renew_noise(state.current.model);
   state.refit();
-  return weigh_by_likelihood(state, try_candidates(state, standing_of(state)));
+  return weigh_by_likelihood(state, try_candidates(state, baseline_score(state)));
 }
 
 TEST(WeighedByLikelihood, ALagIsSeenBesideFrictionWhosePathNoiseHasMadeTooLong) {
@@ -221,14 +221,14 @@ std::vector<Trial> likely_trials(double damper_N_s_per_m) {
   state.refit();
   state.renew_noise(state.current.model);
   state.refit();
-  return weigh_by_likelihood(state, try_candidates(state, standing_of(state)));
+  return weigh_by_likelihood(state, try_candidates(state, baseline_score(state)));
 }
 
 TEST(WeighedByLikelihood, ADamperThatActsPassesWithItsCoefficient) {
   const auto passed = likely_trials(4.0);
   ASSERT_EQ(passed.size(), 1U);
   EXPECT_EQ(passed.front().name, "viscous-friction");
-  EXPECT_GT(std::min(passed.front().train_gain, passed.front().validation_gain), passed.front().null_bar);
+  EXPECT_GT(std::min(passed.front().train_gain, passed.front().validation_gain), passed.front().null_threshold);
   const auto& fitted = find_entry(passed.front().fit.model, "viscous-friction")->parameters;
   EXPECT_NEAR(fitted.at("coefficient_N_s_per_m"), 4.0, 0.2);
 }

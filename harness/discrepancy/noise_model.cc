@@ -54,12 +54,12 @@ NoiseModel::NoiseModel(const MotionColumns& motion, const std::vector<Vec3>& n_W
   const Random mesh_root(mesh_seed);
   const std::vector<Vec3> normals = carried_normals(n_W);
   const MotionSmoother smoother(motion, instrument);
-  likely_motion_ = smoother.smoothed(motion);
-  likely_ = make(likely_motion_);
-  for (std::size_t r = 0; r < replica_count + null_worlds; ++r) {
+  smoothed_motion_ = smoother.smoothed(motion);
+  likely_ = make(smoothed_motion_);
+  for (std::size_t r = 0; r < replica_count + null_simulations; ++r) {
     Random random = root.stream(r);
     const bool null = r >= replica_count;
-    MotionColumns moved = null ? likely_motion_ : with_position_noise(motion, instrument, random);
+    MotionColumns moved = null ? smoothed_motion_ : with_position_noise(motion, instrument, random);
     World world;
     if (null) {
       const std::vector<Vec3> off_m = smoother.left_of_noise(random);
@@ -87,7 +87,7 @@ std::vector<BlockNoise> NoiseModel::of(const Model& model, const Prediction& nom
   std::vector<double> tangential_squares(n, 0.0);
   std::vector<std::vector<Vec3>> left;
   for (std::size_t r = 0; r < replica_count; ++r) {
-    left.push_back(block_means(blocks, left_by_noise(model, nominal, r)));
+    left.push_back(block_means(blocks, simulated_noise_residual(model, nominal, r)));
     for (std::size_t b = 0; b < n; ++b) noise[b].bias_W_N += left.back()[b] / static_cast<double>(replica_count);
   }
   const double freedom = static_cast<double>(replica_count) - 1.0;
@@ -136,7 +136,8 @@ std::vector<BlockNoise> NoiseModel::of(const Model& model, const Prediction& nom
   return noise;
 }
 
-std::vector<Vec3> NoiseModel::left_by_noise(const Model& model, const Prediction& nominal, std::size_t index) {
+std::vector<Vec3> NoiseModel::simulated_noise_residual(const Model& model, const Prediction& nominal,
+                                                       std::size_t index) {
   World& world = replicas_.at(index);
   std::vector<Vec3> left = world.predictor->predict(model).f_W_N;
   for (std::size_t i = 0; i < left.size(); ++i) left[i] += world.force_noise[i] - nominal.f_W_N[i];
@@ -147,7 +148,7 @@ std::vector<double> NoiseModel::expected_squares(const Model& model, const Predi
   const std::size_t n = nominal.f_W_N.size();
   std::vector<double> squares(n, 0.0);
   for (std::size_t r = 0; r < replica_count; ++r) {
-    const std::vector<Vec3> left = left_by_noise(model, nominal, r);
+    const std::vector<Vec3> left = simulated_noise_residual(model, nominal, r);
     for (std::size_t i = 0; i < n; ++i) squares[i] += left[i].squaredNorm() / static_cast<double>(replica_count);
   }
   const Prediction displaced = displaced_->predict(model);

@@ -36,20 +36,20 @@ class NoiseModel {
   // recorded by draw number `index` (< replica_count) of the tracker's noise. Faster noise than that of simulated
   // recordings: these follow the smoothed motion, which has some of the recorded noise in it.
   static constexpr std::size_t replica_count = 8;
-  [[nodiscard]] std::vector<Vec3> left_by_noise(const rendering::Model& model, const rendering::Prediction& nominal,
-                                                std::size_t index);
+  [[nodiscard]] std::vector<Vec3> simulated_noise_residual(const rendering::Model& model,
+                                                           const rendering::Prediction& nominal, std::size_t index);
 
   // The mean square of the 3-D force error that noise would leave at each sample if `model` were the truth [N^2].
   [[nodiscard]] std::vector<double> expected_squares(const rendering::Model& model,
                                                      const rendering::Prediction& nominal);
 
   // The motion without the tracker's noise, as far as it is known (see smooth_motion.h).
-  [[nodiscard]] const MotionColumns& likely_motion() const { return likely_motion_; }
+  [[nodiscard]] const MotionColumns& smoothed_motion() const { return smoothed_motion_; }
   [[nodiscard]] rendering::Predictor& likely_predictor() const { return *likely_; }
 
   // What the sensor would have shown, were `model` the truth, in a world whose noise and mesh error are number `index`
   // (< null_worlds): for null distributions of the case itself.
-  static constexpr std::size_t null_worlds = 10;
+  static constexpr std::size_t null_simulations = 10;
   [[nodiscard]] std::vector<Vec3> null_forces(const rendering::Model& model, const rendering::Prediction& nominal,
                                               std::size_t index);
 
@@ -61,7 +61,7 @@ class NoiseModel {
   };
 
   InstrumentDescription instrument_;
-  MotionColumns likely_motion_;
+  MotionColumns smoothed_motion_;
   std::unique_ptr<rendering::Predictor> likely_;
   std::vector<World> replicas_;                      // noise alone
   std::vector<World> nulls_;                         // noise and mesh error

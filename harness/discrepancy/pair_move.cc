@@ -33,7 +33,7 @@ std::vector<Trial> best_by_training(std::vector<Trial> singles, const EffectLibr
 }
 
 // The second's trial in the state where the first is known, as a pair seen from the state where neither is.
-Trial paired(const SearchState& state, const Standing& standing, const Trial& first, const Trial& second) {
+Trial paired(const SearchState& state, const BaselineScore& baseline, const Trial& first, const Trial& second) {
   Trial pair = second;
   pair.name = first.name;
   pair.partner = second.name;
@@ -42,32 +42,32 @@ Trial paired(const SearchState& state, const Standing& standing, const Trial& fi
   JointFit fit = fit_jointly(state.train, Model(second.fit.model), pair.parameters, state.settings->iterations, false);
   if (fit.ok) pair.fit = std::move(fit);
   pair.fit.chi_squared = chi_squared(state.train, pair.fit.model);
-  score(state, standing, pair);
+  score(state, baseline, pair);
   return pair;
 }
 
 // Two that happen to bend the right way together always gain a little: a pair must be most of what is missing.
-bool is_most_of_what_is_missing(const SearchState& state, const Standing& standing, const Trial& pair) {
+bool is_most_of_what_is_missing(const SearchState& state, const BaselineScore& baseline, const Trial& pair) {
   const double noise_N = expected_noise_N(state.data->validation, pair.fit.model);
-  const double before = standing.validation_rms_N * standing.validation_rms_N;
+  const double before = baseline.validation_rms_N * baseline.validation_rms_N;
   const double after = pair.validation_rms_N * pair.validation_rms_N;
   return before - after >= state.settings->pair_share * (before - noise_N * noise_N);
 }
 
 // Every pair whose second effect is more than noise on what the first leaves, and that is most of what is missing; the
 // least deviance first.
-std::vector<Trial> competing_pairs(const SearchState& state, const Standing& standing,
+std::vector<Trial> competing_pairs(const SearchState& state, const BaselineScore& baseline,
                                    const std::vector<Trial>& firsts) {
   std::vector<Trial> pairs;
   for (const Trial& first : firsts) {
     if (!state.budget->allows(first.name + " in pairs of effects")) continue;
     const SearchState known = with_trial(state, first);
-    const Standing left = standing_of(known);
+    const BaselineScore left = baseline_score(known);
     for (const Trial& second : try_candidates(known, left)) {
       // Two laws of dry friction at once are one law that the library does not have.
-      if (state.library().of_one_kind(second.name, first.name) || !weakness(known, left, second).passed()) continue;
-      Trial pair = paired(state, standing, first, second);
-      if (is_most_of_what_is_missing(state, standing, pair)) pairs.push_back(std::move(pair));
+      if (state.library().of_one_kind(second.name, first.name) || !cheap_gates(known, left, second).passed()) continue;
+      Trial pair = paired(state, baseline, first, second);
+      if (is_most_of_what_is_missing(state, baseline, pair)) pairs.push_back(std::move(pair));
     }
   }
   std::sort(pairs.begin(), pairs.end(), [](const Trial& a, const Trial& b) { return a.deviance < b.deviance; });
@@ -81,15 +81,16 @@ std::vector<Trial> competing_pairs(const SearchState& state, const Standing& sta
 // Whether `name` earns its place beside `other`, which is assumed known.
 TrialVerdict refusal_of_member(const SearchState& state, const Trial& other, const std::string& name) {
   const SearchState known = with_trial(state, other);
-  const Standing left = standing_of(known);
+  const BaselineScore left = baseline_score(known);
   auto trial = try_candidate(known, left, state.candidate(name));
-  return trial ? refusal(known, left, *trial) : "no fit of it beside the other is usable";
+  return trial ? all_gates(known, left, *trial) : "no fit of it beside the other is usable";
 }
 
 }  // namespace
 
-std::vector<Trial> try_pairs(const SearchState& state, const Standing& standing, const std::vector<Trial>& singles) {
-  std::vector<Trial> pairs = competing_pairs(state, standing, best_by_training(singles, state.library()));
+std::vector<Trial> try_pairs(const SearchState& state, const BaselineScore& baseline,
+                             const std::vector<Trial>& singles) {
+  std::vector<Trial> pairs = competing_pairs(state, baseline, best_by_training(singles, state.library()));
   const auto alone = [&](const std::string& name) {
     return std::find_if(singles.begin(), singles.end(), [&](const Trial& t) { return t.name == name; });
   };
@@ -120,8 +121,8 @@ std::vector<Trial> try_pairs(const SearchState& state, const Standing& standing,
       pair.verdict = out_of_time;
       continue;
     }
-    pair.verdict = weakness(state, standing, pair);
-    if (pair.verdict.passed()) pair.verdict = objection(state, pair);
+    pair.verdict = cheap_gates(state, baseline, pair);
+    if (pair.verdict.passed()) pair.verdict = costly_gates(state, pair);
     for (const auto& [name, other] : {std::pair(pair.name, pair.partner), std::pair(pair.partner, pair.name)}) {
       if (!pair.verdict.passed()) break;
       const auto known = alone(other);
@@ -130,12 +131,12 @@ std::vector<Trial> try_pairs(const SearchState& state, const Standing& standing,
       if (!beside.passed()) pair.verdict = fmt::format("{} beside {}: {}", name, other, beside.words);
     }
     if (!pair.verdict.passed()) continue;
-    pair.null_bar = null_bar(state, refits, pair.validation_gain);
+    pair.null_threshold = null_threshold(state, refits, pair.validation_gain);
     if (!state.budget->allows("the checks of " + pair.title())) {
       pair.verdict = out_of_time;
       continue;
     }
-    passed = pair.validation_gain > pair.null_bar;
+    passed = pair.validation_gain > pair.null_threshold;
     if (!passed) pair.verdict = within_null;
   }
   return pairs;

@@ -13,6 +13,7 @@ namespace touchstone::discrepancy {
 
 // Pairs tried, the best first; the one whose verdict is empty passed. `singles`: the trials of the step that none of
 // passed.
-std::vector<Trial> try_pairs(const SearchState& state, const Standing& standing, const std::vector<Trial>& singles);
+std::vector<Trial> try_pairs(const SearchState& state, const BaselineScore& baseline,
+                             const std::vector<Trial>& singles);
 
 }  // namespace touchstone::discrepancy

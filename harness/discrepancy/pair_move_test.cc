@@ -105,13 +105,13 @@ TEST(PairMove, APairOfWhichOneIsIdleIsRefusedForThatOne) {
   SearchState state(world.recordings->data, world.library, settings, world.start);
   state.refit();
   state.renew_noise(state.current.model);
-  const Standing standing = standing_of(state);
+  const BaselineScore baseline = baseline_score(state);
   std::vector<Trial> singles;
   for (const Candidate& candidate : world.library) {
-    if (auto trial = try_candidate(state, standing, candidate)) singles.push_back(*trial);
+    if (auto trial = try_candidate(state, baseline, candidate)) singles.push_back(*trial);
   }
   ASSERT_EQ(singles.size(), 3U);
-  const auto pairs = try_pairs(state, standing, singles);
+  const auto pairs = try_pairs(state, baseline, singles);
   EXPECT_FALSE(pairs.empty());
   for (const Trial& pair : pairs) {
     const bool idle = pair.name == "idle" || pair.partner == "idle";

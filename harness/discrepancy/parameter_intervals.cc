@@ -66,7 +66,7 @@ std::vector<NullFit> bootstrap_fits(const Evidence& train, const FitData& data, 
                                     const ReadValues& read) {
   const rendering::Prediction nominal = train.predictor->predict(fit.model);
   const NearbyFits nearby(data, fit.model, parameters);
-  std::vector<std::optional<NullFit>> fits(NoiseModel::null_worlds);
+  std::vector<std::optional<NullFit>> fits(NoiseModel::null_simulations);
   const auto in_world = [&](std::size_t world) {
     if (data.budget != nullptr && !data.budget->allows("simulated recordings for the intervals")) return;
     FitData again = data;

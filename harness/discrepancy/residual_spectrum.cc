@@ -105,12 +105,12 @@ std::optional<Sight> look_at(const DetectorSide& side, const Model& model) {
   for (const Vec3& e : left) sight.square_N2 += e.squaredNorm() / static_cast<double>(left.size());
   sight.residual = even(t_s, left, sight.step_s);
   sight.prediction = even(t_s, nominal.f_W_N, sight.step_s);
-  for (std::size_t world = 0; world < NoiseModel::null_worlds; ++world) {
+  for (std::size_t world = 0; world < NoiseModel::null_simulations; ++world) {
     const auto null = side.noise->null_forces(model, nominal, world);
     sight.nulls.push_back(even(t_s, minus(null, nominal.f_W_N), sight.step_s));
   }
   for (std::size_t replica = 0; replica < NoiseModel::replica_count; ++replica)
-    sight.replicas.push_back(even(t_s, side.noise->left_by_noise(model, nominal, replica), sight.step_s));
+    sight.replicas.push_back(even(t_s, side.noise->simulated_noise_residual(model, nominal, replica), sight.step_s));
   return sight;
 }
 

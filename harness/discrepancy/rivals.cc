@@ -10,9 +10,9 @@
 #include <utility>
 
 #include "harness/base/in_parallel.h"
-#include "harness/discrepancy/along_likely.h"
 #include "harness/discrepancy/model_edit.h"
 #include "harness/discrepancy/nested_law.h"
+#include "harness/discrepancy/smoothed_comparison.h"
 #include "harness/discrepancy/trial_gates.h"
 #include "harness/rendering/smooth_field.h"
 
@@ -39,8 +39,8 @@ bool alike_without_noise(const SearchState& state, const Model& rival, const std
   }
   const auto parameters = joined(kept, state.options(candidate, state.current.model).parameters);
   const auto compared = state.compared();
-  const auto loss = compare_along_likely(data, state.train, validation, {&state.current.model, &compared},
-                                         {&rival, &parameters}, settings.iterations);
+  const auto loss = compare_smoothed(data, state.train, validation, {&state.current.model, &compared},
+                                     {&rival, &parameters}, settings.iterations);
   if (!loss) return false;
   const double floor_N = expected_noise_N(data.validation, state.current.model);
   report(fmt::format("    {} on the smoothed trajectory: loses {:.0f} +- {:.0f}, {:.4g} N apart, noise {:.4g} N",
@@ -58,8 +58,8 @@ std::vector<FreeParameter> with_rival(const SearchState& state, const Rival& riv
 bool does_better_without_noise(const SearchState& state, const Rival& rival, const std::string& loser) {
   const auto parameters = with_rival(state, rival, loser);
   const auto compared = state.compared();
-  const auto loss = compare_along_likely(*state.data, state.train, state.validation, {&state.current.model, &compared},
-                                         {&rival.model, &parameters}, state.settings->iterations);
+  const auto loss = compare_smoothed(*state.data, state.train, state.validation, {&state.current.model, &compared},
+                                     {&rival.model, &parameters}, state.settings->iterations);
   return !loss || loss->lost < 0.0;
 }
 
@@ -70,7 +70,7 @@ bool is_likelier(const SearchState& state, const Rival& rival, const std::string
 
 // Whether the model without one of its effects has no place for the candidate: it is there, or what contains it is, or
 // what it contains.
-bool one_too_many(const SearchState& state, const Model& rest, const std::string& name) {
+bool conflicts_with_model(const SearchState& state, const Model& rest, const std::string& name) {
   return find_entry(state.current.model, name) != nullptr || state.library().has_what_contains(rest, name) ||
          state.library().without_special_cases(rest, name).effects.size() < rest.effects.size();
 }
@@ -85,7 +85,7 @@ struct Incumbent {
   std::vector<double> deviances;    // of the same
   double here_N = 0.0;
   double floor_N = 0.0;
-  double hopeless =
+  double abandon_above =
       0.0;  // chi-squared of the training blocks: a rival that stays above it makes up for next to nothing
 };
 
@@ -100,18 +100,18 @@ double explains_next_to_nothing(const SearchState& state, const JointFit& bare) 
 }
 
 std::optional<Rival> weigh(const SearchState& state, const Incumbent& incumbent, const rendering::Candidate& other,
-                           const CameTo& came_to, const Settled& settled, const Report& report) {
+                           const WarmStart& warm_start, const DecidedPairs& decided, const Report& report) {
   const SearchSettings& settings = *state.settings;
   const FoundEffect& found = incumbent.found;
-  if (is_field(other.parameters) || one_too_many(state, incumbent.rest, other.name)) return std::nullopt;
+  if (is_field(other.parameters) || conflicts_with_model(state, incumbent.rest, other.name)) return std::nullopt;
   if (!state.budget->allows(other.name + " in place of " + found.name)) return std::nullopt;
   // From what is known of the rest, which `bare` had to bend to make up for what it lacks.
   CandidateFit starting = state.options(other, incumbent.bare.model);
-  if (const NamedParameters* const tried = came_to(other.name, found.name)) starting.starts.push_back(*tried);
+  if (const NamedParameters* const tried = warm_start(other.name, found.name)) starting.starts.push_back(*tried);
   // To the end, unless it is clear that it makes up for next to nothing: a rival must lose by its evidence, not by a
   // fit that was broken off.
   const JointFit fit = best_fit(state.train, incumbent.rest, starting, incumbent.kept,
-                                FitEffort{3 * settings.iterations, settings.iterations / 3, incumbent.hopeless});
+                                FitEffort{3 * settings.iterations, settings.iterations / 3, incumbent.abandon_above});
   if (!fit.ok) return std::nullopt;
   Rival rival;
   rival.name = other.name;
@@ -119,7 +119,7 @@ std::optional<Rival> weigh(const SearchState& state, const Incumbent& incumbent,
   rival.model = fit.model;
   std::tie(rival.validation_gain_lost, rival.error) =
       paired_difference(block_chi_squared(state.validation, fit.model), incumbent.here);
-  std::tie(rival.likelier_by, rival.likelier_error) =
+  std::tie(rival.log_likelihood_gain, rival.likelier_error) =
       paired_difference(incumbent.deviances, state.block_deviances(fit.model).validation);
   const double lost = rival.validation_gain_lost;
   rival.validation_rms_N = state.validation_rms_N(fit.model);
@@ -127,27 +127,27 @@ std::optional<Rival> weigh(const SearchState& state, const Incumbent& incumbent,
   const EffectLibrary library = state.library();
   rival.contains_found = library.contains(other.name, found.name);
   const bool related = rival.contains_found || library.contains(found.name, other.name);
-  rival.of_settled_kind = (settled.laws.contains(found.name) && library.of_one_kind(found.name, other.name)) ||
-                          settled.places.contains({found.name, other.name});
+  rival.of_settled_kind = (decided.laws.contains(found.name) && library.of_one_kind(found.name, other.name)) ||
+                          decided.places.contains({found.name, other.name});
   if (rival.of_settled_kind) return rival;
   if (lost < settings.rival_gain * found.validation_gain && !related) {
     // Many units of chi-squared from a few runs have a large error and tell all the same.
     const double more_N =
         std::sqrt(std::max(0.0, rival.validation_rms_N * rival.validation_rms_N - incumbent.here_N * incumbent.here_N));
     const bool near = lost < settings.alike_gain * found.validation_gain;
-    rival.alike = (near && close && more_N < incumbent.floor_N) ||
-                  alike_without_noise(state, rival.model, incumbent.kept, other, !near, report);
+    rival.indistinguishable = (near && close && more_N < incumbent.floor_N) ||
+                              alike_without_noise(state, rival.model, incumbent.kept, other, !near, report);
   }
   return rival;
 }
 
-std::vector<Rival> weigh_all(const SearchState& state, const Incumbent& incumbent, const CameTo& came_to,
-                             const Settled& settled, const Report& report) {
+std::vector<Rival> weigh_all(const SearchState& state, const Incumbent& incumbent, const WarmStart& warm_start,
+                             const DecidedPairs& decided, const Report& report) {
   const std::size_t count = state.candidates->size();
   std::vector<std::optional<Rival>> weighed(count);
   std::vector<std::string> said(count);
   const auto one = [&](std::size_t i) {
-    weighed[i] = weigh(state, incumbent, (*state.candidates)[i], came_to, settled,
+    weighed[i] = weigh(state, incumbent, (*state.candidates)[i], warm_start, decided,
                        [&](const std::string& text) { said[i] = text; });
   };
   in_parallel(count, one, 1);
@@ -164,7 +164,7 @@ std::vector<Rival> weigh_all(const SearchState& state, const Incumbent& incumben
 // Whether the rival does as well at the recorded positions and on the smoothed trajectory with less than half of the
 // parameters: then it is the likelier of the two (Jefferys and Berger 1992), though the data cannot tell.
 bool simpler_and_alike(const SearchState& state, const FoundEffect& found, const Rival& rival) {
-  if (!rival.alike || !(rival.validation_gain_lost < state.settings->minimum_gain / 3.0)) return false;
+  if (!rival.indistinguishable || !(rival.validation_gain_lost < state.settings->minimum_gain / 3.0)) return false;
   const Model rest = without_entry(state.current.model, found.name);
   const auto count = [&](const std::string& name) {
     return state.options(state.candidate(name), rest).parameters.size();
@@ -178,13 +178,13 @@ bool clearly_better(const SearchSettings& settings, const Rival& rival) {
   const auto clear = [&](double gain, double error) {
     return gain >= std::max(settings.minimum_gain, settings.alike_errors * error);
   };
-  return clear(-rival.validation_gain_lost, rival.error) || clear(rival.likelier_by, rival.likelier_error);
+  return clear(-rival.validation_gain_lost, rival.error) || clear(rival.log_likelihood_gain, rival.likelier_error);
 }
 
 }  // namespace
 
-std::vector<FoundEffect> weigh_rivals(const SearchState& state, const CameTo& came_to, const Settled& settled,
-                                      const Report& report) {
+std::vector<FoundEffect> weigh_rivals(const SearchState& state, const WarmStart& warm_start,
+                                      const DecidedPairs& decided, const Report& report) {
   std::vector<FoundEffect> all;
   const auto here = block_chi_squared(state.validation, state.current.model);
   const auto deviances = state.block_deviances(state.current.model).validation;
@@ -207,7 +207,7 @@ std::vector<FoundEffect> weigh_rivals(const SearchState& state, const CameTo& ca
     found.rivals = weigh_all(state,
                              {found, kept, bare, without_entry(state.current.model, name), here, deviances, here_N,
                               floor_N, explains_next_to_nothing(state, bare)},
-                             came_to, settled, report);
+                             warm_start, decided, report);
     all.push_back(std::move(found));
   }
   return all;
@@ -215,7 +215,7 @@ std::vector<FoundEffect> weigh_rivals(const SearchState& state, const CameTo& ca
 
 Swap best_swap(const SearchState& state, const std::vector<FoundEffect>& found, const std::set<std::string>& put_away) {
   Swap best;
-  Swap likelier;
+  Swap log_likelihood_z;
   for (const FoundEffect& effect : found) {
     for (const Rival& rival : effect.rivals) {
       if (put_away.contains(rival.name) || rival.of_settled_kind) continue;
@@ -223,15 +223,16 @@ Swap best_swap(const SearchState& state, const std::vector<FoundEffect>& found, 
       // A law with more parameters gains a little always: whether it acts is asked elsewhere (nested_law.h).
       if (rival.contains_found || within_mesh_error(state, rival.model, rival.name)) continue;
       if (!clearly_better(*state.settings, rival)) {
-        if (likelier.winner == nullptr && rival.alike && is_likelier(state, rival, effect.name))
-          likelier = {&effect, &rival, true};
+        if (log_likelihood_z.winner == nullptr && rival.indistinguishable && is_likelier(state, rival, effect.name))
+          log_likelihood_z = {&effect, &rival, true};
         continue;
       }
       if (!does_better_without_noise(state, rival, effect.name)) continue;
-      if (best.winner == nullptr || rival.likelier_by > best.winner->likelier_by) best = {&effect, &rival};
+      if (best.winner == nullptr || rival.log_likelihood_gain > best.winner->log_likelihood_gain)
+        best = {&effect, &rival};
     }
   }
-  return best.winner == nullptr ? likelier : best;
+  return best.winner == nullptr ? log_likelihood_z : best;
 }
 
 }  // namespace touchstone::discrepancy

@@ -22,9 +22,9 @@ struct Rival {
   double validation_rms_N = 0.0;
   // What it gains of -2 ln likelihood on the validation blocks, each model with what it leaves counted as noise, and
   // the standard error of that by runs of blocks (Vuong 1989, theorem 5.1).
-  double likelier_by = 0.0;
+  double log_likelihood_gain = 0.0;
   double likelier_error = 0.0;
-  bool alike = false;
+  bool indistinguishable = false;
   bool contains_found = false;   // the found one is a special case of it
   bool of_settled_kind = false;  // weighed against the found one by likelihood or by force alone: no place to take
 };
@@ -42,16 +42,17 @@ struct FoundEffect {
 
 // Entries that rivals had in earlier trials, where a fit starts near its end: by the name that was added and the
 // rival's.
-using CameTo = std::function<const rendering::NamedParameters*(const std::string& rival, const std::string& added)>;
+using WarmStart = std::function<const rendering::NamedParameters*(const std::string& rival, const std::string& added)>;
 
 // What was weighed by likelihood or by force alone, so that equal fits at noisy positions do not count as equal.
-struct Settled {
+struct DecidedPairs {
   std::set<std::string> laws;  // that took the place of a special case: none of their kind is indistinguishable
   std::set<std::pair<std::string, std::string>> places;  // the effect that took the place, and what it took it from
 };
 
 // Of every effect of the state's model, each with its rivals.
-std::vector<FoundEffect> weigh_rivals(const SearchState& state, const CameTo& came_to, const Settled& settled,
+std::vector<FoundEffect> weigh_rivals(const SearchState& state, const WarmStart& warm_start,
+                                      const DecidedPairs& decided,
                                       const std::function<void(const std::string&)>& report);
 
 // The rival that does best of those that clearly do better in the place of a found effect, also along the likely

@@ -80,17 +80,17 @@ MotionSmoother::MotionSmoother(const MotionColumns& motion, const InstrumentDesc
   half_window_s_.assign(n, 0.0);
   std::vector<Eigen::Array3d> low(n, Eigen::Array3d::Constant(-std::numeric_limits<double>::infinity()));
   std::vector<Eigen::Array3d> high(n, Eigen::Array3d::Constant(std::numeric_limits<double>::infinity()));
-  std::vector<bool> settled(n, false);
+  std::vector<bool> decided(n, false);
   for (const double periods : half_windows) {
     const std::vector<double> half_s(n, periods / instrument.position_rate_Hz);
     const auto tried = smooth(t_s_, motion.p_W_m, half_s);
     const double reach_m = interval_deviations * rms_of_axis(smooth(t_s_, noise, half_s));
     for (std::size_t i = 0; i < n; ++i) {
-      if (settled[i]) continue;
+      if (decided[i]) continue;
       low[i] = low[i].max(tried[i].array() - reach_m);
       high[i] = high[i].min(tried[i].array() + reach_m);
       if ((low[i] > high[i]).any()) {
-        settled[i] = true;
+        decided[i] = true;
       } else {
         half_window_s_[i] = half_s[i];
       }

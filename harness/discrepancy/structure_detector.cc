@@ -21,7 +21,7 @@ constexpr double ridge = 3e-3;
 // A share of chi-squared below this is not worth a finding, whatever its significance.
 constexpr double least_share = 0.1;
 constexpr double least_deviations = 5.0;
-constexpr std::size_t worlds = NoiseModel::null_worlds;
+constexpr std::size_t worlds = NoiseModel::null_simulations;
 
 std::vector<Vec3> difference(const std::vector<Vec3>& a, const std::vector<Vec3>& b) {
   std::vector<Vec3> out(a.size());
@@ -111,16 +111,16 @@ Structure detect_structure(const DetectorSide& train, const DetectorSide& holdou
   // What predicts the residual at noisy positions alone predicts the noise.
   const Prediction train_likely = train.noise->likely_predictor().predict(model);
   const Prediction holdout_likely = holdout.noise->likely_predictor().predict(model);
-  const Responses likely(responses_of(train, train.noise->likely_motion(), train_likely, scales),
-                         responses_of(holdout, holdout.noise->likely_motion(), holdout_likely, scales));
+  const Responses likely(responses_of(train, train.noise->smoothed_motion(), train_likely, scales),
+                         responses_of(holdout, holdout.noise->smoothed_motion(), holdout_likely, scales));
 
   const Eigen::VectorXd left = whitened_residual(train, train.recording->f_W_N, train_nominal.f_W_N);
   const Eigen::VectorXd held_out = whitened_residual(holdout, holdout.recording->f_W_N, holdout_nominal.f_W_N);
-  std::vector<Left> along_likely{{whitened_residual(train, train.recording->f_W_N, train_likely.f_W_N),
-                                  whitened_residual(holdout, holdout.recording->f_W_N, holdout_likely.f_W_N)}};
+  std::vector<Left> smoothed_comparison{{whitened_residual(train, train.recording->f_W_N, train_likely.f_W_N),
+                                         whitened_residual(holdout, holdout.recording->f_W_N, holdout_likely.f_W_N)}};
   // Nor is it structure that friction turns late over a path that the noise has made too long.
   for (const Model& shorter : with_shorter_paths(model)) {
-    along_likely.push_back(
+    smoothed_comparison.push_back(
         {whitened_residual(train, train.recording->f_W_N, train.noise->likely_predictor().predict(shorter).f_W_N),
          whitened_residual(holdout, holdout.recording->f_W_N,
                            holdout.noise->likely_predictor().predict(shorter).f_W_N)});
@@ -158,7 +158,7 @@ Structure detect_structure(const DetectorSide& train, const DetectorSide& holdou
     Structure structure;
     structure.view = recorded.learn[v].name;
     structure.gain = recorded.gain(v, left, held_out);
-    for (const Left& here : along_likely) {
+    for (const Left& here : smoothed_comparison) {
       structure.gain = std::min(structure.gain, likely.gain(v, here.train, here.holdout));
     }
     structure.share = structure.gain / before;

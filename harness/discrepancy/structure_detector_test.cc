@@ -64,7 +64,7 @@ Seen look(double unit, std::uint64_t seed, const Hidden& hidden) {
   const std::vector<FreeParameter> parameters{base_stiffness(plane(unit))};
   const JointFit fit = fit_jointly(learnt, plane(unit), parameters, 12, true);
   const auto refits = bootstrap_fits(learn, learnt, fit, parameters, 6);
-  EXPECT_EQ(refits.size(), NoiseModel::null_worlds);
+  EXPECT_EQ(refits.size(), NoiseModel::null_simulations);
   Seen seen;
   seen.chi_squared_per_degree = chi_squared(judged, fit.model) / (3.0 * static_cast<double>(judged.blocks.size()));
   seen.structure =

@@ -29,38 +29,38 @@ std::vector<std::string> Trial::effects() const {
 
 std::string Trial::title() const { return partner.empty() ? name : name + " and " + partner; }
 
-Standing standing_of(const SearchState& state) {
-  Standing standing;
-  standing.train_blocks = block_chi_squared(state.train, state.current.model);
-  standing.validation_blocks = block_chi_squared(state.validation, state.current.model);
-  standing.deviances = state.block_deviances(state.current.model);
-  standing.train_chi_squared = std::accumulate(standing.train_blocks.begin(), standing.train_blocks.end(), 0.0);
-  standing.validation_chi_squared =
-      std::accumulate(standing.validation_blocks.begin(), standing.validation_blocks.end(), 0.0);
-  standing.validation_rms_N = state.validation_rms_N(state.current.model);
-  return standing;
+BaselineScore baseline_score(const SearchState& state) {
+  BaselineScore baseline;
+  baseline.train_blocks = block_chi_squared(state.train, state.current.model);
+  baseline.validation_blocks = block_chi_squared(state.validation, state.current.model);
+  baseline.deviances = state.block_deviances(state.current.model);
+  baseline.train_chi_squared = std::accumulate(baseline.train_blocks.begin(), baseline.train_blocks.end(), 0.0);
+  baseline.validation_chi_squared =
+      std::accumulate(baseline.validation_blocks.begin(), baseline.validation_blocks.end(), 0.0);
+  baseline.validation_rms_N = state.validation_rms_N(state.current.model);
+  return baseline;
 }
 
-void score(const SearchState& state, const Standing& standing, Trial& trial) {
+void score(const SearchState& state, const BaselineScore& baseline, Trial& trial) {
   const Model& model = trial.fit.model;
   std::tie(trial.train_gain, trial.train_error) =
-      paired_difference(standing.train_blocks, block_chi_squared(state.train, model));
+      paired_difference(baseline.train_blocks, block_chi_squared(state.train, model));
   std::tie(trial.validation_gain, trial.validation_error) =
-      paired_difference(standing.validation_blocks, block_chi_squared(state.validation, model));
+      paired_difference(baseline.validation_blocks, block_chi_squared(state.validation, model));
   trial.validation_rms_N = state.validation_rms_N(model);
   const auto deviances = state.block_deviances(model);
-  trial.likelier = trial.likelier_both = -std::numeric_limits<double>::infinity();
+  trial.log_likelihood_z = trial.likelier_both = -std::numeric_limits<double>::infinity();
   trial.deviance = std::accumulate(deviances.validation.begin(), deviances.validation.end(), 0.0);
   for (const auto difference : {paired_difference, trimmed_difference}) {
-    const auto [learnt, learnt_error] = difference(standing.deviances.train, deviances.train);
-    const auto [judged, judged_error] = difference(standing.deviances.validation, deviances.validation);
-    trial.likelier = std::max(trial.likelier, in_errors(judged, judged_error));
+    const auto [learnt, learnt_error] = difference(baseline.deviances.train, deviances.train);
+    const auto [judged, judged_error] = difference(baseline.deviances.validation, deviances.validation);
+    trial.log_likelihood_z = std::max(trial.log_likelihood_z, in_errors(judged, judged_error));
     trial.likelier_both =
         std::max(trial.likelier_both, in_errors(learnt + judged, std::hypot(learnt_error, judged_error)));
   }
 }
 
-std::optional<Trial> try_candidate(const SearchState& state, const Standing& standing,
+std::optional<Trial> try_candidate(const SearchState& state, const BaselineScore& baseline,
                                    const rendering::Candidate& candidate) {
   const Model& model = state.current.model;
   if (find_entry(model, candidate.name) != nullptr || state.library().has_what_contains(model, candidate.name))
@@ -73,23 +73,24 @@ std::optional<Trial> try_candidate(const SearchState& state, const Standing& sta
   trial.parameters = without_coefficients(state.free_in(rest));
   const int iterations = state.settings->iterations;
   // What gains less than the least that counts is not fitted to the end. Fields have a prior beside chi-squared.
-  const double hopeless = prior_rows(rest) > 0 ? std::numeric_limits<double>::infinity()
-                                               : standing.train_chi_squared - state.settings->minimum_gain;
-  trial.fit = best_fit(state.train, rest, options, trial.parameters, FitEffort{iterations, iterations / 3, hopeless});
+  const double abandon_above = prior_rows(rest) > 0 ? std::numeric_limits<double>::infinity()
+                                                    : baseline.train_chi_squared - state.settings->minimum_gain;
+  trial.fit =
+      best_fit(state.train, rest, options, trial.parameters, FitEffort{iterations, iterations / 3, abandon_above});
   if (!trial.fit.ok) return std::nullopt;
   trial.parameters = joined(std::move(trial.parameters), options.parameters);
-  score(state, standing, trial);
+  score(state, baseline, trial);
   return trial;
 }
 
-std::vector<Trial> try_candidates(const SearchState& state, const Standing& standing) {
+std::vector<Trial> try_candidates(const SearchState& state, const BaselineScore& baseline) {
   std::vector<std::optional<Trial>> tried(state.candidates->size());
   const std::size_t number = state.current.model.effects.size() + state.current.model.instrument.size() + 1;
   const auto one = [&](std::size_t i) {
     const rendering::Candidate& candidate = (*state.candidates)[i];
     if (is_field(candidate.parameters)) return;  // field_move.h
     if (!state.budget->allows(fmt::format("{} as effect number {}", candidate.name, number))) return;
-    tried[i] = try_candidate(state, standing, candidate);
+    tried[i] = try_candidate(state, baseline, candidate);
   };
   in_parallel(tried.size(), one, 1);
   std::vector<Trial> trials;

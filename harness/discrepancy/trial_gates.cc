@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "harness/discrepancy/along_likely.h"
 #include "harness/discrepancy/parameter_intervals.h"
 #include "harness/discrepancy/regimes.h"
+#include "harness/discrepancy/smoothed_comparison.h"
 
 namespace touchstone::discrepancy {
 using rendering::Model;
@@ -37,9 +37,8 @@ bool trial_displaces_for_sure(const SearchState& state, const Trial& trial) {
 
 bool helps_without_noise(const SearchState& state, const Trial& trial) {
   const auto compared = state.compared();
-  const auto loss =
-      compare_along_likely(*state.data, state.train, state.validation, {&trial.fit.model, &trial.parameters},
-                           {&state.current.model, &compared}, state.settings->iterations);
+  const auto loss = compare_smoothed(*state.data, state.train, state.validation, {&trial.fit.model, &trial.parameters},
+                                     {&state.current.model, &compared}, state.settings->iterations);
   return !loss || loss->lost >= state.settings->likely_share * trial.validation_gain;
 }
 
@@ -58,15 +57,15 @@ bool displaces_for_sure(const SearchState& state, const JointFit& fit, const std
                                                   state.settings->mesh_margin * state.data->geometry_error_m;
 }
 
-TrialVerdict weakness(const SearchState& state, const Standing& standing, const Trial& trial) {
+TrialVerdict cheap_gates(const SearchState& state, const BaselineScore& baseline, const Trial& trial) {
   const SearchSettings& settings = *state.settings;
   if (!(trial.train_gain >= settings.minimum_gain)) return "no more than noise on the training blocks";
   if (!(trial.validation_gain >= settings.minimum_gain)) return "no more than noise on the validation blocks";
   // What acts in a few moments alone, such as a lag, gains in a few blocks, but in those of both recordings.
-  if (trial.likelier < settings.gain_errors && trial.likelier_both < settings.both_gain_errors) {
+  if (trial.log_likelihood_z < settings.gain_errors && trial.likelier_both < settings.both_gain_errors) {
     return "its gain comes from a few validation blocks alone";
   }
-  const double before = standing.validation_rms_N * standing.validation_rms_N;
+  const double before = baseline.validation_rms_N * baseline.validation_rms_N;
   const double removed = before - trial.validation_rms_N * trial.validation_rms_N;
   const double noticed_N = settings.just_noticeable_share * state.validation_force_N;
   if (!(removed >= noticed_N * noticed_N)) {
@@ -77,7 +76,7 @@ TrialVerdict weakness(const SearchState& state, const Standing& standing, const 
       return removed >= seen_N * seen_N;
     };
     const double least = state.least_share(trial.fit.model);
-    const bool shares = trial.validation_gain >= least * standing.validation_chi_squared || seen();
+    const bool shares = trial.validation_gain >= least * baseline.validation_chi_squared || seen();
     if (!shares || !(removed >= least * before)) return "too small to matter";
   }
   for (const std::string& name : trial.effects()) {
@@ -86,7 +85,7 @@ TrialVerdict weakness(const SearchState& state, const Standing& standing, const 
   return "";
 }
 
-TrialVerdict objection(const SearchState& state, const Trial& trial) {
+TrialVerdict costly_gates(const SearchState& state, const Trial& trial) {
   rendering::Predictor& predictor = *state.data->validation.predictor;
   const auto regimes = sort_by_regime(state.data->validation, predictor.predict(state.current.model),
                                       predictor.predict(trial.fit.model), state.data->force_floor_N);
@@ -99,7 +98,7 @@ TrialVerdict objection(const SearchState& state, const Trial& trial) {
   return "";
 }
 
-double null_bar(const SearchState& state, const RefitInWorld& refits, double gain) {
+double null_threshold(const SearchState& state, const RefitInWorld& refits, double gain) {
   const SearchSettings& settings = *state.settings;
   const auto compared = state.compared();
   const NullCase null{&state.data->train, &state.data->validation, &state.train,
@@ -108,36 +107,36 @@ double null_bar(const SearchState& state, const RefitInWorld& refits, double gai
   auto gains = null_gains(null, refits, 0, few_worlds);
   const double bar = std::max(settings.minimum_gain, bar_above(gains, settings.null_deviations));
   if (is_clear(gain, bar)) return bar;
-  const auto more = null_gains(null, refits, few_worlds, NoiseModel::null_worlds);
+  const auto more = null_gains(null, refits, few_worlds, NoiseModel::null_simulations);
   gains.insert(gains.end(), more.begin(), more.end());
   return std::max(settings.minimum_gain, bar_above(gains, settings.null_deviations));
 }
 
-double null_bar(const SearchState& state, const rendering::Candidate& candidate, double gain) {
+double null_threshold(const SearchState& state, const rendering::Candidate& candidate, double gain) {
   const auto refit = [&](const FitData& train, const recording::Recording& recording, const Model& base) {
     const CandidateFit options = state.options(candidate, base, recording);
     return std::vector<JointFit>{best_fit(train, base, options, state.compared(), state.settings->iterations)};
   };
-  return null_bar(state, refit, gain);
+  return null_threshold(state, refit, gain);
 }
 
 const Trial* explained_by_mesh(const std::vector<Trial>& trials, const Trial& trial) {
   const auto does = [&](const Trial& other) {
-    return other.verdict.kind == TrialVerdict::Kind::of_mesh && other.train_gain >= trial.train_gain &&
+    return other.verdict.kind == TrialVerdict::Kind::within_mesh_tolerance && other.train_gain >= trial.train_gain &&
            other.validation_gain >= trial.validation_gain;
   };
   const auto found = std::find_if(trials.begin(), trials.end(), does);
   return found == trials.end() ? nullptr : &*found;
 }
 
-TrialVerdict refusal(const SearchState& state, const Standing& standing, Trial& trial) {
-  TrialVerdict verdict = weakness(state, standing, trial);
-  if (verdict.passed()) verdict = objection(state, trial);
+TrialVerdict all_gates(const SearchState& state, const BaselineScore& baseline, Trial& trial) {
+  TrialVerdict verdict = cheap_gates(state, baseline, trial);
+  if (verdict.passed()) verdict = costly_gates(state, trial);
   if (!verdict.passed()) return verdict;
-  trial.null_bar = null_bar(state, state.candidate(trial.name), trial.validation_gain);
+  trial.null_threshold = null_threshold(state, state.candidate(trial.name), trial.validation_gain);
   // Fits that ended with the time are no bar.
   if (!state.budget->allows("the checks of " + trial.title())) return out_of_time;
-  return trial.validation_gain > trial.null_bar ? "" : within_null;
+  return trial.validation_gain > trial.null_threshold ? "" : within_null;
 }
 
 }  // namespace touchstone::discrepancy

@@ -21,31 +21,33 @@ bool displaces_for_sure(const SearchState& state, const JointFit& fit, const std
                         const std::vector<NullFit>& draws, const std::string& effect);
 
 // Passed: it gains more than noise, and matters.
-TrialVerdict weakness(const SearchState& state, const Standing& standing, const Trial& trial);
+TrialVerdict cheap_gates(const SearchState& state, const BaselineScore& baseline, const Trial& trial);
 
 // Passed: it makes no regime worse, helps on the smoothed trajectory too, and is no declared error of the mesh.
-TrialVerdict objection(const SearchState& state, const Trial& trial);
+TrialVerdict costly_gates(const SearchState& state, const Trial& trial);
 
 // What the validation gain must exceed: the largest gain of any refit in the simulated null recordings, and more by
 // the settings' deviations. Few recordings if they decide clearly, all of them if the gain is near the bar.
-double null_bar(const SearchState& state, const RefitInWorld& refits, double gain);
+double null_threshold(const SearchState& state, const RefitInWorld& refits, double gain);
 // Of one candidate.
-double null_bar(const SearchState& state, const rendering::Candidate& candidate, double gain);
+double null_threshold(const SearchState& state, const rendering::Candidate& candidate, double gain);
 
 inline constexpr const char* out_of_time = "not checked: the time limit ended the search";
 
 inline constexpr const char* within_null = "no more than simulated recordings give in which nothing is missing";
 
 // The verdict on what may be, or is, the mesh's declared error.
-inline TrialVerdict within_mesh() { return {TrialVerdict::Kind::of_mesh, "within the mesh's declared error"}; }
+inline TrialVerdict within_mesh() {
+  return {TrialVerdict::Kind::within_mesh_tolerance, "within the mesh's declared error"};
+}
 inline TrialVerdict maybe_within_mesh() {
-  return {TrialVerdict::Kind::of_mesh, "may be within the mesh's declared error"};
+  return {TrialVerdict::Kind::within_mesh_tolerance, "may be within the mesh's declared error"};
 }
 // The other trial that gains at least as much, though all it does may be the mesh's declared error: what that may
 // explain is not missing. nullptr: none.
 const Trial* explained_by_mesh(const std::vector<Trial>& trials, const Trial& trial);
 
 // All gates in their order. Sets the trial's bar where it came to that.
-TrialVerdict refusal(const SearchState& state, const Standing& standing, Trial& trial);
+TrialVerdict all_gates(const SearchState& state, const BaselineScore& baseline, Trial& trial);
 
 }  // namespace touchstone::discrepancy

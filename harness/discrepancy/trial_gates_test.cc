@@ -133,14 +133,14 @@ TEST(FewBlocks, HideNoEffectThatMakesAllOthersLikelier) {
   state.refit();
   state.renew_noise(state.current.model);
   state.refit();
-  const Standing standing = standing_of(state);
-  const auto trial = try_candidate(state, standing, world.library.front());
+  const BaselineScore baseline = baseline_score(state);
+  const auto trial = try_candidate(state, baseline, world.library.front());
   ASSERT_TRUE(trial.has_value());
   // By chi-squared under the misfit of the smaller model it comes from a few blocks alone.
   EXPECT_LT(trial->validation_gain, settings.gain_errors * trial->validation_error);
   EXPECT_LT(trial->train_gain + trial->validation_gain,
             settings.both_gain_errors * std::hypot(trial->train_error, trial->validation_error));
-  EXPECT_EQ(weakness(state, standing, *trial).words, "");
+  EXPECT_EQ(cheap_gates(state, baseline, *trial).words, "");
 }
 
 }  // namespace

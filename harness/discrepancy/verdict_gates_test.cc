@@ -59,7 +59,7 @@ const std::vector<Fails>& failures() {
        [](Findings& f) {
          Rival& rival = f.search.found.front().rivals.emplace_back();
          rival.name = "viscous-friction";
-         rival.alike = true;
+         rival.indistinguishable = true;
        }},
       {"error-rises", [](Findings& f) { f.gap.holdout_after_N = 0.41; }},
       {"value-questioned",

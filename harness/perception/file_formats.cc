@@ -72,7 +72,8 @@ constexpr auto perception_2_fields = std::to_array<FormatField>({
     {"conditions", "list of objects", "", "one for each"},
     {"conditions[].name", "text", "", "of the condition"},
     {"conditions[].noticed_probability", "number or null", "1",
-     "share of right answers in a two-alternative forced choice, the best estimate; 0.5 is chance; where the verdict is "
+     "share of right answers in a two-alternative forced choice, the best estimate; 0.5 is chance; where the verdict "
+     "is "
      "cannot-tell, only its interval says anything"},
     {"conditions[].noticed_interval95", "list of numbers", "1", "its interval"},
     {"conditions[].d_prime", "number or null", "1", "sensitivity"},

@@ -24,9 +24,9 @@ struct RecordingScales {
   double speed_m_per_s = 0.0;   // median tangential speed in contact
   double depth_rate_m_per_s = 0.0;
   double duration_s = 0.0;
-  double position_noise_m = 0.0;  // declared
-  double facet_m = 0.0;           // way along the surface from one normal to another one; at most the depth
-  double touching_apart = 0.0;    // share of the samples in contact by force or by model that are so by one alone
+  double position_noise_m = 0.0;      // declared
+  double facet_m = 0.0;               // way along the surface from one normal to another one; at most the depth
+  double contact_disagreement = 0.0;  // share of the samples in contact by force or by model that are so by one alone
   // The object's where what was touched faces its z and lies about its origin; else one that faces as the surface does,
   // about the middle of what was touched. So nothing depends on where the world's origin lies and how its axes are
   // turned.
@@ -41,7 +41,7 @@ struct RecordingScales {
     return extent_m() > peak_to_peak * position_noise_m && extent_m() > 1e-6 * depth_m;
   }
   // How many are in contact by the sensor or by the model alone only where the surface is elsewhere.
-  [[nodiscard]] bool surface_is_elsewhere() const { return touching_apart > much_apart; }
+  [[nodiscard]] bool surface_is_elsewhere() const { return contact_disagreement > much_apart; }
   static constexpr double much_apart = 0.2;
 };
 
@@ -79,7 +79,7 @@ struct EffectTraits {
   // Its parameters are lengths or places along the surface: an indentation at one place shows nothing of it.
   bool along_surface = false;
   // Dry friction whose coefficient falls with speed, from mu_static to mu_dynamic with stribeck_velocity_m_per_s.
-  bool falls_with_speed = false;
+  bool velocity_weakening = false;
   // A wave over the surface: direction_rad + pi with another phase_rad is the same wave.
   bool is_wave = false;
   // Coefficients of friction along the object's x and y, by their parameters; empty: it has none.

@@ -48,8 +48,8 @@ struct WrenchSample {
 // What happened to the stream since start().
 struct StreamCounters {
   std::uint64_t received = 0, lost = 0, repeated = 0, reordered = 0, malformed = 0, device_errors = 0;
-  std::uint64_t strangers = 0;    // packets from another address than the device's: left out
-  std::uint64_t clock_steps = 0;  // of the device's own clock, which somebody set meanwhile
+  std::uint64_t foreign_packets = 0;  // packets from another address than the device's: left out
+  std::uint64_t clock_steps = 0;      // of the device's own clock, which somebody set meanwhile
 };
 
 class WrenchSource {

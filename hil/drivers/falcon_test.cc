@@ -14,7 +14,7 @@
 #include "harness/base/random.h"
 #include "hil/drivers/falcon_kinematics.h"
 #include "hil/drivers/usb.h"
-#include "hil/emulators/told_without_permission.h"
+#include "hil/emulators/permission_denied.h"
 #include "hil/emulators/usb_emulator.h"
 
 namespace touchstone::hil {
@@ -238,7 +238,7 @@ TEST_F(FalconUsb, SaysWhyItCannotBeOpened) {
 
 TEST(FalconUsbPermission, WithoutItTheDriverSaysWhatToDo) {
   if (!UsbEmulator::preloaded()) GTEST_SKIP() << "needs LD_PRELOAD=libumockdev-preload.so.0 (ctest sets it)";
-  const auto told = told_without_permission();
+  const auto told = permission_denied();
   EXPECT_EQ(told.status, to_string(DeviceStatus::no_permission));
   EXPECT_THAT(told.message, HasSubstr("udev"));
 }

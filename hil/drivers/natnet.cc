@@ -219,7 +219,7 @@ class NatNetSource final : public PoseSource {
     std::memcpy(&sender, &from, sizeof sender);
     // Another Motive in the same group, or this one by a second network card.
     if (sender.sin_addr.s_addr != server_.sin_addr.s_addr) {
-      ++counters_.strangers;
+      ++counters_.foreign_packets;
       return true;
     }
     const std::span<const unsigned char> packet(packet_.data(), static_cast<std::size_t>(n));

@@ -233,7 +233,7 @@ TEST(NatNet, CountsFramesFromAnotherAddress) {
   source->start();
   EXPECT_TRUE(read_for(*source, 0.5).empty());
   EXPECT_EQ(source->counters().received, 0U);
-  EXPECT_GT(source->counters().strangers, 50U);
+  EXPECT_GT(source->counters().foreign_packets, 50U);
 }
 
 // All that comes then would count as late, and the run would end as one whose stream stopped.

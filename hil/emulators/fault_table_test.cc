@@ -19,7 +19,7 @@
 #include "hil/drivers/netft.h"
 #include "hil/drivers/usb.h"
 #include "hil/emulators/netft_emulator.h"
-#include "hil/emulators/told_without_permission.h"
+#include "hil/emulators/permission_denied.h"
 #include "hil/emulators/usb_emulator.h"
 
 namespace touchstone::hil {
@@ -135,7 +135,7 @@ TEST_F(FaultTable, IsTheOneInTheDocumentation) {
   usb("stall while running", running([](UsbEmulator& u, FalconModel&) { u.faults.stall = true; }, 2.0));
   usb("timeout", running([](UsbEmulator& u, FalconModel&) { u.faults.silent = true; }, 0.2));
   usb("busy", opening([](UsbEmulator& u) { u.faults.busy = true; }));
-  usb("no permission", fmt::format("error: {}", told_without_permission().status));
+  usb("no permission", fmt::format("error: {}", permission_denied().status));
   usb("short packet", running([](UsbEmulator& u, FalconModel&) { u.faults.short_packets = true; }, 0.2));
   usb("bad frame", running([](UsbEmulator&, FalconModel& m) { m.damage_next_frames(1); }, 2.0));
   usb("unplugged while running", running([](UsbEmulator& u, FalconModel&) { u.unplug(); }, 2.0));

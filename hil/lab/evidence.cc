@@ -96,7 +96,7 @@ void publish(const Evidence& e, const std::vector<WrenchSample>& samples) {
         {"repeated", c.repeated},
         {"reordered", c.reordered},
         {"malformed", c.malformed},
-        {"strangers", c.strangers},
+        {"strangers", c.foreign_packets},
         {"device_errors", c.device_errors}}}};
   for (const auto& m : e.measurements) json["measurements"][m.name] = m.value;
   for (const auto& limit : e.limits) {

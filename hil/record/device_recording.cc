@@ -76,7 +76,7 @@ std::string record_text(const MultiReport& report) {
         "{}{}\n",
         s.name, s.last.written, report.seconds, counters.lost, s.last.lost_in_memory, counters.repeated,
         counters.reordered, counters.malformed,
-        counters.strangers > 0 ? fmt::format(", from another address {}", counters.strangers) : "");
+        counters.foreign_packets > 0 ? fmt::format(", from another address {}", counters.foreign_packets) : "");
   }
   return text;
 }

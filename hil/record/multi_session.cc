@@ -186,11 +186,11 @@ std::vector<StreamStatus> status_of(std::vector<std::unique_ptr<Lane>>& lanes) {
 std::string problem_of(const MultiReport::OneStream& s, double seconds) {
   if (!s.failure.empty()) return s.failure;
   const StreamCounters& c = s.last.counters;
-  if (c.received == 0 && c.strangers > 0) {
+  if (c.received == 0 && c.foreign_packets > 0) {
     return fmt::format(
         "it sent nothing from its \"address\" in the hardware map, but {} packets came from another one: if its "
         "computer has two network cards, give the address of the one that it sends by",
-        c.strangers);
+        c.foreign_packets);
   }
   if (c.received == 0) {
     return "it sent nothing: is another program recording from it (most serve one client), is its stream switched off, "

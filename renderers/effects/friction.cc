@@ -245,7 +245,7 @@ EffectTraits coulomb_friction_traits() {
 EffectTraits stribeck_friction_traits() {
   EffectTraits traits;
   traits.contains = {"coulomb-friction"};
-  traits.falls_with_speed = true;
+  traits.velocity_weakening = true;
   traits.plan = &plan_stribeck;
   return traits;
 }

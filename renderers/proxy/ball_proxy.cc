@@ -35,7 +35,7 @@ BallProxyOf<Mesh>::BallProxyOf(const Mesh& mesh, const surface::Surface& surface
       surface_(&surface),
       r_(radius_m),
       cone_(friction),
-      feeler_(mesh),
+      probe_walk_(mesh),
       vicinity_(std::in_place, plain_mesh(mesh), radius_m),
       near_(kMost),
       next_margin_(0.25 * radius_m) {
@@ -127,7 +127,7 @@ void BallProxyOf<Mesh>::pull(const V& p) noexcept {
     Check checked;
     if (settle(p, holding, x, checked)) {
       if (advance(x, checked, holding)) return;
-    } else if (!creep(move < kStraight ? p : way_round(*mesh_, holding_, r_, c_, p, rounding_))) {
+    } else if (!constrained_step(move < kStraight ? p : way_round(*mesh_, holding_, r_, c_, p, rounding_))) {
       return;
     }
   }
@@ -351,13 +351,13 @@ bool BallProxyOf<Mesh>::roll(const V& p, Holding& holding, V& x) noexcept {
   const std::int32_t from = holding.triangle[0];
   const TouchOf<S> t = touch(*mesh_, from, c_);
   if (!mesh_->facet(from).regular || t.feature == surface::Feature::face) return false;
-  feeler_.resume(c_ - t.d * t.n, from);
-  if (!feeler_.follow(p) || feeler_.on() != SurfaceWalkOf<Mesh>::On::face) return false;
-  const FacetOf<S>& facet = mesh_->facet(feeler_.triangle());
+  probe_walk_.resume(c_ - t.d * t.n, from);
+  if (!probe_walk_.follow(p) || probe_walk_.on() != SurfaceWalkOf<Mesh>::On::face) return false;
+  const FacetOf<S>& facet = mesh_->facet(probe_walk_.triangle());
   const V there = p + (r_ - facet.height(p)) * facet.n;
   if (!(squared_distance<S>(there, c_) <= 0.25 * r_ * r_)) return false;
   holding = {};
-  holding.add(feeler_.triangle());
+  holding.add(probe_walk_.triangle());
   x = there;
   return true;
 }
@@ -423,7 +423,7 @@ bool BallProxyOf<Mesh>::advance(const V& x, const Check& checked, const Holding&
     next_margin_ = std::min(length, S(2.0 * next_margin_));
     gather(c_, next_margin_);
     if (length > margin_) {
-      creep(c_ + (0.99 * margin_ / length) * (x - c_));
+      constrained_step(c_ + (0.99 * margin_ / length) * (x - c_));
       return false;
     }
     return false;
@@ -442,13 +442,13 @@ bool BallProxyOf<Mesh>::advance(const V& x, const Check& checked, const Holding&
     c_ = there;
     holding_ = held;
   } else {
-    creep(part);
+    constrained_step(part);
   }
   return false;
 }
 
 template <class Mesh>
-bool BallProxyOf<Mesh>::creep(const V& goal) noexcept {
+bool BallProxyOf<Mesh>::constrained_step(const V& goal) noexcept {
   half_spaces_.clear();
   limiting_.clear();
   if (distance<S>(c_, gathered_at_) > 0.75 * margin_) gather(c_, next_margin_);

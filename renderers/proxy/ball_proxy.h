@@ -161,7 +161,7 @@ class BallProxyOf {
   // One safe move: to x if the way is safe, else as far towards it as is. True when x was reached.
   bool advance(const V& x, const Check& checked, const Holding& holding) noexcept;
   // One move within the half-spaces at the centre; false when that leads nowhere.
-  bool creep(const V& goal) noexcept;
+  bool constrained_step(const V& goal) noexcept;
 
   const Mesh* mesh_;
   const surface::Surface* surface_;
@@ -169,11 +169,11 @@ class BallProxyOf {
   ConeFollower cone_;
   V c_ = V::Zero();
   Holding holding_;
-  SurfaceWalkOf<Mesh> feeler_;  // of roll()
+  SurfaceWalkOf<Mesh> probe_walk_;  // of roll()
   std::optional<BallVicinity> vicinity_;
   Near near_;
   std::vector<std::int32_t> candidates_;
-  std::vector<HalfSpaceOf<S>> half_spaces_;  // scratch of creep(), and whose they are
+  std::vector<HalfSpaceOf<S>> half_spaces_;  // scratch of constrained_step(), and whose they are
   std::vector<std::int32_t> limiting_;
   V gathered_at_ = V::Zero();
   S margin_ = S(-1.0);  // of the gathered triangles; < 0: none gathered

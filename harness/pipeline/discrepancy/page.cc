@@ -123,15 +123,15 @@ Section what_section(const Findings& findings) {
           ""};
       for (const discrepancy::Rival& rival : effect.rivals) {
         if (rivals.rows.size() == 6) break;
-        const std::string why = rival.alike            ? "did not lose: explains the data equally well"
-                                : rival.contains_found ? "contains it, and does no better"
+        const std::string why = rival.indistinguishable ? "did not lose: explains the data equally well"
+                                : rival.contains_found  ? "contains it, and does no better"
                                 : rival.validation_gain_lost > 0.9 * effect.validation_gain
                                     ? "explains next to nothing of it"
                                 : rival.validation_gain_lost < 0.0 ? "not clearly better"
                                                                    : "explains less";
         rivals.rows.push_back(
             {{text(rival.name), number(rival.validation_gain_lost, "{:.0f}"), number(rival.error, "{:.0f}"),
-              number(rival.validation_rms_N), text(why, rival.alike ? Tone::warning : Tone::neutral)},
+              number(rival.validation_rms_N), text(why, rival.indistinguishable ? Tone::warning : Tone::neutral)},
              "",
              {}});
       }

@@ -143,7 +143,7 @@ std::optional<discrepancy::NextExperiment> next_experiment(const discrepancy::Se
                                                            const InstrumentDescription& instrument) {
   for (const discrepancy::FoundEffect& effect : search.found) {
     for (const discrepancy::Rival& rival : effect.rivals) {
-      if (!rival.alike) continue;
+      if (!rival.indistinguishable) continue;
       return discrepancy::propose_experiment(*data.learning.recording, data.learning.predictor->predict(search.model),
                                              search.model, rival.model, make, instrument.force_noise_N,
                                              instrument.position_noise_m);
@@ -265,8 +265,8 @@ Findings run_discrepancy(const Catalogue& catalogue, const DiscrepancyFiles& fil
   const double beyond_means_N2 = count > 1 ? square_beyond_means_N2(sensor, instrument) : 0.0;
   const MeasuredGap measured = measure_gap(findings.search, data, {samples, count, beyond_means_N2});
   findings.gap = measured.gap;
-  if (floor) findings.gap.hold_against(floor->force_N, floor->within_N);
-  findings.shares = told_apart(share_gap(measured.on, findings.search.start, findings.search.model));
+  if (floor) findings.gap.apply_repeat_floor(floor->force_N, floor->within_N);
+  findings.shares = merge_inseparable(share_gap(measured.on, findings.search.start, findings.search.model));
   const Prediction before = measured.on.predictor->predict(model);
   const Prediction after = measured.on.predictor->predict(findings.search.model);
   findings.where = sort_by_regime(measured.on, before, after, data.force_floor_N);

@@ -11,6 +11,6 @@ struct ToldWithoutPermission {
 };
 
 // Runs falcon_without_permission.cc to its end.
-ToldWithoutPermission told_without_permission();
+ToldWithoutPermission permission_denied();
 
 }  // namespace touchstone::hil

@@ -1,11 +1,11 @@
-#include "harness/discrepancy/along_likely.h"
+#include "harness/discrepancy/smoothed_comparison.h"
 
 #include <tuple>
 
 namespace touchstone::discrepancy {
 
-std::optional<LikelyLoss> compare_along_likely(const SearchData& data, FitData train, FitData validation,
-                                               const Explanation& one, const Explanation& other, int iterations) {
+std::optional<LikelyLoss> compare_smoothed(const SearchData& data, FitData train, FitData validation,
+                                           const Explanation& one, const Explanation& other, int iterations) {
   train.predictor = &data.train.noise->likely_predictor();
   validation.predictor = &data.validation.noise->likely_predictor();
   const JointFit a = fit_jointly(train, *one.model, *one.parameters, iterations, false);

@@ -1,11 +1,11 @@
-#include "hil/emulators/told_without_permission.h"
+#include "hil/emulators/permission_denied.h"
 
 #include <array>
 #include <cstdio>
 
 namespace touchstone::hil {
 
-ToldWithoutPermission told_without_permission() {
+ToldWithoutPermission permission_denied() {
   std::FILE* const program = ::popen(TOUCHSTONE_FALCON_WITHOUT_PERMISSION, "r");
   if (program == nullptr) return {"the program could not be started", ""};
   std::string text;

@@ -24,7 +24,7 @@ struct LikelyLoss {
 };
 
 // Both fitted again on the smoothed trajectory, under the blocks' noise as given. Nothing where a fit fails.
-std::optional<LikelyLoss> compare_along_likely(const SearchData& data, FitData train, FitData validation,
-                                               const Explanation& one, const Explanation& other, int iterations);
+std::optional<LikelyLoss> compare_smoothed(const SearchData& data, FitData train, FitData validation,
+                                           const Explanation& one, const Explanation& other, int iterations);
 
 }  // namespace touchstone::discrepancy
