@@ -182,6 +182,7 @@ constexpr auto thresholds_fields = std::to_array<FormatField>({
     {"position_m?", "number", "m", "just noticeable shift"},
     {"delay_s?", "number", "s", "just noticeable delay of the force behind the motion"},
     {"vibration_fraction?", "number", "1", "just noticeable change of a vibration's amplitude"},
+    {"frequency_fraction?", "number", "1", "just noticeable change of a vibration's frequency"},
     {"vibration_integration_s?", "number", "s", "time over which vibration is summed"},
     {"hand_mass_kg?", "number", "kg", "of the hand at the tip"},
     {"hand_damping_N_s_per_m?", "number", "N s/m", "of the hand at the tip"},

@@ -112,6 +112,10 @@ double total(const VoxelRow& row) {
 
 }  // namespace
 
+double memory_MB(const VoxelRow& row) {
+  return row.timing.memory_bytes ? 1e-6 * static_cast<double>(*row.timing.memory_bytes) : std::nan("");
+}
+
 std::vector<VoxelFinding> voxel_findings(const VoxelExperiment& e) {
   const VoxelRow& proxy = *e.find("god-object", 0);
   const VoxelRow& coarse = *e.find("voxel", 32);
@@ -134,8 +138,7 @@ std::vector<VoxelFinding> voxel_findings(const VoxelExperiment& e) {
   add("its operations do not depend on the resolution (within 5 %)",
       std::abs(total(fine) / total(coarse) - 1.0) <= 0.05,
       fmt::format("{:+.1f} % from 32^3 to 64^3", 100.0 * (total(fine) / total(coarse) - 1.0)));
-  const double memory =
-      static_cast<double>(fine.timing.memory_bytes.value()) / static_cast<double>(coarse.timing.memory_bytes.value());
+  const double memory = memory_MB(fine) / memory_MB(coarse);
   add("memory grows with the number of voxels (eightfold from 32^3 to 64^3, to within a fifth)",
       memory >= 6.4 && memory <= 9.6, fmt::format("{:.1f}-fold", memory));
   add("the grid costs significant preprocessing beside the proxy (more than twice its time)",
@@ -143,8 +146,7 @@ std::vector<VoxelFinding> voxel_findings(const VoxelExperiment& e) {
       fmt::format("{:.0f} ms at 64^3, {:.0f} ms for the proxy's own structures", fine.timing.build_ms,
                   proxy.timing.build_ms));
   add("the proxy needs no memory of its own", proxy.timing.memory_bytes == 0,
-      fmt::format("{:.2f} MB: a record of planes, borders and neighbours per triangle",
-                  1e-6 * static_cast<double>(proxy.timing.memory_bytes.value())));
+      fmt::format("{:.2f} MB: a record of planes, borders and neighbours per triangle", memory_MB(proxy)));
   return findings;
 }
 
@@ -189,12 +191,11 @@ std::string voxel_table(const VoxelExperiment& e) {
                                               "per step", "us/step", "init s", "memory MB"}};
   const auto cube = [](int resolution) { return resolution > 0 ? fmt::format("{}^3", resolution) : std::string("-"); };
   for (const VoxelRow& row : e.rows) {
-    rows.push_back({row.renderer, cube(row.resolution), fmt::format("{:.4f}", row.rms_N),
-                    fmt::format("{:.4f}", row.own_rms_N),
-                    row.operations ? fmt::format("{:.1f}K", 1e-3 * total(row)) : "not counted",
-                    row.operations ? fmt::format("{:.1f}", row.operations->mean) : "",
-                    fmt::format("{:.3f}", row.timing.mean_us), fmt::format("{:.3f}", 1e-3 * row.timing.build_ms),
-                    fmt::format("{:.2f}", 1e-6 * static_cast<double>(row.timing.memory_bytes.value()))});
+    rows.push_back(
+        {row.renderer, cube(row.resolution), fmt::format("{:.4f}", row.rms_N), fmt::format("{:.4f}", row.own_rms_N),
+         row.operations ? fmt::format("{:.1f}K", 1e-3 * total(row)) : "not counted",
+         row.operations ? fmt::format("{:.1f}", row.operations->mean) : "", fmt::format("{:.3f}", row.timing.mean_us),
+         fmt::format("{:.3f}", 1e-3 * row.timing.build_ms), fmt::format("{:.2f}", memory_MB(row))});
   }
   for (const PublishedVoxelRow& row : published_voxel_table()) {
     rows.push_back({fmt::format("2006 paper: {}", row.algorithm), cube(row.resolution),

@@ -38,6 +38,8 @@ struct VoxelRow {
   rendering::ReplayTiming timing;  // build_ms of the renderer's own structures; the surface's are made before
   std::vector<Vec3> f_W_N;
 };
+// NaN where it is not known.
+double memory_MB(const VoxelRow& row);
 
 struct VoxelFinding {
   std::string statement;  // of the paper

@@ -51,7 +51,7 @@ std::string voxel_experiment_to_json(const VoxelExperiment& e) {
          {"median_us", row.timing.median_us},
          {"max_us", row.timing.max_us},
          {"build_ms", row.timing.build_ms},
-         {"memory_bytes", row.timing.memory_bytes.value()}});
+         {"memory_bytes", row.timing.memory_bytes ? nlohmann::json(*row.timing.memory_bytes) : nlohmann::json()}});
   }
   for (const PublishedVoxelRow& row : published_voxel_table()) {
     root["published"].push_back({{"algorithm", row.algorithm},
@@ -85,7 +85,7 @@ std::string voxel_document(const VoxelExperiment& e, bool series) {
              {"rms_N", row.rms_N},
              {"mean_N", row.mean_N},
              {"own_rms_N", row.own_rms_N},
-             {"memory_bytes", row.timing.memory_bytes.value()},
+             {"memory_bytes", row.timing.memory_bytes ? Json(*row.timing.memory_bytes) : Json()},
              {"operations", row.operations ? operations_document(*row.operations) : Json()}};
     if (series && drawn(row)) own["f_W_N"] = series_to_json(row.f_W_N);
     root["rows"].push_back(std::move(own));

@@ -57,8 +57,7 @@ Section table_section(const VoxelExperiment& e) {
     }
     cells.cells.push_back(report::number_cell(fmt::format("{:.3f}", row.timing.mean_us)));
     cells.cells.push_back(report::number_cell(fmt::format("{:.3f}", 1e-3 * row.timing.build_ms)));
-    cells.cells.push_back(
-        report::number_cell(fmt::format("{:.3f}", 1e-6 * static_cast<double>(row.timing.memory_bytes.value()))));
+    cells.cells.push_back(report::number_cell(fmt::format("{:.3f}", memory_MB(row))));
     ours.rows.push_back(std::move(cells));
   }
   section.blocks.emplace_back(std::move(ours));
@@ -109,12 +108,8 @@ Section plots_section(const VoxelExperiment& e) {
       over_resolution(e, "The renderer's own part", "N", "voxel", [](const VoxelRow& row) { return row.own_rms_N; });
   own.levels = {{"god-object", proxy.own_rms_N}};
   section.blocks.emplace_back(std::move(own));
-  section.blocks.emplace_back(over_resolution(e, "Memory of the dense grid", "MB", "voxel", [](const VoxelRow& row) {
-    return 1e-6 * static_cast<double>(row.timing.memory_bytes.value());
-  }));
-  section.blocks.emplace_back(
-      over_resolution(e, "Memory of the narrow band", "MB", "voxel-sparse",
-                      [](const VoxelRow& row) { return 1e-6 * static_cast<double>(row.timing.memory_bytes.value()); }));
+  section.blocks.emplace_back(over_resolution(e, "Memory of the dense grid", "MB", "voxel", memory_MB));
+  section.blocks.emplace_back(over_resolution(e, "Memory of the narrow band", "MB", "voxel-sparse", memory_MB));
   LinePlot forces;
   forces.title = "Magnitude of the force along the scan";
   forces.x_label = "time [s]";
