@@ -42,9 +42,11 @@ std::vector<fs::path> folders() {
   return out;
 }
 
+// A program that does not know the name by which it was called would otherwise start itself again without end.
 bool can_run(const fs::path& file) {
   std::error_code error;
-  return fs::is_regular_file(file, error) && ::access(file.c_str(), X_OK) == 0;
+  return fs::is_regular_file(file, error) && ::access(file.c_str(), X_OK) == 0 &&
+         !fs::equivalent(file, "/proc/self/exe", error);
 }
 
 }  // namespace

@@ -114,6 +114,16 @@ TEST(SeededExperiments, HaveColumnsOfTheirOwnAndWordsThatAskForThem) {
 
 class SeededProgram : public testing::BuiltProgram {};
 
+// The program of the studies under a name that is none of its commands says so, and does not start itself again.
+TEST_F(SeededProgram, ALinkByAnotherNameIsNoCommand) {
+  const auto studies = std::filesystem::path(program_).parent_path() / "touchstone-experiment";
+  std::filesystem::create_symlink(studies, folder_ / "touchstone-another");
+  const auto outcome =
+      testing::run_command(fmt::format("PATH='{}':$PATH timeout 60 '{}' another", folder_.string(), program_), folder_);
+  EXPECT_EQ(outcome.status, 2);
+  EXPECT_THAT(outcome.err, HasSubstr("there is no command \"another\""));
+}
+
 TEST_F(SeededProgram, SlurmScriptsAskForTheSameSeeds) {
   const auto voxel = run("experiment voxel --seeds 3 --triangles 2000 --cases all.sqlite --engine slurm --dry-run");
   ASSERT_EQ(voxel.status, 0) << voxel.err;
