@@ -124,12 +124,12 @@ void search_case(const std::filesystem::path& folder, const std::filesystem::pat
   files.out = out;
   files.command_line = apps::command_line();
   files.program = own_program();
-  const discrepancy::Findings findings =
+  const pipeline::DiscrepancyAnswer answer =
       run_discrepancy(renderers::built_in_catalogue(), files, [](const std::string&) {});
   std::string names;
-  for (const discrepancy::FoundEffect& effect : findings.search.found) names += " " + effect.name;
+  for (const std::string& effect : answer.effects) names += " " + effect;
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  fmt::print("{} {}{} ({:.0f} s)\n", folder.filename().string(), to_string(findings.verdict), names, seconds);
+  fmt::print("{} {}{} ({:.0f} s)\n", folder.filename().string(), to_string(answer.verdict), names, seconds);
 }
 
 ExitStatus run_cases(BlindOptions options) {
