@@ -173,6 +173,17 @@ std::optional<double> run_again(const Catalogue& catalogue, const DiscrepancyFil
   return again_N;
 }
 
+report::Provenance provenance_of(const DiscrepancyFiles& files, bool instrument_declared) {
+  report::Provenance provenance = report::make_provenance(files.command_line);
+  provenance.inputs = {describe_input("model", files.model), describe_input("recording", files.recording)};
+  if (!files.mesh.empty()) provenance.inputs.push_back(describe_input("mesh", files.mesh));
+  if (!files.holdout.empty()) provenance.inputs.push_back(describe_input("holdout", files.holdout));
+  if (!files.repeat.empty()) provenance.inputs.push_back(describe_input("repeat", files.repeat));
+  for (const auto& file : files.effects) provenance.inputs.push_back(describe_input("effect", file));
+  if (instrument_declared) provenance.inputs.push_back(describe_input("instrument", files.instrument));
+  return provenance;
+}
+
 // What a user reads on the console.
 std::string findings_text(const Findings& findings, const DiscrepancyFiles& files) {
   std::string text = fmt::format("{}\n{}\n", to_string(findings.verdict), findings.explanation);
@@ -308,15 +319,8 @@ DiscrepancyAnswer run_discrepancy(const Catalogue& catalogue, const DiscrepancyF
       run_again(catalogue, files, samples, findings.search.model, instrument.force_noise_N);
   const std::string json = findings_to_json(findings, trajectory);
   write_file(files.out / "findings.json", json);
-  report::Provenance provenance = report::make_provenance(files.command_line);
-  provenance.inputs = {describe_input("model", files.model), describe_input("recording", files.recording)};
-  if (!files.mesh.empty()) provenance.inputs.push_back(describe_input("mesh", files.mesh));
-  if (second) provenance.inputs.push_back(describe_input("holdout", files.holdout));
-  if (floor) provenance.inputs.push_back(describe_input("repeat", files.repeat));
-  for (const auto& file : files.effects) provenance.inputs.push_back(describe_input("effect", file));
-  if (instrument.declared) provenance.inputs.push_back(describe_input("instrument", files.instrument));
-  write_html(files.out / "report.html",
-             discrepancy_page(findings, candidates, measured.on, before, after, mesh, provenance));
+  write_html(files.out / "report.html", discrepancy_page(findings, candidates, measured.on, before, after, mesh,
+                                                         provenance_of(files, instrument.declared)));
   if (!files.golden.empty()) write_golden_case(files.golden, mesh, holdout, findings.search.model);
   DiscrepancyAnswer answer{findings.verdict, {}, findings_text(findings, files)};
   for (const discrepancy::FoundEffect& effect : findings.search.found) answer.effects.push_back(effect.name);
