@@ -27,7 +27,6 @@ void add_golden(CLI::App& program, Run& run);
 void add_history(CLI::App& program, Run& run);
 void add_hil(CLI::App& program, Run& run);
 void add_evaluate(CLI::App& program, Run& run);
-void add_import(CLI::App& program, Run& run);
 void add_leaderboard(CLI::App& program, Run& run);
 void add_list(CLI::App& program, Run& run);
 void add_perceive(CLI::App& program, Run& run);
@@ -68,7 +67,6 @@ inline std::vector<AddCommand> commands() {
       add_history,
       add_hil,
       add_evaluate,
-      add_import,
       add_leaderboard,
       add_list,
       add_perceive,
