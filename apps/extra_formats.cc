@@ -9,6 +9,7 @@
 #include "harness/base/bundled_files.h"
 #include "harness/base/error.h"
 #include "harness/base/json_reader.h"
+#include "harness/report/file_formats.h"
 
 namespace touchstone::apps {
 namespace {
@@ -24,12 +25,22 @@ struct Kept {
     return texts.emplace_back(object.optional_text(key).value_or(""));
   }
 
+  // A list of fields, or "provenance", which many files share.
+  const FormatPart* read_part(JsonObject& object) {
+    if (object.raw("part").is_string()) {
+      if (object.text("part") != "provenance")
+        object.fail_at("part", "a list of fields or \"provenance\" was expected");
+      return &report::provenance_part;
+    }
+    return &parts.emplace_back(FormatPart{read_fields(object, "part")});
+  }
+
   std::span<const FormatField> read_fields(JsonObject& object, std::string_view key) {
     if (!object.has(key)) return {};
     std::vector<FormatField>& out = fields.emplace_back();
     for (JsonObject& one : object.objects(key)) {
       FormatField field{text(one, "path"), text(one, "type"), text(one, "unit"), text(one, "meaning")};
-      if (one.has("part")) field.part = &parts.emplace_back(FormatPart{read_fields(one, "part")});
+      if (one.has("part")) field.part = read_part(one);
       one.finish();
       out.push_back(field);
     }

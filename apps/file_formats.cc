@@ -13,10 +13,8 @@
 #include "harness/discrepancy/file_formats.h"
 #include "harness/perception/file_formats.h"
 #include "harness/pipeline/evaluation/file_formats.h"
-#include "harness/pipeline/file_formats.h"
 #include "harness/pipeline/fitting/file_formats.h"
 #include "harness/pipeline/golden/file_formats.h"
-#include "harness/pipeline/leaderboard/file_formats.h"
 #include "harness/pipeline/sweep/file_formats.h"
 #include "harness/pipeline/tool_fitting/file_formats.h"
 #include "harness/pipeline/tool_reports/file_formats.h"
@@ -35,8 +33,6 @@ namespace {
 
 // Of the program's own tools: their readers stand beside their writers.
 constexpr auto internal_formats = std::to_array<FileFormat>({
-    {"touchstone-atlas/1", "atlas.json", "the atlas of force shading", "`atlas`", "", {}, true},
-    {"touchstone-atlas-grid/1", "atlas.sqlite", "which cases of the atlas are stored", "`atlas`", "`atlas`", {}, true},
     {"touchstone-bench-compare/1", "FILE of compare_runs", "two runs of a benchmark", "`ci/bench`", "", {}, true},
     {"touchstone-bisection/1", "measured.jsonl", "what a bisection has measured", "`bisect`", "`bisect`", {}, true},
     {"touchstone-formats/1",
@@ -44,14 +40,6 @@ constexpr auto internal_formats = std::to_array<FileFormat>({
      "the files that an extra reads and writes",
      "",
      "`formats`",
-     {},
-     true},
-    {"touchstone-tool-atlas/1", "atlas.json", "the atlas of tools with a shape", "`tool atlas`", "", {}, true},
-    {"touchstone-tool-atlas-grid/1",
-     "atlas.sqlite",
-     "which cases of that atlas are stored",
-     "`tool atlas`",
-     "`tool atlas`",
      {},
      true},
 });
@@ -66,8 +54,6 @@ std::vector<const FileFormat*> file_formats() {
                                                     pipeline::evaluation_file_formats(),
                                                     discrepancy::file_formats(),
                                                     perception::file_formats(),
-                                                    pipeline::leaderboard_file_formats(),
-                                                    pipeline::submission_file_formats(),
                                                     diagnosis::file_formats(),
                                                     baseline::file_formats(),
                                                     pipeline::golden_floor_file_formats(),
