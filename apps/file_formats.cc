@@ -31,17 +31,29 @@
 namespace touchstone::apps {
 namespace {
 
+constexpr auto formats_fields = std::to_array<FormatField>({
+    {"formats", "list of objects", "", "one for each file"},
+    {"formats[].schema", "text", "", "its name"},
+    {"formats[].file", "text", "", "how the file is usually called"},
+    {"formats[].summary", "text", "", "a phrase"},
+    {"formats[].written_by?", "text", "", "commands"},
+    {"formats[].read_by?", "text", "", "commands"},
+    {"formats[].internal?", "flag", "", "may change with any version"},
+    {"formats[].fields?", "list of objects", "", "its keys; of an internal one, none"},
+    {"formats[].fields[].path", "text", "", "from the root, as in the tables here"},
+    {"formats[].fields[].type", "text", "", "as in the tables here"},
+    {"formats[].fields[].unit?", "text", "", "SI"},
+    {"formats[].fields[].meaning", "text", "", "a phrase"},
+    {"formats[].fields[].part?", "any", "",
+     "such fields of the object, or of each object of the list; or \"provenance\""},
+});
+
 // Of the program's own tools: their readers stand beside their writers.
 constexpr auto internal_formats = std::to_array<FileFormat>({
     {"touchstone-bench-compare/1", "FILE of compare_runs", "two runs of a benchmark", "`ci/bench`", "", {}, true},
     {"touchstone-bisection/1", "measured.jsonl", "what a bisection has measured", "`bisect`", "`bisect`", {}, true},
-    {"touchstone-formats/1",
-     "share/touchstone/formats/NAME.json",
-     "the files that an extra reads and writes",
-     "",
-     "`formats`",
-     {},
-     true},
+    {"touchstone-formats/1", "share/touchstone/formats/NAME.json", "the files that an extra reads and writes", "",
+     "`formats`", formats_fields, true},
 });
 
 }  // namespace
