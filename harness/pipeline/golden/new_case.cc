@@ -36,7 +36,7 @@ class Draft {
   explicit Draft(fs::path folder) : folder_(std::move(folder)) {
     if (fs::exists(folder_))
       throw UsageError(fmt::format("{}: is there already; give another name, or remove it", folder_.string()));
-    fs::create_directories(folder_);
+    ensure_writable_folder(folder_);
   }
   ~Draft() {
     std::error_code ignored;
