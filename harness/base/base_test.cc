@@ -89,7 +89,7 @@ TEST(JsonReader, ASlipNamesTheKeyThatWasMeant) {
   const auto json = parse_json(R"({"renderer": "x", "efects": [], "shema": "s"})", "m.json");
   JsonObject root(json, "m.json", "");
   EXPECT_THAT(message_of([&] { root.text("schema"); }),
-              HasSubstr("\"schema\" is missing; is \"shema\" meant to be it?"));
+              HasSubstr("nothing reads the key \"shema\"; did you mean \"schema\"?"));
   root.text("renderer");
   // Asked for and not there: known all the same.
   EXPECT_FALSE(root.has("effects"));
