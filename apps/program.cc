@@ -81,6 +81,18 @@ std::string listed_extras(const CLI::App& program) {
   return out;
 }
 
+// Runs what was chosen; a folder that it made and left empty stays only where it passed.
+ExitStatus run_chosen(const Run& chosen) {
+  try {
+    const ExitStatus status = chosen();
+    remove_empty_made_folders(status == ExitStatus::passed);
+    return status;
+  } catch (...) {
+    remove_empty_made_folders();
+    throw;
+  }
+}
+
 int run(int argc, char** argv, const std::vector<AddCommand>& commands) {
   CLI::App program{
       "Touchstone tells whether a haptic renderer is right: it replays measured probe trajectories through "
@@ -104,7 +116,7 @@ int run(int argc, char** argv, const std::vector<AddCommand>& commands) {
     const int status = program.exit(error);
     return status == 0 ? 0 : static_cast<int>(ExitStatus::usage);
   }
-  return static_cast<int>(chosen());
+  return static_cast<int>(run_chosen(chosen));
 }
 
 int lost_output() {
@@ -135,7 +147,7 @@ ExitStatus run_words(const std::vector<std::string>& words, const std::vector<Ad
   } catch (const CLI::ParseError& error) {
     throw UsageError(error.what());
   }
-  return chosen();
+  return run_chosen(chosen);
 }
 
 int run_program(int argc, char** argv, const std::vector<AddCommand>& commands) {
