@@ -43,6 +43,12 @@ constexpr auto file_kinds = std::to_array<FileKind>({
     {"\x80\x04\x95", "a Python pickle", "save the arrays with numpy.savez, or the table with to_csv"},
     {"RDX", "an R data file", "write the table as CSV: write.csv"},
     {"%YAML", "a YAML file", "the description of a ROS 2 bag is one: its .mcap or .db3 file is what can be imported"},
+    {"{", "JSON",
+     "write the samples as a table: python3 -c \"import pandas; pandas.read_json('FILE', "
+     "lines=True).to_csv('table.csv')\""},
+    {"[{", "JSON",
+     "write the samples as a table: python3 -c \"import pandas; pandas.read_json('FILE').to_csv('table.csv')\""},
+    {"<", "XML or HTML", "save or export the table as CSV"},
     {"version https://git-lfs.github.com/", "a pointer of Git LFS, not the file itself", "fetch it: git lfs pull"},
 });
 

@@ -19,6 +19,7 @@ struct GuessedMap {
   std::vector<std::string> missing;    // what a recording needs and nothing was found for
   std::vector<std::string> decide;     // what the file leaves open; `import` takes the map when they are decided
   std::set<std::string> unit_assumed;  // columns of the result whose unit nothing states
+  std::set<std::string> sign_assumed;  // and those of which no axis is named
   std::optional<Imported> read;        // what is certain, as the map reads it
   std::string unreadable;              // or why it cannot be read so
 };

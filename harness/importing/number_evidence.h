@@ -21,6 +21,7 @@ struct NumberFinding {
   std::string what;                    // a sentence, with the figures
   bool contradicts = false;            // it is to be decided
   std::vector<std::string> withdrawn;  // columns that must not be written as they are
+  bool of_signs = false;               // it tells whether the signs of positions and forces go together
 };
 
 // `unit_assumed`: columns of `read` whose unit no name or head states.

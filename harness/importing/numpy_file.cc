@@ -107,11 +107,7 @@ class NumpyArray {
         const std::size_t within = plain ? 0 : field.offset + c * field.type.bytes;
         return number_at(bytes_.data() + item * item_bytes_ + within, field.type);
       };
-      tables.add("",
-                 plain           ? name_
-                 : name_.empty() ? field.name
-                                 : name_ + "." + field.name,
-                 "", rows, plain ? columns : field.count, at);
+      tables.add(plain ? "" : name_, plain ? name_ : field.name, "", rows, plain ? columns : field.count, at);
     }
   }
 
