@@ -97,17 +97,17 @@ bool use_counted_rows(MapProposal& map) {
 
 bool clock_by_names(MapProposal& map) {
   std::vector<Clock> clocks;
-  std::string doubts;
+  std::string doubts, standing;
   for (const NamedColumn& named : map.named) {
     if (!named.name.is(Quantity::time)) continue;
     const auto reading = named.name.doubt.empty()
                              ? read_clock(map.tables[named.table].columns[named.column], named.name, map.head)
                              : ClockReading{std::nullopt, named.name.doubt, false};
     if (reading.scale) clocks.push_back({&named, reading});
-    if (!reading.scale && !reading.stands) {
-      doubts += fmt::format("{}{}: {}", doubts.empty() ? "" : "; ", said_of(map.tables, named.table, named.column),
-                            reading.reason);
-    }
+    std::string& list = reading.stands ? standing : doubts;
+    if (reading.scale) continue;
+    list += fmt::format("{}{}: {}", list.empty() ? "" : "; ", said_of(map.tables, named.table, named.column),
+                        reading.reason);
   }
   if (use_stamp_of_two(map)) return false;
   if (const std::string tables = keep_clocks_of_used_tables(map, clocks); !tables.empty()) {
@@ -121,6 +121,7 @@ bool clock_by_names(MapProposal& map) {
   if (clocks.empty()) {
     if (doubts.empty() && use_counted_rows(map)) return false;
     if (doubts.empty()) doubts = texts_named_as_times(map);
+    if (doubts.empty()) doubts = standing;
     if (!doubts.empty()) map.ask("t_s", doubts);
     return doubts.empty();
   }

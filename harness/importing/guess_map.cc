@@ -34,7 +34,9 @@ class Guesser {
     if (const auto wrench = guess_wrench(map_.tables.front()); wrench && map_.columns.empty()) use_wrench(*wrench);
     quaternion_by_names(position.frame);
     rotation_by_names();
-    quaternion_by_numbers(map_.tables.front());
+    if (map_.decide.empty() || !map_.decide.back().starts_with("quaternion")) {
+      quaternion_by_numbers(map_.tables.front());
+    }
     if (!map_.columns.contains("t_s")) rate_by_numbers(map_.tables.front());
     if (!map_.columns.contains("t_s") && clock_is_open) clock_by_numbers(map_, map_.tables.front());
     map_.json["columns"] = map_.columns;
@@ -48,7 +50,7 @@ class Guesser {
       for (std::size_t c = 0; c < map_.tables[t].names.size(); ++c) {
         const std::string name = map_.reference(map_.tables[t], c);
         if (std::ranges::find(map_.used, name) == map_.used.end()) {
-          out.unused.push_back(fmt::format("{}: not used: {}", name, why_not_used(t, c)));
+          out.unused.push_back(fmt::format("{}: not used: {}", map_.shown(name), why_not_used(t, c)));
         }
       }
     }

@@ -29,6 +29,7 @@ struct MapProposal {
 
   // How a map names a column: by its name; by its number where the name is not in UTF-8 or not the only one.
   [[nodiscard]] std::string reference(const ImportTable& table, std::size_t c) const;
+  [[nodiscard]] std::string shown(const std::string& from) const;
   void use(const std::string& column, Json how, const std::string& from, const std::string& reason);
   void ask(const std::string& what, const std::string& why);
 };
