@@ -79,6 +79,7 @@ bool use_counted_rows(MapProposal& map) {
     return false;
   }
   map.columns["t_s"] = {{"row_rate_Hz", *map.head.rate_Hz}};
+  map.from["t_s"] = "row numbers";
   map.reasons.push_back(
       fmt::format("t_s <- row numbers at {} Hz: '{}' stands above the table", *map.head.rate_Hz, map.head.rate_line));
   for (const NamedColumn& named : map.named) {

@@ -40,9 +40,9 @@ std::string names_in_file(const Json& json, const std::vector<std::string>& colu
 void ask_for_signs(const Json& json, GuessedMap& guess) {
   const std::vector<std::string> columns(guess.sign_assumed.begin(), guess.sign_assumed.end());
   guess.decide.push_back(fmt::format(
-      "{}{}: they name no axis and the numbers do not tell their signs. z points out of the object and the force is "
-      "that "
-      "ON the probe: a depth or the travel of a press has a negative \"scale\"; the load of a tension test too",
+      "{}{}: no axis is named and the numbers do not tell the signs. z points out of the object and the force is that "
+      "ON "
+      "the probe: a depth, or the travel of a press, has a negative \"scale\", and so has the load of a tension test",
       fmt::join(columns, ", "), names_in_file(json, columns)));
 }
 
@@ -72,8 +72,8 @@ void hold_against_numbers(const std::filesystem::path& path, GuessedMap& guess) 
   read_as_proposed(path, json, guess);
   if (!guess.read) read_at_rows_of_one(path, json, guess);
   bool withdrawn = false, signs_told = false;
-  for (const NumberFinding& finding :
-       guess.read ? number_evidence(*guess.read, guess.unit_assumed) : std::vector<NumberFinding>{}) {
+  for (const NumberFinding& finding : guess.read ? number_evidence(*guess.read, guess.unit_assumed, guess.static_poses)
+                                                 : std::vector<NumberFinding>{}) {
     signs_told = signs_told || finding.of_signs;
     const std::string line =
         fmt::format("{}{}: {}", finding.about, names_in_file(json, finding.withdrawn), finding.what);

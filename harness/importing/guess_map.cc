@@ -64,6 +64,7 @@ class Guesser {
           "rate, "
           "as {\"row_rate_Hz\": ...}; static poses would jump");
     } else if (static_poses) {
+      out.static_poses = true;
       map_.reasons.emplace_back(
           "t_s: no column is a clock and no rate is stated: without one the rows are static poses");
     }
@@ -77,6 +78,7 @@ class Guesser {
     out.json = map_.json.dump(1, ' ', false, Json::error_handler_t::replace);
     out.reasons = std::move(map_.reasons);
     out.decide = std::move(map_.decide);
+    out.from = std::move(map_.from);
     out.unit_assumed = std::move(map_.unit_assumed);
     out.sign_assumed = std::move(map_.sign_assumed);
     return out;
@@ -260,6 +262,7 @@ class Guesser {
     for (const char axis : std::string_view("wxyz")) {
       parts.push_back(choice.axes.at(axis).column);
       from.push_back(map_.reference(table, parts.back()));
+      map_.from[fmt::format("q{}", axis)] = from.back();
     }
     bool varies = false;
     if (!have_norm_one(table, parts, varies)) {

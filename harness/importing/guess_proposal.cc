@@ -30,6 +30,7 @@ std::string MapProposal::shown(const std::string& from) const {
 void MapProposal::use(const std::string& column, Json how, const std::string& from, const std::string& reason) {
   columns[column] = std::move(how);
   used.push_back(from);
+  this->from[column] = shown(from);
   reasons.push_back(fmt::format("{} <- {}: {}", column, shown(from), reason));
 }
 

@@ -2,6 +2,7 @@
 // decided of it so far.
 #pragma once
 
+#include <map>
 #include <nlohmann/json.hpp>
 #include <set>
 #include <string>
@@ -25,6 +26,7 @@ struct MapProposal {
   std::vector<NamedColumn> named;
   Json json, columns = Json::object();
   std::vector<std::string> reasons, used, decide;
+  std::map<std::string, std::string> from;           // as in GuessedMap
   std::set<std::string> unit_assumed, sign_assumed;  // columns of the result, as in GuessedMap
 
   // How a map names a column: by its name; by its number where the name is not in UTF-8 or not the only one.

@@ -221,7 +221,7 @@ TEST(ImportMap, ARecordingIsReadBackAndAWrongOneIsNotWritten) {
   const recording::Recording r = recording::load_recording(out);
   EXPECT_THAT(r.motion.t_s, ElementsAre(0, 1, 2));
   EXPECT_EQ(r.f_W_N[1].z(), 0.5);
-  EXPECT_THAT(imported_text(imported_by("5,0.25\n6,0.5\n7,1\n", rest)), HasSubstr("3 samples over 2 s, 1 Hz"));
+  EXPECT_THAT(imported_text(imported_by("5,0.25\n6,0.5\n7,1\n", rest)), HasSubstr("3 samples\n2 s at 1 Hz"));
   EXPECT_THAT(imported_picture(imported_by("5,0.25\n6,0.5\n7,1\n", rest), "a<b"), HasSubstr("</svg>"));
   const auto bad = map_folder() / "bad.csv";
   EXPECT_THROW(save_imported(bad, imported_by("5,0.25\n5,0.5\n7,1\n", rest)), BadData);

@@ -378,8 +378,7 @@ double spread_of(const std::vector<Vec3>& values) {
 // orientation, it stands in the sensor's.
 void judge_frame(const Imported& read, const Vectors& f, std::vector<NumberFinding>& out) {
   const auto first = std::ranges::find(read.names, std::string("qw"));
-  const bool timed = read.names.front() == "t_s";  // static poses are weighed by `acquire tool`
-  if (first == read.names.end() || f.axes != 3 || !timed) return;
+  if (first == read.names.end() || f.axes != 3) return;
   const auto at = static_cast<std::size_t>(first - read.names.begin());
   constexpr double steadier = 0.5;
   double turned = 0.0;
@@ -417,7 +416,8 @@ void judge_frame(const Imported& read, const Vectors& f, std::vector<NumberFindi
 
 }  // namespace
 
-std::vector<NumberFinding> number_evidence(const Imported& read, const std::set<std::string>& unit_assumed) {
+std::vector<NumberFinding> number_evidence(const Imported& read, const std::set<std::string>& unit_assumed,
+                                           bool static_poses) {
   std::vector<NumberFinding> out;
   const Series t_s = read.names.front() == "t_s" ? read.columns.front() : Series{};
   const Vectors p = vectors_of(read, unit_assumed, {"x_", "y_", "z_"}, "m");
@@ -431,7 +431,7 @@ std::vector<NumberFinding> number_evidence(const Imported& read, const std::set<
   const bool open = std::ranges::any_of(out, &NumberFinding::contradicts);
   // In units that are not certain neither stiffness nor weight means anything.
   if (!open && !t_s.empty()) judge_passivity(t_s, p, f, out);
-  if (!open) judge_frame(read, f, out);
+  if (!open && !static_poses) judge_frame(read, f, out);
   return out;
 }
 

@@ -114,12 +114,13 @@ std::optional<FittingUnit> find_fitting_unit(const Surface& surface, const std::
   return best;
 }
 
+// Of the path's size: what a bad registration leaves, which may by chance be less on a scaled object, though hardly so
+// much less; and what none leaves.
+constexpr double slightly_off = 0.01, clearly_off = 0.05, much_nearer = 1.0 / 30.0;
+
 // Near the surface, and yet not on it: where another unit lets the forces explain the distances.
 bool off_the_surface(double now_m, double fitting_m, double path_size_m) {
-  // A recording that is registered badly by a hundredth of its size may lie nearer to a scaled object by chance, but
-  // hardly so much nearer.
-  constexpr double clearly = 0.05, slightly = 0.01, much_nearer = 1.0 / 30.0;
-  return now_m > clearly * path_size_m || (now_m > slightly * path_size_m && fitting_m < much_nearer * now_m);
+  return now_m > clearly_off * path_size_m || fitting_m < much_nearer * now_m;
 }
 
 std::optional<Misfit> find_misfit(const Surface& surface, std::span<const Vec3> tips_W_m,
@@ -134,7 +135,7 @@ std::optional<Misfit> find_misfit(const Surface& surface, std::span<const Vec3> 
   const Distance now = distance_to(surface, places, tip_radius_m, 1.0);
   const bool far =
       now.typical_m > object_size || (now.typical_m > path_size && now.typical_m > far_share * object_size);
-  if (!far && loads_N.empty()) return std::nullopt;
+  if (!far && (loads_N.empty() || now.unpressed_m < slightly_off * path_size)) return std::nullopt;
   const double assumed = length_unit_factor(mesh_unit);
   const auto fitting = find_fitting_unit(surface, places, tip_radius_m, now.unpressed_m, assumed);
   constexpr std::size_t fewest = 20;
