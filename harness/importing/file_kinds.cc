@@ -21,9 +21,7 @@ constexpr auto file_kinds = std::to_array<FileKind>({
      "write it as CSV: python3 -c \"import pandas; pandas.read_parquet('FILE').to_csv('table.csv')\""},
     {"ARROW1", "an Arrow (Feather) file",
      "write it as CSV: python3 -c \"import pandas; pandas.read_feather('FILE').to_csv('table.csv')\""},
-    {"TDSm", "a TDMS file (LabVIEW, DIAdem)",
-     "write it as text: 'Write to Measurement File' of LabVIEW makes .lvm; with Python: "
-     "nptdms.TdmsFile.read('FILE').as_dataframe().to_csv('table.csv')"},
+    {"TDSh", "the index of a TDMS file", "give the .tdms file beside it"},
     {"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1", "an old Office file (.xls, or a tester's own)",
      "save the sheet, or export the test, as CSV"},
     {"ULog\x01\x12\x35", "a ULog file (PX4)", "write it as CSV: ulog2csv FILE"},

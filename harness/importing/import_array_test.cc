@@ -236,7 +236,6 @@ TEST(ImportArrays, FilesThatAreNotReadSayWhatTheyAre) {
        {std::pair{std::string("ARROW1____"), "an Arrow (Feather) file"},
         {std::string("PAR1____"), "a Parquet file"},
         {std::string("version https://git-lfs.github.com/spec/v1\noid sha256:4d7\n"), "Git LFS"},
-        {std::string("TDSm____"), "a TDMS file"},
         {std::string("\x1f\x8b____"), "compressed (gzip)"}}) {
     const auto path = array_file("some.bin");
     write_file(path, bytes);

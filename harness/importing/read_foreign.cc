@@ -91,6 +91,7 @@ std::vector<ImportTable> read_foreign(const std::filesystem::path& path, const T
   if (head.starts_with("MATLAB") || extension == ".mat") return read_mat_file(path);
   if (head.starts_with("\x89HDF\r\n\x1a\n")) return read_hdf5_arrays(path);
   if (head.starts_with("\x93NUMPY")) return read_numpy_array(path);
+  if (head.starts_with("TDSm")) return read_tdms_file(path);
   if (head.starts_with("PK\x03\x04")) return read_archive(path);
   refuse_known_kind(path, head);
   return {read_text_table(path, layout)};
