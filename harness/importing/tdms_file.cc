@@ -6,9 +6,7 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cstdint>
-#include <cstring>
 #include <map>
 #include <optional>
 #include <utility>
@@ -17,6 +15,7 @@
 #include "harness/base/error.h"
 #include "harness/importing/array_tables.h"
 #include "harness/importing/import_table.h"
+#include "harness/importing/raw_number.h"
 
 namespace touchstone::importing {
 namespace {
@@ -32,80 +31,47 @@ enum Contents : std::uint32_t {
 
 enum Type : std::uint32_t { text_type = 0x20, time_type = 0x44 };
 
-std::size_t bytes_of_type(std::uint32_t type) {
-  switch (type) {
-    case 1:
-    case 5:
-    case 0x21:
-      return 1;
-    case 2:
-    case 6:
-      return 2;
-    case 3:
-    case 7:
-    case 9:
-    case 0x19:
-      return 4;
-    case 4:
-    case 8:
-    case 10:
-    case 0x1a:
-    case 0x08000c:
-      return 8;
-    case 11:
-    case 0x1b:
-    case time_type:
-    case 0x10000d:
-      return 16;
-    default:
-      return 0;
-  }
+struct TypeOf {
+  std::uint32_t type;
+  char kind;  // of NumberType; 0: no real number of that size
+  std::size_t bytes;
+};
+// 0x19 and 0x1a are of numbers with a unit; the others without a kind are extended and complex ones.
+constexpr auto types = std::to_array<TypeOf>({{1, 'i', 1},
+                                              {2, 'i', 2},
+                                              {3, 'i', 4},
+                                              {4, 'i', 8},
+                                              {5, 'u', 1},
+                                              {6, 'u', 2},
+                                              {7, 'u', 4},
+                                              {8, 'u', 8},
+                                              {9, 'f', 4},
+                                              {10, 'f', 8},
+                                              {0x19, 'f', 4},
+                                              {0x1a, 'f', 8},
+                                              {0x21, 'u', 1},
+                                              {11, 0, 16},
+                                              {0x1b, 0, 16},
+                                              {time_type, 't', 16},
+                                              {0x08000c, 0, 8},
+                                              {0x10000d, 0, 16}});
+
+TypeOf type_of(std::uint32_t type) {
+  const auto found = std::ranges::find(types, type, &TypeOf::type);
+  return found == types.end() ? TypeOf{type, 0, 0} : *found;
 }
 
-template <class T>
-T number(const char* at, bool big_endian) {
-  std::array<char, sizeof(T)> bytes;
-  std::memcpy(bytes.data(), at, sizeof(T));
-  if (big_endian != (std::endian::native == std::endian::big)) std::ranges::reverse(bytes);
-  return std::bit_cast<T>(bytes);
-}
+std::size_t bytes_of_type(std::uint32_t type) { return type_of(type).bytes; }
 
 // Nothing for types that are no real number.
 std::optional<double> value_at(const char* at, std::uint32_t type, bool big) {
-  switch (type) {
-    case 1:
-      return number<std::int8_t>(at, big);
-    case 2:
-      return number<std::int16_t>(at, big);
-    case 3:
-      return number<std::int32_t>(at, big);
-    case 4:
-      return static_cast<double>(number<std::int64_t>(at, big));
-    case 5:
-    case 0x21:
-      return number<std::uint8_t>(at, big);
-    case 6:
-      return number<std::uint16_t>(at, big);
-    case 7:
-      return number<std::uint32_t>(at, big);
-    case 8:
-      return static_cast<double>(number<std::uint64_t>(at, big));
-    case 9:
-    case 0x19:
-      return number<float>(at, big);
-    case 10:
-    case 0x1a:
-      return number<double>(at, big);
-    case time_type: {
-      // Fractions of 2^-64 s and seconds since 1904; the other way round where the most significant byte is first.
-      constexpr double to_1970_s = 2082844800.0, fraction = 5.421010862427522e-20;
-      const auto parts = number<std::uint64_t>(at + (big ? 8 : 0), big);
-      return static_cast<double>(number<std::int64_t>(at + (big ? 0 : 8), big)) - to_1970_s +
-             static_cast<double>(parts) * fraction;
-    }
-    default:
-      return std::nullopt;
-  }
+  const TypeOf of = type_of(type);
+  if (of.kind == 0) return std::nullopt;
+  if (of.kind != 't') return number_at(at, {of.kind, of.bytes, big});
+  // Fractions of 2^-64 s and seconds since 1904; the other way round where the most significant byte is first.
+  constexpr double to_1970_s = 2082844800.0, fraction_s = 5.421010862427522e-20;
+  return static_cast<double>(raw_number<std::int64_t>(at + (big ? 0 : 8), big)) - to_1970_s +
+         static_cast<double>(raw_number<std::uint64_t>(at + (big ? 8 : 0), big)) * fraction_s;
 }
 
 struct Channel {
@@ -127,7 +93,7 @@ class TdmsFile {
       segment_at_ = at_;
       end_ = file_.size();
       if (file_.size() - at_ < lead_in || file_.substr(at_, 4) != "TDSm") damaged("no segment begins there");
-      contents_ = number<std::uint32_t>(file_.data() + at_ + 4, false);  // whatever the order of the others
+      contents_ = raw_number<std::uint32_t>(file_.data() + at_ + 4, false);  // whatever the order of the others
       big_ = (contents_ & is_big_endian) != 0;
       at_ += 8;
       take<std::uint32_t>();  // version
@@ -186,7 +152,7 @@ class TdmsFile {
   }
   template <class T>
   T take() {
-    return number<T>(take_bytes(sizeof(T)), big_);
+    return raw_number<T>(take_bytes(sizeof(T)), big_);
   }
   std::string take_text() {
     const auto length = take<std::uint32_t>();
@@ -255,10 +221,7 @@ class TdmsFile {
     if (channel.count > file_.size()) damaged("a channel says that it has more values than the file has bytes");
     channel.bytes = channel.type == text_type ? take<std::uint64_t>() : channel.count * size;
     if (channel.type == text_type) channel.left_out = "text";
-    const std::array<char, 16> zeros{};
-    if (channel.type != text_type && !value_at(zeros.data(), channel.type, false)) {
-      channel.left_out = "no real numbers";
-    }
+    if (channel.type != text_type && type_of(channel.type).kind == 0) channel.left_out = "no real numbers";
   }
 
   void read_property(Channel& channel) {
