@@ -49,7 +49,13 @@ void propose_map(const ImportOptions& options, const GuessedMap& guessed) {
 // What stands against writing the file as it was understood.
 std::vector<std::string> doubts_of(const GuessedMap& guessed) {
   std::vector<std::string> doubts = guessed.decide;
-  if (!guessed.read) doubts.push_back(guessed.unreadable);
+  // Of a map without columns: what is to be decided says more.
+  const bool no_columns = !guessed.read && guessed.unreadable.find(": /columns: ") != std::string::npos;
+  if (no_columns && guessed.decide.empty()) {
+    doubts.emplace_back("no column is known to be a position or a force: say in a map which are");
+  } else if (!guessed.read && !no_columns) {
+    doubts.push_back(guessed.unreadable);
+  }
   if (std::ranges::find(guessed.missing, "t_s") != guessed.missing.end() && guessed.decide.empty()) {
     doubts.emplace_back("t_s: nothing says when the rows were measured: put \"t_s\": {\"row_rate_Hz\": ...}");
   }
@@ -182,8 +188,8 @@ void add_import(CLI::App& program, Run& run) {
   command
       ->add_option(
           "file", options->file,
-          "What the instrument wrote: a table of text, .xlsx, .lvm, an AFM curve, .mat, a ROS bag (.bag, .mcap, .db3), "
-          "HDF5, .npy, .npz")
+          "What the instrument wrote: a table of text, .xlsx, .lvm, .tdms, an AFM curve, .mat, a ROS bag (.bag, .mcap, "
+          ".db3), HDF5, .npy, .npz")
       ->required();
   command->add_option(
       "--map", options->map,
@@ -199,7 +205,7 @@ void add_import(CLI::App& program, Run& run) {
   command->footer(
       "Without a map the program shows what it understood of the file and what is in doubt. What is read is shown: "
       "rate, "
-      "units, ranges, first rows, course. Nothing is written where the result is no recording.\n\n"
+      "units, first values, ranges, course. Nothing is written where the result is no recording.\n\n"
       "Examples:\n"
       "  touchstone import log.txt\n"
       "  touchstone import log.txt --yes --out log.csv\n"

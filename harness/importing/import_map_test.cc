@@ -17,6 +17,7 @@
 namespace touchstone::importing {
 namespace {
 
+using ::testing::AllOf;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
@@ -209,6 +210,24 @@ TEST(ImportMap, WhatMakesNoSenseIsRefusedWithItsPlace) {
   EXPECT_THAT(map_refusal(text, R"("columns": {"x_m": {"from": 4294967297}})"), HasSubstr("no column '4294967297'"));
   EXPECT_THAT(map_refusal(text, R"("table": {"names": "a"}, "columns": {"x_m": {"from": 1}})"),
               HasSubstr("/table/names: a list of texts was expected"));
+}
+
+// The operator chose another unit for the next file; a head that is wrong is overruled by names of one's own.
+TEST(ImportMap, AScaleThatIsNotOfTheFilesUnitIsRefused) {
+  const std::string in_mm = "Time,Travel,Load\n(s),(mm),(N)\n1,2,3\n2,3,4\n",
+                    in_kN = "Time,Travel,Load\n(s),(mm),(kN)\n1,2,3\n2,3,4\n";
+  const std::string columns =
+      R"("columns": {"t_s": {"from": 1}, "z_mm": {"from": "Travel", "scale": -1}, "fz_N": {"from": 3}})";
+  EXPECT_EQ(imported_by(in_mm, columns).columns[1][0], -2);
+  EXPECT_THAT(map_refusal(in_kN, columns),
+              AllOf(HasSubstr("column 3 is 'Load (kN)'"), HasSubstr("the scale to fz_N is 1000, and not 1")));
+  const std::string renamed = R"("table": {"names": ["t", "travel", "load"]},
+      "columns": {"t_s": {"from": 1}, "z_mm": {"from": "travel"}, "fz_N": {"from": "load"}})";
+  EXPECT_EQ(imported_by(in_kN, renamed).columns[2][1], 4);
+  // Volts are of another quantity: their scale is a sensor's.
+  EXPECT_EQ(imported_by("t,F (V)\n1,2\n2,3\n", R"("columns": {"t_s": {"from": 1}, "fz_N": {"from": 2, "scale": 50}})")
+                .columns[1][1],
+            150);
 }
 
 TEST(ImportMap, ARecordingIsReadBackAndAWrongOneIsNotWritten) {

@@ -207,7 +207,7 @@ class TdmsFile {
     }
     if (listed == active_.end()) active_.push_back(path);
     if (length == as_before) {
-      if (!channel.has_index) damaged("a channel's numbers are said to be as before, but it had none");
+      if (!channel.has_index) damaged("a channel is to have as many numbers as before, but it had none");
       return;
     }
     const auto type = take<std::uint32_t>(), dimension = take<std::uint32_t>();
