@@ -261,6 +261,14 @@ Parsed analysed(Words words) {
     if (joint) out.quantities = {Quantity::angle};
     if (!joint && !of_length) out.quantities.push_back(Quantity::angle);
   }
+  // "ground_force_px" is where the force acts: the letter before the axis names another quantity than the word does.
+  for (std::size_t i = 0; i + 1 < words.size() && !out.is_letter; ++i) {
+    const LetterLexeme* const letter = is_axis(words[i + 1]) ? letter_of(words[i]) : nullptr;
+    const bool same = letter == nullptr || std::ranges::any_of(letter->quantities, [&](Quantity q) {
+                        return q != Quantity::other && holds(out.quantities, q);
+                      });
+    commanded = commanded || !same;
+  }
   // A row counter that is more than one is none: "frame rate"; "frame" beside a bare axis is a frame.
   if (out.quantities == std::vector{Quantity::count} && out.axis != 0) out.quantities.clear();
   if (out.quantities.empty() && out.axis != 0) {

@@ -238,6 +238,14 @@ TEST(TextTable, GroupedThousandsAreSeenByTheirColumn) {
               ElementsAre(998, 1.001, 1002));
 }
 
+TEST(TextTable, ATypesetMinusIsAMinus) {
+  EXPECT_THAT(text_table("a;b\n\xe2\x88\x92"
+                         "1,5;2\n3,5;\xe2\x88\x92"
+                         "4\n")
+                  .columns[0],
+              ElementsAre(-1.5, 3.5));
+}
+
 TEST(TextTable, Utf16IsReadInBothOrders) {
   for (const bool big : {false, true}) {
     std::string bytes = big ? "\xfe\xff" : "\xff\xfe";

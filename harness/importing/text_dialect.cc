@@ -202,6 +202,8 @@ std::optional<double> text_value(std::string_view field, char decimal, bool thou
   }
   if (field.find(':') != std::string_view::npos) return text_time_s(field, decimal);
   std::string text(field);
+  constexpr std::string_view typeset_minus = "\xe2\x88\x92";
+  if (text.starts_with(typeset_minus)) text.replace(0, typeset_minus.size(), "-");
   if (!without_thousands(text, decimal, thousands)) return std::nullopt;
   if (decimal == ',') std::ranges::replace(text, ',', '.');
   // Fortran: 1.5D-03.
