@@ -60,7 +60,8 @@ constexpr std::string_view others =
     "gyro "
     "gyroscope omega mag magnetometer voltage volt volts power temperature temp pressure "
     "error err diff delta dt difference covariance cov std stddev var variance desired target "
-    "command commanded cmd reference ref setpoint goal norm magnitude abs resultant rms mean max min"
+    "command commanded cmd reference ref setpoint des nominal planned expected goal norm magnitude abs resultant rms "
+    "mean max min"
     " peak limit rate dot derivative offset bias noise predicted virtual strain stress stiffness "
     "gain date datum status rpy euler roll pitch yaw marker quality frequency segment counts cycle "
     "energy work width friction fnref axisangle rotvec ";
@@ -260,6 +261,14 @@ Parsed analysed(Words words) {
     if (joint) out.quantities = {Quantity::angle};
     if (!joint && !of_length) out.quantities.push_back(Quantity::angle);
   }
+  // "ground_force_px" is where the force acts: the letter before the axis names another quantity than the word does.
+  for (std::size_t i = 0; i + 1 < words.size() && !out.is_letter; ++i) {
+    const LetterLexeme* const letter = is_axis(words[i + 1]) ? letter_of(words[i]) : nullptr;
+    const bool same = letter == nullptr || std::ranges::any_of(letter->quantities, [&](Quantity q) {
+                        return q != Quantity::other && holds(out.quantities, q);
+                      });
+    commanded = commanded || !same;
+  }
   // A row counter that is more than one is none: "frame rate"; "frame" beside a bare axis is a frame.
   if (out.quantities == std::vector{Quantity::count} && out.axis != 0) out.quantities.clear();
   if (out.quantities.empty() && out.axis != 0) {
@@ -295,14 +304,28 @@ std::optional<double> fitting(std::vector<Quantity>& quantities, const std::stri
   return factor;
 }
 
-// In capitals throughout, or in small letters throughout, a unit has lost its own: FX_N, X_MM, fx_n.
+// In capitals throughout, or in small letters throughout, a unit has lost its own: FX_N, X_MM, fx_n, LOAD (KN). What
+// would be a million of something is a thousandth in capitals: "Mm".
 std::optional<double> fitting_any_case(std::vector<Quantity>& quantities, const std::string& unit,
                                        std::string_view name) {
-  if (const auto factor = fitting(quantities, unit)) return factor;
+  constexpr double million = 1e6;
   const bool capitals = std::ranges::none_of(name, is_small), small = std::ranges::none_of(name, is_capital);
+  const bool torque = !quantities.empty() && quantities.front() == Quantity::torque;
+  const bool no_nanometre = small && torque && unit == "nm";  // tx_nm
+  std::vector<Quantity> as_written = quantities;
+  if (const auto factor = fitting(as_written, unit); factor && *factor < million && !no_nanometre) {
+    quantities = as_written;
+    return factor;
+  }
   if (unit.size() == 1) return fitting(quantities, small && unit == "n" ? "N" : lower(unit));
-  if (capitals) return fitting(quantities, lower(unit));
-  if (small && (unit == "nm" || unit == "nmm")) return fitting(quantities, "N" + unit.substr(1));
+  if (!capitals && !small) return std::nullopt;
+  const std::string in_small = lower(unit);
+  std::string of_newton = in_small;
+  if (const auto newton = of_newton.find('n'); newton < 2) of_newton[newton] = 'N';
+  // "TX (NM)" is no nanometre.
+  for (const std::string& restored : {torque ? of_newton : in_small, torque ? in_small : of_newton}) {
+    if (const auto factor = fitting(quantities, restored)) return factor;
+  }
   return std::nullopt;
 }
 
@@ -344,11 +367,19 @@ Split split_unit(std::string text) {
   return out;
 }
 
+// Volts, degrees Celsius, metres in a second: of nothing that a recording has.
+bool is_of_something_else(const std::string& unit) {
+  constexpr auto own = std::to_array<std::string_view>({"m", "N", "N.m", "s", "1", "kg"});
+  return is_foreign_unit(unit) &&
+         std::ranges::none_of(own, [&](std::string_view si) { return foreign_unit_factor(unit, si).has_value(); });
+}
+
 // A unit at the end, behind a separator or a hump: "x_mm", "force x N", "ForceN". The longest that fits.
 bool take_last_unit(std::string& name, std::vector<Quantity>& quantities, ColumnName& out) {
   for (std::size_t i = 1; i < name.size(); ++i) {
     const bool hump = is_capital(name[i]) && is_small(name[i - 1]);
-    if (!hump && !is_separator(name[i - 1])) continue;
+    const bool behind_axis = i > 1 && name[i - 1] >= 'X' && name[i - 1] <= 'Z' && is_small(name[i - 2]);  // posXmm
+    if (!hump && !behind_axis && !is_separator(name[i - 1])) continue;
     const std::string unit = name.substr(i), head = name.substr(0, i);
     if (unit.empty() || is_axis(unit)) continue;
     const Parsed parsed = analysed(words_of(head));
@@ -368,21 +399,6 @@ bool take_last_unit(std::string& name, std::vector<Quantity>& quantities, Column
   }
   return false;
 }
-
-constexpr auto time_words = std::to_array<std::pair<std::string_view, double>>({{"seconds", 1.0},
-                                                                                {"secs", 1.0},
-                                                                                {"sec", 1.0},
-                                                                                {"millis", 1e-3},
-                                                                                {"millisec", 1e-3},
-                                                                                {"milliseconds", 1e-3},
-                                                                                {"msec", 1e-3},
-                                                                                {"micros", 1e-6},
-                                                                                {"microseconds", 1e-6},
-                                                                                {"usec", 1e-6},
-                                                                                {"nsec", 1e-9},
-                                                                                {"nsecs", 1e-9},
-                                                                                {"nanosec", 1e-9},
-                                                                                {"nanoseconds", 1e-9}});
 
 }  // namespace
 
@@ -433,6 +449,17 @@ ColumnName parse_column_name(std::string_view written) {
     if (out.quantities.size() == 3) out.quantities = parsed.quantities;
     const bool needs_none = out.quantities.empty() || out.is(Quantity::count) || out.is(Quantity::quaternion) ||
                             out.is(Quantity::wrench) || out.is(Quantity::pose);
+    // A letter in a unit of something else is another quantity's: "T (degC)", "P (kPa)", "Load cell X (V)".
+    const bool bare = parsed.is_letter && (parsed.axis == 0 || parsed.quantities == std::vector{Quantity::position});
+    if (!out.factor && !needs_none && bare && is_of_something_else(split.unit)) {
+      out.quantities = {Quantity::other};
+      return out;
+    }
+    // In French a force is an effort.
+    if (!out.factor && parsed.quantities == std::vector{Quantity::torque} && holds(words_of(split.name), "effort")) {
+      out.factor = foreign_unit_factor(split.unit, "N");
+      if (out.factor) out.quantities = {Quantity::force};
+    }
     if (!out.factor && !needs_none) {
       const auto mass_kg = foreign_unit_factor(split.unit, "kg");
       constexpr double gravity_m_per_s2 = 9.80665;
@@ -452,8 +479,9 @@ ColumnName parse_column_name(std::string_view written) {
     return out;
   }
   const Words words = words_of(split.name);
-  for (const auto& [word, factor] : time_words) {
-    if (out.is(Quantity::time) && !words.empty() && words.back() == word) out.factor = factor, out.unit = word;
+  if (out.is(Quantity::time) && !words.empty() && quantity_of(words.back()) == Quantity::time) {
+    out.factor = foreign_unit_factor(words.back(), "s");  // "elapsed seconds"
+    if (out.factor) out.unit = words.back();
   }
   // "force_x_kip2": a short last word that nobody knows may be a unit.
   constexpr std::size_t as_long_as_units = 4;

@@ -85,7 +85,19 @@ TEST(ColumnName, WhateverTheOrderCaseAndSeparators) {
                {"Time (Seconds)", {time}, 0, 1.0},
                {"Time_S", {time}, 0, 1.0},
                {"timeMs", {time}, 0, 1e-3},
+               {"force_fx", {force}, 'x', {}},
+               {"tool_position_px", {position}, 'x', {}},
+               {"torque_tz", {torque}, 'z', {}},
                {"posMm", {position}, 0, 1e-3},
+               {"posXmm", {position}, 'x', 1e-3},
+               {"forceZN", {force}, 'z', 1.0},
+               {"FX (KN)", {force}, 'x', 1e3},
+               {"FORCE_Y_MN", {force}, 'y', 1e-3},
+               {"TX (NM)", {torque}, 'x', 1.0},
+               {"tz_nm", {torque}, 'z', 1.0},
+               {"X_NM", {position}, 'x', 1e-9},
+               {"z_nm", {position}, 'z', 1e-9},
+               {"Effort Z (daN)", {force}, 'z', 10.0},
                {"forceN", {force}, 0, 1.0},
                {"t", {time}, 0, {}},
                {"Series Time", {time}, 0, {}},
@@ -142,6 +154,14 @@ TEST(ColumnName, OthersAreNotTaken) {
                                  "tau_J_1",
                                  "joint_torque_2",
                                  "current_x",
+                                 "x_des",
+                                 "ground_force_px",
+                                 "force_q_x",
+                                 "fz_des",
+                                 "T (degC)",
+                                 "P (kPa)",
+                                 "Load cell X (V)",
+                                 "x (m/s)",
                                  "motor current (A)",
                                  "current"}) {
     const ColumnName got = parse_column_name(name);
@@ -150,8 +170,9 @@ TEST(ColumnName, OthersAreNotTaken) {
 }
 
 TEST(ColumnName, AUnitThatIsNotKnownIsADoubt) {
-  for (const char* const name : {"Fx (lbx)", "Fz [V]", "Fx (kg)", "time (rows)", "force_x_kpd", "pos_x_N", "Fx_mm",
-                                 "time_mm", "Force (counts)"}) {
+  for (const char* const name :
+       {"Fx (lbx)", "Fz [V]", "Fx (kg)", "time (rows)", "force_x_kpd", "pos_x_N", "Fx_mm", "time_mm", "Force (counts)",
+        "Fz (N*1000)", "x (1/100 mm)", "x (%)", "X (Mm)", "Load (Mn)", "F (g)"}) {
     const ColumnName got = parse_column_name(name);
     EXPECT_NE(got.doubt, "") << name;
   }

@@ -48,43 +48,81 @@ void propose_map(const ImportOptions& options, const GuessedMap& guessed) {
 // What stands against writing the file as it was understood.
 std::vector<std::string> doubts_of(const GuessedMap& guessed) {
   std::vector<std::string> doubts = guessed.decide;
-  if (!guessed.read) doubts.push_back(guessed.unreadable);
+  // Of a map without columns: what is to be decided says more.
+  const bool no_columns = !guessed.read && guessed.unreadable.find(": /columns: ") != std::string::npos;
+  if (no_columns && guessed.decide.empty()) {
+    doubts.emplace_back("no column is known to be a position or a force: say in a map which are");
+  } else if (!guessed.read && !no_columns) {
+    doubts.push_back(guessed.unreadable);
+  }
   if (std::ranges::find(guessed.missing, "t_s") != guessed.missing.end() && guessed.decide.empty()) {
     doubts.emplace_back("t_s: nothing says when the rows were measured: put \"t_s\": {\"row_rate_Hz\": ...}");
   }
   return doubts;
 }
 
-// What was understood without a map; with --yes it is written if nothing is in doubt.
-ExitStatus show_understood(const ImportOptions& options, const GuessedMap& guessed) {
-  if (guessed.read) fmt::print("{}", imported_text(*guessed.read));
-  std::vector<std::string> read, unused;
-  for (const std::string& reason : guessed.reasons) {
-    if (const auto end = reason.find(": "); reason.find(" <- ") < end) read.push_back(reason.substr(0, end));
+// Lines of at most 80, those behind the first set in by as much as `label` is wide.
+void print_wrapped(const std::string& label, const std::string& text) {
+  constexpr std::size_t widest = 80;
+  std::string line = label;
+  std::size_t width = label.size();
+  for (std::size_t at = 0; at < text.size();) {
+    const auto end = std::min(text.find(' ', at), text.size());
+    const std::string_view word = std::string_view(text).substr(at, end - at);
+    // Bytes that continue a character take no room.
+    const auto room = static_cast<std::size_t>(
+        std::ranges::count_if(word, [](char c) { return (static_cast<unsigned char>(c) & 0xc0U) != 0x80U; }));
+    if (width + 1 + room > widest && width > label.size()) {
+      fmt::print("{}\n", line);
+      line.assign(label.size(), ' ');
+      width = label.size();
+    }
+    line += " ";
+    line += word;
+    width += 1 + room;
+    at = end + 1;
   }
-  constexpr std::size_t most = 12;
+  fmt::print("{}\n", line);
+}
+
+// Of the columns that are not used the names, and of the notes those that say that something of the file is missing.
+void show_left_out(const ImportOptions& options, const GuessedMap& guessed) {
+  std::vector<std::string> unused;
+  constexpr std::size_t most = 6;
   for (const std::string& reason : guessed.unused) {
     if (unused.size() < most) unused.push_back(reason.substr(0, reason.find(": not used")));
   }
-  if (!read.empty()) fmt::print("read: {}\n", fmt::join(read, "; "));
   if (!unused.empty()) {
-    fmt::print("not used: {}{}\n", fmt::join(unused, ", "),
-               guessed.unused.size() > most ? fmt::format(" and {} more", guessed.unused.size() - most) : "");
+    print_wrapped(
+        "not used:",
+        fmt::format("{}{}", fmt::join(unused, ", "),
+                    guessed.unused.size() > most ? fmt::format(" and {} more", guessed.unused.size() - most) : ""));
   }
+  for (const std::string& note : guessed.read ? guessed.read->notes : std::vector<std::string>{}) {
+    if (note.find("left out") == std::string::npos && note.find("cut short") == std::string::npos) continue;
+    print_wrapped("note:", note.starts_with(options.file + ": ") ? note.substr(options.file.size() + 2) : note);
+  }
+}
+
+// What was understood without a map; with --yes it is written if nothing is in doubt.
+ExitStatus show_understood(const ImportOptions& options, const GuessedMap& guessed) {
+  if (guessed.read) fmt::print("{}", imported_text(*guessed.read, guessed.from));
+  show_left_out(options, guessed);
   if (!guessed.missing.empty()) fmt::print("nothing was found for {}\n", fmt::join(guessed.missing, ", "));
-  // Of a whole set one line, by its numbers, says more than one for each column.
+  const std::vector<std::string> doubts = doubts_of(guessed);
+  // Of a whole set one line, by its numbers, says more than one for each column; and what is in doubt says its own.
   for (const std::string& reason : guessed.reasons) {
-    const bool of_set = reason.find("the file names no unit") != std::string::npos;
-    if (!of_set && reason.find("assumed") != std::string::npos) fmt::print("assumed: {}\n", reason);
+    const bool said_elsewhere = reason.find("the file names no unit") != std::string::npos ||
+                                (!doubts.empty() && reason.find("names no axis") != std::string::npos);
+    if (!said_elsewhere && reason.find("assumed") != std::string::npos) print_wrapped("assumed:", reason);
   }
   if (guessed.read && !options.picture.empty()) {
     write_file(options.picture, imported_picture(*guessed.read, options.file));
   }
-  const std::vector<std::string> doubts = doubts_of(guessed);
-  for (const std::string& doubt : doubts) fmt::print("in doubt: {}\n", doubt);
+  for (const std::string& doubt : doubts) print_wrapped("in doubt:", doubt);
   if (!options.yes) {
     if (doubts.empty()) {
-      fmt::print("nothing is in doubt: --yes --out R.csv writes it; --guess tells why it is read so\n");
+      fmt::print("nothing is in doubt: --yes --out R.csv writes it; --guess tells why\n");
     } else {
       fmt::print("--guess --map {}.map.json writes a map in which to decide\n",
                  std::filesystem::path(options.file).stem().string());
@@ -147,8 +185,8 @@ void add_import(CLI::App& program, apps::Run& run) {
   command
       ->add_option(
           "file", options->file,
-          "What the instrument wrote: a table of text, .xlsx, .lvm, an AFM curve, .mat, a ROS bag (.bag, .mcap, .db3), "
-          "HDF5, .npy, .npz")
+          "What the instrument wrote: a table of text, .xlsx, .lvm, .tdms, an AFM curve, .mat, a ROS bag (.bag, .mcap, "
+          ".db3), HDF5, .npy, .npz")
       ->required();
   command->add_option(
       "--map", options->map,
@@ -164,7 +202,7 @@ void add_import(CLI::App& program, apps::Run& run) {
   command->footer(
       "Without a map the program shows what it understood of the file and what is in doubt. What is read is shown: "
       "rate, "
-      "units, ranges, first rows, course. Nothing is written where the result is no recording.\n\n"
+      "units, first values, ranges, course. Nothing is written where the result is no recording.\n\n"
       "Examples:\n"
       "  touchstone import log.txt\n"
       "  touchstone import log.txt --yes --out log.csv\n"

@@ -21,9 +21,7 @@ constexpr auto file_kinds = std::to_array<FileKind>({
      "write it as CSV: python3 -c \"import pandas; pandas.read_parquet('FILE').to_csv('table.csv')\""},
     {"ARROW1", "an Arrow (Feather) file",
      "write it as CSV: python3 -c \"import pandas; pandas.read_feather('FILE').to_csv('table.csv')\""},
-    {"TDSm", "a TDMS file (LabVIEW, DIAdem)",
-     "write it as text: 'Write to Measurement File' of LabVIEW makes .lvm; with Python: "
-     "nptdms.TdmsFile.read('FILE').as_dataframe().to_csv('table.csv')"},
+    {"TDSh", "the index of a TDMS file", "give the .tdms file beside it"},
     {"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1", "an old Office file (.xls, or a tester's own)",
      "save the sheet, or export the test, as CSV"},
     {"ULog\x01\x12\x35", "a ULog file (PX4)", "write it as CSV: ulog2csv FILE"},
@@ -43,6 +41,12 @@ constexpr auto file_kinds = std::to_array<FileKind>({
     {"\x80\x04\x95", "a Python pickle", "save the arrays with numpy.savez, or the table with to_csv"},
     {"RDX", "an R data file", "write the table as CSV: write.csv"},
     {"%YAML", "a YAML file", "the description of a ROS 2 bag is one: its .mcap or .db3 file is what can be imported"},
+    {"{", "JSON",
+     "write the samples as a table: python3 -c \"import pandas; pandas.read_json('FILE', "
+     "lines=True).to_csv('table.csv')\""},
+    {"[{", "JSON",
+     "write the samples as a table: python3 -c \"import pandas; pandas.read_json('FILE').to_csv('table.csv')\""},
+    {"<", "XML or HTML", "save or export the table as CSV"},
     {"version https://git-lfs.github.com/", "a pointer of Git LFS, not the file itself", "fetch it: git lfs pull"},
 });
 
@@ -54,6 +58,12 @@ void refuse_known_kind(const std::filesystem::path& path, std::string_view head)
     std::string to_do = kind.to_do;
     if (const auto at = to_do.find("FILE"); at != std::string::npos) to_do.replace(at, 4, path.filename().string());
     throw BadData(fmt::format("{}: is {}, which is not read: {}", path.string(), kind.what, to_do));
+  }
+  if (path.extension() == ".ibw" && head.size() > 1 && (head[0] == 0) != (head[1] == 0)) {  // a version of 2 or 5
+    throw BadData(
+        fmt::format("{}: is an Igor binary wave, which is not read: save the waves as delimited text (Data, "
+                    "Save Waves)",
+                    path.string()));
   }
   // The second byte of a C3D file; its first points to the parameters, which are near.
   if (path.extension() == ".c3d" && head.size() > 1 && head[1] == '\x50') {

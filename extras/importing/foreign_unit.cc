@@ -33,11 +33,12 @@ ut_system* units() {
 }
 
 constexpr auto spellings = std::to_array<std::pair<std::string_view, std::string_view>>(
-    {{"kp", "kgf"},       {"ozf", "lbf/16"},     {"kilopond", "kgf"},  {"dyn", "dyne"},      {"thou", "mil"},
-     {"thous", "mil"},    {"mils", "mil"},       {"deg", "degree"},    {"degs", "degree"},   {"\xc2\xba", "degree"},
-     {"lbfin", "lbf.in"}, {"inlbf", "lbf.in"},   {"lbfft", "lbf.ft"},  {"ftlbf", "lbf.ft"},  {"ozfin", "lbf.in/16"},
-     {"lbsf", "lbf"},     {"lbsf-in", "lbf.in"}, {"lbf*in", "lbf.in"}, {"in lbf", "lbf.in"}, {"\xc2\xb5sec", "us"},
-     {"micron", "um"}});
+    {{"secs", "s"},        {"millis", "ms"},     {"millisec", "ms"},     {"micros", "us"},    {"nanosec", "ns"},
+     {"nsecs", "ns"},      {"kp", "kgf"},        {"KN", "kN"},           {"Grad", "degree"},  {"ozf", "lbf/16"},
+     {"kilopond", "kgf"},  {"dyn", "dyne"},      {"thou", "mil"},        {"thous", "mil"},    {"mils", "mil"},
+     {"deg", "degree"},    {"degs", "degree"},   {"\xc2\xba", "degree"}, {"lbfin", "lbf.in"}, {"inlbf", "lbf.in"},
+     {"lbfft", "lbf.ft"},  {"ftlbf", "lbf.ft"},  {"ozfin", "lbf.in/16"}, {"lbsf", "lbf"},     {"lbsf-in", "lbf.in"},
+     {"lbf*in", "lbf.in"}, {"in lbf", "lbf.in"}, {"\xc2\xb5sec", "us"},  {"micron", "um"}});
 
 // A mass times a length is a torque and nothing else: "in-lb", "oz-in", "kg-cm" leave the f of the force out.
 constexpr auto torques = std::to_array<std::pair<std::string_view, std::string_view>>(
@@ -69,8 +70,10 @@ Unit parsed(std::string_view written) {
   const auto from = text.find_first_not_of(" \t"), to = text.find_last_not_of(" \t.");
   if (from == std::string::npos || to == std::string::npos || to < from) return nullptr;
   text = text.substr(from, to - from + 1);
-  // A number alone is no unit, nor is a date, which UDUNITS would read as a product.
+  // A number alone is no unit, nor is a date, which UDUNITS would read as a product; and whether "N*1000" is a thousand
+  // newtons or what was multiplied by it nobody knows.
   if (text.find_first_of("0123456789") == 0 || text.front() == '-' || text.front() == '+') return nullptr;
+  if (text.find_first_of("*x/") != std::string::npos && text.find("10") != std::string::npos) return nullptr;
   if (const auto known = looked_up(spellings, text); !known.empty()) text = known;
   Unit unit(ut_parse(units(), with_dot(text).c_str(), UT_UTF8));
   if (unit) return unit;

@@ -1,6 +1,7 @@
 #include "guess_evidence.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <nlohmann/json.hpp>
 
@@ -34,6 +35,17 @@ std::string names_in_file(const Json& json, const std::vector<std::string>& colu
   return names.empty() ? "" : fmt::format(" ({})", names);
 }
 
+// Whether the position counts into the object or out of it, and whether the force is that on the probe, a column that
+// names no axis does not say: the numbers must.
+void ask_for_signs(const Json& json, GuessedMap& guess) {
+  const std::vector<std::string> columns(guess.sign_assumed.begin(), guess.sign_assumed.end());
+  guess.decide.push_back(fmt::format(
+      "{}{}: no axis is named and the numbers do not tell the signs. z points out of the object and the force is that "
+      "ON "
+      "the probe: a depth, or the travel of a press, has a negative \"scale\", and so has the load of a tension test",
+      fmt::join(columns, ", "), names_in_file(json, columns)));
+}
+
 // Where no row has all values, as of several topics in one table: at the rows of the force, else of the position.
 void read_at_rows_of_one(const std::filesystem::path& path, Json& json, GuessedMap& guess) {
   const std::string as_it_is = guess.unreadable;
@@ -59,9 +71,10 @@ void hold_against_numbers(const std::filesystem::path& path, GuessedMap& guess) 
   Json json = Json::parse(guess.json);
   read_as_proposed(path, json, guess);
   if (!guess.read) read_at_rows_of_one(path, json, guess);
-  bool withdrawn = false;
-  for (const NumberFinding& finding :
-       guess.read ? number_evidence(*guess.read, guess.unit_assumed) : std::vector<NumberFinding>{}) {
+  bool withdrawn = false, signs_told = false;
+  for (const NumberFinding& finding : guess.read ? number_evidence(*guess.read, guess.unit_assumed, guess.static_poses)
+                                                 : std::vector<NumberFinding>{}) {
+    signs_told = signs_told || finding.of_signs;
     const std::string line =
         fmt::format("{}{}: {}", finding.about, names_in_file(json, finding.withdrawn), finding.what);
     (finding.contradicts ? guess.decide : guess.reasons).push_back(line);
@@ -70,6 +83,7 @@ void hold_against_numbers(const std::filesystem::path& path, GuessedMap& guess) 
     }
   }
   if (withdrawn) read_as_proposed(path, json, guess);
+  if (!signs_told && !guess.sign_assumed.empty()) ask_for_signs(json, guess);
   if (!guess.decide.empty()) json["decide"] = guess.decide;
   json["reasons"] = guess.reasons;
   guess.json = json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";

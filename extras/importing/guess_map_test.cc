@@ -41,6 +41,14 @@ Imported imported_as_guessed(const std::string& text, const std::string& name = 
   return import_file(path, parse_import_map(nlohmann::json::parse(guess_map(path).json), "guessed"));
 }
 
+// The same with its questions taken out, as by somebody who agrees with what is assumed.
+Imported imported_when_agreed(const std::string& text, const std::string& name = "log.csv") {
+  const auto path = guess_file(text, name);
+  auto map = nlohmann::json::parse(guess_map(path).json);
+  map.erase("decide");
+  return import_file(path, parse_import_map(map, "agreed"));
+}
+
 // Forty rows of `columns` values each at 250 Hz; `row` gives those behind the time.
 std::string rows_of(const std::function<std::string(int)>& row, double step = 0.004) {
   std::string text;
@@ -110,7 +118,7 @@ TEST(GuessMap, APoseFilesTranslationIsNoTorque) {
 
 TEST(GuessMap, AQuaternionGoesByItsNames) {
   const auto row = [](int i) { return six(i) + fmt::format(",{},0,{},0", std::cos(0.01 * i), std::sin(0.01 * i)); };
-  const Imported got = imported_as_guessed("t,x,y,z,fx,fy,fz,quat_w,quat_x,quat_y,quat_z\n" + rows_of(row));
+  const Imported got = imported_when_agreed("t,x,y,z,fx,fy,fz,quat_w,quat_x,quat_y,quat_z\n" + rows_of(row));
   EXPECT_NEAR(got.columns[7][20], std::cos(0.2), 1e-9);
   EXPECT_NEAR(got.columns[9][20], std::sin(0.2), 1e-9);
 }
@@ -132,6 +140,24 @@ TEST(GuessMap, ClocksByTheirNumbersOnlyWhereTheseAreSure) {
     EXPECT_THAT(guess.decide, ::testing::Contains(HasSubstr("t_s"))) << name << step;
   }
   EXPECT_THAT(at(0, 0.1, "Segment").decide, ::testing::Contains(HasSubstr("no name says which column is the clock")));
+}
+
+TEST(GuessMap, NumbersOfTheHeadAreReadAsTheyAreWritten) {
+  const auto rate = [](const std::string& head) {
+    const auto columns =
+        columns_of_guess(guess_of(head + "\nx_mm,y_mm,z_mm,fx_N,fy_N,fz_N\n" +
+                                  rows_of([](int i) { return fmt::format("2,3,{},5,6", i % 7); }, 1.0)));
+    return columns.contains("t_s") ? columns["t_s"]["row_rate_Hz"].get<double>() : 0.0;
+  };
+  EXPECT_EQ(rate("Sample rate: 1,000 Hz"), 1000);
+  EXPECT_EQ(rate("Sampling frequency 2,5 kHz"), 2500);
+  EXPECT_EQ(rate("Sampling Rate (kHz): 2"), 2000);
+  EXPECT_EQ(rate("Capture Frame Rate,120,250,x"), 120);
+  EXPECT_EQ(rate("Data rate: 9600 baud"), 0);
+  EXPECT_EQ(rate("Sample rate: 10 mm/min"), 0);
+  const GuessedMap counts = guess_of("Sample rate: 50 Hz\nForce unit: N\nCounts per force: 1,000,000\nFx,Fy,Fz,a\n" +
+                                     rows_of([](int i) { return fmt::format("2,{},5", i % 7); }, 1.0));
+  EXPECT_EQ(columns_of_guess(counts)["fx_N"]["scale"], 1e-6);
 }
 
 TEST(GuessMap, ACounterIsAClockOnlyByTheRateAboveIt) {
@@ -219,7 +245,7 @@ TEST(GuessMap, LabviewMeasurementsBySpecification) {
         head("No") + names + rows([](double) { return std::string("\t7.25\t1.5"); }),
         head("Multi") + "X_Value\tHeight\tX_Value\tFz\tComment\n" +
             rows([](double t) { return fmt::format("{0:.6f}\t7.25\t{0:.6f}\t1.5", t); })}) {
-    const Imported got = imported_as_guessed(text, "force.lvm");
+    const Imported got = imported_when_agreed(text, "force.lvm");
     ASSERT_THAT(got.names, ElementsAre("t_s", "z_m", "fz_N"));
     EXPECT_NEAR(got.columns[0][29], 0.058, 1e-9);
     EXPECT_NEAR(got.columns[1][0], 0.00725, 1e-15);
@@ -286,8 +312,8 @@ TEST(GuessMap, JointsAreNoAxes) {
 }
 
 TEST(GuessMap, TheSameInVoltsIsNoRival) {
-  const Imported got = imported_as_guessed("Time (s),Depth (nm),Load (uN),Depth (V),Load (V)\n" +
-                                           rows_of([](int i) { return fmt::format("{},2,3,4", i); }));
+  const Imported got = imported_when_agreed("Time (s),Depth (nm),Load (uN),Depth (V),Load (V)\n" +
+                                            rows_of([](int i) { return fmt::format("{},2,3,4", i); }));
   EXPECT_THAT(got.names, ElementsAre("t_s", "z_m", "fz_N"));
   EXPECT_NEAR(got.columns[1][7], 7e-9, 1e-20);
 }
@@ -313,6 +339,31 @@ TEST(GuessMap, ADepthIsNoHeight) {
   const GuessedMap right = press("Time (s),Height (mm),Load (N)\n", -1);
   EXPECT_THAT(right.decide, ElementsAre());
   EXPECT_THAT(nlohmann::json::parse(right.json)["reasons"].dump(), HasSubstr("as that ON a probe does"));
+}
+
+// What grows in both columns without end says nothing of their signs: a press, a tension test, a drift.
+TEST(GuessMap, SignsOfColumnsWithoutAnAxisAreAskedFor) {
+  const auto ramp = rows_of([](int i) { return fmt::format("{},{}", 0.05 * i, 3.0 * i); });
+  for (const char* const names : {"Time (s),Extension (mm),Load (N)\n", "Time (s),Pd (um),Fn (mN)\n"}) {
+    EXPECT_THAT(guess_of(names + ramp).decide, ElementsAre(HasSubstr("the numbers do not tell the signs"))) << names;
+  }
+  EXPECT_THAT(guess_of("Time (s),Force (N)\n" + rows_of([](int i) { return std::to_string(i % 7); })).decide,
+              ElementsAre(HasSubstr("fz_N ('Force (N)')")));
+  // Names of axes say it.
+  EXPECT_THAT(guess_of("Time (s),z (mm),Fz (N)\n" + ramp).decide, ElementsAre());
+}
+
+TEST(GuessMap, AMotionWithoutAClockIsNoSetOfStaticPoses) {
+  const auto poses = [](double step) {
+    std::string text = "fx_N,fy_N,fz_N,qw,qx,qy,qz\n";
+    for (int i = 0; i < 60; ++i) {
+      const double a = std::sin(step * i);
+      text += fmt::format("{},1,{},{},{},0,0\n", i % 5, i % 3, std::cos(a), std::sin(a));
+    }
+    return guess_of(text);
+  };
+  EXPECT_THAT(poses(0.05).decide, ElementsAre(HasSubstr("as a motion does"), HasSubstr("force_frame")));
+  EXPECT_THAT(poses(2.4).decide, ElementsAre());
 }
 
 // PlotJuggler's CSV has a row for each time stamp of any topic, and blanks for the other topics.

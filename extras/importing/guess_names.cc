@@ -31,8 +31,10 @@ void resolve_component(ColumnName& name, unsigned k, std::size_t count) {
     name.quantities = {quantity};
     name.axis = "xyzw"[axis];
   };
+  constexpr std::size_t of_quaternion = 4;
   if (was == Quantity::angle) {
-    name.quantities = {Quantity::other};  // several joints
+    name.quantities = {Quantity::other};  // several joints, but for four that may be a quaternion: the numbers tell
+    if (count == of_quaternion) name.quantities.clear();
   } else if (count == 3 && (was == Quantity::position || was == Quantity::force || was == Quantity::torque)) {
     set(was, k);
   } else if (six && (was == Quantity::force || was == Quantity::wrench)) {

@@ -2,11 +2,10 @@
 
 #include <algorithm>
 #include <cctype>
-#include <charconv>
-#include <cmath>
 #include <string_view>
 
 #include "foreign_unit.h"
+#include "text_dialect.h"
 
 namespace touchstone::importing {
 namespace {
@@ -16,17 +15,37 @@ std::string small_letters(std::string text) {
   return text;
 }
 
-// The first number behind `from`, not further than a head puts it from its name.
-std::optional<double> number_behind(std::string_view line, std::size_t from) {
+struct HeadNumber {
+  double value = 0.0;
+  std::string_view behind;
+};
+
+// The first number behind `from`, not further than a head puts it from its name; "1,000,000" is a million.
+std::optional<HeadNumber> number_behind(std::string_view line, std::size_t from) {
   constexpr std::size_t near = 40;
-  const std::size_t end = std::min(line.size(), from + near);
-  for (std::size_t i = from; i < end; ++i) {
-    if (line[i] < '0' || line[i] > '9') continue;
-    double value = 0.0;
-    if (std::from_chars(line.data() + i, line.data() + line.size(), value).ec != std::errc{}) return std::nullopt;
-    return value;
-  }
-  return std::nullopt;
+  const auto begin = line.find_first_of("0123456789", from);
+  if (begin == std::string_view::npos || begin >= from + near) return std::nullopt;
+  const auto end = std::min(line.find_first_not_of("0123456789.,e", begin), line.size());
+  std::string_view text = line.substr(begin, end - begin);
+  while (!text.empty() && !std::isdigit(static_cast<unsigned char>(text.back()))) text.remove_suffix(1);
+  // Where commas stand elsewhere too they separate fields.
+  const auto commas = std::ranges::count(text, ',');
+  if (commas > 0 && commas != std::ranges::count(line, ',')) text = text.substr(0, text.find(','));
+  const char decimal = text.find(',') == std::string_view::npos || may_be_thousands(text, ',') ? '.' : ',';
+  const auto value = text_value(text, decimal, decimal == '.');
+  if (!value) return std::nullopt;
+  return HeadNumber{*value, line.substr(begin + text.size())};
+}
+
+// Of a rate behind its number, in small letters: nothing, or samples in a second. Nothing for other units ("baud").
+std::optional<double> rate_factor(std::string_view behind) {
+  const auto begin = behind.find_first_not_of(" \t");
+  if (begin == std::string_view::npos) return 1.0;
+  const std::string_view unit = behind.substr(begin, behind.find_first_of(" \t,;)(]\"", begin) - begin);
+  if (unit.empty() || unit == "hz" || unit == "fps" || unit == "1/s" || unit == "s/s" || unit == "sps") return 1.0;
+  if (unit.starts_with("sample") || unit.starts_with("frame") || unit.starts_with("hz")) return 1.0;
+  constexpr double kilo = 1e3;
+  return unit == "khz" || unit == "ks/s" || unit == "ksps" ? std::optional(kilo) : std::nullopt;
 }
 
 // "length units: mm" -> mm, of the text as it is written.
@@ -50,9 +69,11 @@ void read_rate(const std::string& line, const std::string& small, HeadFacts& fac
         of_samples = of_samples || before.find(kind) != std::string::npos;
       }
       const auto number = number_behind(small, at);
-      if (!of_samples || !number || !(*number > 0.0)) continue;
-      const bool kilo = small.find("khz", at) != std::string::npos && small.find("khz", at) < at + 40;
-      const double rate = kilo ? 1e3 * *number : *number;
+      if (!of_samples || !number || !(number->value > 0.0)) continue;
+      const auto factor = rate_factor(number->behind);
+      if (!factor) continue;
+      const auto behind_name = std::string_view(small).substr(at, small.size() - at - number->behind.size());
+      const double rate = *factor * number->value * (behind_name.find("khz") != std::string_view::npos ? 1e3 : 1.0);
       contradicted = contradicted || (facts.rate_Hz && *facts.rate_Hz != rate);
       facts.rate_Hz = rate;
       constexpr std::size_t shown = 60;
@@ -93,7 +114,9 @@ HeadFacts head_facts(const std::vector<std::string>& head) {
                                        {"counts per force", &facts.counts_per_force},
                                        {"counts per unit torque", &facts.counts_per_torque},
                                        {"counts per torque", &facts.counts_per_torque}}) {
-      if (const auto at = small.find(word); at != std::string::npos) *counts = number_behind(small, at);
+      const auto at = small.find(word);
+      const auto number = at == std::string::npos ? std::nullopt : number_behind(small, at);
+      if (number) *counts = number->value;
     }
   }
   if (contradicted) facts.rate_Hz.reset();

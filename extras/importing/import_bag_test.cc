@@ -9,6 +9,7 @@
 
 #include <cstring>
 
+#include "column_name.h"
 #include "compressed_for_test.h"
 #include "harness/base/atomic_file.h"
 #include "harness/base/error.h"
@@ -99,6 +100,11 @@ TEST(RosBag, WrenchesOfAllCompressions) {
 TEST(RosMessage, ATypeOfAnotherPackageIsAnother) {
   EXPECT_TRUE(ros_columns("turtlesim/Pose", RosEncoding::ros1, {}).empty());
   EXPECT_EQ(ros_columns("geometry_msgs/Pose", RosEncoding::ros1, {}).size(), 8U);
+  // A point is a position, a vector may be of gravity or of a magnet.
+  EXPECT_EQ(ros_columns("geometry_msgs/PointStamped", RosEncoding::ros1, {})[1], "point.x");
+  EXPECT_EQ(ros_columns("geometry_msgs/Vector3Stamped", RosEncoding::ros1, {})[1], "vector.x");
+  EXPECT_TRUE(parse_column_name("point.x").is(Quantity::position));
+  EXPECT_TRUE(parse_column_name("vector.x").quantities.empty());
 }
 
 TEST(RosBag, CutAnywhereIsRefused) {
@@ -127,6 +133,9 @@ TEST(RosBag, AClosedBagThatWasCutIsRefusedAtEveryByte) {
   const std::size_t size = bag_of("none", records, records.size()).size();
   const std::string whole = bag_of("none", records, records.size(), size);
   EXPECT_EQ(bag_refusal(whole), "no error");
+  // Zeros before an index that was written anew.
+  const std::string padded = bag_of("none", records, records.size(), size + 21) + std::string(21, '\0') + records;
+  EXPECT_EQ(bag_refusal(padded), "no error");
   for (std::size_t n = 14; n < whole.size(); ++n) ASSERT_NE(bag_refusal(whole.substr(0, n)), "no error") << n;
   EXPECT_THAT(bag_refusal(bag_of("none", records, records.size(), size, 2)),
               HasSubstr("holds 1 chunks where its head says 2"));

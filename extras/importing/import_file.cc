@@ -13,6 +13,7 @@
 #include "harness/base/error.h"
 #include "harness/base/vec.h"
 #include "harness/recording/ati_calibration.h"
+#include "map_units.h"
 #include "time_series.h"
 
 namespace touchstone::importing {
@@ -51,9 +52,10 @@ class Sources {
   }
   void set_clock(Series t_s) { main_clock_ = std::move(t_s); }
 
-  // Values of a column on the main table's rows.
-  [[nodiscard]] Series values(const ImportTerm& term) const {
+  // Values of a column on the main table's rows. `result`: the column that they become, if its unit is to be the same.
+  [[nodiscard]] Series values(const ImportTerm& term, const std::string& result = "") const {
     const auto [table, column] = table_of(term.column);
+    check_unit_of_term(table, column, term, result, map_.source);
     Series own = table.columns[column];
     for (double& v : own) v *= term.scale;
     const ImportTable& main = main_ == nullptr ? tables_.front() : *main_;
@@ -211,7 +213,7 @@ Series sum_of(const Sources& sources, const ImportColumn& column) {
   }
   Series sum(sources.rows(), column.integrate ? 0.0 : column.offset);
   for (const ImportTerm& term : column.terms) {
-    const Series values = sources.values(term);
+    const Series values = sources.values(term, column.integrate ? "" : column.name);
     for (std::size_t i = 0; i < sum.size(); ++i) sum[i] += values[i];
   }
   return sum;

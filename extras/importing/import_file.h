@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -19,8 +20,9 @@ struct Imported {
 // Throws BadData naming the file, the map, place and value.
 Imported import_file(const std::filesystem::path& path, const ImportMap& map);
 
-// Samples, rate, and each column's range, first rows and course as a line of bars: a table for people.
-std::string imported_text(const Imported& imported);
+// Samples, rate, and each column's first value, range and course as a line of bars: a table for people, 80 wide.
+// `from`: the file's own names of the columns.
+std::string imported_text(const Imported& imported, const std::map<std::string, std::string>& from = {});
 // The columns over time (or over the samples), as an SVG picture.
 std::string imported_picture(const Imported& imported, const std::string& title);
 // Writes CSV; atomic. A recording (t, x, y, z, f...) is read back and checked as every command does.

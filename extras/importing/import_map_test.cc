@@ -17,6 +17,7 @@
 namespace touchstone::importing {
 namespace {
 
+using ::testing::AllOf;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
@@ -211,6 +212,24 @@ TEST(ImportMap, WhatMakesNoSenseIsRefusedWithItsPlace) {
               HasSubstr("/table/names: a list of texts was expected"));
 }
 
+// The operator chose another unit for the next file; a head that is wrong is overruled by names of one's own.
+TEST(ImportMap, AScaleThatIsNotOfTheFilesUnitIsRefused) {
+  const std::string in_mm = "Time,Travel,Load\n(s),(mm),(N)\n1,2,3\n2,3,4\n",
+                    in_kN = "Time,Travel,Load\n(s),(mm),(kN)\n1,2,3\n2,3,4\n";
+  const std::string columns =
+      R"("columns": {"t_s": {"from": 1}, "z_mm": {"from": "Travel", "scale": -1}, "fz_N": {"from": 3}})";
+  EXPECT_EQ(imported_by(in_mm, columns).columns[1][0], -2);
+  EXPECT_THAT(map_refusal(in_kN, columns),
+              AllOf(HasSubstr("column 3 is 'Load (kN)'"), HasSubstr("the scale to fz_N is 1000, and not 1")));
+  const std::string renamed = R"("table": {"names": ["t", "travel", "load"]},
+      "columns": {"t_s": {"from": 1}, "z_mm": {"from": "travel"}, "fz_N": {"from": "load"}})";
+  EXPECT_EQ(imported_by(in_kN, renamed).columns[2][1], 4);
+  // Volts are of another quantity: their scale is a sensor's.
+  EXPECT_EQ(imported_by("t,F (V)\n1,2\n2,3\n", R"("columns": {"t_s": {"from": 1}, "fz_N": {"from": 2, "scale": 50}})")
+                .columns[1][1],
+            150);
+}
+
 TEST(ImportMap, ARecordingIsReadBackAndAWrongOneIsNotWritten) {
   const std::string rest =
       R"("columns": {"t_s": {"from": 1}, "x_m": {"from": 2}, "y_m": {"constant": 0}, "z_m": {"constant": 0},
@@ -221,7 +240,7 @@ TEST(ImportMap, ARecordingIsReadBackAndAWrongOneIsNotWritten) {
   const recording::Recording r = recording::load_recording(out);
   EXPECT_THAT(r.motion.t_s, ElementsAre(0, 1, 2));
   EXPECT_EQ(r.f_W_N[1].z(), 0.5);
-  EXPECT_THAT(imported_text(imported_by("5,0.25\n6,0.5\n7,1\n", rest)), HasSubstr("3 samples over 2 s, 1 Hz"));
+  EXPECT_THAT(imported_text(imported_by("5,0.25\n6,0.5\n7,1\n", rest)), HasSubstr("3 samples\n2 s at 1 Hz"));
   EXPECT_THAT(imported_picture(imported_by("5,0.25\n6,0.5\n7,1\n", rest), "a<b"), HasSubstr("</svg>"));
   const auto bad = map_folder() / "bad.csv";
   EXPECT_THROW(save_imported(bad, imported_by("5,0.25\n5,0.5\n7,1\n", rest)), BadData);

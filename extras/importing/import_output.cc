@@ -14,11 +14,6 @@
 namespace touchstone::importing {
 namespace {
 
-std::string unit_of(const std::string& name) {
-  const auto at = name.find('_');
-  return at == std::string::npos ? "1" : name.substr(at + 1);
-}
-
 bool is_recording(const Imported& imported) {
   const auto has = [&](std::string_view prefix) {
     return std::ranges::any_of(imported.names, [&](const std::string& n) { return n.starts_with(prefix); });
@@ -28,7 +23,7 @@ bool is_recording(const Imported& imported) {
 
 // At most as many values as a line of bars has: each the mean of those that it stands for.
 std::vector<double> thinned(const std::vector<double>& values) {
-  constexpr std::size_t most = 32;
+  constexpr std::size_t most = 16;
   const std::size_t bars = std::min(most, values.size());
   std::vector<double> out(bars, 0.0);
   for (std::size_t b = 0; b < bars; ++b) {
@@ -38,28 +33,42 @@ std::vector<double> thinned(const std::vector<double>& values) {
   return out;
 }
 
+// Its end, where names differ, if it is too long for the table.
+std::string shown_name(const std::string& name) {
+  constexpr std::size_t widest = 17;
+  std::size_t at = name.size();
+  for (std::size_t room = 0; at > 0 && room + 1 < widest; --at) {
+    if ((static_cast<unsigned char>(name[at - 1]) & 0xc0U) != 0x80U) ++room;  // else a byte that continues a character
+  }
+  return name.size() <= widest || at == 0 ? name : "\xe2\x80\xa6" + name.substr(at);
+}
+
 }  // namespace
 
-std::string imported_text(const Imported& imported) {
+std::string imported_text(const Imported& imported, const std::map<std::string, std::string>& from) {
+  const auto where = [&](const std::string& column) {
+    const auto found = from.find(column);
+    return found == from.end() ? std::string() : found->second;
+  };
   std::string text = fmt::format("{}; {} samples", imported.format, imported.columns.front().size());
-  if (imported.names.front() == "t_s" && imported.columns.front().size() > 1) {
+  const bool timed = imported.names.front() == "t_s" && imported.columns.front().size() > 1;
+  if (timed) {
     const auto& t = imported.columns.front();
     std::vector<double> intervals;
     for (std::size_t i = 1; i < t.size(); ++i) intervals.push_back(t[i] - t[i - 1]);
-    const double shortest = *std::ranges::min_element(intervals), longest = *std::ranges::max_element(intervals);
-    text += fmt::format(" over {:.6g} s, {:.6g} Hz in the middle (intervals {:.4g} s to {:.4g} s)",
-                        t.back() - t.front(), 1.0 / stats::upper_median(intervals), shortest, longest);
+    const double shortest = *std::ranges::min_element(intervals), longest = *std::ranges::max_element(intervals),
+                 usual = stats::upper_median(intervals);
+    text += fmt::format("\n{:.6g} s{}, intervals {:.4g} s to {:.4g} s{}", t.back() - t.front(),
+                        usual > 0.0 ? fmt::format(" at {:.6g} Hz", 1.0 / usual) : "", shortest, longest,
+                        where("t_s").empty() ? "" : fmt::format("; t_s <- {}", where("t_s")));
   }
-  text += fmt::format("\n  {:12} {:>6} {:>12} {:>12} {:>12}  {:36} over the samples\n", "column", "unit", "lowest",
-                      "middle", "highest", "first rows");
-  for (std::size_t c = 0; c < imported.names.size(); ++c) {
+  text += fmt::format("\n{:9} {:<17} {:>10} {:>10} {:>10}  over the samples\n", "", from.empty() ? "" : "from", "first",
+                      "lowest", "highest");
+  for (std::size_t c = timed ? 1 : 0; c < imported.names.size(); ++c) {
     const auto& values = imported.columns[c];
     const auto [low, high] = std::ranges::minmax(values);
-    constexpr std::size_t shown = 3;
-    std::string first;
-    for (std::size_t i = 0; i < shown && i < values.size(); ++i) first += fmt::format("{:<12.6g}", values[i]);
-    text += fmt::format("  {:12} {:>6} {:12.6g} {:12.6g} {:12.6g}  {:36} {}\n", imported.names[c],
-                        unit_of(imported.names[c]), low, stats::upper_median(values), high, first,
+    text += fmt::format("{:9} {:<17} {:>10.4g} {:>10.4g} {:>10.4g}  {}\n", imported.names[c],
+                        shown_name(where(imported.names[c])), values.front(), low, high,
                         bar_line(thinned(values), low, high));
   }
   return text;

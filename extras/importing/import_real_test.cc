@@ -37,6 +37,11 @@ std::filesystem::path saved(const Imported& imported, const std::string& name) {
 // Layouts that their makers fix: csv_writer.py of Universal Robots' RTDE client (blanks, names with _0 to _5), "File
 // Formats" of the TUM RGB-D benchmark (timestamp tx ty tz qx qy qz qw, comments with #).
 TEST(RealImport, LayoutsOfMakersByTheirMaps) {
+  const auto bluehill = std::filesystem::path(::testing::TempDir()) / fmt::format("bluehill-{}.csv", ::getpid());
+  write_file(bluehill, "Crosshead Rate,5.00,mm/min\n\nTime,Extension,Load\n(s),(mm),(N)\n0.1,0.01,2.5\n0.2,0.02,5.5\n");
+  const Imported pulled = by_map(bluehill, "bluehill.json");
+  EXPECT_NEAR(pulled.columns[1][1], 2e-5, 1e-18);
+  EXPECT_EQ(pulled.columns[2][1], -5.5);
   const auto path = std::filesystem::path(::testing::TempDir()) / fmt::format("layout-{}.txt", ::getpid());
   std::string log = "timestamp", poses = "# ground truth trajectory\n";
   for (const char* const what : {"pose", "force"}) {

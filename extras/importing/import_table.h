@@ -59,6 +59,7 @@ std::vector<ImportTable> read_numpy_array(const std::filesystem::path& path);   
 std::vector<ImportTable> read_numpy_archive(const std::filesystem::path& path);  // .npz
 std::vector<ImportTable> read_ros_bag(const std::filesystem::path& path);        // version 2.0 of ROS 1
 std::vector<ImportTable> read_ros2_database(const std::filesystem::path& path);  // SQLite storage of ROS 2
+std::vector<ImportTable> read_tdms_file(const std::filesystem::path& path);      // .tdms of LabVIEW and DIAdem
 std::vector<ImportTable> read_mcap_file(const std::filesystem::path& path);      // MCAP storage of ROS 2
 
 // Throws BadData with what the file is and what to do, if its first bytes are those of a format that is known but not

@@ -219,7 +219,56 @@ TEST(TextTable, NumbersAsOtherProgramsWriteThem) {
   EXPECT_THAT(text_table("0,1,2,3\n0.5,6,7,8\n0.6,6,7,9\n").columns[3], ElementsAre(8, 9));
 }
 
+// Nobody can tell 1.234 from 1,234 by itself; beside 998 it is a thousand, beside 0.5 it is not.
+TEST(TextTable, GroupedThousandsAreSeenByTheirColumn) {
+  const ImportTable points = text_table("x [um];f [N]\n998;0,25\n1.001;0,5\n-12.345.678;0,75\n");
+  EXPECT_THAT(points.columns[0], ElementsAre(998, 1001, -12345678));
+  EXPECT_THAT(points.columns[1], ElementsAre(0.25, 0.5, 0.75));
+  const ImportTable commas = text_table("t,x\n0.25,\"998\"\n0.5,\"1,001\"\n0.75,\"12,003\"\n");
+  EXPECT_THAT(commas.columns[0], ElementsAre(0.25, 0.5, 0.75));
+  EXPECT_THAT(commas.columns[1], ElementsAre(998, 1001, 12003));
+  // Three decimals throughout, or now and then fewer, are decimals.
+  EXPECT_THAT(text_table("a;b\n1.001;2.500\n7.250;3.750\n").columns[0], ElementsAre(1.001, 7.25));
+  EXPECT_THAT(text_table("a;b\n998;1\n1.001;2\n1.25;3\n").columns[0], ElementsAre(998, 1.001, 1.25));
+  EXPECT_THAT(text_refusal("t;x\n0.5;998\n1.5;1.001\n2.25;1.002\n"),
+              HasSubstr("column 2 holds '998' and '1.002', as where '.' groups thousands, but in column 1"));
+  TextLayout layout;
+  layout.decimal = "point";
+  EXPECT_THAT(read_text_lines("f.csv", "t;x\n0.5;998\n1.5;1.001\n2.25;1,002\n", layout).columns[1],
+              ElementsAre(998, 1.001, 1002));
+}
+
+TEST(TextTable, ATypesetMinusIsAMinus) {
+  EXPECT_THAT(text_table("a;b\n\xe2\x88\x92"
+                         "1,5;2\n3,5;\xe2\x88\x92"
+                         "4\n")
+                  .columns[0],
+              ElementsAre(-1.5, 3.5));
+}
+
+TEST(TextTable, Utf16IsReadInBothOrders) {
+  for (const bool big : {false, true}) {
+    std::string bytes = big ? "\xfe\xff" : "\xff\xfe";
+    for (const char16_t c : std::u16string(u"t;x [\u00b5m]\r\n0,5;1,5\r\n0,6;2,5\r\n")) {
+      const char high = static_cast<char>(c >> 8), low = static_cast<char>(c & 0xff);
+      bytes += big ? std::string{high, low} : std::string{low, high};
+    }
+    const ImportTable table = text_table(bytes);
+    EXPECT_THAT(table.names, ElementsAre("t", "x [\xc2\xb5m]"));
+    EXPECT_THAT(table.columns[1], ElementsAre(1.5, 2.5));
+  }
+  EXPECT_THAT(text_refusal("\xff\xfe\x01\xd8"), HasSubstr("UTF-16 text that is damaged at byte 2"));
+}
+
 TEST(TextTable, TimesOfTheDayAndOfTheCalendarAreSeconds) {
+  const ImportTable twelve = text_table(
+      "Date/Time,Clock (hh:mm:ss),Fx (N)\n3/5/2024 12:59:59.5 AM,12:59:59 PM,1\n"
+      "3/5/2024 1:00:00.5 PM,1:00:00 PM,2\n");
+  EXPECT_THAT(twelve.columns[0], ElementsAre(3599.5, 46800.5));
+  EXPECT_THAT(twelve.columns[1], ElementsAre(46799, 46800));
+  EXPECT_EQ(twelve.description(0), "time (s)");
+  EXPECT_EQ(twelve.description(1), "Clock (s)");
+  EXPECT_TRUE(text_table("a,f\n13:00:00 PM,1\n14:00:00 PM,2\n").is_text(0));
   const ImportTable day = text_table("Date,Time,Fx (N)\n2024-03-05,9:59:59.750,1\n2024-03-05,10:00:00.250,2\n");
   EXPECT_THAT(day.columns[1], ElementsAre(35999.75, 36000.25));
   EXPECT_EQ(day.description(1), "Time (s)");

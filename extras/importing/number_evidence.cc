@@ -7,6 +7,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
+#include <iterator>
 #include <numbers>
 #include <optional>
 #include <string_view>
@@ -284,6 +286,29 @@ std::string what_would_take_energy(const Energy& energy) {
   return text;
 }
 
+// A recording that was begun anew in the same file, and samples that share a stamp.
+void judge_clock(const Series& t_s, std::vector<NumberFinding>& out) {
+  if (const auto same = std::ranges::adjacent_find(t_s); same != t_s.end()) {
+    out.push_back(
+        {"t_s",
+         fmt::format("samples {0} and {1} have one time, {2:.6g} s: a recording has one sample at a time: put "
+                     "their rate, as {{\"row_rate_Hz\": ...}}, if they came evenly",
+                     same - t_s.begin() + 1, same - t_s.begin() + 2, *same),
+         true,
+         {}});
+  }
+  const auto back = std::ranges::adjacent_find(t_s, std::greater<>());
+  if (back == t_s.end()) return;
+  out.push_back(
+      {"t_s",
+       fmt::format("time goes back from {:.6g} s to {:.6g} s at sample {}: take the samples of one clock with "
+                   "\"rows\": {{\"from_s\": ..., \"to_s\": ...}} or, of several segments, {{\"where\": "
+                   "{{\"segment\": 0}}}}",
+                   *back, *std::next(back), back - t_s.begin() + 2),
+       true,
+       {}});
+}
+
 void judge_passivity(const Series& t_s, const Vectors& p, const Vectors& f, std::vector<NumberFinding>& out) {
   constexpr std::size_t fewest = 20;
   if (p.values.size() < fewest || f.values.size() != p.values.size() || !(f.span() > 0.0) || !(p.span() > 0.0)) return;
@@ -299,7 +324,8 @@ void judge_passivity(const Series& t_s, const Vectors& p, const Vectors& f, std:
                        "{} if it is a depth",
                        stiffness, p.axes == 1 ? p.names.front() : "the axis that is mirrored"),
            true,
-           {}});
+           {},
+           true});
       return;
     }
     if ((p.assumed || f.assumed) && (stiffness < softest_N_per_m || stiffness > hardest_N_per_m)) {
@@ -315,7 +341,8 @@ void judge_passivity(const Series& t_s, const Vectors& p, const Vectors& f, std:
                                "does",
                                stiffness),
                    false,
-                   {}});
+                   {},
+                   true});
     return;
   }
   const auto energy = energy_given(f.values, p.values);
@@ -327,14 +354,16 @@ void judge_passivity(const Series& t_s, const Vectors& p, const Vectors& f, std:
         {about,
          fmt::format("the object takes {:.3g} J, as a passive one does: they are forces ON the probe", -given),
          false,
-         {}});
+         {},
+         true});
     return;
   }
   out.push_back({about,
                  fmt::format("as they stand the object gives {:.3g} J of {:.3g} J, which none does: {}", given,
                              energy->moved_J, what_would_take_energy(*energy)),
                  true,
-                 {}});
+                 {},
+                 true});
 }
 
 double spread_of(const std::vector<Vec3>& values) {
@@ -349,10 +378,9 @@ double spread_of(const std::vector<Vec3>& values) {
 // orientation, it stands in the sensor's.
 void judge_frame(const Imported& read, const Vectors& f, std::vector<NumberFinding>& out) {
   const auto first = std::ranges::find(read.names, std::string("qw"));
-  const bool timed = read.names.front() == "t_s";  // static poses are weighed by `acquire tool`
-  if (first == read.names.end() || f.axes != 3 || !timed) return;
+  if (first == read.names.end() || f.axes != 3) return;
   const auto at = static_cast<std::size_t>(first - read.names.begin());
-  constexpr double enough_rad = 0.35, steadier = 0.5;
+  constexpr double steadier = 0.5;
   double turned = 0.0;
   std::vector<Vec3> by_sensor;
   std::optional<Quat> start;
@@ -362,30 +390,40 @@ void judge_frame(const Imported& read, const Vectors& f, std::vector<NumberFindi
     turned = std::max(turned, start->angularDistance(q));
     by_sensor.push_back(q * f.values[i]);
   }
-  if (!(turned > enough_rad)) return;
+  // Where turning the force by the orientation changes it little, either frame will do.
+  double moved = 0.0, square = 0.0;
+  for (std::size_t i = 0; i < by_sensor.size(); ++i) {
+    moved += (by_sensor[i] - f.values[i]).squaredNorm(), square += f.values[i].squaredNorm();
+  }
+  constexpr double little = 0.05;
+  if (!(std::sqrt(moved) > little * std::sqrt(square))) return;
   const double as_it_stands = spread_of(f.values), as_turned = spread_of(by_sensor);
   const std::string figures = fmt::format(
       "the orientation turns by {:.3g} rad; turned by it the force varies by {:.3g} "
       "N, as it stands by {:.3g} N",
       turned, as_turned, as_it_stands);
-  if (as_turned < steadier * as_it_stands) {
-    out.push_back({"force_frame",
-                   figures + ", as that of a sensor's frame does: put \"force_frame\": \"sensor\", or \"object\"",
-                   true,
-                   {}});
-  } else {
-    out.push_back({"force_frame", "no name states it; the object's is assumed: " + figures, false, {}});
-  }
+  const bool object = as_it_stands < steadier * as_turned, sensor = as_turned < steadier * as_it_stands;
+  out.push_back({"force_frame",
+                 object ? "the object's: " + figures
+                 : sensor
+                     ? figures + ", as that of a sensor's frame does: put \"force_frame\": \"sensor\", or \"object\""
+                     : "no name states it, and the numbers do not tell: put \"object\", or \"sensor\" if the force is "
+                       "in the frame of a sensor that turns with the probe: " +
+                           figures,
+                 !object,
+                 {}});
 }
 
 }  // namespace
 
-std::vector<NumberFinding> number_evidence(const Imported& read, const std::set<std::string>& unit_assumed) {
+std::vector<NumberFinding> number_evidence(const Imported& read, const std::set<std::string>& unit_assumed,
+                                           bool static_poses) {
   std::vector<NumberFinding> out;
   const Series t_s = read.names.front() == "t_s" ? read.columns.front() : Series{};
   const Vectors p = vectors_of(read, unit_assumed, {"x_", "y_", "z_"}, "m");
   const Vectors f = vectors_of(read, unit_assumed, {"fx_", "fy_", "fz_"}, "N");
   const Vectors torque = vectors_of(read, unit_assumed, {"tx_", "ty_", "tz_"}, "N.m");
+  judge_clock(t_s, out);
   judge_positions(p, t_s, out);
   judge_forces(f, out);
   judge_torques(torque, f, out);
@@ -393,7 +431,7 @@ std::vector<NumberFinding> number_evidence(const Imported& read, const std::set<
   const bool open = std::ranges::any_of(out, &NumberFinding::contradicts);
   // In units that are not certain neither stiffness nor weight means anything.
   if (!open && !t_s.empty()) judge_passivity(t_s, p, f, out);
-  if (!open) judge_frame(read, f, out);
+  if (!open && !static_poses) judge_frame(read, f, out);
   return out;
 }
 

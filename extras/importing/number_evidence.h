@@ -21,9 +21,12 @@ struct NumberFinding {
   std::string what;                    // a sentence, with the figures
   bool contradicts = false;            // it is to be decided
   std::vector<std::string> withdrawn;  // columns that must not be written as they are
+  bool of_signs = false;               // it tells whether the signs of positions and forces go together
 };
 
-// `unit_assumed`: columns of `read` whose unit no name or head states.
-std::vector<NumberFinding> number_evidence(const Imported& read, const std::set<std::string>& unit_assumed);
+// `unit_assumed`: columns of `read` whose unit no name or head states. `static_poses`: `read` is no motion, so that its
+// forces are left to `acquire tool`.
+std::vector<NumberFinding> number_evidence(const Imported& read, const std::set<std::string>& unit_assumed,
+                                           bool static_poses = false);
 
 }  // namespace touchstone::importing

@@ -121,6 +121,15 @@ TEST(NumberEvidence, AMirroredAxisIsNamed) {
   EXPECT_THAT(contradictions(slide(-1.0), {}), ::testing::ElementsAre(HasSubstr("the x axis may be mirrored")));
 }
 
+TEST(NumberEvidence, AClockThatGoesBackOrRepeatsIsNamed) {
+  Imported read = Stroke{}.read();
+  read.columns[0][700] = read.columns[0][699];
+  EXPECT_THAT(contradictions(read), ::testing::ElementsAre(HasSubstr("samples 700 and 701 have one time, 1.398 s")));
+  read.columns[0][700] = 0.25;
+  EXPECT_THAT(contradictions(read),
+              ::testing::ElementsAre(HasSubstr("goes back from 1.398 s to 0.25 s at sample 701")));
+}
+
 // Two things that only drift, or a recording that begins under load, say nothing of each other.
 TEST(NumberEvidence, DriftsAndLoadsFromTheBeginningDecideNothing) {
   Imported read = Stroke{.mirror_f = -Vec3::Ones()}.read();
@@ -147,6 +156,15 @@ TEST(NumberEvidence, AWeightThatTurnsIsInTheSensorsFrame) {
   };
   EXPECT_THAT(contradictions(turned(true), {}), ::testing::ElementsAre(HasSubstr("\"force_frame\": \"sensor\"")));
   EXPECT_THAT(contradictions(turned(false), {}), IsEmpty());
+  // In contact neither is steady: the numbers cannot tell.
+  Imported pressed = turned(false);
+  for (std::size_t i = 0; i < 300; ++i)
+    pressed.columns[1][i] += 5 * std::sin(0.11 * i), pressed.columns[3][i] += 4 * std::cos(0.07 * i);
+  EXPECT_THAT(contradictions(pressed, {}), ::testing::ElementsAre(HasSubstr("the numbers do not tell")));
+  // Where the probe hardly turns either frame will do.
+  for (std::size_t i = 0; i < 300; ++i)
+    pressed.columns[4][i] = 1, pressed.columns[5][i] = pressed.columns[6][i] = pressed.columns[7][i] = 0.001;
+  EXPECT_THAT(contradictions(pressed, {}), IsEmpty());
 }
 
 }  // namespace

@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <bit>
 #include <charconv>
-#include <cstring>
 #include <memory>
 #include <optional>
 #include <string_view>
@@ -15,6 +14,7 @@
 #include "harness/base/atomic_file.h"
 #include "harness/base/error.h"
 #include "import_table.h"
+#include "raw_number.h"
 #include "zip_entries.h"
 
 namespace touchstone::importing {
@@ -22,53 +22,11 @@ namespace {
 
 constexpr std::string_view numpy_magic = "\x93NUMPY";
 
-// A number in the file: kind f, i, u, b; its bytes; whether they are in the other order than this machine's.
-struct NumberType {
-  char kind = 0;
-  std::size_t bytes = 0;
-  bool swapped = false;
-};
-
 struct RecordField {
   std::string name;
   NumberType type;
   std::size_t offset = 0, count = 1;
 };
-
-template <class Number>
-double as_double(const char* from, bool swapped) {
-  std::array<char, sizeof(Number)> bytes{};
-  std::memcpy(bytes.data(), from, sizeof(Number));
-  if (swapped) std::ranges::reverse(bytes);
-  return static_cast<double>(std::bit_cast<Number>(bytes));
-}
-
-double half(const char* from, bool swapped) {
-  const auto bits = static_cast<std::uint16_t>(as_double<std::uint16_t>(from, swapped));
-  const int exponent = (bits >> 10U) & 0x1f, fraction = bits & 0x3ff;
-  const double sign = (bits & 0x8000U) != 0 ? -1.0 : 1.0;
-  if (exponent == 0x1f) return fraction == 0 ? sign * INFINITY : NAN;
-  return sign * (exponent == 0 ? std::ldexp(fraction, -24) : std::ldexp(1024 + fraction, exponent - 25));
-}
-
-double number_at(const char* from, const NumberType& type) {
-  switch (type.kind) {
-    case 'f':
-      return type.bytes == 8   ? as_double<double>(from, type.swapped)
-             : type.bytes == 4 ? as_double<float>(from, type.swapped)
-                               : half(from, type.swapped);
-    case 'i':
-      return type.bytes == 8   ? as_double<std::int64_t>(from, type.swapped)
-             : type.bytes == 4 ? as_double<std::int32_t>(from, type.swapped)
-             : type.bytes == 2 ? as_double<std::int16_t>(from, type.swapped)
-                               : as_double<std::int8_t>(from, false);
-    default:
-      return type.bytes == 8   ? as_double<std::uint64_t>(from, type.swapped)
-             : type.bytes == 4 ? as_double<std::uint32_t>(from, type.swapped)
-             : type.bytes == 2 ? as_double<std::uint16_t>(from, type.swapped)
-                               : as_double<std::uint8_t>(from, false);
-  }
-}
 
 // "<f8"; nothing where it is no number.
 std::optional<NumberType> number_type(std::string_view text) {
@@ -107,11 +65,7 @@ class NumpyArray {
         const std::size_t within = plain ? 0 : field.offset + c * field.type.bytes;
         return number_at(bytes_.data() + item * item_bytes_ + within, field.type);
       };
-      tables.add("",
-                 plain           ? name_
-                 : name_.empty() ? field.name
-                                 : name_ + "." + field.name,
-                 "", rows, plain ? columns : field.count, at);
+      tables.add(plain ? "" : name_, plain ? name_ : field.name, "", rows, plain ? columns : field.count, at);
     }
   }
 

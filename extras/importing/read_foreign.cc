@@ -1,4 +1,5 @@
 #include <fmt/format.h>
+#include <iconv.h>
 
 #include <array>
 #include <fstream>
@@ -12,6 +13,20 @@
 namespace touchstone::importing {
 namespace {
 
+// Of text that begins with the mark of its order of bytes, as Windows programs write it.
+std::string utf8_of_utf16(std::string text, const std::string& source) {
+  const iconv_t converter = iconv_open("UTF-8", "UTF-16");
+  constexpr std::size_t most_for_two = 3;
+  std::string utf8(most_for_two * text.size(), '\0');
+  char *from = text.data(), *to = utf8.data();
+  std::size_t left = text.size(), room = utf8.size();
+  const bool whole = iconv(converter, &from, &left, &to, &room) != static_cast<std::size_t>(-1);
+  iconv_close(converter);
+  if (!whole) throw BadData(fmt::format("{}: is UTF-16 text that is damaged at byte {}", source, text.size() - left));
+  utf8.resize(utf8.size() - room);
+  return utf8;
+}
+
 // What a zip archive is, by the names of its entries, which stand in its last bytes as they are.
 std::vector<ImportTable> read_archive(const std::filesystem::path& path) {
   const std::string bytes = read_file(path);
@@ -23,6 +38,12 @@ std::vector<ImportTable> read_archive(const std::filesystem::path& path) {
   if (has("content.xml")) {
     throw BadData(fmt::format("{}: is an OpenDocument sheet, which is not read: save it as CSV", path.string()));
   }
+  const std::string extension = path.extension().string();
+  if (extension == ".xlsx" || extension == ".xlsm" || extension == ".npz") {
+    throw BadData(
+        fmt::format("{}: is damaged or was cut short: the list of what a {} holds is not at its end: copy it anew",
+                    path.string(), extension));
+  }
   throw BadData(fmt::format("{}: is a zip archive (.jpk-force files are ones): export the curve as text, or unpack it",
                             path.string()));
 }
@@ -30,11 +51,9 @@ std::vector<ImportTable> read_archive(const std::filesystem::path& path) {
 }  // namespace
 
 ImportTable read_text_table(const std::filesystem::path& path, const TextLayout& layout) {
-  const std::string text = read_file(path);
+  std::string text = read_file(path);
   if (text.empty()) throw BadData(fmt::format("{}: is empty; a table of numbers was expected", path.string()));
-  if (text.starts_with("\xff\xfe") || text.starts_with("\xfe\xff")) {
-    throw BadData(fmt::format("{}: is UTF-16 text; save it as UTF-8 or ASCII", path.string()));
-  }
+  if (text.starts_with("\xff\xfe") || text.starts_with("\xfe\xff")) text = utf8_of_utf16(text, path.string());
   if (std::string_view(text).substr(0, 4096).find('\0') != std::string_view::npos) {
     throw BadData(
         fmt::format("{}: is a binary file of no kind that can be read: text tables, .xlsx, MATLAB .mat, ROS bags "
@@ -72,6 +91,7 @@ std::vector<ImportTable> read_foreign(const std::filesystem::path& path, const T
   if (head.starts_with("MATLAB") || extension == ".mat") return read_mat_file(path);
   if (head.starts_with("\x89HDF\r\n\x1a\n")) return read_hdf5_arrays(path);
   if (head.starts_with("\x93NUMPY")) return read_numpy_array(path);
+  if (head.starts_with("TDSm")) return read_tdms_file(path);
   if (head.starts_with("PK\x03\x04")) return read_archive(path);
   refuse_known_kind(path, head);
   return {read_text_table(path, layout)};

@@ -49,6 +49,7 @@ class BagReader {
   void read_records(std::string_view bytes, bool within_chunk) {
     while (!bytes.empty()) {
       at_ = bytes.data();
+      if (!within_chunk) bytes = without_padding(bytes);
       const std::string_view header = take_block(bytes);
       const std::string_view data = take_block(bytes);
       const Fields fields = fields_of(header);
@@ -79,6 +80,14 @@ class BagReader {
         add_message(fields, data);
       }
     }
+  }
+
+  // Zeros before the index, as an index that was written anew leaves them.
+  [[nodiscard]] std::string_view without_padding(std::string_view bytes) const {
+    const auto before = bytes.data() - file_.data();
+    if (index_at_ <= static_cast<std::uint64_t>(before) || index_at_ > file_.size()) return bytes;
+    const auto left = index_at_ - static_cast<std::uint64_t>(before);
+    return bytes.find_first_not_of('\0') == left ? bytes.substr(left) : bytes;
   }
 
   [[noreturn]] void damaged(std::string_view why) const {

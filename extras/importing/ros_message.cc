@@ -66,13 +66,14 @@ const std::vector<Layout>& layouts() {
   static const std::vector<std::string> wrench{"force.x", "force.y", "force.z", "torque.x", "torque.y", "torque.z"};
   static const std::vector<std::string> pose{"position.x",    "position.y",    "position.z",   "orientation.x",
                                              "orientation.y", "orientation.z", "orientation.w"};
-  static const std::vector<std::string> point{"x", "y", "z"};
+  static const std::vector<std::string> point{"point.x", "point.y", "point.z"};
+  static const std::vector<std::string> vector{"vector.x", "vector.y", "vector.z"};  // of anything
   static const std::vector<std::string> twist{"linear.x",  "linear.y",  "linear.z",
                                               "angular.x", "angular.y", "angular.z"};
   static const std::vector<Layout> all{{"WrenchStamped", true, false, wrench}, {"Wrench", false, false, wrench},
                                        {"PoseStamped", true, false, pose},     {"Pose", false, false, pose},
                                        {"TransformStamped", true, true, pose}, {"Transform", false, false, pose},
-                                       {"PointStamped", true, false, point},   {"Vector3Stamped", true, false, point},
+                                       {"PointStamped", true, false, point},   {"Vector3Stamped", true, false, vector},
                                        {"TwistStamped", true, false, twist},   {"Float64", false, false, {"data"}}};
   return all;
 }

@@ -38,12 +38,14 @@ bool grouped(std::string_view text, char mark) {
   return true;
 }
 
-// A number with both signs: the one that groups is taken out. Nothing where they stand otherwise.
-bool without_thousands(std::string& text, char decimal) {
+// A number with both signs, or (`whole`) the other alone: the one that groups is taken out. False where they stand
+// otherwise.
+bool without_thousands(std::string& text, char decimal, bool whole) {
   const char mark = decimal == ',' ? '.' : ',';
   if (text.find(mark) == std::string::npos) return true;
   const auto point = text.find(decimal);
-  if (point == std::string::npos || !grouped(std::string_view(text).substr(0, point), mark)) return false;
+  if (point == std::string::npos && !whole) return false;
+  if (!grouped(std::string_view(text).substr(0, point), mark)) return false;
   std::erase(text, mark);
   return true;
 }
@@ -119,7 +121,22 @@ std::string shown_field(std::string_view text) {
   return text.size() > 40 ? result + "..." : result;
 }
 
+// "3/5/2024 " or "05.03.24 ", whose order of day and month is not known, away.
+std::string_view without_local_date(std::string_view field) {
+  const auto blank = field.find(' ');
+  if (blank == std::string_view::npos || blank > 10) return field;
+  const std::string_view date = field.substr(0, blank);
+  const auto first = date.find_first_of("/.-");
+  if (first == std::string_view::npos || first > 2 || std::ranges::count(date, date[first]) != 2) return field;
+  const bool numbers = std::ranges::all_of(date, [&](char c) { return is_digit_sign(c) || c == date[first]; });
+  return numbers ? without_blanks(field.substr(blank)) : field;
+}
+
 std::optional<double> text_time_s(std::string_view field, char decimal) {
+  field = without_local_date(field);
+  const bool after_noon = field.ends_with("PM") || field.ends_with("pm");
+  const bool twelve_hours = after_noon || field.ends_with("AM") || field.ends_with("am");
+  if (twelve_hours) field = without_blanks(field.substr(0, field.size() - 2));
   const auto number = [&](std::size_t from, std::size_t size, int& out) {
     if (from + size > field.size()) return false;
     const auto [end, status] = std::from_chars(field.data() + from, field.data() + from + size, out);
@@ -144,6 +161,9 @@ std::optional<double> text_time_s(std::string_view field, char decimal) {
     return std::nullopt;
   }
   if (hours >= most_hours || minutes >= sixty || seconds > sixty) return std::nullopt;
+  constexpr int noon = 12;
+  if (twelve_hours && (hours < 1 || hours > noon)) return std::nullopt;
+  if (twelve_hours) hours = hours % noon + (after_noon ? noon : 0);
   field.remove_prefix(behind);
   double part = 0.0;
   if (!field.empty() && (field.front() == '.' || field.front() == decimal)) {
@@ -163,7 +183,12 @@ std::optional<double> text_time_s(std::string_view field, char decimal) {
   return 86400.0 * days + 3600.0 * (hours - offset_hours) + 60.0 * (minutes - offset_minutes) + seconds + part;
 }
 
-std::optional<double> text_value(std::string_view field, char decimal) {
+bool may_be_thousands(std::string_view field, char mark) {
+  const auto first = field.find_first_of("0123456789");
+  return first != std::string_view::npos && field[first] != '0' && grouped(field, mark);
+}
+
+std::optional<double> text_value(std::string_view field, char decimal, bool thousands) {
   if (field.empty() || std::ranges::find(missing_words, field) != missing_words.end()) {
     return std::numeric_limits<double>::quiet_NaN();
   }
@@ -177,7 +202,9 @@ std::optional<double> text_value(std::string_view field, char decimal) {
   }
   if (field.find(':') != std::string_view::npos) return text_time_s(field, decimal);
   std::string text(field);
-  if (!without_thousands(text, decimal)) return std::nullopt;
+  constexpr std::string_view typeset_minus = "\xe2\x88\x92";
+  if (text.starts_with(typeset_minus)) text.replace(0, typeset_minus.size(), "-");
+  if (!without_thousands(text, decimal, thousands)) return std::nullopt;
   if (decimal == ',') std::ranges::replace(text, ',', '.');
   // Fortran: 1.5D-03.
   if (const auto at = text.find_first_of("dD"); at != std::string::npos && at > 0 && at + 1 < text.size()) {
@@ -194,6 +221,23 @@ std::optional<double> text_value(std::string_view field, char decimal) {
   return value;
 }
 
+void note_marks(std::string_view line, const TextStyle& style, std::vector<MarkUse>& uses) {
+  const TextFields fields = text_fields(line, style.separator);
+  constexpr std::size_t three_digits = 3;
+  for (std::size_t c = 0; c < uses.size() && fields.size() == uses.size(); ++c) {
+    const std::string_view field = fields[c];
+    MarkUse& use = uses[c];
+    if (may_be_thousands(field, style.decimal)) {
+      ++use.groups, use.example = field;
+      if (std::ranges::count(field, style.decimal) > 1) ++use.hundreds, use.plain = field;  // decimals have one sign
+    } else if (field.find(style.decimal) != std::string_view::npos && text_value(field, style.decimal)) {
+      ++use.decimals;
+    } else if (field.find_first_not_of("+-0123456789") == std::string_view::npos && field.size() >= three_digits) {
+      ++use.hundreds, use.plain = field;
+    }
+  }
+}
+
 bool LineShape::has_text() const { return std::ranges::find(kinds, 't') != kinds.end(); }
 
 bool LineShape::goes_with(const LineShape& other) const {
@@ -207,7 +251,7 @@ bool LineShape::goes_with(const LineShape& other) const {
 LineShape line_shape(std::string_view line, const TextStyle& style) {
   LineShape shape;
   for (const std::string_view field : text_fields(line, style.separator)) {
-    const auto value = text_value(field, style.decimal);
+    const auto value = text_value(field, style.decimal, style.thousands);
     shape.kinds.push_back(!value ? 't' : std::isnan(*value) ? '-' : 'n');
     shape.numbers += shape.kinds.back() == 'n' ? 1 : 0;
   }

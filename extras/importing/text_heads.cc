@@ -7,6 +7,8 @@
 #include <map>
 #include <optional>
 
+#include "column_name.h"
+#include "foreign_unit.h"
 #include "text_dialect.h"
 
 namespace touchstone::importing {
@@ -54,6 +56,22 @@ std::optional<std::pair<double, double>> even_x(const LabviewSegment& segment, s
 }
 
 }  // namespace
+
+bool is_unit_field(std::string_view field) {
+  if (field.empty() || field == "-" || field == "[]" || field == "()") return true;
+  const bool brackets = (field.front() == '(' && field.back() == ')') || (field.front() == '[' && field.back() == ']');
+  return brackets || is_foreign_unit(field);
+}
+
+std::string name_with_unit(const std::string& name, std::string_view unit, bool time_of_day) {
+  if (time_of_day) {
+    const auto before = without_blanks(std::string_view(name).substr(0, name.find_first_of("([{")));
+    return fmt::format("{} (s)", parse_column_name(before).is(Quantity::time) ? before : "time");
+  }
+  while (!unit.empty() && (unit.front() == '(' || unit.front() == '[')) unit.remove_prefix(1);
+  while (!unit.empty() && (unit.back() == ')' || unit.back() == ']')) unit.remove_suffix(1);
+  return unit.empty() || unit == "-" ? "" : fmt::format("{} ({})", name, unit);
+}
 
 bool is_labview_measurement(const std::vector<std::string_view>& lines) {
   return !lines.empty() && without_blanks(lines.front()).starts_with("LabVIEW Measurement");

@@ -11,6 +11,11 @@
 
 namespace touchstone::importing {
 
+// Of a row of units below the names: "(mm)", "[N]", "s", or a sign for none.
+bool is_unit_field(std::string_view field);
+// "Load (kN)"; a time of the day is in seconds whatever the name says ("hh:mm:ss"). Empty without a unit.
+std::string name_with_unit(const std::string& name, std::string_view unit, bool time_of_day);
+
 bool is_labview_measurement(const std::vector<std::string_view>& lines);
 // A row of a LabVIEW measurement may have a comment of any text behind its numbers: leaves the numbers alone. Lines
 // before the first names stay as they are.

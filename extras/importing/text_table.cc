@@ -13,20 +13,14 @@
 
 #include "clock_reading.h"
 #include "column_name.h"
-#include "foreign_unit.h"
 #include "harness/base/error.h"
 #include "import_table.h"
 #include "text_dialect.h"
 #include "text_heads.h"
+#include "text_style.h"
 
 namespace touchstone::importing {
 namespace {
-
-bool is_unit_field(std::string_view field) {
-  if (field.empty() || field == "-" || field == "[]" || field == "()") return true;
-  const bool brackets = (field.front() == '(' && field.back() == ')') || (field.front() == '[' && field.back() == ']');
-  return brackets || is_foreign_unit(field);
-}
 
 class Reader {
  public:
@@ -39,7 +33,9 @@ class Reader {
   }
 
   ImportTable read() {
-    choose_style();
+    const TextRows rows = choose_text_style(source_, lines_, layout_, motive_line_ < lines_.size());
+    style_ = rows.style, width_ = rows.width, first_ = rows.first, mixed_ = rows.mixed;
+    begin_at_first_rows();
     ImportTable table;
     table.source = source_;
     table.columns.resize(width_);
@@ -76,85 +72,6 @@ class Reader {
   }
 
  private:
-  [[nodiscard]] bool fits(const TextStyle& style) const {
-    const bool separator = layout_.separator.empty() || layout_.separator == style.separator_name;
-    const bool decimal = layout_.decimal.empty() || (layout_.decimal == "comma") == (style.decimal == ',');
-    return separator && decimal;
-  }
-
-  struct Run {
-    std::size_t score = 0, numbers = 0, width = 0, first = 0;
-    const TextStyle* style = nullptr;
-  };
-
-  // The most lines in a row that go together: of numbers alone, or (`mixed`) with text in the same columns of each.
-  void longest_run(const TextStyle& style, bool mixed, Run& best) const {
-    constexpr std::size_t enough = 50;
-    std::size_t run = 0, begin = 0;
-    LineShape before;
-    for (std::size_t i = 0; i < lines_.size() && run < enough; ++i) {
-      const std::string_view line = without_blanks(lines_[i]);
-      if (line.empty() || !comment_of(line, layout_.comment).empty()) continue;
-      LineShape shape = line_shape(lines_[i], style);
-      const bool row = shape.numbers > 0 && shape.has_text() == mixed;
-      if (!row || run == 0 || (mixed ? !shape.goes_with(before) : shape.width != before.width)) run = 0, begin = i;
-      if (row) ++run;
-      before = std::move(shape);
-      const std::size_t score = run * 1000 + before.width;
-      if (row && score > best.score && run >= std::min<std::size_t>(2, lines_.size())) {
-        best = {score, run * before.numbers, before.width, begin, &style};
-      }
-    }
-  }
-
-  // Rows of numbers alone go before rows with text, unless those hold many more numbers: heads have such lines too.
-  void choose_style() {
-    Run pure, mixed;
-    for (const TextStyle& style : text_styles) {
-      if (!fits(style) || (motive_line_ < lines_.size() && style.separator != ',')) continue;
-      longest_run(style, false, pure);
-      Run run;
-      longest_run(style, true, run);
-      if (run.numbers > mixed.numbers) mixed = run;
-    }
-    constexpr std::size_t many_more = 4;
-    const Run& best = mixed.numbers > many_more * pure.numbers ? mixed : pure;
-    if (best.style == nullptr) refuse_without_table();
-    style_ = *best.style, width_ = best.width, first_ = best.first;
-    mixed_ = &best == &mixed;
-    begin_at_first_rows();
-  }
-
-  // No two lines go together. Where one line is a row all the same (of several numbers, in the style that gives the
-  // most), its place is said, and that of the line behind it.
-  [[noreturn]] void refuse_without_table() const {
-    std::size_t most = 1, at = 0;
-    const TextStyle* found = nullptr;
-    for (const TextStyle& style : text_styles) {
-      for (std::size_t i = 0; fits(style) && i < lines_.size(); ++i) {
-        if (!comment_of(without_blanks(lines_[i]), layout_.comment).empty()) continue;
-        const LineShape shape = line_shape(lines_[i], style);
-        if (!shape.has_text() && shape.numbers > 0 && shape.width > most) most = shape.width, at = i, found = &style;
-      }
-    }
-    std::string message = fmt::format(
-        "{}: holds no table of numbers: no two lines that follow one another have as many fields (separated by tabs, "
-        "semicolons, commas or blanks) with numbers in the same of them",
-        source_);
-    if (found != nullptr) {
-      message += fmt::format("; line {} has {} (separator {})", at + 1, most, found->separator_name);
-      std::size_t next = at + 1;
-      while (next < lines_.size() && without_blanks(lines_[next]).empty()) ++next;
-      if (next < lines_.size()) {
-        message += fmt::format(", line {} has {} values", next + 1, text_fields(lines_[next], found->separator).size());
-      } else {
-        message += ", and is the last";
-      }
-      message += ": was the file cut short?";
-    }
-    throw BadData(message);
-  }
-
   [[nodiscard]] bool is_row(std::size_t i) const {
     const LineShape shape = line_shape(lines_[i], style_);
     return shape.width == width_ && shape.numbers > 0 && (mixed_ || !shape.has_text());
@@ -176,6 +93,10 @@ class Reader {
         return;
       }
     }
+  }
+
+  [[nodiscard]] std::optional<double> value_of(std::string_view field) const {
+    return text_value(field, style_.decimal, style_.thousands);
   }
 
   // A column is of text where most of its fields are; a word in a column of numbers is refused with its place.
@@ -211,7 +132,7 @@ class Reader {
     std::size_t named = 0;
     for (const auto field : fields) {
       if (field.empty()) continue;
-      const auto value = text_value(field, style_.decimal);
+      const auto value = value_of(field);
       if (value && !std::isnan(*value)) return false;
       ++named;
     }
@@ -295,12 +216,8 @@ class Reader {
     names_line_ = line;
     for (std::size_t c = 0; c < width_; ++c) {
       table.names.push_back(fields[c].empty() ? fmt::format("c{}", c + 1) : std::string(fields[c]));
-      std::string_view unit = c < units.size() && units.size() == width_ ? units[c] : std::string_view{};
-      while (!unit.empty() && (unit.front() == '(' || unit.front() == '[')) unit.remove_prefix(1);
-      while (!unit.empty() && (unit.back() == ')' || unit.back() == ']')) unit.remove_suffix(1);
-      if (unit.empty() && is_time_of_day(c)) unit = "s";
-      const bool none = unit.empty() || unit == "-";
-      table.described.push_back(none ? "" : fmt::format("{} ({})", table.names.back(), unit));
+      const std::string_view unit = units.size() == width_ ? units[c] : std::string_view{};
+      table.described.push_back(name_with_unit(table.names.back(), unit, is_time_of_day(c)));
     }
     table.names_from_file = true;
   }
@@ -339,7 +256,7 @@ class Reader {
   [[nodiscard]] bool is_counted(std::size_t c) const {
     std::vector<double> values;
     for (const std::size_t i : first_rows()) {
-      values.push_back(text_value(text_fields(lines_[i], style_.separator)[c], style_.decimal).value_or(0.0));
+      values.push_back(value_of(text_fields(lines_[i], style_.separator)[c]).value_or(0.0));
     }
     return counts_rows(values) && (values.front() == 0.0 || values.front() == 1.0);
   }
@@ -370,12 +287,12 @@ class Reader {
   bool split_from_row(TextFields& fields) const {
     if (width_ < 2 || fields.size() != 2 * width_ - 1) return false;
     for (std::size_t c = 0; c < fields.size(); ++c) {
-      const bool number = !fields[c].empty() && text_value(fields[c], style_.decimal).has_value();
+      const bool number = !fields[c].empty() && value_of(fields[c]).has_value();
       if (c != width_ - 1 && number != (c >= width_)) return false;
     }
     std::string_view& glued = fields[width_ - 1];
     const auto number_at = glued.find_first_of("+-0123456789");
-    if (number_at == 0 || number_at == std::string_view::npos || !text_value(glued.substr(number_at), style_.decimal)) {
+    if (number_at == 0 || number_at == std::string_view::npos || !value_of(glued.substr(number_at))) {
       return false;
     }
     glued = glued.substr(0, number_at);
@@ -455,8 +372,7 @@ class Reader {
                                 i + 1, width_, table.names.back()));
     }
     for (std::size_t c = 0; c < width_; ++c) {
-      const auto value = text_[c] != 0 ? std::optional(std::numeric_limits<double>::quiet_NaN())
-                                       : text_value(fields[c], style_.decimal);
+      const auto value = text_[c] != 0 ? std::optional(std::numeric_limits<double>::quiet_NaN()) : value_of(fields[c]);
       if (!value) {
         throw BadData(fmt::format("{}: line {}, column {} ({}): '{}' is not a number", source_, i + 1, c + 1,
                                   table.names[c], shown_field(fields[c])));

@@ -49,6 +49,7 @@ TEST(ImportFuzzCorpus, Excel) { run_format("excel", ".xlsx"); }
 TEST(ImportFuzzCorpus, Mat) { run_format("mat", ".mat"); }
 TEST(ImportFuzzCorpus, Mcap) { run_format("mcap", ".mcap"); }
 TEST(ImportFuzzCorpus, Numpy) { run_format("numpy", ".npy"); }
+TEST(ImportFuzzCorpus, Tdms) { run_format("tdms", ".tdms"); }
 TEST(ImportFuzzCorpus, Map) { run_corpus("maps", fuzz::read_map); }
 
 }  // namespace
