@@ -1,4 +1,4 @@
-#include "renderers/walkable/posed_bodies.h"
+#include "renderers/mesh_traversal/posed_bodies.h"
 
 #include <fmt/format.h>
 

@@ -11,7 +11,7 @@
 #include "harness/surface/mesh_topology.h"
 #include "harness/surface/surface.h"
 #include "harness/surface/triangle_tree.h"
-#include "renderers/walkable/flush.h"
+#include "renderers/mesh_traversal/flush.h"
 
 namespace touchstone::renderers {
 

@@ -8,8 +8,8 @@
 namespace touchstone {
 
 // An interrupt removes the file, from the first to the second. For whoever makes and removes or renames it.
-void add_half_file(const std::filesystem::path& path) noexcept;
-void drop_half_file(const std::filesystem::path& path) noexcept;
+void add_partial_file(const std::filesystem::path& path) noexcept;
+void drop_partial_file(const std::filesystem::path& path) noexcept;
 
 // Makes the folder and those above it that are missing, and remembers which it made.
 [[nodiscard]] std::error_code make_folders(const std::filesystem::path& folder);
@@ -17,8 +17,8 @@ void drop_half_file(const std::filesystem::path& path) noexcept;
 // what hides them from git (atomic_file.h); with `keep` they are only forgotten.
 void remove_empty_made_folders(bool keep = false) noexcept;
 
-// From here on SIGINT, SIGTERM and SIGHUP remove the half files and the empty folders, then end the program as they
+// From here on SIGINT, SIGTERM and SIGHUP remove the partial files and the empty folders, then end the program as they
 // always do. For programs, once, at their start.
-void remove_half_files_when_interrupted();
+void remove_partial_files_when_interrupted();
 
 }  // namespace touchstone

@@ -1,4 +1,4 @@
-#include "renderers/friction/slide_jump.h"
+#include "renderers/friction/contact_transition.h"
 
 #include <cmath>
 

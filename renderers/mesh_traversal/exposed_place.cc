@@ -1,10 +1,10 @@
-#include "renderers/walkable/exposed_place.h"
+#include "renderers/mesh_traversal/exposed_place.h"
 
 #include <algorithm>
 #include <limits>
 
 #include "harness/surface/triangle_queries.h"
-#include "renderers/walkable/flush.h"
+#include "renderers/mesh_traversal/flush.h"
 
 namespace touchstone::renderers {
 using surface::SurfacePoint;

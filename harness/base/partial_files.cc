@@ -1,4 +1,4 @@
-#include "harness/base/half_files.h"
+#include "harness/base/partial_files.h"
 
 #include <unistd.h>
 
@@ -50,9 +50,9 @@ extern "C" void remove_and_end(int signal) {
 
 }  // namespace
 
-void add_half_file(const std::filesystem::path& path) noexcept { add(files, path); }
+void add_partial_file(const std::filesystem::path& path) noexcept { add(files, path); }
 
-void drop_half_file(const std::filesystem::path& path) noexcept {
+void drop_partial_file(const std::filesystem::path& path) noexcept {
   for (Slot& slot : files) {
     if (slot.state == registered && path.native() == slot.path.data()) slot.state = unused;
   }
@@ -87,7 +87,7 @@ void remove_empty_made_folders(bool keep) noexcept {
   }
 }
 
-void remove_half_files_when_interrupted() {
+void remove_partial_files_when_interrupted() {
   for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
     // What the caller ignores (nohup) stays ignored.
     if (std::signal(signal, &remove_and_end) == SIG_IGN) std::signal(signal, SIG_IGN);

@@ -9,7 +9,7 @@
 #include <limits>
 
 #include "harness/surface/exact_predicates.h"
-#include "renderers/walkable/contact_mesh.h"
+#include "renderers/mesh_traversal/contact_mesh.h"
 
 namespace touchstone::renderers {
 

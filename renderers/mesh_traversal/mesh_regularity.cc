@@ -1,4 +1,4 @@
-#include "renderers/walkable/mesh_regularity.h"
+#include "renderers/mesh_traversal/mesh_regularity.h"
 
 #include <algorithm>
 #include <atomic>
@@ -7,7 +7,7 @@
 
 #include "harness/surface/exact_predicates.h"
 #include "harness/surface/triangle_queries.h"
-#include "renderers/walkable/flush.h"
+#include "renderers/mesh_traversal/flush.h"
 
 namespace touchstone::renderers {
 using surface::TriangleMesh;

@@ -12,8 +12,8 @@
 #include <vector>
 
 #include "harness/rendering/scene.h"
-#include "renderers/walkable/contact_mesh.h"
-#include "renderers/walkable/flush.h"
+#include "renderers/mesh_traversal/contact_mesh.h"
+#include "renderers/mesh_traversal/flush.h"
 
 namespace touchstone::renderers {
 

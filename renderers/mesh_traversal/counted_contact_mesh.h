@@ -7,7 +7,7 @@
 
 #include "harness/base/counted.h"
 #include "harness/surface/box_tree.h"
-#include "renderers/walkable/contact_mesh.h"
+#include "renderers/mesh_traversal/contact_mesh.h"
 
 namespace touchstone::renderers {
 

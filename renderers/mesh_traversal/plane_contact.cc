@@ -1,4 +1,4 @@
-#include "renderers/walkable/plane_contact.h"
+#include "renderers/mesh_traversal/plane_contact.h"
 
 #include <algorithm>
 #include <array>
@@ -8,10 +8,10 @@
 
 #include "harness/surface/triangle_queries.h"
 #include "renderers/friction/fixed_order.h"
-#include "renderers/walkable/exposed_place.h"
-#include "renderers/walkable/flush.h"
-#include "renderers/walkable/front_crossing.h"
-#include "renderers/walkable/posed_bodies.h"
+#include "renderers/mesh_traversal/exposed_place.h"
+#include "renderers/mesh_traversal/flush.h"
+#include "renderers/mesh_traversal/front_crossing.h"
+#include "renderers/mesh_traversal/posed_bodies.h"
 
 namespace touchstone::renderers {
 namespace {

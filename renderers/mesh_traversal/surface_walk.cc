@@ -1,13 +1,13 @@
-#include "renderers/walkable/surface_walk.h"
+#include "renderers/mesh_traversal/surface_walk.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <utility>
 
-#include "renderers/walkable/counted_contact_mesh.h"
-#include "renderers/walkable/fetch.h"
-#include "renderers/walkable/front_crossing.h"
+#include "renderers/mesh_traversal/counted_contact_mesh.h"
+#include "renderers/mesh_traversal/fetch.h"
+#include "renderers/mesh_traversal/front_crossing.h"
 
 namespace touchstone::renderers {
 using surface::Feature;

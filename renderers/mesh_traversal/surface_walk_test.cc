@@ -1,12 +1,12 @@
 // The walk against the twin that tries everything.
-#include "renderers/walkable/surface_walk.h"
+#include "renderers/mesh_traversal/surface_walk.h"
 
 #include <gtest/gtest.h>
 
 #include "harness/base/random.h"
 #include "harness/surface/embree_surface.h"
 #include "harness/testing/tiny_meshes.h"
-#include "renderers/walkable/god_object_twin.h"
+#include "renderers/mesh_traversal/god_object_reference.h"
 #include "synthetic/surface_catalogue.h"
 
 namespace touchstone::renderers {
@@ -73,7 +73,7 @@ TEST(SurfaceWalk, IsToTheBitWhatTryingEverythingGives) {
       const auto surface = make_embree_surface(world);
       const ContactMesh contact(*surface);
       SurfaceWalk walk(contact);
-      GodObjectTwin twin(*surface->mesh());
+      GodObjectReference twin(*surface->mesh());
       Wander wander(seed, surface->bounds());
       Vec3 p = wander.next();
       while (surface->signed_distance(p) < 0.0) p = wander.next();

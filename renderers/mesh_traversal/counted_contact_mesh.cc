@@ -1,4 +1,4 @@
-#include "renderers/walkable/counted_contact_mesh.h"
+#include "renderers/mesh_traversal/counted_contact_mesh.h"
 
 namespace touchstone::renderers {
 

@@ -30,7 +30,7 @@
 #include <cstdint>
 
 #include "renderers/friction/cone_friction.h"
-#include "renderers/walkable/contact_mesh.h"
+#include "renderers/mesh_traversal/contact_mesh.h"
 
 namespace touchstone::renderers {
 

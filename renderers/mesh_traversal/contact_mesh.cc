@@ -1,4 +1,4 @@
-#include "renderers/walkable/contact_mesh.h"
+#include "renderers/mesh_traversal/contact_mesh.h"
 
 #include <fmt/format.h>
 #include <tbb/task_arena.h>
@@ -11,7 +11,7 @@
 #include "harness/base/error.h"
 #include "harness/base/huge_pages.h"
 #include "harness/base/in_parallel.h"
-#include "renderers/walkable/mesh_regularity.h"
+#include "renderers/mesh_traversal/mesh_regularity.h"
 
 namespace touchstone::renderers {
 using surface::Surface;

@@ -1,5 +1,5 @@
 // The jump between two planes against its closed form, and what a step over it costs.
-#include "renderers/friction/slide_jump.h"
+#include "renderers/friction/contact_transition.h"
 
 #include <gtest/gtest.h>
 
@@ -8,8 +8,8 @@
 #include <numbers>
 
 #include "harness/surface/embree_surface.h"
+#include "renderers/mesh_traversal/contact_mesh.h"
 #include "renderers/proxy/ball_proxy.h"
-#include "renderers/walkable/contact_mesh.h"
 
 namespace touchstone::renderers {
 namespace {

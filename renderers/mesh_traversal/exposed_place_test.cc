@@ -1,4 +1,4 @@
-#include "renderers/walkable/exposed_place.h"
+#include "renderers/mesh_traversal/exposed_place.h"
 
 #include <gtest/gtest.h>
 

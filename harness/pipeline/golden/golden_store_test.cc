@@ -1,5 +1,5 @@
 // The life of a golden: a result that failed is reviewed and accepted, and the case then passes with it.
-#include "harness/pipeline/golden/golden_life.h"
+#include "harness/pipeline/golden/golden_store.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

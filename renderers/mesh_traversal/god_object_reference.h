@@ -14,9 +14,10 @@
 
 namespace touchstone::renderers {
 
-class GodObjectTwin {
+class GodObjectReference {
  public:
-  explicit GodObjectTwin(const surface::TriangleMesh& mesh) : mesh_(mesh), normals_(make_topology(mesh).face_normals) {}
+  explicit GodObjectReference(const surface::TriangleMesh& mesh)
+      : mesh_(mesh), normals_(make_topology(mesh).face_normals) {}
 
   void start(const Vec3& p) {
     g_ = p;

@@ -8,8 +8,8 @@
 #pragma once
 
 #include "harness/surface/surface.h"
-#include "renderers/walkable/contact_mesh.h"
-#include "renderers/walkable/posed_bodies.h"
+#include "renderers/mesh_traversal/contact_mesh.h"
+#include "renderers/mesh_traversal/posed_bodies.h"
 
 namespace touchstone::renderers {
 

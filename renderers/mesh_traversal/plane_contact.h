@@ -29,7 +29,7 @@
 
 #include "renderers/friction/cone_friction.h"
 #include "renderers/friction/nearest_in_polyhedron.h"
-#include "renderers/walkable/contact_mesh.h"
+#include "renderers/mesh_traversal/contact_mesh.h"
 
 namespace touchstone::renderers {
 

@@ -1,4 +1,4 @@
-#include "harness/pipeline/golden/golden_life.h"
+#include "harness/pipeline/golden/golden_store.h"
 
 #include <fmt/format.h>
 
