@@ -6,12 +6,15 @@
 #include <cerrno>
 #include <csignal>
 #include <cstdio>
+#include <cstdlib>
 #include <cstring>
 #include <exception>
+#include <filesystem>
 #include <new>
 #include <system_error>
 
 #include "apps/extras.h"
+#include "harness/base/bundled_files.h"
 #include "harness/base/half_files.h"
 #include "harness/base/input_files.h"
 #include "harness/base/known_names.h"
@@ -156,6 +159,19 @@ int run_program(int argc, char** argv, const std::vector<AddCommand>& commands) 
     fmt::print(stderr, "touchstone: internal error, please report it: {}\n", error.what());
     return 70;
   }
+}
+
+int run_extra(int argc, char** argv, const std::vector<AddCommand>& commands) {
+  const char* const started_by = std::getenv("TOUCHSTONE_PROGRAM");
+  std::error_code error;
+  const std::filesystem::path beside =
+      std::filesystem::read_symlink("/proc/self/exe", error).parent_path() / "touchstone";
+  search_bundled_above(started_by != nullptr ? std::filesystem::path(started_by) : beside);
+  std::string called = std::filesystem::path(argc > 0 ? argv[0] : "").filename().string();
+  std::vector<char*> words(argv, argv + argc);
+  if (called.starts_with("touchstone-")) words.insert(words.begin() + 1, called.data() + called.find('-') + 1);
+  words.push_back(nullptr);
+  return run_program(static_cast<int>(words.size()) - 1, words.data(), commands);
 }
 
 }  // namespace touchstone::apps

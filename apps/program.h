@@ -15,4 +15,9 @@ ExitStatus run_words(const std::vector<std::string>& words, const std::vector<Ad
 
 int run_program(int argc, char** argv, const std::vector<AddCommand>& commands);
 
+// The main() of an extra (extras.h): its name, touchstone-NAME, is the command, which is how `touchstone NAME` finds
+// it. Bundled recordings are found, and parts of the work started, from the program that started this one, else from
+// the one beside it.
+int run_extra(int argc, char** argv, const std::vector<AddCommand>& commands);
+
 }  // namespace touchstone::apps
